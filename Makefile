@@ -1,0 +1,61 @@
+# `make` goes the whole way on the bundled log: environment, derivation, emission, fit.
+# Needs python3 (3.11 or later, with venv), make and gcc; all else comes from PyPI into .venv.
+
+PYTHON ?= python3
+VENV := .venv
+BIN := $(VENV)/bin
+
+# What the generated files follow from. Sources are listed, never outputs:
+# a wildcard over generated/ would see a new model one run late.
+DERIVATIONS := $(wildcard derivations/*.py)
+TOOLKIT := $(wildcard eccentric/*.py eccentric/model/*.py eccentric/effects/*.py eccentric/emit/*.py)
+TEMPLATES := $(wildcard templates/*.jinja)
+
+# One stamp per set of extras. They live in the environment, so deleting it forgets them too.
+RUN := $(VENV)/.stamp-figures,progress
+TEST := $(VENV)/.stamp-test
+LINT := $(VENV)/.stamp-lint
+DERIVED := $(VENV)/.stamp-derived
+
+.PHONY: run test derive figures lint check clean
+.NOTPARALLEL:
+
+run: $(DERIVED)
+	@$(BIN)/eccentric fit examples/bench/bench.csv.gz --rig examples/bench/bench.json --out build/bench
+
+test: $(TEST)
+	@$(BIN)/python -m pytest
+
+derive: $(RUN)
+	@$(BIN)/eccentric derive
+	@touch $(DERIVED)
+
+figures: $(RUN)
+	@$(BIN)/eccentric figures --out build/figures
+
+lint: $(LINT)
+	@$(BIN)/ruff check
+	@$(BIN)/ruff format --check
+	@$(BIN)/pyright
+
+check: lint test
+
+# The environment stays: delete $(VENV) by hand to start over.
+clean:
+	rm -rf build dist generated/build *.egg-info generated/*.egg-info .pytest_cache .ruff_cache .hypothesis
+	rm -f $(DERIVED)
+	find . -name __pycache__ -not -path './$(VENV)/*' -prune -exec rm -rf {} +
+
+$(DERIVED): $(DERIVATIONS) $(TOOLKIT) $(TEMPLATES) | $(RUN)
+	@mkdir -p build
+	@echo "derive: generated/ from derivations/ (the derivations themselves: build/derivations.txt)"
+	@$(BIN)/eccentric derive > build/derivations.txt
+	@touch $@
+
+$(VENV)/.stamp-%: pyproject.toml constraints.txt
+	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11) and \
+	    "eccentric needs Python 3.11 or later; name one with: make PYTHON=python3.12")'
+	@echo "environment: eccentric[$*] into $(VENV)"
+	@test -x $(BIN)/pip || $(PYTHON) -m venv $(VENV)
+	@$(BIN)/pip install -qq --disable-pip-version-check -c constraints.txt -e '.[$*]'
+	@touch $@

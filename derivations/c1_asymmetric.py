@@ -1,0 +1,56 @@
+"""Case C1 with friction that differs between the directions of motion, eq (14).
+
+Run it to read the derivation: python derivations/c1_asymmetric.py
+"""
+
+import sympy as sp
+
+from eccentric.model import Equation, Identity, load_model, symbols
+from eccentric.model import vocabulary as v
+from eccentric.model.limit import directed
+from eccentric.model.steps import Backward, Forward
+
+omega_m, F = symbols(v.omega_m, v.F)
+symmetric = load_model("c1_perpendicular")
+resultant = sp.expand(symmetric.equation("resultant").right)
+
+# One direction: the sign is known there, and every friction coefficient has a value of its own.
+split = (v.B_lN, v.C_lN, v.beta_T, v.gamma_T, v.B_m, v.C_m)
+
+
+def polynomial(direction: str) -> sp.Matrix:
+    """F_3, F_2, F_1, F_0 for one direction of motion."""
+    own = {quantity.symbol: v.directed(quantity, direction).symbol for quantity in split}
+    torque = resultant.subs(sp.sign(omega_m), {"pos": 1, "neg": -1}[direction]).subs(own)
+    return sp.Matrix([torque.coeff(omega_m, power) for power in (3, 2, 1, 0)])
+
+
+positive, negative = polynomial("pos"), polynomial("neg")
+alike = {v.directed(q, d).symbol: q.symbol for q in split for d in ("pos", "neg")}
+powers = sp.Matrix([omega_m**3, omega_m**2, omega_m, 1])
+
+equations = (
+    *(symmetric.equation(name) for name in ("normal_force", "normal_force_motor", "friction", "resultant")),
+    Equation("polynomial_pos", "(14)", sp.Matrix(sp.symbols("F_3^+ F_2^+ F_1^+ F_0^+")), positive, "N m (s/rad)^k",
+             "Coefficients for omega_m > 0.",
+             (Identity("with equal coefficients F is the symmetric one for omega_m > 0",
+                       sp.expand((positive.subs(alike).T * powers)[0]
+                                 - resultant.subs(sp.sign(omega_m), 1))),)),
+    Equation("polynomial_neg", "(14)", sp.Matrix(sp.symbols("F_3^- F_2^- F_1^- F_0^-")), negative, "N m (s/rad)^k",
+             "Coefficients for omega_m < 0. The paper prints F_0^- = -mu gamma^- + C_m^-; the derivation gives the sign"
+             " that (13) and (21) have too.",
+             (Identity("with equal coefficients F is the symmetric one for omega_m < 0",
+                       sp.expand((negative.subs(alike).T * powers)[0]
+                                 - resultant.subs(sp.sign(omega_m), -1))),)),
+)  # fmt: skip
+
+model = directed(
+    symmetric,
+    name="c1_asymmetric",
+    title="Case C1 with friction that differs between the directions of motion",
+    gates={"pos": Forward(omega_m), "neg": Backward(omega_m)},
+    equations=equations,
+)
+
+if __name__ == "__main__":
+    print(model)

@@ -1,0 +1,79 @@
+"""Case C1, section 3 of the paper: gravity perpendicular to the motion plane, steady motion, eqs (8)-(13).
+
+Run it to read the derivation: python derivations/c1_perpendicular.py
+"""
+
+import sympy as sp
+
+from eccentric.model import Equation, Identity, load_model, symbols
+from eccentric.model import vocabulary as v
+from eccentric.model.limit import limit
+
+omega_m, omega_l, alpha_l, u = symbols(v.omega_m, v.omega_l, v.alpha_l, v.u)
+M, M_l, L, g, phi, mu, J = symbols(v.M, v.M_l, v.L, v.g, v.phi, v.mu, v.J)
+R, k_i, k_e, B_lN, C_lN, B_lT, C_lT, B_m, C_m, F_T = symbols(
+    v.R, v.k_i, v.k_e, v.B_lN, v.C_lN, v.B_lT, v.C_lT, v.B_m, v.C_m, v.F_T
+)
+f, F, F_N, beta_T, gamma_T = symbols(v.f, v.F, v.F_N, v.beta_T, v.gamma_T)
+
+general = load_model("rotating_link")
+perpendicular = {phi: sp.pi / 2}
+steady = {alpha_l: 0}
+
+# --- The normal force: only the centrifugal force is left in the plane ----------------------------------------------
+
+F_N_squared = general.equation("normal_force").right.subs(perpendicular).subs(steady)
+F_N_link = sp.sqrt(F_N_squared)
+F_N_motor = F_N_link.subs(omega_l, mu * omega_m)
+
+# --- The friction torque is a polynomial of the third order ---------------------------------------------------------
+
+transversal = {F_T * B_lT: beta_T, F_T * C_lT: gamma_T}
+friction = sp.expand(general.equation("friction").right.subs(perpendicular)).subs(transversal)
+resultant = sp.expand(friction.subs(F_N, F_N_motor) + k_i * k_e / R * omega_m)
+resultant = sp.collect(resultant, [omega_m, sp.sign(omega_m)])
+sgn = sp.Symbol("sgn")  # stands for the sign, so that it does not count as a power of the velocity
+signed = sp.expand(resultant).subs(sp.sign(omega_m), sgn)
+coefficients = [sp.collect(signed.coeff(omega_m, power), sgn).subs(sgn, sp.sign(omega_m)) for power in (3, 2, 1, 0)]
+gravity_torque = general.equation("gravity_torque").right.subs(perpendicular)
+
+# --- Where it becomes linear ----------------------------------------------------------------------------------------
+
+balanced = resultant.subs(M, 0)
+order_in_mu = [sp.degree(c.subs(sp.sign(omega_m), 1), mu) for c in coefficients[:2]]
+
+equations = (
+    Equation("normal_force", "(8)", F_N, F_N_link, "N",
+             "Normal force: of (16) only the centrifugal force is left, gravity lies along the axis."),
+    Equation("normal_force_motor", "(8)", F_N, F_N_motor, "N", "The same on the motor side."),
+    Equation("friction", "(7)", f, sp.collect(friction, [omega_m, sp.sign(omega_m)]), "N m",
+             "Friction of both bearings, (9) and (10), with beta_T = B_lT F_T and gamma_T = C_lT F_T."),
+    Equation("resultant", "(11)", F, resultant, "N m",
+             "Resultant friction torque, back-EMF damping included.",
+             (Identity("it is odd in the velocity",
+                       sp.expand(resultant + resultant.subs(omega_m, -omega_m).subs(sp.Abs(-omega_m), sp.Abs(omega_m)))),
+              Identity("it is linear for a balanced mass (M = 0)",
+                       sp.expand(balanced - (mu**2 * beta_T + B_m + k_i * k_e / R) * omega_m
+                                 - (mu * gamma_T + C_m) * sp.sign(omega_m))),
+              Identity("F_3 and F_2 fall with mu^4 and mu^3: it is linear for mu << 1",
+                       sp.Integer(abs(order_in_mu[0] - 4) + abs(order_in_mu[1] - 3))))),
+    Equation("polynomial_high", "(12)", sp.Matrix(sp.symbols("F_3 F_2")), sp.Matrix(coefficients[:2]),
+             "N m (s/rad)^k", "Its coefficients of omega_m^3 and omega_m^2 ..."),
+    Equation("polynomial_low", "(13)", sp.Matrix(sp.symbols("F_1 F_0")), sp.Matrix(coefficients[2:]),
+             "N m (s/rad)^k", "... and of omega_m and 1."),
+    Equation("gravity_torque", "(5)", v.G.symbol, gravity_torque, "N m", "There is no gravity torque."),
+    Equation("voltage_steady", "(4)", u, sp.expand(R / k_i * resultant), "V",
+             "Velocity-voltage curve of the steady state, alpha_m = 0 (figure 2)."),
+)  # fmt: skip
+
+model = limit(
+    general,
+    name="c1_perpendicular",
+    title="Case C1: gravity perpendicular to the motion plane, steady motion",
+    substitutions=perpendicular,
+    definitions={v.F_N: F_N_motor},
+    equations=equations,
+)
+
+if __name__ == "__main__":
+    print(model)

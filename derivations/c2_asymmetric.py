@@ -1,0 +1,49 @@
+"""Case C2 with friction that differs between the directions of motion, eq (21).
+
+Run it to read the derivation: python derivations/c2_asymmetric.py
+"""
+
+import sympy as sp
+
+from eccentric.model import Equation, Identity, load_model, symbols
+from eccentric.model import vocabulary as v
+from eccentric.model.limit import directed
+from eccentric.model.steps import Backward, Forward
+
+omega_m, F = symbols(v.omega_m, v.F)
+symmetric = load_model("c2_parallel")
+resultant = sp.expand(symmetric.equation("resultant").right)
+split = (v.B_lN, v.C_lN, v.B_m, v.C_m)
+
+
+def one_direction(direction: str) -> sp.Expr:
+    """F for one direction of motion: the sign is known, and every friction coefficient has a value of its own."""
+    own = {quantity.symbol: v.directed(quantity, direction).symbol for quantity in split}
+    torque = resultant.subs(sp.sign(omega_m), {"pos": 1, "neg": -1}[direction]).subs(own)
+    return sp.collect(torque, omega_m)
+
+
+positive, negative = one_direction("pos"), one_direction("neg")
+alike = {v.directed(q, d).symbol: q.symbol for q in split for d in ("pos", "neg")}
+equations = (
+    *(symmetric.equation(name) for name in ("load", "normal_force", "normal_force_motor", "careful_normal_force")),
+    *(symmetric.equation(name) for name in ("friction", "resultant")),
+    Equation("resultant_pos", "(21)", F, positive, "N m", "For omega_m > 0: F_1^+ omega_m + F_0^+.",
+             (Identity("with equal coefficients it is the symmetric one",
+                       sp.expand(positive.subs(alike) - resultant.subs(sp.sign(omega_m), 1))),)),
+    Equation("resultant_neg", "(21)", F, negative, "N m", "For omega_m < 0: F_1^- omega_m + F_0^-.",
+             (Identity("with equal coefficients it is the symmetric one",
+                       sp.expand(negative.subs(alike) - resultant.subs(sp.sign(omega_m), -1))),)),
+    symmetric.equation("gravity_torque"),
+)  # fmt: skip
+
+model = directed(
+    symmetric,
+    name="c2_asymmetric",
+    title="Case C2 with friction that differs between the directions of motion",
+    gates={"pos": Forward(omega_m), "neg": Backward(omega_m)},
+    equations=equations,
+)
+
+if __name__ == "__main__":
+    print(model)

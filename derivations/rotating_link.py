@@ -1,0 +1,188 @@
+"""The rotating link with an unbalanced mass, in a plane tilted by phi against gravity, angular acceleration kept.
+
+Everything else is a limit of this: phi = pi/2 and alpha = 0 is case C1, phi = 0 and alpha = 0 is case C2.
+Run it to read the derivation: python derivations/rotating_link.py
+"""
+
+import sympy as sp
+
+from eccentric.model import Balance, Definition, Equation, Identity, Model, Term, symbols
+from eccentric.model import vocabulary as v
+from eccentric.model.steps import Gated, HalfCosine, HalfSine, Magnitude, Sgn, SquareDifference, meaning
+
+t, theta_m, omega_m, alpha_m = symbols(v.t, v.theta_m, v.omega_m, v.alpha_m)
+theta_l, omega_l, alpha_l = symbols(v.theta_l, v.omega_l, v.alpha_l)
+M, M_l, L, g, phi, J_l = symbols(v.M, v.M_l, v.L, v.g, v.phi, v.J_l)
+mu, R, k_i, k_e, J_m, J = symbols(v.mu, v.R, v.k_i, v.k_e, v.J_m, v.J)
+u, i, tau_m, tau_l, f_m, f_l, f, F, G, F_N = symbols(
+    v.u, v.i, v.tau_m, v.tau_l, v.f_m, v.f_l, v.f, v.F, v.G, v.F_N
+)
+B_lN, C_lN, B_lT, C_lT, B_m, C_m, F_T = symbols(v.B_lN, v.C_lN, v.B_lT, v.C_lT, v.B_m, v.C_m, v.F_T)
+g_p, weight, critical_squared, omega_star, scale_N, unbalanced, speed = symbols(
+    v.g_p, v.weight, v.critical_squared, v.omega_star, v.scale_N, v.unbalanced, v.speed
+)
+
+# --- The link: positions, differentiated. Frame: x level and y up in the plane of motion, z along the axis. ---------
+
+theta = sp.Function("theta_l")(t)  # the link angle as a function of time
+position = L * sp.Matrix([sp.sin(theta), -sp.cos(theta), 0])
+acceleration = position.diff(t, 2).subs({theta.diff(t, 2): alpha_l}).subs({theta.diff(t): omega_l})
+position, acceleration = position.subs(theta, theta_l), acceleration.subs(theta, theta_l)
+gravity = sp.Matrix([0, -g * sp.cos(phi), -g * sp.sin(phi)])
+
+# Newton for both masses (M_l is balanced: its centre rests on the axis). The load on the bearing is minus the
+# reaction by which the bearing holds them.
+reaction = M * acceleration - (M + M_l) * gravity
+load = -reaction
+in_plane = sp.Matrix(load[:2])
+F_N_squared = sp.collect(sp.expand(in_plane.dot(in_plane)), g, lambda part: sp.factor(sp.trigsimp(part)))
+transversal = sp.simplify(-load[2])  # along minus z: what the bearing carries of the weight
+
+# Euler about the axis: inertia of the link without M, and M at its distance.
+J_0 = J_l - M * L**2
+moment = position.cross(M * (acceleration - gravity))[2]
+torque_on_link = sp.simplify(J_0 * alpha_l + moment + f_l)
+gravity_on_link = sp.simplify(torque_on_link - J_l * alpha_l - f_l)
+
+# --- The drive ------------------------------------------------------------------------------------------------------
+
+armature = sp.Eq(u, R * i + k_e * omega_m)  # Kirchhoff, armature inductance neglected
+current = sp.solve(armature, i)[0]
+motor_torque = k_i * current
+gear = {theta_l: mu * theta_m, omega_l: mu * omega_m, alpha_l: mu * alpha_m}
+# An ideal gear passes power on: what the link takes at omega_l, the motor gives at omega_m.
+gear_torque = sp.simplify(tau_l * gear[omega_l] / omega_m)
+newton_motor = sp.Eq(J_m * alpha_m, tau_m - f_m - gear_torque)
+
+drive = newton_motor.subs({tau_m: motor_torque}).subs({tau_l: torque_on_link}).subs(gear)
+gravity_torque = sp.simplify(mu * gravity_on_link.subs(gear))
+inertia = sp.expand(drive.lhs - drive.rhs).coeff(alpha_m)
+# (4) is (k_i/R) u = inertial + gravity + all the rest, and the rest is called F.
+resultant = sp.expand(sp.solve(drive, u)[0] * k_i / R - inertia * alpha_m - gravity_torque)
+
+# --- Friction: the postulate (7) for both bearings ------------------------------------------------------------------
+
+link_force_N, link_force_T = F_N, F_T * sp.sin(phi)
+link_friction = (B_lN * link_force_N + B_lT * link_force_T) * omega_l + (
+    C_lN * link_force_N + C_lT * link_force_T
+) * sp.sign(omega_l)
+motor_friction = B_m * omega_m + C_m * sp.sign(omega_m)
+mechanical = (motor_friction + mu * link_friction).subs(gear)
+
+# --- The careful form of F_N ----------------------------------------------------------------------------------------
+
+# With the half angle, a = M L omega_l^2 and b the weight: the radial part a + b cos is (a - b) + 2 b cos^2(theta_l/2)
+# and loses nothing near the top. All of it is divided by scale_N = M L mu^2, so that a becomes omega_m^2 and b becomes
+# omega_star^2. A balanced mass (M L = 0) has F_N = b: then unbalanced = 0, omega_star = 1 and scale_N = b.
+half_cosine, half_sine = HalfCosine(theta_m, mu), HalfSine(theta_m, mu)
+radial = SquareDifference(speed, omega_star) + 2 * omega_star**2 * half_cosine**2
+tangential = unbalanced * alpha_m / mu - 2 * omega_star**2 * half_cosine * half_sine
+careful = scale_N * Magnitude(radial, tangential)
+
+balanced = sp.Eq(M * L, 0)
+definitions = (
+    Definition(v.J, J_m + mu**2 * J_l),
+    Definition(v.g_p, g * sp.Abs(sp.cos(phi))),  # phi <= pi/2; its rounding must not make the weight negative
+    Definition(v.weight, (M + M_l) * g_p),
+    Definition(v.critical_squared, sp.Piecewise((1, balanced), (weight / (M * L), True))),
+    Definition(v.omega_star, sp.Piecewise((1, balanced), (sp.sqrt(critical_squared) / mu, True))),
+    Definition(v.scale_N, sp.Piecewise((weight, balanced), (M * L * mu**2, True))),
+    Definition(v.unbalanced, sp.Piecewise((0, balanced), (1, True))),
+    Definition(v.speed, unbalanced * sp.Abs(omega_m)),
+    Definition(v.F_N, careful),
+    Definition(v.B, B_m + mu**2 * B_lT * link_force_T),
+    Definition(v.C, C_m + mu * C_lT * link_force_T),
+)
+
+sgn = Sgn(omega_m)
+balances = (
+    Balance(
+        "mechanical",
+        "N m",
+        (
+            Term("motor_torque", "drive", k_i, i, "(2)", (None, None)),
+            Term("inertia", "inertial", sp.Integer(1), Gated(J, alpha_m), "(4)"),
+            Term("gravity", "gravity", sp.Integer(1), -2 * mu * M * g_p * L * half_cosine * half_sine, "(5)"),
+            Term("link_viscous_normal", "friction", B_lN, mu**2 * F_N * omega_m, "(7), (9)"),
+            Term("link_coulomb_normal", "friction", C_lN, mu * F_N * sgn, "(7), (9)"),
+            Term("link_viscous_transversal", "friction", B_lT, mu**2 * link_force_T * omega_m, "(7), (9)"),
+            Term("link_coulomb_transversal", "friction", C_lT, mu * link_force_T * sgn, "(7), (9)"),
+            Term("motor_viscous", "friction", B_m, omega_m, "(10)"),
+            Term("motor_coulomb", "friction", C_m, sgn, "(10)"),
+        ),
+    ),
+    Balance(
+        "electrical",
+        "V",
+        (
+            Term("voltage", "drive", sp.Integer(1), u, "(2)", (None, None)),
+            Term("resistance", "resistive", R, i, "(2)", (0.0, None)),
+            Term("back_emf", "back_emf", k_e, omega_m, "(2)", (None, None)),
+        ),
+    ),
+)
+
+# For M L > 0 the definitions say:
+plain = {
+    scale_N: M * L * mu**2,
+    omega_star: sp.sqrt((M + M_l) * g_p / (M * L)) / mu,
+    unbalanced: 1,
+    speed: sp.Abs(omega_m),
+}
+careful_squared = sp.expand((meaning(careful) ** 2).subs(plain)).subs(plain).subs(g_p, g * sp.cos(phi))
+
+equations = (
+    Equation("position", "", sp.Symbol("r"), position, "m",
+             "Position of the mass M, link angle counted from where it hangs lowest"
+             " (x level and y up in the plane of motion, z along the axis)."),
+    Equation("acceleration", "", sp.Symbol("r''"), acceleration, "m/s^2", "Differentiated twice in time."),
+    Equation("load", "(15)", sp.Symbol("F"), sp.simplify(load), "N",
+             "Newton for both masses: the load on the bearing; gravity is tilted by phi against the plane."),
+    Equation("normal_force", "(16)", F_N**2, F_N_squared, "N^2",
+             "Squared norm of its part in the plane of motion: the normal force.",
+             (Identity("without weight and acceleration it is (M L omega_l^2)^2, the square of (8)",
+                       F_N_squared.subs({g: 0, alpha_l: 0}) - (M * L * omega_l**2) ** 2),
+              Identity("it is even under reversal of link angle and acceleration",
+                       F_N_squared - F_N_squared.subs({theta_l: -theta_l, alpha_l: -alpha_l}, simultaneous=True)),
+              Identity("without unbalance it is the squared weight",
+                       F_N_squared.subs(L, 0) - ((M + M_l) * g * sp.cos(phi)) ** 2))),
+    Equation("transversal_force", "", sp.Symbol("F_z"), transversal, "N",
+             "Its part along the axis: the whole weight times sin(phi). Table 1 takes M_l g; F_T is a parameter."),
+    Equation("torque_on_link", "(3)", tau_l, torque_on_link, "N m",
+             "Euler about the axis, J_l including M L^2: the torque that the drive must put on the link."),
+    Equation("gear", "(3)", sp.Matrix([theta_l, omega_l, alpha_l]), sp.Matrix(list(gear.values())), "rad, rad/s, ...",
+             "The gear fixes the link to the motor."),
+    Equation("motor", "(1)", newton_motor.lhs, newton_motor.rhs, "N m",
+             "Newton for the rotor; an ideal gear passes the power of the link on."),
+    Equation("motor_torque", "(2)", tau_m, motor_torque, "N m",
+             "Kirchhoff for the armature, its inductance neglected, and tau_m = k_i i."),
+    Equation("gravity_torque", "(5)", G, gravity_torque, "N m", "Gravity torque on the motor side.",
+             (Identity("the careful form of the code is equal to it",
+                       sp.expand_trig(gravity_torque.subs(theta_m, 2 * theta_m / mu)
+                                      + 2 * mu * M * g * sp.cos(phi) * L
+                                      * meaning(half_cosine * half_sine).subs(theta_m, 2 * theta_m / mu))),)),
+    Equation("inertia", "(4)", J, inertia, "kg m^2", "What multiplies alpha_m, on the motor side."),
+    Equation("resultant", "(6)", F, resultant, "N m",
+             "What is left of (k_i/R) u = J alpha_m + G + F is the resultant friction torque."),
+    Equation("friction", "(7)", f, mechanical, "N m",
+             "Viscous and Coulomb friction of both bearings, the link's in proportion to the forces it carries."),
+    Equation("careful_normal_force", "", F_N, careful, "N",
+             "F_N as the code computes it: half angle from the top and a difference of squares, for M L > 0 divided by"
+             " scale_N = M L mu^2; HalfCosine, HalfSine, SquareDifference and Magnitude keep their order of evaluation.",
+             (Identity("it is equal to (16)", sp.simplify(sp.expand_trig(
+                 sp.expand(careful_squared - F_N_squared.subs(gear)).subs(theta_m, 2 * theta_m / mu)))),)),
+)  # fmt: skip
+
+model = Model(
+    name="rotating_link",
+    title="Rotating link with an unbalanced mass, plane tilted by phi, angular acceleration kept",
+    inputs=(v.theta_m, v.omega_m, v.alpha_m),
+    parameters=(v.M, v.M_l, v.L, v.mu, v.R, v.k_i, v.k_e, v.g, v.phi, v.B_lN, v.C_lN, v.B_lT, v.C_lT, v.B_m, v.C_m,
+                v.F_T, v.J_m, v.J_l),  # fmt: skip
+    definitions=definitions,
+    balances=balances,
+    equations=equations,
+)
+
+if __name__ == "__main__":
+    print(model)

@@ -1,0 +1,85 @@
+"""What the drive is told to do: speed runs or a sum of sines, and which part of the log is held out."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+
+@dataclass(frozen=True)
+class Course:
+    """The wanted motor speed over a log of `seconds`, and the held-out intervals [s].
+
+    `runs`: `starts` [s] and `speeds` [rad/s] of the constant speeds, joined by smooth ramps of `ramp_s`.
+    `traj`: `frequencies` [Hz], `speeds` (amplitudes, rad/s) and `phases` [rad] of the sines.
+    """
+
+    log_type: str
+    seconds: float
+    holdout: tuple[tuple[float, float], ...]
+    speeds: tuple[float, ...]
+    starts: tuple[float, ...] = ()
+    ramp_s: float = 0.4
+    frequencies: tuple[float, ...] = ()
+    phases: tuple[float, ...] = ()
+
+    def wanted(self, time: np.ndarray) -> np.ndarray:
+        """Return the wanted motor speed [rad/s] at `time` [s], shape (n,)."""
+        if self.log_type == "traj":
+            sines = np.zeros_like(time)
+            for amplitude, frequency, phase in zip(self.speeds, self.frequencies, self.phases, strict=True):
+                sines += amplitude * np.sin(2.0 * np.pi * frequency * time + phase)
+            return sines * _smooth(time / 1.0)
+        speed, before = np.zeros_like(time), 0.0
+        for start, value in zip(self.starts, self.speeds, strict=True):
+            speed += (value - before) * _smooth((time - start) / self.ramp_s)
+            before = value
+        return speed
+
+
+def _smooth(x: np.ndarray) -> np.ndarray:
+    x = np.clip(x, 0.0, 1.0)
+    return x * x * (3.0 - 2.0 * x)
+
+
+def speed_runs(rng: np.random.Generator, seconds: float, top_speed: float) -> Course:
+    """Draw constant speeds in both directions, each for 2 to 3.5 s, with one held out in each fifth.
+
+    Sizes are spread evenly over 8 to 100 % of `top_speed` [rad/s], in random order; the fastest of either
+    direction are never held out, so that held-out speeds lie within those trained on.
+    """
+    count = max(10, round(seconds / 2.75))
+    lengths = rng.uniform(2.0, 3.5, count)
+    edges = np.round(np.concatenate([[0.0], np.cumsum(lengths) * seconds / lengths.sum()]), 3)
+    pairs = (count + 1) // 2
+    sizes = np.linspace(0.08, 1.0, pairs) * top_speed * rng.uniform(0.94, 1.0, pairs)
+    speeds = rng.permutation(np.concatenate([sizes, -sizes * rng.uniform(0.92, 1.0, pairs)])[:count])
+    extremes = {int(np.argmax(speeds)), int(np.argmin(speeds))}
+    holdout = []
+    for fifth in range(5):
+        inside = [
+            k for k in range(fifth * count // 5, (fifth + 1) * count // 5) if k > 0 and k not in extremes
+        ]
+        held = int(rng.choice(inside or [(fifth + 1) * count // 5 - 1]))
+        holdout.append((float(edges[held]), float(edges[held + 1])))
+    ramp = round(float(rng.uniform(0.25, 0.45)), 2)
+    return Course(
+        "runs", seconds, tuple(holdout), tuple(np.round(speeds, 3).tolist()), tuple(edges[:-1].tolist()), ramp
+    )
+
+
+def sum_of_sines(rng: np.random.Generator, seconds: float, top_speed: float) -> Course:
+    """Draw six sines, 0.05 to 1.2 Hz, below about `top_speed` [rad/s], with five blocks of 4 % held out."""
+    frequencies = np.exp(np.linspace(np.log(0.06), np.log(1.1), 6)) * rng.uniform(0.9, 1.1, 6)
+    amplitudes = rng.uniform(0.6, 1.0, 6)
+    amplitudes *= top_speed / (0.85 * amplitudes.sum())
+    phases = rng.uniform(-np.pi, np.pi, 6)
+    blocks = [5 * fifth + int(rng.integers(1 if fifth == 0 else 0, 5)) for fifth in range(5)]
+    holdout = tuple((round(b * seconds / 25, 3), round((b + 1) * seconds / 25, 3)) for b in blocks)
+    return Course(
+        "traj",
+        seconds,
+        holdout,
+        tuple(np.round(amplitudes, 3).tolist()),
+        frequencies=tuple(np.round(frequencies, 4).tolist()),
+        phases=tuple(np.round(phases, 4).tolist()),
+    )

@@ -1,0 +1,64 @@
+"""The servo drive: encoder, filtered velocity, PI speed controller, bus."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from math import exp, floor, pi, sin
+
+from .plant import Plant
+
+
+@dataclass(frozen=True)
+class Drive:
+    """How the drive measures and controls. Gains in V s/rad and V/rad; `ripple` is a fraction of the bus."""
+
+    counts: int  # encoder counts per motor turn
+    filter_hz: float  # corner of the velocity filter
+    filter_order: int  # 1 or 2 equal poles
+    kp: float
+    ki: float
+    bus_V: float
+    ripple: float = 0.0
+    ripple_hz: float = 100.0
+
+
+def servo(
+    drive: Drive, plant: Plant, theta: float, dt: float
+) -> Callable[[float, float], tuple[float, float]]:
+    """Return `control(theta, wanted)` -> (commanded voltage [V], drive's velocity [rad/s]), for every `dt`.
+
+    The velocity is the filtered difference of encoder counts, so it is late and grainy, and it is what the
+    controller acts on. The integrator stops while the bus saturates.
+    """
+    per_rad, quantum = drive.counts / (2.0 * pi), 2.0 * pi / drive.counts
+    pole = 1.0 - exp(-2.0 * pi * drive.filter_hz * dt)
+    second = drive.filter_order == 2
+    kp, ki, k_e, bus = drive.kp, drive.ki * dt, plant.k_e, drive.bus_V
+    last, first, speed, integral = floor(theta * per_rad + 0.5), 0.0, 0.0, 0.0
+
+    def control(theta: float, wanted: float) -> tuple[float, float]:
+        nonlocal last, first, speed, integral
+        count = floor(theta * per_rad + 0.5)
+        first += pole * ((count - last) * quantum / dt - first)
+        speed = speed + pole * (first - speed) if second else first
+        last = count
+        error = wanted - speed
+        voltage = kp * error + integral + k_e * wanted
+        if voltage > bus:
+            voltage = bus
+            integral += min(0.0, ki * error)
+        elif voltage < -bus:
+            voltage = -bus
+            integral += max(0.0, ki * error)
+        else:
+            integral += ki * error
+        return voltage, speed
+
+    return control
+
+
+def bus_ripple(drive: Drive) -> Callable[[float, float], float]:
+    """Return `applied(u, t)`: the voltage at the motor when the rectified bus, and so the pulses, ripple."""
+    if not drive.ripple:
+        return lambda u, _: u
+    depth, rate = drive.ripple, 2.0 * pi * drive.ripple_hz
+    return lambda u, t: u * (1.0 + depth * sin(rate * t))

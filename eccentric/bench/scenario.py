@@ -1,0 +1,175 @@
+"""What is to be simulated: a plant, its drive, its course, its effects and the seed of its noise."""
+
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from math import floor, isfinite, log2, pi
+
+import numpy as np
+
+from eccentric.errors import InputError
+
+from .course import Course, speed_runs, sum_of_sines
+from .drive import Drive
+from .effects import EFFECTS, Effect, Setting
+from .plant import Plant
+
+CASES = ("C1", "C2")
+LOG_TYPES = ("runs", "traj")
+_SHORTEST_S, _LONGEST_S = 15.0, 3600.0
+_FINAL_RISE_K = 60.0  # what the losses would heat the drive by in the end
+
+
+@dataclass(frozen=True)
+class Scenario:
+    """A whole test, which `simulate` turns into a log. `noise` is the current's, over its largest size."""
+
+    plant: Plant
+    drive: Drive
+    course: Course
+    effects: tuple[Effect, ...]
+    noise: float
+    temperature: bool  # is the temperature logged?
+    seed: int
+    start_angle: float  # of the motor [rad]
+    sample_rate_hz: int = 250
+    steps_per_sample: int = 8
+    name: str = "bench"
+
+
+def random_scenario(
+    rng: np.random.Generator,
+    *,
+    case: str,
+    mu: float,
+    log_type: str,
+    effects: Sequence[str | tuple[str, float]] = (),
+    strength: float = 0.15,
+    noise: float = 0.01,
+    temperature: bool = False,
+    seconds: float = 60.0,
+) -> Scenario:
+    """Draw a plausible rig of that gear ratio about the paper's Table 1, a course and the shapes of effects.
+
+    `effects` are family ids, with a variant in brackets if wanted (`load_dependent[gravity]`), each alone or
+    with its strength (fraction of the friction rms; otherwise `strength`). `noise` is the current's, over its
+    largest size. A temperature is logged if asked for or if an effect needs it. The same state of `rng` gives
+    the same plant and course, whatever the effects.
+
+    Raises InputError for values out of range, an unknown effect, or one that the case cannot show.
+    """
+    _check(case, mu, log_type, strength, noise, seconds)
+    wanted = [(one, strength) if isinstance(one, str) else one for one in effects]
+    for name, size in wanted:
+        known_effect(name)
+        if not (isfinite(size) and 0.0 < size <= 1.0):
+            raise InputError(f"effect {name}: required a strength above 0 and at most 1; got {size}")
+    plant = _plant(rng, case, mu)
+    top_speed = float(rng.uniform(6.5, 8.5)) / mu if log_type == "runs" else float(rng.uniform(5.5, 7.0)) / mu
+    course = (speed_runs if log_type == "runs" else sum_of_sines)(rng, seconds, top_speed)
+    drive, theta = _drive(rng, plant), float(rng.uniform(0.0, 2.0 * pi))
+    seed = int(rng.integers(2**32))
+
+    setting = _setting(plant, course, top_speed)
+    built = []
+    for name, size in wanted:
+        family, variant = known_effect(name)
+        effect = EFFECTS[family](size, rng, setting, variant)
+        if variant is not None and effect.variant is None:
+            raise InputError(f"effect {family}: required no variant, since it has none; got {variant}")
+        built.append(replace(effect, strength=size))
+    logged = temperature or any(effect.needs_temperature for effect in built)
+    hiding = [effect.id for effect in built if effect.hides_temperature]
+    if hiding and logged:
+        raise InputError(f"effect {hiding[0]}: required a log without a temperature column; got one with it")
+    if logged or hiding:
+        plant = replace(plant, Rth=_thermal_resistance(setting))
+    return Scenario(plant, drive, course, tuple(built), noise, logged, seed, theta)
+
+
+def known_effect(name: str) -> tuple[str, str | None]:
+    """Split `family[variant]`; InputError, listing the known families, if there is no such family."""
+    match = re.fullmatch(r"(\w+)(?:\[(.+)\])?", name)
+    if match is None or match[1] not in EFFECTS:
+        raise InputError(f"unknown effect {name}: required one of {', '.join(EFFECTS)}")
+    return match[1], match[2]
+
+
+def _check(case: str, mu: float, log_type: str, strength: float, noise: float, seconds: float) -> None:
+    for quantity, value, allowed in (("case", case, CASES), ("log type", log_type, LOG_TYPES)):
+        if value not in allowed:
+            raise InputError(f"{quantity}: required {' or '.join(allowed)}; got {value}")
+    for quantity, value, low, high in (
+        ("gear ratio mu", mu, 1e-3, 2.0),
+        ("strength", strength, 1e-6, 1.0),
+        ("noise (fraction of the largest current)", noise, 0.0, 0.5),
+        ("seconds", seconds, _SHORTEST_S, _LONGEST_S),
+    ):
+        if not low <= value <= high:  # also refuses NaN
+            raise InputError(f"{quantity}: required {low:g} to {high:g}; got {value}")
+
+
+def _plant(rng: np.random.Generator, case: str, mu: float) -> Plant:
+    """Motors grow with the torque that the gear leaves them: three of a catalogue lie on these power laws."""
+    k = float(f"{0.02 * (30.0 * mu) ** 0.64:.2g}")
+    M, M_l, L = (
+        round(float(rng.uniform(low, high)), 3) for low, high in ((0.45, 0.6), (0.16, 0.23), (0.23, 0.29))
+    )
+    near = [float(x) for x in rng.uniform(0.9, 1.15, 6)]
+    return Plant(
+        case=case, M=M, M_l=M_l, L=L, mu=mu, R=round(float(rng.uniform(0.8, 1.1)), 1), k_i=k, k_e=k,
+        J_m=float(f"{4e-4 * (2.0 * mu) ** 1.1:.1g}"), J_l=round(M * L**2 + M_l * L**2 / 3.0, 8), g=9.81,
+        C_m=0.45 * k * near[0], B_m=3.4e-4 * (k / 0.02) ** 1.32 * near[1],
+        C_lN=0.08 * near[2], B_lN=0.004 * near[3],
+        gamma_T=0.08 * (M + M_l) * 9.81 * near[4], beta_T=0.004 * (M + M_l) * 9.81 * near[5],
+        tau=round(float(rng.uniform(50.0, 90.0)), 0), Tamb=round(float(rng.uniform(18.0, 25.0)), 1),
+    )  # fmt: skip
+
+
+def _drive(rng: np.random.Generator, plant: Plant) -> Drive:
+    """Return a drive: a loop of 4 to 6 Hz, which the velocity filter's lag leaves stable.
+
+    The encoder is finer at low reductions, as one would buy it: what counts is the resolution at the link.
+    """
+    finer = 2 ** max(0, floor(log2(30.0 * plant.mu)))
+    bandwidth = 2.0 * pi * float(rng.uniform(4.0, 6.0))
+    kp = bandwidth * plant.inertia * plant.R / plant.k_i
+    return Drive(
+        counts=int(rng.choice([4096, 8192])) * finer,
+        filter_hz=float(rng.choice([30.0, 40.0, 60.0])),
+        filter_order=int(rng.choice([1, 2])),
+        kp=kp,
+        ki=kp * float(rng.uniform(3.0, 6.0)),
+        bus_V=24.0 if plant.mu <= 1.0 else 48.0,
+    )
+
+
+def _setting(plant: Plant, course: Course, top_speed: float) -> Setting:
+    """Return rough sizes along the wanted course, as if it were followed without inertia."""
+    time = np.arange(0.0, course.seconds, 0.02)
+    speed = course.wanted(time)
+    link = plant.mu * np.cumsum(speed) * 0.02
+    torque = [
+        plant.friction_torque(a, plant.mu * w) for a, w in zip(link.tolist(), speed.tolist(), strict=True)
+    ]
+    drive = np.array([t + plant.gravity_torque(a) for t, a in zip(torque, link.tolist(), strict=True)])
+    current = drive / plant.k_i
+    loss = float(np.mean(plant.R * current**2 + np.abs(np.array(torque) * speed)))
+    heated = 1.0 - (1.0 - np.exp(-course.seconds / plant.tau)) * plant.tau / course.seconds
+    friction_rms, speed_rms, current_rms = (
+        float(np.sqrt(np.mean(np.square(x)))) for x in (torque, speed, current)
+    )
+    return Setting(
+        plant,
+        friction_rms,
+        speed_rms,
+        top_speed,
+        current_rms,
+        _FINAL_RISE_K * float(heated),
+        course.seconds,
+        loss,
+    )
+
+
+def _thermal_resistance(setting: Setting) -> float:
+    return float(f"{_FINAL_RISE_K / setting.loss:.3g}")

@@ -1,0 +1,232 @@
+"""Scenario -> log, rig and sealed truth; the amplitudes of the effects are measured and set on the way."""
+
+from dataclasses import dataclass, replace
+from math import log, pi
+from typing import Any
+
+import numpy as np
+
+from .drive import bus_ripple, servo
+from .effects import Effect
+from .motion import Motion, laws, mover
+from .scenario import Scenario
+
+_TOLERANCE, _MOST_RUNS = 2e-3, 6
+
+
+@dataclass(frozen=True)
+class BenchRun:
+    """A log (`columns`: name -> array of shape (rows,), as written), its `rig` and its sealed `truth`."""
+
+    columns: dict[str, np.ndarray]
+    rig: dict[str, Any]
+    truth: dict[str, Any]
+
+
+def simulate(scenario: Scenario) -> BenchRun:
+    """Run the bench; the same scenario gives the same run.
+
+    Each effect's amplitude is corrected until its rms, over rows in motion, is the strength asked for times
+    the rms of the paper's friction there: to 0.2 %, or as near as its physical bound lets it.
+    """
+    raw = _run(scenario)
+    powers = [1.0] * len(scenario.effects)
+    for _ in range(_MOST_RUNS - 1):
+        effects = _corrected(scenario.effects, _fractions(raw), powers)
+        if effects == scenario.effects:
+            break
+        before, scenario = (scenario, raw), replace(scenario, effects=effects)
+        raw = _run(scenario)
+        powers = _powers(before, (scenario, raw), powers)
+    columns = _log(scenario, raw)
+    return BenchRun(columns, _rig(scenario, columns, raw), _truth(scenario, raw))
+
+
+@dataclass(frozen=True)
+class _Raw:
+    """What really happened, one row per sample, torques in N m on the motor side."""
+
+    theta: np.ndarray
+    w: np.ndarray
+    drive_speed: np.ndarray
+    u: np.ndarray
+    i: np.ndarray
+    temperature: np.ndarray
+    friction: np.ndarray
+    base: np.ndarray  # (rows, 4): the paper's columns sgn w, w, F_N sgn w, F_N w
+    torques: np.ndarray  # (rows, effects)
+    moving: np.ndarray
+    threshold: float
+
+
+def _run(scenario: Scenario) -> _Raw:
+    plant, steps = scenario.plant, scenario.steps_per_sample
+    rows = round(scenario.course.seconds * scenario.sample_rate_hz)
+    dt = 1.0 / (scenario.sample_rate_hz * steps)
+    bound = laws(scenario.effects)
+    motion = Motion(plant, scenario.start_angle, effects=len(bound))
+    advance = mover(plant, motion, dt, bound)
+    control = servo(scenario.drive, plant, motion.theta, dt)
+    applied = bus_ripple(scenario.drive)
+    wanted = scenario.course.wanted(np.arange(rows * steps) * dt).tolist()
+
+    # The drive averages voltage and current over the two pulses about the sample instant: neither is ahead.
+    samples, acting, fine_current = [], [], []
+    voltage, n = 0.0, 0
+    for _ in range(rows):
+        theta, w, u_before, i_before = motion.theta, motion.w, voltage, motion.i
+        voltage, speed = control(theta, wanted[n])
+        advance(applied(voltage, motion.t))
+        fine_current.append(motion.i)
+        friction = motion.dry * ((motion.w_mid > 0.0) - (motion.w_mid < 0.0)) + motion.viscous * motion.w_mid
+        u, i = 0.5 * (u_before + voltage), 0.5 * (i_before + motion.i)
+        samples.append(
+            (theta, w, speed, u, i, motion.temperature, friction,
+             motion.w_mid, motion.alpha, motion.normal)
+        )  # fmt: skip
+        acting.append(motion.acting.copy())
+        for k in range(n + 1, n + steps):
+            voltage, _ = control(motion.theta, wanted[k])
+            advance(applied(voltage, motion.t))
+            fine_current.append(motion.i)
+        n += steps
+
+    theta, w, speed, u, i, temperature, friction, w_mid, alpha, normal = np.array(samples).T
+    threshold = round(0.02 * float(np.max(np.abs(w))), 4)
+    logged, torques = i.copy(), np.zeros((rows, len(scenario.effects)))
+    time = np.arange(rows) / scenario.sample_rate_hz
+    for k, (port, effect, law) in enumerate(bound):
+        place = next(n for n, one in enumerate(scenario.effects) if one is effect)
+        value = np.array(acting)[:, k]
+        if port == "dry":
+            value = value * np.sign(w_mid)
+        elif port == "viscous":
+            value = value * w_mid
+        elif port == "inertia":
+            value = value * alpha
+        elif port == "drop":
+            value = value * plant.k_i / plant.R
+        elif port == "current":
+            bias = law(motion, effect.amplitude)
+            value, logged = np.full(rows, plant.k_i * bias), logged + bias
+        elif port == "delay":
+            middles = (np.arange(rows * steps) + 0.5) * dt
+            late = np.interp(time - law(motion, effect.amplitude), middles, fine_current)
+            value, logged = plant.k_i * (late - i), logged + late - i
+        torques[:, place] += value
+    direction = np.sign(w_mid)
+    base = np.stack([direction, w_mid, normal * direction, normal * w_mid], axis=1)
+    moving = np.abs(w_mid) > threshold
+    return _Raw(theta, w, speed, u, logged, temperature, friction, base, torques, moving, threshold)
+
+
+def _rms(x: np.ndarray) -> float:
+    return float(np.sqrt(np.mean(np.square(x))))
+
+
+def _fractions(raw: _Raw) -> list[float]:
+    friction = _rms(raw.friction[raw.moving])
+    return [_rms(torque[raw.moving]) / friction for torque in raw.torques.T]
+
+
+def _corrected(
+    effects: tuple[Effect, ...], fractions: list[float], powers: list[float]
+) -> tuple[Effect, ...]:
+    """Return the effects with amplitudes for their strengths, which go with amplitude to `powers`."""
+    scales = [
+        (effect.strength / max(fraction, 1e-3 * effect.strength)) ** (1.0 / power)
+        for effect, fraction, power in zip(effects, fractions, powers, strict=True)
+    ]
+    wanted = [min(e.bound, e.amplitude * min(5.0, max(0.2, s))) for e, s in zip(effects, scales, strict=True)]
+    if all(abs(a / e.amplitude - 1.0) <= _TOLERANCE for e, a in zip(effects, wanted, strict=True)):
+        return effects
+    return tuple(replace(effect, amplitude=a) for effect, a in zip(effects, wanted, strict=True))
+
+
+def _powers(before: tuple[Scenario, _Raw], after: tuple[Scenario, _Raw], powers: list[float]) -> list[float]:
+    """Return the power by which strengths grew with amplitudes between two runs; the old one at rest."""
+    found = []
+    for k, power in enumerate(powers):
+        step = log(after[0].effects[k].amplitude / before[0].effects[k].amplitude)
+        was, now = _fractions(before[1])[k], _fractions(after[1])[k]
+        growth = log(now / was) / step if abs(step) > 1e-3 and was > 0.0 and now > 0.0 else power
+        found.append(min(3.0, max(0.4, growth)))
+    return found
+
+
+def _log(scenario: Scenario, raw: _Raw) -> dict[str, np.ndarray]:
+    """Return the columns as a drive writes them: quantised, noisy, rounded to the digits of the file."""
+    rng = np.random.default_rng(scenario.seed)
+    peak = float(np.max(np.abs(raw.i))) or 1.0
+    quantum, bit = 2.0 * pi / scenario.drive.counts, 1.5 * peak / 2048
+    current = raw.i + scenario.noise * peak * rng.standard_normal(len(raw.i))
+    columns = {
+        "time_s": np.round(np.arange(len(raw.i)) / scenario.sample_rate_hz, 3),
+        "theta_m_rad": np.round(np.floor(raw.theta / quantum + 0.5) * quantum, 5),
+        "omega_m_rad_s": np.round(raw.drive_speed, 4),
+        "voltage_V": np.round(raw.u, 3),
+        "current_A": np.round(np.floor(current / bit + 0.5) * bit, 4),
+    }
+    if scenario.temperature:
+        sensed = raw.temperature + 0.05 * rng.standard_normal(len(raw.i))
+        columns["temperature_C"] = np.round(np.floor(sensed / 0.1 + 0.5) * 0.1, 2)
+    return {name: column + 0.0 for name, column in columns.items()}  # no negative zeros
+
+
+def _rig(scenario: Scenario, columns: dict[str, np.ndarray], raw: _Raw) -> dict[str, Any]:
+    return {
+        "format": "rotlink-log/1",
+        "name": scenario.name,
+        "log_type": {"runs": "speed_runs", "traj": "trajectory"}[scenario.course.log_type],
+        "known": scenario.plant.known(),
+        "encoder_counts_per_rev": scenario.drive.counts,
+        "sample_rate_hz": scenario.sample_rate_hz,
+        "columns": list(columns),
+        "moving_threshold_rad_s": raw.threshold,
+        "holdout_intervals_s": [list(interval) for interval in scenario.course.holdout],
+    }
+
+
+def _truth(scenario: Scenario, raw: _Raw) -> dict[str, Any]:
+    plant, count = scenario.plant, len(scenario.effects)
+    beyond = _beyond_the_paper(raw)
+    return {
+        "name": scenario.name,
+        "kind": ("control", "single", "double")[count] if count < 3 else "several",
+        "log": scenario.course.log_type,
+        "noise_frac_of_range": scenario.noise,
+        "counts": scenario.drive.counts,
+        "velocity_filter_hz": scenario.drive.filter_hz,
+        "velocity_filter_order": scenario.drive.filter_order,
+        "bus_ripple": scenario.drive.ripple,
+        "rows": len(raw.theta),
+        "mu": plant.mu,
+        "case": plant.case,
+        "friction_rms_Nm": _rms(raw.friction[raw.moving]),
+        "hidden_parameters": plant.hidden(),
+        "thermal": {"Rth": plant.Rth, "tau": plant.tau, "Tamb": plant.Tamb},
+        "temperature_range": [float(raw.temperature.min()), float(raw.temperature.max())],
+        "effects": [
+            {
+                "id": effect.id,
+                "family": effect.family,
+                "form": effect.form,
+                "amplitude": effect.amplitude,
+                "shape": list(effect.shape),
+                "rms_fraction_asked": effect.strength,
+                "rms_fraction_of_friction": fraction,
+                "rms_fraction_beyond_the_paper": fraction if effect.channel == "electrical" else unseen,
+                "channel": effect.channel,
+                "depends_on": list(effect.depends_on),
+            }
+            for effect, fraction, unseen in zip(scenario.effects, _fractions(raw), beyond, strict=True)
+        ],
+    }
+
+
+def _beyond_the_paper(raw: _Raw) -> list[float]:
+    """Return the part of each effect that refitting the paper's model leaves, over the friction rms."""
+    base, friction = raw.base[raw.moving], _rms(raw.friction[raw.moving])
+    torques = raw.torques[raw.moving]
+    taken, *_ = np.linalg.lstsq(base, torques, rcond=None)
+    return [_rms(rest) / friction for rest in (torques - base @ taken).T]

@@ -1,0 +1,71 @@
+"""BenchRun -> LOG.csv.gz, LOG.json (the rig) and LOG.truth.json (sealed)."""
+
+import gzip
+import io
+import json
+import shutil
+import tempfile
+from pathlib import Path
+
+import numpy as np
+
+from eccentric.errors import InputError
+
+from .simulate import BenchRun
+
+_FORMATS = {
+    "time_s": "%.3f",
+    "theta_m_rad": "%.5f",
+    "omega_m_rad_s": "%.4f",
+    "voltage_V": "%.3f",
+    "current_A": "%.4f",
+    "temperature_C": "%.2f",
+}
+_ENDING = ".csv.gz"
+
+
+def write(run: BenchRun, path: str | Path) -> tuple[Path, Path, Path]:
+    """Write the log to `path`, NAME.csv.gz, beside it NAME.json and NAME.truth.json; return the three paths.
+
+    NAME goes into rig and truth. The same run gives the same bytes: the archive carries no time and no name.
+    Nothing is left behind if writing fails. Raises InputError if the path is no .csv.gz or cannot be written.
+    """
+    path = Path(path)
+    if not path.name.endswith(_ENDING) or path.name == _ENDING:
+        raise InputError(f"{path}: required a log name ending in {_ENDING}")
+    stem = path.name.removesuffix(_ENDING)
+    contents = {
+        path: gzip.compress(_csv(run), 9, mtime=0),
+        path.with_name(f"{stem}.json"): _json({**run.rig, "name": stem}),
+        path.with_name(f"{stem}.truth.json"): _json({**run.truth, "name": stem}),
+    }
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        with tempfile.TemporaryDirectory(dir=path.parent) as folder:
+            for target, content in contents.items():
+                (Path(folder) / target.name).write_bytes(content)
+            for target in contents:
+                shutil.move(Path(folder) / target.name, target)
+    except OSError as error:
+        raise InputError(f"{path}: cannot be written: {error.strerror or error}") from error
+    log, rig, truth = contents
+    return log, rig, truth
+
+
+def _csv(run: BenchRun) -> bytes:
+    text = io.StringIO()
+    names = list(run.columns)
+    rows = np.column_stack([run.columns[name] for name in names])
+    np.savetxt(
+        text,
+        rows,
+        fmt=",".join(_FORMATS[n] for n in names),
+        header=",".join(names),
+        comments="",
+        newline="\n",
+    )
+    return text.getvalue().encode("ascii")
+
+
+def _json(content: dict) -> bytes:
+    return (json.dumps(content, indent=1) + "\n").encode("ascii")

@@ -1,0 +1,122 @@
+"""The command line: `eccentric COMMAND`, one module of this package per command.
+
+A command's module has NAME, HELP (one line), EXAMPLE (command lines to copy), `configure(parser)`, which
+adds its arguments, and `run(arguments)`, which returns the exit status. It is imported only when its command
+is given: help and version cost no SymPy.
+
+Exit status: 0, or what `run` returns; 2 with one line on stderr for bad input; 130 after an interrupt;
+141 when the reader of a pipe has gone.
+"""
+
+import argparse
+import ast
+import os
+import sys
+import textwrap
+import warnings
+from collections.abc import Sequence
+from importlib import import_module, metadata
+from pathlib import Path
+from typing import NoReturn
+
+from eccentric.errors import InputError
+
+__all__ = ["COMMANDS", "main"]
+
+_DESCRIPTION = "Friction models of drives that swing an unbalanced mass: derived, emitted, fitted to logs."
+
+COMMANDS = ("derive", "audit", "figures", "emit", "fit", "bench")
+
+
+def main(argv: Sequence[str] | None = None) -> int:
+    """Run one command line and return its exit status.
+
+    Parameters
+    ----------
+    argv : sequence of str, optional
+        The arguments after the program's name; by default those of the process.
+
+    Raises
+    ------
+    SystemExit
+        With status 0, after `--help` and `--version`.
+    """
+    arguments = list(sys.argv[1:] if argv is None else argv)
+    formatwarning, warnings.formatwarning = warnings.formatwarning, _one_line_warning
+    try:
+        parsed = _parser(arguments).parse_args(arguments)
+        status = parsed.run(parsed)
+        sys.stdout.flush()
+    except InputError as error:
+        return _complain(str(error), 2)
+    except KeyboardInterrupt:
+        return _complain("interrupted", 130)
+    except BrokenPipeError:
+        # The interpreter flushes stdout once more at exit: it has to find a place to go.
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return 141
+    except OSError as error:
+        place = f"{error.filename}: " if error.filename else ""
+        return _complain(f"{place}{error.strerror or error}", 2)
+    finally:
+        warnings.formatwarning = formatwarning
+    return status
+
+
+class _Parser(argparse.ArgumentParser):
+    """An argument parser whose errors are one line."""
+
+    def error(self, message: str) -> NoReturn:
+        """Raise instead of printing the usage and leaving."""
+        raise InputError(f"{message} (see {self.prog} --help)")
+
+
+def _parser(arguments: Sequence[str]) -> _Parser:
+    """Return the parser: with the one command that `arguments` name, else with a line for each command."""
+    layout = argparse.RawDescriptionHelpFormatter
+    parser = _Parser(prog="eccentric", description=_DESCRIPTION, allow_abbrev=False, formatter_class=layout)
+    parser.add_argument("--version", action="version", version=f"eccentric {_version()}")
+    commands = parser.add_subparsers(metavar="COMMAND", required=True)
+    given = next((argument for argument in arguments if not argument.startswith("-")), None)
+    if given not in COMMANDS:
+        for name in COMMANDS:
+            commands.add_parser(name, help=_help(name))
+        return parser
+    module = import_module(f"eccentric.cli.{given}")
+    epilog = "example:\n" + textwrap.indent(module.EXAMPLE.strip(), "  ")
+    command = commands.add_parser(
+        module.NAME, description=module.HELP, epilog=epilog, allow_abbrev=False, formatter_class=layout
+    )
+    module.configure(command)
+    command.set_defaults(run=module.run)
+    return parser
+
+
+def _help(command: str) -> str:
+    """Return the HELP of a command's module, read from the source: importing it would cost its imports."""
+    source = Path(__file__).with_name(f"{command}.py").read_text(encoding="utf-8")
+    assignments = (node for node in ast.parse(source).body if isinstance(node, ast.Assign))
+    (value,) = (node.value for node in assignments if ast.unparse(node.targets[0]) == "HELP")
+    return ast.literal_eval(value).replace("%", "%%")
+
+
+def _version() -> str:
+    """Return the version of the installed distribution; a clone can also run without being installed."""
+    try:
+        return metadata.version("eccentric")
+    except metadata.PackageNotFoundError:
+        return "(a clone that is not installed)"
+
+
+def _one_line_warning(message: Warning | str, *_: object, **__: object) -> str:
+    return f"eccentric: warning: {_line(message)}\n"
+
+
+def _complain(message: str, status: int) -> int:
+    """Print one line on stderr and return `status`."""
+    print(f"eccentric: {'error: ' if status == 2 else ''}{_line(message)}", file=sys.stderr)
+    return status
+
+
+def _line(message: object) -> str:
+    return " ".join(str(message).split())

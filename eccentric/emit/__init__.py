@@ -1,0 +1,21 @@
+"""Emission: Model to Program to text. It knows no data; the templates know no physics."""
+
+from eccentric.emit.build import build_program
+from eccentric.emit.hot import load_module
+from eccentric.emit.program import Assignment, Input, Program, Routine, differentiate
+from eccentric.emit.render import render, render_program
+from eccentric.emit.write import emit, stale
+
+__all__ = [
+    "Assignment",
+    "Input",
+    "Program",
+    "Routine",
+    "build_program",
+    "differentiate",
+    "emit",
+    "load_module",
+    "render",
+    "render_program",
+    "stale",
+]

@@ -1,0 +1,229 @@
+"""Model to Program: take each function's definitions, differentiate, split off what depends on parameters only, lower."""
+
+from __future__ import annotations
+
+import re
+
+import sympy as sp
+
+from eccentric.emit.functions import Function, closure, functions, gradient_labels
+from eccentric.emit.lower import Lowering
+from eccentric.emit.program import Assignment, Input, Program, Routine, differentiate
+from eccentric.emit.shorten import shortened
+from eccentric.model import Model
+from eccentric.model.steps import (
+    Backward,
+    ByDirection,
+    Forward,
+    Gated,
+    HalfCosine,
+    HalfSine,
+    Sgn,
+    SquareDifference,
+)
+
+
+def build_program(model: Model) -> Program:
+    """The Program of a model: every function of `eccentric.emit.functions`, ready to print."""
+    shared = _Prepare(model)
+    chosen = functions(model)
+    labels = {f.name: gradient_labels(model, f) for f in chosen if f.by}
+    routines = tuple(_routine(model, function, labels.get(function.name, ()), shared) for function in chosen)
+    named = {f.name: tuple(label for label, _ in f.results) for f in chosen}
+    return Program(
+        name=model.name,
+        title=model.title,
+        parameters=model.parameters,
+        prepare=shortened(shared.assignments),
+        coefficients=_used(routines, shared),
+        routines=routines,
+        constants=(
+            ("REGRESSOR", named["regressor"]),
+            ("GRADIENT", labels["friction_torque_gradient"]),
+            ("JACOBIAN", labels["friction_torque_jacobian"]),
+        ),
+        notes=_notes(model, shared),
+    )
+
+
+def _routine(model: Model, function: Function, labels: tuple[str, ...], shared: _Prepare) -> Routine:
+    assignments = list(closure(model, function.results))
+    if function.by:
+        y = sp.Symbol("torque", real=True)
+        torque = function.results[0][1]
+        if not set(function.by) & model.parameter_symbols:
+            torque = _grouped(model, torque)
+        steps = differentiate((*assignments, Assignment(y, torque)), function.by)
+        wanted = {f"torque_d_{label}" for label in labels}
+        results = [(label, next(a.value for a in steps if a.target.name == f"torque_d_{label}")) for label in labels]
+        assignments = _needed([a for a in steps if a.target != y and a.target.name not in wanted], results)
+    else:
+        results = list(function.results)
+    # What depends on parameters only is moved to `prepare`; the rest keeps its order.
+    lowering = Lowering(shared)
+    for assignment in assignments:
+        if assignment.target in shared.symbols or assignment.value.free_symbols <= shared.symbols:
+            shared.define(assignment.target, assignment.value)
+        else:
+            value = lowering(shared.hoist(_grouped(model, assignment.value)))
+            lowering.assignments.append(Assignment(assignment.target, value))
+    targets = []
+    for label, expression in results:
+        value = lowering(shared.hoist(_grouped(model, expression)))
+        name = f"result_{label}" if label else "result"
+        targets.append(sp.Symbol(name, real=True))
+        lowering.assignments.append(Assignment(targets[-1], value))
+    used = set().union(*(a.value.free_symbols for a in lowering.assignments))
+    inputs = [Input(q) for q in model.inputs if q.symbol in used or (function.requires and q.name == "alpha_m")]
+    return Routine(
+        name=function.name,
+        inputs=tuple(inputs),
+        assignments=shortened(lowering.assignments),
+        results=tuple(targets),
+        labels=tuple(label for label, _ in results) if results[0][0] else (),
+        unit=function.unit,
+        meaning=function.meaning,
+        requires=function.requires,
+    )
+
+
+def _needed(assignments: list[Assignment], results: list[tuple[str, sp.Expr]]) -> list[Assignment]:
+    needed = set().union(*(expression.free_symbols for _, expression in results))
+    kept: list[Assignment] = []
+    for assignment in reversed(assignments):
+        if assignment.target in needed:
+            needed |= assignment.value.free_symbols
+            kept.append(assignment)
+    return kept[::-1]
+
+
+def _grouped(model: Model, expression: sp.Expr) -> sp.Expr:
+    """Friction as (... F_N + ...) omega_m + (... F_N + ...) sgn: fewest operations in the hot path, eqs (18)-(20)."""
+    if not isinstance(expression, sp.Add):
+        return expression
+    expression = _by_direction(model, sp.expand_mul(expression))
+    factors = [symbol for symbol in expression.free_symbols if symbol.name == "omega_m"]
+    factors += sorted(expression.atoms(Sgn), key=str)
+    if any(isinstance(term, sp.Mul) and term.has(*factors) for term in expression.args if factors):
+        return sp.collect(expression, factors)
+    return expression
+
+
+def _by_direction(model: Model, expression: sp.Expr) -> sp.Expr:
+    """Addends that differ in gate and parameters only become one, with the coefficient chosen by direction."""
+    pairs: dict[tuple[sp.Expr, sp.Expr], dict[type, sp.Expr]] = {}
+    rest = []
+    for term in sp.Add.make_args(expression):
+        gated = [factor for factor in sp.Mul.make_args(term) if isinstance(factor, Gated)]
+        if len(gated) == 1 and isinstance(gated[0].args[1], Forward | Backward):
+            basis, gate = gated[0].args
+            fixed = [a for a in sp.Mul.make_args(basis) if a.free_symbols <= model.parameter_symbols]
+            moving = sp.Mul(*(a for a in sp.Mul.make_args(basis) if a not in fixed))
+            sides = pairs.setdefault((moving, gate.args[0]), {Forward: sp.Integer(0), Backward: sp.Integer(0)})
+            sides[type(gate)] += term / gated[0] * sp.Mul(*fixed)
+        else:
+            rest.append(term)
+    chosen = [basis * ByDirection(x, *sides.values()) for (basis, x), sides in pairs.items()]
+    return sp.Add(*rest, *chosen)
+
+
+class _Prepare:
+    """The parameter-only assignments of one program, in order, each value once; called, it names a value."""
+
+    def __init__(self, model: Model) -> None:
+        self.symbols: set[sp.Symbol] = {q.symbol for q in model.parameters}
+        self.assignments: list[Assignment] = []
+        self._values: dict[sp.Expr, sp.Symbol] = {}
+        self._names: dict[str, sp.Expr] = {}
+        # A value that the model has a name for is called by it.
+        self._defined = {d.value: d.symbol for d in model.definitions if d.value.free_symbols <= self.symbols}
+
+    def __call__(self, name: str, value: sp.Expr) -> sp.Symbol:
+        if value in self._values:
+            return self._values[value]
+        if value in self._defined:
+            self.define(self._defined[value], value)
+            return self._defined[value]
+        if self._names.get(name, value) != value:
+            name = next(f"{name}_{k}" for k in range(2, 99) if f"{name}_{k}" not in self._names)
+        symbol = sp.Symbol(name, real=True)
+        self.define(symbol, value)
+        return symbol
+
+    def define(self, symbol: sp.Symbol, value: sp.Expr) -> None:
+        """Take `symbol = value` over, once."""
+        if symbol in self.symbols:
+            return
+        self.symbols.add(symbol)
+        self.assignments.append(Assignment(symbol, value))
+        self._values[value] = symbol
+        self._names[symbol.name] = value
+
+    def hoist(self, expression: sp.Expr) -> sp.Expr:
+        """The expression with its parameter-only parts replaced by coefficients that `prepare` computes."""
+        if expression.is_Atom:
+            return expression
+        if expression.free_symbols and expression.free_symbols <= self.symbols:
+            return self(_name(expression), expression)
+        if isinstance(expression, HalfCosine | HalfSine | SquareDifference):
+            return expression.func(self.hoist(expression.args[0]), expression.args[1])
+        if expression.is_Mul or expression.is_Add:
+            fixed = [a for a in expression.args if a.is_number or a.free_symbols <= self.symbols]
+            moving = [self.hoist(a) for a in expression.args if a not in fixed]
+            if any(a.free_symbols for a in fixed):
+                constant = self.hoist(expression.func(*fixed))
+                return expression.func(constant, *moving)
+            return expression.func(*fixed, *moving)
+        return expression.func(*(self.hoist(argument) for argument in expression.args))
+
+
+def _notes(model: Model, shared: _Prepare) -> tuple[tuple[str, str], ...]:
+    known = {q.symbol.name: f"{q.meaning} [{q.unit}]" for q in model.parameters}
+    known |= {d.quantity.name: f"{d.quantity.meaning} [{d.quantity.unit}]" for d in model.definitions}
+    formulas = {
+        a.target.name: str(a.value).replace("**", "^").replace("*", " ")
+        for a in shared.assignments
+        if a.target.name.startswith("constant")
+    }
+    return tuple((known | formulas).items())
+
+
+def _used(routines: tuple[Routine, ...], shared: _Prepare) -> tuple[sp.Symbol, ...]:
+    used = set().union(*(a.value.free_symbols for routine in routines for a in routine.assignments))
+    order = [a.target for a in shared.assignments]
+    plain = sorted((s for s in used & shared.symbols if s not in order), key=str)
+    return (*plain, *(symbol for symbol in order if symbol in used))
+
+
+# Names differ within their first 31 characters, which every C compiler tells apart.
+_LONGEST = 31
+_NUMBERS = {2: "twice", -1: "minus", -2: "minus_twice", 4: "four", sp.Rational(1, 2): "half"}
+
+
+def _name(expression: sp.Expr) -> str:
+    """A name that reads like the formula: mu**2*B_lN is B_lN_mu2, B_m + k_e*k_i/R is B_m_plus_k_e_k_i_per_R."""
+    name = _spelled(expression)
+    return name if name is not None and len(name) <= _LONGEST else "constant"
+
+
+def _spelled(expression: sp.Expr) -> str | None:
+    if expression.is_Symbol:
+        return expression.name
+    if expression in _NUMBERS:
+        return _NUMBERS[expression]
+    if isinstance(expression, sp.sin | sp.cos):
+        inner = _spelled(expression.args[0])
+        return inner and f"{expression.func.__name__}_{inner}"
+    if expression.is_Pow and expression.exp.is_Integer and expression.base.is_Symbol:
+        power = abs(int(expression.exp))
+        spelled = expression.base.name + (str(power) if power > 1 else "")
+        return f"per_{spelled}" if expression.exp < 0 else spelled
+    if expression.is_Mul or expression.is_Add:
+        parts = [_spelled(a) for a in (expression.as_ordered_factors() if expression.is_Mul
+                                       else expression.as_ordered_terms())]  # fmt: skip
+        if any(part is None for part in parts):
+            return None
+        if expression.is_Mul:
+            parts = sorted(parts, key=lambda part: (str(part).startswith("per_"), 0))
+        return re.sub("_plus_minus_", "_minus_", ("_" if expression.is_Mul else "_plus_").join(map(str, parts)))
+    return None

@@ -1,0 +1,187 @@
+"""What `header.h.jinja` and `source.c.jinja` may see: the Program as lines of C, nothing symbolic left."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from eccentric.emit.constants import evaluate_prepare
+from eccentric.emit.expression import Language, printed
+from eccentric.emit.lower import Floor, Root, Size
+from eccentric.emit.program import Input, Program, Routine
+from eccentric.emit.series import polynomial
+from eccentric.emit.text import assigned, domain, number, splitting, used_series
+from eccentric.model.quantity import Quantity
+from eccentric.model.steps import Backward, Forward, Sgn
+
+_REAL = {
+    "sqrt": "REAL_SQRT({0})", "fabs": "REAL_FABS({0})", "floor": "REAL_FLOOR({0})", "sgn": "sgn({0})",
+    "forward": "forward({0})", "backward": "forward(-({0}))", "exp": "REAL_EXP({0})",
+    "sine_series": "sine_series({0})", "cosine_series": "cosine_series({0})",
+}  # fmt: skip
+_DOUBLE = {
+    "sqrt": "sqrt({0})", "fabs": "fabs({0})", "sin": "sin({0})", "cos": "cos({0})", "exp": "exp({0})",
+    "rounded": "(double)(real)({0})", "leading": "leading({0})",
+}  # fmt: skip
+# Written so that NaN goes in and NaN comes out.
+_HELPERS = {
+    "sgn": "(x > REAL(0.0)) ? REAL(1.0) : ((x < REAL(0.0)) ? REAL(-1.0) : ((x == REAL(0.0)) ? REAL(0.0) : x))",
+    "forward": "(x > REAL(0.0)) ? REAL(1.0) : ((x <= REAL(0.0)) ? REAL(0.0) : x)",
+}
+
+
+def view(program: Program, banner: str, digest: str) -> dict[str, Any]:
+    """All that the templates of header and source are filled with."""
+    prepared = {a.target.name for a in program.prepare}
+    in_prepare = _language(_DOUBLE, lambda name: name if name in prepared else f"p->{name}", "{}", "double")
+    coefficients = {s.name for s in program.coefficients}
+    values = {single: evaluate_prepare(program, single) for single in (True, False)}
+    expressions = [a.value for r in program.routines for a in r.assignments]
+    uses = {operation: any(e.has(operation) for e in expressions) for operation in (Sgn, Forward, Backward)}
+    helpers = [name for name, used in (("sgn", uses[Sgn]), ("forward", uses[Forward] or uses[Backward])) if used]
+    macros = _macros(program)
+    notes = dict(program.notes)
+    return {
+        "banner": "\n".join(["/*", *(f" * {line}".rstrip() for line in banner.splitlines()), " */"]),
+        "title": program.title,
+        "name": program.name,
+        "guard": program.name.upper(),
+        "digest": f"0x{digest}UL",
+        "parameters": [_parameter(q, values[False][q.name]) for q in program.parameters],
+        "valid": _valid(program),
+        "coefficients": [
+            {
+                "name": s.name,
+                "source": s.name if s.name in prepared else f"p->{s.name}",
+                "single": f"(real)({values[True][s.name]})",
+                "double": f"{values[False][s.name]}",
+                "doc": notes.get(s.name, ""),
+            }
+            for s in program.coefficients
+        ],
+        "single": [(name, single) for name, single, _ in macros],
+        "double": [(name, double) for name, _, double in macros],
+        "helpers": [{"name": name, "body": _HELPERS[name]} for name in helpers],
+        "series": [_series(name) for name in used_series(program)],
+        "leading": splitting(program),
+        "prepare": [f"const double {a.target.name} = {printed(a.value, in_prepare)};" for a in program.prepare],
+        "routines": [_routine(program, r, coefficients) for r in program.routines],
+    }
+
+
+def _macros(program: Program) -> list[tuple[str, str, str]]:
+    """(macro, its meaning in single, in double), those that the routines use."""
+    expressions = [a.value for r in program.routines for a in r.assignments]
+    used = [("REAL_SQRT(x)", Root, "sqrt"), ("REAL_FABS(x)", Size, "fabs"), ("REAL_FLOOR(x)", Floor, "floor")]
+    found = [("REAL(x)", "x##f", "x")]
+    found += [(macro, f"{name}f(x)", f"{name}(x)") for macro, op, name in used if any(e.has(op) for e in expressions)]
+    if any("largest" in map(str, e.free_symbols) for e in expressions):
+        found.append(("REAL_LARGEST", "FLT_MAX", "DBL_MAX"))
+    return found
+
+
+def _language(calls: dict[str, str], symbol: Any, literal: str, real: str) -> Language:
+    def branches(pairs: list[tuple[str, str]]) -> str:
+        text = pairs[-1][0]
+        for value, condition in reversed(pairs[:-1]):
+            text = f"({condition}) ? {value} : ({text})"
+        return text
+
+    return Language(
+        symbol=symbol,
+        number=lambda decimal: literal.format(number(decimal)),
+        call=lambda name, arguments: calls[name].format(*arguments),
+        pick=lambda a, relation, b, x, y: f"(({a} {relation} {b}) ? {x} : {y})",
+        branches=branches,
+    )
+
+
+def _parameter(q: Quantity, value: str) -> dict[str, str]:
+    equation = f", eq. {q.equation}" if q.equation else ""
+    note = ", no default" if q.default is None else ""
+    return {"name": q.name, "unit": q.unit, "default": value, "doc": f"{q.meaning} [{q.unit}]{equation}{note}"}
+
+
+def _valid(program: Program) -> str:
+    positive = [q.name for q in program.parameters if domain(q)[2]]
+    real = [q.name for q in program.parameters if q.domain == "real"]
+    others = "the others not negative" + (f" ({', '.join(real)}: any)" if real else "")
+    return f"{', '.join(positive)} positive, {others}"
+
+
+def _series(name: str) -> dict[str, str]:
+    def horner(single: bool) -> str:
+        first, *rest = polynomial(name, single).coefficients
+        text = f"REAL({first})"
+        for coefficient in rest:
+            text = f"({text} * x + REAL({coefficient}))"
+        return text[1:-1]
+
+    single, double = polynomial(name, True), polynomial(name, False)
+    function = {"sine_series": "sin(h)/h", "cosine_series": "cos(h)"}[name]
+    return {
+        "name": name,
+        "single": horner(True),
+        "double": horner(False),
+        "doc": f"{function} at x = h^2, |h| within a quarter turn; error of the fit {single.error} and {double.error}.",
+    }
+
+
+def _routine(program: Program, r: Routine, coefficients: set[str]) -> dict[str, Any]:
+    def spelled(name: str) -> str:
+        return "REAL_LARGEST" if name == "largest" else f"c->{name}" if name in coefficients else name
+
+    language = _language(_REAL, spelled, "REAL({})", "real")
+    results = {s.name: k for k, s in enumerate(r.results)}
+
+    def line(target: str, value: Any) -> str:
+        text = printed(value, language)
+        if target not in results:
+            return f"const real {target} = {text};"
+        return f"out[{results[target]}] = {text};" if r.labels else f"return {text};"
+
+    unpack = [
+        f"const real {symbol.name} = {x.quantity.name}[{k}];"
+        for x in r.inputs
+        if x.length is not None
+        for k, symbol in enumerate(x.symbols)
+    ]
+    own = f"{program.name}_{r.name}"
+    coefficient_argument = f"const {program.name}_coefficients *c"
+    single = [_argument(x) for x in r.inputs]
+    arrays = [f"const ECCENTRIC_REAL *{x.quantity.name}" for x in r.inputs]
+    out = ["ECCENTRIC_REAL *out"] if r.labels else []
+    passed = [_passed(x) for x in r.inputs]
+    width = len(r.labels)
+    call = ", ".join([*passed, *([f"out + {width} * k"] if r.labels else []), "c"])
+    return {
+        "name": r.name,
+        "doc": f"{r.meaning[0].upper()}{r.meaning[1:]} [{r.unit}].",
+        "inputs": [{"name": x.quantity.name, "doc": f"{x.quantity.meaning} [{x.quantity.unit}]"} for x in r.inputs],
+        "labels": r.labels,
+        "signature": _wrapped("void" if r.labels else "ECCENTRIC_REAL", own, [*single, *out, coefficient_argument]),
+        "array_signature": _wrapped(
+            "void", f"{own}_n", ["size_t n", *arrays, "ECCENTRIC_REAL *out", coefficient_argument]
+        ),
+        "array_call": f"{own}({call});" if r.labels else f"out[k] = {own}({call});",
+        "lines": [*unpack, *_unused(r, coefficients), *assigned(r, line)],
+    }
+
+
+def _unused(r: Routine, coefficients: set[str]) -> list[str]:
+    used = set().union(*(a.value.free_symbols for a in r.assignments))
+    return [] if any(s.name in coefficients for s in used) else ["(void)c;"]
+
+
+def _argument(x: Input) -> str:
+    return f"ECCENTRIC_REAL {x.quantity.name}" if x.length is None else f"const ECCENTRIC_REAL *{x.quantity.name}"
+
+
+def _passed(x: Input) -> str:
+    return f"{x.quantity.name}[k]" if x.length is None else f"{x.quantity.name} + {x.length} * k"
+
+
+def _wrapped(result: str, name: str, arguments: list[str]) -> str:
+    line = f"{result} {name}({', '.join(arguments)})"
+    if len(line) <= 118:
+        return line
+    return f"{result} {name}(\n    " + ",\n    ".join(arguments) + ")"

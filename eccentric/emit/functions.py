@@ -1,0 +1,159 @@
+"""From a Model to the functions that are emitted for it: which there are, what they depend on, what they return."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import sympy as sp
+
+from eccentric.emit.program import Assignment, differentiate
+from eccentric.model import KINDS, Model, regressor
+from eccentric.model.steps import Backward, Forward, Gated, Magnitude, Sgn, SquareDifference
+
+
+@dataclass(frozen=True)
+class Function:
+    """A function of the model before its parameter-only parts are split off.
+
+    Attributes:
+        name, unit, meaning: as in Routine.
+        results: label -> expression; the label is "" for a scalar function.
+        by: symbols by which `results` (then exactly one) is differentiated; the function returns those slopes.
+    """
+
+    name: str
+    unit: str
+    meaning: str
+    results: tuple[tuple[str, sp.Expr], ...]
+    by: tuple[sp.Symbol, ...] = ()
+    requires: tuple[str, ...] = ()
+
+
+def closure(model: Model, results: tuple[tuple[str, sp.Expr], ...]) -> tuple[Assignment, ...]:
+    """The model's definitions that the results need, in order."""
+    needed = set().union(*(expression.free_symbols for _, expression in results))
+    chosen: list[Assignment] = []
+    for definition in reversed(model.definitions):
+        if definition.symbol in needed:
+            needed |= definition.value.free_symbols
+            chosen.append(Assignment(definition.symbol, definition.value))
+    return tuple(reversed(chosen))
+
+
+def solve_current(model: Model, alpha: bool = True) -> sp.Expr:
+    """The armature current that the mechanical balance asks for, eq (4) without the armature."""
+    mechanical = model.balance("mechanical")
+    drive = next(term for term in mechanical.terms if term.kind == "drive")
+    driven = [kind for kind in KINDS if kind != "drive" and (alpha or kind != "inertial")]
+    return sp.expand_mul(mechanical.sum_of(*driven) / drive.coefficient)
+
+
+def functions(model: Model) -> tuple[Function, ...]:
+    """Every function that is emitted for the model, in the order of the module."""
+    mechanical, electrical = model.balance("mechanical"), model.balance("electrical")
+    friction = mechanical.sum_of("friction")
+    gravity = mechanical.sum_of("gravity", "conservative")
+    resistance = next(t.coefficient for t in electrical.terms if t.kind == "resistive")
+    torque_constant = next(t.coefficient for t in mechanical.terms if t.kind == "drive")
+    current = solve_current(model)
+    voltage = resistance * current + electrical.sum_of("back_emf", "actuator")
+    # (4) with alpha_m = 0 and without gravity: what is left of (k_i/R) u.
+    resultant = friction + torque_constant / resistance * electrical.sum_of("back_emf", "actuator")
+    columns = regressor(model)
+    coefficients = tuple((column.name, column.coefficient) for column in columns)
+    parameters = friction_parameters(model)
+    inertia = tuple(q.name for q in model.parameters if q.default is None)
+    dependence = _inputs(model, resultant)
+    asymmetric = friction.has(Forward)
+    standstill = (
+        (("pos", _standstill(model, friction, 1)), ("neg", -_standstill(model, friction, -1)))
+        if asymmetric
+        else (("", _standstill(model, friction, 1)),)
+    )
+    normal_force = model.definition("F_N").symbol
+    listed = [
+        Function("normal_force", "N", "normal force F_N on the axis of rotation", (("", normal_force),)),
+        Function("friction_torque", "N m", "resultant friction torque F, back-EMF damping included, eq (6)",
+                 (("", resultant),)),
+        Function("mechanical_friction_torque", "N m", "mechanical friction torque f = f_m + mu f_l, without back-EMF",
+                 (("", friction),)),
+        Function("friction_torque_gradient", "N m per rad, rad/s, rad/s^2", "slopes of friction_torque by its inputs",
+                 (("", resultant),), dependence),
+        Function("friction_torque_jacobian", "N m per unit of the coefficient",
+                 "slopes of friction_torque by all friction coefficients", (("", resultant),), parameters),
+        Function("regressor", "N m per unit of the coefficient",
+                 "columns with regressor @ friction_coefficients = mechanical_friction_torque",
+                 tuple((column.name, column.basis) for column in columns)),
+        Function("friction_coefficients", "as the columns of the regressor", "what the columns of the regressor multiply",
+                 coefficients),
+        Function("coulomb_torque", "N m", "size of the friction torque at standstill, where it is set-valued",
+                 standstill),
+        Function("gravity_torque", "N m", "gravity torque G, eq (5)", (("", gravity),)),
+        Function("voltage", "V", "armature voltage u = (R/k_i) (J alpha_m + G + F), eq (4)", (("", voltage),),
+                 requires=inertia),
+        Function("current", "A", "armature current i = (J alpha_m + G + f)/k_i", (("", current),), requires=inertia),
+    ]  # fmt: skip
+    return (*listed, *_polynomials(model, resultant))
+
+
+def friction_parameters(model: Model) -> tuple[sp.Symbol, ...]:
+    """The friction coefficients among the parameters, in their order there."""
+    used = {term.coefficient for term in model.balance("mechanical").terms if term.kind == "friction"}
+    return tuple(q.symbol for q in model.parameters if q.symbol in used)
+
+
+def gradient_labels(model: Model, function: Function) -> tuple[str, ...]:
+    """Names of the slopes that a differentiated function returns."""
+    assignments = (*closure(model, function.results), Assignment(sp.Symbol("y"), function.results[0][1]))
+    found = {a.target.name for a in differentiate(assignments, function.by)}
+    return tuple(x.name for x in function.by if f"y_d_{x.name}" in found)
+
+
+def _inputs(model: Model, expression: sp.Expr) -> tuple[sp.Symbol, ...]:
+    symbols = model.expand(expression).free_symbols
+    return tuple(q.symbol for q in model.inputs if q.symbol in symbols)
+
+
+def _standstill(model: Model, friction: sp.Expr, direction: int) -> sp.Expr:
+    """The limit of the friction torque for velocity to 0 from above (1) or below (-1)."""
+    omega_m = next(q.symbol for q in model.inputs if q.name == "omega_m")
+    moving = {d.symbol: d.value for d in model.definitions if d.value.has(omega_m) or d.quantity.name in ("F_N", "speed")}
+    for symbol in reversed(list(moving)):
+        friction = friction.subs(symbol, moving[symbol])
+    known = {
+        Sgn(omega_m): direction,
+        Forward(omega_m): int(direction > 0),
+        Backward(omega_m): int(direction < 0),
+    }
+    friction = friction.subs(known).subs(omega_m, 0)
+    # With zero speed the steps fold to plain numbers or to their other argument.
+    friction = friction.replace(lambda e: isinstance(e, Gated) and e.args[1].is_number, lambda e: sp.Mul(*e.args))
+    friction = friction.replace(
+        lambda e: isinstance(e, SquareDifference) and e.args[0] == 0, lambda e: -e.args[1] ** 2
+    )
+    friction = friction.replace(lambda e: isinstance(e, Magnitude) and e.args[1] == 0, lambda e: sp.Abs(e.args[0]))
+    if any(d.quantity.name == "omega_star" for d in model.definitions):
+        omega_star, scale = model.definition("omega_star").symbol, model.definition("scale_N").symbol
+        friction = friction.subs(scale * omega_star**2, model.definition("weight").symbol)
+    return friction
+
+
+def _polynomials(model: Model, resultant: sp.Expr) -> tuple[Function, ...]:
+    """F_3 ... F_0 for each direction, where friction is a polynomial in the motor velocity (C1); else nothing."""
+    omega_m = next(q.symbol for q in model.inputs if q.name == "omega_m")
+    plain = model.expand(resultant).replace(Gated, sp.Mul)
+    found = []
+    for name, direction in (("polynomial", 1), ("polynomial_neg", -1)):
+        known = {Sgn(omega_m): direction, Forward(omega_m): int(direction > 0), Backward(omega_m): int(direction < 0)}
+        one_sided = sp.expand(plain.subs(known))
+        if not one_sided.is_polynomial(omega_m):
+            return ()
+        if direction < 0 and not resultant.has(Backward):
+            break  # symmetric friction: the other direction says nothing new
+        poly = sp.Poly(one_sided, omega_m)
+        results = tuple((f"F_{k}", poly.coeff_monomial(omega_m**k)) for k in (3, 2, 1, 0))
+        side = "omega_m > 0" if direction > 0 else "omega_m < 0"
+        found.append(
+            Function(name, "N m (s/rad)^k", f"coefficients F_3, F_2, F_1, F_0 of F for {side}, eqs (11)-(14)", results)
+        )
+    return tuple(found)

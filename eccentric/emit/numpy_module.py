@@ -1,0 +1,143 @@
+"""What `module.py.jinja` may see: the Program as lines of Python, nothing symbolic left."""
+
+from __future__ import annotations
+
+import textwrap
+from typing import Any
+
+from eccentric.emit.expression import Language, printed
+from eccentric.emit.program import Input, Program, Routine
+from eccentric.emit.series import polynomial
+from eccentric.emit.text import assigned, default_text, domain, number, splitting, used_series, with_largest
+from eccentric.model.quantity import Quantity
+
+_NUMPY = {
+    "sqrt": "np.sqrt({0})", "fabs": "np.abs({0})", "floor": "np.floor({0})", "sgn": "np.sign({0})",
+    "forward": "np.heaviside({0}, 0.0)", "backward": "np.heaviside(-({0}), 0.0)", "exp": "np.exp({0})",
+    "sine_series": "_sine_series({0})", "cosine_series": "_cosine_series({0})",
+}  # fmt: skip
+_MATH = {
+    "sqrt": "math.sqrt({0})", "fabs": "abs({0})", "sin": "math.sin({0})", "cos": "math.cos({0})",
+    "exp": "math.exp({0})", "rounded": "float(real({0}))", "leading": "_leading({0}, real)",
+}  # fmt: skip
+
+
+def view(program: Program, banner: str, summary: str) -> dict[str, Any]:
+    """All that the templates of the NumPy module are filled with."""
+    prepared = {a.target.name for a in program.prepare}
+    optional = [q for q in program.parameters if q.default is None or q.default.free_symbols]
+    in_prepare = _language(_MATH, lambda name: name if name in prepared | {q.name for q in optional} else f"p.{name}")
+    coefficients = [s.name for s in with_largest(program)]
+    return {
+        "banner": "\n".join(f"# {line}" for line in banner.splitlines()),
+        "title": program.title,
+        "summary": summary,
+        "public": [*sorted(name for name, _ in program.constants), "Parameters", *sorted(r.name for r in program.routines)],
+        "constants": [(name, _tuple([f'"{v}"' for v in values])) for name, values in program.constants],
+        "parameters": [_parameter(q) for q in program.parameters],
+        "optional": _tuple([f'"{q.name}"' for q in optional]),
+        "coefficients": coefficients,
+        "sources": {c: c if c in prepared or c in {q.name for q in optional} else _source(c) for c in coefficients},
+        "leading": splitting(program),
+        "prepare": [
+            *(_default(q) for q in optional),
+            *(f"{a.target.name} = {printed(a.value, in_prepare)}" for a in program.prepare),
+        ],
+        "series": [_series(name) for name in used_series(program)],
+        "routines": [_routine(r, set(coefficients)) for r in program.routines],
+    }
+
+
+def _language(calls: dict[str, str], symbol: Any) -> Language:
+    def branches(pairs: list[tuple[str, str]]) -> str:
+        text = pairs[-1][0]
+        for value, condition in reversed(pairs[:-1]):
+            text = f"{value} if {condition} else {text}"
+        return text
+
+    return Language(
+        symbol=symbol,
+        number=number,
+        call=lambda name, arguments: calls[name].format(*arguments),
+        pick=lambda a, relation, b, x, y: f"np.where({a} {relation} {b}, {x}, {y})",
+        branches=branches,
+    )
+
+
+def _source(name: str) -> str:
+    return "np.finfo(real).max" if name == "largest" else f"p.{name}"
+
+
+def _default(q: Quantity) -> str:
+    value = "math.nan" if q.default is None else printed(q.default, _language(_MATH, lambda name: f"p.{name}"))
+    return f"{q.name} = {value} if p.{q.name} is None else p.{q.name}"
+
+
+def _parameter(q: Quantity) -> dict[str, str]:
+    required, lowest, open_below = domain(q)
+    symbolic = q.default is not None and q.default.free_symbols
+    note = f", {q.default} if None" if symbolic else ", needed with alpha_m" if q.default is None else ""
+    equation = f", eq. {q.equation}" if q.equation else ""
+    return {
+        "name": q.name,
+        "type": "float" if q.default is not None and not symbolic else "float | None",
+        "default": "None" if q.default is None or symbolic else default_text(q),
+        "doc": f"{q.meaning} [{q.unit}]{equation}{note}",
+        "domain": required,
+        "lowest": lowest,
+        "open_below": str(open_below),
+    }
+
+
+def _tuple(items: list[str], indent: str = "") -> str:
+    """A tuple as formatters spell it."""
+    line = f"({items[0]},)" if len(items) == 1 else f"({', '.join(items)})"
+    return line if len(line) <= 90 else f"(\n{''.join(f'{indent}    {item},{chr(10)}' for item in items)}{indent})"
+
+
+def _series(name: str) -> dict[str, str]:
+    single, double = polynomial(name, True), polynomial(name, False)
+    function = {"sine_series": "sin(x)/x", "cosine_series": "cos(x)"}[name]
+    return {
+        "name": name,
+        "single": single.coefficients,
+        "double": double.coefficients,
+        "doc": f"{function} by x^2, |x| within a quarter turn; error of the fit {single.error} and {double.error}.",
+    }
+
+
+def _routine(r: Routine, coefficients: set[str]) -> dict[str, Any]:
+    language = _language(_NUMPY, lambda name: f"c.{name}" if name in coefficients else name)
+    lines = assigned(r, lambda target, value: f"{target} = {printed(value, language)}")
+    arguments = [f"{x.quantity.name} [{x.quantity.unit}]: {x.quantity.meaning}" for x in r.inputs]
+    shape = f"last axis ({', '.join(r.labels)})" if r.labels else "shape of the broadcast inputs"
+    doc = f"{r.meaning[0].upper()}{r.meaning[1:]} [{r.unit}]; {shape}."
+    if len(doc) > 98:
+        doc = f"{r.meaning[0].upper()}{r.meaning[1:]} [{r.unit}].\n\n    {_filled(shape.capitalize())}."
+    if arguments:
+        doc += "\n\n    " + "\n    ".join(arguments)
+    if "\n" in doc:
+        doc += "\n    "
+    inputs = [_input(x, r) for x in r.inputs]
+    return {
+        "name": r.name,
+        "inputs": inputs,
+        "unpacked": [s.name for x in r.inputs for s in x.symbols],
+        "lines": lines,
+        "results": _tuple([s.name for s in r.results], "    "),
+        "width": len(r.results) if r.labels else 0,
+        "doc": doc,
+        "requires": _tuple([f'"{name}"' for name in r.requires]) if r.requires else "",
+        "passed": _tuple([x["call"] for x in inputs]),
+    }
+
+
+def _filled(text: str) -> str:
+    return "\n    ".join(textwrap.wrap(text, 100))
+
+
+def _input(x: Input, r: Routine) -> dict[str, str]:
+    name = x.quantity.name
+    call = name if x.length is None else f"*np.moveaxis(np.asarray({name}), -1, 0)"
+    return {"name": name, "default": " = 0.0" if r.requires and x is r.inputs[-1] else "", "call": call}
+

@@ -1,0 +1,125 @@
+"""The Program: ordered named assignments, split in what depends on parameters only and what is evaluated per sample.
+
+It is what emission prints. It knows nothing of friction: inputs may be vectors, assignments are differentiated one by
+one (never one expanded expression), so that a chain of n links needs no rewrite.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+
+import sympy as sp
+
+from eccentric.model.quantity import Quantity
+from eccentric.model.steps import Across, Along, Gated, Sgn
+
+
+@dataclass(frozen=True)
+class Input:
+    """An input of a routine: one number, or a vector of `length` numbers.
+
+    A vector's elements are the symbols name_0, name_1, ...; in NumPy they are the last axis, in C a pointer.
+    """
+
+    quantity: Quantity
+    length: int | None = None
+
+    @property
+    def symbols(self) -> tuple[sp.Symbol, ...]:
+        """The symbols that expressions use for it."""
+        if self.length is None:
+            return (self.quantity.symbol,)
+        return tuple(sp.Symbol(f"{self.quantity.name}_{k}", real=True) for k in range(self.length))
+
+
+@dataclass(frozen=True)
+class Assignment:
+    """`target = value`."""
+
+    target: sp.Symbol
+    value: sp.Expr
+
+
+@dataclass(frozen=True)
+class Routine:
+    """One emitted function.
+
+    Attributes:
+        name: in NumPy and, behind the model's prefix, in C.
+        inputs: in order.
+        assignments: the hot path, in order of evaluation.
+        results: what is returned.
+        labels: one name per result for a vector result, () for a scalar one.
+        unit: of the result.
+        meaning: one line for the docstring.
+        requires: parameters without a default that are asked for where the last input is not zero.
+    """
+
+    name: str
+    inputs: tuple[Input, ...]
+    assignments: tuple[Assignment, ...]
+    results: tuple[sp.Symbol, ...]
+    labels: tuple[str, ...]
+    unit: str
+    meaning: str
+    requires: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True)
+class Program:
+    """All routines of a model and the parameter-only work they share.
+
+    Attributes:
+        name: prefix in C, module name in Python.
+        title: one line.
+        parameters: in the order of the struct.
+        prepare: assignments in parameters only, in double precision, run once.
+        coefficients: the targets of `prepare` that the routines use.
+        routines: the emitted functions.
+        constants: names that the module carries, such as the columns of its regressor.
+        notes: what a coefficient is, where its name does not tell.
+    """
+
+    name: str
+    title: str
+    parameters: tuple[Quantity, ...]
+    prepare: tuple[Assignment, ...]
+    coefficients: tuple[sp.Symbol, ...]
+    routines: tuple[Routine, ...]
+    constants: tuple[tuple[str, tuple[str, ...]], ...] = ()
+    notes: tuple[tuple[str, str], ...] = ()
+
+
+def differentiate(assignments: Iterable[Assignment], by: Sequence[sp.Symbol]) -> tuple[Assignment, ...]:
+    """The assignments, each followed by its derivatives by the symbols in `by` where they are not zero.
+
+    The derivative of `target` by x is named target_d_x. Each value is differentiated by the symbols it contains, and
+    the chain rule is carried from one assignment to the next (forward mode).
+    """
+    slopes: dict[tuple[sp.Symbol, sp.Symbol], sp.Expr] = {(x, x): sp.Integer(1) for x in by}
+    out: list[Assignment] = []
+    for assignment in assignments:
+        out.append(assignment)
+        for x in by:
+            inner = [s for s in sorted(assignment.value.free_symbols, key=str) if slopes.get((s, x), 0) != 0]
+            slope = sp.Add(*(_partial(assignment.value, s) * slopes[s, x] for s in inner))
+            if slope != 0:
+                target = sp.Symbol(f"{assignment.target.name}_d_{x.name}", real=True)
+                out.append(Assignment(target, _gate(slope)))
+                slopes[assignment.target, x] = target
+    return tuple(out)
+
+
+def _partial(value: sp.Expr, symbol: sp.Symbol) -> sp.Expr:
+    return value.diff(symbol).replace(sp.sign, Sgn)
+
+
+def _gate(slope: sp.Expr) -> sp.Expr:
+    """Products with a direction cosine, so that 0 times an overflow is 0."""
+
+    def gated(product: sp.Expr) -> sp.Expr:
+        cosine = next(factor for factor in product.args if isinstance(factor, Along | Across))
+        return Gated(sp.Mul(*(factor for factor in product.args if factor != cosine)), cosine)
+
+    return slope.replace(lambda e: e.is_Mul and any(isinstance(a, Along | Across) for a in e.args), gated)

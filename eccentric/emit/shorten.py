@@ -1,0 +1,42 @@
+"""Long assignments cut into parts, so that every emitted line can be read (and formatters leave it alone)."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from itertools import count
+
+import sympy as sp
+
+from eccentric.emit.program import Assignment
+
+_WIDTH = 86  # characters of `target = value` as SymPy spells it, each symbol a little longer in C
+
+
+def shortened(assignments: Iterable[Assignment]) -> tuple[Assignment, ...]:
+    """The assignments; an argument of a sum or product that makes one too long becomes an assignment before it."""
+    out: list[Assignment] = []
+    numbers = count(1)
+
+    def add(assignment: Assignment) -> None:
+        value = assignment.value
+        while _length(assignment.target, value) > _WIDTH and (part := _longest_part(value)) is not None:
+            symbol = sp.Symbol(f"part_{next(numbers)}", real=True)
+            add(Assignment(symbol, part))
+            value = value.xreplace({part: symbol})
+        out.append(Assignment(assignment.target, value))
+
+    for assignment in assignments:
+        add(assignment)
+    return tuple(out)
+
+
+def _length(target: sp.Symbol, value: sp.Expr) -> int:
+    symbols = sum(1 for e in sp.preorder_traversal(value) if e.is_Symbol)
+    return len(f"{target} = {value}") + 3 * symbols
+
+
+def _longest_part(value: sp.Expr) -> sp.Expr | None:
+    """The longest argument worth a name of its own; None if all are symbols and numbers."""
+    parts = [a for a in value.args if not a.is_Atom and (value.is_Add or value.is_Mul or a.is_Add or a.is_Mul)]
+    parts = [a for a in parts if not (a.is_Mul and a.args[0].is_Number and len(a.args) == 2 and a.args[1].is_Symbol)]
+    return max(parts, key=lambda a: (len(str(a)), str(a)), default=None)

@@ -1,0 +1,57 @@
+"""Spellings that both back ends share: numbers, defaults, domains, assignments."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import sympy as sp
+
+from eccentric.emit.lower import COSINE, LARGEST, SINE
+from eccentric.emit.program import Program, Routine
+from eccentric.model.quantity import Quantity
+from eccentric.model.steps import Leading
+
+# Digits kept by `leading`: 11 of 24 and 33 of 53 bits, so that up to 2^12 and 2^20 half turns times them are exact.
+_SPLIT = {"single": 2**42 + 1, "double": 2**20 + 1}
+
+
+def number(decimal: str) -> str:
+    """A decimal with a point or an exponent, so that no language takes it for an integer."""
+    return decimal if any(mark in decimal for mark in ".en") else f"{decimal}.0"
+
+
+def default_text(q: Quantity) -> str:
+    """The default of a parameter as the shortest decimal."""
+    return repr(float(sp.Rational(q.default)))
+
+
+def domain(q: Quantity) -> tuple[str, str, bool]:
+    """(what is required, in words; lower bound; whether the bound itself is excluded)."""
+    words = {"positive": "a positive number", "nonnegative": "a number that is not negative", "real": "a finite number"}
+    lowest = "-math.inf" if q.domain == "real" else "0.0"
+    return f"{words[q.domain]} [{q.unit}]", lowest, q.domain == "positive"
+
+
+def splitting(program: Program) -> dict[str, str] | None:
+    """The factors of the split into leading digits, in double arithmetic; None where no angle is reduced."""
+    if not any(a.value.has(Leading) for a in program.prepare):
+        return None
+    return {precision: f"{factor}.0" for precision, factor in _SPLIT.items()}
+
+
+def used_series(program: Program) -> list[str]:
+    """The names of the polynomials that the routines evaluate."""
+    used = set().union(*(a.value.free_symbols for r in program.routines for a in r.assignments))
+    return [s.name for s in (SINE, COSINE) if s in used]
+
+
+def assigned(r: Routine, line: Callable[[str, sp.Expr], str]) -> list[str]:
+    """One line per assignment."""
+    return [line(a.target.name, a.value) for a in r.assignments]
+
+
+def with_largest(program: Program) -> tuple[sp.Symbol, ...]:
+    """The coefficients, and the greatest finite number where a routine compares with it."""
+    uses = any(LARGEST in a.value.free_symbols for r in program.routines for a in r.assignments)
+    return (*program.coefficients, LARGEST) if uses else program.coefficients
+

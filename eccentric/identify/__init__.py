@@ -1,0 +1,1 @@
+"""Measured data in, identified parameters and named effects out."""

@@ -1,0 +1,130 @@
+"""Arithmetic on the columns of a log: `pwm_counts / 885 * supply_V`, `torque_enable == 1 and speed > 0`.
+
+Python's own parser reads the text, and a whitelist of its nodes is computed with NumPy here. Nothing is run
+as code; there are no calls, attributes, indices or powers, and length and depth are bounded. A column whose
+name is no plain word stands in backquotes: `` `speed (rpm)` / 60 ``.
+"""
+
+from __future__ import annotations
+
+import ast
+import functools
+import math
+import re
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from eccentric.errors import InputError
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+MAX_LENGTH = 500
+MAX_DEPTH = 40
+
+Value = NDArray[Any] | float
+
+_ARITHMETIC: dict[type[ast.AST], Callable[[Value, Value], NDArray[Any]]] = {
+    ast.Add: np.add,
+    ast.Sub: np.subtract,
+    ast.Mult: np.multiply,
+    ast.Div: np.true_divide,
+}
+_COMPARISON: dict[type[ast.AST], Callable[[Value, Value], NDArray[Any]]] = {
+    ast.Lt: np.less,
+    ast.LtE: np.less_equal,
+    ast.Gt: np.greater,
+    ast.GtE: np.greater_equal,
+    ast.Eq: np.equal,
+    ast.NotEq: np.not_equal,
+}
+_ALLOWED = "+ - * / ( ), numbers, column names, comparisons, and, or, not"
+
+
+def evaluate(text: str, column: Callable[[str], NDArray[np.float64]], where: str) -> NDArray[Any]:
+    """Return the value of an arithmetic text on columns: float64 (n,), or bool (n,) for a condition.
+
+    `column` returns the numbers of a named column and raises InputError for a name that the log has not.
+    `where` opens the error message. A division by zero gives inf or NaN, which is counted as missing later.
+    Raises InputError for anything that is not in the whitelist.
+    """
+    tree, quoted = _parse(text, where)
+
+    def value(node: ast.AST, depth: int) -> Value:
+        if depth > MAX_DEPTH:
+            raise InputError(f"{where}: {text!r} is nested deeper than {MAX_DEPTH}")
+        match node:
+            case ast.Constant(value=int() | float() as number) if not isinstance(number, bool):
+                return _finite(number, text, where)
+            case ast.Name(id=name):
+                return column(quoted.get(name, name))
+            case ast.UnaryOp(op=ast.USub() | ast.UAdd() as op, operand=operand):
+                inner = number_of(operand, depth)
+                return -inner if isinstance(op, ast.USub) else inner
+            case ast.UnaryOp(op=ast.Not(), operand=operand):
+                return np.logical_not(condition_of(operand, depth))
+            case ast.BinOp(left=left, op=op, right=right) if type(op) in _ARITHMETIC:
+                return _ARITHMETIC[type(op)](number_of(left, depth), number_of(right, depth))
+            case ast.Compare(left=left, ops=ops, comparators=others) if all(
+                type(op) in _COMPARISON for op in ops
+            ):
+                sides = [number_of(side, depth) for side in (left, *others)]
+                pairs = zip(ops, sides, sides[1:], strict=False)
+                return functools.reduce(np.logical_and, [_COMPARISON[type(op)](a, b) for op, a, b in pairs])
+            case ast.BoolOp(op=op, values=values):
+                both = np.logical_and if isinstance(op, ast.And) else np.logical_or
+                return functools.reduce(both, [condition_of(side, depth) for side in values])
+        part = ast.unparse(node)
+        raise InputError(f"{where}: {part!r} in {text!r} is not allowed; allowed are {_ALLOWED}")
+
+    def number_of(node: ast.AST, depth: int) -> Value:
+        inner = value(node, depth + 1)
+        if np.asarray(inner).dtype == bool:
+            raise InputError(f"{where}: a number is required, received the condition {ast.unparse(node)!r}")
+        return inner
+
+    def condition_of(node: ast.AST, depth: int) -> Value:
+        inner = value(node, depth + 1)
+        if np.asarray(inner).dtype != bool:
+            raise InputError(f"{where}: a condition is required, received the number {ast.unparse(node)!r}")
+        return inner
+
+    with np.errstate(all="ignore"):
+        result = np.asarray(value(tree, 0))
+    if result.ndim == 0:
+        raise InputError(f"{where}: {text!r} names no column")
+    return result
+
+
+def _parse(text: str, where: str) -> tuple[ast.AST, dict[str, str]]:
+    """Return the syntax tree, and the column names that stood in backquotes by their placeholder."""
+    if len(text) > MAX_LENGTH:
+        raise InputError(
+            f"{where}: arithmetic of at most {MAX_LENGTH} characters is required, received {len(text)}"
+        )
+    quoted: dict[str, str] = {}
+
+    def placeholder(match: re.Match[str]) -> str:
+        name = f"__column{len(quoted)}"
+        quoted[name] = match[1]
+        return f" {name} "
+
+    plain = re.sub(r"`([^`]+)`", placeholder, text).strip()
+    try:
+        return ast.parse(plain, mode="eval").body, quoted
+    except (SyntaxError, ValueError, MemoryError, RecursionError):
+        raise InputError(
+            f"{where}: {text!r} is neither a column of the log nor arithmetic of {_ALLOWED}"
+        ) from None
+
+
+def _finite(number: float, text: str, where: str) -> float:
+    try:
+        converted = float(number)
+    except OverflowError:
+        converted = math.inf
+    if not math.isfinite(converted):
+        raise InputError(f"{where}: a finite number is required in {text!r}")
+    return converted

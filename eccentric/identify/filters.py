@@ -1,0 +1,105 @@
+"""From a sampled angle to angle, velocity and acceleration without phase lag, and to the rows that move.
+
+The definitions are those of the reference residual: a second-order Butterworth low pass run forwards and
+backwards over the angle, central differences after it, and a motion mask from the raw angle.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.signal import butter, sosfiltfilt
+
+Array = NDArray[np.float64]
+Mask = NDArray[np.bool_]
+
+HALF_SPAN_S = 0.02
+"""Half the span of the central difference that decides whether a row moves, s."""
+REVERSAL_S = 0.06
+"""No reversal within this time of a moving row, s."""
+END_S = 0.5
+"""Rows closer than this to either end of a stretch are not used: filters have not settled there, s."""
+GAP_STEPS = 5.0
+"""A step longer than this many median steps is a gap: nothing is filtered or interpolated across it."""
+JITTER = 0.1
+"""Time stamps within this fraction of a step of an even grid count as even (stamps are often rounded)."""
+_PADDING = 9
+"""SciPy's own padding at either end of a second-order section, rows."""
+
+
+def stretches(t: Array, run: NDArray[np.int64]) -> NDArray[np.int64]:
+    """Return the number of the stretch of each row (n,): one begins with a run or after a gap in t [s]."""
+    begins = np.ones(len(t), dtype=bool)
+    begins[1:] = run[1:] != run[:-1]
+    for k in np.unique(run):
+        rows = np.flatnonzero(run == k)
+        steps = np.diff(t[rows])
+        if len(steps):
+            begins[rows[1:]] |= steps > GAP_STEPS * np.median(steps)
+    return np.cumsum(begins) - 1
+
+
+def low_pass(x: Array, rate_hz: float, cut_hz: float) -> Array | None:
+    """Return evenly sampled x (n,) after a zero-phase second-order Butterworth low pass, None where it fails.
+
+    That is where the cut-off frequency is above 0.4 of the sampling rate, or the stretch is too short.
+    """
+    if cut_hz > 0.4 * rate_hz or len(x) <= _PADDING:
+        return None
+    return np.asarray(sosfiltfilt(butter(2, cut_hz, fs=rate_hz, output="sos"), x))
+
+
+def is_even(t: Array) -> bool:
+    """Tell whether the time stamps t [s] (n,) lie on an even grid, rounding allowed."""
+    grid = np.linspace(t[0], t[-1], len(t))
+    return len(t) < 3 or float(np.max(np.abs(t - grid))) <= JITTER * (t[-1] - t[0]) / (len(t) - 1)
+
+
+def motion(t: Array, theta: Array, cut_hz: float) -> tuple[Array, Array, Array, bool]:
+    """Return angle [rad], velocity [rad/s], acceleration [rad/s^2] of one stretch (n,), and if low-passed.
+
+    Unevenly sampled angles are interpolated linearly on a grid of the median step, filtered and
+    differentiated there, and interpolated back to the rows. Without low pass, the raw angle is
+    differentiated in the same way.
+    """
+    if len(t) < 3:
+        return theta, np.full_like(t, np.nan), np.full_like(t, np.nan), False
+    step = float(np.median(np.diff(t)))
+    even = is_even(t)
+    count = len(t) if even else int(np.ceil((t[-1] - t[0]) / step)) + 1
+    grid = np.linspace(t[0], t[-1], count)
+    step = (t[-1] - t[0]) / (count - 1)
+    raw = theta if even else np.interp(grid, t, theta)
+    smooth = low_pass(raw, 1.0 / step, cut_hz)
+    angle = raw if smooth is None else smooth
+    velocity = np.gradient(angle, step)
+    acceleration = np.gradient(velocity, step)
+    if not even:
+        angle, velocity, acceleration = (np.interp(t, grid, x) for x in (angle, velocity, acceleration))
+    return angle, velocity, acceleration, smooth is not None
+
+
+def span_velocity(t: Array, theta: Array) -> Array:
+    """Return the velocity [rad/s] (n,) of the raw angle over +-20 ms, at least +-1 step; NaN at the ends."""
+    if len(t) < 3:
+        return np.full_like(t, np.nan)
+    half = max(HALF_SPAN_S, float(np.median(np.diff(t))))
+    # The tolerance keeps rows whose span ends on the first or the last stamp, up to rounding.
+    inside = (t - half >= t[0] - 1e-9) & (t + half <= t[-1] + 1e-9)
+    rise = np.interp(t + half, t, theta) - np.interp(t - half, t, theta)
+    return np.where(inside, rise / (2.0 * half), np.nan)
+
+
+def moves(t: Array, velocity: Array, threshold: float) -> Mask:
+    """Return the rows (n,) faster than the threshold [rad/s] whose velocity keeps its sign within +-60 ms."""
+    sign = np.sign(velocity)
+    changes = np.concatenate([[0], np.cumsum(sign[1:] != sign[:-1])])
+    first = np.searchsorted(t, t - REVERSAL_S - 1e-9)
+    last = np.searchsorted(t, t + REVERSAL_S + 1e-9) - 1
+    # NaN at the ends differs from itself, so rows near the ends do not count as moving either.
+    return (np.abs(velocity) > threshold) & (changes[first] == changes[last])
+
+
+def away_from_ends(t: Array) -> Mask:
+    """Return the rows (n,) more than 0.5 s from either end of the stretch t [s]."""
+    return (t > t[0] + END_S) & (t < t[-1] - END_S)

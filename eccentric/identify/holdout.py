@@ -1,0 +1,80 @@
+"""The held-out part of a log: named by the rig, or by a rule that is recorded."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from eccentric.errors import InputError
+
+if TYPE_CHECKING:
+    from eccentric.identify.rig import Rig
+
+Array = NDArray[np.float64]
+
+BLOCKS = 5
+FRACTION = 0.2
+
+
+@dataclass(frozen=True)
+class Holdout:
+    """Held-out rows (n,), the rule in a sentence, and the intervals [s] that they cover, in row order."""
+
+    rows: NDArray[np.bool_]
+    rule: str
+    intervals_s: tuple[tuple[float, float], ...]
+
+
+def hold_out(t: Array, run: NDArray[np.int64], run_names: tuple[str, ...], rig: Rig) -> Holdout:
+    """Return the held-out part of rows with times t [s] (n,) and run numbers (n,).
+
+    What the rig names goes first: intervals (in every run) and runs. Without, it is every fifth run from the
+    third on where there are three or more, else five contiguous blocks, the middle fifth of each fifth of the
+    rows.
+    Raises InputError for a run that the log has not.
+    """
+    if rig.holdout_intervals_s or rig.holdout_runs:
+        rows, rule = _named(t, run, run_names, rig)
+        if not rig.holdout_runs and len(run_names) == 1:
+            return Holdout(rows, rule, rig.holdout_intervals_s)
+    elif len(run_names) >= 3:
+        chosen = range(2, len(run_names), round(1.0 / FRACTION))
+        rows = np.isin(run, list(chosen))
+        names = ", ".join(run_names[k] for k in chosen)
+        rule = f"whole runs, every fifth from the third on: {names}"
+    else:
+        position = (np.arange(len(t)) / len(t) * BLOCKS) % 1.0
+        rows = np.abs(position - 0.5) < FRACTION / 2.0
+        rule = f"{BLOCKS} contiguous blocks, {FRACTION:.0%} of the rows, evenly spread"
+    return Holdout(rows, rule, _intervals(t, run, rows))
+
+
+def _named(
+    t: Array, run: NDArray[np.int64], run_names: tuple[str, ...], rig: Rig
+) -> tuple[NDArray[np.bool_], str]:
+    rows = np.zeros(len(t), dtype=bool)
+    parts: list[str] = []
+    for start, end in rig.holdout_intervals_s:
+        rows |= (t >= start) & (t <= end)
+    if rig.holdout_intervals_s:
+        parts.append(f"{len(rig.holdout_intervals_s)} intervals named by the rig")
+    for name in rig.holdout_runs:
+        if name not in run_names:
+            raise InputError(
+                f"{rig.path}: holdout_runs: one of {', '.join(run_names)} is required, received {name!r}"
+            )
+        rows |= run == run_names.index(name)
+    if rig.holdout_runs:
+        parts.append(f"runs named by the rig: {', '.join(rig.holdout_runs)}")
+    return rows, "; ".join(parts)
+
+
+def _intervals(t: Array, run: NDArray[np.int64], rows: NDArray[np.bool_]) -> tuple[tuple[float, float], ...]:
+    """First and last time of each contiguous stretch of held-out rows."""
+    label = np.where(rows, run, -1)
+    begins = np.flatnonzero(np.concatenate([[True], label[1:] != label[:-1]]))
+    ends = np.concatenate([begins[1:], [len(t)]]) - 1
+    return tuple((float(t[a]), float(t[b])) for a, b in zip(begins, ends, strict=True) if rows[a])

@@ -1,0 +1,93 @@
+"""The two balances of a log as linear designs: target = base @ coefficients + what the model lacks.
+
+Sample-wise columns become rows by one smooth window (Hann, in the sense of the weak form: both sides of the
+balance are integrated against it), taken at a spacing of a quarter of its length.  Target and columns pass the
+same window, so its low pass cancels out; what it does not see is noise and quantisation above its band.
+A row is used where every sample of its window is: moving, clear of reversals, in the training part, in one run.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.sparse import csr_matrix
+
+from eccentric.errors import InputError
+
+__all__ = ["Balance", "Windows", "make_balance", "make_windows"]
+
+Array = np.ndarray
+
+
+@dataclass(frozen=True)
+class Windows:
+    """Sparse row operator: (rows, samples) weights, with the block and the centre time of each row."""
+
+    weights: csr_matrix
+    block: Array
+    time: Array
+
+    def __call__(self, columns: Array) -> Array:
+        """Columns (samples, k) or (samples,) to rows."""
+        return self.weights @ columns
+
+
+@dataclass(frozen=True)
+class Balance:
+    """One scalar balance on the training rows.
+
+    name: 'mechanical' or 'electrical'; target (rows,) and base (rows, p) in N m on the motor side;
+    lower (p,): least values of the base coefficients; scale: what shares are taken of (RMS of the friction or of
+    the drive torque, N m); samples (n, p): the base before its windows, for effects that change it.
+    """
+
+    name: str
+    windows: Windows
+    target: Array
+    base: Array
+    base_names: tuple[str, ...]
+    lower: Array
+    scale: float
+    samples: Array
+
+
+def make_windows(
+    time: Array, valid: Array, run: Array | None = None, length_s: float = 0.064, block_s: float = 1.0,
+    most_rows: int = 8000,
+) -> Windows:
+    """Hann windows whose samples are all valid; blocks are stretches of `block_s` of time within one run.
+
+    time (n,) [s], valid (n,) bool, run (n,) labels.  InputError if fewer than 50 rows remain.
+    """
+    step = float(np.median(np.diff(time)))
+    half = max(1, round(0.5 * length_s / step))
+    kernel = np.hanning(2 * half + 1)[1:-1] if half > 1 else np.ones(1)
+    kernel = kernel / kernel.sum()
+    reach = len(kernel) // 2
+    spacing = max(1, half // 2, int(np.ceil(np.count_nonzero(valid) / most_rows)))
+    n = len(time)
+    centre = np.arange(reach, n - reach, spacing)
+    bad = np.r_[0, np.cumsum(~np.asarray(valid, bool))]
+    label = np.zeros(n, int) if run is None else np.unique(run, return_inverse=True)[1]
+    whole = bad[centre + reach + 1] == bad[centre - reach]
+    whole &= label[centre + reach] == label[centre - reach]
+    whole &= (time[centre + reach] - time[centre - reach]) < 1.5 * 2 * reach * step + step
+    centre = centre[whole]
+    if len(centre) < 50:
+        raise InputError(f"moving training samples: at least 50 windows of {length_s} s required, {len(centre)} found")
+    index = centre[:, None] + np.arange(-reach, reach + 1)
+    pointer = np.arange(len(centre) + 1) * len(kernel)
+    weights = csr_matrix((np.tile(kernel, len(centre)), index.ravel(), pointer), shape=(len(centre), n))
+    key = label[centre] * (int((time[-1] - time[0]) / block_s) + 2) + ((time[centre] - time[0]) / block_s).astype(int)
+    changes = np.r_[False, np.diff(key) != 0]
+    return Windows(weights, np.cumsum(changes), time[centre])
+
+
+def make_balance(
+    name: str, windows: Windows, target: Array, base: Array, base_names: tuple[str, ...], lower: Array,
+    share_of: Array,
+) -> Balance:
+    """Sample-wise target (n,) and base (n, p) to a Balance; `share_of` (n,) is what effects are held against."""
+    scale = float(np.sqrt(np.mean(windows(share_of) ** 2)))
+    return Balance(name, windows, windows(target), windows(base), base_names, np.asarray(lower, float), scale, base)

@@ -1,0 +1,206 @@
+"""Scores of candidates on one balance: whole grids at once, then the leaders refined and cross-validated."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from scipy.optimize import minimize
+
+from eccentric.identify.candidates import Candidate, Shape, shape_grid
+from eccentric.identify.crossval import Gram, bounded_solve, cross_validate, fold_of_block
+from eccentric.identify.residual import Balance
+
+__all__ = ["Fitted", "Screen", "Term"]
+
+Array = np.ndarray
+
+_MOST_KEPT = 400
+
+
+@dataclass(frozen=True)
+class Term:
+    """A candidate at one shape."""
+
+    candidate: Candidate
+    shape: Shape
+
+    @property
+    def key(self) -> tuple[object, ...]:
+        return (self.candidate.id, *self.shape.values())
+
+
+@dataclass(frozen=True)
+class Fitted:
+    """Base and terms fitted: coefficients of both, loss per block in sample and cross-validated."""
+
+    terms: tuple[Term, ...]
+    coefficients: Array
+    loss: Array
+    cross: Array
+
+    @property
+    def score(self) -> float:
+        """Cross-validated sum of squares."""
+        return float(self.cross.sum())
+
+
+class Screen:
+    """One balance, its channels and the candidates for it, with their windowed columns kept.
+
+    Columns of all shape grids lie side by side (rows, total), so that one matrix product scores them all.
+    """
+
+    def __init__(self, balance: Balance, channels: Any, candidates: Sequence[Candidate], folds: int = 8) -> None:
+        self.balance, self.channels = balance, channels
+        self.block = balance.windows.block
+        self.rows = len(balance.target)
+        self.fold = fold_of_block(int(self.block[-1]) + 1, folds)
+        self._kept: dict[tuple[object, ...], Array] = {}
+        self._replaced: dict[tuple[object, ...], tuple[Array, Array]] = {}
+        self.points: list[Term] = []
+        self.where: list[slice] = []
+        columns, at = [], 0
+        for candidate in candidates:
+            for shape in shape_grid(candidate):
+                z = balance.windows(candidate.columns(channels, shape))
+                if not np.all(np.isfinite(z)) or np.any(np.sum(z**2, axis=0) < 1e-24 * self.rows):
+                    continue
+                self.points.append(Term(candidate, shape))
+                columns.append(z)
+                self.where.append(slice(at, at + z.shape[1]))
+                at += z.shape[1]
+        self.library = np.hstack(columns) if columns else np.empty((self.rows, 0))
+        self.inner = [self.library[:, w].T @ self.library[:, w] for w in self.where]
+        self._index = {term.key: number for number, term in enumerate(self.points)}
+
+    def columns(self, term: Term) -> Array:
+        """Windowed columns (rows, k) of a term; none if it acts by replacing."""
+        if term.candidate.replaces is not None:
+            return np.empty((self.rows, 0))
+        key = term.key
+        if key in self._index:
+            return self.library[:, self.where[self._index[key]]]
+        if key not in self._kept:
+            if len(self._kept) > _MOST_KEPT:
+                self._kept.clear()
+            self._kept[key] = self.balance.windows(term.candidate.columns(self.channels, term.shape))
+        return self._kept[key]
+
+    def design(self, terms: Sequence[Term]) -> tuple[Array, Array, Array]:
+        """Target (rows,), base and columns (rows, q), and their least coefficients (q,)."""
+        target, base = self.balance.target, self.balance.base
+        samples, lower = self.balance.samples, [self.balance.lower]
+        replacing = [term for term in terms if term.candidate.replaces is not None]
+        if replacing:
+            key = tuple(term.key for term in replacing)
+            if key not in self._replaced:
+                if len(self._replaced) > _MOST_KEPT:
+                    self._replaced.clear()
+                known = np.zeros(len(samples))
+                for term in replacing:
+                    assert term.candidate.replaces is not None
+                    more, samples = term.candidate.replaces(self.channels, term.shape, samples)
+                    known = known if more is None else known + more
+                self._replaced[key] = (self.balance.windows(known), self.balance.windows(samples))
+            known, base = self._replaced[key]
+            target = target - known
+        parts = [self.columns(term) for term in terms]
+        for term, part in zip(terms, parts, strict=True):
+            own = np.asarray(term.candidate.lower, float)
+            lower.append(own if len(own) == part.shape[1] else np.full(part.shape[1], own[0]))
+        return target, np.hstack([base, *parts]), np.concatenate(lower)
+
+    def fit(self, terms: Sequence[Term]) -> Fitted:
+        """Bounded fit of base and terms, with its blocked cross-validation."""
+        target, design, lower = self.design(terms)
+        gram = Gram.of(design, target, self.block)
+        ridge = 1e-6 if design.shape[1] > 16 else 0.0
+        coefficients = bounded_solve(gram.matrix.sum(axis=0), gram.vector.sum(axis=0), lower, ridge)
+        loss = gram.loss(coefficients)
+        return Fitted(tuple(terms), coefficients, loss, cross_validate(gram, lower, self.fold, ridge))
+
+    def residual(self, fitted: Fitted) -> Array:
+        """Target minus base and terms, (rows,)."""
+        target, design, _ = self.design(fitted.terms)
+        return target - design @ fitted.coefficients
+
+    def first_look(self, terms: Sequence[Term]) -> list[tuple[float, int]]:
+        """Best grid point of every candidate beside `terms`: (in-sample loss of the bounded fit, number), best first.
+
+        All points share one matrix product; what changes the base is fitted anew at each of its points.
+        """
+        target, design, lower = self.design(terms)
+        taken = {term.candidate.id for term in terms}
+        inner, right, total = design.T @ design, design.T @ target, float(target @ target)
+        mixed, cross = design.T @ self.library, self.library.T @ target
+        best: dict[str, tuple[float, int]] = {}
+        for number, term in enumerate(self.points):
+            candidate, where = term.candidate, self.where[number]
+            if candidate.id in taken:
+                continue
+            if candidate.replaces is not None:
+                loss = self._loss([*terms, term])
+            else:
+                matrix = np.block([[inner, mixed[:, where]], [mixed[:, where].T, self.inner[number]]])
+                vector = np.r_[right, cross[where]]
+                own = np.asarray(candidate.lower, float)
+                own = own if len(own) == len(vector) - len(right) else np.full(len(vector) - len(right), own[0])
+                c = bounded_solve(matrix, vector, np.r_[lower, own])
+                loss = total + float(c @ matrix @ c - 2.0 * c @ vector)
+            if candidate.id not in best or loss < best[candidate.id][0]:
+                best[candidate.id] = (loss, number)
+        return sorted(best.values())
+
+    def rank(self, terms: Sequence[Term], leaders: int = 8) -> list[Fitted]:
+        """Every candidate added to `terms`, best cross-validated score first; the leaders' shapes are refined."""
+        look = self.first_look(terms)[: 4 * leaders]
+        fitted = sorted((self.fit([*terms, self.points[number]]) for _, number in look), key=lambda f: f.score)
+        head = [self.refine(f, only_last=True) for f in fitted[:leaders]]
+        return sorted([*head, *fitted[leaders:]], key=lambda f: f.score)
+
+    def _loss(self, terms: Sequence[Term]) -> float:
+        target, design, lower = self.design(terms)
+        matrix, vector = design.T @ design, design.T @ target
+        c = bounded_solve(matrix, vector, lower)
+        return float(target @ target + c @ matrix @ c - 2.0 * c @ vector)
+
+    def refine(self, fitted: Fitted, only_last: bool = False, evaluations: int = 30) -> Fitted:
+        """Shapes improved by simplex search of the bounded fit: of the last term, or of one term after the other."""
+        terms = list(fitted.terms)
+        for turn in [len(terms) - 1] if only_last else range(len(terms)):
+            if terms[turn].candidate.shape:
+                terms[turn] = self._refined(terms, turn, evaluations)
+        if all(new is old for new, old in zip(terms, fitted.terms, strict=True)):
+            return fitted
+        better = self.fit(terms)
+        return better if better.loss.sum() <= fitted.loss.sum() else fitted
+
+    def _refined(self, terms: list[Term], turn: int, evaluations: int) -> Term:
+        candidate = terms[turn].candidate
+        scaled = {name: (low, high, scale == "log") for name, (low, high, scale, _) in candidate.shape.items()}
+
+        def shape_of(point: Array) -> Shape:
+            values = zip(scaled.items(), np.clip(point, 0.0, 1.0), strict=True)
+            return {
+                name: float(low * (high / low) ** x if log else low + (high - low) * x)
+                for (name, (low, high, log)), x in values
+            }
+
+        def loss(point: Array) -> float:
+            return self._loss([*terms[:turn], Term(candidate, shape_of(point)), *terms[turn + 1 :]])
+
+        start = np.array([
+            np.log(terms[turn].shape[name] / low) / np.log(high / low) if log
+            else (terms[turn].shape[name] - low) / (high - low)
+            for name, (low, high, log) in scaled.items()
+        ])
+        steps = np.array([0.6 / max(count - 1, 2) for _, _, _, count in candidate.shape.values()])
+        simplex = np.vstack([start, start + np.diag(np.where(start + steps <= 1.0, steps, -steps))])
+        found = minimize(
+            loss, start, method="Nelder-Mead",
+            options={"initial_simplex": simplex, "maxfev": evaluations * len(steps), "xatol": 1e-3, "fatol": 1e-12},
+        )
+        return Term(candidate, shape_of(found.x))

@@ -1,0 +1,174 @@
+"""Logs as one table in SI: columns mapped to channels, runs numbered, rows that are not numbers dropped."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from eccentric.errors import InputError
+from eccentric.identify.arithmetic import evaluate
+from eccentric.identify.log import Log, read_log
+from eccentric.identify.rig import CHANNELS, ColumnSource, Rig
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping, Sequence
+
+Array = NDArray[np.float64]
+
+MAX_REJECTED = 0.2
+"""A log of which more than this fraction of the rows is not numbers is refused."""
+
+
+@dataclass(frozen=True)
+class Table:
+    """Kept rows of all logs: channels by name in SI (temperature in degC), run number, use mask; all (n,)."""
+
+    channels: Mapping[str, Array]
+    run: NDArray[np.int64]
+    run_names: tuple[str, ...]
+    use: NDArray[np.bool_]
+    rows_read: int
+    rows_rejected: int
+    warnings: tuple[str, ...]
+
+
+def read_table(paths: Sequence[str | Path], rig: Rig) -> Table:
+    """Read and join logs.
+
+    Raises InputError for what `read_log` refuses, a missing or non-numeric column, more than 20 % of rows
+    that are not numbers, time stamps that do not increase within a run, a run in two pieces, and logs with
+    different channels.
+    """
+    if not paths:
+        raise InputError("a log is required, none is given")
+    tables: list[Table] = []
+    stems: list[str] = []
+    for path in paths:
+        log = read_log(path)
+        stem = Path(path).name.split(".")[0]
+        stems.append(stem)
+        name = stem if stems.count(stem) == 1 else f"{stem}#{stems.count(stem)}"
+        tables.append(_one(log, rig, name, alone=len(paths) == 1))
+    names = set(tables[0].channels)
+    for path, table in zip(paths, tables, strict=True):
+        if set(table.channels) != names:
+            differ = ", ".join(sorted(names ^ set(table.channels)))
+            raise InputError(
+                f"{path}: the same channels in every log are required, {differ} is not in all of them"
+            )
+    offsets = np.cumsum([0, *(len(table.run_names) for table in tables)])
+    return Table(
+        channels={
+            name: np.concatenate([table.channels[name] for table in tables]) for name in tables[0].channels
+        },
+        run=np.concatenate([table.run + offset for table, offset in zip(tables, offsets, strict=False)]),
+        run_names=tuple(name for table in tables for name in table.run_names),
+        use=np.concatenate([table.use for table in tables]),
+        rows_read=sum(table.rows_read for table in tables),
+        rows_rejected=sum(table.rows_rejected for table in tables),
+        warnings=tuple(warning for table in tables for warning in table.warnings),
+    )
+
+
+def _one(log: Log, rig: Rig, name: str, alone: bool) -> Table:
+    sources = _sources(log, rig)
+    values = {c: _values(log, rig, c, source) for c, source in sources.items() if c not in ("run", "use")}
+    use = _use(log, rig, sources.get("use"))
+    labels = _labels(log, sources.get("run"), name, alone)
+    numbers = {c: np.isfinite(x) for c, x in values.items()}
+    kept = np.logical_and.reduce([*numbers.values(), np.isfinite(use)])
+    rejected = int(np.count_nonzero(~kept))
+    warnings: list[str] = []
+    if rejected:
+        worst = min(numbers, key=lambda c: np.count_nonzero(numbers[c]))
+        row = int(np.flatnonzero(~kept)[0]) + 1
+        what = (
+            f"{rejected} of {log.rows} rows are not numbers (first: row {row}; most: {sources[worst].text!r})"
+        )
+        if rejected > MAX_REJECTED * log.rows:
+            raise InputError(f"{log.path}: {what}; at most {MAX_REJECTED:.0%} may be missing")
+        warnings.append(f"{log.path}: {what}, they are dropped")
+    run, run_names = _runs(log, labels, values["time"], kept)
+    return Table(
+        {c: x[kept] for c, x in values.items()},
+        run,
+        run_names,
+        use[kept] != 0.0,
+        log.rows,
+        rejected,
+        tuple(warnings),
+    )
+
+
+def _sources(log: Log, rig: Rig) -> Mapping[str, ColumnSource]:
+    """Return the mapped columns, or the standard ones that are there; ask for the least that a fit needs."""
+    standard = {c: ColumnSource(column) for c, (column, _) in CHANNELS.items() if column in log.columns}
+    sources = standard if rig.columns is None else rig.columns
+    for choice in (
+        ("time",),
+        ("theta_m", "theta_l", "omega_m", "omega_l"),
+        ("voltage", "current", "torque", "torque_l"),
+    ):
+        if not any(channel in sources for channel in choice):
+            needed = " or ".join(f"{channel} (column {CHANNELS[channel][0]!r})" for channel in choice)
+            raise InputError(
+                f"{log.path}: a column for {needed} is required; map it in [columns] of {rig.path}; "
+                f"the log has {', '.join(log.columns)}"
+            )
+    return sources
+
+
+def _values(log: Log, rig: Rig, channel: str, source: ColumnSource) -> Array:
+    if source.text in log.columns:
+        raw = log.numbers(source.text)
+    else:
+        raw = evaluate(source.text, log.numbers, f"{rig.path}: [columns] {channel}")
+        if raw.dtype == bool:
+            raise InputError(
+                f"{rig.path}: [columns] {channel}: a number is required, received {source.text!r}"
+            )
+    return raw if source.unit is None else source.unit.to_si(raw)
+
+
+def _use(log: Log, rig: Rig, source: ColumnSource | None) -> Array:
+    if source is None:
+        return np.ones(log.rows)
+    if source.text in log.columns:
+        return log.numbers(source.text)
+    return evaluate(source.text, log.numbers, f"{rig.path}: [columns] use").astype(float)
+
+
+def _labels(log: Log, source: ColumnSource | None, name: str, alone: bool) -> NDArray[np.str_]:
+    """Name the run of each row: by the log, by the run column, or by both where there are several logs."""
+    if source is None:
+        return np.full(log.rows, name)
+    values = log.text(source.text)
+    texts = [f"{v:.12g}" for v in values] if values.dtype.kind == "f" else [str(v) for v in values]
+    return np.array(texts if alone else [f"{name}/{text}" for text in texts])
+
+
+def _runs(
+    log: Log, labels: NDArray[np.str_], t: Array, kept: NDArray[np.bool_]
+) -> tuple[NDArray[np.int64], tuple[str, ...]]:
+    rows = np.flatnonzero(kept)
+    labels, t = labels[rows], t[rows]
+    begins = np.concatenate([[True], labels[1:] != labels[:-1]])
+    names = [str(label) for label in labels[begins]]
+    again = next((k for k, name in enumerate(names) if name in names[:k]), None)
+    if again is not None:
+        row = int(rows[np.flatnonzero(begins)[again]]) + 1
+        raise InputError(
+            f"{log.path}: row {row}: the rows of a run must stand together, {names[again]!r} comes back"
+        )
+    stuck = np.flatnonzero((np.diff(t) <= 0.0) & ~begins[1:])
+    if len(stuck):
+        k = int(stuck[0])
+        raise InputError(
+            f"{log.path}: row {rows[k + 1] + 1}: time stamps must increase, "
+            f"received {t[k + 1]:.9g} s after {t[k]:.9g} s"
+        )
+    return np.cumsum(begins) - 1, tuple(names)

@@ -1,0 +1,213 @@
+"""Units that users write, as factors to SI: `rpm`, `V s/rev`, `mNm/A`, `g cm^2`, `counts`, ...
+
+A unit is a product of names from one table, with powers, `/` and parentheses.
+Angles have no dimension (rad = 1), so `V s/rad` and `N m/A` are the same dimension, as in SI.
+Hertz is left out on purpose: it is 2 pi rad/s for a speed of rotation and 1/s for everything else.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from dataclasses import dataclass
+from typing import TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from eccentric.errors import InputError
+
+Dimension = tuple[int, int, int, int, int]
+"""Powers of metre, kilogram, second, ampere, kelvin."""
+
+Number = TypeVar("Number", float, NDArray[np.float64])
+
+_TURN = 2.0 * math.pi
+_ONE: Dimension = (0, 0, 0, 0, 0)
+_NEWTON: Dimension = (1, 1, -2, 0, 0)
+_TORQUE: Dimension = (2, 1, -2, 0, 0)
+_INERTIA: Dimension = (2, 1, 0, 0, 0)
+_VOLT: Dimension = (2, 1, -3, -1, 0)
+_VOLT_SECOND: Dimension = (2, 1, -2, -1, 0)
+_OHM: Dimension = (2, 1, -3, -2, 0)
+_PER_SECOND: Dimension = (0, 0, -1, 0, 0)
+_KELVIN: Dimension = (0, 0, 0, 0, 1)
+
+_PREFIXES = {"": 1.0, "k": 1e3, "c": 1e-2, "m": 1e-3, "u": 1e-6, "µ": 1e-6, "μ": 1e-6}
+_PREFIXED: dict[str, tuple[float, Dimension]] = {
+    "m": (1.0, (1, 0, 0, 0, 0)),
+    "g": (1e-3, (0, 1, 0, 0, 0)),
+    "s": (1.0, (0, 0, 1, 0, 0)),
+    "A": (1.0, (0, 0, 0, 1, 0)),
+    "V": (1.0, _VOLT),
+    "Vs": (1.0, _VOLT_SECOND),
+    "N": (1.0, _NEWTON),
+    "Nm": (1.0, _TORQUE),
+    "ohm": (1.0, _OHM),
+    "Ohm": (1.0, _OHM),
+    "Ω": (1.0, _OHM),
+    "rad": (1.0, _ONE),
+    "rpm": (_TURN / 60.0, _PER_SECOND),
+}
+_PLAIN: dict[str, tuple[float, Dimension]] = {
+    "1": (1.0, _ONE),
+    "%": (0.01, _ONE),
+    "deg": (_TURN / 360.0, _ONE),
+    "°": (_TURN / 360.0, _ONE),
+    "rev": (_TURN, _ONE),
+    "turn": (_TURN, _ONE),
+    "min": (60.0, (0, 0, 1, 0, 0)),
+    "Ncm": (1e-2, _TORQUE),
+    "kgm2": (1.0, _INERTIA),
+    "kgm^2": (1.0, _INERTIA),
+    "gcm2": (1e-7, _INERTIA),
+    "gcm^2": (1e-7, _INERTIA),
+    "K": (1.0, _KELVIN),
+    "degC": (1.0, _KELVIN),
+    "°C": (1.0, _KELVIN),
+}
+_TABLE = _PLAIN | {
+    prefix + name: (scale * factor, dimension)
+    for prefix, scale in _PREFIXES.items()
+    for name, (factor, dimension) in _PREFIXED.items()
+}
+_SHOWN = (
+    "s", "ms", "us", "min", "rad", "mrad", "deg", "rev", "counts", "rad/s", "deg/s", "rev/s", "rpm",
+    "counts/s", "m/s^2", "m", "cm", "mm", "kg", "g", "N", "mN", "N m", "mNm", "Ncm", "A", "mA", "V", "mV",
+    "ohm", "mohm", "N m/A", "mNm/A", "V s/rad", "V s/rev", "V/rpm", "V/krpm", "kg m^2", "g cm^2",
+    "degC", "K",
+)  # fmt: skip
+_TOKEN = re.compile(r"\s*(?:([A-Za-zµμΩ°%]+)(?:\^?(-?\d+)|([²³]))?|(1)(?![\d.])|([*·./()]))")
+_NUMBER = r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?"
+_VALUE = re.compile(rf"\s*({_NUMBER})(?:\s*/\s*({_NUMBER}))?\s*(.*)", re.DOTALL)
+
+
+@dataclass(frozen=True)
+class Unit:
+    """A unit: SI value = `factor` * value + `offset`; temperatures come out in degC, all else in SI."""
+
+    text: str
+    factor: float
+    dimension: Dimension
+    offset: float = 0.0
+
+    def to_si(self, value: Number) -> Number:
+        """Return the value (float or array) in SI, a temperature in degC."""
+        return value * self.factor + self.offset
+
+
+def parse_unit(text: str, where: str, counts_per_rev: float | None = None) -> Unit:
+    """Return the unit that a text names.
+
+    `where` opens the error message (file and key); `counts_per_rev` gives `counts` a meaning.
+    Raises InputError for a name that is in no table, and for `counts` without counts per revolution.
+    """
+    stripped = " ".join(text.split())
+    if stripped in ("K", "degC", "°C"):
+        return Unit(stripped, 1.0, _KELVIN, -273.15 if stripped == "K" else 0.0)
+    tokens = _tokens(stripped, where)
+    factor, dimension, rest = _product(tokens, stripped, where, counts_per_rev)
+    if rest:
+        raise InputError(f"{where}: unit {text!r} has an unmatched ')'")
+    return Unit(stripped, factor, dimension)
+
+
+def parse_value(text: str, required: str, where: str, counts_per_rev: float | None = None) -> float:
+    """Return the SI value of a text such as `0.2 V s/rev` or `1/30`, where a unit like `required` is due.
+
+    Raises InputError where there is no number, no unit, an unknown unit, or one of another dimension.
+    """
+    match = _VALUE.fullmatch(text)
+    if match is None:
+        raise InputError(
+            f"{where}: a number with a unit is required ({_choices(required, where)}), received {text!r}"
+        )
+    divisor = float(match[2]) if match[2] else 1.0
+    if divisor == 0.0:
+        raise InputError(f"{where}: a finite number is required, received {text!r}")
+    unit = require_unit(match[3] or "1", required, where, counts_per_rev)
+    return unit.to_si(float(match[1]) / divisor)
+
+
+def require_unit(text: str, required: str, where: str, counts_per_rev: float | None = None) -> Unit:
+    """Return the unit that a text names; InputError where it has not the dimension of the unit `required`."""
+    unit = parse_unit(text, where, counts_per_rev)
+    if unit.dimension != parse_unit(required, where).dimension:
+        raise InputError(f"{where}: a unit like {_choices(required, where)} is required, received {text!r}")
+    return unit
+
+
+def _choices(required: str, where: str) -> str:
+    dimension = parse_unit(required, where).dimension
+    same = [shown for shown in _SHOWN if parse_unit(shown, where, 1.0).dimension == dimension]
+    return ", ".join(same) or required
+
+
+def _tokens(text: str, where: str) -> list[str]:
+    tokens: list[str] = []
+    position = 0
+    while position < len(text):
+        match = _TOKEN.match(text, position)
+        if match is None:
+            raise InputError(f"{where}: unit {text!r} is not understood at {text[position:]!r}")
+        tokens.append(match[0].strip())
+        position = match.end()
+    if not tokens:
+        raise InputError(f"{where}: a unit is required, received an empty text")
+    return tokens
+
+
+def _product(
+    tokens: list[str], text: str, where: str, counts_per_rev: float | None
+) -> tuple[float, Dimension, list[str]]:
+    """Read factors up to the end or a closing parenthesis: factor, dimension, tokens left."""
+    factor, dimension, divide, after_slash = 1.0, _ONE, False, False
+    previous = ""
+    while tokens and tokens[0] != ")":
+        part, tokens = tokens[0], tokens[1:]
+        if part in ("*", "·", ".", "/"):
+            if previous in ("", "*", "·", ".", "/"):
+                raise InputError(f"{where}: unit {text!r} has a {part!r} without a unit before it")
+            divide, previous = part == "/", part
+            continue
+        if after_slash and not divide:
+            raise InputError(
+                f"{where}: unit {text!r} is ambiguous after '/': write parentheses, as in N m/(rad/s)"
+            )
+        if part == "(":
+            scale, powers, tokens = _product(tokens, text, where, counts_per_rev)
+            if not tokens:
+                raise InputError(f"{where}: unit {text!r} has an unmatched '('")
+            tokens = tokens[1:]
+        else:
+            scale, powers = _power(part, text, where, counts_per_rev)
+        sign = -1 if divide else 1
+        factor *= scale**sign
+        dimension = _combine(dimension, powers, sign)
+        after_slash, divide, previous = after_slash or divide, False, part
+    if previous in ("", "*", "·", ".", "/"):
+        raise InputError(f"{where}: unit {text!r} is incomplete")
+    return factor, dimension, tokens
+
+
+def _power(part: str, text: str, where: str, counts_per_rev: float | None) -> tuple[float, Dimension]:
+    if part in _TABLE:
+        return _TABLE[part]
+    match = _TOKEN.fullmatch(part)
+    name = match[1] if match and match[1] else part
+    exponent = int(match[2] or {"²": 2, "³": 3, None: 1}[match[3]]) if match else 1
+    if name in ("count", "counts"):
+        if counts_per_rev is None:
+            raise InputError(f"{where}: unit {text!r} requires encoder_counts_per_rev in the rig")
+        return (_TURN / counts_per_rev) ** exponent, _ONE
+    if name not in _TABLE:
+        raise InputError(f"{where}: unit {text!r} is unknown at {name!r}; known are {', '.join(_SHOWN)}")
+    if abs(exponent) > 9:
+        raise InputError(f"{where}: unit {text!r} has a power above 9")
+    factor, dimension = _TABLE[name]
+    return factor**exponent, _combine(_ONE, dimension, exponent)
+
+
+def _combine(left: Dimension, right: Dimension, power: int) -> Dimension:
+    a, b, c, d, e = (x + power * y for x, y in zip(left, right, strict=True))
+    return a, b, c, d, e

@@ -1,0 +1,83 @@
+"""Equations: the numbered steps of a derivation, each with its unit, its origin and identities to be proved."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+import sympy as sp
+from sympy.printing.pretty.pretty import PrettyPrinter
+from sympy.printing.pretty.pretty_symbology import greek_unicode
+from sympy.printing.pretty.stringpict import prettyForm
+
+# Where number and unit stand; a wider formula has them on a line of their own.
+_COLUMN = 84
+
+
+class _Letters(PrettyPrinter):
+    """Symbols as in code (omega_m, B_lN), with Greek letters for Greek names; SymPy mixes styles of subscripts."""
+
+    def _print_Symbol(self, e: sp.Symbol) -> prettyForm:  # noqa: N802 - SymPy's name
+        head, *tail = e.name.split("_")
+        return prettyForm("_".join([greek_unicode.get(head, head), *tail]))
+
+
+@dataclass(frozen=True)
+class Identity:
+    """A fact about an equation: a statement, and an expression that is zero if the statement is true."""
+
+    statement: str
+    zero: sp.Expr
+
+
+@dataclass(frozen=True)
+class Equation:
+    """One step of a derivation.
+
+    Attributes:
+        name: by which other scripts ask for it, e.g. "reaction".
+        number: the paper's equation number, "" if the paper has none.
+        left, right: both sides; a matrix on the right is a vector in the frame of the derivation.
+        unit: SI unit of both sides.
+        origin: one sentence: where it comes from.
+        identities: facts that the tests prove (a proof costs seconds; deriving does not pay for it).
+    """
+
+    name: str
+    number: str
+    left: sp.Basic
+    right: sp.Basic
+    unit: str
+    origin: str
+    identities: tuple[Identity, ...] = ()
+
+    def text(self) -> str:
+        """The equation for a terminal: its origin, then the formula with number and unit at its right."""
+        formula = _Letters({"use_unicode": True, "wrap_line": False})
+        lines = formula.doprint(sp.Eq(self.left, self.right, evaluate=False)).split("\n")
+        middle = len(lines) // 2
+        tag = f"{self.number or '   '}  [{self.unit}]"
+        if len(lines[middle]) < _COLUMN:
+            lines[middle] = f"{lines[middle]:<{_COLUMN}}{tag}"
+        else:
+            lines.append(f"{'':<{_COLUMN}}{tag}")
+        facts = [f"    It follows: {fact.statement}." for fact in self.identities]
+        return "\n".join([f"{self.origin}", "", *(f"    {line}".rstrip() for line in lines), "", *facts]).rstrip()
+
+    def latex(self) -> str:
+        """The equation in LaTeX, with its number as tag."""
+        tag = rf" \tag{{{self.number.strip('()')}}}" if self.number else ""
+        facts = "".join(f"\nIt follows: {fact.statement}.\n" for fact in self.identities)
+        return f"{self.origin}\n\\[ {sp.latex(self.left)} = {sp.latex(self.right)}{tag} \\]{facts}"
+
+
+def equation_named(equations: Iterable[Equation], name: str) -> Equation:
+    """The equation of that name.
+
+    Raises:
+        KeyError: there is none; the message lists the names there are.
+    """
+    known = {equation.name: equation for equation in equations}
+    if name not in known:
+        raise KeyError(f"no equation {name!r}; there are {', '.join(known)}")
+    return known[name]

@@ -1,0 +1,171 @@
+"""Models: inputs, parameters, definitions, balances and the equations that led there. Immutable."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import sympy as sp
+
+from eccentric.model.balance import Balance
+from eccentric.model.equation import Equation, equation_named
+from eccentric.model.quantity import Quantity
+from eccentric.model.steps import Gated
+
+
+@dataclass(frozen=True)
+class Definition:
+    """A quantity that follows from others."""
+
+    quantity: Quantity
+    value: sp.Expr
+
+    @property
+    def symbol(self) -> sp.Symbol:
+        """The symbol defined."""
+        return self.quantity.symbol
+
+
+@dataclass(frozen=True)
+class Model:
+    """What a derivation ends in and what is emitted.
+
+    Attributes:
+        name: in code; equals the stem of the derivation.
+        title: one line.
+        inputs: motor-side inputs, in the order theta_m, omega_m, alpha_m.
+        parameters: in the order in which code lists them.
+        definitions: quantities that follow from others, each after those it uses.
+        balances: mechanical and electrical.
+        equations: the derivation, in reading order.
+        range: greatest size of each input for which bounds are stated, by the input's name.
+
+    Raises:
+        ValueError: a definition uses something that is not an input, a parameter or defined before it.
+    """
+
+    name: str
+    title: str
+    inputs: tuple[Quantity, ...]
+    parameters: tuple[Quantity, ...]
+    definitions: tuple[Definition, ...]
+    balances: tuple[Balance, ...]
+    equations: tuple[Equation, ...] = ()
+
+    def __post_init__(self) -> None:
+        known = {quantity.symbol for quantity in (*self.inputs, *self.parameters)}
+        for definition in self.definitions:
+            if unknown := definition.value.free_symbols - known:
+                names = ", ".join(sorted(map(str, unknown)))
+                raise ValueError(f"model {self.name}: {definition.quantity.name} uses {names} before its definition")
+            known.add(definition.symbol)
+        # The drive's own unknowns, u and i, stand in the balances only.
+        known |= {term.basis for balance in self.balances for term in balance.terms if term.kind == "drive"}
+        for balance in self.balances:
+            for term in balance.terms:
+                if term.kind != "resistive" and (unknown := term.value.free_symbols - known):
+                    names = ", ".join(sorted(map(str, unknown)))
+                    raise ValueError(f"model {self.name}: term {term.name} uses {names}, which nothing defines")
+
+    @cached_property
+    def parameter_symbols(self) -> frozenset[sp.Symbol]:
+        """Symbols that depend on parameters only, definitions among them included."""
+        found = {quantity.symbol for quantity in self.parameters}
+        for definition in self.definitions:
+            if definition.value.free_symbols <= found:
+                found.add(definition.symbol)
+        return frozenset(found)
+
+    def balance(self, name: str) -> Balance:
+        """The balance of that name; KeyError if there is none."""
+        return {balance.name: balance for balance in self.balances}[name]
+
+    def definition(self, name: str) -> Definition:
+        """The definition of the quantity of that name; KeyError if there is none."""
+        return {definition.quantity.name: definition for definition in self.definitions}[name]
+
+    def equation(self, name: str) -> Equation:
+        """The equation of that name; KeyError if there is none."""
+        return equation_named(self.equations, name)
+
+    def expand(self, expression: sp.Expr) -> sp.Expr:
+        """The expression with every defined quantity replaced by its definition, down to inputs and parameters."""
+        for definition in reversed(self.definitions):
+            expression = expression.subs(definition.symbol, definition.value)
+        return expression
+
+    def units(self) -> dict[sp.Symbol, str]:
+        """The unit of every symbol of the model."""
+        named = (*self.inputs, *self.parameters, *(definition.quantity for definition in self.definitions))
+        return {quantity.symbol: quantity.unit for quantity in named}
+
+    def __str__(self) -> str:
+        """The derivation for a terminal, equation by equation."""
+        heading = f"{self.title}\n{'=' * len(self.title)}"
+        return "\n\n".join([heading, *(equation.text() for equation in self.equations)])
+
+    def latex(self) -> str:
+        """The derivation in LaTeX, equation by equation."""
+        return "\n\n".join([rf"\section*{{{self.title}}}", *(equation.latex() for equation in self.equations)])
+
+
+@dataclass(frozen=True)
+class Column:
+    """A column of the regressor: one identifiable coefficient of friction and what it multiplies.
+
+    Attributes:
+        name: of the coefficient, e.g. "B_lN", or "B" for B_m + mu^2 beta_T, which one log cannot tell apart.
+        coefficient: its value in the model's parameters.
+        basis: the column.
+        unit: of the coefficient.
+        bounds: of the coefficient.
+    """
+
+    name: str
+    coefficient: sp.Expr
+    basis: sp.Expr
+    unit: str
+    bounds: tuple[float | None, float | None]
+
+
+def regressor(model: Model) -> tuple[Column, ...]:
+    """The columns that span the mechanical friction torque.
+
+    Terms whose bases differ by a factor of parameters only cannot be told apart by any log; they are one column,
+    on the plainest of their bases. Which ones those are is computed from the expressions, never declared.
+    """
+    groups: list[list[tuple[sp.Expr, sp.Expr]]] = []
+    members: list[list] = []
+    for term in model.balance("mechanical").terms:
+        if term.kind != "friction":
+            continue
+        for group, terms in zip(groups, members, strict=True):
+            ratio = _ratio(term.basis, group[0][1])
+            if ratio.free_symbols <= model.parameter_symbols:
+                group.append((term.coefficient, term.basis))
+                terms.append(term)
+                break
+        else:
+            groups.append([(term.coefficient, term.basis)])
+            members.append([term])
+    return tuple(_column(model, group, terms) for group, terms in zip(groups, members, strict=True))
+
+
+def _ratio(one: sp.Expr, other: sp.Expr) -> sp.Expr:
+    """One basis by the other; a gate that both have cancels."""
+    return one.replace(Gated, sp.Mul) / other.replace(Gated, sp.Mul)
+
+
+def _column(model: Model, group: list[tuple[sp.Expr, sp.Expr]], terms: list) -> Column:
+    if len(group) == 1:
+        (coefficient, basis), = group
+        quantity = next(q for q in model.parameters if q.symbol == coefficient)
+        return Column(quantity.name, coefficient, basis, quantity.unit, terms[0].bounds)
+    basis = min((basis for _, basis in group), key=sp.count_ops)
+    coefficient = sp.Add(*(c * _ratio(b, basis) for c, b in group))
+    lows = [term.bounds[0] for term in terms]
+    low = None if None in lows else sum(lows)
+    for definition in model.definitions:
+        if sp.expand(definition.value - coefficient) == 0:
+            return Column(definition.quantity.name, definition.symbol, basis, definition.quantity.unit, (low, None))
+    raise ValueError(f"model {model.name}: define a quantity for the combination {coefficient}")

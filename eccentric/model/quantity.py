@@ -1,0 +1,63 @@
+"""Quantities: a SymPy symbol with the paper's letter, a name in code, an SI unit, a meaning, an equation number."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import sympy as sp
+
+_ASSUMPTIONS = {
+    "positive": {"positive": True},
+    "nonnegative": {"nonnegative": True},
+    "real": {"real": True},
+}
+
+
+@dataclass(frozen=True)
+class Quantity:
+    """One letter of the vocabulary.
+
+    Attributes:
+        symbol: the SymPy symbol; its name is the name in NumPy and C.
+        unit: SI unit, e.g. "N m s/rad"; "1" for a pure number.
+        meaning: what it is, in a few words.
+        equation: the paper's equation number, "" where the paper has none.
+        domain: "positive", "nonnegative" or "real"; what a valid value is.
+        default: the paper's value as a decimal, or an expression in other parameters; None if there is none.
+    """
+
+    symbol: sp.Symbol
+    unit: str
+    meaning: str
+    equation: str = ""
+    domain: str = "real"
+    default: sp.Expr | None = None
+
+    @property
+    def name(self) -> str:
+        """The name in code."""
+        return self.symbol.name
+
+
+def quantity(
+    name: str,
+    unit: str,
+    meaning: str,
+    equation: str = "",
+    domain: str = "real",
+    default: str | sp.Expr | None = None,
+) -> Quantity:
+    """Make a quantity; a decimal default such as "0.25" is kept exact (1/4).
+
+    Raises:
+        ValueError: the domain is not "positive", "nonnegative" or "real".
+    """
+    if domain not in _ASSUMPTIONS:
+        raise ValueError(f"{name}: domain must be one of {', '.join(_ASSUMPTIONS)}, not {domain!r}")
+    value = sp.Rational(default) if isinstance(default, str) else default
+    return Quantity(sp.Symbol(name, **_ASSUMPTIONS[domain]), unit, meaning, equation, domain, value)
+
+
+def symbols(*quantities: Quantity) -> tuple[sp.Symbol, ...]:
+    """The symbols of several quantities, for the first lines of a derivation."""
+    return tuple(quantity.symbol for quantity in quantities)

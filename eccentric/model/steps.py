@@ -1,0 +1,195 @@
+"""Numerically careful steps: opaque SymPy functions with a derivative and a `rewrite` to what they mean.
+
+SymPy may not re-associate their insides, so the back ends evaluate them in the fixed order that
+`eccentric.emit.lower` writes down; `meaning(expression)` puts the plain formula back for proofs.
+
+Why they are needed: F_N^2 = (a - b)^2 + 4 a b cos^2(theta_l/2) with a = M L omega_l^2, b the weight, is the paper's
+(16) without its cancellation. Near the hollow (theta_l = pi, a = b) every digit hangs on two differences, a - b and
+theta_l - pi; each is taken once, exactly, before anything is rounded.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import sympy as sp
+
+
+class Step(sp.Function):
+    """Base of the opaque steps: real, and never evaluated by SymPy."""
+
+    is_extended_real = True
+
+    @classmethod
+    def eval(cls, *args: Any) -> None:
+        """Stay as written, also for numbers."""
+
+
+class Sgn(Step):
+    """sgn(x): 1, 0 or -1, with sgn(0) = 0 (friction at standstill is set-valued); derivative 0 on both sides."""
+
+    nargs = 1
+
+    def fdiff(self, argindex: int = 1) -> sp.Expr:
+        """0: away from x = 0 it is constant, and at x = 0 the one-sided slope is meant."""
+        return sp.Integer(0)
+
+    def _eval_rewrite_as_meaning(self, x: sp.Expr, **_: Any) -> sp.Expr:
+        return sp.sign(x)
+
+
+class Forward(Step):
+    """1 where x > 0, else 0: the gate of a coefficient that holds for one direction of motion."""
+
+    nargs = 1
+
+    def fdiff(self, argindex: int = 1) -> sp.Expr:
+        """0 on both sides."""
+        return sp.Integer(0)
+
+    def _eval_rewrite_as_meaning(self, x: sp.Expr, **_: Any) -> sp.Expr:
+        return sp.Heaviside(x, 0)
+
+
+class Backward(Step):
+    """1 where x < 0, else 0."""
+
+    nargs = 1
+
+    def fdiff(self, argindex: int = 1) -> sp.Expr:
+        """0 on both sides."""
+        return sp.Integer(0)
+
+    def _eval_rewrite_as_meaning(self, x: sp.Expr, **_: Any) -> sp.Expr:
+        return sp.Heaviside(-x, 0)
+
+
+class ByDirection(Step):
+    """ByDirection(x, a, b): a where x > 0, else b; a coefficient that differs between the directions of motion."""
+
+    nargs = 3
+
+    def fdiff(self, argindex: int = 1) -> sp.Expr:
+        """0 by x on both sides; by a and b the gates."""
+        x = self.args[0]
+        return {1: sp.Integer(0), 2: Forward(x), 3: Backward(x)}[argindex]
+
+    def _eval_rewrite_as_meaning(self, x: sp.Expr, a: sp.Expr, b: sp.Expr, **_: Any) -> sp.Expr:
+        return sp.Piecewise((a, x > 0), (b, True))
+
+
+class HalfCosine(Step):
+    """Half-turn cosine: sin of the half angle from the top, of size |cos(mu theta_m/2)|.
+
+    The half angle from the top is x = (theta_m - n H) mu/2 with H = pi/mu and n the odd number that brings x into
+    [-pi/2, pi/2]. Its sign changes at theta_l = 0 like that of HalfSine, so only even products have a meaning.
+    """
+
+    nargs = 2
+
+    def fdiff(self, argindex: int = 1) -> sp.Expr:
+        """Derivative by theta_m; mu is a parameter and never differentiated by."""
+        theta_m, mu = self.args
+        if argindex != 1:
+            raise sp.ArgumentIndexError(self, argindex)
+        return mu / 2 * HalfSine(theta_m, mu)
+
+    def _eval_rewrite_as_meaning(self, theta_m: sp.Expr, mu: sp.Expr, **_: Any) -> sp.Expr:
+        return -sp.cos(mu * theta_m / 2)
+
+
+class HalfSine(Step):
+    """Half-turn sine: cos of the half angle from the top, of size |sin(mu theta_m/2)|; see HalfCosine."""
+
+    nargs = 2
+
+    def fdiff(self, argindex: int = 1) -> sp.Expr:
+        """Derivative by theta_m."""
+        theta_m, mu = self.args
+        if argindex != 1:
+            raise sp.ArgumentIndexError(self, argindex)
+        return -mu / 2 * HalfCosine(theta_m, mu)
+
+    def _eval_rewrite_as_meaning(self, theta_m: sp.Expr, mu: sp.Expr, **_: Any) -> sp.Expr:
+        return sp.sin(mu * theta_m / 2)
+
+
+class SquareDifference(Step):
+    """v^2 - w^2 as (v - w)(v + w), w a parameter held as two numbers so that v - w is exact near the hollow."""
+
+    nargs = 2
+
+    def fdiff(self, argindex: int = 1) -> sp.Expr:
+        """2 v and -2 w."""
+        v, w = self.args
+        return 2 * v if argindex == 1 else -2 * w
+
+    def _eval_rewrite_as_meaning(self, v: sp.Expr, w: sp.Expr, **_: Any) -> sp.Expr:
+        return v**2 - w**2
+
+
+class Magnitude(Step):
+    """sqrt(p^2 + q^2); at p = q = 0 its gradient is taken as 0 (the apex of the cone F_N)."""
+
+    nargs = 2
+    is_extended_nonnegative = True
+
+    def fdiff(self, argindex: int = 1) -> sp.Expr:
+        """The direction cosines p/h and q/h."""
+        return Along(*self.args) if argindex == 1 else Across(*self.args)
+
+    def _eval_rewrite_as_meaning(self, p: sp.Expr, q: sp.Expr, **_: Any) -> sp.Expr:
+        return sp.sqrt(p**2 + q**2)
+
+
+class Along(Step):
+    """p/sqrt(p^2 + q^2), 0 at p = q = 0."""
+
+    nargs = 2
+
+    def _eval_rewrite_as_meaning(self, p: sp.Expr, q: sp.Expr, **_: Any) -> sp.Expr:
+        return p / sp.sqrt(p**2 + q**2)
+
+
+class Across(Step):
+    """q/sqrt(p^2 + q^2), 0 at p = q = 0."""
+
+    nargs = 2
+
+    def _eval_rewrite_as_meaning(self, p: sp.Expr, q: sp.Expr, **_: Any) -> sp.Expr:
+        return q / sp.sqrt(p**2 + q**2)
+
+
+class Gated(Step):
+    """a b, and 0 where b is 0 whatever a is: an inertia that is not given (NaN) is no matter without acceleration."""
+
+    nargs = 2
+
+    def fdiff(self, argindex: int = 1) -> sp.Expr:
+        """b and a."""
+        a, b = self.args
+        return b if argindex == 1 else a
+
+    def _eval_rewrite_as_meaning(self, a: sp.Expr, b: sp.Expr, **_: Any) -> sp.Expr:
+        return a * b
+
+
+class Leading(Step):
+    """The leading digits of a parameter, few enough that n times them is exact; its derivative never matters."""
+
+    nargs = 1
+
+    def _eval_rewrite_as_meaning(self, x: sp.Expr, **_: Any) -> sp.Expr:
+        return x
+
+
+STEPS = (Sgn, Forward, Backward, ByDirection, HalfCosine, HalfSine, SquareDifference, Magnitude, Along, Across, Gated, Leading)
+
+
+def meaning(expression: sp.Expr) -> sp.Expr:
+    """The expression with every step replaced by the formula it stands for."""
+    previous = None
+    while previous != expression:
+        previous = expression
+        expression = expression.rewrite("meaning")
+    return expression

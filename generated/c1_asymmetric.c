@@ -1,0 +1,514 @@
+/*
+ * Generated: do not edit. Written by `make derive` from derivations/c1_asymmetric.py
+ * (eccentric 0.1.0, program 20133e8e). Case C1 with friction that differs between the directions of motion.
+ */
+#include "c1_asymmetric.h"
+
+#include <float.h>
+#include <math.h>
+
+#if C1_ASYMMETRIC_PROGRAM != 0x20133e8eUL
+#error "c1_asymmetric.c and c1_asymmetric.h are of different derivations: write both again with make derive"
+#endif
+
+/* ECCENTRIC_SINGLE is 1 where ECCENTRIC_REAL is float. */
+#define ECCENTRIC_SINGLE_float 1
+#define ECCENTRIC_SINGLE_double 0
+#define ECCENTRIC_JOIN_(a, b) a##b
+#define ECCENTRIC_JOIN(a, b) ECCENTRIC_JOIN_(a, b)
+#define ECCENTRIC_SINGLE ECCENTRIC_JOIN(ECCENTRIC_SINGLE_, ECCENTRIC_REAL)
+
+typedef ECCENTRIC_REAL real;
+
+#if ECCENTRIC_SINGLE
+#define REAL(x) x##f
+#else
+#define REAL(x) x
+#endif
+
+static inline real sgn(const real x)
+{
+    return (x > REAL(0.0)) ? REAL(1.0) : ((x < REAL(0.0)) ? REAL(-1.0) : ((x == REAL(0.0)) ? REAL(0.0) : x));
+}
+
+static inline real forward(const real x)
+{
+    return (x > REAL(0.0)) ? REAL(1.0) : ((x <= REAL(0.0)) ? REAL(0.0) : x);
+}
+
+const c1_asymmetric_parameters c1_asymmetric_default_parameters = {
+    0.5, /* M [kg] */
+    0.2, /* M_l [kg] */
+    0.25, /* L [m] */
+    0.2, /* mu [1] */
+    1.0, /* R [Ohm] */
+    0.02, /* k_i [N m/A] */
+    0.2, /* k_e [V s/rad] */
+    9.81, /* g [m/s^2] */
+    0.004, /* B_lN_pos [m s/rad] */
+    0.004, /* B_lN_neg [m s/rad] */
+    0.08, /* C_lN_pos [m] */
+    0.08, /* C_lN_neg [m] */
+    0.004, /* B_lT_pos [m s/rad] */
+    0.004, /* B_lT_neg [m s/rad] */
+    0.08, /* C_lT_pos [m] */
+    0.08, /* C_lT_neg [m] */
+    4.0e-4, /* B_m_pos [N m s/rad] */
+    4.0e-4, /* B_m_neg [N m s/rad] */
+    0.008, /* C_m_pos [N m] */
+    0.008, /* C_m_neg [N m] */
+    1.962, /* F_T [N] */
+    NAN, /* J_m [kg m^2] */
+    NAN, /* J_l [kg m^2] */
+};
+
+const c1_asymmetric_coefficients c1_asymmetric_default = {
+#if ECCENTRIC_SINGLE
+    (real)(0.004), /* B_lN_neg */
+    (real)(0.004), /* B_lN_pos */
+    (real)(0.08), /* C_lN_neg */
+    (real)(0.08), /* C_lN_pos */
+    (real)(0.2), /* k_e */
+    (real)(0.2), /* mu */
+    (real)(0.005), /* L_M_mu2 */
+    (real)(1.6e-4), /* B_lN_pos_mu2 */
+    (real)(1.6e-4), /* B_lN_neg_mu2 */
+    (real)(7.1392e-4), /* B_pos */
+    (real)(7.1392e-4), /* B_neg */
+    (real)(0.004), /* k_e_k_i_per_R */
+    (real)(0.016), /* C_lN_pos_mu */
+    (real)(0.016), /* C_lN_neg_mu */
+    (real)(0.039392), /* C_pos */
+    (real)(0.039392), /* C_neg */
+    (real)(0.01), /* twice_L_M_mu2 */
+    (real)(0.04), /* mu2 */
+    (real)(0.07848), /* F_T_mu2 */
+    (real)(0.3924), /* F_T_mu */
+    (real)(NAN), /* J */
+    (real)(0.008), /* B_lN_pos_R_mu2_per_k_i */
+    (real)(0.008), /* B_lN_neg_R_mu2_per_k_i */
+    (real)(0.035696), /* constant */
+    (real)(0.035696), /* constant_2 */
+    (real)(0.8), /* C_lN_pos_R_mu_per_k_i */
+    (real)(0.8), /* C_lN_neg_R_mu_per_k_i */
+    (real)(1.9696), /* constant_3 */
+    (real)(1.9696), /* constant_4 */
+    (real)(50.0), /* R_per_k_i */
+    (real)(0.008), /* B_lN_pos_mu2_per_k_i */
+    (real)(0.008), /* B_lN_neg_mu2_per_k_i */
+    (real)(0.035696), /* constant_5 */
+    (real)(0.035696), /* constant_6 */
+    (real)(50.0), /* per_k_i */
+    (real)(0.8), /* C_lN_pos_mu_per_k_i */
+    (real)(0.8), /* C_lN_neg_mu_per_k_i */
+    (real)(1.9696), /* constant_7 */
+    (real)(1.9696), /* constant_8 */
+    (real)(8.0e-7), /* B_lN_pos_L_M_mu4 */
+    (real)(8.0e-5), /* C_lN_pos_L_M_mu3 */
+    (real)(0.00471392), /* constant_9 */
+    (real)(8.0e-7), /* B_lN_neg_L_M_mu4 */
+    (real)(-8.0e-5), /* minus_C_lN_neg_L_M_mu3 */
+    (real)(0.00471392), /* constant_10 */
+    (real)(-0.039392), /* constant_11 */
+#else
+    0.004, /* B_lN_neg */
+    0.004, /* B_lN_pos */
+    0.08, /* C_lN_neg */
+    0.08, /* C_lN_pos */
+    0.2, /* k_e */
+    0.2, /* mu */
+    0.005, /* L_M_mu2 */
+    1.6e-4, /* B_lN_pos_mu2 */
+    1.6e-4, /* B_lN_neg_mu2 */
+    7.1392e-4, /* B_pos */
+    7.1392e-4, /* B_neg */
+    0.004, /* k_e_k_i_per_R */
+    0.016, /* C_lN_pos_mu */
+    0.016, /* C_lN_neg_mu */
+    0.039392, /* C_pos */
+    0.039392, /* C_neg */
+    0.01, /* twice_L_M_mu2 */
+    0.04, /* mu2 */
+    0.07848, /* F_T_mu2 */
+    0.3924, /* F_T_mu */
+    NAN, /* J */
+    0.008, /* B_lN_pos_R_mu2_per_k_i */
+    0.008, /* B_lN_neg_R_mu2_per_k_i */
+    0.035696, /* constant */
+    0.035696, /* constant_2 */
+    0.8, /* C_lN_pos_R_mu_per_k_i */
+    0.8, /* C_lN_neg_R_mu_per_k_i */
+    1.9696, /* constant_3 */
+    1.9696, /* constant_4 */
+    50.0, /* R_per_k_i */
+    0.008, /* B_lN_pos_mu2_per_k_i */
+    0.008, /* B_lN_neg_mu2_per_k_i */
+    0.035696, /* constant_5 */
+    0.035696, /* constant_6 */
+    50.0, /* per_k_i */
+    0.8, /* C_lN_pos_mu_per_k_i */
+    0.8, /* C_lN_neg_mu_per_k_i */
+    1.9696, /* constant_7 */
+    1.9696, /* constant_8 */
+    8.0e-7, /* B_lN_pos_L_M_mu4 */
+    8.0e-5, /* C_lN_pos_L_M_mu3 */
+    0.00471392, /* constant_9 */
+    8.0e-7, /* B_lN_neg_L_M_mu4 */
+    -8.0e-5, /* minus_C_lN_neg_L_M_mu3 */
+    0.00471392, /* constant_10 */
+    -0.039392, /* constant_11 */
+#endif
+};
+
+void c1_asymmetric_prepare(const c1_asymmetric_parameters *p, c1_asymmetric_coefficients *c)
+{
+    const double L_M_mu2 = p->L * p->M * p->mu * p->mu;
+    const double B_lN_pos_mu2 = p->B_lN_pos * p->mu * p->mu;
+    const double B_lN_neg_mu2 = p->B_lN_neg * p->mu * p->mu;
+    const double B_pos = p->B_lT_pos * p->F_T * p->mu * p->mu + p->B_m_pos;
+    const double B_neg = p->B_lT_neg * p->F_T * p->mu * p->mu + p->B_m_neg;
+    const double k_e_k_i_per_R = p->k_e * p->k_i / p->R;
+    const double C_lN_pos_mu = p->C_lN_pos * p->mu;
+    const double C_lN_neg_mu = p->C_lN_neg * p->mu;
+    const double C_pos = p->C_lT_pos * p->F_T * p->mu + p->C_m_pos;
+    const double C_neg = p->C_lT_neg * p->F_T * p->mu + p->C_m_neg;
+    const double twice_L_M_mu2 = 2.0 * p->L * p->M * p->mu * p->mu;
+    const double mu2 = p->mu * p->mu;
+    const double F_T_mu2 = p->F_T * p->mu * p->mu;
+    const double F_T_mu = p->F_T * p->mu;
+    const double J = p->J_l * p->mu * p->mu + p->J_m;
+    const double B_lN_pos_R_mu2_per_k_i = p->B_lN_pos * p->R * p->mu * p->mu / p->k_i;
+    const double B_lN_neg_R_mu2_per_k_i = p->B_lN_neg * p->R * p->mu * p->mu / p->k_i;
+    const double constant = p->B_lT_pos * p->F_T * p->R * p->mu * p->mu / p->k_i + p->B_m_pos * p->R / p->k_i;
+    const double constant_2 = p->B_lT_neg * p->F_T * p->R * p->mu * p->mu / p->k_i + p->B_m_neg * p->R / p->k_i;
+    const double C_lN_pos_R_mu_per_k_i = p->C_lN_pos * p->R * p->mu / p->k_i;
+    const double C_lN_neg_R_mu_per_k_i = p->C_lN_neg * p->R * p->mu / p->k_i;
+    const double constant_3 = p->C_lT_pos * p->F_T * p->R * p->mu / p->k_i + p->C_m_pos * p->R / p->k_i;
+    const double constant_4 = p->C_lT_neg * p->F_T * p->R * p->mu / p->k_i + p->C_m_neg * p->R / p->k_i;
+    const double R_per_k_i = p->R / p->k_i;
+    const double B_lN_pos_mu2_per_k_i = p->B_lN_pos * p->mu * p->mu / p->k_i;
+    const double B_lN_neg_mu2_per_k_i = p->B_lN_neg * p->mu * p->mu / p->k_i;
+    const double constant_5 = p->B_lT_pos * p->F_T * p->mu * p->mu / p->k_i + p->B_m_pos / p->k_i;
+    const double constant_6 = p->B_lT_neg * p->F_T * p->mu * p->mu / p->k_i + p->B_m_neg / p->k_i;
+    const double per_k_i = 1.0 / p->k_i;
+    const double C_lN_pos_mu_per_k_i = p->C_lN_pos * p->mu / p->k_i;
+    const double C_lN_neg_mu_per_k_i = p->C_lN_neg * p->mu / p->k_i;
+    const double constant_7 = p->C_lT_pos * p->F_T * p->mu / p->k_i + p->C_m_pos / p->k_i;
+    const double constant_8 = p->C_lT_neg * p->F_T * p->mu / p->k_i + p->C_m_neg / p->k_i;
+    const double B_lN_pos_L_M_mu4 = p->B_lN_pos * p->L * p->M * p->mu * p->mu * p->mu * p->mu;
+    const double C_lN_pos_L_M_mu3 = p->C_lN_pos * p->L * p->M * p->mu * p->mu * p->mu;
+    const double constant_9 = (p->B_lT_pos * p->F_T * p->R * p->mu * p->mu + p->B_m_pos * p->R + p->k_e * p->k_i) / p->R;
+    const double B_lN_neg_L_M_mu4 = p->B_lN_neg * p->L * p->M * p->mu * p->mu * p->mu * p->mu;
+    const double minus_C_lN_neg_L_M_mu3 = -p->C_lN_neg * p->L * p->M * p->mu * p->mu * p->mu;
+    const double part_1 = p->B_lT_neg * p->F_T * p->R * p->mu * p->mu + p->B_m_neg * p->R + p->k_e * p->k_i;
+    const double constant_10 = part_1 / p->R;
+    const double constant_11 = -p->C_lT_neg * p->F_T * p->mu - p->C_m_neg;
+    c->B_lN_neg = (real)(p->B_lN_neg);
+    c->B_lN_pos = (real)(p->B_lN_pos);
+    c->C_lN_neg = (real)(p->C_lN_neg);
+    c->C_lN_pos = (real)(p->C_lN_pos);
+    c->k_e = (real)(p->k_e);
+    c->mu = (real)(p->mu);
+    c->L_M_mu2 = (real)(L_M_mu2);
+    c->B_lN_pos_mu2 = (real)(B_lN_pos_mu2);
+    c->B_lN_neg_mu2 = (real)(B_lN_neg_mu2);
+    c->B_pos = (real)(B_pos);
+    c->B_neg = (real)(B_neg);
+    c->k_e_k_i_per_R = (real)(k_e_k_i_per_R);
+    c->C_lN_pos_mu = (real)(C_lN_pos_mu);
+    c->C_lN_neg_mu = (real)(C_lN_neg_mu);
+    c->C_pos = (real)(C_pos);
+    c->C_neg = (real)(C_neg);
+    c->twice_L_M_mu2 = (real)(twice_L_M_mu2);
+    c->mu2 = (real)(mu2);
+    c->F_T_mu2 = (real)(F_T_mu2);
+    c->F_T_mu = (real)(F_T_mu);
+    c->J = (real)(J);
+    c->B_lN_pos_R_mu2_per_k_i = (real)(B_lN_pos_R_mu2_per_k_i);
+    c->B_lN_neg_R_mu2_per_k_i = (real)(B_lN_neg_R_mu2_per_k_i);
+    c->constant = (real)(constant);
+    c->constant_2 = (real)(constant_2);
+    c->C_lN_pos_R_mu_per_k_i = (real)(C_lN_pos_R_mu_per_k_i);
+    c->C_lN_neg_R_mu_per_k_i = (real)(C_lN_neg_R_mu_per_k_i);
+    c->constant_3 = (real)(constant_3);
+    c->constant_4 = (real)(constant_4);
+    c->R_per_k_i = (real)(R_per_k_i);
+    c->B_lN_pos_mu2_per_k_i = (real)(B_lN_pos_mu2_per_k_i);
+    c->B_lN_neg_mu2_per_k_i = (real)(B_lN_neg_mu2_per_k_i);
+    c->constant_5 = (real)(constant_5);
+    c->constant_6 = (real)(constant_6);
+    c->per_k_i = (real)(per_k_i);
+    c->C_lN_pos_mu_per_k_i = (real)(C_lN_pos_mu_per_k_i);
+    c->C_lN_neg_mu_per_k_i = (real)(C_lN_neg_mu_per_k_i);
+    c->constant_7 = (real)(constant_7);
+    c->constant_8 = (real)(constant_8);
+    c->B_lN_pos_L_M_mu4 = (real)(B_lN_pos_L_M_mu4);
+    c->C_lN_pos_L_M_mu3 = (real)(C_lN_pos_L_M_mu3);
+    c->constant_9 = (real)(constant_9);
+    c->B_lN_neg_L_M_mu4 = (real)(B_lN_neg_L_M_mu4);
+    c->minus_C_lN_neg_L_M_mu3 = (real)(minus_C_lN_neg_L_M_mu3);
+    c->constant_10 = (real)(constant_10);
+    c->constant_11 = (real)(constant_11);
+}
+
+ECCENTRIC_REAL c1_asymmetric_normal_force(ECCENTRIC_REAL omega_m, const c1_asymmetric_coefficients *c)
+{
+    const real F_N = c->L_M_mu2 * omega_m * omega_m;
+    return F_N;
+}
+
+void c1_asymmetric_normal_force_n(
+    size_t n,
+    const ECCENTRIC_REAL *omega_m,
+    ECCENTRIC_REAL *out,
+    const c1_asymmetric_coefficients *c)
+{
+    for (size_t k = 0; k < n; ++k) {
+        out[k] = c1_asymmetric_normal_force(omega_m[k], c);
+    }
+}
+
+ECCENTRIC_REAL c1_asymmetric_friction_torque(ECCENTRIC_REAL omega_m, const c1_asymmetric_coefficients *c)
+{
+    const real F_N = c->L_M_mu2 * omega_m * omega_m;
+    const real direction_of_motion = sgn(omega_m);
+    const real part_3 = F_N * ((omega_m > REAL(0.0)) ? c->B_lN_pos_mu2 : c->B_lN_neg_mu2);
+    const real part_2 = c->k_e_k_i_per_R + part_3 + ((omega_m > REAL(0.0)) ? c->B_pos : c->B_neg);
+    const real part_1 = omega_m * part_2;
+    const real part_6 = F_N * ((omega_m > REAL(0.0)) ? c->C_lN_pos_mu : c->C_lN_neg_mu);
+    const real part_5 = part_6 + ((omega_m > REAL(0.0)) ? c->C_pos : c->C_neg);
+    const real part_4 = direction_of_motion * part_5;
+    return part_1 + part_4;
+}
+
+void c1_asymmetric_friction_torque_n(
+    size_t n,
+    const ECCENTRIC_REAL *omega_m,
+    ECCENTRIC_REAL *out,
+    const c1_asymmetric_coefficients *c)
+{
+    for (size_t k = 0; k < n; ++k) {
+        out[k] = c1_asymmetric_friction_torque(omega_m[k], c);
+    }
+}
+
+ECCENTRIC_REAL c1_asymmetric_mechanical_friction_torque(ECCENTRIC_REAL omega_m, const c1_asymmetric_coefficients *c)
+{
+    const real F_N = c->L_M_mu2 * omega_m * omega_m;
+    const real direction_of_motion = sgn(omega_m);
+    const real part_3 = F_N * ((omega_m > REAL(0.0)) ? c->C_lN_pos_mu : c->C_lN_neg_mu);
+    const real part_2 = part_3 + ((omega_m > REAL(0.0)) ? c->C_pos : c->C_neg);
+    const real part_1 = direction_of_motion * part_2;
+    const real part_6 = F_N * ((omega_m > REAL(0.0)) ? c->B_lN_pos_mu2 : c->B_lN_neg_mu2);
+    const real part_5 = part_6 + ((omega_m > REAL(0.0)) ? c->B_pos : c->B_neg);
+    const real part_4 = omega_m * part_5;
+    return part_1 + part_4;
+}
+
+void c1_asymmetric_mechanical_friction_torque_n(
+    size_t n,
+    const ECCENTRIC_REAL *omega_m,
+    ECCENTRIC_REAL *out,
+    const c1_asymmetric_coefficients *c)
+{
+    for (size_t k = 0; k < n; ++k) {
+        out[k] = c1_asymmetric_mechanical_friction_torque(omega_m[k], c);
+    }
+}
+
+void c1_asymmetric_friction_torque_gradient(
+    ECCENTRIC_REAL omega_m,
+    ECCENTRIC_REAL *out,
+    const c1_asymmetric_coefficients *c)
+{
+    const real F_N = c->L_M_mu2 * omega_m * omega_m;
+    const real F_N_d_omega_m = omega_m * c->twice_L_M_mu2;
+    const real direction_of_motion = sgn(omega_m);
+    const real part_2 = ((omega_m > REAL(0.0)) ? c->C_lN_pos_mu : c->C_lN_neg_mu);
+    const real part_1 = F_N_d_omega_m * direction_of_motion * part_2;
+    const real part_4 = ((omega_m > REAL(0.0)) ? c->B_lN_pos_mu2 : c->B_lN_neg_mu2);
+    const real part_3 = F_N_d_omega_m * omega_m * part_4;
+    const real part_5 = F_N * ((omega_m > REAL(0.0)) ? c->B_lN_pos_mu2 : c->B_lN_neg_mu2);
+    const real part_6 = ((omega_m > REAL(0.0)) ? c->B_pos : c->B_neg);
+    out[0] = c->k_e_k_i_per_R + part_1 + part_3 + part_5 + part_6;
+}
+
+void c1_asymmetric_friction_torque_gradient_n(
+    size_t n,
+    const ECCENTRIC_REAL *omega_m,
+    ECCENTRIC_REAL *out,
+    const c1_asymmetric_coefficients *c)
+{
+    for (size_t k = 0; k < n; ++k) {
+        c1_asymmetric_friction_torque_gradient(omega_m[k], out + 1 * k, c);
+    }
+}
+
+void c1_asymmetric_friction_torque_jacobian(
+    ECCENTRIC_REAL omega_m,
+    ECCENTRIC_REAL *out,
+    const c1_asymmetric_coefficients *c)
+{
+    const real F_N = c->L_M_mu2 * omega_m * omega_m;
+    const real is_forward = forward(omega_m);
+    const real ungated = F_N * c->mu2 * omega_m;
+    out[0] = ((is_forward == REAL(0.0)) ? REAL(0.0) : ungated * is_forward);
+    const real is_backward = forward(-(omega_m));
+    out[1] = ((is_backward == REAL(0.0)) ? REAL(0.0) : ungated * is_backward);
+    const real direction_of_motion = sgn(omega_m);
+    const real ungated_2 = F_N * direction_of_motion * c->mu;
+    out[2] = ((is_forward == REAL(0.0)) ? REAL(0.0) : ungated_2 * is_forward);
+    out[3] = ((is_backward == REAL(0.0)) ? REAL(0.0) : ungated_2 * is_backward);
+    const real ungated_3 = c->F_T_mu2 * omega_m;
+    out[4] = ((is_forward == REAL(0.0)) ? REAL(0.0) : ungated_3 * is_forward);
+    out[5] = ((is_backward == REAL(0.0)) ? REAL(0.0) : ungated_3 * is_backward);
+    const real ungated_4 = c->F_T_mu * direction_of_motion;
+    out[6] = ((is_forward == REAL(0.0)) ? REAL(0.0) : ungated_4 * is_forward);
+    out[7] = ((is_backward == REAL(0.0)) ? REAL(0.0) : ungated_4 * is_backward);
+    out[8] = ((is_forward == REAL(0.0)) ? REAL(0.0) : omega_m * is_forward);
+    out[9] = ((is_backward == REAL(0.0)) ? REAL(0.0) : omega_m * is_backward);
+    out[10] = ((is_forward == REAL(0.0)) ? REAL(0.0) : direction_of_motion * is_forward);
+    out[11] = ((is_backward == REAL(0.0)) ? REAL(0.0) : direction_of_motion * is_backward);
+}
+
+void c1_asymmetric_friction_torque_jacobian_n(
+    size_t n,
+    const ECCENTRIC_REAL *omega_m,
+    ECCENTRIC_REAL *out,
+    const c1_asymmetric_coefficients *c)
+{
+    for (size_t k = 0; k < n; ++k) {
+        c1_asymmetric_friction_torque_jacobian(omega_m[k], out + 12 * k, c);
+    }
+}
+
+void c1_asymmetric_regressor(ECCENTRIC_REAL omega_m, ECCENTRIC_REAL *out, const c1_asymmetric_coefficients *c)
+{
+    const real F_N = c->L_M_mu2 * omega_m * omega_m;
+    const real is_forward = forward(omega_m);
+    const real ungated = F_N * c->mu2 * omega_m;
+    out[0] = ((is_forward == REAL(0.0)) ? REAL(0.0) : ungated * is_forward);
+    const real is_backward = forward(-(omega_m));
+    out[1] = ((is_backward == REAL(0.0)) ? REAL(0.0) : ungated * is_backward);
+    const real direction_of_motion = sgn(omega_m);
+    const real ungated_2 = F_N * direction_of_motion * c->mu;
+    out[2] = ((is_forward == REAL(0.0)) ? REAL(0.0) : ungated_2 * is_forward);
+    out[3] = ((is_backward == REAL(0.0)) ? REAL(0.0) : ungated_2 * is_backward);
+    out[4] = ((is_forward == REAL(0.0)) ? REAL(0.0) : omega_m * is_forward);
+    out[5] = ((is_backward == REAL(0.0)) ? REAL(0.0) : omega_m * is_backward);
+    out[6] = ((is_forward == REAL(0.0)) ? REAL(0.0) : direction_of_motion * is_forward);
+    out[7] = ((is_backward == REAL(0.0)) ? REAL(0.0) : direction_of_motion * is_backward);
+}
+
+void c1_asymmetric_regressor_n(
+    size_t n,
+    const ECCENTRIC_REAL *omega_m,
+    ECCENTRIC_REAL *out,
+    const c1_asymmetric_coefficients *c)
+{
+    for (size_t k = 0; k < n; ++k) {
+        c1_asymmetric_regressor(omega_m[k], out + 8 * k, c);
+    }
+}
+
+void c1_asymmetric_friction_coefficients(ECCENTRIC_REAL *out, const c1_asymmetric_coefficients *c)
+{
+    out[0] = c->B_lN_pos;
+    out[1] = c->B_lN_neg;
+    out[2] = c->C_lN_pos;
+    out[3] = c->C_lN_neg;
+    out[4] = c->B_pos;
+    out[5] = c->B_neg;
+    out[6] = c->C_pos;
+    out[7] = c->C_neg;
+}
+
+void c1_asymmetric_coulomb_torque(ECCENTRIC_REAL *out, const c1_asymmetric_coefficients *c)
+{
+    out[0] = c->C_pos;
+    out[1] = c->C_neg;
+}
+
+ECCENTRIC_REAL c1_asymmetric_gravity_torque(const c1_asymmetric_coefficients *c)
+{
+    (void)c;
+    return REAL(0.0);
+}
+
+ECCENTRIC_REAL c1_asymmetric_voltage(
+    ECCENTRIC_REAL omega_m,
+    ECCENTRIC_REAL alpha_m,
+    const c1_asymmetric_coefficients *c)
+{
+    const real F_N = c->L_M_mu2 * omega_m * omega_m;
+    const real direction_of_motion = sgn(omega_m);
+    const real part_4 = ((omega_m > REAL(0.0)) ? c->C_lN_pos_R_mu_per_k_i : c->C_lN_neg_R_mu_per_k_i);
+    const real part_3 = F_N * part_4;
+    const real part_2 = part_3 + ((omega_m > REAL(0.0)) ? c->constant_3 : c->constant_4);
+    const real part_1 = direction_of_motion * part_2;
+    const real part_8 = ((omega_m > REAL(0.0)) ? c->B_lN_pos_R_mu2_per_k_i : c->B_lN_neg_R_mu2_per_k_i);
+    const real part_7 = F_N * part_8;
+    const real part_6 = c->k_e + part_7 + ((omega_m > REAL(0.0)) ? c->constant : c->constant_2);
+    const real part_5 = omega_m * part_6;
+    const real part_9 = c->R_per_k_i * ((alpha_m == REAL(0.0)) ? REAL(0.0) : c->J * alpha_m);
+    return part_1 + part_5 + part_9;
+}
+
+void c1_asymmetric_voltage_n(
+    size_t n,
+    const ECCENTRIC_REAL *omega_m,
+    const ECCENTRIC_REAL *alpha_m,
+    ECCENTRIC_REAL *out,
+    const c1_asymmetric_coefficients *c)
+{
+    for (size_t k = 0; k < n; ++k) {
+        out[k] = c1_asymmetric_voltage(omega_m[k], alpha_m[k], c);
+    }
+}
+
+ECCENTRIC_REAL c1_asymmetric_current(
+    ECCENTRIC_REAL omega_m,
+    ECCENTRIC_REAL alpha_m,
+    const c1_asymmetric_coefficients *c)
+{
+    const real F_N = c->L_M_mu2 * omega_m * omega_m;
+    const real direction_of_motion = sgn(omega_m);
+    const real part_4 = ((omega_m > REAL(0.0)) ? c->C_lN_pos_mu_per_k_i : c->C_lN_neg_mu_per_k_i);
+    const real part_3 = F_N * part_4;
+    const real part_2 = part_3 + ((omega_m > REAL(0.0)) ? c->constant_7 : c->constant_8);
+    const real part_1 = direction_of_motion * part_2;
+    const real part_8 = ((omega_m > REAL(0.0)) ? c->B_lN_pos_mu2_per_k_i : c->B_lN_neg_mu2_per_k_i);
+    const real part_7 = F_N * part_8;
+    const real part_6 = part_7 + ((omega_m > REAL(0.0)) ? c->constant_5 : c->constant_6);
+    const real part_5 = omega_m * part_6;
+    const real part_9 = c->per_k_i * ((alpha_m == REAL(0.0)) ? REAL(0.0) : c->J * alpha_m);
+    return part_1 + part_5 + part_9;
+}
+
+void c1_asymmetric_current_n(
+    size_t n,
+    const ECCENTRIC_REAL *omega_m,
+    const ECCENTRIC_REAL *alpha_m,
+    ECCENTRIC_REAL *out,
+    const c1_asymmetric_coefficients *c)
+{
+    for (size_t k = 0; k < n; ++k) {
+        out[k] = c1_asymmetric_current(omega_m[k], alpha_m[k], c);
+    }
+}
+
+void c1_asymmetric_polynomial(ECCENTRIC_REAL *out, const c1_asymmetric_coefficients *c)
+{
+    out[0] = c->B_lN_pos_L_M_mu4;
+    out[1] = c->C_lN_pos_L_M_mu3;
+    out[2] = c->constant_9;
+    out[3] = c->C_pos;
+}
+
+void c1_asymmetric_polynomial_neg(ECCENTRIC_REAL *out, const c1_asymmetric_coefficients *c)
+{
+    out[0] = c->B_lN_neg_L_M_mu4;
+    out[1] = c->minus_C_lN_neg_L_M_mu3;
+    out[2] = c->constant_10;
+    out[3] = c->constant_11;
+}

@@ -1,0 +1,268 @@
+/*
+ * Generated: do not edit. Written by `make derive` from derivations/c1_asymmetric.py
+ * (eccentric 0.1.0, program 20133e8e). Case C1 with friction that differs between the directions of motion.
+ */
+#ifndef C1_ASYMMETRIC_H
+#define C1_ASYMMETRIC_H
+
+#include <stddef.h>
+
+/* C1_ASYMMETRIC_PROGRAM names the derivation that header and source come from; the source checks it. */
+#define C1_ASYMMETRIC_PROGRAM 0x20133e8eUL
+
+/* The working precision: float or double. Compile all files with the same one. */
+#ifndef ECCENTRIC_REAL
+#define ECCENTRIC_REAL double
+#endif
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/** Case C1 with friction that differs between the directions of motion: parameters, in SI units. */
+typedef struct {
+    double M; /**< unbalanced mass [kg], eq. (5) */
+    double M_l; /**< mass of the link without M [kg], eq. (15) */
+    double L; /**< distance of M from the axis [m], eq. (5) */
+    double mu; /**< gear ratio theta_l/theta_m [1], eq. (3) */
+    double R; /**< armature resistance [Ohm], eq. (2) */
+    double k_i; /**< torque constant [N m/A], eq. (2) */
+    double k_e; /**< back-EMF constant [V s/rad], eq. (2) */
+    double g; /**< gravitational acceleration [m/s^2], eq. (5) */
+    double B_lN_pos; /**< viscous friction of the link per normal force, omega_m > 0 [m s/rad], eq. (9) */
+    double B_lN_neg; /**< viscous friction of the link per normal force, omega_m < 0 [m s/rad], eq. (9) */
+    double C_lN_pos; /**< Coulomb friction of the link per normal force, omega_m > 0 [m], eq. (9) */
+    double C_lN_neg; /**< Coulomb friction of the link per normal force, omega_m < 0 [m], eq. (9) */
+    double B_lT_pos; /**< viscous friction of the link per transversal force, omega_m > 0 [m s/rad], eq. (9) */
+    double B_lT_neg; /**< viscous friction of the link per transversal force, omega_m < 0 [m s/rad], eq. (9) */
+    double C_lT_pos; /**< Coulomb friction of the link per transversal force, omega_m > 0 [m], eq. (9) */
+    double C_lT_neg; /**< Coulomb friction of the link per transversal force, omega_m < 0 [m], eq. (9) */
+    double B_m_pos; /**< viscous friction of the motor, omega_m > 0 [N m s/rad], eq. (10) */
+    double B_m_neg; /**< viscous friction of the motor, omega_m < 0 [N m s/rad], eq. (10) */
+    double C_m_pos; /**< Coulomb friction of the motor, omega_m > 0 [N m], eq. (10) */
+    double C_m_neg; /**< Coulomb friction of the motor, omega_m < 0 [N m], eq. (10) */
+    double F_T; /**< transversal force of a level plane [N], eq. (9) */
+    double J_m; /**< inertia of the motor [kg m^2], eq. (1), no default */
+    double J_l; /**< inertia of the link about its axis, M L^2 included [kg m^2], eq. (3), no default */
+} c1_asymmetric_parameters;
+
+/** What depends on parameters only; filled by c1_asymmetric_prepare. */
+typedef struct {
+    ECCENTRIC_REAL B_lN_neg; /**< viscous friction of the link per normal force, omega_m < 0 [m s/rad] */
+    ECCENTRIC_REAL B_lN_pos; /**< viscous friction of the link per normal force, omega_m > 0 [m s/rad] */
+    ECCENTRIC_REAL C_lN_neg; /**< Coulomb friction of the link per normal force, omega_m < 0 [m] */
+    ECCENTRIC_REAL C_lN_pos; /**< Coulomb friction of the link per normal force, omega_m > 0 [m] */
+    ECCENTRIC_REAL k_e; /**< back-EMF constant [V s/rad] */
+    ECCENTRIC_REAL mu; /**< gear ratio theta_l/theta_m [1] */
+    ECCENTRIC_REAL L_M_mu2;
+    ECCENTRIC_REAL B_lN_pos_mu2;
+    ECCENTRIC_REAL B_lN_neg_mu2;
+    ECCENTRIC_REAL B_pos; /**< viscous friction on the motor side, B_m + mu^2 beta_T, omega_m > 0 [N m s/rad] */
+    ECCENTRIC_REAL B_neg; /**< viscous friction on the motor side, B_m + mu^2 beta_T, omega_m < 0 [N m s/rad] */
+    ECCENTRIC_REAL k_e_k_i_per_R;
+    ECCENTRIC_REAL C_lN_pos_mu;
+    ECCENTRIC_REAL C_lN_neg_mu;
+    ECCENTRIC_REAL C_pos; /**< Coulomb friction on the motor side, C_m + mu gamma_T, omega_m > 0 [N m] */
+    ECCENTRIC_REAL C_neg; /**< Coulomb friction on the motor side, C_m + mu gamma_T, omega_m < 0 [N m] */
+    ECCENTRIC_REAL twice_L_M_mu2;
+    ECCENTRIC_REAL mu2;
+    ECCENTRIC_REAL F_T_mu2;
+    ECCENTRIC_REAL F_T_mu;
+    ECCENTRIC_REAL J; /**< inertia on the motor side, J_m + mu^2 J_l [kg m^2] */
+    ECCENTRIC_REAL B_lN_pos_R_mu2_per_k_i;
+    ECCENTRIC_REAL B_lN_neg_R_mu2_per_k_i;
+    ECCENTRIC_REAL constant; /**< B_lT_pos F_T R mu^2/k_i + B_m_pos R/k_i */
+    ECCENTRIC_REAL constant_2; /**< B_lT_neg F_T R mu^2/k_i + B_m_neg R/k_i */
+    ECCENTRIC_REAL C_lN_pos_R_mu_per_k_i;
+    ECCENTRIC_REAL C_lN_neg_R_mu_per_k_i;
+    ECCENTRIC_REAL constant_3; /**< C_lT_pos F_T R mu/k_i + C_m_pos R/k_i */
+    ECCENTRIC_REAL constant_4; /**< C_lT_neg F_T R mu/k_i + C_m_neg R/k_i */
+    ECCENTRIC_REAL R_per_k_i;
+    ECCENTRIC_REAL B_lN_pos_mu2_per_k_i;
+    ECCENTRIC_REAL B_lN_neg_mu2_per_k_i;
+    ECCENTRIC_REAL constant_5; /**< B_lT_pos F_T mu^2/k_i + B_m_pos/k_i */
+    ECCENTRIC_REAL constant_6; /**< B_lT_neg F_T mu^2/k_i + B_m_neg/k_i */
+    ECCENTRIC_REAL per_k_i;
+    ECCENTRIC_REAL C_lN_pos_mu_per_k_i;
+    ECCENTRIC_REAL C_lN_neg_mu_per_k_i;
+    ECCENTRIC_REAL constant_7; /**< C_lT_pos F_T mu/k_i + C_m_pos/k_i */
+    ECCENTRIC_REAL constant_8; /**< C_lT_neg F_T mu/k_i + C_m_neg/k_i */
+    ECCENTRIC_REAL B_lN_pos_L_M_mu4;
+    ECCENTRIC_REAL C_lN_pos_L_M_mu3;
+    ECCENTRIC_REAL constant_9; /**< (B_lT_pos F_T R mu^2 + B_m_pos R + k_e k_i)/R */
+    ECCENTRIC_REAL B_lN_neg_L_M_mu4;
+    ECCENTRIC_REAL minus_C_lN_neg_L_M_mu3;
+    ECCENTRIC_REAL constant_10; /**< (B_lT_neg F_T R mu^2 + B_m_neg R + k_e k_i)/R */
+    ECCENTRIC_REAL constant_11; /**< -C_lT_neg F_T mu - C_m_neg */
+} c1_asymmetric_coefficients;
+
+/** The parameters that `make derive` knows: the paper's Table 1, mu = 1/5, unless others were given. */
+extern const c1_asymmetric_parameters c1_asymmetric_default_parameters;
+
+/** The coefficients of the default parameters, computed to 50 digits when this file was written. */
+extern const c1_asymmetric_coefficients c1_asymmetric_default;
+
+/** Compute the coefficients of a set of parameters; run it once, or when a parameter changes.
+ *  Valid parameters: mu, R, k_i positive, the others not negative. Others give coefficients that mean nothing.
+ *  @param[in]  p  parameters
+ *  @param[out] c  coefficients
+ */
+void c1_asymmetric_prepare(const c1_asymmetric_parameters *p, c1_asymmetric_coefficients *c);
+
+/** Normal force F_N on the axis of rotation [N].
+ *  @param[in]  omega_m  motor velocity [rad/s]
+ *  @param[in]  c  coefficients
+ */
+ECCENTRIC_REAL c1_asymmetric_normal_force(ECCENTRIC_REAL omega_m, const c1_asymmetric_coefficients *c);
+
+/** normal_force over arrays of n samples. */
+void c1_asymmetric_normal_force_n(
+    size_t n,
+    const ECCENTRIC_REAL *omega_m,
+    ECCENTRIC_REAL *out,
+    const c1_asymmetric_coefficients *c);
+
+/** Resultant friction torque F, back-EMF damping included, eq (6) [N m].
+ *  @param[in]  omega_m  motor velocity [rad/s]
+ *  @param[in]  c  coefficients
+ */
+ECCENTRIC_REAL c1_asymmetric_friction_torque(ECCENTRIC_REAL omega_m, const c1_asymmetric_coefficients *c);
+
+/** friction_torque over arrays of n samples. */
+void c1_asymmetric_friction_torque_n(
+    size_t n,
+    const ECCENTRIC_REAL *omega_m,
+    ECCENTRIC_REAL *out,
+    const c1_asymmetric_coefficients *c);
+
+/** Mechanical friction torque f = f_m + mu f_l, without back-EMF [N m].
+ *  @param[in]  omega_m  motor velocity [rad/s]
+ *  @param[in]  c  coefficients
+ */
+ECCENTRIC_REAL c1_asymmetric_mechanical_friction_torque(ECCENTRIC_REAL omega_m, const c1_asymmetric_coefficients *c);
+
+/** mechanical_friction_torque over arrays of n samples. */
+void c1_asymmetric_mechanical_friction_torque_n(
+    size_t n,
+    const ECCENTRIC_REAL *omega_m,
+    ECCENTRIC_REAL *out,
+    const c1_asymmetric_coefficients *c);
+
+/** Slopes of friction_torque by its inputs [N m per rad, rad/s, rad/s^2].
+ *  @param[in]  omega_m  motor velocity [rad/s]
+ *  @param[out] out  1 values: omega_m
+ *  @param[in]  c  coefficients
+ */
+void c1_asymmetric_friction_torque_gradient(
+    ECCENTRIC_REAL omega_m,
+    ECCENTRIC_REAL *out,
+    const c1_asymmetric_coefficients *c);
+
+/** friction_torque_gradient over arrays of n samples, 1 values of `out` a sample. */
+void c1_asymmetric_friction_torque_gradient_n(
+    size_t n,
+    const ECCENTRIC_REAL *omega_m,
+    ECCENTRIC_REAL *out,
+    const c1_asymmetric_coefficients *c);
+
+/** Slopes of friction_torque by all friction coefficients [N m per unit of the coefficient].
+ *  @param[in]  omega_m  motor velocity [rad/s]
+ *  @param[out] out  12 values: B_lN_pos, B_lN_neg, C_lN_pos, C_lN_neg, B_lT_pos, B_lT_neg, C_lT_pos, C_lT_neg, B_m_pos, B_m_neg, C_m_pos, C_m_neg
+ *  @param[in]  c  coefficients
+ */
+void c1_asymmetric_friction_torque_jacobian(
+    ECCENTRIC_REAL omega_m,
+    ECCENTRIC_REAL *out,
+    const c1_asymmetric_coefficients *c);
+
+/** friction_torque_jacobian over arrays of n samples, 12 values of `out` a sample. */
+void c1_asymmetric_friction_torque_jacobian_n(
+    size_t n,
+    const ECCENTRIC_REAL *omega_m,
+    ECCENTRIC_REAL *out,
+    const c1_asymmetric_coefficients *c);
+
+/** Columns with regressor @ friction_coefficients = mechanical_friction_torque [N m per unit of the coefficient].
+ *  @param[in]  omega_m  motor velocity [rad/s]
+ *  @param[out] out  8 values: B_lN_pos, B_lN_neg, C_lN_pos, C_lN_neg, B_pos, B_neg, C_pos, C_neg
+ *  @param[in]  c  coefficients
+ */
+void c1_asymmetric_regressor(ECCENTRIC_REAL omega_m, ECCENTRIC_REAL *out, const c1_asymmetric_coefficients *c);
+
+/** regressor over arrays of n samples, 8 values of `out` a sample. */
+void c1_asymmetric_regressor_n(
+    size_t n,
+    const ECCENTRIC_REAL *omega_m,
+    ECCENTRIC_REAL *out,
+    const c1_asymmetric_coefficients *c);
+
+/** What the columns of the regressor multiply [as the columns of the regressor].
+ *  @param[out] out  8 values: B_lN_pos, B_lN_neg, C_lN_pos, C_lN_neg, B_pos, B_neg, C_pos, C_neg
+ *  @param[in]  c  coefficients
+ */
+void c1_asymmetric_friction_coefficients(ECCENTRIC_REAL *out, const c1_asymmetric_coefficients *c);
+
+/** Size of the friction torque at standstill, where it is set-valued [N m].
+ *  @param[out] out  2 values: pos, neg
+ *  @param[in]  c  coefficients
+ */
+void c1_asymmetric_coulomb_torque(ECCENTRIC_REAL *out, const c1_asymmetric_coefficients *c);
+
+/** Gravity torque G, eq (5) [N m].
+ *  @param[in]  c  coefficients
+ */
+ECCENTRIC_REAL c1_asymmetric_gravity_torque(const c1_asymmetric_coefficients *c);
+
+/** Armature voltage u = (R/k_i) (J alpha_m + G + F), eq (4) [V].
+ *  @param[in]  omega_m  motor velocity [rad/s]
+ *  @param[in]  alpha_m  motor acceleration [rad/s^2]
+ *  @param[in]  c  coefficients
+ */
+ECCENTRIC_REAL c1_asymmetric_voltage(
+    ECCENTRIC_REAL omega_m,
+    ECCENTRIC_REAL alpha_m,
+    const c1_asymmetric_coefficients *c);
+
+/** voltage over arrays of n samples. */
+void c1_asymmetric_voltage_n(
+    size_t n,
+    const ECCENTRIC_REAL *omega_m,
+    const ECCENTRIC_REAL *alpha_m,
+    ECCENTRIC_REAL *out,
+    const c1_asymmetric_coefficients *c);
+
+/** Armature current i = (J alpha_m + G + f)/k_i [A].
+ *  @param[in]  omega_m  motor velocity [rad/s]
+ *  @param[in]  alpha_m  motor acceleration [rad/s^2]
+ *  @param[in]  c  coefficients
+ */
+ECCENTRIC_REAL c1_asymmetric_current(
+    ECCENTRIC_REAL omega_m,
+    ECCENTRIC_REAL alpha_m,
+    const c1_asymmetric_coefficients *c);
+
+/** current over arrays of n samples. */
+void c1_asymmetric_current_n(
+    size_t n,
+    const ECCENTRIC_REAL *omega_m,
+    const ECCENTRIC_REAL *alpha_m,
+    ECCENTRIC_REAL *out,
+    const c1_asymmetric_coefficients *c);
+
+/** Coefficients F_3, F_2, F_1, F_0 of F for omega_m > 0, eqs (11)-(14) [N m (s/rad)^k].
+ *  @param[out] out  4 values: F_3, F_2, F_1, F_0
+ *  @param[in]  c  coefficients
+ */
+void c1_asymmetric_polynomial(ECCENTRIC_REAL *out, const c1_asymmetric_coefficients *c);
+
+/** Coefficients F_3, F_2, F_1, F_0 of F for omega_m < 0, eqs (11)-(14) [N m (s/rad)^k].
+ *  @param[out] out  4 values: F_3, F_2, F_1, F_0
+ *  @param[in]  c  coefficients
+ */
+void c1_asymmetric_polynomial_neg(ECCENTRIC_REAL *out, const c1_asymmetric_coefficients *c);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

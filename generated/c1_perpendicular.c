@@ -1,0 +1,372 @@
+/*
+ * Generated: do not edit. Written by `make derive` from derivations/c1_perpendicular.py
+ * (eccentric 0.1.0, program b3dafa0f). Case C1: gravity perpendicular to the motion plane, steady motion.
+ */
+#include "c1_perpendicular.h"
+
+#include <float.h>
+#include <math.h>
+
+#if C1_PERPENDICULAR_PROGRAM != 0xb3dafa0fUL
+#error "c1_perpendicular.c and c1_perpendicular.h are of different derivations: write both again with make derive"
+#endif
+
+/* ECCENTRIC_SINGLE is 1 where ECCENTRIC_REAL is float. */
+#define ECCENTRIC_SINGLE_float 1
+#define ECCENTRIC_SINGLE_double 0
+#define ECCENTRIC_JOIN_(a, b) a##b
+#define ECCENTRIC_JOIN(a, b) ECCENTRIC_JOIN_(a, b)
+#define ECCENTRIC_SINGLE ECCENTRIC_JOIN(ECCENTRIC_SINGLE_, ECCENTRIC_REAL)
+
+typedef ECCENTRIC_REAL real;
+
+#if ECCENTRIC_SINGLE
+#define REAL(x) x##f
+#else
+#define REAL(x) x
+#endif
+
+static inline real sgn(const real x)
+{
+    return (x > REAL(0.0)) ? REAL(1.0) : ((x < REAL(0.0)) ? REAL(-1.0) : ((x == REAL(0.0)) ? REAL(0.0) : x));
+}
+
+const c1_perpendicular_parameters c1_perpendicular_default_parameters = {
+    0.5, /* M [kg] */
+    0.2, /* M_l [kg] */
+    0.25, /* L [m] */
+    0.2, /* mu [1] */
+    1.0, /* R [Ohm] */
+    0.02, /* k_i [N m/A] */
+    0.2, /* k_e [V s/rad] */
+    9.81, /* g [m/s^2] */
+    0.004, /* B_lN [m s/rad] */
+    0.08, /* C_lN [m] */
+    0.004, /* B_lT [m s/rad] */
+    0.08, /* C_lT [m] */
+    4.0e-4, /* B_m [N m s/rad] */
+    0.008, /* C_m [N m] */
+    1.962, /* F_T [N] */
+    NAN, /* J_m [kg m^2] */
+    NAN, /* J_l [kg m^2] */
+};
+
+const c1_perpendicular_coefficients c1_perpendicular_default = {
+#if ECCENTRIC_SINGLE
+    (real)(0.004), /* B_lN */
+    (real)(0.08), /* C_lN */
+    (real)(0.2), /* mu */
+    (real)(0.005), /* L_M_mu2 */
+    (real)(1.6e-4), /* B_lN_mu2 */
+    (real)(0.00471392), /* constant */
+    (real)(0.016), /* C_lN_mu */
+    (real)(0.039392), /* C */
+    (real)(7.1392e-4), /* B */
+    (real)(0.01), /* twice_L_M_mu2 */
+    (real)(0.04), /* mu2 */
+    (real)(0.07848), /* F_T_mu2 */
+    (real)(0.3924), /* F_T_mu */
+    (real)(NAN), /* J */
+    (real)(0.008), /* B_lN_R_mu2_per_k_i */
+    (real)(0.235696), /* constant_2 */
+    (real)(0.8), /* C_lN_R_mu_per_k_i */
+    (real)(1.9696), /* constant_3 */
+    (real)(50.0), /* R_per_k_i */
+    (real)(0.008), /* B_lN_mu2_per_k_i */
+    (real)(0.035696), /* constant_4 */
+    (real)(50.0), /* per_k_i */
+    (real)(0.8), /* C_lN_mu_per_k_i */
+    (real)(1.9696), /* constant_5 */
+    (real)(8.0e-7), /* B_lN_L_M_mu4 */
+    (real)(8.0e-5), /* C_lN_L_M_mu3 */
+    (real)(0.00471392), /* constant_6 */
+#else
+    0.004, /* B_lN */
+    0.08, /* C_lN */
+    0.2, /* mu */
+    0.005, /* L_M_mu2 */
+    1.6e-4, /* B_lN_mu2 */
+    0.00471392, /* constant */
+    0.016, /* C_lN_mu */
+    0.039392, /* C */
+    7.1392e-4, /* B */
+    0.01, /* twice_L_M_mu2 */
+    0.04, /* mu2 */
+    0.07848, /* F_T_mu2 */
+    0.3924, /* F_T_mu */
+    NAN, /* J */
+    0.008, /* B_lN_R_mu2_per_k_i */
+    0.235696, /* constant_2 */
+    0.8, /* C_lN_R_mu_per_k_i */
+    1.9696, /* constant_3 */
+    50.0, /* R_per_k_i */
+    0.008, /* B_lN_mu2_per_k_i */
+    0.035696, /* constant_4 */
+    50.0, /* per_k_i */
+    0.8, /* C_lN_mu_per_k_i */
+    1.9696, /* constant_5 */
+    8.0e-7, /* B_lN_L_M_mu4 */
+    8.0e-5, /* C_lN_L_M_mu3 */
+    0.00471392, /* constant_6 */
+#endif
+};
+
+void c1_perpendicular_prepare(const c1_perpendicular_parameters *p, c1_perpendicular_coefficients *c)
+{
+    const double L_M_mu2 = p->L * p->M * p->mu * p->mu;
+    const double B_lN_mu2 = p->B_lN * p->mu * p->mu;
+    const double constant = p->B_lT * p->F_T * p->mu * p->mu + p->B_m + p->k_e * p->k_i / p->R;
+    const double C_lN_mu = p->C_lN * p->mu;
+    const double C = p->C_lT * p->F_T * p->mu + p->C_m;
+    const double B = p->B_lT * p->F_T * p->mu * p->mu + p->B_m;
+    const double twice_L_M_mu2 = 2.0 * p->L * p->M * p->mu * p->mu;
+    const double mu2 = p->mu * p->mu;
+    const double F_T_mu2 = p->F_T * p->mu * p->mu;
+    const double F_T_mu = p->F_T * p->mu;
+    const double J = p->J_l * p->mu * p->mu + p->J_m;
+    const double B_lN_R_mu2_per_k_i = p->B_lN * p->R * p->mu * p->mu / p->k_i;
+    const double constant_2 = p->B_lT * p->F_T * p->R * p->mu * p->mu / p->k_i + p->B_m * p->R / p->k_i + p->k_e;
+    const double C_lN_R_mu_per_k_i = p->C_lN * p->R * p->mu / p->k_i;
+    const double constant_3 = p->C_lT * p->F_T * p->R * p->mu / p->k_i + p->C_m * p->R / p->k_i;
+    const double R_per_k_i = p->R / p->k_i;
+    const double B_lN_mu2_per_k_i = p->B_lN * p->mu * p->mu / p->k_i;
+    const double constant_4 = p->B_lT * p->F_T * p->mu * p->mu / p->k_i + p->B_m / p->k_i;
+    const double per_k_i = 1.0 / p->k_i;
+    const double C_lN_mu_per_k_i = p->C_lN * p->mu / p->k_i;
+    const double constant_5 = p->C_lT * p->F_T * p->mu / p->k_i + p->C_m / p->k_i;
+    const double B_lN_L_M_mu4 = p->B_lN * p->L * p->M * p->mu * p->mu * p->mu * p->mu;
+    const double C_lN_L_M_mu3 = p->C_lN * p->L * p->M * p->mu * p->mu * p->mu;
+    const double constant_6 = (p->B_lT * p->F_T * p->R * p->mu * p->mu + p->B_m * p->R + p->k_e * p->k_i) / p->R;
+    c->B_lN = (real)(p->B_lN);
+    c->C_lN = (real)(p->C_lN);
+    c->mu = (real)(p->mu);
+    c->L_M_mu2 = (real)(L_M_mu2);
+    c->B_lN_mu2 = (real)(B_lN_mu2);
+    c->constant = (real)(constant);
+    c->C_lN_mu = (real)(C_lN_mu);
+    c->C = (real)(C);
+    c->B = (real)(B);
+    c->twice_L_M_mu2 = (real)(twice_L_M_mu2);
+    c->mu2 = (real)(mu2);
+    c->F_T_mu2 = (real)(F_T_mu2);
+    c->F_T_mu = (real)(F_T_mu);
+    c->J = (real)(J);
+    c->B_lN_R_mu2_per_k_i = (real)(B_lN_R_mu2_per_k_i);
+    c->constant_2 = (real)(constant_2);
+    c->C_lN_R_mu_per_k_i = (real)(C_lN_R_mu_per_k_i);
+    c->constant_3 = (real)(constant_3);
+    c->R_per_k_i = (real)(R_per_k_i);
+    c->B_lN_mu2_per_k_i = (real)(B_lN_mu2_per_k_i);
+    c->constant_4 = (real)(constant_4);
+    c->per_k_i = (real)(per_k_i);
+    c->C_lN_mu_per_k_i = (real)(C_lN_mu_per_k_i);
+    c->constant_5 = (real)(constant_5);
+    c->B_lN_L_M_mu4 = (real)(B_lN_L_M_mu4);
+    c->C_lN_L_M_mu3 = (real)(C_lN_L_M_mu3);
+    c->constant_6 = (real)(constant_6);
+}
+
+ECCENTRIC_REAL c1_perpendicular_normal_force(ECCENTRIC_REAL omega_m, const c1_perpendicular_coefficients *c)
+{
+    const real F_N = c->L_M_mu2 * omega_m * omega_m;
+    return F_N;
+}
+
+void c1_perpendicular_normal_force_n(
+    size_t n,
+    const ECCENTRIC_REAL *omega_m,
+    ECCENTRIC_REAL *out,
+    const c1_perpendicular_coefficients *c)
+{
+    for (size_t k = 0; k < n; ++k) {
+        out[k] = c1_perpendicular_normal_force(omega_m[k], c);
+    }
+}
+
+ECCENTRIC_REAL c1_perpendicular_friction_torque(ECCENTRIC_REAL omega_m, const c1_perpendicular_coefficients *c)
+{
+    const real F_N = c->L_M_mu2 * omega_m * omega_m;
+    const real direction_of_motion = sgn(omega_m);
+    const real part_1 = direction_of_motion * (c->C + c->C_lN_mu * F_N);
+    return omega_m * (c->B_lN_mu2 * F_N + c->constant) + part_1;
+}
+
+void c1_perpendicular_friction_torque_n(
+    size_t n,
+    const ECCENTRIC_REAL *omega_m,
+    ECCENTRIC_REAL *out,
+    const c1_perpendicular_coefficients *c)
+{
+    for (size_t k = 0; k < n; ++k) {
+        out[k] = c1_perpendicular_friction_torque(omega_m[k], c);
+    }
+}
+
+ECCENTRIC_REAL c1_perpendicular_mechanical_friction_torque(
+    ECCENTRIC_REAL omega_m,
+    const c1_perpendicular_coefficients *c)
+{
+    const real F_N = c->L_M_mu2 * omega_m * omega_m;
+    const real direction_of_motion = sgn(omega_m);
+    const real part_1 = direction_of_motion * (c->C + c->C_lN_mu * F_N);
+    return omega_m * (c->B + c->B_lN_mu2 * F_N) + part_1;
+}
+
+void c1_perpendicular_mechanical_friction_torque_n(
+    size_t n,
+    const ECCENTRIC_REAL *omega_m,
+    ECCENTRIC_REAL *out,
+    const c1_perpendicular_coefficients *c)
+{
+    for (size_t k = 0; k < n; ++k) {
+        out[k] = c1_perpendicular_mechanical_friction_torque(omega_m[k], c);
+    }
+}
+
+void c1_perpendicular_friction_torque_gradient(
+    ECCENTRIC_REAL omega_m,
+    ECCENTRIC_REAL *out,
+    const c1_perpendicular_coefficients *c)
+{
+    const real F_N = c->L_M_mu2 * omega_m * omega_m;
+    const real F_N_d_omega_m = omega_m * c->twice_L_M_mu2;
+    const real direction_of_motion = sgn(omega_m);
+    const real part_1 = c->C_lN_mu * F_N_d_omega_m * direction_of_motion;
+    const real part_2 = c->B_lN_mu2 * F_N_d_omega_m * omega_m;
+    out[0] = c->B_lN_mu2 * F_N + c->constant + part_1 + part_2;
+}
+
+void c1_perpendicular_friction_torque_gradient_n(
+    size_t n,
+    const ECCENTRIC_REAL *omega_m,
+    ECCENTRIC_REAL *out,
+    const c1_perpendicular_coefficients *c)
+{
+    for (size_t k = 0; k < n; ++k) {
+        c1_perpendicular_friction_torque_gradient(omega_m[k], out + 1 * k, c);
+    }
+}
+
+void c1_perpendicular_friction_torque_jacobian(
+    ECCENTRIC_REAL omega_m,
+    ECCENTRIC_REAL *out,
+    const c1_perpendicular_coefficients *c)
+{
+    const real F_N = c->L_M_mu2 * omega_m * omega_m;
+    out[0] = F_N * c->mu2 * omega_m;
+    const real direction_of_motion = sgn(omega_m);
+    out[1] = F_N * direction_of_motion * c->mu;
+    out[2] = c->F_T_mu2 * omega_m;
+    out[3] = c->F_T_mu * direction_of_motion;
+    out[4] = omega_m;
+    out[5] = direction_of_motion;
+}
+
+void c1_perpendicular_friction_torque_jacobian_n(
+    size_t n,
+    const ECCENTRIC_REAL *omega_m,
+    ECCENTRIC_REAL *out,
+    const c1_perpendicular_coefficients *c)
+{
+    for (size_t k = 0; k < n; ++k) {
+        c1_perpendicular_friction_torque_jacobian(omega_m[k], out + 6 * k, c);
+    }
+}
+
+void c1_perpendicular_regressor(ECCENTRIC_REAL omega_m, ECCENTRIC_REAL *out, const c1_perpendicular_coefficients *c)
+{
+    const real F_N = c->L_M_mu2 * omega_m * omega_m;
+    out[0] = F_N * c->mu2 * omega_m;
+    const real direction_of_motion = sgn(omega_m);
+    out[1] = F_N * direction_of_motion * c->mu;
+    out[2] = omega_m;
+    out[3] = direction_of_motion;
+}
+
+void c1_perpendicular_regressor_n(
+    size_t n,
+    const ECCENTRIC_REAL *omega_m,
+    ECCENTRIC_REAL *out,
+    const c1_perpendicular_coefficients *c)
+{
+    for (size_t k = 0; k < n; ++k) {
+        c1_perpendicular_regressor(omega_m[k], out + 4 * k, c);
+    }
+}
+
+void c1_perpendicular_friction_coefficients(ECCENTRIC_REAL *out, const c1_perpendicular_coefficients *c)
+{
+    out[0] = c->B_lN;
+    out[1] = c->C_lN;
+    out[2] = c->B;
+    out[3] = c->C;
+}
+
+ECCENTRIC_REAL c1_perpendicular_coulomb_torque(const c1_perpendicular_coefficients *c)
+{
+    return c->C;
+}
+
+ECCENTRIC_REAL c1_perpendicular_gravity_torque(const c1_perpendicular_coefficients *c)
+{
+    (void)c;
+    return REAL(0.0);
+}
+
+ECCENTRIC_REAL c1_perpendicular_voltage(
+    ECCENTRIC_REAL omega_m,
+    ECCENTRIC_REAL alpha_m,
+    const c1_perpendicular_coefficients *c)
+{
+    const real F_N = c->L_M_mu2 * omega_m * omega_m;
+    const real direction_of_motion = sgn(omega_m);
+    const real part_1 = direction_of_motion * (c->C_lN_R_mu_per_k_i * F_N + c->constant_3);
+    const real part_2 = c->R_per_k_i * ((alpha_m == REAL(0.0)) ? REAL(0.0) : c->J * alpha_m);
+    const real part_3 = omega_m * (c->B_lN_R_mu2_per_k_i * F_N + c->constant_2);
+    return part_1 + part_2 + part_3;
+}
+
+void c1_perpendicular_voltage_n(
+    size_t n,
+    const ECCENTRIC_REAL *omega_m,
+    const ECCENTRIC_REAL *alpha_m,
+    ECCENTRIC_REAL *out,
+    const c1_perpendicular_coefficients *c)
+{
+    for (size_t k = 0; k < n; ++k) {
+        out[k] = c1_perpendicular_voltage(omega_m[k], alpha_m[k], c);
+    }
+}
+
+ECCENTRIC_REAL c1_perpendicular_current(
+    ECCENTRIC_REAL omega_m,
+    ECCENTRIC_REAL alpha_m,
+    const c1_perpendicular_coefficients *c)
+{
+    const real F_N = c->L_M_mu2 * omega_m * omega_m;
+    const real direction_of_motion = sgn(omega_m);
+    const real part_1 = direction_of_motion * (c->C_lN_mu_per_k_i * F_N + c->constant_5);
+    const real part_2 = c->per_k_i * ((alpha_m == REAL(0.0)) ? REAL(0.0) : c->J * alpha_m);
+    const real part_3 = omega_m * (c->B_lN_mu2_per_k_i * F_N + c->constant_4);
+    return part_1 + part_2 + part_3;
+}
+
+void c1_perpendicular_current_n(
+    size_t n,
+    const ECCENTRIC_REAL *omega_m,
+    const ECCENTRIC_REAL *alpha_m,
+    ECCENTRIC_REAL *out,
+    const c1_perpendicular_coefficients *c)
+{
+    for (size_t k = 0; k < n; ++k) {
+        out[k] = c1_perpendicular_current(omega_m[k], alpha_m[k], c);
+    }
+}
+
+void c1_perpendicular_polynomial(ECCENTRIC_REAL *out, const c1_perpendicular_coefficients *c)
+{
+    out[0] = c->B_lN_L_M_mu4;
+    out[1] = c->C_lN_L_M_mu3;
+    out[2] = c->constant_6;
+    out[3] = c->C;
+}

@@ -1,0 +1,545 @@
+# Generated: do not edit. Written by `make derive` from derivations/c1_perpendicular.py
+# (eccentric 0.1.0, program b3dafa0f). Case C1: gravity perpendicular to the motion plane, steady motion.
+"""Case C1: gravity perpendicular to the motion plane, steady motion.
+
+Inputs are on the motor side, in SI units; they broadcast, float32 stays float32, and `out` is honoured.
+Without parameters the defaults hold: the paper's Table 1 with mu = 1/5.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+__all__ = [
+    "GRADIENT",
+    "JACOBIAN",
+    "REGRESSOR",
+    "Parameters",
+    "coulomb_torque",
+    "current",
+    "friction_coefficients",
+    "friction_torque",
+    "friction_torque_gradient",
+    "friction_torque_jacobian",
+    "gravity_torque",
+    "mechanical_friction_torque",
+    "normal_force",
+    "polynomial",
+    "regressor",
+    "voltage",
+]
+
+REGRESSOR = ("B_lN", "C_lN", "B", "C")
+GRADIENT = ("omega_m",)
+JACOBIAN = ("B_lN", "C_lN", "B_lT", "C_lT", "B_m", "C_m")
+
+_Real = type[np.float32] | type[np.float64]
+
+
+@dataclass(frozen=True)
+class Parameters:
+    """Parameters with the paper's letters, in SI units.
+
+    Raises:
+        ValueError: a value is not a finite number, or has a sign that the quantity cannot have.
+    """
+
+    M: float = 0.5
+    """unbalanced mass [kg], eq. (5)"""
+    M_l: float = 0.2
+    """mass of the link without M [kg], eq. (15)"""
+    L: float = 0.25
+    """distance of M from the axis [m], eq. (5)"""
+    mu: float = 0.2
+    """gear ratio theta_l/theta_m [1], eq. (3)"""
+    R: float = 1.0
+    """armature resistance [Ohm], eq. (2)"""
+    k_i: float = 0.02
+    """torque constant [N m/A], eq. (2)"""
+    k_e: float = 0.2
+    """back-EMF constant [V s/rad], eq. (2)"""
+    g: float = 9.81
+    """gravitational acceleration [m/s^2], eq. (5)"""
+    B_lN: float = 0.004
+    """viscous friction of the link per normal force [m s/rad], eq. (9)"""
+    C_lN: float = 0.08
+    """Coulomb friction of the link per normal force [m], eq. (9)"""
+    B_lT: float = 0.004
+    """viscous friction of the link per transversal force [m s/rad], eq. (9)"""
+    C_lT: float = 0.08
+    """Coulomb friction of the link per transversal force [m], eq. (9)"""
+    B_m: float = 0.0004
+    """viscous friction of the motor [N m s/rad], eq. (10)"""
+    C_m: float = 0.008
+    """Coulomb friction of the motor [N m], eq. (10)"""
+    F_T: float | None = None
+    """transversal force of a level plane [N], eq. (9), M_l*g if None"""
+    J_m: float | None = None
+    """inertia of the motor [kg m^2], eq. (1), needed with alpha_m"""
+    J_l: float | None = None
+    """inertia of the link about its axis, M L^2 included [kg m^2], eq. (3), needed with alpha_m"""
+
+    def __post_init__(self) -> None:
+        for name, (required, lowest, open_below) in _DOMAINS.items():
+            value = getattr(self, name)
+            if value is None and name in _OPTIONAL:
+                continue
+            if not (math.isfinite(value) and (value > lowest if open_below else value >= lowest)):
+                raise ValueError(f"{name}: required {required}, got {value!r}")
+
+
+_OPTIONAL = ("F_T", "J_m", "J_l")
+_DOMAINS: dict[str, tuple[str, float, bool]] = {
+    "M": ("a number that is not negative [kg]", 0.0, False),
+    "M_l": ("a number that is not negative [kg]", 0.0, False),
+    "L": ("a number that is not negative [m]", 0.0, False),
+    "mu": ("a positive number [1]", 0.0, True),
+    "R": ("a positive number [Ohm]", 0.0, True),
+    "k_i": ("a positive number [N m/A]", 0.0, True),
+    "k_e": ("a number that is not negative [V s/rad]", 0.0, False),
+    "g": ("a number that is not negative [m/s^2]", 0.0, False),
+    "B_lN": ("a number that is not negative [m s/rad]", 0.0, False),
+    "C_lN": ("a number that is not negative [m]", 0.0, False),
+    "B_lT": ("a number that is not negative [m s/rad]", 0.0, False),
+    "C_lT": ("a number that is not negative [m]", 0.0, False),
+    "B_m": ("a number that is not negative [N m s/rad]", 0.0, False),
+    "C_m": ("a number that is not negative [N m]", 0.0, False),
+    "F_T": ("a number that is not negative [N]", 0.0, False),
+    "J_m": ("a number that is not negative [kg m^2]", 0.0, False),
+    "J_l": ("a number that is not negative [kg m^2]", 0.0, False),
+}
+
+
+class _Coefficients(NamedTuple):
+    """What depends on parameters only, in the working precision."""
+
+    B_lN: Any
+    C_lN: Any
+    mu: Any
+    L_M_mu2: Any
+    B_lN_mu2: Any
+    constant: Any
+    C_lN_mu: Any
+    C: Any
+    B: Any
+    twice_L_M_mu2: Any
+    mu2: Any
+    F_T_mu2: Any
+    F_T_mu: Any
+    J: Any
+    B_lN_R_mu2_per_k_i: Any
+    constant_2: Any
+    C_lN_R_mu_per_k_i: Any
+    constant_3: Any
+    R_per_k_i: Any
+    B_lN_mu2_per_k_i: Any
+    constant_4: Any
+    per_k_i: Any
+    C_lN_mu_per_k_i: Any
+    constant_5: Any
+    B_lN_L_M_mu4: Any
+    C_lN_L_M_mu3: Any
+    constant_6: Any
+
+
+@lru_cache(maxsize=64)
+def _prepare(p: Parameters, real: _Real) -> _Coefficients:
+    F_T = p.M_l * p.g if p.F_T is None else p.F_T
+    J_m = math.nan if p.J_m is None else p.J_m
+    J_l = math.nan if p.J_l is None else p.J_l
+    L_M_mu2 = p.L * p.M * p.mu * p.mu
+    B_lN_mu2 = p.B_lN * p.mu * p.mu
+    constant = p.B_lT * F_T * p.mu * p.mu + p.B_m + p.k_e * p.k_i / p.R
+    C_lN_mu = p.C_lN * p.mu
+    C = p.C_lT * F_T * p.mu + p.C_m
+    B = p.B_lT * F_T * p.mu * p.mu + p.B_m
+    twice_L_M_mu2 = 2.0 * p.L * p.M * p.mu * p.mu
+    mu2 = p.mu * p.mu
+    F_T_mu2 = F_T * p.mu * p.mu
+    F_T_mu = F_T * p.mu
+    J = J_l * p.mu * p.mu + J_m
+    B_lN_R_mu2_per_k_i = p.B_lN * p.R * p.mu * p.mu / p.k_i
+    constant_2 = p.B_lT * F_T * p.R * p.mu * p.mu / p.k_i + p.B_m * p.R / p.k_i + p.k_e
+    C_lN_R_mu_per_k_i = p.C_lN * p.R * p.mu / p.k_i
+    constant_3 = p.C_lT * F_T * p.R * p.mu / p.k_i + p.C_m * p.R / p.k_i
+    R_per_k_i = p.R / p.k_i
+    B_lN_mu2_per_k_i = p.B_lN * p.mu * p.mu / p.k_i
+    constant_4 = p.B_lT * F_T * p.mu * p.mu / p.k_i + p.B_m / p.k_i
+    per_k_i = 1.0 / p.k_i
+    C_lN_mu_per_k_i = p.C_lN * p.mu / p.k_i
+    constant_5 = p.C_lT * F_T * p.mu / p.k_i + p.C_m / p.k_i
+    B_lN_L_M_mu4 = p.B_lN * p.L * p.M * p.mu * p.mu * p.mu * p.mu
+    C_lN_L_M_mu3 = p.C_lN * p.L * p.M * p.mu * p.mu * p.mu
+    constant_6 = (p.B_lT * F_T * p.R * p.mu * p.mu + p.B_m * p.R + p.k_e * p.k_i) / p.R
+    with np.errstate(all="ignore"):
+        return _Coefficients(
+            B_lN=real(p.B_lN),
+            C_lN=real(p.C_lN),
+            mu=real(p.mu),
+            L_M_mu2=real(L_M_mu2),
+            B_lN_mu2=real(B_lN_mu2),
+            constant=real(constant),
+            C_lN_mu=real(C_lN_mu),
+            C=real(C),
+            B=real(B),
+            twice_L_M_mu2=real(twice_L_M_mu2),
+            mu2=real(mu2),
+            F_T_mu2=real(F_T_mu2),
+            F_T_mu=real(F_T_mu),
+            J=real(J),
+            B_lN_R_mu2_per_k_i=real(B_lN_R_mu2_per_k_i),
+            constant_2=real(constant_2),
+            C_lN_R_mu_per_k_i=real(C_lN_R_mu_per_k_i),
+            constant_3=real(constant_3),
+            R_per_k_i=real(R_per_k_i),
+            B_lN_mu2_per_k_i=real(B_lN_mu2_per_k_i),
+            constant_4=real(constant_4),
+            per_k_i=real(per_k_i),
+            C_lN_mu_per_k_i=real(C_lN_mu_per_k_i),
+            constant_5=real(constant_5),
+            B_lN_L_M_mu4=real(B_lN_L_M_mu4),
+            C_lN_L_M_mu3=real(C_lN_L_M_mu3),
+            constant_6=real(constant_6),
+        )
+
+
+_BLOCK = 4096  # elements; a block's temporaries stay in the cache
+_DEFAULT = Parameters()
+
+
+def _require(names: tuple[str, ...], value: ArrayLike, parameters: Parameters | None) -> None:
+    """Ask for the inertia, which has no default, where there is an acceleration."""
+    missing = [name for name in names if getattr(parameters or _DEFAULT, name) is None]
+    if missing and np.any(np.asarray(value) != 0):
+        raise ValueError(f"{', '.join(missing)}: required in Parameters with an acceleration, got None")
+
+
+def _evaluate(
+    kernel: Callable[..., tuple[Any, ...]],
+    inputs: tuple[Any, ...],
+    parameters: Parameters | None,
+    out: np.ndarray | None,
+    width: int,
+) -> Any:
+    """Run the kernel over the broadcast inputs, block by block; width 0 is a scalar result."""
+    inputs = tuple(x if isinstance(x, np.ndarray | np.generic | float) else np.asarray(x) for x in inputs)
+    real = np.float32 if inputs and np.result_type(*inputs) == np.float32 else np.float64
+    arrays = [np.asarray(x, dtype=real) for x in inputs]
+    c = _prepare(parameters or _DEFAULT, real)
+    shape = np.broadcast_shapes(*(x.shape for x in arrays))
+    full = (*shape, width) if width else shape
+    result = np.empty(full, dtype=real) if out is None else out
+    if result.shape != full or result.dtype != real:
+        got = f"{result.shape} of {result.dtype}"
+        raise ValueError(f"out: required shape {full} of {real.__name__}, got {got}")
+    parts = [result[..., k] for k in range(width)] if width else [result]
+    with np.errstate(all="ignore"):
+        if result.size <= _BLOCK * max(width, 1):
+            for part, value in zip(parts, kernel(c, *arrays), strict=True):
+                part[...] = value
+        else:
+            flags = [["readonly"]] * len(arrays) + [["writeonly"]] * len(parts)
+            blocks = np.nditer(
+                [*arrays, *parts],
+                flags=["external_loop", "buffered", "copy_if_overlap"],
+                op_flags=flags,
+                buffersize=_BLOCK,
+            )
+            with blocks:
+                for block in blocks:
+                    values = kernel(c, *block[: len(arrays)])
+                    for part, value in zip(block[len(arrays) :], values, strict=True):
+                        part[...] = value
+    return result[()] if out is None else out
+
+
+def _normal_force(
+    c: _Coefficients,
+    omega_m: Any,
+) -> tuple[Any, ...]:
+    F_N = c.L_M_mu2 * omega_m * omega_m
+    result = F_N
+    return (result,)
+
+
+def normal_force(
+    omega_m: ArrayLike,
+    parameters: Parameters | None = None,
+    out: np.ndarray | None = None,
+) -> Any:
+    """Normal force F_N on the axis of rotation [N]; shape of the broadcast inputs.
+
+    omega_m [rad/s]: motor velocity
+    """
+    return _evaluate(_normal_force, (omega_m,), parameters, out, 0)
+
+
+def _friction_torque(
+    c: _Coefficients,
+    omega_m: Any,
+) -> tuple[Any, ...]:
+    F_N = c.L_M_mu2 * omega_m * omega_m
+    direction_of_motion = np.sign(omega_m)
+    part_1 = direction_of_motion * (c.C + c.C_lN_mu * F_N)
+    result = omega_m * (c.B_lN_mu2 * F_N + c.constant) + part_1
+    return (result,)
+
+
+def friction_torque(
+    omega_m: ArrayLike,
+    parameters: Parameters | None = None,
+    out: np.ndarray | None = None,
+) -> Any:
+    """Resultant friction torque F, back-EMF damping included, eq (6) [N m].
+
+    Shape of the broadcast inputs.
+
+    omega_m [rad/s]: motor velocity
+    """
+    return _evaluate(_friction_torque, (omega_m,), parameters, out, 0)
+
+
+def _mechanical_friction_torque(
+    c: _Coefficients,
+    omega_m: Any,
+) -> tuple[Any, ...]:
+    F_N = c.L_M_mu2 * omega_m * omega_m
+    direction_of_motion = np.sign(omega_m)
+    part_1 = direction_of_motion * (c.C + c.C_lN_mu * F_N)
+    result = omega_m * (c.B + c.B_lN_mu2 * F_N) + part_1
+    return (result,)
+
+
+def mechanical_friction_torque(
+    omega_m: ArrayLike,
+    parameters: Parameters | None = None,
+    out: np.ndarray | None = None,
+) -> Any:
+    """Mechanical friction torque f = f_m + mu f_l, without back-EMF [N m].
+
+    Shape of the broadcast inputs.
+
+    omega_m [rad/s]: motor velocity
+    """
+    return _evaluate(_mechanical_friction_torque, (omega_m,), parameters, out, 0)
+
+
+def _friction_torque_gradient(
+    c: _Coefficients,
+    omega_m: Any,
+) -> tuple[Any, ...]:
+    F_N = c.L_M_mu2 * omega_m * omega_m
+    F_N_d_omega_m = omega_m * c.twice_L_M_mu2
+    direction_of_motion = np.sign(omega_m)
+    part_1 = c.C_lN_mu * F_N_d_omega_m * direction_of_motion
+    part_2 = c.B_lN_mu2 * F_N_d_omega_m * omega_m
+    result_omega_m = c.B_lN_mu2 * F_N + c.constant + part_1 + part_2
+    return (result_omega_m,)
+
+
+def friction_torque_gradient(
+    omega_m: ArrayLike,
+    parameters: Parameters | None = None,
+    out: np.ndarray | None = None,
+) -> Any:
+    """Slopes of friction_torque by its inputs [N m per rad, rad/s, rad/s^2]; last axis (omega_m).
+
+    omega_m [rad/s]: motor velocity
+    """
+    return _evaluate(_friction_torque_gradient, (omega_m,), parameters, out, 1)
+
+
+def _friction_torque_jacobian(
+    c: _Coefficients,
+    omega_m: Any,
+) -> tuple[Any, ...]:
+    F_N = c.L_M_mu2 * omega_m * omega_m
+    result_B_lN = F_N * c.mu2 * omega_m
+    direction_of_motion = np.sign(omega_m)
+    result_C_lN = F_N * direction_of_motion * c.mu
+    result_B_lT = c.F_T_mu2 * omega_m
+    result_C_lT = c.F_T_mu * direction_of_motion
+    result_B_m = omega_m
+    result_C_m = direction_of_motion
+    return (result_B_lN, result_C_lN, result_B_lT, result_C_lT, result_B_m, result_C_m)
+
+
+def friction_torque_jacobian(
+    omega_m: ArrayLike,
+    parameters: Parameters | None = None,
+    out: np.ndarray | None = None,
+) -> Any:
+    """Slopes of friction_torque by all friction coefficients [N m per unit of the coefficient].
+
+    Last axis (b_ln, c_ln, b_lt, c_lt, b_m, c_m).
+
+    omega_m [rad/s]: motor velocity
+    """
+    return _evaluate(_friction_torque_jacobian, (omega_m,), parameters, out, 6)
+
+
+def _regressor(
+    c: _Coefficients,
+    omega_m: Any,
+) -> tuple[Any, ...]:
+    F_N = c.L_M_mu2 * omega_m * omega_m
+    result_B_lN = F_N * c.mu2 * omega_m
+    direction_of_motion = np.sign(omega_m)
+    result_C_lN = F_N * direction_of_motion * c.mu
+    result_B = omega_m
+    result_C = direction_of_motion
+    return (result_B_lN, result_C_lN, result_B, result_C)
+
+
+def regressor(
+    omega_m: ArrayLike,
+    parameters: Parameters | None = None,
+    out: np.ndarray | None = None,
+) -> Any:
+    """Columns with regressor @ friction_coefficients = mechanical_friction_torque [N m per unit of the coefficient].
+
+    Last axis (b_ln, c_ln, b, c).
+
+    omega_m [rad/s]: motor velocity
+    """
+    return _evaluate(_regressor, (omega_m,), parameters, out, 4)
+
+
+def _friction_coefficients(
+    c: _Coefficients,
+) -> tuple[Any, ...]:
+    result_B_lN = c.B_lN
+    result_C_lN = c.C_lN
+    result_B = c.B
+    result_C = c.C
+    return (result_B_lN, result_C_lN, result_B, result_C)
+
+
+def friction_coefficients(
+    parameters: Parameters | None = None,
+    out: np.ndarray | None = None,
+) -> Any:
+    """What the columns of the regressor multiply [as the columns of the regressor].
+
+    Last axis (b_ln, c_ln, b, c).
+    """
+    return _evaluate(_friction_coefficients, (), parameters, out, 4)
+
+
+def _coulomb_torque(
+    c: _Coefficients,
+) -> tuple[Any, ...]:
+    result = c.C
+    return (result,)
+
+
+def coulomb_torque(
+    parameters: Parameters | None = None,
+    out: np.ndarray | None = None,
+) -> Any:
+    """Size of the friction torque at standstill, where it is set-valued [N m].
+
+    Shape of the broadcast inputs.
+    """
+    return _evaluate(_coulomb_torque, (), parameters, out, 0)
+
+
+def _gravity_torque(
+    c: _Coefficients,
+) -> tuple[Any, ...]:
+    result = 0.0
+    return (result,)
+
+
+def gravity_torque(
+    parameters: Parameters | None = None,
+    out: np.ndarray | None = None,
+) -> Any:
+    """Gravity torque G, eq (5) [N m]; shape of the broadcast inputs."""
+    return _evaluate(_gravity_torque, (), parameters, out, 0)
+
+
+def _voltage(
+    c: _Coefficients,
+    omega_m: Any,
+    alpha_m: Any,
+) -> tuple[Any, ...]:
+    F_N = c.L_M_mu2 * omega_m * omega_m
+    direction_of_motion = np.sign(omega_m)
+    part_1 = direction_of_motion * (c.C_lN_R_mu_per_k_i * F_N + c.constant_3)
+    part_2 = c.R_per_k_i * np.where(alpha_m == 0.0, 0.0, c.J * alpha_m)
+    part_3 = omega_m * (c.B_lN_R_mu2_per_k_i * F_N + c.constant_2)
+    result = part_1 + part_2 + part_3
+    return (result,)
+
+
+def voltage(
+    omega_m: ArrayLike,
+    alpha_m: ArrayLike = 0.0,
+    parameters: Parameters | None = None,
+    out: np.ndarray | None = None,
+) -> Any:
+    """Armature voltage u = (R/k_i) (J alpha_m + G + F), eq (4) [V]; shape of the broadcast inputs.
+
+    omega_m [rad/s]: motor velocity
+    alpha_m [rad/s^2]: motor acceleration
+    """
+    _require(("J_m", "J_l"), alpha_m, parameters)
+    return _evaluate(_voltage, (omega_m, alpha_m), parameters, out, 0)
+
+
+def _current(
+    c: _Coefficients,
+    omega_m: Any,
+    alpha_m: Any,
+) -> tuple[Any, ...]:
+    F_N = c.L_M_mu2 * omega_m * omega_m
+    direction_of_motion = np.sign(omega_m)
+    part_1 = direction_of_motion * (c.C_lN_mu_per_k_i * F_N + c.constant_5)
+    part_2 = c.per_k_i * np.where(alpha_m == 0.0, 0.0, c.J * alpha_m)
+    part_3 = omega_m * (c.B_lN_mu2_per_k_i * F_N + c.constant_4)
+    result = part_1 + part_2 + part_3
+    return (result,)
+
+
+def current(
+    omega_m: ArrayLike,
+    alpha_m: ArrayLike = 0.0,
+    parameters: Parameters | None = None,
+    out: np.ndarray | None = None,
+) -> Any:
+    """Armature current i = (J alpha_m + G + f)/k_i [A]; shape of the broadcast inputs.
+
+    omega_m [rad/s]: motor velocity
+    alpha_m [rad/s^2]: motor acceleration
+    """
+    _require(("J_m", "J_l"), alpha_m, parameters)
+    return _evaluate(_current, (omega_m, alpha_m), parameters, out, 0)
+
+
+def _polynomial(
+    c: _Coefficients,
+) -> tuple[Any, ...]:
+    result_F_3 = c.B_lN_L_M_mu4
+    result_F_2 = c.C_lN_L_M_mu3
+    result_F_1 = c.constant_6
+    result_F_0 = c.C
+    return (result_F_3, result_F_2, result_F_1, result_F_0)
+
+
+def polynomial(
+    parameters: Parameters | None = None,
+    out: np.ndarray | None = None,
+) -> Any:
+    """Coefficients F_3, F_2, F_1, F_0 of F for omega_m > 0, eqs (11)-(14) [N m (s/rad)^k].
+
+    Last axis (f_3, f_2, f_1, f_0).
+    """
+    return _evaluate(_polynomial, (), parameters, out, 4)

@@ -1,0 +1,699 @@
+/*
+ * Generated: do not edit. Written by `make derive` from derivations/c2_asymmetric.py
+ * (eccentric 0.1.0, program c1a46ba5). Case C2 with friction that differs between the directions of motion.
+ */
+#include "c2_asymmetric.h"
+
+#include <float.h>
+#include <math.h>
+
+#if C2_ASYMMETRIC_PROGRAM != 0xc1a46ba5UL
+#error "c2_asymmetric.c and c2_asymmetric.h are of different derivations: write both again with make derive"
+#endif
+
+/* ECCENTRIC_SINGLE is 1 where ECCENTRIC_REAL is float. */
+#define ECCENTRIC_SINGLE_float 1
+#define ECCENTRIC_SINGLE_double 0
+#define ECCENTRIC_JOIN_(a, b) a##b
+#define ECCENTRIC_JOIN(a, b) ECCENTRIC_JOIN_(a, b)
+#define ECCENTRIC_SINGLE ECCENTRIC_JOIN(ECCENTRIC_SINGLE_, ECCENTRIC_REAL)
+
+typedef ECCENTRIC_REAL real;
+
+#if ECCENTRIC_SINGLE
+#define REAL(x) x##f
+#define REAL_SQRT(x) sqrtf(x)
+#define REAL_FABS(x) fabsf(x)
+#define REAL_FLOOR(x) floorf(x)
+#define REAL_LARGEST FLT_MAX
+#else
+#define REAL(x) x
+#define REAL_SQRT(x) sqrt(x)
+#define REAL_FABS(x) fabs(x)
+#define REAL_FLOOR(x) floor(x)
+#define REAL_LARGEST DBL_MAX
+#endif
+
+static inline real sgn(const real x)
+{
+    return (x > REAL(0.0)) ? REAL(1.0) : ((x < REAL(0.0)) ? REAL(-1.0) : ((x == REAL(0.0)) ? REAL(0.0) : x));
+}
+
+static inline real forward(const real x)
+{
+    return (x > REAL(0.0)) ? REAL(1.0) : ((x <= REAL(0.0)) ? REAL(0.0) : x);
+}
+
+/* sin(h)/h at x = h^2, |h| within a quarter turn; error of the fit 4.3e-9 and 2.1e-19. */
+static inline real sine_series(const real x)
+{
+#if ECCENTRIC_SINGLE
+    return (((REAL(2.60481395e-6) * x + REAL(-1.98088904e-4)) * x + REAL(8.33304849e-3)) * x + REAL(-1.66666579e-1)) * x + REAL(9.99999996e-1);
+#else
+    return (((((((REAL(2.7213978552799456e-15) * x + REAL(-7.6430101545396992e-13)) * x + REAL(1.6058940263949843e-10)) * x + REAL(-2.5052106878642193e-8)) * x + REAL(2.7557319211102121e-6)) * x + REAL(-1.984126984120794e-4)) * x + REAL(8.3333333333331843e-3)) * x + REAL(-1.6666666666666665e-1)) * x + REAL(1.0);
+#endif
+}
+
+/* cos(h) at x = h^2, |h| within a quarter turn; error of the fit 2.2e-10 and 4.0e-18. */
+static inline real cosine_series(const real x)
+{
+#if ECCENTRIC_SINGLE
+    return ((((REAL(-2.6047719e-7) * x + REAL(2.47599463e-5)) * x + REAL(-1.38883571e-3)) * x + REAL(4.16666359e-2)) * x + REAL(-4.99999993e-1)) * x + REAL(1.0);
+#else
+    return (((((((REAL(4.608641632733578e-14) * x + REAL(-1.1462870836348485e-11)) * x + REAL(2.0876560676087604e-9)) * x + REAL(-2.7557316368436772e-7)) * x + REAL(2.4801587277173477e-5)) * x + REAL(-1.3888888888771598e-3)) * x + REAL(4.1666666666663843e-2)) * x + REAL(-4.9999999999999974e-1)) * x + REAL(1.0);
+#endif
+}
+
+/* The leading digits of x, so few that an odd number of half turns times them is exact. */
+static inline double leading(const double x)
+{
+    const double scaled = x * (ECCENTRIC_SINGLE ? 4398046511105.0 : 1048577.0);
+    return scaled - (scaled - x);
+}
+
+const c2_asymmetric_parameters c2_asymmetric_default_parameters = {
+    0.5, /* M [kg] */
+    0.2, /* M_l [kg] */
+    0.25, /* L [m] */
+    0.2, /* mu [1] */
+    1.0, /* R [Ohm] */
+    0.02, /* k_i [N m/A] */
+    0.2, /* k_e [V s/rad] */
+    9.81, /* g [m/s^2] */
+    0.004, /* B_lN_pos [m s/rad] */
+    0.004, /* B_lN_neg [m s/rad] */
+    0.08, /* C_lN_pos [m] */
+    0.08, /* C_lN_neg [m] */
+    4.0e-4, /* B_m_pos [N m s/rad] */
+    4.0e-4, /* B_m_neg [N m s/rad] */
+    0.008, /* C_m_pos [N m] */
+    0.008, /* C_m_neg [N m] */
+    NAN, /* J_m [kg m^2] */
+    NAN, /* J_l [kg m^2] */
+};
+
+const c2_asymmetric_coefficients c2_asymmetric_default = {
+#if ECCENTRIC_SINGLE
+    (real)(0.004), /* B_lN_neg */
+    (real)(0.004), /* B_lN_pos */
+    (real)(4.0e-4), /* B_m_neg */
+    (real)(4.0e-4), /* B_m_pos */
+    (real)(0.08), /* C_lN_neg */
+    (real)(0.08), /* C_lN_pos */
+    (real)(0.008), /* C_m_neg */
+    (real)(0.008), /* C_m_pos */
+    (real)(0.2), /* k_e */
+    (real)(0.2), /* mu */
+    (real)(0.005), /* scale_N */
+    (real)(1.0), /* unbalanced */
+    (real)(74.1188235), /* twice_omega_star */
+    (real)(37.0594101), /* omega_star_1 */
+    (real)(1.66482255e-6), /* omega_star_2 */
+    (real)(15.7079633), /* half_period */
+    (real)(15.7109375), /* half_period_1 */
+    (real)(-0.00297355652), /* half_period_2 */
+    (real)(-6.75532476e-7), /* half_period_3 */
+    (real)(0.0318309886), /* turns_per_rad */
+    (real)(0.1), /* half_mu */
+    (real)(1.6e-4), /* B_lN_pos_mu2 */
+    (real)(1.6e-4), /* B_lN_neg_mu2 */
+    (real)(0.004), /* k_e_k_i_per_R */
+    (real)(0.016), /* C_lN_pos_mu */
+    (real)(0.016), /* C_lN_neg_mu */
+    (real)(0.0370594118), /* mu_omega_star_scale_N */
+    (real)(0.04), /* mu2 */
+    (real)(0.117872), /* C_lN_pos_mu_weight_plus_C_m_pos */
+    (real)(0.117872), /* C_lN_neg_mu_weight_plus_C_m_neg */
+    (real)(-0.4905), /* minus_twice_L_M_g_mu */
+    (real)(NAN), /* J */
+    (real)(0.008), /* B_lN_pos_R_mu2_per_k_i */
+    (real)(0.008), /* B_lN_neg_R_mu2_per_k_i */
+    (real)(0.02), /* B_m_pos_R_per_k_i */
+    (real)(0.02), /* B_m_neg_R_per_k_i */
+    (real)(0.8), /* C_lN_pos_R_mu_per_k_i */
+    (real)(0.8), /* C_lN_neg_R_mu_per_k_i */
+    (real)(0.4), /* C_m_pos_R_per_k_i */
+    (real)(0.4), /* C_m_neg_R_per_k_i */
+    (real)(50.0), /* R_per_k_i */
+    (real)(-24.525), /* minus_twice_L_M_R_g_mu_per_k_i */
+    (real)(0.008), /* B_lN_pos_mu2_per_k_i */
+    (real)(0.008), /* B_lN_neg_mu2_per_k_i */
+    (real)(0.02), /* B_m_pos_per_k_i */
+    (real)(0.02), /* B_m_neg_per_k_i */
+    (real)(50.0), /* per_k_i */
+    (real)(0.8), /* C_lN_pos_mu_per_k_i */
+    (real)(0.8), /* C_lN_neg_mu_per_k_i */
+    (real)(0.4), /* C_m_pos_per_k_i */
+    (real)(0.4), /* C_m_neg_per_k_i */
+    (real)(-24.525), /* minus_twice_L_M_g_mu_per_k_i */
+#else
+    0.004, /* B_lN_neg */
+    0.004, /* B_lN_pos */
+    4.0e-4, /* B_m_neg */
+    4.0e-4, /* B_m_pos */
+    0.08, /* C_lN_neg */
+    0.08, /* C_lN_pos */
+    0.008, /* C_m_neg */
+    0.008, /* C_m_pos */
+    0.2, /* k_e */
+    0.2, /* mu */
+    0.005, /* scale_N */
+    1.0, /* unbalanced */
+    74.118823520074845, /* twice_omega_star */
+    37.05941176003742, /* omega_star_1 */
+    1.9391227281942644e-15, /* omega_star_2 */
+    15.707963267948966, /* half_period */
+    15.707963267341256, /* half_period_1 */
+    6.0771005068460671e-10, /* half_period_2 */
+    -3.3987446136315715e-20, /* half_period_3 */
+    0.031830988618379067, /* turns_per_rad */
+    0.1, /* half_mu */
+    1.6e-4, /* B_lN_pos_mu2 */
+    1.6e-4, /* B_lN_neg_mu2 */
+    0.004, /* k_e_k_i_per_R */
+    0.016, /* C_lN_pos_mu */
+    0.016, /* C_lN_neg_mu */
+    0.037059411760037422, /* mu_omega_star_scale_N */
+    0.04, /* mu2 */
+    0.117872, /* C_lN_pos_mu_weight_plus_C_m_pos */
+    0.117872, /* C_lN_neg_mu_weight_plus_C_m_neg */
+    -0.4905, /* minus_twice_L_M_g_mu */
+    NAN, /* J */
+    0.008, /* B_lN_pos_R_mu2_per_k_i */
+    0.008, /* B_lN_neg_R_mu2_per_k_i */
+    0.02, /* B_m_pos_R_per_k_i */
+    0.02, /* B_m_neg_R_per_k_i */
+    0.8, /* C_lN_pos_R_mu_per_k_i */
+    0.8, /* C_lN_neg_R_mu_per_k_i */
+    0.4, /* C_m_pos_R_per_k_i */
+    0.4, /* C_m_neg_R_per_k_i */
+    50.0, /* R_per_k_i */
+    -24.525, /* minus_twice_L_M_R_g_mu_per_k_i */
+    0.008, /* B_lN_pos_mu2_per_k_i */
+    0.008, /* B_lN_neg_mu2_per_k_i */
+    0.02, /* B_m_pos_per_k_i */
+    0.02, /* B_m_neg_per_k_i */
+    50.0, /* per_k_i */
+    0.8, /* C_lN_pos_mu_per_k_i */
+    0.8, /* C_lN_neg_mu_per_k_i */
+    0.4, /* C_m_pos_per_k_i */
+    0.4, /* C_m_neg_per_k_i */
+    -24.525, /* minus_twice_L_M_g_mu_per_k_i */
+#endif
+};
+
+void c2_asymmetric_prepare(const c2_asymmetric_parameters *p, c2_asymmetric_coefficients *c)
+{
+    const double weight = p->g * (p->M + p->M_l);
+    const double critical_squared = (p->L * p->M == 0.0) ? 1.0 : (weight / (p->L * p->M));
+    const double omega_star = (p->L * p->M == 0.0) ? 1.0 : (sqrt(critical_squared) / p->mu);
+    const double scale_N = (p->L * p->M == 0.0) ? weight : (p->L * p->M * p->mu * p->mu);
+    const double unbalanced = (p->L * p->M == 0.0) ? 0.0 : (1.0);
+    const double twice_omega_star = 2.0 * omega_star;
+    const double omega_star_1 = (double)(real)(omega_star);
+    const double omega_star_2 = (double)(real)(omega_star - omega_star_1);
+    const double half_period = 3.1415926535897932 / p->mu;
+    const double half_period_1 = leading(half_period);
+    const double half_period_2 = leading(half_period - half_period_1);
+    const double half_period_3 = (double)(real)(half_period - half_period_1 - half_period_2);
+    const double turns_per_rad = 0.5 * p->mu / 3.1415926535897932;
+    const double half_mu = 0.5 * p->mu;
+    const double B_lN_pos_mu2 = p->B_lN_pos * p->mu * p->mu;
+    const double B_lN_neg_mu2 = p->B_lN_neg * p->mu * p->mu;
+    const double k_e_k_i_per_R = p->k_e * p->k_i / p->R;
+    const double C_lN_pos_mu = p->C_lN_pos * p->mu;
+    const double C_lN_neg_mu = p->C_lN_neg * p->mu;
+    const double mu_omega_star_scale_N = p->mu * omega_star * scale_N;
+    const double mu2 = p->mu * p->mu;
+    const double C_lN_pos_mu_weight_plus_C_m_pos = p->C_lN_pos * p->mu * weight + p->C_m_pos;
+    const double C_lN_neg_mu_weight_plus_C_m_neg = p->C_lN_neg * p->mu * weight + p->C_m_neg;
+    const double minus_twice_L_M_g_mu = -2.0 * p->L * p->M * p->g * p->mu;
+    const double J = p->J_l * p->mu * p->mu + p->J_m;
+    const double B_lN_pos_R_mu2_per_k_i = p->B_lN_pos * p->R * p->mu * p->mu / p->k_i;
+    const double B_lN_neg_R_mu2_per_k_i = p->B_lN_neg * p->R * p->mu * p->mu / p->k_i;
+    const double B_m_pos_R_per_k_i = p->B_m_pos * p->R / p->k_i;
+    const double B_m_neg_R_per_k_i = p->B_m_neg * p->R / p->k_i;
+    const double C_lN_pos_R_mu_per_k_i = p->C_lN_pos * p->R * p->mu / p->k_i;
+    const double C_lN_neg_R_mu_per_k_i = p->C_lN_neg * p->R * p->mu / p->k_i;
+    const double C_m_pos_R_per_k_i = p->C_m_pos * p->R / p->k_i;
+    const double C_m_neg_R_per_k_i = p->C_m_neg * p->R / p->k_i;
+    const double R_per_k_i = p->R / p->k_i;
+    const double minus_twice_L_M_R_g_mu_per_k_i = -2.0 * p->L * p->M * p->R * p->g * p->mu / p->k_i;
+    const double B_lN_pos_mu2_per_k_i = p->B_lN_pos * p->mu * p->mu / p->k_i;
+    const double B_lN_neg_mu2_per_k_i = p->B_lN_neg * p->mu * p->mu / p->k_i;
+    const double B_m_pos_per_k_i = p->B_m_pos / p->k_i;
+    const double B_m_neg_per_k_i = p->B_m_neg / p->k_i;
+    const double per_k_i = 1.0 / p->k_i;
+    const double C_lN_pos_mu_per_k_i = p->C_lN_pos * p->mu / p->k_i;
+    const double C_lN_neg_mu_per_k_i = p->C_lN_neg * p->mu / p->k_i;
+    const double C_m_pos_per_k_i = p->C_m_pos / p->k_i;
+    const double C_m_neg_per_k_i = p->C_m_neg / p->k_i;
+    const double minus_twice_L_M_g_mu_per_k_i = -2.0 * p->L * p->M * p->g * p->mu / p->k_i;
+    c->B_lN_neg = (real)(p->B_lN_neg);
+    c->B_lN_pos = (real)(p->B_lN_pos);
+    c->B_m_neg = (real)(p->B_m_neg);
+    c->B_m_pos = (real)(p->B_m_pos);
+    c->C_lN_neg = (real)(p->C_lN_neg);
+    c->C_lN_pos = (real)(p->C_lN_pos);
+    c->C_m_neg = (real)(p->C_m_neg);
+    c->C_m_pos = (real)(p->C_m_pos);
+    c->k_e = (real)(p->k_e);
+    c->mu = (real)(p->mu);
+    c->scale_N = (real)(scale_N);
+    c->unbalanced = (real)(unbalanced);
+    c->twice_omega_star = (real)(twice_omega_star);
+    c->omega_star_1 = (real)(omega_star_1);
+    c->omega_star_2 = (real)(omega_star_2);
+    c->half_period = (real)(half_period);
+    c->half_period_1 = (real)(half_period_1);
+    c->half_period_2 = (real)(half_period_2);
+    c->half_period_3 = (real)(half_period_3);
+    c->turns_per_rad = (real)(turns_per_rad);
+    c->half_mu = (real)(half_mu);
+    c->B_lN_pos_mu2 = (real)(B_lN_pos_mu2);
+    c->B_lN_neg_mu2 = (real)(B_lN_neg_mu2);
+    c->k_e_k_i_per_R = (real)(k_e_k_i_per_R);
+    c->C_lN_pos_mu = (real)(C_lN_pos_mu);
+    c->C_lN_neg_mu = (real)(C_lN_neg_mu);
+    c->mu_omega_star_scale_N = (real)(mu_omega_star_scale_N);
+    c->mu2 = (real)(mu2);
+    c->C_lN_pos_mu_weight_plus_C_m_pos = (real)(C_lN_pos_mu_weight_plus_C_m_pos);
+    c->C_lN_neg_mu_weight_plus_C_m_neg = (real)(C_lN_neg_mu_weight_plus_C_m_neg);
+    c->minus_twice_L_M_g_mu = (real)(minus_twice_L_M_g_mu);
+    c->J = (real)(J);
+    c->B_lN_pos_R_mu2_per_k_i = (real)(B_lN_pos_R_mu2_per_k_i);
+    c->B_lN_neg_R_mu2_per_k_i = (real)(B_lN_neg_R_mu2_per_k_i);
+    c->B_m_pos_R_per_k_i = (real)(B_m_pos_R_per_k_i);
+    c->B_m_neg_R_per_k_i = (real)(B_m_neg_R_per_k_i);
+    c->C_lN_pos_R_mu_per_k_i = (real)(C_lN_pos_R_mu_per_k_i);
+    c->C_lN_neg_R_mu_per_k_i = (real)(C_lN_neg_R_mu_per_k_i);
+    c->C_m_pos_R_per_k_i = (real)(C_m_pos_R_per_k_i);
+    c->C_m_neg_R_per_k_i = (real)(C_m_neg_R_per_k_i);
+    c->R_per_k_i = (real)(R_per_k_i);
+    c->minus_twice_L_M_R_g_mu_per_k_i = (real)(minus_twice_L_M_R_g_mu_per_k_i);
+    c->B_lN_pos_mu2_per_k_i = (real)(B_lN_pos_mu2_per_k_i);
+    c->B_lN_neg_mu2_per_k_i = (real)(B_lN_neg_mu2_per_k_i);
+    c->B_m_pos_per_k_i = (real)(B_m_pos_per_k_i);
+    c->B_m_neg_per_k_i = (real)(B_m_neg_per_k_i);
+    c->per_k_i = (real)(per_k_i);
+    c->C_lN_pos_mu_per_k_i = (real)(C_lN_pos_mu_per_k_i);
+    c->C_lN_neg_mu_per_k_i = (real)(C_lN_neg_mu_per_k_i);
+    c->C_m_pos_per_k_i = (real)(C_m_pos_per_k_i);
+    c->C_m_neg_per_k_i = (real)(C_m_neg_per_k_i);
+    c->minus_twice_L_M_g_mu_per_k_i = (real)(minus_twice_L_M_g_mu_per_k_i);
+}
+
+ECCENTRIC_REAL c2_asymmetric_normal_force(
+    ECCENTRIC_REAL theta_m,
+    ECCENTRIC_REAL omega_m,
+    const c2_asymmetric_coefficients *c)
+{
+    const real speed = c->unbalanced * REAL_FABS(omega_m);
+    const real square_difference = (speed - c->omega_star_1 - c->omega_star_2) * (speed + c->omega_star_1);
+    const real halves = REAL(2.0) * REAL_FLOOR(theta_m * c->turns_per_rad) + REAL(1.0);
+    const real from_top = theta_m - halves * c->half_period_1 - halves * c->half_period_2 - halves * c->half_period_3;
+    const real bounded = ((REAL_FABS(from_top) <= c->half_period) ? from_top : theta_m - theta_m);
+    const real half_angle = bounded * c->half_mu;
+    const real half_angle_squared = half_angle * half_angle;
+    const real half_cosine = half_angle * sine_series(half_angle_squared);
+    const real p = square_difference;
+    const real q = half_cosine * speed * c->twice_omega_star;
+    const real magnitude = REAL_SQRT(p * p + q * q);
+    const real F_N = magnitude * c->scale_N;
+    return F_N;
+}
+
+void c2_asymmetric_normal_force_n(
+    size_t n,
+    const ECCENTRIC_REAL *theta_m,
+    const ECCENTRIC_REAL *omega_m,
+    ECCENTRIC_REAL *out,
+    const c2_asymmetric_coefficients *c)
+{
+    for (size_t k = 0; k < n; ++k) {
+        out[k] = c2_asymmetric_normal_force(theta_m[k], omega_m[k], c);
+    }
+}
+
+ECCENTRIC_REAL c2_asymmetric_friction_torque(
+    ECCENTRIC_REAL theta_m,
+    ECCENTRIC_REAL omega_m,
+    const c2_asymmetric_coefficients *c)
+{
+    const real speed = c->unbalanced * REAL_FABS(omega_m);
+    const real square_difference = (speed - c->omega_star_1 - c->omega_star_2) * (speed + c->omega_star_1);
+    const real halves = REAL(2.0) * REAL_FLOOR(theta_m * c->turns_per_rad) + REAL(1.0);
+    const real from_top = theta_m - halves * c->half_period_1 - halves * c->half_period_2 - halves * c->half_period_3;
+    const real bounded = ((REAL_FABS(from_top) <= c->half_period) ? from_top : theta_m - theta_m);
+    const real half_angle = bounded * c->half_mu;
+    const real half_angle_squared = half_angle * half_angle;
+    const real half_cosine = half_angle * sine_series(half_angle_squared);
+    const real p = square_difference;
+    const real q = half_cosine * speed * c->twice_omega_star;
+    const real magnitude = REAL_SQRT(p * p + q * q);
+    const real F_N = magnitude * c->scale_N;
+    const real direction_of_motion = sgn(omega_m);
+    const real part_3 = F_N * ((omega_m > REAL(0.0)) ? c->B_lN_pos_mu2 : c->B_lN_neg_mu2);
+    const real part_4 = ((omega_m > REAL(0.0)) ? c->B_m_pos : c->B_m_neg);
+    const real part_2 = c->k_e_k_i_per_R + part_3 + part_4;
+    const real part_1 = omega_m * part_2;
+    const real part_7 = F_N * ((omega_m > REAL(0.0)) ? c->C_lN_pos_mu : c->C_lN_neg_mu);
+    const real part_6 = part_7 + ((omega_m > REAL(0.0)) ? c->C_m_pos : c->C_m_neg);
+    const real part_5 = direction_of_motion * part_6;
+    return part_1 + part_5;
+}
+
+void c2_asymmetric_friction_torque_n(
+    size_t n,
+    const ECCENTRIC_REAL *theta_m,
+    const ECCENTRIC_REAL *omega_m,
+    ECCENTRIC_REAL *out,
+    const c2_asymmetric_coefficients *c)
+{
+    for (size_t k = 0; k < n; ++k) {
+        out[k] = c2_asymmetric_friction_torque(theta_m[k], omega_m[k], c);
+    }
+}
+
+ECCENTRIC_REAL c2_asymmetric_mechanical_friction_torque(
+    ECCENTRIC_REAL theta_m,
+    ECCENTRIC_REAL omega_m,
+    const c2_asymmetric_coefficients *c)
+{
+    const real speed = c->unbalanced * REAL_FABS(omega_m);
+    const real square_difference = (speed - c->omega_star_1 - c->omega_star_2) * (speed + c->omega_star_1);
+    const real halves = REAL(2.0) * REAL_FLOOR(theta_m * c->turns_per_rad) + REAL(1.0);
+    const real from_top = theta_m - halves * c->half_period_1 - halves * c->half_period_2 - halves * c->half_period_3;
+    const real bounded = ((REAL_FABS(from_top) <= c->half_period) ? from_top : theta_m - theta_m);
+    const real half_angle = bounded * c->half_mu;
+    const real half_angle_squared = half_angle * half_angle;
+    const real half_cosine = half_angle * sine_series(half_angle_squared);
+    const real p = square_difference;
+    const real q = half_cosine * speed * c->twice_omega_star;
+    const real magnitude = REAL_SQRT(p * p + q * q);
+    const real F_N = magnitude * c->scale_N;
+    const real direction_of_motion = sgn(omega_m);
+    const real part_3 = F_N * ((omega_m > REAL(0.0)) ? c->C_lN_pos_mu : c->C_lN_neg_mu);
+    const real part_2 = part_3 + ((omega_m > REAL(0.0)) ? c->C_m_pos : c->C_m_neg);
+    const real part_1 = direction_of_motion * part_2;
+    const real part_6 = F_N * ((omega_m > REAL(0.0)) ? c->B_lN_pos_mu2 : c->B_lN_neg_mu2);
+    const real part_5 = part_6 + ((omega_m > REAL(0.0)) ? c->B_m_pos : c->B_m_neg);
+    const real part_4 = omega_m * part_5;
+    return part_1 + part_4;
+}
+
+void c2_asymmetric_mechanical_friction_torque_n(
+    size_t n,
+    const ECCENTRIC_REAL *theta_m,
+    const ECCENTRIC_REAL *omega_m,
+    ECCENTRIC_REAL *out,
+    const c2_asymmetric_coefficients *c)
+{
+    for (size_t k = 0; k < n; ++k) {
+        out[k] = c2_asymmetric_mechanical_friction_torque(theta_m[k], omega_m[k], c);
+    }
+}
+
+void c2_asymmetric_friction_torque_gradient(
+    ECCENTRIC_REAL theta_m,
+    ECCENTRIC_REAL omega_m,
+    ECCENTRIC_REAL *out,
+    const c2_asymmetric_coefficients *c)
+{
+    const real speed = c->unbalanced * REAL_FABS(omega_m);
+    const real direction_of_motion = sgn(omega_m);
+    const real speed_d_omega_m = direction_of_motion * c->unbalanced;
+    const real square_difference = (speed - c->omega_star_1 - c->omega_star_2) * (speed + c->omega_star_1);
+    const real halves = REAL(2.0) * REAL_FLOOR(theta_m * c->turns_per_rad) + REAL(1.0);
+    const real from_top = theta_m - halves * c->half_period_1 - halves * c->half_period_2 - halves * c->half_period_3;
+    const real bounded = ((REAL_FABS(from_top) <= c->half_period) ? from_top : theta_m - theta_m);
+    const real half_angle = bounded * c->half_mu;
+    const real half_angle_squared = half_angle * half_angle;
+    const real half_cosine = half_angle * sine_series(half_angle_squared);
+    const real p = square_difference;
+    const real q = half_cosine * speed * c->twice_omega_star;
+    const real magnitude = REAL_SQRT(p * p + q * q);
+    const real F_N = magnitude * c->scale_N;
+    const real half_sine = cosine_series(half_angle_squared);
+    const real divisor = ((magnitude == REAL(0.0)) ? REAL(1.0) : magnitude);
+    const real limit = ((REAL_FABS(q) > REAL_FABS(p)) ? sgn(q) : REAL(0.0));
+    const real cosine = ((magnitude > REAL_LARGEST) ? limit : q / divisor);
+    const real ungated = half_sine * c->mu_omega_star_scale_N * speed;
+    const real F_N_d_theta_m = ((cosine == REAL(0.0)) ? REAL(0.0) : ungated * cosine);
+    const real limit_2 = ((REAL_FABS(p) > REAL_FABS(q)) ? sgn(p) : REAL(0.0));
+    const real cosine_2 = ((magnitude > REAL_LARGEST) ? limit_2 : p / divisor);
+    const real ungated_2 = REAL(2.0) * speed;
+    const real ungated_3 = half_cosine * c->twice_omega_star;
+    const real part_2 = ((cosine_2 == REAL(0.0)) ? REAL(0.0) : ungated_2 * cosine_2);
+    const real part_1 = part_2 + ((cosine == REAL(0.0)) ? REAL(0.0) : ungated_3 * cosine);
+    const real F_N_d_omega_m = part_1 * c->scale_N * speed_d_omega_m;
+    const real part_5 = ((omega_m > REAL(0.0)) ? c->C_lN_pos_mu : c->C_lN_neg_mu);
+    const real part_4 = direction_of_motion * part_5;
+    const real part_6 = omega_m * ((omega_m > REAL(0.0)) ? c->B_lN_pos_mu2 : c->B_lN_neg_mu2);
+    const real part_3 = part_4 + part_6;
+    out[0] = F_N_d_theta_m * part_3;
+    const real part_8 = ((omega_m > REAL(0.0)) ? c->C_lN_pos_mu : c->C_lN_neg_mu);
+    const real part_7 = F_N_d_omega_m * direction_of_motion * part_8;
+    const real part_10 = ((omega_m > REAL(0.0)) ? c->B_lN_pos_mu2 : c->B_lN_neg_mu2);
+    const real part_9 = F_N_d_omega_m * omega_m * part_10;
+    const real part_11 = F_N * ((omega_m > REAL(0.0)) ? c->B_lN_pos_mu2 : c->B_lN_neg_mu2);
+    const real part_12 = ((omega_m > REAL(0.0)) ? c->B_m_pos : c->B_m_neg);
+    out[1] = c->k_e_k_i_per_R + part_11 + part_12 + part_7 + part_9;
+}
+
+void c2_asymmetric_friction_torque_gradient_n(
+    size_t n,
+    const ECCENTRIC_REAL *theta_m,
+    const ECCENTRIC_REAL *omega_m,
+    ECCENTRIC_REAL *out,
+    const c2_asymmetric_coefficients *c)
+{
+    for (size_t k = 0; k < n; ++k) {
+        c2_asymmetric_friction_torque_gradient(theta_m[k], omega_m[k], out + 2 * k, c);
+    }
+}
+
+void c2_asymmetric_friction_torque_jacobian(
+    ECCENTRIC_REAL theta_m,
+    ECCENTRIC_REAL omega_m,
+    ECCENTRIC_REAL *out,
+    const c2_asymmetric_coefficients *c)
+{
+    const real speed = c->unbalanced * REAL_FABS(omega_m);
+    const real square_difference = (speed - c->omega_star_1 - c->omega_star_2) * (speed + c->omega_star_1);
+    const real halves = REAL(2.0) * REAL_FLOOR(theta_m * c->turns_per_rad) + REAL(1.0);
+    const real from_top = theta_m - halves * c->half_period_1 - halves * c->half_period_2 - halves * c->half_period_3;
+    const real bounded = ((REAL_FABS(from_top) <= c->half_period) ? from_top : theta_m - theta_m);
+    const real half_angle = bounded * c->half_mu;
+    const real half_angle_squared = half_angle * half_angle;
+    const real half_cosine = half_angle * sine_series(half_angle_squared);
+    const real p = square_difference;
+    const real q = half_cosine * speed * c->twice_omega_star;
+    const real magnitude = REAL_SQRT(p * p + q * q);
+    const real F_N = magnitude * c->scale_N;
+    const real is_forward = forward(omega_m);
+    const real ungated = F_N * c->mu2 * omega_m;
+    out[0] = ((is_forward == REAL(0.0)) ? REAL(0.0) : ungated * is_forward);
+    const real is_backward = forward(-(omega_m));
+    out[1] = ((is_backward == REAL(0.0)) ? REAL(0.0) : ungated * is_backward);
+    const real direction_of_motion = sgn(omega_m);
+    const real ungated_2 = F_N * direction_of_motion * c->mu;
+    out[2] = ((is_forward == REAL(0.0)) ? REAL(0.0) : ungated_2 * is_forward);
+    out[3] = ((is_backward == REAL(0.0)) ? REAL(0.0) : ungated_2 * is_backward);
+    out[4] = ((is_forward == REAL(0.0)) ? REAL(0.0) : omega_m * is_forward);
+    out[5] = ((is_backward == REAL(0.0)) ? REAL(0.0) : omega_m * is_backward);
+    out[6] = ((is_forward == REAL(0.0)) ? REAL(0.0) : direction_of_motion * is_forward);
+    out[7] = ((is_backward == REAL(0.0)) ? REAL(0.0) : direction_of_motion * is_backward);
+}
+
+void c2_asymmetric_friction_torque_jacobian_n(
+    size_t n,
+    const ECCENTRIC_REAL *theta_m,
+    const ECCENTRIC_REAL *omega_m,
+    ECCENTRIC_REAL *out,
+    const c2_asymmetric_coefficients *c)
+{
+    for (size_t k = 0; k < n; ++k) {
+        c2_asymmetric_friction_torque_jacobian(theta_m[k], omega_m[k], out + 8 * k, c);
+    }
+}
+
+void c2_asymmetric_regressor(
+    ECCENTRIC_REAL theta_m,
+    ECCENTRIC_REAL omega_m,
+    ECCENTRIC_REAL *out,
+    const c2_asymmetric_coefficients *c)
+{
+    const real speed = c->unbalanced * REAL_FABS(omega_m);
+    const real square_difference = (speed - c->omega_star_1 - c->omega_star_2) * (speed + c->omega_star_1);
+    const real halves = REAL(2.0) * REAL_FLOOR(theta_m * c->turns_per_rad) + REAL(1.0);
+    const real from_top = theta_m - halves * c->half_period_1 - halves * c->half_period_2 - halves * c->half_period_3;
+    const real bounded = ((REAL_FABS(from_top) <= c->half_period) ? from_top : theta_m - theta_m);
+    const real half_angle = bounded * c->half_mu;
+    const real half_angle_squared = half_angle * half_angle;
+    const real half_cosine = half_angle * sine_series(half_angle_squared);
+    const real p = square_difference;
+    const real q = half_cosine * speed * c->twice_omega_star;
+    const real magnitude = REAL_SQRT(p * p + q * q);
+    const real F_N = magnitude * c->scale_N;
+    const real is_forward = forward(omega_m);
+    const real ungated = F_N * c->mu2 * omega_m;
+    out[0] = ((is_forward == REAL(0.0)) ? REAL(0.0) : ungated * is_forward);
+    const real is_backward = forward(-(omega_m));
+    out[1] = ((is_backward == REAL(0.0)) ? REAL(0.0) : ungated * is_backward);
+    const real direction_of_motion = sgn(omega_m);
+    const real ungated_2 = F_N * direction_of_motion * c->mu;
+    out[2] = ((is_forward == REAL(0.0)) ? REAL(0.0) : ungated_2 * is_forward);
+    out[3] = ((is_backward == REAL(0.0)) ? REAL(0.0) : ungated_2 * is_backward);
+    out[4] = ((is_forward == REAL(0.0)) ? REAL(0.0) : omega_m * is_forward);
+    out[5] = ((is_backward == REAL(0.0)) ? REAL(0.0) : omega_m * is_backward);
+    out[6] = ((is_forward == REAL(0.0)) ? REAL(0.0) : direction_of_motion * is_forward);
+    out[7] = ((is_backward == REAL(0.0)) ? REAL(0.0) : direction_of_motion * is_backward);
+}
+
+void c2_asymmetric_regressor_n(
+    size_t n,
+    const ECCENTRIC_REAL *theta_m,
+    const ECCENTRIC_REAL *omega_m,
+    ECCENTRIC_REAL *out,
+    const c2_asymmetric_coefficients *c)
+{
+    for (size_t k = 0; k < n; ++k) {
+        c2_asymmetric_regressor(theta_m[k], omega_m[k], out + 8 * k, c);
+    }
+}
+
+void c2_asymmetric_friction_coefficients(ECCENTRIC_REAL *out, const c2_asymmetric_coefficients *c)
+{
+    out[0] = c->B_lN_pos;
+    out[1] = c->B_lN_neg;
+    out[2] = c->C_lN_pos;
+    out[3] = c->C_lN_neg;
+    out[4] = c->B_m_pos;
+    out[5] = c->B_m_neg;
+    out[6] = c->C_m_pos;
+    out[7] = c->C_m_neg;
+}
+
+void c2_asymmetric_coulomb_torque(ECCENTRIC_REAL *out, const c2_asymmetric_coefficients *c)
+{
+    out[0] = c->C_lN_pos_mu_weight_plus_C_m_pos;
+    out[1] = c->C_lN_neg_mu_weight_plus_C_m_neg;
+}
+
+ECCENTRIC_REAL c2_asymmetric_gravity_torque(ECCENTRIC_REAL theta_m, const c2_asymmetric_coefficients *c)
+{
+    const real halves = REAL(2.0) * REAL_FLOOR(theta_m * c->turns_per_rad) + REAL(1.0);
+    const real from_top = theta_m - halves * c->half_period_1 - halves * c->half_period_2 - halves * c->half_period_3;
+    const real bounded = ((REAL_FABS(from_top) <= c->half_period) ? from_top : theta_m - theta_m);
+    const real half_angle = bounded * c->half_mu;
+    const real half_angle_squared = half_angle * half_angle;
+    const real half_cosine = half_angle * sine_series(half_angle_squared);
+    const real half_sine = cosine_series(half_angle_squared);
+    return half_cosine * half_sine * c->minus_twice_L_M_g_mu;
+}
+
+void c2_asymmetric_gravity_torque_n(
+    size_t n,
+    const ECCENTRIC_REAL *theta_m,
+    ECCENTRIC_REAL *out,
+    const c2_asymmetric_coefficients *c)
+{
+    for (size_t k = 0; k < n; ++k) {
+        out[k] = c2_asymmetric_gravity_torque(theta_m[k], c);
+    }
+}
+
+ECCENTRIC_REAL c2_asymmetric_voltage(
+    ECCENTRIC_REAL theta_m,
+    ECCENTRIC_REAL omega_m,
+    ECCENTRIC_REAL alpha_m,
+    const c2_asymmetric_coefficients *c)
+{
+    const real speed = c->unbalanced * REAL_FABS(omega_m);
+    const real square_difference = (speed - c->omega_star_1 - c->omega_star_2) * (speed + c->omega_star_1);
+    const real halves = REAL(2.0) * REAL_FLOOR(theta_m * c->turns_per_rad) + REAL(1.0);
+    const real from_top = theta_m - halves * c->half_period_1 - halves * c->half_period_2 - halves * c->half_period_3;
+    const real bounded = ((REAL_FABS(from_top) <= c->half_period) ? from_top : theta_m - theta_m);
+    const real half_angle = bounded * c->half_mu;
+    const real half_angle_squared = half_angle * half_angle;
+    const real half_cosine = half_angle * sine_series(half_angle_squared);
+    const real p = square_difference;
+    const real q = half_cosine * speed * c->twice_omega_star;
+    const real magnitude = REAL_SQRT(p * p + q * q);
+    const real F_N = magnitude * c->scale_N;
+    const real direction_of_motion = sgn(omega_m);
+    const real half_sine = cosine_series(half_angle_squared);
+    const real part_4 = ((omega_m > REAL(0.0)) ? c->C_lN_pos_R_mu_per_k_i : c->C_lN_neg_R_mu_per_k_i);
+    const real part_3 = F_N * part_4;
+    const real part_5 = ((omega_m > REAL(0.0)) ? c->C_m_pos_R_per_k_i : c->C_m_neg_R_per_k_i);
+    const real part_2 = part_3 + part_5;
+    const real part_1 = direction_of_motion * part_2;
+    const real part_9 = ((omega_m > REAL(0.0)) ? c->B_lN_pos_R_mu2_per_k_i : c->B_lN_neg_R_mu2_per_k_i);
+    const real part_8 = F_N * part_9;
+    const real part_10 = ((omega_m > REAL(0.0)) ? c->B_m_pos_R_per_k_i : c->B_m_neg_R_per_k_i);
+    const real part_7 = c->k_e + part_10 + part_8;
+    const real part_6 = omega_m * part_7;
+    const real part_11 = half_cosine * half_sine * c->minus_twice_L_M_R_g_mu_per_k_i;
+    const real part_12 = c->R_per_k_i * ((alpha_m == REAL(0.0)) ? REAL(0.0) : c->J * alpha_m);
+    return part_1 + part_11 + part_12 + part_6;
+}
+
+void c2_asymmetric_voltage_n(
+    size_t n,
+    const ECCENTRIC_REAL *theta_m,
+    const ECCENTRIC_REAL *omega_m,
+    const ECCENTRIC_REAL *alpha_m,
+    ECCENTRIC_REAL *out,
+    const c2_asymmetric_coefficients *c)
+{
+    for (size_t k = 0; k < n; ++k) {
+        out[k] = c2_asymmetric_voltage(theta_m[k], omega_m[k], alpha_m[k], c);
+    }
+}
+
+ECCENTRIC_REAL c2_asymmetric_current(
+    ECCENTRIC_REAL theta_m,
+    ECCENTRIC_REAL omega_m,
+    ECCENTRIC_REAL alpha_m,
+    const c2_asymmetric_coefficients *c)
+{
+    const real speed = c->unbalanced * REAL_FABS(omega_m);
+    const real square_difference = (speed - c->omega_star_1 - c->omega_star_2) * (speed + c->omega_star_1);
+    const real halves = REAL(2.0) * REAL_FLOOR(theta_m * c->turns_per_rad) + REAL(1.0);
+    const real from_top = theta_m - halves * c->half_period_1 - halves * c->half_period_2 - halves * c->half_period_3;
+    const real bounded = ((REAL_FABS(from_top) <= c->half_period) ? from_top : theta_m - theta_m);
+    const real half_angle = bounded * c->half_mu;
+    const real half_angle_squared = half_angle * half_angle;
+    const real half_cosine = half_angle * sine_series(half_angle_squared);
+    const real p = square_difference;
+    const real q = half_cosine * speed * c->twice_omega_star;
+    const real magnitude = REAL_SQRT(p * p + q * q);
+    const real F_N = magnitude * c->scale_N;
+    const real direction_of_motion = sgn(omega_m);
+    const real half_sine = cosine_series(half_angle_squared);
+    const real part_4 = ((omega_m > REAL(0.0)) ? c->C_lN_pos_mu_per_k_i : c->C_lN_neg_mu_per_k_i);
+    const real part_3 = F_N * part_4;
+    const real part_2 = part_3 + ((omega_m > REAL(0.0)) ? c->C_m_pos_per_k_i : c->C_m_neg_per_k_i);
+    const real part_1 = direction_of_motion * part_2;
+    const real part_8 = ((omega_m > REAL(0.0)) ? c->B_lN_pos_mu2_per_k_i : c->B_lN_neg_mu2_per_k_i);
+    const real part_7 = F_N * part_8;
+    const real part_6 = part_7 + ((omega_m > REAL(0.0)) ? c->B_m_pos_per_k_i : c->B_m_neg_per_k_i);
+    const real part_5 = omega_m * part_6;
+    const real part_9 = c->per_k_i * ((alpha_m == REAL(0.0)) ? REAL(0.0) : c->J * alpha_m);
+    const real part_10 = half_cosine * half_sine * c->minus_twice_L_M_g_mu_per_k_i;
+    return part_1 + part_10 + part_5 + part_9;
+}
+
+void c2_asymmetric_current_n(
+    size_t n,
+    const ECCENTRIC_REAL *theta_m,
+    const ECCENTRIC_REAL *omega_m,
+    const ECCENTRIC_REAL *alpha_m,
+    ECCENTRIC_REAL *out,
+    const c2_asymmetric_coefficients *c)
+{
+    for (size_t k = 0; k < n; ++k) {
+        out[k] = c2_asymmetric_current(theta_m[k], omega_m[k], alpha_m[k], c);
+    }
+}

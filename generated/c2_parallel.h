@@ -1,0 +1,277 @@
+/*
+ * Generated: do not edit. Written by `make derive` from derivations/c2_parallel.py
+ * (eccentric 0.1.0, program 2beb3041). Case C2: gravity parallel to the motion plane, steady motion.
+ */
+#ifndef C2_PARALLEL_H
+#define C2_PARALLEL_H
+
+#include <stddef.h>
+
+/* C2_PARALLEL_PROGRAM names the derivation that header and source come from; the source checks it. */
+#define C2_PARALLEL_PROGRAM 0x2beb3041UL
+
+/* The working precision: float or double. Compile all files with the same one. */
+#ifndef ECCENTRIC_REAL
+#define ECCENTRIC_REAL double
+#endif
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/** Case C2: gravity parallel to the motion plane, steady motion: parameters, in SI units. */
+typedef struct {
+    double M; /**< unbalanced mass [kg], eq. (5) */
+    double M_l; /**< mass of the link without M [kg], eq. (15) */
+    double L; /**< distance of M from the axis [m], eq. (5) */
+    double mu; /**< gear ratio theta_l/theta_m [1], eq. (3) */
+    double R; /**< armature resistance [Ohm], eq. (2) */
+    double k_i; /**< torque constant [N m/A], eq. (2) */
+    double k_e; /**< back-EMF constant [V s/rad], eq. (2) */
+    double g; /**< gravitational acceleration [m/s^2], eq. (5) */
+    double B_lN; /**< viscous friction of the link per normal force [m s/rad], eq. (9) */
+    double C_lN; /**< Coulomb friction of the link per normal force [m], eq. (9) */
+    double B_m; /**< viscous friction of the motor [N m s/rad], eq. (10) */
+    double C_m; /**< Coulomb friction of the motor [N m], eq. (10) */
+    double J_m; /**< inertia of the motor [kg m^2], eq. (1), no default */
+    double J_l; /**< inertia of the link about its axis, M L^2 included [kg m^2], eq. (3), no default */
+} c2_parallel_parameters;
+
+/** What depends on parameters only; filled by c2_parallel_prepare. */
+typedef struct {
+    ECCENTRIC_REAL B_lN; /**< viscous friction of the link per normal force [m s/rad] */
+    ECCENTRIC_REAL B_m; /**< viscous friction of the motor [N m s/rad] */
+    ECCENTRIC_REAL C_lN; /**< Coulomb friction of the link per normal force [m] */
+    ECCENTRIC_REAL C_m; /**< Coulomb friction of the motor [N m] */
+    ECCENTRIC_REAL mu; /**< gear ratio theta_l/theta_m [1] */
+    ECCENTRIC_REAL scale_N; /**< normal force per squared motor velocity, M L mu^2 [N s^2/rad^2] */
+    ECCENTRIC_REAL unbalanced; /**< 1 if M L > 0, else 0 [1] */
+    ECCENTRIC_REAL twice_omega_star;
+    ECCENTRIC_REAL omega_star_1;
+    ECCENTRIC_REAL omega_star_2;
+    ECCENTRIC_REAL half_period;
+    ECCENTRIC_REAL half_period_1;
+    ECCENTRIC_REAL half_period_2;
+    ECCENTRIC_REAL half_period_3;
+    ECCENTRIC_REAL turns_per_rad;
+    ECCENTRIC_REAL half_mu;
+    ECCENTRIC_REAL B_lN_mu2;
+    ECCENTRIC_REAL B_m_plus_k_e_k_i_per_R;
+    ECCENTRIC_REAL C_lN_mu;
+    ECCENTRIC_REAL mu_omega_star_scale_N;
+    ECCENTRIC_REAL mu2;
+    ECCENTRIC_REAL C_lN_mu_weight_plus_C_m;
+    ECCENTRIC_REAL minus_twice_L_M_g_mu;
+    ECCENTRIC_REAL J; /**< inertia on the motor side, J_m + mu^2 J_l [kg m^2] */
+    ECCENTRIC_REAL B_lN_R_mu2_per_k_i;
+    ECCENTRIC_REAL B_m_R_per_k_i_plus_k_e;
+    ECCENTRIC_REAL C_lN_R_mu_per_k_i;
+    ECCENTRIC_REAL C_m_R_per_k_i;
+    ECCENTRIC_REAL R_per_k_i;
+    ECCENTRIC_REAL minus_twice_L_M_R_g_mu_per_k_i;
+    ECCENTRIC_REAL B_lN_mu2_per_k_i;
+    ECCENTRIC_REAL B_m_per_k_i;
+    ECCENTRIC_REAL per_k_i;
+    ECCENTRIC_REAL C_lN_mu_per_k_i;
+    ECCENTRIC_REAL C_m_per_k_i;
+    ECCENTRIC_REAL minus_twice_L_M_g_mu_per_k_i;
+} c2_parallel_coefficients;
+
+/** The parameters that `make derive` knows: the paper's Table 1, mu = 1/5, unless others were given. */
+extern const c2_parallel_parameters c2_parallel_default_parameters;
+
+/** The coefficients of the default parameters, computed to 50 digits when this file was written. */
+extern const c2_parallel_coefficients c2_parallel_default;
+
+/** Compute the coefficients of a set of parameters; run it once, or when a parameter changes.
+ *  Valid parameters: mu, R, k_i positive, the others not negative. Others give coefficients that mean nothing.
+ *  @param[in]  p  parameters
+ *  @param[out] c  coefficients
+ */
+void c2_parallel_prepare(const c2_parallel_parameters *p, c2_parallel_coefficients *c);
+
+/** Normal force F_N on the axis of rotation [N].
+ *  @param[in]  theta_m  motor angle [rad]
+ *  @param[in]  omega_m  motor velocity [rad/s]
+ *  @param[in]  c  coefficients
+ */
+ECCENTRIC_REAL c2_parallel_normal_force(
+    ECCENTRIC_REAL theta_m,
+    ECCENTRIC_REAL omega_m,
+    const c2_parallel_coefficients *c);
+
+/** normal_force over arrays of n samples. */
+void c2_parallel_normal_force_n(
+    size_t n,
+    const ECCENTRIC_REAL *theta_m,
+    const ECCENTRIC_REAL *omega_m,
+    ECCENTRIC_REAL *out,
+    const c2_parallel_coefficients *c);
+
+/** Resultant friction torque F, back-EMF damping included, eq (6) [N m].
+ *  @param[in]  theta_m  motor angle [rad]
+ *  @param[in]  omega_m  motor velocity [rad/s]
+ *  @param[in]  c  coefficients
+ */
+ECCENTRIC_REAL c2_parallel_friction_torque(
+    ECCENTRIC_REAL theta_m,
+    ECCENTRIC_REAL omega_m,
+    const c2_parallel_coefficients *c);
+
+/** friction_torque over arrays of n samples. */
+void c2_parallel_friction_torque_n(
+    size_t n,
+    const ECCENTRIC_REAL *theta_m,
+    const ECCENTRIC_REAL *omega_m,
+    ECCENTRIC_REAL *out,
+    const c2_parallel_coefficients *c);
+
+/** Mechanical friction torque f = f_m + mu f_l, without back-EMF [N m].
+ *  @param[in]  theta_m  motor angle [rad]
+ *  @param[in]  omega_m  motor velocity [rad/s]
+ *  @param[in]  c  coefficients
+ */
+ECCENTRIC_REAL c2_parallel_mechanical_friction_torque(
+    ECCENTRIC_REAL theta_m,
+    ECCENTRIC_REAL omega_m,
+    const c2_parallel_coefficients *c);
+
+/** mechanical_friction_torque over arrays of n samples. */
+void c2_parallel_mechanical_friction_torque_n(
+    size_t n,
+    const ECCENTRIC_REAL *theta_m,
+    const ECCENTRIC_REAL *omega_m,
+    ECCENTRIC_REAL *out,
+    const c2_parallel_coefficients *c);
+
+/** Slopes of friction_torque by its inputs [N m per rad, rad/s, rad/s^2].
+ *  @param[in]  theta_m  motor angle [rad]
+ *  @param[in]  omega_m  motor velocity [rad/s]
+ *  @param[out] out  2 values: theta_m, omega_m
+ *  @param[in]  c  coefficients
+ */
+void c2_parallel_friction_torque_gradient(
+    ECCENTRIC_REAL theta_m,
+    ECCENTRIC_REAL omega_m,
+    ECCENTRIC_REAL *out,
+    const c2_parallel_coefficients *c);
+
+/** friction_torque_gradient over arrays of n samples, 2 values of `out` a sample. */
+void c2_parallel_friction_torque_gradient_n(
+    size_t n,
+    const ECCENTRIC_REAL *theta_m,
+    const ECCENTRIC_REAL *omega_m,
+    ECCENTRIC_REAL *out,
+    const c2_parallel_coefficients *c);
+
+/** Slopes of friction_torque by all friction coefficients [N m per unit of the coefficient].
+ *  @param[in]  theta_m  motor angle [rad]
+ *  @param[in]  omega_m  motor velocity [rad/s]
+ *  @param[out] out  4 values: B_lN, C_lN, B_m, C_m
+ *  @param[in]  c  coefficients
+ */
+void c2_parallel_friction_torque_jacobian(
+    ECCENTRIC_REAL theta_m,
+    ECCENTRIC_REAL omega_m,
+    ECCENTRIC_REAL *out,
+    const c2_parallel_coefficients *c);
+
+/** friction_torque_jacobian over arrays of n samples, 4 values of `out` a sample. */
+void c2_parallel_friction_torque_jacobian_n(
+    size_t n,
+    const ECCENTRIC_REAL *theta_m,
+    const ECCENTRIC_REAL *omega_m,
+    ECCENTRIC_REAL *out,
+    const c2_parallel_coefficients *c);
+
+/** Columns with regressor @ friction_coefficients = mechanical_friction_torque [N m per unit of the coefficient].
+ *  @param[in]  theta_m  motor angle [rad]
+ *  @param[in]  omega_m  motor velocity [rad/s]
+ *  @param[out] out  4 values: B_lN, C_lN, B_m, C_m
+ *  @param[in]  c  coefficients
+ */
+void c2_parallel_regressor(
+    ECCENTRIC_REAL theta_m,
+    ECCENTRIC_REAL omega_m,
+    ECCENTRIC_REAL *out,
+    const c2_parallel_coefficients *c);
+
+/** regressor over arrays of n samples, 4 values of `out` a sample. */
+void c2_parallel_regressor_n(
+    size_t n,
+    const ECCENTRIC_REAL *theta_m,
+    const ECCENTRIC_REAL *omega_m,
+    ECCENTRIC_REAL *out,
+    const c2_parallel_coefficients *c);
+
+/** What the columns of the regressor multiply [as the columns of the regressor].
+ *  @param[out] out  4 values: B_lN, C_lN, B_m, C_m
+ *  @param[in]  c  coefficients
+ */
+void c2_parallel_friction_coefficients(ECCENTRIC_REAL *out, const c2_parallel_coefficients *c);
+
+/** Size of the friction torque at standstill, where it is set-valued [N m].
+ *  @param[in]  c  coefficients
+ */
+ECCENTRIC_REAL c2_parallel_coulomb_torque(const c2_parallel_coefficients *c);
+
+/** Gravity torque G, eq (5) [N m].
+ *  @param[in]  theta_m  motor angle [rad]
+ *  @param[in]  c  coefficients
+ */
+ECCENTRIC_REAL c2_parallel_gravity_torque(ECCENTRIC_REAL theta_m, const c2_parallel_coefficients *c);
+
+/** gravity_torque over arrays of n samples. */
+void c2_parallel_gravity_torque_n(
+    size_t n,
+    const ECCENTRIC_REAL *theta_m,
+    ECCENTRIC_REAL *out,
+    const c2_parallel_coefficients *c);
+
+/** Armature voltage u = (R/k_i) (J alpha_m + G + F), eq (4) [V].
+ *  @param[in]  theta_m  motor angle [rad]
+ *  @param[in]  omega_m  motor velocity [rad/s]
+ *  @param[in]  alpha_m  motor acceleration [rad/s^2]
+ *  @param[in]  c  coefficients
+ */
+ECCENTRIC_REAL c2_parallel_voltage(
+    ECCENTRIC_REAL theta_m,
+    ECCENTRIC_REAL omega_m,
+    ECCENTRIC_REAL alpha_m,
+    const c2_parallel_coefficients *c);
+
+/** voltage over arrays of n samples. */
+void c2_parallel_voltage_n(
+    size_t n,
+    const ECCENTRIC_REAL *theta_m,
+    const ECCENTRIC_REAL *omega_m,
+    const ECCENTRIC_REAL *alpha_m,
+    ECCENTRIC_REAL *out,
+    const c2_parallel_coefficients *c);
+
+/** Armature current i = (J alpha_m + G + f)/k_i [A].
+ *  @param[in]  theta_m  motor angle [rad]
+ *  @param[in]  omega_m  motor velocity [rad/s]
+ *  @param[in]  alpha_m  motor acceleration [rad/s^2]
+ *  @param[in]  c  coefficients
+ */
+ECCENTRIC_REAL c2_parallel_current(
+    ECCENTRIC_REAL theta_m,
+    ECCENTRIC_REAL omega_m,
+    ECCENTRIC_REAL alpha_m,
+    const c2_parallel_coefficients *c);
+
+/** current over arrays of n samples. */
+void c2_parallel_current_n(
+    size_t n,
+    const ECCENTRIC_REAL *theta_m,
+    const ECCENTRIC_REAL *omega_m,
+    const ECCENTRIC_REAL *alpha_m,
+    ECCENTRIC_REAL *out,
+    const c2_parallel_coefficients *c);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

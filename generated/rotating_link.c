@@ -1,0 +1,678 @@
+/*
+ * Generated: do not edit. Written by `make derive` from derivations/rotating_link.py
+ * (eccentric 0.1.0, program 79af3a27). Rotating link with an unbalanced mass, plane tilted by phi, angular acceleration kept.
+ */
+#include "rotating_link.h"
+
+#include <float.h>
+#include <math.h>
+
+#if ROTATING_LINK_PROGRAM != 0x79af3a27UL
+#error "rotating_link.c and rotating_link.h are of different derivations: write both again with make derive"
+#endif
+
+/* ECCENTRIC_SINGLE is 1 where ECCENTRIC_REAL is float. */
+#define ECCENTRIC_SINGLE_float 1
+#define ECCENTRIC_SINGLE_double 0
+#define ECCENTRIC_JOIN_(a, b) a##b
+#define ECCENTRIC_JOIN(a, b) ECCENTRIC_JOIN_(a, b)
+#define ECCENTRIC_SINGLE ECCENTRIC_JOIN(ECCENTRIC_SINGLE_, ECCENTRIC_REAL)
+
+typedef ECCENTRIC_REAL real;
+
+#if ECCENTRIC_SINGLE
+#define REAL(x) x##f
+#define REAL_SQRT(x) sqrtf(x)
+#define REAL_FABS(x) fabsf(x)
+#define REAL_FLOOR(x) floorf(x)
+#define REAL_LARGEST FLT_MAX
+#else
+#define REAL(x) x
+#define REAL_SQRT(x) sqrt(x)
+#define REAL_FABS(x) fabs(x)
+#define REAL_FLOOR(x) floor(x)
+#define REAL_LARGEST DBL_MAX
+#endif
+
+static inline real sgn(const real x)
+{
+    return (x > REAL(0.0)) ? REAL(1.0) : ((x < REAL(0.0)) ? REAL(-1.0) : ((x == REAL(0.0)) ? REAL(0.0) : x));
+}
+
+/* sin(h)/h at x = h^2, |h| within a quarter turn; error of the fit 4.3e-9 and 2.1e-19. */
+static inline real sine_series(const real x)
+{
+#if ECCENTRIC_SINGLE
+    return (((REAL(2.60481395e-6) * x + REAL(-1.98088904e-4)) * x + REAL(8.33304849e-3)) * x + REAL(-1.66666579e-1)) * x + REAL(9.99999996e-1);
+#else
+    return (((((((REAL(2.7213978552799456e-15) * x + REAL(-7.6430101545396992e-13)) * x + REAL(1.6058940263949843e-10)) * x + REAL(-2.5052106878642193e-8)) * x + REAL(2.7557319211102121e-6)) * x + REAL(-1.984126984120794e-4)) * x + REAL(8.3333333333331843e-3)) * x + REAL(-1.6666666666666665e-1)) * x + REAL(1.0);
+#endif
+}
+
+/* cos(h) at x = h^2, |h| within a quarter turn; error of the fit 2.2e-10 and 4.0e-18. */
+static inline real cosine_series(const real x)
+{
+#if ECCENTRIC_SINGLE
+    return ((((REAL(-2.6047719e-7) * x + REAL(2.47599463e-5)) * x + REAL(-1.38883571e-3)) * x + REAL(4.16666359e-2)) * x + REAL(-4.99999993e-1)) * x + REAL(1.0);
+#else
+    return (((((((REAL(4.608641632733578e-14) * x + REAL(-1.1462870836348485e-11)) * x + REAL(2.0876560676087604e-9)) * x + REAL(-2.7557316368436772e-7)) * x + REAL(2.4801587277173477e-5)) * x + REAL(-1.3888888888771598e-3)) * x + REAL(4.1666666666663843e-2)) * x + REAL(-4.9999999999999974e-1)) * x + REAL(1.0);
+#endif
+}
+
+/* The leading digits of x, so few that an odd number of half turns times them is exact. */
+static inline double leading(const double x)
+{
+    const double scaled = x * (ECCENTRIC_SINGLE ? 4398046511105.0 : 1048577.0);
+    return scaled - (scaled - x);
+}
+
+const rotating_link_parameters rotating_link_default_parameters = {
+    0.5, /* M [kg] */
+    0.2, /* M_l [kg] */
+    0.25, /* L [m] */
+    0.2, /* mu [1] */
+    1.0, /* R [Ohm] */
+    0.02, /* k_i [N m/A] */
+    0.2, /* k_e [V s/rad] */
+    9.81, /* g [m/s^2] */
+    0.0, /* phi [rad] */
+    0.004, /* B_lN [m s/rad] */
+    0.08, /* C_lN [m] */
+    0.004, /* B_lT [m s/rad] */
+    0.08, /* C_lT [m] */
+    4.0e-4, /* B_m [N m s/rad] */
+    0.008, /* C_m [N m] */
+    1.962, /* F_T [N] */
+    NAN, /* J_m [kg m^2] */
+    NAN, /* J_l [kg m^2] */
+};
+
+const rotating_link_coefficients rotating_link_default = {
+#if ECCENTRIC_SINGLE
+    (real)(0.004), /* B_lN */
+    (real)(0.08), /* C_lN */
+    (real)(0.2), /* mu */
+    (real)(0.005), /* scale_N */
+    (real)(1.0), /* unbalanced */
+    (real)(2746.8), /* twice_omega_star2 */
+    (real)(5.0), /* unbalanced_per_mu */
+    (real)(-2746.8), /* minus_twice_omega_star2 */
+    (real)(15.7079633), /* half_period */
+    (real)(15.7109375), /* half_period_1 */
+    (real)(-0.00297355652), /* half_period_2 */
+    (real)(-6.75532476e-7), /* half_period_3 */
+    (real)(0.0318309886), /* turns_per_rad */
+    (real)(0.1), /* half_mu */
+    (real)(37.0594101), /* omega_star_1 */
+    (real)(1.66482255e-6), /* omega_star_2 */
+    (real)(1.6e-4), /* B_lN_mu2 */
+    (real)(0.0044), /* constant */
+    (real)(0.016), /* C_lN_mu */
+    (real)(0.008), /* C */
+    (real)(4.0e-4), /* B */
+    (real)(549.36), /* twice_mu_omega_star2 */
+    (real)(274.68), /* mu_omega_star2 */
+    (real)(-274.68), /* minus_mu_omega_star2 */
+    (real)(0.01), /* twice_scale_N */
+    (real)(0.025), /* scale_N_unbalanced_per_mu */
+    (real)(0.04), /* mu2 */
+    (real)(0.0), /* F_T_mu2_sin_phi */
+    (real)(0.0), /* F_T_mu_sin_phi */
+    (real)(-1373.4), /* minus_omega_star2 */
+    (real)(8.0e-5), /* C_lN_mu_scale_N */
+    (real)(-0.4905), /* minus_twice_L_M_g_p_mu */
+    (real)(NAN), /* J */
+    (real)(0.008), /* B_lN_R_mu2_per_k_i */
+    (real)(0.22), /* constant_2 */
+    (real)(0.8), /* C_lN_R_mu_per_k_i */
+    (real)(0.4), /* constant_3 */
+    (real)(50.0), /* R_per_k_i */
+    (real)(-24.525), /* constant_4 */
+    (real)(0.008), /* B_lN_mu2_per_k_i */
+    (real)(0.02), /* constant_5 */
+    (real)(50.0), /* per_k_i */
+    (real)(0.8), /* C_lN_mu_per_k_i */
+    (real)(0.4), /* constant_6 */
+    (real)(-24.525), /* minus_twice_L_M_g_p_mu_per_k_i */
+#else
+    0.004, /* B_lN */
+    0.08, /* C_lN */
+    0.2, /* mu */
+    0.005, /* scale_N */
+    1.0, /* unbalanced */
+    2746.8, /* twice_omega_star2 */
+    5.0, /* unbalanced_per_mu */
+    -2746.8, /* minus_twice_omega_star2 */
+    15.707963267948966, /* half_period */
+    15.707963267341256, /* half_period_1 */
+    6.0771005068460671e-10, /* half_period_2 */
+    -3.3987446136315715e-20, /* half_period_3 */
+    0.031830988618379067, /* turns_per_rad */
+    0.1, /* half_mu */
+    37.05941176003742, /* omega_star_1 */
+    1.9391227281942644e-15, /* omega_star_2 */
+    1.6e-4, /* B_lN_mu2 */
+    0.0044, /* constant */
+    0.016, /* C_lN_mu */
+    0.008, /* C */
+    4.0e-4, /* B */
+    549.36, /* twice_mu_omega_star2 */
+    274.68, /* mu_omega_star2 */
+    -274.68, /* minus_mu_omega_star2 */
+    0.01, /* twice_scale_N */
+    0.025, /* scale_N_unbalanced_per_mu */
+    0.04, /* mu2 */
+    0.0, /* F_T_mu2_sin_phi */
+    0.0, /* F_T_mu_sin_phi */
+    -1373.4, /* minus_omega_star2 */
+    8.0e-5, /* C_lN_mu_scale_N */
+    -0.4905, /* minus_twice_L_M_g_p_mu */
+    NAN, /* J */
+    0.008, /* B_lN_R_mu2_per_k_i */
+    0.22, /* constant_2 */
+    0.8, /* C_lN_R_mu_per_k_i */
+    0.4, /* constant_3 */
+    50.0, /* R_per_k_i */
+    -24.525, /* constant_4 */
+    0.008, /* B_lN_mu2_per_k_i */
+    0.02, /* constant_5 */
+    50.0, /* per_k_i */
+    0.8, /* C_lN_mu_per_k_i */
+    0.4, /* constant_6 */
+    -24.525, /* minus_twice_L_M_g_p_mu_per_k_i */
+#endif
+};
+
+void rotating_link_prepare(const rotating_link_parameters *p, rotating_link_coefficients *c)
+{
+    const double g_p = p->g * fabs(cos(p->phi));
+    const double weight = g_p * (p->M + p->M_l);
+    const double critical_squared = (p->L * p->M == 0.0) ? 1.0 : (weight / (p->L * p->M));
+    const double omega_star = (p->L * p->M == 0.0) ? 1.0 : (sqrt(critical_squared) / p->mu);
+    const double scale_N = (p->L * p->M == 0.0) ? weight : (p->L * p->M * p->mu * p->mu);
+    const double unbalanced = (p->L * p->M == 0.0) ? 0.0 : (1.0);
+    const double twice_omega_star2 = 2.0 * omega_star * omega_star;
+    const double unbalanced_per_mu = unbalanced / p->mu;
+    const double minus_twice_omega_star2 = -2.0 * omega_star * omega_star;
+    const double half_period = 3.1415926535897932 / p->mu;
+    const double half_period_1 = leading(half_period);
+    const double half_period_2 = leading(half_period - half_period_1);
+    const double half_period_3 = (double)(real)(half_period - half_period_1 - half_period_2);
+    const double turns_per_rad = 0.5 * p->mu / 3.1415926535897932;
+    const double half_mu = 0.5 * p->mu;
+    const double omega_star_1 = (double)(real)(omega_star);
+    const double omega_star_2 = (double)(real)(omega_star - omega_star_1);
+    const double B_lN_mu2 = p->B_lN * p->mu * p->mu;
+    const double constant = p->B_lT * p->F_T * p->mu * p->mu * sin(p->phi) + p->B_m + p->k_e * p->k_i / p->R;
+    const double C_lN_mu = p->C_lN * p->mu;
+    const double C = p->C_lT * p->F_T * p->mu * sin(p->phi) + p->C_m;
+    const double B = p->B_lT * p->F_T * p->mu * p->mu * sin(p->phi) + p->B_m;
+    const double twice_mu_omega_star2 = 2.0 * p->mu * omega_star * omega_star;
+    const double mu_omega_star2 = p->mu * omega_star * omega_star;
+    const double minus_mu_omega_star2 = -p->mu * omega_star * omega_star;
+    const double twice_scale_N = 2.0 * scale_N;
+    const double scale_N_unbalanced_per_mu = scale_N * unbalanced / p->mu;
+    const double mu2 = p->mu * p->mu;
+    const double F_T_mu2_sin_phi = p->F_T * p->mu * p->mu * sin(p->phi);
+    const double F_T_mu_sin_phi = p->F_T * p->mu * sin(p->phi);
+    const double minus_omega_star2 = -omega_star * omega_star;
+    const double C_lN_mu_scale_N = p->C_lN * p->mu * scale_N;
+    const double minus_twice_L_M_g_p_mu = -2.0 * p->L * p->M * g_p * p->mu;
+    const double J = p->J_l * p->mu * p->mu + p->J_m;
+    const double B_lN_R_mu2_per_k_i = p->B_lN * p->R * p->mu * p->mu / p->k_i;
+    const double part_1 = p->B_lT * p->F_T * p->R * p->mu * p->mu * sin(p->phi) / p->k_i;
+    const double constant_2 = p->B_m * p->R / p->k_i + p->k_e + part_1;
+    const double C_lN_R_mu_per_k_i = p->C_lN * p->R * p->mu / p->k_i;
+    const double constant_3 = p->C_lT * p->F_T * p->R * p->mu * sin(p->phi) / p->k_i + p->C_m * p->R / p->k_i;
+    const double R_per_k_i = p->R / p->k_i;
+    const double constant_4 = -2.0 * p->L * p->M * p->R * g_p * p->mu / p->k_i;
+    const double B_lN_mu2_per_k_i = p->B_lN * p->mu * p->mu / p->k_i;
+    const double constant_5 = p->B_lT * p->F_T * p->mu * p->mu * sin(p->phi) / p->k_i + p->B_m / p->k_i;
+    const double per_k_i = 1.0 / p->k_i;
+    const double C_lN_mu_per_k_i = p->C_lN * p->mu / p->k_i;
+    const double constant_6 = p->C_lT * p->F_T * p->mu * sin(p->phi) / p->k_i + p->C_m / p->k_i;
+    const double minus_twice_L_M_g_p_mu_per_k_i = -2.0 * p->L * p->M * g_p * p->mu / p->k_i;
+    c->B_lN = (real)(p->B_lN);
+    c->C_lN = (real)(p->C_lN);
+    c->mu = (real)(p->mu);
+    c->scale_N = (real)(scale_N);
+    c->unbalanced = (real)(unbalanced);
+    c->twice_omega_star2 = (real)(twice_omega_star2);
+    c->unbalanced_per_mu = (real)(unbalanced_per_mu);
+    c->minus_twice_omega_star2 = (real)(minus_twice_omega_star2);
+    c->half_period = (real)(half_period);
+    c->half_period_1 = (real)(half_period_1);
+    c->half_period_2 = (real)(half_period_2);
+    c->half_period_3 = (real)(half_period_3);
+    c->turns_per_rad = (real)(turns_per_rad);
+    c->half_mu = (real)(half_mu);
+    c->omega_star_1 = (real)(omega_star_1);
+    c->omega_star_2 = (real)(omega_star_2);
+    c->B_lN_mu2 = (real)(B_lN_mu2);
+    c->constant = (real)(constant);
+    c->C_lN_mu = (real)(C_lN_mu);
+    c->C = (real)(C);
+    c->B = (real)(B);
+    c->twice_mu_omega_star2 = (real)(twice_mu_omega_star2);
+    c->mu_omega_star2 = (real)(mu_omega_star2);
+    c->minus_mu_omega_star2 = (real)(minus_mu_omega_star2);
+    c->twice_scale_N = (real)(twice_scale_N);
+    c->scale_N_unbalanced_per_mu = (real)(scale_N_unbalanced_per_mu);
+    c->mu2 = (real)(mu2);
+    c->F_T_mu2_sin_phi = (real)(F_T_mu2_sin_phi);
+    c->F_T_mu_sin_phi = (real)(F_T_mu_sin_phi);
+    c->minus_omega_star2 = (real)(minus_omega_star2);
+    c->C_lN_mu_scale_N = (real)(C_lN_mu_scale_N);
+    c->minus_twice_L_M_g_p_mu = (real)(minus_twice_L_M_g_p_mu);
+    c->J = (real)(J);
+    c->B_lN_R_mu2_per_k_i = (real)(B_lN_R_mu2_per_k_i);
+    c->constant_2 = (real)(constant_2);
+    c->C_lN_R_mu_per_k_i = (real)(C_lN_R_mu_per_k_i);
+    c->constant_3 = (real)(constant_3);
+    c->R_per_k_i = (real)(R_per_k_i);
+    c->constant_4 = (real)(constant_4);
+    c->B_lN_mu2_per_k_i = (real)(B_lN_mu2_per_k_i);
+    c->constant_5 = (real)(constant_5);
+    c->per_k_i = (real)(per_k_i);
+    c->C_lN_mu_per_k_i = (real)(C_lN_mu_per_k_i);
+    c->constant_6 = (real)(constant_6);
+    c->minus_twice_L_M_g_p_mu_per_k_i = (real)(minus_twice_L_M_g_p_mu_per_k_i);
+}
+
+ECCENTRIC_REAL rotating_link_normal_force(
+    ECCENTRIC_REAL theta_m,
+    ECCENTRIC_REAL omega_m,
+    ECCENTRIC_REAL alpha_m,
+    const rotating_link_coefficients *c)
+{
+    const real speed = c->unbalanced * REAL_FABS(omega_m);
+    const real halves = REAL(2.0) * REAL_FLOOR(theta_m * c->turns_per_rad) + REAL(1.0);
+    const real from_top = theta_m - halves * c->half_period_1 - halves * c->half_period_2 - halves * c->half_period_3;
+    const real bounded = ((REAL_FABS(from_top) <= c->half_period) ? from_top : theta_m - theta_m);
+    const real half_angle = bounded * c->half_mu;
+    const real half_angle_squared = half_angle * half_angle;
+    const real half_cosine = half_angle * sine_series(half_angle_squared);
+    const real square_difference = (speed - c->omega_star_1 - c->omega_star_2) * (speed + c->omega_star_1);
+    const real half_sine = cosine_series(half_angle_squared);
+    const real p = half_cosine * half_cosine * c->twice_omega_star2 + square_difference;
+    const real part_1 = half_cosine * half_sine * c->minus_twice_omega_star2;
+    const real q = alpha_m * c->unbalanced_per_mu + part_1;
+    const real magnitude = REAL_SQRT(p * p + q * q);
+    const real F_N = magnitude * c->scale_N;
+    return F_N;
+}
+
+void rotating_link_normal_force_n(
+    size_t n,
+    const ECCENTRIC_REAL *theta_m,
+    const ECCENTRIC_REAL *omega_m,
+    const ECCENTRIC_REAL *alpha_m,
+    ECCENTRIC_REAL *out,
+    const rotating_link_coefficients *c)
+{
+    for (size_t k = 0; k < n; ++k) {
+        out[k] = rotating_link_normal_force(theta_m[k], omega_m[k], alpha_m[k], c);
+    }
+}
+
+ECCENTRIC_REAL rotating_link_friction_torque(
+    ECCENTRIC_REAL theta_m,
+    ECCENTRIC_REAL omega_m,
+    ECCENTRIC_REAL alpha_m,
+    const rotating_link_coefficients *c)
+{
+    const real speed = c->unbalanced * REAL_FABS(omega_m);
+    const real halves = REAL(2.0) * REAL_FLOOR(theta_m * c->turns_per_rad) + REAL(1.0);
+    const real from_top = theta_m - halves * c->half_period_1 - halves * c->half_period_2 - halves * c->half_period_3;
+    const real bounded = ((REAL_FABS(from_top) <= c->half_period) ? from_top : theta_m - theta_m);
+    const real half_angle = bounded * c->half_mu;
+    const real half_angle_squared = half_angle * half_angle;
+    const real half_cosine = half_angle * sine_series(half_angle_squared);
+    const real square_difference = (speed - c->omega_star_1 - c->omega_star_2) * (speed + c->omega_star_1);
+    const real half_sine = cosine_series(half_angle_squared);
+    const real p = half_cosine * half_cosine * c->twice_omega_star2 + square_difference;
+    const real part_1 = half_cosine * half_sine * c->minus_twice_omega_star2;
+    const real q = alpha_m * c->unbalanced_per_mu + part_1;
+    const real magnitude = REAL_SQRT(p * p + q * q);
+    const real F_N = magnitude * c->scale_N;
+    const real direction_of_motion = sgn(omega_m);
+    const real part_2 = direction_of_motion * (c->C + c->C_lN_mu * F_N);
+    return omega_m * (c->B_lN_mu2 * F_N + c->constant) + part_2;
+}
+
+void rotating_link_friction_torque_n(
+    size_t n,
+    const ECCENTRIC_REAL *theta_m,
+    const ECCENTRIC_REAL *omega_m,
+    const ECCENTRIC_REAL *alpha_m,
+    ECCENTRIC_REAL *out,
+    const rotating_link_coefficients *c)
+{
+    for (size_t k = 0; k < n; ++k) {
+        out[k] = rotating_link_friction_torque(theta_m[k], omega_m[k], alpha_m[k], c);
+    }
+}
+
+ECCENTRIC_REAL rotating_link_mechanical_friction_torque(
+    ECCENTRIC_REAL theta_m,
+    ECCENTRIC_REAL omega_m,
+    ECCENTRIC_REAL alpha_m,
+    const rotating_link_coefficients *c)
+{
+    const real speed = c->unbalanced * REAL_FABS(omega_m);
+    const real halves = REAL(2.0) * REAL_FLOOR(theta_m * c->turns_per_rad) + REAL(1.0);
+    const real from_top = theta_m - halves * c->half_period_1 - halves * c->half_period_2 - halves * c->half_period_3;
+    const real bounded = ((REAL_FABS(from_top) <= c->half_period) ? from_top : theta_m - theta_m);
+    const real half_angle = bounded * c->half_mu;
+    const real half_angle_squared = half_angle * half_angle;
+    const real half_cosine = half_angle * sine_series(half_angle_squared);
+    const real square_difference = (speed - c->omega_star_1 - c->omega_star_2) * (speed + c->omega_star_1);
+    const real half_sine = cosine_series(half_angle_squared);
+    const real p = half_cosine * half_cosine * c->twice_omega_star2 + square_difference;
+    const real part_1 = half_cosine * half_sine * c->minus_twice_omega_star2;
+    const real q = alpha_m * c->unbalanced_per_mu + part_1;
+    const real magnitude = REAL_SQRT(p * p + q * q);
+    const real F_N = magnitude * c->scale_N;
+    const real direction_of_motion = sgn(omega_m);
+    const real part_2 = direction_of_motion * (c->C + c->C_lN_mu * F_N);
+    return omega_m * (c->B + c->B_lN_mu2 * F_N) + part_2;
+}
+
+void rotating_link_mechanical_friction_torque_n(
+    size_t n,
+    const ECCENTRIC_REAL *theta_m,
+    const ECCENTRIC_REAL *omega_m,
+    const ECCENTRIC_REAL *alpha_m,
+    ECCENTRIC_REAL *out,
+    const rotating_link_coefficients *c)
+{
+    for (size_t k = 0; k < n; ++k) {
+        out[k] = rotating_link_mechanical_friction_torque(theta_m[k], omega_m[k], alpha_m[k], c);
+    }
+}
+
+void rotating_link_friction_torque_gradient(
+    ECCENTRIC_REAL theta_m,
+    ECCENTRIC_REAL omega_m,
+    ECCENTRIC_REAL alpha_m,
+    ECCENTRIC_REAL *out,
+    const rotating_link_coefficients *c)
+{
+    const real speed = c->unbalanced * REAL_FABS(omega_m);
+    const real direction_of_motion = sgn(omega_m);
+    const real speed_d_omega_m = direction_of_motion * c->unbalanced;
+    const real halves = REAL(2.0) * REAL_FLOOR(theta_m * c->turns_per_rad) + REAL(1.0);
+    const real from_top = theta_m - halves * c->half_period_1 - halves * c->half_period_2 - halves * c->half_period_3;
+    const real bounded = ((REAL_FABS(from_top) <= c->half_period) ? from_top : theta_m - theta_m);
+    const real half_angle = bounded * c->half_mu;
+    const real half_angle_squared = half_angle * half_angle;
+    const real half_cosine = half_angle * sine_series(half_angle_squared);
+    const real square_difference = (speed - c->omega_star_1 - c->omega_star_2) * (speed + c->omega_star_1);
+    const real half_sine = cosine_series(half_angle_squared);
+    const real p = half_cosine * half_cosine * c->twice_omega_star2 + square_difference;
+    const real part_1 = half_cosine * half_sine * c->minus_twice_omega_star2;
+    const real q = alpha_m * c->unbalanced_per_mu + part_1;
+    const real magnitude = REAL_SQRT(p * p + q * q);
+    const real F_N = magnitude * c->scale_N;
+    const real divisor = ((magnitude == REAL(0.0)) ? REAL(1.0) : magnitude);
+    const real limit = ((REAL_FABS(p) > REAL_FABS(q)) ? sgn(p) : REAL(0.0));
+    const real cosine = ((magnitude > REAL_LARGEST) ? limit : p / divisor);
+    const real ungated = half_cosine * half_sine * c->twice_mu_omega_star2;
+    const real limit_2 = ((REAL_FABS(q) > REAL_FABS(p)) ? sgn(q) : REAL(0.0));
+    const real cosine_2 = ((magnitude > REAL_LARGEST) ? limit_2 : q / divisor);
+    const real part_2 = half_sine * half_sine * c->minus_mu_omega_star2;
+    const real ungated_2 = half_cosine * half_cosine * c->mu_omega_star2 + part_2;
+    const real part_4 = ((cosine_2 == REAL(0.0)) ? REAL(0.0) : ungated_2 * cosine_2);
+    const real part_3 = part_4 + ((cosine == REAL(0.0)) ? REAL(0.0) : ungated * cosine);
+    const real F_N_d_theta_m = part_3 * c->scale_N;
+    const real ungated_3 = speed * speed_d_omega_m * c->twice_scale_N;
+    const real F_N_d_omega_m = ((cosine == REAL(0.0)) ? REAL(0.0) : ungated_3 * cosine);
+    const real F_N_d_alpha_m = ((cosine_2 == REAL(0.0)) ? REAL(0.0) : c->scale_N_unbalanced_per_mu * cosine_2);
+    const real part_5 = c->B_lN_mu2 * omega_m + c->C_lN_mu * direction_of_motion;
+    out[0] = F_N_d_theta_m * part_5;
+    const real part_6 = c->C_lN_mu * F_N_d_omega_m * direction_of_motion;
+    const real part_7 = c->B_lN_mu2 * F_N_d_omega_m * omega_m;
+    out[1] = c->B_lN_mu2 * F_N + c->constant + part_6 + part_7;
+    const real part_8 = c->B_lN_mu2 * omega_m + c->C_lN_mu * direction_of_motion;
+    out[2] = F_N_d_alpha_m * part_8;
+}
+
+void rotating_link_friction_torque_gradient_n(
+    size_t n,
+    const ECCENTRIC_REAL *theta_m,
+    const ECCENTRIC_REAL *omega_m,
+    const ECCENTRIC_REAL *alpha_m,
+    ECCENTRIC_REAL *out,
+    const rotating_link_coefficients *c)
+{
+    for (size_t k = 0; k < n; ++k) {
+        rotating_link_friction_torque_gradient(theta_m[k], omega_m[k], alpha_m[k], out + 3 * k, c);
+    }
+}
+
+void rotating_link_friction_torque_jacobian(
+    ECCENTRIC_REAL theta_m,
+    ECCENTRIC_REAL omega_m,
+    ECCENTRIC_REAL alpha_m,
+    ECCENTRIC_REAL *out,
+    const rotating_link_coefficients *c)
+{
+    const real speed = c->unbalanced * REAL_FABS(omega_m);
+    const real halves = REAL(2.0) * REAL_FLOOR(theta_m * c->turns_per_rad) + REAL(1.0);
+    const real from_top = theta_m - halves * c->half_period_1 - halves * c->half_period_2 - halves * c->half_period_3;
+    const real bounded = ((REAL_FABS(from_top) <= c->half_period) ? from_top : theta_m - theta_m);
+    const real half_angle = bounded * c->half_mu;
+    const real half_angle_squared = half_angle * half_angle;
+    const real half_cosine = half_angle * sine_series(half_angle_squared);
+    const real square_difference = (speed - c->omega_star_1 - c->omega_star_2) * (speed + c->omega_star_1);
+    const real half_sine = cosine_series(half_angle_squared);
+    const real p = half_cosine * half_cosine * c->twice_omega_star2 + square_difference;
+    const real part_1 = half_cosine * half_sine * c->minus_twice_omega_star2;
+    const real q = alpha_m * c->unbalanced_per_mu + part_1;
+    const real magnitude = REAL_SQRT(p * p + q * q);
+    const real F_N = magnitude * c->scale_N;
+    out[0] = F_N * c->mu2 * omega_m;
+    const real direction_of_motion = sgn(omega_m);
+    out[1] = F_N * direction_of_motion * c->mu;
+    out[2] = c->F_T_mu2_sin_phi * omega_m;
+    out[3] = c->F_T_mu_sin_phi * direction_of_motion;
+    out[4] = omega_m;
+    out[5] = direction_of_motion;
+}
+
+void rotating_link_friction_torque_jacobian_n(
+    size_t n,
+    const ECCENTRIC_REAL *theta_m,
+    const ECCENTRIC_REAL *omega_m,
+    const ECCENTRIC_REAL *alpha_m,
+    ECCENTRIC_REAL *out,
+    const rotating_link_coefficients *c)
+{
+    for (size_t k = 0; k < n; ++k) {
+        rotating_link_friction_torque_jacobian(theta_m[k], omega_m[k], alpha_m[k], out + 6 * k, c);
+    }
+}
+
+void rotating_link_regressor(
+    ECCENTRIC_REAL theta_m,
+    ECCENTRIC_REAL omega_m,
+    ECCENTRIC_REAL alpha_m,
+    ECCENTRIC_REAL *out,
+    const rotating_link_coefficients *c)
+{
+    const real speed = c->unbalanced * REAL_FABS(omega_m);
+    const real halves = REAL(2.0) * REAL_FLOOR(theta_m * c->turns_per_rad) + REAL(1.0);
+    const real from_top = theta_m - halves * c->half_period_1 - halves * c->half_period_2 - halves * c->half_period_3;
+    const real bounded = ((REAL_FABS(from_top) <= c->half_period) ? from_top : theta_m - theta_m);
+    const real half_angle = bounded * c->half_mu;
+    const real half_angle_squared = half_angle * half_angle;
+    const real half_cosine = half_angle * sine_series(half_angle_squared);
+    const real square_difference = (speed - c->omega_star_1 - c->omega_star_2) * (speed + c->omega_star_1);
+    const real half_sine = cosine_series(half_angle_squared);
+    const real p = half_cosine * half_cosine * c->twice_omega_star2 + square_difference;
+    const real part_1 = half_cosine * half_sine * c->minus_twice_omega_star2;
+    const real q = alpha_m * c->unbalanced_per_mu + part_1;
+    const real magnitude = REAL_SQRT(p * p + q * q);
+    const real F_N = magnitude * c->scale_N;
+    out[0] = F_N * c->mu2 * omega_m;
+    const real direction_of_motion = sgn(omega_m);
+    out[1] = F_N * direction_of_motion * c->mu;
+    out[2] = omega_m;
+    out[3] = direction_of_motion;
+}
+
+void rotating_link_regressor_n(
+    size_t n,
+    const ECCENTRIC_REAL *theta_m,
+    const ECCENTRIC_REAL *omega_m,
+    const ECCENTRIC_REAL *alpha_m,
+    ECCENTRIC_REAL *out,
+    const rotating_link_coefficients *c)
+{
+    for (size_t k = 0; k < n; ++k) {
+        rotating_link_regressor(theta_m[k], omega_m[k], alpha_m[k], out + 4 * k, c);
+    }
+}
+
+void rotating_link_friction_coefficients(ECCENTRIC_REAL *out, const rotating_link_coefficients *c)
+{
+    out[0] = c->B_lN;
+    out[1] = c->C_lN;
+    out[2] = c->B;
+    out[3] = c->C;
+}
+
+ECCENTRIC_REAL rotating_link_coulomb_torque(
+    ECCENTRIC_REAL theta_m,
+    ECCENTRIC_REAL alpha_m,
+    const rotating_link_coefficients *c)
+{
+    const real halves = REAL(2.0) * REAL_FLOOR(theta_m * c->turns_per_rad) + REAL(1.0);
+    const real from_top = theta_m - halves * c->half_period_1 - halves * c->half_period_2 - halves * c->half_period_3;
+    const real bounded = ((REAL_FABS(from_top) <= c->half_period) ? from_top : theta_m - theta_m);
+    const real half_angle = bounded * c->half_mu;
+    const real half_angle_squared = half_angle * half_angle;
+    const real half_cosine = half_angle * sine_series(half_angle_squared);
+    const real half_sine = cosine_series(half_angle_squared);
+    const real p = half_cosine * half_cosine * c->twice_omega_star2 + c->minus_omega_star2;
+    const real part_1 = half_cosine * half_sine * c->minus_twice_omega_star2;
+    const real q = alpha_m * c->unbalanced_per_mu + part_1;
+    const real magnitude = REAL_SQRT(p * p + q * q);
+    return c->C + c->C_lN_mu_scale_N * magnitude;
+}
+
+void rotating_link_coulomb_torque_n(
+    size_t n,
+    const ECCENTRIC_REAL *theta_m,
+    const ECCENTRIC_REAL *alpha_m,
+    ECCENTRIC_REAL *out,
+    const rotating_link_coefficients *c)
+{
+    for (size_t k = 0; k < n; ++k) {
+        out[k] = rotating_link_coulomb_torque(theta_m[k], alpha_m[k], c);
+    }
+}
+
+ECCENTRIC_REAL rotating_link_gravity_torque(ECCENTRIC_REAL theta_m, const rotating_link_coefficients *c)
+{
+    const real halves = REAL(2.0) * REAL_FLOOR(theta_m * c->turns_per_rad) + REAL(1.0);
+    const real from_top = theta_m - halves * c->half_period_1 - halves * c->half_period_2 - halves * c->half_period_3;
+    const real bounded = ((REAL_FABS(from_top) <= c->half_period) ? from_top : theta_m - theta_m);
+    const real half_angle = bounded * c->half_mu;
+    const real half_angle_squared = half_angle * half_angle;
+    const real half_cosine = half_angle * sine_series(half_angle_squared);
+    const real half_sine = cosine_series(half_angle_squared);
+    return half_cosine * half_sine * c->minus_twice_L_M_g_p_mu;
+}
+
+void rotating_link_gravity_torque_n(
+    size_t n,
+    const ECCENTRIC_REAL *theta_m,
+    ECCENTRIC_REAL *out,
+    const rotating_link_coefficients *c)
+{
+    for (size_t k = 0; k < n; ++k) {
+        out[k] = rotating_link_gravity_torque(theta_m[k], c);
+    }
+}
+
+ECCENTRIC_REAL rotating_link_voltage(
+    ECCENTRIC_REAL theta_m,
+    ECCENTRIC_REAL omega_m,
+    ECCENTRIC_REAL alpha_m,
+    const rotating_link_coefficients *c)
+{
+    const real speed = c->unbalanced * REAL_FABS(omega_m);
+    const real halves = REAL(2.0) * REAL_FLOOR(theta_m * c->turns_per_rad) + REAL(1.0);
+    const real from_top = theta_m - halves * c->half_period_1 - halves * c->half_period_2 - halves * c->half_period_3;
+    const real bounded = ((REAL_FABS(from_top) <= c->half_period) ? from_top : theta_m - theta_m);
+    const real half_angle = bounded * c->half_mu;
+    const real half_angle_squared = half_angle * half_angle;
+    const real half_cosine = half_angle * sine_series(half_angle_squared);
+    const real square_difference = (speed - c->omega_star_1 - c->omega_star_2) * (speed + c->omega_star_1);
+    const real half_sine = cosine_series(half_angle_squared);
+    const real p = half_cosine * half_cosine * c->twice_omega_star2 + square_difference;
+    const real part_1 = half_cosine * half_sine * c->minus_twice_omega_star2;
+    const real q = alpha_m * c->unbalanced_per_mu + part_1;
+    const real magnitude = REAL_SQRT(p * p + q * q);
+    const real F_N = magnitude * c->scale_N;
+    const real direction_of_motion = sgn(omega_m);
+    const real part_2 = direction_of_motion * (c->C_lN_R_mu_per_k_i * F_N + c->constant_3);
+    const real part_3 = c->R_per_k_i * ((alpha_m == REAL(0.0)) ? REAL(0.0) : c->J * alpha_m);
+    const real part_4 = omega_m * (c->B_lN_R_mu2_per_k_i * F_N + c->constant_2);
+    return c->constant_4 * half_cosine * half_sine + part_2 + part_3 + part_4;
+}
+
+void rotating_link_voltage_n(
+    size_t n,
+    const ECCENTRIC_REAL *theta_m,
+    const ECCENTRIC_REAL *omega_m,
+    const ECCENTRIC_REAL *alpha_m,
+    ECCENTRIC_REAL *out,
+    const rotating_link_coefficients *c)
+{
+    for (size_t k = 0; k < n; ++k) {
+        out[k] = rotating_link_voltage(theta_m[k], omega_m[k], alpha_m[k], c);
+    }
+}
+
+ECCENTRIC_REAL rotating_link_current(
+    ECCENTRIC_REAL theta_m,
+    ECCENTRIC_REAL omega_m,
+    ECCENTRIC_REAL alpha_m,
+    const rotating_link_coefficients *c)
+{
+    const real speed = c->unbalanced * REAL_FABS(omega_m);
+    const real halves = REAL(2.0) * REAL_FLOOR(theta_m * c->turns_per_rad) + REAL(1.0);
+    const real from_top = theta_m - halves * c->half_period_1 - halves * c->half_period_2 - halves * c->half_period_3;
+    const real bounded = ((REAL_FABS(from_top) <= c->half_period) ? from_top : theta_m - theta_m);
+    const real half_angle = bounded * c->half_mu;
+    const real half_angle_squared = half_angle * half_angle;
+    const real half_cosine = half_angle * sine_series(half_angle_squared);
+    const real square_difference = (speed - c->omega_star_1 - c->omega_star_2) * (speed + c->omega_star_1);
+    const real half_sine = cosine_series(half_angle_squared);
+    const real p = half_cosine * half_cosine * c->twice_omega_star2 + square_difference;
+    const real part_1 = half_cosine * half_sine * c->minus_twice_omega_star2;
+    const real q = alpha_m * c->unbalanced_per_mu + part_1;
+    const real magnitude = REAL_SQRT(p * p + q * q);
+    const real F_N = magnitude * c->scale_N;
+    const real direction_of_motion = sgn(omega_m);
+    const real part_2 = direction_of_motion * (c->C_lN_mu_per_k_i * F_N + c->constant_6);
+    const real part_3 = half_cosine * half_sine * c->minus_twice_L_M_g_p_mu_per_k_i;
+    const real part_4 = c->per_k_i * ((alpha_m == REAL(0.0)) ? REAL(0.0) : c->J * alpha_m);
+    const real part_5 = omega_m * (c->B_lN_mu2_per_k_i * F_N + c->constant_5);
+    return part_2 + part_3 + part_4 + part_5;
+}
+
+void rotating_link_current_n(
+    size_t n,
+    const ECCENTRIC_REAL *theta_m,
+    const ECCENTRIC_REAL *omega_m,
+    const ECCENTRIC_REAL *alpha_m,
+    ECCENTRIC_REAL *out,
+    const rotating_link_coefficients *c)
+{
+    for (size_t k = 0; k < n; ++k) {
+        out[k] = rotating_link_current(theta_m[k], omega_m[k], alpha_m[k], c);
+    }
+}

@@ -1,0 +1,69 @@
+"""The emitted NumPy modules as the tests call them, with the cases that tests are parametrised by."""
+
+import dataclasses
+import importlib
+from types import ModuleType
+
+import numpy as np
+import pytest
+
+from tests import oracle
+from tests.paper import Parameters
+
+MODELS = tuple(oracle.CASES)
+CALLS = [(name, function) for name in MODELS for function in oracle.functions(name)]
+CALLED_ON_STATES = [(name, function) for name, function in CALLS if oracle.inputs(name, function)]
+every_model = pytest.mark.parametrize("name", MODELS)
+every_call = pytest.mark.parametrize(("name", "function"), CALLS, ids=map(".".join, CALLS))
+every_call_on_states = pytest.mark.parametrize(
+    ("name", "function"), CALLED_ON_STATES, ids=map(".".join, CALLED_ON_STATES)
+)
+both_precisions = pytest.mark.parametrize("dtype", [np.float64, np.float32], ids=("double", "single"))
+
+
+def module(name: str) -> ModuleType:
+    """Return the emitted module."""
+    return importlib.import_module(f"generated.{name}")
+
+
+def parameters(name: str, values: dict[str, float]) -> Parameters:
+    """Return the emitted Parameters with the values of those letters that the model has."""
+    cls = module(name).Parameters
+    return cls(**{field.name: values[field.name] for field in dataclasses.fields(cls)})
+
+
+def labels(name: str, function: str) -> tuple[str, ...]:
+    """Return the names of the components of a vector result, those of derivatives and columns."""
+    constant = {
+        "friction_torque_gradient": "GRADIENT",
+        "friction_torque_jacobian": "JACOBIAN",
+        "regressor": "REGRESSOR",
+    }
+    return tuple(getattr(module(name), constant[function])) if function in constant else ()
+
+
+def width(name: str, function: str) -> tuple[int, ...]:
+    """Return the shape of one result."""
+    if function == "polynomial":
+        return (4,)
+    if function == "coulomb_torque":
+        return (2,) if oracle.CASES[name].asymmetric else ()
+    return (len(labels(name, function)),) if labels(name, function) else ()
+
+
+def example_states(
+    name: str, function: str, shape: int | tuple[int, ...], dtype: type[np.floating] = np.float64
+) -> list[np.ndarray]:
+    """Return reproducible inputs of one shape for a function, every fourth velocity at standstill."""
+    generator = np.random.default_rng(3)
+    columns = {
+        "theta_m": generator.uniform(-40.0, 40.0, shape),
+        "omega_m": generator.uniform(-90.0, 90.0, shape) * (generator.integers(0, 4, shape) > 0),
+        "alpha_m": generator.uniform(-200.0, 200.0, shape),
+    }
+    return [np.asarray(columns[one], dtype) for one in oracle.inputs(name, function)]
+
+
+def with_inertia(name: str) -> Parameters:
+    """Return the default parameters with the inertias, which have no default."""
+    return module(name).Parameters(J_m=2e-4, J_l=0.04)

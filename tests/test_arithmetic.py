@@ -1,0 +1,89 @@
+"""Arithmetic on columns computes what it says and runs nothing."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from eccentric.errors import InputError
+from eccentric.identify.arithmetic import MAX_DEPTH, MAX_LENGTH, evaluate
+
+COLUMNS = {
+    "a": np.array([1.0, 2.0, 3.0]),
+    "b": np.array([4.0, 0.0, -1.0]),
+    "speed (rpm)": np.array([60.0, 120.0, 0.0]),
+}
+
+
+def column(name: str) -> np.ndarray:
+    """Return a column, or refuse as a log does."""
+    if name not in COLUMNS:
+        raise InputError(f"column {name!r} is required, the log has {', '.join(COLUMNS)}")
+    return COLUMNS[name]
+
+
+VALUES = {
+    "a": [1.0, 2.0, 3.0],
+    "a / 2 * b": [2.0, 0.0, -1.5],
+    "-(a - b) + 1e1": [13.0, 8.0, 6.0],
+    "`speed (rpm)` / 60": [1.0, 2.0, 0.0],
+    "2 * +a": [2.0, 4.0, 6.0],
+    "a == 2": [False, True, False],
+    "1 < a <= 3": [False, True, True],
+    "a > 1 and not b < 0 or a == 1": [True, True, False],
+    "a != 2 and b >= -1": [True, False, True],
+}
+
+
+@pytest.mark.parametrize("text", VALUES)
+def test_value(text: str) -> None:
+    """Sums, products, comparisons and conditions have the values worked out by hand."""
+    actual = evaluate(text, column, "rig")
+    assert actual.tolist() == VALUES[text]
+
+
+def test_division_by_zero_is_not_finite() -> None:
+    """A division by zero is silent here and not finite, so the row is counted as missing later."""
+    assert np.isfinite(evaluate("a / b", column, "rig")).tolist() == [True, False, True]
+
+
+BAD = {
+    "a ** 2": "not allowed",
+    "a % 2": "not allowed",
+    "a // 2": "not allowed",
+    "a & b": "not allowed",
+    "abs(a)": "not allowed",
+    "a.size": "not allowed",
+    "a[0]": "not allowed",
+    "__import__('os').system('true')": "not allowed",
+    "[x for x in a]": "not allowed",
+    "lambda: a": "not allowed",
+    "(a := b)": "not allowed",
+    "a if a else b": "not allowed",
+    "'text'": "not allowed",
+    "True": "not allowed",
+    "1j * a": "not allowed",
+    "a in b": "not allowed",
+    "1 + 2": "names no column",
+    "a +": "neither a column of the log nor arithmetic",
+    "a; b": "neither a column of the log nor arithmetic",
+    "a = b": "neither a column of the log nor arithmetic",
+    "": "neither a column of the log nor arithmetic",
+    "c + a": "column 'c' is required, the log has a, b",
+    "a + (b > 0)": "a number is required, received the condition 'b > 0'",
+    "a and b > 0": "a condition is required, received the number 'a'",
+    "a + 1e999": "a finite number is required",
+    "9" * 400 + " * a": "a finite number is required",
+    "a" + " + a" * MAX_LENGTH: "at most 500 characters",
+    "-" * (MAX_DEPTH + 2) + "a": "nested deeper",
+    "(" * 240 + "a" + ")" * 240: "neither a column of the log nor arithmetic",
+}
+
+
+@pytest.mark.parametrize("text", BAD)
+def test_anything_else_is_refused(text: str) -> None:
+    """Powers, calls, attributes, indices, strings, too deep or too long texts are refused in one line."""
+    with pytest.raises(InputError) as caught:
+        evaluate(text, column, "rig")
+    assert BAD[text] in str(caught.value)
+    assert "\n" not in str(caught.value)

@@ -1,0 +1,131 @@
+"""Logs are read as they were recorded, and a bad file is one line that says what is wrong."""
+
+from __future__ import annotations
+
+import gzip
+import sys
+from typing import TYPE_CHECKING
+
+import numpy as np
+import pytest
+from scipy.io import savemat
+
+from eccentric.errors import InputError
+from eccentric.identify.log import read_log
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+TEXT = "time_s,run,current_A\n0.0,a,1.5\n0.1,a,\n0.2,b,nan\n"
+
+
+def test_csv_keeps_numbers_text_and_missing_values(tmp_path: Path) -> None:
+    """Numbers come as float64 with NaN where nothing stands, text as text, in the order of the header."""
+    path = tmp_path / "log.csv"
+    path.write_text(TEXT)
+    log = read_log(path)
+    assert list(log.columns) == ["time_s", "run", "current_A"]
+    assert log.rows == 3
+    np.testing.assert_array_equal(log.numbers("time_s"), [0.0, 0.1, 0.2])
+    np.testing.assert_array_equal(log.numbers("current_A"), [1.5, np.nan, np.nan])
+    assert log.text("run").tolist() == ["a", "a", "b"]
+
+
+@pytest.mark.parametrize("delimiter", [",", ";", "\t"])
+@pytest.mark.parametrize("suffix", [".csv", ".csv.gz", ".CSV"])
+def test_delimiter_and_compression_do_not_change_a_log(tmp_path: Path, delimiter: str, suffix: str) -> None:
+    """Comma, semicolon, tab, a byte order mark, line ends of any system and gzip say the same."""
+    content = ("\ufeff" + TEXT.replace(",", delimiter).replace("\n", "\r\n")).encode()
+    path = tmp_path / f"log{suffix}"
+    path.write_bytes(gzip.compress(content) if suffix.endswith("gz") else content)
+    log = read_log(path)
+    assert list(log.columns) == ["time_s", "run", "current_A"]
+    np.testing.assert_array_equal(log.numbers("current_A"), [1.5, np.nan, np.nan])
+
+
+def test_mat_file_gives_its_vectors(tmp_path: Path) -> None:
+    """Rows, columns and a structure of vectors are the log; a scalar beside them is not."""
+    path = tmp_path / "log.mat"
+    t = np.arange(4.0)
+    savemat(path, {"log": {"time_s": t[:, None], "current_A": 2.0 * t[None, :]}, "rate": 250.0})
+    log = read_log(path)
+    assert sorted(log.columns) == ["current_A", "time_s"]
+    np.testing.assert_array_equal(log.numbers("current_A"), 2.0 * t)
+
+
+CUT_OFF = gzip.compress(TEXT.encode() * 100)[:-20]
+BAD = {
+    "empty.csv": (b"", "empty.csv: a header row with column names is required, the file is empty"),
+    "header.csv": (b"time_s,current_A\n", "header.csv: a log with rows is required, received none"),
+    "numbers.csv": (
+        b"0.0,1.0\n0.1,1.0\n",
+        "numbers.csv: a header row with column names is required, received numbers",
+    ),
+    "ragged.csv": (b"a,b\n1,2\n3\n", "ragged.csv: row 2: 2 values are required, received 1"),
+    "twice.csv": (b"a,b,a\n1,2,3\n", "twice.csv: column names must differ, 'a' comes 2 times"),
+    "latin.csv": (b"t,\xe4\n1,2\n", "latin.csv: UTF-8 text is required, byte 2 is not"),
+    "cut.csv.gz": (CUT_OFF, "cut.csv.gz: the compressed file is damaged or cut off"),
+    "plain.csv.gz": (TEXT.encode(), "plain.csv.gz: the compressed file is damaged or cut off"),
+    "log.xlsx": (b"PK", "log.xlsx: a log of .csv, .csv.gz, .mat, .parquet is required, received '.xlsx'"),
+    "noise.mat": (b"x" * 200, "noise.mat: no MAT file"),
+}
+
+
+@pytest.mark.parametrize("name", BAD)
+def test_bad_file_is_refused_in_one_line(tmp_path: Path, name: str) -> None:
+    """What cannot be read as a log is an InputError of one line with file and reason."""
+    content, expected = BAD[name]
+    path = tmp_path / name
+    path.write_bytes(content)
+    with pytest.raises(InputError) as caught:
+        read_log(path)
+    assert expected in str(caught.value)
+    assert "\n" not in str(caught.value)
+
+
+def test_missing_file_and_directory_are_refused(tmp_path: Path) -> None:
+    """A path without file and a directory are named as what they are."""
+    with pytest.raises(InputError, match=r"none\.csv: no such file"):
+        read_log(tmp_path / "none.csv")
+    with pytest.raises(InputError, match="a log file is required, received a directory"):
+        read_log(tmp_path)
+
+
+def test_text_in_a_numeric_column_is_named_with_row_and_column(tmp_path: Path) -> None:
+    """Text is refused only where numbers are asked for, with its first row."""
+    path = tmp_path / "log.csv"
+    path.write_text("time_s,current_A\n0.0,1.0\n0.1,oops\n0.2,1.0\n")
+    log = read_log(path)
+    with pytest.raises(
+        InputError, match=r"log\.csv: row 2, column 'current_A': a number is required, .* 'oops'"
+    ):
+        log.numbers("current_A")
+
+
+def test_missing_column_lists_the_columns(tmp_path: Path) -> None:
+    """A column that is not there is answered with those that are."""
+    path = tmp_path / "log.csv"
+    path.write_text(TEXT)
+    with pytest.raises(InputError, match="column 'speed' is required, the log has time_s, run, current_A"):
+        read_log(path).numbers("speed")
+
+
+def test_parquet_without_its_extra_names_it(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Without pyarrow, a Parquet log says what to install."""
+    monkeypatch.setitem(sys.modules, "pyarrow", None)
+    monkeypatch.setitem(sys.modules, "pyarrow.parquet", None)
+    path = tmp_path / "log.parquet"
+    path.write_bytes(b"PAR1")
+    with pytest.raises(InputError, match=r"pip install 'eccentric\[parquet\]'"):
+        read_log(path)
+
+
+def test_parquet_gives_the_same_columns_as_csv(tmp_path: Path) -> None:
+    """Numbers, text and nulls of a Parquet table arrive as those of a CSV file."""
+    arrow = pytest.importorskip("pyarrow", reason="the extra parquet is not installed")
+    parquet = pytest.importorskip("pyarrow.parquet")
+    path = tmp_path / "log.parquet"
+    parquet.write_table(arrow.table({"time_s": [0.0, 0.1], "current_A": [1, None], "run": ["a", "b"]}), path)
+    log = read_log(path)
+    np.testing.assert_array_equal(log.numbers("current_A"), [1.0, np.nan])
+    assert log.text("run").tolist() == ["a", "b"]

@@ -1,0 +1,220 @@
+"""A rig file says what is known of the bench; what it cannot mean is refused in one line."""
+
+from __future__ import annotations
+
+import json
+import math
+from pathlib import Path
+
+import pytest
+
+from eccentric.errors import InputError
+from eccentric.identify.rig import read_rig
+
+SHARED = Path(__file__).parents[1] / ".." / "shared" / "data" / "examples"
+RIGS = Path(__file__).parents[1] / "examples" / "rigs"
+
+MINIMAL = '[known]\ncase = "C2"\nmu = 0.2\n'
+
+
+def written(tmp_path: Path, text: str, name: str = "rig.toml") -> Path:
+    """Write a rig file."""
+    path = tmp_path / name
+    path.write_text(text, encoding="utf-8")
+    return path
+
+
+def test_suffix_and_unit_text_say_the_same(tmp_path: Path) -> None:
+    """A key with a unit suffix and a text with a unit give one and the same quantity in SI."""
+    suffix = """
+[known]
+case = "C1"
+M_kg = 0.5
+M_l_kg = 0.2
+L_m = 0.25
+mu = 0.2
+R_ohm = 1.0
+k_i_Nm_per_A = 0.02
+k_e_Vs_per_rad = 0.03
+J_m_kgm2 = 2e-5
+J_l_kgm2 = 0.04
+g_m_s2 = 9.81
+F_T_N = 1.962
+"""
+    texts = f"""
+[known]
+phi = "90 deg"
+M = "500 g"
+M_l = "0.2 kg"
+L = "25 cm"
+mu = "1/5"
+R = "1000 mohm"
+k_i = "20 mNm/A"
+k_e = "{0.03 * math.pi * 2.0 / 60.0} V/rpm"
+J_m = "200 g cm^2"
+J_l = "0.04 kg m^2"
+g = "981 cm/s^2"
+F_T = "1962 mN"
+"""
+    expected = read_rig(written(tmp_path, suffix))
+    actual = read_rig(written(tmp_path, texts, "texts.toml"))
+    assert actual.known == pytest.approx(expected.known, rel=1e-14)
+    assert actual.case == expected.case == "C1"
+
+
+def test_toml_and_json_say_the_same(tmp_path: Path) -> None:
+    """The same content in TOML and in JSON is the same rig but for its path."""
+    toml = read_rig(written(tmp_path, MINIMAL))
+    content = {"known": {"case": "C2", "mu": 0.2}}
+    other = read_rig(written(tmp_path, json.dumps(content), "rig.json"))
+    assert (toml.known, toml.case, toml.columns) == (other.known, other.case, other.columns)
+
+
+@pytest.mark.parametrize(
+    ("known", "case", "phi", "model"),
+    [
+        ('case = "C1"', "C1", math.pi / 2.0, "c1_perpendicular"),
+        ('case = "C2"', "C2", 0.0, "c2_parallel"),
+        ('phi = "0 deg"', "C2", 0.0, "c2_parallel"),
+        ("phi_rad = 0.5", None, 0.5, "rotating_link"),
+        ('case = "C1"\nphi = "90 deg"', "C1", math.pi / 2.0, "c1_perpendicular"),
+    ],
+)
+def test_case_and_tilt(tmp_path: Path, known: str, case: str | None, phi: float, model: str) -> None:
+    """C1 is a tilt of 90 deg, C2 one of 0; each asks for its model, any other tilt for the general one."""
+    rig = read_rig(written(tmp_path, f"[known]\n{known}\nmu = 0.2\n"))
+    assert (rig.case, rig.known["phi"], rig.model) == (case, pytest.approx(phi), model)
+
+
+def test_defaults(tmp_path: Path) -> None:
+    """Without more: the paper's gravity, 25 Hz, no delay, zero angle or offset, nothing to estimate."""
+    rig = read_rig(written(tmp_path, MINIMAL))
+    assert rig.known["g"] == 9.81
+    assert rig.low_pass_hz == 25.0
+    assert (rig.input_delay_s, rig.theta_zero_rad, rig.voltage_offset_V) == (0.0, 0.0, 0.0)
+    assert rig.estimate == frozenset()
+    assert rig.columns is rig.drive is rig.moving_threshold_rad_s is None
+    assert rig.warnings == ()
+
+
+def test_unknown_quantities_have_ranges(tmp_path: Path) -> None:
+    """A quantity under [unknown] is a range in SI, and asking for its value is refused."""
+    rig = read_rig(written(tmp_path, MINIMAL + '[unknown]\nM_l_kg = [0.0, 0.2]\nM = ["0 g", "80 g"]\n'))
+    assert rig.unknown == {"M_l": (0.0, 0.2), "M": (0.0, 0.08)}
+    with pytest.raises(InputError, match=r"rig\.toml: \[known\] M_l is required here"):
+        rig.value("M_l")
+
+
+def test_step_up_drive_is_allowed_with_a_warning(tmp_path: Path) -> None:
+    """Mu above 1 is possible and unusual."""
+    rig = read_rig(written(tmp_path, '[known]\ncase = "C2"\nmu = 3\n'))
+    assert rig.known["mu"] == 3.0
+    assert "mu = 3 is above 1" in rig.warnings[0]
+
+
+def test_estimate_is_kept_for_the_fit(tmp_path: Path) -> None:
+    """What is to be estimated starts from 0 and is named."""
+    rig = read_rig(written(tmp_path, 'input_delay_s = 0.025\ntheta_zero_rad = "estimate"\n' + MINIMAL))
+    assert (rig.input_delay_s, rig.theta_zero_rad) == (0.025, 0.0)
+    assert rig.estimate == {"theta_zero_rad"}
+
+
+BAD = {
+    "": "[known] case (C1 or C2) or the tilt phi is required",
+    '[known]\ncase = "C3"': "case: C1 or C2 is required, received 'C3'",
+    '[known]\ncase = "C1"\nphi = "10 deg"': "case C1 means phi = 90 deg",
+    "[known]\nphi_rad = 2.0": "phi_rad: a value at least 0 and at most 1.5708 rad is required, received 2.0",
+    '[known]\ncase = "C2"\nM_kg = -0.5': "M_kg: a value at least 0 kg is required, received -0.5",
+    '[known]\ncase = "C2"\nmu = 0': "mu: a value above 0 is required, received 0",
+    '[known]\ncase = "C2"\nmu = -0.2': "mu: a value above 0",
+    '[known]\ncase = "C2"\nR_ohm = 0.0': "R_ohm: a value above 0 ohm is required, received 0.0",
+    '[known]\ncase = "C2"\nk_i_Nm_per_A = 0.0': "k_i_Nm_per_A: a value above 0 N m/A",
+    '[known]\ncase = "C2"\nJ_m_kgm2 = nan': "J_m_kgm2: a finite number is required, received nan",
+    '[known]\ncase = "C2"\nL_m = inf': "L_m: a finite number is required, received inf",
+    '[known]\ncase = "C2"\nL_m = true': "L_m: a number is required, received True",
+    '[known]\ncase = "C2"\nL_m = [1]': "L_m: a number is required, received [1]",
+    '[known]\ncase = "C2"\nk_e = 0.2': 'required, as in k_e = "0.1 V s/rad", received 0.2',
+    '[known]\ncase = "C2"\nk_e = "0.2 V"': "k_e: a unit like",
+    '[known]\ncase = "C2"\nk_e = "0.2 V s/furlong"': "is unknown at 'furlong'",
+    '[known]\ncase = "C2"\nM_g = 500': "[known]: unknown key 'M_g'; did you mean 'M_kg'?",
+    '[known]\ncase = "C2"\nM_kg = 0.5\nM = "0.5 kg"': "M is given twice",
+    '[known]\ncase = "C2"\nM_kg = 0.5\n[unknown]\nM_kg = [0.0, 1.0]': "M is given twice",
+    '[known]\ncase = "C2"\n[unknown]\nM_l_kg = 0.2': "a range of two values, [lower, upper], is required",
+    '[known]\ncase = "C2"\n[unknown]\nM_l_kg = [0.2, 0.1]': "a range with lower below upper is required",
+    '[known]\ncase = "C2"\n[unknown]\nM_l_kg = [-0.2, 0.1]': "at least 0 kg is required, received -0.2",
+    'holdout = 3\n[known]\ncase = "C2"': "unknown key 'holdout'; did you mean 'holdout_runs'?",
+    "known = 3\n": "[known]: a table is required, received 3",
+    'drive = "steam"\n[known]\ncase = "C2"': "one of current, voltage, torque is required, received 'steam'",
+    'input_delay_s = -0.1\n[known]\ncase = "C2"': "input_delay_s: a finite number of at least 0 is required",
+    'input_delay_s = "guess"\n[known]\ncase = "C2"': 'input_delay_s: a number or "estimate" is required',
+    'holdout_intervals_s = [[2.0, 1.0]]\n[known]\ncase = "C2"': "start before end are required",
+    'holdout_intervals_s = [1.0]\n[known]\ncase = "C2"': "a range of two values",
+    'holdout_runs = "a"\n[known]\ncase = "C2"': "holdout_runs: a list of names is required, received 'a'",
+    'encoder_counts_per_rev = 0\n[known]\ncase = "C2"': "a finite number above 0 is required, received 0",
+    '[known]\ncase = "C2"\n[columns]\nspeed = "n"': "[columns]: unknown key 'speed'",
+    '[known]\ncase = "C2"\n[columns]\ntime = 3': "[columns] time: a table is required, received 3",
+    '[known]\ncase = "C2"\n[columns]\ntime = {unit = "s"}': "arithmetic is required, received None",
+    '[known]\ncase = "C2"\n[columns]\ntime = {column = "t", unit = "V"}': "time: a unit like s, ms, us",
+    '[known]\ncase = "C2"\n[columns]\ntime = {column = "t", units = "s"}': "'units'; did you mean 'unit'?",
+    '[known]\ncase = "C2"\n[columns]\nrun = {column = "t", unit = "s"}': "run: no unit",
+    '[known]\ncase = "C2"\n[columns]\ntheta_m = {column = "q", unit = "counts"}': "encoder_counts_per_rev",
+    '[known]\ncase = "C2"\n[columns]\ntheta_m = "a"\ntheta_l = "b"': "one of theta_m and theta_l is required",
+    "[known\n": "no TOML file (",
+}
+
+
+@pytest.mark.parametrize("text", BAD)
+def test_bad_rig_is_refused_in_one_line(tmp_path: Path, text: str) -> None:
+    """What a rig cannot mean is refused with file, key, what is required and what came."""
+    with pytest.raises(InputError) as caught:
+        read_rig(written(tmp_path, text))
+    message = str(caught.value)
+    assert message.startswith(str(tmp_path / "rig.toml"))
+    assert BAD[text] in message
+    assert "\n" not in message
+
+
+def test_bad_json_is_refused(tmp_path: Path) -> None:
+    """JSON that is cut off, holds a list or a key twice is refused."""
+    for text, expected in (
+        ('{"known": ', r"no JSON file \("),
+        ("[1]", r"a table is required, received \[1\]"),
+        ('{"drive": "current", "drive": "voltage"}', "key 'drive' comes twice"),
+    ):
+        with pytest.raises(InputError, match=expected):
+            read_rig(written(tmp_path, text, "rig.json"))
+
+
+def test_missing_file_directory_and_suffix_are_refused(tmp_path: Path) -> None:
+    """No file, a folder with a rig's name, and a file that is neither TOML nor JSON."""
+    (tmp_path / "folder.toml").mkdir()
+    for name, expected in (
+        ("none.toml", "no such file"),
+        ("folder.toml", "cannot be read"),
+        ("rig.yaml", "required"),
+    ):
+        with pytest.raises(InputError, match=expected):
+            read_rig(tmp_path / name)
+
+
+@pytest.mark.skipif(not SHARED.exists(), reason="the shared example logs are not beside this clone")
+@pytest.mark.parametrize("number", [1, 2, 3, 4])
+def test_sidecars_are_rigs_as_they_stand(number: int) -> None:
+    """Every sidecar of the shared examples is read, with the values that stand in it."""
+    path = SHARED / f"example{number}.json"
+    content = json.loads(path.read_text())
+    rig = read_rig(path)
+    assert rig.case == content["known"]["case"]
+    assert rig.known["k_i"] == content["known"]["k_i_Nm_per_A"]
+    assert rig.known["J_l"] == content["known"]["J_l_kgm2"]
+    assert rig.moving_threshold_rad_s == content["moving_threshold_rad_s"]
+    assert [list(pair) for pair in rig.holdout_intervals_s] == content["holdout_intervals_s"]
+    assert rig.columns is not None
+    assert [source.text for source in rig.columns.values()] == content["columns"]
+    assert rig.warnings == ()
+
+
+@pytest.mark.parametrize("path", sorted(RIGS.glob("*.toml")), ids=lambda path: path.stem)
+def test_example_rigs_are_read(path: Path) -> None:
+    """Every rig under examples/rigs is read without a warning."""
+    assert read_rig(path).warnings == ()
