@@ -38,13 +38,14 @@ def labels(name: str, function: str) -> tuple[str, ...]:
         "friction_torque_gradient": "GRADIENT",
         "friction_torque_jacobian": "JACOBIAN",
         "regressor": "REGRESSOR",
+        "friction_coefficients": "REGRESSOR",
     }
     return tuple(getattr(module(name), constant[function])) if function in constant else ()
 
 
 def width(name: str, function: str) -> tuple[int, ...]:
     """Return the shape of one result."""
-    if function == "polynomial":
+    if function.startswith("polynomial"):
         return (4,)
     if function == "coulomb_torque":
         return (2,) if oracle.CASES[name].asymmetric else ()

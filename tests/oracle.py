@@ -89,19 +89,25 @@ CASES = {
 
 FUNCTIONS = (
     "normal_force", "friction_torque", "mechanical_friction_torque", "friction_torque_gradient",
-    "friction_torque_jacobian", "regressor", "coulomb_torque", "gravity_torque", "voltage", "current",
+    "friction_torque_jacobian", "regressor", "friction_coefficients", "coulomb_torque", "gravity_torque",
+    "voltage", "current",
 )  # fmt: skip
 
 
 def functions(name: str) -> tuple[str, ...]:
     """Return the names of the functions that the model is emitted with."""
-    return FUNCTIONS + (("polynomial",) if name.startswith("c1_") else ())
+    polynomials = ("polynomial", "polynomial_neg") if CASES[name].asymmetric else ("polynomial",)
+    return FUNCTIONS + (polynomials if name.startswith("c1_") else ())
 
 
 def inputs(name: str, function: str) -> tuple[str, ...]:
     """Return the inputs that a function depends on, in the order in which it takes them."""
-    if function in ("coulomb_torque", "polynomial"):
+    if function in ("friction_coefficients", "polynomial", "polynomial_neg"):
         return ()
+    if (
+        function == "coulomb_torque"
+    ):  # at standstill F_N is the weight, and what a beginning acceleration adds
+        return ("theta_m", "alpha_m") if CASES[name].accelerated else ()
     position = () if name.startswith("c1_") else ("theta_m",)
     if function == "gravity_torque":
         return position
@@ -125,14 +131,20 @@ def coefficients(name: str, omega_m: Number, p: Parameters) -> Parameters:
 
 
 def reaction(name: str, x: Point, p: Parameters) -> tuple[Number, Number, Number]:
-    """Return the in-plane reaction across and along gravity, and the size of its rounding error over eps."""
+    """Return the in-plane reaction, across and along, and the size of its rounding error over eps.
+
+    Steady motion is seen from the ground, where the centrifugal force turns with the link and the weight rests;
+    accelerated motion from the link, in whose frame w^2 and alpha are components and the weight turns.
+    """
     case, theta, w = CASES[name], p.mu * x.theta_m, p.mu * x.omega_m
-    alpha = p.mu * x.alpha_m if case.accelerated else mpf(0)
     ML, b = p.M * p.L, (p.M + p.M_l) * case.in_plane_gravity(p)
-    along = ML * (w**2 * mpmath.cos(theta) + alpha * mpmath.sin(theta)) + b
-    across = ML * (w**2 * mpmath.sin(theta) - alpha * mpmath.cos(theta))
+    cos, sin = mpmath.cos(theta), mpmath.sin(theta)
+    alpha = p.mu * x.alpha_m if case.accelerated else mpf(0)
     a = ML * (w**2 + abs(alpha))
-    return across, along, a + b + min(a, b) * abs(theta)
+    error = a + b + min(a, b) * abs(theta)
+    if case.accelerated:
+        return ML * alpha + b * sin, ML * w**2 + b * cos, error
+    return ML * w**2 * sin, ML * w**2 * cos + b, error
 
 
 def friction_under_load(
@@ -180,6 +192,17 @@ def columns(N: Number, omega_m: Number, p: Parameters) -> dict[str, Number]:
     return one | positive | {key + "_neg": value * (omega_m < 0) for key, value in one.items()}
 
 
+def coefficient(name: str, label: str, p: Parameters) -> Number:
+    """Return what a column of the regressor multiplies; B and C are the sums that C1 cannot tell apart."""
+    ending = label[-4:] if CASES[name].asymmetric else ""
+    own, F_T = vars(p), CASES[name].transversal(p) * p.F_T
+    if label == "B" + ending:
+        return own["B_m" + ending] + p.mu**2 * own["B_lT" + ending] * F_T
+    if label == "C" + ending:
+        return own["C_m" + ending] + p.mu * own["C_lT" + ending] * F_T
+    return own[label]
+
+
 def expected(
     name: str, function: str, x: Point, p: Parameters, labels: Sequence[str] = ()
 ) -> list[tuple[Number, Number]]:
@@ -208,14 +231,19 @@ def expected(
     if function == "regressor":
         size = columns(N_size, x.omega_m, p)
         return [(value[label], abs(size[label])) for value in [columns(N, x.omega_m, p)] for label in labels]
-    if function == "polynomial":
-        rows = [paper.polynomial_c1_asymmetric("pos", p) if case.asymmetric else paper.polynomial_c1(1, p)]
-        return [(value, value) for value in rows[0]]
+    if function.startswith("polynomial"):
+        direction, sign = ("neg", -1) if function == "polynomial_neg" else ("pos", 1)
+        rows = (
+            paper.polynomial_c1_asymmetric(direction, p) if case.asymmetric else paper.polynomial_c1(sign, p)
+        )
+        return [(value, abs(value)) for value in rows]
+    if function == "friction_coefficients":
+        return [(value, value) for value in (coefficient(name, label, p) for label in labels)]
     if function == "coulomb_torque":
-        still = x._replace(omega_m=mpf(0), alpha_m=mpf(0))
+        still = x._replace(omega_m=mpf(0))
         return [
             tuple(
-                # For a given load friction is a straight line on either side of standstill; this is where it starts.
+                # For a given load friction is a straight line on either side; this is where it starts.
                 abs(2 * friction_under_load(name, N, sign, p) - friction_under_load(name, N, 2 * sign, p))
                 for N in (case.normal_force(still, p), reaction(name, still, p)[2])
             )

@@ -49,6 +49,14 @@ def hollows(draw: st.DrawFn, p: dict[str, float]) -> tuple[float, float, float]:
     return float(theta_l / exact.mu), float(omega_l / exact.mu), 0.0
 
 
+@st.composite
+def quarter_turns(draw: st.DrawFn, p: dict[str, float]) -> float:
+    """Draw a motor angle of up to 1e4 rad, rounded, at which the link hangs, stands or is level."""
+    quarter = HALF_TURN / 2 / mpf(p["mu"])
+    limit = int(mpf(10000) / quarter)
+    return float(draw(st.integers(-limit, limit)) * quarter)
+
+
 def states(
     p: dict[str, float], dtype: type[np.floating], moving: bool = False, size: int = 6
 ) -> st.SearchStrategy[list[Point]]:
@@ -58,7 +66,8 @@ def states(
     is a matter of `finite` and not of accuracy.
     """
     omega = signed(1e-3, 1e3) if moving else st.just(0.0) | signed(1e-3, 1e3)
-    wide = st.tuples(st.just(0.0) | signed(1e-3, 1e4), omega, st.just(0.0) | signed(1e-3, 1e4))
+    theta = st.just(0.0) | quarter_turns(p) | signed(1e-3, 1e4)
+    wide = st.tuples(theta, omega, st.just(0.0) | signed(1e-3, 1e4))
     one = st.one_of(wide, wide, hollows(p))
     return st.lists(one.map(lambda x: Point(*(mpf(float(dtype(v))) for v in x))), min_size=1, max_size=size)
 

@@ -1,4 +1,4 @@
-"""What must hold of the emitted models whatever the numbers: symmetries, limits, special angles, dimensions."""
+"""What must hold of the emitted models for any numbers: symmetries, limits, special angles, units."""
 
 from types import SimpleNamespace
 
@@ -171,12 +171,7 @@ def test_periodic_in_the_link_angle(name: str, data: st.DataObject) -> None:
 def test_balanced_mass_is_linear(name: str) -> None:
     """With M = 0 friction is Coulomb and viscous, the classical model: F_3 and F_2 vanish, F_N is the weight."""
     emitted = module(name)
-    p, columns = (
-        emitted.Parameters(M=0.0, F_T=1.962)
-        if "F_T" in vars(emitted.Parameters())
-        else emitted.Parameters(M=0.0),
-        grid(name, "friction_torque"),
-    )
+    p, columns = emitted.Parameters(M=0.0), grid(name, "friction_torque")
     table = paper.table_1(float, M=0.0)
     weight = 0.0 if name.startswith("c1_") else table.M_l * table.g
     transversal = table.F_T if name.startswith("c1_") else 0.0
@@ -269,6 +264,25 @@ def test_bottom_and_top(name: str, omega_l: float) -> None:
         assert abs(emitted.friction_torque(*at) - np.polyval(polynomial, omega_m)) <= limit * torque_scale
 
 
+@pytest.mark.parametrize("mu", [1.0, 0.2, 1 / 30, 0.005])
+@pytest.mark.parametrize("dtype", [np.float64, np.float32], ids=("double", "single"))
+@pytest.mark.parametrize("name", SWINGING)
+def test_bottom_and_top_after_many_turns(name: str, dtype: type[np.floating], mu: float) -> None:
+    """After any number of half turns, as near as the angle holds them, F_N is (23) at the bottom, (22) at the top."""
+    emitted, omega_l = module(name), 5.0
+    p, halves = paper.table_1(float, mu), np.arange(-2000, 2001)
+    theta_m, eps = (halves * np.pi / mu).astype(dtype), float(np.finfo(dtype).eps)
+    given_states = {"theta_m": theta_m, "omega_m": dtype(omega_l / mu), "alpha_m": dtype(0.0)}
+
+    actual = emitted.normal_force(
+        *(given_states[one] for one in oracle.inputs(name, "normal_force")), emitted.Parameters(mu=mu)
+    )
+
+    low, high = float(paper.normal_force_minimum(omega_l, p)), float(paper.normal_force_maximum(omega_l, p))
+    expected = np.where(halves % 2, low, high)
+    assert np.all(np.abs(actual - expected) <= oracle.K * eps * high * (1 + np.abs(halves) * np.pi))
+
+
 # Dimensions.
 
 
@@ -301,6 +315,8 @@ def test_scales_with_its_dimension(name: str, function: str) -> None:
         "friction_torque_gradient": lambda: [F / factor(one) for one in emitted.GRADIENT],
         "friction_torque_jacobian": lambda: [F / factor(one) for one in emitted.JACOBIAN],
         "regressor": lambda: [F / factor(one) for one in emitted.REGRESSOR],
+        "friction_coefficients": lambda: [factor(one) for one in emitted.REGRESSOR],
+        "polynomial_neg": lambda: [F / factor("omega_m") ** k for k in (3, 2, 1, 0)],
         "polynomial": lambda: [F / factor("omega_m") ** k for k in (3, 2, 1, 0)],
     }
     expected = (

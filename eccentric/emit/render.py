@@ -15,15 +15,16 @@ from eccentric.model import Model
 from eccentric.places import folder
 
 
-def render(model: Model, command: str = "make derive") -> dict[str, str]:
+def render(model: Model, command: str = "make derive", origin: str | None = None) -> dict[str, str]:
     """The emitted files of a model: file name -> text.
 
     Args:
         model: what to emit.
         command: by which command the files were written; it stands in their banner.
+        origin: where the physics stands, for the banner; by default the derivation of the model's name.
     """
     program = build_program(model)
-    return render_program(program, f"derivations/{model.name}.py", command)
+    return render_program(program, origin or f"derivations/{model.name}.py", command)
 
 
 def render_program(program: Program, origin: str, command: str) -> dict[str, str]:

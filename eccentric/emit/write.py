@@ -9,14 +9,14 @@ from eccentric.emit.render import render
 from eccentric.model import Model
 
 
-def emit(model: Model, out: Path, command: str = "make derive") -> list[Path]:
+def emit(model: Model, out: Path, command: str = "make derive", origin: str | None = None) -> list[Path]:
     """Write model.py, .h and .c into an existing folder; files that are fresh already are left alone.
 
     Returns:
         The paths, written or fresh.
     """
     paths = []
-    for name, text in render(model, command).items():
+    for name, text in render(model, command, origin).items():
         path = out / name
         if not path.is_file() or path.read_text(encoding="utf-8") != text:
             path.write_text(text, encoding="utf-8", newline="\n")

@@ -172,9 +172,13 @@ class _Side:
                 return self.prune(self.screen.refine(without))
         return fitted
 
-    def compare(self) -> None:
-        """Probability of each family in the place of each adopted term, the others kept; parsimony breaks ties."""
+    def compare(self, turns: int = 3) -> None:
+        """Probability of each family in the place of each adopted term, the others kept.
+
+        Where a special case explains the log as well as the family that contains it, it takes the place.
+        """
         effective = self.effective(self.best)
+        self.alternatives = []
         for place, term in enumerate(self.best.terms):
             others = [t for k, t in enumerate(self.best.terms) if k != place]
             rivals = {term.candidate.family: self.best}
@@ -188,10 +192,14 @@ class _Side:
                 log[family] = -0.5 * effective * float(np.log(fitted.score)) - 0.5 * len(own.shape)
                 if any(general in rivals for general in own.candidate.special_of):
                     log[family] += self.rules.special
-            top = max(log.values())
-            weight = {family: float(np.exp(value - top)) for family, value in log.items()}
+            first = max(log, key=lambda family: log[family])
+            if rivals[first] is not self.best and turns:
+                self.best = self.screen.refine(rivals[first])
+                return self.compare(turns - 1)
+            weight = {family: float(np.exp(value - log[first])) for family, value in log.items()}
             total = sum(weight.values())
             self.alternatives.append({family: (weight[family] / total, rivals[family]) for family in rivals})
+        return None
 
 
 def attribute(

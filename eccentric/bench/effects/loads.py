@@ -104,7 +104,8 @@ def backlash(strength: float, rng: np.random.Generator, setting: Setting, varian
     """Gap of A at the motor, which it crosses free of the link's torques after the load has reversed.
 
     An approximation: the link's friction and gravity are let go while the motor turns through the gap, but
-    its inertia stays coupled. A true two-mass contact would need steps of microseconds.
+    its inertia stays coupled. A true two-mass contact would need steps of microseconds. It acts reversal by
+    reversal, so a short log meets the strength asked for only roughly; the truth has the one reached.
     """
     bound = 0.25 / setting.plant.mu
 

@@ -1,0 +1,22 @@
+"""`eccentric audit`: the paper's tables and claims against the derivation."""
+
+import argparse
+
+from eccentric.audit import findings, table_1
+
+NAME = "audit"
+HELP = "hold the paper's Table 1 and its claims against the derivation"
+EXAMPLE = "eccentric audit"
+
+
+def configure(parser: argparse.ArgumentParser) -> None:
+    """There is nothing to choose."""
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Print Table 1 side by side with the derivation, then the findings."""
+    del arguments
+    print(table_1())
+    for number, finding in enumerate(findings(), 1):
+        print(f"\n{number}. {finding}")
+    return 0

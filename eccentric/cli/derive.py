@@ -1,0 +1,49 @@
+"""`eccentric derive`: print the derivations and write what follows from them."""
+
+import argparse
+from pathlib import Path
+
+import eccentric
+from eccentric.emit import emit, stale
+from eccentric.errors import InputError
+from eccentric.model import load_model, model_names
+
+NAME = "derive"
+HELP = "print the derivations and write generated/ (NumPy and C99)"
+EXAMPLE = """eccentric derive
+eccentric derive c2_parallel --latex
+eccentric derive --check"""
+
+
+def configure(parser: argparse.ArgumentParser) -> None:
+    """Add the arguments."""
+    parser.add_argument("models", nargs="*", metavar="MODEL", help="names of models, or paths of derivations; default: all")
+    parser.add_argument("--latex", action="store_true", help="print LaTeX instead of text")
+    parser.add_argument("--out", type=Path, help="folder to write into; default: generated/ of the clone")
+    parser.add_argument("--check", action="store_true", help="write nothing; show what is stale, exit 1 if anything is")
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Print each derivation, then write its trio; with --check compare instead."""
+    models = [load_model(name) for name in arguments.models or model_names()]
+    out = arguments.out or _generated()
+    if arguments.check:
+        diffs = [stale(model, out) for model in models]
+        print("".join(diffs), end="")
+        if any(diffs):
+            print("generated files are stale: write them again with `make derive`")
+            return 1
+        print(f"generated files are fresh: {len(models)} models")
+        return 0
+    out.mkdir(parents=True, exist_ok=True)
+    for model in models:
+        print(model.latex() if arguments.latex else model, end="\n\n")
+        emit(model, out)
+    return 0
+
+
+def _generated() -> Path:
+    clone = Path(eccentric.__file__).resolve().parent.parent
+    if not (clone / "pyproject.toml").is_file():
+        raise InputError("derive: required --out DIR, since this is an installed copy without a generated/ folder")
+    return clone / "generated"

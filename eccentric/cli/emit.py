@@ -1,0 +1,41 @@
+"""`eccentric emit`: the trio for any model, with the parameters of a fit if wanted."""
+
+import argparse
+import re
+from pathlib import Path
+
+from eccentric.emit import emit
+from eccentric.emit.defaults import read_parameters, with_defaults
+from eccentric.errors import InputError
+from eccentric.model import load_model
+from eccentric.output import whole_folder
+
+NAME = "emit"
+HELP = "write the NumPy module, C header and C source of a model"
+EXAMPLE = """eccentric emit c2_parallel --out build/firmware
+eccentric emit my_derivation.py --out build/mine
+eccentric emit c2_parallel --parameters build/fit/fit.json --prefix arm --out build/firmware"""
+
+
+def configure(parser: argparse.ArgumentParser) -> None:
+    """Add the arguments."""
+    parser.add_argument("model", metavar="MODEL", help="a model's name, or the path of a derivation")
+    parser.add_argument("--out", type=Path, required=True, help="folder to write; replaced as a whole")
+    parser.add_argument("--parameters", type=Path, metavar="FIT.json", help="fitted values to be the trio's defaults")
+    parser.add_argument("--prefix", metavar="NAME", help="name of the files and prefix in C; default: the model's name")
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Write the trio and name the files."""
+    model = load_model(arguments.model)
+    own = Path(arguments.model).suffix == ".py"
+    origin = Path(arguments.model).name if own else f"derivations/{model.name}.py"
+    if arguments.prefix is not None and not re.fullmatch(r"[a-z][a-z0-9_]{0,30}", arguments.prefix):
+        raise InputError(f"--prefix: required a lower-case C identifier of at most 31 characters, got {arguments.prefix!r}")
+    if arguments.parameters is not None or arguments.prefix is not None:
+        given = read_parameters(arguments.parameters) if arguments.parameters else None
+        model = with_defaults(model, given, arguments.prefix or model.name)
+    with whole_folder(arguments.out) as folder:
+        names = [path.name for path in emit(model, folder, "eccentric emit", origin)]
+    print(f"{arguments.out}: {', '.join(names)}")
+    return 0

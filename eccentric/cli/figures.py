@@ -1,0 +1,24 @@
+"""`eccentric figures`: the paper's figures from the emitted modules."""
+
+import argparse
+from pathlib import Path
+
+from eccentric.figures import draw
+from eccentric.output import whole_folder
+
+NAME = "figures"
+HELP = "draw the paper's figures 2, 4 and 5 from the emitted modules"
+EXAMPLE = "eccentric figures --out build/figures"
+
+
+def configure(parser: argparse.ArgumentParser) -> None:
+    """Add the arguments."""
+    parser.add_argument("--out", type=Path, required=True, help="folder to write; replaced as a whole")
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Draw and name the files."""
+    with whole_folder(arguments.out) as folder:
+        names = [path.name for path in draw(folder)]
+    print(f"{arguments.out}: {', '.join(names)}")
+    return 0

@@ -1,0 +1,303 @@
+"""The emitted C99, compiled in both precisions and called through cffi, against the paper and against NumPy."""
+
+import re
+import subprocess
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import cffi
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from tests import oracle, paper, strategies
+from tests.emitted import (
+    CALLED_ON_STATES,
+    MODELS,
+    both_precisions,
+    every_call,
+    every_call_on_states,
+    every_model,
+    example_states,
+    labels,
+    module,
+    parameters,
+    width,
+    with_inertia,
+)
+
+GENERATED = Path(__file__).resolve().parent.parent / "generated"
+FLAGS = "-std=c99 -O2 -Wall -Wextra -Wpedantic -Wconversion -Wdouble-promotion -Werror".split()
+REAL = {np.float64: "double", np.float32: "float"}
+# Square root, absolute value and rounding; sine and cosine of the tilt in `prepare` only, which runs once.
+LIBM = {"sqrt", "sqrtf", "fabs", "fabsf", "floor", "floorf", "round", "roundf", "rint", "rintf"}
+LIBM_OF_PREPARE = {"sin", "cos"}
+Real = type[np.floating]
+
+
+def run(*command: str | Path, source: str | None = None) -> str:
+    """Run a tool and return what it prints; what it complains of becomes the failure."""
+    done = subprocess.run(command, input=source, capture_output=True, text=True, check=False)
+    assert (0, "") == (done.returncode, done.stderr), done.stderr
+    return done.stdout
+
+
+def declarations(name: str, real: str) -> str:
+    """Return the header as cffi reads it: preprocessed, without what the system's headers declare."""
+    text = re.sub(r"^#\s*include\s*<.*$", "", (GENERATED / f"{name}.h").read_text(), flags=re.MULTILINE)
+    return run("gcc", "-E", "-P", f"-DECCENTRIC_REAL={real}", "-", source=text)
+
+
+class Library:
+    """One model, compiled in one precision."""
+
+    def __init__(self, name: str, dtype: Real, folder: Path) -> None:
+        self.name, self.dtype, self.real = name, dtype, REAL[dtype]
+        path = folder / f"{name}_{self.real}.so"
+        run(
+            "gcc",
+            *FLAGS,
+            "-shared",
+            "-fPIC",
+            f"-DECCENTRIC_REAL={self.real}",
+            "-o",
+            path,
+            GENERATED / f"{name}.c",
+            "-lm",
+        )
+        self.ffi = cffi.FFI()
+        self.declarations = declarations(name, self.real)
+        self.ffi.cdef(self.declarations)
+        self.lib: Any = self.ffi.dlopen(str(path))
+
+    def __getitem__(self, function: str) -> Callable[..., Any]:
+        """Return the C function without its prefix."""
+        return getattr(self.lib, f"{self.name}_{function}")
+
+    def names(self) -> set[str]:
+        """Return the names of the functions, without the prefix."""
+        return set(re.findall(rf"\b{self.name}_(\w+)\s*\(", self.declarations))
+
+    def coefficients(self, values: Any = None) -> Any:
+        """Return the prepared coefficients of a NumPy Parameters; None is the default set."""
+        if values is None:
+            return self.ffi.addressof(self.lib, f"{self.name}_default")
+        given_values = self.ffi.new(f"{self.name}_parameters *")
+        for field in dir(given_values):
+            value = getattr(values, field)
+            setattr(given_values, field, float("nan") if value is None else value)
+        prepared = self.ffi.new(f"{self.name}_coefficients *")
+        self["prepare"](given_values, prepared)
+        return prepared
+
+    def pointer(self, array: np.ndarray) -> Any:
+        """Return a C pointer to an array of the library's precision."""
+        return self.ffi.from_buffer(f"{self.real}[]", array)
+
+    def one(self, function: str, states: list[Any], coefficients: Any) -> np.ndarray:
+        """Call the function of one sample."""
+        shape, numbers = width(self.name, function), [float(x) for x in states]
+        if not shape:
+            return np.asarray(self[function](*numbers, coefficients), self.dtype)
+        out = np.full(shape, np.nan, self.dtype)
+        self[function](*numbers, self.pointer(out), coefficients)
+        return out
+
+    def many(self, function: str, states: list[np.ndarray], coefficients: Any) -> np.ndarray:
+        """Call the function of n samples."""
+        out = np.full((len(states[0]), *width(self.name, function)), np.nan, self.dtype)
+        pointers = [self.pointer(np.ascontiguousarray(x)) for x in states]
+        self[function + "_n"](len(states[0]), *pointers, self.pointer(out), coefficients)
+        return out
+
+
+@pytest.fixture(scope="module")
+def libraries(tmp_path_factory: pytest.TempPathFactory) -> dict[tuple[str, Real], Library]:
+    """Return all models compiled in both precisions, which none of the flags has a word about."""
+    folder = tmp_path_factory.mktemp("c99")
+    return {(name, dtype): Library(name, dtype, folder) for name in MODELS for dtype in REAL}
+
+
+Libraries = dict[tuple[str, Real], Library]
+
+
+@both_precisions
+@every_call
+def test_agrees_with_the_paper(libraries: Libraries, name: str, function: str, dtype: Real) -> None:
+    """Every function is the paper's closed form to rounding, for any drive, in the hollow as elsewhere."""
+    library = libraries[name, dtype]
+    derivative = function in ("friction_torque_gradient", "friction_torque_jacobian")
+
+    @given(st.data())
+    def check(data: st.DataObject) -> None:
+        values = data.draw(strategies.parameters(name))
+        points = data.draw(strategies.states(values, dtype, moving=derivative, size=2 if derivative else 6))
+        arrays = strategies.arrays(points, dtype)
+        states = [arrays[one] for one in oracle.inputs(name, function)]
+        coefficients = library.coefficients(parameters(name, values))
+
+        actual = (
+            library.many(function, states, coefficients)
+            if states
+            else library.one(function, [], coefficients)
+        )
+
+        points = points if states else points[:1]
+        oracle.assert_agrees(actual, name, function, points, oracle.exact(values), labels(name, function))
+
+    check()
+
+
+@pytest.mark.parametrize("mu", paper.TABLE_1_POLYNOMIAL)
+def test_table_1(libraries: Libraries, mu: str) -> None:
+    """The polynomial of C1 with the paper's parameters is Table 1, to all printed digits, in both precisions."""
+    cls = module("c1_perpendicular").Parameters
+    values = cls(mu=float(paper.table_1(float, mu).mu))
+    for dtype in REAL:
+        library = libraries["c1_perpendicular", dtype]
+
+        actual = library.one("polynomial", [], library.coefficients(values))
+
+        assert [float(x) for x in paper.TABLE_1_POLYNOMIAL[mu]] == [float(f"{value:.4e}") for value in actual]
+
+
+@both_precisions
+@every_call
+def test_agrees_with_numpy(libraries: Libraries, name: str, function: str, dtype: Real) -> None:
+    """C and NumPy take the same steps, so that they give the same numbers but for a last digit.
+
+    A compiler may not contract a product and a sum (-std=c99), and both sides use correctly rounded operations
+    only; what may differ is the rounding of a constant of `prepare`.
+    """
+    library, values = libraries[name, dtype], with_inertia(name)
+    states = example_states(name, function, 1000, dtype)
+    coefficients = library.coefficients(values)
+
+    actual = (
+        library.many(function, states, coefficients) if states else library.one(function, [], coefficients)
+    )
+
+    expected = np.asarray(getattr(module(name), function)(*states, values))
+    largest = np.max(np.abs(expected), axis=tuple(range(len(states[:1]))), keepdims=True)
+    assert np.all(np.abs(actual - expected) <= 4 * np.finfo(dtype).eps * largest)
+
+
+@both_precisions
+@every_call_on_states
+def test_arrays_are_single_calls(libraries: Libraries, name: str, function: str, dtype: Real) -> None:
+    """The function of n samples gives the bits of n calls, and writes nothing for n = 0."""
+    library = libraries[name, dtype]
+    coefficients = library.coefficients(with_inertia(name))
+    states = example_states(name, function, 300, dtype)
+
+    many = library.many(function, states, coefficients)
+
+    one_by_one = [library.one(function, [x[k] for x in states], coefficients) for k in range(300)]
+    assert np.array_equal(np.array(one_by_one), many)
+    assert 0 == library.many(function, [x[:0] for x in states], coefficients).size
+
+
+@both_precisions
+@every_call_on_states
+def test_finite_inputs_give_numbers(libraries: Libraries, name: str, function: str, dtype: Real) -> None:
+    """No finite input, however small or large, makes a NaN."""
+    library = libraries[name, dtype]
+    coefficients = library.coefficients(with_inertia(name))
+
+    @given(st.data())
+    def check(data: st.DataObject) -> None:
+        samples = st.lists(strategies.finite(dtype), min_size=8, max_size=8)
+        states = [np.array(data.draw(samples), dtype) for _ in oracle.inputs(name, function)]
+        actual = library.many(function, states, coefficients)
+        assert not np.any(np.isnan(actual)), (states, actual)
+
+    check()
+
+
+@both_precisions
+@every_model
+def test_default_coefficients_are_the_prepared_ones(libraries: Libraries, name: str, dtype: Real) -> None:
+    """`default` is what `prepare` makes of `default_parameters`, to a rounding, and both are Table 1."""
+    library = libraries[name, dtype]
+    prepared = library.coefficients(module(name).Parameters())
+    constant = library.coefficients()
+    default_parameters = getattr(library.lib, f"{name}_default_parameters")
+
+    for field in dir(default_parameters):
+        value = getattr(module(name).Parameters(), field)
+        if value is not None:
+            assert value == getattr(default_parameters, field), field
+    for function in oracle.functions(name):
+        states = [np.array([0.0, 3.0, -40.0], dtype) for _ in oracle.inputs(name, function)]
+        states = [
+            x * 0 if one == "alpha_m" else x
+            for one, x in zip(oracle.inputs(name, function), states, strict=True)
+        ]
+        call = library.many if states else library.one
+        expected, actual = call(function, states, prepared), call(function, states, constant)
+        scale = np.max(np.abs(expected), initial=0.0)
+        assert np.all(np.abs(actual - expected) <= 4 * np.finfo(dtype).eps * scale), function
+
+
+@both_precisions
+@every_model
+def test_no_acceleration_asks_for_no_inertia(libraries: Libraries, name: str, dtype: Real) -> None:
+    """J_m and J_l are NaN by default: no matter without an acceleration, NaN with one."""
+    library = libraries[name, dtype]
+    for function in ("voltage", "current"):
+        states = [dtype(2.0) for _ in oracle.inputs(name, function)[:-1]]
+
+        assert np.isfinite(library.one(function, [*states, 0.0], library.coefficients()))
+        assert np.isnan(library.one(function, [*states, 1.0], library.coefficients()))
+
+
+@every_model
+def test_same_functions_as_numpy(libraries: Libraries, name: str) -> None:
+    """C and NumPy have the same functions, C those over arrays as well."""
+    public = {one for one in module(name).__all__ if one.islower()}
+    with_arrays = {f"{function}_n" for model, function in CALLED_ON_STATES if model == name}
+
+    assert set(oracle.functions(name)) == public
+    assert public | with_arrays | {"prepare"} == libraries[name, np.float64].names()
+
+
+@both_precisions
+@every_model
+def test_links_with_libm_only(tmp_path: Path, name: str, dtype: Real) -> None:
+    """An object file needs square root, absolute value and rounding, and keeps no data that can be written."""
+    object_file = tmp_path / f"{name}.o"
+    run("gcc", *FLAGS, f"-DECCENTRIC_REAL={REAL[dtype]}", "-c", "-o", object_file, GENERATED / f"{name}.c")
+    symbols = [line.split()[-2:] for line in run("nm", object_file).splitlines()]
+    undefined = {symbol for kind, symbol in symbols if kind == "U"} - {"_GLOBAL_OFFSET_TABLE_"}
+    defined = {(kind, symbol) for kind, symbol in symbols if kind != "U"}
+
+    assert undefined <= LIBM | (LIBM_OF_PREPARE if name == "rotating_link" else set())
+    assert {kind.upper() for kind, _ in defined} <= {"T", "R"}
+    assert all(symbol.startswith(f"{name}_") for kind, symbol in defined if kind.isupper())
+
+
+@every_model
+def test_header_of_another_derivation_is_refused(tmp_path: Path, name: str) -> None:
+    """A source does not compile with a header that another program wrote."""
+    header = (GENERATED / f"{name}.h").read_text()
+    (tmp_path / f"{name}.c").write_text((GENERATED / f"{name}.c").read_text())
+    (tmp_path / f"{name}.h").write_text(re.sub(r"(_PROGRAM )0x\w+", r"\g<1>0x0UL", header))
+
+    command = ["gcc", *FLAGS, "-fsyntax-only", str(tmp_path / f"{name}.c")]
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+
+    assert done.returncode != 0
+    assert "#error" in done.stderr
+
+
+@every_model
+def test_header_is_cpp(tmp_path: Path, name: str) -> None:
+    """The header includes from C++ and keeps C linkage."""
+    source = tmp_path / "user.cpp"
+    source.write_text(f'#include "{name}.h"\ntypedef {name}_coefficients user;\n')
+    if subprocess.run(["which", "g++"], capture_output=True, check=False).returncode:
+        pytest.skip("g++ is not installed")
+    run("g++", "-Wall", "-Wextra", "-Werror", "-fsyntax-only", f"-I{GENERATED}", source)
+    assert 'extern "C"' in run("g++", "-E", f"-I{GENERATED}", source)
