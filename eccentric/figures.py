@@ -87,12 +87,15 @@ def _figure_4() -> Figure:
     surface.plot_surface(theta_l, omega_l, torque, cmap="viridis", rstride=3, cstride=3, linewidth=0.2, edgecolor="0.4")
     surface.plot([math.pi] * 2, [critical] * 2, [lowest, torque.max()], color=_RED, linewidth=1.5, zorder=10)
     surface.set(xlabel="link angle θ_l [rad]", ylabel="link velocity ω_l [rad/s]", zlabel="F [N m]")
+    surface.set_box_aspect(None, zoom=0.85)
     surface.view_init(elev=28, azim=-128)
     level = figure.add_subplot(1, 2, 2)
-    contours = level.contourf(theta_l, omega_l, torque, levels=24, cmap="viridis")
-    figure.colorbar(contours, ax=level, label="friction torque F [N m]")
+    # Levels crowd towards the minimum, or the hollow would be one flat patch.
+    levels = lowest + (torque.max() - lowest) * np.linspace(0, 1, 25) ** 2
+    contours = level.contourf(theta_l, omega_l, torque, levels=levels, norm="log", cmap="viridis")
+    figure.colorbar(contours, ax=level, label="friction torque F [N m]", format="%.2f")
     level.plot(math.pi, critical, marker="x", color=_RED, markersize=10, markeredgewidth=2)
-    level.annotate(f"hollow: {lowest:.4f} N m at\n({critical:.2f} rad/s, π)", (math.pi, critical), (3.5, 1.2), color="white")
+    level.annotate(f"hollow: {lowest:.4f} N m at\n({critical:.2f} rad/s, π)", (math.pi, critical), (3.6, 7.9), color="white")
     level.set(xlabel="link angle θ_l [rad]", ylabel="link velocity ω_l [rad/s]")
     figure.suptitle("Figure 4. C2: friction torque F (18), μ = 1/5, k_e = 0.20 V s/rev")
     return figure
@@ -110,7 +113,7 @@ def _figure_5() -> Figure:
         left.plot(omega_l, c2.friction_torque(*state), color=colour, label=f"θ_l = {label}")
         right.plot(omega_l, c2.normal_force(*state), color=colour, label=f"θ_l = {label}")
     critical = math.sqrt(parameters.g * (parameters.M + parameters.M_l) / (parameters.M * parameters.L))
-    right.annotate(f"{critical:.2f} rad/s", (critical, 0), (critical + 1, 12), arrowprops={"arrowstyle": "->"})
+    right.annotate(f"{critical:.2f} rad/s, π", (critical, 0), (critical - 1, -2.2), arrowprops={"arrowstyle": "->"})
     left.set(xlabel="link velocity ω_l [rad/s]", ylabel="friction torque F [N m]")
     right.set(xlabel="link velocity ω_l [rad/s]", ylabel="normal force F_N [N]", ylim=(-3, None))
     left.legend()

@@ -22,10 +22,8 @@ def whole_file(path: str | os.PathLike[str]) -> Iterator[Path]:
     The temporary file has the target's own name, so that a suffix (`.csv.gz`, `.svg`) means what it says.
     Missing parent folders are made. After any exception, an interrupt included, `path` is what it was.
 
-    Raises
-    ------
-    InputError
-        `path` is there and is not a regular file, or its folder cannot be written.
+    Raises:
+        InputError: `path` is there and is not a regular file, or its folder cannot be written.
     """
     target = Path(path).resolve()
     if target.exists() and not target.is_file():
@@ -44,11 +42,9 @@ def whole_folder(path: str | os.PathLike[str]) -> Iterator[Path]:
     the ones it does not write again, and keeps files that someone else has added.
     After any exception, an interrupt included, `path` is what it was.
 
-    Raises
-    ------
-    InputError
-        `path` is a file; or a folder that holds files and no `.eccentric`; or holds an added file of the
-        same name as a new one; or is the working directory or above it; or its parent cannot be written.
+    Raises:
+        InputError: `path` is a file; or a folder that holds files and no `.eccentric`; or holds an added file
+            of the same name as a new one; or is the working directory or above it; or cannot be written.
     """
     target = Path(path).resolve()
     if target.exists() and not target.is_dir():

@@ -10,20 +10,14 @@ __all__ = ["folder"]
 def folder(name: str) -> Path:
     """Return the folder of the scripts or templates that belong to this copy of the package.
 
-    Parameters
-    ----------
-    name : str
-        `derivations` or `templates`.
+    Args:
+        name: `derivations` or `templates`.
 
-    Returns
-    -------
-    Path
+    Returns:
         The folder in the package (an installed wheel), else the one beside it (a clone).
 
-    Raises
-    ------
-    InputError
-        Neither is there: the installation is incomplete.
+    Raises:
+        InputError: neither is there, the installation is incomplete.
     """
     package = Path(__file__).resolve().parent
     inside, beside = package / name, package.parent / name

@@ -1,13 +1,13 @@
 /*
  * Generated: do not edit. Written by `make derive` from derivations/c2_asymmetric.py
- * (eccentric 0.1.0, program c1a46ba5). Case C2 with friction that differs between the directions of motion.
+ * (eccentric 0.1.0, program 2410153b). Case C2 with friction that differs between the directions of motion.
  */
 #include "c2_asymmetric.h"
 
 #include <float.h>
 #include <math.h>
 
-#if C2_ASYMMETRIC_PROGRAM != 0xc1a46ba5UL
+#if C2_ASYMMETRIC_PROGRAM != 0x2410153bUL
 #error "c2_asymmetric.c and c2_asymmetric.h are of different derivations: write both again with make derive"
 #endif
 
@@ -109,12 +109,12 @@ const c2_asymmetric_coefficients c2_asymmetric_default = {
     (real)(74.1188235), /* twice_omega_star */
     (real)(37.0594101), /* omega_star_1 */
     (real)(1.66482255e-6), /* omega_star_2 */
-    (real)(15.7079633), /* half_period */
     (real)(15.7109375), /* half_period_1 */
     (real)(-0.00297355652), /* half_period_2 */
     (real)(-6.75532476e-7), /* half_period_3 */
     (real)(0.0318309886), /* turns_per_rad */
     (real)(0.1), /* half_mu */
+    (real)(31.4159265), /* period */
     (real)(1.6e-4), /* B_lN_pos_mu2 */
     (real)(1.6e-4), /* B_lN_neg_mu2 */
     (real)(0.004), /* k_e_k_i_per_R */
@@ -162,12 +162,12 @@ const c2_asymmetric_coefficients c2_asymmetric_default = {
     74.118823520074845, /* twice_omega_star */
     37.05941176003742, /* omega_star_1 */
     1.9391227281942644e-15, /* omega_star_2 */
-    15.707963267948966, /* half_period */
     15.707963267341256, /* half_period_1 */
     6.0771005068460671e-10, /* half_period_2 */
     -3.3987446136315715e-20, /* half_period_3 */
     0.031830988618379067, /* turns_per_rad */
     0.1, /* half_mu */
+    31.415926535897932, /* period */
     1.6e-4, /* B_lN_pos_mu2 */
     1.6e-4, /* B_lN_neg_mu2 */
     0.004, /* k_e_k_i_per_R */
@@ -218,6 +218,7 @@ void c2_asymmetric_prepare(const c2_asymmetric_parameters *p, c2_asymmetric_coef
     const double half_period_3 = (double)(real)(half_period - half_period_1 - half_period_2);
     const double turns_per_rad = 0.5 * p->mu / 3.1415926535897932;
     const double half_mu = 0.5 * p->mu;
+    const double period = 2.0 * 3.1415926535897932 / p->mu;
     const double B_lN_pos_mu2 = p->B_lN_pos * p->mu * p->mu;
     const double B_lN_neg_mu2 = p->B_lN_neg * p->mu * p->mu;
     const double k_e_k_i_per_R = p->k_e * p->k_i / p->R;
@@ -264,12 +265,12 @@ void c2_asymmetric_prepare(const c2_asymmetric_parameters *p, c2_asymmetric_coef
     c->twice_omega_star = (real)(twice_omega_star);
     c->omega_star_1 = (real)(omega_star_1);
     c->omega_star_2 = (real)(omega_star_2);
-    c->half_period = (real)(half_period);
     c->half_period_1 = (real)(half_period_1);
     c->half_period_2 = (real)(half_period_2);
     c->half_period_3 = (real)(half_period_3);
     c->turns_per_rad = (real)(turns_per_rad);
     c->half_mu = (real)(half_mu);
+    c->period = (real)(period);
     c->B_lN_pos_mu2 = (real)(B_lN_pos_mu2);
     c->B_lN_neg_mu2 = (real)(B_lN_neg_mu2);
     c->k_e_k_i_per_R = (real)(k_e_k_i_per_R);
@@ -312,7 +313,7 @@ ECCENTRIC_REAL c2_asymmetric_normal_force(
     const real square_difference = (speed - c->omega_star_1 - c->omega_star_2) * (speed + c->omega_star_1);
     const real halves = REAL(2.0) * REAL_FLOOR(theta_m * c->turns_per_rad) + REAL(1.0);
     const real from_top = theta_m - halves * c->half_period_1 - halves * c->half_period_2 - halves * c->half_period_3;
-    const real bounded = ((REAL_FABS(from_top) <= c->half_period) ? from_top : theta_m - theta_m);
+    const real bounded = ((REAL_FABS(from_top) <= c->period) ? from_top : theta_m - theta_m);
     const real half_angle = bounded * c->half_mu;
     const real half_angle_squared = half_angle * half_angle;
     const real half_cosine = half_angle * sine_series(half_angle_squared);
@@ -344,7 +345,7 @@ ECCENTRIC_REAL c2_asymmetric_friction_torque(
     const real square_difference = (speed - c->omega_star_1 - c->omega_star_2) * (speed + c->omega_star_1);
     const real halves = REAL(2.0) * REAL_FLOOR(theta_m * c->turns_per_rad) + REAL(1.0);
     const real from_top = theta_m - halves * c->half_period_1 - halves * c->half_period_2 - halves * c->half_period_3;
-    const real bounded = ((REAL_FABS(from_top) <= c->half_period) ? from_top : theta_m - theta_m);
+    const real bounded = ((REAL_FABS(from_top) <= c->period) ? from_top : theta_m - theta_m);
     const real half_angle = bounded * c->half_mu;
     const real half_angle_squared = half_angle * half_angle;
     const real half_cosine = half_angle * sine_series(half_angle_squared);
@@ -384,7 +385,7 @@ ECCENTRIC_REAL c2_asymmetric_mechanical_friction_torque(
     const real square_difference = (speed - c->omega_star_1 - c->omega_star_2) * (speed + c->omega_star_1);
     const real halves = REAL(2.0) * REAL_FLOOR(theta_m * c->turns_per_rad) + REAL(1.0);
     const real from_top = theta_m - halves * c->half_period_1 - halves * c->half_period_2 - halves * c->half_period_3;
-    const real bounded = ((REAL_FABS(from_top) <= c->half_period) ? from_top : theta_m - theta_m);
+    const real bounded = ((REAL_FABS(from_top) <= c->period) ? from_top : theta_m - theta_m);
     const real half_angle = bounded * c->half_mu;
     const real half_angle_squared = half_angle * half_angle;
     const real half_cosine = half_angle * sine_series(half_angle_squared);
@@ -426,7 +427,7 @@ void c2_asymmetric_friction_torque_gradient(
     const real square_difference = (speed - c->omega_star_1 - c->omega_star_2) * (speed + c->omega_star_1);
     const real halves = REAL(2.0) * REAL_FLOOR(theta_m * c->turns_per_rad) + REAL(1.0);
     const real from_top = theta_m - halves * c->half_period_1 - halves * c->half_period_2 - halves * c->half_period_3;
-    const real bounded = ((REAL_FABS(from_top) <= c->half_period) ? from_top : theta_m - theta_m);
+    const real bounded = ((REAL_FABS(from_top) <= c->period) ? from_top : theta_m - theta_m);
     const real half_angle = bounded * c->half_mu;
     const real half_angle_squared = half_angle * half_angle;
     const real half_cosine = half_angle * sine_series(half_angle_squared);
@@ -483,7 +484,7 @@ void c2_asymmetric_friction_torque_jacobian(
     const real square_difference = (speed - c->omega_star_1 - c->omega_star_2) * (speed + c->omega_star_1);
     const real halves = REAL(2.0) * REAL_FLOOR(theta_m * c->turns_per_rad) + REAL(1.0);
     const real from_top = theta_m - halves * c->half_period_1 - halves * c->half_period_2 - halves * c->half_period_3;
-    const real bounded = ((REAL_FABS(from_top) <= c->half_period) ? from_top : theta_m - theta_m);
+    const real bounded = ((REAL_FABS(from_top) <= c->period) ? from_top : theta_m - theta_m);
     const real half_angle = bounded * c->half_mu;
     const real half_angle_squared = half_angle * half_angle;
     const real half_cosine = half_angle * sine_series(half_angle_squared);
@@ -528,7 +529,7 @@ void c2_asymmetric_regressor(
     const real square_difference = (speed - c->omega_star_1 - c->omega_star_2) * (speed + c->omega_star_1);
     const real halves = REAL(2.0) * REAL_FLOOR(theta_m * c->turns_per_rad) + REAL(1.0);
     const real from_top = theta_m - halves * c->half_period_1 - halves * c->half_period_2 - halves * c->half_period_3;
-    const real bounded = ((REAL_FABS(from_top) <= c->half_period) ? from_top : theta_m - theta_m);
+    const real bounded = ((REAL_FABS(from_top) <= c->period) ? from_top : theta_m - theta_m);
     const real half_angle = bounded * c->half_mu;
     const real half_angle_squared = half_angle * half_angle;
     const real half_cosine = half_angle * sine_series(half_angle_squared);
@@ -585,7 +586,7 @@ ECCENTRIC_REAL c2_asymmetric_gravity_torque(ECCENTRIC_REAL theta_m, const c2_asy
 {
     const real halves = REAL(2.0) * REAL_FLOOR(theta_m * c->turns_per_rad) + REAL(1.0);
     const real from_top = theta_m - halves * c->half_period_1 - halves * c->half_period_2 - halves * c->half_period_3;
-    const real bounded = ((REAL_FABS(from_top) <= c->half_period) ? from_top : theta_m - theta_m);
+    const real bounded = ((REAL_FABS(from_top) <= c->period) ? from_top : theta_m - theta_m);
     const real half_angle = bounded * c->half_mu;
     const real half_angle_squared = half_angle * half_angle;
     const real half_cosine = half_angle * sine_series(half_angle_squared);
@@ -614,7 +615,7 @@ ECCENTRIC_REAL c2_asymmetric_voltage(
     const real square_difference = (speed - c->omega_star_1 - c->omega_star_2) * (speed + c->omega_star_1);
     const real halves = REAL(2.0) * REAL_FLOOR(theta_m * c->turns_per_rad) + REAL(1.0);
     const real from_top = theta_m - halves * c->half_period_1 - halves * c->half_period_2 - halves * c->half_period_3;
-    const real bounded = ((REAL_FABS(from_top) <= c->half_period) ? from_top : theta_m - theta_m);
+    const real bounded = ((REAL_FABS(from_top) <= c->period) ? from_top : theta_m - theta_m);
     const real half_angle = bounded * c->half_mu;
     const real half_angle_squared = half_angle * half_angle;
     const real half_cosine = half_angle * sine_series(half_angle_squared);
@@ -662,7 +663,7 @@ ECCENTRIC_REAL c2_asymmetric_current(
     const real square_difference = (speed - c->omega_star_1 - c->omega_star_2) * (speed + c->omega_star_1);
     const real halves = REAL(2.0) * REAL_FLOOR(theta_m * c->turns_per_rad) + REAL(1.0);
     const real from_top = theta_m - halves * c->half_period_1 - halves * c->half_period_2 - halves * c->half_period_3;
-    const real bounded = ((REAL_FABS(from_top) <= c->half_period) ? from_top : theta_m - theta_m);
+    const real bounded = ((REAL_FABS(from_top) <= c->period) ? from_top : theta_m - theta_m);
     const real half_angle = bounded * c->half_mu;
     const real half_angle_squared = half_angle * half_angle;
     const real half_cosine = half_angle * sine_series(half_angle_squared);

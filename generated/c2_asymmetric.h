@@ -1,6 +1,6 @@
 /*
  * Generated: do not edit. Written by `make derive` from derivations/c2_asymmetric.py
- * (eccentric 0.1.0, program c1a46ba5). Case C2 with friction that differs between the directions of motion.
+ * (eccentric 0.1.0, program 2410153b). Case C2 with friction that differs between the directions of motion.
  */
 #ifndef C2_ASYMMETRIC_H
 #define C2_ASYMMETRIC_H
@@ -8,7 +8,7 @@
 #include <stddef.h>
 
 /* C2_ASYMMETRIC_PROGRAM names the derivation that header and source come from; the source checks it. */
-#define C2_ASYMMETRIC_PROGRAM 0xc1a46ba5UL
+#define C2_ASYMMETRIC_PROGRAM 0x2410153bUL
 
 /* The working precision: float or double. Compile all files with the same one. */
 #ifndef ECCENTRIC_REAL
@@ -58,12 +58,12 @@ typedef struct {
     ECCENTRIC_REAL twice_omega_star;
     ECCENTRIC_REAL omega_star_1;
     ECCENTRIC_REAL omega_star_2;
-    ECCENTRIC_REAL half_period;
     ECCENTRIC_REAL half_period_1;
     ECCENTRIC_REAL half_period_2;
     ECCENTRIC_REAL half_period_3;
     ECCENTRIC_REAL turns_per_rad;
     ECCENTRIC_REAL half_mu;
+    ECCENTRIC_REAL period;
     ECCENTRIC_REAL B_lN_pos_mu2;
     ECCENTRIC_REAL B_lN_neg_mu2;
     ECCENTRIC_REAL k_e_k_i_per_R;

@@ -1,5 +1,5 @@
 # Generated: do not edit. Written by `make derive` from derivations/c2_asymmetric.py
-# (eccentric 0.1.0, program c1a46ba5). Case C2 with friction that differs between the directions of motion.
+# (eccentric 0.1.0, program 2410153b). Case C2 with friction that differs between the directions of motion.
 """Case C2 with friction that differs between the directions of motion.
 
 Inputs are on the motor side, in SI units; they broadcast, float32 stays float32, and `out` is honoured.
@@ -155,12 +155,12 @@ class _Coefficients(NamedTuple):
     twice_omega_star: Any
     omega_star_1: Any
     omega_star_2: Any
-    half_period: Any
     half_period_1: Any
     half_period_2: Any
     half_period_3: Any
     turns_per_rad: Any
     half_mu: Any
+    period: Any
     B_lN_pos_mu2: Any
     B_lN_neg_mu2: Any
     k_e_k_i_per_R: Any
@@ -219,6 +219,7 @@ def _prepare(p: Parameters, real: _Real) -> _Coefficients:
     half_period_3 = float(real(half_period - half_period_1 - half_period_2))
     turns_per_rad = 0.5 * p.mu / 3.1415926535897932
     half_mu = 0.5 * p.mu
+    period = 2.0 * 3.1415926535897932 / p.mu
     B_lN_pos_mu2 = p.B_lN_pos * p.mu * p.mu
     B_lN_neg_mu2 = p.B_lN_neg * p.mu * p.mu
     k_e_k_i_per_R = p.k_e * p.k_i / p.R
@@ -267,12 +268,12 @@ def _prepare(p: Parameters, real: _Real) -> _Coefficients:
             twice_omega_star=real(twice_omega_star),
             omega_star_1=real(omega_star_1),
             omega_star_2=real(omega_star_2),
-            half_period=real(half_period),
             half_period_1=real(half_period_1),
             half_period_2=real(half_period_2),
             half_period_3=real(half_period_3),
             turns_per_rad=real(turns_per_rad),
             half_mu=real(half_mu),
+            period=real(period),
             B_lN_pos_mu2=real(B_lN_pos_mu2),
             B_lN_neg_mu2=real(B_lN_neg_mu2),
             k_e_k_i_per_R=real(k_e_k_i_per_R),
@@ -426,7 +427,7 @@ def _normal_force(
     square_difference = (speed - c.omega_star_1 - c.omega_star_2) * (speed + c.omega_star_1)
     halves = 2.0 * np.floor(theta_m * c.turns_per_rad) + 1.0
     from_top = theta_m - halves * c.half_period_1 - halves * c.half_period_2 - halves * c.half_period_3
-    bounded = np.where(np.abs(from_top) <= c.half_period, from_top, theta_m - theta_m)
+    bounded = np.where(np.abs(from_top) <= c.period, from_top, theta_m - theta_m)
     half_angle = bounded * c.half_mu
     half_angle_squared = half_angle * half_angle
     half_cosine = half_angle * _sine_series(half_angle_squared)
@@ -461,7 +462,7 @@ def _friction_torque(
     square_difference = (speed - c.omega_star_1 - c.omega_star_2) * (speed + c.omega_star_1)
     halves = 2.0 * np.floor(theta_m * c.turns_per_rad) + 1.0
     from_top = theta_m - halves * c.half_period_1 - halves * c.half_period_2 - halves * c.half_period_3
-    bounded = np.where(np.abs(from_top) <= c.half_period, from_top, theta_m - theta_m)
+    bounded = np.where(np.abs(from_top) <= c.period, from_top, theta_m - theta_m)
     half_angle = bounded * c.half_mu
     half_angle_squared = half_angle * half_angle
     half_cosine = half_angle * _sine_series(half_angle_squared)
@@ -506,7 +507,7 @@ def _mechanical_friction_torque(
     square_difference = (speed - c.omega_star_1 - c.omega_star_2) * (speed + c.omega_star_1)
     halves = 2.0 * np.floor(theta_m * c.turns_per_rad) + 1.0
     from_top = theta_m - halves * c.half_period_1 - halves * c.half_period_2 - halves * c.half_period_3
-    bounded = np.where(np.abs(from_top) <= c.half_period, from_top, theta_m - theta_m)
+    bounded = np.where(np.abs(from_top) <= c.period, from_top, theta_m - theta_m)
     half_angle = bounded * c.half_mu
     half_angle_squared = half_angle * half_angle
     half_cosine = half_angle * _sine_series(half_angle_squared)
@@ -552,7 +553,7 @@ def _friction_torque_gradient(
     square_difference = (speed - c.omega_star_1 - c.omega_star_2) * (speed + c.omega_star_1)
     halves = 2.0 * np.floor(theta_m * c.turns_per_rad) + 1.0
     from_top = theta_m - halves * c.half_period_1 - halves * c.half_period_2 - halves * c.half_period_3
-    bounded = np.where(np.abs(from_top) <= c.half_period, from_top, theta_m - theta_m)
+    bounded = np.where(np.abs(from_top) <= c.period, from_top, theta_m - theta_m)
     half_angle = bounded * c.half_mu
     half_angle_squared = half_angle * half_angle
     half_cosine = half_angle * _sine_series(half_angle_squared)
@@ -613,7 +614,7 @@ def _friction_torque_jacobian(
     square_difference = (speed - c.omega_star_1 - c.omega_star_2) * (speed + c.omega_star_1)
     halves = 2.0 * np.floor(theta_m * c.turns_per_rad) + 1.0
     from_top = theta_m - halves * c.half_period_1 - halves * c.half_period_2 - halves * c.half_period_3
-    bounded = np.where(np.abs(from_top) <= c.half_period, from_top, theta_m - theta_m)
+    bounded = np.where(np.abs(from_top) <= c.period, from_top, theta_m - theta_m)
     half_angle = bounded * c.half_mu
     half_angle_squared = half_angle * half_angle
     half_cosine = half_angle * _sine_series(half_angle_squared)
@@ -671,7 +672,7 @@ def _regressor(
     square_difference = (speed - c.omega_star_1 - c.omega_star_2) * (speed + c.omega_star_1)
     halves = 2.0 * np.floor(theta_m * c.turns_per_rad) + 1.0
     from_top = theta_m - halves * c.half_period_1 - halves * c.half_period_2 - halves * c.half_period_3
-    bounded = np.where(np.abs(from_top) <= c.half_period, from_top, theta_m - theta_m)
+    bounded = np.where(np.abs(from_top) <= c.period, from_top, theta_m - theta_m)
     half_angle = bounded * c.half_mu
     half_angle_squared = half_angle * half_angle
     half_cosine = half_angle * _sine_series(half_angle_squared)
@@ -776,7 +777,7 @@ def _gravity_torque(
 ) -> tuple[Any, ...]:
     halves = 2.0 * np.floor(theta_m * c.turns_per_rad) + 1.0
     from_top = theta_m - halves * c.half_period_1 - halves * c.half_period_2 - halves * c.half_period_3
-    bounded = np.where(np.abs(from_top) <= c.half_period, from_top, theta_m - theta_m)
+    bounded = np.where(np.abs(from_top) <= c.period, from_top, theta_m - theta_m)
     half_angle = bounded * c.half_mu
     half_angle_squared = half_angle * half_angle
     half_cosine = half_angle * _sine_series(half_angle_squared)
@@ -807,7 +808,7 @@ def _voltage(
     square_difference = (speed - c.omega_star_1 - c.omega_star_2) * (speed + c.omega_star_1)
     halves = 2.0 * np.floor(theta_m * c.turns_per_rad) + 1.0
     from_top = theta_m - halves * c.half_period_1 - halves * c.half_period_2 - halves * c.half_period_3
-    bounded = np.where(np.abs(from_top) <= c.half_period, from_top, theta_m - theta_m)
+    bounded = np.where(np.abs(from_top) <= c.period, from_top, theta_m - theta_m)
     half_angle = bounded * c.half_mu
     half_angle_squared = half_angle * half_angle
     half_cosine = half_angle * _sine_series(half_angle_squared)
@@ -860,7 +861,7 @@ def _current(
     square_difference = (speed - c.omega_star_1 - c.omega_star_2) * (speed + c.omega_star_1)
     halves = 2.0 * np.floor(theta_m * c.turns_per_rad) + 1.0
     from_top = theta_m - halves * c.half_period_1 - halves * c.half_period_2 - halves * c.half_period_3
-    bounded = np.where(np.abs(from_top) <= c.half_period, from_top, theta_m - theta_m)
+    bounded = np.where(np.abs(from_top) <= c.period, from_top, theta_m - theta_m)
     half_angle = bounded * c.half_mu
     half_angle_squared = half_angle * half_angle
     half_cosine = half_angle * _sine_series(half_angle_squared)

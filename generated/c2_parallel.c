@@ -1,13 +1,13 @@
 /*
  * Generated: do not edit. Written by `make derive` from derivations/c2_parallel.py
- * (eccentric 0.1.0, program 2beb3041). Case C2: gravity parallel to the motion plane, steady motion.
+ * (eccentric 0.1.0, program 0d1a6a38). Case C2: gravity parallel to the motion plane, steady motion.
  */
 #include "c2_parallel.h"
 
 #include <float.h>
 #include <math.h>
 
-#if C2_PARALLEL_PROGRAM != 0x2beb3041UL
+#if C2_PARALLEL_PROGRAM != 0x0d1a6a38UL
 #error "c2_parallel.c and c2_parallel.h are of different derivations: write both again with make derive"
 #endif
 
@@ -95,12 +95,12 @@ const c2_parallel_coefficients c2_parallel_default = {
     (real)(74.1188235), /* twice_omega_star */
     (real)(37.0594101), /* omega_star_1 */
     (real)(1.66482255e-6), /* omega_star_2 */
-    (real)(15.7079633), /* half_period */
     (real)(15.7109375), /* half_period_1 */
     (real)(-0.00297355652), /* half_period_2 */
     (real)(-6.75532476e-7), /* half_period_3 */
     (real)(0.0318309886), /* turns_per_rad */
     (real)(0.1), /* half_mu */
+    (real)(31.4159265), /* period */
     (real)(1.6e-4), /* B_lN_mu2 */
     (real)(0.0044), /* B_m_plus_k_e_k_i_per_R */
     (real)(0.016), /* C_lN_mu */
@@ -132,12 +132,12 @@ const c2_parallel_coefficients c2_parallel_default = {
     74.118823520074845, /* twice_omega_star */
     37.05941176003742, /* omega_star_1 */
     1.9391227281942644e-15, /* omega_star_2 */
-    15.707963267948966, /* half_period */
     15.707963267341256, /* half_period_1 */
     6.0771005068460671e-10, /* half_period_2 */
     -3.3987446136315715e-20, /* half_period_3 */
     0.031830988618379067, /* turns_per_rad */
     0.1, /* half_mu */
+    31.415926535897932, /* period */
     1.6e-4, /* B_lN_mu2 */
     0.0044, /* B_m_plus_k_e_k_i_per_R */
     0.016, /* C_lN_mu */
@@ -177,6 +177,7 @@ void c2_parallel_prepare(const c2_parallel_parameters *p, c2_parallel_coefficien
     const double half_period_3 = (double)(real)(half_period - half_period_1 - half_period_2);
     const double turns_per_rad = 0.5 * p->mu / 3.1415926535897932;
     const double half_mu = 0.5 * p->mu;
+    const double period = 2.0 * 3.1415926535897932 / p->mu;
     const double B_lN_mu2 = p->B_lN * p->mu * p->mu;
     const double B_m_plus_k_e_k_i_per_R = p->B_m + p->k_e * p->k_i / p->R;
     const double C_lN_mu = p->C_lN * p->mu;
@@ -207,12 +208,12 @@ void c2_parallel_prepare(const c2_parallel_parameters *p, c2_parallel_coefficien
     c->twice_omega_star = (real)(twice_omega_star);
     c->omega_star_1 = (real)(omega_star_1);
     c->omega_star_2 = (real)(omega_star_2);
-    c->half_period = (real)(half_period);
     c->half_period_1 = (real)(half_period_1);
     c->half_period_2 = (real)(half_period_2);
     c->half_period_3 = (real)(half_period_3);
     c->turns_per_rad = (real)(turns_per_rad);
     c->half_mu = (real)(half_mu);
+    c->period = (real)(period);
     c->B_lN_mu2 = (real)(B_lN_mu2);
     c->B_m_plus_k_e_k_i_per_R = (real)(B_m_plus_k_e_k_i_per_R);
     c->C_lN_mu = (real)(C_lN_mu);
@@ -244,7 +245,7 @@ ECCENTRIC_REAL c2_parallel_normal_force(
     const real square_difference = (speed - c->omega_star_1 - c->omega_star_2) * (speed + c->omega_star_1);
     const real halves = REAL(2.0) * REAL_FLOOR(theta_m * c->turns_per_rad) + REAL(1.0);
     const real from_top = theta_m - halves * c->half_period_1 - halves * c->half_period_2 - halves * c->half_period_3;
-    const real bounded = ((REAL_FABS(from_top) <= c->half_period) ? from_top : theta_m - theta_m);
+    const real bounded = ((REAL_FABS(from_top) <= c->period) ? from_top : theta_m - theta_m);
     const real half_angle = bounded * c->half_mu;
     const real half_angle_squared = half_angle * half_angle;
     const real half_cosine = half_angle * sine_series(half_angle_squared);
@@ -276,7 +277,7 @@ ECCENTRIC_REAL c2_parallel_friction_torque(
     const real square_difference = (speed - c->omega_star_1 - c->omega_star_2) * (speed + c->omega_star_1);
     const real halves = REAL(2.0) * REAL_FLOOR(theta_m * c->turns_per_rad) + REAL(1.0);
     const real from_top = theta_m - halves * c->half_period_1 - halves * c->half_period_2 - halves * c->half_period_3;
-    const real bounded = ((REAL_FABS(from_top) <= c->half_period) ? from_top : theta_m - theta_m);
+    const real bounded = ((REAL_FABS(from_top) <= c->period) ? from_top : theta_m - theta_m);
     const real half_angle = bounded * c->half_mu;
     const real half_angle_squared = half_angle * half_angle;
     const real half_cosine = half_angle * sine_series(half_angle_squared);
@@ -310,7 +311,7 @@ ECCENTRIC_REAL c2_parallel_mechanical_friction_torque(
     const real square_difference = (speed - c->omega_star_1 - c->omega_star_2) * (speed + c->omega_star_1);
     const real halves = REAL(2.0) * REAL_FLOOR(theta_m * c->turns_per_rad) + REAL(1.0);
     const real from_top = theta_m - halves * c->half_period_1 - halves * c->half_period_2 - halves * c->half_period_3;
-    const real bounded = ((REAL_FABS(from_top) <= c->half_period) ? from_top : theta_m - theta_m);
+    const real bounded = ((REAL_FABS(from_top) <= c->period) ? from_top : theta_m - theta_m);
     const real half_angle = bounded * c->half_mu;
     const real half_angle_squared = half_angle * half_angle;
     const real half_cosine = half_angle * sine_series(half_angle_squared);
@@ -347,7 +348,7 @@ void c2_parallel_friction_torque_gradient(
     const real square_difference = (speed - c->omega_star_1 - c->omega_star_2) * (speed + c->omega_star_1);
     const real halves = REAL(2.0) * REAL_FLOOR(theta_m * c->turns_per_rad) + REAL(1.0);
     const real from_top = theta_m - halves * c->half_period_1 - halves * c->half_period_2 - halves * c->half_period_3;
-    const real bounded = ((REAL_FABS(from_top) <= c->half_period) ? from_top : theta_m - theta_m);
+    const real bounded = ((REAL_FABS(from_top) <= c->period) ? from_top : theta_m - theta_m);
     const real half_angle = bounded * c->half_mu;
     const real half_angle_squared = half_angle * half_angle;
     const real half_cosine = half_angle * sine_series(half_angle_squared);
@@ -398,7 +399,7 @@ void c2_parallel_friction_torque_jacobian(
     const real square_difference = (speed - c->omega_star_1 - c->omega_star_2) * (speed + c->omega_star_1);
     const real halves = REAL(2.0) * REAL_FLOOR(theta_m * c->turns_per_rad) + REAL(1.0);
     const real from_top = theta_m - halves * c->half_period_1 - halves * c->half_period_2 - halves * c->half_period_3;
-    const real bounded = ((REAL_FABS(from_top) <= c->half_period) ? from_top : theta_m - theta_m);
+    const real bounded = ((REAL_FABS(from_top) <= c->period) ? from_top : theta_m - theta_m);
     const real half_angle = bounded * c->half_mu;
     const real half_angle_squared = half_angle * half_angle;
     const real half_cosine = half_angle * sine_series(half_angle_squared);
@@ -435,7 +436,7 @@ void c2_parallel_regressor(
     const real square_difference = (speed - c->omega_star_1 - c->omega_star_2) * (speed + c->omega_star_1);
     const real halves = REAL(2.0) * REAL_FLOOR(theta_m * c->turns_per_rad) + REAL(1.0);
     const real from_top = theta_m - halves * c->half_period_1 - halves * c->half_period_2 - halves * c->half_period_3;
-    const real bounded = ((REAL_FABS(from_top) <= c->half_period) ? from_top : theta_m - theta_m);
+    const real bounded = ((REAL_FABS(from_top) <= c->period) ? from_top : theta_m - theta_m);
     const real half_angle = bounded * c->half_mu;
     const real half_angle_squared = half_angle * half_angle;
     const real half_cosine = half_angle * sine_series(half_angle_squared);
@@ -479,7 +480,7 @@ ECCENTRIC_REAL c2_parallel_gravity_torque(ECCENTRIC_REAL theta_m, const c2_paral
 {
     const real halves = REAL(2.0) * REAL_FLOOR(theta_m * c->turns_per_rad) + REAL(1.0);
     const real from_top = theta_m - halves * c->half_period_1 - halves * c->half_period_2 - halves * c->half_period_3;
-    const real bounded = ((REAL_FABS(from_top) <= c->half_period) ? from_top : theta_m - theta_m);
+    const real bounded = ((REAL_FABS(from_top) <= c->period) ? from_top : theta_m - theta_m);
     const real half_angle = bounded * c->half_mu;
     const real half_angle_squared = half_angle * half_angle;
     const real half_cosine = half_angle * sine_series(half_angle_squared);
@@ -508,7 +509,7 @@ ECCENTRIC_REAL c2_parallel_voltage(
     const real square_difference = (speed - c->omega_star_1 - c->omega_star_2) * (speed + c->omega_star_1);
     const real halves = REAL(2.0) * REAL_FLOOR(theta_m * c->turns_per_rad) + REAL(1.0);
     const real from_top = theta_m - halves * c->half_period_1 - halves * c->half_period_2 - halves * c->half_period_3;
-    const real bounded = ((REAL_FABS(from_top) <= c->half_period) ? from_top : theta_m - theta_m);
+    const real bounded = ((REAL_FABS(from_top) <= c->period) ? from_top : theta_m - theta_m);
     const real half_angle = bounded * c->half_mu;
     const real half_angle_squared = half_angle * half_angle;
     const real half_cosine = half_angle * sine_series(half_angle_squared);
@@ -548,7 +549,7 @@ ECCENTRIC_REAL c2_parallel_current(
     const real square_difference = (speed - c->omega_star_1 - c->omega_star_2) * (speed + c->omega_star_1);
     const real halves = REAL(2.0) * REAL_FLOOR(theta_m * c->turns_per_rad) + REAL(1.0);
     const real from_top = theta_m - halves * c->half_period_1 - halves * c->half_period_2 - halves * c->half_period_3;
-    const real bounded = ((REAL_FABS(from_top) <= c->half_period) ? from_top : theta_m - theta_m);
+    const real bounded = ((REAL_FABS(from_top) <= c->period) ? from_top : theta_m - theta_m);
     const real half_angle = bounded * c->half_mu;
     const real half_angle_squared = half_angle * half_angle;
     const real half_cosine = half_angle * sine_series(half_angle_squared);

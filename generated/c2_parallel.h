@@ -1,6 +1,6 @@
 /*
  * Generated: do not edit. Written by `make derive` from derivations/c2_parallel.py
- * (eccentric 0.1.0, program 2beb3041). Case C2: gravity parallel to the motion plane, steady motion.
+ * (eccentric 0.1.0, program 0d1a6a38). Case C2: gravity parallel to the motion plane, steady motion.
  */
 #ifndef C2_PARALLEL_H
 #define C2_PARALLEL_H
@@ -8,7 +8,7 @@
 #include <stddef.h>
 
 /* C2_PARALLEL_PROGRAM names the derivation that header and source come from; the source checks it. */
-#define C2_PARALLEL_PROGRAM 0x2beb3041UL
+#define C2_PARALLEL_PROGRAM 0x0d1a6a38UL
 
 /* The working precision: float or double. Compile all files with the same one. */
 #ifndef ECCENTRIC_REAL
@@ -49,12 +49,12 @@ typedef struct {
     ECCENTRIC_REAL twice_omega_star;
     ECCENTRIC_REAL omega_star_1;
     ECCENTRIC_REAL omega_star_2;
-    ECCENTRIC_REAL half_period;
     ECCENTRIC_REAL half_period_1;
     ECCENTRIC_REAL half_period_2;
     ECCENTRIC_REAL half_period_3;
     ECCENTRIC_REAL turns_per_rad;
     ECCENTRIC_REAL half_mu;
+    ECCENTRIC_REAL period;
     ECCENTRIC_REAL B_lN_mu2;
     ECCENTRIC_REAL B_m_plus_k_e_k_i_per_R;
     ECCENTRIC_REAL C_lN_mu;

@@ -1,13 +1,13 @@
 /*
  * Generated: do not edit. Written by `make derive` from derivations/rotating_link.py
- * (eccentric 0.1.0, program 79af3a27). Rotating link with an unbalanced mass, plane tilted by phi, angular acceleration kept.
+ * (eccentric 0.1.0, program 490f9d2f). Rotating link with an unbalanced mass, plane tilted by phi, angular acceleration kept.
  */
 #include "rotating_link.h"
 
 #include <float.h>
 #include <math.h>
 
-#if ROTATING_LINK_PROGRAM != 0x79af3a27UL
+#if ROTATING_LINK_PROGRAM != 0x490f9d2fUL
 #error "rotating_link.c and rotating_link.h are of different derivations: write both again with make derive"
 #endif
 
@@ -97,18 +97,18 @@ const rotating_link_coefficients rotating_link_default = {
     (real)(2746.8), /* twice_omega_star2 */
     (real)(5.0), /* unbalanced_per_mu */
     (real)(-2746.8), /* minus_twice_omega_star2 */
-    (real)(15.7079633), /* half_period */
     (real)(15.7109375), /* half_period_1 */
     (real)(-0.00297355652), /* half_period_2 */
     (real)(-6.75532476e-7), /* half_period_3 */
     (real)(0.0318309886), /* turns_per_rad */
     (real)(0.1), /* half_mu */
+    (real)(31.4159265), /* period */
     (real)(37.0594101), /* omega_star_1 */
     (real)(1.66482255e-6), /* omega_star_2 */
-    (real)(1.6e-4), /* B_lN_mu2 */
-    (real)(0.0044), /* constant */
     (real)(0.016), /* C_lN_mu */
     (real)(0.008), /* C */
+    (real)(1.6e-4), /* B_lN_mu2 */
+    (real)(0.0044), /* constant */
     (real)(4.0e-4), /* B */
     (real)(549.36), /* twice_mu_omega_star2 */
     (real)(274.68), /* mu_omega_star2 */
@@ -122,18 +122,18 @@ const rotating_link_coefficients rotating_link_default = {
     (real)(8.0e-5), /* C_lN_mu_scale_N */
     (real)(-0.4905), /* minus_twice_L_M_g_p_mu */
     (real)(NAN), /* J */
-    (real)(0.008), /* B_lN_R_mu2_per_k_i */
-    (real)(0.22), /* constant_2 */
+    (real)(50.0), /* R_per_k_i */
+    (real)(-24.525), /* constant_2 */
     (real)(0.8), /* C_lN_R_mu_per_k_i */
     (real)(0.4), /* constant_3 */
-    (real)(50.0), /* R_per_k_i */
-    (real)(-24.525), /* constant_4 */
+    (real)(0.008), /* B_lN_R_mu2_per_k_i */
+    (real)(0.22), /* constant_4 */
+    (real)(50.0), /* per_k_i */
+    (real)(-24.525), /* minus_twice_L_M_g_p_mu_per_k_i */
     (real)(0.008), /* B_lN_mu2_per_k_i */
     (real)(0.02), /* constant_5 */
-    (real)(50.0), /* per_k_i */
     (real)(0.8), /* C_lN_mu_per_k_i */
     (real)(0.4), /* constant_6 */
-    (real)(-24.525), /* minus_twice_L_M_g_p_mu_per_k_i */
 #else
     0.004, /* B_lN */
     0.08, /* C_lN */
@@ -143,18 +143,18 @@ const rotating_link_coefficients rotating_link_default = {
     2746.8, /* twice_omega_star2 */
     5.0, /* unbalanced_per_mu */
     -2746.8, /* minus_twice_omega_star2 */
-    15.707963267948966, /* half_period */
     15.707963267341256, /* half_period_1 */
     6.0771005068460671e-10, /* half_period_2 */
     -3.3987446136315715e-20, /* half_period_3 */
     0.031830988618379067, /* turns_per_rad */
     0.1, /* half_mu */
+    31.415926535897932, /* period */
     37.05941176003742, /* omega_star_1 */
     1.9391227281942644e-15, /* omega_star_2 */
-    1.6e-4, /* B_lN_mu2 */
-    0.0044, /* constant */
     0.016, /* C_lN_mu */
     0.008, /* C */
+    1.6e-4, /* B_lN_mu2 */
+    0.0044, /* constant */
     4.0e-4, /* B */
     549.36, /* twice_mu_omega_star2 */
     274.68, /* mu_omega_star2 */
@@ -168,18 +168,18 @@ const rotating_link_coefficients rotating_link_default = {
     8.0e-5, /* C_lN_mu_scale_N */
     -0.4905, /* minus_twice_L_M_g_p_mu */
     NAN, /* J */
-    0.008, /* B_lN_R_mu2_per_k_i */
-    0.22, /* constant_2 */
+    50.0, /* R_per_k_i */
+    -24.525, /* constant_2 */
     0.8, /* C_lN_R_mu_per_k_i */
     0.4, /* constant_3 */
-    50.0, /* R_per_k_i */
-    -24.525, /* constant_4 */
+    0.008, /* B_lN_R_mu2_per_k_i */
+    0.22, /* constant_4 */
+    50.0, /* per_k_i */
+    -24.525, /* minus_twice_L_M_g_p_mu_per_k_i */
     0.008, /* B_lN_mu2_per_k_i */
     0.02, /* constant_5 */
-    50.0, /* per_k_i */
     0.8, /* C_lN_mu_per_k_i */
     0.4, /* constant_6 */
-    -24.525, /* minus_twice_L_M_g_p_mu_per_k_i */
 #endif
 };
 
@@ -200,12 +200,13 @@ void rotating_link_prepare(const rotating_link_parameters *p, rotating_link_coef
     const double half_period_3 = (double)(real)(half_period - half_period_1 - half_period_2);
     const double turns_per_rad = 0.5 * p->mu / 3.1415926535897932;
     const double half_mu = 0.5 * p->mu;
+    const double period = 2.0 * 3.1415926535897932 / p->mu;
     const double omega_star_1 = (double)(real)(omega_star);
     const double omega_star_2 = (double)(real)(omega_star - omega_star_1);
-    const double B_lN_mu2 = p->B_lN * p->mu * p->mu;
-    const double constant = p->B_lT * p->F_T * p->mu * p->mu * sin(p->phi) + p->B_m + p->k_e * p->k_i / p->R;
     const double C_lN_mu = p->C_lN * p->mu;
     const double C = p->C_lT * p->F_T * p->mu * sin(p->phi) + p->C_m;
+    const double B_lN_mu2 = p->B_lN * p->mu * p->mu;
+    const double constant = p->B_lT * p->F_T * p->mu * p->mu * sin(p->phi) + p->B_m + p->k_e * p->k_i / p->R;
     const double B = p->B_lT * p->F_T * p->mu * p->mu * sin(p->phi) + p->B_m;
     const double twice_mu_omega_star2 = 2.0 * p->mu * omega_star * omega_star;
     const double mu_omega_star2 = p->mu * omega_star * omega_star;
@@ -219,19 +220,19 @@ void rotating_link_prepare(const rotating_link_parameters *p, rotating_link_coef
     const double C_lN_mu_scale_N = p->C_lN * p->mu * scale_N;
     const double minus_twice_L_M_g_p_mu = -2.0 * p->L * p->M * g_p * p->mu;
     const double J = p->J_l * p->mu * p->mu + p->J_m;
-    const double B_lN_R_mu2_per_k_i = p->B_lN * p->R * p->mu * p->mu / p->k_i;
-    const double part_1 = p->B_lT * p->F_T * p->R * p->mu * p->mu * sin(p->phi) / p->k_i;
-    const double constant_2 = p->B_m * p->R / p->k_i + p->k_e + part_1;
+    const double R_per_k_i = p->R / p->k_i;
+    const double constant_2 = -2.0 * p->L * p->M * p->R * g_p * p->mu / p->k_i;
     const double C_lN_R_mu_per_k_i = p->C_lN * p->R * p->mu / p->k_i;
     const double constant_3 = p->C_lT * p->F_T * p->R * p->mu * sin(p->phi) / p->k_i + p->C_m * p->R / p->k_i;
-    const double R_per_k_i = p->R / p->k_i;
-    const double constant_4 = -2.0 * p->L * p->M * p->R * g_p * p->mu / p->k_i;
+    const double B_lN_R_mu2_per_k_i = p->B_lN * p->R * p->mu * p->mu / p->k_i;
+    const double part_1 = p->B_lT * p->F_T * p->R * p->mu * p->mu * sin(p->phi) / p->k_i;
+    const double constant_4 = p->B_m * p->R / p->k_i + p->k_e + part_1;
+    const double per_k_i = 1.0 / p->k_i;
+    const double minus_twice_L_M_g_p_mu_per_k_i = -2.0 * p->L * p->M * g_p * p->mu / p->k_i;
     const double B_lN_mu2_per_k_i = p->B_lN * p->mu * p->mu / p->k_i;
     const double constant_5 = p->B_lT * p->F_T * p->mu * p->mu * sin(p->phi) / p->k_i + p->B_m / p->k_i;
-    const double per_k_i = 1.0 / p->k_i;
     const double C_lN_mu_per_k_i = p->C_lN * p->mu / p->k_i;
     const double constant_6 = p->C_lT * p->F_T * p->mu * sin(p->phi) / p->k_i + p->C_m / p->k_i;
-    const double minus_twice_L_M_g_p_mu_per_k_i = -2.0 * p->L * p->M * g_p * p->mu / p->k_i;
     c->B_lN = (real)(p->B_lN);
     c->C_lN = (real)(p->C_lN);
     c->mu = (real)(p->mu);
@@ -240,18 +241,18 @@ void rotating_link_prepare(const rotating_link_parameters *p, rotating_link_coef
     c->twice_omega_star2 = (real)(twice_omega_star2);
     c->unbalanced_per_mu = (real)(unbalanced_per_mu);
     c->minus_twice_omega_star2 = (real)(minus_twice_omega_star2);
-    c->half_period = (real)(half_period);
     c->half_period_1 = (real)(half_period_1);
     c->half_period_2 = (real)(half_period_2);
     c->half_period_3 = (real)(half_period_3);
     c->turns_per_rad = (real)(turns_per_rad);
     c->half_mu = (real)(half_mu);
+    c->period = (real)(period);
     c->omega_star_1 = (real)(omega_star_1);
     c->omega_star_2 = (real)(omega_star_2);
-    c->B_lN_mu2 = (real)(B_lN_mu2);
-    c->constant = (real)(constant);
     c->C_lN_mu = (real)(C_lN_mu);
     c->C = (real)(C);
+    c->B_lN_mu2 = (real)(B_lN_mu2);
+    c->constant = (real)(constant);
     c->B = (real)(B);
     c->twice_mu_omega_star2 = (real)(twice_mu_omega_star2);
     c->mu_omega_star2 = (real)(mu_omega_star2);
@@ -265,18 +266,18 @@ void rotating_link_prepare(const rotating_link_parameters *p, rotating_link_coef
     c->C_lN_mu_scale_N = (real)(C_lN_mu_scale_N);
     c->minus_twice_L_M_g_p_mu = (real)(minus_twice_L_M_g_p_mu);
     c->J = (real)(J);
-    c->B_lN_R_mu2_per_k_i = (real)(B_lN_R_mu2_per_k_i);
+    c->R_per_k_i = (real)(R_per_k_i);
     c->constant_2 = (real)(constant_2);
     c->C_lN_R_mu_per_k_i = (real)(C_lN_R_mu_per_k_i);
     c->constant_3 = (real)(constant_3);
-    c->R_per_k_i = (real)(R_per_k_i);
+    c->B_lN_R_mu2_per_k_i = (real)(B_lN_R_mu2_per_k_i);
     c->constant_4 = (real)(constant_4);
+    c->per_k_i = (real)(per_k_i);
+    c->minus_twice_L_M_g_p_mu_per_k_i = (real)(minus_twice_L_M_g_p_mu_per_k_i);
     c->B_lN_mu2_per_k_i = (real)(B_lN_mu2_per_k_i);
     c->constant_5 = (real)(constant_5);
-    c->per_k_i = (real)(per_k_i);
     c->C_lN_mu_per_k_i = (real)(C_lN_mu_per_k_i);
     c->constant_6 = (real)(constant_6);
-    c->minus_twice_L_M_g_p_mu_per_k_i = (real)(minus_twice_L_M_g_p_mu_per_k_i);
 }
 
 ECCENTRIC_REAL rotating_link_normal_force(
@@ -288,7 +289,7 @@ ECCENTRIC_REAL rotating_link_normal_force(
     const real speed = c->unbalanced * REAL_FABS(omega_m);
     const real halves = REAL(2.0) * REAL_FLOOR(theta_m * c->turns_per_rad) + REAL(1.0);
     const real from_top = theta_m - halves * c->half_period_1 - halves * c->half_period_2 - halves * c->half_period_3;
-    const real bounded = ((REAL_FABS(from_top) <= c->half_period) ? from_top : theta_m - theta_m);
+    const real bounded = ((REAL_FABS(from_top) <= c->period) ? from_top : theta_m - theta_m);
     const real half_angle = bounded * c->half_mu;
     const real half_angle_squared = half_angle * half_angle;
     const real half_cosine = half_angle * sine_series(half_angle_squared);
@@ -324,7 +325,7 @@ ECCENTRIC_REAL rotating_link_friction_torque(
     const real speed = c->unbalanced * REAL_FABS(omega_m);
     const real halves = REAL(2.0) * REAL_FLOOR(theta_m * c->turns_per_rad) + REAL(1.0);
     const real from_top = theta_m - halves * c->half_period_1 - halves * c->half_period_2 - halves * c->half_period_3;
-    const real bounded = ((REAL_FABS(from_top) <= c->half_period) ? from_top : theta_m - theta_m);
+    const real bounded = ((REAL_FABS(from_top) <= c->period) ? from_top : theta_m - theta_m);
     const real half_angle = bounded * c->half_mu;
     const real half_angle_squared = half_angle * half_angle;
     const real half_cosine = half_angle * sine_series(half_angle_squared);
@@ -335,9 +336,11 @@ ECCENTRIC_REAL rotating_link_friction_torque(
     const real q = alpha_m * c->unbalanced_per_mu + part_1;
     const real magnitude = REAL_SQRT(p * p + q * q);
     const real F_N = magnitude * c->scale_N;
+    const real ungated = c->B_lN_mu2 * F_N + c->constant;
     const real direction_of_motion = sgn(omega_m);
-    const real part_2 = direction_of_motion * (c->C + c->C_lN_mu * F_N);
-    return omega_m * (c->B_lN_mu2 * F_N + c->constant) + part_2;
+    const real ungated_2 = c->C + c->C_lN_mu * F_N;
+    const real part_2 = ((direction_of_motion == REAL(0.0)) ? REAL(0.0) : ungated_2 * direction_of_motion);
+    return part_2 + ((omega_m == REAL(0.0)) ? REAL(0.0) : ungated * omega_m);
 }
 
 void rotating_link_friction_torque_n(
@@ -362,7 +365,7 @@ ECCENTRIC_REAL rotating_link_mechanical_friction_torque(
     const real speed = c->unbalanced * REAL_FABS(omega_m);
     const real halves = REAL(2.0) * REAL_FLOOR(theta_m * c->turns_per_rad) + REAL(1.0);
     const real from_top = theta_m - halves * c->half_period_1 - halves * c->half_period_2 - halves * c->half_period_3;
-    const real bounded = ((REAL_FABS(from_top) <= c->half_period) ? from_top : theta_m - theta_m);
+    const real bounded = ((REAL_FABS(from_top) <= c->period) ? from_top : theta_m - theta_m);
     const real half_angle = bounded * c->half_mu;
     const real half_angle_squared = half_angle * half_angle;
     const real half_cosine = half_angle * sine_series(half_angle_squared);
@@ -373,9 +376,11 @@ ECCENTRIC_REAL rotating_link_mechanical_friction_torque(
     const real q = alpha_m * c->unbalanced_per_mu + part_1;
     const real magnitude = REAL_SQRT(p * p + q * q);
     const real F_N = magnitude * c->scale_N;
+    const real ungated = c->B + c->B_lN_mu2 * F_N;
     const real direction_of_motion = sgn(omega_m);
-    const real part_2 = direction_of_motion * (c->C + c->C_lN_mu * F_N);
-    return omega_m * (c->B + c->B_lN_mu2 * F_N) + part_2;
+    const real ungated_2 = c->C + c->C_lN_mu * F_N;
+    const real part_2 = ((direction_of_motion == REAL(0.0)) ? REAL(0.0) : ungated_2 * direction_of_motion);
+    return part_2 + ((omega_m == REAL(0.0)) ? REAL(0.0) : ungated * omega_m);
 }
 
 void rotating_link_mechanical_friction_torque_n(
@@ -403,7 +408,7 @@ void rotating_link_friction_torque_gradient(
     const real speed_d_omega_m = direction_of_motion * c->unbalanced;
     const real halves = REAL(2.0) * REAL_FLOOR(theta_m * c->turns_per_rad) + REAL(1.0);
     const real from_top = theta_m - halves * c->half_period_1 - halves * c->half_period_2 - halves * c->half_period_3;
-    const real bounded = ((REAL_FABS(from_top) <= c->half_period) ? from_top : theta_m - theta_m);
+    const real bounded = ((REAL_FABS(from_top) <= c->period) ? from_top : theta_m - theta_m);
     const real half_angle = bounded * c->half_mu;
     const real half_angle_squared = half_angle * half_angle;
     const real half_cosine = half_angle * sine_series(half_angle_squared);
@@ -460,7 +465,7 @@ void rotating_link_friction_torque_jacobian(
     const real speed = c->unbalanced * REAL_FABS(omega_m);
     const real halves = REAL(2.0) * REAL_FLOOR(theta_m * c->turns_per_rad) + REAL(1.0);
     const real from_top = theta_m - halves * c->half_period_1 - halves * c->half_period_2 - halves * c->half_period_3;
-    const real bounded = ((REAL_FABS(from_top) <= c->half_period) ? from_top : theta_m - theta_m);
+    const real bounded = ((REAL_FABS(from_top) <= c->period) ? from_top : theta_m - theta_m);
     const real half_angle = bounded * c->half_mu;
     const real half_angle_squared = half_angle * half_angle;
     const real half_cosine = half_angle * sine_series(half_angle_squared);
@@ -471,9 +476,11 @@ void rotating_link_friction_torque_jacobian(
     const real q = alpha_m * c->unbalanced_per_mu + part_1;
     const real magnitude = REAL_SQRT(p * p + q * q);
     const real F_N = magnitude * c->scale_N;
-    out[0] = F_N * c->mu2 * omega_m;
+    const real ungated = F_N * c->mu2;
+    out[0] = ((omega_m == REAL(0.0)) ? REAL(0.0) : ungated * omega_m);
     const real direction_of_motion = sgn(omega_m);
-    out[1] = F_N * direction_of_motion * c->mu;
+    const real ungated_2 = F_N * c->mu;
+    out[1] = ((direction_of_motion == REAL(0.0)) ? REAL(0.0) : ungated_2 * direction_of_motion);
     out[2] = c->F_T_mu2_sin_phi * omega_m;
     out[3] = c->F_T_mu_sin_phi * direction_of_motion;
     out[4] = omega_m;
@@ -503,7 +510,7 @@ void rotating_link_regressor(
     const real speed = c->unbalanced * REAL_FABS(omega_m);
     const real halves = REAL(2.0) * REAL_FLOOR(theta_m * c->turns_per_rad) + REAL(1.0);
     const real from_top = theta_m - halves * c->half_period_1 - halves * c->half_period_2 - halves * c->half_period_3;
-    const real bounded = ((REAL_FABS(from_top) <= c->half_period) ? from_top : theta_m - theta_m);
+    const real bounded = ((REAL_FABS(from_top) <= c->period) ? from_top : theta_m - theta_m);
     const real half_angle = bounded * c->half_mu;
     const real half_angle_squared = half_angle * half_angle;
     const real half_cosine = half_angle * sine_series(half_angle_squared);
@@ -514,9 +521,11 @@ void rotating_link_regressor(
     const real q = alpha_m * c->unbalanced_per_mu + part_1;
     const real magnitude = REAL_SQRT(p * p + q * q);
     const real F_N = magnitude * c->scale_N;
-    out[0] = F_N * c->mu2 * omega_m;
+    const real ungated = F_N * c->mu2;
+    out[0] = ((omega_m == REAL(0.0)) ? REAL(0.0) : ungated * omega_m);
     const real direction_of_motion = sgn(omega_m);
-    out[1] = F_N * direction_of_motion * c->mu;
+    const real ungated_2 = F_N * c->mu;
+    out[1] = ((direction_of_motion == REAL(0.0)) ? REAL(0.0) : ungated_2 * direction_of_motion);
     out[2] = omega_m;
     out[3] = direction_of_motion;
 }
@@ -549,7 +558,7 @@ ECCENTRIC_REAL rotating_link_coulomb_torque(
 {
     const real halves = REAL(2.0) * REAL_FLOOR(theta_m * c->turns_per_rad) + REAL(1.0);
     const real from_top = theta_m - halves * c->half_period_1 - halves * c->half_period_2 - halves * c->half_period_3;
-    const real bounded = ((REAL_FABS(from_top) <= c->half_period) ? from_top : theta_m - theta_m);
+    const real bounded = ((REAL_FABS(from_top) <= c->period) ? from_top : theta_m - theta_m);
     const real half_angle = bounded * c->half_mu;
     const real half_angle_squared = half_angle * half_angle;
     const real half_cosine = half_angle * sine_series(half_angle_squared);
@@ -577,7 +586,7 @@ ECCENTRIC_REAL rotating_link_gravity_torque(ECCENTRIC_REAL theta_m, const rotati
 {
     const real halves = REAL(2.0) * REAL_FLOOR(theta_m * c->turns_per_rad) + REAL(1.0);
     const real from_top = theta_m - halves * c->half_period_1 - halves * c->half_period_2 - halves * c->half_period_3;
-    const real bounded = ((REAL_FABS(from_top) <= c->half_period) ? from_top : theta_m - theta_m);
+    const real bounded = ((REAL_FABS(from_top) <= c->period) ? from_top : theta_m - theta_m);
     const real half_angle = bounded * c->half_mu;
     const real half_angle_squared = half_angle * half_angle;
     const real half_cosine = half_angle * sine_series(half_angle_squared);
@@ -605,7 +614,7 @@ ECCENTRIC_REAL rotating_link_voltage(
     const real speed = c->unbalanced * REAL_FABS(omega_m);
     const real halves = REAL(2.0) * REAL_FLOOR(theta_m * c->turns_per_rad) + REAL(1.0);
     const real from_top = theta_m - halves * c->half_period_1 - halves * c->half_period_2 - halves * c->half_period_3;
-    const real bounded = ((REAL_FABS(from_top) <= c->half_period) ? from_top : theta_m - theta_m);
+    const real bounded = ((REAL_FABS(from_top) <= c->period) ? from_top : theta_m - theta_m);
     const real half_angle = bounded * c->half_mu;
     const real half_angle_squared = half_angle * half_angle;
     const real half_cosine = half_angle * sine_series(half_angle_squared);
@@ -617,10 +626,12 @@ ECCENTRIC_REAL rotating_link_voltage(
     const real magnitude = REAL_SQRT(p * p + q * q);
     const real F_N = magnitude * c->scale_N;
     const real direction_of_motion = sgn(omega_m);
-    const real part_2 = direction_of_motion * (c->C_lN_R_mu_per_k_i * F_N + c->constant_3);
+    const real ungated = c->C_lN_R_mu_per_k_i * F_N + c->constant_3;
+    const real ungated_2 = c->B_lN_R_mu2_per_k_i * F_N + c->constant_4;
+    const real part_2 = ((direction_of_motion == REAL(0.0)) ? REAL(0.0) : ungated * direction_of_motion);
     const real part_3 = c->R_per_k_i * ((alpha_m == REAL(0.0)) ? REAL(0.0) : c->J * alpha_m);
-    const real part_4 = omega_m * (c->B_lN_R_mu2_per_k_i * F_N + c->constant_2);
-    return c->constant_4 * half_cosine * half_sine + part_2 + part_3 + part_4;
+    const real part_4 = ((omega_m == REAL(0.0)) ? REAL(0.0) : ungated_2 * omega_m);
+    return c->constant_2 * half_cosine * half_sine + part_2 + part_3 + part_4;
 }
 
 void rotating_link_voltage_n(
@@ -645,7 +656,7 @@ ECCENTRIC_REAL rotating_link_current(
     const real speed = c->unbalanced * REAL_FABS(omega_m);
     const real halves = REAL(2.0) * REAL_FLOOR(theta_m * c->turns_per_rad) + REAL(1.0);
     const real from_top = theta_m - halves * c->half_period_1 - halves * c->half_period_2 - halves * c->half_period_3;
-    const real bounded = ((REAL_FABS(from_top) <= c->half_period) ? from_top : theta_m - theta_m);
+    const real bounded = ((REAL_FABS(from_top) <= c->period) ? from_top : theta_m - theta_m);
     const real half_angle = bounded * c->half_mu;
     const real half_angle_squared = half_angle * half_angle;
     const real half_cosine = half_angle * sine_series(half_angle_squared);
@@ -656,11 +667,13 @@ ECCENTRIC_REAL rotating_link_current(
     const real q = alpha_m * c->unbalanced_per_mu + part_1;
     const real magnitude = REAL_SQRT(p * p + q * q);
     const real F_N = magnitude * c->scale_N;
+    const real ungated = c->B_lN_mu2_per_k_i * F_N + c->constant_5;
     const real direction_of_motion = sgn(omega_m);
-    const real part_2 = direction_of_motion * (c->C_lN_mu_per_k_i * F_N + c->constant_6);
+    const real ungated_2 = c->C_lN_mu_per_k_i * F_N + c->constant_6;
+    const real part_2 = ((direction_of_motion == REAL(0.0)) ? REAL(0.0) : ungated_2 * direction_of_motion);
     const real part_3 = half_cosine * half_sine * c->minus_twice_L_M_g_p_mu_per_k_i;
     const real part_4 = c->per_k_i * ((alpha_m == REAL(0.0)) ? REAL(0.0) : c->J * alpha_m);
-    const real part_5 = omega_m * (c->B_lN_mu2_per_k_i * F_N + c->constant_5);
+    const real part_5 = ((omega_m == REAL(0.0)) ? REAL(0.0) : ungated * omega_m);
     return part_2 + part_3 + part_4 + part_5;
 }
 

@@ -1,6 +1,6 @@
 /*
  * Generated: do not edit. Written by `make derive` from derivations/rotating_link.py
- * (eccentric 0.1.0, program 79af3a27). Rotating link with an unbalanced mass, plane tilted by phi, angular acceleration kept.
+ * (eccentric 0.1.0, program 490f9d2f). Rotating link with an unbalanced mass, plane tilted by phi, angular acceleration kept.
  */
 #ifndef ROTATING_LINK_H
 #define ROTATING_LINK_H
@@ -8,7 +8,7 @@
 #include <stddef.h>
 
 /* ROTATING_LINK_PROGRAM names the derivation that header and source come from; the source checks it. */
-#define ROTATING_LINK_PROGRAM 0x79af3a27UL
+#define ROTATING_LINK_PROGRAM 0x490f9d2fUL
 
 /* The working precision: float or double. Compile all files with the same one. */
 #ifndef ECCENTRIC_REAL
@@ -51,18 +51,18 @@ typedef struct {
     ECCENTRIC_REAL twice_omega_star2;
     ECCENTRIC_REAL unbalanced_per_mu;
     ECCENTRIC_REAL minus_twice_omega_star2;
-    ECCENTRIC_REAL half_period;
     ECCENTRIC_REAL half_period_1;
     ECCENTRIC_REAL half_period_2;
     ECCENTRIC_REAL half_period_3;
     ECCENTRIC_REAL turns_per_rad;
     ECCENTRIC_REAL half_mu;
+    ECCENTRIC_REAL period;
     ECCENTRIC_REAL omega_star_1;
     ECCENTRIC_REAL omega_star_2;
-    ECCENTRIC_REAL B_lN_mu2;
-    ECCENTRIC_REAL constant; /**< B_lT F_T mu^2 sin(phi) + B_m + k_e k_i/R */
     ECCENTRIC_REAL C_lN_mu;
     ECCENTRIC_REAL C; /**< Coulomb friction on the motor side, C_m + mu gamma_T [N m] */
+    ECCENTRIC_REAL B_lN_mu2;
+    ECCENTRIC_REAL constant; /**< B_lT F_T mu^2 sin(phi) + B_m + k_e k_i/R */
     ECCENTRIC_REAL B; /**< viscous friction on the motor side, B_m + mu^2 beta_T [N m s/rad] */
     ECCENTRIC_REAL twice_mu_omega_star2;
     ECCENTRIC_REAL mu_omega_star2;
@@ -76,18 +76,18 @@ typedef struct {
     ECCENTRIC_REAL C_lN_mu_scale_N;
     ECCENTRIC_REAL minus_twice_L_M_g_p_mu;
     ECCENTRIC_REAL J; /**< inertia on the motor side, J_m + mu^2 J_l [kg m^2] */
-    ECCENTRIC_REAL B_lN_R_mu2_per_k_i;
-    ECCENTRIC_REAL constant_2; /**< B_lT F_T R mu^2 sin(phi)/k_i + B_m R/k_i + k_e */
+    ECCENTRIC_REAL R_per_k_i;
+    ECCENTRIC_REAL constant_2; /**< -2 L M R g_p mu/k_i */
     ECCENTRIC_REAL C_lN_R_mu_per_k_i;
     ECCENTRIC_REAL constant_3; /**< C_lT F_T R mu sin(phi)/k_i + C_m R/k_i */
-    ECCENTRIC_REAL R_per_k_i;
-    ECCENTRIC_REAL constant_4; /**< -2 L M R g_p mu/k_i */
+    ECCENTRIC_REAL B_lN_R_mu2_per_k_i;
+    ECCENTRIC_REAL constant_4; /**< B_lT F_T R mu^2 sin(phi)/k_i + B_m R/k_i + k_e */
+    ECCENTRIC_REAL per_k_i;
+    ECCENTRIC_REAL minus_twice_L_M_g_p_mu_per_k_i;
     ECCENTRIC_REAL B_lN_mu2_per_k_i;
     ECCENTRIC_REAL constant_5; /**< B_lT F_T mu^2 sin(phi)/k_i + B_m/k_i */
-    ECCENTRIC_REAL per_k_i;
     ECCENTRIC_REAL C_lN_mu_per_k_i;
     ECCENTRIC_REAL constant_6; /**< C_lT F_T mu sin(phi)/k_i + C_m/k_i */
-    ECCENTRIC_REAL minus_twice_L_M_g_p_mu_per_k_i;
 } rotating_link_coefficients;
 
 /** The parameters that `make derive` knows: the paper's Table 1, mu = 1/5, unless others were given. */

@@ -1,5 +1,5 @@
 # Generated: do not edit. Written by `make derive` from derivations/rotating_link.py
-# (eccentric 0.1.0, program 79af3a27). Rotating link with an unbalanced mass, plane tilted by phi, angular acceleration kept.
+# (eccentric 0.1.0, program 490f9d2f). Rotating link with an unbalanced mass, plane tilted by phi, angular acceleration kept.
 """Rotating link with an unbalanced mass, plane tilted by phi, angular acceleration kept.
 
 Inputs are on the motor side, in SI units; they broadcast, float32 stays float32, and `out` is honoured.
@@ -130,18 +130,18 @@ class _Coefficients(NamedTuple):
     twice_omega_star2: Any
     unbalanced_per_mu: Any
     minus_twice_omega_star2: Any
-    half_period: Any
     half_period_1: Any
     half_period_2: Any
     half_period_3: Any
     turns_per_rad: Any
     half_mu: Any
+    period: Any
     omega_star_1: Any
     omega_star_2: Any
-    B_lN_mu2: Any
-    constant: Any
     C_lN_mu: Any
     C: Any
+    B_lN_mu2: Any
+    constant: Any
     B: Any
     twice_mu_omega_star2: Any
     mu_omega_star2: Any
@@ -155,18 +155,18 @@ class _Coefficients(NamedTuple):
     C_lN_mu_scale_N: Any
     minus_twice_L_M_g_p_mu: Any
     J: Any
-    B_lN_R_mu2_per_k_i: Any
+    R_per_k_i: Any
     constant_2: Any
     C_lN_R_mu_per_k_i: Any
     constant_3: Any
-    R_per_k_i: Any
+    B_lN_R_mu2_per_k_i: Any
     constant_4: Any
+    per_k_i: Any
+    minus_twice_L_M_g_p_mu_per_k_i: Any
     B_lN_mu2_per_k_i: Any
     constant_5: Any
-    per_k_i: Any
     C_lN_mu_per_k_i: Any
     constant_6: Any
-    minus_twice_L_M_g_p_mu_per_k_i: Any
     largest: Any
 
 
@@ -196,12 +196,13 @@ def _prepare(p: Parameters, real: _Real) -> _Coefficients:
     half_period_3 = float(real(half_period - half_period_1 - half_period_2))
     turns_per_rad = 0.5 * p.mu / 3.1415926535897932
     half_mu = 0.5 * p.mu
+    period = 2.0 * 3.1415926535897932 / p.mu
     omega_star_1 = float(real(omega_star))
     omega_star_2 = float(real(omega_star - omega_star_1))
-    B_lN_mu2 = p.B_lN * p.mu * p.mu
-    constant = p.B_lT * F_T * p.mu * p.mu * math.sin(p.phi) + p.B_m + p.k_e * p.k_i / p.R
     C_lN_mu = p.C_lN * p.mu
     C = p.C_lT * F_T * p.mu * math.sin(p.phi) + p.C_m
+    B_lN_mu2 = p.B_lN * p.mu * p.mu
+    constant = p.B_lT * F_T * p.mu * p.mu * math.sin(p.phi) + p.B_m + p.k_e * p.k_i / p.R
     B = p.B_lT * F_T * p.mu * p.mu * math.sin(p.phi) + p.B_m
     twice_mu_omega_star2 = 2.0 * p.mu * omega_star * omega_star
     mu_omega_star2 = p.mu * omega_star * omega_star
@@ -215,19 +216,19 @@ def _prepare(p: Parameters, real: _Real) -> _Coefficients:
     C_lN_mu_scale_N = p.C_lN * p.mu * scale_N
     minus_twice_L_M_g_p_mu = -2.0 * p.L * p.M * g_p * p.mu
     J = J_l * p.mu * p.mu + J_m
-    B_lN_R_mu2_per_k_i = p.B_lN * p.R * p.mu * p.mu / p.k_i
-    part_1 = p.B_lT * F_T * p.R * p.mu * p.mu * math.sin(p.phi) / p.k_i
-    constant_2 = p.B_m * p.R / p.k_i + p.k_e + part_1
+    R_per_k_i = p.R / p.k_i
+    constant_2 = -2.0 * p.L * p.M * p.R * g_p * p.mu / p.k_i
     C_lN_R_mu_per_k_i = p.C_lN * p.R * p.mu / p.k_i
     constant_3 = p.C_lT * F_T * p.R * p.mu * math.sin(p.phi) / p.k_i + p.C_m * p.R / p.k_i
-    R_per_k_i = p.R / p.k_i
-    constant_4 = -2.0 * p.L * p.M * p.R * g_p * p.mu / p.k_i
+    B_lN_R_mu2_per_k_i = p.B_lN * p.R * p.mu * p.mu / p.k_i
+    part_1 = p.B_lT * F_T * p.R * p.mu * p.mu * math.sin(p.phi) / p.k_i
+    constant_4 = p.B_m * p.R / p.k_i + p.k_e + part_1
+    per_k_i = 1.0 / p.k_i
+    minus_twice_L_M_g_p_mu_per_k_i = -2.0 * p.L * p.M * g_p * p.mu / p.k_i
     B_lN_mu2_per_k_i = p.B_lN * p.mu * p.mu / p.k_i
     constant_5 = p.B_lT * F_T * p.mu * p.mu * math.sin(p.phi) / p.k_i + p.B_m / p.k_i
-    per_k_i = 1.0 / p.k_i
     C_lN_mu_per_k_i = p.C_lN * p.mu / p.k_i
     constant_6 = p.C_lT * F_T * p.mu * math.sin(p.phi) / p.k_i + p.C_m / p.k_i
-    minus_twice_L_M_g_p_mu_per_k_i = -2.0 * p.L * p.M * g_p * p.mu / p.k_i
     with np.errstate(all="ignore"):
         return _Coefficients(
             B_lN=real(p.B_lN),
@@ -238,18 +239,18 @@ def _prepare(p: Parameters, real: _Real) -> _Coefficients:
             twice_omega_star2=real(twice_omega_star2),
             unbalanced_per_mu=real(unbalanced_per_mu),
             minus_twice_omega_star2=real(minus_twice_omega_star2),
-            half_period=real(half_period),
             half_period_1=real(half_period_1),
             half_period_2=real(half_period_2),
             half_period_3=real(half_period_3),
             turns_per_rad=real(turns_per_rad),
             half_mu=real(half_mu),
+            period=real(period),
             omega_star_1=real(omega_star_1),
             omega_star_2=real(omega_star_2),
-            B_lN_mu2=real(B_lN_mu2),
-            constant=real(constant),
             C_lN_mu=real(C_lN_mu),
             C=real(C),
+            B_lN_mu2=real(B_lN_mu2),
+            constant=real(constant),
             B=real(B),
             twice_mu_omega_star2=real(twice_mu_omega_star2),
             mu_omega_star2=real(mu_omega_star2),
@@ -263,18 +264,18 @@ def _prepare(p: Parameters, real: _Real) -> _Coefficients:
             C_lN_mu_scale_N=real(C_lN_mu_scale_N),
             minus_twice_L_M_g_p_mu=real(minus_twice_L_M_g_p_mu),
             J=real(J),
-            B_lN_R_mu2_per_k_i=real(B_lN_R_mu2_per_k_i),
+            R_per_k_i=real(R_per_k_i),
             constant_2=real(constant_2),
             C_lN_R_mu_per_k_i=real(C_lN_R_mu_per_k_i),
             constant_3=real(constant_3),
-            R_per_k_i=real(R_per_k_i),
+            B_lN_R_mu2_per_k_i=real(B_lN_R_mu2_per_k_i),
             constant_4=real(constant_4),
+            per_k_i=real(per_k_i),
+            minus_twice_L_M_g_p_mu_per_k_i=real(minus_twice_L_M_g_p_mu_per_k_i),
             B_lN_mu2_per_k_i=real(B_lN_mu2_per_k_i),
             constant_5=real(constant_5),
-            per_k_i=real(per_k_i),
             C_lN_mu_per_k_i=real(C_lN_mu_per_k_i),
             constant_6=real(constant_6),
-            minus_twice_L_M_g_p_mu_per_k_i=real(minus_twice_L_M_g_p_mu_per_k_i),
             largest=real(np.finfo(real).max),
         )
 
@@ -397,7 +398,7 @@ def _normal_force(
     speed = c.unbalanced * np.abs(omega_m)
     halves = 2.0 * np.floor(theta_m * c.turns_per_rad) + 1.0
     from_top = theta_m - halves * c.half_period_1 - halves * c.half_period_2 - halves * c.half_period_3
-    bounded = np.where(np.abs(from_top) <= c.half_period, from_top, theta_m - theta_m)
+    bounded = np.where(np.abs(from_top) <= c.period, from_top, theta_m - theta_m)
     half_angle = bounded * c.half_mu
     half_angle_squared = half_angle * half_angle
     half_cosine = half_angle * _sine_series(half_angle_squared)
@@ -437,7 +438,7 @@ def _friction_torque(
     speed = c.unbalanced * np.abs(omega_m)
     halves = 2.0 * np.floor(theta_m * c.turns_per_rad) + 1.0
     from_top = theta_m - halves * c.half_period_1 - halves * c.half_period_2 - halves * c.half_period_3
-    bounded = np.where(np.abs(from_top) <= c.half_period, from_top, theta_m - theta_m)
+    bounded = np.where(np.abs(from_top) <= c.period, from_top, theta_m - theta_m)
     half_angle = bounded * c.half_mu
     half_angle_squared = half_angle * half_angle
     half_cosine = half_angle * _sine_series(half_angle_squared)
@@ -448,9 +449,11 @@ def _friction_torque(
     q = alpha_m * c.unbalanced_per_mu + part_1
     magnitude = np.sqrt(p * p + q * q)
     F_N = magnitude * c.scale_N
+    ungated = c.B_lN_mu2 * F_N + c.constant
     direction_of_motion = np.sign(omega_m)
-    part_2 = direction_of_motion * (c.C + c.C_lN_mu * F_N)
-    result = omega_m * (c.B_lN_mu2 * F_N + c.constant) + part_2
+    ungated_2 = c.C + c.C_lN_mu * F_N
+    part_2 = np.where(direction_of_motion == 0.0, 0.0, ungated_2 * direction_of_motion)
+    result = part_2 + np.where(omega_m == 0.0, 0.0, ungated * omega_m)
     return (result,)
 
 
@@ -481,7 +484,7 @@ def _mechanical_friction_torque(
     speed = c.unbalanced * np.abs(omega_m)
     halves = 2.0 * np.floor(theta_m * c.turns_per_rad) + 1.0
     from_top = theta_m - halves * c.half_period_1 - halves * c.half_period_2 - halves * c.half_period_3
-    bounded = np.where(np.abs(from_top) <= c.half_period, from_top, theta_m - theta_m)
+    bounded = np.where(np.abs(from_top) <= c.period, from_top, theta_m - theta_m)
     half_angle = bounded * c.half_mu
     half_angle_squared = half_angle * half_angle
     half_cosine = half_angle * _sine_series(half_angle_squared)
@@ -492,9 +495,11 @@ def _mechanical_friction_torque(
     q = alpha_m * c.unbalanced_per_mu + part_1
     magnitude = np.sqrt(p * p + q * q)
     F_N = magnitude * c.scale_N
+    ungated = c.B + c.B_lN_mu2 * F_N
     direction_of_motion = np.sign(omega_m)
-    part_2 = direction_of_motion * (c.C + c.C_lN_mu * F_N)
-    result = omega_m * (c.B + c.B_lN_mu2 * F_N) + part_2
+    ungated_2 = c.C + c.C_lN_mu * F_N
+    part_2 = np.where(direction_of_motion == 0.0, 0.0, ungated_2 * direction_of_motion)
+    result = part_2 + np.where(omega_m == 0.0, 0.0, ungated * omega_m)
     return (result,)
 
 
@@ -527,7 +532,7 @@ def _friction_torque_gradient(
     speed_d_omega_m = direction_of_motion * c.unbalanced
     halves = 2.0 * np.floor(theta_m * c.turns_per_rad) + 1.0
     from_top = theta_m - halves * c.half_period_1 - halves * c.half_period_2 - halves * c.half_period_3
-    bounded = np.where(np.abs(from_top) <= c.half_period, from_top, theta_m - theta_m)
+    bounded = np.where(np.abs(from_top) <= c.period, from_top, theta_m - theta_m)
     half_angle = bounded * c.half_mu
     half_angle_squared = half_angle * half_angle
     half_cosine = half_angle * _sine_series(half_angle_squared)
@@ -589,7 +594,7 @@ def _friction_torque_jacobian(
     speed = c.unbalanced * np.abs(omega_m)
     halves = 2.0 * np.floor(theta_m * c.turns_per_rad) + 1.0
     from_top = theta_m - halves * c.half_period_1 - halves * c.half_period_2 - halves * c.half_period_3
-    bounded = np.where(np.abs(from_top) <= c.half_period, from_top, theta_m - theta_m)
+    bounded = np.where(np.abs(from_top) <= c.period, from_top, theta_m - theta_m)
     half_angle = bounded * c.half_mu
     half_angle_squared = half_angle * half_angle
     half_cosine = half_angle * _sine_series(half_angle_squared)
@@ -600,9 +605,11 @@ def _friction_torque_jacobian(
     q = alpha_m * c.unbalanced_per_mu + part_1
     magnitude = np.sqrt(p * p + q * q)
     F_N = magnitude * c.scale_N
-    result_B_lN = F_N * c.mu2 * omega_m
+    ungated = F_N * c.mu2
+    result_B_lN = np.where(omega_m == 0.0, 0.0, ungated * omega_m)
     direction_of_motion = np.sign(omega_m)
-    result_C_lN = F_N * direction_of_motion * c.mu
+    ungated_2 = F_N * c.mu
+    result_C_lN = np.where(direction_of_motion == 0.0, 0.0, ungated_2 * direction_of_motion)
     result_B_lT = c.F_T_mu2_sin_phi * omega_m
     result_C_lT = c.F_T_mu_sin_phi * direction_of_motion
     result_B_m = omega_m
@@ -637,7 +644,7 @@ def _regressor(
     speed = c.unbalanced * np.abs(omega_m)
     halves = 2.0 * np.floor(theta_m * c.turns_per_rad) + 1.0
     from_top = theta_m - halves * c.half_period_1 - halves * c.half_period_2 - halves * c.half_period_3
-    bounded = np.where(np.abs(from_top) <= c.half_period, from_top, theta_m - theta_m)
+    bounded = np.where(np.abs(from_top) <= c.period, from_top, theta_m - theta_m)
     half_angle = bounded * c.half_mu
     half_angle_squared = half_angle * half_angle
     half_cosine = half_angle * _sine_series(half_angle_squared)
@@ -648,9 +655,11 @@ def _regressor(
     q = alpha_m * c.unbalanced_per_mu + part_1
     magnitude = np.sqrt(p * p + q * q)
     F_N = magnitude * c.scale_N
-    result_B_lN = F_N * c.mu2 * omega_m
+    ungated = F_N * c.mu2
+    result_B_lN = np.where(omega_m == 0.0, 0.0, ungated * omega_m)
     direction_of_motion = np.sign(omega_m)
-    result_C_lN = F_N * direction_of_motion * c.mu
+    ungated_2 = F_N * c.mu
+    result_C_lN = np.where(direction_of_motion == 0.0, 0.0, ungated_2 * direction_of_motion)
     result_B = omega_m
     result_C = direction_of_motion
     return (result_B_lN, result_C_lN, result_B, result_C)
@@ -702,7 +711,7 @@ def _coulomb_torque(
 ) -> tuple[Any, ...]:
     halves = 2.0 * np.floor(theta_m * c.turns_per_rad) + 1.0
     from_top = theta_m - halves * c.half_period_1 - halves * c.half_period_2 - halves * c.half_period_3
-    bounded = np.where(np.abs(from_top) <= c.half_period, from_top, theta_m - theta_m)
+    bounded = np.where(np.abs(from_top) <= c.period, from_top, theta_m - theta_m)
     half_angle = bounded * c.half_mu
     half_angle_squared = half_angle * half_angle
     half_cosine = half_angle * _sine_series(half_angle_squared)
@@ -737,7 +746,7 @@ def _gravity_torque(
 ) -> tuple[Any, ...]:
     halves = 2.0 * np.floor(theta_m * c.turns_per_rad) + 1.0
     from_top = theta_m - halves * c.half_period_1 - halves * c.half_period_2 - halves * c.half_period_3
-    bounded = np.where(np.abs(from_top) <= c.half_period, from_top, theta_m - theta_m)
+    bounded = np.where(np.abs(from_top) <= c.period, from_top, theta_m - theta_m)
     half_angle = bounded * c.half_mu
     half_angle_squared = half_angle * half_angle
     half_cosine = half_angle * _sine_series(half_angle_squared)
@@ -767,7 +776,7 @@ def _voltage(
     speed = c.unbalanced * np.abs(omega_m)
     halves = 2.0 * np.floor(theta_m * c.turns_per_rad) + 1.0
     from_top = theta_m - halves * c.half_period_1 - halves * c.half_period_2 - halves * c.half_period_3
-    bounded = np.where(np.abs(from_top) <= c.half_period, from_top, theta_m - theta_m)
+    bounded = np.where(np.abs(from_top) <= c.period, from_top, theta_m - theta_m)
     half_angle = bounded * c.half_mu
     half_angle_squared = half_angle * half_angle
     half_cosine = half_angle * _sine_series(half_angle_squared)
@@ -779,10 +788,12 @@ def _voltage(
     magnitude = np.sqrt(p * p + q * q)
     F_N = magnitude * c.scale_N
     direction_of_motion = np.sign(omega_m)
-    part_2 = direction_of_motion * (c.C_lN_R_mu_per_k_i * F_N + c.constant_3)
+    ungated = c.C_lN_R_mu_per_k_i * F_N + c.constant_3
+    ungated_2 = c.B_lN_R_mu2_per_k_i * F_N + c.constant_4
+    part_2 = np.where(direction_of_motion == 0.0, 0.0, ungated * direction_of_motion)
     part_3 = c.R_per_k_i * np.where(alpha_m == 0.0, 0.0, c.J * alpha_m)
-    part_4 = omega_m * (c.B_lN_R_mu2_per_k_i * F_N + c.constant_2)
-    result = c.constant_4 * half_cosine * half_sine + part_2 + part_3 + part_4
+    part_4 = np.where(omega_m == 0.0, 0.0, ungated_2 * omega_m)
+    result = c.constant_2 * half_cosine * half_sine + part_2 + part_3 + part_4
     return (result,)
 
 
@@ -812,7 +823,7 @@ def _current(
     speed = c.unbalanced * np.abs(omega_m)
     halves = 2.0 * np.floor(theta_m * c.turns_per_rad) + 1.0
     from_top = theta_m - halves * c.half_period_1 - halves * c.half_period_2 - halves * c.half_period_3
-    bounded = np.where(np.abs(from_top) <= c.half_period, from_top, theta_m - theta_m)
+    bounded = np.where(np.abs(from_top) <= c.period, from_top, theta_m - theta_m)
     half_angle = bounded * c.half_mu
     half_angle_squared = half_angle * half_angle
     half_cosine = half_angle * _sine_series(half_angle_squared)
@@ -823,11 +834,13 @@ def _current(
     q = alpha_m * c.unbalanced_per_mu + part_1
     magnitude = np.sqrt(p * p + q * q)
     F_N = magnitude * c.scale_N
+    ungated = c.B_lN_mu2_per_k_i * F_N + c.constant_5
     direction_of_motion = np.sign(omega_m)
-    part_2 = direction_of_motion * (c.C_lN_mu_per_k_i * F_N + c.constant_6)
+    ungated_2 = c.C_lN_mu_per_k_i * F_N + c.constant_6
+    part_2 = np.where(direction_of_motion == 0.0, 0.0, ungated_2 * direction_of_motion)
     part_3 = half_cosine * half_sine * c.minus_twice_L_M_g_p_mu_per_k_i
     part_4 = c.per_k_i * np.where(alpha_m == 0.0, 0.0, c.J * alpha_m)
-    part_5 = omega_m * (c.B_lN_mu2_per_k_i * F_N + c.constant_5)
+    part_5 = np.where(omega_m == 0.0, 0.0, ungated * omega_m)
     result = part_2 + part_3 + part_4 + part_5
     return (result,)
 

@@ -133,7 +133,7 @@ def coefficients(name: str, omega_m: Number, p: Parameters) -> Parameters:
 def reaction(name: str, x: Point, p: Parameters) -> tuple[Number, Number, Number]:
     """Return the in-plane reaction, across and along, and the size of its rounding error over eps.
 
-    Steady motion is seen from the ground, where the centrifugal force turns with the link and the weight rests;
+    Steady motion is seen from the ground, where the centrifugal force turns and the weight rests;
     accelerated motion from the link, in whose frame w^2 and alpha are components and the weight turns.
     """
     case, theta, w = CASES[name], p.mu * x.theta_m, p.mu * x.omega_m

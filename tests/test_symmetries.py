@@ -21,9 +21,11 @@ LETTERS = "M M_l L g mu R k_i k_e F_T B_lN C_lN B_lT C_lT B_m C_m"
 # Of kilogram, metre, second and ampere; angles have none.
 FORCE, TORQUE = (1, 1, -2, 0), (1, 2, -2, 0)
 DIMENSION = {
-    "theta_m": (0, 0, 0, 0), "omega_m": (0, 0, -1, 0), "alpha_m": (0, 0, -2, 0), "mu": (0, 0, 0, 0), "phi": (0, 0, 0, 0),
+    "theta_m": (0, 0, 0, 0), "omega_m": (0, 0, -1, 0), "alpha_m": (0, 0, -2, 0),
+    "mu": (0, 0, 0, 0), "phi": (0, 0, 0, 0),
     "M": (1, 0, 0, 0), "M_l": (1, 0, 0, 0), "L": (0, 1, 0, 0), "g": (0, 1, -2, 0), "F_T": FORCE,
-    "R": (1, 2, -3, -2), "k_i": (1, 2, -2, -1), "k_e": (1, 2, -2, -1), "J_m": (1, 2, 0, 0), "J_l": (1, 2, 0, 0),
+    "R": (1, 2, -3, -2), "k_i": (1, 2, -2, -1), "k_e": (1, 2, -2, -1),
+    "J_m": (1, 2, 0, 0), "J_l": (1, 2, 0, 0),
     "B_lN": (0, 1, 1, 0), "B_lT": (0, 1, 1, 0), "C_lN": (0, 1, 0, 0), "C_lT": (0, 1, 0, 0),
     "B_m": (1, 2, -1, 0), "C_m": TORQUE, "B": (1, 2, -1, 0), "C": TORQUE,
 }  # fmt: skip
@@ -57,7 +59,7 @@ def inertia() -> dict[str, float]:
 
 @pytest.mark.parametrize("sign", [1, -1])
 def test_closed_forms_follow_from_the_postulate(sign: int) -> None:
-    """(11)-(13) and (18)-(20) are (6) with (9), (10) and the postulate (7) put in; so is (14) in its limit."""
+    """(11)-(13), (18)-(20) are (6) with (9), (10) and the postulate (7), and the limits of (14) and (21)."""
     p = SimpleNamespace(**{letter: sympy.Symbol(letter, positive=True) for letter in LETTERS.split()})
     w, theta = sign * sympy.Symbol("w", positive=True), sympy.Symbol("theta", real=True)
     f_m = paper.motor_friction(w, p, sympy)
@@ -169,7 +171,7 @@ def test_periodic_in_the_link_angle(name: str, data: st.DataObject) -> None:
 
 @every_model
 def test_balanced_mass_is_linear(name: str) -> None:
-    """With M = 0 friction is Coulomb and viscous, the classical model: F_3 and F_2 vanish, F_N is the weight."""
+    """With M = 0 friction is the classical model, Coulomb and viscous; F_3 and F_2 vanish."""
     emitted = module(name)
     p, columns = emitted.Parameters(M=0.0), grid(name, "friction_torque")
     table = paper.table_1(float, M=0.0)
@@ -268,7 +270,7 @@ def test_bottom_and_top(name: str, omega_l: float) -> None:
 @pytest.mark.parametrize("dtype", [np.float64, np.float32], ids=("double", "single"))
 @pytest.mark.parametrize("name", SWINGING)
 def test_bottom_and_top_after_many_turns(name: str, dtype: type[np.floating], mu: float) -> None:
-    """After any number of half turns, as near as the angle holds them, F_N is (23) at the bottom, (22) at the top."""
+    """After any number of half turns F_N is (23) at the bottom and (22) at the top."""
     emitted, omega_l = module(name), 5.0
     p, halves = paper.table_1(float, mu), np.arange(-2000, 2001)
     theta_m, eps = (halves * np.pi / mu).astype(dtype), float(np.finfo(dtype).eps)

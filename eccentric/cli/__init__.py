@@ -15,10 +15,11 @@ import sys
 import textwrap
 import warnings
 from collections.abc import Sequence
-from importlib import import_module, metadata
+from importlib import import_module
 from pathlib import Path
 from typing import NoReturn
 
+from eccentric import __version__
 from eccentric.errors import InputError
 
 __all__ = ["COMMANDS", "main"]
@@ -31,15 +32,11 @@ COMMANDS = ("derive", "audit", "figures", "emit", "fit", "bench")
 def main(argv: Sequence[str] | None = None) -> int:
     """Run one command line and return its exit status.
 
-    Parameters
-    ----------
-    argv : sequence of str, optional
-        The arguments after the program's name; by default those of the process.
+    Args:
+        argv: the arguments after the program's name; by default those of the process.
 
-    Raises
-    ------
-    SystemExit
-        With status 0, after `--help` and `--version`.
+    Raises:
+        SystemExit: with status 0, after `--help` and `--version`.
     """
     arguments = list(sys.argv[1:] if argv is None else argv)
     formatwarning, warnings.formatwarning = warnings.formatwarning, _one_line_warning
@@ -75,7 +72,7 @@ def _parser(arguments: Sequence[str]) -> _Parser:
     """Return the parser: with the one command that `arguments` name, else with a line for each command."""
     layout = argparse.RawDescriptionHelpFormatter
     parser = _Parser(prog="eccentric", description=_DESCRIPTION, allow_abbrev=False, formatter_class=layout)
-    parser.add_argument("--version", action="version", version=f"eccentric {_version()}")
+    parser.add_argument("--version", action="version", version=f"eccentric {__version__}")
     commands = parser.add_subparsers(metavar="COMMAND", required=True)
     given = next((argument for argument in arguments if not argument.startswith("-")), None)
     if given not in COMMANDS:
@@ -98,14 +95,6 @@ def _help(command: str) -> str:
     assignments = (node for node in ast.parse(source).body if isinstance(node, ast.Assign))
     (value,) = (node.value for node in assignments if ast.unparse(node.targets[0]) == "HELP")
     return ast.literal_eval(value).replace("%", "%%")
-
-
-def _version() -> str:
-    """Return the version of the installed distribution; a clone can also run without being installed."""
-    try:
-        return metadata.version("eccentric")
-    except metadata.PackageNotFoundError:
-        return "(a clone that is not installed)"
 
 
 def _one_line_warning(message: Warning | str, *_: object, **__: object) -> str:

@@ -69,7 +69,7 @@ def _routine(model: Model, function: Function, labels: tuple[str, ...], shared: 
             lowering.assignments.append(Assignment(assignment.target, value))
     targets = []
     for label, expression in results:
-        value = lowering(shared.hoist(_grouped(model, expression)))
+        value = lowering(shared.hoist(_at_rest(model, _grouped(model, expression))))
         name = f"result_{label}" if label else "result"
         targets.append(sp.Symbol(name, real=True))
         lowering.assignments.append(Assignment(targets[-1], value))
@@ -107,6 +107,22 @@ def _grouped(model: Model, expression: sp.Expr) -> sp.Expr:
     if any(isinstance(term, sp.Mul) and term.has(*factors) for term in expression.args if factors):
         return sp.collect(expression, factors)
     return expression
+
+
+def _at_rest(model: Model, expression: sp.Expr) -> sp.Expr:
+    """Friction at rest is 0 also where an acceleration alone makes F_N overflow (rotating_link)."""
+    normal_force = model.definition("F_N").symbol
+    if "alpha_m" not in {s.name for s in model.expand(normal_force).free_symbols}:
+        return expression
+
+    def moving(factor: sp.Expr) -> bool:
+        return isinstance(factor, Sgn) or (factor.is_Symbol and factor.name == "omega_m")
+
+    def gated(product: sp.Expr) -> sp.Expr:
+        gate = next(filter(moving, product.args))
+        return Gated(sp.Mul(*(factor for factor in product.args if factor != gate)), gate)
+
+    return expression.replace(lambda e: e.is_Mul and e.has(normal_force) and any(map(moving, e.args)), gated)
 
 
 def _by_direction(model: Model, expression: sp.Expr) -> sp.Expr:

@@ -114,8 +114,9 @@ class Lowering:
         rest = Minus(rest, Times(halves, part_2))
         rest = self.named("from_top", Minus(rest, Times(halves, part_3)))
         # An angle so large that nothing is left of its phase counts as the top; infinity and NaN give NaN.
+        period = self._prepare("period", 2 * sp.pi / mu)
         lost = Minus(theta_m, theta_m)
-        bounded = self.named("bounded", Pick(Size(rest), _WITHIN, half_period, rest, lost))
+        bounded = self.named("bounded", Pick(Size(rest), _WITHIN, period, rest, lost))
         half = self.named("half_angle", Times(bounded, half_mu))
         square = self.named("half_angle_squared", Times(half, half))
         if isinstance(step, steps.HalfCosine):

@@ -1,0 +1,68 @@
+"""Weighted linear least squares with bounds, and the rank of its design."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import lsq_linear
+
+from eccentric.errors import InputError
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+Array = NDArray[np.float64]
+
+LEAST_PART = 1e-4
+"""A combination of unit columns smaller than this counts as zero: no encoder or current sensor is as exact."""
+
+
+@dataclass(frozen=True)
+class Linear:
+    """Coefficients (k,), and for each whether its lower (-1), upper (1) or no (0) bound is active."""
+
+    coefficients: Array
+    active: NDArray[np.int64]
+
+
+def bounded(design: Array, target: Array, lower: Array, upper: Array) -> Linear:
+    """Minimise |design @ x - target| over lower <= x <= upper; design (m, k), others (m,) and (k,).
+
+    The bounded-variable algorithm of Stark and Parker (1995) is exact: a bound is active or it is not.
+    """
+    size = np.linalg.norm(design, axis=0)
+    size = np.where(size > 0.0, size, 1.0)
+    # The triangle of a QR decomposition has the same minimum as the m rows, which a search asks for often.
+    triangle = np.linalg.qr(np.column_stack([design / size, target]), mode="r")
+    free = bool(np.all(np.isinf(lower)) and np.all(np.isinf(upper)))
+    if free:
+        scaled = np.linalg.lstsq(triangle[:, :-1], triangle[:, -1], rcond=None)[0]
+        return Linear(scaled / size, np.zeros(len(scaled), dtype=np.int64))
+    found = lsq_linear(
+        triangle[:, :-1], triangle[:, -1], (lower * size, upper * size), method="bvls", tol=1e-14
+    )
+    return Linear(found.x / size, np.asarray(found.active_mask, dtype=np.int64))
+
+
+def require_rank(design: Array, names: Sequence[str], where: str) -> None:
+    """Raise InputError, naming the coefficients that cannot be told apart, unless the columns are independent.
+
+    `where` begins the message: the log.
+    """
+    zero = [name for name, column in zip(names, design.T, strict=True) if not np.any(column)]
+    if zero:
+        raise InputError(
+            f"{where}: {', '.join(zero)} cannot be identified: nothing in the log depends on it"
+            " (no unbalance, or no rows in one direction)"
+        )
+    sizes = np.linalg.svd(design / np.linalg.norm(design, axis=0), full_matrices=False)
+    weak = sizes.Vh[sizes.S < LEAST_PART * sizes.S[0]]
+    if len(weak):
+        members = [n for n, part in zip(names, np.max(np.abs(weak), axis=0), strict=True) if part > 0.1]
+        raise InputError(
+            f"{where}: {', '.join(members)} cannot be told apart on this log; required more different speeds"
+            " (or angles, in both directions)"
+        )
