@@ -2,7 +2,7 @@
 
 from eccentric.emit.build import build_program
 from eccentric.emit.hot import load_module
-from eccentric.emit.program import Assignment, Input, Program, Routine, differentiate
+from eccentric.emit.program import Assignment, Input, Program, Routine, differentiate, needed
 from eccentric.emit.render import render, render_program
 from eccentric.emit.write import emit, stale
 
@@ -15,6 +15,7 @@ __all__ = [
     "differentiate",
     "emit",
     "load_module",
+    "needed",
     "render",
     "render_program",
     "stale",

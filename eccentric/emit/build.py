@@ -8,7 +8,7 @@ import sympy as sp
 
 from eccentric.emit.functions import Function, closure, functions, gradient_labels
 from eccentric.emit.lower import Lowering
-from eccentric.emit.program import Assignment, Input, Program, Routine, differentiate
+from eccentric.emit.program import Assignment, Input, Program, Routine, differentiate, needed
 from eccentric.emit.shorten import shortened
 from eccentric.model import Model
 from eccentric.model.steps import (
@@ -56,7 +56,7 @@ def _routine(model: Model, function: Function, labels: tuple[str, ...], shared: 
         steps = differentiate((*assignments, Assignment(y, torque)), function.by)
         wanted = {f"torque_d_{label}" for label in labels}
         results = [(label, next(a.value for a in steps if a.target.name == f"torque_d_{label}")) for label in labels]
-        assignments = _needed([a for a in steps if a.target != y and a.target.name not in wanted], results)
+        assignments = list(needed([a for a in steps if a.target.name not in wanted], [e for _, e in results]))
     else:
         results = list(function.results)
     # What depends on parameters only is moved to `prepare`; the rest keeps its order.
@@ -85,16 +85,6 @@ def _routine(model: Model, function: Function, labels: tuple[str, ...], shared: 
         meaning=function.meaning,
         requires=function.requires,
     )
-
-
-def _needed(assignments: list[Assignment], results: list[tuple[str, sp.Expr]]) -> list[Assignment]:
-    needed = set().union(*(expression.free_symbols for _, expression in results))
-    kept: list[Assignment] = []
-    for assignment in reversed(assignments):
-        if assignment.target in needed:
-            needed |= assignment.value.free_symbols
-            kept.append(assignment)
-    return kept[::-1]
 
 
 def _grouped(model: Model, expression: sp.Expr) -> sp.Expr:

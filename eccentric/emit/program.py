@@ -111,6 +111,17 @@ def differentiate(assignments: Iterable[Assignment], by: Sequence[sp.Symbol]) ->
     return tuple(out)
 
 
+def needed(assignments: Iterable[Assignment], results: Iterable[sp.Expr]) -> tuple[Assignment, ...]:
+    """The assignments that the results depend on, in order."""
+    wanted = set().union(*(expression.free_symbols for expression in results))
+    kept: list[Assignment] = []
+    for assignment in reversed(list(assignments)):
+        if assignment.target in wanted:
+            wanted |= assignment.value.free_symbols
+            kept.append(assignment)
+    return tuple(reversed(kept))
+
+
 def _partial(value: sp.Expr, symbol: sp.Symbol) -> sp.Expr:
     return value.diff(symbol).replace(sp.sign, Sgn)
 

@@ -51,7 +51,7 @@ class Rules:
     unexplained_part: float = 0.04
     most_effects: int = 3
     clears: float = 0.5
-    special: float = 4.0
+    special: float = 2.0
 
 
 @dataclass(frozen=True)
@@ -92,7 +92,6 @@ class _Side:
     rules: Rules
     base: Fitted
     best: Fitted
-    rows_noise: float = 0.0
     ranked: list[Fitted] = field(default_factory=list)
     smoothed: list[Fitted] = field(default_factory=list)
     alternatives: list[dict[str, tuple[float, Fitted]]] = field(default_factory=list)
@@ -145,7 +144,7 @@ class _Side:
         """A further effect must take out most of what the ones before left above the floor, or it is a patch."""
         if not before.terms:
             return True
-        floor = min(self.rows_noise, after.score)
+        floor = min(self.screen.floor, after.score)
         return before.score - after.score > self.rules.clears * (before.score - floor)
 
     def swap(self, fitted: Fitted) -> Fitted:
@@ -219,10 +218,9 @@ def attribute(
         tell(f"{balance.name} balance: {len(own)} candidates on {len(balance.target)} windows")
         if balance.name == "mechanical" and "electrical" in sides:
             balance = _with_electrical(balance, channels, sides["electrical"].best, sides["electrical"].screen)
-        screen = Screen(balance, channels, own)
+        screen = Screen(balance, channels, own, (noise or {}).get(balance.name, 0.0))
         base = screen.fit([])
         side = _Side(screen, Screen(balance, channels, smooth_terms(channels, balance.name, mu, gravity)), rules, base, base)
-        side.rows_noise = screen.rows * (noise or {}).get(balance.name, 0.0) ** 2
         side.search()
         side.smoothed = side.smooth.rank(side.best.terms)
         side.compare()
@@ -302,7 +300,8 @@ def _verdict(sides: dict[str, _Side], rules: Rules) -> Attribution:
         verdict = "nothing_missing"
     else:
         verdict = "not_identifiable" if tied else "named"
-    variables = [v for _, v in left] + [v for _, v in sorted(depends, reverse=True)]
+    # what the paper's residual depends on, and last what only shows after the adopted effects
+    variables = [v for _, v in sorted(depends, reverse=True)] + [v for _, v in left]
     return Attribution(
         verdict, tuple(terms), tuple(dict.fromkeys(tied)), tuple(ranked), tuple(dict.fromkeys(variables)),
         {name: (side.base, side.best) for name, side in sides.items()}, deviance,

@@ -34,6 +34,7 @@ class Candidate:
         effect that changes a quantity inside the base (an angle, a factor on friction). Its parameters are all in
         `shape`; `columns` then only serve the first look, as the derivative at small shapes.
     special_of: families of which this one is a special case; it wins a tie against them.
+    repeats: whether another candidate of the family may join it (harmonics of other orders).
     also: (channels, shape) -> what an electrical effect adds to the mechanical target, columns (samples, k) for its
         coefficients, or (samples,) if its parameters are all in `shape` (a current sensor's bias and delay).
     """
@@ -47,6 +48,7 @@ class Candidate:
     lower: tuple[float, ...] = (-np.inf,)
     needs: tuple[str, ...] = ()
     special_of: tuple[str, ...] = ()
+    repeats: bool = False
     also: Callable[[Any, Shape], Array] | None = None
     replaces: Callable[[Any, Shape, Array], tuple[Array | None, Array]] | None = None
 

@@ -19,6 +19,8 @@ Array = NDArray[np.float64]
 LEAST_PART = 1e-4
 """A combination of unit columns smaller than this counts as zero: no encoder or current sensor is as exact."""
 
+_BLOCK = 256
+
 
 @dataclass(frozen=True)
 class Linear:
@@ -35,8 +37,7 @@ def bounded(design: Array, target: Array, lower: Array, upper: Array) -> Linear:
     """
     size = np.linalg.norm(design, axis=0)
     size = np.where(size > 0.0, size, 1.0)
-    # The triangle of a QR decomposition has the same minimum as the m rows, which a search asks for often.
-    triangle = np.linalg.qr(np.column_stack([design / size, target]), mode="r")
+    triangle = _triangle(np.column_stack([design / size, target]))
     free = bool(np.all(np.isinf(lower)) and np.all(np.isinf(upper)))
     if free:
         scaled = np.linalg.lstsq(triangle[:, :-1], triangle[:, -1], rcond=None)[0]
@@ -45,6 +46,20 @@ def bounded(design: Array, target: Array, lower: Array, upper: Array) -> Linear:
         triangle[:, :-1], triangle[:, -1], (lower * size, upper * size), method="bvls", tol=1e-14
     )
     return Linear(found.x / size, np.asarray(found.active_mask, dtype=np.int64))
+
+
+def _triangle(rows: Array) -> Array:
+    """Return R (k, k) of the QR decomposition of rows (m, k): it has the same least squares as all of them.
+
+    By blocks, then once more of the blocks' triangles: a tall decomposition at once goes through threads that
+    cost more than they give, and a search asks for hundreds.
+    """
+    count = rows.shape[1]
+    blocks = -(-len(rows) // _BLOCK)
+    padded = np.zeros((blocks * _BLOCK, count))
+    padded[: len(rows)] = rows
+    stack = np.linalg.qr(padded.reshape(blocks, _BLOCK, count), mode="r")
+    return np.linalg.qr(stack.reshape(-1, count), mode="r")
 
 
 def require_rank(design: Array, names: Sequence[str], where: str) -> None:

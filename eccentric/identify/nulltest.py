@@ -107,7 +107,7 @@ def smooth_terms(channels: Any, balance: str, mu: float, gravity: Array) -> list
     elapsed, link = channels.t - channels.t[0], mu * channels.theta_m
     terms: dict[str, Array] = {
         "velocity": _spline(np.abs(omega), 14) * sign,
-        "direction": np.hstack([np.ones_like(sign), _spline(omega, 16)]),
+        "direction": np.hstack([np.ones_like(sign), _spline(np.abs(omega), 8)]),
         "motor_angle": _fourier(channels.theta_m, range(1, 9)),
         "acceleration": _spline(channels.alpha_m, 8),
         "time": np.hstack([both(_spline(elapsed, 12)), _spline(elapsed, 5) * omega[:, None]]),

@@ -50,13 +50,18 @@ class Fitted:
 class Screen:
     """One balance, its channels and the candidates for it, with their windowed columns kept.
 
+    noise: RMS of a window that the sensors' white noise explains.  A fit clearly below it has noise on both sides
+    of its equation (the measured current as a regressor of itself) and is dropped.
     Columns of all shape grids lie side by side (rows, total), so that one matrix product scores them all.
     """
 
-    def __init__(self, balance: Balance, channels: Any, candidates: Sequence[Candidate], folds: int = 8) -> None:
+    def __init__(
+        self, balance: Balance, channels: Any, candidates: Sequence[Candidate], noise: float = 0.0, folds: int = 8
+    ) -> None:
         self.balance, self.channels = balance, channels
         self.block = balance.windows.block
         self.rows = len(balance.target)
+        self.floor = self.rows * noise**2
         self.fold = fold_of_block(int(self.block[-1]) + 1, folds)
         self._kept: dict[tuple[object, ...], Array] = {}
         self._replaced: dict[tuple[object, ...], tuple[Array, Array]] = {}
@@ -134,12 +139,13 @@ class Screen:
         """
         target, design, lower = self.design(terms)
         taken = {term.candidate.id for term in terms}
+        closed = {term.candidate.family for term in terms if not term.candidate.repeats}
         inner, right, total = design.T @ design, design.T @ target, float(target @ target)
         mixed, cross = design.T @ self.library, self.library.T @ target
         best: dict[str, tuple[float, int]] = {}
         for number, term in enumerate(self.points):
             candidate, where = term.candidate, self.where[number]
-            if candidate.id in taken:
+            if candidate.id in taken or candidate.family in closed:
                 continue
             if candidate.replaces is not None:
                 loss = self._loss([*terms, term])
@@ -159,7 +165,8 @@ class Screen:
         look = self.first_look(terms)[: 4 * leaders]
         fitted = sorted((self.fit([*terms, self.points[number]]) for _, number in look), key=lambda f: f.score)
         head = [self.refine(f, only_last=True) for f in fitted[:leaders]]
-        return sorted([*head, *fitted[leaders:]], key=lambda f: f.score)
+        honest = [f for f in [*head, *fitted[leaders:]] if f.loss.sum() > 0.8 * self.floor]
+        return sorted(honest, key=lambda f: f.score)
 
     def _loss(self, terms: Sequence[Term]) -> float:
         target, design, lower = self.design(terms)

@@ -15,6 +15,7 @@ alike, which blocks of a log of constant speeds do not.)
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -33,10 +34,9 @@ DRAWS = 2000
 
 @dataclass(frozen=True)
 class Estimate:
-    """Value, standard error and 95 % interval in `unit`; which bound is active, if one is.
+    """Value, standard error and 95 % interval in `unit`; which bound is active ("lower", "upper"), if one is.
 
-    An interval ends where the bounds do.  With an active bound it is one-sided: from the bound to as far as a
-    value could lie beside it, 95 % sure.
+    An interval ends where the bounds do; at an active bound it is one-sided.
     """
 
     value: float
@@ -46,16 +46,63 @@ class Estimate:
     bound_active: str | None = None
 
 
-def estimate(
-    value: float, std_error: float, unit: str, lower: float, upper: float, active: int = 0
-) -> Estimate:
-    """Return the estimate with its interval; `active` is -1 for the lower bound, 1 for the upper, 0 for none."""
-    side = {-1: "lower", 0: None, 1: "upper"}[active]
-    low = value - (TWO_SIDED if not active else ONE_SIDED) * std_error
-    high = value + (TWO_SIDED if not active else ONE_SIDED) * std_error
-    # At a bound the free optimum lies beyond it; counting from the bound keeps the interval from being empty.
-    interval = (max(low, lower), min(high, upper))
-    return Estimate(value, std_error, interval, unit, side)
+@dataclass(frozen=True)
+class Spread:
+    """How far p least-squares values can be off, some of which a bound holds.
+
+    `matrix` (p, p) is the covariance of the free ones, zero where held. `alone` (p,) is the standard error that a
+    held one has when it is set free, else zero. A row of `moves` (a, p) is the change of all values while a held
+    one goes from its bound to the end of its one-sided interval: at the optimum the bound holds it, but the truth
+    may lie beside, and the others with it.
+    """
+
+    matrix: Array
+    alone: Array
+    moves: Array
+
+    def estimate(
+        self,
+        value: float,
+        slope: Array,
+        unit: str,
+        bounds: tuple[float, float] = (-math.inf, math.inf),
+        active: int = 0,
+    ) -> Estimate:
+        """Return the estimate of a function of the values with this gradient (p,).
+
+        `active` is -1 where its lower bound is active, 1 for the upper.
+        """
+        variance = float(slope @ self.matrix @ slope)
+        error = math.sqrt(max(variance, 0.0) + float(np.sum((slope * self.alone) ** 2)) * (active != 0))
+        moved = self.moves @ slope
+        reach = TWO_SIDED * math.sqrt(max(variance, 0.0))
+        low = value - reach + float(np.sum(np.minimum(moved, 0.0)))
+        high = value + reach + float(np.sum(np.maximum(moved, 0.0)))
+        side = {-1: "lower", 0: None, 1: "upper"}[active]
+        return Estimate(float(value), error, (max(low, bounds[0]), min(high, bounds[1])), unit, side)
+
+
+def spread(
+    design: Array, residual: Array, active: NDArray[np.int64], lower: Array, upper: Array
+) -> Spread:
+    """Return the spread of p values with columns (m, p) that left a residual (m,), both times root weights.
+
+    `active` (p,) is -1 or 1 for a value held by its bound. A column of zeros is a value that nothing depends on:
+    it is left out, and its standard error is zero here.
+    """
+    size = np.linalg.norm(design, axis=0)
+    seen = size > 1e-9 * np.max(size)
+    free, held = np.flatnonzero((active == 0) & seen), np.flatnonzero((active != 0) & seen)
+    count = len(active)
+    matrix, alone, moves = np.zeros((count, count)), np.zeros(count), np.zeros((len(held), count))
+    matrix[np.ix_(free, free)] = covariance(design[:, free], residual)
+    for row, k in enumerate(held):
+        alone[k] = math.sqrt(covariance(design[:, [*free, k]], residual)[-1, -1])
+        reach = min(ONE_SIDED * alone[k], upper[k] - lower[k]) * -active[k]
+        moves[row, k] = reach
+        follow = np.linalg.lstsq(design[:, free] / size[free], design[:, k], rcond=None)[0] / size[free]
+        moves[row, free] = -reach * follow
+    return Spread(matrix, alone, moves)
 
 
 def covariance(design: Array, residual: Array) -> Array:

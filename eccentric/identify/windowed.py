@@ -20,6 +20,9 @@ Mask = NDArray[np.bool_]
 STEPS = 12
 """Steps in a window: 0.3 s at 40 rows per second, where two differences of an angle would be mostly rounding."""
 
+MOVING_PART = 0.5
+"""Least part of a window's weight on moving rows."""
+
 
 @dataclass(frozen=True)
 class Sampling:
@@ -57,10 +60,13 @@ def sample(channels: Channels, rig: Rig) -> Sampling:
         return Sampling(channels.t, channels.fit_rows, channels.score_rows, weights, None, "rows")
     length = STEPS * step
     cut = windows(channels.t, channels.segment, length)
+    # An integral passes a reversal, where a row does not; only standstill leaves friction open.
+    kept = cut.mean(channels.usable.astype(float)) >= MOVING_PART
+    kept &= cut.inside(channels.usable | ~channels.moving)
     return Sampling(
         cut.t,
-        cut.inside(channels.fit_rows),
-        cut.inside(channels.score_rows),
+        kept & cut.inside(~channels.held_out),
+        kept & cut.inside(channels.held_out),
         np.ones(len(cut.t)),
         cut,
         f"windows of {length:.3g} s",

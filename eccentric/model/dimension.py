@@ -59,8 +59,11 @@ def of_expression(expression: sp.Basic, units: Mapping[sp.Symbol, str]) -> Dimen
     if isinstance(expression, steps.SquareDifference):
         _same(expression, parts)
         return tuple(2 * exponent for exponent in parts[0])
-    if isinstance(expression, sp.Add | sp.Piecewise | steps.Magnitude):
-        return _same(expression, [part for part, value in zip(parts, _values(expression), strict=True) if value != 0])
+    if isinstance(expression, sp.Piecewise):
+        # A bare number stands in for a case that has no physical value (the critical velocity of a balanced mass).
+        return _same(expression, [p for p, value in zip(parts, _values(expression), strict=True) if not value.is_number])
+    if isinstance(expression, sp.Add | steps.Magnitude):
+        return _same(expression, parts)
     if isinstance(expression, steps.Along | steps.Across):
         _same(expression, parts)
         return PURE
@@ -80,4 +83,4 @@ def _values(expression: sp.Basic) -> list[sp.Basic]:
 def _same(expression: sp.Basic, parts: list[Dimension]) -> Dimension:
     if len(set(parts)) > 1:
         raise ValueError(f"addends of different dimension in {expression}")
-    return parts[0]
+    return parts[0] if parts else PURE

@@ -1,0 +1,166 @@
+"""Identify a model on a log: coefficients with uncertainty, alignment, and the error on the held-out part.
+
+Three models are fitted on the same training rows: the paper's with the bounds of physics, the same without bounds
+(where it does better, a bound is in the way of something that the model lacks), and Coulomb + viscous friction.
+Delay, zero angle and masses known by a range only are searched for each of them (variable projection: for given
+values of those the rest is linear). The held-out rows are looked at once, at the end.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from eccentric.errors import InputError
+from eccentric.identify.combinations import combinations, identified_letters
+from eccentric.identify.least_squares import require_rank
+from eccentric.identify.problem import Problem, Searched, pose
+from eccentric.identify.search import Profile, Solution, profile, solve
+from eccentric.identify.uncertainty import Estimate, Spread, improvement, spread
+
+if TYPE_CHECKING:
+    from eccentric.identify.channels import Channels
+    from eccentric.identify.rig import Rig
+    from eccentric.model import Model
+
+Array = NDArray[np.float64]
+
+ROWS_PER_COEFFICIENT = 10
+
+
+@dataclass(frozen=True)
+class Fit:
+    """What came out; `residuals` (m,) in the problem's unit on its rows, by model: linear, paper, and unbounded.
+
+    `coefficients` are those of the columns, `alignment` and `searched` what was found beside them, `combinations`
+    what the columns hold that is no single letter. `rmse` is held-out, by model.
+    """
+
+    problem: Problem
+    solutions: Mapping[str, Solution]
+    coefficients: Mapping[str, Estimate]
+    combinations: Mapping[str, Estimate]
+    searched: Mapping[str, Estimate]
+    profiles: Mapping[str, Profile]
+    identified: tuple[list[str], list[str]]
+    rmse: Mapping[str, float]
+    percent: float
+    percent_interval: tuple[float, float]
+    r_squared: float
+    warnings: tuple[str, ...]
+
+    @property
+    def bounds_active(self) -> list[str]:
+        """Names of the coefficients that are held by a bound."""
+        return [name for name, e in self.coefficients.items() if e.bound_active]
+
+
+def fit(channels: Channels, rig: Rig, model: Model, where: str = "log") -> Fit:
+    """Fit a model; `where` names the log in messages.
+
+    Raises InputError for what `pose` refuses, too few rows, and columns that this log cannot tell apart.
+    """
+    problem = pose(channels, rig, model)
+    _require_rows(problem, where)
+    paper = solve(problem)
+    train = problem.sampling.train
+    require_rank(paper.design[train], [c.name for c in problem.coefficients], where)
+    solutions = {
+        "linear": solve(problem, linear=True),
+        "paper": paper,
+        "paper_unbounded": solve(problem, bounds=False, start=paper.values),
+    }
+    profiles = {s.name: profile(problem, paper, s) for s in problem.searched if s.name in rig.unknown}
+    better = min(profiles.values(), key=lambda p: p.best.cost, default=None)
+    if better is not None and better.best.cost < paper.cost:
+        solutions["paper"] = paper = better.best
+    error = _spread(problem, paper)
+    coefficients, searched = _estimates(problem, paper, error)
+    score = problem.sampling.score
+    errors = {name: solution.residual[score] for name, solution in solutions.items()}
+    percent, interval = improvement(errors["linear"], errors["paper"])
+    signal = problem.drive_signal(paper.values)[score]
+    warnings = [*problem.warnings, *_warnings(problem, paper, profiles)]
+    return Fit(
+        problem,
+        solutions,
+        coefficients,
+        combinations(problem, paper.coefficients, paper.active, error),
+        searched,
+        profiles,
+        identified_letters(problem),
+        {name: float(np.sqrt(np.mean(e**2))) for name, e in errors.items()},
+        percent,
+        interval,
+        1.0 - float(np.mean(errors["paper"] ** 2) / np.var(signal)),
+        tuple(warnings),
+    )
+
+
+def _require_rows(problem: Problem, where: str) -> None:
+    sampling = problem.sampling
+    least = ROWS_PER_COEFFICIENT * (len(problem.coefficients) + len(problem.searched))
+    for name, mask, rows in (("to fit", sampling.train, least), ("to hold out", sampling.score, 2)):
+        if (count := int(np.count_nonzero(mask))) < rows:
+            raise InputError(
+                f"{where}: at least {rows} moving {sampling.description} {name} are required, received {count}"
+            )
+
+
+def _spread(problem: Problem, paper: Solution) -> Spread:
+    """Return the spread of coefficients and searched values together: the errors of the one know of the other."""
+    train = problem.sampling.train
+    root = np.sqrt(problem.sampling.weights[train])
+    everything = [*problem.coefficients, *problem.searched]
+    active = np.concatenate([paper.active, [_at_end(paper.values[s.name], s) for s in problem.searched]])
+    return spread(
+        np.column_stack([paper.design, paper.slopes])[train] * root[:, None],
+        paper.residual[train] * root,
+        active.astype(np.int64),
+        np.array([x.lower for x in everything]),
+        np.array([x.upper for x in everything]),
+    )
+
+
+def _estimates(
+    problem: Problem, paper: Solution, error: Spread
+) -> tuple[dict[str, Estimate], dict[str, Estimate]]:
+    """Return estimates of the coefficients and of the searched values, by name."""
+    unit = np.eye(len(error.alone))
+    coefficients = {
+        c.name: error.estimate(paper.coefficients[k], unit[k], c.unit, (c.lower, c.upper), int(paper.active[k]))
+        for k, c in enumerate(problem.coefficients)
+    }
+    searched: dict[str, Estimate] = {}
+    for k, s in enumerate(problem.searched, start=len(coefficients)):
+        value, ends = paper.values[s.name], (s.lower, s.upper)
+        found = error.estimate(value, unit[k], s.unit, ends, _at_end(value, s))
+        if found.std_error == 0.0:
+            # The friction terms that it enters are all zero: nothing in the log depends on it.
+            found = Estimate(value, s.upper - s.lower, ends, s.unit)
+        searched[s.name] = found
+    return coefficients, searched
+
+
+def _at_end(value: float, searched: Searched) -> int:
+    lower, upper = searched.lower, searched.upper
+    near = 1e-3 * (upper - lower)
+    return -1 if value <= lower + near else 1 if value >= upper - near else 0
+
+
+def _warnings(problem: Problem, paper: Solution, profiles: Mapping[str, Profile]) -> list[str]:
+    found = []
+    for s in problem.searched:
+        value = paper.values[s.name]
+        if _at_end(value, s):
+            found.append(f"{s.name} = {value:.4g} {s.unit} lies at the end of its range {s.lower:g} to {s.upper:g}")
+    for name, p in profiles.items():
+        spread = 100.0 * (max(p.rmse) / min(p.rmse) - 1.0)
+        found.append(
+            f"{name} is known by a range only: over it, the error on the training rows changes by {spread:.2g} %"
+        )
+    return found

@@ -1,0 +1,276 @@
+"""The derivations: what follows from first principles is what the paper prints, in every equation and unit."""
+
+import runpy
+import subprocess
+import sys
+from pathlib import Path
+from types import SimpleNamespace
+
+import pytest
+import sympy as sp
+
+from eccentric.model import Equation, Model, load_model, model_names, regressor
+from eccentric.model import vocabulary as v
+from eccentric.model.dimension import of_expression, of_unit
+from eccentric.model.steps import meaning
+from tests import paper
+
+ROOT = Path(__file__).resolve().parent.parent
+LETTERS = SimpleNamespace(**{
+    q.name: q.symbol
+    for q in (v.M, v.M_l, v.L, v.g, v.phi, v.mu, v.R, v.k_i, v.k_e, v.J_m, v.J_l, v.F_T,
+              v.B_lN, v.C_lN, v.B_lT, v.C_lT, v.B_m, v.C_m)
+})  # fmt: skip
+theta_m, omega_m, alpha_m = v.theta_m.symbol, v.omega_m.symbol, v.alpha_m.symbol
+theta_l, omega_l, alpha_l = v.theta_l.symbol, v.omega_l.symbol, v.alpha_l.symbol
+sgn = sp.sign(omega_m)
+TRANSVERSAL = {v.beta_T.symbol: v.B_lT.symbol * v.F_T.symbol, v.gamma_T.symbol: v.C_lT.symbol * v.F_T.symbol}
+
+
+def is_zero(expression: sp.Expr) -> bool:
+    """Whether an expression simplifies to zero."""
+    # Half angles become whole ones, which expand_trig knows.
+    halves = sp.expand(expression).subs(theta_m, 2 * theta_m / v.mu.symbol)
+    return sp.simplify(sp.expand_trig(halves)) == 0
+
+
+def every_equation() -> list:
+    """Every equation of every derivation, with a readable id."""
+    return [
+        pytest.param(name, equation, id=f"{name}-{equation.name}")
+        for name in model_names()
+        for equation in load_model(name).equations
+    ]
+
+
+@pytest.mark.parametrize(("name", "equation"), every_equation())
+def test_every_identity_is_true(name: str, equation: Equation) -> None:
+    """What a derivation says to follow from an equation does follow."""
+    for identity in equation.identities:
+        assert is_zero(identity.zero), f"{name}: {identity.statement}"
+
+
+def units(model: Model) -> dict[sp.Symbol, str]:
+    """Units of the model's symbols and of all others in its derivation."""
+    named = {q.symbol: q.unit for q in vars(v).values() if hasattr(q, "symbol")}
+    directed = [v.directed(q, d) for d in ("pos", "neg")
+                for q in (v.B_lN, v.C_lN, v.B_lT, v.C_lT, v.B_m, v.C_m, v.beta_T, v.gamma_T)]  # fmt: skip
+    return named | {q.symbol: q.unit for q in directed} | model.units() | {sp.Symbol("s"): "1"}
+
+
+@pytest.mark.parametrize(("name", "equation"), every_equation())
+def test_every_equation_has_its_unit(name: str, equation: Equation) -> None:
+    """The right side of every equation has the dimension that is printed beside it."""
+    if isinstance(equation.right, sp.MatrixBase):
+        entries = [(entry, equation.unit) for entry in equation.right]
+        if equation.unit == "N m (s/rad)^k":
+            powers = range(len(entries) - 1, -1, -1) if len(entries) == 4 else _powers(equation)
+            entries = [(entry, "N m" + " s" * k) for (entry, _), k in zip(entries, powers, strict=True)]
+        elif equation.name == "gear":
+            entries = list(zip(equation.right, ("rad", "rad/s", "rad/s^2"), strict=True))
+    else:
+        entries = [(equation.right, equation.unit)]
+    for entry, unit in entries:
+        if entry != 0:
+            assert of_unit(unit) == of_expression(entry, units(load_model(name))), f"{entry} [{unit}]"
+
+
+def _powers(equation: Equation) -> tuple[int, ...]:
+    return (3, 2) if equation.name == "polynomial_high" else (1, 0)
+
+
+@pytest.mark.parametrize("name", model_names())
+def test_definitions_and_terms_have_their_units(name: str) -> None:
+    """Every definition has the unit of its quantity, and every term that of its balance."""
+    model = load_model(name)
+    known = units(model) | {v.i.symbol: "A", v.u.symbol: "V"}
+    for definition in model.definitions:
+        assert of_unit(definition.quantity.unit) == of_expression(definition.value, known), definition.quantity.name
+    for balance in model.balances:
+        for term in balance.terms:
+            assert of_unit(balance.unit) == of_expression(term.value, known), term.name
+
+
+def test_normal_force_of_c1_is_the_papers() -> None:
+    """Equation (8)."""
+    assert is_zero(load_model("c1_perpendicular").definition("F_N").value - paper.normal_force_c1(omega_m, LETTERS))
+
+
+def test_normal_force_of_c2_is_the_papers() -> None:
+    """Equations (16) and (17), squared: the careful form hides nothing."""
+    model = load_model("c2_parallel")
+    link = paper.normal_force_c2_link(theta_l, omega_l, LETTERS, sp)
+    motor = paper.normal_force_c2(theta_m, omega_m, LETTERS, sp)
+
+    assert is_zero(model.equation("normal_force").right - link**2)
+    assert is_zero(model.equation("normal_force_motor").right - motor**2)
+    assert is_zero(_plain(model, "F_N") ** 2 - motor**2)
+
+
+def _plain(model: Model, name: str) -> sp.Expr:
+    """A definition in inputs and parameters, the careful steps written out, for an unbalanced mass."""
+    expression = meaning(model.expand(model.definition(name).symbol))
+    return expression.subs(sp.Eq(v.L.symbol * v.M.symbol, 0), sp.false).doit()
+
+
+def test_reaction_with_acceleration_and_tilt() -> None:
+    """The general in-plane reaction, acceleration and tilt included, is the closed form worked out by hand."""
+    general = load_model("rotating_link").equation("normal_force").right
+    p = LETTERS
+    a, b, c = p.M * p.L, p.M + p.M_l, p.g * sp.cos(p.phi)
+    by_hand = (
+        a**2 * (omega_l**4 + alpha_l**2)
+        + 2 * c * b * a * (omega_l**2 * sp.cos(theta_l) + alpha_l * sp.sin(theta_l))
+        + b**2 * c**2
+    )
+
+    assert is_zero(general - by_hand)
+
+
+def test_polynomial_of_c1_is_the_papers() -> None:
+    """Equations (11) to (13)."""
+    model = load_model("c1_perpendicular")
+    derived = [*model.equation("polynomial_high").right, *model.equation("polynomial_low").right]
+    for mine, papers in zip(derived, paper.polynomial_c1(sgn, LETTERS), strict=True):
+        assert is_zero(mine.subs(TRANSVERSAL) - papers)
+
+
+def test_resultant_torque_of_c2_is_the_papers() -> None:
+    """Equations (18) to (20), with F_N as a symbol for its own equation (17)."""
+    model = load_model("c2_parallel")
+    F_N = v.F_N.symbol
+    p = LETTERS
+    papers = (p.mu**2 * p.B_lN * F_N + p.B_m + p.k_i * p.k_e / p.R) * omega_m + (p.mu * p.C_lN * F_N + p.C_m) * sgn
+
+    assert is_zero(model.equation("resultant").right - papers)
+    assert is_zero(
+        model.equation("F_1").right * omega_m + model.equation("F_0").right - papers
+    )
+
+
+def test_extremal_normal_forces_and_the_critical_velocity() -> None:
+    """Equations (22) and (23), and the velocity at which (22) vanishes."""
+    model = load_model("c2_parallel")
+    w = sp.Symbol("w", positive=True)
+    at = {omega_l: w}
+    highest = paper.normal_force_maximum(w, LETTERS)
+    lowest = paper.normal_force_minimum(w, LETTERS)
+
+    assert is_zero(model.equation("F_N_max").right.subs(at) ** 2 - highest**2)
+    assert is_zero(model.equation("F_N_min").right.subs(at) ** 2 - lowest**2)
+    assert is_zero(model.equation("critical_velocity").right ** 2 - paper.critical_velocity(LETTERS, sp) ** 2)
+
+
+def test_polynomials_at_bottom_and_top() -> None:
+    """Equations (24) and (25), with the switch s."""
+    model = load_model("c2_parallel")
+    s = sp.Symbol("s")
+    p = LETTERS
+    back_emf = p.B_m + p.k_i * p.k_e / p.R
+    weight = (p.M + p.M_l) * p.g
+    printed_bottom = (p.mu**4 * p.B_lN * p.M * p.L, p.mu**3 * p.C_lN * p.M * p.L,
+                      p.mu**2 * p.B_lN * weight + back_emf, p.mu * p.C_lN * weight + p.C_m)  # fmt: skip
+    printed_top = (-s * p.mu**4 * p.B_lN * p.M * p.L, -s * p.mu**3 * p.C_lN * p.M * p.L,
+                   s * p.mu**2 * p.B_lN * weight + back_emf, s * p.mu * p.C_lN * weight + p.C_m)  # fmt: skip
+    for mine, papers in zip(model.equation("bottom").right, printed_bottom, strict=True):
+        assert is_zero(mine - papers)
+    for mine, papers in zip(model.equation("top").right, printed_top, strict=True):
+        assert is_zero(mine - papers)
+
+
+@pytest.mark.parametrize("name", ["rotating_link", "c2_parallel"])
+def test_gravity_torque_is_the_papers(name: str) -> None:
+    """Equation (5), g being the gravity in the plane of motion."""
+    derived = load_model(name).equation("gravity_torque").right
+    papers = paper.gravity_torque(theta_m, LETTERS, sp)
+    projected = {v.g.symbol: v.g.symbol * sp.cos(v.phi.symbol)} if name == "rotating_link" else {}
+
+    assert is_zero(derived - papers.subs(projected))
+
+
+def test_steady_velocity_voltage_curve() -> None:
+    """Equation (4) with (11) at constant velocity."""
+    derived = load_model("c1_perpendicular").equation("voltage_steady").right.subs(TRANSVERSAL)
+
+    assert is_zero(derived - paper.steady_state_voltage_c1(omega_m, LETTERS, sp))
+
+
+def test_limits_of_the_general_model() -> None:
+    """At phi = pi/2 and phi = 0, without acceleration, the general model's F_N is that of C1 and of C2."""
+    general = load_model("rotating_link")
+    squared = meaning(general.expand(general.definition("F_N").symbol)) ** 2
+    squared = squared.subs(sp.Eq(v.L.symbol * v.M.symbol, 0), sp.false).doit().subs(alpha_m, 0)
+
+    assert is_zero(squared.subs(v.phi.symbol, 0) - paper.normal_force_c2(theta_m, omega_m, LETTERS, sp) ** 2)
+    assert is_zero(squared.subs(v.phi.symbol, sp.pi / 2) - paper.normal_force_c1(omega_m, LETTERS) ** 2)
+
+
+def test_balanced_mass_carries_only_its_weight() -> None:
+    """M L = 0 is a case of its own in the definitions: F_N is then the weight, whatever the velocity."""
+    for name in ("c2_parallel", "rotating_link"):
+        model = load_model(name)
+        balanced = meaning(model.expand(model.definition("F_N").symbol).subs(v.L.symbol, 0)).subs(v.phi.symbol, 0)
+
+        assert is_zero(balanced**2 - ((v.M.symbol + v.M_l.symbol) * v.g.symbol) ** 2)
+
+
+def test_c1_regressor_has_rank_four() -> None:
+    """Six friction coefficients of C1 span four columns; which ones is computed, not declared."""
+    model = load_model("c1_perpendicular")
+    columns = regressor(model)
+    p = LETTERS
+
+    assert [column.name for column in columns] == ["B_lN", "C_lN", "B", "C"]
+    assert is_zero(model.expand(columns[2].coefficient) - (p.B_m + p.mu**2 * p.B_lT * p.F_T))
+    assert is_zero(model.expand(columns[3].coefficient) - (p.C_m + p.mu * p.C_lT * p.F_T))
+    # Exact rank at random velocities of both signs.
+    moving = [sp.Rational(k * k - 7, 3) for k in range(1, 9)]
+    rows = [[model.expand(c.basis).subs(_at_table()).subs(omega_m, w).rewrite("meaning") for c in columns]
+            for w in moving]  # fmt: skip
+    assert sp.Matrix(rows).rank() == 4
+
+
+def _at_table() -> dict[sp.Symbol, sp.Rational]:
+    return {v.M.symbol: sp.Rational(1, 2), v.L.symbol: sp.Rational(1, 4), v.mu.symbol: sp.Rational(1, 5)}
+
+
+def test_regressor_spans_the_mechanical_friction() -> None:
+    """The columns times their coefficients are the friction terms, in every model."""
+    for name in model_names():
+        model = load_model(name)
+        spanned = sp.Add(*(column.coefficient * column.basis for column in regressor(model)))
+        difference = model.expand(spanned - model.balance("mechanical").sum_of("friction"))
+
+        assert is_zero(difference.replace(lambda e: type(e).__name__ == "Gated", lambda e: sp.Mul(*e.args))), name
+
+
+@pytest.mark.parametrize("name", model_names())
+def test_script_prints_its_derivation_with_the_papers_numbers(name: str) -> None:
+    """A derivation run by path prints its equations with the paper's numbers."""
+    numbers = {
+        "c1_perpendicular": ("(8)", "(11)", "(12)", "(13)"),
+        "c2_parallel": ("(15)", "(16)", "(17)", "(18)", "(19)", "(20)", "(22)", "(23)", "(24)", "(25)"),
+        "c1_asymmetric": ("(14)",),
+        "c2_asymmetric": ("(21)",),
+        "rotating_link": ("(1)", "(2)", "(3)", "(4)", "(5)", "(6)", "(7)"),
+    }
+    command = [sys.executable, str(ROOT / "derivations" / f"{name}.py")]
+    printed = subprocess.run(command, capture_output=True, text=True, check=True, cwd=ROOT, env=_environment()).stdout
+
+    assert [number for number in numbers[name] if number not in printed] == []
+
+
+def _environment() -> dict[str, str]:
+    import os
+
+    return {**os.environ, "PYTHONPATH": str(ROOT), "PYTHONIOENCODING": "utf-8"}
+
+
+def test_scripts_state_no_closed_form_as_a_start() -> None:
+    """No derivation takes its normal force or friction torque from anywhere but the general one."""
+    for name in model_names():
+        namespace = runpy.run_path(str(ROOT / "derivations" / f"{name}.py"))
+        if name == "rotating_link":
+            assert namespace["position"].shape == (3, 1)
+        else:
+            assert namespace.get("general", namespace.get("symmetric")).name in model_names()

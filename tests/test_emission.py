@@ -1,0 +1,259 @@
+"""Emission: the Program's passes, the templates' holes, the freshness of generated/, what the files depend on."""
+
+import ast
+import re
+import subprocess
+import sys
+import types
+from pathlib import Path
+
+import cffi
+import jinja2
+import jinja2.meta
+import mpmath
+import numpy as np
+import pytest
+import sympy as sp
+
+from eccentric import __version__
+from eccentric.cli import main
+from eccentric.emit import Assignment, Input, Program, Routine, differentiate, load_module, needed, render, render_program, stale
+from eccentric.emit import c99, numpy_module
+from eccentric.emit.build import build_program
+from eccentric.emit.series import polynomial
+from eccentric.model import load_model, model_names, quantity
+from eccentric.places import folder
+from generated import c2_parallel
+
+ROOT = Path(__file__).resolve().parent.parent
+
+
+@pytest.mark.parametrize("name", model_names())
+def test_generated_files_are_fresh(name: str) -> None:
+    """What is committed is what would be derived now, byte for byte."""
+    diff = stale(load_model(name), ROOT / "generated")
+
+    assert "" == diff, f"generated/ is stale; mend it with: make derive\n{diff}"
+
+
+def test_generated_holds_no_orphan() -> None:
+    """Every generated file belongs to a derivation."""
+    known = {f"{name}{suffix}" for name in model_names() for suffix in (".py", ".h", ".c")}
+    found = {p.name for p in (ROOT / "generated").iterdir() if p.suffix in {".py", ".h", ".c"}}
+
+    assert known | {"__init__.py"} == found
+
+
+@pytest.mark.parametrize("name", model_names())
+def test_rendering_twice_gives_the_same_bytes(name: str) -> None:
+    """Nothing in the files changes by itself, and they carry no date and no absolute path."""
+    first, second = render(load_model(name)), render(load_model(name))
+
+    assert first == second
+    for text in first.values():
+        assert re.search(r"\b20\d\d-\d\d|(?<![\w.])/(?:home|root|tmp|usr|work)/", text) is None
+        assert __version__ in text.split("\n\n")[0]
+
+
+def test_freshness_test_sees_a_changed_file(tmp_path: Path) -> None:
+    """A byte changed in a generated file shows in the diff, with the file's name."""
+    model = load_model("c1_perpendicular")
+    for name, text in render(model).items():
+        (tmp_path / name).write_text(text, encoding="utf-8")
+    assert "" == stale(model, tmp_path)
+    header = tmp_path / "c1_perpendicular.h"
+    header.write_text(header.read_text(encoding="utf-8").replace("newton", "newtons").replace("mass", "Mass"), encoding="utf-8")
+
+    assert "generated/c1_perpendicular.h" in stale(model, tmp_path)
+
+
+def test_every_template_uses_exactly_the_keys_it_is_given() -> None:
+    """No hole without a value, no value without a hole."""
+    program = build_program(load_model("c2_parallel"))
+    views = {
+        "module.py.jinja": numpy_module.view(program, "banner", "summary"),
+        "header.h.jinja source.c.jinja": c99.view(program, "banner", "00000000"),
+    }
+    environment = jinja2.Environment(loader=jinja2.FileSystemLoader(folder("templates")))
+    seen = set()
+    for names, view in views.items():
+        holes = set().union(*(_holes(environment, name, seen) for name in names.split()))
+        assert holes == set(view), names
+    assert seen == {p.name for p in folder("templates").glob("*.jinja")}, "a template that nothing uses"
+
+
+def _holes(environment: jinja2.Environment, name: str, seen: set[str]) -> set[str]:
+    seen.add(name)
+    source = (folder("templates") / name).read_text(encoding="utf-8")
+    tree = environment.parse(source)
+    holes = jinja2.meta.find_undeclared_variables(tree)
+    for included in jinja2.meta.find_referenced_templates(tree):
+        holes |= _holes(environment, str(included), seen)
+    return holes
+
+
+@pytest.mark.parametrize("name", model_names())
+def test_emitted_module_imports_only_numpy_and_the_standard_library(name: str) -> None:
+    """A firmware team's laptop needs no toolkit."""
+    tree = ast.parse((ROOT / "generated" / f"{name}.py").read_text(encoding="utf-8"))
+    imported = {a.name.split(".")[0] for n in ast.walk(tree) if isinstance(n, ast.Import) for a in n.names}
+    imported |= {str(n.module).split(".")[0] for n in ast.walk(tree) if isinstance(n, ast.ImportFrom)}
+
+    assert imported <= {"__future__", "collections", "dataclasses", "functools", "math", "numpy", "typing"}
+
+
+@pytest.mark.parametrize("single", [True, False], ids=["single", "double"])
+@pytest.mark.parametrize(("name", "function"), [("sine_series", "sin"), ("cosine_series", "cos")])
+def test_polynomials_hold_their_stated_error(name: str, function: str, *, single: bool) -> None:
+    """The polynomial is within its stated error of the sine or cosine over a quarter turn, at 50 digits."""
+    with mpmath.workdps(50):
+        found = polynomial(name, single)
+        worst = mpmath.mpf(0)
+        for k in range(1, 2000):
+            x = mpmath.pi / 2 * k / 1999
+            exact = mpmath.sin(x) / x if function == "sin" else mpmath.cos(x)
+            value = mpmath.polyval([mpmath.mpf(c) for c in found.coefficients], x * x)
+            worst = max(worst, abs(value - exact))
+        # Printing the coefficients to the working precision adds at most some units of their last digit.
+        digits = mpmath.mpf("1e-9") if single else mpmath.mpf("1e-17")
+        assert worst <= mpmath.mpf(found.error) * mpmath.mpf("1.05") + 4 * digits
+
+
+def chain(n: int) -> Program:
+    """Weighted sum of squared absolute angles of a planar chain of n links, and its slopes; one vector input."""
+    angles = Input(quantity("theta", "rad", "joint angles", "", "real"), n)
+    mass, weight = quantity("m", "kg", "mass", "", "positive", "2"), sp.Symbol("weight", real=True)
+    assignments: list[Assignment] = []
+    for k, theta in enumerate(angles.symbols):
+        before = assignments[-1].target if assignments else sp.Integer(0)
+        assignments.append(Assignment(sp.Symbol(f"angle_{k}", real=True), before + theta))
+    total = sp.Symbol("total", real=True)
+    assignments.append(Assignment(total, weight * sp.Add(*(a.target**2 for a in assignments))))
+    slopes = [sp.Symbol(f"total_d_{theta.name}", real=True) for theta in angles.symbols]
+    steps = needed(differentiate(assignments, angles.symbols), slopes)
+    labels = tuple(theta.name for theta in angles.symbols)
+    value = Routine("total", (angles,), tuple(assignments), (total,), (), "N rad^2", "weighted sum")
+    gradient = Routine("slopes", (angles,), steps, tuple(slopes), labels, "N rad", "slopes of the weighted sum")
+    prepare = (Assignment(weight, 3 * mass.symbol),)
+    return Program("chain", "Planar chain", (mass,), prepare, (weight,), (value, gradient))
+
+
+@pytest.mark.parametrize("n", [1, 2, 5])
+def test_chain_of_links_needs_no_rewrite(n: int, tmp_path: Path) -> None:
+    """A Program with a vector input, differentiated assignment by assignment, runs in NumPy and in C."""
+    files = render_program(chain(n), "a test", "a test")
+    module = types.ModuleType("chain_under_test")
+    sys.modules["chain_under_test"] = module
+    exec(compile(files["chain.py"], "chain.py", "exec"), module.__dict__)  # noqa: S102
+    theta = np.random.default_rng(n).uniform(-2, 2, (7, n))
+    sums = np.cumsum(theta, axis=-1)
+    # By hand: 3 m = 6 times the squared partial sums; the slope by theta_k is twice the partial sums from k on.
+    by_hand = 6 * 2 * np.cumsum(sums[:, ::-1], axis=-1)[:, ::-1]
+
+    np.testing.assert_allclose(module.total(theta), 6 * np.sum(sums**2, axis=-1), rtol=1e-14)
+    np.testing.assert_allclose(module.slopes(theta), by_hand, rtol=1e-13)
+    for name, text in files.items():
+        (tmp_path / name).write_text(text, encoding="utf-8")
+    library = cffi.FFI()
+    library.cdef("typedef struct { double weight; } chain_coefficients;extern chain_coefficients chain_default;")
+    library.cdef("void chain_slopes(const double *theta, double *out, const chain_coefficients *c);")
+    flags = ["-std=c99", "-Wall", "-Wextra", "-Wpedantic", "-Wconversion", "-Wdouble-promotion", "-Werror"]
+    subprocess.run(["gcc", *flags, "-shared", "-fPIC", "chain.c", "-o", "chain.so", "-lm"], check=True, cwd=tmp_path)
+    compiled = library.dlopen(str(tmp_path / "chain.so"))
+    out = np.empty(n)
+    compiled.chain_slopes(library.cast("double *", theta[0].ctypes.data), library.cast("double *", out.ctypes.data),
+                          library.addressof(compiled, "chain_default"))  # fmt: skip
+
+    np.testing.assert_array_equal(out, module.slopes(theta[0]))
+
+
+def test_derivatives_are_taken_assignment_by_assignment() -> None:
+    """Nested definitions stay names in the derivative: its size grows with the chain, not with its expansion."""
+    sizes = [sum(a.value.count_ops() for a in chain(n).routines[1].assignments) for n in (4, 8, 16)]
+
+    # n links have n slopes through at most n assignments each: no faster than quadratic growth.
+    assert sizes[1] <= 4.5 * sizes[0]
+    assert sizes[2] <= 4.5 * sizes[1]
+
+
+def test_hot_loaded_module_is_the_committed_one() -> None:
+    """The fit runs what is shipped."""
+    module = load_module(load_model("c2_parallel"))
+    assert c2_parallel.friction_torque(1.0, 2.0) == module.friction_torque(1.0, 2.0)
+    assert load_module(load_model("c2_parallel")) is module
+
+
+def test_emit_takes_a_path_and_a_prefix(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """A derivation of one's own is emitted by its path; the prefix names files and C functions."""
+    script = tmp_path / "mine.py"
+    script.write_text(
+        "from dataclasses import replace\nfrom eccentric.model import load_model\n"
+        "model = replace(load_model('c2_parallel'), name='mine', title='My arm')\n",
+        encoding="utf-8",
+    )
+    assert 0 == main(["emit", str(script), "--prefix", "arm", "--out", str(tmp_path / "out")])
+
+    assert {"arm.py", "arm.h", "arm.c"} <= {p.name for p in (tmp_path / "out").iterdir()}
+    assert "arm_friction_torque" in (tmp_path / "out" / "arm.c").read_text(encoding="utf-8")
+    assert "arm.py, arm.h, arm.c" in capsys.readouterr().out
+
+
+def test_emit_takes_fitted_parameters(tmp_path: Path) -> None:
+    """Fitted values become the defaults, with their remarks as comments."""
+    fit = tmp_path / "fit.json"
+    fit.write_text('{"parameters": {"B_m": 0.00123, "J_m": 2e-5}, "notes": {"B_m": "0.0012 to 0.0013 (95 %)"}}', "utf-8")
+    main(["emit", "c2_parallel", "--parameters", str(fit), "--out", str(tmp_path / "out")])
+    text = (tmp_path / "out" / "c2_parallel.py").read_text(encoding="utf-8")
+
+    assert "B_m: float = 0.00123" in text
+    assert "0.0012 to 0.0013 (95 %)" in text
+    assert "J_m: float = 2e-05" in text
+
+
+@pytest.mark.parametrize(
+    ("content", "said"),
+    [
+        ('{"parameters": {"B_m": -1}}', "B_m: required a nonnegative number, got -1"),
+        ('{"parameters": {"mu": 0}}', "mu: required a positive number, got 0"),
+        ('{"parameters": {"B_x": 1}}', "B_x: c2_parallel has no such parameter"),
+        ('{"parameters": {"B_m": "a"}}', "B_m: required a finite number, got 'a'"),
+        ("{", "required JSON"),
+        ("[]", "required an object `parameters`"),
+    ],
+)
+def test_bad_fit_file_is_one_line(
+    content: str, said: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """A fit file that cannot be used is named with what is wrong in it, and nothing is written."""
+    fit = tmp_path / "fit.json"
+    fit.write_text(content, encoding="utf-8")
+    status = main(["emit", "c2_parallel", "--parameters", str(fit), "--out", str(tmp_path / "out")])
+    error = capsys.readouterr().err
+
+    assert 2 == status
+    assert 1 == error.count("\n")
+    assert said in error
+    assert not (tmp_path / "out").exists()
+
+
+@pytest.mark.parametrize(
+    ("source", "said"),
+    [
+        ("raise RuntimeError('no')", "RuntimeError: no"),
+        ("x = 1", "required a module-level `model`"),
+        ("from eccentric.model import load_model\nmodel = load_model(__file__)", "in a circle"),
+    ],
+    ids=["raises", "without model", "circle"],
+)
+def test_bad_derivation_is_one_line(
+    source: str, said: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """A derivation that cannot be loaded is named with the reason."""
+    script = tmp_path / "bad.py"
+    script.write_text(source, encoding="utf-8")
+    status = main(["emit", str(script), "--out", str(tmp_path / "out")])
+    error = capsys.readouterr().err
+
+    assert 2 == status
+    assert 1 == error.count("\n")
+    assert said in error
