@@ -31,18 +31,36 @@ powers = sp.Matrix([omega_m**3, omega_m**2, omega_m, 1])
 
 equations = (
     *(symmetric.equation(name) for name in ("normal_force", "normal_force_motor", "friction", "resultant")),
-    Equation("polynomial_pos", "(14)", sp.Matrix(sp.symbols("F_3^+ F_2^+ F_1^+ F_0^+")), positive, "N m (s/rad)^k",
-             "Coefficients for omega_m > 0.",
-             (Identity("with equal coefficients F is the symmetric one for omega_m > 0",
-                       sp.expand((positive.subs(alike).T * powers)[0]
-                                 - resultant.subs(sp.sign(omega_m), 1))),)),
-    Equation("polynomial_neg", "(14)", sp.Matrix(sp.symbols("F_3^- F_2^- F_1^- F_0^-")), negative, "N m (s/rad)^k",
-             "Coefficients for omega_m < 0. The paper prints F_0^- = -mu gamma^- + C_m^-; the derivation gives the sign"
-             " that (13) and (21) have too.",
-             (Identity("with equal coefficients F is the symmetric one for omega_m < 0",
-                       sp.expand((negative.subs(alike).T * powers)[0]
-                                 - resultant.subs(sp.sign(omega_m), -1))),)),
-)  # fmt: skip
+    Equation(
+        "polynomial_pos",
+        "(14)",
+        sp.Matrix(sp.symbols("F_3^+ F_2^+ F_1^+ F_0^+")),
+        positive,
+        "N m (s/rad)^k",
+        "Coefficients for omega_m > 0.",
+        (
+            Identity(
+                "with equal coefficients F is the symmetric one for omega_m > 0",
+                sp.expand((positive.subs(alike).T * powers)[0] - resultant.subs(sp.sign(omega_m), 1)),
+            ),
+        ),
+    ),
+    Equation(
+        "polynomial_neg",
+        "(14)",
+        sp.Matrix(sp.symbols("F_3^- F_2^- F_1^- F_0^-")),
+        negative,
+        "N m (s/rad)^k",
+        "Coefficients for omega_m < 0. The paper prints F_0^- = -mu gamma^- + C_m^-; the derivation gives the sign"
+        " that (13) and (21) have too.",
+        (
+            Identity(
+                "with equal coefficients F is the symmetric one for omega_m < 0",
+                sp.expand((negative.subs(alike).T * powers)[0] - resultant.subs(sp.sign(omega_m), -1)),
+            ),
+        ),
+    ),
+)
 
 model = directed(
     symmetric,

@@ -34,7 +34,9 @@ resultant = sp.expand(friction.subs(F_N, F_N_motor) + k_i * k_e / R * omega_m)
 resultant = sp.collect(resultant, [omega_m, sp.sign(omega_m)])
 sgn = sp.Symbol("sgn")  # stands for the sign, so that it does not count as a power of the velocity
 signed = sp.expand(resultant).subs(sp.sign(omega_m), sgn)
-coefficients = [sp.collect(signed.coeff(omega_m, power), sgn).subs(sgn, sp.sign(omega_m)) for power in (3, 2, 1, 0)]
+coefficients = [
+    sp.collect(signed.coeff(omega_m, power), sgn).subs(sgn, sp.sign(omega_m)) for power in (3, 2, 1, 0)
+]
 gravity_torque = general.equation("gravity_torque").right.subs(perpendicular)
 
 # --- Where it becomes linear ----------------------------------------------------------------------------------------
@@ -43,28 +45,77 @@ balanced = resultant.subs(M, 0)
 order_in_mu = [sp.degree(c.subs(sp.sign(omega_m), 1), mu) for c in coefficients[:2]]
 
 equations = (
-    Equation("normal_force", "(8)", F_N, F_N_link, "N",
-             "Normal force: of (16) only the centrifugal force is left, gravity lies along the axis."),
+    Equation(
+        "normal_force",
+        "(8)",
+        F_N,
+        F_N_link,
+        "N",
+        "Normal force: of (16) only the centrifugal force is left, gravity lies along the axis.",
+    ),
     Equation("normal_force_motor", "(8)", F_N, F_N_motor, "N", "The same on the motor side."),
-    Equation("friction", "(7)", f, sp.collect(friction, [omega_m, sp.sign(omega_m)]), "N m",
-             "Friction of both bearings, (9) and (10), with beta_T = B_lT F_T and gamma_T = C_lT F_T."),
-    Equation("resultant", "(11)", F, resultant, "N m",
-             "Resultant friction torque, back-EMF damping included.",
-             (Identity("it is odd in the velocity",
-                       sp.expand(resultant + resultant.subs(omega_m, -omega_m).subs(sp.Abs(-omega_m), sp.Abs(omega_m)))),
-              Identity("it is linear for a balanced mass (M = 0)",
-                       sp.expand(balanced - (mu**2 * beta_T + B_m + k_i * k_e / R) * omega_m
-                                 - (mu * gamma_T + C_m) * sp.sign(omega_m))),
-              Identity("F_3 and F_2 fall with mu^4 and mu^3: it is linear for mu << 1",
-                       sp.Integer(abs(order_in_mu[0] - 4) + abs(order_in_mu[1] - 3))))),
-    Equation("polynomial_high", "(12)", sp.Matrix(sp.symbols("F_3 F_2")), sp.Matrix(coefficients[:2]),
-             "N m (s/rad)^k", "Its coefficients of omega_m^3 and omega_m^2 ..."),
-    Equation("polynomial_low", "(13)", sp.Matrix(sp.symbols("F_1 F_0")), sp.Matrix(coefficients[2:]),
-             "N m (s/rad)^k", "... and of omega_m and 1."),
+    Equation(
+        "friction",
+        "(7)",
+        f,
+        sp.collect(friction, [omega_m, sp.sign(omega_m)]),
+        "N m",
+        "Friction of both bearings, (9) and (10), with beta_T = B_lT F_T and gamma_T = C_lT F_T.",
+    ),
+    Equation(
+        "resultant",
+        "(11)",
+        F,
+        resultant,
+        "N m",
+        "Resultant friction torque, back-EMF damping included.",
+        (
+            Identity(
+                "it is odd in the velocity",
+                sp.expand(
+                    resultant + resultant.subs(omega_m, -omega_m).subs(sp.Abs(-omega_m), sp.Abs(omega_m))
+                ),
+            ),
+            Identity(
+                "it is linear for a balanced mass (M = 0)",
+                sp.expand(
+                    balanced
+                    - (mu**2 * beta_T + B_m + k_i * k_e / R) * omega_m
+                    - (mu * gamma_T + C_m) * sp.sign(omega_m)
+                ),
+            ),
+            Identity(
+                "F_3 and F_2 fall with mu^4 and mu^3: it is linear for mu << 1",
+                sp.Integer(abs(order_in_mu[0] - 4) + abs(order_in_mu[1] - 3)),
+            ),
+        ),
+    ),
+    Equation(
+        "polynomial_high",
+        "(12)",
+        sp.Matrix(sp.symbols("F_3 F_2")),
+        sp.Matrix(coefficients[:2]),
+        "N m (s/rad)^k",
+        "Its coefficients of omega_m^3 and omega_m^2 ...",
+    ),
+    Equation(
+        "polynomial_low",
+        "(13)",
+        sp.Matrix(sp.symbols("F_1 F_0")),
+        sp.Matrix(coefficients[2:]),
+        "N m (s/rad)^k",
+        "... and of omega_m and 1.",
+    ),
     Equation("gravity_torque", "(5)", v.G.symbol, gravity_torque, "N m", "There is no gravity torque."),
-    Equation("voltage_steady", "(4)", u, sp.expand(R / k_i * resultant), "V",
-             "Velocity-voltage curve of the steady state, alpha_m = 0 (figure 2)."),
-)  # fmt: skip
+    Equation(
+        "voltage_steady",
+        "(4)",
+        u,
+        sp.expand(R / k_i * resultant),
+        "V",
+        "Velocity-voltage curve of the steady state, alpha_m = 0 (figure 2).",
+    ),
+)
 
 model = limit(
     general,

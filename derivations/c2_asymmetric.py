@@ -26,16 +26,41 @@ def one_direction(direction: str) -> sp.Expr:
 positive, negative = one_direction("pos"), one_direction("neg")
 alike = {v.directed(q, d).symbol: q.symbol for q in split for d in ("pos", "neg")}
 equations = (
-    *(symmetric.equation(name) for name in ("load", "normal_force", "normal_force_motor", "careful_normal_force")),
+    *(
+        symmetric.equation(name)
+        for name in ("load", "normal_force", "normal_force_motor", "careful_normal_force")
+    ),
     *(symmetric.equation(name) for name in ("friction", "resultant")),
-    Equation("resultant_pos", "(21)", F, positive, "N m", "For omega_m > 0: F_1^+ omega_m + F_0^+.",
-             (Identity("with equal coefficients it is the symmetric one",
-                       sp.expand(positive.subs(alike) - resultant.subs(sp.sign(omega_m), 1))),)),
-    Equation("resultant_neg", "(21)", F, negative, "N m", "For omega_m < 0: F_1^- omega_m + F_0^-.",
-             (Identity("with equal coefficients it is the symmetric one",
-                       sp.expand(negative.subs(alike) - resultant.subs(sp.sign(omega_m), -1))),)),
+    Equation(
+        "resultant_pos",
+        "(21)",
+        F,
+        positive,
+        "N m",
+        "For omega_m > 0: F_1^+ omega_m + F_0^+.",
+        (
+            Identity(
+                "with equal coefficients it is the symmetric one",
+                sp.expand(positive.subs(alike) - resultant.subs(sp.sign(omega_m), 1)),
+            ),
+        ),
+    ),
+    Equation(
+        "resultant_neg",
+        "(21)",
+        F,
+        negative,
+        "N m",
+        "For omega_m < 0: F_1^- omega_m + F_0^-.",
+        (
+            Identity(
+                "with equal coefficients it is the symmetric one",
+                sp.expand(negative.subs(alike) - resultant.subs(sp.sign(omega_m), -1)),
+            ),
+        ),
+    ),
     symmetric.equation("gravity_torque"),
-)  # fmt: skip
+)
 
 model = directed(
     symmetric,

@@ -73,49 +73,134 @@ top = polynomial(s * (weight_plain - M * L * mu**2 * forward**2))
 
 def column(poly: sp.Poly) -> sp.Matrix:
     """Coefficients F_3, F_2, F_1, F_0 as a column."""
-    return sp.Matrix([sp.collect(sp.expand(c), g, lambda part: sp.factor(part) if part.has(M) else part)
-                      for c in poly.all_coeffs()])  # fmt: skip
+    return sp.Matrix(
+        [
+            sp.collect(sp.expand(c), g, lambda part: sp.factor(part) if part.has(M) else part)
+            for c in poly.all_coeffs()
+        ]
+    )
 
 
 gravity_torque = general.equation("gravity_torque").right.subs(parallel)
 
 equations = (
-    Equation("load", "(15)", sp.Matrix(sp.symbols("F_x F_y")), sp.Matrix(load[:2]), "N",
-             "The load on the bearing: weight of the link and of M, and the centrifugal force of M."),
-    Equation("normal_force", "(16)", F_N**2, F_N_squared, "N^2", "Its squared norm is the squared normal force.",
-             (Identity("F_N^2 is a square at the bottom: (weight + M L omega_l^2)^2",
-                       sp.expand(at_bottom - (weight_plain + M * L * omega_l**2) ** 2)),
-              Identity("and at the top: (weight - M L omega_l^2)^2",
-                       sp.expand(at_top - (weight_plain - M * L * omega_l**2) ** 2)))),
-    Equation("normal_force_motor", "(17)", F_N**2, F_N_squared.subs(on_motor_side), "N^2",
-             "The same on the motor side.",
-             (Identity("it is periodic in the link angle",
-                       sp.expand_trig(F_N_squared.subs(theta_l, theta_l + 2 * sp.pi) - F_N_squared)),)),
-    Equation("careful_normal_force", "", F_N, careful, "N",
-             "As the code computes it: a difference of squares and the half angle from the top, divided by"
-             " scale_N = M L mu^2 (omega_star is the critical velocity on the motor side).",
-             (Identity("it is equal to (17)",
-                       sp.simplify(sp.expand_trig(sp.expand(
-                           meaning(careful).subs(plain).subs(plain) ** 2 - F_N_squared.subs(on_motor_side)
-                       ).subs(theta_m, 2 * theta_m / mu)))),)),
-    Equation("friction", "(7)", f, friction, "N m", "Friction of both bearings, the transversal force neglected."),
-    Equation("resultant", "(18)", F, resultant, "N m", "Resultant friction torque F = F_1 omega_m + F_0, where"),
-    Equation("F_1", "(19)", sp.Symbol("F_1"), F_1, "N m s/rad", "the viscous part, back-EMF damping included, is"),
+    Equation(
+        "load",
+        "(15)",
+        sp.Matrix(sp.symbols("F_x F_y")),
+        sp.Matrix(load[:2]),
+        "N",
+        "The load on the bearing: weight of the link and of M, and the centrifugal force of M.",
+    ),
+    Equation(
+        "normal_force",
+        "(16)",
+        F_N**2,
+        F_N_squared,
+        "N^2",
+        "Its squared norm is the squared normal force.",
+        (
+            Identity(
+                "F_N^2 is a square at the bottom: (weight + M L omega_l^2)^2",
+                sp.expand(at_bottom - (weight_plain + M * L * omega_l**2) ** 2),
+            ),
+            Identity(
+                "and at the top: (weight - M L omega_l^2)^2",
+                sp.expand(at_top - (weight_plain - M * L * omega_l**2) ** 2),
+            ),
+        ),
+    ),
+    Equation(
+        "normal_force_motor",
+        "(17)",
+        F_N**2,
+        F_N_squared.subs(on_motor_side),
+        "N^2",
+        "The same on the motor side.",
+        (
+            Identity(
+                "it is periodic in the link angle",
+                sp.expand_trig(F_N_squared.subs(theta_l, theta_l + 2 * sp.pi) - F_N_squared),
+            ),
+        ),
+    ),
+    Equation(
+        "careful_normal_force",
+        "",
+        F_N,
+        careful,
+        "N",
+        "As the code computes it: a difference of squares and the half angle from the top, divided by"
+        " scale_N = M L mu^2 (omega_star is the critical velocity on the motor side).",
+        (
+            Identity(
+                "it is equal to (17)",
+                sp.simplify(
+                    sp.expand_trig(
+                        sp.expand(
+                            meaning(careful).subs(plain).subs(plain) ** 2 - F_N_squared.subs(on_motor_side)
+                        ).subs(theta_m, 2 * theta_m / mu)
+                    )
+                ),
+            ),
+        ),
+    ),
+    Equation(
+        "friction", "(7)", f, friction, "N m", "Friction of both bearings, the transversal force neglected."
+    ),
+    Equation(
+        "resultant", "(18)", F, resultant, "N m", "Resultant friction torque F = F_1 omega_m + F_0, where"
+    ),
+    Equation(
+        "F_1", "(19)", sp.Symbol("F_1"), F_1, "N m s/rad", "the viscous part, back-EMF damping included, is"
+    ),
     Equation("F_0", "(20)", sp.Symbol("F_0"), F_0, "N m", "and the Coulomb part is"),
-    Equation("F_N_min", "(22)", sp.Symbol("F_Nmin"), F_N_min, "N", "Least normal force of a revolution, theta_l = pi.",
-             (Identity("its square is F_N^2 at the top", sp.expand(F_N_min**2 - at_top)),)),
-    Equation("F_N_max", "(23)", sp.Symbol("F_Nmax"), F_N_max, "N", "Greatest normal force, theta_l = 0.",
-             (Identity("its square is F_N^2 at the bottom", sp.expand(F_N_max**2 - at_bottom)),)),
-    Equation("critical_velocity", "", sp.Symbol("omega_l^*"), omega_critical, "rad/s",
-             "Link velocity at which the centrifugal force carries the weight at the top: there F_Nmin = 0.",
-             (Identity("F_N vanishes there", sp.simplify(at_top.subs(omega_l, omega_critical))),)),
-    Equation("bottom", "(24)", sp.Matrix(sp.symbols("F_30 F_20 F_10 F_00")), column(bottom), "N m (s/rad)^k",
-             "At the bottom F is a polynomial in omega_m (here omega_m > 0)."),
-    Equation("top", "(25)", sp.Matrix(sp.symbols("F_3pi F_2pi F_1pi F_0pi")), column(top), "N m (s/rad)^k",
-             "At the top too, with s = 1 below the critical velocity and s = -1 above."),
+    Equation(
+        "F_N_min",
+        "(22)",
+        sp.Symbol("F_Nmin"),
+        F_N_min,
+        "N",
+        "Least normal force of a revolution, theta_l = pi.",
+        (Identity("its square is F_N^2 at the top", sp.expand(F_N_min**2 - at_top)),),
+    ),
+    Equation(
+        "F_N_max",
+        "(23)",
+        sp.Symbol("F_Nmax"),
+        F_N_max,
+        "N",
+        "Greatest normal force, theta_l = 0.",
+        (Identity("its square is F_N^2 at the bottom", sp.expand(F_N_max**2 - at_bottom)),),
+    ),
+    Equation(
+        "critical_velocity",
+        "",
+        sp.Symbol("omega_l^*"),
+        omega_critical,
+        "rad/s",
+        "Link velocity at which the centrifugal force carries the weight at the top: there F_Nmin = 0.",
+        (Identity("F_N vanishes there", sp.simplify(at_top.subs(omega_l, omega_critical))),),
+    ),
+    Equation(
+        "bottom",
+        "(24)",
+        sp.Matrix(sp.symbols("F_30 F_20 F_10 F_00")),
+        column(bottom),
+        "N m (s/rad)^k",
+        "At the bottom F is a polynomial in omega_m (here omega_m > 0).",
+    ),
+    Equation(
+        "top",
+        "(25)",
+        sp.Matrix(sp.symbols("F_3pi F_2pi F_1pi F_0pi")),
+        column(top),
+        "N m (s/rad)^k",
+        "At the top too, with s = 1 below the critical velocity and s = -1 above.",
+    ),
     Equation("gravity_torque", "(5)", G, gravity_torque, "N m", "Gravity torque."),
     Equation("voltage", "(4)", u, R / k_i * (J * alpha_m + G + F), "V", "Voltage of the drive."),
-)  # fmt: skip
+)
 
 model = limit(
     general,

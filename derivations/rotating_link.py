@@ -73,7 +73,7 @@ mechanical = (motor_friction + mu * link_friction).subs(gear)
 
 # With the half angle, a = M L omega_l^2 and b the weight: the radial part a + b cos is (a - b) + 2 b cos^2(theta_l/2)
 # and loses nothing near the top. All of it is divided by scale_N = M L mu^2, so that a becomes omega_m^2 and b becomes
-# omega_star^2. A balanced mass (M L = 0) has F_N = b: then unbalanced = 0, omega_star = 1 and scale_N = b.
+# omega_star^2. A balanced mass (M L = 0) has F_N = b: then unbalanced = 0, omega_star = 1 rad/s and scale_N = b/omega_star^2.
 half_cosine, half_sine = HalfCosine(theta_m, mu), HalfSine(theta_m, mu)
 radial = SquareDifference(speed, omega_star) + 2 * omega_star**2 * half_cosine**2
 tangential = unbalanced * alpha_m / mu - 2 * omega_star**2 * half_cosine * half_sine
@@ -86,7 +86,7 @@ definitions = (
     Definition(v.weight, (M + M_l) * g_p),
     Definition(v.critical_squared, sp.Piecewise((1, balanced), (weight / (M * L), True))),
     Definition(v.omega_star, sp.Piecewise((1, balanced), (sp.sqrt(critical_squared) / mu, True))),
-    Definition(v.scale_N, sp.Piecewise((weight, balanced), (M * L * mu**2, True))),
+    Definition(v.scale_N, sp.Piecewise((weight / omega_star**2, balanced), (M * L * mu**2, True))),
     Definition(v.unbalanced, sp.Piecewise((0, balanced), (1, True))),
     Definition(v.speed, unbalanced * sp.Abs(omega_m)),
     Definition(v.F_N, careful),
@@ -132,53 +132,171 @@ plain = {
 careful_squared = sp.expand((meaning(careful) ** 2).subs(plain)).subs(plain).subs(g_p, g * sp.cos(phi))
 
 equations = (
-    Equation("position", "", sp.Symbol("r"), position, "m",
-             "Position of the mass M, link angle counted from where it hangs lowest"
-             " (x level and y up in the plane of motion, z along the axis)."),
+    Equation(
+        "position",
+        "",
+        sp.Symbol("r"),
+        position,
+        "m",
+        "Position of the mass M, link angle counted from where it hangs lowest"
+        " (x level and y up in the plane of motion, z along the axis).",
+    ),
     Equation("acceleration", "", sp.Symbol("r''"), acceleration, "m/s^2", "Differentiated twice in time."),
-    Equation("load", "(15)", sp.Symbol("F"), sp.simplify(load), "N",
-             "Newton for both masses: the load on the bearing; gravity is tilted by phi against the plane."),
-    Equation("normal_force", "(16)", F_N**2, F_N_squared, "N^2",
-             "Squared norm of its part in the plane of motion: the normal force.",
-             (Identity("without weight and acceleration it is (M L omega_l^2)^2, the square of (8)",
-                       F_N_squared.subs({g: 0, alpha_l: 0}) - (M * L * omega_l**2) ** 2),
-              Identity("it is even under reversal of link angle and acceleration",
-                       F_N_squared - F_N_squared.subs({theta_l: -theta_l, alpha_l: -alpha_l}, simultaneous=True)),
-              Identity("without unbalance it is the squared weight",
-                       F_N_squared.subs(L, 0) - ((M + M_l) * g * sp.cos(phi)) ** 2))),
-    Equation("transversal_force", "", sp.Symbol("F_z"), transversal, "N",
-             "Its part along the axis: the whole weight times sin(phi). Table 1 takes M_l g; F_T is a parameter."),
-    Equation("torque_on_link", "(3)", tau_l, torque_on_link, "N m",
-             "Euler about the axis, J_l including M L^2: the torque that the drive must put on the link."),
-    Equation("gear", "(3)", sp.Matrix([theta_l, omega_l, alpha_l]), sp.Matrix(list(gear.values())), "rad, rad/s, ...",
-             "The gear fixes the link to the motor."),
-    Equation("motor", "(1)", newton_motor.lhs, newton_motor.rhs, "N m",
-             "Newton for the rotor; an ideal gear passes the power of the link on."),
-    Equation("motor_torque", "(2)", tau_m, motor_torque, "N m",
-             "Kirchhoff for the armature, its inductance neglected, and tau_m = k_i i."),
-    Equation("gravity_torque", "(5)", G, gravity_torque, "N m", "Gravity torque on the motor side.",
-             (Identity("the careful form of the code is equal to it",
-                       sp.expand_trig(gravity_torque.subs(theta_m, 2 * theta_m / mu)
-                                      + 2 * mu * M * g * sp.cos(phi) * L
-                                      * meaning(half_cosine * half_sine).subs(theta_m, 2 * theta_m / mu))),)),
+    Equation(
+        "load",
+        "(15)",
+        sp.Symbol("F"),
+        sp.simplify(load),
+        "N",
+        "Newton for both masses: the load on the bearing; gravity is tilted by phi against the plane.",
+    ),
+    Equation(
+        "normal_force",
+        "(16)",
+        F_N**2,
+        F_N_squared,
+        "N^2",
+        "Squared norm of its part in the plane of motion: the normal force.",
+        (
+            Identity(
+                "without weight and acceleration it is (M L omega_l^2)^2, the square of (8)",
+                F_N_squared.subs({g: 0, alpha_l: 0}) - (M * L * omega_l**2) ** 2,
+            ),
+            Identity(
+                "it is even under reversal of link angle and acceleration",
+                F_N_squared - F_N_squared.subs({theta_l: -theta_l, alpha_l: -alpha_l}, simultaneous=True),
+            ),
+            Identity(
+                "without unbalance it is the squared weight",
+                F_N_squared.subs(L, 0) - ((M + M_l) * g * sp.cos(phi)) ** 2,
+            ),
+        ),
+    ),
+    Equation(
+        "transversal_force",
+        "",
+        sp.Symbol("F_z"),
+        transversal,
+        "N",
+        "Its part along the axis: the whole weight times sin(phi). Table 1 takes M_l g; F_T is a parameter.",
+    ),
+    Equation(
+        "torque_on_link",
+        "(3)",
+        tau_l,
+        torque_on_link,
+        "N m",
+        "Euler about the axis, J_l including M L^2: the torque that the drive must put on the link.",
+    ),
+    Equation(
+        "gear",
+        "(3)",
+        sp.Matrix([theta_l, omega_l, alpha_l]),
+        sp.Matrix(list(gear.values())),
+        "rad, rad/s, ...",
+        "The gear fixes the link to the motor.",
+    ),
+    Equation(
+        "motor",
+        "(1)",
+        newton_motor.lhs,
+        newton_motor.rhs,
+        "N m",
+        "Newton for the rotor; an ideal gear passes the power of the link on.",
+    ),
+    Equation(
+        "motor_torque",
+        "(2)",
+        tau_m,
+        motor_torque,
+        "N m",
+        "Kirchhoff for the armature, its inductance neglected, and tau_m = k_i i.",
+    ),
+    Equation(
+        "gravity_torque",
+        "(5)",
+        G,
+        gravity_torque,
+        "N m",
+        "Gravity torque on the motor side.",
+        (
+            Identity(
+                "the careful form of the code is equal to it",
+                sp.expand_trig(
+                    gravity_torque.subs(theta_m, 2 * theta_m / mu)
+                    + 2
+                    * mu
+                    * M
+                    * g
+                    * sp.cos(phi)
+                    * L
+                    * meaning(half_cosine * half_sine).subs(theta_m, 2 * theta_m / mu)
+                ),
+            ),
+        ),
+    ),
     Equation("inertia", "(4)", J, inertia, "kg m^2", "What multiplies alpha_m, on the motor side."),
-    Equation("resultant", "(6)", F, resultant, "N m",
-             "What is left of (k_i/R) u = J alpha_m + G + F is the resultant friction torque."),
-    Equation("friction", "(7)", f, mechanical, "N m",
-             "Viscous and Coulomb friction of both bearings, the link's in proportion to the forces it carries."),
-    Equation("careful_normal_force", "", F_N, careful, "N",
-             "F_N as the code computes it: half angle from the top and a difference of squares, for M L > 0 divided by"
-             " scale_N = M L mu^2; HalfCosine, HalfSine, SquareDifference and Magnitude keep their order of evaluation.",
-             (Identity("it is equal to (16)", sp.simplify(sp.expand_trig(
-                 sp.expand(careful_squared - F_N_squared.subs(gear)).subs(theta_m, 2 * theta_m / mu)))),)),
-)  # fmt: skip
+    Equation(
+        "resultant",
+        "(6)",
+        F,
+        resultant,
+        "N m",
+        "What is left of (k_i/R) u = J alpha_m + G + F is the resultant friction torque.",
+    ),
+    Equation(
+        "friction",
+        "(7)",
+        f,
+        mechanical,
+        "N m",
+        "Viscous and Coulomb friction of both bearings, the link's in proportion to the forces it carries.",
+    ),
+    Equation(
+        "careful_normal_force",
+        "",
+        F_N,
+        careful,
+        "N",
+        "F_N as the code computes it: half angle from the top and a difference of squares, for M L > 0 divided by"
+        " scale_N = M L mu^2; HalfCosine, HalfSine, SquareDifference and Magnitude keep their order of evaluation.",
+        (
+            Identity(
+                "it is equal to (16)",
+                sp.simplify(
+                    sp.expand_trig(
+                        sp.expand(careful_squared - F_N_squared.subs(gear)).subs(theta_m, 2 * theta_m / mu)
+                    )
+                ),
+            ),
+        ),
+    ),
+)
 
 model = Model(
     name="rotating_link",
     title="Rotating link with an unbalanced mass, plane tilted by phi, angular acceleration kept",
-    inputs=(v.theta_m, v.omega_m, v.alpha_m),
-    parameters=(v.M, v.M_l, v.L, v.mu, v.R, v.k_i, v.k_e, v.g, v.phi, v.B_lN, v.C_lN, v.B_lT, v.C_lT, v.B_m, v.C_m,
-                v.F_T, v.J_m, v.J_l),  # fmt: skip
+    inputs=(v.theta_m, v.omega_m, v.i, v.u, v.alpha_m),
+    parameters=(
+        v.M,
+        v.M_l,
+        v.L,
+        v.mu,
+        v.R,
+        v.k_i,
+        v.k_e,
+        v.g,
+        v.phi,
+        v.B_lN,
+        v.C_lN,
+        v.B_lT,
+        v.C_lT,
+        v.B_m,
+        v.C_m,
+        v.F_T,
+        v.J_m,
+        v.J_l,
+    ),
     definitions=definitions,
     balances=balances,
     equations=equations,

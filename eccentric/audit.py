@@ -39,7 +39,10 @@ def _at_table(expression: sp.Expr, mu: sp.Rational, changed: Mapping[str, sp.Exp
     model = load_model("c1_perpendicular")
     table = {q.symbol: q.default for q in model.parameters if q.default is not None}
     table |= {v.mu.symbol: mu} | {q.symbol: changed[q.name] for q in model.parameters if q.name in changed}
-    transversal = {v.beta_T.symbol: v.B_lT.symbol * v.F_T.symbol, v.gamma_T.symbol: v.C_lT.symbol * v.F_T.symbol}
+    transversal = {
+        v.beta_T.symbol: v.B_lT.symbol * v.F_T.symbol,
+        v.gamma_T.symbol: v.C_lT.symbol * v.F_T.symbol,
+    }
     forward = {sp.sign(v.omega_m.symbol): 1}
     return expression.subs(forward).subs(transversal).subs(v.F_T.symbol, table[v.F_T.symbol]).subs(table)
 
@@ -52,7 +55,10 @@ def agrees(printed: str, value: sp.Expr) -> bool:
 
 def table_1() -> str:
     """Table 1's coefficients for both gear ratios beside the derivation's, as text."""
-    lines = ["Table 1, coefficients of (11) for omega_m > 0: printed, derived, and whether all printed digits agree", ""]
+    lines = [
+        "Table 1, coefficients of (11) for omega_m > 0: printed, derived, and whether all printed digits agree",
+        "",
+    ]
     for mu, printed in PRINTED.items():
         for name, text, value in zip(_NAMES, printed, polynomial(mu), strict=True):
             verdict = "agrees" if agrees(text, value) else "DIFFERS"
@@ -62,12 +68,21 @@ def table_1() -> str:
 
 def findings() -> tuple[str, ...]:
     """The findings, each as a short text with its numbers computed."""
-    return (_transversal_force(), _back_emf_unit(), _global_minimum(), _ideal_motor(), _sign_in_14(), _gear_ratio())
+    return (
+        _transversal_force(),
+        _back_emf_unit(),
+        _global_minimum(),
+        _ideal_motor(),
+        _sign_in_14(),
+        _gear_ratio(),
+    )
 
 
 def _transversal_force() -> str:
     weight = (v.M.symbol + v.M_l.symbol) * v.g.symbol
-    lines = ["F_T in Table 1 is the weight of the link alone, M_l g; the derivation gives (M + M_l) g, as case C2 has it."]
+    lines = [
+        "F_T in Table 1 is the weight of the link alone, M_l g; the derivation gives (M + M_l) g, as case C2 has it."
+    ]
     for mu in PRINTED:
         own, whole = polynomial(mu), polynomial(mu, F_T=weight)
         lines.append(
@@ -95,7 +110,9 @@ def _global_minimum() -> str:
     mu = 0.2
     table = {q.symbol: q.default for q in model.parameters if q.default is not None}
     omega_l = float(model.equation("critical_velocity").right.subs(table))
-    link_angle, link_velocity = np.meshgrid(np.linspace(0, 2 * np.pi, 721), np.linspace(0, 8 * np.pi, 1601)[1:])
+    link_angle, link_velocity = np.meshgrid(
+        np.linspace(0, 2 * np.pi, 721), np.linspace(0, 8 * np.pi, 1601)[1:]
+    )
     lines = ["Figure 4's global minimum at (7.41 rad/s, pi) is one only with k_e converted from V s/rev."]
     for text, k_e in (("Table 1's 0.20 V s/rad", 0.2), ("0.20 V s/rev, converted", 0.2 / (2 * math.pi))):
         parameters = module.Parameters(mu=mu, k_e=k_e)

@@ -25,20 +25,18 @@ _BLUE, _ORANGE, _GREEN, _RED = "#0072B2", "#E69F00", "#009E73", "#D55E00"
 def draw(out: Path) -> list[Path]:
     """Draw figures 2, 4 and 5 as PNG and SVG into an existing folder.
 
-    Returns
-    -------
-    list of Path
+    Returns:
         The files written.
 
-    Raises
-    ------
-    InputError
-        matplotlib is not installed.
+    Raises:
+        InputError: matplotlib is not installed.
     """
     try:
         import matplotlib as mpl
     except ModuleNotFoundError:
-        raise InputError("figures: required matplotlib; install it with: pip install 'eccentric[figures]'") from None
+        raise InputError(
+            "figures: required matplotlib; install it with: pip install 'eccentric[figures]'"
+        ) from None
     paths = []
     # The same bytes each time: SVG ids from a fixed salt, no date.
     with mpl.rc_context({"svg.hashsalt": "eccentric", "font.size": 10, "axes.grid": True, "grid.alpha": 0.3}):
@@ -64,11 +62,28 @@ def _figure_2() -> Figure:
     axes = figure.subplots()
     for mu, colour, label in ((1 / 5, _BLUE, "1/5"), (1 / 30, _ORANGE, "1/30")):
         parameters = c1.Parameters(mu=mu)
-        axes.plot(c1.voltage(omega_m, parameters=parameters), omega_m, color=colour, label=f"μ = {label}, polynomial (11)")
+        axes.plot(
+            c1.voltage(omega_m, parameters=parameters),
+            omega_m,
+            color=colour,
+            label=f"μ = {label}, polynomial (11)",
+        )
         f_1, f_0 = c1.polynomial(parameters)[2:]
         linear = parameters.R / parameters.k_i * (f_1 * omega_m + f_0 * np.sign(omega_m))
-        axes.plot(linear, omega_m, color=colour, linestyle="--", linewidth=1, label=f"μ = {label}, without F_3 and F_2")
-    axes.set(xlabel="armature voltage u [V]", ylabel="motor velocity ω_m [rad/s]", xlim=(-150, 150), ylim=(-250, 250))
+        axes.plot(
+            linear,
+            omega_m,
+            color=colour,
+            linestyle="--",
+            linewidth=1,
+            label=f"μ = {label}, without F_3 and F_2",
+        )
+    axes.set(
+        xlabel="armature voltage u [V]",
+        ylabel="motor velocity ω_m [rad/s]",
+        xlim=(-150, 150),
+        ylim=(-250, 250),
+    )
     axes.set_title("Figure 2. C1: velocity over voltage in the steady state")
     axes.legend()
     return figure
@@ -84,7 +99,9 @@ def _figure_4() -> Figure:
     lowest = c2.friction_torque(math.pi / MU, critical / MU, parameters)
     figure = _new(10.5, 4.8)
     surface = figure.add_subplot(1, 2, 1, projection="3d")
-    surface.plot_surface(theta_l, omega_l, torque, cmap="viridis", rstride=3, cstride=3, linewidth=0.2, edgecolor="0.4")
+    surface.plot_surface(
+        theta_l, omega_l, torque, cmap="viridis", rstride=3, cstride=3, linewidth=0.2, edgecolor="0.4"
+    )
     surface.plot([math.pi] * 2, [critical] * 2, [lowest, torque.max()], color=_RED, linewidth=1.5, zorder=10)
     surface.set(xlabel="link angle θ_l [rad]", ylabel="link velocity ω_l [rad/s]", zlabel="F [N m]")
     surface.set_box_aspect(None, zoom=0.85)
@@ -95,7 +112,12 @@ def _figure_4() -> Figure:
     contours = level.contourf(theta_l, omega_l, torque, levels=levels, norm="log", cmap="viridis")
     figure.colorbar(contours, ax=level, label="friction torque F [N m]", format="%.2f")
     level.plot(math.pi, critical, marker="x", color=_RED, markersize=10, markeredgewidth=2)
-    level.annotate(f"hollow: {lowest:.4f} N m at\n({critical:.2f} rad/s, π)", (math.pi, critical), (3.6, 7.9), color="white")
+    level.annotate(
+        f"hollow: {lowest:.4f} N m at\n({critical:.2f} rad/s, π)",
+        (math.pi, critical),
+        (3.6, 7.9),
+        color="white",
+    )
     level.set(xlabel="link angle θ_l [rad]", ylabel="link velocity ω_l [rad/s]")
     figure.suptitle("Figure 4. C2: friction torque F (18), μ = 1/5, k_e = 0.20 V s/rev")
     return figure
@@ -113,10 +135,15 @@ def _figure_5() -> Figure:
         left.plot(omega_l, c2.friction_torque(*state), color=colour, label=f"θ_l = {label}")
         right.plot(omega_l, c2.normal_force(*state), color=colour, label=f"θ_l = {label}")
     critical = math.sqrt(parameters.g * (parameters.M + parameters.M_l) / (parameters.M * parameters.L))
-    right.annotate(f"{critical:.2f} rad/s, π", (critical, 0), (critical - 1, -2.2), arrowprops={"arrowstyle": "->"})
+    right.annotate(
+        f"{critical:.2f} rad/s, π", (critical, 0), (critical - 1, -2.2), arrowprops={"arrowstyle": "->"}
+    )
     left.set(xlabel="link velocity ω_l [rad/s]", ylabel="friction torque F [N m]")
     right.set(xlabel="link velocity ω_l [rad/s]", ylabel="normal force F_N [N]", ylim=(-3, None))
     left.legend()
     right.legend()
-    figure.suptitle("Figure 5. C2: friction torque (18) and normal force (17) at three link angles, μ = 1/5, k_e = 0.20 V s/rev")
+    figure.suptitle(
+        "Figure 5. C2: friction torque (18) and normal force (17) at three link angles,"
+        " μ = 1/5, k_e = 0.20 V s/rev"
+    )
     return figure

@@ -1,13 +1,13 @@
 /*
  * Generated: do not edit. Written by `make derive` from derivations/c1_asymmetric.py
- * (eccentric 0.1.0, program 20133e8e). Case C1 with friction that differs between the directions of motion.
+ * (eccentric 0.1.0, program 31a6a98d). Case C1 with friction that differs between the directions of motion.
  */
 #include "c1_asymmetric.h"
 
 #include <float.h>
 #include <math.h>
 
-#if C1_ASYMMETRIC_PROGRAM != 0x20133e8eUL
+#if C1_ASYMMETRIC_PROGRAM != 0x31a6a98dUL
 #error "c1_asymmetric.c and c1_asymmetric.h are of different derivations: write both again with make derive"
 #endif
 
@@ -69,6 +69,7 @@ const c1_asymmetric_coefficients c1_asymmetric_default = {
     (real)(0.08), /* C_lN_neg */
     (real)(0.08), /* C_lN_pos */
     (real)(0.2), /* k_e */
+    (real)(0.02), /* k_i */
     (real)(0.2), /* mu */
     (real)(0.005), /* L_M_mu2 */
     (real)(1.6e-4), /* B_lN_pos_mu2 */
@@ -103,19 +104,30 @@ const c1_asymmetric_coefficients c1_asymmetric_default = {
     (real)(0.8), /* C_lN_neg_mu_per_k_i */
     (real)(1.9696), /* constant_7 */
     (real)(1.9696), /* constant_8 */
+    (real)(-1.6e-4), /* minus_B_lN_pos_mu2 */
+    (real)(-1.6e-4), /* minus_B_lN_neg_mu2 */
+    (real)(-7.1392e-4), /* constant_9 */
+    (real)(-7.1392e-4), /* constant_10 */
+    (real)(-0.016), /* minus_C_lN_pos_mu */
+    (real)(-0.016), /* minus_C_lN_neg_mu */
+    (real)(-0.039392), /* constant_11 */
+    (real)(-0.039392), /* constant_12 */
+    (real)(-0.02), /* minus_k_i */
+    (real)(0.02), /* k_i_per_R */
+    (real)(-0.004), /* minus_k_e_k_i_per_R */
     (real)(8.0e-7), /* B_lN_pos_L_M_mu4 */
     (real)(8.0e-5), /* C_lN_pos_L_M_mu3 */
-    (real)(0.00471392), /* constant_9 */
+    (real)(0.00471392), /* constant_13 */
     (real)(8.0e-7), /* B_lN_neg_L_M_mu4 */
     (real)(-8.0e-5), /* minus_C_lN_neg_L_M_mu3 */
-    (real)(0.00471392), /* constant_10 */
-    (real)(-0.039392), /* constant_11 */
+    (real)(0.00471392), /* constant_14 */
 #else
     0.004, /* B_lN_neg */
     0.004, /* B_lN_pos */
     0.08, /* C_lN_neg */
     0.08, /* C_lN_pos */
     0.2, /* k_e */
+    0.02, /* k_i */
     0.2, /* mu */
     0.005, /* L_M_mu2 */
     1.6e-4, /* B_lN_pos_mu2 */
@@ -150,13 +162,23 @@ const c1_asymmetric_coefficients c1_asymmetric_default = {
     0.8, /* C_lN_neg_mu_per_k_i */
     1.9696, /* constant_7 */
     1.9696, /* constant_8 */
+    -1.6e-4, /* minus_B_lN_pos_mu2 */
+    -1.6e-4, /* minus_B_lN_neg_mu2 */
+    -7.1392e-4, /* constant_9 */
+    -7.1392e-4, /* constant_10 */
+    -0.016, /* minus_C_lN_pos_mu */
+    -0.016, /* minus_C_lN_neg_mu */
+    -0.039392, /* constant_11 */
+    -0.039392, /* constant_12 */
+    -0.02, /* minus_k_i */
+    0.02, /* k_i_per_R */
+    -0.004, /* minus_k_e_k_i_per_R */
     8.0e-7, /* B_lN_pos_L_M_mu4 */
     8.0e-5, /* C_lN_pos_L_M_mu3 */
-    0.00471392, /* constant_9 */
+    0.00471392, /* constant_13 */
     8.0e-7, /* B_lN_neg_L_M_mu4 */
     -8.0e-5, /* minus_C_lN_neg_L_M_mu3 */
-    0.00471392, /* constant_10 */
-    -0.039392, /* constant_11 */
+    0.00471392, /* constant_14 */
 #endif
 };
 
@@ -195,19 +217,31 @@ void c1_asymmetric_prepare(const c1_asymmetric_parameters *p, c1_asymmetric_coef
     const double C_lN_neg_mu_per_k_i = p->C_lN_neg * p->mu / p->k_i;
     const double constant_7 = p->C_lT_pos * p->F_T * p->mu / p->k_i + p->C_m_pos / p->k_i;
     const double constant_8 = p->C_lT_neg * p->F_T * p->mu / p->k_i + p->C_m_neg / p->k_i;
+    const double minus_B_lN_pos_mu2 = -p->B_lN_pos * p->mu * p->mu;
+    const double minus_B_lN_neg_mu2 = -p->B_lN_neg * p->mu * p->mu;
+    const double constant_9 = -p->B_lT_pos * p->F_T * p->mu * p->mu - p->B_m_pos;
+    const double constant_10 = -p->B_lT_neg * p->F_T * p->mu * p->mu - p->B_m_neg;
+    const double minus_C_lN_pos_mu = -p->C_lN_pos * p->mu;
+    const double minus_C_lN_neg_mu = -p->C_lN_neg * p->mu;
+    const double constant_11 = -p->C_lT_pos * p->F_T * p->mu - p->C_m_pos;
+    const double constant_12 = -p->C_lT_neg * p->F_T * p->mu - p->C_m_neg;
+    const double minus_k_i = -p->k_i;
+    const double k_i_per_R = p->k_i / p->R;
+    const double minus_k_e_k_i_per_R = -p->k_e * p->k_i / p->R;
     const double B_lN_pos_L_M_mu4 = p->B_lN_pos * p->L * p->M * p->mu * p->mu * p->mu * p->mu;
     const double C_lN_pos_L_M_mu3 = p->C_lN_pos * p->L * p->M * p->mu * p->mu * p->mu;
-    const double constant_9 = (p->B_lT_pos * p->F_T * p->R * p->mu * p->mu + p->B_m_pos * p->R + p->k_e * p->k_i) / p->R;
+    const double part_1 = p->B_lT_pos * p->F_T * p->R * p->mu * p->mu + p->B_m_pos * p->R + p->k_e * p->k_i;
+    const double constant_13 = part_1 / p->R;
     const double B_lN_neg_L_M_mu4 = p->B_lN_neg * p->L * p->M * p->mu * p->mu * p->mu * p->mu;
     const double minus_C_lN_neg_L_M_mu3 = -p->C_lN_neg * p->L * p->M * p->mu * p->mu * p->mu;
-    const double part_1 = p->B_lT_neg * p->F_T * p->R * p->mu * p->mu + p->B_m_neg * p->R + p->k_e * p->k_i;
-    const double constant_10 = part_1 / p->R;
-    const double constant_11 = -p->C_lT_neg * p->F_T * p->mu - p->C_m_neg;
+    const double part_2 = p->B_lT_neg * p->F_T * p->R * p->mu * p->mu + p->B_m_neg * p->R + p->k_e * p->k_i;
+    const double constant_14 = part_2 / p->R;
     c->B_lN_neg = (real)(p->B_lN_neg);
     c->B_lN_pos = (real)(p->B_lN_pos);
     c->C_lN_neg = (real)(p->C_lN_neg);
     c->C_lN_pos = (real)(p->C_lN_pos);
     c->k_e = (real)(p->k_e);
+    c->k_i = (real)(p->k_i);
     c->mu = (real)(p->mu);
     c->L_M_mu2 = (real)(L_M_mu2);
     c->B_lN_pos_mu2 = (real)(B_lN_pos_mu2);
@@ -242,13 +276,23 @@ void c1_asymmetric_prepare(const c1_asymmetric_parameters *p, c1_asymmetric_coef
     c->C_lN_neg_mu_per_k_i = (real)(C_lN_neg_mu_per_k_i);
     c->constant_7 = (real)(constant_7);
     c->constant_8 = (real)(constant_8);
+    c->minus_B_lN_pos_mu2 = (real)(minus_B_lN_pos_mu2);
+    c->minus_B_lN_neg_mu2 = (real)(minus_B_lN_neg_mu2);
+    c->constant_9 = (real)(constant_9);
+    c->constant_10 = (real)(constant_10);
+    c->minus_C_lN_pos_mu = (real)(minus_C_lN_pos_mu);
+    c->minus_C_lN_neg_mu = (real)(minus_C_lN_neg_mu);
+    c->constant_11 = (real)(constant_11);
+    c->constant_12 = (real)(constant_12);
+    c->minus_k_i = (real)(minus_k_i);
+    c->k_i_per_R = (real)(k_i_per_R);
+    c->minus_k_e_k_i_per_R = (real)(minus_k_e_k_i_per_R);
     c->B_lN_pos_L_M_mu4 = (real)(B_lN_pos_L_M_mu4);
     c->C_lN_pos_L_M_mu3 = (real)(C_lN_pos_L_M_mu3);
-    c->constant_9 = (real)(constant_9);
+    c->constant_13 = (real)(constant_13);
     c->B_lN_neg_L_M_mu4 = (real)(B_lN_neg_L_M_mu4);
     c->minus_C_lN_neg_L_M_mu3 = (real)(minus_C_lN_neg_L_M_mu3);
-    c->constant_10 = (real)(constant_10);
-    c->constant_11 = (real)(constant_11);
+    c->constant_14 = (real)(constant_14);
 }
 
 ECCENTRIC_REAL c1_asymmetric_normal_force(ECCENTRIC_REAL omega_m, const c1_asymmetric_coefficients *c)
@@ -497,11 +541,65 @@ void c1_asymmetric_current_n(
     }
 }
 
+ECCENTRIC_REAL c1_asymmetric_mechanical_residual(
+    ECCENTRIC_REAL omega_m,
+    ECCENTRIC_REAL i,
+    ECCENTRIC_REAL alpha_m,
+    const c1_asymmetric_coefficients *c)
+{
+    const real F_N = c->L_M_mu2 * omega_m * omega_m;
+    const real direction_of_motion = sgn(omega_m);
+    const real part_3 = F_N * ((omega_m > REAL(0.0)) ? c->minus_C_lN_pos_mu : c->minus_C_lN_neg_mu);
+    const real part_2 = part_3 + ((omega_m > REAL(0.0)) ? c->constant_11 : c->constant_12);
+    const real part_1 = direction_of_motion * part_2;
+    const real part_7 = ((omega_m > REAL(0.0)) ? c->minus_B_lN_pos_mu2 : c->minus_B_lN_neg_mu2);
+    const real part_6 = F_N * part_7;
+    const real part_5 = part_6 + ((omega_m > REAL(0.0)) ? c->constant_9 : c->constant_10);
+    const real part_4 = omega_m * part_5;
+    const real part_8 = -((alpha_m == REAL(0.0)) ? REAL(0.0) : c->J * alpha_m);
+    return i * c->k_i + part_1 + part_4 + part_8;
+}
+
+void c1_asymmetric_mechanical_residual_n(
+    size_t n,
+    const ECCENTRIC_REAL *omega_m,
+    const ECCENTRIC_REAL *i,
+    const ECCENTRIC_REAL *alpha_m,
+    ECCENTRIC_REAL *out,
+    const c1_asymmetric_coefficients *c)
+{
+    for (size_t k = 0; k < n; ++k) {
+        out[k] = c1_asymmetric_mechanical_residual(omega_m[k], i[k], alpha_m[k], c);
+    }
+}
+
+ECCENTRIC_REAL c1_asymmetric_electrical_residual(
+    ECCENTRIC_REAL omega_m,
+    ECCENTRIC_REAL i,
+    ECCENTRIC_REAL u,
+    const c1_asymmetric_coefficients *c)
+{
+    return i * c->minus_k_i + c->k_i_per_R * u + c->minus_k_e_k_i_per_R * omega_m;
+}
+
+void c1_asymmetric_electrical_residual_n(
+    size_t n,
+    const ECCENTRIC_REAL *omega_m,
+    const ECCENTRIC_REAL *i,
+    const ECCENTRIC_REAL *u,
+    ECCENTRIC_REAL *out,
+    const c1_asymmetric_coefficients *c)
+{
+    for (size_t k = 0; k < n; ++k) {
+        out[k] = c1_asymmetric_electrical_residual(omega_m[k], i[k], u[k], c);
+    }
+}
+
 void c1_asymmetric_polynomial(ECCENTRIC_REAL *out, const c1_asymmetric_coefficients *c)
 {
     out[0] = c->B_lN_pos_L_M_mu4;
     out[1] = c->C_lN_pos_L_M_mu3;
-    out[2] = c->constant_9;
+    out[2] = c->constant_13;
     out[3] = c->C_pos;
 }
 
@@ -509,6 +607,6 @@ void c1_asymmetric_polynomial_neg(ECCENTRIC_REAL *out, const c1_asymmetric_coeff
 {
     out[0] = c->B_lN_neg_L_M_mu4;
     out[1] = c->minus_C_lN_neg_L_M_mu3;
-    out[2] = c->constant_10;
-    out[3] = c->constant_11;
+    out[2] = c->constant_14;
+    out[3] = c->constant_12;
 }

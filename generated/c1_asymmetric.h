@@ -1,6 +1,6 @@
 /*
  * Generated: do not edit. Written by `make derive` from derivations/c1_asymmetric.py
- * (eccentric 0.1.0, program 20133e8e). Case C1 with friction that differs between the directions of motion.
+ * (eccentric 0.1.0, program 31a6a98d). Case C1 with friction that differs between the directions of motion.
  */
 #ifndef C1_ASYMMETRIC_H
 #define C1_ASYMMETRIC_H
@@ -8,7 +8,7 @@
 #include <stddef.h>
 
 /* C1_ASYMMETRIC_PROGRAM names the derivation that header and source come from; the source checks it. */
-#define C1_ASYMMETRIC_PROGRAM 0x20133e8eUL
+#define C1_ASYMMETRIC_PROGRAM 0x31a6a98dUL
 
 /* The working precision: float or double. Compile all files with the same one. */
 #ifndef ECCENTRIC_REAL
@@ -41,7 +41,7 @@ typedef struct {
     double B_m_neg; /**< viscous friction of the motor, omega_m < 0 [N m s/rad], eq. (10) */
     double C_m_pos; /**< Coulomb friction of the motor, omega_m > 0 [N m], eq. (10) */
     double C_m_neg; /**< Coulomb friction of the motor, omega_m < 0 [N m], eq. (10) */
-    double F_T; /**< transversal force of a level plane [N], eq. (9) */
+    double F_T; /**< transversal force of a level plane [N], eq. (9), M_l g for the defaults: set it along with them */
     double J_m; /**< inertia of the motor [kg m^2], eq. (1), no default */
     double J_l; /**< inertia of the link about its axis, M L^2 included [kg m^2], eq. (3), no default */
 } c1_asymmetric_parameters;
@@ -53,6 +53,7 @@ typedef struct {
     ECCENTRIC_REAL C_lN_neg; /**< Coulomb friction of the link per normal force, omega_m < 0 [m] */
     ECCENTRIC_REAL C_lN_pos; /**< Coulomb friction of the link per normal force, omega_m > 0 [m] */
     ECCENTRIC_REAL k_e; /**< back-EMF constant [V s/rad] */
+    ECCENTRIC_REAL k_i; /**< torque constant [N m/A] */
     ECCENTRIC_REAL mu; /**< gear ratio theta_l/theta_m [1] */
     ECCENTRIC_REAL L_M_mu2;
     ECCENTRIC_REAL B_lN_pos_mu2;
@@ -87,13 +88,23 @@ typedef struct {
     ECCENTRIC_REAL C_lN_neg_mu_per_k_i;
     ECCENTRIC_REAL constant_7; /**< C_lT_pos F_T mu/k_i + C_m_pos/k_i */
     ECCENTRIC_REAL constant_8; /**< C_lT_neg F_T mu/k_i + C_m_neg/k_i */
+    ECCENTRIC_REAL minus_B_lN_pos_mu2;
+    ECCENTRIC_REAL minus_B_lN_neg_mu2;
+    ECCENTRIC_REAL constant_9; /**< -B_lT_pos F_T mu^2 - B_m_pos */
+    ECCENTRIC_REAL constant_10; /**< -B_lT_neg F_T mu^2 - B_m_neg */
+    ECCENTRIC_REAL minus_C_lN_pos_mu;
+    ECCENTRIC_REAL minus_C_lN_neg_mu;
+    ECCENTRIC_REAL constant_11; /**< -C_lT_pos F_T mu - C_m_pos */
+    ECCENTRIC_REAL constant_12; /**< -C_lT_neg F_T mu - C_m_neg */
+    ECCENTRIC_REAL minus_k_i;
+    ECCENTRIC_REAL k_i_per_R;
+    ECCENTRIC_REAL minus_k_e_k_i_per_R;
     ECCENTRIC_REAL B_lN_pos_L_M_mu4;
     ECCENTRIC_REAL C_lN_pos_L_M_mu3;
-    ECCENTRIC_REAL constant_9; /**< (B_lT_pos F_T R mu^2 + B_m_pos R + k_e k_i)/R */
+    ECCENTRIC_REAL constant_13; /**< (B_lT_pos F_T R mu^2 + B_m_pos R + k_e k_i)/R */
     ECCENTRIC_REAL B_lN_neg_L_M_mu4;
     ECCENTRIC_REAL minus_C_lN_neg_L_M_mu3;
-    ECCENTRIC_REAL constant_10; /**< (B_lT_neg F_T R mu^2 + B_m_neg R + k_e k_i)/R */
-    ECCENTRIC_REAL constant_11; /**< -C_lT_neg F_T mu - C_m_neg */
+    ECCENTRIC_REAL constant_14; /**< (B_lT_neg F_T R mu^2 + B_m_neg R + k_e k_i)/R */
 } c1_asymmetric_coefficients;
 
 /** The parameters that `make derive` knows: the paper's Table 1, mu = 1/5, unless others were given. */
@@ -103,7 +114,7 @@ extern const c1_asymmetric_parameters c1_asymmetric_default_parameters;
 extern const c1_asymmetric_coefficients c1_asymmetric_default;
 
 /** Compute the coefficients of a set of parameters; run it once, or when a parameter changes.
- *  Valid parameters: mu, R, k_i positive, the others not negative. Others give coefficients that mean nothing.
+ *  Valid parameters: mu, R, k_i positive; the others not negative. Others give coefficients that mean nothing.
  *  @param[in]  p  parameters
  *  @param[out] c  coefficients
  */
@@ -246,6 +257,48 @@ void c1_asymmetric_current_n(
     size_t n,
     const ECCENTRIC_REAL *omega_m,
     const ECCENTRIC_REAL *alpha_m,
+    ECCENTRIC_REAL *out,
+    const c1_asymmetric_coefficients *c);
+
+/** What the mechanical balance leaves: k_i i - J alpha_m - G - f [N m].
+ *  @param[in]  omega_m  motor velocity [rad/s]
+ *  @param[in]  i  armature current [A]
+ *  @param[in]  alpha_m  motor acceleration [rad/s^2]
+ *  @param[in]  c  coefficients
+ */
+ECCENTRIC_REAL c1_asymmetric_mechanical_residual(
+    ECCENTRIC_REAL omega_m,
+    ECCENTRIC_REAL i,
+    ECCENTRIC_REAL alpha_m,
+    const c1_asymmetric_coefficients *c);
+
+/** mechanical_residual over arrays of n samples. */
+void c1_asymmetric_mechanical_residual_n(
+    size_t n,
+    const ECCENTRIC_REAL *omega_m,
+    const ECCENTRIC_REAL *i,
+    const ECCENTRIC_REAL *alpha_m,
+    ECCENTRIC_REAL *out,
+    const c1_asymmetric_coefficients *c);
+
+/** What the electrical balance leaves, as a torque: (k_i/R)(u - k_e omega_m) - k_i i [N m].
+ *  @param[in]  omega_m  motor velocity [rad/s]
+ *  @param[in]  i  armature current [A]
+ *  @param[in]  u  armature voltage [V]
+ *  @param[in]  c  coefficients
+ */
+ECCENTRIC_REAL c1_asymmetric_electrical_residual(
+    ECCENTRIC_REAL omega_m,
+    ECCENTRIC_REAL i,
+    ECCENTRIC_REAL u,
+    const c1_asymmetric_coefficients *c);
+
+/** electrical_residual over arrays of n samples. */
+void c1_asymmetric_electrical_residual_n(
+    size_t n,
+    const ECCENTRIC_REAL *omega_m,
+    const ECCENTRIC_REAL *i,
+    const ECCENTRIC_REAL *u,
     ECCENTRIC_REAL *out,
     const c1_asymmetric_coefficients *c);
 

@@ -1,5 +1,5 @@
 # Generated: do not edit. Written by `make derive` from derivations/c1_asymmetric.py
-# (eccentric 0.1.0, program 20133e8e). Case C1 with friction that differs between the directions of motion.
+# (eccentric 0.1.0, program 31a6a98d). Case C1 with friction that differs between the directions of motion.
 """Case C1 with friction that differs between the directions of motion.
 
 Inputs are on the motor side, in SI units; they broadcast, float32 stays float32, and `out` is honoured.
@@ -24,12 +24,14 @@ __all__ = [
     "Parameters",
     "coulomb_torque",
     "current",
+    "electrical_residual",
     "friction_coefficients",
     "friction_torque",
     "friction_torque_gradient",
     "friction_torque_jacobian",
     "gravity_torque",
     "mechanical_friction_torque",
+    "mechanical_residual",
     "normal_force",
     "polynomial",
     "polynomial_neg",
@@ -113,39 +115,40 @@ class Parameters:
     """inertia of the link about its axis, M L^2 included [kg m^2], eq. (3), needed with alpha_m"""
 
     def __post_init__(self) -> None:
-        for name, (required, lowest, open_below) in _DOMAINS.items():
+        for name, (required, lowest, highest) in _DOMAINS.items():
             value = getattr(self, name)
             if value is None and name in _OPTIONAL:
                 continue
-            if not (math.isfinite(value) and (value > lowest if open_below else value >= lowest)):
+            if value is None or not lowest <= value <= highest:
                 raise ValueError(f"{name}: required {required}, got {value!r}")
 
 
 _OPTIONAL = ("F_T", "J_m", "J_l")
-_DOMAINS: dict[str, tuple[str, float, bool]] = {
-    "M": ("a number that is not negative [kg]", 0.0, False),
-    "M_l": ("a number that is not negative [kg]", 0.0, False),
-    "L": ("a number that is not negative [m]", 0.0, False),
-    "mu": ("a positive number [1]", 0.0, True),
-    "R": ("a positive number [Ohm]", 0.0, True),
-    "k_i": ("a positive number [N m/A]", 0.0, True),
-    "k_e": ("a number that is not negative [V s/rad]", 0.0, False),
-    "g": ("a number that is not negative [m/s^2]", 0.0, False),
-    "B_lN_pos": ("a number that is not negative [m s/rad]", 0.0, False),
-    "B_lN_neg": ("a number that is not negative [m s/rad]", 0.0, False),
-    "C_lN_pos": ("a number that is not negative [m]", 0.0, False),
-    "C_lN_neg": ("a number that is not negative [m]", 0.0, False),
-    "B_lT_pos": ("a number that is not negative [m s/rad]", 0.0, False),
-    "B_lT_neg": ("a number that is not negative [m s/rad]", 0.0, False),
-    "C_lT_pos": ("a number that is not negative [m]", 0.0, False),
-    "C_lT_neg": ("a number that is not negative [m]", 0.0, False),
-    "B_m_pos": ("a number that is not negative [N m s/rad]", 0.0, False),
-    "B_m_neg": ("a number that is not negative [N m s/rad]", 0.0, False),
-    "C_m_pos": ("a number that is not negative [N m]", 0.0, False),
-    "C_m_neg": ("a number that is not negative [N m]", 0.0, False),
-    "F_T": ("a number that is not negative [N]", 0.0, False),
-    "J_m": ("a number that is not negative [kg m^2]", 0.0, False),
-    "J_l": ("a number that is not negative [kg m^2]", 0.0, False),
+_LARGEST = float(np.finfo(np.float64).max)
+_DOMAINS = {
+    "M": ("a number that is not negative [kg]", 0.0, _LARGEST),
+    "M_l": ("a number that is not negative [kg]", 0.0, _LARGEST),
+    "L": ("a number that is not negative [m]", 0.0, _LARGEST),
+    "mu": ("a positive number [1]", math.ulp(0.0), _LARGEST),
+    "R": ("a positive number [Ohm]", math.ulp(0.0), _LARGEST),
+    "k_i": ("a positive number [N m/A]", math.ulp(0.0), _LARGEST),
+    "k_e": ("a number that is not negative [V s/rad]", 0.0, _LARGEST),
+    "g": ("a number that is not negative [m/s^2]", 0.0, _LARGEST),
+    "B_lN_pos": ("a number that is not negative [m s/rad]", 0.0, _LARGEST),
+    "B_lN_neg": ("a number that is not negative [m s/rad]", 0.0, _LARGEST),
+    "C_lN_pos": ("a number that is not negative [m]", 0.0, _LARGEST),
+    "C_lN_neg": ("a number that is not negative [m]", 0.0, _LARGEST),
+    "B_lT_pos": ("a number that is not negative [m s/rad]", 0.0, _LARGEST),
+    "B_lT_neg": ("a number that is not negative [m s/rad]", 0.0, _LARGEST),
+    "C_lT_pos": ("a number that is not negative [m]", 0.0, _LARGEST),
+    "C_lT_neg": ("a number that is not negative [m]", 0.0, _LARGEST),
+    "B_m_pos": ("a number that is not negative [N m s/rad]", 0.0, _LARGEST),
+    "B_m_neg": ("a number that is not negative [N m s/rad]", 0.0, _LARGEST),
+    "C_m_pos": ("a number that is not negative [N m]", 0.0, _LARGEST),
+    "C_m_neg": ("a number that is not negative [N m]", 0.0, _LARGEST),
+    "F_T": ("a number that is not negative [N]", 0.0, _LARGEST),
+    "J_m": ("a number that is not negative [kg m^2]", 0.0, _LARGEST),
+    "J_l": ("a number that is not negative [kg m^2]", 0.0, _LARGEST),
 }
 
 
@@ -157,6 +160,7 @@ class _Coefficients(NamedTuple):
     C_lN_neg: Any
     C_lN_pos: Any
     k_e: Any
+    k_i: Any
     mu: Any
     L_M_mu2: Any
     B_lN_pos_mu2: Any
@@ -191,13 +195,23 @@ class _Coefficients(NamedTuple):
     C_lN_neg_mu_per_k_i: Any
     constant_7: Any
     constant_8: Any
+    minus_B_lN_pos_mu2: Any
+    minus_B_lN_neg_mu2: Any
+    constant_9: Any
+    constant_10: Any
+    minus_C_lN_pos_mu: Any
+    minus_C_lN_neg_mu: Any
+    constant_11: Any
+    constant_12: Any
+    minus_k_i: Any
+    k_i_per_R: Any
+    minus_k_e_k_i_per_R: Any
     B_lN_pos_L_M_mu4: Any
     C_lN_pos_L_M_mu3: Any
-    constant_9: Any
+    constant_13: Any
     B_lN_neg_L_M_mu4: Any
     minus_C_lN_neg_L_M_mu3: Any
-    constant_10: Any
-    constant_11: Any
+    constant_14: Any
 
 
 @lru_cache(maxsize=64)
@@ -238,14 +252,25 @@ def _prepare(p: Parameters, real: _Real) -> _Coefficients:
     C_lN_neg_mu_per_k_i = p.C_lN_neg * p.mu / p.k_i
     constant_7 = p.C_lT_pos * F_T * p.mu / p.k_i + p.C_m_pos / p.k_i
     constant_8 = p.C_lT_neg * F_T * p.mu / p.k_i + p.C_m_neg / p.k_i
+    minus_B_lN_pos_mu2 = -p.B_lN_pos * p.mu * p.mu
+    minus_B_lN_neg_mu2 = -p.B_lN_neg * p.mu * p.mu
+    constant_9 = -p.B_lT_pos * F_T * p.mu * p.mu - p.B_m_pos
+    constant_10 = -p.B_lT_neg * F_T * p.mu * p.mu - p.B_m_neg
+    minus_C_lN_pos_mu = -p.C_lN_pos * p.mu
+    minus_C_lN_neg_mu = -p.C_lN_neg * p.mu
+    constant_11 = -p.C_lT_pos * F_T * p.mu - p.C_m_pos
+    constant_12 = -p.C_lT_neg * F_T * p.mu - p.C_m_neg
+    minus_k_i = -p.k_i
+    k_i_per_R = p.k_i / p.R
+    minus_k_e_k_i_per_R = -p.k_e * p.k_i / p.R
     B_lN_pos_L_M_mu4 = p.B_lN_pos * p.L * p.M * p.mu * p.mu * p.mu * p.mu
     C_lN_pos_L_M_mu3 = p.C_lN_pos * p.L * p.M * p.mu * p.mu * p.mu
-    constant_9 = (p.B_lT_pos * F_T * p.R * p.mu * p.mu + p.B_m_pos * p.R + p.k_e * p.k_i) / p.R
+    part_1 = p.B_lT_pos * F_T * p.R * p.mu * p.mu + p.B_m_pos * p.R + p.k_e * p.k_i
+    constant_13 = part_1 / p.R
     B_lN_neg_L_M_mu4 = p.B_lN_neg * p.L * p.M * p.mu * p.mu * p.mu * p.mu
     minus_C_lN_neg_L_M_mu3 = -p.C_lN_neg * p.L * p.M * p.mu * p.mu * p.mu
-    part_1 = p.B_lT_neg * F_T * p.R * p.mu * p.mu + p.B_m_neg * p.R + p.k_e * p.k_i
-    constant_10 = part_1 / p.R
-    constant_11 = -p.C_lT_neg * F_T * p.mu - p.C_m_neg
+    part_2 = p.B_lT_neg * F_T * p.R * p.mu * p.mu + p.B_m_neg * p.R + p.k_e * p.k_i
+    constant_14 = part_2 / p.R
     with np.errstate(all="ignore"):
         return _Coefficients(
             B_lN_neg=real(p.B_lN_neg),
@@ -253,6 +278,7 @@ def _prepare(p: Parameters, real: _Real) -> _Coefficients:
             C_lN_neg=real(p.C_lN_neg),
             C_lN_pos=real(p.C_lN_pos),
             k_e=real(p.k_e),
+            k_i=real(p.k_i),
             mu=real(p.mu),
             L_M_mu2=real(L_M_mu2),
             B_lN_pos_mu2=real(B_lN_pos_mu2),
@@ -287,13 +313,23 @@ def _prepare(p: Parameters, real: _Real) -> _Coefficients:
             C_lN_neg_mu_per_k_i=real(C_lN_neg_mu_per_k_i),
             constant_7=real(constant_7),
             constant_8=real(constant_8),
+            minus_B_lN_pos_mu2=real(minus_B_lN_pos_mu2),
+            minus_B_lN_neg_mu2=real(minus_B_lN_neg_mu2),
+            constant_9=real(constant_9),
+            constant_10=real(constant_10),
+            minus_C_lN_pos_mu=real(minus_C_lN_pos_mu),
+            minus_C_lN_neg_mu=real(minus_C_lN_neg_mu),
+            constant_11=real(constant_11),
+            constant_12=real(constant_12),
+            minus_k_i=real(minus_k_i),
+            k_i_per_R=real(k_i_per_R),
+            minus_k_e_k_i_per_R=real(minus_k_e_k_i_per_R),
             B_lN_pos_L_M_mu4=real(B_lN_pos_L_M_mu4),
             C_lN_pos_L_M_mu3=real(C_lN_pos_L_M_mu3),
-            constant_9=real(constant_9),
+            constant_13=real(constant_13),
             B_lN_neg_L_M_mu4=real(B_lN_neg_L_M_mu4),
             minus_C_lN_neg_L_M_mu3=real(minus_C_lN_neg_L_M_mu3),
-            constant_10=real(constant_10),
-            constant_11=real(constant_11),
+            constant_14=real(constant_14),
         )
 
 
@@ -332,9 +368,10 @@ def _evaluate(
             for part, value in zip(parts, kernel(c, *arrays), strict=True):
                 part[...] = value
         else:
-            flags = [["readonly"]] * len(arrays) + [["writeonly"]] * len(parts)
+            operands: Any = [*arrays, *parts]
+            flags: Any = [["readonly"]] * len(arrays) + [["writeonly"]] * len(parts)
             blocks = np.nditer(
-                [*arrays, *parts],
+                operands,
                 flags=["external_loop", "buffered", "copy_if_overlap"],
                 op_flags=flags,
                 buffersize=_BLOCK,
@@ -691,12 +728,79 @@ def current(
     return _evaluate(_current, (omega_m, alpha_m), parameters, out, 0)
 
 
+def _mechanical_residual(
+    c: _Coefficients,
+    omega_m: Any,
+    i: Any,
+    alpha_m: Any,
+) -> tuple[Any, ...]:
+    F_N = c.L_M_mu2 * omega_m * omega_m
+    direction_of_motion = np.sign(omega_m)
+    part_3 = F_N * np.where(omega_m > 0.0, c.minus_C_lN_pos_mu, c.minus_C_lN_neg_mu)
+    part_2 = part_3 + np.where(omega_m > 0.0, c.constant_11, c.constant_12)
+    part_1 = direction_of_motion * part_2
+    part_7 = np.where(omega_m > 0.0, c.minus_B_lN_pos_mu2, c.minus_B_lN_neg_mu2)
+    part_6 = F_N * part_7
+    part_5 = part_6 + np.where(omega_m > 0.0, c.constant_9, c.constant_10)
+    part_4 = omega_m * part_5
+    part_8 = -np.where(alpha_m == 0.0, 0.0, c.J * alpha_m)
+    result = i * c.k_i + part_1 + part_4 + part_8
+    return (result,)
+
+
+def mechanical_residual(
+    omega_m: ArrayLike,
+    i: ArrayLike,
+    alpha_m: ArrayLike = 0.0,
+    parameters: Parameters | None = None,
+    out: np.ndarray | None = None,
+) -> Any:
+    """What the mechanical balance leaves: k_i i - J alpha_m - G - f [N m].
+
+    Shape of the broadcast inputs.
+
+    omega_m [rad/s]: motor velocity
+    i [A]: armature current
+    alpha_m [rad/s^2]: motor acceleration
+    """
+    _require(("J_m", "J_l"), alpha_m, parameters)
+    return _evaluate(_mechanical_residual, (omega_m, i, alpha_m), parameters, out, 0)
+
+
+def _electrical_residual(
+    c: _Coefficients,
+    omega_m: Any,
+    i: Any,
+    u: Any,
+) -> tuple[Any, ...]:
+    result = i * c.minus_k_i + c.k_i_per_R * u + c.minus_k_e_k_i_per_R * omega_m
+    return (result,)
+
+
+def electrical_residual(
+    omega_m: ArrayLike,
+    i: ArrayLike,
+    u: ArrayLike,
+    parameters: Parameters | None = None,
+    out: np.ndarray | None = None,
+) -> Any:
+    """What the electrical balance leaves, as a torque: (k_i/R)(u - k_e omega_m) - k_i i [N m].
+
+    Shape of the broadcast inputs.
+
+    omega_m [rad/s]: motor velocity
+    i [A]: armature current
+    u [V]: armature voltage
+    """
+    return _evaluate(_electrical_residual, (omega_m, i, u), parameters, out, 0)
+
+
 def _polynomial(
     c: _Coefficients,
 ) -> tuple[Any, ...]:
     result_F_3 = c.B_lN_pos_L_M_mu4
     result_F_2 = c.C_lN_pos_L_M_mu3
-    result_F_1 = c.constant_9
+    result_F_1 = c.constant_13
     result_F_0 = c.C_pos
     return (result_F_3, result_F_2, result_F_1, result_F_0)
 
@@ -717,8 +821,8 @@ def _polynomial_neg(
 ) -> tuple[Any, ...]:
     result_F_3 = c.B_lN_neg_L_M_mu4
     result_F_2 = c.minus_C_lN_neg_L_M_mu3
-    result_F_1 = c.constant_10
-    result_F_0 = c.constant_11
+    result_F_1 = c.constant_14
+    result_F_0 = c.constant_12
     return (result_F_3, result_F_2, result_F_1, result_F_0)
 
 

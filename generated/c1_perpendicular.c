@@ -1,13 +1,13 @@
 /*
  * Generated: do not edit. Written by `make derive` from derivations/c1_perpendicular.py
- * (eccentric 0.1.0, program b3dafa0f). Case C1: gravity perpendicular to the motion plane, steady motion.
+ * (eccentric 0.1.0, program 6a07da11). Case C1: gravity perpendicular to the motion plane, steady motion.
  */
 #include "c1_perpendicular.h"
 
 #include <float.h>
 #include <math.h>
 
-#if C1_PERPENDICULAR_PROGRAM != 0xb3dafa0fUL
+#if C1_PERPENDICULAR_PROGRAM != 0x6a07da11UL
 #error "c1_perpendicular.c and c1_perpendicular.h are of different derivations: write both again with make derive"
 #endif
 
@@ -55,6 +55,7 @@ const c1_perpendicular_coefficients c1_perpendicular_default = {
 #if ECCENTRIC_SINGLE
     (real)(0.004), /* B_lN */
     (real)(0.08), /* C_lN */
+    (real)(0.02), /* k_i */
     (real)(0.2), /* mu */
     (real)(0.005), /* L_M_mu2 */
     (real)(1.6e-4), /* B_lN_mu2 */
@@ -77,12 +78,20 @@ const c1_perpendicular_coefficients c1_perpendicular_default = {
     (real)(50.0), /* per_k_i */
     (real)(0.8), /* C_lN_mu_per_k_i */
     (real)(1.9696), /* constant_5 */
+    (real)(-1.6e-4), /* minus_B_lN_mu2 */
+    (real)(-7.1392e-4), /* minus_B_lT_F_T_mu2_minus_B_m */
+    (real)(-0.016), /* minus_C_lN_mu */
+    (real)(-0.039392), /* minus_C_lT_F_T_mu_minus_C_m */
+    (real)(-0.02), /* minus_k_i */
+    (real)(0.02), /* k_i_per_R */
+    (real)(-0.004), /* minus_k_e_k_i_per_R */
     (real)(8.0e-7), /* B_lN_L_M_mu4 */
     (real)(8.0e-5), /* C_lN_L_M_mu3 */
     (real)(0.00471392), /* constant_6 */
 #else
     0.004, /* B_lN */
     0.08, /* C_lN */
+    0.02, /* k_i */
     0.2, /* mu */
     0.005, /* L_M_mu2 */
     1.6e-4, /* B_lN_mu2 */
@@ -105,6 +114,13 @@ const c1_perpendicular_coefficients c1_perpendicular_default = {
     50.0, /* per_k_i */
     0.8, /* C_lN_mu_per_k_i */
     1.9696, /* constant_5 */
+    -1.6e-4, /* minus_B_lN_mu2 */
+    -7.1392e-4, /* minus_B_lT_F_T_mu2_minus_B_m */
+    -0.016, /* minus_C_lN_mu */
+    -0.039392, /* minus_C_lT_F_T_mu_minus_C_m */
+    -0.02, /* minus_k_i */
+    0.02, /* k_i_per_R */
+    -0.004, /* minus_k_e_k_i_per_R */
     8.0e-7, /* B_lN_L_M_mu4 */
     8.0e-5, /* C_lN_L_M_mu3 */
     0.00471392, /* constant_6 */
@@ -134,11 +150,19 @@ void c1_perpendicular_prepare(const c1_perpendicular_parameters *p, c1_perpendic
     const double per_k_i = 1.0 / p->k_i;
     const double C_lN_mu_per_k_i = p->C_lN * p->mu / p->k_i;
     const double constant_5 = p->C_lT * p->F_T * p->mu / p->k_i + p->C_m / p->k_i;
+    const double minus_B_lN_mu2 = -p->B_lN * p->mu * p->mu;
+    const double minus_B_lT_F_T_mu2_minus_B_m = -p->B_lT * p->F_T * p->mu * p->mu - p->B_m;
+    const double minus_C_lN_mu = -p->C_lN * p->mu;
+    const double minus_C_lT_F_T_mu_minus_C_m = -p->C_lT * p->F_T * p->mu - p->C_m;
+    const double minus_k_i = -p->k_i;
+    const double k_i_per_R = p->k_i / p->R;
+    const double minus_k_e_k_i_per_R = -p->k_e * p->k_i / p->R;
     const double B_lN_L_M_mu4 = p->B_lN * p->L * p->M * p->mu * p->mu * p->mu * p->mu;
     const double C_lN_L_M_mu3 = p->C_lN * p->L * p->M * p->mu * p->mu * p->mu;
     const double constant_6 = (p->B_lT * p->F_T * p->R * p->mu * p->mu + p->B_m * p->R + p->k_e * p->k_i) / p->R;
     c->B_lN = (real)(p->B_lN);
     c->C_lN = (real)(p->C_lN);
+    c->k_i = (real)(p->k_i);
     c->mu = (real)(p->mu);
     c->L_M_mu2 = (real)(L_M_mu2);
     c->B_lN_mu2 = (real)(B_lN_mu2);
@@ -161,6 +185,13 @@ void c1_perpendicular_prepare(const c1_perpendicular_parameters *p, c1_perpendic
     c->per_k_i = (real)(per_k_i);
     c->C_lN_mu_per_k_i = (real)(C_lN_mu_per_k_i);
     c->constant_5 = (real)(constant_5);
+    c->minus_B_lN_mu2 = (real)(minus_B_lN_mu2);
+    c->minus_B_lT_F_T_mu2_minus_B_m = (real)(minus_B_lT_F_T_mu2_minus_B_m);
+    c->minus_C_lN_mu = (real)(minus_C_lN_mu);
+    c->minus_C_lT_F_T_mu_minus_C_m = (real)(minus_C_lT_F_T_mu_minus_C_m);
+    c->minus_k_i = (real)(minus_k_i);
+    c->k_i_per_R = (real)(k_i_per_R);
+    c->minus_k_e_k_i_per_R = (real)(minus_k_e_k_i_per_R);
     c->B_lN_L_M_mu4 = (real)(B_lN_L_M_mu4);
     c->C_lN_L_M_mu3 = (real)(C_lN_L_M_mu3);
     c->constant_6 = (real)(constant_6);
@@ -360,6 +391,56 @@ void c1_perpendicular_current_n(
 {
     for (size_t k = 0; k < n; ++k) {
         out[k] = c1_perpendicular_current(omega_m[k], alpha_m[k], c);
+    }
+}
+
+ECCENTRIC_REAL c1_perpendicular_mechanical_residual(
+    ECCENTRIC_REAL omega_m,
+    ECCENTRIC_REAL i,
+    ECCENTRIC_REAL alpha_m,
+    const c1_perpendicular_coefficients *c)
+{
+    const real F_N = c->L_M_mu2 * omega_m * omega_m;
+    const real direction_of_motion = sgn(omega_m);
+    const real part_2 = F_N * c->minus_C_lN_mu + c->minus_C_lT_F_T_mu_minus_C_m;
+    const real part_1 = direction_of_motion * part_2;
+    const real part_3 = omega_m * (F_N * c->minus_B_lN_mu2 + c->minus_B_lT_F_T_mu2_minus_B_m);
+    const real part_4 = -((alpha_m == REAL(0.0)) ? REAL(0.0) : c->J * alpha_m);
+    return i * c->k_i + part_1 + part_3 + part_4;
+}
+
+void c1_perpendicular_mechanical_residual_n(
+    size_t n,
+    const ECCENTRIC_REAL *omega_m,
+    const ECCENTRIC_REAL *i,
+    const ECCENTRIC_REAL *alpha_m,
+    ECCENTRIC_REAL *out,
+    const c1_perpendicular_coefficients *c)
+{
+    for (size_t k = 0; k < n; ++k) {
+        out[k] = c1_perpendicular_mechanical_residual(omega_m[k], i[k], alpha_m[k], c);
+    }
+}
+
+ECCENTRIC_REAL c1_perpendicular_electrical_residual(
+    ECCENTRIC_REAL omega_m,
+    ECCENTRIC_REAL i,
+    ECCENTRIC_REAL u,
+    const c1_perpendicular_coefficients *c)
+{
+    return i * c->minus_k_i + c->k_i_per_R * u + c->minus_k_e_k_i_per_R * omega_m;
+}
+
+void c1_perpendicular_electrical_residual_n(
+    size_t n,
+    const ECCENTRIC_REAL *omega_m,
+    const ECCENTRIC_REAL *i,
+    const ECCENTRIC_REAL *u,
+    ECCENTRIC_REAL *out,
+    const c1_perpendicular_coefficients *c)
+{
+    for (size_t k = 0; k < n; ++k) {
+        out[k] = c1_perpendicular_electrical_residual(omega_m[k], i[k], u[k], c);
     }
 }
 

@@ -1,6 +1,6 @@
 /*
  * Generated: do not edit. Written by `make derive` from derivations/c1_perpendicular.py
- * (eccentric 0.1.0, program b3dafa0f). Case C1: gravity perpendicular to the motion plane, steady motion.
+ * (eccentric 0.1.0, program 6a07da11). Case C1: gravity perpendicular to the motion plane, steady motion.
  */
 #ifndef C1_PERPENDICULAR_H
 #define C1_PERPENDICULAR_H
@@ -8,7 +8,7 @@
 #include <stddef.h>
 
 /* C1_PERPENDICULAR_PROGRAM names the derivation that header and source come from; the source checks it. */
-#define C1_PERPENDICULAR_PROGRAM 0xb3dafa0fUL
+#define C1_PERPENDICULAR_PROGRAM 0x6a07da11UL
 
 /* The working precision: float or double. Compile all files with the same one. */
 #ifndef ECCENTRIC_REAL
@@ -35,7 +35,7 @@ typedef struct {
     double C_lT; /**< Coulomb friction of the link per transversal force [m], eq. (9) */
     double B_m; /**< viscous friction of the motor [N m s/rad], eq. (10) */
     double C_m; /**< Coulomb friction of the motor [N m], eq. (10) */
-    double F_T; /**< transversal force of a level plane [N], eq. (9) */
+    double F_T; /**< transversal force of a level plane [N], eq. (9), M_l g for the defaults: set it along with them */
     double J_m; /**< inertia of the motor [kg m^2], eq. (1), no default */
     double J_l; /**< inertia of the link about its axis, M L^2 included [kg m^2], eq. (3), no default */
 } c1_perpendicular_parameters;
@@ -44,6 +44,7 @@ typedef struct {
 typedef struct {
     ECCENTRIC_REAL B_lN; /**< viscous friction of the link per normal force [m s/rad] */
     ECCENTRIC_REAL C_lN; /**< Coulomb friction of the link per normal force [m] */
+    ECCENTRIC_REAL k_i; /**< torque constant [N m/A] */
     ECCENTRIC_REAL mu; /**< gear ratio theta_l/theta_m [1] */
     ECCENTRIC_REAL L_M_mu2;
     ECCENTRIC_REAL B_lN_mu2;
@@ -66,6 +67,13 @@ typedef struct {
     ECCENTRIC_REAL per_k_i;
     ECCENTRIC_REAL C_lN_mu_per_k_i;
     ECCENTRIC_REAL constant_5; /**< C_lT F_T mu/k_i + C_m/k_i */
+    ECCENTRIC_REAL minus_B_lN_mu2;
+    ECCENTRIC_REAL minus_B_lT_F_T_mu2_minus_B_m;
+    ECCENTRIC_REAL minus_C_lN_mu;
+    ECCENTRIC_REAL minus_C_lT_F_T_mu_minus_C_m;
+    ECCENTRIC_REAL minus_k_i;
+    ECCENTRIC_REAL k_i_per_R;
+    ECCENTRIC_REAL minus_k_e_k_i_per_R;
     ECCENTRIC_REAL B_lN_L_M_mu4;
     ECCENTRIC_REAL C_lN_L_M_mu3;
     ECCENTRIC_REAL constant_6; /**< (B_lT F_T R mu^2 + B_m R + k_e k_i)/R */
@@ -78,7 +86,7 @@ extern const c1_perpendicular_parameters c1_perpendicular_default_parameters;
 extern const c1_perpendicular_coefficients c1_perpendicular_default;
 
 /** Compute the coefficients of a set of parameters; run it once, or when a parameter changes.
- *  Valid parameters: mu, R, k_i positive, the others not negative. Others give coefficients that mean nothing.
+ *  Valid parameters: mu, R, k_i positive; the others not negative. Others give coefficients that mean nothing.
  *  @param[in]  p  parameters
  *  @param[out] c  coefficients
  */
@@ -222,6 +230,48 @@ void c1_perpendicular_current_n(
     size_t n,
     const ECCENTRIC_REAL *omega_m,
     const ECCENTRIC_REAL *alpha_m,
+    ECCENTRIC_REAL *out,
+    const c1_perpendicular_coefficients *c);
+
+/** What the mechanical balance leaves: k_i i - J alpha_m - G - f [N m].
+ *  @param[in]  omega_m  motor velocity [rad/s]
+ *  @param[in]  i  armature current [A]
+ *  @param[in]  alpha_m  motor acceleration [rad/s^2]
+ *  @param[in]  c  coefficients
+ */
+ECCENTRIC_REAL c1_perpendicular_mechanical_residual(
+    ECCENTRIC_REAL omega_m,
+    ECCENTRIC_REAL i,
+    ECCENTRIC_REAL alpha_m,
+    const c1_perpendicular_coefficients *c);
+
+/** mechanical_residual over arrays of n samples. */
+void c1_perpendicular_mechanical_residual_n(
+    size_t n,
+    const ECCENTRIC_REAL *omega_m,
+    const ECCENTRIC_REAL *i,
+    const ECCENTRIC_REAL *alpha_m,
+    ECCENTRIC_REAL *out,
+    const c1_perpendicular_coefficients *c);
+
+/** What the electrical balance leaves, as a torque: (k_i/R)(u - k_e omega_m) - k_i i [N m].
+ *  @param[in]  omega_m  motor velocity [rad/s]
+ *  @param[in]  i  armature current [A]
+ *  @param[in]  u  armature voltage [V]
+ *  @param[in]  c  coefficients
+ */
+ECCENTRIC_REAL c1_perpendicular_electrical_residual(
+    ECCENTRIC_REAL omega_m,
+    ECCENTRIC_REAL i,
+    ECCENTRIC_REAL u,
+    const c1_perpendicular_coefficients *c);
+
+/** electrical_residual over arrays of n samples. */
+void c1_perpendicular_electrical_residual_n(
+    size_t n,
+    const ECCENTRIC_REAL *omega_m,
+    const ECCENTRIC_REAL *i,
+    const ECCENTRIC_REAL *u,
     ECCENTRIC_REAL *out,
     const c1_perpendicular_coefficients *c);
 

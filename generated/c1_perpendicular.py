@@ -1,5 +1,5 @@
 # Generated: do not edit. Written by `make derive` from derivations/c1_perpendicular.py
-# (eccentric 0.1.0, program b3dafa0f). Case C1: gravity perpendicular to the motion plane, steady motion.
+# (eccentric 0.1.0, program 6a07da11). Case C1: gravity perpendicular to the motion plane, steady motion.
 """Case C1: gravity perpendicular to the motion plane, steady motion.
 
 Inputs are on the motor side, in SI units; they broadcast, float32 stays float32, and `out` is honoured.
@@ -24,12 +24,14 @@ __all__ = [
     "Parameters",
     "coulomb_torque",
     "current",
+    "electrical_residual",
     "friction_coefficients",
     "friction_torque",
     "friction_torque_gradient",
     "friction_torque_jacobian",
     "gravity_torque",
     "mechanical_friction_torque",
+    "mechanical_residual",
     "normal_force",
     "polynomial",
     "regressor",
@@ -87,33 +89,34 @@ class Parameters:
     """inertia of the link about its axis, M L^2 included [kg m^2], eq. (3), needed with alpha_m"""
 
     def __post_init__(self) -> None:
-        for name, (required, lowest, open_below) in _DOMAINS.items():
+        for name, (required, lowest, highest) in _DOMAINS.items():
             value = getattr(self, name)
             if value is None and name in _OPTIONAL:
                 continue
-            if not (math.isfinite(value) and (value > lowest if open_below else value >= lowest)):
+            if value is None or not lowest <= value <= highest:
                 raise ValueError(f"{name}: required {required}, got {value!r}")
 
 
 _OPTIONAL = ("F_T", "J_m", "J_l")
-_DOMAINS: dict[str, tuple[str, float, bool]] = {
-    "M": ("a number that is not negative [kg]", 0.0, False),
-    "M_l": ("a number that is not negative [kg]", 0.0, False),
-    "L": ("a number that is not negative [m]", 0.0, False),
-    "mu": ("a positive number [1]", 0.0, True),
-    "R": ("a positive number [Ohm]", 0.0, True),
-    "k_i": ("a positive number [N m/A]", 0.0, True),
-    "k_e": ("a number that is not negative [V s/rad]", 0.0, False),
-    "g": ("a number that is not negative [m/s^2]", 0.0, False),
-    "B_lN": ("a number that is not negative [m s/rad]", 0.0, False),
-    "C_lN": ("a number that is not negative [m]", 0.0, False),
-    "B_lT": ("a number that is not negative [m s/rad]", 0.0, False),
-    "C_lT": ("a number that is not negative [m]", 0.0, False),
-    "B_m": ("a number that is not negative [N m s/rad]", 0.0, False),
-    "C_m": ("a number that is not negative [N m]", 0.0, False),
-    "F_T": ("a number that is not negative [N]", 0.0, False),
-    "J_m": ("a number that is not negative [kg m^2]", 0.0, False),
-    "J_l": ("a number that is not negative [kg m^2]", 0.0, False),
+_LARGEST = float(np.finfo(np.float64).max)
+_DOMAINS = {
+    "M": ("a number that is not negative [kg]", 0.0, _LARGEST),
+    "M_l": ("a number that is not negative [kg]", 0.0, _LARGEST),
+    "L": ("a number that is not negative [m]", 0.0, _LARGEST),
+    "mu": ("a positive number [1]", math.ulp(0.0), _LARGEST),
+    "R": ("a positive number [Ohm]", math.ulp(0.0), _LARGEST),
+    "k_i": ("a positive number [N m/A]", math.ulp(0.0), _LARGEST),
+    "k_e": ("a number that is not negative [V s/rad]", 0.0, _LARGEST),
+    "g": ("a number that is not negative [m/s^2]", 0.0, _LARGEST),
+    "B_lN": ("a number that is not negative [m s/rad]", 0.0, _LARGEST),
+    "C_lN": ("a number that is not negative [m]", 0.0, _LARGEST),
+    "B_lT": ("a number that is not negative [m s/rad]", 0.0, _LARGEST),
+    "C_lT": ("a number that is not negative [m]", 0.0, _LARGEST),
+    "B_m": ("a number that is not negative [N m s/rad]", 0.0, _LARGEST),
+    "C_m": ("a number that is not negative [N m]", 0.0, _LARGEST),
+    "F_T": ("a number that is not negative [N]", 0.0, _LARGEST),
+    "J_m": ("a number that is not negative [kg m^2]", 0.0, _LARGEST),
+    "J_l": ("a number that is not negative [kg m^2]", 0.0, _LARGEST),
 }
 
 
@@ -122,6 +125,7 @@ class _Coefficients(NamedTuple):
 
     B_lN: Any
     C_lN: Any
+    k_i: Any
     mu: Any
     L_M_mu2: Any
     B_lN_mu2: Any
@@ -144,6 +148,13 @@ class _Coefficients(NamedTuple):
     per_k_i: Any
     C_lN_mu_per_k_i: Any
     constant_5: Any
+    minus_B_lN_mu2: Any
+    minus_B_lT_F_T_mu2_minus_B_m: Any
+    minus_C_lN_mu: Any
+    minus_C_lT_F_T_mu_minus_C_m: Any
+    minus_k_i: Any
+    k_i_per_R: Any
+    minus_k_e_k_i_per_R: Any
     B_lN_L_M_mu4: Any
     C_lN_L_M_mu3: Any
     constant_6: Any
@@ -175,6 +186,13 @@ def _prepare(p: Parameters, real: _Real) -> _Coefficients:
     per_k_i = 1.0 / p.k_i
     C_lN_mu_per_k_i = p.C_lN * p.mu / p.k_i
     constant_5 = p.C_lT * F_T * p.mu / p.k_i + p.C_m / p.k_i
+    minus_B_lN_mu2 = -p.B_lN * p.mu * p.mu
+    minus_B_lT_F_T_mu2_minus_B_m = -p.B_lT * F_T * p.mu * p.mu - p.B_m
+    minus_C_lN_mu = -p.C_lN * p.mu
+    minus_C_lT_F_T_mu_minus_C_m = -p.C_lT * F_T * p.mu - p.C_m
+    minus_k_i = -p.k_i
+    k_i_per_R = p.k_i / p.R
+    minus_k_e_k_i_per_R = -p.k_e * p.k_i / p.R
     B_lN_L_M_mu4 = p.B_lN * p.L * p.M * p.mu * p.mu * p.mu * p.mu
     C_lN_L_M_mu3 = p.C_lN * p.L * p.M * p.mu * p.mu * p.mu
     constant_6 = (p.B_lT * F_T * p.R * p.mu * p.mu + p.B_m * p.R + p.k_e * p.k_i) / p.R
@@ -182,6 +200,7 @@ def _prepare(p: Parameters, real: _Real) -> _Coefficients:
         return _Coefficients(
             B_lN=real(p.B_lN),
             C_lN=real(p.C_lN),
+            k_i=real(p.k_i),
             mu=real(p.mu),
             L_M_mu2=real(L_M_mu2),
             B_lN_mu2=real(B_lN_mu2),
@@ -204,6 +223,13 @@ def _prepare(p: Parameters, real: _Real) -> _Coefficients:
             per_k_i=real(per_k_i),
             C_lN_mu_per_k_i=real(C_lN_mu_per_k_i),
             constant_5=real(constant_5),
+            minus_B_lN_mu2=real(minus_B_lN_mu2),
+            minus_B_lT_F_T_mu2_minus_B_m=real(minus_B_lT_F_T_mu2_minus_B_m),
+            minus_C_lN_mu=real(minus_C_lN_mu),
+            minus_C_lT_F_T_mu_minus_C_m=real(minus_C_lT_F_T_mu_minus_C_m),
+            minus_k_i=real(minus_k_i),
+            k_i_per_R=real(k_i_per_R),
+            minus_k_e_k_i_per_R=real(minus_k_e_k_i_per_R),
             B_lN_L_M_mu4=real(B_lN_L_M_mu4),
             C_lN_L_M_mu3=real(C_lN_L_M_mu3),
             constant_6=real(constant_6),
@@ -245,9 +271,10 @@ def _evaluate(
             for part, value in zip(parts, kernel(c, *arrays), strict=True):
                 part[...] = value
         else:
-            flags = [["readonly"]] * len(arrays) + [["writeonly"]] * len(parts)
+            operands: Any = [*arrays, *parts]
+            flags: Any = [["readonly"]] * len(arrays) + [["writeonly"]] * len(parts)
             blocks = np.nditer(
-                [*arrays, *parts],
+                operands,
                 flags=["external_loop", "buffered", "copy_if_overlap"],
                 op_flags=flags,
                 buffersize=_BLOCK,
@@ -522,6 +549,69 @@ def current(
     """
     _require(("J_m", "J_l"), alpha_m, parameters)
     return _evaluate(_current, (omega_m, alpha_m), parameters, out, 0)
+
+
+def _mechanical_residual(
+    c: _Coefficients,
+    omega_m: Any,
+    i: Any,
+    alpha_m: Any,
+) -> tuple[Any, ...]:
+    F_N = c.L_M_mu2 * omega_m * omega_m
+    direction_of_motion = np.sign(omega_m)
+    part_2 = F_N * c.minus_C_lN_mu + c.minus_C_lT_F_T_mu_minus_C_m
+    part_1 = direction_of_motion * part_2
+    part_3 = omega_m * (F_N * c.minus_B_lN_mu2 + c.minus_B_lT_F_T_mu2_minus_B_m)
+    part_4 = -np.where(alpha_m == 0.0, 0.0, c.J * alpha_m)
+    result = i * c.k_i + part_1 + part_3 + part_4
+    return (result,)
+
+
+def mechanical_residual(
+    omega_m: ArrayLike,
+    i: ArrayLike,
+    alpha_m: ArrayLike = 0.0,
+    parameters: Parameters | None = None,
+    out: np.ndarray | None = None,
+) -> Any:
+    """What the mechanical balance leaves: k_i i - J alpha_m - G - f [N m].
+
+    Shape of the broadcast inputs.
+
+    omega_m [rad/s]: motor velocity
+    i [A]: armature current
+    alpha_m [rad/s^2]: motor acceleration
+    """
+    _require(("J_m", "J_l"), alpha_m, parameters)
+    return _evaluate(_mechanical_residual, (omega_m, i, alpha_m), parameters, out, 0)
+
+
+def _electrical_residual(
+    c: _Coefficients,
+    omega_m: Any,
+    i: Any,
+    u: Any,
+) -> tuple[Any, ...]:
+    result = i * c.minus_k_i + c.k_i_per_R * u + c.minus_k_e_k_i_per_R * omega_m
+    return (result,)
+
+
+def electrical_residual(
+    omega_m: ArrayLike,
+    i: ArrayLike,
+    u: ArrayLike,
+    parameters: Parameters | None = None,
+    out: np.ndarray | None = None,
+) -> Any:
+    """What the electrical balance leaves, as a torque: (k_i/R)(u - k_e omega_m) - k_i i [N m].
+
+    Shape of the broadcast inputs.
+
+    omega_m [rad/s]: motor velocity
+    i [A]: armature current
+    u [V]: armature voltage
+    """
+    return _evaluate(_electrical_residual, (omega_m, i, u), parameters, out, 0)
 
 
 def _polynomial(

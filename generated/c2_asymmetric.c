@@ -1,13 +1,13 @@
 /*
  * Generated: do not edit. Written by `make derive` from derivations/c2_asymmetric.py
- * (eccentric 0.1.0, program 2410153b). Case C2 with friction that differs between the directions of motion.
+ * (eccentric 0.1.0, program 62381ff9). Case C2 with friction that differs between the directions of motion.
  */
 #include "c2_asymmetric.h"
 
 #include <float.h>
 #include <math.h>
 
-#if C2_ASYMMETRIC_PROGRAM != 0x2410153bUL
+#if C2_ASYMMETRIC_PROGRAM != 0x62381ff9UL
 #error "c2_asymmetric.c and c2_asymmetric.h are of different derivations: write both again with make derive"
 #endif
 
@@ -103,6 +103,7 @@ const c2_asymmetric_coefficients c2_asymmetric_default = {
     (real)(0.008), /* C_m_neg */
     (real)(0.008), /* C_m_pos */
     (real)(0.2), /* k_e */
+    (real)(0.02), /* k_i */
     (real)(0.2), /* mu */
     (real)(0.005), /* scale_N */
     (real)(1.0), /* unbalanced */
@@ -146,6 +147,18 @@ const c2_asymmetric_coefficients c2_asymmetric_default = {
     (real)(0.4), /* C_m_pos_per_k_i */
     (real)(0.4), /* C_m_neg_per_k_i */
     (real)(-24.525), /* minus_twice_L_M_g_mu_per_k_i */
+    (real)(-1.6e-4), /* minus_B_lN_pos_mu2 */
+    (real)(-1.6e-4), /* minus_B_lN_neg_mu2 */
+    (real)(-4.0e-4), /* minus_B_m_pos */
+    (real)(-4.0e-4), /* minus_B_m_neg */
+    (real)(-0.016), /* minus_C_lN_pos_mu */
+    (real)(-0.016), /* minus_C_lN_neg_mu */
+    (real)(-0.008), /* minus_C_m_pos */
+    (real)(-0.008), /* minus_C_m_neg */
+    (real)(0.4905), /* twice_L_M_g_mu */
+    (real)(-0.02), /* minus_k_i */
+    (real)(0.02), /* k_i_per_R */
+    (real)(-0.004), /* minus_k_e_k_i_per_R */
 #else
     0.004, /* B_lN_neg */
     0.004, /* B_lN_pos */
@@ -156,6 +169,7 @@ const c2_asymmetric_coefficients c2_asymmetric_default = {
     0.008, /* C_m_neg */
     0.008, /* C_m_pos */
     0.2, /* k_e */
+    0.02, /* k_i */
     0.2, /* mu */
     0.005, /* scale_N */
     1.0, /* unbalanced */
@@ -199,6 +213,18 @@ const c2_asymmetric_coefficients c2_asymmetric_default = {
     0.4, /* C_m_pos_per_k_i */
     0.4, /* C_m_neg_per_k_i */
     -24.525, /* minus_twice_L_M_g_mu_per_k_i */
+    -1.6e-4, /* minus_B_lN_pos_mu2 */
+    -1.6e-4, /* minus_B_lN_neg_mu2 */
+    -4.0e-4, /* minus_B_m_pos */
+    -4.0e-4, /* minus_B_m_neg */
+    -0.016, /* minus_C_lN_pos_mu */
+    -0.016, /* minus_C_lN_neg_mu */
+    -0.008, /* minus_C_m_pos */
+    -0.008, /* minus_C_m_neg */
+    0.4905, /* twice_L_M_g_mu */
+    -0.02, /* minus_k_i */
+    0.02, /* k_i_per_R */
+    -0.004, /* minus_k_e_k_i_per_R */
 #endif
 };
 
@@ -207,7 +233,7 @@ void c2_asymmetric_prepare(const c2_asymmetric_parameters *p, c2_asymmetric_coef
     const double weight = p->g * (p->M + p->M_l);
     const double critical_squared = (p->L * p->M == 0.0) ? 1.0 : (weight / (p->L * p->M));
     const double omega_star = (p->L * p->M == 0.0) ? 1.0 : (sqrt(critical_squared) / p->mu);
-    const double scale_N = (p->L * p->M == 0.0) ? weight : (p->L * p->M * p->mu * p->mu);
+    const double scale_N = (p->L * p->M == 0.0) ? weight / (omega_star * omega_star) : (p->L * p->M * p->mu * p->mu);
     const double unbalanced = (p->L * p->M == 0.0) ? 0.0 : (1.0);
     const double twice_omega_star = 2.0 * omega_star;
     const double omega_star_1 = (double)(real)(omega_star);
@@ -250,6 +276,18 @@ void c2_asymmetric_prepare(const c2_asymmetric_parameters *p, c2_asymmetric_coef
     const double C_m_pos_per_k_i = p->C_m_pos / p->k_i;
     const double C_m_neg_per_k_i = p->C_m_neg / p->k_i;
     const double minus_twice_L_M_g_mu_per_k_i = -2.0 * p->L * p->M * p->g * p->mu / p->k_i;
+    const double minus_B_lN_pos_mu2 = -p->B_lN_pos * p->mu * p->mu;
+    const double minus_B_lN_neg_mu2 = -p->B_lN_neg * p->mu * p->mu;
+    const double minus_B_m_pos = -p->B_m_pos;
+    const double minus_B_m_neg = -p->B_m_neg;
+    const double minus_C_lN_pos_mu = -p->C_lN_pos * p->mu;
+    const double minus_C_lN_neg_mu = -p->C_lN_neg * p->mu;
+    const double minus_C_m_pos = -p->C_m_pos;
+    const double minus_C_m_neg = -p->C_m_neg;
+    const double twice_L_M_g_mu = 2.0 * p->L * p->M * p->g * p->mu;
+    const double minus_k_i = -p->k_i;
+    const double k_i_per_R = p->k_i / p->R;
+    const double minus_k_e_k_i_per_R = -p->k_e * p->k_i / p->R;
     c->B_lN_neg = (real)(p->B_lN_neg);
     c->B_lN_pos = (real)(p->B_lN_pos);
     c->B_m_neg = (real)(p->B_m_neg);
@@ -259,6 +297,7 @@ void c2_asymmetric_prepare(const c2_asymmetric_parameters *p, c2_asymmetric_coef
     c->C_m_neg = (real)(p->C_m_neg);
     c->C_m_pos = (real)(p->C_m_pos);
     c->k_e = (real)(p->k_e);
+    c->k_i = (real)(p->k_i);
     c->mu = (real)(p->mu);
     c->scale_N = (real)(scale_N);
     c->unbalanced = (real)(unbalanced);
@@ -302,6 +341,18 @@ void c2_asymmetric_prepare(const c2_asymmetric_parameters *p, c2_asymmetric_coef
     c->C_m_pos_per_k_i = (real)(C_m_pos_per_k_i);
     c->C_m_neg_per_k_i = (real)(C_m_neg_per_k_i);
     c->minus_twice_L_M_g_mu_per_k_i = (real)(minus_twice_L_M_g_mu_per_k_i);
+    c->minus_B_lN_pos_mu2 = (real)(minus_B_lN_pos_mu2);
+    c->minus_B_lN_neg_mu2 = (real)(minus_B_lN_neg_mu2);
+    c->minus_B_m_pos = (real)(minus_B_m_pos);
+    c->minus_B_m_neg = (real)(minus_B_m_neg);
+    c->minus_C_lN_pos_mu = (real)(minus_C_lN_pos_mu);
+    c->minus_C_lN_neg_mu = (real)(minus_C_lN_neg_mu);
+    c->minus_C_m_pos = (real)(minus_C_m_pos);
+    c->minus_C_m_neg = (real)(minus_C_m_neg);
+    c->twice_L_M_g_mu = (real)(twice_L_M_g_mu);
+    c->minus_k_i = (real)(minus_k_i);
+    c->k_i_per_R = (real)(k_i_per_R);
+    c->minus_k_e_k_i_per_R = (real)(minus_k_e_k_i_per_R);
 }
 
 ECCENTRIC_REAL c2_asymmetric_normal_force(
@@ -696,5 +747,74 @@ void c2_asymmetric_current_n(
 {
     for (size_t k = 0; k < n; ++k) {
         out[k] = c2_asymmetric_current(theta_m[k], omega_m[k], alpha_m[k], c);
+    }
+}
+
+ECCENTRIC_REAL c2_asymmetric_mechanical_residual(
+    ECCENTRIC_REAL theta_m,
+    ECCENTRIC_REAL omega_m,
+    ECCENTRIC_REAL i,
+    ECCENTRIC_REAL alpha_m,
+    const c2_asymmetric_coefficients *c)
+{
+    const real speed = c->unbalanced * REAL_FABS(omega_m);
+    const real square_difference = (speed - c->omega_star_1 - c->omega_star_2) * (speed + c->omega_star_1);
+    const real halves = REAL(2.0) * REAL_FLOOR(theta_m * c->turns_per_rad) + REAL(1.0);
+    const real from_top = theta_m - halves * c->half_period_1 - halves * c->half_period_2 - halves * c->half_period_3;
+    const real bounded = ((REAL_FABS(from_top) <= c->period) ? from_top : theta_m - theta_m);
+    const real half_angle = bounded * c->half_mu;
+    const real half_angle_squared = half_angle * half_angle;
+    const real half_cosine = half_angle * sine_series(half_angle_squared);
+    const real p = square_difference;
+    const real q = half_cosine * speed * c->twice_omega_star;
+    const real magnitude = REAL_SQRT(p * p + q * q);
+    const real F_N = magnitude * c->scale_N;
+    const real direction_of_motion = sgn(omega_m);
+    const real half_sine = cosine_series(half_angle_squared);
+    const real part_3 = F_N * ((omega_m > REAL(0.0)) ? c->minus_C_lN_pos_mu : c->minus_C_lN_neg_mu);
+    const real part_2 = part_3 + ((omega_m > REAL(0.0)) ? c->minus_C_m_pos : c->minus_C_m_neg);
+    const real part_1 = direction_of_motion * part_2;
+    const real part_7 = ((omega_m > REAL(0.0)) ? c->minus_B_lN_pos_mu2 : c->minus_B_lN_neg_mu2);
+    const real part_6 = F_N * part_7;
+    const real part_5 = part_6 + ((omega_m > REAL(0.0)) ? c->minus_B_m_pos : c->minus_B_m_neg);
+    const real part_4 = omega_m * part_5;
+    const real part_8 = -((alpha_m == REAL(0.0)) ? REAL(0.0) : c->J * alpha_m);
+    const real part_9 = half_cosine * half_sine * c->twice_L_M_g_mu;
+    return i * c->k_i + part_1 + part_4 + part_8 + part_9;
+}
+
+void c2_asymmetric_mechanical_residual_n(
+    size_t n,
+    const ECCENTRIC_REAL *theta_m,
+    const ECCENTRIC_REAL *omega_m,
+    const ECCENTRIC_REAL *i,
+    const ECCENTRIC_REAL *alpha_m,
+    ECCENTRIC_REAL *out,
+    const c2_asymmetric_coefficients *c)
+{
+    for (size_t k = 0; k < n; ++k) {
+        out[k] = c2_asymmetric_mechanical_residual(theta_m[k], omega_m[k], i[k], alpha_m[k], c);
+    }
+}
+
+ECCENTRIC_REAL c2_asymmetric_electrical_residual(
+    ECCENTRIC_REAL omega_m,
+    ECCENTRIC_REAL i,
+    ECCENTRIC_REAL u,
+    const c2_asymmetric_coefficients *c)
+{
+    return i * c->minus_k_i + c->k_i_per_R * u + c->minus_k_e_k_i_per_R * omega_m;
+}
+
+void c2_asymmetric_electrical_residual_n(
+    size_t n,
+    const ECCENTRIC_REAL *omega_m,
+    const ECCENTRIC_REAL *i,
+    const ECCENTRIC_REAL *u,
+    ECCENTRIC_REAL *out,
+    const c2_asymmetric_coefficients *c)
+{
+    for (size_t k = 0; k < n; ++k) {
+        out[k] = c2_asymmetric_electrical_residual(omega_m[k], i[k], u[k], c);
     }
 }

@@ -1,6 +1,6 @@
 /*
  * Generated: do not edit. Written by `make derive` from derivations/c2_asymmetric.py
- * (eccentric 0.1.0, program 2410153b). Case C2 with friction that differs between the directions of motion.
+ * (eccentric 0.1.0, program 62381ff9). Case C2 with friction that differs between the directions of motion.
  */
 #ifndef C2_ASYMMETRIC_H
 #define C2_ASYMMETRIC_H
@@ -8,7 +8,7 @@
 #include <stddef.h>
 
 /* C2_ASYMMETRIC_PROGRAM names the derivation that header and source come from; the source checks it. */
-#define C2_ASYMMETRIC_PROGRAM 0x2410153bUL
+#define C2_ASYMMETRIC_PROGRAM 0x62381ff9UL
 
 /* The working precision: float or double. Compile all files with the same one. */
 #ifndef ECCENTRIC_REAL
@@ -52,6 +52,7 @@ typedef struct {
     ECCENTRIC_REAL C_m_neg; /**< Coulomb friction of the motor, omega_m < 0 [N m] */
     ECCENTRIC_REAL C_m_pos; /**< Coulomb friction of the motor, omega_m > 0 [N m] */
     ECCENTRIC_REAL k_e; /**< back-EMF constant [V s/rad] */
+    ECCENTRIC_REAL k_i; /**< torque constant [N m/A] */
     ECCENTRIC_REAL mu; /**< gear ratio theta_l/theta_m [1] */
     ECCENTRIC_REAL scale_N; /**< normal force per squared motor velocity, M L mu^2 [N s^2/rad^2] */
     ECCENTRIC_REAL unbalanced; /**< 1 if M L > 0, else 0 [1] */
@@ -95,6 +96,18 @@ typedef struct {
     ECCENTRIC_REAL C_m_pos_per_k_i;
     ECCENTRIC_REAL C_m_neg_per_k_i;
     ECCENTRIC_REAL minus_twice_L_M_g_mu_per_k_i;
+    ECCENTRIC_REAL minus_B_lN_pos_mu2;
+    ECCENTRIC_REAL minus_B_lN_neg_mu2;
+    ECCENTRIC_REAL minus_B_m_pos;
+    ECCENTRIC_REAL minus_B_m_neg;
+    ECCENTRIC_REAL minus_C_lN_pos_mu;
+    ECCENTRIC_REAL minus_C_lN_neg_mu;
+    ECCENTRIC_REAL minus_C_m_pos;
+    ECCENTRIC_REAL minus_C_m_neg;
+    ECCENTRIC_REAL twice_L_M_g_mu;
+    ECCENTRIC_REAL minus_k_i;
+    ECCENTRIC_REAL k_i_per_R;
+    ECCENTRIC_REAL minus_k_e_k_i_per_R;
 } c2_asymmetric_coefficients;
 
 /** The parameters that `make derive` knows: the paper's Table 1, mu = 1/5, unless others were given. */
@@ -104,7 +117,7 @@ extern const c2_asymmetric_parameters c2_asymmetric_default_parameters;
 extern const c2_asymmetric_coefficients c2_asymmetric_default;
 
 /** Compute the coefficients of a set of parameters; run it once, or when a parameter changes.
- *  Valid parameters: mu, R, k_i positive, the others not negative. Others give coefficients that mean nothing.
+ *  Valid parameters: mu, R, k_i positive; the others not negative. Others give coefficients that mean nothing.
  *  @param[in]  p  parameters
  *  @param[out] c  coefficients
  */
@@ -288,6 +301,51 @@ void c2_asymmetric_current_n(
     const ECCENTRIC_REAL *theta_m,
     const ECCENTRIC_REAL *omega_m,
     const ECCENTRIC_REAL *alpha_m,
+    ECCENTRIC_REAL *out,
+    const c2_asymmetric_coefficients *c);
+
+/** What the mechanical balance leaves: k_i i - J alpha_m - G - f [N m].
+ *  @param[in]  theta_m  motor angle [rad]
+ *  @param[in]  omega_m  motor velocity [rad/s]
+ *  @param[in]  i  armature current [A]
+ *  @param[in]  alpha_m  motor acceleration [rad/s^2]
+ *  @param[in]  c  coefficients
+ */
+ECCENTRIC_REAL c2_asymmetric_mechanical_residual(
+    ECCENTRIC_REAL theta_m,
+    ECCENTRIC_REAL omega_m,
+    ECCENTRIC_REAL i,
+    ECCENTRIC_REAL alpha_m,
+    const c2_asymmetric_coefficients *c);
+
+/** mechanical_residual over arrays of n samples. */
+void c2_asymmetric_mechanical_residual_n(
+    size_t n,
+    const ECCENTRIC_REAL *theta_m,
+    const ECCENTRIC_REAL *omega_m,
+    const ECCENTRIC_REAL *i,
+    const ECCENTRIC_REAL *alpha_m,
+    ECCENTRIC_REAL *out,
+    const c2_asymmetric_coefficients *c);
+
+/** What the electrical balance leaves, as a torque: (k_i/R)(u - k_e omega_m) - k_i i [N m].
+ *  @param[in]  omega_m  motor velocity [rad/s]
+ *  @param[in]  i  armature current [A]
+ *  @param[in]  u  armature voltage [V]
+ *  @param[in]  c  coefficients
+ */
+ECCENTRIC_REAL c2_asymmetric_electrical_residual(
+    ECCENTRIC_REAL omega_m,
+    ECCENTRIC_REAL i,
+    ECCENTRIC_REAL u,
+    const c2_asymmetric_coefficients *c);
+
+/** electrical_residual over arrays of n samples. */
+void c2_asymmetric_electrical_residual_n(
+    size_t n,
+    const ECCENTRIC_REAL *omega_m,
+    const ECCENTRIC_REAL *i,
+    const ECCENTRIC_REAL *u,
     ECCENTRIC_REAL *out,
     const c2_asymmetric_coefficients *c);
 

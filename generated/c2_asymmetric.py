@@ -1,5 +1,5 @@
 # Generated: do not edit. Written by `make derive` from derivations/c2_asymmetric.py
-# (eccentric 0.1.0, program 2410153b). Case C2 with friction that differs between the directions of motion.
+# (eccentric 0.1.0, program 62381ff9). Case C2 with friction that differs between the directions of motion.
 """Case C2 with friction that differs between the directions of motion.
 
 Inputs are on the motor side, in SI units; they broadcast, float32 stays float32, and `out` is honoured.
@@ -24,12 +24,14 @@ __all__ = [
     "Parameters",
     "coulomb_torque",
     "current",
+    "electrical_residual",
     "friction_coefficients",
     "friction_torque",
     "friction_torque_gradient",
     "friction_torque_jacobian",
     "gravity_torque",
     "mechanical_friction_torque",
+    "mechanical_residual",
     "normal_force",
     "regressor",
     "voltage",
@@ -106,34 +108,35 @@ class Parameters:
     """inertia of the link about its axis, M L^2 included [kg m^2], eq. (3), needed with alpha_m"""
 
     def __post_init__(self) -> None:
-        for name, (required, lowest, open_below) in _DOMAINS.items():
+        for name, (required, lowest, highest) in _DOMAINS.items():
             value = getattr(self, name)
             if value is None and name in _OPTIONAL:
                 continue
-            if not (math.isfinite(value) and (value > lowest if open_below else value >= lowest)):
+            if value is None or not lowest <= value <= highest:
                 raise ValueError(f"{name}: required {required}, got {value!r}")
 
 
 _OPTIONAL = ("J_m", "J_l")
-_DOMAINS: dict[str, tuple[str, float, bool]] = {
-    "M": ("a number that is not negative [kg]", 0.0, False),
-    "M_l": ("a number that is not negative [kg]", 0.0, False),
-    "L": ("a number that is not negative [m]", 0.0, False),
-    "mu": ("a positive number [1]", 0.0, True),
-    "R": ("a positive number [Ohm]", 0.0, True),
-    "k_i": ("a positive number [N m/A]", 0.0, True),
-    "k_e": ("a number that is not negative [V s/rad]", 0.0, False),
-    "g": ("a number that is not negative [m/s^2]", 0.0, False),
-    "B_lN_pos": ("a number that is not negative [m s/rad]", 0.0, False),
-    "B_lN_neg": ("a number that is not negative [m s/rad]", 0.0, False),
-    "C_lN_pos": ("a number that is not negative [m]", 0.0, False),
-    "C_lN_neg": ("a number that is not negative [m]", 0.0, False),
-    "B_m_pos": ("a number that is not negative [N m s/rad]", 0.0, False),
-    "B_m_neg": ("a number that is not negative [N m s/rad]", 0.0, False),
-    "C_m_pos": ("a number that is not negative [N m]", 0.0, False),
-    "C_m_neg": ("a number that is not negative [N m]", 0.0, False),
-    "J_m": ("a number that is not negative [kg m^2]", 0.0, False),
-    "J_l": ("a number that is not negative [kg m^2]", 0.0, False),
+_LARGEST = float(np.finfo(np.float64).max)
+_DOMAINS = {
+    "M": ("a number that is not negative [kg]", 0.0, _LARGEST),
+    "M_l": ("a number that is not negative [kg]", 0.0, _LARGEST),
+    "L": ("a number that is not negative [m]", 0.0, _LARGEST),
+    "mu": ("a positive number [1]", math.ulp(0.0), _LARGEST),
+    "R": ("a positive number [Ohm]", math.ulp(0.0), _LARGEST),
+    "k_i": ("a positive number [N m/A]", math.ulp(0.0), _LARGEST),
+    "k_e": ("a number that is not negative [V s/rad]", 0.0, _LARGEST),
+    "g": ("a number that is not negative [m/s^2]", 0.0, _LARGEST),
+    "B_lN_pos": ("a number that is not negative [m s/rad]", 0.0, _LARGEST),
+    "B_lN_neg": ("a number that is not negative [m s/rad]", 0.0, _LARGEST),
+    "C_lN_pos": ("a number that is not negative [m]", 0.0, _LARGEST),
+    "C_lN_neg": ("a number that is not negative [m]", 0.0, _LARGEST),
+    "B_m_pos": ("a number that is not negative [N m s/rad]", 0.0, _LARGEST),
+    "B_m_neg": ("a number that is not negative [N m s/rad]", 0.0, _LARGEST),
+    "C_m_pos": ("a number that is not negative [N m]", 0.0, _LARGEST),
+    "C_m_neg": ("a number that is not negative [N m]", 0.0, _LARGEST),
+    "J_m": ("a number that is not negative [kg m^2]", 0.0, _LARGEST),
+    "J_l": ("a number that is not negative [kg m^2]", 0.0, _LARGEST),
 }
 
 
@@ -149,6 +152,7 @@ class _Coefficients(NamedTuple):
     C_m_neg: Any
     C_m_pos: Any
     k_e: Any
+    k_i: Any
     mu: Any
     scale_N: Any
     unbalanced: Any
@@ -192,6 +196,18 @@ class _Coefficients(NamedTuple):
     C_m_pos_per_k_i: Any
     C_m_neg_per_k_i: Any
     minus_twice_L_M_g_mu_per_k_i: Any
+    minus_B_lN_pos_mu2: Any
+    minus_B_lN_neg_mu2: Any
+    minus_B_m_pos: Any
+    minus_B_m_neg: Any
+    minus_C_lN_pos_mu: Any
+    minus_C_lN_neg_mu: Any
+    minus_C_m_pos: Any
+    minus_C_m_neg: Any
+    twice_L_M_g_mu: Any
+    minus_k_i: Any
+    k_i_per_R: Any
+    minus_k_e_k_i_per_R: Any
     largest: Any
 
 
@@ -208,7 +224,7 @@ def _prepare(p: Parameters, real: _Real) -> _Coefficients:
     weight = p.g * (p.M + p.M_l)
     critical_squared = 1.0 if p.L * p.M == 0.0 else weight / (p.L * p.M)
     omega_star = 1.0 if p.L * p.M == 0.0 else math.sqrt(critical_squared) / p.mu
-    scale_N = weight if p.L * p.M == 0.0 else p.L * p.M * p.mu * p.mu
+    scale_N = weight / (omega_star * omega_star) if p.L * p.M == 0.0 else p.L * p.M * p.mu * p.mu
     unbalanced = 0.0 if p.L * p.M == 0.0 else 1.0
     twice_omega_star = 2.0 * omega_star
     omega_star_1 = float(real(omega_star))
@@ -251,6 +267,18 @@ def _prepare(p: Parameters, real: _Real) -> _Coefficients:
     C_m_pos_per_k_i = p.C_m_pos / p.k_i
     C_m_neg_per_k_i = p.C_m_neg / p.k_i
     minus_twice_L_M_g_mu_per_k_i = -2.0 * p.L * p.M * p.g * p.mu / p.k_i
+    minus_B_lN_pos_mu2 = -p.B_lN_pos * p.mu * p.mu
+    minus_B_lN_neg_mu2 = -p.B_lN_neg * p.mu * p.mu
+    minus_B_m_pos = -p.B_m_pos
+    minus_B_m_neg = -p.B_m_neg
+    minus_C_lN_pos_mu = -p.C_lN_pos * p.mu
+    minus_C_lN_neg_mu = -p.C_lN_neg * p.mu
+    minus_C_m_pos = -p.C_m_pos
+    minus_C_m_neg = -p.C_m_neg
+    twice_L_M_g_mu = 2.0 * p.L * p.M * p.g * p.mu
+    minus_k_i = -p.k_i
+    k_i_per_R = p.k_i / p.R
+    minus_k_e_k_i_per_R = -p.k_e * p.k_i / p.R
     with np.errstate(all="ignore"):
         return _Coefficients(
             B_lN_neg=real(p.B_lN_neg),
@@ -262,6 +290,7 @@ def _prepare(p: Parameters, real: _Real) -> _Coefficients:
             C_m_neg=real(p.C_m_neg),
             C_m_pos=real(p.C_m_pos),
             k_e=real(p.k_e),
+            k_i=real(p.k_i),
             mu=real(p.mu),
             scale_N=real(scale_N),
             unbalanced=real(unbalanced),
@@ -305,6 +334,18 @@ def _prepare(p: Parameters, real: _Real) -> _Coefficients:
             C_m_pos_per_k_i=real(C_m_pos_per_k_i),
             C_m_neg_per_k_i=real(C_m_neg_per_k_i),
             minus_twice_L_M_g_mu_per_k_i=real(minus_twice_L_M_g_mu_per_k_i),
+            minus_B_lN_pos_mu2=real(minus_B_lN_pos_mu2),
+            minus_B_lN_neg_mu2=real(minus_B_lN_neg_mu2),
+            minus_B_m_pos=real(minus_B_m_pos),
+            minus_B_m_neg=real(minus_B_m_neg),
+            minus_C_lN_pos_mu=real(minus_C_lN_pos_mu),
+            minus_C_lN_neg_mu=real(minus_C_lN_neg_mu),
+            minus_C_m_pos=real(minus_C_m_pos),
+            minus_C_m_neg=real(minus_C_m_neg),
+            twice_L_M_g_mu=real(twice_L_M_g_mu),
+            minus_k_i=real(minus_k_i),
+            k_i_per_R=real(k_i_per_R),
+            minus_k_e_k_i_per_R=real(minus_k_e_k_i_per_R),
             largest=real(np.finfo(real).max),
         )
 
@@ -403,9 +444,10 @@ def _evaluate(
             for part, value in zip(parts, kernel(c, *arrays), strict=True):
                 part[...] = value
         else:
-            flags = [["readonly"]] * len(arrays) + [["writeonly"]] * len(parts)
+            operands: Any = [*arrays, *parts]
+            flags: Any = [["readonly"]] * len(arrays) + [["writeonly"]] * len(parts)
             blocks = np.nditer(
-                [*arrays, *parts],
+                operands,
                 flags=["external_loop", "buffered", "copy_if_overlap"],
                 op_flags=flags,
                 buffersize=_BLOCK,
@@ -900,3 +942,86 @@ def current(
     """
     _require(("J_m", "J_l"), alpha_m, parameters)
     return _evaluate(_current, (theta_m, omega_m, alpha_m), parameters, out, 0)
+
+
+def _mechanical_residual(
+    c: _Coefficients,
+    theta_m: Any,
+    omega_m: Any,
+    i: Any,
+    alpha_m: Any,
+) -> tuple[Any, ...]:
+    speed = c.unbalanced * np.abs(omega_m)
+    square_difference = (speed - c.omega_star_1 - c.omega_star_2) * (speed + c.omega_star_1)
+    halves = 2.0 * np.floor(theta_m * c.turns_per_rad) + 1.0
+    from_top = theta_m - halves * c.half_period_1 - halves * c.half_period_2 - halves * c.half_period_3
+    bounded = np.where(np.abs(from_top) <= c.period, from_top, theta_m - theta_m)
+    half_angle = bounded * c.half_mu
+    half_angle_squared = half_angle * half_angle
+    half_cosine = half_angle * _sine_series(half_angle_squared)
+    p = square_difference
+    q = half_cosine * speed * c.twice_omega_star
+    magnitude = np.sqrt(p * p + q * q)
+    F_N = magnitude * c.scale_N
+    direction_of_motion = np.sign(omega_m)
+    half_sine = _cosine_series(half_angle_squared)
+    part_3 = F_N * np.where(omega_m > 0.0, c.minus_C_lN_pos_mu, c.minus_C_lN_neg_mu)
+    part_2 = part_3 + np.where(omega_m > 0.0, c.minus_C_m_pos, c.minus_C_m_neg)
+    part_1 = direction_of_motion * part_2
+    part_7 = np.where(omega_m > 0.0, c.minus_B_lN_pos_mu2, c.minus_B_lN_neg_mu2)
+    part_6 = F_N * part_7
+    part_5 = part_6 + np.where(omega_m > 0.0, c.minus_B_m_pos, c.minus_B_m_neg)
+    part_4 = omega_m * part_5
+    part_8 = -np.where(alpha_m == 0.0, 0.0, c.J * alpha_m)
+    part_9 = half_cosine * half_sine * c.twice_L_M_g_mu
+    result = i * c.k_i + part_1 + part_4 + part_8 + part_9
+    return (result,)
+
+
+def mechanical_residual(
+    theta_m: ArrayLike,
+    omega_m: ArrayLike,
+    i: ArrayLike,
+    alpha_m: ArrayLike = 0.0,
+    parameters: Parameters | None = None,
+    out: np.ndarray | None = None,
+) -> Any:
+    """What the mechanical balance leaves: k_i i - J alpha_m - G - f [N m].
+
+    Shape of the broadcast inputs.
+
+    theta_m [rad]: motor angle
+    omega_m [rad/s]: motor velocity
+    i [A]: armature current
+    alpha_m [rad/s^2]: motor acceleration
+    """
+    _require(("J_m", "J_l"), alpha_m, parameters)
+    return _evaluate(_mechanical_residual, (theta_m, omega_m, i, alpha_m), parameters, out, 0)
+
+
+def _electrical_residual(
+    c: _Coefficients,
+    omega_m: Any,
+    i: Any,
+    u: Any,
+) -> tuple[Any, ...]:
+    result = i * c.minus_k_i + c.k_i_per_R * u + c.minus_k_e_k_i_per_R * omega_m
+    return (result,)
+
+
+def electrical_residual(
+    omega_m: ArrayLike,
+    i: ArrayLike,
+    u: ArrayLike,
+    parameters: Parameters | None = None,
+    out: np.ndarray | None = None,
+) -> Any:
+    """What the electrical balance leaves, as a torque: (k_i/R)(u - k_e omega_m) - k_i i [N m].
+
+    Shape of the broadcast inputs.
+
+    omega_m [rad/s]: motor velocity
+    i [A]: armature current
+    u [V]: armature voltage
+    """
+    return _evaluate(_electrical_residual, (omega_m, i, u), parameters, out, 0)

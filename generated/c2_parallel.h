@@ -1,6 +1,6 @@
 /*
  * Generated: do not edit. Written by `make derive` from derivations/c2_parallel.py
- * (eccentric 0.1.0, program 0d1a6a38). Case C2: gravity parallel to the motion plane, steady motion.
+ * (eccentric 0.1.0, program 2b23c824). Case C2: gravity parallel to the motion plane, steady motion.
  */
 #ifndef C2_PARALLEL_H
 #define C2_PARALLEL_H
@@ -8,7 +8,7 @@
 #include <stddef.h>
 
 /* C2_PARALLEL_PROGRAM names the derivation that header and source come from; the source checks it. */
-#define C2_PARALLEL_PROGRAM 0x0d1a6a38UL
+#define C2_PARALLEL_PROGRAM 0x2b23c824UL
 
 /* The working precision: float or double. Compile all files with the same one. */
 #ifndef ECCENTRIC_REAL
@@ -43,6 +43,7 @@ typedef struct {
     ECCENTRIC_REAL B_m; /**< viscous friction of the motor [N m s/rad] */
     ECCENTRIC_REAL C_lN; /**< Coulomb friction of the link per normal force [m] */
     ECCENTRIC_REAL C_m; /**< Coulomb friction of the motor [N m] */
+    ECCENTRIC_REAL k_i; /**< torque constant [N m/A] */
     ECCENTRIC_REAL mu; /**< gear ratio theta_l/theta_m [1] */
     ECCENTRIC_REAL scale_N; /**< normal force per squared motor velocity, M L mu^2 [N s^2/rad^2] */
     ECCENTRIC_REAL unbalanced; /**< 1 if M L > 0, else 0 [1] */
@@ -75,6 +76,14 @@ typedef struct {
     ECCENTRIC_REAL C_lN_mu_per_k_i;
     ECCENTRIC_REAL C_m_per_k_i;
     ECCENTRIC_REAL minus_twice_L_M_g_mu_per_k_i;
+    ECCENTRIC_REAL minus_B_lN_mu2;
+    ECCENTRIC_REAL minus_B_m;
+    ECCENTRIC_REAL minus_C_lN_mu;
+    ECCENTRIC_REAL minus_C_m;
+    ECCENTRIC_REAL twice_L_M_g_mu;
+    ECCENTRIC_REAL minus_k_i;
+    ECCENTRIC_REAL k_i_per_R;
+    ECCENTRIC_REAL minus_k_e_k_i_per_R;
 } c2_parallel_coefficients;
 
 /** The parameters that `make derive` knows: the paper's Table 1, mu = 1/5, unless others were given. */
@@ -84,7 +93,7 @@ extern const c2_parallel_parameters c2_parallel_default_parameters;
 extern const c2_parallel_coefficients c2_parallel_default;
 
 /** Compute the coefficients of a set of parameters; run it once, or when a parameter changes.
- *  Valid parameters: mu, R, k_i positive, the others not negative. Others give coefficients that mean nothing.
+ *  Valid parameters: mu, R, k_i positive; the others not negative. Others give coefficients that mean nothing.
  *  @param[in]  p  parameters
  *  @param[out] c  coefficients
  */
@@ -267,6 +276,51 @@ void c2_parallel_current_n(
     const ECCENTRIC_REAL *theta_m,
     const ECCENTRIC_REAL *omega_m,
     const ECCENTRIC_REAL *alpha_m,
+    ECCENTRIC_REAL *out,
+    const c2_parallel_coefficients *c);
+
+/** What the mechanical balance leaves: k_i i - J alpha_m - G - f [N m].
+ *  @param[in]  theta_m  motor angle [rad]
+ *  @param[in]  omega_m  motor velocity [rad/s]
+ *  @param[in]  i  armature current [A]
+ *  @param[in]  alpha_m  motor acceleration [rad/s^2]
+ *  @param[in]  c  coefficients
+ */
+ECCENTRIC_REAL c2_parallel_mechanical_residual(
+    ECCENTRIC_REAL theta_m,
+    ECCENTRIC_REAL omega_m,
+    ECCENTRIC_REAL i,
+    ECCENTRIC_REAL alpha_m,
+    const c2_parallel_coefficients *c);
+
+/** mechanical_residual over arrays of n samples. */
+void c2_parallel_mechanical_residual_n(
+    size_t n,
+    const ECCENTRIC_REAL *theta_m,
+    const ECCENTRIC_REAL *omega_m,
+    const ECCENTRIC_REAL *i,
+    const ECCENTRIC_REAL *alpha_m,
+    ECCENTRIC_REAL *out,
+    const c2_parallel_coefficients *c);
+
+/** What the electrical balance leaves, as a torque: (k_i/R)(u - k_e omega_m) - k_i i [N m].
+ *  @param[in]  omega_m  motor velocity [rad/s]
+ *  @param[in]  i  armature current [A]
+ *  @param[in]  u  armature voltage [V]
+ *  @param[in]  c  coefficients
+ */
+ECCENTRIC_REAL c2_parallel_electrical_residual(
+    ECCENTRIC_REAL omega_m,
+    ECCENTRIC_REAL i,
+    ECCENTRIC_REAL u,
+    const c2_parallel_coefficients *c);
+
+/** electrical_residual over arrays of n samples. */
+void c2_parallel_electrical_residual_n(
+    size_t n,
+    const ECCENTRIC_REAL *omega_m,
+    const ECCENTRIC_REAL *i,
+    const ECCENTRIC_REAL *u,
     ECCENTRIC_REAL *out,
     const c2_parallel_coefficients *c);
 

@@ -1,13 +1,13 @@
 /*
  * Generated: do not edit. Written by `make derive` from derivations/rotating_link.py
- * (eccentric 0.1.0, program 490f9d2f). Rotating link with an unbalanced mass, plane tilted by phi, angular acceleration kept.
+ * (eccentric 0.1.0, program 3a862dfc). Rotating link with an unbalanced mass, plane tilted by phi, angular acceleration kept.
  */
 #include "rotating_link.h"
 
 #include <float.h>
 #include <math.h>
 
-#if ROTATING_LINK_PROGRAM != 0x490f9d2fUL
+#if ROTATING_LINK_PROGRAM != 0x3a862dfcUL
 #error "rotating_link.c and rotating_link.h are of different derivations: write both again with make derive"
 #endif
 
@@ -91,6 +91,7 @@ const rotating_link_coefficients rotating_link_default = {
 #if ECCENTRIC_SINGLE
     (real)(0.004), /* B_lN */
     (real)(0.08), /* C_lN */
+    (real)(0.02), /* k_i */
     (real)(0.2), /* mu */
     (real)(0.005), /* scale_N */
     (real)(1.0), /* unbalanced */
@@ -134,9 +135,18 @@ const rotating_link_coefficients rotating_link_default = {
     (real)(0.02), /* constant_5 */
     (real)(0.8), /* C_lN_mu_per_k_i */
     (real)(0.4), /* constant_6 */
+    (real)(0.4905), /* twice_L_M_g_p_mu */
+    (real)(-1.6e-4), /* minus_B_lN_mu2 */
+    (real)(-4.0e-4), /* constant_7 */
+    (real)(-0.016), /* minus_C_lN_mu */
+    (real)(-0.008), /* constant_8 */
+    (real)(-0.02), /* minus_k_i */
+    (real)(0.02), /* k_i_per_R */
+    (real)(-0.004), /* minus_k_e_k_i_per_R */
 #else
     0.004, /* B_lN */
     0.08, /* C_lN */
+    0.02, /* k_i */
     0.2, /* mu */
     0.005, /* scale_N */
     1.0, /* unbalanced */
@@ -180,6 +190,14 @@ const rotating_link_coefficients rotating_link_default = {
     0.02, /* constant_5 */
     0.8, /* C_lN_mu_per_k_i */
     0.4, /* constant_6 */
+    0.4905, /* twice_L_M_g_p_mu */
+    -1.6e-4, /* minus_B_lN_mu2 */
+    -4.0e-4, /* constant_7 */
+    -0.016, /* minus_C_lN_mu */
+    -0.008, /* constant_8 */
+    -0.02, /* minus_k_i */
+    0.02, /* k_i_per_R */
+    -0.004, /* minus_k_e_k_i_per_R */
 #endif
 };
 
@@ -189,7 +207,7 @@ void rotating_link_prepare(const rotating_link_parameters *p, rotating_link_coef
     const double weight = g_p * (p->M + p->M_l);
     const double critical_squared = (p->L * p->M == 0.0) ? 1.0 : (weight / (p->L * p->M));
     const double omega_star = (p->L * p->M == 0.0) ? 1.0 : (sqrt(critical_squared) / p->mu);
-    const double scale_N = (p->L * p->M == 0.0) ? weight : (p->L * p->M * p->mu * p->mu);
+    const double scale_N = (p->L * p->M == 0.0) ? weight / (omega_star * omega_star) : (p->L * p->M * p->mu * p->mu);
     const double unbalanced = (p->L * p->M == 0.0) ? 0.0 : (1.0);
     const double twice_omega_star2 = 2.0 * omega_star * omega_star;
     const double unbalanced_per_mu = unbalanced / p->mu;
@@ -233,8 +251,17 @@ void rotating_link_prepare(const rotating_link_parameters *p, rotating_link_coef
     const double constant_5 = p->B_lT * p->F_T * p->mu * p->mu * sin(p->phi) / p->k_i + p->B_m / p->k_i;
     const double C_lN_mu_per_k_i = p->C_lN * p->mu / p->k_i;
     const double constant_6 = p->C_lT * p->F_T * p->mu * sin(p->phi) / p->k_i + p->C_m / p->k_i;
+    const double twice_L_M_g_p_mu = 2.0 * p->L * p->M * g_p * p->mu;
+    const double minus_B_lN_mu2 = -p->B_lN * p->mu * p->mu;
+    const double constant_7 = -p->B_lT * p->F_T * p->mu * p->mu * sin(p->phi) - p->B_m;
+    const double minus_C_lN_mu = -p->C_lN * p->mu;
+    const double constant_8 = -p->C_lT * p->F_T * p->mu * sin(p->phi) - p->C_m;
+    const double minus_k_i = -p->k_i;
+    const double k_i_per_R = p->k_i / p->R;
+    const double minus_k_e_k_i_per_R = -p->k_e * p->k_i / p->R;
     c->B_lN = (real)(p->B_lN);
     c->C_lN = (real)(p->C_lN);
+    c->k_i = (real)(p->k_i);
     c->mu = (real)(p->mu);
     c->scale_N = (real)(scale_N);
     c->unbalanced = (real)(unbalanced);
@@ -278,6 +305,14 @@ void rotating_link_prepare(const rotating_link_parameters *p, rotating_link_coef
     c->constant_5 = (real)(constant_5);
     c->C_lN_mu_per_k_i = (real)(C_lN_mu_per_k_i);
     c->constant_6 = (real)(constant_6);
+    c->twice_L_M_g_p_mu = (real)(twice_L_M_g_p_mu);
+    c->minus_B_lN_mu2 = (real)(minus_B_lN_mu2);
+    c->constant_7 = (real)(constant_7);
+    c->minus_C_lN_mu = (real)(minus_C_lN_mu);
+    c->constant_8 = (real)(constant_8);
+    c->minus_k_i = (real)(minus_k_i);
+    c->k_i_per_R = (real)(k_i_per_R);
+    c->minus_k_e_k_i_per_R = (real)(minus_k_e_k_i_per_R);
 }
 
 ECCENTRIC_REAL rotating_link_normal_force(
@@ -687,5 +722,72 @@ void rotating_link_current_n(
 {
     for (size_t k = 0; k < n; ++k) {
         out[k] = rotating_link_current(theta_m[k], omega_m[k], alpha_m[k], c);
+    }
+}
+
+ECCENTRIC_REAL rotating_link_mechanical_residual(
+    ECCENTRIC_REAL theta_m,
+    ECCENTRIC_REAL omega_m,
+    ECCENTRIC_REAL i,
+    ECCENTRIC_REAL alpha_m,
+    const rotating_link_coefficients *c)
+{
+    const real speed = c->unbalanced * REAL_FABS(omega_m);
+    const real halves = REAL(2.0) * REAL_FLOOR(theta_m * c->turns_per_rad) + REAL(1.0);
+    const real from_top = theta_m - halves * c->half_period_1 - halves * c->half_period_2 - halves * c->half_period_3;
+    const real bounded = ((REAL_FABS(from_top) <= c->period) ? from_top : theta_m - theta_m);
+    const real half_angle = bounded * c->half_mu;
+    const real half_angle_squared = half_angle * half_angle;
+    const real half_cosine = half_angle * sine_series(half_angle_squared);
+    const real square_difference = (speed - c->omega_star_1 - c->omega_star_2) * (speed + c->omega_star_1);
+    const real half_sine = cosine_series(half_angle_squared);
+    const real p = half_cosine * half_cosine * c->twice_omega_star2 + square_difference;
+    const real part_1 = half_cosine * half_sine * c->minus_twice_omega_star2;
+    const real q = alpha_m * c->unbalanced_per_mu + part_1;
+    const real magnitude = REAL_SQRT(p * p + q * q);
+    const real F_N = magnitude * c->scale_N;
+    const real ungated = F_N * c->minus_B_lN_mu2 + c->constant_7;
+    const real direction_of_motion = sgn(omega_m);
+    const real ungated_2 = F_N * c->minus_C_lN_mu + c->constant_8;
+    const real part_2 = ((direction_of_motion == REAL(0.0)) ? REAL(0.0) : ungated_2 * direction_of_motion);
+    const real part_3 = ((omega_m == REAL(0.0)) ? REAL(0.0) : ungated * omega_m);
+    const real part_4 = -((alpha_m == REAL(0.0)) ? REAL(0.0) : c->J * alpha_m);
+    const real part_5 = half_cosine * half_sine * c->twice_L_M_g_p_mu;
+    return i * c->k_i + part_2 + part_3 + part_4 + part_5;
+}
+
+void rotating_link_mechanical_residual_n(
+    size_t n,
+    const ECCENTRIC_REAL *theta_m,
+    const ECCENTRIC_REAL *omega_m,
+    const ECCENTRIC_REAL *i,
+    const ECCENTRIC_REAL *alpha_m,
+    ECCENTRIC_REAL *out,
+    const rotating_link_coefficients *c)
+{
+    for (size_t k = 0; k < n; ++k) {
+        out[k] = rotating_link_mechanical_residual(theta_m[k], omega_m[k], i[k], alpha_m[k], c);
+    }
+}
+
+ECCENTRIC_REAL rotating_link_electrical_residual(
+    ECCENTRIC_REAL omega_m,
+    ECCENTRIC_REAL i,
+    ECCENTRIC_REAL u,
+    const rotating_link_coefficients *c)
+{
+    return i * c->minus_k_i + c->k_i_per_R * u + c->minus_k_e_k_i_per_R * omega_m;
+}
+
+void rotating_link_electrical_residual_n(
+    size_t n,
+    const ECCENTRIC_REAL *omega_m,
+    const ECCENTRIC_REAL *i,
+    const ECCENTRIC_REAL *u,
+    ECCENTRIC_REAL *out,
+    const rotating_link_coefficients *c)
+{
+    for (size_t k = 0; k < n; ++k) {
+        out[k] = rotating_link_electrical_residual(omega_m[k], i[k], u[k], c);
     }
 }

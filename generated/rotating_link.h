@@ -1,6 +1,6 @@
 /*
  * Generated: do not edit. Written by `make derive` from derivations/rotating_link.py
- * (eccentric 0.1.0, program 490f9d2f). Rotating link with an unbalanced mass, plane tilted by phi, angular acceleration kept.
+ * (eccentric 0.1.0, program 3a862dfc). Rotating link with an unbalanced mass, plane tilted by phi, angular acceleration kept.
  */
 #ifndef ROTATING_LINK_H
 #define ROTATING_LINK_H
@@ -8,7 +8,7 @@
 #include <stddef.h>
 
 /* ROTATING_LINK_PROGRAM names the derivation that header and source come from; the source checks it. */
-#define ROTATING_LINK_PROGRAM 0x490f9d2fUL
+#define ROTATING_LINK_PROGRAM 0x3a862dfcUL
 
 /* The working precision: float or double. Compile all files with the same one. */
 #ifndef ECCENTRIC_REAL
@@ -36,7 +36,7 @@ typedef struct {
     double C_lT; /**< Coulomb friction of the link per transversal force [m], eq. (9) */
     double B_m; /**< viscous friction of the motor [N m s/rad], eq. (10) */
     double C_m; /**< Coulomb friction of the motor [N m], eq. (10) */
-    double F_T; /**< transversal force of a level plane [N], eq. (9) */
+    double F_T; /**< transversal force of a level plane [N], eq. (9), M_l g for the defaults: set it along with them */
     double J_m; /**< inertia of the motor [kg m^2], eq. (1), no default */
     double J_l; /**< inertia of the link about its axis, M L^2 included [kg m^2], eq. (3), no default */
 } rotating_link_parameters;
@@ -45,6 +45,7 @@ typedef struct {
 typedef struct {
     ECCENTRIC_REAL B_lN; /**< viscous friction of the link per normal force [m s/rad] */
     ECCENTRIC_REAL C_lN; /**< Coulomb friction of the link per normal force [m] */
+    ECCENTRIC_REAL k_i; /**< torque constant [N m/A] */
     ECCENTRIC_REAL mu; /**< gear ratio theta_l/theta_m [1] */
     ECCENTRIC_REAL scale_N; /**< normal force per squared motor velocity, M L mu^2 [N s^2/rad^2] */
     ECCENTRIC_REAL unbalanced; /**< 1 if M L > 0, else 0 [1] */
@@ -88,6 +89,14 @@ typedef struct {
     ECCENTRIC_REAL constant_5; /**< B_lT F_T mu^2 sin(phi)/k_i + B_m/k_i */
     ECCENTRIC_REAL C_lN_mu_per_k_i;
     ECCENTRIC_REAL constant_6; /**< C_lT F_T mu sin(phi)/k_i + C_m/k_i */
+    ECCENTRIC_REAL twice_L_M_g_p_mu;
+    ECCENTRIC_REAL minus_B_lN_mu2;
+    ECCENTRIC_REAL constant_7; /**< -B_lT F_T mu^2 sin(phi) - B_m */
+    ECCENTRIC_REAL minus_C_lN_mu;
+    ECCENTRIC_REAL constant_8; /**< -C_lT F_T mu sin(phi) - C_m */
+    ECCENTRIC_REAL minus_k_i;
+    ECCENTRIC_REAL k_i_per_R;
+    ECCENTRIC_REAL minus_k_e_k_i_per_R;
 } rotating_link_coefficients;
 
 /** The parameters that `make derive` knows: the paper's Table 1, mu = 1/5, unless others were given. */
@@ -97,7 +106,7 @@ extern const rotating_link_parameters rotating_link_default_parameters;
 extern const rotating_link_coefficients rotating_link_default;
 
 /** Compute the coefficients of a set of parameters; run it once, or when a parameter changes.
- *  Valid parameters: mu, R, k_i positive, the others not negative (phi: any). Others give coefficients that mean nothing.
+ *  Valid parameters: mu, R, k_i positive; phi from 0 to pi/2; the others not negative. Others give coefficients that mean nothing.
  *  @param[in]  p  parameters
  *  @param[out] c  coefficients
  */
@@ -311,6 +320,51 @@ void rotating_link_current_n(
     const ECCENTRIC_REAL *theta_m,
     const ECCENTRIC_REAL *omega_m,
     const ECCENTRIC_REAL *alpha_m,
+    ECCENTRIC_REAL *out,
+    const rotating_link_coefficients *c);
+
+/** What the mechanical balance leaves: k_i i - J alpha_m - G - f [N m].
+ *  @param[in]  theta_m  motor angle [rad]
+ *  @param[in]  omega_m  motor velocity [rad/s]
+ *  @param[in]  i  armature current [A]
+ *  @param[in]  alpha_m  motor acceleration [rad/s^2]
+ *  @param[in]  c  coefficients
+ */
+ECCENTRIC_REAL rotating_link_mechanical_residual(
+    ECCENTRIC_REAL theta_m,
+    ECCENTRIC_REAL omega_m,
+    ECCENTRIC_REAL i,
+    ECCENTRIC_REAL alpha_m,
+    const rotating_link_coefficients *c);
+
+/** mechanical_residual over arrays of n samples. */
+void rotating_link_mechanical_residual_n(
+    size_t n,
+    const ECCENTRIC_REAL *theta_m,
+    const ECCENTRIC_REAL *omega_m,
+    const ECCENTRIC_REAL *i,
+    const ECCENTRIC_REAL *alpha_m,
+    ECCENTRIC_REAL *out,
+    const rotating_link_coefficients *c);
+
+/** What the electrical balance leaves, as a torque: (k_i/R)(u - k_e omega_m) - k_i i [N m].
+ *  @param[in]  omega_m  motor velocity [rad/s]
+ *  @param[in]  i  armature current [A]
+ *  @param[in]  u  armature voltage [V]
+ *  @param[in]  c  coefficients
+ */
+ECCENTRIC_REAL rotating_link_electrical_residual(
+    ECCENTRIC_REAL omega_m,
+    ECCENTRIC_REAL i,
+    ECCENTRIC_REAL u,
+    const rotating_link_coefficients *c);
+
+/** electrical_residual over arrays of n samples. */
+void rotating_link_electrical_residual_n(
+    size_t n,
+    const ECCENTRIC_REAL *omega_m,
+    const ECCENTRIC_REAL *i,
+    const ECCENTRIC_REAL *u,
     ECCENTRIC_REAL *out,
     const rotating_link_coefficients *c);
 

@@ -19,7 +19,9 @@ def test_table_1_to_all_printed_digits(mu: sp.Rational) -> None:
     derived = polynomial(mu)
 
     assert [Fraction(str(value)) for value in derived] == list(by_hand)
-    assert all(agrees(text, value) for text, value in zip(paper.TABLE_1_POLYNOMIAL[str(mu)], derived, strict=True))
+    assert all(
+        agrees(text, value) for text, value in zip(paper.TABLE_1_POLYNOMIAL[str(mu)], derived, strict=True)
+    )
     assert paper.TABLE_1_POLYNOMIAL[str(mu)] == PRINTED[mu]
 
 

@@ -16,11 +16,31 @@ from eccentric.model.steps import meaning
 from tests import paper
 
 ROOT = Path(__file__).resolve().parent.parent
-LETTERS = SimpleNamespace(**{
-    q.name: q.symbol
-    for q in (v.M, v.M_l, v.L, v.g, v.phi, v.mu, v.R, v.k_i, v.k_e, v.J_m, v.J_l, v.F_T,
-              v.B_lN, v.C_lN, v.B_lT, v.C_lT, v.B_m, v.C_m)
-})  # fmt: skip
+LETTERS = SimpleNamespace(
+    **{
+        q.name: q.symbol
+        for q in (
+            v.M,
+            v.M_l,
+            v.L,
+            v.g,
+            v.phi,
+            v.mu,
+            v.R,
+            v.k_i,
+            v.k_e,
+            v.J_m,
+            v.J_l,
+            v.F_T,
+            v.B_lN,
+            v.C_lN,
+            v.B_lT,
+            v.C_lT,
+            v.B_m,
+            v.C_m,
+        )
+    }
+)
 theta_m, omega_m, alpha_m = v.theta_m.symbol, v.omega_m.symbol, v.alpha_m.symbol
 theta_l, omega_l, alpha_l = v.theta_l.symbol, v.omega_l.symbol, v.alpha_l.symbol
 sgn = sp.sign(omega_m)
@@ -53,8 +73,11 @@ def test_every_identity_is_true(name: str, equation: Equation) -> None:
 def units(model: Model) -> dict[sp.Symbol, str]:
     """Units of the model's symbols and of all others in its derivation."""
     named = {q.symbol: q.unit for q in vars(v).values() if hasattr(q, "symbol")}
-    directed = [v.directed(q, d) for d in ("pos", "neg")
-                for q in (v.B_lN, v.C_lN, v.B_lT, v.C_lT, v.B_m, v.C_m, v.beta_T, v.gamma_T)]  # fmt: skip
+    directed = [
+        v.directed(q, d)
+        for d in ("pos", "neg")
+        for q in (v.B_lN, v.C_lN, v.B_lT, v.C_lT, v.B_m, v.C_m, v.beta_T, v.gamma_T)
+    ]
     return named | {q.symbol: q.unit for q in directed} | model.units() | {sp.Symbol("s"): "1"}
 
 
@@ -85,7 +108,9 @@ def test_definitions_and_terms_have_their_units(name: str) -> None:
     model = load_model(name)
     known = units(model) | {v.i.symbol: "A", v.u.symbol: "V"}
     for definition in model.definitions:
-        assert of_unit(definition.quantity.unit) == of_expression(definition.value, known), definition.quantity.name
+        assert of_unit(definition.quantity.unit) == of_expression(definition.value, known), (
+            definition.quantity.name
+        )
     for balance in model.balances:
         for term in balance.terms:
             assert of_unit(balance.unit) == of_expression(term.value, known), term.name
@@ -93,7 +118,9 @@ def test_definitions_and_terms_have_their_units(name: str) -> None:
 
 def test_normal_force_of_c1_is_the_papers() -> None:
     """Equation (8)."""
-    assert is_zero(load_model("c1_perpendicular").definition("F_N").value - paper.normal_force_c1(omega_m, LETTERS))
+    assert is_zero(
+        load_model("c1_perpendicular").definition("F_N").value - paper.normal_force_c1(omega_m, LETTERS)
+    )
 
 
 def test_normal_force_of_c2_is_the_papers() -> None:
@@ -140,12 +167,12 @@ def test_resultant_torque_of_c2_is_the_papers() -> None:
     model = load_model("c2_parallel")
     F_N = v.F_N.symbol
     p = LETTERS
-    papers = (p.mu**2 * p.B_lN * F_N + p.B_m + p.k_i * p.k_e / p.R) * omega_m + (p.mu * p.C_lN * F_N + p.C_m) * sgn
+    papers = (p.mu**2 * p.B_lN * F_N + p.B_m + p.k_i * p.k_e / p.R) * omega_m + (
+        p.mu * p.C_lN * F_N + p.C_m
+    ) * sgn
 
     assert is_zero(model.equation("resultant").right - papers)
-    assert is_zero(
-        model.equation("F_1").right * omega_m + model.equation("F_0").right - papers
-    )
+    assert is_zero(model.equation("F_1").right * omega_m + model.equation("F_0").right - papers)
 
 
 def test_extremal_normal_forces_and_the_critical_velocity() -> None:
@@ -168,10 +195,18 @@ def test_polynomials_at_bottom_and_top() -> None:
     p = LETTERS
     back_emf = p.B_m + p.k_i * p.k_e / p.R
     weight = (p.M + p.M_l) * p.g
-    printed_bottom = (p.mu**4 * p.B_lN * p.M * p.L, p.mu**3 * p.C_lN * p.M * p.L,
-                      p.mu**2 * p.B_lN * weight + back_emf, p.mu * p.C_lN * weight + p.C_m)  # fmt: skip
-    printed_top = (-s * p.mu**4 * p.B_lN * p.M * p.L, -s * p.mu**3 * p.C_lN * p.M * p.L,
-                   s * p.mu**2 * p.B_lN * weight + back_emf, s * p.mu * p.C_lN * weight + p.C_m)  # fmt: skip
+    printed_bottom = (
+        p.mu**4 * p.B_lN * p.M * p.L,
+        p.mu**3 * p.C_lN * p.M * p.L,
+        p.mu**2 * p.B_lN * weight + back_emf,
+        p.mu * p.C_lN * weight + p.C_m,
+    )
+    printed_top = (
+        -s * p.mu**4 * p.B_lN * p.M * p.L,
+        -s * p.mu**3 * p.C_lN * p.M * p.L,
+        s * p.mu**2 * p.B_lN * weight + back_emf,
+        s * p.mu * p.C_lN * weight + p.C_m,
+    )
     for mine, papers in zip(model.equation("bottom").right, printed_bottom, strict=True):
         assert is_zero(mine - papers)
     for mine, papers in zip(model.equation("top").right, printed_top, strict=True):
@@ -209,7 +244,9 @@ def test_balanced_mass_carries_only_its_weight() -> None:
     """M L = 0 is a case of its own in the definitions: F_N is then the weight, whatever the velocity."""
     for name in ("c2_parallel", "rotating_link"):
         model = load_model(name)
-        balanced = meaning(model.expand(model.definition("F_N").symbol).subs(v.L.symbol, 0)).subs(v.phi.symbol, 0)
+        balanced = meaning(model.expand(model.definition("F_N").symbol).subs(v.L.symbol, 0)).subs(
+            v.phi.symbol, 0
+        )
 
         assert is_zero(balanced**2 - ((v.M.symbol + v.M_l.symbol) * v.g.symbol) ** 2)
 
@@ -225,8 +262,10 @@ def test_c1_regressor_has_rank_four() -> None:
     assert is_zero(model.expand(columns[3].coefficient) - (p.C_m + p.mu * p.C_lT * p.F_T))
     # Exact rank at random velocities of both signs.
     moving = [sp.Rational(k * k - 7, 3) for k in range(1, 9)]
-    rows = [[model.expand(c.basis).subs(_at_table()).subs(omega_m, w).rewrite("meaning") for c in columns]
-            for w in moving]  # fmt: skip
+    rows = [
+        [model.expand(c.basis).subs(_at_table()).subs(omega_m, w).rewrite("meaning") for c in columns]
+        for w in moving
+    ]
     assert sp.Matrix(rows).rank() == 4
 
 
@@ -241,7 +280,9 @@ def test_regressor_spans_the_mechanical_friction() -> None:
         spanned = sp.Add(*(column.coefficient * column.basis for column in regressor(model)))
         difference = model.expand(spanned - model.balance("mechanical").sum_of("friction"))
 
-        assert is_zero(difference.replace(lambda e: type(e).__name__ == "Gated", lambda e: sp.Mul(*e.args))), name
+        assert is_zero(
+            difference.replace(lambda e: type(e).__name__ == "Gated", lambda e: sp.Mul(*e.args))
+        ), name
 
 
 @pytest.mark.parametrize("name", model_names())
@@ -255,7 +296,9 @@ def test_script_prints_its_derivation_with_the_papers_numbers(name: str) -> None
         "rotating_link": ("(1)", "(2)", "(3)", "(4)", "(5)", "(6)", "(7)"),
     }
     command = [sys.executable, str(ROOT / "derivations" / f"{name}.py")]
-    printed = subprocess.run(command, capture_output=True, text=True, check=True, cwd=ROOT, env=_environment()).stdout
+    printed = subprocess.run(
+        command, capture_output=True, text=True, check=True, cwd=ROOT, env=_environment()
+    ).stdout
 
     assert [number for number in numbers[name] if number not in printed] == []
 

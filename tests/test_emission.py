@@ -17,7 +17,18 @@ import sympy as sp
 
 from eccentric import __version__
 from eccentric.cli import main
-from eccentric.emit import Assignment, Input, Program, Routine, differentiate, load_module, needed, render, render_program, stale
+from eccentric.emit import (
+    Assignment,
+    Input,
+    Program,
+    Routine,
+    differentiate,
+    load_module,
+    needed,
+    render,
+    render_program,
+    stale,
+)
 from eccentric.emit import c99, numpy_module
 from eccentric.emit.build import build_program
 from eccentric.emit.series import polynomial
@@ -62,7 +73,10 @@ def test_freshness_test_sees_a_changed_file(tmp_path: Path) -> None:
         (tmp_path / name).write_text(text, encoding="utf-8")
     assert "" == stale(model, tmp_path)
     header = tmp_path / "c1_perpendicular.h"
-    header.write_text(header.read_text(encoding="utf-8").replace("newton", "newtons").replace("mass", "Mass"), encoding="utf-8")
+    header.write_text(
+        header.read_text(encoding="utf-8").replace("newton", "newtons").replace("mass", "Mass"),
+        encoding="utf-8",
+    )
 
     assert "generated/c1_perpendicular.h" in stale(model, tmp_path)
 
@@ -133,7 +147,9 @@ def chain(n: int) -> Program:
     steps = needed(differentiate(assignments, angles.symbols), slopes)
     labels = tuple(theta.name for theta in angles.symbols)
     value = Routine("total", (angles,), tuple(assignments), (total,), (), "N rad^2", "weighted sum")
-    gradient = Routine("slopes", (angles,), steps, tuple(slopes), labels, "N rad", "slopes of the weighted sum")
+    gradient = Routine(
+        "slopes", (angles,), steps, tuple(slopes), labels, "N rad", "slopes of the weighted sum"
+    )
     prepare = (Assignment(weight, 3 * mass.symbol),)
     return Program("chain", "Planar chain", (mass,), prepare, (weight,), (value, gradient))
 
@@ -155,14 +171,21 @@ def test_chain_of_links_needs_no_rewrite(n: int, tmp_path: Path) -> None:
     for name, text in files.items():
         (tmp_path / name).write_text(text, encoding="utf-8")
     library = cffi.FFI()
-    library.cdef("typedef struct { double weight; } chain_coefficients;extern chain_coefficients chain_default;")
+    library.cdef(
+        "typedef struct { double weight; } chain_coefficients;extern chain_coefficients chain_default;"
+    )
     library.cdef("void chain_slopes(const double *theta, double *out, const chain_coefficients *c);")
     flags = ["-std=c99", "-Wall", "-Wextra", "-Wpedantic", "-Wconversion", "-Wdouble-promotion", "-Werror"]
-    subprocess.run(["gcc", *flags, "-shared", "-fPIC", "chain.c", "-o", "chain.so", "-lm"], check=True, cwd=tmp_path)
+    subprocess.run(
+        ["gcc", *flags, "-shared", "-fPIC", "chain.c", "-o", "chain.so", "-lm"], check=True, cwd=tmp_path
+    )
     compiled = library.dlopen(str(tmp_path / "chain.so"))
     out = np.empty(n)
-    compiled.chain_slopes(library.cast("double *", theta[0].ctypes.data), library.cast("double *", out.ctypes.data),
-                          library.addressof(compiled, "chain_default"))  # fmt: skip
+    compiled.chain_slopes(
+        library.cast("double *", theta[0].ctypes.data),
+        library.cast("double *", out.ctypes.data),
+        library.addressof(compiled, "chain_default"),
+    )
 
     np.testing.assert_array_equal(out, module.slopes(theta[0]))
 
@@ -201,7 +224,9 @@ def test_emit_takes_a_path_and_a_prefix(tmp_path: Path, capsys: pytest.CaptureFi
 def test_emit_takes_fitted_parameters(tmp_path: Path) -> None:
     """Fitted values become the defaults, with their remarks as comments."""
     fit = tmp_path / "fit.json"
-    fit.write_text('{"parameters": {"B_m": 0.00123, "J_m": 2e-5}, "notes": {"B_m": "0.0012 to 0.0013 (95 %)"}}', "utf-8")
+    fit.write_text(
+        '{"parameters": {"B_m": 0.00123, "J_m": 2e-5}, "notes": {"B_m": "0.0012 to 0.0013 (95 %)"}}', "utf-8"
+    )
     main(["emit", "c2_parallel", "--parameters", str(fit), "--out", str(tmp_path / "out")])
     text = (tmp_path / "out" / "c2_parallel.py").read_text(encoding="utf-8")
 

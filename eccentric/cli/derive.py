@@ -17,10 +17,14 @@ eccentric derive --check"""
 
 def configure(parser: argparse.ArgumentParser) -> None:
     """Add the arguments."""
-    parser.add_argument("models", nargs="*", metavar="MODEL", help="names of models, or paths of derivations; default: all")
+    parser.add_argument(
+        "models", nargs="*", metavar="MODEL", help="names of models, or paths of derivations; default: all"
+    )
     parser.add_argument("--latex", action="store_true", help="print LaTeX instead of text")
     parser.add_argument("--out", type=Path, help="folder to write into; default: generated/ of the clone")
-    parser.add_argument("--check", action="store_true", help="write nothing; show what is stale, exit 1 if anything is")
+    parser.add_argument(
+        "--check", action="store_true", help="write nothing; show what is stale, exit 1 if anything is"
+    )
 
 
 def run(arguments: argparse.Namespace) -> int:
@@ -45,5 +49,7 @@ def run(arguments: argparse.Namespace) -> int:
 def _generated() -> Path:
     clone = Path(eccentric.__file__).resolve().parent.parent
     if not (clone / "pyproject.toml").is_file():
-        raise InputError("derive: required --out DIR, since this is an installed copy without a generated/ folder")
+        raise InputError(
+            "derive: required --out DIR, since this is an installed copy without a generated/ folder"
+        )
     return clone / "generated"

@@ -21,8 +21,12 @@ def configure(parser: argparse.ArgumentParser) -> None:
     """Add the arguments."""
     parser.add_argument("model", metavar="MODEL", help="a model's name, or the path of a derivation")
     parser.add_argument("--out", type=Path, required=True, help="folder to write; replaced as a whole")
-    parser.add_argument("--parameters", type=Path, metavar="FIT.json", help="fitted values to be the trio's defaults")
-    parser.add_argument("--prefix", metavar="NAME", help="name of the files and prefix in C; default: the model's name")
+    parser.add_argument(
+        "--parameters", type=Path, metavar="FIT.json", help="fitted values to be the trio's defaults"
+    )
+    parser.add_argument(
+        "--prefix", metavar="NAME", help="name of the files and prefix in C; default: the model's name"
+    )
 
 
 def run(arguments: argparse.Namespace) -> int:
@@ -31,7 +35,9 @@ def run(arguments: argparse.Namespace) -> int:
     own = Path(arguments.model).suffix == ".py"
     origin = Path(arguments.model).name if own else f"derivations/{model.name}.py"
     if arguments.prefix is not None and not re.fullmatch(r"[a-z][a-z0-9_]{0,30}", arguments.prefix):
-        raise InputError(f"--prefix: required a lower-case C identifier of at most 31 characters, got {arguments.prefix!r}")
+        raise InputError(
+            f"--prefix: required a lower-case C identifier of at most 31 characters, got {arguments.prefix!r}"
+        )
     if arguments.parameters is not None or arguments.prefix is not None:
         given = read_parameters(arguments.parameters) if arguments.parameters else None
         model = with_defaults(model, given, arguments.prefix or model.name)

@@ -1,4 +1,4 @@
-"""Model to Program: take each function's definitions, differentiate, split off what depends on parameters only, lower."""
+"""Model to Program: each function's definitions, differentiated, parameter-only parts split off, lowered."""
 
 from __future__ import annotations
 
@@ -11,6 +11,7 @@ from eccentric.emit.lower import Lowering
 from eccentric.emit.program import Assignment, Input, Program, Routine, differentiate, needed
 from eccentric.emit.shorten import shortened
 from eccentric.model import Model
+from eccentric.model import vocabulary as v
 from eccentric.model.steps import (
     Backward,
     ByDirection,
@@ -55,7 +56,9 @@ def _routine(model: Model, function: Function, labels: tuple[str, ...], shared: 
             torque = _grouped(model, torque)
         steps = differentiate((*assignments, Assignment(y, torque)), function.by)
         wanted = {f"torque_d_{label}" for label in labels}
-        results = [(label, next(a.value for a in steps if a.target.name == f"torque_d_{label}")) for label in labels]
+        results = [
+            (label, next(a.value for a in steps if a.target.name == f"torque_d_{label}")) for label in labels
+        ]
         assignments = list(needed([a for a in steps if a.target.name not in wanted], [e for _, e in results]))
     else:
         results = list(function.results)
@@ -74,7 +77,9 @@ def _routine(model: Model, function: Function, labels: tuple[str, ...], shared: 
         targets.append(sp.Symbol(name, real=True))
         lowering.assignments.append(Assignment(targets[-1], value))
     used = set().union(*(a.value.free_symbols for a in lowering.assignments))
-    inputs = [Input(q) for q in model.inputs if q.symbol in used or (function.requires and q.name == "alpha_m")]
+    states = [state.quantity for state in model.states]
+    order = sorted([*model.inputs, *states, v.dt], key=lambda q: (q.name == "alpha_m", q.name == "dt"))
+    inputs = [Input(q) for q in order if q.symbol in used or (function.requires and q.name == "alpha_m")]
     return Routine(
         name=function.name,
         inputs=tuple(inputs),
@@ -88,7 +93,7 @@ def _routine(model: Model, function: Function, labels: tuple[str, ...], shared: 
 
 
 def _grouped(model: Model, expression: sp.Expr) -> sp.Expr:
-    """Friction as (... F_N + ...) omega_m + (... F_N + ...) sgn: fewest operations in the hot path, eqs (18)-(20)."""
+    """Friction as (... F_N + ...) omega_m + (... F_N + ...) sgn: fewest operations per call, (18)-(20)."""
     if not isinstance(expression, sp.Add):
         return expression
     expression = _by_direction(model, sp.expand_mul(expression))
@@ -116,7 +121,7 @@ def _at_rest(model: Model, expression: sp.Expr) -> sp.Expr:
 
 
 def _by_direction(model: Model, expression: sp.Expr) -> sp.Expr:
-    """Addends that differ in gate and parameters only become one, with the coefficient chosen by direction."""
+    """Addends that differ in gate and parameters only become one, its coefficient chosen by direction."""
     pairs: dict[tuple[sp.Expr, sp.Expr], dict[type, sp.Expr]] = {}
     rest = []
     for term in sp.Add.make_args(expression):
@@ -125,7 +130,9 @@ def _by_direction(model: Model, expression: sp.Expr) -> sp.Expr:
             basis, gate = gated[0].args
             fixed = [a for a in sp.Mul.make_args(basis) if a.free_symbols <= model.parameter_symbols]
             moving = sp.Mul(*(a for a in sp.Mul.make_args(basis) if a not in fixed))
-            sides = pairs.setdefault((moving, gate.args[0]), {Forward: sp.Integer(0), Backward: sp.Integer(0)})
+            sides = pairs.setdefault(
+                (moving, gate.args[0]), {Forward: sp.Integer(0), Backward: sp.Integer(0)}
+            )
             sides[type(gate)] += term / gated[0] * sp.Mul(*fixed)
         else:
             rest.append(term)
@@ -207,7 +214,7 @@ _NUMBERS = {2: "twice", -1: "minus", -2: "minus_twice", 4: "four", sp.Rational(1
 
 
 def _name(expression: sp.Expr) -> str:
-    """A name that reads like the formula: mu**2*B_lN is B_lN_mu2, B_m + k_e*k_i/R is B_m_plus_k_e_k_i_per_R."""
+    """A name like the formula: mu**2*B_lN is B_lN_mu2, B_m + k_e*k_i/R is B_m_plus_k_e_k_i_per_R."""
     name = _spelled(expression)
     return name if name is not None and len(name) <= _LONGEST else "constant"
 
@@ -225,11 +232,15 @@ def _spelled(expression: sp.Expr) -> str | None:
         spelled = expression.base.name + (str(power) if power > 1 else "")
         return f"per_{spelled}" if expression.exp < 0 else spelled
     if expression.is_Mul or expression.is_Add:
-        parts = [_spelled(a) for a in (expression.as_ordered_factors() if expression.is_Mul
-                                       else expression.as_ordered_terms())]  # fmt: skip
+        parts = [
+            _spelled(a)
+            for a in (expression.as_ordered_factors() if expression.is_Mul else expression.as_ordered_terms())
+        ]
         if any(part is None for part in parts):
             return None
         if expression.is_Mul:
             parts = sorted(parts, key=lambda part: (str(part).startswith("per_"), 0))
-        return re.sub("_plus_minus_", "_minus_", ("_" if expression.is_Mul else "_plus_").join(map(str, parts)))
+        return re.sub(
+            "_plus_minus_", "_minus_", ("_" if expression.is_Mul else "_plus_").join(map(str, parts))
+        )
     return None

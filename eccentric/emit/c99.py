@@ -4,27 +4,42 @@ from __future__ import annotations
 
 from typing import Any
 
+import sympy as sp
+
 from eccentric.emit.constants import evaluate_prepare
 from eccentric.emit.expression import Language, printed
 from eccentric.emit.lower import Floor, Root, Size
 from eccentric.emit.program import Input, Program, Routine
 from eccentric.emit.series import polynomial
-from eccentric.emit.text import assigned, domain, number, splitting, used_series
+from eccentric.emit.text import assigned, number, splitting, used_series
 from eccentric.model.quantity import Quantity
 from eccentric.model.steps import Backward, Forward, Sgn
 
 _REAL = {
-    "sqrt": "REAL_SQRT({0})", "fabs": "REAL_FABS({0})", "floor": "REAL_FLOOR({0})", "sgn": "sgn({0})",
-    "forward": "forward({0})", "backward": "forward(-({0}))", "exp": "REAL_EXP({0})",
-    "sine_series": "sine_series({0})", "cosine_series": "cosine_series({0})",
-}  # fmt: skip
+    "sqrt": "REAL_SQRT({0})",
+    "fabs": "REAL_FABS({0})",
+    "floor": "REAL_FLOOR({0})",
+    "sgn": "sgn({0})",
+    "forward": "forward({0})",
+    "backward": "forward(-({0}))",
+    "exp": "REAL_EXP({0})",
+    "sine_series": "sine_series({0})",
+    "cosine_series": "cosine_series({0})",
+}
 _DOUBLE = {
-    "sqrt": "sqrt({0})", "fabs": "fabs({0})", "sin": "sin({0})", "cos": "cos({0})", "exp": "exp({0})",
-    "rounded": "(double)(real)({0})", "leading": "leading({0})",
-}  # fmt: skip
+    "sqrt": "sqrt({0})",
+    "fabs": "fabs({0})",
+    "sin": "sin({0})",
+    "cos": "cos({0})",
+    "exp": "exp({0})",
+    "rounded": "(double)(real)({0})",
+    "leading": "leading({0})",
+}
 # Written so that NaN goes in and NaN comes out.
 _HELPERS = {
-    "sgn": "(x > REAL(0.0)) ? REAL(1.0) : ((x < REAL(0.0)) ? REAL(-1.0) : ((x == REAL(0.0)) ? REAL(0.0) : x))",
+    "sgn": (
+        "(x > REAL(0.0)) ? REAL(1.0) : ((x < REAL(0.0)) ? REAL(-1.0) : ((x == REAL(0.0)) ? REAL(0.0) : x))"
+    ),
     "forward": "(x > REAL(0.0)) ? REAL(1.0) : ((x <= REAL(0.0)) ? REAL(0.0) : x)",
 }
 
@@ -32,12 +47,14 @@ _HELPERS = {
 def view(program: Program, banner: str, digest: str) -> dict[str, Any]:
     """All that the templates of header and source are filled with."""
     prepared = {a.target.name for a in program.prepare}
-    in_prepare = _language(_DOUBLE, lambda name: name if name in prepared else f"p->{name}", "{}", "double")
+    in_prepare = _language(_DOUBLE, lambda name: name if name in prepared else f"p->{name}", "{}")
     coefficients = {s.name for s in program.coefficients}
     values = {single: evaluate_prepare(program, single) for single in (True, False)}
     expressions = [a.value for r in program.routines for a in r.assignments]
     uses = {operation: any(e.has(operation) for e in expressions) for operation in (Sgn, Forward, Backward)}
-    helpers = [name for name, used in (("sgn", uses[Sgn]), ("forward", uses[Forward] or uses[Backward])) if used]
+    helpers = [
+        name for name, used in (("sgn", uses[Sgn]), ("forward", uses[Forward] or uses[Backward])) if used
+    ]
     macros = _macros(program)
     notes = dict(program.notes)
     return {
@@ -63,7 +80,9 @@ def view(program: Program, banner: str, digest: str) -> dict[str, Any]:
         "helpers": [{"name": name, "body": _HELPERS[name]} for name in helpers],
         "series": [_series(name) for name in used_series(program)],
         "leading": splitting(program),
-        "prepare": [f"const double {a.target.name} = {printed(a.value, in_prepare)};" for a in program.prepare],
+        "prepare": [
+            f"const double {a.target.name} = {printed(a.value, in_prepare)};" for a in program.prepare
+        ],
         "routines": [_routine(program, r, coefficients) for r in program.routines],
     }
 
@@ -71,15 +90,19 @@ def view(program: Program, banner: str, digest: str) -> dict[str, Any]:
 def _macros(program: Program) -> list[tuple[str, str, str]]:
     """(macro, its meaning in single, in double), those that the routines use."""
     expressions = [a.value for r in program.routines for a in r.assignments]
-    used = [("REAL_SQRT(x)", Root, "sqrt"), ("REAL_FABS(x)", Size, "fabs"), ("REAL_FLOOR(x)", Floor, "floor")]
+    used = [("REAL_SQRT(x)", Root, "sqrt"), ("REAL_FABS(x)", Size, "fabs"), ("REAL_FLOOR(x)", Floor, "floor"), ("REAL_EXP(x)", sp.exp, "exp")]
     found = [("REAL(x)", "x##f", "x")]
-    found += [(macro, f"{name}f(x)", f"{name}(x)") for macro, op, name in used if any(e.has(op) for e in expressions)]
+    found += [
+        (macro, f"{name}f(x)", f"{name}(x)")
+        for macro, op, name in used
+        if any(e.has(op) for e in expressions)
+    ]
     if any("largest" in map(str, e.free_symbols) for e in expressions):
         found.append(("REAL_LARGEST", "FLT_MAX", "DBL_MAX"))
     return found
 
 
-def _language(calls: dict[str, str], symbol: Any, literal: str, real: str) -> Language:
+def _language(calls: dict[str, str], symbol: Any, literal: str) -> Language:
     def branches(pairs: list[tuple[str, str]]) -> str:
         text = pairs[-1][0]
         for value, condition in reversed(pairs[:-1]):
@@ -98,14 +121,24 @@ def _language(calls: dict[str, str], symbol: Any, literal: str, real: str) -> La
 def _parameter(q: Quantity, value: str) -> dict[str, str]:
     equation = f", eq. {q.equation}" if q.equation else ""
     note = ", no default" if q.default is None else ""
-    return {"name": q.name, "unit": q.unit, "default": value, "doc": f"{q.meaning} [{q.unit}]{equation}{note}"}
+    if q.default is not None and q.default.free_symbols:
+        note = f", {q.default} for the defaults: set it along with them".replace("*", " ")
+    return {
+        "name": q.name,
+        "unit": q.unit,
+        "default": value,
+        "doc": f"{q.meaning} [{q.unit}]{equation}{note}",
+    }
 
 
 def _valid(program: Program) -> str:
-    positive = [q.name for q in program.parameters if domain(q)[2]]
-    real = [q.name for q in program.parameters if q.domain == "real"]
-    others = "the others not negative" + (f" ({', '.join(real)}: any)" if real else "")
-    return f"{', '.join(positive)} positive, {others}"
+    kinds = {
+        kind: [q.name for q in program.parameters if q.domain == kind]
+        for kind in ("positive", "tilt", "real")
+    }
+    words = {"positive": "positive", "tilt": "from 0 to pi/2", "real": "any finite number"}
+    named = [f"{', '.join(names)} {words[kind]}" for kind, names in kinds.items() if names]
+    return "; ".join([*named, "the others not negative"])
 
 
 def _series(name: str) -> dict[str, str]:
@@ -122,7 +155,8 @@ def _series(name: str) -> dict[str, str]:
         "name": name,
         "single": horner(True),
         "double": horner(False),
-        "doc": f"{function} at x = h^2, |h| within a quarter turn; error of the fit {single.error} and {double.error}.",
+        "doc": f"{function} at x = h^2, |h| within a quarter turn;"
+        f" error of the fit {single.error} and {double.error}.",
     }
 
 
@@ -130,7 +164,7 @@ def _routine(program: Program, r: Routine, coefficients: set[str]) -> dict[str, 
     def spelled(name: str) -> str:
         return "REAL_LARGEST" if name == "largest" else f"c->{name}" if name in coefficients else name
 
-    language = _language(_REAL, spelled, "REAL({})", "real")
+    language = _language(_REAL, spelled, "REAL({})")
     results = {s.name: k for k, s in enumerate(r.results)}
 
     def line(target: str, value: Any) -> str:
@@ -156,9 +190,13 @@ def _routine(program: Program, r: Routine, coefficients: set[str]) -> dict[str, 
     return {
         "name": r.name,
         "doc": f"{r.meaning[0].upper()}{r.meaning[1:]} [{r.unit}].",
-        "inputs": [{"name": x.quantity.name, "doc": f"{x.quantity.meaning} [{x.quantity.unit}]"} for x in r.inputs],
+        "inputs": [
+            {"name": x.quantity.name, "doc": f"{x.quantity.meaning} [{x.quantity.unit}]"} for x in r.inputs
+        ],
         "labels": r.labels,
-        "signature": _wrapped("void" if r.labels else "ECCENTRIC_REAL", own, [*single, *out, coefficient_argument]),
+        "signature": _wrapped(
+            "void" if r.labels else "ECCENTRIC_REAL", own, [*single, *out, coefficient_argument]
+        ),
         "array_signature": _wrapped(
             "void", f"{own}_n", ["size_t n", *arrays, "ECCENTRIC_REAL *out", coefficient_argument]
         ),
@@ -173,7 +211,11 @@ def _unused(r: Routine, coefficients: set[str]) -> list[str]:
 
 
 def _argument(x: Input) -> str:
-    return f"ECCENTRIC_REAL {x.quantity.name}" if x.length is None else f"const ECCENTRIC_REAL *{x.quantity.name}"
+    return (
+        f"ECCENTRIC_REAL {x.quantity.name}"
+        if x.length is None
+        else f"const ECCENTRIC_REAL *{x.quantity.name}"
+    )
 
 
 def _passed(x: Input) -> str:

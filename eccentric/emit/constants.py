@@ -1,4 +1,4 @@
-"""The coefficients of the default parameters, computed in mpmath: nothing is left to compute on the target."""
+"""The coefficients of the default parameters, computed in mpmath: the target has nothing left to compute."""
 
 from __future__ import annotations
 
@@ -21,14 +21,21 @@ def evaluate_prepare(program: Program, single: bool) -> dict[str, str]:
     digits = 9 if single else 17
     with mpmath.workdps(50):
         values = {q.symbol: _default(q.default, program) for q in program.parameters}
-        rounding = {"Leading": lambda x: _round(x, _LEADING_BITS[single]), "Rounded": lambda x: _round(x, _BITS[single])}
+        rounding = {
+            "Leading": lambda x: _round(x, _LEADING_BITS[single]),
+            "Rounded": lambda x: _round(x, _BITS[single]),
+        }
         for a in program.prepare:
             symbols = sorted(a.value.free_symbols, key=str)
-            function = sp.lambdify(symbols, a.value.replace(Leading, _Leading).replace(Rounded, _Rounded),
-                                   modules=[rounding, "mpmath"])  # fmt: skip
+            function = sp.lambdify(
+                symbols,
+                a.value.replace(Leading, _Leading).replace(Rounded, _Rounded),
+                modules=[rounding, "mpmath"],
+            )
             values[a.target] = mpmath.mpf(function(*(values[s] for s in symbols)))
         return {
-            symbol.name: "NAN" if mpmath.isnan(value) else _decimal(value, digits) for symbol, value in values.items()
+            symbol.name: "NAN" if mpmath.isnan(value) else _decimal(value, digits)
+            for symbol, value in values.items()
         }
 
 

@@ -17,16 +17,11 @@ from eccentric.model import Model
 class Fitted:
     """What a fit hands to emission.
 
-    Attributes
-    ----------
-    source : str
-        Name of the file, for error messages.
-    values : dict
-        Parameter by the paper's letter, in SI units.
-    notes : dict
-        Parameter -> remark for its comment, such as its interval.
-    identified_on : str
-        Range of speeds and temperatures, for the head of the files.
+    Attributes:
+        source: name of the file, for error messages.
+        values: parameter by the paper's letter, in SI units.
+        notes: parameter -> remark for its comment, such as its interval.
+        identified_on: range of speeds and temperatures, for the head of the files.
     """
 
     source: str
@@ -38,10 +33,8 @@ class Fitted:
 def read_parameters(path: Path) -> Fitted:
     """Read the parameters of a fit from its fit.json.
 
-    Raises
-    ------
-    InputError
-        The file is missing, is not JSON, or has no `parameters` of finite numbers.
+    Raises:
+        InputError: the file is missing, is not JSON, or has no `parameters` of finite numbers.
     """
     try:
         content = json.loads(path.read_text(encoding="utf-8"))
@@ -61,17 +54,16 @@ def read_parameters(path: Path) -> Fitted:
 def with_defaults(model: Model, fitted: Fitted | None, name: str) -> Model:
     """Return the model under a new name, with fitted values as its defaults.
 
-    Raises
-    ------
-    InputError
-        A value is of no parameter of the model, or of a sign that it cannot have.
+    Raises:
+        InputError: a value is of no parameter of the model, or of a sign that it cannot have.
     """
     if fitted is None:
         return replace(model, name=name)
     known = {q.name: q for q in model.parameters}
     if unknown := sorted(set(fitted.values) - set(known)):
         raise InputError(
-            f"{fitted.source}: parameters.{unknown[0]}: {model.name} has no such parameter; it has {', '.join(known)}"
+            f"{fitted.source}: parameters.{unknown[0]}: {model.name} has no such parameter;"
+            f" it has {', '.join(known)}"
         )
     parameters = []
     for q in model.parameters:
@@ -80,7 +72,9 @@ def with_defaults(model: Model, fitted: Fitted | None, name: str) -> Model:
             continue
         value = fitted.values[q.name]
         if (q.domain == "positive" and value <= 0) or (q.domain == "nonnegative" and value < 0):
-            raise InputError(f"{fitted.source}: parameters.{q.name}: required a {q.domain} number, got {value!r}")
+            raise InputError(
+                f"{fitted.source}: parameters.{q.name}: required a {q.domain} number, got {value!r}"
+            )
         note = fitted.notes.get(q.name)
         meaning = f"{q.meaning}; {note}" if note else q.meaning
         parameters.append(replace(q, default=sp.Rational(repr(float(value))), meaning=meaning))

@@ -1,4 +1,4 @@
-"""Printing: a lowered expression as an expression of Python or C, operation by operation, in one order for both."""
+"""Printing: a lowered expression in Python or C, operation by operation, in the same order for both."""
 
 from __future__ import annotations
 
@@ -34,10 +34,19 @@ class Language:
 
 
 _CALLS: Mapping[type, str] = {
-    lower.Root: "sqrt", lower.Size: "fabs", lower.Floor: "floor", lower.Rounded: "rounded", steps.Leading: "leading",
-    steps.Sgn: "sgn", steps.Forward: "forward", steps.Backward: "backward", sp.Abs: "fabs", sp.sin: "sin",
-    sp.cos: "cos", sp.exp: "exp",
-}  # fmt: skip
+    lower.Root: "sqrt",
+    lower.Size: "fabs",
+    lower.Floor: "floor",
+    lower.Rounded: "rounded",
+    steps.Leading: "leading",
+    steps.Sgn: "sgn",
+    steps.Forward: "forward",
+    steps.Backward: "backward",
+    sp.Abs: "fabs",
+    sp.sin: "sin",
+    sp.cos: "cos",
+    sp.exp: "exp",
+}
 
 
 def printed(expression: sp.Expr, language: Language) -> str:
@@ -59,7 +68,7 @@ def _print(e: sp.Expr, language: Language) -> tuple[str, int]:
 
     if e.is_Symbol:
         return language.symbol(e.name), _ATOM
-    if e.is_number and not e.args or e.is_Rational or e is sp.pi:
+    if (e.is_number and not e.args) or e.is_Rational or e is sp.pi:
         with mpmath.workdps(30):
             text = mpmath.nstr(mpmath.mpf(e.evalf(30)), 17)
         return language.number(text), _ATOM if e >= 0 else _SUM
@@ -80,7 +89,10 @@ def _print(e: sp.Expr, language: Language) -> tuple[str, int]:
         return language.call(_CALLS[type(e)], [plain(e.args[0])]), _ATOM
     if isinstance(e, sp.Piecewise):
         pairs = [
-            (plain(value), "" if condition == sp.true else f"{at(_SUM, condition.lhs)} == {at(_SUM, condition.rhs)}")
+            (
+                plain(value),
+                "" if condition == sp.true else f"{at(_SUM, condition.lhs)} == {at(_SUM, condition.rhs)}",
+            )
             for value, condition in e.args
         ]
         return language.branches(pairs), _CHOICE
@@ -97,7 +109,7 @@ def _print(e: sp.Expr, language: Language) -> tuple[str, int]:
         return language.call("sqrt", [plain(e.base)]), _ATOM
     if e.is_Pow and e.exp.is_Integer:
         if e.exp < 0:
-            return f"{plain(sp.Integer(1))} / {at(_ATOM, e.base ** -e.exp)}", _PRODUCT
+            return f"{plain(sp.Integer(1))} / {at(_ATOM, e.base**-e.exp)}", _PRODUCT
         return " * ".join([at(_ATOM, e.base)] * int(e.exp)), _PRODUCT
     raise TypeError(f"no back end prints {type(e).__name__} in {e}")
 
@@ -109,8 +121,9 @@ def _product(e: sp.Expr, at: Callable[[int, sp.Expr], str]) -> tuple[str, int]:
     sign = ""
     if above and above[0] == -1:
         sign, above = "-", above[1:]
-    top = " * ".join(at(_PRODUCT if k == 0 else _ATOM, f) if not f.is_Pow else at(_PRODUCT, f)
-                     for k, f in enumerate(above)) or at(_ATOM, sp.Integer(1))  # fmt: skip
+    top = " * ".join(
+        at(_PRODUCT if k == 0 else _ATOM, f) if not f.is_Pow else at(_PRODUCT, f) for k, f in enumerate(above)
+    ) or at(_ATOM, sp.Integer(1))
     if not below:
         return sign + top, _SUM if sign else _PRODUCT
     bottom = at(_ATOM, sp.Mul(*below))

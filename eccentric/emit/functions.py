@@ -1,4 +1,4 @@
-"""From a Model to the functions that are emitted for it: which there are, what they depend on, what they return."""
+"""From a Model to its emitted functions: which there are, what they depend on, what they return."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ import sympy as sp
 
 from eccentric.emit.program import Assignment, differentiate
 from eccentric.model import KINDS, Model, regressor
+from eccentric.model import vocabulary as v
 from eccentric.model.steps import Backward, Forward, Gated, Magnitude, Sgn, SquareDifference
 
 
@@ -18,7 +19,7 @@ class Function:
     Attributes:
         name, unit, meaning: as in Routine.
         results: label -> expression; the label is "" for a scalar function.
-        by: symbols by which `results` (then exactly one) is differentiated; the function returns those slopes.
+        by: symbols by which the one entry of `results` is differentiated; the function returns those slopes.
     """
 
     name: str
@@ -40,12 +41,18 @@ def closure(model: Model, results: tuple[tuple[str, sp.Expr], ...]) -> tuple[Ass
     return tuple(reversed(chosen))
 
 
-def solve_current(model: Model, alpha: bool = True) -> sp.Expr:
-    """The armature current that the mechanical balance asks for, eq (4) without the armature."""
+def solve_current(model: Model) -> sp.Expr:
+    """The armature current that the mechanical balance asks for, eq (4) without the armature.
+
+    Where an effect depends on the current itself (torque ripple, saturation), the current without that effect is put
+    into it: exact to first order in the effect.
+    """
     mechanical = model.balance("mechanical")
     drive = next(term for term in mechanical.terms if term.kind == "drive")
-    driven = [kind for kind in KINDS if kind != "drive" and (alpha or kind != "inertial")]
-    return sp.expand_mul(mechanical.sum_of(*driven) / drive.coefficient)
+    driven = [kind for kind in KINDS if kind not in {"drive", "actuator"}]
+    plain = sp.expand_mul(mechanical.sum_of(*driven) / drive.coefficient)
+    actuator = sp.expand_mul(mechanical.sum_of("actuator") / drive.coefficient)
+    return plain + actuator.subs(drive.basis, plain)
 
 
 def functions(model: Model) -> tuple[Function, ...]:
@@ -56,14 +63,18 @@ def functions(model: Model) -> tuple[Function, ...]:
     resistance = next(t.coefficient for t in electrical.terms if t.kind == "resistive")
     torque_constant = next(t.coefficient for t in mechanical.terms if t.kind == "drive")
     current = solve_current(model)
-    voltage = resistance * current + electrical.sum_of("back_emf", "actuator")
+    armature = electrical.sum_of("back_emf", "actuator").subs(v.i.symbol, current)
+    voltage = resistance * current + armature
     # (4) with alpha_m = 0 and without gravity: what is left of (k_i/R) u.
-    resultant = friction + torque_constant / resistance * electrical.sum_of("back_emf", "actuator")
+    resultant = friction + torque_constant / resistance * electrical.sum_of("back_emf")
+    # Held against measured data, in newton metres both; the electrical one as (k_i/R)(u - k_e omega_m) - k_i i.
+    residual = mechanical.residual()
+    electrical_residual = sp.expand_mul(torque_constant / resistance * electrical.residual())
     columns = regressor(model)
     coefficients = tuple((column.name, column.coefficient) for column in columns)
     parameters = friction_parameters(model)
     inertia = tuple(q.name for q in model.parameters if q.default is None)
-    dependence = _inputs(model, resultant)
+    dependence = tuple(x for x in _inputs(model, resultant) if x.name in {"theta_m", "omega_m", "alpha_m"})
     asymmetric = friction.has(Forward)
     standstill = (
         (("pos", _standstill(model, friction, 1)), ("neg", -_standstill(model, friction, -1)))
@@ -73,26 +84,81 @@ def functions(model: Model) -> tuple[Function, ...]:
     normal_force = model.definition("F_N").symbol
     listed = [
         Function("normal_force", "N", "normal force F_N on the axis of rotation", (("", normal_force),)),
-        Function("friction_torque", "N m", "resultant friction torque F, back-EMF damping included, eq (6)",
-                 (("", resultant),)),
-        Function("mechanical_friction_torque", "N m", "mechanical friction torque f = f_m + mu f_l, without back-EMF",
-                 (("", friction),)),
-        Function("friction_torque_gradient", "N m per rad, rad/s, rad/s^2", "slopes of friction_torque by its inputs",
-                 (("", resultant),), dependence),
-        Function("friction_torque_jacobian", "N m per unit of the coefficient",
-                 "slopes of friction_torque by all friction coefficients", (("", resultant),), parameters),
-        Function("regressor", "N m per unit of the coefficient",
-                 "columns with regressor @ friction_coefficients = mechanical_friction_torque",
-                 tuple((column.name, column.basis) for column in columns)),
-        Function("friction_coefficients", "as the columns of the regressor", "what the columns of the regressor multiply",
-                 coefficients),
-        Function("coulomb_torque", "N m", "size of the friction torque at standstill, where it is set-valued",
-                 standstill),
+        Function(
+            "friction_torque",
+            "N m",
+            "resultant friction torque F, back-EMF damping included, eq (6)",
+            (("", resultant),),
+        ),
+        Function(
+            "mechanical_friction_torque",
+            "N m",
+            "mechanical friction torque f = f_m + mu f_l, without back-EMF",
+            (("", friction),),
+        ),
+        Function(
+            "friction_torque_gradient",
+            "N m per rad, rad/s, rad/s^2",
+            "slopes of friction_torque by its inputs",
+            (("", resultant),),
+            dependence,
+        ),
+        Function(
+            "friction_torque_jacobian",
+            "N m per unit of the coefficient",
+            "slopes of friction_torque by all friction coefficients",
+            (("", resultant),),
+            parameters,
+        ),
+        Function(
+            "regressor",
+            "N m per unit of the coefficient",
+            "columns with regressor @ friction_coefficients = mechanical_friction_torque",
+            tuple((column.name, column.basis) for column in columns),
+        ),
+        Function(
+            "friction_coefficients",
+            "as the columns of the regressor",
+            "what the columns of the regressor multiply",
+            coefficients,
+        ),
+        Function(
+            "coulomb_torque",
+            "N m",
+            "size of the friction torque at standstill, where it is set-valued",
+            standstill,
+        ),
         Function("gravity_torque", "N m", "gravity torque G, eq (5)", (("", gravity),)),
-        Function("voltage", "V", "armature voltage u = (R/k_i) (J alpha_m + G + F), eq (4)", (("", voltage),),
-                 requires=inertia),
-        Function("current", "A", "armature current i = (J alpha_m + G + f)/k_i", (("", current),), requires=inertia),
-    ]  # fmt: skip
+        Function(
+            "voltage",
+            "V",
+            "armature voltage u = (R/k_i) (J alpha_m + G + F), eq (4)",
+            (("", voltage),),
+            requires=inertia,
+        ),
+        Function(
+            "current", "A", "armature current i = (J alpha_m + G + f)/k_i", (("", current),), requires=inertia
+        ),
+    ]
+    listed += [
+        Function(
+            "mechanical_residual",
+            "N m",
+            "what the mechanical balance leaves: k_i i - J alpha_m - G - f",
+            (("", residual),),
+            requires=inertia,
+        ),
+        Function(
+            "electrical_residual",
+            "N m",
+            "what the electrical balance leaves, as a torque: (k_i/R)(u - k_e omega_m) - k_i i",
+            (("", electrical_residual),),
+        ),
+    ]
+    if model.states:
+        updates = tuple((state.quantity.name, state.update) for state in model.states)
+        units = ", ".join(state.quantity.unit for state in model.states)
+        listed.append(Function("next_state", units, "the hidden states one time step later", updates))
     return (*listed, *_polynomials(model, resultant))
 
 
@@ -117,7 +183,11 @@ def _inputs(model: Model, expression: sp.Expr) -> tuple[sp.Symbol, ...]:
 def _standstill(model: Model, friction: sp.Expr, direction: int) -> sp.Expr:
     """The limit of the friction torque for velocity to 0 from above (1) or below (-1)."""
     omega_m = next(q.symbol for q in model.inputs if q.name == "omega_m")
-    moving = {d.symbol: d.value for d in model.definitions if d.value.has(omega_m) or d.quantity.name in ("F_N", "speed")}
+    moving = {
+        d.symbol: d.value
+        for d in model.definitions
+        if d.value.has(omega_m) or d.quantity.name in ("F_N", "speed")
+    }
     for symbol in reversed(list(moving)):
         friction = friction.subs(symbol, moving[symbol])
     known = {
@@ -127,11 +197,15 @@ def _standstill(model: Model, friction: sp.Expr, direction: int) -> sp.Expr:
     }
     friction = friction.subs(known).subs(omega_m, 0)
     # With zero speed the steps fold to plain numbers or to their other argument.
-    friction = friction.replace(lambda e: isinstance(e, Gated) and e.args[1].is_number, lambda e: sp.Mul(*e.args))
     friction = friction.replace(
-        lambda e: isinstance(e, SquareDifference) and e.args[0] == 0, lambda e: -e.args[1] ** 2
+        lambda e: isinstance(e, Gated) and e.args[1].is_number, lambda e: sp.Mul(*e.args)
     )
-    friction = friction.replace(lambda e: isinstance(e, Magnitude) and e.args[1] == 0, lambda e: sp.Abs(e.args[0]))
+    friction = friction.replace(
+        lambda e: isinstance(e, SquareDifference) and e.args[0] == 0, lambda e: -(e.args[1] ** 2)
+    )
+    friction = friction.replace(
+        lambda e: isinstance(e, Magnitude) and e.args[1] == 0, lambda e: sp.Abs(e.args[0])
+    )
     if any(d.quantity.name == "omega_star" for d in model.definitions):
         omega_star, scale = model.definition("omega_star").symbol, model.definition("scale_N").symbol
         friction = friction.subs(scale * omega_star**2, model.definition("weight").symbol)
@@ -139,12 +213,16 @@ def _standstill(model: Model, friction: sp.Expr, direction: int) -> sp.Expr:
 
 
 def _polynomials(model: Model, resultant: sp.Expr) -> tuple[Function, ...]:
-    """F_3 ... F_0 for each direction, where friction is a polynomial in the motor velocity (C1); else nothing."""
+    """F_3 ... F_0 for each direction where friction is a polynomial in the motor velocity (C1), else none."""
     omega_m = next(q.symbol for q in model.inputs if q.name == "omega_m")
     plain = model.expand(resultant).replace(Gated, sp.Mul)
     found = []
     for name, direction in (("polynomial", 1), ("polynomial_neg", -1)):
-        known = {Sgn(omega_m): direction, Forward(omega_m): int(direction > 0), Backward(omega_m): int(direction < 0)}
+        known = {
+            Sgn(omega_m): direction,
+            Forward(omega_m): int(direction > 0),
+            Backward(omega_m): int(direction < 0),
+        }
         one_sided = sp.expand(plain.subs(known))
         if not one_sided.is_polynomial(omega_m):
             return ()
@@ -154,6 +232,11 @@ def _polynomials(model: Model, resultant: sp.Expr) -> tuple[Function, ...]:
         results = tuple((f"F_{k}", poly.coeff_monomial(omega_m**k)) for k in (3, 2, 1, 0))
         side = "omega_m > 0" if direction > 0 else "omega_m < 0"
         found.append(
-            Function(name, "N m (s/rad)^k", f"coefficients F_3, F_2, F_1, F_0 of F for {side}, eqs (11)-(14)", results)
+            Function(
+                name,
+                "N m (s/rad)^k",
+                f"coefficients F_3, F_2, F_1, F_0 of F for {side}, eqs (11)-(14)",
+                results,
+            )
         )
     return tuple(found)

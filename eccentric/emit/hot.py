@@ -1,4 +1,4 @@
-"""Load the emitted NumPy module of a model without writing it: the fit runs what is shipped, not a second copy."""
+"""Load the emitted NumPy module of a model without writing it: the fit runs what is shipped."""
 
 from __future__ import annotations
 

@@ -1,7 +1,7 @@
 """Lowering: each careful step becomes assignments in a fixed order, the same for every back end.
 
-The primitive operations below take their arguments as they stand; SymPy neither re-orders nor simplifies them, and the
-printers write them one to one. So NumPy and C compute the same bits.
+The primitive operations below take their arguments as they stand; SymPy neither re-orders nor simplifies
+them, and the printers write them one to one. So NumPy and C compute the same bits.
 """
 
 from __future__ import annotations
@@ -52,7 +52,7 @@ class Series(Step):
 
 
 class Pick(Step):
-    """Pick(a, relation, b, x, y): x where `a relation b` holds, else y; relation is a symbol `>`, `<=` or `==`."""
+    """Pick(a, relation, b, x, y): x where `a relation b` holds, else y; relation is `>`, `<=` or `==`."""
 
 
 LARGEST = sp.Symbol("largest")  # the greatest finite number of the working precision
@@ -71,9 +71,22 @@ class Lowering:
         self._done: dict[sp.Expr, sp.Symbol] = {}
         self._used: dict[str, int] = {}
         self.assignments: list[Assignment] = []
+        self._simple: dict[type, Callable[..., sp.Expr]] = {
+            steps.Magnitude: self._magnitude,
+            steps.Along: self._cosine_along,
+            steps.Across: self._cosine_across,
+            steps.Gated: self._gated,
+            steps.Sgn: lambda x: self.named("direction_of_motion", steps.Sgn(x)),
+            steps.Forward: lambda x: self.named("is_forward", steps.Forward(x)),
+            steps.Backward: lambda x: self.named("is_backward", steps.Backward(x)),
+            steps.ByDirection: lambda x, a, b: Pick(x, _ABOVE, sp.Integer(0), a, b),
+            sp.Abs: Size,
+            sp.Max: lambda a, b: self._either(a, _ABOVE, b),
+            sp.Min: lambda a, b: self._either(a, _WITHIN, b),
+        }
 
     def __call__(self, expression: sp.Expr) -> sp.Expr:
-        """The expression in primitive operations; what had to be computed before it stands in `assignments`."""
+        """The expression in primitive operations; what must be computed before it stands in `assignments`."""
         if isinstance(expression, steps.HalfCosine | steps.HalfSine):
             return self._half_turn(expression)
         if isinstance(expression, steps.SquareDifference):
@@ -81,9 +94,9 @@ class Lowering:
         if expression.is_Atom:
             return expression
         arguments = [self(argument) for argument in expression.args]
-        lowered = _SIMPLE.get(type(expression))
+        lowered = self._simple.get(type(expression))
         if lowered is not None:
-            return lowered(self, *arguments)
+            return lowered(*arguments)
         if isinstance(expression, sp.Pow) and expression.exp.is_Integer and not arguments[0].is_Atom:
             return self.named("base", arguments[0]) ** expression.exp
         return expression.func(*arguments)
@@ -100,8 +113,9 @@ class Lowering:
         return symbol
 
     def _half_turn(self, step: sp.Expr) -> sp.Expr:
-        """The half angle from the top: theta_m less an odd number of half periods, those held in three parts."""
+        """The half angle from the top: theta_m less an odd number of half periods, held in three parts."""
         theta_m, mu = step.args
+        theta_m = theta_m if theta_m.is_Atom else self.named("angle", self(theta_m))
         half_period = self._prepare("half_period", sp.pi / mu)
         part_1 = self._prepare("half_period_1", steps.Leading(half_period))
         part_2 = self._prepare("half_period_2", steps.Leading(half_period - part_1))
@@ -141,7 +155,7 @@ class Lowering:
         return self._direction(p, q, q)
 
     def _direction(self, p: sp.Expr, q: sp.Expr, part: sp.Expr) -> sp.Expr:
-        """part/magnitude: 0 at the apex; beyond the largest number the larger of p and q alone gives the direction."""
+        """part/magnitude: 0 at the apex; beyond the largest number only the larger of p and q counts."""
         magnitude = self._magnitude(p, q)
         p, q, part = self.named("p", p), self.named("q", q), self.named("p", part)
         divisor = self.named("divisor", Pick(magnitude, _EQUAL, sp.Integer(0), sp.Integer(1), magnitude))
@@ -155,15 +169,7 @@ class Lowering:
         a = self.named("ungated", a) if not a.is_Atom else a
         return Pick(b, _EQUAL, sp.Integer(0), sp.Integer(0), Times(a, b))
 
-
-_SIMPLE: dict[type, Callable[..., sp.Expr]] = {
-    steps.Magnitude: Lowering._magnitude,
-    steps.Along: Lowering._cosine_along,
-    steps.Across: Lowering._cosine_across,
-    steps.Gated: Lowering._gated,
-    steps.Sgn: lambda self, x: self.named("direction_of_motion", steps.Sgn(x)),
-    steps.Forward: lambda self, x: self.named("is_forward", steps.Forward(x)),
-    steps.Backward: lambda self, x: self.named("is_backward", steps.Backward(x)),
-    steps.ByDirection: lambda self, x, a, b: Pick(x, _ABOVE, sp.Integer(0), a, b),
-    sp.Abs: lambda self, x: Size(x),
-}
+    def _either(self, a: sp.Expr, relation: sp.Symbol, b: sp.Expr) -> sp.Expr:
+        a = self.named("one", a) if not a.is_Atom else a
+        b = self.named("other", b) if not b.is_Atom else b
+        return Pick(a, relation, b, a, b)

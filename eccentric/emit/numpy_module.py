@@ -12,32 +12,51 @@ from eccentric.emit.text import assigned, default_text, domain, number, splittin
 from eccentric.model.quantity import Quantity
 
 _NUMPY = {
-    "sqrt": "np.sqrt({0})", "fabs": "np.abs({0})", "floor": "np.floor({0})", "sgn": "np.sign({0})",
-    "forward": "np.heaviside({0}, 0.0)", "backward": "np.heaviside(-({0}), 0.0)", "exp": "np.exp({0})",
-    "sine_series": "_sine_series({0})", "cosine_series": "_cosine_series({0})",
-}  # fmt: skip
+    "sqrt": "np.sqrt({0})",
+    "fabs": "np.abs({0})",
+    "floor": "np.floor({0})",
+    "sgn": "np.sign({0})",
+    "forward": "np.heaviside({0}, 0.0)",
+    "backward": "np.heaviside(-({0}), 0.0)",
+    "exp": "np.exp({0})",
+    "sine_series": "_sine_series({0})",
+    "cosine_series": "_cosine_series({0})",
+}
 _MATH = {
-    "sqrt": "math.sqrt({0})", "fabs": "abs({0})", "sin": "math.sin({0})", "cos": "math.cos({0})",
-    "exp": "math.exp({0})", "rounded": "float(real({0}))", "leading": "_leading({0}, real)",
-}  # fmt: skip
+    "sqrt": "math.sqrt({0})",
+    "fabs": "abs({0})",
+    "sin": "math.sin({0})",
+    "cos": "math.cos({0})",
+    "exp": "math.exp({0})",
+    "rounded": "float(real({0}))",
+    "leading": "_leading({0}, real)",
+}
 
 
 def view(program: Program, banner: str, summary: str) -> dict[str, Any]:
     """All that the templates of the NumPy module are filled with."""
     prepared = {a.target.name for a in program.prepare}
     optional = [q for q in program.parameters if q.default is None or q.default.free_symbols]
-    in_prepare = _language(_MATH, lambda name: name if name in prepared | {q.name for q in optional} else f"p.{name}")
+    in_prepare = _language(
+        _MATH, lambda name: name if name in prepared | {q.name for q in optional} else f"p.{name}"
+    )
     coefficients = [s.name for s in with_largest(program)]
     return {
         "banner": "\n".join(f"# {line}" for line in banner.splitlines()),
         "title": program.title,
         "summary": summary,
-        "public": [*sorted(name for name, _ in program.constants), "Parameters", *sorted(r.name for r in program.routines)],
+        "public": [
+            *sorted(name for name, _ in program.constants),
+            "Parameters",
+            *sorted(r.name for r in program.routines),
+        ],
         "constants": [(name, _tuple([f'"{v}"' for v in values])) for name, values in program.constants],
         "parameters": [_parameter(q) for q in program.parameters],
         "optional": _tuple([f'"{q.name}"' for q in optional]),
         "coefficients": coefficients,
-        "sources": {c: c if c in prepared or c in {q.name for q in optional} else _source(c) for c in coefficients},
+        "sources": {
+            c: c if c in prepared or c in {q.name for q in optional} else _source(c) for c in coefficients
+        },
         "leading": splitting(program),
         "prepare": [
             *(_default(q) for q in optional),
@@ -69,12 +88,14 @@ def _source(name: str) -> str:
 
 
 def _default(q: Quantity) -> str:
-    value = "math.nan" if q.default is None else printed(q.default, _language(_MATH, lambda name: f"p.{name}"))
+    value = (
+        "math.nan" if q.default is None else printed(q.default, _language(_MATH, lambda name: f"p.{name}"))
+    )
     return f"{q.name} = {value} if p.{q.name} is None else p.{q.name}"
 
 
 def _parameter(q: Quantity) -> dict[str, str]:
-    required, lowest, open_below = domain(q)
+    required, lowest, highest = domain(q)
     symbolic = q.default is not None and q.default.free_symbols
     note = f", {q.default} if None" if symbolic else ", needed with alpha_m" if q.default is None else ""
     equation = f", eq. {q.equation}" if q.equation else ""
@@ -85,24 +106,29 @@ def _parameter(q: Quantity) -> dict[str, str]:
         "doc": f"{q.meaning} [{q.unit}]{equation}{note}",
         "domain": required,
         "lowest": lowest,
-        "open_below": str(open_below),
+        "highest": highest,
     }
 
 
 def _tuple(items: list[str], indent: str = "") -> str:
     """A tuple as formatters spell it."""
     line = f"({items[0]},)" if len(items) == 1 else f"({', '.join(items)})"
-    return line if len(line) <= 90 else f"(\n{''.join(f'{indent}    {item},{chr(10)}' for item in items)}{indent})"
+    return (
+        line
+        if len(line) <= 90
+        else f"(\n{''.join(f'{indent}    {item},{chr(10)}' for item in items)}{indent})"
+    )
 
 
-def _series(name: str) -> dict[str, str]:
+def _series(name: str) -> dict[str, Any]:
     single, double = polynomial(name, True), polynomial(name, False)
     function = {"sine_series": "sin(x)/x", "cosine_series": "cos(x)"}[name]
     return {
         "name": name,
         "single": single.coefficients,
         "double": double.coefficients,
-        "doc": f"{function} by x^2, |x| within a quarter turn; error of the fit {single.error} and {double.error}.",
+        "doc": f"{function} by x^2, |x| within a quarter turn;"
+        f" error of the fit {single.error} and {double.error}.",
     }
 
 
@@ -140,4 +166,3 @@ def _input(x: Input, r: Routine) -> dict[str, str]:
     name = x.quantity.name
     call = name if x.length is None else f"*np.moveaxis(np.asarray({name}), -1, 0)"
     return {"name": name, "default": " = 0.0" if r.requires and x is r.inputs[-1] else "", "call": call}
-

@@ -1,7 +1,7 @@
-"""The Program: ordered named assignments, split in what depends on parameters only and what is evaluated per sample.
+"""The Program: ordered named assignments, split into parameter-only and per-sample work.
 
-It is what emission prints. It knows nothing of friction: inputs may be vectors, assignments are differentiated one by
-one (never one expanded expression), so that a chain of n links needs no rewrite.
+It is what emission prints. It knows nothing of friction: inputs may be vectors, and assignments are
+differentiated one by one (never one expanded expression), so that a chain of n links needs no rewrite.
 """
 
 from __future__ import annotations
@@ -94,8 +94,8 @@ class Program:
 def differentiate(assignments: Iterable[Assignment], by: Sequence[sp.Symbol]) -> tuple[Assignment, ...]:
     """The assignments, each followed by its derivatives by the symbols in `by` where they are not zero.
 
-    The derivative of `target` by x is named target_d_x. Each value is differentiated by the symbols it contains, and
-    the chain rule is carried from one assignment to the next (forward mode).
+    The derivative of `target` by x is named target_d_x. Each value is differentiated by the symbols it
+    contains, and the chain rule is carried from one assignment to the next (forward mode).
     """
     slopes: dict[tuple[sp.Symbol, sp.Symbol], sp.Expr] = {(x, x): sp.Integer(1) for x in by}
     out: list[Assignment] = []

@@ -35,12 +35,15 @@ def render_program(program: Program, origin: str, command: str) -> dict[str, str
         f"(eccentric {__version__}, program {digest}). {program.title}."
     )
     summary = (
-        "Inputs are on the motor side, in SI units; they broadcast, float32 stays float32, and `out` is honoured.\n"
+        "Inputs are on the motor side, in SI units; they broadcast, float32 stays float32, and `out` is"
+        " honoured.\n"
         "Without parameters the defaults hold: the paper's Table 1 with mu = 1/5."
     )
     c_view = c99.view(program, banner, digest)
     return {
-        f"{program.name}.py": _template("module.py.jinja").render(numpy_module.view(program, banner, summary)),
+        f"{program.name}.py": _template("module.py.jinja").render(
+            numpy_module.view(program, banner, summary)
+        ),
         f"{program.name}.h": _template("header.h.jinja").render(c_view),
         f"{program.name}.c": _template("source.c.jinja").render(c_view),
     }

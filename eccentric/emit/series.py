@@ -1,7 +1,8 @@
 """Polynomials of emission's own for the half angle: no back end needs a sine from its library.
 
-sin(x) = x S(x^2) and cos(x) = C(x^2) for |x| up to a quarter turn. S and C are Chebyshev fits made in mpmath at 50
-digits, near to minimax; the degree is the least that keeps the error below half a unit of the working precision.
+sin(x) = x S(x^2) and cos(x) = C(x^2) for |x| up to a quarter turn. S and C are Chebyshev fits made in mpmath
+at 50 digits, near to minimax; the degree is the least that keeps the error below half a unit of the working
+precision.
 """
 
 from __future__ import annotations

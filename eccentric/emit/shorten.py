@@ -13,7 +13,7 @@ _WIDTH = 86  # characters of `target = value` as SymPy spells it, each symbol a 
 
 
 def shortened(assignments: Iterable[Assignment]) -> tuple[Assignment, ...]:
-    """The assignments; an argument of a sum or product that makes one too long becomes an assignment before it."""
+    """The assignments; an argument that makes a sum or product too long becomes an assignment before it."""
     out: list[Assignment] = []
     numbers = count(1)
 
@@ -37,6 +37,12 @@ def _length(target: sp.Symbol, value: sp.Expr) -> int:
 
 def _longest_part(value: sp.Expr) -> sp.Expr | None:
     """The longest argument worth a name of its own; None if all are symbols and numbers."""
-    parts = [a for a in value.args if not a.is_Atom and (value.is_Add or value.is_Mul or a.is_Add or a.is_Mul)]
-    parts = [a for a in parts if not (a.is_Mul and a.args[0].is_Number and len(a.args) == 2 and a.args[1].is_Symbol)]
+    parts = [
+        a for a in value.args if not a.is_Atom and (value.is_Add or value.is_Mul or a.is_Add or a.is_Mul)
+    ]
+    parts = [
+        a
+        for a in parts
+        if not (a.is_Mul and a.args[0].is_Number and len(a.args) == 2 and a.args[1].is_Symbol)
+    ]
     return max(parts, key=lambda a: (len(str(a)), str(a)), default=None)

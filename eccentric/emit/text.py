@@ -11,7 +11,7 @@ from eccentric.emit.program import Program, Routine
 from eccentric.model.quantity import Quantity
 from eccentric.model.steps import Leading
 
-# Digits kept by `leading`: 11 of 24 and 33 of 53 bits, so that up to 2^12 and 2^20 half turns times them are exact.
+# `leading` keeps 11 of 24 and 33 of 53 bits, so that products with up to 2^12 and 2^20 half turns are exact.
 _SPLIT = {"single": 2**42 + 1, "double": 2**20 + 1}
 
 
@@ -25,11 +25,20 @@ def default_text(q: Quantity) -> str:
     return repr(float(sp.Rational(q.default)))
 
 
-def domain(q: Quantity) -> tuple[str, str, bool]:
-    """(what is required, in words; lower bound; whether the bound itself is excluded)."""
-    words = {"positive": "a positive number", "nonnegative": "a number that is not negative", "real": "a finite number"}
-    lowest = "-math.inf" if q.domain == "real" else "0.0"
-    return f"{words[q.domain]} [{q.unit}]", lowest, q.domain == "positive"
+# In words, lowest and highest value; infinity and NaN are never valid.
+_DOMAINS = {
+    "positive": ("a positive number", "math.ulp(0.0)", "_LARGEST"),
+    "nonnegative": ("a number that is not negative", "0.0", "_LARGEST"),
+    "real": ("a finite number", "-_LARGEST", "_LARGEST"),
+    # A right angle rounded up to single precision is still one.
+    "tilt": ("a number from 0 to pi/2", "0.0", "1.5707964"),
+}
+
+
+def domain(q: Quantity) -> tuple[str, str, str]:
+    """What is required of a parameter: in words, and its lowest and highest value as spelled in Python."""
+    words, lowest, highest = _DOMAINS[q.domain]
+    return f"{words} [{q.unit}]", lowest, highest
 
 
 def splitting(program: Program) -> dict[str, str] | None:
@@ -54,4 +63,3 @@ def with_largest(program: Program) -> tuple[sp.Symbol, ...]:
     """The coefficients, and the greatest finite number where a routine compares with it."""
     uses = any(LARGEST in a.value.free_symbols for r in program.routines for a in r.assignments)
     return (*program.coefficients, LARGEST) if uses else program.coefficients
-

@@ -31,6 +31,9 @@ def stale(model: Model, out: Path, command: str = "make derive") -> str:
         path = out / name
         found = path.read_text(encoding="utf-8") if path.is_file() else ""
         diffs += difflib.unified_diff(
-            found.splitlines(keepends=True), text.splitlines(keepends=True), f"generated/{name}", f"derived/{name}"
+            found.splitlines(keepends=True),
+            text.splitlines(keepends=True),
+            f"generated/{name}",
+            f"derived/{name}",
         )
     return "".join(diffs)

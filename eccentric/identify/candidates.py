@@ -30,13 +30,16 @@ class Candidate:
     columns: (channels, shape) -> (samples, k); hidden states run from the start of the log.
     lower: least coefficient of each column, 0 or -inf.
     needs: channels without which the candidate is left out ('temperature', 'voltage', 'current').
-    replaces: (channels, shape, base (samples, p)) -> (what is known to be missing (samples,) or None, new base): an
-        effect that changes a quantity inside the base (an angle, a factor on friction). Its parameters are all in
-        `shape`; `columns` then only serve the first look, as the derivative at small shapes.
+    replaces: (channels, shape, base (samples, p)) -> (what is known to be missing (samples,) or None, new
+        base): an effect that changes a quantity inside the base (an angle, a factor on friction). Its
+        parameters are all in `shape`; `columns` then only serve the first look, as the derivative at small
+        shapes.
     special_of: families of which this one is a special case; it wins a tie against them.
     repeats: whether another candidate of the family may join it (harmonics of other orders).
-    also: (channels, shape) -> what an electrical effect adds to the mechanical target, columns (samples, k) for its
-        coefficients, or (samples,) if its parameters are all in `shape` (a current sensor's bias and delay).
+    ridge: penalty on the coefficients, relative to their scaled diagonal (smooth terms only).
+    also: (channels, shape) -> what an electrical effect adds to the mechanical target, columns (samples, k)
+        for its coefficients, or (samples,) if its parameters are all in `shape` (a current sensor's bias and
+        delay).
     """
 
     id: str
@@ -49,6 +52,7 @@ class Candidate:
     needs: tuple[str, ...] = ()
     special_of: tuple[str, ...] = ()
     repeats: bool = False
+    ridge: float = 0.0
     also: Callable[[Any, Shape], Array] | None = None
     replaces: Callable[[Any, Shape, Array], tuple[Array | None, Array]] | None = None
 

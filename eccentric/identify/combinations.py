@@ -1,8 +1,8 @@
 """Which letters of the paper a log identifies, and which it shows only in combination.
 
-Every column of the problem has a coefficient that is an expression in the letters.  A letter can be told where its
-own direction lies in the row space of the Jacobian of those expressions: then no change of the other letters
-makes up for a change of it.
+Every column of the problem has a coefficient that is an expression in the letters.  A letter can be told
+where its own direction lies in the row space of the Jacobian of those expressions: then no change of the
+other letters makes up for a change of it.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ import numpy as np
 import sympy as sp
 from numpy.typing import NDArray
 
-from eccentric.identify.problem import as_text
+from eccentric.identify.columns import as_text
 
 if TYPE_CHECKING:
     from eccentric.identify.problem import Problem
@@ -43,11 +43,15 @@ def identified_letters(problem: Problem) -> tuple[list[str], list[str]]:
     return told, [x.name for x in letters if x.name not in told]
 
 
-def combinations(problem: Problem, values: Array, active: NDArray[np.int64], error: Spread) -> dict[str, Estimate]:
-    """Return combinations by name: what the columns hold that is no single letter, in newton metres where the
-    scale is identified.
+def combinations(
+    problem: Problem, values: Array, active: NDArray[np.int64], error: Spread
+) -> dict[str, Estimate]:
+    """Return combinations by name: what the columns hold that is no single letter.
 
-    `values` (k,) and `active` (k,) belong to the problem's coefficients, the spread to them and all that follows.
+    In newton metres where the scale is identified.
+
+    `values` (k,) and `active` (k,) belong to the problem's coefficients, the spread to them and all that
+    follows.
     """
     found: dict[str, Estimate] = {}
     where = next((k for k, c in enumerate(problem.coefficients) if c.role == "scale"), None)

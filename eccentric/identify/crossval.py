@@ -2,7 +2,8 @@
 
 Everything a selection needs is in the normal equations summed per block: a fold is fitted on the sum of the
 other folds' blocks and judged on its own, so no row is visited twice.  Rows of one block are correlated (they
-share filter, motion and drift), blocks are taken as exchangeable; standard errors and intervals come from blocks.
+share filter, motion and drift), blocks are taken as exchangeable; standard errors and intervals come from
+blocks.
 """
 
 from __future__ import annotations
@@ -10,10 +11,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.linalg import LinAlgError, cholesky, solve_triangular
+from scipy.linalg import solve_triangular
 from scipy.optimize import nnls
 
-__all__ = ["Gram", "bounded_solve", "bootstrap_interval", "block_z", "cross_validate", "fold_of_block"]
+__all__ = ["Gram", "block_z", "bootstrap_interval", "bounded_solve", "cross_validate", "fold_of_block"]
 
 Array = np.ndarray
 
@@ -49,28 +50,27 @@ class Gram:
 def bounded_solve(matrix: Array, vector: Array, lower: Array, ridge: Array | float = 0.0) -> Array:
     """Least squares from normal equations with coefficients that are free (lower -inf) or not negative (0).
 
-    A relative ridge of 1e-10 keeps exact aliases solvable: the shortest of the equivalent solutions is as good.
-    `ridge` is a further penalty in units of the scaled diagonal (smooth terms).
+    A relative ridge of 1e-10 keeps exact aliases solvable: the shortest of the equivalent solutions is as
+    good. `ridge` is a further penalty in units of the scaled diagonal (smooth terms).
     """
-    scale = np.sqrt(np.maximum(np.diag(matrix), 1e-300))
-    scaled = matrix / np.outer(scale, scale)
+    scale = np.sqrt(np.maximum(matrix.diagonal(), 1e-300))
+    scaled = matrix / (scale[:, None] * scale)
     scaled[np.diag_indices_from(scaled)] += 1e-10 + ridge
     right = vector / scale
-    try:
-        factor = cholesky(scaled, lower=True)
-    except LinAlgError:
-        return np.zeros(len(vector))
-    half = solve_triangular(factor, right, lower=True)
-    solution = solve_triangular(factor.T, half, lower=False)
     bounded = np.isfinite(lower)
-    if np.all(solution[bounded] >= 0.0):
-        return solution / scale
+    try:
+        solution = np.linalg.solve(scaled, right)
+        if np.all(solution[bounded] >= 0.0):
+            return solution / scale
+        factor = np.linalg.cholesky(scaled)
+    except np.linalg.LinAlgError:
+        return np.zeros(len(vector))
     free = ~bounded
     # a free coefficient is the difference of two that are not negative
     design = np.hstack([factor.T, -factor.T[:, free]])
-    doubled, _ = nnls(design, half)
+    doubled, _ = nnls(design, solve_triangular(factor, right, lower=True, check_finite=False))
     solution = doubled[: len(vector)].copy()
-    solution[free] -= doubled[len(vector):]
+    solution[free] -= doubled[len(vector) :]
     return solution / scale
 
 
@@ -88,7 +88,10 @@ def cross_validate(gram: Gram, lower: Array, fold: Array, ridge: Array | float =
     for number in np.unique(fold):
         mine = fold == number
         coefficients = bounded_solve(
-            total_matrix - gram.matrix[mine].sum(axis=0), total_vector - gram.vector[mine].sum(axis=0), lower, ridge
+            total_matrix - gram.matrix[mine].sum(axis=0),
+            total_vector - gram.vector[mine].sum(axis=0),
+            lower,
+            ridge,
         )
         loss[mine] = gram.loss(coefficients)[mine]
     return loss

@@ -1,9 +1,9 @@
 """Identify a model on a log: coefficients with uncertainty, alignment, and the error on the held-out part.
 
-Three models are fitted on the same training rows: the paper's with the bounds of physics, the same without bounds
-(where it does better, a bound is in the way of something that the model lacks), and Coulomb + viscous friction.
-Delay, zero angle and masses known by a range only are searched for each of them (variable projection: for given
-values of those the rest is linear). The held-out rows are looked at once, at the end.
+Three models are fitted on the same training rows: the paper's with the bounds of physics, the same without
+bounds (where it does better, a bound is in the way of something that the model lacks), and Coulomb + viscous
+friction. Delay, zero angle and masses known by a range only are searched for each of them (variable
+projection: for given values of those the rest is linear). The held-out rows are looked at once, at the end.
 """
 
 from __future__ import annotations
@@ -34,10 +34,11 @@ ROWS_PER_COEFFICIENT = 10
 
 @dataclass(frozen=True)
 class Fit:
-    """What came out; `residuals` (m,) in the problem's unit on its rows, by model: linear, paper, and unbounded.
+    """What came out; `solutions` and held-out `rmse` by model: linear, paper, paper_unbounded.
 
-    `coefficients` are those of the columns, `alignment` and `searched` what was found beside them, `combinations`
-    what the columns hold that is no single letter. `rmse` is held-out, by model.
+    `coefficients` are those of the columns, `searched` what was found beside them (with `profiles` over the
+    ranges of unknown quantities), `combinations` what the columns hold that is no single letter; `identified`
+    the letters that the log tells, and those it does not. `percent` is 100 (1 - paper/linear).
     """
 
     problem: Problem
@@ -74,6 +75,7 @@ def fit(channels: Channels, rig: Rig, model: Model, where: str = "log") -> Fit:
         "paper": paper,
         "paper_unbounded": solve(problem, bounds=False, start=paper.values),
     }
+    _require_scale(problem, paper, where)
     profiles = {s.name: profile(problem, paper, s) for s in problem.searched if s.name in rig.unknown}
     better = min(profiles.values(), key=lambda p: p.best.cost, default=None)
     if better is not None and better.best.cost < paper.cost:
@@ -107,12 +109,22 @@ def _require_rows(problem: Problem, where: str) -> None:
     for name, mask, rows in (("to fit", sampling.train, least), ("to hold out", sampling.score, 2)):
         if (count := int(np.count_nonzero(mask))) < rows:
             raise InputError(
-                f"{where}: at least {rows} moving {sampling.description} {name} are required, received {count}"
+                f"{where}: at least {rows} moving {sampling.description} {name} are required, "
+                f"received {count}"
+            )
+
+
+def _require_scale(problem: Problem, paper: Solution, where: str) -> None:
+    for c, value in zip(problem.coefficients, paper.coefficients, strict=True):
+        if c.role == "scale" and value <= 0.0:
+            raise InputError(
+                f"{where}: {c.name} above 0 is required, received {value:.3g}: do the signs of "
+                f"{problem.channels.drive} and angle agree?"
             )
 
 
 def _spread(problem: Problem, paper: Solution) -> Spread:
-    """Return the spread of coefficients and searched values together: the errors of the one know of the other."""
+    """Return the spread of coefficients and searched values: the errors of the one know of the other."""
     train = problem.sampling.train
     root = np.sqrt(problem.sampling.weights[train])
     everything = [*problem.coefficients, *problem.searched]
@@ -132,7 +144,9 @@ def _estimates(
     """Return estimates of the coefficients and of the searched values, by name."""
     unit = np.eye(len(error.alone))
     coefficients = {
-        c.name: error.estimate(paper.coefficients[k], unit[k], c.unit, (c.lower, c.upper), int(paper.active[k]))
+        c.name: error.estimate(
+            paper.coefficients[k], unit[k], c.unit, (c.lower, c.upper), int(paper.active[k])
+        )
         for k, c in enumerate(problem.coefficients)
     }
     searched: dict[str, Estimate] = {}
@@ -154,13 +168,18 @@ def _at_end(value: float, searched: Searched) -> int:
 
 def _warnings(problem: Problem, paper: Solution, profiles: Mapping[str, Profile]) -> list[str]:
     found = []
+    friction = [a for c, a in zip(problem.coefficients, paper.active, strict=True) if c.role == "friction"]
+    if all(a == -1 for a in friction):
+        found.append(f"no friction is left: do the signs of {problem.channels.drive} and angle agree?")
     for s in problem.searched:
         value = paper.values[s.name]
         if _at_end(value, s):
-            found.append(f"{s.name} = {value:.4g} {s.unit} lies at the end of its range {s.lower:g} to {s.upper:g}")
+            found.append(
+                f"{s.name} = {value:.4g} {s.unit} lies at the end of its range {s.lower:g} to {s.upper:g}"
+            )
     for name, p in profiles.items():
         spread = 100.0 * (max(p.rmse) / min(p.rmse) - 1.0)
         found.append(
-            f"{name} is known by a range only: over it, the error on the training rows changes by {spread:.2g} %"
+            f"{name} is known by a range only: over it, the training error changes by {spread:.2g} %"
         )
     return found

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 
 LEAST_PART = 1e-4
-"""A combination of unit columns smaller than this counts as zero: no encoder or current sensor is as exact."""
+"""A combination of unit columns smaller than this counts as zero: no sensor is as exact."""
 
 _BLOCK = 256
 
@@ -58,12 +58,12 @@ def _triangle(rows: Array) -> Array:
     blocks = -(-len(rows) // _BLOCK)
     padded = np.zeros((blocks * _BLOCK, count))
     padded[: len(rows)] = rows
-    stack = np.linalg.qr(padded.reshape(blocks, _BLOCK, count), mode="r")
-    return np.linalg.qr(stack.reshape(-1, count), mode="r")
+    stack = np.asarray(np.linalg.qr(padded.reshape(blocks, _BLOCK, count), mode="r"))
+    return np.asarray(np.linalg.qr(stack.reshape(-1, count), mode="r"))
 
 
 def require_rank(design: Array, names: Sequence[str], where: str) -> None:
-    """Raise InputError, naming the coefficients that cannot be told apart, unless the columns are independent.
+    """Raise InputError, naming the coefficients that cannot be told apart, if columns are dependent.
 
     `where` begins the message: the log.
     """

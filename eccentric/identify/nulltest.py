@@ -2,10 +2,12 @@
 
 - `sensor_noise`: what the sensor's white noise leaves in a row, from fourth differences of the raw signal.
 - `inflation`: by how much correlated rows overstate their number (a HAC sum of the autocorrelation).
-- `flipped_null`: the largest gain that any column of the library reaches by chance, from residuals whose blocks
-  have their signs flipped at random: correlation within blocks, heteroscedasticity and the search are kept.
+- `flipped_null`: the largest gain that any column of the library reaches by chance, from residuals whose
+  blocks have their signs flipped at random: correlation within blocks, heteroscedasticity and the search are
+  kept.
 - `smooth_terms`: splines and Fourier sums in each variable of the diagnosis.  They compete with the physical
-  candidates in the same cross-validation: what they still take out of a residual, no physical effect explains.
+  candidates in the same cross-validation: what they still take out of a residual, no physical effect
+  explains.
 """
 
 from __future__ import annotations
@@ -37,8 +39,10 @@ def sensor_noise(signal: Array, windows: Windows) -> float:
 
 
 def inflation(residual: Array, block: Array, most_lags: int = 60) -> float:
-    """Variance inflation 1 + 2 sum of autocorrelation (Bartlett weights), at least 1; rows that follow each other
-    across a block's edge are not counted."""
+    """Variance inflation 1 + 2 sum of autocorrelation (Bartlett weights), at least 1; rows that follow each
+    other
+    across a block's edge are not counted.
+    """
     r = residual - residual.mean()
     variance = float(np.mean(r**2))
     if variance <= 0.0:
@@ -79,10 +83,16 @@ def null_quantile(screen: Screen, fitted: Fitted, level: float = 0.99) -> float:
     return float(np.quantile(gain, level)) / max(2.0, inflation(residual, screen.block))
 
 
-def _spline(x: Array, pieces: int) -> Array:
-    """Cubic B-splines of x with knots at its quantiles, (samples, pieces + 2): the constant is left out."""
-    knots = np.unique(np.quantile(x, np.linspace(0.0, 1.0, pieces + 1)))
-    if len(knots) < 3:
+def _spline(x: Array, pieces: int, valid: Array) -> Array:
+    """Cubic B-splines of x, (samples, pieces + 2): the constant is left out.
+
+    Knots lie half by quantiles, half evenly within the 0.2 to 99.8 % range of the valid samples: a log dwells
+    at few speeds, and what happens between them counts too.
+    """
+    low, high = np.quantile(x[valid], [0.002, 0.998])
+    share = np.linspace(0.0, 1.0, pieces + 1)
+    knots = 0.5 * (np.clip(np.quantile(x[valid], share), low, high) + low + (high - low) * share)
+    if high - low <= 1e-9 * max(1.0, abs(low), abs(high)):
         return np.empty((len(x), 0))
     full = np.r_[[knots[0]] * 3, knots, [knots[-1]] * 3]
     return BSpline.design_matrix(np.clip(x, knots[0], knots[-1]), full, 3).toarray()[:, 1:]
@@ -92,11 +102,12 @@ def _fourier(angle: Array, orders: Sequence[int]) -> Array:
     return np.column_stack([f(n * angle) for n in orders for f in (np.cos, np.sin)])
 
 
-def smooth_terms(channels: Any, balance: str, mu: float, gravity: Array) -> list[Candidate]:
+def smooth_terms(channels: Any, balance: str, mu: float, gravity: Array, valid: Array) -> list[Candidate]:
     """Empirical terms, one family 'smooth:<variable>' each.
 
-    channels: as in `Candidate.columns`, with smooth signals; mu: gear ratio; gravity (samples,): torque of gravity
-    on the motor side [N m].  Even and odd parts are both there: a term times sgn w is one of friction.
+    channels: as in `Candidate.columns`, with smooth signals; mu: gear ratio; gravity (samples,): torque of
+    gravity on the motor side [N m]; valid (samples,): those that any window uses.  Even and odd parts are
+    both there: a term times sgn w is one of friction.
     """
     omega = channels.omega_m
     sign = np.sign(omega)[:, None]
@@ -106,27 +117,31 @@ def smooth_terms(channels: Any, balance: str, mu: float, gravity: Array) -> list
 
     elapsed, link = channels.t - channels.t[0], mu * channels.theta_m
     terms: dict[str, Array] = {
-        "velocity": _spline(np.abs(omega), 14) * sign,
-        "direction": np.hstack([np.ones_like(sign), _spline(np.abs(omega), 8)]),
+        "velocity": _spline(np.abs(omega), 14, valid) * sign,
+        "direction": np.hstack([np.ones_like(sign), _spline(np.abs(omega), 8, valid)]),
         "motor_angle": _fourier(channels.theta_m, range(1, 9)),
-        "acceleration": _spline(channels.alpha_m, 8),
-        "time": np.hstack([both(_spline(elapsed, 12)), _spline(elapsed, 5) * omega[:, None]]),
+        "acceleration": _spline(channels.alpha_m, 8, valid),
+        "time": np.hstack([both(_spline(elapsed, 12, valid)), _spline(elapsed, 5, valid) * omega[:, None]]),
     }
     if balance == "mechanical":
         terms["link_angle"] = both(_fourier(link, range(1, 13)))
         if np.any(gravity):
-            terms["gravity_load"] = both(_spline(gravity, 8))
+            terms["gravity_load"] = both(_spline(gravity, 8, valid))
     if channels.current is not None:
-        terms["current"] = _spline(channels.current, 12)
+        terms["current"] = _spline(channels.current, 12, valid)
     if channels.voltage is not None and balance == "electrical":
-        terms["voltage"] = _spline(channels.voltage, 12)
+        terms["voltage"] = _spline(channels.voltage, 12, valid)
     if channels.temperature is not None:
-        warm = _spline(channels.temperature, 5)
+        warm = _spline(channels.temperature, 5, valid)
         terms["temperature"] = np.hstack([warm, warm * sign, warm * omega[:, None]])
     return [
         Candidate(
-            id=f"smooth:{name}", family=f"smooth:{name}", balance=balance, depends_on=(name,),
+            id=f"smooth:{name}",
+            family=f"smooth:{name}",
+            balance=balance,
+            depends_on=(name,),
             columns=lambda c, s, columns=columns: columns,
+            ridge=1e-2,
         )
         for name, columns in terms.items()
         if columns.shape[1]

@@ -1,9 +1,10 @@
 """The two balances of a log as linear designs: target = base @ coefficients + what the model lacks.
 
 Sample-wise columns become rows by one smooth window (Hann, in the sense of the weak form: both sides of the
-balance are integrated against it), taken at a spacing of a quarter of its length.  Target and columns pass the
-same window, so its low pass cancels out; what it does not see is noise and quantisation above its band.
-A row is used where every sample of its window is: moving, clear of reversals, in the training part, in one run.
+balance are integrated against it), taken at a spacing of a quarter of its length.  Target and columns pass
+the same window, so its low pass cancels out; what it does not see is noise and quantisation above its band.
+A row is used where every sample of its window is: moving, clear of reversals, in the training part, in one
+run.
 """
 
 from __future__ import annotations
@@ -38,8 +39,8 @@ class Balance:
     """One scalar balance on the training rows.
 
     name: 'mechanical' or 'electrical'; target (rows,) and base (rows, p) in N m on the motor side;
-    lower (p,): least values of the base coefficients; scale: what shares are taken of (RMS of the friction or of
-    the drive torque, N m); samples (n, p): the base before its windows, for effects that change it.
+    lower (p,): least values of the base coefficients; scale: what shares are taken of (RMS of the friction or
+    of the drive torque, N m); samples (n, p): the base before its windows, for effects that change it.
     """
 
     name: str
@@ -53,7 +54,11 @@ class Balance:
 
 
 def make_windows(
-    time: Array, valid: Array, run: Array | None = None, length_s: float = 0.064, block_s: float = 1.0,
+    time: Array,
+    valid: Array,
+    run: Array | None = None,
+    length_s: float = 0.064,
+    block_s: float = 1.0,
     most_rows: int = 8000,
 ) -> Windows:
     """Hann windows whose samples are all valid; blocks are stretches of `block_s` of time within one run.
@@ -75,19 +80,32 @@ def make_windows(
     whole &= (time[centre + reach] - time[centre - reach]) < 1.5 * 2 * reach * step + step
     centre = centre[whole]
     if len(centre) < 50:
-        raise InputError(f"moving training samples: at least 50 windows of {length_s} s required, {len(centre)} found")
+        raise InputError(
+            f"moving training samples: at least 50 windows of {length_s} s required, {len(centre)} found"
+        )
     index = centre[:, None] + np.arange(-reach, reach + 1)
     pointer = np.arange(len(centre) + 1) * len(kernel)
     weights = csr_matrix((np.tile(kernel, len(centre)), index.ravel(), pointer), shape=(len(centre), n))
-    key = label[centre] * (int((time[-1] - time[0]) / block_s) + 2) + ((time[centre] - time[0]) / block_s).astype(int)
+    key = label[centre] * (int((time[-1] - time[0]) / block_s) + 2) + (
+        (time[centre] - time[0]) / block_s
+    ).astype(int)
     changes = np.r_[False, np.diff(key) != 0]
     return Windows(weights, np.cumsum(changes), time[centre])
 
 
 def make_balance(
-    name: str, windows: Windows, target: Array, base: Array, base_names: tuple[str, ...], lower: Array,
+    name: str,
+    windows: Windows,
+    target: Array,
+    base: Array,
+    base_names: tuple[str, ...],
+    lower: Array,
     share_of: Array,
 ) -> Balance:
-    """Sample-wise target (n,) and base (n, p) to a Balance; `share_of` (n,) is what effects are held against."""
+    """Sample-wise target (n,) and base (n, p) to a Balance; `share_of` (n,) is what effects are held
+    against.
+    """
     scale = float(np.sqrt(np.mean(windows(share_of) ** 2)))
-    return Balance(name, windows, windows(target), windows(base), base_names, np.asarray(lower, float), scale, base)
+    return Balance(
+        name, windows, windows(target), windows(base), base_names, np.asarray(lower, float), scale, base
+    )

@@ -23,9 +23,10 @@ PROFILE_POINTS = 9
 
 @dataclass(frozen=True)
 class Solution:
-    """A minimum: coefficients (k,), active bounds (k,), searched values, and on all rows (m,) of the problem the
-    residual, the columns (m, k), the slopes (m, q) of the prediction by the searched values; the weighted sum of
-    squares on the training rows.
+    """A minimum: coefficients (k,), active bounds (k,), searched values by name.
+
+    On all rows (m,) of the problem: the residual, the columns (m, k), the slopes (m, q) of the prediction by
+    the searched values. `cost` is the weighted sum of squares on the training rows.
     """
 
     coefficients: Array
@@ -39,7 +40,7 @@ class Solution:
 
 @dataclass(frozen=True)
 class Profile:
-    """Training RMSE over the range of one value, all else fitted at each; `best` is the best of its solutions."""
+    """Training RMSE over the range of one value, all else fitted at each; `best` of its solutions."""
 
     values: tuple[float, ...]
     rmse: tuple[float, ...]
@@ -56,8 +57,8 @@ def solve(
 ) -> Solution:
     """Minimise over coefficients and searched values.
 
-    `linear` leaves out all friction but Coulomb and viscous, `bounds=False` the bounds of the coefficients (those
-    of the searched values stay); `start` saves the search for one; `fixed` holds some of the values.
+    `linear` leaves out all friction but Coulomb and viscous, `bounds=False` the bounds of the coefficients
+    (those of the searched values stay); `start` saves the search for one; `fixed` holds some of the values.
     """
     used = np.array([c.linear or not linear for c in problem.coefficients])
     none = np.full(int(used.sum()), np.inf)
@@ -103,15 +104,15 @@ def solve(
 def profile(problem: Problem, solution: Solution, searched: Searched) -> Profile:
     """Fit at evenly spaced values of one searched value over its range."""
     points = np.linspace(searched.lower, searched.upper, PROFILE_POINTS)
-    found = [
-        solve(problem, fixed={searched.name: float(v)}, start=solution.values) for v in points
-    ]
+    found = [solve(problem, fixed={searched.name: float(v)}, start=solution.values) for v in points]
     weight = float(np.sum(problem.sampling.weights[problem.sampling.train]))
     rmse = tuple(float(np.sqrt(s.cost / weight)) for s in found)
     return Profile(tuple(map(float, points)), rmse, min(found, key=lambda s: s.cost))
 
 
-def _start(searched: list[Searched], cost: Callable[[Array], float], start: Mapping[str, float] | None) -> Array:
+def _start(
+    searched: list[Searched], cost: Callable[[Array], float], start: Mapping[str, float] | None
+) -> Array:
     """The best of all combinations of starting values; the given one where there is one."""
     if start is not None:
         return np.array([np.clip(start[s.name], s.lower, s.upper) for s in searched])
@@ -120,7 +121,7 @@ def _start(searched: list[Searched], cost: Callable[[Array], float], start: Mapp
 
 
 def _slopes(problem: Problem, values: Mapping[str, float], coefficients: Array) -> Array:
-    """Slopes (m, q) of prediction minus target by the searched values, coefficients held: central differences."""
+    """Slopes (m, q) of prediction minus target by the searched values, by central differences."""
     slopes: list[Array] = []
     for s in problem.searched:
         # A delay moves between rows; a step well below a row sees one side of its kinks only.

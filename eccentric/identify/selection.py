@@ -50,13 +50,18 @@ class Fitted:
 class Screen:
     """One balance, its channels and the candidates for it, with their windowed columns kept.
 
-    noise: RMS of a window that the sensors' white noise explains.  A fit clearly below it has noise on both sides
-    of its equation (the measured current as a regressor of itself) and is dropped.
+    noise: RMS of a window that the sensors' white noise explains.  A fit clearly below it has noise on both
+    sides of its equation (the measured current as a regressor of itself) and is dropped.
     Columns of all shape grids lie side by side (rows, total), so that one matrix product scores them all.
     """
 
     def __init__(
-        self, balance: Balance, channels: Any, candidates: Sequence[Candidate], noise: float = 0.0, folds: int = 8
+        self,
+        balance: Balance,
+        channels: Any,
+        candidates: Sequence[Candidate],
+        noise: float = 0.0,
+        folds: int = 8,
     ) -> None:
         self.balance, self.channels = balance, channels
         self.block = balance.windows.block
@@ -122,10 +127,18 @@ class Screen:
         """Bounded fit of base and terms, with its blocked cross-validation."""
         target, design, lower = self.design(terms)
         gram = Gram.of(design, target, self.block)
-        ridge = 1e-6 if design.shape[1] > 16 else 0.0
+        ridge = np.zeros(design.shape[1])
+        for term, end in zip(terms, np.cumsum([self.columns(term).shape[1] for term in terms]), strict=True):
+            width = self.columns(term).shape[1]
+            at = self.balance.base.shape[1] + end
+            ridge[at - width : at] = term.candidate.ridge
         coefficients = bounded_solve(gram.matrix.sum(axis=0), gram.vector.sum(axis=0), lower, ridge)
-        loss = gram.loss(coefficients)
-        return Fitted(tuple(terms), coefficients, loss, cross_validate(gram, lower, self.fold, ridge))
+        cross = cross_validate(gram, lower, self.fold, ridge)
+        if np.any(ridge):
+            # where a smooth term has to extrapolate it says nothing
+            without = self.fit([term for term in terms if not term.candidate.ridge]).cross
+            cross = np.where(cross > 4.0 * without, without, cross)
+        return Fitted(tuple(terms), coefficients, gram.loss(coefficients), cross)
 
     def residual(self, fitted: Fitted) -> Array:
         """Target minus base and terms, (rows,)."""
@@ -133,7 +146,8 @@ class Screen:
         return target - design @ fitted.coefficients
 
     def first_look(self, terms: Sequence[Term]) -> list[tuple[float, int]]:
-        """Best grid point of every candidate beside `terms`: (in-sample loss of the bounded fit, number), best first.
+        """Best grid point of every candidate beside `terms`: (in-sample loss of the bounded fit, number),
+        best first.
 
         All points share one matrix product; what changes the base is fitted anew at each of its points.
         """
@@ -153,7 +167,9 @@ class Screen:
                 matrix = np.block([[inner, mixed[:, where]], [mixed[:, where].T, self.inner[number]]])
                 vector = np.r_[right, cross[where]]
                 own = np.asarray(candidate.lower, float)
-                own = own if len(own) == len(vector) - len(right) else np.full(len(vector) - len(right), own[0])
+                own = (
+                    own if len(own) == len(vector) - len(right) else np.full(len(vector) - len(right), own[0])
+                )
                 c = bounded_solve(matrix, vector, np.r_[lower, own])
                 loss = total + float(c @ matrix @ c - 2.0 * c @ vector)
             if candidate.id not in best or loss < best[candidate.id][0]:
@@ -161,9 +177,13 @@ class Screen:
         return sorted(best.values())
 
     def rank(self, terms: Sequence[Term], leaders: int = 8) -> list[Fitted]:
-        """Every candidate added to `terms`, best cross-validated score first; the leaders' shapes are refined."""
+        """Every candidate added to `terms`, best cross-validated score first; the leaders' shapes are
+        refined.
+        """
         look = self.first_look(terms)[: 4 * leaders]
-        fitted = sorted((self.fit([*terms, self.points[number]]) for _, number in look), key=lambda f: f.score)
+        fitted = sorted(
+            (self.fit([*terms, self.points[number]]) for _, number in look), key=lambda f: f.score
+        )
         head = [self.refine(f, only_last=True) for f in fitted[:leaders]]
         honest = [f for f in [*head, *fitted[leaders:]] if f.loss.sum() > 0.8 * self.floor]
         return sorted(honest, key=lambda f: f.score)
@@ -175,7 +195,9 @@ class Screen:
         return float(target @ target + c @ matrix @ c - 2.0 * c @ vector)
 
     def refine(self, fitted: Fitted, only_last: bool = False, evaluations: int = 30) -> Fitted:
-        """Shapes improved by simplex search of the bounded fit: of the last term, or of one term after the other."""
+        """Shapes improved by simplex search of the bounded fit: of the last term, or of one term after the
+        other.
+        """
         terms = list(fitted.terms)
         for turn in [len(terms) - 1] if only_last else range(len(terms)):
             if terms[turn].candidate.shape:
@@ -187,7 +209,9 @@ class Screen:
 
     def _refined(self, terms: list[Term], turn: int, evaluations: int) -> Term:
         candidate = terms[turn].candidate
-        scaled = {name: (low, high, scale == "log") for name, (low, high, scale, _) in candidate.shape.items()}
+        scaled = {
+            name: (low, high, scale == "log") for name, (low, high, scale, _) in candidate.shape.items()
+        }
 
         def shape_of(point: Array) -> Shape:
             values = zip(scaled.items(), np.clip(point, 0.0, 1.0), strict=True)
@@ -199,15 +223,25 @@ class Screen:
         def loss(point: Array) -> float:
             return self._loss([*terms[:turn], Term(candidate, shape_of(point)), *terms[turn + 1 :]])
 
-        start = np.array([
-            np.log(terms[turn].shape[name] / low) / np.log(high / low) if log
-            else (terms[turn].shape[name] - low) / (high - low)
-            for name, (low, high, log) in scaled.items()
-        ])
+        start = np.array(
+            [
+                np.log(terms[turn].shape[name] / low) / np.log(high / low)
+                if log
+                else (terms[turn].shape[name] - low) / (high - low)
+                for name, (low, high, log) in scaled.items()
+            ]
+        )
         steps = np.array([0.6 / max(count - 1, 2) for _, _, _, count in candidate.shape.values()])
         simplex = np.vstack([start, start + np.diag(np.where(start + steps <= 1.0, steps, -steps))])
         found = minimize(
-            loss, start, method="Nelder-Mead",
-            options={"initial_simplex": simplex, "maxfev": evaluations * len(steps), "xatol": 1e-3, "fatol": 1e-12},
+            loss,
+            start,
+            method="Nelder-Mead",
+            options={
+                "initial_simplex": simplex,
+                "maxfev": evaluations * len(steps),
+                "xatol": 1e-3,
+                "fatol": 1e-12,
+            },
         )
         return Term(candidate, shape_of(found.x))

@@ -1,16 +1,16 @@
 """Standard errors and intervals where neighbouring rows share their noise.
 
-Filters, quantisation and whatever a model leaves unexplained make the residual of a log sampled at hundreds of
-rows per second strongly correlated; the textbook standard error would be several times too small.  Here
+Filters, quantisation and whatever a model leaves unexplained make the residual of a log sampled at hundreds
+of rows per second strongly correlated; the textbook standard error would be several times too small.  Here
 
     cov = (X'X)^-1 Omega (X'X)^-1,  Omega = sum over lags of (1 - |lag|/S) sum of (x e)_t (x e)_(t+lag)',
 
-the estimate of Newey and West (Econometrica 55, 1987), which asks for no model of the noise and also allows its
-size to vary.  Its usual weakness is the choice of S: short ones are too optimistic by an amount nobody sees.  So S
-is a tenth of all rows, much longer than any filter and comparable to a stretch of constant speed, and the quantiles
-are those of Kiefer and Vogelsang (Econometric Theory 21, 2005), which hold for S in proportion to the rows: 2.26
-standard errors take the place of 1.96.  (Clusters of blocks were the alternative: they want every block to look
-alike, which blocks of a log of constant speeds do not.)
+the estimate of Newey and West (Econometrica 55, 1987), which asks for no model of the noise and also allows
+its size to vary.  Its usual weakness is the choice of S: short ones are too optimistic by an amount nobody
+sees.  So S is a tenth of all rows, much longer than any filter and comparable to a stretch of constant speed,
+and the quantiles are those of Kiefer and Vogelsang (Econometric Theory 21, 2005), which hold for S in
+proportion to the rows: 2.26 standard errors take the place of 1.96.  (Clusters of blocks were the
+alternative: they want every block to look alike, which blocks of a log of constant speeds do not.)
 """
 
 from __future__ import annotations
@@ -20,6 +20,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.special import log_ndtr, ndtri_exp
 
 Array = NDArray[np.float64]
 
@@ -50,10 +51,10 @@ class Estimate:
 class Spread:
     """How far p least-squares values can be off, some of which a bound holds.
 
-    `matrix` (p, p) is the covariance of the free ones, zero where held. `alone` (p,) is the standard error that a
-    held one has when it is set free, else zero. A row of `moves` (a, p) is the change of all values while a held
-    one goes from its bound to the end of its one-sided interval: at the optimum the bound holds it, but the truth
-    may lie beside, and the others with it.
+    `matrix` (p, p) is the covariance of the free ones, zero where held. `alone` (p,) is the standard error
+    that a held one has when it is set free, else zero. A row of `moves` (a, p) is the change of all values
+    while a held one goes from its bound to the end of its one-sided interval: at the optimum the bound holds
+    it, but the truth may lie beside, and the others with it.
     """
 
     matrix: Array
@@ -79,16 +80,15 @@ class Spread:
         low = value - reach + float(np.sum(np.minimum(moved, 0.0)))
         high = value + reach + float(np.sum(np.maximum(moved, 0.0)))
         side = {-1: "lower", 0: None, 1: "upper"}[active]
-        return Estimate(float(value), error, (max(low, bounds[0]), min(high, bounds[1])), unit, side)
+        interval = float(max(low, bounds[0])), float(min(high, bounds[1]))
+        return Estimate(float(value), error, interval, unit, side)
 
 
-def spread(
-    design: Array, residual: Array, active: NDArray[np.int64], lower: Array, upper: Array
-) -> Spread:
+def spread(design: Array, residual: Array, active: NDArray[np.int64], lower: Array, upper: Array) -> Spread:
     """Return the spread of p values with columns (m, p) that left a residual (m,), both times root weights.
 
-    `active` (p,) is -1 or 1 for a value held by its bound. A column of zeros is a value that nothing depends on:
-    it is left out, and its standard error is zero here.
+    `active` (p,) is -1 or 1 for a value held by its bound. A column of zeros is a value that nothing depends
+    on: it is left out, and its standard error is zero here.
     """
     size = np.linalg.norm(design, axis=0)
     seen = size > 1e-9 * np.max(size)
@@ -97,12 +97,26 @@ def spread(
     matrix, alone, moves = np.zeros((count, count)), np.zeros(count), np.zeros((len(held), count))
     matrix[np.ix_(free, free)] = covariance(design[:, free], residual)
     for row, k in enumerate(held):
-        alone[k] = math.sqrt(covariance(design[:, [*free, k]], residual)[-1, -1])
-        reach = min(ONE_SIDED * alone[k], upper[k] - lower[k]) * -active[k]
+        together = design[:, [*free, k]]
+        alone[k] = math.sqrt(covariance(together, residual)[-1, -1])
+        beyond = np.linalg.lstsq(together / size[[*free, k]], residual, rcond=None)[0][-1] / size[k]
+        reach = -active[k] * min(_one_sided(-active[k] * beyond, alone[k]), upper[k] - lower[k])
         moves[row, k] = reach
         follow = np.linalg.lstsq(design[:, free] / size[free], design[:, k], rcond=None)[0] / size[free]
         moves[row, free] = -reach * follow
     return Spread(matrix, alone, moves)
+
+
+def _one_sided(free: float, error: float) -> float:
+    """Return the 95 % limit of a value that is not negative and whose free estimate is `free` < 0.
+
+    `free` + 1.87 errors would be negative, an empty interval, where the model misses something; this is the
+    limit of Read (Journal of Physics G 28, 2002), which shrinks the further the bound holds and never to
+    nothing.
+    """
+    unit = error * ONE_SIDED / 1.6449
+    z = min(free, 0.0) / unit
+    return unit * float(z - ndtri_exp(math.log(0.05) + log_ndtr(z)))
 
 
 def covariance(design: Array, residual: Array) -> Array:
@@ -128,8 +142,8 @@ def covariance(design: Array, residual: Array) -> Array:
 def improvement(worse: Array, better: Array) -> tuple[float, tuple[float, float]]:
     """Return 100 (1 - RMS(better)/RMS(worse)) and its 95 % interval, for residuals (m,) of the same rows.
 
-    Circular block bootstrap (Politis and Romano, 1992) in blocks of a twentieth of the rows: both residuals are
-    drawn together, since what is hard to predict is so for both.
+    Circular block bootstrap (Politis and Romano, 1992) in blocks of a twentieth of the rows: both residuals
+    are drawn together, since what is hard to predict is so for both.
     """
     rows = len(worse)
     squares = np.column_stack([worse**2, better**2])

@@ -18,7 +18,7 @@ Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 
 STEPS = 12
-"""Steps in a window: 0.3 s at 40 rows per second, where two differences of an angle would be mostly rounding."""
+"""Steps in a window: 0.3 s at 40 rows per second, where a second difference is mostly rounding."""
 
 MOVING_PART = 0.5
 """Least part of a window's weight on moving rows."""
@@ -28,9 +28,9 @@ MOVING_PART = 0.5
 class Sampling:
     """Rows that enter the balance: masks and weights (m,), times t [s] (m,); `windows` is None for log rows.
 
-    Weights are the time that a row stands for over its mean: one for evenly sampled logs. Weighting by what the
-    noise is estimated to be would serve the noise of the sensors, but what dominates is usually what the model
-    leaves out, and a fit should then be best where the log has been.
+    Weights are the time that a row stands for over its mean: one for evenly sampled logs. Weighting by what
+    the noise is estimated to be would serve the noise of the sensors, but what dominates is usually what the
+    model leaves out, and a fit should then be best where the log has been.
     """
 
     t: Array
@@ -46,9 +46,7 @@ class Sampling:
 
     def acceleration(self, channels: Channels) -> Array:
         """Motor acceleration [rad/s^2] (m,): integrated by parts from the logged angle where windowed."""
-        return (
-            channels.alpha_m if self.windows is None else self.windows.second_rate(channels.theta_logged)
-        )
+        return channels.alpha_m if self.windows is None else self.windows.second_rate(channels.theta_logged)
 
 
 def sample(channels: Channels, rig: Rig) -> Sampling:

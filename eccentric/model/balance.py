@@ -1,4 +1,4 @@
-"""Balances: a scalar equation of the rig as a sum of terms that is zero; its residual is what data is held against."""
+"""Balances: a scalar equation of the rig, a sum of terms that is zero; data is held against its residual."""
 
 from __future__ import annotations
 

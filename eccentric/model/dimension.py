@@ -1,4 +1,4 @@
-"""Dimensions: the SI exponents of a unit and of an expression, so that every equation can be held to its unit."""
+"""Dimensions: the SI exponents of a unit and of an expression, so that equations can be held to their units."""
 
 from __future__ import annotations
 
@@ -60,8 +60,11 @@ def of_expression(expression: sp.Basic, units: Mapping[sp.Symbol, str]) -> Dimen
         _same(expression, parts)
         return tuple(2 * exponent for exponent in parts[0])
     if isinstance(expression, sp.Piecewise):
-        # A bare number stands in for a case that has no physical value (the critical velocity of a balanced mass).
-        return _same(expression, [p for p, value in zip(parts, _values(expression), strict=True) if not value.is_number])
+        # A bare number stands in where there is no physical value (the critical velocity of a balanced mass).
+        return _same(
+            expression,
+            [p for p, value in zip(parts, _values(expression), strict=True) if not value.is_number],
+        )
     if isinstance(expression, sp.Add | steps.Magnitude):
         return _same(expression, parts)
     if isinstance(expression, steps.Along | steps.Across):
@@ -69,7 +72,9 @@ def of_expression(expression: sp.Basic, units: Mapping[sp.Symbol, str]) -> Dimen
         return PURE
     # What is left are functions of a number: trigonometric ones, the sign, the half-turn cosine, exp.
     for part, value in zip(parts, _values(expression), strict=True):
-        if part != PURE and not isinstance(expression, sp.sign | sp.Heaviside | steps.Sgn | steps.Forward | steps.Backward):
+        if part != PURE and not isinstance(
+            expression, sp.sign | sp.Heaviside | steps.Sgn | steps.Forward | steps.Backward
+        ):
             raise ValueError(f"{value} in {expression} must be a pure number")
     return PURE
 

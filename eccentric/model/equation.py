@@ -1,4 +1,4 @@
-"""Equations: the numbered steps of a derivation, each with its unit, its origin and identities to be proved."""
+"""Equations: the numbered steps of a derivation, each with unit, origin and identities to be proved."""
 
 from __future__ import annotations
 
@@ -15,9 +15,9 @@ _COLUMN = 84
 
 
 class _Letters(PrettyPrinter):
-    """Symbols as in code (omega_m, B_lN), with Greek letters for Greek names; SymPy mixes styles of subscripts."""
+    """Symbols as in code (omega_m, B_lN), Greek names in Greek letters; SymPy mixes styles of subscripts."""
 
-    def _print_Symbol(self, e: sp.Symbol) -> prettyForm:  # noqa: N802 - SymPy's name
+    def _print_Symbol(self, e: sp.Symbol) -> prettyForm:
         head, *tail = e.name.split("_")
         return prettyForm("_".join([greek_unicode.get(head, head), *tail]))
 
@@ -62,7 +62,9 @@ class Equation:
         else:
             lines.append(f"{'':<{_COLUMN}}{tag}")
         facts = [f"    It follows: {fact.statement}." for fact in self.identities]
-        return "\n".join([f"{self.origin}", "", *(f"    {line}".rstrip() for line in lines), "", *facts]).rstrip()
+        return "\n".join(
+            [f"{self.origin}", "", *(f"    {line}".rstrip() for line in lines), "", *facts]
+        ).rstrip()
 
     def latex(self) -> str:
         """The equation in LaTeX, with its number as tag."""

@@ -1,4 +1,4 @@
-"""Limits of a model: substitute parameters, replace definitions, drop what vanishes. How C1 and C2 come about."""
+"""Limits of a model: substitute parameters, replace definitions, drop what vanishes. C1 and C2 are made so."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ def limit(
     definitions: Mapping[Quantity, sp.Expr],
     equations: tuple[Equation, ...],
 ) -> Model:
-    """The model with parameters set to values, some definitions replaced, and all that vanishes or is unused dropped.
+    """The model with parameters set to values, some definitions replaced, and what vanishes or is unused dropped.
 
     Args:
         model: the general model.
@@ -37,19 +37,27 @@ def limit(
     """
     known = {definition.quantity: definition.value for definition in model.definitions} | dict(definitions)
     values = [Definition(q, sp.sympify(v).subs(substitutions)) for q, v in known.items()]
-    # What became 0 or another name for a symbol is written out, so that the terms and the code do not carry it on.
+    # What became 0 or another name for a symbol is written out: terms and code do not carry it on.
     plain = {d.symbol: d.value for d in values if d.value.is_number or d.value.is_Symbol}
     values = [Definition(d.quantity, d.value.subs(plain)) for d in values if d.symbol not in plain]
     balances = []
     for balance in model.balances:
         terms = [replace(term, basis=term.basis.subs(substitutions).subs(plain)) for term in balance.terms]
         balances.append(replace(balance, terms=tuple(term for term in terms if term.basis != 0)))
-    return prune(replace(model, name=name, title=title, definitions=tuple(values), balances=tuple(balances),
-                         equations=equations))  # fmt: skip
+    return prune(
+        replace(
+            model,
+            name=name,
+            title=title,
+            definitions=tuple(values),
+            balances=tuple(balances),
+            equations=equations,
+        )
+    )
 
 
 def prune(model: Model, keep: tuple[str, ...] = ("F_N", "B", "C")) -> Model:
-    """The model without inputs, parameters and definitions that nothing needs; outputs in `keep` are needed."""
+    """The model without the inputs, parameters and definitions that neither terms nor `keep` need."""
     needed: set[sp.Symbol] = set()
     for balance in model.balances:
         for term in balance.terms:
@@ -69,7 +77,9 @@ def prune(model: Model, keep: tuple[str, ...] = ("F_N", "B", "C")) -> Model:
     )
 
 
-def directed(model: Model, name: str, title: str, gates: Mapping[str, sp.Expr], equations: tuple[Equation, ...]) -> Model:
+def directed(
+    model: Model, name: str, title: str, gates: Mapping[str, sp.Expr], equations: tuple[Equation, ...]
+) -> Model:
     """The model with one set of friction coefficients for each direction of motion.
 
     Args:
@@ -85,8 +95,12 @@ def directed(model: Model, name: str, title: str, gates: Mapping[str, sp.Expr], 
             continue
         for direction, gate in gates.items():
             terms.append(
-                replace(term, name=f"{term.name}_{direction}", basis=Gated(term.basis, gate),
-                        coefficient=renamed[term.coefficient][direction].symbol)  # fmt: skip
+                replace(
+                    term,
+                    name=f"{term.name}_{direction}",
+                    basis=Gated(term.basis, gate),
+                    coefficient=renamed[term.coefficient][direction].symbol,
+                )
             )
     parameters: list[Quantity] = []
     for quantity in model.parameters:
@@ -103,8 +117,15 @@ def directed(model: Model, name: str, title: str, gates: Mapping[str, sp.Expr], 
             definitions.append(definition)
     mechanical = replace(model.balance("mechanical"), terms=tuple(terms))
     balances: tuple[Balance, ...] = tuple(mechanical if b.name == "mechanical" else b for b in model.balances)
-    return replace(model, name=name, title=title, parameters=tuple(parameters), definitions=tuple(definitions),
-                   balances=balances, equations=equations)  # fmt: skip
+    return replace(
+        model,
+        name=name,
+        title=title,
+        parameters=tuple(parameters),
+        definitions=tuple(definitions),
+        balances=balances,
+        equations=equations,
+    )
 
 
 def _friction_parameters(model: Model) -> tuple[Quantity, ...]:

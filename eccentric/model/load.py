@@ -16,7 +16,9 @@ _loading: list[Path] = []
 
 def model_names() -> tuple[str, ...]:
     """Names of the derivations that ship, in alphabetical order."""
-    return tuple(sorted(path.stem for path in folder("derivations").glob("*.py") if not path.stem.startswith("_")))
+    return tuple(
+        sorted(path.stem for path in folder("derivations").glob("*.py") if not path.stem.startswith("_"))
+    )
 
 
 def load_model(name_or_path: str | Path) -> Model:
@@ -25,8 +27,8 @@ def load_model(name_or_path: str | Path) -> Model:
     A script is executed once; asking again gives the same object.
 
     Raises:
-        InputError: no such derivation, a circle of scripts that load each other, an error in the script, or a script
-            without a Model named `model`.
+        InputError: no such derivation, a circle of scripts that load each other, an error in the script, or a
+            script without a Model named `model`.
     """
     path = _find(name_or_path)
     if path in _loaded:
@@ -67,5 +69,7 @@ def _find(name_or_path: str | Path) -> Path:
         return path.resolve()
     shipped = folder("derivations") / f"{name_or_path}.py"
     if not shipped.is_file():
-        raise InputError(f"model {str(name_or_path)!r} is unknown; known are {', '.join(model_names())}, or a path.py")
+        raise InputError(
+            f"model {str(name_or_path)!r} is unknown; known are {', '.join(model_names())}, or a path.py"
+        )
     return shipped.resolve()

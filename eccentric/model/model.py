@@ -27,18 +27,38 @@ class Definition:
 
 
 @dataclass(frozen=True)
+class State:
+    """A hidden state, stepped along time by the caller.
+
+    Attributes:
+        quantity: its name and unit.
+        initial: its value before the first sample.
+        update: its value one sample later, in inputs, parameters, definitions, states and the time step dt.
+    """
+
+    quantity: Quantity
+    initial: sp.Expr
+    update: sp.Expr
+
+    @property
+    def symbol(self) -> sp.Symbol:
+        """The symbol of the state."""
+        return self.quantity.symbol
+
+
+@dataclass(frozen=True)
 class Model:
     """What a derivation ends in and what is emitted.
 
     Attributes:
         name: in code; equals the stem of the derivation.
         title: one line.
-        inputs: motor-side inputs, in the order theta_m, omega_m, alpha_m.
+        inputs: motor-side inputs; theta_m and omega_m first, alpha_m last.
         parameters: in the order in which code lists them.
         definitions: quantities that follow from others, each after those it uses.
         balances: mechanical and electrical.
         equations: the derivation, in reading order.
-        range: greatest size of each input for which bounds are stated, by the input's name.
+        states: hidden states that effects brought along; the paper's models have none.
 
     Raises:
         ValueError: a definition uses something that is not an input, a parameter or defined before it.
@@ -51,21 +71,24 @@ class Model:
     definitions: tuple[Definition, ...]
     balances: tuple[Balance, ...]
     equations: tuple[Equation, ...] = ()
+    states: tuple[State, ...] = ()
 
     def __post_init__(self) -> None:
-        known = {quantity.symbol for quantity in (*self.inputs, *self.parameters)}
+        known = {q.symbol for q in (*self.inputs, *self.parameters, *(state.quantity for state in self.states))}
         for definition in self.definitions:
             if unknown := definition.value.free_symbols - known:
                 names = ", ".join(sorted(map(str, unknown)))
-                raise ValueError(f"model {self.name}: {definition.quantity.name} uses {names} before its definition")
+                raise ValueError(
+                    f"model {self.name}: {definition.quantity.name} uses {names} before its definition"
+                )
             known.add(definition.symbol)
-        # The drive's own unknowns, u and i, stand in the balances only.
-        known |= {term.basis for balance in self.balances for term in balance.terms if term.kind == "drive"}
         for balance in self.balances:
             for term in balance.terms:
-                if term.kind != "resistive" and (unknown := term.value.free_symbols - known):
+                if unknown := term.value.free_symbols - known:
                     names = ", ".join(sorted(map(str, unknown)))
-                    raise ValueError(f"model {self.name}: term {term.name} uses {names}, which nothing defines")
+                    raise ValueError(
+                        f"model {self.name}: term {term.name} uses {names}, which nothing defines"
+                    )
 
     @cached_property
     def parameter_symbols(self) -> frozenset[sp.Symbol]:
@@ -89,14 +112,15 @@ class Model:
         return equation_named(self.equations, name)
 
     def expand(self, expression: sp.Expr) -> sp.Expr:
-        """The expression with every defined quantity replaced by its definition, down to inputs and parameters."""
+        """The expression with definitions put in for defined quantities, down to inputs and parameters."""
         for definition in reversed(self.definitions):
             expression = expression.subs(definition.symbol, definition.value)
         return expression
 
     def units(self) -> dict[sp.Symbol, str]:
         """The unit of every symbol of the model."""
-        named = (*self.inputs, *self.parameters, *(definition.quantity for definition in self.definitions))
+        named = (*self.inputs, *self.parameters, *(d.quantity for d in self.definitions))
+        named = (*named, *(state.quantity for state in self.states))
         return {quantity.symbol: quantity.unit for quantity in named}
 
     def __str__(self) -> str:
@@ -106,7 +130,9 @@ class Model:
 
     def latex(self) -> str:
         """The derivation in LaTeX, equation by equation."""
-        return "\n\n".join([rf"\section*{{{self.title}}}", *(equation.latex() for equation in self.equations)])
+        return "\n\n".join(
+            [rf"\section*{{{self.title}}}", *(equation.latex() for equation in self.equations)]
+        )
 
 
 @dataclass(frozen=True)
@@ -131,8 +157,8 @@ class Column:
 def regressor(model: Model) -> tuple[Column, ...]:
     """The columns that span the mechanical friction torque.
 
-    Terms whose bases differ by a factor of parameters only cannot be told apart by any log; they are one column,
-    on the plainest of their bases. Which ones those are is computed from the expressions, never declared.
+    No log can tell terms apart whose bases differ by a factor of parameters only; they are one column, on the
+    plainest of their bases. Which ones those are is computed from the expressions, never declared.
     """
     groups: list[list[tuple[sp.Expr, sp.Expr]]] = []
     members: list[list] = []
@@ -158,7 +184,7 @@ def _ratio(one: sp.Expr, other: sp.Expr) -> sp.Expr:
 
 def _column(model: Model, group: list[tuple[sp.Expr, sp.Expr]], terms: list) -> Column:
     if len(group) == 1:
-        (coefficient, basis), = group
+        ((coefficient, basis),) = group
         quantity = next(q for q in model.parameters if q.symbol == coefficient)
         return Column(quantity.name, coefficient, basis, quantity.unit, terms[0].bounds)
     basis = min((basis for _, basis in group), key=sp.count_ops)
@@ -167,5 +193,7 @@ def _column(model: Model, group: list[tuple[sp.Expr, sp.Expr]], terms: list) -> 
     low = None if None in lows else sum(lows)
     for definition in model.definitions:
         if sp.expand(definition.value - coefficient) == 0:
-            return Column(definition.quantity.name, definition.symbol, basis, definition.quantity.unit, (low, None))
+            return Column(
+                definition.quantity.name, definition.symbol, basis, definition.quantity.unit, (low, None)
+            )
     raise ValueError(f"model {model.name}: define a quantity for the combination {coefficient}")

@@ -1,4 +1,4 @@
-"""Quantities: a SymPy symbol with the paper's letter, a name in code, an SI unit, a meaning, an equation number."""
+"""Quantities: a SymPy symbol with the paper's letter, a name in code, SI unit, meaning and equation number."""
 
 from __future__ import annotations
 
@@ -10,6 +10,7 @@ _ASSUMPTIONS = {
     "positive": {"positive": True},
     "nonnegative": {"nonnegative": True},
     "real": {"real": True},
+    "tilt": {"nonnegative": True},  # 0 to a right angle
 }
 
 
@@ -22,7 +23,7 @@ class Quantity:
         unit: SI unit, e.g. "N m s/rad"; "1" for a pure number.
         meaning: what it is, in a few words.
         equation: the paper's equation number, "" where the paper has none.
-        domain: "positive", "nonnegative" or "real"; what a valid value is.
+        domain: "positive", "nonnegative", "real" or "tilt" (0 to a right angle); what a valid value is.
         default: the paper's value as a decimal, or an expression in other parameters; None if there is none.
     """
 
@@ -50,7 +51,7 @@ def quantity(
     """Make a quantity; a decimal default such as "0.25" is kept exact (1/4).
 
     Raises:
-        ValueError: the domain is not "positive", "nonnegative" or "real".
+        ValueError: the domain is unknown.
     """
     if domain not in _ASSUMPTIONS:
         raise ValueError(f"{name}: domain must be one of {', '.join(_ASSUMPTIONS)}, not {domain!r}")

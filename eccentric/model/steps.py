@@ -3,9 +3,9 @@
 SymPy may not re-associate their insides, so the back ends evaluate them in the fixed order that
 `eccentric.emit.lower` writes down; `meaning(expression)` puts the plain formula back for proofs.
 
-Why they are needed: F_N^2 = (a - b)^2 + 4 a b cos^2(theta_l/2) with a = M L omega_l^2, b the weight, is the paper's
-(16) without its cancellation. Near the hollow (theta_l = pi, a = b) every digit hangs on two differences, a - b and
-theta_l - pi; each is taken once, exactly, before anything is rounded.
+Why they are needed: F_N^2 = (a - b)^2 + 4 a b cos^2(theta_l/2) with a = M L omega_l^2, b the weight, is the
+paper's (16) without its cancellation. Near the hollow (theta_l = pi, a = b) every digit hangs on two differences,
+a - b and theta_l - pi; each is taken once, exactly, before anything is rounded.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ class Step(sp.Function):
 
 
 class Sgn(Step):
-    """sgn(x): 1, 0 or -1, with sgn(0) = 0 (friction at standstill is set-valued); derivative 0 on both sides."""
+    """sgn(x): 1, 0 or -1; sgn(0) = 0 (friction at standstill is set-valued), derivative 0 on both sides."""
 
     nargs = 1
 
@@ -65,7 +65,7 @@ class Backward(Step):
 
 
 class ByDirection(Step):
-    """ByDirection(x, a, b): a where x > 0, else b; a coefficient that differs between the directions of motion."""
+    """ByDirection(x, a, b): a where x > 0, else b; a coefficient that differs between the directions."""
 
     nargs = 3
 
@@ -81,8 +81,8 @@ class ByDirection(Step):
 class HalfCosine(Step):
     """Half-turn cosine: sin of the half angle from the top, of size |cos(mu theta_m/2)|.
 
-    The half angle from the top is x = (theta_m - n H) mu/2 with H = pi/mu and n the odd number that brings x into
-    [-pi/2, pi/2]. Its sign changes at theta_l = 0 like that of HalfSine, so only even products have a meaning.
+    The half angle from the top is x = (theta_m - n H) mu/2 with H = pi/mu and n the odd number that brings x
+    into [-pi/2, pi/2]. Its sign changes at theta_l = 0 like that of HalfSine: only even products have a meaning.
     """
 
     nargs = 2
@@ -115,7 +115,7 @@ class HalfSine(Step):
 
 
 class SquareDifference(Step):
-    """v^2 - w^2 as (v - w)(v + w), w a parameter held as two numbers so that v - w is exact near the hollow."""
+    """v^2 - w^2 as (v - w)(v + w); w is a parameter held as two numbers: v - w is exact near the hollow."""
 
     nargs = 2
 
@@ -161,12 +161,12 @@ class Across(Step):
 
 
 class Gated(Step):
-    """a b, and 0 where b is 0 whatever a is: an inertia that is not given (NaN) is no matter without acceleration."""
+    """a b, and 0 where b is 0 whatever a is: without acceleration an inertia need not be given (NaN)."""
 
     nargs = 2
 
     def fdiff(self, argindex: int = 1) -> sp.Expr:
-        """b and a."""
+        """By a it is b, by b it is a."""
         a, b = self.args
         return b if argindex == 1 else a
 
@@ -175,7 +175,7 @@ class Gated(Step):
 
 
 class Leading(Step):
-    """The leading digits of a parameter, few enough that n times them is exact; its derivative never matters."""
+    """The leading digits of a parameter, so few that n times them is exact; its derivative never matters."""
 
     nargs = 1
 
@@ -183,7 +183,20 @@ class Leading(Step):
         return x
 
 
-STEPS = (Sgn, Forward, Backward, ByDirection, HalfCosine, HalfSine, SquareDifference, Magnitude, Along, Across, Gated, Leading)
+STEPS = (
+    Sgn,
+    Forward,
+    Backward,
+    ByDirection,
+    HalfCosine,
+    HalfSine,
+    SquareDifference,
+    Magnitude,
+    Along,
+    Across,
+    Gated,
+    Leading,
+)
 
 
 def meaning(expression: sp.Expr) -> sp.Expr:

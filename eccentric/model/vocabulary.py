@@ -1,7 +1,8 @@
-"""The one vocabulary: every letter of the paper, with its unit and equation number. Docs, NumPy and C read it.
+"""The one vocabulary: every letter of the paper, its unit and equation number. Docs, NumPy and C read it.
 
-Defaults are the paper's Table 1 (gear ratio mu = 1/5). One reading is taken here: Table 1 lists k_e = 0.20 "V s/rev"
-but computes F_1 with 0.20 V s/rad, so the default is 0.20 V s/rad (`eccentric audit`, finding 2).
+Defaults are the paper's Table 1 (gear ratio mu = 1/5). One reading is taken here: Table 1 lists
+k_e = 0.20 "V s/rev" but computes F_1 with 0.20 V s/rad, so the default is 0.20 V s/rad (`eccentric audit`,
+finding 2).
 """
 
 from __future__ import annotations
@@ -9,7 +10,9 @@ from __future__ import annotations
 from eccentric.model.quantity import Quantity, quantity
 
 # Time and motion. Inputs of the emitted functions are on the motor side.
-t = quantity("t", "s", "time")
+t = quantity("t", "s", "time since the start of the log")
+dt = quantity("dt", "s", "time step", "", "positive")
+temperature = quantity("temperature", "K", "temperature in degC (differences count only)")
 theta_m = quantity("theta_m", "rad", "motor angle", "(3)")
 omega_m = quantity("omega_m", "rad/s", "motor velocity", "(3)")
 alpha_m = quantity("alpha_m", "rad/s^2", "motor acceleration", "(1)")
@@ -22,7 +25,9 @@ M = quantity("M", "kg", "unbalanced mass", "(5)", "nonnegative", "0.50")
 M_l = quantity("M_l", "kg", "mass of the link without M", "(15)", "nonnegative", "0.20")
 L = quantity("L", "m", "distance of M from the axis", "(5)", "nonnegative", "0.25")
 g = quantity("g", "m/s^2", "gravitational acceleration", "(5)", "nonnegative", "9.81")
-phi = quantity("phi", "rad", "tilt of the motion plane: 0 holds gravity (C2), pi/2 is level (C1)", "", "real", "0")
+phi = quantity(
+    "phi", "rad", "tilt of the motion plane: 0 holds gravity (C2), pi/2 is level (C1)", "", "tilt", "0"
+)
 J_l = quantity("J_l", "kg m^2", "inertia of the link about its axis, M L^2 included", "(3)", "nonnegative")
 
 # The drive.
@@ -33,19 +38,27 @@ k_e = quantity("k_e", "V s/rad", "back-EMF constant", "(2)", "nonnegative", "0.2
 J_m = quantity("J_m", "kg m^2", "inertia of the motor", "(1)", "nonnegative")
 J = quantity("J", "kg m^2", "inertia on the motor side, J_m + mu^2 J_l", "(4)", "nonnegative")
 
-# Friction. A coefficient of viscous friction per newton of load is B (s/rad x m = N m s/rad per N), of Coulomb C.
-B_lN = quantity("B_lN", "m s/rad", "viscous friction of the link per normal force", "(9)", "nonnegative", "0.0040")
+# Friction. Per newton of load, B is a coefficient of viscous (m s/rad = N m s/rad per N), C of Coulomb friction.
+B_lN = quantity(
+    "B_lN", "m s/rad", "viscous friction of the link per normal force", "(9)", "nonnegative", "0.0040"
+)
 C_lN = quantity("C_lN", "m", "Coulomb friction of the link per normal force", "(9)", "nonnegative", "0.0800")
-B_lT = quantity("B_lT", "m s/rad", "viscous friction of the link per transversal force", "(9)", "nonnegative", "0.0040")
-C_lT = quantity("C_lT", "m", "Coulomb friction of the link per transversal force", "(9)", "nonnegative", "0.0800")
+B_lT = quantity(
+    "B_lT", "m s/rad", "viscous friction of the link per transversal force", "(9)", "nonnegative", "0.0040"
+)
+C_lT = quantity(
+    "C_lT", "m", "Coulomb friction of the link per transversal force", "(9)", "nonnegative", "0.0800"
+)
 B_m = quantity("B_m", "N m s/rad", "viscous friction of the motor", "(10)", "nonnegative", "0.0004")
 C_m = quantity("C_m", "N m", "Coulomb friction of the motor", "(10)", "nonnegative", "0.0080")
 # Table 1 takes the weight of the link alone; the derivation gives the whole weight (audit, finding 1).
-F_T = quantity(
-    "F_T", "N", "transversal force of a level plane", "(9)", "nonnegative", M_l.symbol * g.symbol
+F_T = quantity("F_T", "N", "transversal force of a level plane", "(9)", "nonnegative", M_l.symbol * g.symbol)
+beta_T = quantity(
+    "beta_T", "N m s/rad", "viscous friction of the link by the transversal force", "(9)", "nonnegative"
 )
-beta_T = quantity("beta_T", "N m s/rad", "viscous friction of the link by the transversal force", "(9)", "nonnegative")
-gamma_T = quantity("gamma_T", "N m", "Coulomb friction of the link by the transversal force", "(9)", "nonnegative")
+gamma_T = quantity(
+    "gamma_T", "N m", "Coulomb friction of the link by the transversal force", "(9)", "nonnegative"
+)
 
 # Electrical.
 u = quantity("u", "V", "armature voltage", "(2)")
@@ -65,7 +78,11 @@ F_N = quantity("F_N", "N", "normal force on the axis of rotation", "(8)", "nonne
 g_p = quantity("g_p", "m/s^2", "gravity in the motion plane, g cos(phi)")
 weight = quantity("weight", "N", "weight in the motion plane, (M + M_l) g_p", "(22)", "nonnegative")
 critical_squared = quantity(
-    "critical_squared", "rad^2/s^2", "squared link velocity at which M L omega_l^2 equals the weight", "(22)", "nonnegative"
+    "critical_squared",
+    "rad^2/s^2",
+    "squared link velocity at which M L omega_l^2 equals the weight",
+    "(22)",
+    "nonnegative",
 )
 omega_star = quantity("omega_star", "rad/s", "the critical velocity on the motor side", "(22)", "nonnegative")
 scale_N = quantity("scale_N", "N s^2/rad^2", "normal force per squared motor velocity, M L mu^2", "(8)")

@@ -1,6 +1,6 @@
 """Effects in the armature circuit, the torque constant and the current sensor."""
 
-# ruff: noqa: ARG001, ARG005 (all builders have one signature, and so have all laws)
+# ruff: noqa: ARG001 (all builders have one signature, and so have all laws)
 
 from __future__ import annotations
 

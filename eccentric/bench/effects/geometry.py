@@ -1,6 +1,6 @@
 """Effects of the angle of the link or the motor, and of a rig that is not quite as declared."""
 
-# ruff: noqa: ARG001, ARG005 (all builders have one signature, and so have all laws)
+# ruff: noqa: ARG001 (all builders have one signature, and so have all laws)
 
 from __future__ import annotations
 

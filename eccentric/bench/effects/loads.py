@@ -1,6 +1,6 @@
 """Effects of the load that the transmission carries."""
 
-# ruff: noqa: ARG001, ARG005 (all builders have one signature, and so have all laws)
+# ruff: noqa: ARG001 (all builders have one signature, and so have all laws)
 
 from __future__ import annotations
 

@@ -1,0 +1,56 @@
+"""`eccentric fit`: identify a model on logs, with uncertainty and the error on what was held out."""
+
+import argparse
+import json
+import sys
+from pathlib import Path
+
+from eccentric.errors import InputError
+from eccentric.identify.channels import read_channels
+from eccentric.identify.fit import fit
+from eccentric.identify.fit_figure import draw
+from eccentric.identify.fit_report import document, lines
+from eccentric.identify.rig import read_rig
+from eccentric.model import load_model
+from eccentric.output import whole_folder
+
+NAME = "fit"
+HELP = "identify the friction of a rig from its logs, with uncertainty, and compare it with Coulomb + viscous"
+EXAMPLE = "eccentric fit examples/bench/bench.csv.gz --rig examples/bench/bench.json --out build/bench"
+
+
+def configure(parser: argparse.ArgumentParser) -> None:
+    """Add the arguments of `fit` to `parser`."""
+    parser.add_argument(
+        "logs", metavar="LOG", nargs="+", help="logs of one rig: .csv, .csv.gz, .parquet, .mat"
+    )
+    parser.add_argument(
+        "--rig", metavar="RIG", required=True, help="what is known of the rig: .toml or .json"
+    )
+    parser.add_argument(
+        "--model", metavar="MODEL", help="a model or the path of a derivation (by the rig's case)"
+    )
+    parser.add_argument(
+        "--out", metavar="DIR", required=True, help="folder for fit.json, fit.png and fit.svg"
+    )
+
+
+def run(args: argparse.Namespace) -> int:
+    """Fit, write the folder, print the table; return 0. Raises InputError on bad input."""
+    rig = read_rig(args.rig)
+    names = [Path(log).name for log in args.logs]
+    channels = read_channels(args.logs, rig)
+    found = fit(channels, rig, load_model(args.model or rig.model), ", ".join(names))
+    figure = "fit.png, fit.svg"
+    with whole_folder(args.out) as folder:
+        text = json.dumps(document(found, names), indent=1, ensure_ascii=False, allow_nan=False)
+        (folder / "fit.json").write_text(text + "\n", encoding="utf-8")
+        try:
+            draw(found, folder / "fit")
+        except InputError as error:
+            figure = f"no figure: {error}"
+    for warning in found.warnings:
+        print(f"eccentric: warning: {warning}", file=sys.stderr)
+    print("\n".join(lines(found, names)))
+    print(f"{args.out}: fit.json, {figure}")
+    return 0

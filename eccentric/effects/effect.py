@@ -1,0 +1,183 @@
+"""An effect: a record that extends a Model by something physical that the paper leaves out.
+
+It may add terms to a balance, replace a quantity, scale the friction coefficients, and bring hidden states along.
+Nothing of it is a flag in the model: what comes out of `extend` is a Model like any other, derived further and emitted
+by the same code.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+
+import sympy as sp
+
+from eccentric.model import Definition, Equation, Model, Quantity, Term
+from eccentric.model.model import State
+
+
+@dataclass(frozen=True)
+class Shape:
+    """A parameter that enters nonlinearly: searched over a grid, then refined.
+
+    Attributes:
+        quantity: the parameter.
+        low, high: range of the search, in its unit.
+        scale: "log" or "linear".
+        points: of the grid.
+    """
+
+    quantity: Quantity
+    low: float
+    high: float
+    scale: str = "linear"
+    points: int = 8
+
+
+@dataclass(frozen=True)
+class Effect:
+    """One way in which the world differs from the model.
+
+    Attributes:
+        id: name in reports, e.g. "link_harmonic_friction[n=3]".
+        family: name of the file in `eccentric.effects` that it comes from.
+        balance: the balance that shows it, "mechanical" or "electrical".
+        depends_on: the variables it depends on, the leading one first: velocity, direction, link_angle, motor_angle,
+            gravity_load, transmitted_torque, acceleration, current, voltage, temperature, time, history.
+        formula: what it adds, as a person would write it.
+        reference: where the form comes from.
+        coefficients: its linear parameters, in the order of their terms; None in `Quantity.default` counts as 0.
+        bounds: of each coefficient.
+        terms: name of balance -> terms it adds there; a coefficient may stand in both balances.
+        shapes: its nonlinear parameters.
+        definitions: quantities it brings along, each after those it uses.
+        replaces: symbol -> symbol of one of `definitions`, to stand in its place wherever the model used it.
+        scales: "viscous", "coulomb" or "friction" -> symbol of one of `definitions`; multiplies those friction terms.
+        inputs: further inputs, of the vocabulary: temperature, t.
+        states: hidden states.
+        needs: channels of the log without which it cannot be seen.
+        aliases: ids that are exactly the same within the base model.
+        special_of: families of which this one is a special case.
+        repeats: whether another effect of the family may join it (harmonics of other orders).
+        hint: what to measure to tell it from others.
+    """
+
+    id: str
+    family: str
+    balance: str
+    depends_on: tuple[str, ...]
+    formula: str
+    reference: str
+    coefficients: tuple[Quantity, ...] = ()
+    bounds: tuple[tuple[float | None, float | None], ...] = ()
+    terms: Mapping[str, tuple[Term, ...]] = field(default_factory=dict)
+    shapes: tuple[Shape, ...] = ()
+    definitions: tuple[Definition, ...] = ()
+    replaces: Mapping[sp.Symbol, sp.Symbol] = field(default_factory=dict)
+    scales: Mapping[str, sp.Symbol] = field(default_factory=dict)
+    inputs: tuple[Quantity, ...] = ()
+    states: tuple[State, ...] = ()
+    needs: tuple[str, ...] = ()
+    aliases: tuple[str, ...] = ()
+    special_of: tuple[str, ...] = ()
+    repeats: bool = False
+    hint: str = ""
+
+    @property
+    def parameters(self) -> tuple[Quantity, ...]:
+        """All its parameters: coefficients, then shapes."""
+        return (*self.coefficients, *(shape.quantity for shape in self.shapes))
+
+    def extend(self, model: Model, values: Mapping[str, float] | None = None) -> Model:
+        """The model with this effect in it.
+
+        Args:
+            model: any model, also one that is extended already.
+            values: default of each parameter of the effect, by name; 0 for a coefficient and the middle of its range
+                for a shape if not given.
+
+        Raises:
+            ValueError: the model has a parameter of one of these names already, a quantity to be replaced is not
+                there or was replaced by another effect, or a balance does not exist.
+        """
+        values = values or {}
+        taken = {q.name for q in (*model.parameters, *model.inputs, *(d.quantity for d in model.definitions))}
+        own = [*self.parameters, *(d.quantity for d in self.definitions), *(s.quantity for s in self.states)]
+        if clash := sorted(q.name for q in own if q.name in taken):
+            raise ValueError(f"effect {self.id}: {', '.join(clash)}: taken in {model.name} by another effect")
+        parameters = [replace(q, default=_exact(values.get(q.name, _start(self, q)))) for q in self.parameters]
+        swap = dict(self.replaces)
+        used = set().union(*(d.value.free_symbols for d in model.definitions))
+        used |= set().union(*(t.value.free_symbols for b in model.balances for t in b.terms))
+        if absent := [old for old in swap if old not in used]:
+            raise ValueError(f"effect {self.id}: {absent[0]} does not occur in {model.name}, or is replaced already")
+        definitions = [replace(d, value=d.value.xreplace(swap)) for d in model.definitions]
+        balances = []
+        for balance in model.balances:
+            terms = [self._scaled(t, balance.name) for t in balance.terms]
+            terms = [replace(t, basis=t.basis.xreplace(swap)) for t in terms]
+            balances.append(replace(balance, terms=(*terms, *self.terms.get(balance.name, ()))))
+        if unknown := set(self.terms) - {b.name for b in model.balances}:
+            raise ValueError(f"effect {self.id}: {model.name} has no balance {sorted(unknown)[0]!r}")
+        new_inputs = [q for q in self.inputs if q.symbol not in {known.symbol for known in model.inputs}]
+        inputs = sorted([*model.inputs, *new_inputs], key=lambda q: q.name == "alpha_m")
+        extended = replace(
+            model,
+            name=model.name,
+            inputs=tuple(inputs),
+            parameters=(*model.parameters, *parameters),
+            definitions=_ordered([*self.definitions, *definitions], inputs, [*model.parameters, *parameters],
+                                 [*model.states, *self.states]),
+            balances=tuple(balances),
+            states=(*model.states, *self.states),
+            equations=(*model.equations, self.equation()),
+        )
+        return extended
+
+    def equation(self) -> Equation:
+        """The effect as a step of the derivation: the torque (or voltage) it adds, or what it replaces."""
+        added = self.terms.get(self.balance, ())
+        unit = {"mechanical": "N m", "electrical": "V"}[self.balance]
+        if added:
+            left, right = sp.Symbol(f"Delta_{self.family}"), sp.Add(*(term.value for term in added))
+        else:
+            last = self.definitions[-1]
+            left, right, unit = last.symbol, last.value, last.quantity.unit
+        name = self.id.replace("[", "_").replace("]", "").replace("=", "_")
+        return Equation(name, "", left, right, unit, f"Effect {self.id}: {self.formula}. {self.reference}.")
+
+    def _scaled(self, term: Term, balance: str) -> Term:
+        if balance != "mechanical" or term.kind != "friction":
+            return term
+        for which, factor in self.scales.items():
+            if which == "friction" or which in term.name:
+                term = replace(term, basis=term.basis * factor)
+        return term
+
+
+def _exact(value: float) -> sp.Rational:
+    return sp.Rational(repr(float(value)))
+
+
+def _start(effect: Effect, q: Quantity) -> float:
+    for shape in effect.shapes:
+        if shape.quantity == q:
+            return (shape.low * shape.high) ** 0.5 if shape.scale == "log" else 0.5 * (shape.low + shape.high)
+    return 0.0
+
+
+def _ordered(
+    definitions: list[Definition], inputs: list[Quantity], parameters: list[Quantity], states: list[State]
+) -> tuple[Definition, ...]:
+    """The definitions, each after those it uses; what can be computed from parameters comes first."""
+    known = {q.symbol for q in (*inputs, *parameters, *(s.quantity for s in states))}
+    waiting, done = list(definitions), []
+    while waiting:
+        ready = next((d for d in waiting if d.value.free_symbols <= known), None)
+        if ready is None:
+            names = ", ".join(d.quantity.name for d in waiting)
+            raise ValueError(f"definitions use each other in a circle, or something unknown: {names}")
+        waiting.remove(ready)
+        done.append(ready)
+        known.add(ready.symbol)
+    return tuple(done)

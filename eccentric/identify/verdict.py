@@ -1,0 +1,205 @@
+"""From the searches on the balances to one verdict, a ranked list and the measurement that would decide.
+
+named             adopted effects, each clearly ahead of its alternatives
+not_identifiable  adopted, but another family explains the log alike
+unexplained       a smooth term takes out a part of the structure that no candidate does: no name is given
+nothing_missing   no candidate and no smooth term is worth it
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from eccentric.identify.attribution import Rules, Search, search_all
+from eccentric.identify.candidates import Candidate
+from eccentric.identify.residual import Balance
+from eccentric.identify.selection import Term
+
+__all__ = ["Adopted", "Attribution", "Ranked", "attribute", "next_measurement"]
+
+
+@dataclass(frozen=True)
+class Adopted:
+    """An adopted term: its balance, its coefficients (none if its parameters are all in the shape), its
+    share.
+
+    share: RMS that it takes out of the residual beside the other terms, as a fraction of the balance's scale.
+    """
+
+    balance: str
+    term: Term
+    coefficients: tuple[float, ...]
+    share: float
+
+
+@dataclass(frozen=True)
+class Ranked:
+    """A candidate in the list: id, family, balance, cross-validated RMSE [N m], probability."""
+
+    id: str
+    family: str
+    balance: str
+    rmse: float
+    probability: float
+
+
+@dataclass(frozen=True)
+class Attribution:
+    """What was decided.
+
+    verdict: as in the module's table; adopted: effects by share, the largest first (for `unexplained` the
+    best approximation, not to be reported as a name); tied: families that explain the log alike; candidates:
+    best first; depends_on: variables that the residual of the paper's model follows, strongest first;
+    next_measurement: one sentence, empty if nothing is open; searches: per balance, for the report;
+    deviance: per balance, what the best addition gained and what chance reaches (99 %).
+    """
+
+    verdict: str
+    adopted: tuple[Adopted, ...]
+    tied: tuple[str, ...]
+    candidates: tuple[Ranked, ...]
+    depends_on: tuple[str, ...]
+    next_measurement: str
+    searches: dict[str, Search]
+    deviance: dict[str, tuple[float, float]]
+
+
+def attribute(
+    balances: Sequence[Balance],
+    channels: Any,
+    candidates: Sequence[Candidate],
+    mu: float,
+    gravity: np.ndarray,
+    noise: Mapping[str, float] | None = None,
+    rules: Rules | None = None,
+    progress: Callable[[str], None] | None = None,
+) -> Attribution:
+    """Attribute the residuals of a log's training part to candidates; arguments as in
+    `attribution.search_all`.
+    """
+    rules = rules or Rules()
+    searches = search_all(balances, channels, candidates, mu, gravity, noise, rules, progress)
+    adopted, leading, tied = _adopted(searches, rules)
+    left, depends = _variables(searches, rules)
+    if left:
+        verdict, tied = "unexplained", []
+    elif adopted:
+        verdict = "not_identifiable" if tied else "named"
+    else:
+        verdict = "nothing_missing"
+    listed = [*leading, *_runners_up(searches, {entry.family for entry in leading})]
+    variables = tuple(dict.fromkeys([*depends, *left]))
+    deviance = {
+        name: (search.deviance(search.base, search.ranked[0]), search.null_level())
+        for name, search in searches.items()
+        if search.ranked
+    }
+    sentence = next_measurement(verdict, tied, variables)
+    return Attribution(
+        verdict, tuple(adopted), tuple(tied), tuple(listed), variables, sentence, searches, deviance
+    )
+
+
+def _adopted(searches: dict[str, Search], rules: Rules) -> tuple[list[Adopted], list[Ranked], list[str]]:
+    """Adopted terms of all balances by share, their entries in the list, and the families tied with one of
+    them.
+    """
+    found: list[tuple[Adopted, Ranked]] = []
+    tied: list[str] = []
+    for name, search in searches.items():
+        screen, best = search.screen, search.best
+        at = screen.balance.base.shape[1]
+        for place, term in enumerate(best.terms):
+            width = screen.columns(term).shape[1]
+            without = screen.fit([t for k, t in enumerate(best.terms) if k != place])
+            share = np.sqrt(max(without.score - best.score, 0.0) / screen.rows) / screen.balance.scale
+            own = tuple(float(c) for c in best.coefficients[at : at + width])
+            at += width
+            probability = search.alternatives[place][term.candidate.family][0]
+            rmse = float(np.sqrt(best.score / screen.rows))
+            entry = Ranked(term.candidate.id, term.candidate.family, name, rmse, probability)
+            found.append((Adopted(name, term, own, float(share)), entry))
+            if probability < rules.sure:
+                options = sorted(search.alternatives[place].items(), key=lambda item: -item[1][0])
+                tied += [family for family, (chance, _) in options if chance > 0.05]
+    found.sort(key=lambda pair: -pair[0].share)
+    return [one for one, _ in found], [entry for _, entry in found], list(dict.fromkeys(tied))
+
+
+def _runners_up(searches: dict[str, Search], named: set[str]) -> list[Ranked]:
+    """The best of every other family: alternatives of the adopted terms, then the first step's candidates."""
+    best: dict[str, Ranked] = {}
+    for name, search in searches.items():
+        pool = [
+            (p, f) for options in search.alternatives for p, f in options.values() if f is not search.best
+        ]
+        for probability, fitted in [*pool, *((0.0, fitted) for fitted in search.ranked)]:
+            candidate = fitted.terms[-1].candidate
+            rmse = float(np.sqrt(fitted.score / search.screen.rows))
+            entry = Ranked(candidate.id, candidate.family, name, rmse, probability)
+            old = best.get(candidate.family)
+            if candidate.family not in named and (old is None or old.probability < probability):
+                best[candidate.family] = entry
+    return sorted(best.values(), key=lambda r: (-r.probability, r.rmse))
+
+
+def _variables(searches: dict[str, Search], rules: Rules) -> tuple[list[str], list[str]]:
+    """Variables of what the adopted effects leave, and of the paper's residual; the larger part first."""
+    left: list[tuple[float, str]] = []
+    depends: list[tuple[float, str]] = []
+    for search in searches.values():
+        for fitted in search.smoothed:
+            part = (search.best.score - fitted.score) / max(search.base.score - fitted.score, 1e-300)
+            if part > rules.unexplained_part and search.worth_it(search.best, fitted, search.smooth):
+                left.append((part, fitted.terms[-1].candidate.depends_on[0]))
+        least = min([search.best.score, *(fitted.score for fitted in search.smoothed)])
+        structure = max(search.base.score - least, 1e-300)
+        for fitted in search.smooth.rank([]):
+            if search.worth_it(search.base, fitted, search.smooth):
+                share = (search.base.score - fitted.score) / structure
+                depends.append((share, fitted.terms[-1].candidate.depends_on[0]))
+    return [v for _, v in sorted(left, reverse=True)], [v for _, v in sorted(depends, reverse=True)]
+
+
+_TEMPERATURE = {
+    "viscosity_temperature",
+    "coulomb_temperature",
+    "hidden_thermal_drift",
+    "resistance_temperature",
+}
+_TIME = {"wear_runin", "time_drift"}
+_SPEED = {"stribeck", "quadratic_drag", "cubic_drag", "oneway_windage", "eddy_current"}
+_LOAD = {"load_dependent", "gear_efficiency", "kt_saturation", "inertia_mismatch"}
+_GRAVITY = {"mass_mismatch", "gravity_tilt", "angle_offset", "link_harmonic_friction", "cable_spring"}
+_SENTENCES: tuple[tuple[set[str], set[str], str], ...] = (
+    (_TEMPERATURE, _TIME, "Repeat the same speeds on the warmed drive and again after it has cooled, temperature logged."),
+    (_TEMPERATURE, _TEMPERATURE, "Run slow and fast speeds alternately over a temperature ramp of 20 K or more."),
+    (_TIME, _TIME, "Log three times as long, with rests, so that time and distance travelled part."),
+    ({"stribeck"}, {"presliding"}, "Creep at constant speeds below a tenth of the Stribeck velocity, far from reversals."),
+    (_SPEED, _SPEED, "Add constant speeds at twice the present range, and several at its lower end, in both directions."),
+    (_LOAD, _LOAD, "Accelerate hard at several speeds, then repeat with another mass on the link."),
+    ({"coulomb_asymmetry"}, {"current_bias"}, "Log the voltage as well, or the current with the drive switched off."),
+    ({"coulomb_asymmetry"}, {"cable_spring"}, "Turn the link ten times further in one direction."),
+    (_GRAVITY, _GRAVITY, "Hold slow constant speeds over whole turns in both directions, at two different masses."),
+    ({"cogging"}, _GRAVITY, "Turn the motor slowly with the link taken off."),
+)  # fmt: skip
+
+
+def next_measurement(verdict: str, tied: Sequence[str], variables: Sequence[str]) -> str:
+    """The measurement that would decide, in one sentence; empty where nothing is open."""
+    if verdict == "unexplained":
+        what = variables[0].replace("_", " ") if variables else "time"
+        return (
+            f"Repeat the log with everything held constant but the {what}, swept slowly in both directions."
+        )
+    if verdict != "not_identifiable" or not tied:
+        return ""
+    first, second = tied[0], tied[1] if len(tied) > 1 else tied[0]
+    for one, other, sentence in _SENTENCES:
+        if (first in one and second in other) or (second in one and first in other):
+            return sentence
+    return f"Excite what tells {first} from {second}: other speeds, loads and directions than this log holds."

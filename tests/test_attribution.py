@@ -1,0 +1,140 @@
+"""Attribution finds planted effects, leaves a control alone, and gives no name to what no candidate holds."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import pytest
+
+from eccentric.identify.candidates import Candidate
+from eccentric.identify.residual import make_balance, make_windows
+from eccentric.identify.verdict import Attribution, attribute
+
+MU, NOISE = 0.2, 0.004
+
+
+@dataclass(frozen=True)
+class Signals:
+    """A motion with speeds of both signs: what the candidates below and the smooth terms read."""
+
+    t: np.ndarray
+    theta_m: np.ndarray
+    omega_m: np.ndarray
+    alpha_m: np.ndarray
+    current: None = None
+    voltage: None = None
+    temperature: None = None
+
+
+def motion(seconds: float = 60.0, rate: float = 250.0) -> Signals:
+    """Four sines whose frequencies have no common period."""
+    t = np.arange(0.0, seconds, 1.0 / rate)
+    waves = [(14.0, 0.11, 0.3), (9.0, 0.273, 1.1), (7.0, 0.571, 2.0), (3.0, 0.937, 0.5)]
+    phases = [2 * np.pi * f * t + p for _, f, p in waves]
+    omega = sum(a * np.sin(x) for (a, _, _), x in zip(waves, phases, strict=True))
+    theta = sum(-a / (2 * np.pi * f) * np.cos(x) for (a, f, _), x in zip(waves, phases, strict=True))
+    alpha = sum(a * 2 * np.pi * f * np.cos(x) for (a, f, _), x in zip(waves, phases, strict=True))
+    return Signals(t, np.asarray(theta), np.asarray(omega), np.asarray(alpha))
+
+
+S = motion()
+
+
+def stribeck(c: Signals, shape: dict[str, float]) -> np.ndarray:
+    return (np.exp(-((np.abs(c.omega_m) / shape["vs"]) ** 2)) * np.sign(c.omega_m))[:, None]
+
+
+def harmonic(order: int):
+    def columns(c: Signals, _: dict[str, float]) -> np.ndarray:
+        angle = order * MU * c.theta_m
+        return np.column_stack([np.cos(angle), np.sin(angle)]) * np.sign(c.omega_m)[:, None]
+
+    return columns
+
+
+free = -np.inf
+LIBRARY = [
+    Candidate("stribeck", "stribeck", "mechanical", ("velocity",), stribeck, {"vs": (0.5, 15.0, "log", 10)}, (0.0,)),
+    Candidate("quadratic_drag", "quadratic_drag", "mechanical", ("velocity",),
+              lambda c, s: (c.omega_m * np.abs(c.omega_m))[:, None], lower=(0.0,)),
+    Candidate("asymmetry", "asymmetry", "mechanical", ("direction",), lambda c, s: np.ones((len(c.t), 1))),
+    Candidate("time_drift", "time_drift", "mechanical", ("time",),
+              lambda c, s: (np.sign(c.omega_m) * c.t / c.t[-1])[:, None]),
+    *[Candidate(f"harmonic[n={n}]", "harmonic", "mechanical", ("link_angle",), harmonic(n), lower=(free, free),
+                repeats=True) for n in (1, 2, 3, 4)],
+]  # fmt: skip
+
+
+def diagnose(missing: np.ndarray, seed: int = 3) -> Attribution:
+    """Attribution of a log with 0.15 N m of Coulomb, 0.01 N m s of viscous friction, white noise and
+    `missing`.
+    """
+    rng = np.random.default_rng(seed)
+    base = np.column_stack([np.sign(S.omega_m), S.omega_m])
+    target = base @ [0.15, 0.01] + missing + NOISE * rng.standard_normal(len(S.t))
+    slow = np.abs(S.omega_m) < 0.5
+    moving = np.convolve(slow, np.ones(31), mode="same") < 0.5
+    windows = make_windows(S.t, moving)
+    balance = make_balance("mechanical", windows, target, base, ("C", "B"), np.zeros(2), target)
+    weights = windows.weights.getrow(0).data
+    noise = NOISE * float(np.sqrt(np.sum(weights**2)))
+    return attribute([balance], S, LIBRARY, MU, np.zeros(len(S.t)), noise={"mechanical": noise})
+
+
+def families(found: Attribution) -> list[str]:
+    return [one.term.candidate.family for one in found.adopted]
+
+
+PLANTED = {
+    "stribeck": 0.05 * stribeck(S, {"vs": 4.0})[:, 0],
+    "quadratic_drag": 2e-4 * S.omega_m * np.abs(S.omega_m),
+    "asymmetry": 0.01 * np.ones(len(S.t)),
+    "time_drift": 0.02 * np.sign(S.omega_m) * S.t / 60.0,
+    "harmonic": 0.02 * harmonic(3)(S, {})[:, 1],
+}
+
+
+@pytest.mark.parametrize("family", PLANTED)
+def test_a_planted_effect_is_named(family: str) -> None:
+    """One planted effect is adopted alone and named."""
+    found = diagnose(PLANTED[family])
+
+    assert ("named", [family]) == (found.verdict, families(found))
+
+
+def test_the_shape_of_a_planted_effect_is_recovered() -> None:
+    """The Stribeck velocity comes out within 5 %."""
+    found = diagnose(PLANTED["stribeck"])
+
+    assert found.adopted[0].term.shape["vs"] == pytest.approx(4.0, rel=0.05)
+
+
+def test_two_planted_effects_are_both_named() -> None:
+    """Both of two effects are adopted."""
+    found = diagnose(PLANTED["stribeck"] + PLANTED["harmonic"])
+
+    assert ("named", {"stribeck", "harmonic"}) == (found.verdict, set(families(found)))
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_a_control_is_left_alone(seed: int) -> None:
+    """Where nothing is missing nothing is adopted."""
+    found = diagnose(np.zeros(len(S.t)), seed)
+
+    assert ("nothing_missing", []) == (found.verdict, families(found))
+
+
+@pytest.mark.parametrize(
+    ("variable", "missing"),
+    {
+        "velocity": 0.05 * np.sign(S.omega_m) * np.sin(2 * np.pi * np.abs(S.omega_m) / 9.0),
+        "time": 0.03 * np.sign(S.omega_m) * np.sin(2 * np.pi * S.t / 19.0),
+        "link_angle": 0.04 * np.sign(S.omega_m) * (np.mod(MU * S.theta_m, 2 * np.pi) < 1.6),
+    }.items(),
+)
+def test_what_no_candidate_holds_is_not_named(variable: str, missing: np.ndarray) -> None:
+    """Structure outside the library is `unexplained`, with the variable that it follows first."""
+    found = diagnose(missing)
+
+    assert ("unexplained", variable) == (found.verdict, found.depends_on[0])

@@ -1,0 +1,120 @@
+"""`eccentric fit`: a whole folder and a short table, or one line and nothing."""
+
+from __future__ import annotations
+
+import gzip
+import json
+import sys
+from pathlib import Path
+
+import pytest
+
+from eccentric import cli
+
+BENCH = Path(__file__).parents[1] / "examples" / "bench"
+LOG, RIG = BENCH / "bench.csv.gz", BENCH / "bench.json"
+
+
+@pytest.fixture(scope="module")
+def rows() -> list[str]:
+    """Header and rows of the bundled log."""
+    return gzip.decompress(LOG.read_bytes()).decode().splitlines()
+
+
+def test_folder_and_table(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """The folder holds strict JSON of the stated format and the figure; the table has at most 15 lines."""
+    assert cli.main(["fit", str(LOG), "--rig", str(RIG), "--out", str(tmp_path / "out")]) == 0
+    shown = capsys.readouterr()
+    names = {path.name for path in (tmp_path / "out").iterdir()} - {".eccentric"}
+    assert names == {"fit.json", "fit.png", "fit.svg"}
+    text = (tmp_path / "out" / "fit.json").read_text(encoding="utf-8")
+    found = json.loads(text, parse_constant=lambda name: pytest.fail(f"{name} is not JSON"))
+    assert found["format"] == "eccentric-fit/1"
+    assert (found["model"], found["drive"], found["unit"]) == ("c2_parallel", "current", "N m")
+    assert set(found["coefficients"]) == {"B_lN", "C_lN", "B_m", "C_m"}
+    assert set(found["rmse_holdout_Nm"]) == {"linear", "paper", "paper_unbounded"}
+    assert found["parameters"]["C_m"] == found["coefficients"]["C_m"]["value"]
+    assert len(shown.out.splitlines()) <= 15
+    assert "held-out RMSE [N m]" in shown.out
+
+
+def test_without_matplotlib_the_fit_still_comes_out(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A missing matplotlib costs the figure only, and one line names the extra."""
+    for name in [name for name in sys.modules if name.startswith("matplotlib")]:
+        monkeypatch.delitem(sys.modules, name)
+    monkeypatch.setitem(sys.modules, "matplotlib", None)
+    assert cli.main(["fit", str(LOG), "--rig", str(RIG), "--out", str(tmp_path / "out")]) == 0
+    assert "no figure: matplotlib is required for the figure (extra `figures`)" in capsys.readouterr().out
+    assert (tmp_path / "out" / "fit.json").is_file()
+    assert not (tmp_path / "out" / "fit.png").exists()
+
+
+def changed(**known: float | None) -> dict:
+    """The bundled rig with other known values; None takes one out."""
+    rig = json.loads(RIG.read_text())
+    rig["known"] = {k: v for k, v in {**rig["known"], **known}.items() if v is not None}
+    return rig
+
+
+RIGS = {
+    "negative mass": (changed(M_kg=-0.5), "M_kg: a value at least 0 kg is required"),
+    "mu = 0": (changed(mu=0), "mu: a value above 0 is required"),
+    "unknown key": ({**changed(), "colour": "red"}, "unknown key 'colour'"),
+    "unknown unit": (changed() | {"columns": {"time": {"column": "time_s", "unit": "parsec"}}}, "parsec"),
+    "no k_i": (changed(k_i_Nm_per_A=None), "k_i_Nm_per_A is required"),
+    "never moving": (changed() | {"moving_threshold_rad_s": 1e4}, "moving rows"),
+}
+
+
+@pytest.mark.parametrize("name", RIGS)
+def test_bad_rig_is_one_line(name: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """A rig that cannot be: status 2, one line that names the quantity, no folder."""
+    rig, message = RIGS[name]
+    (tmp_path / "rig.json").write_text(json.dumps(rig))
+    refused([str(LOG), "--rig", str(tmp_path / "rig.json")], message, tmp_path, capsys)
+
+
+def test_model_of_another_case_is_one_line(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """A model of case C1 for a rig of case C2 is refused with the model that fits."""
+    arguments = [str(LOG), "--rig", str(RIG), "--model", "c1_perpendicular"]
+    refused(arguments, "requires case C1, received case C2; c2_parallel fits it", tmp_path, capsys)
+
+
+LOGS = {
+    "missing file": (None, "no such file"),
+    "missing column": (lambda rows: ["time_s,current_A", "0,1", "1,2"], "column 'theta_m_rad' is required"),
+    "text": (lambda rows: [*rows[:50], rows[50].replace(rows[50].split(",")[1], "fast"), *rows[51:]], "'fast'"),
+    "empty": (lambda rows: rows[:1], "a log with rows is required"),
+    "a third missing": (
+        lambda rows: [rows[0]] + [r if k % 3 else ",".join(["nan"] * r.count(",") + ["nan"]) for k, r in enumerate(rows[1:])],
+        "at most 20% may be missing",
+    ),
+}
+
+
+@pytest.mark.parametrize("name", LOGS)
+def test_bad_log_is_one_line(
+    name: str, rows: list[str], tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """A log that cannot be: status 2, one line that names file and place, no folder."""
+    make, message = LOGS[name]
+    log = tmp_path / "log.csv"
+    if make:
+        log.write_text("\n".join(make(rows)) + "\n")
+    refused([str(log), "--rig", str(RIG)], message, tmp_path, capsys)
+
+
+def refused(
+    arguments: list[str], message: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Run `fit` and check that it ends with this line alone and leaves nothing."""
+    before = set(tmp_path.iterdir())
+    assert cli.main(["fit", *arguments, "--out", str(tmp_path / "out")]) == 2
+    shown = capsys.readouterr()
+    assert shown.out == ""
+    assert message in shown.err
+    assert shown.err.startswith("eccentric: error: ")
+    assert shown.err.count("\n") == 1
+    assert set(tmp_path.iterdir()) == before
