@@ -51,8 +51,8 @@ equations = (
         sp.Matrix(sp.symbols("F_3^- F_2^- F_1^- F_0^-")),
         negative,
         "N m (s/rad)^k",
-        "Coefficients for omega_m < 0. The paper prints F_0^- = -mu gamma^- + C_m^-; the derivation gives the sign"
-        " that (13) and (21) have too.",
+        "Coefficients for omega_m < 0. The paper prints F_0^- = -mu gamma^- + C_m^-; the derivation gives the"
+        " sign that (13) and (21) have too.",
         (
             Identity(
                 "with equal coefficients F is the symmetric one for omega_m < 0",

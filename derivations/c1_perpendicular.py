@@ -20,13 +20,13 @@ general = load_model("rotating_link")
 perpendicular = {phi: sp.pi / 2}
 steady = {alpha_l: 0}
 
-# --- The normal force: only the centrifugal force is left in the plane ----------------------------------------------
+# --- The normal force: only the centrifugal force is left in the plane --------------------------------------
 
 F_N_squared = general.equation("normal_force").right.subs(perpendicular).subs(steady)
 F_N_link = sp.sqrt(F_N_squared)
 F_N_motor = F_N_link.subs(omega_l, mu * omega_m)
 
-# --- The friction torque is a polynomial of the third order ---------------------------------------------------------
+# --- The friction torque is a polynomial of the third order -------------------------------------------------
 
 transversal = {F_T * B_lT: beta_T, F_T * C_lT: gamma_T}
 friction = sp.expand(general.equation("friction").right.subs(perpendicular)).subs(transversal)
@@ -39,7 +39,7 @@ coefficients = [
 ]
 gravity_torque = general.equation("gravity_torque").right.subs(perpendicular)
 
-# --- Where it becomes linear ----------------------------------------------------------------------------------------
+# --- Where it becomes linear --------------------------------------------------------------------------------
 
 balanced = resultant.subs(M, 0)
 order_in_mu = [sp.degree(c.subs(sp.sign(omega_m), 1), mu) for c in coefficients[:2]]

@@ -22,21 +22,21 @@ general = load_model("rotating_link")
 parallel = {phi: 0}
 steady = {alpha_l: 0}
 
-# --- The normal force -----------------------------------------------------------------------------------------------
+# --- The normal force ---------------------------------------------------------------------------------------
 
 load = general.equation("load").right.subs(parallel).subs(steady)
 F_N_squared = general.equation("normal_force").right.subs(parallel).subs(steady)
 on_motor_side = {theta_l: mu * theta_m, omega_l: mu * omega_m}
 
-# Extremal values: F_N^2 is linear in cos(theta_l), so they lie at cos = 1 and cos = -1, each a perfect square.
+# Extremal values: F_N^2 is linear in cos(theta_l), so they are at cos = 1 and cos = -1, both perfect squares.
 at_bottom = sp.factor(F_N_squared.subs(theta_l, 0))
 at_top = sp.factor(F_N_squared.subs(theta_l, sp.pi))
 F_N_max, F_N_min = sp.sqrt(at_bottom), sp.sqrt(at_top)
 root = max(sp.solve(at_top, omega_l), key=lambda root: root.subs({M: 1, M_l: 1, L: 1, g: 1}))
 omega_critical = sp.sqrt(sp.factor(root**2), evaluate=False)
 
-# The careful form: with the half angle F_N^2 = (a - b)^2 + 4 a b cos^2(theta_l/2); divided by scale_N^2 it is the
-# square of omega_m^2 - omega_star^2 plus the square of 2 omega_m omega_star cos(theta_l/2).
+# The careful form: with the half angle F_N^2 = (a - b)^2 + 4 a b cos^2(theta_l/2); divided by scale_N^2 it is
+# the square of omega_m^2 - omega_star^2 plus the square of 2 omega_m omega_star cos(theta_l/2).
 careful = scale_N * Magnitude(
     SquareDifference(speed, omega_star), 2 * omega_star * HalfCosine(theta_m, mu) * speed
 )
@@ -47,7 +47,7 @@ plain = {
     speed: sp.Abs(omega_m),
 }
 
-# --- The friction torque --------------------------------------------------------------------------------------------
+# --- The friction torque ------------------------------------------------------------------------------------
 
 friction = general.equation("friction").right.subs(parallel)
 resultant = sp.collect(sp.expand(friction + k_i * k_e / R * omega_m), [omega_m, sp.sign(omega_m)])

@@ -1,4 +1,4 @@
-"""The rotating link with an unbalanced mass, in a plane tilted by phi against gravity, angular acceleration kept.
+"""The rotating link with an unbalanced mass, plane tilted by phi against gravity, angular acceleration kept.
 
 Everything else is a limit of this: phi = pi/2 and alpha = 0 is case C1, phi = 0 and alpha = 0 is case C2.
 Run it to read the derivation: python derivations/rotating_link.py
@@ -22,7 +22,7 @@ g_p, weight, critical_squared, omega_star, scale_N, unbalanced, speed = symbols(
     v.g_p, v.weight, v.critical_squared, v.omega_star, v.scale_N, v.unbalanced, v.speed
 )
 
-# --- The link: positions, differentiated. Frame: x level and y up in the plane of motion, z along the axis. ---------
+# --- The link: positions, differentiated. Frame: x level and y up in the plane of motion, z along the axis. -
 
 theta = sp.Function("theta_l")(t)  # the link angle as a function of time
 position = L * sp.Matrix([sp.sin(theta), -sp.cos(theta), 0])
@@ -44,7 +44,7 @@ moment = position.cross(M * (acceleration - gravity))[2]
 torque_on_link = sp.simplify(J_0 * alpha_l + moment + f_l)
 gravity_on_link = sp.simplify(torque_on_link - J_l * alpha_l - f_l)
 
-# --- The drive ------------------------------------------------------------------------------------------------------
+# --- The drive ----------------------------------------------------------------------------------------------
 
 armature = sp.Eq(u, R * i + k_e * omega_m)  # Kirchhoff, armature inductance neglected
 current = sp.solve(armature, i)[0]
@@ -60,7 +60,7 @@ inertia = sp.expand(drive.lhs - drive.rhs).coeff(alpha_m)
 # (4) is (k_i/R) u = inertial + gravity + all the rest, and the rest is called F.
 resultant = sp.expand(sp.solve(drive, u)[0] * k_i / R - inertia * alpha_m - gravity_torque)
 
-# --- Friction: the postulate (7) for both bearings ------------------------------------------------------------------
+# --- Friction: the postulate (7) for both bearings ----------------------------------------------------------
 
 link_force_N, link_force_T = F_N, F_T * sp.sin(phi)
 link_friction = (B_lN * link_force_N + B_lT * link_force_T) * omega_l + (
@@ -69,11 +69,12 @@ link_friction = (B_lN * link_force_N + B_lT * link_force_T) * omega_l + (
 motor_friction = B_m * omega_m + C_m * sp.sign(omega_m)
 mechanical = (motor_friction + mu * link_friction).subs(gear)
 
-# --- The careful form of F_N ----------------------------------------------------------------------------------------
+# --- The careful form of F_N --------------------------------------------------------------------------------
 
-# With the half angle, a = M L omega_l^2 and b the weight: the radial part a + b cos is (a - b) + 2 b cos^2(theta_l/2)
-# and loses nothing near the top. All of it is divided by scale_N = M L mu^2, so that a becomes omega_m^2 and b becomes
-# omega_star^2. A balanced mass (M L = 0) has F_N = b: then unbalanced = 0, omega_star = 1 rad/s and scale_N = b/omega_star^2.
+# With the half angle, a = M L omega_l^2 and b the weight: the radial part a + b cos(theta_l) becomes
+# (a - b) + 2 b cos^2(theta_l/2) and loses nothing near the top. All of it is divided by scale_N = M L mu^2,
+# so that a becomes omega_m^2 and b becomes omega_star^2. A balanced mass (M L = 0) has F_N = b: then
+# unbalanced = 0, omega_star = 1 rad/s and scale_N = b/omega_star^2.
 half_cosine, half_sine = HalfCosine(theta_m, mu), HalfSine(theta_m, mu)
 radial = SquareDifference(speed, omega_star) + 2 * omega_star**2 * half_cosine**2
 tangential = unbalanced * alpha_m / mu - 2 * omega_star**2 * half_cosine * half_sine
@@ -258,8 +259,9 @@ equations = (
         F_N,
         careful,
         "N",
-        "F_N as the code computes it: half angle from the top and a difference of squares, for M L > 0 divided by"
-        " scale_N = M L mu^2; HalfCosine, HalfSine, SquareDifference and Magnitude keep their order of evaluation.",
+        "F_N as the code computes it: half angle from the top and a difference of squares, for M L > 0"
+        " divided by scale_N = M L mu^2; HalfCosine, HalfSine, SquareDifference and Magnitude keep their"
+        " order of evaluation.",
         (
             Identity(
                 "it is equal to (16)",

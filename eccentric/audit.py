@@ -1,4 +1,4 @@
-"""What a careful reading of the paper finds: each point computed from the derivation, with the reading we take."""
+"""What a careful reading of the paper finds: each point computed from the derivation, with our reading."""
 
 from __future__ import annotations
 
@@ -9,10 +9,10 @@ import numpy as np
 import sympy as sp
 
 from eccentric.emit import load_module
-from eccentric.model import load_model
+from eccentric.model import Quantity, load_model
 from eccentric.model import vocabulary as v
 
-# Printed in Table 1, digit by digit: what is held against the derivation, never what anything is computed from.
+# Printed in Table 1, digit by digit: held against the derivation; nothing is ever computed from it.
 PRINTED = {
     sp.Rational(1, 5): ("8.0000e-7", "8.0000e-5", "4.7139e-3", "3.9392e-2"),
     sp.Rational(1, 30): ("6.1728e-10", "3.7037e-7", "4.4087e-3", "1.3232e-2"),
@@ -23,12 +23,9 @@ _NAMES = ("F_3", "F_2", "F_1", "F_0")
 def polynomial(mu: sp.Rational, **changed: sp.Expr) -> tuple[sp.Expr, ...]:
     """F_3, F_2, F_1, F_0 for omega_m > 0 from the derivation of C1, at Table 1's values, exactly.
 
-    Parameters
-    ----------
-    mu : sympy.Rational
-        Gear ratio.
-    changed : sympy.Expr
-        Parameters that differ from Table 1, by their letters.
+    Args:
+        mu: gear ratio.
+        changed: parameters that differ from Table 1, by their letters.
     """
     model = load_model("c1_perpendicular")
     column = [*model.equation("polynomial_high").right, *model.equation("polynomial_low").right]
@@ -47,16 +44,26 @@ def _at_table(expression: sp.Expr, mu: sp.Rational, changed: Mapping[str, sp.Exp
     return expression.subs(forward).subs(transversal).subs(v.F_T.symbol, table[v.F_T.symbol]).subs(table)
 
 
+def _listed(quantity: Quantity) -> sp.Expr:
+    """The quantity's value in Table 1; ValueError if the table has none."""
+    if quantity.default is None:
+        raise ValueError(f"{quantity.name}: Table 1 lists no value")
+    return quantity.default
+
+
 def agrees(printed: str, value: sp.Expr) -> bool:
     """Whether a printed decimal is the value rounded to as many digits."""
-    digits = len(printed.split("e")[0].replace(".", ""))
+    digits = len(printed.split("e", maxsplit=1)[0].replace(".", ""))
     return math.isclose(float(f"{float(value):.{digits - 1}e}"), float(printed), rel_tol=1e-12)
 
 
 def table_1() -> str:
     """Table 1's coefficients for both gear ratios beside the derivation's, as text."""
     lines = [
-        "Table 1, coefficients of (11) for omega_m > 0: printed, derived, and whether all printed digits agree",
+        (
+            "Table 1, coefficients of (11) for omega_m > 0:"
+            " printed, derived, and whether all printed digits agree"
+        ),
         "",
     ]
     for mu, printed in PRINTED.items():
@@ -81,7 +88,10 @@ def findings() -> tuple[str, ...]:
 def _transversal_force() -> str:
     weight = (v.M.symbol + v.M_l.symbol) * v.g.symbol
     lines = [
-        "F_T in Table 1 is the weight of the link alone, M_l g; the derivation gives (M + M_l) g, as case C2 has it."
+        (
+            "F_T in Table 1 is the weight of the link alone, M_l g;"
+            " the derivation gives (M + M_l) g, as case C2 has it."
+        )
     ]
     for mu in PRINTED:
         own, whole = polynomial(mu), polynomial(mu, F_T=weight)
@@ -93,14 +103,15 @@ def _transversal_force() -> str:
 
 
 def _back_emf_unit() -> str:
-    per_revolution = v.k_e.default / (2 * sp.pi)
+    per_revolution = _listed(v.k_e) / (2 * sp.pi)
     mu = sp.Rational(1, 5)
     taken, converted = polynomial(mu)[2], polynomial(mu, k_e=per_revolution)[2]
     return (
         "k_e is listed as 0.20 V s/rev, but F_1 takes it as 0.20 V s/rad.\n"
-        f"   mu = {mu}: F_1 = {float(taken):.4e} as printed; with k_e = {float(per_revolution):.5f} V s/rad it would be"
-        f" {float(converted):.4e}.\n"
-        "   Reading: the default is 0.20 V s/rad, which reproduces Table 1; figure 4 needs the other (finding 3)."
+        f"   mu = {mu}: F_1 = {float(taken):.4e} as printed;"
+        f" with k_e = {float(per_revolution):.5f} V s/rad it would be {float(converted):.4e}.\n"
+        "   Reading: the default is 0.20 V s/rad, which reproduces Table 1;"
+        " figure 4 needs the other (finding 3)."
     )
 
 
@@ -121,18 +132,19 @@ def _global_minimum() -> str:
         lowest = np.unravel_index(np.argmin(torque), torque.shape)
         where = f"{link_velocity[lowest]:.2f} rad/s, {link_angle[lowest]:.2f} rad"
         lines.append(
-            f"   {text}: {at_hollow:.4f} N m at ({omega_l:.6f} rad/s, pi), {module.coulomb_torque(parameters):.4f} N m"
-            f" for velocity to 0; least on a grid over the figure: {torque[lowest]:.4f} N m at ({where})."
+            f"   {text}: {at_hollow:.4f} N m at ({omega_l:.6f} rad/s, pi),"
+            f" {module.coulomb_torque(parameters):.4f} N m for velocity to 0;"
+            f" least on a grid over the figure: {torque[lowest]:.4f} N m at ({where})."
         )
     return "\n".join([*lines, "   Reading: figure 4 is drawn with k_e converted, as its caption needs."])
 
 
 def _ideal_motor() -> str:
-    converted = v.k_e.default / (2 * sp.pi)
+    k_i, k_e = _listed(v.k_i), _listed(v.k_e)
     return (
         "An ideal DC motor has k_e = k_i in SI units (its electrical power is its mechanical power).\n"
-        f"   Table 1: k_i = {float(v.k_i.default):.4f} N m/A, k_e = {float(v.k_e.default):.4f} V s/rad as used,"
-        f" {float(converted):.4f} V s/rad converted: neither is equal.\n"
+        f"   Table 1: k_i = {float(k_i):.4f} N m/A, k_e = {float(k_e):.4f} V s/rad as used,"
+        f" {float(k_e / (2 * sp.pi)):.4f} V s/rad converted: neither is equal.\n"
         "   Reading: k_i and k_e are two parameters; nothing is assumed of their ratio."
     )
 
@@ -143,11 +155,12 @@ def _sign_in_14() -> str:
     gamma, C_m, mu = v.directed(v.gamma_T, "neg").symbol, v.directed(v.C_m, "neg").symbol, v.mu.symbol
     printed = -mu * gamma + C_m
     symmetric = -polynomial(sp.Rational(1, 5))[3]
-    table = {gamma: v.C_lT.default * sp.Rational("1.962"), C_m: v.C_m.default, mu: sp.Rational(1, 5)}
+    table = {gamma: _listed(v.C_lT) * sp.Rational("1.962"), C_m: _listed(v.C_m), mu: sp.Rational(1, 5)}
     return (
         f"(14) prints F_0^- = {printed}; the derivation gives {derived}.\n"
-        f"   With equal coefficients, Table 1, mu = 1/5, F_0 for omega_m < 0 must be {float(symmetric):.5f} N m, eq (13):"
-        f" printed form {float(printed.subs(table)):.5f}, derived form {float(derived.subs(table)):.5f}.\n"
+        "   With equal coefficients, Table 1, mu = 1/5, F_0 for omega_m < 0 must be"
+        f" {float(symmetric):.5f} N m, eq (13): printed form {float(printed.subs(table)):.5f},"
+        f" derived form {float(derived.subs(table)):.5f}.\n"
         "   Reading: -(mu gamma^- + C_m^-), as (13) and (21) have it."
     )
 
@@ -155,6 +168,7 @@ def _sign_in_14() -> str:
 def _gear_ratio() -> str:
     return (
         "(3) asks for mu < 1, while section 3 speaks of direct drives with mu = 1.\n"
-        "   Nothing in the derivation needs mu < 1: it only divides by mu and takes sgn(mu omega_m) = sgn(omega_m).\n"
+        "   Nothing in the derivation needs mu < 1:"
+        " it only divides by mu and takes sgn(mu omega_m) = sgn(omega_m).\n"
         "   Reading: any mu > 0 is valid."
     )

@@ -1,1 +1,1 @@
-"""Friction models of drives that swing an unbalanced mass, written by `make derive`; NumPy is all they need."""
+"""Friction models of drives that swing an unbalanced mass, written by `make derive`; they need only NumPy."""

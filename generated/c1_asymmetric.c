@@ -1,6 +1,7 @@
 /*
  * Generated: do not edit. Written by `make derive` from derivations/c1_asymmetric.py
- * (eccentric 0.1.0, program 31a6a98d). Case C1 with friction that differs between the directions of motion.
+ * (eccentric 0.1.0, program 31a6a98d).
+ * Case C1 with friction that differs between the directions of motion.
  */
 #include "c1_asymmetric.h"
 

@@ -1,6 +1,7 @@
 /*
  * Generated: do not edit. Written by `make derive` from derivations/c1_asymmetric.py
- * (eccentric 0.1.0, program 31a6a98d). Case C1 with friction that differs between the directions of motion.
+ * (eccentric 0.1.0, program 31a6a98d).
+ * Case C1 with friction that differs between the directions of motion.
  */
 #ifndef C1_ASYMMETRIC_H
 #define C1_ASYMMETRIC_H
@@ -176,7 +177,7 @@ void c1_asymmetric_friction_torque_gradient_n(
     ECCENTRIC_REAL *out,
     const c1_asymmetric_coefficients *c);
 
-/** Slopes of friction_torque by all friction coefficients [N m per unit of the coefficient].
+/** Slopes of friction_torque by all friction coefficients [N m per unit coefficient].
  *  @param[in]  omega_m  motor velocity [rad/s]
  *  @param[out] out  12 values: B_lN_pos, B_lN_neg, C_lN_pos, C_lN_neg, B_lT_pos, B_lT_neg, C_lT_pos, C_lT_neg, B_m_pos, B_m_neg, C_m_pos, C_m_neg
  *  @param[in]  c  coefficients
@@ -193,7 +194,7 @@ void c1_asymmetric_friction_torque_jacobian_n(
     ECCENTRIC_REAL *out,
     const c1_asymmetric_coefficients *c);
 
-/** Columns with regressor @ friction_coefficients = mechanical_friction_torque [N m per unit of the coefficient].
+/** Columns with regressor @ friction_coefficients = mechanical_friction_torque [N m per unit coefficient].
  *  @param[in]  omega_m  motor velocity [rad/s]
  *  @param[out] out  8 values: B_lN_pos, B_lN_neg, C_lN_pos, C_lN_neg, B_pos, B_neg, C_pos, C_neg
  *  @param[in]  c  coefficients

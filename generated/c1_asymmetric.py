@@ -1,5 +1,6 @@
 # Generated: do not edit. Written by `make derive` from derivations/c1_asymmetric.py
-# (eccentric 0.1.0, program 31a6a98d). Case C1 with friction that differs between the directions of motion.
+# (eccentric 0.1.0, program 31a6a98d).
+# Case C1 with friction that differs between the directions of motion.
 """Case C1 with friction that differs between the directions of motion.
 
 Inputs are on the motor side, in SI units; they broadcast, float32 stays float32, and `out` is honoured.
@@ -539,7 +540,7 @@ def friction_torque_jacobian(
     parameters: Parameters | None = None,
     out: np.ndarray | None = None,
 ) -> Any:
-    """Slopes of friction_torque by all friction coefficients [N m per unit of the coefficient].
+    """Slopes of friction_torque by all friction coefficients [N m per unit coefficient].
 
     Last axis (b_ln_pos, b_ln_neg, c_ln_pos, c_ln_neg, b_lt_pos, b_lt_neg, c_lt_pos, c_lt_neg, b_m_pos,
     b_m_neg, c_m_pos, c_m_neg).
@@ -584,7 +585,7 @@ def regressor(
     parameters: Parameters | None = None,
     out: np.ndarray | None = None,
 ) -> Any:
-    """Columns with regressor @ friction_coefficients = mechanical_friction_torque [N m per unit of the coefficient].
+    """Columns with regressor @ friction_coefficients = mechanical_friction_torque [N m per unit coefficient].
 
     Last axis (b_ln_pos, b_ln_neg, c_ln_pos, c_ln_neg, b_pos, b_neg, c_pos, c_neg).
 

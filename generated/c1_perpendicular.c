@@ -1,6 +1,7 @@
 /*
  * Generated: do not edit. Written by `make derive` from derivations/c1_perpendicular.py
- * (eccentric 0.1.0, program 6a07da11). Case C1: gravity perpendicular to the motion plane, steady motion.
+ * (eccentric 0.1.0, program 6a07da11).
+ * Case C1: gravity perpendicular to the motion plane, steady motion.
  */
 #include "c1_perpendicular.h"
 

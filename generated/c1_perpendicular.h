@@ -1,6 +1,7 @@
 /*
  * Generated: do not edit. Written by `make derive` from derivations/c1_perpendicular.py
- * (eccentric 0.1.0, program 6a07da11). Case C1: gravity perpendicular to the motion plane, steady motion.
+ * (eccentric 0.1.0, program 6a07da11).
+ * Case C1: gravity perpendicular to the motion plane, steady motion.
  */
 #ifndef C1_PERPENDICULAR_H
 #define C1_PERPENDICULAR_H
@@ -150,7 +151,7 @@ void c1_perpendicular_friction_torque_gradient_n(
     ECCENTRIC_REAL *out,
     const c1_perpendicular_coefficients *c);
 
-/** Slopes of friction_torque by all friction coefficients [N m per unit of the coefficient].
+/** Slopes of friction_torque by all friction coefficients [N m per unit coefficient].
  *  @param[in]  omega_m  motor velocity [rad/s]
  *  @param[out] out  6 values: B_lN, C_lN, B_lT, C_lT, B_m, C_m
  *  @param[in]  c  coefficients
@@ -167,7 +168,7 @@ void c1_perpendicular_friction_torque_jacobian_n(
     ECCENTRIC_REAL *out,
     const c1_perpendicular_coefficients *c);
 
-/** Columns with regressor @ friction_coefficients = mechanical_friction_torque [N m per unit of the coefficient].
+/** Columns with regressor @ friction_coefficients = mechanical_friction_torque [N m per unit coefficient].
  *  @param[in]  omega_m  motor velocity [rad/s]
  *  @param[out] out  4 values: B_lN, C_lN, B, C
  *  @param[in]  c  coefficients

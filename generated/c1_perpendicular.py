@@ -1,5 +1,6 @@
 # Generated: do not edit. Written by `make derive` from derivations/c1_perpendicular.py
-# (eccentric 0.1.0, program 6a07da11). Case C1: gravity perpendicular to the motion plane, steady motion.
+# (eccentric 0.1.0, program 6a07da11).
+# Case C1: gravity perpendicular to the motion plane, steady motion.
 """Case C1: gravity perpendicular to the motion plane, steady motion.
 
 Inputs are on the motor side, in SI units; they broadcast, float32 stays float32, and `out` is honoured.
@@ -403,7 +404,7 @@ def friction_torque_jacobian(
     parameters: Parameters | None = None,
     out: np.ndarray | None = None,
 ) -> Any:
-    """Slopes of friction_torque by all friction coefficients [N m per unit of the coefficient].
+    """Slopes of friction_torque by all friction coefficients [N m per unit coefficient].
 
     Last axis (b_ln, c_ln, b_lt, c_lt, b_m, c_m).
 
@@ -430,7 +431,7 @@ def regressor(
     parameters: Parameters | None = None,
     out: np.ndarray | None = None,
 ) -> Any:
-    """Columns with regressor @ friction_coefficients = mechanical_friction_torque [N m per unit of the coefficient].
+    """Columns with regressor @ friction_coefficients = mechanical_friction_torque [N m per unit coefficient].
 
     Last axis (b_ln, c_ln, b, c).
 

@@ -1,6 +1,7 @@
 /*
  * Generated: do not edit. Written by `make derive` from derivations/c2_asymmetric.py
- * (eccentric 0.1.0, program 62381ff9). Case C2 with friction that differs between the directions of motion.
+ * (eccentric 0.1.0, program 62381ff9).
+ * Case C2 with friction that differs between the directions of motion.
  */
 #include "c2_asymmetric.h"
 

@@ -1,6 +1,7 @@
 /*
  * Generated: do not edit. Written by `make derive` from derivations/c2_asymmetric.py
- * (eccentric 0.1.0, program 62381ff9). Case C2 with friction that differs between the directions of motion.
+ * (eccentric 0.1.0, program 62381ff9).
+ * Case C2 with friction that differs between the directions of motion.
  */
 #ifndef C2_ASYMMETRIC_H
 #define C2_ASYMMETRIC_H
@@ -197,7 +198,7 @@ void c2_asymmetric_friction_torque_gradient_n(
     ECCENTRIC_REAL *out,
     const c2_asymmetric_coefficients *c);
 
-/** Slopes of friction_torque by all friction coefficients [N m per unit of the coefficient].
+/** Slopes of friction_torque by all friction coefficients [N m per unit coefficient].
  *  @param[in]  theta_m  motor angle [rad]
  *  @param[in]  omega_m  motor velocity [rad/s]
  *  @param[out] out  8 values: B_lN_pos, B_lN_neg, C_lN_pos, C_lN_neg, B_m_pos, B_m_neg, C_m_pos, C_m_neg
@@ -217,7 +218,7 @@ void c2_asymmetric_friction_torque_jacobian_n(
     ECCENTRIC_REAL *out,
     const c2_asymmetric_coefficients *c);
 
-/** Columns with regressor @ friction_coefficients = mechanical_friction_torque [N m per unit of the coefficient].
+/** Columns with regressor @ friction_coefficients = mechanical_friction_torque [N m per unit coefficient].
  *  @param[in]  theta_m  motor angle [rad]
  *  @param[in]  omega_m  motor velocity [rad/s]
  *  @param[out] out  8 values: B_lN_pos, B_lN_neg, C_lN_pos, C_lN_neg, B_m_pos, B_m_neg, C_m_pos, C_m_neg

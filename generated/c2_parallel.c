@@ -1,6 +1,7 @@
 /*
  * Generated: do not edit. Written by `make derive` from derivations/c2_parallel.py
- * (eccentric 0.1.0, program 2b23c824). Case C2: gravity parallel to the motion plane, steady motion.
+ * (eccentric 0.1.0, program 2b23c824).
+ * Case C2: gravity parallel to the motion plane, steady motion.
  */
 #include "c2_parallel.h"
 

@@ -1,6 +1,7 @@
 /*
  * Generated: do not edit. Written by `make derive` from derivations/c2_parallel.py
- * (eccentric 0.1.0, program 2b23c824). Case C2: gravity parallel to the motion plane, steady motion.
+ * (eccentric 0.1.0, program 2b23c824).
+ * Case C2: gravity parallel to the motion plane, steady motion.
  */
 #ifndef C2_PARALLEL_H
 #define C2_PARALLEL_H
@@ -173,7 +174,7 @@ void c2_parallel_friction_torque_gradient_n(
     ECCENTRIC_REAL *out,
     const c2_parallel_coefficients *c);
 
-/** Slopes of friction_torque by all friction coefficients [N m per unit of the coefficient].
+/** Slopes of friction_torque by all friction coefficients [N m per unit coefficient].
  *  @param[in]  theta_m  motor angle [rad]
  *  @param[in]  omega_m  motor velocity [rad/s]
  *  @param[out] out  4 values: B_lN, C_lN, B_m, C_m
@@ -193,7 +194,7 @@ void c2_parallel_friction_torque_jacobian_n(
     ECCENTRIC_REAL *out,
     const c2_parallel_coefficients *c);
 
-/** Columns with regressor @ friction_coefficients = mechanical_friction_torque [N m per unit of the coefficient].
+/** Columns with regressor @ friction_coefficients = mechanical_friction_torque [N m per unit coefficient].
  *  @param[in]  theta_m  motor angle [rad]
  *  @param[in]  omega_m  motor velocity [rad/s]
  *  @param[out] out  4 values: B_lN, C_lN, B_m, C_m

@@ -1,6 +1,7 @@
 /*
  * Generated: do not edit. Written by `make derive` from derivations/rotating_link.py
- * (eccentric 0.1.0, program 3a862dfc). Rotating link with an unbalanced mass, plane tilted by phi, angular acceleration kept.
+ * (eccentric 0.1.0, program 3a862dfc).
+ * Rotating link with an unbalanced mass, plane tilted by phi, angular acceleration kept.
  */
 #include "rotating_link.h"
 

@@ -1,6 +1,7 @@
 /*
  * Generated: do not edit. Written by `make derive` from derivations/rotating_link.py
- * (eccentric 0.1.0, program 3a862dfc). Rotating link with an unbalanced mass, plane tilted by phi, angular acceleration kept.
+ * (eccentric 0.1.0, program 3a862dfc).
+ * Rotating link with an unbalanced mass, plane tilted by phi, angular acceleration kept.
  */
 #ifndef ROTATING_LINK_H
 #define ROTATING_LINK_H
@@ -198,7 +199,7 @@ void rotating_link_friction_torque_gradient_n(
     ECCENTRIC_REAL *out,
     const rotating_link_coefficients *c);
 
-/** Slopes of friction_torque by all friction coefficients [N m per unit of the coefficient].
+/** Slopes of friction_torque by all friction coefficients [N m per unit coefficient].
  *  @param[in]  theta_m  motor angle [rad]
  *  @param[in]  omega_m  motor velocity [rad/s]
  *  @param[in]  alpha_m  motor acceleration [rad/s^2]
@@ -221,7 +222,7 @@ void rotating_link_friction_torque_jacobian_n(
     ECCENTRIC_REAL *out,
     const rotating_link_coefficients *c);
 
-/** Columns with regressor @ friction_coefficients = mechanical_friction_torque [N m per unit of the coefficient].
+/** Columns with regressor @ friction_coefficients = mechanical_friction_torque [N m per unit coefficient].
  *  @param[in]  theta_m  motor angle [rad]
  *  @param[in]  omega_m  motor velocity [rad/s]
  *  @param[in]  alpha_m  motor acceleration [rad/s^2]

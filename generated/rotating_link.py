@@ -1,5 +1,6 @@
 # Generated: do not edit. Written by `make derive` from derivations/rotating_link.py
-# (eccentric 0.1.0, program 3a862dfc). Rotating link with an unbalanced mass, plane tilted by phi, angular acceleration kept.
+# (eccentric 0.1.0, program 3a862dfc).
+# Rotating link with an unbalanced mass, plane tilted by phi, angular acceleration kept.
 """Rotating link with an unbalanced mass, plane tilted by phi, angular acceleration kept.
 
 Inputs are on the motor side, in SI units; they broadcast, float32 stays float32, and `out` is honoured.
@@ -654,7 +655,7 @@ def friction_torque_jacobian(
     parameters: Parameters | None = None,
     out: np.ndarray | None = None,
 ) -> Any:
-    """Slopes of friction_torque by all friction coefficients [N m per unit of the coefficient].
+    """Slopes of friction_torque by all friction coefficients [N m per unit coefficient].
 
     Last axis (b_ln, c_ln, b_lt, c_lt, b_m, c_m).
 
@@ -702,7 +703,7 @@ def regressor(
     parameters: Parameters | None = None,
     out: np.ndarray | None = None,
 ) -> Any:
-    """Columns with regressor @ friction_coefficients = mechanical_friction_torque [N m per unit of the coefficient].
+    """Columns with regressor @ friction_coefficients = mechanical_friction_torque [N m per unit coefficient].
 
     Last axis (b_ln, c_ln, b, c).
 

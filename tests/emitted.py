@@ -61,6 +61,8 @@ def example_states(
         "theta_m": generator.uniform(-40.0, 40.0, shape),
         "omega_m": generator.uniform(-90.0, 90.0, shape) * (generator.integers(0, 4, shape) > 0),
         "alpha_m": generator.uniform(-200.0, 200.0, shape),
+        "i": generator.uniform(-30.0, 30.0, shape),
+        "u": generator.uniform(-50.0, 50.0, shape),
     }
     return [np.asarray(columns[one], dtype) for one in oracle.inputs(name, function)]
 

@@ -29,11 +29,13 @@ K = 16
 
 
 class Point(NamedTuple):
-    """One state of the drive: motor angle, velocity and acceleration."""
+    """One state of the drive: motor angle, velocity and acceleration, armature current and voltage."""
 
     theta_m: Number
     omega_m: Number
     alpha_m: Number
+    i: Number = mpf(0)
+    u: Number = mpf(0)
 
 
 class Case(NamedTuple):
@@ -90,7 +92,7 @@ CASES = {
 FUNCTIONS = (
     "normal_force", "friction_torque", "mechanical_friction_torque", "friction_torque_gradient",
     "friction_torque_jacobian", "regressor", "friction_coefficients", "coulomb_torque", "gravity_torque",
-    "voltage", "current",
+    "voltage", "current", "mechanical_residual", "electrical_residual",
 )  # fmt: skip
 
 
@@ -111,6 +113,10 @@ def inputs(name: str, function: str) -> tuple[str, ...]:
     position = () if name.startswith("c1_") else ("theta_m",)
     if function == "gravity_torque":
         return position
+    if function == "electrical_residual":
+        return ("omega_m", "i", "u")
+    if function == "mechanical_residual":
+        return (*position, "omega_m", "i", "alpha_m")
     accelerated = CASES[name].accelerated or function in ("voltage", "current")
     return (*position, "omega_m", "alpha_m") if accelerated else (*position, "omega_m")
 
@@ -228,6 +234,13 @@ def expected(
         return [(paper.voltage(x.alpha_m, G, F, p), p.R / p.k_i * (inertia + G_size + F_size))]
     if function == "current":
         return [(paper.current(x.alpha_m, G, f, p), (inertia + G_size + f_size) / p.k_i)]
+    if function == "mechanical_residual":
+        drive = p.k_i * x.i
+        J = p.J_m + p.mu**2 * p.J_l
+        return [(drive - J * x.alpha_m - G - f, abs(drive) + inertia + G_size + f_size)]
+    if function == "electrical_residual":
+        terms = [p.k_i / p.R * x.u, -paper.back_emf_damping(p) * x.omega_m, -p.k_i * x.i]
+        return [(sum(terms), sum(map(abs, terms)))]
     if function == "regressor":
         size = columns(N_size, x.omega_m, p)
         return [(value[label], abs(size[label])) for value in [columns(N, x.omega_m, p)] for label in labels]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -42,10 +43,13 @@ S = motion()
 
 
 def stribeck(c: Signals, shape: dict[str, float]) -> np.ndarray:
+    """Dry friction that falls off with the square of the speed."""
     return (np.exp(-((np.abs(c.omega_m) / shape["vs"]) ** 2)) * np.sign(c.omega_m))[:, None]
 
 
-def harmonic(order: int):
+def harmonic(order: int) -> Callable[[Signals, dict[str, float]], np.ndarray]:
+    """Columns of dry friction that varies with a multiple of the link angle."""
+
     def columns(c: Signals, _: dict[str, float]) -> np.ndarray:
         angle = order * MU * c.theta_m
         return np.column_stack([np.cos(angle), np.sin(angle)]) * np.sign(c.omega_m)[:, None]
@@ -55,21 +59,20 @@ def harmonic(order: int):
 
 free = -np.inf
 LIBRARY = [
-    Candidate("stribeck", "stribeck", "mechanical", ("velocity",), stribeck, {"vs": (0.5, 15.0, "log", 10)}, (0.0,)),
+    Candidate("stribeck", "stribeck", "mechanical", ("velocity",), stribeck, {"vs": (0.5, 15.0, "log", 9)},
+              (0.0,)),
     Candidate("quadratic_drag", "quadratic_drag", "mechanical", ("velocity",),
               lambda c, s: (c.omega_m * np.abs(c.omega_m))[:, None], lower=(0.0,)),
     Candidate("asymmetry", "asymmetry", "mechanical", ("direction",), lambda c, s: np.ones((len(c.t), 1))),
     Candidate("time_drift", "time_drift", "mechanical", ("time",),
               lambda c, s: (np.sign(c.omega_m) * c.t / c.t[-1])[:, None]),
-    *[Candidate(f"harmonic[n={n}]", "harmonic", "mechanical", ("link_angle",), harmonic(n), lower=(free, free),
-                repeats=True) for n in (1, 2, 3, 4)],
+    *[Candidate(f"harmonic[n={n}]", "harmonic", "mechanical", ("link_angle",), harmonic(n),
+                lower=(free, free), repeats=True) for n in (1, 2, 3, 4)],
 ]  # fmt: skip
 
 
 def diagnose(missing: np.ndarray, seed: int = 3) -> Attribution:
-    """Attribution of a log with 0.15 N m of Coulomb, 0.01 N m s of viscous friction, white noise and
-    `missing`.
-    """
+    """Attribution of a log with Coulomb and viscous friction, white noise and `missing`."""
     rng = np.random.default_rng(seed)
     base = np.column_stack([np.sign(S.omega_m), S.omega_m])
     target = base @ [0.15, 0.01] + missing + NOISE * rng.standard_normal(len(S.t))
@@ -83,6 +86,7 @@ def diagnose(missing: np.ndarray, seed: int = 3) -> Attribution:
 
 
 def families(found: Attribution) -> list[str]:
+    """Families of the adopted effects."""
     return [one.term.candidate.family for one in found.adopted]
 
 

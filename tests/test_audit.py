@@ -44,7 +44,7 @@ def test_agreement_sees_one_unit_in_the_last_digit() -> None:
     ],
 )
 def test_findings_give_the_figures_worked_out_by_hand(finding: int, figures: list[str]) -> None:
-    """Each finding shows its numbers; they were worked out with the closed forms, not read off the program."""
+    """Each finding shows its numbers, worked out with the closed forms, not read off the program."""
     text = findings()[finding]
 
     assert [figure for figure in figures if figure not in text] == []

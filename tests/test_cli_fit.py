@@ -85,10 +85,16 @@ def test_model_of_another_case_is_one_line(tmp_path: Path, capsys: pytest.Captur
 LOGS = {
     "missing file": (None, "no such file"),
     "missing column": (lambda rows: ["time_s,current_A", "0,1", "1,2"], "column 'theta_m_rad' is required"),
-    "text": (lambda rows: [*rows[:50], rows[50].replace(rows[50].split(",")[1], "fast"), *rows[51:]], "'fast'"),
+    "text": (
+        lambda rows: [*rows[:50], rows[50].replace(rows[50].split(",")[1], "fast"), *rows[51:]],
+        "'fast'",
+    ),
     "empty": (lambda rows: rows[:1], "a log with rows is required"),
     "a third missing": (
-        lambda rows: [rows[0]] + [r if k % 3 else ",".join(["nan"] * r.count(",") + ["nan"]) for k, r in enumerate(rows[1:])],
+        lambda rows: (
+            [rows[0]]
+            + [r if k % 3 else ",".join(["nan"] * r.count(",") + ["nan"]) for k, r in enumerate(rows[1:])]
+        ),
         "at most 20% may be missing",
     ),
 }
@@ -106,9 +112,7 @@ def test_bad_log_is_one_line(
     refused([str(log), "--rig", str(RIG)], message, tmp_path, capsys)
 
 
-def refused(
-    arguments: list[str], message: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def refused(arguments: list[str], message: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """Run `fit` and check that it ends with this line alone and leaves nothing."""
     before = set(tmp_path.iterdir())
     assert cli.main(["fit", *arguments, "--out", str(tmp_path / "out")]) == 2

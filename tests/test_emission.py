@@ -1,4 +1,4 @@
-"""Emission: the Program's passes, the templates' holes, the freshness of generated/, what the files depend on."""
+"""Emission: the Program's passes, the templates' holes, generated/ is fresh, what the files depend on."""
 
 import ast
 import re
@@ -6,6 +6,7 @@ import subprocess
 import sys
 import types
 from pathlib import Path
+from typing import Any
 
 import cffi
 import jinja2
@@ -22,14 +23,15 @@ from eccentric.emit import (
     Input,
     Program,
     Routine,
+    c99,
     differentiate,
     load_module,
     needed,
+    numpy_module,
     render,
     render_program,
     stale,
 )
-from eccentric.emit import c99, numpy_module
 from eccentric.emit.build import build_program
 from eccentric.emit.series import polynomial
 from eccentric.model import load_model, model_names, quantity
@@ -88,7 +90,7 @@ def test_every_template_uses_exactly_the_keys_it_is_given() -> None:
         "module.py.jinja": numpy_module.view(program, "banner", "summary"),
         "header.h.jinja source.c.jinja": c99.view(program, "banner", "00000000"),
     }
-    environment = jinja2.Environment(loader=jinja2.FileSystemLoader(folder("templates")))
+    environment = jinja2.Environment()  # noqa: S701 - it only parses
     seen = set()
     for names, view in views.items():
         holes = set().union(*(_holes(environment, name, seen) for name in names.split()))
@@ -134,7 +136,7 @@ def test_polynomials_hold_their_stated_error(name: str, function: str, *, single
 
 
 def chain(n: int) -> Program:
-    """Weighted sum of squared absolute angles of a planar chain of n links, and its slopes; one vector input."""
+    """Weighted sum of squared absolute angles of a planar chain of n links, and its slopes."""
     angles = Input(quantity("theta", "rad", "joint angles", "", "real"), n)
     mass, weight = quantity("m", "kg", "mass", "", "positive", "2"), sp.Symbol("weight", real=True)
     assignments: list[Assignment] = []
@@ -163,7 +165,7 @@ def test_chain_of_links_needs_no_rewrite(n: int, tmp_path: Path) -> None:
     exec(compile(files["chain.py"], "chain.py", "exec"), module.__dict__)  # noqa: S102
     theta = np.random.default_rng(n).uniform(-2, 2, (7, n))
     sums = np.cumsum(theta, axis=-1)
-    # By hand: 3 m = 6 times the squared partial sums; the slope by theta_k is twice the partial sums from k on.
+    # By hand: 3 m = 6 times the squared partial sums; by theta_k 12 times the sum of those from k on.
     by_hand = 6 * 2 * np.cumsum(sums[:, ::-1], axis=-1)[:, ::-1]
 
     np.testing.assert_allclose(module.total(theta), 6 * np.sum(sums**2, axis=-1), rtol=1e-14)
@@ -179,7 +181,7 @@ def test_chain_of_links_needs_no_rewrite(n: int, tmp_path: Path) -> None:
     subprocess.run(
         ["gcc", *flags, "-shared", "-fPIC", "chain.c", "-o", "chain.so", "-lm"], check=True, cwd=tmp_path
     )
-    compiled = library.dlopen(str(tmp_path / "chain.so"))
+    compiled: Any = library.dlopen(str(tmp_path / "chain.so"))
     out = np.empty(n)
     compiled.chain_slopes(
         library.cast("double *", theta[0].ctypes.data),
@@ -191,7 +193,7 @@ def test_chain_of_links_needs_no_rewrite(n: int, tmp_path: Path) -> None:
 
 
 def test_derivatives_are_taken_assignment_by_assignment() -> None:
-    """Nested definitions stay names in the derivative: its size grows with the chain, not with its expansion."""
+    """Nested definitions stay names in the derivative: it grows with the chain, not with its expansion."""
     sizes = [sum(a.value.count_ops() for a in chain(n).routines[1].assignments) for n in (4, 8, 16)]
 
     # n links have n slopes through at most n assignments each: no faster than quadratic growth.

@@ -22,6 +22,7 @@ LETTERS = "M M_l L g mu R k_i k_e F_T B_lN C_lN B_lT C_lT B_m C_m"
 FORCE, TORQUE = (1, 1, -2, 0), (1, 2, -2, 0)
 DIMENSION = {
     "theta_m": (0, 0, 0, 0), "omega_m": (0, 0, -1, 0), "alpha_m": (0, 0, -2, 0),
+    "i": (0, 0, 0, 1), "u": (1, 2, -3, -1),
     "mu": (0, 0, 0, 0), "phi": (0, 0, 0, 0),
     "M": (1, 0, 0, 0), "M_l": (1, 0, 0, 0), "L": (0, 1, 0, 0), "g": (0, 1, -2, 0), "F_T": FORCE,
     "R": (1, 2, -3, -2), "k_i": (1, 2, -2, -1), "k_e": (1, 2, -2, -1),
@@ -29,7 +30,8 @@ DIMENSION = {
     "B_lN": (0, 1, 1, 0), "B_lT": (0, 1, 1, 0), "C_lN": (0, 1, 0, 0), "C_lT": (0, 1, 0, 0),
     "B_m": (1, 2, -1, 0), "C_m": TORQUE, "B": (1, 2, -1, 0), "C": TORQUE,
 }  # fmt: skip
-RESULT = dict.fromkeys((*TORQUES, "gravity_torque", "coulomb_torque"), TORQUE) | {
+RESIDUALS = ("mechanical_residual", "electrical_residual")
+RESULT = dict.fromkeys((*TORQUES, *RESIDUALS, "gravity_torque", "coulomb_torque"), TORQUE) | {
     "normal_force": FORCE, "voltage": (1, 2, -3, -1), "current": (0, 0, 0, 1),
 }  # fmt: skip
 

@@ -90,7 +90,12 @@ def view(program: Program, banner: str, digest: str) -> dict[str, Any]:
 def _macros(program: Program) -> list[tuple[str, str, str]]:
     """(macro, its meaning in single, in double), those that the routines use."""
     expressions = [a.value for r in program.routines for a in r.assignments]
-    used = [("REAL_SQRT(x)", Root, "sqrt"), ("REAL_FABS(x)", Size, "fabs"), ("REAL_FLOOR(x)", Floor, "floor"), ("REAL_EXP(x)", sp.exp, "exp")]
+    used = [
+        ("REAL_SQRT(x)", Root, "sqrt"),
+        ("REAL_FABS(x)", Size, "fabs"),
+        ("REAL_FLOOR(x)", Floor, "floor"),
+        ("REAL_EXP(x)", sp.exp, "exp"),
+    ]
     found = [("REAL(x)", "x##f", "x")]
     found += [
         (macro, f"{name}f(x)", f"{name}(x)")

@@ -44,8 +44,8 @@ def closure(model: Model, results: tuple[tuple[str, sp.Expr], ...]) -> tuple[Ass
 def solve_current(model: Model) -> sp.Expr:
     """The armature current that the mechanical balance asks for, eq (4) without the armature.
 
-    Where an effect depends on the current itself (torque ripple, saturation), the current without that effect is put
-    into it: exact to first order in the effect.
+    Where an effect depends on the current itself (torque ripple, saturation), the current without that effect
+    is put into it: exact to first order in the effect.
     """
     mechanical = model.balance("mechanical")
     drive = next(term for term in mechanical.terms if term.kind == "drive")
@@ -67,7 +67,7 @@ def functions(model: Model) -> tuple[Function, ...]:
     voltage = resistance * current + armature
     # (4) with alpha_m = 0 and without gravity: what is left of (k_i/R) u.
     resultant = friction + torque_constant / resistance * electrical.sum_of("back_emf")
-    # Held against measured data, in newton metres both; the electrical one as (k_i/R)(u - k_e omega_m) - k_i i.
+    # Held against measured data, both in N m; the electrical one as (k_i/R)(u - k_e omega_m) - k_i i.
     residual = mechanical.residual()
     electrical_residual = sp.expand_mul(torque_constant / resistance * electrical.residual())
     columns = regressor(model)
@@ -105,14 +105,14 @@ def functions(model: Model) -> tuple[Function, ...]:
         ),
         Function(
             "friction_torque_jacobian",
-            "N m per unit of the coefficient",
+            "N m per unit coefficient",
             "slopes of friction_torque by all friction coefficients",
             (("", resultant),),
             parameters,
         ),
         Function(
             "regressor",
-            "N m per unit of the coefficient",
+            "N m per unit coefficient",
             "columns with regressor @ friction_coefficients = mechanical_friction_torque",
             tuple((column.name, column.basis) for column in columns),
         ),

@@ -32,7 +32,8 @@ def render_program(program: Program, origin: str, command: str) -> dict[str, str
     digest = program_digest(program)
     banner = (
         f"Generated: do not edit. Written by `{command}` from {origin}\n"
-        f"(eccentric {__version__}, program {digest}). {program.title}."
+        f"(eccentric {__version__}, program {digest}).\n"
+        f"{program.title}."
     )
     summary = (
         "Inputs are on the motor side, in SI units; they broadcast, float32 stays float32, and `out` is"

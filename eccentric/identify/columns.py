@@ -163,7 +163,7 @@ def _inertia_range(rig: Rig) -> tuple[float, float]:
 
 
 def searched_of(channels: Channels, rig: Rig, model: Model, needed: set[str]) -> list[Searched]:
-    """Return what does not enter linearly: delay and zero angle to estimate, ranges of the `needed` letters."""
+    """Return what does not enter linearly: delay and zero angle to estimate, `needed` letters with ranges."""
     together = np.diff(channels.segment) == 0
     step = float(np.median(np.diff(channels.t)[together]))
     turning = any(

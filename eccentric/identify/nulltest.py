@@ -39,9 +39,9 @@ def sensor_noise(signal: Array, windows: Windows) -> float:
 
 
 def inflation(residual: Array, block: Array, most_lags: int = 60) -> float:
-    """Variance inflation 1 + 2 sum of autocorrelation (Bartlett weights), at least 1; rows that follow each
-    other
-    across a block's edge are not counted.
+    """Variance inflation 1 + 2 sum of autocorrelation (Bartlett weights), at least 1.
+
+    Pairs of rows more than one block apart are not counted.
     """
     r = residual - residual.mean()
     variance = float(np.mean(r**2))

@@ -102,9 +102,7 @@ def make_balance(
     lower: Array,
     share_of: Array,
 ) -> Balance:
-    """Sample-wise target (n,) and base (n, p) to a Balance; `share_of` (n,) is what effects are held
-    against.
-    """
+    """Sample-wise target (n,) and base (n, p) to a Balance; shares are of the RMS of `share_of` (n,)."""
     scale = float(np.sqrt(np.mean(windows(share_of) ** 2)))
     return Balance(
         name, windows, windows(target), windows(base), base_names, np.asarray(lower, float), scale, base

@@ -29,6 +29,7 @@ class Term:
 
     @property
     def key(self) -> tuple[object, ...]:
+        """What tells it from other terms."""
         return (self.candidate.id, *self.shape.values())
 
 
@@ -111,16 +112,15 @@ class Screen:
                     self._replaced.clear()
                 known = np.zeros(len(samples))
                 for term in replacing:
-                    assert term.candidate.replaces is not None
-                    more, samples = term.candidate.replaces(self.channels, term.shape, samples)
-                    known = known if more is None else known + more
+                    if term.candidate.replaces is not None:
+                        more, samples = term.candidate.replaces(self.channels, term.shape, samples)
+                        known = known if more is None else known + more
                 self._replaced[key] = (self.balance.windows(known), self.balance.windows(samples))
             known, base = self._replaced[key]
             target = target - known
         parts = [self.columns(term) for term in terms]
         for term, part in zip(terms, parts, strict=True):
-            own = np.asarray(term.candidate.lower, float)
-            lower.append(own if len(own) == part.shape[1] else np.full(part.shape[1], own[0]))
+            lower.append(_bounds(term.candidate, part.shape[1]))
         return target, np.hstack([base, *parts]), np.concatenate(lower)
 
     def fit(self, terms: Sequence[Term]) -> Fitted:
@@ -146,10 +146,10 @@ class Screen:
         return target - design @ fitted.coefficients
 
     def first_look(self, terms: Sequence[Term]) -> list[tuple[float, int]]:
-        """Best grid point of every candidate beside `terms`: (in-sample loss of the bounded fit, number),
-        best first.
+        """(in-sample loss of the bounded fit, number) of every candidate's best grid point beside `terms`.
 
-        All points share one matrix product; what changes the base is fitted anew at each of its points.
+        Best first. All points share one matrix product. What changes the base is fitted anew at each of its
+        points, and stands where its derivative would stand if that is better: its grid may be coarse.
         """
         target, design, lower = self.design(terms)
         taken = {term.candidate.id for term in terms}
@@ -157,33 +157,31 @@ class Screen:
         inner, right, total = design.T @ design, design.T @ target, float(target @ target)
         mixed, cross = design.T @ self.library, self.library.T @ target
         best: dict[str, tuple[float, int]] = {}
+        slope: dict[str, float] = {}
         for number, term in enumerate(self.points):
             candidate, where = term.candidate, self.where[number]
             if candidate.id in taken or candidate.family in closed:
                 continue
+            matrix = np.block([[inner, mixed[:, where]], [mixed[:, where].T, self.inner[number]]])
+            vector = np.r_[right, cross[where]]
+            c = bounded_solve(matrix, vector, np.r_[lower, _bounds(candidate, len(vector) - len(right))])
+            loss = total + float(c @ matrix @ c - 2.0 * c @ vector)
             if candidate.replaces is not None:
+                slope[candidate.id] = min(loss, slope.get(candidate.id, np.inf))
                 loss = self._loss([*terms, term])
-            else:
-                matrix = np.block([[inner, mixed[:, where]], [mixed[:, where].T, self.inner[number]]])
-                vector = np.r_[right, cross[where]]
-                own = np.asarray(candidate.lower, float)
-                own = (
-                    own if len(own) == len(vector) - len(right) else np.full(len(vector) - len(right), own[0])
-                )
-                c = bounded_solve(matrix, vector, np.r_[lower, own])
-                loss = total + float(c @ matrix @ c - 2.0 * c @ vector)
             if candidate.id not in best or loss < best[candidate.id][0]:
                 best[candidate.id] = (loss, number)
-        return sorted(best.values())
+        return sorted((min(loss, slope.get(name, loss)), number) for name, (loss, number) in best.items())
 
     def rank(self, terms: Sequence[Term], leaders: int = 8) -> list[Fitted]:
-        """Every candidate added to `terms`, best cross-validated score first; the leaders' shapes are
-        refined.
+        """Every candidate added to `terms`, best cross-validated score first.
+
+        The leaders' shapes are refined; what changes the base takes a few steps before it is compared.
         """
         look = self.first_look(terms)[: 4 * leaders]
-        fitted = sorted(
-            (self.fit([*terms, self.points[number]]) for _, number in look), key=lambda f: f.score
-        )
+        fitted = [self.fit([*terms, self.points[number]]) for _, number in look]
+        fitted = [f if f.terms[-1].candidate.replaces is None else self.refine(f, True, 10) for f in fitted]
+        fitted.sort(key=lambda f: f.score)
         head = [self.refine(f, only_last=True) for f in fitted[:leaders]]
         honest = [f for f in [*head, *fitted[leaders:]] if f.loss.sum() > 0.8 * self.floor]
         return sorted(honest, key=lambda f: f.score)
@@ -195,9 +193,7 @@ class Screen:
         return float(target @ target + c @ matrix @ c - 2.0 * c @ vector)
 
     def refine(self, fitted: Fitted, only_last: bool = False, evaluations: int = 30) -> Fitted:
-        """Shapes improved by simplex search of the bounded fit: of the last term, or of one term after the
-        other.
-        """
+        """Shapes improved by simplex search of the bounded fit: of every term in turn, or the last."""
         terms = list(fitted.terms)
         for turn in [len(terms) - 1] if only_last else range(len(terms)):
             if terms[turn].candidate.shape:
@@ -245,3 +241,9 @@ class Screen:
             },
         )
         return Term(candidate, shape_of(found.x))
+
+
+def _bounds(candidate: Candidate, width: int) -> Array:
+    """Least coefficients of a candidate's columns; a single one given for many columns holds for all."""
+    own = np.asarray(candidate.lower, float)
+    return own if len(own) == width else np.full(width, own[0])

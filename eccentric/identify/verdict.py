@@ -24,10 +24,10 @@ __all__ = ["Adopted", "Attribution", "Ranked", "attribute", "next_measurement"]
 
 @dataclass(frozen=True)
 class Adopted:
-    """An adopted term: its balance, its coefficients (none if its parameters are all in the shape), its
-    share.
+    """An adopted term with its balance.
 
-    share: RMS that it takes out of the residual beside the other terms, as a fraction of the balance's scale.
+    coefficients: of its columns, none if its parameters are all in the shape; share: RMS that it takes out of
+        the residual beside the other terms, as a fraction of the balance's scale.
     """
 
     balance: str
@@ -78,9 +78,7 @@ def attribute(
     rules: Rules | None = None,
     progress: Callable[[str], None] | None = None,
 ) -> Attribution:
-    """Attribute the residuals of a log's training part to candidates; arguments as in
-    `attribution.search_all`.
-    """
+    """Attribute the residuals of a log's training part; arguments as in `attribution.search_all`."""
     rules = rules or Rules()
     searches = search_all(balances, channels, candidates, mu, gravity, noise, rules, progress)
     adopted, leading, tied = _adopted(searches, rules)
@@ -105,9 +103,7 @@ def attribute(
 
 
 def _adopted(searches: dict[str, Search], rules: Rules) -> tuple[list[Adopted], list[Ranked], list[str]]:
-    """Adopted terms of all balances by share, their entries in the list, and the families tied with one of
-    them.
-    """
+    """Adopted terms of all balances by share, their entries in the list, and the families tied with them."""
     found: list[tuple[Adopted, Ranked]] = []
     tied: list[str] = []
     for name, search in searches.items():
@@ -176,15 +172,15 @@ _SPEED = {"stribeck", "quadratic_drag", "cubic_drag", "oneway_windage", "eddy_cu
 _LOAD = {"load_dependent", "gear_efficiency", "kt_saturation", "inertia_mismatch"}
 _GRAVITY = {"mass_mismatch", "gravity_tilt", "angle_offset", "link_harmonic_friction", "cable_spring"}
 _SENTENCES: tuple[tuple[set[str], set[str], str], ...] = (
-    (_TEMPERATURE, _TIME, "Repeat the same speeds on the warmed drive and again after it has cooled, temperature logged."),
-    (_TEMPERATURE, _TEMPERATURE, "Run slow and fast speeds alternately over a temperature ramp of 20 K or more."),
+    (_TEMPERATURE, _TIME, "Repeat the same speeds warm and cooled, temperature logged."),
+    (_TEMPERATURE, _TEMPERATURE, "Alternate slow and fast speeds over a ramp of 20 K or more."),
     (_TIME, _TIME, "Log three times as long, with rests, so that time and distance travelled part."),
-    ({"stribeck"}, {"presliding"}, "Creep at constant speeds below a tenth of the Stribeck velocity, far from reversals."),
-    (_SPEED, _SPEED, "Add constant speeds at twice the present range, and several at its lower end, in both directions."),
+    ({"stribeck"}, {"presliding"}, "Creep below the Stribeck velocity, far from reversals."),
+    (_SPEED, _SPEED, "Add constant speeds at twice the present range and at its lower end, both ways."),
     (_LOAD, _LOAD, "Accelerate hard at several speeds, then repeat with another mass on the link."),
-    ({"coulomb_asymmetry"}, {"current_bias"}, "Log the voltage as well, or the current with the drive switched off."),
+    ({"coulomb_asymmetry"}, {"current_bias"}, "Log the voltage too, or the current at rest."),
     ({"coulomb_asymmetry"}, {"cable_spring"}, "Turn the link ten times further in one direction."),
-    (_GRAVITY, _GRAVITY, "Hold slow constant speeds over whole turns in both directions, at two different masses."),
+    (_GRAVITY, _GRAVITY, "Hold slow speeds over whole turns both ways, with two masses."),
     ({"cogging"}, _GRAVITY, "Turn the motor slowly with the link taken off."),
 )  # fmt: skip
 

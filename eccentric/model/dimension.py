@@ -1,4 +1,4 @@
-"""Dimensions: the SI exponents of a unit and of an expression, so that equations can be held to their units."""
+"""Dimensions: the SI exponents of a unit and of an expression, so that equations can be held to units."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Limits of a model: substitute parameters, replace definitions, drop what vanishes. C1 and C2 are made so."""
+"""Limits of a model: substitute parameters, replace definitions, drop what vanishes. C1 and C2 are limits."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ def limit(
     definitions: Mapping[Quantity, sp.Expr],
     equations: tuple[Equation, ...],
 ) -> Model:
-    """The model with parameters set to values, some definitions replaced, and what vanishes or is unused dropped.
+    """The model with parameters set to values, definitions replaced, and what vanishes or is unused dropped.
 
     Args:
         model: the general model.

@@ -74,7 +74,8 @@ class Model:
     states: tuple[State, ...] = ()
 
     def __post_init__(self) -> None:
-        known = {q.symbol for q in (*self.inputs, *self.parameters, *(state.quantity for state in self.states))}
+        states = (state.quantity for state in self.states)
+        known = {q.symbol for q in (*self.inputs, *self.parameters, *states)}
         for definition in self.definitions:
             if unknown := definition.value.free_symbols - known:
                 names = ", ".join(sorted(map(str, unknown)))

@@ -1,4 +1,4 @@
-"""Quantities: a SymPy symbol with the paper's letter, a name in code, SI unit, meaning and equation number."""
+"""Quantities: a SymPy symbol with the paper's letter, its name in code, unit, meaning and equation number."""
 
 from __future__ import annotations
 

@@ -4,8 +4,8 @@ SymPy may not re-associate their insides, so the back ends evaluate them in the 
 `eccentric.emit.lower` writes down; `meaning(expression)` puts the plain formula back for proofs.
 
 Why they are needed: F_N^2 = (a - b)^2 + 4 a b cos^2(theta_l/2) with a = M L omega_l^2, b the weight, is the
-paper's (16) without its cancellation. Near the hollow (theta_l = pi, a = b) every digit hangs on two differences,
-a - b and theta_l - pi; each is taken once, exactly, before anything is rounded.
+paper's (16) without its cancellation. Near the hollow (theta_l = pi, a = b) every digit hangs on two
+differences, a - b and theta_l - pi; each is taken once, exactly, before anything is rounded.
 """
 
 from __future__ import annotations
@@ -82,7 +82,8 @@ class HalfCosine(Step):
     """Half-turn cosine: sin of the half angle from the top, of size |cos(mu theta_m/2)|.
 
     The half angle from the top is x = (theta_m - n H) mu/2 with H = pi/mu and n the odd number that brings x
-    into [-pi/2, pi/2]. Its sign changes at theta_l = 0 like that of HalfSine: only even products have a meaning.
+    into [-pi/2, pi/2]. Its sign changes at theta_l = 0 like that of HalfSine, so only even products have a
+    meaning.
     """
 
     nargs = 2

@@ -38,7 +38,7 @@ k_e = quantity("k_e", "V s/rad", "back-EMF constant", "(2)", "nonnegative", "0.2
 J_m = quantity("J_m", "kg m^2", "inertia of the motor", "(1)", "nonnegative")
 J = quantity("J", "kg m^2", "inertia on the motor side, J_m + mu^2 J_l", "(4)", "nonnegative")
 
-# Friction. Per newton of load, B is a coefficient of viscous (m s/rad = N m s/rad per N), C of Coulomb friction.
+# Friction. Per newton of load, B is the viscous coefficient (N m s/rad per N = m s/rad), C the Coulomb one.
 B_lN = quantity(
     "B_lN", "m s/rad", "viscous friction of the link per normal force", "(9)", "nonnegative", "0.0040"
 )
