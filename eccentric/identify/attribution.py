@@ -42,6 +42,7 @@ class Rules:
     least_part: the same squared, as a fraction of all the structure found so far.
     clears: part of what is left above the sensors' floor that a second or third effect must take out; less is
         a patch on the form of the first one.
+    at_floor: sum of squares, in units of the sensors' floor, at which nothing further is looked for.
     sure: probability from which an effect is named.
     special: log-odds that a special case has over the family that contains it.
     unexplained_part: part of the structure that a smooth term must take out beyond the effects to refuse a
@@ -54,6 +55,7 @@ class Rules:
     least_part: float = 0.0003
     clears: float = 0.5
     sure: float = 0.75
+    at_floor: float = 1.02
     special: float = 2.0
     unexplained_part: float = 0.04
     most_effects: int = 3
@@ -80,6 +82,8 @@ class Search:
     def run(self) -> None:
         """Adopt, compare, and let the smooth terms try."""
         while len(self.best.terms) < self.rules.most_effects:
+            if self.best.terms and self.best.score < self.rules.at_floor * self.screen.floor:
+                break
             ranked = self.screen.rank(self.best.terms)
             self.ranked = self.ranked or ranked
             tried = [self._swapped(self.screen.refine(fitted)) for fitted in ranked[:2]]

@@ -161,9 +161,8 @@ def _estimates(
 
 
 def _at_end(value: float, searched: Searched) -> int:
-    lower, upper = searched.lower, searched.upper
-    near = 1e-3 * (upper - lower)
-    return -1 if value <= lower + near else 1 if value >= upper - near else 0
+    """Return -1 for the lower end of the range, 1 for the upper, 0 between."""
+    return -1 if value <= searched.lower else 1 if value >= searched.upper else 0
 
 
 def _warnings(problem: Problem, paper: Solution, profiles: Mapping[str, Profile]) -> list[str]:

@@ -1,4 +1,22 @@
-"""A fit as a document (`eccentric-fit/1`), as parameters to emit, and as a few lines for a terminal."""
+"""A fit as a document (`eccentric-fit/1`), as parameters to emit, and as a few lines for a terminal.
+
+Keys of the document; an estimate is {value, std_error, interval_95, unit, bound_active: null, lower or upper}:
+
+    format, model, rig, logs, drive (current, voltage, torque), unit (of target and error: N m, V or A)
+    known             letter: value in SI, from the rig
+    coefficients      name: estimate, the columns of the fit as they were fitted
+    combinations      name: estimate, what the columns hold that is no single letter; in newton metres where
+                      the scale is identified
+    identified, not_identified  letters
+    unknown           letter: estimate with range, range_end_hit, profile {values, rmse_training}
+    alignment         input_delay_s, theta_zero_rad, voltage_offset_V: value (estimate), estimated
+    parameters        letter: value or null, complete for `Parameters` of the emitted module
+    parameter_notes   letter: known, fitted (with uncertainty) or convention, in words
+    identified_range  ranges in words;  ranges  {omega_m_rad_s, speed_m_rad_s, temperature_C}
+    rmse_holdout_Nm (_V, _A)  linear, paper, paper_unbounded;  r_squared_holdout  of the drive signal
+    improvement       percent 100 (1 - paper/linear), interval_95
+    rows, fitted_on, holdout {rule, intervals_s}, warnings
+"""
 
 from __future__ import annotations
 
@@ -143,7 +161,7 @@ def emitted_parameters(fit: Fit) -> tuple[dict[str, float | None], dict[str, str
         values[letter], notes[letter] = e.value, _words(e)
         if letter != c.letter or "k_e" in c.name:
             shown = _mechanical_name(fit, c.name)
-            notes[letter] += "" if shown == letter else f"; holds all of {shown}"
+            notes[letter] += "" if shown in (letter, "J") else f"; holds all of {shown}"
     if any(c.role == "inertia" for c in problem.coefficients):
         values["J_l"], notes["J_l"] = 0.0, "convention: J_m holds all of the inertia J_m + mu^2 J_l"
     fields = [field.name for field in dataclasses.fields(problem.module.Parameters)]

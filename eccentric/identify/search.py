@@ -19,6 +19,8 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 
 PROFILE_POINTS = 9
+NEAR_END = 1e-3
+"""Part of a range within which a value counts as lying at its end."""
 
 
 @dataclass(frozen=True)
@@ -87,9 +89,14 @@ def solve(
             x_scale=[s.step for s in searched],
             xtol=1e-6,
             ftol=1e-9,
-            gtol=None,
+            gtol=1e-14,  # without it, a value that nothing depends on would be divided by zero
             max_nfev=30,
         ).x
+        # The algorithm stays inside the range; what it comes this near to is its end.
+        ends = np.array([[s.lower, s.upper] for s in searched])
+        near = NEAR_END * (ends[:, 1] - ends[:, 0])
+        best = np.where(best <= ends[:, 0] + near, ends[:, 0], best)
+        best = np.where(best >= ends[:, 1] - near, ends[:, 1], best)
     values = named(best)
     found, error = inner(values)
     coefficients, active = np.zeros(len(used)), np.zeros(len(used), dtype=np.int64)

