@@ -227,7 +227,7 @@ def test_emit_takes_fitted_parameters(tmp_path: Path) -> None:
     """Fitted values become the defaults, with their remarks as comments."""
     fit = tmp_path / "fit.json"
     fit.write_text(
-        '{"parameters": {"B_m": 0.00123, "J_m": 2e-5}, "notes": {"B_m": "0.0012 to 0.0013 (95 %)"}}', "utf-8"
+        '{"parameters": {"B_m": 0.00123, "J_m": 2e-5}, "parameter_notes": {"B_m": "0.0012 to 0.0013 (95 %)"}}', "utf-8"
     )
     main(["emit", "c2_parallel", "--parameters", str(fit), "--out", str(tmp_path / "out")])
     text = (tmp_path / "out" / "c2_parallel.py").read_text(encoding="utf-8")

@@ -3,14 +3,29 @@
 from __future__ import annotations
 
 import dataclasses
-import math
-from collections.abc import Mapping
 from pathlib import Path
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
-from scipy.signal import lfilter
+from planted import (
+    FRICTION,
+    INERTIA,
+    K_E,
+    K_I,
+    KNOWN,
+    M_L,
+    MASS,
+    MOTOR,
+    MU,
+    TORQUE,
+    R,
+    T,
+    coloured,
+    fitted,
+    torque,
+    voltage,
+    written,
+)
 from scipy.stats import binom
 
 from eccentric.emit.hot import load_module
@@ -18,82 +33,12 @@ from eccentric.errors import InputError
 from eccentric.identify.channels import Channels, read_channels
 from eccentric.identify.fit import Fit, fit
 from eccentric.identify.fit_report import document, emitted_parameters, lines, sentence
-from eccentric.identify.least_squares import bounded
 from eccentric.identify.rig import Rig, read_rig
-from eccentric.identify.uncertainty import FRACTION, TWO_SIDED, covariance, improvement
 from eccentric.model import load_model
-
-Array = NDArray[np.float64]
 
 ROOT = Path(__file__).parents[1]
 SHARED = ROOT / ".." / "shared" / "data"
 needs_shared = pytest.mark.skipif(not SHARED.exists(), reason="the shared logs are not beside this clone")
-
-RATE = 250.0
-T = np.arange(0.0, 30.0, 1.0 / RATE)
-M, M_L, L, MU, G = 0.5, 0.2, 0.25, 0.2, 9.81
-R, K_I, K_E, INERTIA = 1.2, 0.05, 0.06, 2e-3
-FRICTION = {"B_lN": 0.004, "C_lN": 0.08, "B_m": 0.0006, "C_m": 0.02}
-KNOWN = f"M_kg = {M}\nM_l_kg = {M_L}\nL_m = {L}\nmu = {MU}\ng_m_s2 = {G}\n"
-MOTOR = f"R_ohm = {R}\nk_i_Nm_per_A = {K_I}\nk_e_Vs_per_rad = {K_E}\n"
-TORQUE = f"k_i_Nm_per_A = {K_I}\n"
-MASS = f"J_m_kgm2 = {INERTIA}\nJ_l_kgm2 = 0.0\n"
-
-
-def motion() -> tuple[Array, Array, Array]:
-    """Return angle, velocity, acceleration at the motor: a sum of slow sines, both directions."""
-    parts = [(60.0, 0.6, 0.3), (25.0, 1.7, 1.0), (6.0, 2.9, 2.0)]
-    theta = sum(a * np.sin(w * T + p) for a, w, p in parts)
-    omega = sum(a * w * np.cos(w * T + p) for a, w, p in parts)
-    alpha = sum(-a * w * w * np.sin(w * T + p) for a, w, p in parts)
-    return np.asarray(theta), np.asarray(omega), np.asarray(alpha)
-
-
-def torque(case: str, friction: Mapping[str, float]) -> Array:
-    """Return the drive torque of the planted rig by the paper's closed forms (4), (5), (9), (17)."""
-    theta, omega, alpha = motion()
-    link, turn = MU * omega, MU * theta
-    force, gravity = M * L * link**2, np.zeros_like(theta)
-    if case == "C2":
-        weight = (M + M_L) * G
-        force = np.sqrt(force**2 + 2.0 * weight * force * np.cos(turn) + weight**2)
-        gravity = MU * M * G * L * np.sin(turn)
-    side = np.where(omega > 0.0, "_pos", "_neg") if "C_m_pos" in friction else np.full(len(T), "")
-    b_n, c_n, b_m, c_m = (np.array([friction[k + s] for s in side]) for k in ("B_lN", "C_lN", "B_m", "C_m"))
-    by_link = (b_n * link + c_n * np.sign(omega)) * force
-    return INERTIA * alpha + gravity + MU * by_link + b_m * omega + c_m * np.sign(omega)
-
-
-def voltage(case: str) -> Array:
-    """Return the armature voltage, eq (2), inductance neglected."""
-    return R / K_I * torque(case, FRICTION) + K_E * motion()[1]
-
-
-def written(
-    tmp_path: Path, known: str, columns: Mapping[str, Array], above: str = ""
-) -> tuple[Channels, Rig]:
-    """Write a log of the motion with these columns and a rig, and read them."""
-    table = {"time_s": T, "theta_m_rad": motion()[0], **columns}
-    path = tmp_path / "log.csv"
-    np.savetxt(path, np.column_stack(list(table.values())), "%.12g", ",", header=",".join(table), comments="")
-    (tmp_path / "rig.toml").write_text(f"moving_threshold_rad_s = 1.0\n{above}\n[known]\n{known}")
-    rig = read_rig(tmp_path / "rig.toml")
-    return read_channels([path], rig), rig
-
-
-def fitted(
-    tmp_path: Path, known: str, columns: Mapping[str, Array], above: str = "", model: str | None = None
-) -> Fit:
-    """Fit the rig's model, or the named one, to what `written` gives."""
-    channels, rig = written(tmp_path, known, columns, above)
-    return fit(channels, rig, load_model(model or rig.model))
-
-
-def coloured(rng: np.random.Generator, size: float, memory: float, count: int = len(T)) -> Array:
-    """Return AR(1) noise of this standard deviation and correlation from row to row."""
-    white = rng.standard_normal(count + 500) * size * math.sqrt(1.0 - memory**2)
-    return np.asarray(lfilter([1.0], [1.0, -memory], white))[500:]
-
 
 CASES = {
     "C2": ("c2_parallel", 'case = "C2"\n', FRICTION),
@@ -247,59 +192,6 @@ def test_interval_at_a_bound_is_one_sided_and_holds_the_truth(plain: tuple[Chann
             assert 0.0 < e.interval[1] < 3.0 * e.std_error
     assert binom.ppf(0.001, draws, 0.5) <= held <= binom.ppf(0.999, draws, 0.5)
     assert hits >= binom.ppf(0.001, draws, 0.95)
-
-
-def test_covariance_is_newey_and_wests_sum() -> None:
-    """The window sums equal the double sum over all pairs of rows with Bartlett's weights."""
-    rng = np.random.default_rng(2)
-    rows, columns = 40, 2
-    x, e = rng.standard_normal((rows, columns)), rng.standard_normal(rows)
-    span = round(FRACTION * rows)
-    omega = np.zeros((columns, columns))
-    for s in range(rows):
-        for t in range(rows):
-            omega += max(0.0, 1.0 - abs(s - t) / span) * np.outer(x[s], x[t]) * e[s] * e[t]
-    bread = np.linalg.inv(x.T @ x)
-    expected = bread @ omega @ bread * rows / (rows - columns)
-    np.testing.assert_allclose(covariance(x, e), expected, rtol=1e-10)
-
-
-def test_standard_error_of_a_mean_under_ar1_noise_has_the_closed_form() -> None:
-    """AR(1) noise inflates the variance of a mean (1 + r)/(1 - r)-fold, and 95 % of the intervals hold it.
-
-    The estimate has the mean 1 - b + b^2/3 of it that Kiefer and Vogelsang's limit has for b = 1/10.
-    """
-    rng, rows, memory, draws = np.random.default_rng(3), 2000, 0.5, 1000
-    ones = np.ones((rows, 1))
-    truth = (1.0 + memory) / (1.0 - memory) / rows
-    found, hits = np.zeros(draws), 0
-    for k in range(draws):
-        y = coloured(rng, 1.0, memory, rows)
-        found[k] = covariance(ones, y - y.mean())[0, 0]
-        hits += abs(y.mean()) <= TWO_SIDED * math.sqrt(found[k])
-    expected = (1.0 - FRACTION + FRACTION**2 / 3.0) * truth
-    assert abs(found.mean() - expected) < 4.0 * found.std() / math.sqrt(draws)
-    assert binom.ppf(0.001, draws, 0.95) <= hits <= binom.ppf(0.999, draws, 0.95)
-
-
-def test_bounds_of_orthogonal_columns_clip() -> None:
-    """For orthogonal columns the bounded least squares are the free ones, clipped one by one."""
-    rng = np.random.default_rng(4)
-    q = np.linalg.qr(rng.standard_normal((1000, 4)))[0] * np.array([1.0, 1e3, 1e-3, 5.0])
-    y = rng.standard_normal(1000)
-    free = q.T @ y / np.sum(q * q, axis=0)
-    low, high = np.minimum(free, 0.0) * [1.0, 1.0, 0.5, 0.5], np.full(4, np.inf)
-    found = bounded(q, y, low - [1.0, 1.0, 0.0, 0.0], high)
-    expected = np.clip(free, low - [1.0, 1.0, 0.0, 0.0], high)
-    np.testing.assert_allclose(found.coefficients, expected, rtol=1e-9)
-    np.testing.assert_array_equal(found.active != 0, expected != free)
-
-
-def test_equal_predictions_gain_nothing() -> None:
-    """The same residual twice is a gain of 0 % with the interval [0, 0]; half of it is 50 %."""
-    e = np.random.default_rng(1).standard_normal(500)
-    assert improvement(e, e) == (0.0, (0.0, 0.0))
-    assert improvement(e, 0.5 * e) == (50.0, (50.0, 50.0))
 
 
 def test_an_undeclared_effect_shows_beside_the_bounds(plain: tuple[Channels, Rig]) -> None:

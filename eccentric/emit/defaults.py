@@ -45,10 +45,11 @@ def read_parameters(path: Path) -> Fitted:
     values = content.get("parameters") if isinstance(content, dict) else None
     if not isinstance(values, dict) or not values:
         raise InputError(f"{path}: required an object `parameters` of numbers by the paper's letters")
+    values = {name: value for name, value in values.items() if value is not None}
     for name, value in values.items():
         if isinstance(value, bool) or not isinstance(value, int | float) or not math.isfinite(value):
             raise InputError(f"{path}: parameters.{name}: required a finite number, got {value!r}")
-    return Fitted(path.name, values, dict(content.get("notes", {})), str(content.get("identified_on", "")))
+    return Fitted(path.name, values, dict(content.get("parameter_notes", {})), str(content.get("identified_range", "")))
 
 
 def with_defaults(model: Model, fitted: Fitted | None, name: str) -> Model:

@@ -21,7 +21,7 @@ from eccentric.model import vocabulary as v
 from eccentric.model.model import State
 from eccentric.model.steps import meaning
 
-__all__ = ["Signals", "base_columns", "candidate", "state_series"]
+__all__ = ["Signals", "base_columns", "candidate", "compiled", "state_series"]
 
 Array = np.ndarray
 
@@ -50,7 +50,7 @@ class Signals:
 
 def base_columns(model: Model, signals: Signals) -> Array:
     """The regressor of the model on the signals, (samples, columns)."""
-    columns = [_compiled(model, column.basis, signals, ()) for column in regressor(model)]
+    columns = [compiled(model, column.basis, signals, ()) for column in regressor(model)]
     return np.column_stack([column({}, {}) for column in columns])
 
 
@@ -73,7 +73,7 @@ def candidate(effect: Effect, model: Model, signals: Signals, friction: Array) -
     }
     own = {
         balance: [
-            _compiled(extended, load[balance] * _collected(terms, q.symbol), signals, names)
+            compiled(extended, load[balance] * _collected(terms, q.symbol), signals, names)
             for q in effect.coefficients
         ]
         for balance, terms in effect.terms.items()
@@ -144,9 +144,9 @@ def _changes(
         kind = "viscous" if column.name.startswith("B") else "coulomb"
         factors = [factor for which, factor in effect.scales.items() if which in {"friction", kind}]
         basis = sp.Mul(column.basis.xreplace(swap), *factors)
-        columns.append(_compiled(extended, basis, signals, names))
+        columns.append(compiled(extended, basis, signals, names))
     loads = [
-        _compiled(which, which.balance("mechanical").sum_of("inertial", "gravity", "conservative"), signals, names)
+        compiled(which, which.balance("mechanical").sum_of("inertial", "gravity", "conservative"), signals, names)
         for which in (extended, model)
     ]
 
@@ -158,8 +158,8 @@ def _changes(
     return changed
 
 
-def _compiled(
-    model: Model, expression: sp.Expr, signals: Signals, names: tuple[str, ...]
+def compiled(
+    model: Model, expression: sp.Expr, signals: Signals, names: tuple[str, ...] = ()
 ) -> Callable[[Mapping[str, float], Mapping[str, Array]], Array]:
     """An expression as a function of shape values and state series, over all samples."""
     function, arguments = _lambdified(model, expression, signals, names)
@@ -209,8 +209,8 @@ class _States:
             gain = sp.diff(update, state.symbol)
             affine = state.symbol not in gain.free_symbols
             parts = (gain, sp.expand(update).subs(state.symbol, 0)) if affine else (update,)
-            compiled = [_lambdified(model, part, signals, names) for part in parts]
-            self._steps.append((state, affine, compiled))
+            functions = [_lambdified(model, part, signals, names) for part in parts]
+            self._steps.append((state, affine, functions))
         self._last: tuple[Any, dict[str, Array]] | None = None
 
     def __call__(self, shape: Mapping[str, float]) -> dict[str, Array]:

@@ -1,6 +1,6 @@
 """A fit as a document (`eccentric-fit/1`), as parameters to emit, and as a few lines for a terminal.
 
-Keys of the document; an estimate is {value, std_error, interval_95, unit, bound_active: null, lower or upper}:
+Keys of the document; an estimate is {value, std_error, interval_95, unit, bound_active (or null)}:
 
     format, model, rig, logs, drive (current, voltage, torque), unit (of target and error: N m, V or A)
     known             letter: value in SI, from the rig
