@@ -108,7 +108,7 @@ typedef struct {
     ECCENTRIC_REAL constant_14; /**< (B_lT_neg F_T R mu^2 + B_m_neg R + k_e k_i)/R */
 } c1_asymmetric_coefficients;
 
-/** The parameters that `make derive` knows: the paper's Table 1, mu = 1/5, unless others were given. */
+/** The default parameters: the paper's Table 1 with mu = 1/5, or those of the fit that this was emitted with. */
 extern const c1_asymmetric_parameters c1_asymmetric_default_parameters;
 
 /** The coefficients of the default parameters, computed to 50 digits when this file was written. */

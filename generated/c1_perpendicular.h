@@ -80,7 +80,7 @@ typedef struct {
     ECCENTRIC_REAL constant_6; /**< (B_lT F_T R mu^2 + B_m R + k_e k_i)/R */
 } c1_perpendicular_coefficients;
 
-/** The parameters that `make derive` knows: the paper's Table 1, mu = 1/5, unless others were given. */
+/** The default parameters: the paper's Table 1 with mu = 1/5, or those of the fit that this was emitted with. */
 extern const c1_perpendicular_parameters c1_perpendicular_default_parameters;
 
 /** The coefficients of the default parameters, computed to 50 digits when this file was written. */

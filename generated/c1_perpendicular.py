@@ -4,7 +4,7 @@
 """Case C1: gravity perpendicular to the motion plane, steady motion.
 
 Inputs are on the motor side, in SI units; they broadcast, float32 stays float32, and `out` is honoured.
-Without parameters the defaults hold: the paper's Table 1 with mu = 1/5.
+Without parameters the defaults of `Parameters` hold.
 """
 
 from __future__ import annotations

@@ -100,7 +100,7 @@ typedef struct {
     ECCENTRIC_REAL minus_k_e_k_i_per_R;
 } rotating_link_coefficients;
 
-/** The parameters that `make derive` knows: the paper's Table 1, mu = 1/5, unless others were given. */
+/** The default parameters: the paper's Table 1 with mu = 1/5, or those of the fit that this was emitted with. */
 extern const rotating_link_parameters rotating_link_default_parameters;
 
 /** The coefficients of the default parameters, computed to 50 digits when this file was written. */

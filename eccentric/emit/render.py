@@ -38,7 +38,7 @@ def render_program(program: Program, origin: str, command: str) -> dict[str, str
     summary = (
         "Inputs are on the motor side, in SI units; they broadcast, float32 stays float32, and `out` is"
         " honoured.\n"
-        "Without parameters the defaults hold: the paper's Table 1 with mu = 1/5."
+        "Without parameters the defaults of `Parameters` hold."
     )
     c_view = c99.view(program, banner, digest)
     return {
