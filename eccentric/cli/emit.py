@@ -2,10 +2,11 @@
 
 import argparse
 import re
+from dataclasses import replace
 from pathlib import Path
 
 from eccentric.emit import emit
-from eccentric.emit.defaults import read_parameters, with_defaults
+from eccentric.emit.defaults import read_parameters, with_fitted
 from eccentric.errors import InputError
 from eccentric.model import load_model
 from eccentric.output import whole_folder
@@ -38,9 +39,10 @@ def run(arguments: argparse.Namespace) -> int:
         raise InputError(
             f"--prefix: required a lower-case C identifier of at most 31 characters, got {arguments.prefix!r}"
         )
-    if arguments.parameters is not None or arguments.prefix is not None:
-        given = read_parameters(arguments.parameters) if arguments.parameters else None
-        model = with_defaults(model, given, arguments.prefix or model.name)
+    name = arguments.prefix or model.name
+    if arguments.parameters is not None:
+        model = with_fitted(model, read_parameters(arguments.parameters), name)
+    model = replace(model, name=name)
     with whole_folder(arguments.out) as folder:
         names = [path.name for path in emit(model, folder, "eccentric emit", origin)]
     print(f"{arguments.out}: {', '.join(names)}")

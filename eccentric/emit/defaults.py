@@ -4,13 +4,12 @@ from __future__ import annotations
 
 import json
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
-
-import sympy as sp
 
 from eccentric.errors import InputError
 from eccentric.model import Model
+from eccentric.model.defaults import with_values
 
 
 @dataclass(frozen=True)
@@ -52,32 +51,11 @@ def read_parameters(path: Path) -> Fitted:
     return Fitted(path.name, values, dict(content.get("parameter_notes", {})), str(content.get("identified_range", "")))
 
 
-def with_defaults(model: Model, fitted: Fitted | None, name: str) -> Model:
+def with_fitted(model: Model, fitted: Fitted, name: str) -> Model:
     """Return the model under a new name, with fitted values as its defaults.
 
     Raises:
         InputError: a value is of no parameter of the model, or of a sign that it cannot have.
     """
-    if fitted is None:
-        return replace(model, name=name)
-    known = {q.name: q for q in model.parameters}
-    if unknown := sorted(set(fitted.values) - set(known)):
-        raise InputError(
-            f"{fitted.source}: parameters.{unknown[0]}: {model.name} has no such parameter;"
-            f" it has {', '.join(known)}"
-        )
-    parameters = []
-    for q in model.parameters:
-        if q.name not in fitted.values:
-            parameters.append(q)
-            continue
-        value = fitted.values[q.name]
-        if (q.domain == "positive" and value <= 0) or (q.domain == "nonnegative" and value < 0):
-            raise InputError(
-                f"{fitted.source}: parameters.{q.name}: required a {q.domain} number, got {value!r}"
-            )
-        note = fitted.notes.get(q.name)
-        meaning = f"{q.meaning}; {note}" if note else q.meaning
-        parameters.append(replace(q, default=sp.Rational(repr(float(value))), meaning=meaning))
     title = f"{model.title}; {fitted.identified_on}" if fitted.identified_on else model.title
-    return replace(model, name=name, title=title, parameters=tuple(parameters))
+    return with_values(model, fitted.values, name, fitted.notes, title, fitted.source)

@@ -1,0 +1,59 @@
+"""`eccentric diagnose`: what does the model lack on this log?"""
+
+import argparse
+import json
+import shutil
+import sys
+from pathlib import Path
+
+from eccentric.emit import emit
+from eccentric.identify.diagnose import Diagnosis, diagnose
+from eccentric.identify.diagnosis import document, lines
+from eccentric.identify.model_script import script
+from eccentric.identify.report import report
+from eccentric.model import load_model
+from eccentric.output import whole_folder
+
+NAME = "diagnose"
+HELP = "find the physical effect that the model lacks on a log, add it, emit it, report the error before and after"
+EXAMPLE = """eccentric diagnose examples/bench/bench.csv.gz --rig examples/bench/bench.json --out build/bench
+eccentric diagnose my.csv --rig my.toml --effects my_effects.py --out build/mine"""
+
+
+def configure(parser: argparse.ArgumentParser) -> None:
+    """Add the arguments."""
+    parser.add_argument("logs", metavar="LOG", nargs="+", help="logs of one rig: .csv, .csv.gz, .parquet, .mat")
+    parser.add_argument("--rig", metavar="RIG", required=True, help="what is known of the rig: .toml or .json")
+    parser.add_argument("--model", metavar="MODEL", help="a model or the path of a derivation (by the rig's case)")
+    parser.add_argument("--effects", metavar="FILE", type=Path, help="a Python file with effects of your own")
+    parser.add_argument("--out", metavar="DIR", required=True, help="folder to write; replaced as a whole")
+
+
+def run(args: argparse.Namespace) -> int:
+    """Diagnose, write the folder, print the result; return 0."""
+    found = diagnose(args.logs, args.rig, args.model, args.effects, _progress())
+    with whole_folder(args.out) as folder:
+        names = _write(found, folder)
+    for warning in found.channels.warnings:
+        print(f"eccentric: warning: {warning}", file=sys.stderr)
+    print("\n".join(lines(found)))
+    print(f"{args.out}: {', '.join(names)}")
+    return 0
+
+
+def _write(found: Diagnosis, folder: Path) -> list[str]:
+    text = json.dumps(document(found), indent=1, ensure_ascii=False, allow_nan=False)
+    (folder / "diagnosis.json").write_text(text + "\n", encoding="utf-8")
+    (folder / "model.py").write_text(script(found), encoding="utf-8")
+    if found.own is not None:
+        shutil.copyfile(found.own, folder / found.own.name)
+    emitted = emit(load_model(folder / "model.py"), folder, "eccentric diagnose", "model.py")
+    (folder / "report.html").write_text(report(found), encoding="utf-8")
+    return ["report.html", "diagnosis.json", "model.py", *(path.name for path in emitted)]
+
+
+def _progress():  # noqa: ANN202 - a function or None
+    """Stage by stage on a terminal, silent elsewhere."""
+    if not sys.stderr.isatty():
+        return None
+    return lambda line: print(f"  {line}", file=sys.stderr)

@@ -1,0 +1,130 @@
+"""A diagnosis as `diagnosis.json` and as lines for a terminal."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import sympy as sp
+
+from eccentric.effects.effect import Effect
+from eccentric.identify.diagnose import Diagnosis
+
+__all__ = ["document", "lines", "sentence"]
+
+
+def document(found: Diagnosis) -> dict[str, Any]:
+    """The content of diagnosis.json, format eccentric-diagnosis/1 (keys as in the manual)."""
+    a = found.attribution
+    return {
+        "format": "eccentric-diagnosis/1",
+        "logs": list(found.logs),
+        "model": found.base.name,
+        "verdict": a.verdict,
+        "sentence": sentence(found),
+        "effects": [_effect(found, effect) for effect, _ in found.effects],
+        "candidates": [
+            {
+                "id": c.id,
+                "family": c.family,
+                "balance": c.balance,
+                "rmse_cross_validated": c.rmse,
+                "probability": c.probability,
+            }
+            for c in a.candidates
+        ],
+        "extended_by": [effect.id for effect, _ in found.extended.effects],
+        "residual_depends_on": list(a.depends_on),
+        "next_measurement": a.next_measurement,
+        "rmse_holdout_Nm": found.rmse,
+        "improvement": {
+            "balance": found.balance,
+            "percent": found.percent,
+            "interval_95": list(found.interval),
+        },
+        "noise_floor_Nm": found.noise_floor,
+        "null_test": {name: {"gain": gain, "by_chance_99": level} for name, (gain, level) in a.deviance.items()},
+        "holdout": {
+            "rule": found.channels.holdout.rule,
+            "intervals_s": [list(map(float, pair)) for pair in found.channels.holdout.intervals_s],
+        },
+        "rows": found.channels.counts,
+        "warnings": list(found.channels.warnings),
+    }
+
+
+def _effect(found: Diagnosis, effect: Effect) -> dict[str, Any]:
+    values = dict(next(own for e, own in found.extended.effects if e is effect))
+    parameters = {}
+    for q in effect.parameters:
+        estimate = found.extended.estimates.get(q.name)
+        parameters[q.name] = {
+            "value": values[q.name],
+            "std_error": None if estimate is None else estimate.std_error,
+            "interval_95": None if estimate is None else list(estimate.interval),
+            "unit": q.unit,
+        }
+    equation = effect.equation()
+    return {
+        "id": effect.id,
+        "family": effect.family,
+        "balance": effect.balance,
+        "equation": f"{equation.left} = {sp.sstr(equation.right)}",
+        "formula": effect.formula,
+        "reference": effect.reference,
+        "parameters": parameters,
+        "share_of_friction_rms": found.extended.shares.get(effect.id, 0.0),
+        "aliases": list(effect.aliases),
+    }
+
+
+def sentence(found: Diagnosis) -> str:
+    """One sentence that can be sent to a colleague."""
+    a = found.attribution
+    before, after = found.rmse[found.balance]["paper"], found.rmse[found.balance]["extended"]
+    gain = (
+        f"the held-out error falls from {before:.4g} to {after:.4g} N m"
+        f" ({found.percent:.1f} %, 95 % interval {found.interval[0]:.1f} to {found.interval[1]:.1f} %)"
+    )
+    if a.verdict == "named":
+        names = " and ".join(effect.id for effect, _ in found.effects)
+        sure = min(_probability(found, effect) for effect, _ in found.effects)
+        return f"The model lacks {names} (probability {sure:.2f}); with it {gain}."
+    if a.verdict == "not_identifiable":
+        families = " or ".join(a.tied or tuple(dict.fromkeys(c.family for c in a.candidates[:2])))
+        return f"An effect is missing, but this log cannot tell {families} apart; with the first {gain}."
+    if a.verdict == "unexplained":
+        return (
+            f"Structure remains that depends on {', '.join(a.depends_on) or 'something unknown'},"
+            " and no effect of the library explains it; no name is given."
+        )
+    return (
+        f"Nothing is missing: the residual ({before:.4g} N m held out) is what the sensors make of it"
+        f" (their noise alone {found.noise_floor:.4g} N m)."
+    )
+
+
+def _probability(found: Diagnosis, effect: Effect) -> float:
+    return max((c.probability for c in found.attribution.candidates if c.family == effect.family), default=0.0)
+
+
+def lines(found: Diagnosis) -> list[str]:
+    """At most ten lines for a terminal."""
+    a = found.attribution
+    out = [f"{', '.join(found.logs)}: {found.base.name}, verdict {a.verdict}", sentence(found)]
+    for effect, own in found.effects[:3]:
+        shown = []
+        for q in effect.parameters:
+            estimate = found.extended.estimates.get(q.name)
+            error = "" if estimate is None else f" +- {estimate.std_error:.2g}"
+            shown.append(f"{q.name} = {own[q.name]:.4g}{error} {q.unit}")
+        share = 100 * found.extended.shares.get(effect.id, 0.0)
+        out.append(f"  {effect.id} ({share:.1f} % of friction): {', '.join(shown)}")
+    for balance, models in found.rmse.items():
+        errors = ", ".join(f"{name} {value:.4g}" for name, value in models.items())
+        out.append(f"held-out RMSE, {balance} [N m]: {errors}")
+    ranked = ", ".join(f"{c.id} {c.probability:.2f}" for c in a.candidates[:4])
+    if ranked and a.verdict != "nothing_missing":
+        out.append(f"candidates: {ranked}")
+    if a.next_measurement:
+        out.append(f"next: {a.next_measurement}")
+    return out

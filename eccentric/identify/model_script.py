@@ -1,0 +1,68 @@
+"""The extended model as a derivation script that can be read, run and edited."""
+
+from __future__ import annotations
+
+import pprint
+
+from eccentric.identify.diagnose import Diagnosis
+
+__all__ = ["extended_name", "script"]
+
+
+def extended_name(found: Diagnosis) -> str:
+    """Name of the extended model, and of its emitted trio."""
+    return f"{found.base.name}_extended"
+
+
+def script(found: Diagnosis) -> str:
+    """The text of model.py: the base model, the effects with their values, the fitted coefficients.
+
+    It is a derivation like any other: `python model.py` prints it, `eccentric emit model.py` emits it.
+    """
+    adopted = found.extended.effects
+    names = ", ".join(effect.id for effect, _ in adopted) or "no effect"
+    origin = ", ".join(found.logs)
+    setting = pprint.pformat(found.setting, width=100, compact=True)
+    chosen = pprint.pformat([(effect.id, own) for effect, own in adopted], width=100)
+    letters = {q.name for q in found.extended.model.parameters}
+    values = {k: v for k, v in found.extended.values.items() if k in letters and v is not None}
+    notes = {
+        name: f"fitted: {e.value:.4g} +- {e.std_error:.2g}, 95 % interval {e.interval[0]:.4g} to {e.interval[1]:.4g}"
+        for name, e in found.extended.estimates.items()
+    }
+    own = ""
+    if found.own is not None:
+        own = f"\noffered += load_effects(Path(__file__).with_name({found.own.name!r}), setting)"
+    return f'''"""{found.base.title}, extended by {names}.
+
+Written by `eccentric diagnose` from {origin}. A derivation like any other: run it to read it, edit it, emit it with
+`eccentric emit model.py --out DIR`.
+"""
+
+from pathlib import Path
+
+from eccentric.effects import Setting, library, load_effects
+from eccentric.model import load_model
+from eccentric.model.defaults import with_values
+
+# What the log spans; the ranges of the library of effects follow from it.
+setting = {setting}
+offered = [*library(setting)]{own}
+effects = {{effect.id: effect for effect in offered}}
+
+# The paper's model, and what it lacks on this log.
+model = load_model({found.base.name!r})
+for name, values in {chosen}:
+    model = effects[name].extend(model, values)
+
+model = with_values(
+    model,
+    {pprint.pformat(values, width=96, indent=1)},
+    name={extended_name(found)!r},
+    notes={pprint.pformat(notes, width=96)},
+    title={f"{found.base.title}, extended by {names}"!r},
+)
+
+if __name__ == "__main__":
+    print(model)
+'''

@@ -1,0 +1,49 @@
+"""A model with other defaults: fitted values in place of the paper's, with remarks for their comments."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+
+import sympy as sp
+
+from eccentric.errors import InputError
+from eccentric.model.model import Model
+
+
+def with_values(
+    model: Model,
+    values: Mapping[str, float],
+    name: str,
+    notes: Mapping[str, str] | None = None,
+    title: str | None = None,
+    source: str = "parameters",
+) -> Model:
+    """Return the model under a new name, with these values as its defaults.
+
+    Args:
+        model: the model.
+        values: parameter by the paper's letter -> value in SI units.
+        name: of the result.
+        notes: parameter -> remark for its comment, such as its interval.
+        title: of the result, by default the model's.
+        source: where the values come from, for error messages.
+
+    Raises:
+        InputError: a value is of no parameter of the model, or of a sign that it cannot have.
+    """
+    known = {q.name: q for q in model.parameters}
+    if unknown := sorted(set(values) - set(known)):
+        raise InputError(
+            f"{source}: parameters.{unknown[0]}: {model.name} has no such parameter; it has {', '.join(known)}"
+        )
+    parameters = []
+    for q in model.parameters:
+        if q.name in values:
+            value = values[q.name]
+            if (q.domain == "positive" and value <= 0) or (q.domain in {"nonnegative", "tilt"} and value < 0):
+                raise InputError(f"{source}: parameters.{q.name}: required a {q.domain} number, got {value!r}")
+            q = replace(q, default=sp.Rational(repr(float(value))))  # noqa: PLW2901 - the same letter
+        note = (notes or {}).get(q.name)
+        parameters.append(replace(q, meaning=f"{q.meaning}; {note}") if note else q)
+    return replace(model, name=name, title=title or model.title, parameters=tuple(parameters))
