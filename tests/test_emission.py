@@ -95,7 +95,8 @@ def test_every_template_uses_exactly_the_keys_it_is_given() -> None:
     for names, view in views.items():
         holes = set().union(*(_holes(environment, name, seen) for name in names.split()))
         assert holes == set(view), names
-    assert seen == {p.name for p in folder("templates").glob("*.jinja")}, "a template that nothing uses"
+    emitted = {p.name for p in folder("templates").glob("*.jinja")} - {"report.html.jinja"}
+    assert seen == emitted, "a template that nothing uses"
 
 
 def _holes(environment: jinja2.Environment, name: str, seen: set[str]) -> set[str]:

@@ -1,0 +1,107 @@
+"""Effects: what a model may lack, each a record that extends it. One file per family, or per formula they share."""
+
+from __future__ import annotations
+
+from types import MappingProxyType
+
+from eccentric.effects import (
+    angle_offset,
+    armature,
+    asymmetry,
+    backlash,
+    cable_spring,
+    cogging,
+    coulomb_temperature,
+    current_bias,
+    drag,
+    eddy_current,
+    gear_efficiency,
+    gravity_tilt,
+    hidden_thermal_drift,
+    inertia_mismatch,
+    inverter_deadtime,
+    kt_ripple,
+    kt_saturation,
+    link_harmonic_friction,
+    load_dependent,
+    local_defect,
+    magnetic_hysteresis,
+    mass_mismatch,
+    presliding,
+    resistance_temperature,
+    sensor_delay,
+    stribeck,
+    time_drift,
+    viscosity_temperature,
+    wear_runin,
+)
+from eccentric.effects.effect import Effect, Shape
+from eccentric.effects.load import load_effects
+from eccentric.effects.setting import Setting
+
+__all__ = ["FAMILIES", "Effect", "Setting", "Shape", "base_aliases", "library", "load_effects"]
+
+FAMILIES = MappingProxyType(
+    {
+        "stribeck": stribeck,
+        "quadratic_drag": drag,
+        "cubic_drag": drag,
+        "sqrt_speed": drag,
+        "oneway_windage": drag,
+        "eddy_current": eddy_current,
+        "viscosity_temperature": viscosity_temperature,
+        "coulomb_temperature": coulomb_temperature,
+        "hidden_thermal_drift": hidden_thermal_drift,
+        "coulomb_asymmetry": asymmetry,
+        "viscous_asymmetry": asymmetry,
+        "link_harmonic_friction": link_harmonic_friction,
+        "cogging": cogging,
+        "kt_ripple": kt_ripple,
+        "local_defect": local_defect,
+        "load_dependent": load_dependent,
+        "gear_efficiency": gear_efficiency,
+        "presliding": presliding,
+        "backlash": backlash,
+        "cable_spring": cable_spring,
+        "gravity_tilt": gravity_tilt,
+        "angle_offset": angle_offset,
+        "mass_mismatch": mass_mismatch,
+        "inertia_mismatch": inertia_mismatch,
+        "kt_saturation": kt_saturation,
+        "magnetic_hysteresis": magnetic_hysteresis,
+        "current_bias": current_bias,
+        "inverter_deadtime": inverter_deadtime,
+        "resistance_temperature": resistance_temperature,
+        "ke_mismatch": armature,
+        "resistance_mismatch": armature,
+        "armature_inductance": armature,
+        "wear_runin": wear_runin,
+        "time_drift": time_drift,
+        "sensor_delay": sensor_delay,
+    }
+)
+"""Family -> the module whose `effects(setting)` makes its records."""
+
+_BASE_ALIASES = {
+    "C1": {
+        "quadratic_drag": "w|w|, the column of C_lN: F_N is M L omega_l^2",
+        "cubic_drag": "w^3, the column of B_lN: F_N is M L omega_l^2",
+        "mass_mismatch": "a factor on the columns of B_lN and C_lN; its inertia is inertia_mismatch",
+        "angle_offset": "nothing at all: no term depends on the link angle",
+    },
+    "C2": {},
+}
+
+
+def library(setting: Setting) -> tuple[Effect, ...]:
+    """Every effect that makes sense for the case and whose channels are logged, in the order of FAMILIES."""
+    made = [effect for module in dict.fromkeys(FAMILIES.values()) for effect in module.effects(setting)]
+    return tuple(effect for effect in made if setting.has(*effect.needs))
+
+
+def base_aliases(case: str) -> dict[str, str]:
+    """Families that the base model of a case ("C1", "C2") holds already, with the column that they are.
+
+    No log of the case can show them beside the model; they are left out of `library`.
+    """
+    return dict(_BASE_ALIASES[case])

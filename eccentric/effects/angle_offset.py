@@ -1,0 +1,44 @@
+"""The link angle is not 0 where the mass hangs lowest."""
+
+from __future__ import annotations
+
+from eccentric.effects.effect import Effect, Shape
+from eccentric.effects.forms import addition, harmonic, theta_m
+from eccentric.effects.setting import Setting
+from eccentric.model import Definition, quantity
+from eccentric.model import vocabulary as v
+
+offset = quantity("offset_angle", "rad", "true link angle less the one logged")
+torque = quantity("offset_torque", "N m", "gravity torque where the logged link angle is 0")
+theta_true = quantity("theta_true", "rad", "true motor angle")
+REFERENCE = "B. W. Mooring, Z. S. Roth and M. R. Driels, Fundamentals of Manipulator Calibration, 1991"
+HINT = "let the link swing out freely and read the angle at which it comes to rest"
+
+
+def effects(setting: Setting) -> tuple[Effect, ...]:
+    """A shifted angle, and the torque alone, as a link out of balance sideways gives; case C2 only."""
+    if setting.case == "C1":
+        return ()
+    shifted = Effect(
+        id="angle_offset",
+        family="angle_offset",
+        balance="mechanical",
+        depends_on=("link_angle",),
+        formula="theta_l + offset for theta_l",
+        reference=REFERENCE,
+        shapes=(Shape(offset, -0.7, 0.7, "linear", 6),),
+        definitions=(Definition(theta_true, theta_m + offset.symbol / v.mu.symbol),),
+        replaces={theta_m: theta_true.symbol},
+        hint=HINT,
+    )
+    alone = addition(
+        "angle_offset[torque]",
+        [(torque, harmonic(v.mu.symbol)[0])],
+        kind="conservative",
+        depends_on=("link_angle",),
+        formula="T cos(theta_l)",
+        reference=REFERENCE,
+        inputs=(v.theta_m,),
+        hint=HINT,
+    )
+    return shifted, alone

@@ -1,0 +1,56 @@
+"""The armature equation itself: other constants than declared, and the inductance that the paper neglects."""
+
+from __future__ import annotations
+
+from eccentric.effects.effect import Effect
+from eccentric.effects.forms import addition, current_slope, omega_m
+from eccentric.effects.setting import Setting
+from eccentric.model import quantity
+from eccentric.model import vocabulary as v
+
+resistance = quantity("armature_R", "Ohm", "true resistance less the declared one")
+back_emf = quantity("armature_k", "V s/rad", "true back-EMF constant less the declared one")
+inductance = quantity("armature_L", "V s/A", "inductance of the armature", "", "nonnegative")
+REFERENCE = "W. Leonhard, Control of Electrical Drives (armature circuit)"
+
+
+def effects(setting: Setting) -> tuple[Effect, ...]:
+    """Back-EMF constant, resistance and inductance."""
+    slope, states = current_slope("armature")
+    needs = ("current", "voltage")
+    return (
+        addition(
+            "ke_mismatch",
+            [(back_emf, omega_m)],
+            kind="back_emf",
+            balance="electrical",
+            depends_on=("velocity",),
+            formula="(k_e + dk) for k_e",
+            reference=REFERENCE,
+            needs=needs,
+            hint="turn the motor from outside with its terminals open and read the voltage",
+        ),
+        addition(
+            "resistance_mismatch",
+            [(resistance, v.i.symbol)],
+            kind="actuator",
+            balance="electrical",
+            depends_on=("current",),
+            formula="(R + dR) for R",
+            reference=REFERENCE,
+            needs=needs,
+            hint="the rotor held at several currents",
+        ),
+        addition(
+            "armature_inductance",
+            [(inductance, slope)],
+            kind="actuator",
+            balance="electrical",
+            depends_on=("current",),
+            formula="L di/dt",
+            reference=REFERENCE,
+            states=states,
+            needs=needs,
+            hint="steps of voltage, the rotor held, finely sampled; the delay of a sensor shows in the torque too",
+        ),
+    )

@@ -1,0 +1,38 @@
+"""Friction that differs between the directions of motion, the paper's eq (14) and (21) for one bearing."""
+
+from __future__ import annotations
+
+from eccentric.effects.effect import Effect
+from eccentric.effects.forms import addition, omega_m
+from eccentric.effects.setting import Setting
+from eccentric.model import quantity
+from eccentric.model.steps import Backward, Forward
+
+C = quantity("coulomb_asym", "N m", "half the difference of the Coulomb friction of the two directions")
+B = quantity("viscous_asym", "N m s/rad", "half the difference of the viscous friction of the two directions")
+REFERENCE = "B. Armstrong-Helouvry, P. Dupont and C. Canudas de Wit, Automatica 30(7), 1994; the paper's eq (14)"
+HINT = "the same speeds in both directions, the current sensor's zero checked with the drive switched off"
+
+
+def effects(setting: Setting) -> tuple[Effect, ...]:
+    """Coulomb and viscous asymmetry, written with gates: at rest they add nothing, as the sign at 0 does."""
+    forward, backward = Forward(omega_m), Backward(omega_m)
+    dry = addition(
+        "coulomb_asymmetry",
+        [(C, forward + backward)],
+        depends_on=("direction",),
+        formula="C while moving, whichever way: Coulomb friction C_m + C forwards, C_m - C backwards",
+        reference=REFERENCE,
+        aliases=() if setting.has("voltage") else ("current_bias",),
+        special_of=("cable_spring",),
+        hint=HINT,
+    )
+    viscous = addition(
+        "viscous_asymmetry",
+        [(B, omega_m * (forward - backward))],
+        depends_on=("direction", "velocity"),
+        formula="B |w|: viscous friction B_m + B forwards, B_m - B backwards",
+        reference=REFERENCE,
+        hint=HINT,
+    )
+    return dry, viscous

@@ -1,0 +1,29 @@
+"""A cable or hose that twists with the link: a torque in proportion to the link angle."""
+
+from __future__ import annotations
+
+import sympy as sp
+
+from eccentric.effects.effect import Effect
+from eccentric.effects.forms import addition, theta_m
+from eccentric.effects.setting import Setting
+from eccentric.model import quantity
+from eccentric.model import vocabulary as v
+
+k = quantity("cable_k", "N m/rad", "stiffness of the cable, torque on the motor per link angle", "", "nonnegative")
+zero = quantity("cable_0", "N m", "torque of the cable at link angle 0, motor side")
+
+
+def effects(setting: Setting) -> tuple[Effect, ...]:
+    """The one effect of the family; its rest angle is -cable_0/cable_k."""
+    effect = addition(
+        "cable_spring",
+        [(k, v.mu.symbol * theta_m), (zero, sp.Integer(1))],
+        kind="conservative",
+        depends_on=("link_angle",),
+        formula="k theta_l + T_0",
+        reference="R. Hooke, De potentia restitutiva, 1678",
+        inputs=(v.theta_m,),
+        hint="several turns of the link one way and back; or take the cable off",
+    )
+    return (effect,)

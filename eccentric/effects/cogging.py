@@ -1,0 +1,33 @@
+"""Cogging: the torque by which magnets seek the teeth; it needs no current and loses no energy over a turn."""
+
+from __future__ import annotations
+
+from eccentric.effects.effect import Effect
+from eccentric.effects.forms import addition, harmonic
+from eccentric.effects.setting import Setting
+from eccentric.model import quantity
+from eccentric.model import vocabulary as v
+
+ORDERS = range(1, 25)
+
+
+def effects(setting: Setting) -> tuple[Effect, ...]:
+    """One effect for each order n of the motor angle."""
+    return tuple(_order(n) for n in ORDERS)
+
+
+def _order(n: int) -> Effect:
+    cosine, sine = harmonic(n)
+    C = quantity(f"cogging_c{n}", "N m", f"cogging torque by cos({n} theta_m)")
+    S = quantity(f"cogging_s{n}", "N m", f"cogging torque by sin({n} theta_m)")
+    return addition(
+        f"cogging[n={n}]",
+        [(C, cosine), (S, sine)],
+        kind="conservative",
+        depends_on=("motor_angle",),
+        formula=f"c cos({n} theta_m) + s sin({n} theta_m)",
+        reference="T. M. Jahns and W. L. Soong, IEEE Trans. Industrial Electronics 43(2), 1996",
+        inputs=(v.theta_m,),
+        repeats=True,
+        hint="slow turns of the motor in both directions, at low and at high current: cogging stays the same",
+    )

@@ -1,0 +1,49 @@
+"""Dry friction that changes with temperature: fits and preloads grow or shrink, boundary films thin out."""
+
+from __future__ import annotations
+
+from eccentric.effects.effect import Effect, Shape
+from eccentric.effects.forms import addition, constant, direction
+from eccentric.effects.setting import Setting
+from eccentric.model import Definition, quantity
+from eccentric.model import vocabulary as v
+
+b = quantity("coulomb_b", "1/K", "relative change of the Coulomb friction per kelvin")
+C = quantity("coulomb_C", "N m/K", "change of the Coulomb friction of one bearing per kelvin")
+factor = quantity("coulomb_factor", "1", "Coulomb friction over that at the reference temperature")
+REFERENCE = "A. C. Bittencourt and S. Gunnarsson, J. Dynamic Systems, Measurement and Control 134(5), 2012"
+HINT = "low speeds, where viscous friction is small, at several temperatures"
+
+
+def effects(setting: Setting) -> tuple[Effect, ...]:
+    """All Coulomb friction, and that of one bearing; none where no temperature is logged."""
+    if setting.temperature_mid is None:
+        return ()
+    zero = constant("coulomb_T0", "K", "reference temperature in degC", setting.temperature_mid)
+    warmer = v.temperature.symbol - zero.symbol
+    scaling = Effect(
+        id="coulomb_temperature",
+        family="coulomb_temperature",
+        balance="mechanical",
+        depends_on=("temperature",),
+        formula="Coulomb friction times 1 + b (T - T_0)",
+        reference=REFERENCE,
+        shapes=(Shape(b, -0.03, 0.03, "linear", 4),),
+        definitions=(zero, Definition(factor, 1 + b.symbol * warmer)),
+        scales={"coulomb": factor.symbol},
+        inputs=(v.temperature,),
+        needs=("temperature",),
+        hint=HINT,
+    )
+    bearing = addition(
+        "coulomb_temperature[bearing]",
+        [(C, direction * warmer)],
+        depends_on=("temperature",),
+        formula="C (T - T_0) sgn w",
+        reference=REFERENCE,
+        definitions=(zero,),
+        inputs=(v.temperature,),
+        needs=("temperature",),
+        hint=HINT,
+    )
+    return scaling, bearing

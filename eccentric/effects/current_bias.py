@@ -1,0 +1,37 @@
+"""The current sensor has an offset: it shows in both balances."""
+
+from __future__ import annotations
+
+import sympy as sp
+
+from eccentric.effects.effect import Effect
+from eccentric.effects.forms import addition
+from eccentric.effects.setting import Setting
+from eccentric.model import Term, quantity
+from eccentric.model import vocabulary as v
+
+bias = quantity("bias_i", "A", "measured current less the true one")
+REFERENCE = "D.-W. Chung and S.-K. Sul, IEEE Trans. Industry Applications 34(2), 1998"
+
+
+def effects(setting: Setting) -> tuple[Effect, ...]:
+    """The one effect of the family; without a voltage it is an alias of `coulomb_asymmetry`."""
+    effect = addition(
+        "current_bias",
+        [(bias, -v.R.symbol)],
+        balance="electrical",
+        terms={
+            "electrical": (_term("bias_u", -v.R.symbol),),
+            "mechanical": (_term("bias_torque", v.k_i.symbol),),
+        },
+        depends_on=("current",),
+        formula="i - bias for i",
+        reference=REFERENCE,
+        needs=("current", "voltage"),
+        hint="read the current with the drive switched off",
+    )
+    return (effect,)
+
+
+def _term(name: str, basis: sp.Expr) -> Term:
+    return Term(name, "actuator", bias.symbol, basis, REFERENCE, (None, None))

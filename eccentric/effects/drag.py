@@ -1,0 +1,76 @@
+"""Drag: torque in proportion to a power of the speed, both ways (air, oil, a soft seal) or one way (a fan)."""
+
+from __future__ import annotations
+
+import sympy as sp
+
+from eccentric.effects.effect import Effect
+from eccentric.effects.forms import addition, constant, direction, omega_m, root, speed
+from eccentric.effects.setting import Setting
+from eccentric.model import quantity
+from eccentric.model.steps import Backward, Forward
+
+quadratic = quantity("drag_2", "N m s^2/rad^2", "drag torque per squared motor velocity", "", "nonnegative")
+cubic = quantity("drag_3", "N m s^3/rad^3", "drag torque per third power of the motor velocity", "", "nonnegative")
+degressive = quantity("drag_half", "N m", "drag torque at the reference speed", "", "nonnegative")
+WINDAGE = "J. E. Vrancik, NASA TN D-4849, 1968 (windage grows with the square of the speed)"
+BY_SPEED = "steady runs over a speed range of 1 to 5 or more: powers of the speed fit alike over a short one"
+
+
+def effects(setting: Setting) -> tuple[Effect, ...]:
+    """Quadratic, cubic, degressive drag, and windage of either direction.
+
+    In case C1 the first two are columns of the model already, see `eccentric.effects.base_aliases`.
+    """
+    found = [_sqrt_speed(setting), *_oneway()]
+    if setting.case == "C2":
+        found += [
+            addition(
+                "quadratic_drag",
+                [(quadratic, omega_m**2 * direction)],
+                depends_on=("velocity",),
+                formula="D w|w|",
+                reference="S. S. Ge, T. H. Lee and S. X. Ren, Int. J. Systems Science 32(4), 2001",
+                hint=BY_SPEED,
+            ),
+            addition(
+                "cubic_drag",
+                [(cubic, omega_m**3)],
+                depends_on=("velocity",),
+                formula="D w^3",
+                reference="polynomial of the third order in the velocity, as the paper's eq (11) in case C1",
+                hint=BY_SPEED,
+            ),
+        ]
+    return tuple(found)
+
+
+def _sqrt_speed(setting: Setting) -> Effect:
+    reference = constant("drag_w", "rad/s", "reference speed of the degressive drag", setting.w_max)
+    return addition(
+        "sqrt_speed",
+        [(degressive, root(speed / reference.symbol) * direction)],
+        depends_on=("velocity",),
+        formula="D sqrt(|w|/w_ref) sgn w",
+        reference="M. Grotjahn, M. Daemi and B. Heimann, Int. J. Solids and Structures 38, 2001",
+        definitions=(reference,),
+        hint=BY_SPEED,
+    )
+
+
+def _oneway() -> tuple[Effect, ...]:
+    found = []
+    for sign, name, gate in ((1, "pos", Forward(omega_m)), (-1, "neg", Backward(omega_m))):
+        meaning = f"windage torque per squared motor velocity, omega_m {'>' if sign > 0 else '<'} 0"
+        q = quantity(f"windage_{name}", "N m s^2/rad^2", meaning, "", "nonnegative")
+        found.append(
+            addition(
+                f"oneway_windage[{'+' if sign > 0 else '-'}]",
+                [(q, sp.Integer(sign) * omega_m**2 * gate)],
+                depends_on=("velocity", "direction"),
+                formula=f"D w|w| for w {'>' if sign > 0 else '<'} 0 only",
+                reference=WINDAGE,
+                hint="the same high speeds in both directions",
+            )
+        )
+    return tuple(found)

@@ -1,0 +1,25 @@
+"""Eddy currents: a brake that is viscous at low speed and fades above its critical speed."""
+
+from __future__ import annotations
+
+from eccentric.effects.effect import Effect, Shape
+from eccentric.effects.forms import addition, omega_m
+from eccentric.effects.setting import Setting
+from eccentric.model import quantity
+
+D = quantity("eddy_D", "N m s/rad", "eddy-current damping near rest", "", "nonnegative")
+w_c = quantity("eddy_w", "rad/s", "speed of the greatest eddy-current torque, motor side", "", "positive")
+
+
+def effects(setting: Setting) -> tuple[Effect, ...]:
+    """The one effect of the family."""
+    effect = addition(
+        "eddy_current",
+        [(D, omega_m / (1 + (omega_m / w_c.symbol) ** 2))],
+        depends_on=("velocity",),
+        formula="D w/(1 + (w/w_c)^2)",
+        reference="J. H. Wouterse, IEE Proceedings B 138(4), 1991",
+        shapes=(Shape(w_c, 2.0 * setting.w_min, 0.8 * setting.w_max, "log", 12),),
+        hint="steady runs below, at and far above the critical speed; with the magnet moved away it is gone",
+    )
+    return (effect,)

@@ -1,0 +1,147 @@
+"""What several families are written with: columns, harmonics, constants, loads, losses and hidden states.
+
+Angles enter through the half-turn steps only, so that what is emitted needs no sine of the mathematical library:
+cos(x) = 2 HalfCosine^2 - 1 and sin(x) = -2 HalfCosine HalfSine for x = rate theta_m.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import sympy as sp
+
+from eccentric.effects.effect import Effect
+from eccentric.effects.setting import Setting
+from eccentric.model import Definition, Quantity, Term, quantity
+from eccentric.model import vocabulary as v
+from eccentric.model.model import State
+from eccentric.model.steps import Gated, HalfCosine, HalfSine, Sgn
+
+omega_m, theta_m, alpha_m, dt = v.omega_m.symbol, v.theta_m.symbol, v.alpha_m.symbol, v.dt.symbol
+speed = sp.Abs(omega_m)
+direction = Sgn(omega_m)
+
+Bounds = tuple[float | None, float | None]
+Column = tuple[Quantity, sp.Expr]
+
+
+def addition(
+    effect_id: str,
+    columns: Sequence[Column],
+    *,
+    kind: str = "friction",
+    balance: str = "mechanical",
+    bounds: Sequence[Bounds] | None = None,
+    reference: str,
+    **fields: Any,
+) -> Effect:
+    """An effect that adds coefficient times basis to one balance, one term for each of the columns.
+
+    Args:
+        effect_id: id; the family is what stands before a bracket.
+        columns: coefficient and basis of each term.
+        kind: of the terms, see `eccentric.model.KINDS`.
+        balance: name of the balance.
+        bounds: of each coefficient; at least 0 for one whose domain says so, else open, if not given.
+        reference: of the effect and its terms.
+        fields: the other fields of Effect.
+    """
+    bounds = tuple(bounds or ((None if q.domain == "real" else 0.0, None) for q, _ in columns))
+    terms = tuple(
+        Term(q.name, kind, q.symbol, basis, reference, bound)
+        for (q, basis), bound in zip(columns, bounds, strict=True)
+    )
+    fields.setdefault("terms", {balance: terms})
+    return Effect(
+        id=effect_id,
+        family=effect_id.split("[")[0],
+        balance=balance,
+        reference=reference,
+        coefficients=tuple(q for q, _ in columns),
+        bounds=bounds,
+        **fields,
+    )
+
+
+def constant(name: str, unit: str, meaning: str, value: float) -> Definition:
+    """A number with a name and a unit, such as a reference temperature."""
+    return Definition(quantity(name, unit, meaning), sp.Rational(repr(float(value))))
+
+
+def harmonic(rate: sp.Expr | int, angle: sp.Expr = theta_m) -> tuple[sp.Expr, sp.Expr]:
+    """cos(rate angle) and sin(rate angle)."""
+    cosine, sine = HalfCosine(angle, sp.sympify(rate)), HalfSine(angle, sp.sympify(rate))
+    return 2 * cosine**2 - 1, -2 * cosine * sine
+
+
+def root(x: sp.Expr) -> sp.Expr:
+    """sqrt(x) for x >= 0, its slope at 0 kept finite: off by less than 1e-6 everywhere."""
+    return sp.sqrt(x + sp.Rational(1, 10**12)) - sp.Rational(1, 10**6)
+
+
+def gravity(setting: Setting) -> sp.Expr:
+    """Gravity torque on the motor side [N m], eq (5); none in case C1."""
+    if setting.case == "C1":
+        return sp.Integer(0)
+    return v.mu.symbol * v.M.symbol * v.g.symbol * v.L.symbol * harmonic(v.mu.symbol)[1]
+
+
+def link_force(setting: Setting) -> sp.Expr:
+    """Size of the forces that the bearing of the link carries [N]; in C1 the weight rests on it along its axis."""
+    weight = (v.M.symbol + v.M_l.symbol) * v.g.symbol if setting.case == "C1" else 0
+    return v.F_N.symbol + weight
+
+
+def transmitted(setting: Setting, arm: sp.Symbol) -> sp.Expr:
+    """Torque that the gear passes on to the link, as the motor sees it [N m].
+
+    Gravity, inertia, and dry friction of the link with an arm [m] of its own: the model's friction coefficients are
+    kept out of it, so that friction stays linear in them.
+    """
+    inertia = Gated(v.J_l.symbol, alpha_m) * v.mu.symbol**2
+    return gravity(setting) + inertia + v.mu.symbol * link_force(setting) * arm * direction
+
+
+def loss(setting: Setting) -> sp.Expr:
+    """Heat set free in drive and bearings [W], from measured inputs and known parameters only."""
+    friction = v.k_i.symbol * v.i.symbol - Gated(v.J.symbol, alpha_m) - gravity(setting)
+    return friction * omega_m + v.R.symbol * v.i.symbol**2
+
+
+def heating(
+    name: str, setting: Setting, power: sp.Expr, tau: sp.Symbol
+) -> tuple[sp.Expr, tuple[Definition, ...], State]:
+    """First-order heating: its rise, about 1 at the end of the log, the definitions it needs, and its state.
+
+    The state is the power as a body of time constant tau has averaged it. The step is the implicit one, stable for
+    any time step and free of 1 - exp(-dt/tau), which single precision cannot hold.
+    """
+    state = quantity(f"{name}_P", "W", "heating power, averaged over the thermal time constant")
+    scale = quantity(f"{name}_full", "W", "averaged power at the end of the log it was identified on")
+    mean = constant(f"{name}_mean", "W", "mean losses of the log it was identified on", setting.mean_loss_W)
+    end = constant(f"{name}_end", "s", "length of the log it was identified on", setting.duration_s)
+    full = Definition(scale, mean.symbol * (1 - sp.exp(-end.symbol / tau)))
+    update = state.symbol + dt / (tau + dt) * (power - state.symbol)
+    return state.symbol / scale.symbol, (mean, end, full), State(state, sp.Integer(0), update)
+
+
+def relaxation(name: str, meaning: str, path: sp.Expr, length: sp.Symbol, way: sp.Expr) -> State:
+    """A state that follows the sign of `way`, exponentially in the path travelled, exact over a time step."""
+    state = quantity(name, "1", meaning)
+    stays = sp.exp(-path / length)
+    return State(state, sp.Integer(0), state.symbol * stays + (1 - stays) * Sgn(way))
+
+
+def current_slope(name: str) -> tuple[sp.Symbol, tuple[State, State]]:
+    """Rate of change of the current [A/s] as a state, and the states it needs: the last difference quotient.
+
+    It lags by one and a half time steps, and the current is best low-passed before it is passed in.
+    """
+    last = quantity(f"{name}_last", "A", "current one time step ago")
+    slope = quantity(f"{name}_slope", "A/s", "rate of change of the current")
+    states = (
+        State(last, sp.Integer(0), v.i.symbol),
+        State(slope, sp.Integer(0), (v.i.symbol - last.symbol) / dt),
+    )
+    return slope.symbol, states

@@ -1,0 +1,46 @@
+"""A gear whose losses differ between driving the load and being driven by it."""
+
+from __future__ import annotations
+
+import sympy as sp
+
+from eccentric.effects.effect import Effect, Shape
+from eccentric.effects.forms import addition, direction
+from eccentric.effects.load_dependent import FORMULAS, loads
+from eccentric.effects.setting import Setting
+from eccentric.model import Definition, quantity
+from eccentric.model import vocabulary as v
+
+eta = quantity("gear_eta", "1", "loss of the gear per torque, driving", "", "nonnegative")
+rho = quantity("gear_rho", "1", "loss of the gear back-driven over that driving", "", "nonnegative")
+arm = quantity("gear_arm", "m", "dry friction of the link per force, as part of the load", "", "nonnegative")
+load = quantity("gear_torque", "N m", "torque that the gear passes on, motor side")
+
+
+def effects(setting: Setting) -> tuple[Effect, ...]:
+    """By the transmitted torque, inertia included, and in case C2 by the gravity load alone.
+
+    |load| sgn w where the load resists and rho |load| sgn w where it drives is, without a case distinction, the
+    mean of both factors times |load| sgn w plus half their difference times the load.
+    """
+    inputs = () if setting.case == "C1" else (v.theta_m,)
+    both, differ = (1 + rho.symbol) / 2, (1 - rho.symbol) / 2
+    found = []
+    for variant, variable, torque, shapes in loads(setting, arm.symbol):
+        # At rest the gear adds nothing, hence the squared direction.
+        basis = both * sp.Abs(load.symbol) * direction + differ * load.symbol * direction**2
+        found.append(
+            addition(
+                f"gear_efficiency[{variant}]",
+                [(eta, basis)],
+                depends_on=(variable, "direction"),
+                formula=f"eta |T| sgn w driving, rho eta |T| sgn w back-driven, T = {FORMULAS[variant]}",
+                reference="A. Gogoussis and M. Donath 1987; T. Verstraten et al., IEEE Robotics and Automation"
+                " Letters 1(1), 2016",
+                shapes=(*(Shape(arm, *span) for span in shapes), Shape(rho, 0.0, 0.8, "linear", 5)),
+                definitions=(Definition(load, torque),),
+                inputs=inputs,
+                hint="raise and lower the mass slowly at the same speeds: driving and back-driving must differ",
+            )
+        )
+    return tuple(found)

@@ -1,0 +1,76 @@
+"""The plane of motion is not quite level (C1) or not quite upright (C2)."""
+
+from __future__ import annotations
+
+import sympy as sp
+
+from eccentric.effects.effect import Effect, Shape
+from eccentric.effects.forms import addition, harmonic, omega_m, theta_m
+from eccentric.effects.setting import Setting
+from eccentric.model import Definition, Term, quantity
+from eccentric.model import vocabulary as v
+from eccentric.model.steps import Magnitude
+
+M, M_l, L, g, mu = (q.symbol for q in (v.M, v.M_l, v.L, v.g, v.mu))
+tilt = quantity("tilt_angle", "rad", "tilt of the plane against level (C1) or upright (C2)", "", "nonnegative")
+phase = quantity("tilt_phase", "rad", "link angle from the lowest point of the tilted plane")
+cosine = quantity("tilt_c", "N m", "gravity torque of the tilt by cos(theta_l)")
+sine = quantity("tilt_s", "N m", "gravity torque of the tilt by sin(theta_l)")
+g_tilted = quantity("tilt_g", "m/s^2", "gravity in the tilted plane", "", "nonnegative")
+F_N_tilted = quantity("tilt_F_N", "N", "normal force with the gravity of the tilted plane", "", "nonnegative")
+REFERENCE = "derivations/rotating_link.py: the general link, phi near pi/2 or near 0"
+HINT = "a spirit level; or slow full turns with and without the mass"
+
+
+def effects(setting: Setting) -> tuple[Effect, ...]:
+    """C1: the torque alone, linear in its two parameters, and with its normal force. C2: less gravity."""
+    return _level() if setting.case == "C1" else (_upright(),)
+
+
+def _level() -> tuple[Effect, Effect]:
+    torque = addition(
+        "gravity_tilt",
+        list(zip((cosine, sine), harmonic(mu), strict=True)),
+        kind="conservative",
+        depends_on=("link_angle",),
+        formula="c cos(theta_l) + s sin(theta_l)",
+        reference=REFERENCE,
+        inputs=(v.theta_m,),
+        hint=HINT,
+    )
+    turned = theta_m + phase.symbol / mu
+    along, across = harmonic(mu, turned)
+    weight = (M + M_l) * g * sp.sin(tilt.symbol)
+    # The weight along the axis falls by 1 - cos(tilt) only: it stays in the coefficients of the transversal friction.
+    force = Magnitude(M * L * mu**2 * omega_m**2 + weight * along, weight * across)
+    gravity = mu * M * g * sp.sin(tilt.symbol) * L * across
+    load = Effect(
+        id="gravity_tilt[load]",
+        family="gravity_tilt",
+        balance="mechanical",
+        depends_on=("link_angle",),
+        formula="mu M g sin(tilt) L sin(theta_l + phase), and its weight in the normal force",
+        reference=REFERENCE,
+        terms={"mechanical": (Term("tilt", "conservative", sp.Integer(1), gravity, REFERENCE),)},
+        shapes=(Shape(tilt, 0.01, 0.7, "log", 3), Shape(phase, -3.6, 3.6, "linear", 13)),
+        definitions=(Definition(F_N_tilted, force),),
+        replaces={v.F_N.symbol: F_N_tilted.symbol},
+        inputs=(v.theta_m,),
+        hint=HINT,
+    )
+    return torque, load
+
+
+def _upright() -> Effect:
+    return Effect(
+        id="gravity_tilt",
+        family="gravity_tilt",
+        balance="mechanical",
+        depends_on=("gravity_load",),
+        formula="g cos(tilt) for g",
+        reference=REFERENCE,
+        shapes=(Shape(tilt, 0.05, 1.0, "log", 4),),
+        definitions=(Definition(g_tilted, g * sp.cos(tilt.symbol)),),
+        replaces={g: g_tilted.symbol},
+        hint=HINT,
+    )

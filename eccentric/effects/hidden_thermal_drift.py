@@ -1,0 +1,65 @@
+"""Friction falls as the drive warms up, and no temperature is logged: first-order heating by the losses."""
+
+from __future__ import annotations
+
+import sympy as sp
+
+from eccentric.effects.effect import Effect, Shape
+from eccentric.effects.forms import addition, direction, heating, loss, omega_m
+from eccentric.effects.setting import Setting
+from eccentric.model import Definition, quantity
+
+tau = quantity("heat_tau", "s", "thermal time constant", "", "positive")
+fall = quantity("heat_b", "1", "fall of the logarithm of friction until the end of the log", "", "nonnegative")
+B = quantity("heat_B", "N m s/rad", "viscous friction of the bearing that warms up", "", "nonnegative")
+C = quantity("heat_C", "N m", "fall of the Coulomb friction until the end of the log", "", "nonnegative")
+factor = quantity("heat_factor", "1", "friction over that of the cold drive", "", "positive")
+REFERENCE = "L. Simoni, M. Beschi, G. Legnani and A. Visioli, Robotica, 2017 (joint temperature not measured)"
+
+
+def effects(setting: Setting) -> tuple[Effect, ...]:
+    """All friction, all viscous friction, and viscous or Coulomb friction of one bearing.
+
+    None where a temperature is logged: then `viscosity_temperature` and `coulomb_temperature` say it better.
+    """
+    if setting.temperature_mid is not None:
+        return ()
+    rise, definitions, state = heating("heat", setting, loss(setting), tau.symbol)
+    thins = sp.exp(-fall.symbol * rise)
+    constant_of_time = Shape(tau, 8.0, 300.0, "log", 8)
+    common = {
+        "depends_on": ("time", "history"),
+        "reference": REFERENCE,
+        "states": (state,),
+        "hint": "start cold, hold one speed until friction settles, rest, repeat; or log a temperature",
+    }
+    scaling = [
+        Effect(
+            id=f"hidden_thermal_drift{suffix}",
+            family="hidden_thermal_drift",
+            balance="mechanical",
+            formula=f"{which} friction times exp(-b rise), tau d(rise)/dt = losses/mean - rise",
+            shapes=(constant_of_time, Shape(fall, 0.03, 1.5, "log", 3)),
+            definitions=(*definitions, Definition(factor, thins)),
+            scales={which: factor.symbol},
+            **common,
+        )
+        for suffix, which in (("", "friction"), ("[viscous]", "viscous"))
+    ]
+    bearing = addition(
+        "hidden_thermal_drift[bearing]",
+        [(B, omega_m * (thins - 1))],
+        formula="B w (exp(-b rise) - 1), tau d(rise)/dt = losses/mean - rise",
+        shapes=(constant_of_time, Shape(fall, 0.1, 2.5, "log", 3)),
+        definitions=definitions,
+        **common,
+    )
+    dry = addition(
+        "hidden_thermal_drift[coulomb]",
+        [(C, -direction * rise)],
+        formula="-C rise sgn w, tau d(rise)/dt = losses/mean - rise",
+        shapes=(constant_of_time,),
+        definitions=definitions,
+        **common,
+    )
+    return (*scaling, bearing, dry)

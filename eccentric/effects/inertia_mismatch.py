@@ -1,0 +1,28 @@
+"""The inertia is not the declared one."""
+
+from __future__ import annotations
+
+from eccentric.effects.effect import Effect
+from eccentric.effects.forms import addition, alpha_m
+from eccentric.effects.setting import Setting
+from eccentric.model import quantity
+from eccentric.model import vocabulary as v
+from eccentric.model.steps import Gated
+
+ratio = quantity("inertia_ratio", "1", "true inertia on the motor side over the declared one, less 1")
+
+
+def effects(setting: Setting) -> tuple[Effect, ...]:
+    """The one effect of the family; linear, since the inertia is used nowhere but in J alpha."""
+    effect = addition(
+        "inertia_mismatch",
+        [(ratio, Gated(v.J.symbol, alpha_m))],
+        kind="inertial",
+        bounds=((-0.95, None),),
+        depends_on=("acceleration",),
+        formula="J (1 + r) for J",
+        reference="C. G. Atkeson, C. H. An and J. M. Hollerbach, Int. J. Robotics Research 5(3), 1986",
+        aliases=("mass_mismatch",) if setting.case == "C1" else (),
+        hint="strong accelerations, up and down through the same speeds",
+    )
+    return (effect,)

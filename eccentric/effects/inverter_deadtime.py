@@ -1,0 +1,34 @@
+"""Dead time of the inverter and drop of its valves or of brushes: a voltage lost with the sign of the current."""
+
+from __future__ import annotations
+
+import sympy as sp
+
+from eccentric.effects.effect import Effect, Shape
+from eccentric.effects.forms import addition
+from eccentric.effects.setting import Setting
+from eccentric.model import quantity
+from eccentric.model import vocabulary as v
+from eccentric.model.steps import Sgn
+
+V = quantity("deadtime_u", "V", "voltage lost at high current", "", "nonnegative")
+i_0 = quantity("deadtime_i", "A", "current within which it changes its sign", "", "positive")
+
+
+def effects(setting: Setting) -> tuple[Effect, ...]:
+    """The one effect of the family; tanh is written with exp(-2|x|), which never overflows."""
+    i, largest = v.i.symbol, setting.current_max
+    small = sp.exp(-2 * sp.Abs(i) / i_0.symbol)
+    effect = addition(
+        "inverter_deadtime",
+        [(V, Sgn(i) * (1 - small) / (1 + small))],
+        kind="actuator",
+        balance="electrical",
+        depends_on=("current", "voltage"),
+        formula="V tanh(i/i_0)",
+        reference="S.-G. Jeong and M.-H. Park, IEEE Trans. Industrial Electronics 38(2), 1991",
+        shapes=(Shape(i_0, 0.002 * largest, 0.2 * largest, "log", 6),),
+        needs=("current", "voltage"),
+        hint="currents slowly through zero, of both signs, the rotor held",
+    )
+    return (effect,)

@@ -1,0 +1,32 @@
+"""Iron saturates: the torque constant falls at high current."""
+
+from __future__ import annotations
+
+from eccentric.effects.effect import Effect, Shape
+from eccentric.effects.forms import addition
+from eccentric.effects.setting import Setting
+from eccentric.model import quantity
+from eccentric.model import vocabulary as v
+
+part = quantity("ktsat_A", "1", "part of the torque constant that saturates", "", "nonnegative")
+i_s = quantity("ktsat_i", "A", "current at which half of that part is lost", "", "positive")
+
+
+def effects(setting: Setting) -> tuple[Effect, ...]:
+    """The one effect of the family: k_t = k_i (1 - A x/(1 + x)), x = (i/i_s)^2, which is k_i/(1 + x) for A = 1."""
+    i = v.i.symbol
+    square = (i / i_s.symbol) ** 2
+    largest = setting.current_max
+    effect = addition(
+        "kt_saturation",
+        [(part, v.k_i.symbol * i * square / (1 + square))],
+        kind="actuator",
+        bounds=((0.0, 1.0),),
+        depends_on=("current",),
+        formula="k_t = k_i (1 - A x/(1 + x)), x = (i/i_s)^2",
+        reference="A. E. Fitzgerald, C. Kingsley and S. D. Umans, Electric Machinery (saturation, armature reaction)",
+        shapes=(Shape(i_s, 0.7 * largest, 20.0 * largest, "log", 10),),
+        needs=("current",),
+        hint="high currents at low speed: hold the mass level, or accelerate hard",
+    )
+    return (effect,)

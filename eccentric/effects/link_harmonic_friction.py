@@ -1,0 +1,32 @@
+"""Friction that varies with the link angle: an eccentric wheel, a bent shaft, a bearing under strain."""
+
+from __future__ import annotations
+
+from eccentric.effects.effect import Effect
+from eccentric.effects.forms import addition, direction, harmonic
+from eccentric.effects.setting import Setting
+from eccentric.model import quantity
+from eccentric.model import vocabulary as v
+
+ORDERS = range(1, 13)
+
+
+def effects(setting: Setting) -> tuple[Effect, ...]:
+    """One effect for each order n."""
+    return tuple(_order(n) for n in ORDERS)
+
+
+def _order(n: int) -> Effect:
+    cosine, sine = harmonic(n * v.mu.symbol)
+    C = quantity(f"link_harmonic_c{n}", "N m", f"friction torque by cos({n} theta_l)")
+    S = quantity(f"link_harmonic_s{n}", "N m", f"friction torque by sin({n} theta_l)")
+    return addition(
+        f"link_harmonic_friction[n={n}]",
+        [(C, cosine * direction), (S, sine * direction)],
+        depends_on=("link_angle",),
+        formula=f"(c cos({n} theta_l) + s sin({n} theta_l)) sgn w",
+        reference="M. R. Popovic and A. A. Goldenberg, IEEE Trans. Robotics and Automation 14(1), 1998",
+        inputs=(v.theta_m,),
+        repeats=True,
+        hint="slow full turns of the link in both directions: friction changes its sign with the direction",
+    )

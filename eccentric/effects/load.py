@@ -1,0 +1,49 @@
+"""Load a user's own effects: a file of theirs, given by path."""
+
+from __future__ import annotations
+
+import importlib.util
+import sys
+from collections.abc import Iterable
+from pathlib import Path
+
+from eccentric.effects.effect import Effect
+from eccentric.effects.setting import Setting
+from eccentric.errors import InputError
+
+
+def load_effects(path: str | Path, setting: Setting) -> tuple[Effect, ...]:
+    """The effects of a script: what its `effects(setting)` returns, or its module-level `effect`.
+
+    Raises:
+        InputError: no such script, an error in it, or neither of the two names of the right type in it.
+    """
+    path = Path(path)
+    if path.suffix != ".py" or not path.is_file():
+        raise InputError(f"{path}: no such script of effects (.py)")
+    name = f"eccentric_effects_{path.stem}"
+    spec = importlib.util.spec_from_file_location(name, path)
+    if spec is None or spec.loader is None:
+        raise InputError(f"{path}: required a Python script (.py)")
+    module = importlib.util.module_from_spec(spec)
+    # A dataclass under postponed annotations looks its module up while the script still runs.
+    sys.modules[name] = module
+    try:
+        spec.loader.exec_module(module)
+        made = getattr(module, "effects", None)
+        found = made(setting) if callable(made) else getattr(module, "effect", None)
+    except InputError:
+        raise
+    except Exception as error:
+        raise InputError(f"{path}: the effects stopped with {type(error).__name__}: {error}") from error
+    finally:
+        del sys.modules[name]
+    found = (found,) if isinstance(found, Effect) else found
+    if not isinstance(found, Iterable):
+        raise InputError(
+            f"{path}: required a function `effects(setting)` or an `effect` of type Effect, got {type(found).__name__}"
+        )
+    found = tuple(found)
+    if wrong := [type(one).__name__ for one in found if not isinstance(one, Effect)]:
+        raise InputError(f"{path}: required effects of type Effect, got {wrong[0]}")
+    return found

@@ -1,0 +1,52 @@
+"""Friction of the gear in proportion to the load it passes on."""
+
+from __future__ import annotations
+
+import sympy as sp
+
+from eccentric.effects.effect import Effect, Shape
+from eccentric.effects.forms import addition, direction, gravity, transmitted
+from eccentric.effects.setting import Setting
+from eccentric.model import Definition, quantity
+from eccentric.model import vocabulary as v
+
+eta = quantity("load_eta", "1", "friction of the gear per torque that it passes on", "", "nonnegative")
+arm = quantity("load_arm", "m", "dry friction of the link per force, as part of the load", "", "nonnegative")
+load = quantity("load_torque", "N m", "torque that the gear passes on, motor side")
+REFERENCE = "A. Gogoussis and M. Donath 1987; P. Hamon, M. Gautier and P. Garrec, IROS 2010"
+HINT = "another mass or arm at the same speeds; back-driving tells it from a gear efficiency"
+
+
+def effects(setting: Setting) -> tuple[Effect, ...]:
+    """By the transmitted torque, inertia included, and in case C2 by the gravity load alone."""
+    inputs = () if setting.case == "C1" else (v.theta_m,)
+    found = []
+    for variant, variable, torque, shapes in loads(setting, arm.symbol):
+        shape = tuple(Shape(arm, *span) for span in shapes)
+        found.append(
+            addition(
+                f"load_dependent[{variant}]",
+                [(eta, sp.Abs(load.symbol) * direction)],
+                depends_on=(variable,),
+                formula=f"eta |{FORMULAS[variant]}| sgn w",
+                reference=REFERENCE,
+                shapes=shape,
+                definitions=(Definition(load, torque),),
+                inputs=inputs,
+                special_of=("gear_efficiency",),
+                hint=HINT,
+            )
+        )
+    return tuple(found)
+
+
+FORMULAS = {"gravity": "G", "transmitted": "G + mu^2 J_l alpha + mu F arm sgn w"}
+
+
+def loads(setting: Setting, arm: sp.Symbol) -> list[tuple[str, str, sp.Expr, list[tuple[float, float, str, int]]]]:
+    """(variant, variable, torque, range of the arm) of what may count as the load; shared with `gear_efficiency`."""
+    reach = 0.4 * setting.known.get("L", 0.25)
+    found = [("transmitted", "transmitted_torque", transmitted(setting, arm), [(0.0, reach, "linear", 3)])]
+    if setting.case == "C2":
+        found.append(("gravity", "gravity_load", gravity(setting), []))
+    return found

@@ -1,0 +1,52 @@
+"""Magnetic hysteresis: the torque lags behind the current, whatever the rate."""
+
+from __future__ import annotations
+
+import sympy as sp
+
+from eccentric.effects.effect import Effect, Shape
+from eccentric.effects.forms import addition, relaxation
+from eccentric.effects.setting import Setting
+from eccentric.model import quantity
+from eccentric.model import vocabulary as v
+from eccentric.model.model import State
+
+A = quantity("hysteresis_A", "N m", "torque by which rising and falling current differ, halved")
+width = quantity("hysteresis_i", "A", "change of current within which the branches meet", "", "positive")
+last = quantity("hysteresis_last", "A", "current one time step ago")
+play = quantity("hysteresis_p", "1", "play of the current, in half widths")
+HINT = "rising and falling currents through the same value, at rest against a stop or at one speed"
+
+
+def effects(setting: Setting) -> tuple[Effect, ...]:
+    """Duhem's model, branches that meet exponentially, and the play operator, branches that are parallel."""
+    i, largest = v.i.symbol, setting.current_max
+    step = i - last.symbol
+    branch = relaxation("hysteresis_z", "branch of the hysteresis, -1 to 1", sp.Abs(step), width.symbol, step)
+    duhem = addition(
+        "magnetic_hysteresis",
+        [(A, branch.symbol)],
+        kind="actuator",
+        depends_on=("current", "history"),
+        formula="A z, dz = (di - |di| z)/width",
+        reference="B. D. Coleman and M. L. Hodgdon, Int. J. Engineering Science 24(6), 1986",
+        shapes=(Shape(width, 0.03 * largest, 2.0 * largest, "log", 7),),
+        states=(State(last, sp.Integer(0), i), branch),
+        needs=("current",),
+        hint=HINT,
+    )
+    scaled = i / width.symbol
+    follow = State(play, sp.Integer(0), sp.Max(scaled - 1, sp.Min(scaled + 1, play.symbol)))
+    parallel = addition(
+        "magnetic_hysteresis[play]",
+        [(A, scaled - play.symbol)],
+        kind="actuator",
+        depends_on=("current", "history"),
+        formula="A (i/width - p), p the play of i/width",
+        reference="M. Brokate and J. Sprekels, Hysteresis and Phase Transitions, 1996",
+        shapes=(Shape(width, 0.02 * largest, 0.8 * largest, "log", 5),),
+        states=(follow,),
+        needs=("current",),
+        hint=HINT,
+    )
+    return duhem, parallel

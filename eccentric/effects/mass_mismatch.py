@@ -1,0 +1,64 @@
+"""The mass on the link is not the declared one."""
+
+from __future__ import annotations
+
+from eccentric.effects.effect import Effect, Shape
+from eccentric.effects.forms import addition, gravity
+from eccentric.effects.setting import Setting
+from eccentric.model import Definition, quantity
+from eccentric.model import vocabulary as v
+
+M, L, J_l = v.M.symbol, v.L.symbol, v.J_l.symbol
+ratio = quantity("mass_ratio", "1", "true mass over the declared one, less 1")
+more = quantity("mass_torque", "1", "gravity torque beyond the declared one, relative")
+M_true = quantity("M_true", "kg", "true unbalanced mass", "", "nonnegative")
+J_l_true = quantity("J_l_true", "kg m^2", "inertia of the link with the true mass", "", "nonnegative")
+REFERENCE = "C. G. Atkeson, C. H. An and J. M. Hollerbach, Int. J. Robotics Research 5(3), 1986"
+HINT = "weigh the mass; or hold the link level and read the current in both directions of approach"
+
+
+def effects(setting: Setting) -> tuple[Effect, ...]:
+    """Three readings, case C2 only: a log of C1 has the mass in friction coefficients and inertia alone.
+
+    `mass_mismatch` puts the true mass into gravity and normal force and leaves the inertia as declared (measured);
+    `[inertia]` puts it into the inertia too (J_l holds M L^2); `[torque]` scales the gravity torque alone, as a link
+    that is itself out of balance does.
+    """
+    if setting.case == "C1":
+        return ()
+    true_mass = Definition(M_true, M * (1 + ratio.symbol))
+    true_inertia = Definition(J_l_true, J_l + M * L**2 * ratio.symbol)
+    replacing = [
+        Effect(
+            id=f"mass_mismatch{suffix}",
+            family="mass_mismatch",
+            balance="mechanical",
+            depends_on=("gravity_load", "acceleration"),
+            formula=formula,
+            reference=REFERENCE,
+            shapes=(Shape(ratio, -0.6, 0.9, "linear", 6),),
+            definitions=definitions,
+            replaces=replaces,
+            hint=HINT,
+        )
+        for suffix, formula, definitions, replaces in (
+            ("", "M (1 + r) for M in gravity and normal force", (true_mass,), {M: M_true.symbol}),
+            (
+                "[inertia]",
+                "M (1 + r) for M in gravity, normal force and inertia",
+                (true_inertia, true_mass),
+                {M: M_true.symbol, J_l: J_l_true.symbol},
+            ),
+        )
+    ]
+    torque = addition(
+        "mass_mismatch[torque]",
+        [(more, gravity(setting))],
+        kind="conservative",
+        depends_on=("gravity_load",),
+        formula="r G",
+        reference=REFERENCE,
+        inputs=(v.theta_m,),
+        hint=HINT,
+    )
+    return (*replacing, torque)

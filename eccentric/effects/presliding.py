@@ -1,0 +1,48 @@
+"""Pre-sliding: after a reversal bristles bend before surfaces slide (Dahl), more so at low speed (LuGre)."""
+
+from __future__ import annotations
+
+import sympy as sp
+
+from eccentric.effects.effect import Effect, Shape
+from eccentric.effects.forms import addition, direction, dt, omega_m, relaxation, speed
+from eccentric.effects.setting import Setting
+from eccentric.model import quantity
+
+A = quantity("presliding_A", "N m", "Coulomb torque that builds up with the travelled angle", "", "nonnegative")
+S = quantity("presliding_S", "N m", "by how much it is higher near rest", "", "nonnegative")
+reach = quantity("presliding_x", "rad", "motor angle over which it builds up", "", "positive")
+w_s = quantity("presliding_v", "rad/s", "Stribeck velocity, motor side", "", "positive")
+HINT = "many reversals with strokes from a tenth of the bending angle up to ten times of it, finely resolved"
+
+
+def effects(setting: Setting) -> tuple[Effect, ...]:
+    """Dahl's and LuGre's model, their state stepped exactly for the direction of motion of a time step."""
+    state = relaxation("presliding_z", "deflection of the bristles", speed * dt, reach.symbol, omega_m)
+    late = state.symbol - direction
+    low, high = 2e-3 / setting.mu, 2.0 / setting.mu
+    dahl = addition(
+        "presliding",
+        [(A, late)],
+        depends_on=("history",),
+        formula="A (z - sgn w), dz/dt = (w - |w| z)/x",
+        reference="P. R. Dahl, A solid friction model, The Aerospace Corporation TOR-0158(3107-18)-1, 1968",
+        shapes=(Shape(reach, low, high, "log", 8),),
+        states=(state,),
+        hint=HINT,
+    )
+    lugre = addition(
+        "presliding[lugre]",
+        [(A, late), (S, state.symbol * sp.exp(-((omega_m / w_s.symbol) ** 2)))],
+        depends_on=("history",),
+        formula="A (z - sgn w) + S z exp(-(w/v)^2), dz/dt = (w - |w| z)/x",
+        reference="C. Canudas de Wit, H. Olsson, K. J. Astrom and P. Lischinsky, IEEE Trans. Automatic Control"
+        " 40(3), 1995",
+        shapes=(
+            Shape(reach, low, high, "log", 5),
+            Shape(w_s, setting.w_min, 0.4 * setting.w_max, "log", 4),
+        ),
+        states=(state,),
+        hint=HINT,
+    )
+    return dahl, lugre

@@ -1,0 +1,56 @@
+"""The winding's resistance rises with temperature, logged or by the heat of the current itself."""
+
+from __future__ import annotations
+
+from eccentric.effects.effect import Effect, Shape
+from eccentric.effects.forms import addition, constant, heating
+from eccentric.effects.setting import Setting
+from eccentric.model import quantity
+from eccentric.model import vocabulary as v
+
+alpha = quantity("resistance_alpha", "1/K", "relative rise of the winding's resistance per kelvin")
+rise = quantity("resistance_rise", "1", "relative rise of the resistance until the end of the log", "", "nonnegative")
+tau = quantity("resistance_tau", "s", "thermal time constant of the winding", "", "positive")
+REFERENCE = "A. Boglietti et al., IEEE Trans. Industrial Electronics 56(3), 2009"
+HINT = "the rotor held at a constant current: the voltage shows the resistance alone"
+
+
+def effects(setting: Setting) -> tuple[Effect, ...]:
+    """By the logged temperature where there is one, and by the winding's own heat R i^2."""
+    drop = v.R.symbol * v.i.symbol
+    found = []
+    if setting.temperature_mid is not None:
+        zero = constant("resistance_T0", "K", "reference temperature in degC", setting.temperature_mid)
+        found.append(
+            addition(
+                "resistance_temperature",
+                [(alpha, drop * (v.temperature.symbol - zero.symbol))],
+                kind="actuator",
+                balance="electrical",
+                depends_on=("temperature", "current"),
+                formula="R (1 + alpha (T - T_0)) for R",
+                reference=REFERENCE,
+                definitions=(zero,),
+                inputs=(v.temperature,),
+                needs=("current", "voltage", "temperature"),
+                hint=HINT,
+            )
+        )
+    warm, definitions, state = heating("resistance", setting, drop * v.i.symbol, tau.symbol)
+    found.append(
+        addition(
+            "resistance_temperature[hidden]",
+            [(rise, drop * warm)],
+            kind="actuator",
+            balance="electrical",
+            depends_on=("current", "time"),
+            formula="R (1 + r rise) for R, tau d(rise)/dt = R i^2/mean - rise",
+            reference=REFERENCE,
+            shapes=(Shape(tau, 8.0, 300.0, "log", 8),),
+            definitions=definitions,
+            states=(state,),
+            needs=("current", "voltage"),
+            hint=HINT,
+        )
+    )
+    return tuple(found)

@@ -1,0 +1,49 @@
+"""What the library of effects is made for: a case, known parameters, and the ranges that a log covers."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class Setting:
+    """The rig and its log, as far as forms and ranges of effects depend on them.
+
+    Attributes:
+        case: "C1" (gravity perpendicular to the motion plane) or "C2" (parallel).
+        mu: gear ratio.
+        known: value of every known parameter by name, SI units.
+        w_min: least speed of the motor worth telling from rest [rad/s], positive.
+        w_max: highest speed seen [rad/s].
+        current_max: largest current seen [A].
+        duration_s: length of the log [s].
+        mean_loss_W: mean of friction power and R i^2 [W], positive.
+        temperature_mid: median of the logged temperature [degC]; None if it is not logged.
+        channels: names of those logged: "current", "voltage", "temperature".
+
+    Raises:
+        ValueError: the case is unknown, or a range is not positive.
+    """
+
+    case: str
+    mu: float
+    known: Mapping[str, float]
+    w_min: float
+    w_max: float
+    current_max: float
+    duration_s: float
+    mean_loss_W: float
+    temperature_mid: float | None = None
+    channels: frozenset[str] = frozenset({"current", "voltage"})
+
+    def __post_init__(self) -> None:
+        if self.case not in {"C1", "C2"}:
+            raise ValueError(f"setting: case must be C1 or C2, not {self.case!r}")
+        for name in ("mu", "w_min", "w_max", "current_max", "duration_s", "mean_loss_W"):
+            if not getattr(self, name) > 0.0:
+                raise ValueError(f"setting: {name} must be positive, not {getattr(self, name)}")
+
+    def has(self, *channels: str) -> bool:
+        """Whether all of these channels are logged."""
+        return set(channels) <= self.channels

@@ -1,0 +1,32 @@
+"""Stribeck: dry friction is higher at low speed, until a film of lubricant carries the load."""
+
+from __future__ import annotations
+
+import sympy as sp
+
+from eccentric.effects.effect import Effect, Shape
+from eccentric.effects.forms import addition, direction, root, speed
+from eccentric.effects.setting import Setting
+from eccentric.model import quantity
+
+A = quantity("stribeck_A", "N m", "Stribeck torque: by how much friction is higher near rest", "", "nonnegative")
+w_s = quantity("stribeck_v", "rad/s", "Stribeck velocity, motor side", "", "positive")
+ratio = speed / w_s.symbol
+# A general exponent would need `pow`; these are the four in use.
+POWERS = {"0.5": root(ratio), "1": ratio, "1.5": ratio * root(ratio), "2": ratio**2}
+
+
+def effects(setting: Setting) -> tuple[Effect, ...]:
+    """One effect for each exponent d."""
+    return tuple(
+        addition(
+            f"stribeck[d={d}]",
+            [(A, sp.exp(-power) * direction)],
+            depends_on=("velocity",),
+            formula=f"A exp(-(|w|/v)^{d}) sgn w",
+            reference="R. Stribeck 1902; with an exponent L. C. Bo and D. Pavelescu, Wear 82, 1982",
+            shapes=(Shape(w_s, setting.w_min, 0.6 * setting.w_max, "log", 12),),
+            hint="steady runs at several speeds below and around the Stribeck velocity, in both directions",
+        )
+        for d, power in POWERS.items()
+    )

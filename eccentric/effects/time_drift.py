@@ -1,0 +1,43 @@
+"""Friction drifts linearly over the log, for whatever reason."""
+
+from __future__ import annotations
+
+from eccentric.effects.effect import Effect, Shape
+from eccentric.effects.forms import addition, direction
+from eccentric.effects.setting import Setting
+from eccentric.model import Definition, quantity
+from eccentric.model import vocabulary as v
+
+C = quantity("drift_C", "N m/s", "change of the Coulomb torque per second")
+rate = quantity("drift_rate", "1/s", "relative change of friction per second")
+factor = quantity("drift_factor", "1", "friction over that at the start of the log")
+REFERENCE = "R. Isermann, Fault-Diagnosis Systems, Springer, 2006 (parameters that drift)"
+HINT = "repeat the first run at the end, and once more after a rest"
+
+
+def effects(setting: Setting) -> tuple[Effect, ...]:
+    """Coulomb friction, and all friction."""
+    dry = addition(
+        "time_drift",
+        [(C, direction * v.t.symbol)],
+        depends_on=("time",),
+        formula="C t sgn w",
+        reference=REFERENCE,
+        inputs=(v.t,),
+        hint=HINT,
+    )
+    most = 0.6 / setting.duration_s
+    every = Effect(
+        id="time_drift[all]",
+        family="time_drift",
+        balance="mechanical",
+        depends_on=("time",),
+        formula="friction times 1 + rate t",
+        reference=REFERENCE,
+        shapes=(Shape(rate, -most, most, "linear", 4),),
+        definitions=(Definition(factor, 1 + rate.symbol * v.t.symbol),),
+        scales={"friction": factor.symbol},
+        inputs=(v.t,),
+        hint=HINT,
+    )
+    return dry, every

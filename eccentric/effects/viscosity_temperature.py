@@ -1,0 +1,71 @@
+"""The viscosity of a lubricant falls with temperature: exponentially (Reynolds), or as Arrhenius has it."""
+
+from __future__ import annotations
+
+import sympy as sp
+
+from eccentric.effects.effect import Effect, Shape
+from eccentric.effects.forms import addition, constant, omega_m
+from eccentric.effects.setting import Setting
+from eccentric.model import Definition, quantity
+from eccentric.model import vocabulary as v
+
+b = quantity("viscosity_b", "1/K", "relative fall of the viscosity per kelvin", "", "nonnegative")
+E = quantity("viscosity_E", "K", "activation energy of the viscosity over the gas constant", "", "nonnegative")
+B = quantity("viscosity_B", "N m s/rad", "viscous friction of the bearing that warms up", "", "nonnegative")
+factor = quantity("viscosity_factor", "1", "viscosity over that at the reference temperature", "", "positive")
+
+ROBOT = "A. C. Bittencourt, E. Wernholt, S. Sander-Tavallaey and T. Brogardh, IROS 2010"
+HINT = "one speed held while the temperature rises and falls, so that temperature is not the order of the runs"
+
+
+def effects(setting: Setting) -> tuple[Effect, ...]:
+    """All viscous friction by either law, and that of one bearing; none where no temperature is logged."""
+    if setting.temperature_mid is None:
+        return ()
+    zero = constant("viscosity_T0", "K", "reference temperature in degC", setting.temperature_mid)
+    kelvin = constant("viscosity_C0", "K", "absolute temperature of 0 degC", 273.15)
+    T, T_0 = v.temperature.symbol, zero.symbol
+    absolute = (T + kelvin.symbol) * (T_0 + kelvin.symbol)
+    reynolds = sp.exp(-b.symbol * (T - T_0))
+    arrhenius = sp.exp(-E.symbol * (T - T_0) / absolute)
+    middle = (setting.temperature_mid + 273.15) ** 2
+    falls = Shape(b, 0.002, 0.4, "log", 9)
+    energy = Shape(E, 0.002 * middle, 0.4 * middle, "log", 9)
+    return (
+        _scaling("viscosity_temperature", (zero, Definition(factor, reynolds)), falls,
+                 "viscous friction times exp(-b (T - T_0))", f"O. Reynolds 1886; {ROBOT}"),
+        _scaling("viscosity_temperature[arrhenius]", (zero, kelvin, Definition(factor, arrhenius)), energy,
+                 "viscous friction times exp(E/T - E/T_0), T in K", f"E. N. da C. Andrade, Nature 125, 1930; {ROBOT}"),
+        addition(
+            "viscosity_temperature[bearing]",
+            [(B, omega_m * (reynolds - 1))],
+            depends_on=("temperature",),
+            formula="B w (exp(-b (T - T_0)) - 1)",
+            reference=f"O. Reynolds 1886; {ROBOT}",
+            shapes=(falls,),
+            definitions=(zero,),
+            inputs=(v.temperature,),
+            needs=("temperature",),
+            hint=HINT,
+        ),
+    )  # fmt: skip
+
+
+def _scaling(
+    effect_id: str, definitions: tuple[Definition, ...], shape: Shape, formula: str, reference: str
+) -> Effect:
+    return Effect(
+        id=effect_id,
+        family="viscosity_temperature",
+        balance="mechanical",
+        depends_on=("temperature",),
+        formula=formula,
+        reference=reference,
+        shapes=(shape,),
+        definitions=definitions,
+        scales={"viscous": factor.symbol},
+        inputs=(v.temperature,),
+        needs=("temperature",),
+        hint=HINT,
+    )

@@ -1,0 +1,47 @@
+"""Running-in: dry friction settles as surfaces wear smooth, over time or over the way travelled."""
+
+from __future__ import annotations
+
+import sympy as sp
+
+from eccentric.effects.effect import Effect, Shape
+from eccentric.effects.forms import addition, direction, dt, speed
+from eccentric.effects.setting import Setting
+from eccentric.model import quantity
+from eccentric.model import vocabulary as v
+from eccentric.model.model import State
+
+C = quantity("wear_C", "N m", "Coulomb torque at the start beyond the final one")
+tau = quantity("wear_tau", "s", "time over which it settles", "", "positive")
+way = quantity("wear_s", "rad", "motor angle travelled")
+reach = quantity("wear_x", "rad", "travelled motor angle over which it settles", "", "positive")
+REFERENCE = "P. J. Blau, Tribology International 38, 2005 (running-in)"
+HINT = "repeat the same run at the end: friction stays low after a rest, which heat does not"
+
+
+def effects(setting: Setting) -> tuple[Effect, ...]:
+    """Over time, and over the angle travelled."""
+    end = setting.duration_s
+    # Half the greatest speed stands for the mean.
+    travelled = 0.5 * setting.w_max * end
+    in_time = addition(
+        "wear_runin",
+        [(C, direction * sp.exp(-v.t.symbol / tau.symbol))],
+        depends_on=("time",),
+        formula="C exp(-t/tau) sgn w",
+        reference=REFERENCE,
+        shapes=(Shape(tau, 0.05 * end, 0.5 * end, "log", 6),),
+        inputs=(v.t,),
+        hint=HINT,
+    )
+    in_way = addition(
+        "wear_runin[travel]",
+        [(C, direction * sp.exp(-way.symbol / reach.symbol))],
+        depends_on=("time",),
+        formula="C exp(-s/x) sgn w, s the motor angle travelled",
+        reference=REFERENCE,
+        shapes=(Shape(reach, 0.05 * travelled, 0.6 * travelled, "log", 6),),
+        states=(State(way, sp.Integer(0), way.symbol + speed * dt),),
+        hint=HINT,
+    )
+    return in_time, in_way
