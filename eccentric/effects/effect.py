@@ -40,7 +40,7 @@ class Effect:
 
     Attributes:
         id: name in reports, e.g. "link_harmonic_friction[n=3]".
-        family: name of the file in `eccentric.effects` that it comes from.
+        family: what it is called in a diagnosis, a key of `eccentric.effects.FAMILIES`.
         balance: the balance that shows it, "mechanical" or "electrical".
         depends_on: the variables it depends on, the leading one first: velocity, direction, link_angle, motor_angle,
             gravity_load, transmitted_torque, acceleration, current, voltage, temperature, time, history.
@@ -97,11 +97,12 @@ class Effect:
                 for a shape if not given.
 
         Raises:
-            ValueError: the model has a parameter of one of these names already, a quantity to be replaced is not
+            ValueError: the model has something of one of these names already, a quantity to be replaced is not
                 there or was replaced by another effect, or a balance does not exist.
         """
         values = values or {}
         taken = {q.name for q in (*model.parameters, *model.inputs, *(d.quantity for d in model.definitions))}
+        taken |= {state.quantity.name for state in model.states}
         own = [*self.parameters, *(d.quantity for d in self.definitions), *(s.quantity for s in self.states)]
         if clash := sorted(q.name for q in own if q.name in taken):
             raise ValueError(f"effect {self.id}: {', '.join(clash)}: taken in {model.name} by another effect")
@@ -110,7 +111,10 @@ class Effect:
         used = set().union(*(d.value.free_symbols for d in model.definitions))
         used |= set().union(*(t.value.free_symbols for b in model.balances for t in b.terms))
         if absent := [old for old in swap if old not in used]:
-            raise ValueError(f"effect {self.id}: {absent[0]} does not occur in {model.name}, or is replaced already")
+            raise ValueError(f"effect {self.id}: {absent[0]} does not occur in {model.name}")
+        steps = {equation.name for equation in model.equations}
+        if again := [old for old in swap if _replaced(old) in steps]:
+            raise ValueError(f"effect {self.id}: {again[0]} is replaced in {model.name} by another effect already")
         definitions = [replace(d, value=d.value.xreplace(swap)) for d in model.definitions]
         balances = []
         for balance in model.balances:
@@ -120,7 +124,8 @@ class Effect:
         if unknown := set(self.terms) - {b.name for b in model.balances}:
             raise ValueError(f"effect {self.id}: {model.name} has no balance {sorted(unknown)[0]!r}")
         new_inputs = [q for q in self.inputs if q.symbol not in {known.symbol for known in model.inputs}]
-        inputs = sorted([*model.inputs, *new_inputs], key=lambda q: q.name == "alpha_m")
+        inputs = sorted([*model.inputs, *new_inputs], key=lambda q: _INPUTS.get(q.name, len(_INPUTS) - 2))
+        states = tuple(replace(state, update=state.update.xreplace(swap)) for state in model.states)
         extended = replace(
             model,
             name=model.name,
@@ -129,10 +134,26 @@ class Effect:
             definitions=_ordered([*self.definitions, *definitions], inputs, [*model.parameters, *parameters],
                                  [*model.states, *self.states]),
             balances=tuple(balances),
-            states=(*model.states, *self.states),
-            equations=(*model.equations, self.equation()),
+            states=(*states, *self.states),
+            equations=(*model.equations, *self.equations()),
         )
         return extended
+
+    def equations(self) -> tuple[Equation, ...]:
+        """Its steps of the derivation: one for each quantity that it replaces, then what it adds or scales."""
+        values = {definition.symbol: definition for definition in self.definitions}
+        replacing = tuple(
+            Equation(
+                _replaced(old),
+                "",
+                new,
+                values[new].value,
+                values[new].quantity.unit,
+                f"Effect {self.id}: stands for {old}. {self.reference}.",
+            )
+            for old, new in self.replaces.items()
+        )
+        return replacing if replacing and not self.terms else (*replacing, self.equation())
 
     def equation(self) -> Equation:
         """The effect as a step of the derivation: the torque (or voltage) it adds, or what it replaces."""
@@ -153,6 +174,15 @@ class Effect:
             if which == "friction" or which in term.name:
                 term = replace(term, basis=term.basis * factor)
         return term
+
+
+# The order of inputs, as `Model.inputs` wants it; what is not listed comes before alpha_m.
+_INPUTS = {name: k for k, name in enumerate(("theta_m", "omega_m", "i", "u", "t", "temperature", "", "alpha_m"))}
+
+
+def _replaced(old: sp.Symbol) -> str:
+    """Name of the equation by which a model remembers that a quantity was replaced."""
+    return f"{old.name}_replaced"
 
 
 def _exact(value: float) -> sp.Rational:
