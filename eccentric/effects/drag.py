@@ -7,7 +7,7 @@ import sympy as sp
 from eccentric.effects.effect import Effect
 from eccentric.effects.forms import addition, constant, direction, omega_m, root, speed
 from eccentric.effects.setting import Setting
-from eccentric.model import Definition, quantity
+from eccentric.model import quantity
 from eccentric.model.steps import Backward, Forward
 
 quadratic = quantity("drag_2", "N m s^2/rad^2", "drag torque per squared motor velocity", "", "nonnegative")
@@ -47,14 +47,14 @@ def effects(setting: Setting) -> tuple[Effect, ...]:
 
 def _sqrt_speed(setting: Setting) -> Effect:
     reference = constant("drag_w", "rad/s", "reference speed of the degressive drag", setting.w_max)
-    half = quantity("drag_root", "1", "square root of the speed over the reference speed")
+    half, definitions = root("drag", speed / reference.symbol, "speed over the reference speed")
     return addition(
         "sqrt_speed",
-        [(degressive, half.symbol * direction)],
+        [(degressive, half * direction)],
         depends_on=("velocity",),
         formula="D sqrt(|w|/w_ref) sgn w",
         reference="M. Grotjahn, M. Daemi and B. Heimann, Int. J. Solids and Structures 38, 2001",
-        definitions=(reference, Definition(half, root(speed / reference.symbol))),
+        definitions=(reference, *definitions),
         hint=BY_SPEED,
     )
 

@@ -75,9 +75,11 @@ def harmonic(rate: sp.Expr | int, angle: sp.Expr = theta_m) -> tuple[sp.Expr, sp
     return 2 * cosine**2 - 1, -2 * cosine * sine
 
 
-def root(x: sp.Expr) -> sp.Expr:
-    """sqrt(x) for x >= 0, its slope at 0 kept finite: off by less than 1e-6 everywhere."""
-    return sp.sqrt(x + sp.Rational(1, 10**12)) - sp.Rational(1, 10**6)
+def root(name: str, x: sp.Expr, meaning: str) -> tuple[sp.Expr, tuple[Definition, ...]]:
+    """sqrt(x) for x >= 0, its slope at 0 kept finite: off by 1e-6 at most; and the definitions that it needs."""
+    offset = Definition(quantity(f"{name}_x", "1", f"{meaning}, kept off 0"), x + sp.Rational(1, 10**12))
+    value = quantity(f"{name}_root", "1", f"square root of the {meaning}")
+    return value.symbol, (offset, Definition(value, sp.sqrt(offset.symbol) - sp.Rational(1, 10**6)))
 
 
 def gravity(setting: Setting) -> sp.Expr:

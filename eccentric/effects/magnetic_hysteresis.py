@@ -44,7 +44,7 @@ def effects(setting: Setting) -> tuple[Effect, ...]:
         depends_on=("current", "history"),
         formula="A (i/width - p), p the play of i/width",
         reference="M. Brokate and J. Sprekels, Hysteresis and Phase Transitions, 1996",
-        shapes=(Shape(width, 0.02 * largest, 0.8 * largest, "log", 5),),
+        shapes=(Shape(width, 0.02 * largest, 0.8 * largest, "log", 4),),
         states=(follow,),
         needs=("current",),
         hint=HINT,

@@ -7,14 +7,14 @@ import sympy as sp
 from eccentric.effects.effect import Effect, Shape
 from eccentric.effects.forms import addition, direction, root, speed
 from eccentric.effects.setting import Setting
-from eccentric.model import Definition, quantity
+from eccentric.model import quantity
 
 A = quantity("stribeck_A", "N m", "Stribeck torque: by how much friction is higher near rest", "", "nonnegative")
 w_s = quantity("stribeck_v", "rad/s", "Stribeck velocity, motor side", "", "positive")
 ratio = speed / w_s.symbol
-half = Definition(quantity("stribeck_root", "1", "square root of the speed over the Stribeck velocity"), root(ratio))
+half, definitions = root("stribeck", ratio, "speed over the Stribeck velocity")
 # A general exponent would need `pow`; these are the four in use.
-POWERS = {"0.5": half.symbol, "1": ratio, "1.5": ratio * half.symbol, "2": ratio**2}
+POWERS = {"0.5": half, "1": ratio, "1.5": ratio * half, "2": ratio**2}
 
 
 def effects(setting: Setting) -> tuple[Effect, ...]:
@@ -26,7 +26,7 @@ def effects(setting: Setting) -> tuple[Effect, ...]:
             depends_on=("velocity",),
             formula=f"A exp(-(|w|/v)^{d}) sgn w",
             reference="R. Stribeck 1902; with an exponent L. C. Bo and D. Pavelescu, Wear 82, 1982",
-            definitions=(half,) if power.has(half.symbol) else (),
+            definitions=definitions if power.has(half) else (),
             shapes=(Shape(w_s, setting.w_min, 0.6 * setting.w_max, "log", 12),),
             hint="steady runs at several speeds below and around the Stribeck velocity, in both directions",
         )

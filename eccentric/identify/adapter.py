@@ -24,6 +24,8 @@ from eccentric.model.steps import meaning
 __all__ = ["Signals", "base_columns", "candidate", "compiled", "state_series"]
 
 Array = np.ndarray
+# Shapes whose states are kept: a search comes back to the points of its grid.
+_MOST_KEPT = 40
 
 
 @dataclass(frozen=True)
@@ -173,7 +175,7 @@ def compiled(
 
 
 def _lambdified(
-    model: Model, expression: sp.Expr, signals: Signals, names: tuple[str, ...]
+    model: Model, expression: sp.Expr, signals: Signals, names: tuple[str, ...], modules: str = "numpy"
 ) -> tuple[Callable[..., Any], list[str]]:
     plain = meaning(model.expand(expression))
     numbers = {
@@ -181,15 +183,13 @@ def _lambdified(
         for s in plain.free_symbols
         if s.name in signals.known and s.name not in names
     }
-    plain = plain.subs(numbers)
-    if plain.has(sp.Piecewise):
-        plain = sp.piecewise_fold(plain) if plain.atoms(sp.Piecewise) else plain
+    plain = plain.xreplace(numbers)
     symbols = sorted(plain.free_symbols, key=str)
-    return sp.lambdify(symbols, plain, modules="numpy", cse=True), [s.name for s in symbols]
+    return sp.lambdify(symbols, plain, modules=modules, cse=True), [s.name for s in symbols]
 
 
 class _States:
-    """The hidden states of a model along the signals, for given shape values; the last ones are kept."""
+    """The hidden states of a model along the signals, for given shape values."""
 
     def __init__(
         self, model: Model, states: Sequence[State], signals: Signals, names: tuple[str, ...]
@@ -209,20 +209,24 @@ class _States:
             gain = sp.diff(update, state.symbol)
             affine = state.symbol not in gain.free_symbols
             parts = (gain, sp.expand(update).subs(state.symbol, 0)) if affine else (update,)
-            functions = [_lambdified(model, part, signals, names) for part in parts]
+            # Python's own numbers are several times faster than NumPy's where samples go one by one.
+            modules = "numpy" if affine else "math"
+            functions = [_lambdified(model, part, signals, names, modules) for part in parts]
             self._steps.append((state, affine, functions))
-        self._last: tuple[Any, dict[str, Array]] | None = None
+        self._kept: dict[tuple[Any, ...], dict[str, Array]] = {}
 
     def __call__(self, shape: Mapping[str, float]) -> dict[str, Array]:
         key = tuple(sorted(shape.items()))
-        if self._last is not None and self._last[0] == key:
-            return self._last[1]
+        if key in self._kept:
+            return self._kept[key]
         series: dict[str, Array] = {}
         for state, affine, compiled in self._steps:
             given = {**self._signals.values, "dt": self._signals.dt, **series, **shape}
             solve = self._affine if affine else self._loop
             series[state.quantity.name] = solve(state, compiled, given)
-        self._last = (key, series)
+        if len(self._kept) >= _MOST_KEPT:
+            del self._kept[next(iter(self._kept))]
+        self._kept[key] = series
         return series
 
     def _affine(self, state: State, compiled: list, given: Mapping[str, Any]) -> Array:

@@ -115,7 +115,7 @@ class Model:
     def expand(self, expression: sp.Expr) -> sp.Expr:
         """The expression with definitions put in for defined quantities, down to inputs and parameters."""
         for definition in reversed(self.definitions):
-            expression = expression.subs(definition.symbol, definition.value)
+            expression = expression.xreplace({definition.symbol: definition.value})
         return expression
 
     def units(self) -> dict[sp.Symbol, str]:
