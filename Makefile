@@ -4,6 +4,7 @@
 PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
+STRICT := -std=c99 -Wall -Wextra -Wpedantic -Wconversion -Wdouble-promotion -Werror
 
 # What the generated files follow from. Sources are listed, never outputs:
 # a wildcard over generated/ would see a new model one run late.
@@ -12,7 +13,7 @@ TOOLKIT := $(wildcard eccentric/*.py eccentric/model/*.py eccentric/effects/*.py
 TEMPLATES := $(wildcard templates/*.jinja)
 
 # One stamp per set of extras. They live in the environment, so deleting it forgets them too.
-RUN := $(VENV)/.stamp-figures,progress
+RUN := $(VENV)/.stamp-figures
 TEST := $(VENV)/.stamp-test
 LINT := $(VENV)/.stamp-lint
 DERIVED := $(VENV)/.stamp-derived
@@ -21,7 +22,9 @@ DERIVED := $(VENV)/.stamp-derived
 .NOTPARALLEL:
 
 run: $(DERIVED)
-	@$(BIN)/eccentric fit examples/bench/bench.csv.gz --rig examples/bench/bench.json --out build/bench
+	@$(BIN)/eccentric diagnose examples/bench/bench.csv.gz --rig examples/bench/bench.json --out build/bench
+	@$(CC) $(STRICT) -c build/bench/c2_parallel_extended.c -o build/c2_parallel_extended.o
+	@echo "build/c2_parallel_extended.o: the extended model, compiled with $(CC) $(STRICT)"
 
 test: $(TEST)
 	@$(BIN)/python -m pytest

@@ -29,6 +29,7 @@ positive, negative = polynomial("pos"), polynomial("neg")
 alike = {v.directed(q, d).symbol: q.symbol for q in split for d in ("pos", "neg")}
 powers = sp.Matrix([omega_m**3, omega_m**2, omega_m, 1])
 
+POLYNOMIAL = ("N m s^3/rad^3", "N m s^2/rad^2", "N m s/rad", "N m")
 equations = (
     *(symmetric.equation(name) for name in ("normal_force", "normal_force_motor", "friction", "resultant")),
     Equation(
@@ -36,7 +37,7 @@ equations = (
         "(14)",
         sp.Matrix(sp.symbols("F_3^+ F_2^+ F_1^+ F_0^+")),
         positive,
-        "N m (s/rad)^k",
+        POLYNOMIAL,
         "Coefficients for omega_m > 0.",
         (
             Identity(
@@ -50,7 +51,7 @@ equations = (
         "(14)",
         sp.Matrix(sp.symbols("F_3^- F_2^- F_1^- F_0^-")),
         negative,
-        "N m (s/rad)^k",
+        POLYNOMIAL,
         "Coefficients for omega_m < 0. The paper prints F_0^- = -mu gamma^- + C_m^-; the derivation gives the"
         " sign that (13) and (21) have too.",
         (

@@ -28,12 +28,14 @@ load = general.equation("load").right.subs(parallel).subs(steady)
 F_N_squared = general.equation("normal_force").right.subs(parallel).subs(steady)
 on_motor_side = {theta_l: mu * theta_m, omega_l: mu * omega_m}
 
+weight_plain = (M + M_l) * g
 # Extremal values: F_N^2 is linear in cos(theta_l), so they are at cos = 1 and cos = -1, both perfect squares.
 at_bottom = sp.factor(F_N_squared.subs(theta_l, 0))
 at_top = sp.factor(F_N_squared.subs(theta_l, sp.pi))
 F_N_max, F_N_min = sp.sqrt(at_bottom), sp.sqrt(at_top)
-root = max(sp.solve(at_top, omega_l), key=lambda root: root.subs({M: 1, M_l: 1, L: 1, g: 1}))
-omega_critical = sp.sqrt(sp.factor(root**2), evaluate=False)
+square = sp.Symbol("omega_l^2", positive=True)
+(critical_square,) = sp.solve(at_top.subs(omega_l, sp.sqrt(square)), square)
+omega_critical = sp.sqrt(critical_square, evaluate=False)
 
 # The careful form: with the half angle F_N^2 = (a - b)^2 + 4 a b cos^2(theta_l/2); divided by scale_N^2 it is
 # the square of omega_m^2 - omega_star^2 plus the square of 2 omega_m omega_star cos(theta_l/2).
@@ -58,7 +60,6 @@ F_0 = sp.collect(F_0, sp.sign(omega_m))
 # At the bottom and at the top F_N is a polynomial in the velocity (omega_m > 0 here), and so is F.
 s = sp.Symbol("s")  # +1 below the critical velocity, -1 above
 forward = sp.Symbol("omega_m", positive=True)
-weight_plain = (M + M_l) * g
 at_velocity = {omega_m: forward, sp.sign(omega_m): 1}
 
 
@@ -83,6 +84,7 @@ def column(poly: sp.Poly) -> sp.Matrix:
 
 gravity_torque = general.equation("gravity_torque").right.subs(parallel)
 
+POLYNOMIAL = ("N m s^3/rad^3", "N m s^2/rad^2", "N m s/rad", "N m")
 equations = (
     Equation(
         "load",
@@ -162,7 +164,12 @@ equations = (
         F_N_min,
         "N",
         "Least normal force of a revolution, theta_l = pi.",
-        (Identity("its square is F_N^2 at the top", sp.expand(F_N_min**2 - at_top)),),
+        (
+            Identity(
+                "it is |weight - M L omega_l^2|",
+                F_N_min - sp.Abs(sp.expand(weight_plain - M * L * omega_l**2)),
+            ),
+        ),
     ),
     Equation(
         "F_N_max",
@@ -171,7 +178,7 @@ equations = (
         F_N_max,
         "N",
         "Greatest normal force, theta_l = 0.",
-        (Identity("its square is F_N^2 at the bottom", sp.expand(F_N_max**2 - at_bottom)),),
+        (Identity("it is weight + M L omega_l^2", F_N_max - (weight_plain + M * L * omega_l**2)),),
     ),
     Equation(
         "critical_velocity",
@@ -180,14 +187,17 @@ equations = (
         omega_critical,
         "rad/s",
         "Link velocity at which the centrifugal force carries the weight at the top: there F_Nmin = 0.",
-        (Identity("F_N vanishes there", sp.simplify(at_top.subs(omega_l, omega_critical))),),
+        (
+            Identity("it is sqrt(weight/(M L))", omega_critical - sp.sqrt(weight_plain / (M * L))),
+            Identity("F_N vanishes there", sp.simplify(at_top.subs(omega_l, omega_critical))),
+        ),
     ),
     Equation(
         "bottom",
         "(24)",
         sp.Matrix(sp.symbols("F_30 F_20 F_10 F_00")),
         column(bottom),
-        "N m (s/rad)^k",
+        POLYNOMIAL,
         "At the bottom F is a polynomial in omega_m (here omega_m > 0).",
     ),
     Equation(
@@ -195,7 +205,7 @@ equations = (
         "(25)",
         sp.Matrix(sp.symbols("F_3pi F_2pi F_1pi F_0pi")),
         column(top),
-        "N m (s/rad)^k",
+        POLYNOMIAL,
         "At the top too, with s = 1 below the critical velocity and s = -1 above.",
     ),
     Equation("gravity_torque", "(5)", G, gravity_torque, "N m", "Gravity torque."),

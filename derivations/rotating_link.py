@@ -79,10 +79,12 @@ half_cosine, half_sine = HalfCosine(theta_m, mu), HalfSine(theta_m, mu)
 radial = SquareDifference(speed, omega_star) + 2 * omega_star**2 * half_cosine**2
 tangential = unbalanced * alpha_m / mu - 2 * omega_star**2 * half_cosine * half_sine
 careful = scale_N * Magnitude(radial, tangential)
+# (5) by the same half angle: sin(theta_l) is minus twice the product.
+careful_gravity = -2 * mu * M * g_p * L * half_cosine * half_sine
 
 balanced = sp.Eq(M * L, 0)
 definitions = (
-    Definition(v.J, J_m + mu**2 * J_l),
+    Definition(v.J, inertia),
     Definition(v.g_p, g * sp.Abs(sp.cos(phi))),  # phi <= pi/2; its rounding must not make the weight negative
     Definition(v.weight, (M + M_l) * g_p),
     Definition(v.critical_squared, sp.Piecewise((1, balanced), (weight / (M * L), True))),
@@ -96,30 +98,28 @@ definitions = (
 )
 
 sgn = Sgn(omega_m)
-balances = (
-    Balance(
-        "mechanical",
-        "N m",
-        (
-            Term("motor_torque", "drive", k_i, i, "(2)", (None, None)),
-            Term("inertia", "inertial", sp.Integer(1), Gated(J, alpha_m), "(4)"),
-            Term("gravity", "gravity", sp.Integer(1), -2 * mu * M * g_p * L * half_cosine * half_sine, "(5)"),
-            Term("link_viscous_normal", "friction", B_lN, mu**2 * F_N * omega_m, "(7), (9)"),
-            Term("link_coulomb_normal", "friction", C_lN, mu * F_N * sgn, "(7), (9)"),
-            Term("link_viscous_transversal", "friction", B_lT, mu**2 * link_force_T * omega_m, "(7), (9)"),
-            Term("link_coulomb_transversal", "friction", C_lT, mu * link_force_T * sgn, "(7), (9)"),
-            Term("motor_viscous", "friction", B_m, omega_m, "(10)"),
-            Term("motor_coulomb", "friction", C_m, sgn, "(10)"),
-        ),
+balance = Balance(
+    "mechanical",
+    "N m",
+    (
+        Term("motor_torque", "drive", k_i, i, "(2)", (None, None)),
+        Term("inertia", "inertial", sp.Integer(1), Gated(J, alpha_m), "(4)"),
+        Term("gravity", "gravity", sp.Integer(1), careful_gravity, "(5)"),
+        Term("link_viscous_normal", "friction", B_lN, mu**2 * F_N * omega_m, "(7), (9)"),
+        Term("link_coulomb_normal", "friction", C_lN, mu * F_N * sgn, "(7), (9)"),
+        Term("link_viscous_transversal", "friction", B_lT, mu**2 * link_force_T * omega_m, "(7), (9)"),
+        Term("link_coulomb_transversal", "friction", C_lT, mu * link_force_T * sgn, "(7), (9)"),
+        Term("motor_viscous", "friction", B_m, omega_m, "(10)"),
+        Term("motor_coulomb", "friction", C_m, sgn, "(10)"),
     ),
-    Balance(
-        "electrical",
-        "V",
-        (
-            Term("voltage", "drive", sp.Integer(1), u, "(2)", (None, None)),
-            Term("resistance", "resistive", R, i, "(2)", (0.0, None)),
-            Term("back_emf", "back_emf", k_e, omega_m, "(2)", (None, None)),
-        ),
+)
+electrical = Balance(
+    "electrical",
+    "V",
+    (
+        Term("voltage", "drive", sp.Integer(1), u, "(2)", (None, None)),
+        Term("resistance", "resistive", R, i, "(2)", (0.0, None)),
+        Term("back_emf", "back_emf", k_e, omega_m, "(2)", (None, None)),
     ),
 )
 
@@ -132,6 +132,7 @@ plain = {
 }
 careful_squared = sp.expand((meaning(careful) ** 2).subs(plain)).subs(plain).subs(g_p, g * sp.cos(phi))
 
+as_in_C2 = {phi: 0, alpha_l: 0}
 equations = (
     Equation(
         "position",
@@ -145,20 +146,37 @@ equations = (
     Equation("acceleration", "", sp.Symbol("r''"), acceleration, "m/s^2", "Differentiated twice in time."),
     Equation(
         "load",
-        "(15)",
-        sp.Symbol("F"),
+        "",
+        sp.Symbol("P"),
         sp.simplify(load),
         "N",
-        "Newton for both masses: the load on the bearing; gravity is tilted by phi against the plane.",
+        "Newton for both masses: the load P on the bearing; gravity is tilted by phi against the plane.",
+        (
+            Identity(
+                "its level part is that of (15) for phi = 0, alpha_l = 0",
+                load[0].subs(as_in_C2) - M * L * omega_l**2 * sp.sin(theta_l),
+            ),
+            Identity(
+                "its upright part is that of (15) for phi = 0, alpha_l = 0",
+                load[1].subs(as_in_C2) + M * L * omega_l**2 * sp.cos(theta_l) + (M + M_l) * g,
+            ),
+        ),
     ),
     Equation(
         "normal_force",
-        "(16)",
+        "",
         F_N**2,
         F_N_squared,
         "N^2",
         "Squared norm of its part in the plane of motion: the normal force.",
         (
+            Identity(
+                "it is the square of (16) for phi = 0, alpha_l = 0",
+                F_N_squared.subs(as_in_C2)
+                - (M * L * omega_l**2) ** 2
+                - 2 * g * (M + M_l) * M * L * omega_l**2 * sp.cos(theta_l)
+                - ((M + M_l) * g) ** 2,
+            ),
             Identity(
                 "without weight and acceleration it is (M L omega_l^2)^2, the square of (8)",
                 F_N_squared.subs({g: 0, alpha_l: 0}) - (M * L * omega_l**2) ** 2,
@@ -194,7 +212,7 @@ equations = (
         "(3)",
         sp.Matrix([theta_l, omega_l, alpha_l]),
         sp.Matrix(list(gear.values())),
-        "rad, rad/s, ...",
+        ("rad", "rad/s", "rad/s^2"),
         "The gear fixes the link to the motor.",
     ),
     Equation(
@@ -212,6 +230,12 @@ equations = (
         motor_torque,
         "N m",
         "Kirchhoff for the armature, its inductance neglected, and tau_m = k_i i.",
+        (
+            Identity(
+                "the electrical balance is Kirchhoff's law",
+                electrical.residual() - (armature.lhs - armature.rhs),
+            ),
+        ),
     ),
     Equation(
         "gravity_torque",
@@ -224,14 +248,9 @@ equations = (
             Identity(
                 "the careful form of the code is equal to it",
                 sp.expand_trig(
-                    gravity_torque.subs(theta_m, 2 * theta_m / mu)
-                    + 2
-                    * mu
-                    * M
-                    * g
-                    * sp.cos(phi)
-                    * L
-                    * meaning(half_cosine * half_sine).subs(theta_m, 2 * theta_m / mu)
+                    (gravity_torque - meaning(careful_gravity).subs(g_p, g * sp.cos(phi))).subs(
+                        theta_m, 2 * theta_m / mu
+                    )
                 ),
             ),
         ),
@@ -244,6 +263,12 @@ equations = (
         resultant,
         "N m",
         "What is left of (k_i/R) u = J alpha_m + G + F is the resultant friction torque.",
+        (
+            Identity(
+                "it is the friction of motor and link and the damping by the back-EMF",
+                sp.expand(resultant - f_m - mu * f_l - k_i * k_e / R * omega_m),
+            ),
+        ),
     ),
     Equation(
         "friction",
@@ -252,6 +277,12 @@ equations = (
         mechanical,
         "N m",
         "Viscous and Coulomb friction of both bearings, the link's in proportion to the forces it carries.",
+        (
+            Identity(
+                "the friction terms of the balance are (7)",
+                sp.expand(meaning(balance.sum_of("friction")) - mechanical),
+            ),
+        ),
     ),
     Equation(
         "careful_normal_force",
@@ -264,7 +295,7 @@ equations = (
         " order of evaluation.",
         (
             Identity(
-                "it is equal to (16)",
+                "its square is the squared normal force",
                 sp.simplify(
                     sp.expand_trig(
                         sp.expand(careful_squared - F_N_squared.subs(gear)).subs(theta_m, 2 * theta_m / mu)
@@ -300,7 +331,7 @@ model = Model(
         v.J_l,
     ),
     definitions=definitions,
-    balances=balances,
+    balances=(balance, electrical),
     equations=equations,
 )
 

@@ -106,11 +106,12 @@ def _back_emf_unit() -> str:
     per_revolution = _listed(v.k_e) / (2 * sp.pi)
     mu = sp.Rational(1, 5)
     taken, converted = polynomial(mu)[2], polynomial(mu, k_e=per_revolution)[2]
+    listed = f"{float(_listed(v.k_e)):.2f} V s"
     return (
-        "k_e is listed as 0.20 V s/rev, but F_1 takes it as 0.20 V s/rad.\n"
+        f"k_e is listed as {listed}/rev, but F_1 takes it as {listed}/rad.\n"
         f"   mu = {mu}: F_1 = {float(taken):.4e} as printed;"
         f" with k_e = {float(per_revolution):.5f} V s/rad it would be {float(converted):.4e}.\n"
-        "   Reading: the default is 0.20 V s/rad, which reproduces Table 1;"
+        f"   Reading: the default is {listed}/rad, which reproduces Table 1;"
         " figure 4 needs the other (finding 3)."
     )
 
@@ -118,14 +119,18 @@ def _back_emf_unit() -> str:
 def _global_minimum() -> str:
     model = load_model("c2_parallel")
     module = load_module(model)
-    mu = 0.2
+    mu, k_e_listed = float(_listed(v.mu)), float(_listed(v.k_e))
     table = {q.symbol: q.default for q in model.parameters if q.default is not None}
     omega_l = float(model.equation("critical_velocity").right.subs(table))
     link_angle, link_velocity = np.meshgrid(
         np.linspace(0, 2 * np.pi, 721), np.linspace(0, 8 * np.pi, 1601)[1:]
     )
     lines = ["Figure 4's global minimum at (7.41 rad/s, pi) is one only with k_e converted from V s/rev."]
-    for text, k_e in (("Table 1's 0.20 V s/rad", 0.2), ("0.20 V s/rev, converted", 0.2 / (2 * math.pi))):
+    listed = f"{k_e_listed:.2f} V s"
+    for text, k_e in (
+        (f"Table 1's {listed}/rad", k_e_listed),
+        (f"{listed}/rev, converted", k_e_listed / (2 * math.pi)),
+    ):
         parameters = module.Parameters(mu=mu, k_e=k_e)
         at_hollow = module.friction_torque(math.pi / mu, omega_l / mu, parameters)
         torque = module.friction_torque(link_angle / mu, link_velocity / mu, parameters)
@@ -155,7 +160,8 @@ def _sign_in_14() -> str:
     gamma, C_m, mu = v.directed(v.gamma_T, "neg").symbol, v.directed(v.C_m, "neg").symbol, v.mu.symbol
     printed = -mu * gamma + C_m
     symmetric = -polynomial(sp.Rational(1, 5))[3]
-    table = {gamma: _listed(v.C_lT) * sp.Rational("1.962"), C_m: _listed(v.C_m), mu: sp.Rational(1, 5)}
+    force = _at_table(v.F_T.symbol, sp.Rational(1, 5), {})
+    table = {gamma: _listed(v.C_lT) * force, C_m: _listed(v.C_m), mu: sp.Rational(1, 5)}
     return (
         f"(14) prints F_0^- = {printed}; the derivation gives {derived}.\n"
         "   With equal coefficients, Table 1, mu = 1/5, F_0 for omega_m < 0 must be"
@@ -166,9 +172,12 @@ def _sign_in_14() -> str:
 
 
 def _gear_ratio() -> str:
+    omega_m = v.omega_m.symbol
+    same = sp.sign(v.mu.symbol * omega_m) == sp.sign(omega_m)  # the symbol mu is positive, and no more
+    verdict = "= sgn(omega_m) for every positive mu" if same else "DIFFERS from sgn(omega_m)"
     return (
         "(3) asks for mu < 1, while section 3 speaks of direct drives with mu = 1.\n"
-        "   Nothing in the derivation needs mu < 1:"
-        " it only divides by mu and takes sgn(mu omega_m) = sgn(omega_m).\n"
+        "   Nothing in the derivation needs mu < 1: it only divides by mu, and, by SymPy,"
+        f" sgn(mu omega_m) {verdict}.\n"
         "   Reading: any mu > 0 is valid."
     )

@@ -7,17 +7,19 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
+import sympy as sp
 
 from eccentric.emit import load_module
 from eccentric.errors import InputError
 from eccentric.model import load_model
+from eccentric.model import vocabulary as v
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-# Figure 4's minimum needs k_e = 0.20 V s/rev (see `eccentric audit`, finding 3).
-K_E_CONVERTED = 0.20 / (2 * math.pi)
-MU = 0.2
+# Table 1's; figure 4's minimum needs k_e in V s/rev (see `eccentric audit`, finding 3).
+K_E_CONVERTED = float(sp.Rational(v.k_e.default)) / (2 * math.pi)
+MU = float(sp.Rational(v.mu.default))
 # Okabe and Ito's colours, told apart by the colour-blind.
 _BLUE, _ORANGE, _GREEN, _RED = "#0072B2", "#E69F00", "#009E73", "#D55E00"
 
@@ -46,6 +48,13 @@ def draw(out: Path) -> list[Path]:
                 figure.savefig(path, dpi=150, metadata=metadata)
                 paths.append(path)
     return paths
+
+
+def _critical_velocity() -> float:
+    """Link velocity [rad/s] at which F_N vanishes at the top, at Table 1's values."""
+    model = load_model("c2_parallel")
+    table = {q.symbol: q.default for q in model.parameters if q.default is not None}
+    return float(model.equation("critical_velocity").right.subs(table))
 
 
 def _new(width: float, height: float) -> Figure:
@@ -95,7 +104,7 @@ def _figure_4() -> Figure:
     parameters = c2.Parameters(mu=MU, k_e=K_E_CONVERTED)
     theta_l, omega_l = np.meshgrid(np.linspace(0, 2 * np.pi, 121), np.linspace(1e-6, 8 * np.pi, 161))
     torque = c2.friction_torque(theta_l / MU, omega_l / MU, parameters)
-    critical = math.sqrt(parameters.g * (parameters.M + parameters.M_l) / (parameters.M * parameters.L))
+    critical = _critical_velocity()
     lowest = c2.friction_torque(math.pi / MU, critical / MU, parameters)
     figure = _new(10.5, 4.8)
     surface = figure.add_subplot(1, 2, 1, projection="3d")
@@ -134,7 +143,7 @@ def _figure_5() -> Figure:
         state = (theta_l / MU, omega_l / MU, parameters)
         left.plot(omega_l, c2.friction_torque(*state), color=colour, label=f"θ_l = {label}")
         right.plot(omega_l, c2.normal_force(*state), color=colour, label=f"θ_l = {label}")
-    critical = math.sqrt(parameters.g * (parameters.M + parameters.M_l) / (parameters.M * parameters.L))
+    critical = _critical_velocity()
     right.annotate(
         f"{critical:.2f} rad/s, π", (critical, 0), (critical - 1, -2.2), arrowprops={"arrowstyle": "->"}
     )

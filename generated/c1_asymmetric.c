@@ -12,27 +12,25 @@
 #error "c1_asymmetric.c and c1_asymmetric.h are of different derivations: write both again with make derive"
 #endif
 
-/* ECCENTRIC_SINGLE is 1 where ECCENTRIC_REAL is float. */
-#define ECCENTRIC_SINGLE_float 1
-#define ECCENTRIC_SINGLE_double 0
-#define ECCENTRIC_JOIN_(a, b) a##b
-#define ECCENTRIC_JOIN(a, b) ECCENTRIC_JOIN_(a, b)
-#define ECCENTRIC_SINGLE ECCENTRIC_JOIN(ECCENTRIC_SINGLE_, ECCENTRIC_REAL)
+#if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__) || \
+    (defined(__FINITE_MATH_ONLY__) && __FINITE_MATH_ONLY__)
+#error "-ffast-math undoes the split of parameters into leading and further digits, and drops NaN"
+#endif
 
-typedef ECCENTRIC_REAL real;
-
-#if ECCENTRIC_SINGLE
+/* Short names for this file alone, taken back at its end: several models may share a translation unit. */
+#define real ECCENTRIC_REAL
+#if ECCENTRIC_PRECISION == 1
 #define REAL(x) x##f
 #else
 #define REAL(x) x
 #endif
 
-static inline real sgn(const real x)
+static inline real c1_asymmetric_sgn(const real x)
 {
     return (x > REAL(0.0)) ? REAL(1.0) : ((x < REAL(0.0)) ? REAL(-1.0) : ((x == REAL(0.0)) ? REAL(0.0) : x));
 }
 
-static inline real forward(const real x)
+static inline real c1_asymmetric_forward(const real x)
 {
     return (x > REAL(0.0)) ? REAL(1.0) : ((x <= REAL(0.0)) ? REAL(0.0) : x);
 }
@@ -64,7 +62,7 @@ const c1_asymmetric_parameters c1_asymmetric_default_parameters = {
 };
 
 const c1_asymmetric_coefficients c1_asymmetric_default = {
-#if ECCENTRIC_SINGLE
+#if ECCENTRIC_PRECISION == 1
     (real)(0.004), /* B_lN_neg */
     (real)(0.004), /* B_lN_pos */
     (real)(0.08), /* C_lN_neg */
@@ -316,7 +314,7 @@ void c1_asymmetric_normal_force_n(
 ECCENTRIC_REAL c1_asymmetric_friction_torque(ECCENTRIC_REAL omega_m, const c1_asymmetric_coefficients *c)
 {
     const real F_N = c->L_M_mu2 * omega_m * omega_m;
-    const real direction_of_motion = sgn(omega_m);
+    const real direction_of_motion = c1_asymmetric_sgn(omega_m);
     const real part_3 = F_N * ((omega_m > REAL(0.0)) ? c->B_lN_pos_mu2 : c->B_lN_neg_mu2);
     const real part_2 = c->k_e_k_i_per_R + part_3 + ((omega_m > REAL(0.0)) ? c->B_pos : c->B_neg);
     const real part_1 = omega_m * part_2;
@@ -340,7 +338,7 @@ void c1_asymmetric_friction_torque_n(
 ECCENTRIC_REAL c1_asymmetric_mechanical_friction_torque(ECCENTRIC_REAL omega_m, const c1_asymmetric_coefficients *c)
 {
     const real F_N = c->L_M_mu2 * omega_m * omega_m;
-    const real direction_of_motion = sgn(omega_m);
+    const real direction_of_motion = c1_asymmetric_sgn(omega_m);
     const real part_3 = F_N * ((omega_m > REAL(0.0)) ? c->C_lN_pos_mu : c->C_lN_neg_mu);
     const real part_2 = part_3 + ((omega_m > REAL(0.0)) ? c->C_pos : c->C_neg);
     const real part_1 = direction_of_motion * part_2;
@@ -368,7 +366,7 @@ void c1_asymmetric_friction_torque_gradient(
 {
     const real F_N = c->L_M_mu2 * omega_m * omega_m;
     const real F_N_d_omega_m = omega_m * c->twice_L_M_mu2;
-    const real direction_of_motion = sgn(omega_m);
+    const real direction_of_motion = c1_asymmetric_sgn(omega_m);
     const real part_2 = ((omega_m > REAL(0.0)) ? c->C_lN_pos_mu : c->C_lN_neg_mu);
     const real part_1 = F_N_d_omega_m * direction_of_motion * part_2;
     const real part_4 = ((omega_m > REAL(0.0)) ? c->B_lN_pos_mu2 : c->B_lN_neg_mu2);
@@ -395,12 +393,12 @@ void c1_asymmetric_friction_torque_jacobian(
     const c1_asymmetric_coefficients *c)
 {
     const real F_N = c->L_M_mu2 * omega_m * omega_m;
-    const real is_forward = forward(omega_m);
+    const real is_forward = c1_asymmetric_forward(omega_m);
     const real ungated = F_N * c->mu2 * omega_m;
     out[0] = ((is_forward == REAL(0.0)) ? REAL(0.0) : ungated * is_forward);
-    const real is_backward = forward(-(omega_m));
+    const real is_backward = c1_asymmetric_forward(-(omega_m));
     out[1] = ((is_backward == REAL(0.0)) ? REAL(0.0) : ungated * is_backward);
-    const real direction_of_motion = sgn(omega_m);
+    const real direction_of_motion = c1_asymmetric_sgn(omega_m);
     const real ungated_2 = F_N * direction_of_motion * c->mu;
     out[2] = ((is_forward == REAL(0.0)) ? REAL(0.0) : ungated_2 * is_forward);
     out[3] = ((is_backward == REAL(0.0)) ? REAL(0.0) : ungated_2 * is_backward);
@@ -430,12 +428,12 @@ void c1_asymmetric_friction_torque_jacobian_n(
 void c1_asymmetric_regressor(ECCENTRIC_REAL omega_m, ECCENTRIC_REAL *out, const c1_asymmetric_coefficients *c)
 {
     const real F_N = c->L_M_mu2 * omega_m * omega_m;
-    const real is_forward = forward(omega_m);
+    const real is_forward = c1_asymmetric_forward(omega_m);
     const real ungated = F_N * c->mu2 * omega_m;
     out[0] = ((is_forward == REAL(0.0)) ? REAL(0.0) : ungated * is_forward);
-    const real is_backward = forward(-(omega_m));
+    const real is_backward = c1_asymmetric_forward(-(omega_m));
     out[1] = ((is_backward == REAL(0.0)) ? REAL(0.0) : ungated * is_backward);
-    const real direction_of_motion = sgn(omega_m);
+    const real direction_of_motion = c1_asymmetric_sgn(omega_m);
     const real ungated_2 = F_N * direction_of_motion * c->mu;
     out[2] = ((is_forward == REAL(0.0)) ? REAL(0.0) : ungated_2 * is_forward);
     out[3] = ((is_backward == REAL(0.0)) ? REAL(0.0) : ungated_2 * is_backward);
@@ -486,7 +484,7 @@ ECCENTRIC_REAL c1_asymmetric_voltage(
     const c1_asymmetric_coefficients *c)
 {
     const real F_N = c->L_M_mu2 * omega_m * omega_m;
-    const real direction_of_motion = sgn(omega_m);
+    const real direction_of_motion = c1_asymmetric_sgn(omega_m);
     const real part_4 = ((omega_m > REAL(0.0)) ? c->C_lN_pos_R_mu_per_k_i : c->C_lN_neg_R_mu_per_k_i);
     const real part_3 = F_N * part_4;
     const real part_2 = part_3 + ((omega_m > REAL(0.0)) ? c->constant_3 : c->constant_4);
@@ -517,7 +515,7 @@ ECCENTRIC_REAL c1_asymmetric_current(
     const c1_asymmetric_coefficients *c)
 {
     const real F_N = c->L_M_mu2 * omega_m * omega_m;
-    const real direction_of_motion = sgn(omega_m);
+    const real direction_of_motion = c1_asymmetric_sgn(omega_m);
     const real part_4 = ((omega_m > REAL(0.0)) ? c->C_lN_pos_mu_per_k_i : c->C_lN_neg_mu_per_k_i);
     const real part_3 = F_N * part_4;
     const real part_2 = part_3 + ((omega_m > REAL(0.0)) ? c->constant_7 : c->constant_8);
@@ -549,7 +547,7 @@ ECCENTRIC_REAL c1_asymmetric_mechanical_residual(
     const c1_asymmetric_coefficients *c)
 {
     const real F_N = c->L_M_mu2 * omega_m * omega_m;
-    const real direction_of_motion = sgn(omega_m);
+    const real direction_of_motion = c1_asymmetric_sgn(omega_m);
     const real part_3 = F_N * ((omega_m > REAL(0.0)) ? c->minus_C_lN_pos_mu : c->minus_C_lN_neg_mu);
     const real part_2 = part_3 + ((omega_m > REAL(0.0)) ? c->constant_11 : c->constant_12);
     const real part_1 = direction_of_motion * part_2;
@@ -611,3 +609,7 @@ void c1_asymmetric_polynomial_neg(ECCENTRIC_REAL *out, const c1_asymmetric_coeff
     out[2] = c->constant_14;
     out[3] = c->constant_12;
 }
+
+#undef real
+#undef REAL
+

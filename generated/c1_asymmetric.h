@@ -11,10 +11,21 @@
 /* C1_ASYMMETRIC_PROGRAM names the derivation that header and source come from; the source checks it. */
 #define C1_ASYMMETRIC_PROGRAM 0x31a6a98dUL
 
-/* The working precision: float or double. Compile all files with the same one. */
+/* The working precision: double, or float by -DECCENTRIC_REAL=float. Files of different precision do not link:
+ * c1_asymmetric_prepare and c1_asymmetric_default carry it in their names. */
 #ifndef ECCENTRIC_REAL
 #define ECCENTRIC_REAL double
 #endif
+#define ECCENTRIC_PRECISION_float 1
+#define ECCENTRIC_PRECISION_double 2
+#define ECCENTRIC_JOIN_(a, b) a##b
+#define ECCENTRIC_JOIN(a, b) ECCENTRIC_JOIN_(a, b)
+#define ECCENTRIC_PRECISION ECCENTRIC_JOIN(ECCENTRIC_PRECISION_, ECCENTRIC_REAL)
+#if ECCENTRIC_PRECISION != 1 && ECCENTRIC_PRECISION != 2
+#error "ECCENTRIC_REAL must be float or double"
+#endif
+#define c1_asymmetric_prepare ECCENTRIC_JOIN(c1_asymmetric_prepare_, ECCENTRIC_REAL)
+#define c1_asymmetric_default ECCENTRIC_JOIN(c1_asymmetric_default_, ECCENTRIC_REAL)
 
 #ifdef __cplusplus
 extern "C" {

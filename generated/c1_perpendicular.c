@@ -12,22 +12,20 @@
 #error "c1_perpendicular.c and c1_perpendicular.h are of different derivations: write both again with make derive"
 #endif
 
-/* ECCENTRIC_SINGLE is 1 where ECCENTRIC_REAL is float. */
-#define ECCENTRIC_SINGLE_float 1
-#define ECCENTRIC_SINGLE_double 0
-#define ECCENTRIC_JOIN_(a, b) a##b
-#define ECCENTRIC_JOIN(a, b) ECCENTRIC_JOIN_(a, b)
-#define ECCENTRIC_SINGLE ECCENTRIC_JOIN(ECCENTRIC_SINGLE_, ECCENTRIC_REAL)
+#if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__) || \
+    (defined(__FINITE_MATH_ONLY__) && __FINITE_MATH_ONLY__)
+#error "-ffast-math undoes the split of parameters into leading and further digits, and drops NaN"
+#endif
 
-typedef ECCENTRIC_REAL real;
-
-#if ECCENTRIC_SINGLE
+/* Short names for this file alone, taken back at its end: several models may share a translation unit. */
+#define real ECCENTRIC_REAL
+#if ECCENTRIC_PRECISION == 1
 #define REAL(x) x##f
 #else
 #define REAL(x) x
 #endif
 
-static inline real sgn(const real x)
+static inline real c1_perpendicular_sgn(const real x)
 {
     return (x > REAL(0.0)) ? REAL(1.0) : ((x < REAL(0.0)) ? REAL(-1.0) : ((x == REAL(0.0)) ? REAL(0.0) : x));
 }
@@ -53,7 +51,7 @@ const c1_perpendicular_parameters c1_perpendicular_default_parameters = {
 };
 
 const c1_perpendicular_coefficients c1_perpendicular_default = {
-#if ECCENTRIC_SINGLE
+#if ECCENTRIC_PRECISION == 1
     (real)(0.004), /* B_lN */
     (real)(0.08), /* C_lN */
     (real)(0.02), /* k_i */
@@ -218,7 +216,7 @@ void c1_perpendicular_normal_force_n(
 ECCENTRIC_REAL c1_perpendicular_friction_torque(ECCENTRIC_REAL omega_m, const c1_perpendicular_coefficients *c)
 {
     const real F_N = c->L_M_mu2 * omega_m * omega_m;
-    const real direction_of_motion = sgn(omega_m);
+    const real direction_of_motion = c1_perpendicular_sgn(omega_m);
     const real part_1 = direction_of_motion * (c->C + c->C_lN_mu * F_N);
     return omega_m * (c->B_lN_mu2 * F_N + c->constant) + part_1;
 }
@@ -239,7 +237,7 @@ ECCENTRIC_REAL c1_perpendicular_mechanical_friction_torque(
     const c1_perpendicular_coefficients *c)
 {
     const real F_N = c->L_M_mu2 * omega_m * omega_m;
-    const real direction_of_motion = sgn(omega_m);
+    const real direction_of_motion = c1_perpendicular_sgn(omega_m);
     const real part_1 = direction_of_motion * (c->C + c->C_lN_mu * F_N);
     return omega_m * (c->B + c->B_lN_mu2 * F_N) + part_1;
 }
@@ -262,7 +260,7 @@ void c1_perpendicular_friction_torque_gradient(
 {
     const real F_N = c->L_M_mu2 * omega_m * omega_m;
     const real F_N_d_omega_m = omega_m * c->twice_L_M_mu2;
-    const real direction_of_motion = sgn(omega_m);
+    const real direction_of_motion = c1_perpendicular_sgn(omega_m);
     const real part_1 = c->C_lN_mu * F_N_d_omega_m * direction_of_motion;
     const real part_2 = c->B_lN_mu2 * F_N_d_omega_m * omega_m;
     out[0] = c->B_lN_mu2 * F_N + c->constant + part_1 + part_2;
@@ -286,7 +284,7 @@ void c1_perpendicular_friction_torque_jacobian(
 {
     const real F_N = c->L_M_mu2 * omega_m * omega_m;
     out[0] = F_N * c->mu2 * omega_m;
-    const real direction_of_motion = sgn(omega_m);
+    const real direction_of_motion = c1_perpendicular_sgn(omega_m);
     out[1] = F_N * direction_of_motion * c->mu;
     out[2] = c->F_T_mu2 * omega_m;
     out[3] = c->F_T_mu * direction_of_motion;
@@ -309,7 +307,7 @@ void c1_perpendicular_regressor(ECCENTRIC_REAL omega_m, ECCENTRIC_REAL *out, con
 {
     const real F_N = c->L_M_mu2 * omega_m * omega_m;
     out[0] = F_N * c->mu2 * omega_m;
-    const real direction_of_motion = sgn(omega_m);
+    const real direction_of_motion = c1_perpendicular_sgn(omega_m);
     out[1] = F_N * direction_of_motion * c->mu;
     out[2] = omega_m;
     out[3] = direction_of_motion;
@@ -351,7 +349,7 @@ ECCENTRIC_REAL c1_perpendicular_voltage(
     const c1_perpendicular_coefficients *c)
 {
     const real F_N = c->L_M_mu2 * omega_m * omega_m;
-    const real direction_of_motion = sgn(omega_m);
+    const real direction_of_motion = c1_perpendicular_sgn(omega_m);
     const real part_1 = direction_of_motion * (c->C_lN_R_mu_per_k_i * F_N + c->constant_3);
     const real part_2 = c->R_per_k_i * ((alpha_m == REAL(0.0)) ? REAL(0.0) : c->J * alpha_m);
     const real part_3 = omega_m * (c->B_lN_R_mu2_per_k_i * F_N + c->constant_2);
@@ -376,7 +374,7 @@ ECCENTRIC_REAL c1_perpendicular_current(
     const c1_perpendicular_coefficients *c)
 {
     const real F_N = c->L_M_mu2 * omega_m * omega_m;
-    const real direction_of_motion = sgn(omega_m);
+    const real direction_of_motion = c1_perpendicular_sgn(omega_m);
     const real part_1 = direction_of_motion * (c->C_lN_mu_per_k_i * F_N + c->constant_5);
     const real part_2 = c->per_k_i * ((alpha_m == REAL(0.0)) ? REAL(0.0) : c->J * alpha_m);
     const real part_3 = omega_m * (c->B_lN_mu2_per_k_i * F_N + c->constant_4);
@@ -402,7 +400,7 @@ ECCENTRIC_REAL c1_perpendicular_mechanical_residual(
     const c1_perpendicular_coefficients *c)
 {
     const real F_N = c->L_M_mu2 * omega_m * omega_m;
-    const real direction_of_motion = sgn(omega_m);
+    const real direction_of_motion = c1_perpendicular_sgn(omega_m);
     const real part_2 = F_N * c->minus_C_lN_mu + c->minus_C_lT_F_T_mu_minus_C_m;
     const real part_1 = direction_of_motion * part_2;
     const real part_3 = omega_m * (F_N * c->minus_B_lN_mu2 + c->minus_B_lT_F_T_mu2_minus_B_m);
@@ -452,3 +450,7 @@ void c1_perpendicular_polynomial(ECCENTRIC_REAL *out, const c1_perpendicular_coe
     out[2] = c->constant_6;
     out[3] = c->C;
 }
+
+#undef real
+#undef REAL
+

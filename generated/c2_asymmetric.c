@@ -12,16 +12,14 @@
 #error "c2_asymmetric.c and c2_asymmetric.h are of different derivations: write both again with make derive"
 #endif
 
-/* ECCENTRIC_SINGLE is 1 where ECCENTRIC_REAL is float. */
-#define ECCENTRIC_SINGLE_float 1
-#define ECCENTRIC_SINGLE_double 0
-#define ECCENTRIC_JOIN_(a, b) a##b
-#define ECCENTRIC_JOIN(a, b) ECCENTRIC_JOIN_(a, b)
-#define ECCENTRIC_SINGLE ECCENTRIC_JOIN(ECCENTRIC_SINGLE_, ECCENTRIC_REAL)
+#if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__) || \
+    (defined(__FINITE_MATH_ONLY__) && __FINITE_MATH_ONLY__)
+#error "-ffast-math undoes the split of parameters into leading and further digits, and drops NaN"
+#endif
 
-typedef ECCENTRIC_REAL real;
-
-#if ECCENTRIC_SINGLE
+/* Short names for this file alone, taken back at its end: several models may share a translation unit. */
+#define real ECCENTRIC_REAL
+#if ECCENTRIC_PRECISION == 1
 #define REAL(x) x##f
 #define REAL_SQRT(x) sqrtf(x)
 #define REAL_FABS(x) fabsf(x)
@@ -35,40 +33,65 @@ typedef ECCENTRIC_REAL real;
 #define REAL_LARGEST DBL_MAX
 #endif
 
-static inline real sgn(const real x)
+static inline real c2_asymmetric_sgn(const real x)
 {
     return (x > REAL(0.0)) ? REAL(1.0) : ((x < REAL(0.0)) ? REAL(-1.0) : ((x == REAL(0.0)) ? REAL(0.0) : x));
 }
 
-static inline real forward(const real x)
+static inline real c2_asymmetric_forward(const real x)
 {
     return (x > REAL(0.0)) ? REAL(1.0) : ((x <= REAL(0.0)) ? REAL(0.0) : x);
 }
 
 /* sin(h)/h at x = h^2, |h| within a quarter turn; error of the fit 4.3e-9 and 2.1e-19. */
-static inline real sine_series(const real x)
+static inline real c2_asymmetric_sine_series(const real x)
 {
-#if ECCENTRIC_SINGLE
-    return (((REAL(2.60481395e-6) * x + REAL(-1.98088904e-4)) * x + REAL(8.33304849e-3)) * x + REAL(-1.66666579e-1)) * x + REAL(9.99999996e-1);
+#if ECCENTRIC_PRECISION == 1
+    real value = REAL(2.60481395e-6);
+    value = value * x + REAL(-1.98088904e-4);
+    value = value * x + REAL(8.33304849e-3);
+    value = value * x + REAL(-1.66666579e-1);
+    return value * x + REAL(9.99999996e-1);
 #else
-    return (((((((REAL(2.7213978552799456e-15) * x + REAL(-7.6430101545396992e-13)) * x + REAL(1.6058940263949843e-10)) * x + REAL(-2.5052106878642193e-8)) * x + REAL(2.7557319211102121e-6)) * x + REAL(-1.984126984120794e-4)) * x + REAL(8.3333333333331843e-3)) * x + REAL(-1.6666666666666665e-1)) * x + REAL(1.0);
+    real value = REAL(2.7213978552799456e-15);
+    value = value * x + REAL(-7.6430101545396992e-13);
+    value = value * x + REAL(1.6058940263949843e-10);
+    value = value * x + REAL(-2.5052106878642193e-8);
+    value = value * x + REAL(2.7557319211102121e-6);
+    value = value * x + REAL(-1.984126984120794e-4);
+    value = value * x + REAL(8.3333333333331843e-3);
+    value = value * x + REAL(-1.6666666666666665e-1);
+    return value * x + REAL(1.0);
 #endif
 }
 
 /* cos(h) at x = h^2, |h| within a quarter turn; error of the fit 2.2e-10 and 4.0e-18. */
-static inline real cosine_series(const real x)
+static inline real c2_asymmetric_cosine_series(const real x)
 {
-#if ECCENTRIC_SINGLE
-    return ((((REAL(-2.6047719e-7) * x + REAL(2.47599463e-5)) * x + REAL(-1.38883571e-3)) * x + REAL(4.16666359e-2)) * x + REAL(-4.99999993e-1)) * x + REAL(1.0);
+#if ECCENTRIC_PRECISION == 1
+    real value = REAL(-2.6047719e-7);
+    value = value * x + REAL(2.47599463e-5);
+    value = value * x + REAL(-1.38883571e-3);
+    value = value * x + REAL(4.16666359e-2);
+    value = value * x + REAL(-4.99999993e-1);
+    return value * x + REAL(1.0);
 #else
-    return (((((((REAL(4.608641632733578e-14) * x + REAL(-1.1462870836348485e-11)) * x + REAL(2.0876560676087604e-9)) * x + REAL(-2.7557316368436772e-7)) * x + REAL(2.4801587277173477e-5)) * x + REAL(-1.3888888888771598e-3)) * x + REAL(4.1666666666663843e-2)) * x + REAL(-4.9999999999999974e-1)) * x + REAL(1.0);
+    real value = REAL(4.608641632733578e-14);
+    value = value * x + REAL(-1.1462870836348485e-11);
+    value = value * x + REAL(2.0876560676087604e-9);
+    value = value * x + REAL(-2.7557316368436772e-7);
+    value = value * x + REAL(2.4801587277173477e-5);
+    value = value * x + REAL(-1.3888888888771598e-3);
+    value = value * x + REAL(4.1666666666663843e-2);
+    value = value * x + REAL(-4.9999999999999974e-1);
+    return value * x + REAL(1.0);
 #endif
 }
 
 /* The leading digits of x, so few that an odd number of half turns times them is exact. */
-static inline double leading(const double x)
+static inline double c2_asymmetric_leading(const double x)
 {
-    const double scaled = x * (ECCENTRIC_SINGLE ? 4398046511105.0 : 1048577.0);
+    const double scaled = x * (ECCENTRIC_PRECISION == 1 ? 4398046511105.0 : 1048577.0);
     return scaled - (scaled - x);
 }
 
@@ -94,7 +117,7 @@ const c2_asymmetric_parameters c2_asymmetric_default_parameters = {
 };
 
 const c2_asymmetric_coefficients c2_asymmetric_default = {
-#if ECCENTRIC_SINGLE
+#if ECCENTRIC_PRECISION == 1
     (real)(0.004), /* B_lN_neg */
     (real)(0.004), /* B_lN_pos */
     (real)(4.0e-4), /* B_m_neg */
@@ -240,8 +263,8 @@ void c2_asymmetric_prepare(const c2_asymmetric_parameters *p, c2_asymmetric_coef
     const double omega_star_1 = (double)(real)(omega_star);
     const double omega_star_2 = (double)(real)(omega_star - omega_star_1);
     const double half_period = 3.1415926535897932 / p->mu;
-    const double half_period_1 = leading(half_period);
-    const double half_period_2 = leading(half_period - half_period_1);
+    const double half_period_1 = c2_asymmetric_leading(half_period);
+    const double half_period_2 = c2_asymmetric_leading(half_period - half_period_1);
     const double half_period_3 = (double)(real)(half_period - half_period_1 - half_period_2);
     const double turns_per_rad = 0.5 * p->mu / 3.1415926535897932;
     const double half_mu = 0.5 * p->mu;
@@ -368,7 +391,7 @@ ECCENTRIC_REAL c2_asymmetric_normal_force(
     const real bounded = ((REAL_FABS(from_top) <= c->period) ? from_top : theta_m - theta_m);
     const real half_angle = bounded * c->half_mu;
     const real half_angle_squared = half_angle * half_angle;
-    const real half_cosine = half_angle * sine_series(half_angle_squared);
+    const real half_cosine = half_angle * c2_asymmetric_sine_series(half_angle_squared);
     const real p = square_difference;
     const real q = half_cosine * speed * c->twice_omega_star;
     const real magnitude = REAL_SQRT(p * p + q * q);
@@ -400,12 +423,12 @@ ECCENTRIC_REAL c2_asymmetric_friction_torque(
     const real bounded = ((REAL_FABS(from_top) <= c->period) ? from_top : theta_m - theta_m);
     const real half_angle = bounded * c->half_mu;
     const real half_angle_squared = half_angle * half_angle;
-    const real half_cosine = half_angle * sine_series(half_angle_squared);
+    const real half_cosine = half_angle * c2_asymmetric_sine_series(half_angle_squared);
     const real p = square_difference;
     const real q = half_cosine * speed * c->twice_omega_star;
     const real magnitude = REAL_SQRT(p * p + q * q);
     const real F_N = magnitude * c->scale_N;
-    const real direction_of_motion = sgn(omega_m);
+    const real direction_of_motion = c2_asymmetric_sgn(omega_m);
     const real part_3 = F_N * ((omega_m > REAL(0.0)) ? c->B_lN_pos_mu2 : c->B_lN_neg_mu2);
     const real part_4 = ((omega_m > REAL(0.0)) ? c->B_m_pos : c->B_m_neg);
     const real part_2 = c->k_e_k_i_per_R + part_3 + part_4;
@@ -440,12 +463,12 @@ ECCENTRIC_REAL c2_asymmetric_mechanical_friction_torque(
     const real bounded = ((REAL_FABS(from_top) <= c->period) ? from_top : theta_m - theta_m);
     const real half_angle = bounded * c->half_mu;
     const real half_angle_squared = half_angle * half_angle;
-    const real half_cosine = half_angle * sine_series(half_angle_squared);
+    const real half_cosine = half_angle * c2_asymmetric_sine_series(half_angle_squared);
     const real p = square_difference;
     const real q = half_cosine * speed * c->twice_omega_star;
     const real magnitude = REAL_SQRT(p * p + q * q);
     const real F_N = magnitude * c->scale_N;
-    const real direction_of_motion = sgn(omega_m);
+    const real direction_of_motion = c2_asymmetric_sgn(omega_m);
     const real part_3 = F_N * ((omega_m > REAL(0.0)) ? c->C_lN_pos_mu : c->C_lN_neg_mu);
     const real part_2 = part_3 + ((omega_m > REAL(0.0)) ? c->C_m_pos : c->C_m_neg);
     const real part_1 = direction_of_motion * part_2;
@@ -474,7 +497,7 @@ void c2_asymmetric_friction_torque_gradient(
     const c2_asymmetric_coefficients *c)
 {
     const real speed = c->unbalanced * REAL_FABS(omega_m);
-    const real direction_of_motion = sgn(omega_m);
+    const real direction_of_motion = c2_asymmetric_sgn(omega_m);
     const real speed_d_omega_m = direction_of_motion * c->unbalanced;
     const real square_difference = (speed - c->omega_star_1 - c->omega_star_2) * (speed + c->omega_star_1);
     const real halves = REAL(2.0) * REAL_FLOOR(theta_m * c->turns_per_rad) + REAL(1.0);
@@ -482,18 +505,18 @@ void c2_asymmetric_friction_torque_gradient(
     const real bounded = ((REAL_FABS(from_top) <= c->period) ? from_top : theta_m - theta_m);
     const real half_angle = bounded * c->half_mu;
     const real half_angle_squared = half_angle * half_angle;
-    const real half_cosine = half_angle * sine_series(half_angle_squared);
+    const real half_cosine = half_angle * c2_asymmetric_sine_series(half_angle_squared);
     const real p = square_difference;
     const real q = half_cosine * speed * c->twice_omega_star;
     const real magnitude = REAL_SQRT(p * p + q * q);
     const real F_N = magnitude * c->scale_N;
-    const real half_sine = cosine_series(half_angle_squared);
+    const real half_sine = c2_asymmetric_cosine_series(half_angle_squared);
     const real divisor = ((magnitude == REAL(0.0)) ? REAL(1.0) : magnitude);
-    const real limit = ((REAL_FABS(q) > REAL_FABS(p)) ? sgn(q) : REAL(0.0));
+    const real limit = ((REAL_FABS(q) > REAL_FABS(p)) ? c2_asymmetric_sgn(q) : REAL(0.0));
     const real cosine = ((magnitude > REAL_LARGEST) ? limit : q / divisor);
     const real ungated = half_sine * c->mu_omega_star_scale_N * speed;
     const real F_N_d_theta_m = ((cosine == REAL(0.0)) ? REAL(0.0) : ungated * cosine);
-    const real limit_2 = ((REAL_FABS(p) > REAL_FABS(q)) ? sgn(p) : REAL(0.0));
+    const real limit_2 = ((REAL_FABS(p) > REAL_FABS(q)) ? c2_asymmetric_sgn(p) : REAL(0.0));
     const real cosine_2 = ((magnitude > REAL_LARGEST) ? limit_2 : p / divisor);
     const real ungated_2 = REAL(2.0) * speed;
     const real ungated_3 = half_cosine * c->twice_omega_star;
@@ -539,17 +562,17 @@ void c2_asymmetric_friction_torque_jacobian(
     const real bounded = ((REAL_FABS(from_top) <= c->period) ? from_top : theta_m - theta_m);
     const real half_angle = bounded * c->half_mu;
     const real half_angle_squared = half_angle * half_angle;
-    const real half_cosine = half_angle * sine_series(half_angle_squared);
+    const real half_cosine = half_angle * c2_asymmetric_sine_series(half_angle_squared);
     const real p = square_difference;
     const real q = half_cosine * speed * c->twice_omega_star;
     const real magnitude = REAL_SQRT(p * p + q * q);
     const real F_N = magnitude * c->scale_N;
-    const real is_forward = forward(omega_m);
+    const real is_forward = c2_asymmetric_forward(omega_m);
     const real ungated = F_N * c->mu2 * omega_m;
     out[0] = ((is_forward == REAL(0.0)) ? REAL(0.0) : ungated * is_forward);
-    const real is_backward = forward(-(omega_m));
+    const real is_backward = c2_asymmetric_forward(-(omega_m));
     out[1] = ((is_backward == REAL(0.0)) ? REAL(0.0) : ungated * is_backward);
-    const real direction_of_motion = sgn(omega_m);
+    const real direction_of_motion = c2_asymmetric_sgn(omega_m);
     const real ungated_2 = F_N * direction_of_motion * c->mu;
     out[2] = ((is_forward == REAL(0.0)) ? REAL(0.0) : ungated_2 * is_forward);
     out[3] = ((is_backward == REAL(0.0)) ? REAL(0.0) : ungated_2 * is_backward);
@@ -584,17 +607,17 @@ void c2_asymmetric_regressor(
     const real bounded = ((REAL_FABS(from_top) <= c->period) ? from_top : theta_m - theta_m);
     const real half_angle = bounded * c->half_mu;
     const real half_angle_squared = half_angle * half_angle;
-    const real half_cosine = half_angle * sine_series(half_angle_squared);
+    const real half_cosine = half_angle * c2_asymmetric_sine_series(half_angle_squared);
     const real p = square_difference;
     const real q = half_cosine * speed * c->twice_omega_star;
     const real magnitude = REAL_SQRT(p * p + q * q);
     const real F_N = magnitude * c->scale_N;
-    const real is_forward = forward(omega_m);
+    const real is_forward = c2_asymmetric_forward(omega_m);
     const real ungated = F_N * c->mu2 * omega_m;
     out[0] = ((is_forward == REAL(0.0)) ? REAL(0.0) : ungated * is_forward);
-    const real is_backward = forward(-(omega_m));
+    const real is_backward = c2_asymmetric_forward(-(omega_m));
     out[1] = ((is_backward == REAL(0.0)) ? REAL(0.0) : ungated * is_backward);
-    const real direction_of_motion = sgn(omega_m);
+    const real direction_of_motion = c2_asymmetric_sgn(omega_m);
     const real ungated_2 = F_N * direction_of_motion * c->mu;
     out[2] = ((is_forward == REAL(0.0)) ? REAL(0.0) : ungated_2 * is_forward);
     out[3] = ((is_backward == REAL(0.0)) ? REAL(0.0) : ungated_2 * is_backward);
@@ -641,8 +664,8 @@ ECCENTRIC_REAL c2_asymmetric_gravity_torque(ECCENTRIC_REAL theta_m, const c2_asy
     const real bounded = ((REAL_FABS(from_top) <= c->period) ? from_top : theta_m - theta_m);
     const real half_angle = bounded * c->half_mu;
     const real half_angle_squared = half_angle * half_angle;
-    const real half_cosine = half_angle * sine_series(half_angle_squared);
-    const real half_sine = cosine_series(half_angle_squared);
+    const real half_cosine = half_angle * c2_asymmetric_sine_series(half_angle_squared);
+    const real half_sine = c2_asymmetric_cosine_series(half_angle_squared);
     return half_cosine * half_sine * c->minus_twice_L_M_g_mu;
 }
 
@@ -670,13 +693,13 @@ ECCENTRIC_REAL c2_asymmetric_voltage(
     const real bounded = ((REAL_FABS(from_top) <= c->period) ? from_top : theta_m - theta_m);
     const real half_angle = bounded * c->half_mu;
     const real half_angle_squared = half_angle * half_angle;
-    const real half_cosine = half_angle * sine_series(half_angle_squared);
+    const real half_cosine = half_angle * c2_asymmetric_sine_series(half_angle_squared);
     const real p = square_difference;
     const real q = half_cosine * speed * c->twice_omega_star;
     const real magnitude = REAL_SQRT(p * p + q * q);
     const real F_N = magnitude * c->scale_N;
-    const real direction_of_motion = sgn(omega_m);
-    const real half_sine = cosine_series(half_angle_squared);
+    const real direction_of_motion = c2_asymmetric_sgn(omega_m);
+    const real half_sine = c2_asymmetric_cosine_series(half_angle_squared);
     const real part_4 = ((omega_m > REAL(0.0)) ? c->C_lN_pos_R_mu_per_k_i : c->C_lN_neg_R_mu_per_k_i);
     const real part_3 = F_N * part_4;
     const real part_5 = ((omega_m > REAL(0.0)) ? c->C_m_pos_R_per_k_i : c->C_m_neg_R_per_k_i);
@@ -718,13 +741,13 @@ ECCENTRIC_REAL c2_asymmetric_current(
     const real bounded = ((REAL_FABS(from_top) <= c->period) ? from_top : theta_m - theta_m);
     const real half_angle = bounded * c->half_mu;
     const real half_angle_squared = half_angle * half_angle;
-    const real half_cosine = half_angle * sine_series(half_angle_squared);
+    const real half_cosine = half_angle * c2_asymmetric_sine_series(half_angle_squared);
     const real p = square_difference;
     const real q = half_cosine * speed * c->twice_omega_star;
     const real magnitude = REAL_SQRT(p * p + q * q);
     const real F_N = magnitude * c->scale_N;
-    const real direction_of_motion = sgn(omega_m);
-    const real half_sine = cosine_series(half_angle_squared);
+    const real direction_of_motion = c2_asymmetric_sgn(omega_m);
+    const real half_sine = c2_asymmetric_cosine_series(half_angle_squared);
     const real part_4 = ((omega_m > REAL(0.0)) ? c->C_lN_pos_mu_per_k_i : c->C_lN_neg_mu_per_k_i);
     const real part_3 = F_N * part_4;
     const real part_2 = part_3 + ((omega_m > REAL(0.0)) ? c->C_m_pos_per_k_i : c->C_m_neg_per_k_i);
@@ -765,13 +788,13 @@ ECCENTRIC_REAL c2_asymmetric_mechanical_residual(
     const real bounded = ((REAL_FABS(from_top) <= c->period) ? from_top : theta_m - theta_m);
     const real half_angle = bounded * c->half_mu;
     const real half_angle_squared = half_angle * half_angle;
-    const real half_cosine = half_angle * sine_series(half_angle_squared);
+    const real half_cosine = half_angle * c2_asymmetric_sine_series(half_angle_squared);
     const real p = square_difference;
     const real q = half_cosine * speed * c->twice_omega_star;
     const real magnitude = REAL_SQRT(p * p + q * q);
     const real F_N = magnitude * c->scale_N;
-    const real direction_of_motion = sgn(omega_m);
-    const real half_sine = cosine_series(half_angle_squared);
+    const real direction_of_motion = c2_asymmetric_sgn(omega_m);
+    const real half_sine = c2_asymmetric_cosine_series(half_angle_squared);
     const real part_3 = F_N * ((omega_m > REAL(0.0)) ? c->minus_C_lN_pos_mu : c->minus_C_lN_neg_mu);
     const real part_2 = part_3 + ((omega_m > REAL(0.0)) ? c->minus_C_m_pos : c->minus_C_m_neg);
     const real part_1 = direction_of_motion * part_2;
@@ -819,3 +842,11 @@ void c2_asymmetric_electrical_residual_n(
         out[k] = c2_asymmetric_electrical_residual(omega_m[k], i[k], u[k], c);
     }
 }
+
+#undef real
+#undef REAL
+#undef REAL_SQRT
+#undef REAL_FABS
+#undef REAL_FLOOR
+#undef REAL_LARGEST
+

@@ -12,16 +12,14 @@
 #error "rotating_link.c and rotating_link.h are of different derivations: write both again with make derive"
 #endif
 
-/* ECCENTRIC_SINGLE is 1 where ECCENTRIC_REAL is float. */
-#define ECCENTRIC_SINGLE_float 1
-#define ECCENTRIC_SINGLE_double 0
-#define ECCENTRIC_JOIN_(a, b) a##b
-#define ECCENTRIC_JOIN(a, b) ECCENTRIC_JOIN_(a, b)
-#define ECCENTRIC_SINGLE ECCENTRIC_JOIN(ECCENTRIC_SINGLE_, ECCENTRIC_REAL)
+#if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__) || \
+    (defined(__FINITE_MATH_ONLY__) && __FINITE_MATH_ONLY__)
+#error "-ffast-math undoes the split of parameters into leading and further digits, and drops NaN"
+#endif
 
-typedef ECCENTRIC_REAL real;
-
-#if ECCENTRIC_SINGLE
+/* Short names for this file alone, taken back at its end: several models may share a translation unit. */
+#define real ECCENTRIC_REAL
+#if ECCENTRIC_PRECISION == 1
 #define REAL(x) x##f
 #define REAL_SQRT(x) sqrtf(x)
 #define REAL_FABS(x) fabsf(x)
@@ -35,35 +33,60 @@ typedef ECCENTRIC_REAL real;
 #define REAL_LARGEST DBL_MAX
 #endif
 
-static inline real sgn(const real x)
+static inline real rotating_link_sgn(const real x)
 {
     return (x > REAL(0.0)) ? REAL(1.0) : ((x < REAL(0.0)) ? REAL(-1.0) : ((x == REAL(0.0)) ? REAL(0.0) : x));
 }
 
 /* sin(h)/h at x = h^2, |h| within a quarter turn; error of the fit 4.3e-9 and 2.1e-19. */
-static inline real sine_series(const real x)
+static inline real rotating_link_sine_series(const real x)
 {
-#if ECCENTRIC_SINGLE
-    return (((REAL(2.60481395e-6) * x + REAL(-1.98088904e-4)) * x + REAL(8.33304849e-3)) * x + REAL(-1.66666579e-1)) * x + REAL(9.99999996e-1);
+#if ECCENTRIC_PRECISION == 1
+    real value = REAL(2.60481395e-6);
+    value = value * x + REAL(-1.98088904e-4);
+    value = value * x + REAL(8.33304849e-3);
+    value = value * x + REAL(-1.66666579e-1);
+    return value * x + REAL(9.99999996e-1);
 #else
-    return (((((((REAL(2.7213978552799456e-15) * x + REAL(-7.6430101545396992e-13)) * x + REAL(1.6058940263949843e-10)) * x + REAL(-2.5052106878642193e-8)) * x + REAL(2.7557319211102121e-6)) * x + REAL(-1.984126984120794e-4)) * x + REAL(8.3333333333331843e-3)) * x + REAL(-1.6666666666666665e-1)) * x + REAL(1.0);
+    real value = REAL(2.7213978552799456e-15);
+    value = value * x + REAL(-7.6430101545396992e-13);
+    value = value * x + REAL(1.6058940263949843e-10);
+    value = value * x + REAL(-2.5052106878642193e-8);
+    value = value * x + REAL(2.7557319211102121e-6);
+    value = value * x + REAL(-1.984126984120794e-4);
+    value = value * x + REAL(8.3333333333331843e-3);
+    value = value * x + REAL(-1.6666666666666665e-1);
+    return value * x + REAL(1.0);
 #endif
 }
 
 /* cos(h) at x = h^2, |h| within a quarter turn; error of the fit 2.2e-10 and 4.0e-18. */
-static inline real cosine_series(const real x)
+static inline real rotating_link_cosine_series(const real x)
 {
-#if ECCENTRIC_SINGLE
-    return ((((REAL(-2.6047719e-7) * x + REAL(2.47599463e-5)) * x + REAL(-1.38883571e-3)) * x + REAL(4.16666359e-2)) * x + REAL(-4.99999993e-1)) * x + REAL(1.0);
+#if ECCENTRIC_PRECISION == 1
+    real value = REAL(-2.6047719e-7);
+    value = value * x + REAL(2.47599463e-5);
+    value = value * x + REAL(-1.38883571e-3);
+    value = value * x + REAL(4.16666359e-2);
+    value = value * x + REAL(-4.99999993e-1);
+    return value * x + REAL(1.0);
 #else
-    return (((((((REAL(4.608641632733578e-14) * x + REAL(-1.1462870836348485e-11)) * x + REAL(2.0876560676087604e-9)) * x + REAL(-2.7557316368436772e-7)) * x + REAL(2.4801587277173477e-5)) * x + REAL(-1.3888888888771598e-3)) * x + REAL(4.1666666666663843e-2)) * x + REAL(-4.9999999999999974e-1)) * x + REAL(1.0);
+    real value = REAL(4.608641632733578e-14);
+    value = value * x + REAL(-1.1462870836348485e-11);
+    value = value * x + REAL(2.0876560676087604e-9);
+    value = value * x + REAL(-2.7557316368436772e-7);
+    value = value * x + REAL(2.4801587277173477e-5);
+    value = value * x + REAL(-1.3888888888771598e-3);
+    value = value * x + REAL(4.1666666666663843e-2);
+    value = value * x + REAL(-4.9999999999999974e-1);
+    return value * x + REAL(1.0);
 #endif
 }
 
 /* The leading digits of x, so few that an odd number of half turns times them is exact. */
-static inline double leading(const double x)
+static inline double rotating_link_leading(const double x)
 {
-    const double scaled = x * (ECCENTRIC_SINGLE ? 4398046511105.0 : 1048577.0);
+    const double scaled = x * (ECCENTRIC_PRECISION == 1 ? 4398046511105.0 : 1048577.0);
     return scaled - (scaled - x);
 }
 
@@ -89,7 +112,7 @@ const rotating_link_parameters rotating_link_default_parameters = {
 };
 
 const rotating_link_coefficients rotating_link_default = {
-#if ECCENTRIC_SINGLE
+#if ECCENTRIC_PRECISION == 1
     (real)(0.004), /* B_lN */
     (real)(0.08), /* C_lN */
     (real)(0.02), /* k_i */
@@ -214,8 +237,8 @@ void rotating_link_prepare(const rotating_link_parameters *p, rotating_link_coef
     const double unbalanced_per_mu = unbalanced / p->mu;
     const double minus_twice_omega_star2 = -2.0 * omega_star * omega_star;
     const double half_period = 3.1415926535897932 / p->mu;
-    const double half_period_1 = leading(half_period);
-    const double half_period_2 = leading(half_period - half_period_1);
+    const double half_period_1 = rotating_link_leading(half_period);
+    const double half_period_2 = rotating_link_leading(half_period - half_period_1);
     const double half_period_3 = (double)(real)(half_period - half_period_1 - half_period_2);
     const double turns_per_rad = 0.5 * p->mu / 3.1415926535897932;
     const double half_mu = 0.5 * p->mu;
@@ -328,9 +351,9 @@ ECCENTRIC_REAL rotating_link_normal_force(
     const real bounded = ((REAL_FABS(from_top) <= c->period) ? from_top : theta_m - theta_m);
     const real half_angle = bounded * c->half_mu;
     const real half_angle_squared = half_angle * half_angle;
-    const real half_cosine = half_angle * sine_series(half_angle_squared);
+    const real half_cosine = half_angle * rotating_link_sine_series(half_angle_squared);
     const real square_difference = (speed - c->omega_star_1 - c->omega_star_2) * (speed + c->omega_star_1);
-    const real half_sine = cosine_series(half_angle_squared);
+    const real half_sine = rotating_link_cosine_series(half_angle_squared);
     const real p = half_cosine * half_cosine * c->twice_omega_star2 + square_difference;
     const real part_1 = half_cosine * half_sine * c->minus_twice_omega_star2;
     const real q = alpha_m * c->unbalanced_per_mu + part_1;
@@ -364,16 +387,16 @@ ECCENTRIC_REAL rotating_link_friction_torque(
     const real bounded = ((REAL_FABS(from_top) <= c->period) ? from_top : theta_m - theta_m);
     const real half_angle = bounded * c->half_mu;
     const real half_angle_squared = half_angle * half_angle;
-    const real half_cosine = half_angle * sine_series(half_angle_squared);
+    const real half_cosine = half_angle * rotating_link_sine_series(half_angle_squared);
     const real square_difference = (speed - c->omega_star_1 - c->omega_star_2) * (speed + c->omega_star_1);
-    const real half_sine = cosine_series(half_angle_squared);
+    const real half_sine = rotating_link_cosine_series(half_angle_squared);
     const real p = half_cosine * half_cosine * c->twice_omega_star2 + square_difference;
     const real part_1 = half_cosine * half_sine * c->minus_twice_omega_star2;
     const real q = alpha_m * c->unbalanced_per_mu + part_1;
     const real magnitude = REAL_SQRT(p * p + q * q);
     const real F_N = magnitude * c->scale_N;
     const real ungated = c->B_lN_mu2 * F_N + c->constant;
-    const real direction_of_motion = sgn(omega_m);
+    const real direction_of_motion = rotating_link_sgn(omega_m);
     const real ungated_2 = c->C + c->C_lN_mu * F_N;
     const real part_2 = ((direction_of_motion == REAL(0.0)) ? REAL(0.0) : ungated_2 * direction_of_motion);
     return part_2 + ((omega_m == REAL(0.0)) ? REAL(0.0) : ungated * omega_m);
@@ -404,16 +427,16 @@ ECCENTRIC_REAL rotating_link_mechanical_friction_torque(
     const real bounded = ((REAL_FABS(from_top) <= c->period) ? from_top : theta_m - theta_m);
     const real half_angle = bounded * c->half_mu;
     const real half_angle_squared = half_angle * half_angle;
-    const real half_cosine = half_angle * sine_series(half_angle_squared);
+    const real half_cosine = half_angle * rotating_link_sine_series(half_angle_squared);
     const real square_difference = (speed - c->omega_star_1 - c->omega_star_2) * (speed + c->omega_star_1);
-    const real half_sine = cosine_series(half_angle_squared);
+    const real half_sine = rotating_link_cosine_series(half_angle_squared);
     const real p = half_cosine * half_cosine * c->twice_omega_star2 + square_difference;
     const real part_1 = half_cosine * half_sine * c->minus_twice_omega_star2;
     const real q = alpha_m * c->unbalanced_per_mu + part_1;
     const real magnitude = REAL_SQRT(p * p + q * q);
     const real F_N = magnitude * c->scale_N;
     const real ungated = c->B + c->B_lN_mu2 * F_N;
-    const real direction_of_motion = sgn(omega_m);
+    const real direction_of_motion = rotating_link_sgn(omega_m);
     const real ungated_2 = c->C + c->C_lN_mu * F_N;
     const real part_2 = ((direction_of_motion == REAL(0.0)) ? REAL(0.0) : ungated_2 * direction_of_motion);
     return part_2 + ((omega_m == REAL(0.0)) ? REAL(0.0) : ungated * omega_m);
@@ -440,26 +463,26 @@ void rotating_link_friction_torque_gradient(
     const rotating_link_coefficients *c)
 {
     const real speed = c->unbalanced * REAL_FABS(omega_m);
-    const real direction_of_motion = sgn(omega_m);
+    const real direction_of_motion = rotating_link_sgn(omega_m);
     const real speed_d_omega_m = direction_of_motion * c->unbalanced;
     const real halves = REAL(2.0) * REAL_FLOOR(theta_m * c->turns_per_rad) + REAL(1.0);
     const real from_top = theta_m - halves * c->half_period_1 - halves * c->half_period_2 - halves * c->half_period_3;
     const real bounded = ((REAL_FABS(from_top) <= c->period) ? from_top : theta_m - theta_m);
     const real half_angle = bounded * c->half_mu;
     const real half_angle_squared = half_angle * half_angle;
-    const real half_cosine = half_angle * sine_series(half_angle_squared);
+    const real half_cosine = half_angle * rotating_link_sine_series(half_angle_squared);
     const real square_difference = (speed - c->omega_star_1 - c->omega_star_2) * (speed + c->omega_star_1);
-    const real half_sine = cosine_series(half_angle_squared);
+    const real half_sine = rotating_link_cosine_series(half_angle_squared);
     const real p = half_cosine * half_cosine * c->twice_omega_star2 + square_difference;
     const real part_1 = half_cosine * half_sine * c->minus_twice_omega_star2;
     const real q = alpha_m * c->unbalanced_per_mu + part_1;
     const real magnitude = REAL_SQRT(p * p + q * q);
     const real F_N = magnitude * c->scale_N;
     const real divisor = ((magnitude == REAL(0.0)) ? REAL(1.0) : magnitude);
-    const real limit = ((REAL_FABS(p) > REAL_FABS(q)) ? sgn(p) : REAL(0.0));
+    const real limit = ((REAL_FABS(p) > REAL_FABS(q)) ? rotating_link_sgn(p) : REAL(0.0));
     const real cosine = ((magnitude > REAL_LARGEST) ? limit : p / divisor);
     const real ungated = half_cosine * half_sine * c->twice_mu_omega_star2;
-    const real limit_2 = ((REAL_FABS(q) > REAL_FABS(p)) ? sgn(q) : REAL(0.0));
+    const real limit_2 = ((REAL_FABS(q) > REAL_FABS(p)) ? rotating_link_sgn(q) : REAL(0.0));
     const real cosine_2 = ((magnitude > REAL_LARGEST) ? limit_2 : q / divisor);
     const real part_2 = half_sine * half_sine * c->minus_mu_omega_star2;
     const real ungated_2 = half_cosine * half_cosine * c->mu_omega_star2 + part_2;
@@ -504,9 +527,9 @@ void rotating_link_friction_torque_jacobian(
     const real bounded = ((REAL_FABS(from_top) <= c->period) ? from_top : theta_m - theta_m);
     const real half_angle = bounded * c->half_mu;
     const real half_angle_squared = half_angle * half_angle;
-    const real half_cosine = half_angle * sine_series(half_angle_squared);
+    const real half_cosine = half_angle * rotating_link_sine_series(half_angle_squared);
     const real square_difference = (speed - c->omega_star_1 - c->omega_star_2) * (speed + c->omega_star_1);
-    const real half_sine = cosine_series(half_angle_squared);
+    const real half_sine = rotating_link_cosine_series(half_angle_squared);
     const real p = half_cosine * half_cosine * c->twice_omega_star2 + square_difference;
     const real part_1 = half_cosine * half_sine * c->minus_twice_omega_star2;
     const real q = alpha_m * c->unbalanced_per_mu + part_1;
@@ -514,7 +537,7 @@ void rotating_link_friction_torque_jacobian(
     const real F_N = magnitude * c->scale_N;
     const real ungated = F_N * c->mu2;
     out[0] = ((omega_m == REAL(0.0)) ? REAL(0.0) : ungated * omega_m);
-    const real direction_of_motion = sgn(omega_m);
+    const real direction_of_motion = rotating_link_sgn(omega_m);
     const real ungated_2 = F_N * c->mu;
     out[1] = ((direction_of_motion == REAL(0.0)) ? REAL(0.0) : ungated_2 * direction_of_motion);
     out[2] = c->F_T_mu2_sin_phi * omega_m;
@@ -549,9 +572,9 @@ void rotating_link_regressor(
     const real bounded = ((REAL_FABS(from_top) <= c->period) ? from_top : theta_m - theta_m);
     const real half_angle = bounded * c->half_mu;
     const real half_angle_squared = half_angle * half_angle;
-    const real half_cosine = half_angle * sine_series(half_angle_squared);
+    const real half_cosine = half_angle * rotating_link_sine_series(half_angle_squared);
     const real square_difference = (speed - c->omega_star_1 - c->omega_star_2) * (speed + c->omega_star_1);
-    const real half_sine = cosine_series(half_angle_squared);
+    const real half_sine = rotating_link_cosine_series(half_angle_squared);
     const real p = half_cosine * half_cosine * c->twice_omega_star2 + square_difference;
     const real part_1 = half_cosine * half_sine * c->minus_twice_omega_star2;
     const real q = alpha_m * c->unbalanced_per_mu + part_1;
@@ -559,7 +582,7 @@ void rotating_link_regressor(
     const real F_N = magnitude * c->scale_N;
     const real ungated = F_N * c->mu2;
     out[0] = ((omega_m == REAL(0.0)) ? REAL(0.0) : ungated * omega_m);
-    const real direction_of_motion = sgn(omega_m);
+    const real direction_of_motion = rotating_link_sgn(omega_m);
     const real ungated_2 = F_N * c->mu;
     out[1] = ((direction_of_motion == REAL(0.0)) ? REAL(0.0) : ungated_2 * direction_of_motion);
     out[2] = omega_m;
@@ -597,8 +620,8 @@ ECCENTRIC_REAL rotating_link_coulomb_torque(
     const real bounded = ((REAL_FABS(from_top) <= c->period) ? from_top : theta_m - theta_m);
     const real half_angle = bounded * c->half_mu;
     const real half_angle_squared = half_angle * half_angle;
-    const real half_cosine = half_angle * sine_series(half_angle_squared);
-    const real half_sine = cosine_series(half_angle_squared);
+    const real half_cosine = half_angle * rotating_link_sine_series(half_angle_squared);
+    const real half_sine = rotating_link_cosine_series(half_angle_squared);
     const real p = half_cosine * half_cosine * c->twice_omega_star2 + c->minus_omega_star2;
     const real part_1 = half_cosine * half_sine * c->minus_twice_omega_star2;
     const real q = alpha_m * c->unbalanced_per_mu + part_1;
@@ -625,8 +648,8 @@ ECCENTRIC_REAL rotating_link_gravity_torque(ECCENTRIC_REAL theta_m, const rotati
     const real bounded = ((REAL_FABS(from_top) <= c->period) ? from_top : theta_m - theta_m);
     const real half_angle = bounded * c->half_mu;
     const real half_angle_squared = half_angle * half_angle;
-    const real half_cosine = half_angle * sine_series(half_angle_squared);
-    const real half_sine = cosine_series(half_angle_squared);
+    const real half_cosine = half_angle * rotating_link_sine_series(half_angle_squared);
+    const real half_sine = rotating_link_cosine_series(half_angle_squared);
     return half_cosine * half_sine * c->minus_twice_L_M_g_p_mu;
 }
 
@@ -653,15 +676,15 @@ ECCENTRIC_REAL rotating_link_voltage(
     const real bounded = ((REAL_FABS(from_top) <= c->period) ? from_top : theta_m - theta_m);
     const real half_angle = bounded * c->half_mu;
     const real half_angle_squared = half_angle * half_angle;
-    const real half_cosine = half_angle * sine_series(half_angle_squared);
+    const real half_cosine = half_angle * rotating_link_sine_series(half_angle_squared);
     const real square_difference = (speed - c->omega_star_1 - c->omega_star_2) * (speed + c->omega_star_1);
-    const real half_sine = cosine_series(half_angle_squared);
+    const real half_sine = rotating_link_cosine_series(half_angle_squared);
     const real p = half_cosine * half_cosine * c->twice_omega_star2 + square_difference;
     const real part_1 = half_cosine * half_sine * c->minus_twice_omega_star2;
     const real q = alpha_m * c->unbalanced_per_mu + part_1;
     const real magnitude = REAL_SQRT(p * p + q * q);
     const real F_N = magnitude * c->scale_N;
-    const real direction_of_motion = sgn(omega_m);
+    const real direction_of_motion = rotating_link_sgn(omega_m);
     const real ungated = c->C_lN_R_mu_per_k_i * F_N + c->constant_3;
     const real ungated_2 = c->B_lN_R_mu2_per_k_i * F_N + c->constant_4;
     const real part_2 = ((direction_of_motion == REAL(0.0)) ? REAL(0.0) : ungated * direction_of_motion);
@@ -695,16 +718,16 @@ ECCENTRIC_REAL rotating_link_current(
     const real bounded = ((REAL_FABS(from_top) <= c->period) ? from_top : theta_m - theta_m);
     const real half_angle = bounded * c->half_mu;
     const real half_angle_squared = half_angle * half_angle;
-    const real half_cosine = half_angle * sine_series(half_angle_squared);
+    const real half_cosine = half_angle * rotating_link_sine_series(half_angle_squared);
     const real square_difference = (speed - c->omega_star_1 - c->omega_star_2) * (speed + c->omega_star_1);
-    const real half_sine = cosine_series(half_angle_squared);
+    const real half_sine = rotating_link_cosine_series(half_angle_squared);
     const real p = half_cosine * half_cosine * c->twice_omega_star2 + square_difference;
     const real part_1 = half_cosine * half_sine * c->minus_twice_omega_star2;
     const real q = alpha_m * c->unbalanced_per_mu + part_1;
     const real magnitude = REAL_SQRT(p * p + q * q);
     const real F_N = magnitude * c->scale_N;
     const real ungated = c->B_lN_mu2_per_k_i * F_N + c->constant_5;
-    const real direction_of_motion = sgn(omega_m);
+    const real direction_of_motion = rotating_link_sgn(omega_m);
     const real ungated_2 = c->C_lN_mu_per_k_i * F_N + c->constant_6;
     const real part_2 = ((direction_of_motion == REAL(0.0)) ? REAL(0.0) : ungated_2 * direction_of_motion);
     const real part_3 = half_cosine * half_sine * c->minus_twice_L_M_g_p_mu_per_k_i;
@@ -739,16 +762,16 @@ ECCENTRIC_REAL rotating_link_mechanical_residual(
     const real bounded = ((REAL_FABS(from_top) <= c->period) ? from_top : theta_m - theta_m);
     const real half_angle = bounded * c->half_mu;
     const real half_angle_squared = half_angle * half_angle;
-    const real half_cosine = half_angle * sine_series(half_angle_squared);
+    const real half_cosine = half_angle * rotating_link_sine_series(half_angle_squared);
     const real square_difference = (speed - c->omega_star_1 - c->omega_star_2) * (speed + c->omega_star_1);
-    const real half_sine = cosine_series(half_angle_squared);
+    const real half_sine = rotating_link_cosine_series(half_angle_squared);
     const real p = half_cosine * half_cosine * c->twice_omega_star2 + square_difference;
     const real part_1 = half_cosine * half_sine * c->minus_twice_omega_star2;
     const real q = alpha_m * c->unbalanced_per_mu + part_1;
     const real magnitude = REAL_SQRT(p * p + q * q);
     const real F_N = magnitude * c->scale_N;
     const real ungated = F_N * c->minus_B_lN_mu2 + c->constant_7;
-    const real direction_of_motion = sgn(omega_m);
+    const real direction_of_motion = rotating_link_sgn(omega_m);
     const real ungated_2 = F_N * c->minus_C_lN_mu + c->constant_8;
     const real part_2 = ((direction_of_motion == REAL(0.0)) ? REAL(0.0) : ungated_2 * direction_of_motion);
     const real part_3 = ((omega_m == REAL(0.0)) ? REAL(0.0) : ungated * omega_m);
@@ -792,3 +815,11 @@ void rotating_link_electrical_residual_n(
         out[k] = rotating_link_electrical_residual(omega_m[k], i[k], u[k], c);
     }
 }
+
+#undef real
+#undef REAL
+#undef REAL_SQRT
+#undef REAL_FABS
+#undef REAL_FLOOR
+#undef REAL_LARGEST
+

@@ -11,10 +11,21 @@
 /* ROTATING_LINK_PROGRAM names the derivation that header and source come from; the source checks it. */
 #define ROTATING_LINK_PROGRAM 0x3a862dfcUL
 
-/* The working precision: float or double. Compile all files with the same one. */
+/* The working precision: double, or float by -DECCENTRIC_REAL=float. Files of different precision do not link:
+ * rotating_link_prepare and rotating_link_default carry it in their names. */
 #ifndef ECCENTRIC_REAL
 #define ECCENTRIC_REAL double
 #endif
+#define ECCENTRIC_PRECISION_float 1
+#define ECCENTRIC_PRECISION_double 2
+#define ECCENTRIC_JOIN_(a, b) a##b
+#define ECCENTRIC_JOIN(a, b) ECCENTRIC_JOIN_(a, b)
+#define ECCENTRIC_PRECISION ECCENTRIC_JOIN(ECCENTRIC_PRECISION_, ECCENTRIC_REAL)
+#if ECCENTRIC_PRECISION != 1 && ECCENTRIC_PRECISION != 2
+#error "ECCENTRIC_REAL must be float or double"
+#endif
+#define rotating_link_prepare ECCENTRIC_JOIN(rotating_link_prepare_, ECCENTRIC_REAL)
+#define rotating_link_default ECCENTRIC_JOIN(rotating_link_default_, ECCENTRIC_REAL)
 
 #ifdef __cplusplus
 extern "C" {

@@ -388,7 +388,8 @@ def _evaluate(
     width: int,
 ) -> Any:
     """Run the kernel over the broadcast inputs, block by block; width 0 is a scalar result."""
-    inputs = tuple(x if isinstance(x, np.ndarray | np.generic | float) else np.asarray(x) for x in inputs)
+    # Numbers of Python's have no precision of their own: they leave a float32 beside them what it is.
+    inputs = tuple(x if isinstance(x, np.ndarray | np.generic | float | int) else np.asarray(x) for x in inputs)
     real = np.float32 if inputs and np.result_type(*inputs) == np.float32 else np.float64
     arrays = [np.asarray(x, dtype=real) for x in inputs]
     c = _prepare(parameters or _DEFAULT, real)

@@ -5,6 +5,8 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,18 +16,21 @@ from eccentric.identify.channels import Channels, read_channels
 from eccentric.identify.fit import Fit, fit
 from eccentric.identify.rig import Rig, read_rig
 from eccentric.model import load_model
+from tests import paper
 
 Array = NDArray[np.float64]
+NUMPY: Any = np
 
 RATE = 250.0
 T = np.arange(0.0, 30.0, 1.0 / RATE)
 M, M_L, L, MU, G = 0.5, 0.2, 0.25, 0.2, 9.81
-R, K_I, K_E, INERTIA = 1.2, 0.05, 0.06, 2e-3
+R, K_I, K_E, J_M, J_L = 1.2, 0.05, 0.06, 6e-4, 0.035
+INERTIA = J_M + MU**2 * J_L
 FRICTION = {"B_lN": 0.004, "C_lN": 0.08, "B_m": 0.0006, "C_m": 0.02}
 KNOWN = f"M_kg = {M}\nM_l_kg = {M_L}\nL_m = {L}\nmu = {MU}\ng_m_s2 = {G}\n"
 MOTOR = f"R_ohm = {R}\nk_i_Nm_per_A = {K_I}\nk_e_Vs_per_rad = {K_E}\n"
 TORQUE = f"k_i_Nm_per_A = {K_I}\n"
-MASS = f"J_m_kgm2 = {INERTIA}\nJ_l_kgm2 = 0.0\n"
+MASS = f"J_m_kgm2 = {J_M}\nJ_l_kgm2 = {J_L}\n"
 
 
 def motion() -> tuple[Array, Array, Array]:
@@ -40,16 +45,18 @@ def motion() -> tuple[Array, Array, Array]:
 def torque(case: str, friction: Mapping[str, float]) -> Array:
     """Return the drive torque of the planted rig by the paper's closed forms (4), (5), (9), (17)."""
     theta, omega, alpha = motion()
-    link, turn = MU * omega, MU * theta
-    force, gravity = M * L * link**2, np.zeros_like(theta)
-    if case == "C2":
-        weight = (M + M_L) * G
-        force = np.sqrt(force**2 + 2.0 * weight * force * np.cos(turn) + weight**2)
-        gravity = MU * M * G * L * np.sin(turn)
     side = np.where(omega > 0.0, "_pos", "_neg") if "C_m_pos" in friction else np.full(len(T), "")
-    b_n, c_n, b_m, c_m = (np.array([friction[k + s] for s in side]) for k in ("B_lN", "C_lN", "B_m", "C_m"))
-    by_link = (b_n * link + c_n * np.sign(omega)) * force
-    return INERTIA * alpha + gravity + MU * by_link + b_m * omega + c_m * np.sign(omega)
+    own = {k: np.array([friction[k + s] for s in side]) for k in ("B_lN", "C_lN", "B_m", "C_m")}
+    # Without transversal force: F_T = 0 in case C1, and none in C2.
+    p = SimpleNamespace(
+        M=M, M_l=M_L, L=L, mu=MU, g=G, R=R, k_i=K_I, k_e=K_E, B_lT=0.0, C_lT=0.0, F_T=0.0, **own
+    )
+    if case == "C2":
+        gravity = paper.gravity_torque(theta, p, NUMPY)
+        F = paper.friction_torque_c2(theta, omega, p, NUMPY)
+    else:
+        gravity, F = 0.0, paper.friction_torque_c1(omega, p, NUMPY)
+    return INERTIA * alpha + gravity + F - paper.back_emf_damping(p) * omega
 
 
 def voltage(case: str) -> Array:

@@ -40,7 +40,7 @@ def test_agreement_sees_one_unit_in_the_last_digit() -> None:
         (2, ["0.0464", "0.1179", "0.1711", "7.411882"]),
         (3, ["0.0200", "0.0318"]),
         (4, ["-0.03939", "-0.02339"]),
-        (5, ["mu > 0"]),
+        (5, ["mu > 0", "sgn(mu omega_m) = sgn(omega_m) for every positive mu"]),
     ],
 )
 def test_findings_give_the_figures_worked_out_by_hand(finding: int, figures: list[str]) -> None:

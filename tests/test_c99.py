@@ -78,8 +78,8 @@ class Library:
         self.lib: Any = self.ffi.dlopen(str(path))
 
     def __getitem__(self, function: str) -> Callable[..., Any]:
-        """Return the C function without its prefix."""
-        return getattr(self.lib, f"{self.name}_{function}")
+        """Return the C function without its prefix; what fills coefficients has the precision in its name."""
+        return getattr(self.lib, f"{self.name}_{function}" + (f"_{self.real}" if function == "prepare" else ""))
 
     def names(self) -> set[str]:
         """Return the names of the functions, without the prefix."""
@@ -88,7 +88,7 @@ class Library:
     def coefficients(self, values: Parameters = None) -> CData:
         """Return the prepared coefficients of a NumPy Parameters; None is the default set."""
         if values is None:
-            return self.ffi.addressof(self.lib, f"{self.name}_default")
+            return self.ffi.addressof(self.lib, f"{self.name}_default_{self.real}")
         given_values = self.ffi.new(f"{self.name}_parameters *")
         for field in dir(given_values):
             value = getattr(values, field)
@@ -257,7 +257,7 @@ def test_same_functions_as_numpy(libraries: Libraries, name: str) -> None:
     with_arrays = {f"{function}_n" for model, function in CALLED_ON_STATES if model == name}
 
     assert set(oracle.functions(name)) == public
-    assert public | with_arrays | {"prepare"} == libraries[name, np.float64].names()
+    assert public | with_arrays | {"prepare_double"} == libraries[name, np.float64].names()
 
 
 @both_precisions
@@ -275,6 +275,13 @@ def test_links_with_libm_only(tmp_path: Path, name: str, dtype: Real) -> None:
     assert all(symbol.startswith(f"{name}_") for kind, symbol in defined if kind.isupper())
 
 
+def refused(*arguments: str | Path) -> str:
+    """Return what gcc says of something that it must not compile or link."""
+    done = subprocess.run(["gcc", *FLAGS, *arguments], capture_output=True, text=True, check=False)
+    assert done.returncode != 0
+    return done.stderr
+
+
 @every_model
 def test_header_of_another_derivation_is_refused(tmp_path: Path, name: str) -> None:
     """A source does not compile with a header that another program wrote."""
@@ -282,11 +289,61 @@ def test_header_of_another_derivation_is_refused(tmp_path: Path, name: str) -> N
     (tmp_path / f"{name}.c").write_text((GENERATED / f"{name}.c").read_text())
     (tmp_path / f"{name}.h").write_text(re.sub(r"(_PROGRAM )0x\w+", r"\g<1>0x0UL", header))
 
-    command = ["gcc", *FLAGS, "-fsyntax-only", str(tmp_path / f"{name}.c")]
-    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert "#error" in refused("-fsyntax-only", tmp_path / f"{name}.c")
 
-    assert done.returncode != 0
-    assert "#error" in done.stderr
+
+@pytest.mark.parametrize("real", ["real_t", "int"])
+def test_other_types_are_refused(tmp_path: Path, real: str) -> None:
+    """ECCENTRIC_REAL is float or double: a typedef hides from the preprocessor which of them it is."""
+    (tmp_path / "types.h").write_text("typedef float real_t;\n")
+    options = [f"-DECCENTRIC_REAL={real}", "-include", tmp_path / "types.h"]
+
+    said = refused("-fsyntax-only", *options, GENERATED / "c2_parallel.c")
+
+    assert '#error "ECCENTRIC_REAL must be float or double"' in said
+
+
+@pytest.mark.parametrize("option", ["-ffast-math", "-Ofast", "-funsafe-math-optimizations", "-ffinite-math-only"])
+def test_fast_arithmetic_is_refused(option: str) -> None:
+    """A compiler that re-associates sums or assumes no NaN breaks what the source promises."""
+    assert "#error" in refused("-fsyntax-only", option, GENERATED / "c2_parallel.c")
+
+
+USER = """
+#include "c2_parallel.h"
+int main(void)
+{
+    c2_parallel_coefficients own;
+    CALL;
+    return c2_parallel_coulomb_torque(&own) > 0;
+}
+"""
+
+
+@pytest.mark.parametrize(
+    "call", ["c2_parallel_prepare(&c2_parallel_default_parameters, &own)", "own = c2_parallel_default"]
+)
+def test_files_of_different_precision_do_not_link(tmp_path: Path, call: str) -> None:
+    """Coefficients in single precision are not read as double: either way to get them names its precision."""
+    (tmp_path / "user.c").write_text(USER.replace("CALL", call))
+    for real in ("float", "double"):
+        options = [f"-DECCENTRIC_REAL={real}", f"-I{GENERATED}", "-c", "-o", tmp_path / f"{real}.o"]
+        run("gcc", *FLAGS, *options, tmp_path / "user.c")
+    model = [f"-I{GENERATED}", GENERATED / "c2_parallel.c", "-o", tmp_path / "user", "-lm"]
+
+    run("gcc", *FLAGS, tmp_path / "double.o", *model)
+    said = refused(tmp_path / "float.o", *model)
+
+    assert "undefined reference" in said
+    assert "_float" in said
+
+
+@both_precisions
+def test_models_share_a_translation_unit(tmp_path: Path, dtype: Real) -> None:
+    """All models included in one file compile: nothing private has a name that two of them use."""
+    (tmp_path / "all.c").write_text("".join(f'#include "{name}.c"\n' for name in MODELS))
+
+    run("gcc", *FLAGS, "-fsyntax-only", f"-DECCENTRIC_REAL={REAL[dtype]}", f"-I{GENERATED}", tmp_path / "all.c")
 
 
 @every_model

@@ -116,6 +116,7 @@ def test_shapes_follow_broadcasting(name: str, function: str, dtype: type[np.flo
     result = f(*mixed, p)
     assert (np.broadcast_shapes(*(x.shape for x in mixed)) + one, dtype) == (result.shape, result.dtype)
     assert dtype == f(np.ones(3, dtype), *(1.0 for _ in range(n - 1)), p).dtype
+    assert dtype == f(np.ones(3, dtype), *(1 for _ in range(n - 1)), p).dtype
 
 
 @every_call_on_states

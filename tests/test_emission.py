@@ -5,6 +5,8 @@ import re
 import subprocess
 import sys
 import types
+import warnings
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -175,7 +177,7 @@ def test_chain_of_links_needs_no_rewrite(n: int, tmp_path: Path) -> None:
         (tmp_path / name).write_text(text, encoding="utf-8")
     library = cffi.FFI()
     library.cdef(
-        "typedef struct { double weight; } chain_coefficients;extern chain_coefficients chain_default;"
+        "typedef struct { double weight; } chain_coefficients;extern chain_coefficients chain_default_double;"
     )
     library.cdef("void chain_slopes(const double *theta, double *out, const chain_coefficients *c);")
     flags = ["-std=c99", "-Wall", "-Wextra", "-Wpedantic", "-Wconversion", "-Wdouble-promotion", "-Werror"]
@@ -187,7 +189,7 @@ def test_chain_of_links_needs_no_rewrite(n: int, tmp_path: Path) -> None:
     compiled.chain_slopes(
         library.cast("double *", theta[0].ctypes.data),
         library.cast("double *", out.ctypes.data),
-        library.addressof(compiled, "chain_default"),
+        library.addressof(compiled, "chain_default_double"),
     )
 
     np.testing.assert_array_equal(out, module.slopes(theta[0]))
@@ -238,6 +240,33 @@ def test_emit_takes_fitted_parameters(tmp_path: Path) -> None:
     assert "J_m: float = 2e-05" in text
 
 
+NASTY = """Arm */ 3 /* of "two" \\N{x} ''' \"\"\" \n\x00 \u2028 ends in a \\"""
+
+
+def test_free_text_stays_in_comments(tmp_path: Path) -> None:
+    """No title, meaning, unit or remark ends a comment or a docstring, whatever stands in it."""
+    base = load_model("c2_parallel")
+    meant = {q.symbol.name: replace(q, meaning=NASTY, unit=NASTY, equation=NASTY) for q in base.parameters}
+    speed = replace(base.definition("speed").quantity, meaning=NASTY)
+    model = replace(
+        base,
+        title=NASTY,
+        parameters=tuple(meant.values()),
+        inputs=tuple(replace(q, meaning=NASTY) for q in base.inputs),
+        definitions=tuple(
+            replace(d, quantity=speed) if d.symbol == speed.symbol else d for d in base.definitions
+        ),
+    )
+    for name, text in render(model, NASTY, NASTY).items():
+        (tmp_path / name).write_text(text, encoding="utf-8")
+
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        compile((tmp_path / "c2_parallel.py").read_text("utf-8"), "c2_parallel.py", "exec")
+    flags = ["-std=c99", "-Wall", "-Wextra", "-Wpedantic", "-Werror", "-fsyntax-only"]
+    subprocess.run(["gcc", *flags, tmp_path / "c2_parallel.c"], check=True)
+
+
 @pytest.mark.parametrize(
     ("content", "said"),
     [
@@ -264,19 +293,60 @@ def test_bad_fit_file_is_one_line(
     assert not (tmp_path / "out").exists()
 
 
+def test_derive_writes_all_or_nothing(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """A derivation that cannot be emitted keeps the one before it from being written, too."""
+    script = tmp_path / "mine.py"
+    script.write_text(MINE + "with_term(v.B_m.symbol, sp.tanh(w))", encoding="utf-8")
+
+    status = main(["derive", "c1_perpendicular", str(script), "--out", str(tmp_path / "out")])
+
+    assert 2 == status
+    assert "term mine" in capsys.readouterr().err
+    assert not (tmp_path / "out").exists()
+
+
+MINE = """
+from dataclasses import replace
+import sympy as sp
+from eccentric.model import Term, load_model, vocabulary as v
+base = load_model("c2_parallel")
+def with_term(coefficient, basis):
+    balance = base.balance("mechanical")
+    term = Term("mine", "friction", coefficient, basis, "mine")
+    balance = replace(balance, terms=(*balance.terms, term))
+    return replace(base, name="mine", balances=(balance, base.balance("electrical")))
+w = v.omega_m.symbol
+model = """
+
+
 @pytest.mark.parametrize(
     ("source", "said"),
     [
         ("raise RuntimeError('no')", "RuntimeError: no"),
         ("x = 1", "required a module-level `model`"),
         ("from eccentric.model import load_model\nmodel = load_model(__file__)", "in a circle"),
+        (MINE + "with_term(v.B_m.symbol, sp.tanh(w))", "model mine: term mine: tanh(omega_m): required"),
+        (MINE + "with_term(v.B_m.symbol, sp.sin(w))", "model mine: term mine: sin(omega_m): required"),
+        (
+            MINE + "with_term(v.B_m.symbol, sp.Piecewise((w, w > 1), (0, True)))",
+            "model mine: term mine: Piecewise",
+        ),
+        (MINE + "with_term(sp.Integer(1), w * sp.Abs(w))", "model mine: term mine: required a parameter"),
+        (MINE + "with_term(v.B_lT.symbol, w)", "model mine: term mine uses B_lT, which nothing defines"),
+        (MINE + "with_term(v.M.symbol, w)", "model mine: terms motor_viscous, mine: no log tells them apart"),
+        (MINE + "replace(base, name='mine', balances=())", "model mine: required a balance `mechanical`"),
+        (MINE + "replace(base, name='My arm')", "its name: required a lower-case C identifier"),
+        (MINE + "replace(base, name='lambda')", "its name: required a lower-case C identifier"),
     ],
-    ids=["raises", "without model", "circle"],
+    ids=[
+        *("raises", "without model", "circle", "unknown function", "function of prepare only", "condition"),
+        *("no coefficient", "undefined", "nameless combination", "no balance", "bad name", "keyword"),
+    ],
 )
 def test_bad_derivation_is_one_line(
     source: str, said: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    """A derivation that cannot be loaded is named with the reason."""
+    """A derivation that cannot be loaded or emitted is named with the reason, its model and term."""
     script = tmp_path / "bad.py"
     script.write_text(source, encoding="utf-8")
     status = main(["emit", str(script), "--out", str(tmp_path / "out")])

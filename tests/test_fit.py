@@ -7,7 +7,16 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from planted import (
+from scipy.stats import binom
+
+from eccentric.emit.hot import load_module
+from eccentric.errors import InputError
+from eccentric.identify.channels import Channels, read_channels
+from eccentric.identify.fit import Fit, fit
+from eccentric.identify.fit_report import document, emitted_parameters, lines, sentence
+from eccentric.identify.rig import Rig, read_rig
+from eccentric.model import load_model
+from tests.planted import (
     FRICTION,
     INERTIA,
     K_E,
@@ -26,15 +35,6 @@ from planted import (
     voltage,
     written,
 )
-from scipy.stats import binom
-
-from eccentric.emit.hot import load_module
-from eccentric.errors import InputError
-from eccentric.identify.channels import Channels, read_channels
-from eccentric.identify.fit import Fit, fit
-from eccentric.identify.fit_report import document, emitted_parameters, lines, sentence
-from eccentric.identify.rig import Rig, read_rig
-from eccentric.model import load_model
 
 ROOT = Path(__file__).parents[1]
 SHARED = ROOT / ".." / "shared" / "data"

@@ -112,6 +112,16 @@ def test_step_up_drive_is_allowed_with_a_warning(tmp_path: Path) -> None:
     assert "mu = 3 is above 1" in rig.warnings[0]
 
 
+def test_inertia_less_than_that_of_the_mass_is_warned_of(tmp_path: Path) -> None:
+    """J_l includes M L^2: less than it is possible for no link, as much as it for a massless one."""
+    mass = '[known]\ncase = "C2"\nmu = 0.2\nM_kg = 0.5\nL_m = 0.25\nJ_l_kgm2 = '
+
+    (warning,) = read_rig(written(tmp_path, mass + "0.004\n")).warnings
+
+    assert warning.startswith("J_l = 0.004 kg m^2 is less than M L^2 = 0.03125 kg m^2")
+    assert read_rig(written(tmp_path, mass + "0.03125\n")).warnings == ()
+
+
 def test_estimate_is_kept_for_the_fit(tmp_path: Path) -> None:
     """What is to be estimated starts from 0 and is named."""
     rig = read_rig(written(tmp_path, 'input_delay_s = 0.025\ntheta_zero_rad = "estimate"\n' + MINIMAL))

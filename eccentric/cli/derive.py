@@ -4,7 +4,8 @@ import argparse
 from pathlib import Path
 
 import eccentric
-from eccentric.emit import emit, stale
+from eccentric.emit import render, stale, write
+from eccentric.emit.text import checked_name
 from eccentric.errors import InputError
 from eccentric.model import load_model, model_names
 
@@ -28,8 +29,10 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Print each derivation, then write its trio; with --check compare instead."""
+    """Print the derivations, then write their trios; with --check compare instead."""
     models = [load_model(name) for name in arguments.models or model_names()]
+    for model in models:
+        checked_name(model.name, f"model {model.name}: its name")
     out = arguments.out or _generated()
     if arguments.check:
         diffs = [stale(model, out) for model in models]
@@ -39,10 +42,11 @@ def run(arguments: argparse.Namespace) -> int:
             return 1
         print(f"generated files are fresh: {len(models)} models")
         return 0
-    out.mkdir(parents=True, exist_ok=True)
+    # All are rendered before the first is written: one that cannot be leaves the folder as it was.
+    files = {name: text for model in models for name, text in render(model).items()}
     for model in models:
         print(model.latex() if arguments.latex else model, end="\n\n")
-        emit(model, out)
+    write(files, out)
     return 0
 
 

@@ -1,13 +1,12 @@
 """`eccentric emit`: the trio for any model, with the parameters of a fit if wanted."""
 
 import argparse
-import re
 from dataclasses import replace
 from pathlib import Path
 
 from eccentric.emit import emit
 from eccentric.emit.defaults import read_parameters, with_fitted
-from eccentric.errors import InputError
+from eccentric.emit.text import checked_name
 from eccentric.model import load_model
 from eccentric.output import whole_folder
 
@@ -35,14 +34,12 @@ def run(arguments: argparse.Namespace) -> int:
     model = load_model(arguments.model)
     own = Path(arguments.model).suffix == ".py"
     origin = Path(arguments.model).name if own else f"derivations/{model.name}.py"
-    if arguments.prefix is not None and not re.fullmatch(r"[a-z][a-z0-9_]{0,30}", arguments.prefix):
-        raise InputError(
-            f"--prefix: required a lower-case C identifier of at most 31 characters, got {arguments.prefix!r}"
-        )
-    name = arguments.prefix or model.name
-    if arguments.parameters is not None:
+    where = f"model {arguments.model}: its name" if arguments.prefix is None else "--prefix"
+    name = checked_name(model.name if arguments.prefix is None else arguments.prefix, where)
+    if arguments.parameters is None:
+        model = replace(model, name=name)
+    else:
         model = with_fitted(model, read_parameters(arguments.parameters), name)
-    model = replace(model, name=name)
     with whole_folder(arguments.out) as folder:
         names = [path.name for path in emit(model, folder, "eccentric emit", origin)]
     print(f"{arguments.out}: {', '.join(names)}")

@@ -1,4 +1,4 @@
-"""Effects: what a model may lack, each a record that extends it. One file per family, or per formula they share."""
+"""Effects: what a model may lack, each a record that extends it; one file for each family or formula."""
 
 from __future__ import annotations
 

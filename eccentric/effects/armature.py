@@ -14,7 +14,7 @@ inductance = quantity("armature_L", "V s/A", "inductance of the armature", "", "
 REFERENCE = "W. Leonhard, Control of Electrical Drives (armature circuit)"
 
 
-def effects(setting: Setting) -> tuple[Effect, ...]:
+def effects(_: Setting) -> tuple[Effect, ...]:
     """Back-EMF constant, resistance and inductance."""
     slope, states = current_slope("armature")
     needs = ("current", "voltage")
@@ -51,6 +51,6 @@ def effects(setting: Setting) -> tuple[Effect, ...]:
             reference=REFERENCE,
             states=states,
             needs=needs,
-            hint="steps of voltage, the rotor held, finely sampled; the delay of a sensor shows in the torque too",
+            hint="steps of voltage, the rotor held, finely sampled; a sensor's delay shows in the torque too",
         ),
     )

@@ -6,8 +6,16 @@ import sympy as sp
 
 from eccentric.effects.effect import Effect, Shape
 from eccentric.effects.forms import (
-    addition, direction, dt, gravity, harmonic, link_force, omega_m, relaxation, speed,
-)  # fmt: skip
+    addition,
+    direction,
+    dt,
+    gravity,
+    harmonic,
+    link_force,
+    omega_m,
+    relaxation,
+    speed,
+)
 from eccentric.effects.setting import Setting
 from eccentric.model import Term, quantity
 from eccentric.model import vocabulary as v
@@ -15,10 +23,14 @@ from eccentric.model.model import State
 from eccentric.model.steps import Sgn
 
 gap = quantity("backlash_gap", "rad", "gap, motor side", "", "positive")
-arm = quantity("backlash_arm", "m", "dry friction of the link per force, as part of the load", "", "nonnegative")
+arm = quantity(
+    "backlash_arm", "m", "dry friction of the link per force, as part of the load", "", "nonnegative"
+)
 free = quantity("backlash_free", "1", "share of the gap that is left")
 side = quantity("backlash_side", "1", "side that the load was on, 1 or -1")
-GRAVITY = quantity("backlash_G", "1", "gravity torque not felt in the gap, 1 for all of it", "", "nonnegative")
+GRAVITY = quantity(
+    "backlash_G", "1", "gravity torque not felt in the gap, 1 for all of it", "", "nonnegative"
+)
 TORQUE = quantity("backlash_T", "N m", "gravity torque by the link's lag, per full gap", "", "nonnegative")
 REFERENCE = "M. Nordin and P.-O. Gutman, Automatica 38(10), 2002"
 HINT = "slow swings that change the side of the load often, with an encoder on the link if there can be one"
@@ -44,7 +56,13 @@ def _freed(setting: Setting) -> Effect:
     )
     force = v.F_N.symbol if setting.case == "C2" else sp.Integer(1)
     per_force = setting.case == "C2"
-    B = quantity("backlash_B", "m s/rad" if per_force else "N m s/rad", "viscous friction of the link", "", "nonnegative")
+    B = quantity(
+        "backlash_B",
+        "m s/rad" if per_force else "N m s/rad",
+        "viscous friction of the link",
+        "",
+        "nonnegative",
+    )
     C = quantity("backlash_C", "m" if per_force else "N m", "Coulomb friction of the link", "", "nonnegative")
     columns = [
         (B, -free.symbol * v.mu.symbol**2 * force * omega_m),
@@ -67,8 +85,8 @@ def _freed(setting: Setting) -> Effect:
         "backlash",
         columns,
         depends_on=("history",),
-        formula="-free (friction of the link and its gravity), free falls from 1 with the angle after the load"
-        " changed its side",
+        formula="-free (friction and gravity of the link), free falls from 1 with the angle after the"
+        " load changed its side",
         reference=REFERENCE,
         shapes=tuple(shapes),
         states=states,

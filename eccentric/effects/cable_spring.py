@@ -10,11 +10,13 @@ from eccentric.effects.setting import Setting
 from eccentric.model import quantity
 from eccentric.model import vocabulary as v
 
-k = quantity("cable_k", "N m/rad", "stiffness of the cable, torque on the motor per link angle", "", "nonnegative")
+k = quantity(
+    "cable_k", "N m/rad", "stiffness of the cable, torque on the motor per link angle", "", "nonnegative"
+)
 zero = quantity("cable_0", "N m", "torque of the cable at link angle 0, motor side")
 
 
-def effects(setting: Setting) -> tuple[Effect, ...]:
+def effects(_: Setting) -> tuple[Effect, ...]:
     """The one effect of the family; its rest angle is -cable_0/cable_k."""
     effect = addition(
         "cable_spring",

@@ -1,4 +1,4 @@
-"""Cogging: the torque by which magnets seek the teeth; it needs no current and loses no energy over a turn."""
+"""Cogging: the torque by which magnets seek the teeth; it needs no current and takes no energy in a turn."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from eccentric.model import vocabulary as v
 ORDERS = range(1, 25)
 
 
-def effects(setting: Setting) -> tuple[Effect, ...]:
+def effects(_: Setting) -> tuple[Effect, ...]:
     """One effect for each order n of the motor angle."""
     return tuple(_order(n) for n in ORDERS)
 

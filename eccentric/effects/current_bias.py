@@ -14,7 +14,7 @@ bias = quantity("bias_i", "A", "measured current less the true one")
 REFERENCE = "D.-W. Chung and S.-K. Sul, IEEE Trans. Industry Applications 34(2), 1998"
 
 
-def effects(setting: Setting) -> tuple[Effect, ...]:
+def effects(_: Setting) -> tuple[Effect, ...]:
     """The one effect of the family; without a voltage it is an alias of `coulomb_asymmetry`."""
     effect = addition(
         "current_bias",

@@ -1,17 +1,19 @@
-"""Drag: torque in proportion to a power of the speed, both ways (air, oil, a soft seal) or one way (a fan)."""
+"""Drag: torque in proportion to a power of the speed, both ways (air, oil, a seal) or one way (a fan)."""
 
 from __future__ import annotations
 
 import sympy as sp
 
 from eccentric.effects.effect import Effect
-from eccentric.effects.forms import addition, constant, direction, omega_m, root, speed
+from eccentric.effects.forms import addition, constant, direction, omega_m, root
 from eccentric.effects.setting import Setting
 from eccentric.model import quantity
 from eccentric.model.steps import Backward, Forward
 
 quadratic = quantity("drag_2", "N m s^2/rad^2", "drag torque per squared motor velocity", "", "nonnegative")
-cubic = quantity("drag_3", "N m s^3/rad^3", "drag torque per third power of the motor velocity", "", "nonnegative")
+cubic = quantity(
+    "drag_3", "N m s^3/rad^3", "drag torque per third power of the motor velocity", "", "nonnegative"
+)
 degressive = quantity("drag_half", "N m", "drag torque at the reference speed", "", "nonnegative")
 WINDAGE = "J. E. Vrancik, NASA TN D-4849, 1968 (windage grows with the square of the speed)"
 BY_SPEED = "steady runs over a speed range of 1 to 5 or more: powers of the speed fit alike over a short one"
@@ -47,7 +49,7 @@ def effects(setting: Setting) -> tuple[Effect, ...]:
 
 def _sqrt_speed(setting: Setting) -> Effect:
     reference = constant("drag_w", "rad/s", "reference speed of the degressive drag", setting.w_max)
-    half, definitions = root("drag", speed / reference.symbol, "speed over the reference speed")
+    half, definitions = root("drag", omega_m / reference.symbol, "speed over the reference speed")
     return addition(
         "sqrt_speed",
         [(degressive, half * direction)],

@@ -1,8 +1,8 @@
 """An effect: a record that extends a Model by something physical that the paper leaves out.
 
-It may add terms to a balance, replace a quantity, scale the friction coefficients, and bring hidden states along.
-Nothing of it is a flag in the model: what comes out of `extend` is a Model like any other, derived further and emitted
-by the same code.
+It may add terms to a balance, replace a quantity, scale the friction coefficients, and bring hidden states
+along. Nothing of it is a flag in the model: what comes out of `extend` is a Model like any other, derived
+further and emitted by the same code.
 """
 
 from __future__ import annotations
@@ -42,17 +42,19 @@ class Effect:
         id: name in reports, e.g. "link_harmonic_friction[n=3]".
         family: what it is called in a diagnosis, a key of `eccentric.effects.FAMILIES`.
         balance: the balance that shows it, "mechanical" or "electrical".
-        depends_on: the variables it depends on, the leading one first: velocity, direction, link_angle, motor_angle,
-            gravity_load, transmitted_torque, acceleration, current, voltage, temperature, time, history.
+        depends_on: variables it depends on, the leading one first: velocity, direction, link_angle,
+            motor_angle, gravity_load, transmitted_torque, acceleration, current, voltage, temperature, time,
+            history.
         formula: what it adds, as a person would write it.
         reference: where the form comes from.
-        coefficients: its linear parameters, in the order of their terms; None in `Quantity.default` counts as 0.
+        coefficients: its linear parameters, in the order of their terms; a default of None counts as 0.
         bounds: of each coefficient.
         terms: name of balance -> terms it adds there; a coefficient may stand in both balances.
         shapes: its nonlinear parameters.
         definitions: quantities it brings along, each after those it uses.
         replaces: symbol -> symbol of one of `definitions`, to stand in its place wherever the model used it.
-        scales: "viscous", "coulomb" or "friction" -> symbol of one of `definitions`; multiplies those friction terms.
+        scales: "viscous", "coulomb" or "friction" -> symbol of one of `definitions` that multiplies those
+            friction terms.
         inputs: further inputs, of the vocabulary: temperature, t.
         states: hidden states.
         needs: channels of the log without which it cannot be seen.
@@ -93,12 +95,12 @@ class Effect:
 
         Args:
             model: any model, also one that is extended already.
-            values: default of each parameter of the effect, by name; 0 for a coefficient and the middle of its range
-                for a shape if not given.
+            values: default of each parameter of the effect, by name; 0 for a coefficient and the middle of
+                its range for a shape if not given.
 
         Raises:
-            ValueError: the model has something of one of these names already, a quantity to be replaced is not
-                there or was replaced by another effect, or a balance does not exist.
+            ValueError: the model has something of one of these names already, a quantity to be replaced is
+                not there or was replaced by another effect, or a balance does not exist.
         """
         values = values or {}
         taken = {q.name for q in (*model.parameters, *model.inputs, *(d.quantity for d in model.definitions))}
@@ -106,7 +108,9 @@ class Effect:
         own = [*self.parameters, *(d.quantity for d in self.definitions), *(s.quantity for s in self.states)]
         if clash := sorted(q.name for q in own if q.name in taken):
             raise ValueError(f"effect {self.id}: {', '.join(clash)}: taken in {model.name} by another effect")
-        parameters = [replace(q, default=_exact(values.get(q.name, _start(self, q)))) for q in self.parameters]
+        parameters = [
+            replace(q, default=_exact(values.get(q.name, _start(self, q)))) for q in self.parameters
+        ]
         swap = dict(self.replaces)
         used = set().union(*(d.value.free_symbols for d in model.definitions))
         used |= set().union(*(t.value.free_symbols for b in model.balances for t in b.terms))
@@ -114,7 +118,9 @@ class Effect:
             raise ValueError(f"effect {self.id}: {absent[0]} does not occur in {model.name}")
         steps = {equation.name for equation in model.equations}
         if again := [old for old in swap if _replaced(old) in steps]:
-            raise ValueError(f"effect {self.id}: {again[0]} is replaced in {model.name} by another effect already")
+            raise ValueError(
+                f"effect {self.id}: {again[0]} is replaced in {model.name} by another effect already"
+            )
         definitions = [replace(d, value=d.value.xreplace(swap)) for d in model.definitions]
         balances = []
         for balance in model.balances:
@@ -122,25 +128,27 @@ class Effect:
             terms = [replace(t, basis=t.basis.xreplace(swap)) for t in terms]
             balances.append(replace(balance, terms=(*terms, *self.terms.get(balance.name, ()))))
         if unknown := set(self.terms) - {b.name for b in model.balances}:
-            raise ValueError(f"effect {self.id}: {model.name} has no balance {sorted(unknown)[0]!r}")
+            raise ValueError(f"effect {self.id}: {model.name} has no balance {min(unknown)!r}")
         new_inputs = [q for q in self.inputs if q.symbol not in {known.symbol for known in model.inputs}]
         inputs = sorted([*model.inputs, *new_inputs], key=lambda q: _INPUTS.get(q.name, len(_INPUTS) - 2))
         states = tuple(replace(state, update=state.update.xreplace(swap)) for state in model.states)
-        extended = replace(
+        return replace(
             model,
-            name=model.name,
             inputs=tuple(inputs),
             parameters=(*model.parameters, *parameters),
-            definitions=_ordered([*self.definitions, *definitions], inputs, [*model.parameters, *parameters],
-                                 [*model.states, *self.states]),
+            definitions=_ordered(
+                [*self.definitions, *definitions],
+                inputs,
+                [*model.parameters, *parameters],
+                [*model.states, *self.states],
+            ),
             balances=tuple(balances),
             states=(*states, *self.states),
             equations=(*model.equations, *self.equations()),
         )
-        return extended
 
     def equations(self) -> tuple[Equation, ...]:
-        """Its steps of the derivation: one for each quantity that it replaces, then what it adds or scales."""
+        """Its steps of the derivation: one for each quantity it replaces, then what it adds or scales."""
         values = {definition.symbol: definition for definition in self.definitions}
         replacing = tuple(
             Equation(
@@ -177,7 +185,9 @@ class Effect:
 
 
 # The order of inputs, as `Model.inputs` wants it; what is not listed comes before alpha_m.
-_INPUTS = {name: k for k, name in enumerate(("theta_m", "omega_m", "i", "u", "t", "temperature", "", "alpha_m"))}
+_INPUTS = {
+    name: k for k, name in enumerate(("theta_m", "omega_m", "i", "u", "t", "temperature", "", "alpha_m"))
+}
 
 
 def _replaced(old: sp.Symbol) -> str:

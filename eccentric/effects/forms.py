@@ -1,6 +1,6 @@
 """What several families are written with: columns, harmonics, constants, loads, losses and hidden states.
 
-Angles enter through the half-turn steps only, so that what is emitted needs no sine of the mathematical library:
+Angles enter through the half-turn steps only, so that what is emitted needs no sine of a library:
 cos(x) = 2 HalfCosine^2 - 1 and sin(x) = -2 HalfCosine HalfSine for x = rate theta_m.
 """
 
@@ -16,7 +16,7 @@ from eccentric.effects.setting import Setting
 from eccentric.model import Definition, Quantity, Term, quantity
 from eccentric.model import vocabulary as v
 from eccentric.model.model import State
-from eccentric.model.steps import Gated, HalfCosine, HalfSine, Sgn
+from eccentric.model.steps import Gated, HalfCosine, HalfSine, Magnitude, Sgn
 
 omega_m, theta_m, alpha_m, dt = v.omega_m.symbol, v.theta_m.symbol, v.alpha_m.symbol, v.dt.symbol
 speed = sp.Abs(omega_m)
@@ -55,7 +55,7 @@ def addition(
     fields.setdefault("terms", {balance: terms})
     return Effect(
         id=effect_id,
-        family=effect_id.split("[")[0],
+        family=effect_id.split("[", 1)[0],
         balance=balance,
         reference=reference,
         coefficients=tuple(q for q, _ in columns),
@@ -76,10 +76,12 @@ def harmonic(rate: sp.Expr | int, angle: sp.Expr = theta_m) -> tuple[sp.Expr, sp
 
 
 def root(name: str, x: sp.Expr, meaning: str) -> tuple[sp.Expr, tuple[Definition, ...]]:
-    """sqrt(x) for x >= 0, its slope at 0 kept finite: off by 1e-6 at most; and the definitions that it needs."""
-    offset = Definition(quantity(f"{name}_x", "1", f"{meaning}, kept off 0"), x + sp.Rational(1, 10**12))
+    """sqrt(|x|), off by 1e-6 at most so that its slope at 0 is finite; and the definitions that it needs."""
+    size = Definition(
+        quantity(f"{name}_x", "1", f"{meaning}, kept off 0"), Magnitude(x, sp.Rational(1, 10**12))
+    )
     value = quantity(f"{name}_root", "1", f"square root of the {meaning}")
-    return value.symbol, (offset, Definition(value, sp.sqrt(offset.symbol) - sp.Rational(1, 10**6)))
+    return value.symbol, (size, Definition(value, sp.sqrt(size.symbol) - sp.Rational(1, 10**6)))
 
 
 def gravity(setting: Setting) -> sp.Expr:
@@ -90,7 +92,7 @@ def gravity(setting: Setting) -> sp.Expr:
 
 
 def link_force(setting: Setting) -> sp.Expr:
-    """Size of the forces that the bearing of the link carries [N]; in C1 the weight rests on it along its axis."""
+    """Size of the forces that the bearing of the link carries [N]; in C1 the weight, along its axis."""
     weight = (v.M.symbol + v.M_l.symbol) * v.g.symbol if setting.case == "C1" else 0
     return v.F_N.symbol + weight
 
@@ -98,8 +100,8 @@ def link_force(setting: Setting) -> sp.Expr:
 def transmitted(setting: Setting, arm: sp.Symbol) -> sp.Expr:
     """Torque that the gear passes on to the link, as the motor sees it [N m].
 
-    Gravity, inertia, and dry friction of the link with an arm [m] of its own: the model's friction coefficients are
-    kept out of it, so that friction stays linear in them.
+    Gravity, inertia, and dry friction of the link with an arm [m] of its own: the model's friction
+    coefficients are kept out of it, so that friction stays linear in them.
     """
     inertia = Gated(v.J_l.symbol, alpha_m) * v.mu.symbol**2
     return gravity(setting) + inertia + v.mu.symbol * link_force(setting) * arm * direction
@@ -116,8 +118,8 @@ def heating(
 ) -> tuple[sp.Expr, tuple[Definition, ...], State]:
     """First-order heating: its rise, about 1 at the end of the log, the definitions it needs, and its state.
 
-    The state is the power as a body of time constant tau has averaged it. The step is the implicit one, stable for
-    any time step and free of 1 - exp(-dt/tau), which single precision cannot hold.
+    The state is the power as a body of time constant tau has averaged it. The step is the implicit one,
+    stable for any time step and free of 1 - exp(-dt/tau), which single precision cannot hold.
     """
     state = quantity(f"{name}_P", "W", "heating power, averaged over the thermal time constant")
     scale = quantity(f"{name}_full", "W", "averaged power at the end of the log it was identified on")

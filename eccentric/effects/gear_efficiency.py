@@ -20,8 +20,8 @@ load = quantity("gear_torque", "N m", "torque that the gear passes on, motor sid
 def effects(setting: Setting) -> tuple[Effect, ...]:
     """By the transmitted torque, inertia included, and in case C2 by the gravity load alone.
 
-    |load| sgn w where the load resists and rho |load| sgn w where it drives is, without a case distinction, the
-    mean of both factors times |load| sgn w plus half their difference times the load.
+    |load| sgn w where the load resists and rho |load| sgn w where it drives is, without a case distinction,
+    the mean of both factors times |load| sgn w plus half their difference times the load.
     """
     inputs = () if setting.case == "C1" else (v.theta_m,)
     both, differ = (1 + rho.symbol) / 2, (1 - rho.symbol) / 2
@@ -35,12 +35,12 @@ def effects(setting: Setting) -> tuple[Effect, ...]:
                 [(eta, basis)],
                 depends_on=(variable, "direction"),
                 formula=f"eta |T| sgn w driving, rho eta |T| sgn w back-driven, T = {FORMULAS[variant]}",
-                reference="A. Gogoussis and M. Donath 1987; T. Verstraten et al., IEEE Robotics and Automation"
-                " Letters 1(1), 2016",
+                reference="A. Gogoussis and M. Donath 1987; T. Verstraten et al., IEEE Robotics and"
+                " Automation Letters 1(1), 2016",
                 shapes=(*(Shape(arm, *span) for span in shapes), Shape(rho, 0.0, 0.8, "linear", 5)),
                 definitions=(Definition(load, torque),),
                 inputs=inputs,
-                hint="raise and lower the mass slowly at the same speeds: driving and back-driving must differ",
+                hint="raise and lower the mass slowly at the same speeds: the losses must differ",
             )
         )
     return tuple(found)

@@ -12,7 +12,9 @@ from eccentric.model import vocabulary as v
 from eccentric.model.steps import Magnitude
 
 M, M_l, L, g, mu = (q.symbol for q in (v.M, v.M_l, v.L, v.g, v.mu))
-tilt = quantity("tilt_angle", "rad", "tilt of the plane against level (C1) or upright (C2)", "", "nonnegative")
+tilt = quantity(
+    "tilt_angle", "rad", "tilt of the plane against level (C1) or upright (C2)", "", "nonnegative"
+)
 phase = quantity("tilt_phase", "rad", "link angle from the lowest point of the tilted plane")
 cosine = quantity("tilt_c", "N m", "gravity torque of the tilt by cos(theta_l)")
 sine = quantity("tilt_s", "N m", "gravity torque of the tilt by sin(theta_l)")
@@ -41,7 +43,7 @@ def _level() -> tuple[Effect, Effect]:
     turned = theta_m + phase.symbol / mu
     along, across = harmonic(mu, turned)
     weight = (M + M_l) * g * sp.sin(tilt.symbol)
-    # The weight along the axis falls by 1 - cos(tilt) only: it stays in the coefficients of the transversal friction.
+    # The weight along the axis falls by 1 - cos(tilt) only: B_lT and C_lT take that up.
     force = Magnitude(M * L * mu**2 * omega_m**2 + weight * along, weight * across)
     gravity = mu * M * g * sp.sin(tilt.symbol) * L * across
     load = Effect(

@@ -10,7 +10,9 @@ from eccentric.effects.setting import Setting
 from eccentric.model import Definition, quantity
 
 tau = quantity("heat_tau", "s", "thermal time constant", "", "positive")
-fall = quantity("heat_b", "1", "fall of the logarithm of friction until the end of the log", "", "nonnegative")
+fall = quantity(
+    "heat_b", "1", "fall of the logarithm of friction until the end of the log", "", "nonnegative"
+)
 B = quantity("heat_B", "N m s/rad", "viscous friction of the bearing that warms up", "", "nonnegative")
 C = quantity("heat_C", "N m", "fall of the Coulomb friction until the end of the log", "", "nonnegative")
 factor = quantity("heat_factor", "1", "friction over that of the cold drive", "", "positive")

@@ -1,4 +1,4 @@
-"""Dead time of the inverter and drop of its valves or of brushes: a voltage lost with the sign of the current."""
+"""Dead time of the inverter, drop of valves or brushes: a voltage lost with the sign of the current."""
 
 from __future__ import annotations
 

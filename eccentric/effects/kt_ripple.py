@@ -1,4 +1,4 @@
-"""Torque ripple: the torque constant varies over a turn of the motor, so the ripple grows with the current."""
+"""Torque ripple: the torque constant varies over a turn of the motor, the ripple grows with the current."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from eccentric.model import vocabulary as v
 ORDERS = range(1, 25)
 
 
-def effects(setting: Setting) -> tuple[Effect, ...]:
+def effects(_: Setting) -> tuple[Effect, ...]:
     """One effect for each order n of the motor angle."""
     return tuple(_order(n) for n in ORDERS)
 

@@ -13,7 +13,7 @@ i_s = quantity("ktsat_i", "A", "current at which half of that part is lost", "",
 
 
 def effects(setting: Setting) -> tuple[Effect, ...]:
-    """The one effect of the family: k_t = k_i (1 - A x/(1 + x)), x = (i/i_s)^2, which is k_i/(1 + x) for A = 1."""
+    """The one effect of the family; for A = 1 it is k_t = k_i/(1 + (i/i_s)^2)."""
     i = v.i.symbol
     square = (i / i_s.symbol) ** 2
     largest = setting.current_max
@@ -24,7 +24,7 @@ def effects(setting: Setting) -> tuple[Effect, ...]:
         bounds=((0.0, 1.0),),
         depends_on=("current",),
         formula="k_t = k_i (1 - A x/(1 + x)), x = (i/i_s)^2",
-        reference="A. E. Fitzgerald, C. Kingsley and S. D. Umans, Electric Machinery (saturation, armature reaction)",
+        reference="A. E. Fitzgerald, C. Kingsley and S. D. Umans, Electric Machinery (armature reaction)",
         shapes=(Shape(i_s, 0.7 * largest, 20.0 * largest, "log", 10),),
         needs=("current",),
         hint="high currents at low speed: hold the mass level, or accelerate hard",

@@ -11,7 +11,7 @@ from eccentric.model import vocabulary as v
 ORDERS = range(1, 13)
 
 
-def effects(setting: Setting) -> tuple[Effect, ...]:
+def effects(_: Setting) -> tuple[Effect, ...]:
     """One effect for each order n."""
     return tuple(_order(n) for n in ORDERS)
 

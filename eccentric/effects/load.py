@@ -41,7 +41,8 @@ def load_effects(path: str | Path, setting: Setting) -> tuple[Effect, ...]:
     found = (found,) if isinstance(found, Effect) else found
     if not isinstance(found, Iterable):
         raise InputError(
-            f"{path}: required a function `effects(setting)` or an `effect` of type Effect, got {type(found).__name__}"
+            f"{path}: required a function `effects(setting)` or an `effect` of type Effect,"
+            f" got {type(found).__name__}"
         )
     found = tuple(found)
     if wrong := [type(one).__name__ for one in found if not isinstance(one, Effect)]:

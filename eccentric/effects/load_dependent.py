@@ -43,8 +43,10 @@ def effects(setting: Setting) -> tuple[Effect, ...]:
 FORMULAS = {"gravity": "G", "transmitted": "G + mu^2 J_l alpha + mu F arm sgn w"}
 
 
-def loads(setting: Setting, arm: sp.Symbol) -> list[tuple[str, str, sp.Expr, list[tuple[float, float, str, int]]]]:
-    """(variant, variable, torque, range of the arm) of what may count as the load; shared with `gear_efficiency`."""
+def loads(
+    setting: Setting, arm: sp.Symbol
+) -> list[tuple[str, str, sp.Expr, list[tuple[float, float, str, int]]]]:
+    """(variant, variable, torque, range of the arm) of what counts as load, also for `gear_efficiency`."""
     reach = 0.4 * setting.known.get("L", 0.25)
     found = [("transmitted", "transmitted_torque", transmitted(setting, arm), [(0.0, reach, "linear", 3)])]
     if setting.case == "C2":

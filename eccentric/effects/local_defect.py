@@ -16,15 +16,15 @@ angle = quantity("defect_angle", "rad", "link angle of the tight spot")
 width = quantity("defect_width", "rad", "its width as a standard deviation, link side", "", "positive")
 
 
-def effects(setting: Setting) -> tuple[Effect, ...]:
-    """The one effect of the family, a von Mises bump: exp((cos x - 1)/width^2) with cos x - 1 = -2 sin^2(x/2)."""
+def effects(_: Setting) -> tuple[Effect, ...]:
+    """The one effect of the family, a von Mises bump; cos x - 1 is written as -2 sin^2(x/2)."""
     half = HalfSine(theta_m - angle.symbol / v.mu.symbol, v.mu.symbol)
     effect = addition(
         "local_defect",
         [(A, sp.exp(-2 * (half / width.symbol) ** 2) * direction)],
         depends_on=("link_angle",),
         formula="A exp((cos(theta_l - angle) - 1)/width^2) sgn w",
-        reference="N. Tandon and A. Choudhury, Tribology International 32(8), 1999; bump of R. von Mises 1918",
+        reference="N. Tandon and A. Choudhury, Tribology International 32(8), 1999; bump: R. von Mises 1918",
         shapes=(Shape(angle, -3.2, 3.2, "linear", 38), Shape(width, 0.06, 0.5, "log", 4)),
         inputs=(v.theta_m,),
         hint="slow full turns of the link in both directions, friction drawn over the link angle",

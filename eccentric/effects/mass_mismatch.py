@@ -20,9 +20,9 @@ HINT = "weigh the mass; or hold the link level and read the current in both dire
 def effects(setting: Setting) -> tuple[Effect, ...]:
     """Three readings, case C2 only: a log of C1 has the mass in friction coefficients and inertia alone.
 
-    `mass_mismatch` puts the true mass into gravity and normal force and leaves the inertia as declared (measured);
-    `[inertia]` puts it into the inertia too (J_l holds M L^2); `[torque]` scales the gravity torque alone, as a link
-    that is itself out of balance does.
+    `mass_mismatch` puts the true mass into gravity and normal force and leaves the inertia as declared, as
+    measured; `[inertia]` puts it into the inertia too (J_l holds M L^2); `[torque]` scales the gravity torque
+    alone, as a link that is itself out of balance does.
     """
     if setting.case == "C1":
         return ()

@@ -9,7 +9,9 @@ from eccentric.effects.forms import addition, direction, dt, omega_m, relaxation
 from eccentric.effects.setting import Setting
 from eccentric.model import quantity
 
-A = quantity("presliding_A", "N m", "Coulomb torque that builds up with the travelled angle", "", "nonnegative")
+A = quantity(
+    "presliding_A", "N m", "Coulomb torque that builds up with the travelled angle", "", "nonnegative"
+)
 S = quantity("presliding_S", "N m", "by how much it is higher near rest", "", "nonnegative")
 reach = quantity("presliding_x", "rad", "motor angle over which it builds up", "", "positive")
 w_s = quantity("presliding_v", "rad/s", "Stribeck velocity, motor side", "", "positive")
@@ -36,8 +38,8 @@ def effects(setting: Setting) -> tuple[Effect, ...]:
         [(A, late), (S, state.symbol * sp.exp(-((omega_m / w_s.symbol) ** 2)))],
         depends_on=("history",),
         formula="A (z - sgn w) + S z exp(-(w/v)^2), dz/dt = (w - |w| z)/x",
-        reference="C. Canudas de Wit, H. Olsson, K. J. Astrom and P. Lischinsky, IEEE Trans. Automatic Control"
-        " 40(3), 1995",
+        reference="C. Canudas de Wit, H. Olsson, K. J. Astrom and P. Lischinsky, IEEE Trans. Automatic"
+        " Control 40(3), 1995",
         shapes=(
             Shape(reach, low, high, "log", 5),
             Shape(w_s, setting.w_min, 0.4 * setting.w_max, "log", 4),

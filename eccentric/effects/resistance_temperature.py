@@ -9,7 +9,9 @@ from eccentric.model import quantity
 from eccentric.model import vocabulary as v
 
 alpha = quantity("resistance_alpha", "1/K", "relative rise of the winding's resistance per kelvin")
-rise = quantity("resistance_rise", "1", "relative rise of the resistance until the end of the log", "", "nonnegative")
+rise = quantity(
+    "resistance_rise", "1", "relative rise of the resistance until the end of the log", "", "nonnegative"
+)
 tau = quantity("resistance_tau", "s", "thermal time constant of the winding", "", "positive")
 REFERENCE = "A. Boglietti et al., IEEE Trans. Industrial Electronics 56(3), 2009"
 HINT = "the rotor held at a constant current: the voltage shows the resistance alone"

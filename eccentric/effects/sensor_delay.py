@@ -12,11 +12,13 @@ from eccentric.model import vocabulary as v
 
 delay = quantity("delay_d", "s", "delay of the measured current behind angle and voltage")
 BOUNDS = (-0.02, 0.07)
-REFERENCE = "first order of the Taylor series i(t + d) = i + d di/dt, as in H. Pade's approximant [1/0] of a delay"
+REFERENCE = (
+    "first order of the Taylor series i(t + d) = i + d di/dt, as in H. Pade's approximant [1/0] of a delay"
+)
 
 
 def effects(setting: Setting) -> tuple[Effect, ...]:
-    """The one effect of the family: i + d di/dt for i, di/dt being a state; both balances where voltage is logged."""
+    """The one effect of the family, di/dt being a state; in both balances where a voltage is logged."""
     slope, states = current_slope("delay")
     torque, drop = -v.k_i.symbol * slope, v.R.symbol * slope
     terms = {"mechanical": (_term("delay_torque", torque),)}

@@ -5,14 +5,16 @@ from __future__ import annotations
 import sympy as sp
 
 from eccentric.effects.effect import Effect, Shape
-from eccentric.effects.forms import addition, direction, root, speed
+from eccentric.effects.forms import addition, direction, omega_m, root, speed
 from eccentric.effects.setting import Setting
 from eccentric.model import quantity
 
-A = quantity("stribeck_A", "N m", "Stribeck torque: by how much friction is higher near rest", "", "nonnegative")
+A = quantity(
+    "stribeck_A", "N m", "Stribeck torque: by how much friction is higher near rest", "", "nonnegative"
+)
 w_s = quantity("stribeck_v", "rad/s", "Stribeck velocity, motor side", "", "positive")
 ratio = speed / w_s.symbol
-half, definitions = root("stribeck", ratio, "speed over the Stribeck velocity")
+half, definitions = root("stribeck", omega_m / w_s.symbol, "speed over the Stribeck velocity")
 # A general exponent would need `pow`; these are the four in use.
 POWERS = {"0.5": half, "1": ratio, "1.5": ratio * half, "2": ratio**2}
 

@@ -11,12 +11,16 @@ from eccentric.model import Definition, quantity
 from eccentric.model import vocabulary as v
 
 b = quantity("viscosity_b", "1/K", "relative fall of the viscosity per kelvin", "", "nonnegative")
-E = quantity("viscosity_E", "K", "activation energy of the viscosity over the gas constant", "", "nonnegative")
+E = quantity(
+    "viscosity_E", "K", "activation energy of the viscosity over the gas constant", "", "nonnegative"
+)
 B = quantity("viscosity_B", "N m s/rad", "viscous friction of the bearing that warms up", "", "nonnegative")
 factor = quantity("viscosity_factor", "1", "viscosity over that at the reference temperature", "", "positive")
 
 ROBOT = "A. C. Bittencourt, E. Wernholt, S. Sander-Tavallaey and T. Brogardh, IROS 2010"
-HINT = "one speed held while the temperature rises and falls, so that temperature is not the order of the runs"
+HINT = (
+    "one speed held while the temperature rises and falls, so that temperature is not the order of the runs"
+)
 
 
 def effects(setting: Setting) -> tuple[Effect, ...]:
@@ -33,10 +37,20 @@ def effects(setting: Setting) -> tuple[Effect, ...]:
     falls = Shape(b, 0.002, 0.4, "log", 9)
     energy = Shape(E, 0.002 * middle, 0.4 * middle, "log", 9)
     return (
-        _scaling("viscosity_temperature", (zero, Definition(factor, reynolds)), falls,
-                 "viscous friction times exp(-b (T - T_0))", f"O. Reynolds 1886; {ROBOT}"),
-        _scaling("viscosity_temperature[arrhenius]", (zero, kelvin, Definition(factor, arrhenius)), energy,
-                 "viscous friction times exp(E/T - E/T_0), T in K", f"E. N. da C. Andrade, Nature 125, 1930; {ROBOT}"),
+        _scaling(
+            "viscosity_temperature",
+            (zero, Definition(factor, reynolds)),
+            falls,
+            "viscous friction times exp(-b (T - T_0))",
+            f"O. Reynolds 1886; {ROBOT}",
+        ),
+        _scaling(
+            "viscosity_temperature[arrhenius]",
+            (zero, kelvin, Definition(factor, arrhenius)),
+            energy,
+            "viscous friction times exp(E/T - E/T_0), T in K",
+            f"E. N. da C. Andrade, Nature 125, 1930; {ROBOT}",
+        ),
         addition(
             "viscosity_temperature[bearing]",
             [(B, omega_m * (reynolds - 1))],
@@ -49,7 +63,7 @@ def effects(setting: Setting) -> tuple[Effect, ...]:
             needs=("temperature",),
             hint=HINT,
         ),
-    )  # fmt: skip
+    )
 
 
 def _scaling(

@@ -19,12 +19,12 @@ _REAL = {
     "sqrt": "REAL_SQRT({0})",
     "fabs": "REAL_FABS({0})",
     "floor": "REAL_FLOOR({0})",
-    "sgn": "sgn({0})",
-    "forward": "forward({0})",
-    "backward": "forward(-({0}))",
+    "sgn": "MODEL_sgn({0})",
+    "forward": "MODEL_forward({0})",
+    "backward": "MODEL_forward(-({0}))",
     "exp": "REAL_EXP({0})",
-    "sine_series": "sine_series({0})",
-    "cosine_series": "cosine_series({0})",
+    "sine_series": "MODEL_sine_series({0})",
+    "cosine_series": "MODEL_cosine_series({0})",
 }
 _DOUBLE = {
     "sqrt": "sqrt({0})",
@@ -33,7 +33,7 @@ _DOUBLE = {
     "cos": "cos({0})",
     "exp": "exp({0})",
     "rounded": "(double)(real)({0})",
-    "leading": "leading({0})",
+    "leading": "MODEL_leading({0})",
 }
 # Written so that NaN goes in and NaN comes out.
 _HELPERS = {
@@ -47,7 +47,7 @@ _HELPERS = {
 def view(program: Program, banner: str, digest: str) -> dict[str, Any]:
     """All that the templates of header and source are filled with."""
     prepared = {a.target.name for a in program.prepare}
-    in_prepare = _language(_DOUBLE, lambda name: name if name in prepared else f"p->{name}", "{}")
+    in_prepare = _language(program, _DOUBLE, lambda name: name if name in prepared else f"p->{name}", "{}")
     coefficients = {s.name for s in program.coefficients}
     values = {single: evaluate_prepare(program, single) for single in (True, False)}
     expressions = [a.value for r in program.routines for a in r.assignments]
@@ -77,6 +77,7 @@ def view(program: Program, banner: str, digest: str) -> dict[str, Any]:
         ],
         "single": [(name, single) for name, single, _ in macros],
         "double": [(name, double) for name, _, double in macros],
+        "macros": [name.removesuffix("(x)") for name, _, _ in macros],
         "helpers": [{"name": name, "body": _HELPERS[name]} for name in helpers],
         "series": [_series(name) for name in used_series(program)],
         "leading": splitting(program),
@@ -107,7 +108,7 @@ def _macros(program: Program) -> list[tuple[str, str, str]]:
     return found
 
 
-def _language(calls: dict[str, str], symbol: Any, literal: str) -> Language:
+def _language(program: Program, calls: dict[str, str], symbol: Any, literal: str) -> Language:
     def branches(pairs: list[tuple[str, str]]) -> str:
         text = pairs[-1][0]
         for value, condition in reversed(pairs[:-1]):
@@ -117,7 +118,7 @@ def _language(calls: dict[str, str], symbol: Any, literal: str) -> Language:
     return Language(
         symbol=symbol,
         number=lambda decimal: literal.format(number(decimal)),
-        call=lambda name, arguments: calls[name].format(*arguments),
+        call=lambda name, arguments: calls[name].replace("MODEL", program.name).format(*arguments),
         pick=lambda a, relation, b, x, y: f"(({a} {relation} {b}) ? {x} : {y})",
         branches=branches,
     )
@@ -146,13 +147,11 @@ def _valid(program: Program) -> str:
     return "; ".join([*named, "the others not negative"])
 
 
-def _series(name: str) -> dict[str, str]:
-    def horner(single: bool) -> str:
-        first, *rest = polynomial(name, single).coefficients
-        text = f"REAL({first})"
-        for coefficient in rest:
-            text = f"({text} * x + REAL({coefficient}))"
-        return text[1:-1]
+def _series(name: str) -> dict[str, Any]:
+    def horner(single: bool) -> list[str]:
+        first, *rest, last = polynomial(name, single).coefficients
+        steps = [f"value = value * x + REAL({coefficient});" for coefficient in rest]
+        return [f"real value = REAL({first});", *steps, f"return value * x + REAL({last});"]
 
     single, double = polynomial(name, True), polynomial(name, False)
     function = {"sine_series": "sin(h)/h", "cosine_series": "cos(h)"}[name]
@@ -169,7 +168,7 @@ def _routine(program: Program, r: Routine, coefficients: set[str]) -> dict[str, 
     def spelled(name: str) -> str:
         return "REAL_LARGEST" if name == "largest" else f"c->{name}" if name in coefficients else name
 
-    language = _language(_REAL, spelled, "REAL({})")
+    language = _language(program, _REAL, spelled, "REAL({})")
     results = {s.name: k for k, s in enumerate(r.results)}
 
     def line(target: str, value: Any) -> str:

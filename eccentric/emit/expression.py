@@ -9,9 +9,21 @@ import mpmath
 import sympy as sp
 
 from eccentric.emit import lower
+from eccentric.errors import InputError
 from eccentric.model import steps
 
 _CHOICE, _SUM, _PRODUCT, _ATOM = 0, 1, 2, 3
+
+
+class UnprintableError(InputError):
+    """An operation that no back end computes; `operation` is the expression."""
+
+    def __init__(self, operation: sp.Basic) -> None:
+        self.operation = operation
+        super().__init__(
+            f"{operation}: required +, -, *, /, integer powers, sqrt, Abs, Min, Max, exp or a step of"
+            f" eccentric.model.steps, received {type(operation).__name__}"
+        )
 
 
 @dataclass(frozen=True)
@@ -21,7 +33,7 @@ class Language:
     Attributes:
         symbol: spelling of a symbol.
         number: spelling of a decimal number.
-        call: spelling of a named operation with printed arguments.
+        call: spelling of a named operation with printed arguments; KeyError if the language lacks it.
         pick: spelling of a choice, from (a, relation, b, x, y).
         branches: spelling of a Piecewise, from [(value, condition), ...] with condition "" for otherwise.
     """
@@ -53,7 +65,7 @@ def printed(expression: sp.Expr, language: Language) -> str:
     """The expression in the language.
 
     Raises:
-        TypeError: an operation that no back end knows.
+        UnprintableError: an operation that the language lacks.
     """
     return _print(expression, language)[0]
 
@@ -86,8 +98,11 @@ def _print(e: sp.Expr, language: Language) -> tuple[str, int]:
         a, relation, b, x, y = e.args
         return language.pick(at(_SUM, a), relation.name, at(_SUM, b), plain(x), plain(y)), _ATOM
     if type(e) in _CALLS:
-        return language.call(_CALLS[type(e)], [plain(e.args[0])]), _ATOM
-    if isinstance(e, sp.Piecewise):
+        try:
+            return language.call(_CALLS[type(e)], [plain(e.args[0])]), _ATOM
+        except KeyError:
+            raise UnprintableError(e) from None
+    if isinstance(e, sp.Piecewise) and all(c == sp.true or isinstance(c, sp.Eq) for _, c in e.args):
         pairs = [
             (
                 plain(value),
@@ -107,11 +122,11 @@ def _print(e: sp.Expr, language: Language) -> tuple[str, int]:
         return _product(e, at)
     if e.is_Pow and e.exp == sp.Rational(1, 2):
         return language.call("sqrt", [plain(e.base)]), _ATOM
+    if e.is_Pow and e.exp.is_negative:
+        return f"{plain(sp.Integer(1))} / {at(_ATOM, 1 / e)}", _PRODUCT
     if e.is_Pow and e.exp.is_Integer:
-        if e.exp < 0:
-            return f"{plain(sp.Integer(1))} / {at(_ATOM, e.base**-e.exp)}", _PRODUCT
         return " * ".join([at(_ATOM, e.base)] * int(e.exp)), _PRODUCT
-    raise TypeError(f"no back end prints {type(e).__name__} in {e}")
+    raise UnprintableError(e)
 
 
 def _product(e: sp.Expr, at: Callable[[int, sp.Expr], str]) -> tuple[str, int]:

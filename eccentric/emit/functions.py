@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import sympy as sp
 
 from eccentric.emit.program import Assignment, differentiate
+from eccentric.errors import InputError
 from eccentric.model import KINDS, Model, regressor
 from eccentric.model import vocabulary as v
 from eccentric.model.steps import Backward, Forward, Gated, Magnitude, Sgn, SquareDifference
@@ -56,7 +57,12 @@ def solve_current(model: Model) -> sp.Expr:
 
 
 def functions(model: Model) -> tuple[Function, ...]:
-    """Every function that is emitted for the model, in the order of the module."""
+    """Every function that is emitted for the model, in the order of the module.
+
+    Raises:
+        InputError: the model lacks something that they are made of.
+    """
+    _require(model)
     mechanical, electrical = model.balance("mechanical"), model.balance("electrical")
     friction = mechanical.sum_of("friction")
     gravity = mechanical.sum_of("gravity", "conservative")
@@ -82,6 +88,7 @@ def functions(model: Model) -> tuple[Function, ...]:
         else (("", _standstill(model, friction, 1)),)
     )
     normal_force = model.definition("F_N").symbol
+    units = {q.symbol: q.unit for q in model.inputs}
     listed = [
         Function("normal_force", "N", "normal force F_N on the axis of rotation", (("", normal_force),)),
         Function(
@@ -98,22 +105,22 @@ def functions(model: Model) -> tuple[Function, ...]:
         ),
         Function(
             "friction_torque_gradient",
-            "N m per rad, rad/s, rad/s^2",
-            "slopes of friction_torque by its inputs",
+            f"N m per {', '.join(units[x] for x in dependence)}",
+            "partial derivatives of friction_torque with respect to its inputs",
             (("", resultant),),
             dependence,
         ),
         Function(
             "friction_torque_jacobian",
             "N m per unit coefficient",
-            "slopes of friction_torque by all friction coefficients",
+            "partial derivatives of friction_torque with respect to all friction coefficients",
             (("", resultant),),
             parameters,
         ),
         Function(
             "regressor",
             "N m per unit coefficient",
-            "columns with regressor @ friction_coefficients = mechanical_friction_torque",
+            "columns: regressor times friction_coefficients is mechanical_friction_torque",
             tuple((column.name, column.basis) for column in columns),
         ),
         Function(
@@ -125,7 +132,7 @@ def functions(model: Model) -> tuple[Function, ...]:
         Function(
             "coulomb_torque",
             "N m",
-            "size of the friction torque at standstill, where it is set-valued",
+            "magnitude of the friction torque at standstill, where it is set-valued",
             standstill,
         ),
         Function("gravity_torque", "N m", "gravity torque G, eq (5)", (("", gravity),)),
@@ -160,6 +167,18 @@ def functions(model: Model) -> tuple[Function, ...]:
         units = ", ".join(state.quantity.unit for state in model.states)
         listed.append(Function("next_state", units, "the hidden states one time step later", updates))
     return (*listed, *_polynomials(model, resultant))
+
+
+def _require(model: Model) -> None:
+    kinds = {balance.name: {term.kind for term in balance.terms} for balance in model.balances}
+    there = {
+        "an input omega_m": any(q.name == "omega_m" for q in model.inputs),
+        "a definition of F_N": any(d.quantity.name == "F_N" for d in model.definitions),
+        "a balance `mechanical` with a term of kind `drive`": "drive" in kinds.get("mechanical", ()),
+        "a balance `electrical` with a term of kind `resistive`": "resistive" in kinds.get("electrical", ()),
+    }
+    if missing := [what for what, found in there.items() if not found]:
+        raise InputError(f"model {model.name}: required {missing[0]}, received none")
 
 
 def friction_parameters(model: Model) -> tuple[sp.Symbol, ...]:
@@ -234,7 +253,7 @@ def _polynomials(model: Model, resultant: sp.Expr) -> tuple[Function, ...]:
         found.append(
             Function(
                 name,
-                "N m (s/rad)^k",
+                "N m s^3/rad^3, N m s^2/rad^2, N m s/rad, N m",
                 f"coefficients F_3, F_2, F_1, F_0 of F for {side}, eqs (11)-(14)",
                 results,
             )

@@ -7,6 +7,7 @@ them, and the printers write them one to one. So NumPy and C compute the same bi
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import reduce
 
 import sympy as sp
 
@@ -57,6 +58,18 @@ class Pick(Step):
 
 LARGEST = sp.Symbol("largest")  # the greatest finite number of the working precision
 SINE, COSINE = sp.Symbol("sine_series"), sp.Symbol("cosine_series")
+# What a reader of the emitted code must know of the steps, by the names that they get there.
+_NOTES = {
+    "square_difference": "speed^2 - omega_star^2; the difference is taken once, before anything is rounded",
+    "halves": "the odd number of half turns up to the top that is nearest",
+    "from_top": "angle from the top: the half turns go off in three parts, the leading two exactly",
+    "bounded": "an angle so large that nothing is left of its phase counts as the top",
+    "half_angle": "half angle from the top, on the link side",
+    "half_cosine": "its sine, of magnitude |cos(theta_l/2)|",
+    "half_sine": "its cosine, of magnitude |sin(theta_l/2)|",
+    "divisor": "0/0 at the apex, where F_N is 0 and its derivatives are taken as 0",
+    "limit": "where the square overflows, the larger of the two decides",
+}
 _ABOVE, _WITHIN, _EQUAL = sp.Symbol(">"), sp.Symbol("<="), sp.Symbol("==")
 
 
@@ -81,8 +94,8 @@ class Lowering:
             steps.Backward: lambda x: self.named("is_backward", steps.Backward(x)),
             steps.ByDirection: lambda x, a, b: Pick(x, _ABOVE, sp.Integer(0), a, b),
             sp.Abs: Size,
-            sp.Max: lambda a, b: self._either(a, _ABOVE, b),
-            sp.Min: lambda a, b: self._either(a, _WITHIN, b),
+            sp.Max: lambda *all_of: reduce(lambda a, b: self._either(a, _ABOVE, b), all_of),
+            sp.Min: lambda *all_of: reduce(lambda a, b: self._either(a, _WITHIN, b), all_of),
         }
 
     def __call__(self, expression: sp.Expr) -> sp.Expr:
@@ -108,7 +121,7 @@ class Lowering:
         self._used[name] = self._used.get(name, 0) + 1
         count = self._used[name]
         symbol = sp.Symbol(name if count == 1 else f"{name}_{count}", real=True)
-        self.assignments.append(Assignment(symbol, value))
+        self.assignments.append(Assignment(symbol, value, _NOTES.get(name, "")))
         self._done[value] = symbol
         return symbol
 

@@ -35,10 +35,11 @@ class Input:
 
 @dataclass(frozen=True)
 class Assignment:
-    """`target = value`."""
+    """`target = value`; `note` is a comment for it, where its name does not tell."""
 
     target: sp.Symbol
     value: sp.Expr
+    note: str = ""
 
 
 @dataclass(frozen=True)
@@ -78,7 +79,8 @@ class Program:
         coefficients: the targets of `prepare` that the routines use.
         routines: the emitted functions.
         constants: names that the module carries, such as the columns of its regressor.
-        notes: what a coefficient is, where its name does not tell.
+        notes: what each coefficient is: meaning and unit, or its formula.
+        defaults: where the default parameters come from, in words.
     """
 
     name: str
@@ -89,6 +91,7 @@ class Program:
     routines: tuple[Routine, ...]
     constants: tuple[tuple[str, tuple[str, ...]], ...] = ()
     notes: tuple[tuple[str, str], ...] = ()
+    defaults: str = "those of the derivation"
 
 
 def differentiate(assignments: Iterable[Assignment], by: Sequence[sp.Symbol]) -> tuple[Assignment, ...]:

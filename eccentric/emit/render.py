@@ -6,11 +6,15 @@ import hashlib
 from functools import cache
 
 import jinja2
+import sympy as sp
 
 from eccentric import __version__
 from eccentric.emit import c99, numpy_module
 from eccentric.emit.build import build_program
+from eccentric.emit.expression import UnprintableError
 from eccentric.emit.program import Program
+from eccentric.emit.text import plain, with_plain_text
+from eccentric.errors import InputError
 from eccentric.model import Model
 from eccentric.places import folder
 
@@ -22,16 +26,32 @@ def render(model: Model, command: str = "make derive", origin: str | None = None
         model: what to emit.
         command: by which command the files were written; it stands in their banner.
         origin: where the physics stands, for the banner; by default the derivation of the model's name.
+
+    Raises:
+        InputError: the model lacks a balance, a term or a definition that is emitted, or has one with an
+            operation that no back end computes; the message names model and term.
     """
-    program = build_program(model)
-    return render_program(program, origin or f"derivations/{model.name}.py", command)
+    try:
+        return render_program(build_program(model), origin or f"derivations/{model.name}.py", command)
+    except UnprintableError as error:
+        raise InputError(f"model {model.name}: {_place(model, error.operation)}{error}") from None
+
+
+def _place(model: Model, operation: sp.Basic) -> str:
+    """The term or definition that brings an operation along, for a message; "" if it cannot be told."""
+    terms = [(f"term {term.name}", term.value) for balance in model.balances for term in balance.terms]
+    definitions = [(d.quantity.name, d.value) for d in model.definitions]
+    updates = [(state.quantity.name, state.update) for state in model.states]
+    places = [name for name, value in (*terms, *definitions, *updates) if value.has(operation.func)]
+    return f"{places[0]}: " if places else ""
 
 
 def render_program(program: Program, origin: str, command: str) -> dict[str, str]:
     """The emitted files of a program; `origin` names where its physics stands."""
     digest = program_digest(program)
+    program = with_plain_text(program)
     banner = (
-        f"Generated: do not edit. Written by `{command}` from {origin}\n"
+        f"Generated: do not edit. Written by `{plain(command)}` from {plain(origin)}\n"
         f"(eccentric {__version__}, program {digest}).\n"
         f"{program.title}."
     )

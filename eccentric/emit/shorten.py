@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from dataclasses import replace
 from itertools import count
 
 import sympy as sp
@@ -23,7 +24,7 @@ def shortened(assignments: Iterable[Assignment]) -> tuple[Assignment, ...]:
             symbol = sp.Symbol(f"part_{next(numbers)}", real=True)
             add(Assignment(symbol, part))
             value = value.xreplace({part: symbol})
-        out.append(Assignment(assignment.target, value))
+        out.append(replace(assignment, value=value))
 
     for assignment in assignments:
         add(assignment)

@@ -1,18 +1,64 @@
-"""Spellings that both back ends share: numbers, defaults, domains, assignments."""
+"""Spellings that both back ends share: names, free text, numbers, defaults, domains, assignments."""
 
 from __future__ import annotations
 
+import keyword
+import re
 from collections.abc import Callable
+from dataclasses import replace
 
 import sympy as sp
 
 from eccentric.emit.lower import COSINE, LARGEST, SINE
-from eccentric.emit.program import Program, Routine
+from eccentric.emit.program import Input, Program, Routine
+from eccentric.errors import InputError
 from eccentric.model.quantity import Quantity
 from eccentric.model.steps import Leading
 
 # `leading` keeps 11 of 24 and 33 of 53 bits, so that products with up to 2^12 and 2^20 half turns are exact.
 _SPLIT = {"single": 2**42 + 1, "double": 2**20 + 1}
+
+
+def checked_name(name: str, where: str) -> str:
+    """The name, if files, a Python module and C functions can be called by it.
+
+    Raises:
+        InputError: they cannot; `where` says where the name comes from.
+    """
+    if not re.fullmatch(r"[a-z][a-z0-9_]{0,30}", name) or keyword.iskeyword(name):
+        raise InputError(f"{where}: required a lower-case C identifier of at most 31 characters, got {name!r}")
+    return name
+
+
+def plain(text: str) -> str:
+    """Free text that ends no comment and no docstring: one line, no escape, no delimiter of either language."""
+    line = "".join(c for c in " ".join(text.split()) if c.isprintable())
+    line = line.replace("\\", "\\\\").replace('"', "'")
+    return re.sub(r"(?<=\*)(?=/)|(?<=/)(?=\*)", " ", line)
+
+
+def with_plain_text(program: Program) -> Program:
+    """The program, all that people have written in it as `plain` spells it."""
+
+    def of(q: Quantity) -> Quantity:
+        return replace(q, unit=plain(q.unit), meaning=plain(q.meaning), equation=plain(q.equation))
+
+    routines = [
+        replace(
+            r,
+            unit=plain(r.unit),
+            meaning=plain(r.meaning),
+            inputs=tuple(Input(of(x.quantity), x.length) for x in r.inputs),
+        )
+        for r in program.routines
+    ]
+    return replace(
+        program,
+        title=plain(program.title),
+        parameters=tuple(map(of, program.parameters)),
+        routines=tuple(routines),
+        notes=tuple((name, plain(note)) for name, note in program.notes),
+    )
 
 
 def number(decimal: str) -> str:

@@ -3,37 +3,54 @@
 from __future__ import annotations
 
 import difflib
+from collections.abc import Mapping
 from pathlib import Path
 
 from eccentric.emit.render import render
 from eccentric.model import Model
+from eccentric.output import whole_file
 
 
 def emit(model: Model, out: Path, command: str = "make derive", origin: str | None = None) -> list[Path]:
-    """Write model.py, .h and .c into an existing folder; files that are fresh already are left alone.
+    """Write model.py, .h and .c into a folder; files that are fresh already are left alone.
 
     Returns:
         The paths, written or fresh.
+
+    Raises:
+        InputError: the model cannot be emitted, or the folder cannot be written.
     """
-    paths = []
-    for name, text in render(model, command, origin).items():
-        path = out / name
-        if not path.is_file() or path.read_text(encoding="utf-8") != text:
-            path.write_text(text, encoding="utf-8", newline="\n")
-        paths.append(path)
-    return paths
+    return write(render(model, command, origin), out)
+
+
+def write(files: Mapping[str, str], out: Path) -> list[Path]:
+    """Write rendered files, name -> text, each as a whole; those that are fresh already are left alone.
+
+    Returns:
+        The paths, written or fresh.
+
+    Raises:
+        InputError: the folder cannot be written.
+    """
+    for name, text in files.items():
+        if _found(out / name) != text:
+            with whole_file(out / name) as path:
+                path.write_text(text, encoding="utf-8", newline="\n")
+    return [out / name for name in files]
 
 
 def stale(model: Model, out: Path, command: str = "make derive") -> str:
     """The unified diff from what stands in the folder to what would be written; "" if it is fresh."""
     diffs = []
     for name, text in render(model, command).items():
-        path = out / name
-        found = path.read_text(encoding="utf-8") if path.is_file() else ""
         diffs += difflib.unified_diff(
-            found.splitlines(keepends=True),
+            _found(out / name).splitlines(keepends=True),
             text.splitlines(keepends=True),
             f"generated/{name}",
             f"derived/{name}",
         )
     return "".join(diffs)
+
+
+def _found(path: Path) -> str:
+    return path.read_text(encoding="utf-8") if path.is_file() else ""

@@ -18,6 +18,7 @@ from scipy.integrate import cumulative_trapezoid
 from eccentric.errors import InputError
 from eccentric.identify import filters
 from eccentric.identify.holdout import Holdout, hold_out
+from eccentric.identify.plausible import speed_doubt, unwrapped
 from eccentric.identify.table import Table, read_table
 
 if TYPE_CHECKING:
@@ -33,6 +34,8 @@ QUANTA = 10.0
 """Default moving threshold: this many encoder steps within the 40 ms of the central difference ..."""
 SLOW = 0.03
 """... and at least this fraction of the 95th percentile of the speed."""
+UNEVEN = 0.2
+"""A time step this far from the median, as a fraction of it, is counted as uneven."""
 
 
 @dataclass(frozen=True)
@@ -147,10 +150,6 @@ def read_channels(paths: Sequence[str | Path], rig: Rig) -> Channels:
     threshold = rig.moving_threshold_rad_s
     if threshold is None:
         threshold = _default_threshold(velocity, quantum)
-        warnings.append(
-            f"moving threshold {threshold:.4g} rad/s (motor) by default: {QUANTA:g} encoder steps in 40 ms, "
-            f"at least {SLOW:.0%} of the 95th percentile of the speed"
-        )
     moving = _by_segment(segment, lambda rows: filters.moves(t[rows], velocity[rows], threshold)).astype(bool)
     settled = _by_segment(segment, lambda rows: filters.away_from_ends(t[rows])).astype(bool)
     _check_rate(t, segment, rig, warnings)
@@ -212,12 +211,21 @@ def _motor_side(table: Table, rig: Rig, motor: str, link: str) -> Array | None:
 def _angle(
     table: Table, rig: Rig, segment: NDArray[np.int64], warnings: list[str]
 ) -> tuple[Array, Array | None]:
-    """Return logged angle, or the integral of the logged speed, and logged speed, on the motor side."""
+    """Return the logged angle, unwrapped, or the integral of the logged speed, and the logged speed.
+
+    Both are on the motor side.
+    """
     theta = _motor_side(table, rig, "theta_m", "theta_l")
     omega = _motor_side(table, rig, "omega_m", "omega_l")
-    if theta is not None or omega is None:
-        return np.zeros(0) if theta is None else theta, omega
     t = table.channels["time"]
+    if theta is not None:
+        mu = rig.known.get("mu")
+        theta, said = unwrapped(t, theta, segment, table.run, mu)
+        doubt = "" if omega is None else speed_doubt(t, theta, omega, segment, mu)
+        warnings += [text for text in (said, doubt) if text]
+        return theta, omega
+    if omega is None:
+        raise AssertionError("read_table asks for an angle or a speed")
     integral = _by_segment(table.run, lambda rows: cumulative_trapezoid(omega[rows], t[rows], initial=0.0))
     warnings.append("no angle is logged: it is the integral of the speed, from 0 at the start of each run")
     if segment[-1] > table.run[-1]:
@@ -228,14 +236,14 @@ def _angle(
 def _motion(t: Array, theta: Array, segment: NDArray[np.int64], rig: Rig, warnings: list[str]) -> Array:
     """Return angle, velocity, acceleration as rows of (3, n), filtered stretch by stretch."""
     plain: list[int] = []
-    uneven: list[int] = []
+    uneven = False
 
     def one(rows: NDArray[np.int64]) -> Array:
+        nonlocal uneven
         *signals, smoothed = filters.motion(t[rows], theta[rows], rig.low_pass_hz)
         if not smoothed:
             plain.append(len(rows))
-        if not filters.is_even(t[rows]):
-            uneven.append(len(rows))
+        uneven |= not filters.is_even(t[rows])
         return np.stack(signals, axis=1)
 
     signals = _by_segment(segment, one)
@@ -245,9 +253,12 @@ def _motion(t: Array, theta: Array, segment: NDArray[np.int64], rig: Rig, warnin
             f"{rig.low_pass_hz:g} Hz low pass: their velocity and acceleration are plain central differences"
         )
     if uneven:
+        steps = np.diff(t)[np.diff(segment) == 0]
+        usual = float(np.median(steps))
+        odd = int(np.count_nonzero(np.abs(steps / usual - 1.0) > UNEVEN))
         warnings.append(
-            f"{sum(uneven)} of {len(t)} rows are unevenly sampled: for filtering, the angle is interpolated "
-            "linearly at the median step"
+            f"time steps are uneven ({odd} of {len(steps)} differ by more than {UNEVEN:.0%} from the usual "
+            f"{usual:.4g} s): for filtering, the angle is interpolated linearly"
         )
     return signals.T
 
@@ -277,11 +288,14 @@ def _drive(channels: Mapping[str, Array], rig: Rig) -> str:
         "torque": "torque" in channels or "torque_l" in channels,
         "voltage": "voltage" in channels,
     }
+    there = [drive for drive, is_there in logged.items() if is_there]
     if rig.drive is None:
-        return next(drive for drive, there in logged.items() if there)
-    if not logged[rig.drive]:
-        there = ", ".join(drive for drive, there in logged.items() if there)
-        raise InputError(f"{rig.path}: drive = {rig.drive!r} requires that channel, the log has {there}")
+        return there[0]
+    if rig.drive not in there:
+        what = f"one of {', '.join(there)} is required" if len(there) > 1 else f"{there[0]} is required"
+        raise InputError(
+            f"{rig.path}: drive: {what}, since the log has no {rig.drive}; received {rig.drive!r}"
+        )
     return rig.drive
 
 
@@ -303,7 +317,8 @@ def _check_left(channels: Channels, paths: Sequence[str | Path], rig: Rig) -> No
         raise InputError(
             f"{where}: moving rows (above {channels.moving_threshold_rad_s:.4g} rad/s at the motor, "
             f"{filters.END_S:g} s from the ends) are required to fit and to hold out "
-            f"({channels.holdout.rule}); received {fitted} and {scored} under {rig.path}"
+            f"({channels.holdout.rule}); received {fitted} and {scored} under {rig.path}: are the units of "
+            "time and angle right?"
         )
 
 

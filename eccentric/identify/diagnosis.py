@@ -88,7 +88,7 @@ def sentence(found: Diagnosis) -> str:
     if a.verdict == "named":
         names = " and ".join(effect.id for effect, _ in found.effects)
         sure = min(_probability(found, effect) for effect, _ in found.effects)
-        return f"The model lacks {names} (probability {sure:.2f}); with it {gain}."
+        return f"The model lacks {names} (probability {sure:.2f}); with {'it' if len(found.effects) == 1 else 'them'} {gain}."
     if a.verdict == "not_identifiable":
         families = " or ".join(a.tied or tuple(dict.fromkeys(c.family for c in a.candidates[:2])))
         return f"An effect is missing, but this log cannot tell {families} apart; with the first {gain}."

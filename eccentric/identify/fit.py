@@ -38,7 +38,8 @@ class Fit:
 
     `coefficients` are those of the columns, `searched` what was found beside them (with `profiles` over the
     ranges of unknown quantities), `combinations` what the columns hold that is no single letter; `identified`
-    the letters that the log tells, and those it does not. `percent` is 100 (1 - paper/linear).
+    the letters that the log tells, and those it does not. `percent` is 100 (1 - paper/linear). `r_squared`
+    by model is that of the drive signal on the held-out rows.
     """
 
     problem: Problem
@@ -51,7 +52,7 @@ class Fit:
     rmse: Mapping[str, float]
     percent: float
     percent_interval: tuple[float, float]
-    r_squared: float
+    r_squared: Mapping[str, float]
     warnings: tuple[str, ...]
 
     @property
@@ -85,7 +86,10 @@ def fit(channels: Channels, rig: Rig, model: Model, where: str = "log") -> Fit:
     score = problem.sampling.score
     errors = {name: solution.residual[score] for name, solution in solutions.items()}
     percent, interval = improvement(errors["linear"], errors["paper"])
-    signal = problem.drive_signal(paper.values)[score]
+    r_squared = {
+        name: 1.0 - float(np.mean(e**2) / np.var(problem.drive_signal(solutions[name].values)[score]))
+        for name, e in errors.items()
+    }
     warnings = [*problem.warnings, *_warnings(problem, paper, profiles)]
     return Fit(
         problem,
@@ -98,7 +102,7 @@ def fit(channels: Channels, rig: Rig, model: Model, where: str = "log") -> Fit:
         {name: float(np.sqrt(np.mean(e**2))) for name, e in errors.items()},
         percent,
         interval,
-        1.0 - float(np.mean(errors["paper"] ** 2) / np.var(signal)),
+        r_squared,
         tuple(warnings),
     )
 
@@ -179,6 +183,6 @@ def _warnings(problem: Problem, paper: Solution, profiles: Mapping[str, Profile]
     for name, p in profiles.items():
         spread = 100.0 * (max(p.rmse) / min(p.rmse) - 1.0)
         found.append(
-            f"{name} is known by a range only: over it, the training error changes by {spread:.2g} %"
+            f"{name} is known by a range only: over it, the training error changes by {spread:.1f} %"
         )
     return found

@@ -1,6 +1,7 @@
 """A fit as a document (`eccentric-fit/1`), as parameters to emit, and as a few lines for a terminal.
 
-Keys of the document; an estimate is {value, std_error, interval_95, unit, bound_active (or null)}:
+Keys of the document; an estimate is {value, std_error, interval_95, unit, bound_active (or null)}, its
+std_error null where an active bound, its own or another value's, makes the interval:
 
     format, model, rig, logs, drive (current, voltage, torque), unit (of target and error: N m, V or A)
     known             letter: value in SI, from the rig
@@ -13,9 +14,9 @@ Keys of the document; an estimate is {value, std_error, interval_95, unit, bound
     parameters        letter: value or null, complete for `Parameters` of the emitted module
     parameter_notes   letter: known, fitted (with uncertainty) or convention, in words
     identified_range  ranges in words;  ranges  {omega_m_rad_s, speed_m_rad_s, temperature_C}
-    rmse_holdout_Nm (_V, _A)  linear, paper, paper_unbounded;  r_squared_holdout  of the drive signal
+    rmse_holdout_Nm (_V, _A), r_squared_holdout (of the drive signal)  linear, paper, paper_unbounded
     improvement       percent 100 (1 - paper/linear), interval_95
-    rows, fitted_on, holdout {rule, intervals_s}, warnings
+    rows, moving_threshold_rad_s, fitted_on, holdout {rule, intervals_s}, warnings
 """
 
 from __future__ import annotations
@@ -35,8 +36,15 @@ if TYPE_CHECKING:
 FORMAT = "eccentric-fit/1"
 _ALIGNMENT = ("input_delay_s", "theta_zero_rad", "voltage_offset_V")
 _KEYS = {"N m": "rmse_holdout_Nm", "V": "rmse_holdout_V", "A": "rmse_holdout_A"}
+_DRIVES = {"N m": "torque", "V": "voltage", "A": "current"}
 _CLEAR = 1.0
 """A gain below this, in per cent, is not worth the words."""
+LEAST_R_SQUARED = 0.5
+"""Below, half of what the drive does is unexplained, and comparing friction models says nothing.
+
+On the bundled log a wrong sign, a wrong unit, another mu or a zero angle 1 rad off leave -4000 to 0.48, an
+inaccurate k_i (by a third, either way) 0.95, and the example logs with effects that no model has 0.96 or more.
+"""
 
 
 def document(fit: Fit, logs: Sequence[str]) -> dict[str, Any]:
@@ -76,8 +84,9 @@ def document(fit: Fit, logs: Sequence[str]) -> dict[str, Any]:
         "ranges": ranges(fit),
         _KEYS[problem.unit]: dict(fit.rmse),
         "improvement": {"percent": fit.percent, "interval_95": list(fit.percent_interval)},
-        "r_squared_holdout": fit.r_squared,
+        "r_squared_holdout": dict(fit.r_squared),
         "rows": channels.counts,
+        "moving_threshold_rad_s": channels.moving_threshold_rad_s,
         "fitted_on": {
             "what": counted.description,
             "training": int(np.count_nonzero(counted.train)),
@@ -94,7 +103,7 @@ def document(fit: Fit, logs: Sequence[str]) -> dict[str, Any]:
 def _entry(e: Estimate) -> dict[str, Any]:
     return {
         "value": e.value,
-        "std_error": e.std_error,
+        "std_error": None if e.widened else e.std_error,
         "interval_95": [x if math.isfinite(x) else None for x in e.interval],
         "unit": e.unit,
         "bound_active": e.bound_active,
@@ -215,33 +224,50 @@ def _mechanical(fit: Fit, name: str) -> Estimate:
 def _words(e: Estimate) -> str:
     low, high = e.interval
     bound = f", at its {e.bound_active} bound" if e.bound_active else ""
+    error = "" if e.widened else f" +- {e.std_error:.2g}"
     unit = "" if e.unit == "1" else f" {e.unit}"
-    return f"fitted: {e.value:.4g} +- {e.std_error:.2g}{unit}, 95 % interval {low:.4g} to {high:.4g}{bound}"
+    return f"fitted: {e.value:.4g}{error}{unit}, 95 % interval {low:.4g} to {high:.4g}{bound}"
 
 
 def sentence(fit: Fit) -> str:
-    """Return in one sentence what the paper's model gains on the held-out part over Coulomb + viscous."""
+    """Return in one sentence what the paper's model gains on the held-out part over Coulomb + viscous.
+
+    Where the log does not fit the rig at all, the sentence says that instead.
+    """
+    if not _fits(fit):
+        return (
+            f"This log does not fit the rig (R^2 {fit.r_squared['paper']:.2f}): check units and signs of the "
+            'columns, mu, and the zero angle (theta_zero_rad = "estimate" estimates it).'
+        )
     low, high = fit.percent_interval
-    interval = f"95 % interval {low:.3g} to {high:.3g} %"
+    gain, interval = _percent(fit.percent), f"95 % interval {_percent(low)} to {_percent(high)} %"
     if low > 0.0 and fit.percent >= _CLEAR:
         return (
-            f"The paper's model predicts the held-out part {fit.percent:.3g} % better than "
+            f"The paper's model predicts the held-out part {gain} % better than "
             f"Coulomb + viscous friction ({interval})."
         )
     if high < 0.0 and fit.percent <= -_CLEAR:
         return (
-            f"The paper's model predicts the held-out part {-fit.percent:.3g} % worse than "
+            f"The paper's model predicts the held-out part {_percent(-fit.percent)} % worse than "
             f"Coulomb + viscous friction ({interval} of gain)."
         )
     if abs(fit.percent) >= _CLEAR:
         return (
             f"The paper's model has no certain gain over Coulomb + viscous friction on the held-out part "
-            f"({fit.percent:.2g} %, {interval})."
+            f"({gain} %, {interval})."
         )
     return (
         f"The paper's model gains nothing over Coulomb + viscous friction here "
-        f"({fit.percent:.2g} % of the held-out error, {interval})."
+        f"({gain} % of the held-out error, {interval})."
     )
+
+
+def _fits(fit: Fit) -> bool:
+    return fit.r_squared["paper"] >= LEAST_R_SQUARED
+
+
+def _percent(x: float) -> str:
+    return f"{round(x, 1) + 0.0:.1f}"  # + 0.0 takes the sign from a zero
 
 
 def lines(fit: Fit, logs: Sequence[str]) -> list[str]:
@@ -254,7 +280,7 @@ def lines(fit: Fit, logs: Sequence[str]) -> list[str]:
     shown = {**fit.coefficients, **fit.searched}
     table = [("", "value", "std error", "95 % interval", "unit")]
     table += [
-        (name, f"{e.value:.4g}", f"{e.std_error:.2g}", _interval(e), e.unit + _bound(e))
+        (name, f"{e.value:.4g}", "-" if e.widened else f"{e.std_error:.2g}", _interval(e), e.unit + _bound(e))
         for name, e in shown.items()
     ]
     widths = [max(len(row[k]) for row in table) for k in range(4)]
@@ -270,11 +296,16 @@ def lines(fit: Fit, logs: Sequence[str]) -> list[str]:
         out.append(
             f"no scale to newton metres (neither J nor gravity is known): all is times {problem.scale}"
         )
+    errors = ", ".join(f"{which} {fit.rmse[which]:.4g}" for which in ("linear", "paper"))
+    parts = ", ".join(f"{which} {fit.r_squared[which]:.4f}" for which in ("linear", "paper"))
     out.append(
-        f"held-out RMSE [{problem.unit}]: linear {fit.rmse['linear']:.4g}, paper {fit.rmse['paper']:.4g}; "
-        f"R^2 {fit.r_squared:.4f}"
+        f"held-out RMSE [{problem.unit}]: {errors}; R^2 of the drive {_DRIVES[problem.unit]}: {parts}"
     )
-    out += _bounds_line(fit)
+    if problem.rig.moving_threshold_rad_s is None:
+        threshold = problem.channels.moving_threshold_rad_s
+        out.append(f"rows count as moving above {threshold:.4g} rad/s (motor; moving_threshold_rad_s sets it)")
+    if _fits(fit):
+        out += _bounds_line(fit)
     return [*out, sentence(fit)]
 
 

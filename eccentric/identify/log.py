@@ -22,31 +22,44 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
 
 Column = NDArray[Any]
+Read = tuple[dict[str, Column], NDArray[np.int64] | None]
+"""Columns, and the lines of their rows in a text file."""
 
 _MISSING = frozenset({"", "na", "n/a", "#n/a", "null", "none", "-"})
+_POINT = "; decimals are required with a point, as in 1.5"
 
 
 @dataclass(frozen=True)
 class Log:
-    """Columns of one log, all of one length: float64 with NaN for a missing value, or str where text came."""
+    """Columns of one log, all of one length: float64 with NaN for a missing value, or str where text came.
+
+    `lines` (rows,) are the numbers of the rows' lines in a text file, from 1; None for other formats.
+    """
 
     path: str
     columns: Mapping[str, Column]
     rows: int
+    lines: NDArray[np.int64] | None = None
+
+    def place(self, row: int) -> str:
+        """Return where the row (counted from 0) stands: its line as an editor shows it, else its number."""
+        return f"row {row + 1}" if self.lines is None else f"line {self.lines[row]}"
 
     def numbers(self, name: str) -> NDArray[np.float64]:
         """Return the column `name` as float64 (rows,).
 
         Raises InputError where the log has no such column (naming those that it has), or where it holds text
-        (naming the first such row, counted from 1 after the header).
+        (naming its first line).
         """
         values = self.text(name)
         if values.dtype.kind == "f":
             return values
-        for row, entry in enumerate(values, start=1):
+        for row, entry in enumerate(values):
             if _number(entry) is None:
+                hint = _POINT if _number(entry.replace(",", ".")) is not None else ""
                 raise InputError(
-                    f"{self.path}: row {row}, column {name!r}: a number is required, received {str(entry)!r}"
+                    f"{self.path}: {self.place(row)}, column {name!r}: a number is required, "
+                    f"received {str(entry)!r}{hint}"
                 )
         raise AssertionError(f"column {name} was kept as text without reason")
 
@@ -62,8 +75,9 @@ class Log:
 def read_log(path: str | Path) -> Log:
     """Read a log: `.csv`, `.csv.gz`, `.mat` (to version 7), or `.parquet` (extra `parquet`).
 
-    A CSV file has one header row; the delimiter is a comma, a semicolon or a tab.
-    Raises InputError, one line with file, row and column, for whatever cannot be read.
+    A CSV file has one header row; the delimiter is a comma, a semicolon or a tab. Lines at its head that are
+    empty or begin with `#` are skipped, except that the last of those is the header if none follows.
+    Raises InputError, one line with file, line and column, for whatever cannot be read.
     """
     path = Path(path)
     suffix = next((s for s in READERS if path.name.lower().endswith(s)), None)
@@ -76,7 +90,7 @@ def read_log(path: str | Path) -> Log:
             f"{path}: a log of {', '.join(READERS)} is required, received {path.suffix or 'no suffix'!r}"
         )
     try:
-        columns = READERS[suffix](path)
+        columns, lines = READERS[suffix](path)
     except UnicodeDecodeError as error:
         raise InputError(f"{path}: UTF-8 text is required, byte {error.start} is not") from None
     except (EOFError, zlib.error, gzip.BadGzipFile) as error:
@@ -86,31 +100,58 @@ def read_log(path: str | Path) -> Log:
     rows = len(next(iter(columns.values()))) if columns else 0
     if rows == 0:
         raise InputError(f"{path}: a log with rows is required, received none")
-    return Log(str(path), columns, rows)
+    return Log(str(path), columns, rows, lines)
 
 
-def _read_csv(path: Path) -> dict[str, Column]:
+def _read_csv(path: Path) -> Read:
     opened = gzip.open if path.name.lower().endswith(".gz") else open
     with opened(path, "rt", encoding="utf-8-sig", newline="") as file:
-        first = file.readline()
-        if not first.strip():
-            raise InputError(f"{path}: a header row with column names is required, the file is empty")
-        delimiter = max(",;\t", key=first.count)
-        header = _header(next(csv.reader([first], delimiter=delimiter)), path)
-        try:
-            rows = [row for row in csv.reader(file, delimiter=delimiter) if row]
-        except csv.Error as error:
-            raise InputError(f"{path}: no CSV file ({error})") from None
-    for number, row in enumerate(rows, start=1):
+        text = file.readlines()
+    skipped = next((k for k, line in enumerate(text) if _is_content(line)), len(text))
+    if skipped == len(text):
+        raise InputError(f"{path}: a header row with column names is required, the file is empty")
+    # numpy.savetxt writes the column names as a comment.
+    comment = text[skipped - 1].lstrip("# \t") if skipped else ""
+    delimiter = max(",;\t", key=text[skipped].count)
+    if comment.strip() and _only_numbers(first := _cells(text[skipped], delimiter)):
+        names = _cells(comment, delimiter)
+        if len(names) != len(first):
+            names = comment.split()
+        if len(names) == len(first):
+            text[skipped - 1], skipped = delimiter.join(names) + "\n", skipped - 1
+    header = _header(_cells(text[skipped], delimiter), path)
+    reader = csv.reader(text[skipped + 1 :], delimiter=delimiter)
+    try:
+        found = [(skipped + 1 + reader.line_num, row) for row in reader if row]
+    except csv.Error as error:
+        raise InputError(f"{path}: no CSV file ({error})") from None
+    for line, row in found:
         if len(row) != len(header):
-            raise InputError(f"{path}: row {number}: {len(header)} values are required, received {len(row)}")
-    return {name: _column(values) for name, values in zip(header, zip(*rows, strict=True), strict=False)}
+            hint = _POINT if delimiter == "," and len(row) == 2 * len(header) else ""
+            raise InputError(
+                f"{path}: line {line}: {len(header)} values are required, received {len(row)}{hint}"
+            )
+    values = zip(*(row for _, row in found), strict=True)
+    lines = np.array([line for line, _ in found], dtype=np.int64)
+    return {name: _column(column) for name, column in zip(header, values, strict=False)}, lines
+
+
+def _is_content(line: str) -> bool:
+    return bool(line.strip()) and not line.startswith("#")
+
+
+def _cells(line: str, delimiter: str) -> list[str]:
+    return next(csv.reader([line], delimiter=delimiter))
+
+
+def _only_numbers(cells: list[str]) -> bool:
+    return all(_number(cell) is not None for cell in cells)
 
 
 def _header(cells: list[str], path: Path) -> list[str]:
     # A table exported with its index has no name above the first column.
     names = [cell.strip() or f"column {number}" for number, cell in enumerate(cells, start=1)]
-    if all(_number(name) is not None for name in names):
+    if _only_numbers(names):
         raise InputError(f"{path}: a header row with column names is required, received numbers")
     twice = next((name for name in names if names.count(name) > 1), None)
     if twice is not None:
@@ -135,12 +176,12 @@ def _number(text: str) -> float | None:
         return float("nan") if text.strip().lower() in _MISSING else None
 
 
-def _read_parquet(path: Path) -> dict[str, Column]:
+def _read_parquet(path: Path) -> Read:
     try:
         parquet = importlib.import_module("pyarrow.parquet")
         arrow = importlib.import_module("pyarrow")
     except ImportError:
-        raise InputError(f"{path}: reading .parquet requires pip install 'eccentric[parquet]'") from None
+        raise InputError(f"{path}: pyarrow is required for .parquet: pip install pyarrow") from None
     try:
         table = parquet.read_table(path)
     except arrow.ArrowException as error:
@@ -148,10 +189,10 @@ def _read_parquet(path: Path) -> dict[str, Column]:
     columns = {name: table[name].to_numpy() for name in table.column_names}
     return {
         name: values.astype(float if values.dtype.kind in "biuf" else str) for name, values in columns.items()
-    }
+    }, None
 
 
-def _read_mat(path: Path) -> dict[str, Column]:
+def _read_mat(path: Path) -> Read:
     """Return the vectors of a MAT file, at the top or in a structure, of the most frequent length."""
     from scipy.io import loadmat
 
@@ -174,7 +215,7 @@ def _read_mat(path: Path) -> dict[str, Column]:
         name: vector if vector.dtype.kind == "U" else vector.astype(float)
         for name, vector in vectors.items()
         if len(vector) == usual
-    }
+    }, None
 
 
 def _mat_7_3(path: Path) -> dict[str, Any]:
@@ -182,10 +223,12 @@ def _mat_7_3(path: Path) -> dict[str, Any]:
     try:
         h5py = importlib.import_module("h5py")
     except ImportError:
-        raise InputError(f"{path}: reading MAT 7.3 requires pip install 'eccentric[mat73]', or -v7") from None
+        raise InputError(
+            f"{path}: h5py is required for MAT 7.3: pip install h5py, or save with -v7"
+        ) from None
     content: dict[str, Any] = {}
 
-    def keep(name: str, item: Any) -> None:  # noqa: ANN401 (h5py is optional)
+    def keep(name: str, item: Any) -> None:
         if isinstance(item, h5py.Dataset) and item.dtype.kind in "biuf":
             content[name.rsplit("/", 1)[-1]] = np.squeeze(item[()])
 
@@ -194,7 +237,7 @@ def _mat_7_3(path: Path) -> dict[str, Any]:
     return content
 
 
-READERS: dict[str, Callable[[Path], dict[str, Column]]] = {
+READERS: dict[str, Callable[[Path], Read]] = {
     ".csv": _read_csv,
     ".csv.gz": _read_csv,
     ".mat": _read_mat,

@@ -15,6 +15,7 @@ import sympy as sp
 
 from eccentric.identify.diagnose import Diagnosis
 from eccentric.identify.diagnosis import sentence
+from eccentric.model.steps import meaning
 from eccentric.places import folder
 
 __all__ = ["report"]
@@ -76,7 +77,9 @@ def _view(found: Diagnosis) -> dict[str, Any]:
 
 
 def _mathml(equation: Any) -> str:
-    body = sp.mathml(sp.Eq(equation.left, equation.right, evaluate=False), printer="presentation")
+    # For reading, the careful steps are written as what they mean.
+    right = sp.trigsimp(meaning(equation.right))
+    body = sp.mathml(sp.Eq(equation.left, right, evaluate=False), printer="presentation")
     return f'<math display="block">{body}</math>'
 
 

@@ -12,6 +12,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import sympy as sp
+
 from eccentric.errors import InputError
 from eccentric.identify.known import (
     find_known,
@@ -22,6 +24,7 @@ from eccentric.identify.known import (
     refuse_unknown,
 )
 from eccentric.identify.units import Unit, require_unit
+from eccentric.model import vocabulary
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
@@ -43,8 +46,6 @@ CHANNELS = {
 """Channel: (its column where the rig maps none, its unit). _m is on the motor side, _l on the link side."""
 
 DRIVES = ("current", "voltage", "torque")
-STANDARD_GRAVITY = 9.81
-"""m/s^2, the value of the paper's Table 1, where the rig gives none."""
 
 
 @dataclass(frozen=True)
@@ -118,6 +119,11 @@ def read_rig(path: str | Path) -> Rig:
     if known.get("mu", 0.0) > 1.0:
         warnings.append(
             f"mu = {known['mu']:g} is above 1: the link turns faster than the motor (step-up drive)"
+        )
+    if {"J_l", "M", "L"} <= set(known) and known["J_l"] < (mass := known["M"] * known["L"] ** 2) * (1 - 1e-9):
+        warnings.append(
+            f"J_l = {known['J_l']:.6g} kg m^2 is less than M L^2 = {mass:.6g} kg m^2, which it includes:"
+            " it is the inertia of the whole link about its axis"
         )
     aligned, estimate = _alignment(content, where)
     return Rig(
@@ -203,7 +209,7 @@ def _knowns(
         unknown[quantity.name] = lower, upper
     case = _case(case, known, unknown, where)
     if "g" not in unknown:
-        known.setdefault("g", STANDARD_GRAVITY)
+        known.setdefault("g", float(sp.Rational(vocabulary.g.default)))  # Table 1's
     return known, unknown, case
 
 

@@ -85,9 +85,9 @@ def _one(log: Log, rig: Rig, name: str, alone: bool) -> Table:
     warnings: list[str] = []
     if rejected:
         worst = min(numbers, key=lambda c: np.count_nonzero(numbers[c]))
-        row = int(np.flatnonzero(~kept)[0]) + 1
+        first = log.place(int(np.flatnonzero(~kept)[0]))
         what = (
-            f"{rejected} of {log.rows} rows are not numbers (first: row {row}; most: {sources[worst].text!r})"
+            f"{rejected} of {log.rows} rows are not numbers (first: {first}; most: {sources[worst].text!r})"
         )
         if rejected > MAX_REJECTED * log.rows:
             raise InputError(f"{log.path}: {what}; at most {MAX_REJECTED:.0%} may be missing")
@@ -160,15 +160,15 @@ def _runs(
     names = [str(label) for label in labels[begins]]
     again = next((k for k, name in enumerate(names) if name in names[:k]), None)
     if again is not None:
-        row = int(rows[np.flatnonzero(begins)[again]]) + 1
+        place = log.place(int(rows[np.flatnonzero(begins)[again]]))
         raise InputError(
-            f"{log.path}: row {row}: the rows of a run must stand together, {names[again]!r} comes back"
+            f"{log.path}: {place}: the rows of a run must stand together, {names[again]!r} comes back"
         )
     stuck = np.flatnonzero((np.diff(t) <= 0.0) & ~begins[1:])
     if len(stuck):
         k = int(stuck[0])
         raise InputError(
-            f"{log.path}: row {rows[k + 1] + 1}: time stamps must increase, "
+            f"{log.path}: {log.place(int(rows[k + 1]))}: time stamps must increase, "
             f"received {t[k + 1]:.9g} s after {t[k]:.9g} s"
         )
     return np.cumsum(begins) - 1, tuple(names)

@@ -33,13 +33,16 @@ TWO_SIDED = 1.9600 + 2.9694 * FRACTION + 0.4160 * FRACTION**2 - 0.5324 * FRACTIO
 ONE_SIDED = 1.6449 + 2.1859 * FRACTION + 0.3142 * FRACTION**2 - 0.3427 * FRACTION**3
 """Standard errors to the one end of a one-sided 95 % interval: their 95 % quantile."""
 DRAWS = 2000
+LITTLE = 0.01
+"""An active bound that moves a value by less than this part of its interval is not worth mentioning."""
 
 
 @dataclass(frozen=True)
 class Estimate:
     """Value, standard error and 95 % interval in `unit`; which bound is active ("lower", "upper"), if one is.
 
-    An interval ends where the bounds do; at an active bound it is one-sided.
+    An interval ends where the bounds do; at an active bound it is one-sided. `widened` tells that an active
+    bound, its own or another value's, enters the interval: then the standard error does not describe it.
     """
 
     value: float
@@ -47,6 +50,7 @@ class Estimate:
     interval: tuple[float, float]
     unit: str
     bound_active: str | None = None
+    widened: bool = False
 
 
 @dataclass(frozen=True)
@@ -73,8 +77,11 @@ class Spread:
     ) -> Estimate:
         """Return the estimate of a function of the values with this gradient (p,).
 
-        `active` is -1 where its lower bound is active, 1 for the upper.
+        `active` is -1 where its lower bound is active, 1 for the upper: there the value is that bound, free
+        of rounding.
         """
+        held = {-1: bounds[0], 0: math.nan, 1: bounds[1]}[active]
+        value = held if math.isfinite(held) else min(max(float(value), bounds[0]), bounds[1])
         variance = float(slope @ self.matrix @ slope)
         error = math.sqrt(max(variance, 0.0) + float(np.sum((slope * self.alone) ** 2)) * (active != 0))
         moved = self.moves @ slope
@@ -83,7 +90,8 @@ class Spread:
         high = value + reach + float(np.sum(np.maximum(moved, 0.0)))
         side = {-1: "lower", 0: None, 1: "upper"}[active]
         interval = float(max(low, bounds[0])), float(min(high, bounds[1]))
-        return Estimate(float(value), error, interval, unit, side)
+        widened = bool(np.sum(np.abs(moved)) > LITTLE * reach)
+        return Estimate(value, error, interval, unit, side, widened)
 
 
 def spread(design: Array, residual: Array, active: NDArray[np.int64], lower: Array, upper: Array) -> Spread:

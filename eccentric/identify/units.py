@@ -7,15 +7,20 @@ Hertz is left out on purpose: it is 2 pi rad/s for a speed of rotation and 1/s f
 
 from __future__ import annotations
 
+import difflib
 import math
 import re
+import unicodedata
 from dataclasses import dataclass
-from typing import TypeVar
+from typing import TYPE_CHECKING, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from eccentric.errors import InputError
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
 
 Dimension = tuple[int, int, int, int, int]
 """Powers of metre, kilogram, second, ampere, kelvin."""
@@ -52,8 +57,7 @@ _PREFIXED: dict[str, tuple[float, Dimension]] = {
 _PLAIN: dict[str, tuple[float, Dimension]] = {
     "1": (1.0, _ONE),
     "%": (0.01, _ONE),
-    "deg": (_TURN / 360.0, _ONE),
-    "°": (_TURN / 360.0, _ONE),
+    **dict.fromkeys(("deg", "°", "degree", "degrees"), (_TURN / 360.0, _ONE)),
     "rev": (_TURN, _ONE),
     "turn": (_TURN, _ONE),
     "min": (60.0, (0, 0, 1, 0, 0)),
@@ -77,6 +81,7 @@ _SHOWN = (
     "ohm", "mohm", "N m/A", "mNm/A", "V s/rad", "V s/rev", "V/rpm", "V/krpm", "kg m^2", "g cm^2",
     "degC", "K",
 )  # fmt: skip
+_NAMES = (*_PLAIN, *_PREFIXED, "counts")
 _TOKEN = re.compile(r"\s*(?:([A-Za-zµμΩ°%]+)(?:\^?(-?\d+)|([²³]))?|(1)(?![\d.])|([*·./()]))")
 _NUMBER = r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?"
 _VALUE = re.compile(rf"\s*({_NUMBER})(?:\s*/\s*({_NUMBER}))?\s*(.*)", re.DOTALL)
@@ -96,17 +101,33 @@ class Unit:
         return value * self.factor + self.offset
 
 
-def parse_unit(text: str, where: str, counts_per_rev: float | None = None) -> Unit:
+class _UnknownNameError(Exception):
+    """A name that is in no table."""
+
+
+def parse_unit(
+    text: str, where: str, counts_per_rev: float | None = None, required: str | None = None
+) -> Unit:
     """Return the unit that a text names.
 
-    `where` opens the error message (file and key); `counts_per_rev` gives `counts` a meaning.
+    `where` opens the error message (file and key); `counts_per_rev` gives `counts` a meaning; the units that
+    a message proposes are those like `required`.
     Raises InputError for a name that is in no table, and for `counts` without counts per revolution.
     """
-    stripped = " ".join(text.split())
+    # The ohm sign and the Greek letter look alike.
+    stripped = unicodedata.normalize("NFC", " ".join(text.split()))
     if stripped in ("K", "degC", "°C"):
         return Unit(stripped, 1.0, _KELVIN, -273.15 if stripped == "K" else 0.0)
     tokens = _tokens(stripped, where)
-    factor, dimension, rest = _product(tokens, stripped, where, counts_per_rev)
+    try:
+        factor, dimension, rest = _product(tokens, stripped, where, counts_per_rev)
+    except _UnknownNameError as unknown:
+        same = _choices(required, where) if required else _SHOWN
+        close = _closest(stripped, same) or _closest(str(unknown), _NAMES)
+        hint = f"did you mean {close!r}? " if close else ""
+        raise InputError(
+            f"{where}: unit {text!r} is unknown at {str(unknown)!r}; {hint}known are {', '.join(same)}"
+        ) from None
     if rest:
         raise InputError(f"{where}: unit {text!r} has an unmatched ')'")
     return Unit(stripped, factor, dimension)
@@ -120,7 +141,8 @@ def parse_value(text: str, required: str, where: str, counts_per_rev: float | No
     match = _VALUE.fullmatch(text)
     if match is None:
         raise InputError(
-            f"{where}: a number with a unit is required ({_choices(required, where)}), received {text!r}"
+            f"{where}: a number with a unit is required ({', '.join(_choices(required, where))}), "
+            f"received {text!r}"
         )
     divisor = float(match[2]) if match[2] else 1.0
     if divisor == 0.0:
@@ -131,16 +153,23 @@ def parse_value(text: str, required: str, where: str, counts_per_rev: float | No
 
 def require_unit(text: str, required: str, where: str, counts_per_rev: float | None = None) -> Unit:
     """Return the unit that a text names; InputError where it has not the dimension of the unit `required`."""
-    unit = parse_unit(text, where, counts_per_rev)
+    unit = parse_unit(text, where, counts_per_rev, required)
     if unit.dimension != parse_unit(required, where).dimension:
-        raise InputError(f"{where}: a unit like {_choices(required, where)} is required, received {text!r}")
+        choices = ", ".join(_choices(required, where))
+        raise InputError(f"{where}: a unit like {choices} is required, received {text!r}")
     return unit
 
 
-def _choices(required: str, where: str) -> str:
+def _choices(required: str, where: str) -> list[str]:
+    if required == "1":
+        return ["1", "%"]  # as a quantity without unit is written, not as an angle
     dimension = parse_unit(required, where).dimension
-    same = [shown for shown in _SHOWN if parse_unit(shown, where, 1.0).dimension == dimension]
-    return ", ".join(same) or required
+    return [s for s in _SHOWN if parse_unit(s, where, 1.0).dimension == dimension] or [required]
+
+
+def _closest(name: str, names: Iterable[str]) -> str | None:
+    by_lower = {known.lower(): known for known in names}
+    return next((by_lower[close] for close in difflib.get_close_matches(name.lower(), by_lower, 1)), None)
 
 
 def _tokens(text: str, where: str) -> list[str]:
@@ -201,7 +230,7 @@ def _power(part: str, text: str, where: str, counts_per_rev: float | None) -> tu
             raise InputError(f"{where}: unit {text!r} requires encoder_counts_per_rev in the rig")
         return (_TURN / counts_per_rev) ** exponent, _ONE
     if name not in _TABLE:
-        raise InputError(f"{where}: unit {text!r} is unknown at {name!r}; known are {', '.join(_SHOWN)}")
+        raise _UnknownNameError(name)
     if abs(exponent) > 9:
         raise InputError(f"{where}: unit {text!r} has a power above 9")
     factor, dimension = _TABLE[name]

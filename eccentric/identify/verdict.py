@@ -8,6 +8,7 @@ nothing_missing   no candidate and no smooth term is worth it
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -83,8 +84,10 @@ def attribute(
     searches = search_all(balances, channels, candidates, mu, gravity, noise, rules, progress)
     adopted, leading, tied = _adopted(searches, rules)
     left, depends = _variables(searches, rules)
-    if left:
+    patched = _patched(adopted)
+    if left or patched:
         verdict, tied = "unexplained", []
+        depends = list(dict.fromkeys([*patched, *depends]))
     elif adopted:
         verdict = "not_identifiable" if tied else "named"
     else:
@@ -100,6 +103,17 @@ def attribute(
     return Attribution(
         verdict, tuple(adopted), tuple(tied), tuple(listed), variables, sentence, searches, deviance
     )
+
+
+def _patched(adopted: Sequence[Adopted]) -> list[str]:
+    """The variables of families of which three or more members were needed.
+
+    One order, or two, is an effect; three of them trace a shape that none of them is.
+    """
+    families = Counter(entry.term.candidate.family for entry in adopted)
+    return [
+        entry.term.candidate.depends_on[0] for entry in adopted if families[entry.term.candidate.family] >= 3
+    ]
 
 
 def _adopted(searches: dict[str, Search], rules: Rules) -> tuple[list[Adopted], list[Ranked], list[str]]:

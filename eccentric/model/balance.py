@@ -24,7 +24,7 @@ class Term:
     """One addend of a balance: coefficient times basis.
 
     Attributes:
-        name: in code, e.g. "link_viscous".
+        name: in code, e.g. "link_viscous_normal".
         kind: one of KINDS.
         coefficient: a parameter, or 1 where the term has nothing to be identified.
         basis: what the coefficient multiplies, in inputs, parameters and defined quantities.

@@ -46,4 +46,10 @@ def with_values(
             q = replace(q, default=sp.Rational(repr(float(value))))  # noqa: PLW2901 - the same letter
         note = (notes or {}).get(q.name)
         parameters.append(replace(q, meaning=f"{q.meaning}; {note}") if note else q)
-    return replace(model, name=name, title=title or model.title, parameters=tuple(parameters))
+    return replace(
+        model,
+        name=name,
+        title=title or model.title,
+        parameters=tuple(parameters),
+        defaults="fitted values, given to `eccentric emit`",
+    )

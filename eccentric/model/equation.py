@@ -35,10 +35,10 @@ class Equation:
     """One step of a derivation.
 
     Attributes:
-        name: by which other scripts ask for it, e.g. "reaction".
+        name: by which other scripts ask for it, e.g. "normal_force".
         number: the paper's equation number, "" if the paper has none.
         left, right: both sides; a matrix on the right is a vector in the frame of the derivation.
-        unit: SI unit of both sides.
+        unit: SI unit of both sides; for a vector of different quantities one unit per row.
         origin: one sentence: where it comes from.
         identities: facts that the tests prove (a proof costs seconds; deriving does not pay for it).
     """
@@ -47,16 +47,20 @@ class Equation:
     number: str
     left: sp.Basic
     right: sp.Basic
-    unit: str
+    unit: str | tuple[str, ...]
     origin: str
     identities: tuple[Identity, ...] = ()
+
+    def units(self) -> tuple[str, ...]:
+        """The unit of each row where they differ, else the one unit of all."""
+        return (self.unit,) if isinstance(self.unit, str) else self.unit
 
     def text(self) -> str:
         """The equation for a terminal: its origin, then the formula with number and unit at its right."""
         formula = _Letters({"use_unicode": True, "wrap_line": False})
         lines = formula.doprint(sp.Eq(self.left, self.right, evaluate=False)).split("\n")
         middle = len(lines) // 2
-        tag = f"{self.number or '   '}  [{self.unit}]"
+        tag = f"{self.number or '   '}  [{', '.join(self.units())}]"
         if len(lines[middle]) < _COLUMN:
             lines[middle] = f"{lines[middle]:<{_COLUMN}}{tag}"
         else:

@@ -33,7 +33,7 @@ def limit(
         equations: the derivation of the limit.
 
     Raises:
-        ValueError: by Model, if a definition refers to something unknown.
+        InputError: by Model, if a definition refers to something unknown.
     """
     known = {definition.quantity: definition.value for definition in model.definitions} | dict(definitions)
     values = [Definition(q, sp.sympify(v).subs(substitutions)) for q, v in known.items()]

@@ -7,7 +7,8 @@ from functools import cached_property
 
 import sympy as sp
 
-from eccentric.model.balance import Balance
+from eccentric.errors import InputError
+from eccentric.model.balance import Balance, Term
 from eccentric.model.equation import Equation, equation_named
 from eccentric.model.quantity import Quantity
 from eccentric.model.steps import Gated
@@ -59,9 +60,10 @@ class Model:
         balances: mechanical and electrical.
         equations: the derivation, in reading order.
         states: hidden states that effects brought along; the paper's models have none.
+        defaults: where the parameters' defaults come from, in words; "" for the quantities' own.
 
     Raises:
-        ValueError: a definition uses something that is not an input, a parameter or defined before it.
+        InputError: a definition or term uses something that is not an input, a parameter or defined before it.
     """
 
     name: str
@@ -72,6 +74,7 @@ class Model:
     balances: tuple[Balance, ...]
     equations: tuple[Equation, ...] = ()
     states: tuple[State, ...] = ()
+    defaults: str = ""
 
     def __post_init__(self) -> None:
         states = (state.quantity for state in self.states)
@@ -79,7 +82,7 @@ class Model:
         for definition in self.definitions:
             if unknown := definition.value.free_symbols - known:
                 names = ", ".join(sorted(map(str, unknown)))
-                raise ValueError(
+                raise InputError(
                     f"model {self.name}: {definition.quantity.name} uses {names} before its definition"
                 )
             known.add(definition.symbol)
@@ -87,7 +90,7 @@ class Model:
             for term in balance.terms:
                 if unknown := term.value.free_symbols - known:
                     names = ", ".join(sorted(map(str, unknown)))
-                    raise ValueError(
+                    raise InputError(
                         f"model {self.name}: term {term.name} uses {names}, which nothing defines"
                     )
 
@@ -160,22 +163,21 @@ def regressor(model: Model) -> tuple[Column, ...]:
 
     No log can tell terms apart whose bases differ by a factor of parameters only; they are one column, on the
     plainest of their bases. Which ones those are is computed from the expressions, never declared.
+
+    Raises:
+        InputError: the coefficient of a friction term is no parameter, or a combination of several has no name.
     """
-    groups: list[list[tuple[sp.Expr, sp.Expr]]] = []
-    members: list[list] = []
+    groups: list[list[Term]] = []
     for term in model.balance("mechanical").terms:
         if term.kind != "friction":
             continue
-        for group, terms in zip(groups, members, strict=True):
-            ratio = _ratio(term.basis, group[0][1])
-            if ratio.free_symbols <= model.parameter_symbols:
-                group.append((term.coefficient, term.basis))
-                terms.append(term)
+        for group in groups:
+            if _ratio(term.basis, group[0].basis).free_symbols <= model.parameter_symbols:
+                group.append(term)
                 break
         else:
-            groups.append([(term.coefficient, term.basis)])
-            members.append([term])
-    return tuple(_column(model, group, terms) for group, terms in zip(groups, members, strict=True))
+            groups.append([term])
+    return tuple(_column(model, group) for group in groups)
 
 
 def _ratio(one: sp.Expr, other: sp.Expr) -> sp.Expr:
@@ -183,18 +185,27 @@ def _ratio(one: sp.Expr, other: sp.Expr) -> sp.Expr:
     return one.replace(Gated, sp.Mul) / other.replace(Gated, sp.Mul)
 
 
-def _column(model: Model, group: list[tuple[sp.Expr, sp.Expr]], terms: list) -> Column:
+def _column(model: Model, group: list[Term]) -> Column:
+    known = {quantity.symbol: quantity for quantity in model.parameters}
+    for term in group:
+        if term.coefficient not in known:
+            raise InputError(
+                f"model {model.name}: term {term.name}: required a parameter as coefficient of a friction term,"
+                f" received {term.coefficient}"
+            )
     if len(group) == 1:
-        ((coefficient, basis),) = group
-        quantity = next(q for q in model.parameters if q.symbol == coefficient)
-        return Column(quantity.name, coefficient, basis, quantity.unit, terms[0].bounds)
-    basis = min((basis for _, basis in group), key=sp.count_ops)
-    coefficient = sp.Add(*(c * _ratio(b, basis) for c, b in group))
-    lows = [term.bounds[0] for term in terms]
-    low = None if None in lows else sum(lows)
+        (term,) = group
+        quantity = known[term.coefficient]
+        return Column(quantity.name, term.coefficient, term.basis, quantity.unit, term.bounds)
+    basis = min((term.basis for term in group), key=sp.count_ops)
+    coefficient = sp.Add(*(term.coefficient * _ratio(term.basis, basis) for term in group))
+    lows = [term.bounds[0] for term in group if term.bounds[0] is not None]
+    low = sum(lows) if len(lows) == len(group) else None
     for definition in model.definitions:
         if sp.expand(definition.value - coefficient) == 0:
-            return Column(
-                definition.quantity.name, definition.symbol, basis, definition.quantity.unit, (low, None)
-            )
-    raise ValueError(f"model {model.name}: define a quantity for the combination {coefficient}")
+            quantity = definition.quantity
+            return Column(quantity.name, definition.symbol, basis, quantity.unit, (low, None))
+    names = ", ".join(term.name for term in group)
+    raise InputError(
+        f"model {model.name}: terms {names}: no log tells them apart; define a quantity for {coefficient}"
+    )

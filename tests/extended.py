@@ -1,0 +1,147 @@
+"""Extended models as the tests call them: the effects of a rig, a few at a time on their base model."""
+
+import dataclasses
+import inspect
+import sys
+from functools import cache
+from types import ModuleType
+
+import numpy as np
+import pytest
+
+from eccentric.effects import Effect, Setting, library
+from eccentric.emit import render
+from eccentric.model import Model, load_model
+
+BASE = {"C1": "c1_perpendicular", "C2": "c2_parallel"}
+CASES = tuple(BASE)
+every_case = pytest.mark.parametrize("case", CASES)
+M, M_L, L, MU, R, K_I, K_E, G, J_M, J_L = 0.5, 0.2, 0.25, 0.2, 1.0, 0.02, 0.05, 9.81, 2e-4, 0.04
+KNOWN = {"M": M, "M_l": M_L, "L": L, "mu": MU, "R": R, "k_i": K_I, "k_e": K_E, "g": G, "J_m": J_M, "J_l": J_L}
+MEAN, END, WARM, W_MAX = 20.0, 60.0, 25.0, 80.0
+# Of families with one effect for every harmonic these orders are emitted.
+ORDERS = {
+    "link_harmonic_friction[n=1]",
+    "link_harmonic_friction[n=5]",
+    "cogging[n=1]",
+    "cogging[n=24]",
+    "kt_ripple[n=1]",
+    "kt_ripple[n=7]",
+}
+# Shapes with a value, 0, at which nothing is scaled or replaced.
+NEUTRAL = (
+    "viscosity_b",
+    "viscosity_E",
+    "coulomb_b",
+    "heat_b",
+    "drift_rate",
+    "mass_ratio",
+    "offset_angle",
+    "tilt_angle",
+)
+Signals = dict[str, np.ndarray]
+
+
+@dataclasses.dataclass(frozen=True)
+class Extended:
+    """A model with a few effects, neutral by default, and what was emitted for it.
+
+    Attributes:
+        model: the extended model.
+        effects: those in it.
+        texts: file name -> text.
+        module: the emitted NumPy module.
+    """
+
+    model: Model
+    effects: tuple[Effect, ...]
+    texts: dict[str, str]
+    module: ModuleType
+
+
+def setting(case: str, *, warm: bool) -> Setting:
+    """Return the setting of a rig, with or without a temperature."""
+    channels = {"current", "voltage", *(["temperature"] if warm else [])}
+    return Setting(case, MU, KNOWN, 0.5, W_MAX, 15.0, END, MEAN, WARM if warm else None, frozenset(channels))
+
+
+@cache
+def effects(case: str) -> dict[str, Effect]:
+    """Return every effect of a case by id, those with and those without a logged temperature."""
+    return {e.id: e for warm in (False, True) for e in library(setting(case, warm=warm))}
+
+
+@cache
+def extended(case: str) -> tuple[Extended, ...]:
+    """Return the base model with five effects at a time; in C2 those only that C1 does not have just so."""
+    groups: list[list[Effect]] = []
+    models: list[Model] = []
+    for effect in effects(case).values():
+        seen = case == "C2" and effects("C1").get(effect.id) == effect
+        if seen or (effect.repeats and effect.id not in ORDERS):
+            continue
+        changes = bool(effect.scales or effect.replaces)
+        for k, members in enumerate(groups):
+            # Two variants of a family share their names; of factors on friction one is enough.
+            if len(members) < 5 and effect.family not in {e.family for e in members}:
+                if changes and any(e.scales or e.replaces for e in members):
+                    continue
+                models[k] = effect.extend(models[k], dict.fromkeys(NEUTRAL, 0.0))
+                members.append(effect)
+                break
+        else:
+            groups.append([effect])
+            models.append(effect.extend(load_model(BASE[case]), dict.fromkeys(NEUTRAL, 0.0)))
+    return tuple(
+        _emitted(model, members, k) for k, (model, members) in enumerate(zip(models, groups, strict=True))
+    )
+
+
+def _emitted(model: Model, members: list[Effect], number: int) -> Extended:
+    model = dataclasses.replace(model, name=f"{model.name}_{number}")
+    texts = render(model)
+    return Extended(model, tuple(members), texts, loaded(model.name, texts))
+
+
+def loaded(name: str, texts: dict[str, str]) -> ModuleType:
+    """Return the emitted NumPy module, executed."""
+    module = ModuleType(f"extended_{name}")
+    sys.modules[module.__name__] = module  # dataclasses look their module up
+    exec(compile(texts[f"{name}.py"], f"{name}.py", "exec"), module.__dict__)  # noqa: S102
+    return module
+
+
+def with_effect(case: str, effect_id: str) -> Extended:
+    """Return the extended model that has the effect."""
+    return next(one for one in extended(case) if effect_id in {e.id for e in one.effects})
+
+
+def inputs(size: int = 40) -> Signals:
+    """Return reproducible inputs and states, some at rest."""
+    random = np.random.default_rng(5)
+    columns = {
+        "theta_m": random.uniform(-60.0, 60.0, size),
+        "omega_m": random.uniform(-70.0, 70.0, size) * (random.integers(0, 5, size) > 0),
+        "i": random.uniform(-12.0, 12.0, size),
+        "u": random.uniform(-15.0, 15.0, size),
+        "alpha_m": random.uniform(-90.0, 90.0, size),
+        "t": random.uniform(0.0, END, size),
+        "temperature": random.uniform(15.0, 40.0, size),
+        "dt": np.full(size, 0.004),
+    }
+    names = {s.quantity.name for case in CASES for e in effects(case).values() for s in e.states}
+    return columns | {name: random.uniform(-1.0, 1.0, size) for name in sorted(names)}
+
+
+def arguments(module: ModuleType, function: str) -> list[str]:
+    """Return the names of the inputs that an emitted function asks for, in its order."""
+    return [
+        n for n in inspect.signature(getattr(module, function)).parameters if n not in {"parameters", "out"}
+    ]
+
+
+def call(module: ModuleType, function: str, given: Signals, **values: float) -> np.ndarray:
+    """Call an emitted function with the inputs it asks for, the rig's values, and a few parameters set."""
+    known = {f.name: KNOWN[f.name] for f in dataclasses.fields(module.Parameters) if f.name in KNOWN}
+    asked = [given[name] for name in arguments(module, function)]
+    return getattr(module, function)(*asked, module.Parameters(**{**known, **values}))

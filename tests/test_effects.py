@@ -1,0 +1,206 @@
+"""The records of the library: complete, dimensionally sound, composing; and a user's own file."""
+
+import dataclasses
+from pathlib import Path
+
+import numpy as np
+import pytest
+import sympy as sp
+
+from eccentric.effects import FAMILIES, Effect, base_aliases, library, load_effects
+from eccentric.emit import load_module
+from eccentric.errors import InputError
+from eccentric.model import Definition, load_model, quantity
+from eccentric.model import vocabulary as v
+from eccentric.model.dimension import of_expression, of_unit
+from tests.extended import BASE, CASES, effects, every_case, setting
+
+
+@every_case
+def test_every_family_of_the_table_is_offered_or_an_alias(case: str) -> None:
+    """FAMILIES lists what the modules make, no more and no less, but for what a case holds already."""
+    made = {effect.family for effect in effects(case).values()}
+
+    assert set(FAMILIES) - set(base_aliases(case)) == made
+
+
+@every_case
+def test_records_are_complete(case: str) -> None:
+    """Every effect has a formula, a reference, a hint, variables, and its ranges the right way round."""
+    for effect in effects(case).values():
+        assert all((effect.formula, effect.reference, effect.hint, effect.depends_on, effect.parameters)), (
+            effect.id
+        )
+        assert len(effect.coefficients) == len(effect.bounds), effect.id
+        for shape in effect.shapes:
+            assert (effect.id, True) == (effect.id, 0 <= shape.low < shape.high or shape.scale == "linear")
+
+
+def test_parameter_names_are_short_and_tell_the_family() -> None:
+    """A name of a parameter belongs to one family and has 24 characters at most."""
+    owner: dict[str, str] = {}
+    for case in CASES:
+        for effect in effects(case).values():
+            brought = (*effect.parameters, *(d.quantity for d in effect.definitions))
+            for q in (*brought, *(s.quantity for s in effect.states)):
+                assert len(q.name) <= 24, q.name
+                assert effect.family == owner.setdefault(q.name, effect.family), q.name
+
+
+@every_case
+def test_harmonics_of_all_orders_stand_side_by_side(case: str) -> None:
+    """Orders have parameters of their own: one model takes them all."""
+    model = load_model(BASE[case])
+    orders = [e for e in effects(case).values() if e.repeats]
+    for effect in orders:
+        model = effect.extend(model)
+
+    assert len(load_model(BASE[case]).parameters) + 2 * len(orders) == len(model.parameters)
+
+
+@every_case
+def test_dimensions_hold(case: str) -> None:
+    """Terms have the unit of their balance, definitions and updates that of their quantity."""
+    for effect in effects(case).values():
+        model = effect.extend(load_model(BASE[case]))
+        units = {**model.units(), v.dt.symbol: "s"}
+        for balance in model.balances:
+            for term in balance.terms:
+                assert of_unit(balance.unit) == of_expression(term.value, units), (effect.id, term.name)
+        for definition in effect.definitions:
+            if not definition.value.is_number:  # a constant brings its unit along
+                expected = of_unit(definition.quantity.unit)
+                assert expected == of_expression(definition.value, units), (
+                    effect.id,
+                    definition.quantity.name,
+                )
+        for state in effect.states:
+            assert of_unit(state.quantity.unit) == of_expression(state.update, units), (
+                effect.id,
+                state.symbol,
+            )
+
+
+@every_case
+def test_hidden_states_but_the_play_are_affine_in_themselves(case: str) -> None:
+    """Next = a(inputs) state + b(inputs): such states are computed along a log without a loop."""
+    curved = {
+        effect.id
+        for effect in effects(case).values()
+        for state in effect.states
+        if sp.diff(state.update, state.symbol).has(state.symbol)
+    }
+
+    assert {"magnetic_hysteresis[play]"} == curved
+
+
+def test_effects_need_the_channels_they_are_seen_in() -> None:
+    """Without a voltage nothing electrical is offered; a current bias is then an alias of an asymmetry."""
+    torque_only = dataclasses.replace(setting("C2", warm=False), channels=frozenset({"current"}))
+    offered = {effect.id: effect for effect in library(torque_only)}
+
+    assert {"mechanical"} == {effect.balance for effect in offered.values()}
+    assert ("current_bias",) == offered["coulomb_asymmetry"].aliases
+
+
+def test_what_the_base_model_of_c1_holds_is_an_alias() -> None:
+    """In C1 w|w| and w^3 are the columns of C_lN and B_lN up to a factor."""
+    columns = load_module(load_model(BASE["C1"])).regressor(w := np.array([-30.0, -2.0, 5.0, 60.0]))
+
+    for column, power in ((0, w**3), (1, w * np.abs(w))):
+        np.testing.assert_allclose(columns[:, column] / power, columns[0, column] / power[0], rtol=1e-13)
+    assert {"quadratic_drag", "cubic_drag"} < set(base_aliases("C1"))
+
+
+def replacing(name: str) -> Effect:
+    """Return an effect of a user's own that replaces the mass."""
+    lost = Definition(quantity(name, "kg", "mass with water in it"), v.M.symbol * sp.Rational(11, 10))
+    return Effect(name, name, "mechanical", ("gravity_load",), "1.1 M", "own", definitions=(lost,),
+                  replaces={v.M.symbol: lost.symbol})  # fmt: skip
+
+
+def test_two_effects_that_replace_one_quantity_are_refused() -> None:
+    """The second to replace the mass gets an error that names it."""
+    once = replacing("wet").extend(load_model(BASE["C2"]))
+
+    with pytest.raises(ValueError, match=r"^effect mass_mismatch: M is replaced in c2_parallel by another"):
+        effects("C2")["mass_mismatch"].extend(once)
+
+
+def test_an_effect_is_refused_twice_and_where_it_has_nothing_to_replace() -> None:
+    """Its names are taken the second time; case C1 has no angle to shift."""
+    once = effects("C1")["eddy_current"].extend(load_model(BASE["C1"]))
+
+    with pytest.raises(ValueError, match="eddy_D, eddy_w: taken"):
+        effects("C1")["eddy_current"].extend(once)
+    with pytest.raises(ValueError, match="theta_m does not occur in c1_perpendicular"):
+        effects("C2")["angle_offset"].extend(load_model(BASE["C1"]))
+
+
+def test_replacing_reaches_hidden_states() -> None:
+    """An angle that is shifted after heating was added shifts the gravity in the heating too."""
+    warm = effects("C2")["hidden_thermal_drift"].extend(load_model(BASE["C2"]))
+    both = effects("C2")["angle_offset"].extend(warm)
+
+    assert v.theta_m.symbol in warm.states[0].update.free_symbols
+    assert v.theta_m.symbol not in both.states[0].update.free_symbols
+
+
+OWN = """
+from eccentric.effects import Effect, Shape
+from eccentric.model import Term, quantity
+from eccentric.model import vocabulary as v
+
+q = quantity("brush_A", "N m", "brush torque")
+
+
+def make(setting):
+    term = Term("brush", "friction", q.symbol, v.omega_m.symbol**5 / sum(range(1, 2)), "own")
+    return Effect("brush", "brush", "mechanical", ("velocity",), "A w^5", "own", (q,), ((0, None),),
+                  {"mechanical": (term,)})
+
+
+"""
+
+
+@pytest.mark.parametrize("tail", ["def effects(setting):\n    return [make(setting)]", "effect = make(None)"])
+def test_a_users_file_loads(tail: str, tmp_path: Path) -> None:
+    """A function `effects(setting)` or one `effect` is found, and extends a model."""
+    (tmp_path / "own.py").write_text(OWN + tail)
+
+    (found,) = load_effects(tmp_path / "own.py", setting("C1", warm=False))
+
+    assert "brush_A" in {q.name for q in found.extend(load_model(BASE["C1"])).parameters}
+
+
+@pytest.mark.parametrize(
+    ("source", "expected"),
+    [
+        (None, "no such script of effects"),
+        ("x = 1", "required a function `effects\\(setting\\)` or an `effect` of type Effect, got NoneType"),
+        ("effect = 3", "got int"),
+        ("def effects(setting):\n    return [3]", "required effects of type Effect, got int"),
+        ("1 / 0", "stopped with ZeroDivisionError: division by zero"),
+        ("def effects(setting):\n    return setting.nothing", "stopped with AttributeError"),
+    ],
+    ids=["missing", "empty", "of a wrong type", "list of a wrong type", "stops", "stops when called"],
+)
+def test_a_bad_file_gets_one_clear_line(source: str | None, expected: str, tmp_path: Path) -> None:
+    """What is wrong with a user's file is said in one line that names the file."""
+    path = tmp_path / "own.py"
+    if source is not None:
+        path.write_text(source)
+
+    with pytest.raises(InputError, match=expected) as caught:
+        load_effects(path, setting("C1", warm=False))
+
+    assert str(caught.value).startswith(f"{path}: ")
+    assert "\n" not in str(caught.value)
+
+
+def test_a_setting_without_range_is_refused() -> None:
+    """A range that is not positive, or a case that does not exist, is named."""
+    with pytest.raises(ValueError, match="w_max must be positive"):
+        dataclasses.replace(setting("C1", warm=False), w_max=0.0)
+    with pytest.raises(ValueError, match="case must be C1 or C2"):
+        dataclasses.replace(setting("C1", warm=False), case="C3")

@@ -1,0 +1,261 @@
+"""What each effect adds to a balance, as emitted, against its closed form written with NumPy."""
+
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+
+from eccentric.emit import load_module
+from eccentric.model import load_model
+from tests.extended import (
+    BASE,
+    CASES,
+    END,
+    J_L,
+    J_M,
+    K_I,
+    M_L,
+    MEAN,
+    MU,
+    NEUTRAL,
+    W_MAX,
+    WARM,
+    G,
+    L,
+    M,
+    R,
+    Signals,
+    call,
+    effects,
+    inputs,
+    with_effect,
+)
+
+J = J_M + MU**2 * J_L
+
+
+def sine_load(x: Signals) -> np.ndarray:
+    """Gravity torque of C2 on the motor side."""
+    return MU * M * G * L * np.sin(MU * x["theta_m"])
+
+
+def normal_force(x: Signals, mass: float = M, g: float = G, shift: float = 0.0) -> np.ndarray:
+    """Normal force of C2 from the components of the load."""
+    centrifugal, weight = mass * L * (MU * x["omega_m"]) ** 2, (mass + M_L) * g
+    angle = MU * x["theta_m"] + shift
+    return np.hypot(centrifugal + weight * np.cos(angle), weight * np.sin(angle))
+
+
+B_LN, C_LN, B_M, C_M, B_LT, C_LT = 0.004, 0.08, 0.0004, 0.008, 0.004, 0.08  # the defaults, Table 1
+
+
+def friction(x: Signals, case: str, force: np.ndarray | None = None, *, viscous: float | np.ndarray = 1,
+             dry: float | np.ndarray = 1) -> np.ndarray:  # fmt: skip
+    """Mechanical friction torque by the paper's (7), viscous and dry friction times factors."""
+    w, s = x["omega_m"], np.sign(x["omega_m"])
+    if case == "C1":
+        force = M * L * (MU * w) ** 2 if force is None else force
+        across = 0.2 * 9.81  # Table 1's F_T, a parameter with that default
+    else:
+        force, across = normal_force(x) if force is None else force, 0.0
+    damping = B_M + MU**2 * (B_LN * force + B_LT * across)
+    return damping * w * viscous + (C_M + MU * (C_LN * force + C_LT * across)) * s * dry
+
+
+def load(x: Signals, case: str, arm: float) -> np.ndarray:
+    """Torque passed on to the link: gravity, inertia, dry friction of the link."""
+    w = x["omega_m"]
+    force = M * L * (MU * w) ** 2 + (M + M_L) * G if case == "C1" else normal_force(x)
+    gravity = 0.0 if case == "C1" else sine_load(x)
+    return gravity + MU**2 * J_L * x["alpha_m"] + MU * force * arm * np.sign(w)
+
+
+def rise(x: Signals, tau: float, state: str) -> np.ndarray:
+    """Heating relative to that at the end of the log."""
+    return x[state] / (MEAN * (1 - np.exp(-END / tau)))
+
+
+def efficient(load: np.ndarray, w: np.ndarray, rho: float) -> np.ndarray:
+    """Loss of a gear per unit of eta, by cases."""
+    return np.where(load * w > 0, 1.0, rho) * np.abs(load) * np.sign(w)
+
+
+def tilted(x: Signals, angle: float, phase: float) -> np.ndarray:
+    """What a tilt adds to friction and load of C1."""
+    centrifugal, weight = M * L * (MU * x["omega_m"]) ** 2, (M + M_L) * G * np.sin(angle)
+    at = MU * x["theta_m"] + phase
+    force = np.hypot(centrifugal + weight * np.cos(at), weight * np.sin(at))
+    return friction(x, "C1", force) - friction(x, "C1") + MU * M * G * np.sin(angle) * L * np.sin(at)
+
+
+Torque = Callable[[Signals], np.ndarray]
+# (case, id, parameters, torque that the effect adds to friction and load [N m], NumPy from the physics)
+MECHANICAL: list[tuple[str, str, dict[str, float], Torque]] = [
+    *(
+        ("C1", f"stribeck[d={d:g}]", {"stribeck_A": 0.3, "stribeck_v": 12.0},
+         lambda x, d=d: 0.3 * np.exp(-((np.abs(x["omega_m"]) / 12) ** d)) * np.sign(x["omega_m"]))
+        for d in (0.5, 1, 1.5, 2)
+    ),
+    ("C2", "quadratic_drag", {"drag_2": 2e-4}, lambda x: 2e-4 * x["omega_m"] * np.abs(x["omega_m"])),
+    ("C2", "cubic_drag", {"drag_3": 3e-6}, lambda x: 3e-6 * x["omega_m"] ** 3),
+    ("C1", "sqrt_speed", {"drag_half": 0.2},
+     lambda x: 0.2 * np.abs(x["omega_m"] / W_MAX) ** 0.5 * np.sign(x["omega_m"])),
+    ("C1", "oneway_windage[+]", {"windage_pos": 1e-4}, lambda x: 1e-4 * np.maximum(x["omega_m"], 0) ** 2),
+    ("C1", "oneway_windage[-]", {"windage_neg": 1e-4}, lambda x: -1e-4 * np.minimum(x["omega_m"], 0) ** 2),
+    ("C1", "eddy_current", {"eddy_D": 0.01, "eddy_w": 20.0},
+     lambda x: 0.01 * x["omega_m"] * 400 / (400 + x["omega_m"] ** 2)),
+    ("C1", "coulomb_asymmetry", {"coulomb_asym": 0.03}, lambda x: 0.03 * (x["omega_m"] != 0)),
+    ("C1", "viscous_asymmetry", {"viscous_asym": 0.002}, lambda x: 0.002 * np.abs(x["omega_m"])),
+    ("C1", "viscosity_temperature", {"viscosity_b": 0.03},
+     lambda x: friction(x, "C1", viscous=np.exp(-0.03 * (x["temperature"] - WARM)) - 1, dry=0)),
+    ("C1", "viscosity_temperature[arrhenius]", {"viscosity_E": 2500.0},
+     lambda x: friction(x, "C1", viscous=np.expm1(2500 / (273.15 + x["temperature"]) - 2500 / 298.15), dry=0)),
+    ("C1", "viscosity_temperature[bearing]", {"viscosity_B": 0.01, "viscosity_b": 0.03},
+     lambda x: 0.01 * x["omega_m"] * np.expm1(-0.03 * (x["temperature"] - WARM))),
+    ("C1", "coulomb_temperature", {"coulomb_b": 0.02},
+     lambda x: friction(x, "C1", viscous=0, dry=0.02 * (x["temperature"] - WARM))),
+    ("C1", "coulomb_temperature[bearing]", {"coulomb_C": 0.02},
+     lambda x: 0.02 * np.sign(x["omega_m"]) * (x["temperature"] - WARM)),
+    ("C2", "hidden_thermal_drift", {"heat_b": 0.4, "heat_tau": 50.0},
+     lambda x: friction(x, "C2") * np.expm1(-0.4 * rise(x, 50, "heat_P"))),
+    ("C1", "hidden_thermal_drift[viscous]", {"heat_b": 0.4, "heat_tau": 50.0},
+     lambda x: friction(x, "C1", dry=0) * np.expm1(-0.4 * rise(x, 50, "heat_P"))),
+    ("C1", "hidden_thermal_drift[bearing]", {"heat_B": 0.01, "heat_b": 0.4, "heat_tau": 50.0},
+     lambda x: 0.01 * x["omega_m"] * np.expm1(-0.4 * rise(x, 50, "heat_P"))),
+    ("C1", "hidden_thermal_drift[coulomb]", {"heat_C": 0.1, "heat_tau": 50.0},
+     lambda x: -0.1 * np.sign(x["omega_m"]) * rise(x, 50, "heat_P")),
+    ("C1", "link_harmonic_friction[n=5]", {"link_harmonic_c5": 0.02, "link_harmonic_s5": -0.03},
+     lambda x: (0.02 * np.cos(x["theta_m"]) - 0.03 * np.sin(x["theta_m"])) * np.sign(x["omega_m"])),
+    ("C1", "link_harmonic_friction[n=1]", {"link_harmonic_c1": 0.02, "link_harmonic_s1": -0.03},
+     lambda x: (0.02 * np.cos(x["theta_m"] / 5) - 0.03 * np.sin(x["theta_m"] / 5)) * np.sign(x["omega_m"])),
+    ("C1", "cogging[n=24]", {"cogging_c24": 0.02, "cogging_s24": 0.05},
+     lambda x: 0.02 * np.cos(24 * x["theta_m"]) + 0.05 * np.sin(24 * x["theta_m"])),
+    ("C1", "kt_ripple[n=7]", {"kt_ripple_c7": 0.1, "kt_ripple_s7": -0.2},
+     lambda x: -K_I * x["i"] * (0.1 * np.cos(7 * x["theta_m"]) - 0.2 * np.sin(7 * x["theta_m"]))),
+    ("C1", "local_defect", {"defect_A": 0.2, "defect_angle": 1.1, "defect_width": 0.7},
+     lambda x: 0.2 * np.exp((np.cos(MU * x["theta_m"] - 1.1) - 1) / 0.49) * np.sign(x["omega_m"])),
+    *(
+        (case, "load_dependent[transmitted]", {"load_eta": 0.15, "load_arm": 0.03},
+         lambda x, case=case: 0.15 * np.abs(load(x, case, 0.03)) * np.sign(x["omega_m"]))
+        for case in CASES
+    ),
+    ("C2", "load_dependent[gravity]", {"load_eta": 0.15},
+     lambda x: 0.15 * np.abs(sine_load(x)) * np.sign(x["omega_m"])),
+    ("C1", "gear_efficiency[transmitted]", {"gear_eta": 0.2, "gear_arm": 0.03, "gear_rho": 0.3},
+     lambda x: 0.2 * efficient(load(x, "C1", 0.03), x["omega_m"], 0.3)),
+    ("C2", "gear_efficiency[gravity]", {"gear_eta": 0.2, "gear_rho": 0.3},
+     lambda x: 0.2 * efficient(sine_load(x), x["omega_m"], 0.3)),
+    ("C1", "presliding", {"presliding_A": 0.1}, lambda x: 0.1 * (x["presliding_z"] - np.sign(x["omega_m"]))),
+    ("C1", "presliding[lugre]", {"presliding_S": 0.1, "presliding_v": 9.0},
+     lambda x: 0.1 * x["presliding_z"] * np.exp(-((x["omega_m"] / 9) ** 2))),
+    ("C1", "backlash", {"backlash_B": 0.01, "backlash_C": 0.2},
+     lambda x: -x["backlash_free"] * (MU**2 * 0.01 * x["omega_m"] + MU * 0.2 * np.sign(x["omega_m"]))),
+    ("C2", "backlash", {"backlash_G": 0.9, "backlash_C": 0.02}, lambda x: -x["backlash_free"]
+     * (0.9 * sine_load(x) + MU * 0.02 * normal_force(x) * np.sign(x["omega_m"]))),
+    ("C2", "backlash[lag]", {"backlash_T": 0.1}, 
+     lambda x: -0.1 * x["backlash_z"] * np.cos(MU * x["theta_m"])),
+    ("C1", "cable_spring", {"cable_k": 0.01, "cable_0": 0.02}, lambda x: 0.01 * MU * x["theta_m"] + 0.02),
+    ("C1", "gravity_tilt", {"tilt_c": 0.01, "tilt_s": 0.02},
+     lambda x: 0.01 * np.cos(MU * x["theta_m"]) + 0.02 * np.sin(MU * x["theta_m"])),
+    ("C1", "gravity_tilt[load]", {"tilt_angle": 0.2, "tilt_phase": 0.7}, lambda x: tilted(x, 0.2, 0.7)),
+    ("C2", "gravity_tilt", {"tilt_angle": 0.5}, lambda x: sine_load(x) * (np.cos(0.5) - 1)
+     - friction(x, "C2") + friction(x, "C2", normal_force(x, g=G * np.cos(0.5)))),
+    ("C2", "angle_offset", {"offset_angle": 0.3}, lambda x: friction(x, "C2", normal_force(x, shift=0.3))
+     - friction(x, "C2") + MU * M * G * L * (np.sin(MU * x["theta_m"] + 0.3) - np.sin(MU * x["theta_m"]))),
+    ("C2", "angle_offset[torque]", {"offset_torque": 0.03}, lambda x: 0.03 * np.cos(MU * x["theta_m"])),
+    ("C2", "mass_mismatch", {"mass_ratio": 0.4},
+     lambda x: friction(x, "C2", normal_force(x, mass=1.4 * M)) - friction(x, "C2") + 0.4 * sine_load(x)),
+    ("C2", "mass_mismatch[inertia]", {"mass_ratio": 0.4}, lambda x: 0.4 * sine_load(x) - friction(x, "C2")
+     + friction(x, "C2", normal_force(x, mass=1.4 * M)) + MU**2 * 0.4 * M * L**2 * x["alpha_m"]),
+    ("C2", "mass_mismatch[torque]", {"mass_torque": 0.2}, lambda x: 0.2 * sine_load(x)),
+    ("C1", "inertia_mismatch", {"inertia_ratio": 0.5}, lambda x: 0.5 * J * x["alpha_m"]),
+    ("C1", "kt_saturation", {"ktsat_A": 1.0, "ktsat_i": 10.0},
+     lambda x: K_I * x["i"] - K_I * x["i"] / (1 + (x["i"] / 10) ** 2)),
+    ("C1", "magnetic_hysteresis", {"hysteresis_A": 0.03}, lambda x: 0.03 * x["hysteresis_z"]),
+    ("C1", "magnetic_hysteresis[play]", {"hysteresis_A": 0.03, "hysteresis_i": 2.0},
+     lambda x: 0.03 * (x["i"] / 2 - x["hysteresis_p"])),
+    ("C1", "current_bias", {"bias_i": 0.4}, lambda x: np.full_like(x["i"], K_I * 0.4)),
+    ("C1", "wear_runin", {"wear_C": 0.05, "wear_tau": 20.0},
+     lambda x: 0.05 * np.exp(-x["t"] / 20) * np.sign(x["omega_m"])),
+    ("C1", "wear_runin[travel]", {"wear_C": 0.05, "wear_x": 300.0},
+     lambda x: 0.05 * np.exp(-x["wear_s"] / 300) * np.sign(x["omega_m"])),
+    ("C1", "time_drift", {"drift_C": 0.001}, lambda x: 0.001 * x["t"] * np.sign(x["omega_m"])),
+    ("C1", "time_drift[all]", {"drift_rate": -0.004}, lambda x: -0.004 * x["t"] * friction(x, "C1")),
+    ("C1", "sensor_delay", {"delay_d": 0.01}, lambda x: -0.01 * K_I * x["delay_slope"]),
+]  # fmt: skip
+# (id, parameters, voltage that the effect takes [V])
+ELECTRICAL: list[tuple[str, dict[str, float], Torque]] = [
+    ("current_bias", {"bias_i": 0.4}, lambda x: np.full_like(x["i"], -R * 0.4)),
+    ("inverter_deadtime", {"deadtime_u": 0.7, "deadtime_i": 0.3}, lambda x: 0.7 * np.tanh(x["i"] / 0.3)),
+    ("resistance_temperature", {"resistance_alpha": 0.004},
+     lambda x: R * x["i"] * 0.004 * (x["temperature"] - WARM)),
+    ("resistance_temperature[hidden]", {"resistance_rise": 0.2, "resistance_tau": 30.0},
+     lambda x: 0.2 * R * x["i"] * rise(x, 30, "resistance_P")),
+    ("ke_mismatch", {"armature_k": 0.003}, lambda x: 0.003 * x["omega_m"]),
+    ("resistance_mismatch", {"armature_R": 0.1}, lambda x: 0.1 * x["i"]),
+    ("armature_inductance", {"armature_L": 0.002}, lambda x: 0.002 * x["armature_slope"]),
+    ("sensor_delay", {"delay_d": 0.01}, lambda x: 0.01 * R * x["delay_slope"]),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("case", "effect_id", "values", "torque"),
+    MECHANICAL,
+    ids=[f"{case}-{name}" for case, name, *_ in MECHANICAL],
+)
+def test_torques_are_those_of_the_formulas(
+    case: str, effect_id: str, values: dict[str, float], torque: Torque
+) -> None:
+    """What the mechanical balance loses by an effect is its closed form."""
+    module, given = with_effect(case, effect_id).module, inputs()
+    without = call(module, "mechanical_residual", given, **dict.fromkeys(set(values) & set(NEUTRAL), 0.0))
+    actual = without - call(module, "mechanical_residual", given, **values)
+
+    # sqrt|w| is kept off its infinite slope at 0 by 1e-6 of its coefficient.
+    np.testing.assert_allclose(actual, torque(given), rtol=1e-10, atol=1e-6 if "0.5" in effect_id
+                               or "1.5" in effect_id or "sqrt" in effect_id else 1e-12)  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("effect_id", "values", "voltage"), ELECTRICAL, ids=[name for name, *_ in ELECTRICAL]
+)
+def test_voltages_are_those_of_the_formulas(
+    effect_id: str, values: dict[str, float], voltage: Torque
+) -> None:
+    """What the electrical balance loses by an effect is its closed form, as a torque times k_i/R."""
+    module, given = with_effect("C1", effect_id).module, inputs()
+    actual = call(module, "electrical_residual", given) - call(module, "electrical_residual", given, **values)
+
+    np.testing.assert_allclose(actual, K_I / R * voltage(given), rtol=1e-10, atol=1e-12)
+
+
+def test_every_effect_has_its_closed_form() -> None:
+    """No id of the library, harmonics of further orders apart, is without a spot value above."""
+    spotted = {effect_id for _, effect_id, *_ in MECHANICAL} | {effect_id for effect_id, *_ in ELECTRICAL}
+    offered = {e.id for case in CASES for e in effects(case).values() if not e.repeats}
+
+    # By gear efficiency and load the transmitted torque is the same definition; C1 has it above.
+    assert offered - spotted == set()
+
+
+def test_current_and_voltage_ask_for_what_the_balances_say() -> None:
+    """The emitted current and voltage, put back into both balances, leave nothing: a bias acts in both."""
+    module, given = with_effect("C1", "current_bias").module, inputs()
+    values = {"bias_i": 0.4}
+    given["i"] = call(module, "current", given, **values)
+    given["u"] = call(module, "voltage", given, **values)
+
+    np.testing.assert_allclose(call(module, "mechanical_residual", given, **values), 0.0, atol=1e-12)
+    np.testing.assert_allclose(call(module, "electrical_residual", given, **values), 0.0, atol=1e-12)
+
+
+def test_scales_compose() -> None:
+    """Viscosity by temperature and a drift of all friction multiply."""
+    model, x = load_model(BASE["C2"]), inputs()
+    model = effects("C2")["viscosity_temperature"].extend(model, {"viscosity_b": 0.03})
+    model = effects("C2")["time_drift[all]"].extend(model, {"drift_rate": 0.005})
+    falls = np.exp(-0.03 * (x["temperature"] - WARM))
+
+    actual = call(load_module(model), "mechanical_friction_torque", x)
+
+    np.testing.assert_allclose(actual, friction(x, "C2", viscous=falls) * (1 + 0.005 * x["t"]), rtol=1e-12)

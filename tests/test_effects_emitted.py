@@ -1,0 +1,186 @@
+"""Extended models as emitted: neutral at zero, finite everywhere, C as NumPy, hidden states stepped."""
+
+import ctypes
+import subprocess
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from eccentric.emit import load_module
+from eccentric.model import load_model
+from tests.extended import (
+    BASE,
+    J_L,
+    J_M,
+    K_I,
+    KNOWN,
+    MU,
+    G,
+    L,
+    M,
+    R,
+    Signals,
+    arguments,
+    call,
+    every_case,
+    extended,
+    inputs,
+    with_effect,
+)
+
+J = J_M + MU**2 * J_L
+FLAGS = ("-std=c99", "-Wall", "-Wextra", "-Wpedantic", "-Wconversion", "-Wdouble-promotion", "-Werror")
+SAME = (
+    "normal_force",
+    "mechanical_friction_torque",
+    "friction_torque",
+    "gravity_torque",
+    "voltage",
+    "current",
+    "mechanical_residual",
+    "electrical_residual",
+)
+
+
+@every_case
+def test_neutral_effects_change_nothing(case: str) -> None:
+    """With coefficients 0 and neutral shapes every emitted function gives what the base model gives."""
+    given, base = inputs(), load_module(load_model(BASE[case]))
+    for one in extended(case):
+        for function in SAME:
+            expected, actual = call(base, function, given), call(one.module, function, given)
+            tolerance = 1e-13 * np.max(np.abs(expected), initial=1.0)
+            expected = np.broadcast_to(expected, actual.shape)
+            np.testing.assert_allclose(actual, expected, 1e-13, tolerance, err_msg=one.model.name)
+
+
+@every_case
+def test_slopes_are_numbers_everywhere(case: str) -> None:
+    """Gradient, Jacobian and states are finite for finite input, at rest too, with every coefficient set."""
+    given = inputs()
+    for one in extended(case):
+        own = {q.name: 0.1 for effect in one.effects for q in effect.coefficients}
+        for function in ("friction_torque_gradient", "friction_torque_jacobian", "regressor", "next_state"):
+            if hasattr(one.module, function):
+                result = call(one.module, function, given, **own)
+                assert np.all(np.isfinite(result)), (one.model.name, function)
+
+
+def compiled(name: str, real: str, folder: Path, *options: str) -> None:
+    """Compile an emitted source; what the compiler complains of becomes the failure."""
+    command = ["gcc", *FLAGS, f"-DECCENTRIC_REAL={real}", *options, f"{name}.c"]
+    done = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)
+    assert (0, "") == (done.returncode, done.stderr), done.stderr
+
+
+@every_case
+def test_the_c_of_extended_models_compiles_and_agrees(case: str, tmp_path: Path) -> None:
+    """Strict C99 in both precisions; in double precision the mechanical residual is that of NumPy."""
+    given = inputs()
+    for one in extended(case):
+        name, own = one.model.name, {q.name: 0.1 for effect in one.effects for q in effect.coefficients}
+        for file, text in one.texts.items():
+            (tmp_path / file).write_text(text)
+        compiled(name, "float", tmp_path, "-fsyntax-only")
+        compiled(name, "double", tmp_path, "-O0", "-shared", "-fPIC", "-o", f"{name}.so")
+        library = ctypes.CDLL(str(tmp_path / f"{name}.so"))
+        defaults = {q.name: getattr(one.module.Parameters(), q.name) for q in one.model.parameters}
+        values = {**defaults, **KNOWN, "F_T": KNOWN["M_l"] * G, **own}
+        numbers = [values[q.name] for q in one.model.parameters]
+        coefficients = ctypes.create_string_buffer(1 << 16)
+        getattr(library, f"{name}_prepare_double")((ctypes.c_double * len(numbers))(*numbers), coefficients)
+        residual = getattr(library, f"{name}_mechanical_residual")
+        residual.restype = ctypes.c_double
+        asked = [given[n][:8] for n in arguments(one.module, "mechanical_residual")]
+        actual = [residual(*map(ctypes.c_double, row), coefficients) for row in zip(*asked, strict=True)]
+        expected = call(one.module, "mechanical_residual", given, **own)[:8]
+
+        np.testing.assert_allclose(actual, expected, rtol=1e-12, atol=1e-14, err_msg=name)
+
+
+def stepped(case: str, effect_id: str, given: Signals, **values: float) -> Signals:
+    """Run the hidden states of an effect by the emitted `next_state`: name -> values from the start."""
+    one = with_effect(case, effect_id)
+    module, names = one.module, [s.quantity.name for s in one.model.states]
+    now = dict.fromkeys(names, 0.0)
+    series = {name: [0.0] for name in names}
+    for k in range(len(given["omega_m"])):
+        sample = {name: np.array([column[k]]) for name, column in given.items()}
+        sample |= {name: np.array([value]) for name, value in now.items()}
+        after = np.ravel(call(module, "next_state", sample, **values))
+        now = dict(zip(names, map(float, after), strict=True))
+        for name in names:
+            series[name].append(now[name])
+    return {name: np.array(column) for name, column in series.items()}
+
+
+def motion(**columns: np.ndarray | float) -> Signals:
+    """Return inputs of 200 samples 1 ms apart, 0 where not given."""
+    names = ("theta_m", "omega_m", "i", "u", "alpha_m", "t", "temperature")
+    base = {name: np.zeros(200) for name in names} | {"dt": np.full(200, 1e-3)}
+    return base | {name: np.broadcast_to(np.asarray(value, float), 200) for name, value in columns.items()}
+
+
+@every_case
+def test_heat_is_the_averaged_loss(case: str) -> None:
+    """Friction power plus R i^2 through a first-order lag, from signals and known parameters alone."""
+    x = motion(theta_m=2.0, omega_m=30.0, i=5.0, alpha_m=12.0)
+    gravity = 0.0 if case == "C1" else MU * M * G * L * np.sin(0.4)
+    power = (K_I * 5 - J * 12 - gravity) * 30 + R * 25
+
+    actual = stepped(case, "hidden_thermal_drift", x, heat_tau=0.1)["heat_P"]
+
+    np.testing.assert_allclose(actual, power * (1 - (1 + 1e-3 / 0.1) ** -np.arange(201.0)), rtol=1e-10)
+
+
+def test_bristles_follow_the_travelled_angle() -> None:
+    """Dahl's state is 1 - exp(-angle/x) after a start from rest, whatever the speed on the way."""
+    speed = np.linspace(1.0, 40.0, 200)
+    angle = np.concatenate([[0.0], np.cumsum(speed * 1e-3)])
+
+    actual = stepped("C1", "presliding", motion(omega_m=speed), presliding_x=0.5)["presliding_z"]
+
+    np.testing.assert_allclose(actual, 1 - np.exp(-angle / 0.5), rtol=1e-12, atol=1e-15)
+
+
+def test_play_follows_with_a_gap() -> None:
+    """The play of a current that goes 0, 3, -3, 3 half widths ends one half width behind each turn."""
+    current = 2.0 * np.concatenate([np.linspace(0, 3, 50), np.linspace(3, -3, 75), np.linspace(-3, 3, 75)])
+
+    actual = stepped("C1", "magnetic_hysteresis[play]", motion(i=current), hysteresis_i=2.0)["hysteresis_p"]
+
+    np.testing.assert_allclose(actual[[50, 125, 200]], [2.0, -2.0, 2.0], atol=1e-12)
+
+
+def test_hysteresis_has_two_branches() -> None:
+    """Duhem's state is 1 - exp(-rise/width) on a rise from 0, and tends to -1 on a fall."""
+    current = np.concatenate([np.linspace(0, 4, 100), np.linspace(4, -40, 100)])
+
+    actual = stepped("C1", "magnetic_hysteresis", motion(i=current), hysteresis_i=2.0)["hysteresis_z"]
+
+    np.testing.assert_allclose(actual[[100, 200]], [1 - np.exp(-2.0), -1.0], atol=1e-8)
+
+
+def test_gap_opens_when_the_load_changes_its_side() -> None:
+    """After a reversal the share of the gap left falls as exp(-angle/gap), and nothing is left in between."""
+    speed = np.r_[np.full(100, 50.0), np.full(100, -20.0)]
+
+    actual = stepped("C1", "backlash", motion(omega_m=speed), backlash_gap=0.1)["backlash_free"]
+
+    np.testing.assert_allclose(actual[100], 0.5 * np.exp(-5.0 / 0.1), atol=1e-15)  # half open at the start
+    np.testing.assert_allclose(actual[101:], np.exp(-0.02 * np.arange(1.0, 101.0) / 0.1), 1e-12, 1e-15)
+
+
+def test_slope_of_the_current_is_its_difference_quotient() -> None:
+    """A ramp of the current has its slope as state, from the second sample on."""
+    actual = stepped("C1", "sensor_delay", motion(i=7.0 * np.arange(200) * 1e-3))["delay_slope"]
+
+    np.testing.assert_allclose(actual[2:], 7.0, rtol=1e-9)
+
+
+def test_travel_counts_both_ways() -> None:
+    """The travelled angle is the sum of |w| dt."""
+    speed = np.r_[np.full(100, 50.0), np.full(100, -20.0)]
+
+    assert pytest.approx(7.0) == stepped("C1", "wear_runin[travel]", motion(omega_m=speed))["wear_s"][-1]
