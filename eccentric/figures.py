@@ -145,7 +145,7 @@ def _figure_5() -> Figure:
         right.plot(omega_l, c2.normal_force(*state), color=colour, label=f"θ_l = {label}")
     critical = _critical_velocity()
     right.annotate(
-        f"{critical:.2f} rad/s, π", (critical, 0), (critical - 1, -2.2), arrowprops={"arrowstyle": "->"}
+        f"{critical:.2f} rad/s, π", (critical, 0), (10, -0.5), arrowprops={"arrowstyle": "->"}
     )
     left.set(xlabel="link velocity ω_l [rad/s]", ylabel="friction torque F [N m]")
     right.set(xlabel="link velocity ω_l [rad/s]", ylabel="normal force F_N [N]", ylim=(-3, None))

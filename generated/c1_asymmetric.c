@@ -1,6 +1,6 @@
 /*
  * Generated: do not edit. Written by `make derive` from derivations/c1_asymmetric.py
- * (eccentric 0.1.0, program 31a6a98d).
+ * (eccentric 0.1.0, program 7ec56a06).
  * Case C1 with friction that differs between the directions of motion.
  */
 #include "c1_asymmetric.h"
@@ -8,7 +8,7 @@
 #include <float.h>
 #include <math.h>
 
-#if C1_ASYMMETRIC_PROGRAM != 0x31a6a98dUL
+#if C1_ASYMMETRIC_PROGRAM != 0x7ec56a06UL
 #error "c1_asymmetric.c and c1_asymmetric.h are of different derivations: write both again with make derive"
 #endif
 
@@ -87,39 +87,29 @@ const c1_asymmetric_coefficients c1_asymmetric_default = {
     (real)(NAN), /* J */
     (real)(0.008), /* B_lN_pos_R_mu2_per_k_i */
     (real)(0.008), /* B_lN_neg_R_mu2_per_k_i */
-    (real)(0.035696), /* constant */
-    (real)(0.035696), /* constant_2 */
+    (real)(0.035696), /* B_pos_R_per_k_i */
+    (real)(0.035696), /* B_neg_R_per_k_i */
     (real)(0.8), /* C_lN_pos_R_mu_per_k_i */
     (real)(0.8), /* C_lN_neg_R_mu_per_k_i */
-    (real)(1.9696), /* constant_3 */
-    (real)(1.9696), /* constant_4 */
+    (real)(1.9696), /* C_pos_R_per_k_i */
+    (real)(1.9696), /* C_neg_R_per_k_i */
     (real)(50.0), /* R_per_k_i */
     (real)(0.008), /* B_lN_pos_mu2_per_k_i */
     (real)(0.008), /* B_lN_neg_mu2_per_k_i */
-    (real)(0.035696), /* constant_5 */
-    (real)(0.035696), /* constant_6 */
+    (real)(0.035696), /* B_pos_per_k_i */
+    (real)(0.035696), /* B_neg_per_k_i */
     (real)(50.0), /* per_k_i */
     (real)(0.8), /* C_lN_pos_mu_per_k_i */
     (real)(0.8), /* C_lN_neg_mu_per_k_i */
-    (real)(1.9696), /* constant_7 */
-    (real)(1.9696), /* constant_8 */
-    (real)(-1.6e-4), /* minus_B_lN_pos_mu2 */
-    (real)(-1.6e-4), /* minus_B_lN_neg_mu2 */
-    (real)(-7.1392e-4), /* constant_9 */
-    (real)(-7.1392e-4), /* constant_10 */
-    (real)(-0.016), /* minus_C_lN_pos_mu */
-    (real)(-0.016), /* minus_C_lN_neg_mu */
-    (real)(-0.039392), /* constant_11 */
-    (real)(-0.039392), /* constant_12 */
-    (real)(-0.02), /* minus_k_i */
+    (real)(1.9696), /* C_pos_per_k_i */
+    (real)(1.9696), /* C_neg_per_k_i */
     (real)(0.02), /* k_i_per_R */
-    (real)(-0.004), /* minus_k_e_k_i_per_R */
     (real)(8.0e-7), /* B_lN_pos_L_M_mu4 */
     (real)(8.0e-5), /* C_lN_pos_L_M_mu3 */
-    (real)(0.00471392), /* constant_13 */
+    (real)(0.00471392), /* B_pos_plus_k_e_k_i_per_R */
     (real)(8.0e-7), /* B_lN_neg_L_M_mu4 */
-    (real)(-8.0e-5), /* minus_C_lN_neg_L_M_mu3 */
-    (real)(0.00471392), /* constant_14 */
+    (real)(8.0e-5), /* C_lN_neg_L_M_mu3 */
+    (real)(0.00471392), /* B_neg_plus_k_e_k_i_per_R */
 #else
     0.004, /* B_lN_neg */
     0.004, /* B_lN_pos */
@@ -145,39 +135,29 @@ const c1_asymmetric_coefficients c1_asymmetric_default = {
     NAN, /* J */
     0.008, /* B_lN_pos_R_mu2_per_k_i */
     0.008, /* B_lN_neg_R_mu2_per_k_i */
-    0.035696, /* constant */
-    0.035696, /* constant_2 */
+    0.035696, /* B_pos_R_per_k_i */
+    0.035696, /* B_neg_R_per_k_i */
     0.8, /* C_lN_pos_R_mu_per_k_i */
     0.8, /* C_lN_neg_R_mu_per_k_i */
-    1.9696, /* constant_3 */
-    1.9696, /* constant_4 */
+    1.9696, /* C_pos_R_per_k_i */
+    1.9696, /* C_neg_R_per_k_i */
     50.0, /* R_per_k_i */
     0.008, /* B_lN_pos_mu2_per_k_i */
     0.008, /* B_lN_neg_mu2_per_k_i */
-    0.035696, /* constant_5 */
-    0.035696, /* constant_6 */
+    0.035696, /* B_pos_per_k_i */
+    0.035696, /* B_neg_per_k_i */
     50.0, /* per_k_i */
     0.8, /* C_lN_pos_mu_per_k_i */
     0.8, /* C_lN_neg_mu_per_k_i */
-    1.9696, /* constant_7 */
-    1.9696, /* constant_8 */
-    -1.6e-4, /* minus_B_lN_pos_mu2 */
-    -1.6e-4, /* minus_B_lN_neg_mu2 */
-    -7.1392e-4, /* constant_9 */
-    -7.1392e-4, /* constant_10 */
-    -0.016, /* minus_C_lN_pos_mu */
-    -0.016, /* minus_C_lN_neg_mu */
-    -0.039392, /* constant_11 */
-    -0.039392, /* constant_12 */
-    -0.02, /* minus_k_i */
+    1.9696, /* C_pos_per_k_i */
+    1.9696, /* C_neg_per_k_i */
     0.02, /* k_i_per_R */
-    -0.004, /* minus_k_e_k_i_per_R */
     8.0e-7, /* B_lN_pos_L_M_mu4 */
     8.0e-5, /* C_lN_pos_L_M_mu3 */
-    0.00471392, /* constant_13 */
+    0.00471392, /* B_pos_plus_k_e_k_i_per_R */
     8.0e-7, /* B_lN_neg_L_M_mu4 */
-    -8.0e-5, /* minus_C_lN_neg_L_M_mu3 */
-    0.00471392, /* constant_14 */
+    8.0e-5, /* C_lN_neg_L_M_mu3 */
+    0.00471392, /* B_neg_plus_k_e_k_i_per_R */
 #endif
 };
 
@@ -200,41 +180,29 @@ void c1_asymmetric_prepare(const c1_asymmetric_parameters *p, c1_asymmetric_coef
     const double J = p->J_l * p->mu * p->mu + p->J_m;
     const double B_lN_pos_R_mu2_per_k_i = p->B_lN_pos * p->R * p->mu * p->mu / p->k_i;
     const double B_lN_neg_R_mu2_per_k_i = p->B_lN_neg * p->R * p->mu * p->mu / p->k_i;
-    const double constant = p->B_lT_pos * p->F_T * p->R * p->mu * p->mu / p->k_i + p->B_m_pos * p->R / p->k_i;
-    const double constant_2 = p->B_lT_neg * p->F_T * p->R * p->mu * p->mu / p->k_i + p->B_m_neg * p->R / p->k_i;
+    const double B_pos_R_per_k_i = B_pos * p->R / p->k_i;
+    const double B_neg_R_per_k_i = B_neg * p->R / p->k_i;
     const double C_lN_pos_R_mu_per_k_i = p->C_lN_pos * p->R * p->mu / p->k_i;
     const double C_lN_neg_R_mu_per_k_i = p->C_lN_neg * p->R * p->mu / p->k_i;
-    const double constant_3 = p->C_lT_pos * p->F_T * p->R * p->mu / p->k_i + p->C_m_pos * p->R / p->k_i;
-    const double constant_4 = p->C_lT_neg * p->F_T * p->R * p->mu / p->k_i + p->C_m_neg * p->R / p->k_i;
+    const double C_pos_R_per_k_i = C_pos * p->R / p->k_i;
+    const double C_neg_R_per_k_i = C_neg * p->R / p->k_i;
     const double R_per_k_i = p->R / p->k_i;
     const double B_lN_pos_mu2_per_k_i = p->B_lN_pos * p->mu * p->mu / p->k_i;
     const double B_lN_neg_mu2_per_k_i = p->B_lN_neg * p->mu * p->mu / p->k_i;
-    const double constant_5 = p->B_lT_pos * p->F_T * p->mu * p->mu / p->k_i + p->B_m_pos / p->k_i;
-    const double constant_6 = p->B_lT_neg * p->F_T * p->mu * p->mu / p->k_i + p->B_m_neg / p->k_i;
+    const double B_pos_per_k_i = B_pos / p->k_i;
+    const double B_neg_per_k_i = B_neg / p->k_i;
     const double per_k_i = 1.0 / p->k_i;
     const double C_lN_pos_mu_per_k_i = p->C_lN_pos * p->mu / p->k_i;
     const double C_lN_neg_mu_per_k_i = p->C_lN_neg * p->mu / p->k_i;
-    const double constant_7 = p->C_lT_pos * p->F_T * p->mu / p->k_i + p->C_m_pos / p->k_i;
-    const double constant_8 = p->C_lT_neg * p->F_T * p->mu / p->k_i + p->C_m_neg / p->k_i;
-    const double minus_B_lN_pos_mu2 = -p->B_lN_pos * p->mu * p->mu;
-    const double minus_B_lN_neg_mu2 = -p->B_lN_neg * p->mu * p->mu;
-    const double constant_9 = -p->B_lT_pos * p->F_T * p->mu * p->mu - p->B_m_pos;
-    const double constant_10 = -p->B_lT_neg * p->F_T * p->mu * p->mu - p->B_m_neg;
-    const double minus_C_lN_pos_mu = -p->C_lN_pos * p->mu;
-    const double minus_C_lN_neg_mu = -p->C_lN_neg * p->mu;
-    const double constant_11 = -p->C_lT_pos * p->F_T * p->mu - p->C_m_pos;
-    const double constant_12 = -p->C_lT_neg * p->F_T * p->mu - p->C_m_neg;
-    const double minus_k_i = -p->k_i;
+    const double C_pos_per_k_i = C_pos / p->k_i;
+    const double C_neg_per_k_i = C_neg / p->k_i;
     const double k_i_per_R = p->k_i / p->R;
-    const double minus_k_e_k_i_per_R = -p->k_e * p->k_i / p->R;
     const double B_lN_pos_L_M_mu4 = p->B_lN_pos * p->L * p->M * p->mu * p->mu * p->mu * p->mu;
     const double C_lN_pos_L_M_mu3 = p->C_lN_pos * p->L * p->M * p->mu * p->mu * p->mu;
-    const double part_1 = p->B_lT_pos * p->F_T * p->R * p->mu * p->mu + p->B_m_pos * p->R + p->k_e * p->k_i;
-    const double constant_13 = part_1 / p->R;
+    const double B_pos_plus_k_e_k_i_per_R = B_pos + p->k_e * p->k_i / p->R;
     const double B_lN_neg_L_M_mu4 = p->B_lN_neg * p->L * p->M * p->mu * p->mu * p->mu * p->mu;
-    const double minus_C_lN_neg_L_M_mu3 = -p->C_lN_neg * p->L * p->M * p->mu * p->mu * p->mu;
-    const double part_2 = p->B_lT_neg * p->F_T * p->R * p->mu * p->mu + p->B_m_neg * p->R + p->k_e * p->k_i;
-    const double constant_14 = part_2 / p->R;
+    const double C_lN_neg_L_M_mu3 = p->C_lN_neg * p->L * p->M * p->mu * p->mu * p->mu;
+    const double B_neg_plus_k_e_k_i_per_R = B_neg + p->k_e * p->k_i / p->R;
     c->B_lN_neg = (real)(p->B_lN_neg);
     c->B_lN_pos = (real)(p->B_lN_pos);
     c->C_lN_neg = (real)(p->C_lN_neg);
@@ -259,43 +227,34 @@ void c1_asymmetric_prepare(const c1_asymmetric_parameters *p, c1_asymmetric_coef
     c->J = (real)(J);
     c->B_lN_pos_R_mu2_per_k_i = (real)(B_lN_pos_R_mu2_per_k_i);
     c->B_lN_neg_R_mu2_per_k_i = (real)(B_lN_neg_R_mu2_per_k_i);
-    c->constant = (real)(constant);
-    c->constant_2 = (real)(constant_2);
+    c->B_pos_R_per_k_i = (real)(B_pos_R_per_k_i);
+    c->B_neg_R_per_k_i = (real)(B_neg_R_per_k_i);
     c->C_lN_pos_R_mu_per_k_i = (real)(C_lN_pos_R_mu_per_k_i);
     c->C_lN_neg_R_mu_per_k_i = (real)(C_lN_neg_R_mu_per_k_i);
-    c->constant_3 = (real)(constant_3);
-    c->constant_4 = (real)(constant_4);
+    c->C_pos_R_per_k_i = (real)(C_pos_R_per_k_i);
+    c->C_neg_R_per_k_i = (real)(C_neg_R_per_k_i);
     c->R_per_k_i = (real)(R_per_k_i);
     c->B_lN_pos_mu2_per_k_i = (real)(B_lN_pos_mu2_per_k_i);
     c->B_lN_neg_mu2_per_k_i = (real)(B_lN_neg_mu2_per_k_i);
-    c->constant_5 = (real)(constant_5);
-    c->constant_6 = (real)(constant_6);
+    c->B_pos_per_k_i = (real)(B_pos_per_k_i);
+    c->B_neg_per_k_i = (real)(B_neg_per_k_i);
     c->per_k_i = (real)(per_k_i);
     c->C_lN_pos_mu_per_k_i = (real)(C_lN_pos_mu_per_k_i);
     c->C_lN_neg_mu_per_k_i = (real)(C_lN_neg_mu_per_k_i);
-    c->constant_7 = (real)(constant_7);
-    c->constant_8 = (real)(constant_8);
-    c->minus_B_lN_pos_mu2 = (real)(minus_B_lN_pos_mu2);
-    c->minus_B_lN_neg_mu2 = (real)(minus_B_lN_neg_mu2);
-    c->constant_9 = (real)(constant_9);
-    c->constant_10 = (real)(constant_10);
-    c->minus_C_lN_pos_mu = (real)(minus_C_lN_pos_mu);
-    c->minus_C_lN_neg_mu = (real)(minus_C_lN_neg_mu);
-    c->constant_11 = (real)(constant_11);
-    c->constant_12 = (real)(constant_12);
-    c->minus_k_i = (real)(minus_k_i);
+    c->C_pos_per_k_i = (real)(C_pos_per_k_i);
+    c->C_neg_per_k_i = (real)(C_neg_per_k_i);
     c->k_i_per_R = (real)(k_i_per_R);
-    c->minus_k_e_k_i_per_R = (real)(minus_k_e_k_i_per_R);
     c->B_lN_pos_L_M_mu4 = (real)(B_lN_pos_L_M_mu4);
     c->C_lN_pos_L_M_mu3 = (real)(C_lN_pos_L_M_mu3);
-    c->constant_13 = (real)(constant_13);
+    c->B_pos_plus_k_e_k_i_per_R = (real)(B_pos_plus_k_e_k_i_per_R);
     c->B_lN_neg_L_M_mu4 = (real)(B_lN_neg_L_M_mu4);
-    c->minus_C_lN_neg_L_M_mu3 = (real)(minus_C_lN_neg_L_M_mu3);
-    c->constant_14 = (real)(constant_14);
+    c->C_lN_neg_L_M_mu3 = (real)(C_lN_neg_L_M_mu3);
+    c->B_neg_plus_k_e_k_i_per_R = (real)(B_neg_plus_k_e_k_i_per_R);
 }
 
 ECCENTRIC_REAL c1_asymmetric_normal_force(ECCENTRIC_REAL omega_m, const c1_asymmetric_coefficients *c)
 {
+    /* normal force on the axis of rotation [N], eq (8) */
     const real F_N = c->L_M_mu2 * omega_m * omega_m;
     return F_N;
 }
@@ -313,6 +272,7 @@ void c1_asymmetric_normal_force_n(
 
 ECCENTRIC_REAL c1_asymmetric_friction_torque(ECCENTRIC_REAL omega_m, const c1_asymmetric_coefficients *c)
 {
+    /* normal force on the axis of rotation [N], eq (8) */
     const real F_N = c->L_M_mu2 * omega_m * omega_m;
     const real direction_of_motion = c1_asymmetric_sgn(omega_m);
     const real part_3 = F_N * ((omega_m > REAL(0.0)) ? c->B_lN_pos_mu2 : c->B_lN_neg_mu2);
@@ -335,8 +295,11 @@ void c1_asymmetric_friction_torque_n(
     }
 }
 
-ECCENTRIC_REAL c1_asymmetric_mechanical_friction_torque(ECCENTRIC_REAL omega_m, const c1_asymmetric_coefficients *c)
+ECCENTRIC_REAL c1_asymmetric_mechanical_friction_torque(
+    ECCENTRIC_REAL omega_m,
+    const c1_asymmetric_coefficients *c)
 {
+    /* normal force on the axis of rotation [N], eq (8) */
     const real F_N = c->L_M_mu2 * omega_m * omega_m;
     const real direction_of_motion = c1_asymmetric_sgn(omega_m);
     const real part_3 = F_N * ((omega_m > REAL(0.0)) ? c->C_lN_pos_mu : c->C_lN_neg_mu);
@@ -364,6 +327,7 @@ void c1_asymmetric_friction_torque_gradient(
     ECCENTRIC_REAL *out,
     const c1_asymmetric_coefficients *c)
 {
+    /* normal force on the axis of rotation [N], eq (8) */
     const real F_N = c->L_M_mu2 * omega_m * omega_m;
     const real F_N_d_omega_m = omega_m * c->twice_L_M_mu2;
     const real direction_of_motion = c1_asymmetric_sgn(omega_m);
@@ -392,6 +356,7 @@ void c1_asymmetric_friction_torque_jacobian(
     ECCENTRIC_REAL *out,
     const c1_asymmetric_coefficients *c)
 {
+    /* normal force on the axis of rotation [N], eq (8) */
     const real F_N = c->L_M_mu2 * omega_m * omega_m;
     const real is_forward = c1_asymmetric_forward(omega_m);
     const real ungated = F_N * c->mu2 * omega_m;
@@ -425,8 +390,12 @@ void c1_asymmetric_friction_torque_jacobian_n(
     }
 }
 
-void c1_asymmetric_regressor(ECCENTRIC_REAL omega_m, ECCENTRIC_REAL *out, const c1_asymmetric_coefficients *c)
+void c1_asymmetric_regressor(
+    ECCENTRIC_REAL omega_m,
+    ECCENTRIC_REAL *out,
+    const c1_asymmetric_coefficients *c)
 {
+    /* normal force on the axis of rotation [N], eq (8) */
     const real F_N = c->L_M_mu2 * omega_m * omega_m;
     const real is_forward = c1_asymmetric_forward(omega_m);
     const real ungated = F_N * c->mu2 * omega_m;
@@ -483,18 +452,20 @@ ECCENTRIC_REAL c1_asymmetric_voltage(
     ECCENTRIC_REAL alpha_m,
     const c1_asymmetric_coefficients *c)
 {
+    /* normal force on the axis of rotation [N], eq (8) */
     const real F_N = c->L_M_mu2 * omega_m * omega_m;
     const real direction_of_motion = c1_asymmetric_sgn(omega_m);
     const real part_4 = ((omega_m > REAL(0.0)) ? c->C_lN_pos_R_mu_per_k_i : c->C_lN_neg_R_mu_per_k_i);
     const real part_3 = F_N * part_4;
-    const real part_2 = part_3 + ((omega_m > REAL(0.0)) ? c->constant_3 : c->constant_4);
+    const real part_2 = part_3 + ((omega_m > REAL(0.0)) ? c->C_pos_R_per_k_i : c->C_neg_R_per_k_i);
     const real part_1 = direction_of_motion * part_2;
     const real part_8 = ((omega_m > REAL(0.0)) ? c->B_lN_pos_R_mu2_per_k_i : c->B_lN_neg_R_mu2_per_k_i);
     const real part_7 = F_N * part_8;
-    const real part_6 = c->k_e + part_7 + ((omega_m > REAL(0.0)) ? c->constant : c->constant_2);
+    const real part_9 = ((omega_m > REAL(0.0)) ? c->B_pos_R_per_k_i : c->B_neg_R_per_k_i);
+    const real part_6 = c->k_e + part_7 + part_9;
     const real part_5 = omega_m * part_6;
-    const real part_9 = c->R_per_k_i * ((alpha_m == REAL(0.0)) ? REAL(0.0) : c->J * alpha_m);
-    return part_1 + part_5 + part_9;
+    const real part_10 = c->R_per_k_i * ((alpha_m == REAL(0.0)) ? REAL(0.0) : c->J * alpha_m);
+    return part_1 + part_10 + part_5;
 }
 
 void c1_asymmetric_voltage_n(
@@ -514,15 +485,16 @@ ECCENTRIC_REAL c1_asymmetric_current(
     ECCENTRIC_REAL alpha_m,
     const c1_asymmetric_coefficients *c)
 {
+    /* normal force on the axis of rotation [N], eq (8) */
     const real F_N = c->L_M_mu2 * omega_m * omega_m;
     const real direction_of_motion = c1_asymmetric_sgn(omega_m);
     const real part_4 = ((omega_m > REAL(0.0)) ? c->C_lN_pos_mu_per_k_i : c->C_lN_neg_mu_per_k_i);
     const real part_3 = F_N * part_4;
-    const real part_2 = part_3 + ((omega_m > REAL(0.0)) ? c->constant_7 : c->constant_8);
+    const real part_2 = part_3 + ((omega_m > REAL(0.0)) ? c->C_pos_per_k_i : c->C_neg_per_k_i);
     const real part_1 = direction_of_motion * part_2;
     const real part_8 = ((omega_m > REAL(0.0)) ? c->B_lN_pos_mu2_per_k_i : c->B_lN_neg_mu2_per_k_i);
     const real part_7 = F_N * part_8;
-    const real part_6 = part_7 + ((omega_m > REAL(0.0)) ? c->constant_5 : c->constant_6);
+    const real part_6 = part_7 + ((omega_m > REAL(0.0)) ? c->B_pos_per_k_i : c->B_neg_per_k_i);
     const real part_5 = omega_m * part_6;
     const real part_9 = c->per_k_i * ((alpha_m == REAL(0.0)) ? REAL(0.0) : c->J * alpha_m);
     return part_1 + part_5 + part_9;
@@ -546,17 +518,17 @@ ECCENTRIC_REAL c1_asymmetric_mechanical_residual(
     ECCENTRIC_REAL alpha_m,
     const c1_asymmetric_coefficients *c)
 {
+    /* normal force on the axis of rotation [N], eq (8) */
     const real F_N = c->L_M_mu2 * omega_m * omega_m;
     const real direction_of_motion = c1_asymmetric_sgn(omega_m);
-    const real part_3 = F_N * ((omega_m > REAL(0.0)) ? c->minus_C_lN_pos_mu : c->minus_C_lN_neg_mu);
-    const real part_2 = part_3 + ((omega_m > REAL(0.0)) ? c->constant_11 : c->constant_12);
+    const real part_3 = -F_N * ((omega_m > REAL(0.0)) ? c->C_lN_pos_mu : c->C_lN_neg_mu);
+    const real part_2 = part_3 - ((omega_m > REAL(0.0)) ? c->C_pos : c->C_neg);
     const real part_1 = direction_of_motion * part_2;
-    const real part_7 = ((omega_m > REAL(0.0)) ? c->minus_B_lN_pos_mu2 : c->minus_B_lN_neg_mu2);
-    const real part_6 = F_N * part_7;
-    const real part_5 = part_6 + ((omega_m > REAL(0.0)) ? c->constant_9 : c->constant_10);
+    const real part_6 = -F_N * ((omega_m > REAL(0.0)) ? c->B_lN_pos_mu2 : c->B_lN_neg_mu2);
+    const real part_5 = part_6 - ((omega_m > REAL(0.0)) ? c->B_pos : c->B_neg);
     const real part_4 = omega_m * part_5;
-    const real part_8 = -((alpha_m == REAL(0.0)) ? REAL(0.0) : c->J * alpha_m);
-    return i * c->k_i + part_1 + part_4 + part_8;
+    const real part_7 = -((alpha_m == REAL(0.0)) ? REAL(0.0) : c->J * alpha_m);
+    return i * c->k_i + part_1 + part_4 + part_7;
 }
 
 void c1_asymmetric_mechanical_residual_n(
@@ -578,7 +550,7 @@ ECCENTRIC_REAL c1_asymmetric_electrical_residual(
     ECCENTRIC_REAL u,
     const c1_asymmetric_coefficients *c)
 {
-    return i * c->minus_k_i + c->k_i_per_R * u + c->minus_k_e_k_i_per_R * omega_m;
+    return -i * c->k_i - c->k_e_k_i_per_R * omega_m + c->k_i_per_R * u;
 }
 
 void c1_asymmetric_electrical_residual_n(
@@ -598,16 +570,16 @@ void c1_asymmetric_polynomial(ECCENTRIC_REAL *out, const c1_asymmetric_coefficie
 {
     out[0] = c->B_lN_pos_L_M_mu4;
     out[1] = c->C_lN_pos_L_M_mu3;
-    out[2] = c->constant_13;
+    out[2] = c->B_pos_plus_k_e_k_i_per_R;
     out[3] = c->C_pos;
 }
 
 void c1_asymmetric_polynomial_neg(ECCENTRIC_REAL *out, const c1_asymmetric_coefficients *c)
 {
     out[0] = c->B_lN_neg_L_M_mu4;
-    out[1] = c->minus_C_lN_neg_L_M_mu3;
-    out[2] = c->constant_14;
-    out[3] = c->constant_12;
+    out[1] = -c->C_lN_neg_L_M_mu3;
+    out[2] = c->B_neg_plus_k_e_k_i_per_R;
+    out[3] = -c->C_neg;
 }
 
 #undef real

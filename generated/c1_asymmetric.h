@@ -1,6 +1,6 @@
 /*
  * Generated: do not edit. Written by `make derive` from derivations/c1_asymmetric.py
- * (eccentric 0.1.0, program 31a6a98d).
+ * (eccentric 0.1.0, program 7ec56a06).
  * Case C1 with friction that differs between the directions of motion.
  */
 #ifndef C1_ASYMMETRIC_H
@@ -9,7 +9,7 @@
 #include <stddef.h>
 
 /* C1_ASYMMETRIC_PROGRAM names the derivation that header and source come from; the source checks it. */
-#define C1_ASYMMETRIC_PROGRAM 0x31a6a98dUL
+#define C1_ASYMMETRIC_PROGRAM 0x7ec56a06UL
 
 /* The working precision: double, or float by -DECCENTRIC_REAL=float. Files of different precision do not link:
  * c1_asymmetric_prepare and c1_asymmetric_default carry it in their names. */
@@ -67,62 +67,52 @@ typedef struct {
     ECCENTRIC_REAL k_e; /**< back-EMF constant [V s/rad] */
     ECCENTRIC_REAL k_i; /**< torque constant [N m/A] */
     ECCENTRIC_REAL mu; /**< gear ratio theta_l/theta_m [1] */
-    ECCENTRIC_REAL L_M_mu2;
-    ECCENTRIC_REAL B_lN_pos_mu2;
-    ECCENTRIC_REAL B_lN_neg_mu2;
+    ECCENTRIC_REAL L_M_mu2; /**< L M mu^2 */
+    ECCENTRIC_REAL B_lN_pos_mu2; /**< B_lN_pos mu^2 */
+    ECCENTRIC_REAL B_lN_neg_mu2; /**< B_lN_neg mu^2 */
     ECCENTRIC_REAL B_pos; /**< viscous friction on the motor side, B_m + mu^2 beta_T, omega_m > 0 [N m s/rad] */
     ECCENTRIC_REAL B_neg; /**< viscous friction on the motor side, B_m + mu^2 beta_T, omega_m < 0 [N m s/rad] */
-    ECCENTRIC_REAL k_e_k_i_per_R;
-    ECCENTRIC_REAL C_lN_pos_mu;
-    ECCENTRIC_REAL C_lN_neg_mu;
+    ECCENTRIC_REAL k_e_k_i_per_R; /**< k_e k_i/R */
+    ECCENTRIC_REAL C_lN_pos_mu; /**< C_lN_pos mu */
+    ECCENTRIC_REAL C_lN_neg_mu; /**< C_lN_neg mu */
     ECCENTRIC_REAL C_pos; /**< Coulomb friction on the motor side, C_m + mu gamma_T, omega_m > 0 [N m] */
     ECCENTRIC_REAL C_neg; /**< Coulomb friction on the motor side, C_m + mu gamma_T, omega_m < 0 [N m] */
-    ECCENTRIC_REAL twice_L_M_mu2;
-    ECCENTRIC_REAL mu2;
-    ECCENTRIC_REAL F_T_mu2;
-    ECCENTRIC_REAL F_T_mu;
+    ECCENTRIC_REAL twice_L_M_mu2; /**< 2 L M mu^2 */
+    ECCENTRIC_REAL mu2; /**< mu^2 */
+    ECCENTRIC_REAL F_T_mu2; /**< F_T mu^2 */
+    ECCENTRIC_REAL F_T_mu; /**< F_T mu */
     ECCENTRIC_REAL J; /**< inertia on the motor side, J_m + mu^2 J_l [kg m^2] */
-    ECCENTRIC_REAL B_lN_pos_R_mu2_per_k_i;
-    ECCENTRIC_REAL B_lN_neg_R_mu2_per_k_i;
-    ECCENTRIC_REAL constant; /**< B_lT_pos F_T R mu^2/k_i + B_m_pos R/k_i */
-    ECCENTRIC_REAL constant_2; /**< B_lT_neg F_T R mu^2/k_i + B_m_neg R/k_i */
-    ECCENTRIC_REAL C_lN_pos_R_mu_per_k_i;
-    ECCENTRIC_REAL C_lN_neg_R_mu_per_k_i;
-    ECCENTRIC_REAL constant_3; /**< C_lT_pos F_T R mu/k_i + C_m_pos R/k_i */
-    ECCENTRIC_REAL constant_4; /**< C_lT_neg F_T R mu/k_i + C_m_neg R/k_i */
-    ECCENTRIC_REAL R_per_k_i;
-    ECCENTRIC_REAL B_lN_pos_mu2_per_k_i;
-    ECCENTRIC_REAL B_lN_neg_mu2_per_k_i;
-    ECCENTRIC_REAL constant_5; /**< B_lT_pos F_T mu^2/k_i + B_m_pos/k_i */
-    ECCENTRIC_REAL constant_6; /**< B_lT_neg F_T mu^2/k_i + B_m_neg/k_i */
-    ECCENTRIC_REAL per_k_i;
-    ECCENTRIC_REAL C_lN_pos_mu_per_k_i;
-    ECCENTRIC_REAL C_lN_neg_mu_per_k_i;
-    ECCENTRIC_REAL constant_7; /**< C_lT_pos F_T mu/k_i + C_m_pos/k_i */
-    ECCENTRIC_REAL constant_8; /**< C_lT_neg F_T mu/k_i + C_m_neg/k_i */
-    ECCENTRIC_REAL minus_B_lN_pos_mu2;
-    ECCENTRIC_REAL minus_B_lN_neg_mu2;
-    ECCENTRIC_REAL constant_9; /**< -B_lT_pos F_T mu^2 - B_m_pos */
-    ECCENTRIC_REAL constant_10; /**< -B_lT_neg F_T mu^2 - B_m_neg */
-    ECCENTRIC_REAL minus_C_lN_pos_mu;
-    ECCENTRIC_REAL minus_C_lN_neg_mu;
-    ECCENTRIC_REAL constant_11; /**< -C_lT_pos F_T mu - C_m_pos */
-    ECCENTRIC_REAL constant_12; /**< -C_lT_neg F_T mu - C_m_neg */
-    ECCENTRIC_REAL minus_k_i;
-    ECCENTRIC_REAL k_i_per_R;
-    ECCENTRIC_REAL minus_k_e_k_i_per_R;
-    ECCENTRIC_REAL B_lN_pos_L_M_mu4;
-    ECCENTRIC_REAL C_lN_pos_L_M_mu3;
-    ECCENTRIC_REAL constant_13; /**< (B_lT_pos F_T R mu^2 + B_m_pos R + k_e k_i)/R */
-    ECCENTRIC_REAL B_lN_neg_L_M_mu4;
-    ECCENTRIC_REAL minus_C_lN_neg_L_M_mu3;
-    ECCENTRIC_REAL constant_14; /**< (B_lT_neg F_T R mu^2 + B_m_neg R + k_e k_i)/R */
+    ECCENTRIC_REAL B_lN_pos_R_mu2_per_k_i; /**< B_lN_pos R mu^2/k_i */
+    ECCENTRIC_REAL B_lN_neg_R_mu2_per_k_i; /**< B_lN_neg R mu^2/k_i */
+    ECCENTRIC_REAL B_pos_R_per_k_i; /**< B_pos R/k_i */
+    ECCENTRIC_REAL B_neg_R_per_k_i; /**< B_neg R/k_i */
+    ECCENTRIC_REAL C_lN_pos_R_mu_per_k_i; /**< C_lN_pos R mu/k_i */
+    ECCENTRIC_REAL C_lN_neg_R_mu_per_k_i; /**< C_lN_neg R mu/k_i */
+    ECCENTRIC_REAL C_pos_R_per_k_i; /**< C_pos R/k_i */
+    ECCENTRIC_REAL C_neg_R_per_k_i; /**< C_neg R/k_i */
+    ECCENTRIC_REAL R_per_k_i; /**< R/k_i */
+    ECCENTRIC_REAL B_lN_pos_mu2_per_k_i; /**< B_lN_pos mu^2/k_i */
+    ECCENTRIC_REAL B_lN_neg_mu2_per_k_i; /**< B_lN_neg mu^2/k_i */
+    ECCENTRIC_REAL B_pos_per_k_i; /**< B_pos/k_i */
+    ECCENTRIC_REAL B_neg_per_k_i; /**< B_neg/k_i */
+    ECCENTRIC_REAL per_k_i; /**< 1/k_i */
+    ECCENTRIC_REAL C_lN_pos_mu_per_k_i; /**< C_lN_pos mu/k_i */
+    ECCENTRIC_REAL C_lN_neg_mu_per_k_i; /**< C_lN_neg mu/k_i */
+    ECCENTRIC_REAL C_pos_per_k_i; /**< C_pos/k_i */
+    ECCENTRIC_REAL C_neg_per_k_i; /**< C_neg/k_i */
+    ECCENTRIC_REAL k_i_per_R; /**< k_i/R */
+    ECCENTRIC_REAL B_lN_pos_L_M_mu4; /**< B_lN_pos L M mu^4 */
+    ECCENTRIC_REAL C_lN_pos_L_M_mu3; /**< C_lN_pos L M mu^3 */
+    ECCENTRIC_REAL B_pos_plus_k_e_k_i_per_R; /**< B_pos + k_e k_i/R */
+    ECCENTRIC_REAL B_lN_neg_L_M_mu4; /**< B_lN_neg L M mu^4 */
+    ECCENTRIC_REAL C_lN_neg_L_M_mu3; /**< C_lN_neg L M mu^3 */
+    ECCENTRIC_REAL B_neg_plus_k_e_k_i_per_R; /**< B_neg + k_e k_i/R */
 } c1_asymmetric_coefficients;
 
-/** The default parameters: the paper's Table 1 with mu = 1/5, or those of the fit that this was emitted with. */
+/** The default parameters: Table 1 of the paper with mu = 1/5. */
 extern const c1_asymmetric_parameters c1_asymmetric_default_parameters;
 
-/** The coefficients of the default parameters, computed to 50 digits when this file was written. */
+/** The coefficients of the default parameters, computed at 50 digits, rounded to the working precision. */
 extern const c1_asymmetric_coefficients c1_asymmetric_default;
 
 /** Compute the coefficients of a set of parameters; run it once, or when a parameter changes.
@@ -132,9 +122,10 @@ extern const c1_asymmetric_coefficients c1_asymmetric_default;
  */
 void c1_asymmetric_prepare(const c1_asymmetric_parameters *p, c1_asymmetric_coefficients *c);
 
-/** Normal force F_N on the axis of rotation [N].
+/** Normal force F_N on the axis of rotation.
  *  @param[in]  omega_m  motor velocity [rad/s]
  *  @param[in]  c  coefficients
+ *  @return normal_force [N]
  */
 ECCENTRIC_REAL c1_asymmetric_normal_force(ECCENTRIC_REAL omega_m, const c1_asymmetric_coefficients *c);
 
@@ -145,9 +136,10 @@ void c1_asymmetric_normal_force_n(
     ECCENTRIC_REAL *out,
     const c1_asymmetric_coefficients *c);
 
-/** Resultant friction torque F, back-EMF damping included, eq (6) [N m].
+/** Resultant friction torque F, back-EMF damping included, eq (6).
  *  @param[in]  omega_m  motor velocity [rad/s]
  *  @param[in]  c  coefficients
+ *  @return friction_torque [N m]
  */
 ECCENTRIC_REAL c1_asymmetric_friction_torque(ECCENTRIC_REAL omega_m, const c1_asymmetric_coefficients *c);
 
@@ -158,11 +150,14 @@ void c1_asymmetric_friction_torque_n(
     ECCENTRIC_REAL *out,
     const c1_asymmetric_coefficients *c);
 
-/** Mechanical friction torque f = f_m + mu f_l, without back-EMF [N m].
+/** Mechanical friction torque f = f_m + mu f_l, without back-EMF.
  *  @param[in]  omega_m  motor velocity [rad/s]
  *  @param[in]  c  coefficients
+ *  @return mechanical_friction_torque [N m]
  */
-ECCENTRIC_REAL c1_asymmetric_mechanical_friction_torque(ECCENTRIC_REAL omega_m, const c1_asymmetric_coefficients *c);
+ECCENTRIC_REAL c1_asymmetric_mechanical_friction_torque(
+    ECCENTRIC_REAL omega_m,
+    const c1_asymmetric_coefficients *c);
 
 /** mechanical_friction_torque over arrays of n samples. */
 void c1_asymmetric_mechanical_friction_torque_n(
@@ -171,9 +166,9 @@ void c1_asymmetric_mechanical_friction_torque_n(
     ECCENTRIC_REAL *out,
     const c1_asymmetric_coefficients *c);
 
-/** Slopes of friction_torque by its inputs [N m per rad, rad/s, rad/s^2].
+/** Partial derivatives of friction_torque with respect to its inputs.
  *  @param[in]  omega_m  motor velocity [rad/s]
- *  @param[out] out  1 values: omega_m
+ *  @param[out] out  1 value: omega_m [N m per rad/s]
  *  @param[in]  c  coefficients
  */
 void c1_asymmetric_friction_torque_gradient(
@@ -181,16 +176,17 @@ void c1_asymmetric_friction_torque_gradient(
     ECCENTRIC_REAL *out,
     const c1_asymmetric_coefficients *c);
 
-/** friction_torque_gradient over arrays of n samples, 1 values of `out` a sample. */
+/** friction_torque_gradient over arrays of n samples, each with 1 of `out`. */
 void c1_asymmetric_friction_torque_gradient_n(
     size_t n,
     const ECCENTRIC_REAL *omega_m,
     ECCENTRIC_REAL *out,
     const c1_asymmetric_coefficients *c);
 
-/** Slopes of friction_torque by all friction coefficients [N m per unit coefficient].
+/** Partial derivatives of friction_torque with respect to all friction coefficients.
  *  @param[in]  omega_m  motor velocity [rad/s]
- *  @param[out] out  12 values: B_lN_pos, B_lN_neg, C_lN_pos, C_lN_neg, B_lT_pos, B_lT_neg, C_lT_pos, C_lT_neg, B_m_pos, B_m_neg, C_m_pos, C_m_neg
+ *  @param[out] out  12 values: B_lN_pos, B_lN_neg, C_lN_pos, C_lN_neg, B_lT_pos, B_lT_neg, C_lT_pos, C_lT_neg,
+ *      B_m_pos, B_m_neg, C_m_pos, C_m_neg [N m per unit coefficient]
  *  @param[in]  c  coefficients
  */
 void c1_asymmetric_friction_torque_jacobian(
@@ -198,48 +194,55 @@ void c1_asymmetric_friction_torque_jacobian(
     ECCENTRIC_REAL *out,
     const c1_asymmetric_coefficients *c);
 
-/** friction_torque_jacobian over arrays of n samples, 12 values of `out` a sample. */
+/** friction_torque_jacobian over arrays of n samples, each with 12 of `out`. */
 void c1_asymmetric_friction_torque_jacobian_n(
     size_t n,
     const ECCENTRIC_REAL *omega_m,
     ECCENTRIC_REAL *out,
     const c1_asymmetric_coefficients *c);
 
-/** Columns with regressor @ friction_coefficients = mechanical_friction_torque [N m per unit coefficient].
+/** Columns: regressor times friction_coefficients is mechanical_friction_torque.
  *  @param[in]  omega_m  motor velocity [rad/s]
- *  @param[out] out  8 values: B_lN_pos, B_lN_neg, C_lN_pos, C_lN_neg, B_pos, B_neg, C_pos, C_neg
+ *  @param[out] out  8 values: B_lN_pos, B_lN_neg, C_lN_pos, C_lN_neg, B_pos, B_neg, C_pos, C_neg [N m per unit
+ *      coefficient]
  *  @param[in]  c  coefficients
  */
-void c1_asymmetric_regressor(ECCENTRIC_REAL omega_m, ECCENTRIC_REAL *out, const c1_asymmetric_coefficients *c);
+void c1_asymmetric_regressor(
+    ECCENTRIC_REAL omega_m,
+    ECCENTRIC_REAL *out,
+    const c1_asymmetric_coefficients *c);
 
-/** regressor over arrays of n samples, 8 values of `out` a sample. */
+/** regressor over arrays of n samples, each with 8 of `out`. */
 void c1_asymmetric_regressor_n(
     size_t n,
     const ECCENTRIC_REAL *omega_m,
     ECCENTRIC_REAL *out,
     const c1_asymmetric_coefficients *c);
 
-/** What the columns of the regressor multiply [as the columns of the regressor].
- *  @param[out] out  8 values: B_lN_pos, B_lN_neg, C_lN_pos, C_lN_neg, B_pos, B_neg, C_pos, C_neg
+/** What the columns of the regressor multiply.
+ *  @param[out] out  8 values: B_lN_pos, B_lN_neg, C_lN_pos, C_lN_neg, B_pos, B_neg, C_pos, C_neg [as the
+ *      columns of the regressor]
  *  @param[in]  c  coefficients
  */
 void c1_asymmetric_friction_coefficients(ECCENTRIC_REAL *out, const c1_asymmetric_coefficients *c);
 
-/** Size of the friction torque at standstill, where it is set-valued [N m].
- *  @param[out] out  2 values: pos, neg
+/** Magnitude of the friction torque at standstill, where it is set-valued.
+ *  @param[out] out  2 values: pos, neg [N m]
  *  @param[in]  c  coefficients
  */
 void c1_asymmetric_coulomb_torque(ECCENTRIC_REAL *out, const c1_asymmetric_coefficients *c);
 
-/** Gravity torque G, eq (5) [N m].
+/** Gravity torque G, eq (5).
  *  @param[in]  c  coefficients
+ *  @return gravity_torque [N m]
  */
 ECCENTRIC_REAL c1_asymmetric_gravity_torque(const c1_asymmetric_coefficients *c);
 
-/** Armature voltage u = (R/k_i) (J alpha_m + G + F), eq (4) [V].
+/** Armature voltage u = (R/k_i) (J alpha_m + G + F), eq (4).
  *  @param[in]  omega_m  motor velocity [rad/s]
  *  @param[in]  alpha_m  motor acceleration [rad/s^2]
  *  @param[in]  c  coefficients
+ *  @return voltage [V]
  */
 ECCENTRIC_REAL c1_asymmetric_voltage(
     ECCENTRIC_REAL omega_m,
@@ -254,10 +257,11 @@ void c1_asymmetric_voltage_n(
     ECCENTRIC_REAL *out,
     const c1_asymmetric_coefficients *c);
 
-/** Armature current i = (J alpha_m + G + f)/k_i [A].
+/** Armature current i = (J alpha_m + G + f)/k_i.
  *  @param[in]  omega_m  motor velocity [rad/s]
  *  @param[in]  alpha_m  motor acceleration [rad/s^2]
  *  @param[in]  c  coefficients
+ *  @return current [A]
  */
 ECCENTRIC_REAL c1_asymmetric_current(
     ECCENTRIC_REAL omega_m,
@@ -272,11 +276,12 @@ void c1_asymmetric_current_n(
     ECCENTRIC_REAL *out,
     const c1_asymmetric_coefficients *c);
 
-/** What the mechanical balance leaves: k_i i - J alpha_m - G - f [N m].
+/** What the mechanical balance leaves: k_i i - J alpha_m - G - f.
  *  @param[in]  omega_m  motor velocity [rad/s]
  *  @param[in]  i  armature current [A]
  *  @param[in]  alpha_m  motor acceleration [rad/s^2]
  *  @param[in]  c  coefficients
+ *  @return mechanical_residual [N m]
  */
 ECCENTRIC_REAL c1_asymmetric_mechanical_residual(
     ECCENTRIC_REAL omega_m,
@@ -293,11 +298,12 @@ void c1_asymmetric_mechanical_residual_n(
     ECCENTRIC_REAL *out,
     const c1_asymmetric_coefficients *c);
 
-/** What the electrical balance leaves, as a torque: (k_i/R)(u - k_e omega_m) - k_i i [N m].
+/** What the electrical balance leaves, as a torque: (k_i/R)(u - k_e omega_m) - k_i i.
  *  @param[in]  omega_m  motor velocity [rad/s]
  *  @param[in]  i  armature current [A]
  *  @param[in]  u  armature voltage [V]
  *  @param[in]  c  coefficients
+ *  @return electrical_residual [N m]
  */
 ECCENTRIC_REAL c1_asymmetric_electrical_residual(
     ECCENTRIC_REAL omega_m,
@@ -314,14 +320,14 @@ void c1_asymmetric_electrical_residual_n(
     ECCENTRIC_REAL *out,
     const c1_asymmetric_coefficients *c);
 
-/** Coefficients F_3, F_2, F_1, F_0 of F for omega_m > 0, eqs (11)-(14) [N m (s/rad)^k].
- *  @param[out] out  4 values: F_3, F_2, F_1, F_0
+/** Coefficients F_3, F_2, F_1, F_0 of F for omega_m > 0, eqs (11)-(14).
+ *  @param[out] out  4 values: F_3, F_2, F_1, F_0 [N m s^3/rad^3, N m s^2/rad^2, N m s/rad, N m]
  *  @param[in]  c  coefficients
  */
 void c1_asymmetric_polynomial(ECCENTRIC_REAL *out, const c1_asymmetric_coefficients *c);
 
-/** Coefficients F_3, F_2, F_1, F_0 of F for omega_m < 0, eqs (11)-(14) [N m (s/rad)^k].
- *  @param[out] out  4 values: F_3, F_2, F_1, F_0
+/** Coefficients F_3, F_2, F_1, F_0 of F for omega_m < 0, eqs (11)-(14).
+ *  @param[out] out  4 values: F_3, F_2, F_1, F_0 [N m s^3/rad^3, N m s^2/rad^2, N m s/rad, N m]
  *  @param[in]  c  coefficients
  */
 void c1_asymmetric_polynomial_neg(ECCENTRIC_REAL *out, const c1_asymmetric_coefficients *c);

@@ -1,5 +1,5 @@
 # Generated: do not edit. Written by `make derive` from derivations/c1_asymmetric.py
-# (eccentric 0.1.0, program 31a6a98d).
+# (eccentric 0.1.0, program 7ec56a06).
 # Case C1 with friction that differs between the directions of motion.
 """Case C1 with friction that differs between the directions of motion.
 
@@ -62,7 +62,7 @@ _Real = type[np.float32] | type[np.float64]
 
 @dataclass(frozen=True)
 class Parameters:
-    """Parameters with the paper's letters, in SI units.
+    """Parameters with the paper's letters, in SI units; the defaults are Table 1 of the paper with mu = 1/5.
 
     Raises:
         ValueError: a value is not a finite number, or has a sign that the quantity cannot have.
@@ -180,39 +180,29 @@ class _Coefficients(NamedTuple):
     J: Any
     B_lN_pos_R_mu2_per_k_i: Any
     B_lN_neg_R_mu2_per_k_i: Any
-    constant: Any
-    constant_2: Any
+    B_pos_R_per_k_i: Any
+    B_neg_R_per_k_i: Any
     C_lN_pos_R_mu_per_k_i: Any
     C_lN_neg_R_mu_per_k_i: Any
-    constant_3: Any
-    constant_4: Any
+    C_pos_R_per_k_i: Any
+    C_neg_R_per_k_i: Any
     R_per_k_i: Any
     B_lN_pos_mu2_per_k_i: Any
     B_lN_neg_mu2_per_k_i: Any
-    constant_5: Any
-    constant_6: Any
+    B_pos_per_k_i: Any
+    B_neg_per_k_i: Any
     per_k_i: Any
     C_lN_pos_mu_per_k_i: Any
     C_lN_neg_mu_per_k_i: Any
-    constant_7: Any
-    constant_8: Any
-    minus_B_lN_pos_mu2: Any
-    minus_B_lN_neg_mu2: Any
-    constant_9: Any
-    constant_10: Any
-    minus_C_lN_pos_mu: Any
-    minus_C_lN_neg_mu: Any
-    constant_11: Any
-    constant_12: Any
-    minus_k_i: Any
+    C_pos_per_k_i: Any
+    C_neg_per_k_i: Any
     k_i_per_R: Any
-    minus_k_e_k_i_per_R: Any
     B_lN_pos_L_M_mu4: Any
     C_lN_pos_L_M_mu3: Any
-    constant_13: Any
+    B_pos_plus_k_e_k_i_per_R: Any
     B_lN_neg_L_M_mu4: Any
-    minus_C_lN_neg_L_M_mu3: Any
-    constant_14: Any
+    C_lN_neg_L_M_mu3: Any
+    B_neg_plus_k_e_k_i_per_R: Any
 
 
 @lru_cache(maxsize=64)
@@ -237,41 +227,29 @@ def _prepare(p: Parameters, real: _Real) -> _Coefficients:
     J = J_l * p.mu * p.mu + J_m
     B_lN_pos_R_mu2_per_k_i = p.B_lN_pos * p.R * p.mu * p.mu / p.k_i
     B_lN_neg_R_mu2_per_k_i = p.B_lN_neg * p.R * p.mu * p.mu / p.k_i
-    constant = p.B_lT_pos * F_T * p.R * p.mu * p.mu / p.k_i + p.B_m_pos * p.R / p.k_i
-    constant_2 = p.B_lT_neg * F_T * p.R * p.mu * p.mu / p.k_i + p.B_m_neg * p.R / p.k_i
+    B_pos_R_per_k_i = B_pos * p.R / p.k_i
+    B_neg_R_per_k_i = B_neg * p.R / p.k_i
     C_lN_pos_R_mu_per_k_i = p.C_lN_pos * p.R * p.mu / p.k_i
     C_lN_neg_R_mu_per_k_i = p.C_lN_neg * p.R * p.mu / p.k_i
-    constant_3 = p.C_lT_pos * F_T * p.R * p.mu / p.k_i + p.C_m_pos * p.R / p.k_i
-    constant_4 = p.C_lT_neg * F_T * p.R * p.mu / p.k_i + p.C_m_neg * p.R / p.k_i
+    C_pos_R_per_k_i = C_pos * p.R / p.k_i
+    C_neg_R_per_k_i = C_neg * p.R / p.k_i
     R_per_k_i = p.R / p.k_i
     B_lN_pos_mu2_per_k_i = p.B_lN_pos * p.mu * p.mu / p.k_i
     B_lN_neg_mu2_per_k_i = p.B_lN_neg * p.mu * p.mu / p.k_i
-    constant_5 = p.B_lT_pos * F_T * p.mu * p.mu / p.k_i + p.B_m_pos / p.k_i
-    constant_6 = p.B_lT_neg * F_T * p.mu * p.mu / p.k_i + p.B_m_neg / p.k_i
+    B_pos_per_k_i = B_pos / p.k_i
+    B_neg_per_k_i = B_neg / p.k_i
     per_k_i = 1.0 / p.k_i
     C_lN_pos_mu_per_k_i = p.C_lN_pos * p.mu / p.k_i
     C_lN_neg_mu_per_k_i = p.C_lN_neg * p.mu / p.k_i
-    constant_7 = p.C_lT_pos * F_T * p.mu / p.k_i + p.C_m_pos / p.k_i
-    constant_8 = p.C_lT_neg * F_T * p.mu / p.k_i + p.C_m_neg / p.k_i
-    minus_B_lN_pos_mu2 = -p.B_lN_pos * p.mu * p.mu
-    minus_B_lN_neg_mu2 = -p.B_lN_neg * p.mu * p.mu
-    constant_9 = -p.B_lT_pos * F_T * p.mu * p.mu - p.B_m_pos
-    constant_10 = -p.B_lT_neg * F_T * p.mu * p.mu - p.B_m_neg
-    minus_C_lN_pos_mu = -p.C_lN_pos * p.mu
-    minus_C_lN_neg_mu = -p.C_lN_neg * p.mu
-    constant_11 = -p.C_lT_pos * F_T * p.mu - p.C_m_pos
-    constant_12 = -p.C_lT_neg * F_T * p.mu - p.C_m_neg
-    minus_k_i = -p.k_i
+    C_pos_per_k_i = C_pos / p.k_i
+    C_neg_per_k_i = C_neg / p.k_i
     k_i_per_R = p.k_i / p.R
-    minus_k_e_k_i_per_R = -p.k_e * p.k_i / p.R
     B_lN_pos_L_M_mu4 = p.B_lN_pos * p.L * p.M * p.mu * p.mu * p.mu * p.mu
     C_lN_pos_L_M_mu3 = p.C_lN_pos * p.L * p.M * p.mu * p.mu * p.mu
-    part_1 = p.B_lT_pos * F_T * p.R * p.mu * p.mu + p.B_m_pos * p.R + p.k_e * p.k_i
-    constant_13 = part_1 / p.R
+    B_pos_plus_k_e_k_i_per_R = B_pos + p.k_e * p.k_i / p.R
     B_lN_neg_L_M_mu4 = p.B_lN_neg * p.L * p.M * p.mu * p.mu * p.mu * p.mu
-    minus_C_lN_neg_L_M_mu3 = -p.C_lN_neg * p.L * p.M * p.mu * p.mu * p.mu
-    part_2 = p.B_lT_neg * F_T * p.R * p.mu * p.mu + p.B_m_neg * p.R + p.k_e * p.k_i
-    constant_14 = part_2 / p.R
+    C_lN_neg_L_M_mu3 = p.C_lN_neg * p.L * p.M * p.mu * p.mu * p.mu
+    B_neg_plus_k_e_k_i_per_R = B_neg + p.k_e * p.k_i / p.R
     with np.errstate(all="ignore"):
         return _Coefficients(
             B_lN_neg=real(p.B_lN_neg),
@@ -298,39 +276,29 @@ def _prepare(p: Parameters, real: _Real) -> _Coefficients:
             J=real(J),
             B_lN_pos_R_mu2_per_k_i=real(B_lN_pos_R_mu2_per_k_i),
             B_lN_neg_R_mu2_per_k_i=real(B_lN_neg_R_mu2_per_k_i),
-            constant=real(constant),
-            constant_2=real(constant_2),
+            B_pos_R_per_k_i=real(B_pos_R_per_k_i),
+            B_neg_R_per_k_i=real(B_neg_R_per_k_i),
             C_lN_pos_R_mu_per_k_i=real(C_lN_pos_R_mu_per_k_i),
             C_lN_neg_R_mu_per_k_i=real(C_lN_neg_R_mu_per_k_i),
-            constant_3=real(constant_3),
-            constant_4=real(constant_4),
+            C_pos_R_per_k_i=real(C_pos_R_per_k_i),
+            C_neg_R_per_k_i=real(C_neg_R_per_k_i),
             R_per_k_i=real(R_per_k_i),
             B_lN_pos_mu2_per_k_i=real(B_lN_pos_mu2_per_k_i),
             B_lN_neg_mu2_per_k_i=real(B_lN_neg_mu2_per_k_i),
-            constant_5=real(constant_5),
-            constant_6=real(constant_6),
+            B_pos_per_k_i=real(B_pos_per_k_i),
+            B_neg_per_k_i=real(B_neg_per_k_i),
             per_k_i=real(per_k_i),
             C_lN_pos_mu_per_k_i=real(C_lN_pos_mu_per_k_i),
             C_lN_neg_mu_per_k_i=real(C_lN_neg_mu_per_k_i),
-            constant_7=real(constant_7),
-            constant_8=real(constant_8),
-            minus_B_lN_pos_mu2=real(minus_B_lN_pos_mu2),
-            minus_B_lN_neg_mu2=real(minus_B_lN_neg_mu2),
-            constant_9=real(constant_9),
-            constant_10=real(constant_10),
-            minus_C_lN_pos_mu=real(minus_C_lN_pos_mu),
-            minus_C_lN_neg_mu=real(minus_C_lN_neg_mu),
-            constant_11=real(constant_11),
-            constant_12=real(constant_12),
-            minus_k_i=real(minus_k_i),
+            C_pos_per_k_i=real(C_pos_per_k_i),
+            C_neg_per_k_i=real(C_neg_per_k_i),
             k_i_per_R=real(k_i_per_R),
-            minus_k_e_k_i_per_R=real(minus_k_e_k_i_per_R),
             B_lN_pos_L_M_mu4=real(B_lN_pos_L_M_mu4),
             C_lN_pos_L_M_mu3=real(C_lN_pos_L_M_mu3),
-            constant_13=real(constant_13),
+            B_pos_plus_k_e_k_i_per_R=real(B_pos_plus_k_e_k_i_per_R),
             B_lN_neg_L_M_mu4=real(B_lN_neg_L_M_mu4),
-            minus_C_lN_neg_L_M_mu3=real(minus_C_lN_neg_L_M_mu3),
-            constant_14=real(constant_14),
+            C_lN_neg_L_M_mu3=real(C_lN_neg_L_M_mu3),
+            B_neg_plus_k_e_k_i_per_R=real(B_neg_plus_k_e_k_i_per_R),
         )
 
 
@@ -390,6 +358,7 @@ def _normal_force(
     c: _Coefficients,
     omega_m: Any,
 ) -> tuple[Any, ...]:
+    # normal force on the axis of rotation [N], eq (8)
     F_N = c.L_M_mu2 * omega_m * omega_m
     result = F_N
     return (result,)
@@ -411,6 +380,7 @@ def _friction_torque(
     c: _Coefficients,
     omega_m: Any,
 ) -> tuple[Any, ...]:
+    # normal force on the axis of rotation [N], eq (8)
     F_N = c.L_M_mu2 * omega_m * omega_m
     direction_of_motion = np.sign(omega_m)
     part_3 = F_N * np.where(omega_m > 0.0, c.B_lN_pos_mu2, c.B_lN_neg_mu2)
@@ -441,6 +411,7 @@ def _mechanical_friction_torque(
     c: _Coefficients,
     omega_m: Any,
 ) -> tuple[Any, ...]:
+    # normal force on the axis of rotation [N], eq (8)
     F_N = c.L_M_mu2 * omega_m * omega_m
     direction_of_motion = np.sign(omega_m)
     part_3 = F_N * np.where(omega_m > 0.0, c.C_lN_pos_mu, c.C_lN_neg_mu)
@@ -471,6 +442,7 @@ def _friction_torque_gradient(
     c: _Coefficients,
     omega_m: Any,
 ) -> tuple[Any, ...]:
+    # normal force on the axis of rotation [N], eq (8)
     F_N = c.L_M_mu2 * omega_m * omega_m
     F_N_d_omega_m = omega_m * c.twice_L_M_mu2
     direction_of_motion = np.sign(omega_m)
@@ -489,7 +461,9 @@ def friction_torque_gradient(
     parameters: Parameters | None = None,
     out: np.ndarray | None = None,
 ) -> Any:
-    """Slopes of friction_torque by its inputs [N m per rad, rad/s, rad/s^2]; last axis (omega_m).
+    """Partial derivatives of friction_torque with respect to its inputs [N m per rad/s].
+
+    Last axis (omega_m).
 
     omega_m [rad/s]: motor velocity
     """
@@ -500,6 +474,7 @@ def _friction_torque_jacobian(
     c: _Coefficients,
     omega_m: Any,
 ) -> tuple[Any, ...]:
+    # normal force on the axis of rotation [N], eq (8)
     F_N = c.L_M_mu2 * omega_m * omega_m
     is_forward = np.heaviside(omega_m, 0.0)
     ungated = F_N * c.mu2 * omega_m
@@ -541,7 +516,7 @@ def friction_torque_jacobian(
     parameters: Parameters | None = None,
     out: np.ndarray | None = None,
 ) -> Any:
-    """Slopes of friction_torque by all friction coefficients [N m per unit coefficient].
+    """Partial derivatives of friction_torque with respect to all friction coefficients [N m per unit coefficient].
 
     Last axis (b_ln_pos, b_ln_neg, c_ln_pos, c_ln_neg, b_lt_pos, b_lt_neg, c_lt_pos, c_lt_neg, b_m_pos,
     b_m_neg, c_m_pos, c_m_neg).
@@ -555,6 +530,7 @@ def _regressor(
     c: _Coefficients,
     omega_m: Any,
 ) -> tuple[Any, ...]:
+    # normal force on the axis of rotation [N], eq (8)
     F_N = c.L_M_mu2 * omega_m * omega_m
     is_forward = np.heaviside(omega_m, 0.0)
     ungated = F_N * c.mu2 * omega_m
@@ -586,7 +562,7 @@ def regressor(
     parameters: Parameters | None = None,
     out: np.ndarray | None = None,
 ) -> Any:
-    """Columns with regressor @ friction_coefficients = mechanical_friction_torque [N m per unit coefficient].
+    """Columns: regressor times friction_coefficients is mechanical_friction_torque [N m per unit coefficient].
 
     Last axis (b_ln_pos, b_ln_neg, c_ln_pos, c_ln_neg, b_pos, b_neg, c_pos, c_neg).
 
@@ -641,7 +617,10 @@ def coulomb_torque(
     parameters: Parameters | None = None,
     out: np.ndarray | None = None,
 ) -> Any:
-    """Size of the friction torque at standstill, where it is set-valued [N m]; last axis (pos, neg)."""
+    """Magnitude of the friction torque at standstill, where it is set-valued [N m].
+
+    Last axis (pos, neg).
+    """
     return _evaluate(_coulomb_torque, (), parameters, out, 2)
 
 
@@ -665,18 +644,20 @@ def _voltage(
     omega_m: Any,
     alpha_m: Any,
 ) -> tuple[Any, ...]:
+    # normal force on the axis of rotation [N], eq (8)
     F_N = c.L_M_mu2 * omega_m * omega_m
     direction_of_motion = np.sign(omega_m)
     part_4 = np.where(omega_m > 0.0, c.C_lN_pos_R_mu_per_k_i, c.C_lN_neg_R_mu_per_k_i)
     part_3 = F_N * part_4
-    part_2 = part_3 + np.where(omega_m > 0.0, c.constant_3, c.constant_4)
+    part_2 = part_3 + np.where(omega_m > 0.0, c.C_pos_R_per_k_i, c.C_neg_R_per_k_i)
     part_1 = direction_of_motion * part_2
     part_8 = np.where(omega_m > 0.0, c.B_lN_pos_R_mu2_per_k_i, c.B_lN_neg_R_mu2_per_k_i)
     part_7 = F_N * part_8
-    part_6 = c.k_e + part_7 + np.where(omega_m > 0.0, c.constant, c.constant_2)
+    part_9 = np.where(omega_m > 0.0, c.B_pos_R_per_k_i, c.B_neg_R_per_k_i)
+    part_6 = c.k_e + part_7 + part_9
     part_5 = omega_m * part_6
-    part_9 = c.R_per_k_i * np.where(alpha_m == 0.0, 0.0, c.J * alpha_m)
-    result = part_1 + part_5 + part_9
+    part_10 = c.R_per_k_i * np.where(alpha_m == 0.0, 0.0, c.J * alpha_m)
+    result = part_1 + part_10 + part_5
     return (result,)
 
 
@@ -700,15 +681,16 @@ def _current(
     omega_m: Any,
     alpha_m: Any,
 ) -> tuple[Any, ...]:
+    # normal force on the axis of rotation [N], eq (8)
     F_N = c.L_M_mu2 * omega_m * omega_m
     direction_of_motion = np.sign(omega_m)
     part_4 = np.where(omega_m > 0.0, c.C_lN_pos_mu_per_k_i, c.C_lN_neg_mu_per_k_i)
     part_3 = F_N * part_4
-    part_2 = part_3 + np.where(omega_m > 0.0, c.constant_7, c.constant_8)
+    part_2 = part_3 + np.where(omega_m > 0.0, c.C_pos_per_k_i, c.C_neg_per_k_i)
     part_1 = direction_of_motion * part_2
     part_8 = np.where(omega_m > 0.0, c.B_lN_pos_mu2_per_k_i, c.B_lN_neg_mu2_per_k_i)
     part_7 = F_N * part_8
-    part_6 = part_7 + np.where(omega_m > 0.0, c.constant_5, c.constant_6)
+    part_6 = part_7 + np.where(omega_m > 0.0, c.B_pos_per_k_i, c.B_neg_per_k_i)
     part_5 = omega_m * part_6
     part_9 = c.per_k_i * np.where(alpha_m == 0.0, 0.0, c.J * alpha_m)
     result = part_1 + part_5 + part_9
@@ -736,17 +718,17 @@ def _mechanical_residual(
     i: Any,
     alpha_m: Any,
 ) -> tuple[Any, ...]:
+    # normal force on the axis of rotation [N], eq (8)
     F_N = c.L_M_mu2 * omega_m * omega_m
     direction_of_motion = np.sign(omega_m)
-    part_3 = F_N * np.where(omega_m > 0.0, c.minus_C_lN_pos_mu, c.minus_C_lN_neg_mu)
-    part_2 = part_3 + np.where(omega_m > 0.0, c.constant_11, c.constant_12)
+    part_3 = -F_N * np.where(omega_m > 0.0, c.C_lN_pos_mu, c.C_lN_neg_mu)
+    part_2 = part_3 - np.where(omega_m > 0.0, c.C_pos, c.C_neg)
     part_1 = direction_of_motion * part_2
-    part_7 = np.where(omega_m > 0.0, c.minus_B_lN_pos_mu2, c.minus_B_lN_neg_mu2)
-    part_6 = F_N * part_7
-    part_5 = part_6 + np.where(omega_m > 0.0, c.constant_9, c.constant_10)
+    part_6 = -F_N * np.where(omega_m > 0.0, c.B_lN_pos_mu2, c.B_lN_neg_mu2)
+    part_5 = part_6 - np.where(omega_m > 0.0, c.B_pos, c.B_neg)
     part_4 = omega_m * part_5
-    part_8 = -np.where(alpha_m == 0.0, 0.0, c.J * alpha_m)
-    result = i * c.k_i + part_1 + part_4 + part_8
+    part_7 = -np.where(alpha_m == 0.0, 0.0, c.J * alpha_m)
+    result = i * c.k_i + part_1 + part_4 + part_7
     return (result,)
 
 
@@ -775,7 +757,7 @@ def _electrical_residual(
     i: Any,
     u: Any,
 ) -> tuple[Any, ...]:
-    result = i * c.minus_k_i + c.k_i_per_R * u + c.minus_k_e_k_i_per_R * omega_m
+    result = -i * c.k_i - c.k_e_k_i_per_R * omega_m + c.k_i_per_R * u
     return (result,)
 
 
@@ -802,7 +784,7 @@ def _polynomial(
 ) -> tuple[Any, ...]:
     result_F_3 = c.B_lN_pos_L_M_mu4
     result_F_2 = c.C_lN_pos_L_M_mu3
-    result_F_1 = c.constant_13
+    result_F_1 = c.B_pos_plus_k_e_k_i_per_R
     result_F_0 = c.C_pos
     return (result_F_3, result_F_2, result_F_1, result_F_0)
 
@@ -811,7 +793,7 @@ def polynomial(
     parameters: Parameters | None = None,
     out: np.ndarray | None = None,
 ) -> Any:
-    """Coefficients F_3, F_2, F_1, F_0 of F for omega_m > 0, eqs (11)-(14) [N m (s/rad)^k].
+    """Coefficients F_3, F_2, F_1, F_0 of F for omega_m > 0, eqs (11)-(14) [N m s^3/rad^3, N m s^2/rad^2, N m s/rad, N m].
 
     Last axis (f_3, f_2, f_1, f_0).
     """
@@ -822,9 +804,9 @@ def _polynomial_neg(
     c: _Coefficients,
 ) -> tuple[Any, ...]:
     result_F_3 = c.B_lN_neg_L_M_mu4
-    result_F_2 = c.minus_C_lN_neg_L_M_mu3
-    result_F_1 = c.constant_14
-    result_F_0 = c.constant_12
+    result_F_2 = -c.C_lN_neg_L_M_mu3
+    result_F_1 = c.B_neg_plus_k_e_k_i_per_R
+    result_F_0 = -c.C_neg
     return (result_F_3, result_F_2, result_F_1, result_F_0)
 
 
@@ -832,7 +814,7 @@ def polynomial_neg(
     parameters: Parameters | None = None,
     out: np.ndarray | None = None,
 ) -> Any:
-    """Coefficients F_3, F_2, F_1, F_0 of F for omega_m < 0, eqs (11)-(14) [N m (s/rad)^k].
+    """Coefficients F_3, F_2, F_1, F_0 of F for omega_m < 0, eqs (11)-(14) [N m s^3/rad^3, N m s^2/rad^2, N m s/rad, N m].
 
     Last axis (f_3, f_2, f_1, f_0).
     """

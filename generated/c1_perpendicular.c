@@ -1,6 +1,6 @@
 /*
  * Generated: do not edit. Written by `make derive` from derivations/c1_perpendicular.py
- * (eccentric 0.1.0, program 6a07da11).
+ * (eccentric 0.1.0, program 565b9336).
  * Case C1: gravity perpendicular to the motion plane, steady motion.
  */
 #include "c1_perpendicular.h"
@@ -8,7 +8,7 @@
 #include <float.h>
 #include <math.h>
 
-#if C1_PERPENDICULAR_PROGRAM != 0x6a07da11UL
+#if C1_PERPENDICULAR_PROGRAM != 0x565b9336UL
 #error "c1_perpendicular.c and c1_perpendicular.h are of different derivations: write both again with make derive"
 #endif
 
@@ -58,35 +58,29 @@ const c1_perpendicular_coefficients c1_perpendicular_default = {
     (real)(0.2), /* mu */
     (real)(0.005), /* L_M_mu2 */
     (real)(1.6e-4), /* B_lN_mu2 */
-    (real)(0.00471392), /* constant */
+    (real)(7.1392e-4), /* B */
+    (real)(0.00471392), /* B_plus_k_e_k_i_per_R */
     (real)(0.016), /* C_lN_mu */
     (real)(0.039392), /* C */
-    (real)(7.1392e-4), /* B */
     (real)(0.01), /* twice_L_M_mu2 */
     (real)(0.04), /* mu2 */
     (real)(0.07848), /* F_T_mu2 */
     (real)(0.3924), /* F_T_mu */
     (real)(NAN), /* J */
     (real)(0.008), /* B_lN_R_mu2_per_k_i */
-    (real)(0.235696), /* constant_2 */
+    (real)(0.235696), /* B_R_per_k_i_plus_k_e */
     (real)(0.8), /* C_lN_R_mu_per_k_i */
-    (real)(1.9696), /* constant_3 */
+    (real)(1.9696), /* C_R_per_k_i */
     (real)(50.0), /* R_per_k_i */
     (real)(0.008), /* B_lN_mu2_per_k_i */
-    (real)(0.035696), /* constant_4 */
+    (real)(0.035696), /* B_per_k_i */
     (real)(50.0), /* per_k_i */
     (real)(0.8), /* C_lN_mu_per_k_i */
-    (real)(1.9696), /* constant_5 */
-    (real)(-1.6e-4), /* minus_B_lN_mu2 */
-    (real)(-7.1392e-4), /* minus_B_lT_F_T_mu2_minus_B_m */
-    (real)(-0.016), /* minus_C_lN_mu */
-    (real)(-0.039392), /* minus_C_lT_F_T_mu_minus_C_m */
-    (real)(-0.02), /* minus_k_i */
+    (real)(1.9696), /* C_per_k_i */
     (real)(0.02), /* k_i_per_R */
-    (real)(-0.004), /* minus_k_e_k_i_per_R */
+    (real)(0.004), /* k_e_k_i_per_R */
     (real)(8.0e-7), /* B_lN_L_M_mu4 */
     (real)(8.0e-5), /* C_lN_L_M_mu3 */
-    (real)(0.00471392), /* constant_6 */
 #else
     0.004, /* B_lN */
     0.08, /* C_lN */
@@ -94,35 +88,29 @@ const c1_perpendicular_coefficients c1_perpendicular_default = {
     0.2, /* mu */
     0.005, /* L_M_mu2 */
     1.6e-4, /* B_lN_mu2 */
-    0.00471392, /* constant */
+    7.1392e-4, /* B */
+    0.00471392, /* B_plus_k_e_k_i_per_R */
     0.016, /* C_lN_mu */
     0.039392, /* C */
-    7.1392e-4, /* B */
     0.01, /* twice_L_M_mu2 */
     0.04, /* mu2 */
     0.07848, /* F_T_mu2 */
     0.3924, /* F_T_mu */
     NAN, /* J */
     0.008, /* B_lN_R_mu2_per_k_i */
-    0.235696, /* constant_2 */
+    0.235696, /* B_R_per_k_i_plus_k_e */
     0.8, /* C_lN_R_mu_per_k_i */
-    1.9696, /* constant_3 */
+    1.9696, /* C_R_per_k_i */
     50.0, /* R_per_k_i */
     0.008, /* B_lN_mu2_per_k_i */
-    0.035696, /* constant_4 */
+    0.035696, /* B_per_k_i */
     50.0, /* per_k_i */
     0.8, /* C_lN_mu_per_k_i */
-    1.9696, /* constant_5 */
-    -1.6e-4, /* minus_B_lN_mu2 */
-    -7.1392e-4, /* minus_B_lT_F_T_mu2_minus_B_m */
-    -0.016, /* minus_C_lN_mu */
-    -0.039392, /* minus_C_lT_F_T_mu_minus_C_m */
-    -0.02, /* minus_k_i */
+    1.9696, /* C_per_k_i */
     0.02, /* k_i_per_R */
-    -0.004, /* minus_k_e_k_i_per_R */
+    0.004, /* k_e_k_i_per_R */
     8.0e-7, /* B_lN_L_M_mu4 */
     8.0e-5, /* C_lN_L_M_mu3 */
-    0.00471392, /* constant_6 */
 #endif
 };
 
@@ -130,74 +118,63 @@ void c1_perpendicular_prepare(const c1_perpendicular_parameters *p, c1_perpendic
 {
     const double L_M_mu2 = p->L * p->M * p->mu * p->mu;
     const double B_lN_mu2 = p->B_lN * p->mu * p->mu;
-    const double constant = p->B_lT * p->F_T * p->mu * p->mu + p->B_m + p->k_e * p->k_i / p->R;
+    const double B = p->B_lT * p->F_T * p->mu * p->mu + p->B_m;
+    const double B_plus_k_e_k_i_per_R = B + p->k_e * p->k_i / p->R;
     const double C_lN_mu = p->C_lN * p->mu;
     const double C = p->C_lT * p->F_T * p->mu + p->C_m;
-    const double B = p->B_lT * p->F_T * p->mu * p->mu + p->B_m;
     const double twice_L_M_mu2 = 2.0 * p->L * p->M * p->mu * p->mu;
     const double mu2 = p->mu * p->mu;
     const double F_T_mu2 = p->F_T * p->mu * p->mu;
     const double F_T_mu = p->F_T * p->mu;
     const double J = p->J_l * p->mu * p->mu + p->J_m;
     const double B_lN_R_mu2_per_k_i = p->B_lN * p->R * p->mu * p->mu / p->k_i;
-    const double constant_2 = p->B_lT * p->F_T * p->R * p->mu * p->mu / p->k_i + p->B_m * p->R / p->k_i + p->k_e;
+    const double B_R_per_k_i_plus_k_e = B * p->R / p->k_i + p->k_e;
     const double C_lN_R_mu_per_k_i = p->C_lN * p->R * p->mu / p->k_i;
-    const double constant_3 = p->C_lT * p->F_T * p->R * p->mu / p->k_i + p->C_m * p->R / p->k_i;
+    const double C_R_per_k_i = C * p->R / p->k_i;
     const double R_per_k_i = p->R / p->k_i;
     const double B_lN_mu2_per_k_i = p->B_lN * p->mu * p->mu / p->k_i;
-    const double constant_4 = p->B_lT * p->F_T * p->mu * p->mu / p->k_i + p->B_m / p->k_i;
+    const double B_per_k_i = B / p->k_i;
     const double per_k_i = 1.0 / p->k_i;
     const double C_lN_mu_per_k_i = p->C_lN * p->mu / p->k_i;
-    const double constant_5 = p->C_lT * p->F_T * p->mu / p->k_i + p->C_m / p->k_i;
-    const double minus_B_lN_mu2 = -p->B_lN * p->mu * p->mu;
-    const double minus_B_lT_F_T_mu2_minus_B_m = -p->B_lT * p->F_T * p->mu * p->mu - p->B_m;
-    const double minus_C_lN_mu = -p->C_lN * p->mu;
-    const double minus_C_lT_F_T_mu_minus_C_m = -p->C_lT * p->F_T * p->mu - p->C_m;
-    const double minus_k_i = -p->k_i;
+    const double C_per_k_i = C / p->k_i;
     const double k_i_per_R = p->k_i / p->R;
-    const double minus_k_e_k_i_per_R = -p->k_e * p->k_i / p->R;
+    const double k_e_k_i_per_R = p->k_e * p->k_i / p->R;
     const double B_lN_L_M_mu4 = p->B_lN * p->L * p->M * p->mu * p->mu * p->mu * p->mu;
     const double C_lN_L_M_mu3 = p->C_lN * p->L * p->M * p->mu * p->mu * p->mu;
-    const double constant_6 = (p->B_lT * p->F_T * p->R * p->mu * p->mu + p->B_m * p->R + p->k_e * p->k_i) / p->R;
     c->B_lN = (real)(p->B_lN);
     c->C_lN = (real)(p->C_lN);
     c->k_i = (real)(p->k_i);
     c->mu = (real)(p->mu);
     c->L_M_mu2 = (real)(L_M_mu2);
     c->B_lN_mu2 = (real)(B_lN_mu2);
-    c->constant = (real)(constant);
+    c->B = (real)(B);
+    c->B_plus_k_e_k_i_per_R = (real)(B_plus_k_e_k_i_per_R);
     c->C_lN_mu = (real)(C_lN_mu);
     c->C = (real)(C);
-    c->B = (real)(B);
     c->twice_L_M_mu2 = (real)(twice_L_M_mu2);
     c->mu2 = (real)(mu2);
     c->F_T_mu2 = (real)(F_T_mu2);
     c->F_T_mu = (real)(F_T_mu);
     c->J = (real)(J);
     c->B_lN_R_mu2_per_k_i = (real)(B_lN_R_mu2_per_k_i);
-    c->constant_2 = (real)(constant_2);
+    c->B_R_per_k_i_plus_k_e = (real)(B_R_per_k_i_plus_k_e);
     c->C_lN_R_mu_per_k_i = (real)(C_lN_R_mu_per_k_i);
-    c->constant_3 = (real)(constant_3);
+    c->C_R_per_k_i = (real)(C_R_per_k_i);
     c->R_per_k_i = (real)(R_per_k_i);
     c->B_lN_mu2_per_k_i = (real)(B_lN_mu2_per_k_i);
-    c->constant_4 = (real)(constant_4);
+    c->B_per_k_i = (real)(B_per_k_i);
     c->per_k_i = (real)(per_k_i);
     c->C_lN_mu_per_k_i = (real)(C_lN_mu_per_k_i);
-    c->constant_5 = (real)(constant_5);
-    c->minus_B_lN_mu2 = (real)(minus_B_lN_mu2);
-    c->minus_B_lT_F_T_mu2_minus_B_m = (real)(minus_B_lT_F_T_mu2_minus_B_m);
-    c->minus_C_lN_mu = (real)(minus_C_lN_mu);
-    c->minus_C_lT_F_T_mu_minus_C_m = (real)(minus_C_lT_F_T_mu_minus_C_m);
-    c->minus_k_i = (real)(minus_k_i);
+    c->C_per_k_i = (real)(C_per_k_i);
     c->k_i_per_R = (real)(k_i_per_R);
-    c->minus_k_e_k_i_per_R = (real)(minus_k_e_k_i_per_R);
+    c->k_e_k_i_per_R = (real)(k_e_k_i_per_R);
     c->B_lN_L_M_mu4 = (real)(B_lN_L_M_mu4);
     c->C_lN_L_M_mu3 = (real)(C_lN_L_M_mu3);
-    c->constant_6 = (real)(constant_6);
 }
 
 ECCENTRIC_REAL c1_perpendicular_normal_force(ECCENTRIC_REAL omega_m, const c1_perpendicular_coefficients *c)
 {
+    /* normal force on the axis of rotation [N], eq (8) */
     const real F_N = c->L_M_mu2 * omega_m * omega_m;
     return F_N;
 }
@@ -213,12 +190,15 @@ void c1_perpendicular_normal_force_n(
     }
 }
 
-ECCENTRIC_REAL c1_perpendicular_friction_torque(ECCENTRIC_REAL omega_m, const c1_perpendicular_coefficients *c)
+ECCENTRIC_REAL c1_perpendicular_friction_torque(
+    ECCENTRIC_REAL omega_m,
+    const c1_perpendicular_coefficients *c)
 {
+    /* normal force on the axis of rotation [N], eq (8) */
     const real F_N = c->L_M_mu2 * omega_m * omega_m;
     const real direction_of_motion = c1_perpendicular_sgn(omega_m);
-    const real part_1 = direction_of_motion * (c->C + c->C_lN_mu * F_N);
-    return omega_m * (c->B_lN_mu2 * F_N + c->constant) + part_1;
+    const real part_1 = omega_m * (c->B_lN_mu2 * F_N + c->B_plus_k_e_k_i_per_R);
+    return direction_of_motion * (c->C + c->C_lN_mu * F_N) + part_1;
 }
 
 void c1_perpendicular_friction_torque_n(
@@ -236,6 +216,7 @@ ECCENTRIC_REAL c1_perpendicular_mechanical_friction_torque(
     ECCENTRIC_REAL omega_m,
     const c1_perpendicular_coefficients *c)
 {
+    /* normal force on the axis of rotation [N], eq (8) */
     const real F_N = c->L_M_mu2 * omega_m * omega_m;
     const real direction_of_motion = c1_perpendicular_sgn(omega_m);
     const real part_1 = direction_of_motion * (c->C + c->C_lN_mu * F_N);
@@ -258,12 +239,13 @@ void c1_perpendicular_friction_torque_gradient(
     ECCENTRIC_REAL *out,
     const c1_perpendicular_coefficients *c)
 {
+    /* normal force on the axis of rotation [N], eq (8) */
     const real F_N = c->L_M_mu2 * omega_m * omega_m;
     const real F_N_d_omega_m = omega_m * c->twice_L_M_mu2;
     const real direction_of_motion = c1_perpendicular_sgn(omega_m);
     const real part_1 = c->C_lN_mu * F_N_d_omega_m * direction_of_motion;
     const real part_2 = c->B_lN_mu2 * F_N_d_omega_m * omega_m;
-    out[0] = c->B_lN_mu2 * F_N + c->constant + part_1 + part_2;
+    out[0] = c->B_lN_mu2 * F_N + c->B_plus_k_e_k_i_per_R + part_1 + part_2;
 }
 
 void c1_perpendicular_friction_torque_gradient_n(
@@ -282,6 +264,7 @@ void c1_perpendicular_friction_torque_jacobian(
     ECCENTRIC_REAL *out,
     const c1_perpendicular_coefficients *c)
 {
+    /* normal force on the axis of rotation [N], eq (8) */
     const real F_N = c->L_M_mu2 * omega_m * omega_m;
     out[0] = F_N * c->mu2 * omega_m;
     const real direction_of_motion = c1_perpendicular_sgn(omega_m);
@@ -303,8 +286,12 @@ void c1_perpendicular_friction_torque_jacobian_n(
     }
 }
 
-void c1_perpendicular_regressor(ECCENTRIC_REAL omega_m, ECCENTRIC_REAL *out, const c1_perpendicular_coefficients *c)
+void c1_perpendicular_regressor(
+    ECCENTRIC_REAL omega_m,
+    ECCENTRIC_REAL *out,
+    const c1_perpendicular_coefficients *c)
 {
+    /* normal force on the axis of rotation [N], eq (8) */
     const real F_N = c->L_M_mu2 * omega_m * omega_m;
     out[0] = F_N * c->mu2 * omega_m;
     const real direction_of_motion = c1_perpendicular_sgn(omega_m);
@@ -348,11 +335,12 @@ ECCENTRIC_REAL c1_perpendicular_voltage(
     ECCENTRIC_REAL alpha_m,
     const c1_perpendicular_coefficients *c)
 {
+    /* normal force on the axis of rotation [N], eq (8) */
     const real F_N = c->L_M_mu2 * omega_m * omega_m;
     const real direction_of_motion = c1_perpendicular_sgn(omega_m);
-    const real part_1 = direction_of_motion * (c->C_lN_R_mu_per_k_i * F_N + c->constant_3);
-    const real part_2 = c->R_per_k_i * ((alpha_m == REAL(0.0)) ? REAL(0.0) : c->J * alpha_m);
-    const real part_3 = omega_m * (c->B_lN_R_mu2_per_k_i * F_N + c->constant_2);
+    const real part_1 = direction_of_motion * (c->C_R_per_k_i + c->C_lN_R_mu_per_k_i * F_N);
+    const real part_2 = omega_m * (c->B_R_per_k_i_plus_k_e + c->B_lN_R_mu2_per_k_i * F_N);
+    const real part_3 = c->R_per_k_i * ((alpha_m == REAL(0.0)) ? REAL(0.0) : c->J * alpha_m);
     return part_1 + part_2 + part_3;
 }
 
@@ -373,11 +361,12 @@ ECCENTRIC_REAL c1_perpendicular_current(
     ECCENTRIC_REAL alpha_m,
     const c1_perpendicular_coefficients *c)
 {
+    /* normal force on the axis of rotation [N], eq (8) */
     const real F_N = c->L_M_mu2 * omega_m * omega_m;
     const real direction_of_motion = c1_perpendicular_sgn(omega_m);
-    const real part_1 = direction_of_motion * (c->C_lN_mu_per_k_i * F_N + c->constant_5);
+    const real part_1 = direction_of_motion * (c->C_lN_mu_per_k_i * F_N + c->C_per_k_i);
     const real part_2 = c->per_k_i * ((alpha_m == REAL(0.0)) ? REAL(0.0) : c->J * alpha_m);
-    const real part_3 = omega_m * (c->B_lN_mu2_per_k_i * F_N + c->constant_4);
+    const real part_3 = omega_m * (c->B_lN_mu2_per_k_i * F_N + c->B_per_k_i);
     return part_1 + part_2 + part_3;
 }
 
@@ -399,13 +388,12 @@ ECCENTRIC_REAL c1_perpendicular_mechanical_residual(
     ECCENTRIC_REAL alpha_m,
     const c1_perpendicular_coefficients *c)
 {
+    /* normal force on the axis of rotation [N], eq (8) */
     const real F_N = c->L_M_mu2 * omega_m * omega_m;
     const real direction_of_motion = c1_perpendicular_sgn(omega_m);
-    const real part_2 = F_N * c->minus_C_lN_mu + c->minus_C_lT_F_T_mu_minus_C_m;
-    const real part_1 = direction_of_motion * part_2;
-    const real part_3 = omega_m * (F_N * c->minus_B_lN_mu2 + c->minus_B_lT_F_T_mu2_minus_B_m);
-    const real part_4 = -((alpha_m == REAL(0.0)) ? REAL(0.0) : c->J * alpha_m);
-    return i * c->k_i + part_1 + part_3 + part_4;
+    const real part_1 = -((alpha_m == REAL(0.0)) ? REAL(0.0) : c->J * alpha_m);
+    const real part_2 = -direction_of_motion * (c->C + c->C_lN_mu * F_N);
+    return i * c->k_i - omega_m * (c->B + c->B_lN_mu2 * F_N) + part_1 + part_2;
 }
 
 void c1_perpendicular_mechanical_residual_n(
@@ -427,7 +415,7 @@ ECCENTRIC_REAL c1_perpendicular_electrical_residual(
     ECCENTRIC_REAL u,
     const c1_perpendicular_coefficients *c)
 {
-    return i * c->minus_k_i + c->k_i_per_R * u + c->minus_k_e_k_i_per_R * omega_m;
+    return -i * c->k_i - c->k_e_k_i_per_R * omega_m + c->k_i_per_R * u;
 }
 
 void c1_perpendicular_electrical_residual_n(
@@ -447,7 +435,7 @@ void c1_perpendicular_polynomial(ECCENTRIC_REAL *out, const c1_perpendicular_coe
 {
     out[0] = c->B_lN_L_M_mu4;
     out[1] = c->C_lN_L_M_mu3;
-    out[2] = c->constant_6;
+    out[2] = c->B_plus_k_e_k_i_per_R;
     out[3] = c->C;
 }
 

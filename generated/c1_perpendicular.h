@@ -1,6 +1,6 @@
 /*
  * Generated: do not edit. Written by `make derive` from derivations/c1_perpendicular.py
- * (eccentric 0.1.0, program 6a07da11).
+ * (eccentric 0.1.0, program 565b9336).
  * Case C1: gravity perpendicular to the motion plane, steady motion.
  */
 #ifndef C1_PERPENDICULAR_H
@@ -9,7 +9,7 @@
 #include <stddef.h>
 
 /* C1_PERPENDICULAR_PROGRAM names the derivation that header and source come from; the source checks it. */
-#define C1_PERPENDICULAR_PROGRAM 0x6a07da11UL
+#define C1_PERPENDICULAR_PROGRAM 0x565b9336UL
 
 /* The working precision: double, or float by -DECCENTRIC_REAL=float. Files of different precision do not link:
  * c1_perpendicular_prepare and c1_perpendicular_default carry it in their names. */
@@ -58,43 +58,37 @@ typedef struct {
     ECCENTRIC_REAL C_lN; /**< Coulomb friction of the link per normal force [m] */
     ECCENTRIC_REAL k_i; /**< torque constant [N m/A] */
     ECCENTRIC_REAL mu; /**< gear ratio theta_l/theta_m [1] */
-    ECCENTRIC_REAL L_M_mu2;
-    ECCENTRIC_REAL B_lN_mu2;
-    ECCENTRIC_REAL constant; /**< B_lT F_T mu^2 + B_m + k_e k_i/R */
-    ECCENTRIC_REAL C_lN_mu;
-    ECCENTRIC_REAL C; /**< Coulomb friction on the motor side, C_m + mu gamma_T [N m] */
+    ECCENTRIC_REAL L_M_mu2; /**< L M mu^2 */
+    ECCENTRIC_REAL B_lN_mu2; /**< B_lN mu^2 */
     ECCENTRIC_REAL B; /**< viscous friction on the motor side, B_m + mu^2 beta_T [N m s/rad] */
-    ECCENTRIC_REAL twice_L_M_mu2;
-    ECCENTRIC_REAL mu2;
-    ECCENTRIC_REAL F_T_mu2;
-    ECCENTRIC_REAL F_T_mu;
+    ECCENTRIC_REAL B_plus_k_e_k_i_per_R; /**< B + k_e k_i/R */
+    ECCENTRIC_REAL C_lN_mu; /**< C_lN mu */
+    ECCENTRIC_REAL C; /**< Coulomb friction on the motor side, C_m + mu gamma_T [N m] */
+    ECCENTRIC_REAL twice_L_M_mu2; /**< 2 L M mu^2 */
+    ECCENTRIC_REAL mu2; /**< mu^2 */
+    ECCENTRIC_REAL F_T_mu2; /**< F_T mu^2 */
+    ECCENTRIC_REAL F_T_mu; /**< F_T mu */
     ECCENTRIC_REAL J; /**< inertia on the motor side, J_m + mu^2 J_l [kg m^2] */
-    ECCENTRIC_REAL B_lN_R_mu2_per_k_i;
-    ECCENTRIC_REAL constant_2; /**< B_lT F_T R mu^2/k_i + B_m R/k_i + k_e */
-    ECCENTRIC_REAL C_lN_R_mu_per_k_i;
-    ECCENTRIC_REAL constant_3; /**< C_lT F_T R mu/k_i + C_m R/k_i */
-    ECCENTRIC_REAL R_per_k_i;
-    ECCENTRIC_REAL B_lN_mu2_per_k_i;
-    ECCENTRIC_REAL constant_4; /**< B_lT F_T mu^2/k_i + B_m/k_i */
-    ECCENTRIC_REAL per_k_i;
-    ECCENTRIC_REAL C_lN_mu_per_k_i;
-    ECCENTRIC_REAL constant_5; /**< C_lT F_T mu/k_i + C_m/k_i */
-    ECCENTRIC_REAL minus_B_lN_mu2;
-    ECCENTRIC_REAL minus_B_lT_F_T_mu2_minus_B_m;
-    ECCENTRIC_REAL minus_C_lN_mu;
-    ECCENTRIC_REAL minus_C_lT_F_T_mu_minus_C_m;
-    ECCENTRIC_REAL minus_k_i;
-    ECCENTRIC_REAL k_i_per_R;
-    ECCENTRIC_REAL minus_k_e_k_i_per_R;
-    ECCENTRIC_REAL B_lN_L_M_mu4;
-    ECCENTRIC_REAL C_lN_L_M_mu3;
-    ECCENTRIC_REAL constant_6; /**< (B_lT F_T R mu^2 + B_m R + k_e k_i)/R */
+    ECCENTRIC_REAL B_lN_R_mu2_per_k_i; /**< B_lN R mu^2/k_i */
+    ECCENTRIC_REAL B_R_per_k_i_plus_k_e; /**< B R/k_i + k_e */
+    ECCENTRIC_REAL C_lN_R_mu_per_k_i; /**< C_lN R mu/k_i */
+    ECCENTRIC_REAL C_R_per_k_i; /**< C R/k_i */
+    ECCENTRIC_REAL R_per_k_i; /**< R/k_i */
+    ECCENTRIC_REAL B_lN_mu2_per_k_i; /**< B_lN mu^2/k_i */
+    ECCENTRIC_REAL B_per_k_i; /**< B/k_i */
+    ECCENTRIC_REAL per_k_i; /**< 1/k_i */
+    ECCENTRIC_REAL C_lN_mu_per_k_i; /**< C_lN mu/k_i */
+    ECCENTRIC_REAL C_per_k_i; /**< C/k_i */
+    ECCENTRIC_REAL k_i_per_R; /**< k_i/R */
+    ECCENTRIC_REAL k_e_k_i_per_R; /**< k_e k_i/R */
+    ECCENTRIC_REAL B_lN_L_M_mu4; /**< B_lN L M mu^4 */
+    ECCENTRIC_REAL C_lN_L_M_mu3; /**< C_lN L M mu^3 */
 } c1_perpendicular_coefficients;
 
-/** The default parameters: the paper's Table 1 with mu = 1/5, or those of the fit that this was emitted with. */
+/** The default parameters: Table 1 of the paper with mu = 1/5. */
 extern const c1_perpendicular_parameters c1_perpendicular_default_parameters;
 
-/** The coefficients of the default parameters, computed to 50 digits when this file was written. */
+/** The coefficients of the default parameters, computed at 50 digits, rounded to the working precision. */
 extern const c1_perpendicular_coefficients c1_perpendicular_default;
 
 /** Compute the coefficients of a set of parameters; run it once, or when a parameter changes.
@@ -104,9 +98,10 @@ extern const c1_perpendicular_coefficients c1_perpendicular_default;
  */
 void c1_perpendicular_prepare(const c1_perpendicular_parameters *p, c1_perpendicular_coefficients *c);
 
-/** Normal force F_N on the axis of rotation [N].
+/** Normal force F_N on the axis of rotation.
  *  @param[in]  omega_m  motor velocity [rad/s]
  *  @param[in]  c  coefficients
+ *  @return normal_force [N]
  */
 ECCENTRIC_REAL c1_perpendicular_normal_force(ECCENTRIC_REAL omega_m, const c1_perpendicular_coefficients *c);
 
@@ -117,11 +112,14 @@ void c1_perpendicular_normal_force_n(
     ECCENTRIC_REAL *out,
     const c1_perpendicular_coefficients *c);
 
-/** Resultant friction torque F, back-EMF damping included, eq (6) [N m].
+/** Resultant friction torque F, back-EMF damping included, eq (6).
  *  @param[in]  omega_m  motor velocity [rad/s]
  *  @param[in]  c  coefficients
+ *  @return friction_torque [N m]
  */
-ECCENTRIC_REAL c1_perpendicular_friction_torque(ECCENTRIC_REAL omega_m, const c1_perpendicular_coefficients *c);
+ECCENTRIC_REAL c1_perpendicular_friction_torque(
+    ECCENTRIC_REAL omega_m,
+    const c1_perpendicular_coefficients *c);
 
 /** friction_torque over arrays of n samples. */
 void c1_perpendicular_friction_torque_n(
@@ -130,9 +128,10 @@ void c1_perpendicular_friction_torque_n(
     ECCENTRIC_REAL *out,
     const c1_perpendicular_coefficients *c);
 
-/** Mechanical friction torque f = f_m + mu f_l, without back-EMF [N m].
+/** Mechanical friction torque f = f_m + mu f_l, without back-EMF.
  *  @param[in]  omega_m  motor velocity [rad/s]
  *  @param[in]  c  coefficients
+ *  @return mechanical_friction_torque [N m]
  */
 ECCENTRIC_REAL c1_perpendicular_mechanical_friction_torque(
     ECCENTRIC_REAL omega_m,
@@ -145,9 +144,9 @@ void c1_perpendicular_mechanical_friction_torque_n(
     ECCENTRIC_REAL *out,
     const c1_perpendicular_coefficients *c);
 
-/** Slopes of friction_torque by its inputs [N m per rad, rad/s, rad/s^2].
+/** Partial derivatives of friction_torque with respect to its inputs.
  *  @param[in]  omega_m  motor velocity [rad/s]
- *  @param[out] out  1 values: omega_m
+ *  @param[out] out  1 value: omega_m [N m per rad/s]
  *  @param[in]  c  coefficients
  */
 void c1_perpendicular_friction_torque_gradient(
@@ -155,16 +154,16 @@ void c1_perpendicular_friction_torque_gradient(
     ECCENTRIC_REAL *out,
     const c1_perpendicular_coefficients *c);
 
-/** friction_torque_gradient over arrays of n samples, 1 values of `out` a sample. */
+/** friction_torque_gradient over arrays of n samples, each with 1 of `out`. */
 void c1_perpendicular_friction_torque_gradient_n(
     size_t n,
     const ECCENTRIC_REAL *omega_m,
     ECCENTRIC_REAL *out,
     const c1_perpendicular_coefficients *c);
 
-/** Slopes of friction_torque by all friction coefficients [N m per unit coefficient].
+/** Partial derivatives of friction_torque with respect to all friction coefficients.
  *  @param[in]  omega_m  motor velocity [rad/s]
- *  @param[out] out  6 values: B_lN, C_lN, B_lT, C_lT, B_m, C_m
+ *  @param[out] out  6 values: B_lN, C_lN, B_lT, C_lT, B_m, C_m [N m per unit coefficient]
  *  @param[in]  c  coefficients
  */
 void c1_perpendicular_friction_torque_jacobian(
@@ -172,47 +171,53 @@ void c1_perpendicular_friction_torque_jacobian(
     ECCENTRIC_REAL *out,
     const c1_perpendicular_coefficients *c);
 
-/** friction_torque_jacobian over arrays of n samples, 6 values of `out` a sample. */
+/** friction_torque_jacobian over arrays of n samples, each with 6 of `out`. */
 void c1_perpendicular_friction_torque_jacobian_n(
     size_t n,
     const ECCENTRIC_REAL *omega_m,
     ECCENTRIC_REAL *out,
     const c1_perpendicular_coefficients *c);
 
-/** Columns with regressor @ friction_coefficients = mechanical_friction_torque [N m per unit coefficient].
+/** Columns: regressor times friction_coefficients is mechanical_friction_torque.
  *  @param[in]  omega_m  motor velocity [rad/s]
- *  @param[out] out  4 values: B_lN, C_lN, B, C
+ *  @param[out] out  4 values: B_lN, C_lN, B, C [N m per unit coefficient]
  *  @param[in]  c  coefficients
  */
-void c1_perpendicular_regressor(ECCENTRIC_REAL omega_m, ECCENTRIC_REAL *out, const c1_perpendicular_coefficients *c);
+void c1_perpendicular_regressor(
+    ECCENTRIC_REAL omega_m,
+    ECCENTRIC_REAL *out,
+    const c1_perpendicular_coefficients *c);
 
-/** regressor over arrays of n samples, 4 values of `out` a sample. */
+/** regressor over arrays of n samples, each with 4 of `out`. */
 void c1_perpendicular_regressor_n(
     size_t n,
     const ECCENTRIC_REAL *omega_m,
     ECCENTRIC_REAL *out,
     const c1_perpendicular_coefficients *c);
 
-/** What the columns of the regressor multiply [as the columns of the regressor].
- *  @param[out] out  4 values: B_lN, C_lN, B, C
+/** What the columns of the regressor multiply.
+ *  @param[out] out  4 values: B_lN, C_lN, B, C [as the columns of the regressor]
  *  @param[in]  c  coefficients
  */
 void c1_perpendicular_friction_coefficients(ECCENTRIC_REAL *out, const c1_perpendicular_coefficients *c);
 
-/** Size of the friction torque at standstill, where it is set-valued [N m].
+/** Magnitude of the friction torque at standstill, where it is set-valued.
  *  @param[in]  c  coefficients
+ *  @return coulomb_torque [N m]
  */
 ECCENTRIC_REAL c1_perpendicular_coulomb_torque(const c1_perpendicular_coefficients *c);
 
-/** Gravity torque G, eq (5) [N m].
+/** Gravity torque G, eq (5).
  *  @param[in]  c  coefficients
+ *  @return gravity_torque [N m]
  */
 ECCENTRIC_REAL c1_perpendicular_gravity_torque(const c1_perpendicular_coefficients *c);
 
-/** Armature voltage u = (R/k_i) (J alpha_m + G + F), eq (4) [V].
+/** Armature voltage u = (R/k_i) (J alpha_m + G + F), eq (4).
  *  @param[in]  omega_m  motor velocity [rad/s]
  *  @param[in]  alpha_m  motor acceleration [rad/s^2]
  *  @param[in]  c  coefficients
+ *  @return voltage [V]
  */
 ECCENTRIC_REAL c1_perpendicular_voltage(
     ECCENTRIC_REAL omega_m,
@@ -227,10 +232,11 @@ void c1_perpendicular_voltage_n(
     ECCENTRIC_REAL *out,
     const c1_perpendicular_coefficients *c);
 
-/** Armature current i = (J alpha_m + G + f)/k_i [A].
+/** Armature current i = (J alpha_m + G + f)/k_i.
  *  @param[in]  omega_m  motor velocity [rad/s]
  *  @param[in]  alpha_m  motor acceleration [rad/s^2]
  *  @param[in]  c  coefficients
+ *  @return current [A]
  */
 ECCENTRIC_REAL c1_perpendicular_current(
     ECCENTRIC_REAL omega_m,
@@ -245,11 +251,12 @@ void c1_perpendicular_current_n(
     ECCENTRIC_REAL *out,
     const c1_perpendicular_coefficients *c);
 
-/** What the mechanical balance leaves: k_i i - J alpha_m - G - f [N m].
+/** What the mechanical balance leaves: k_i i - J alpha_m - G - f.
  *  @param[in]  omega_m  motor velocity [rad/s]
  *  @param[in]  i  armature current [A]
  *  @param[in]  alpha_m  motor acceleration [rad/s^2]
  *  @param[in]  c  coefficients
+ *  @return mechanical_residual [N m]
  */
 ECCENTRIC_REAL c1_perpendicular_mechanical_residual(
     ECCENTRIC_REAL omega_m,
@@ -266,11 +273,12 @@ void c1_perpendicular_mechanical_residual_n(
     ECCENTRIC_REAL *out,
     const c1_perpendicular_coefficients *c);
 
-/** What the electrical balance leaves, as a torque: (k_i/R)(u - k_e omega_m) - k_i i [N m].
+/** What the electrical balance leaves, as a torque: (k_i/R)(u - k_e omega_m) - k_i i.
  *  @param[in]  omega_m  motor velocity [rad/s]
  *  @param[in]  i  armature current [A]
  *  @param[in]  u  armature voltage [V]
  *  @param[in]  c  coefficients
+ *  @return electrical_residual [N m]
  */
 ECCENTRIC_REAL c1_perpendicular_electrical_residual(
     ECCENTRIC_REAL omega_m,
@@ -287,8 +295,8 @@ void c1_perpendicular_electrical_residual_n(
     ECCENTRIC_REAL *out,
     const c1_perpendicular_coefficients *c);
 
-/** Coefficients F_3, F_2, F_1, F_0 of F for omega_m > 0, eqs (11)-(14) [N m (s/rad)^k].
- *  @param[out] out  4 values: F_3, F_2, F_1, F_0
+/** Coefficients F_3, F_2, F_1, F_0 of F for omega_m > 0, eqs (11)-(14).
+ *  @param[out] out  4 values: F_3, F_2, F_1, F_0 [N m s^3/rad^3, N m s^2/rad^2, N m s/rad, N m]
  *  @param[in]  c  coefficients
  */
 void c1_perpendicular_polynomial(ECCENTRIC_REAL *out, const c1_perpendicular_coefficients *c);

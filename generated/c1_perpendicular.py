@@ -1,5 +1,5 @@
 # Generated: do not edit. Written by `make derive` from derivations/c1_perpendicular.py
-# (eccentric 0.1.0, program 6a07da11).
+# (eccentric 0.1.0, program 565b9336).
 # Case C1: gravity perpendicular to the motion plane, steady motion.
 """Case C1: gravity perpendicular to the motion plane, steady motion.
 
@@ -48,7 +48,7 @@ _Real = type[np.float32] | type[np.float64]
 
 @dataclass(frozen=True)
 class Parameters:
-    """Parameters with the paper's letters, in SI units.
+    """Parameters with the paper's letters, in SI units; the defaults are Table 1 of the paper with mu = 1/5.
 
     Raises:
         ValueError: a value is not a finite number, or has a sign that the quantity cannot have.
@@ -130,35 +130,29 @@ class _Coefficients(NamedTuple):
     mu: Any
     L_M_mu2: Any
     B_lN_mu2: Any
-    constant: Any
+    B: Any
+    B_plus_k_e_k_i_per_R: Any
     C_lN_mu: Any
     C: Any
-    B: Any
     twice_L_M_mu2: Any
     mu2: Any
     F_T_mu2: Any
     F_T_mu: Any
     J: Any
     B_lN_R_mu2_per_k_i: Any
-    constant_2: Any
+    B_R_per_k_i_plus_k_e: Any
     C_lN_R_mu_per_k_i: Any
-    constant_3: Any
+    C_R_per_k_i: Any
     R_per_k_i: Any
     B_lN_mu2_per_k_i: Any
-    constant_4: Any
+    B_per_k_i: Any
     per_k_i: Any
     C_lN_mu_per_k_i: Any
-    constant_5: Any
-    minus_B_lN_mu2: Any
-    minus_B_lT_F_T_mu2_minus_B_m: Any
-    minus_C_lN_mu: Any
-    minus_C_lT_F_T_mu_minus_C_m: Any
-    minus_k_i: Any
+    C_per_k_i: Any
     k_i_per_R: Any
-    minus_k_e_k_i_per_R: Any
+    k_e_k_i_per_R: Any
     B_lN_L_M_mu4: Any
     C_lN_L_M_mu3: Any
-    constant_6: Any
 
 
 @lru_cache(maxsize=64)
@@ -168,35 +162,29 @@ def _prepare(p: Parameters, real: _Real) -> _Coefficients:
     J_l = math.nan if p.J_l is None else p.J_l
     L_M_mu2 = p.L * p.M * p.mu * p.mu
     B_lN_mu2 = p.B_lN * p.mu * p.mu
-    constant = p.B_lT * F_T * p.mu * p.mu + p.B_m + p.k_e * p.k_i / p.R
+    B = p.B_lT * F_T * p.mu * p.mu + p.B_m
+    B_plus_k_e_k_i_per_R = B + p.k_e * p.k_i / p.R
     C_lN_mu = p.C_lN * p.mu
     C = p.C_lT * F_T * p.mu + p.C_m
-    B = p.B_lT * F_T * p.mu * p.mu + p.B_m
     twice_L_M_mu2 = 2.0 * p.L * p.M * p.mu * p.mu
     mu2 = p.mu * p.mu
     F_T_mu2 = F_T * p.mu * p.mu
     F_T_mu = F_T * p.mu
     J = J_l * p.mu * p.mu + J_m
     B_lN_R_mu2_per_k_i = p.B_lN * p.R * p.mu * p.mu / p.k_i
-    constant_2 = p.B_lT * F_T * p.R * p.mu * p.mu / p.k_i + p.B_m * p.R / p.k_i + p.k_e
+    B_R_per_k_i_plus_k_e = B * p.R / p.k_i + p.k_e
     C_lN_R_mu_per_k_i = p.C_lN * p.R * p.mu / p.k_i
-    constant_3 = p.C_lT * F_T * p.R * p.mu / p.k_i + p.C_m * p.R / p.k_i
+    C_R_per_k_i = C * p.R / p.k_i
     R_per_k_i = p.R / p.k_i
     B_lN_mu2_per_k_i = p.B_lN * p.mu * p.mu / p.k_i
-    constant_4 = p.B_lT * F_T * p.mu * p.mu / p.k_i + p.B_m / p.k_i
+    B_per_k_i = B / p.k_i
     per_k_i = 1.0 / p.k_i
     C_lN_mu_per_k_i = p.C_lN * p.mu / p.k_i
-    constant_5 = p.C_lT * F_T * p.mu / p.k_i + p.C_m / p.k_i
-    minus_B_lN_mu2 = -p.B_lN * p.mu * p.mu
-    minus_B_lT_F_T_mu2_minus_B_m = -p.B_lT * F_T * p.mu * p.mu - p.B_m
-    minus_C_lN_mu = -p.C_lN * p.mu
-    minus_C_lT_F_T_mu_minus_C_m = -p.C_lT * F_T * p.mu - p.C_m
-    minus_k_i = -p.k_i
+    C_per_k_i = C / p.k_i
     k_i_per_R = p.k_i / p.R
-    minus_k_e_k_i_per_R = -p.k_e * p.k_i / p.R
+    k_e_k_i_per_R = p.k_e * p.k_i / p.R
     B_lN_L_M_mu4 = p.B_lN * p.L * p.M * p.mu * p.mu * p.mu * p.mu
     C_lN_L_M_mu3 = p.C_lN * p.L * p.M * p.mu * p.mu * p.mu
-    constant_6 = (p.B_lT * F_T * p.R * p.mu * p.mu + p.B_m * p.R + p.k_e * p.k_i) / p.R
     with np.errstate(all="ignore"):
         return _Coefficients(
             B_lN=real(p.B_lN),
@@ -205,35 +193,29 @@ def _prepare(p: Parameters, real: _Real) -> _Coefficients:
             mu=real(p.mu),
             L_M_mu2=real(L_M_mu2),
             B_lN_mu2=real(B_lN_mu2),
-            constant=real(constant),
+            B=real(B),
+            B_plus_k_e_k_i_per_R=real(B_plus_k_e_k_i_per_R),
             C_lN_mu=real(C_lN_mu),
             C=real(C),
-            B=real(B),
             twice_L_M_mu2=real(twice_L_M_mu2),
             mu2=real(mu2),
             F_T_mu2=real(F_T_mu2),
             F_T_mu=real(F_T_mu),
             J=real(J),
             B_lN_R_mu2_per_k_i=real(B_lN_R_mu2_per_k_i),
-            constant_2=real(constant_2),
+            B_R_per_k_i_plus_k_e=real(B_R_per_k_i_plus_k_e),
             C_lN_R_mu_per_k_i=real(C_lN_R_mu_per_k_i),
-            constant_3=real(constant_3),
+            C_R_per_k_i=real(C_R_per_k_i),
             R_per_k_i=real(R_per_k_i),
             B_lN_mu2_per_k_i=real(B_lN_mu2_per_k_i),
-            constant_4=real(constant_4),
+            B_per_k_i=real(B_per_k_i),
             per_k_i=real(per_k_i),
             C_lN_mu_per_k_i=real(C_lN_mu_per_k_i),
-            constant_5=real(constant_5),
-            minus_B_lN_mu2=real(minus_B_lN_mu2),
-            minus_B_lT_F_T_mu2_minus_B_m=real(minus_B_lT_F_T_mu2_minus_B_m),
-            minus_C_lN_mu=real(minus_C_lN_mu),
-            minus_C_lT_F_T_mu_minus_C_m=real(minus_C_lT_F_T_mu_minus_C_m),
-            minus_k_i=real(minus_k_i),
+            C_per_k_i=real(C_per_k_i),
             k_i_per_R=real(k_i_per_R),
-            minus_k_e_k_i_per_R=real(minus_k_e_k_i_per_R),
+            k_e_k_i_per_R=real(k_e_k_i_per_R),
             B_lN_L_M_mu4=real(B_lN_L_M_mu4),
             C_lN_L_M_mu3=real(C_lN_L_M_mu3),
-            constant_6=real(constant_6),
         )
 
 
@@ -293,6 +275,7 @@ def _normal_force(
     c: _Coefficients,
     omega_m: Any,
 ) -> tuple[Any, ...]:
+    # normal force on the axis of rotation [N], eq (8)
     F_N = c.L_M_mu2 * omega_m * omega_m
     result = F_N
     return (result,)
@@ -314,10 +297,11 @@ def _friction_torque(
     c: _Coefficients,
     omega_m: Any,
 ) -> tuple[Any, ...]:
+    # normal force on the axis of rotation [N], eq (8)
     F_N = c.L_M_mu2 * omega_m * omega_m
     direction_of_motion = np.sign(omega_m)
-    part_1 = direction_of_motion * (c.C + c.C_lN_mu * F_N)
-    result = omega_m * (c.B_lN_mu2 * F_N + c.constant) + part_1
+    part_1 = omega_m * (c.B_lN_mu2 * F_N + c.B_plus_k_e_k_i_per_R)
+    result = direction_of_motion * (c.C + c.C_lN_mu * F_N) + part_1
     return (result,)
 
 
@@ -339,6 +323,7 @@ def _mechanical_friction_torque(
     c: _Coefficients,
     omega_m: Any,
 ) -> tuple[Any, ...]:
+    # normal force on the axis of rotation [N], eq (8)
     F_N = c.L_M_mu2 * omega_m * omega_m
     direction_of_motion = np.sign(omega_m)
     part_1 = direction_of_motion * (c.C + c.C_lN_mu * F_N)
@@ -364,12 +349,13 @@ def _friction_torque_gradient(
     c: _Coefficients,
     omega_m: Any,
 ) -> tuple[Any, ...]:
+    # normal force on the axis of rotation [N], eq (8)
     F_N = c.L_M_mu2 * omega_m * omega_m
     F_N_d_omega_m = omega_m * c.twice_L_M_mu2
     direction_of_motion = np.sign(omega_m)
     part_1 = c.C_lN_mu * F_N_d_omega_m * direction_of_motion
     part_2 = c.B_lN_mu2 * F_N_d_omega_m * omega_m
-    result_omega_m = c.B_lN_mu2 * F_N + c.constant + part_1 + part_2
+    result_omega_m = c.B_lN_mu2 * F_N + c.B_plus_k_e_k_i_per_R + part_1 + part_2
     return (result_omega_m,)
 
 
@@ -378,7 +364,9 @@ def friction_torque_gradient(
     parameters: Parameters | None = None,
     out: np.ndarray | None = None,
 ) -> Any:
-    """Slopes of friction_torque by its inputs [N m per rad, rad/s, rad/s^2]; last axis (omega_m).
+    """Partial derivatives of friction_torque with respect to its inputs [N m per rad/s].
+
+    Last axis (omega_m).
 
     omega_m [rad/s]: motor velocity
     """
@@ -389,6 +377,7 @@ def _friction_torque_jacobian(
     c: _Coefficients,
     omega_m: Any,
 ) -> tuple[Any, ...]:
+    # normal force on the axis of rotation [N], eq (8)
     F_N = c.L_M_mu2 * omega_m * omega_m
     result_B_lN = F_N * c.mu2 * omega_m
     direction_of_motion = np.sign(omega_m)
@@ -405,7 +394,7 @@ def friction_torque_jacobian(
     parameters: Parameters | None = None,
     out: np.ndarray | None = None,
 ) -> Any:
-    """Slopes of friction_torque by all friction coefficients [N m per unit coefficient].
+    """Partial derivatives of friction_torque with respect to all friction coefficients [N m per unit coefficient].
 
     Last axis (b_ln, c_ln, b_lt, c_lt, b_m, c_m).
 
@@ -418,6 +407,7 @@ def _regressor(
     c: _Coefficients,
     omega_m: Any,
 ) -> tuple[Any, ...]:
+    # normal force on the axis of rotation [N], eq (8)
     F_N = c.L_M_mu2 * omega_m * omega_m
     result_B_lN = F_N * c.mu2 * omega_m
     direction_of_motion = np.sign(omega_m)
@@ -432,7 +422,7 @@ def regressor(
     parameters: Parameters | None = None,
     out: np.ndarray | None = None,
 ) -> Any:
-    """Columns with regressor @ friction_coefficients = mechanical_friction_torque [N m per unit coefficient].
+    """Columns: regressor times friction_coefficients is mechanical_friction_torque [N m per unit coefficient].
 
     Last axis (b_ln, c_ln, b, c).
 
@@ -473,7 +463,7 @@ def coulomb_torque(
     parameters: Parameters | None = None,
     out: np.ndarray | None = None,
 ) -> Any:
-    """Size of the friction torque at standstill, where it is set-valued [N m].
+    """Magnitude of the friction torque at standstill, where it is set-valued [N m].
 
     Shape of the broadcast inputs.
     """
@@ -500,11 +490,12 @@ def _voltage(
     omega_m: Any,
     alpha_m: Any,
 ) -> tuple[Any, ...]:
+    # normal force on the axis of rotation [N], eq (8)
     F_N = c.L_M_mu2 * omega_m * omega_m
     direction_of_motion = np.sign(omega_m)
-    part_1 = direction_of_motion * (c.C_lN_R_mu_per_k_i * F_N + c.constant_3)
-    part_2 = c.R_per_k_i * np.where(alpha_m == 0.0, 0.0, c.J * alpha_m)
-    part_3 = omega_m * (c.B_lN_R_mu2_per_k_i * F_N + c.constant_2)
+    part_1 = direction_of_motion * (c.C_R_per_k_i + c.C_lN_R_mu_per_k_i * F_N)
+    part_2 = omega_m * (c.B_R_per_k_i_plus_k_e + c.B_lN_R_mu2_per_k_i * F_N)
+    part_3 = c.R_per_k_i * np.where(alpha_m == 0.0, 0.0, c.J * alpha_m)
     result = part_1 + part_2 + part_3
     return (result,)
 
@@ -529,11 +520,12 @@ def _current(
     omega_m: Any,
     alpha_m: Any,
 ) -> tuple[Any, ...]:
+    # normal force on the axis of rotation [N], eq (8)
     F_N = c.L_M_mu2 * omega_m * omega_m
     direction_of_motion = np.sign(omega_m)
-    part_1 = direction_of_motion * (c.C_lN_mu_per_k_i * F_N + c.constant_5)
+    part_1 = direction_of_motion * (c.C_lN_mu_per_k_i * F_N + c.C_per_k_i)
     part_2 = c.per_k_i * np.where(alpha_m == 0.0, 0.0, c.J * alpha_m)
-    part_3 = omega_m * (c.B_lN_mu2_per_k_i * F_N + c.constant_4)
+    part_3 = omega_m * (c.B_lN_mu2_per_k_i * F_N + c.B_per_k_i)
     result = part_1 + part_2 + part_3
     return (result,)
 
@@ -559,13 +551,12 @@ def _mechanical_residual(
     i: Any,
     alpha_m: Any,
 ) -> tuple[Any, ...]:
+    # normal force on the axis of rotation [N], eq (8)
     F_N = c.L_M_mu2 * omega_m * omega_m
     direction_of_motion = np.sign(omega_m)
-    part_2 = F_N * c.minus_C_lN_mu + c.minus_C_lT_F_T_mu_minus_C_m
-    part_1 = direction_of_motion * part_2
-    part_3 = omega_m * (F_N * c.minus_B_lN_mu2 + c.minus_B_lT_F_T_mu2_minus_B_m)
-    part_4 = -np.where(alpha_m == 0.0, 0.0, c.J * alpha_m)
-    result = i * c.k_i + part_1 + part_3 + part_4
+    part_1 = -np.where(alpha_m == 0.0, 0.0, c.J * alpha_m)
+    part_2 = -direction_of_motion * (c.C + c.C_lN_mu * F_N)
+    result = i * c.k_i - omega_m * (c.B + c.B_lN_mu2 * F_N) + part_1 + part_2
     return (result,)
 
 
@@ -594,7 +585,7 @@ def _electrical_residual(
     i: Any,
     u: Any,
 ) -> tuple[Any, ...]:
-    result = i * c.minus_k_i + c.k_i_per_R * u + c.minus_k_e_k_i_per_R * omega_m
+    result = -i * c.k_i - c.k_e_k_i_per_R * omega_m + c.k_i_per_R * u
     return (result,)
 
 
@@ -621,7 +612,7 @@ def _polynomial(
 ) -> tuple[Any, ...]:
     result_F_3 = c.B_lN_L_M_mu4
     result_F_2 = c.C_lN_L_M_mu3
-    result_F_1 = c.constant_6
+    result_F_1 = c.B_plus_k_e_k_i_per_R
     result_F_0 = c.C
     return (result_F_3, result_F_2, result_F_1, result_F_0)
 
@@ -630,7 +621,7 @@ def polynomial(
     parameters: Parameters | None = None,
     out: np.ndarray | None = None,
 ) -> Any:
-    """Coefficients F_3, F_2, F_1, F_0 of F for omega_m > 0, eqs (11)-(14) [N m (s/rad)^k].
+    """Coefficients F_3, F_2, F_1, F_0 of F for omega_m > 0, eqs (11)-(14) [N m s^3/rad^3, N m s^2/rad^2, N m s/rad, N m].
 
     Last axis (f_3, f_2, f_1, f_0).
     """

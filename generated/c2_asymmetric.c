@@ -1,6 +1,6 @@
 /*
  * Generated: do not edit. Written by `make derive` from derivations/c2_asymmetric.py
- * (eccentric 0.1.0, program 62381ff9).
+ * (eccentric 0.1.0, program 919e8c4e).
  * Case C2 with friction that differs between the directions of motion.
  */
 #include "c2_asymmetric.h"
@@ -8,7 +8,7 @@
 #include <float.h>
 #include <math.h>
 
-#if C2_ASYMMETRIC_PROGRAM != 0x62381ff9UL
+#if C2_ASYMMETRIC_PROGRAM != 0x919e8c4eUL
 #error "c2_asymmetric.c and c2_asymmetric.h are of different derivations: write both again with make derive"
 #endif
 
@@ -149,7 +149,7 @@ const c2_asymmetric_coefficients c2_asymmetric_default = {
     (real)(0.04), /* mu2 */
     (real)(0.117872), /* C_lN_pos_mu_weight_plus_C_m_pos */
     (real)(0.117872), /* C_lN_neg_mu_weight_plus_C_m_neg */
-    (real)(-0.4905), /* minus_twice_L_M_g_mu */
+    (real)(0.4905), /* twice_L_M_g_mu */
     (real)(NAN), /* J */
     (real)(0.008), /* B_lN_pos_R_mu2_per_k_i */
     (real)(0.008), /* B_lN_neg_R_mu2_per_k_i */
@@ -160,7 +160,7 @@ const c2_asymmetric_coefficients c2_asymmetric_default = {
     (real)(0.4), /* C_m_pos_R_per_k_i */
     (real)(0.4), /* C_m_neg_R_per_k_i */
     (real)(50.0), /* R_per_k_i */
-    (real)(-24.525), /* minus_twice_L_M_R_g_mu_per_k_i */
+    (real)(24.525), /* twice_L_M_R_g_mu_per_k_i */
     (real)(0.008), /* B_lN_pos_mu2_per_k_i */
     (real)(0.008), /* B_lN_neg_mu2_per_k_i */
     (real)(0.02), /* B_m_pos_per_k_i */
@@ -170,19 +170,8 @@ const c2_asymmetric_coefficients c2_asymmetric_default = {
     (real)(0.8), /* C_lN_neg_mu_per_k_i */
     (real)(0.4), /* C_m_pos_per_k_i */
     (real)(0.4), /* C_m_neg_per_k_i */
-    (real)(-24.525), /* minus_twice_L_M_g_mu_per_k_i */
-    (real)(-1.6e-4), /* minus_B_lN_pos_mu2 */
-    (real)(-1.6e-4), /* minus_B_lN_neg_mu2 */
-    (real)(-4.0e-4), /* minus_B_m_pos */
-    (real)(-4.0e-4), /* minus_B_m_neg */
-    (real)(-0.016), /* minus_C_lN_pos_mu */
-    (real)(-0.016), /* minus_C_lN_neg_mu */
-    (real)(-0.008), /* minus_C_m_pos */
-    (real)(-0.008), /* minus_C_m_neg */
-    (real)(0.4905), /* twice_L_M_g_mu */
-    (real)(-0.02), /* minus_k_i */
+    (real)(24.525), /* twice_L_M_g_mu_per_k_i */
     (real)(0.02), /* k_i_per_R */
-    (real)(-0.004), /* minus_k_e_k_i_per_R */
 #else
     0.004, /* B_lN_neg */
     0.004, /* B_lN_pos */
@@ -215,7 +204,7 @@ const c2_asymmetric_coefficients c2_asymmetric_default = {
     0.04, /* mu2 */
     0.117872, /* C_lN_pos_mu_weight_plus_C_m_pos */
     0.117872, /* C_lN_neg_mu_weight_plus_C_m_neg */
-    -0.4905, /* minus_twice_L_M_g_mu */
+    0.4905, /* twice_L_M_g_mu */
     NAN, /* J */
     0.008, /* B_lN_pos_R_mu2_per_k_i */
     0.008, /* B_lN_neg_R_mu2_per_k_i */
@@ -226,7 +215,7 @@ const c2_asymmetric_coefficients c2_asymmetric_default = {
     0.4, /* C_m_pos_R_per_k_i */
     0.4, /* C_m_neg_R_per_k_i */
     50.0, /* R_per_k_i */
-    -24.525, /* minus_twice_L_M_R_g_mu_per_k_i */
+    24.525, /* twice_L_M_R_g_mu_per_k_i */
     0.008, /* B_lN_pos_mu2_per_k_i */
     0.008, /* B_lN_neg_mu2_per_k_i */
     0.02, /* B_m_pos_per_k_i */
@@ -236,19 +225,8 @@ const c2_asymmetric_coefficients c2_asymmetric_default = {
     0.8, /* C_lN_neg_mu_per_k_i */
     0.4, /* C_m_pos_per_k_i */
     0.4, /* C_m_neg_per_k_i */
-    -24.525, /* minus_twice_L_M_g_mu_per_k_i */
-    -1.6e-4, /* minus_B_lN_pos_mu2 */
-    -1.6e-4, /* minus_B_lN_neg_mu2 */
-    -4.0e-4, /* minus_B_m_pos */
-    -4.0e-4, /* minus_B_m_neg */
-    -0.016, /* minus_C_lN_pos_mu */
-    -0.016, /* minus_C_lN_neg_mu */
-    -0.008, /* minus_C_m_pos */
-    -0.008, /* minus_C_m_neg */
-    0.4905, /* twice_L_M_g_mu */
-    -0.02, /* minus_k_i */
+    24.525, /* twice_L_M_g_mu_per_k_i */
     0.02, /* k_i_per_R */
-    -0.004, /* minus_k_e_k_i_per_R */
 #endif
 };
 
@@ -278,7 +256,7 @@ void c2_asymmetric_prepare(const c2_asymmetric_parameters *p, c2_asymmetric_coef
     const double mu2 = p->mu * p->mu;
     const double C_lN_pos_mu_weight_plus_C_m_pos = p->C_lN_pos * p->mu * weight + p->C_m_pos;
     const double C_lN_neg_mu_weight_plus_C_m_neg = p->C_lN_neg * p->mu * weight + p->C_m_neg;
-    const double minus_twice_L_M_g_mu = -2.0 * p->L * p->M * p->g * p->mu;
+    const double twice_L_M_g_mu = 2.0 * p->L * p->M * p->g * p->mu;
     const double J = p->J_l * p->mu * p->mu + p->J_m;
     const double B_lN_pos_R_mu2_per_k_i = p->B_lN_pos * p->R * p->mu * p->mu / p->k_i;
     const double B_lN_neg_R_mu2_per_k_i = p->B_lN_neg * p->R * p->mu * p->mu / p->k_i;
@@ -289,7 +267,7 @@ void c2_asymmetric_prepare(const c2_asymmetric_parameters *p, c2_asymmetric_coef
     const double C_m_pos_R_per_k_i = p->C_m_pos * p->R / p->k_i;
     const double C_m_neg_R_per_k_i = p->C_m_neg * p->R / p->k_i;
     const double R_per_k_i = p->R / p->k_i;
-    const double minus_twice_L_M_R_g_mu_per_k_i = -2.0 * p->L * p->M * p->R * p->g * p->mu / p->k_i;
+    const double twice_L_M_R_g_mu_per_k_i = 2.0 * p->L * p->M * p->R * p->g * p->mu / p->k_i;
     const double B_lN_pos_mu2_per_k_i = p->B_lN_pos * p->mu * p->mu / p->k_i;
     const double B_lN_neg_mu2_per_k_i = p->B_lN_neg * p->mu * p->mu / p->k_i;
     const double B_m_pos_per_k_i = p->B_m_pos / p->k_i;
@@ -299,19 +277,8 @@ void c2_asymmetric_prepare(const c2_asymmetric_parameters *p, c2_asymmetric_coef
     const double C_lN_neg_mu_per_k_i = p->C_lN_neg * p->mu / p->k_i;
     const double C_m_pos_per_k_i = p->C_m_pos / p->k_i;
     const double C_m_neg_per_k_i = p->C_m_neg / p->k_i;
-    const double minus_twice_L_M_g_mu_per_k_i = -2.0 * p->L * p->M * p->g * p->mu / p->k_i;
-    const double minus_B_lN_pos_mu2 = -p->B_lN_pos * p->mu * p->mu;
-    const double minus_B_lN_neg_mu2 = -p->B_lN_neg * p->mu * p->mu;
-    const double minus_B_m_pos = -p->B_m_pos;
-    const double minus_B_m_neg = -p->B_m_neg;
-    const double minus_C_lN_pos_mu = -p->C_lN_pos * p->mu;
-    const double minus_C_lN_neg_mu = -p->C_lN_neg * p->mu;
-    const double minus_C_m_pos = -p->C_m_pos;
-    const double minus_C_m_neg = -p->C_m_neg;
-    const double twice_L_M_g_mu = 2.0 * p->L * p->M * p->g * p->mu;
-    const double minus_k_i = -p->k_i;
+    const double twice_L_M_g_mu_per_k_i = 2.0 * p->L * p->M * p->g * p->mu / p->k_i;
     const double k_i_per_R = p->k_i / p->R;
-    const double minus_k_e_k_i_per_R = -p->k_e * p->k_i / p->R;
     c->B_lN_neg = (real)(p->B_lN_neg);
     c->B_lN_pos = (real)(p->B_lN_pos);
     c->B_m_neg = (real)(p->B_m_neg);
@@ -343,7 +310,7 @@ void c2_asymmetric_prepare(const c2_asymmetric_parameters *p, c2_asymmetric_coef
     c->mu2 = (real)(mu2);
     c->C_lN_pos_mu_weight_plus_C_m_pos = (real)(C_lN_pos_mu_weight_plus_C_m_pos);
     c->C_lN_neg_mu_weight_plus_C_m_neg = (real)(C_lN_neg_mu_weight_plus_C_m_neg);
-    c->minus_twice_L_M_g_mu = (real)(minus_twice_L_M_g_mu);
+    c->twice_L_M_g_mu = (real)(twice_L_M_g_mu);
     c->J = (real)(J);
     c->B_lN_pos_R_mu2_per_k_i = (real)(B_lN_pos_R_mu2_per_k_i);
     c->B_lN_neg_R_mu2_per_k_i = (real)(B_lN_neg_R_mu2_per_k_i);
@@ -354,7 +321,7 @@ void c2_asymmetric_prepare(const c2_asymmetric_parameters *p, c2_asymmetric_coef
     c->C_m_pos_R_per_k_i = (real)(C_m_pos_R_per_k_i);
     c->C_m_neg_R_per_k_i = (real)(C_m_neg_R_per_k_i);
     c->R_per_k_i = (real)(R_per_k_i);
-    c->minus_twice_L_M_R_g_mu_per_k_i = (real)(minus_twice_L_M_R_g_mu_per_k_i);
+    c->twice_L_M_R_g_mu_per_k_i = (real)(twice_L_M_R_g_mu_per_k_i);
     c->B_lN_pos_mu2_per_k_i = (real)(B_lN_pos_mu2_per_k_i);
     c->B_lN_neg_mu2_per_k_i = (real)(B_lN_neg_mu2_per_k_i);
     c->B_m_pos_per_k_i = (real)(B_m_pos_per_k_i);
@@ -364,19 +331,8 @@ void c2_asymmetric_prepare(const c2_asymmetric_parameters *p, c2_asymmetric_coef
     c->C_lN_neg_mu_per_k_i = (real)(C_lN_neg_mu_per_k_i);
     c->C_m_pos_per_k_i = (real)(C_m_pos_per_k_i);
     c->C_m_neg_per_k_i = (real)(C_m_neg_per_k_i);
-    c->minus_twice_L_M_g_mu_per_k_i = (real)(minus_twice_L_M_g_mu_per_k_i);
-    c->minus_B_lN_pos_mu2 = (real)(minus_B_lN_pos_mu2);
-    c->minus_B_lN_neg_mu2 = (real)(minus_B_lN_neg_mu2);
-    c->minus_B_m_pos = (real)(minus_B_m_pos);
-    c->minus_B_m_neg = (real)(minus_B_m_neg);
-    c->minus_C_lN_pos_mu = (real)(minus_C_lN_pos_mu);
-    c->minus_C_lN_neg_mu = (real)(minus_C_lN_neg_mu);
-    c->minus_C_m_pos = (real)(minus_C_m_pos);
-    c->minus_C_m_neg = (real)(minus_C_m_neg);
-    c->twice_L_M_g_mu = (real)(twice_L_M_g_mu);
-    c->minus_k_i = (real)(minus_k_i);
+    c->twice_L_M_g_mu_per_k_i = (real)(twice_L_M_g_mu_per_k_i);
     c->k_i_per_R = (real)(k_i_per_R);
-    c->minus_k_e_k_i_per_R = (real)(minus_k_e_k_i_per_R);
 }
 
 ECCENTRIC_REAL c2_asymmetric_normal_force(
@@ -384,17 +340,25 @@ ECCENTRIC_REAL c2_asymmetric_normal_force(
     ECCENTRIC_REAL omega_m,
     const c2_asymmetric_coefficients *c)
 {
+    /* magnitude of the motor velocity, 0 if the mass is balanced [rad/s] */
     const real speed = c->unbalanced * REAL_FABS(omega_m);
+    /* speed^2 - omega_star^2; the difference is taken once, before anything is rounded */
     const real square_difference = (speed - c->omega_star_1 - c->omega_star_2) * (speed + c->omega_star_1);
+    /* the odd number of half turns up to the top that is nearest */
     const real halves = REAL(2.0) * REAL_FLOOR(theta_m * c->turns_per_rad) + REAL(1.0);
+    /* angle from the top: the half turns go off in three parts, the leading two exactly */
     const real from_top = theta_m - halves * c->half_period_1 - halves * c->half_period_2 - halves * c->half_period_3;
+    /* an angle so large that nothing is left of its phase counts as the top */
     const real bounded = ((REAL_FABS(from_top) <= c->period) ? from_top : theta_m - theta_m);
+    /* half angle from the top */
     const real half_angle = bounded * c->half_mu;
     const real half_angle_squared = half_angle * half_angle;
+    /* sine of the half angle from the top, which is the cosine of half the angle but for its sign */
     const real half_cosine = half_angle * c2_asymmetric_sine_series(half_angle_squared);
     const real p = square_difference;
     const real q = half_cosine * speed * c->twice_omega_star;
     const real magnitude = REAL_SQRT(p * p + q * q);
+    /* normal force on the axis of rotation [N], eq (17) */
     const real F_N = magnitude * c->scale_N;
     return F_N;
 }
@@ -416,17 +380,25 @@ ECCENTRIC_REAL c2_asymmetric_friction_torque(
     ECCENTRIC_REAL omega_m,
     const c2_asymmetric_coefficients *c)
 {
+    /* magnitude of the motor velocity, 0 if the mass is balanced [rad/s] */
     const real speed = c->unbalanced * REAL_FABS(omega_m);
+    /* speed^2 - omega_star^2; the difference is taken once, before anything is rounded */
     const real square_difference = (speed - c->omega_star_1 - c->omega_star_2) * (speed + c->omega_star_1);
+    /* the odd number of half turns up to the top that is nearest */
     const real halves = REAL(2.0) * REAL_FLOOR(theta_m * c->turns_per_rad) + REAL(1.0);
+    /* angle from the top: the half turns go off in three parts, the leading two exactly */
     const real from_top = theta_m - halves * c->half_period_1 - halves * c->half_period_2 - halves * c->half_period_3;
+    /* an angle so large that nothing is left of its phase counts as the top */
     const real bounded = ((REAL_FABS(from_top) <= c->period) ? from_top : theta_m - theta_m);
+    /* half angle from the top */
     const real half_angle = bounded * c->half_mu;
     const real half_angle_squared = half_angle * half_angle;
+    /* sine of the half angle from the top, which is the cosine of half the angle but for its sign */
     const real half_cosine = half_angle * c2_asymmetric_sine_series(half_angle_squared);
     const real p = square_difference;
     const real q = half_cosine * speed * c->twice_omega_star;
     const real magnitude = REAL_SQRT(p * p + q * q);
+    /* normal force on the axis of rotation [N], eq (17) */
     const real F_N = magnitude * c->scale_N;
     const real direction_of_motion = c2_asymmetric_sgn(omega_m);
     const real part_3 = F_N * ((omega_m > REAL(0.0)) ? c->B_lN_pos_mu2 : c->B_lN_neg_mu2);
@@ -456,17 +428,25 @@ ECCENTRIC_REAL c2_asymmetric_mechanical_friction_torque(
     ECCENTRIC_REAL omega_m,
     const c2_asymmetric_coefficients *c)
 {
+    /* magnitude of the motor velocity, 0 if the mass is balanced [rad/s] */
     const real speed = c->unbalanced * REAL_FABS(omega_m);
+    /* speed^2 - omega_star^2; the difference is taken once, before anything is rounded */
     const real square_difference = (speed - c->omega_star_1 - c->omega_star_2) * (speed + c->omega_star_1);
+    /* the odd number of half turns up to the top that is nearest */
     const real halves = REAL(2.0) * REAL_FLOOR(theta_m * c->turns_per_rad) + REAL(1.0);
+    /* angle from the top: the half turns go off in three parts, the leading two exactly */
     const real from_top = theta_m - halves * c->half_period_1 - halves * c->half_period_2 - halves * c->half_period_3;
+    /* an angle so large that nothing is left of its phase counts as the top */
     const real bounded = ((REAL_FABS(from_top) <= c->period) ? from_top : theta_m - theta_m);
+    /* half angle from the top */
     const real half_angle = bounded * c->half_mu;
     const real half_angle_squared = half_angle * half_angle;
+    /* sine of the half angle from the top, which is the cosine of half the angle but for its sign */
     const real half_cosine = half_angle * c2_asymmetric_sine_series(half_angle_squared);
     const real p = square_difference;
     const real q = half_cosine * speed * c->twice_omega_star;
     const real magnitude = REAL_SQRT(p * p + q * q);
+    /* normal force on the axis of rotation [N], eq (17) */
     const real F_N = magnitude * c->scale_N;
     const real direction_of_motion = c2_asymmetric_sgn(omega_m);
     const real part_3 = F_N * ((omega_m > REAL(0.0)) ? c->C_lN_pos_mu : c->C_lN_neg_mu);
@@ -496,26 +476,38 @@ void c2_asymmetric_friction_torque_gradient(
     ECCENTRIC_REAL *out,
     const c2_asymmetric_coefficients *c)
 {
+    /* magnitude of the motor velocity, 0 if the mass is balanced [rad/s] */
     const real speed = c->unbalanced * REAL_FABS(omega_m);
     const real direction_of_motion = c2_asymmetric_sgn(omega_m);
     const real speed_d_omega_m = direction_of_motion * c->unbalanced;
+    /* speed^2 - omega_star^2; the difference is taken once, before anything is rounded */
     const real square_difference = (speed - c->omega_star_1 - c->omega_star_2) * (speed + c->omega_star_1);
+    /* the odd number of half turns up to the top that is nearest */
     const real halves = REAL(2.0) * REAL_FLOOR(theta_m * c->turns_per_rad) + REAL(1.0);
+    /* angle from the top: the half turns go off in three parts, the leading two exactly */
     const real from_top = theta_m - halves * c->half_period_1 - halves * c->half_period_2 - halves * c->half_period_3;
+    /* an angle so large that nothing is left of its phase counts as the top */
     const real bounded = ((REAL_FABS(from_top) <= c->period) ? from_top : theta_m - theta_m);
+    /* half angle from the top */
     const real half_angle = bounded * c->half_mu;
     const real half_angle_squared = half_angle * half_angle;
+    /* sine of the half angle from the top, which is the cosine of half the angle but for its sign */
     const real half_cosine = half_angle * c2_asymmetric_sine_series(half_angle_squared);
     const real p = square_difference;
     const real q = half_cosine * speed * c->twice_omega_star;
     const real magnitude = REAL_SQRT(p * p + q * q);
+    /* normal force on the axis of rotation [N], eq (17) */
     const real F_N = magnitude * c->scale_N;
+    /* cosine of the half angle from the top */
     const real half_sine = c2_asymmetric_cosine_series(half_angle_squared);
+    /* 0/0 at the apex, where F_N is 0 and its derivatives are taken as 0 */
     const real divisor = ((magnitude == REAL(0.0)) ? REAL(1.0) : magnitude);
+    /* where the square overflows, the larger of the two decides */
     const real limit = ((REAL_FABS(q) > REAL_FABS(p)) ? c2_asymmetric_sgn(q) : REAL(0.0));
     const real cosine = ((magnitude > REAL_LARGEST) ? limit : q / divisor);
     const real ungated = half_sine * c->mu_omega_star_scale_N * speed;
     const real F_N_d_theta_m = ((cosine == REAL(0.0)) ? REAL(0.0) : ungated * cosine);
+    /* where the square overflows, the larger of the two decides */
     const real limit_2 = ((REAL_FABS(p) > REAL_FABS(q)) ? c2_asymmetric_sgn(p) : REAL(0.0));
     const real cosine_2 = ((magnitude > REAL_LARGEST) ? limit_2 : p / divisor);
     const real ungated_2 = REAL(2.0) * speed;
@@ -555,17 +547,25 @@ void c2_asymmetric_friction_torque_jacobian(
     ECCENTRIC_REAL *out,
     const c2_asymmetric_coefficients *c)
 {
+    /* magnitude of the motor velocity, 0 if the mass is balanced [rad/s] */
     const real speed = c->unbalanced * REAL_FABS(omega_m);
+    /* speed^2 - omega_star^2; the difference is taken once, before anything is rounded */
     const real square_difference = (speed - c->omega_star_1 - c->omega_star_2) * (speed + c->omega_star_1);
+    /* the odd number of half turns up to the top that is nearest */
     const real halves = REAL(2.0) * REAL_FLOOR(theta_m * c->turns_per_rad) + REAL(1.0);
+    /* angle from the top: the half turns go off in three parts, the leading two exactly */
     const real from_top = theta_m - halves * c->half_period_1 - halves * c->half_period_2 - halves * c->half_period_3;
+    /* an angle so large that nothing is left of its phase counts as the top */
     const real bounded = ((REAL_FABS(from_top) <= c->period) ? from_top : theta_m - theta_m);
+    /* half angle from the top */
     const real half_angle = bounded * c->half_mu;
     const real half_angle_squared = half_angle * half_angle;
+    /* sine of the half angle from the top, which is the cosine of half the angle but for its sign */
     const real half_cosine = half_angle * c2_asymmetric_sine_series(half_angle_squared);
     const real p = square_difference;
     const real q = half_cosine * speed * c->twice_omega_star;
     const real magnitude = REAL_SQRT(p * p + q * q);
+    /* normal force on the axis of rotation [N], eq (17) */
     const real F_N = magnitude * c->scale_N;
     const real is_forward = c2_asymmetric_forward(omega_m);
     const real ungated = F_N * c->mu2 * omega_m;
@@ -600,17 +600,25 @@ void c2_asymmetric_regressor(
     ECCENTRIC_REAL *out,
     const c2_asymmetric_coefficients *c)
 {
+    /* magnitude of the motor velocity, 0 if the mass is balanced [rad/s] */
     const real speed = c->unbalanced * REAL_FABS(omega_m);
+    /* speed^2 - omega_star^2; the difference is taken once, before anything is rounded */
     const real square_difference = (speed - c->omega_star_1 - c->omega_star_2) * (speed + c->omega_star_1);
+    /* the odd number of half turns up to the top that is nearest */
     const real halves = REAL(2.0) * REAL_FLOOR(theta_m * c->turns_per_rad) + REAL(1.0);
+    /* angle from the top: the half turns go off in three parts, the leading two exactly */
     const real from_top = theta_m - halves * c->half_period_1 - halves * c->half_period_2 - halves * c->half_period_3;
+    /* an angle so large that nothing is left of its phase counts as the top */
     const real bounded = ((REAL_FABS(from_top) <= c->period) ? from_top : theta_m - theta_m);
+    /* half angle from the top */
     const real half_angle = bounded * c->half_mu;
     const real half_angle_squared = half_angle * half_angle;
+    /* sine of the half angle from the top, which is the cosine of half the angle but for its sign */
     const real half_cosine = half_angle * c2_asymmetric_sine_series(half_angle_squared);
     const real p = square_difference;
     const real q = half_cosine * speed * c->twice_omega_star;
     const real magnitude = REAL_SQRT(p * p + q * q);
+    /* normal force on the axis of rotation [N], eq (17) */
     const real F_N = magnitude * c->scale_N;
     const real is_forward = c2_asymmetric_forward(omega_m);
     const real ungated = F_N * c->mu2 * omega_m;
@@ -659,14 +667,20 @@ void c2_asymmetric_coulomb_torque(ECCENTRIC_REAL *out, const c2_asymmetric_coeff
 
 ECCENTRIC_REAL c2_asymmetric_gravity_torque(ECCENTRIC_REAL theta_m, const c2_asymmetric_coefficients *c)
 {
+    /* the odd number of half turns up to the top that is nearest */
     const real halves = REAL(2.0) * REAL_FLOOR(theta_m * c->turns_per_rad) + REAL(1.0);
+    /* angle from the top: the half turns go off in three parts, the leading two exactly */
     const real from_top = theta_m - halves * c->half_period_1 - halves * c->half_period_2 - halves * c->half_period_3;
+    /* an angle so large that nothing is left of its phase counts as the top */
     const real bounded = ((REAL_FABS(from_top) <= c->period) ? from_top : theta_m - theta_m);
+    /* half angle from the top */
     const real half_angle = bounded * c->half_mu;
     const real half_angle_squared = half_angle * half_angle;
+    /* sine of the half angle from the top, which is the cosine of half the angle but for its sign */
     const real half_cosine = half_angle * c2_asymmetric_sine_series(half_angle_squared);
+    /* cosine of the half angle from the top */
     const real half_sine = c2_asymmetric_cosine_series(half_angle_squared);
-    return half_cosine * half_sine * c->minus_twice_L_M_g_mu;
+    return -half_cosine * half_sine * c->twice_L_M_g_mu;
 }
 
 void c2_asymmetric_gravity_torque_n(
@@ -686,19 +700,28 @@ ECCENTRIC_REAL c2_asymmetric_voltage(
     ECCENTRIC_REAL alpha_m,
     const c2_asymmetric_coefficients *c)
 {
+    /* magnitude of the motor velocity, 0 if the mass is balanced [rad/s] */
     const real speed = c->unbalanced * REAL_FABS(omega_m);
+    /* speed^2 - omega_star^2; the difference is taken once, before anything is rounded */
     const real square_difference = (speed - c->omega_star_1 - c->omega_star_2) * (speed + c->omega_star_1);
+    /* the odd number of half turns up to the top that is nearest */
     const real halves = REAL(2.0) * REAL_FLOOR(theta_m * c->turns_per_rad) + REAL(1.0);
+    /* angle from the top: the half turns go off in three parts, the leading two exactly */
     const real from_top = theta_m - halves * c->half_period_1 - halves * c->half_period_2 - halves * c->half_period_3;
+    /* an angle so large that nothing is left of its phase counts as the top */
     const real bounded = ((REAL_FABS(from_top) <= c->period) ? from_top : theta_m - theta_m);
+    /* half angle from the top */
     const real half_angle = bounded * c->half_mu;
     const real half_angle_squared = half_angle * half_angle;
+    /* sine of the half angle from the top, which is the cosine of half the angle but for its sign */
     const real half_cosine = half_angle * c2_asymmetric_sine_series(half_angle_squared);
     const real p = square_difference;
     const real q = half_cosine * speed * c->twice_omega_star;
     const real magnitude = REAL_SQRT(p * p + q * q);
+    /* normal force on the axis of rotation [N], eq (17) */
     const real F_N = magnitude * c->scale_N;
     const real direction_of_motion = c2_asymmetric_sgn(omega_m);
+    /* cosine of the half angle from the top */
     const real half_sine = c2_asymmetric_cosine_series(half_angle_squared);
     const real part_4 = ((omega_m > REAL(0.0)) ? c->C_lN_pos_R_mu_per_k_i : c->C_lN_neg_R_mu_per_k_i);
     const real part_3 = F_N * part_4;
@@ -710,8 +733,8 @@ ECCENTRIC_REAL c2_asymmetric_voltage(
     const real part_10 = ((omega_m > REAL(0.0)) ? c->B_m_pos_R_per_k_i : c->B_m_neg_R_per_k_i);
     const real part_7 = c->k_e + part_10 + part_8;
     const real part_6 = omega_m * part_7;
-    const real part_11 = half_cosine * half_sine * c->minus_twice_L_M_R_g_mu_per_k_i;
-    const real part_12 = c->R_per_k_i * ((alpha_m == REAL(0.0)) ? REAL(0.0) : c->J * alpha_m);
+    const real part_11 = c->R_per_k_i * ((alpha_m == REAL(0.0)) ? REAL(0.0) : c->J * alpha_m);
+    const real part_12 = -half_cosine * half_sine * c->twice_L_M_R_g_mu_per_k_i;
     return part_1 + part_11 + part_12 + part_6;
 }
 
@@ -734,19 +757,28 @@ ECCENTRIC_REAL c2_asymmetric_current(
     ECCENTRIC_REAL alpha_m,
     const c2_asymmetric_coefficients *c)
 {
+    /* magnitude of the motor velocity, 0 if the mass is balanced [rad/s] */
     const real speed = c->unbalanced * REAL_FABS(omega_m);
+    /* speed^2 - omega_star^2; the difference is taken once, before anything is rounded */
     const real square_difference = (speed - c->omega_star_1 - c->omega_star_2) * (speed + c->omega_star_1);
+    /* the odd number of half turns up to the top that is nearest */
     const real halves = REAL(2.0) * REAL_FLOOR(theta_m * c->turns_per_rad) + REAL(1.0);
+    /* angle from the top: the half turns go off in three parts, the leading two exactly */
     const real from_top = theta_m - halves * c->half_period_1 - halves * c->half_period_2 - halves * c->half_period_3;
+    /* an angle so large that nothing is left of its phase counts as the top */
     const real bounded = ((REAL_FABS(from_top) <= c->period) ? from_top : theta_m - theta_m);
+    /* half angle from the top */
     const real half_angle = bounded * c->half_mu;
     const real half_angle_squared = half_angle * half_angle;
+    /* sine of the half angle from the top, which is the cosine of half the angle but for its sign */
     const real half_cosine = half_angle * c2_asymmetric_sine_series(half_angle_squared);
     const real p = square_difference;
     const real q = half_cosine * speed * c->twice_omega_star;
     const real magnitude = REAL_SQRT(p * p + q * q);
+    /* normal force on the axis of rotation [N], eq (17) */
     const real F_N = magnitude * c->scale_N;
     const real direction_of_motion = c2_asymmetric_sgn(omega_m);
+    /* cosine of the half angle from the top */
     const real half_sine = c2_asymmetric_cosine_series(half_angle_squared);
     const real part_4 = ((omega_m > REAL(0.0)) ? c->C_lN_pos_mu_per_k_i : c->C_lN_neg_mu_per_k_i);
     const real part_3 = F_N * part_4;
@@ -757,7 +789,7 @@ ECCENTRIC_REAL c2_asymmetric_current(
     const real part_6 = part_7 + ((omega_m > REAL(0.0)) ? c->B_m_pos_per_k_i : c->B_m_neg_per_k_i);
     const real part_5 = omega_m * part_6;
     const real part_9 = c->per_k_i * ((alpha_m == REAL(0.0)) ? REAL(0.0) : c->J * alpha_m);
-    const real part_10 = half_cosine * half_sine * c->minus_twice_L_M_g_mu_per_k_i;
+    const real part_10 = -half_cosine * half_sine * c->twice_L_M_g_mu_per_k_i;
     return part_1 + part_10 + part_5 + part_9;
 }
 
@@ -781,30 +813,38 @@ ECCENTRIC_REAL c2_asymmetric_mechanical_residual(
     ECCENTRIC_REAL alpha_m,
     const c2_asymmetric_coefficients *c)
 {
+    /* magnitude of the motor velocity, 0 if the mass is balanced [rad/s] */
     const real speed = c->unbalanced * REAL_FABS(omega_m);
+    /* speed^2 - omega_star^2; the difference is taken once, before anything is rounded */
     const real square_difference = (speed - c->omega_star_1 - c->omega_star_2) * (speed + c->omega_star_1);
+    /* the odd number of half turns up to the top that is nearest */
     const real halves = REAL(2.0) * REAL_FLOOR(theta_m * c->turns_per_rad) + REAL(1.0);
+    /* angle from the top: the half turns go off in three parts, the leading two exactly */
     const real from_top = theta_m - halves * c->half_period_1 - halves * c->half_period_2 - halves * c->half_period_3;
+    /* an angle so large that nothing is left of its phase counts as the top */
     const real bounded = ((REAL_FABS(from_top) <= c->period) ? from_top : theta_m - theta_m);
+    /* half angle from the top */
     const real half_angle = bounded * c->half_mu;
     const real half_angle_squared = half_angle * half_angle;
+    /* sine of the half angle from the top, which is the cosine of half the angle but for its sign */
     const real half_cosine = half_angle * c2_asymmetric_sine_series(half_angle_squared);
     const real p = square_difference;
     const real q = half_cosine * speed * c->twice_omega_star;
     const real magnitude = REAL_SQRT(p * p + q * q);
+    /* normal force on the axis of rotation [N], eq (17) */
     const real F_N = magnitude * c->scale_N;
     const real direction_of_motion = c2_asymmetric_sgn(omega_m);
+    /* cosine of the half angle from the top */
     const real half_sine = c2_asymmetric_cosine_series(half_angle_squared);
-    const real part_3 = F_N * ((omega_m > REAL(0.0)) ? c->minus_C_lN_pos_mu : c->minus_C_lN_neg_mu);
-    const real part_2 = part_3 + ((omega_m > REAL(0.0)) ? c->minus_C_m_pos : c->minus_C_m_neg);
+    const real part_3 = -F_N * ((omega_m > REAL(0.0)) ? c->C_lN_pos_mu : c->C_lN_neg_mu);
+    const real part_2 = part_3 - ((omega_m > REAL(0.0)) ? c->C_m_pos : c->C_m_neg);
     const real part_1 = direction_of_motion * part_2;
-    const real part_7 = ((omega_m > REAL(0.0)) ? c->minus_B_lN_pos_mu2 : c->minus_B_lN_neg_mu2);
-    const real part_6 = F_N * part_7;
-    const real part_5 = part_6 + ((omega_m > REAL(0.0)) ? c->minus_B_m_pos : c->minus_B_m_neg);
+    const real part_6 = -F_N * ((omega_m > REAL(0.0)) ? c->B_lN_pos_mu2 : c->B_lN_neg_mu2);
+    const real part_5 = part_6 - ((omega_m > REAL(0.0)) ? c->B_m_pos : c->B_m_neg);
     const real part_4 = omega_m * part_5;
-    const real part_8 = -((alpha_m == REAL(0.0)) ? REAL(0.0) : c->J * alpha_m);
-    const real part_9 = half_cosine * half_sine * c->twice_L_M_g_mu;
-    return i * c->k_i + part_1 + part_4 + part_8 + part_9;
+    const real part_7 = -((alpha_m == REAL(0.0)) ? REAL(0.0) : c->J * alpha_m);
+    const real part_8 = half_cosine * half_sine * c->twice_L_M_g_mu;
+    return i * c->k_i + part_1 + part_4 + part_7 + part_8;
 }
 
 void c2_asymmetric_mechanical_residual_n(
@@ -827,7 +867,7 @@ ECCENTRIC_REAL c2_asymmetric_electrical_residual(
     ECCENTRIC_REAL u,
     const c2_asymmetric_coefficients *c)
 {
-    return i * c->minus_k_i + c->k_i_per_R * u + c->minus_k_e_k_i_per_R * omega_m;
+    return -i * c->k_i - c->k_e_k_i_per_R * omega_m + c->k_i_per_R * u;
 }
 
 void c2_asymmetric_electrical_residual_n(

@@ -1,6 +1,6 @@
 /*
  * Generated: do not edit. Written by `make derive` from derivations/c2_asymmetric.py
- * (eccentric 0.1.0, program 62381ff9).
+ * (eccentric 0.1.0, program 919e8c4e).
  * Case C2 with friction that differs between the directions of motion.
  */
 #ifndef C2_ASYMMETRIC_H
@@ -9,7 +9,7 @@
 #include <stddef.h>
 
 /* C2_ASYMMETRIC_PROGRAM names the derivation that header and source come from; the source checks it. */
-#define C2_ASYMMETRIC_PROGRAM 0x62381ff9UL
+#define C2_ASYMMETRIC_PROGRAM 0x919e8c4eUL
 
 /* The working precision: double, or float by -DECCENTRIC_REAL=float. Files of different precision do not link:
  * c2_asymmetric_prepare and c2_asymmetric_default carry it in their names. */
@@ -68,64 +68,53 @@ typedef struct {
     ECCENTRIC_REAL mu; /**< gear ratio theta_l/theta_m [1] */
     ECCENTRIC_REAL scale_N; /**< normal force per squared motor velocity, M L mu^2 [N s^2/rad^2] */
     ECCENTRIC_REAL unbalanced; /**< 1 if M L > 0, else 0 [1] */
-    ECCENTRIC_REAL twice_omega_star;
-    ECCENTRIC_REAL omega_star_1;
-    ECCENTRIC_REAL omega_star_2;
-    ECCENTRIC_REAL half_period_1;
-    ECCENTRIC_REAL half_period_2;
-    ECCENTRIC_REAL half_period_3;
-    ECCENTRIC_REAL turns_per_rad;
-    ECCENTRIC_REAL half_mu;
-    ECCENTRIC_REAL period;
-    ECCENTRIC_REAL B_lN_pos_mu2;
-    ECCENTRIC_REAL B_lN_neg_mu2;
-    ECCENTRIC_REAL k_e_k_i_per_R;
-    ECCENTRIC_REAL C_lN_pos_mu;
-    ECCENTRIC_REAL C_lN_neg_mu;
-    ECCENTRIC_REAL mu_omega_star_scale_N;
-    ECCENTRIC_REAL mu2;
-    ECCENTRIC_REAL C_lN_pos_mu_weight_plus_C_m_pos;
-    ECCENTRIC_REAL C_lN_neg_mu_weight_plus_C_m_neg;
-    ECCENTRIC_REAL minus_twice_L_M_g_mu;
+    ECCENTRIC_REAL twice_omega_star; /**< 2 omega_star */
+    ECCENTRIC_REAL omega_star_1; /**< omega_star, in the working precision */
+    ECCENTRIC_REAL omega_star_2; /**< omega_star - omega_star_1, in the working precision */
+    ECCENTRIC_REAL half_period_1; /**< pi/mu, leading digits */
+    ECCENTRIC_REAL half_period_2; /**< pi/mu - half_period_1, leading digits */
+    ECCENTRIC_REAL half_period_3; /**< pi/mu - half_period_1 - half_period_2, in the working precision */
+    ECCENTRIC_REAL turns_per_rad; /**< mu/(2 pi) */
+    ECCENTRIC_REAL half_mu; /**< mu/2 */
+    ECCENTRIC_REAL period; /**< 2 pi/mu */
+    ECCENTRIC_REAL B_lN_pos_mu2; /**< B_lN_pos mu^2 */
+    ECCENTRIC_REAL B_lN_neg_mu2; /**< B_lN_neg mu^2 */
+    ECCENTRIC_REAL k_e_k_i_per_R; /**< k_e k_i/R */
+    ECCENTRIC_REAL C_lN_pos_mu; /**< C_lN_pos mu */
+    ECCENTRIC_REAL C_lN_neg_mu; /**< C_lN_neg mu */
+    ECCENTRIC_REAL mu_omega_star_scale_N; /**< mu omega_star scale_N */
+    ECCENTRIC_REAL mu2; /**< mu^2 */
+    ECCENTRIC_REAL C_lN_pos_mu_weight_plus_C_m_pos; /**< C_lN_pos mu weight + C_m_pos */
+    ECCENTRIC_REAL C_lN_neg_mu_weight_plus_C_m_neg; /**< C_lN_neg mu weight + C_m_neg */
+    ECCENTRIC_REAL twice_L_M_g_mu; /**< 2 L M g mu */
     ECCENTRIC_REAL J; /**< inertia on the motor side, J_m + mu^2 J_l [kg m^2] */
-    ECCENTRIC_REAL B_lN_pos_R_mu2_per_k_i;
-    ECCENTRIC_REAL B_lN_neg_R_mu2_per_k_i;
-    ECCENTRIC_REAL B_m_pos_R_per_k_i;
-    ECCENTRIC_REAL B_m_neg_R_per_k_i;
-    ECCENTRIC_REAL C_lN_pos_R_mu_per_k_i;
-    ECCENTRIC_REAL C_lN_neg_R_mu_per_k_i;
-    ECCENTRIC_REAL C_m_pos_R_per_k_i;
-    ECCENTRIC_REAL C_m_neg_R_per_k_i;
-    ECCENTRIC_REAL R_per_k_i;
-    ECCENTRIC_REAL minus_twice_L_M_R_g_mu_per_k_i;
-    ECCENTRIC_REAL B_lN_pos_mu2_per_k_i;
-    ECCENTRIC_REAL B_lN_neg_mu2_per_k_i;
-    ECCENTRIC_REAL B_m_pos_per_k_i;
-    ECCENTRIC_REAL B_m_neg_per_k_i;
-    ECCENTRIC_REAL per_k_i;
-    ECCENTRIC_REAL C_lN_pos_mu_per_k_i;
-    ECCENTRIC_REAL C_lN_neg_mu_per_k_i;
-    ECCENTRIC_REAL C_m_pos_per_k_i;
-    ECCENTRIC_REAL C_m_neg_per_k_i;
-    ECCENTRIC_REAL minus_twice_L_M_g_mu_per_k_i;
-    ECCENTRIC_REAL minus_B_lN_pos_mu2;
-    ECCENTRIC_REAL minus_B_lN_neg_mu2;
-    ECCENTRIC_REAL minus_B_m_pos;
-    ECCENTRIC_REAL minus_B_m_neg;
-    ECCENTRIC_REAL minus_C_lN_pos_mu;
-    ECCENTRIC_REAL minus_C_lN_neg_mu;
-    ECCENTRIC_REAL minus_C_m_pos;
-    ECCENTRIC_REAL minus_C_m_neg;
-    ECCENTRIC_REAL twice_L_M_g_mu;
-    ECCENTRIC_REAL minus_k_i;
-    ECCENTRIC_REAL k_i_per_R;
-    ECCENTRIC_REAL minus_k_e_k_i_per_R;
+    ECCENTRIC_REAL B_lN_pos_R_mu2_per_k_i; /**< B_lN_pos R mu^2/k_i */
+    ECCENTRIC_REAL B_lN_neg_R_mu2_per_k_i; /**< B_lN_neg R mu^2/k_i */
+    ECCENTRIC_REAL B_m_pos_R_per_k_i; /**< B_m_pos R/k_i */
+    ECCENTRIC_REAL B_m_neg_R_per_k_i; /**< B_m_neg R/k_i */
+    ECCENTRIC_REAL C_lN_pos_R_mu_per_k_i; /**< C_lN_pos R mu/k_i */
+    ECCENTRIC_REAL C_lN_neg_R_mu_per_k_i; /**< C_lN_neg R mu/k_i */
+    ECCENTRIC_REAL C_m_pos_R_per_k_i; /**< C_m_pos R/k_i */
+    ECCENTRIC_REAL C_m_neg_R_per_k_i; /**< C_m_neg R/k_i */
+    ECCENTRIC_REAL R_per_k_i; /**< R/k_i */
+    ECCENTRIC_REAL twice_L_M_R_g_mu_per_k_i; /**< 2 L M R g mu/k_i */
+    ECCENTRIC_REAL B_lN_pos_mu2_per_k_i; /**< B_lN_pos mu^2/k_i */
+    ECCENTRIC_REAL B_lN_neg_mu2_per_k_i; /**< B_lN_neg mu^2/k_i */
+    ECCENTRIC_REAL B_m_pos_per_k_i; /**< B_m_pos/k_i */
+    ECCENTRIC_REAL B_m_neg_per_k_i; /**< B_m_neg/k_i */
+    ECCENTRIC_REAL per_k_i; /**< 1/k_i */
+    ECCENTRIC_REAL C_lN_pos_mu_per_k_i; /**< C_lN_pos mu/k_i */
+    ECCENTRIC_REAL C_lN_neg_mu_per_k_i; /**< C_lN_neg mu/k_i */
+    ECCENTRIC_REAL C_m_pos_per_k_i; /**< C_m_pos/k_i */
+    ECCENTRIC_REAL C_m_neg_per_k_i; /**< C_m_neg/k_i */
+    ECCENTRIC_REAL twice_L_M_g_mu_per_k_i; /**< 2 L M g mu/k_i */
+    ECCENTRIC_REAL k_i_per_R; /**< k_i/R */
 } c2_asymmetric_coefficients;
 
-/** The default parameters: the paper's Table 1 with mu = 1/5, or those of the fit that this was emitted with. */
+/** The default parameters: Table 1 of the paper with mu = 1/5. */
 extern const c2_asymmetric_parameters c2_asymmetric_default_parameters;
 
-/** The coefficients of the default parameters, computed to 50 digits when this file was written. */
+/** The coefficients of the default parameters, computed at 50 digits, rounded to the working precision. */
 extern const c2_asymmetric_coefficients c2_asymmetric_default;
 
 /** Compute the coefficients of a set of parameters; run it once, or when a parameter changes.
@@ -135,10 +124,11 @@ extern const c2_asymmetric_coefficients c2_asymmetric_default;
  */
 void c2_asymmetric_prepare(const c2_asymmetric_parameters *p, c2_asymmetric_coefficients *c);
 
-/** Normal force F_N on the axis of rotation [N].
- *  @param[in]  theta_m  motor angle [rad]
+/** Normal force F_N on the axis of rotation.
+ *  @param[in]  theta_m  motor angle [rad], reduced exactly up to 2^20 half turns of the link (float: 2^12)
  *  @param[in]  omega_m  motor velocity [rad/s]
  *  @param[in]  c  coefficients
+ *  @return normal_force [N]
  */
 ECCENTRIC_REAL c2_asymmetric_normal_force(
     ECCENTRIC_REAL theta_m,
@@ -153,10 +143,11 @@ void c2_asymmetric_normal_force_n(
     ECCENTRIC_REAL *out,
     const c2_asymmetric_coefficients *c);
 
-/** Resultant friction torque F, back-EMF damping included, eq (6) [N m].
- *  @param[in]  theta_m  motor angle [rad]
+/** Resultant friction torque F, back-EMF damping included, eq (6).
+ *  @param[in]  theta_m  motor angle [rad], reduced exactly up to 2^20 half turns of the link (float: 2^12)
  *  @param[in]  omega_m  motor velocity [rad/s]
  *  @param[in]  c  coefficients
+ *  @return friction_torque [N m]
  */
 ECCENTRIC_REAL c2_asymmetric_friction_torque(
     ECCENTRIC_REAL theta_m,
@@ -171,10 +162,11 @@ void c2_asymmetric_friction_torque_n(
     ECCENTRIC_REAL *out,
     const c2_asymmetric_coefficients *c);
 
-/** Mechanical friction torque f = f_m + mu f_l, without back-EMF [N m].
- *  @param[in]  theta_m  motor angle [rad]
+/** Mechanical friction torque f = f_m + mu f_l, without back-EMF.
+ *  @param[in]  theta_m  motor angle [rad], reduced exactly up to 2^20 half turns of the link (float: 2^12)
  *  @param[in]  omega_m  motor velocity [rad/s]
  *  @param[in]  c  coefficients
+ *  @return mechanical_friction_torque [N m]
  */
 ECCENTRIC_REAL c2_asymmetric_mechanical_friction_torque(
     ECCENTRIC_REAL theta_m,
@@ -189,10 +181,10 @@ void c2_asymmetric_mechanical_friction_torque_n(
     ECCENTRIC_REAL *out,
     const c2_asymmetric_coefficients *c);
 
-/** Slopes of friction_torque by its inputs [N m per rad, rad/s, rad/s^2].
- *  @param[in]  theta_m  motor angle [rad]
+/** Partial derivatives of friction_torque with respect to its inputs.
+ *  @param[in]  theta_m  motor angle [rad], reduced exactly up to 2^20 half turns of the link (float: 2^12)
  *  @param[in]  omega_m  motor velocity [rad/s]
- *  @param[out] out  2 values: theta_m, omega_m
+ *  @param[out] out  2 values: theta_m, omega_m [N m per rad, rad/s]
  *  @param[in]  c  coefficients
  */
 void c2_asymmetric_friction_torque_gradient(
@@ -201,7 +193,7 @@ void c2_asymmetric_friction_torque_gradient(
     ECCENTRIC_REAL *out,
     const c2_asymmetric_coefficients *c);
 
-/** friction_torque_gradient over arrays of n samples, 2 values of `out` a sample. */
+/** friction_torque_gradient over arrays of n samples, each with 2 of `out`. */
 void c2_asymmetric_friction_torque_gradient_n(
     size_t n,
     const ECCENTRIC_REAL *theta_m,
@@ -209,10 +201,11 @@ void c2_asymmetric_friction_torque_gradient_n(
     ECCENTRIC_REAL *out,
     const c2_asymmetric_coefficients *c);
 
-/** Slopes of friction_torque by all friction coefficients [N m per unit coefficient].
- *  @param[in]  theta_m  motor angle [rad]
+/** Partial derivatives of friction_torque with respect to all friction coefficients.
+ *  @param[in]  theta_m  motor angle [rad], reduced exactly up to 2^20 half turns of the link (float: 2^12)
  *  @param[in]  omega_m  motor velocity [rad/s]
- *  @param[out] out  8 values: B_lN_pos, B_lN_neg, C_lN_pos, C_lN_neg, B_m_pos, B_m_neg, C_m_pos, C_m_neg
+ *  @param[out] out  8 values: B_lN_pos, B_lN_neg, C_lN_pos, C_lN_neg, B_m_pos, B_m_neg, C_m_pos, C_m_neg [N m
+ *      per unit coefficient]
  *  @param[in]  c  coefficients
  */
 void c2_asymmetric_friction_torque_jacobian(
@@ -221,7 +214,7 @@ void c2_asymmetric_friction_torque_jacobian(
     ECCENTRIC_REAL *out,
     const c2_asymmetric_coefficients *c);
 
-/** friction_torque_jacobian over arrays of n samples, 8 values of `out` a sample. */
+/** friction_torque_jacobian over arrays of n samples, each with 8 of `out`. */
 void c2_asymmetric_friction_torque_jacobian_n(
     size_t n,
     const ECCENTRIC_REAL *theta_m,
@@ -229,10 +222,11 @@ void c2_asymmetric_friction_torque_jacobian_n(
     ECCENTRIC_REAL *out,
     const c2_asymmetric_coefficients *c);
 
-/** Columns with regressor @ friction_coefficients = mechanical_friction_torque [N m per unit coefficient].
- *  @param[in]  theta_m  motor angle [rad]
+/** Columns: regressor times friction_coefficients is mechanical_friction_torque.
+ *  @param[in]  theta_m  motor angle [rad], reduced exactly up to 2^20 half turns of the link (float: 2^12)
  *  @param[in]  omega_m  motor velocity [rad/s]
- *  @param[out] out  8 values: B_lN_pos, B_lN_neg, C_lN_pos, C_lN_neg, B_m_pos, B_m_neg, C_m_pos, C_m_neg
+ *  @param[out] out  8 values: B_lN_pos, B_lN_neg, C_lN_pos, C_lN_neg, B_m_pos, B_m_neg, C_m_pos, C_m_neg [N m
+ *      per unit coefficient]
  *  @param[in]  c  coefficients
  */
 void c2_asymmetric_regressor(
@@ -241,7 +235,7 @@ void c2_asymmetric_regressor(
     ECCENTRIC_REAL *out,
     const c2_asymmetric_coefficients *c);
 
-/** regressor over arrays of n samples, 8 values of `out` a sample. */
+/** regressor over arrays of n samples, each with 8 of `out`. */
 void c2_asymmetric_regressor_n(
     size_t n,
     const ECCENTRIC_REAL *theta_m,
@@ -249,21 +243,23 @@ void c2_asymmetric_regressor_n(
     ECCENTRIC_REAL *out,
     const c2_asymmetric_coefficients *c);
 
-/** What the columns of the regressor multiply [as the columns of the regressor].
- *  @param[out] out  8 values: B_lN_pos, B_lN_neg, C_lN_pos, C_lN_neg, B_m_pos, B_m_neg, C_m_pos, C_m_neg
+/** What the columns of the regressor multiply.
+ *  @param[out] out  8 values: B_lN_pos, B_lN_neg, C_lN_pos, C_lN_neg, B_m_pos, B_m_neg, C_m_pos, C_m_neg [as
+ *      the columns of the regressor]
  *  @param[in]  c  coefficients
  */
 void c2_asymmetric_friction_coefficients(ECCENTRIC_REAL *out, const c2_asymmetric_coefficients *c);
 
-/** Size of the friction torque at standstill, where it is set-valued [N m].
- *  @param[out] out  2 values: pos, neg
+/** Magnitude of the friction torque at standstill, where it is set-valued.
+ *  @param[out] out  2 values: pos, neg [N m]
  *  @param[in]  c  coefficients
  */
 void c2_asymmetric_coulomb_torque(ECCENTRIC_REAL *out, const c2_asymmetric_coefficients *c);
 
-/** Gravity torque G, eq (5) [N m].
- *  @param[in]  theta_m  motor angle [rad]
+/** Gravity torque G, eq (5).
+ *  @param[in]  theta_m  motor angle [rad], reduced exactly up to 2^20 half turns of the link (float: 2^12)
  *  @param[in]  c  coefficients
+ *  @return gravity_torque [N m]
  */
 ECCENTRIC_REAL c2_asymmetric_gravity_torque(ECCENTRIC_REAL theta_m, const c2_asymmetric_coefficients *c);
 
@@ -274,11 +270,12 @@ void c2_asymmetric_gravity_torque_n(
     ECCENTRIC_REAL *out,
     const c2_asymmetric_coefficients *c);
 
-/** Armature voltage u = (R/k_i) (J alpha_m + G + F), eq (4) [V].
- *  @param[in]  theta_m  motor angle [rad]
+/** Armature voltage u = (R/k_i) (J alpha_m + G + F), eq (4).
+ *  @param[in]  theta_m  motor angle [rad], reduced exactly up to 2^20 half turns of the link (float: 2^12)
  *  @param[in]  omega_m  motor velocity [rad/s]
  *  @param[in]  alpha_m  motor acceleration [rad/s^2]
  *  @param[in]  c  coefficients
+ *  @return voltage [V]
  */
 ECCENTRIC_REAL c2_asymmetric_voltage(
     ECCENTRIC_REAL theta_m,
@@ -295,11 +292,12 @@ void c2_asymmetric_voltage_n(
     ECCENTRIC_REAL *out,
     const c2_asymmetric_coefficients *c);
 
-/** Armature current i = (J alpha_m + G + f)/k_i [A].
- *  @param[in]  theta_m  motor angle [rad]
+/** Armature current i = (J alpha_m + G + f)/k_i.
+ *  @param[in]  theta_m  motor angle [rad], reduced exactly up to 2^20 half turns of the link (float: 2^12)
  *  @param[in]  omega_m  motor velocity [rad/s]
  *  @param[in]  alpha_m  motor acceleration [rad/s^2]
  *  @param[in]  c  coefficients
+ *  @return current [A]
  */
 ECCENTRIC_REAL c2_asymmetric_current(
     ECCENTRIC_REAL theta_m,
@@ -316,12 +314,13 @@ void c2_asymmetric_current_n(
     ECCENTRIC_REAL *out,
     const c2_asymmetric_coefficients *c);
 
-/** What the mechanical balance leaves: k_i i - J alpha_m - G - f [N m].
- *  @param[in]  theta_m  motor angle [rad]
+/** What the mechanical balance leaves: k_i i - J alpha_m - G - f.
+ *  @param[in]  theta_m  motor angle [rad], reduced exactly up to 2^20 half turns of the link (float: 2^12)
  *  @param[in]  omega_m  motor velocity [rad/s]
  *  @param[in]  i  armature current [A]
  *  @param[in]  alpha_m  motor acceleration [rad/s^2]
  *  @param[in]  c  coefficients
+ *  @return mechanical_residual [N m]
  */
 ECCENTRIC_REAL c2_asymmetric_mechanical_residual(
     ECCENTRIC_REAL theta_m,
@@ -340,11 +339,12 @@ void c2_asymmetric_mechanical_residual_n(
     ECCENTRIC_REAL *out,
     const c2_asymmetric_coefficients *c);
 
-/** What the electrical balance leaves, as a torque: (k_i/R)(u - k_e omega_m) - k_i i [N m].
+/** What the electrical balance leaves, as a torque: (k_i/R)(u - k_e omega_m) - k_i i.
  *  @param[in]  omega_m  motor velocity [rad/s]
  *  @param[in]  i  armature current [A]
  *  @param[in]  u  armature voltage [V]
  *  @param[in]  c  coefficients
+ *  @return electrical_residual [N m]
  */
 ECCENTRIC_REAL c2_asymmetric_electrical_residual(
     ECCENTRIC_REAL omega_m,

@@ -1,5 +1,5 @@
 # Generated: do not edit. Written by `make derive` from derivations/c2_asymmetric.py
-# (eccentric 0.1.0, program 62381ff9).
+# (eccentric 0.1.0, program 919e8c4e).
 # Case C2 with friction that differs between the directions of motion.
 """Case C2 with friction that differs between the directions of motion.
 
@@ -65,7 +65,7 @@ _Real = type[np.float32] | type[np.float64]
 
 @dataclass(frozen=True)
 class Parameters:
-    """Parameters with the paper's letters, in SI units.
+    """Parameters with the paper's letters, in SI units; the defaults are Table 1 of the paper with mu = 1/5.
 
     Raises:
         ValueError: a value is not a finite number, or has a sign that the quantity cannot have.
@@ -175,7 +175,7 @@ class _Coefficients(NamedTuple):
     mu2: Any
     C_lN_pos_mu_weight_plus_C_m_pos: Any
     C_lN_neg_mu_weight_plus_C_m_neg: Any
-    minus_twice_L_M_g_mu: Any
+    twice_L_M_g_mu: Any
     J: Any
     B_lN_pos_R_mu2_per_k_i: Any
     B_lN_neg_R_mu2_per_k_i: Any
@@ -186,7 +186,7 @@ class _Coefficients(NamedTuple):
     C_m_pos_R_per_k_i: Any
     C_m_neg_R_per_k_i: Any
     R_per_k_i: Any
-    minus_twice_L_M_R_g_mu_per_k_i: Any
+    twice_L_M_R_g_mu_per_k_i: Any
     B_lN_pos_mu2_per_k_i: Any
     B_lN_neg_mu2_per_k_i: Any
     B_m_pos_per_k_i: Any
@@ -196,19 +196,8 @@ class _Coefficients(NamedTuple):
     C_lN_neg_mu_per_k_i: Any
     C_m_pos_per_k_i: Any
     C_m_neg_per_k_i: Any
-    minus_twice_L_M_g_mu_per_k_i: Any
-    minus_B_lN_pos_mu2: Any
-    minus_B_lN_neg_mu2: Any
-    minus_B_m_pos: Any
-    minus_B_m_neg: Any
-    minus_C_lN_pos_mu: Any
-    minus_C_lN_neg_mu: Any
-    minus_C_m_pos: Any
-    minus_C_m_neg: Any
-    twice_L_M_g_mu: Any
-    minus_k_i: Any
+    twice_L_M_g_mu_per_k_i: Any
     k_i_per_R: Any
-    minus_k_e_k_i_per_R: Any
     largest: Any
 
 
@@ -246,7 +235,7 @@ def _prepare(p: Parameters, real: _Real) -> _Coefficients:
     mu2 = p.mu * p.mu
     C_lN_pos_mu_weight_plus_C_m_pos = p.C_lN_pos * p.mu * weight + p.C_m_pos
     C_lN_neg_mu_weight_plus_C_m_neg = p.C_lN_neg * p.mu * weight + p.C_m_neg
-    minus_twice_L_M_g_mu = -2.0 * p.L * p.M * p.g * p.mu
+    twice_L_M_g_mu = 2.0 * p.L * p.M * p.g * p.mu
     J = J_l * p.mu * p.mu + J_m
     B_lN_pos_R_mu2_per_k_i = p.B_lN_pos * p.R * p.mu * p.mu / p.k_i
     B_lN_neg_R_mu2_per_k_i = p.B_lN_neg * p.R * p.mu * p.mu / p.k_i
@@ -257,7 +246,7 @@ def _prepare(p: Parameters, real: _Real) -> _Coefficients:
     C_m_pos_R_per_k_i = p.C_m_pos * p.R / p.k_i
     C_m_neg_R_per_k_i = p.C_m_neg * p.R / p.k_i
     R_per_k_i = p.R / p.k_i
-    minus_twice_L_M_R_g_mu_per_k_i = -2.0 * p.L * p.M * p.R * p.g * p.mu / p.k_i
+    twice_L_M_R_g_mu_per_k_i = 2.0 * p.L * p.M * p.R * p.g * p.mu / p.k_i
     B_lN_pos_mu2_per_k_i = p.B_lN_pos * p.mu * p.mu / p.k_i
     B_lN_neg_mu2_per_k_i = p.B_lN_neg * p.mu * p.mu / p.k_i
     B_m_pos_per_k_i = p.B_m_pos / p.k_i
@@ -267,19 +256,8 @@ def _prepare(p: Parameters, real: _Real) -> _Coefficients:
     C_lN_neg_mu_per_k_i = p.C_lN_neg * p.mu / p.k_i
     C_m_pos_per_k_i = p.C_m_pos / p.k_i
     C_m_neg_per_k_i = p.C_m_neg / p.k_i
-    minus_twice_L_M_g_mu_per_k_i = -2.0 * p.L * p.M * p.g * p.mu / p.k_i
-    minus_B_lN_pos_mu2 = -p.B_lN_pos * p.mu * p.mu
-    minus_B_lN_neg_mu2 = -p.B_lN_neg * p.mu * p.mu
-    minus_B_m_pos = -p.B_m_pos
-    minus_B_m_neg = -p.B_m_neg
-    minus_C_lN_pos_mu = -p.C_lN_pos * p.mu
-    minus_C_lN_neg_mu = -p.C_lN_neg * p.mu
-    minus_C_m_pos = -p.C_m_pos
-    minus_C_m_neg = -p.C_m_neg
-    twice_L_M_g_mu = 2.0 * p.L * p.M * p.g * p.mu
-    minus_k_i = -p.k_i
+    twice_L_M_g_mu_per_k_i = 2.0 * p.L * p.M * p.g * p.mu / p.k_i
     k_i_per_R = p.k_i / p.R
-    minus_k_e_k_i_per_R = -p.k_e * p.k_i / p.R
     with np.errstate(all="ignore"):
         return _Coefficients(
             B_lN_neg=real(p.B_lN_neg),
@@ -313,7 +291,7 @@ def _prepare(p: Parameters, real: _Real) -> _Coefficients:
             mu2=real(mu2),
             C_lN_pos_mu_weight_plus_C_m_pos=real(C_lN_pos_mu_weight_plus_C_m_pos),
             C_lN_neg_mu_weight_plus_C_m_neg=real(C_lN_neg_mu_weight_plus_C_m_neg),
-            minus_twice_L_M_g_mu=real(minus_twice_L_M_g_mu),
+            twice_L_M_g_mu=real(twice_L_M_g_mu),
             J=real(J),
             B_lN_pos_R_mu2_per_k_i=real(B_lN_pos_R_mu2_per_k_i),
             B_lN_neg_R_mu2_per_k_i=real(B_lN_neg_R_mu2_per_k_i),
@@ -324,7 +302,7 @@ def _prepare(p: Parameters, real: _Real) -> _Coefficients:
             C_m_pos_R_per_k_i=real(C_m_pos_R_per_k_i),
             C_m_neg_R_per_k_i=real(C_m_neg_R_per_k_i),
             R_per_k_i=real(R_per_k_i),
-            minus_twice_L_M_R_g_mu_per_k_i=real(minus_twice_L_M_R_g_mu_per_k_i),
+            twice_L_M_R_g_mu_per_k_i=real(twice_L_M_R_g_mu_per_k_i),
             B_lN_pos_mu2_per_k_i=real(B_lN_pos_mu2_per_k_i),
             B_lN_neg_mu2_per_k_i=real(B_lN_neg_mu2_per_k_i),
             B_m_pos_per_k_i=real(B_m_pos_per_k_i),
@@ -334,19 +312,8 @@ def _prepare(p: Parameters, real: _Real) -> _Coefficients:
             C_lN_neg_mu_per_k_i=real(C_lN_neg_mu_per_k_i),
             C_m_pos_per_k_i=real(C_m_pos_per_k_i),
             C_m_neg_per_k_i=real(C_m_neg_per_k_i),
-            minus_twice_L_M_g_mu_per_k_i=real(minus_twice_L_M_g_mu_per_k_i),
-            minus_B_lN_pos_mu2=real(minus_B_lN_pos_mu2),
-            minus_B_lN_neg_mu2=real(minus_B_lN_neg_mu2),
-            minus_B_m_pos=real(minus_B_m_pos),
-            minus_B_m_neg=real(minus_B_m_neg),
-            minus_C_lN_pos_mu=real(minus_C_lN_pos_mu),
-            minus_C_lN_neg_mu=real(minus_C_lN_neg_mu),
-            minus_C_m_pos=real(minus_C_m_pos),
-            minus_C_m_neg=real(minus_C_m_neg),
-            twice_L_M_g_mu=real(twice_L_M_g_mu),
-            minus_k_i=real(minus_k_i),
+            twice_L_M_g_mu_per_k_i=real(twice_L_M_g_mu_per_k_i),
             k_i_per_R=real(k_i_per_R),
-            minus_k_e_k_i_per_R=real(minus_k_e_k_i_per_R),
             largest=real(np.finfo(real).max),
         )
 
@@ -467,17 +434,25 @@ def _normal_force(
     theta_m: Any,
     omega_m: Any,
 ) -> tuple[Any, ...]:
+    # magnitude of the motor velocity, 0 if the mass is balanced [rad/s]
     speed = c.unbalanced * np.abs(omega_m)
+    # speed^2 - omega_star^2; the difference is taken once, before anything is rounded
     square_difference = (speed - c.omega_star_1 - c.omega_star_2) * (speed + c.omega_star_1)
+    # the odd number of half turns up to the top that is nearest
     halves = 2.0 * np.floor(theta_m * c.turns_per_rad) + 1.0
+    # angle from the top: the half turns go off in three parts, the leading two exactly
     from_top = theta_m - halves * c.half_period_1 - halves * c.half_period_2 - halves * c.half_period_3
+    # an angle so large that nothing is left of its phase counts as the top
     bounded = np.where(np.abs(from_top) <= c.period, from_top, theta_m - theta_m)
+    # half angle from the top
     half_angle = bounded * c.half_mu
     half_angle_squared = half_angle * half_angle
+    # sine of the half angle from the top, which is the cosine of half the angle but for its sign
     half_cosine = half_angle * _sine_series(half_angle_squared)
     p = square_difference
     q = half_cosine * speed * c.twice_omega_star
     magnitude = np.sqrt(p * p + q * q)
+    # normal force on the axis of rotation [N], eq (17)
     F_N = magnitude * c.scale_N
     result = F_N
     return (result,)
@@ -502,17 +477,25 @@ def _friction_torque(
     theta_m: Any,
     omega_m: Any,
 ) -> tuple[Any, ...]:
+    # magnitude of the motor velocity, 0 if the mass is balanced [rad/s]
     speed = c.unbalanced * np.abs(omega_m)
+    # speed^2 - omega_star^2; the difference is taken once, before anything is rounded
     square_difference = (speed - c.omega_star_1 - c.omega_star_2) * (speed + c.omega_star_1)
+    # the odd number of half turns up to the top that is nearest
     halves = 2.0 * np.floor(theta_m * c.turns_per_rad) + 1.0
+    # angle from the top: the half turns go off in three parts, the leading two exactly
     from_top = theta_m - halves * c.half_period_1 - halves * c.half_period_2 - halves * c.half_period_3
+    # an angle so large that nothing is left of its phase counts as the top
     bounded = np.where(np.abs(from_top) <= c.period, from_top, theta_m - theta_m)
+    # half angle from the top
     half_angle = bounded * c.half_mu
     half_angle_squared = half_angle * half_angle
+    # sine of the half angle from the top, which is the cosine of half the angle but for its sign
     half_cosine = half_angle * _sine_series(half_angle_squared)
     p = square_difference
     q = half_cosine * speed * c.twice_omega_star
     magnitude = np.sqrt(p * p + q * q)
+    # normal force on the axis of rotation [N], eq (17)
     F_N = magnitude * c.scale_N
     direction_of_motion = np.sign(omega_m)
     part_3 = F_N * np.where(omega_m > 0.0, c.B_lN_pos_mu2, c.B_lN_neg_mu2)
@@ -547,17 +530,25 @@ def _mechanical_friction_torque(
     theta_m: Any,
     omega_m: Any,
 ) -> tuple[Any, ...]:
+    # magnitude of the motor velocity, 0 if the mass is balanced [rad/s]
     speed = c.unbalanced * np.abs(omega_m)
+    # speed^2 - omega_star^2; the difference is taken once, before anything is rounded
     square_difference = (speed - c.omega_star_1 - c.omega_star_2) * (speed + c.omega_star_1)
+    # the odd number of half turns up to the top that is nearest
     halves = 2.0 * np.floor(theta_m * c.turns_per_rad) + 1.0
+    # angle from the top: the half turns go off in three parts, the leading two exactly
     from_top = theta_m - halves * c.half_period_1 - halves * c.half_period_2 - halves * c.half_period_3
+    # an angle so large that nothing is left of its phase counts as the top
     bounded = np.where(np.abs(from_top) <= c.period, from_top, theta_m - theta_m)
+    # half angle from the top
     half_angle = bounded * c.half_mu
     half_angle_squared = half_angle * half_angle
+    # sine of the half angle from the top, which is the cosine of half the angle but for its sign
     half_cosine = half_angle * _sine_series(half_angle_squared)
     p = square_difference
     q = half_cosine * speed * c.twice_omega_star
     magnitude = np.sqrt(p * p + q * q)
+    # normal force on the axis of rotation [N], eq (17)
     F_N = magnitude * c.scale_N
     direction_of_motion = np.sign(omega_m)
     part_3 = F_N * np.where(omega_m > 0.0, c.C_lN_pos_mu, c.C_lN_neg_mu)
@@ -591,26 +582,38 @@ def _friction_torque_gradient(
     theta_m: Any,
     omega_m: Any,
 ) -> tuple[Any, ...]:
+    # magnitude of the motor velocity, 0 if the mass is balanced [rad/s]
     speed = c.unbalanced * np.abs(omega_m)
     direction_of_motion = np.sign(omega_m)
     speed_d_omega_m = direction_of_motion * c.unbalanced
+    # speed^2 - omega_star^2; the difference is taken once, before anything is rounded
     square_difference = (speed - c.omega_star_1 - c.omega_star_2) * (speed + c.omega_star_1)
+    # the odd number of half turns up to the top that is nearest
     halves = 2.0 * np.floor(theta_m * c.turns_per_rad) + 1.0
+    # angle from the top: the half turns go off in three parts, the leading two exactly
     from_top = theta_m - halves * c.half_period_1 - halves * c.half_period_2 - halves * c.half_period_3
+    # an angle so large that nothing is left of its phase counts as the top
     bounded = np.where(np.abs(from_top) <= c.period, from_top, theta_m - theta_m)
+    # half angle from the top
     half_angle = bounded * c.half_mu
     half_angle_squared = half_angle * half_angle
+    # sine of the half angle from the top, which is the cosine of half the angle but for its sign
     half_cosine = half_angle * _sine_series(half_angle_squared)
     p = square_difference
     q = half_cosine * speed * c.twice_omega_star
     magnitude = np.sqrt(p * p + q * q)
+    # normal force on the axis of rotation [N], eq (17)
     F_N = magnitude * c.scale_N
+    # cosine of the half angle from the top
     half_sine = _cosine_series(half_angle_squared)
+    # 0/0 at the apex, where F_N is 0 and its derivatives are taken as 0
     divisor = np.where(magnitude == 0.0, 1.0, magnitude)
+    # where the square overflows, the larger of the two decides
     limit = np.where(np.abs(q) > np.abs(p), np.sign(q), 0.0)
     cosine = np.where(magnitude > c.largest, limit, q / divisor)
     ungated = half_sine * c.mu_omega_star_scale_N * speed
     F_N_d_theta_m = np.where(cosine == 0.0, 0.0, ungated * cosine)
+    # where the square overflows, the larger of the two decides
     limit_2 = np.where(np.abs(p) > np.abs(q), np.sign(p), 0.0)
     cosine_2 = np.where(magnitude > c.largest, limit_2, p / divisor)
     ungated_2 = 2.0 * speed
@@ -639,7 +642,7 @@ def friction_torque_gradient(
     parameters: Parameters | None = None,
     out: np.ndarray | None = None,
 ) -> Any:
-    """Slopes of friction_torque by its inputs [N m per rad, rad/s, rad/s^2].
+    """Partial derivatives of friction_torque with respect to its inputs [N m per rad, rad/s].
 
     Last axis (theta_m, omega_m).
 
@@ -654,17 +657,25 @@ def _friction_torque_jacobian(
     theta_m: Any,
     omega_m: Any,
 ) -> tuple[Any, ...]:
+    # magnitude of the motor velocity, 0 if the mass is balanced [rad/s]
     speed = c.unbalanced * np.abs(omega_m)
+    # speed^2 - omega_star^2; the difference is taken once, before anything is rounded
     square_difference = (speed - c.omega_star_1 - c.omega_star_2) * (speed + c.omega_star_1)
+    # the odd number of half turns up to the top that is nearest
     halves = 2.0 * np.floor(theta_m * c.turns_per_rad) + 1.0
+    # angle from the top: the half turns go off in three parts, the leading two exactly
     from_top = theta_m - halves * c.half_period_1 - halves * c.half_period_2 - halves * c.half_period_3
+    # an angle so large that nothing is left of its phase counts as the top
     bounded = np.where(np.abs(from_top) <= c.period, from_top, theta_m - theta_m)
+    # half angle from the top
     half_angle = bounded * c.half_mu
     half_angle_squared = half_angle * half_angle
+    # sine of the half angle from the top, which is the cosine of half the angle but for its sign
     half_cosine = half_angle * _sine_series(half_angle_squared)
     p = square_difference
     q = half_cosine * speed * c.twice_omega_star
     magnitude = np.sqrt(p * p + q * q)
+    # normal force on the axis of rotation [N], eq (17)
     F_N = magnitude * c.scale_N
     is_forward = np.heaviside(omega_m, 0.0)
     ungated = F_N * c.mu2 * omega_m
@@ -697,7 +708,7 @@ def friction_torque_jacobian(
     parameters: Parameters | None = None,
     out: np.ndarray | None = None,
 ) -> Any:
-    """Slopes of friction_torque by all friction coefficients [N m per unit coefficient].
+    """Partial derivatives of friction_torque with respect to all friction coefficients [N m per unit coefficient].
 
     Last axis (b_ln_pos, b_ln_neg, c_ln_pos, c_ln_neg, b_m_pos, b_m_neg, c_m_pos, c_m_neg).
 
@@ -712,17 +723,25 @@ def _regressor(
     theta_m: Any,
     omega_m: Any,
 ) -> tuple[Any, ...]:
+    # magnitude of the motor velocity, 0 if the mass is balanced [rad/s]
     speed = c.unbalanced * np.abs(omega_m)
+    # speed^2 - omega_star^2; the difference is taken once, before anything is rounded
     square_difference = (speed - c.omega_star_1 - c.omega_star_2) * (speed + c.omega_star_1)
+    # the odd number of half turns up to the top that is nearest
     halves = 2.0 * np.floor(theta_m * c.turns_per_rad) + 1.0
+    # angle from the top: the half turns go off in three parts, the leading two exactly
     from_top = theta_m - halves * c.half_period_1 - halves * c.half_period_2 - halves * c.half_period_3
+    # an angle so large that nothing is left of its phase counts as the top
     bounded = np.where(np.abs(from_top) <= c.period, from_top, theta_m - theta_m)
+    # half angle from the top
     half_angle = bounded * c.half_mu
     half_angle_squared = half_angle * half_angle
+    # sine of the half angle from the top, which is the cosine of half the angle but for its sign
     half_cosine = half_angle * _sine_series(half_angle_squared)
     p = square_difference
     q = half_cosine * speed * c.twice_omega_star
     magnitude = np.sqrt(p * p + q * q)
+    # normal force on the axis of rotation [N], eq (17)
     F_N = magnitude * c.scale_N
     is_forward = np.heaviside(omega_m, 0.0)
     ungated = F_N * c.mu2 * omega_m
@@ -755,7 +774,7 @@ def regressor(
     parameters: Parameters | None = None,
     out: np.ndarray | None = None,
 ) -> Any:
-    """Columns with regressor @ friction_coefficients = mechanical_friction_torque [N m per unit coefficient].
+    """Columns: regressor times friction_coefficients is mechanical_friction_torque [N m per unit coefficient].
 
     Last axis (b_ln_pos, b_ln_neg, c_ln_pos, c_ln_neg, b_m_pos, b_m_neg, c_m_pos, c_m_neg).
 
@@ -811,7 +830,10 @@ def coulomb_torque(
     parameters: Parameters | None = None,
     out: np.ndarray | None = None,
 ) -> Any:
-    """Size of the friction torque at standstill, where it is set-valued [N m]; last axis (pos, neg)."""
+    """Magnitude of the friction torque at standstill, where it is set-valued [N m].
+
+    Last axis (pos, neg).
+    """
     return _evaluate(_coulomb_torque, (), parameters, out, 2)
 
 
@@ -819,14 +841,20 @@ def _gravity_torque(
     c: _Coefficients,
     theta_m: Any,
 ) -> tuple[Any, ...]:
+    # the odd number of half turns up to the top that is nearest
     halves = 2.0 * np.floor(theta_m * c.turns_per_rad) + 1.0
+    # angle from the top: the half turns go off in three parts, the leading two exactly
     from_top = theta_m - halves * c.half_period_1 - halves * c.half_period_2 - halves * c.half_period_3
+    # an angle so large that nothing is left of its phase counts as the top
     bounded = np.where(np.abs(from_top) <= c.period, from_top, theta_m - theta_m)
+    # half angle from the top
     half_angle = bounded * c.half_mu
     half_angle_squared = half_angle * half_angle
+    # sine of the half angle from the top, which is the cosine of half the angle but for its sign
     half_cosine = half_angle * _sine_series(half_angle_squared)
+    # cosine of the half angle from the top
     half_sine = _cosine_series(half_angle_squared)
-    result = half_cosine * half_sine * c.minus_twice_L_M_g_mu
+    result = -half_cosine * half_sine * c.twice_L_M_g_mu
     return (result,)
 
 
@@ -848,19 +876,28 @@ def _voltage(
     omega_m: Any,
     alpha_m: Any,
 ) -> tuple[Any, ...]:
+    # magnitude of the motor velocity, 0 if the mass is balanced [rad/s]
     speed = c.unbalanced * np.abs(omega_m)
+    # speed^2 - omega_star^2; the difference is taken once, before anything is rounded
     square_difference = (speed - c.omega_star_1 - c.omega_star_2) * (speed + c.omega_star_1)
+    # the odd number of half turns up to the top that is nearest
     halves = 2.0 * np.floor(theta_m * c.turns_per_rad) + 1.0
+    # angle from the top: the half turns go off in three parts, the leading two exactly
     from_top = theta_m - halves * c.half_period_1 - halves * c.half_period_2 - halves * c.half_period_3
+    # an angle so large that nothing is left of its phase counts as the top
     bounded = np.where(np.abs(from_top) <= c.period, from_top, theta_m - theta_m)
+    # half angle from the top
     half_angle = bounded * c.half_mu
     half_angle_squared = half_angle * half_angle
+    # sine of the half angle from the top, which is the cosine of half the angle but for its sign
     half_cosine = half_angle * _sine_series(half_angle_squared)
     p = square_difference
     q = half_cosine * speed * c.twice_omega_star
     magnitude = np.sqrt(p * p + q * q)
+    # normal force on the axis of rotation [N], eq (17)
     F_N = magnitude * c.scale_N
     direction_of_motion = np.sign(omega_m)
+    # cosine of the half angle from the top
     half_sine = _cosine_series(half_angle_squared)
     part_4 = np.where(omega_m > 0.0, c.C_lN_pos_R_mu_per_k_i, c.C_lN_neg_R_mu_per_k_i)
     part_3 = F_N * part_4
@@ -872,8 +909,8 @@ def _voltage(
     part_10 = np.where(omega_m > 0.0, c.B_m_pos_R_per_k_i, c.B_m_neg_R_per_k_i)
     part_7 = c.k_e + part_10 + part_8
     part_6 = omega_m * part_7
-    part_11 = half_cosine * half_sine * c.minus_twice_L_M_R_g_mu_per_k_i
-    part_12 = c.R_per_k_i * np.where(alpha_m == 0.0, 0.0, c.J * alpha_m)
+    part_11 = c.R_per_k_i * np.where(alpha_m == 0.0, 0.0, c.J * alpha_m)
+    part_12 = -half_cosine * half_sine * c.twice_L_M_R_g_mu_per_k_i
     result = part_1 + part_11 + part_12 + part_6
     return (result,)
 
@@ -901,19 +938,28 @@ def _current(
     omega_m: Any,
     alpha_m: Any,
 ) -> tuple[Any, ...]:
+    # magnitude of the motor velocity, 0 if the mass is balanced [rad/s]
     speed = c.unbalanced * np.abs(omega_m)
+    # speed^2 - omega_star^2; the difference is taken once, before anything is rounded
     square_difference = (speed - c.omega_star_1 - c.omega_star_2) * (speed + c.omega_star_1)
+    # the odd number of half turns up to the top that is nearest
     halves = 2.0 * np.floor(theta_m * c.turns_per_rad) + 1.0
+    # angle from the top: the half turns go off in three parts, the leading two exactly
     from_top = theta_m - halves * c.half_period_1 - halves * c.half_period_2 - halves * c.half_period_3
+    # an angle so large that nothing is left of its phase counts as the top
     bounded = np.where(np.abs(from_top) <= c.period, from_top, theta_m - theta_m)
+    # half angle from the top
     half_angle = bounded * c.half_mu
     half_angle_squared = half_angle * half_angle
+    # sine of the half angle from the top, which is the cosine of half the angle but for its sign
     half_cosine = half_angle * _sine_series(half_angle_squared)
     p = square_difference
     q = half_cosine * speed * c.twice_omega_star
     magnitude = np.sqrt(p * p + q * q)
+    # normal force on the axis of rotation [N], eq (17)
     F_N = magnitude * c.scale_N
     direction_of_motion = np.sign(omega_m)
+    # cosine of the half angle from the top
     half_sine = _cosine_series(half_angle_squared)
     part_4 = np.where(omega_m > 0.0, c.C_lN_pos_mu_per_k_i, c.C_lN_neg_mu_per_k_i)
     part_3 = F_N * part_4
@@ -924,7 +970,7 @@ def _current(
     part_6 = part_7 + np.where(omega_m > 0.0, c.B_m_pos_per_k_i, c.B_m_neg_per_k_i)
     part_5 = omega_m * part_6
     part_9 = c.per_k_i * np.where(alpha_m == 0.0, 0.0, c.J * alpha_m)
-    part_10 = half_cosine * half_sine * c.minus_twice_L_M_g_mu_per_k_i
+    part_10 = -half_cosine * half_sine * c.twice_L_M_g_mu_per_k_i
     result = part_1 + part_10 + part_5 + part_9
     return (result,)
 
@@ -953,30 +999,38 @@ def _mechanical_residual(
     i: Any,
     alpha_m: Any,
 ) -> tuple[Any, ...]:
+    # magnitude of the motor velocity, 0 if the mass is balanced [rad/s]
     speed = c.unbalanced * np.abs(omega_m)
+    # speed^2 - omega_star^2; the difference is taken once, before anything is rounded
     square_difference = (speed - c.omega_star_1 - c.omega_star_2) * (speed + c.omega_star_1)
+    # the odd number of half turns up to the top that is nearest
     halves = 2.0 * np.floor(theta_m * c.turns_per_rad) + 1.0
+    # angle from the top: the half turns go off in three parts, the leading two exactly
     from_top = theta_m - halves * c.half_period_1 - halves * c.half_period_2 - halves * c.half_period_3
+    # an angle so large that nothing is left of its phase counts as the top
     bounded = np.where(np.abs(from_top) <= c.period, from_top, theta_m - theta_m)
+    # half angle from the top
     half_angle = bounded * c.half_mu
     half_angle_squared = half_angle * half_angle
+    # sine of the half angle from the top, which is the cosine of half the angle but for its sign
     half_cosine = half_angle * _sine_series(half_angle_squared)
     p = square_difference
     q = half_cosine * speed * c.twice_omega_star
     magnitude = np.sqrt(p * p + q * q)
+    # normal force on the axis of rotation [N], eq (17)
     F_N = magnitude * c.scale_N
     direction_of_motion = np.sign(omega_m)
+    # cosine of the half angle from the top
     half_sine = _cosine_series(half_angle_squared)
-    part_3 = F_N * np.where(omega_m > 0.0, c.minus_C_lN_pos_mu, c.minus_C_lN_neg_mu)
-    part_2 = part_3 + np.where(omega_m > 0.0, c.minus_C_m_pos, c.minus_C_m_neg)
+    part_3 = -F_N * np.where(omega_m > 0.0, c.C_lN_pos_mu, c.C_lN_neg_mu)
+    part_2 = part_3 - np.where(omega_m > 0.0, c.C_m_pos, c.C_m_neg)
     part_1 = direction_of_motion * part_2
-    part_7 = np.where(omega_m > 0.0, c.minus_B_lN_pos_mu2, c.minus_B_lN_neg_mu2)
-    part_6 = F_N * part_7
-    part_5 = part_6 + np.where(omega_m > 0.0, c.minus_B_m_pos, c.minus_B_m_neg)
+    part_6 = -F_N * np.where(omega_m > 0.0, c.B_lN_pos_mu2, c.B_lN_neg_mu2)
+    part_5 = part_6 - np.where(omega_m > 0.0, c.B_m_pos, c.B_m_neg)
     part_4 = omega_m * part_5
-    part_8 = -np.where(alpha_m == 0.0, 0.0, c.J * alpha_m)
-    part_9 = half_cosine * half_sine * c.twice_L_M_g_mu
-    result = i * c.k_i + part_1 + part_4 + part_8 + part_9
+    part_7 = -np.where(alpha_m == 0.0, 0.0, c.J * alpha_m)
+    part_8 = half_cosine * half_sine * c.twice_L_M_g_mu
+    result = i * c.k_i + part_1 + part_4 + part_7 + part_8
     return (result,)
 
 
@@ -1007,7 +1061,7 @@ def _electrical_residual(
     i: Any,
     u: Any,
 ) -> tuple[Any, ...]:
-    result = i * c.minus_k_i + c.k_i_per_R * u + c.minus_k_e_k_i_per_R * omega_m
+    result = -i * c.k_i - c.k_e_k_i_per_R * omega_m + c.k_i_per_R * u
     return (result,)
 
 

@@ -1,6 +1,6 @@
 /*
  * Generated: do not edit. Written by `make derive` from derivations/c2_parallel.py
- * (eccentric 0.1.0, program 2b23c824).
+ * (eccentric 0.1.0, program 5a54c472).
  * Case C2: gravity parallel to the motion plane, steady motion.
  */
 #include "c2_parallel.h"
@@ -8,7 +8,7 @@
 #include <float.h>
 #include <math.h>
 
-#if C2_PARALLEL_PROGRAM != 0x2b23c824UL
+#if C2_PARALLEL_PROGRAM != 0x5a54c472UL
 #error "c2_parallel.c and c2_parallel.h are of different derivations: write both again with make derive"
 #endif
 
@@ -132,28 +132,22 @@ const c2_parallel_coefficients c2_parallel_default = {
     (real)(0.0370594118), /* mu_omega_star_scale_N */
     (real)(0.04), /* mu2 */
     (real)(0.117872), /* C_lN_mu_weight_plus_C_m */
-    (real)(-0.4905), /* minus_twice_L_M_g_mu */
+    (real)(0.4905), /* twice_L_M_g_mu */
     (real)(NAN), /* J */
     (real)(0.008), /* B_lN_R_mu2_per_k_i */
     (real)(0.22), /* B_m_R_per_k_i_plus_k_e */
     (real)(0.8), /* C_lN_R_mu_per_k_i */
     (real)(0.4), /* C_m_R_per_k_i */
     (real)(50.0), /* R_per_k_i */
-    (real)(-24.525), /* minus_twice_L_M_R_g_mu_per_k_i */
+    (real)(24.525), /* twice_L_M_R_g_mu_per_k_i */
     (real)(0.008), /* B_lN_mu2_per_k_i */
     (real)(0.02), /* B_m_per_k_i */
     (real)(50.0), /* per_k_i */
     (real)(0.8), /* C_lN_mu_per_k_i */
     (real)(0.4), /* C_m_per_k_i */
-    (real)(-24.525), /* minus_twice_L_M_g_mu_per_k_i */
-    (real)(-1.6e-4), /* minus_B_lN_mu2 */
-    (real)(-4.0e-4), /* minus_B_m */
-    (real)(-0.016), /* minus_C_lN_mu */
-    (real)(-0.008), /* minus_C_m */
-    (real)(0.4905), /* twice_L_M_g_mu */
-    (real)(-0.02), /* minus_k_i */
+    (real)(24.525), /* twice_L_M_g_mu_per_k_i */
     (real)(0.02), /* k_i_per_R */
-    (real)(-0.004), /* minus_k_e_k_i_per_R */
+    (real)(0.004), /* k_e_k_i_per_R */
 #else
     0.004, /* B_lN */
     4.0e-4, /* B_m */
@@ -178,28 +172,22 @@ const c2_parallel_coefficients c2_parallel_default = {
     0.037059411760037422, /* mu_omega_star_scale_N */
     0.04, /* mu2 */
     0.117872, /* C_lN_mu_weight_plus_C_m */
-    -0.4905, /* minus_twice_L_M_g_mu */
+    0.4905, /* twice_L_M_g_mu */
     NAN, /* J */
     0.008, /* B_lN_R_mu2_per_k_i */
     0.22, /* B_m_R_per_k_i_plus_k_e */
     0.8, /* C_lN_R_mu_per_k_i */
     0.4, /* C_m_R_per_k_i */
     50.0, /* R_per_k_i */
-    -24.525, /* minus_twice_L_M_R_g_mu_per_k_i */
+    24.525, /* twice_L_M_R_g_mu_per_k_i */
     0.008, /* B_lN_mu2_per_k_i */
     0.02, /* B_m_per_k_i */
     50.0, /* per_k_i */
     0.8, /* C_lN_mu_per_k_i */
     0.4, /* C_m_per_k_i */
-    -24.525, /* minus_twice_L_M_g_mu_per_k_i */
-    -1.6e-4, /* minus_B_lN_mu2 */
-    -4.0e-4, /* minus_B_m */
-    -0.016, /* minus_C_lN_mu */
-    -0.008, /* minus_C_m */
-    0.4905, /* twice_L_M_g_mu */
-    -0.02, /* minus_k_i */
+    24.525, /* twice_L_M_g_mu_per_k_i */
     0.02, /* k_i_per_R */
-    -0.004, /* minus_k_e_k_i_per_R */
+    0.004, /* k_e_k_i_per_R */
 #endif
 };
 
@@ -226,28 +214,22 @@ void c2_parallel_prepare(const c2_parallel_parameters *p, c2_parallel_coefficien
     const double mu_omega_star_scale_N = p->mu * omega_star * scale_N;
     const double mu2 = p->mu * p->mu;
     const double C_lN_mu_weight_plus_C_m = p->C_lN * p->mu * weight + p->C_m;
-    const double minus_twice_L_M_g_mu = -2.0 * p->L * p->M * p->g * p->mu;
+    const double twice_L_M_g_mu = 2.0 * p->L * p->M * p->g * p->mu;
     const double J = p->J_l * p->mu * p->mu + p->J_m;
     const double B_lN_R_mu2_per_k_i = p->B_lN * p->R * p->mu * p->mu / p->k_i;
     const double B_m_R_per_k_i_plus_k_e = p->B_m * p->R / p->k_i + p->k_e;
     const double C_lN_R_mu_per_k_i = p->C_lN * p->R * p->mu / p->k_i;
     const double C_m_R_per_k_i = p->C_m * p->R / p->k_i;
     const double R_per_k_i = p->R / p->k_i;
-    const double minus_twice_L_M_R_g_mu_per_k_i = -2.0 * p->L * p->M * p->R * p->g * p->mu / p->k_i;
+    const double twice_L_M_R_g_mu_per_k_i = 2.0 * p->L * p->M * p->R * p->g * p->mu / p->k_i;
     const double B_lN_mu2_per_k_i = p->B_lN * p->mu * p->mu / p->k_i;
     const double B_m_per_k_i = p->B_m / p->k_i;
     const double per_k_i = 1.0 / p->k_i;
     const double C_lN_mu_per_k_i = p->C_lN * p->mu / p->k_i;
     const double C_m_per_k_i = p->C_m / p->k_i;
-    const double minus_twice_L_M_g_mu_per_k_i = -2.0 * p->L * p->M * p->g * p->mu / p->k_i;
-    const double minus_B_lN_mu2 = -p->B_lN * p->mu * p->mu;
-    const double minus_B_m = -p->B_m;
-    const double minus_C_lN_mu = -p->C_lN * p->mu;
-    const double minus_C_m = -p->C_m;
-    const double twice_L_M_g_mu = 2.0 * p->L * p->M * p->g * p->mu;
-    const double minus_k_i = -p->k_i;
+    const double twice_L_M_g_mu_per_k_i = 2.0 * p->L * p->M * p->g * p->mu / p->k_i;
     const double k_i_per_R = p->k_i / p->R;
-    const double minus_k_e_k_i_per_R = -p->k_e * p->k_i / p->R;
+    const double k_e_k_i_per_R = p->k_e * p->k_i / p->R;
     c->B_lN = (real)(p->B_lN);
     c->B_m = (real)(p->B_m);
     c->C_lN = (real)(p->C_lN);
@@ -271,28 +253,22 @@ void c2_parallel_prepare(const c2_parallel_parameters *p, c2_parallel_coefficien
     c->mu_omega_star_scale_N = (real)(mu_omega_star_scale_N);
     c->mu2 = (real)(mu2);
     c->C_lN_mu_weight_plus_C_m = (real)(C_lN_mu_weight_plus_C_m);
-    c->minus_twice_L_M_g_mu = (real)(minus_twice_L_M_g_mu);
+    c->twice_L_M_g_mu = (real)(twice_L_M_g_mu);
     c->J = (real)(J);
     c->B_lN_R_mu2_per_k_i = (real)(B_lN_R_mu2_per_k_i);
     c->B_m_R_per_k_i_plus_k_e = (real)(B_m_R_per_k_i_plus_k_e);
     c->C_lN_R_mu_per_k_i = (real)(C_lN_R_mu_per_k_i);
     c->C_m_R_per_k_i = (real)(C_m_R_per_k_i);
     c->R_per_k_i = (real)(R_per_k_i);
-    c->minus_twice_L_M_R_g_mu_per_k_i = (real)(minus_twice_L_M_R_g_mu_per_k_i);
+    c->twice_L_M_R_g_mu_per_k_i = (real)(twice_L_M_R_g_mu_per_k_i);
     c->B_lN_mu2_per_k_i = (real)(B_lN_mu2_per_k_i);
     c->B_m_per_k_i = (real)(B_m_per_k_i);
     c->per_k_i = (real)(per_k_i);
     c->C_lN_mu_per_k_i = (real)(C_lN_mu_per_k_i);
     c->C_m_per_k_i = (real)(C_m_per_k_i);
-    c->minus_twice_L_M_g_mu_per_k_i = (real)(minus_twice_L_M_g_mu_per_k_i);
-    c->minus_B_lN_mu2 = (real)(minus_B_lN_mu2);
-    c->minus_B_m = (real)(minus_B_m);
-    c->minus_C_lN_mu = (real)(minus_C_lN_mu);
-    c->minus_C_m = (real)(minus_C_m);
-    c->twice_L_M_g_mu = (real)(twice_L_M_g_mu);
-    c->minus_k_i = (real)(minus_k_i);
+    c->twice_L_M_g_mu_per_k_i = (real)(twice_L_M_g_mu_per_k_i);
     c->k_i_per_R = (real)(k_i_per_R);
-    c->minus_k_e_k_i_per_R = (real)(minus_k_e_k_i_per_R);
+    c->k_e_k_i_per_R = (real)(k_e_k_i_per_R);
 }
 
 ECCENTRIC_REAL c2_parallel_normal_force(
@@ -300,17 +276,25 @@ ECCENTRIC_REAL c2_parallel_normal_force(
     ECCENTRIC_REAL omega_m,
     const c2_parallel_coefficients *c)
 {
+    /* magnitude of the motor velocity, 0 if the mass is balanced [rad/s] */
     const real speed = c->unbalanced * REAL_FABS(omega_m);
+    /* speed^2 - omega_star^2; the difference is taken once, before anything is rounded */
     const real square_difference = (speed - c->omega_star_1 - c->omega_star_2) * (speed + c->omega_star_1);
+    /* the odd number of half turns up to the top that is nearest */
     const real halves = REAL(2.0) * REAL_FLOOR(theta_m * c->turns_per_rad) + REAL(1.0);
+    /* angle from the top: the half turns go off in three parts, the leading two exactly */
     const real from_top = theta_m - halves * c->half_period_1 - halves * c->half_period_2 - halves * c->half_period_3;
+    /* an angle so large that nothing is left of its phase counts as the top */
     const real bounded = ((REAL_FABS(from_top) <= c->period) ? from_top : theta_m - theta_m);
+    /* half angle from the top */
     const real half_angle = bounded * c->half_mu;
     const real half_angle_squared = half_angle * half_angle;
+    /* sine of the half angle from the top, which is the cosine of half the angle but for its sign */
     const real half_cosine = half_angle * c2_parallel_sine_series(half_angle_squared);
     const real p = square_difference;
     const real q = half_cosine * speed * c->twice_omega_star;
     const real magnitude = REAL_SQRT(p * p + q * q);
+    /* normal force on the axis of rotation [N], eq (17) */
     const real F_N = magnitude * c->scale_N;
     return F_N;
 }
@@ -332,17 +316,25 @@ ECCENTRIC_REAL c2_parallel_friction_torque(
     ECCENTRIC_REAL omega_m,
     const c2_parallel_coefficients *c)
 {
+    /* magnitude of the motor velocity, 0 if the mass is balanced [rad/s] */
     const real speed = c->unbalanced * REAL_FABS(omega_m);
+    /* speed^2 - omega_star^2; the difference is taken once, before anything is rounded */
     const real square_difference = (speed - c->omega_star_1 - c->omega_star_2) * (speed + c->omega_star_1);
+    /* the odd number of half turns up to the top that is nearest */
     const real halves = REAL(2.0) * REAL_FLOOR(theta_m * c->turns_per_rad) + REAL(1.0);
+    /* angle from the top: the half turns go off in three parts, the leading two exactly */
     const real from_top = theta_m - halves * c->half_period_1 - halves * c->half_period_2 - halves * c->half_period_3;
+    /* an angle so large that nothing is left of its phase counts as the top */
     const real bounded = ((REAL_FABS(from_top) <= c->period) ? from_top : theta_m - theta_m);
+    /* half angle from the top */
     const real half_angle = bounded * c->half_mu;
     const real half_angle_squared = half_angle * half_angle;
+    /* sine of the half angle from the top, which is the cosine of half the angle but for its sign */
     const real half_cosine = half_angle * c2_parallel_sine_series(half_angle_squared);
     const real p = square_difference;
     const real q = half_cosine * speed * c->twice_omega_star;
     const real magnitude = REAL_SQRT(p * p + q * q);
+    /* normal force on the axis of rotation [N], eq (17) */
     const real F_N = magnitude * c->scale_N;
     const real direction_of_motion = c2_parallel_sgn(omega_m);
     const real part_1 = omega_m * (c->B_lN_mu2 * F_N + c->B_m_plus_k_e_k_i_per_R);
@@ -366,17 +358,25 @@ ECCENTRIC_REAL c2_parallel_mechanical_friction_torque(
     ECCENTRIC_REAL omega_m,
     const c2_parallel_coefficients *c)
 {
+    /* magnitude of the motor velocity, 0 if the mass is balanced [rad/s] */
     const real speed = c->unbalanced * REAL_FABS(omega_m);
+    /* speed^2 - omega_star^2; the difference is taken once, before anything is rounded */
     const real square_difference = (speed - c->omega_star_1 - c->omega_star_2) * (speed + c->omega_star_1);
+    /* the odd number of half turns up to the top that is nearest */
     const real halves = REAL(2.0) * REAL_FLOOR(theta_m * c->turns_per_rad) + REAL(1.0);
+    /* angle from the top: the half turns go off in three parts, the leading two exactly */
     const real from_top = theta_m - halves * c->half_period_1 - halves * c->half_period_2 - halves * c->half_period_3;
+    /* an angle so large that nothing is left of its phase counts as the top */
     const real bounded = ((REAL_FABS(from_top) <= c->period) ? from_top : theta_m - theta_m);
+    /* half angle from the top */
     const real half_angle = bounded * c->half_mu;
     const real half_angle_squared = half_angle * half_angle;
+    /* sine of the half angle from the top, which is the cosine of half the angle but for its sign */
     const real half_cosine = half_angle * c2_parallel_sine_series(half_angle_squared);
     const real p = square_difference;
     const real q = half_cosine * speed * c->twice_omega_star;
     const real magnitude = REAL_SQRT(p * p + q * q);
+    /* normal force on the axis of rotation [N], eq (17) */
     const real F_N = magnitude * c->scale_N;
     const real direction_of_motion = c2_parallel_sgn(omega_m);
     const real part_1 = direction_of_motion * (c->C_lN_mu * F_N + c->C_m);
@@ -401,26 +401,38 @@ void c2_parallel_friction_torque_gradient(
     ECCENTRIC_REAL *out,
     const c2_parallel_coefficients *c)
 {
+    /* magnitude of the motor velocity, 0 if the mass is balanced [rad/s] */
     const real speed = c->unbalanced * REAL_FABS(omega_m);
     const real direction_of_motion = c2_parallel_sgn(omega_m);
     const real speed_d_omega_m = direction_of_motion * c->unbalanced;
+    /* speed^2 - omega_star^2; the difference is taken once, before anything is rounded */
     const real square_difference = (speed - c->omega_star_1 - c->omega_star_2) * (speed + c->omega_star_1);
+    /* the odd number of half turns up to the top that is nearest */
     const real halves = REAL(2.0) * REAL_FLOOR(theta_m * c->turns_per_rad) + REAL(1.0);
+    /* angle from the top: the half turns go off in three parts, the leading two exactly */
     const real from_top = theta_m - halves * c->half_period_1 - halves * c->half_period_2 - halves * c->half_period_3;
+    /* an angle so large that nothing is left of its phase counts as the top */
     const real bounded = ((REAL_FABS(from_top) <= c->period) ? from_top : theta_m - theta_m);
+    /* half angle from the top */
     const real half_angle = bounded * c->half_mu;
     const real half_angle_squared = half_angle * half_angle;
+    /* sine of the half angle from the top, which is the cosine of half the angle but for its sign */
     const real half_cosine = half_angle * c2_parallel_sine_series(half_angle_squared);
     const real p = square_difference;
     const real q = half_cosine * speed * c->twice_omega_star;
     const real magnitude = REAL_SQRT(p * p + q * q);
+    /* normal force on the axis of rotation [N], eq (17) */
     const real F_N = magnitude * c->scale_N;
+    /* cosine of the half angle from the top */
     const real half_sine = c2_parallel_cosine_series(half_angle_squared);
+    /* 0/0 at the apex, where F_N is 0 and its derivatives are taken as 0 */
     const real divisor = ((magnitude == REAL(0.0)) ? REAL(1.0) : magnitude);
+    /* where the square overflows, the larger of the two decides */
     const real limit = ((REAL_FABS(q) > REAL_FABS(p)) ? c2_parallel_sgn(q) : REAL(0.0));
     const real cosine = ((magnitude > REAL_LARGEST) ? limit : q / divisor);
     const real ungated = half_sine * c->mu_omega_star_scale_N * speed;
     const real F_N_d_theta_m = ((cosine == REAL(0.0)) ? REAL(0.0) : ungated * cosine);
+    /* where the square overflows, the larger of the two decides */
     const real limit_2 = ((REAL_FABS(p) > REAL_FABS(q)) ? c2_parallel_sgn(p) : REAL(0.0));
     const real cosine_2 = ((magnitude > REAL_LARGEST) ? limit_2 : p / divisor);
     const real ungated_2 = REAL(2.0) * speed;
@@ -454,17 +466,25 @@ void c2_parallel_friction_torque_jacobian(
     ECCENTRIC_REAL *out,
     const c2_parallel_coefficients *c)
 {
+    /* magnitude of the motor velocity, 0 if the mass is balanced [rad/s] */
     const real speed = c->unbalanced * REAL_FABS(omega_m);
+    /* speed^2 - omega_star^2; the difference is taken once, before anything is rounded */
     const real square_difference = (speed - c->omega_star_1 - c->omega_star_2) * (speed + c->omega_star_1);
+    /* the odd number of half turns up to the top that is nearest */
     const real halves = REAL(2.0) * REAL_FLOOR(theta_m * c->turns_per_rad) + REAL(1.0);
+    /* angle from the top: the half turns go off in three parts, the leading two exactly */
     const real from_top = theta_m - halves * c->half_period_1 - halves * c->half_period_2 - halves * c->half_period_3;
+    /* an angle so large that nothing is left of its phase counts as the top */
     const real bounded = ((REAL_FABS(from_top) <= c->period) ? from_top : theta_m - theta_m);
+    /* half angle from the top */
     const real half_angle = bounded * c->half_mu;
     const real half_angle_squared = half_angle * half_angle;
+    /* sine of the half angle from the top, which is the cosine of half the angle but for its sign */
     const real half_cosine = half_angle * c2_parallel_sine_series(half_angle_squared);
     const real p = square_difference;
     const real q = half_cosine * speed * c->twice_omega_star;
     const real magnitude = REAL_SQRT(p * p + q * q);
+    /* normal force on the axis of rotation [N], eq (17) */
     const real F_N = magnitude * c->scale_N;
     out[0] = F_N * c->mu2 * omega_m;
     const real direction_of_motion = c2_parallel_sgn(omega_m);
@@ -491,17 +511,25 @@ void c2_parallel_regressor(
     ECCENTRIC_REAL *out,
     const c2_parallel_coefficients *c)
 {
+    /* magnitude of the motor velocity, 0 if the mass is balanced [rad/s] */
     const real speed = c->unbalanced * REAL_FABS(omega_m);
+    /* speed^2 - omega_star^2; the difference is taken once, before anything is rounded */
     const real square_difference = (speed - c->omega_star_1 - c->omega_star_2) * (speed + c->omega_star_1);
+    /* the odd number of half turns up to the top that is nearest */
     const real halves = REAL(2.0) * REAL_FLOOR(theta_m * c->turns_per_rad) + REAL(1.0);
+    /* angle from the top: the half turns go off in three parts, the leading two exactly */
     const real from_top = theta_m - halves * c->half_period_1 - halves * c->half_period_2 - halves * c->half_period_3;
+    /* an angle so large that nothing is left of its phase counts as the top */
     const real bounded = ((REAL_FABS(from_top) <= c->period) ? from_top : theta_m - theta_m);
+    /* half angle from the top */
     const real half_angle = bounded * c->half_mu;
     const real half_angle_squared = half_angle * half_angle;
+    /* sine of the half angle from the top, which is the cosine of half the angle but for its sign */
     const real half_cosine = half_angle * c2_parallel_sine_series(half_angle_squared);
     const real p = square_difference;
     const real q = half_cosine * speed * c->twice_omega_star;
     const real magnitude = REAL_SQRT(p * p + q * q);
+    /* normal force on the axis of rotation [N], eq (17) */
     const real F_N = magnitude * c->scale_N;
     out[0] = F_N * c->mu2 * omega_m;
     const real direction_of_motion = c2_parallel_sgn(omega_m);
@@ -537,14 +565,20 @@ ECCENTRIC_REAL c2_parallel_coulomb_torque(const c2_parallel_coefficients *c)
 
 ECCENTRIC_REAL c2_parallel_gravity_torque(ECCENTRIC_REAL theta_m, const c2_parallel_coefficients *c)
 {
+    /* the odd number of half turns up to the top that is nearest */
     const real halves = REAL(2.0) * REAL_FLOOR(theta_m * c->turns_per_rad) + REAL(1.0);
+    /* angle from the top: the half turns go off in three parts, the leading two exactly */
     const real from_top = theta_m - halves * c->half_period_1 - halves * c->half_period_2 - halves * c->half_period_3;
+    /* an angle so large that nothing is left of its phase counts as the top */
     const real bounded = ((REAL_FABS(from_top) <= c->period) ? from_top : theta_m - theta_m);
+    /* half angle from the top */
     const real half_angle = bounded * c->half_mu;
     const real half_angle_squared = half_angle * half_angle;
+    /* sine of the half angle from the top, which is the cosine of half the angle but for its sign */
     const real half_cosine = half_angle * c2_parallel_sine_series(half_angle_squared);
+    /* cosine of the half angle from the top */
     const real half_sine = c2_parallel_cosine_series(half_angle_squared);
-    return half_cosine * half_sine * c->minus_twice_L_M_g_mu;
+    return -half_cosine * half_sine * c->twice_L_M_g_mu;
 }
 
 void c2_parallel_gravity_torque_n(
@@ -564,24 +598,33 @@ ECCENTRIC_REAL c2_parallel_voltage(
     ECCENTRIC_REAL alpha_m,
     const c2_parallel_coefficients *c)
 {
+    /* magnitude of the motor velocity, 0 if the mass is balanced [rad/s] */
     const real speed = c->unbalanced * REAL_FABS(omega_m);
+    /* speed^2 - omega_star^2; the difference is taken once, before anything is rounded */
     const real square_difference = (speed - c->omega_star_1 - c->omega_star_2) * (speed + c->omega_star_1);
+    /* the odd number of half turns up to the top that is nearest */
     const real halves = REAL(2.0) * REAL_FLOOR(theta_m * c->turns_per_rad) + REAL(1.0);
+    /* angle from the top: the half turns go off in three parts, the leading two exactly */
     const real from_top = theta_m - halves * c->half_period_1 - halves * c->half_period_2 - halves * c->half_period_3;
+    /* an angle so large that nothing is left of its phase counts as the top */
     const real bounded = ((REAL_FABS(from_top) <= c->period) ? from_top : theta_m - theta_m);
+    /* half angle from the top */
     const real half_angle = bounded * c->half_mu;
     const real half_angle_squared = half_angle * half_angle;
+    /* sine of the half angle from the top, which is the cosine of half the angle but for its sign */
     const real half_cosine = half_angle * c2_parallel_sine_series(half_angle_squared);
     const real p = square_difference;
     const real q = half_cosine * speed * c->twice_omega_star;
     const real magnitude = REAL_SQRT(p * p + q * q);
+    /* normal force on the axis of rotation [N], eq (17) */
     const real F_N = magnitude * c->scale_N;
     const real direction_of_motion = c2_parallel_sgn(omega_m);
+    /* cosine of the half angle from the top */
     const real half_sine = c2_parallel_cosine_series(half_angle_squared);
     const real part_1 = direction_of_motion * (c->C_lN_R_mu_per_k_i * F_N + c->C_m_R_per_k_i);
     const real part_2 = omega_m * (c->B_lN_R_mu2_per_k_i * F_N + c->B_m_R_per_k_i_plus_k_e);
-    const real part_3 = half_cosine * half_sine * c->minus_twice_L_M_R_g_mu_per_k_i;
-    const real part_4 = c->R_per_k_i * ((alpha_m == REAL(0.0)) ? REAL(0.0) : c->J * alpha_m);
+    const real part_3 = c->R_per_k_i * ((alpha_m == REAL(0.0)) ? REAL(0.0) : c->J * alpha_m);
+    const real part_4 = -half_cosine * half_sine * c->twice_L_M_R_g_mu_per_k_i;
     return part_1 + part_2 + part_3 + part_4;
 }
 
@@ -604,23 +647,32 @@ ECCENTRIC_REAL c2_parallel_current(
     ECCENTRIC_REAL alpha_m,
     const c2_parallel_coefficients *c)
 {
+    /* magnitude of the motor velocity, 0 if the mass is balanced [rad/s] */
     const real speed = c->unbalanced * REAL_FABS(omega_m);
+    /* speed^2 - omega_star^2; the difference is taken once, before anything is rounded */
     const real square_difference = (speed - c->omega_star_1 - c->omega_star_2) * (speed + c->omega_star_1);
+    /* the odd number of half turns up to the top that is nearest */
     const real halves = REAL(2.0) * REAL_FLOOR(theta_m * c->turns_per_rad) + REAL(1.0);
+    /* angle from the top: the half turns go off in three parts, the leading two exactly */
     const real from_top = theta_m - halves * c->half_period_1 - halves * c->half_period_2 - halves * c->half_period_3;
+    /* an angle so large that nothing is left of its phase counts as the top */
     const real bounded = ((REAL_FABS(from_top) <= c->period) ? from_top : theta_m - theta_m);
+    /* half angle from the top */
     const real half_angle = bounded * c->half_mu;
     const real half_angle_squared = half_angle * half_angle;
+    /* sine of the half angle from the top, which is the cosine of half the angle but for its sign */
     const real half_cosine = half_angle * c2_parallel_sine_series(half_angle_squared);
     const real p = square_difference;
     const real q = half_cosine * speed * c->twice_omega_star;
     const real magnitude = REAL_SQRT(p * p + q * q);
+    /* normal force on the axis of rotation [N], eq (17) */
     const real F_N = magnitude * c->scale_N;
     const real direction_of_motion = c2_parallel_sgn(omega_m);
+    /* cosine of the half angle from the top */
     const real half_sine = c2_parallel_cosine_series(half_angle_squared);
     const real part_1 = direction_of_motion * (c->C_lN_mu_per_k_i * F_N + c->C_m_per_k_i);
     const real part_2 = c->per_k_i * ((alpha_m == REAL(0.0)) ? REAL(0.0) : c->J * alpha_m);
-    const real part_3 = half_cosine * half_sine * c->minus_twice_L_M_g_mu_per_k_i;
+    const real part_3 = -half_cosine * half_sine * c->twice_L_M_g_mu_per_k_i;
     const real part_4 = omega_m * (c->B_lN_mu2_per_k_i * F_N + c->B_m_per_k_i);
     return part_1 + part_2 + part_3 + part_4;
 }
@@ -645,24 +697,33 @@ ECCENTRIC_REAL c2_parallel_mechanical_residual(
     ECCENTRIC_REAL alpha_m,
     const c2_parallel_coefficients *c)
 {
+    /* magnitude of the motor velocity, 0 if the mass is balanced [rad/s] */
     const real speed = c->unbalanced * REAL_FABS(omega_m);
+    /* speed^2 - omega_star^2; the difference is taken once, before anything is rounded */
     const real square_difference = (speed - c->omega_star_1 - c->omega_star_2) * (speed + c->omega_star_1);
+    /* the odd number of half turns up to the top that is nearest */
     const real halves = REAL(2.0) * REAL_FLOOR(theta_m * c->turns_per_rad) + REAL(1.0);
+    /* angle from the top: the half turns go off in three parts, the leading two exactly */
     const real from_top = theta_m - halves * c->half_period_1 - halves * c->half_period_2 - halves * c->half_period_3;
+    /* an angle so large that nothing is left of its phase counts as the top */
     const real bounded = ((REAL_FABS(from_top) <= c->period) ? from_top : theta_m - theta_m);
+    /* half angle from the top */
     const real half_angle = bounded * c->half_mu;
     const real half_angle_squared = half_angle * half_angle;
+    /* sine of the half angle from the top, which is the cosine of half the angle but for its sign */
     const real half_cosine = half_angle * c2_parallel_sine_series(half_angle_squared);
     const real p = square_difference;
     const real q = half_cosine * speed * c->twice_omega_star;
     const real magnitude = REAL_SQRT(p * p + q * q);
+    /* normal force on the axis of rotation [N], eq (17) */
     const real F_N = magnitude * c->scale_N;
     const real direction_of_motion = c2_parallel_sgn(omega_m);
+    /* cosine of the half angle from the top */
     const real half_sine = c2_parallel_cosine_series(half_angle_squared);
-    const real part_1 = direction_of_motion * (F_N * c->minus_C_lN_mu + c->minus_C_m);
-    const real part_2 = -((alpha_m == REAL(0.0)) ? REAL(0.0) : c->J * alpha_m);
-    const real part_3 = omega_m * (F_N * c->minus_B_lN_mu2 + c->minus_B_m);
-    const real part_4 = half_cosine * half_sine * c->twice_L_M_g_mu;
+    const real part_1 = -((alpha_m == REAL(0.0)) ? REAL(0.0) : c->J * alpha_m);
+    const real part_2 = -direction_of_motion * (c->C_lN_mu * F_N + c->C_m);
+    const real part_3 = half_cosine * half_sine * c->twice_L_M_g_mu;
+    const real part_4 = -omega_m * (c->B_lN_mu2 * F_N + c->B_m);
     return i * c->k_i + part_1 + part_2 + part_3 + part_4;
 }
 
@@ -686,7 +747,7 @@ ECCENTRIC_REAL c2_parallel_electrical_residual(
     ECCENTRIC_REAL u,
     const c2_parallel_coefficients *c)
 {
-    return i * c->minus_k_i + c->k_i_per_R * u + c->minus_k_e_k_i_per_R * omega_m;
+    return -i * c->k_i - c->k_e_k_i_per_R * omega_m + c->k_i_per_R * u;
 }
 
 void c2_parallel_electrical_residual_n(

@@ -1,6 +1,6 @@
 /*
  * Generated: do not edit. Written by `make derive` from derivations/c2_parallel.py
- * (eccentric 0.1.0, program 2b23c824).
+ * (eccentric 0.1.0, program 5a54c472).
  * Case C2: gravity parallel to the motion plane, steady motion.
  */
 #ifndef C2_PARALLEL_H
@@ -9,7 +9,7 @@
 #include <stddef.h>
 
 /* C2_PARALLEL_PROGRAM names the derivation that header and source come from; the source checks it. */
-#define C2_PARALLEL_PROGRAM 0x2b23c824UL
+#define C2_PARALLEL_PROGRAM 0x5a54c472UL
 
 /* The working precision: double, or float by -DECCENTRIC_REAL=float. Files of different precision do not link:
  * c2_parallel_prepare and c2_parallel_default carry it in their names. */
@@ -59,49 +59,43 @@ typedef struct {
     ECCENTRIC_REAL mu; /**< gear ratio theta_l/theta_m [1] */
     ECCENTRIC_REAL scale_N; /**< normal force per squared motor velocity, M L mu^2 [N s^2/rad^2] */
     ECCENTRIC_REAL unbalanced; /**< 1 if M L > 0, else 0 [1] */
-    ECCENTRIC_REAL twice_omega_star;
-    ECCENTRIC_REAL omega_star_1;
-    ECCENTRIC_REAL omega_star_2;
-    ECCENTRIC_REAL half_period_1;
-    ECCENTRIC_REAL half_period_2;
-    ECCENTRIC_REAL half_period_3;
-    ECCENTRIC_REAL turns_per_rad;
-    ECCENTRIC_REAL half_mu;
-    ECCENTRIC_REAL period;
-    ECCENTRIC_REAL B_lN_mu2;
-    ECCENTRIC_REAL B_m_plus_k_e_k_i_per_R;
-    ECCENTRIC_REAL C_lN_mu;
-    ECCENTRIC_REAL mu_omega_star_scale_N;
-    ECCENTRIC_REAL mu2;
-    ECCENTRIC_REAL C_lN_mu_weight_plus_C_m;
-    ECCENTRIC_REAL minus_twice_L_M_g_mu;
+    ECCENTRIC_REAL twice_omega_star; /**< 2 omega_star */
+    ECCENTRIC_REAL omega_star_1; /**< omega_star, in the working precision */
+    ECCENTRIC_REAL omega_star_2; /**< omega_star - omega_star_1, in the working precision */
+    ECCENTRIC_REAL half_period_1; /**< pi/mu, leading digits */
+    ECCENTRIC_REAL half_period_2; /**< pi/mu - half_period_1, leading digits */
+    ECCENTRIC_REAL half_period_3; /**< pi/mu - half_period_1 - half_period_2, in the working precision */
+    ECCENTRIC_REAL turns_per_rad; /**< mu/(2 pi) */
+    ECCENTRIC_REAL half_mu; /**< mu/2 */
+    ECCENTRIC_REAL period; /**< 2 pi/mu */
+    ECCENTRIC_REAL B_lN_mu2; /**< B_lN mu^2 */
+    ECCENTRIC_REAL B_m_plus_k_e_k_i_per_R; /**< B_m + k_e k_i/R */
+    ECCENTRIC_REAL C_lN_mu; /**< C_lN mu */
+    ECCENTRIC_REAL mu_omega_star_scale_N; /**< mu omega_star scale_N */
+    ECCENTRIC_REAL mu2; /**< mu^2 */
+    ECCENTRIC_REAL C_lN_mu_weight_plus_C_m; /**< C_lN mu weight + C_m */
+    ECCENTRIC_REAL twice_L_M_g_mu; /**< 2 L M g mu */
     ECCENTRIC_REAL J; /**< inertia on the motor side, J_m + mu^2 J_l [kg m^2] */
-    ECCENTRIC_REAL B_lN_R_mu2_per_k_i;
-    ECCENTRIC_REAL B_m_R_per_k_i_plus_k_e;
-    ECCENTRIC_REAL C_lN_R_mu_per_k_i;
-    ECCENTRIC_REAL C_m_R_per_k_i;
-    ECCENTRIC_REAL R_per_k_i;
-    ECCENTRIC_REAL minus_twice_L_M_R_g_mu_per_k_i;
-    ECCENTRIC_REAL B_lN_mu2_per_k_i;
-    ECCENTRIC_REAL B_m_per_k_i;
-    ECCENTRIC_REAL per_k_i;
-    ECCENTRIC_REAL C_lN_mu_per_k_i;
-    ECCENTRIC_REAL C_m_per_k_i;
-    ECCENTRIC_REAL minus_twice_L_M_g_mu_per_k_i;
-    ECCENTRIC_REAL minus_B_lN_mu2;
-    ECCENTRIC_REAL minus_B_m;
-    ECCENTRIC_REAL minus_C_lN_mu;
-    ECCENTRIC_REAL minus_C_m;
-    ECCENTRIC_REAL twice_L_M_g_mu;
-    ECCENTRIC_REAL minus_k_i;
-    ECCENTRIC_REAL k_i_per_R;
-    ECCENTRIC_REAL minus_k_e_k_i_per_R;
+    ECCENTRIC_REAL B_lN_R_mu2_per_k_i; /**< B_lN R mu^2/k_i */
+    ECCENTRIC_REAL B_m_R_per_k_i_plus_k_e; /**< B_m R/k_i + k_e */
+    ECCENTRIC_REAL C_lN_R_mu_per_k_i; /**< C_lN R mu/k_i */
+    ECCENTRIC_REAL C_m_R_per_k_i; /**< C_m R/k_i */
+    ECCENTRIC_REAL R_per_k_i; /**< R/k_i */
+    ECCENTRIC_REAL twice_L_M_R_g_mu_per_k_i; /**< 2 L M R g mu/k_i */
+    ECCENTRIC_REAL B_lN_mu2_per_k_i; /**< B_lN mu^2/k_i */
+    ECCENTRIC_REAL B_m_per_k_i; /**< B_m/k_i */
+    ECCENTRIC_REAL per_k_i; /**< 1/k_i */
+    ECCENTRIC_REAL C_lN_mu_per_k_i; /**< C_lN mu/k_i */
+    ECCENTRIC_REAL C_m_per_k_i; /**< C_m/k_i */
+    ECCENTRIC_REAL twice_L_M_g_mu_per_k_i; /**< 2 L M g mu/k_i */
+    ECCENTRIC_REAL k_i_per_R; /**< k_i/R */
+    ECCENTRIC_REAL k_e_k_i_per_R; /**< k_e k_i/R */
 } c2_parallel_coefficients;
 
-/** The default parameters: the paper's Table 1 with mu = 1/5, or those of the fit that this was emitted with. */
+/** The default parameters: Table 1 of the paper with mu = 1/5. */
 extern const c2_parallel_parameters c2_parallel_default_parameters;
 
-/** The coefficients of the default parameters, computed to 50 digits when this file was written. */
+/** The coefficients of the default parameters, computed at 50 digits, rounded to the working precision. */
 extern const c2_parallel_coefficients c2_parallel_default;
 
 /** Compute the coefficients of a set of parameters; run it once, or when a parameter changes.
@@ -111,10 +105,11 @@ extern const c2_parallel_coefficients c2_parallel_default;
  */
 void c2_parallel_prepare(const c2_parallel_parameters *p, c2_parallel_coefficients *c);
 
-/** Normal force F_N on the axis of rotation [N].
- *  @param[in]  theta_m  motor angle [rad]
+/** Normal force F_N on the axis of rotation.
+ *  @param[in]  theta_m  motor angle [rad], reduced exactly up to 2^20 half turns of the link (float: 2^12)
  *  @param[in]  omega_m  motor velocity [rad/s]
  *  @param[in]  c  coefficients
+ *  @return normal_force [N]
  */
 ECCENTRIC_REAL c2_parallel_normal_force(
     ECCENTRIC_REAL theta_m,
@@ -129,10 +124,11 @@ void c2_parallel_normal_force_n(
     ECCENTRIC_REAL *out,
     const c2_parallel_coefficients *c);
 
-/** Resultant friction torque F, back-EMF damping included, eq (6) [N m].
- *  @param[in]  theta_m  motor angle [rad]
+/** Resultant friction torque F, back-EMF damping included, eq (6).
+ *  @param[in]  theta_m  motor angle [rad], reduced exactly up to 2^20 half turns of the link (float: 2^12)
  *  @param[in]  omega_m  motor velocity [rad/s]
  *  @param[in]  c  coefficients
+ *  @return friction_torque [N m]
  */
 ECCENTRIC_REAL c2_parallel_friction_torque(
     ECCENTRIC_REAL theta_m,
@@ -147,10 +143,11 @@ void c2_parallel_friction_torque_n(
     ECCENTRIC_REAL *out,
     const c2_parallel_coefficients *c);
 
-/** Mechanical friction torque f = f_m + mu f_l, without back-EMF [N m].
- *  @param[in]  theta_m  motor angle [rad]
+/** Mechanical friction torque f = f_m + mu f_l, without back-EMF.
+ *  @param[in]  theta_m  motor angle [rad], reduced exactly up to 2^20 half turns of the link (float: 2^12)
  *  @param[in]  omega_m  motor velocity [rad/s]
  *  @param[in]  c  coefficients
+ *  @return mechanical_friction_torque [N m]
  */
 ECCENTRIC_REAL c2_parallel_mechanical_friction_torque(
     ECCENTRIC_REAL theta_m,
@@ -165,10 +162,10 @@ void c2_parallel_mechanical_friction_torque_n(
     ECCENTRIC_REAL *out,
     const c2_parallel_coefficients *c);
 
-/** Slopes of friction_torque by its inputs [N m per rad, rad/s, rad/s^2].
- *  @param[in]  theta_m  motor angle [rad]
+/** Partial derivatives of friction_torque with respect to its inputs.
+ *  @param[in]  theta_m  motor angle [rad], reduced exactly up to 2^20 half turns of the link (float: 2^12)
  *  @param[in]  omega_m  motor velocity [rad/s]
- *  @param[out] out  2 values: theta_m, omega_m
+ *  @param[out] out  2 values: theta_m, omega_m [N m per rad, rad/s]
  *  @param[in]  c  coefficients
  */
 void c2_parallel_friction_torque_gradient(
@@ -177,7 +174,7 @@ void c2_parallel_friction_torque_gradient(
     ECCENTRIC_REAL *out,
     const c2_parallel_coefficients *c);
 
-/** friction_torque_gradient over arrays of n samples, 2 values of `out` a sample. */
+/** friction_torque_gradient over arrays of n samples, each with 2 of `out`. */
 void c2_parallel_friction_torque_gradient_n(
     size_t n,
     const ECCENTRIC_REAL *theta_m,
@@ -185,10 +182,10 @@ void c2_parallel_friction_torque_gradient_n(
     ECCENTRIC_REAL *out,
     const c2_parallel_coefficients *c);
 
-/** Slopes of friction_torque by all friction coefficients [N m per unit coefficient].
- *  @param[in]  theta_m  motor angle [rad]
+/** Partial derivatives of friction_torque with respect to all friction coefficients.
+ *  @param[in]  theta_m  motor angle [rad], reduced exactly up to 2^20 half turns of the link (float: 2^12)
  *  @param[in]  omega_m  motor velocity [rad/s]
- *  @param[out] out  4 values: B_lN, C_lN, B_m, C_m
+ *  @param[out] out  4 values: B_lN, C_lN, B_m, C_m [N m per unit coefficient]
  *  @param[in]  c  coefficients
  */
 void c2_parallel_friction_torque_jacobian(
@@ -197,7 +194,7 @@ void c2_parallel_friction_torque_jacobian(
     ECCENTRIC_REAL *out,
     const c2_parallel_coefficients *c);
 
-/** friction_torque_jacobian over arrays of n samples, 4 values of `out` a sample. */
+/** friction_torque_jacobian over arrays of n samples, each with 4 of `out`. */
 void c2_parallel_friction_torque_jacobian_n(
     size_t n,
     const ECCENTRIC_REAL *theta_m,
@@ -205,10 +202,10 @@ void c2_parallel_friction_torque_jacobian_n(
     ECCENTRIC_REAL *out,
     const c2_parallel_coefficients *c);
 
-/** Columns with regressor @ friction_coefficients = mechanical_friction_torque [N m per unit coefficient].
- *  @param[in]  theta_m  motor angle [rad]
+/** Columns: regressor times friction_coefficients is mechanical_friction_torque.
+ *  @param[in]  theta_m  motor angle [rad], reduced exactly up to 2^20 half turns of the link (float: 2^12)
  *  @param[in]  omega_m  motor velocity [rad/s]
- *  @param[out] out  4 values: B_lN, C_lN, B_m, C_m
+ *  @param[out] out  4 values: B_lN, C_lN, B_m, C_m [N m per unit coefficient]
  *  @param[in]  c  coefficients
  */
 void c2_parallel_regressor(
@@ -217,7 +214,7 @@ void c2_parallel_regressor(
     ECCENTRIC_REAL *out,
     const c2_parallel_coefficients *c);
 
-/** regressor over arrays of n samples, 4 values of `out` a sample. */
+/** regressor over arrays of n samples, each with 4 of `out`. */
 void c2_parallel_regressor_n(
     size_t n,
     const ECCENTRIC_REAL *theta_m,
@@ -225,20 +222,22 @@ void c2_parallel_regressor_n(
     ECCENTRIC_REAL *out,
     const c2_parallel_coefficients *c);
 
-/** What the columns of the regressor multiply [as the columns of the regressor].
- *  @param[out] out  4 values: B_lN, C_lN, B_m, C_m
+/** What the columns of the regressor multiply.
+ *  @param[out] out  4 values: B_lN, C_lN, B_m, C_m [as the columns of the regressor]
  *  @param[in]  c  coefficients
  */
 void c2_parallel_friction_coefficients(ECCENTRIC_REAL *out, const c2_parallel_coefficients *c);
 
-/** Size of the friction torque at standstill, where it is set-valued [N m].
+/** Magnitude of the friction torque at standstill, where it is set-valued.
  *  @param[in]  c  coefficients
+ *  @return coulomb_torque [N m]
  */
 ECCENTRIC_REAL c2_parallel_coulomb_torque(const c2_parallel_coefficients *c);
 
-/** Gravity torque G, eq (5) [N m].
- *  @param[in]  theta_m  motor angle [rad]
+/** Gravity torque G, eq (5).
+ *  @param[in]  theta_m  motor angle [rad], reduced exactly up to 2^20 half turns of the link (float: 2^12)
  *  @param[in]  c  coefficients
+ *  @return gravity_torque [N m]
  */
 ECCENTRIC_REAL c2_parallel_gravity_torque(ECCENTRIC_REAL theta_m, const c2_parallel_coefficients *c);
 
@@ -249,11 +248,12 @@ void c2_parallel_gravity_torque_n(
     ECCENTRIC_REAL *out,
     const c2_parallel_coefficients *c);
 
-/** Armature voltage u = (R/k_i) (J alpha_m + G + F), eq (4) [V].
- *  @param[in]  theta_m  motor angle [rad]
+/** Armature voltage u = (R/k_i) (J alpha_m + G + F), eq (4).
+ *  @param[in]  theta_m  motor angle [rad], reduced exactly up to 2^20 half turns of the link (float: 2^12)
  *  @param[in]  omega_m  motor velocity [rad/s]
  *  @param[in]  alpha_m  motor acceleration [rad/s^2]
  *  @param[in]  c  coefficients
+ *  @return voltage [V]
  */
 ECCENTRIC_REAL c2_parallel_voltage(
     ECCENTRIC_REAL theta_m,
@@ -270,11 +270,12 @@ void c2_parallel_voltage_n(
     ECCENTRIC_REAL *out,
     const c2_parallel_coefficients *c);
 
-/** Armature current i = (J alpha_m + G + f)/k_i [A].
- *  @param[in]  theta_m  motor angle [rad]
+/** Armature current i = (J alpha_m + G + f)/k_i.
+ *  @param[in]  theta_m  motor angle [rad], reduced exactly up to 2^20 half turns of the link (float: 2^12)
  *  @param[in]  omega_m  motor velocity [rad/s]
  *  @param[in]  alpha_m  motor acceleration [rad/s^2]
  *  @param[in]  c  coefficients
+ *  @return current [A]
  */
 ECCENTRIC_REAL c2_parallel_current(
     ECCENTRIC_REAL theta_m,
@@ -291,12 +292,13 @@ void c2_parallel_current_n(
     ECCENTRIC_REAL *out,
     const c2_parallel_coefficients *c);
 
-/** What the mechanical balance leaves: k_i i - J alpha_m - G - f [N m].
- *  @param[in]  theta_m  motor angle [rad]
+/** What the mechanical balance leaves: k_i i - J alpha_m - G - f.
+ *  @param[in]  theta_m  motor angle [rad], reduced exactly up to 2^20 half turns of the link (float: 2^12)
  *  @param[in]  omega_m  motor velocity [rad/s]
  *  @param[in]  i  armature current [A]
  *  @param[in]  alpha_m  motor acceleration [rad/s^2]
  *  @param[in]  c  coefficients
+ *  @return mechanical_residual [N m]
  */
 ECCENTRIC_REAL c2_parallel_mechanical_residual(
     ECCENTRIC_REAL theta_m,
@@ -315,11 +317,12 @@ void c2_parallel_mechanical_residual_n(
     ECCENTRIC_REAL *out,
     const c2_parallel_coefficients *c);
 
-/** What the electrical balance leaves, as a torque: (k_i/R)(u - k_e omega_m) - k_i i [N m].
+/** What the electrical balance leaves, as a torque: (k_i/R)(u - k_e omega_m) - k_i i.
  *  @param[in]  omega_m  motor velocity [rad/s]
  *  @param[in]  i  armature current [A]
  *  @param[in]  u  armature voltage [V]
  *  @param[in]  c  coefficients
+ *  @return electrical_residual [N m]
  */
 ECCENTRIC_REAL c2_parallel_electrical_residual(
     ECCENTRIC_REAL omega_m,

@@ -1,5 +1,5 @@
 # Generated: do not edit. Written by `make derive` from derivations/c2_parallel.py
-# (eccentric 0.1.0, program 2b23c824).
+# (eccentric 0.1.0, program 5a54c472).
 # Case C2: gravity parallel to the motion plane, steady motion.
 """Case C2: gravity parallel to the motion plane, steady motion.
 
@@ -47,7 +47,7 @@ _Real = type[np.float32] | type[np.float64]
 
 @dataclass(frozen=True)
 class Parameters:
-    """Parameters with the paper's letters, in SI units.
+    """Parameters with the paper's letters, in SI units; the defaults are Table 1 of the paper with mu = 1/5.
 
     Raises:
         ValueError: a value is not a finite number, or has a sign that the quantity cannot have.
@@ -137,28 +137,22 @@ class _Coefficients(NamedTuple):
     mu_omega_star_scale_N: Any
     mu2: Any
     C_lN_mu_weight_plus_C_m: Any
-    minus_twice_L_M_g_mu: Any
+    twice_L_M_g_mu: Any
     J: Any
     B_lN_R_mu2_per_k_i: Any
     B_m_R_per_k_i_plus_k_e: Any
     C_lN_R_mu_per_k_i: Any
     C_m_R_per_k_i: Any
     R_per_k_i: Any
-    minus_twice_L_M_R_g_mu_per_k_i: Any
+    twice_L_M_R_g_mu_per_k_i: Any
     B_lN_mu2_per_k_i: Any
     B_m_per_k_i: Any
     per_k_i: Any
     C_lN_mu_per_k_i: Any
     C_m_per_k_i: Any
-    minus_twice_L_M_g_mu_per_k_i: Any
-    minus_B_lN_mu2: Any
-    minus_B_m: Any
-    minus_C_lN_mu: Any
-    minus_C_m: Any
-    twice_L_M_g_mu: Any
-    minus_k_i: Any
+    twice_L_M_g_mu_per_k_i: Any
     k_i_per_R: Any
-    minus_k_e_k_i_per_R: Any
+    k_e_k_i_per_R: Any
     largest: Any
 
 
@@ -193,28 +187,22 @@ def _prepare(p: Parameters, real: _Real) -> _Coefficients:
     mu_omega_star_scale_N = p.mu * omega_star * scale_N
     mu2 = p.mu * p.mu
     C_lN_mu_weight_plus_C_m = p.C_lN * p.mu * weight + p.C_m
-    minus_twice_L_M_g_mu = -2.0 * p.L * p.M * p.g * p.mu
+    twice_L_M_g_mu = 2.0 * p.L * p.M * p.g * p.mu
     J = J_l * p.mu * p.mu + J_m
     B_lN_R_mu2_per_k_i = p.B_lN * p.R * p.mu * p.mu / p.k_i
     B_m_R_per_k_i_plus_k_e = p.B_m * p.R / p.k_i + p.k_e
     C_lN_R_mu_per_k_i = p.C_lN * p.R * p.mu / p.k_i
     C_m_R_per_k_i = p.C_m * p.R / p.k_i
     R_per_k_i = p.R / p.k_i
-    minus_twice_L_M_R_g_mu_per_k_i = -2.0 * p.L * p.M * p.R * p.g * p.mu / p.k_i
+    twice_L_M_R_g_mu_per_k_i = 2.0 * p.L * p.M * p.R * p.g * p.mu / p.k_i
     B_lN_mu2_per_k_i = p.B_lN * p.mu * p.mu / p.k_i
     B_m_per_k_i = p.B_m / p.k_i
     per_k_i = 1.0 / p.k_i
     C_lN_mu_per_k_i = p.C_lN * p.mu / p.k_i
     C_m_per_k_i = p.C_m / p.k_i
-    minus_twice_L_M_g_mu_per_k_i = -2.0 * p.L * p.M * p.g * p.mu / p.k_i
-    minus_B_lN_mu2 = -p.B_lN * p.mu * p.mu
-    minus_B_m = -p.B_m
-    minus_C_lN_mu = -p.C_lN * p.mu
-    minus_C_m = -p.C_m
-    twice_L_M_g_mu = 2.0 * p.L * p.M * p.g * p.mu
-    minus_k_i = -p.k_i
+    twice_L_M_g_mu_per_k_i = 2.0 * p.L * p.M * p.g * p.mu / p.k_i
     k_i_per_R = p.k_i / p.R
-    minus_k_e_k_i_per_R = -p.k_e * p.k_i / p.R
+    k_e_k_i_per_R = p.k_e * p.k_i / p.R
     with np.errstate(all="ignore"):
         return _Coefficients(
             B_lN=real(p.B_lN),
@@ -240,28 +228,22 @@ def _prepare(p: Parameters, real: _Real) -> _Coefficients:
             mu_omega_star_scale_N=real(mu_omega_star_scale_N),
             mu2=real(mu2),
             C_lN_mu_weight_plus_C_m=real(C_lN_mu_weight_plus_C_m),
-            minus_twice_L_M_g_mu=real(minus_twice_L_M_g_mu),
+            twice_L_M_g_mu=real(twice_L_M_g_mu),
             J=real(J),
             B_lN_R_mu2_per_k_i=real(B_lN_R_mu2_per_k_i),
             B_m_R_per_k_i_plus_k_e=real(B_m_R_per_k_i_plus_k_e),
             C_lN_R_mu_per_k_i=real(C_lN_R_mu_per_k_i),
             C_m_R_per_k_i=real(C_m_R_per_k_i),
             R_per_k_i=real(R_per_k_i),
-            minus_twice_L_M_R_g_mu_per_k_i=real(minus_twice_L_M_R_g_mu_per_k_i),
+            twice_L_M_R_g_mu_per_k_i=real(twice_L_M_R_g_mu_per_k_i),
             B_lN_mu2_per_k_i=real(B_lN_mu2_per_k_i),
             B_m_per_k_i=real(B_m_per_k_i),
             per_k_i=real(per_k_i),
             C_lN_mu_per_k_i=real(C_lN_mu_per_k_i),
             C_m_per_k_i=real(C_m_per_k_i),
-            minus_twice_L_M_g_mu_per_k_i=real(minus_twice_L_M_g_mu_per_k_i),
-            minus_B_lN_mu2=real(minus_B_lN_mu2),
-            minus_B_m=real(minus_B_m),
-            minus_C_lN_mu=real(minus_C_lN_mu),
-            minus_C_m=real(minus_C_m),
-            twice_L_M_g_mu=real(twice_L_M_g_mu),
-            minus_k_i=real(minus_k_i),
+            twice_L_M_g_mu_per_k_i=real(twice_L_M_g_mu_per_k_i),
             k_i_per_R=real(k_i_per_R),
-            minus_k_e_k_i_per_R=real(minus_k_e_k_i_per_R),
+            k_e_k_i_per_R=real(k_e_k_i_per_R),
             largest=real(np.finfo(real).max),
         )
 
@@ -382,17 +364,25 @@ def _normal_force(
     theta_m: Any,
     omega_m: Any,
 ) -> tuple[Any, ...]:
+    # magnitude of the motor velocity, 0 if the mass is balanced [rad/s]
     speed = c.unbalanced * np.abs(omega_m)
+    # speed^2 - omega_star^2; the difference is taken once, before anything is rounded
     square_difference = (speed - c.omega_star_1 - c.omega_star_2) * (speed + c.omega_star_1)
+    # the odd number of half turns up to the top that is nearest
     halves = 2.0 * np.floor(theta_m * c.turns_per_rad) + 1.0
+    # angle from the top: the half turns go off in three parts, the leading two exactly
     from_top = theta_m - halves * c.half_period_1 - halves * c.half_period_2 - halves * c.half_period_3
+    # an angle so large that nothing is left of its phase counts as the top
     bounded = np.where(np.abs(from_top) <= c.period, from_top, theta_m - theta_m)
+    # half angle from the top
     half_angle = bounded * c.half_mu
     half_angle_squared = half_angle * half_angle
+    # sine of the half angle from the top, which is the cosine of half the angle but for its sign
     half_cosine = half_angle * _sine_series(half_angle_squared)
     p = square_difference
     q = half_cosine * speed * c.twice_omega_star
     magnitude = np.sqrt(p * p + q * q)
+    # normal force on the axis of rotation [N], eq (17)
     F_N = magnitude * c.scale_N
     result = F_N
     return (result,)
@@ -417,17 +407,25 @@ def _friction_torque(
     theta_m: Any,
     omega_m: Any,
 ) -> tuple[Any, ...]:
+    # magnitude of the motor velocity, 0 if the mass is balanced [rad/s]
     speed = c.unbalanced * np.abs(omega_m)
+    # speed^2 - omega_star^2; the difference is taken once, before anything is rounded
     square_difference = (speed - c.omega_star_1 - c.omega_star_2) * (speed + c.omega_star_1)
+    # the odd number of half turns up to the top that is nearest
     halves = 2.0 * np.floor(theta_m * c.turns_per_rad) + 1.0
+    # angle from the top: the half turns go off in three parts, the leading two exactly
     from_top = theta_m - halves * c.half_period_1 - halves * c.half_period_2 - halves * c.half_period_3
+    # an angle so large that nothing is left of its phase counts as the top
     bounded = np.where(np.abs(from_top) <= c.period, from_top, theta_m - theta_m)
+    # half angle from the top
     half_angle = bounded * c.half_mu
     half_angle_squared = half_angle * half_angle
+    # sine of the half angle from the top, which is the cosine of half the angle but for its sign
     half_cosine = half_angle * _sine_series(half_angle_squared)
     p = square_difference
     q = half_cosine * speed * c.twice_omega_star
     magnitude = np.sqrt(p * p + q * q)
+    # normal force on the axis of rotation [N], eq (17)
     F_N = magnitude * c.scale_N
     direction_of_motion = np.sign(omega_m)
     part_1 = omega_m * (c.B_lN_mu2 * F_N + c.B_m_plus_k_e_k_i_per_R)
@@ -456,17 +454,25 @@ def _mechanical_friction_torque(
     theta_m: Any,
     omega_m: Any,
 ) -> tuple[Any, ...]:
+    # magnitude of the motor velocity, 0 if the mass is balanced [rad/s]
     speed = c.unbalanced * np.abs(omega_m)
+    # speed^2 - omega_star^2; the difference is taken once, before anything is rounded
     square_difference = (speed - c.omega_star_1 - c.omega_star_2) * (speed + c.omega_star_1)
+    # the odd number of half turns up to the top that is nearest
     halves = 2.0 * np.floor(theta_m * c.turns_per_rad) + 1.0
+    # angle from the top: the half turns go off in three parts, the leading two exactly
     from_top = theta_m - halves * c.half_period_1 - halves * c.half_period_2 - halves * c.half_period_3
+    # an angle so large that nothing is left of its phase counts as the top
     bounded = np.where(np.abs(from_top) <= c.period, from_top, theta_m - theta_m)
+    # half angle from the top
     half_angle = bounded * c.half_mu
     half_angle_squared = half_angle * half_angle
+    # sine of the half angle from the top, which is the cosine of half the angle but for its sign
     half_cosine = half_angle * _sine_series(half_angle_squared)
     p = square_difference
     q = half_cosine * speed * c.twice_omega_star
     magnitude = np.sqrt(p * p + q * q)
+    # normal force on the axis of rotation [N], eq (17)
     F_N = magnitude * c.scale_N
     direction_of_motion = np.sign(omega_m)
     part_1 = direction_of_motion * (c.C_lN_mu * F_N + c.C_m)
@@ -495,26 +501,38 @@ def _friction_torque_gradient(
     theta_m: Any,
     omega_m: Any,
 ) -> tuple[Any, ...]:
+    # magnitude of the motor velocity, 0 if the mass is balanced [rad/s]
     speed = c.unbalanced * np.abs(omega_m)
     direction_of_motion = np.sign(omega_m)
     speed_d_omega_m = direction_of_motion * c.unbalanced
+    # speed^2 - omega_star^2; the difference is taken once, before anything is rounded
     square_difference = (speed - c.omega_star_1 - c.omega_star_2) * (speed + c.omega_star_1)
+    # the odd number of half turns up to the top that is nearest
     halves = 2.0 * np.floor(theta_m * c.turns_per_rad) + 1.0
+    # angle from the top: the half turns go off in three parts, the leading two exactly
     from_top = theta_m - halves * c.half_period_1 - halves * c.half_period_2 - halves * c.half_period_3
+    # an angle so large that nothing is left of its phase counts as the top
     bounded = np.where(np.abs(from_top) <= c.period, from_top, theta_m - theta_m)
+    # half angle from the top
     half_angle = bounded * c.half_mu
     half_angle_squared = half_angle * half_angle
+    # sine of the half angle from the top, which is the cosine of half the angle but for its sign
     half_cosine = half_angle * _sine_series(half_angle_squared)
     p = square_difference
     q = half_cosine * speed * c.twice_omega_star
     magnitude = np.sqrt(p * p + q * q)
+    # normal force on the axis of rotation [N], eq (17)
     F_N = magnitude * c.scale_N
+    # cosine of the half angle from the top
     half_sine = _cosine_series(half_angle_squared)
+    # 0/0 at the apex, where F_N is 0 and its derivatives are taken as 0
     divisor = np.where(magnitude == 0.0, 1.0, magnitude)
+    # where the square overflows, the larger of the two decides
     limit = np.where(np.abs(q) > np.abs(p), np.sign(q), 0.0)
     cosine = np.where(magnitude > c.largest, limit, q / divisor)
     ungated = half_sine * c.mu_omega_star_scale_N * speed
     F_N_d_theta_m = np.where(cosine == 0.0, 0.0, ungated * cosine)
+    # where the square overflows, the larger of the two decides
     limit_2 = np.where(np.abs(p) > np.abs(q), np.sign(p), 0.0)
     cosine_2 = np.where(magnitude > c.largest, limit_2, p / divisor)
     ungated_2 = 2.0 * speed
@@ -537,7 +555,7 @@ def friction_torque_gradient(
     parameters: Parameters | None = None,
     out: np.ndarray | None = None,
 ) -> Any:
-    """Slopes of friction_torque by its inputs [N m per rad, rad/s, rad/s^2].
+    """Partial derivatives of friction_torque with respect to its inputs [N m per rad, rad/s].
 
     Last axis (theta_m, omega_m).
 
@@ -552,17 +570,25 @@ def _friction_torque_jacobian(
     theta_m: Any,
     omega_m: Any,
 ) -> tuple[Any, ...]:
+    # magnitude of the motor velocity, 0 if the mass is balanced [rad/s]
     speed = c.unbalanced * np.abs(omega_m)
+    # speed^2 - omega_star^2; the difference is taken once, before anything is rounded
     square_difference = (speed - c.omega_star_1 - c.omega_star_2) * (speed + c.omega_star_1)
+    # the odd number of half turns up to the top that is nearest
     halves = 2.0 * np.floor(theta_m * c.turns_per_rad) + 1.0
+    # angle from the top: the half turns go off in three parts, the leading two exactly
     from_top = theta_m - halves * c.half_period_1 - halves * c.half_period_2 - halves * c.half_period_3
+    # an angle so large that nothing is left of its phase counts as the top
     bounded = np.where(np.abs(from_top) <= c.period, from_top, theta_m - theta_m)
+    # half angle from the top
     half_angle = bounded * c.half_mu
     half_angle_squared = half_angle * half_angle
+    # sine of the half angle from the top, which is the cosine of half the angle but for its sign
     half_cosine = half_angle * _sine_series(half_angle_squared)
     p = square_difference
     q = half_cosine * speed * c.twice_omega_star
     magnitude = np.sqrt(p * p + q * q)
+    # normal force on the axis of rotation [N], eq (17)
     F_N = magnitude * c.scale_N
     result_B_lN = F_N * c.mu2 * omega_m
     direction_of_motion = np.sign(omega_m)
@@ -578,7 +604,7 @@ def friction_torque_jacobian(
     parameters: Parameters | None = None,
     out: np.ndarray | None = None,
 ) -> Any:
-    """Slopes of friction_torque by all friction coefficients [N m per unit coefficient].
+    """Partial derivatives of friction_torque with respect to all friction coefficients [N m per unit coefficient].
 
     Last axis (b_ln, c_ln, b_m, c_m).
 
@@ -593,17 +619,25 @@ def _regressor(
     theta_m: Any,
     omega_m: Any,
 ) -> tuple[Any, ...]:
+    # magnitude of the motor velocity, 0 if the mass is balanced [rad/s]
     speed = c.unbalanced * np.abs(omega_m)
+    # speed^2 - omega_star^2; the difference is taken once, before anything is rounded
     square_difference = (speed - c.omega_star_1 - c.omega_star_2) * (speed + c.omega_star_1)
+    # the odd number of half turns up to the top that is nearest
     halves = 2.0 * np.floor(theta_m * c.turns_per_rad) + 1.0
+    # angle from the top: the half turns go off in three parts, the leading two exactly
     from_top = theta_m - halves * c.half_period_1 - halves * c.half_period_2 - halves * c.half_period_3
+    # an angle so large that nothing is left of its phase counts as the top
     bounded = np.where(np.abs(from_top) <= c.period, from_top, theta_m - theta_m)
+    # half angle from the top
     half_angle = bounded * c.half_mu
     half_angle_squared = half_angle * half_angle
+    # sine of the half angle from the top, which is the cosine of half the angle but for its sign
     half_cosine = half_angle * _sine_series(half_angle_squared)
     p = square_difference
     q = half_cosine * speed * c.twice_omega_star
     magnitude = np.sqrt(p * p + q * q)
+    # normal force on the axis of rotation [N], eq (17)
     F_N = magnitude * c.scale_N
     result_B_lN = F_N * c.mu2 * omega_m
     direction_of_motion = np.sign(omega_m)
@@ -619,7 +653,7 @@ def regressor(
     parameters: Parameters | None = None,
     out: np.ndarray | None = None,
 ) -> Any:
-    """Columns with regressor @ friction_coefficients = mechanical_friction_torque [N m per unit coefficient].
+    """Columns: regressor times friction_coefficients is mechanical_friction_torque [N m per unit coefficient].
 
     Last axis (b_ln, c_ln, b_m, c_m).
 
@@ -661,7 +695,7 @@ def coulomb_torque(
     parameters: Parameters | None = None,
     out: np.ndarray | None = None,
 ) -> Any:
-    """Size of the friction torque at standstill, where it is set-valued [N m].
+    """Magnitude of the friction torque at standstill, where it is set-valued [N m].
 
     Shape of the broadcast inputs.
     """
@@ -672,14 +706,20 @@ def _gravity_torque(
     c: _Coefficients,
     theta_m: Any,
 ) -> tuple[Any, ...]:
+    # the odd number of half turns up to the top that is nearest
     halves = 2.0 * np.floor(theta_m * c.turns_per_rad) + 1.0
+    # angle from the top: the half turns go off in three parts, the leading two exactly
     from_top = theta_m - halves * c.half_period_1 - halves * c.half_period_2 - halves * c.half_period_3
+    # an angle so large that nothing is left of its phase counts as the top
     bounded = np.where(np.abs(from_top) <= c.period, from_top, theta_m - theta_m)
+    # half angle from the top
     half_angle = bounded * c.half_mu
     half_angle_squared = half_angle * half_angle
+    # sine of the half angle from the top, which is the cosine of half the angle but for its sign
     half_cosine = half_angle * _sine_series(half_angle_squared)
+    # cosine of the half angle from the top
     half_sine = _cosine_series(half_angle_squared)
-    result = half_cosine * half_sine * c.minus_twice_L_M_g_mu
+    result = -half_cosine * half_sine * c.twice_L_M_g_mu
     return (result,)
 
 
@@ -701,24 +741,33 @@ def _voltage(
     omega_m: Any,
     alpha_m: Any,
 ) -> tuple[Any, ...]:
+    # magnitude of the motor velocity, 0 if the mass is balanced [rad/s]
     speed = c.unbalanced * np.abs(omega_m)
+    # speed^2 - omega_star^2; the difference is taken once, before anything is rounded
     square_difference = (speed - c.omega_star_1 - c.omega_star_2) * (speed + c.omega_star_1)
+    # the odd number of half turns up to the top that is nearest
     halves = 2.0 * np.floor(theta_m * c.turns_per_rad) + 1.0
+    # angle from the top: the half turns go off in three parts, the leading two exactly
     from_top = theta_m - halves * c.half_period_1 - halves * c.half_period_2 - halves * c.half_period_3
+    # an angle so large that nothing is left of its phase counts as the top
     bounded = np.where(np.abs(from_top) <= c.period, from_top, theta_m - theta_m)
+    # half angle from the top
     half_angle = bounded * c.half_mu
     half_angle_squared = half_angle * half_angle
+    # sine of the half angle from the top, which is the cosine of half the angle but for its sign
     half_cosine = half_angle * _sine_series(half_angle_squared)
     p = square_difference
     q = half_cosine * speed * c.twice_omega_star
     magnitude = np.sqrt(p * p + q * q)
+    # normal force on the axis of rotation [N], eq (17)
     F_N = magnitude * c.scale_N
     direction_of_motion = np.sign(omega_m)
+    # cosine of the half angle from the top
     half_sine = _cosine_series(half_angle_squared)
     part_1 = direction_of_motion * (c.C_lN_R_mu_per_k_i * F_N + c.C_m_R_per_k_i)
     part_2 = omega_m * (c.B_lN_R_mu2_per_k_i * F_N + c.B_m_R_per_k_i_plus_k_e)
-    part_3 = half_cosine * half_sine * c.minus_twice_L_M_R_g_mu_per_k_i
-    part_4 = c.R_per_k_i * np.where(alpha_m == 0.0, 0.0, c.J * alpha_m)
+    part_3 = c.R_per_k_i * np.where(alpha_m == 0.0, 0.0, c.J * alpha_m)
+    part_4 = -half_cosine * half_sine * c.twice_L_M_R_g_mu_per_k_i
     result = part_1 + part_2 + part_3 + part_4
     return (result,)
 
@@ -746,23 +795,32 @@ def _current(
     omega_m: Any,
     alpha_m: Any,
 ) -> tuple[Any, ...]:
+    # magnitude of the motor velocity, 0 if the mass is balanced [rad/s]
     speed = c.unbalanced * np.abs(omega_m)
+    # speed^2 - omega_star^2; the difference is taken once, before anything is rounded
     square_difference = (speed - c.omega_star_1 - c.omega_star_2) * (speed + c.omega_star_1)
+    # the odd number of half turns up to the top that is nearest
     halves = 2.0 * np.floor(theta_m * c.turns_per_rad) + 1.0
+    # angle from the top: the half turns go off in three parts, the leading two exactly
     from_top = theta_m - halves * c.half_period_1 - halves * c.half_period_2 - halves * c.half_period_3
+    # an angle so large that nothing is left of its phase counts as the top
     bounded = np.where(np.abs(from_top) <= c.period, from_top, theta_m - theta_m)
+    # half angle from the top
     half_angle = bounded * c.half_mu
     half_angle_squared = half_angle * half_angle
+    # sine of the half angle from the top, which is the cosine of half the angle but for its sign
     half_cosine = half_angle * _sine_series(half_angle_squared)
     p = square_difference
     q = half_cosine * speed * c.twice_omega_star
     magnitude = np.sqrt(p * p + q * q)
+    # normal force on the axis of rotation [N], eq (17)
     F_N = magnitude * c.scale_N
     direction_of_motion = np.sign(omega_m)
+    # cosine of the half angle from the top
     half_sine = _cosine_series(half_angle_squared)
     part_1 = direction_of_motion * (c.C_lN_mu_per_k_i * F_N + c.C_m_per_k_i)
     part_2 = c.per_k_i * np.where(alpha_m == 0.0, 0.0, c.J * alpha_m)
-    part_3 = half_cosine * half_sine * c.minus_twice_L_M_g_mu_per_k_i
+    part_3 = -half_cosine * half_sine * c.twice_L_M_g_mu_per_k_i
     part_4 = omega_m * (c.B_lN_mu2_per_k_i * F_N + c.B_m_per_k_i)
     result = part_1 + part_2 + part_3 + part_4
     return (result,)
@@ -792,24 +850,33 @@ def _mechanical_residual(
     i: Any,
     alpha_m: Any,
 ) -> tuple[Any, ...]:
+    # magnitude of the motor velocity, 0 if the mass is balanced [rad/s]
     speed = c.unbalanced * np.abs(omega_m)
+    # speed^2 - omega_star^2; the difference is taken once, before anything is rounded
     square_difference = (speed - c.omega_star_1 - c.omega_star_2) * (speed + c.omega_star_1)
+    # the odd number of half turns up to the top that is nearest
     halves = 2.0 * np.floor(theta_m * c.turns_per_rad) + 1.0
+    # angle from the top: the half turns go off in three parts, the leading two exactly
     from_top = theta_m - halves * c.half_period_1 - halves * c.half_period_2 - halves * c.half_period_3
+    # an angle so large that nothing is left of its phase counts as the top
     bounded = np.where(np.abs(from_top) <= c.period, from_top, theta_m - theta_m)
+    # half angle from the top
     half_angle = bounded * c.half_mu
     half_angle_squared = half_angle * half_angle
+    # sine of the half angle from the top, which is the cosine of half the angle but for its sign
     half_cosine = half_angle * _sine_series(half_angle_squared)
     p = square_difference
     q = half_cosine * speed * c.twice_omega_star
     magnitude = np.sqrt(p * p + q * q)
+    # normal force on the axis of rotation [N], eq (17)
     F_N = magnitude * c.scale_N
     direction_of_motion = np.sign(omega_m)
+    # cosine of the half angle from the top
     half_sine = _cosine_series(half_angle_squared)
-    part_1 = direction_of_motion * (F_N * c.minus_C_lN_mu + c.minus_C_m)
-    part_2 = -np.where(alpha_m == 0.0, 0.0, c.J * alpha_m)
-    part_3 = omega_m * (F_N * c.minus_B_lN_mu2 + c.minus_B_m)
-    part_4 = half_cosine * half_sine * c.twice_L_M_g_mu
+    part_1 = -np.where(alpha_m == 0.0, 0.0, c.J * alpha_m)
+    part_2 = -direction_of_motion * (c.C_lN_mu * F_N + c.C_m)
+    part_3 = half_cosine * half_sine * c.twice_L_M_g_mu
+    part_4 = -omega_m * (c.B_lN_mu2 * F_N + c.B_m)
     result = i * c.k_i + part_1 + part_2 + part_3 + part_4
     return (result,)
 
@@ -841,7 +908,7 @@ def _electrical_residual(
     i: Any,
     u: Any,
 ) -> tuple[Any, ...]:
-    result = i * c.minus_k_i + c.k_i_per_R * u + c.minus_k_e_k_i_per_R * omega_m
+    result = -i * c.k_i - c.k_e_k_i_per_R * omega_m + c.k_i_per_R * u
     return (result,)
 
 

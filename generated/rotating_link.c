@@ -1,6 +1,6 @@
 /*
  * Generated: do not edit. Written by `make derive` from derivations/rotating_link.py
- * (eccentric 0.1.0, program 3a862dfc).
+ * (eccentric 0.1.0, program 1d3324f8).
  * Rotating link with an unbalanced mass, plane tilted by phi, angular acceleration kept.
  */
 #include "rotating_link.h"
@@ -8,7 +8,7 @@
 #include <float.h>
 #include <math.h>
 
-#if ROTATING_LINK_PROGRAM != 0x3a862dfcUL
+#if ROTATING_LINK_PROGRAM != 0x1d3324f8UL
 #error "rotating_link.c and rotating_link.h are of different derivations: write both again with make derive"
 #endif
 
@@ -121,7 +121,6 @@ const rotating_link_coefficients rotating_link_default = {
     (real)(1.0), /* unbalanced */
     (real)(2746.8), /* twice_omega_star2 */
     (real)(5.0), /* unbalanced_per_mu */
-    (real)(-2746.8), /* minus_twice_omega_star2 */
     (real)(15.7109375), /* half_period_1 */
     (real)(-0.00297355652), /* half_period_2 */
     (real)(-6.75532476e-7), /* half_period_3 */
@@ -133,40 +132,33 @@ const rotating_link_coefficients rotating_link_default = {
     (real)(0.016), /* C_lN_mu */
     (real)(0.008), /* C */
     (real)(1.6e-4), /* B_lN_mu2 */
-    (real)(0.0044), /* constant */
     (real)(4.0e-4), /* B */
+    (real)(0.0044), /* B_plus_k_e_k_i_per_R */
     (real)(549.36), /* twice_mu_omega_star2 */
     (real)(274.68), /* mu_omega_star2 */
-    (real)(-274.68), /* minus_mu_omega_star2 */
     (real)(0.01), /* twice_scale_N */
     (real)(0.025), /* scale_N_unbalanced_per_mu */
     (real)(0.04), /* mu2 */
     (real)(0.0), /* F_T_mu2_sin_phi */
     (real)(0.0), /* F_T_mu_sin_phi */
-    (real)(-1373.4), /* minus_omega_star2 */
+    (real)(1373.4), /* omega_star2 */
     (real)(8.0e-5), /* C_lN_mu_scale_N */
-    (real)(-0.4905), /* minus_twice_L_M_g_p_mu */
+    (real)(0.4905), /* twice_L_M_g_p_mu */
     (real)(NAN), /* J */
     (real)(50.0), /* R_per_k_i */
-    (real)(-24.525), /* constant_2 */
+    (real)(24.525), /* twice_L_M_R_g_p_mu_per_k_i */
     (real)(0.8), /* C_lN_R_mu_per_k_i */
-    (real)(0.4), /* constant_3 */
+    (real)(0.4), /* C_R_per_k_i */
     (real)(0.008), /* B_lN_R_mu2_per_k_i */
-    (real)(0.22), /* constant_4 */
+    (real)(0.22), /* B_R_per_k_i_plus_k_e */
     (real)(50.0), /* per_k_i */
-    (real)(-24.525), /* minus_twice_L_M_g_p_mu_per_k_i */
+    (real)(24.525), /* twice_L_M_g_p_mu_per_k_i */
     (real)(0.008), /* B_lN_mu2_per_k_i */
-    (real)(0.02), /* constant_5 */
+    (real)(0.02), /* B_per_k_i */
     (real)(0.8), /* C_lN_mu_per_k_i */
-    (real)(0.4), /* constant_6 */
-    (real)(0.4905), /* twice_L_M_g_p_mu */
-    (real)(-1.6e-4), /* minus_B_lN_mu2 */
-    (real)(-4.0e-4), /* constant_7 */
-    (real)(-0.016), /* minus_C_lN_mu */
-    (real)(-0.008), /* constant_8 */
-    (real)(-0.02), /* minus_k_i */
+    (real)(0.4), /* C_per_k_i */
     (real)(0.02), /* k_i_per_R */
-    (real)(-0.004), /* minus_k_e_k_i_per_R */
+    (real)(0.004), /* k_e_k_i_per_R */
 #else
     0.004, /* B_lN */
     0.08, /* C_lN */
@@ -176,7 +168,6 @@ const rotating_link_coefficients rotating_link_default = {
     1.0, /* unbalanced */
     2746.8, /* twice_omega_star2 */
     5.0, /* unbalanced_per_mu */
-    -2746.8, /* minus_twice_omega_star2 */
     15.707963267341256, /* half_period_1 */
     6.0771005068460671e-10, /* half_period_2 */
     -3.3987446136315715e-20, /* half_period_3 */
@@ -188,40 +179,33 @@ const rotating_link_coefficients rotating_link_default = {
     0.016, /* C_lN_mu */
     0.008, /* C */
     1.6e-4, /* B_lN_mu2 */
-    0.0044, /* constant */
     4.0e-4, /* B */
+    0.0044, /* B_plus_k_e_k_i_per_R */
     549.36, /* twice_mu_omega_star2 */
     274.68, /* mu_omega_star2 */
-    -274.68, /* minus_mu_omega_star2 */
     0.01, /* twice_scale_N */
     0.025, /* scale_N_unbalanced_per_mu */
     0.04, /* mu2 */
     0.0, /* F_T_mu2_sin_phi */
     0.0, /* F_T_mu_sin_phi */
-    -1373.4, /* minus_omega_star2 */
+    1373.4, /* omega_star2 */
     8.0e-5, /* C_lN_mu_scale_N */
-    -0.4905, /* minus_twice_L_M_g_p_mu */
+    0.4905, /* twice_L_M_g_p_mu */
     NAN, /* J */
     50.0, /* R_per_k_i */
-    -24.525, /* constant_2 */
+    24.525, /* twice_L_M_R_g_p_mu_per_k_i */
     0.8, /* C_lN_R_mu_per_k_i */
-    0.4, /* constant_3 */
+    0.4, /* C_R_per_k_i */
     0.008, /* B_lN_R_mu2_per_k_i */
-    0.22, /* constant_4 */
+    0.22, /* B_R_per_k_i_plus_k_e */
     50.0, /* per_k_i */
-    -24.525, /* minus_twice_L_M_g_p_mu_per_k_i */
+    24.525, /* twice_L_M_g_p_mu_per_k_i */
     0.008, /* B_lN_mu2_per_k_i */
-    0.02, /* constant_5 */
+    0.02, /* B_per_k_i */
     0.8, /* C_lN_mu_per_k_i */
-    0.4, /* constant_6 */
-    0.4905, /* twice_L_M_g_p_mu */
-    -1.6e-4, /* minus_B_lN_mu2 */
-    -4.0e-4, /* constant_7 */
-    -0.016, /* minus_C_lN_mu */
-    -0.008, /* constant_8 */
-    -0.02, /* minus_k_i */
+    0.4, /* C_per_k_i */
     0.02, /* k_i_per_R */
-    -0.004, /* minus_k_e_k_i_per_R */
+    0.004, /* k_e_k_i_per_R */
 #endif
 };
 
@@ -235,7 +219,6 @@ void rotating_link_prepare(const rotating_link_parameters *p, rotating_link_coef
     const double unbalanced = (p->L * p->M == 0.0) ? 0.0 : (1.0);
     const double twice_omega_star2 = 2.0 * omega_star * omega_star;
     const double unbalanced_per_mu = unbalanced / p->mu;
-    const double minus_twice_omega_star2 = -2.0 * omega_star * omega_star;
     const double half_period = 3.1415926535897932 / p->mu;
     const double half_period_1 = rotating_link_leading(half_period);
     const double half_period_2 = rotating_link_leading(half_period - half_period_1);
@@ -248,41 +231,33 @@ void rotating_link_prepare(const rotating_link_parameters *p, rotating_link_coef
     const double C_lN_mu = p->C_lN * p->mu;
     const double C = p->C_lT * p->F_T * p->mu * sin(p->phi) + p->C_m;
     const double B_lN_mu2 = p->B_lN * p->mu * p->mu;
-    const double constant = p->B_lT * p->F_T * p->mu * p->mu * sin(p->phi) + p->B_m + p->k_e * p->k_i / p->R;
     const double B = p->B_lT * p->F_T * p->mu * p->mu * sin(p->phi) + p->B_m;
+    const double B_plus_k_e_k_i_per_R = B + p->k_e * p->k_i / p->R;
     const double twice_mu_omega_star2 = 2.0 * p->mu * omega_star * omega_star;
     const double mu_omega_star2 = p->mu * omega_star * omega_star;
-    const double minus_mu_omega_star2 = -p->mu * omega_star * omega_star;
     const double twice_scale_N = 2.0 * scale_N;
     const double scale_N_unbalanced_per_mu = scale_N * unbalanced / p->mu;
     const double mu2 = p->mu * p->mu;
     const double F_T_mu2_sin_phi = p->F_T * p->mu * p->mu * sin(p->phi);
     const double F_T_mu_sin_phi = p->F_T * p->mu * sin(p->phi);
-    const double minus_omega_star2 = -omega_star * omega_star;
+    const double omega_star2 = omega_star * omega_star;
     const double C_lN_mu_scale_N = p->C_lN * p->mu * scale_N;
-    const double minus_twice_L_M_g_p_mu = -2.0 * p->L * p->M * g_p * p->mu;
+    const double twice_L_M_g_p_mu = 2.0 * p->L * p->M * g_p * p->mu;
     const double J = p->J_l * p->mu * p->mu + p->J_m;
     const double R_per_k_i = p->R / p->k_i;
-    const double constant_2 = -2.0 * p->L * p->M * p->R * g_p * p->mu / p->k_i;
+    const double twice_L_M_R_g_p_mu_per_k_i = 2.0 * p->L * p->M * p->R * g_p * p->mu / p->k_i;
     const double C_lN_R_mu_per_k_i = p->C_lN * p->R * p->mu / p->k_i;
-    const double constant_3 = p->C_lT * p->F_T * p->R * p->mu * sin(p->phi) / p->k_i + p->C_m * p->R / p->k_i;
+    const double C_R_per_k_i = C * p->R / p->k_i;
     const double B_lN_R_mu2_per_k_i = p->B_lN * p->R * p->mu * p->mu / p->k_i;
-    const double part_1 = p->B_lT * p->F_T * p->R * p->mu * p->mu * sin(p->phi) / p->k_i;
-    const double constant_4 = p->B_m * p->R / p->k_i + p->k_e + part_1;
+    const double B_R_per_k_i_plus_k_e = B * p->R / p->k_i + p->k_e;
     const double per_k_i = 1.0 / p->k_i;
-    const double minus_twice_L_M_g_p_mu_per_k_i = -2.0 * p->L * p->M * g_p * p->mu / p->k_i;
+    const double twice_L_M_g_p_mu_per_k_i = 2.0 * p->L * p->M * g_p * p->mu / p->k_i;
     const double B_lN_mu2_per_k_i = p->B_lN * p->mu * p->mu / p->k_i;
-    const double constant_5 = p->B_lT * p->F_T * p->mu * p->mu * sin(p->phi) / p->k_i + p->B_m / p->k_i;
+    const double B_per_k_i = B / p->k_i;
     const double C_lN_mu_per_k_i = p->C_lN * p->mu / p->k_i;
-    const double constant_6 = p->C_lT * p->F_T * p->mu * sin(p->phi) / p->k_i + p->C_m / p->k_i;
-    const double twice_L_M_g_p_mu = 2.0 * p->L * p->M * g_p * p->mu;
-    const double minus_B_lN_mu2 = -p->B_lN * p->mu * p->mu;
-    const double constant_7 = -p->B_lT * p->F_T * p->mu * p->mu * sin(p->phi) - p->B_m;
-    const double minus_C_lN_mu = -p->C_lN * p->mu;
-    const double constant_8 = -p->C_lT * p->F_T * p->mu * sin(p->phi) - p->C_m;
-    const double minus_k_i = -p->k_i;
+    const double C_per_k_i = C / p->k_i;
     const double k_i_per_R = p->k_i / p->R;
-    const double minus_k_e_k_i_per_R = -p->k_e * p->k_i / p->R;
+    const double k_e_k_i_per_R = p->k_e * p->k_i / p->R;
     c->B_lN = (real)(p->B_lN);
     c->C_lN = (real)(p->C_lN);
     c->k_i = (real)(p->k_i);
@@ -291,7 +266,6 @@ void rotating_link_prepare(const rotating_link_parameters *p, rotating_link_coef
     c->unbalanced = (real)(unbalanced);
     c->twice_omega_star2 = (real)(twice_omega_star2);
     c->unbalanced_per_mu = (real)(unbalanced_per_mu);
-    c->minus_twice_omega_star2 = (real)(minus_twice_omega_star2);
     c->half_period_1 = (real)(half_period_1);
     c->half_period_2 = (real)(half_period_2);
     c->half_period_3 = (real)(half_period_3);
@@ -303,40 +277,33 @@ void rotating_link_prepare(const rotating_link_parameters *p, rotating_link_coef
     c->C_lN_mu = (real)(C_lN_mu);
     c->C = (real)(C);
     c->B_lN_mu2 = (real)(B_lN_mu2);
-    c->constant = (real)(constant);
     c->B = (real)(B);
+    c->B_plus_k_e_k_i_per_R = (real)(B_plus_k_e_k_i_per_R);
     c->twice_mu_omega_star2 = (real)(twice_mu_omega_star2);
     c->mu_omega_star2 = (real)(mu_omega_star2);
-    c->minus_mu_omega_star2 = (real)(minus_mu_omega_star2);
     c->twice_scale_N = (real)(twice_scale_N);
     c->scale_N_unbalanced_per_mu = (real)(scale_N_unbalanced_per_mu);
     c->mu2 = (real)(mu2);
     c->F_T_mu2_sin_phi = (real)(F_T_mu2_sin_phi);
     c->F_T_mu_sin_phi = (real)(F_T_mu_sin_phi);
-    c->minus_omega_star2 = (real)(minus_omega_star2);
+    c->omega_star2 = (real)(omega_star2);
     c->C_lN_mu_scale_N = (real)(C_lN_mu_scale_N);
-    c->minus_twice_L_M_g_p_mu = (real)(minus_twice_L_M_g_p_mu);
+    c->twice_L_M_g_p_mu = (real)(twice_L_M_g_p_mu);
     c->J = (real)(J);
     c->R_per_k_i = (real)(R_per_k_i);
-    c->constant_2 = (real)(constant_2);
+    c->twice_L_M_R_g_p_mu_per_k_i = (real)(twice_L_M_R_g_p_mu_per_k_i);
     c->C_lN_R_mu_per_k_i = (real)(C_lN_R_mu_per_k_i);
-    c->constant_3 = (real)(constant_3);
+    c->C_R_per_k_i = (real)(C_R_per_k_i);
     c->B_lN_R_mu2_per_k_i = (real)(B_lN_R_mu2_per_k_i);
-    c->constant_4 = (real)(constant_4);
+    c->B_R_per_k_i_plus_k_e = (real)(B_R_per_k_i_plus_k_e);
     c->per_k_i = (real)(per_k_i);
-    c->minus_twice_L_M_g_p_mu_per_k_i = (real)(minus_twice_L_M_g_p_mu_per_k_i);
+    c->twice_L_M_g_p_mu_per_k_i = (real)(twice_L_M_g_p_mu_per_k_i);
     c->B_lN_mu2_per_k_i = (real)(B_lN_mu2_per_k_i);
-    c->constant_5 = (real)(constant_5);
+    c->B_per_k_i = (real)(B_per_k_i);
     c->C_lN_mu_per_k_i = (real)(C_lN_mu_per_k_i);
-    c->constant_6 = (real)(constant_6);
-    c->twice_L_M_g_p_mu = (real)(twice_L_M_g_p_mu);
-    c->minus_B_lN_mu2 = (real)(minus_B_lN_mu2);
-    c->constant_7 = (real)(constant_7);
-    c->minus_C_lN_mu = (real)(minus_C_lN_mu);
-    c->constant_8 = (real)(constant_8);
-    c->minus_k_i = (real)(minus_k_i);
+    c->C_per_k_i = (real)(C_per_k_i);
     c->k_i_per_R = (real)(k_i_per_R);
-    c->minus_k_e_k_i_per_R = (real)(minus_k_e_k_i_per_R);
+    c->k_e_k_i_per_R = (real)(k_e_k_i_per_R);
 }
 
 ECCENTRIC_REAL rotating_link_normal_force(
@@ -345,19 +312,27 @@ ECCENTRIC_REAL rotating_link_normal_force(
     ECCENTRIC_REAL alpha_m,
     const rotating_link_coefficients *c)
 {
+    /* magnitude of the motor velocity, 0 if the mass is balanced [rad/s] */
     const real speed = c->unbalanced * REAL_FABS(omega_m);
+    /* the odd number of half turns up to the top that is nearest */
     const real halves = REAL(2.0) * REAL_FLOOR(theta_m * c->turns_per_rad) + REAL(1.0);
+    /* angle from the top: the half turns go off in three parts, the leading two exactly */
     const real from_top = theta_m - halves * c->half_period_1 - halves * c->half_period_2 - halves * c->half_period_3;
+    /* an angle so large that nothing is left of its phase counts as the top */
     const real bounded = ((REAL_FABS(from_top) <= c->period) ? from_top : theta_m - theta_m);
+    /* half angle from the top */
     const real half_angle = bounded * c->half_mu;
     const real half_angle_squared = half_angle * half_angle;
+    /* sine of the half angle from the top, which is the cosine of half the angle but for its sign */
     const real half_cosine = half_angle * rotating_link_sine_series(half_angle_squared);
+    /* speed^2 - omega_star^2; the difference is taken once, before anything is rounded */
     const real square_difference = (speed - c->omega_star_1 - c->omega_star_2) * (speed + c->omega_star_1);
+    /* cosine of the half angle from the top */
     const real half_sine = rotating_link_cosine_series(half_angle_squared);
     const real p = half_cosine * half_cosine * c->twice_omega_star2 + square_difference;
-    const real part_1 = half_cosine * half_sine * c->minus_twice_omega_star2;
-    const real q = alpha_m * c->unbalanced_per_mu + part_1;
+    const real q = alpha_m * c->unbalanced_per_mu - half_cosine * half_sine * c->twice_omega_star2;
     const real magnitude = REAL_SQRT(p * p + q * q);
+    /* normal force on the axis of rotation [N] */
     const real F_N = magnitude * c->scale_N;
     return F_N;
 }
@@ -381,25 +356,33 @@ ECCENTRIC_REAL rotating_link_friction_torque(
     ECCENTRIC_REAL alpha_m,
     const rotating_link_coefficients *c)
 {
+    /* magnitude of the motor velocity, 0 if the mass is balanced [rad/s] */
     const real speed = c->unbalanced * REAL_FABS(omega_m);
+    /* the odd number of half turns up to the top that is nearest */
     const real halves = REAL(2.0) * REAL_FLOOR(theta_m * c->turns_per_rad) + REAL(1.0);
+    /* angle from the top: the half turns go off in three parts, the leading two exactly */
     const real from_top = theta_m - halves * c->half_period_1 - halves * c->half_period_2 - halves * c->half_period_3;
+    /* an angle so large that nothing is left of its phase counts as the top */
     const real bounded = ((REAL_FABS(from_top) <= c->period) ? from_top : theta_m - theta_m);
+    /* half angle from the top */
     const real half_angle = bounded * c->half_mu;
     const real half_angle_squared = half_angle * half_angle;
+    /* sine of the half angle from the top, which is the cosine of half the angle but for its sign */
     const real half_cosine = half_angle * rotating_link_sine_series(half_angle_squared);
+    /* speed^2 - omega_star^2; the difference is taken once, before anything is rounded */
     const real square_difference = (speed - c->omega_star_1 - c->omega_star_2) * (speed + c->omega_star_1);
+    /* cosine of the half angle from the top */
     const real half_sine = rotating_link_cosine_series(half_angle_squared);
     const real p = half_cosine * half_cosine * c->twice_omega_star2 + square_difference;
-    const real part_1 = half_cosine * half_sine * c->minus_twice_omega_star2;
-    const real q = alpha_m * c->unbalanced_per_mu + part_1;
+    const real q = alpha_m * c->unbalanced_per_mu - half_cosine * half_sine * c->twice_omega_star2;
     const real magnitude = REAL_SQRT(p * p + q * q);
+    /* normal force on the axis of rotation [N] */
     const real F_N = magnitude * c->scale_N;
-    const real ungated = c->B_lN_mu2 * F_N + c->constant;
+    const real ungated = c->B_lN_mu2 * F_N + c->B_plus_k_e_k_i_per_R;
     const real direction_of_motion = rotating_link_sgn(omega_m);
     const real ungated_2 = c->C + c->C_lN_mu * F_N;
-    const real part_2 = ((direction_of_motion == REAL(0.0)) ? REAL(0.0) : ungated_2 * direction_of_motion);
-    return part_2 + ((omega_m == REAL(0.0)) ? REAL(0.0) : ungated * omega_m);
+    const real part_1 = ((direction_of_motion == REAL(0.0)) ? REAL(0.0) : ungated_2 * direction_of_motion);
+    return part_1 + ((omega_m == REAL(0.0)) ? REAL(0.0) : ungated * omega_m);
 }
 
 void rotating_link_friction_torque_n(
@@ -421,25 +404,33 @@ ECCENTRIC_REAL rotating_link_mechanical_friction_torque(
     ECCENTRIC_REAL alpha_m,
     const rotating_link_coefficients *c)
 {
+    /* magnitude of the motor velocity, 0 if the mass is balanced [rad/s] */
     const real speed = c->unbalanced * REAL_FABS(omega_m);
+    /* the odd number of half turns up to the top that is nearest */
     const real halves = REAL(2.0) * REAL_FLOOR(theta_m * c->turns_per_rad) + REAL(1.0);
+    /* angle from the top: the half turns go off in three parts, the leading two exactly */
     const real from_top = theta_m - halves * c->half_period_1 - halves * c->half_period_2 - halves * c->half_period_3;
+    /* an angle so large that nothing is left of its phase counts as the top */
     const real bounded = ((REAL_FABS(from_top) <= c->period) ? from_top : theta_m - theta_m);
+    /* half angle from the top */
     const real half_angle = bounded * c->half_mu;
     const real half_angle_squared = half_angle * half_angle;
+    /* sine of the half angle from the top, which is the cosine of half the angle but for its sign */
     const real half_cosine = half_angle * rotating_link_sine_series(half_angle_squared);
+    /* speed^2 - omega_star^2; the difference is taken once, before anything is rounded */
     const real square_difference = (speed - c->omega_star_1 - c->omega_star_2) * (speed + c->omega_star_1);
+    /* cosine of the half angle from the top */
     const real half_sine = rotating_link_cosine_series(half_angle_squared);
     const real p = half_cosine * half_cosine * c->twice_omega_star2 + square_difference;
-    const real part_1 = half_cosine * half_sine * c->minus_twice_omega_star2;
-    const real q = alpha_m * c->unbalanced_per_mu + part_1;
+    const real q = alpha_m * c->unbalanced_per_mu - half_cosine * half_sine * c->twice_omega_star2;
     const real magnitude = REAL_SQRT(p * p + q * q);
+    /* normal force on the axis of rotation [N] */
     const real F_N = magnitude * c->scale_N;
     const real ungated = c->B + c->B_lN_mu2 * F_N;
     const real direction_of_motion = rotating_link_sgn(omega_m);
     const real ungated_2 = c->C + c->C_lN_mu * F_N;
-    const real part_2 = ((direction_of_motion == REAL(0.0)) ? REAL(0.0) : ungated_2 * direction_of_motion);
-    return part_2 + ((omega_m == REAL(0.0)) ? REAL(0.0) : ungated * omega_m);
+    const real part_1 = ((direction_of_motion == REAL(0.0)) ? REAL(0.0) : ungated_2 * direction_of_motion);
+    return part_1 + ((omega_m == REAL(0.0)) ? REAL(0.0) : ungated * omega_m);
 }
 
 void rotating_link_mechanical_friction_torque_n(
@@ -462,43 +453,53 @@ void rotating_link_friction_torque_gradient(
     ECCENTRIC_REAL *out,
     const rotating_link_coefficients *c)
 {
+    /* magnitude of the motor velocity, 0 if the mass is balanced [rad/s] */
     const real speed = c->unbalanced * REAL_FABS(omega_m);
     const real direction_of_motion = rotating_link_sgn(omega_m);
     const real speed_d_omega_m = direction_of_motion * c->unbalanced;
+    /* the odd number of half turns up to the top that is nearest */
     const real halves = REAL(2.0) * REAL_FLOOR(theta_m * c->turns_per_rad) + REAL(1.0);
+    /* angle from the top: the half turns go off in three parts, the leading two exactly */
     const real from_top = theta_m - halves * c->half_period_1 - halves * c->half_period_2 - halves * c->half_period_3;
+    /* an angle so large that nothing is left of its phase counts as the top */
     const real bounded = ((REAL_FABS(from_top) <= c->period) ? from_top : theta_m - theta_m);
+    /* half angle from the top */
     const real half_angle = bounded * c->half_mu;
     const real half_angle_squared = half_angle * half_angle;
+    /* sine of the half angle from the top, which is the cosine of half the angle but for its sign */
     const real half_cosine = half_angle * rotating_link_sine_series(half_angle_squared);
+    /* speed^2 - omega_star^2; the difference is taken once, before anything is rounded */
     const real square_difference = (speed - c->omega_star_1 - c->omega_star_2) * (speed + c->omega_star_1);
+    /* cosine of the half angle from the top */
     const real half_sine = rotating_link_cosine_series(half_angle_squared);
     const real p = half_cosine * half_cosine * c->twice_omega_star2 + square_difference;
-    const real part_1 = half_cosine * half_sine * c->minus_twice_omega_star2;
-    const real q = alpha_m * c->unbalanced_per_mu + part_1;
+    const real q = alpha_m * c->unbalanced_per_mu - half_cosine * half_sine * c->twice_omega_star2;
     const real magnitude = REAL_SQRT(p * p + q * q);
+    /* normal force on the axis of rotation [N] */
     const real F_N = magnitude * c->scale_N;
+    /* 0/0 at the apex, where F_N is 0 and its derivatives are taken as 0 */
     const real divisor = ((magnitude == REAL(0.0)) ? REAL(1.0) : magnitude);
+    /* where the square overflows, the larger of the two decides */
     const real limit = ((REAL_FABS(p) > REAL_FABS(q)) ? rotating_link_sgn(p) : REAL(0.0));
     const real cosine = ((magnitude > REAL_LARGEST) ? limit : p / divisor);
     const real ungated = half_cosine * half_sine * c->twice_mu_omega_star2;
+    /* where the square overflows, the larger of the two decides */
     const real limit_2 = ((REAL_FABS(q) > REAL_FABS(p)) ? rotating_link_sgn(q) : REAL(0.0));
     const real cosine_2 = ((magnitude > REAL_LARGEST) ? limit_2 : q / divisor);
-    const real part_2 = half_sine * half_sine * c->minus_mu_omega_star2;
-    const real ungated_2 = half_cosine * half_cosine * c->mu_omega_star2 + part_2;
-    const real part_4 = ((cosine_2 == REAL(0.0)) ? REAL(0.0) : ungated_2 * cosine_2);
-    const real part_3 = part_4 + ((cosine == REAL(0.0)) ? REAL(0.0) : ungated * cosine);
-    const real F_N_d_theta_m = part_3 * c->scale_N;
+    const real ungated_2 = half_cosine * half_cosine * c->mu_omega_star2 - half_sine * half_sine * c->mu_omega_star2;
+    const real part_2 = ((cosine_2 == REAL(0.0)) ? REAL(0.0) : ungated_2 * cosine_2);
+    const real part_1 = part_2 + ((cosine == REAL(0.0)) ? REAL(0.0) : ungated * cosine);
+    const real F_N_d_theta_m = part_1 * c->scale_N;
     const real ungated_3 = speed * speed_d_omega_m * c->twice_scale_N;
     const real F_N_d_omega_m = ((cosine == REAL(0.0)) ? REAL(0.0) : ungated_3 * cosine);
     const real F_N_d_alpha_m = ((cosine_2 == REAL(0.0)) ? REAL(0.0) : c->scale_N_unbalanced_per_mu * cosine_2);
-    const real part_5 = c->B_lN_mu2 * omega_m + c->C_lN_mu * direction_of_motion;
-    out[0] = F_N_d_theta_m * part_5;
-    const real part_6 = c->C_lN_mu * F_N_d_omega_m * direction_of_motion;
-    const real part_7 = c->B_lN_mu2 * F_N_d_omega_m * omega_m;
-    out[1] = c->B_lN_mu2 * F_N + c->constant + part_6 + part_7;
-    const real part_8 = c->B_lN_mu2 * omega_m + c->C_lN_mu * direction_of_motion;
-    out[2] = F_N_d_alpha_m * part_8;
+    const real part_3 = c->B_lN_mu2 * omega_m + c->C_lN_mu * direction_of_motion;
+    out[0] = F_N_d_theta_m * part_3;
+    const real part_4 = c->C_lN_mu * F_N_d_omega_m * direction_of_motion;
+    const real part_5 = c->B_lN_mu2 * F_N_d_omega_m * omega_m;
+    out[1] = c->B_lN_mu2 * F_N + c->B_plus_k_e_k_i_per_R + part_4 + part_5;
+    const real part_6 = c->B_lN_mu2 * omega_m + c->C_lN_mu * direction_of_motion;
+    out[2] = F_N_d_alpha_m * part_6;
 }
 
 void rotating_link_friction_torque_gradient_n(
@@ -521,19 +522,27 @@ void rotating_link_friction_torque_jacobian(
     ECCENTRIC_REAL *out,
     const rotating_link_coefficients *c)
 {
+    /* magnitude of the motor velocity, 0 if the mass is balanced [rad/s] */
     const real speed = c->unbalanced * REAL_FABS(omega_m);
+    /* the odd number of half turns up to the top that is nearest */
     const real halves = REAL(2.0) * REAL_FLOOR(theta_m * c->turns_per_rad) + REAL(1.0);
+    /* angle from the top: the half turns go off in three parts, the leading two exactly */
     const real from_top = theta_m - halves * c->half_period_1 - halves * c->half_period_2 - halves * c->half_period_3;
+    /* an angle so large that nothing is left of its phase counts as the top */
     const real bounded = ((REAL_FABS(from_top) <= c->period) ? from_top : theta_m - theta_m);
+    /* half angle from the top */
     const real half_angle = bounded * c->half_mu;
     const real half_angle_squared = half_angle * half_angle;
+    /* sine of the half angle from the top, which is the cosine of half the angle but for its sign */
     const real half_cosine = half_angle * rotating_link_sine_series(half_angle_squared);
+    /* speed^2 - omega_star^2; the difference is taken once, before anything is rounded */
     const real square_difference = (speed - c->omega_star_1 - c->omega_star_2) * (speed + c->omega_star_1);
+    /* cosine of the half angle from the top */
     const real half_sine = rotating_link_cosine_series(half_angle_squared);
     const real p = half_cosine * half_cosine * c->twice_omega_star2 + square_difference;
-    const real part_1 = half_cosine * half_sine * c->minus_twice_omega_star2;
-    const real q = alpha_m * c->unbalanced_per_mu + part_1;
+    const real q = alpha_m * c->unbalanced_per_mu - half_cosine * half_sine * c->twice_omega_star2;
     const real magnitude = REAL_SQRT(p * p + q * q);
+    /* normal force on the axis of rotation [N] */
     const real F_N = magnitude * c->scale_N;
     const real ungated = F_N * c->mu2;
     out[0] = ((omega_m == REAL(0.0)) ? REAL(0.0) : ungated * omega_m);
@@ -566,19 +575,27 @@ void rotating_link_regressor(
     ECCENTRIC_REAL *out,
     const rotating_link_coefficients *c)
 {
+    /* magnitude of the motor velocity, 0 if the mass is balanced [rad/s] */
     const real speed = c->unbalanced * REAL_FABS(omega_m);
+    /* the odd number of half turns up to the top that is nearest */
     const real halves = REAL(2.0) * REAL_FLOOR(theta_m * c->turns_per_rad) + REAL(1.0);
+    /* angle from the top: the half turns go off in three parts, the leading two exactly */
     const real from_top = theta_m - halves * c->half_period_1 - halves * c->half_period_2 - halves * c->half_period_3;
+    /* an angle so large that nothing is left of its phase counts as the top */
     const real bounded = ((REAL_FABS(from_top) <= c->period) ? from_top : theta_m - theta_m);
+    /* half angle from the top */
     const real half_angle = bounded * c->half_mu;
     const real half_angle_squared = half_angle * half_angle;
+    /* sine of the half angle from the top, which is the cosine of half the angle but for its sign */
     const real half_cosine = half_angle * rotating_link_sine_series(half_angle_squared);
+    /* speed^2 - omega_star^2; the difference is taken once, before anything is rounded */
     const real square_difference = (speed - c->omega_star_1 - c->omega_star_2) * (speed + c->omega_star_1);
+    /* cosine of the half angle from the top */
     const real half_sine = rotating_link_cosine_series(half_angle_squared);
     const real p = half_cosine * half_cosine * c->twice_omega_star2 + square_difference;
-    const real part_1 = half_cosine * half_sine * c->minus_twice_omega_star2;
-    const real q = alpha_m * c->unbalanced_per_mu + part_1;
+    const real q = alpha_m * c->unbalanced_per_mu - half_cosine * half_sine * c->twice_omega_star2;
     const real magnitude = REAL_SQRT(p * p + q * q);
+    /* normal force on the axis of rotation [N] */
     const real F_N = magnitude * c->scale_N;
     const real ungated = F_N * c->mu2;
     out[0] = ((omega_m == REAL(0.0)) ? REAL(0.0) : ungated * omega_m);
@@ -615,16 +632,21 @@ ECCENTRIC_REAL rotating_link_coulomb_torque(
     ECCENTRIC_REAL alpha_m,
     const rotating_link_coefficients *c)
 {
+    /* the odd number of half turns up to the top that is nearest */
     const real halves = REAL(2.0) * REAL_FLOOR(theta_m * c->turns_per_rad) + REAL(1.0);
+    /* angle from the top: the half turns go off in three parts, the leading two exactly */
     const real from_top = theta_m - halves * c->half_period_1 - halves * c->half_period_2 - halves * c->half_period_3;
+    /* an angle so large that nothing is left of its phase counts as the top */
     const real bounded = ((REAL_FABS(from_top) <= c->period) ? from_top : theta_m - theta_m);
+    /* half angle from the top */
     const real half_angle = bounded * c->half_mu;
     const real half_angle_squared = half_angle * half_angle;
+    /* sine of the half angle from the top, which is the cosine of half the angle but for its sign */
     const real half_cosine = half_angle * rotating_link_sine_series(half_angle_squared);
+    /* cosine of the half angle from the top */
     const real half_sine = rotating_link_cosine_series(half_angle_squared);
-    const real p = half_cosine * half_cosine * c->twice_omega_star2 + c->minus_omega_star2;
-    const real part_1 = half_cosine * half_sine * c->minus_twice_omega_star2;
-    const real q = alpha_m * c->unbalanced_per_mu + part_1;
+    const real p = half_cosine * half_cosine * c->twice_omega_star2 - c->omega_star2;
+    const real q = alpha_m * c->unbalanced_per_mu - half_cosine * half_sine * c->twice_omega_star2;
     const real magnitude = REAL_SQRT(p * p + q * q);
     return c->C + c->C_lN_mu_scale_N * magnitude;
 }
@@ -643,14 +665,20 @@ void rotating_link_coulomb_torque_n(
 
 ECCENTRIC_REAL rotating_link_gravity_torque(ECCENTRIC_REAL theta_m, const rotating_link_coefficients *c)
 {
+    /* the odd number of half turns up to the top that is nearest */
     const real halves = REAL(2.0) * REAL_FLOOR(theta_m * c->turns_per_rad) + REAL(1.0);
+    /* angle from the top: the half turns go off in three parts, the leading two exactly */
     const real from_top = theta_m - halves * c->half_period_1 - halves * c->half_period_2 - halves * c->half_period_3;
+    /* an angle so large that nothing is left of its phase counts as the top */
     const real bounded = ((REAL_FABS(from_top) <= c->period) ? from_top : theta_m - theta_m);
+    /* half angle from the top */
     const real half_angle = bounded * c->half_mu;
     const real half_angle_squared = half_angle * half_angle;
+    /* sine of the half angle from the top, which is the cosine of half the angle but for its sign */
     const real half_cosine = half_angle * rotating_link_sine_series(half_angle_squared);
+    /* cosine of the half angle from the top */
     const real half_sine = rotating_link_cosine_series(half_angle_squared);
-    return half_cosine * half_sine * c->minus_twice_L_M_g_p_mu;
+    return -half_cosine * half_sine * c->twice_L_M_g_p_mu;
 }
 
 void rotating_link_gravity_torque_n(
@@ -670,27 +698,36 @@ ECCENTRIC_REAL rotating_link_voltage(
     ECCENTRIC_REAL alpha_m,
     const rotating_link_coefficients *c)
 {
+    /* magnitude of the motor velocity, 0 if the mass is balanced [rad/s] */
     const real speed = c->unbalanced * REAL_FABS(omega_m);
+    /* the odd number of half turns up to the top that is nearest */
     const real halves = REAL(2.0) * REAL_FLOOR(theta_m * c->turns_per_rad) + REAL(1.0);
+    /* angle from the top: the half turns go off in three parts, the leading two exactly */
     const real from_top = theta_m - halves * c->half_period_1 - halves * c->half_period_2 - halves * c->half_period_3;
+    /* an angle so large that nothing is left of its phase counts as the top */
     const real bounded = ((REAL_FABS(from_top) <= c->period) ? from_top : theta_m - theta_m);
+    /* half angle from the top */
     const real half_angle = bounded * c->half_mu;
     const real half_angle_squared = half_angle * half_angle;
+    /* sine of the half angle from the top, which is the cosine of half the angle but for its sign */
     const real half_cosine = half_angle * rotating_link_sine_series(half_angle_squared);
+    /* speed^2 - omega_star^2; the difference is taken once, before anything is rounded */
     const real square_difference = (speed - c->omega_star_1 - c->omega_star_2) * (speed + c->omega_star_1);
+    /* cosine of the half angle from the top */
     const real half_sine = rotating_link_cosine_series(half_angle_squared);
     const real p = half_cosine * half_cosine * c->twice_omega_star2 + square_difference;
-    const real part_1 = half_cosine * half_sine * c->minus_twice_omega_star2;
-    const real q = alpha_m * c->unbalanced_per_mu + part_1;
+    const real q = alpha_m * c->unbalanced_per_mu - half_cosine * half_sine * c->twice_omega_star2;
     const real magnitude = REAL_SQRT(p * p + q * q);
+    /* normal force on the axis of rotation [N] */
     const real F_N = magnitude * c->scale_N;
+    const real ungated = c->B_R_per_k_i_plus_k_e + c->B_lN_R_mu2_per_k_i * F_N;
     const real direction_of_motion = rotating_link_sgn(omega_m);
-    const real ungated = c->C_lN_R_mu_per_k_i * F_N + c->constant_3;
-    const real ungated_2 = c->B_lN_R_mu2_per_k_i * F_N + c->constant_4;
-    const real part_2 = ((direction_of_motion == REAL(0.0)) ? REAL(0.0) : ungated * direction_of_motion);
-    const real part_3 = c->R_per_k_i * ((alpha_m == REAL(0.0)) ? REAL(0.0) : c->J * alpha_m);
-    const real part_4 = ((omega_m == REAL(0.0)) ? REAL(0.0) : ungated_2 * omega_m);
-    return c->constant_2 * half_cosine * half_sine + part_2 + part_3 + part_4;
+    const real ungated_2 = c->C_R_per_k_i + c->C_lN_R_mu_per_k_i * F_N;
+    const real part_1 = ((direction_of_motion == REAL(0.0)) ? REAL(0.0) : ungated_2 * direction_of_motion);
+    const real part_2 = c->R_per_k_i * ((alpha_m == REAL(0.0)) ? REAL(0.0) : c->J * alpha_m);
+    const real part_3 = -half_cosine * half_sine * c->twice_L_M_R_g_p_mu_per_k_i;
+    const real part_4 = ((omega_m == REAL(0.0)) ? REAL(0.0) : ungated * omega_m);
+    return part_1 + part_2 + part_3 + part_4;
 }
 
 void rotating_link_voltage_n(
@@ -712,28 +749,36 @@ ECCENTRIC_REAL rotating_link_current(
     ECCENTRIC_REAL alpha_m,
     const rotating_link_coefficients *c)
 {
+    /* magnitude of the motor velocity, 0 if the mass is balanced [rad/s] */
     const real speed = c->unbalanced * REAL_FABS(omega_m);
+    /* the odd number of half turns up to the top that is nearest */
     const real halves = REAL(2.0) * REAL_FLOOR(theta_m * c->turns_per_rad) + REAL(1.0);
+    /* angle from the top: the half turns go off in three parts, the leading two exactly */
     const real from_top = theta_m - halves * c->half_period_1 - halves * c->half_period_2 - halves * c->half_period_3;
+    /* an angle so large that nothing is left of its phase counts as the top */
     const real bounded = ((REAL_FABS(from_top) <= c->period) ? from_top : theta_m - theta_m);
+    /* half angle from the top */
     const real half_angle = bounded * c->half_mu;
     const real half_angle_squared = half_angle * half_angle;
+    /* sine of the half angle from the top, which is the cosine of half the angle but for its sign */
     const real half_cosine = half_angle * rotating_link_sine_series(half_angle_squared);
+    /* speed^2 - omega_star^2; the difference is taken once, before anything is rounded */
     const real square_difference = (speed - c->omega_star_1 - c->omega_star_2) * (speed + c->omega_star_1);
+    /* cosine of the half angle from the top */
     const real half_sine = rotating_link_cosine_series(half_angle_squared);
     const real p = half_cosine * half_cosine * c->twice_omega_star2 + square_difference;
-    const real part_1 = half_cosine * half_sine * c->minus_twice_omega_star2;
-    const real q = alpha_m * c->unbalanced_per_mu + part_1;
+    const real q = alpha_m * c->unbalanced_per_mu - half_cosine * half_sine * c->twice_omega_star2;
     const real magnitude = REAL_SQRT(p * p + q * q);
+    /* normal force on the axis of rotation [N] */
     const real F_N = magnitude * c->scale_N;
-    const real ungated = c->B_lN_mu2_per_k_i * F_N + c->constant_5;
+    const real ungated = c->B_lN_mu2_per_k_i * F_N + c->B_per_k_i;
     const real direction_of_motion = rotating_link_sgn(omega_m);
-    const real ungated_2 = c->C_lN_mu_per_k_i * F_N + c->constant_6;
-    const real part_2 = ((direction_of_motion == REAL(0.0)) ? REAL(0.0) : ungated_2 * direction_of_motion);
-    const real part_3 = half_cosine * half_sine * c->minus_twice_L_M_g_p_mu_per_k_i;
-    const real part_4 = c->per_k_i * ((alpha_m == REAL(0.0)) ? REAL(0.0) : c->J * alpha_m);
-    const real part_5 = ((omega_m == REAL(0.0)) ? REAL(0.0) : ungated * omega_m);
-    return part_2 + part_3 + part_4 + part_5;
+    const real ungated_2 = c->C_lN_mu_per_k_i * F_N + c->C_per_k_i;
+    const real part_1 = ((direction_of_motion == REAL(0.0)) ? REAL(0.0) : ungated_2 * direction_of_motion);
+    const real part_2 = c->per_k_i * ((alpha_m == REAL(0.0)) ? REAL(0.0) : c->J * alpha_m);
+    const real part_3 = ((omega_m == REAL(0.0)) ? REAL(0.0) : ungated * omega_m);
+    const real part_4 = -half_cosine * half_sine * c->twice_L_M_g_p_mu_per_k_i;
+    return part_1 + part_2 + part_3 + part_4;
 }
 
 void rotating_link_current_n(
@@ -756,28 +801,36 @@ ECCENTRIC_REAL rotating_link_mechanical_residual(
     ECCENTRIC_REAL alpha_m,
     const rotating_link_coefficients *c)
 {
+    /* magnitude of the motor velocity, 0 if the mass is balanced [rad/s] */
     const real speed = c->unbalanced * REAL_FABS(omega_m);
+    /* the odd number of half turns up to the top that is nearest */
     const real halves = REAL(2.0) * REAL_FLOOR(theta_m * c->turns_per_rad) + REAL(1.0);
+    /* angle from the top: the half turns go off in three parts, the leading two exactly */
     const real from_top = theta_m - halves * c->half_period_1 - halves * c->half_period_2 - halves * c->half_period_3;
+    /* an angle so large that nothing is left of its phase counts as the top */
     const real bounded = ((REAL_FABS(from_top) <= c->period) ? from_top : theta_m - theta_m);
+    /* half angle from the top */
     const real half_angle = bounded * c->half_mu;
     const real half_angle_squared = half_angle * half_angle;
+    /* sine of the half angle from the top, which is the cosine of half the angle but for its sign */
     const real half_cosine = half_angle * rotating_link_sine_series(half_angle_squared);
+    /* speed^2 - omega_star^2; the difference is taken once, before anything is rounded */
     const real square_difference = (speed - c->omega_star_1 - c->omega_star_2) * (speed + c->omega_star_1);
+    /* cosine of the half angle from the top */
     const real half_sine = rotating_link_cosine_series(half_angle_squared);
     const real p = half_cosine * half_cosine * c->twice_omega_star2 + square_difference;
-    const real part_1 = half_cosine * half_sine * c->minus_twice_omega_star2;
-    const real q = alpha_m * c->unbalanced_per_mu + part_1;
+    const real q = alpha_m * c->unbalanced_per_mu - half_cosine * half_sine * c->twice_omega_star2;
     const real magnitude = REAL_SQRT(p * p + q * q);
+    /* normal force on the axis of rotation [N] */
     const real F_N = magnitude * c->scale_N;
-    const real ungated = F_N * c->minus_B_lN_mu2 + c->constant_7;
+    const real ungated = -c->B - c->B_lN_mu2 * F_N;
     const real direction_of_motion = rotating_link_sgn(omega_m);
-    const real ungated_2 = F_N * c->minus_C_lN_mu + c->constant_8;
-    const real part_2 = ((direction_of_motion == REAL(0.0)) ? REAL(0.0) : ungated_2 * direction_of_motion);
-    const real part_3 = ((omega_m == REAL(0.0)) ? REAL(0.0) : ungated * omega_m);
-    const real part_4 = -((alpha_m == REAL(0.0)) ? REAL(0.0) : c->J * alpha_m);
-    const real part_5 = half_cosine * half_sine * c->twice_L_M_g_p_mu;
-    return i * c->k_i + part_2 + part_3 + part_4 + part_5;
+    const real ungated_2 = -c->C - c->C_lN_mu * F_N;
+    const real part_1 = ((direction_of_motion == REAL(0.0)) ? REAL(0.0) : ungated_2 * direction_of_motion);
+    const real part_2 = ((omega_m == REAL(0.0)) ? REAL(0.0) : ungated * omega_m);
+    const real part_3 = -((alpha_m == REAL(0.0)) ? REAL(0.0) : c->J * alpha_m);
+    const real part_4 = half_cosine * half_sine * c->twice_L_M_g_p_mu;
+    return i * c->k_i + part_1 + part_2 + part_3 + part_4;
 }
 
 void rotating_link_mechanical_residual_n(
@@ -800,7 +853,7 @@ ECCENTRIC_REAL rotating_link_electrical_residual(
     ECCENTRIC_REAL u,
     const rotating_link_coefficients *c)
 {
-    return i * c->minus_k_i + c->k_i_per_R * u + c->minus_k_e_k_i_per_R * omega_m;
+    return -i * c->k_i - c->k_e_k_i_per_R * omega_m + c->k_i_per_R * u;
 }
 
 void rotating_link_electrical_residual_n(

@@ -1,6 +1,6 @@
 /*
  * Generated: do not edit. Written by `make derive` from derivations/rotating_link.py
- * (eccentric 0.1.0, program 3a862dfc).
+ * (eccentric 0.1.0, program 1d3324f8).
  * Rotating link with an unbalanced mass, plane tilted by phi, angular acceleration kept.
  */
 #ifndef ROTATING_LINK_H
@@ -9,7 +9,7 @@
 #include <stddef.h>
 
 /* ROTATING_LINK_PROGRAM names the derivation that header and source come from; the source checks it. */
-#define ROTATING_LINK_PROGRAM 0x3a862dfcUL
+#define ROTATING_LINK_PROGRAM 0x1d3324f8UL
 
 /* The working precision: double, or float by -DECCENTRIC_REAL=float. Files of different precision do not link:
  * rotating_link_prepare and rotating_link_default carry it in their names. */
@@ -61,60 +61,52 @@ typedef struct {
     ECCENTRIC_REAL mu; /**< gear ratio theta_l/theta_m [1] */
     ECCENTRIC_REAL scale_N; /**< normal force per squared motor velocity, M L mu^2 [N s^2/rad^2] */
     ECCENTRIC_REAL unbalanced; /**< 1 if M L > 0, else 0 [1] */
-    ECCENTRIC_REAL twice_omega_star2;
-    ECCENTRIC_REAL unbalanced_per_mu;
-    ECCENTRIC_REAL minus_twice_omega_star2;
-    ECCENTRIC_REAL half_period_1;
-    ECCENTRIC_REAL half_period_2;
-    ECCENTRIC_REAL half_period_3;
-    ECCENTRIC_REAL turns_per_rad;
-    ECCENTRIC_REAL half_mu;
-    ECCENTRIC_REAL period;
-    ECCENTRIC_REAL omega_star_1;
-    ECCENTRIC_REAL omega_star_2;
-    ECCENTRIC_REAL C_lN_mu;
+    ECCENTRIC_REAL twice_omega_star2; /**< 2 omega_star^2 */
+    ECCENTRIC_REAL unbalanced_per_mu; /**< unbalanced/mu */
+    ECCENTRIC_REAL half_period_1; /**< pi/mu, leading digits */
+    ECCENTRIC_REAL half_period_2; /**< pi/mu - half_period_1, leading digits */
+    ECCENTRIC_REAL half_period_3; /**< pi/mu - half_period_1 - half_period_2, in the working precision */
+    ECCENTRIC_REAL turns_per_rad; /**< mu/(2 pi) */
+    ECCENTRIC_REAL half_mu; /**< mu/2 */
+    ECCENTRIC_REAL period; /**< 2 pi/mu */
+    ECCENTRIC_REAL omega_star_1; /**< omega_star, in the working precision */
+    ECCENTRIC_REAL omega_star_2; /**< omega_star - omega_star_1, in the working precision */
+    ECCENTRIC_REAL C_lN_mu; /**< C_lN mu */
     ECCENTRIC_REAL C; /**< Coulomb friction on the motor side, C_m + mu gamma_T [N m] */
-    ECCENTRIC_REAL B_lN_mu2;
-    ECCENTRIC_REAL constant; /**< B_lT F_T mu^2 sin(phi) + B_m + k_e k_i/R */
+    ECCENTRIC_REAL B_lN_mu2; /**< B_lN mu^2 */
     ECCENTRIC_REAL B; /**< viscous friction on the motor side, B_m + mu^2 beta_T [N m s/rad] */
-    ECCENTRIC_REAL twice_mu_omega_star2;
-    ECCENTRIC_REAL mu_omega_star2;
-    ECCENTRIC_REAL minus_mu_omega_star2;
-    ECCENTRIC_REAL twice_scale_N;
-    ECCENTRIC_REAL scale_N_unbalanced_per_mu;
-    ECCENTRIC_REAL mu2;
-    ECCENTRIC_REAL F_T_mu2_sin_phi;
-    ECCENTRIC_REAL F_T_mu_sin_phi;
-    ECCENTRIC_REAL minus_omega_star2;
-    ECCENTRIC_REAL C_lN_mu_scale_N;
-    ECCENTRIC_REAL minus_twice_L_M_g_p_mu;
+    ECCENTRIC_REAL B_plus_k_e_k_i_per_R; /**< B + k_e k_i/R */
+    ECCENTRIC_REAL twice_mu_omega_star2; /**< 2 mu omega_star^2 */
+    ECCENTRIC_REAL mu_omega_star2; /**< mu omega_star^2 */
+    ECCENTRIC_REAL twice_scale_N; /**< 2 scale_N */
+    ECCENTRIC_REAL scale_N_unbalanced_per_mu; /**< scale_N unbalanced/mu */
+    ECCENTRIC_REAL mu2; /**< mu^2 */
+    ECCENTRIC_REAL F_T_mu2_sin_phi; /**< F_T mu^2 sin(phi) */
+    ECCENTRIC_REAL F_T_mu_sin_phi; /**< F_T mu sin(phi) */
+    ECCENTRIC_REAL omega_star2; /**< omega_star^2 */
+    ECCENTRIC_REAL C_lN_mu_scale_N; /**< C_lN mu scale_N */
+    ECCENTRIC_REAL twice_L_M_g_p_mu; /**< 2 L M g_p mu */
     ECCENTRIC_REAL J; /**< inertia on the motor side, J_m + mu^2 J_l [kg m^2] */
-    ECCENTRIC_REAL R_per_k_i;
-    ECCENTRIC_REAL constant_2; /**< -2 L M R g_p mu/k_i */
-    ECCENTRIC_REAL C_lN_R_mu_per_k_i;
-    ECCENTRIC_REAL constant_3; /**< C_lT F_T R mu sin(phi)/k_i + C_m R/k_i */
-    ECCENTRIC_REAL B_lN_R_mu2_per_k_i;
-    ECCENTRIC_REAL constant_4; /**< B_lT F_T R mu^2 sin(phi)/k_i + B_m R/k_i + k_e */
-    ECCENTRIC_REAL per_k_i;
-    ECCENTRIC_REAL minus_twice_L_M_g_p_mu_per_k_i;
-    ECCENTRIC_REAL B_lN_mu2_per_k_i;
-    ECCENTRIC_REAL constant_5; /**< B_lT F_T mu^2 sin(phi)/k_i + B_m/k_i */
-    ECCENTRIC_REAL C_lN_mu_per_k_i;
-    ECCENTRIC_REAL constant_6; /**< C_lT F_T mu sin(phi)/k_i + C_m/k_i */
-    ECCENTRIC_REAL twice_L_M_g_p_mu;
-    ECCENTRIC_REAL minus_B_lN_mu2;
-    ECCENTRIC_REAL constant_7; /**< -B_lT F_T mu^2 sin(phi) - B_m */
-    ECCENTRIC_REAL minus_C_lN_mu;
-    ECCENTRIC_REAL constant_8; /**< -C_lT F_T mu sin(phi) - C_m */
-    ECCENTRIC_REAL minus_k_i;
-    ECCENTRIC_REAL k_i_per_R;
-    ECCENTRIC_REAL minus_k_e_k_i_per_R;
+    ECCENTRIC_REAL R_per_k_i; /**< R/k_i */
+    ECCENTRIC_REAL twice_L_M_R_g_p_mu_per_k_i; /**< 2 L M R g_p mu/k_i */
+    ECCENTRIC_REAL C_lN_R_mu_per_k_i; /**< C_lN R mu/k_i */
+    ECCENTRIC_REAL C_R_per_k_i; /**< C R/k_i */
+    ECCENTRIC_REAL B_lN_R_mu2_per_k_i; /**< B_lN R mu^2/k_i */
+    ECCENTRIC_REAL B_R_per_k_i_plus_k_e; /**< B R/k_i + k_e */
+    ECCENTRIC_REAL per_k_i; /**< 1/k_i */
+    ECCENTRIC_REAL twice_L_M_g_p_mu_per_k_i; /**< 2 L M g_p mu/k_i */
+    ECCENTRIC_REAL B_lN_mu2_per_k_i; /**< B_lN mu^2/k_i */
+    ECCENTRIC_REAL B_per_k_i; /**< B/k_i */
+    ECCENTRIC_REAL C_lN_mu_per_k_i; /**< C_lN mu/k_i */
+    ECCENTRIC_REAL C_per_k_i; /**< C/k_i */
+    ECCENTRIC_REAL k_i_per_R; /**< k_i/R */
+    ECCENTRIC_REAL k_e_k_i_per_R; /**< k_e k_i/R */
 } rotating_link_coefficients;
 
-/** The default parameters: the paper's Table 1 with mu = 1/5, or those of the fit that this was emitted with. */
+/** The default parameters: Table 1 of the paper with mu = 1/5. */
 extern const rotating_link_parameters rotating_link_default_parameters;
 
-/** The coefficients of the default parameters, computed to 50 digits when this file was written. */
+/** The coefficients of the default parameters, computed at 50 digits, rounded to the working precision. */
 extern const rotating_link_coefficients rotating_link_default;
 
 /** Compute the coefficients of a set of parameters; run it once, or when a parameter changes.
@@ -124,11 +116,12 @@ extern const rotating_link_coefficients rotating_link_default;
  */
 void rotating_link_prepare(const rotating_link_parameters *p, rotating_link_coefficients *c);
 
-/** Normal force F_N on the axis of rotation [N].
- *  @param[in]  theta_m  motor angle [rad]
+/** Normal force F_N on the axis of rotation.
+ *  @param[in]  theta_m  motor angle [rad], reduced exactly up to 2^20 half turns of the link (float: 2^12)
  *  @param[in]  omega_m  motor velocity [rad/s]
  *  @param[in]  alpha_m  motor acceleration [rad/s^2]
  *  @param[in]  c  coefficients
+ *  @return normal_force [N]
  */
 ECCENTRIC_REAL rotating_link_normal_force(
     ECCENTRIC_REAL theta_m,
@@ -145,11 +138,12 @@ void rotating_link_normal_force_n(
     ECCENTRIC_REAL *out,
     const rotating_link_coefficients *c);
 
-/** Resultant friction torque F, back-EMF damping included, eq (6) [N m].
- *  @param[in]  theta_m  motor angle [rad]
+/** Resultant friction torque F, back-EMF damping included, eq (6).
+ *  @param[in]  theta_m  motor angle [rad], reduced exactly up to 2^20 half turns of the link (float: 2^12)
  *  @param[in]  omega_m  motor velocity [rad/s]
  *  @param[in]  alpha_m  motor acceleration [rad/s^2]
  *  @param[in]  c  coefficients
+ *  @return friction_torque [N m]
  */
 ECCENTRIC_REAL rotating_link_friction_torque(
     ECCENTRIC_REAL theta_m,
@@ -166,11 +160,12 @@ void rotating_link_friction_torque_n(
     ECCENTRIC_REAL *out,
     const rotating_link_coefficients *c);
 
-/** Mechanical friction torque f = f_m + mu f_l, without back-EMF [N m].
- *  @param[in]  theta_m  motor angle [rad]
+/** Mechanical friction torque f = f_m + mu f_l, without back-EMF.
+ *  @param[in]  theta_m  motor angle [rad], reduced exactly up to 2^20 half turns of the link (float: 2^12)
  *  @param[in]  omega_m  motor velocity [rad/s]
  *  @param[in]  alpha_m  motor acceleration [rad/s^2]
  *  @param[in]  c  coefficients
+ *  @return mechanical_friction_torque [N m]
  */
 ECCENTRIC_REAL rotating_link_mechanical_friction_torque(
     ECCENTRIC_REAL theta_m,
@@ -187,11 +182,11 @@ void rotating_link_mechanical_friction_torque_n(
     ECCENTRIC_REAL *out,
     const rotating_link_coefficients *c);
 
-/** Slopes of friction_torque by its inputs [N m per rad, rad/s, rad/s^2].
- *  @param[in]  theta_m  motor angle [rad]
+/** Partial derivatives of friction_torque with respect to its inputs.
+ *  @param[in]  theta_m  motor angle [rad], reduced exactly up to 2^20 half turns of the link (float: 2^12)
  *  @param[in]  omega_m  motor velocity [rad/s]
  *  @param[in]  alpha_m  motor acceleration [rad/s^2]
- *  @param[out] out  3 values: theta_m, omega_m, alpha_m
+ *  @param[out] out  3 values: theta_m, omega_m, alpha_m [N m per rad, rad/s, rad/s^2]
  *  @param[in]  c  coefficients
  */
 void rotating_link_friction_torque_gradient(
@@ -201,7 +196,7 @@ void rotating_link_friction_torque_gradient(
     ECCENTRIC_REAL *out,
     const rotating_link_coefficients *c);
 
-/** friction_torque_gradient over arrays of n samples, 3 values of `out` a sample. */
+/** friction_torque_gradient over arrays of n samples, each with 3 of `out`. */
 void rotating_link_friction_torque_gradient_n(
     size_t n,
     const ECCENTRIC_REAL *theta_m,
@@ -210,11 +205,11 @@ void rotating_link_friction_torque_gradient_n(
     ECCENTRIC_REAL *out,
     const rotating_link_coefficients *c);
 
-/** Slopes of friction_torque by all friction coefficients [N m per unit coefficient].
- *  @param[in]  theta_m  motor angle [rad]
+/** Partial derivatives of friction_torque with respect to all friction coefficients.
+ *  @param[in]  theta_m  motor angle [rad], reduced exactly up to 2^20 half turns of the link (float: 2^12)
  *  @param[in]  omega_m  motor velocity [rad/s]
  *  @param[in]  alpha_m  motor acceleration [rad/s^2]
- *  @param[out] out  6 values: B_lN, C_lN, B_lT, C_lT, B_m, C_m
+ *  @param[out] out  6 values: B_lN, C_lN, B_lT, C_lT, B_m, C_m [N m per unit coefficient]
  *  @param[in]  c  coefficients
  */
 void rotating_link_friction_torque_jacobian(
@@ -224,7 +219,7 @@ void rotating_link_friction_torque_jacobian(
     ECCENTRIC_REAL *out,
     const rotating_link_coefficients *c);
 
-/** friction_torque_jacobian over arrays of n samples, 6 values of `out` a sample. */
+/** friction_torque_jacobian over arrays of n samples, each with 6 of `out`. */
 void rotating_link_friction_torque_jacobian_n(
     size_t n,
     const ECCENTRIC_REAL *theta_m,
@@ -233,11 +228,11 @@ void rotating_link_friction_torque_jacobian_n(
     ECCENTRIC_REAL *out,
     const rotating_link_coefficients *c);
 
-/** Columns with regressor @ friction_coefficients = mechanical_friction_torque [N m per unit coefficient].
- *  @param[in]  theta_m  motor angle [rad]
+/** Columns: regressor times friction_coefficients is mechanical_friction_torque.
+ *  @param[in]  theta_m  motor angle [rad], reduced exactly up to 2^20 half turns of the link (float: 2^12)
  *  @param[in]  omega_m  motor velocity [rad/s]
  *  @param[in]  alpha_m  motor acceleration [rad/s^2]
- *  @param[out] out  4 values: B_lN, C_lN, B, C
+ *  @param[out] out  4 values: B_lN, C_lN, B, C [N m per unit coefficient]
  *  @param[in]  c  coefficients
  */
 void rotating_link_regressor(
@@ -247,7 +242,7 @@ void rotating_link_regressor(
     ECCENTRIC_REAL *out,
     const rotating_link_coefficients *c);
 
-/** regressor over arrays of n samples, 4 values of `out` a sample. */
+/** regressor over arrays of n samples, each with 4 of `out`. */
 void rotating_link_regressor_n(
     size_t n,
     const ECCENTRIC_REAL *theta_m,
@@ -256,16 +251,17 @@ void rotating_link_regressor_n(
     ECCENTRIC_REAL *out,
     const rotating_link_coefficients *c);
 
-/** What the columns of the regressor multiply [as the columns of the regressor].
- *  @param[out] out  4 values: B_lN, C_lN, B, C
+/** What the columns of the regressor multiply.
+ *  @param[out] out  4 values: B_lN, C_lN, B, C [as the columns of the regressor]
  *  @param[in]  c  coefficients
  */
 void rotating_link_friction_coefficients(ECCENTRIC_REAL *out, const rotating_link_coefficients *c);
 
-/** Size of the friction torque at standstill, where it is set-valued [N m].
- *  @param[in]  theta_m  motor angle [rad]
+/** Magnitude of the friction torque at standstill, where it is set-valued.
+ *  @param[in]  theta_m  motor angle [rad], reduced exactly up to 2^20 half turns of the link (float: 2^12)
  *  @param[in]  alpha_m  motor acceleration [rad/s^2]
  *  @param[in]  c  coefficients
+ *  @return coulomb_torque [N m]
  */
 ECCENTRIC_REAL rotating_link_coulomb_torque(
     ECCENTRIC_REAL theta_m,
@@ -280,9 +276,10 @@ void rotating_link_coulomb_torque_n(
     ECCENTRIC_REAL *out,
     const rotating_link_coefficients *c);
 
-/** Gravity torque G, eq (5) [N m].
- *  @param[in]  theta_m  motor angle [rad]
+/** Gravity torque G, eq (5).
+ *  @param[in]  theta_m  motor angle [rad], reduced exactly up to 2^20 half turns of the link (float: 2^12)
  *  @param[in]  c  coefficients
+ *  @return gravity_torque [N m]
  */
 ECCENTRIC_REAL rotating_link_gravity_torque(ECCENTRIC_REAL theta_m, const rotating_link_coefficients *c);
 
@@ -293,11 +290,12 @@ void rotating_link_gravity_torque_n(
     ECCENTRIC_REAL *out,
     const rotating_link_coefficients *c);
 
-/** Armature voltage u = (R/k_i) (J alpha_m + G + F), eq (4) [V].
- *  @param[in]  theta_m  motor angle [rad]
+/** Armature voltage u = (R/k_i) (J alpha_m + G + F), eq (4).
+ *  @param[in]  theta_m  motor angle [rad], reduced exactly up to 2^20 half turns of the link (float: 2^12)
  *  @param[in]  omega_m  motor velocity [rad/s]
  *  @param[in]  alpha_m  motor acceleration [rad/s^2]
  *  @param[in]  c  coefficients
+ *  @return voltage [V]
  */
 ECCENTRIC_REAL rotating_link_voltage(
     ECCENTRIC_REAL theta_m,
@@ -314,11 +312,12 @@ void rotating_link_voltage_n(
     ECCENTRIC_REAL *out,
     const rotating_link_coefficients *c);
 
-/** Armature current i = (J alpha_m + G + f)/k_i [A].
- *  @param[in]  theta_m  motor angle [rad]
+/** Armature current i = (J alpha_m + G + f)/k_i.
+ *  @param[in]  theta_m  motor angle [rad], reduced exactly up to 2^20 half turns of the link (float: 2^12)
  *  @param[in]  omega_m  motor velocity [rad/s]
  *  @param[in]  alpha_m  motor acceleration [rad/s^2]
  *  @param[in]  c  coefficients
+ *  @return current [A]
  */
 ECCENTRIC_REAL rotating_link_current(
     ECCENTRIC_REAL theta_m,
@@ -335,12 +334,13 @@ void rotating_link_current_n(
     ECCENTRIC_REAL *out,
     const rotating_link_coefficients *c);
 
-/** What the mechanical balance leaves: k_i i - J alpha_m - G - f [N m].
- *  @param[in]  theta_m  motor angle [rad]
+/** What the mechanical balance leaves: k_i i - J alpha_m - G - f.
+ *  @param[in]  theta_m  motor angle [rad], reduced exactly up to 2^20 half turns of the link (float: 2^12)
  *  @param[in]  omega_m  motor velocity [rad/s]
  *  @param[in]  i  armature current [A]
  *  @param[in]  alpha_m  motor acceleration [rad/s^2]
  *  @param[in]  c  coefficients
+ *  @return mechanical_residual [N m]
  */
 ECCENTRIC_REAL rotating_link_mechanical_residual(
     ECCENTRIC_REAL theta_m,
@@ -359,11 +359,12 @@ void rotating_link_mechanical_residual_n(
     ECCENTRIC_REAL *out,
     const rotating_link_coefficients *c);
 
-/** What the electrical balance leaves, as a torque: (k_i/R)(u - k_e omega_m) - k_i i [N m].
+/** What the electrical balance leaves, as a torque: (k_i/R)(u - k_e omega_m) - k_i i.
  *  @param[in]  omega_m  motor velocity [rad/s]
  *  @param[in]  i  armature current [A]
  *  @param[in]  u  armature voltage [V]
  *  @param[in]  c  coefficients
+ *  @return electrical_residual [N m]
  */
 ECCENTRIC_REAL rotating_link_electrical_residual(
     ECCENTRIC_REAL omega_m,

@@ -1,5 +1,5 @@
 # Generated: do not edit. Written by `make derive` from derivations/rotating_link.py
-# (eccentric 0.1.0, program 3a862dfc).
+# (eccentric 0.1.0, program 1d3324f8).
 # Rotating link with an unbalanced mass, plane tilted by phi, angular acceleration kept.
 """Rotating link with an unbalanced mass, plane tilted by phi, angular acceleration kept.
 
@@ -47,7 +47,7 @@ _Real = type[np.float32] | type[np.float64]
 
 @dataclass(frozen=True)
 class Parameters:
-    """Parameters with the paper's letters, in SI units.
+    """Parameters with the paper's letters, in SI units; the defaults are Table 1 of the paper with mu = 1/5.
 
     Raises:
         ValueError: a value is not a finite number, or has a sign that the quantity cannot have.
@@ -134,7 +134,6 @@ class _Coefficients(NamedTuple):
     unbalanced: Any
     twice_omega_star2: Any
     unbalanced_per_mu: Any
-    minus_twice_omega_star2: Any
     half_period_1: Any
     half_period_2: Any
     half_period_3: Any
@@ -146,40 +145,33 @@ class _Coefficients(NamedTuple):
     C_lN_mu: Any
     C: Any
     B_lN_mu2: Any
-    constant: Any
     B: Any
+    B_plus_k_e_k_i_per_R: Any
     twice_mu_omega_star2: Any
     mu_omega_star2: Any
-    minus_mu_omega_star2: Any
     twice_scale_N: Any
     scale_N_unbalanced_per_mu: Any
     mu2: Any
     F_T_mu2_sin_phi: Any
     F_T_mu_sin_phi: Any
-    minus_omega_star2: Any
+    omega_star2: Any
     C_lN_mu_scale_N: Any
-    minus_twice_L_M_g_p_mu: Any
+    twice_L_M_g_p_mu: Any
     J: Any
     R_per_k_i: Any
-    constant_2: Any
+    twice_L_M_R_g_p_mu_per_k_i: Any
     C_lN_R_mu_per_k_i: Any
-    constant_3: Any
+    C_R_per_k_i: Any
     B_lN_R_mu2_per_k_i: Any
-    constant_4: Any
+    B_R_per_k_i_plus_k_e: Any
     per_k_i: Any
-    minus_twice_L_M_g_p_mu_per_k_i: Any
+    twice_L_M_g_p_mu_per_k_i: Any
     B_lN_mu2_per_k_i: Any
-    constant_5: Any
+    B_per_k_i: Any
     C_lN_mu_per_k_i: Any
-    constant_6: Any
-    twice_L_M_g_p_mu: Any
-    minus_B_lN_mu2: Any
-    constant_7: Any
-    minus_C_lN_mu: Any
-    constant_8: Any
-    minus_k_i: Any
+    C_per_k_i: Any
     k_i_per_R: Any
-    minus_k_e_k_i_per_R: Any
+    k_e_k_i_per_R: Any
     largest: Any
 
 
@@ -202,7 +194,6 @@ def _prepare(p: Parameters, real: _Real) -> _Coefficients:
     unbalanced = 0.0 if p.L * p.M == 0.0 else 1.0
     twice_omega_star2 = 2.0 * omega_star * omega_star
     unbalanced_per_mu = unbalanced / p.mu
-    minus_twice_omega_star2 = -2.0 * omega_star * omega_star
     half_period = 3.1415926535897932 / p.mu
     half_period_1 = _leading(half_period, real)
     half_period_2 = _leading(half_period - half_period_1, real)
@@ -215,41 +206,33 @@ def _prepare(p: Parameters, real: _Real) -> _Coefficients:
     C_lN_mu = p.C_lN * p.mu
     C = p.C_lT * F_T * p.mu * math.sin(p.phi) + p.C_m
     B_lN_mu2 = p.B_lN * p.mu * p.mu
-    constant = p.B_lT * F_T * p.mu * p.mu * math.sin(p.phi) + p.B_m + p.k_e * p.k_i / p.R
     B = p.B_lT * F_T * p.mu * p.mu * math.sin(p.phi) + p.B_m
+    B_plus_k_e_k_i_per_R = B + p.k_e * p.k_i / p.R
     twice_mu_omega_star2 = 2.0 * p.mu * omega_star * omega_star
     mu_omega_star2 = p.mu * omega_star * omega_star
-    minus_mu_omega_star2 = -p.mu * omega_star * omega_star
     twice_scale_N = 2.0 * scale_N
     scale_N_unbalanced_per_mu = scale_N * unbalanced / p.mu
     mu2 = p.mu * p.mu
     F_T_mu2_sin_phi = F_T * p.mu * p.mu * math.sin(p.phi)
     F_T_mu_sin_phi = F_T * p.mu * math.sin(p.phi)
-    minus_omega_star2 = -omega_star * omega_star
+    omega_star2 = omega_star * omega_star
     C_lN_mu_scale_N = p.C_lN * p.mu * scale_N
-    minus_twice_L_M_g_p_mu = -2.0 * p.L * p.M * g_p * p.mu
+    twice_L_M_g_p_mu = 2.0 * p.L * p.M * g_p * p.mu
     J = J_l * p.mu * p.mu + J_m
     R_per_k_i = p.R / p.k_i
-    constant_2 = -2.0 * p.L * p.M * p.R * g_p * p.mu / p.k_i
+    twice_L_M_R_g_p_mu_per_k_i = 2.0 * p.L * p.M * p.R * g_p * p.mu / p.k_i
     C_lN_R_mu_per_k_i = p.C_lN * p.R * p.mu / p.k_i
-    constant_3 = p.C_lT * F_T * p.R * p.mu * math.sin(p.phi) / p.k_i + p.C_m * p.R / p.k_i
+    C_R_per_k_i = C * p.R / p.k_i
     B_lN_R_mu2_per_k_i = p.B_lN * p.R * p.mu * p.mu / p.k_i
-    part_1 = p.B_lT * F_T * p.R * p.mu * p.mu * math.sin(p.phi) / p.k_i
-    constant_4 = p.B_m * p.R / p.k_i + p.k_e + part_1
+    B_R_per_k_i_plus_k_e = B * p.R / p.k_i + p.k_e
     per_k_i = 1.0 / p.k_i
-    minus_twice_L_M_g_p_mu_per_k_i = -2.0 * p.L * p.M * g_p * p.mu / p.k_i
+    twice_L_M_g_p_mu_per_k_i = 2.0 * p.L * p.M * g_p * p.mu / p.k_i
     B_lN_mu2_per_k_i = p.B_lN * p.mu * p.mu / p.k_i
-    constant_5 = p.B_lT * F_T * p.mu * p.mu * math.sin(p.phi) / p.k_i + p.B_m / p.k_i
+    B_per_k_i = B / p.k_i
     C_lN_mu_per_k_i = p.C_lN * p.mu / p.k_i
-    constant_6 = p.C_lT * F_T * p.mu * math.sin(p.phi) / p.k_i + p.C_m / p.k_i
-    twice_L_M_g_p_mu = 2.0 * p.L * p.M * g_p * p.mu
-    minus_B_lN_mu2 = -p.B_lN * p.mu * p.mu
-    constant_7 = -p.B_lT * F_T * p.mu * p.mu * math.sin(p.phi) - p.B_m
-    minus_C_lN_mu = -p.C_lN * p.mu
-    constant_8 = -p.C_lT * F_T * p.mu * math.sin(p.phi) - p.C_m
-    minus_k_i = -p.k_i
+    C_per_k_i = C / p.k_i
     k_i_per_R = p.k_i / p.R
-    minus_k_e_k_i_per_R = -p.k_e * p.k_i / p.R
+    k_e_k_i_per_R = p.k_e * p.k_i / p.R
     with np.errstate(all="ignore"):
         return _Coefficients(
             B_lN=real(p.B_lN),
@@ -260,7 +243,6 @@ def _prepare(p: Parameters, real: _Real) -> _Coefficients:
             unbalanced=real(unbalanced),
             twice_omega_star2=real(twice_omega_star2),
             unbalanced_per_mu=real(unbalanced_per_mu),
-            minus_twice_omega_star2=real(minus_twice_omega_star2),
             half_period_1=real(half_period_1),
             half_period_2=real(half_period_2),
             half_period_3=real(half_period_3),
@@ -272,40 +254,33 @@ def _prepare(p: Parameters, real: _Real) -> _Coefficients:
             C_lN_mu=real(C_lN_mu),
             C=real(C),
             B_lN_mu2=real(B_lN_mu2),
-            constant=real(constant),
             B=real(B),
+            B_plus_k_e_k_i_per_R=real(B_plus_k_e_k_i_per_R),
             twice_mu_omega_star2=real(twice_mu_omega_star2),
             mu_omega_star2=real(mu_omega_star2),
-            minus_mu_omega_star2=real(minus_mu_omega_star2),
             twice_scale_N=real(twice_scale_N),
             scale_N_unbalanced_per_mu=real(scale_N_unbalanced_per_mu),
             mu2=real(mu2),
             F_T_mu2_sin_phi=real(F_T_mu2_sin_phi),
             F_T_mu_sin_phi=real(F_T_mu_sin_phi),
-            minus_omega_star2=real(minus_omega_star2),
+            omega_star2=real(omega_star2),
             C_lN_mu_scale_N=real(C_lN_mu_scale_N),
-            minus_twice_L_M_g_p_mu=real(minus_twice_L_M_g_p_mu),
+            twice_L_M_g_p_mu=real(twice_L_M_g_p_mu),
             J=real(J),
             R_per_k_i=real(R_per_k_i),
-            constant_2=real(constant_2),
+            twice_L_M_R_g_p_mu_per_k_i=real(twice_L_M_R_g_p_mu_per_k_i),
             C_lN_R_mu_per_k_i=real(C_lN_R_mu_per_k_i),
-            constant_3=real(constant_3),
+            C_R_per_k_i=real(C_R_per_k_i),
             B_lN_R_mu2_per_k_i=real(B_lN_R_mu2_per_k_i),
-            constant_4=real(constant_4),
+            B_R_per_k_i_plus_k_e=real(B_R_per_k_i_plus_k_e),
             per_k_i=real(per_k_i),
-            minus_twice_L_M_g_p_mu_per_k_i=real(minus_twice_L_M_g_p_mu_per_k_i),
+            twice_L_M_g_p_mu_per_k_i=real(twice_L_M_g_p_mu_per_k_i),
             B_lN_mu2_per_k_i=real(B_lN_mu2_per_k_i),
-            constant_5=real(constant_5),
+            B_per_k_i=real(B_per_k_i),
             C_lN_mu_per_k_i=real(C_lN_mu_per_k_i),
-            constant_6=real(constant_6),
-            twice_L_M_g_p_mu=real(twice_L_M_g_p_mu),
-            minus_B_lN_mu2=real(minus_B_lN_mu2),
-            constant_7=real(constant_7),
-            minus_C_lN_mu=real(minus_C_lN_mu),
-            constant_8=real(constant_8),
-            minus_k_i=real(minus_k_i),
+            C_per_k_i=real(C_per_k_i),
             k_i_per_R=real(k_i_per_R),
-            minus_k_e_k_i_per_R=real(minus_k_e_k_i_per_R),
+            k_e_k_i_per_R=real(k_e_k_i_per_R),
             largest=real(np.finfo(real).max),
         )
 
@@ -427,19 +402,27 @@ def _normal_force(
     omega_m: Any,
     alpha_m: Any,
 ) -> tuple[Any, ...]:
+    # magnitude of the motor velocity, 0 if the mass is balanced [rad/s]
     speed = c.unbalanced * np.abs(omega_m)
+    # the odd number of half turns up to the top that is nearest
     halves = 2.0 * np.floor(theta_m * c.turns_per_rad) + 1.0
+    # angle from the top: the half turns go off in three parts, the leading two exactly
     from_top = theta_m - halves * c.half_period_1 - halves * c.half_period_2 - halves * c.half_period_3
+    # an angle so large that nothing is left of its phase counts as the top
     bounded = np.where(np.abs(from_top) <= c.period, from_top, theta_m - theta_m)
+    # half angle from the top
     half_angle = bounded * c.half_mu
     half_angle_squared = half_angle * half_angle
+    # sine of the half angle from the top, which is the cosine of half the angle but for its sign
     half_cosine = half_angle * _sine_series(half_angle_squared)
+    # speed^2 - omega_star^2; the difference is taken once, before anything is rounded
     square_difference = (speed - c.omega_star_1 - c.omega_star_2) * (speed + c.omega_star_1)
+    # cosine of the half angle from the top
     half_sine = _cosine_series(half_angle_squared)
     p = half_cosine * half_cosine * c.twice_omega_star2 + square_difference
-    part_1 = half_cosine * half_sine * c.minus_twice_omega_star2
-    q = alpha_m * c.unbalanced_per_mu + part_1
+    q = alpha_m * c.unbalanced_per_mu - half_cosine * half_sine * c.twice_omega_star2
     magnitude = np.sqrt(p * p + q * q)
+    # normal force on the axis of rotation [N]
     F_N = magnitude * c.scale_N
     result = F_N
     return (result,)
@@ -467,25 +450,33 @@ def _friction_torque(
     omega_m: Any,
     alpha_m: Any,
 ) -> tuple[Any, ...]:
+    # magnitude of the motor velocity, 0 if the mass is balanced [rad/s]
     speed = c.unbalanced * np.abs(omega_m)
+    # the odd number of half turns up to the top that is nearest
     halves = 2.0 * np.floor(theta_m * c.turns_per_rad) + 1.0
+    # angle from the top: the half turns go off in three parts, the leading two exactly
     from_top = theta_m - halves * c.half_period_1 - halves * c.half_period_2 - halves * c.half_period_3
+    # an angle so large that nothing is left of its phase counts as the top
     bounded = np.where(np.abs(from_top) <= c.period, from_top, theta_m - theta_m)
+    # half angle from the top
     half_angle = bounded * c.half_mu
     half_angle_squared = half_angle * half_angle
+    # sine of the half angle from the top, which is the cosine of half the angle but for its sign
     half_cosine = half_angle * _sine_series(half_angle_squared)
+    # speed^2 - omega_star^2; the difference is taken once, before anything is rounded
     square_difference = (speed - c.omega_star_1 - c.omega_star_2) * (speed + c.omega_star_1)
+    # cosine of the half angle from the top
     half_sine = _cosine_series(half_angle_squared)
     p = half_cosine * half_cosine * c.twice_omega_star2 + square_difference
-    part_1 = half_cosine * half_sine * c.minus_twice_omega_star2
-    q = alpha_m * c.unbalanced_per_mu + part_1
+    q = alpha_m * c.unbalanced_per_mu - half_cosine * half_sine * c.twice_omega_star2
     magnitude = np.sqrt(p * p + q * q)
+    # normal force on the axis of rotation [N]
     F_N = magnitude * c.scale_N
-    ungated = c.B_lN_mu2 * F_N + c.constant
+    ungated = c.B_lN_mu2 * F_N + c.B_plus_k_e_k_i_per_R
     direction_of_motion = np.sign(omega_m)
     ungated_2 = c.C + c.C_lN_mu * F_N
-    part_2 = np.where(direction_of_motion == 0.0, 0.0, ungated_2 * direction_of_motion)
-    result = part_2 + np.where(omega_m == 0.0, 0.0, ungated * omega_m)
+    part_1 = np.where(direction_of_motion == 0.0, 0.0, ungated_2 * direction_of_motion)
+    result = part_1 + np.where(omega_m == 0.0, 0.0, ungated * omega_m)
     return (result,)
 
 
@@ -513,25 +504,33 @@ def _mechanical_friction_torque(
     omega_m: Any,
     alpha_m: Any,
 ) -> tuple[Any, ...]:
+    # magnitude of the motor velocity, 0 if the mass is balanced [rad/s]
     speed = c.unbalanced * np.abs(omega_m)
+    # the odd number of half turns up to the top that is nearest
     halves = 2.0 * np.floor(theta_m * c.turns_per_rad) + 1.0
+    # angle from the top: the half turns go off in three parts, the leading two exactly
     from_top = theta_m - halves * c.half_period_1 - halves * c.half_period_2 - halves * c.half_period_3
+    # an angle so large that nothing is left of its phase counts as the top
     bounded = np.where(np.abs(from_top) <= c.period, from_top, theta_m - theta_m)
+    # half angle from the top
     half_angle = bounded * c.half_mu
     half_angle_squared = half_angle * half_angle
+    # sine of the half angle from the top, which is the cosine of half the angle but for its sign
     half_cosine = half_angle * _sine_series(half_angle_squared)
+    # speed^2 - omega_star^2; the difference is taken once, before anything is rounded
     square_difference = (speed - c.omega_star_1 - c.omega_star_2) * (speed + c.omega_star_1)
+    # cosine of the half angle from the top
     half_sine = _cosine_series(half_angle_squared)
     p = half_cosine * half_cosine * c.twice_omega_star2 + square_difference
-    part_1 = half_cosine * half_sine * c.minus_twice_omega_star2
-    q = alpha_m * c.unbalanced_per_mu + part_1
+    q = alpha_m * c.unbalanced_per_mu - half_cosine * half_sine * c.twice_omega_star2
     magnitude = np.sqrt(p * p + q * q)
+    # normal force on the axis of rotation [N]
     F_N = magnitude * c.scale_N
     ungated = c.B + c.B_lN_mu2 * F_N
     direction_of_motion = np.sign(omega_m)
     ungated_2 = c.C + c.C_lN_mu * F_N
-    part_2 = np.where(direction_of_motion == 0.0, 0.0, ungated_2 * direction_of_motion)
-    result = part_2 + np.where(omega_m == 0.0, 0.0, ungated * omega_m)
+    part_1 = np.where(direction_of_motion == 0.0, 0.0, ungated_2 * direction_of_motion)
+    result = part_1 + np.where(omega_m == 0.0, 0.0, ungated * omega_m)
     return (result,)
 
 
@@ -559,43 +558,53 @@ def _friction_torque_gradient(
     omega_m: Any,
     alpha_m: Any,
 ) -> tuple[Any, ...]:
+    # magnitude of the motor velocity, 0 if the mass is balanced [rad/s]
     speed = c.unbalanced * np.abs(omega_m)
     direction_of_motion = np.sign(omega_m)
     speed_d_omega_m = direction_of_motion * c.unbalanced
+    # the odd number of half turns up to the top that is nearest
     halves = 2.0 * np.floor(theta_m * c.turns_per_rad) + 1.0
+    # angle from the top: the half turns go off in three parts, the leading two exactly
     from_top = theta_m - halves * c.half_period_1 - halves * c.half_period_2 - halves * c.half_period_3
+    # an angle so large that nothing is left of its phase counts as the top
     bounded = np.where(np.abs(from_top) <= c.period, from_top, theta_m - theta_m)
+    # half angle from the top
     half_angle = bounded * c.half_mu
     half_angle_squared = half_angle * half_angle
+    # sine of the half angle from the top, which is the cosine of half the angle but for its sign
     half_cosine = half_angle * _sine_series(half_angle_squared)
+    # speed^2 - omega_star^2; the difference is taken once, before anything is rounded
     square_difference = (speed - c.omega_star_1 - c.omega_star_2) * (speed + c.omega_star_1)
+    # cosine of the half angle from the top
     half_sine = _cosine_series(half_angle_squared)
     p = half_cosine * half_cosine * c.twice_omega_star2 + square_difference
-    part_1 = half_cosine * half_sine * c.minus_twice_omega_star2
-    q = alpha_m * c.unbalanced_per_mu + part_1
+    q = alpha_m * c.unbalanced_per_mu - half_cosine * half_sine * c.twice_omega_star2
     magnitude = np.sqrt(p * p + q * q)
+    # normal force on the axis of rotation [N]
     F_N = magnitude * c.scale_N
+    # 0/0 at the apex, where F_N is 0 and its derivatives are taken as 0
     divisor = np.where(magnitude == 0.0, 1.0, magnitude)
+    # where the square overflows, the larger of the two decides
     limit = np.where(np.abs(p) > np.abs(q), np.sign(p), 0.0)
     cosine = np.where(magnitude > c.largest, limit, p / divisor)
     ungated = half_cosine * half_sine * c.twice_mu_omega_star2
+    # where the square overflows, the larger of the two decides
     limit_2 = np.where(np.abs(q) > np.abs(p), np.sign(q), 0.0)
     cosine_2 = np.where(magnitude > c.largest, limit_2, q / divisor)
-    part_2 = half_sine * half_sine * c.minus_mu_omega_star2
-    ungated_2 = half_cosine * half_cosine * c.mu_omega_star2 + part_2
-    part_4 = np.where(cosine_2 == 0.0, 0.0, ungated_2 * cosine_2)
-    part_3 = part_4 + np.where(cosine == 0.0, 0.0, ungated * cosine)
-    F_N_d_theta_m = part_3 * c.scale_N
+    ungated_2 = half_cosine * half_cosine * c.mu_omega_star2 - half_sine * half_sine * c.mu_omega_star2
+    part_2 = np.where(cosine_2 == 0.0, 0.0, ungated_2 * cosine_2)
+    part_1 = part_2 + np.where(cosine == 0.0, 0.0, ungated * cosine)
+    F_N_d_theta_m = part_1 * c.scale_N
     ungated_3 = speed * speed_d_omega_m * c.twice_scale_N
     F_N_d_omega_m = np.where(cosine == 0.0, 0.0, ungated_3 * cosine)
     F_N_d_alpha_m = np.where(cosine_2 == 0.0, 0.0, c.scale_N_unbalanced_per_mu * cosine_2)
-    part_5 = c.B_lN_mu2 * omega_m + c.C_lN_mu * direction_of_motion
-    result_theta_m = F_N_d_theta_m * part_5
-    part_6 = c.C_lN_mu * F_N_d_omega_m * direction_of_motion
-    part_7 = c.B_lN_mu2 * F_N_d_omega_m * omega_m
-    result_omega_m = c.B_lN_mu2 * F_N + c.constant + part_6 + part_7
-    part_8 = c.B_lN_mu2 * omega_m + c.C_lN_mu * direction_of_motion
-    result_alpha_m = F_N_d_alpha_m * part_8
+    part_3 = c.B_lN_mu2 * omega_m + c.C_lN_mu * direction_of_motion
+    result_theta_m = F_N_d_theta_m * part_3
+    part_4 = c.C_lN_mu * F_N_d_omega_m * direction_of_motion
+    part_5 = c.B_lN_mu2 * F_N_d_omega_m * omega_m
+    result_omega_m = c.B_lN_mu2 * F_N + c.B_plus_k_e_k_i_per_R + part_4 + part_5
+    part_6 = c.B_lN_mu2 * omega_m + c.C_lN_mu * direction_of_motion
+    result_alpha_m = F_N_d_alpha_m * part_6
     return (result_theta_m, result_omega_m, result_alpha_m)
 
 
@@ -606,7 +615,7 @@ def friction_torque_gradient(
     parameters: Parameters | None = None,
     out: np.ndarray | None = None,
 ) -> Any:
-    """Slopes of friction_torque by its inputs [N m per rad, rad/s, rad/s^2].
+    """Partial derivatives of friction_torque with respect to its inputs [N m per rad, rad/s, rad/s^2].
 
     Last axis (theta_m, omega_m, alpha_m).
 
@@ -623,19 +632,27 @@ def _friction_torque_jacobian(
     omega_m: Any,
     alpha_m: Any,
 ) -> tuple[Any, ...]:
+    # magnitude of the motor velocity, 0 if the mass is balanced [rad/s]
     speed = c.unbalanced * np.abs(omega_m)
+    # the odd number of half turns up to the top that is nearest
     halves = 2.0 * np.floor(theta_m * c.turns_per_rad) + 1.0
+    # angle from the top: the half turns go off in three parts, the leading two exactly
     from_top = theta_m - halves * c.half_period_1 - halves * c.half_period_2 - halves * c.half_period_3
+    # an angle so large that nothing is left of its phase counts as the top
     bounded = np.where(np.abs(from_top) <= c.period, from_top, theta_m - theta_m)
+    # half angle from the top
     half_angle = bounded * c.half_mu
     half_angle_squared = half_angle * half_angle
+    # sine of the half angle from the top, which is the cosine of half the angle but for its sign
     half_cosine = half_angle * _sine_series(half_angle_squared)
+    # speed^2 - omega_star^2; the difference is taken once, before anything is rounded
     square_difference = (speed - c.omega_star_1 - c.omega_star_2) * (speed + c.omega_star_1)
+    # cosine of the half angle from the top
     half_sine = _cosine_series(half_angle_squared)
     p = half_cosine * half_cosine * c.twice_omega_star2 + square_difference
-    part_1 = half_cosine * half_sine * c.minus_twice_omega_star2
-    q = alpha_m * c.unbalanced_per_mu + part_1
+    q = alpha_m * c.unbalanced_per_mu - half_cosine * half_sine * c.twice_omega_star2
     magnitude = np.sqrt(p * p + q * q)
+    # normal force on the axis of rotation [N]
     F_N = magnitude * c.scale_N
     ungated = F_N * c.mu2
     result_B_lN = np.where(omega_m == 0.0, 0.0, ungated * omega_m)
@@ -656,7 +673,7 @@ def friction_torque_jacobian(
     parameters: Parameters | None = None,
     out: np.ndarray | None = None,
 ) -> Any:
-    """Slopes of friction_torque by all friction coefficients [N m per unit coefficient].
+    """Partial derivatives of friction_torque with respect to all friction coefficients [N m per unit coefficient].
 
     Last axis (b_ln, c_ln, b_lt, c_lt, b_m, c_m).
 
@@ -673,19 +690,27 @@ def _regressor(
     omega_m: Any,
     alpha_m: Any,
 ) -> tuple[Any, ...]:
+    # magnitude of the motor velocity, 0 if the mass is balanced [rad/s]
     speed = c.unbalanced * np.abs(omega_m)
+    # the odd number of half turns up to the top that is nearest
     halves = 2.0 * np.floor(theta_m * c.turns_per_rad) + 1.0
+    # angle from the top: the half turns go off in three parts, the leading two exactly
     from_top = theta_m - halves * c.half_period_1 - halves * c.half_period_2 - halves * c.half_period_3
+    # an angle so large that nothing is left of its phase counts as the top
     bounded = np.where(np.abs(from_top) <= c.period, from_top, theta_m - theta_m)
+    # half angle from the top
     half_angle = bounded * c.half_mu
     half_angle_squared = half_angle * half_angle
+    # sine of the half angle from the top, which is the cosine of half the angle but for its sign
     half_cosine = half_angle * _sine_series(half_angle_squared)
+    # speed^2 - omega_star^2; the difference is taken once, before anything is rounded
     square_difference = (speed - c.omega_star_1 - c.omega_star_2) * (speed + c.omega_star_1)
+    # cosine of the half angle from the top
     half_sine = _cosine_series(half_angle_squared)
     p = half_cosine * half_cosine * c.twice_omega_star2 + square_difference
-    part_1 = half_cosine * half_sine * c.minus_twice_omega_star2
-    q = alpha_m * c.unbalanced_per_mu + part_1
+    q = alpha_m * c.unbalanced_per_mu - half_cosine * half_sine * c.twice_omega_star2
     magnitude = np.sqrt(p * p + q * q)
+    # normal force on the axis of rotation [N]
     F_N = magnitude * c.scale_N
     ungated = F_N * c.mu2
     result_B_lN = np.where(omega_m == 0.0, 0.0, ungated * omega_m)
@@ -704,7 +729,7 @@ def regressor(
     parameters: Parameters | None = None,
     out: np.ndarray | None = None,
 ) -> Any:
-    """Columns with regressor @ friction_coefficients = mechanical_friction_torque [N m per unit coefficient].
+    """Columns: regressor times friction_coefficients is mechanical_friction_torque [N m per unit coefficient].
 
     Last axis (b_ln, c_ln, b, c).
 
@@ -741,16 +766,21 @@ def _coulomb_torque(
     theta_m: Any,
     alpha_m: Any,
 ) -> tuple[Any, ...]:
+    # the odd number of half turns up to the top that is nearest
     halves = 2.0 * np.floor(theta_m * c.turns_per_rad) + 1.0
+    # angle from the top: the half turns go off in three parts, the leading two exactly
     from_top = theta_m - halves * c.half_period_1 - halves * c.half_period_2 - halves * c.half_period_3
+    # an angle so large that nothing is left of its phase counts as the top
     bounded = np.where(np.abs(from_top) <= c.period, from_top, theta_m - theta_m)
+    # half angle from the top
     half_angle = bounded * c.half_mu
     half_angle_squared = half_angle * half_angle
+    # sine of the half angle from the top, which is the cosine of half the angle but for its sign
     half_cosine = half_angle * _sine_series(half_angle_squared)
+    # cosine of the half angle from the top
     half_sine = _cosine_series(half_angle_squared)
-    p = half_cosine * half_cosine * c.twice_omega_star2 + c.minus_omega_star2
-    part_1 = half_cosine * half_sine * c.minus_twice_omega_star2
-    q = alpha_m * c.unbalanced_per_mu + part_1
+    p = half_cosine * half_cosine * c.twice_omega_star2 - c.omega_star2
+    q = alpha_m * c.unbalanced_per_mu - half_cosine * half_sine * c.twice_omega_star2
     magnitude = np.sqrt(p * p + q * q)
     result = c.C + c.C_lN_mu_scale_N * magnitude
     return (result,)
@@ -762,7 +792,7 @@ def coulomb_torque(
     parameters: Parameters | None = None,
     out: np.ndarray | None = None,
 ) -> Any:
-    """Size of the friction torque at standstill, where it is set-valued [N m].
+    """Magnitude of the friction torque at standstill, where it is set-valued [N m].
 
     Shape of the broadcast inputs.
 
@@ -776,14 +806,20 @@ def _gravity_torque(
     c: _Coefficients,
     theta_m: Any,
 ) -> tuple[Any, ...]:
+    # the odd number of half turns up to the top that is nearest
     halves = 2.0 * np.floor(theta_m * c.turns_per_rad) + 1.0
+    # angle from the top: the half turns go off in three parts, the leading two exactly
     from_top = theta_m - halves * c.half_period_1 - halves * c.half_period_2 - halves * c.half_period_3
+    # an angle so large that nothing is left of its phase counts as the top
     bounded = np.where(np.abs(from_top) <= c.period, from_top, theta_m - theta_m)
+    # half angle from the top
     half_angle = bounded * c.half_mu
     half_angle_squared = half_angle * half_angle
+    # sine of the half angle from the top, which is the cosine of half the angle but for its sign
     half_cosine = half_angle * _sine_series(half_angle_squared)
+    # cosine of the half angle from the top
     half_sine = _cosine_series(half_angle_squared)
-    result = half_cosine * half_sine * c.minus_twice_L_M_g_p_mu
+    result = -half_cosine * half_sine * c.twice_L_M_g_p_mu
     return (result,)
 
 
@@ -805,27 +841,36 @@ def _voltage(
     omega_m: Any,
     alpha_m: Any,
 ) -> tuple[Any, ...]:
+    # magnitude of the motor velocity, 0 if the mass is balanced [rad/s]
     speed = c.unbalanced * np.abs(omega_m)
+    # the odd number of half turns up to the top that is nearest
     halves = 2.0 * np.floor(theta_m * c.turns_per_rad) + 1.0
+    # angle from the top: the half turns go off in three parts, the leading two exactly
     from_top = theta_m - halves * c.half_period_1 - halves * c.half_period_2 - halves * c.half_period_3
+    # an angle so large that nothing is left of its phase counts as the top
     bounded = np.where(np.abs(from_top) <= c.period, from_top, theta_m - theta_m)
+    # half angle from the top
     half_angle = bounded * c.half_mu
     half_angle_squared = half_angle * half_angle
+    # sine of the half angle from the top, which is the cosine of half the angle but for its sign
     half_cosine = half_angle * _sine_series(half_angle_squared)
+    # speed^2 - omega_star^2; the difference is taken once, before anything is rounded
     square_difference = (speed - c.omega_star_1 - c.omega_star_2) * (speed + c.omega_star_1)
+    # cosine of the half angle from the top
     half_sine = _cosine_series(half_angle_squared)
     p = half_cosine * half_cosine * c.twice_omega_star2 + square_difference
-    part_1 = half_cosine * half_sine * c.minus_twice_omega_star2
-    q = alpha_m * c.unbalanced_per_mu + part_1
+    q = alpha_m * c.unbalanced_per_mu - half_cosine * half_sine * c.twice_omega_star2
     magnitude = np.sqrt(p * p + q * q)
+    # normal force on the axis of rotation [N]
     F_N = magnitude * c.scale_N
+    ungated = c.B_R_per_k_i_plus_k_e + c.B_lN_R_mu2_per_k_i * F_N
     direction_of_motion = np.sign(omega_m)
-    ungated = c.C_lN_R_mu_per_k_i * F_N + c.constant_3
-    ungated_2 = c.B_lN_R_mu2_per_k_i * F_N + c.constant_4
-    part_2 = np.where(direction_of_motion == 0.0, 0.0, ungated * direction_of_motion)
-    part_3 = c.R_per_k_i * np.where(alpha_m == 0.0, 0.0, c.J * alpha_m)
-    part_4 = np.where(omega_m == 0.0, 0.0, ungated_2 * omega_m)
-    result = c.constant_2 * half_cosine * half_sine + part_2 + part_3 + part_4
+    ungated_2 = c.C_R_per_k_i + c.C_lN_R_mu_per_k_i * F_N
+    part_1 = np.where(direction_of_motion == 0.0, 0.0, ungated_2 * direction_of_motion)
+    part_2 = c.R_per_k_i * np.where(alpha_m == 0.0, 0.0, c.J * alpha_m)
+    part_3 = -half_cosine * half_sine * c.twice_L_M_R_g_p_mu_per_k_i
+    part_4 = np.where(omega_m == 0.0, 0.0, ungated * omega_m)
+    result = part_1 + part_2 + part_3 + part_4
     return (result,)
 
 
@@ -852,28 +897,36 @@ def _current(
     omega_m: Any,
     alpha_m: Any,
 ) -> tuple[Any, ...]:
+    # magnitude of the motor velocity, 0 if the mass is balanced [rad/s]
     speed = c.unbalanced * np.abs(omega_m)
+    # the odd number of half turns up to the top that is nearest
     halves = 2.0 * np.floor(theta_m * c.turns_per_rad) + 1.0
+    # angle from the top: the half turns go off in three parts, the leading two exactly
     from_top = theta_m - halves * c.half_period_1 - halves * c.half_period_2 - halves * c.half_period_3
+    # an angle so large that nothing is left of its phase counts as the top
     bounded = np.where(np.abs(from_top) <= c.period, from_top, theta_m - theta_m)
+    # half angle from the top
     half_angle = bounded * c.half_mu
     half_angle_squared = half_angle * half_angle
+    # sine of the half angle from the top, which is the cosine of half the angle but for its sign
     half_cosine = half_angle * _sine_series(half_angle_squared)
+    # speed^2 - omega_star^2; the difference is taken once, before anything is rounded
     square_difference = (speed - c.omega_star_1 - c.omega_star_2) * (speed + c.omega_star_1)
+    # cosine of the half angle from the top
     half_sine = _cosine_series(half_angle_squared)
     p = half_cosine * half_cosine * c.twice_omega_star2 + square_difference
-    part_1 = half_cosine * half_sine * c.minus_twice_omega_star2
-    q = alpha_m * c.unbalanced_per_mu + part_1
+    q = alpha_m * c.unbalanced_per_mu - half_cosine * half_sine * c.twice_omega_star2
     magnitude = np.sqrt(p * p + q * q)
+    # normal force on the axis of rotation [N]
     F_N = magnitude * c.scale_N
-    ungated = c.B_lN_mu2_per_k_i * F_N + c.constant_5
+    ungated = c.B_lN_mu2_per_k_i * F_N + c.B_per_k_i
     direction_of_motion = np.sign(omega_m)
-    ungated_2 = c.C_lN_mu_per_k_i * F_N + c.constant_6
-    part_2 = np.where(direction_of_motion == 0.0, 0.0, ungated_2 * direction_of_motion)
-    part_3 = half_cosine * half_sine * c.minus_twice_L_M_g_p_mu_per_k_i
-    part_4 = c.per_k_i * np.where(alpha_m == 0.0, 0.0, c.J * alpha_m)
-    part_5 = np.where(omega_m == 0.0, 0.0, ungated * omega_m)
-    result = part_2 + part_3 + part_4 + part_5
+    ungated_2 = c.C_lN_mu_per_k_i * F_N + c.C_per_k_i
+    part_1 = np.where(direction_of_motion == 0.0, 0.0, ungated_2 * direction_of_motion)
+    part_2 = c.per_k_i * np.where(alpha_m == 0.0, 0.0, c.J * alpha_m)
+    part_3 = np.where(omega_m == 0.0, 0.0, ungated * omega_m)
+    part_4 = -half_cosine * half_sine * c.twice_L_M_g_p_mu_per_k_i
+    result = part_1 + part_2 + part_3 + part_4
     return (result,)
 
 
@@ -901,28 +954,36 @@ def _mechanical_residual(
     i: Any,
     alpha_m: Any,
 ) -> tuple[Any, ...]:
+    # magnitude of the motor velocity, 0 if the mass is balanced [rad/s]
     speed = c.unbalanced * np.abs(omega_m)
+    # the odd number of half turns up to the top that is nearest
     halves = 2.0 * np.floor(theta_m * c.turns_per_rad) + 1.0
+    # angle from the top: the half turns go off in three parts, the leading two exactly
     from_top = theta_m - halves * c.half_period_1 - halves * c.half_period_2 - halves * c.half_period_3
+    # an angle so large that nothing is left of its phase counts as the top
     bounded = np.where(np.abs(from_top) <= c.period, from_top, theta_m - theta_m)
+    # half angle from the top
     half_angle = bounded * c.half_mu
     half_angle_squared = half_angle * half_angle
+    # sine of the half angle from the top, which is the cosine of half the angle but for its sign
     half_cosine = half_angle * _sine_series(half_angle_squared)
+    # speed^2 - omega_star^2; the difference is taken once, before anything is rounded
     square_difference = (speed - c.omega_star_1 - c.omega_star_2) * (speed + c.omega_star_1)
+    # cosine of the half angle from the top
     half_sine = _cosine_series(half_angle_squared)
     p = half_cosine * half_cosine * c.twice_omega_star2 + square_difference
-    part_1 = half_cosine * half_sine * c.minus_twice_omega_star2
-    q = alpha_m * c.unbalanced_per_mu + part_1
+    q = alpha_m * c.unbalanced_per_mu - half_cosine * half_sine * c.twice_omega_star2
     magnitude = np.sqrt(p * p + q * q)
+    # normal force on the axis of rotation [N]
     F_N = magnitude * c.scale_N
-    ungated = F_N * c.minus_B_lN_mu2 + c.constant_7
+    ungated = -c.B - c.B_lN_mu2 * F_N
     direction_of_motion = np.sign(omega_m)
-    ungated_2 = F_N * c.minus_C_lN_mu + c.constant_8
-    part_2 = np.where(direction_of_motion == 0.0, 0.0, ungated_2 * direction_of_motion)
-    part_3 = np.where(omega_m == 0.0, 0.0, ungated * omega_m)
-    part_4 = -np.where(alpha_m == 0.0, 0.0, c.J * alpha_m)
-    part_5 = half_cosine * half_sine * c.twice_L_M_g_p_mu
-    result = i * c.k_i + part_2 + part_3 + part_4 + part_5
+    ungated_2 = -c.C - c.C_lN_mu * F_N
+    part_1 = np.where(direction_of_motion == 0.0, 0.0, ungated_2 * direction_of_motion)
+    part_2 = np.where(omega_m == 0.0, 0.0, ungated * omega_m)
+    part_3 = -np.where(alpha_m == 0.0, 0.0, c.J * alpha_m)
+    part_4 = half_cosine * half_sine * c.twice_L_M_g_p_mu
+    result = i * c.k_i + part_1 + part_2 + part_3 + part_4
     return (result,)
 
 
@@ -953,7 +1014,7 @@ def _electrical_residual(
     i: Any,
     u: Any,
 ) -> tuple[Any, ...]:
-    result = i * c.minus_k_i + c.k_i_per_R * u + c.minus_k_e_k_i_per_R * omega_m
+    result = -i * c.k_i - c.k_e_k_i_per_R * omega_m + c.k_i_per_R * u
     return (result,)
 
 

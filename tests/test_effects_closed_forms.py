@@ -109,7 +109,8 @@ MECHANICAL: list[tuple[str, str, dict[str, float], Torque]] = [
     ("C1", "viscosity_temperature", {"viscosity_b": 0.03},
      lambda x: friction(x, "C1", viscous=np.exp(-0.03 * (x["temperature"] - WARM)) - 1, dry=0)),
     ("C1", "viscosity_temperature[arrhenius]", {"viscosity_E": 2500.0},
-     lambda x: friction(x, "C1", viscous=np.expm1(2500 / (273.15 + x["temperature"]) - 2500 / 298.15), dry=0)),
+     lambda x: friction(x, "C1", dry=0,
+     viscous=np.expm1(2500 / (273.15 + x["temperature"]) - 2500 / 298.15))),
     ("C1", "viscosity_temperature[bearing]", {"viscosity_B": 0.01, "viscosity_b": 0.03},
      lambda x: 0.01 * x["omega_m"] * np.expm1(-0.03 * (x["temperature"] - WARM))),
     ("C1", "coulomb_temperature", {"coulomb_b": 0.02},
@@ -152,7 +153,7 @@ MECHANICAL: list[tuple[str, str, dict[str, float], Torque]] = [
      lambda x: -x["backlash_free"] * (MU**2 * 0.01 * x["omega_m"] + MU * 0.2 * np.sign(x["omega_m"]))),
     ("C2", "backlash", {"backlash_G": 0.9, "backlash_C": 0.02}, lambda x: -x["backlash_free"]
      * (0.9 * sine_load(x) + MU * 0.02 * normal_force(x) * np.sign(x["omega_m"]))),
-    ("C2", "backlash[lag]", {"backlash_T": 0.1}, 
+    ("C2", "backlash[lag]", {"backlash_T": 0.1},
      lambda x: -0.1 * x["backlash_z"] * np.cos(MU * x["theta_m"])),
     ("C1", "cable_spring", {"cable_k": 0.01, "cable_0": 0.02}, lambda x: 0.01 * MU * x["theta_m"] + 0.02),
     ("C1", "gravity_tilt", {"tilt_c": 0.01, "tilt_s": 0.02},

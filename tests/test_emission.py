@@ -112,6 +112,27 @@ def _holes(environment: jinja2.Environment, name: str, seen: set[str]) -> set[st
 
 
 @pytest.mark.parametrize("name", model_names())
+def test_every_coefficient_says_what_it_is(name: str) -> None:
+    """Coefficients have names that all compilers tell apart, and a comment; none is another's negative."""
+    program = build_program(load_model(name))
+    notes = dict(program.notes)
+    names = [symbol.name for symbol in program.coefficients]
+
+    assert [one for one in names if len(one) > 31 or not notes.get(one)] == []
+    assert [one for one in names if re.match(r"minus_|constant|coefficient", one)] == []
+    header = (ROOT / "generated" / f"{name}.h").read_text(encoding="utf-8")
+    assert [one for one in names if not re.search(rf"ECCENTRIC_REAL {one}; /\*\*< \S", header)] == []
+
+
+@pytest.mark.parametrize("name", model_names())
+def test_emitted_c_fits_a_screen(name: str) -> None:
+    """No line of code is wider than 110 characters."""
+    lines = (ROOT / "generated" / f"{name}.c").read_text(encoding="utf-8").splitlines()
+
+    assert [line for line in lines if len(line) > 110] == []
+
+
+@pytest.mark.parametrize("name", model_names())
 def test_emitted_module_imports_only_numpy_and_the_standard_library(name: str) -> None:
     """A firmware team's laptop needs no toolkit."""
     tree = ast.parse((ROOT / "generated" / f"{name}.py").read_text(encoding="utf-8"))

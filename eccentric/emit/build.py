@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 import re
+from dataclasses import replace
 
 import sympy as sp
 
 from eccentric.emit.functions import Function, closure, functions, gradient_labels
-from eccentric.emit.lower import Lowering
+from eccentric.emit.lower import Lowering, Rounded
 from eccentric.emit.program import Assignment, Input, Program, Routine, differentiate, needed
 from eccentric.emit.shorten import shortened
-from eccentric.model import Model
+from eccentric.model import Model, Quantity
 from eccentric.model import vocabulary as v
 from eccentric.model.steps import (
     Backward,
@@ -19,6 +20,7 @@ from eccentric.model.steps import (
     Gated,
     HalfCosine,
     HalfSine,
+    Leading,
     Sgn,
     SquareDifference,
 )
@@ -27,7 +29,9 @@ from eccentric.model.steps import (
 def build_program(model: Model) -> Program:
     """The Program of a model: every function of `eccentric.emit.functions`, ready to print."""
     shared = _Prepare(model)
+    known = {q.name: q for q in vars(v).values() if isinstance(q, Quantity)}
     chosen = functions(model)
+    from_table = all(q.default == known.get(q.name, q).default for q in model.parameters)
     labels = {f.name: gradient_labels(model, f) for f in chosen if f.by}
     routines = tuple(_routine(model, function, labels.get(function.name, ()), shared) for function in chosen)
     named = {f.name: tuple(label for label, _ in f.results) for f in chosen}
@@ -44,6 +48,7 @@ def build_program(model: Model) -> Program:
             ("JACOBIAN", labels["friction_torque_jacobian"]),
         ),
         notes=_notes(model, shared),
+        defaults=model.defaults or ("Table 1 of the paper with mu = 1/5" if from_table else "those of the derivation"),
     )
 
 
@@ -69,7 +74,7 @@ def _routine(model: Model, function: Function, labels: tuple[str, ...], shared: 
             shared.define(assignment.target, assignment.value)
         else:
             value = lowering(shared.hoist(_grouped(model, assignment.value)))
-            lowering.assignments.append(Assignment(assignment.target, value))
+            lowering.assignments.append(replace(assignment, value=value))
     targets = []
     for label, expression in results:
         value = lowering(shared.hoist(_at_rest(model, _grouped(model, expression))))
@@ -150,6 +155,7 @@ class _Prepare:
         self._names: dict[str, sp.Expr] = {}
         # A value that the model has a name for is called by it.
         self._defined = {d.value: d.symbol for d in model.definitions if d.value.free_symbols <= self.symbols}
+        self._sums = [(symbol, value.args) for value, symbol in self._defined.items() if value.is_Add]
 
     def __call__(self, name: str, value: sp.Expr) -> sp.Symbol:
         if value in self._values:
@@ -172,33 +178,69 @@ class _Prepare:
         self._values[value] = symbol
         self._names[symbol.name] = value
 
-    def hoist(self, expression: sp.Expr) -> sp.Expr:
-        """The expression with its parameter-only parts replaced by coefficients that `prepare` computes."""
+    def hoist(self, expression: sp.Expr, role: str = "coefficient") -> sp.Expr:
+        """The expression with its parameter-only parts replaced by coefficients that `prepare` computes.
+
+        A sign stays in the expression: no coefficient is another one's negative. `role` is the name of what
+        has a formula too long for a name.
+        """
         if expression.is_Atom:
             return expression
         if expression.free_symbols and expression.free_symbols <= self.symbols:
-            return self(_name(expression), expression)
+            if _is_negative(expression):
+                return -self.hoist(-expression, role)
+            value = self._folded(expression)
+            return value if value.is_Symbol else self(_name(value, role), value)
         if isinstance(expression, HalfCosine | HalfSine | SquareDifference):
             return expression.func(self.hoist(expression.args[0]), expression.args[1])
+        if isinstance(expression, ByDirection) and all(a == 0 or _is_negative(a) for a in expression.args[1:]):
+            x, forward, backward = expression.args
+            return -self.hoist(ByDirection(x, -forward, -backward), role)
         if expression.is_Mul or expression.is_Add:
             fixed = [a for a in expression.args if a.is_number or a.free_symbols <= self.symbols]
-            moving = [self.hoist(a) for a in expression.args if a not in fixed]
-            if any(a.free_symbols for a in fixed):
-                constant = self.hoist(expression.func(*fixed))
-                return expression.func(constant, *moving)
-            return expression.func(*fixed, *moving)
-        return expression.func(*(self.hoist(argument) for argument in expression.args))
+            moving = [a for a in expression.args if a not in fixed]
+            if expression.is_Mul:
+                role = _role(moving, role)
+                flipped = [-a if _is_negative(a) else a for a in moving]
+                fixed += [sp.Integer(-1) for a in moving if _is_negative(a)]
+                moving = flipped
+            moving = [self.hoist(a, role) for a in moving]
+            constant = expression.func(*fixed)
+            return expression.func(self.hoist(constant, role), *moving)
+        return expression.func(*(self.hoist(argument, role) for argument in expression.args))
+
+    def _folded(self, value: sp.Expr) -> sp.Expr:
+        """A sum with what the model has a name for called by it: B_m + mu^2 B_lT F_T is B."""
+        terms = list(sp.Add.make_args(sp.expand(value)))
+        for symbol, parts in self._sums:
+            for term in terms:
+                found = [sp.expand(term / parts[0] * part) for part in parts]
+                if set(found) <= set(terms):
+                    self.define(symbol, sp.Add(*parts))
+                    terms = [*(t for t in terms if t not in found), term / parts[0] * symbol]
+                    value = sp.Add(*terms)
+                    break
+        return value
 
 
 def _notes(model: Model, shared: _Prepare) -> tuple[tuple[str, str], ...]:
     known = {q.symbol.name: f"{q.meaning} [{q.unit}]" for q in model.parameters}
     known |= {d.quantity.name: f"{d.quantity.meaning} [{d.quantity.unit}]" for d in model.definitions}
-    formulas = {
-        a.target.name: str(a.value).replace("**", "^").replace("*", " ")
-        for a in shared.assignments
-        if a.target.name.startswith("constant")
-    }
-    return tuple((known | formulas).items())
+    values = {a.target: a.value for a in shared.assignments}
+    formulas = {symbol.name: _formula(value, values) for symbol, value in values.items()}
+    return tuple((formulas | known).items())
+
+
+def _formula(value: sp.Expr, values: dict[sp.Symbol, sp.Expr]) -> str:
+    """The formula of a coefficient as a person writes it."""
+    if isinstance(value, Leading | Rounded):
+        whole = {s: values[s] for s in value.free_symbols if s.name == "half_period"}
+        kind = "leading digits" if isinstance(value, Leading) else "in the working precision"
+        return f"{_formula(value.args[0].xreplace(whole), values)}, {kind}"
+    # What is subtracted stands last.
+    terms = sorted(value.as_ordered_terms(), key=_is_negative)
+    text = " + ".join(map(str, terms)).replace("+ -", "- ")
+    return text.replace("**", "^").replace("*", " ")
 
 
 def _used(routines: tuple[Routine, ...], shared: _Prepare) -> tuple[sp.Symbol, ...]:
@@ -213,10 +255,27 @@ _LONGEST = 31
 _NUMBERS = {2: "twice", -1: "minus", -2: "minus_twice", 4: "four", sp.Rational(1, 2): "half"}
 
 
-def _name(expression: sp.Expr) -> str:
+def _is_negative(expression: sp.Expr) -> bool:
+    """Whether it is written with a minus sign before everything."""
+    if expression.is_Add:
+        return all(map(_is_negative, expression.args))
+    return expression.as_coeff_Mul()[0].is_negative is True
+
+
+def _role(moving: list[sp.Expr], role: str) -> str:
+    """What a factor of these is in the friction model; `role` if that cannot be told."""
+    if any(isinstance(factor, Sgn) for factor in moving):
+        return "coulomb"
+    roles = {"omega_m": "viscous", "alpha_m": "inertial", "i": "driving", "u": "driving"}
+    named = [roles[factor.name] for factor in moving if factor.is_Symbol and factor.name in roles]
+    turning = any(isinstance(factor, HalfCosine | HalfSine) for factor in moving)
+    return named[0] if named else "turning" if turning else role
+
+
+def _name(expression: sp.Expr, role: str) -> str:
     """A name like the formula: mu**2*B_lN is B_lN_mu2, B_m + k_e*k_i/R is B_m_plus_k_e_k_i_per_R."""
     name = _spelled(expression)
-    return name if name is not None and len(name) <= _LONGEST else "constant"
+    return name if name is not None and len(name) <= _LONGEST else role
 
 
 def _spelled(expression: sp.Expr) -> str | None:

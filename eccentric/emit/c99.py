@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import textwrap
 from typing import Any
 
 import sympy as sp
@@ -11,9 +12,11 @@ from eccentric.emit.expression import Language, printed
 from eccentric.emit.lower import Floor, Root, Size
 from eccentric.emit.program import Input, Program, Routine
 from eccentric.emit.series import polynomial
-from eccentric.emit.text import assigned, number, splitting, used_series
+from eccentric.emit.text import EXACT_HALF_TURNS, assigned, number, splitting, used_series
 from eccentric.model.quantity import Quantity
 from eccentric.model.steps import Backward, Forward, Sgn
+
+_WIDTH = 110
 
 _REAL = {
     "sqrt": "REAL_SQRT({0})",
@@ -65,6 +68,7 @@ def view(program: Program, banner: str, digest: str) -> dict[str, Any]:
         "digest": f"0x{digest}UL",
         "parameters": [_parameter(q, values[False][q.name]) for q in program.parameters],
         "valid": _valid(program),
+        "defaults": program.defaults,
         "coefficients": [
             {
                 "name": s.name,
@@ -190,14 +194,24 @@ def _routine(program: Program, r: Routine, coefficients: set[str]) -> dict[str, 
     out = ["ECCENTRIC_REAL *out"] if r.labels else []
     passed = [_passed(x) for x in r.inputs]
     width = len(r.labels)
+    reduces = any(a.target.name == "halves" for a in r.assignments)
+    reduced = f", reduced exactly up to {EXACT_HALF_TURNS}" if reduces else ""
     call = ", ".join([*passed, *([f"out + {width} * k"] if r.labels else []), "c"])
     return {
         "name": r.name,
-        "doc": f"{r.meaning[0].upper()}{r.meaning[1:]} [{r.unit}].",
+        "doc": f"{r.meaning[0].upper()}{r.meaning[1:]}.",
+        "unit": r.unit,
         "inputs": [
-            {"name": x.quantity.name, "doc": f"{x.quantity.meaning} [{x.quantity.unit}]"} for x in r.inputs
+            {
+                "name": x.quantity.name,
+                "doc": f"{x.quantity.meaning} [{x.quantity.unit}]{reduced if x.quantity.name == 'theta_m' else ''}",
+            }
+            for x in r.inputs
         ],
-        "labels": r.labels,
+        "out": _filled(
+            f"@param[out] out  {width} value{'s' * (width > 1)}: {', '.join(r.labels)} [{r.unit}]" if r.labels else ""
+        ),
+        "width": width,
         "signature": _wrapped(
             "void" if r.labels else "ECCENTRIC_REAL", own, [*single, *out, coefficient_argument]
         ),
@@ -205,7 +219,7 @@ def _routine(program: Program, r: Routine, coefficients: set[str]) -> dict[str, 
             "void", f"{own}_n", ["size_t n", *arrays, "ECCENTRIC_REAL *out", coefficient_argument]
         ),
         "array_call": f"{own}({call});" if r.labels else f"out[k] = {own}({call});",
-        "lines": [*unpack, *_unused(r, coefficients), *assigned(r, line)],
+        "lines": [*unpack, *_unused(r, coefficients), *assigned(r, line, "/* {} */".format)],
     }
 
 
@@ -226,8 +240,13 @@ def _passed(x: Input) -> str:
     return f"{x.quantity.name}[k]" if x.length is None else f"{x.quantity.name} + {x.length} * k"
 
 
+def _filled(text: str) -> list[str]:
+    """The lines of a comment, those after the first set in."""
+    return textwrap.wrap(text, _WIDTH - 3, subsequent_indent="    ", break_long_words=False)
+
+
 def _wrapped(result: str, name: str, arguments: list[str]) -> str:
     line = f"{result} {name}({', '.join(arguments)})"
-    if len(line) <= 118:
+    if len(line) < _WIDTH:
         return line
     return f"{result} {name}(\n    " + ",\n    ".join(arguments) + ")"

@@ -7,10 +7,10 @@ import sympy as sp
 
 from eccentric.emit.lower import Rounded
 from eccentric.emit.program import Program
+from eccentric.emit.text import LEADING_BITS
 from eccentric.model.steps import Leading
 
 _BITS = {True: 24, False: 53}  # of the working precision
-_LEADING_BITS = {True: 11, False: 33}  # see eccentric.emit.text
 
 
 def evaluate_prepare(program: Program, single: bool) -> dict[str, str]:
@@ -22,7 +22,7 @@ def evaluate_prepare(program: Program, single: bool) -> dict[str, str]:
     with mpmath.workdps(50):
         values = {q.symbol: _default(q.default, program) for q in program.parameters}
         rounding = {
-            "Leading": lambda x: _round(x, _LEADING_BITS[single]),
+            "Leading": lambda x: _round(x, LEADING_BITS["single" if single else "double"]),
             "Rounded": lambda x: _round(x, _BITS[single]),
         }
         for a in program.prepare:

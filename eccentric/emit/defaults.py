@@ -18,12 +18,14 @@ class Fitted:
 
     Attributes:
         source: name of the file, for error messages.
+        model: name of the model that was fitted, None where the file names none.
         values: parameter by the paper's letter, in SI units.
         notes: parameter -> remark for its comment, such as its interval.
         identified_on: range of speeds and temperatures, for the head of the files.
     """
 
     source: str
+    model: str | None
     values: dict[str, float]
     notes: dict[str, str]
     identified_on: str
@@ -48,14 +50,18 @@ def read_parameters(path: Path) -> Fitted:
     for name, value in values.items():
         if isinstance(value, bool) or not isinstance(value, int | float) or not math.isfinite(value):
             raise InputError(f"{path}: parameters.{name}: required a finite number, got {value!r}")
-    return Fitted(path.name, values, dict(content.get("parameter_notes", {})), str(content.get("identified_range", "")))
+    notes, identified_on = dict(content.get("parameter_notes", {})), str(content.get("identified_range", ""))
+    return Fitted(path.name, content.get("model"), values, notes, identified_on)
 
 
 def with_fitted(model: Model, fitted: Fitted, name: str) -> Model:
     """Return the model under a new name, with fitted values as its defaults.
 
     Raises:
-        InputError: a value is of no parameter of the model, or of a sign that it cannot have.
+        InputError: the values are those of another model, which would leave the rest at the paper's values; a
+            value is of no parameter of the model, or of a sign that it cannot have.
     """
+    if fitted.model not in (None, model.name):
+        raise InputError(f"{fitted.source}: required a fit of {model.name}, got one of {fitted.model}")
     title = f"{model.title}; {fitted.identified_on}" if fitted.identified_on else model.title
     return with_values(model, fitted.values, name, fitted.notes, title, fitted.source)

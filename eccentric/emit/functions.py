@@ -8,7 +8,7 @@ import sympy as sp
 
 from eccentric.emit.program import Assignment, differentiate
 from eccentric.errors import InputError
-from eccentric.model import KINDS, Model, regressor
+from eccentric.model import KINDS, Definition, Model, regressor
 from eccentric.model import vocabulary as v
 from eccentric.model.steps import Backward, Forward, Gated, Magnitude, Sgn, SquareDifference
 
@@ -38,8 +38,16 @@ def closure(model: Model, results: tuple[tuple[str, sp.Expr], ...]) -> tuple[Ass
     for definition in reversed(model.definitions):
         if definition.symbol in needed:
             needed |= definition.value.free_symbols
-            chosen.append(Assignment(definition.symbol, definition.value))
+            chosen.append(Assignment(definition.symbol, definition.value, _note(model, definition)))
     return tuple(reversed(chosen))
+
+
+def _note(model: Model, definition: Definition) -> str:
+    """Meaning and unit of a definition, and the number that the derivation gives it, else the paper."""
+    quantity = definition.quantity
+    stated = [e.number for e in model.equations if e.left in (quantity.symbol, quantity.symbol**2)]
+    number = next(filter(None, reversed(stated)), "") if stated else quantity.equation
+    return f"{quantity.meaning} [{quantity.unit}]" + (f", eq {number}" if number else "")
 
 
 def solve_current(model: Model) -> sp.Expr:

@@ -64,9 +64,9 @@ _NOTES = {
     "halves": "the odd number of half turns up to the top that is nearest",
     "from_top": "angle from the top: the half turns go off in three parts, the leading two exactly",
     "bounded": "an angle so large that nothing is left of its phase counts as the top",
-    "half_angle": "half angle from the top, on the link side",
-    "half_cosine": "its sine, of magnitude |cos(theta_l/2)|",
-    "half_sine": "its cosine, of magnitude |sin(theta_l/2)|",
+    "half_angle": "half angle from the top",
+    "half_cosine": "sine of the half angle from the top, which is the cosine of half the angle but for its sign",
+    "half_sine": "cosine of the half angle from the top",
     "divisor": "0/0 at the apex, where F_N is 0 and its derivatives are taken as 0",
     "limit": "where the square overflows, the larger of the two decides",
 }

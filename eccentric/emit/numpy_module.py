@@ -51,6 +51,7 @@ def view(program: Program, banner: str, summary: str) -> dict[str, Any]:
             *sorted(r.name for r in program.routines),
         ],
         "constants": [(name, _tuple([f'"{v}"' for v in values])) for name, values in program.constants],
+        "defaults": program.defaults,
         "parameters": [_parameter(q) for q in program.parameters],
         "optional": _tuple([f'"{q.name}"' for q in optional]),
         "coefficients": coefficients,
@@ -134,7 +135,7 @@ def _series(name: str) -> dict[str, Any]:
 
 def _routine(r: Routine, coefficients: set[str]) -> dict[str, Any]:
     language = _language(_NUMPY, lambda name: f"c.{name}" if name in coefficients else name)
-    lines = assigned(r, lambda target, value: f"{target} = {printed(value, language)}")
+    lines = assigned(r, lambda target, value: f"{target} = {printed(value, language)}", "# {}".format)
     arguments = [f"{x.quantity.name} [{x.quantity.unit}]: {x.quantity.meaning}" for x in r.inputs]
     shape = f"last axis ({', '.join(r.labels)})" if r.labels else "shape of the broadcast inputs"
     doc = f"{r.meaning[0].upper()}{r.meaning[1:]} [{r.unit}]; {shape}."

@@ -15,8 +15,9 @@ from eccentric.errors import InputError
 from eccentric.model.quantity import Quantity
 from eccentric.model.steps import Leading
 
-# `leading` keeps 11 of 24 and 33 of 53 bits, so that products with up to 2^12 and 2^20 half turns are exact.
-_SPLIT = {"single": 2**42 + 1, "double": 2**20 + 1}
+# Of 24 and 53 bits `leading` keeps these, so that products with up to 2^12 and 2^20 half turns are exact.
+LEADING_BITS = {"single": 11, "double": 33}
+EXACT_HALF_TURNS = "2^20 half turns of the link (float: 2^12)"
 
 
 def checked_name(name: str, where: str) -> str:
@@ -49,6 +50,7 @@ def with_plain_text(program: Program) -> Program:
             unit=plain(r.unit),
             meaning=plain(r.meaning),
             inputs=tuple(Input(of(x.quantity), x.length) for x in r.inputs),
+            assignments=tuple(replace(a, note=plain(a.note)) for a in r.assignments),
         )
         for r in program.routines
     ]
@@ -58,6 +60,7 @@ def with_plain_text(program: Program) -> Program:
         parameters=tuple(map(of, program.parameters)),
         routines=tuple(routines),
         notes=tuple((name, plain(note)) for name, note in program.notes),
+        defaults=plain(program.defaults),
     )
 
 
@@ -91,7 +94,8 @@ def splitting(program: Program) -> dict[str, str] | None:
     """The factors of the split into leading digits, in double arithmetic; None where no angle is reduced."""
     if not any(a.value.has(Leading) for a in program.prepare):
         return None
-    return {precision: f"{factor}.0" for precision, factor in _SPLIT.items()}
+    # Veltkamp's split, in double also where the working precision is single.
+    return {precision: f"{2 ** (53 - bits) + 1}.0" for precision, bits in LEADING_BITS.items()}
 
 
 def used_series(program: Program) -> list[str]:
@@ -100,9 +104,13 @@ def used_series(program: Program) -> list[str]:
     return [s.name for s in (SINE, COSINE) if s in used]
 
 
-def assigned(r: Routine, line: Callable[[str, sp.Expr], str]) -> list[str]:
-    """One line per assignment."""
-    return [line(a.target.name, a.value) for a in r.assignments]
+def assigned(r: Routine, line: Callable[[str, sp.Expr], str], comment: Callable[[str], str]) -> list[str]:
+    """One line per assignment, its note before it."""
+    return [
+        text
+        for a in r.assignments
+        for text in ([comment(a.note)] if a.note else []) + [line(a.target.name, a.value)]
+    ]
 
 
 def with_largest(program: Program) -> tuple[sp.Symbol, ...]:

@@ -24,7 +24,7 @@ def draw(fit: Fit, stem: Path) -> None:
         from matplotlib.figure import Figure
     except ImportError:
         raise InputError(
-            "matplotlib is required for the figure (extra `figures`), it is not installed"
+            "matplotlib is required for the figure (extra `figures`): pip install matplotlib"
         ) from None
     # A fixed salt and no date: the same fit gives the same file.
     with rc_context({"svg.hashsalt": "eccentric", "font.size": 9.0}):
@@ -49,17 +49,22 @@ def _panels(fit: Fit, left: Any, right: Any) -> None:
     name = "friction" if problem.unit == "N m" else "friction (and back-EMF)"
     both = np.concatenate([measured, predicted, by_linear])
     ends = [float(both.min()), float(both.max())]
-    style = {"linestyle": "none", "marker": ".", "markersize": 2.5, "rasterized": True}
-    for values, color, which in ((by_linear, _LINEAR, "linear"), (predicted, _PAPER, "paper")):
+    style = {"linestyle": "none", "marker": ".", "rasterized": True}
+    # The linear model goes on top, in smaller dots: its few values would vanish under the paper's.
+    models = ((predicted, _PAPER, "paper", 3.0), (by_linear, _LINEAR, "linear", 1.5))
+    right.plot(speed, measured, color=_MEASURED, label="measured", markersize=3.0, **style)
+    for values, color, which, size in models:
         label = f"{which}: RMSE {fit.rmse[which]:.3g} {problem.unit}"
-        left.plot(values, measured, color=color, alpha=0.5, label=label, **style)
+        left.plot(values, measured, color=color, label=label, markersize=size, **style)
+        label = {"paper": problem.model.name, "linear": "Coulomb + viscous"}[which]
+        right.plot(speed, values, color=color, label=label, markersize=size, **style)
     left.plot(ends, ends, color="black", linewidth=0.8)
     left.set(xlabel=f"predicted {name} [{problem.unit}]", ylabel=f"measured {name} [{problem.unit}]")
-    right.plot(speed, measured, color=_MEASURED, label="measured", **style)
-    right.plot(speed, by_linear, color=_LINEAR, label="linear (Coulomb + viscous)", **style)
-    right.plot(speed, predicted, color=_PAPER, label=f"paper ({problem.model.name})", **style)
     right.set(xlabel="motor velocity [rad/s]", ylabel=f"{name} [{problem.unit}]")
     for axes in (left, right):
         axes.grid(linewidth=0.3)
-        axes.legend(markerscale=4.0)
-    left.set_title(f"{problem.rig.name}: held-out {problem.sampling.description}", fontsize=9.0)
+        # Above the axes, where there is never a dot below it.
+        axes.legend(loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=3, frameon=False, handletextpad=0.2)
+        for handle in axes.get_legend().legend_handles:
+            handle.set_markersize(10.0)
+    left.figure.suptitle(f"{problem.rig.name}: held-out {problem.sampling.description}", fontsize=9.0)

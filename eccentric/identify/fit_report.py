@@ -42,8 +42,8 @@ _CLEAR = 1.0
 LEAST_R_SQUARED = 0.5
 """Below, half of what the drive does is unexplained, and comparing friction models says nothing.
 
-On the bundled log a wrong sign, a wrong unit, another mu or a zero angle 1 rad off leave -4000 to 0.48, an
-inaccurate k_i (by a third, either way) 0.95, and the example logs with effects that no model has 0.96 or more.
+On the bundled log a wrong sign or unit, another mu and a zero angle 1 rad off leave -4000 to 0.48, a k_i
+wrong by 30 % leaves 0.95; logs with friction that the models lack have 0.98.
 """
 
 
@@ -298,12 +298,10 @@ def lines(fit: Fit, logs: Sequence[str]) -> list[str]:
         )
     errors = ", ".join(f"{which} {fit.rmse[which]:.4g}" for which in ("linear", "paper"))
     parts = ", ".join(f"{which} {fit.r_squared[which]:.4f}" for which in ("linear", "paper"))
-    out.append(
-        f"held-out RMSE [{problem.unit}]: {errors}; R^2 of the drive {_DRIVES[problem.unit]}: {parts}"
-    )
+    out.append(f"held-out RMSE [{problem.unit}]: {errors}; R^2 of the drive {_DRIVES[problem.unit]}: {parts}")
     if problem.rig.moving_threshold_rad_s is None:
         threshold = problem.channels.moving_threshold_rad_s
-        out.append(f"rows count as moving above {threshold:.4g} rad/s (motor; moving_threshold_rad_s sets it)")
+        out.append(f"rows count as moving above {threshold:.4g} rad/s (moving_threshold_rad_s sets it)")
     if _fits(fit):
         out += _bounds_line(fit)
     return [*out, sentence(fit)]

@@ -57,9 +57,16 @@ KNOWNS = (
 _BY_KEY = {key: known for known in KNOWNS for key in (known.key, known.name)}
 
 
-def find_known(key: str, where: str, others: Iterable[str] = ()) -> Known:
-    """Return the quantity that a key of the rig file names; InputError, with the closest one, if none."""
-    refuse_unknown([key], (*_BY_KEY, *others), where)
+def find_known(key: str, value: object, where: str, others: Iterable[str] = ()) -> Known:
+    """Return the quantity that a key of the rig file names.
+
+    Raises InputError if there is none, with the closest of the keys that such a `value` can have: letters
+    for texts with units, keys with a suffix for numbers.
+    """
+    if key not in _BY_KEY:
+        first = value[0] if isinstance(value, list) and value else value
+        same = [known.name if isinstance(first, str) else known.key for known in KNOWNS]
+        refuse_unknown([key], (*same, *others), where)
     return _BY_KEY[key]
 
 

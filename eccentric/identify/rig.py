@@ -195,12 +195,12 @@ def _knowns(
         raise InputError(f"{where}: [known] case: C1 or C2 is required, received {case!r}")
     known: dict[str, float] = {}
     for key, value in table.items():
-        quantity = find_known(key, f"{where}: [known]", ["case"])
+        quantity = find_known(key, value, f"{where}: [known]", ["case"])
         _refuse_twice(quantity.name, known, where)
         known[quantity.name] = read_value(value, quantity, key, f"{where}: [known] {key}")
     unknown: dict[str, tuple[float, float]] = {}
     for key, value in read_table(content.get("unknown", {}), f"{where}: [unknown]").items():
-        quantity = find_known(key, f"{where}: [unknown]")
+        quantity = find_known(key, value, f"{where}: [unknown]")
         _refuse_twice(quantity.name, known | unknown, where)
         at = f"{where}: [unknown] {key}"
         lower, upper = (read_value(end, quantity, key, at) for end in read_pair(value, at))

@@ -51,5 +51,5 @@ def with_values(
         name=name,
         title=title or model.title,
         parameters=tuple(parameters),
-        defaults="fitted values, given to `eccentric emit`",
+        defaults="fitted values, with the remark of each parameter",
     )
