@@ -62,12 +62,10 @@ def friction(x: Signals, case: str, force: np.ndarray | None = None, *, viscous:
     return damping * w * viscous + (C_M + MU * (C_LN * force + C_LT * across)) * s * dry
 
 
-def load(x: Signals, case: str, arm: float) -> np.ndarray:
-    """Torque passed on to the link: gravity, inertia, dry friction of the link."""
-    w = x["omega_m"]
-    force = M * L * (MU * w) ** 2 + (M + M_L) * G if case == "C1" else normal_force(x)
+def load(x: Signals, case: str, share: float) -> np.ndarray:
+    """Torque passed on to the link: gravity, inertia, and a share of the friction."""
     gravity = 0.0 if case == "C1" else sine_load(x)
-    return gravity + MU**2 * J_L * x["alpha_m"] + MU * force * arm * np.sign(w)
+    return gravity + MU**2 * J_L * x["alpha_m"] + share * friction(x, case)
 
 
 def rise(x: Signals, tau: float, state: str) -> np.ndarray:
@@ -136,14 +134,14 @@ MECHANICAL: list[tuple[str, str, dict[str, float], Torque]] = [
     ("C1", "local_defect", {"defect_A": 0.2, "defect_angle": 1.1, "defect_width": 0.7},
      lambda x: 0.2 * np.exp((np.cos(MU * x["theta_m"] - 1.1) - 1) / 0.49) * np.sign(x["omega_m"])),
     *(
-        (case, "load_dependent[transmitted]", {"load_eta": 0.15, "load_arm": 0.03},
-         lambda x, case=case: 0.15 * np.abs(load(x, case, 0.03)) * np.sign(x["omega_m"]))
+        (case, "load_dependent[transmitted]", {"load_eta": 0.15, "load_share": 0.3},
+         lambda x, case=case: 0.15 * np.abs(load(x, case, 0.3)) * np.sign(x["omega_m"]))
         for case in CASES
     ),
     ("C2", "load_dependent[gravity]", {"load_eta": 0.15},
      lambda x: 0.15 * np.abs(sine_load(x)) * np.sign(x["omega_m"])),
-    ("C1", "gear_efficiency[transmitted]", {"gear_eta": 0.2, "gear_arm": 0.03, "gear_rho": 0.3},
-     lambda x: 0.2 * efficient(load(x, "C1", 0.03), x["omega_m"], 0.3)),
+    ("C1", "gear_efficiency[transmitted]", {"gear_eta": 0.2, "gear_share": 0.3, "gear_rho": 0.3},
+     lambda x: 0.2 * efficient(load(x, "C1", 0.3), x["omega_m"], 0.3)),
     ("C2", "gear_efficiency[gravity]", {"gear_eta": 0.2, "gear_rho": 0.3},
      lambda x: 0.2 * efficient(sine_load(x), x["omega_m"], 0.3)),
     ("C1", "presliding", {"presliding_A": 0.1}, lambda x: 0.1 * (x["presliding_z"] - np.sign(x["omega_m"]))),

@@ -37,6 +37,7 @@ def effects(_: Setting) -> tuple[Effect, ...]:
             balance="electrical",
             depends_on=("current",),
             formula="(R + dR) for R",
+            special_of=("resistance_temperature",),
             reference=REFERENCE,
             needs=needs,
             hint="the rotor held at several currents",

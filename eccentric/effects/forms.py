@@ -97,14 +97,28 @@ def link_force(setting: Setting) -> sp.Expr:
     return v.F_N.symbol + weight
 
 
-def transmitted(setting: Setting, arm: sp.Symbol) -> sp.Expr:
-    """Torque that the gear passes on to the link, as the motor sees it [N m].
+def transmitted(name: str, setting: Setting, share: sp.Symbol) -> tuple[sp.Expr, tuple[Definition, ...]]:
+    """Torque that the gear passes on to the link, as the motor sees it [N m]; and the constants it needs.
 
-    Gravity, inertia, and dry friction of the link with an arm [m] of its own: the model's friction
-    coefficients are kept out of it, so that friction stays linear in them.
+    Gravity, inertia, and the share of the friction that the link has. That friction is the one of a first fit: with
+    the model's own coefficients in its load, friction would no longer be linear in them.
     """
+    columns = {
+        "B_lN": ("m s/rad", v.mu.symbol**2 * v.F_N.symbol * omega_m),
+        "C_lN": ("m", v.mu.symbol * v.F_N.symbol * direction),
+        "B": ("N m s/rad", omega_m),
+        "C": ("N m", direction),
+        "B_m": ("N m s/rad", omega_m),
+        "C_m": ("N m", direction),
+    }
+    constants = {
+        key: constant(f"{name}_{key}", columns[key][0], f"{key} of the fit without the effect", value)
+        for key, value in setting.friction.items()
+        if key in columns
+    }
+    friction = sp.Add(*(constants[key].symbol * columns[key][1] for key in constants))
     inertia = Gated(v.J_l.symbol, alpha_m) * v.mu.symbol**2
-    return gravity(setting) + inertia + v.mu.symbol * link_force(setting) * arm * direction
+    return gravity(setting) + inertia + share * friction, tuple(constants.values())
 
 
 def loss(setting: Setting) -> sp.Expr:

@@ -13,7 +13,7 @@ from eccentric.model import vocabulary as v
 
 eta = quantity("gear_eta", "1", "loss of the gear per torque, driving", "", "nonnegative")
 rho = quantity("gear_rho", "1", "loss of the gear back-driven over that driving", "", "nonnegative")
-arm = quantity("gear_arm", "m", "dry friction of the link per force, as part of the load", "", "nonnegative")
+share = quantity("gear_share", "1", "share of the friction that is the link's", "", "nonnegative")
 load = quantity("gear_torque", "N m", "torque that the gear passes on, motor side")
 
 
@@ -26,7 +26,7 @@ def effects(setting: Setting) -> tuple[Effect, ...]:
     inputs = () if setting.case == "C1" else (v.theta_m,)
     both, differ = (1 + rho.symbol) / 2, (1 - rho.symbol) / 2
     found = []
-    for variant, variable, torque, shapes in loads(setting, arm.symbol):
+    for variant, variable, torque, constants, shapes in loads("gear", setting, share.symbol):
         # At rest the gear adds nothing, hence the squared direction.
         basis = both * sp.Abs(load.symbol) * direction + differ * load.symbol * direction**2
         found.append(
@@ -37,8 +37,8 @@ def effects(setting: Setting) -> tuple[Effect, ...]:
                 formula=f"eta |T| sgn w driving, rho eta |T| sgn w back-driven, T = {FORMULAS[variant]}",
                 reference="A. Gogoussis and M. Donath 1987; T. Verstraten et al., IEEE Robotics and"
                 " Automation Letters 1(1), 2016",
-                shapes=(*(Shape(arm, *span) for span in shapes), Shape(rho, 0.0, 0.8, "linear", 5)),
-                definitions=(Definition(load, torque),),
+                shapes=(*(Shape(share, *span) for span in shapes), Shape(rho, 0.0, 0.8, "linear", 5)),
+                definitions=(*constants, Definition(load, torque)),
                 inputs=inputs,
                 hint="raise and lower the mass slowly at the same speeds: the losses must differ",
             )

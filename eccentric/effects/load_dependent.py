@@ -11,7 +11,7 @@ from eccentric.model import Definition, quantity
 from eccentric.model import vocabulary as v
 
 eta = quantity("load_eta", "1", "friction of the gear per torque that it passes on", "", "nonnegative")
-arm = quantity("load_arm", "m", "dry friction of the link per force, as part of the load", "", "nonnegative")
+share = quantity("load_share", "1", "share of the friction that is the link's", "", "nonnegative")
 load = quantity("load_torque", "N m", "torque that the gear passes on, motor side")
 REFERENCE = "A. Gogoussis and M. Donath 1987; P. Hamon, M. Gautier and P. Garrec, IROS 2010"
 HINT = "another mass or arm at the same speeds; back-driving tells it from a gear efficiency"
@@ -21,8 +21,8 @@ def effects(setting: Setting) -> tuple[Effect, ...]:
     """By the transmitted torque, inertia included, and in case C2 by the gravity load alone."""
     inputs = () if setting.case == "C1" else (v.theta_m,)
     found = []
-    for variant, variable, torque, shapes in loads(setting, arm.symbol):
-        shape = tuple(Shape(arm, *span) for span in shapes)
+    for variant, variable, torque, constants, shapes in loads("load", setting, share.symbol):
+        shape = tuple(Shape(share, *span) for span in shapes)
         found.append(
             addition(
                 f"load_dependent[{variant}]",
@@ -31,7 +31,7 @@ def effects(setting: Setting) -> tuple[Effect, ...]:
                 formula=f"eta |{FORMULAS[variant]}| sgn w",
                 reference=REFERENCE,
                 shapes=shape,
-                definitions=(Definition(load, torque),),
+                definitions=(*constants, Definition(load, torque)),
                 inputs=inputs,
                 special_of=("gear_efficiency",),
                 hint=HINT,
@@ -40,15 +40,18 @@ def effects(setting: Setting) -> tuple[Effect, ...]:
     return tuple(found)
 
 
-FORMULAS = {"gravity": "G", "transmitted": "G + mu^2 J_l alpha + mu F arm sgn w"}
+FORMULAS = {"gravity": "G", "transmitted": "G + mu^2 J_l alpha + share f"}
+
+Load = tuple[str, str, sp.Expr, tuple[Definition, ...], list[tuple[float, float, str, int]]]
 
 
-def loads(
-    setting: Setting, arm: sp.Symbol
-) -> list[tuple[str, str, sp.Expr, list[tuple[float, float, str, int]]]]:
-    """(variant, variable, torque, range of the arm) of what counts as load, also for `gear_efficiency`."""
-    reach = 0.4 * setting.known.get("L", 0.25)
-    found = [("transmitted", "transmitted_torque", transmitted(setting, arm), [(0.0, reach, "linear", 3)])]
+def loads(name: str, setting: Setting, share: sp.Symbol) -> list[Load]:
+    """(variant, variable, torque, its constants, range of the share) of what counts as load; names begin with `name`.
+
+    `gear_efficiency` and `backlash` have the same loads.
+    """
+    torque, constants = transmitted(name, setting, share)
+    found: list[Load] = [("transmitted", "transmitted_torque", torque, constants, [(0.0, 1.0, "linear", 3)])]
     if setting.case == "C2":
-        found.append(("gravity", "gravity_load", gravity(setting), []))
+        found.append(("gravity", "gravity_load", gravity(setting), (), []))
     return found

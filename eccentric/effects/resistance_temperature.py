@@ -9,6 +9,8 @@ from eccentric.model import quantity
 from eccentric.model import vocabulary as v
 
 alpha = quantity("resistance_alpha", "1/K", "relative rise of the winding's resistance per kelvin")
+# The declared R holds at a temperature that the rig file does not tell: it is free.
+cold = quantity("resistance_r0", "1", "relative error of the declared resistance at T_0")
 rise = quantity(
     "resistance_rise", "1", "relative rise of the resistance until the end of the log", "", "nonnegative"
 )
@@ -26,11 +28,11 @@ def effects(setting: Setting) -> tuple[Effect, ...]:
         found.append(
             addition(
                 "resistance_temperature",
-                [(alpha, drop * (v.temperature.symbol - zero.symbol))],
+                [(alpha, drop * (v.temperature.symbol - zero.symbol)), (cold, drop)],
                 kind="actuator",
                 balance="electrical",
                 depends_on=("temperature", "current"),
-                formula="R (1 + alpha (T - T_0)) for R",
+                formula="R (1 + r_0 + alpha (T - T_0)) for R",
                 reference=REFERENCE,
                 definitions=(zero,),
                 inputs=(v.temperature,),

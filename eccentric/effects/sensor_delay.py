@@ -5,40 +5,49 @@ from __future__ import annotations
 import sympy as sp
 
 from eccentric.effects.effect import Effect
-from eccentric.effects.forms import addition, current_slope
+from eccentric.effects.forms import current_slope
 from eccentric.effects.setting import Setting
-from eccentric.model import Term, quantity
+from eccentric.model import Quantity, Term, quantity
 from eccentric.model import vocabulary as v
+from eccentric.model.model import State
 
 delay = quantity("delay_d", "s", "delay of the measured current behind angle and voltage")
+square = quantity("delay_q", "s^2", "half the squared delay, less what the difference quotient lags")
 BOUNDS = (-0.02, 0.07)
 REFERENCE = (
-    "first order of the Taylor series i(t + d) = i + d di/dt, as in H. Pade's approximant [1/0] of a delay"
+    "second order of the Taylor series i(t + d) = i + d di/dt + q d2i/dt2"
 )
 
 
 def effects(setting: Setting) -> tuple[Effect, ...]:
-    """The one effect of the family, di/dt being a state; in both balances where a voltage is logged."""
+    """The one effect of the family, the derivatives being states; in both balances where a voltage is logged."""
     slope, states = current_slope("delay")
-    torque, drop = -v.k_i.symbol * slope, v.R.symbol * slope
-    terms = {"mechanical": (_term("delay_torque", torque),)}
+    last = quantity("delay_slope_last", "A/s", "rate of change of the current one time step ago")
+    bend = quantity("delay_bend", "A/s^2", "second derivative of the current")
+    states = (*states, State(last, sp.Integer(0), slope), State(bend, sp.Integer(0), (slope - last.symbol) / v.dt.symbol))
+    columns = ((delay, slope, BOUNDS), (square, bend.symbol, (None, None)))
+    terms = {"mechanical": tuple(_term(q, -v.k_i.symbol * x, b) for q, x, b in columns)}
+    balance = "mechanical"
     if setting.has("voltage"):
-        terms["electrical"] = (_term("delay_u", drop),)
-    effect = addition(
-        "sensor_delay",
-        [(delay, drop if setting.has("voltage") else torque)],
-        balance="electrical" if setting.has("voltage") else "mechanical",
-        bounds=(BOUNDS,),
-        terms=terms,
-        depends_on=("history", "current"),
-        formula="i(t + d), to first order i + d di/dt, for i",
-        reference=REFERENCE,
-        states=states,
-        needs=("current",),
-        hint="a step of voltage with the rotor held: voltage and current must move together",
+        terms["electrical"] = tuple(_term(q, v.R.symbol * x, b) for q, x, b in columns)
+        balance = "electrical"
+    return (
+        Effect(
+            id="sensor_delay",
+            family="sensor_delay",
+            balance=balance,
+            coefficients=(delay, square),
+            bounds=(BOUNDS, (None, None)),
+            terms=terms,
+            depends_on=("history", "current"),
+            formula="i(t + d), to second order i + d di/dt + q d2i/dt2, for i",
+            reference=REFERENCE,
+            states=states,
+            needs=("current",),
+            hint="a step of voltage with the rotor held: voltage and current must move together",
+        ),
     )
-    return (effect,)
 
 
-def _term(name: str, basis: sp.Expr) -> Term:
-    return Term(name, "actuator", delay.symbol, basis, REFERENCE, BOUNDS)
+def _term(q: Quantity, basis: sp.Expr, bounds: tuple[float | None, float | None]) -> Term:
+    return Term(q.name, "actuator", q.symbol, basis, REFERENCE, bounds)

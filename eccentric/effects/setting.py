@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 
 @dataclass(frozen=True)
@@ -21,6 +21,8 @@ class Setting:
         mean_loss_W: mean of friction power and R i^2 [W], positive.
         temperature_mid: median of the logged temperature [degC]; None if it is not logged.
         channels: names of those logged: "current", "voltage", "temperature".
+        friction: coefficients of a first fit of the paper's model, by column of its regressor: how much of the
+            load on a gear is friction of the link is told from it.
 
     Raises:
         ValueError: the case is unknown, or a range is not positive.
@@ -36,6 +38,7 @@ class Setting:
     mean_loss_W: float
     temperature_mid: float | None = None
     channels: frozenset[str] = frozenset({"current", "voltage"})
+    friction: Mapping[str, float] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         if self.case not in {"C1", "C2"}:

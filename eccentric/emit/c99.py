@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import textwrap
+from collections.abc import Iterable
 from typing import Any
 
 import sympy as sp
@@ -85,9 +86,9 @@ def view(program: Program, banner: str, digest: str) -> dict[str, Any]:
         "helpers": [{"name": name, "body": _HELPERS[name]} for name in helpers],
         "series": [_series(name) for name in used_series(program)],
         "leading": splitting(program),
-        "prepare": [
+        "prepare": _code(
             f"const double {a.target.name} = {printed(a.value, in_prepare)};" for a in program.prepare
-        ],
+        ),
         "routines": [_routine(program, r, coefficients) for r in program.routines],
     }
 
@@ -132,7 +133,7 @@ def _parameter(q: Quantity, value: str) -> dict[str, str]:
     equation = f", eq. {q.equation}" if q.equation else ""
     note = ", no default" if q.default is None else ""
     if q.default is not None and q.default.free_symbols:
-        note = f", {q.default} for the defaults: set it along with them".replace("*", " ")
+        note = f", by default {q.default}: set it along".replace("*", " ")
     return {
         "name": q.name,
         "unit": q.unit,
@@ -219,7 +220,7 @@ def _routine(program: Program, r: Routine, coefficients: set[str]) -> dict[str, 
             "void", f"{own}_n", ["size_t n", *arrays, "ECCENTRIC_REAL *out", coefficient_argument]
         ),
         "array_call": f"{own}({call});" if r.labels else f"out[k] = {own}({call});",
-        "lines": [*unpack, *_unused(r, coefficients), *assigned(r, line, "/* {} */".format)],
+        "lines": [*unpack, *_unused(r, coefficients), *_code(assigned(r, line, "/* {} */".format))],
     }
 
 
@@ -242,7 +243,12 @@ def _passed(x: Input) -> str:
 
 def _filled(text: str) -> list[str]:
     """The lines of a comment, those after the first set in."""
-    return textwrap.wrap(text, _WIDTH - 3, subsequent_indent="    ", break_long_words=False)
+    return textwrap.wrap(text, _WIDTH - 4, subsequent_indent="    ", break_long_words=False, break_on_hyphens=False)
+
+
+def _code(lines: Iterable[str]) -> list[str]:
+    """The lines of a function's body, long ones broken."""
+    return [part for line in lines for part in _filled(line)]
 
 
 def _wrapped(result: str, name: str, arguments: list[str]) -> str:

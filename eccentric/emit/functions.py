@@ -133,7 +133,7 @@ def functions(model: Model) -> tuple[Function, ...]:
         ),
         Function(
             "friction_coefficients",
-            "as the columns of the regressor",
+            ", ".join(column.unit for column in columns),
             "what the columns of the regressor multiply",
             coefficients,
         ),

@@ -140,7 +140,7 @@ def _routine(r: Routine, coefficients: set[str]) -> dict[str, Any]:
     shape = f"last axis ({', '.join(r.labels)})" if r.labels else "shape of the broadcast inputs"
     doc = f"{r.meaning[0].upper()}{r.meaning[1:]} [{r.unit}]; {shape}."
     if len(doc) > 98:
-        doc = f"{r.meaning[0].upper()}{r.meaning[1:]} [{r.unit}].\n\n    {_filled(shape.capitalize())}."
+        doc = f"{r.meaning[0].upper()}{r.meaning[1:]}.\n\n    {_filled(f'In {r.unit}; {shape}.')}"
     if arguments:
         doc += "\n\n    " + "\n    ".join(arguments)
     if "\n" in doc:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import keyword
 import re
+import textwrap
 from collections.abc import Callable
 from dataclasses import replace
 
@@ -106,11 +107,10 @@ def used_series(program: Program) -> list[str]:
 
 def assigned(r: Routine, line: Callable[[str, sp.Expr], str], comment: Callable[[str], str]) -> list[str]:
     """One line per assignment, its note before it."""
-    return [
-        text
-        for a in r.assignments
-        for text in ([comment(a.note)] if a.note else []) + [line(a.target.name, a.value)]
-    ]
+    lines: list[str] = []
+    for a in r.assignments:
+        lines += [*map(comment, textwrap.wrap(a.note, 100)), line(a.target.name, a.value)]
+    return lines
 
 
 def with_largest(program: Program) -> tuple[sp.Symbol, ...]:

@@ -238,6 +238,7 @@ def setting_of(channels: Channels, model: Model, signals: Signals, friction: Arr
         mean_loss_W=max(float(loss), 1e-12),
         temperature_mid=None if warm is None else float(np.median(warm)),
         channels=frozenset(present),
+        friction={c.name: float(x) for c, x in zip(regressor(model), friction, strict=True)},
     )
 
 
