@@ -9,7 +9,7 @@
 #include <math.h>
 
 #if C1_ASYMMETRIC_PROGRAM != 0x7ec56a06UL
-#error "c1_asymmetric.c and c1_asymmetric.h are of different derivations: write both again with make derive"
+#error "c1_asymmetric.c and c1_asymmetric.h are of different derivations: write both again"
 #endif
 
 #if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__) || \

@@ -11,7 +11,7 @@
 /* C1_ASYMMETRIC_PROGRAM names the derivation that header and source come from; the source checks it. */
 #define C1_ASYMMETRIC_PROGRAM 0x7ec56a06UL
 
-/* The working precision: double, or float by -DECCENTRIC_REAL=float. Files of different precision do not link:
+/* The working precision: double, or float by -DECCENTRIC_REAL=float. Files that differ in it do not link:
  * c1_asymmetric_prepare and c1_asymmetric_default carry it in their names. */
 #ifndef ECCENTRIC_REAL
 #define ECCENTRIC_REAL double
@@ -31,7 +31,7 @@
 extern "C" {
 #endif
 
-/** Case C1 with friction that differs between the directions of motion: parameters, in SI units. */
+/** Parameters, with the paper's letters, in SI units. */
 typedef struct {
     double M; /**< unbalanced mass [kg], eq. (5) */
     double M_l; /**< mass of the link without M [kg], eq. (15) */
@@ -53,7 +53,7 @@ typedef struct {
     double B_m_neg; /**< viscous friction of the motor, omega_m < 0 [N m s/rad], eq. (10) */
     double C_m_pos; /**< Coulomb friction of the motor, omega_m > 0 [N m], eq. (10) */
     double C_m_neg; /**< Coulomb friction of the motor, omega_m < 0 [N m], eq. (10) */
-    double F_T; /**< transversal force of a level plane [N], eq. (9), M_l g for the defaults: set it along with them */
+    double F_T; /**< transversal force of a level plane [N], eq. (9), by default M_l g: set it along */
     double J_m; /**< inertia of the motor [kg m^2], eq. (1), no default */
     double J_l; /**< inertia of the link about its axis, M L^2 included [kg m^2], eq. (3), no default */
 } c1_asymmetric_parameters;
@@ -116,7 +116,8 @@ extern const c1_asymmetric_parameters c1_asymmetric_default_parameters;
 extern const c1_asymmetric_coefficients c1_asymmetric_default;
 
 /** Compute the coefficients of a set of parameters; run it once, or when a parameter changes.
- *  Valid parameters: mu, R, k_i positive; the others not negative. Others give coefficients that mean nothing.
+ *  Valid parameters: mu, R, k_i positive; the others not negative.
+ *  Others give coefficients that mean nothing.
  *  @param[in]  p  parameters
  *  @param[out] c  coefficients
  */
@@ -185,8 +186,8 @@ void c1_asymmetric_friction_torque_gradient_n(
 
 /** Partial derivatives of friction_torque with respect to all friction coefficients.
  *  @param[in]  omega_m  motor velocity [rad/s]
- *  @param[out] out  12 values: B_lN_pos, B_lN_neg, C_lN_pos, C_lN_neg, B_lT_pos, B_lT_neg, C_lT_pos, C_lT_neg,
- *      B_m_pos, B_m_neg, C_m_pos, C_m_neg [N m per unit coefficient]
+ *  @param[out] out  12 values: B_lN_pos, B_lN_neg, C_lN_pos, C_lN_neg, B_lT_pos, B_lT_neg, C_lT_pos,
+ *      C_lT_neg, B_m_pos, B_m_neg, C_m_pos, C_m_neg [N m per unit coefficient]
  *  @param[in]  c  coefficients
  */
 void c1_asymmetric_friction_torque_jacobian(
@@ -203,8 +204,8 @@ void c1_asymmetric_friction_torque_jacobian_n(
 
 /** Columns: regressor times friction_coefficients is mechanical_friction_torque.
  *  @param[in]  omega_m  motor velocity [rad/s]
- *  @param[out] out  8 values: B_lN_pos, B_lN_neg, C_lN_pos, C_lN_neg, B_pos, B_neg, C_pos, C_neg [N m per unit
- *      coefficient]
+ *  @param[out] out  8 values: B_lN_pos, B_lN_neg, C_lN_pos, C_lN_neg, B_pos, B_neg, C_pos, C_neg [N m per
+ *      unit coefficient]
  *  @param[in]  c  coefficients
  */
 void c1_asymmetric_regressor(
@@ -220,8 +221,8 @@ void c1_asymmetric_regressor_n(
     const c1_asymmetric_coefficients *c);
 
 /** What the columns of the regressor multiply.
- *  @param[out] out  8 values: B_lN_pos, B_lN_neg, C_lN_pos, C_lN_neg, B_pos, B_neg, C_pos, C_neg [as the
- *      columns of the regressor]
+ *  @param[out] out  8 values: B_lN_pos, B_lN_neg, C_lN_pos, C_lN_neg, B_pos, B_neg, C_pos, C_neg [m s/rad, m
+ *      s/rad, m, m, N m s/rad, N m s/rad, N m, N m]
  *  @param[in]  c  coefficients
  */
 void c1_asymmetric_friction_coefficients(ECCENTRIC_REAL *out, const c1_asymmetric_coefficients *c);

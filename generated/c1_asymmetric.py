@@ -120,7 +120,11 @@ class Parameters:
             value = getattr(self, name)
             if value is None and name in _OPTIONAL:
                 continue
-            if value is None or not lowest <= value <= highest:
+            try:
+                allowed = lowest <= value <= highest
+            except TypeError:
+                allowed = False
+            if not allowed:
                 raise ValueError(f"{name}: required {required}, got {value!r}")
 
 
@@ -322,7 +326,8 @@ def _evaluate(
 ) -> Any:
     """Run the kernel over the broadcast inputs, block by block; width 0 is a scalar result."""
     # Numbers of Python's have no precision of their own: they leave a float32 beside them what it is.
-    inputs = tuple(x if isinstance(x, np.ndarray | np.generic | float | int) else np.asarray(x) for x in inputs)
+    kept = np.ndarray | np.generic | float | int
+    inputs = tuple(x if isinstance(x, kept) else np.asarray(x) for x in inputs)
     real = np.float32 if inputs and np.result_type(*inputs) == np.float32 else np.float64
     arrays = [np.asarray(x, dtype=real) for x in inputs]
     c = _prepare(parameters or _DEFAULT, real)
@@ -398,9 +403,9 @@ def friction_torque(
     parameters: Parameters | None = None,
     out: np.ndarray | None = None,
 ) -> Any:
-    """Resultant friction torque F, back-EMF damping included, eq (6) [N m].
+    """Resultant friction torque F, back-EMF damping included, eq (6).
 
-    Shape of the broadcast inputs.
+    In N m; shape of the broadcast inputs.
 
     omega_m [rad/s]: motor velocity
     """
@@ -429,9 +434,9 @@ def mechanical_friction_torque(
     parameters: Parameters | None = None,
     out: np.ndarray | None = None,
 ) -> Any:
-    """Mechanical friction torque f = f_m + mu f_l, without back-EMF [N m].
+    """Mechanical friction torque f = f_m + mu f_l, without back-EMF.
 
-    Shape of the broadcast inputs.
+    In N m; shape of the broadcast inputs.
 
     omega_m [rad/s]: motor velocity
     """
@@ -461,9 +466,9 @@ def friction_torque_gradient(
     parameters: Parameters | None = None,
     out: np.ndarray | None = None,
 ) -> Any:
-    """Partial derivatives of friction_torque with respect to its inputs [N m per rad/s].
+    """Partial derivatives of friction_torque with respect to its inputs.
 
-    Last axis (omega_m).
+    In N m per rad/s; last axis (omega_m).
 
     omega_m [rad/s]: motor velocity
     """
@@ -516,10 +521,10 @@ def friction_torque_jacobian(
     parameters: Parameters | None = None,
     out: np.ndarray | None = None,
 ) -> Any:
-    """Partial derivatives of friction_torque with respect to all friction coefficients [N m per unit coefficient].
+    """Partial derivatives of friction_torque with respect to all friction coefficients.
 
-    Last axis (b_ln_pos, b_ln_neg, c_ln_pos, c_ln_neg, b_lt_pos, b_lt_neg, c_lt_pos, c_lt_neg, b_m_pos,
-    b_m_neg, c_m_pos, c_m_neg).
+    In N m per unit coefficient; last axis (B_lN_pos, B_lN_neg, C_lN_pos, C_lN_neg, B_lT_pos, B_lT_neg,
+    C_lT_pos, C_lT_neg, B_m_pos, B_m_neg, C_m_pos, C_m_neg).
 
     omega_m [rad/s]: motor velocity
     """
@@ -562,9 +567,10 @@ def regressor(
     parameters: Parameters | None = None,
     out: np.ndarray | None = None,
 ) -> Any:
-    """Columns: regressor times friction_coefficients is mechanical_friction_torque [N m per unit coefficient].
+    """Columns: regressor times friction_coefficients is mechanical_friction_torque.
 
-    Last axis (b_ln_pos, b_ln_neg, c_ln_pos, c_ln_neg, b_pos, b_neg, c_pos, c_neg).
+    In N m per unit coefficient; last axis (B_lN_pos, B_lN_neg, C_lN_pos, C_lN_neg, B_pos, B_neg, C_pos,
+    C_neg).
 
     omega_m [rad/s]: motor velocity
     """
@@ -598,9 +604,10 @@ def friction_coefficients(
     parameters: Parameters | None = None,
     out: np.ndarray | None = None,
 ) -> Any:
-    """What the columns of the regressor multiply [as the columns of the regressor].
+    """What the columns of the regressor multiply.
 
-    Last axis (b_ln_pos, b_ln_neg, c_ln_pos, c_ln_neg, b_pos, b_neg, c_pos, c_neg).
+    In m s/rad, m s/rad, m, m, N m s/rad, N m s/rad, N m, N m; last axis (B_lN_pos, B_lN_neg, C_lN_pos,
+    C_lN_neg, B_pos, B_neg, C_pos, C_neg).
     """
     return _evaluate(_friction_coefficients, (), parameters, out, 8)
 
@@ -617,9 +624,9 @@ def coulomb_torque(
     parameters: Parameters | None = None,
     out: np.ndarray | None = None,
 ) -> Any:
-    """Magnitude of the friction torque at standstill, where it is set-valued [N m].
+    """Magnitude of the friction torque at standstill, where it is set-valued.
 
-    Last axis (pos, neg).
+    In N m; last axis (pos, neg).
     """
     return _evaluate(_coulomb_torque, (), parameters, out, 2)
 
@@ -739,9 +746,9 @@ def mechanical_residual(
     parameters: Parameters | None = None,
     out: np.ndarray | None = None,
 ) -> Any:
-    """What the mechanical balance leaves: k_i i - J alpha_m - G - f [N m].
+    """What the mechanical balance leaves: k_i i - J alpha_m - G - f.
 
-    Shape of the broadcast inputs.
+    In N m; shape of the broadcast inputs.
 
     omega_m [rad/s]: motor velocity
     i [A]: armature current
@@ -768,9 +775,9 @@ def electrical_residual(
     parameters: Parameters | None = None,
     out: np.ndarray | None = None,
 ) -> Any:
-    """What the electrical balance leaves, as a torque: (k_i/R)(u - k_e omega_m) - k_i i [N m].
+    """What the electrical balance leaves, as a torque: (k_i/R)(u - k_e omega_m) - k_i i.
 
-    Shape of the broadcast inputs.
+    In N m; shape of the broadcast inputs.
 
     omega_m [rad/s]: motor velocity
     i [A]: armature current
@@ -793,9 +800,9 @@ def polynomial(
     parameters: Parameters | None = None,
     out: np.ndarray | None = None,
 ) -> Any:
-    """Coefficients F_3, F_2, F_1, F_0 of F for omega_m > 0, eqs (11)-(14) [N m s^3/rad^3, N m s^2/rad^2, N m s/rad, N m].
+    """Coefficients F_3, F_2, F_1, F_0 of F for omega_m > 0, eqs (11)-(14).
 
-    Last axis (f_3, f_2, f_1, f_0).
+    In N m s^3/rad^3, N m s^2/rad^2, N m s/rad, N m; last axis (F_3, F_2, F_1, F_0).
     """
     return _evaluate(_polynomial, (), parameters, out, 4)
 
@@ -814,8 +821,8 @@ def polynomial_neg(
     parameters: Parameters | None = None,
     out: np.ndarray | None = None,
 ) -> Any:
-    """Coefficients F_3, F_2, F_1, F_0 of F for omega_m < 0, eqs (11)-(14) [N m s^3/rad^3, N m s^2/rad^2, N m s/rad, N m].
+    """Coefficients F_3, F_2, F_1, F_0 of F for omega_m < 0, eqs (11)-(14).
 
-    Last axis (f_3, f_2, f_1, f_0).
+    In N m s^3/rad^3, N m s^2/rad^2, N m s/rad, N m; last axis (F_3, F_2, F_1, F_0).
     """
     return _evaluate(_polynomial_neg, (), parameters, out, 4)

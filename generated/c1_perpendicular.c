@@ -9,7 +9,7 @@
 #include <math.h>
 
 #if C1_PERPENDICULAR_PROGRAM != 0x565b9336UL
-#error "c1_perpendicular.c and c1_perpendicular.h are of different derivations: write both again with make derive"
+#error "c1_perpendicular.c and c1_perpendicular.h are of different derivations: write both again"
 #endif
 
 #if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__) || \

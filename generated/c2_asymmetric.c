@@ -9,7 +9,7 @@
 #include <math.h>
 
 #if C2_ASYMMETRIC_PROGRAM != 0x919e8c4eUL
-#error "c2_asymmetric.c and c2_asymmetric.h are of different derivations: write both again with make derive"
+#error "c2_asymmetric.c and c2_asymmetric.h are of different derivations: write both again"
 #endif
 
 #if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__) || \
@@ -235,7 +235,8 @@ void c2_asymmetric_prepare(const c2_asymmetric_parameters *p, c2_asymmetric_coef
     const double weight = p->g * (p->M + p->M_l);
     const double critical_squared = (p->L * p->M == 0.0) ? 1.0 : (weight / (p->L * p->M));
     const double omega_star = (p->L * p->M == 0.0) ? 1.0 : (sqrt(critical_squared) / p->mu);
-    const double scale_N = (p->L * p->M == 0.0) ? weight / (omega_star * omega_star) : (p->L * p->M * p->mu * p->mu);
+    const double scale_N = (p->L * p->M == 0.0) ? weight / (omega_star * omega_star) : (p->L * p->M * p->mu *
+        p->mu);
     const double unbalanced = (p->L * p->M == 0.0) ? 0.0 : (1.0);
     const double twice_omega_star = 2.0 * omega_star;
     const double omega_star_1 = (double)(real)(omega_star);
@@ -347,7 +348,8 @@ ECCENTRIC_REAL c2_asymmetric_normal_force(
     /* the odd number of half turns up to the top that is nearest */
     const real halves = REAL(2.0) * REAL_FLOOR(theta_m * c->turns_per_rad) + REAL(1.0);
     /* angle from the top: the half turns go off in three parts, the leading two exactly */
-    const real from_top = theta_m - halves * c->half_period_1 - halves * c->half_period_2 - halves * c->half_period_3;
+    const real from_top = theta_m - halves * c->half_period_1 - halves * c->half_period_2 - halves *
+        c->half_period_3;
     /* an angle so large that nothing is left of its phase counts as the top */
     const real bounded = ((REAL_FABS(from_top) <= c->period) ? from_top : theta_m - theta_m);
     /* half angle from the top */
@@ -387,7 +389,8 @@ ECCENTRIC_REAL c2_asymmetric_friction_torque(
     /* the odd number of half turns up to the top that is nearest */
     const real halves = REAL(2.0) * REAL_FLOOR(theta_m * c->turns_per_rad) + REAL(1.0);
     /* angle from the top: the half turns go off in three parts, the leading two exactly */
-    const real from_top = theta_m - halves * c->half_period_1 - halves * c->half_period_2 - halves * c->half_period_3;
+    const real from_top = theta_m - halves * c->half_period_1 - halves * c->half_period_2 - halves *
+        c->half_period_3;
     /* an angle so large that nothing is left of its phase counts as the top */
     const real bounded = ((REAL_FABS(from_top) <= c->period) ? from_top : theta_m - theta_m);
     /* half angle from the top */
@@ -435,7 +438,8 @@ ECCENTRIC_REAL c2_asymmetric_mechanical_friction_torque(
     /* the odd number of half turns up to the top that is nearest */
     const real halves = REAL(2.0) * REAL_FLOOR(theta_m * c->turns_per_rad) + REAL(1.0);
     /* angle from the top: the half turns go off in three parts, the leading two exactly */
-    const real from_top = theta_m - halves * c->half_period_1 - halves * c->half_period_2 - halves * c->half_period_3;
+    const real from_top = theta_m - halves * c->half_period_1 - halves * c->half_period_2 - halves *
+        c->half_period_3;
     /* an angle so large that nothing is left of its phase counts as the top */
     const real bounded = ((REAL_FABS(from_top) <= c->period) ? from_top : theta_m - theta_m);
     /* half angle from the top */
@@ -485,7 +489,8 @@ void c2_asymmetric_friction_torque_gradient(
     /* the odd number of half turns up to the top that is nearest */
     const real halves = REAL(2.0) * REAL_FLOOR(theta_m * c->turns_per_rad) + REAL(1.0);
     /* angle from the top: the half turns go off in three parts, the leading two exactly */
-    const real from_top = theta_m - halves * c->half_period_1 - halves * c->half_period_2 - halves * c->half_period_3;
+    const real from_top = theta_m - halves * c->half_period_1 - halves * c->half_period_2 - halves *
+        c->half_period_3;
     /* an angle so large that nothing is left of its phase counts as the top */
     const real bounded = ((REAL_FABS(from_top) <= c->period) ? from_top : theta_m - theta_m);
     /* half angle from the top */
@@ -554,7 +559,8 @@ void c2_asymmetric_friction_torque_jacobian(
     /* the odd number of half turns up to the top that is nearest */
     const real halves = REAL(2.0) * REAL_FLOOR(theta_m * c->turns_per_rad) + REAL(1.0);
     /* angle from the top: the half turns go off in three parts, the leading two exactly */
-    const real from_top = theta_m - halves * c->half_period_1 - halves * c->half_period_2 - halves * c->half_period_3;
+    const real from_top = theta_m - halves * c->half_period_1 - halves * c->half_period_2 - halves *
+        c->half_period_3;
     /* an angle so large that nothing is left of its phase counts as the top */
     const real bounded = ((REAL_FABS(from_top) <= c->period) ? from_top : theta_m - theta_m);
     /* half angle from the top */
@@ -607,7 +613,8 @@ void c2_asymmetric_regressor(
     /* the odd number of half turns up to the top that is nearest */
     const real halves = REAL(2.0) * REAL_FLOOR(theta_m * c->turns_per_rad) + REAL(1.0);
     /* angle from the top: the half turns go off in three parts, the leading two exactly */
-    const real from_top = theta_m - halves * c->half_period_1 - halves * c->half_period_2 - halves * c->half_period_3;
+    const real from_top = theta_m - halves * c->half_period_1 - halves * c->half_period_2 - halves *
+        c->half_period_3;
     /* an angle so large that nothing is left of its phase counts as the top */
     const real bounded = ((REAL_FABS(from_top) <= c->period) ? from_top : theta_m - theta_m);
     /* half angle from the top */
@@ -670,7 +677,8 @@ ECCENTRIC_REAL c2_asymmetric_gravity_torque(ECCENTRIC_REAL theta_m, const c2_asy
     /* the odd number of half turns up to the top that is nearest */
     const real halves = REAL(2.0) * REAL_FLOOR(theta_m * c->turns_per_rad) + REAL(1.0);
     /* angle from the top: the half turns go off in three parts, the leading two exactly */
-    const real from_top = theta_m - halves * c->half_period_1 - halves * c->half_period_2 - halves * c->half_period_3;
+    const real from_top = theta_m - halves * c->half_period_1 - halves * c->half_period_2 - halves *
+        c->half_period_3;
     /* an angle so large that nothing is left of its phase counts as the top */
     const real bounded = ((REAL_FABS(from_top) <= c->period) ? from_top : theta_m - theta_m);
     /* half angle from the top */
@@ -707,7 +715,8 @@ ECCENTRIC_REAL c2_asymmetric_voltage(
     /* the odd number of half turns up to the top that is nearest */
     const real halves = REAL(2.0) * REAL_FLOOR(theta_m * c->turns_per_rad) + REAL(1.0);
     /* angle from the top: the half turns go off in three parts, the leading two exactly */
-    const real from_top = theta_m - halves * c->half_period_1 - halves * c->half_period_2 - halves * c->half_period_3;
+    const real from_top = theta_m - halves * c->half_period_1 - halves * c->half_period_2 - halves *
+        c->half_period_3;
     /* an angle so large that nothing is left of its phase counts as the top */
     const real bounded = ((REAL_FABS(from_top) <= c->period) ? from_top : theta_m - theta_m);
     /* half angle from the top */
@@ -764,7 +773,8 @@ ECCENTRIC_REAL c2_asymmetric_current(
     /* the odd number of half turns up to the top that is nearest */
     const real halves = REAL(2.0) * REAL_FLOOR(theta_m * c->turns_per_rad) + REAL(1.0);
     /* angle from the top: the half turns go off in three parts, the leading two exactly */
-    const real from_top = theta_m - halves * c->half_period_1 - halves * c->half_period_2 - halves * c->half_period_3;
+    const real from_top = theta_m - halves * c->half_period_1 - halves * c->half_period_2 - halves *
+        c->half_period_3;
     /* an angle so large that nothing is left of its phase counts as the top */
     const real bounded = ((REAL_FABS(from_top) <= c->period) ? from_top : theta_m - theta_m);
     /* half angle from the top */
@@ -820,7 +830,8 @@ ECCENTRIC_REAL c2_asymmetric_mechanical_residual(
     /* the odd number of half turns up to the top that is nearest */
     const real halves = REAL(2.0) * REAL_FLOOR(theta_m * c->turns_per_rad) + REAL(1.0);
     /* angle from the top: the half turns go off in three parts, the leading two exactly */
-    const real from_top = theta_m - halves * c->half_period_1 - halves * c->half_period_2 - halves * c->half_period_3;
+    const real from_top = theta_m - halves * c->half_period_1 - halves * c->half_period_2 - halves *
+        c->half_period_3;
     /* an angle so large that nothing is left of its phase counts as the top */
     const real bounded = ((REAL_FABS(from_top) <= c->period) ? from_top : theta_m - theta_m);
     /* half angle from the top */

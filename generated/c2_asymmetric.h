@@ -11,7 +11,7 @@
 /* C2_ASYMMETRIC_PROGRAM names the derivation that header and source come from; the source checks it. */
 #define C2_ASYMMETRIC_PROGRAM 0x919e8c4eUL
 
-/* The working precision: double, or float by -DECCENTRIC_REAL=float. Files of different precision do not link:
+/* The working precision: double, or float by -DECCENTRIC_REAL=float. Files that differ in it do not link:
  * c2_asymmetric_prepare and c2_asymmetric_default carry it in their names. */
 #ifndef ECCENTRIC_REAL
 #define ECCENTRIC_REAL double
@@ -31,7 +31,7 @@
 extern "C" {
 #endif
 
-/** Case C2 with friction that differs between the directions of motion: parameters, in SI units. */
+/** Parameters, with the paper's letters, in SI units. */
 typedef struct {
     double M; /**< unbalanced mass [kg], eq. (5) */
     double M_l; /**< mass of the link without M [kg], eq. (15) */
@@ -118,7 +118,8 @@ extern const c2_asymmetric_parameters c2_asymmetric_default_parameters;
 extern const c2_asymmetric_coefficients c2_asymmetric_default;
 
 /** Compute the coefficients of a set of parameters; run it once, or when a parameter changes.
- *  Valid parameters: mu, R, k_i positive; the others not negative. Others give coefficients that mean nothing.
+ *  Valid parameters: mu, R, k_i positive; the others not negative.
+ *  Others give coefficients that mean nothing.
  *  @param[in]  p  parameters
  *  @param[out] c  coefficients
  */
@@ -244,8 +245,8 @@ void c2_asymmetric_regressor_n(
     const c2_asymmetric_coefficients *c);
 
 /** What the columns of the regressor multiply.
- *  @param[out] out  8 values: B_lN_pos, B_lN_neg, C_lN_pos, C_lN_neg, B_m_pos, B_m_neg, C_m_pos, C_m_neg [as
- *      the columns of the regressor]
+ *  @param[out] out  8 values: B_lN_pos, B_lN_neg, C_lN_pos, C_lN_neg, B_m_pos, B_m_neg, C_m_pos, C_m_neg [m
+ *      s/rad, m s/rad, m, m, N m s/rad, N m s/rad, N m, N m]
  *  @param[in]  c  coefficients
  */
 void c2_asymmetric_friction_coefficients(ECCENTRIC_REAL *out, const c2_asymmetric_coefficients *c);

@@ -11,7 +11,7 @@
 /* C2_PARALLEL_PROGRAM names the derivation that header and source come from; the source checks it. */
 #define C2_PARALLEL_PROGRAM 0x5a54c472UL
 
-/* The working precision: double, or float by -DECCENTRIC_REAL=float. Files of different precision do not link:
+/* The working precision: double, or float by -DECCENTRIC_REAL=float. Files that differ in it do not link:
  * c2_parallel_prepare and c2_parallel_default carry it in their names. */
 #ifndef ECCENTRIC_REAL
 #define ECCENTRIC_REAL double
@@ -31,7 +31,7 @@
 extern "C" {
 #endif
 
-/** Case C2: gravity parallel to the motion plane, steady motion: parameters, in SI units. */
+/** Parameters, with the paper's letters, in SI units. */
 typedef struct {
     double M; /**< unbalanced mass [kg], eq. (5) */
     double M_l; /**< mass of the link without M [kg], eq. (15) */
@@ -99,7 +99,8 @@ extern const c2_parallel_parameters c2_parallel_default_parameters;
 extern const c2_parallel_coefficients c2_parallel_default;
 
 /** Compute the coefficients of a set of parameters; run it once, or when a parameter changes.
- *  Valid parameters: mu, R, k_i positive; the others not negative. Others give coefficients that mean nothing.
+ *  Valid parameters: mu, R, k_i positive; the others not negative.
+ *  Others give coefficients that mean nothing.
  *  @param[in]  p  parameters
  *  @param[out] c  coefficients
  */
@@ -223,7 +224,7 @@ void c2_parallel_regressor_n(
     const c2_parallel_coefficients *c);
 
 /** What the columns of the regressor multiply.
- *  @param[out] out  4 values: B_lN, C_lN, B_m, C_m [as the columns of the regressor]
+ *  @param[out] out  4 values: B_lN, C_lN, B_m, C_m [m s/rad, m, N m s/rad, N m]
  *  @param[in]  c  coefficients
  */
 void c2_parallel_friction_coefficients(ECCENTRIC_REAL *out, const c2_parallel_coefficients *c);

@@ -9,7 +9,7 @@
 #include <math.h>
 
 #if ROTATING_LINK_PROGRAM != 0x1d3324f8UL
-#error "rotating_link.c and rotating_link.h are of different derivations: write both again with make derive"
+#error "rotating_link.c and rotating_link.h are of different derivations: write both again"
 #endif
 
 #if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__) || \
@@ -215,7 +215,8 @@ void rotating_link_prepare(const rotating_link_parameters *p, rotating_link_coef
     const double weight = g_p * (p->M + p->M_l);
     const double critical_squared = (p->L * p->M == 0.0) ? 1.0 : (weight / (p->L * p->M));
     const double omega_star = (p->L * p->M == 0.0) ? 1.0 : (sqrt(critical_squared) / p->mu);
-    const double scale_N = (p->L * p->M == 0.0) ? weight / (omega_star * omega_star) : (p->L * p->M * p->mu * p->mu);
+    const double scale_N = (p->L * p->M == 0.0) ? weight / (omega_star * omega_star) : (p->L * p->M * p->mu *
+        p->mu);
     const double unbalanced = (p->L * p->M == 0.0) ? 0.0 : (1.0);
     const double twice_omega_star2 = 2.0 * omega_star * omega_star;
     const double unbalanced_per_mu = unbalanced / p->mu;
@@ -317,7 +318,8 @@ ECCENTRIC_REAL rotating_link_normal_force(
     /* the odd number of half turns up to the top that is nearest */
     const real halves = REAL(2.0) * REAL_FLOOR(theta_m * c->turns_per_rad) + REAL(1.0);
     /* angle from the top: the half turns go off in three parts, the leading two exactly */
-    const real from_top = theta_m - halves * c->half_period_1 - halves * c->half_period_2 - halves * c->half_period_3;
+    const real from_top = theta_m - halves * c->half_period_1 - halves * c->half_period_2 - halves *
+        c->half_period_3;
     /* an angle so large that nothing is left of its phase counts as the top */
     const real bounded = ((REAL_FABS(from_top) <= c->period) ? from_top : theta_m - theta_m);
     /* half angle from the top */
@@ -361,7 +363,8 @@ ECCENTRIC_REAL rotating_link_friction_torque(
     /* the odd number of half turns up to the top that is nearest */
     const real halves = REAL(2.0) * REAL_FLOOR(theta_m * c->turns_per_rad) + REAL(1.0);
     /* angle from the top: the half turns go off in three parts, the leading two exactly */
-    const real from_top = theta_m - halves * c->half_period_1 - halves * c->half_period_2 - halves * c->half_period_3;
+    const real from_top = theta_m - halves * c->half_period_1 - halves * c->half_period_2 - halves *
+        c->half_period_3;
     /* an angle so large that nothing is left of its phase counts as the top */
     const real bounded = ((REAL_FABS(from_top) <= c->period) ? from_top : theta_m - theta_m);
     /* half angle from the top */
@@ -409,7 +412,8 @@ ECCENTRIC_REAL rotating_link_mechanical_friction_torque(
     /* the odd number of half turns up to the top that is nearest */
     const real halves = REAL(2.0) * REAL_FLOOR(theta_m * c->turns_per_rad) + REAL(1.0);
     /* angle from the top: the half turns go off in three parts, the leading two exactly */
-    const real from_top = theta_m - halves * c->half_period_1 - halves * c->half_period_2 - halves * c->half_period_3;
+    const real from_top = theta_m - halves * c->half_period_1 - halves * c->half_period_2 - halves *
+        c->half_period_3;
     /* an angle so large that nothing is left of its phase counts as the top */
     const real bounded = ((REAL_FABS(from_top) <= c->period) ? from_top : theta_m - theta_m);
     /* half angle from the top */
@@ -460,7 +464,8 @@ void rotating_link_friction_torque_gradient(
     /* the odd number of half turns up to the top that is nearest */
     const real halves = REAL(2.0) * REAL_FLOOR(theta_m * c->turns_per_rad) + REAL(1.0);
     /* angle from the top: the half turns go off in three parts, the leading two exactly */
-    const real from_top = theta_m - halves * c->half_period_1 - halves * c->half_period_2 - halves * c->half_period_3;
+    const real from_top = theta_m - halves * c->half_period_1 - halves * c->half_period_2 - halves *
+        c->half_period_3;
     /* an angle so large that nothing is left of its phase counts as the top */
     const real bounded = ((REAL_FABS(from_top) <= c->period) ? from_top : theta_m - theta_m);
     /* half angle from the top */
@@ -486,13 +491,15 @@ void rotating_link_friction_torque_gradient(
     /* where the square overflows, the larger of the two decides */
     const real limit_2 = ((REAL_FABS(q) > REAL_FABS(p)) ? rotating_link_sgn(q) : REAL(0.0));
     const real cosine_2 = ((magnitude > REAL_LARGEST) ? limit_2 : q / divisor);
-    const real ungated_2 = half_cosine * half_cosine * c->mu_omega_star2 - half_sine * half_sine * c->mu_omega_star2;
+    const real ungated_2 = half_cosine * half_cosine * c->mu_omega_star2 - half_sine * half_sine *
+        c->mu_omega_star2;
     const real part_2 = ((cosine_2 == REAL(0.0)) ? REAL(0.0) : ungated_2 * cosine_2);
     const real part_1 = part_2 + ((cosine == REAL(0.0)) ? REAL(0.0) : ungated * cosine);
     const real F_N_d_theta_m = part_1 * c->scale_N;
     const real ungated_3 = speed * speed_d_omega_m * c->twice_scale_N;
     const real F_N_d_omega_m = ((cosine == REAL(0.0)) ? REAL(0.0) : ungated_3 * cosine);
-    const real F_N_d_alpha_m = ((cosine_2 == REAL(0.0)) ? REAL(0.0) : c->scale_N_unbalanced_per_mu * cosine_2);
+    const real F_N_d_alpha_m = ((cosine_2 == REAL(0.0)) ? REAL(0.0) : c->scale_N_unbalanced_per_mu *
+        cosine_2);
     const real part_3 = c->B_lN_mu2 * omega_m + c->C_lN_mu * direction_of_motion;
     out[0] = F_N_d_theta_m * part_3;
     const real part_4 = c->C_lN_mu * F_N_d_omega_m * direction_of_motion;
@@ -527,7 +534,8 @@ void rotating_link_friction_torque_jacobian(
     /* the odd number of half turns up to the top that is nearest */
     const real halves = REAL(2.0) * REAL_FLOOR(theta_m * c->turns_per_rad) + REAL(1.0);
     /* angle from the top: the half turns go off in three parts, the leading two exactly */
-    const real from_top = theta_m - halves * c->half_period_1 - halves * c->half_period_2 - halves * c->half_period_3;
+    const real from_top = theta_m - halves * c->half_period_1 - halves * c->half_period_2 - halves *
+        c->half_period_3;
     /* an angle so large that nothing is left of its phase counts as the top */
     const real bounded = ((REAL_FABS(from_top) <= c->period) ? from_top : theta_m - theta_m);
     /* half angle from the top */
@@ -580,7 +588,8 @@ void rotating_link_regressor(
     /* the odd number of half turns up to the top that is nearest */
     const real halves = REAL(2.0) * REAL_FLOOR(theta_m * c->turns_per_rad) + REAL(1.0);
     /* angle from the top: the half turns go off in three parts, the leading two exactly */
-    const real from_top = theta_m - halves * c->half_period_1 - halves * c->half_period_2 - halves * c->half_period_3;
+    const real from_top = theta_m - halves * c->half_period_1 - halves * c->half_period_2 - halves *
+        c->half_period_3;
     /* an angle so large that nothing is left of its phase counts as the top */
     const real bounded = ((REAL_FABS(from_top) <= c->period) ? from_top : theta_m - theta_m);
     /* half angle from the top */
@@ -635,7 +644,8 @@ ECCENTRIC_REAL rotating_link_coulomb_torque(
     /* the odd number of half turns up to the top that is nearest */
     const real halves = REAL(2.0) * REAL_FLOOR(theta_m * c->turns_per_rad) + REAL(1.0);
     /* angle from the top: the half turns go off in three parts, the leading two exactly */
-    const real from_top = theta_m - halves * c->half_period_1 - halves * c->half_period_2 - halves * c->half_period_3;
+    const real from_top = theta_m - halves * c->half_period_1 - halves * c->half_period_2 - halves *
+        c->half_period_3;
     /* an angle so large that nothing is left of its phase counts as the top */
     const real bounded = ((REAL_FABS(from_top) <= c->period) ? from_top : theta_m - theta_m);
     /* half angle from the top */
@@ -668,7 +678,8 @@ ECCENTRIC_REAL rotating_link_gravity_torque(ECCENTRIC_REAL theta_m, const rotati
     /* the odd number of half turns up to the top that is nearest */
     const real halves = REAL(2.0) * REAL_FLOOR(theta_m * c->turns_per_rad) + REAL(1.0);
     /* angle from the top: the half turns go off in three parts, the leading two exactly */
-    const real from_top = theta_m - halves * c->half_period_1 - halves * c->half_period_2 - halves * c->half_period_3;
+    const real from_top = theta_m - halves * c->half_period_1 - halves * c->half_period_2 - halves *
+        c->half_period_3;
     /* an angle so large that nothing is left of its phase counts as the top */
     const real bounded = ((REAL_FABS(from_top) <= c->period) ? from_top : theta_m - theta_m);
     /* half angle from the top */
@@ -703,7 +714,8 @@ ECCENTRIC_REAL rotating_link_voltage(
     /* the odd number of half turns up to the top that is nearest */
     const real halves = REAL(2.0) * REAL_FLOOR(theta_m * c->turns_per_rad) + REAL(1.0);
     /* angle from the top: the half turns go off in three parts, the leading two exactly */
-    const real from_top = theta_m - halves * c->half_period_1 - halves * c->half_period_2 - halves * c->half_period_3;
+    const real from_top = theta_m - halves * c->half_period_1 - halves * c->half_period_2 - halves *
+        c->half_period_3;
     /* an angle so large that nothing is left of its phase counts as the top */
     const real bounded = ((REAL_FABS(from_top) <= c->period) ? from_top : theta_m - theta_m);
     /* half angle from the top */
@@ -754,7 +766,8 @@ ECCENTRIC_REAL rotating_link_current(
     /* the odd number of half turns up to the top that is nearest */
     const real halves = REAL(2.0) * REAL_FLOOR(theta_m * c->turns_per_rad) + REAL(1.0);
     /* angle from the top: the half turns go off in three parts, the leading two exactly */
-    const real from_top = theta_m - halves * c->half_period_1 - halves * c->half_period_2 - halves * c->half_period_3;
+    const real from_top = theta_m - halves * c->half_period_1 - halves * c->half_period_2 - halves *
+        c->half_period_3;
     /* an angle so large that nothing is left of its phase counts as the top */
     const real bounded = ((REAL_FABS(from_top) <= c->period) ? from_top : theta_m - theta_m);
     /* half angle from the top */
@@ -806,7 +819,8 @@ ECCENTRIC_REAL rotating_link_mechanical_residual(
     /* the odd number of half turns up to the top that is nearest */
     const real halves = REAL(2.0) * REAL_FLOOR(theta_m * c->turns_per_rad) + REAL(1.0);
     /* angle from the top: the half turns go off in three parts, the leading two exactly */
-    const real from_top = theta_m - halves * c->half_period_1 - halves * c->half_period_2 - halves * c->half_period_3;
+    const real from_top = theta_m - halves * c->half_period_1 - halves * c->half_period_2 - halves *
+        c->half_period_3;
     /* an angle so large that nothing is left of its phase counts as the top */
     const real bounded = ((REAL_FABS(from_top) <= c->period) ? from_top : theta_m - theta_m);
     /* half angle from the top */

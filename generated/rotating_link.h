@@ -11,7 +11,7 @@
 /* ROTATING_LINK_PROGRAM names the derivation that header and source come from; the source checks it. */
 #define ROTATING_LINK_PROGRAM 0x1d3324f8UL
 
-/* The working precision: double, or float by -DECCENTRIC_REAL=float. Files of different precision do not link:
+/* The working precision: double, or float by -DECCENTRIC_REAL=float. Files that differ in it do not link:
  * rotating_link_prepare and rotating_link_default carry it in their names. */
 #ifndef ECCENTRIC_REAL
 #define ECCENTRIC_REAL double
@@ -31,7 +31,7 @@
 extern "C" {
 #endif
 
-/** Rotating link with an unbalanced mass, plane tilted by phi, angular acceleration kept: parameters, in SI units. */
+/** Parameters, with the paper's letters, in SI units. */
 typedef struct {
     double M; /**< unbalanced mass [kg], eq. (5) */
     double M_l; /**< mass of the link without M [kg], eq. (15) */
@@ -48,7 +48,7 @@ typedef struct {
     double C_lT; /**< Coulomb friction of the link per transversal force [m], eq. (9) */
     double B_m; /**< viscous friction of the motor [N m s/rad], eq. (10) */
     double C_m; /**< Coulomb friction of the motor [N m], eq. (10) */
-    double F_T; /**< transversal force of a level plane [N], eq. (9), M_l g for the defaults: set it along with them */
+    double F_T; /**< transversal force of a level plane [N], eq. (9), by default M_l g: set it along */
     double J_m; /**< inertia of the motor [kg m^2], eq. (1), no default */
     double J_l; /**< inertia of the link about its axis, M L^2 included [kg m^2], eq. (3), no default */
 } rotating_link_parameters;
@@ -110,7 +110,8 @@ extern const rotating_link_parameters rotating_link_default_parameters;
 extern const rotating_link_coefficients rotating_link_default;
 
 /** Compute the coefficients of a set of parameters; run it once, or when a parameter changes.
- *  Valid parameters: mu, R, k_i positive; phi from 0 to pi/2; the others not negative. Others give coefficients that mean nothing.
+ *  Valid parameters: mu, R, k_i positive; phi from 0 to pi/2; the others not negative.
+ *  Others give coefficients that mean nothing.
  *  @param[in]  p  parameters
  *  @param[out] c  coefficients
  */
@@ -252,7 +253,7 @@ void rotating_link_regressor_n(
     const rotating_link_coefficients *c);
 
 /** What the columns of the regressor multiply.
- *  @param[out] out  4 values: B_lN, C_lN, B, C [as the columns of the regressor]
+ *  @param[out] out  4 values: B_lN, C_lN, B, C [m s/rad, m, N m s/rad, N m]
  *  @param[in]  c  coefficients
  */
 void rotating_link_friction_coefficients(ECCENTRIC_REAL *out, const rotating_link_coefficients *c);

@@ -95,7 +95,11 @@ class Parameters:
             value = getattr(self, name)
             if value is None and name in _OPTIONAL:
                 continue
-            if value is None or not lowest <= value <= highest:
+            try:
+                allowed = lowest <= value <= highest
+            except TypeError:
+                allowed = False
+            if not allowed:
                 raise ValueError(f"{name}: required {required}, got {value!r}")
 
 
@@ -364,7 +368,8 @@ def _evaluate(
 ) -> Any:
     """Run the kernel over the broadcast inputs, block by block; width 0 is a scalar result."""
     # Numbers of Python's have no precision of their own: they leave a float32 beside them what it is.
-    inputs = tuple(x if isinstance(x, np.ndarray | np.generic | float | int) else np.asarray(x) for x in inputs)
+    kept = np.ndarray | np.generic | float | int
+    inputs = tuple(x if isinstance(x, kept) else np.asarray(x) for x in inputs)
     real = np.float32 if inputs and np.result_type(*inputs) == np.float32 else np.float64
     arrays = [np.asarray(x, dtype=real) for x in inputs]
     c = _prepare(parameters or _DEFAULT, real)
@@ -487,9 +492,9 @@ def friction_torque(
     parameters: Parameters | None = None,
     out: np.ndarray | None = None,
 ) -> Any:
-    """Resultant friction torque F, back-EMF damping included, eq (6) [N m].
+    """Resultant friction torque F, back-EMF damping included, eq (6).
 
-    Shape of the broadcast inputs.
+    In N m; shape of the broadcast inputs.
 
     theta_m [rad]: motor angle
     omega_m [rad/s]: motor velocity
@@ -541,9 +546,9 @@ def mechanical_friction_torque(
     parameters: Parameters | None = None,
     out: np.ndarray | None = None,
 ) -> Any:
-    """Mechanical friction torque f = f_m + mu f_l, without back-EMF [N m].
+    """Mechanical friction torque f = f_m + mu f_l, without back-EMF.
 
-    Shape of the broadcast inputs.
+    In N m; shape of the broadcast inputs.
 
     theta_m [rad]: motor angle
     omega_m [rad/s]: motor velocity
@@ -615,9 +620,9 @@ def friction_torque_gradient(
     parameters: Parameters | None = None,
     out: np.ndarray | None = None,
 ) -> Any:
-    """Partial derivatives of friction_torque with respect to its inputs [N m per rad, rad/s, rad/s^2].
+    """Partial derivatives of friction_torque with respect to its inputs.
 
-    Last axis (theta_m, omega_m, alpha_m).
+    In N m per rad, rad/s, rad/s^2; last axis (theta_m, omega_m, alpha_m).
 
     theta_m [rad]: motor angle
     omega_m [rad/s]: motor velocity
@@ -673,9 +678,9 @@ def friction_torque_jacobian(
     parameters: Parameters | None = None,
     out: np.ndarray | None = None,
 ) -> Any:
-    """Partial derivatives of friction_torque with respect to all friction coefficients [N m per unit coefficient].
+    """Partial derivatives of friction_torque with respect to all friction coefficients.
 
-    Last axis (b_ln, c_ln, b_lt, c_lt, b_m, c_m).
+    In N m per unit coefficient; last axis (B_lN, C_lN, B_lT, C_lT, B_m, C_m).
 
     theta_m [rad]: motor angle
     omega_m [rad/s]: motor velocity
@@ -729,9 +734,9 @@ def regressor(
     parameters: Parameters | None = None,
     out: np.ndarray | None = None,
 ) -> Any:
-    """Columns: regressor times friction_coefficients is mechanical_friction_torque [N m per unit coefficient].
+    """Columns: regressor times friction_coefficients is mechanical_friction_torque.
 
-    Last axis (b_ln, c_ln, b, c).
+    In N m per unit coefficient; last axis (B_lN, C_lN, B, C).
 
     theta_m [rad]: motor angle
     omega_m [rad/s]: motor velocity
@@ -754,9 +759,9 @@ def friction_coefficients(
     parameters: Parameters | None = None,
     out: np.ndarray | None = None,
 ) -> Any:
-    """What the columns of the regressor multiply [as the columns of the regressor].
+    """What the columns of the regressor multiply.
 
-    Last axis (b_ln, c_ln, b, c).
+    In m s/rad, m, N m s/rad, N m; last axis (B_lN, C_lN, B, C).
     """
     return _evaluate(_friction_coefficients, (), parameters, out, 4)
 
@@ -792,9 +797,9 @@ def coulomb_torque(
     parameters: Parameters | None = None,
     out: np.ndarray | None = None,
 ) -> Any:
-    """Magnitude of the friction torque at standstill, where it is set-valued [N m].
+    """Magnitude of the friction torque at standstill, where it is set-valued.
 
-    Shape of the broadcast inputs.
+    In N m; shape of the broadcast inputs.
 
     theta_m [rad]: motor angle
     alpha_m [rad/s^2]: motor acceleration
@@ -995,9 +1000,9 @@ def mechanical_residual(
     parameters: Parameters | None = None,
     out: np.ndarray | None = None,
 ) -> Any:
-    """What the mechanical balance leaves: k_i i - J alpha_m - G - f [N m].
+    """What the mechanical balance leaves: k_i i - J alpha_m - G - f.
 
-    Shape of the broadcast inputs.
+    In N m; shape of the broadcast inputs.
 
     theta_m [rad]: motor angle
     omega_m [rad/s]: motor velocity
@@ -1025,9 +1030,9 @@ def electrical_residual(
     parameters: Parameters | None = None,
     out: np.ndarray | None = None,
 ) -> Any:
-    """What the electrical balance leaves, as a torque: (k_i/R)(u - k_e omega_m) - k_i i [N m].
+    """What the electrical balance leaves, as a torque: (k_i/R)(u - k_e omega_m) - k_i i.
 
-    Shape of the broadcast inputs.
+    In N m; shape of the broadcast inputs.
 
     omega_m [rad/s]: motor velocity
     i [A]: armature current

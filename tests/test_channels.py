@@ -159,7 +159,25 @@ def test_uneven_sampling_is_resampled_and_said(tmp_path: Path) -> None:
     log = {"time_s": t, "theta_m_rad": 8.0 * np.sin(SWING * t), "current_A": np.ones_like(t)}
     c = channels_of(tmp_path, log)
     np.testing.assert_allclose(c.omega_m[c.usable], 8.0 * SWING * np.cos(SWING * t[c.usable]), atol=0.025)
-    assert any("unevenly sampled" in warning for warning in c.warnings)
+    assert any("time steps are uneven" in warning for warning in c.warnings)
+
+
+def test_one_missing_row_is_one_uneven_step(tmp_path: Path) -> None:
+    """A blank cell leaves one step of two; the warning counts it and not the rows that are resampled."""
+    current = STANDARD["current_A"].copy()
+    current[1000] = np.nan
+    c = channels_of(tmp_path, STANDARD | {"current_A": current})
+    (said,) = (warning for warning in c.warnings if "uneven" in warning)
+    assert "(1 of 2998 differ by more than 20% from the usual 0.004 s)" in said
+
+
+def test_the_default_moving_threshold_is_no_warning(tmp_path: Path) -> None:
+    """A good log under a good rig has no warnings, and the threshold is 3 % of the speed's upper end."""
+    c = channels_of(tmp_path, STANDARD)
+    assert c.warnings == ()
+    # The 95th percentile of |cos| is sin(0.95 pi/2).
+    expected = 0.03 * 8.0 * SWING * math.sin(0.95 * math.pi / 2.0)
+    assert c.moving_threshold_rad_s == pytest.approx(expected, rel=1e-2)
 
 
 def test_slow_sampling_is_differentiated_without_low_pass_and_said(tmp_path: Path) -> None:
@@ -240,16 +258,14 @@ def test_rows_that_are_not_numbers_are_dropped_counted_and_warned_of(tmp_path: P
     assert c.counts["read"] == len(T)
     assert c.counts["rejected"] == np.count_nonzero(missing)
     np.testing.assert_array_equal(c.t, T[~missing])
-    assert any("300 of 3000 rows are not numbers (first: row 4; most: 'current_A')" in w for w in c.warnings)
+    assert any("300 of 3000 rows are not numbers (first: line 5; most: 'current_A')" in w for w in c.warnings)
 
 
 def test_drive_is_what_is_logged_or_what_the_rig_says(tmp_path: Path) -> None:
     """Current goes before torque and voltage, unless the rig says otherwise."""
     assert channels_of(tmp_path, STANDARD).drive == "current"
     assert channels_of(tmp_path, STANDARD, 'drive = "voltage"\n' + RIG).drive == "voltage"
-    with pytest.raises(
-        InputError, match="drive = 'torque' requires that channel, the log has current, voltage"
-    ):
+    with pytest.raises(InputError, match="drive: one of current, voltage is required.*received 'torque'"):
         channels_of(tmp_path, STANDARD, 'drive = "torque"\n' + RIG)
 
 
@@ -287,11 +303,11 @@ BAD = {
     "text": (
         changed(current_A=TEXT),
         RIG,
-        "row 5, column 'current_A': a number is required, received 'broken'",
+        "line 6, column 'current_A': a number is required, received 'broken'",
     ),
     "third": (changed(current_A=THIRD), RIG, "1000 of 3000 rows are not numbers"),
-    "back": (changed(time_s=BACK), RIG, "row 8: time stamps must increase, received 0 s after 0.024 s"),
-    "twice": (changed(time_s=TWICE), RIG, "row 8: time stamps must increase, received 0.024 s after 0.024 s"),
+    "back": (changed(time_s=BACK), RIG, "line 9: time stamps must increase, received 0 s after 0.024 s"),
+    "twice": (changed(time_s=TWICE), RIG, "line 9: time stamps must increase, received 0.024 s after 0.024 s"),
     "split": (changed(run=SPLIT), RIG, "the rows of a run must stand together, '0' comes back"),
     "still": (changed(theta_m_rad=0.0 * T), RIG, "moving rows (above"),
     "outside": (changed(), "holdout_intervals_s = [[90.0, 99.0]]\n" + RIG, "required to fit and to hold out"),

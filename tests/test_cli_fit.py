@@ -46,7 +46,7 @@ def test_without_matplotlib_the_fit_still_comes_out(
         monkeypatch.delitem(sys.modules, name)
     monkeypatch.setitem(sys.modules, "matplotlib", None)
     assert cli.main(["fit", str(LOG), "--rig", str(RIG), "--out", str(tmp_path / "out")]) == 0
-    assert "no figure: matplotlib is required for the figure (extra `figures`)" in capsys.readouterr().out
+    assert "no figure: matplotlib is required for the figure (extra `figures`): pip install matplotlib" in capsys.readouterr().out
     assert (tmp_path / "out" / "fit.json").is_file()
     assert not (tmp_path / "out" / "fit.png").exists()
 

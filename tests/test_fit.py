@@ -294,7 +294,7 @@ def test_disc_of_eindhoven_shows_no_gain() -> None:
     # One step of 25 ms late, and held for another: one and a half.
     assert found.searched["input_delay_s"].value == pytest.approx(0.0375, abs=0.0125)
     assert found.searched["theta_zero_rad"].value == pytest.approx(0.05, abs=0.01)
-    assert found.r_squared > 0.998
+    assert found.r_squared["paper"] > 0.998
     assert found.percent_interval[0] <= 0.0 <= found.percent_interval[1]
     assert "gains nothing" in sentence(found)
     unknown = document(found, ["data"])["unknown"]["M_l"]

@@ -61,7 +61,12 @@ BAD = {
         b"0.0,1.0\n0.1,1.0\n",
         "numbers.csv: a header row with column names is required, received numbers",
     ),
-    "ragged.csv": (b"a,b\n1,2\n3\n", "ragged.csv: row 2: 2 values are required, received 1"),
+    "ragged.csv": (b"a,b\n1,2\n3\n", "ragged.csv: line 3: 2 values are required, received 1"),
+    "commas.csv": (
+        b"a,b\n1,2,3,4\n",
+        "commas.csv: line 2: 2 values are required, received 4; decimals are required with a point",
+    ),
+    "comments.csv": (b"# made by hand\n\n", "comments.csv: a header row with column names is required"),
     "twice.csv": (b"a,b,a\n1,2,3\n", "twice.csv: column names must differ, 'a' comes 2 times"),
     "latin.csv": (b"t,\xe4\n1,2\n", "latin.csv: UTF-8 text is required, byte 2 is not"),
     "cut.csv.gz": (CUT_OFF, "cut.csv.gz: the compressed file is damaged or cut off"),
@@ -97,9 +102,40 @@ def test_text_in_a_numeric_column_is_named_with_row_and_column(tmp_path: Path) -
     path.write_text("time_s,current_A\n0.0,1.0\n0.1,oops\n0.2,1.0\n")
     log = read_log(path)
     with pytest.raises(
-        InputError, match=r"log\.csv: row 2, column 'current_A': a number is required, .* 'oops'"
+        InputError, match=r"log\.csv: line 3, column 'current_A': a number is required, .* 'oops'"
     ):
         log.numbers("current_A")
+
+
+def test_lines_are_those_of_an_editor(tmp_path: Path) -> None:
+    """Comments and empty lines at the head are skipped and counted, as are empty lines between rows."""
+    path = tmp_path / "log.csv"
+    path.write_text("# recorded at 250 Hz\n\ntime_s,current_A\n0.0,1.0\n\n0.1,oops\n")
+    log = read_log(path)
+    assert (log.rows, log.place(0), log.place(1)) == (2, "line 4", "line 6")
+    with pytest.raises(InputError, match=r"log\.csv: line 6, column 'current_A'"):
+        log.numbers("current_A")
+
+
+@pytest.mark.parametrize("delimiter", [",", " , ", ";", "\t", " "])
+def test_column_names_in_the_last_comment_are_the_header(tmp_path: Path, delimiter: str) -> None:
+    """numpy.savetxt writes its header as a comment; names parted by spaces will do, too."""
+    path = tmp_path / "log.csv"
+    np.savetxt(
+        path, [[0.0, 1.5], [0.1, 2.5]], delimiter=delimiter.strip(" ") or ",", header=f"t{delimiter}i"
+    )
+    log = read_log(path)
+    assert list(log.columns) == ["t", "i"]
+    np.testing.assert_array_equal(log.numbers("i"), [1.5, 2.5])
+    assert log.place(0) == "line 2"
+
+
+def test_decimal_commas_are_named(tmp_path: Path) -> None:
+    """A number with a decimal comma is refused with what is required instead; other text is without."""
+    path = tmp_path / "log.csv"
+    path.write_text("time_s;current_A\n0,0;1,5\n0,1;x,5\n")
+    with pytest.raises(InputError, match=r"line 2, column 'time_s': .* '0,0'; decimals .* with a point"):
+        read_log(path).numbers("time_s")
 
 
 def test_missing_column_lists_the_columns(tmp_path: Path) -> None:
@@ -116,7 +152,7 @@ def test_parquet_without_its_extra_names_it(tmp_path: Path, monkeypatch: pytest.
     monkeypatch.setitem(sys.modules, "pyarrow.parquet", None)
     path = tmp_path / "log.parquet"
     path.write_bytes(b"PAR1")
-    with pytest.raises(InputError, match=r"pip install 'eccentric\[parquet\]'"):
+    with pytest.raises(InputError, match="pyarrow is required for .parquet: pip install pyarrow"):
         read_log(path)
 
 

@@ -153,6 +153,8 @@ BAD = {
     '[known]\ncase = "C2"\n[unknown]\nM_l_kg = [0.2, 0.1]': "a range with lower below upper is required",
     '[known]\ncase = "C2"\n[unknown]\nM_l_kg = [-0.2, 0.1]': "at least 0 kg is required, received -0.2",
     'holdout = 3\n[known]\ncase = "C2"': "unknown key 'holdout'; did you mean 'holdout_runs'?",
+    '[known]\ncase = "C2"\nzz = 3': "unknown key 'zz'; known are M_kg, M_l_kg, L_m, mu, R_ohm, k_i_Nm_per_A, k_e_",
+    '[known]\ncase = "C2"\nzz = "3 kg"': "unknown key 'zz'; known are M, M_l, L, mu, R, k_i, k_e, J_m, J_l, g, F_T",
     "known = 3\n": "[known]: a table is required, received 3",
     'drive = "steam"\n[known]\ncase = "C2"': "one of current, voltage, torque is required, received 'steam'",
     'input_delay_s = -0.1\n[known]\ncase = "C2"': "input_delay_s: a finite number of at least 0 is required",

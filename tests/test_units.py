@@ -30,6 +30,10 @@ VALUES = {
     "200 gcm2": ("kg m^2", 2e-5),
     "3 kg m²": ("kg m^2", 3.0),
     "850 mΩ": ("ohm", 0.85),
+    "2 \u2126": ("ohm", 2.0),
+    "180 degrees": ("rad", math.pi),
+    "180 °": ("rad", math.pi),
+    "180 °/s": ("rad/s", math.pi),
     "9.81 m/s/s": ("m/s^2", 9.81),
     "9.81 m s^-2": ("m/s^2", 9.81),
     "2 N m/(rad/s)": ("N m s", 2.0),
@@ -50,7 +54,9 @@ def test_value_with_unit_in_si(text: str) -> None:
 
 
 BAD = {
-    "furlong": ("m", "unit 'furlong' is unknown at 'furlong'; known are s, ms"),
+    "furlong": ("m", "unit 'furlong' is unknown at 'furlong'; known are m, cm, mm$"),
+    "RPM": ("rad/s", "unknown at 'RPM'; did you mean 'rpm'\\? known are rad/s, deg/s, rev/s, rpm, counts/s$"),
+    "N m/amp": ("N m/A", "unknown at 'amp'; did you mean 'N m/A'\\?"),
     "Hz": ("rad/s", "unknown at 'Hz'"),
     "V": ("N m/A", "a unit like N m/A, mNm/A, V s/rad, .* is required, received 'V'"),
     "counts": ("rad", "requires encoder_counts_per_rev"),

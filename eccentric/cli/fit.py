@@ -16,7 +16,8 @@ from eccentric.output import whole_folder
 
 NAME = "fit"
 HELP = "identify the friction of a rig from its logs, with uncertainty, and compare it with Coulomb + viscous"
-EXAMPLE = "eccentric fit examples/bench/bench.csv.gz --rig examples/bench/bench.json --out build/bench"
+EXAMPLE = """eccentric fit examples/bench/bench.csv.gz --rig examples/bench/bench.toml --out build/bench
+eccentric fit monday.csv tuesday.csv --rig my_rig.toml --out build/mine"""
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
@@ -25,7 +26,10 @@ def configure(parser: argparse.ArgumentParser) -> None:
         "logs", metavar="LOG", nargs="+", help="logs of one rig: .csv, .csv.gz, .parquet, .mat"
     )
     parser.add_argument(
-        "--rig", metavar="RIG", required=True, help="what is known of the rig: .toml or .json"
+        "--rig",
+        metavar="RIG",
+        required=True,
+        help="what is known of the rig: .toml or .json, as docs/rig.md explains",
     )
     parser.add_argument(
         "--model", metavar="MODEL", help="a model or the path of a derivation (by the rig's case)"

@@ -63,7 +63,6 @@ def view(program: Program, banner: str, digest: str) -> dict[str, Any]:
     notes = dict(program.notes)
     return {
         "banner": "\n".join(["/*", *(f" * {line}".rstrip() for line in banner.splitlines()), " */"]),
-        "title": program.title,
         "name": program.name,
         "guard": program.name.upper(),
         "digest": f"0x{digest}UL",

@@ -43,7 +43,8 @@ class Rules:
     clears: part of what is left above the sensors' floor that a second or third effect must take out; less is
         a patch on the form of the first one.
     at_floor: sum of squares, in units of the sensors' floor, at which nothing further is looked for.
-    sure: probability from which an effect is named.
+    sure: probability from which an effect is named. A special case tied with its general form has 0.88; a
+        third family tied with both takes it below.
     special: log-odds that a special case has over the family that contains it.
     unexplained_part: part of the structure that a smooth term must take out beyond the effects to refuse a
         name.
@@ -54,7 +55,7 @@ class Rules:
     least_share: float = 0.002
     least_part: float = 0.0003
     clears: float = 0.5
-    sure: float = 0.75
+    sure: float = 0.8
     at_floor: float = 1.02
     special: float = 2.0
     unexplained_part: float = 0.04

@@ -65,11 +65,6 @@ class Problem:
         """The first value of everything searched."""
         return {s.name: s.starts[0] for s in self.searched}
 
-    @property
-    def scale_known(self) -> bool:
-        """Tell whether newton metres come out: the scale is one, or has a column of its own."""
-        return self.scale is None or any(c.role == "scale" for c in self.coefficients)
-
     @cached_property
     def _inputs(self) -> tuple[str, ...]:
         names = inspect.signature(self.module.regressor).parameters
@@ -154,20 +149,9 @@ def pose(channels: Channels, rig: Rig, model: Model) -> Problem:
     idle |= rig.estimate - {s.name for s in searched} - {c.letter for c in coefficients}
     warnings += [f"{name} has no effect on {model.name} driven by {channels.drive}" for name in sorted(idle)]
     unit = "N m" if scale is None else {"current": "A", "voltage": "V"}[channels.drive]
-    module = _module(model)
     return Problem(
-        channels, rig, model, module, sampling, unit, scale, coefficients, searched, tuple(warnings)
+        channels, rig, model, load_module(model), sampling, unit, scale, coefficients, searched, tuple(warnings)
     )
-
-
-_modules: dict[int, tuple[Model, ModuleType]] = {}
-
-
-def _module(model: Model) -> ModuleType:
-    """Return the emitted module: rendering it takes ten times as long as a fit, and a model is immutable."""
-    if id(model) not in _modules:
-        _modules[id(model)] = model, load_module(model)
-    return _modules[id(model)][1]
 
 
 def _require_case(rig: Rig, model: Model) -> None:
