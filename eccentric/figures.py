@@ -36,9 +36,7 @@ def draw(out: Path) -> list[Path]:
     try:
         import matplotlib as mpl
     except ModuleNotFoundError:
-        raise InputError(
-            "figures: required matplotlib; install it with: pip install 'eccentric[figures]'"
-        ) from None
+        raise InputError("figures: required matplotlib; install it with: pip install matplotlib") from None
     paths = []
     # The same bytes each time: SVG ids from a fixed salt, no date.
     with mpl.rc_context({"svg.hashsalt": "eccentric", "font.size": 10, "axes.grid": True, "grid.alpha": 0.3}):
@@ -144,9 +142,7 @@ def _figure_5() -> Figure:
         left.plot(omega_l, c2.friction_torque(*state), color=colour, label=f"θ_l = {label}")
         right.plot(omega_l, c2.normal_force(*state), color=colour, label=f"θ_l = {label}")
     critical = _critical_velocity()
-    right.annotate(
-        f"{critical:.2f} rad/s, π", (critical, 0), (10, -0.5), arrowprops={"arrowstyle": "->"}
-    )
+    right.annotate(f"{critical:.2f} rad/s, π", (critical, 0), (10, -0.5), arrowprops={"arrowstyle": "->"})
     left.set(xlabel="link velocity ω_l [rad/s]", ylabel="friction torque F [N m]")
     right.set(xlabel="link velocity ω_l [rad/s]", ylabel="normal force F_N [N]", ylim=(-3, None))
     left.legend()

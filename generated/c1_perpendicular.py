@@ -95,7 +95,7 @@ class Parameters:
             if value is None and name in _OPTIONAL:
                 continue
             try:
-                allowed = lowest <= value <= highest
+                allowed = value is not None and lowest <= value <= highest
             except TypeError:
                 allowed = False
             if not allowed:

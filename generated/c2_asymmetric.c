@@ -1,6 +1,6 @@
 /*
  * Generated: do not edit. Written by `make derive` from derivations/c2_asymmetric.py
- * (eccentric 0.1.0, program 919e8c4e).
+ * (eccentric 0.1.0, program ccd95a0d).
  * Case C2 with friction that differs between the directions of motion.
  */
 #include "c2_asymmetric.h"
@@ -8,7 +8,7 @@
 #include <float.h>
 #include <math.h>
 
-#if C2_ASYMMETRIC_PROGRAM != 0x919e8c4eUL
+#if C2_ASYMMETRIC_PROGRAM != 0xccd95a0dUL
 #error "c2_asymmetric.c and c2_asymmetric.h are of different derivations: write both again"
 #endif
 
@@ -347,15 +347,16 @@ ECCENTRIC_REAL c2_asymmetric_normal_force(
     const real square_difference = (speed - c->omega_star_1 - c->omega_star_2) * (speed + c->omega_star_1);
     /* the odd number of half turns up to the top that is nearest */
     const real halves = REAL(2.0) * REAL_FLOOR(theta_m * c->turns_per_rad) + REAL(1.0);
-    /* angle from the top: the half turns go off in three parts, the leading two exactly */
-    const real from_top = theta_m - halves * c->half_period_1 - halves * c->half_period_2 - halves *
-        c->half_period_3;
+    /* the half turns go off in three parts, the leading digits first: both products are exact */
+    const real rest = theta_m - halves * c->half_period_1;
+    /* angle from the top */
+    const real from_top = rest - halves * c->half_period_2 - halves * c->half_period_3;
     /* an angle so large that nothing is left of its phase counts as the top */
     const real bounded = ((REAL_FABS(from_top) <= c->period) ? from_top : theta_m - theta_m);
     /* half angle from the top */
     const real half_angle = bounded * c->half_mu;
     const real half_angle_squared = half_angle * half_angle;
-    /* sine of the half angle from the top, which is the cosine of half the angle but for its sign */
+    /* sine of the half angle from the top: the cosine of half the angle but for its sign */
     const real half_cosine = half_angle * c2_asymmetric_sine_series(half_angle_squared);
     const real p = square_difference;
     const real q = half_cosine * speed * c->twice_omega_star;
@@ -388,15 +389,16 @@ ECCENTRIC_REAL c2_asymmetric_friction_torque(
     const real square_difference = (speed - c->omega_star_1 - c->omega_star_2) * (speed + c->omega_star_1);
     /* the odd number of half turns up to the top that is nearest */
     const real halves = REAL(2.0) * REAL_FLOOR(theta_m * c->turns_per_rad) + REAL(1.0);
-    /* angle from the top: the half turns go off in three parts, the leading two exactly */
-    const real from_top = theta_m - halves * c->half_period_1 - halves * c->half_period_2 - halves *
-        c->half_period_3;
+    /* the half turns go off in three parts, the leading digits first: both products are exact */
+    const real rest = theta_m - halves * c->half_period_1;
+    /* angle from the top */
+    const real from_top = rest - halves * c->half_period_2 - halves * c->half_period_3;
     /* an angle so large that nothing is left of its phase counts as the top */
     const real bounded = ((REAL_FABS(from_top) <= c->period) ? from_top : theta_m - theta_m);
     /* half angle from the top */
     const real half_angle = bounded * c->half_mu;
     const real half_angle_squared = half_angle * half_angle;
-    /* sine of the half angle from the top, which is the cosine of half the angle but for its sign */
+    /* sine of the half angle from the top: the cosine of half the angle but for its sign */
     const real half_cosine = half_angle * c2_asymmetric_sine_series(half_angle_squared);
     const real p = square_difference;
     const real q = half_cosine * speed * c->twice_omega_star;
@@ -437,15 +439,16 @@ ECCENTRIC_REAL c2_asymmetric_mechanical_friction_torque(
     const real square_difference = (speed - c->omega_star_1 - c->omega_star_2) * (speed + c->omega_star_1);
     /* the odd number of half turns up to the top that is nearest */
     const real halves = REAL(2.0) * REAL_FLOOR(theta_m * c->turns_per_rad) + REAL(1.0);
-    /* angle from the top: the half turns go off in three parts, the leading two exactly */
-    const real from_top = theta_m - halves * c->half_period_1 - halves * c->half_period_2 - halves *
-        c->half_period_3;
+    /* the half turns go off in three parts, the leading digits first: both products are exact */
+    const real rest = theta_m - halves * c->half_period_1;
+    /* angle from the top */
+    const real from_top = rest - halves * c->half_period_2 - halves * c->half_period_3;
     /* an angle so large that nothing is left of its phase counts as the top */
     const real bounded = ((REAL_FABS(from_top) <= c->period) ? from_top : theta_m - theta_m);
     /* half angle from the top */
     const real half_angle = bounded * c->half_mu;
     const real half_angle_squared = half_angle * half_angle;
-    /* sine of the half angle from the top, which is the cosine of half the angle but for its sign */
+    /* sine of the half angle from the top: the cosine of half the angle but for its sign */
     const real half_cosine = half_angle * c2_asymmetric_sine_series(half_angle_squared);
     const real p = square_difference;
     const real q = half_cosine * speed * c->twice_omega_star;
@@ -488,15 +491,16 @@ void c2_asymmetric_friction_torque_gradient(
     const real square_difference = (speed - c->omega_star_1 - c->omega_star_2) * (speed + c->omega_star_1);
     /* the odd number of half turns up to the top that is nearest */
     const real halves = REAL(2.0) * REAL_FLOOR(theta_m * c->turns_per_rad) + REAL(1.0);
-    /* angle from the top: the half turns go off in three parts, the leading two exactly */
-    const real from_top = theta_m - halves * c->half_period_1 - halves * c->half_period_2 - halves *
-        c->half_period_3;
+    /* the half turns go off in three parts, the leading digits first: both products are exact */
+    const real rest = theta_m - halves * c->half_period_1;
+    /* angle from the top */
+    const real from_top = rest - halves * c->half_period_2 - halves * c->half_period_3;
     /* an angle so large that nothing is left of its phase counts as the top */
     const real bounded = ((REAL_FABS(from_top) <= c->period) ? from_top : theta_m - theta_m);
     /* half angle from the top */
     const real half_angle = bounded * c->half_mu;
     const real half_angle_squared = half_angle * half_angle;
-    /* sine of the half angle from the top, which is the cosine of half the angle but for its sign */
+    /* sine of the half angle from the top: the cosine of half the angle but for its sign */
     const real half_cosine = half_angle * c2_asymmetric_sine_series(half_angle_squared);
     const real p = square_difference;
     const real q = half_cosine * speed * c->twice_omega_star;
@@ -558,15 +562,16 @@ void c2_asymmetric_friction_torque_jacobian(
     const real square_difference = (speed - c->omega_star_1 - c->omega_star_2) * (speed + c->omega_star_1);
     /* the odd number of half turns up to the top that is nearest */
     const real halves = REAL(2.0) * REAL_FLOOR(theta_m * c->turns_per_rad) + REAL(1.0);
-    /* angle from the top: the half turns go off in three parts, the leading two exactly */
-    const real from_top = theta_m - halves * c->half_period_1 - halves * c->half_period_2 - halves *
-        c->half_period_3;
+    /* the half turns go off in three parts, the leading digits first: both products are exact */
+    const real rest = theta_m - halves * c->half_period_1;
+    /* angle from the top */
+    const real from_top = rest - halves * c->half_period_2 - halves * c->half_period_3;
     /* an angle so large that nothing is left of its phase counts as the top */
     const real bounded = ((REAL_FABS(from_top) <= c->period) ? from_top : theta_m - theta_m);
     /* half angle from the top */
     const real half_angle = bounded * c->half_mu;
     const real half_angle_squared = half_angle * half_angle;
-    /* sine of the half angle from the top, which is the cosine of half the angle but for its sign */
+    /* sine of the half angle from the top: the cosine of half the angle but for its sign */
     const real half_cosine = half_angle * c2_asymmetric_sine_series(half_angle_squared);
     const real p = square_difference;
     const real q = half_cosine * speed * c->twice_omega_star;
@@ -612,15 +617,16 @@ void c2_asymmetric_regressor(
     const real square_difference = (speed - c->omega_star_1 - c->omega_star_2) * (speed + c->omega_star_1);
     /* the odd number of half turns up to the top that is nearest */
     const real halves = REAL(2.0) * REAL_FLOOR(theta_m * c->turns_per_rad) + REAL(1.0);
-    /* angle from the top: the half turns go off in three parts, the leading two exactly */
-    const real from_top = theta_m - halves * c->half_period_1 - halves * c->half_period_2 - halves *
-        c->half_period_3;
+    /* the half turns go off in three parts, the leading digits first: both products are exact */
+    const real rest = theta_m - halves * c->half_period_1;
+    /* angle from the top */
+    const real from_top = rest - halves * c->half_period_2 - halves * c->half_period_3;
     /* an angle so large that nothing is left of its phase counts as the top */
     const real bounded = ((REAL_FABS(from_top) <= c->period) ? from_top : theta_m - theta_m);
     /* half angle from the top */
     const real half_angle = bounded * c->half_mu;
     const real half_angle_squared = half_angle * half_angle;
-    /* sine of the half angle from the top, which is the cosine of half the angle but for its sign */
+    /* sine of the half angle from the top: the cosine of half the angle but for its sign */
     const real half_cosine = half_angle * c2_asymmetric_sine_series(half_angle_squared);
     const real p = square_difference;
     const real q = half_cosine * speed * c->twice_omega_star;
@@ -676,15 +682,16 @@ ECCENTRIC_REAL c2_asymmetric_gravity_torque(ECCENTRIC_REAL theta_m, const c2_asy
 {
     /* the odd number of half turns up to the top that is nearest */
     const real halves = REAL(2.0) * REAL_FLOOR(theta_m * c->turns_per_rad) + REAL(1.0);
-    /* angle from the top: the half turns go off in three parts, the leading two exactly */
-    const real from_top = theta_m - halves * c->half_period_1 - halves * c->half_period_2 - halves *
-        c->half_period_3;
+    /* the half turns go off in three parts, the leading digits first: both products are exact */
+    const real rest = theta_m - halves * c->half_period_1;
+    /* angle from the top */
+    const real from_top = rest - halves * c->half_period_2 - halves * c->half_period_3;
     /* an angle so large that nothing is left of its phase counts as the top */
     const real bounded = ((REAL_FABS(from_top) <= c->period) ? from_top : theta_m - theta_m);
     /* half angle from the top */
     const real half_angle = bounded * c->half_mu;
     const real half_angle_squared = half_angle * half_angle;
-    /* sine of the half angle from the top, which is the cosine of half the angle but for its sign */
+    /* sine of the half angle from the top: the cosine of half the angle but for its sign */
     const real half_cosine = half_angle * c2_asymmetric_sine_series(half_angle_squared);
     /* cosine of the half angle from the top */
     const real half_sine = c2_asymmetric_cosine_series(half_angle_squared);
@@ -714,15 +721,16 @@ ECCENTRIC_REAL c2_asymmetric_voltage(
     const real square_difference = (speed - c->omega_star_1 - c->omega_star_2) * (speed + c->omega_star_1);
     /* the odd number of half turns up to the top that is nearest */
     const real halves = REAL(2.0) * REAL_FLOOR(theta_m * c->turns_per_rad) + REAL(1.0);
-    /* angle from the top: the half turns go off in three parts, the leading two exactly */
-    const real from_top = theta_m - halves * c->half_period_1 - halves * c->half_period_2 - halves *
-        c->half_period_3;
+    /* the half turns go off in three parts, the leading digits first: both products are exact */
+    const real rest = theta_m - halves * c->half_period_1;
+    /* angle from the top */
+    const real from_top = rest - halves * c->half_period_2 - halves * c->half_period_3;
     /* an angle so large that nothing is left of its phase counts as the top */
     const real bounded = ((REAL_FABS(from_top) <= c->period) ? from_top : theta_m - theta_m);
     /* half angle from the top */
     const real half_angle = bounded * c->half_mu;
     const real half_angle_squared = half_angle * half_angle;
-    /* sine of the half angle from the top, which is the cosine of half the angle but for its sign */
+    /* sine of the half angle from the top: the cosine of half the angle but for its sign */
     const real half_cosine = half_angle * c2_asymmetric_sine_series(half_angle_squared);
     const real p = square_difference;
     const real q = half_cosine * speed * c->twice_omega_star;
@@ -772,15 +780,16 @@ ECCENTRIC_REAL c2_asymmetric_current(
     const real square_difference = (speed - c->omega_star_1 - c->omega_star_2) * (speed + c->omega_star_1);
     /* the odd number of half turns up to the top that is nearest */
     const real halves = REAL(2.0) * REAL_FLOOR(theta_m * c->turns_per_rad) + REAL(1.0);
-    /* angle from the top: the half turns go off in three parts, the leading two exactly */
-    const real from_top = theta_m - halves * c->half_period_1 - halves * c->half_period_2 - halves *
-        c->half_period_3;
+    /* the half turns go off in three parts, the leading digits first: both products are exact */
+    const real rest = theta_m - halves * c->half_period_1;
+    /* angle from the top */
+    const real from_top = rest - halves * c->half_period_2 - halves * c->half_period_3;
     /* an angle so large that nothing is left of its phase counts as the top */
     const real bounded = ((REAL_FABS(from_top) <= c->period) ? from_top : theta_m - theta_m);
     /* half angle from the top */
     const real half_angle = bounded * c->half_mu;
     const real half_angle_squared = half_angle * half_angle;
-    /* sine of the half angle from the top, which is the cosine of half the angle but for its sign */
+    /* sine of the half angle from the top: the cosine of half the angle but for its sign */
     const real half_cosine = half_angle * c2_asymmetric_sine_series(half_angle_squared);
     const real p = square_difference;
     const real q = half_cosine * speed * c->twice_omega_star;
@@ -829,15 +838,16 @@ ECCENTRIC_REAL c2_asymmetric_mechanical_residual(
     const real square_difference = (speed - c->omega_star_1 - c->omega_star_2) * (speed + c->omega_star_1);
     /* the odd number of half turns up to the top that is nearest */
     const real halves = REAL(2.0) * REAL_FLOOR(theta_m * c->turns_per_rad) + REAL(1.0);
-    /* angle from the top: the half turns go off in three parts, the leading two exactly */
-    const real from_top = theta_m - halves * c->half_period_1 - halves * c->half_period_2 - halves *
-        c->half_period_3;
+    /* the half turns go off in three parts, the leading digits first: both products are exact */
+    const real rest = theta_m - halves * c->half_period_1;
+    /* angle from the top */
+    const real from_top = rest - halves * c->half_period_2 - halves * c->half_period_3;
     /* an angle so large that nothing is left of its phase counts as the top */
     const real bounded = ((REAL_FABS(from_top) <= c->period) ? from_top : theta_m - theta_m);
     /* half angle from the top */
     const real half_angle = bounded * c->half_mu;
     const real half_angle_squared = half_angle * half_angle;
-    /* sine of the half angle from the top, which is the cosine of half the angle but for its sign */
+    /* sine of the half angle from the top: the cosine of half the angle but for its sign */
     const real half_cosine = half_angle * c2_asymmetric_sine_series(half_angle_squared);
     const real p = square_difference;
     const real q = half_cosine * speed * c->twice_omega_star;

@@ -1,5 +1,5 @@
 # Generated: do not edit. Written by `make derive` from derivations/c2_asymmetric.py
-# (eccentric 0.1.0, program 919e8c4e).
+# (eccentric 0.1.0, program ccd95a0d).
 # Case C2 with friction that differs between the directions of motion.
 """Case C2 with friction that differs between the directions of motion.
 
@@ -114,7 +114,7 @@ class Parameters:
             if value is None and name in _OPTIONAL:
                 continue
             try:
-                allowed = lowest <= value <= highest
+                allowed = value is not None and lowest <= value <= highest
             except TypeError:
                 allowed = False
             if not allowed:
@@ -445,14 +445,16 @@ def _normal_force(
     square_difference = (speed - c.omega_star_1 - c.omega_star_2) * (speed + c.omega_star_1)
     # the odd number of half turns up to the top that is nearest
     halves = 2.0 * np.floor(theta_m * c.turns_per_rad) + 1.0
-    # angle from the top: the half turns go off in three parts, the leading two exactly
-    from_top = theta_m - halves * c.half_period_1 - halves * c.half_period_2 - halves * c.half_period_3
+    # the half turns go off in three parts, the leading digits first: both products are exact
+    rest = theta_m - halves * c.half_period_1
+    # angle from the top
+    from_top = rest - halves * c.half_period_2 - halves * c.half_period_3
     # an angle so large that nothing is left of its phase counts as the top
     bounded = np.where(np.abs(from_top) <= c.period, from_top, theta_m - theta_m)
     # half angle from the top
     half_angle = bounded * c.half_mu
     half_angle_squared = half_angle * half_angle
-    # sine of the half angle from the top, which is the cosine of half the angle but for its sign
+    # sine of the half angle from the top: the cosine of half the angle but for its sign
     half_cosine = half_angle * _sine_series(half_angle_squared)
     p = square_difference
     q = half_cosine * speed * c.twice_omega_star
@@ -488,14 +490,16 @@ def _friction_torque(
     square_difference = (speed - c.omega_star_1 - c.omega_star_2) * (speed + c.omega_star_1)
     # the odd number of half turns up to the top that is nearest
     halves = 2.0 * np.floor(theta_m * c.turns_per_rad) + 1.0
-    # angle from the top: the half turns go off in three parts, the leading two exactly
-    from_top = theta_m - halves * c.half_period_1 - halves * c.half_period_2 - halves * c.half_period_3
+    # the half turns go off in three parts, the leading digits first: both products are exact
+    rest = theta_m - halves * c.half_period_1
+    # angle from the top
+    from_top = rest - halves * c.half_period_2 - halves * c.half_period_3
     # an angle so large that nothing is left of its phase counts as the top
     bounded = np.where(np.abs(from_top) <= c.period, from_top, theta_m - theta_m)
     # half angle from the top
     half_angle = bounded * c.half_mu
     half_angle_squared = half_angle * half_angle
-    # sine of the half angle from the top, which is the cosine of half the angle but for its sign
+    # sine of the half angle from the top: the cosine of half the angle but for its sign
     half_cosine = half_angle * _sine_series(half_angle_squared)
     p = square_difference
     q = half_cosine * speed * c.twice_omega_star
@@ -541,14 +545,16 @@ def _mechanical_friction_torque(
     square_difference = (speed - c.omega_star_1 - c.omega_star_2) * (speed + c.omega_star_1)
     # the odd number of half turns up to the top that is nearest
     halves = 2.0 * np.floor(theta_m * c.turns_per_rad) + 1.0
-    # angle from the top: the half turns go off in three parts, the leading two exactly
-    from_top = theta_m - halves * c.half_period_1 - halves * c.half_period_2 - halves * c.half_period_3
+    # the half turns go off in three parts, the leading digits first: both products are exact
+    rest = theta_m - halves * c.half_period_1
+    # angle from the top
+    from_top = rest - halves * c.half_period_2 - halves * c.half_period_3
     # an angle so large that nothing is left of its phase counts as the top
     bounded = np.where(np.abs(from_top) <= c.period, from_top, theta_m - theta_m)
     # half angle from the top
     half_angle = bounded * c.half_mu
     half_angle_squared = half_angle * half_angle
-    # sine of the half angle from the top, which is the cosine of half the angle but for its sign
+    # sine of the half angle from the top: the cosine of half the angle but for its sign
     half_cosine = half_angle * _sine_series(half_angle_squared)
     p = square_difference
     q = half_cosine * speed * c.twice_omega_star
@@ -595,14 +601,16 @@ def _friction_torque_gradient(
     square_difference = (speed - c.omega_star_1 - c.omega_star_2) * (speed + c.omega_star_1)
     # the odd number of half turns up to the top that is nearest
     halves = 2.0 * np.floor(theta_m * c.turns_per_rad) + 1.0
-    # angle from the top: the half turns go off in three parts, the leading two exactly
-    from_top = theta_m - halves * c.half_period_1 - halves * c.half_period_2 - halves * c.half_period_3
+    # the half turns go off in three parts, the leading digits first: both products are exact
+    rest = theta_m - halves * c.half_period_1
+    # angle from the top
+    from_top = rest - halves * c.half_period_2 - halves * c.half_period_3
     # an angle so large that nothing is left of its phase counts as the top
     bounded = np.where(np.abs(from_top) <= c.period, from_top, theta_m - theta_m)
     # half angle from the top
     half_angle = bounded * c.half_mu
     half_angle_squared = half_angle * half_angle
-    # sine of the half angle from the top, which is the cosine of half the angle but for its sign
+    # sine of the half angle from the top: the cosine of half the angle but for its sign
     half_cosine = half_angle * _sine_series(half_angle_squared)
     p = square_difference
     q = half_cosine * speed * c.twice_omega_star
@@ -668,14 +676,16 @@ def _friction_torque_jacobian(
     square_difference = (speed - c.omega_star_1 - c.omega_star_2) * (speed + c.omega_star_1)
     # the odd number of half turns up to the top that is nearest
     halves = 2.0 * np.floor(theta_m * c.turns_per_rad) + 1.0
-    # angle from the top: the half turns go off in three parts, the leading two exactly
-    from_top = theta_m - halves * c.half_period_1 - halves * c.half_period_2 - halves * c.half_period_3
+    # the half turns go off in three parts, the leading digits first: both products are exact
+    rest = theta_m - halves * c.half_period_1
+    # angle from the top
+    from_top = rest - halves * c.half_period_2 - halves * c.half_period_3
     # an angle so large that nothing is left of its phase counts as the top
     bounded = np.where(np.abs(from_top) <= c.period, from_top, theta_m - theta_m)
     # half angle from the top
     half_angle = bounded * c.half_mu
     half_angle_squared = half_angle * half_angle
-    # sine of the half angle from the top, which is the cosine of half the angle but for its sign
+    # sine of the half angle from the top: the cosine of half the angle but for its sign
     half_cosine = half_angle * _sine_series(half_angle_squared)
     p = square_difference
     q = half_cosine * speed * c.twice_omega_star
@@ -735,14 +745,16 @@ def _regressor(
     square_difference = (speed - c.omega_star_1 - c.omega_star_2) * (speed + c.omega_star_1)
     # the odd number of half turns up to the top that is nearest
     halves = 2.0 * np.floor(theta_m * c.turns_per_rad) + 1.0
-    # angle from the top: the half turns go off in three parts, the leading two exactly
-    from_top = theta_m - halves * c.half_period_1 - halves * c.half_period_2 - halves * c.half_period_3
+    # the half turns go off in three parts, the leading digits first: both products are exact
+    rest = theta_m - halves * c.half_period_1
+    # angle from the top
+    from_top = rest - halves * c.half_period_2 - halves * c.half_period_3
     # an angle so large that nothing is left of its phase counts as the top
     bounded = np.where(np.abs(from_top) <= c.period, from_top, theta_m - theta_m)
     # half angle from the top
     half_angle = bounded * c.half_mu
     half_angle_squared = half_angle * half_angle
-    # sine of the half angle from the top, which is the cosine of half the angle but for its sign
+    # sine of the half angle from the top: the cosine of half the angle but for its sign
     half_cosine = half_angle * _sine_series(half_angle_squared)
     p = square_difference
     q = half_cosine * speed * c.twice_omega_star
@@ -851,14 +863,16 @@ def _gravity_torque(
 ) -> tuple[Any, ...]:
     # the odd number of half turns up to the top that is nearest
     halves = 2.0 * np.floor(theta_m * c.turns_per_rad) + 1.0
-    # angle from the top: the half turns go off in three parts, the leading two exactly
-    from_top = theta_m - halves * c.half_period_1 - halves * c.half_period_2 - halves * c.half_period_3
+    # the half turns go off in three parts, the leading digits first: both products are exact
+    rest = theta_m - halves * c.half_period_1
+    # angle from the top
+    from_top = rest - halves * c.half_period_2 - halves * c.half_period_3
     # an angle so large that nothing is left of its phase counts as the top
     bounded = np.where(np.abs(from_top) <= c.period, from_top, theta_m - theta_m)
     # half angle from the top
     half_angle = bounded * c.half_mu
     half_angle_squared = half_angle * half_angle
-    # sine of the half angle from the top, which is the cosine of half the angle but for its sign
+    # sine of the half angle from the top: the cosine of half the angle but for its sign
     half_cosine = half_angle * _sine_series(half_angle_squared)
     # cosine of the half angle from the top
     half_sine = _cosine_series(half_angle_squared)
@@ -890,14 +904,16 @@ def _voltage(
     square_difference = (speed - c.omega_star_1 - c.omega_star_2) * (speed + c.omega_star_1)
     # the odd number of half turns up to the top that is nearest
     halves = 2.0 * np.floor(theta_m * c.turns_per_rad) + 1.0
-    # angle from the top: the half turns go off in three parts, the leading two exactly
-    from_top = theta_m - halves * c.half_period_1 - halves * c.half_period_2 - halves * c.half_period_3
+    # the half turns go off in three parts, the leading digits first: both products are exact
+    rest = theta_m - halves * c.half_period_1
+    # angle from the top
+    from_top = rest - halves * c.half_period_2 - halves * c.half_period_3
     # an angle so large that nothing is left of its phase counts as the top
     bounded = np.where(np.abs(from_top) <= c.period, from_top, theta_m - theta_m)
     # half angle from the top
     half_angle = bounded * c.half_mu
     half_angle_squared = half_angle * half_angle
-    # sine of the half angle from the top, which is the cosine of half the angle but for its sign
+    # sine of the half angle from the top: the cosine of half the angle but for its sign
     half_cosine = half_angle * _sine_series(half_angle_squared)
     p = square_difference
     q = half_cosine * speed * c.twice_omega_star
@@ -952,14 +968,16 @@ def _current(
     square_difference = (speed - c.omega_star_1 - c.omega_star_2) * (speed + c.omega_star_1)
     # the odd number of half turns up to the top that is nearest
     halves = 2.0 * np.floor(theta_m * c.turns_per_rad) + 1.0
-    # angle from the top: the half turns go off in three parts, the leading two exactly
-    from_top = theta_m - halves * c.half_period_1 - halves * c.half_period_2 - halves * c.half_period_3
+    # the half turns go off in three parts, the leading digits first: both products are exact
+    rest = theta_m - halves * c.half_period_1
+    # angle from the top
+    from_top = rest - halves * c.half_period_2 - halves * c.half_period_3
     # an angle so large that nothing is left of its phase counts as the top
     bounded = np.where(np.abs(from_top) <= c.period, from_top, theta_m - theta_m)
     # half angle from the top
     half_angle = bounded * c.half_mu
     half_angle_squared = half_angle * half_angle
-    # sine of the half angle from the top, which is the cosine of half the angle but for its sign
+    # sine of the half angle from the top: the cosine of half the angle but for its sign
     half_cosine = half_angle * _sine_series(half_angle_squared)
     p = square_difference
     q = half_cosine * speed * c.twice_omega_star
@@ -1013,14 +1031,16 @@ def _mechanical_residual(
     square_difference = (speed - c.omega_star_1 - c.omega_star_2) * (speed + c.omega_star_1)
     # the odd number of half turns up to the top that is nearest
     halves = 2.0 * np.floor(theta_m * c.turns_per_rad) + 1.0
-    # angle from the top: the half turns go off in three parts, the leading two exactly
-    from_top = theta_m - halves * c.half_period_1 - halves * c.half_period_2 - halves * c.half_period_3
+    # the half turns go off in three parts, the leading digits first: both products are exact
+    rest = theta_m - halves * c.half_period_1
+    # angle from the top
+    from_top = rest - halves * c.half_period_2 - halves * c.half_period_3
     # an angle so large that nothing is left of its phase counts as the top
     bounded = np.where(np.abs(from_top) <= c.period, from_top, theta_m - theta_m)
     # half angle from the top
     half_angle = bounded * c.half_mu
     half_angle_squared = half_angle * half_angle
-    # sine of the half angle from the top, which is the cosine of half the angle but for its sign
+    # sine of the half angle from the top: the cosine of half the angle but for its sign
     half_cosine = half_angle * _sine_series(half_angle_squared)
     p = square_difference
     q = half_cosine * speed * c.twice_omega_star

@@ -1,6 +1,6 @@
 /*
  * Generated: do not edit. Written by `make derive` from derivations/c2_parallel.py
- * (eccentric 0.1.0, program 5a54c472).
+ * (eccentric 0.1.0, program 70a139fb).
  * Case C2: gravity parallel to the motion plane, steady motion.
  */
 #include "c2_parallel.h"
@@ -8,7 +8,7 @@
 #include <float.h>
 #include <math.h>
 
-#if C2_PARALLEL_PROGRAM != 0x5a54c472UL
+#if C2_PARALLEL_PROGRAM != 0x70a139fbUL
 #error "c2_parallel.c and c2_parallel.h are of different derivations: write both again"
 #endif
 
@@ -283,15 +283,16 @@ ECCENTRIC_REAL c2_parallel_normal_force(
     const real square_difference = (speed - c->omega_star_1 - c->omega_star_2) * (speed + c->omega_star_1);
     /* the odd number of half turns up to the top that is nearest */
     const real halves = REAL(2.0) * REAL_FLOOR(theta_m * c->turns_per_rad) + REAL(1.0);
-    /* angle from the top: the half turns go off in three parts, the leading two exactly */
-    const real from_top = theta_m - halves * c->half_period_1 - halves * c->half_period_2 - halves *
-        c->half_period_3;
+    /* the half turns go off in three parts, the leading digits first: both products are exact */
+    const real rest = theta_m - halves * c->half_period_1;
+    /* angle from the top */
+    const real from_top = rest - halves * c->half_period_2 - halves * c->half_period_3;
     /* an angle so large that nothing is left of its phase counts as the top */
     const real bounded = ((REAL_FABS(from_top) <= c->period) ? from_top : theta_m - theta_m);
     /* half angle from the top */
     const real half_angle = bounded * c->half_mu;
     const real half_angle_squared = half_angle * half_angle;
-    /* sine of the half angle from the top, which is the cosine of half the angle but for its sign */
+    /* sine of the half angle from the top: the cosine of half the angle but for its sign */
     const real half_cosine = half_angle * c2_parallel_sine_series(half_angle_squared);
     const real p = square_difference;
     const real q = half_cosine * speed * c->twice_omega_star;
@@ -324,15 +325,16 @@ ECCENTRIC_REAL c2_parallel_friction_torque(
     const real square_difference = (speed - c->omega_star_1 - c->omega_star_2) * (speed + c->omega_star_1);
     /* the odd number of half turns up to the top that is nearest */
     const real halves = REAL(2.0) * REAL_FLOOR(theta_m * c->turns_per_rad) + REAL(1.0);
-    /* angle from the top: the half turns go off in three parts, the leading two exactly */
-    const real from_top = theta_m - halves * c->half_period_1 - halves * c->half_period_2 - halves *
-        c->half_period_3;
+    /* the half turns go off in three parts, the leading digits first: both products are exact */
+    const real rest = theta_m - halves * c->half_period_1;
+    /* angle from the top */
+    const real from_top = rest - halves * c->half_period_2 - halves * c->half_period_3;
     /* an angle so large that nothing is left of its phase counts as the top */
     const real bounded = ((REAL_FABS(from_top) <= c->period) ? from_top : theta_m - theta_m);
     /* half angle from the top */
     const real half_angle = bounded * c->half_mu;
     const real half_angle_squared = half_angle * half_angle;
-    /* sine of the half angle from the top, which is the cosine of half the angle but for its sign */
+    /* sine of the half angle from the top: the cosine of half the angle but for its sign */
     const real half_cosine = half_angle * c2_parallel_sine_series(half_angle_squared);
     const real p = square_difference;
     const real q = half_cosine * speed * c->twice_omega_star;
@@ -367,15 +369,16 @@ ECCENTRIC_REAL c2_parallel_mechanical_friction_torque(
     const real square_difference = (speed - c->omega_star_1 - c->omega_star_2) * (speed + c->omega_star_1);
     /* the odd number of half turns up to the top that is nearest */
     const real halves = REAL(2.0) * REAL_FLOOR(theta_m * c->turns_per_rad) + REAL(1.0);
-    /* angle from the top: the half turns go off in three parts, the leading two exactly */
-    const real from_top = theta_m - halves * c->half_period_1 - halves * c->half_period_2 - halves *
-        c->half_period_3;
+    /* the half turns go off in three parts, the leading digits first: both products are exact */
+    const real rest = theta_m - halves * c->half_period_1;
+    /* angle from the top */
+    const real from_top = rest - halves * c->half_period_2 - halves * c->half_period_3;
     /* an angle so large that nothing is left of its phase counts as the top */
     const real bounded = ((REAL_FABS(from_top) <= c->period) ? from_top : theta_m - theta_m);
     /* half angle from the top */
     const real half_angle = bounded * c->half_mu;
     const real half_angle_squared = half_angle * half_angle;
-    /* sine of the half angle from the top, which is the cosine of half the angle but for its sign */
+    /* sine of the half angle from the top: the cosine of half the angle but for its sign */
     const real half_cosine = half_angle * c2_parallel_sine_series(half_angle_squared);
     const real p = square_difference;
     const real q = half_cosine * speed * c->twice_omega_star;
@@ -413,15 +416,16 @@ void c2_parallel_friction_torque_gradient(
     const real square_difference = (speed - c->omega_star_1 - c->omega_star_2) * (speed + c->omega_star_1);
     /* the odd number of half turns up to the top that is nearest */
     const real halves = REAL(2.0) * REAL_FLOOR(theta_m * c->turns_per_rad) + REAL(1.0);
-    /* angle from the top: the half turns go off in three parts, the leading two exactly */
-    const real from_top = theta_m - halves * c->half_period_1 - halves * c->half_period_2 - halves *
-        c->half_period_3;
+    /* the half turns go off in three parts, the leading digits first: both products are exact */
+    const real rest = theta_m - halves * c->half_period_1;
+    /* angle from the top */
+    const real from_top = rest - halves * c->half_period_2 - halves * c->half_period_3;
     /* an angle so large that nothing is left of its phase counts as the top */
     const real bounded = ((REAL_FABS(from_top) <= c->period) ? from_top : theta_m - theta_m);
     /* half angle from the top */
     const real half_angle = bounded * c->half_mu;
     const real half_angle_squared = half_angle * half_angle;
-    /* sine of the half angle from the top, which is the cosine of half the angle but for its sign */
+    /* sine of the half angle from the top: the cosine of half the angle but for its sign */
     const real half_cosine = half_angle * c2_parallel_sine_series(half_angle_squared);
     const real p = square_difference;
     const real q = half_cosine * speed * c->twice_omega_star;
@@ -477,15 +481,16 @@ void c2_parallel_friction_torque_jacobian(
     const real square_difference = (speed - c->omega_star_1 - c->omega_star_2) * (speed + c->omega_star_1);
     /* the odd number of half turns up to the top that is nearest */
     const real halves = REAL(2.0) * REAL_FLOOR(theta_m * c->turns_per_rad) + REAL(1.0);
-    /* angle from the top: the half turns go off in three parts, the leading two exactly */
-    const real from_top = theta_m - halves * c->half_period_1 - halves * c->half_period_2 - halves *
-        c->half_period_3;
+    /* the half turns go off in three parts, the leading digits first: both products are exact */
+    const real rest = theta_m - halves * c->half_period_1;
+    /* angle from the top */
+    const real from_top = rest - halves * c->half_period_2 - halves * c->half_period_3;
     /* an angle so large that nothing is left of its phase counts as the top */
     const real bounded = ((REAL_FABS(from_top) <= c->period) ? from_top : theta_m - theta_m);
     /* half angle from the top */
     const real half_angle = bounded * c->half_mu;
     const real half_angle_squared = half_angle * half_angle;
-    /* sine of the half angle from the top, which is the cosine of half the angle but for its sign */
+    /* sine of the half angle from the top: the cosine of half the angle but for its sign */
     const real half_cosine = half_angle * c2_parallel_sine_series(half_angle_squared);
     const real p = square_difference;
     const real q = half_cosine * speed * c->twice_omega_star;
@@ -523,15 +528,16 @@ void c2_parallel_regressor(
     const real square_difference = (speed - c->omega_star_1 - c->omega_star_2) * (speed + c->omega_star_1);
     /* the odd number of half turns up to the top that is nearest */
     const real halves = REAL(2.0) * REAL_FLOOR(theta_m * c->turns_per_rad) + REAL(1.0);
-    /* angle from the top: the half turns go off in three parts, the leading two exactly */
-    const real from_top = theta_m - halves * c->half_period_1 - halves * c->half_period_2 - halves *
-        c->half_period_3;
+    /* the half turns go off in three parts, the leading digits first: both products are exact */
+    const real rest = theta_m - halves * c->half_period_1;
+    /* angle from the top */
+    const real from_top = rest - halves * c->half_period_2 - halves * c->half_period_3;
     /* an angle so large that nothing is left of its phase counts as the top */
     const real bounded = ((REAL_FABS(from_top) <= c->period) ? from_top : theta_m - theta_m);
     /* half angle from the top */
     const real half_angle = bounded * c->half_mu;
     const real half_angle_squared = half_angle * half_angle;
-    /* sine of the half angle from the top, which is the cosine of half the angle but for its sign */
+    /* sine of the half angle from the top: the cosine of half the angle but for its sign */
     const real half_cosine = half_angle * c2_parallel_sine_series(half_angle_squared);
     const real p = square_difference;
     const real q = half_cosine * speed * c->twice_omega_star;
@@ -574,15 +580,16 @@ ECCENTRIC_REAL c2_parallel_gravity_torque(ECCENTRIC_REAL theta_m, const c2_paral
 {
     /* the odd number of half turns up to the top that is nearest */
     const real halves = REAL(2.0) * REAL_FLOOR(theta_m * c->turns_per_rad) + REAL(1.0);
-    /* angle from the top: the half turns go off in three parts, the leading two exactly */
-    const real from_top = theta_m - halves * c->half_period_1 - halves * c->half_period_2 - halves *
-        c->half_period_3;
+    /* the half turns go off in three parts, the leading digits first: both products are exact */
+    const real rest = theta_m - halves * c->half_period_1;
+    /* angle from the top */
+    const real from_top = rest - halves * c->half_period_2 - halves * c->half_period_3;
     /* an angle so large that nothing is left of its phase counts as the top */
     const real bounded = ((REAL_FABS(from_top) <= c->period) ? from_top : theta_m - theta_m);
     /* half angle from the top */
     const real half_angle = bounded * c->half_mu;
     const real half_angle_squared = half_angle * half_angle;
-    /* sine of the half angle from the top, which is the cosine of half the angle but for its sign */
+    /* sine of the half angle from the top: the cosine of half the angle but for its sign */
     const real half_cosine = half_angle * c2_parallel_sine_series(half_angle_squared);
     /* cosine of the half angle from the top */
     const real half_sine = c2_parallel_cosine_series(half_angle_squared);
@@ -612,15 +619,16 @@ ECCENTRIC_REAL c2_parallel_voltage(
     const real square_difference = (speed - c->omega_star_1 - c->omega_star_2) * (speed + c->omega_star_1);
     /* the odd number of half turns up to the top that is nearest */
     const real halves = REAL(2.0) * REAL_FLOOR(theta_m * c->turns_per_rad) + REAL(1.0);
-    /* angle from the top: the half turns go off in three parts, the leading two exactly */
-    const real from_top = theta_m - halves * c->half_period_1 - halves * c->half_period_2 - halves *
-        c->half_period_3;
+    /* the half turns go off in three parts, the leading digits first: both products are exact */
+    const real rest = theta_m - halves * c->half_period_1;
+    /* angle from the top */
+    const real from_top = rest - halves * c->half_period_2 - halves * c->half_period_3;
     /* an angle so large that nothing is left of its phase counts as the top */
     const real bounded = ((REAL_FABS(from_top) <= c->period) ? from_top : theta_m - theta_m);
     /* half angle from the top */
     const real half_angle = bounded * c->half_mu;
     const real half_angle_squared = half_angle * half_angle;
-    /* sine of the half angle from the top, which is the cosine of half the angle but for its sign */
+    /* sine of the half angle from the top: the cosine of half the angle but for its sign */
     const real half_cosine = half_angle * c2_parallel_sine_series(half_angle_squared);
     const real p = square_difference;
     const real q = half_cosine * speed * c->twice_omega_star;
@@ -662,15 +670,16 @@ ECCENTRIC_REAL c2_parallel_current(
     const real square_difference = (speed - c->omega_star_1 - c->omega_star_2) * (speed + c->omega_star_1);
     /* the odd number of half turns up to the top that is nearest */
     const real halves = REAL(2.0) * REAL_FLOOR(theta_m * c->turns_per_rad) + REAL(1.0);
-    /* angle from the top: the half turns go off in three parts, the leading two exactly */
-    const real from_top = theta_m - halves * c->half_period_1 - halves * c->half_period_2 - halves *
-        c->half_period_3;
+    /* the half turns go off in three parts, the leading digits first: both products are exact */
+    const real rest = theta_m - halves * c->half_period_1;
+    /* angle from the top */
+    const real from_top = rest - halves * c->half_period_2 - halves * c->half_period_3;
     /* an angle so large that nothing is left of its phase counts as the top */
     const real bounded = ((REAL_FABS(from_top) <= c->period) ? from_top : theta_m - theta_m);
     /* half angle from the top */
     const real half_angle = bounded * c->half_mu;
     const real half_angle_squared = half_angle * half_angle;
-    /* sine of the half angle from the top, which is the cosine of half the angle but for its sign */
+    /* sine of the half angle from the top: the cosine of half the angle but for its sign */
     const real half_cosine = half_angle * c2_parallel_sine_series(half_angle_squared);
     const real p = square_difference;
     const real q = half_cosine * speed * c->twice_omega_star;
@@ -713,15 +722,16 @@ ECCENTRIC_REAL c2_parallel_mechanical_residual(
     const real square_difference = (speed - c->omega_star_1 - c->omega_star_2) * (speed + c->omega_star_1);
     /* the odd number of half turns up to the top that is nearest */
     const real halves = REAL(2.0) * REAL_FLOOR(theta_m * c->turns_per_rad) + REAL(1.0);
-    /* angle from the top: the half turns go off in three parts, the leading two exactly */
-    const real from_top = theta_m - halves * c->half_period_1 - halves * c->half_period_2 - halves *
-        c->half_period_3;
+    /* the half turns go off in three parts, the leading digits first: both products are exact */
+    const real rest = theta_m - halves * c->half_period_1;
+    /* angle from the top */
+    const real from_top = rest - halves * c->half_period_2 - halves * c->half_period_3;
     /* an angle so large that nothing is left of its phase counts as the top */
     const real bounded = ((REAL_FABS(from_top) <= c->period) ? from_top : theta_m - theta_m);
     /* half angle from the top */
     const real half_angle = bounded * c->half_mu;
     const real half_angle_squared = half_angle * half_angle;
-    /* sine of the half angle from the top, which is the cosine of half the angle but for its sign */
+    /* sine of the half angle from the top: the cosine of half the angle but for its sign */
     const real half_cosine = half_angle * c2_parallel_sine_series(half_angle_squared);
     const real p = square_difference;
     const real q = half_cosine * speed * c->twice_omega_star;

@@ -1,5 +1,5 @@
 # Generated: do not edit. Written by `make derive` from derivations/c2_parallel.py
-# (eccentric 0.1.0, program 5a54c472).
+# (eccentric 0.1.0, program 70a139fb).
 # Case C2: gravity parallel to the motion plane, steady motion.
 """Case C2: gravity parallel to the motion plane, steady motion.
 
@@ -88,7 +88,7 @@ class Parameters:
             if value is None and name in _OPTIONAL:
                 continue
             try:
-                allowed = lowest <= value <= highest
+                allowed = value is not None and lowest <= value <= highest
             except TypeError:
                 allowed = False
             if not allowed:
@@ -375,14 +375,16 @@ def _normal_force(
     square_difference = (speed - c.omega_star_1 - c.omega_star_2) * (speed + c.omega_star_1)
     # the odd number of half turns up to the top that is nearest
     halves = 2.0 * np.floor(theta_m * c.turns_per_rad) + 1.0
-    # angle from the top: the half turns go off in three parts, the leading two exactly
-    from_top = theta_m - halves * c.half_period_1 - halves * c.half_period_2 - halves * c.half_period_3
+    # the half turns go off in three parts, the leading digits first: both products are exact
+    rest = theta_m - halves * c.half_period_1
+    # angle from the top
+    from_top = rest - halves * c.half_period_2 - halves * c.half_period_3
     # an angle so large that nothing is left of its phase counts as the top
     bounded = np.where(np.abs(from_top) <= c.period, from_top, theta_m - theta_m)
     # half angle from the top
     half_angle = bounded * c.half_mu
     half_angle_squared = half_angle * half_angle
-    # sine of the half angle from the top, which is the cosine of half the angle but for its sign
+    # sine of the half angle from the top: the cosine of half the angle but for its sign
     half_cosine = half_angle * _sine_series(half_angle_squared)
     p = square_difference
     q = half_cosine * speed * c.twice_omega_star
@@ -418,14 +420,16 @@ def _friction_torque(
     square_difference = (speed - c.omega_star_1 - c.omega_star_2) * (speed + c.omega_star_1)
     # the odd number of half turns up to the top that is nearest
     halves = 2.0 * np.floor(theta_m * c.turns_per_rad) + 1.0
-    # angle from the top: the half turns go off in three parts, the leading two exactly
-    from_top = theta_m - halves * c.half_period_1 - halves * c.half_period_2 - halves * c.half_period_3
+    # the half turns go off in three parts, the leading digits first: both products are exact
+    rest = theta_m - halves * c.half_period_1
+    # angle from the top
+    from_top = rest - halves * c.half_period_2 - halves * c.half_period_3
     # an angle so large that nothing is left of its phase counts as the top
     bounded = np.where(np.abs(from_top) <= c.period, from_top, theta_m - theta_m)
     # half angle from the top
     half_angle = bounded * c.half_mu
     half_angle_squared = half_angle * half_angle
-    # sine of the half angle from the top, which is the cosine of half the angle but for its sign
+    # sine of the half angle from the top: the cosine of half the angle but for its sign
     half_cosine = half_angle * _sine_series(half_angle_squared)
     p = square_difference
     q = half_cosine * speed * c.twice_omega_star
@@ -465,14 +469,16 @@ def _mechanical_friction_torque(
     square_difference = (speed - c.omega_star_1 - c.omega_star_2) * (speed + c.omega_star_1)
     # the odd number of half turns up to the top that is nearest
     halves = 2.0 * np.floor(theta_m * c.turns_per_rad) + 1.0
-    # angle from the top: the half turns go off in three parts, the leading two exactly
-    from_top = theta_m - halves * c.half_period_1 - halves * c.half_period_2 - halves * c.half_period_3
+    # the half turns go off in three parts, the leading digits first: both products are exact
+    rest = theta_m - halves * c.half_period_1
+    # angle from the top
+    from_top = rest - halves * c.half_period_2 - halves * c.half_period_3
     # an angle so large that nothing is left of its phase counts as the top
     bounded = np.where(np.abs(from_top) <= c.period, from_top, theta_m - theta_m)
     # half angle from the top
     half_angle = bounded * c.half_mu
     half_angle_squared = half_angle * half_angle
-    # sine of the half angle from the top, which is the cosine of half the angle but for its sign
+    # sine of the half angle from the top: the cosine of half the angle but for its sign
     half_cosine = half_angle * _sine_series(half_angle_squared)
     p = square_difference
     q = half_cosine * speed * c.twice_omega_star
@@ -514,14 +520,16 @@ def _friction_torque_gradient(
     square_difference = (speed - c.omega_star_1 - c.omega_star_2) * (speed + c.omega_star_1)
     # the odd number of half turns up to the top that is nearest
     halves = 2.0 * np.floor(theta_m * c.turns_per_rad) + 1.0
-    # angle from the top: the half turns go off in three parts, the leading two exactly
-    from_top = theta_m - halves * c.half_period_1 - halves * c.half_period_2 - halves * c.half_period_3
+    # the half turns go off in three parts, the leading digits first: both products are exact
+    rest = theta_m - halves * c.half_period_1
+    # angle from the top
+    from_top = rest - halves * c.half_period_2 - halves * c.half_period_3
     # an angle so large that nothing is left of its phase counts as the top
     bounded = np.where(np.abs(from_top) <= c.period, from_top, theta_m - theta_m)
     # half angle from the top
     half_angle = bounded * c.half_mu
     half_angle_squared = half_angle * half_angle
-    # sine of the half angle from the top, which is the cosine of half the angle but for its sign
+    # sine of the half angle from the top: the cosine of half the angle but for its sign
     half_cosine = half_angle * _sine_series(half_angle_squared)
     p = square_difference
     q = half_cosine * speed * c.twice_omega_star
@@ -581,14 +589,16 @@ def _friction_torque_jacobian(
     square_difference = (speed - c.omega_star_1 - c.omega_star_2) * (speed + c.omega_star_1)
     # the odd number of half turns up to the top that is nearest
     halves = 2.0 * np.floor(theta_m * c.turns_per_rad) + 1.0
-    # angle from the top: the half turns go off in three parts, the leading two exactly
-    from_top = theta_m - halves * c.half_period_1 - halves * c.half_period_2 - halves * c.half_period_3
+    # the half turns go off in three parts, the leading digits first: both products are exact
+    rest = theta_m - halves * c.half_period_1
+    # angle from the top
+    from_top = rest - halves * c.half_period_2 - halves * c.half_period_3
     # an angle so large that nothing is left of its phase counts as the top
     bounded = np.where(np.abs(from_top) <= c.period, from_top, theta_m - theta_m)
     # half angle from the top
     half_angle = bounded * c.half_mu
     half_angle_squared = half_angle * half_angle
-    # sine of the half angle from the top, which is the cosine of half the angle but for its sign
+    # sine of the half angle from the top: the cosine of half the angle but for its sign
     half_cosine = half_angle * _sine_series(half_angle_squared)
     p = square_difference
     q = half_cosine * speed * c.twice_omega_star
@@ -630,14 +640,16 @@ def _regressor(
     square_difference = (speed - c.omega_star_1 - c.omega_star_2) * (speed + c.omega_star_1)
     # the odd number of half turns up to the top that is nearest
     halves = 2.0 * np.floor(theta_m * c.turns_per_rad) + 1.0
-    # angle from the top: the half turns go off in three parts, the leading two exactly
-    from_top = theta_m - halves * c.half_period_1 - halves * c.half_period_2 - halves * c.half_period_3
+    # the half turns go off in three parts, the leading digits first: both products are exact
+    rest = theta_m - halves * c.half_period_1
+    # angle from the top
+    from_top = rest - halves * c.half_period_2 - halves * c.half_period_3
     # an angle so large that nothing is left of its phase counts as the top
     bounded = np.where(np.abs(from_top) <= c.period, from_top, theta_m - theta_m)
     # half angle from the top
     half_angle = bounded * c.half_mu
     half_angle_squared = half_angle * half_angle
-    # sine of the half angle from the top, which is the cosine of half the angle but for its sign
+    # sine of the half angle from the top: the cosine of half the angle but for its sign
     half_cosine = half_angle * _sine_series(half_angle_squared)
     p = square_difference
     q = half_cosine * speed * c.twice_omega_star
@@ -713,14 +725,16 @@ def _gravity_torque(
 ) -> tuple[Any, ...]:
     # the odd number of half turns up to the top that is nearest
     halves = 2.0 * np.floor(theta_m * c.turns_per_rad) + 1.0
-    # angle from the top: the half turns go off in three parts, the leading two exactly
-    from_top = theta_m - halves * c.half_period_1 - halves * c.half_period_2 - halves * c.half_period_3
+    # the half turns go off in three parts, the leading digits first: both products are exact
+    rest = theta_m - halves * c.half_period_1
+    # angle from the top
+    from_top = rest - halves * c.half_period_2 - halves * c.half_period_3
     # an angle so large that nothing is left of its phase counts as the top
     bounded = np.where(np.abs(from_top) <= c.period, from_top, theta_m - theta_m)
     # half angle from the top
     half_angle = bounded * c.half_mu
     half_angle_squared = half_angle * half_angle
-    # sine of the half angle from the top, which is the cosine of half the angle but for its sign
+    # sine of the half angle from the top: the cosine of half the angle but for its sign
     half_cosine = half_angle * _sine_series(half_angle_squared)
     # cosine of the half angle from the top
     half_sine = _cosine_series(half_angle_squared)
@@ -752,14 +766,16 @@ def _voltage(
     square_difference = (speed - c.omega_star_1 - c.omega_star_2) * (speed + c.omega_star_1)
     # the odd number of half turns up to the top that is nearest
     halves = 2.0 * np.floor(theta_m * c.turns_per_rad) + 1.0
-    # angle from the top: the half turns go off in three parts, the leading two exactly
-    from_top = theta_m - halves * c.half_period_1 - halves * c.half_period_2 - halves * c.half_period_3
+    # the half turns go off in three parts, the leading digits first: both products are exact
+    rest = theta_m - halves * c.half_period_1
+    # angle from the top
+    from_top = rest - halves * c.half_period_2 - halves * c.half_period_3
     # an angle so large that nothing is left of its phase counts as the top
     bounded = np.where(np.abs(from_top) <= c.period, from_top, theta_m - theta_m)
     # half angle from the top
     half_angle = bounded * c.half_mu
     half_angle_squared = half_angle * half_angle
-    # sine of the half angle from the top, which is the cosine of half the angle but for its sign
+    # sine of the half angle from the top: the cosine of half the angle but for its sign
     half_cosine = half_angle * _sine_series(half_angle_squared)
     p = square_difference
     q = half_cosine * speed * c.twice_omega_star
@@ -806,14 +822,16 @@ def _current(
     square_difference = (speed - c.omega_star_1 - c.omega_star_2) * (speed + c.omega_star_1)
     # the odd number of half turns up to the top that is nearest
     halves = 2.0 * np.floor(theta_m * c.turns_per_rad) + 1.0
-    # angle from the top: the half turns go off in three parts, the leading two exactly
-    from_top = theta_m - halves * c.half_period_1 - halves * c.half_period_2 - halves * c.half_period_3
+    # the half turns go off in three parts, the leading digits first: both products are exact
+    rest = theta_m - halves * c.half_period_1
+    # angle from the top
+    from_top = rest - halves * c.half_period_2 - halves * c.half_period_3
     # an angle so large that nothing is left of its phase counts as the top
     bounded = np.where(np.abs(from_top) <= c.period, from_top, theta_m - theta_m)
     # half angle from the top
     half_angle = bounded * c.half_mu
     half_angle_squared = half_angle * half_angle
-    # sine of the half angle from the top, which is the cosine of half the angle but for its sign
+    # sine of the half angle from the top: the cosine of half the angle but for its sign
     half_cosine = half_angle * _sine_series(half_angle_squared)
     p = square_difference
     q = half_cosine * speed * c.twice_omega_star
@@ -861,14 +879,16 @@ def _mechanical_residual(
     square_difference = (speed - c.omega_star_1 - c.omega_star_2) * (speed + c.omega_star_1)
     # the odd number of half turns up to the top that is nearest
     halves = 2.0 * np.floor(theta_m * c.turns_per_rad) + 1.0
-    # angle from the top: the half turns go off in three parts, the leading two exactly
-    from_top = theta_m - halves * c.half_period_1 - halves * c.half_period_2 - halves * c.half_period_3
+    # the half turns go off in three parts, the leading digits first: both products are exact
+    rest = theta_m - halves * c.half_period_1
+    # angle from the top
+    from_top = rest - halves * c.half_period_2 - halves * c.half_period_3
     # an angle so large that nothing is left of its phase counts as the top
     bounded = np.where(np.abs(from_top) <= c.period, from_top, theta_m - theta_m)
     # half angle from the top
     half_angle = bounded * c.half_mu
     half_angle_squared = half_angle * half_angle
-    # sine of the half angle from the top, which is the cosine of half the angle but for its sign
+    # sine of the half angle from the top: the cosine of half the angle but for its sign
     half_cosine = half_angle * _sine_series(half_angle_squared)
     p = square_difference
     q = half_cosine * speed * c.twice_omega_star

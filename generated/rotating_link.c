@@ -1,6 +1,6 @@
 /*
  * Generated: do not edit. Written by `make derive` from derivations/rotating_link.py
- * (eccentric 0.1.0, program 1d3324f8).
+ * (eccentric 0.1.0, program 0741deb1).
  * Rotating link with an unbalanced mass, plane tilted by phi, angular acceleration kept.
  */
 #include "rotating_link.h"
@@ -8,7 +8,7 @@
 #include <float.h>
 #include <math.h>
 
-#if ROTATING_LINK_PROGRAM != 0x1d3324f8UL
+#if ROTATING_LINK_PROGRAM != 0x0741deb1UL
 #error "rotating_link.c and rotating_link.h are of different derivations: write both again"
 #endif
 
@@ -317,15 +317,16 @@ ECCENTRIC_REAL rotating_link_normal_force(
     const real speed = c->unbalanced * REAL_FABS(omega_m);
     /* the odd number of half turns up to the top that is nearest */
     const real halves = REAL(2.0) * REAL_FLOOR(theta_m * c->turns_per_rad) + REAL(1.0);
-    /* angle from the top: the half turns go off in three parts, the leading two exactly */
-    const real from_top = theta_m - halves * c->half_period_1 - halves * c->half_period_2 - halves *
-        c->half_period_3;
+    /* the half turns go off in three parts, the leading digits first: both products are exact */
+    const real rest = theta_m - halves * c->half_period_1;
+    /* angle from the top */
+    const real from_top = rest - halves * c->half_period_2 - halves * c->half_period_3;
     /* an angle so large that nothing is left of its phase counts as the top */
     const real bounded = ((REAL_FABS(from_top) <= c->period) ? from_top : theta_m - theta_m);
     /* half angle from the top */
     const real half_angle = bounded * c->half_mu;
     const real half_angle_squared = half_angle * half_angle;
-    /* sine of the half angle from the top, which is the cosine of half the angle but for its sign */
+    /* sine of the half angle from the top: the cosine of half the angle but for its sign */
     const real half_cosine = half_angle * rotating_link_sine_series(half_angle_squared);
     /* speed^2 - omega_star^2; the difference is taken once, before anything is rounded */
     const real square_difference = (speed - c->omega_star_1 - c->omega_star_2) * (speed + c->omega_star_1);
@@ -362,15 +363,16 @@ ECCENTRIC_REAL rotating_link_friction_torque(
     const real speed = c->unbalanced * REAL_FABS(omega_m);
     /* the odd number of half turns up to the top that is nearest */
     const real halves = REAL(2.0) * REAL_FLOOR(theta_m * c->turns_per_rad) + REAL(1.0);
-    /* angle from the top: the half turns go off in three parts, the leading two exactly */
-    const real from_top = theta_m - halves * c->half_period_1 - halves * c->half_period_2 - halves *
-        c->half_period_3;
+    /* the half turns go off in three parts, the leading digits first: both products are exact */
+    const real rest = theta_m - halves * c->half_period_1;
+    /* angle from the top */
+    const real from_top = rest - halves * c->half_period_2 - halves * c->half_period_3;
     /* an angle so large that nothing is left of its phase counts as the top */
     const real bounded = ((REAL_FABS(from_top) <= c->period) ? from_top : theta_m - theta_m);
     /* half angle from the top */
     const real half_angle = bounded * c->half_mu;
     const real half_angle_squared = half_angle * half_angle;
-    /* sine of the half angle from the top, which is the cosine of half the angle but for its sign */
+    /* sine of the half angle from the top: the cosine of half the angle but for its sign */
     const real half_cosine = half_angle * rotating_link_sine_series(half_angle_squared);
     /* speed^2 - omega_star^2; the difference is taken once, before anything is rounded */
     const real square_difference = (speed - c->omega_star_1 - c->omega_star_2) * (speed + c->omega_star_1);
@@ -411,15 +413,16 @@ ECCENTRIC_REAL rotating_link_mechanical_friction_torque(
     const real speed = c->unbalanced * REAL_FABS(omega_m);
     /* the odd number of half turns up to the top that is nearest */
     const real halves = REAL(2.0) * REAL_FLOOR(theta_m * c->turns_per_rad) + REAL(1.0);
-    /* angle from the top: the half turns go off in three parts, the leading two exactly */
-    const real from_top = theta_m - halves * c->half_period_1 - halves * c->half_period_2 - halves *
-        c->half_period_3;
+    /* the half turns go off in three parts, the leading digits first: both products are exact */
+    const real rest = theta_m - halves * c->half_period_1;
+    /* angle from the top */
+    const real from_top = rest - halves * c->half_period_2 - halves * c->half_period_3;
     /* an angle so large that nothing is left of its phase counts as the top */
     const real bounded = ((REAL_FABS(from_top) <= c->period) ? from_top : theta_m - theta_m);
     /* half angle from the top */
     const real half_angle = bounded * c->half_mu;
     const real half_angle_squared = half_angle * half_angle;
-    /* sine of the half angle from the top, which is the cosine of half the angle but for its sign */
+    /* sine of the half angle from the top: the cosine of half the angle but for its sign */
     const real half_cosine = half_angle * rotating_link_sine_series(half_angle_squared);
     /* speed^2 - omega_star^2; the difference is taken once, before anything is rounded */
     const real square_difference = (speed - c->omega_star_1 - c->omega_star_2) * (speed + c->omega_star_1);
@@ -463,15 +466,16 @@ void rotating_link_friction_torque_gradient(
     const real speed_d_omega_m = direction_of_motion * c->unbalanced;
     /* the odd number of half turns up to the top that is nearest */
     const real halves = REAL(2.0) * REAL_FLOOR(theta_m * c->turns_per_rad) + REAL(1.0);
-    /* angle from the top: the half turns go off in three parts, the leading two exactly */
-    const real from_top = theta_m - halves * c->half_period_1 - halves * c->half_period_2 - halves *
-        c->half_period_3;
+    /* the half turns go off in three parts, the leading digits first: both products are exact */
+    const real rest = theta_m - halves * c->half_period_1;
+    /* angle from the top */
+    const real from_top = rest - halves * c->half_period_2 - halves * c->half_period_3;
     /* an angle so large that nothing is left of its phase counts as the top */
     const real bounded = ((REAL_FABS(from_top) <= c->period) ? from_top : theta_m - theta_m);
     /* half angle from the top */
     const real half_angle = bounded * c->half_mu;
     const real half_angle_squared = half_angle * half_angle;
-    /* sine of the half angle from the top, which is the cosine of half the angle but for its sign */
+    /* sine of the half angle from the top: the cosine of half the angle but for its sign */
     const real half_cosine = half_angle * rotating_link_sine_series(half_angle_squared);
     /* speed^2 - omega_star^2; the difference is taken once, before anything is rounded */
     const real square_difference = (speed - c->omega_star_1 - c->omega_star_2) * (speed + c->omega_star_1);
@@ -533,15 +537,16 @@ void rotating_link_friction_torque_jacobian(
     const real speed = c->unbalanced * REAL_FABS(omega_m);
     /* the odd number of half turns up to the top that is nearest */
     const real halves = REAL(2.0) * REAL_FLOOR(theta_m * c->turns_per_rad) + REAL(1.0);
-    /* angle from the top: the half turns go off in three parts, the leading two exactly */
-    const real from_top = theta_m - halves * c->half_period_1 - halves * c->half_period_2 - halves *
-        c->half_period_3;
+    /* the half turns go off in three parts, the leading digits first: both products are exact */
+    const real rest = theta_m - halves * c->half_period_1;
+    /* angle from the top */
+    const real from_top = rest - halves * c->half_period_2 - halves * c->half_period_3;
     /* an angle so large that nothing is left of its phase counts as the top */
     const real bounded = ((REAL_FABS(from_top) <= c->period) ? from_top : theta_m - theta_m);
     /* half angle from the top */
     const real half_angle = bounded * c->half_mu;
     const real half_angle_squared = half_angle * half_angle;
-    /* sine of the half angle from the top, which is the cosine of half the angle but for its sign */
+    /* sine of the half angle from the top: the cosine of half the angle but for its sign */
     const real half_cosine = half_angle * rotating_link_sine_series(half_angle_squared);
     /* speed^2 - omega_star^2; the difference is taken once, before anything is rounded */
     const real square_difference = (speed - c->omega_star_1 - c->omega_star_2) * (speed + c->omega_star_1);
@@ -587,15 +592,16 @@ void rotating_link_regressor(
     const real speed = c->unbalanced * REAL_FABS(omega_m);
     /* the odd number of half turns up to the top that is nearest */
     const real halves = REAL(2.0) * REAL_FLOOR(theta_m * c->turns_per_rad) + REAL(1.0);
-    /* angle from the top: the half turns go off in three parts, the leading two exactly */
-    const real from_top = theta_m - halves * c->half_period_1 - halves * c->half_period_2 - halves *
-        c->half_period_3;
+    /* the half turns go off in three parts, the leading digits first: both products are exact */
+    const real rest = theta_m - halves * c->half_period_1;
+    /* angle from the top */
+    const real from_top = rest - halves * c->half_period_2 - halves * c->half_period_3;
     /* an angle so large that nothing is left of its phase counts as the top */
     const real bounded = ((REAL_FABS(from_top) <= c->period) ? from_top : theta_m - theta_m);
     /* half angle from the top */
     const real half_angle = bounded * c->half_mu;
     const real half_angle_squared = half_angle * half_angle;
-    /* sine of the half angle from the top, which is the cosine of half the angle but for its sign */
+    /* sine of the half angle from the top: the cosine of half the angle but for its sign */
     const real half_cosine = half_angle * rotating_link_sine_series(half_angle_squared);
     /* speed^2 - omega_star^2; the difference is taken once, before anything is rounded */
     const real square_difference = (speed - c->omega_star_1 - c->omega_star_2) * (speed + c->omega_star_1);
@@ -643,15 +649,16 @@ ECCENTRIC_REAL rotating_link_coulomb_torque(
 {
     /* the odd number of half turns up to the top that is nearest */
     const real halves = REAL(2.0) * REAL_FLOOR(theta_m * c->turns_per_rad) + REAL(1.0);
-    /* angle from the top: the half turns go off in three parts, the leading two exactly */
-    const real from_top = theta_m - halves * c->half_period_1 - halves * c->half_period_2 - halves *
-        c->half_period_3;
+    /* the half turns go off in three parts, the leading digits first: both products are exact */
+    const real rest = theta_m - halves * c->half_period_1;
+    /* angle from the top */
+    const real from_top = rest - halves * c->half_period_2 - halves * c->half_period_3;
     /* an angle so large that nothing is left of its phase counts as the top */
     const real bounded = ((REAL_FABS(from_top) <= c->period) ? from_top : theta_m - theta_m);
     /* half angle from the top */
     const real half_angle = bounded * c->half_mu;
     const real half_angle_squared = half_angle * half_angle;
-    /* sine of the half angle from the top, which is the cosine of half the angle but for its sign */
+    /* sine of the half angle from the top: the cosine of half the angle but for its sign */
     const real half_cosine = half_angle * rotating_link_sine_series(half_angle_squared);
     /* cosine of the half angle from the top */
     const real half_sine = rotating_link_cosine_series(half_angle_squared);
@@ -677,15 +684,16 @@ ECCENTRIC_REAL rotating_link_gravity_torque(ECCENTRIC_REAL theta_m, const rotati
 {
     /* the odd number of half turns up to the top that is nearest */
     const real halves = REAL(2.0) * REAL_FLOOR(theta_m * c->turns_per_rad) + REAL(1.0);
-    /* angle from the top: the half turns go off in three parts, the leading two exactly */
-    const real from_top = theta_m - halves * c->half_period_1 - halves * c->half_period_2 - halves *
-        c->half_period_3;
+    /* the half turns go off in three parts, the leading digits first: both products are exact */
+    const real rest = theta_m - halves * c->half_period_1;
+    /* angle from the top */
+    const real from_top = rest - halves * c->half_period_2 - halves * c->half_period_3;
     /* an angle so large that nothing is left of its phase counts as the top */
     const real bounded = ((REAL_FABS(from_top) <= c->period) ? from_top : theta_m - theta_m);
     /* half angle from the top */
     const real half_angle = bounded * c->half_mu;
     const real half_angle_squared = half_angle * half_angle;
-    /* sine of the half angle from the top, which is the cosine of half the angle but for its sign */
+    /* sine of the half angle from the top: the cosine of half the angle but for its sign */
     const real half_cosine = half_angle * rotating_link_sine_series(half_angle_squared);
     /* cosine of the half angle from the top */
     const real half_sine = rotating_link_cosine_series(half_angle_squared);
@@ -713,15 +721,16 @@ ECCENTRIC_REAL rotating_link_voltage(
     const real speed = c->unbalanced * REAL_FABS(omega_m);
     /* the odd number of half turns up to the top that is nearest */
     const real halves = REAL(2.0) * REAL_FLOOR(theta_m * c->turns_per_rad) + REAL(1.0);
-    /* angle from the top: the half turns go off in three parts, the leading two exactly */
-    const real from_top = theta_m - halves * c->half_period_1 - halves * c->half_period_2 - halves *
-        c->half_period_3;
+    /* the half turns go off in three parts, the leading digits first: both products are exact */
+    const real rest = theta_m - halves * c->half_period_1;
+    /* angle from the top */
+    const real from_top = rest - halves * c->half_period_2 - halves * c->half_period_3;
     /* an angle so large that nothing is left of its phase counts as the top */
     const real bounded = ((REAL_FABS(from_top) <= c->period) ? from_top : theta_m - theta_m);
     /* half angle from the top */
     const real half_angle = bounded * c->half_mu;
     const real half_angle_squared = half_angle * half_angle;
-    /* sine of the half angle from the top, which is the cosine of half the angle but for its sign */
+    /* sine of the half angle from the top: the cosine of half the angle but for its sign */
     const real half_cosine = half_angle * rotating_link_sine_series(half_angle_squared);
     /* speed^2 - omega_star^2; the difference is taken once, before anything is rounded */
     const real square_difference = (speed - c->omega_star_1 - c->omega_star_2) * (speed + c->omega_star_1);
@@ -765,15 +774,16 @@ ECCENTRIC_REAL rotating_link_current(
     const real speed = c->unbalanced * REAL_FABS(omega_m);
     /* the odd number of half turns up to the top that is nearest */
     const real halves = REAL(2.0) * REAL_FLOOR(theta_m * c->turns_per_rad) + REAL(1.0);
-    /* angle from the top: the half turns go off in three parts, the leading two exactly */
-    const real from_top = theta_m - halves * c->half_period_1 - halves * c->half_period_2 - halves *
-        c->half_period_3;
+    /* the half turns go off in three parts, the leading digits first: both products are exact */
+    const real rest = theta_m - halves * c->half_period_1;
+    /* angle from the top */
+    const real from_top = rest - halves * c->half_period_2 - halves * c->half_period_3;
     /* an angle so large that nothing is left of its phase counts as the top */
     const real bounded = ((REAL_FABS(from_top) <= c->period) ? from_top : theta_m - theta_m);
     /* half angle from the top */
     const real half_angle = bounded * c->half_mu;
     const real half_angle_squared = half_angle * half_angle;
-    /* sine of the half angle from the top, which is the cosine of half the angle but for its sign */
+    /* sine of the half angle from the top: the cosine of half the angle but for its sign */
     const real half_cosine = half_angle * rotating_link_sine_series(half_angle_squared);
     /* speed^2 - omega_star^2; the difference is taken once, before anything is rounded */
     const real square_difference = (speed - c->omega_star_1 - c->omega_star_2) * (speed + c->omega_star_1);
@@ -818,15 +828,16 @@ ECCENTRIC_REAL rotating_link_mechanical_residual(
     const real speed = c->unbalanced * REAL_FABS(omega_m);
     /* the odd number of half turns up to the top that is nearest */
     const real halves = REAL(2.0) * REAL_FLOOR(theta_m * c->turns_per_rad) + REAL(1.0);
-    /* angle from the top: the half turns go off in three parts, the leading two exactly */
-    const real from_top = theta_m - halves * c->half_period_1 - halves * c->half_period_2 - halves *
-        c->half_period_3;
+    /* the half turns go off in three parts, the leading digits first: both products are exact */
+    const real rest = theta_m - halves * c->half_period_1;
+    /* angle from the top */
+    const real from_top = rest - halves * c->half_period_2 - halves * c->half_period_3;
     /* an angle so large that nothing is left of its phase counts as the top */
     const real bounded = ((REAL_FABS(from_top) <= c->period) ? from_top : theta_m - theta_m);
     /* half angle from the top */
     const real half_angle = bounded * c->half_mu;
     const real half_angle_squared = half_angle * half_angle;
-    /* sine of the half angle from the top, which is the cosine of half the angle but for its sign */
+    /* sine of the half angle from the top: the cosine of half the angle but for its sign */
     const real half_cosine = half_angle * rotating_link_sine_series(half_angle_squared);
     /* speed^2 - omega_star^2; the difference is taken once, before anything is rounded */
     const real square_difference = (speed - c->omega_star_1 - c->omega_star_2) * (speed + c->omega_star_1);

@@ -1,5 +1,5 @@
 # Generated: do not edit. Written by `make derive` from derivations/rotating_link.py
-# (eccentric 0.1.0, program 1d3324f8).
+# (eccentric 0.1.0, program 0741deb1).
 # Rotating link with an unbalanced mass, plane tilted by phi, angular acceleration kept.
 """Rotating link with an unbalanced mass, plane tilted by phi, angular acceleration kept.
 
@@ -96,7 +96,7 @@ class Parameters:
             if value is None and name in _OPTIONAL:
                 continue
             try:
-                allowed = lowest <= value <= highest
+                allowed = value is not None and lowest <= value <= highest
             except TypeError:
                 allowed = False
             if not allowed:
@@ -411,14 +411,16 @@ def _normal_force(
     speed = c.unbalanced * np.abs(omega_m)
     # the odd number of half turns up to the top that is nearest
     halves = 2.0 * np.floor(theta_m * c.turns_per_rad) + 1.0
-    # angle from the top: the half turns go off in three parts, the leading two exactly
-    from_top = theta_m - halves * c.half_period_1 - halves * c.half_period_2 - halves * c.half_period_3
+    # the half turns go off in three parts, the leading digits first: both products are exact
+    rest = theta_m - halves * c.half_period_1
+    # angle from the top
+    from_top = rest - halves * c.half_period_2 - halves * c.half_period_3
     # an angle so large that nothing is left of its phase counts as the top
     bounded = np.where(np.abs(from_top) <= c.period, from_top, theta_m - theta_m)
     # half angle from the top
     half_angle = bounded * c.half_mu
     half_angle_squared = half_angle * half_angle
-    # sine of the half angle from the top, which is the cosine of half the angle but for its sign
+    # sine of the half angle from the top: the cosine of half the angle but for its sign
     half_cosine = half_angle * _sine_series(half_angle_squared)
     # speed^2 - omega_star^2; the difference is taken once, before anything is rounded
     square_difference = (speed - c.omega_star_1 - c.omega_star_2) * (speed + c.omega_star_1)
@@ -459,14 +461,16 @@ def _friction_torque(
     speed = c.unbalanced * np.abs(omega_m)
     # the odd number of half turns up to the top that is nearest
     halves = 2.0 * np.floor(theta_m * c.turns_per_rad) + 1.0
-    # angle from the top: the half turns go off in three parts, the leading two exactly
-    from_top = theta_m - halves * c.half_period_1 - halves * c.half_period_2 - halves * c.half_period_3
+    # the half turns go off in three parts, the leading digits first: both products are exact
+    rest = theta_m - halves * c.half_period_1
+    # angle from the top
+    from_top = rest - halves * c.half_period_2 - halves * c.half_period_3
     # an angle so large that nothing is left of its phase counts as the top
     bounded = np.where(np.abs(from_top) <= c.period, from_top, theta_m - theta_m)
     # half angle from the top
     half_angle = bounded * c.half_mu
     half_angle_squared = half_angle * half_angle
-    # sine of the half angle from the top, which is the cosine of half the angle but for its sign
+    # sine of the half angle from the top: the cosine of half the angle but for its sign
     half_cosine = half_angle * _sine_series(half_angle_squared)
     # speed^2 - omega_star^2; the difference is taken once, before anything is rounded
     square_difference = (speed - c.omega_star_1 - c.omega_star_2) * (speed + c.omega_star_1)
@@ -513,14 +517,16 @@ def _mechanical_friction_torque(
     speed = c.unbalanced * np.abs(omega_m)
     # the odd number of half turns up to the top that is nearest
     halves = 2.0 * np.floor(theta_m * c.turns_per_rad) + 1.0
-    # angle from the top: the half turns go off in three parts, the leading two exactly
-    from_top = theta_m - halves * c.half_period_1 - halves * c.half_period_2 - halves * c.half_period_3
+    # the half turns go off in three parts, the leading digits first: both products are exact
+    rest = theta_m - halves * c.half_period_1
+    # angle from the top
+    from_top = rest - halves * c.half_period_2 - halves * c.half_period_3
     # an angle so large that nothing is left of its phase counts as the top
     bounded = np.where(np.abs(from_top) <= c.period, from_top, theta_m - theta_m)
     # half angle from the top
     half_angle = bounded * c.half_mu
     half_angle_squared = half_angle * half_angle
-    # sine of the half angle from the top, which is the cosine of half the angle but for its sign
+    # sine of the half angle from the top: the cosine of half the angle but for its sign
     half_cosine = half_angle * _sine_series(half_angle_squared)
     # speed^2 - omega_star^2; the difference is taken once, before anything is rounded
     square_difference = (speed - c.omega_star_1 - c.omega_star_2) * (speed + c.omega_star_1)
@@ -569,14 +575,16 @@ def _friction_torque_gradient(
     speed_d_omega_m = direction_of_motion * c.unbalanced
     # the odd number of half turns up to the top that is nearest
     halves = 2.0 * np.floor(theta_m * c.turns_per_rad) + 1.0
-    # angle from the top: the half turns go off in three parts, the leading two exactly
-    from_top = theta_m - halves * c.half_period_1 - halves * c.half_period_2 - halves * c.half_period_3
+    # the half turns go off in three parts, the leading digits first: both products are exact
+    rest = theta_m - halves * c.half_period_1
+    # angle from the top
+    from_top = rest - halves * c.half_period_2 - halves * c.half_period_3
     # an angle so large that nothing is left of its phase counts as the top
     bounded = np.where(np.abs(from_top) <= c.period, from_top, theta_m - theta_m)
     # half angle from the top
     half_angle = bounded * c.half_mu
     half_angle_squared = half_angle * half_angle
-    # sine of the half angle from the top, which is the cosine of half the angle but for its sign
+    # sine of the half angle from the top: the cosine of half the angle but for its sign
     half_cosine = half_angle * _sine_series(half_angle_squared)
     # speed^2 - omega_star^2; the difference is taken once, before anything is rounded
     square_difference = (speed - c.omega_star_1 - c.omega_star_2) * (speed + c.omega_star_1)
@@ -641,14 +649,16 @@ def _friction_torque_jacobian(
     speed = c.unbalanced * np.abs(omega_m)
     # the odd number of half turns up to the top that is nearest
     halves = 2.0 * np.floor(theta_m * c.turns_per_rad) + 1.0
-    # angle from the top: the half turns go off in three parts, the leading two exactly
-    from_top = theta_m - halves * c.half_period_1 - halves * c.half_period_2 - halves * c.half_period_3
+    # the half turns go off in three parts, the leading digits first: both products are exact
+    rest = theta_m - halves * c.half_period_1
+    # angle from the top
+    from_top = rest - halves * c.half_period_2 - halves * c.half_period_3
     # an angle so large that nothing is left of its phase counts as the top
     bounded = np.where(np.abs(from_top) <= c.period, from_top, theta_m - theta_m)
     # half angle from the top
     half_angle = bounded * c.half_mu
     half_angle_squared = half_angle * half_angle
-    # sine of the half angle from the top, which is the cosine of half the angle but for its sign
+    # sine of the half angle from the top: the cosine of half the angle but for its sign
     half_cosine = half_angle * _sine_series(half_angle_squared)
     # speed^2 - omega_star^2; the difference is taken once, before anything is rounded
     square_difference = (speed - c.omega_star_1 - c.omega_star_2) * (speed + c.omega_star_1)
@@ -699,14 +709,16 @@ def _regressor(
     speed = c.unbalanced * np.abs(omega_m)
     # the odd number of half turns up to the top that is nearest
     halves = 2.0 * np.floor(theta_m * c.turns_per_rad) + 1.0
-    # angle from the top: the half turns go off in three parts, the leading two exactly
-    from_top = theta_m - halves * c.half_period_1 - halves * c.half_period_2 - halves * c.half_period_3
+    # the half turns go off in three parts, the leading digits first: both products are exact
+    rest = theta_m - halves * c.half_period_1
+    # angle from the top
+    from_top = rest - halves * c.half_period_2 - halves * c.half_period_3
     # an angle so large that nothing is left of its phase counts as the top
     bounded = np.where(np.abs(from_top) <= c.period, from_top, theta_m - theta_m)
     # half angle from the top
     half_angle = bounded * c.half_mu
     half_angle_squared = half_angle * half_angle
-    # sine of the half angle from the top, which is the cosine of half the angle but for its sign
+    # sine of the half angle from the top: the cosine of half the angle but for its sign
     half_cosine = half_angle * _sine_series(half_angle_squared)
     # speed^2 - omega_star^2; the difference is taken once, before anything is rounded
     square_difference = (speed - c.omega_star_1 - c.omega_star_2) * (speed + c.omega_star_1)
@@ -773,14 +785,16 @@ def _coulomb_torque(
 ) -> tuple[Any, ...]:
     # the odd number of half turns up to the top that is nearest
     halves = 2.0 * np.floor(theta_m * c.turns_per_rad) + 1.0
-    # angle from the top: the half turns go off in three parts, the leading two exactly
-    from_top = theta_m - halves * c.half_period_1 - halves * c.half_period_2 - halves * c.half_period_3
+    # the half turns go off in three parts, the leading digits first: both products are exact
+    rest = theta_m - halves * c.half_period_1
+    # angle from the top
+    from_top = rest - halves * c.half_period_2 - halves * c.half_period_3
     # an angle so large that nothing is left of its phase counts as the top
     bounded = np.where(np.abs(from_top) <= c.period, from_top, theta_m - theta_m)
     # half angle from the top
     half_angle = bounded * c.half_mu
     half_angle_squared = half_angle * half_angle
-    # sine of the half angle from the top, which is the cosine of half the angle but for its sign
+    # sine of the half angle from the top: the cosine of half the angle but for its sign
     half_cosine = half_angle * _sine_series(half_angle_squared)
     # cosine of the half angle from the top
     half_sine = _cosine_series(half_angle_squared)
@@ -813,14 +827,16 @@ def _gravity_torque(
 ) -> tuple[Any, ...]:
     # the odd number of half turns up to the top that is nearest
     halves = 2.0 * np.floor(theta_m * c.turns_per_rad) + 1.0
-    # angle from the top: the half turns go off in three parts, the leading two exactly
-    from_top = theta_m - halves * c.half_period_1 - halves * c.half_period_2 - halves * c.half_period_3
+    # the half turns go off in three parts, the leading digits first: both products are exact
+    rest = theta_m - halves * c.half_period_1
+    # angle from the top
+    from_top = rest - halves * c.half_period_2 - halves * c.half_period_3
     # an angle so large that nothing is left of its phase counts as the top
     bounded = np.where(np.abs(from_top) <= c.period, from_top, theta_m - theta_m)
     # half angle from the top
     half_angle = bounded * c.half_mu
     half_angle_squared = half_angle * half_angle
-    # sine of the half angle from the top, which is the cosine of half the angle but for its sign
+    # sine of the half angle from the top: the cosine of half the angle but for its sign
     half_cosine = half_angle * _sine_series(half_angle_squared)
     # cosine of the half angle from the top
     half_sine = _cosine_series(half_angle_squared)
@@ -850,14 +866,16 @@ def _voltage(
     speed = c.unbalanced * np.abs(omega_m)
     # the odd number of half turns up to the top that is nearest
     halves = 2.0 * np.floor(theta_m * c.turns_per_rad) + 1.0
-    # angle from the top: the half turns go off in three parts, the leading two exactly
-    from_top = theta_m - halves * c.half_period_1 - halves * c.half_period_2 - halves * c.half_period_3
+    # the half turns go off in three parts, the leading digits first: both products are exact
+    rest = theta_m - halves * c.half_period_1
+    # angle from the top
+    from_top = rest - halves * c.half_period_2 - halves * c.half_period_3
     # an angle so large that nothing is left of its phase counts as the top
     bounded = np.where(np.abs(from_top) <= c.period, from_top, theta_m - theta_m)
     # half angle from the top
     half_angle = bounded * c.half_mu
     half_angle_squared = half_angle * half_angle
-    # sine of the half angle from the top, which is the cosine of half the angle but for its sign
+    # sine of the half angle from the top: the cosine of half the angle but for its sign
     half_cosine = half_angle * _sine_series(half_angle_squared)
     # speed^2 - omega_star^2; the difference is taken once, before anything is rounded
     square_difference = (speed - c.omega_star_1 - c.omega_star_2) * (speed + c.omega_star_1)
@@ -906,14 +924,16 @@ def _current(
     speed = c.unbalanced * np.abs(omega_m)
     # the odd number of half turns up to the top that is nearest
     halves = 2.0 * np.floor(theta_m * c.turns_per_rad) + 1.0
-    # angle from the top: the half turns go off in three parts, the leading two exactly
-    from_top = theta_m - halves * c.half_period_1 - halves * c.half_period_2 - halves * c.half_period_3
+    # the half turns go off in three parts, the leading digits first: both products are exact
+    rest = theta_m - halves * c.half_period_1
+    # angle from the top
+    from_top = rest - halves * c.half_period_2 - halves * c.half_period_3
     # an angle so large that nothing is left of its phase counts as the top
     bounded = np.where(np.abs(from_top) <= c.period, from_top, theta_m - theta_m)
     # half angle from the top
     half_angle = bounded * c.half_mu
     half_angle_squared = half_angle * half_angle
-    # sine of the half angle from the top, which is the cosine of half the angle but for its sign
+    # sine of the half angle from the top: the cosine of half the angle but for its sign
     half_cosine = half_angle * _sine_series(half_angle_squared)
     # speed^2 - omega_star^2; the difference is taken once, before anything is rounded
     square_difference = (speed - c.omega_star_1 - c.omega_star_2) * (speed + c.omega_star_1)
@@ -963,14 +983,16 @@ def _mechanical_residual(
     speed = c.unbalanced * np.abs(omega_m)
     # the odd number of half turns up to the top that is nearest
     halves = 2.0 * np.floor(theta_m * c.turns_per_rad) + 1.0
-    # angle from the top: the half turns go off in three parts, the leading two exactly
-    from_top = theta_m - halves * c.half_period_1 - halves * c.half_period_2 - halves * c.half_period_3
+    # the half turns go off in three parts, the leading digits first: both products are exact
+    rest = theta_m - halves * c.half_period_1
+    # angle from the top
+    from_top = rest - halves * c.half_period_2 - halves * c.half_period_3
     # an angle so large that nothing is left of its phase counts as the top
     bounded = np.where(np.abs(from_top) <= c.period, from_top, theta_m - theta_m)
     # half angle from the top
     half_angle = bounded * c.half_mu
     half_angle_squared = half_angle * half_angle
-    # sine of the half angle from the top, which is the cosine of half the angle but for its sign
+    # sine of the half angle from the top: the cosine of half the angle but for its sign
     half_cosine = half_angle * _sine_series(half_angle_squared)
     # speed^2 - omega_star^2; the difference is taken once, before anything is rounded
     square_difference = (speed - c.omega_star_1 - c.omega_star_2) * (speed + c.omega_star_1)

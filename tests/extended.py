@@ -73,7 +73,8 @@ def setting(case: str, *, warm: bool) -> Setting:
     """Return the setting of a rig, with or without a temperature."""
     channels = {"current", "voltage", *(["temperature"] if warm else [])}
     seen = frozenset(channels)
-    return Setting(case, MU, KNOWN, 0.5, W_MAX, 15.0, END, MEAN, WARM if warm else None, seen, FIRST_FIT[case])
+    middle = WARM if warm else None
+    return Setting(case, MU, KNOWN, 0.5, W_MAX, 15.0, END, MEAN, middle, seen, FIRST_FIT[case])
 
 
 @cache

@@ -16,6 +16,7 @@ from eccentric.bench import EFFECTS, BenchRun, Scenario, random_scenario, simula
 from eccentric.bench.effects import Effect
 from eccentric.bench.motion import Motion, laws, mover
 from eccentric.bench.plant import Plant
+from eccentric.cli.bench import VARIANTS
 from eccentric.errors import InputError
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -350,17 +351,44 @@ def test_bad_scenarios_are_refused_by_name(options: dict[str, object], names: st
 
 @pytest.mark.parametrize(
     "arguments",
-    [["--effect", "stribeck=much"], ["--effect", "unheard_of"], ["--seed", "-1"], ["--mu", "-1"], []],
+    [
+        ["--effect", "stribeck=much"],
+        ["--effect", "stribeck=2"],
+        ["--effect", "stribeck[n=2]"],
+        ["--effect", "cogging[n=3]"],
+        ["--effect", "unheard_of"],
+        ["--seed", "-1"],
+        ["--mu", "-1"],
+        ["--seconds", "2"],
+        ["--noise", "-1"],
+        ["--case", "C3"],
+        ["--log-type", "walk"],
+        ["--out", "log.csv"],
+    ],
 )
 def test_the_command_line_refuses_and_writes_nothing(
     arguments: list[str], tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    """Bad values end in status 2 with one line, and no file."""
-    out = ["--out", str(tmp_path / "log.csv.gz")] if arguments else []
-
-    assert cli.main(["bench", *arguments, *out]) == 2
-    assert capsys.readouterr().err.count("\n") == 1
+    """Bad values end in status 2 with one line that begins with the option, and no file."""
+    assert cli.main(["bench", "--out", str(tmp_path / "log.csv.gz"), *arguments]) == 2
+    said = capsys.readouterr().err
+    assert said.startswith(f"eccentric: error: {arguments[0]}")
+    assert said.count("\n") == 1
     assert list(tmp_path.iterdir()) == []
+
+
+def test_the_command_line_requires_a_place_for_the_log(capsys: pytest.CaptureFixture[str]) -> None:
+    """Without --out there is one line that asks for it."""
+    assert cli.main(["bench"]) == 2
+    assert capsys.readouterr().err.startswith("eccentric: error: --out: required the path of a log")
+
+
+@pytest.mark.parametrize("family", EFFECTS)
+def test_listed_variants_are_those_of_the_families(family: str) -> None:
+    """What a family answers to a variant that does not exist is what --list-effects shows."""
+    expected = f"required a variant of {', '.join(VARIANTS[family])};" if family in VARIANTS else "no variant"
+    with pytest.raises(InputError, match=expected):
+        _scenario(effects=[f"{family}[x]"])
 
 
 def test_the_bench_shares_nothing_with_the_toolkit() -> None:

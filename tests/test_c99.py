@@ -79,7 +79,9 @@ class Library:
 
     def __getitem__(self, function: str) -> Callable[..., Any]:
         """Return the C function without its prefix; what fills coefficients has the precision in its name."""
-        return getattr(self.lib, f"{self.name}_{function}" + (f"_{self.real}" if function == "prepare" else ""))
+        return getattr(
+            self.lib, f"{self.name}_{function}" + (f"_{self.real}" if function == "prepare" else "")
+        )
 
     def names(self) -> set[str]:
         """Return the names of the functions, without the prefix."""
@@ -303,7 +305,9 @@ def test_other_types_are_refused(tmp_path: Path, real: str) -> None:
     assert '#error "ECCENTRIC_REAL must be float or double"' in said
 
 
-@pytest.mark.parametrize("option", ["-ffast-math", "-Ofast", "-funsafe-math-optimizations", "-ffinite-math-only"])
+@pytest.mark.parametrize(
+    "option", ["-ffast-math", "-Ofast", "-funsafe-math-optimizations", "-ffinite-math-only"]
+)
 def test_fast_arithmetic_is_refused(option: str) -> None:
     """A compiler that re-associates sums or assumes no NaN breaks what the source promises."""
     assert "#error" in refused("-fsyntax-only", option, GENERATED / "c2_parallel.c")
@@ -343,7 +347,14 @@ def test_models_share_a_translation_unit(tmp_path: Path, dtype: Real) -> None:
     """All models included in one file compile: nothing private has a name that two of them use."""
     (tmp_path / "all.c").write_text("".join(f'#include "{name}.c"\n' for name in MODELS))
 
-    run("gcc", *FLAGS, "-fsyntax-only", f"-DECCENTRIC_REAL={REAL[dtype]}", f"-I{GENERATED}", tmp_path / "all.c")
+    run(
+        "gcc",
+        *FLAGS,
+        "-fsyntax-only",
+        f"-DECCENTRIC_REAL={REAL[dtype]}",
+        f"-I{GENERATED}",
+        tmp_path / "all.c",
+    )
 
 
 @every_model

@@ -46,7 +46,8 @@ def test_without_matplotlib_the_fit_still_comes_out(
         monkeypatch.delitem(sys.modules, name)
     monkeypatch.setitem(sys.modules, "matplotlib", None)
     assert cli.main(["fit", str(LOG), "--rig", str(RIG), "--out", str(tmp_path / "out")]) == 0
-    assert "no figure: matplotlib is required for the figure (extra `figures`): pip install matplotlib" in capsys.readouterr().out
+    said = "no figure: matplotlib is required for the figure (extra `figures`): pip install matplotlib"
+    assert said in capsys.readouterr().out
     assert (tmp_path / "out" / "fit.json").is_file()
     assert not (tmp_path / "out" / "fit.png").exists()
 
@@ -63,6 +64,14 @@ RIGS = {
     "mu = 0": (changed(mu=0), "mu: a value above 0 is required"),
     "unknown key": ({**changed(), "colour": "red"}, "unknown key 'colour'"),
     "unknown unit": (changed() | {"columns": {"time": {"column": "time_s", "unit": "parsec"}}}, "parsec"),
+    "unknown drive": (
+        changed() | {"drive": "torque"},
+        "rig.json: drive: one of current, voltage is required, since the log has no torque",
+    ),
+    "unit of another quantity": (
+        changed() | {"columns": {"time": "time_s", "omega_m": {"column": "omega_m_rad_s", "unit": "RPM"}}},
+        "unit 'RPM' is unknown at 'RPM'; did you mean 'rpm'? known are rad/s, deg/s, rev/s, rpm, counts/s",
+    ),
     "no k_i": (changed(k_i_Nm_per_A=None), "k_i_Nm_per_A is required"),
     "never moving": (changed() | {"moving_threshold_rad_s": 1e4}, "moving rows"),
 }
@@ -82,6 +91,45 @@ def test_model_of_another_case_is_one_line(tmp_path: Path, capsys: pytest.Captur
     refused(arguments, "requires case C1, received case C2; c2_parallel fits it", tmp_path, capsys)
 
 
+def test_a_log_that_does_not_fit_its_rig_says_so(
+    rows: list[str], tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """A current of the wrong sign explains nothing: no comparison of models, but what to check."""
+    log = tmp_path / "log.csv"
+    rig = changed() | {"columns": {"time": "time_s", "theta_m": "theta_m_rad", "current": "0 - current_A"}}
+    log.write_text("\n".join(rows) + "\n")
+    (tmp_path / "rig.json").write_text(json.dumps(rig))
+    arguments = ["fit", str(log), "--rig", str(tmp_path / "rig.json"), "--out", str(tmp_path / "out")]
+    assert cli.main(arguments) == 0
+    *table, sentence, _ = capsys.readouterr().out.splitlines()
+    explained = json.loads((tmp_path / "out" / "fit.json").read_text())["r_squared_holdout"]
+    assert explained["paper"] < 0.0
+    assert sentence == (
+        f"This log does not fit the rig (R^2 {explained['paper']:.2f}): check units and signs of the "
+        'columns, mu, and the zero angle (theta_zero_rad = "estimate" estimates it).'
+    )
+    assert not any("a sign of an effect" in line for line in table)
+
+
+def test_one_blank_cell_and_a_default_threshold_are_told_shortly(
+    rows: list[str], tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """A blank cell is two lines of warning; the threshold by default is an ordinary line with its key."""
+    log = tmp_path / "log.csv"
+    blank = ",".join(["" if k == 4 else cell for k, cell in enumerate(rows[7000].split(","))])
+    log.write_text("\n".join([*rows[:7000], blank, *rows[7001:]]) + "\n")
+    rig = changed()
+    del rig["moving_threshold_rad_s"]
+    (tmp_path / "rig.json").write_text(json.dumps(rig))
+    arguments = ["fit", str(log), "--rig", str(tmp_path / "rig.json"), "--out", str(tmp_path / "out")]
+    assert cli.main(arguments) == 0
+    shown = capsys.readouterr()
+    dropped, uneven = shown.err.splitlines()
+    assert "log.csv: 1 of 15000 rows are not numbers (first: line 7001; most: 'current_A')" in dropped
+    assert "time steps are uneven (1 of 14998 differ" in uneven
+    assert "(moving_threshold_rad_s sets it)" in shown.out
+
+
 LOGS = {
     "missing file": (None, "no such file"),
     "missing column": (lambda rows: ["time_s,current_A", "0,1", "1,2"], "column 'theta_m_rad' is required"),
@@ -89,6 +137,11 @@ LOGS = {
         lambda rows: [*rows[:50], rows[50].replace(rows[50].split(",")[1], "fast"), *rows[51:]],
         "'fast'",
     ),
+    "decimal comma": (
+        lambda rows: [row.replace(",", ";").replace(".", ",") for row in rows],
+        "line 2, column 'time_s': a number is required, received '0,000'; decimals are required with a point",
+    ),
+    "unknown name in a comment": (lambda rows: ["# nothing", *rows[1:]], "a header row with column names"),
     "empty": (lambda rows: rows[:1], "a log with rows is required"),
     "a third missing": (
         lambda rows: (

@@ -149,13 +149,13 @@ def test_out_is_filled_and_returned(name: str, function: str, dtype: type[np.flo
 
 @every_model
 def test_parameters_are_checked(name: str) -> None:
-    """What cannot be a drive is refused by name: a negative mass or length, a ratio of zero, a NaN."""
+    """What cannot be a drive is refused by name: a negative mass, a ratio of zero, a NaN, a text."""
     cls = module(name).Parameters
     wrong = {
         "M": (-1.0, float("nan")),
         "M_l": (-0.1,),
         "L": (-0.25,),
-        "mu": (0.0, -0.2),
+        "mu": (0.0, -0.2, "a"),
         "R": (0.0,),
         "k_i": (0.0,),
     }

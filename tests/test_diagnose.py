@@ -1,7 +1,9 @@
-"""Close the loop: undeclared effects are found and added, a control is left alone, the unknown stays unnamed."""
+"""Close the loop: effects are found and added, a control is left alone, the unknown stays unnamed."""
 
 import importlib.util
+import inspect
 import json
+import os
 import subprocess
 import sys
 from dataclasses import replace
@@ -41,8 +43,10 @@ def said(bundled: Path) -> dict[str, Any]:
 
 
 def test_names_the_undeclared_effect_of_the_bundled_log(said: dict[str, Any]) -> None:
-    """The sealed truth beside the bundled log is what is named, with its amplitude within three standard errors."""
-    truth = json.loads((ROOT / "examples" / "bench" / "bench.truth.json").read_text(encoding="utf-8"))["effects"]
+    """The sealed truth of the bundled log is what is named, its amplitude within three standard errors."""
+    truth = json.loads((ROOT / "examples" / "bench" / "bench.truth.json").read_text(encoding="utf-8"))[
+        "effects"
+    ]
     (effect,) = said["effects"]
     amplitude = np.hypot(*(p["value"] for p in effect["parameters"].values()))
     error = np.hypot(*(p["std_error"] for p in effect["parameters"].values()))
@@ -53,7 +57,7 @@ def test_names_the_undeclared_effect_of_the_bundled_log(said: dict[str, Any]) ->
 
 
 def test_held_out_error_falls_to_the_noise_of_the_sensors(said: dict[str, Any]) -> None:
-    """With the effect in the model, the held-out error is that of the sensors; the interval excludes no gain."""
+    """With the effect the held-out error is that of the sensors; the interval excludes no gain."""
     errors = said["rmse_holdout_Nm"]["mechanical"]
 
     assert errors["extended"] < 1.05 * said["noise_floor_Nm"] < errors["paper"] < errors["linear"]
@@ -68,7 +72,9 @@ def test_json_has_the_documented_keys(said: dict[str, Any]) -> None:
 
     assert said["format"] == "eccentric-diagnosis/1"
     assert keys <= set(said)
-    assert {"id", "family", "balance", "equation", "parameters", "share_of_friction_rms", "aliases"} <= set(said["effects"][0])
+    assert {"id", "family", "balance", "equation", "parameters", "share_of_friction_rms", "aliases"} <= set(
+        said["effects"][0]
+    )
     assert {"id", "family", "rmse_cross_validated", "probability"} <= set(said["candidates"][0])
     assert {"read", "used", "held_out", "rejected"} == set(said["rows"])
 
@@ -85,8 +91,8 @@ def module_of(folder: Path) -> ModuleType:
     return module
 
 
-def held_out_inputs(folder: Path, log: Path, rig: Path) -> tuple[dict[str, np.ndarray], np.ndarray]:
-    """All rows by the names of the emitted inputs, hidden states stepped by the emitted module; held-out rows."""
+def held_out_inputs(log: Path, rig: Path) -> tuple[dict[str, np.ndarray], np.ndarray]:
+    """All rows by the names of the emitted inputs, and which of them are held out."""
     channels = read_channels([log], read_rig(rig))
     assert channels.current is not None
     inputs = {
@@ -100,7 +106,6 @@ def held_out_inputs(folder: Path, log: Path, rig: Path) -> tuple[dict[str, np.nd
         inputs["temperature"] = channels.temperature
     if channels.voltage is not None:
         inputs["u"] = channels.voltage
-    del folder
     return inputs, channels.score_rows
 
 
@@ -112,14 +117,16 @@ def rmse(values: np.ndarray) -> float:
 def test_emitted_numpy_reproduces_the_reported_error(bundled: Path, said: dict[str, Any]) -> None:
     """The emitted module of the extended model, run on the held-out rows, gives the reported error after."""
     module = module_of(bundled)
-    inputs, rows = held_out_inputs(bundled, LOG, RIG)
+    inputs, rows = held_out_inputs(LOG, RIG)
     names = ("theta_m", "omega_m", "i", "alpha_m")
     residual = module.mechanical_residual(*(inputs[n][rows] for n in names))
 
     assert np.isclose(rmse(residual), said["rmse_holdout_Nm"]["mechanical"]["extended"], rtol=1e-9)
 
 
-@pytest.mark.parametrize(("real", "dtype", "tolerance"), [("double", np.float64, 1e-9), ("float", np.float32, 1e-3)])
+@pytest.mark.parametrize(
+    ("real", "dtype", "tolerance"), [("double", np.float64, 1e-9), ("float", np.float32, 1e-3)]
+)
 def test_emitted_c_reproduces_the_reported_error(
     bundled: Path, said: dict[str, Any], tmp_path: Path, real: str, dtype: type, tolerance: float
 ) -> None:
@@ -130,26 +137,27 @@ def test_emitted_c_reproduces_the_reported_error(
     subprocess.run(["gcc", *flags, str(source), "-o", str(library), "-lm"], check=True)
     ffi = cffi.FFI()
     name = source.stem
-    ffi.cdef(f"extern char {name}_default; void {name}_mechanical_residual_n(size_t n, const {real} *a,"
+    ffi.cdef(f"extern char {name}_default_{real};"
+             f"void {name}_mechanical_residual_n(size_t n, const {real} *a,"
              f" const {real} *b, const {real} *c, const {real} *d, {real} *out, const void *k);")  # fmt: skip
     compiled: Any = ffi.dlopen(str(library))
-    inputs, rows = held_out_inputs(bundled, LOG, RIG)
+    inputs, rows = held_out_inputs(LOG, RIG)
     columns = [np.ascontiguousarray(inputs[n][rows], dtype) for n in ("theta_m", "omega_m", "i", "alpha_m")]
     out = np.empty(len(columns[0]), dtype)
     pointers = [ffi.cast(f"{real} *", x.ctypes.data) for x in (*columns, out)]
     function = getattr(compiled, f"{name}_mechanical_residual_n")
-    function(len(out), *pointers, ffi.addressof(compiled, f"{name}_default"))
+    function(len(out), *pointers, ffi.addressof(compiled, f"{name}_default_{real}"))
 
     assert np.isclose(rmse(out), said["rmse_holdout_Nm"]["mechanical"]["extended"], rtol=tolerance)
 
 
 def test_model_script_prints_the_extended_derivation(bundled: Path) -> None:
     """model.py is a derivation: it runs by itself, and the effect is its last equation."""
-    import os
-
     environment = {**os.environ, "PYTHONPATH": str(ROOT), "PYTHONIOENCODING": "utf-8"}
     command = [sys.executable, str(bundled / "model.py")]
-    printed = subprocess.run(command, capture_output=True, text=True, check=True, env=environment, cwd=bundled).stdout
+    printed = subprocess.run(
+        command, capture_output=True, text=True, check=True, env=environment, cwd=bundled
+    ).stdout
 
     assert "link_harmonic_friction[n=2]" in printed.splitlines()[0]
     assert "Effect link_harmonic_friction[n=2]" in printed
@@ -182,7 +190,9 @@ def log_of(tmp_path: Path, seed: int, *effects: tuple[str, float], **given: Any)
     ],
     ids=["friction", "electrical", "temperature"],
 )
-def test_finds_effects_of_several_kinds(tmp_path: Path, seed: int, effect: str, options: dict[str, Any]) -> None:
+def test_finds_effects_of_several_kinds(
+    tmp_path: Path, seed: int, effect: str, options: dict[str, Any]
+) -> None:
     """A torque, a bias in the electrical balance and a replaced coefficient are each named."""
     found = diagnose(*_listed(log_of(tmp_path, seed, (effect, 0.15), **options)))
 
@@ -191,6 +201,44 @@ def test_finds_effects_of_several_kinds(tmp_path: Path, seed: int, effect: str, 
 
 def _listed(paths: tuple[Path, Path]) -> tuple[list[Path], Path]:
     return [paths[0]], paths[1]
+
+
+def test_hidden_state_is_emitted_as_a_step(tmp_path: Path) -> None:
+    """Unlogged heating is named; its state, stepped by the emitted code, gives the error after."""
+    log, rig = log_of(tmp_path, 9007, ("hidden_thermal_drift", 0.2), seconds=60.0)
+    out = tmp_path / "out"
+    assert 0 == main(["diagnose", str(log), "--rig", str(rig), "--out", str(out)])
+    said = json.loads((out / "diagnosis.json").read_text(encoding="utf-8"))
+    module = module_of(out)
+    inputs, rows = held_out_inputs(log, rig)
+    inputs["dt"] = np.diff(inputs["t"], append=inputs["t"][-1] + 0.004)
+    states = module.follow_states(*(inputs[n] for n in names_of(module.follow_states)))
+    inputs |= dict(zip(module.STATES, states.T, strict=True))
+    residual = module.mechanical_residual(*(inputs[n][rows] for n in names_of(module.mechanical_residual)))
+
+    assert ["hidden_thermal_drift"] == [e["family"] for e in said["effects"]]
+    # The diagnosis ran the state on the smoothed current, firmware runs it on the measured one.
+    assert np.isclose(rmse(residual), said["rmse_holdout_Nm"]["mechanical"]["extended"], rtol=0.01)
+    name = next(out.glob("*_extended.c")).stem
+    ffi = cffi.FFI()
+    given = names_of(module.follow_states)
+    ffi.cdef(f"typedef struct {{ {' '.join(f'double {s};' for s in module.STATES)} }} {name}_state;"
+             f"extern const {name}_state {name}_initial_state; extern char {name}_default_double;"
+             f"void {name}_step({name}_state *, {'double, ' * len(given)} const void *);")  # fmt: skip
+    subprocess.run(
+        ["gcc", *STRICT, "-shared", "-fPIC", f"{name}.c", "-o", "step.so", "-lm"], check=True, cwd=out
+    )
+    compiled: Any = ffi.dlopen(str(out / "step.so"))
+    state = ffi.new(f"{name}_state *", [0.0] * len(module.STATES))
+    for k in range(1000):
+        assert np.allclose([getattr(state, s) for s in module.STATES], states[k], rtol=1e-12, atol=0)
+        step = getattr(compiled, f"{name}_step")
+        step(state, *(float(inputs[n][k]) for n in given), ffi.addressof(compiled, f"{name}_default_double"))
+
+
+def names_of(function: Any) -> list[str]:
+    """The inputs of an emitted function, in order."""
+    return [n for n in inspect.signature(function).parameters if n not in {"parameters", "out"}]
 
 
 def test_leaves_a_control_alone(tmp_path: Path) -> None:
@@ -205,14 +253,21 @@ def test_leaves_a_control_alone(tmp_path: Path) -> None:
 def test_leaves_the_unknown_unnamed(tmp_path: Path) -> None:
     """A friction that no library holds (a band of speed that resonates) gets no name, but its variable."""
     scenario = random_scenario(
-        np.random.default_rng(9005), case="C2", mu=0.2, log_type="traj", effects=[("stribeck", 0.12)], noise=0.006
+        np.random.default_rng(9005),
+        case="C2",
+        mu=0.2,
+        log_type="traj",
+        effects=[("stribeck", 0.12)],
+        noise=0.006,
     )
     top = 6.2 / 0.2
 
     def band(state: Any, amplitude: float) -> float:
         return amplitude * (1.0 if 0.35 * top < abs(state.w_mid) < 0.6 * top else 0.0)
 
-    effect = Effect("band", "band", 2 * scenario.effects[0].amplitude, simply(dry=band), ("velocity",), strength=0.12)
+    effect = Effect(
+        "band", "band", 2 * scenario.effects[0].amplitude, simply(dry=band), ("velocity",), strength=0.12
+    )
     log, rig, _ = write(simulate(replace(scenario, effects=(effect,))), tmp_path / "band.csv.gz")
     found = diagnose([log], rig)
 
@@ -242,14 +297,21 @@ def effects(setting):
         encoding="utf-8",
     )
     scenario = random_scenario(
-        np.random.default_rng(9006), case="C2", mu=0.2, log_type="runs", effects=[("stribeck", 0.12)], noise=0.004
+        np.random.default_rng(9006),
+        case="C2",
+        mu=0.2,
+        log_type="runs",
+        effects=[("stribeck", 0.12)],
+        noise=0.004,
     )
     top = 7.5 / 0.2
 
     def fourth(state: Any, amplitude: float) -> float:
         return amplitude * (abs(state.w_mid) / top) ** 4
 
-    effect = Effect("fourth", "fourth", 4 * scenario.effects[0].amplitude, simply(dry=fourth), ("velocity",), strength=0.3)
+    effect = Effect(
+        "fourth", "fourth", 4 * scenario.effects[0].amplitude, simply(dry=fourth), ("velocity",), strength=0.3
+    )
     log, rig, _ = write(simulate(replace(scenario, effects=(effect,))), tmp_path / "fourth.csv.gz")
     out = tmp_path / "out"
     assert 0 == main(["diagnose", str(log), "--rig", str(rig), "--effects", str(own), "--out", str(out)])

@@ -251,7 +251,9 @@ def test_emit_takes_fitted_parameters(tmp_path: Path) -> None:
     """Fitted values become the defaults, with their remarks as comments."""
     fit = tmp_path / "fit.json"
     fit.write_text(
-        '{"parameters": {"B_m": 0.00123, "J_m": 2e-5}, "parameter_notes": {"B_m": "0.0012 to 0.0013 (95 %)"}}', "utf-8"
+        '{"parameters": {"B_m": 0.00123, "J_m": 2e-5},'
+        ' "parameter_notes": {"B_m": "0.0012 to 0.0013 (95 %)"}}',
+        encoding="utf-8",
     )
     main(["emit", "c2_parallel", "--parameters", str(fit), "--out", str(tmp_path / "out")])
     text = (tmp_path / "out" / "c2_parallel.py").read_text(encoding="utf-8")
@@ -293,6 +295,7 @@ def test_free_text_stays_in_comments(tmp_path: Path) -> None:
     [
         ('{"parameters": {"B_m": -1}}', "B_m: required a nonnegative number, got -1"),
         ('{"parameters": {"mu": 0}}', "mu: required a positive number, got 0"),
+        ('{"model": "c2_asymmetric", "parameters": {"M": 1}}', "required a fit of c2_parallel, got"),
         ('{"parameters": {"B_x": 1}}', "B_x: c2_parallel has no such parameter"),
         ('{"parameters": {"B_m": "a"}}', "B_m: required a finite number, got 'a'"),
         ("{", "required JSON"),

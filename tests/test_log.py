@@ -121,9 +121,7 @@ def test_lines_are_those_of_an_editor(tmp_path: Path) -> None:
 def test_column_names_in_the_last_comment_are_the_header(tmp_path: Path, delimiter: str) -> None:
     """numpy.savetxt writes its header as a comment; names parted by spaces will do, too."""
     path = tmp_path / "log.csv"
-    np.savetxt(
-        path, [[0.0, 1.5], [0.1, 2.5]], delimiter=delimiter.strip(" ") or ",", header=f"t{delimiter}i"
-    )
+    np.savetxt(path, [[0.0, 1.5], [0.1, 2.5]], delimiter=delimiter.strip(" ") or ",", header=f"t{delimiter}i")
     log = read_log(path)
     assert list(log.columns) == ["t", "i"]
     np.testing.assert_array_equal(log.numbers("i"), [1.5, 2.5])
@@ -152,7 +150,7 @@ def test_parquet_without_its_extra_names_it(tmp_path: Path, monkeypatch: pytest.
     monkeypatch.setitem(sys.modules, "pyarrow.parquet", None)
     path = tmp_path / "log.parquet"
     path.write_bytes(b"PAR1")
-    with pytest.raises(InputError, match="pyarrow is required for .parquet: pip install pyarrow"):
+    with pytest.raises(InputError, match=r"pyarrow is required for \.parquet: pip install pyarrow"):
         read_log(path)
 
 

@@ -5,11 +5,11 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from planted import coloured
 from scipy.stats import binom
 
 from eccentric.identify.least_squares import bounded
-from eccentric.identify.uncertainty import FRACTION, TWO_SIDED, covariance, improvement
+from eccentric.identify.uncertainty import FRACTION, TWO_SIDED, covariance, improvement, spread
+from tests.planted import coloured
 
 
 def test_covariance_is_newey_and_wests_sum() -> None:
@@ -56,6 +56,19 @@ def test_bounds_of_orthogonal_columns_clip() -> None:
     expected = np.clip(free, low - [1.0, 1.0, 0.0, 0.0], high)
     np.testing.assert_allclose(found.coefficients, expected, rtol=1e-9)
     np.testing.assert_array_equal(found.active != 0, expected != free)
+
+
+def test_an_active_bound_is_told_where_it_makes_the_interval() -> None:
+    """A held value is its bound exactly; what correlates with it is marked, what does not is not."""
+    rng = np.random.default_rng(5)
+    q = np.linalg.qr(rng.standard_normal((4000, 3)))[0]
+    design = np.column_stack([q[:, 0], q[:, 0] + q[:, 1], q[:, 2]])
+    residual, zero, unit = 0.1 * rng.standard_normal(4000), np.zeros(3), np.eye(3)
+    found = spread(design, residual, np.array([-1, 0, 0]), zero, np.full(3, math.inf))
+    bounds = (0.0, math.inf)
+    held = found.estimate(-1e-18, unit[0], "N m", bounds, -1)
+    assert (held.value, held.widened, held.bound_active) == (0.0, True, "lower")
+    assert [found.estimate(5.0, unit[k], "N m", bounds).widened for k in (1, 2)] == [True, False]
 
 
 def test_equal_predictions_gain_nothing() -> None:

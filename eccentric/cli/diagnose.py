@@ -15,16 +15,22 @@ from eccentric.model import load_model
 from eccentric.output import whole_folder
 
 NAME = "diagnose"
-HELP = "find the physical effect that the model lacks on a log, add it, emit it, report the error before and after"
+HELP = "find what the model lacks on a log, add it, emit it, report the error before and after"
 EXAMPLE = """eccentric diagnose examples/bench/bench.csv.gz --rig examples/bench/bench.json --out build/bench
 eccentric diagnose my.csv --rig my.toml --effects my_effects.py --out build/mine"""
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
     """Add the arguments."""
-    parser.add_argument("logs", metavar="LOG", nargs="+", help="logs of one rig: .csv, .csv.gz, .parquet, .mat")
-    parser.add_argument("--rig", metavar="RIG", required=True, help="what is known of the rig: .toml or .json")
-    parser.add_argument("--model", metavar="MODEL", help="a model or the path of a derivation (by the rig's case)")
+    parser.add_argument(
+        "logs", metavar="LOG", nargs="+", help="logs of one rig: .csv, .csv.gz, .parquet, .mat"
+    )
+    parser.add_argument(
+        "--rig", metavar="RIG", required=True, help="what is known of the rig: .toml or .json"
+    )
+    parser.add_argument(
+        "--model", metavar="MODEL", help="a model or the path of a derivation (by the rig's case)"
+    )
     parser.add_argument("--effects", metavar="FILE", type=Path, help="a Python file with effects of your own")
     parser.add_argument("--out", metavar="DIR", required=True, help="folder to write; replaced as a whole")
 

@@ -100,8 +100,8 @@ def link_force(setting: Setting) -> sp.Expr:
 def transmitted(name: str, setting: Setting, share: sp.Symbol) -> tuple[sp.Expr, tuple[Definition, ...]]:
     """Torque that the gear passes on to the link, as the motor sees it [N m]; and the constants it needs.
 
-    Gravity, inertia, and the share of the friction that the link has. That friction is the one of a first fit: with
-    the model's own coefficients in its load, friction would no longer be linear in them.
+    Gravity, inertia, and the share of the friction that the link has. That friction is the one of a first
+    fit: with the model's own coefficients in its load, friction would no longer be linear in them.
     """
     columns = {
         "B_lN": ("m s/rad", v.mu.symbol**2 * v.F_N.symbol * omega_m),

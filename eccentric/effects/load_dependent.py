@@ -46,9 +46,9 @@ Load = tuple[str, str, sp.Expr, tuple[Definition, ...], list[tuple[float, float,
 
 
 def loads(name: str, setting: Setting, share: sp.Symbol) -> list[Load]:
-    """(variant, variable, torque, its constants, range of the share) of what counts as load; names begin with `name`.
+    """(variant, variable, torque, its constants, range of the share) of what counts as load.
 
-    `gear_efficiency` and `backlash` have the same loads.
+    Names begin with `name`. `gear_efficiency` has the same loads.
     """
     torque, constants = transmitted(name, setting, share)
     found: list[Load] = [("transmitted", "transmitted_torque", torque, constants, [(0.0, 1.0, "linear", 3)])]

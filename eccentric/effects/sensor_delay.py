@@ -14,17 +14,19 @@ from eccentric.model.model import State
 delay = quantity("delay_d", "s", "delay of the measured current behind angle and voltage")
 square = quantity("delay_q", "s^2", "half the squared delay, less what the difference quotient lags")
 BOUNDS = (-0.02, 0.07)
-REFERENCE = (
-    "second order of the Taylor series i(t + d) = i + d di/dt + q d2i/dt2"
-)
+REFERENCE = "second order of the Taylor series i(t + d) = i + d di/dt + q d2i/dt2"
 
 
 def effects(setting: Setting) -> tuple[Effect, ...]:
-    """The one effect of the family, the derivatives being states; in both balances where a voltage is logged."""
+    """The one effect of the family, its derivatives states; in both balances where a voltage is logged."""
     slope, states = current_slope("delay")
     last = quantity("delay_slope_last", "A/s", "rate of change of the current one time step ago")
     bend = quantity("delay_bend", "A/s^2", "second derivative of the current")
-    states = (*states, State(last, sp.Integer(0), slope), State(bend, sp.Integer(0), (slope - last.symbol) / v.dt.symbol))
+    states = (
+        *states,
+        State(last, sp.Integer(0), slope),
+        State(bend, sp.Integer(0), (slope - last.symbol) / v.dt.symbol),
+    )
     columns = ((delay, slope, BOUNDS), (square, bend.symbol, (None, None)))
     terms = {"mechanical": tuple(_term(q, -v.k_i.symbol * x, b) for q, x, b in columns)}
     balance = "mechanical"

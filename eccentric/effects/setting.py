@@ -21,8 +21,8 @@ class Setting:
         mean_loss_W: mean of friction power and R i^2 [W], positive.
         temperature_mid: median of the logged temperature [degC]; None if it is not logged.
         channels: names of those logged: "current", "voltage", "temperature".
-        friction: coefficients of a first fit of the paper's model, by column of its regressor: how much of the
-            load on a gear is friction of the link is told from it.
+        friction: coefficients of a first fit of the paper's model, by column of its regressor: how much of
+            the load on a gear is friction of the link is told from it.
 
     Raises:
         ValueError: the case is unknown, or a range is not positive.

@@ -48,7 +48,9 @@ def build_program(model: Model) -> Program:
             ("JACOBIAN", labels["friction_torque_jacobian"]),
         ),
         notes=_notes(model, shared),
-        defaults=model.defaults or ("Table 1 of the paper with mu = 1/5" if from_table else "those of the derivation"),
+        states=tuple((state.quantity, state.initial) for state in model.states),
+        defaults=model.defaults
+        or ("Table 1 of the paper with mu = 1/5" if from_table else "those of the derivation"),
     )
 
 
@@ -193,7 +195,9 @@ class _Prepare:
             return value if value.is_Symbol else self(_name(value, role), value)
         if isinstance(expression, HalfCosine | HalfSine | SquareDifference):
             return expression.func(self.hoist(expression.args[0]), expression.args[1])
-        if isinstance(expression, ByDirection) and all(a == 0 or _is_negative(a) for a in expression.args[1:]):
+        if isinstance(expression, ByDirection) and all(
+            a == 0 or _is_negative(a) for a in expression.args[1:]
+        ):
             x, forward, backward = expression.args
             return -self.hoist(ByDirection(x, -forward, -backward), role)
         if expression.is_Mul or expression.is_Add:

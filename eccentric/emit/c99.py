@@ -13,7 +13,7 @@ from eccentric.emit.expression import Language, printed
 from eccentric.emit.lower import Floor, Root, Size
 from eccentric.emit.program import Input, Program, Routine
 from eccentric.emit.series import polynomial
-from eccentric.emit.text import EXACT_HALF_TURNS, assigned, number, splitting, used_series
+from eccentric.emit.text import EXACT_HALF_TURNS, assigned, number, plain, splitting, used_series
 from eccentric.model.quantity import Quantity
 from eccentric.model.steps import Backward, Forward, Sgn
 
@@ -89,6 +89,32 @@ def view(program: Program, banner: str, digest: str) -> dict[str, Any]:
             f"const double {a.target.name} = {printed(a.value, in_prepare)};" for a in program.prepare
         ),
         "routines": [_routine(program, r, coefficients) for r in program.routines],
+        "states": [
+            {"name": q.name, "doc": plain(f"{q.meaning} [{q.unit}]"), "initial": number(str(float(initial)))}
+            for q, initial in program.states
+        ],
+        "step": _step(program),
+    }
+
+
+def _step(program: Program) -> dict[str, Any]:
+    """The step of the hidden states, which the caller owns; nothing for a model without."""
+    if not program.states:
+        return {}
+    stepped = next(r for r in program.routines if r.name == "next_state")
+    states = {q.name for q, _ in program.states}
+    given = [x for x in stepped.inputs if x.quantity.name not in states]
+    names = [x.quantity.name for x in stepped.inputs]
+    passed = [f"state->{name}" if name in states else name for name in names]
+    own, coefficients = f"{program.name}_step", f"const {program.name}_coefficients *c"
+    return {
+        "inputs": [
+            {"name": x.quantity.name, "doc": f"{x.quantity.meaning} [{x.quantity.unit}]"} for x in given
+        ],
+        "signature": _wrapped(
+            "void", own, [f"{program.name}_state *state", *map(_argument, given), coefficients]
+        ),
+        "call": f"{program.name}_next_state({', '.join([*passed, 'next', 'c'])});",
     }
 
 
@@ -204,12 +230,15 @@ def _routine(program: Program, r: Routine, coefficients: set[str]) -> dict[str, 
         "inputs": [
             {
                 "name": x.quantity.name,
-                "doc": f"{x.quantity.meaning} [{x.quantity.unit}]{reduced if x.quantity.name == 'theta_m' else ''}",
+                "doc": f"{x.quantity.meaning} [{x.quantity.unit}]"
+                + (reduced if x.quantity.name == "theta_m" else ""),
             }
             for x in r.inputs
         ],
         "out": _filled(
-            f"@param[out] out  {width} value{'s' * (width > 1)}: {', '.join(r.labels)} [{r.unit}]" if r.labels else ""
+            f"@param[out] out  {width} value{'s' * (width > 1)}: {', '.join(r.labels)} [{r.unit}]"
+            if r.labels
+            else ""
         ),
         "width": width,
         "signature": _wrapped(
@@ -242,7 +271,9 @@ def _passed(x: Input) -> str:
 
 def _filled(text: str) -> list[str]:
     """The lines of a comment, those after the first set in."""
-    return textwrap.wrap(text, _WIDTH - 4, subsequent_indent="    ", break_long_words=False, break_on_hyphens=False)
+    return textwrap.wrap(
+        text, _WIDTH - 4, subsequent_indent="    ", break_long_words=False, break_on_hyphens=False
+    )
 
 
 def _code(lines: Iterable[str]) -> list[str]:

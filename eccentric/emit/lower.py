@@ -62,10 +62,11 @@ SINE, COSINE = sp.Symbol("sine_series"), sp.Symbol("cosine_series")
 _NOTES = {
     "square_difference": "speed^2 - omega_star^2; the difference is taken once, before anything is rounded",
     "halves": "the odd number of half turns up to the top that is nearest",
-    "from_top": "angle from the top: the half turns go off in three parts, the leading two exactly",
+    "rest": "the half turns go off in three parts, the leading digits first: both products are exact",
+    "from_top": "angle from the top",
     "bounded": "an angle so large that nothing is left of its phase counts as the top",
     "half_angle": "half angle from the top",
-    "half_cosine": "sine of the half angle from the top, which is the cosine of half the angle but for its sign",
+    "half_cosine": "sine of the half angle from the top: the cosine of half the angle but for its sign",
     "half_sine": "cosine of the half angle from the top",
     "divisor": "0/0 at the apex, where F_N is 0 and its derivatives are taken as 0",
     "limit": "where the square overflows, the larger of the two decides",
@@ -137,7 +138,7 @@ class Lowering:
         half_mu = self._prepare("half_mu", mu / 2)
         turns = Floor(Times(theta_m, per_turn))
         halves = self.named("halves", Plus(Times(sp.Integer(2), turns), sp.Integer(1)))
-        rest = Minus(theta_m, Times(halves, part_1))
+        rest = self.named("rest", Minus(theta_m, Times(halves, part_1)))
         rest = Minus(rest, Times(halves, part_2))
         rest = self.named("from_top", Minus(rest, Times(halves, part_3)))
         # An angle so large that nothing is left of its phase counts as the top; infinity and NaN give NaN.

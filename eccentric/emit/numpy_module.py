@@ -65,7 +65,21 @@ def view(program: Program, banner: str, summary: str) -> dict[str, Any]:
         ],
         "series": [_series(name) for name in used_series(program)],
         "routines": [_routine(r, set(coefficients)) for r in program.routines],
+        "states": [{"initial": repr(float(initial))} for _, initial in program.states],
+        "names": _tuple([f'"{q.name}"' for q, _ in program.states]),
+        "step": _step(program),
     }
+
+
+def _step(program: Program) -> dict[str, Any]:
+    """The sequential pass of the hidden states along a log; nothing for a model without."""
+    if not program.states:
+        return {}
+    stepped = next(r for r in program.routines if r.name == "next_state")
+    states = [q.name for q, _ in program.states]
+    names = [x.quantity.name for x in stepped.inputs]
+    passed = [f"state[{states.index(name)}]" if name in states else name for name in names]
+    return {"inputs": [n for n in names if n not in states], "call": ", ".join(["c", *passed])}
 
 
 def _language(calls: dict[str, str], symbol: Any) -> Language:

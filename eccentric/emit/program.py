@@ -91,6 +91,7 @@ class Program:
     routines: tuple[Routine, ...]
     constants: tuple[tuple[str, tuple[str, ...]], ...] = ()
     notes: tuple[tuple[str, str], ...] = ()
+    states: tuple[tuple[Quantity, sp.Expr], ...] = ()
     defaults: str = "those of the derivation"
 
 

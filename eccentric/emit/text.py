@@ -28,12 +28,14 @@ def checked_name(name: str, where: str) -> str:
         InputError: they cannot; `where` says where the name comes from.
     """
     if not re.fullmatch(r"[a-z][a-z0-9_]{0,30}", name) or keyword.iskeyword(name):
-        raise InputError(f"{where}: required a lower-case C identifier of at most 31 characters, got {name!r}")
+        raise InputError(
+            f"{where}: required a lower-case C identifier of at most 31 characters, got {name!r}"
+        )
     return name
 
 
 def plain(text: str) -> str:
-    """Free text that ends no comment and no docstring: one line, no escape, no delimiter of either language."""
+    """Free text that ends no comment and no docstring: one line, no escape, no delimiter of C or Python."""
     line = "".join(c for c in " ".join(text.split()) if c.isprintable())
     line = line.replace("\\", "\\\\").replace('"', "'")
     return re.sub(r"(?<=\*)(?=/)|(?<=/)(?=\*)", " ", line)
@@ -62,6 +64,7 @@ def with_plain_text(program: Program) -> Program:
         routines=tuple(routines),
         notes=tuple((name, plain(note)) for name, note in program.notes),
         defaults=plain(program.defaults),
+        states=tuple((of(q), initial) for q, initial in program.states),
     )
 
 

@@ -1,7 +1,8 @@
 """From symbolic effects to numerical candidates: the only bridge between physics and selection.
 
-Everything a candidate computes comes from the Effect's expressions and the Model it extends: definitions are expanded,
-careful steps replaced by what they mean, known parameters put in, and what is left is compiled to NumPy.
+Everything a candidate computes comes from the Effect's expressions and the Model it extends: definitions are
+expanded, careful steps replaced by what they mean, known parameters put in, and what is left is compiled to
+NumPy.
 """
 
 from __future__ import annotations
@@ -63,8 +64,8 @@ def candidate(effect: Effect, model: Model, signals: Signals, friction: Array) -
         effect: the record.
         model: the base model.
         signals: smooth signals.
-        friction: (columns,) coefficients of a first fit of the base model, for the first look at effects that scale
-            or replace something.
+        friction: (columns,) coefficients of a first fit of the base model, for the first look at effects that
+            scale or replace something.
     """
     extended = effect.extend(model)
     names = tuple(shape.quantity.name for shape in effect.shapes)
@@ -91,28 +92,24 @@ def candidate(effect: Effect, model: Model, signals: Signals, friction: Array) -
 
         return columns
 
-    if changes is None:
-        columns = columns_of(effect.balance)
-    else:
-        replaced = changes
+    plain = base_columns(model, signals) @ friction
 
-        def columns(_: Any, shape: Shape) -> Array:
-            """The change at this shape, friction coefficients as first fitted: the direction for a first look."""
-            known, base = replaced(shape)
-            plain = base_columns_of_model @ friction
-            return (known + base @ friction - plain)[:, None]
+    def first_look(_: Any, shape: Shape) -> Array:
+        """The change at this shape, friction as first fitted: a direction for the search."""
+        if changes is None:
+            raise ValueError(f"effect {effect.id} changes nothing of the base model")
+        known, base = changes(shape)
+        return (known + base @ friction - plain)[:, None]
 
-        base_columns_of_model = base_columns(model, signals)
-        lower = (0.0,)
     other = "mechanical" if effect.balance == "electrical" else None
     return Candidate(
         id=effect.id,
         family=effect.family,
         balance=effect.balance,
         depends_on=effect.depends_on,
-        columns=columns,
+        columns=columns_of(effect.balance) if changes is None else first_look,
         shape=ranges,
-        lower=lower,
+        lower=lower if changes is None else (0.0,),
         needs=effect.needs,
         special_of=effect.special_of,
         repeats=effect.repeats,
@@ -137,7 +134,7 @@ def _collected(terms: Sequence[Any], coefficient: sp.Symbol) -> sp.Expr:
 def _changes(
     effect: Effect, model: Model, extended: Model, signals: Signals, names: tuple[str, ...], states: _States
 ) -> Callable[[Shape], tuple[Array, Array]] | None:
-    """For an effect that scales or replaces: shape -> (what is known to be missing, the base's new columns)."""
+    """For an effect that scales or replaces: shape -> (what is known to be missing, new base columns)."""
     if not effect.replaces and not effect.scales:
         return None
     swap = dict(effect.replaces)
@@ -148,7 +145,9 @@ def _changes(
         basis = sp.Mul(column.basis.xreplace(swap), *factors)
         columns.append(compiled(extended, basis, signals, names))
     loads = [
-        compiled(which, which.balance("mechanical").sum_of("inertial", "gravity", "conservative"), signals, names)
+        compiled(
+            which, which.balance("mechanical").sum_of("inertial", "gravity", "conservative"), signals, names
+        )
         for which in (extended, model)
     ]
 
@@ -169,7 +168,9 @@ def compiled(
     def evaluate(shape: Mapping[str, float], series: Mapping[str, Array]) -> Array:
         given = {**signals.values, "dt": signals.dt, **series, **shape}
         with np.errstate(all="ignore"):
-            return np.broadcast_to(np.asarray(function(*(given[a] for a in arguments)), float), (signals.size,))
+            return np.broadcast_to(
+                np.asarray(function(*(given[a] for a in arguments)), float), (signals.size,)
+            )
 
     return evaluate
 

@@ -48,7 +48,7 @@ class Diagnosis:
         setting: what the library of effects was made for.
         own: effects of the user's own file, if any.
         attribution: verdict, candidates, dependence.
-        effects: adopted effects with the values of their parameters, in order of adoption; empty without a name.
+        effects: adopted effects with their parameters, in order of adoption; empty without a name.
         paper, extended: fits of both models on the training part; the same object if nothing was adopted.
         rmse: balance -> model ("linear", "paper", "extended") -> held-out RMSE [N m].
         percent, interval: improvement of `balance` on the held-out part and its 95 % interval.
@@ -125,7 +125,9 @@ def diagnose(
         }
     }
     if "electrical" in {b.name for b in balances}:
-        rmse["electrical"] = {m: r.held_out("electrical") for m, r in (("paper", paper), ("extended", extended))}
+        rmse["electrical"] = {
+            m: r.held_out("electrical") for m, r in (("paper", paper), ("extended", extended))
+        }
     balance = found.adopted[0].balance if adopted else "mechanical"
     rows = channels.score_rows
     percent, interval = (
@@ -156,8 +158,8 @@ def diagnose(
 def signals_of(channels: Channels, rig: Rig, model: Model) -> Signals:
     """Smooth signals that expressions are evaluated on.
 
-    The current that effects depend on is (u - k_e omega_m)/R where there is a voltage: measured current on both
-    sides of the balance would explain its own noise.
+    The current that effects depend on is (u - k_e omega_m)/R where there is a voltage: measured current on
+    both sides of the balance would explain its own noise.
     """
     needed = {q.name for q in model.parameters} - {c.name for c in regressor(model)}
     friction = {"B_m", "C_m", "B_lT", "C_lT", "B_lN", "C_lN"}
@@ -197,7 +199,9 @@ def balances_of(channels: Channels, model: Model, signals: Signals) -> tuple[lis
     windows = make_windows(channels.t, channels.fit_rows, channels.segment)
     lower = np.array([-np.inf if c.bounds[0] is None else c.bounds[0] for c in columns])
     names = tuple(c.name for c in columns)
-    balances = [make_balance("mechanical", windows, target, base_columns(model, signals), names, lower, target)]
+    balances = [
+        make_balance("mechanical", windows, target, base_columns(model, signals), names, lower, target)
+    ]
     noise = {"mechanical": sensor_noise(drive, windows)}
     if channels.voltage is not None and channels.current is not None and {"R", "k_e"} <= set(known):
         clear = ~channels.held_out & _away_from_ends(channels)

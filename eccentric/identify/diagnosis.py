@@ -42,7 +42,9 @@ def document(found: Diagnosis) -> dict[str, Any]:
             "interval_95": list(found.interval),
         },
         "noise_floor_Nm": found.noise_floor,
-        "null_test": {name: {"gain": gain, "by_chance_99": level} for name, (gain, level) in a.deviance.items()},
+        "null_test": {
+            name: {"gain": gain, "by_chance_99": level} for name, (gain, level) in a.deviance.items()
+        },
         "holdout": {
             "rule": found.channels.holdout.rule,
             "intervals_s": [list(map(float, pair)) for pair in found.channels.holdout.intervals_s],
@@ -88,7 +90,8 @@ def sentence(found: Diagnosis) -> str:
     if a.verdict == "named":
         names = " and ".join(effect.id for effect, _ in found.effects)
         sure = min(_probability(found, effect) for effect, _ in found.effects)
-        return f"The model lacks {names} (probability {sure:.2f}); with {'it' if len(found.effects) == 1 else 'them'} {gain}."
+        these = "it" if len(found.effects) == 1 else "them"
+        return f"The model lacks {names} (probability {sure:.2f}); with {these} {gain}."
     if a.verdict == "not_identifiable":
         families = " or ".join(a.tied or tuple(dict.fromkeys(c.family for c in a.candidates[:2])))
         return f"An effect is missing, but this log cannot tell {families} apart; with the first {gain}."
@@ -104,7 +107,9 @@ def sentence(found: Diagnosis) -> str:
 
 
 def _probability(found: Diagnosis, effect: Effect) -> float:
-    return max((c.probability for c in found.attribution.candidates if c.family == effect.family), default=0.0)
+    return max(
+        (c.probability for c in found.attribution.candidates if c.family == effect.family), default=0.0
+    )
 
 
 def lines(found: Diagnosis) -> list[str]:

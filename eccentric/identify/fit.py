@@ -181,8 +181,8 @@ def _warnings(problem: Problem, paper: Solution, profiles: Mapping[str, Profile]
                 f"{s.name} = {value:.4g} {s.unit} lies at the end of its range {s.lower:g} to {s.upper:g}"
             )
     for name, p in profiles.items():
-        spread = 100.0 * (max(p.rmse) / min(p.rmse) - 1.0)
+        change = 100.0 * (max(p.rmse) / min(p.rmse) - 1.0)
         found.append(
-            f"{name} is known by a range only: over it, the training error changes by {spread:.1f} %"
+            f"{name} is known by a range only: over it, the training error changes by {change:.1f} %"
         )
     return found

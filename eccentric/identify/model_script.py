@@ -27,7 +27,7 @@ def script(found: Diagnosis) -> str:
     letters = {q.name for q in found.extended.model.parameters}
     values = {k: v for k, v in found.extended.values.items() if k in letters and v is not None}
     notes = {
-        name: f"fitted: {e.value:.4g} +- {e.std_error:.2g}, 95 % interval {e.interval[0]:.4g} to {e.interval[1]:.4g}"
+        name: f"fitted: {e.value:.4g}, 95 % interval {e.interval[0]:.4g} to {e.interval[1]:.4g}"
         for name, e in found.extended.estimates.items()
     }
     own = ""
@@ -35,8 +35,8 @@ def script(found: Diagnosis) -> str:
         own = f"\noffered += load_effects(Path(__file__).with_name({found.own.name!r}), setting)"
     return f'''"""{found.base.title}, extended by {names}.
 
-Written by `eccentric diagnose` from {origin}. A derivation like any other: run it to read it, edit it, emit it with
-`eccentric emit model.py --out DIR`.
+Written by `eccentric diagnose` from {origin}.
+A derivation like any other: run it to read it, edit it, emit it with `eccentric emit model.py --out DIR`.
 """
 
 from pathlib import Path

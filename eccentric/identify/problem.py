@@ -150,7 +150,16 @@ def pose(channels: Channels, rig: Rig, model: Model) -> Problem:
     warnings += [f"{name} has no effect on {model.name} driven by {channels.drive}" for name in sorted(idle)]
     unit = "N m" if scale is None else {"current": "A", "voltage": "V"}[channels.drive]
     return Problem(
-        channels, rig, model, load_module(model), sampling, unit, scale, coefficients, searched, tuple(warnings)
+        channels,
+        rig,
+        model,
+        load_module(model),
+        sampling,
+        unit,
+        scale,
+        coefficients,
+        searched,
+        tuple(warnings),
     )
 
 

@@ -56,7 +56,9 @@ class Refit:
 class Emitted:
     """The emitted module of a model on the rows of a log."""
 
-    def __init__(self, model: Model, channels: Channels, signals: Signals, shapes: Mapping[str, float]) -> None:
+    def __init__(
+        self, model: Model, channels: Channels, signals: Signals, shapes: Mapping[str, float]
+    ) -> None:
         self.module = load_module(model)
         drive = channels.current if channels.drive == "current" else channels.torque
         given: dict[str, Array | None] = {
@@ -188,7 +190,7 @@ def _solve(
 
 
 def _at(emitted: Emitted, values: Values, solved: Values, names: list[str], design: Array) -> Array:
-    """The residual at the solution; by its columns, since Parameters refuse what is negative without bounds."""
+    """The residual at the solution; by its columns, since Parameters refuse what is negative."""
     return emitted.residual("mechanical", values) - design @ [solved[n] for n in names]
 
 

@@ -20,7 +20,12 @@ from eccentric.places import folder
 
 __all__ = ["report"]
 
-_CHANNELS = (("omega_m", "motor velocity [rad/s]"), ("theta_l", "link angle [rad]"), ("i", "current [A]"), ("t", "time [s]"))
+_CHANNELS = (
+    ("omega_m", "motor velocity [rad/s]"),
+    ("theta_l", "link angle [rad]"),
+    ("i", "current [A]"),
+    ("t", "time [s]"),
+)
 
 
 def report(found: Diagnosis) -> str:
@@ -113,13 +118,17 @@ def _figure(found: Diagnosis) -> str | None:
             axes.legend()
         buffer = io.StringIO()
         figure.savefig(buffer, format="svg", metadata={"Date": None})
-    svg = re.sub(r"^.*?(?=<svg)", "", buffer.getvalue(), flags=re.DOTALL)
-    return svg
+    return re.sub(r"^.*?(?=<svg)", "", buffer.getvalue(), flags=re.DOTALL)
 
 
 def _binned(x: np.ndarray, y: np.ndarray, bins: int = 60) -> tuple[np.ndarray, np.ndarray]:
     """Medians of y in bins of x; bins with few rows are left out."""
-    edges = np.linspace(*np.quantile(x, [0.001, 0.999]), bins + 1)
+    low, high = np.quantile(x, [0.001, 0.999])
+    edges = np.linspace(float(low), float(high), bins + 1)
     which = np.digitize(x, edges)
-    found = [(x[which == k].mean(), np.median(y[which == k])) for k in range(1, bins + 1) if np.sum(which == k) > 10]
+    found = [
+        (x[which == k].mean(), np.median(y[which == k]))
+        for k in range(1, bins + 1)
+        if np.sum(which == k) > 10
+    ]
     return np.array([f[0] for f in found]), np.array([f[1] for f in found])

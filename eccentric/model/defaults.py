@@ -35,14 +35,17 @@ def with_values(
     known = {q.name: q for q in model.parameters}
     if unknown := sorted(set(values) - set(known)):
         raise InputError(
-            f"{source}: parameters.{unknown[0]}: {model.name} has no such parameter; it has {', '.join(known)}"
+            f"{source}: parameters.{unknown[0]}: {model.name} has no such parameter;"
+            f" it has {', '.join(known)}"
         )
     parameters = []
     for q in model.parameters:
         if q.name in values:
             value = values[q.name]
             if (q.domain == "positive" and value <= 0) or (q.domain in {"nonnegative", "tilt"} and value < 0):
-                raise InputError(f"{source}: parameters.{q.name}: required a {q.domain} number, got {value!r}")
+                raise InputError(
+                    f"{source}: parameters.{q.name}: required a {q.domain} number, got {value!r}"
+                )
             q = replace(q, default=sp.Rational(repr(float(value))))  # noqa: PLW2901 - the same letter
         note = (notes or {}).get(q.name)
         parameters.append(replace(q, meaning=f"{q.meaning}; {note}") if note else q)

@@ -63,7 +63,7 @@ class Model:
         defaults: where the parameters' defaults come from, in words; "" for the quantities' own.
 
     Raises:
-        InputError: a definition or term uses something that is not an input, a parameter or defined before it.
+        InputError: a definition or term uses what is neither an input nor a parameter nor defined before it.
     """
 
     name: str
@@ -165,7 +165,7 @@ def regressor(model: Model) -> tuple[Column, ...]:
     plainest of their bases. Which ones those are is computed from the expressions, never declared.
 
     Raises:
-        InputError: the coefficient of a friction term is no parameter, or a combination of several has no name.
+        InputError: the coefficient of a friction term is no parameter, or a combination has no name.
     """
     groups: list[list[Term]] = []
     for term in model.balance("mechanical").terms:
@@ -190,7 +190,7 @@ def _column(model: Model, group: list[Term]) -> Column:
     for term in group:
         if term.coefficient not in known:
             raise InputError(
-                f"model {model.name}: term {term.name}: required a parameter as coefficient of a friction term,"
+                f"model {model.name}: term {term.name}: required a parameter as coefficient of friction,"
                 f" received {term.coefficient}"
             )
     if len(group) == 1:

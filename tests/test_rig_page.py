@@ -1,0 +1,91 @@
+"""docs/rig.md tells the truth: its rig runs, its keys are all keys, its units are units."""
+
+from __future__ import annotations
+
+import dataclasses
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from eccentric.identify import rig as rigs
+from eccentric.identify.channels import read_channels
+from eccentric.identify.fit import Fit, fit
+from eccentric.identify.known import KNOWNS
+from eccentric.identify.rig import CHANNELS, read_rig
+from eccentric.identify.units import parse_unit
+from eccentric.model import load_model
+
+ROOT = Path(__file__).parents[1]
+PAGE = (ROOT / "docs" / "rig.md").read_text(encoding="utf-8")
+BENCH = ROOT / "examples" / "bench"
+
+
+def fitted(log: Path, rig_path: Path, **changes: object) -> Fit:
+    """Fit a log under a rig file, with other values of the rig."""
+    rig = dataclasses.replace(read_rig(rig_path), **changes)  # pyright: ignore[reportArgumentType]
+    return fit(read_channels([log], rig), rig, load_model(rig.model))
+
+
+def _code(text: str) -> list[str]:
+    return re.findall(r"`([^`]+)`", text)
+
+
+def test_the_rig_of_the_page_fits_a_log_in_its_units(tmp_path: Path) -> None:
+    """The bundled log in milliseconds, degrees, rpm, milliamperes under the page's rig is the same fit."""
+    t, theta, omega, voltage, current = np.loadtxt(BENCH / "bench.csv.gz", delimiter=",", skiprows=1).T
+    table = {
+        "Time (ms)": 1e3 * t,
+        "Angle": np.degrees(theta / 5.0) % 360.0,
+        "Speed": omega * 30.0 / np.pi,
+        "Iq": 1e3 * current,
+        "Duty (%)": 100.0 * voltage / 24.0,
+        "Supply": np.full_like(t, 24.0),
+    }
+    log, page = tmp_path / "log.csv", tmp_path / "rig.toml"
+    np.savetxt(log, np.column_stack(list(table.values())), "%.12g", ",", header=",".join(table), comments="")
+    (text,) = re.findall(r"```toml\n(.*?)```", PAGE, re.DOTALL)
+    page.write_text(text, encoding="utf-8")
+    named = read_rig(page)
+    found = fitted(log, page)
+    (warning,) = found.warnings
+    assert warning.startswith("the angle is wrapped at one turn of the link")
+    expected = fitted(
+        BENCH / "bench.csv.gz",
+        BENCH / "bench.json",
+        holdout_intervals_s=named.holdout_intervals_s,
+        moving_threshold_rad_s=named.moving_threshold_rad_s,
+    )
+    for name, e in expected.coefficients.items():
+        assert found.coefficients[name].value == pytest.approx(e.value, rel=1e-5)
+        assert found.coefficients[name].interval == pytest.approx(e.interval, rel=1e-5)
+
+
+def test_the_rig_by_hand_of_the_bundled_log_says_what_the_sidecar_says() -> None:
+    """bench.toml and bench.json are one rig, and give the same fit of the bundled log."""
+    by_hand, sidecar = read_rig(BENCH / "bench.toml"), read_rig(BENCH / "bench.json")
+    assert by_hand.known == pytest.approx(sidecar.known, rel=1e-14)
+    for name in ("case", "holdout_intervals_s", "moving_threshold_rad_s", "counts_per_rev", "name"):
+        assert getattr(by_hand, name) == getattr(sidecar, name)
+    found, expected = (fitted(BENCH / "bench.csv.gz", BENCH / f"bench.{s}") for s in ("toml", "json"))
+    assert found.warnings == ()
+    assert found.rmse == pytest.approx(expected.rmse, rel=1e-9)
+
+
+def test_every_key_stands_in_the_page() -> None:
+    """Keys of the file, quantities in both ways of writing, channels and standard columns: all are told."""
+    told = set(_code(PAGE.split("```")[2]))
+    keys = {*rigs._KEYS, *CHANNELS, *(column for column, _ in CHANNELS.values()), "case"}
+    keys |= {known.name for known in KNOWNS} | {known.key for known in KNOWNS}
+    keys = {f"[{key}]" if key in ("known", "unknown", "columns") else key for key in keys}
+    assert sorted(keys - told) == []
+
+
+def test_every_unit_of_the_page_is_a_unit() -> None:
+    """What the last table lists is understood."""
+    table = PAGE.split("## Units")[1]
+    units = [unit for row in table.splitlines() if row.startswith("| ") for unit in _code(row)]
+    assert len(units) > 40
+    for unit in units:
+        assert parse_unit(unit, "page", 1000.0).factor > 0.0
