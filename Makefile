@@ -18,10 +18,12 @@ TEST := $(VENV)/.stamp-test
 LINT := $(VENV)/.stamp-lint
 DERIVED := $(VENV)/.stamp-derived
 
-.PHONY: run test derive figures lint check clean
+.PHONY: run test derive figures lint check bench clean
 .NOTPARALLEL:
 
 run: $(DERIVED)
+	@$(BIN)/eccentric fit examples/bench/bench.csv.gz --rig examples/bench/bench.json --out build/fit
+	@echo
 	@$(BIN)/eccentric diagnose examples/bench/bench.csv.gz --rig examples/bench/bench.json --out build/bench
 	@$(CC) $(STRICT) -c build/bench/c2_parallel_extended.c -o build/c2_parallel_extended.o
 	@echo "build/c2_parallel_extended.o: the extended model, compiled with $(CC) $(STRICT)"
@@ -42,6 +44,9 @@ lint: $(LINT)
 	@$(BIN)/pyright
 
 check: lint test
+
+bench: $(RUN)
+	@$(BIN)/python benchmarks/diagnosis.py --out benchmarks/results.md
 
 # The environment stays: delete $(VENV) by hand to start over.
 clean:
