@@ -7,6 +7,7 @@ import sys
 from pathlib import Path
 
 from eccentric.emit import emit
+from eccentric.errors import InputError
 from eccentric.identify.diagnose import Diagnosis, diagnose
 from eccentric.identify.diagnosis import document, lines
 from eccentric.identify.model_script import script
@@ -37,6 +38,9 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Diagnose, write the folder, print the result; return 0."""
+    for own in _own(args.effects, args.model):
+        if own.name == "model.py" or own.stem.endswith("_extended"):
+            raise InputError(f"{own}: required another name: the result has a file of this one")
     found = diagnose(args.logs, args.rig, args.model, args.effects, _progress())
     with whole_folder(args.out) as folder:
         names = _write(found, folder)
@@ -47,12 +51,17 @@ def run(args: argparse.Namespace) -> int:
     return 0
 
 
+def _own(effects: Path | None, model: str | None) -> list[Path]:
+    """Scripts of the user's own, which travel with the result."""
+    return [Path(one) for one in (effects, model) if one is not None and Path(one).suffix == ".py"]
+
+
 def _write(found: Diagnosis, folder: Path) -> list[str]:
     text = json.dumps(document(found), indent=1, ensure_ascii=False, allow_nan=False)
     (folder / "diagnosis.json").write_text(text + "\n", encoding="utf-8")
     (folder / "model.py").write_text(script(found), encoding="utf-8")
-    if found.own is not None:
-        shutil.copyfile(found.own, folder / found.own.name)
+    for own in _own(found.own, found.model):
+        shutil.copyfile(own, folder / own.name)
     emitted = emit(load_model(folder / "model.py"), folder, "eccentric diagnose", "model.py")
     (folder / "report.html").write_text(report(found), encoding="utf-8")
     return ["report.html", "diagnosis.json", "model.py", *(path.name for path in emitted)]

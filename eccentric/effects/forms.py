@@ -127,6 +127,11 @@ def loss(setting: Setting) -> sp.Expr:
     return friction * omega_m + v.R.symbol * v.i.symbol**2
 
 
+def thermal_times(setting: Setting) -> tuple[float, float]:
+    """Range of thermal time constants [s] that a log of this length can show."""
+    return min(8.0, 0.2 * setting.duration_s), min(300.0, 5.0 * setting.duration_s)
+
+
 def heating(
     name: str, setting: Setting, power: sp.Expr, tau: sp.Symbol
 ) -> tuple[sp.Expr, tuple[Definition, ...], State]:

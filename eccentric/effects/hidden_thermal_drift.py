@@ -5,7 +5,7 @@ from __future__ import annotations
 import sympy as sp
 
 from eccentric.effects.effect import Effect, Shape
-from eccentric.effects.forms import addition, direction, heating, loss, omega_m
+from eccentric.effects.forms import addition, direction, heating, loss, omega_m, thermal_times
 from eccentric.effects.setting import Setting
 from eccentric.model import Definition, quantity
 
@@ -28,7 +28,7 @@ def effects(setting: Setting) -> tuple[Effect, ...]:
         return ()
     rise, definitions, state = heating("heat", setting, loss(setting), tau.symbol)
     thins = sp.exp(-fall.symbol * rise)
-    constant_of_time = Shape(tau, 8.0, 300.0, "log", 8)
+    constant_of_time = Shape(tau, *thermal_times(setting), "log", 8)
     common = {
         "depends_on": ("time", "history"),
         "reference": REFERENCE,

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from eccentric.effects.effect import Effect, Shape
-from eccentric.effects.forms import addition, constant, heating
+from eccentric.effects.forms import addition, constant, heating, thermal_times
 from eccentric.effects.setting import Setting
 from eccentric.model import quantity
 from eccentric.model import vocabulary as v
@@ -50,7 +50,7 @@ def effects(setting: Setting) -> tuple[Effect, ...]:
             depends_on=("current", "time"),
             formula="R (1 + r rise) for R, tau d(rise)/dt = R i^2/mean - rise",
             reference=REFERENCE,
-            shapes=(Shape(tau, 8.0, 300.0, "log", 8),),
+            shapes=(Shape(tau, *thermal_times(setting), "log", 8),),
             definitions=definitions,
             states=(state,),
             needs=("current", "voltage"),

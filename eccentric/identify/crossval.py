@@ -14,7 +14,7 @@ import numpy as np
 from scipy.linalg import solve_triangular
 from scipy.optimize import nnls
 
-__all__ = ["Gram", "block_z", "bootstrap_interval", "bounded_solve", "cross_validate", "fold_of_block"]
+__all__ = ["Gram", "bounded_solve", "cross_validate", "fold_of_block"]
 
 Array = np.ndarray
 
@@ -95,22 +95,3 @@ def cross_validate(gram: Gram, lower: Array, fold: Array, ridge: Array | float =
         )
         loss[mine] = gram.loss(coefficients)[mine]
     return loss
-
-
-def block_z(gain: Array) -> float:
-    """Sum over its standard error of per-block gains: how surely the mean gain is above zero."""
-    n = len(gain)
-    spread = float(np.std(gain, ddof=1)) * np.sqrt(n) if n > 1 else 0.0
-    return float(gain.sum()) / spread if spread > 0.0 else 0.0
-
-
-def bootstrap_interval(
-    before: Array, after: Array, level: float = 0.95, draws: int = 2000, seed: int = 11
-) -> tuple[float, float, float]:
-    """Improvement of the RMSE in percent, 100 (1 - after/before), and its interval by resampling blocks."""
-    rng = np.random.default_rng(seed)
-    pick = rng.integers(0, len(before), size=(draws, len(before)))
-    ratio = np.sqrt(np.maximum(after[pick].sum(axis=1), 0.0) / np.maximum(before[pick].sum(axis=1), 1e-300))
-    low, high = np.quantile(100.0 * (1.0 - ratio), [(1 - level) / 2, (1 + level) / 2])
-    value = 100.0 * (1.0 - np.sqrt(max(after.sum(), 0.0) / max(before.sum(), 1e-300)))
-    return float(value), float(low), float(high)

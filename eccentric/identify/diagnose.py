@@ -7,6 +7,7 @@ The stages, each with what it hands on:
     attribute   -> verdict and adopted effects                                    (`verdict.attribute`)
     extend      -> Model', its coefficients fitted on its own emitted module      (`refit`)
     score       -> held-out RMSE before and after; the held-out part is opened here and nowhere else
+                   (the zero-phase low pass carries some 20 ms across its borders)
 """
 
 from __future__ import annotations
@@ -43,7 +44,7 @@ class Diagnosis:
     """What a diagnosis found.
 
     Attributes:
-        logs: file names.
+        logs, rig_name: file names; model: name or path of the base model.
         base: the paper's model; its fit is `paper`.
         setting: what the library of effects was made for.
         own: effects of the user's own file, if any.
@@ -56,6 +57,8 @@ class Diagnosis:
     """
 
     logs: tuple[str, ...]
+    rig_name: str
+    model: str
     channels: Channels
     rig: Rig
     base: Model
@@ -93,8 +96,15 @@ def diagnose(
     """
     tell = tell or (lambda _: None)
     rig = read_rig(rig_path)
+    if rig.estimate:
+        raise InputError(
+            f'{Path(rig_path).name}: {", ".join(sorted(rig.estimate))} = "estimate": required a number for'
+            " diagnose; `eccentric fit` finds it"
+        )
     channels = read_channels(logs, rig)
     base = load_model(model or rig.model)
+    if "phi" in {q.name for q in base.parameters}:
+        raise InputError(f"{base.name}: required a model of case C1 or C2 for diagnose, got one with a tilt")
     tell(f"{channels.counts['used']} rows used of {channels.rows_read}")
     signals = signals_of(channels, rig, base)
     balances, noise = balances_of(channels, base, signals)
@@ -103,8 +113,9 @@ def diagnose(
     friction = bounded(mechanical.base, mechanical.target, mechanical.lower, none).coefficients
     setting = setting_of(channels, base, signals, friction)
     offered = [*library(setting), *(load_effects(effects, setting) if effects else ())]
-    present = {"current", "voltage", "temperature"} & setting.channels
-    offered = [e for e in offered if set(e.needs) <= present and e.balance in {b.name for b in balances}]
+    names = {balance.name for balance in balances}
+    offered = [e for e in offered if set(e.needs) <= setting.channels and e.balance in names]
+    offered = [e for e in offered if _known(e, base, signals)]
     by_id = {effect.id: effect for effect in offered}
     candidates = [candidate(effect, base, signals, friction) for effect in offered]
     smooth = _smooth_channels(channels, signals)
@@ -138,6 +149,8 @@ def diagnose(
     named = extended.effects if found.verdict == "named" else ()
     return Diagnosis(
         logs=tuple(Path(log).name for log in logs),
+        rig_name=Path(rig_path).name,
+        model=model or rig.model,
         channels=channels,
         rig=rig,
         base=base,
@@ -164,7 +177,13 @@ def signals_of(channels: Channels, rig: Rig, model: Model) -> Signals:
     needed = {q.name for q in model.parameters} - {c.name for c in regressor(model)}
     friction = {"B_m", "C_m", "B_lT", "C_lT", "B_lN", "C_lN"}
     needed = {name for name in needed if name.removesuffix("_pos").removesuffix("_neg") not in friction}
-    known = {name: rig.value(name) for name in sorted(needed) if name != "F_T"}
+    # Only the armature needs these, and without a voltage nothing is said of it.
+    armature = {"R", "k_e"} if _voltage(channels) is None else set()
+    known = {
+        name: rig.value(name)
+        for name in sorted(needed)
+        if name != "F_T" and (name not in armature or name in rig.known)
+    }
     if "F_T" in needed:
         known["F_T"] = rig.known.get("F_T", known.get("M_l", 0.0) * known["g"])
     if channels.drive == "torque":
@@ -173,11 +192,11 @@ def signals_of(channels: Channels, rig: Rig, model: Model) -> Signals:
         "theta_m": channels.theta_m,
         "omega_m": channels.omega_m,
         "alpha_m": channels.alpha_m,
-        "t": channels.t - channels.t[0],
+        "t": elapsed(channels),
     }
-    drive = _drive_current(channels)
-    if channels.voltage is not None:
-        values["u"] = _smoothed(channels, channels.voltage)
+    drive, voltage = _drive_current(channels), _voltage(channels)
+    if voltage is not None:
+        values["u"] = _smoothed(channels, voltage)
         values["i"] = (values["u"] - known["k_e"] * channels.omega_m) / known["R"]
     else:
         values["i"] = _smoothed(channels, drive)
@@ -202,14 +221,16 @@ def balances_of(channels: Channels, model: Model, signals: Signals) -> tuple[lis
     balances = [
         make_balance("mechanical", windows, target, base_columns(model, signals), names, lower, target)
     ]
-    noise = {"mechanical": sensor_noise(drive, windows)}
-    if channels.voltage is not None and channels.current is not None and {"R", "k_e"} <= set(known):
+    unseen = np.where(channels.held_out, np.nan, drive)
+    noise = {"mechanical": sensor_noise(unseen, windows)}
+    voltage = _voltage(channels)
+    if voltage is not None:
         clear = ~channels.held_out & _away_from_ends(channels)
         every = make_windows(channels.t, clear, channels.segment)
-        residual = known["k_i"] / known["R"] * (channels.voltage - known["k_e"] * channels.omega_m) - drive
+        residual = known["k_i"] / known["R"] * (voltage - known["k_e"] * channels.omega_m) - drive
         empty = np.empty((len(drive), 0))
         balances.append(make_balance("electrical", every, residual, empty, (), np.empty(0), target))
-        noise["electrical"] = sensor_noise(drive, every)
+        noise["electrical"] = sensor_noise(unseen, every)
     return balances, noise
 
 
@@ -224,12 +245,12 @@ def setting_of(channels: Channels, model: Model, signals: Signals, friction: Arr
     speed = np.abs(channels.omega_m[rows])
     current = signals.values["i"]
     loss = np.mean((base_columns(model, signals) @ friction)[rows] * channels.omega_m[rows])
-    if "R" in signals.known:
+    if "R" in signals.known and channels.drive == "current":
         loss += np.mean(signals.known["R"] * current[rows] ** 2)
     warm = channels.temperature
-    present = {name for name in ("current", "voltage", "temperature") if getattr(channels, name) is not None}
-    if channels.drive == "torque":
-        present.add("current")
+    present = {"current"}
+    present |= {"voltage"} if _voltage(channels) is not None else set()
+    present |= {"temperature"} if warm is not None else set()
     highest = float(np.quantile(speed, 0.99))
     return Setting(
         case="C1" if "theta_m" not in {q.name for q in model.inputs} else "C2",
@@ -237,10 +258,10 @@ def setting_of(channels: Channels, model: Model, signals: Signals, friction: Arr
         known=dict(signals.known),
         w_min=max(0.5 * float(np.quantile(speed, 0.002)), highest / 400),
         w_max=highest,
-        current_max=float(np.quantile(np.abs(current), 0.995)),
-        duration_s=float(channels.t[-1] - channels.t[0]),
+        current_max=float(np.quantile(np.abs(current[rows]), 0.995)),
+        duration_s=float(np.max(elapsed(channels))),
         mean_loss_W=max(float(loss), 1e-12),
-        temperature_mid=None if warm is None else float(np.median(warm)),
+        temperature_mid=None if warm is None else float(np.median(warm[rows])),
         channels=frozenset(present),
         friction={c.name: float(x) for c, x in zip(regressor(model), friction, strict=True)},
     )
@@ -263,6 +284,29 @@ def _smooth_channels(channels: Channels, signals: Signals) -> _Smooth:
         voltage=signals.values.get("u"),
         temperature=channels.temperature,
     )
+
+
+def elapsed(channels: Channels) -> Array:
+    """Time since the start of each row's run [s]."""
+    start = np.array([channels.t[channels.run == run][0] for run in range(int(channels.run.max()) + 1)])
+    return channels.t - start[channels.run]
+
+
+def _known(effect: Effect, base: Model, signals: Signals) -> bool:
+    """Whether the rig knows every parameter of the base model that the effect uses."""
+    unknown = {q.name for q in base.parameters} - set(signals.known)
+    unknown -= {str(t.coefficient) for t in base.balance("mechanical").terms}
+    used = set().union(
+        *(d.value.free_symbols for d in effect.definitions),
+        *(s.update.free_symbols for s in effect.states),
+        *(t.basis.free_symbols for terms in effect.terms.values() for t in terms),
+    )
+    return not unknown & {s.name for s in used}
+
+
+def _voltage(channels: Channels) -> Array | None:
+    """The armature voltage, where there is a current to go with it."""
+    return channels.voltage if channels.drive == "current" else None
 
 
 def _drive_current(channels: Channels) -> Array:
@@ -301,5 +345,6 @@ def _away_from_ends(channels: Channels) -> Array:
 
 def _noise(channels: Channels, known: Mapping[str, float]) -> float:
     """RMS of the drive torque's white noise per row, from its fourth differences."""
-    difference = np.diff(known["k_i"] * _drive_current(channels), 4)
+    joined = np.diff(channels.segment, 4) == 0
+    difference = np.diff(known["k_i"] * _drive_current(channels), 4)[joined]
     return float(1.4826 * np.median(np.abs(difference - np.median(difference))) / np.sqrt(70.0))

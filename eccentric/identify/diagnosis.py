@@ -83,8 +83,9 @@ def sentence(found: Diagnosis) -> str:
     """One sentence that can be sent to a colleague."""
     a = found.attribution
     before, after = found.rmse[found.balance]["paper"], found.rmse[found.balance]["extended"]
+    falls = "falls" if found.interval[0] > 0.0 else "does not clearly fall:"
     gain = (
-        f"the held-out error falls from {before:.4g} to {after:.4g} N m"
+        f"the held-out error {falls} from {before:.4g} to {after:.4g} N m"
         f" ({found.percent:.1f} %, 95 % interval {found.interval[0]:.1f} to {found.interval[1]:.1f} %)"
     )
     if a.verdict == "named":
@@ -101,8 +102,8 @@ def sentence(found: Diagnosis) -> str:
             " and no effect of the library explains it; no name is given."
         )
     return (
-        f"Nothing is missing: the residual ({before:.4g} N m held out) is what the sensors make of it"
-        f" (their noise alone {found.noise_floor:.4g} N m)."
+        f"Nothing is missing: no effect takes out more of the residual ({before:.4g} N m held out;"
+        f" noise of the sensors alone {found.noise_floor:.4g} N m) than chance would."
     )
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import pprint
+from pathlib import Path
 
 from eccentric.identify.diagnose import Diagnosis
 
@@ -12,6 +13,12 @@ __all__ = ["extended_name", "script"]
 def extended_name(found: Diagnosis) -> str:
     """Name of the extended model, and of its emitted trio."""
     return f"{found.base.name}_extended"
+
+
+def _base(found: Diagnosis) -> str:
+    """How the script loads the base model: by name, or the script of the user's own that lies beside it."""
+    own = Path(found.model)
+    return f"Path(__file__).with_name({own.name!r})" if own.suffix == ".py" else repr(found.base.name)
 
 
 def script(found: Diagnosis) -> str:
@@ -51,7 +58,7 @@ offered = [*library(setting)]{own}
 effects = {{effect.id: effect for effect in offered}}
 
 # The paper's model, and what it lacks on this log.
-model = load_model({found.base.name!r})
+model = load_model({_base(found)})
 for name, values in {chosen}:
     model = effects[name].extend(model, values)
 

@@ -30,9 +30,11 @@ Array = np.ndarray
 def sensor_noise(signal: Array, windows: Windows) -> float:
     """RMS of a row (after its window) that the white noise of a raw signal (samples,) explains.
 
-    The fourth difference of a smooth signal vanishes; of white noise it has 70 times the variance.
+    The fourth difference of a smooth signal vanishes; of white noise it has 70 times the variance. NaN marks
+    samples that are not to be looked at.
     """
     difference = np.diff(signal, 4)
+    difference = difference[np.isfinite(difference)]
     sigma = 1.4826 * float(np.median(np.abs(difference - np.median(difference)))) / np.sqrt(70.0)
     first = windows.weights.getrow(0).data
     return sigma * float(np.sqrt(np.sum(first**2)))

@@ -5,7 +5,6 @@ from __future__ import annotations
 import inspect
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 
@@ -34,7 +33,7 @@ class Refit:
         estimates: fitted parameters with uncertainty, by name.
         residuals: balance -> (samples,) on all rows [N m].
         shares: effect id -> RMS of its torque as a fraction of that of the friction, on training rows.
-        columns: (samples, k) base columns, for comparisons.
+        target: (samples,) what the mechanical friction has to be [N m].
         score_rows: rows of the held-out error.
     """
 
@@ -44,7 +43,6 @@ class Refit:
     estimates: dict[str, Estimate]
     residuals: dict[str, Array]
     shares: dict[str, float]
-    columns: Array
     target: Array
     score_rows: Array
 
@@ -68,7 +66,7 @@ class Emitted:
             "i": drive,
             "u": channels.voltage,
             "temperature": channels.temperature,
-            "t": channels.t - channels.t[0],
+            "t": signals.values["t"],
         }
         self.inputs = {name: x for name, x in given.items() if x is not None}
         if model.states:
@@ -115,33 +113,35 @@ def refit(
     values |= dict.fromkeys(_all_friction(base), 0.0) | shapes
     coefficients = {q.name: 0.0 for effect, _ in effects for q in effect.coefficients}
     values |= coefficients
-    electrical = [effect for effect, _ in effects if effect.balance == "electrical"]
     has_electrical = "u" in emitted.inputs and channels.drive == "current"
-    if electrical and has_electrical:
-        names = [q.name for effect in electrical for q in effect.coefficients]
+    solved: list[_Solved] = []
+    if has_electrical:
+        names, limits = _coefficients(effects, "electrical")
         if names:
             rows = ~channels.held_out & channels.usable
-            limits = [limit for effect in electrical for limit in effect.bounds]
-            values |= _solve(emitted, "electrical", values, names, limits, rows, bounds)[0]
-    mechanical = [effect for effect, _ in effects if effect.balance == "mechanical"]
-    names = [*friction, *(q.name for effect in mechanical for q in effect.coefficients)]
-    limits = [(0.0, None)] * len(friction) + [limit for effect in mechanical for limit in effect.bounds]
-    solved, design, active = _solve(emitted, "mechanical", values, names, limits, channels.fit_rows, bounds)
-    residuals = {"mechanical": _at(emitted, values, solved, names, design)}
-    negative = [name for name in friction if solved[name] < 0.0]
-    values |= solved
+            solved.append(_solve(emitted, "electrical", values, names, limits, rows, bounds))
+            values |= solved[-1].values
+    names, limits = _coefficients(effects, "mechanical")
+    names, limits = [*friction, *names], [(0.0, None)] * len(friction) + limits
+    solved.append(_solve(emitted, "mechanical", values, names, limits, channels.fit_rows, bounds))
+    found, design = solved[-1].values, solved[-1].design
+    # By its columns, since Parameters refuse what is negative without bounds.
+    residuals = {"mechanical": emitted.residual("mechanical", values) - design @ [found[n] for n in names]}
+    values |= found
     if has_electrical:
-        residuals["electrical"] = emitted.residual("electrical", values | dict.fromkeys(negative, 0.0))
-    target = residuals["mechanical"] + design[:, : len(friction)] @ [solved[n] for n in friction]
-    fitted = Refit(
-        model, effects, values, {}, residuals, {}, design[:, : len(friction)], target, channels.score_rows
-    )
+        allowed = {n: max(x, 0.0) if n in friction else x for n, x in values.items()}
+        residuals["electrical"] = emitted.residual("electrical", allowed)
+    target = residuals["mechanical"] + design[:, : len(friction)] @ [found[n] for n in friction]
+    fitted = Refit(model, effects, values, {}, residuals, {}, target, channels.score_rows)
     if not effects:
         return fitted
+    estimates: dict[str, Estimate] = {}
+    for one in solved:
+        estimates |= _estimates(fitted, emitted, one, channels, signals)
     return replace(
         fitted,
         effects=tuple((e, {q.name: values[q.name] for q in e.parameters}) for e, _ in effects),
-        estimates=_estimates(fitted, emitted, names, limits, active, design, channels, signals),
+        estimates=estimates,
         shares=_shares(fitted, base, channels, signals),
     )
 
@@ -171,62 +171,75 @@ def _all_friction(base: Model) -> list[str]:
     return [q.name for q in base.parameters if q.name in used]
 
 
+Limits = list[tuple[float | None, float | None]]
+
+
+def _coefficients(effects: tuple[tuple[Effect, Values], ...], balance: str) -> tuple[list[str], Limits]:
+    """Names and bounds of the coefficients of the effects that a balance shows."""
+    own = [effect for effect, _ in effects if effect.balance == balance]
+    names = [q.name for effect in own for q in effect.coefficients]
+    return names, [limit for effect in own for limit in effect.bounds]
+
+
+@dataclass(frozen=True)
+class _Solved:
+    """A balance solved for its linear parameters."""
+
+    balance: str
+    values: Values
+    low: Array
+    high: Array
+    active: Array
+    design: Array
+    rows: Array
+
+
 def _solve(
     emitted: Emitted,
     balance: str,
     values: Values,
     names: list[str],
-    limits: list[tuple[float | None, float | None]],
+    limits: Limits,
     rows: Array,
     bounds: bool,
-) -> tuple[Values, Array, Any]:
+) -> _Solved:
     """The residual is linear in these parameters: unit steps of the emitted function give its columns."""
     rest = emitted.residual(balance, values)
     design = np.column_stack([rest - emitted.residual(balance, {**values, name: 1.0}) for name in names])
     low = np.array([-np.inf if a is None or not bounds else a for a, _ in limits])
     high = np.array([np.inf if b is None or not bounds else b for _, b in limits])
     found = bounded(design[rows], rest[rows], low, high)
-    return dict(zip(names, map(float, found.coefficients), strict=True)), design, found.active
-
-
-def _at(emitted: Emitted, values: Values, solved: Values, names: list[str], design: Array) -> Array:
-    """The residual at the solution; by its columns, since Parameters refuse what is negative."""
-    return emitted.residual("mechanical", values) - design @ [solved[n] for n in names]
+    own = dict(zip(names, map(float, found.coefficients), strict=True))
+    return _Solved(balance, own, low, high, found.active, design, rows)
 
 
 def _estimates(
-    fitted: Refit,
-    emitted: Emitted,
-    names: list[str],
-    limits: list[tuple[float | None, float | None]],
-    active: Any,
-    design: Array,
-    channels: Channels,
-    signals: Signals,
+    fitted: Refit, emitted: Emitted, solved: _Solved, channels: Channels, signals: Signals
 ) -> dict[str, Estimate]:
-    """Values with standard errors; shapes enter by the slope of the residual."""
-    shapes = {s.quantity.name: s for e, _ in fitted.effects for s in e.shapes}
+    """Values with standard errors from one balance; its effects' shapes enter by the slope of the residual."""
+    every = {s.quantity.name for e, _ in fitted.effects for s in e.shapes}
+    shapes = {s.quantity.name: s for e, _ in fitted.effects if e.balance == solved.balance for s in e.shapes}
+    residual = fitted.residuals[solved.balance]
     slopes = []
     for name, shape in shapes.items():
         step = 1e-3 * (shape.high - shape.low if shape.scale == "linear" else fitted.values[name])
         moved = fitted.values | {name: fitted.values[name] + step}
         there = emitted
         if fitted.model.states:
-            there = Emitted(fitted.model, channels, signals, {n: moved[n] for n in shapes})
-        slopes.append((fitted.residuals["mechanical"] - there.residual("mechanical", moved)) / step)
-    rows = channels.fit_rows
-    full = np.column_stack([design, *slopes])[rows]
-    low = np.array([-np.inf if a is None else a for a, _ in limits] + [-np.inf] * len(shapes))
-    high = np.array([np.inf if b is None else b for _, b in limits] + [np.inf] * len(shapes))
-    held = np.r_[active, np.zeros(len(shapes), int)]
-    error = spread(full, fitted.residuals["mechanical"][rows], held, low, high)
+            there = Emitted(fitted.model, channels, signals, {n: moved[n] for n in every})
+        slopes.append((residual - there.residual(solved.balance, moved)) / step)
+    free = np.full(len(shapes), np.inf)
+    low, high = np.r_[solved.low, -free], np.r_[solved.high, free]
+    held = np.r_[solved.active, np.zeros(len(shapes), int)]
+    full = np.column_stack([solved.design, *slopes])[solved.rows]
+    error = spread(full, residual[solved.rows], held, low, high)
     units = {q.name: q.unit for q in fitted.model.parameters}
     unit = np.eye(full.shape[1])
     return {
         name: error.estimate(
             fitted.values[name], unit[k], units[name], (float(low[k]), float(high[k])), int(held[k])
         )
-        for k, name in enumerate([*names, *shapes])
+        for k, name in enumerate([*solved.values, *shapes])
     }
 
 

@@ -77,7 +77,7 @@ def _view(found: Diagnosis) -> dict[str, Any]:
         "rows": ", ".join(f"{value} rows {name.replace('_', ' ')}" for name, value in counts.items()),
         "warnings": found.channels.warnings,
         "logs": " ".join(found.logs),
-        "rig": "RIG",
+        "rig": found.rig_name,
     }
 
 

@@ -135,7 +135,8 @@ def _adopted(searches: dict[str, Search], rules: Rules) -> tuple[list[Adopted], 
             found.append((Adopted(name, term, own, float(share)), entry))
             if probability < rules.sure:
                 options = sorted(search.alternatives[place].items(), key=lambda item: -item[1][0])
-                tied += [family for family, (chance, _) in options if chance > 0.05]
+                # At least the two best: one family alone is not to be told from anything.
+                tied += [f for k, (f, (chance, _)) in enumerate(options) if chance > 0.05 or k < 2]
     found.sort(key=lambda pair: -pair[0].share)
     return [one for one, _ in found], [entry for _, entry in found], list(dict.fromkeys(tied))
 
