@@ -179,6 +179,8 @@ def signals_of(channels: Channels, rig: Rig, model: Model) -> Signals:
     needed = {name for name in needed if name.removesuffix("_pos").removesuffix("_neg") not in friction}
     # Only the armature needs these, and without a voltage nothing is said of it.
     armature = {"R", "k_e"} if _voltage(channels) is None else set()
+    # A torque signal is a current with k_i = 1 N m/A.
+    needed -= {"k_i"} if channels.drive == "torque" else set()
     known = {
         name: rig.value(name)
         for name in sorted(needed)

@@ -216,7 +216,7 @@ def _solve(
 def _estimates(
     fitted: Refit, emitted: Emitted, solved: _Solved, channels: Channels, signals: Signals
 ) -> dict[str, Estimate]:
-    """Values with standard errors from one balance; its effects' shapes enter by the slope of the residual."""
+    """Values with standard errors from one balance; shapes enter by the slope of the residual."""
     every = {s.quantity.name for e, _ in fitted.effects for s in e.shapes}
     shapes = {s.quantity.name: s for e, _ in fitted.effects if e.balance == solved.balance for s in e.shapes}
     residual = fitted.residuals[solved.balance]
