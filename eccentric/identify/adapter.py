@@ -92,7 +92,8 @@ def candidate(effect: Effect, model: Model, signals: Signals, friction: Array) -
 
         return columns
 
-    plain = base_columns(model, signals) @ friction
+    # Compiled for those few that need it.
+    plain = np.empty(0) if changes is None else base_columns(model, signals) @ friction
 
     def first_look(_: Any, shape: Shape) -> Array:
         """The change at this shape, friction as first fitted: a direction for the search."""
