@@ -1,0 +1,84 @@
+"""What `diagnose` takes besides the bundled rig, and what it refuses in one line."""
+
+import gzip
+from pathlib import Path
+
+import pytest
+
+from eccentric.cli import main
+from eccentric.identify.diagnose import diagnose
+
+ROOT = Path(__file__).resolve().parent.parent
+LOG = ROOT / "examples" / "bench" / "bench.csv.gz"
+TOML = ROOT / "examples" / "bench" / "bench.toml"
+
+
+def rig_with(tmp_path: Path, *changes: tuple[str, str]) -> Path:
+    """The bundled rig with lines changed."""
+    text = TOML.read_text(encoding="utf-8")
+    for old, new in changes:
+        assert old in text
+        text = text.replace(old, new)
+    (tmp_path / "rig.toml").write_text(text, encoding="utf-8")
+    return tmp_path / "rig.toml"
+
+
+def test_torque_signal_needs_no_motor_constants(tmp_path: Path) -> None:
+    """A rig with a torque signal is diagnosed without k_i, R and k_e, and says nothing of the armature."""
+    rig = rig_with(
+        tmp_path,
+        ('drive = "current"', 'drive = "torque"'),
+        ('voltage = "voltage_V"\ncurrent = "current_A"', 'torque = "current_A * 0.063"'),
+        ('R = "1 ohm"\n', ""),
+        ('k_i = "63 mNm/A"\n', ""),
+        ('k_e = "0.063 V s/rad"\n', ""),
+    )
+    found = diagnose([LOG], rig)
+
+    assert ["link_harmonic_friction"] == [effect.family for effect, _ in found.effects]
+    assert {"mechanical"} == set(found.rmse)
+
+
+def test_logs_may_begin_at_any_time(tmp_path: Path) -> None:
+    """Two logs, the later one with earlier time stamps, are two runs and not an error."""
+    rig = rig_with(tmp_path, ("holdout_intervals_s", "# holdout_intervals_s"))
+
+    lines = gzip.decompress(LOG.read_bytes()).decode().splitlines()
+    shifted = [
+        lines[0],
+        *(f"{float(line.split(',')[0]) + 1000:.3f},{line.split(',', 1)[1]}" for line in lines[1:]),
+    ]
+    (tmp_path / "late.csv").write_text("\n".join(shifted[:9000]) + "\n", encoding="utf-8")
+    (tmp_path / "early.csv").write_text("\n".join([lines[0], *lines[6000:]]) + "\n", encoding="utf-8")
+    found = diagnose([tmp_path / "late.csv", tmp_path / "early.csv"], rig)
+
+    assert ["link_harmonic_friction"] == [effect.family for effect, _ in found.effects]
+    assert found.setting.duration_s < 61.0
+
+
+@pytest.mark.parametrize(
+    ("changes", "effects", "said"),
+    [
+        ([('drive = "current"', 'drive = "current"\ntheta_zero_rad = "estimate"')], None, "theta_zero_rad"),
+        ([('case = "C2"                #', 'phi = "0.3 rad"  #')], None, "required a model of case C1 or C2"),
+        ([], "model.py", "required another name"),
+        ([], "missing.py", "missing.py"),
+    ],
+    ids=["estimate", "tilt", "name taken", "missing effects"],
+)
+def test_what_cannot_be_diagnosed_is_one_line(
+    changes: list[tuple[str, str]],
+    effects: str | None,
+    said: str,
+    tmp_path: Path,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    """What diagnose cannot take is named in one line, status 2, and nothing is written."""
+    rig = rig_with(tmp_path, *changes)
+    more = ["--effects", str(tmp_path / effects)] if effects else []
+    status = main(["diagnose", str(LOG), "--rig", str(rig), *more, "--out", str(tmp_path / "out")])
+    error = [line for line in capsys.readouterr().err.splitlines() if "warning" not in line]
+
+    assert (2, 1) == (status, len(error))
+    assert said in error[0]
+    assert not (tmp_path / "out").exists()
