@@ -11,7 +11,7 @@ from eccentric.model import vocabulary as v
 offset = quantity("offset_angle", "rad", "true link angle less the one logged")
 torque = quantity("offset_torque", "N m", "gravity torque where the logged link angle is 0")
 theta_true = quantity("theta_true", "rad", "true motor angle")
-REFERENCE = "B. W. Mooring, Z. S. Roth and M. R. Driels, Fundamentals of Manipulator Calibration, 1991"
+REFERENCE = "B. W. Mooring, Z. S. Roth and M. R. Driels, Fundamentals of Manipulator Calibration, Wiley, 1991"
 HINT = "let the link swing out freely and read the angle at which it comes to rest"
 
 

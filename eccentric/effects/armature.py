@@ -11,7 +11,7 @@ from eccentric.model import vocabulary as v
 resistance = quantity("armature_R", "Ohm", "true resistance less the declared one")
 back_emf = quantity("armature_k", "V s/rad", "true back-EMF constant less the declared one")
 inductance = quantity("armature_L", "V s/A", "inductance of the armature", "", "nonnegative")
-REFERENCE = "W. Leonhard, Control of Electrical Drives (armature circuit)"
+REFERENCE = "standard form; armature circuit: W. Leonhard, Control of Electrical Drives, Springer"
 
 
 def effects(_: Setting) -> tuple[Effect, ...]:

@@ -32,7 +32,7 @@ GRAVITY = quantity(
     "backlash_G", "1", "gravity torque not felt in the gap, 1 for all of it", "", "nonnegative"
 )
 TORQUE = quantity("backlash_T", "N m", "gravity torque by the link's lag, per full gap", "", "nonnegative")
-REFERENCE = "M. Nordin and P.-O. Gutman, Automatica 38(10), 2002"
+REFERENCE = "form of our own, smoothed; backlash: M. Nordin and P.-O. Gutman, Automatica 38(10), 2002"
 HINT = "slow swings that change the side of the load often, with an encoder on the link if there can be one"
 
 

@@ -22,10 +22,11 @@ BY_SPEED = "steady runs over a speed range of 1 to 5 or more: powers of the spee
 def effects(setting: Setting) -> tuple[Effect, ...]:
     """Quadratic, cubic, degressive drag, and windage of either direction.
 
-    In case C1 the first two are columns of the model already, see `eccentric.effects.base_aliases`.
+    In case C1 the first two are columns of the model already, see `eccentric.effects.base_aliases`, unless
+    there is no mass.
     """
     found = [_sqrt_speed(setting), *_oneway()]
-    if setting.case == "C2":
+    if setting.case == "C2" or setting.known.get("M", 1.0) * setting.known.get("L", 1.0) == 0.0:
         found += [
             addition(
                 "quadratic_drag",
@@ -40,7 +41,7 @@ def effects(setting: Setting) -> tuple[Effect, ...]:
                 [(cubic, omega_m**3)],
                 depends_on=("velocity",),
                 formula="D w^3",
-                reference="polynomial of the third order in the velocity, as the paper's eq (11) in case C1",
+                reference="standard form: a polynomial of the third order, as the paper's eq (11) in case C1",
                 hint=BY_SPEED,
             ),
         ]
@@ -55,7 +56,8 @@ def _sqrt_speed(setting: Setting) -> Effect:
         [(degressive, half * direction)],
         depends_on=("velocity",),
         formula="D sqrt(|w|/w_ref) sgn w",
-        reference="M. Grotjahn, M. Daemi and B. Heimann, Int. J. Solids and Structures 38, 2001",
+        reference="standard form; degressive friction of robots: M. Grotjahn, M. Daemi and B. Heimann, Int."
+        " J. Solids and Structures 38, 2001",
         definitions=(reference, *definitions),
         hint=BY_SPEED,
     )

@@ -35,8 +35,8 @@ def effects(setting: Setting) -> tuple[Effect, ...]:
                 [(eta, basis)],
                 depends_on=(variable, "direction"),
                 formula=f"eta |T| sgn w driving, rho eta |T| sgn w back-driven, T = {FORMULAS[variant]}",
-                reference="A. Gogoussis and M. Donath 1987; T. Verstraten et al., IEEE Robotics and"
-                " Automation Letters 1(1), 2016",
+                reference="A. Gogoussis and M. Donath, IEEE ICRA 1987; T. Verstraten et al., IEEE Robotics"
+                " and Automation Letters 1(1), 2016",
                 shapes=(*(Shape(share, *span) for span in shapes), Shape(rho, 0.0, 0.8, "linear", 5)),
                 definitions=(*constants, Definition(load, torque)),
                 inputs=inputs,

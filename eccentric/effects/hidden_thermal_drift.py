@@ -16,7 +16,7 @@ fall = quantity(
 B = quantity("heat_B", "N m s/rad", "viscous friction of the bearing that warms up", "", "nonnegative")
 C = quantity("heat_C", "N m", "fall of the Coulomb friction until the end of the log", "", "nonnegative")
 factor = quantity("heat_factor", "1", "friction over that of the cold drive", "", "positive")
-REFERENCE = "L. Simoni, M. Beschi, G. Legnani and A. Visioli, Robotica, 2017 (joint temperature not measured)"
+REFERENCE = "L. Simoni, M. Beschi, G. Legnani and A. Visioli, Robotica 37(5), 2019 (temperature not measured)"
 
 
 def effects(setting: Setting) -> tuple[Effect, ...]:

@@ -26,7 +26,7 @@ def effects(setting: Setting) -> tuple[Effect, ...]:
         balance="electrical",
         depends_on=("current", "voltage"),
         formula="V tanh(i/i_0)",
-        reference="S.-G. Jeong and M.-H. Park, IEEE Trans. Industrial Electronics 38(2), 1991",
+        reference="smoothed; S.-G. Jeong and M.-H. Park, IEEE Trans. Industrial Electronics 38(2), 1991",
         shapes=(Shape(i_0, 0.002 * largest, 0.2 * largest, "log", 6),),
         needs=("current", "voltage"),
         hint="currents slowly through zero, of both signs, the rotor held",

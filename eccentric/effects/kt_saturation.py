@@ -24,7 +24,8 @@ def effects(setting: Setting) -> tuple[Effect, ...]:
         bounds=((0.0, 1.0),),
         depends_on=("current",),
         formula="k_t = k_i (1 - A x/(1 + x)), x = (i/i_s)^2",
-        reference="A. E. Fitzgerald, C. Kingsley and S. D. Umans, Electric Machinery (armature reaction)",
+        reference="form of our own; armature reaction: A. E. Fitzgerald, C. Kingsley and S. D. Umans,"
+        " Electric Machinery",
         shapes=(Shape(i_s, 0.7 * largest, 20.0 * largest, "log", 10),),
         needs=("current",),
         hint="high currents at low speed: hold the mass level, or accelerate hard",

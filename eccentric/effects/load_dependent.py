@@ -11,14 +11,16 @@ from eccentric.model import Definition, quantity
 from eccentric.model import vocabulary as v
 
 eta = quantity("load_eta", "1", "friction of the gear per torque that it passes on", "", "nonnegative")
+eta_2 = quantity("load_eta_2", "1/(N m)", "its growth with the torque that it passes on", "", "nonnegative")
 share = quantity("load_share", "1", "share of the friction that is the link's", "", "nonnegative")
 load = quantity("load_torque", "N m", "torque that the gear passes on, motor side")
-REFERENCE = "A. Gogoussis and M. Donath 1987; P. Hamon, M. Gautier and P. Garrec, IROS 2010"
+REFERENCE = "A. Gogoussis and M. Donath, IEEE ICRA 1987; P. Hamon, M. Gautier and P. Garrec, IROS 2010"
+SERVO = "M. Duclusaud, G. Passault, V. Padois and O. Ly, arXiv:2410.08650, 2024 (quadratic in the load)"
 HINT = "another mass or arm at the same speeds; back-driving tells it from a gear efficiency"
 
 
 def effects(setting: Setting) -> tuple[Effect, ...]:
-    """By the transmitted torque, inertia included, and in case C2 by the gravity load alone."""
+    """By the transmitted torque, inertia included, in proportion or progressively; in C2 by gravity alone."""
     inputs = () if setting.case == "C1" else (v.theta_m,)
     found = []
     for variant, variable, torque, constants, shapes in loads("load", setting, share.symbol):
@@ -37,6 +39,20 @@ def effects(setting: Setting) -> tuple[Effect, ...]:
                 hint=HINT,
             )
         )
+        if variant == "transmitted":
+            found.append(
+                addition(
+                    "load_dependent[progressive]",
+                    [(eta, sp.Abs(load.symbol) * direction), (eta_2, load.symbol**2 * direction)],
+                    depends_on=(variable,),
+                    formula=f"(eta |T| + eta_2 T^2) sgn w, T = {FORMULAS[variant]}",
+                    reference=SERVO,
+                    shapes=shape,
+                    definitions=(*constants, Definition(load, torque)),
+                    inputs=inputs,
+                    hint=HINT,
+                )
+            )
     return tuple(found)
 
 

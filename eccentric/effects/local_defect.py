@@ -24,7 +24,8 @@ def effects(_: Setting) -> tuple[Effect, ...]:
         [(A, sp.exp(-2 * (half / width.symbol) ** 2) * direction)],
         depends_on=("link_angle",),
         formula="A exp((cos(theta_l - angle) - 1)/width^2) sgn w",
-        reference="N. Tandon and A. Choudhury, Tribology International 32(8), 1999; bump: R. von Mises 1918",
+        reference="N. Tandon and A. Choudhury, Tribology International 32(8), 1999; bump: R. von"
+        " Mises, Physikalische Zeitschrift 19, 1918",
         shapes=(Shape(angle, -3.2, 3.2, "linear", 38), Shape(width, 0.06, 0.5, "log", 4)),
         inputs=(v.theta_m,),
         hint="slow full turns of the link in both directions, friction drawn over the link angle",

@@ -43,7 +43,7 @@ def effects(setting: Setting) -> tuple[Effect, ...]:
         kind="actuator",
         depends_on=("current", "history"),
         formula="A (i/width - p), p the play of i/width",
-        reference="M. Brokate and J. Sprekels, Hysteresis and Phase Transitions, 1996",
+        reference="M. Brokate and J. Sprekels, Hysteresis and Phase Transitions, Springer, 1996",
         shapes=(Shape(width, 0.02 * largest, 0.8 * largest, "log", 4),),
         states=(follow,),
         needs=("current",),

@@ -38,7 +38,7 @@ def effects(setting: Setting) -> tuple[Effect, ...]:
         [(A, late), (S, state.symbol * sp.exp(-((omega_m / w_s.symbol) ** 2)))],
         depends_on=("history",),
         formula="A (z - sgn w) + S z exp(-(w/v)^2), dz/dt = (w - |w| z)/x",
-        reference="C. Canudas de Wit, H. Olsson, K. J. Astrom and P. Lischinsky, IEEE Trans. Automatic"
+        reference="C. Canudas de Wit, H. Olsson, K. J. Åström and P. Lischinsky, IEEE Trans. Automatic"
         " Control 40(3), 1995",
         shapes=(
             Shape(reach, low, high, "log", 5),

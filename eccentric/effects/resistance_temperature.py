@@ -15,7 +15,9 @@ rise = quantity(
     "resistance_rise", "1", "relative rise of the resistance until the end of the log", "", "nonnegative"
 )
 tau = quantity("resistance_tau", "s", "thermal time constant of the winding", "", "positive")
-REFERENCE = "A. Boglietti et al., IEEE Trans. Industrial Electronics 56(3), 2009"
+REFERENCE = (
+    "standard form; thermal models: A. Boglietti et al., IEEE Trans. Industrial Electronics 56(3), 2009"
+)
 HINT = "the rotor held at a constant current: the voltage shows the resistance alone"
 
 
@@ -25,10 +27,11 @@ def effects(setting: Setting) -> tuple[Effect, ...]:
     found = []
     if setting.temperature_mid is not None:
         zero = constant("resistance_T0", "K", "reference temperature in degC", setting.temperature_mid)
+        columns = [(alpha, drop * (v.temperature.symbol - zero.symbol)), (cold, drop)]
         found.append(
             addition(
                 "resistance_temperature",
-                [(alpha, drop * (v.temperature.symbol - zero.symbol)), (cold, drop)],
+                columns if not setting.by_voltage else columns[:1],
                 kind="actuator",
                 balance="electrical",
                 depends_on=("temperature", "current"),

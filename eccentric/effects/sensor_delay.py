@@ -14,7 +14,7 @@ from eccentric.model.model import State
 delay = quantity("delay_d", "s", "delay of the measured current behind angle and voltage")
 square = quantity("delay_q", "s^2", "half the squared delay, less what the difference quotient lags")
 BOUNDS = (-0.02, 0.07)
-REFERENCE = "second order of the Taylor series i(t + d) = i + d di/dt + q d2i/dt2"
+REFERENCE = "standard form: second order of the Taylor series i(t + d) = i + d di/dt + q d2i/dt2"
 
 
 def effects(setting: Setting) -> tuple[Effect, ...]:

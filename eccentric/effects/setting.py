@@ -23,6 +23,7 @@ class Setting:
         channels: names of those logged: "current", "voltage", "temperature".
         friction: coefficients of a first fit of the paper's model, by column of its regressor: how much of
             the load on a gear is friction of the link is told from it.
+        by_voltage: whether voltage alone tells the torque; resistance and back-EMF constant are open then.
 
     Raises:
         ValueError: the case is unknown, or a range is not positive.
@@ -39,6 +40,7 @@ class Setting:
     temperature_mid: float | None = None
     channels: frozenset[str] = frozenset({"current", "voltage"})
     friction: Mapping[str, float] = field(default_factory=dict)
+    by_voltage: bool = False
 
     def __post_init__(self) -> None:
         if self.case not in {"C1", "C2"}:

@@ -27,7 +27,8 @@ def effects(setting: Setting) -> tuple[Effect, ...]:
             [(A, sp.exp(-power) * direction)],
             depends_on=("velocity",),
             formula=f"A exp(-(|w|/v)^{d}) sgn w",
-            reference="R. Stribeck 1902; with an exponent L. C. Bo and D. Pavelescu, Wear 82, 1982",
+            reference="R. Stribeck, Zeitschrift des VDI 46, 1902; with an exponent L. C. Bo and D. Pavelescu,"
+            " Wear 82(3), 1982",
             definitions=definitions if power.has(half) else (),
             shapes=(Shape(w_s, setting.w_min, 0.6 * setting.w_max, "log", 12),),
             hint="steady runs at several speeds below and around the Stribeck velocity, in both directions",

@@ -11,7 +11,7 @@ from eccentric.model import vocabulary as v
 C = quantity("drift_C", "N m/s", "change of the Coulomb torque per second")
 rate = quantity("drift_rate", "1/s", "relative change of friction per second")
 factor = quantity("drift_factor", "1", "friction over that at the start of the log")
-REFERENCE = "R. Isermann, Fault-Diagnosis Systems, Springer, 2006 (parameters that drift)"
+REFERENCE = "standard form; parameters that drift: R. Isermann, Fault-Diagnosis Systems, Springer, 2006"
 HINT = "repeat the first run at the end, and once more after a rest"
 
 

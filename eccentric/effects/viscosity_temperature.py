@@ -17,7 +17,8 @@ E = quantity(
 B = quantity("viscosity_B", "N m s/rad", "viscous friction of the bearing that warms up", "", "nonnegative")
 factor = quantity("viscosity_factor", "1", "viscosity over that at the reference temperature", "", "positive")
 
-ROBOT = "A. C. Bittencourt, E. Wernholt, S. Sander-Tavallaey and T. Brogardh, IROS 2010"
+REYNOLDS = "O. Reynolds, Phil. Trans. Royal Society 177, 1886"
+ROBOT = "A. C. Bittencourt, E. Wernholt, S. Sander-Tavallaey and T. Brogårdh, IROS 2010"
 HINT = (
     "one speed held while the temperature rises and falls, so that temperature is not the order of the runs"
 )
@@ -42,7 +43,7 @@ def effects(setting: Setting) -> tuple[Effect, ...]:
             (zero, Definition(factor, reynolds)),
             falls,
             "viscous friction times exp(-b (T - T_0))",
-            f"O. Reynolds 1886; {ROBOT}",
+            f"{REYNOLDS}; {ROBOT}",
         ),
         _scaling(
             "viscosity_temperature[arrhenius]",
@@ -56,7 +57,7 @@ def effects(setting: Setting) -> tuple[Effect, ...]:
             [(B, omega_m * (reynolds - 1))],
             depends_on=("temperature",),
             formula="B w (exp(-b (T - T_0)) - 1)",
-            reference=f"O. Reynolds 1886; {ROBOT}",
+            reference=f"{REYNOLDS}; {ROBOT}",
             shapes=(falls,),
             definitions=(zero,),
             inputs=(v.temperature,),

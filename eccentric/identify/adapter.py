@@ -8,7 +8,7 @@ NumPy.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -17,7 +17,7 @@ from scipy.linalg import solve_banded
 
 from eccentric.effects.effect import Effect
 from eccentric.identify.candidates import Candidate, Shape
-from eccentric.model import Model, regressor
+from eccentric.model import Column, Model, regressor
 from eccentric.model import vocabulary as v
 from eccentric.model.model import State
 from eccentric.model.steps import meaning
@@ -38,12 +38,21 @@ class Signals:
         dt: step to the next sample [s].
         starts: index of the first sample of each run; hidden states start anew there.
         known: value of every parameter that is no friction coefficient.
+        open: what the rig leaves open, name -> column of torque [N m]; part of every base.
+        friction: positions of the columns of the regressor that are not zero throughout.
     """
 
     values: Mapping[str, Array]
     dt: Array
     starts: tuple[int, ...]
     known: Mapping[str, float]
+    open: Mapping[str, Array] = field(default_factory=dict)
+    friction: tuple[int, ...] | None = None
+
+    def columns(self, model: Model) -> tuple[Column, ...]:
+        """The friction columns of a model that the log can show."""
+        every = regressor(model)
+        return every if self.friction is None else tuple(every[k] for k in self.friction)
 
     @property
     def size(self) -> int:
@@ -52,12 +61,14 @@ class Signals:
 
 
 def base_columns(model: Model, signals: Signals) -> Array:
-    """The regressor of the model on the signals, (samples, columns)."""
-    columns = [compiled(model, column.basis, signals, ()) for column in regressor(model)]
-    return np.column_stack([column({}, {}) for column in columns])
+    """The regressor of the model on the signals and what the rig leaves open, (samples, columns)."""
+    columns = [compiled(model, column.basis, signals, ()) for column in signals.columns(model)]
+    return np.column_stack([*(column({}, {}) for column in columns), *signals.open.values()])
 
 
-def candidate(effect: Effect, model: Model, signals: Signals, friction: Array) -> Candidate:
+def candidate(
+    effect: Effect, model: Model, signals: Signals, friction: Array, balance: str | None = None
+) -> Candidate:
     """The effect as columns of torque.
 
     Args:
@@ -66,6 +77,8 @@ def candidate(effect: Effect, model: Model, signals: Signals, friction: Array) -
         signals: smooth signals.
         friction: (columns,) coefficients of a first fit of the base model, for the first look at effects that
             scale or replace something.
+        balance: the one that shows it, if not the effect's own: a rig driven by voltage alone shows what
+            the armature does in the mechanical balance.
     """
     extended = effect.extend(model)
     names = tuple(shape.quantity.name for shape in effect.shapes)
@@ -102,11 +115,11 @@ def candidate(effect: Effect, model: Model, signals: Signals, friction: Array) -
         known, base = changes(shape)
         return (known + base @ friction - plain)[:, None]
 
-    other = "mechanical" if effect.balance == "electrical" else None
+    other = "mechanical" if effect.balance == "electrical" and balance is None else None
     return Candidate(
         id=effect.id,
         family=effect.family,
-        balance=effect.balance,
+        balance=balance or effect.balance,
         depends_on=effect.depends_on,
         columns=columns_of(effect.balance) if changes is None else first_look,
         shape=ranges,
@@ -114,7 +127,7 @@ def candidate(effect: Effect, model: Model, signals: Signals, friction: Array) -
         needs=effect.needs,
         special_of=effect.special_of,
         repeats=effect.repeats,
-        also=columns_of(other) if other in own else None,
+        also=None if other is None or other not in own else columns_of(other),
         replaces=None if changes is None else (lambda _, shape, __: changes(shape)),
     )
 
@@ -140,7 +153,7 @@ def _changes(
         return None
     swap = dict(effect.replaces)
     columns = []
-    for column in regressor(model):
+    for column in signals.columns(model):
         kind = "viscous" if column.name.startswith("B") else "coulomb"
         factors = [factor for which, factor in effect.scales.items() if which in {"friction", kind}]
         basis = sp.Mul(column.basis.xreplace(swap), *factors)
@@ -155,7 +168,9 @@ def _changes(
     def changed(shape: Shape) -> tuple[Array, Array]:
         series = states(shape)
         known = loads[0](shape, series) - loads[1](shape, series)
-        return known, np.column_stack([column(shape, series) for column in columns])
+        return known, np.column_stack(
+            [*(column(shape, series) for column in columns), *signals.open.values()]
+        )
 
     return changed
 

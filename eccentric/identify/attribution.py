@@ -22,7 +22,7 @@ from typing import Any
 import numpy as np
 
 from eccentric.identify.candidates import Candidate
-from eccentric.identify.nulltest import inflation, null_quantile, smooth_terms
+from eccentric.identify.nulltest import correlated, null_quantile, smooth_terms
 from eccentric.identify.residual import Balance
 from eccentric.identify.selection import Fitted, Screen
 
@@ -115,7 +115,7 @@ class Search:
         return null_quantile(self.screen, self.best)
 
     def _effective(self, fitted: Fitted, screen: Screen) -> float:
-        return screen.rows / max(2.0, inflation(screen.residual(fitted), screen.block))
+        return screen.rows / correlated(screen, screen.residual(fitted))
 
     def _clears(self, before: Fitted, after: Fitted) -> bool:
         if not before.terms:

@@ -34,6 +34,8 @@ QUANTA = 10.0
 """Default moving threshold: this many encoder steps within the 40 ms of the central difference ..."""
 SLOW = 0.03
 """... and at least this fraction of the 95th percentile of the speed."""
+SWITCHING_S = 0.1
+"""Rows this near to a switching of the motor are not used, s."""
 UNEVEN = 0.2
 """A time step this far from the median, as a fraction of it, is counted as uneven."""
 
@@ -46,7 +48,8 @@ class Channels:
     lag, the zero angle taken out; `theta_logged` [rad], `omega_logged` [rad/s] are the sensors' own. All
     are on the motor side, `torque` [N m] too. `voltage` [V] has delay and offset taken out. `temperature`
     is in degC. `segment` numbers the stretches without gap. `moving` is `filters.moves`; `usable` is
-    moving, away from the ends, and wanted by the rig's `use`. `drive` is the channel that measures the
+    moving, away from the ends, and wanted by the rig's `use`; `off` is where the motor is switched off: no
+    drive torque, no back-EMF. `drive` is the channel that measures the
     drive torque. `quantum_rad` is the step of the motor angle, 0 where there is none to see.
     """
 
@@ -66,6 +69,7 @@ class Channels:
     segment: NDArray[np.int64]
     moving: Mask
     usable: Mask
+    off: Mask
     holdout: Holdout
     drive: str
     moving_threshold_rad_s: float
@@ -91,6 +95,11 @@ class Channels:
     def score_rows(self) -> Mask:
         """Rows (n,) of the reported held-out error: usable and held out."""
         return self.usable & self.held_out
+
+    @property
+    def driven(self) -> Channels:
+        """The same channels, the rows with the motor switched off not usable."""
+        return dataclasses.replace(self, usable=self.usable & ~self.off) if np.any(self.off) else self
 
     @property
     def counts(self) -> dict[str, int]:
@@ -169,7 +178,8 @@ def read_channels(paths: Sequence[str | Path], rig: Rig) -> Channels:
         run_names=table.run_names,
         segment=segment,
         moving=moving,
-        usable=moving & settled & table.use,
+        usable=moving & settled & table.use & ~_switching(t, segment, table.motor_off),
+        off=table.motor_off,
         holdout=hold_out(t, table.run, table.run_names, rig),
         drive=_drive(table.channels, rig),
         moving_threshold_rad_s=threshold,
@@ -250,7 +260,7 @@ def _motion(t: Array, theta: Array, segment: NDArray[np.int64], rig: Rig, warnin
     if plain:
         warnings.append(
             f"{sum(plain)} of {len(t)} rows are sampled too slowly, or in stretches too short, for the "
-            f"{rig.low_pass_hz:g} Hz low pass: their velocity and acceleration are plain central differences"
+            f"{rig.low_pass_hz:g} Hz low pass: their velocity and acceleration are those of a spline"
         )
     if uneven:
         steps = np.diff(t)[np.diff(segment) == 0]
@@ -261,6 +271,14 @@ def _motion(t: Array, theta: Array, segment: NDArray[np.int64], rig: Rig, warnin
             f"{usual:.4g} s): for filtering, the angle is interpolated linearly"
         )
     return signals.T
+
+
+def _switching(t: Array, segment: NDArray[np.int64], off: Mask) -> Mask:
+    """Rows near a switching of the motor: what is filtered there mixes driven and free motion."""
+    near = np.zeros(len(t), dtype=bool)
+    for row in np.flatnonzero(np.diff(off.astype(int)) & (np.diff(segment) == 0)):
+        near |= (np.abs(t - t[row]) < SWITCHING_S) & (segment == segment[row])
+    return near
 
 
 def _quantum(table: Table, rig: Rig, theta: Array, segment: NDArray[np.int64]) -> float:

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from eccentric.identify.channels import Channels
     from eccentric.identify.rig import Rig
 
-R, k_i, k_e, J, u_0 = sp.symbols("R k_i k_e J u_0")
+R, k_i, k_e, J, u_0, T_load = sp.symbols("R k_i k_e J u_0 T_load")
 _UNITS = {known.name: known.unit for known in KNOWNS}
 LINEAR_UNITS = ("N m", "N m s/rad")
 """Coulomb and viscous friction: the coefficients whose columns are sgn(w) and w."""
@@ -27,8 +27,8 @@ LINEAR_UNITS = ("N m", "N m s/rad")
 class Coefficient:
     """A column: its coefficient as an expression, what that means in the paper's letters, unit, bounds.
 
-    role: friction, inertia, scale or offset. `linear`: it belongs to the linear model as well. `letter` is
-    the coefficient without the scale, `mechanical_unit` its unit.
+    role: friction, inertia, scale, load or offset. `linear`: it belongs to the linear model as well. `letter`
+    is the coefficient without the scale, `mechanical_unit` its unit.
     """
 
     expression: sp.Expr
@@ -118,6 +118,10 @@ def coefficients_of(channels: Channels, rig: Rig, model: Model, scale: sp.Expr |
     if scale is not None and (gravity != 0 or inertia is not None):
         found.append(
             Coefficient(scale, scale, f"{unit}/(N m)", s_low, s_high, "scale", True, str(scale), "1")
+        )
+    if "T_load" in rig.unknown:
+        found.append(
+            Coefficient(s * T_load, s * T_load, unit, -math.inf, math.inf, "load", True, "T_load", "N m")
         )
     if "voltage_offset_V" in rig.estimate and channels.drive == "voltage":
         found.append(Coefficient(u_0, u_0, "V", -math.inf, math.inf, "offset", True, "voltage_offset_V", "V"))

@@ -2,18 +2,20 @@
 
 The stages, each with what it hands on:
 
-    signals     channels -> smooth inputs of expressions, known parameters      (`signals_of`)
-    balances    -> both residuals as linear designs on the training part         (`balances_of`)
-    attribute   -> verdict and adopted effects                                    (`verdict.attribute`)
-    extend      -> Model', its coefficients fitted on its own emitted module      (`refit`)
-    score       -> held-out RMSE before and after; the held-out part is opened here and nowhere else
-                   (the zero-phase low pass carries some 20 ms across its borders)
+    drive       channels, rig -> drive torque, known and identified parameters   (`drive.drive_of`)
+    signals     smooth inputs of expressions                                     (`signals_of`)
+    balances    both residuals as linear designs on the training part            (`balances_of`)
+    attribute   verdict and adopted effects                                      (`verdict.attribute`)
+    extend      Model', its coefficients fitted on its own emitted module        (`refit`)
+    score       held-out RMSE before and after; the held-out part is opened here and nowhere else
+                (the zero-phase low pass carries some 20 ms across its borders)
 """
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -22,20 +24,26 @@ from eccentric.effects import Setting, library, load_effects
 from eccentric.effects.effect import Effect
 from eccentric.errors import InputError
 from eccentric.identify.adapter import Signals, base_columns, candidate, compiled
+from eccentric.identify.candidates import Candidate
 from eccentric.identify.channels import Channels, read_channels
-from eccentric.identify.filters import low_pass
+from eccentric.identify.drive import Drive, drive_of, loaded_model, smoothed
 from eccentric.identify.least_squares import bounded
 from eccentric.identify.nulltest import sensor_noise
-from eccentric.identify.refit import Refit, linear_friction, refit
-from eccentric.identify.residual import Balance, make_balance, make_windows
+from eccentric.identify.orders import Order, orders_of
+from eccentric.identify.problem import seen_columns
+from eccentric.identify.refit import Bench, Refit, refit, residual_samples
+from eccentric.identify.residual import Balance, make_balance
 from eccentric.identify.rig import Rig, read_rig
-from eccentric.identify.uncertainty import improvement
+from eccentric.identify.rows import Rows, rows_of, search_windows
+from eccentric.identify.score import Score, leave_runs_out, score
 from eccentric.identify.verdict import Attribution, attribute
-from eccentric.model import Model, load_model, regressor
+from eccentric.model import Model, load_model
 
 __all__ = ["Diagnosis", "diagnose"]
 
 Array = np.ndarray
+_UNSEEN = {"current_bias", "sensor_delay", "ke_mismatch", "resistance_mismatch"}
+"""Families that a voltage alone cannot show: of a current sensor, and of R and k_e, which are open then."""
 Progress = Callable[[str], None]
 
 
@@ -48,12 +56,14 @@ class Diagnosis:
         base: the paper's model; its fit is `paper`.
         setting: what the library of effects was made for.
         own: effects of the user's own file, if any.
+        bench: drive, signals and rows that models were fitted on.
         attribution: verdict, candidates, dependence.
         effects: adopted effects with their parameters, in order of adoption; empty without a name.
-        paper, extended: fits of both models on the training part; the same object if nothing was adopted.
-        rmse: balance -> model ("linear", "paper", "extended") -> held-out RMSE [N m].
-        percent, interval: improvement of `balance` on the held-out part and its 95 % interval.
-        noise_floor: RMS of the sensors' noise in the mechanical balance [N m].
+        linear, paper, extended: fits on the training part; `extended` is `paper` if nothing was adopted.
+        shipped: what is emitted: `extended`, or without an effect the paper's model within its bounds.
+        score: held-out errors and the improvement.
+        noise_floor: RMS of the sensors' noise in the mechanical balance, in its unit.
+        orders: what the residual of the shipped model is periodic in while the motor turns one way.
     """
 
     logs: tuple[str, ...]
@@ -64,15 +74,46 @@ class Diagnosis:
     base: Model
     setting: Setting
     own: Path | None
+    bench: Bench
     attribution: Attribution
     effects: tuple[tuple[Effect, dict[str, float]], ...]
+    linear: Refit
     paper: Refit
     extended: Refit
-    rmse: dict[str, dict[str, float]]
-    balance: str
-    percent: float
-    interval: tuple[float, float]
+    shipped: Refit
+    score: Score
     noise_floor: float
+    orders: tuple[Order, ...]
+
+    @property
+    def rmse(self) -> Mapping[str, Mapping[str, float]]:
+        """Balance -> model ("linear", "paper", "extended") -> held-out RMSE in `unit`."""
+        return self.score.rmse
+
+    @property
+    def balance(self) -> str:
+        """The balance that the improvement is one of."""
+        return self.score.balance
+
+    @property
+    def percent(self) -> float:
+        """Improvement of the held-out RMSE, 100 (1 - extended/paper)."""
+        return self.score.percent
+
+    @property
+    def interval(self) -> tuple[float, float]:
+        """Its 95 % interval."""
+        return self.score.interval
+
+    @property
+    def rows(self) -> Rows:
+        """The rows that errors are reported on."""
+        return self.bench.rows
+
+    @property
+    def unit(self) -> str:
+        """Unit of torques: "N m", or that of the drive where nothing tells the scale."""
+        return self.bench.drive.unit
 
 
 def diagnose(
@@ -92,61 +133,43 @@ def diagnose(
         tell: told one line per stage.
 
     Raises:
-        InputError: bad input, or a rig whose drive torque is not measured.
+        InputError: bad input, or a model with a tilt.
     """
     tell = tell or (lambda _: None)
     rig = read_rig(rig_path)
-    if rig.estimate:
-        raise InputError(
-            f'{Path(rig_path).name}: {", ".join(sorted(rig.estimate))} = "estimate": required a number for'
-            " diagnose; `eccentric fit` finds it"
-        )
     channels = read_channels(logs, rig)
-    base = load_model(model or rig.model)
-    if "phi" in {q.name for q in base.parameters}:
-        raise InputError(f"{base.name}: required a model of case C1 or C2 for diagnose, got one with a tilt")
+    plain = load_model(model or rig.model)
+    if "phi" in {q.name for q in plain.parameters}:
+        raise InputError(f"{plain.name}: required a model of case C1 or C2 for diagnose, got one with a tilt")
     tell(f"{channels.counts['used']} rows used of {channels.rows_read}")
-    signals = signals_of(channels, rig, base)
-    balances, noise = balances_of(channels, base, signals)
+    drive = drive_of(channels, rig, plain)
+    base, channels = loaded_model(plain, rig), drive.channels
+    bench = bench_of(drive, rig, base)
+    signals = bench.signals
+    balances, noise = balances_of(bench, rig, base)
     mechanical = next(b for b in balances if b.name == "mechanical")
     none = np.full(len(mechanical.lower), np.inf)
     friction = bounded(mechanical.base, mechanical.target, mechanical.lower, none).coefficients
-    setting = setting_of(channels, base, signals, friction)
+    if not drive.measured_twice:
+        bench = with_model_current(bench, base, friction)
+        signals = bench.signals
+    setting = setting_of(bench, base, friction)
     offered = [*library(setting), *(load_effects(effects, setting) if effects else ())]
-    names = {balance.name for balance in balances}
-    offered = [e for e in offered if set(e.needs) <= setting.channels and e.balance in names]
+    offered = [e for e in offered if _shown(e, bench, rig, setting, {b.name for b in balances})]
     offered = [e for e in offered if _known(e, base, signals)]
     by_id = {effect.id: effect for effect in offered}
-    candidates = [candidate(effect, base, signals, friction) for effect in offered]
-    smooth = _smooth_channels(channels, signals)
-    found = attribute(
-        balances, smooth, candidates, signals.known["mu"], gravity_of(base, signals), noise, progress=tell
-    )
+    candidates = [_candidate(effect, bench, base, friction) for effect in offered]
+    smooth = _smooth_channels(bench, rig)
+    found = attribute(balances, smooth, candidates, signals.known["mu"], bench.gravity, noise, progress=tell)
     adopted = [(by_id[a.term.candidate.id], dict(a.term.shape)) for a in found.adopted]
     if found.verdict in {"unexplained", "nothing_missing"}:
         adopted = []
     tell("refitting on the emitted module")
-    paper = refit(base, (), channels, signals, bounds=False)
-    extended = refit(base, tuple(adopted), channels, signals) if adopted else paper
-    rmse = {
-        "mechanical": {
-            "linear": linear_friction(paper, channels),
-            "paper": paper.held_out("mechanical"),
-            "extended": extended.held_out("mechanical"),
-        }
-    }
-    if "electrical" in {b.name for b in balances}:
-        rmse["electrical"] = {
-            m: r.held_out("electrical") for m, r in (("paper", paper), ("extended", extended))
-        }
+    paper = refit(base, (), bench, bounds=False)
+    extended = refit(base, tuple(adopted), bench) if adopted else paper
+    linear = refit(base, (), bench, bounds=False, linear=True)
     balance = found.adopted[0].balance if adopted else "mechanical"
-    rows = channels.score_rows
-    percent, interval = (
-        improvement(paper.residuals[balance][rows], extended.residuals[balance][rows])
-        if adopted
-        else (0.0, (0.0, 0.0))
-    )
-    named = extended.effects if found.verdict == "named" else ()
+    shipped = extended if adopted else refit(base, (), bench)
     return Diagnosis(
         logs=tuple(Path(log).name for log in logs),
         rig_name=Path(rig_path).name,
@@ -156,81 +179,87 @@ def diagnose(
         base=base,
         setting=setting,
         own=effects,
+        bench=bench,
         attribution=found,
-        effects=named,
+        effects=extended.effects if found.verdict == "named" else (),
+        linear=linear,
         paper=paper,
         extended=extended,
-        rmse=rmse,
-        balance=balance,
-        percent=percent,
-        interval=interval,
-        noise_floor=_noise(channels, signals.known),
+        shipped=shipped,
+        score=score(linear, paper, extended, balance, leave_runs_out(base, extended, bench)),
+        noise_floor=_noise(bench),
+        orders=orders_of(bench, residual_samples(shipped)),
     )
 
 
-def signals_of(channels: Channels, rig: Rig, model: Model) -> Signals:
-    """Smooth signals that expressions are evaluated on.
+def bench_of(drive: Drive, rig: Rig, model: Model) -> Bench:
+    """Smooth signals that expressions are evaluated on, and the rows that models are compared on.
 
     The current that effects depend on is (u - k_e omega_m)/R where there is a voltage: measured current on
     both sides of the balance would explain its own noise.
     """
-    needed = {q.name for q in model.parameters} - {c.name for c in regressor(model)}
-    friction = {"B_m", "C_m", "B_lT", "C_lT", "B_lN", "C_lN"}
-    needed = {name for name in needed if name.removesuffix("_pos").removesuffix("_neg") not in friction}
-    # Only the armature needs these, and without a voltage nothing is said of it.
-    armature = {"R", "k_e"} if _voltage(channels) is None else set()
-    # A torque signal is a current with k_i = 1 N m/A.
-    needed -= {"k_i"} if channels.drive == "torque" else set()
-    known = {
-        name: rig.value(name)
-        for name in sorted(needed)
-        if name != "F_T" and (name not in armature or name in rig.known)
-    }
-    if "F_T" in needed:
-        known["F_T"] = rig.known.get("F_T", known.get("M_l", 0.0) * known["g"])
-    if channels.drive == "torque":
-        known["k_i"] = 1.0
+    channels, known = drive.channels, dict(drive.known)
     values = {
         "theta_m": channels.theta_m,
         "omega_m": channels.omega_m,
         "alpha_m": channels.alpha_m,
         "t": elapsed(channels),
     }
-    drive, voltage = _drive_current(channels), _voltage(channels)
-    if voltage is not None:
-        values["u"] = _smoothed(channels, voltage)
+    if drive.measured_twice:
+        values["u"] = smoothed(channels, channels.voltage)
         values["i"] = (values["u"] - known["k_e"] * channels.omega_m) / known["R"]
     else:
-        values["i"] = _smoothed(channels, drive)
+        values["i"] = smoothed(channels, drive.torque()) / known["k_i"]
+    if drive.scale is not None:
+        known |= {"k_e": known.get("k_e", 0.0), "R": drive.scale if drive.by_voltage else 1.0}
+        known |= {} if drive.by_voltage else {"k_i": 1.0 / drive.scale}
+    if drive.by_voltage:
+        values["u"] = smoothed(channels, drive.signal())
     if channels.temperature is not None:
         values["temperature"] = channels.temperature
     starts = tuple(int(k) for k in np.flatnonzero(np.r_[True, np.diff(channels.segment) != 0]))
     dt = np.diff(channels.t, append=channels.t[-1] + np.median(np.diff(channels.t)))
     dt[[start - 1 for start in starts if start > 0]] = float(np.median(dt))
-    return Signals(values, dt, starts, known)
+    signals = Signals(values, dt, starts, known, friction=seen_columns(model, known))
+    gravity = gravity_of(model, signals)
+    signals = Signals(values, dt, starts, known, drive.columns(gravity), signals.friction)
+    return Bench(drive, signals, rows_of(channels, rig), gravity)
 
 
-def balances_of(channels: Channels, model: Model, signals: Signals) -> tuple[list[Balance], dict[str, float]]:
+def with_model_current(bench: Bench, model: Model, friction: Array) -> Bench:
+    """The bench with the current that the first fit asks for.
+
+    Where one signal alone measures the drive, the current from it is that signal: an effect on it would
+    explain the drive by the drive, noise and all.
+    """
+    signals = bench.signals
+    load = compiled(model, model.balance("mechanical").sum_of("inertial", "gravity", "conservative"), signals)
+    torque = load({}, {}) + base_columns(model, signals) @ friction
+    return replace(
+        bench, signals=replace(signals, values={**signals.values, "i": torque / signals.known["k_i"]})
+    )
+
+
+def balances_of(bench: Bench, rig: Rig, model: Model) -> tuple[list[Balance], dict[str, float]]:
     """The balances of the training part, and what white noise leaves in a row of each [N m]."""
-    known = signals.known
-    drive = known["k_i"] * _drive_current(channels)
-    inertia = known["J_m"] + known["mu"] ** 2 * known["J_l"]
-    target = drive - inertia * channels.alpha_m - gravity_of(model, signals)
-    columns = regressor(model)
-    windows = make_windows(channels.t, channels.fit_rows, channels.segment)
+    drive, signals, channels = bench.drive, bench.signals, bench.drive.channels
+    known, torque = signals.known, drive.torque()
+    load = compiled(model, model.balance("mechanical").sum_of("inertial", "gravity", "conservative"), signals)
+    target = torque - load({}, {})
+    columns = signals.columns(model)
     lower = np.array([-np.inf if c.bounds[0] is None else c.bounds[0] for c in columns])
-    names = tuple(c.name for c in columns)
+    lower = np.r_[lower, np.full(len(signals.open), -np.inf)]
+    names = (*(c.name for c in columns), *signals.open)
+    windows = search_windows(channels, rig)
     balances = [
         make_balance("mechanical", windows, target, base_columns(model, signals), names, lower, target)
     ]
-    unseen = np.where(channels.held_out, np.nan, drive)
+    unseen = np.where(channels.held_out, np.nan, torque)
     noise = {"mechanical": sensor_noise(unseen, windows)}
-    voltage = _voltage(channels)
-    if voltage is not None:
-        clear = ~channels.held_out & _away_from_ends(channels)
-        every = make_windows(channels.t, clear, channels.segment)
-        residual = known["k_i"] / known["R"] * (voltage - known["k_e"] * channels.omega_m) - drive
-        empty = np.empty((len(drive), 0))
+    if drive.measured_twice:
+        every = search_windows(channels, rig, moving=False)
+        residual = known["k_i"] / known["R"] * (channels.voltage - known["k_e"] * channels.omega_m) - torque
+        empty = np.empty((len(torque), 0))
         balances.append(make_balance("electrical", every, residual, empty, (), np.empty(0), target))
         noise["electrical"] = sensor_noise(unseen, every)
     return balances, noise
@@ -241,17 +270,23 @@ def gravity_of(model: Model, signals: Signals) -> Array:
     return compiled(model, model.balance("mechanical").sum_of("gravity"), signals)({}, {})
 
 
-def setting_of(channels: Channels, model: Model, signals: Signals, friction: Array) -> Setting:
+def setting_of(bench: Bench, model: Model, friction: Array) -> Setting:
     """What the ranges of the library depend on, from the moving training rows."""
+    signals, channels = bench.signals, bench.drive.channels
     rows = channels.fit_rows
     speed = np.abs(channels.omega_m[rows])
     current = signals.values["i"]
-    loss = np.mean((base_columns(model, signals) @ friction)[rows] * channels.omega_m[rows])
-    if "R" in signals.known and channels.drive == "current":
+    columns = signals.columns(model)
+    own = friction[: len(columns)]
+    torque = base_columns(model, signals)[:, : len(columns)] @ own
+    loss = np.mean((torque * channels.omega_m)[rows])
+    if "R" in signals.known and channels.drive != "torque":
         loss += np.mean(signals.known["R"] * current[rows] ** 2)
     warm = channels.temperature
-    present = {"current"}
-    present |= {"voltage"} if _voltage(channels) is not None else set()
+    present = {"current"} if channels.drive != "voltage" else set()
+    present |= {"voltage"} if bench.drive.measured_twice else set()
+    # What the armature does, a voltage shows in the torque that it makes.
+    present |= {"current", "voltage"} if bench.drive.by_voltage else set()
     present |= {"temperature"} if warm is not None else set()
     highest = float(np.quantile(speed, 0.99))
     return Setting(
@@ -265,27 +300,63 @@ def setting_of(channels: Channels, model: Model, signals: Signals, friction: Arr
         mean_loss_W=max(float(loss), 1e-12),
         temperature_mid=None if warm is None else float(np.median(warm[rows])),
         channels=frozenset(present),
-        friction={c.name: float(x) for c, x in zip(regressor(model), friction, strict=True)},
+        friction={c.name: float(x) for c, x in zip(columns, own, strict=True)},
+        by_voltage=bench.drive.by_voltage,
     )
+
+
+def _shown(effect: Effect, bench: Bench, rig: Rig, setting: Setting, balances: set[str]) -> bool:
+    """Whether this log can show the effect at all."""
+    if not set(effect.needs) <= setting.channels:
+        return False
+    if bench.drive.by_voltage:
+        if effect.balance == "electrical" and set(effect.terms) != {"electrical"}:
+            return False
+        if effect.family in _UNSEEN:
+            return False
+    elif effect.balance not in balances:
+        return False
+    if math.isinf(rig.average_over) and {"time", "acceleration", "history"} & set(effect.depends_on):
+        return False
+    # Angles integrated from the speed begin at zero in every run: their phases do not compare.
+    several = len(bench.drive.channels.run_names) > 1
+    if several and bench.drive.channels.quantum_rad == 0.0:
+        return not {"link_angle", "motor_angle", "gravity_load"} & set(effect.depends_on)
+    return True
+
+
+def _candidate(effect: Effect, bench: Bench, base: Model, friction: Array) -> Candidate:
+    balance = "mechanical" if bench.drive.by_voltage else None
+    return candidate(effect, base, bench.signals, friction, balance)
 
 
 class _Smooth:
     """Channels as candidates and smooth terms take them."""
 
-    def __init__(self, **values: Array | None) -> None:
+    def __init__(self, **values: Array | bool | None) -> None:
         self.__dict__.update(values)
 
 
-def _smooth_channels(channels: Channels, signals: Signals) -> _Smooth:
+def _smooth_channels(bench: Bench, rig: Rig) -> _Smooth:
+    channels = bench.drive.channels
+    phased = len(channels.run_names) == 1 or channels.quantum_rad > 0.0
     return _Smooth(
         t=channels.t,
-        theta_m=channels.theta_m,
+        theta_m=channels.theta_m if phased else None,
         omega_m=channels.omega_m,
         alpha_m=channels.alpha_m,
-        current=_smoothed(channels, _drive_current(channels)),
-        voltage=signals.values.get("u"),
+        current=_drive_current(bench),
+        voltage=bench.signals.values.get("u"),
         temperature=channels.temperature,
+        steady=math.isinf(rig.average_over),
     )
+
+
+def _drive_current(bench: Bench) -> Array:
+    drive = bench.drive
+    if drive.measured_twice:
+        return smoothed(drive.channels, drive.signal())
+    return bench.signals.values["i"]
 
 
 def elapsed(channels: Channels) -> Array:
@@ -306,47 +377,11 @@ def _known(effect: Effect, base: Model, signals: Signals) -> bool:
     return not unknown & {s.name for s in used}
 
 
-def _voltage(channels: Channels) -> Array | None:
-    """The armature voltage, where there is a current to go with it."""
-    return channels.voltage if channels.drive == "current" else None
-
-
-def _drive_current(channels: Channels) -> Array:
-    """The measured drive: current, or a torque signal as a current with k_i = 1 N m/A."""
-    if channels.drive == "current" and channels.current is not None:
-        return channels.current
-    if channels.drive == "torque" and channels.torque is not None:
-        return channels.torque
-    raise InputError(
-        "diagnose: required a measured drive torque (a current channel with k_i, or a torque channel);"
-        f" this rig is driven by {channels.drive} alone: use `eccentric fit`"
-    )
-
-
-def _smoothed(channels: Channels, x: Array) -> Array:
-    """The 25 Hz zero-phase low pass of a channel, stretch by stretch."""
-    out = np.array(x, float)
-    for segment in np.unique(channels.segment):
-        rows = channels.segment == segment
-        if np.count_nonzero(rows) > 30:
-            rate = 1.0 / float(np.median(np.diff(channels.t[rows])))
-            passed = low_pass(out[rows], rate, 25.0)
-            out[rows] = out[rows] if passed is None else passed
-    return out
-
-
-def _away_from_ends(channels: Channels) -> Array:
-    """Rows half a second clear of the ends of every stretch: filters settle there."""
-    clear = np.zeros(len(channels.t), bool)
-    for segment in np.unique(channels.segment):
-        rows = np.flatnonzero(channels.segment == segment)
-        time = channels.t[rows]
-        clear[rows] = (time > time[0] + 0.5) & (time < time[-1] - 0.5)
-    return clear
-
-
-def _noise(channels: Channels, known: Mapping[str, float]) -> float:
+def _noise(bench: Bench) -> float:
     """RMS of the drive torque's white noise per row, from its fourth differences."""
-    joined = np.diff(channels.segment, 4) == 0
-    difference = np.diff(known["k_i"] * _drive_current(channels), 4)[joined]
-    return float(1.4826 * np.median(np.abs(difference - np.median(difference))) / np.sqrt(70.0))
+    joined = np.diff(bench.drive.channels.segment, 4) == 0
+    difference = np.diff(bench.drive.torque(), 4)[joined]
+    sigma = float(1.4826 * np.median(np.abs(difference - np.median(difference))) / np.sqrt(70.0))
+    weights = bench.rows.weights
+    # An average of rows has less of it; the first one stands for all.
+    return sigma if weights is None else sigma * float(np.sqrt(np.sum(weights.getrow(0).data ** 2)))

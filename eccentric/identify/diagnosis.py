@@ -35,23 +35,69 @@ def document(found: Diagnosis) -> dict[str, Any]:
         "extended_by": [effect.id for effect, _ in found.extended.effects],
         "residual_depends_on": list(a.depends_on),
         "next_measurement": a.next_measurement,
-        "rmse_holdout_Nm": found.rmse,
+        **_errors(found),
         "improvement": {
             "balance": found.balance,
             "percent": found.percent,
             "interval_95": list(found.interval),
         },
-        "noise_floor_Nm": found.noise_floor,
+        f"noise_floor_{_suffix(found)}": found.noise_floor,
         "null_test": {
             name: {"gain": gain, "by_chance_99": level} for name, (gain, level) in a.deviance.items()
         },
+        "periodic_per_motor_turn": [
+            {"order": o.per_turn, "amplitude": o.amplitude, "share": o.share, "seen": [o.seen, o.stretches]}
+            for o in found.orders
+        ],
+        "rig_identified": _identified(found),
         "holdout": {
             "rule": found.channels.holdout.rule,
             "intervals_s": [list(map(float, pair)) for pair in found.channels.holdout.intervals_s],
         },
         "rows": found.channels.counts,
-        "warnings": list(found.channels.warnings),
+        "warnings": [*found.channels.warnings, *found.bench.drive.warnings],
     }
+
+
+def _suffix(found: Diagnosis) -> str:
+    return found.unit.replace(" ", "")
+
+
+def _errors(found: Diagnosis) -> dict[str, Any]:
+    """Held-out errors; where the torque is not measured also in the unit of the drive, and of free motion."""
+    score, drive = found.score, found.bench.drive
+    said: dict[str, Any] = {f"rmse_holdout_{_suffix(found)}": {k: dict(v) for k, v in score.rmse.items()}}
+    if score.per_drive and found.unit == "N m":
+        said[f"rmse_holdout_{'V' if drive.by_voltage else 'A'}"] = {"mechanical": dict(score.per_drive)}
+    if score.free:
+        said["rmse_holdout_motor_off_Nm"] = dict(score.free)
+    over = score.over_runs
+    if over is not None:
+        said["leave_one_run_out"] = {
+            "runs": over.runs,
+            f"rmse_{_suffix(found)}": dict(over.rmse),
+            "gains": {
+                name: {"percent": percent, "interval_95": list(interval), "better_runs": better}
+                for name, (percent, interval, better) in over.gains.items()
+            },
+        }
+    return said
+
+
+def _identified(found: Diagnosis) -> dict[str, Any]:
+    """What the rig left to the log: alignment, and quantities with their uncertainty."""
+    c, letters = found.channels, {"J_m", "T_load", "R/k_i", "1/k_i", "k_e", "L", "M", "voltage_offset"}
+    aligned = {
+        "input_delay_s": c.input_delay_s,
+        "theta_zero_rad": c.theta_zero_rad,
+        "voltage_offset_V": c.voltage_offset_V,
+    }
+    said: dict[str, Any] = {name: aligned[name] for name in sorted(found.rig.estimate)}
+    for name, e in found.extended.estimates.items():
+        if name in letters:
+            interval = list(e.interval)
+            said[name] = {"value": e.value, "std_error": e.std_error, "interval_95": interval, "unit": e.unit}
+    return said
 
 
 def _effect(found: Diagnosis, effect: Effect) -> dict[str, Any]:
@@ -85,7 +131,7 @@ def sentence(found: Diagnosis) -> str:
     before, after = found.rmse[found.balance]["paper"], found.rmse[found.balance]["extended"]
     falls = "falls" if found.interval[0] > 0.0 else "does not clearly fall:"
     gain = (
-        f"the held-out error {falls} from {before:.4g} to {after:.4g} N m"
+        f"the held-out error {falls} from {before:.4g} to {after:.4g} {found.unit}"
         f" ({found.percent:.1f} %, 95 % interval {found.interval[0]:.1f} to {found.interval[1]:.1f} %)"
     )
     if a.verdict == "named":
@@ -102,8 +148,8 @@ def sentence(found: Diagnosis) -> str:
             " and no effect of the library explains it; no name is given."
         )
     return (
-        f"Nothing is missing: no effect takes out more of the residual ({before:.4g} N m held out;"
-        f" noise of the sensors alone {found.noise_floor:.4g} N m) than chance would."
+        f"Nothing is missing: no effect takes out more of the residual ({before:.4g} {found.unit} held out;"
+        f" noise of the sensors alone {found.noise_floor:.4g} {found.unit}) than chance would."
     )
 
 
@@ -114,7 +160,7 @@ def _probability(found: Diagnosis, effect: Effect) -> float:
 
 
 def lines(found: Diagnosis) -> list[str]:
-    """At most ten lines for a terminal."""
+    """At most fourteen lines for a terminal."""
     a = found.attribution
     out = [f"{', '.join(found.logs)}: {found.base.name}, verdict {a.verdict}", sentence(found)]
     for effect, own in found.effects[:3]:
@@ -127,10 +173,23 @@ def lines(found: Diagnosis) -> list[str]:
         out.append(f"  {effect.id} ({share:.1f} % of friction): {', '.join(shown)}")
     for balance, models in found.rmse.items():
         errors = ", ".join(f"{name} {value:.4g}" for name, value in models.items())
-        out.append(f"held-out RMSE, {balance} [N m]: {errors}")
+        out.append(f"held-out RMSE, {balance} [{found.unit}]: {errors}")
+    over = found.score.over_runs
+    if over is not None:
+        errors = ", ".join(f"{name} {value:.4g}" for name, value in over.rmse.items())
+        out.append(f"each of {over.runs} runs predicted from the others [{found.unit}]: {errors}")
+        for name, (percent, (low, high), better) in over.gains.items():
+            than = {"paper": "linear", "extended": "paper"}[name]
+            out.append(
+                f"  {name} against {than}: {percent:.1f} % less (95 % interval {low:.1f} to {high:.1f} %,"
+                f" {better} of {over.runs} runs better)"
+            )
     ranked = ", ".join(f"{c.id} {c.probability:.2f}" for c in a.candidates[:4])
     if ranked and a.verdict != "nothing_missing":
         out.append(f"candidates: {ranked}")
+    if found.orders:
+        parts = ", ".join(f"{o.per_turn:.2f} ({100 * o.share:.0f} % of its variance)" for o in found.orders)
+        out.append(f"what is left inside runs is periodic in the motor angle, per turn: {parts}")
     if a.next_measurement:
         out.append(f"next: {a.next_measurement}")
     return out

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.interpolate import make_interp_spline
 from scipy.signal import butter, sosfiltfilt
 
 Array = NDArray[np.float64]
@@ -59,8 +60,9 @@ def motion(t: Array, theta: Array, cut_hz: float) -> tuple[Array, Array, Array, 
     """Return angle [rad], velocity [rad/s], acceleration [rad/s^2] of one stretch (n,), and if low-passed.
 
     Unevenly sampled angles are interpolated linearly on a grid of the median step, filtered and
-    differentiated there, and interpolated back to the rows. Without low pass, the raw angle is
-    differentiated in the same way.
+    differentiated there, and interpolated back to the rows. Where a log is too coarse for the low pass, a
+    quintic spline through the raw angle is differentiated: differences over steps that coarse would lose a
+    part of the acceleration, and what the spline adds in noise is averaged out by the windows of such a log.
     """
     if len(t) < 3:
         return theta, np.full_like(t, np.nan), np.full_like(t, np.nan), False
@@ -70,13 +72,15 @@ def motion(t: Array, theta: Array, cut_hz: float) -> tuple[Array, Array, Array, 
     grid = np.linspace(t[0], t[-1], count)
     step = (t[-1] - t[0]) / (count - 1)
     raw = theta if even else np.interp(grid, t, theta)
-    smooth = low_pass(raw, 1.0 / step, cut_hz)
-    angle = raw if smooth is None else smooth
+    angle = low_pass(raw, 1.0 / step, cut_hz)
+    if angle is None:
+        spline = make_interp_spline(t, theta, k=min(5, (len(t) - 2) // 2 * 2 + 1))
+        return theta, spline(t, nu=1), spline(t, nu=2), False
     velocity = np.gradient(angle, step)
     acceleration = np.gradient(velocity, step)
     if not even:
         angle, velocity, acceleration = (np.interp(t, grid, x) for x in (angle, velocity, acceleration))
-    return angle, velocity, acceleration, smooth is not None
+    return angle, velocity, acceleration, True
 
 
 def span_velocity(t: Array, theta: Array) -> Array:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import fnmatch
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -11,6 +12,8 @@ from numpy.typing import NDArray
 from eccentric.errors import InputError
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from eccentric.identify.rig import Rig
 
 Array = NDArray[np.float64]
@@ -61,15 +64,22 @@ def _named(
         rows |= (t >= start) & (t <= end)
     if rig.holdout_intervals_s:
         parts.append(f"{len(rig.holdout_intervals_s)} intervals named by the rig")
-    for name in rig.holdout_runs:
-        if name not in run_names:
-            raise InputError(
-                f"{rig.path}: holdout_runs: one of {', '.join(run_names)} is required, received {name!r}"
-            )
-        rows |= run == run_names.index(name)
-    if rig.holdout_runs:
-        parts.append(f"runs named by the rig: {', '.join(rig.holdout_runs)}")
+    chosen = matching(rig.holdout_runs, run_names, f"{rig.path}: holdout_runs")
+    rows |= np.isin(run, [run_names.index(name) for name in chosen])
+    if chosen:
+        parts.append(f"runs named by the rig: {', '.join(chosen)}")
     return rows, "; ".join(parts)
+
+
+def matching(patterns: Sequence[str], run_names: Sequence[str], where: str) -> list[str]:
+    """Return the runs that any of the names or patterns (`*`, `?`) means, in the order of the log.
+
+    Raises InputError for a name or pattern that no run has.
+    """
+    for pattern in patterns:
+        if not fnmatch.filter(run_names, pattern):
+            raise InputError(f"{where}: one of {', '.join(run_names)} is required, received {pattern!r}")
+    return [name for name in run_names if any(fnmatch.fnmatchcase(name, p) for p in patterns)]
 
 
 def _intervals(t: Array, run: NDArray[np.int64], rows: NDArray[np.bool_]) -> tuple[tuple[float, float], ...]:

@@ -29,6 +29,8 @@ class Known:
     def required(self) -> str:
         """The allowed range in words."""
         unit = "" if self.unit == "1" else f" {self.unit}"
+        if math.isinf(self.lower):
+            return f"finite, in{unit}"
         above = f"{'above' if self.open_below else 'at least'} {self.lower:g}"
         return above + unit if math.isinf(self.upper) else f"{above} and at most {self.upper:.6g}{unit}"
 
@@ -51,6 +53,7 @@ KNOWNS = (
     Known("g", "g_m_s2", "m/s^2"),
     Known("F_T", "F_T_N", "N"),
     Known("phi", "phi_rad", "rad", upper=math.pi / 2.0),
+    Known("T_load", "T_load_Nm", "N m", lower=-math.inf),
 )
 """`k_i_Nm_per_A = 0.02` and `k_i = "20 mNm/A"` say the same; J_l is about the axis, M L^2 included."""
 

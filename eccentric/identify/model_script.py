@@ -26,17 +26,27 @@ def script(found: Diagnosis) -> str:
 
     It is a derivation like any other: `python model.py` prints it, `eccentric emit model.py` emits it.
     """
-    adopted = found.extended.effects
+    adopted = found.shipped.effects
     names = ", ".join(effect.id for effect, _ in adopted) or "no effect"
     origin = ", ".join(found.logs)
     setting = pprint.pformat(found.setting, width=100, compact=True)
     chosen = pprint.pformat([(effect.id, own) for effect, own in adopted], width=100)
-    letters = {q.name for q in found.extended.model.parameters}
-    values = {k: v for k, v in found.extended.values.items() if k in letters and v is not None}
+    letters = {q.name for q in found.shipped.model.parameters}
+    values = {k: v for k, v in found.shipped.values.items() if k in letters and v is not None}
     notes = {
         name: f"fitted: {e.value:.4g}, 95 % interval {e.interval[0]:.4g} to {e.interval[1]:.4g}"
-        for name, e in found.extended.estimates.items()
+        for name, e in found.shipped.estimates.items()
     }
+    drive = found.bench.drive
+    if drive.scale is not None and found.unit == "N m":
+        letters_of = "R/k_i, with k_i = 1 N m/A" if drive.by_voltage else "k_i"
+        notes["R" if drive.by_voltage else "k_i"] = f"{letters_of}: identified through gravity or inertia"
+    load = ("", "")
+    if "T_load" in {q.name for q in found.base.parameters}:
+        load = (
+            "from eccentric.effects.constant_load import effect as constant_load\n",
+            "model = constant_load.extend(model)\n",
+        )
     own = ""
     if found.own is not None:
         own = f"\noffered += load_effects(Path(__file__).with_name({found.own.name!r}), setting)"
@@ -49,7 +59,7 @@ A derivation like any other: run it to read it, edit it, emit it with `eccentric
 from pathlib import Path
 
 from eccentric.effects import Setting, library, load_effects
-from eccentric.model import load_model
+{load[0]}from eccentric.model import load_model
 from eccentric.model.defaults import with_values
 
 # What the log spans; the ranges of the library of effects follow from it.
@@ -59,7 +69,7 @@ effects = {{effect.id: effect for effect in offered}}
 
 # The paper's model, and what it lacks on this log.
 model = load_model({_base(found)})
-for name, values in {chosen}:
+{load[1]}for name, values in {chosen}:
     model = effects[name].extend(model, values)
 
 model = with_values(

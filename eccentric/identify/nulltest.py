@@ -22,7 +22,7 @@ from eccentric.identify.candidates import Candidate
 from eccentric.identify.residual import Windows
 from eccentric.identify.selection import Fitted, Screen
 
-__all__ = ["flipped_null", "inflation", "null_quantile", "sensor_noise", "smooth_terms"]
+__all__ = ["correlated", "flipped_null", "inflation", "null_quantile", "sensor_noise", "smooth_terms"]
 
 Array = np.ndarray
 
@@ -82,7 +82,13 @@ def null_quantile(screen: Screen, fitted: Fitted, level: float = 0.99) -> float:
     if not np.any(kept):
         return 0.0
     gain = flipped_null(residual, library[:, kept] / length[kept], screen.block)
-    return float(np.quantile(gain, level)) / max(2.0, inflation(residual, screen.block))
+    return float(np.quantile(gain, level)) / correlated(screen, residual)
+
+
+def correlated(screen: Screen, residual: Array) -> float:
+    """How many rows count as one: at least two, since windows overlap by half; one where they are runs."""
+    windows = screen.balance.windows
+    return 1.0 if windows.independent else max(2.0, inflation(residual, screen.block))
 
 
 def _spline(x: Array, pieces: int, valid: Array) -> Array:
@@ -117,16 +123,22 @@ def smooth_terms(channels: Any, balance: str, mu: float, gravity: Array, valid: 
     def both(columns: Array) -> Array:
         return np.hstack([columns, columns * sign])
 
-    elapsed, link = channels.t - channels.t[0], mu * channels.theta_m
+    elapsed = channels.t - channels.t[0]
     terms: dict[str, Array] = {
         "velocity": _spline(np.abs(omega), 14, valid) * sign,
         "direction": np.hstack([np.ones_like(sign), _spline(np.abs(omega), 8, valid)]),
-        "motor_angle": _fourier(channels.theta_m, range(1, 9)),
-        "acceleration": _spline(channels.alpha_m, 8, valid),
-        "time": np.hstack([both(_spline(elapsed, 12, valid)), _spline(elapsed, 5, valid) * omega[:, None]]),
     }
+    # The mean of a whole run has no time, and its acceleration is that of the ends.
+    if not channels.steady:
+        slope = _spline(elapsed, 5, valid) * omega[:, None]
+        terms["acceleration"] = _spline(channels.alpha_m, 8, valid)
+        terms["time"] = np.hstack([both(_spline(elapsed, 12, valid)), slope])
+    # Angles of several runs that were integrated from the speed have no common zero: then there are none.
+    if channels.theta_m is not None:
+        terms["motor_angle"] = _fourier(channels.theta_m, range(1, 9))
     if balance == "mechanical":
-        terms["link_angle"] = both(_fourier(link, range(1, 13)))
+        if channels.theta_m is not None:
+            terms["link_angle"] = both(_fourier(mu * channels.theta_m, range(1, 13)))
         if np.any(gravity):
             terms["gravity_load"] = both(_spline(gravity, 8, valid))
     if channels.current is not None:

@@ -37,6 +37,7 @@ from eccentric.identify.columns import (
 )
 from eccentric.identify.windowed import Sampling, sample
 from eccentric.model import Model, regressor
+from eccentric.model.steps import meaning
 
 if TYPE_CHECKING:
     from eccentric.identify.channels import Channels
@@ -58,6 +59,7 @@ class Problem:
     scale: sp.Expr | None
     coefficients: tuple[Coefficient, ...]
     searched: tuple[Searched, ...]
+    kept: tuple[int, ...]
     warnings: tuple[str, ...]
 
     @property
@@ -88,8 +90,10 @@ class Problem:
         parameters = self.parameters({k: v for k, v in values.items() if k not in aligned})
         signals = {"theta_m": channels.theta_m, "omega_m": channels.omega_m, "alpha_m": channels.alpha_m}
         friction = self.sampling.mean(self.module.regressor(*(signals[n] for n in self._inputs), parameters))
+        friction = friction[:, self.kept]
         known, inertia = self._known(channels, parameters)
-        by_role = {"inertia": inertia, "scale": known, "offset": self._offset}
+        load = np.full(len(inertia), self.rig.known.get("mu", 1.0))
+        by_role = {"inertia": inertia, "scale": known, "offset": self._offset, "load": load}
         columns = [by_role[c.role] for c in self.coefficients if c.role != "friction"]
         target = self.sampling.mean(self._drive(channels)) - (known if self.scale is None else 0.0)
         return target, np.column_stack([friction, *columns])
@@ -120,6 +124,7 @@ class Problem:
         gravity = np.zeros_like(acceleration)
         if inspect.signature(self.module.gravity_torque).parameters.get("theta_m"):
             gravity = self.sampling.mean(self.module.gravity_torque(channels.theta_m, parameters))
+        gravity = gravity + self.rig.known.get("T_load", 0.0) * self.rig.known.get("mu", 1.0)
         inertia = known_inertia(self.rig)
         return gravity + (0.0 if inertia is None else inertia * acceleration), acceleration
 
@@ -131,6 +136,7 @@ def pose(channels: Channels, rig: Rig, model: Model) -> Problem:
     gives neither as a value nor as a range, and a current without k_i.
     """
     _require_case(rig, model)
+    channels = channels.driven
     needed = _letters(model)
     for letter in sorted(needed):
         if letter not in rig.known and letter not in rig.unknown:
@@ -143,9 +149,14 @@ def pose(channels: Channels, rig: Rig, model: Model) -> Problem:
     warnings = list(channels.warnings)
     if sampling.windows is not None:
         warnings.append(f"the log is fitted, and its error taken, on {sampling.description}")
-    coefficients = tuple(coefficients_of(channels, rig, model, scale))
+    coefficients = coefficients_of(channels, rig, model, scale)
+    kept = seen_columns(model, rig.known)
+    gone = [c.letter for k, c in enumerate(coefficients) if c.role == "friction" and k not in kept]
+    if gone:
+        warnings.append(f"no unbalanced mass: {', '.join(gone)} have no effect and are left out")
+    coefficients = [c for c in coefficients if c.letter not in gone]
     searched = tuple(searched_of(channels, rig, model, needed))
-    idle = set(rig.unknown) - {s.name for s in searched} - {"J_m", "J_l", "k_i", "k_e", "R"}
+    idle = set(rig.unknown) - {s.name for s in searched} - {"J_m", "J_l", "k_i", "k_e", "R", "T_load"}
     idle |= rig.estimate - {s.name for s in searched} - {c.letter for c in coefficients}
     warnings += [f"{name} has no effect on {model.name} driven by {channels.drive}" for name in sorted(idle)]
     unit = "N m" if scale is None else {"current": "A", "voltage": "V"}[channels.drive]
@@ -157,9 +168,20 @@ def pose(channels: Channels, rig: Rig, model: Model) -> Problem:
         sampling,
         unit,
         scale,
-        coefficients,
+        tuple(coefficients),
         searched,
+        kept,
         tuple(warnings),
+    )
+
+
+def seen_columns(model: Model, known: Mapping[str, float]) -> tuple[int, ...]:
+    """Columns of the regressor that are not zero throughout: without a mass, in case C1, those of F_N are."""
+    absent = {q.symbol: 0 for q in model.parameters if known.get(q.name) == 0.0 and q.name in ("M", "L")}
+    return tuple(
+        k
+        for k, column in enumerate(regressor(model))
+        if not absent or meaning(model.expand(column.basis)).subs(absent) != 0
     )
 
 

@@ -23,11 +23,15 @@ Array = np.ndarray
 
 @dataclass(frozen=True)
 class Windows:
-    """Sparse row operator: (rows, samples) weights, with the block and the centre time of each row."""
+    """Sparse row operator: (rows, samples) weights, with the block and the centre time of each row.
+
+    `independent`: rows share neither samples nor what happens between them, as means of whole runs.
+    """
 
     weights: csr_matrix
     block: Array
     time: Array
+    independent: bool = False
 
     def __call__(self, columns: Array) -> Array:
         """Columns (samples, k) or (samples,) to rows."""
@@ -56,38 +60,47 @@ class Balance:
 def make_windows(
     time: Array,
     valid: Array,
-    run: Array | None = None,
+    segment: Array | None = None,
     length_s: float = 0.064,
     block_s: float = 1.0,
     most_rows: int = 8000,
+    least: int = 50,
 ) -> Windows:
     """Hann windows whose samples are all valid; blocks are stretches of `block_s` of time within one run.
 
-    time (n,) [s], valid (n,) bool, run (n,) labels.  InputError if fewer than 50 rows remain.
+    time (n,) [s], valid (n,) bool, segment (n,) number of the stretch without gap; stretches may differ in
+    their sampling, and windows are spaced by a quarter of their length. InputError if fewer than `least` rows
+    remain.
     """
-    step = float(np.median(np.diff(time)))
-    half = max(1, round(0.5 * length_s / step))
-    kernel = np.hanning(2 * half + 1)[1:-1] if half > 1 else np.ones(1)
-    kernel = kernel / kernel.sum()
-    reach = len(kernel) // 2
-    spacing = max(1, half // 2, int(np.ceil(np.count_nonzero(valid) / most_rows)))
-    n = len(time)
-    centre = np.arange(reach, n - reach, spacing)
-    bad = np.r_[0, np.cumsum(~np.asarray(valid, bool))]
-    label = np.zeros(n, int) if run is None else np.unique(run, return_inverse=True)[1]
-    whole = bad[centre + reach + 1] == bad[centre - reach]
-    whole &= label[centre + reach] == label[centre - reach]
-    whole &= (time[centre + reach] - time[centre - reach]) < 1.5 * 2 * reach * step + step
-    centre = centre[whole]
-    if len(centre) < 50:
+    label = np.zeros(len(time), int) if segment is None else np.unique(segment, return_inverse=True)[1]
+    stretches = np.split(np.arange(len(time)), np.flatnonzero(np.diff(label)) + 1)
+    thinning = int(np.ceil(np.count_nonzero(valid) / most_rows))
+    data, index, sizes = [np.empty(0)], [np.empty(0, int)], [np.empty(0, int)]
+    for rows in stretches:
+        step = float(np.median(np.diff(time[rows]))) if len(rows) > 1 else length_s
+        half = max(1, round(0.5 * length_s / step))
+        kernel = np.hanning(2 * half + 1)[1:-1] if half > 1 else np.ones(1)
+        reach = len(kernel) // 2
+        centre = np.arange(reach, len(rows) - reach, max(1, half // 2, thinning))
+        bad = np.r_[0, np.cumsum(~np.asarray(valid[rows], bool))]
+        whole = bad[centre + reach + 1] == bad[centre - reach]
+        whole &= time[rows[centre + reach]] - time[rows[centre - reach]] < 1.5 * 2 * reach * step + step
+        centre = centre[whole]
+        index.append((rows[centre, None] + np.arange(-reach, reach + 1)).ravel())
+        data.append(np.tile(kernel / kernel.sum(), len(centre)))
+        sizes.append(np.full(len(centre), len(kernel)))
+    width = np.concatenate(sizes)
+    if len(width) < least:
         raise InputError(
-            f"moving training samples: at least 50 windows of {length_s} s required, {len(centre)} found"
+            f"moving training samples: at least {least} windows of {length_s:.3g} s required,"
+            f" {len(width)} found"
         )
-    index = centre[:, None] + np.arange(-reach, reach + 1)
-    pointer = np.arange(len(centre) + 1) * len(kernel)
-    weights = csr_matrix((np.tile(kernel, len(centre)), index.ravel(), pointer), shape=(len(centre), n))
-    key = label[centre] * (int((time[-1] - time[0]) / block_s) + 2) + (
-        (time[centre] - time[0]) / block_s
+    pointer = np.r_[0, np.cumsum(width)]
+    columns = np.concatenate(index)
+    weights = csr_matrix((np.concatenate(data), columns, pointer), shape=(len(width), len(time)))
+    centre = columns[pointer[:-1] + width // 2]
+    key = label[centre] * (int((time.max() - time.min()) / block_s) + 2) + (
+        (time[centre] - time.min()) / block_s
     ).astype(int)
     changes = np.r_[False, np.diff(key) != 0]
     return Windows(weights, np.cumsum(changes), time[centre])

@@ -23,7 +23,7 @@ from eccentric.identify.known import (
     read_value,
     refuse_unknown,
 )
-from eccentric.identify.units import Unit, require_unit
+from eccentric.identify.units import Unit, parse_value, require_unit
 from eccentric.model import vocabulary
 
 if TYPE_CHECKING:
@@ -42,6 +42,7 @@ CHANNELS = {
     "temperature": ("temperature_C", "degC"),
     "run": ("run", ""),
     "use": ("use", ""),
+    "motor_off": ("motor_off", ""),
 }
 """Channel: (its column where the rig maps none, its unit). _m is on the motor side, _l on the link side."""
 
@@ -66,7 +67,9 @@ class Rig:
     `columns` is None where the standard column names hold. `drive` says what measures the drive torque
     ("current", "voltage", "torque"; None: what the log has). `estimate` names those of input_delay_s,
     theta_zero_rad, voltage_offset_V that the fit has to find. `theta_zero_rad` is the logged link angle at
-    which the mass hangs straight down.
+    which the mass hangs straight down. `runs` and `holdout_runs` are names or patterns of runs, `runs` empty
+    for all. `average_over` is a time [s] that both sides of the balance are averaged over before they are
+    compared, 0 for the rows of the log, infinite for whole runs.
     """
 
     path: str
@@ -82,6 +85,8 @@ class Rig:
     moving_threshold_rad_s: float | None
     holdout_intervals_s: tuple[tuple[float, float], ...]
     holdout_runs: tuple[str, ...]
+    runs: tuple[str, ...]
+    average_over: float
     input_delay_s: float
     theta_zero_rad: float
     voltage_offset_V: float
@@ -142,6 +147,8 @@ def read_rig(path: str | Path) -> Rig:
             content.get("holdout_intervals_s", []), f"{where}: holdout_intervals_s"
         ),
         holdout_runs=_names(content.get("holdout_runs", []), f"{where}: holdout_runs"),
+        runs=_names(content.get("runs", []), f"{where}: runs"),
+        average_over=_average(content.get("average_over"), f"{where}: average_over"),
         estimate=estimate,
         warnings=tuple(warnings),
         **aligned,
@@ -152,6 +159,7 @@ _ALIGNMENT = ("input_delay_s", "theta_zero_rad", "voltage_offset_V")
 _KEYS = (
     *("format", "name", "log_type", "known", "unknown", "columns", "drive", "encoder_counts_per_rev"),
     *("sample_rate_hz", "low_pass_hz", "moving_threshold_rad_s", "holdout_intervals_s", "holdout_runs"),
+    *("runs", "average_over"),
     *_ALIGNMENT,
 )
 
@@ -298,6 +306,13 @@ def _intervals(value: object, where: str) -> tuple[tuple[float, float], ...]:
             raise InputError(f"{where}: intervals with start before end are required, received {pair!r}")
         intervals.append((start, end))
     return tuple(intervals)
+
+
+def _average(value: object, where: str) -> float:
+    """Return a time [s], 0 if none is given, infinity for "run"."""
+    if isinstance(value, str):
+        return math.inf if value == "run" else parse_value(value, "s", where)
+    return 0.0 if value is None else read_number(value, where, 0.0, open_below=True)
 
 
 def _names(value: object, where: str) -> tuple[str, ...]:

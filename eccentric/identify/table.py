@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -11,6 +12,7 @@ from numpy.typing import NDArray
 
 from eccentric.errors import InputError
 from eccentric.identify.arithmetic import evaluate
+from eccentric.identify.holdout import matching
 from eccentric.identify.log import Log, read_log
 from eccentric.identify.rig import CHANNELS, ColumnSource, Rig
 
@@ -19,18 +21,24 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
+_LABELS = ("run", "use", "motor_off")
+
 MAX_REJECTED = 0.2
 """A log of which more than this fraction of the rows is not numbers is refused."""
 
 
 @dataclass(frozen=True)
 class Table:
-    """Kept rows of all logs: channels by name in SI (temperature in degC), run number, use mask; all (n,)."""
+    """Kept rows of all logs: channels by name in SI (temperature in degC), run number, masks; all (n,).
+
+    `use` is what the rig wants used, `motor_off` where the motor is switched off and the link swings freely.
+    """
 
     channels: Mapping[str, Array]
     run: NDArray[np.int64]
     run_names: tuple[str, ...]
     use: NDArray[np.bool_]
+    motor_off: NDArray[np.bool_]
     rows_read: int
     rows_rejected: int
     warnings: tuple[str, ...]
@@ -61,26 +69,45 @@ def read_table(paths: Sequence[str | Path], rig: Rig) -> Table:
                 f"{path}: the same channels in every log are required, {differ} is not in all of them"
             )
     offsets = np.cumsum([0, *(len(table.run_names) for table in tables)])
-    return Table(
+    joined = Table(
         channels={
             name: np.concatenate([table.channels[name] for table in tables]) for name in tables[0].channels
         },
         run=np.concatenate([table.run + offset for table, offset in zip(tables, offsets, strict=False)]),
         run_names=tuple(name for table in tables for name in table.run_names),
         use=np.concatenate([table.use for table in tables]),
+        motor_off=np.concatenate([table.motor_off for table in tables]),
         rows_read=sum(table.rows_read for table in tables),
         rows_rejected=sum(table.rows_rejected for table in tables),
         warnings=tuple(warning for table in tables for warning in table.warnings),
+    )
+    return _chosen(joined, rig) if rig.runs else joined
+
+
+def _chosen(table: Table, rig: Rig) -> Table:
+    """The runs that the rig names, numbered anew."""
+    names = matching(rig.runs, table.run_names, f"{rig.path}: runs")
+    kept = np.isin(table.run, [table.run_names.index(name) for name in names])
+    number = np.cumsum([name in names for name in table.run_names]) - 1
+    return dataclasses.replace(
+        table,
+        channels={channel: x[kept] for channel, x in table.channels.items()},
+        run=number[table.run[kept]],
+        run_names=tuple(names),
+        use=table.use[kept],
+        motor_off=table.motor_off[kept],
+        rows_read=int(np.count_nonzero(kept)) + table.rows_rejected,
     )
 
 
 def _one(log: Log, rig: Rig, name: str, alone: bool) -> Table:
     sources = _sources(log, rig)
-    values = {c: _values(log, rig, c, source) for c, source in sources.items() if c not in ("run", "use")}
-    use = _use(log, rig, sources.get("use"))
+    values = {c: _values(log, rig, c, source) for c, source in sources.items() if c not in _LABELS}
+    use = _condition(log, rig, sources, "use", otherwise=1.0)
+    motor_off = _condition(log, rig, sources, "motor_off", otherwise=0.0)
     labels = _labels(log, sources.get("run"), name, alone)
     numbers = {c: np.isfinite(x) for c, x in values.items()}
-    kept = np.logical_and.reduce([*numbers.values(), np.isfinite(use)])
+    kept = np.logical_and.reduce([*numbers.values(), np.isfinite(use), np.isfinite(motor_off)])
     rejected = int(np.count_nonzero(~kept))
     warnings: list[str] = []
     if rejected:
@@ -98,6 +125,7 @@ def _one(log: Log, rig: Rig, name: str, alone: bool) -> Table:
         run,
         run_names,
         use[kept] != 0.0,
+        motor_off[kept] != 0.0,
         log.rows,
         rejected,
         tuple(warnings),
@@ -134,12 +162,16 @@ def _values(log: Log, rig: Rig, channel: str, source: ColumnSource) -> Array:
     return raw if source.unit is None else source.unit.to_si(raw)
 
 
-def _use(log: Log, rig: Rig, source: ColumnSource | None) -> Array:
-    if source is None:
-        return np.ones(log.rows)
-    if source.text in log.columns:
-        return log.numbers(source.text)
-    return evaluate(source.text, log.numbers, f"{rig.path}: [columns] use").astype(float)
+def _condition(
+    log: Log, rig: Rig, sources: Mapping[str, ColumnSource], channel: str, otherwise: float
+) -> Array:
+    """A column of 0 and 1, or a condition on columns; one number for all rows where neither is mapped."""
+    if channel not in sources:
+        return np.full(log.rows, otherwise)
+    text = sources[channel].text
+    if text in log.columns:
+        return log.numbers(text)
+    return evaluate(text, log.numbers, f"{rig.path}: [columns] {channel}").astype(float)
 
 
 def _labels(log: Log, source: ColumnSource | None, name: str, alone: bool) -> NDArray[np.str_]:

@@ -28,7 +28,7 @@ def of_unit(unit: str) -> Dimension:
     """
     total = list(PURE)
     for side, sign in zip(unit.split("/"), (1, -1, -1), strict=False):
-        for factor in side.split():
+        for factor in side.strip(" ()").split():
             match = re.fullmatch(r"([A-Za-z]+|1)(?:\^(-?\d+))?", factor)
             if match is None or match[1] not in _BASE:
                 raise ValueError(f"unit {unit!r}: unknown factor {factor!r}; known are {', '.join(_BASE)}")

@@ -1,0 +1,27 @@
+"""A constant load on the link: the weight on a screw drive, a spring at its working point.
+
+No family of the library: what the rig declares belongs to the base model, and undeclared it cannot be told
+from friction that differs between the directions.
+"""
+
+from __future__ import annotations
+
+import sympy as sp
+
+from eccentric.effects.effect import Effect
+from eccentric.effects.forms import addition
+from eccentric.model import quantity
+from eccentric.model import vocabulary as v
+
+T_load = quantity("T_load", "N m", "constant torque of the load on the link, against positive motion")
+
+effect: Effect = addition(
+    "constant_load",
+    [(T_load, v.mu.symbol * sp.Integer(1))],
+    kind="conservative",
+    depends_on=("direction",),
+    formula="mu T_load",
+    reference="torque balance of the link, as gravity in the paper's eq (5), but constant",
+    hint="another weight",
+)
+"""The record that extends a model by the load."""

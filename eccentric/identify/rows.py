@@ -1,0 +1,139 @@
+"""The rows on which models are compared: those of the log, or averages where the log asks for them.
+
+Both sides of a balance are averaged with the same weights, so that what the average takes away is noise and
+quantisation above its band.  Averages are taken over
+
+- the time that the rig names (`average_over`), or twelve steps where a log is too coarse for the low pass,
+  with a Hann window;
+- whole runs (`average_over = "run"`), for benches that hold a speed and log it.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.sparse import csr_matrix, vstack
+
+from eccentric.errors import InputError
+from eccentric.identify.channels import Channels
+from eccentric.identify.residual import Windows, make_windows
+from eccentric.identify.rig import Rig
+from eccentric.identify.windowed import MOVING_PART, STEPS
+
+__all__ = ["Rows", "rows_of", "search_windows"]
+
+Array = NDArray[np.float64]
+Mask = NDArray[np.bool_]
+
+MANY_RUNS = 5
+"""Runs in the training part from which each is left out as a whole in cross-validation."""
+WINDOW_S = 0.064
+"""Length of the search's windows for a low pass of 25 Hz, s; in proportion to its period for others."""
+
+
+@dataclass(frozen=True)
+class Rows:
+    """m rows: `train` and `score` (m,) tell what is fitted and what is held out; `t` [s] and `run` (m,).
+
+    `weights` (m, n) takes samples to rows, None where rows are samples; `description` says what a row is.
+    """
+
+    t: Array
+    run: NDArray[np.int64]
+    train: Mask
+    score: Mask
+    weights: csr_matrix | None
+    description: str
+
+    def mean(self, x: Array) -> Array:
+        """Samples (n,) or (n, k) to rows (m,) or (m, k), in the unit of x."""
+        return np.asarray(x, float) if self.weights is None else self.weights @ x
+
+
+def rows_of(channels: Channels, rig: Rig) -> Rows:
+    """The rows that errors are reported on. Raises InputError if none is left to fit on or to hold out."""
+    if not rig.average_over and not _coarse(channels, rig):
+        c = channels
+        return Rows(c.t, c.run, c.fit_rows, c.score_rows, None, "rows of the log")
+    train, score = (_averages(channels, rig, part) for part in (~channels.held_out, channels.held_out))
+    for name, part in (("to fit", train), ("to hold out", score)):
+        if not part.weights.shape[0]:
+            raise InputError(f"{rig.path}: average_over: at least one average {name} is required, found none")
+    weights = vstack([train.weights, score.weights]).tocsr()
+    t = np.concatenate([train.time, score.time])
+    first = np.array([weights.indices[a] for a in weights.indptr[:-1]])
+    order = np.argsort(first, kind="stable")
+    held = order >= len(train.time)
+    what = "whole runs" if math.isinf(rig.average_over) else f"averages over {_length(channels, rig):.3g} s"
+    return Rows(t[order], channels.run[first[order]], ~held, held, weights[order], what)
+
+
+def search_windows(channels: Channels, rig: Rig, moving: bool = True) -> Windows:
+    """The windows of the training part that effects are searched on; all rows, moving or not, if asked.
+
+    With five runs or more, a block is a whole run: what differs from run to run, a temperature or a gain, is
+    to be predicted for a run that was not seen.
+    """
+    found = _windows(channels, rig, moving)
+    if found.independent:
+        return found
+    first = found.weights.indices[found.weights.indptr[:-1]]
+    runs = np.unique(channels.run[first], return_inverse=True)[1]
+    return Windows(found.weights, runs, found.time) if runs.max() + 1 >= MANY_RUNS else found
+
+
+def _windows(channels: Channels, rig: Rig, moving: bool) -> Windows:
+    if moving and (rig.average_over or _coarse(channels, rig)):
+        return _averages(channels, rig, ~channels.held_out)
+    rows = channels.fit_rows if moving else ~channels.held_out & _away_from_ends(channels)
+    return make_windows(channels.t, rows, channels.segment, WINDOW_S * 25.0 / rig.low_pass_hz)
+
+
+def _coarse(channels: Channels, rig: Rig) -> bool:
+    """Whether most of the log is sampled too slowly for the low pass."""
+    return rig.low_pass_hz > 0.4 / _step(channels)
+
+
+def _step(channels: Channels) -> float:
+    return float(np.median(np.diff(channels.t)[np.diff(channels.segment) == 0]))
+
+
+def _length(channels: Channels, rig: Rig) -> float:
+    return rig.average_over or STEPS * _step(channels)
+
+
+def _averages(channels: Channels, rig: Rig, part: Mask) -> Windows:
+    usable = channels.usable & part
+    if math.isinf(rig.average_over):
+        return _runs(channels, usable)
+    if rig.average_over:
+        return make_windows(channels.t, usable, channels.segment, rig.average_over, least=1)
+    # An average passes a reversal, where a row does not; only standstill leaves friction open.
+    allowed = part & (channels.usable | ~channels.moving)
+    found = make_windows(channels.t, allowed, channels.segment, _length(channels, rig), least=1)
+    kept = np.flatnonzero(found.weights @ usable.astype(float) >= MOVING_PART)
+    return Windows(found.weights[kept], found.block[kept], found.time[kept])
+
+
+def _runs(channels: Channels, usable: Mask) -> Windows:
+    runs = np.unique(channels.run[usable])
+    columns = [np.flatnonzero(usable & (channels.run == run)) for run in runs]
+    sizes = np.array([len(c) for c in columns])
+    weights = csr_matrix(
+        (np.repeat(1.0 / sizes, sizes), np.concatenate(columns), np.r_[0, np.cumsum(sizes)]),
+        shape=(len(runs), len(channels.t)),
+    )
+    return Windows(weights, np.arange(len(runs)), weights @ channels.t, independent=True)
+
+
+def _away_from_ends(channels: Channels) -> Mask:
+    """Rows half a second clear of the ends of every stretch: filters settle there."""
+    clear = np.zeros(len(channels.t), bool)
+    for segment in np.unique(channels.segment):
+        rows = np.flatnonzero(channels.segment == segment)
+        time = channels.t[rows]
+        clear[rows] = (time > time[0] + 0.5) & (time < time[-1] - 0.5)
+    return clear
