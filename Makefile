@@ -16,9 +16,10 @@ TEMPLATES := $(wildcard templates/*.jinja)
 RUN := $(VENV)/.stamp-figures
 TEST := $(VENV)/.stamp-test
 LINT := $(VENV)/.stamp-lint
+DOCS := $(VENV)/.stamp-docs
 DERIVED := $(VENV)/.stamp-derived
 
-.PHONY: run test derive figures lint check bench clean
+.PHONY: run test derive figures docs lint check bench clean
 .NOTPARALLEL:
 
 run: $(DERIVED)
@@ -37,6 +38,11 @@ derive: $(RUN)
 
 figures: $(RUN)
 	@$(BIN)/eccentric figures --out build/figures
+
+# The manual as a static site.
+docs: $(DOCS)
+	@$(BIN)/python -m sphinx -qEW --keep-going -d build/.doctrees docs build/docs
+	@echo "build/docs/index.html"
 
 lint: $(LINT)
 	@$(BIN)/ruff check

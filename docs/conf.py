@@ -1,0 +1,65 @@
+"""How the site is built: `make docs`, or `sphinx-build -EW docs build/docs`."""  # noqa: INP001
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+
+import jinja2
+from docutils.nodes import SkipNode
+
+DOCS = Path(__file__).parent
+sys.path[:0] = [str(DOCS), str(DOCS.parent)]
+
+from generator import bench, commands, formula, reference  # noqa: E402 - found by the line above
+
+from eccentric import __version__  # noqa: E402
+
+project = "eccentric"
+version = release = __version__
+extensions = ["myst_parser"]
+myst_heading_anchors = 3
+exclude_patterns = ["generator"]
+html_theme = "furo"
+html_title = "eccentric"
+html_static_path = ["_static"]
+html_css_files = ["site.css"]
+html_copy_source = False
+html_show_copyright = False
+html_use_index = False
+html_math_renderer = "mathml"
+pygments_style, pygments_dark_style = "friendly", "github-dark"
+
+GENERATED = ("index", "commands")
+"""Pages that are templates, besides those below effects/: a name in double braces calls the generator."""
+
+
+def setup(app):  # noqa: ANN001, ANN201 - Sphinx's hook
+    """Typeset formulas as MathML, and fill the pages that are templates."""
+    app.add_html_math_renderer("mathml", (_inline_math, None), (_display_math, None))
+    app.connect("source-read", _fill)
+
+
+def _inline_math(writer, node) -> None:  # noqa: ANN001 - docutils
+    _math(writer, node, "span", block=False)
+
+
+def _display_math(writer, node) -> None:  # noqa: ANN001
+    _math(writer, node, "div", block=True)
+
+
+def _math(writer, node, tag: str, *, block: bool) -> None:  # noqa: ANN001
+    writer.body.append(f'<{tag} class="math">{formula.mathml(node.astext(), block=block)}</{tag}>')
+    raise SkipNode
+
+
+def _fill(app, name: str, content: list[str]) -> None:  # noqa: ANN001
+    """Fill a template; a page that is none stays as it is."""
+    if name not in GENERATED and not name.startswith("effects/"):
+        return
+    images = Path(app.outdir) / "_images"
+    page = jinja2.Environment(undefined=jinja2.StrictUndefined, autoescape=False).from_string(content[0])  # noqa: S701 - Markdown
+    measured = (DOCS / "measured-rigs.md").is_file()
+    content[0] = page.render(
+        images=images, commands=commands, reference=reference, bench=bench, measured=measured
+    )

@@ -1,0 +1,134 @@
+"""The reference of effects: a section for each family of the library, from its records."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from html import escape
+from pathlib import Path
+
+from eccentric.effects import FAMILIES, Effect, base_aliases
+from eccentric.model import Model
+from generator.formula import equations
+from generator.pictures import draw
+from generator.setting import effects
+
+SHOWN_ORDER = "[n=2]"
+"""Of families with an effect for each harmonic this one stands for all."""
+
+
+def sections(images: Path, *leading: str) -> str:
+    """Sections of the families whose leading variable is one of these, in the order of the library.
+
+    Args:
+        images: folder for the pictures.
+        leading: variables, see `Effect.depends_on`.
+    """
+    return "\n".join(_family(family, images) for family in FAMILIES if _leading(family) in leading)
+
+
+def overview() -> str:
+    """A table of all families: name, formula, what it depends on."""
+    rows = []
+    for family in FAMILIES:
+        effect, _ = _of(family)[0]
+        rows.append(_row(f"[{family}](#{family})", f"`{effect.formula}`", _words(effect.depends_on)))
+    return "\n".join(["| family | adds or changes | depends on |", "|---|---|---|", *rows])
+
+
+def _row(*cells: str) -> str:
+    """A row of a table; a bar within a cell is no border."""
+    return f"| {' | '.join(cell.replace('|', chr(92) + '|') for cell in cells)} |"
+
+
+def _of(family: str) -> list[tuple[Effect, Model]]:
+    return [(effect, model) for effect, model in effects() if effect.family == family]
+
+
+def _leading(family: str) -> str:
+    return _of(family)[0][0].depends_on[0]
+
+
+def _words(names: tuple[str, ...]) -> str:
+    return ", ".join(name.replace("_", " ") for name in names)
+
+
+def _family(family: str, images: Path) -> str:
+    members = _of(family)
+    module = FAMILIES[family]
+    lines = [f"({family})=", f"## {family}", ""]
+    if sum(other is module for other in FAMILIES.values()) == 1:
+        lines += [(module.__doc__ or "").strip().splitlines()[0], ""]
+    for case in ("C1", "C2"):
+        if held := base_aliases(case).get(family):
+            lines += [f"Not offered in case {case}: there it is {held}.", ""]
+    orders = [effect.id for effect, _ in members if effect.repeats]
+    if orders:
+        shown = next((effect, model) for effect, model in members if effect.id.endswith(SHOWN_ORDER))
+        lines += [f"Offered for every n from 1 to {len(orders)}; here n = 2.", ""]
+        members = [shown]
+    notes = [_notes(effect) for effect, _ in members]
+    shared = [note for note in notes[0] if all(note in other for other in notes)]
+    for (effect, model), own in zip(members, notes, strict=True):
+        if len(members) > 1:
+            lines += [f"### {effect.id}", ""]
+        lines += [*_effect(effect, model, images), "", *(note for note in own if note not in shared), ""]
+    if len(members) > 1 and shared:
+        lines += [f"All of {family}:", ""]
+    return "\n".join([*lines, *shared, ""])
+
+
+def _effect(effect: Effect, model: Model, images: Path) -> Iterator[str]:
+    """Formula, picture and parameters."""
+    yield from (f"`{effect.formula}`", "")
+    for text in equations(effect):
+        yield from ("```{math}", text, "```", "")
+    name = re.sub(r"\W+", "_", effect.id.replace("+", "forward").replace("[-", "[backward")).strip("_")
+    shows = draw(effect, model, images / "effects" / name)
+    yield '<p class="picture">'
+    for style, suffix in (("light", ""), ("dark", "-dark")):
+        alt = escape(f"{effect.id}: {shows}", quote=True)
+        yield f'<img class="only-{style}" src="../_images/effects/{name}{suffix}.svg" alt="{alt}">'
+    yield from ("</p>", "")
+    yield from ("| parameter | is | unit | range |", "|---|---|---|---|", *_parameters(effect))
+
+
+def _notes(effect: Effect) -> list[str]:
+    """What else its record says, as items of a list."""
+    said = [f"depends on: {_words(effect.depends_on)}; {effect.balance} balance"]
+    if effect.needs:
+        said.append(f"needs a log of: {_words(effect.needs)}")
+    if effect.aliases:
+        said.append(f"cannot be told from: {_links(effect.aliases)}")
+    if effect.special_of:
+        said.append(f"a special case of: {_links(effect.special_of)}")
+    said += [f"to tell it from others: {effect.hint}", f"source: {effect.reference}"]
+    return [f"- {one}" for one in said]
+
+
+def _parameters(effect: Effect) -> Iterator[str]:
+    """Rows of the table: coefficients with their bounds, shapes with their range, numbers of the log."""
+    for q, (low, high) in zip(effect.coefficients, effect.bounds, strict=True):
+        yield _row(f"`{q.name}`", q.meaning, q.unit, _range(low, high))
+    for shape in effect.shapes:
+        q = shape.quantity
+        yield _row(f"`{q.name}`", q.meaning, q.unit, f"{_short(shape.low)} to {_short(shape.high)}")
+    for definition in effect.definitions:
+        if definition.value.is_number:
+            q = definition.quantity
+            yield _row(f"`{q.name}`", q.meaning, q.unit, f"here {float(definition.value):g}")
+
+
+def _range(low: float | None, high: float | None) -> str:
+    if low is None:
+        return "any" if high is None else f"at most {high:g}"
+    return f"at least {low:g}" if high is None else f"{low:g} to {high:g}"
+
+
+def _short(x: float) -> str:
+    """Three digits, without an exponent where it can be."""
+    return f"{float(f'{x:.3g}'):g}"
+
+
+def _links(names: tuple[str, ...]) -> str:
+    return ", ".join(f"[{name}](#{name.split('[', 1)[0]})" for name in names)

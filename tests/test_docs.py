@@ -1,0 +1,173 @@
+"""The site: it builds without a warning, is complete, opens offline, and its links lead somewhere."""
+
+from __future__ import annotations
+
+import importlib.util
+import os
+import re
+import subprocess
+import sys
+from collections import Counter
+from html import unescape
+from html.parser import HTMLParser
+from pathlib import Path
+from urllib.parse import unquote
+
+import pytest
+
+from eccentric.cli import COMMANDS
+from eccentric.effects import FAMILIES, Setting, library
+
+ROOT = Path(__file__).resolve().parents[1]
+FETCHED = {"src", "srcset", "data", "poster", "action", "background"}
+"""Attributes whose address a browser fetches by itself, besides those of <link>."""
+
+
+class Page(HTMLParser):
+    """Addresses that a page links to and fetches, its anchors and its pictures."""
+
+    def __init__(self, text: str) -> None:
+        """Read the page."""
+        super().__init__()
+        self.links: list[str] = []
+        self.fetched: list[str] = []
+        self.pictures: list[dict[str, str | None]] = []
+        self.anchors: set[str | None] = set()
+        self.feed(text)
+
+    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        """Sort the addresses of a tag."""
+        values = dict(attrs)
+        self.anchors.add(values.get("id"))
+        if tag == "img":
+            self.pictures.append(values)
+        for name, value in values.items():
+            if name in FETCHED or (tag == "link" and name == "href"):
+                self.fetched.append(value or "")
+            elif name in {"href", "xlink:href"}:
+                self.links.append(value or "")
+
+
+@pytest.fixture(scope="module")
+def site(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Build the site as `make docs` does: a warning is an error."""
+    for name in ("sphinx", "furo", "myst_parser"):
+        if importlib.util.find_spec(name) is None:
+            pytest.skip(f"{name} is not installed (extra `docs`)")
+    out = tmp_path_factory.mktemp("site")
+    done = subprocess.run(
+        [
+            sys.executable,
+            "-m",
+            "sphinx",
+            "-qEW",
+            "--keep-going",
+            "-d",
+            out / ".doctrees",
+            "docs",
+            out / "html",
+        ],
+        cwd=ROOT,
+        env=os.environ | {"OMP_NUM_THREADS": "1"},
+        stdout=subprocess.PIPE,
+        stderr=subprocess.STDOUT,
+        text=True,
+        check=False,
+    )
+    assert (done.returncode, done.stdout) == (0, "")
+    return out / "html"
+
+
+@pytest.fixture(scope="module")
+def pages(site: Path) -> dict[Path, Page]:
+    """Every page by its path, read."""
+    found = {path: Page(path.read_text(encoding="utf-8")) for path in site.rglob("*.html")}
+    assert {"index", "tutorial", "commands", "rig", "diagnosis"} < {path.stem for path in found}
+    return found
+
+
+def test_every_family_has_its_section_and_its_pictures(pages: dict[Path, Page]) -> None:
+    """One section for each family of the library, in it a picture for white pages and one for dark ones."""
+    sections = Counter(
+        anchor
+        for path, page in pages.items()
+        if path.parent.name == "effects"
+        for anchor in page.anchors & set(FAMILIES)
+    )
+    assert Counter(list(FAMILIES)) == sections
+    for family in FAMILIES:
+        texts = [p.read_text(encoding="utf-8") for p in pages if p.parent.name == "effects"]
+        (text,) = [text for text in texts if f'id="{family}"' in text]
+        section = re.split(r"<h2", text.split(f'id="{family}"', 1)[1], maxsplit=2)[1]
+        styles = Counter(
+            re.findall(r'<img class="only-(light|dark)" src="../_images/effects/[^"]+"', section)
+        )
+        assert styles["light"] == styles["dark"] > 0, family
+        assert "<math" in section, family
+
+
+def test_pictures_are_there_and_told_in_words(pages: dict[Path, Page]) -> None:
+    """Every picture exists, holds a curve, and has a text for those who do not see it."""
+    for path, page in pages.items():
+        for picture in page.pictures:
+            assert picture.get("alt"), (path.name, picture)
+            file = path.parent / unquote(str(picture["src"]))
+            assert file.is_file(), (path.name, picture["src"])
+            if file.suffix == ".svg":
+                assert "line2d" in file.read_text(encoding="utf-8"), file.name
+
+
+def test_formulas_stand_whole_in_their_tables(site: Path) -> None:
+    """The table of families holds each formula as its record has it: a bar in it is no border."""
+    text = unescape(re.sub(r"<[^>]+>", "", (site / "effects" / "index.html").read_text(encoding="utf-8")))
+    channels = frozenset({"current", "voltage", "temperature"})
+    setting = Setting("C2", 0.2, {}, 1.0, 60.0, 15.0, 60.0, 70.0, 25.0, channels)
+    firsts = {effect.family: effect.formula for effect in reversed(library(setting))}
+    assert len(firsts) > 30
+    for family, formula in firsts.items():
+        assert f"{family}\n{formula}\n" in text, family
+
+
+def test_every_command_is_told(site: Path) -> None:
+    """The help of each command stands in the page of the command line."""
+    text = (site / "commands.html").read_text(encoding="utf-8")
+    for command in COMMANDS:
+        assert f"usage: eccentric {command}" in text
+
+
+def test_nothing_is_fetched_from_outside(site: Path, pages: dict[Path, Page]) -> None:
+    """What a browser fetches by itself lies in the site: in pages, style sheets and pictures."""
+    fetched = [address for page in pages.values() for address in page.fetched]
+    assert fetched
+    assert [address for address in fetched if re.match(r"(\w+:)?//", address)] == []
+    for sheet in (*site.rglob("*.css"), *site.rglob("*.svg")):
+        text = sheet.read_text(encoding="utf-8")
+        assert re.findall(r"""(?:url\(|@import|src=|<image[^>]+href=)\s*["']?(?:\w+:)?//""", text) == [], (
+            sheet
+        )
+
+
+def test_links_lead_somewhere(pages: dict[Path, Page]) -> None:
+    """Links within the site name a file that is there, and an anchor that is in it."""
+    checked = 0
+    for path, page in pages.items():
+        for address in (*page.links, *page.fetched):
+            if re.match(r"\w+:", address) or address in {"", "#"}:
+                continue
+            place, _, anchor = address.partition("#")
+            target = (path.parent / unquote(place.split("?")[0])).resolve() if place else path
+            assert target.is_file(), (path.name, address)
+            if anchor and target.suffix == ".html":
+                known = pages[target].anchors if target in pages else set()
+                assert unquote(anchor) in known, (path.name, address)
+            checked += 1
+    assert checked > 100
+
+
+def test_the_site_holds_no_path_of_this_computer(site: Path) -> None:
+    """No text of the site names the folder it was built in or from."""
+    for path in site.rglob("*"):
+        if path.suffix in {".html", ".js", ".svg", ".css", ".txt"} or path.name == ".buildinfo":
+            text = path.read_text(encoding="utf-8")
+            for place in (ROOT, site, Path.home() if Path.home() != Path("/") else ROOT):
+                assert f"{place}/" not in text, path.name
