@@ -8,6 +8,7 @@ The reference residual takes w and dw/dt from the low-passed angle, current and 
 from __future__ import annotations
 
 import dataclasses
+import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -19,6 +20,7 @@ from eccentric.errors import InputError
 from eccentric.identify import filters
 from eccentric.identify.holdout import Holdout, hold_out
 from eccentric.identify.plausible import speed_doubt, unwrapped
+from eccentric.identify.refine import FACTOR, is_coarse, logged_step, refined
 from eccentric.identify.table import Table, read_table
 
 if TYPE_CHECKING:
@@ -47,8 +49,9 @@ class Channels:
     `theta_m` [rad], `omega_m` [rad/s], `alpha_m` [rad/s^2] come from the low-passed angle, without phase
     lag, the zero angle taken out; `theta_logged` [rad], `omega_logged` [rad/s] are the sensors' own. All
     are on the motor side, `torque` [N m] too. `voltage` [V] has delay and offset taken out. `temperature`
-    is in degC. `segment` numbers the stretches without gap. `moving` is `filters.moves`; `usable` is
-    moving, away from the ends, and wanted by the rig's `use`; `off` is where the motor is switched off: no
+    is in degC. A log too coarse for the low pass has `points_per_row` points for each of its rows, which are
+    `logged_step_s` apart. `segment` numbers the stretches without gap. `moving` is `filters.moves`; `usable`
+    is moving, away from the ends, and wanted by the rig's `use`; `off` is where the motor is switched off: no
     drive torque, no back-EMF. `drive` is the channel that measures the
     drive torque. `quantum_rad` is the step of the motor angle, 0 where there is none to see.
     """
@@ -77,6 +80,8 @@ class Channels:
     input_delay_s: float
     theta_zero_rad: float
     voltage_offset_V: float
+    logged_step_s: float
+    points_per_row: int
     rows_read: int
     rows_rejected: int
     warnings: tuple[str, ...]
@@ -106,8 +111,8 @@ class Channels:
         """Rows read, used (fitted or scored), held out (scored), rejected (not numbers)."""
         return {
             "read": self.rows_read,
-            "used": int(np.count_nonzero(self.usable)),
-            "held_out": int(np.count_nonzero(self.score_rows)),
+            "used": round(np.count_nonzero(self.usable) / self.points_per_row),
+            "held_out": round(np.count_nonzero(self.score_rows) / self.points_per_row),
             "rejected": self.rows_rejected,
         }
 
@@ -150,10 +155,14 @@ def read_channels(paths: Sequence[str | Path], rig: Rig) -> Channels:
     measures, and a log in which no row is left to fit on or to hold out.
     """
     table = read_table(paths, rig)
+    step, coarse = logged_step(table), is_coarse(table, rig)
+    if coarse:
+        table = refined(table)
     t, warnings = table.channels["time"], [*rig.warnings, *table.warnings]
     segment = filters.stretches(t, table.run)
     theta, omega_logged = _angle(table, rig, segment, warnings)
-    motion = _motion(t, theta, segment, rig, warnings)
+    cut = math.inf if coarse else rig.low_pass_hz
+    motion = _motion(t, theta, segment, cut, warnings)
     quantum = _quantum(table, rig, theta, segment)
     velocity = _by_segment(segment, lambda rows: filters.span_velocity(t[rows], theta[rows]))
     threshold = rig.moving_threshold_rad_s
@@ -161,7 +170,7 @@ def read_channels(paths: Sequence[str | Path], rig: Rig) -> Channels:
         threshold = _default_threshold(velocity, quantum)
     moving = _by_segment(segment, lambda rows: filters.moves(t[rows], velocity[rows], threshold)).astype(bool)
     settled = _by_segment(segment, lambda rows: filters.away_from_ends(t[rows])).astype(bool)
-    _check_rate(t, segment, rig, warnings)
+    _check_rate(step, rig, warnings)
     channels = Channels(
         t=t,
         theta_m=motion[0],
@@ -187,6 +196,8 @@ def read_channels(paths: Sequence[str | Path], rig: Rig) -> Channels:
         input_delay_s=0.0,
         theta_zero_rad=0.0,
         voltage_offset_V=0.0,
+        logged_step_s=step,
+        points_per_row=FACTOR if coarse else 1,
         rows_read=table.rows_read,
         rows_rejected=table.rows_rejected,
         warnings=tuple(warnings),
@@ -243,24 +254,29 @@ def _angle(
     return integral, omega
 
 
-def _motion(t: Array, theta: Array, segment: NDArray[np.int64], rig: Rig, warnings: list[str]) -> Array:
+def _motion(t: Array, theta: Array, segment: NDArray[np.int64], cut_hz: float, warnings: list[str]) -> Array:
     """Return angle, velocity, acceleration as rows of (3, n), filtered stretch by stretch."""
     plain: list[int] = []
     uneven = False
 
     def one(rows: NDArray[np.int64]) -> Array:
         nonlocal uneven
-        *signals, smoothed = filters.motion(t[rows], theta[rows], rig.low_pass_hz)
+        *signals, smoothed = filters.motion(t[rows], theta[rows], cut_hz)
         if not smoothed:
             plain.append(len(rows))
         uneven |= not filters.is_even(t[rows])
         return np.stack(signals, axis=1)
 
     signals = _by_segment(segment, one)
-    if plain:
+    if plain and math.isinf(cut_hz):
+        warnings.append(
+            "the log is sampled too slowly for the low pass: velocity and acceleration are those of a spline "
+            "through the angle, averaged over windows of twelve steps"
+        )
+    elif plain:
         warnings.append(
             f"{sum(plain)} of {len(t)} rows are sampled too slowly, or in stretches too short, for the "
-            f"{rig.low_pass_hz:g} Hz low pass: their velocity and acceleration are those of a spline"
+            f"{cut_hz:g} Hz low pass: their velocity and acceleration are those of a spline"
         )
     if uneven:
         steps = np.diff(t)[np.diff(segment) == 0]
@@ -317,11 +333,10 @@ def _drive(channels: Mapping[str, Array], rig: Rig) -> str:
     return rig.drive
 
 
-def _check_rate(t: Array, segment: NDArray[np.int64], rig: Rig, warnings: list[str]) -> None:
-    steps = np.diff(t)[np.diff(segment) == 0]
-    if rig.sample_rate_hz is None or not len(steps):
+def _check_rate(step: float, rig: Rig, warnings: list[str]) -> None:
+    if rig.sample_rate_hz is None or not step:
         return
-    rate = 1.0 / float(np.median(steps))
+    rate = 1.0 / step
     if not 0.9 < rate / rig.sample_rate_hz < 1.1:
         warnings.append(
             f"the rig says {rig.sample_rate_hz:g} rows per second, the log has {rate:.4g}: is time in s?"

@@ -6,7 +6,6 @@ import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-import numpy as np
 import sympy as sp
 
 from eccentric.errors import InputError
@@ -168,8 +167,7 @@ def _inertia_range(rig: Rig) -> tuple[float, float]:
 
 def searched_of(channels: Channels, rig: Rig, model: Model, needed: set[str]) -> list[Searched]:
     """Return what does not enter linearly: delay and zero angle to estimate, `needed` letters with ranges."""
-    together = np.diff(channels.segment) == 0
-    step = float(np.median(np.diff(channels.t)[together]))
+    step = channels.logged_step_s
     turning = any(
         "theta_m" in {x.name for x in model.expand(e).free_symbols}
         for e in (*(c.basis for c in regressor(model)), model.balance("mechanical").sum_of("gravity"))

@@ -26,7 +26,8 @@ from eccentric.errors import InputError
 from eccentric.identify.adapter import Signals, base_columns, candidate, compiled
 from eccentric.identify.candidates import Candidate
 from eccentric.identify.channels import Channels, read_channels
-from eccentric.identify.drive import Drive, drive_of, loaded_model, smoothed
+from eccentric.identify.drive import Drive, drive_of, loaded_model
+from eccentric.identify.filters import smoothed
 from eccentric.identify.least_squares import bounded
 from eccentric.identify.nulltest import sensor_noise
 from eccentric.identify.orders import Order, orders_of
@@ -206,15 +207,15 @@ def bench_of(drive: Drive, rig: Rig, model: Model) -> Bench:
         "t": elapsed(channels),
     }
     if drive.measured_twice:
-        values["u"] = smoothed(channels, channels.voltage)
+        values["u"] = smoothed(channels.t, channels.segment, channels.voltage)
         values["i"] = (values["u"] - known["k_e"] * channels.omega_m) / known["R"]
     else:
-        values["i"] = smoothed(channels, drive.torque()) / known["k_i"]
+        values["i"] = smoothed(channels.t, channels.segment, drive.torque()) / known["k_i"]
     if drive.scale is not None:
         known |= {"k_e": known.get("k_e", 0.0), "R": drive.scale if drive.by_voltage else 1.0}
         known |= {} if drive.by_voltage else {"k_i": 1.0 / drive.scale}
     if drive.by_voltage:
-        values["u"] = smoothed(channels, drive.signal())
+        values["u"] = smoothed(channels.t, channels.segment, drive.signal())
     if channels.temperature is not None:
         values["temperature"] = channels.temperature
     starts = tuple(int(k) for k in np.flatnonzero(np.r_[True, np.diff(channels.segment) != 0]))
@@ -355,7 +356,7 @@ def _smooth_channels(bench: Bench, rig: Rig) -> _Smooth:
 def _drive_current(bench: Bench) -> Array:
     drive = bench.drive
     if drive.measured_twice:
-        return smoothed(drive.channels, drive.signal())
+        return smoothed(drive.channels.t, drive.channels.segment, drive.signal())
     return bench.signals.values["i"]
 
 
@@ -378,9 +379,11 @@ def _known(effect: Effect, base: Model, signals: Signals) -> bool:
 
 
 def _noise(bench: Bench) -> float:
-    """RMS of the drive torque's white noise per row, from its fourth differences."""
-    joined = np.diff(bench.drive.channels.segment, 4) == 0
-    difference = np.diff(bench.drive.torque(), 4)[joined]
+    """RMS that the white noise of the measured drive leaves in a row, from its fourth differences."""
+    drive = bench.drive
+    joined = np.diff(drive.channels.segment, 4) == 0
+    raw = replace(drive, low_pass_hz=None).torque()
+    difference = np.diff(raw, 4)[joined]
     sigma = float(1.4826 * np.median(np.abs(difference - np.median(difference))) / np.sqrt(70.0))
     weights = bench.rows.weights
     # An average of rows has less of it; the first one stands for all.

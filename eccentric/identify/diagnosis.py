@@ -11,6 +11,9 @@ from eccentric.identify.diagnose import Diagnosis
 
 __all__ = ["document", "lines", "sentence"]
 
+PROVABLE = 3.0
+"""A residual this many times the noise of the sensors has a cause, found or not."""
+
 
 def document(found: Diagnosis) -> dict[str, Any]:
     """The content of diagnosis.json, format eccentric-diagnosis/1 (keys as in the manual)."""
@@ -146,6 +149,12 @@ def sentence(found: Diagnosis) -> str:
         return (
             f"Structure remains that depends on {', '.join(a.depends_on) or 'something unknown'},"
             " and no effect of the library explains it; no name is given."
+        )
+    if before > PROVABLE * found.noise_floor:
+        return (
+            f"Nothing further can be proved from this log: {before:.4g} {found.unit} are left, well above the"
+            f" {found.noise_floor:.2g} {found.unit} of the sensors' noise, but no effect takes out more of"
+            " them than chance would."
         )
     return (
         f"Nothing is missing: no effect takes out more of the residual ({before:.4g} {found.unit} held out;"

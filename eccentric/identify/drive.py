@@ -15,7 +15,6 @@ result is in the unit of the drive.
 from __future__ import annotations
 
 import dataclasses
-import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 
@@ -25,13 +24,13 @@ from numpy.typing import NDArray
 from eccentric.effects.constant_load import effect as constant_load
 from eccentric.errors import InputError
 from eccentric.identify.channels import Channels
-from eccentric.identify.filters import low_pass
+from eccentric.identify.filters import smoothed
 from eccentric.identify.problem import Problem, pose
 from eccentric.identify.rig import Rig
 from eccentric.identify.search import solve
 from eccentric.model import Model, regressor
 
-__all__ = ["Drive", "drive_of", "loaded_model", "smoothed"]
+__all__ = ["Drive", "drive_of", "loaded_model"]
 
 Array = NDArray[np.float64]
 
@@ -87,7 +86,9 @@ class Drive:
         if measured is None:
             raise InputError(f"diagnose: a {self.channels.drive} channel is required, the log has none")
         measured = np.where(self.off, 0.0, measured)
-        return measured if self.low_pass_hz is None else smoothed(self.channels, measured, self.low_pass_hz)
+        if self.low_pass_hz is None:
+            return measured
+        return smoothed(self.channels.t, self.channels.segment, measured, self.low_pass_hz)
 
     def torque(self, known: Mapping[str, float] | None = None, scale: float | None = None) -> Array:
         """The drive torque (n,) [N m], for other values of k_e and scale if given."""
@@ -126,7 +127,7 @@ def drive_of(channels: Channels, rig: Rig, base: Model) -> Drive:
     complete = measured and not open_inertia and not rig.unknown and not rig.estimate
     if complete:
         known = _needed(channels, rig, base) | {k: v for k, v in rig.known.items() if k == "T_load"}
-        return Drive(channels, known, None, "N m", (), "", (), low_pass_hz=_filter(rig))
+        return Drive(channels, known, None, "N m", (), "", (), low_pass_hz=rig.drive_low_pass_hz)
     problem = pose(channels.driven, rig, base)
     first = solve(problem)
     found = {c.role: float(v) for c, v in zip(problem.coefficients, first.coefficients, strict=True)}
@@ -154,24 +155,8 @@ def drive_of(channels: Channels, rig: Rig, base: Model) -> Drive:
         *_open(channels, rig, problem, open_inertia),
         tuple(sorted({*first.values, *(r for r in found if r not in ("friction", "inertia"))})),
         tuple(w for w in problem.warnings if w not in channels.warnings),
-        _filter(rig),
+        rig.drive_low_pass_hz,
     )
-
-
-def smoothed(channels: Channels, x: Array, cut_hz: float = 25.0) -> Array:
-    """The zero-phase low pass of a channel (n,), stretch by stretch; as it is where that is too coarse."""
-    out = np.array(x, float)
-    for segment in np.unique(channels.segment):
-        rows = channels.segment == segment
-        if np.count_nonzero(rows) > 30:
-            rate = 1.0 / float(np.median(np.diff(channels.t[rows])))
-            passed = low_pass(out[rows], rate, cut_hz)
-            out[rows] = out[rows] if passed is None else passed
-    return out
-
-
-def _filter(rig: Rig) -> float | None:
-    return rig.low_pass_hz if rig.average_over and math.isfinite(rig.average_over) else None
 
 
 def _needed(channels: Channels, rig: Rig, base: Model) -> dict[str, float]:

@@ -50,6 +50,17 @@ def low_pass(x: Array, rate_hz: float, cut_hz: float) -> Array | None:
     return np.asarray(sosfiltfilt(butter(2, cut_hz, fs=rate_hz, output="sos"), x))
 
 
+def smoothed(t: Array, segment: NDArray[np.int64], x: Array, cut_hz: float = 25.0) -> Array:
+    """Return x (n,) after the low pass, stretch by stretch; as it is where one is too coarse or short."""
+    out = np.array(x, float)
+    for number in np.unique(segment):
+        rows = segment == number
+        if np.count_nonzero(rows) > 30:
+            passed = low_pass(out[rows], 1.0 / float(np.median(np.diff(t[rows]))), cut_hz)
+            out[rows] = out[rows] if passed is None else passed
+    return out
+
+
 def is_even(t: Array) -> bool:
     """Tell whether the time stamps t [s] (n,) lie on an even grid, rounding allowed."""
     grid = np.linspace(t[0], t[-1], len(t))

@@ -29,9 +29,6 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
-ROWS_PER_COEFFICIENT = 10
-
-
 @dataclass(frozen=True)
 class Fit:
     """What came out; `solutions` and held-out `rmse` by model: linear, paper, paper_unbounded.
@@ -109,7 +106,7 @@ def fit(channels: Channels, rig: Rig, model: Model, where: str = "log") -> Fit:
 
 def _require_rows(problem: Problem, where: str) -> None:
     sampling = problem.sampling
-    least = ROWS_PER_COEFFICIENT * (len(problem.coefficients) + len(problem.searched))
+    least = problem.sampling.per_coefficient * (len(problem.coefficients) + len(problem.searched))
     for name, mask, rows in (("to fit", sampling.train, least), ("to hold out", sampling.score, 2)):
         if (count := int(np.count_nonzero(mask))) < rows:
             raise InputError(

@@ -34,9 +34,9 @@ ABOVE = 4.0
 class Order:
     """A periodic part of the torque.
 
-    per_turn: cycles per turn of the motor; amplitude: RMS over the stretches of its amplitude [N m]; share: of
-    the variance inside the stretches, on average; seen: in how many of `stretches` it is above the median of
-    their own spectrum by `ABOVE`.
+    per_turn: cycles per turn of the motor; amplitude: RMS over the stretches of its amplitude [N m]; share:
+    of the variance inside the stretches, on average; seen: in how many of `stretches` it is `ABOVE` times the
+    median of their own spectrum.
     """
 
     per_turn: float

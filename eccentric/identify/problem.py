@@ -35,6 +35,8 @@ from eccentric.identify.columns import (
     scale_of,
     searched_of,
 )
+from eccentric.identify.filters import smoothed
+from eccentric.identify.rows import averaged
 from eccentric.identify.windowed import Sampling, sample
 from eccentric.model import Model, regressor
 from eccentric.model.steps import meaning
@@ -106,6 +108,8 @@ class Problem:
     def _drive(self, channels: Channels) -> Array:
         known = self.rig.known
         signal = getattr(channels, channels.drive)
+        if (cut := self.rig.drive_low_pass_hz) is not None:
+            signal = smoothed(channels.t, channels.segment, signal, cut)
         if channels.drive == "current" and self.scale is None:
             return known["k_i"] * signal
         if channels.drive == "voltage":
@@ -145,7 +149,7 @@ def pose(channels: Channels, rig: Rig, model: Model) -> Problem:
                 "received neither"
             )
     scale = scale_of(channels.drive, rig)
-    sampling = sample(channels, rig)
+    sampling = averaged(channels, rig) if rig.average_over else sample(channels)
     warnings = list(channels.warnings)
     if sampling.windows is not None:
         warnings.append(f"the log is fitted, and its error taken, on {sampling.description}")

@@ -100,6 +100,11 @@ class Rig:
         return self.known[name]
 
     @property
+    def drive_low_pass_hz(self) -> float | None:
+        """Cut-off for the measured drive where rows are averages over a time: both sides pass one filter."""
+        return self.low_pass_hz if self.average_over and math.isfinite(self.average_over) else None
+
+    @property
     def model(self) -> str:
         """The name of the model that the case or the tilt asks for."""
         return {"C1": "c1_perpendicular", "C2": "c2_parallel"}.get(self.case or "", "rotating_link")
@@ -174,14 +179,16 @@ def _load(path: Path) -> Mapping[str, Any]:
             f"{path}: a rig file .toml or .json is required, received {path.suffix or 'no suffix'!r}"
         )
     try:
-        content = parsers[path.suffix.lower()](path.read_text(encoding="utf-8"))
+        content = parsers[path.suffix.lower()](path.read_text(encoding="utf-8-sig"))
     except FileNotFoundError:
         raise InputError(f"{path}: no such file") from None
     except OSError as error:
         raise InputError(f"{path}: cannot be read ({error.strerror or error})") from None
     except UnicodeDecodeError as error:
         raise InputError(f"{path}: UTF-8 text is required, byte {error.start} is not") from None
-    except (tomllib.TOMLDecodeError, json.JSONDecodeError, RecursionError) as error:
+    except InputError:
+        raise
+    except (ValueError, RecursionError) as error:  # ValueError: also a number of thousands of digits
         raise InputError(f"{path}: no {path.suffix[1:].upper()} file ({error})") from None
     return read_table(content, str(path))
 

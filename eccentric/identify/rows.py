@@ -21,9 +21,9 @@ from eccentric.errors import InputError
 from eccentric.identify.channels import Channels
 from eccentric.identify.residual import Windows, make_windows
 from eccentric.identify.rig import Rig
-from eccentric.identify.windowed import MOVING_PART, STEPS
+from eccentric.identify.windowed import MOVING_PART, STEPS, Sampling
 
-__all__ = ["Rows", "rows_of", "search_windows"]
+__all__ = ["Rows", "averaged", "rows_of", "search_windows"]
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
@@ -55,7 +55,7 @@ class Rows:
 
 def rows_of(channels: Channels, rig: Rig) -> Rows:
     """The rows that errors are reported on. Raises InputError if none is left to fit on or to hold out."""
-    if not rig.average_over and not _coarse(channels, rig):
+    if not rig.average_over and channels.points_per_row == 1:
         c = channels
         return Rows(c.t, c.run, c.fit_rows, c.score_rows, None, "rows of the log")
     train, score = (_averages(channels, rig, part) for part in (~channels.held_out, channels.held_out))
@@ -69,6 +69,14 @@ def rows_of(channels: Channels, rig: Rig) -> Rows:
     held = order >= len(train.time)
     what = "whole runs" if math.isinf(rig.average_over) else f"averages over {_length(channels, rig):.3g} s"
     return Rows(t[order], channels.run[first[order]], ~held, held, weights[order], what)
+
+
+def averaged(channels: Channels, rig: Rig) -> Sampling:
+    """The rows of a fit where the rig wants averages."""
+    rows = rows_of(channels, rig)
+    # Means of whole runs are independent; averages over a time overlap and share what is slow.
+    least = 3 if math.isinf(rig.average_over) else 10
+    return Sampling(rows.t, rows.train, rows.score, np.ones(len(rows.t)), rows, rows.description, least)
 
 
 def search_windows(channels: Channels, rig: Rig, moving: bool = True) -> Windows:
@@ -86,23 +94,14 @@ def search_windows(channels: Channels, rig: Rig, moving: bool = True) -> Windows
 
 
 def _windows(channels: Channels, rig: Rig, moving: bool) -> Windows:
-    if moving and (rig.average_over or _coarse(channels, rig)):
+    if moving and (rig.average_over or channels.points_per_row > 1):
         return _averages(channels, rig, ~channels.held_out)
     rows = channels.fit_rows if moving else ~channels.held_out & _away_from_ends(channels)
     return make_windows(channels.t, rows, channels.segment, WINDOW_S * 25.0 / rig.low_pass_hz)
 
 
-def _coarse(channels: Channels, rig: Rig) -> bool:
-    """Whether most of the log is sampled too slowly for the low pass."""
-    return rig.low_pass_hz > 0.4 / _step(channels)
-
-
-def _step(channels: Channels) -> float:
-    return float(np.median(np.diff(channels.t)[np.diff(channels.segment) == 0]))
-
-
 def _length(channels: Channels, rig: Rig) -> float:
-    return rig.average_over or STEPS * _step(channels)
+    return rig.average_over or STEPS * channels.logged_step_s
 
 
 def _averages(channels: Channels, rig: Rig, part: Mask) -> Windows:

@@ -12,7 +12,7 @@ from eccentric.identify.weak import Windows, windows
 
 if TYPE_CHECKING:
     from eccentric.identify.channels import Channels
-    from eccentric.identify.rig import Rig
+    from eccentric.identify.rows import Rows
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
@@ -26,19 +26,21 @@ MOVING_PART = 0.5
 
 @dataclass(frozen=True)
 class Sampling:
-    """Rows that enter the balance: masks and weights (m,), times t [s] (m,); `windows` is None for log rows.
+    """Rows that enter the balance, and how many of them a coefficient asks for (`per_coefficient`).
 
-    Weights are the time that a row stands for over its mean: one for evenly sampled logs. Weighting by what
-    the noise is estimated to be would serve the noise of the sensors, but what dominates is usually what the
-    model leaves out, and a fit should then be best where the log has been.
+    Masks and weights (m,), times t [s] (m,); `windows` is None for the rows of the log. Weights are the time
+    that a row stands for over its mean: one for evenly sampled logs. Weighting by what the noise is estimated
+    to be would serve the noise of the sensors, but what dominates is usually what the model leaves out, and a
+    fit should then be best where the log has been.
     """
 
     t: Array
     train: Mask
     score: Mask
     weights: Array
-    windows: Windows | None
+    windows: Windows | Rows | None
     description: str
+    per_coefficient: int = 10
 
     def mean(self, x: Array) -> Array:
         """Bring signals (n,) or (n, k) of the log to the rows of the fit: (m,) or (m, k)."""
@@ -46,14 +48,15 @@ class Sampling:
 
     def acceleration(self, channels: Channels) -> Array:
         """Motor acceleration [rad/s^2] (m,): integrated by parts from the logged angle where windowed."""
-        return channels.alpha_m if self.windows is None else self.windows.second_rate(channels.theta_logged)
+        if isinstance(self.windows, Windows):
+            return self.windows.second_rate(channels.theta_logged)
+        return self.mean(channels.alpha_m)
 
 
-def sample(channels: Channels, rig: Rig) -> Sampling:
+def sample(channels: Channels) -> Sampling:
     """Return the rows of the log, or windows of twelve steps if it is too coarse for the low pass."""
-    together = np.diff(channels.segment) == 0
-    step = float(np.median(np.diff(channels.t)[together]))
-    if rig.low_pass_hz <= 0.4 / step:
+    step = channels.logged_step_s
+    if channels.points_per_row == 1:
         weights = _durations(channels.t, channels.segment, step)
         return Sampling(channels.t, channels.fit_rows, channels.score_rows, weights, None, "rows")
     length = STEPS * step
