@@ -52,6 +52,7 @@ lint: $(LINT)
 check: lint test
 
 bench: $(RUN)
+	@$(BIN)/python benchmarks/fuzz.py
 	@$(BIN)/python benchmarks/diagnosis.py --out benchmarks/results.md
 
 # The environment stays: delete $(VENV) by hand to start over.

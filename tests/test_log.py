@@ -3,12 +3,10 @@
 from __future__ import annotations
 
 import gzip
-import sys
 from typing import TYPE_CHECKING
 
 import numpy as np
 import pytest
-from scipy.io import savemat
 
 from eccentric.errors import InputError
 from eccentric.identify.log import read_log
@@ -43,16 +41,6 @@ def test_delimiter_and_compression_do_not_change_a_log(tmp_path: Path, delimiter
     np.testing.assert_array_equal(log.numbers("current_A"), [1.5, np.nan, np.nan])
 
 
-def test_mat_file_gives_its_vectors(tmp_path: Path) -> None:
-    """Rows, columns and a structure of vectors are the log; a scalar beside them is not."""
-    path = tmp_path / "log.mat"
-    t = np.arange(4.0)
-    savemat(path, {"log": {"time_s": t[:, None], "current_A": 2.0 * t[None, :]}, "rate": 250.0})
-    log = read_log(path)
-    assert sorted(log.columns) == ["current_A", "time_s"]
-    np.testing.assert_array_equal(log.numbers("current_A"), 2.0 * t)
-
-
 CUT_OFF = gzip.compress(TEXT.encode() * 100)[:-20]
 BAD = {
     "empty.csv": (b"", "empty.csv: a header row with column names is required, the file is empty"),
@@ -71,8 +59,14 @@ BAD = {
     "latin.csv": (b"t,\xe4\n1,2\n", "latin.csv: UTF-8 text is required, byte 2 is not"),
     "cut.csv.gz": (CUT_OFF, "cut.csv.gz: the compressed file is damaged or cut off"),
     "plain.csv.gz": (TEXT.encode(), "plain.csv.gz: the compressed file is damaged or cut off"),
-    "log.xlsx": (b"PK", "log.xlsx: a log of .csv, .csv.gz, .mat, .parquet is required, received '.xlsx'"),
+    "log.xlsx": (b"PK", "log.xlsx: a log of .csv, .csv.gz, .mat, .parquet, .json, .json.gz is required"),
     "noise.mat": (b"x" * 200, "noise.mat: no MAT file"),
+    "noise.parquet": (b"x" * 200, "noise.parquet: no Parquet file"),
+    "noise.json": (b"x" * 200, "noise.json: no JSON file"),
+    "field.csv": (
+        b"a,b\n1," + b"2" * 200_000 + b"\n",
+        "field.csv: no CSV file (field larger than field limit",
+    ),
 }
 
 
@@ -142,24 +136,3 @@ def test_missing_column_lists_the_columns(tmp_path: Path) -> None:
     path.write_text(TEXT)
     with pytest.raises(InputError, match="column 'speed' is required, the log has time_s, run, current_A"):
         read_log(path).numbers("speed")
-
-
-def test_parquet_without_its_extra_names_it(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Without pyarrow, a Parquet log says what to install."""
-    monkeypatch.setitem(sys.modules, "pyarrow", None)
-    monkeypatch.setitem(sys.modules, "pyarrow.parquet", None)
-    path = tmp_path / "log.parquet"
-    path.write_bytes(b"PAR1")
-    with pytest.raises(InputError, match=r"pyarrow is required for \.parquet: pip install pyarrow"):
-        read_log(path)
-
-
-def test_parquet_gives_the_same_columns_as_csv(tmp_path: Path) -> None:
-    """Numbers, text and nulls of a Parquet table arrive as those of a CSV file."""
-    arrow = pytest.importorskip("pyarrow", reason="the extra parquet is not installed")
-    parquet = pytest.importorskip("pyarrow.parquet")
-    path = tmp_path / "log.parquet"
-    parquet.write_table(arrow.table({"time_s": [0.0, 0.1], "current_A": [1, None], "run": ["a", "b"]}), path)
-    log = read_log(path)
-    np.testing.assert_array_equal(log.numbers("current_A"), [1.0, np.nan])
-    assert log.text("run").tolist() == ["a", "b"]

@@ -19,7 +19,8 @@ from scipy.integrate import cumulative_trapezoid
 from eccentric.errors import InputError
 from eccentric.identify import filters
 from eccentric.identify.holdout import Holdout, hold_out
-from eccentric.identify.plausible import speed_doubt, unwrapped
+from eccentric.identify.plausible import unwrapped
+from eccentric.identify.quality import Finding, assess
 from eccentric.identify.refine import FACTOR, is_coarse, logged_step, refined
 from eccentric.identify.table import Table, read_table
 
@@ -85,6 +86,7 @@ class Channels:
     rows_read: int
     rows_rejected: int
     warnings: tuple[str, ...]
+    findings: tuple[Finding, ...]
 
     @property
     def held_out(self) -> Mask:
@@ -154,16 +156,23 @@ def read_channels(paths: Sequence[str | Path], rig: Rig) -> Channels:
     Raises InputError for whatever `read_log` and `table.read_table` refuse, a drive that no channel
     measures, and a log in which no row is left to fit on or to hold out.
     """
-    table = read_table(paths, rig)
-    step, coarse = logged_step(table), is_coarse(table, rig)
-    if coarse:
-        table = refined(table)
-    t, warnings = table.channels["time"], [*rig.warnings, *table.warnings]
+    logged = read_table(paths, rig)
+    step, coarse = logged_step(logged), is_coarse(logged, rig)
+    table, warnings = logged, list(rig.warnings)
+    t = table.channels["time"]
     segment = filters.stretches(t, table.run)
     theta, omega_logged = _angle(table, rig, segment, warnings)
+    quantum = _quantum(table, rig, theta, segment)
+    if coarse:
+        # Between the rows lies the unwrapped angle, not the one that jumps.
+        own = {"theta_m": theta} | ({} if omega_logged is None else {"omega_m": omega_logged})
+        rest = {c: x for c, x in table.channels.items() if not c.startswith(("theta_", "omega_"))}
+        table = refined(dataclasses.replace(table, channels=rest | own))
+        t, theta = table.channels["time"], table.channels["theta_m"]
+        omega_logged = table.channels.get("omega_m")
+        segment = filters.stretches(t, table.run)
     cut = math.inf if coarse else rig.low_pass_hz
     motion = _motion(t, theta, segment, cut, warnings)
-    quantum = _quantum(table, rig, theta, segment)
     velocity = _by_segment(segment, lambda rows: filters.span_velocity(t[rows], theta[rows]))
     threshold = rig.moving_threshold_rad_s
     if threshold is None:
@@ -201,14 +210,18 @@ def read_channels(paths: Sequence[str | Path], rig: Rig) -> Channels:
         rows_read=table.rows_read,
         rows_rejected=table.rows_rejected,
         warnings=tuple(warnings),
+        findings=(),
     )
     _check_left(channels, paths, rig)
-    return channels.realigned(
+    channels = channels.realigned(
         rig,
         input_delay_s=rig.input_delay_s,
         theta_zero_rad=rig.theta_zero_rad,
         voltage_offset_V=rig.voltage_offset_V,
     )
+    findings = assess(logged, channels, rig)
+    said = (finding.text for finding in findings)
+    return dataclasses.replace(channels, warnings=(*warnings, *said), findings=findings)
 
 
 def _by_segment(
@@ -241,10 +254,7 @@ def _angle(
     t = table.channels["time"]
     if theta is not None:
         mu = rig.known.get("mu")
-        theta, said = unwrapped(t, theta, segment, table.run, mu)
-        doubt = "" if omega is None else speed_doubt(t, theta, omega, segment, mu)
-        warnings += [text for text in (said, doubt) if text]
-        return theta, omega
+        return unwrapped(t, theta, segment, table.run, mu)[0], omega
     if omega is None:
         raise AssertionError("read_table asks for an angle or a speed")
     integral = _by_segment(table.run, lambda rows: cumulative_trapezoid(omega[rows], t[rows], initial=0.0))

@@ -28,6 +28,7 @@ from eccentric.identify.candidates import Candidate
 from eccentric.identify.channels import Channels, read_channels
 from eccentric.identify.drive import Drive, drive_of, loaded_model
 from eccentric.identify.filters import smoothed
+from eccentric.identify.finding import Finding
 from eccentric.identify.least_squares import bounded
 from eccentric.identify.nulltest import sensor_noise
 from eccentric.identify.orders import Order, orders_of
@@ -105,6 +106,11 @@ class Diagnosis:
     def interval(self) -> tuple[float, float]:
         """Its 95 % interval."""
         return self.score.interval
+
+    @property
+    def quality(self) -> tuple[Finding, ...]:
+        """What is odd about the record."""
+        return self.channels.findings
 
     @property
     def rows(self) -> Rows:

@@ -48,6 +48,10 @@ def document(found: Diagnosis) -> dict[str, Any]:
         "null_test": {
             name: {"gain": gain, "by_chance_99": level} for name, (gain, level) in a.deviance.items()
         },
+        "data_quality": [
+            {"kind": f.kind, "channel": f.channel, "text": f.text, "rows": f.rows, "severity": f.severity}
+            for f in found.channels.findings
+        ],
         "periodic_per_motor_turn": [
             {"order": o.per_turn, "amplitude": o.amplitude, "share": o.share, "seen": [o.seen, o.stretches]}
             for o in found.orders

@@ -99,8 +99,8 @@ def _largest_step(theta: Array, segment: Integers) -> float:
     return float(np.max(np.abs(np.diff(theta)[np.diff(segment) == 0]), initial=0.0))
 
 
-def speed_doubt(t: Array, theta: Array, omega: Array, segment: Integers, mu: float | None) -> str:
-    """Return what is odd about a logged speed [rad/s] (n,) beside the slope of the angle; empty if nothing.
+def speed_factor(t: Array, theta: Array, omega: Array, segment: Integers) -> tuple[float, float] | None:
+    """Return a logged speed [rad/s] (n,) over the slope of the angle, and their correlation; None at rest.
 
     Compared are the turns that both tell for the same 0.2 s, or five rows.
     """
@@ -115,9 +115,16 @@ def speed_doubt(t: Array, theta: Array, omega: Array, segment: Integers, mu: flo
     x, y = (np.concatenate([np.zeros(0), *parts]) for parts in (rise, told))
     size = float(x @ x)
     if size == 0.0:
+        return None
+    return float(x @ y) / size, float(x @ y) / math.sqrt(size * float(y @ y)) if np.any(y) else 0.0
+
+
+def speed_doubt(t: Array, theta: Array, omega: Array, segment: Integers, mu: float | None) -> str:
+    """Return what is odd about a logged speed [rad/s] (n,) beside the slope of the angle; empty if fine."""
+    found = speed_factor(t, theta, omega, segment)
+    if found is None:
         return ""
-    factor = float(x @ y) / size
-    correlation = float(x @ y) / math.sqrt(size * float(y @ y)) if np.any(y) else 0.0
+    factor, correlation = found
     if abs(correlation) < CORRELATION:
         return (
             f"the logged speed does not follow the slope of the angle (correlation {correlation:.2f}): "

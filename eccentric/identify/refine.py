@@ -24,8 +24,6 @@ Array = NDArray[np.float64]
 
 FACTOR = 2
 """Points for one row: a reversal is then known to 4 % of a window."""
-_ANGLES = ("theta_m", "theta_l")
-_HELD = ("voltage",)
 
 
 def logged_step(table: Table) -> float:
@@ -41,7 +39,7 @@ def is_coarse(table: Table, rig: Rig) -> bool:
 
 
 def refined(table: Table) -> Table:
-    """The table on `FACTOR` points a row; the last row of a stretch stays one point."""
+    """The table, angle unwrapped on the motor side, on `FACTOR` points a row; a stretch ends as it did."""
     t = table.channels["time"]
     parts: list[dict[str, Array]] = []
     source: list[NDArray[np.int64]] = []
@@ -52,9 +50,9 @@ def refined(table: Table) -> Table:
         source.append(before)
         part = {"time": fine}
         for name, x in table.channels.items():
-            if name in _ANGLES and len(rows) > 5:
+            if name == "theta_m" and len(rows) > 5:
                 part[name] = np.asarray(make_interp_spline(t[rows], x[rows], k=5)(fine))
-            elif name in _HELD:
+            elif name == "voltage":
                 part[name] = x[before]
             elif name != "time":
                 part[name] = np.interp(fine, t[rows], x[rows])

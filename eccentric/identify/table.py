@@ -5,13 +5,14 @@ from __future__ import annotations
 import dataclasses
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from eccentric.errors import InputError
 from eccentric.identify.arithmetic import evaluate
+from eccentric.identify.finding import MUCH, Finding
 from eccentric.identify.holdout import matching
 from eccentric.identify.log import Log, read_log
 from eccentric.identify.rig import CHANNELS, ColumnSource, Rig
@@ -41,12 +42,13 @@ class Table:
     motor_off: NDArray[np.bool_]
     rows_read: int
     rows_rejected: int
-    warnings: tuple[str, ...]
+    findings: tuple[Finding, ...]
 
 
 def read_table(paths: Sequence[str | Path], rig: Rig) -> Table:
     """Read and join logs.
 
+    A row that says again what the one before it says is dropped, as one that is not numbers is.
     Raises InputError for what `read_log` refuses, a missing or non-numeric column, more than 20 % of rows
     that are not numbers, time stamps that do not increase within a run, a run in two pieces, and logs with
     different channels.
@@ -79,7 +81,7 @@ def read_table(paths: Sequence[str | Path], rig: Rig) -> Table:
         motor_off=np.concatenate([table.motor_off for table in tables]),
         rows_read=sum(table.rows_read for table in tables),
         rows_rejected=sum(table.rows_rejected for table in tables),
-        warnings=tuple(warning for table in tables for warning in table.warnings),
+        findings=tuple(finding for table in tables for finding in table.findings),
     )
     return _chosen(joined, rig) if rig.runs else joined
 
@@ -109,7 +111,7 @@ def _one(log: Log, rig: Rig, name: str, alone: bool) -> Table:
     numbers = {c: np.isfinite(x) for c, x in values.items()}
     kept = np.logical_and.reduce([*numbers.values(), np.isfinite(use), np.isfinite(motor_off)])
     rejected = int(np.count_nonzero(~kept))
-    warnings: list[str] = []
+    findings = [Finding("left_out", "", f"{log.path}: {note}", 0, "note") for note in log.notes]
     if rejected:
         worst = min(numbers, key=lambda c: np.count_nonzero(numbers[c]))
         first = log.place(int(np.flatnonzero(~kept)[0]))
@@ -118,7 +120,18 @@ def _one(log: Log, rig: Rig, name: str, alone: bool) -> Table:
         )
         if rejected > MAX_REJECTED * log.rows:
             raise InputError(f"{log.path}: {what}; at most {MAX_REJECTED:.0%} may be missing")
-        warnings.append(f"{log.path}: {what}, they are dropped")
+        severity = "warning" if rejected > MUCH * log.rows else "note"
+        findings.append(
+            Finding("missing", worst, f"{log.path}: {what}, they are dropped", rejected, severity)
+        )
+    again = _repeated([*values.values(), use, motor_off, labels], kept)
+    if np.any(again):
+        count, first = int(np.count_nonzero(again)), log.place(int(np.flatnonzero(again)[0]))
+        text = (
+            f"{log.path}: {count} of {log.rows} rows repeat the one before (first: {first}), they are dropped"
+        )
+        findings.append(Finding("repeated", "time", text, count, "note"))
+        kept &= ~again
     run, run_names = _runs(log, labels, values["time"], kept)
     return Table(
         {c: x[kept] for c, x in values.items()},
@@ -127,9 +140,18 @@ def _one(log: Log, rig: Rig, name: str, alone: bool) -> Table:
         use[kept] != 0.0,
         motor_off[kept] != 0.0,
         log.rows,
-        rejected,
-        tuple(warnings),
+        int(np.count_nonzero(~kept)),
+        tuple(findings),
     )
+
+
+def _repeated(columns: Sequence[NDArray[Any]], kept: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    """Rows (n,) that are in every column what the kept row before them is: a logger that wrote them twice."""
+    rows = np.flatnonzero(kept)
+    same = np.logical_and.reduce([x[rows[1:]] == x[rows[:-1]] for x in columns])
+    again = np.zeros(len(kept), dtype=bool)
+    again[rows[1:][same]] = True
+    return again
 
 
 def _sources(log: Log, rig: Rig) -> Mapping[str, ColumnSource]:

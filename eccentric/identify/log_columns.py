@@ -1,0 +1,166 @@
+"""From what a file holds to columns of one length: numbers and text, nested or not.
+
+Shared by the readers of formats that hold variables of any shape, and not one table.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Mapping, Sequence
+
+Column = NDArray[Any]
+
+MISSING = frozenset({"", "na", "n/a", "#n/a", "null", "none", "-"})
+DEEPEST = 20
+"""Structures nested deeper than this are left out: logs have two or three levels."""
+MOST_PARTS = 100
+"""Most columns of a matrix, and elements of a structure array with vectors, that are named one by one."""
+
+
+SHORTEST = 10
+"""Vectors shorter than this are parameters of the rig where there are longer ones."""
+
+
+@dataclass(frozen=True)
+class Read:
+    """What a reader gives: columns, the lines of their rows in a text file, what it left out and why."""
+
+    columns: Mapping[str, Column]
+    lines: NDArray[np.int64] | None = None
+    notes: tuple[str, ...] = ()
+
+
+class LeftOut(str):
+    """In place of a variable that has no columns: the reason."""
+
+    __slots__ = ()
+
+
+def number_of(text: str) -> float | None:
+    """Return the number that a text is, NaN where it says that there is none, None for other text."""
+    try:
+        return float(text)
+    except ValueError:
+        return float("nan") if text.strip().lower() in MISSING else None
+
+
+def column_of(values: Sequence[Any]) -> Column:
+    """Return texts, numbers, truth values and None as float64 (n,) if all are numbers, else as str (n,)."""
+    try:
+        return np.array(list(map(float, values)))
+    except (ValueError, TypeError, OverflowError):
+        numbers = [_scalar(value) for value in values]
+    if None in numbers:
+        return np.array(["" if value is None else str(value) for value in values], dtype=str)
+    return np.array(numbers, dtype=float)
+
+
+def assemble(content: Mapping[str, Any]) -> Read:
+    """Return the columns of nested variables: mappings, sequences, arrays, numbers, texts, `LeftOut`.
+
+    A variable goes by the last part of its name where no other ends so, else by its full name, as in
+    `out.signals(2).values`. Rows are as many as most vectors have (of equally many, the most rows); others
+    are left out with a note. A single number or text is a column that says it in every row.
+    """
+    found = dict(_flat(content, "", 0))
+    vectors = {name: value for name, value in found.items() if isinstance(value, np.ndarray)}
+    lengths = Counter(len(vector) for vector in vectors.values())
+    rows = max(lengths, key=lambda n: (n >= SHORTEST, lengths[n], n), default=0)
+    endings = Counter(map(_last, found))
+    columns: dict[str, Column] = {}
+    others: list[str] = []
+    notes: dict[str, list[str]] = {}
+    for full, value in found.items():
+        name = _last(full) if endings[_last(full)] == 1 else full
+        if isinstance(value, LeftOut):
+            notes.setdefault(str(value), []).append(name)
+        elif not isinstance(value, np.ndarray):
+            columns[name] = np.full(rows, value)
+        elif len(value) == rows:
+            columns[name] = value
+        else:
+            others.append(f"{name} ({len(value)})")
+    said = [f"left out, {reason}: {_few(names)}" for reason, names in notes.items()]
+    if others:
+        said.append(f"left out, since most variables have {rows} rows: {_few(others)}")
+    return Read(columns if rows else {}, notes=tuple(said))
+
+
+def _scalar(value: Any) -> float | None:
+    if value is None:
+        return float("nan")
+    if isinstance(value, str):
+        return number_of(value)
+    try:
+        return float(value)
+    except OverflowError:  # an integer of hundreds of digits
+        return float("inf")
+
+
+def _is_scalar(value: Any) -> bool:
+    return value is None or isinstance(value, str | bool | int | float | np.integer | np.floating | np.bool_)
+
+
+def _flat(value: Any, name: str, depth: int) -> Iterator[tuple[str, Any]]:
+    """Yield full names with a column, a number, a text or a `LeftOut`."""
+    if isinstance(value, dict) and depth < DEEPEST:
+        for key, inner in value.items():
+            yield from _flat(inner, f"{name}.{key}" if name else str(key), depth + 1)
+    elif isinstance(value, LeftOut | str):
+        yield name, value
+    elif _is_scalar(value):
+        if value is not None:
+            yield name, _scalar(value)
+    elif isinstance(value, np.ndarray) and value.dtype.kind in "biufU" and value.ndim in (1, 2):
+        yield from _of_array(value, name)
+    elif isinstance(value, list) or (isinstance(value, np.ndarray) and value.ndim):
+        items = list(value)
+        if items and all(isinstance(item, dict) for item in items):
+            yield from _of_records(items, name, depth)
+        elif items and all(map(_is_scalar, items)):
+            yield name, column_of(items)
+        elif items:
+            yield name, LeftOut("since it is neither numbers nor text")
+    else:
+        yield name, LeftOut("since it is neither numbers nor text")
+
+
+def _of_array(value: Column, name: str) -> Iterator[tuple[str, Any]]:
+    """Name the columns of a matrix as MATLAB does, the longer side being time."""
+    if value.ndim == 1:
+        yield name, value if value.dtype.kind == "f" else column_of(value.tolist())
+        return
+    parts, pattern = (value.T, "{}(:,{})") if len(value) >= len(value.T) else (value, "{}({},:)")
+    if len(parts) > MOST_PARTS:
+        yield name, LeftOut(f"since it has more than {MOST_PARTS} columns")
+        return
+    for k, part in enumerate(parts, start=1):
+        yield from _of_array(np.ascontiguousarray(part), pattern.format(name, k))
+
+
+def _of_records(items: Sequence[Mapping[str, Any]], name: str, depth: int) -> Iterator[tuple[str, Any]]:
+    """Yield a column for each key of the records; where they hold more than scalars, one name for each."""
+    for key in dict.fromkeys(key for item in items for key in item):
+        values = [item.get(key) for item in items]
+        if all(map(_is_scalar, values)):
+            yield f"{name}.{key}" if name else key, column_of(values)
+        elif len(items) > MOST_PARTS:
+            yield f"{name}.{key}", LeftOut("since it is neither numbers nor text")
+        else:
+            for k, inner in enumerate(values, start=1):
+                yield from _flat(inner, f"{name}({k}).{key}", depth + 1)
+
+
+def _last(name: str) -> str:
+    return name.rsplit(".", 1)[-1]
+
+
+def _few(names: Sequence[str]) -> str:
+    return ", ".join(names[:5]) + (f" and {len(names) - 5} more" if len(names) > 5 else "")

@@ -1,0 +1,154 @@
+"""Whether the elements of a MAT file of version 5 or 7 fit into each other, before SciPy reads it.
+
+SciPy's reader takes type codes and sizes on trust: a single wrong byte can end the whole process, or ask for
+more memory than there is. So what it relies on is walked through here first.
+"""
+
+from __future__ import annotations
+
+import struct
+import zlib
+from collections.abc import Container
+from dataclasses import dataclass
+from math import prod
+
+MATRIX, COMPRESSED = 14, 15
+BYTES = {1: 1, 2: 1, 3: 2, 4: 2, 5: 4, 6: 4, 7: 4, 9: 8, 12: 8, 13: 8}
+"""Bytes of a number by its type code."""
+LETTERS = {1: 1, 2: 1, 4: 2, 16: 1, 17: 2, 18: 4}
+"""The same for letters; UTF-8 (16) can take more."""
+CELL, STRUCTURE, OBJECT, CHAR, SPARSE = 1, 2, 3, 4, 5
+NUMBERS = range(6, 16)
+FUNCTION, OPAQUE = 16, 17
+DEEPEST = 50
+LARGEST = 1_000_000_000
+"""Most bytes of a variable, unpacked."""
+
+
+class DamagedError(ValueError):
+    """The file cannot be what it says."""
+
+
+@dataclass
+class _Bytes:
+    """A piece of the file that is read from its start; `order` is that of `struct`."""
+
+    data: memoryview
+    order: str
+
+    def element(self, padded: bool = True) -> tuple[int, memoryview]:
+        """Return type code and content of the next element, and go past it."""
+        if len(self.data) < 8:
+            raise DamagedError("it breaks off")
+        (first,) = struct.unpack(f"{self.order}I", self.data[:4])
+        kind, size, start = first & 0xFFFF, first >> 16, 4
+        if size == 0:
+            kind, size, start = *struct.unpack(f"{self.order}II", self.data[:8]), 8
+        elif size > 4:
+            raise DamagedError("a small element has more than four bytes")
+        if start + size > len(self.data):
+            raise DamagedError("it breaks off")
+        content = self.data[start : start + size]
+        self.data = self.data[8 if start == 4 else start + (size + (-size % 8 if padded else 0)) :]
+        return kind, content
+
+    def numbers(self) -> tuple[int, ...]:
+        """Return the 32-bit numbers of the next element, which must be of such a type."""
+        kind, content = self.require((5, 6))
+        if len(content) % 4:
+            raise DamagedError("numbers are cut off")
+        return struct.unpack(f"{self.order}{len(content) // 4}{'i' if kind == 5 else 'I'}", content)
+
+    def require(self, kinds: Container[int]) -> tuple[int, memoryview]:
+        """Return the next element, which must be of one of these types."""
+        found, content = self.element()
+        if found not in kinds:
+            raise DamagedError(f"an element of type {found} stands where none can")
+        return found, content
+
+
+def check(data: bytes) -> None:
+    """Go through a file of version 5 or 7; raise DamagedError with a reason if SciPy must not read it."""
+    order = {b"IM": "<", b"MI": ">"}.get(data[126:128])
+    if order is None:
+        raise DamagedError("its head is not that of version 5 or later; save with -v7")
+    rest = _Bytes(memoryview(data)[128:], order)
+    while len(rest.data):
+        kind, content = rest.element(padded=False)
+        if kind == COMPRESSED:
+            unpacker = zlib.decompressobj()
+            content = memoryview(unpacker.decompress(content, LARGEST))
+            if unpacker.unconsumed_tail:
+                raise DamagedError(f"a variable has more than {LARGEST:,} bytes")
+            if not unpacker.eof:
+                raise DamagedError("it breaks off")
+            kind, content = _Bytes(content, order).element()
+        if kind != MATRIX:
+            raise DamagedError(f"a variable of type {kind} stands where a matrix is required")
+        _matrix(_Bytes(content, order), 0)
+
+
+def _matrix(rest: _Bytes, depth: int) -> None:
+    """Check what stands in a matrix element; it may be empty below the top."""
+    if depth > DEEPEST:
+        raise DamagedError(f"it is nested deeper than {DEEPEST}")
+    if not len(rest.data) and depth:
+        return
+    flags = rest.numbers()
+    if len(flags) != 2:
+        raise DamagedError("array flags are two numbers")
+    kind, is_complex = flags[0] & 0xFF, bool(flags[0] >> 11 & 1)
+    if kind == OPAQUE:
+        for _ in ("name", "type system", "class"):
+            _word(rest)
+        _inner(rest, depth)
+        return
+    shape = rest.numbers()
+    count = prod(shape)
+    if not 2 <= len(shape) <= 32 or min(shape) < 0 or count > LARGEST:
+        raise DamagedError("an array has no size that can be")
+    _word(rest)
+    if kind in NUMBERS:
+        for _ in range(1 + is_complex):
+            code, content = rest.require(BYTES)
+            if len(content) != count * BYTES[code]:
+                raise DamagedError("an array is not of the size that it says")
+    elif kind == CHAR:
+        code, content = rest.require(LETTERS)
+        if len(content) % LETTERS[code] or not (len(content) >= count * LETTERS[code] or not len(content)):
+            raise DamagedError("a text is not of the length that it says")
+        if len(content) == 0 and count > 8 * DEEPEST:
+            raise DamagedError("a long text is empty")
+    elif kind == CELL:
+        _inner(rest, depth, count)
+    elif kind in (STRUCTURE, OBJECT):
+        if kind == OBJECT:
+            _word(rest)
+        (length,) = rest.numbers() or (0,)
+        names = _word(rest)
+        if (
+            length < 1
+            or len(names) % length
+            or any(0 not in names[k : k + length] for k in range(0, len(names), length))
+        ):
+            raise DamagedError("field names are not of the length that they say")
+        _inner(rest, depth, count * (len(names) // length))
+    elif kind == FUNCTION:
+        _inner(rest, depth)
+    elif kind == SPARSE:
+        raise DamagedError("a sparse array is no signal; save with full(...)")
+    else:
+        raise DamagedError(f"an array of class {kind} is unknown")
+
+
+def _inner(rest: _Bytes, depth: int, count: int = 1) -> None:
+    """Check as many matrices as a cell array or structure has."""
+    if count * 8 > len(rest.data):
+        raise DamagedError("it breaks off")
+    for _ in range(count):
+        _, content = rest.require((MATRIX,))
+        _matrix(_Bytes(content, rest.order), depth + 1)
+
+
+def _word(rest: _Bytes) -> bytes:
+    return bytes(rest.require((1, 16))[1])

@@ -1,0 +1,307 @@
+"""Inputs for the fuzz of everything that reads a user's files: random, or valid and then damaged.
+
+`TARGETS` names what is fuzzed: a strategy of inputs, and a function that takes one. It returns "accepted" or
+"refused", the latter for an InputError of one line; whatever else is raised is a finding.
+"""
+
+from __future__ import annotations
+
+import gzip
+import io
+import json
+import math
+import tempfile
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from hypothesis import strategies as st
+from scipy.io import savemat
+
+from eccentric.errors import InputError
+from eccentric.identify.arithmetic import evaluate
+from eccentric.identify.known import KNOWNS
+from eccentric.identify.log import read_log
+from eccentric.identify.rig import CHANNELS, read_rig
+from eccentric.identify.units import parse_value
+
+ROWS = 12
+NUMBERS = {"time_s": np.arange(ROWS) / 10.0, "current_A": np.linspace(-1.0, 1.0, ROWS)}
+TEXT = [f"run {k % 3}" for k in range(ROWS)]
+WORDS = (0, 1, 2, 4, 5, 7, 13, 14, 15, 17, 0x7F, 0x80, 0xFF, 0xFFFF, 0x7FFFFFFF, 0x80000000, 0xFFFFFFFF)
+"""Numbers at the borders of types and sizes, and the type codes of MAT elements."""
+
+
+def csv_bytes() -> bytes:
+    """A CSV log."""
+    rows = zip(*NUMBERS.values(), TEXT, strict=True)
+    lines = [",".join((*NUMBERS, "run")), *(",".join(map(str, row)) for row in rows)]
+    return ("# recorded\n" + "\n".join(lines) + "\n").encode()
+
+
+def json_bytes() -> bytes:
+    """A log of BAM's recorder."""
+    rows = zip(*NUMBERS.values(), TEXT, strict=True)
+    entries = [dict(zip(("t", "i", "run"), row, strict=True)) for row in rows]
+    return json.dumps({"mass": 0.5, "motor": "xl330", "homed": True, "entries": entries}).encode()
+
+
+def mat_bytes(compressed: bool) -> bytes:
+    """A MAT file of version 5, or 7 if compressed, with every kind of variable."""
+    file = io.BytesIO()
+    t = NUMBERS["time_s"]
+    signals = np.array([(t, "u"), (t, "i")], dtype=[("v", "O"), ("l", "O")])
+    mode = np.array(TEXT, dtype=object)
+    variables = {"log": dict(NUMBERS), "mode": mode, "signals": signals, "rate": 250.0}
+    savemat(file, variables, do_compression=compressed)
+    return file.getvalue()
+
+
+def mat73_bytes() -> bytes:
+    """A MAT file of version 7.3, as far as h5py writes one."""
+    import h5py
+
+    file = io.BytesIO()
+    with h5py.File(file, "w", userblock_size=512) as h5:
+        for name, values in NUMBERS.items():
+            item = h5.create_dataset(f"log/{name}", data=values[None, :])
+            item.attrs["MATLAB_class"] = np.bytes_(b"double")
+        text = h5.create_dataset("#refs#/a", data=np.array([[117, 112]], dtype=np.uint16).T)
+        text.attrs["MATLAB_class"] = np.bytes_(b"char")
+        h5.create_dataset("mode", data=np.array([text.ref] * ROWS, dtype=h5py.ref_dtype)[None, :])
+    head = b"MATLAB 7.3 MAT-file".ljust(124) + b"\x00\x02IM"
+    return head.ljust(512, b"\0") + file.getvalue()[512:]
+
+
+def parquet_bytes() -> bytes:
+    """A Parquet log."""
+    import pyarrow as pa
+    from pyarrow import parquet
+
+    file = io.BytesIO()
+    parquet.write_table(pa.table({**NUMBERS, "run": TEXT}), file)
+    return file.getvalue()
+
+
+@st.composite
+def damaged(draw: st.DrawFn, valid: bytes) -> bytes:
+    """Damage a file in one to four places: bits, numbers at borders, pieces cut or doubled, its end."""
+    content = bytearray(valid)
+    for _ in range(draw(st.integers(1, 4))):
+        at = draw(st.integers(0, max(0, len(content) - 1)))
+        span = draw(st.integers(1, 40))
+        match draw(st.sampled_from(("bit", "number", "cut", "double", "random", "end"))):
+            case "bit" if content:
+                content[at] ^= 1 << draw(st.integers(0, 7))
+            case "number":
+                size = draw(st.sampled_from((1, 2, 4, 8)))
+                word = draw(st.sampled_from(WORDS)) % (1 << 8 * size)
+                at -= at % draw(st.sampled_from((1, 4, 8)))
+                content[at : at + size] = word.to_bytes(size, "little")
+            case "cut":
+                del content[at : at + span]
+            case "double":
+                content[at:at] = content[at : at + span]
+            case "random":
+                content[at : at + span] = draw(st.binary(max_size=40))
+            case "end":
+                del content[at:]
+    return bytes(content)
+
+
+def files(*valid: bytes) -> st.SearchStrategy[bytes]:
+    """Damaged files, and now and then bytes that never were one."""
+    return st.one_of(*map(damaged, valid), *map(damaged, valid), st.binary(max_size=300))
+
+
+def texts(*valid: bytes) -> st.SearchStrategy[str]:
+    """Damaged texts."""
+    return st.one_of(*map(damaged, valid)).map(lambda content: content.decode(errors="replace"))
+
+
+ODD_TEXTS = (
+    *("", "estimate", "run", "C1", "C2", "time_s", "1 kg", "0.1 m", "2 ohm", "1e-4 kg m^2", "1/0 m"),
+    *("1e999 kg", "nan", "-1 ohm", "0.2 V s/rev", "counts"),
+)
+ODD_TEXT = st.one_of(st.text(max_size=12), st.sampled_from(ODD_TEXTS))
+ODD_NUMBER = st.one_of(st.integers(-(10**400), 10**400), st.integers(-3, 3), st.floats(), st.floats(0.1, 2.0))
+ODD_VALUE = st.recursive(
+    st.one_of(st.none(), st.booleans(), ODD_NUMBER, ODD_TEXT),
+    lambda inner: st.one_of(st.lists(inner, max_size=3), st.dictionaries(ODD_TEXT, inner, max_size=3)),
+    max_leaves=6,
+)
+RIG_KEYS = (
+    *("format", "name", "log_type", "drive", "encoder_counts_per_rev", "sample_rate_hz", "low_pass_hz"),
+    *("moving_threshold_rad_s", "holdout_intervals_s", "holdout_runs", "input_delay_s", "theta_zero_rad"),
+    *("voltage_offset_V", "runs", "average_over"),
+)
+KNOWN_KEY = st.sampled_from(("case", *(k.name for k in KNOWNS), *(k.key for k in KNOWNS)))
+PAIR = st.lists(ODD_VALUE, min_size=2, max_size=2)
+SOURCE = st.fixed_dictionaries({"column": ODD_TEXT, "unit": ODD_TEXT})
+RIGS = st.one_of(
+    ODD_VALUE,
+    st.fixed_dictionaries(
+        {
+            "known": st.dictionaries(KNOWN_KEY, ODD_VALUE, max_size=4).map(
+                lambda given: {"case": "C2"} | given
+            )
+        },
+        optional={
+            "unknown": st.dictionaries(KNOWN_KEY, st.one_of(ODD_VALUE, PAIR), max_size=2),
+            "columns": st.dictionaries(
+                st.sampled_from(tuple(CHANNELS)), st.one_of(ODD_VALUE, SOURCE), max_size=3
+            ),
+            **dict.fromkeys(RIG_KEYS, ODD_VALUE),
+        },
+    ),
+)
+PIECES = st.sampled_from(
+    (
+        *"+-*/()<>=!`'\"\\.,:;[]{}@#&|~^%0 \n\t",
+        *(
+            "**",
+            "//",
+            "==",
+            "<=",
+            "and",
+            "or",
+            "not",
+            "in",
+            "is",
+            "if",
+            "else",
+            "lambda",
+            "time_s",
+            "current_A",
+        ),
+        *("1e9", "1e999", "0x", "1_0", "1j", "1is", "9" * 5000, "True", "None", "f''", "b''", "...", ":="),
+        *("__class__", "µ", "\0"),
+    )
+)
+ARITHMETIC = st.one_of(
+    texts(
+        b"time_s / 885 * (current_A - 1.5e-3)", b"current_A == 1 and not time_s > 2 or -current_A <= `time_s`"
+    ),
+    st.text(max_size=40),
+    st.lists(PIECES, max_size=14).map(" ".join),
+    st.lists(PIECES, max_size=14).map("".join),
+)
+UNIT_PIECES = (
+    *"*/().·1²³^-+ ",
+    *("m", "kg", "s", "rad", "N m", "mNm", "V", "rev", "rpm", "counts", "^2", "^99", "^-1", "Ω", "K", "%"),
+)
+NUMBER_TEXT = st.sampled_from(("", "1", "-0", "1e308", "1/3", "1/0", ".5", "0.2 ", "٣"))
+VALUES = st.one_of(
+    texts(b"0.2 mN m/(rad)", b"-1/30 kg m^2/s^2"),
+    st.text(max_size=20),
+    st.builds(
+        lambda number, unit: number + "".join(unit), NUMBER_TEXT, st.lists(st.sampled_from(UNIT_PIECES))
+    ),
+)
+
+
+def outcome(action: Callable[[], object]) -> str:
+    """Run it; an InputError of one line that says something is a refusal."""
+    try:
+        action()
+    except InputError as error:
+        said = str(error)
+    else:
+        return "accepted"
+    assert said.strip(), "an empty message"
+    assert "\n" not in said, f"more than one line: {said}"
+    return "refused"
+
+
+def log_of(suffix: str) -> Callable[[bytes], str]:
+    """Read bytes as a log of that suffix, and all of its columns as numbers."""
+
+    def run(content: bytes) -> str:
+        with tempfile.TemporaryDirectory() as folder:
+            path = Path(folder) / f"log{suffix}"
+            path.write_bytes(content)
+            found: list[Any] = []
+            said = outcome(lambda: found.append(read_log(path)))
+            for log in found:
+                for name in log.columns:
+                    assert len(log.text(name)) == log.rows
+                    outcome(lambda: log.numbers(name))  # noqa: B023 - run at once
+            return said
+
+    return run
+
+
+def rig_of(suffix: str) -> Callable[[bytes], str]:
+    """Read bytes as a rig of that suffix."""
+
+    def run(content: bytes) -> str:
+        with tempfile.TemporaryDirectory() as folder:
+            path = Path(folder) / f"rig{suffix}"
+            path.write_bytes(content)
+            return outcome(lambda: read_rig(path))
+
+    return run
+
+
+def column(name: str) -> Any:
+    """The columns that arithmetic sees."""
+    if name not in NUMBERS:
+        raise InputError(f"no column {name!r}")
+    return NUMBERS[name]
+
+
+def toml_of(value: Any) -> str:
+    """Write a value as TOML, as well as TOML can say it."""
+    match value:
+        case dict():
+            return "{" + ", ".join(f"{json.dumps(str(k))} = {toml_of(v)}" for k, v in value.items()) + "}"
+        case list():
+            return "[" + ", ".join(map(toml_of, value)) + "]"
+        case None:
+            return '""'
+        case float() if not math.isfinite(value):
+            return "nan" if math.isnan(value) else "inf"
+    return json.dumps(value)
+
+
+def toml_bytes(value: Any) -> bytes:
+    """Write a rig as TOML, a value that is no table under a key of its own."""
+    content = value if isinstance(value, dict) else {"known": value}
+    lines = (f"{json.dumps(str(k))} = {toml_of(v)}\n" for k, v in content.items())
+    return "".join(lines).encode(errors="replace")
+
+
+EXAMPLE = Path(__file__).parents[1] / "examples" / "bench"
+
+
+@dataclass(frozen=True)
+class Target:
+    """What is fuzzed: inputs, and what takes one and says "accepted" or "refused"."""
+
+    inputs: st.SearchStrategy[Any]
+    take: Callable[[Any], str]
+
+
+TARGETS = {
+    ".csv": Target(files(csv_bytes()), log_of(".csv")),
+    ".csv.gz": Target(files(gzip.compress(csv_bytes(), mtime=0)), log_of(".csv.gz")),
+    ".json": Target(files(json_bytes()), log_of(".json")),
+    ".json.gz": Target(files(gzip.compress(json_bytes(), mtime=0)), log_of(".json.gz")),
+    ".mat (5)": Target(files(mat_bytes(compressed=False)), log_of(".mat")),
+    ".mat (7)": Target(files(mat_bytes(compressed=True)), log_of(".mat")),
+    ".mat (7.3)": Target(st.deferred(lambda: files(mat73_bytes())), log_of(".mat")),
+    ".parquet": Target(st.deferred(lambda: files(parquet_bytes())), log_of(".parquet")),
+    "rig .toml": Target(
+        st.one_of(files((EXAMPLE / "bench.toml").read_bytes()), RIGS.map(toml_bytes)), rig_of(".toml")
+    ),
+    "rig .json": Target(
+        st.one_of(
+            files((EXAMPLE / "bench.json").read_bytes()), RIGS.map(lambda rig: json.dumps(rig).encode())
+        ),
+        rig_of(".json"),
+    ),
+    "arithmetic": Target(ARITHMETIC, lambda text: outcome(lambda: evaluate(text, column, "rig"))),
+    "value with unit": Target(VALUES, lambda text: outcome(lambda: parse_value(text, "N m", "rig"))),
+}

@@ -1,0 +1,332 @@
+"""Each way in which a log can be bad is named; the same log undamaged has no such finding."""
+
+from __future__ import annotations
+
+import functools
+import json
+import math
+import os
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Callable
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from eccentric.bench import BenchRun, random_scenario, simulate
+from eccentric.cli import main
+from eccentric.errors import InputError
+from eccentric.identify.channels import read_channels
+from eccentric.identify.quality import Finding, assess
+from eccentric.identify.rig import read_rig
+from eccentric.identify.table import read_table
+
+ROOT = Path(__file__).resolve().parents[1]
+SHARED = ROOT / ".." / "shared" / "data"
+needs_shared = pytest.mark.skipif(not SHARED.exists(), reason="the shared logs are not beside this clone")
+
+Columns = dict[str, NDArray[np.float64]]
+
+
+@functools.cache
+def bench(case: str, log_type: str) -> BenchRun:
+    """A simulated log of 25 s without effects, and its rig."""
+    rng = np.random.default_rng(3)
+    return simulate(random_scenario(rng, case=case, mu=0.2, log_type=log_type, seconds=25.0))
+
+
+def written(folder: Path, columns: Columns, rig: dict[str, Any]) -> tuple[Path, Path]:
+    """Write a log and its rig; return both paths."""
+    log, sidecar = folder / "log.csv", folder / "rig.json"
+    rows = np.column_stack(list(columns.values()))
+    np.savetxt(log, rows, "%.9g", ",", header=",".join(columns), comments="")
+    sidecar.write_text(json.dumps({**rig, "columns": list(columns)}), encoding="utf-8")
+    return log, sidecar
+
+
+def findings(log: Path, sidecar: Path) -> tuple[Finding, ...]:
+    """Assess a log under a rig."""
+    rig = read_rig(sidecar)
+    found = assess(read_table([log], rig), read_channels([log], rig), rig)
+    assert all("\n" not in finding.text for finding in found)
+    return found
+
+
+def scaled(name: str, factor: float) -> Callable[[Columns], Columns]:
+    """A column times a factor."""
+    return lambda columns: columns | {name: factor * columns[name]}
+
+
+def held(name: str, first: float, last: float) -> Callable[[Columns], Columns]:
+    """A column that keeps its value over a part of the log."""
+
+    def change(columns: Columns) -> Columns:
+        x = columns[name].copy()
+        a, b = (int(part * len(x)) for part in (first, last))
+        x[a:b] = x[a]
+        return columns | {name: x}
+
+    return change
+
+
+def clipped(name: str) -> Callable[[Columns], Columns]:
+    """A column that goes no further than nine tenths of its rows."""
+
+    def change(columns: Columns) -> Columns:
+        limit = np.quantile(np.abs(columns[name]), 0.9)
+        return columns | {name: np.clip(columns[name], -limit, limit)}
+
+    return change
+
+
+def without(*names: str) -> Callable[[Columns], Columns]:
+    """A log without some columns."""
+    return lambda columns: {name: x for name, x in columns.items() if name not in names}
+
+
+def rows(keep: Callable[[int], NDArray[Any]]) -> Callable[[Columns], Columns]:
+    """A log with the rows that are kept."""
+    return lambda columns: {name: x[keep(len(x))] for name, x in columns.items()}
+
+
+def missing(columns: Columns) -> Columns:
+    """A log with a blank current in each fiftieth row."""
+    return columns | {
+        "current_A": np.where(np.arange(len(columns["current_A"])) % 50 == 7, np.nan, columns["current_A"])
+    }
+
+
+def same(columns: Columns) -> Columns:
+    """The log as it is."""
+    return columns
+
+
+def both(*changes: Callable[[Columns], Columns]) -> Callable[[Columns], Columns]:
+    """One change after the other."""
+    return lambda columns: functools.reduce(lambda found, change: change(found), changes, columns)
+
+
+THETA, OMEGA, VOLTAGE, CURRENT = "theta_m_rad", "omega_m_rad_s", "voltage_V", "current_A"
+DEG = math.degrees(1.0)
+RPM = 60.0 / math.tau
+GAPS = rows(lambda n: np.r_[0 : n // 3, n // 3 + 200 : n // 2, n // 2 + 30 : n])
+C1, C2, RUNS = ("C1", "traj"), ("C2", "traj"), ("C2", "runs")
+NO_SPEED = without(OMEGA)
+# name: (log, what happens to it, what becomes of the rig, kind and channel of the finding, words of it)
+Damage = tuple[tuple[str, str], Callable[[Columns], Columns], dict[str, float | str], str, str, str]
+DAMAGE: dict[str, Damage] = {
+    "gaps": (C2, GAPS, {}, "gap", "time", "2 gaps in time, 0.037 of the log, the longest of 0.804 s"),
+    "missing": (C2, missing, {}, "missing", "current", "125 of 6250 rows are not numbers"),
+    "clipped current": (C2, clipped(CURRENT), {}, "saturated", "current", "stays at its largest value, "),
+    "clipped voltage": (C1, clipped(VOLTAGE), {}, "saturated", "voltage", "stays at its smallest value, -"),
+    "clipped speed": (RUNS, clipped(OMEGA), {}, "saturated", "omega_m", "clipped"),
+    "frozen current": (C2, held(CURRENT, 0.4, 0.45), {}, "frozen", "current", "once, 1.24 s at "),
+    "frozen twice": (
+        C1,
+        both(held(CURRENT, 0.4, 0.45), held(CURRENT, 0.7, 0.73)),
+        *({}, "frozen", "current", "2 times, the longest 1.24 s"),
+    ),
+    "frozen speed": (C2, held(OMEGA, 0.4, 0.45), {}, "frozen", "omega_m", "once, 1.24 s"),
+    "frozen angle": (C2, held(THETA, 0.4, 0.43), {}, "frozen", "theta_m", "once, 0.744 s"),
+    "frozen angle alone": (RUNS, both(NO_SPEED, held(THETA, 0.4, 0.43)), {}, "frozen", "theta_m", "jumps"),
+    "dead current": (C2, held(CURRENT, 0.0, 1.0), {}, "frozen", "current", "in all moving rows"),
+    "speed in rpm": (C2, scaled(OMEGA, RPM), {}, "wrong_unit", "omega_m", "the speed is in rpm"),
+    "speed reversed": (C2, scaled(OMEGA, -1.0), {}, "wrong_sign", "omega_m", "their signs differ"),
+    "angle in deg": (C2, scaled(THETA, DEG), {}, "wrong_unit", "omega_m", "the angle is in deg"),
+    "angle in deg, no speed": (
+        C2,
+        both(NO_SPEED, scaled(THETA, DEG)),
+        *({}, "wrong_unit", "theta_m", "follows gravity if the angle is in deg"),
+    ),
+    "angle in deg, no gravity": (
+        C1,
+        both(NO_SPEED, scaled(THETA, DEG)),
+        *(
+            {},
+            "wrong_unit",
+            "theta_m",
+            "the angle is in deg: k_e is 0.0011 V s/rad by the log and 0.063 by the rig",
+        ),
+    ),
+    "speed in rpm, no angle": (
+        C1,
+        both(without(THETA), scaled(OMEGA, RPM)),
+        *({}, "wrong_unit", "omega_m", "the speed is in rpm"),
+    ),
+    "angle reversed": (C2, both(NO_SPEED, scaled(THETA, -1.0)), {}, "wrong_sign", "theta_m", "runs against"),
+    "current reversed": (C2, scaled(CURRENT, -1.0), {}, "wrong_sign", "current", "put a minus before"),
+    "voltage reversed": (C1, scaled(VOLTAGE, -1.0), {}, "wrong_sign", "voltage", "put a minus before"),
+    "only a voltage, reversed": (
+        C2,
+        both(without(CURRENT), scaled(VOLTAGE, -1.0)),
+        *({}, "wrong_sign", "voltage", "put a minus before"),
+    ),
+    "current in mA": (C2, scaled(CURRENT, 1e3), {}, "wrong_unit", "current", "the current is in mA"),
+    "voltage in mV": (C1, scaled(VOLTAGE, 1e3), {}, "wrong_unit", "voltage", "the voltage is in mV"),
+    "k_e per turn": (
+        C1,
+        same,
+        {"k_e_Vs_per_rad": 0.063 * math.tau},
+        "contradiction",
+        "k_e",
+        "is in V s/rev?",
+    ),
+    "k_e per rpm": (RUNS, same, {"k_e_Vs_per_rad": 0.063 / RPM}, "contradiction", "k_e", "is in V/rpm?"),
+    "R of two phases": (C2, same, {"R_ohm": 1.6}, "contradiction", "R", "is of two phases"),
+    "k_i": (C2, same, {"k_i_Nm_per_A": 0.19}, "contradiction", "k_i", "off by a factor of 3.0"),
+    "J_l in kg cm^2": (C2, same, {"J_l_kgm2": 430.0}, "contradiction", "J", "is in kg cm^2?"),
+    "mass": (C2, same, {"M_kg": 1.9}, "contradiction", "M g L", "N m at the motor by the log and "),
+    "another rig": (
+        C2,
+        same,
+        {"M_kg": 2.0, "J_l_kgm2": 0.4, "J_m_kgm2": 9e-4},
+        *("another_rig", "current", "is it a log of another rig?"),
+    ),
+    "no gravity in the log": (C1, same, {"case": "C2"}, "contradiction", "M g L", "level, case C1?"),
+    "no gravity in the rig": (C2, same, {"case": "C1"}, "contradiction", "case", "upright, case C2"),
+    "angle upside down": (
+        C2,
+        lambda columns: columns | {THETA: columns[THETA] + math.pi / 0.2},
+        *({}, "zero_angle", "theta_m", "set theta_zero_rad = "),
+    ),
+}
+
+
+@pytest.mark.parametrize("name", DAMAGE)
+def test_each_damage_is_named(name: str, tmp_path: Path) -> None:
+    """A log or rig that is bad in one way has the finding of that way."""
+    log, change, known, kind, channel, words = DAMAGE[name]
+    run = bench(*log)
+    rig = run.rig | {"known": run.rig["known"] | known}
+    found = findings(*written(tmp_path, change(run.columns), rig))
+    assert any((f.kind, f.channel) == (kind, channel) and words in f.text and f.rows for f in found), found
+
+
+@pytest.mark.parametrize("left_out", ["nothing", OMEGA, VOLTAGE, CURRENT, THETA])
+@pytest.mark.parametrize("log", [C1, C2, RUNS, ("C1", "runs")], ids=" ".join)
+def test_an_undamaged_log_has_no_finding(log: tuple[str, str], left_out: str, tmp_path: Path) -> None:
+    """Whatever of the channels is logged, nothing is odd about a good log of a rig that is its own."""
+    run = bench(*log)
+    assert findings(*written(tmp_path, without(left_out)(run.columns), run.rig)) == ()
+
+
+@needs_shared
+@pytest.mark.parametrize("number", [1, 2, 3, 4])
+def test_the_shared_examples_have_no_finding(number: int) -> None:
+    """Effects that the rig does not declare are no faults of the data."""
+    folder = SHARED / "examples"
+    assert findings(folder / f"example{number}.csv.gz", folder / f"example{number}.json") == ()
+
+
+def test_one_speed_is_told(tmp_path: Path) -> None:
+    """A log at one speed cannot tell Coulomb from viscous friction; with a second speed it can."""
+    t = np.arange(0.0, 40.0, 0.004)
+    noise = 0.01 * np.random.default_rng(1).standard_normal(len(t))
+    rig = {"known": {"case": "C1", "mu": 0.2, "k_i_Nm_per_A": 0.05}}
+    for second, expected in ((20.0, ["one_speed"]), (40.0, [])):
+        speed = np.where(t % 8.0 < 4.0, 20.0, second)
+        theta = np.cumsum(speed) * 0.004
+        columns = {"time_s": t, THETA: theta, CURRENT: 1.0 + 0.01 * speed + noise}
+        assert [f.kind for f in findings(*written(tmp_path, columns, rig))] == expected
+
+
+def test_a_row_that_repeats_is_dropped_and_counted(tmp_path: Path) -> None:
+    """A row that was written twice is dropped and counted; the rest is as without it."""
+    run = bench(*C2)
+    log, sidecar = written(tmp_path, rows(lambda n: np.r_[0:8, 7:n, n - 1])(run.columns), run.rig)
+    (found,) = findings(log, sidecar)
+    assert ("repeated", "time", 2, "note") == (found.kind, found.channel, found.rows, found.severity)
+    assert "2 of 6252 rows repeat the one before (first: line 10)" in found.text
+    channels = read_channels([log], read_rig(sidecar))
+    np.testing.assert_array_equal(channels.t, run.columns["time_s"])
+    assert channels.findings == (found,)
+    assert found.text in channels.warnings
+
+
+TIMES = {
+    "backward": (
+        lambda t: np.where(np.arange(len(t)) == 7, t[4], t),
+        r"log\.csv: line 9: time stamps must increase",
+    ),
+    "twice": (
+        lambda t: np.where(np.arange(len(t)) == 7, t[6], t),
+        r"log\.csv: line 9: time stamps must increase",
+    ),
+    "in ms": (lambda t: 1e3 * t, "are the units of time and angle right"),
+}
+
+
+@pytest.mark.parametrize("name", TIMES)
+def test_bad_time_stamps_are_refused(name: str, tmp_path: Path) -> None:
+    """Stamps that go back or stand still, and those of another unit, end the run with file and line."""
+    change, expected = TIMES[name]
+    run = bench(*C2)
+    log, sidecar = written(tmp_path, run.columns | {"time_s": change(run.columns["time_s"])}, run.rig)
+    with pytest.raises(InputError, match=expected):
+        findings(log, sidecar)
+
+
+def test_time_in_ms_is_told_where_it_is_not_refused(tmp_path: Path) -> None:
+    """Without a threshold of the rig all rows move, and k_e and J give the unit of time away."""
+    run = bench(*C2)
+    rig = {k: v for k, v in run.rig.items() if k not in ("holdout_intervals_s", "sample_rate_hz")}
+    columns = scaled("time_s", 1e3)(NO_SPEED(run.columns))
+    found = findings(*written(tmp_path, columns, rig | {"moving_threshold_rad_s": 0.0}))
+    assert ("wrong_unit", "time") in {(f.kind, f.channel) for f in found}
+
+
+def test_a_run_leaves_the_log_as_it_was(tmp_path: Path) -> None:
+    """A fit writes beside the log and the rig, and into neither."""
+    log, sidecar = written(tmp_path, bench(*C1).columns, bench(*C1).rig)
+    before = [(path.read_bytes(), path.stat().st_mtime_ns) for path in (log, sidecar)]
+    assert main(["fit", str(log), "--rig", str(sidecar), "--out", str(tmp_path / "out")]) == 0
+    assert [(path.read_bytes(), path.stat().st_mtime_ns) for path in (log, sidecar)] == before
+
+
+@pytest.mark.parametrize("earlier", [False, True], ids=["new", "earlier result"])
+def test_an_interrupt_while_writing_leaves_what_was_there(
+    earlier: bool, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """An interrupt between two files of a diagnosis leaves no folder, or the one of the run before."""
+    out = tmp_path / "out"
+    if earlier:
+        out.mkdir()
+        (out / "report.html").write_text("earlier")
+        (out / ".eccentric").write_text("notice\nreport.html\n")
+
+    def interrupted(_: object, folder: Path) -> None:
+        (folder / "report.html").write_text("half")
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("eccentric.cli.diagnose.diagnose", lambda *_: SimpleNamespace())
+    monkeypatch.setattr("eccentric.cli.diagnose._write", interrupted)
+    assert main(["diagnose", "log.csv", "--rig", "rig.json", "--out", str(out)]) == 130
+    assert [path.name for path in tmp_path.iterdir()] == (["out"] if earlier else [])
+    assert not earlier or (out / "report.html").read_text() == "earlier"
+
+
+@pytest.mark.skipif(os.name != "posix", reason="signals are those of POSIX")
+def test_an_interrupted_process_leaves_no_folder(tmp_path: Path) -> None:
+    """Ctrl-C at the moment when a result is being written: status 130, and nothing of it is left."""
+    log, sidecar = written(tmp_path, bench(*C1).columns, bench(*C1).rig)
+    there = {log.name, sidecar.name}
+    command = [sys.executable, "-m", "eccentric", "fit", str(log), "--rig", str(sidecar)]
+    process = subprocess.Popen(
+        [*command, "--out", str(tmp_path / "out")],
+        stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True, cwd=ROOT,
+    )  # fmt: skip
+    deadline = time.monotonic() + 120.0
+    while process.poll() is None and time.monotonic() < deadline:
+        if {path.name for path in tmp_path.iterdir()} - there:
+            process.send_signal(signal.SIGINT)
+            break
+        time.sleep(0.005)
+    _, error = process.communicate(timeout=60)
+    assert (process.returncode, error) == (130, "eccentric: interrupted\n")
+    assert {path.name for path in tmp_path.iterdir()} == there
