@@ -72,7 +72,7 @@ RIGS = {
         changed() | {"columns": {"time": "time_s", "omega_m": {"column": "omega_m_rad_s", "unit": "RPM"}}},
         "unit 'RPM' is unknown at 'RPM'; did you mean 'rpm'? known are rad/s, deg/s, rev/s, rpm, counts/s",
     ),
-    "no k_i": (changed(k_i_Nm_per_A=None), "k_i_Nm_per_A is required"),
+    "no k_i": (changed(k_i_Nm_per_A=None), "k_i is required"),
     "never moving": (changed() | {"moving_threshold_rad_s": 1e4}, "moving rows"),
 }
 

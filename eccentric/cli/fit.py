@@ -23,7 +23,7 @@ eccentric fit monday.csv tuesday.csv --rig my_rig.toml --out build/mine"""
 def configure(parser: argparse.ArgumentParser) -> None:
     """Add the arguments of `fit` to `parser`."""
     parser.add_argument(
-        "logs", metavar="LOG", nargs="+", help="logs of one rig: .csv, .csv.gz, .parquet, .mat"
+        "logs", metavar="LOG", nargs="+", help="logs of one rig: .csv[.gz], .parquet, .mat, .json[.gz]"
     )
     parser.add_argument(
         "--rig",

@@ -40,7 +40,7 @@ def effects(setting: Setting) -> tuple[Effect, ...]:
             id=f"hidden_thermal_drift{suffix}",
             family="hidden_thermal_drift",
             balance="mechanical",
-            formula=f"{which} friction times exp(-b rise), tau d(rise)/dt = losses/mean - rise",
+            formula=f"{which} times exp(-b rise), tau d(rise)/dt = losses/mean - rise",
             shapes=(constant_of_time, Shape(fall, 0.03, 1.5, "log", 3)),
             definitions=(*definitions, Definition(factor, thins)),
             scales={which: factor.symbol},

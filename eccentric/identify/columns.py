@@ -83,7 +83,7 @@ def scale_of(drive: str, rig: Rig) -> sp.Expr | None:
         if "k_i" in rig.unknown:
             return 1 / k_i
         raise InputError(
-            f"{rig.path}: [known] k_i_Nm_per_A is required to make a torque of the current "
+            f"{rig.path}: [known] k_i is required to make a torque of the current "
             "(or its range in [unknown], to identify it along); received neither"
         )
     return None

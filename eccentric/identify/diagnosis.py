@@ -199,7 +199,7 @@ def lines(found: Diagnosis) -> list[str]:
             )
     ranked = ", ".join(f"{c.id} {c.probability:.2f}" for c in a.candidates[:4])
     if ranked and a.verdict != "nothing_missing":
-        out.append(f"candidates: {ranked}")
+        out.append(f"{'closest, not enough' if a.verdict == 'unexplained' else 'candidates'}: {ranked}")
     if found.orders:
         parts = ", ".join(f"{o.per_turn:.2f} ({100 * o.share:.0f} % of its variance)" for o in found.orders)
         out.append(f"what is left inside runs is periodic in the motor angle, per turn: {parts}")

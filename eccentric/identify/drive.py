@@ -19,13 +19,14 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
+import sympy as sp
 from numpy.typing import NDArray
 
 from eccentric.effects.constant_load import effect as constant_load
 from eccentric.errors import InputError
 from eccentric.identify.channels import Channels
 from eccentric.identify.filters import smoothed
-from eccentric.identify.problem import Problem, pose
+from eccentric.identify.problem import Problem, own_letters, pose
 from eccentric.identify.rig import Rig
 from eccentric.identify.search import solve
 from eccentric.model import Model, regressor
@@ -173,7 +174,9 @@ def _needed(channels: Channels, rig: Rig, base: Model) -> dict[str, float]:
         given |= {"M_l"}
     if channels.drive == "current" and channels.voltage is not None:
         given -= {"R", "k_e"}
-    known = {name: rig.value(name) for name in sorted(needed - given)}
+    own = own_letters(base) & needed
+    known = {q.name: float(sp.Float(q.default)) for q in base.parameters if q.name in own}
+    known |= {name: rig.value(name) for name in sorted(needed - given - own)}
     known |= {name: rig.known[name] for name in sorted(needed & given) if name in rig.known}
     if "M_l" in needed:
         known.setdefault("M_l", 0.0)

@@ -36,6 +36,7 @@ from eccentric.identify.columns import (
     searched_of,
 )
 from eccentric.identify.filters import smoothed
+from eccentric.identify.known import KNOWNS
 from eccentric.identify.rows import averaged
 from eccentric.identify.windowed import Sampling, sample
 from eccentric.model import Model, regressor
@@ -142,7 +143,7 @@ def pose(channels: Channels, rig: Rig, model: Model) -> Problem:
     _require_case(rig, model)
     channels = channels.driven
     needed = _letters(model)
-    for letter in sorted(needed):
+    for letter in sorted(needed - own_letters(model)):
         if letter not in rig.known and letter not in rig.unknown:
             raise InputError(
                 f"{rig.path}: [known] {letter} is required by {model.name}, or its range in [unknown]; "
@@ -177,6 +178,16 @@ def pose(channels: Channels, rig: Rig, model: Model) -> Problem:
         kept,
         tuple(warnings),
     )
+
+
+def own_letters(model: Model) -> set[str]:
+    """Parameters of a user's own derivation that no rig knows; their defaults hold."""
+    of_rigs = {known.name for known in KNOWNS}
+    return {q.name for q in model.parameters if q.name not in of_rigs and _is_number(q.default)}
+
+
+def _is_number(default: sp.Expr | None) -> bool:
+    return default is not None and default.is_number
 
 
 def seen_columns(model: Model, known: Mapping[str, float]) -> tuple[int, ...]:

@@ -204,6 +204,8 @@ def next_measurement(verdict: str, tied: Sequence[str], variables: Sequence[str]
     """The measurement that would decide, in one sentence; empty where nothing is open."""
     if verdict == "unexplained":
         what = variables[0].replace("_", " ") if variables else "time"
+        if what == "acceleration":
+            return "Leave J_m and J_l out of the rig: the log then tells the inertia, and what else is left."
         return (
             f"Repeat the log with everything held constant but the {what}, swept slowly in both directions."
         )
