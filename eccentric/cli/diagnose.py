@@ -4,6 +4,7 @@ import argparse
 import json
 import shutil
 import sys
+import webbrowser
 from pathlib import Path
 
 from eccentric.emit import emit
@@ -20,11 +21,25 @@ HELP = "find what the model lacks on a log, add it, emit it, report the error be
 EXAMPLE = """eccentric diagnose examples/bench/bench.csv.gz --rig examples/bench/bench.json --out build/bench
 eccentric diagnose my.csv --rig my.toml --effects my_effects.py --out build/mine"""
 
+# What is written, as the report explains it.
+_FILES = (
+    ("diagnosis.json", "the figures of this page, for programs"),
+    (
+        "model.py",
+        "the extended model as a derivation: python model.py prints it, eccentric emit model.py emits it",
+    ),
+)
+_EMITTED = {
+    ".py": "the extended model in NumPy",
+    ".h": "its C99 header",
+    ".c": "its C99 source",
+}
+
 
 def configure(parser: argparse.ArgumentParser) -> None:
     """Add the arguments."""
     parser.add_argument(
-        "logs", metavar="LOG", nargs="+", help="logs of one rig: .csv, .csv.gz, .parquet, .mat"
+        "logs", metavar="LOG", nargs="+", help="logs of one rig: .csv[.gz], .parquet, .mat, .json[.gz]"
     )
     parser.add_argument(
         "--rig", metavar="RIG", required=True, help="what is known of the rig: .toml or .json"
@@ -34,6 +49,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument("--effects", metavar="FILE", type=Path, help="a Python file with effects of your own")
     parser.add_argument("--out", metavar="DIR", required=True, help="folder to write; replaced as a whole")
+    parser.add_argument("--open", action="store_true", help="open the report in the browser")
 
 
 def run(args: argparse.Namespace) -> int:
@@ -48,6 +64,8 @@ def run(args: argparse.Namespace) -> int:
         print(f"eccentric: warning: {warning}", file=sys.stderr)
     print("\n".join(lines(found)))
     print(f"{args.out}: {', '.join(names)}")
+    if args.open and not webbrowser.open((Path(args.out).resolve() / "report.html").as_uri()):
+        print("eccentric: warning: no browser was found to open the report", file=sys.stderr)
     return 0
 
 
@@ -60,10 +78,13 @@ def _write(found: Diagnosis, folder: Path) -> list[str]:
     text = json.dumps(document(found), indent=1, ensure_ascii=False, allow_nan=False)
     (folder / "diagnosis.json").write_text(text + "\n", encoding="utf-8")
     (folder / "model.py").write_text(script(found), encoding="utf-8")
-    for own in _own(found.own, found.model):
-        shutil.copyfile(own, folder / own.name)
+    own = _own(found.own, found.model)
+    for path in own:
+        shutil.copyfile(path, folder / path.name)
     emitted = emit(load_model(folder / "model.py"), folder, "eccentric diagnose", "model.py")
-    (folder / "report.html").write_text(report(found), encoding="utf-8")
+    files = [*_FILES, *((path.name, "a script of your own") for path in own)]
+    files += [(path.name, _EMITTED[path.suffix]) for path in emitted]
+    (folder / "report.html").write_text(report(found, files), encoding="utf-8")
     return ["report.html", "diagnosis.json", "model.py", *(path.name for path in emitted)]
 
 

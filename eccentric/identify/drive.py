@@ -28,7 +28,7 @@ from eccentric.identify.channels import Channels
 from eccentric.identify.filters import smoothed
 from eccentric.identify.problem import Problem, own_letters, pose
 from eccentric.identify.rig import Rig
-from eccentric.identify.search import solve
+from eccentric.identify.search import Solution, solve
 from eccentric.model import Model, regressor
 
 __all__ = ["Drive", "drive_of", "loaded_model"]
@@ -154,10 +154,18 @@ def drive_of(channels: Channels, rig: Rig, base: Model) -> Drive:
         scale,
         unit,
         *_open(channels, rig, problem, open_inertia),
-        tuple(sorted({*first.values, *(r for r in found if r not in ("friction", "inertia"))})),
+        _identified(first, scale, open_inertia, rig),
         tuple(w for w in problem.warnings if w not in channels.warnings),
         rig.drive_low_pass_hz,
     )
+
+
+def _identified(first: Solution, scale: float | None, open_inertia: bool, rig: Rig) -> tuple[str, ...]:
+    """Parameters that the log had to give."""
+    scaled = {"R", "k_i"} if scale is not None else set()
+    inertia = {"J_m", "J_l"} - set(rig.known) if open_inertia else set()
+    load = {"T_load"} & set(rig.unknown)
+    return tuple(sorted({*first.values, *scaled, *inertia, *load}))
 
 
 def _needed(channels: Channels, rig: Rig, base: Model) -> dict[str, float]:

@@ -29,6 +29,7 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
+
 @dataclass(frozen=True)
 class Fit:
     """What came out; `solutions` and held-out `rmse` by model: linear, paper, paper_unbounded.

@@ -56,7 +56,7 @@ class Refit:
         estimates: fitted parameters with uncertainty, by name.
         residuals: balance -> (rows,) [N m at this fit's own scale].
         shares: effect id -> RMS of its torque as a fraction of that of the friction, on training rows.
-        target: (rows,) what the mechanical friction has to be [N m].
+        target: (rows,) what the mechanical friction, effects included, has to be [N m].
         bench: what it was fitted on.
     """
 
@@ -260,6 +260,7 @@ class _Fit:
         else:
             both = False
         names, limits = _coefficients(self.effects, "mechanical")
+        count = len(self.fitted) + len(names)
         if drive.by_voltage:
             more = _coefficients(self.effects, "electrical")
             names, limits = names + more[0], limits + more[1]
@@ -272,7 +273,7 @@ class _Fit:
         solved, rest = self._solve(emitted, "mechanical", names, limits, outside, self.train)
         # By its columns, since Parameters refuse what is negative without bounds.
         self.residuals = {"mechanical": rest - solved.design @ solved.coefficients}
-        self.friction = solved.design[:, : len(self.fitted)] @ solved.coefficients[: len(self.fitted)]
+        self.friction = solved.design[:, :count] @ solved.coefficients[:count]
         self.solved.append(solved)
         change = self._take(solved)
         if both:
@@ -310,9 +311,7 @@ class _Fit:
         high = np.array([np.inf if b is None or not k else b for (_, b), k in zip(limits, kept, strict=True)])
         found = bounded(design[rows], rest[rows], low, high)
         held = np.where(found.active < 0, low, np.where(found.active > 0, high, found.coefficients))
-        solved = _Solved(
-            balance, (*names, *outside), held, low, high, found.active, design, rows
-        )
+        solved = _Solved(balance, (*names, *outside), held, low, high, found.active, design, rows)
         return solved, rest
 
     def _take(self, solved: _Solved) -> float:

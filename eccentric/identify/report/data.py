@@ -1,0 +1,280 @@
+"""What the report is made of: plain numbers, arrays and strings, nothing of fits, models or plots.
+
+This is the seam: `gather.report_data` fills these records from a Diagnosis, everything else of the report
+reads them and nothing else. Strings may come from logs and rigs; whoever prints them escapes them. An array
+may hold NaN; where a log has no such signal, the field is None or the channel is not in the list.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+__all__ = [
+    "AddedEffect",
+    "Balance",
+    "Candidate",
+    "Channel",
+    "Equation",
+    "Errors",
+    "Fact",
+    "Finding",
+    "Gain",
+    "Parameter",
+    "ReportData",
+    "Rows",
+]
+
+Array = np.ndarray
+
+
+@dataclass(frozen=True)
+class Channel:
+    """A signal that residuals are drawn over.
+
+    Attributes:
+        key: as in `residual_depends_on`: velocity, link_angle, motor_angle, acceleration, gravity_load,
+            current, voltage, temperature, time. "velocity" also says which way friction acts.
+        label: for an axis, without unit: "motor velocity".
+        unit: of the values.
+        values: (n,), an angle unwrapped or not.
+        period: what an angle is wrapped to (2 pi for one turn); None for anything else.
+    """
+
+    key: str
+    label: str
+    unit: str
+    values: Array
+    period: float | None = None
+
+
+@dataclass(frozen=True)
+class Rows:
+    """What the n rows (or windows) of a balance have in common.
+
+    Attributes:
+        t: (n,) logged time [s]; starts anew with each run.
+        run: (n,) number of the run, an index of `run_names`.
+        run_names: names of the runs (or logs).
+        train: (n,) bool, rows that were fitted.
+        held_out: (n,) bool, rows that the held-out error is taken on. What is in neither is not drawn.
+        channels: the signals that are there.
+        description: what a row is: "rows of the log", "averages over 0.2 s", "whole runs".
+    """
+
+    t: Array
+    run: Array
+    run_names: tuple[str, ...]
+    train: Array
+    held_out: Array
+    channels: tuple[Channel, ...]
+    description: str = "rows of the log"
+
+    def channel(self, key: str) -> Channel | None:
+        """The channel of that key, None if it is not there."""
+        return next((channel for channel in self.channels if channel.key == key), None)
+
+
+@dataclass(frozen=True)
+class Balance:
+    """A balance and how well each model holds it.
+
+    Attributes:
+        name: "mechanical" or "electrical".
+        quantity: what `measured` is, for an axis, without unit: "friction".
+        unit: of all arrays and errors here: "N m" or "V".
+        rows: what the arrays are over.
+        paper: (n,) residual of the paper's model.
+        extended: (n,) residual of the extended model; None if nothing was adopted.
+        linear: (n,) residual of Coulomb and viscous friction; None if there is no such comparison.
+        measured: (n,) the measured friction, so that a model's prediction is `measured` - its residual; None
+            where the balance has no friction in it.
+        rmse: model ("linear", "paper", "extended") -> held-out RMSE, as in diagnosis.json.
+        noise_floor: RMS of the sensors' own noise in it; None if unknown.
+    """
+
+    name: str
+    quantity: str
+    unit: str
+    rows: Rows
+    paper: Array
+    extended: Array | None
+    linear: Array | None
+    measured: Array | None
+    rmse: Mapping[str, float]
+    noise_floor: float | None = None
+
+
+@dataclass(frozen=True)
+class Errors:
+    """Further errors of the models, beside those of the balances.
+
+    Attributes:
+        name: what was predicted: "with the motor switched off", "every run left out once".
+        unit: of the errors.
+        rmse: model ("linear", "paper", "extended") -> RMSE.
+        interval: 95 % interval of the extended model's improvement on the paper's, in percent; None if there
+            is none.
+        note: a remark; "" for none.
+    """
+
+    name: str
+    unit: str
+    rmse: Mapping[str, float]
+    interval: tuple[float, float] | None = None
+    note: str = ""
+
+
+@dataclass(frozen=True)
+class Gain:
+    """How much smaller the held-out error of `balance` gets, in percent, and the 95 % interval of that."""
+
+    balance: str
+    percent: float
+    interval: tuple[float, float]
+
+
+@dataclass(frozen=True)
+class Candidate:
+    """A candidate, considered on one balance.
+
+    Attributes:
+        id, family, balance: as in diagnosis.json.
+        rmse: cross-validated RMSE in the unit of its balance.
+        probability: among the families in its place.
+        adopted: whether it is in the extended model.
+        formula: what it would add; "" if unknown.
+        aliases: ids that are exactly the same within the base model.
+        hint: what to measure to tell it from others; "" if unknown.
+    """
+
+    id: str
+    family: str
+    balance: str
+    rmse: float
+    probability: float
+    adopted: bool
+    formula: str = ""
+    aliases: tuple[str, ...] = ()
+    hint: str = ""
+
+
+@dataclass(frozen=True)
+class AddedEffect:
+    """An effect of the extended model: formula in words, source, its part of the friction (0 to 1)."""
+
+    id: str
+    balance: str
+    formula: str
+    reference: str
+    share: float
+
+
+@dataclass(frozen=True)
+class Parameter:
+    """A parameter of the extended model.
+
+    Attributes:
+        name, meaning, unit, value: as the emitted code has them.
+        origin: "effect" (fitted, of an adopted effect), "friction" (fitted), "bench" (identified along) or
+            "rig" (known beforehand).
+        std_error, interval: None where it was not estimated.
+        bound: "lower" or "upper" where that bound is active; "" else.
+        widened: whether an active bound enters the interval.
+    """
+
+    name: str
+    meaning: str
+    unit: str
+    value: float
+    origin: str
+    std_error: float | None = None
+    interval: tuple[float, float] | None = None
+    bound: str = ""
+    widened: bool = False
+
+
+@dataclass(frozen=True)
+class Equation:
+    """A formula to be typeset: MathML (made by SymPy, so it is trusted), and what it is, in a few words."""
+
+    mathml: str
+    note: str
+
+
+@dataclass(frozen=True)
+class Fact:
+    """A line of the data-quality table: what, its value with unit, and a remark ("" for none)."""
+
+    name: str
+    value: str
+    remark: str = ""
+
+
+@dataclass(frozen=True)
+class Finding:
+    """Something odd in the log: its kind, the channel, a sentence, rows it concerns, "note" or "warning"."""
+
+    kind: str
+    channel: str
+    text: str
+    rows: int
+    severity: str
+
+
+@dataclass(frozen=True)
+class ReportData:
+    """All that the report says.
+
+    Attributes:
+        logs, rig: file names.
+        model, model_title: name and title of the base model.
+        verdict: named, not_identifiable, unexplained or nothing_missing.
+        sentence: the verdict in one sentence.
+        balances: the one that the verdict is about first; residuals are drawn for it and for every other
+            one with an extended model.
+        gain: None if nothing was adopted.
+        further: errors on other parts of the log, or in another unit.
+        holdout: the rule of the held-out part, in words.
+        depends_on: variables that the residual of the paper's model follows, strongest first.
+        candidates: best first.
+        tied: families that explain the log alike.
+        chance: balance -> (deviance gained by its best candidate, what chance reaches in 99 of 100 logs).
+        effects: of the extended model, in order of adoption.
+        parameters: in order of printing.
+        equations: the friction of the extended model, then what its letters stand for.
+        facts: of the log: rows, sampling, gaps, delay, zero angle, offset.
+        warnings: of the reader.
+        findings: of the check of the data.
+        next_measurement: one sentence; "" if nothing is open.
+        command: shell command that does it again.
+        files: (name, what it is) of everything beside the report.
+        version: of eccentric.
+    """
+
+    logs: tuple[str, ...]
+    rig: str
+    model: str
+    model_title: str
+    verdict: str
+    sentence: str
+    balances: tuple[Balance, ...]
+    gain: Gain | None
+    further: tuple[Errors, ...]
+    holdout: str
+    depends_on: tuple[str, ...]
+    candidates: tuple[Candidate, ...]
+    tied: tuple[str, ...]
+    chance: Mapping[str, tuple[float, float]]
+    effects: tuple[AddedEffect, ...]
+    parameters: tuple[Parameter, ...]
+    equations: tuple[Equation, ...]
+    facts: tuple[Fact, ...]
+    warnings: tuple[str, ...]
+    findings: tuple[Finding, ...]
+    next_measurement: str
+    command: str
+    files: tuple[tuple[str, str], ...]
+    version: str
