@@ -254,6 +254,15 @@ def _facts(found: Diagnosis) -> list[Fact]:
     ]
     if channels.voltage is not None:
         facts.append(aligned("voltage offset", "voltage_offset_V", "V"))
+    facts += [
+        Fact(
+            "periodic inside runs",
+            f"{o.per_turn:.2f} per motor turn",
+            f"amplitude {o.amplitude:.3g} {found.unit}, {100 * o.share:.0f} % of the variance that is left,"
+            f" in {o.seen} of {o.stretches} stretches",
+        )
+        for o in found.orders
+    ]
     noise = f"{found.noise_floor:.3g} {found.unit}"
     return [*facts, Fact("noise of the sensors", noise, "RMS of a row; no model can be better")]
 
