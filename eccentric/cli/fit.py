@@ -44,6 +44,7 @@ def run(args: argparse.Namespace) -> int:
     rig = read_rig(args.rig)
     names = [Path(log).name for log in args.logs]
     channels = read_channels(args.logs, rig)
+    rig = channels.rig
     found = fit(channels, rig, load_model(args.model or rig.model), ", ".join(names))
     figure = "fit.png, fit.svg"
     with whole_folder(args.out) as folder:

@@ -18,6 +18,7 @@ from scipy.integrate import cumulative_trapezoid
 
 from eccentric.errors import InputError
 from eccentric.identify import filters
+from eccentric.identify.bandwidth import suited
 from eccentric.identify.holdout import Holdout, hold_out
 from eccentric.identify.plausible import unwrapped
 from eccentric.identify.quality import Finding, assess
@@ -50,9 +51,10 @@ class Channels:
     `theta_m` [rad], `omega_m` [rad/s], `alpha_m` [rad/s^2] come from the low-passed angle, without phase
     lag, the zero angle taken out; `theta_logged` [rad], `omega_logged` [rad/s] are the sensors' own. All
     are on the motor side, `torque` [N m] too. `voltage` [V] has delay and offset taken out. `temperature`
-    is in degC. A log too coarse for the low pass has `points_per_row` points for each of its rows, which are
-    `logged_step_s` apart. `segment` numbers the stretches without gap. `moving` is `filters.moves`; `usable`
-    is moving, away from the ends, and wanted by the rig's `use`; `off` is where the motor is switched off: no
+    is in degC. `rig` is the one that was asked for, with what suits the log where it says nothing. A log too
+    coarse for the low pass has `points_per_row` points for each of its rows, which are `logged_step_s` apart.
+    `segment` numbers the stretches without gap. `moving` is `filters.moves`; `usable` is moving, away from
+    the ends, and wanted by the rig's `use`; `off` is where the motor is switched off: no
     drive torque, no back-EMF. `drive` is the channel that measures the
     drive torque. `quantum_rad` is the step of the motor angle, 0 where there is none to see.
     """
@@ -87,6 +89,7 @@ class Channels:
     rows_rejected: int
     warnings: tuple[str, ...]
     findings: tuple[Finding, ...]
+    rig: Rig
 
     @property
     def held_out(self) -> Mask:
@@ -171,13 +174,16 @@ def read_channels(paths: Sequence[str | Path], rig: Rig) -> Channels:
         t, theta = table.channels["time"], table.channels["theta_m"]
         omega_logged = table.channels.get("omega_m")
         segment = filters.stretches(t, table.run)
-    cut = math.inf if coarse else rig.low_pass_hz
-    motion = _motion(t, theta, segment, cut, warnings)
     velocity = _by_segment(segment, lambda rows: filters.span_velocity(t[rows], theta[rows]))
     threshold = rig.moving_threshold_rad_s
     if threshold is None:
         threshold = _default_threshold(velocity, quantum)
     moving = _by_segment(segment, lambda rows: filters.moves(t[rows], velocity[rows], threshold)).astype(bool)
+    if not coarse:
+        rig, said = suited(rig, t, theta, segment, moving)
+        warnings += [said] if said else []
+    cut = math.inf if coarse else rig.low_pass_hz
+    motion = _motion(t, theta, segment, cut, warnings)
     settled = _by_segment(segment, lambda rows: filters.away_from_ends(t[rows])).astype(bool)
     _check_rate(step, rig, warnings)
     channels = Channels(
@@ -211,6 +217,7 @@ def read_channels(paths: Sequence[str | Path], rig: Rig) -> Channels:
         rows_rejected=table.rows_rejected,
         warnings=tuple(warnings),
         findings=(),
+        rig=rig,
     )
     _check_left(channels, paths, rig)
     channels = channels.realigned(

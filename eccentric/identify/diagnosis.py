@@ -149,6 +149,11 @@ def sentence(found: Diagnosis) -> str:
     if a.verdict == "not_identifiable":
         families = " or ".join(a.tied or tuple(dict.fromkeys(c.family for c in a.candidates[:2])))
         return f"An effect is missing, but this log cannot tell {families} apart; with the first {gain}."
+    if a.unconfirmed:
+        return (
+            f"{' and '.join(a.unconfirmed)} fits the training part but does not predict what was held out; no"
+            f" name is given. The structure depends on {', '.join(a.depends_on)}."
+        )
     if a.verdict == "unexplained":
         return (
             f"Structure remains that depends on {', '.join(a.depends_on) or 'something unknown'},"

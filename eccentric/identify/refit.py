@@ -214,7 +214,8 @@ class _Fit:
         self.values |= {q.name: 0.0 for effect, _ in effects for q in effect.coefficients}
         self.offset = 0.0
         self.current: Array | None = None
-        self.train = bench.rows.train if without is None else bench.rows.run != without
+        used = bench.rows.train | bench.rows.score
+        self.train = bench.rows.train if without is None else used & (bench.rows.run != without)
         self.solved: list[_Solved] = []
         self.residuals: dict[str, Array] = {}
         self.friction = np.empty(0)

@@ -82,6 +82,7 @@ class Rig:
     counts_per_rev: float | None
     sample_rate_hz: float | None
     low_pass_hz: float
+    low_pass_given: bool
     moving_threshold_rad_s: float | None
     holdout_intervals_s: tuple[tuple[float, float], ...]
     holdout_runs: tuple[str, ...]
@@ -147,6 +148,7 @@ def read_rig(path: str | Path) -> Rig:
         counts_per_rev=counts,
         sample_rate_hz=_optional(content, "sample_rate_hz", where, 0.0, open_below=True),
         low_pass_hz=_optional(content, "low_pass_hz", where, 0.0, open_below=True) or 25.0,
+        low_pass_given="low_pass_hz" in content,
         moving_threshold_rad_s=_optional(content, "moving_threshold_rad_s", where, 0.0),
         holdout_intervals_s=_intervals(
             content.get("holdout_intervals_s", []), f"{where}: holdout_intervals_s"

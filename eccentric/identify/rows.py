@@ -23,7 +23,7 @@ from eccentric.identify.residual import Windows, make_windows
 from eccentric.identify.rig import Rig
 from eccentric.identify.windowed import MOVING_PART, STEPS, Sampling
 
-__all__ = ["Rows", "averaged", "rows_of", "search_windows"]
+__all__ = ["MANY_RUNS", "Rows", "averaged", "rows_of", "search_windows"]
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]

@@ -49,6 +49,13 @@ class Score:
     interval: tuple[float, float]
     over_runs: OverRuns | None
 
+    @property
+    def confirms(self) -> bool:
+        """Whether the extended model predicts better what no fit has seen: held out, and run by run."""
+        if self.over_runs is not None and self.over_runs.gains["extended"][1][0] <= 0.0:
+            return False
+        return self.percent > 0.0
+
 
 def score(
     linear: Refit, paper: Refit, extended: Refit, balance: str, over_runs: OverRuns | None = None

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -20,7 +20,7 @@ from eccentric.identify.candidates import Candidate
 from eccentric.identify.residual import Balance
 from eccentric.identify.selection import Term
 
-__all__ = ["Adopted", "Attribution", "Ranked", "attribute", "next_measurement"]
+__all__ = ["Adopted", "Attribution", "Ranked", "attribute", "next_measurement", "unconfirmed"]
 
 
 @dataclass(frozen=True)
@@ -56,7 +56,8 @@ class Attribution:
     best approximation, not to be reported as a name); tied: families that explain the log alike; candidates:
     best first; depends_on: variables that the residual of the paper's model follows, strongest first;
     next_measurement: one sentence, empty if nothing is open; searches: per balance, for the report;
-    deviance: per balance, what the best addition gained and what chance reaches (99 %).
+    deviance: per balance, what the best addition gained and what chance reaches (99 %);
+    unconfirmed: effects that were adopted and did not predict the held-out part.
     """
 
     verdict: str
@@ -67,6 +68,7 @@ class Attribution:
     next_measurement: str
     searches: dict[str, Search]
     deviance: dict[str, tuple[float, float]]
+    unconfirmed: tuple[str, ...] = ()
 
 
 def attribute(
@@ -102,6 +104,20 @@ def attribute(
     sentence = next_measurement(verdict, tied, variables)
     return Attribution(
         verdict, tuple(adopted), tuple(tied), tuple(listed), variables, sentence, searches, deviance
+    )
+
+
+def unconfirmed(found: Attribution) -> Attribution:
+    """The same search, its names taken back: what fitted the training part did not predict the rest."""
+    first = [a.term.candidate.depends_on[0] for a in found.adopted]
+    variables = tuple(dict.fromkeys([*first, *found.depends_on]))
+    return replace(
+        found,
+        verdict="unexplained",
+        tied=(),
+        depends_on=variables,
+        next_measurement=next_measurement("unexplained", (), variables),
+        unconfirmed=tuple(a.term.candidate.id for a in found.adopted),
     )
 
 
