@@ -16,18 +16,29 @@
     (defined(__FINITE_MATH_ONLY__) && __FINITE_MATH_ONLY__)
 #error "-ffast-math undoes the split of parameters into leading and further digits, and drops NaN"
 #endif
+#if defined(FLT_EVAL_METHOD) && ((FLT_EVAL_METHOD < 0) || (FLT_EVAL_METHOD == 1) || (FLT_EVAL_METHOD == 2))
+#error "operations must round to their own type: on x86, compile with -msse2 -mfpmath=sse"
+#endif
+#if defined(__clang__)
+#pragma STDC FP_CONTRACT OFF
+#endif
 
 /* Short names for this file alone, taken back at its end: several models may share a translation unit. */
 #define real ECCENTRIC_REAL
+#if defined(__GNUC__)
+#define REAL_INLINE static inline __attribute__((always_inline))
+#else
+#define REAL_INLINE static inline
+#endif
 #if ECCENTRIC_PRECISION == 1
 #define REAL(x) x##f
 #else
 #define REAL(x) x
 #endif
 
-static inline real c1_perpendicular_sgn(const real x)
+REAL_INLINE real c1_perpendicular_sgn(const real x)
 {
-    return (x > REAL(0.0)) ? REAL(1.0) : ((x < REAL(0.0)) ? REAL(-1.0) : ((x == REAL(0.0)) ? REAL(0.0) : x));
+    return (x > REAL(0.0)) ? REAL(1.0) : ((x < REAL(0.0)) ? REAL(-1.0) : (x + REAL(0.0)));
 }
 
 const c1_perpendicular_parameters c1_perpendicular_default_parameters = {
@@ -172,11 +183,16 @@ void c1_perpendicular_prepare(const c1_perpendicular_parameters *p, c1_perpendic
     c->C_lN_L_M_mu3 = (real)(C_lN_L_M_mu3);
 }
 
-ECCENTRIC_REAL c1_perpendicular_normal_force(ECCENTRIC_REAL omega_m, const c1_perpendicular_coefficients *c)
+REAL_INLINE real c1_perpendicular_normal_force_at(real omega_m, const c1_perpendicular_coefficients *c)
 {
     /* normal force on the axis of rotation [N], eq (8) */
     const real F_N = c->L_M_mu2 * omega_m * omega_m;
     return F_N;
+}
+
+ECCENTRIC_REAL c1_perpendicular_normal_force(ECCENTRIC_REAL omega_m, const c1_perpendicular_coefficients *c)
+{
+    return c1_perpendicular_normal_force_at(omega_m, c);
 }
 
 void c1_perpendicular_normal_force_n(
@@ -185,14 +201,13 @@ void c1_perpendicular_normal_force_n(
     ECCENTRIC_REAL *out,
     const c1_perpendicular_coefficients *c)
 {
+    const c1_perpendicular_coefficients own = *c; /* that no store to `out` can change */
     for (size_t k = 0; k < n; ++k) {
-        out[k] = c1_perpendicular_normal_force(omega_m[k], c);
+        out[k] = c1_perpendicular_normal_force_at(omega_m[k], &own);
     }
 }
 
-ECCENTRIC_REAL c1_perpendicular_friction_torque(
-    ECCENTRIC_REAL omega_m,
-    const c1_perpendicular_coefficients *c)
+REAL_INLINE real c1_perpendicular_friction_torque_at(real omega_m, const c1_perpendicular_coefficients *c)
 {
     /* normal force on the axis of rotation [N], eq (8) */
     const real F_N = c->L_M_mu2 * omega_m * omega_m;
@@ -201,19 +216,27 @@ ECCENTRIC_REAL c1_perpendicular_friction_torque(
     return direction_of_motion * (c->C + c->C_lN_mu * F_N) + part_1;
 }
 
+ECCENTRIC_REAL c1_perpendicular_friction_torque(
+    ECCENTRIC_REAL omega_m,
+    const c1_perpendicular_coefficients *c)
+{
+    return c1_perpendicular_friction_torque_at(omega_m, c);
+}
+
 void c1_perpendicular_friction_torque_n(
     size_t n,
     const ECCENTRIC_REAL *omega_m,
     ECCENTRIC_REAL *out,
     const c1_perpendicular_coefficients *c)
 {
+    const c1_perpendicular_coefficients own = *c; /* that no store to `out` can change */
     for (size_t k = 0; k < n; ++k) {
-        out[k] = c1_perpendicular_friction_torque(omega_m[k], c);
+        out[k] = c1_perpendicular_friction_torque_at(omega_m[k], &own);
     }
 }
 
-ECCENTRIC_REAL c1_perpendicular_mechanical_friction_torque(
-    ECCENTRIC_REAL omega_m,
+REAL_INLINE real c1_perpendicular_mechanical_friction_torque_at(
+    real omega_m,
     const c1_perpendicular_coefficients *c)
 {
     /* normal force on the axis of rotation [N], eq (8) */
@@ -223,20 +246,28 @@ ECCENTRIC_REAL c1_perpendicular_mechanical_friction_torque(
     return omega_m * (c->B + c->B_lN_mu2 * F_N) + part_1;
 }
 
+ECCENTRIC_REAL c1_perpendicular_mechanical_friction_torque(
+    ECCENTRIC_REAL omega_m,
+    const c1_perpendicular_coefficients *c)
+{
+    return c1_perpendicular_mechanical_friction_torque_at(omega_m, c);
+}
+
 void c1_perpendicular_mechanical_friction_torque_n(
     size_t n,
     const ECCENTRIC_REAL *omega_m,
     ECCENTRIC_REAL *out,
     const c1_perpendicular_coefficients *c)
 {
+    const c1_perpendicular_coefficients own = *c; /* that no store to `out` can change */
     for (size_t k = 0; k < n; ++k) {
-        out[k] = c1_perpendicular_mechanical_friction_torque(omega_m[k], c);
+        out[k] = c1_perpendicular_mechanical_friction_torque_at(omega_m[k], &own);
     }
 }
 
-void c1_perpendicular_friction_torque_gradient(
-    ECCENTRIC_REAL omega_m,
-    ECCENTRIC_REAL *out,
+REAL_INLINE void c1_perpendicular_friction_torque_gradient_at(
+    real omega_m,
+    real *out,
     const c1_perpendicular_coefficients *c)
 {
     /* normal force on the axis of rotation [N], eq (8) */
@@ -248,20 +279,29 @@ void c1_perpendicular_friction_torque_gradient(
     out[0] = c->B_lN_mu2 * F_N + c->B_plus_k_e_k_i_per_R + part_1 + part_2;
 }
 
+void c1_perpendicular_friction_torque_gradient(
+    ECCENTRIC_REAL omega_m,
+    ECCENTRIC_REAL *out,
+    const c1_perpendicular_coefficients *c)
+{
+    c1_perpendicular_friction_torque_gradient_at(omega_m, out, c);
+}
+
 void c1_perpendicular_friction_torque_gradient_n(
     size_t n,
     const ECCENTRIC_REAL *omega_m,
     ECCENTRIC_REAL *out,
     const c1_perpendicular_coefficients *c)
 {
+    const c1_perpendicular_coefficients own = *c; /* that no store to `out` can change */
     for (size_t k = 0; k < n; ++k) {
-        c1_perpendicular_friction_torque_gradient(omega_m[k], out + 1 * k, c);
+        c1_perpendicular_friction_torque_gradient_at(omega_m[k], out + 1 * k, &own);
     }
 }
 
-void c1_perpendicular_friction_torque_jacobian(
-    ECCENTRIC_REAL omega_m,
-    ECCENTRIC_REAL *out,
+REAL_INLINE void c1_perpendicular_friction_torque_jacobian_at(
+    real omega_m,
+    real *out,
     const c1_perpendicular_coefficients *c)
 {
     /* normal force on the axis of rotation [N], eq (8) */
@@ -275,20 +315,29 @@ void c1_perpendicular_friction_torque_jacobian(
     out[5] = direction_of_motion;
 }
 
+void c1_perpendicular_friction_torque_jacobian(
+    ECCENTRIC_REAL omega_m,
+    ECCENTRIC_REAL *out,
+    const c1_perpendicular_coefficients *c)
+{
+    c1_perpendicular_friction_torque_jacobian_at(omega_m, out, c);
+}
+
 void c1_perpendicular_friction_torque_jacobian_n(
     size_t n,
     const ECCENTRIC_REAL *omega_m,
     ECCENTRIC_REAL *out,
     const c1_perpendicular_coefficients *c)
 {
+    const c1_perpendicular_coefficients own = *c; /* that no store to `out` can change */
     for (size_t k = 0; k < n; ++k) {
-        c1_perpendicular_friction_torque_jacobian(omega_m[k], out + 6 * k, c);
+        c1_perpendicular_friction_torque_jacobian_at(omega_m[k], out + 6 * k, &own);
     }
 }
 
-void c1_perpendicular_regressor(
-    ECCENTRIC_REAL omega_m,
-    ECCENTRIC_REAL *out,
+REAL_INLINE void c1_perpendicular_regressor_at(
+    real omega_m,
+    real *out,
     const c1_perpendicular_coefficients *c)
 {
     /* normal force on the axis of rotation [N], eq (8) */
@@ -300,14 +349,23 @@ void c1_perpendicular_regressor(
     out[3] = direction_of_motion;
 }
 
+void c1_perpendicular_regressor(
+    ECCENTRIC_REAL omega_m,
+    ECCENTRIC_REAL *out,
+    const c1_perpendicular_coefficients *c)
+{
+    c1_perpendicular_regressor_at(omega_m, out, c);
+}
+
 void c1_perpendicular_regressor_n(
     size_t n,
     const ECCENTRIC_REAL *omega_m,
     ECCENTRIC_REAL *out,
     const c1_perpendicular_coefficients *c)
 {
+    const c1_perpendicular_coefficients own = *c; /* that no store to `out` can change */
     for (size_t k = 0; k < n; ++k) {
-        c1_perpendicular_regressor(omega_m[k], out + 4 * k, c);
+        c1_perpendicular_regressor_at(omega_m[k], out + 4 * k, &own);
     }
 }
 
@@ -330,9 +388,9 @@ ECCENTRIC_REAL c1_perpendicular_gravity_torque(const c1_perpendicular_coefficien
     return REAL(0.0);
 }
 
-ECCENTRIC_REAL c1_perpendicular_voltage(
-    ECCENTRIC_REAL omega_m,
-    ECCENTRIC_REAL alpha_m,
+REAL_INLINE real c1_perpendicular_voltage_at(
+    real omega_m,
+    real alpha_m,
     const c1_perpendicular_coefficients *c)
 {
     /* normal force on the axis of rotation [N], eq (8) */
@@ -344,6 +402,14 @@ ECCENTRIC_REAL c1_perpendicular_voltage(
     return part_1 + part_2 + part_3;
 }
 
+ECCENTRIC_REAL c1_perpendicular_voltage(
+    ECCENTRIC_REAL omega_m,
+    ECCENTRIC_REAL alpha_m,
+    const c1_perpendicular_coefficients *c)
+{
+    return c1_perpendicular_voltage_at(omega_m, alpha_m, c);
+}
+
 void c1_perpendicular_voltage_n(
     size_t n,
     const ECCENTRIC_REAL *omega_m,
@@ -351,14 +417,15 @@ void c1_perpendicular_voltage_n(
     ECCENTRIC_REAL *out,
     const c1_perpendicular_coefficients *c)
 {
+    const c1_perpendicular_coefficients own = *c; /* that no store to `out` can change */
     for (size_t k = 0; k < n; ++k) {
-        out[k] = c1_perpendicular_voltage(omega_m[k], alpha_m[k], c);
+        out[k] = c1_perpendicular_voltage_at(omega_m[k], alpha_m[k], &own);
     }
 }
 
-ECCENTRIC_REAL c1_perpendicular_current(
-    ECCENTRIC_REAL omega_m,
-    ECCENTRIC_REAL alpha_m,
+REAL_INLINE real c1_perpendicular_current_at(
+    real omega_m,
+    real alpha_m,
     const c1_perpendicular_coefficients *c)
 {
     /* normal force on the axis of rotation [N], eq (8) */
@@ -370,6 +437,14 @@ ECCENTRIC_REAL c1_perpendicular_current(
     return part_1 + part_2 + part_3;
 }
 
+ECCENTRIC_REAL c1_perpendicular_current(
+    ECCENTRIC_REAL omega_m,
+    ECCENTRIC_REAL alpha_m,
+    const c1_perpendicular_coefficients *c)
+{
+    return c1_perpendicular_current_at(omega_m, alpha_m, c);
+}
+
 void c1_perpendicular_current_n(
     size_t n,
     const ECCENTRIC_REAL *omega_m,
@@ -377,15 +452,16 @@ void c1_perpendicular_current_n(
     ECCENTRIC_REAL *out,
     const c1_perpendicular_coefficients *c)
 {
+    const c1_perpendicular_coefficients own = *c; /* that no store to `out` can change */
     for (size_t k = 0; k < n; ++k) {
-        out[k] = c1_perpendicular_current(omega_m[k], alpha_m[k], c);
+        out[k] = c1_perpendicular_current_at(omega_m[k], alpha_m[k], &own);
     }
 }
 
-ECCENTRIC_REAL c1_perpendicular_mechanical_residual(
-    ECCENTRIC_REAL omega_m,
-    ECCENTRIC_REAL i,
-    ECCENTRIC_REAL alpha_m,
+REAL_INLINE real c1_perpendicular_mechanical_residual_at(
+    real omega_m,
+    real i,
+    real alpha_m,
     const c1_perpendicular_coefficients *c)
 {
     /* normal force on the axis of rotation [N], eq (8) */
@@ -396,6 +472,15 @@ ECCENTRIC_REAL c1_perpendicular_mechanical_residual(
     return i * c->k_i - omega_m * (c->B + c->B_lN_mu2 * F_N) + part_1 + part_2;
 }
 
+ECCENTRIC_REAL c1_perpendicular_mechanical_residual(
+    ECCENTRIC_REAL omega_m,
+    ECCENTRIC_REAL i,
+    ECCENTRIC_REAL alpha_m,
+    const c1_perpendicular_coefficients *c)
+{
+    return c1_perpendicular_mechanical_residual_at(omega_m, i, alpha_m, c);
+}
+
 void c1_perpendicular_mechanical_residual_n(
     size_t n,
     const ECCENTRIC_REAL *omega_m,
@@ -404,9 +489,19 @@ void c1_perpendicular_mechanical_residual_n(
     ECCENTRIC_REAL *out,
     const c1_perpendicular_coefficients *c)
 {
+    const c1_perpendicular_coefficients own = *c; /* that no store to `out` can change */
     for (size_t k = 0; k < n; ++k) {
-        out[k] = c1_perpendicular_mechanical_residual(omega_m[k], i[k], alpha_m[k], c);
+        out[k] = c1_perpendicular_mechanical_residual_at(omega_m[k], i[k], alpha_m[k], &own);
     }
+}
+
+REAL_INLINE real c1_perpendicular_electrical_residual_at(
+    real omega_m,
+    real i,
+    real u,
+    const c1_perpendicular_coefficients *c)
+{
+    return -i * c->k_i - c->k_e_k_i_per_R * omega_m + c->k_i_per_R * u;
 }
 
 ECCENTRIC_REAL c1_perpendicular_electrical_residual(
@@ -415,7 +510,7 @@ ECCENTRIC_REAL c1_perpendicular_electrical_residual(
     ECCENTRIC_REAL u,
     const c1_perpendicular_coefficients *c)
 {
-    return -i * c->k_i - c->k_e_k_i_per_R * omega_m + c->k_i_per_R * u;
+    return c1_perpendicular_electrical_residual_at(omega_m, i, u, c);
 }
 
 void c1_perpendicular_electrical_residual_n(
@@ -426,8 +521,9 @@ void c1_perpendicular_electrical_residual_n(
     ECCENTRIC_REAL *out,
     const c1_perpendicular_coefficients *c)
 {
+    const c1_perpendicular_coefficients own = *c; /* that no store to `out` can change */
     for (size_t k = 0; k < n; ++k) {
-        out[k] = c1_perpendicular_electrical_residual(omega_m[k], i[k], u[k], c);
+        out[k] = c1_perpendicular_electrical_residual_at(omega_m[k], i[k], u[k], &own);
     }
 }
 
@@ -440,5 +536,6 @@ void c1_perpendicular_polynomial(ECCENTRIC_REAL *out, const c1_perpendicular_coe
 }
 
 #undef real
+#undef REAL_INLINE
 #undef REAL
 

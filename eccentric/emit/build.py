@@ -8,7 +8,7 @@ from dataclasses import replace
 import sympy as sp
 
 from eccentric.emit.functions import Function, closure, functions, gradient_labels
-from eccentric.emit.lower import Lowering, Rounded
+from eccentric.emit.lower import Lowering, Rounded, TurnLeft, exact
 from eccentric.emit.program import Assignment, Input, Program, Routine, differentiate, needed
 from eccentric.emit.shorten import shortened
 from eccentric.model import Model, Quantity
@@ -16,6 +16,7 @@ from eccentric.model import vocabulary as v
 from eccentric.model.steps import (
     Backward,
     ByDirection,
+    Chord,
     Forward,
     Gated,
     HalfCosine,
@@ -79,7 +80,7 @@ def _routine(model: Model, function: Function, labels: tuple[str, ...], shared: 
             lowering.assignments.append(replace(assignment, value=value))
     targets = []
     for label, expression in results:
-        value = lowering(shared.hoist(_at_rest(model, _grouped(model, expression))))
+        value = lowering(shared.hoist(_grouped(model, expression)))
         name = f"result_{label}" if label else "result"
         targets.append(sp.Symbol(name, real=True))
         lowering.assignments.append(Assignment(targets[-1], value))
@@ -109,22 +110,6 @@ def _grouped(model: Model, expression: sp.Expr) -> sp.Expr:
     if any(isinstance(term, sp.Mul) and term.has(*factors) for term in expression.args if factors):
         return sp.collect(expression, factors)
     return expression
-
-
-def _at_rest(model: Model, expression: sp.Expr) -> sp.Expr:
-    """Friction at rest is 0 also where an acceleration alone makes F_N overflow (rotating_link)."""
-    normal_force = model.definition("F_N").symbol
-    if "alpha_m" not in {s.name for s in model.expand(normal_force).free_symbols}:
-        return expression
-
-    def moving(factor: sp.Expr) -> bool:
-        return isinstance(factor, Sgn) or (factor.is_Symbol and factor.name == "omega_m")
-
-    def gated(product: sp.Expr) -> sp.Expr:
-        gate = next(filter(moving, product.args))
-        return Gated(sp.Mul(*(factor for factor in product.args if factor != gate)), gate)
-
-    return expression.replace(lambda e: e.is_Mul and e.has(normal_force) and any(map(moving, e.args)), gated)
 
 
 def _by_direction(model: Model, expression: sp.Expr) -> sp.Expr:
@@ -188,12 +173,14 @@ class _Prepare:
         """
         if expression.is_Atom:
             return expression
+        if expression.has(HalfCosine):
+            return self.hoist(expression.rewrite("chord"), role)
         if expression.free_symbols and expression.free_symbols <= self.symbols:
             if _is_negative(expression):
                 return -self.hoist(-expression, role)
             value = self._folded(expression)
             return value if value.is_Symbol else self(_name(value, role), value)
-        if isinstance(expression, HalfCosine | HalfSine | SquareDifference):
+        if isinstance(expression, Chord | HalfSine | SquareDifference):
             return expression.func(self.hoist(expression.args[0]), expression.args[1])
         if isinstance(expression, ByDirection) and all(
             a == 0 or _is_negative(a) for a in expression.args[1:]
@@ -238,9 +225,10 @@ def _notes(model: Model, shared: _Prepare) -> tuple[tuple[str, str], ...]:
 def _formula(value: sp.Expr, values: dict[sp.Symbol, sp.Expr]) -> str:
     """The formula of a coefficient as a person writes it."""
     if isinstance(value, Leading | Rounded):
-        whole = {s: values[s] for s in value.free_symbols if s.name == "half_period"}
         kind = "leading digits" if isinstance(value, Leading) else "in the working precision"
-        return f"{_formula(value.args[0].xreplace(whole), values)}, {kind}"
+        if any(values[s].has(TurnLeft) for s in value.free_symbols if s in values):
+            return f"what the parts before it leave of the period, {kind}"
+        return f"{_formula(exact(value.args[0]), values)}, {kind}"
     # What is subtracted stands last.
     terms = sorted(value.as_ordered_terms(), key=_is_negative)
     text = " + ".join(map(str, terms)).replace("+ -", "- ")
@@ -256,7 +244,14 @@ def _used(routines: tuple[Routine, ...], shared: _Prepare) -> tuple[sp.Symbol, .
 
 # Names differ within their first 31 characters, which every C compiler tells apart.
 _LONGEST = 31
-_NUMBERS = {2: "twice", -1: "minus", -2: "minus_twice", 4: "four", sp.Rational(1, 2): "half"}
+_NUMBERS = {
+    2: "twice",
+    -1: "minus",
+    -2: "minus_twice",
+    4: "four",
+    sp.Rational(1, 2): "half",
+    sp.Rational(1, 4): "quarter",
+}
 
 
 def _is_negative(expression: sp.Expr) -> bool:
@@ -272,7 +267,7 @@ def _role(moving: list[sp.Expr], role: str) -> str:
         return "coulomb"
     roles = {"omega_m": "viscous", "alpha_m": "inertial", "i": "driving", "u": "driving"}
     named = [roles[factor.name] for factor in moving if factor.is_Symbol and factor.name in roles]
-    turning = any(isinstance(factor, HalfCosine | HalfSine) for factor in moving)
+    turning = any(isinstance(factor, Chord | HalfSine) for factor in moving)
     return named[0] if named else "turning" if turning else role
 
 

@@ -10,8 +10,9 @@ import sympy as sp
 
 from eccentric.emit.constants import evaluate_prepare
 from eccentric.emit.expression import Language, printed
-from eccentric.emit.lower import Floor, Root, Size
-from eccentric.emit.program import Input, Program, Routine
+from eccentric.emit.lower import ROUNDER, Root, Size
+from eccentric.emit.pairs import pair_functions, pair_text, paired
+from eccentric.emit.program import Assignment, Input, Program, Routine
 from eccentric.emit.series import polynomial
 from eccentric.emit.text import EXACT_HALF_TURNS, assigned, number, plain, splitting, used_series
 from eccentric.model.quantity import Quantity
@@ -27,8 +28,8 @@ _REAL = {
     "forward": "MODEL_forward({0})",
     "backward": "MODEL_forward(-({0}))",
     "exp": "REAL_EXP({0})",
-    "sine_series": "MODEL_sine_series({0})",
-    "cosine_series": "MODEL_cosine_series({0})",
+    "sine_ratio": "MODEL_sine_ratio({0})",
+    "cosine": "MODEL_cosine({0})",
 }
 _DOUBLE = {
     "sqrt": "sqrt({0})",
@@ -41,9 +42,7 @@ _DOUBLE = {
 }
 # Written so that NaN goes in and NaN comes out.
 _HELPERS = {
-    "sgn": (
-        "(x > REAL(0.0)) ? REAL(1.0) : ((x < REAL(0.0)) ? REAL(-1.0) : ((x == REAL(0.0)) ? REAL(0.0) : x))"
-    ),
+    "sgn": ("(x > REAL(0.0)) ? REAL(1.0) : ((x < REAL(0.0)) ? REAL(-1.0) : (x + REAL(0.0)))"),
     "forward": "(x > REAL(0.0)) ? REAL(1.0) : ((x <= REAL(0.0)) ? REAL(0.0) : x)",
 }
 
@@ -51,7 +50,12 @@ _HELPERS = {
 def view(program: Program, banner: str, digest: str) -> dict[str, Any]:
     """All that the templates of header and source are filled with."""
     prepared = {a.target.name for a in program.prepare}
-    in_prepare = _language(program, _DOUBLE, lambda name: name if name in prepared else f"p->{name}", "{}")
+    pairs = {s.name for s in paired(program.prepare)}
+
+    def value_of(name: str) -> str:
+        return f"{name}.high" if name in pairs else name if name in prepared else f"p->{name}"
+
+    in_prepare = _language(program, _DOUBLE, value_of, "{}")
     coefficients = {s.name for s in program.coefficients}
     values = {single: evaluate_prepare(program, single) for single in (True, False)}
     expressions = [a.value for r in program.routines for a in r.assignments]
@@ -72,7 +76,7 @@ def view(program: Program, banner: str, digest: str) -> dict[str, Any]:
         "coefficients": [
             {
                 "name": s.name,
-                "source": s.name if s.name in prepared else f"p->{s.name}",
+                "source": value_of(s.name),
                 "single": f"(real)({values[True][s.name]})",
                 "double": f"{values[False][s.name]}",
                 "doc": notes.get(s.name, ""),
@@ -85,9 +89,8 @@ def view(program: Program, banner: str, digest: str) -> dict[str, Any]:
         "helpers": [{"name": name, "body": _HELPERS[name]} for name in helpers],
         "series": [_series(name) for name in used_series(program)],
         "leading": splitting(program),
-        "prepare": _code(
-            f"const double {a.target.name} = {printed(a.value, in_prepare)};" for a in program.prepare
-        ),
+        "pairs": pair_functions(program.prepare),
+        "prepare": _code(_prepared(program, a, in_prepare) for a in program.prepare),
         "routines": [_routine(program, r, coefficients) for r in program.routines],
         "states": [
             {"name": q.name, "doc": plain(f"{q.meaning} [{q.unit}]"), "initial": number(str(float(initial)))}
@@ -95,6 +98,14 @@ def view(program: Program, banner: str, digest: str) -> dict[str, Any]:
         ],
         "step": _step(program),
     }
+
+
+def _prepared(program: Program, a: Assignment, language: Language) -> str:
+    pairs = paired(program.prepare)
+    if a.target not in pairs:
+        return f"const double {a.target.name} = {printed(a.value, language)};"
+    value = pair_text(a.value, pairs, language, lambda name: f"{program.name}_{name}")
+    return f"const {program.name}_pair {a.target.name} = {value};"
 
 
 def _step(program: Program) -> dict[str, Any]:
@@ -124,7 +135,6 @@ def _macros(program: Program) -> list[tuple[str, str, str]]:
     used = [
         ("REAL_SQRT(x)", Root, "sqrt"),
         ("REAL_FABS(x)", Size, "fabs"),
-        ("REAL_FLOOR(x)", Floor, "floor"),
         ("REAL_EXP(x)", sp.exp, "exp"),
     ]
     found = [("REAL(x)", "x##f", "x")]
@@ -133,8 +143,11 @@ def _macros(program: Program) -> list[tuple[str, str, str]]:
         for macro, op, name in used
         if any(e.has(op) for e in expressions)
     ]
-    if any("largest" in map(str, e.free_symbols) for e in expressions):
-        found.append(("REAL_LARGEST", "FLT_MAX", "DBL_MAX"))
+    if any(ROUNDER in e.free_symbols for e in expressions):
+        found.append(("REAL_ROUNDER", "12582912.0f", "6755399441055744.0"))
+    libm = {"sine_ratio": "sin", "cosine": "cos"}
+    names = [libm[series] for series in used_series(program)]
+    found += [(f"REAL_{name.upper()}(x)", f"{name}f(x)", f"{name}(x)") for name in names]
     return found
 
 
@@ -179,24 +192,28 @@ def _valid(program: Program) -> str:
 
 def _series(name: str) -> dict[str, Any]:
     def horner(single: bool) -> list[str]:
-        first, *rest, last = polynomial(name, single).coefficients
+        first, *rest = polynomial(name, single).coefficients
         steps = [f"value = value * x + REAL({coefficient});" for coefficient in rest]
-        return [f"real value = REAL({first});", *steps, f"return value * x + REAL({last});"]
+        return [f"real value = REAL({first});", *steps, "return value * x + REAL(1.0);"]
 
     single, double = polynomial(name, True), polynomial(name, False)
-    function = {"sine_series": "sin(h)/h", "cosine_series": "cos(h)"}[name]
+    function, libm = {
+        "sine_ratio": ("sin(h)/h", "(h == REAL(0.0)) ? REAL(1.0) : (REAL_SIN(h) / h)"),
+        "cosine": ("cos(h)", "REAL_COS(h)"),
+    }[name]
     return {
         "name": name,
         "single": horner(True),
         "double": horner(False),
-        "doc": f"{function} at x = h^2, |h| within a quarter turn;"
-        f" error of the fit {single.error} and {double.error}.",
+        "libm": libm,
+        "doc": f"{function}, |h| within a quarter turn: minimax in x = h^2, error {single.error}"
+        f" (float), {double.error} (double).",
     }
 
 
 def _routine(program: Program, r: Routine, coefficients: set[str]) -> dict[str, Any]:
     def spelled(name: str) -> str:
-        return "REAL_LARGEST" if name == "largest" else f"c->{name}" if name in coefficients else name
+        return "REAL_ROUNDER" if name == "rounder" else f"c->{name}" if name in coefficients else name
 
     language = _language(program, _REAL, spelled, "REAL({})")
     results = {s.name: k for k, s in enumerate(r.results)}
@@ -222,7 +239,8 @@ def _routine(program: Program, r: Routine, coefficients: set[str]) -> dict[str, 
     width = len(r.labels)
     reduces = any(a.target.name == "halves" for a in r.assignments)
     reduced = f", reduced exactly up to {EXACT_HALF_TURNS}" if reduces else ""
-    call = ", ".join([*passed, *([f"out + {width} * k"] if r.labels else []), "c"])
+    arguments = [*(x.quantity.name for x in r.inputs), *(["out"] if r.labels else []), "c"]
+    call = ", ".join([*passed, *([f"out + {width} * k"] if r.labels else []), "&own"])
     return {
         "name": r.name,
         "doc": f"{r.meaning[0].upper()}{r.meaning[1:]}.",
@@ -241,13 +259,19 @@ def _routine(program: Program, r: Routine, coefficients: set[str]) -> dict[str, 
             else ""
         ),
         "width": width,
+        "kernel": _wrapped(
+            f"REAL_INLINE {'void' if r.labels else 'real'}",
+            f"{own}_at",
+            [a.replace("ECCENTRIC_REAL", "real") for a in (*single, *out)] + [coefficient_argument],
+        ),
+        "call": f"{own}_at({', '.join(arguments)});",
         "signature": _wrapped(
             "void" if r.labels else "ECCENTRIC_REAL", own, [*single, *out, coefficient_argument]
         ),
         "array_signature": _wrapped(
             "void", f"{own}_n", ["size_t n", *arrays, "ECCENTRIC_REAL *out", coefficient_argument]
         ),
-        "array_call": f"{own}({call});" if r.labels else f"out[k] = {own}({call});",
+        "array_call": f"{own}_at({call});" if r.labels else f"out[k] = {own}_at({call});",
         "lines": [*unpack, *_unused(r, coefficients), *_code(assigned(r, line, "/* {} */".format))],
     }
 

@@ -48,7 +48,6 @@ class Language:
 _CALLS: Mapping[type, str] = {
     lower.Root: "sqrt",
     lower.Size: "fabs",
-    lower.Floor: "floor",
     lower.Rounded: "rounded",
     steps.Leading: "leading",
     steps.Sgn: "sgn",
@@ -92,7 +91,9 @@ def _print(e: sp.Expr, language: Language) -> tuple[str, int]:
         return f"{at(_PRODUCT, e.args[0])} * {at(_ATOM, e.args[1])}", _PRODUCT
     if isinstance(e, lower.Over):
         return f"{at(_PRODUCT, e.args[0])} / {at(_ATOM, e.args[1])}", _PRODUCT
-    if isinstance(e, lower.Series):
+    if isinstance(e, lower.Low):
+        return f"{e.args[0].name}.low", _ATOM
+    if isinstance(e, lower.Call):
         return language.call(e.args[0].name, [plain(e.args[1])]), _ATOM
     if isinstance(e, lower.Pick):
         a, relation, b, x, y = e.args

@@ -10,7 +10,7 @@ from eccentric.emit.program import Assignment, differentiate
 from eccentric.errors import InputError
 from eccentric.model import KINDS, Definition, Model, regressor
 from eccentric.model import vocabulary as v
-from eccentric.model.steps import Backward, Forward, Gated, Magnitude, Sgn, SquareDifference
+from eccentric.model.steps import Backward, Bounded, Forward, Gated, Magnitude, Sgn, SquareDifference
 
 
 @dataclass(frozen=True)
@@ -227,6 +227,7 @@ def _standstill(model: Model, friction: sp.Expr, direction: int) -> sp.Expr:
     friction = friction.replace(
         lambda e: isinstance(e, Gated) and e.args[1].is_number, lambda e: sp.Mul(*e.args)
     )
+    friction = friction.replace(lambda e: isinstance(e, Bounded) and e.args[0] == 0, lambda e: sp.Integer(0))
     friction = friction.replace(
         lambda e: isinstance(e, SquareDifference) and e.args[0] == 0, lambda e: -(e.args[1] ** 2)
     )

@@ -40,38 +40,43 @@ class Size(Step):
     """Absolute value."""
 
 
-class Floor(Step):
-    """Greatest integer not above."""
-
-
 class Rounded(Step):
     """A parameter-only number in the working precision (prepare only)."""
 
 
-class Series(Step):
-    """A polynomial of emission's own, by its name, at the square of the argument."""
+class Low(Step):
+    """The digits of a parameter-only number that its double does not hold; 0 in exact arithmetic."""
+
+
+class TurnLeft(Step):
+    """2 pi - a b, its digits kept where a b is nearly 2 pi (prepare only)."""
+
+
+class Call(Step):
+    """A function of emission's own, by its name."""
 
 
 class Pick(Step):
-    """Pick(a, relation, b, x, y): x where `a relation b` holds, else y; relation is `>`, `<=` or `==`."""
+    """Pick(a, relation, b, x, y): x where `a relation b` holds, else y; relation is `>`, `<`, `<=` or `==`."""
 
 
-LARGEST = sp.Symbol("largest")  # the greatest finite number of the working precision
-SINE, COSINE = sp.Symbol("sine_series"), sp.Symbol("cosine_series")
+# 3/2 times the number from which on all are whole: x + ROUNDER - ROUNDER is x, rounded to a whole number.
+ROUNDER = sp.Symbol("rounder")
+SINE_RATIO, COSINE = sp.Symbol("sine_ratio"), sp.Symbol("cosine")
 # What a reader of the emitted code must know of the steps, by the names that they get there.
 _NOTES = {
     "square_difference": "speed^2 - omega_star^2; the difference is taken once, before anything is rounded",
-    "halves": "the odd number of half turns up to the top that is nearest",
-    "rest": "the half turns go off in three parts, the leading digits first: both products are exact",
-    "from_top": "angle from the top",
-    "bounded": "an angle so large that nothing is left of its phase counts as the top",
-    "half_angle": "half angle from the top",
-    "half_cosine": "sine of the half angle from the top: the cosine of half the angle but for its sign",
+    "turns": "whole turns of the link and a half, up to the top that is nearest",
+    "rest": "the turns go off in four parts of few digits: all products but the last are exact",
+    "reduced": "motor angle from the top",
+    "from_top": "an angle so large that nothing is left of its phase counts as the top",
+    "half_angle": "half the link angle from the top",
+    "chord": "2 sin(half_angle)/mu",
     "half_sine": "cosine of the half angle from the top",
-    "divisor": "0/0 at the apex, where F_N is 0 and its derivatives are taken as 0",
-    "limit": "where the square overflows, the larger of the two decides",
+    "inverse": "1 at the apex, where F_N is 0 and its derivatives are taken as 0",
 }
-_ABOVE, _WITHIN, _EQUAL = sp.Symbol(">"), sp.Symbol("<="), sp.Symbol("==")
+HALF = sp.Rational(1, 2)
+_ABOVE, _BELOW, _WITHIN, _EQUAL = sp.symbols("> < <= ==")
 
 
 class Lowering:
@@ -90,6 +95,7 @@ class Lowering:
             steps.Along: self._cosine_along,
             steps.Across: self._cosine_across,
             steps.Gated: self._gated,
+            steps.Bounded: self._bounded,
             steps.Sgn: lambda x: self.named("direction_of_motion", steps.Sgn(x)),
             steps.Forward: lambda x: self.named("is_forward", steps.Forward(x)),
             steps.Backward: lambda x: self.named("is_backward", steps.Backward(x)),
@@ -101,7 +107,7 @@ class Lowering:
 
     def __call__(self, expression: sp.Expr) -> sp.Expr:
         """The expression in primitive operations; what must be computed before it stands in `assignments`."""
-        if isinstance(expression, steps.HalfCosine | steps.HalfSine):
+        if isinstance(expression, steps.Chord | steps.HalfSine):
             return self._half_turn(expression)
         if isinstance(expression, steps.SquareDifference):
             return self._square_difference(expression)
@@ -127,34 +133,42 @@ class Lowering:
         return symbol
 
     def _half_turn(self, step: sp.Expr) -> sp.Expr:
-        """The half angle from the top: theta_m less an odd number of half periods, held in three parts."""
+        """The angle from the top: theta_m less the nearest k + 1/2 periods, the period held in four parts.
+
+        k + 1/2 times the first three parts is exact, and so is what is left of theta_m near the top; the
+        fourth makes the reduced angle right to its own last place, wherever the top is.
+        """
         theta_m, mu = step.args
         theta_m = theta_m if theta_m.is_Atom else self.named("angle", self(theta_m))
-        half_period = self._prepare("half_period", sp.pi / mu)
-        part_1 = self._prepare("half_period_1", steps.Leading(half_period))
-        part_2 = self._prepare("half_period_2", steps.Leading(half_period - part_1))
-        part_3 = self._prepare("half_period_3", Rounded(half_period - part_1 - part_2))
-        per_turn = self._prepare("turns_per_rad", mu / (2 * sp.pi))
-        half_mu = self._prepare("half_mu", mu / 2)
-        turns = Floor(Times(theta_m, per_turn))
-        halves = self.named("halves", Plus(Times(sp.Integer(2), turns), sp.Integer(1)))
-        rest = self.named("rest", Minus(theta_m, Times(halves, part_1)))
-        rest = Minus(rest, Times(halves, part_2))
-        rest = self.named("from_top", Minus(rest, Times(halves, part_3)))
-        # An angle so large that nothing is left of its phase counts as the top; infinity and NaN give NaN.
         period = self._prepare("period", 2 * sp.pi / mu)
+        turns = Minus(Times(theta_m, self._prepare("turns_per_rad", mu / (2 * sp.pi))), HALF)
+        turns = self.named("turns", Plus(Minus(Plus(turns, ROUNDER), ROUNDER), HALF))
+        first, *others = self._period_parts(period, mu)
+        rest: sp.Expr = self.named("rest", Minus(theta_m, Times(turns, first)))
+        for part in others:
+            rest = Minus(rest, Times(turns, part))
+        rest = self.named("reduced", rest)
+        # Infinity and NaN give NaN.
         lost = Minus(theta_m, theta_m)
-        bounded = self.named("bounded", Pick(Size(rest), _WITHIN, period, rest, lost))
-        half = self.named("half_angle", Times(bounded, half_mu))
-        square = self.named("half_angle_squared", Times(half, half))
-        if isinstance(step, steps.HalfCosine):
-            return self.named("half_cosine", Times(half, Series(SINE, square)))
-        return self.named("half_sine", Series(COSINE, square))
+        from_top = self.named("from_top", Pick(Size(rest), _WITHIN, period, rest, lost))
+        half_angle = self.named("half_angle", Times(from_top, self._prepare("half_mu", mu / 2)))
+        if isinstance(step, steps.Chord):
+            return self.named("chord", Times(from_top, Call(SINE_RATIO, half_angle)))
+        return self.named("half_sine", Call(COSINE, half_angle))
+
+    def _period_parts(self, period: sp.Symbol, mu: sp.Expr) -> list[sp.Symbol]:
+        """Long division of 2 pi by mu: a digit, and what it leaves of 2 pi, which gives the next ones."""
+        first = self._prepare("period_1", steps.Leading(period))
+        left = self._prepare("period_left", TurnLeft(first, mu) / mu)
+        second = self._prepare("period_2", steps.Leading(left))
+        third = self._prepare("period_3", steps.Leading(Minus(left, second)))
+        last = Plus(Minus(Minus(left, second), third), Low(left))
+        return [first, second, third, self._prepare("period_4", Rounded(last))]
 
     def _square_difference(self, step: sp.Expr) -> sp.Expr:
         v, w = step.args
         high = self._prepare(f"{w.name}_1", Rounded(w))
-        low = self._prepare(f"{w.name}_2", Rounded(w - high))
+        low = self._prepare(f"{w.name}_2", Rounded(Plus(Minus(w, high), Low(w))))
         v = self(v)
         return self.named("square_difference", Times(Minus(Minus(v, high), low), Plus(v, high)))
 
@@ -163,20 +177,20 @@ class Lowering:
         return self.named("magnitude", Root(Plus(Times(p, p), Times(q, q))))
 
     def _cosine_along(self, p: sp.Expr, q: sp.Expr) -> sp.Expr:
-        return self._direction(p, q, p)
+        return Times(self.named("p", p), self._inverse(p, q))
 
     def _cosine_across(self, p: sp.Expr, q: sp.Expr) -> sp.Expr:
-        return self._direction(p, q, q)
+        return Times(self.named("q", q), self._inverse(p, q))
 
-    def _direction(self, p: sp.Expr, q: sp.Expr, part: sp.Expr) -> sp.Expr:
-        """part/magnitude: 0 at the apex; beyond the largest number only the larger of p and q counts."""
+    def _inverse(self, p: sp.Expr, q: sp.Expr) -> sp.Expr:
         magnitude = self._magnitude(p, q)
-        p, q, part = self.named("p", p), self.named("q", q), self.named("p", part)
-        divisor = self.named("divisor", Pick(magnitude, _EQUAL, sp.Integer(0), sp.Integer(1), magnitude))
-        other = q if part == p else p
-        limit = Pick(Size(part), _ABOVE, Size(other), steps.Sgn(part), sp.Integer(0))
-        limit = self.named("limit", limit)
-        return self.named("cosine", Pick(magnitude, _ABOVE, LARGEST, limit, Over(part, divisor)))
+        nowhere_zero = Pick(magnitude, _EQUAL, sp.Integer(0), sp.Integer(1), magnitude)
+        return self.named("inverse", Over(sp.Integer(1), nowhere_zero))
+
+    def _bounded(self, x: sp.Expr, b: sp.Expr) -> sp.Expr:
+        size = x if x.is_Atom else self.named("size", x)
+        below = size if isinstance(x, Size) else Pick(size, _BELOW, -b, -b, size)
+        return Pick(size, _ABOVE, b, b, below)
 
     def _gated(self, a: sp.Expr, b: sp.Expr) -> sp.Expr:
         b = self.named("gate", b) if not b.is_Atom else b
@@ -187,3 +201,16 @@ class Lowering:
         a = self.named("one", a) if not a.is_Atom else a
         b = self.named("other", b) if not b.is_Atom else b
         return Pick(a, relation, b, a, b)
+
+
+def exact(value: sp.Expr) -> sp.Expr:
+    """The parameter-only value with the primitive operations in SymPy's; rounding stays what it is."""
+    plain = {
+        Low: lambda _: sp.Integer(0),
+        TurnLeft: lambda a, b: 2 * sp.pi - a * b,
+        Plus: lambda a, b: a + b,
+        Minus: lambda a, b: a - b,
+    }
+    for operation, meant in plain.items():
+        value = value.replace(operation, meant)
+    return value

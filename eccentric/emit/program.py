@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import sympy as sp
 
 from eccentric.model.quantity import Quantity
-from eccentric.model.steps import Across, Along, Gated, Sgn
+from eccentric.model.steps import Sgn
 
 
 @dataclass(frozen=True)
@@ -110,7 +110,7 @@ def differentiate(assignments: Iterable[Assignment], by: Sequence[sp.Symbol]) ->
             slope = sp.Add(*(_partial(assignment.value, s) * slopes[s, x] for s in inner))
             if slope != 0:
                 target = sp.Symbol(f"{assignment.target.name}_d_{x.name}", real=True)
-                out.append(Assignment(target, _gate(slope)))
+                out.append(Assignment(target, slope))
                 slopes[assignment.target, x] = target
     return tuple(out)
 
@@ -128,13 +128,3 @@ def needed(assignments: Iterable[Assignment], results: Iterable[sp.Expr]) -> tup
 
 def _partial(value: sp.Expr, symbol: sp.Symbol) -> sp.Expr:
     return value.diff(symbol).replace(sp.sign, Sgn)
-
-
-def _gate(slope: sp.Expr) -> sp.Expr:
-    """Products with a direction cosine, so that 0 times an overflow is 0."""
-
-    def gated(product: sp.Expr) -> sp.Expr:
-        cosine = next(factor for factor in product.args if isinstance(factor, Along | Across))
-        return Gated(sp.Mul(*(factor for factor in product.args if factor != cosine)), cosine)
-
-    return slope.replace(lambda e: e.is_Mul and any(isinstance(a, Along | Across) for a in e.args), gated)

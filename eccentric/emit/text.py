@@ -10,14 +10,14 @@ from dataclasses import replace
 
 import sympy as sp
 
-from eccentric.emit.lower import COSINE, LARGEST, SINE
+from eccentric.emit.lower import COSINE, ROUNDER, SINE_RATIO
 from eccentric.emit.program import Input, Program, Routine
 from eccentric.errors import InputError
 from eccentric.model.quantity import Quantity
 from eccentric.model.steps import Leading
 
 # Of 24 and 53 bits `leading` keeps these, so that products with up to 2^12 and 2^20 half turns are exact.
-LEADING_BITS = {"single": 11, "double": 33}
+LEADING_BITS = {"single": 12, "double": 33}
 EXACT_HALF_TURNS = "2^20 half turns of the link (float: 2^12)"
 
 
@@ -105,7 +105,7 @@ def splitting(program: Program) -> dict[str, str] | None:
 def used_series(program: Program) -> list[str]:
     """The names of the polynomials that the routines evaluate."""
     used = set().union(*(a.value.free_symbols for r in program.routines for a in r.assignments))
-    return [s.name for s in (SINE, COSINE) if s in used]
+    return [s.name for s in (SINE_RATIO, COSINE) if s in used]
 
 
 def assigned(r: Routine, line: Callable[[str, sp.Expr], str], comment: Callable[[str], str]) -> list[str]:
@@ -116,7 +116,6 @@ def assigned(r: Routine, line: Callable[[str, sp.Expr], str], comment: Callable[
     return lines
 
 
-def with_largest(program: Program) -> tuple[sp.Symbol, ...]:
-    """The coefficients, and the greatest finite number where a routine compares with it."""
-    uses = any(LARGEST in a.value.free_symbols for r in program.routines for a in r.assignments)
-    return (*program.coefficients, LARGEST) if uses else program.coefficients
+def rounds(program: Program) -> bool:
+    """Whether a routine rounds to whole numbers."""
+    return any(ROUNDER in a.value.free_symbols for r in program.routines for a in r.assignments)
