@@ -1,6 +1,6 @@
 /*
  * Generated: do not edit. Written by `make derive` from derivations/c1_asymmetric.py
- * (eccentric 0.1.0, program 7ec56a06).
+ * (eccentric 0.1.0, program 7614a788).
  * Case C1 with friction that differs between the directions of motion.
  */
 #include "c1_asymmetric.h"
@@ -8,7 +8,7 @@
 #include <float.h>
 #include <math.h>
 
-#if C1_ASYMMETRIC_PROGRAM != 0x7ec56a06UL
+#if C1_ASYMMETRIC_PROGRAM != 0x7614a788UL
 #error "c1_asymmetric.c and c1_asymmetric.h are of different derivations: write both again"
 #endif
 
@@ -68,8 +68,8 @@ const c1_asymmetric_parameters c1_asymmetric_default_parameters = {
     0.008, /* C_m_pos [N m] */
     0.008, /* C_m_neg [N m] */
     1.962, /* F_T [N] */
-    NAN, /* J_m [kg m^2] */
-    NAN, /* J_l [kg m^2] */
+    (double)NAN, /* J_m [kg m^2] */
+    (double)NAN, /* J_l [kg m^2] */
 };
 
 const c1_asymmetric_coefficients c1_asymmetric_default = {
@@ -143,7 +143,7 @@ const c1_asymmetric_coefficients c1_asymmetric_default = {
     0.04, /* mu2 */
     0.07848, /* F_T_mu2 */
     0.3924, /* F_T_mu */
-    NAN, /* J */
+    (real)NAN, /* J */
     0.008, /* B_lN_pos_R_mu2_per_k_i */
     0.008, /* B_lN_neg_R_mu2_per_k_i */
     0.035696, /* B_pos_R_per_k_i */
@@ -362,13 +362,14 @@ REAL_INLINE void c1_asymmetric_friction_torque_gradient_at(
     const real F_N = c->L_M_mu2 * omega_m * omega_m;
     const real F_N_d_omega_m = omega_m * c->twice_L_M_mu2;
     const real direction_of_motion = c1_asymmetric_sgn(omega_m);
-    const real part_2 = ((omega_m > REAL(0.0)) ? c->C_lN_pos_mu : c->C_lN_neg_mu);
-    const real part_1 = F_N_d_omega_m * direction_of_motion * part_2;
-    const real part_4 = ((omega_m > REAL(0.0)) ? c->B_lN_pos_mu2 : c->B_lN_neg_mu2);
-    const real part_3 = F_N_d_omega_m * omega_m * part_4;
-    const real part_5 = F_N * ((omega_m > REAL(0.0)) ? c->B_lN_pos_mu2 : c->B_lN_neg_mu2);
-    const real part_6 = ((omega_m > REAL(0.0)) ? c->B_pos : c->B_neg);
-    out[0] = c->k_e_k_i_per_R + part_1 + part_3 + part_5 + part_6;
+    const real part_4 = ((omega_m > REAL(0.0)) ? c->C_lN_pos_mu : c->C_lN_neg_mu);
+    const real part_3 = direction_of_motion * part_4;
+    const real part_5 = omega_m * ((omega_m > REAL(0.0)) ? c->B_lN_pos_mu2 : c->B_lN_neg_mu2);
+    const real part_2 = part_3 + part_5;
+    const real part_1 = F_N_d_omega_m * part_2;
+    const real part_6 = F_N * ((omega_m > REAL(0.0)) ? c->B_lN_pos_mu2 : c->B_lN_neg_mu2);
+    const real part_7 = ((omega_m > REAL(0.0)) ? c->B_pos : c->B_neg);
+    out[0] = c->k_e_k_i_per_R + part_1 + part_6 + part_7;
 }
 
 void c1_asymmetric_friction_torque_gradient(
@@ -387,7 +388,7 @@ void c1_asymmetric_friction_torque_gradient_n(
 {
     const c1_asymmetric_coefficients own = *c; /* that no store to `out` can change */
     for (size_t k = 0; k < n; ++k) {
-        c1_asymmetric_friction_torque_gradient_at(omega_m[k], out + 1 * k, &own);
+        c1_asymmetric_friction_torque_gradient_at(omega_m[k], &out[1 * k], &own);
     }
 }
 
@@ -435,7 +436,7 @@ void c1_asymmetric_friction_torque_jacobian_n(
 {
     const c1_asymmetric_coefficients own = *c; /* that no store to `out` can change */
     for (size_t k = 0; k < n; ++k) {
-        c1_asymmetric_friction_torque_jacobian_at(omega_m[k], out + 12 * k, &own);
+        c1_asymmetric_friction_torque_jacobian_at(omega_m[k], &out[12 * k], &own);
     }
 }
 
@@ -474,7 +475,7 @@ void c1_asymmetric_regressor_n(
 {
     const c1_asymmetric_coefficients own = *c; /* that no store to `out` can change */
     for (size_t k = 0; k < n; ++k) {
-        c1_asymmetric_regressor_at(omega_m[k], out + 8 * k, &own);
+        c1_asymmetric_regressor_at(omega_m[k], &out[8 * k], &own);
     }
 }
 

@@ -1,5 +1,5 @@
 # Generated: do not edit. Written by `make derive` from derivations/c1_asymmetric.py
-# (eccentric 0.1.0, program 7ec56a06).
+# (eccentric 0.1.0, program 7614a788).
 # Case C1 with friction that differs between the directions of motion.
 """Case C1 with friction that differs between the directions of motion.
 
@@ -451,13 +451,14 @@ def _friction_torque_gradient(
     F_N = c.L_M_mu2 * omega_m * omega_m
     F_N_d_omega_m = omega_m * c.twice_L_M_mu2
     direction_of_motion = np.sign(omega_m)
-    part_2 = np.where(omega_m > 0.0, c.C_lN_pos_mu, c.C_lN_neg_mu)
-    part_1 = F_N_d_omega_m * direction_of_motion * part_2
-    part_4 = np.where(omega_m > 0.0, c.B_lN_pos_mu2, c.B_lN_neg_mu2)
-    part_3 = F_N_d_omega_m * omega_m * part_4
-    part_5 = F_N * np.where(omega_m > 0.0, c.B_lN_pos_mu2, c.B_lN_neg_mu2)
-    part_6 = np.where(omega_m > 0.0, c.B_pos, c.B_neg)
-    result_omega_m = c.k_e_k_i_per_R + part_1 + part_3 + part_5 + part_6
+    part_4 = np.where(omega_m > 0.0, c.C_lN_pos_mu, c.C_lN_neg_mu)
+    part_3 = direction_of_motion * part_4
+    part_5 = omega_m * np.where(omega_m > 0.0, c.B_lN_pos_mu2, c.B_lN_neg_mu2)
+    part_2 = part_3 + part_5
+    part_1 = F_N_d_omega_m * part_2
+    part_6 = F_N * np.where(omega_m > 0.0, c.B_lN_pos_mu2, c.B_lN_neg_mu2)
+    part_7 = np.where(omega_m > 0.0, c.B_pos, c.B_neg)
+    result_omega_m = c.k_e_k_i_per_R + part_1 + part_6 + part_7
     return (result_omega_m,)
 
 

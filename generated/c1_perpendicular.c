@@ -1,6 +1,6 @@
 /*
  * Generated: do not edit. Written by `make derive` from derivations/c1_perpendicular.py
- * (eccentric 0.1.0, program 565b9336).
+ * (eccentric 0.1.0, program efe7c4e7).
  * Case C1: gravity perpendicular to the motion plane, steady motion.
  */
 #include "c1_perpendicular.h"
@@ -8,7 +8,7 @@
 #include <float.h>
 #include <math.h>
 
-#if C1_PERPENDICULAR_PROGRAM != 0x565b9336UL
+#if C1_PERPENDICULAR_PROGRAM != 0xefe7c4e7UL
 #error "c1_perpendicular.c and c1_perpendicular.h are of different derivations: write both again"
 #endif
 
@@ -57,8 +57,8 @@ const c1_perpendicular_parameters c1_perpendicular_default_parameters = {
     4.0e-4, /* B_m [N m s/rad] */
     0.008, /* C_m [N m] */
     1.962, /* F_T [N] */
-    NAN, /* J_m [kg m^2] */
-    NAN, /* J_l [kg m^2] */
+    (double)NAN, /* J_m [kg m^2] */
+    (double)NAN, /* J_l [kg m^2] */
 };
 
 const c1_perpendicular_coefficients c1_perpendicular_default = {
@@ -107,7 +107,7 @@ const c1_perpendicular_coefficients c1_perpendicular_default = {
     0.04, /* mu2 */
     0.07848, /* F_T_mu2 */
     0.3924, /* F_T_mu */
-    NAN, /* J */
+    (real)NAN, /* J */
     0.008, /* B_lN_R_mu2_per_k_i */
     0.235696, /* B_R_per_k_i_plus_k_e */
     0.8, /* C_lN_R_mu_per_k_i */
@@ -274,9 +274,8 @@ REAL_INLINE void c1_perpendicular_friction_torque_gradient_at(
     const real F_N = c->L_M_mu2 * omega_m * omega_m;
     const real F_N_d_omega_m = omega_m * c->twice_L_M_mu2;
     const real direction_of_motion = c1_perpendicular_sgn(omega_m);
-    const real part_1 = c->C_lN_mu * F_N_d_omega_m * direction_of_motion;
-    const real part_2 = c->B_lN_mu2 * F_N_d_omega_m * omega_m;
-    out[0] = c->B_lN_mu2 * F_N + c->B_plus_k_e_k_i_per_R + part_1 + part_2;
+    const real part_1 = F_N_d_omega_m * (c->B_lN_mu2 * omega_m + c->C_lN_mu * direction_of_motion);
+    out[0] = c->B_lN_mu2 * F_N + c->B_plus_k_e_k_i_per_R + part_1;
 }
 
 void c1_perpendicular_friction_torque_gradient(
@@ -295,7 +294,7 @@ void c1_perpendicular_friction_torque_gradient_n(
 {
     const c1_perpendicular_coefficients own = *c; /* that no store to `out` can change */
     for (size_t k = 0; k < n; ++k) {
-        c1_perpendicular_friction_torque_gradient_at(omega_m[k], out + 1 * k, &own);
+        c1_perpendicular_friction_torque_gradient_at(omega_m[k], &out[1 * k], &own);
     }
 }
 
@@ -331,7 +330,7 @@ void c1_perpendicular_friction_torque_jacobian_n(
 {
     const c1_perpendicular_coefficients own = *c; /* that no store to `out` can change */
     for (size_t k = 0; k < n; ++k) {
-        c1_perpendicular_friction_torque_jacobian_at(omega_m[k], out + 6 * k, &own);
+        c1_perpendicular_friction_torque_jacobian_at(omega_m[k], &out[6 * k], &own);
     }
 }
 
@@ -365,7 +364,7 @@ void c1_perpendicular_regressor_n(
 {
     const c1_perpendicular_coefficients own = *c; /* that no store to `out` can change */
     for (size_t k = 0; k < n; ++k) {
-        c1_perpendicular_regressor_at(omega_m[k], out + 4 * k, &own);
+        c1_perpendicular_regressor_at(omega_m[k], &out[4 * k], &own);
     }
 }
 

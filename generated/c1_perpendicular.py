@@ -1,5 +1,5 @@
 # Generated: do not edit. Written by `make derive` from derivations/c1_perpendicular.py
-# (eccentric 0.1.0, program 565b9336).
+# (eccentric 0.1.0, program efe7c4e7).
 # Case C1: gravity perpendicular to the motion plane, steady motion.
 """Case C1: gravity perpendicular to the motion plane, steady motion.
 
@@ -358,9 +358,8 @@ def _friction_torque_gradient(
     F_N = c.L_M_mu2 * omega_m * omega_m
     F_N_d_omega_m = omega_m * c.twice_L_M_mu2
     direction_of_motion = np.sign(omega_m)
-    part_1 = c.C_lN_mu * F_N_d_omega_m * direction_of_motion
-    part_2 = c.B_lN_mu2 * F_N_d_omega_m * omega_m
-    result_omega_m = c.B_lN_mu2 * F_N + c.B_plus_k_e_k_i_per_R + part_1 + part_2
+    part_1 = F_N_d_omega_m * (c.B_lN_mu2 * omega_m + c.C_lN_mu * direction_of_motion)
+    result_omega_m = c.B_lN_mu2 * F_N + c.B_plus_k_e_k_i_per_R + part_1
     return (result_omega_m,)
 
 

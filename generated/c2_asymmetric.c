@@ -1,6 +1,6 @@
 /*
  * Generated: do not edit. Written by `make derive` from derivations/c2_asymmetric.py
- * (eccentric 0.1.0, program bebeaa5f).
+ * (eccentric 0.1.0, program b181ea50).
  * Case C2 with friction that differs between the directions of motion.
  */
 #include "c2_asymmetric.h"
@@ -8,7 +8,7 @@
 #include <float.h>
 #include <math.h>
 
-#if C2_ASYMMETRIC_PROGRAM != 0xbebeaa5fUL
+#if C2_ASYMMETRIC_PROGRAM != 0xb181ea50UL
 #error "c2_asymmetric.c and c2_asymmetric.h are of different derivations: write both again"
 #endif
 
@@ -30,6 +30,8 @@
 #else
 #define REAL_INLINE static inline
 #endif
+/* Samples that the array functions hold back, stage by stage: they keep the arithmetic units busy. */
+#define REAL_BLOCK 64u
 #if ECCENTRIC_PRECISION == 1
 #define REAL(x) x##f
 #define REAL_SQRT(x) sqrtf(x)
@@ -63,22 +65,23 @@ REAL_INLINE real c2_asymmetric_sine_ratio(const real h)
     return (h == REAL(0.0)) ? REAL(1.0) : (REAL_SIN(h) / h);
 #else
     const real x = h * h;
+    const real y = x * x;
 #if ECCENTRIC_PRECISION == 1
-    real value = REAL(2.60548113e-6);
-    value = value * x + REAL(-1.98094749e-4);
-    value = value * x + REAL(8.33306462e-3);
-    value = value * x + REAL(-1.66666595e-1);
-    return value * x + REAL(1.0);
+    real even = REAL(-1.98094749e-4);
+    even = even * y + REAL(-1.66666595e-1);
+    real odd = REAL(2.60548113e-6);
+    odd = odd * y + REAL(8.33306462e-3);
+    return (odd * x + even) * x + REAL(1.0);
 #else
-    real value = REAL(2.7209972799826474e-15);
-    value = value * x + REAL(-7.642974965950368e-13);
-    value = value * x + REAL(1.6058939085095993e-10);
-    value = value * x + REAL(-2.5052106860746877e-8);
-    value = value * x + REAL(2.7557319211008999e-6);
-    value = value * x + REAL(-1.9841269841208492e-4);
-    value = value * x + REAL(8.3333333333331924e-3);
-    value = value * x + REAL(-1.6666666666666666e-1);
-    return value * x + REAL(1.0);
+    real even = REAL(-7.642974965950368e-13);
+    even = even * y + REAL(-2.5052106860746877e-8);
+    even = even * y + REAL(-1.9841269841208492e-4);
+    even = even * y + REAL(-1.6666666666666666e-1);
+    real odd = REAL(2.7209972799826474e-15);
+    odd = odd * y + REAL(1.6058939085095993e-10);
+    odd = odd * y + REAL(2.7557319211008999e-6);
+    odd = odd * y + REAL(8.3333333333331924e-3);
+    return (odd * x + even) * x + REAL(1.0);
 #endif
 #endif
 }
@@ -90,23 +93,24 @@ REAL_INLINE real c2_asymmetric_cosine(const real h)
     return REAL_COS(h);
 #else
     const real x = h * h;
+    const real y = x * x;
 #if ECCENTRIC_PRECISION == 1
-    real value = REAL(-2.60742068e-7);
-    value = value * x + REAL(2.47617292e-5);
-    value = value * x + REAL(-1.38884006e-3);
-    value = value * x + REAL(4.16666405e-2);
-    value = value * x + REAL(-4.99999995e-1);
-    return value * x + REAL(1.0);
+    real even = REAL(-2.60742068e-7);
+    even = even * y + REAL(-1.38884006e-3);
+    even = even * y + REAL(-4.99999995e-1);
+    real odd = REAL(2.47617292e-5);
+    odd = odd * y + REAL(4.16666405e-2);
+    return (odd * x + even) * x + REAL(1.0);
 #else
-    real value = REAL(4.6099547638170315e-14);
-    value = value * x + REAL(-1.1463008250042011e-11);
-    value = value * x + REAL(2.0876566590691354e-9);
-    value = value * x + REAL(-2.7557316503307265e-7);
-    value = value * x + REAL(2.4801587278920885e-5);
-    value = value * x + REAL(-1.3888888888784392e-3);
-    value = value * x + REAL(4.1666666666664337e-2);
-    value = value * x + REAL(-4.9999999999999982e-1);
-    return value * x + REAL(1.0);
+    real even = REAL(-1.1463008250042011e-11);
+    even = even * y + REAL(-2.7557316503307265e-7);
+    even = even * y + REAL(-1.3888888888784392e-3);
+    even = even * y + REAL(-4.9999999999999982e-1);
+    real odd = REAL(4.6099547638170315e-14);
+    odd = odd * y + REAL(2.0876566590691354e-9);
+    odd = odd * y + REAL(2.4801587278920885e-5);
+    odd = odd * y + REAL(4.1666666666664337e-2);
+    return (odd * x + even) * x + REAL(1.0);
 #endif
 #endif
 }
@@ -207,8 +211,8 @@ const c2_asymmetric_parameters c2_asymmetric_default_parameters = {
     4.0e-4, /* B_m_neg [N m s/rad] */
     0.008, /* C_m_pos [N m] */
     0.008, /* C_m_neg [N m] */
-    NAN, /* J_m [kg m^2] */
-    NAN, /* J_l [kg m^2] */
+    (double)NAN, /* J_m [kg m^2] */
+    (double)NAN, /* J_l [kg m^2] */
 };
 
 const c2_asymmetric_coefficients c2_asymmetric_default = {
@@ -223,7 +227,6 @@ const c2_asymmetric_coefficients c2_asymmetric_default = {
     (real)(0.008), /* C_m_pos */
     (real)(0.2), /* k_e */
     (real)(0.02), /* k_i */
-    (real)(0.2), /* mu */
     (real)(0.005), /* scale_N */
     (real)(1.07374182e+9), /* fastest */
     (real)(7.41188235), /* mu_omega_star */
@@ -236,34 +239,34 @@ const c2_asymmetric_coefficients c2_asymmetric_default = {
     (real)(7.94534571e-8), /* period_3 */
     (real)(-6.94077781e-12), /* period_4 */
     (real)(0.1), /* half_mu */
-    (real)(1.6e-4), /* B_lN_pos_mu2 */
-    (real)(1.6e-4), /* B_lN_neg_mu2 */
+    (real)(8.0e-7), /* B_lN_pos_mu2_scale_N */
+    (real)(8.0e-7), /* B_lN_neg_mu2_scale_N */
     (real)(0.004), /* k_e_k_i_per_R */
-    (real)(0.016), /* C_lN_pos_mu */
-    (real)(0.016), /* C_lN_neg_mu */
-    (real)(0.0370594118), /* mu_omega_star_scale_N */
-    (real)(0.04), /* mu2 */
+    (real)(8.0e-5), /* C_lN_pos_mu_scale_N */
+    (real)(8.0e-5), /* C_lN_neg_mu_scale_N */
+    (real)(2.0e-4), /* mu2_scale_N */
+    (real)(0.001), /* mu_scale_N */
     (real)(0.117872), /* C_lN_pos_mu_weight_plus_C_m_pos */
     (real)(0.117872), /* C_lN_neg_mu_weight_plus_C_m_neg */
     (real)(0.04905), /* L_M_g_mu2 */
     (real)(NAN), /* J */
-    (real)(0.008), /* B_lN_pos_R_mu2_per_k_i */
-    (real)(0.008), /* B_lN_neg_R_mu2_per_k_i */
+    (real)(4.0e-5), /* B_lN_pos_R_mu2_scale_N_per_k_i */
+    (real)(4.0e-5), /* B_lN_neg_R_mu2_scale_N_per_k_i */
     (real)(0.02), /* B_m_pos_R_per_k_i */
     (real)(0.02), /* B_m_neg_R_per_k_i */
-    (real)(0.8), /* C_lN_pos_R_mu_per_k_i */
-    (real)(0.8), /* C_lN_neg_R_mu_per_k_i */
+    (real)(0.004), /* C_lN_pos_R_mu_scale_N_per_k_i */
+    (real)(0.004), /* C_lN_neg_R_mu_scale_N_per_k_i */
     (real)(0.4), /* C_m_pos_R_per_k_i */
     (real)(0.4), /* C_m_neg_R_per_k_i */
     (real)(50.0), /* R_per_k_i */
     (real)(2.4525), /* L_M_R_g_mu2_per_k_i */
-    (real)(0.008), /* B_lN_pos_mu2_per_k_i */
-    (real)(0.008), /* B_lN_neg_mu2_per_k_i */
+    (real)(4.0e-5), /* B_lN_pos_mu2_scale_N_per_k_i */
+    (real)(4.0e-5), /* B_lN_neg_mu2_scale_N_per_k_i */
     (real)(0.02), /* B_m_pos_per_k_i */
     (real)(0.02), /* B_m_neg_per_k_i */
     (real)(50.0), /* per_k_i */
-    (real)(0.8), /* C_lN_pos_mu_per_k_i */
-    (real)(0.8), /* C_lN_neg_mu_per_k_i */
+    (real)(0.004), /* C_lN_pos_mu_scale_N_per_k_i */
+    (real)(0.004), /* C_lN_neg_mu_scale_N_per_k_i */
     (real)(0.4), /* C_m_pos_per_k_i */
     (real)(0.4), /* C_m_neg_per_k_i */
     (real)(2.4525), /* L_M_g_mu2_per_k_i */
@@ -279,7 +282,6 @@ const c2_asymmetric_coefficients c2_asymmetric_default = {
     0.008, /* C_m_pos */
     0.2, /* k_e */
     0.02, /* k_i */
-    0.2, /* mu */
     0.005, /* scale_N */
     1.073741824e+9, /* fastest */
     7.4118823520074845, /* mu_omega_star */
@@ -292,34 +294,34 @@ const c2_asymmetric_coefficients c2_asymmetric_default = {
     -6.7974892274327114e-20, /* period_3 */
     1.69568553207378e-30, /* period_4 */
     0.1, /* half_mu */
-    1.6e-4, /* B_lN_pos_mu2 */
-    1.6e-4, /* B_lN_neg_mu2 */
+    8.0e-7, /* B_lN_pos_mu2_scale_N */
+    8.0e-7, /* B_lN_neg_mu2_scale_N */
     0.004, /* k_e_k_i_per_R */
-    0.016, /* C_lN_pos_mu */
-    0.016, /* C_lN_neg_mu */
-    0.037059411760037422, /* mu_omega_star_scale_N */
-    0.04, /* mu2 */
+    8.0e-5, /* C_lN_pos_mu_scale_N */
+    8.0e-5, /* C_lN_neg_mu_scale_N */
+    2.0e-4, /* mu2_scale_N */
+    0.001, /* mu_scale_N */
     0.117872, /* C_lN_pos_mu_weight_plus_C_m_pos */
     0.117872, /* C_lN_neg_mu_weight_plus_C_m_neg */
     0.04905, /* L_M_g_mu2 */
-    NAN, /* J */
-    0.008, /* B_lN_pos_R_mu2_per_k_i */
-    0.008, /* B_lN_neg_R_mu2_per_k_i */
+    (real)NAN, /* J */
+    4.0e-5, /* B_lN_pos_R_mu2_scale_N_per_k_i */
+    4.0e-5, /* B_lN_neg_R_mu2_scale_N_per_k_i */
     0.02, /* B_m_pos_R_per_k_i */
     0.02, /* B_m_neg_R_per_k_i */
-    0.8, /* C_lN_pos_R_mu_per_k_i */
-    0.8, /* C_lN_neg_R_mu_per_k_i */
+    0.004, /* C_lN_pos_R_mu_scale_N_per_k_i */
+    0.004, /* C_lN_neg_R_mu_scale_N_per_k_i */
     0.4, /* C_m_pos_R_per_k_i */
     0.4, /* C_m_neg_R_per_k_i */
     50.0, /* R_per_k_i */
     2.4525, /* L_M_R_g_mu2_per_k_i */
-    0.008, /* B_lN_pos_mu2_per_k_i */
-    0.008, /* B_lN_neg_mu2_per_k_i */
+    4.0e-5, /* B_lN_pos_mu2_scale_N_per_k_i */
+    4.0e-5, /* B_lN_neg_mu2_scale_N_per_k_i */
     0.02, /* B_m_pos_per_k_i */
     0.02, /* B_m_neg_per_k_i */
     50.0, /* per_k_i */
-    0.8, /* C_lN_pos_mu_per_k_i */
-    0.8, /* C_lN_neg_mu_per_k_i */
+    0.004, /* C_lN_pos_mu_scale_N_per_k_i */
+    0.004, /* C_lN_neg_mu_scale_N_per_k_i */
     0.4, /* C_m_pos_per_k_i */
     0.4, /* C_m_neg_per_k_i */
     2.4525, /* L_M_g_mu2_per_k_i */
@@ -351,34 +353,34 @@ void c2_asymmetric_prepare(const c2_asymmetric_parameters *p, c2_asymmetric_coef
     const double period_3 = c2_asymmetric_leading(period_left.high - period_2);
     const double period_4 = (double)(real)(period_left.high - period_2 - period_3 + period_left.low);
     const double half_mu = 0.5 * p->mu;
-    const double B_lN_pos_mu2 = p->B_lN_pos * p->mu * p->mu;
-    const double B_lN_neg_mu2 = p->B_lN_neg * p->mu * p->mu;
+    const double B_lN_pos_mu2_scale_N = p->B_lN_pos * p->mu * p->mu * scale_N;
+    const double B_lN_neg_mu2_scale_N = p->B_lN_neg * p->mu * p->mu * scale_N;
     const double k_e_k_i_per_R = p->k_e * p->k_i / p->R;
-    const double C_lN_pos_mu = p->C_lN_pos * p->mu;
-    const double C_lN_neg_mu = p->C_lN_neg * p->mu;
-    const double mu_omega_star_scale_N = p->mu * omega_star.high * scale_N;
-    const double mu2 = p->mu * p->mu;
+    const double C_lN_pos_mu_scale_N = p->C_lN_pos * p->mu * scale_N;
+    const double C_lN_neg_mu_scale_N = p->C_lN_neg * p->mu * scale_N;
+    const double mu2_scale_N = p->mu * p->mu * scale_N;
+    const double mu_scale_N = p->mu * scale_N;
     const double C_lN_pos_mu_weight_plus_C_m_pos = p->C_lN_pos * p->mu * weight.high + p->C_m_pos;
     const double C_lN_neg_mu_weight_plus_C_m_neg = p->C_lN_neg * p->mu * weight.high + p->C_m_neg;
     const double L_M_g_mu2 = p->L * p->M * p->g * p->mu * p->mu;
     const double J = p->J_l * p->mu * p->mu + p->J_m;
-    const double B_lN_pos_R_mu2_per_k_i = p->B_lN_pos * p->R * p->mu * p->mu / p->k_i;
-    const double B_lN_neg_R_mu2_per_k_i = p->B_lN_neg * p->R * p->mu * p->mu / p->k_i;
+    const double B_lN_pos_R_mu2_scale_N_per_k_i = p->B_lN_pos * p->R * p->mu * p->mu * scale_N / p->k_i;
+    const double B_lN_neg_R_mu2_scale_N_per_k_i = p->B_lN_neg * p->R * p->mu * p->mu * scale_N / p->k_i;
     const double B_m_pos_R_per_k_i = p->B_m_pos * p->R / p->k_i;
     const double B_m_neg_R_per_k_i = p->B_m_neg * p->R / p->k_i;
-    const double C_lN_pos_R_mu_per_k_i = p->C_lN_pos * p->R * p->mu / p->k_i;
-    const double C_lN_neg_R_mu_per_k_i = p->C_lN_neg * p->R * p->mu / p->k_i;
+    const double C_lN_pos_R_mu_scale_N_per_k_i = p->C_lN_pos * p->R * p->mu * scale_N / p->k_i;
+    const double C_lN_neg_R_mu_scale_N_per_k_i = p->C_lN_neg * p->R * p->mu * scale_N / p->k_i;
     const double C_m_pos_R_per_k_i = p->C_m_pos * p->R / p->k_i;
     const double C_m_neg_R_per_k_i = p->C_m_neg * p->R / p->k_i;
     const double R_per_k_i = p->R / p->k_i;
     const double L_M_R_g_mu2_per_k_i = p->L * p->M * p->R * p->g * p->mu * p->mu / p->k_i;
-    const double B_lN_pos_mu2_per_k_i = p->B_lN_pos * p->mu * p->mu / p->k_i;
-    const double B_lN_neg_mu2_per_k_i = p->B_lN_neg * p->mu * p->mu / p->k_i;
+    const double B_lN_pos_mu2_scale_N_per_k_i = p->B_lN_pos * p->mu * p->mu * scale_N / p->k_i;
+    const double B_lN_neg_mu2_scale_N_per_k_i = p->B_lN_neg * p->mu * p->mu * scale_N / p->k_i;
     const double B_m_pos_per_k_i = p->B_m_pos / p->k_i;
     const double B_m_neg_per_k_i = p->B_m_neg / p->k_i;
     const double per_k_i = 1.0 / p->k_i;
-    const double C_lN_pos_mu_per_k_i = p->C_lN_pos * p->mu / p->k_i;
-    const double C_lN_neg_mu_per_k_i = p->C_lN_neg * p->mu / p->k_i;
+    const double C_lN_pos_mu_scale_N_per_k_i = p->C_lN_pos * p->mu * scale_N / p->k_i;
+    const double C_lN_neg_mu_scale_N_per_k_i = p->C_lN_neg * p->mu * scale_N / p->k_i;
     const double C_m_pos_per_k_i = p->C_m_pos / p->k_i;
     const double C_m_neg_per_k_i = p->C_m_neg / p->k_i;
     const double L_M_g_mu2_per_k_i = p->L * p->M * p->g * p->mu * p->mu / p->k_i;
@@ -393,7 +395,6 @@ void c2_asymmetric_prepare(const c2_asymmetric_parameters *p, c2_asymmetric_coef
     c->C_m_pos = (real)(p->C_m_pos);
     c->k_e = (real)(p->k_e);
     c->k_i = (real)(p->k_i);
-    c->mu = (real)(p->mu);
     c->scale_N = (real)(scale_N);
     c->fastest = (real)(fastest);
     c->mu_omega_star = (real)(mu_omega_star);
@@ -406,68 +407,79 @@ void c2_asymmetric_prepare(const c2_asymmetric_parameters *p, c2_asymmetric_coef
     c->period_3 = (real)(period_3);
     c->period_4 = (real)(period_4);
     c->half_mu = (real)(half_mu);
-    c->B_lN_pos_mu2 = (real)(B_lN_pos_mu2);
-    c->B_lN_neg_mu2 = (real)(B_lN_neg_mu2);
+    c->B_lN_pos_mu2_scale_N = (real)(B_lN_pos_mu2_scale_N);
+    c->B_lN_neg_mu2_scale_N = (real)(B_lN_neg_mu2_scale_N);
     c->k_e_k_i_per_R = (real)(k_e_k_i_per_R);
-    c->C_lN_pos_mu = (real)(C_lN_pos_mu);
-    c->C_lN_neg_mu = (real)(C_lN_neg_mu);
-    c->mu_omega_star_scale_N = (real)(mu_omega_star_scale_N);
-    c->mu2 = (real)(mu2);
+    c->C_lN_pos_mu_scale_N = (real)(C_lN_pos_mu_scale_N);
+    c->C_lN_neg_mu_scale_N = (real)(C_lN_neg_mu_scale_N);
+    c->mu2_scale_N = (real)(mu2_scale_N);
+    c->mu_scale_N = (real)(mu_scale_N);
     c->C_lN_pos_mu_weight_plus_C_m_pos = (real)(C_lN_pos_mu_weight_plus_C_m_pos);
     c->C_lN_neg_mu_weight_plus_C_m_neg = (real)(C_lN_neg_mu_weight_plus_C_m_neg);
     c->L_M_g_mu2 = (real)(L_M_g_mu2);
     c->J = (real)(J);
-    c->B_lN_pos_R_mu2_per_k_i = (real)(B_lN_pos_R_mu2_per_k_i);
-    c->B_lN_neg_R_mu2_per_k_i = (real)(B_lN_neg_R_mu2_per_k_i);
+    c->B_lN_pos_R_mu2_scale_N_per_k_i = (real)(B_lN_pos_R_mu2_scale_N_per_k_i);
+    c->B_lN_neg_R_mu2_scale_N_per_k_i = (real)(B_lN_neg_R_mu2_scale_N_per_k_i);
     c->B_m_pos_R_per_k_i = (real)(B_m_pos_R_per_k_i);
     c->B_m_neg_R_per_k_i = (real)(B_m_neg_R_per_k_i);
-    c->C_lN_pos_R_mu_per_k_i = (real)(C_lN_pos_R_mu_per_k_i);
-    c->C_lN_neg_R_mu_per_k_i = (real)(C_lN_neg_R_mu_per_k_i);
+    c->C_lN_pos_R_mu_scale_N_per_k_i = (real)(C_lN_pos_R_mu_scale_N_per_k_i);
+    c->C_lN_neg_R_mu_scale_N_per_k_i = (real)(C_lN_neg_R_mu_scale_N_per_k_i);
     c->C_m_pos_R_per_k_i = (real)(C_m_pos_R_per_k_i);
     c->C_m_neg_R_per_k_i = (real)(C_m_neg_R_per_k_i);
     c->R_per_k_i = (real)(R_per_k_i);
     c->L_M_R_g_mu2_per_k_i = (real)(L_M_R_g_mu2_per_k_i);
-    c->B_lN_pos_mu2_per_k_i = (real)(B_lN_pos_mu2_per_k_i);
-    c->B_lN_neg_mu2_per_k_i = (real)(B_lN_neg_mu2_per_k_i);
+    c->B_lN_pos_mu2_scale_N_per_k_i = (real)(B_lN_pos_mu2_scale_N_per_k_i);
+    c->B_lN_neg_mu2_scale_N_per_k_i = (real)(B_lN_neg_mu2_scale_N_per_k_i);
     c->B_m_pos_per_k_i = (real)(B_m_pos_per_k_i);
     c->B_m_neg_per_k_i = (real)(B_m_neg_per_k_i);
     c->per_k_i = (real)(per_k_i);
-    c->C_lN_pos_mu_per_k_i = (real)(C_lN_pos_mu_per_k_i);
-    c->C_lN_neg_mu_per_k_i = (real)(C_lN_neg_mu_per_k_i);
+    c->C_lN_pos_mu_scale_N_per_k_i = (real)(C_lN_pos_mu_scale_N_per_k_i);
+    c->C_lN_neg_mu_scale_N_per_k_i = (real)(C_lN_neg_mu_scale_N_per_k_i);
     c->C_m_pos_per_k_i = (real)(C_m_pos_per_k_i);
     c->C_m_neg_per_k_i = (real)(C_m_neg_per_k_i);
     c->L_M_g_mu2_per_k_i = (real)(L_M_g_mu2_per_k_i);
     c->k_i_per_R = (real)(k_i_per_R);
 }
 
-REAL_INLINE real c2_asymmetric_normal_force_at(
-    real theta_m,
-    real omega_m,
-    const c2_asymmetric_coefficients *c)
+/* Motor angle from the nearest top of the link [rad]. */
+REAL_INLINE real c2_asymmetric_from_top(real theta_m, const c2_asymmetric_coefficients *c)
+{
+    /* whole turns of the link and a half, up to the top that is nearest */
+    const real turns = theta_m * c->turns_per_rad - REAL(0.5) + REAL_ROUNDER - REAL_ROUNDER + REAL(0.5);
+    /* the turns go off in four parts of few digits: all products but the last are exact */
+    const real rest = theta_m - turns * c->period_1;
+    const real reduced = rest - turns * c->period_2 - turns * c->period_3 - turns * c->period_4;
+    /* an angle so large that nothing is left of its phase counts as the top */
+    return ((REAL_FABS(reduced) <= c->period) ? reduced : theta_m - theta_m);
+}
+
+/* 2 sin(half the link angle from the top)/mu. */
+REAL_INLINE real c2_asymmetric_chord(real from_top, const c2_asymmetric_coefficients *c)
+{
+    const real half_angle = from_top * c->half_mu;
+    return from_top * c2_asymmetric_sine_ratio(half_angle);
+}
+
+/* Cosine of half the link angle from the top. */
+REAL_INLINE real c2_asymmetric_half_sine(real from_top, const c2_asymmetric_coefficients *c)
+{
+    const real half_angle = from_top * c->half_mu;
+    return c2_asymmetric_cosine(half_angle);
+}
+
+REAL_INLINE real c2_asymmetric_normal_force_at(real omega_m, real chord, const c2_asymmetric_coefficients *c)
 {
     const real size = REAL_FABS(omega_m);
     /* magnitude of the motor velocity, at most 2^30, 0 if M L = 0 [rad/s] */
     const real speed = ((size > c->fastest) ? c->fastest : size);
     /* speed^2 - omega_star^2; the difference is taken once, before anything is rounded */
     const real square_difference = (speed - c->omega_star_1 - c->omega_star_2) * (speed + c->omega_star_1);
-    /* whole turns of the link and a half, up to the top that is nearest */
-    const real turns = theta_m * c->turns_per_rad - REAL(0.5) + REAL_ROUNDER - REAL_ROUNDER + REAL(0.5);
-    /* the turns go off in four parts of few digits: all products but the last are exact */
-    const real rest = theta_m - turns * c->period_1;
-    /* motor angle from the top */
-    const real reduced = rest - turns * c->period_2 - turns * c->period_3 - turns * c->period_4;
-    /* an angle so large that nothing is left of its phase counts as the top */
-    const real from_top = ((REAL_FABS(reduced) <= c->period) ? reduced : theta_m - theta_m);
-    /* half the link angle from the top */
-    const real half_angle = from_top * c->half_mu;
-    /* 2 sin(half_angle)/mu */
-    const real chord = from_top * c2_asymmetric_sine_ratio(half_angle);
     const real p = square_difference;
-    const real q = chord * c->mu_omega_star * speed;
+    const real q = c->mu_omega_star * speed * chord;
     const real magnitude = REAL_SQRT(p * p + q * q);
-    /* normal force on the axis of rotation [N], eq (17) */
-    const real F_N = magnitude * c->scale_N;
-    return F_N;
+    /* normal force over scale_N [rad^2/s^2] */
+    const real load = magnitude;
+    return load * c->scale_N;
 }
 
 ECCENTRIC_REAL c2_asymmetric_normal_force(
@@ -475,7 +487,9 @@ ECCENTRIC_REAL c2_asymmetric_normal_force(
     ECCENTRIC_REAL omega_m,
     const c2_asymmetric_coefficients *c)
 {
-    return c2_asymmetric_normal_force_at(theta_m, omega_m, c);
+    const real from_top = c2_asymmetric_from_top(theta_m, c);
+    const real chord = c2_asymmetric_chord(from_top, c);
+    return c2_asymmetric_normal_force_at(omega_m, chord, c);
 }
 
 void c2_asymmetric_normal_force_n(
@@ -486,14 +500,25 @@ void c2_asymmetric_normal_force_n(
     const c2_asymmetric_coefficients *c)
 {
     const c2_asymmetric_coefficients own = *c; /* that no store to `out` can change */
-    for (size_t k = 0; k < n; ++k) {
-        out[k] = c2_asymmetric_normal_force_at(theta_m[k], omega_m[k], &own);
+    real from_top[REAL_BLOCK];
+    real chord[REAL_BLOCK];
+    for (size_t first = 0; first < n; first += REAL_BLOCK) {
+        const size_t count = (n - first < REAL_BLOCK) ? (n - first) : REAL_BLOCK;
+        for (size_t k = 0; k < count; ++k) {
+            from_top[k] = c2_asymmetric_from_top(theta_m[first + k], &own);
+        }
+        for (size_t k = 0; k < count; ++k) {
+            chord[k] = c2_asymmetric_chord(from_top[k], &own);
+        }
+        for (size_t k = 0; k < count; ++k) {
+            out[first + k] = c2_asymmetric_normal_force_at(omega_m[first + k], chord[k], &own);
+        }
     }
 }
 
 REAL_INLINE real c2_asymmetric_friction_torque_at(
-    real theta_m,
     real omega_m,
+    real chord,
     const c2_asymmetric_coefficients *c)
 {
     const real size = REAL_FABS(omega_m);
@@ -501,32 +526,22 @@ REAL_INLINE real c2_asymmetric_friction_torque_at(
     const real speed = ((size > c->fastest) ? c->fastest : size);
     /* speed^2 - omega_star^2; the difference is taken once, before anything is rounded */
     const real square_difference = (speed - c->omega_star_1 - c->omega_star_2) * (speed + c->omega_star_1);
-    /* whole turns of the link and a half, up to the top that is nearest */
-    const real turns = theta_m * c->turns_per_rad - REAL(0.5) + REAL_ROUNDER - REAL_ROUNDER + REAL(0.5);
-    /* the turns go off in four parts of few digits: all products but the last are exact */
-    const real rest = theta_m - turns * c->period_1;
-    /* motor angle from the top */
-    const real reduced = rest - turns * c->period_2 - turns * c->period_3 - turns * c->period_4;
-    /* an angle so large that nothing is left of its phase counts as the top */
-    const real from_top = ((REAL_FABS(reduced) <= c->period) ? reduced : theta_m - theta_m);
-    /* half the link angle from the top */
-    const real half_angle = from_top * c->half_mu;
-    /* 2 sin(half_angle)/mu */
-    const real chord = from_top * c2_asymmetric_sine_ratio(half_angle);
     const real p = square_difference;
-    const real q = chord * c->mu_omega_star * speed;
+    const real q = c->mu_omega_star * speed * chord;
     const real magnitude = REAL_SQRT(p * p + q * q);
-    /* normal force on the axis of rotation [N], eq (17) */
-    const real F_N = magnitude * c->scale_N;
+    /* normal force over scale_N [rad^2/s^2] */
+    const real load = magnitude;
     const real direction_of_motion = c2_asymmetric_sgn(omega_m);
-    const real part_3 = F_N * ((omega_m > REAL(0.0)) ? c->B_lN_pos_mu2 : c->B_lN_neg_mu2);
-    const real part_4 = ((omega_m > REAL(0.0)) ? c->B_m_pos : c->B_m_neg);
-    const real part_2 = c->k_e_k_i_per_R + part_3 + part_4;
+    const real part_4 = ((omega_m > REAL(0.0)) ? c->B_lN_pos_mu2_scale_N : c->B_lN_neg_mu2_scale_N);
+    const real part_3 = load * part_4;
+    const real part_5 = ((omega_m > REAL(0.0)) ? c->B_m_pos : c->B_m_neg);
+    const real part_2 = c->k_e_k_i_per_R + part_3 + part_5;
     const real part_1 = omega_m * part_2;
-    const real part_7 = F_N * ((omega_m > REAL(0.0)) ? c->C_lN_pos_mu : c->C_lN_neg_mu);
-    const real part_6 = part_7 + ((omega_m > REAL(0.0)) ? c->C_m_pos : c->C_m_neg);
-    const real part_5 = direction_of_motion * part_6;
-    return part_1 + part_5;
+    const real part_9 = ((omega_m > REAL(0.0)) ? c->C_lN_pos_mu_scale_N : c->C_lN_neg_mu_scale_N);
+    const real part_8 = load * part_9;
+    const real part_7 = part_8 + ((omega_m > REAL(0.0)) ? c->C_m_pos : c->C_m_neg);
+    const real part_6 = direction_of_motion * part_7;
+    return part_1 + part_6;
 }
 
 ECCENTRIC_REAL c2_asymmetric_friction_torque(
@@ -534,7 +549,9 @@ ECCENTRIC_REAL c2_asymmetric_friction_torque(
     ECCENTRIC_REAL omega_m,
     const c2_asymmetric_coefficients *c)
 {
-    return c2_asymmetric_friction_torque_at(theta_m, omega_m, c);
+    const real from_top = c2_asymmetric_from_top(theta_m, c);
+    const real chord = c2_asymmetric_chord(from_top, c);
+    return c2_asymmetric_friction_torque_at(omega_m, chord, c);
 }
 
 void c2_asymmetric_friction_torque_n(
@@ -545,14 +562,25 @@ void c2_asymmetric_friction_torque_n(
     const c2_asymmetric_coefficients *c)
 {
     const c2_asymmetric_coefficients own = *c; /* that no store to `out` can change */
-    for (size_t k = 0; k < n; ++k) {
-        out[k] = c2_asymmetric_friction_torque_at(theta_m[k], omega_m[k], &own);
+    real from_top[REAL_BLOCK];
+    real chord[REAL_BLOCK];
+    for (size_t first = 0; first < n; first += REAL_BLOCK) {
+        const size_t count = (n - first < REAL_BLOCK) ? (n - first) : REAL_BLOCK;
+        for (size_t k = 0; k < count; ++k) {
+            from_top[k] = c2_asymmetric_from_top(theta_m[first + k], &own);
+        }
+        for (size_t k = 0; k < count; ++k) {
+            chord[k] = c2_asymmetric_chord(from_top[k], &own);
+        }
+        for (size_t k = 0; k < count; ++k) {
+            out[first + k] = c2_asymmetric_friction_torque_at(omega_m[first + k], chord[k], &own);
+        }
     }
 }
 
 REAL_INLINE real c2_asymmetric_mechanical_friction_torque_at(
-    real theta_m,
     real omega_m,
+    real chord,
     const c2_asymmetric_coefficients *c)
 {
     const real size = REAL_FABS(omega_m);
@@ -560,31 +588,21 @@ REAL_INLINE real c2_asymmetric_mechanical_friction_torque_at(
     const real speed = ((size > c->fastest) ? c->fastest : size);
     /* speed^2 - omega_star^2; the difference is taken once, before anything is rounded */
     const real square_difference = (speed - c->omega_star_1 - c->omega_star_2) * (speed + c->omega_star_1);
-    /* whole turns of the link and a half, up to the top that is nearest */
-    const real turns = theta_m * c->turns_per_rad - REAL(0.5) + REAL_ROUNDER - REAL_ROUNDER + REAL(0.5);
-    /* the turns go off in four parts of few digits: all products but the last are exact */
-    const real rest = theta_m - turns * c->period_1;
-    /* motor angle from the top */
-    const real reduced = rest - turns * c->period_2 - turns * c->period_3 - turns * c->period_4;
-    /* an angle so large that nothing is left of its phase counts as the top */
-    const real from_top = ((REAL_FABS(reduced) <= c->period) ? reduced : theta_m - theta_m);
-    /* half the link angle from the top */
-    const real half_angle = from_top * c->half_mu;
-    /* 2 sin(half_angle)/mu */
-    const real chord = from_top * c2_asymmetric_sine_ratio(half_angle);
     const real p = square_difference;
-    const real q = chord * c->mu_omega_star * speed;
+    const real q = c->mu_omega_star * speed * chord;
     const real magnitude = REAL_SQRT(p * p + q * q);
-    /* normal force on the axis of rotation [N], eq (17) */
-    const real F_N = magnitude * c->scale_N;
+    /* normal force over scale_N [rad^2/s^2] */
+    const real load = magnitude;
     const real direction_of_motion = c2_asymmetric_sgn(omega_m);
-    const real part_3 = F_N * ((omega_m > REAL(0.0)) ? c->C_lN_pos_mu : c->C_lN_neg_mu);
+    const real part_4 = ((omega_m > REAL(0.0)) ? c->C_lN_pos_mu_scale_N : c->C_lN_neg_mu_scale_N);
+    const real part_3 = load * part_4;
     const real part_2 = part_3 + ((omega_m > REAL(0.0)) ? c->C_m_pos : c->C_m_neg);
     const real part_1 = direction_of_motion * part_2;
-    const real part_6 = F_N * ((omega_m > REAL(0.0)) ? c->B_lN_pos_mu2 : c->B_lN_neg_mu2);
-    const real part_5 = part_6 + ((omega_m > REAL(0.0)) ? c->B_m_pos : c->B_m_neg);
-    const real part_4 = omega_m * part_5;
-    return part_1 + part_4;
+    const real part_8 = ((omega_m > REAL(0.0)) ? c->B_lN_pos_mu2_scale_N : c->B_lN_neg_mu2_scale_N);
+    const real part_7 = load * part_8;
+    const real part_6 = part_7 + ((omega_m > REAL(0.0)) ? c->B_m_pos : c->B_m_neg);
+    const real part_5 = omega_m * part_6;
+    return part_1 + part_5;
 }
 
 ECCENTRIC_REAL c2_asymmetric_mechanical_friction_torque(
@@ -592,7 +610,9 @@ ECCENTRIC_REAL c2_asymmetric_mechanical_friction_torque(
     ECCENTRIC_REAL omega_m,
     const c2_asymmetric_coefficients *c)
 {
-    return c2_asymmetric_mechanical_friction_torque_at(theta_m, omega_m, c);
+    const real from_top = c2_asymmetric_from_top(theta_m, c);
+    const real chord = c2_asymmetric_chord(from_top, c);
+    return c2_asymmetric_mechanical_friction_torque_at(omega_m, chord, c);
 }
 
 void c2_asymmetric_mechanical_friction_torque_n(
@@ -603,14 +623,26 @@ void c2_asymmetric_mechanical_friction_torque_n(
     const c2_asymmetric_coefficients *c)
 {
     const c2_asymmetric_coefficients own = *c; /* that no store to `out` can change */
-    for (size_t k = 0; k < n; ++k) {
-        out[k] = c2_asymmetric_mechanical_friction_torque_at(theta_m[k], omega_m[k], &own);
+    real from_top[REAL_BLOCK];
+    real chord[REAL_BLOCK];
+    for (size_t first = 0; first < n; first += REAL_BLOCK) {
+        const size_t count = (n - first < REAL_BLOCK) ? (n - first) : REAL_BLOCK;
+        for (size_t k = 0; k < count; ++k) {
+            from_top[k] = c2_asymmetric_from_top(theta_m[first + k], &own);
+        }
+        for (size_t k = 0; k < count; ++k) {
+            chord[k] = c2_asymmetric_chord(from_top[k], &own);
+        }
+        for (size_t k = 0; k < count; ++k) {
+            out[first + k] = c2_asymmetric_mechanical_friction_torque_at(omega_m[first + k], chord[k], &own);
+        }
     }
 }
 
 REAL_INLINE void c2_asymmetric_friction_torque_gradient_at(
-    real theta_m,
     real omega_m,
+    real chord,
+    real half_sine,
     real *out,
     const c2_asymmetric_coefficients *c)
 {
@@ -621,43 +653,34 @@ REAL_INLINE void c2_asymmetric_friction_torque_gradient_at(
     const real speed_d_omega_m = direction_of_motion;
     /* speed^2 - omega_star^2; the difference is taken once, before anything is rounded */
     const real square_difference = (speed - c->omega_star_1 - c->omega_star_2) * (speed + c->omega_star_1);
-    /* whole turns of the link and a half, up to the top that is nearest */
-    const real turns = theta_m * c->turns_per_rad - REAL(0.5) + REAL_ROUNDER - REAL_ROUNDER + REAL(0.5);
-    /* the turns go off in four parts of few digits: all products but the last are exact */
-    const real rest = theta_m - turns * c->period_1;
-    /* motor angle from the top */
-    const real reduced = rest - turns * c->period_2 - turns * c->period_3 - turns * c->period_4;
-    /* an angle so large that nothing is left of its phase counts as the top */
-    const real from_top = ((REAL_FABS(reduced) <= c->period) ? reduced : theta_m - theta_m);
-    /* half the link angle from the top */
-    const real half_angle = from_top * c->half_mu;
-    /* 2 sin(half_angle)/mu */
-    const real chord = from_top * c2_asymmetric_sine_ratio(half_angle);
     const real p = square_difference;
-    const real q = chord * c->mu_omega_star * speed;
+    const real q = c->mu_omega_star * speed * chord;
     const real magnitude = REAL_SQRT(p * p + q * q);
-    /* normal force on the axis of rotation [N], eq (17) */
-    const real F_N = magnitude * c->scale_N;
+    /* normal force over scale_N [rad^2/s^2] */
+    const real load = magnitude;
     /* 1 at the apex, where F_N is 0 and its derivatives are taken as 0 */
     const real inverse = REAL(1.0) / ((magnitude == REAL(0.0)) ? REAL(1.0) : magnitude);
-    /* cosine of the half angle from the top */
-    const real half_sine = c2_asymmetric_cosine(half_angle);
-    const real F_N_d_theta_m = half_sine * c->mu_omega_star_scale_N * speed * (q * inverse);
-    const real part_2 = chord * c->mu_omega_star * (q * inverse);
-    const real part_1 = part_2 + REAL(2.0) * speed * (p * inverse);
-    const real F_N_d_omega_m = part_1 * c->scale_N * speed_d_omega_m;
-    const real part_5 = ((omega_m > REAL(0.0)) ? c->C_lN_pos_mu : c->C_lN_neg_mu);
-    const real part_4 = direction_of_motion * part_5;
-    const real part_6 = omega_m * ((omega_m > REAL(0.0)) ? c->B_lN_pos_mu2 : c->B_lN_neg_mu2);
-    const real part_3 = part_4 + part_6;
-    out[0] = F_N_d_theta_m * part_3;
-    const real part_8 = ((omega_m > REAL(0.0)) ? c->C_lN_pos_mu : c->C_lN_neg_mu);
-    const real part_7 = F_N_d_omega_m * direction_of_motion * part_8;
-    const real part_10 = ((omega_m > REAL(0.0)) ? c->B_lN_pos_mu2 : c->B_lN_neg_mu2);
-    const real part_9 = F_N_d_omega_m * omega_m * part_10;
-    const real part_11 = F_N * ((omega_m > REAL(0.0)) ? c->B_lN_pos_mu2 : c->B_lN_neg_mu2);
-    const real part_12 = ((omega_m > REAL(0.0)) ? c->B_m_pos : c->B_m_neg);
-    out[1] = c->k_e_k_i_per_R + part_11 + part_12 + part_7 + part_9;
+    const real part_1 = c->mu_omega_star * speed * (q * inverse);
+    const real load_d_theta_m = part_1 * half_sine;
+    const real part_3 = c->mu_omega_star * (q * inverse) * chord;
+    const real part_2 = part_3 + REAL(2.0) * speed * (p * inverse);
+    const real load_d_omega_m = part_2 * speed_d_omega_m;
+    const real part_6 = ((omega_m > REAL(0.0)) ? c->C_lN_pos_mu_scale_N : c->C_lN_neg_mu_scale_N);
+    const real part_5 = direction_of_motion * part_6;
+    const real part_8 = ((omega_m > REAL(0.0)) ? c->B_lN_pos_mu2_scale_N : c->B_lN_neg_mu2_scale_N);
+    const real part_7 = omega_m * part_8;
+    const real part_4 = part_5 + part_7;
+    out[0] = load_d_theta_m * part_4;
+    const real part_12 = ((omega_m > REAL(0.0)) ? c->C_lN_pos_mu_scale_N : c->C_lN_neg_mu_scale_N);
+    const real part_11 = direction_of_motion * part_12;
+    const real part_14 = ((omega_m > REAL(0.0)) ? c->B_lN_pos_mu2_scale_N : c->B_lN_neg_mu2_scale_N);
+    const real part_13 = omega_m * part_14;
+    const real part_10 = part_11 + part_13;
+    const real part_9 = load_d_omega_m * part_10;
+    const real part_16 = ((omega_m > REAL(0.0)) ? c->B_lN_pos_mu2_scale_N : c->B_lN_neg_mu2_scale_N);
+    const real part_15 = load * part_16;
+    const real part_17 = ((omega_m > REAL(0.0)) ? c->B_m_pos : c->B_m_neg);
+    out[1] = c->k_e_k_i_per_R + part_15 + part_17 + part_9;
 }
 
 void c2_asymmetric_friction_torque_gradient(
@@ -666,7 +689,10 @@ void c2_asymmetric_friction_torque_gradient(
     ECCENTRIC_REAL *out,
     const c2_asymmetric_coefficients *c)
 {
-    c2_asymmetric_friction_torque_gradient_at(theta_m, omega_m, out, c);
+    const real from_top = c2_asymmetric_from_top(theta_m, c);
+    const real chord = c2_asymmetric_chord(from_top, c);
+    const real half_sine = c2_asymmetric_half_sine(from_top, c);
+    c2_asymmetric_friction_torque_gradient_at(omega_m, chord, half_sine, out, c);
 }
 
 void c2_asymmetric_friction_torque_gradient_n(
@@ -677,14 +703,28 @@ void c2_asymmetric_friction_torque_gradient_n(
     const c2_asymmetric_coefficients *c)
 {
     const c2_asymmetric_coefficients own = *c; /* that no store to `out` can change */
-    for (size_t k = 0; k < n; ++k) {
-        c2_asymmetric_friction_torque_gradient_at(theta_m[k], omega_m[k], out + 2 * k, &own);
+    real from_top[REAL_BLOCK];
+    real chord[REAL_BLOCK];
+    real half_sine[REAL_BLOCK];
+    for (size_t first = 0; first < n; first += REAL_BLOCK) {
+        const size_t count = (n - first < REAL_BLOCK) ? (n - first) : REAL_BLOCK;
+        for (size_t k = 0; k < count; ++k) {
+            from_top[k] = c2_asymmetric_from_top(theta_m[first + k], &own);
+        }
+        for (size_t k = 0; k < count; ++k) {
+            chord[k] = c2_asymmetric_chord(from_top[k], &own);
+            half_sine[k] = c2_asymmetric_half_sine(from_top[k], &own);
+        }
+        for (size_t k = 0; k < count; ++k) {
+            c2_asymmetric_friction_torque_gradient_at(omega_m[first + k], chord[k], half_sine[k], &out[2 *
+                (first + k)], &own);
+        }
     }
 }
 
 REAL_INLINE void c2_asymmetric_friction_torque_jacobian_at(
-    real theta_m,
     real omega_m,
+    real chord,
     real *out,
     const c2_asymmetric_coefficients *c)
 {
@@ -693,30 +733,18 @@ REAL_INLINE void c2_asymmetric_friction_torque_jacobian_at(
     const real speed = ((size > c->fastest) ? c->fastest : size);
     /* speed^2 - omega_star^2; the difference is taken once, before anything is rounded */
     const real square_difference = (speed - c->omega_star_1 - c->omega_star_2) * (speed + c->omega_star_1);
-    /* whole turns of the link and a half, up to the top that is nearest */
-    const real turns = theta_m * c->turns_per_rad - REAL(0.5) + REAL_ROUNDER - REAL_ROUNDER + REAL(0.5);
-    /* the turns go off in four parts of few digits: all products but the last are exact */
-    const real rest = theta_m - turns * c->period_1;
-    /* motor angle from the top */
-    const real reduced = rest - turns * c->period_2 - turns * c->period_3 - turns * c->period_4;
-    /* an angle so large that nothing is left of its phase counts as the top */
-    const real from_top = ((REAL_FABS(reduced) <= c->period) ? reduced : theta_m - theta_m);
-    /* half the link angle from the top */
-    const real half_angle = from_top * c->half_mu;
-    /* 2 sin(half_angle)/mu */
-    const real chord = from_top * c2_asymmetric_sine_ratio(half_angle);
     const real p = square_difference;
-    const real q = chord * c->mu_omega_star * speed;
+    const real q = c->mu_omega_star * speed * chord;
     const real magnitude = REAL_SQRT(p * p + q * q);
-    /* normal force on the axis of rotation [N], eq (17) */
-    const real F_N = magnitude * c->scale_N;
+    /* normal force over scale_N [rad^2/s^2] */
+    const real load = magnitude;
     const real is_forward = c2_asymmetric_forward(omega_m);
-    const real ungated = F_N * c->mu2 * omega_m;
+    const real ungated = load * c->mu2_scale_N * omega_m;
     out[0] = ((is_forward == REAL(0.0)) ? REAL(0.0) : ungated * is_forward);
     const real is_backward = c2_asymmetric_forward(-(omega_m));
     out[1] = ((is_backward == REAL(0.0)) ? REAL(0.0) : ungated * is_backward);
     const real direction_of_motion = c2_asymmetric_sgn(omega_m);
-    const real ungated_2 = F_N * direction_of_motion * c->mu;
+    const real ungated_2 = direction_of_motion * load * c->mu_scale_N;
     out[2] = ((is_forward == REAL(0.0)) ? REAL(0.0) : ungated_2 * is_forward);
     out[3] = ((is_backward == REAL(0.0)) ? REAL(0.0) : ungated_2 * is_backward);
     out[4] = ((is_forward == REAL(0.0)) ? REAL(0.0) : omega_m * is_forward);
@@ -731,7 +759,9 @@ void c2_asymmetric_friction_torque_jacobian(
     ECCENTRIC_REAL *out,
     const c2_asymmetric_coefficients *c)
 {
-    c2_asymmetric_friction_torque_jacobian_at(theta_m, omega_m, out, c);
+    const real from_top = c2_asymmetric_from_top(theta_m, c);
+    const real chord = c2_asymmetric_chord(from_top, c);
+    c2_asymmetric_friction_torque_jacobian_at(omega_m, chord, out, c);
 }
 
 void c2_asymmetric_friction_torque_jacobian_n(
@@ -742,14 +772,26 @@ void c2_asymmetric_friction_torque_jacobian_n(
     const c2_asymmetric_coefficients *c)
 {
     const c2_asymmetric_coefficients own = *c; /* that no store to `out` can change */
-    for (size_t k = 0; k < n; ++k) {
-        c2_asymmetric_friction_torque_jacobian_at(theta_m[k], omega_m[k], out + 8 * k, &own);
+    real from_top[REAL_BLOCK];
+    real chord[REAL_BLOCK];
+    for (size_t first = 0; first < n; first += REAL_BLOCK) {
+        const size_t count = (n - first < REAL_BLOCK) ? (n - first) : REAL_BLOCK;
+        for (size_t k = 0; k < count; ++k) {
+            from_top[k] = c2_asymmetric_from_top(theta_m[first + k], &own);
+        }
+        for (size_t k = 0; k < count; ++k) {
+            chord[k] = c2_asymmetric_chord(from_top[k], &own);
+        }
+        for (size_t k = 0; k < count; ++k) {
+            c2_asymmetric_friction_torque_jacobian_at(omega_m[first + k], chord[k], &out[8 * (first + k)],
+                &own);
+        }
     }
 }
 
 REAL_INLINE void c2_asymmetric_regressor_at(
-    real theta_m,
     real omega_m,
+    real chord,
     real *out,
     const c2_asymmetric_coefficients *c)
 {
@@ -758,30 +800,18 @@ REAL_INLINE void c2_asymmetric_regressor_at(
     const real speed = ((size > c->fastest) ? c->fastest : size);
     /* speed^2 - omega_star^2; the difference is taken once, before anything is rounded */
     const real square_difference = (speed - c->omega_star_1 - c->omega_star_2) * (speed + c->omega_star_1);
-    /* whole turns of the link and a half, up to the top that is nearest */
-    const real turns = theta_m * c->turns_per_rad - REAL(0.5) + REAL_ROUNDER - REAL_ROUNDER + REAL(0.5);
-    /* the turns go off in four parts of few digits: all products but the last are exact */
-    const real rest = theta_m - turns * c->period_1;
-    /* motor angle from the top */
-    const real reduced = rest - turns * c->period_2 - turns * c->period_3 - turns * c->period_4;
-    /* an angle so large that nothing is left of its phase counts as the top */
-    const real from_top = ((REAL_FABS(reduced) <= c->period) ? reduced : theta_m - theta_m);
-    /* half the link angle from the top */
-    const real half_angle = from_top * c->half_mu;
-    /* 2 sin(half_angle)/mu */
-    const real chord = from_top * c2_asymmetric_sine_ratio(half_angle);
     const real p = square_difference;
-    const real q = chord * c->mu_omega_star * speed;
+    const real q = c->mu_omega_star * speed * chord;
     const real magnitude = REAL_SQRT(p * p + q * q);
-    /* normal force on the axis of rotation [N], eq (17) */
-    const real F_N = magnitude * c->scale_N;
+    /* normal force over scale_N [rad^2/s^2] */
+    const real load = magnitude;
     const real is_forward = c2_asymmetric_forward(omega_m);
-    const real ungated = F_N * c->mu2 * omega_m;
+    const real ungated = load * c->mu2_scale_N * omega_m;
     out[0] = ((is_forward == REAL(0.0)) ? REAL(0.0) : ungated * is_forward);
     const real is_backward = c2_asymmetric_forward(-(omega_m));
     out[1] = ((is_backward == REAL(0.0)) ? REAL(0.0) : ungated * is_backward);
     const real direction_of_motion = c2_asymmetric_sgn(omega_m);
-    const real ungated_2 = F_N * direction_of_motion * c->mu;
+    const real ungated_2 = direction_of_motion * load * c->mu_scale_N;
     out[2] = ((is_forward == REAL(0.0)) ? REAL(0.0) : ungated_2 * is_forward);
     out[3] = ((is_backward == REAL(0.0)) ? REAL(0.0) : ungated_2 * is_backward);
     out[4] = ((is_forward == REAL(0.0)) ? REAL(0.0) : omega_m * is_forward);
@@ -796,7 +826,9 @@ void c2_asymmetric_regressor(
     ECCENTRIC_REAL *out,
     const c2_asymmetric_coefficients *c)
 {
-    c2_asymmetric_regressor_at(theta_m, omega_m, out, c);
+    const real from_top = c2_asymmetric_from_top(theta_m, c);
+    const real chord = c2_asymmetric_chord(from_top, c);
+    c2_asymmetric_regressor_at(omega_m, chord, out, c);
 }
 
 void c2_asymmetric_regressor_n(
@@ -807,8 +839,19 @@ void c2_asymmetric_regressor_n(
     const c2_asymmetric_coefficients *c)
 {
     const c2_asymmetric_coefficients own = *c; /* that no store to `out` can change */
-    for (size_t k = 0; k < n; ++k) {
-        c2_asymmetric_regressor_at(theta_m[k], omega_m[k], out + 8 * k, &own);
+    real from_top[REAL_BLOCK];
+    real chord[REAL_BLOCK];
+    for (size_t first = 0; first < n; first += REAL_BLOCK) {
+        const size_t count = (n - first < REAL_BLOCK) ? (n - first) : REAL_BLOCK;
+        for (size_t k = 0; k < count; ++k) {
+            from_top[k] = c2_asymmetric_from_top(theta_m[first + k], &own);
+        }
+        for (size_t k = 0; k < count; ++k) {
+            chord[k] = c2_asymmetric_chord(from_top[k], &own);
+        }
+        for (size_t k = 0; k < count; ++k) {
+            c2_asymmetric_regressor_at(omega_m[first + k], chord[k], &out[8 * (first + k)], &own);
+        }
     }
 }
 
@@ -830,28 +873,20 @@ void c2_asymmetric_coulomb_torque(ECCENTRIC_REAL *out, const c2_asymmetric_coeff
     out[1] = c->C_lN_neg_mu_weight_plus_C_m_neg;
 }
 
-REAL_INLINE real c2_asymmetric_gravity_torque_at(real theta_m, const c2_asymmetric_coefficients *c)
+REAL_INLINE real c2_asymmetric_gravity_torque_at(
+    real chord,
+    real half_sine,
+    const c2_asymmetric_coefficients *c)
 {
-    /* whole turns of the link and a half, up to the top that is nearest */
-    const real turns = theta_m * c->turns_per_rad - REAL(0.5) + REAL_ROUNDER - REAL_ROUNDER + REAL(0.5);
-    /* the turns go off in four parts of few digits: all products but the last are exact */
-    const real rest = theta_m - turns * c->period_1;
-    /* motor angle from the top */
-    const real reduced = rest - turns * c->period_2 - turns * c->period_3 - turns * c->period_4;
-    /* an angle so large that nothing is left of its phase counts as the top */
-    const real from_top = ((REAL_FABS(reduced) <= c->period) ? reduced : theta_m - theta_m);
-    /* half the link angle from the top */
-    const real half_angle = from_top * c->half_mu;
-    /* 2 sin(half_angle)/mu */
-    const real chord = from_top * c2_asymmetric_sine_ratio(half_angle);
-    /* cosine of the half angle from the top */
-    const real half_sine = c2_asymmetric_cosine(half_angle);
-    return -c->L_M_g_mu2 * chord * half_sine;
+    return (-c->L_M_g_mu2) * chord * half_sine;
 }
 
 ECCENTRIC_REAL c2_asymmetric_gravity_torque(ECCENTRIC_REAL theta_m, const c2_asymmetric_coefficients *c)
 {
-    return c2_asymmetric_gravity_torque_at(theta_m, c);
+    const real from_top = c2_asymmetric_from_top(theta_m, c);
+    const real chord = c2_asymmetric_chord(from_top, c);
+    const real half_sine = c2_asymmetric_half_sine(from_top, c);
+    return c2_asymmetric_gravity_torque_at(chord, half_sine, c);
 }
 
 void c2_asymmetric_gravity_torque_n(
@@ -861,15 +896,29 @@ void c2_asymmetric_gravity_torque_n(
     const c2_asymmetric_coefficients *c)
 {
     const c2_asymmetric_coefficients own = *c; /* that no store to `out` can change */
-    for (size_t k = 0; k < n; ++k) {
-        out[k] = c2_asymmetric_gravity_torque_at(theta_m[k], &own);
+    real from_top[REAL_BLOCK];
+    real chord[REAL_BLOCK];
+    real half_sine[REAL_BLOCK];
+    for (size_t first = 0; first < n; first += REAL_BLOCK) {
+        const size_t count = (n - first < REAL_BLOCK) ? (n - first) : REAL_BLOCK;
+        for (size_t k = 0; k < count; ++k) {
+            from_top[k] = c2_asymmetric_from_top(theta_m[first + k], &own);
+        }
+        for (size_t k = 0; k < count; ++k) {
+            chord[k] = c2_asymmetric_chord(from_top[k], &own);
+            half_sine[k] = c2_asymmetric_half_sine(from_top[k], &own);
+        }
+        for (size_t k = 0; k < count; ++k) {
+            out[first + k] = c2_asymmetric_gravity_torque_at(chord[k], half_sine[k], &own);
+        }
     }
 }
 
 REAL_INLINE real c2_asymmetric_voltage_at(
-    real theta_m,
     real omega_m,
     real alpha_m,
+    real chord,
+    real half_sine,
     const c2_asymmetric_coefficients *c)
 {
     const real size = REAL_FABS(omega_m);
@@ -877,38 +926,26 @@ REAL_INLINE real c2_asymmetric_voltage_at(
     const real speed = ((size > c->fastest) ? c->fastest : size);
     /* speed^2 - omega_star^2; the difference is taken once, before anything is rounded */
     const real square_difference = (speed - c->omega_star_1 - c->omega_star_2) * (speed + c->omega_star_1);
-    /* whole turns of the link and a half, up to the top that is nearest */
-    const real turns = theta_m * c->turns_per_rad - REAL(0.5) + REAL_ROUNDER - REAL_ROUNDER + REAL(0.5);
-    /* the turns go off in four parts of few digits: all products but the last are exact */
-    const real rest = theta_m - turns * c->period_1;
-    /* motor angle from the top */
-    const real reduced = rest - turns * c->period_2 - turns * c->period_3 - turns * c->period_4;
-    /* an angle so large that nothing is left of its phase counts as the top */
-    const real from_top = ((REAL_FABS(reduced) <= c->period) ? reduced : theta_m - theta_m);
-    /* half the link angle from the top */
-    const real half_angle = from_top * c->half_mu;
-    /* 2 sin(half_angle)/mu */
-    const real chord = from_top * c2_asymmetric_sine_ratio(half_angle);
     const real p = square_difference;
-    const real q = chord * c->mu_omega_star * speed;
+    const real q = c->mu_omega_star * speed * chord;
     const real magnitude = REAL_SQRT(p * p + q * q);
-    /* normal force on the axis of rotation [N], eq (17) */
-    const real F_N = magnitude * c->scale_N;
+    /* normal force over scale_N [rad^2/s^2] */
+    const real load = magnitude;
     const real direction_of_motion = c2_asymmetric_sgn(omega_m);
-    /* cosine of the half angle from the top */
-    const real half_sine = c2_asymmetric_cosine(half_angle);
-    const real part_4 = ((omega_m > REAL(0.0)) ? c->C_lN_pos_R_mu_per_k_i : c->C_lN_neg_R_mu_per_k_i);
-    const real part_3 = F_N * part_4;
+    const real part_4 = ((omega_m > REAL(0.0)) ? c->C_lN_pos_R_mu_scale_N_per_k_i :
+        c->C_lN_neg_R_mu_scale_N_per_k_i);
+    const real part_3 = load * part_4;
     const real part_5 = ((omega_m > REAL(0.0)) ? c->C_m_pos_R_per_k_i : c->C_m_neg_R_per_k_i);
     const real part_2 = part_3 + part_5;
     const real part_1 = direction_of_motion * part_2;
-    const real part_9 = ((omega_m > REAL(0.0)) ? c->B_lN_pos_R_mu2_per_k_i : c->B_lN_neg_R_mu2_per_k_i);
-    const real part_8 = F_N * part_9;
+    const real part_9 = ((omega_m > REAL(0.0)) ? c->B_lN_pos_R_mu2_scale_N_per_k_i :
+        c->B_lN_neg_R_mu2_scale_N_per_k_i);
+    const real part_8 = load * part_9;
     const real part_10 = ((omega_m > REAL(0.0)) ? c->B_m_pos_R_per_k_i : c->B_m_neg_R_per_k_i);
     const real part_7 = c->k_e + part_10 + part_8;
     const real part_6 = omega_m * part_7;
-    const real part_11 = c->R_per_k_i * ((alpha_m == REAL(0.0)) ? REAL(0.0) : c->J * alpha_m);
-    const real part_12 = -c->L_M_R_g_mu2_per_k_i * chord * half_sine;
+    const real part_11 = (-c->L_M_R_g_mu2_per_k_i) * chord * half_sine;
+    const real part_12 = c->R_per_k_i * ((alpha_m == REAL(0.0)) ? REAL(0.0) : c->J * alpha_m);
     return part_1 + part_11 + part_12 + part_6;
 }
 
@@ -918,7 +955,10 @@ ECCENTRIC_REAL c2_asymmetric_voltage(
     ECCENTRIC_REAL alpha_m,
     const c2_asymmetric_coefficients *c)
 {
-    return c2_asymmetric_voltage_at(theta_m, omega_m, alpha_m, c);
+    const real from_top = c2_asymmetric_from_top(theta_m, c);
+    const real chord = c2_asymmetric_chord(from_top, c);
+    const real half_sine = c2_asymmetric_half_sine(from_top, c);
+    return c2_asymmetric_voltage_at(omega_m, alpha_m, chord, half_sine, c);
 }
 
 void c2_asymmetric_voltage_n(
@@ -930,15 +970,30 @@ void c2_asymmetric_voltage_n(
     const c2_asymmetric_coefficients *c)
 {
     const c2_asymmetric_coefficients own = *c; /* that no store to `out` can change */
-    for (size_t k = 0; k < n; ++k) {
-        out[k] = c2_asymmetric_voltage_at(theta_m[k], omega_m[k], alpha_m[k], &own);
+    real from_top[REAL_BLOCK];
+    real chord[REAL_BLOCK];
+    real half_sine[REAL_BLOCK];
+    for (size_t first = 0; first < n; first += REAL_BLOCK) {
+        const size_t count = (n - first < REAL_BLOCK) ? (n - first) : REAL_BLOCK;
+        for (size_t k = 0; k < count; ++k) {
+            from_top[k] = c2_asymmetric_from_top(theta_m[first + k], &own);
+        }
+        for (size_t k = 0; k < count; ++k) {
+            chord[k] = c2_asymmetric_chord(from_top[k], &own);
+            half_sine[k] = c2_asymmetric_half_sine(from_top[k], &own);
+        }
+        for (size_t k = 0; k < count; ++k) {
+            out[first + k] = c2_asymmetric_voltage_at(omega_m[first + k], alpha_m[first + k], chord[k],
+                half_sine[k], &own);
+        }
     }
 }
 
 REAL_INLINE real c2_asymmetric_current_at(
-    real theta_m,
     real omega_m,
     real alpha_m,
+    real chord,
+    real half_sine,
     const c2_asymmetric_coefficients *c)
 {
     const real size = REAL_FABS(omega_m);
@@ -946,36 +1001,24 @@ REAL_INLINE real c2_asymmetric_current_at(
     const real speed = ((size > c->fastest) ? c->fastest : size);
     /* speed^2 - omega_star^2; the difference is taken once, before anything is rounded */
     const real square_difference = (speed - c->omega_star_1 - c->omega_star_2) * (speed + c->omega_star_1);
-    /* whole turns of the link and a half, up to the top that is nearest */
-    const real turns = theta_m * c->turns_per_rad - REAL(0.5) + REAL_ROUNDER - REAL_ROUNDER + REAL(0.5);
-    /* the turns go off in four parts of few digits: all products but the last are exact */
-    const real rest = theta_m - turns * c->period_1;
-    /* motor angle from the top */
-    const real reduced = rest - turns * c->period_2 - turns * c->period_3 - turns * c->period_4;
-    /* an angle so large that nothing is left of its phase counts as the top */
-    const real from_top = ((REAL_FABS(reduced) <= c->period) ? reduced : theta_m - theta_m);
-    /* half the link angle from the top */
-    const real half_angle = from_top * c->half_mu;
-    /* 2 sin(half_angle)/mu */
-    const real chord = from_top * c2_asymmetric_sine_ratio(half_angle);
     const real p = square_difference;
-    const real q = chord * c->mu_omega_star * speed;
+    const real q = c->mu_omega_star * speed * chord;
     const real magnitude = REAL_SQRT(p * p + q * q);
-    /* normal force on the axis of rotation [N], eq (17) */
-    const real F_N = magnitude * c->scale_N;
+    /* normal force over scale_N [rad^2/s^2] */
+    const real load = magnitude;
     const real direction_of_motion = c2_asymmetric_sgn(omega_m);
-    /* cosine of the half angle from the top */
-    const real half_sine = c2_asymmetric_cosine(half_angle);
-    const real part_4 = ((omega_m > REAL(0.0)) ? c->C_lN_pos_mu_per_k_i : c->C_lN_neg_mu_per_k_i);
-    const real part_3 = F_N * part_4;
+    const real part_4 = ((omega_m > REAL(0.0)) ? c->C_lN_pos_mu_scale_N_per_k_i :
+        c->C_lN_neg_mu_scale_N_per_k_i);
+    const real part_3 = load * part_4;
     const real part_2 = part_3 + ((omega_m > REAL(0.0)) ? c->C_m_pos_per_k_i : c->C_m_neg_per_k_i);
     const real part_1 = direction_of_motion * part_2;
-    const real part_8 = ((omega_m > REAL(0.0)) ? c->B_lN_pos_mu2_per_k_i : c->B_lN_neg_mu2_per_k_i);
-    const real part_7 = F_N * part_8;
+    const real part_8 = ((omega_m > REAL(0.0)) ? c->B_lN_pos_mu2_scale_N_per_k_i :
+        c->B_lN_neg_mu2_scale_N_per_k_i);
+    const real part_7 = load * part_8;
     const real part_6 = part_7 + ((omega_m > REAL(0.0)) ? c->B_m_pos_per_k_i : c->B_m_neg_per_k_i);
     const real part_5 = omega_m * part_6;
     const real part_9 = c->per_k_i * ((alpha_m == REAL(0.0)) ? REAL(0.0) : c->J * alpha_m);
-    const real part_10 = -c->L_M_g_mu2_per_k_i * chord * half_sine;
+    const real part_10 = (-c->L_M_g_mu2_per_k_i) * chord * half_sine;
     return part_1 + part_10 + part_5 + part_9;
 }
 
@@ -985,7 +1028,10 @@ ECCENTRIC_REAL c2_asymmetric_current(
     ECCENTRIC_REAL alpha_m,
     const c2_asymmetric_coefficients *c)
 {
-    return c2_asymmetric_current_at(theta_m, omega_m, alpha_m, c);
+    const real from_top = c2_asymmetric_from_top(theta_m, c);
+    const real chord = c2_asymmetric_chord(from_top, c);
+    const real half_sine = c2_asymmetric_half_sine(from_top, c);
+    return c2_asymmetric_current_at(omega_m, alpha_m, chord, half_sine, c);
 }
 
 void c2_asymmetric_current_n(
@@ -997,16 +1043,31 @@ void c2_asymmetric_current_n(
     const c2_asymmetric_coefficients *c)
 {
     const c2_asymmetric_coefficients own = *c; /* that no store to `out` can change */
-    for (size_t k = 0; k < n; ++k) {
-        out[k] = c2_asymmetric_current_at(theta_m[k], omega_m[k], alpha_m[k], &own);
+    real from_top[REAL_BLOCK];
+    real chord[REAL_BLOCK];
+    real half_sine[REAL_BLOCK];
+    for (size_t first = 0; first < n; first += REAL_BLOCK) {
+        const size_t count = (n - first < REAL_BLOCK) ? (n - first) : REAL_BLOCK;
+        for (size_t k = 0; k < count; ++k) {
+            from_top[k] = c2_asymmetric_from_top(theta_m[first + k], &own);
+        }
+        for (size_t k = 0; k < count; ++k) {
+            chord[k] = c2_asymmetric_chord(from_top[k], &own);
+            half_sine[k] = c2_asymmetric_half_sine(from_top[k], &own);
+        }
+        for (size_t k = 0; k < count; ++k) {
+            out[first + k] = c2_asymmetric_current_at(omega_m[first + k], alpha_m[first + k], chord[k],
+                half_sine[k], &own);
+        }
     }
 }
 
 REAL_INLINE real c2_asymmetric_mechanical_residual_at(
-    real theta_m,
     real omega_m,
     real i,
     real alpha_m,
+    real chord,
+    real half_sine,
     const c2_asymmetric_coefficients *c)
 {
     const real size = REAL_FABS(omega_m);
@@ -1014,35 +1075,23 @@ REAL_INLINE real c2_asymmetric_mechanical_residual_at(
     const real speed = ((size > c->fastest) ? c->fastest : size);
     /* speed^2 - omega_star^2; the difference is taken once, before anything is rounded */
     const real square_difference = (speed - c->omega_star_1 - c->omega_star_2) * (speed + c->omega_star_1);
-    /* whole turns of the link and a half, up to the top that is nearest */
-    const real turns = theta_m * c->turns_per_rad - REAL(0.5) + REAL_ROUNDER - REAL_ROUNDER + REAL(0.5);
-    /* the turns go off in four parts of few digits: all products but the last are exact */
-    const real rest = theta_m - turns * c->period_1;
-    /* motor angle from the top */
-    const real reduced = rest - turns * c->period_2 - turns * c->period_3 - turns * c->period_4;
-    /* an angle so large that nothing is left of its phase counts as the top */
-    const real from_top = ((REAL_FABS(reduced) <= c->period) ? reduced : theta_m - theta_m);
-    /* half the link angle from the top */
-    const real half_angle = from_top * c->half_mu;
-    /* 2 sin(half_angle)/mu */
-    const real chord = from_top * c2_asymmetric_sine_ratio(half_angle);
     const real p = square_difference;
-    const real q = chord * c->mu_omega_star * speed;
+    const real q = c->mu_omega_star * speed * chord;
     const real magnitude = REAL_SQRT(p * p + q * q);
-    /* normal force on the axis of rotation [N], eq (17) */
-    const real F_N = magnitude * c->scale_N;
+    /* normal force over scale_N [rad^2/s^2] */
+    const real load = magnitude;
     const real direction_of_motion = c2_asymmetric_sgn(omega_m);
-    /* cosine of the half angle from the top */
-    const real half_sine = c2_asymmetric_cosine(half_angle);
-    const real part_3 = -F_N * ((omega_m > REAL(0.0)) ? c->C_lN_pos_mu : c->C_lN_neg_mu);
+    const real part_4 = ((omega_m > REAL(0.0)) ? c->C_lN_pos_mu_scale_N : c->C_lN_neg_mu_scale_N);
+    const real part_3 = -load * part_4;
     const real part_2 = part_3 - ((omega_m > REAL(0.0)) ? c->C_m_pos : c->C_m_neg);
     const real part_1 = direction_of_motion * part_2;
-    const real part_6 = -F_N * ((omega_m > REAL(0.0)) ? c->B_lN_pos_mu2 : c->B_lN_neg_mu2);
-    const real part_5 = part_6 - ((omega_m > REAL(0.0)) ? c->B_m_pos : c->B_m_neg);
-    const real part_4 = omega_m * part_5;
-    const real part_7 = -((alpha_m == REAL(0.0)) ? REAL(0.0) : c->J * alpha_m);
-    const real part_8 = c->L_M_g_mu2 * chord * half_sine;
-    return i * c->k_i + part_1 + part_4 + part_7 + part_8;
+    const real part_8 = ((omega_m > REAL(0.0)) ? c->B_lN_pos_mu2_scale_N : c->B_lN_neg_mu2_scale_N);
+    const real part_7 = -load * part_8;
+    const real part_6 = part_7 - ((omega_m > REAL(0.0)) ? c->B_m_pos : c->B_m_neg);
+    const real part_5 = omega_m * part_6;
+    const real part_9 = -((alpha_m == REAL(0.0)) ? REAL(0.0) : c->J * alpha_m);
+    const real part_10 = c->L_M_g_mu2 * chord * half_sine;
+    return i * c->k_i + part_1 + part_10 + part_5 + part_9;
 }
 
 ECCENTRIC_REAL c2_asymmetric_mechanical_residual(
@@ -1052,7 +1101,10 @@ ECCENTRIC_REAL c2_asymmetric_mechanical_residual(
     ECCENTRIC_REAL alpha_m,
     const c2_asymmetric_coefficients *c)
 {
-    return c2_asymmetric_mechanical_residual_at(theta_m, omega_m, i, alpha_m, c);
+    const real from_top = c2_asymmetric_from_top(theta_m, c);
+    const real chord = c2_asymmetric_chord(from_top, c);
+    const real half_sine = c2_asymmetric_half_sine(from_top, c);
+    return c2_asymmetric_mechanical_residual_at(omega_m, i, alpha_m, chord, half_sine, c);
 }
 
 void c2_asymmetric_mechanical_residual_n(
@@ -1065,8 +1117,22 @@ void c2_asymmetric_mechanical_residual_n(
     const c2_asymmetric_coefficients *c)
 {
     const c2_asymmetric_coefficients own = *c; /* that no store to `out` can change */
-    for (size_t k = 0; k < n; ++k) {
-        out[k] = c2_asymmetric_mechanical_residual_at(theta_m[k], omega_m[k], i[k], alpha_m[k], &own);
+    real from_top[REAL_BLOCK];
+    real chord[REAL_BLOCK];
+    real half_sine[REAL_BLOCK];
+    for (size_t first = 0; first < n; first += REAL_BLOCK) {
+        const size_t count = (n - first < REAL_BLOCK) ? (n - first) : REAL_BLOCK;
+        for (size_t k = 0; k < count; ++k) {
+            from_top[k] = c2_asymmetric_from_top(theta_m[first + k], &own);
+        }
+        for (size_t k = 0; k < count; ++k) {
+            chord[k] = c2_asymmetric_chord(from_top[k], &own);
+            half_sine[k] = c2_asymmetric_half_sine(from_top[k], &own);
+        }
+        for (size_t k = 0; k < count; ++k) {
+            out[first + k] = c2_asymmetric_mechanical_residual_at(omega_m[first + k], i[first + k],
+                alpha_m[first + k], chord[k], half_sine[k], &own);
+        }
     }
 }
 
@@ -1104,6 +1170,7 @@ void c2_asymmetric_electrical_residual_n(
 
 #undef real
 #undef REAL_INLINE
+#undef REAL_BLOCK
 #undef REAL
 #undef REAL_SQRT
 #undef REAL_FABS

@@ -1,5 +1,5 @@
 # Generated: do not edit. Written by `make derive` from derivations/c2_asymmetric.py
-# (eccentric 0.1.0, program bebeaa5f).
+# (eccentric 0.1.0, program b181ea50).
 # Case C2 with friction that differs between the directions of motion.
 """Case C2 with friction that differs between the directions of motion.
 
@@ -158,7 +158,6 @@ class _Coefficients(NamedTuple):
     C_m_pos: Any
     k_e: Any
     k_i: Any
-    mu: Any
     scale_N: Any
     fastest: Any
     mu_omega_star: Any
@@ -171,34 +170,34 @@ class _Coefficients(NamedTuple):
     period_3: Any
     period_4: Any
     half_mu: Any
-    B_lN_pos_mu2: Any
-    B_lN_neg_mu2: Any
+    B_lN_pos_mu2_scale_N: Any
+    B_lN_neg_mu2_scale_N: Any
     k_e_k_i_per_R: Any
-    C_lN_pos_mu: Any
-    C_lN_neg_mu: Any
-    mu_omega_star_scale_N: Any
-    mu2: Any
+    C_lN_pos_mu_scale_N: Any
+    C_lN_neg_mu_scale_N: Any
+    mu2_scale_N: Any
+    mu_scale_N: Any
     C_lN_pos_mu_weight_plus_C_m_pos: Any
     C_lN_neg_mu_weight_plus_C_m_neg: Any
     L_M_g_mu2: Any
     J: Any
-    B_lN_pos_R_mu2_per_k_i: Any
-    B_lN_neg_R_mu2_per_k_i: Any
+    B_lN_pos_R_mu2_scale_N_per_k_i: Any
+    B_lN_neg_R_mu2_scale_N_per_k_i: Any
     B_m_pos_R_per_k_i: Any
     B_m_neg_R_per_k_i: Any
-    C_lN_pos_R_mu_per_k_i: Any
-    C_lN_neg_R_mu_per_k_i: Any
+    C_lN_pos_R_mu_scale_N_per_k_i: Any
+    C_lN_neg_R_mu_scale_N_per_k_i: Any
     C_m_pos_R_per_k_i: Any
     C_m_neg_R_per_k_i: Any
     R_per_k_i: Any
     L_M_R_g_mu2_per_k_i: Any
-    B_lN_pos_mu2_per_k_i: Any
-    B_lN_neg_mu2_per_k_i: Any
+    B_lN_pos_mu2_scale_N_per_k_i: Any
+    B_lN_neg_mu2_scale_N_per_k_i: Any
     B_m_pos_per_k_i: Any
     B_m_neg_per_k_i: Any
     per_k_i: Any
-    C_lN_pos_mu_per_k_i: Any
-    C_lN_neg_mu_per_k_i: Any
+    C_lN_pos_mu_scale_N_per_k_i: Any
+    C_lN_neg_mu_scale_N_per_k_i: Any
     C_m_pos_per_k_i: Any
     C_m_neg_per_k_i: Any
     L_M_g_mu2_per_k_i: Any
@@ -291,34 +290,34 @@ def _prepare(p: Parameters, real: _Real) -> _Coefficients:
     period_3 = _leading(period_left.high - period_2, real)
     period_4 = float(real(period_left.high - period_2 - period_3 + period_left.low))
     half_mu = 0.5 * p.mu
-    B_lN_pos_mu2 = p.B_lN_pos * p.mu * p.mu
-    B_lN_neg_mu2 = p.B_lN_neg * p.mu * p.mu
+    B_lN_pos_mu2_scale_N = p.B_lN_pos * p.mu * p.mu * scale_N
+    B_lN_neg_mu2_scale_N = p.B_lN_neg * p.mu * p.mu * scale_N
     k_e_k_i_per_R = p.k_e * p.k_i / p.R
-    C_lN_pos_mu = p.C_lN_pos * p.mu
-    C_lN_neg_mu = p.C_lN_neg * p.mu
-    mu_omega_star_scale_N = p.mu * omega_star.high * scale_N
-    mu2 = p.mu * p.mu
+    C_lN_pos_mu_scale_N = p.C_lN_pos * p.mu * scale_N
+    C_lN_neg_mu_scale_N = p.C_lN_neg * p.mu * scale_N
+    mu2_scale_N = p.mu * p.mu * scale_N
+    mu_scale_N = p.mu * scale_N
     C_lN_pos_mu_weight_plus_C_m_pos = p.C_lN_pos * p.mu * weight.high + p.C_m_pos
     C_lN_neg_mu_weight_plus_C_m_neg = p.C_lN_neg * p.mu * weight.high + p.C_m_neg
     L_M_g_mu2 = p.L * p.M * p.g * p.mu * p.mu
     J = J_l * p.mu * p.mu + J_m
-    B_lN_pos_R_mu2_per_k_i = p.B_lN_pos * p.R * p.mu * p.mu / p.k_i
-    B_lN_neg_R_mu2_per_k_i = p.B_lN_neg * p.R * p.mu * p.mu / p.k_i
+    B_lN_pos_R_mu2_scale_N_per_k_i = p.B_lN_pos * p.R * p.mu * p.mu * scale_N / p.k_i
+    B_lN_neg_R_mu2_scale_N_per_k_i = p.B_lN_neg * p.R * p.mu * p.mu * scale_N / p.k_i
     B_m_pos_R_per_k_i = p.B_m_pos * p.R / p.k_i
     B_m_neg_R_per_k_i = p.B_m_neg * p.R / p.k_i
-    C_lN_pos_R_mu_per_k_i = p.C_lN_pos * p.R * p.mu / p.k_i
-    C_lN_neg_R_mu_per_k_i = p.C_lN_neg * p.R * p.mu / p.k_i
+    C_lN_pos_R_mu_scale_N_per_k_i = p.C_lN_pos * p.R * p.mu * scale_N / p.k_i
+    C_lN_neg_R_mu_scale_N_per_k_i = p.C_lN_neg * p.R * p.mu * scale_N / p.k_i
     C_m_pos_R_per_k_i = p.C_m_pos * p.R / p.k_i
     C_m_neg_R_per_k_i = p.C_m_neg * p.R / p.k_i
     R_per_k_i = p.R / p.k_i
     L_M_R_g_mu2_per_k_i = p.L * p.M * p.R * p.g * p.mu * p.mu / p.k_i
-    B_lN_pos_mu2_per_k_i = p.B_lN_pos * p.mu * p.mu / p.k_i
-    B_lN_neg_mu2_per_k_i = p.B_lN_neg * p.mu * p.mu / p.k_i
+    B_lN_pos_mu2_scale_N_per_k_i = p.B_lN_pos * p.mu * p.mu * scale_N / p.k_i
+    B_lN_neg_mu2_scale_N_per_k_i = p.B_lN_neg * p.mu * p.mu * scale_N / p.k_i
     B_m_pos_per_k_i = p.B_m_pos / p.k_i
     B_m_neg_per_k_i = p.B_m_neg / p.k_i
     per_k_i = 1.0 / p.k_i
-    C_lN_pos_mu_per_k_i = p.C_lN_pos * p.mu / p.k_i
-    C_lN_neg_mu_per_k_i = p.C_lN_neg * p.mu / p.k_i
+    C_lN_pos_mu_scale_N_per_k_i = p.C_lN_pos * p.mu * scale_N / p.k_i
+    C_lN_neg_mu_scale_N_per_k_i = p.C_lN_neg * p.mu * scale_N / p.k_i
     C_m_pos_per_k_i = p.C_m_pos / p.k_i
     C_m_neg_per_k_i = p.C_m_neg / p.k_i
     L_M_g_mu2_per_k_i = p.L * p.M * p.g * p.mu * p.mu / p.k_i
@@ -335,7 +334,6 @@ def _prepare(p: Parameters, real: _Real) -> _Coefficients:
             C_m_pos=real(p.C_m_pos),
             k_e=real(p.k_e),
             k_i=real(p.k_i),
-            mu=real(p.mu),
             scale_N=real(scale_N),
             fastest=real(fastest),
             mu_omega_star=real(mu_omega_star),
@@ -348,34 +346,34 @@ def _prepare(p: Parameters, real: _Real) -> _Coefficients:
             period_3=real(period_3),
             period_4=real(period_4),
             half_mu=real(half_mu),
-            B_lN_pos_mu2=real(B_lN_pos_mu2),
-            B_lN_neg_mu2=real(B_lN_neg_mu2),
+            B_lN_pos_mu2_scale_N=real(B_lN_pos_mu2_scale_N),
+            B_lN_neg_mu2_scale_N=real(B_lN_neg_mu2_scale_N),
             k_e_k_i_per_R=real(k_e_k_i_per_R),
-            C_lN_pos_mu=real(C_lN_pos_mu),
-            C_lN_neg_mu=real(C_lN_neg_mu),
-            mu_omega_star_scale_N=real(mu_omega_star_scale_N),
-            mu2=real(mu2),
+            C_lN_pos_mu_scale_N=real(C_lN_pos_mu_scale_N),
+            C_lN_neg_mu_scale_N=real(C_lN_neg_mu_scale_N),
+            mu2_scale_N=real(mu2_scale_N),
+            mu_scale_N=real(mu_scale_N),
             C_lN_pos_mu_weight_plus_C_m_pos=real(C_lN_pos_mu_weight_plus_C_m_pos),
             C_lN_neg_mu_weight_plus_C_m_neg=real(C_lN_neg_mu_weight_plus_C_m_neg),
             L_M_g_mu2=real(L_M_g_mu2),
             J=real(J),
-            B_lN_pos_R_mu2_per_k_i=real(B_lN_pos_R_mu2_per_k_i),
-            B_lN_neg_R_mu2_per_k_i=real(B_lN_neg_R_mu2_per_k_i),
+            B_lN_pos_R_mu2_scale_N_per_k_i=real(B_lN_pos_R_mu2_scale_N_per_k_i),
+            B_lN_neg_R_mu2_scale_N_per_k_i=real(B_lN_neg_R_mu2_scale_N_per_k_i),
             B_m_pos_R_per_k_i=real(B_m_pos_R_per_k_i),
             B_m_neg_R_per_k_i=real(B_m_neg_R_per_k_i),
-            C_lN_pos_R_mu_per_k_i=real(C_lN_pos_R_mu_per_k_i),
-            C_lN_neg_R_mu_per_k_i=real(C_lN_neg_R_mu_per_k_i),
+            C_lN_pos_R_mu_scale_N_per_k_i=real(C_lN_pos_R_mu_scale_N_per_k_i),
+            C_lN_neg_R_mu_scale_N_per_k_i=real(C_lN_neg_R_mu_scale_N_per_k_i),
             C_m_pos_R_per_k_i=real(C_m_pos_R_per_k_i),
             C_m_neg_R_per_k_i=real(C_m_neg_R_per_k_i),
             R_per_k_i=real(R_per_k_i),
             L_M_R_g_mu2_per_k_i=real(L_M_R_g_mu2_per_k_i),
-            B_lN_pos_mu2_per_k_i=real(B_lN_pos_mu2_per_k_i),
-            B_lN_neg_mu2_per_k_i=real(B_lN_neg_mu2_per_k_i),
+            B_lN_pos_mu2_scale_N_per_k_i=real(B_lN_pos_mu2_scale_N_per_k_i),
+            B_lN_neg_mu2_scale_N_per_k_i=real(B_lN_neg_mu2_scale_N_per_k_i),
             B_m_pos_per_k_i=real(B_m_pos_per_k_i),
             B_m_neg_per_k_i=real(B_m_neg_per_k_i),
             per_k_i=real(per_k_i),
-            C_lN_pos_mu_per_k_i=real(C_lN_pos_mu_per_k_i),
-            C_lN_neg_mu_per_k_i=real(C_lN_neg_mu_per_k_i),
+            C_lN_pos_mu_scale_N_per_k_i=real(C_lN_pos_mu_scale_N_per_k_i),
+            C_lN_neg_mu_scale_N_per_k_i=real(C_lN_neg_mu_scale_N_per_k_i),
             C_m_pos_per_k_i=real(C_m_pos_per_k_i),
             C_m_neg_per_k_i=real(C_m_neg_per_k_i),
             L_M_g_mu2_per_k_i=real(L_M_g_mu2_per_k_i),
@@ -388,61 +386,47 @@ _BLOCK = 4096  # elements; a block's temporaries stay in the cache
 _DEFAULT = Parameters()
 _SINE_RATIO = {
     "f": (
-        2.60548113e-6,
-        -1.98094749e-4,
-        8.33306462e-3,
-        -1.66666595e-1,
+        (-1.98094749e-4, -1.66666595e-1),
+        (2.60548113e-6, 8.33306462e-3),
     ),
     "d": (
-        2.7209972799826474e-15,
-        -7.642974965950368e-13,
-        1.6058939085095993e-10,
-        -2.5052106860746877e-8,
-        2.7557319211008999e-6,
-        -1.9841269841208492e-4,
-        8.3333333333331924e-3,
-        -1.6666666666666666e-1,
+        (-7.642974965950368e-13, -2.5052106860746877e-8, -1.9841269841208492e-4, -1.6666666666666666e-1),
+        (2.7209972799826474e-15, 1.6058939085095993e-10, 2.7557319211008999e-6, 8.3333333333331924e-3),
     ),
 }
 _COSINE = {
     "f": (
-        -2.60742068e-7,
-        2.47617292e-5,
-        -1.38884006e-3,
-        4.16666405e-2,
-        -4.99999995e-1,
+        (-2.60742068e-7, -1.38884006e-3, -4.99999995e-1),
+        (2.47617292e-5, 4.16666405e-2),
     ),
     "d": (
-        4.6099547638170315e-14,
-        -1.1463008250042011e-11,
-        2.0876566590691354e-9,
-        -2.7557316503307265e-7,
-        2.4801587278920885e-5,
-        -1.3888888888784392e-3,
-        4.1666666666664337e-2,
-        -4.9999999999999982e-1,
+        (-1.1463008250042011e-11, -2.7557316503307265e-7, -1.3888888888784392e-3, -4.9999999999999982e-1),
+        (4.6099547638170315e-14, 2.0876566590691354e-9, 2.4801587278920885e-5, 4.1666666666664337e-2),
     ),
 }
 
 
+def _horner(coefficients: tuple[float, ...], y: Any) -> Any:
+    value = coefficients[0] * y + coefficients[1]
+    for coefficient in coefficients[2:]:
+        value = value * y + coefficient
+    return value
+
+
 def _sine_ratio(half_angle: Any) -> Any:
     """sin(h)/h for |h| within a quarter turn, a minimax polynomial in h^2; error 6.1e-9 and 2.8e-19."""
-    square = half_angle * half_angle
-    first, *rest = _SINE_RATIO[square.dtype.char]
-    value = square * first
-    for coefficient in rest:
-        value = (value + coefficient) * square
-    return value + 1.0
+    x = half_angle * half_angle
+    y = x * x
+    even, odd = (_horner(half, y) for half in _SINE_RATIO[y.dtype.char])
+    return (odd * x + even) * x + 1.0
 
 
 def _cosine(half_angle: Any) -> Any:
     """cos(h) for |h| within a quarter turn, a minimax polynomial in h^2; error 2.5e-10 and 4.3e-18."""
-    square = half_angle * half_angle
-    first, *rest = _COSINE[square.dtype.char]
-    value = square * first
-    for coefficient in rest:
-        value = (value + coefficient) * square
-    return value + 1.0
+    x = half_angle * half_angle
+    y = x * x
+    even, odd = (_horner(half, y) for half in _COSINE[y.dtype.char])
+    return (odd * x + even) * x + 1.0
 
 
 def _require(names: tuple[str, ...], value: ArrayLike, parameters: Parameters | None) -> None:
@@ -494,6 +478,32 @@ def _evaluate(
     return result[()] if out is None else out
 
 
+def _from_top(c: _Coefficients, theta_m: Any) -> Any:
+    """Motor angle from the nearest top of the link [rad]."""
+    # whole turns of the link and a half, up to the top that is nearest
+    turns = theta_m * c.turns_per_rad - 0.5 + c.rounder - c.rounder + 0.5
+    # the turns go off in four parts of few digits: all products but the last are exact
+    rest = theta_m - turns * c.period_1
+    reduced = rest - turns * c.period_2 - turns * c.period_3 - turns * c.period_4
+    # an angle so large that nothing is left of its phase counts as the top
+    from_top = np.where(np.abs(reduced) <= c.period, reduced, theta_m - theta_m)
+    return from_top
+
+
+def _chord(c: _Coefficients, from_top: Any) -> Any:
+    """2 sin(half the link angle from the top)/mu."""
+    half_angle = from_top * c.half_mu
+    chord = from_top * _sine_ratio(half_angle)
+    return chord
+
+
+def _half_sine(c: _Coefficients, from_top: Any) -> Any:
+    """Cosine of half the link angle from the top."""
+    half_angle = from_top * c.half_mu
+    half_sine = _cosine(half_angle)
+    return half_sine
+
+
 def _normal_force(
     c: _Coefficients,
     theta_m: Any,
@@ -504,24 +514,14 @@ def _normal_force(
     speed = np.where(size > c.fastest, c.fastest, size)
     # speed^2 - omega_star^2; the difference is taken once, before anything is rounded
     square_difference = (speed - c.omega_star_1 - c.omega_star_2) * (speed + c.omega_star_1)
-    # whole turns of the link and a half, up to the top that is nearest
-    turns = theta_m * c.turns_per_rad - 0.5 + c.rounder - c.rounder + 0.5
-    # the turns go off in four parts of few digits: all products but the last are exact
-    rest = theta_m - turns * c.period_1
-    # motor angle from the top
-    reduced = rest - turns * c.period_2 - turns * c.period_3 - turns * c.period_4
-    # an angle so large that nothing is left of its phase counts as the top
-    from_top = np.where(np.abs(reduced) <= c.period, reduced, theta_m - theta_m)
-    # half the link angle from the top
-    half_angle = from_top * c.half_mu
-    # 2 sin(half_angle)/mu
-    chord = from_top * _sine_ratio(half_angle)
+    from_top = _from_top(c, theta_m)
+    chord = _chord(c, from_top)
     p = square_difference
-    q = chord * c.mu_omega_star * speed
+    q = c.mu_omega_star * speed * chord
     magnitude = np.sqrt(p * p + q * q)
-    # normal force on the axis of rotation [N], eq (17)
-    F_N = magnitude * c.scale_N
-    result = F_N
+    # normal force over scale_N [rad^2/s^2]
+    load = magnitude
+    result = load * c.scale_N
     return (result,)
 
 
@@ -549,32 +549,24 @@ def _friction_torque(
     speed = np.where(size > c.fastest, c.fastest, size)
     # speed^2 - omega_star^2; the difference is taken once, before anything is rounded
     square_difference = (speed - c.omega_star_1 - c.omega_star_2) * (speed + c.omega_star_1)
-    # whole turns of the link and a half, up to the top that is nearest
-    turns = theta_m * c.turns_per_rad - 0.5 + c.rounder - c.rounder + 0.5
-    # the turns go off in four parts of few digits: all products but the last are exact
-    rest = theta_m - turns * c.period_1
-    # motor angle from the top
-    reduced = rest - turns * c.period_2 - turns * c.period_3 - turns * c.period_4
-    # an angle so large that nothing is left of its phase counts as the top
-    from_top = np.where(np.abs(reduced) <= c.period, reduced, theta_m - theta_m)
-    # half the link angle from the top
-    half_angle = from_top * c.half_mu
-    # 2 sin(half_angle)/mu
-    chord = from_top * _sine_ratio(half_angle)
+    from_top = _from_top(c, theta_m)
+    chord = _chord(c, from_top)
     p = square_difference
-    q = chord * c.mu_omega_star * speed
+    q = c.mu_omega_star * speed * chord
     magnitude = np.sqrt(p * p + q * q)
-    # normal force on the axis of rotation [N], eq (17)
-    F_N = magnitude * c.scale_N
+    # normal force over scale_N [rad^2/s^2]
+    load = magnitude
     direction_of_motion = np.sign(omega_m)
-    part_3 = F_N * np.where(omega_m > 0.0, c.B_lN_pos_mu2, c.B_lN_neg_mu2)
-    part_4 = np.where(omega_m > 0.0, c.B_m_pos, c.B_m_neg)
-    part_2 = c.k_e_k_i_per_R + part_3 + part_4
+    part_4 = np.where(omega_m > 0.0, c.B_lN_pos_mu2_scale_N, c.B_lN_neg_mu2_scale_N)
+    part_3 = load * part_4
+    part_5 = np.where(omega_m > 0.0, c.B_m_pos, c.B_m_neg)
+    part_2 = c.k_e_k_i_per_R + part_3 + part_5
     part_1 = omega_m * part_2
-    part_7 = F_N * np.where(omega_m > 0.0, c.C_lN_pos_mu, c.C_lN_neg_mu)
-    part_6 = part_7 + np.where(omega_m > 0.0, c.C_m_pos, c.C_m_neg)
-    part_5 = direction_of_motion * part_6
-    result = part_1 + part_5
+    part_9 = np.where(omega_m > 0.0, c.C_lN_pos_mu_scale_N, c.C_lN_neg_mu_scale_N)
+    part_8 = load * part_9
+    part_7 = part_8 + np.where(omega_m > 0.0, c.C_m_pos, c.C_m_neg)
+    part_6 = direction_of_motion * part_7
+    result = part_1 + part_6
     return (result,)
 
 
@@ -604,31 +596,23 @@ def _mechanical_friction_torque(
     speed = np.where(size > c.fastest, c.fastest, size)
     # speed^2 - omega_star^2; the difference is taken once, before anything is rounded
     square_difference = (speed - c.omega_star_1 - c.omega_star_2) * (speed + c.omega_star_1)
-    # whole turns of the link and a half, up to the top that is nearest
-    turns = theta_m * c.turns_per_rad - 0.5 + c.rounder - c.rounder + 0.5
-    # the turns go off in four parts of few digits: all products but the last are exact
-    rest = theta_m - turns * c.period_1
-    # motor angle from the top
-    reduced = rest - turns * c.period_2 - turns * c.period_3 - turns * c.period_4
-    # an angle so large that nothing is left of its phase counts as the top
-    from_top = np.where(np.abs(reduced) <= c.period, reduced, theta_m - theta_m)
-    # half the link angle from the top
-    half_angle = from_top * c.half_mu
-    # 2 sin(half_angle)/mu
-    chord = from_top * _sine_ratio(half_angle)
+    from_top = _from_top(c, theta_m)
+    chord = _chord(c, from_top)
     p = square_difference
-    q = chord * c.mu_omega_star * speed
+    q = c.mu_omega_star * speed * chord
     magnitude = np.sqrt(p * p + q * q)
-    # normal force on the axis of rotation [N], eq (17)
-    F_N = magnitude * c.scale_N
+    # normal force over scale_N [rad^2/s^2]
+    load = magnitude
     direction_of_motion = np.sign(omega_m)
-    part_3 = F_N * np.where(omega_m > 0.0, c.C_lN_pos_mu, c.C_lN_neg_mu)
+    part_4 = np.where(omega_m > 0.0, c.C_lN_pos_mu_scale_N, c.C_lN_neg_mu_scale_N)
+    part_3 = load * part_4
     part_2 = part_3 + np.where(omega_m > 0.0, c.C_m_pos, c.C_m_neg)
     part_1 = direction_of_motion * part_2
-    part_6 = F_N * np.where(omega_m > 0.0, c.B_lN_pos_mu2, c.B_lN_neg_mu2)
-    part_5 = part_6 + np.where(omega_m > 0.0, c.B_m_pos, c.B_m_neg)
-    part_4 = omega_m * part_5
-    result = part_1 + part_4
+    part_8 = np.where(omega_m > 0.0, c.B_lN_pos_mu2_scale_N, c.B_lN_neg_mu2_scale_N)
+    part_7 = load * part_8
+    part_6 = part_7 + np.where(omega_m > 0.0, c.B_m_pos, c.B_m_neg)
+    part_5 = omega_m * part_6
+    result = part_1 + part_5
     return (result,)
 
 
@@ -660,43 +644,37 @@ def _friction_torque_gradient(
     speed_d_omega_m = direction_of_motion
     # speed^2 - omega_star^2; the difference is taken once, before anything is rounded
     square_difference = (speed - c.omega_star_1 - c.omega_star_2) * (speed + c.omega_star_1)
-    # whole turns of the link and a half, up to the top that is nearest
-    turns = theta_m * c.turns_per_rad - 0.5 + c.rounder - c.rounder + 0.5
-    # the turns go off in four parts of few digits: all products but the last are exact
-    rest = theta_m - turns * c.period_1
-    # motor angle from the top
-    reduced = rest - turns * c.period_2 - turns * c.period_3 - turns * c.period_4
-    # an angle so large that nothing is left of its phase counts as the top
-    from_top = np.where(np.abs(reduced) <= c.period, reduced, theta_m - theta_m)
-    # half the link angle from the top
-    half_angle = from_top * c.half_mu
-    # 2 sin(half_angle)/mu
-    chord = from_top * _sine_ratio(half_angle)
+    from_top = _from_top(c, theta_m)
+    chord = _chord(c, from_top)
     p = square_difference
-    q = chord * c.mu_omega_star * speed
+    q = c.mu_omega_star * speed * chord
     magnitude = np.sqrt(p * p + q * q)
-    # normal force on the axis of rotation [N], eq (17)
-    F_N = magnitude * c.scale_N
+    # normal force over scale_N [rad^2/s^2]
+    load = magnitude
+    half_sine = _half_sine(c, from_top)
     # 1 at the apex, where F_N is 0 and its derivatives are taken as 0
     inverse = 1.0 / np.where(magnitude == 0.0, 1.0, magnitude)
-    # cosine of the half angle from the top
-    half_sine = _cosine(half_angle)
-    F_N_d_theta_m = half_sine * c.mu_omega_star_scale_N * speed * (q * inverse)
-    part_2 = chord * c.mu_omega_star * (q * inverse)
-    part_1 = part_2 + 2.0 * speed * (p * inverse)
-    F_N_d_omega_m = part_1 * c.scale_N * speed_d_omega_m
-    part_5 = np.where(omega_m > 0.0, c.C_lN_pos_mu, c.C_lN_neg_mu)
-    part_4 = direction_of_motion * part_5
-    part_6 = omega_m * np.where(omega_m > 0.0, c.B_lN_pos_mu2, c.B_lN_neg_mu2)
-    part_3 = part_4 + part_6
-    result_theta_m = F_N_d_theta_m * part_3
-    part_8 = np.where(omega_m > 0.0, c.C_lN_pos_mu, c.C_lN_neg_mu)
-    part_7 = F_N_d_omega_m * direction_of_motion * part_8
-    part_10 = np.where(omega_m > 0.0, c.B_lN_pos_mu2, c.B_lN_neg_mu2)
-    part_9 = F_N_d_omega_m * omega_m * part_10
-    part_11 = F_N * np.where(omega_m > 0.0, c.B_lN_pos_mu2, c.B_lN_neg_mu2)
-    part_12 = np.where(omega_m > 0.0, c.B_m_pos, c.B_m_neg)
-    result_omega_m = c.k_e_k_i_per_R + part_11 + part_12 + part_7 + part_9
+    part_1 = c.mu_omega_star * speed * (q * inverse)
+    load_d_theta_m = part_1 * half_sine
+    part_3 = c.mu_omega_star * (q * inverse) * chord
+    part_2 = part_3 + 2.0 * speed * (p * inverse)
+    load_d_omega_m = part_2 * speed_d_omega_m
+    part_6 = np.where(omega_m > 0.0, c.C_lN_pos_mu_scale_N, c.C_lN_neg_mu_scale_N)
+    part_5 = direction_of_motion * part_6
+    part_8 = np.where(omega_m > 0.0, c.B_lN_pos_mu2_scale_N, c.B_lN_neg_mu2_scale_N)
+    part_7 = omega_m * part_8
+    part_4 = part_5 + part_7
+    result_theta_m = load_d_theta_m * part_4
+    part_12 = np.where(omega_m > 0.0, c.C_lN_pos_mu_scale_N, c.C_lN_neg_mu_scale_N)
+    part_11 = direction_of_motion * part_12
+    part_14 = np.where(omega_m > 0.0, c.B_lN_pos_mu2_scale_N, c.B_lN_neg_mu2_scale_N)
+    part_13 = omega_m * part_14
+    part_10 = part_11 + part_13
+    part_9 = load_d_omega_m * part_10
+    part_16 = np.where(omega_m > 0.0, c.B_lN_pos_mu2_scale_N, c.B_lN_neg_mu2_scale_N)
+    part_15 = load * part_16
+    part_17 = np.where(omega_m > 0.0, c.B_m_pos, c.B_m_neg)
+    result_omega_m = c.k_e_k_i_per_R + part_15 + part_17 + part_9
     return (result_theta_m, result_omega_m)
 
 
@@ -726,30 +704,20 @@ def _friction_torque_jacobian(
     speed = np.where(size > c.fastest, c.fastest, size)
     # speed^2 - omega_star^2; the difference is taken once, before anything is rounded
     square_difference = (speed - c.omega_star_1 - c.omega_star_2) * (speed + c.omega_star_1)
-    # whole turns of the link and a half, up to the top that is nearest
-    turns = theta_m * c.turns_per_rad - 0.5 + c.rounder - c.rounder + 0.5
-    # the turns go off in four parts of few digits: all products but the last are exact
-    rest = theta_m - turns * c.period_1
-    # motor angle from the top
-    reduced = rest - turns * c.period_2 - turns * c.period_3 - turns * c.period_4
-    # an angle so large that nothing is left of its phase counts as the top
-    from_top = np.where(np.abs(reduced) <= c.period, reduced, theta_m - theta_m)
-    # half the link angle from the top
-    half_angle = from_top * c.half_mu
-    # 2 sin(half_angle)/mu
-    chord = from_top * _sine_ratio(half_angle)
+    from_top = _from_top(c, theta_m)
+    chord = _chord(c, from_top)
     p = square_difference
-    q = chord * c.mu_omega_star * speed
+    q = c.mu_omega_star * speed * chord
     magnitude = np.sqrt(p * p + q * q)
-    # normal force on the axis of rotation [N], eq (17)
-    F_N = magnitude * c.scale_N
+    # normal force over scale_N [rad^2/s^2]
+    load = magnitude
     is_forward = np.heaviside(omega_m, 0.0)
-    ungated = F_N * c.mu2 * omega_m
+    ungated = load * c.mu2_scale_N * omega_m
     result_B_lN_pos = np.where(is_forward == 0.0, 0.0, ungated * is_forward)
     is_backward = np.heaviside(-(omega_m), 0.0)
     result_B_lN_neg = np.where(is_backward == 0.0, 0.0, ungated * is_backward)
     direction_of_motion = np.sign(omega_m)
-    ungated_2 = F_N * direction_of_motion * c.mu
+    ungated_2 = direction_of_motion * load * c.mu_scale_N
     result_C_lN_pos = np.where(is_forward == 0.0, 0.0, ungated_2 * is_forward)
     result_C_lN_neg = np.where(is_backward == 0.0, 0.0, ungated_2 * is_backward)
     result_B_m_pos = np.where(is_forward == 0.0, 0.0, omega_m * is_forward)
@@ -795,30 +763,20 @@ def _regressor(
     speed = np.where(size > c.fastest, c.fastest, size)
     # speed^2 - omega_star^2; the difference is taken once, before anything is rounded
     square_difference = (speed - c.omega_star_1 - c.omega_star_2) * (speed + c.omega_star_1)
-    # whole turns of the link and a half, up to the top that is nearest
-    turns = theta_m * c.turns_per_rad - 0.5 + c.rounder - c.rounder + 0.5
-    # the turns go off in four parts of few digits: all products but the last are exact
-    rest = theta_m - turns * c.period_1
-    # motor angle from the top
-    reduced = rest - turns * c.period_2 - turns * c.period_3 - turns * c.period_4
-    # an angle so large that nothing is left of its phase counts as the top
-    from_top = np.where(np.abs(reduced) <= c.period, reduced, theta_m - theta_m)
-    # half the link angle from the top
-    half_angle = from_top * c.half_mu
-    # 2 sin(half_angle)/mu
-    chord = from_top * _sine_ratio(half_angle)
+    from_top = _from_top(c, theta_m)
+    chord = _chord(c, from_top)
     p = square_difference
-    q = chord * c.mu_omega_star * speed
+    q = c.mu_omega_star * speed * chord
     magnitude = np.sqrt(p * p + q * q)
-    # normal force on the axis of rotation [N], eq (17)
-    F_N = magnitude * c.scale_N
+    # normal force over scale_N [rad^2/s^2]
+    load = magnitude
     is_forward = np.heaviside(omega_m, 0.0)
-    ungated = F_N * c.mu2 * omega_m
+    ungated = load * c.mu2_scale_N * omega_m
     result_B_lN_pos = np.where(is_forward == 0.0, 0.0, ungated * is_forward)
     is_backward = np.heaviside(-(omega_m), 0.0)
     result_B_lN_neg = np.where(is_backward == 0.0, 0.0, ungated * is_backward)
     direction_of_motion = np.sign(omega_m)
-    ungated_2 = F_N * direction_of_motion * c.mu
+    ungated_2 = direction_of_motion * load * c.mu_scale_N
     result_C_lN_pos = np.where(is_forward == 0.0, 0.0, ungated_2 * is_forward)
     result_C_lN_neg = np.where(is_backward == 0.0, 0.0, ungated_2 * is_backward)
     result_B_m_pos = np.where(is_forward == 0.0, 0.0, omega_m * is_forward)
@@ -912,21 +870,10 @@ def _gravity_torque(
     c: _Coefficients,
     theta_m: Any,
 ) -> tuple[Any, ...]:
-    # whole turns of the link and a half, up to the top that is nearest
-    turns = theta_m * c.turns_per_rad - 0.5 + c.rounder - c.rounder + 0.5
-    # the turns go off in four parts of few digits: all products but the last are exact
-    rest = theta_m - turns * c.period_1
-    # motor angle from the top
-    reduced = rest - turns * c.period_2 - turns * c.period_3 - turns * c.period_4
-    # an angle so large that nothing is left of its phase counts as the top
-    from_top = np.where(np.abs(reduced) <= c.period, reduced, theta_m - theta_m)
-    # half the link angle from the top
-    half_angle = from_top * c.half_mu
-    # 2 sin(half_angle)/mu
-    chord = from_top * _sine_ratio(half_angle)
-    # cosine of the half angle from the top
-    half_sine = _cosine(half_angle)
-    result = -c.L_M_g_mu2 * chord * half_sine
+    from_top = _from_top(c, theta_m)
+    chord = _chord(c, from_top)
+    half_sine = _half_sine(c, from_top)
+    result = (-c.L_M_g_mu2) * chord * half_sine
     return (result,)
 
 
@@ -953,38 +900,27 @@ def _voltage(
     speed = np.where(size > c.fastest, c.fastest, size)
     # speed^2 - omega_star^2; the difference is taken once, before anything is rounded
     square_difference = (speed - c.omega_star_1 - c.omega_star_2) * (speed + c.omega_star_1)
-    # whole turns of the link and a half, up to the top that is nearest
-    turns = theta_m * c.turns_per_rad - 0.5 + c.rounder - c.rounder + 0.5
-    # the turns go off in four parts of few digits: all products but the last are exact
-    rest = theta_m - turns * c.period_1
-    # motor angle from the top
-    reduced = rest - turns * c.period_2 - turns * c.period_3 - turns * c.period_4
-    # an angle so large that nothing is left of its phase counts as the top
-    from_top = np.where(np.abs(reduced) <= c.period, reduced, theta_m - theta_m)
-    # half the link angle from the top
-    half_angle = from_top * c.half_mu
-    # 2 sin(half_angle)/mu
-    chord = from_top * _sine_ratio(half_angle)
+    from_top = _from_top(c, theta_m)
+    chord = _chord(c, from_top)
     p = square_difference
-    q = chord * c.mu_omega_star * speed
+    q = c.mu_omega_star * speed * chord
     magnitude = np.sqrt(p * p + q * q)
-    # normal force on the axis of rotation [N], eq (17)
-    F_N = magnitude * c.scale_N
+    # normal force over scale_N [rad^2/s^2]
+    load = magnitude
     direction_of_motion = np.sign(omega_m)
-    # cosine of the half angle from the top
-    half_sine = _cosine(half_angle)
-    part_4 = np.where(omega_m > 0.0, c.C_lN_pos_R_mu_per_k_i, c.C_lN_neg_R_mu_per_k_i)
-    part_3 = F_N * part_4
+    half_sine = _half_sine(c, from_top)
+    part_4 = np.where(omega_m > 0.0, c.C_lN_pos_R_mu_scale_N_per_k_i, c.C_lN_neg_R_mu_scale_N_per_k_i)
+    part_3 = load * part_4
     part_5 = np.where(omega_m > 0.0, c.C_m_pos_R_per_k_i, c.C_m_neg_R_per_k_i)
     part_2 = part_3 + part_5
     part_1 = direction_of_motion * part_2
-    part_9 = np.where(omega_m > 0.0, c.B_lN_pos_R_mu2_per_k_i, c.B_lN_neg_R_mu2_per_k_i)
-    part_8 = F_N * part_9
+    part_9 = np.where(omega_m > 0.0, c.B_lN_pos_R_mu2_scale_N_per_k_i, c.B_lN_neg_R_mu2_scale_N_per_k_i)
+    part_8 = load * part_9
     part_10 = np.where(omega_m > 0.0, c.B_m_pos_R_per_k_i, c.B_m_neg_R_per_k_i)
     part_7 = c.k_e + part_10 + part_8
     part_6 = omega_m * part_7
-    part_11 = c.R_per_k_i * np.where(alpha_m == 0.0, 0.0, c.J * alpha_m)
-    part_12 = -c.L_M_R_g_mu2_per_k_i * chord * half_sine
+    part_11 = (-c.L_M_R_g_mu2_per_k_i) * chord * half_sine
+    part_12 = c.R_per_k_i * np.where(alpha_m == 0.0, 0.0, c.J * alpha_m)
     result = part_1 + part_11 + part_12 + part_6
     return (result,)
 
@@ -1017,36 +953,25 @@ def _current(
     speed = np.where(size > c.fastest, c.fastest, size)
     # speed^2 - omega_star^2; the difference is taken once, before anything is rounded
     square_difference = (speed - c.omega_star_1 - c.omega_star_2) * (speed + c.omega_star_1)
-    # whole turns of the link and a half, up to the top that is nearest
-    turns = theta_m * c.turns_per_rad - 0.5 + c.rounder - c.rounder + 0.5
-    # the turns go off in four parts of few digits: all products but the last are exact
-    rest = theta_m - turns * c.period_1
-    # motor angle from the top
-    reduced = rest - turns * c.period_2 - turns * c.period_3 - turns * c.period_4
-    # an angle so large that nothing is left of its phase counts as the top
-    from_top = np.where(np.abs(reduced) <= c.period, reduced, theta_m - theta_m)
-    # half the link angle from the top
-    half_angle = from_top * c.half_mu
-    # 2 sin(half_angle)/mu
-    chord = from_top * _sine_ratio(half_angle)
+    from_top = _from_top(c, theta_m)
+    chord = _chord(c, from_top)
     p = square_difference
-    q = chord * c.mu_omega_star * speed
+    q = c.mu_omega_star * speed * chord
     magnitude = np.sqrt(p * p + q * q)
-    # normal force on the axis of rotation [N], eq (17)
-    F_N = magnitude * c.scale_N
+    # normal force over scale_N [rad^2/s^2]
+    load = magnitude
     direction_of_motion = np.sign(omega_m)
-    # cosine of the half angle from the top
-    half_sine = _cosine(half_angle)
-    part_4 = np.where(omega_m > 0.0, c.C_lN_pos_mu_per_k_i, c.C_lN_neg_mu_per_k_i)
-    part_3 = F_N * part_4
+    half_sine = _half_sine(c, from_top)
+    part_4 = np.where(omega_m > 0.0, c.C_lN_pos_mu_scale_N_per_k_i, c.C_lN_neg_mu_scale_N_per_k_i)
+    part_3 = load * part_4
     part_2 = part_3 + np.where(omega_m > 0.0, c.C_m_pos_per_k_i, c.C_m_neg_per_k_i)
     part_1 = direction_of_motion * part_2
-    part_8 = np.where(omega_m > 0.0, c.B_lN_pos_mu2_per_k_i, c.B_lN_neg_mu2_per_k_i)
-    part_7 = F_N * part_8
+    part_8 = np.where(omega_m > 0.0, c.B_lN_pos_mu2_scale_N_per_k_i, c.B_lN_neg_mu2_scale_N_per_k_i)
+    part_7 = load * part_8
     part_6 = part_7 + np.where(omega_m > 0.0, c.B_m_pos_per_k_i, c.B_m_neg_per_k_i)
     part_5 = omega_m * part_6
     part_9 = c.per_k_i * np.where(alpha_m == 0.0, 0.0, c.J * alpha_m)
-    part_10 = -c.L_M_g_mu2_per_k_i * chord * half_sine
+    part_10 = (-c.L_M_g_mu2_per_k_i) * chord * half_sine
     result = part_1 + part_10 + part_5 + part_9
     return (result,)
 
@@ -1080,35 +1005,26 @@ def _mechanical_residual(
     speed = np.where(size > c.fastest, c.fastest, size)
     # speed^2 - omega_star^2; the difference is taken once, before anything is rounded
     square_difference = (speed - c.omega_star_1 - c.omega_star_2) * (speed + c.omega_star_1)
-    # whole turns of the link and a half, up to the top that is nearest
-    turns = theta_m * c.turns_per_rad - 0.5 + c.rounder - c.rounder + 0.5
-    # the turns go off in four parts of few digits: all products but the last are exact
-    rest = theta_m - turns * c.period_1
-    # motor angle from the top
-    reduced = rest - turns * c.period_2 - turns * c.period_3 - turns * c.period_4
-    # an angle so large that nothing is left of its phase counts as the top
-    from_top = np.where(np.abs(reduced) <= c.period, reduced, theta_m - theta_m)
-    # half the link angle from the top
-    half_angle = from_top * c.half_mu
-    # 2 sin(half_angle)/mu
-    chord = from_top * _sine_ratio(half_angle)
+    from_top = _from_top(c, theta_m)
+    chord = _chord(c, from_top)
     p = square_difference
-    q = chord * c.mu_omega_star * speed
+    q = c.mu_omega_star * speed * chord
     magnitude = np.sqrt(p * p + q * q)
-    # normal force on the axis of rotation [N], eq (17)
-    F_N = magnitude * c.scale_N
+    # normal force over scale_N [rad^2/s^2]
+    load = magnitude
     direction_of_motion = np.sign(omega_m)
-    # cosine of the half angle from the top
-    half_sine = _cosine(half_angle)
-    part_3 = -F_N * np.where(omega_m > 0.0, c.C_lN_pos_mu, c.C_lN_neg_mu)
+    half_sine = _half_sine(c, from_top)
+    part_4 = np.where(omega_m > 0.0, c.C_lN_pos_mu_scale_N, c.C_lN_neg_mu_scale_N)
+    part_3 = -load * part_4
     part_2 = part_3 - np.where(omega_m > 0.0, c.C_m_pos, c.C_m_neg)
     part_1 = direction_of_motion * part_2
-    part_6 = -F_N * np.where(omega_m > 0.0, c.B_lN_pos_mu2, c.B_lN_neg_mu2)
-    part_5 = part_6 - np.where(omega_m > 0.0, c.B_m_pos, c.B_m_neg)
-    part_4 = omega_m * part_5
-    part_7 = -np.where(alpha_m == 0.0, 0.0, c.J * alpha_m)
-    part_8 = c.L_M_g_mu2 * chord * half_sine
-    result = i * c.k_i + part_1 + part_4 + part_7 + part_8
+    part_8 = np.where(omega_m > 0.0, c.B_lN_pos_mu2_scale_N, c.B_lN_neg_mu2_scale_N)
+    part_7 = -load * part_8
+    part_6 = part_7 - np.where(omega_m > 0.0, c.B_m_pos, c.B_m_neg)
+    part_5 = omega_m * part_6
+    part_9 = -np.where(alpha_m == 0.0, 0.0, c.J * alpha_m)
+    part_10 = c.L_M_g_mu2 * chord * half_sine
+    result = i * c.k_i + part_1 + part_10 + part_5 + part_9
     return (result,)
 
 

@@ -1,6 +1,6 @@
 /*
  * Generated: do not edit. Written by `make derive` from derivations/c2_parallel.py
- * (eccentric 0.1.0, program 5e070faa).
+ * (eccentric 0.1.0, program 4fca3e8c).
  * Case C2: gravity parallel to the motion plane, steady motion.
  */
 #include "c2_parallel.h"
@@ -8,7 +8,7 @@
 #include <float.h>
 #include <math.h>
 
-#if C2_PARALLEL_PROGRAM != 0x5e070faaUL
+#if C2_PARALLEL_PROGRAM != 0x4fca3e8cUL
 #error "c2_parallel.c and c2_parallel.h are of different derivations: write both again"
 #endif
 
@@ -30,6 +30,8 @@
 #else
 #define REAL_INLINE static inline
 #endif
+/* Samples that the array functions hold back, stage by stage: they keep the arithmetic units busy. */
+#define REAL_BLOCK 64u
 #if ECCENTRIC_PRECISION == 1
 #define REAL(x) x##f
 #define REAL_SQRT(x) sqrtf(x)
@@ -58,22 +60,23 @@ REAL_INLINE real c2_parallel_sine_ratio(const real h)
     return (h == REAL(0.0)) ? REAL(1.0) : (REAL_SIN(h) / h);
 #else
     const real x = h * h;
+    const real y = x * x;
 #if ECCENTRIC_PRECISION == 1
-    real value = REAL(2.60548113e-6);
-    value = value * x + REAL(-1.98094749e-4);
-    value = value * x + REAL(8.33306462e-3);
-    value = value * x + REAL(-1.66666595e-1);
-    return value * x + REAL(1.0);
+    real even = REAL(-1.98094749e-4);
+    even = even * y + REAL(-1.66666595e-1);
+    real odd = REAL(2.60548113e-6);
+    odd = odd * y + REAL(8.33306462e-3);
+    return (odd * x + even) * x + REAL(1.0);
 #else
-    real value = REAL(2.7209972799826474e-15);
-    value = value * x + REAL(-7.642974965950368e-13);
-    value = value * x + REAL(1.6058939085095993e-10);
-    value = value * x + REAL(-2.5052106860746877e-8);
-    value = value * x + REAL(2.7557319211008999e-6);
-    value = value * x + REAL(-1.9841269841208492e-4);
-    value = value * x + REAL(8.3333333333331924e-3);
-    value = value * x + REAL(-1.6666666666666666e-1);
-    return value * x + REAL(1.0);
+    real even = REAL(-7.642974965950368e-13);
+    even = even * y + REAL(-2.5052106860746877e-8);
+    even = even * y + REAL(-1.9841269841208492e-4);
+    even = even * y + REAL(-1.6666666666666666e-1);
+    real odd = REAL(2.7209972799826474e-15);
+    odd = odd * y + REAL(1.6058939085095993e-10);
+    odd = odd * y + REAL(2.7557319211008999e-6);
+    odd = odd * y + REAL(8.3333333333331924e-3);
+    return (odd * x + even) * x + REAL(1.0);
 #endif
 #endif
 }
@@ -85,23 +88,24 @@ REAL_INLINE real c2_parallel_cosine(const real h)
     return REAL_COS(h);
 #else
     const real x = h * h;
+    const real y = x * x;
 #if ECCENTRIC_PRECISION == 1
-    real value = REAL(-2.60742068e-7);
-    value = value * x + REAL(2.47617292e-5);
-    value = value * x + REAL(-1.38884006e-3);
-    value = value * x + REAL(4.16666405e-2);
-    value = value * x + REAL(-4.99999995e-1);
-    return value * x + REAL(1.0);
+    real even = REAL(-2.60742068e-7);
+    even = even * y + REAL(-1.38884006e-3);
+    even = even * y + REAL(-4.99999995e-1);
+    real odd = REAL(2.47617292e-5);
+    odd = odd * y + REAL(4.16666405e-2);
+    return (odd * x + even) * x + REAL(1.0);
 #else
-    real value = REAL(4.6099547638170315e-14);
-    value = value * x + REAL(-1.1463008250042011e-11);
-    value = value * x + REAL(2.0876566590691354e-9);
-    value = value * x + REAL(-2.7557316503307265e-7);
-    value = value * x + REAL(2.4801587278920885e-5);
-    value = value * x + REAL(-1.3888888888784392e-3);
-    value = value * x + REAL(4.1666666666664337e-2);
-    value = value * x + REAL(-4.9999999999999982e-1);
-    return value * x + REAL(1.0);
+    real even = REAL(-1.1463008250042011e-11);
+    even = even * y + REAL(-2.7557316503307265e-7);
+    even = even * y + REAL(-1.3888888888784392e-3);
+    even = even * y + REAL(-4.9999999999999982e-1);
+    real odd = REAL(4.6099547638170315e-14);
+    odd = odd * y + REAL(2.0876566590691354e-9);
+    odd = odd * y + REAL(2.4801587278920885e-5);
+    odd = odd * y + REAL(4.1666666666664337e-2);
+    return (odd * x + even) * x + REAL(1.0);
 #endif
 #endif
 }
@@ -198,8 +202,8 @@ const c2_parallel_parameters c2_parallel_default_parameters = {
     0.08, /* C_lN [m] */
     4.0e-4, /* B_m [N m s/rad] */
     0.008, /* C_m [N m] */
-    NAN, /* J_m [kg m^2] */
-    NAN, /* J_l [kg m^2] */
+    (double)NAN, /* J_m [kg m^2] */
+    (double)NAN, /* J_l [kg m^2] */
 };
 
 const c2_parallel_coefficients c2_parallel_default = {
@@ -209,7 +213,6 @@ const c2_parallel_coefficients c2_parallel_default = {
     (real)(0.08), /* C_lN */
     (real)(0.008), /* C_m */
     (real)(0.02), /* k_i */
-    (real)(0.2), /* mu */
     (real)(0.005), /* scale_N */
     (real)(1.07374182e+9), /* fastest */
     (real)(7.41188235), /* mu_omega_star */
@@ -222,24 +225,24 @@ const c2_parallel_coefficients c2_parallel_default = {
     (real)(7.94534571e-8), /* period_3 */
     (real)(-6.94077781e-12), /* period_4 */
     (real)(0.1), /* half_mu */
-    (real)(1.6e-4), /* B_lN_mu2 */
+    (real)(8.0e-7), /* B_lN_mu2_scale_N */
     (real)(0.0044), /* B_m_plus_k_e_k_i_per_R */
-    (real)(0.016), /* C_lN_mu */
-    (real)(0.0370594118), /* mu_omega_star_scale_N */
-    (real)(0.04), /* mu2 */
+    (real)(8.0e-5), /* C_lN_mu_scale_N */
+    (real)(2.0e-4), /* mu2_scale_N */
+    (real)(0.001), /* mu_scale_N */
     (real)(0.117872), /* C_lN_mu_weight_plus_C_m */
     (real)(0.04905), /* L_M_g_mu2 */
     (real)(NAN), /* J */
-    (real)(0.008), /* B_lN_R_mu2_per_k_i */
+    (real)(4.0e-5), /* B_lN_R_mu2_scale_N_per_k_i */
     (real)(0.22), /* B_m_R_per_k_i_plus_k_e */
-    (real)(0.8), /* C_lN_R_mu_per_k_i */
+    (real)(0.004), /* C_lN_R_mu_scale_N_per_k_i */
     (real)(0.4), /* C_m_R_per_k_i */
     (real)(50.0), /* R_per_k_i */
     (real)(2.4525), /* L_M_R_g_mu2_per_k_i */
-    (real)(0.008), /* B_lN_mu2_per_k_i */
+    (real)(4.0e-5), /* B_lN_mu2_scale_N_per_k_i */
     (real)(0.02), /* B_m_per_k_i */
     (real)(50.0), /* per_k_i */
-    (real)(0.8), /* C_lN_mu_per_k_i */
+    (real)(0.004), /* C_lN_mu_scale_N_per_k_i */
     (real)(0.4), /* C_m_per_k_i */
     (real)(2.4525), /* L_M_g_mu2_per_k_i */
     (real)(0.02), /* k_i_per_R */
@@ -250,7 +253,6 @@ const c2_parallel_coefficients c2_parallel_default = {
     0.08, /* C_lN */
     0.008, /* C_m */
     0.02, /* k_i */
-    0.2, /* mu */
     0.005, /* scale_N */
     1.073741824e+9, /* fastest */
     7.4118823520074845, /* mu_omega_star */
@@ -263,24 +265,24 @@ const c2_parallel_coefficients c2_parallel_default = {
     -6.7974892274327114e-20, /* period_3 */
     1.69568553207378e-30, /* period_4 */
     0.1, /* half_mu */
-    1.6e-4, /* B_lN_mu2 */
+    8.0e-7, /* B_lN_mu2_scale_N */
     0.0044, /* B_m_plus_k_e_k_i_per_R */
-    0.016, /* C_lN_mu */
-    0.037059411760037422, /* mu_omega_star_scale_N */
-    0.04, /* mu2 */
+    8.0e-5, /* C_lN_mu_scale_N */
+    2.0e-4, /* mu2_scale_N */
+    0.001, /* mu_scale_N */
     0.117872, /* C_lN_mu_weight_plus_C_m */
     0.04905, /* L_M_g_mu2 */
-    NAN, /* J */
-    0.008, /* B_lN_R_mu2_per_k_i */
+    (real)NAN, /* J */
+    4.0e-5, /* B_lN_R_mu2_scale_N_per_k_i */
     0.22, /* B_m_R_per_k_i_plus_k_e */
-    0.8, /* C_lN_R_mu_per_k_i */
+    0.004, /* C_lN_R_mu_scale_N_per_k_i */
     0.4, /* C_m_R_per_k_i */
     50.0, /* R_per_k_i */
     2.4525, /* L_M_R_g_mu2_per_k_i */
-    0.008, /* B_lN_mu2_per_k_i */
+    4.0e-5, /* B_lN_mu2_scale_N_per_k_i */
     0.02, /* B_m_per_k_i */
     50.0, /* per_k_i */
-    0.8, /* C_lN_mu_per_k_i */
+    0.004, /* C_lN_mu_scale_N_per_k_i */
     0.4, /* C_m_per_k_i */
     2.4525, /* L_M_g_mu2_per_k_i */
     0.02, /* k_i_per_R */
@@ -311,24 +313,24 @@ void c2_parallel_prepare(const c2_parallel_parameters *p, c2_parallel_coefficien
     const double period_3 = c2_parallel_leading(period_left.high - period_2);
     const double period_4 = (double)(real)(period_left.high - period_2 - period_3 + period_left.low);
     const double half_mu = 0.5 * p->mu;
-    const double B_lN_mu2 = p->B_lN * p->mu * p->mu;
+    const double B_lN_mu2_scale_N = p->B_lN * p->mu * p->mu * scale_N;
     const double B_m_plus_k_e_k_i_per_R = p->B_m + p->k_e * p->k_i / p->R;
-    const double C_lN_mu = p->C_lN * p->mu;
-    const double mu_omega_star_scale_N = p->mu * omega_star.high * scale_N;
-    const double mu2 = p->mu * p->mu;
+    const double C_lN_mu_scale_N = p->C_lN * p->mu * scale_N;
+    const double mu2_scale_N = p->mu * p->mu * scale_N;
+    const double mu_scale_N = p->mu * scale_N;
     const double C_lN_mu_weight_plus_C_m = p->C_lN * p->mu * weight.high + p->C_m;
     const double L_M_g_mu2 = p->L * p->M * p->g * p->mu * p->mu;
     const double J = p->J_l * p->mu * p->mu + p->J_m;
-    const double B_lN_R_mu2_per_k_i = p->B_lN * p->R * p->mu * p->mu / p->k_i;
+    const double B_lN_R_mu2_scale_N_per_k_i = p->B_lN * p->R * p->mu * p->mu * scale_N / p->k_i;
     const double B_m_R_per_k_i_plus_k_e = p->B_m * p->R / p->k_i + p->k_e;
-    const double C_lN_R_mu_per_k_i = p->C_lN * p->R * p->mu / p->k_i;
+    const double C_lN_R_mu_scale_N_per_k_i = p->C_lN * p->R * p->mu * scale_N / p->k_i;
     const double C_m_R_per_k_i = p->C_m * p->R / p->k_i;
     const double R_per_k_i = p->R / p->k_i;
     const double L_M_R_g_mu2_per_k_i = p->L * p->M * p->R * p->g * p->mu * p->mu / p->k_i;
-    const double B_lN_mu2_per_k_i = p->B_lN * p->mu * p->mu / p->k_i;
+    const double B_lN_mu2_scale_N_per_k_i = p->B_lN * p->mu * p->mu * scale_N / p->k_i;
     const double B_m_per_k_i = p->B_m / p->k_i;
     const double per_k_i = 1.0 / p->k_i;
-    const double C_lN_mu_per_k_i = p->C_lN * p->mu / p->k_i;
+    const double C_lN_mu_scale_N_per_k_i = p->C_lN * p->mu * scale_N / p->k_i;
     const double C_m_per_k_i = p->C_m / p->k_i;
     const double L_M_g_mu2_per_k_i = p->L * p->M * p->g * p->mu * p->mu / p->k_i;
     const double k_i_per_R = p->k_i / p->R;
@@ -338,7 +340,6 @@ void c2_parallel_prepare(const c2_parallel_parameters *p, c2_parallel_coefficien
     c->C_lN = (real)(p->C_lN);
     c->C_m = (real)(p->C_m);
     c->k_i = (real)(p->k_i);
-    c->mu = (real)(p->mu);
     c->scale_N = (real)(scale_N);
     c->fastest = (real)(fastest);
     c->mu_omega_star = (real)(mu_omega_star);
@@ -351,55 +352,69 @@ void c2_parallel_prepare(const c2_parallel_parameters *p, c2_parallel_coefficien
     c->period_3 = (real)(period_3);
     c->period_4 = (real)(period_4);
     c->half_mu = (real)(half_mu);
-    c->B_lN_mu2 = (real)(B_lN_mu2);
+    c->B_lN_mu2_scale_N = (real)(B_lN_mu2_scale_N);
     c->B_m_plus_k_e_k_i_per_R = (real)(B_m_plus_k_e_k_i_per_R);
-    c->C_lN_mu = (real)(C_lN_mu);
-    c->mu_omega_star_scale_N = (real)(mu_omega_star_scale_N);
-    c->mu2 = (real)(mu2);
+    c->C_lN_mu_scale_N = (real)(C_lN_mu_scale_N);
+    c->mu2_scale_N = (real)(mu2_scale_N);
+    c->mu_scale_N = (real)(mu_scale_N);
     c->C_lN_mu_weight_plus_C_m = (real)(C_lN_mu_weight_plus_C_m);
     c->L_M_g_mu2 = (real)(L_M_g_mu2);
     c->J = (real)(J);
-    c->B_lN_R_mu2_per_k_i = (real)(B_lN_R_mu2_per_k_i);
+    c->B_lN_R_mu2_scale_N_per_k_i = (real)(B_lN_R_mu2_scale_N_per_k_i);
     c->B_m_R_per_k_i_plus_k_e = (real)(B_m_R_per_k_i_plus_k_e);
-    c->C_lN_R_mu_per_k_i = (real)(C_lN_R_mu_per_k_i);
+    c->C_lN_R_mu_scale_N_per_k_i = (real)(C_lN_R_mu_scale_N_per_k_i);
     c->C_m_R_per_k_i = (real)(C_m_R_per_k_i);
     c->R_per_k_i = (real)(R_per_k_i);
     c->L_M_R_g_mu2_per_k_i = (real)(L_M_R_g_mu2_per_k_i);
-    c->B_lN_mu2_per_k_i = (real)(B_lN_mu2_per_k_i);
+    c->B_lN_mu2_scale_N_per_k_i = (real)(B_lN_mu2_scale_N_per_k_i);
     c->B_m_per_k_i = (real)(B_m_per_k_i);
     c->per_k_i = (real)(per_k_i);
-    c->C_lN_mu_per_k_i = (real)(C_lN_mu_per_k_i);
+    c->C_lN_mu_scale_N_per_k_i = (real)(C_lN_mu_scale_N_per_k_i);
     c->C_m_per_k_i = (real)(C_m_per_k_i);
     c->L_M_g_mu2_per_k_i = (real)(L_M_g_mu2_per_k_i);
     c->k_i_per_R = (real)(k_i_per_R);
     c->k_e_k_i_per_R = (real)(k_e_k_i_per_R);
 }
 
-REAL_INLINE real c2_parallel_normal_force_at(real theta_m, real omega_m, const c2_parallel_coefficients *c)
+/* Motor angle from the nearest top of the link [rad]. */
+REAL_INLINE real c2_parallel_from_top(real theta_m, const c2_parallel_coefficients *c)
+{
+    /* whole turns of the link and a half, up to the top that is nearest */
+    const real turns = theta_m * c->turns_per_rad - REAL(0.5) + REAL_ROUNDER - REAL_ROUNDER + REAL(0.5);
+    /* the turns go off in four parts of few digits: all products but the last are exact */
+    const real rest = theta_m - turns * c->period_1;
+    const real reduced = rest - turns * c->period_2 - turns * c->period_3 - turns * c->period_4;
+    /* an angle so large that nothing is left of its phase counts as the top */
+    return ((REAL_FABS(reduced) <= c->period) ? reduced : theta_m - theta_m);
+}
+
+/* 2 sin(half the link angle from the top)/mu. */
+REAL_INLINE real c2_parallel_chord(real from_top, const c2_parallel_coefficients *c)
+{
+    const real half_angle = from_top * c->half_mu;
+    return from_top * c2_parallel_sine_ratio(half_angle);
+}
+
+/* Cosine of half the link angle from the top. */
+REAL_INLINE real c2_parallel_half_sine(real from_top, const c2_parallel_coefficients *c)
+{
+    const real half_angle = from_top * c->half_mu;
+    return c2_parallel_cosine(half_angle);
+}
+
+REAL_INLINE real c2_parallel_normal_force_at(real omega_m, real chord, const c2_parallel_coefficients *c)
 {
     const real size = REAL_FABS(omega_m);
     /* magnitude of the motor velocity, at most 2^30, 0 if M L = 0 [rad/s] */
     const real speed = ((size > c->fastest) ? c->fastest : size);
     /* speed^2 - omega_star^2; the difference is taken once, before anything is rounded */
     const real square_difference = (speed - c->omega_star_1 - c->omega_star_2) * (speed + c->omega_star_1);
-    /* whole turns of the link and a half, up to the top that is nearest */
-    const real turns = theta_m * c->turns_per_rad - REAL(0.5) + REAL_ROUNDER - REAL_ROUNDER + REAL(0.5);
-    /* the turns go off in four parts of few digits: all products but the last are exact */
-    const real rest = theta_m - turns * c->period_1;
-    /* motor angle from the top */
-    const real reduced = rest - turns * c->period_2 - turns * c->period_3 - turns * c->period_4;
-    /* an angle so large that nothing is left of its phase counts as the top */
-    const real from_top = ((REAL_FABS(reduced) <= c->period) ? reduced : theta_m - theta_m);
-    /* half the link angle from the top */
-    const real half_angle = from_top * c->half_mu;
-    /* 2 sin(half_angle)/mu */
-    const real chord = from_top * c2_parallel_sine_ratio(half_angle);
     const real p = square_difference;
-    const real q = chord * c->mu_omega_star * speed;
+    const real q = c->mu_omega_star * speed * chord;
     const real magnitude = REAL_SQRT(p * p + q * q);
-    /* normal force on the axis of rotation [N], eq (17) */
-    const real F_N = magnitude * c->scale_N;
-    return F_N;
+    /* normal force over scale_N [rad^2/s^2] */
+    const real load = magnitude;
+    return load * c->scale_N;
 }
 
 ECCENTRIC_REAL c2_parallel_normal_force(
@@ -407,7 +422,9 @@ ECCENTRIC_REAL c2_parallel_normal_force(
     ECCENTRIC_REAL omega_m,
     const c2_parallel_coefficients *c)
 {
-    return c2_parallel_normal_force_at(theta_m, omega_m, c);
+    const real from_top = c2_parallel_from_top(theta_m, c);
+    const real chord = c2_parallel_chord(from_top, c);
+    return c2_parallel_normal_force_at(omega_m, chord, c);
 }
 
 void c2_parallel_normal_force_n(
@@ -418,41 +435,37 @@ void c2_parallel_normal_force_n(
     const c2_parallel_coefficients *c)
 {
     const c2_parallel_coefficients own = *c; /* that no store to `out` can change */
-    for (size_t k = 0; k < n; ++k) {
-        out[k] = c2_parallel_normal_force_at(theta_m[k], omega_m[k], &own);
+    real from_top[REAL_BLOCK];
+    real chord[REAL_BLOCK];
+    for (size_t first = 0; first < n; first += REAL_BLOCK) {
+        const size_t count = (n - first < REAL_BLOCK) ? (n - first) : REAL_BLOCK;
+        for (size_t k = 0; k < count; ++k) {
+            from_top[k] = c2_parallel_from_top(theta_m[first + k], &own);
+        }
+        for (size_t k = 0; k < count; ++k) {
+            chord[k] = c2_parallel_chord(from_top[k], &own);
+        }
+        for (size_t k = 0; k < count; ++k) {
+            out[first + k] = c2_parallel_normal_force_at(omega_m[first + k], chord[k], &own);
+        }
     }
 }
 
-REAL_INLINE real c2_parallel_friction_torque_at(
-    real theta_m,
-    real omega_m,
-    const c2_parallel_coefficients *c)
+REAL_INLINE real c2_parallel_friction_torque_at(real omega_m, real chord, const c2_parallel_coefficients *c)
 {
     const real size = REAL_FABS(omega_m);
     /* magnitude of the motor velocity, at most 2^30, 0 if M L = 0 [rad/s] */
     const real speed = ((size > c->fastest) ? c->fastest : size);
     /* speed^2 - omega_star^2; the difference is taken once, before anything is rounded */
     const real square_difference = (speed - c->omega_star_1 - c->omega_star_2) * (speed + c->omega_star_1);
-    /* whole turns of the link and a half, up to the top that is nearest */
-    const real turns = theta_m * c->turns_per_rad - REAL(0.5) + REAL_ROUNDER - REAL_ROUNDER + REAL(0.5);
-    /* the turns go off in four parts of few digits: all products but the last are exact */
-    const real rest = theta_m - turns * c->period_1;
-    /* motor angle from the top */
-    const real reduced = rest - turns * c->period_2 - turns * c->period_3 - turns * c->period_4;
-    /* an angle so large that nothing is left of its phase counts as the top */
-    const real from_top = ((REAL_FABS(reduced) <= c->period) ? reduced : theta_m - theta_m);
-    /* half the link angle from the top */
-    const real half_angle = from_top * c->half_mu;
-    /* 2 sin(half_angle)/mu */
-    const real chord = from_top * c2_parallel_sine_ratio(half_angle);
     const real p = square_difference;
-    const real q = chord * c->mu_omega_star * speed;
+    const real q = c->mu_omega_star * speed * chord;
     const real magnitude = REAL_SQRT(p * p + q * q);
-    /* normal force on the axis of rotation [N], eq (17) */
-    const real F_N = magnitude * c->scale_N;
+    /* normal force over scale_N [rad^2/s^2] */
+    const real load = magnitude;
     const real direction_of_motion = c2_parallel_sgn(omega_m);
-    const real part_1 = omega_m * (c->B_lN_mu2 * F_N + c->B_m_plus_k_e_k_i_per_R);
-    return direction_of_motion * (c->C_lN_mu * F_N + c->C_m) + part_1;
+    const real part_1 = omega_m * (c->B_lN_mu2_scale_N * load + c->B_m_plus_k_e_k_i_per_R);
+    return direction_of_motion * (c->C_lN_mu_scale_N * load + c->C_m) + part_1;
 }
 
 ECCENTRIC_REAL c2_parallel_friction_torque(
@@ -460,7 +473,9 @@ ECCENTRIC_REAL c2_parallel_friction_torque(
     ECCENTRIC_REAL omega_m,
     const c2_parallel_coefficients *c)
 {
-    return c2_parallel_friction_torque_at(theta_m, omega_m, c);
+    const real from_top = c2_parallel_from_top(theta_m, c);
+    const real chord = c2_parallel_chord(from_top, c);
+    return c2_parallel_friction_torque_at(omega_m, chord, c);
 }
 
 void c2_parallel_friction_torque_n(
@@ -471,14 +486,25 @@ void c2_parallel_friction_torque_n(
     const c2_parallel_coefficients *c)
 {
     const c2_parallel_coefficients own = *c; /* that no store to `out` can change */
-    for (size_t k = 0; k < n; ++k) {
-        out[k] = c2_parallel_friction_torque_at(theta_m[k], omega_m[k], &own);
+    real from_top[REAL_BLOCK];
+    real chord[REAL_BLOCK];
+    for (size_t first = 0; first < n; first += REAL_BLOCK) {
+        const size_t count = (n - first < REAL_BLOCK) ? (n - first) : REAL_BLOCK;
+        for (size_t k = 0; k < count; ++k) {
+            from_top[k] = c2_parallel_from_top(theta_m[first + k], &own);
+        }
+        for (size_t k = 0; k < count; ++k) {
+            chord[k] = c2_parallel_chord(from_top[k], &own);
+        }
+        for (size_t k = 0; k < count; ++k) {
+            out[first + k] = c2_parallel_friction_torque_at(omega_m[first + k], chord[k], &own);
+        }
     }
 }
 
 REAL_INLINE real c2_parallel_mechanical_friction_torque_at(
-    real theta_m,
     real omega_m,
+    real chord,
     const c2_parallel_coefficients *c)
 {
     const real size = REAL_FABS(omega_m);
@@ -486,26 +512,14 @@ REAL_INLINE real c2_parallel_mechanical_friction_torque_at(
     const real speed = ((size > c->fastest) ? c->fastest : size);
     /* speed^2 - omega_star^2; the difference is taken once, before anything is rounded */
     const real square_difference = (speed - c->omega_star_1 - c->omega_star_2) * (speed + c->omega_star_1);
-    /* whole turns of the link and a half, up to the top that is nearest */
-    const real turns = theta_m * c->turns_per_rad - REAL(0.5) + REAL_ROUNDER - REAL_ROUNDER + REAL(0.5);
-    /* the turns go off in four parts of few digits: all products but the last are exact */
-    const real rest = theta_m - turns * c->period_1;
-    /* motor angle from the top */
-    const real reduced = rest - turns * c->period_2 - turns * c->period_3 - turns * c->period_4;
-    /* an angle so large that nothing is left of its phase counts as the top */
-    const real from_top = ((REAL_FABS(reduced) <= c->period) ? reduced : theta_m - theta_m);
-    /* half the link angle from the top */
-    const real half_angle = from_top * c->half_mu;
-    /* 2 sin(half_angle)/mu */
-    const real chord = from_top * c2_parallel_sine_ratio(half_angle);
     const real p = square_difference;
-    const real q = chord * c->mu_omega_star * speed;
+    const real q = c->mu_omega_star * speed * chord;
     const real magnitude = REAL_SQRT(p * p + q * q);
-    /* normal force on the axis of rotation [N], eq (17) */
-    const real F_N = magnitude * c->scale_N;
+    /* normal force over scale_N [rad^2/s^2] */
+    const real load = magnitude;
     const real direction_of_motion = c2_parallel_sgn(omega_m);
-    const real part_1 = direction_of_motion * (c->C_lN_mu * F_N + c->C_m);
-    return omega_m * (c->B_lN_mu2 * F_N + c->B_m) + part_1;
+    const real part_1 = direction_of_motion * (c->C_lN_mu_scale_N * load + c->C_m);
+    return omega_m * (c->B_lN_mu2_scale_N * load + c->B_m) + part_1;
 }
 
 ECCENTRIC_REAL c2_parallel_mechanical_friction_torque(
@@ -513,7 +527,9 @@ ECCENTRIC_REAL c2_parallel_mechanical_friction_torque(
     ECCENTRIC_REAL omega_m,
     const c2_parallel_coefficients *c)
 {
-    return c2_parallel_mechanical_friction_torque_at(theta_m, omega_m, c);
+    const real from_top = c2_parallel_from_top(theta_m, c);
+    const real chord = c2_parallel_chord(from_top, c);
+    return c2_parallel_mechanical_friction_torque_at(omega_m, chord, c);
 }
 
 void c2_parallel_mechanical_friction_torque_n(
@@ -524,14 +540,26 @@ void c2_parallel_mechanical_friction_torque_n(
     const c2_parallel_coefficients *c)
 {
     const c2_parallel_coefficients own = *c; /* that no store to `out` can change */
-    for (size_t k = 0; k < n; ++k) {
-        out[k] = c2_parallel_mechanical_friction_torque_at(theta_m[k], omega_m[k], &own);
+    real from_top[REAL_BLOCK];
+    real chord[REAL_BLOCK];
+    for (size_t first = 0; first < n; first += REAL_BLOCK) {
+        const size_t count = (n - first < REAL_BLOCK) ? (n - first) : REAL_BLOCK;
+        for (size_t k = 0; k < count; ++k) {
+            from_top[k] = c2_parallel_from_top(theta_m[first + k], &own);
+        }
+        for (size_t k = 0; k < count; ++k) {
+            chord[k] = c2_parallel_chord(from_top[k], &own);
+        }
+        for (size_t k = 0; k < count; ++k) {
+            out[first + k] = c2_parallel_mechanical_friction_torque_at(omega_m[first + k], chord[k], &own);
+        }
     }
 }
 
 REAL_INLINE void c2_parallel_friction_torque_gradient_at(
-    real theta_m,
     real omega_m,
+    real chord,
+    real half_sine,
     real *out,
     const c2_parallel_coefficients *c)
 {
@@ -542,37 +570,23 @@ REAL_INLINE void c2_parallel_friction_torque_gradient_at(
     const real speed_d_omega_m = direction_of_motion;
     /* speed^2 - omega_star^2; the difference is taken once, before anything is rounded */
     const real square_difference = (speed - c->omega_star_1 - c->omega_star_2) * (speed + c->omega_star_1);
-    /* whole turns of the link and a half, up to the top that is nearest */
-    const real turns = theta_m * c->turns_per_rad - REAL(0.5) + REAL_ROUNDER - REAL_ROUNDER + REAL(0.5);
-    /* the turns go off in four parts of few digits: all products but the last are exact */
-    const real rest = theta_m - turns * c->period_1;
-    /* motor angle from the top */
-    const real reduced = rest - turns * c->period_2 - turns * c->period_3 - turns * c->period_4;
-    /* an angle so large that nothing is left of its phase counts as the top */
-    const real from_top = ((REAL_FABS(reduced) <= c->period) ? reduced : theta_m - theta_m);
-    /* half the link angle from the top */
-    const real half_angle = from_top * c->half_mu;
-    /* 2 sin(half_angle)/mu */
-    const real chord = from_top * c2_parallel_sine_ratio(half_angle);
     const real p = square_difference;
-    const real q = chord * c->mu_omega_star * speed;
+    const real q = c->mu_omega_star * speed * chord;
     const real magnitude = REAL_SQRT(p * p + q * q);
-    /* normal force on the axis of rotation [N], eq (17) */
-    const real F_N = magnitude * c->scale_N;
+    /* normal force over scale_N [rad^2/s^2] */
+    const real load = magnitude;
     /* 1 at the apex, where F_N is 0 and its derivatives are taken as 0 */
     const real inverse = REAL(1.0) / ((magnitude == REAL(0.0)) ? REAL(1.0) : magnitude);
-    /* cosine of the half angle from the top */
-    const real half_sine = c2_parallel_cosine(half_angle);
-    const real F_N_d_theta_m = half_sine * c->mu_omega_star_scale_N * speed * (q * inverse);
-    const real part_2 = chord * c->mu_omega_star * (q * inverse);
-    const real part_1 = part_2 + REAL(2.0) * speed * (p * inverse);
-    const real F_N_d_omega_m = part_1 * c->scale_N * speed_d_omega_m;
-    const real part_3 = c->B_lN_mu2 * omega_m + c->C_lN_mu * direction_of_motion;
-    out[0] = F_N_d_theta_m * part_3;
-    const real part_4 = c->C_lN_mu * F_N_d_omega_m * direction_of_motion;
-    const real part_5 = c->B_lN_mu2 * F_N_d_omega_m * omega_m;
-    const real part_6 = c->B_lN_mu2 * F_N;
-    out[1] = c->B_m_plus_k_e_k_i_per_R + part_4 + part_5 + part_6;
+    const real part_1 = c->mu_omega_star * speed * (q * inverse);
+    const real load_d_theta_m = part_1 * half_sine;
+    const real part_3 = c->mu_omega_star * (q * inverse) * chord;
+    const real part_2 = part_3 + REAL(2.0) * speed * (p * inverse);
+    const real load_d_omega_m = part_2 * speed_d_omega_m;
+    const real part_4 = c->B_lN_mu2_scale_N * omega_m + c->C_lN_mu_scale_N * direction_of_motion;
+    out[0] = load_d_theta_m * part_4;
+    const real part_6 = c->B_lN_mu2_scale_N * omega_m + c->C_lN_mu_scale_N * direction_of_motion;
+    const real part_5 = load_d_omega_m * part_6;
+    out[1] = c->B_lN_mu2_scale_N * load + c->B_m_plus_k_e_k_i_per_R + part_5;
 }
 
 void c2_parallel_friction_torque_gradient(
@@ -581,7 +595,10 @@ void c2_parallel_friction_torque_gradient(
     ECCENTRIC_REAL *out,
     const c2_parallel_coefficients *c)
 {
-    c2_parallel_friction_torque_gradient_at(theta_m, omega_m, out, c);
+    const real from_top = c2_parallel_from_top(theta_m, c);
+    const real chord = c2_parallel_chord(from_top, c);
+    const real half_sine = c2_parallel_half_sine(from_top, c);
+    c2_parallel_friction_torque_gradient_at(omega_m, chord, half_sine, out, c);
 }
 
 void c2_parallel_friction_torque_gradient_n(
@@ -592,14 +609,28 @@ void c2_parallel_friction_torque_gradient_n(
     const c2_parallel_coefficients *c)
 {
     const c2_parallel_coefficients own = *c; /* that no store to `out` can change */
-    for (size_t k = 0; k < n; ++k) {
-        c2_parallel_friction_torque_gradient_at(theta_m[k], omega_m[k], out + 2 * k, &own);
+    real from_top[REAL_BLOCK];
+    real chord[REAL_BLOCK];
+    real half_sine[REAL_BLOCK];
+    for (size_t first = 0; first < n; first += REAL_BLOCK) {
+        const size_t count = (n - first < REAL_BLOCK) ? (n - first) : REAL_BLOCK;
+        for (size_t k = 0; k < count; ++k) {
+            from_top[k] = c2_parallel_from_top(theta_m[first + k], &own);
+        }
+        for (size_t k = 0; k < count; ++k) {
+            chord[k] = c2_parallel_chord(from_top[k], &own);
+            half_sine[k] = c2_parallel_half_sine(from_top[k], &own);
+        }
+        for (size_t k = 0; k < count; ++k) {
+            c2_parallel_friction_torque_gradient_at(omega_m[first + k], chord[k], half_sine[k], &out[2 *
+                (first + k)], &own);
+        }
     }
 }
 
 REAL_INLINE void c2_parallel_friction_torque_jacobian_at(
-    real theta_m,
     real omega_m,
+    real chord,
     real *out,
     const c2_parallel_coefficients *c)
 {
@@ -608,26 +639,14 @@ REAL_INLINE void c2_parallel_friction_torque_jacobian_at(
     const real speed = ((size > c->fastest) ? c->fastest : size);
     /* speed^2 - omega_star^2; the difference is taken once, before anything is rounded */
     const real square_difference = (speed - c->omega_star_1 - c->omega_star_2) * (speed + c->omega_star_1);
-    /* whole turns of the link and a half, up to the top that is nearest */
-    const real turns = theta_m * c->turns_per_rad - REAL(0.5) + REAL_ROUNDER - REAL_ROUNDER + REAL(0.5);
-    /* the turns go off in four parts of few digits: all products but the last are exact */
-    const real rest = theta_m - turns * c->period_1;
-    /* motor angle from the top */
-    const real reduced = rest - turns * c->period_2 - turns * c->period_3 - turns * c->period_4;
-    /* an angle so large that nothing is left of its phase counts as the top */
-    const real from_top = ((REAL_FABS(reduced) <= c->period) ? reduced : theta_m - theta_m);
-    /* half the link angle from the top */
-    const real half_angle = from_top * c->half_mu;
-    /* 2 sin(half_angle)/mu */
-    const real chord = from_top * c2_parallel_sine_ratio(half_angle);
     const real p = square_difference;
-    const real q = chord * c->mu_omega_star * speed;
+    const real q = c->mu_omega_star * speed * chord;
     const real magnitude = REAL_SQRT(p * p + q * q);
-    /* normal force on the axis of rotation [N], eq (17) */
-    const real F_N = magnitude * c->scale_N;
-    out[0] = F_N * c->mu2 * omega_m;
+    /* normal force over scale_N [rad^2/s^2] */
+    const real load = magnitude;
+    out[0] = load * c->mu2_scale_N * omega_m;
     const real direction_of_motion = c2_parallel_sgn(omega_m);
-    out[1] = F_N * direction_of_motion * c->mu;
+    out[1] = direction_of_motion * load * c->mu_scale_N;
     out[2] = omega_m;
     out[3] = direction_of_motion;
 }
@@ -638,7 +657,9 @@ void c2_parallel_friction_torque_jacobian(
     ECCENTRIC_REAL *out,
     const c2_parallel_coefficients *c)
 {
-    c2_parallel_friction_torque_jacobian_at(theta_m, omega_m, out, c);
+    const real from_top = c2_parallel_from_top(theta_m, c);
+    const real chord = c2_parallel_chord(from_top, c);
+    c2_parallel_friction_torque_jacobian_at(omega_m, chord, out, c);
 }
 
 void c2_parallel_friction_torque_jacobian_n(
@@ -649,14 +670,26 @@ void c2_parallel_friction_torque_jacobian_n(
     const c2_parallel_coefficients *c)
 {
     const c2_parallel_coefficients own = *c; /* that no store to `out` can change */
-    for (size_t k = 0; k < n; ++k) {
-        c2_parallel_friction_torque_jacobian_at(theta_m[k], omega_m[k], out + 4 * k, &own);
+    real from_top[REAL_BLOCK];
+    real chord[REAL_BLOCK];
+    for (size_t first = 0; first < n; first += REAL_BLOCK) {
+        const size_t count = (n - first < REAL_BLOCK) ? (n - first) : REAL_BLOCK;
+        for (size_t k = 0; k < count; ++k) {
+            from_top[k] = c2_parallel_from_top(theta_m[first + k], &own);
+        }
+        for (size_t k = 0; k < count; ++k) {
+            chord[k] = c2_parallel_chord(from_top[k], &own);
+        }
+        for (size_t k = 0; k < count; ++k) {
+            c2_parallel_friction_torque_jacobian_at(omega_m[first + k], chord[k], &out[4 * (first + k)],
+                &own);
+        }
     }
 }
 
 REAL_INLINE void c2_parallel_regressor_at(
-    real theta_m,
     real omega_m,
+    real chord,
     real *out,
     const c2_parallel_coefficients *c)
 {
@@ -665,26 +698,14 @@ REAL_INLINE void c2_parallel_regressor_at(
     const real speed = ((size > c->fastest) ? c->fastest : size);
     /* speed^2 - omega_star^2; the difference is taken once, before anything is rounded */
     const real square_difference = (speed - c->omega_star_1 - c->omega_star_2) * (speed + c->omega_star_1);
-    /* whole turns of the link and a half, up to the top that is nearest */
-    const real turns = theta_m * c->turns_per_rad - REAL(0.5) + REAL_ROUNDER - REAL_ROUNDER + REAL(0.5);
-    /* the turns go off in four parts of few digits: all products but the last are exact */
-    const real rest = theta_m - turns * c->period_1;
-    /* motor angle from the top */
-    const real reduced = rest - turns * c->period_2 - turns * c->period_3 - turns * c->period_4;
-    /* an angle so large that nothing is left of its phase counts as the top */
-    const real from_top = ((REAL_FABS(reduced) <= c->period) ? reduced : theta_m - theta_m);
-    /* half the link angle from the top */
-    const real half_angle = from_top * c->half_mu;
-    /* 2 sin(half_angle)/mu */
-    const real chord = from_top * c2_parallel_sine_ratio(half_angle);
     const real p = square_difference;
-    const real q = chord * c->mu_omega_star * speed;
+    const real q = c->mu_omega_star * speed * chord;
     const real magnitude = REAL_SQRT(p * p + q * q);
-    /* normal force on the axis of rotation [N], eq (17) */
-    const real F_N = magnitude * c->scale_N;
-    out[0] = F_N * c->mu2 * omega_m;
+    /* normal force over scale_N [rad^2/s^2] */
+    const real load = magnitude;
+    out[0] = load * c->mu2_scale_N * omega_m;
     const real direction_of_motion = c2_parallel_sgn(omega_m);
-    out[1] = F_N * direction_of_motion * c->mu;
+    out[1] = direction_of_motion * load * c->mu_scale_N;
     out[2] = omega_m;
     out[3] = direction_of_motion;
 }
@@ -695,7 +716,9 @@ void c2_parallel_regressor(
     ECCENTRIC_REAL *out,
     const c2_parallel_coefficients *c)
 {
-    c2_parallel_regressor_at(theta_m, omega_m, out, c);
+    const real from_top = c2_parallel_from_top(theta_m, c);
+    const real chord = c2_parallel_chord(from_top, c);
+    c2_parallel_regressor_at(omega_m, chord, out, c);
 }
 
 void c2_parallel_regressor_n(
@@ -706,8 +729,19 @@ void c2_parallel_regressor_n(
     const c2_parallel_coefficients *c)
 {
     const c2_parallel_coefficients own = *c; /* that no store to `out` can change */
-    for (size_t k = 0; k < n; ++k) {
-        c2_parallel_regressor_at(theta_m[k], omega_m[k], out + 4 * k, &own);
+    real from_top[REAL_BLOCK];
+    real chord[REAL_BLOCK];
+    for (size_t first = 0; first < n; first += REAL_BLOCK) {
+        const size_t count = (n - first < REAL_BLOCK) ? (n - first) : REAL_BLOCK;
+        for (size_t k = 0; k < count; ++k) {
+            from_top[k] = c2_parallel_from_top(theta_m[first + k], &own);
+        }
+        for (size_t k = 0; k < count; ++k) {
+            chord[k] = c2_parallel_chord(from_top[k], &own);
+        }
+        for (size_t k = 0; k < count; ++k) {
+            c2_parallel_regressor_at(omega_m[first + k], chord[k], &out[4 * (first + k)], &own);
+        }
     }
 }
 
@@ -724,28 +758,17 @@ ECCENTRIC_REAL c2_parallel_coulomb_torque(const c2_parallel_coefficients *c)
     return c->C_lN_mu_weight_plus_C_m;
 }
 
-REAL_INLINE real c2_parallel_gravity_torque_at(real theta_m, const c2_parallel_coefficients *c)
+REAL_INLINE real c2_parallel_gravity_torque_at(real chord, real half_sine, const c2_parallel_coefficients *c)
 {
-    /* whole turns of the link and a half, up to the top that is nearest */
-    const real turns = theta_m * c->turns_per_rad - REAL(0.5) + REAL_ROUNDER - REAL_ROUNDER + REAL(0.5);
-    /* the turns go off in four parts of few digits: all products but the last are exact */
-    const real rest = theta_m - turns * c->period_1;
-    /* motor angle from the top */
-    const real reduced = rest - turns * c->period_2 - turns * c->period_3 - turns * c->period_4;
-    /* an angle so large that nothing is left of its phase counts as the top */
-    const real from_top = ((REAL_FABS(reduced) <= c->period) ? reduced : theta_m - theta_m);
-    /* half the link angle from the top */
-    const real half_angle = from_top * c->half_mu;
-    /* 2 sin(half_angle)/mu */
-    const real chord = from_top * c2_parallel_sine_ratio(half_angle);
-    /* cosine of the half angle from the top */
-    const real half_sine = c2_parallel_cosine(half_angle);
-    return -c->L_M_g_mu2 * chord * half_sine;
+    return (-c->L_M_g_mu2) * chord * half_sine;
 }
 
 ECCENTRIC_REAL c2_parallel_gravity_torque(ECCENTRIC_REAL theta_m, const c2_parallel_coefficients *c)
 {
-    return c2_parallel_gravity_torque_at(theta_m, c);
+    const real from_top = c2_parallel_from_top(theta_m, c);
+    const real chord = c2_parallel_chord(from_top, c);
+    const real half_sine = c2_parallel_half_sine(from_top, c);
+    return c2_parallel_gravity_torque_at(chord, half_sine, c);
 }
 
 void c2_parallel_gravity_torque_n(
@@ -755,15 +778,29 @@ void c2_parallel_gravity_torque_n(
     const c2_parallel_coefficients *c)
 {
     const c2_parallel_coefficients own = *c; /* that no store to `out` can change */
-    for (size_t k = 0; k < n; ++k) {
-        out[k] = c2_parallel_gravity_torque_at(theta_m[k], &own);
+    real from_top[REAL_BLOCK];
+    real chord[REAL_BLOCK];
+    real half_sine[REAL_BLOCK];
+    for (size_t first = 0; first < n; first += REAL_BLOCK) {
+        const size_t count = (n - first < REAL_BLOCK) ? (n - first) : REAL_BLOCK;
+        for (size_t k = 0; k < count; ++k) {
+            from_top[k] = c2_parallel_from_top(theta_m[first + k], &own);
+        }
+        for (size_t k = 0; k < count; ++k) {
+            chord[k] = c2_parallel_chord(from_top[k], &own);
+            half_sine[k] = c2_parallel_half_sine(from_top[k], &own);
+        }
+        for (size_t k = 0; k < count; ++k) {
+            out[first + k] = c2_parallel_gravity_torque_at(chord[k], half_sine[k], &own);
+        }
     }
 }
 
 REAL_INLINE real c2_parallel_voltage_at(
-    real theta_m,
     real omega_m,
     real alpha_m,
+    real chord,
+    real half_sine,
     const c2_parallel_coefficients *c)
 {
     const real size = REAL_FABS(omega_m);
@@ -771,31 +808,19 @@ REAL_INLINE real c2_parallel_voltage_at(
     const real speed = ((size > c->fastest) ? c->fastest : size);
     /* speed^2 - omega_star^2; the difference is taken once, before anything is rounded */
     const real square_difference = (speed - c->omega_star_1 - c->omega_star_2) * (speed + c->omega_star_1);
-    /* whole turns of the link and a half, up to the top that is nearest */
-    const real turns = theta_m * c->turns_per_rad - REAL(0.5) + REAL_ROUNDER - REAL_ROUNDER + REAL(0.5);
-    /* the turns go off in four parts of few digits: all products but the last are exact */
-    const real rest = theta_m - turns * c->period_1;
-    /* motor angle from the top */
-    const real reduced = rest - turns * c->period_2 - turns * c->period_3 - turns * c->period_4;
-    /* an angle so large that nothing is left of its phase counts as the top */
-    const real from_top = ((REAL_FABS(reduced) <= c->period) ? reduced : theta_m - theta_m);
-    /* half the link angle from the top */
-    const real half_angle = from_top * c->half_mu;
-    /* 2 sin(half_angle)/mu */
-    const real chord = from_top * c2_parallel_sine_ratio(half_angle);
     const real p = square_difference;
-    const real q = chord * c->mu_omega_star * speed;
+    const real q = c->mu_omega_star * speed * chord;
     const real magnitude = REAL_SQRT(p * p + q * q);
-    /* normal force on the axis of rotation [N], eq (17) */
-    const real F_N = magnitude * c->scale_N;
+    /* normal force over scale_N [rad^2/s^2] */
+    const real load = magnitude;
     const real direction_of_motion = c2_parallel_sgn(omega_m);
-    /* cosine of the half angle from the top */
-    const real half_sine = c2_parallel_cosine(half_angle);
-    const real part_1 = direction_of_motion * (c->C_lN_R_mu_per_k_i * F_N + c->C_m_R_per_k_i);
-    const real part_2 = omega_m * (c->B_lN_R_mu2_per_k_i * F_N + c->B_m_R_per_k_i_plus_k_e);
-    const real part_3 = c->R_per_k_i * ((alpha_m == REAL(0.0)) ? REAL(0.0) : c->J * alpha_m);
-    const real part_4 = -c->L_M_R_g_mu2_per_k_i * chord * half_sine;
-    return part_1 + part_2 + part_3 + part_4;
+    const real part_2 = c->C_lN_R_mu_scale_N_per_k_i * load + c->C_m_R_per_k_i;
+    const real part_1 = direction_of_motion * part_2;
+    const real part_4 = c->B_lN_R_mu2_scale_N_per_k_i * load + c->B_m_R_per_k_i_plus_k_e;
+    const real part_3 = omega_m * part_4;
+    const real part_5 = (-c->L_M_R_g_mu2_per_k_i) * chord * half_sine;
+    const real part_6 = c->R_per_k_i * ((alpha_m == REAL(0.0)) ? REAL(0.0) : c->J * alpha_m);
+    return part_1 + part_3 + part_5 + part_6;
 }
 
 ECCENTRIC_REAL c2_parallel_voltage(
@@ -804,7 +829,10 @@ ECCENTRIC_REAL c2_parallel_voltage(
     ECCENTRIC_REAL alpha_m,
     const c2_parallel_coefficients *c)
 {
-    return c2_parallel_voltage_at(theta_m, omega_m, alpha_m, c);
+    const real from_top = c2_parallel_from_top(theta_m, c);
+    const real chord = c2_parallel_chord(from_top, c);
+    const real half_sine = c2_parallel_half_sine(from_top, c);
+    return c2_parallel_voltage_at(omega_m, alpha_m, chord, half_sine, c);
 }
 
 void c2_parallel_voltage_n(
@@ -816,15 +844,30 @@ void c2_parallel_voltage_n(
     const c2_parallel_coefficients *c)
 {
     const c2_parallel_coefficients own = *c; /* that no store to `out` can change */
-    for (size_t k = 0; k < n; ++k) {
-        out[k] = c2_parallel_voltage_at(theta_m[k], omega_m[k], alpha_m[k], &own);
+    real from_top[REAL_BLOCK];
+    real chord[REAL_BLOCK];
+    real half_sine[REAL_BLOCK];
+    for (size_t first = 0; first < n; first += REAL_BLOCK) {
+        const size_t count = (n - first < REAL_BLOCK) ? (n - first) : REAL_BLOCK;
+        for (size_t k = 0; k < count; ++k) {
+            from_top[k] = c2_parallel_from_top(theta_m[first + k], &own);
+        }
+        for (size_t k = 0; k < count; ++k) {
+            chord[k] = c2_parallel_chord(from_top[k], &own);
+            half_sine[k] = c2_parallel_half_sine(from_top[k], &own);
+        }
+        for (size_t k = 0; k < count; ++k) {
+            out[first + k] = c2_parallel_voltage_at(omega_m[first + k], alpha_m[first + k], chord[k],
+                half_sine[k], &own);
+        }
     }
 }
 
 REAL_INLINE real c2_parallel_current_at(
-    real theta_m,
     real omega_m,
     real alpha_m,
+    real chord,
+    real half_sine,
     const c2_parallel_coefficients *c)
 {
     const real size = REAL_FABS(omega_m);
@@ -832,30 +875,16 @@ REAL_INLINE real c2_parallel_current_at(
     const real speed = ((size > c->fastest) ? c->fastest : size);
     /* speed^2 - omega_star^2; the difference is taken once, before anything is rounded */
     const real square_difference = (speed - c->omega_star_1 - c->omega_star_2) * (speed + c->omega_star_1);
-    /* whole turns of the link and a half, up to the top that is nearest */
-    const real turns = theta_m * c->turns_per_rad - REAL(0.5) + REAL_ROUNDER - REAL_ROUNDER + REAL(0.5);
-    /* the turns go off in four parts of few digits: all products but the last are exact */
-    const real rest = theta_m - turns * c->period_1;
-    /* motor angle from the top */
-    const real reduced = rest - turns * c->period_2 - turns * c->period_3 - turns * c->period_4;
-    /* an angle so large that nothing is left of its phase counts as the top */
-    const real from_top = ((REAL_FABS(reduced) <= c->period) ? reduced : theta_m - theta_m);
-    /* half the link angle from the top */
-    const real half_angle = from_top * c->half_mu;
-    /* 2 sin(half_angle)/mu */
-    const real chord = from_top * c2_parallel_sine_ratio(half_angle);
     const real p = square_difference;
-    const real q = chord * c->mu_omega_star * speed;
+    const real q = c->mu_omega_star * speed * chord;
     const real magnitude = REAL_SQRT(p * p + q * q);
-    /* normal force on the axis of rotation [N], eq (17) */
-    const real F_N = magnitude * c->scale_N;
+    /* normal force over scale_N [rad^2/s^2] */
+    const real load = magnitude;
     const real direction_of_motion = c2_parallel_sgn(omega_m);
-    /* cosine of the half angle from the top */
-    const real half_sine = c2_parallel_cosine(half_angle);
-    const real part_1 = direction_of_motion * (c->C_lN_mu_per_k_i * F_N + c->C_m_per_k_i);
-    const real part_2 = c->per_k_i * ((alpha_m == REAL(0.0)) ? REAL(0.0) : c->J * alpha_m);
-    const real part_3 = omega_m * (c->B_lN_mu2_per_k_i * F_N + c->B_m_per_k_i);
-    const real part_4 = -c->L_M_g_mu2_per_k_i * chord * half_sine;
+    const real part_1 = direction_of_motion * (c->C_lN_mu_scale_N_per_k_i * load + c->C_m_per_k_i);
+    const real part_2 = omega_m * (c->B_lN_mu2_scale_N_per_k_i * load + c->B_m_per_k_i);
+    const real part_3 = c->per_k_i * ((alpha_m == REAL(0.0)) ? REAL(0.0) : c->J * alpha_m);
+    const real part_4 = (-c->L_M_g_mu2_per_k_i) * chord * half_sine;
     return part_1 + part_2 + part_3 + part_4;
 }
 
@@ -865,7 +894,10 @@ ECCENTRIC_REAL c2_parallel_current(
     ECCENTRIC_REAL alpha_m,
     const c2_parallel_coefficients *c)
 {
-    return c2_parallel_current_at(theta_m, omega_m, alpha_m, c);
+    const real from_top = c2_parallel_from_top(theta_m, c);
+    const real chord = c2_parallel_chord(from_top, c);
+    const real half_sine = c2_parallel_half_sine(from_top, c);
+    return c2_parallel_current_at(omega_m, alpha_m, chord, half_sine, c);
 }
 
 void c2_parallel_current_n(
@@ -877,16 +909,31 @@ void c2_parallel_current_n(
     const c2_parallel_coefficients *c)
 {
     const c2_parallel_coefficients own = *c; /* that no store to `out` can change */
-    for (size_t k = 0; k < n; ++k) {
-        out[k] = c2_parallel_current_at(theta_m[k], omega_m[k], alpha_m[k], &own);
+    real from_top[REAL_BLOCK];
+    real chord[REAL_BLOCK];
+    real half_sine[REAL_BLOCK];
+    for (size_t first = 0; first < n; first += REAL_BLOCK) {
+        const size_t count = (n - first < REAL_BLOCK) ? (n - first) : REAL_BLOCK;
+        for (size_t k = 0; k < count; ++k) {
+            from_top[k] = c2_parallel_from_top(theta_m[first + k], &own);
+        }
+        for (size_t k = 0; k < count; ++k) {
+            chord[k] = c2_parallel_chord(from_top[k], &own);
+            half_sine[k] = c2_parallel_half_sine(from_top[k], &own);
+        }
+        for (size_t k = 0; k < count; ++k) {
+            out[first + k] = c2_parallel_current_at(omega_m[first + k], alpha_m[first + k], chord[k],
+                half_sine[k], &own);
+        }
     }
 }
 
 REAL_INLINE real c2_parallel_mechanical_residual_at(
-    real theta_m,
     real omega_m,
     real i,
     real alpha_m,
+    real chord,
+    real half_sine,
     const c2_parallel_coefficients *c)
 {
     const real size = REAL_FABS(omega_m);
@@ -894,30 +941,16 @@ REAL_INLINE real c2_parallel_mechanical_residual_at(
     const real speed = ((size > c->fastest) ? c->fastest : size);
     /* speed^2 - omega_star^2; the difference is taken once, before anything is rounded */
     const real square_difference = (speed - c->omega_star_1 - c->omega_star_2) * (speed + c->omega_star_1);
-    /* whole turns of the link and a half, up to the top that is nearest */
-    const real turns = theta_m * c->turns_per_rad - REAL(0.5) + REAL_ROUNDER - REAL_ROUNDER + REAL(0.5);
-    /* the turns go off in four parts of few digits: all products but the last are exact */
-    const real rest = theta_m - turns * c->period_1;
-    /* motor angle from the top */
-    const real reduced = rest - turns * c->period_2 - turns * c->period_3 - turns * c->period_4;
-    /* an angle so large that nothing is left of its phase counts as the top */
-    const real from_top = ((REAL_FABS(reduced) <= c->period) ? reduced : theta_m - theta_m);
-    /* half the link angle from the top */
-    const real half_angle = from_top * c->half_mu;
-    /* 2 sin(half_angle)/mu */
-    const real chord = from_top * c2_parallel_sine_ratio(half_angle);
     const real p = square_difference;
-    const real q = chord * c->mu_omega_star * speed;
+    const real q = c->mu_omega_star * speed * chord;
     const real magnitude = REAL_SQRT(p * p + q * q);
-    /* normal force on the axis of rotation [N], eq (17) */
-    const real F_N = magnitude * c->scale_N;
+    /* normal force over scale_N [rad^2/s^2] */
+    const real load = magnitude;
     const real direction_of_motion = c2_parallel_sgn(omega_m);
-    /* cosine of the half angle from the top */
-    const real half_sine = c2_parallel_cosine(half_angle);
-    const real part_1 = -((alpha_m == REAL(0.0)) ? REAL(0.0) : c->J * alpha_m);
-    const real part_2 = -direction_of_motion * (c->C_lN_mu * F_N + c->C_m);
-    const real part_3 = -omega_m * (c->B_lN_mu2 * F_N + c->B_m);
-    const real part_4 = c->L_M_g_mu2 * chord * half_sine;
+    const real part_1 = -direction_of_motion * (c->C_lN_mu_scale_N * load + c->C_m);
+    const real part_2 = -((alpha_m == REAL(0.0)) ? REAL(0.0) : c->J * alpha_m);
+    const real part_3 = c->L_M_g_mu2 * chord * half_sine;
+    const real part_4 = -omega_m * (c->B_lN_mu2_scale_N * load + c->B_m);
     return i * c->k_i + part_1 + part_2 + part_3 + part_4;
 }
 
@@ -928,7 +961,10 @@ ECCENTRIC_REAL c2_parallel_mechanical_residual(
     ECCENTRIC_REAL alpha_m,
     const c2_parallel_coefficients *c)
 {
-    return c2_parallel_mechanical_residual_at(theta_m, omega_m, i, alpha_m, c);
+    const real from_top = c2_parallel_from_top(theta_m, c);
+    const real chord = c2_parallel_chord(from_top, c);
+    const real half_sine = c2_parallel_half_sine(from_top, c);
+    return c2_parallel_mechanical_residual_at(omega_m, i, alpha_m, chord, half_sine, c);
 }
 
 void c2_parallel_mechanical_residual_n(
@@ -941,8 +977,22 @@ void c2_parallel_mechanical_residual_n(
     const c2_parallel_coefficients *c)
 {
     const c2_parallel_coefficients own = *c; /* that no store to `out` can change */
-    for (size_t k = 0; k < n; ++k) {
-        out[k] = c2_parallel_mechanical_residual_at(theta_m[k], omega_m[k], i[k], alpha_m[k], &own);
+    real from_top[REAL_BLOCK];
+    real chord[REAL_BLOCK];
+    real half_sine[REAL_BLOCK];
+    for (size_t first = 0; first < n; first += REAL_BLOCK) {
+        const size_t count = (n - first < REAL_BLOCK) ? (n - first) : REAL_BLOCK;
+        for (size_t k = 0; k < count; ++k) {
+            from_top[k] = c2_parallel_from_top(theta_m[first + k], &own);
+        }
+        for (size_t k = 0; k < count; ++k) {
+            chord[k] = c2_parallel_chord(from_top[k], &own);
+            half_sine[k] = c2_parallel_half_sine(from_top[k], &own);
+        }
+        for (size_t k = 0; k < count; ++k) {
+            out[first + k] = c2_parallel_mechanical_residual_at(omega_m[first + k], i[first + k],
+                alpha_m[first + k], chord[k], half_sine[k], &own);
+        }
     }
 }
 
@@ -980,6 +1030,7 @@ void c2_parallel_electrical_residual_n(
 
 #undef real
 #undef REAL_INLINE
+#undef REAL_BLOCK
 #undef REAL
 #undef REAL_SQRT
 #undef REAL_FABS

@@ -1,6 +1,6 @@
 /*
  * Generated: do not edit. Written by `make derive` from derivations/c2_parallel.py
- * (eccentric 0.1.0, program 5e070faa).
+ * (eccentric 0.1.0, program 4fca3e8c).
  * Case C2: gravity parallel to the motion plane, steady motion.
  */
 #ifndef C2_PARALLEL_H
@@ -9,7 +9,7 @@
 #include <stddef.h>
 
 /* C2_PARALLEL_PROGRAM names the derivation that header and source come from; the source checks it. */
-#define C2_PARALLEL_PROGRAM 0x5e070faaUL
+#define C2_PARALLEL_PROGRAM 0x4fca3e8cUL
 
 /* The working precision: double, or float by -DECCENTRIC_REAL=float. Files that differ in it do not link:
  * c2_parallel_prepare and c2_parallel_default carry it in their names. */
@@ -56,7 +56,6 @@ typedef struct {
     ECCENTRIC_REAL C_lN; /**< Coulomb friction of the link per normal force [m] */
     ECCENTRIC_REAL C_m; /**< Coulomb friction of the motor [N m] */
     ECCENTRIC_REAL k_i; /**< torque constant [N m/A] */
-    ECCENTRIC_REAL mu; /**< gear ratio theta_l/theta_m [1] */
     ECCENTRIC_REAL scale_N; /**< normal force per squared motor velocity, M L mu^2 [N s^2/rad^2] */
     ECCENTRIC_REAL fastest; /**< greatest speed in rad/s that F_N counts: 2^30, or 0 if M L = 0 [1] */
     ECCENTRIC_REAL mu_omega_star; /**< mu omega_star */
@@ -69,24 +68,24 @@ typedef struct {
     ECCENTRIC_REAL period_3; /**< what the parts before it leave of the period, leading digits */
     ECCENTRIC_REAL period_4; /**< what the parts before it leave of the period, in the working precision */
     ECCENTRIC_REAL half_mu; /**< mu/2 */
-    ECCENTRIC_REAL B_lN_mu2; /**< B_lN mu^2 */
+    ECCENTRIC_REAL B_lN_mu2_scale_N; /**< B_lN mu^2 scale_N */
     ECCENTRIC_REAL B_m_plus_k_e_k_i_per_R; /**< B_m + k_e k_i/R */
-    ECCENTRIC_REAL C_lN_mu; /**< C_lN mu */
-    ECCENTRIC_REAL mu_omega_star_scale_N; /**< mu omega_star scale_N */
-    ECCENTRIC_REAL mu2; /**< mu^2 */
+    ECCENTRIC_REAL C_lN_mu_scale_N; /**< C_lN mu scale_N */
+    ECCENTRIC_REAL mu2_scale_N; /**< mu^2 scale_N */
+    ECCENTRIC_REAL mu_scale_N; /**< mu scale_N */
     ECCENTRIC_REAL C_lN_mu_weight_plus_C_m; /**< C_lN mu weight + C_m */
     ECCENTRIC_REAL L_M_g_mu2; /**< L M g mu^2 */
     ECCENTRIC_REAL J; /**< inertia on the motor side, J_m + mu^2 J_l [kg m^2] */
-    ECCENTRIC_REAL B_lN_R_mu2_per_k_i; /**< B_lN R mu^2/k_i */
+    ECCENTRIC_REAL B_lN_R_mu2_scale_N_per_k_i; /**< B_lN R mu^2 scale_N/k_i */
     ECCENTRIC_REAL B_m_R_per_k_i_plus_k_e; /**< B_m R/k_i + k_e */
-    ECCENTRIC_REAL C_lN_R_mu_per_k_i; /**< C_lN R mu/k_i */
+    ECCENTRIC_REAL C_lN_R_mu_scale_N_per_k_i; /**< C_lN R mu scale_N/k_i */
     ECCENTRIC_REAL C_m_R_per_k_i; /**< C_m R/k_i */
     ECCENTRIC_REAL R_per_k_i; /**< R/k_i */
     ECCENTRIC_REAL L_M_R_g_mu2_per_k_i; /**< L M R g mu^2/k_i */
-    ECCENTRIC_REAL B_lN_mu2_per_k_i; /**< B_lN mu^2/k_i */
+    ECCENTRIC_REAL B_lN_mu2_scale_N_per_k_i; /**< B_lN mu^2 scale_N/k_i */
     ECCENTRIC_REAL B_m_per_k_i; /**< B_m/k_i */
     ECCENTRIC_REAL per_k_i; /**< 1/k_i */
-    ECCENTRIC_REAL C_lN_mu_per_k_i; /**< C_lN mu/k_i */
+    ECCENTRIC_REAL C_lN_mu_scale_N_per_k_i; /**< C_lN mu scale_N/k_i */
     ECCENTRIC_REAL C_m_per_k_i; /**< C_m/k_i */
     ECCENTRIC_REAL L_M_g_mu2_per_k_i; /**< L M g mu^2/k_i */
     ECCENTRIC_REAL k_i_per_R; /**< k_i/R */
@@ -108,7 +107,7 @@ extern const c2_parallel_coefficients c2_parallel_default;
 void c2_parallel_prepare(const c2_parallel_parameters *p, c2_parallel_coefficients *c);
 
 /** Normal force F_N on the axis of rotation.
- *  @param[in]  theta_m  motor angle [rad]
+ *  @param[in]  theta_m  motor angle [rad], reduced exactly up to 2^20 half turns of the link (float: 2^12)
  *  @param[in]  omega_m  motor velocity [rad/s]
  *  @param[in]  c  coefficients
  *  @return normal_force [N]
@@ -127,7 +126,7 @@ void c2_parallel_normal_force_n(
     const c2_parallel_coefficients *c);
 
 /** Resultant friction torque F, back-EMF damping included, eq (6).
- *  @param[in]  theta_m  motor angle [rad]
+ *  @param[in]  theta_m  motor angle [rad], reduced exactly up to 2^20 half turns of the link (float: 2^12)
  *  @param[in]  omega_m  motor velocity [rad/s]
  *  @param[in]  c  coefficients
  *  @return friction_torque [N m]
@@ -146,7 +145,7 @@ void c2_parallel_friction_torque_n(
     const c2_parallel_coefficients *c);
 
 /** Mechanical friction torque f = f_m + mu f_l, without back-EMF.
- *  @param[in]  theta_m  motor angle [rad]
+ *  @param[in]  theta_m  motor angle [rad], reduced exactly up to 2^20 half turns of the link (float: 2^12)
  *  @param[in]  omega_m  motor velocity [rad/s]
  *  @param[in]  c  coefficients
  *  @return mechanical_friction_torque [N m]
@@ -165,7 +164,7 @@ void c2_parallel_mechanical_friction_torque_n(
     const c2_parallel_coefficients *c);
 
 /** Partial derivatives of friction_torque with respect to its inputs.
- *  @param[in]  theta_m  motor angle [rad]
+ *  @param[in]  theta_m  motor angle [rad], reduced exactly up to 2^20 half turns of the link (float: 2^12)
  *  @param[in]  omega_m  motor velocity [rad/s]
  *  @param[out] out  2 values: theta_m, omega_m [N m per rad, rad/s]
  *  @param[in]  c  coefficients
@@ -185,7 +184,7 @@ void c2_parallel_friction_torque_gradient_n(
     const c2_parallel_coefficients *c);
 
 /** Partial derivatives of friction_torque with respect to all friction coefficients.
- *  @param[in]  theta_m  motor angle [rad]
+ *  @param[in]  theta_m  motor angle [rad], reduced exactly up to 2^20 half turns of the link (float: 2^12)
  *  @param[in]  omega_m  motor velocity [rad/s]
  *  @param[out] out  4 values: B_lN, C_lN, B_m, C_m [N m per unit coefficient]
  *  @param[in]  c  coefficients
@@ -205,7 +204,7 @@ void c2_parallel_friction_torque_jacobian_n(
     const c2_parallel_coefficients *c);
 
 /** Columns: regressor times friction_coefficients is mechanical_friction_torque.
- *  @param[in]  theta_m  motor angle [rad]
+ *  @param[in]  theta_m  motor angle [rad], reduced exactly up to 2^20 half turns of the link (float: 2^12)
  *  @param[in]  omega_m  motor velocity [rad/s]
  *  @param[out] out  4 values: B_lN, C_lN, B_m, C_m [N m per unit coefficient]
  *  @param[in]  c  coefficients
@@ -237,7 +236,7 @@ void c2_parallel_friction_coefficients(ECCENTRIC_REAL *out, const c2_parallel_co
 ECCENTRIC_REAL c2_parallel_coulomb_torque(const c2_parallel_coefficients *c);
 
 /** Gravity torque G, eq (5).
- *  @param[in]  theta_m  motor angle [rad]
+ *  @param[in]  theta_m  motor angle [rad], reduced exactly up to 2^20 half turns of the link (float: 2^12)
  *  @param[in]  c  coefficients
  *  @return gravity_torque [N m]
  */
@@ -251,7 +250,7 @@ void c2_parallel_gravity_torque_n(
     const c2_parallel_coefficients *c);
 
 /** Armature voltage u = (R/k_i) (J alpha_m + G + F), eq (4).
- *  @param[in]  theta_m  motor angle [rad]
+ *  @param[in]  theta_m  motor angle [rad], reduced exactly up to 2^20 half turns of the link (float: 2^12)
  *  @param[in]  omega_m  motor velocity [rad/s]
  *  @param[in]  alpha_m  motor acceleration [rad/s^2]
  *  @param[in]  c  coefficients
@@ -273,7 +272,7 @@ void c2_parallel_voltage_n(
     const c2_parallel_coefficients *c);
 
 /** Armature current i = (J alpha_m + G + f)/k_i.
- *  @param[in]  theta_m  motor angle [rad]
+ *  @param[in]  theta_m  motor angle [rad], reduced exactly up to 2^20 half turns of the link (float: 2^12)
  *  @param[in]  omega_m  motor velocity [rad/s]
  *  @param[in]  alpha_m  motor acceleration [rad/s^2]
  *  @param[in]  c  coefficients
@@ -295,7 +294,7 @@ void c2_parallel_current_n(
     const c2_parallel_coefficients *c);
 
 /** What the mechanical balance leaves: k_i i - J alpha_m - G - f.
- *  @param[in]  theta_m  motor angle [rad]
+ *  @param[in]  theta_m  motor angle [rad], reduced exactly up to 2^20 half turns of the link (float: 2^12)
  *  @param[in]  omega_m  motor velocity [rad/s]
  *  @param[in]  i  armature current [A]
  *  @param[in]  alpha_m  motor acceleration [rad/s^2]

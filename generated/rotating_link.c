@@ -1,6 +1,6 @@
 /*
  * Generated: do not edit. Written by `make derive` from derivations/rotating_link.py
- * (eccentric 0.1.0, program ad5586b0).
+ * (eccentric 0.1.0, program 47623130).
  * Rotating link with an unbalanced mass, plane tilted by phi, angular acceleration kept.
  */
 #include "rotating_link.h"
@@ -8,7 +8,7 @@
 #include <float.h>
 #include <math.h>
 
-#if ROTATING_LINK_PROGRAM != 0xad5586b0UL
+#if ROTATING_LINK_PROGRAM != 0x47623130UL
 #error "rotating_link.c and rotating_link.h are of different derivations: write both again"
 #endif
 
@@ -30,6 +30,8 @@
 #else
 #define REAL_INLINE static inline
 #endif
+/* Samples that the array functions hold back, stage by stage: they keep the arithmetic units busy. */
+#define REAL_BLOCK 64u
 #if ECCENTRIC_PRECISION == 1
 #define REAL(x) x##f
 #define REAL_SQRT(x) sqrtf(x)
@@ -58,22 +60,23 @@ REAL_INLINE real rotating_link_sine_ratio(const real h)
     return (h == REAL(0.0)) ? REAL(1.0) : (REAL_SIN(h) / h);
 #else
     const real x = h * h;
+    const real y = x * x;
 #if ECCENTRIC_PRECISION == 1
-    real value = REAL(2.60548113e-6);
-    value = value * x + REAL(-1.98094749e-4);
-    value = value * x + REAL(8.33306462e-3);
-    value = value * x + REAL(-1.66666595e-1);
-    return value * x + REAL(1.0);
+    real even = REAL(-1.98094749e-4);
+    even = even * y + REAL(-1.66666595e-1);
+    real odd = REAL(2.60548113e-6);
+    odd = odd * y + REAL(8.33306462e-3);
+    return (odd * x + even) * x + REAL(1.0);
 #else
-    real value = REAL(2.7209972799826474e-15);
-    value = value * x + REAL(-7.642974965950368e-13);
-    value = value * x + REAL(1.6058939085095993e-10);
-    value = value * x + REAL(-2.5052106860746877e-8);
-    value = value * x + REAL(2.7557319211008999e-6);
-    value = value * x + REAL(-1.9841269841208492e-4);
-    value = value * x + REAL(8.3333333333331924e-3);
-    value = value * x + REAL(-1.6666666666666666e-1);
-    return value * x + REAL(1.0);
+    real even = REAL(-7.642974965950368e-13);
+    even = even * y + REAL(-2.5052106860746877e-8);
+    even = even * y + REAL(-1.9841269841208492e-4);
+    even = even * y + REAL(-1.6666666666666666e-1);
+    real odd = REAL(2.7209972799826474e-15);
+    odd = odd * y + REAL(1.6058939085095993e-10);
+    odd = odd * y + REAL(2.7557319211008999e-6);
+    odd = odd * y + REAL(8.3333333333331924e-3);
+    return (odd * x + even) * x + REAL(1.0);
 #endif
 #endif
 }
@@ -85,23 +88,24 @@ REAL_INLINE real rotating_link_cosine(const real h)
     return REAL_COS(h);
 #else
     const real x = h * h;
+    const real y = x * x;
 #if ECCENTRIC_PRECISION == 1
-    real value = REAL(-2.60742068e-7);
-    value = value * x + REAL(2.47617292e-5);
-    value = value * x + REAL(-1.38884006e-3);
-    value = value * x + REAL(4.16666405e-2);
-    value = value * x + REAL(-4.99999995e-1);
-    return value * x + REAL(1.0);
+    real even = REAL(-2.60742068e-7);
+    even = even * y + REAL(-1.38884006e-3);
+    even = even * y + REAL(-4.99999995e-1);
+    real odd = REAL(2.47617292e-5);
+    odd = odd * y + REAL(4.16666405e-2);
+    return (odd * x + even) * x + REAL(1.0);
 #else
-    real value = REAL(4.6099547638170315e-14);
-    value = value * x + REAL(-1.1463008250042011e-11);
-    value = value * x + REAL(2.0876566590691354e-9);
-    value = value * x + REAL(-2.7557316503307265e-7);
-    value = value * x + REAL(2.4801587278920885e-5);
-    value = value * x + REAL(-1.3888888888784392e-3);
-    value = value * x + REAL(4.1666666666664337e-2);
-    value = value * x + REAL(-4.9999999999999982e-1);
-    return value * x + REAL(1.0);
+    real even = REAL(-1.1463008250042011e-11);
+    even = even * y + REAL(-2.7557316503307265e-7);
+    even = even * y + REAL(-1.3888888888784392e-3);
+    even = even * y + REAL(-4.9999999999999982e-1);
+    real odd = REAL(4.6099547638170315e-14);
+    odd = odd * y + REAL(2.0876566590691354e-9);
+    odd = odd * y + REAL(2.4801587278920885e-5);
+    odd = odd * y + REAL(4.1666666666664337e-2);
+    return (odd * x + even) * x + REAL(1.0);
 #endif
 #endif
 }
@@ -202,8 +206,8 @@ const rotating_link_parameters rotating_link_default_parameters = {
     4.0e-4, /* B_m [N m s/rad] */
     0.008, /* C_m [N m] */
     1.962, /* F_T [N] */
-    NAN, /* J_m [kg m^2] */
-    NAN, /* J_l [kg m^2] */
+    (double)NAN, /* J_m [kg m^2] */
+    (double)NAN, /* J_l [kg m^2] */
 };
 
 const rotating_link_coefficients rotating_link_default = {
@@ -211,7 +215,6 @@ const rotating_link_coefficients rotating_link_default = {
     (real)(0.004), /* B_lN */
     (real)(0.08), /* C_lN */
     (real)(0.02), /* k_i */
-    (real)(0.2), /* mu */
     (real)(0.005), /* scale_N */
     (real)(1.07374182e+9), /* fastest */
     (real)(27.468), /* half_mu2_omega_star2 */
@@ -227,32 +230,30 @@ const rotating_link_coefficients rotating_link_default = {
     (real)(0.1), /* half_mu */
     (real)(37.0594101), /* omega_star_1 */
     (real)(1.66482255e-6), /* omega_star_2 */
-    (real)(1.6e-4), /* B_lN_mu2 */
+    (real)(8.0e-7), /* B_lN_mu2_scale_N */
     (real)(4.0e-4), /* B */
     (real)(0.0044), /* B_plus_k_e_k_i_per_R */
-    (real)(0.016), /* C_lN_mu */
+    (real)(8.0e-5), /* C_lN_mu_scale_N */
     (real)(0.008), /* C */
     (real)(2.7468), /* quarter_mu3_omega_star2 */
     (real)(54.936), /* mu2_omega_star2 */
-    (real)(0.01), /* twice_scale_N */
-    (real)(0.025), /* scale_N_per_mu */
-    (real)(0.04), /* mu2 */
+    (real)(2.0e-4), /* mu2_scale_N */
+    (real)(0.001), /* mu_scale_N */
     (real)(0.0), /* F_T_mu2_sin_phi */
     (real)(0.0), /* F_T_mu_sin_phi */
     (real)(1373.4), /* omega_star2 */
-    (real)(8.0e-5), /* C_lN_mu_scale_N */
     (real)(0.04905), /* L_M_g_p_mu2 */
     (real)(NAN), /* J */
-    (real)(0.008), /* B_lN_R_mu2_per_k_i */
+    (real)(4.0e-5), /* B_lN_R_mu2_scale_N_per_k_i */
     (real)(0.22), /* B_R_per_k_i_plus_k_e */
-    (real)(0.8), /* C_lN_R_mu_per_k_i */
+    (real)(0.004), /* C_lN_R_mu_scale_N_per_k_i */
     (real)(0.4), /* C_R_per_k_i */
     (real)(50.0), /* R_per_k_i */
     (real)(2.4525), /* L_M_R_g_p_mu2_per_k_i */
-    (real)(0.008), /* B_lN_mu2_per_k_i */
+    (real)(4.0e-5), /* B_lN_mu2_scale_N_per_k_i */
     (real)(0.02), /* B_per_k_i */
     (real)(50.0), /* per_k_i */
-    (real)(0.8), /* C_lN_mu_per_k_i */
+    (real)(0.004), /* C_lN_mu_scale_N_per_k_i */
     (real)(0.4), /* C_per_k_i */
     (real)(2.4525), /* L_M_g_p_mu2_per_k_i */
     (real)(0.02), /* k_i_per_R */
@@ -261,7 +262,6 @@ const rotating_link_coefficients rotating_link_default = {
     0.004, /* B_lN */
     0.08, /* C_lN */
     0.02, /* k_i */
-    0.2, /* mu */
     0.005, /* scale_N */
     1.073741824e+9, /* fastest */
     27.468, /* half_mu2_omega_star2 */
@@ -277,32 +277,30 @@ const rotating_link_coefficients rotating_link_default = {
     0.1, /* half_mu */
     37.05941176003742, /* omega_star_1 */
     1.9391227281942644e-15, /* omega_star_2 */
-    1.6e-4, /* B_lN_mu2 */
+    8.0e-7, /* B_lN_mu2_scale_N */
     4.0e-4, /* B */
     0.0044, /* B_plus_k_e_k_i_per_R */
-    0.016, /* C_lN_mu */
+    8.0e-5, /* C_lN_mu_scale_N */
     0.008, /* C */
     2.7468, /* quarter_mu3_omega_star2 */
     54.936, /* mu2_omega_star2 */
-    0.01, /* twice_scale_N */
-    0.025, /* scale_N_per_mu */
-    0.04, /* mu2 */
+    2.0e-4, /* mu2_scale_N */
+    0.001, /* mu_scale_N */
     0.0, /* F_T_mu2_sin_phi */
     0.0, /* F_T_mu_sin_phi */
     1373.4, /* omega_star2 */
-    8.0e-5, /* C_lN_mu_scale_N */
     0.04905, /* L_M_g_p_mu2 */
-    NAN, /* J */
-    0.008, /* B_lN_R_mu2_per_k_i */
+    (real)NAN, /* J */
+    4.0e-5, /* B_lN_R_mu2_scale_N_per_k_i */
     0.22, /* B_R_per_k_i_plus_k_e */
-    0.8, /* C_lN_R_mu_per_k_i */
+    0.004, /* C_lN_R_mu_scale_N_per_k_i */
     0.4, /* C_R_per_k_i */
     50.0, /* R_per_k_i */
     2.4525, /* L_M_R_g_p_mu2_per_k_i */
-    0.008, /* B_lN_mu2_per_k_i */
+    4.0e-5, /* B_lN_mu2_scale_N_per_k_i */
     0.02, /* B_per_k_i */
     50.0, /* per_k_i */
-    0.8, /* C_lN_mu_per_k_i */
+    0.004, /* C_lN_mu_scale_N_per_k_i */
     0.4, /* C_per_k_i */
     2.4525, /* L_M_g_p_mu2_per_k_i */
     0.02, /* k_i_per_R */
@@ -339,32 +337,30 @@ void rotating_link_prepare(const rotating_link_parameters *p, rotating_link_coef
     const double half_mu = 0.5 * p->mu;
     const double omega_star_1 = (double)(real)(omega_star.high);
     const double omega_star_2 = (double)(real)(omega_star.high - omega_star_1 + omega_star.low);
-    const double B_lN_mu2 = p->B_lN * p->mu * p->mu;
+    const double B_lN_mu2_scale_N = p->B_lN * p->mu * p->mu * scale_N;
     const double B = p->B_lT * p->F_T * p->mu * p->mu * sin(p->phi) + p->B_m;
     const double B_plus_k_e_k_i_per_R = B + p->k_e * p->k_i / p->R;
-    const double C_lN_mu = p->C_lN * p->mu;
+    const double C_lN_mu_scale_N = p->C_lN * p->mu * scale_N;
     const double C = p->C_lT * p->F_T * p->mu * sin(p->phi) + p->C_m;
     const double quarter_mu3_omega_star2 = 0.25 * p->mu * p->mu * p->mu * omega_star.high * omega_star.high;
     const double mu2_omega_star2 = p->mu * p->mu * omega_star.high * omega_star.high;
-    const double twice_scale_N = 2.0 * scale_N;
-    const double scale_N_per_mu = scale_N / p->mu;
-    const double mu2 = p->mu * p->mu;
+    const double mu2_scale_N = p->mu * p->mu * scale_N;
+    const double mu_scale_N = p->mu * scale_N;
     const double F_T_mu2_sin_phi = p->F_T * p->mu * p->mu * sin(p->phi);
     const double F_T_mu_sin_phi = p->F_T * p->mu * sin(p->phi);
     const double omega_star2 = omega_star.high * omega_star.high;
-    const double C_lN_mu_scale_N = p->C_lN * p->mu * scale_N;
     const double L_M_g_p_mu2 = p->L * p->M * g_p.high * p->mu * p->mu;
     const double J = p->J_l * p->mu * p->mu + p->J_m;
-    const double B_lN_R_mu2_per_k_i = p->B_lN * p->R * p->mu * p->mu / p->k_i;
+    const double B_lN_R_mu2_scale_N_per_k_i = p->B_lN * p->R * p->mu * p->mu * scale_N / p->k_i;
     const double B_R_per_k_i_plus_k_e = B * p->R / p->k_i + p->k_e;
-    const double C_lN_R_mu_per_k_i = p->C_lN * p->R * p->mu / p->k_i;
+    const double C_lN_R_mu_scale_N_per_k_i = p->C_lN * p->R * p->mu * scale_N / p->k_i;
     const double C_R_per_k_i = C * p->R / p->k_i;
     const double R_per_k_i = p->R / p->k_i;
     const double L_M_R_g_p_mu2_per_k_i = p->L * p->M * p->R * g_p.high * p->mu * p->mu / p->k_i;
-    const double B_lN_mu2_per_k_i = p->B_lN * p->mu * p->mu / p->k_i;
+    const double B_lN_mu2_scale_N_per_k_i = p->B_lN * p->mu * p->mu * scale_N / p->k_i;
     const double B_per_k_i = B / p->k_i;
     const double per_k_i = 1.0 / p->k_i;
-    const double C_lN_mu_per_k_i = p->C_lN * p->mu / p->k_i;
+    const double C_lN_mu_scale_N_per_k_i = p->C_lN * p->mu * scale_N / p->k_i;
     const double C_per_k_i = C / p->k_i;
     const double L_M_g_p_mu2_per_k_i = p->L * p->M * g_p.high * p->mu * p->mu / p->k_i;
     const double k_i_per_R = p->k_i / p->R;
@@ -372,7 +368,6 @@ void rotating_link_prepare(const rotating_link_parameters *p, rotating_link_coef
     c->B_lN = (real)(p->B_lN);
     c->C_lN = (real)(p->C_lN);
     c->k_i = (real)(p->k_i);
-    c->mu = (real)(p->mu);
     c->scale_N = (real)(scale_N);
     c->fastest = (real)(fastest);
     c->half_mu2_omega_star2 = (real)(half_mu2_omega_star2);
@@ -388,72 +383,83 @@ void rotating_link_prepare(const rotating_link_parameters *p, rotating_link_coef
     c->half_mu = (real)(half_mu);
     c->omega_star_1 = (real)(omega_star_1);
     c->omega_star_2 = (real)(omega_star_2);
-    c->B_lN_mu2 = (real)(B_lN_mu2);
+    c->B_lN_mu2_scale_N = (real)(B_lN_mu2_scale_N);
     c->B = (real)(B);
     c->B_plus_k_e_k_i_per_R = (real)(B_plus_k_e_k_i_per_R);
-    c->C_lN_mu = (real)(C_lN_mu);
+    c->C_lN_mu_scale_N = (real)(C_lN_mu_scale_N);
     c->C = (real)(C);
     c->quarter_mu3_omega_star2 = (real)(quarter_mu3_omega_star2);
     c->mu2_omega_star2 = (real)(mu2_omega_star2);
-    c->twice_scale_N = (real)(twice_scale_N);
-    c->scale_N_per_mu = (real)(scale_N_per_mu);
-    c->mu2 = (real)(mu2);
+    c->mu2_scale_N = (real)(mu2_scale_N);
+    c->mu_scale_N = (real)(mu_scale_N);
     c->F_T_mu2_sin_phi = (real)(F_T_mu2_sin_phi);
     c->F_T_mu_sin_phi = (real)(F_T_mu_sin_phi);
     c->omega_star2 = (real)(omega_star2);
-    c->C_lN_mu_scale_N = (real)(C_lN_mu_scale_N);
     c->L_M_g_p_mu2 = (real)(L_M_g_p_mu2);
     c->J = (real)(J);
-    c->B_lN_R_mu2_per_k_i = (real)(B_lN_R_mu2_per_k_i);
+    c->B_lN_R_mu2_scale_N_per_k_i = (real)(B_lN_R_mu2_scale_N_per_k_i);
     c->B_R_per_k_i_plus_k_e = (real)(B_R_per_k_i_plus_k_e);
-    c->C_lN_R_mu_per_k_i = (real)(C_lN_R_mu_per_k_i);
+    c->C_lN_R_mu_scale_N_per_k_i = (real)(C_lN_R_mu_scale_N_per_k_i);
     c->C_R_per_k_i = (real)(C_R_per_k_i);
     c->R_per_k_i = (real)(R_per_k_i);
     c->L_M_R_g_p_mu2_per_k_i = (real)(L_M_R_g_p_mu2_per_k_i);
-    c->B_lN_mu2_per_k_i = (real)(B_lN_mu2_per_k_i);
+    c->B_lN_mu2_scale_N_per_k_i = (real)(B_lN_mu2_scale_N_per_k_i);
     c->B_per_k_i = (real)(B_per_k_i);
     c->per_k_i = (real)(per_k_i);
-    c->C_lN_mu_per_k_i = (real)(C_lN_mu_per_k_i);
+    c->C_lN_mu_scale_N_per_k_i = (real)(C_lN_mu_scale_N_per_k_i);
     c->C_per_k_i = (real)(C_per_k_i);
     c->L_M_g_p_mu2_per_k_i = (real)(L_M_g_p_mu2_per_k_i);
     c->k_i_per_R = (real)(k_i_per_R);
     c->k_e_k_i_per_R = (real)(k_e_k_i_per_R);
 }
 
+/* Motor angle from the nearest top of the link [rad]. */
+REAL_INLINE real rotating_link_from_top(real theta_m, const rotating_link_coefficients *c)
+{
+    /* whole turns of the link and a half, up to the top that is nearest */
+    const real turns = theta_m * c->turns_per_rad - REAL(0.5) + REAL_ROUNDER - REAL_ROUNDER + REAL(0.5);
+    /* the turns go off in four parts of few digits: all products but the last are exact */
+    const real rest = theta_m - turns * c->period_1;
+    const real reduced = rest - turns * c->period_2 - turns * c->period_3 - turns * c->period_4;
+    /* an angle so large that nothing is left of its phase counts as the top */
+    return ((REAL_FABS(reduced) <= c->period) ? reduced : theta_m - theta_m);
+}
+
+/* 2 sin(half the link angle from the top)/mu. */
+REAL_INLINE real rotating_link_chord(real from_top, const rotating_link_coefficients *c)
+{
+    const real half_angle = from_top * c->half_mu;
+    return from_top * rotating_link_sine_ratio(half_angle);
+}
+
+/* Cosine of half the link angle from the top. */
+REAL_INLINE real rotating_link_half_sine(real from_top, const rotating_link_coefficients *c)
+{
+    const real half_angle = from_top * c->half_mu;
+    return rotating_link_cosine(half_angle);
+}
+
 REAL_INLINE real rotating_link_normal_force_at(
-    real theta_m,
     real omega_m,
     real alpha_m,
+    real chord,
+    real half_sine,
     const rotating_link_coefficients *c)
 {
     const real size = REAL_FABS(omega_m);
     /* magnitude of the motor velocity, at most 2^30, 0 if M L = 0 [rad/s] */
     const real speed = ((size > c->fastest) ? c->fastest : size);
-    /* whole turns of the link and a half, up to the top that is nearest */
-    const real turns = theta_m * c->turns_per_rad - REAL(0.5) + REAL_ROUNDER - REAL_ROUNDER + REAL(0.5);
-    /* the turns go off in four parts of few digits: all products but the last are exact */
-    const real rest = theta_m - turns * c->period_1;
-    /* motor angle from the top */
-    const real reduced = rest - turns * c->period_2 - turns * c->period_3 - turns * c->period_4;
-    /* an angle so large that nothing is left of its phase counts as the top */
-    const real from_top = ((REAL_FABS(reduced) <= c->period) ? reduced : theta_m - theta_m);
-    /* half the link angle from the top */
-    const real half_angle = from_top * c->half_mu;
-    /* 2 sin(half_angle)/mu */
-    const real chord = from_top * rotating_link_sine_ratio(half_angle);
     /* speed^2 - omega_star^2; the difference is taken once, before anything is rounded */
     const real square_difference = (speed - c->omega_star_1 - c->omega_star_2) * (speed + c->omega_star_1);
-    /* cosine of the half angle from the top */
-    const real half_sine = rotating_link_cosine(half_angle);
     const real size_2 = alpha_m * c->per_mu;
     const real p = chord * chord * c->half_mu2_omega_star2 + square_difference;
     const real part_1 = ((size_2 > c->fastest2) ? c->fastest2 : ((size_2 < -c->fastest2) ? -c->fastest2 :
         size_2));
-    const real q = -chord * half_sine * c->mu_omega_star2 + part_1;
+    const real q = part_1 + (-c->mu_omega_star2) * chord * half_sine;
     const real magnitude = REAL_SQRT(p * p + q * q);
-    /* normal force on the axis of rotation [N] */
-    const real F_N = magnitude * c->scale_N;
-    return F_N;
+    /* normal force over scale_N [rad^2/s^2] */
+    const real load = magnitude;
+    return load * c->scale_N;
 }
 
 ECCENTRIC_REAL rotating_link_normal_force(
@@ -462,7 +468,10 @@ ECCENTRIC_REAL rotating_link_normal_force(
     ECCENTRIC_REAL alpha_m,
     const rotating_link_coefficients *c)
 {
-    return rotating_link_normal_force_at(theta_m, omega_m, alpha_m, c);
+    const real from_top = rotating_link_from_top(theta_m, c);
+    const real chord = rotating_link_chord(from_top, c);
+    const real half_sine = rotating_link_half_sine(from_top, c);
+    return rotating_link_normal_force_at(omega_m, alpha_m, chord, half_sine, c);
 }
 
 void rotating_link_normal_force_n(
@@ -474,47 +483,48 @@ void rotating_link_normal_force_n(
     const rotating_link_coefficients *c)
 {
     const rotating_link_coefficients own = *c; /* that no store to `out` can change */
-    for (size_t k = 0; k < n; ++k) {
-        out[k] = rotating_link_normal_force_at(theta_m[k], omega_m[k], alpha_m[k], &own);
+    real from_top[REAL_BLOCK];
+    real chord[REAL_BLOCK];
+    real half_sine[REAL_BLOCK];
+    for (size_t first = 0; first < n; first += REAL_BLOCK) {
+        const size_t count = (n - first < REAL_BLOCK) ? (n - first) : REAL_BLOCK;
+        for (size_t k = 0; k < count; ++k) {
+            from_top[k] = rotating_link_from_top(theta_m[first + k], &own);
+        }
+        for (size_t k = 0; k < count; ++k) {
+            chord[k] = rotating_link_chord(from_top[k], &own);
+            half_sine[k] = rotating_link_half_sine(from_top[k], &own);
+        }
+        for (size_t k = 0; k < count; ++k) {
+            out[first + k] = rotating_link_normal_force_at(omega_m[first + k], alpha_m[first + k], chord[k],
+                half_sine[k], &own);
+        }
     }
 }
 
 REAL_INLINE real rotating_link_friction_torque_at(
-    real theta_m,
     real omega_m,
     real alpha_m,
+    real chord,
+    real half_sine,
     const rotating_link_coefficients *c)
 {
     const real size = REAL_FABS(omega_m);
     /* magnitude of the motor velocity, at most 2^30, 0 if M L = 0 [rad/s] */
     const real speed = ((size > c->fastest) ? c->fastest : size);
-    /* whole turns of the link and a half, up to the top that is nearest */
-    const real turns = theta_m * c->turns_per_rad - REAL(0.5) + REAL_ROUNDER - REAL_ROUNDER + REAL(0.5);
-    /* the turns go off in four parts of few digits: all products but the last are exact */
-    const real rest = theta_m - turns * c->period_1;
-    /* motor angle from the top */
-    const real reduced = rest - turns * c->period_2 - turns * c->period_3 - turns * c->period_4;
-    /* an angle so large that nothing is left of its phase counts as the top */
-    const real from_top = ((REAL_FABS(reduced) <= c->period) ? reduced : theta_m - theta_m);
-    /* half the link angle from the top */
-    const real half_angle = from_top * c->half_mu;
-    /* 2 sin(half_angle)/mu */
-    const real chord = from_top * rotating_link_sine_ratio(half_angle);
     /* speed^2 - omega_star^2; the difference is taken once, before anything is rounded */
     const real square_difference = (speed - c->omega_star_1 - c->omega_star_2) * (speed + c->omega_star_1);
-    /* cosine of the half angle from the top */
-    const real half_sine = rotating_link_cosine(half_angle);
     const real size_2 = alpha_m * c->per_mu;
     const real p = chord * chord * c->half_mu2_omega_star2 + square_difference;
     const real part_1 = ((size_2 > c->fastest2) ? c->fastest2 : ((size_2 < -c->fastest2) ? -c->fastest2 :
         size_2));
-    const real q = -chord * half_sine * c->mu_omega_star2 + part_1;
+    const real q = part_1 + (-c->mu_omega_star2) * chord * half_sine;
     const real magnitude = REAL_SQRT(p * p + q * q);
-    /* normal force on the axis of rotation [N] */
-    const real F_N = magnitude * c->scale_N;
+    /* normal force over scale_N [rad^2/s^2] */
+    const real load = magnitude;
     const real direction_of_motion = rotating_link_sgn(omega_m);
-    const real part_2 = omega_m * (c->B_lN_mu2 * F_N + c->B_plus_k_e_k_i_per_R);
-    return direction_of_motion * (c->C + c->C_lN_mu * F_N) + part_2;
+    const real part_2 = omega_m * (c->B_lN_mu2_scale_N * load + c->B_plus_k_e_k_i_per_R);
+    return direction_of_motion * (c->C + c->C_lN_mu_scale_N * load) + part_2;
 }
 
 ECCENTRIC_REAL rotating_link_friction_torque(
@@ -523,7 +533,10 @@ ECCENTRIC_REAL rotating_link_friction_torque(
     ECCENTRIC_REAL alpha_m,
     const rotating_link_coefficients *c)
 {
-    return rotating_link_friction_torque_at(theta_m, omega_m, alpha_m, c);
+    const real from_top = rotating_link_from_top(theta_m, c);
+    const real chord = rotating_link_chord(from_top, c);
+    const real half_sine = rotating_link_half_sine(from_top, c);
+    return rotating_link_friction_torque_at(omega_m, alpha_m, chord, half_sine, c);
 }
 
 void rotating_link_friction_torque_n(
@@ -535,47 +548,48 @@ void rotating_link_friction_torque_n(
     const rotating_link_coefficients *c)
 {
     const rotating_link_coefficients own = *c; /* that no store to `out` can change */
-    for (size_t k = 0; k < n; ++k) {
-        out[k] = rotating_link_friction_torque_at(theta_m[k], omega_m[k], alpha_m[k], &own);
+    real from_top[REAL_BLOCK];
+    real chord[REAL_BLOCK];
+    real half_sine[REAL_BLOCK];
+    for (size_t first = 0; first < n; first += REAL_BLOCK) {
+        const size_t count = (n - first < REAL_BLOCK) ? (n - first) : REAL_BLOCK;
+        for (size_t k = 0; k < count; ++k) {
+            from_top[k] = rotating_link_from_top(theta_m[first + k], &own);
+        }
+        for (size_t k = 0; k < count; ++k) {
+            chord[k] = rotating_link_chord(from_top[k], &own);
+            half_sine[k] = rotating_link_half_sine(from_top[k], &own);
+        }
+        for (size_t k = 0; k < count; ++k) {
+            out[first + k] = rotating_link_friction_torque_at(omega_m[first + k], alpha_m[first + k],
+                chord[k], half_sine[k], &own);
+        }
     }
 }
 
 REAL_INLINE real rotating_link_mechanical_friction_torque_at(
-    real theta_m,
     real omega_m,
     real alpha_m,
+    real chord,
+    real half_sine,
     const rotating_link_coefficients *c)
 {
     const real size = REAL_FABS(omega_m);
     /* magnitude of the motor velocity, at most 2^30, 0 if M L = 0 [rad/s] */
     const real speed = ((size > c->fastest) ? c->fastest : size);
-    /* whole turns of the link and a half, up to the top that is nearest */
-    const real turns = theta_m * c->turns_per_rad - REAL(0.5) + REAL_ROUNDER - REAL_ROUNDER + REAL(0.5);
-    /* the turns go off in four parts of few digits: all products but the last are exact */
-    const real rest = theta_m - turns * c->period_1;
-    /* motor angle from the top */
-    const real reduced = rest - turns * c->period_2 - turns * c->period_3 - turns * c->period_4;
-    /* an angle so large that nothing is left of its phase counts as the top */
-    const real from_top = ((REAL_FABS(reduced) <= c->period) ? reduced : theta_m - theta_m);
-    /* half the link angle from the top */
-    const real half_angle = from_top * c->half_mu;
-    /* 2 sin(half_angle)/mu */
-    const real chord = from_top * rotating_link_sine_ratio(half_angle);
     /* speed^2 - omega_star^2; the difference is taken once, before anything is rounded */
     const real square_difference = (speed - c->omega_star_1 - c->omega_star_2) * (speed + c->omega_star_1);
-    /* cosine of the half angle from the top */
-    const real half_sine = rotating_link_cosine(half_angle);
     const real size_2 = alpha_m * c->per_mu;
     const real p = chord * chord * c->half_mu2_omega_star2 + square_difference;
     const real part_1 = ((size_2 > c->fastest2) ? c->fastest2 : ((size_2 < -c->fastest2) ? -c->fastest2 :
         size_2));
-    const real q = -chord * half_sine * c->mu_omega_star2 + part_1;
+    const real q = part_1 + (-c->mu_omega_star2) * chord * half_sine;
     const real magnitude = REAL_SQRT(p * p + q * q);
-    /* normal force on the axis of rotation [N] */
-    const real F_N = magnitude * c->scale_N;
+    /* normal force over scale_N [rad^2/s^2] */
+    const real load = magnitude;
     const real direction_of_motion = rotating_link_sgn(omega_m);
-    const real part_2 = direction_of_motion * (c->C + c->C_lN_mu * F_N);
-    return omega_m * (c->B + c->B_lN_mu2 * F_N) + part_2;
+    const real part_2 = direction_of_motion * (c->C + c->C_lN_mu_scale_N * load);
+    return omega_m * (c->B + c->B_lN_mu2_scale_N * load) + part_2;
 }
 
 ECCENTRIC_REAL rotating_link_mechanical_friction_torque(
@@ -584,7 +598,10 @@ ECCENTRIC_REAL rotating_link_mechanical_friction_torque(
     ECCENTRIC_REAL alpha_m,
     const rotating_link_coefficients *c)
 {
-    return rotating_link_mechanical_friction_torque_at(theta_m, omega_m, alpha_m, c);
+    const real from_top = rotating_link_from_top(theta_m, c);
+    const real chord = rotating_link_chord(from_top, c);
+    const real half_sine = rotating_link_half_sine(from_top, c);
+    return rotating_link_mechanical_friction_torque_at(omega_m, alpha_m, chord, half_sine, c);
 }
 
 void rotating_link_mechanical_friction_torque_n(
@@ -596,15 +613,30 @@ void rotating_link_mechanical_friction_torque_n(
     const rotating_link_coefficients *c)
 {
     const rotating_link_coefficients own = *c; /* that no store to `out` can change */
-    for (size_t k = 0; k < n; ++k) {
-        out[k] = rotating_link_mechanical_friction_torque_at(theta_m[k], omega_m[k], alpha_m[k], &own);
+    real from_top[REAL_BLOCK];
+    real chord[REAL_BLOCK];
+    real half_sine[REAL_BLOCK];
+    for (size_t first = 0; first < n; first += REAL_BLOCK) {
+        const size_t count = (n - first < REAL_BLOCK) ? (n - first) : REAL_BLOCK;
+        for (size_t k = 0; k < count; ++k) {
+            from_top[k] = rotating_link_from_top(theta_m[first + k], &own);
+        }
+        for (size_t k = 0; k < count; ++k) {
+            chord[k] = rotating_link_chord(from_top[k], &own);
+            half_sine[k] = rotating_link_half_sine(from_top[k], &own);
+        }
+        for (size_t k = 0; k < count; ++k) {
+            out[first + k] = rotating_link_mechanical_friction_torque_at(omega_m[first + k], alpha_m[first +
+                k], chord[k], half_sine[k], &own);
+        }
     }
 }
 
 REAL_INLINE void rotating_link_friction_torque_gradient_at(
-    real theta_m,
     real omega_m,
     real alpha_m,
+    real chord,
+    real half_sine,
     real *out,
     const rotating_link_coefficients *c)
 {
@@ -613,46 +645,31 @@ REAL_INLINE void rotating_link_friction_torque_gradient_at(
     const real speed = ((size > c->fastest) ? c->fastest : size);
     const real direction_of_motion = rotating_link_sgn(omega_m);
     const real speed_d_omega_m = direction_of_motion;
-    /* whole turns of the link and a half, up to the top that is nearest */
-    const real turns = theta_m * c->turns_per_rad - REAL(0.5) + REAL_ROUNDER - REAL_ROUNDER + REAL(0.5);
-    /* the turns go off in four parts of few digits: all products but the last are exact */
-    const real rest = theta_m - turns * c->period_1;
-    /* motor angle from the top */
-    const real reduced = rest - turns * c->period_2 - turns * c->period_3 - turns * c->period_4;
-    /* an angle so large that nothing is left of its phase counts as the top */
-    const real from_top = ((REAL_FABS(reduced) <= c->period) ? reduced : theta_m - theta_m);
-    /* half the link angle from the top */
-    const real half_angle = from_top * c->half_mu;
-    /* 2 sin(half_angle)/mu */
-    const real chord = from_top * rotating_link_sine_ratio(half_angle);
     /* speed^2 - omega_star^2; the difference is taken once, before anything is rounded */
     const real square_difference = (speed - c->omega_star_1 - c->omega_star_2) * (speed + c->omega_star_1);
-    /* cosine of the half angle from the top */
-    const real half_sine = rotating_link_cosine(half_angle);
     const real size_2 = alpha_m * c->per_mu;
     const real p = chord * chord * c->half_mu2_omega_star2 + square_difference;
     const real part_1 = ((size_2 > c->fastest2) ? c->fastest2 : ((size_2 < -c->fastest2) ? -c->fastest2 :
         size_2));
-    const real q = -chord * half_sine * c->mu_omega_star2 + part_1;
+    const real q = part_1 + (-c->mu_omega_star2) * chord * half_sine;
     const real magnitude = REAL_SQRT(p * p + q * q);
-    /* normal force on the axis of rotation [N] */
-    const real F_N = magnitude * c->scale_N;
+    /* normal force over scale_N [rad^2/s^2] */
+    const real load = magnitude;
     /* 1 at the apex, where F_N is 0 and its derivatives are taken as 0 */
     const real inverse = REAL(1.0) / ((magnitude == REAL(0.0)) ? REAL(1.0) : magnitude);
-    const real part_4 = chord * chord * c->quarter_mu3_omega_star2 - half_sine * half_sine *
-        c->mu_omega_star2;
-    const real part_3 = part_4 * (q * inverse);
-    const real part_2 = chord * half_sine * c->mu2_omega_star2 * (p * inverse) + part_3;
-    const real F_N_d_theta_m = part_2 * c->scale_N;
-    const real F_N_d_omega_m = speed * speed_d_omega_m * c->twice_scale_N * (p * inverse);
-    const real F_N_d_alpha_m = c->scale_N_per_mu * (q * inverse);
-    const real part_5 = c->B_lN_mu2 * omega_m + c->C_lN_mu * direction_of_motion;
-    out[0] = F_N_d_theta_m * part_5;
-    const real part_6 = c->C_lN_mu * F_N_d_omega_m * direction_of_motion;
-    const real part_7 = c->B_lN_mu2 * F_N_d_omega_m * omega_m;
-    out[1] = c->B_lN_mu2 * F_N + c->B_plus_k_e_k_i_per_R + part_6 + part_7;
-    const real part_8 = c->B_lN_mu2 * omega_m + c->C_lN_mu * direction_of_motion;
-    out[2] = F_N_d_alpha_m * part_8;
+    const real part_2 = c->mu2_omega_star2 * (p * inverse) * chord * half_sine;
+    const real part_3 = chord * chord * c->quarter_mu3_omega_star2 * (q * inverse);
+    const real part_4 = -half_sine * half_sine * c->mu_omega_star2 * (q * inverse);
+    const real load_d_theta_m = part_2 + part_3 + part_4;
+    const real load_d_omega_m = REAL(2.0) * speed * speed_d_omega_m * (p * inverse);
+    const real load_d_alpha_m = c->per_mu * (q * inverse);
+    const real part_5 = c->B_lN_mu2_scale_N * omega_m + c->C_lN_mu_scale_N * direction_of_motion;
+    out[0] = load_d_theta_m * part_5;
+    const real part_7 = c->B_lN_mu2_scale_N * omega_m + c->C_lN_mu_scale_N * direction_of_motion;
+    const real part_6 = load_d_omega_m * part_7;
+    out[1] = c->B_lN_mu2_scale_N * load + c->B_plus_k_e_k_i_per_R + part_6;
+    const real part_8 = c->B_lN_mu2_scale_N * omega_m + c->C_lN_mu_scale_N * direction_of_motion;
+    out[2] = load_d_alpha_m * part_8;
 }
 
 void rotating_link_friction_torque_gradient(
@@ -662,7 +679,10 @@ void rotating_link_friction_torque_gradient(
     ECCENTRIC_REAL *out,
     const rotating_link_coefficients *c)
 {
-    rotating_link_friction_torque_gradient_at(theta_m, omega_m, alpha_m, out, c);
+    const real from_top = rotating_link_from_top(theta_m, c);
+    const real chord = rotating_link_chord(from_top, c);
+    const real half_sine = rotating_link_half_sine(from_top, c);
+    rotating_link_friction_torque_gradient_at(omega_m, alpha_m, chord, half_sine, out, c);
 }
 
 void rotating_link_friction_torque_gradient_n(
@@ -674,48 +694,49 @@ void rotating_link_friction_torque_gradient_n(
     const rotating_link_coefficients *c)
 {
     const rotating_link_coefficients own = *c; /* that no store to `out` can change */
-    for (size_t k = 0; k < n; ++k) {
-        rotating_link_friction_torque_gradient_at(theta_m[k], omega_m[k], alpha_m[k], out + 3 * k, &own);
+    real from_top[REAL_BLOCK];
+    real chord[REAL_BLOCK];
+    real half_sine[REAL_BLOCK];
+    for (size_t first = 0; first < n; first += REAL_BLOCK) {
+        const size_t count = (n - first < REAL_BLOCK) ? (n - first) : REAL_BLOCK;
+        for (size_t k = 0; k < count; ++k) {
+            from_top[k] = rotating_link_from_top(theta_m[first + k], &own);
+        }
+        for (size_t k = 0; k < count; ++k) {
+            chord[k] = rotating_link_chord(from_top[k], &own);
+            half_sine[k] = rotating_link_half_sine(from_top[k], &own);
+        }
+        for (size_t k = 0; k < count; ++k) {
+            rotating_link_friction_torque_gradient_at(omega_m[first + k], alpha_m[first + k], chord[k],
+                half_sine[k], &out[3 * (first + k)], &own);
+        }
     }
 }
 
 REAL_INLINE void rotating_link_friction_torque_jacobian_at(
-    real theta_m,
     real omega_m,
     real alpha_m,
+    real chord,
+    real half_sine,
     real *out,
     const rotating_link_coefficients *c)
 {
     const real size = REAL_FABS(omega_m);
     /* magnitude of the motor velocity, at most 2^30, 0 if M L = 0 [rad/s] */
     const real speed = ((size > c->fastest) ? c->fastest : size);
-    /* whole turns of the link and a half, up to the top that is nearest */
-    const real turns = theta_m * c->turns_per_rad - REAL(0.5) + REAL_ROUNDER - REAL_ROUNDER + REAL(0.5);
-    /* the turns go off in four parts of few digits: all products but the last are exact */
-    const real rest = theta_m - turns * c->period_1;
-    /* motor angle from the top */
-    const real reduced = rest - turns * c->period_2 - turns * c->period_3 - turns * c->period_4;
-    /* an angle so large that nothing is left of its phase counts as the top */
-    const real from_top = ((REAL_FABS(reduced) <= c->period) ? reduced : theta_m - theta_m);
-    /* half the link angle from the top */
-    const real half_angle = from_top * c->half_mu;
-    /* 2 sin(half_angle)/mu */
-    const real chord = from_top * rotating_link_sine_ratio(half_angle);
     /* speed^2 - omega_star^2; the difference is taken once, before anything is rounded */
     const real square_difference = (speed - c->omega_star_1 - c->omega_star_2) * (speed + c->omega_star_1);
-    /* cosine of the half angle from the top */
-    const real half_sine = rotating_link_cosine(half_angle);
     const real size_2 = alpha_m * c->per_mu;
     const real p = chord * chord * c->half_mu2_omega_star2 + square_difference;
     const real part_1 = ((size_2 > c->fastest2) ? c->fastest2 : ((size_2 < -c->fastest2) ? -c->fastest2 :
         size_2));
-    const real q = -chord * half_sine * c->mu_omega_star2 + part_1;
+    const real q = part_1 + (-c->mu_omega_star2) * chord * half_sine;
     const real magnitude = REAL_SQRT(p * p + q * q);
-    /* normal force on the axis of rotation [N] */
-    const real F_N = magnitude * c->scale_N;
-    out[0] = F_N * c->mu2 * omega_m;
+    /* normal force over scale_N [rad^2/s^2] */
+    const real load = magnitude;
+    out[0] = load * c->mu2_scale_N * omega_m;
     const real direction_of_motion = rotating_link_sgn(omega_m);
-    out[1] = F_N * direction_of_motion * c->mu;
+    out[1] = direction_of_motion * load * c->mu_scale_N;
     out[2] = c->F_T_mu2_sin_phi * omega_m;
     out[3] = c->F_T_mu_sin_phi * direction_of_motion;
     out[4] = omega_m;
@@ -729,7 +750,10 @@ void rotating_link_friction_torque_jacobian(
     ECCENTRIC_REAL *out,
     const rotating_link_coefficients *c)
 {
-    rotating_link_friction_torque_jacobian_at(theta_m, omega_m, alpha_m, out, c);
+    const real from_top = rotating_link_from_top(theta_m, c);
+    const real chord = rotating_link_chord(from_top, c);
+    const real half_sine = rotating_link_half_sine(from_top, c);
+    rotating_link_friction_torque_jacobian_at(omega_m, alpha_m, chord, half_sine, out, c);
 }
 
 void rotating_link_friction_torque_jacobian_n(
@@ -741,48 +765,49 @@ void rotating_link_friction_torque_jacobian_n(
     const rotating_link_coefficients *c)
 {
     const rotating_link_coefficients own = *c; /* that no store to `out` can change */
-    for (size_t k = 0; k < n; ++k) {
-        rotating_link_friction_torque_jacobian_at(theta_m[k], omega_m[k], alpha_m[k], out + 6 * k, &own);
+    real from_top[REAL_BLOCK];
+    real chord[REAL_BLOCK];
+    real half_sine[REAL_BLOCK];
+    for (size_t first = 0; first < n; first += REAL_BLOCK) {
+        const size_t count = (n - first < REAL_BLOCK) ? (n - first) : REAL_BLOCK;
+        for (size_t k = 0; k < count; ++k) {
+            from_top[k] = rotating_link_from_top(theta_m[first + k], &own);
+        }
+        for (size_t k = 0; k < count; ++k) {
+            chord[k] = rotating_link_chord(from_top[k], &own);
+            half_sine[k] = rotating_link_half_sine(from_top[k], &own);
+        }
+        for (size_t k = 0; k < count; ++k) {
+            rotating_link_friction_torque_jacobian_at(omega_m[first + k], alpha_m[first + k], chord[k],
+                half_sine[k], &out[6 * (first + k)], &own);
+        }
     }
 }
 
 REAL_INLINE void rotating_link_regressor_at(
-    real theta_m,
     real omega_m,
     real alpha_m,
+    real chord,
+    real half_sine,
     real *out,
     const rotating_link_coefficients *c)
 {
     const real size = REAL_FABS(omega_m);
     /* magnitude of the motor velocity, at most 2^30, 0 if M L = 0 [rad/s] */
     const real speed = ((size > c->fastest) ? c->fastest : size);
-    /* whole turns of the link and a half, up to the top that is nearest */
-    const real turns = theta_m * c->turns_per_rad - REAL(0.5) + REAL_ROUNDER - REAL_ROUNDER + REAL(0.5);
-    /* the turns go off in four parts of few digits: all products but the last are exact */
-    const real rest = theta_m - turns * c->period_1;
-    /* motor angle from the top */
-    const real reduced = rest - turns * c->period_2 - turns * c->period_3 - turns * c->period_4;
-    /* an angle so large that nothing is left of its phase counts as the top */
-    const real from_top = ((REAL_FABS(reduced) <= c->period) ? reduced : theta_m - theta_m);
-    /* half the link angle from the top */
-    const real half_angle = from_top * c->half_mu;
-    /* 2 sin(half_angle)/mu */
-    const real chord = from_top * rotating_link_sine_ratio(half_angle);
     /* speed^2 - omega_star^2; the difference is taken once, before anything is rounded */
     const real square_difference = (speed - c->omega_star_1 - c->omega_star_2) * (speed + c->omega_star_1);
-    /* cosine of the half angle from the top */
-    const real half_sine = rotating_link_cosine(half_angle);
     const real size_2 = alpha_m * c->per_mu;
     const real p = chord * chord * c->half_mu2_omega_star2 + square_difference;
     const real part_1 = ((size_2 > c->fastest2) ? c->fastest2 : ((size_2 < -c->fastest2) ? -c->fastest2 :
         size_2));
-    const real q = -chord * half_sine * c->mu_omega_star2 + part_1;
+    const real q = part_1 + (-c->mu_omega_star2) * chord * half_sine;
     const real magnitude = REAL_SQRT(p * p + q * q);
-    /* normal force on the axis of rotation [N] */
-    const real F_N = magnitude * c->scale_N;
-    out[0] = F_N * c->mu2 * omega_m;
+    /* normal force over scale_N [rad^2/s^2] */
+    const real load = magnitude;
+    out[0] = load * c->mu2_scale_N * omega_m;
     const real direction_of_motion = rotating_link_sgn(omega_m);
-    out[1] = F_N * direction_of_motion * c->mu;
+    out[1] = direction_of_motion * load * c->mu_scale_N;
     out[2] = omega_m;
     out[3] = direction_of_motion;
 }
@@ -794,7 +819,10 @@ void rotating_link_regressor(
     ECCENTRIC_REAL *out,
     const rotating_link_coefficients *c)
 {
-    rotating_link_regressor_at(theta_m, omega_m, alpha_m, out, c);
+    const real from_top = rotating_link_from_top(theta_m, c);
+    const real chord = rotating_link_chord(from_top, c);
+    const real half_sine = rotating_link_half_sine(from_top, c);
+    rotating_link_regressor_at(omega_m, alpha_m, chord, half_sine, out, c);
 }
 
 void rotating_link_regressor_n(
@@ -806,8 +834,22 @@ void rotating_link_regressor_n(
     const rotating_link_coefficients *c)
 {
     const rotating_link_coefficients own = *c; /* that no store to `out` can change */
-    for (size_t k = 0; k < n; ++k) {
-        rotating_link_regressor_at(theta_m[k], omega_m[k], alpha_m[k], out + 4 * k, &own);
+    real from_top[REAL_BLOCK];
+    real chord[REAL_BLOCK];
+    real half_sine[REAL_BLOCK];
+    for (size_t first = 0; first < n; first += REAL_BLOCK) {
+        const size_t count = (n - first < REAL_BLOCK) ? (n - first) : REAL_BLOCK;
+        for (size_t k = 0; k < count; ++k) {
+            from_top[k] = rotating_link_from_top(theta_m[first + k], &own);
+        }
+        for (size_t k = 0; k < count; ++k) {
+            chord[k] = rotating_link_chord(from_top[k], &own);
+            half_sine[k] = rotating_link_half_sine(from_top[k], &own);
+        }
+        for (size_t k = 0; k < count; ++k) {
+            rotating_link_regressor_at(omega_m[first + k], alpha_m[first + k], chord[k], half_sine[k], &out[4
+                * (first + k)], &own);
+        }
     }
 }
 
@@ -820,28 +862,15 @@ void rotating_link_friction_coefficients(ECCENTRIC_REAL *out, const rotating_lin
 }
 
 REAL_INLINE real rotating_link_coulomb_torque_at(
-    real theta_m,
     real alpha_m,
+    real chord,
+    real half_sine,
     const rotating_link_coefficients *c)
 {
-    /* whole turns of the link and a half, up to the top that is nearest */
-    const real turns = theta_m * c->turns_per_rad - REAL(0.5) + REAL_ROUNDER - REAL_ROUNDER + REAL(0.5);
-    /* the turns go off in four parts of few digits: all products but the last are exact */
-    const real rest = theta_m - turns * c->period_1;
-    /* motor angle from the top */
-    const real reduced = rest - turns * c->period_2 - turns * c->period_3 - turns * c->period_4;
-    /* an angle so large that nothing is left of its phase counts as the top */
-    const real from_top = ((REAL_FABS(reduced) <= c->period) ? reduced : theta_m - theta_m);
-    /* half the link angle from the top */
-    const real half_angle = from_top * c->half_mu;
-    /* 2 sin(half_angle)/mu */
-    const real chord = from_top * rotating_link_sine_ratio(half_angle);
-    /* cosine of the half angle from the top */
-    const real half_sine = rotating_link_cosine(half_angle);
     const real size = alpha_m * c->per_mu;
     const real p = chord * chord * c->half_mu2_omega_star2 - c->omega_star2;
     const real part_1 = ((size > c->fastest2) ? c->fastest2 : ((size < -c->fastest2) ? -c->fastest2 : size));
-    const real q = -chord * half_sine * c->mu_omega_star2 + part_1;
+    const real q = part_1 + (-c->mu_omega_star2) * chord * half_sine;
     const real magnitude = REAL_SQRT(p * p + q * q);
     return c->C + c->C_lN_mu_scale_N * magnitude;
 }
@@ -851,7 +880,10 @@ ECCENTRIC_REAL rotating_link_coulomb_torque(
     ECCENTRIC_REAL alpha_m,
     const rotating_link_coefficients *c)
 {
-    return rotating_link_coulomb_torque_at(theta_m, alpha_m, c);
+    const real from_top = rotating_link_from_top(theta_m, c);
+    const real chord = rotating_link_chord(from_top, c);
+    const real half_sine = rotating_link_half_sine(from_top, c);
+    return rotating_link_coulomb_torque_at(alpha_m, chord, half_sine, c);
 }
 
 void rotating_link_coulomb_torque_n(
@@ -862,33 +894,39 @@ void rotating_link_coulomb_torque_n(
     const rotating_link_coefficients *c)
 {
     const rotating_link_coefficients own = *c; /* that no store to `out` can change */
-    for (size_t k = 0; k < n; ++k) {
-        out[k] = rotating_link_coulomb_torque_at(theta_m[k], alpha_m[k], &own);
+    real from_top[REAL_BLOCK];
+    real chord[REAL_BLOCK];
+    real half_sine[REAL_BLOCK];
+    for (size_t first = 0; first < n; first += REAL_BLOCK) {
+        const size_t count = (n - first < REAL_BLOCK) ? (n - first) : REAL_BLOCK;
+        for (size_t k = 0; k < count; ++k) {
+            from_top[k] = rotating_link_from_top(theta_m[first + k], &own);
+        }
+        for (size_t k = 0; k < count; ++k) {
+            chord[k] = rotating_link_chord(from_top[k], &own);
+            half_sine[k] = rotating_link_half_sine(from_top[k], &own);
+        }
+        for (size_t k = 0; k < count; ++k) {
+            out[first + k] = rotating_link_coulomb_torque_at(alpha_m[first + k], chord[k], half_sine[k],
+                &own);
+        }
     }
 }
 
-REAL_INLINE real rotating_link_gravity_torque_at(real theta_m, const rotating_link_coefficients *c)
+REAL_INLINE real rotating_link_gravity_torque_at(
+    real chord,
+    real half_sine,
+    const rotating_link_coefficients *c)
 {
-    /* whole turns of the link and a half, up to the top that is nearest */
-    const real turns = theta_m * c->turns_per_rad - REAL(0.5) + REAL_ROUNDER - REAL_ROUNDER + REAL(0.5);
-    /* the turns go off in four parts of few digits: all products but the last are exact */
-    const real rest = theta_m - turns * c->period_1;
-    /* motor angle from the top */
-    const real reduced = rest - turns * c->period_2 - turns * c->period_3 - turns * c->period_4;
-    /* an angle so large that nothing is left of its phase counts as the top */
-    const real from_top = ((REAL_FABS(reduced) <= c->period) ? reduced : theta_m - theta_m);
-    /* half the link angle from the top */
-    const real half_angle = from_top * c->half_mu;
-    /* 2 sin(half_angle)/mu */
-    const real chord = from_top * rotating_link_sine_ratio(half_angle);
-    /* cosine of the half angle from the top */
-    const real half_sine = rotating_link_cosine(half_angle);
-    return -c->L_M_g_p_mu2 * chord * half_sine;
+    return (-c->L_M_g_p_mu2) * chord * half_sine;
 }
 
 ECCENTRIC_REAL rotating_link_gravity_torque(ECCENTRIC_REAL theta_m, const rotating_link_coefficients *c)
 {
-    return rotating_link_gravity_torque_at(theta_m, c);
+    const real from_top = rotating_link_from_top(theta_m, c);
+    const real chord = rotating_link_chord(from_top, c);
+    const real half_sine = rotating_link_half_sine(from_top, c);
+    return rotating_link_gravity_torque_at(chord, half_sine, c);
 }
 
 void rotating_link_gravity_torque_n(
@@ -898,50 +936,51 @@ void rotating_link_gravity_torque_n(
     const rotating_link_coefficients *c)
 {
     const rotating_link_coefficients own = *c; /* that no store to `out` can change */
-    for (size_t k = 0; k < n; ++k) {
-        out[k] = rotating_link_gravity_torque_at(theta_m[k], &own);
+    real from_top[REAL_BLOCK];
+    real chord[REAL_BLOCK];
+    real half_sine[REAL_BLOCK];
+    for (size_t first = 0; first < n; first += REAL_BLOCK) {
+        const size_t count = (n - first < REAL_BLOCK) ? (n - first) : REAL_BLOCK;
+        for (size_t k = 0; k < count; ++k) {
+            from_top[k] = rotating_link_from_top(theta_m[first + k], &own);
+        }
+        for (size_t k = 0; k < count; ++k) {
+            chord[k] = rotating_link_chord(from_top[k], &own);
+            half_sine[k] = rotating_link_half_sine(from_top[k], &own);
+        }
+        for (size_t k = 0; k < count; ++k) {
+            out[first + k] = rotating_link_gravity_torque_at(chord[k], half_sine[k], &own);
+        }
     }
 }
 
 REAL_INLINE real rotating_link_voltage_at(
-    real theta_m,
     real omega_m,
     real alpha_m,
+    real chord,
+    real half_sine,
     const rotating_link_coefficients *c)
 {
     const real size = REAL_FABS(omega_m);
     /* magnitude of the motor velocity, at most 2^30, 0 if M L = 0 [rad/s] */
     const real speed = ((size > c->fastest) ? c->fastest : size);
-    /* whole turns of the link and a half, up to the top that is nearest */
-    const real turns = theta_m * c->turns_per_rad - REAL(0.5) + REAL_ROUNDER - REAL_ROUNDER + REAL(0.5);
-    /* the turns go off in four parts of few digits: all products but the last are exact */
-    const real rest = theta_m - turns * c->period_1;
-    /* motor angle from the top */
-    const real reduced = rest - turns * c->period_2 - turns * c->period_3 - turns * c->period_4;
-    /* an angle so large that nothing is left of its phase counts as the top */
-    const real from_top = ((REAL_FABS(reduced) <= c->period) ? reduced : theta_m - theta_m);
-    /* half the link angle from the top */
-    const real half_angle = from_top * c->half_mu;
-    /* 2 sin(half_angle)/mu */
-    const real chord = from_top * rotating_link_sine_ratio(half_angle);
     /* speed^2 - omega_star^2; the difference is taken once, before anything is rounded */
     const real square_difference = (speed - c->omega_star_1 - c->omega_star_2) * (speed + c->omega_star_1);
-    /* cosine of the half angle from the top */
-    const real half_sine = rotating_link_cosine(half_angle);
     const real size_2 = alpha_m * c->per_mu;
     const real p = chord * chord * c->half_mu2_omega_star2 + square_difference;
     const real part_1 = ((size_2 > c->fastest2) ? c->fastest2 : ((size_2 < -c->fastest2) ? -c->fastest2 :
         size_2));
-    const real q = -chord * half_sine * c->mu_omega_star2 + part_1;
+    const real q = part_1 + (-c->mu_omega_star2) * chord * half_sine;
     const real magnitude = REAL_SQRT(p * p + q * q);
-    /* normal force on the axis of rotation [N] */
-    const real F_N = magnitude * c->scale_N;
+    /* normal force over scale_N [rad^2/s^2] */
+    const real load = magnitude;
     const real direction_of_motion = rotating_link_sgn(omega_m);
-    const real part_2 = direction_of_motion * (c->C_R_per_k_i + c->C_lN_R_mu_per_k_i * F_N);
-    const real part_3 = omega_m * (c->B_R_per_k_i_plus_k_e + c->B_lN_R_mu2_per_k_i * F_N);
-    const real part_4 = c->R_per_k_i * ((alpha_m == REAL(0.0)) ? REAL(0.0) : c->J * alpha_m);
-    const real part_5 = -c->L_M_R_g_p_mu2_per_k_i * chord * half_sine;
-    return part_2 + part_3 + part_4 + part_5;
+    const real part_3 = c->C_R_per_k_i + c->C_lN_R_mu_scale_N_per_k_i * load;
+    const real part_2 = direction_of_motion * part_3;
+    const real part_4 = omega_m * (c->B_R_per_k_i_plus_k_e + c->B_lN_R_mu2_scale_N_per_k_i * load);
+    const real part_5 = (-c->L_M_R_g_p_mu2_per_k_i) * chord * half_sine;
+    const real part_6 = c->R_per_k_i * ((alpha_m == REAL(0.0)) ? REAL(0.0) : c->J * alpha_m);
+    return part_2 + part_4 + part_5 + part_6;
 }
 
 ECCENTRIC_REAL rotating_link_voltage(
@@ -950,7 +989,10 @@ ECCENTRIC_REAL rotating_link_voltage(
     ECCENTRIC_REAL alpha_m,
     const rotating_link_coefficients *c)
 {
-    return rotating_link_voltage_at(theta_m, omega_m, alpha_m, c);
+    const real from_top = rotating_link_from_top(theta_m, c);
+    const real chord = rotating_link_chord(from_top, c);
+    const real half_sine = rotating_link_half_sine(from_top, c);
+    return rotating_link_voltage_at(omega_m, alpha_m, chord, half_sine, c);
 }
 
 void rotating_link_voltage_n(
@@ -962,49 +1004,50 @@ void rotating_link_voltage_n(
     const rotating_link_coefficients *c)
 {
     const rotating_link_coefficients own = *c; /* that no store to `out` can change */
-    for (size_t k = 0; k < n; ++k) {
-        out[k] = rotating_link_voltage_at(theta_m[k], omega_m[k], alpha_m[k], &own);
+    real from_top[REAL_BLOCK];
+    real chord[REAL_BLOCK];
+    real half_sine[REAL_BLOCK];
+    for (size_t first = 0; first < n; first += REAL_BLOCK) {
+        const size_t count = (n - first < REAL_BLOCK) ? (n - first) : REAL_BLOCK;
+        for (size_t k = 0; k < count; ++k) {
+            from_top[k] = rotating_link_from_top(theta_m[first + k], &own);
+        }
+        for (size_t k = 0; k < count; ++k) {
+            chord[k] = rotating_link_chord(from_top[k], &own);
+            half_sine[k] = rotating_link_half_sine(from_top[k], &own);
+        }
+        for (size_t k = 0; k < count; ++k) {
+            out[first + k] = rotating_link_voltage_at(omega_m[first + k], alpha_m[first + k], chord[k],
+                half_sine[k], &own);
+        }
     }
 }
 
 REAL_INLINE real rotating_link_current_at(
-    real theta_m,
     real omega_m,
     real alpha_m,
+    real chord,
+    real half_sine,
     const rotating_link_coefficients *c)
 {
     const real size = REAL_FABS(omega_m);
     /* magnitude of the motor velocity, at most 2^30, 0 if M L = 0 [rad/s] */
     const real speed = ((size > c->fastest) ? c->fastest : size);
-    /* whole turns of the link and a half, up to the top that is nearest */
-    const real turns = theta_m * c->turns_per_rad - REAL(0.5) + REAL_ROUNDER - REAL_ROUNDER + REAL(0.5);
-    /* the turns go off in four parts of few digits: all products but the last are exact */
-    const real rest = theta_m - turns * c->period_1;
-    /* motor angle from the top */
-    const real reduced = rest - turns * c->period_2 - turns * c->period_3 - turns * c->period_4;
-    /* an angle so large that nothing is left of its phase counts as the top */
-    const real from_top = ((REAL_FABS(reduced) <= c->period) ? reduced : theta_m - theta_m);
-    /* half the link angle from the top */
-    const real half_angle = from_top * c->half_mu;
-    /* 2 sin(half_angle)/mu */
-    const real chord = from_top * rotating_link_sine_ratio(half_angle);
     /* speed^2 - omega_star^2; the difference is taken once, before anything is rounded */
     const real square_difference = (speed - c->omega_star_1 - c->omega_star_2) * (speed + c->omega_star_1);
-    /* cosine of the half angle from the top */
-    const real half_sine = rotating_link_cosine(half_angle);
     const real size_2 = alpha_m * c->per_mu;
     const real p = chord * chord * c->half_mu2_omega_star2 + square_difference;
     const real part_1 = ((size_2 > c->fastest2) ? c->fastest2 : ((size_2 < -c->fastest2) ? -c->fastest2 :
         size_2));
-    const real q = -chord * half_sine * c->mu_omega_star2 + part_1;
+    const real q = part_1 + (-c->mu_omega_star2) * chord * half_sine;
     const real magnitude = REAL_SQRT(p * p + q * q);
-    /* normal force on the axis of rotation [N] */
-    const real F_N = magnitude * c->scale_N;
+    /* normal force over scale_N [rad^2/s^2] */
+    const real load = magnitude;
     const real direction_of_motion = rotating_link_sgn(omega_m);
-    const real part_2 = direction_of_motion * (c->C_lN_mu_per_k_i * F_N + c->C_per_k_i);
-    const real part_3 = c->per_k_i * ((alpha_m == REAL(0.0)) ? REAL(0.0) : c->J * alpha_m);
-    const real part_4 = omega_m * (c->B_lN_mu2_per_k_i * F_N + c->B_per_k_i);
-    const real part_5 = -c->L_M_g_p_mu2_per_k_i * chord * half_sine;
+    const real part_2 = direction_of_motion * (c->C_lN_mu_scale_N_per_k_i * load + c->C_per_k_i);
+    const real part_3 = (-c->L_M_g_p_mu2_per_k_i) * chord * half_sine;
+    const real part_4 = omega_m * (c->B_lN_mu2_scale_N_per_k_i * load + c->B_per_k_i);
+    const real part_5 = c->per_k_i * ((alpha_m == REAL(0.0)) ? REAL(0.0) : c->J * alpha_m);
     return part_2 + part_3 + part_4 + part_5;
 }
 
@@ -1014,7 +1057,10 @@ ECCENTRIC_REAL rotating_link_current(
     ECCENTRIC_REAL alpha_m,
     const rotating_link_coefficients *c)
 {
-    return rotating_link_current_at(theta_m, omega_m, alpha_m, c);
+    const real from_top = rotating_link_from_top(theta_m, c);
+    const real chord = rotating_link_chord(from_top, c);
+    const real half_sine = rotating_link_half_sine(from_top, c);
+    return rotating_link_current_at(omega_m, alpha_m, chord, half_sine, c);
 }
 
 void rotating_link_current_n(
@@ -1026,50 +1072,51 @@ void rotating_link_current_n(
     const rotating_link_coefficients *c)
 {
     const rotating_link_coefficients own = *c; /* that no store to `out` can change */
-    for (size_t k = 0; k < n; ++k) {
-        out[k] = rotating_link_current_at(theta_m[k], omega_m[k], alpha_m[k], &own);
+    real from_top[REAL_BLOCK];
+    real chord[REAL_BLOCK];
+    real half_sine[REAL_BLOCK];
+    for (size_t first = 0; first < n; first += REAL_BLOCK) {
+        const size_t count = (n - first < REAL_BLOCK) ? (n - first) : REAL_BLOCK;
+        for (size_t k = 0; k < count; ++k) {
+            from_top[k] = rotating_link_from_top(theta_m[first + k], &own);
+        }
+        for (size_t k = 0; k < count; ++k) {
+            chord[k] = rotating_link_chord(from_top[k], &own);
+            half_sine[k] = rotating_link_half_sine(from_top[k], &own);
+        }
+        for (size_t k = 0; k < count; ++k) {
+            out[first + k] = rotating_link_current_at(omega_m[first + k], alpha_m[first + k], chord[k],
+                half_sine[k], &own);
+        }
     }
 }
 
 REAL_INLINE real rotating_link_mechanical_residual_at(
-    real theta_m,
     real omega_m,
     real i,
     real alpha_m,
+    real chord,
+    real half_sine,
     const rotating_link_coefficients *c)
 {
     const real size = REAL_FABS(omega_m);
     /* magnitude of the motor velocity, at most 2^30, 0 if M L = 0 [rad/s] */
     const real speed = ((size > c->fastest) ? c->fastest : size);
-    /* whole turns of the link and a half, up to the top that is nearest */
-    const real turns = theta_m * c->turns_per_rad - REAL(0.5) + REAL_ROUNDER - REAL_ROUNDER + REAL(0.5);
-    /* the turns go off in four parts of few digits: all products but the last are exact */
-    const real rest = theta_m - turns * c->period_1;
-    /* motor angle from the top */
-    const real reduced = rest - turns * c->period_2 - turns * c->period_3 - turns * c->period_4;
-    /* an angle so large that nothing is left of its phase counts as the top */
-    const real from_top = ((REAL_FABS(reduced) <= c->period) ? reduced : theta_m - theta_m);
-    /* half the link angle from the top */
-    const real half_angle = from_top * c->half_mu;
-    /* 2 sin(half_angle)/mu */
-    const real chord = from_top * rotating_link_sine_ratio(half_angle);
     /* speed^2 - omega_star^2; the difference is taken once, before anything is rounded */
     const real square_difference = (speed - c->omega_star_1 - c->omega_star_2) * (speed + c->omega_star_1);
-    /* cosine of the half angle from the top */
-    const real half_sine = rotating_link_cosine(half_angle);
     const real size_2 = alpha_m * c->per_mu;
     const real p = chord * chord * c->half_mu2_omega_star2 + square_difference;
     const real part_1 = ((size_2 > c->fastest2) ? c->fastest2 : ((size_2 < -c->fastest2) ? -c->fastest2 :
         size_2));
-    const real q = -chord * half_sine * c->mu_omega_star2 + part_1;
+    const real q = part_1 + (-c->mu_omega_star2) * chord * half_sine;
     const real magnitude = REAL_SQRT(p * p + q * q);
-    /* normal force on the axis of rotation [N] */
-    const real F_N = magnitude * c->scale_N;
+    /* normal force over scale_N [rad^2/s^2] */
+    const real load = magnitude;
     const real direction_of_motion = rotating_link_sgn(omega_m);
-    const real part_2 = -((alpha_m == REAL(0.0)) ? REAL(0.0) : c->J * alpha_m);
-    const real part_3 = -direction_of_motion * (c->C + c->C_lN_mu * F_N);
-    const real part_4 = c->L_M_g_p_mu2 * chord * half_sine;
-    const real part_5 = -omega_m * (c->B + c->B_lN_mu2 * F_N);
+    const real part_2 = -direction_of_motion * (c->C + c->C_lN_mu_scale_N * load);
+    const real part_3 = c->L_M_g_p_mu2 * chord * half_sine;
+    const real part_4 = -((alpha_m == REAL(0.0)) ? REAL(0.0) : c->J * alpha_m);
+    const real part_5 = -omega_m * (c->B + c->B_lN_mu2_scale_N * load);
     return i * c->k_i + part_2 + part_3 + part_4 + part_5;
 }
 
@@ -1080,7 +1127,10 @@ ECCENTRIC_REAL rotating_link_mechanical_residual(
     ECCENTRIC_REAL alpha_m,
     const rotating_link_coefficients *c)
 {
-    return rotating_link_mechanical_residual_at(theta_m, omega_m, i, alpha_m, c);
+    const real from_top = rotating_link_from_top(theta_m, c);
+    const real chord = rotating_link_chord(from_top, c);
+    const real half_sine = rotating_link_half_sine(from_top, c);
+    return rotating_link_mechanical_residual_at(omega_m, i, alpha_m, chord, half_sine, c);
 }
 
 void rotating_link_mechanical_residual_n(
@@ -1093,8 +1143,22 @@ void rotating_link_mechanical_residual_n(
     const rotating_link_coefficients *c)
 {
     const rotating_link_coefficients own = *c; /* that no store to `out` can change */
-    for (size_t k = 0; k < n; ++k) {
-        out[k] = rotating_link_mechanical_residual_at(theta_m[k], omega_m[k], i[k], alpha_m[k], &own);
+    real from_top[REAL_BLOCK];
+    real chord[REAL_BLOCK];
+    real half_sine[REAL_BLOCK];
+    for (size_t first = 0; first < n; first += REAL_BLOCK) {
+        const size_t count = (n - first < REAL_BLOCK) ? (n - first) : REAL_BLOCK;
+        for (size_t k = 0; k < count; ++k) {
+            from_top[k] = rotating_link_from_top(theta_m[first + k], &own);
+        }
+        for (size_t k = 0; k < count; ++k) {
+            chord[k] = rotating_link_chord(from_top[k], &own);
+            half_sine[k] = rotating_link_half_sine(from_top[k], &own);
+        }
+        for (size_t k = 0; k < count; ++k) {
+            out[first + k] = rotating_link_mechanical_residual_at(omega_m[first + k], i[first + k],
+                alpha_m[first + k], chord[k], half_sine[k], &own);
+        }
     }
 }
 
@@ -1132,6 +1196,7 @@ void rotating_link_electrical_residual_n(
 
 #undef real
 #undef REAL_INLINE
+#undef REAL_BLOCK
 #undef REAL
 #undef REAL_SQRT
 #undef REAL_FABS

@@ -1,6 +1,6 @@
 /*
  * Generated: do not edit. Written by `make derive` from derivations/rotating_link.py
- * (eccentric 0.1.0, program ad5586b0).
+ * (eccentric 0.1.0, program 47623130).
  * Rotating link with an unbalanced mass, plane tilted by phi, angular acceleration kept.
  */
 #ifndef ROTATING_LINK_H
@@ -9,7 +9,7 @@
 #include <stddef.h>
 
 /* ROTATING_LINK_PROGRAM names the derivation that header and source come from; the source checks it. */
-#define ROTATING_LINK_PROGRAM 0xad5586b0UL
+#define ROTATING_LINK_PROGRAM 0x47623130UL
 
 /* The working precision: double, or float by -DECCENTRIC_REAL=float. Files that differ in it do not link:
  * rotating_link_prepare and rotating_link_default carry it in their names. */
@@ -58,7 +58,6 @@ typedef struct {
     ECCENTRIC_REAL B_lN; /**< viscous friction of the link per normal force [m s/rad] */
     ECCENTRIC_REAL C_lN; /**< Coulomb friction of the link per normal force [m] */
     ECCENTRIC_REAL k_i; /**< torque constant [N m/A] */
-    ECCENTRIC_REAL mu; /**< gear ratio theta_l/theta_m [1] */
     ECCENTRIC_REAL scale_N; /**< normal force per squared motor velocity, M L mu^2 [N s^2/rad^2] */
     ECCENTRIC_REAL fastest; /**< greatest speed in rad/s that F_N counts: 2^30, or 0 if M L = 0 [1] */
     ECCENTRIC_REAL half_mu2_omega_star2; /**< mu^2 omega_star^2/2 */
@@ -74,32 +73,30 @@ typedef struct {
     ECCENTRIC_REAL half_mu; /**< mu/2 */
     ECCENTRIC_REAL omega_star_1; /**< omega_star, in the working precision */
     ECCENTRIC_REAL omega_star_2; /**< omega_star - omega_star_1, in the working precision */
-    ECCENTRIC_REAL B_lN_mu2; /**< B_lN mu^2 */
+    ECCENTRIC_REAL B_lN_mu2_scale_N; /**< B_lN mu^2 scale_N */
     ECCENTRIC_REAL B; /**< viscous friction on the motor side, B_m + mu^2 beta_T [N m s/rad] */
     ECCENTRIC_REAL B_plus_k_e_k_i_per_R; /**< B + k_e k_i/R */
-    ECCENTRIC_REAL C_lN_mu; /**< C_lN mu */
+    ECCENTRIC_REAL C_lN_mu_scale_N; /**< C_lN mu scale_N */
     ECCENTRIC_REAL C; /**< Coulomb friction on the motor side, C_m + mu gamma_T [N m] */
     ECCENTRIC_REAL quarter_mu3_omega_star2; /**< mu^3 omega_star^2/4 */
     ECCENTRIC_REAL mu2_omega_star2; /**< mu^2 omega_star^2 */
-    ECCENTRIC_REAL twice_scale_N; /**< 2 scale_N */
-    ECCENTRIC_REAL scale_N_per_mu; /**< scale_N/mu */
-    ECCENTRIC_REAL mu2; /**< mu^2 */
+    ECCENTRIC_REAL mu2_scale_N; /**< mu^2 scale_N */
+    ECCENTRIC_REAL mu_scale_N; /**< mu scale_N */
     ECCENTRIC_REAL F_T_mu2_sin_phi; /**< F_T mu^2 sin(phi) */
     ECCENTRIC_REAL F_T_mu_sin_phi; /**< F_T mu sin(phi) */
     ECCENTRIC_REAL omega_star2; /**< omega_star^2 */
-    ECCENTRIC_REAL C_lN_mu_scale_N; /**< C_lN mu scale_N */
     ECCENTRIC_REAL L_M_g_p_mu2; /**< L M g_p mu^2 */
     ECCENTRIC_REAL J; /**< inertia on the motor side, J_m + mu^2 J_l [kg m^2] */
-    ECCENTRIC_REAL B_lN_R_mu2_per_k_i; /**< B_lN R mu^2/k_i */
+    ECCENTRIC_REAL B_lN_R_mu2_scale_N_per_k_i; /**< B_lN R mu^2 scale_N/k_i */
     ECCENTRIC_REAL B_R_per_k_i_plus_k_e; /**< B R/k_i + k_e */
-    ECCENTRIC_REAL C_lN_R_mu_per_k_i; /**< C_lN R mu/k_i */
+    ECCENTRIC_REAL C_lN_R_mu_scale_N_per_k_i; /**< C_lN R mu scale_N/k_i */
     ECCENTRIC_REAL C_R_per_k_i; /**< C R/k_i */
     ECCENTRIC_REAL R_per_k_i; /**< R/k_i */
     ECCENTRIC_REAL L_M_R_g_p_mu2_per_k_i; /**< L M R g_p mu^2/k_i */
-    ECCENTRIC_REAL B_lN_mu2_per_k_i; /**< B_lN mu^2/k_i */
+    ECCENTRIC_REAL B_lN_mu2_scale_N_per_k_i; /**< B_lN mu^2 scale_N/k_i */
     ECCENTRIC_REAL B_per_k_i; /**< B/k_i */
     ECCENTRIC_REAL per_k_i; /**< 1/k_i */
-    ECCENTRIC_REAL C_lN_mu_per_k_i; /**< C_lN mu/k_i */
+    ECCENTRIC_REAL C_lN_mu_scale_N_per_k_i; /**< C_lN mu scale_N/k_i */
     ECCENTRIC_REAL C_per_k_i; /**< C/k_i */
     ECCENTRIC_REAL L_M_g_p_mu2_per_k_i; /**< L M g_p mu^2/k_i */
     ECCENTRIC_REAL k_i_per_R; /**< k_i/R */
@@ -121,7 +118,7 @@ extern const rotating_link_coefficients rotating_link_default;
 void rotating_link_prepare(const rotating_link_parameters *p, rotating_link_coefficients *c);
 
 /** Normal force F_N on the axis of rotation.
- *  @param[in]  theta_m  motor angle [rad]
+ *  @param[in]  theta_m  motor angle [rad], reduced exactly up to 2^20 half turns of the link (float: 2^12)
  *  @param[in]  omega_m  motor velocity [rad/s]
  *  @param[in]  alpha_m  motor acceleration [rad/s^2]
  *  @param[in]  c  coefficients
@@ -143,7 +140,7 @@ void rotating_link_normal_force_n(
     const rotating_link_coefficients *c);
 
 /** Resultant friction torque F, back-EMF damping included, eq (6).
- *  @param[in]  theta_m  motor angle [rad]
+ *  @param[in]  theta_m  motor angle [rad], reduced exactly up to 2^20 half turns of the link (float: 2^12)
  *  @param[in]  omega_m  motor velocity [rad/s]
  *  @param[in]  alpha_m  motor acceleration [rad/s^2]
  *  @param[in]  c  coefficients
@@ -165,7 +162,7 @@ void rotating_link_friction_torque_n(
     const rotating_link_coefficients *c);
 
 /** Mechanical friction torque f = f_m + mu f_l, without back-EMF.
- *  @param[in]  theta_m  motor angle [rad]
+ *  @param[in]  theta_m  motor angle [rad], reduced exactly up to 2^20 half turns of the link (float: 2^12)
  *  @param[in]  omega_m  motor velocity [rad/s]
  *  @param[in]  alpha_m  motor acceleration [rad/s^2]
  *  @param[in]  c  coefficients
@@ -187,7 +184,7 @@ void rotating_link_mechanical_friction_torque_n(
     const rotating_link_coefficients *c);
 
 /** Partial derivatives of friction_torque with respect to its inputs.
- *  @param[in]  theta_m  motor angle [rad]
+ *  @param[in]  theta_m  motor angle [rad], reduced exactly up to 2^20 half turns of the link (float: 2^12)
  *  @param[in]  omega_m  motor velocity [rad/s]
  *  @param[in]  alpha_m  motor acceleration [rad/s^2]
  *  @param[out] out  3 values: theta_m, omega_m, alpha_m [N m per rad, rad/s, rad/s^2]
@@ -210,7 +207,7 @@ void rotating_link_friction_torque_gradient_n(
     const rotating_link_coefficients *c);
 
 /** Partial derivatives of friction_torque with respect to all friction coefficients.
- *  @param[in]  theta_m  motor angle [rad]
+ *  @param[in]  theta_m  motor angle [rad], reduced exactly up to 2^20 half turns of the link (float: 2^12)
  *  @param[in]  omega_m  motor velocity [rad/s]
  *  @param[in]  alpha_m  motor acceleration [rad/s^2]
  *  @param[out] out  6 values: B_lN, C_lN, B_lT, C_lT, B_m, C_m [N m per unit coefficient]
@@ -233,7 +230,7 @@ void rotating_link_friction_torque_jacobian_n(
     const rotating_link_coefficients *c);
 
 /** Columns: regressor times friction_coefficients is mechanical_friction_torque.
- *  @param[in]  theta_m  motor angle [rad]
+ *  @param[in]  theta_m  motor angle [rad], reduced exactly up to 2^20 half turns of the link (float: 2^12)
  *  @param[in]  omega_m  motor velocity [rad/s]
  *  @param[in]  alpha_m  motor acceleration [rad/s^2]
  *  @param[out] out  4 values: B_lN, C_lN, B, C [N m per unit coefficient]
@@ -262,7 +259,7 @@ void rotating_link_regressor_n(
 void rotating_link_friction_coefficients(ECCENTRIC_REAL *out, const rotating_link_coefficients *c);
 
 /** Magnitude of the friction torque at standstill, where it is set-valued.
- *  @param[in]  theta_m  motor angle [rad]
+ *  @param[in]  theta_m  motor angle [rad], reduced exactly up to 2^20 half turns of the link (float: 2^12)
  *  @param[in]  alpha_m  motor acceleration [rad/s^2]
  *  @param[in]  c  coefficients
  *  @return coulomb_torque [N m]
@@ -281,7 +278,7 @@ void rotating_link_coulomb_torque_n(
     const rotating_link_coefficients *c);
 
 /** Gravity torque G, eq (5).
- *  @param[in]  theta_m  motor angle [rad]
+ *  @param[in]  theta_m  motor angle [rad], reduced exactly up to 2^20 half turns of the link (float: 2^12)
  *  @param[in]  c  coefficients
  *  @return gravity_torque [N m]
  */
@@ -295,7 +292,7 @@ void rotating_link_gravity_torque_n(
     const rotating_link_coefficients *c);
 
 /** Armature voltage u = (R/k_i) (J alpha_m + G + F), eq (4).
- *  @param[in]  theta_m  motor angle [rad]
+ *  @param[in]  theta_m  motor angle [rad], reduced exactly up to 2^20 half turns of the link (float: 2^12)
  *  @param[in]  omega_m  motor velocity [rad/s]
  *  @param[in]  alpha_m  motor acceleration [rad/s^2]
  *  @param[in]  c  coefficients
@@ -317,7 +314,7 @@ void rotating_link_voltage_n(
     const rotating_link_coefficients *c);
 
 /** Armature current i = (J alpha_m + G + f)/k_i.
- *  @param[in]  theta_m  motor angle [rad]
+ *  @param[in]  theta_m  motor angle [rad], reduced exactly up to 2^20 half turns of the link (float: 2^12)
  *  @param[in]  omega_m  motor velocity [rad/s]
  *  @param[in]  alpha_m  motor acceleration [rad/s^2]
  *  @param[in]  c  coefficients
@@ -339,7 +336,7 @@ void rotating_link_current_n(
     const rotating_link_coefficients *c);
 
 /** What the mechanical balance leaves: k_i i - J alpha_m - G - f.
- *  @param[in]  theta_m  motor angle [rad]
+ *  @param[in]  theta_m  motor angle [rad], reduced exactly up to 2^20 half turns of the link (float: 2^12)
  *  @param[in]  omega_m  motor velocity [rad/s]
  *  @param[in]  i  armature current [A]
  *  @param[in]  alpha_m  motor acceleration [rad/s^2]

@@ -1,5 +1,5 @@
 # Generated: do not edit. Written by `make derive` from derivations/rotating_link.py
-# (eccentric 0.1.0, program ad5586b0).
+# (eccentric 0.1.0, program 47623130).
 # Rotating link with an unbalanced mass, plane tilted by phi, angular acceleration kept.
 """Rotating link with an unbalanced mass, plane tilted by phi, angular acceleration kept.
 
@@ -133,7 +133,6 @@ class _Coefficients(NamedTuple):
     B_lN: Any
     C_lN: Any
     k_i: Any
-    mu: Any
     scale_N: Any
     fastest: Any
     half_mu2_omega_star2: Any
@@ -149,32 +148,30 @@ class _Coefficients(NamedTuple):
     half_mu: Any
     omega_star_1: Any
     omega_star_2: Any
-    B_lN_mu2: Any
+    B_lN_mu2_scale_N: Any
     B: Any
     B_plus_k_e_k_i_per_R: Any
-    C_lN_mu: Any
+    C_lN_mu_scale_N: Any
     C: Any
     quarter_mu3_omega_star2: Any
     mu2_omega_star2: Any
-    twice_scale_N: Any
-    scale_N_per_mu: Any
-    mu2: Any
+    mu2_scale_N: Any
+    mu_scale_N: Any
     F_T_mu2_sin_phi: Any
     F_T_mu_sin_phi: Any
     omega_star2: Any
-    C_lN_mu_scale_N: Any
     L_M_g_p_mu2: Any
     J: Any
-    B_lN_R_mu2_per_k_i: Any
+    B_lN_R_mu2_scale_N_per_k_i: Any
     B_R_per_k_i_plus_k_e: Any
-    C_lN_R_mu_per_k_i: Any
+    C_lN_R_mu_scale_N_per_k_i: Any
     C_R_per_k_i: Any
     R_per_k_i: Any
     L_M_R_g_p_mu2_per_k_i: Any
-    B_lN_mu2_per_k_i: Any
+    B_lN_mu2_scale_N_per_k_i: Any
     B_per_k_i: Any
     per_k_i: Any
-    C_lN_mu_per_k_i: Any
+    C_lN_mu_scale_N_per_k_i: Any
     C_per_k_i: Any
     L_M_g_p_mu2_per_k_i: Any
     k_i_per_R: Any
@@ -272,32 +269,30 @@ def _prepare(p: Parameters, real: _Real) -> _Coefficients:
     half_mu = 0.5 * p.mu
     omega_star_1 = float(real(omega_star.high))
     omega_star_2 = float(real(omega_star.high - omega_star_1 + omega_star.low))
-    B_lN_mu2 = p.B_lN * p.mu * p.mu
+    B_lN_mu2_scale_N = p.B_lN * p.mu * p.mu * scale_N
     B = p.B_lT * F_T * p.mu * p.mu * math.sin(p.phi) + p.B_m
     B_plus_k_e_k_i_per_R = B + p.k_e * p.k_i / p.R
-    C_lN_mu = p.C_lN * p.mu
+    C_lN_mu_scale_N = p.C_lN * p.mu * scale_N
     C = p.C_lT * F_T * p.mu * math.sin(p.phi) + p.C_m
     quarter_mu3_omega_star2 = 0.25 * p.mu * p.mu * p.mu * omega_star.high * omega_star.high
     mu2_omega_star2 = p.mu * p.mu * omega_star.high * omega_star.high
-    twice_scale_N = 2.0 * scale_N
-    scale_N_per_mu = scale_N / p.mu
-    mu2 = p.mu * p.mu
+    mu2_scale_N = p.mu * p.mu * scale_N
+    mu_scale_N = p.mu * scale_N
     F_T_mu2_sin_phi = F_T * p.mu * p.mu * math.sin(p.phi)
     F_T_mu_sin_phi = F_T * p.mu * math.sin(p.phi)
     omega_star2 = omega_star.high * omega_star.high
-    C_lN_mu_scale_N = p.C_lN * p.mu * scale_N
     L_M_g_p_mu2 = p.L * p.M * g_p.high * p.mu * p.mu
     J = J_l * p.mu * p.mu + J_m
-    B_lN_R_mu2_per_k_i = p.B_lN * p.R * p.mu * p.mu / p.k_i
+    B_lN_R_mu2_scale_N_per_k_i = p.B_lN * p.R * p.mu * p.mu * scale_N / p.k_i
     B_R_per_k_i_plus_k_e = B * p.R / p.k_i + p.k_e
-    C_lN_R_mu_per_k_i = p.C_lN * p.R * p.mu / p.k_i
+    C_lN_R_mu_scale_N_per_k_i = p.C_lN * p.R * p.mu * scale_N / p.k_i
     C_R_per_k_i = C * p.R / p.k_i
     R_per_k_i = p.R / p.k_i
     L_M_R_g_p_mu2_per_k_i = p.L * p.M * p.R * g_p.high * p.mu * p.mu / p.k_i
-    B_lN_mu2_per_k_i = p.B_lN * p.mu * p.mu / p.k_i
+    B_lN_mu2_scale_N_per_k_i = p.B_lN * p.mu * p.mu * scale_N / p.k_i
     B_per_k_i = B / p.k_i
     per_k_i = 1.0 / p.k_i
-    C_lN_mu_per_k_i = p.C_lN * p.mu / p.k_i
+    C_lN_mu_scale_N_per_k_i = p.C_lN * p.mu * scale_N / p.k_i
     C_per_k_i = C / p.k_i
     L_M_g_p_mu2_per_k_i = p.L * p.M * g_p.high * p.mu * p.mu / p.k_i
     k_i_per_R = p.k_i / p.R
@@ -307,7 +302,6 @@ def _prepare(p: Parameters, real: _Real) -> _Coefficients:
             B_lN=real(p.B_lN),
             C_lN=real(p.C_lN),
             k_i=real(p.k_i),
-            mu=real(p.mu),
             scale_N=real(scale_N),
             fastest=real(fastest),
             half_mu2_omega_star2=real(half_mu2_omega_star2),
@@ -323,32 +317,30 @@ def _prepare(p: Parameters, real: _Real) -> _Coefficients:
             half_mu=real(half_mu),
             omega_star_1=real(omega_star_1),
             omega_star_2=real(omega_star_2),
-            B_lN_mu2=real(B_lN_mu2),
+            B_lN_mu2_scale_N=real(B_lN_mu2_scale_N),
             B=real(B),
             B_plus_k_e_k_i_per_R=real(B_plus_k_e_k_i_per_R),
-            C_lN_mu=real(C_lN_mu),
+            C_lN_mu_scale_N=real(C_lN_mu_scale_N),
             C=real(C),
             quarter_mu3_omega_star2=real(quarter_mu3_omega_star2),
             mu2_omega_star2=real(mu2_omega_star2),
-            twice_scale_N=real(twice_scale_N),
-            scale_N_per_mu=real(scale_N_per_mu),
-            mu2=real(mu2),
+            mu2_scale_N=real(mu2_scale_N),
+            mu_scale_N=real(mu_scale_N),
             F_T_mu2_sin_phi=real(F_T_mu2_sin_phi),
             F_T_mu_sin_phi=real(F_T_mu_sin_phi),
             omega_star2=real(omega_star2),
-            C_lN_mu_scale_N=real(C_lN_mu_scale_N),
             L_M_g_p_mu2=real(L_M_g_p_mu2),
             J=real(J),
-            B_lN_R_mu2_per_k_i=real(B_lN_R_mu2_per_k_i),
+            B_lN_R_mu2_scale_N_per_k_i=real(B_lN_R_mu2_scale_N_per_k_i),
             B_R_per_k_i_plus_k_e=real(B_R_per_k_i_plus_k_e),
-            C_lN_R_mu_per_k_i=real(C_lN_R_mu_per_k_i),
+            C_lN_R_mu_scale_N_per_k_i=real(C_lN_R_mu_scale_N_per_k_i),
             C_R_per_k_i=real(C_R_per_k_i),
             R_per_k_i=real(R_per_k_i),
             L_M_R_g_p_mu2_per_k_i=real(L_M_R_g_p_mu2_per_k_i),
-            B_lN_mu2_per_k_i=real(B_lN_mu2_per_k_i),
+            B_lN_mu2_scale_N_per_k_i=real(B_lN_mu2_scale_N_per_k_i),
             B_per_k_i=real(B_per_k_i),
             per_k_i=real(per_k_i),
-            C_lN_mu_per_k_i=real(C_lN_mu_per_k_i),
+            C_lN_mu_scale_N_per_k_i=real(C_lN_mu_scale_N_per_k_i),
             C_per_k_i=real(C_per_k_i),
             L_M_g_p_mu2_per_k_i=real(L_M_g_p_mu2_per_k_i),
             k_i_per_R=real(k_i_per_R),
@@ -361,61 +353,47 @@ _BLOCK = 4096  # elements; a block's temporaries stay in the cache
 _DEFAULT = Parameters()
 _SINE_RATIO = {
     "f": (
-        2.60548113e-6,
-        -1.98094749e-4,
-        8.33306462e-3,
-        -1.66666595e-1,
+        (-1.98094749e-4, -1.66666595e-1),
+        (2.60548113e-6, 8.33306462e-3),
     ),
     "d": (
-        2.7209972799826474e-15,
-        -7.642974965950368e-13,
-        1.6058939085095993e-10,
-        -2.5052106860746877e-8,
-        2.7557319211008999e-6,
-        -1.9841269841208492e-4,
-        8.3333333333331924e-3,
-        -1.6666666666666666e-1,
+        (-7.642974965950368e-13, -2.5052106860746877e-8, -1.9841269841208492e-4, -1.6666666666666666e-1),
+        (2.7209972799826474e-15, 1.6058939085095993e-10, 2.7557319211008999e-6, 8.3333333333331924e-3),
     ),
 }
 _COSINE = {
     "f": (
-        -2.60742068e-7,
-        2.47617292e-5,
-        -1.38884006e-3,
-        4.16666405e-2,
-        -4.99999995e-1,
+        (-2.60742068e-7, -1.38884006e-3, -4.99999995e-1),
+        (2.47617292e-5, 4.16666405e-2),
     ),
     "d": (
-        4.6099547638170315e-14,
-        -1.1463008250042011e-11,
-        2.0876566590691354e-9,
-        -2.7557316503307265e-7,
-        2.4801587278920885e-5,
-        -1.3888888888784392e-3,
-        4.1666666666664337e-2,
-        -4.9999999999999982e-1,
+        (-1.1463008250042011e-11, -2.7557316503307265e-7, -1.3888888888784392e-3, -4.9999999999999982e-1),
+        (4.6099547638170315e-14, 2.0876566590691354e-9, 2.4801587278920885e-5, 4.1666666666664337e-2),
     ),
 }
 
 
+def _horner(coefficients: tuple[float, ...], y: Any) -> Any:
+    value = coefficients[0] * y + coefficients[1]
+    for coefficient in coefficients[2:]:
+        value = value * y + coefficient
+    return value
+
+
 def _sine_ratio(half_angle: Any) -> Any:
     """sin(h)/h for |h| within a quarter turn, a minimax polynomial in h^2; error 6.1e-9 and 2.8e-19."""
-    square = half_angle * half_angle
-    first, *rest = _SINE_RATIO[square.dtype.char]
-    value = square * first
-    for coefficient in rest:
-        value = (value + coefficient) * square
-    return value + 1.0
+    x = half_angle * half_angle
+    y = x * x
+    even, odd = (_horner(half, y) for half in _SINE_RATIO[y.dtype.char])
+    return (odd * x + even) * x + 1.0
 
 
 def _cosine(half_angle: Any) -> Any:
     """cos(h) for |h| within a quarter turn, a minimax polynomial in h^2; error 2.5e-10 and 4.3e-18."""
-    square = half_angle * half_angle
-    first, *rest = _COSINE[square.dtype.char]
-    value = square * first
-    for coefficient in rest:
-        value = (value + coefficient) * square
-    return value + 1.0
+    x = half_angle * half_angle
+    y = x * x
+    even, odd = (_horner(half, y) for half in _COSINE[y.dtype.char])
+    return (odd * x + even) * x + 1.0
 
 
 def _require(names: tuple[str, ...], value: ArrayLike, parameters: Parameters | None) -> None:
@@ -467,6 +445,32 @@ def _evaluate(
     return result[()] if out is None else out
 
 
+def _from_top(c: _Coefficients, theta_m: Any) -> Any:
+    """Motor angle from the nearest top of the link [rad]."""
+    # whole turns of the link and a half, up to the top that is nearest
+    turns = theta_m * c.turns_per_rad - 0.5 + c.rounder - c.rounder + 0.5
+    # the turns go off in four parts of few digits: all products but the last are exact
+    rest = theta_m - turns * c.period_1
+    reduced = rest - turns * c.period_2 - turns * c.period_3 - turns * c.period_4
+    # an angle so large that nothing is left of its phase counts as the top
+    from_top = np.where(np.abs(reduced) <= c.period, reduced, theta_m - theta_m)
+    return from_top
+
+
+def _chord(c: _Coefficients, from_top: Any) -> Any:
+    """2 sin(half the link angle from the top)/mu."""
+    half_angle = from_top * c.half_mu
+    chord = from_top * _sine_ratio(half_angle)
+    return chord
+
+
+def _half_sine(c: _Coefficients, from_top: Any) -> Any:
+    """Cosine of half the link angle from the top."""
+    half_angle = from_top * c.half_mu
+    half_sine = _cosine(half_angle)
+    return half_sine
+
+
 def _normal_force(
     c: _Coefficients,
     theta_m: Any,
@@ -476,30 +480,19 @@ def _normal_force(
     size = np.abs(omega_m)
     # magnitude of the motor velocity, at most 2^30, 0 if M L = 0 [rad/s]
     speed = np.where(size > c.fastest, c.fastest, size)
-    # whole turns of the link and a half, up to the top that is nearest
-    turns = theta_m * c.turns_per_rad - 0.5 + c.rounder - c.rounder + 0.5
-    # the turns go off in four parts of few digits: all products but the last are exact
-    rest = theta_m - turns * c.period_1
-    # motor angle from the top
-    reduced = rest - turns * c.period_2 - turns * c.period_3 - turns * c.period_4
-    # an angle so large that nothing is left of its phase counts as the top
-    from_top = np.where(np.abs(reduced) <= c.period, reduced, theta_m - theta_m)
-    # half the link angle from the top
-    half_angle = from_top * c.half_mu
-    # 2 sin(half_angle)/mu
-    chord = from_top * _sine_ratio(half_angle)
+    from_top = _from_top(c, theta_m)
+    chord = _chord(c, from_top)
     # speed^2 - omega_star^2; the difference is taken once, before anything is rounded
     square_difference = (speed - c.omega_star_1 - c.omega_star_2) * (speed + c.omega_star_1)
-    # cosine of the half angle from the top
-    half_sine = _cosine(half_angle)
+    half_sine = _half_sine(c, from_top)
     size_2 = alpha_m * c.per_mu
     p = chord * chord * c.half_mu2_omega_star2 + square_difference
     part_1 = np.where(size_2 > c.fastest2, c.fastest2, np.where(size_2 < -c.fastest2, -c.fastest2, size_2))
-    q = -chord * half_sine * c.mu_omega_star2 + part_1
+    q = part_1 + (-c.mu_omega_star2) * chord * half_sine
     magnitude = np.sqrt(p * p + q * q)
-    # normal force on the axis of rotation [N]
-    F_N = magnitude * c.scale_N
-    result = F_N
+    # normal force over scale_N [rad^2/s^2]
+    load = magnitude
+    result = load * c.scale_N
     return (result,)
 
 
@@ -528,32 +521,21 @@ def _friction_torque(
     size = np.abs(omega_m)
     # magnitude of the motor velocity, at most 2^30, 0 if M L = 0 [rad/s]
     speed = np.where(size > c.fastest, c.fastest, size)
-    # whole turns of the link and a half, up to the top that is nearest
-    turns = theta_m * c.turns_per_rad - 0.5 + c.rounder - c.rounder + 0.5
-    # the turns go off in four parts of few digits: all products but the last are exact
-    rest = theta_m - turns * c.period_1
-    # motor angle from the top
-    reduced = rest - turns * c.period_2 - turns * c.period_3 - turns * c.period_4
-    # an angle so large that nothing is left of its phase counts as the top
-    from_top = np.where(np.abs(reduced) <= c.period, reduced, theta_m - theta_m)
-    # half the link angle from the top
-    half_angle = from_top * c.half_mu
-    # 2 sin(half_angle)/mu
-    chord = from_top * _sine_ratio(half_angle)
+    from_top = _from_top(c, theta_m)
+    chord = _chord(c, from_top)
     # speed^2 - omega_star^2; the difference is taken once, before anything is rounded
     square_difference = (speed - c.omega_star_1 - c.omega_star_2) * (speed + c.omega_star_1)
-    # cosine of the half angle from the top
-    half_sine = _cosine(half_angle)
+    half_sine = _half_sine(c, from_top)
     size_2 = alpha_m * c.per_mu
     p = chord * chord * c.half_mu2_omega_star2 + square_difference
     part_1 = np.where(size_2 > c.fastest2, c.fastest2, np.where(size_2 < -c.fastest2, -c.fastest2, size_2))
-    q = -chord * half_sine * c.mu_omega_star2 + part_1
+    q = part_1 + (-c.mu_omega_star2) * chord * half_sine
     magnitude = np.sqrt(p * p + q * q)
-    # normal force on the axis of rotation [N]
-    F_N = magnitude * c.scale_N
+    # normal force over scale_N [rad^2/s^2]
+    load = magnitude
     direction_of_motion = np.sign(omega_m)
-    part_2 = omega_m * (c.B_lN_mu2 * F_N + c.B_plus_k_e_k_i_per_R)
-    result = direction_of_motion * (c.C + c.C_lN_mu * F_N) + part_2
+    part_2 = omega_m * (c.B_lN_mu2_scale_N * load + c.B_plus_k_e_k_i_per_R)
+    result = direction_of_motion * (c.C + c.C_lN_mu_scale_N * load) + part_2
     return (result,)
 
 
@@ -584,32 +566,21 @@ def _mechanical_friction_torque(
     size = np.abs(omega_m)
     # magnitude of the motor velocity, at most 2^30, 0 if M L = 0 [rad/s]
     speed = np.where(size > c.fastest, c.fastest, size)
-    # whole turns of the link and a half, up to the top that is nearest
-    turns = theta_m * c.turns_per_rad - 0.5 + c.rounder - c.rounder + 0.5
-    # the turns go off in four parts of few digits: all products but the last are exact
-    rest = theta_m - turns * c.period_1
-    # motor angle from the top
-    reduced = rest - turns * c.period_2 - turns * c.period_3 - turns * c.period_4
-    # an angle so large that nothing is left of its phase counts as the top
-    from_top = np.where(np.abs(reduced) <= c.period, reduced, theta_m - theta_m)
-    # half the link angle from the top
-    half_angle = from_top * c.half_mu
-    # 2 sin(half_angle)/mu
-    chord = from_top * _sine_ratio(half_angle)
+    from_top = _from_top(c, theta_m)
+    chord = _chord(c, from_top)
     # speed^2 - omega_star^2; the difference is taken once, before anything is rounded
     square_difference = (speed - c.omega_star_1 - c.omega_star_2) * (speed + c.omega_star_1)
-    # cosine of the half angle from the top
-    half_sine = _cosine(half_angle)
+    half_sine = _half_sine(c, from_top)
     size_2 = alpha_m * c.per_mu
     p = chord * chord * c.half_mu2_omega_star2 + square_difference
     part_1 = np.where(size_2 > c.fastest2, c.fastest2, np.where(size_2 < -c.fastest2, -c.fastest2, size_2))
-    q = -chord * half_sine * c.mu_omega_star2 + part_1
+    q = part_1 + (-c.mu_omega_star2) * chord * half_sine
     magnitude = np.sqrt(p * p + q * q)
-    # normal force on the axis of rotation [N]
-    F_N = magnitude * c.scale_N
+    # normal force over scale_N [rad^2/s^2]
+    load = magnitude
     direction_of_motion = np.sign(omega_m)
-    part_2 = direction_of_motion * (c.C + c.C_lN_mu * F_N)
-    result = omega_m * (c.B + c.B_lN_mu2 * F_N) + part_2
+    part_2 = direction_of_motion * (c.C + c.C_lN_mu_scale_N * load)
+    result = omega_m * (c.B + c.B_lN_mu2_scale_N * load) + part_2
     return (result,)
 
 
@@ -642,44 +613,33 @@ def _friction_torque_gradient(
     speed = np.where(size > c.fastest, c.fastest, size)
     direction_of_motion = np.sign(omega_m)
     speed_d_omega_m = direction_of_motion
-    # whole turns of the link and a half, up to the top that is nearest
-    turns = theta_m * c.turns_per_rad - 0.5 + c.rounder - c.rounder + 0.5
-    # the turns go off in four parts of few digits: all products but the last are exact
-    rest = theta_m - turns * c.period_1
-    # motor angle from the top
-    reduced = rest - turns * c.period_2 - turns * c.period_3 - turns * c.period_4
-    # an angle so large that nothing is left of its phase counts as the top
-    from_top = np.where(np.abs(reduced) <= c.period, reduced, theta_m - theta_m)
-    # half the link angle from the top
-    half_angle = from_top * c.half_mu
-    # 2 sin(half_angle)/mu
-    chord = from_top * _sine_ratio(half_angle)
+    from_top = _from_top(c, theta_m)
+    chord = _chord(c, from_top)
     # speed^2 - omega_star^2; the difference is taken once, before anything is rounded
     square_difference = (speed - c.omega_star_1 - c.omega_star_2) * (speed + c.omega_star_1)
-    # cosine of the half angle from the top
-    half_sine = _cosine(half_angle)
+    half_sine = _half_sine(c, from_top)
     size_2 = alpha_m * c.per_mu
     p = chord * chord * c.half_mu2_omega_star2 + square_difference
     part_1 = np.where(size_2 > c.fastest2, c.fastest2, np.where(size_2 < -c.fastest2, -c.fastest2, size_2))
-    q = -chord * half_sine * c.mu_omega_star2 + part_1
+    q = part_1 + (-c.mu_omega_star2) * chord * half_sine
     magnitude = np.sqrt(p * p + q * q)
-    # normal force on the axis of rotation [N]
-    F_N = magnitude * c.scale_N
+    # normal force over scale_N [rad^2/s^2]
+    load = magnitude
     # 1 at the apex, where F_N is 0 and its derivatives are taken as 0
     inverse = 1.0 / np.where(magnitude == 0.0, 1.0, magnitude)
-    part_4 = chord * chord * c.quarter_mu3_omega_star2 - half_sine * half_sine * c.mu_omega_star2
-    part_3 = part_4 * (q * inverse)
-    part_2 = chord * half_sine * c.mu2_omega_star2 * (p * inverse) + part_3
-    F_N_d_theta_m = part_2 * c.scale_N
-    F_N_d_omega_m = speed * speed_d_omega_m * c.twice_scale_N * (p * inverse)
-    F_N_d_alpha_m = c.scale_N_per_mu * (q * inverse)
-    part_5 = c.B_lN_mu2 * omega_m + c.C_lN_mu * direction_of_motion
-    result_theta_m = F_N_d_theta_m * part_5
-    part_6 = c.C_lN_mu * F_N_d_omega_m * direction_of_motion
-    part_7 = c.B_lN_mu2 * F_N_d_omega_m * omega_m
-    result_omega_m = c.B_lN_mu2 * F_N + c.B_plus_k_e_k_i_per_R + part_6 + part_7
-    part_8 = c.B_lN_mu2 * omega_m + c.C_lN_mu * direction_of_motion
-    result_alpha_m = F_N_d_alpha_m * part_8
+    part_2 = c.mu2_omega_star2 * (p * inverse) * chord * half_sine
+    part_3 = chord * chord * c.quarter_mu3_omega_star2 * (q * inverse)
+    part_4 = -half_sine * half_sine * c.mu_omega_star2 * (q * inverse)
+    load_d_theta_m = part_2 + part_3 + part_4
+    load_d_omega_m = 2.0 * speed * speed_d_omega_m * (p * inverse)
+    load_d_alpha_m = c.per_mu * (q * inverse)
+    part_5 = c.B_lN_mu2_scale_N * omega_m + c.C_lN_mu_scale_N * direction_of_motion
+    result_theta_m = load_d_theta_m * part_5
+    part_7 = c.B_lN_mu2_scale_N * omega_m + c.C_lN_mu_scale_N * direction_of_motion
+    part_6 = load_d_omega_m * part_7
+    result_omega_m = c.B_lN_mu2_scale_N * load + c.B_plus_k_e_k_i_per_R + part_6
+    part_8 = c.B_lN_mu2_scale_N * omega_m + c.C_lN_mu_scale_N * direction_of_motion
+    result_alpha_m = load_d_alpha_m * part_8
     return (result_theta_m, result_omega_m, result_alpha_m)
 
 
@@ -710,32 +670,21 @@ def _friction_torque_jacobian(
     size = np.abs(omega_m)
     # magnitude of the motor velocity, at most 2^30, 0 if M L = 0 [rad/s]
     speed = np.where(size > c.fastest, c.fastest, size)
-    # whole turns of the link and a half, up to the top that is nearest
-    turns = theta_m * c.turns_per_rad - 0.5 + c.rounder - c.rounder + 0.5
-    # the turns go off in four parts of few digits: all products but the last are exact
-    rest = theta_m - turns * c.period_1
-    # motor angle from the top
-    reduced = rest - turns * c.period_2 - turns * c.period_3 - turns * c.period_4
-    # an angle so large that nothing is left of its phase counts as the top
-    from_top = np.where(np.abs(reduced) <= c.period, reduced, theta_m - theta_m)
-    # half the link angle from the top
-    half_angle = from_top * c.half_mu
-    # 2 sin(half_angle)/mu
-    chord = from_top * _sine_ratio(half_angle)
+    from_top = _from_top(c, theta_m)
+    chord = _chord(c, from_top)
     # speed^2 - omega_star^2; the difference is taken once, before anything is rounded
     square_difference = (speed - c.omega_star_1 - c.omega_star_2) * (speed + c.omega_star_1)
-    # cosine of the half angle from the top
-    half_sine = _cosine(half_angle)
+    half_sine = _half_sine(c, from_top)
     size_2 = alpha_m * c.per_mu
     p = chord * chord * c.half_mu2_omega_star2 + square_difference
     part_1 = np.where(size_2 > c.fastest2, c.fastest2, np.where(size_2 < -c.fastest2, -c.fastest2, size_2))
-    q = -chord * half_sine * c.mu_omega_star2 + part_1
+    q = part_1 + (-c.mu_omega_star2) * chord * half_sine
     magnitude = np.sqrt(p * p + q * q)
-    # normal force on the axis of rotation [N]
-    F_N = magnitude * c.scale_N
-    result_B_lN = F_N * c.mu2 * omega_m
+    # normal force over scale_N [rad^2/s^2]
+    load = magnitude
+    result_B_lN = load * c.mu2_scale_N * omega_m
     direction_of_motion = np.sign(omega_m)
-    result_C_lN = F_N * direction_of_motion * c.mu
+    result_C_lN = direction_of_motion * load * c.mu_scale_N
     result_B_lT = c.F_T_mu2_sin_phi * omega_m
     result_C_lT = c.F_T_mu_sin_phi * direction_of_motion
     result_B_m = omega_m
@@ -770,32 +719,21 @@ def _regressor(
     size = np.abs(omega_m)
     # magnitude of the motor velocity, at most 2^30, 0 if M L = 0 [rad/s]
     speed = np.where(size > c.fastest, c.fastest, size)
-    # whole turns of the link and a half, up to the top that is nearest
-    turns = theta_m * c.turns_per_rad - 0.5 + c.rounder - c.rounder + 0.5
-    # the turns go off in four parts of few digits: all products but the last are exact
-    rest = theta_m - turns * c.period_1
-    # motor angle from the top
-    reduced = rest - turns * c.period_2 - turns * c.period_3 - turns * c.period_4
-    # an angle so large that nothing is left of its phase counts as the top
-    from_top = np.where(np.abs(reduced) <= c.period, reduced, theta_m - theta_m)
-    # half the link angle from the top
-    half_angle = from_top * c.half_mu
-    # 2 sin(half_angle)/mu
-    chord = from_top * _sine_ratio(half_angle)
+    from_top = _from_top(c, theta_m)
+    chord = _chord(c, from_top)
     # speed^2 - omega_star^2; the difference is taken once, before anything is rounded
     square_difference = (speed - c.omega_star_1 - c.omega_star_2) * (speed + c.omega_star_1)
-    # cosine of the half angle from the top
-    half_sine = _cosine(half_angle)
+    half_sine = _half_sine(c, from_top)
     size_2 = alpha_m * c.per_mu
     p = chord * chord * c.half_mu2_omega_star2 + square_difference
     part_1 = np.where(size_2 > c.fastest2, c.fastest2, np.where(size_2 < -c.fastest2, -c.fastest2, size_2))
-    q = -chord * half_sine * c.mu_omega_star2 + part_1
+    q = part_1 + (-c.mu_omega_star2) * chord * half_sine
     magnitude = np.sqrt(p * p + q * q)
-    # normal force on the axis of rotation [N]
-    F_N = magnitude * c.scale_N
-    result_B_lN = F_N * c.mu2 * omega_m
+    # normal force over scale_N [rad^2/s^2]
+    load = magnitude
+    result_B_lN = load * c.mu2_scale_N * omega_m
     direction_of_motion = np.sign(omega_m)
-    result_C_lN = F_N * direction_of_motion * c.mu
+    result_C_lN = direction_of_motion * load * c.mu_scale_N
     result_B = omega_m
     result_C = direction_of_motion
     return (result_B_lN, result_C_lN, result_B, result_C)
@@ -845,24 +783,13 @@ def _coulomb_torque(
     theta_m: Any,
     alpha_m: Any,
 ) -> tuple[Any, ...]:
-    # whole turns of the link and a half, up to the top that is nearest
-    turns = theta_m * c.turns_per_rad - 0.5 + c.rounder - c.rounder + 0.5
-    # the turns go off in four parts of few digits: all products but the last are exact
-    rest = theta_m - turns * c.period_1
-    # motor angle from the top
-    reduced = rest - turns * c.period_2 - turns * c.period_3 - turns * c.period_4
-    # an angle so large that nothing is left of its phase counts as the top
-    from_top = np.where(np.abs(reduced) <= c.period, reduced, theta_m - theta_m)
-    # half the link angle from the top
-    half_angle = from_top * c.half_mu
-    # 2 sin(half_angle)/mu
-    chord = from_top * _sine_ratio(half_angle)
-    # cosine of the half angle from the top
-    half_sine = _cosine(half_angle)
+    from_top = _from_top(c, theta_m)
+    chord = _chord(c, from_top)
+    half_sine = _half_sine(c, from_top)
     size = alpha_m * c.per_mu
     p = chord * chord * c.half_mu2_omega_star2 - c.omega_star2
     part_1 = np.where(size > c.fastest2, c.fastest2, np.where(size < -c.fastest2, -c.fastest2, size))
-    q = -chord * half_sine * c.mu_omega_star2 + part_1
+    q = part_1 + (-c.mu_omega_star2) * chord * half_sine
     magnitude = np.sqrt(p * p + q * q)
     result = c.C + c.C_lN_mu_scale_N * magnitude
     return (result,)
@@ -888,21 +815,10 @@ def _gravity_torque(
     c: _Coefficients,
     theta_m: Any,
 ) -> tuple[Any, ...]:
-    # whole turns of the link and a half, up to the top that is nearest
-    turns = theta_m * c.turns_per_rad - 0.5 + c.rounder - c.rounder + 0.5
-    # the turns go off in four parts of few digits: all products but the last are exact
-    rest = theta_m - turns * c.period_1
-    # motor angle from the top
-    reduced = rest - turns * c.period_2 - turns * c.period_3 - turns * c.period_4
-    # an angle so large that nothing is left of its phase counts as the top
-    from_top = np.where(np.abs(reduced) <= c.period, reduced, theta_m - theta_m)
-    # half the link angle from the top
-    half_angle = from_top * c.half_mu
-    # 2 sin(half_angle)/mu
-    chord = from_top * _sine_ratio(half_angle)
-    # cosine of the half angle from the top
-    half_sine = _cosine(half_angle)
-    result = -c.L_M_g_p_mu2 * chord * half_sine
+    from_top = _from_top(c, theta_m)
+    chord = _chord(c, from_top)
+    half_sine = _half_sine(c, from_top)
+    result = (-c.L_M_g_p_mu2) * chord * half_sine
     return (result,)
 
 
@@ -927,35 +843,25 @@ def _voltage(
     size = np.abs(omega_m)
     # magnitude of the motor velocity, at most 2^30, 0 if M L = 0 [rad/s]
     speed = np.where(size > c.fastest, c.fastest, size)
-    # whole turns of the link and a half, up to the top that is nearest
-    turns = theta_m * c.turns_per_rad - 0.5 + c.rounder - c.rounder + 0.5
-    # the turns go off in four parts of few digits: all products but the last are exact
-    rest = theta_m - turns * c.period_1
-    # motor angle from the top
-    reduced = rest - turns * c.period_2 - turns * c.period_3 - turns * c.period_4
-    # an angle so large that nothing is left of its phase counts as the top
-    from_top = np.where(np.abs(reduced) <= c.period, reduced, theta_m - theta_m)
-    # half the link angle from the top
-    half_angle = from_top * c.half_mu
-    # 2 sin(half_angle)/mu
-    chord = from_top * _sine_ratio(half_angle)
+    from_top = _from_top(c, theta_m)
+    chord = _chord(c, from_top)
     # speed^2 - omega_star^2; the difference is taken once, before anything is rounded
     square_difference = (speed - c.omega_star_1 - c.omega_star_2) * (speed + c.omega_star_1)
-    # cosine of the half angle from the top
-    half_sine = _cosine(half_angle)
+    half_sine = _half_sine(c, from_top)
     size_2 = alpha_m * c.per_mu
     p = chord * chord * c.half_mu2_omega_star2 + square_difference
     part_1 = np.where(size_2 > c.fastest2, c.fastest2, np.where(size_2 < -c.fastest2, -c.fastest2, size_2))
-    q = -chord * half_sine * c.mu_omega_star2 + part_1
+    q = part_1 + (-c.mu_omega_star2) * chord * half_sine
     magnitude = np.sqrt(p * p + q * q)
-    # normal force on the axis of rotation [N]
-    F_N = magnitude * c.scale_N
+    # normal force over scale_N [rad^2/s^2]
+    load = magnitude
     direction_of_motion = np.sign(omega_m)
-    part_2 = direction_of_motion * (c.C_R_per_k_i + c.C_lN_R_mu_per_k_i * F_N)
-    part_3 = omega_m * (c.B_R_per_k_i_plus_k_e + c.B_lN_R_mu2_per_k_i * F_N)
-    part_4 = c.R_per_k_i * np.where(alpha_m == 0.0, 0.0, c.J * alpha_m)
-    part_5 = -c.L_M_R_g_p_mu2_per_k_i * chord * half_sine
-    result = part_2 + part_3 + part_4 + part_5
+    part_3 = c.C_R_per_k_i + c.C_lN_R_mu_scale_N_per_k_i * load
+    part_2 = direction_of_motion * part_3
+    part_4 = omega_m * (c.B_R_per_k_i_plus_k_e + c.B_lN_R_mu2_scale_N_per_k_i * load)
+    part_5 = (-c.L_M_R_g_p_mu2_per_k_i) * chord * half_sine
+    part_6 = c.R_per_k_i * np.where(alpha_m == 0.0, 0.0, c.J * alpha_m)
+    result = part_2 + part_4 + part_5 + part_6
     return (result,)
 
 
@@ -985,34 +891,23 @@ def _current(
     size = np.abs(omega_m)
     # magnitude of the motor velocity, at most 2^30, 0 if M L = 0 [rad/s]
     speed = np.where(size > c.fastest, c.fastest, size)
-    # whole turns of the link and a half, up to the top that is nearest
-    turns = theta_m * c.turns_per_rad - 0.5 + c.rounder - c.rounder + 0.5
-    # the turns go off in four parts of few digits: all products but the last are exact
-    rest = theta_m - turns * c.period_1
-    # motor angle from the top
-    reduced = rest - turns * c.period_2 - turns * c.period_3 - turns * c.period_4
-    # an angle so large that nothing is left of its phase counts as the top
-    from_top = np.where(np.abs(reduced) <= c.period, reduced, theta_m - theta_m)
-    # half the link angle from the top
-    half_angle = from_top * c.half_mu
-    # 2 sin(half_angle)/mu
-    chord = from_top * _sine_ratio(half_angle)
+    from_top = _from_top(c, theta_m)
+    chord = _chord(c, from_top)
     # speed^2 - omega_star^2; the difference is taken once, before anything is rounded
     square_difference = (speed - c.omega_star_1 - c.omega_star_2) * (speed + c.omega_star_1)
-    # cosine of the half angle from the top
-    half_sine = _cosine(half_angle)
+    half_sine = _half_sine(c, from_top)
     size_2 = alpha_m * c.per_mu
     p = chord * chord * c.half_mu2_omega_star2 + square_difference
     part_1 = np.where(size_2 > c.fastest2, c.fastest2, np.where(size_2 < -c.fastest2, -c.fastest2, size_2))
-    q = -chord * half_sine * c.mu_omega_star2 + part_1
+    q = part_1 + (-c.mu_omega_star2) * chord * half_sine
     magnitude = np.sqrt(p * p + q * q)
-    # normal force on the axis of rotation [N]
-    F_N = magnitude * c.scale_N
+    # normal force over scale_N [rad^2/s^2]
+    load = magnitude
     direction_of_motion = np.sign(omega_m)
-    part_2 = direction_of_motion * (c.C_lN_mu_per_k_i * F_N + c.C_per_k_i)
-    part_3 = c.per_k_i * np.where(alpha_m == 0.0, 0.0, c.J * alpha_m)
-    part_4 = omega_m * (c.B_lN_mu2_per_k_i * F_N + c.B_per_k_i)
-    part_5 = -c.L_M_g_p_mu2_per_k_i * chord * half_sine
+    part_2 = direction_of_motion * (c.C_lN_mu_scale_N_per_k_i * load + c.C_per_k_i)
+    part_3 = (-c.L_M_g_p_mu2_per_k_i) * chord * half_sine
+    part_4 = omega_m * (c.B_lN_mu2_scale_N_per_k_i * load + c.B_per_k_i)
+    part_5 = c.per_k_i * np.where(alpha_m == 0.0, 0.0, c.J * alpha_m)
     result = part_2 + part_3 + part_4 + part_5
     return (result,)
 
@@ -1044,34 +939,23 @@ def _mechanical_residual(
     size = np.abs(omega_m)
     # magnitude of the motor velocity, at most 2^30, 0 if M L = 0 [rad/s]
     speed = np.where(size > c.fastest, c.fastest, size)
-    # whole turns of the link and a half, up to the top that is nearest
-    turns = theta_m * c.turns_per_rad - 0.5 + c.rounder - c.rounder + 0.5
-    # the turns go off in four parts of few digits: all products but the last are exact
-    rest = theta_m - turns * c.period_1
-    # motor angle from the top
-    reduced = rest - turns * c.period_2 - turns * c.period_3 - turns * c.period_4
-    # an angle so large that nothing is left of its phase counts as the top
-    from_top = np.where(np.abs(reduced) <= c.period, reduced, theta_m - theta_m)
-    # half the link angle from the top
-    half_angle = from_top * c.half_mu
-    # 2 sin(half_angle)/mu
-    chord = from_top * _sine_ratio(half_angle)
+    from_top = _from_top(c, theta_m)
+    chord = _chord(c, from_top)
     # speed^2 - omega_star^2; the difference is taken once, before anything is rounded
     square_difference = (speed - c.omega_star_1 - c.omega_star_2) * (speed + c.omega_star_1)
-    # cosine of the half angle from the top
-    half_sine = _cosine(half_angle)
+    half_sine = _half_sine(c, from_top)
     size_2 = alpha_m * c.per_mu
     p = chord * chord * c.half_mu2_omega_star2 + square_difference
     part_1 = np.where(size_2 > c.fastest2, c.fastest2, np.where(size_2 < -c.fastest2, -c.fastest2, size_2))
-    q = -chord * half_sine * c.mu_omega_star2 + part_1
+    q = part_1 + (-c.mu_omega_star2) * chord * half_sine
     magnitude = np.sqrt(p * p + q * q)
-    # normal force on the axis of rotation [N]
-    F_N = magnitude * c.scale_N
+    # normal force over scale_N [rad^2/s^2]
+    load = magnitude
     direction_of_motion = np.sign(omega_m)
-    part_2 = -np.where(alpha_m == 0.0, 0.0, c.J * alpha_m)
-    part_3 = -direction_of_motion * (c.C + c.C_lN_mu * F_N)
-    part_4 = c.L_M_g_p_mu2 * chord * half_sine
-    part_5 = -omega_m * (c.B + c.B_lN_mu2 * F_N)
+    part_2 = -direction_of_motion * (c.C + c.C_lN_mu_scale_N * load)
+    part_3 = c.L_M_g_p_mu2 * chord * half_sine
+    part_4 = -np.where(alpha_m == 0.0, 0.0, c.J * alpha_m)
+    part_5 = -omega_m * (c.B + c.B_lN_mu2_scale_N * load)
     result = i * c.k_i + part_2 + part_3 + part_4 + part_5
     return (result,)
 

@@ -26,6 +26,7 @@ from eccentric.emit import (
     Program,
     Routine,
     c99,
+    check,
     differentiate,
     load_module,
     needed,
@@ -87,8 +88,11 @@ def test_freshness_test_sees_a_changed_file(tmp_path: Path) -> None:
 
 def test_every_template_uses_exactly_the_keys_it_is_given() -> None:
     """No hole without a value, no value without a hole."""
-    program = build_program(load_model("c2_parallel"))
+    model = load_model("c2_parallel")
+    program, checks = build_program(model), check.views(model, render(model))
     views = {
+        "selftest.c.jinja vectors.h.jinja": checks["selftest.c"],
+        "proof.c.jinja": checks["proof.c"],
         "module.py.jinja": numpy_module.view(program, "banner", "summary"),
         "header.h.jinja source.c.jinja": c99.view(program, "banner", "00000000"),
     }

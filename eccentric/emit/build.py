@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Sequence
 from dataclasses import replace
 
 import sympy as sp
 
 from eccentric.emit.functions import Function, closure, functions, gradient_labels
-from eccentric.emit.lower import Lowering, Rounded, TurnLeft, exact
-from eccentric.emit.program import Assignment, Input, Program, Routine, differentiate, needed
+from eccentric.emit.half_turn import HalfTurns
+from eccentric.emit.lower import Lowering
+from eccentric.emit.primitive import Rounded, TurnLeft, exact
+from eccentric.emit.program import Assignment, Helper, Input, Program, Routine, differentiate, needed
 from eccentric.emit.shorten import shortened
 from eccentric.model import Model, Quantity
 from eccentric.model import vocabulary as v
@@ -22,6 +25,7 @@ from eccentric.model.steps import (
     HalfCosine,
     HalfSine,
     Leading,
+    Magnitude,
     Sgn,
     SquareDifference,
 )
@@ -30,18 +34,21 @@ from eccentric.model.steps import (
 def build_program(model: Model) -> Program:
     """The Program of a model: every function of `eccentric.emit.functions`, ready to print."""
     shared = _Prepare(model)
+    half_turns = HalfTurns(shared)
     known = {q.name: q for q in vars(v).values() if isinstance(q, Quantity)}
     chosen = functions(model)
     from_table = all(q.default == known.get(q.name, q).default for q in model.parameters)
     labels = {f.name: gradient_labels(model, f) for f in chosen if f.by}
-    routines = tuple(_routine(model, function, labels.get(function.name, ()), shared) for function in chosen)
+    routines = tuple(_routine(model, f, labels.get(f.name, ()), shared, half_turns) for f in chosen)
+    called = {s for r in routines for a in r.assignments for s in a.value.free_symbols}
+    helpers = tuple(h for h in half_turns.helpers if sp.Symbol(h.name) in called)
     named = {f.name: tuple(label for label, _ in f.results) for f in chosen}
     return Program(
         name=model.name,
         title=model.title,
         parameters=model.parameters,
         prepare=shortened(shared.assignments),
-        coefficients=_used(routines, shared),
+        coefficients=_used((*helpers, *routines), shared),
         routines=routines,
         constants=(
             ("REGRESSOR", named["regressor"]),
@@ -52,14 +59,17 @@ def build_program(model: Model) -> Program:
         states=tuple((state.quantity, state.initial) for state in model.states),
         defaults=model.defaults
         or ("Table 1 of the paper with mu = 1/5" if from_table else "those of the derivation"),
+        helpers=helpers,
     )
 
 
-def _routine(model: Model, function: Function, labels: tuple[str, ...], shared: _Prepare) -> Routine:
-    assignments = list(closure(model, function.results))
+def _routine(
+    model: Model, function: Function, labels: tuple[str, ...], shared: _Prepare, half_turns: HalfTurns
+) -> Routine:
+    assignments, results = _unscaled(closure(model, function.results), function.results)
     if function.by:
         y = sp.Symbol("torque", real=True)
-        torque = function.results[0][1]
+        torque = results[0][1]
         if not set(function.by) & model.parameter_symbols:
             torque = _grouped(model, torque)
         steps = differentiate((*assignments, Assignment(y, torque)), function.by)
@@ -67,11 +77,9 @@ def _routine(model: Model, function: Function, labels: tuple[str, ...], shared: 
         results = [
             (label, next(a.value for a in steps if a.target.name == f"torque_d_{label}")) for label in labels
         ]
-        assignments = list(needed([a for a in steps if a.target.name not in wanted], [e for _, e in results]))
-    else:
-        results = list(function.results)
+        assignments = needed([a for a in steps if a.target.name not in wanted], [e for _, e in results])
     # What depends on parameters only is moved to `prepare`; the rest keeps its order.
-    lowering = Lowering(shared)
+    lowering = Lowering(shared, half_turns)
     for assignment in assignments:
         if assignment.target in shared.symbols or assignment.value.free_symbols <= shared.symbols:
             shared.define(assignment.target, assignment.value)
@@ -100,10 +108,32 @@ def _routine(model: Model, function: Function, labels: tuple[str, ...], shared: 
     )
 
 
+def _unscaled(
+    assignments: Sequence[Assignment], results: Sequence[tuple[str, sp.Expr]]
+) -> tuple[list[Assignment], list[tuple[str, sp.Expr]]]:
+    """F_N = scale_N load is written out, so that its scale goes into the coefficients that multiply it."""
+    load = sp.Symbol("load", real=True)
+    scaled: dict[sp.Symbol, sp.Expr] = {}
+    written: list[Assignment] = []
+    for a in assignments:
+        factors = sp.Mul.make_args(a.value)
+        magnitude = [factor for factor in factors if isinstance(factor, Magnitude)]
+        if a.target.name == "F_N" and magnitude:
+            scaled[a.target] = a.value.xreplace({magnitude[0]: load})
+            written.append(Assignment(load, magnitude[0], "normal force over scale_N [rad^2/s^2]"))
+        else:
+            written.append(replace(a, value=a.value.xreplace(scaled)))
+    return written, [(label, expression.xreplace(scaled)) for label, expression in results]
+
+
 def _grouped(model: Model, expression: sp.Expr) -> sp.Expr:
     """Friction as (... F_N + ...) omega_m + (... F_N + ...) sgn: fewest operations per call, (18)-(20)."""
     if not isinstance(expression, sp.Add):
         return expression
+    slopes = sorted((s for s in expression.free_symbols if "_d_" in s.name), key=str)
+    if slopes:
+        parts = sp.collect(sp.expand_mul(expression), slopes, evaluate=False)
+        return sp.Add(*(slope * _grouped(model, factor) for slope, factor in parts.items()))
     expression = _by_direction(model, sp.expand_mul(expression))
     factors = [symbol for symbol in expression.free_symbols if symbol.name == "omega_m"]
     factors += sorted(expression.atoms(Sgn), key=str)
@@ -235,8 +265,8 @@ def _formula(value: sp.Expr, values: dict[sp.Symbol, sp.Expr]) -> str:
     return text.replace("**", "^").replace("*", " ")
 
 
-def _used(routines: tuple[Routine, ...], shared: _Prepare) -> tuple[sp.Symbol, ...]:
-    used = set().union(*(a.value.free_symbols for routine in routines for a in routine.assignments))
+def _used(parts: tuple[Helper | Routine, ...], shared: _Prepare) -> tuple[sp.Symbol, ...]:
+    used = set().union(*(a.value.free_symbols for part in parts for a in part.assignments))
     order = [a.target for a in shared.assignments]
     plain = sorted((s for s in used & shared.symbols if s not in order), key=str)
     return (*plain, *(symbol for symbol in order if symbol in used))

@@ -3,17 +3,18 @@
 from __future__ import annotations
 
 import textwrap
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from typing import Any
 
 import sympy as sp
 
 from eccentric.emit.constants import evaluate_prepare
 from eccentric.emit.expression import Language, printed
-from eccentric.emit.lower import ROUNDER, Root, Size
 from eccentric.emit.pairs import pair_functions, pair_text, paired
-from eccentric.emit.program import Assignment, Input, Program, Routine
+from eccentric.emit.primitive import ROUNDER, Root, Size
+from eccentric.emit.program import Assignment, Helper, Input, Program, Routine
 from eccentric.emit.series import polynomial
+from eccentric.emit.staged import staged
 from eccentric.emit.text import EXACT_HALF_TURNS, assigned, number, plain, splitting, used_series
 from eccentric.model.quantity import Quantity
 from eccentric.model.steps import Backward, Forward, Sgn
@@ -58,7 +59,7 @@ def view(program: Program, banner: str, digest: str) -> dict[str, Any]:
     in_prepare = _language(program, _DOUBLE, value_of, "{}")
     coefficients = {s.name for s in program.coefficients}
     values = {single: evaluate_prepare(program, single) for single in (True, False)}
-    expressions = [a.value for r in program.routines for a in r.assignments]
+    expressions = [a.value for a in program.hot()]
     uses = {operation: any(e.has(operation) for e in expressions) for operation in (Sgn, Forward, Backward)}
     helpers = [
         name for name, used in (("sgn", uses[Sgn]), ("forward", uses[Forward] or uses[Backward])) if used
@@ -70,7 +71,9 @@ def view(program: Program, banner: str, digest: str) -> dict[str, Any]:
         "name": program.name,
         "guard": program.name.upper(),
         "digest": f"0x{digest}UL",
-        "parameters": [_parameter(q, values[False][q.name]) for q in program.parameters],
+        "parameters": [
+            _parameter(q, values[False][q.name].replace("NAN", "(double)NAN")) for q in program.parameters
+        ],
         "valid": _valid(program),
         "defaults": program.defaults,
         "coefficients": [
@@ -78,7 +81,7 @@ def view(program: Program, banner: str, digest: str) -> dict[str, Any]:
                 "name": s.name,
                 "source": value_of(s.name),
                 "single": f"(real)({values[True][s.name]})",
-                "double": f"{values[False][s.name]}",
+                "double": values[False][s.name].replace("NAN", "(real)NAN"),
                 "doc": notes.get(s.name, ""),
             }
             for s in program.coefficients
@@ -91,6 +94,8 @@ def view(program: Program, banner: str, digest: str) -> dict[str, Any]:
         "leading": splitting(program),
         "pairs": pair_functions(program.prepare),
         "prepare": _code(_prepared(program, a, in_prepare) for a in program.prepare),
+        "helpers_of_angle": [_helper(program, h, coefficients) for h in program.helpers],
+        "staged": any(staged(r).angles for r in program.routines),
         "routines": [_routine(program, r, coefficients) for r in program.routines],
         "states": [
             {"name": q.name, "doc": plain(f"{q.meaning} [{q.unit}]"), "initial": number(str(float(initial)))}
@@ -123,7 +128,9 @@ def _step(program: Program) -> dict[str, Any]:
             {"name": x.quantity.name, "doc": f"{x.quantity.meaning} [{x.quantity.unit}]"} for x in given
         ],
         "signature": _wrapped(
-            "void", own, [f"{program.name}_state *state", *map(_argument, given), coefficients]
+            "void",
+            own,
+            [f"{program.name}_state *state", *(_argument(x, "ECCENTRIC_REAL") for x in given), coefficients],
         ),
         "call": f"{program.name}_next_state({', '.join([*passed, 'next', 'c'])});",
     }
@@ -131,7 +138,7 @@ def _step(program: Program) -> dict[str, Any]:
 
 def _macros(program: Program) -> list[tuple[str, str, str]]:
     """(macro, its meaning in single, in double), those that the routines use."""
-    expressions = [a.value for r in program.routines for a in r.assignments]
+    expressions = [a.value for a in program.hot()]
     used = [
         ("REAL_SQRT(x)", Root, "sqrt"),
         ("REAL_FABS(x)", Size, "fabs"),
@@ -192,9 +199,10 @@ def _valid(program: Program) -> str:
 
 def _series(name: str) -> dict[str, Any]:
     def horner(single: bool) -> list[str]:
-        first, *rest = polynomial(name, single).coefficients
-        steps = [f"value = value * x + REAL({coefficient});" for coefficient in rest]
-        return [f"real value = REAL({first});", *steps, "return value * x + REAL(1.0);"]
+        lines = []
+        for part, (first, *rest) in zip(("even", "odd"), polynomial(name, single).halves(), strict=True):
+            lines += [f"real {part} = REAL({first});", *(f"{part} = {part} * y + REAL({c});" for c in rest)]
+        return [*lines, "return (odd * x + even) * x + REAL(1.0);"]
 
     single, double = polynomial(name, True), polynomial(name, False)
     function, libm = {
@@ -212,14 +220,9 @@ def _series(name: str) -> dict[str, Any]:
 
 
 def _routine(program: Program, r: Routine, coefficients: set[str]) -> dict[str, Any]:
-    def spelled(name: str) -> str:
-        return "REAL_ROUNDER" if name == "rounder" else f"c->{name}" if name in coefficients else name
-
-    language = _language(program, _REAL, spelled, "REAL({})")
     results = {s.name: k for k, s in enumerate(r.results)}
 
-    def line(target: str, value: Any) -> str:
-        text = printed(value, language)
+    def line(target: str, text: str) -> str:
         if target not in results:
             return f"const real {target} = {text};"
         return f"out[{results[target]}] = {text};" if r.labels else f"return {text};"
@@ -230,17 +233,17 @@ def _routine(program: Program, r: Routine, coefficients: set[str]) -> dict[str, 
         if x.length is not None
         for k, symbol in enumerate(x.symbols)
     ]
-    own = f"{program.name}_{r.name}"
+    own, parts = f"{program.name}_{r.name}", staged(r)
+    ready = [a.target.name for a in parts.bent]
     coefficient_argument = f"const {program.name}_coefficients *c"
-    single = [_argument(x) for x in r.inputs]
-    arrays = [f"const ECCENTRIC_REAL *{x.quantity.name}" for x in r.inputs]
     out = ["ECCENTRIC_REAL *out"] if r.labels else []
-    passed = [_passed(x) for x in r.inputs]
     width = len(r.labels)
-    reduces = any(a.target.name == "halves" for a in r.assignments)
-    reduced = f", reduced exactly up to {EXACT_HALF_TURNS}" if reduces else ""
-    arguments = [*(x.quantity.name for x in r.inputs), *(["out"] if r.labels else []), "c"]
-    call = ", ".join([*passed, *([f"out + {width} * k"] if r.labels else []), "&own"])
+    reduced = f", reduced exactly up to {EXACT_HALF_TURNS}" if parts.angles else ""
+    kernel = [*(_argument(x, "real") for x in parts.inputs), *(f"real {name}" for name in ready)]
+    passed = [*(x.quantity.name for x in parts.inputs), *ready, *(["out"] if r.labels else []), "c"]
+    index = "first + k" if parts.angles else "k"
+    each = [*(_element(x, index) for x in parts.inputs), *(f"{name}[k]" for name in ready)]
+    to, given = f"&out[{width} * {f'({index})' if parts.angles else index}]", ", ".join(each)
     return {
         "name": r.name,
         "doc": f"{r.meaning[0].upper()}{r.meaning[1:]}.",
@@ -262,47 +265,100 @@ def _routine(program: Program, r: Routine, coefficients: set[str]) -> dict[str, 
         "kernel": _wrapped(
             f"REAL_INLINE {'void' if r.labels else 'real'}",
             f"{own}_at",
-            [a.replace("ECCENTRIC_REAL", "real") for a in (*single, *out)] + [coefficient_argument],
+            [*kernel, *(["real *out"] if r.labels else []), coefficient_argument],
         ),
-        "call": f"{own}_at({', '.join(arguments)});",
+        "call": [
+            *_code(assigned((*parts.angles, *parts.bent), _printer(program, coefficients, line), "".format)),
+            f"{'' if r.labels else 'return '}{own}_at({', '.join(passed)});",
+        ],
         "signature": _wrapped(
-            "void" if r.labels else "ECCENTRIC_REAL", own, [*single, *out, coefficient_argument]
+            "void" if r.labels else "ECCENTRIC_REAL",
+            own,
+            [*(_argument(x, "ECCENTRIC_REAL") for x in r.inputs), *out, coefficient_argument],
         ),
         "array_signature": _wrapped(
-            "void", f"{own}_n", ["size_t n", *arrays, "ECCENTRIC_REAL *out", coefficient_argument]
+            "void",
+            f"{own}_n",
+            [
+                "size_t n",
+                *(f"const ECCENTRIC_REAL *{x.quantity.name}" for x in r.inputs),
+                "ECCENTRIC_REAL *out",
+                coefficient_argument,
+            ],
         ),
-        "array_call": f"{own}_at({call});" if r.labels else f"out[k] = {own}_at({call});",
-        "lines": [*unpack, *_unused(r, coefficients), *_code(assigned(r, line, "/* {} */".format))],
+        "array_call": _code(
+            [f"{own}_at({given}, {to}, &own);" if r.labels else f"out[{index}] = {own}_at({given}, &own);"],
+            12,
+        ),
+        "buffers": [a.target.name for a in (*parts.angles, *parts.bent)],
+        "stages": [
+            [
+                f"{a.target.name}[k] = {program.name}_{a.value.args[0]}({a.value.args[1]}[{at}], &own);"
+                for a in stage
+            ]
+            for stage, at in ((parts.angles, index), (parts.bent, "k"))
+            if stage
+        ],
+        "lines": [
+            *unpack,
+            *_unused(parts.rest, coefficients),
+            *_code(assigned(parts.rest, _printer(program, coefficients, line), "/* {} */".format)),
+        ],
     }
 
 
-def _unused(r: Routine, coefficients: set[str]) -> list[str]:
-    used = set().union(*(a.value.free_symbols for a in r.assignments))
+def _helper(program: Program, helper: Helper, coefficients: set[str]) -> dict[str, Any]:
+    result = helper.assignments[-1].target.name
+
+    def line(target: str, text: str) -> str:
+        return f"return {text};" if target == result else f"const real {target} = {text};"
+
+    argument = f"const {program.name}_coefficients *c"
+    return {
+        "doc": f"{helper.meaning[0].upper()}{helper.meaning[1:]}.",
+        "signature": _wrapped(
+            "REAL_INLINE real", f"{program.name}_{helper.name}", [f"real {helper.argument.name}", argument]
+        ),
+        "lines": _code(
+            assigned(helper.assignments, _printer(program, coefficients, line), "/* {} */".format)
+        ),
+    }
+
+
+def _printer(
+    program: Program, coefficients: set[str], line: Callable[[str, str], str]
+) -> Callable[[str, sp.Expr], str]:
+    def spelled(name: str) -> str:
+        return "REAL_ROUNDER" if name == "rounder" else f"c->{name}" if name in coefficients else name
+
+    calls = _REAL | {helper.name: f"MODEL_{helper.name}({{0}}, c)" for helper in program.helpers}
+    language = _language(program, calls, spelled, "REAL({})")
+    return lambda target, value: line(target, printed(value, language))
+
+
+def _unused(assignments: Iterable[Assignment], coefficients: set[str]) -> list[str]:
+    used = set().union(*(a.value.free_symbols for a in assignments))
     return [] if any(s.name in coefficients for s in used) else ["(void)c;"]
 
 
-def _argument(x: Input) -> str:
-    return (
-        f"ECCENTRIC_REAL {x.quantity.name}"
-        if x.length is None
-        else f"const ECCENTRIC_REAL *{x.quantity.name}"
-    )
+def _argument(x: Input, real: str) -> str:
+    return f"{real} {x.quantity.name}" if x.length is None else f"const {real} *{x.quantity.name}"
 
 
-def _passed(x: Input) -> str:
-    return f"{x.quantity.name}[k]" if x.length is None else f"{x.quantity.name} + {x.length} * k"
+def _element(x: Input, index: str) -> str:
+    return f"{x.quantity.name}[{index}]" if x.length is None else f"{x.quantity.name} + {x.length} * {index}"
 
 
-def _filled(text: str) -> list[str]:
-    """The lines of a comment, those after the first set in."""
+def _filled(text: str, indent: int = 4) -> list[str]:
+    """The lines of a text that is set in, those after the first a little more."""
     return textwrap.wrap(
-        text, _WIDTH - 4, subsequent_indent="    ", break_long_words=False, break_on_hyphens=False
+        text, _WIDTH - indent, subsequent_indent="    ", break_long_words=False, break_on_hyphens=False
     )
 
 
-def _code(lines: Iterable[str]) -> list[str]:
+def _code(lines: Iterable[str], indent: int = 4) -> list[str]:
     """The lines of a function's body, long ones broken."""
-    return [part for line in lines for part in _filled(line)]
+    return [part for line in lines for part in _filled(line, indent)]
 
 
 def _wrapped(result: str, name: str, arguments: list[str]) -> str:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import mpmath
 import sympy as sp
 
-from eccentric.emit.lower import Rounded, exact
+from eccentric.emit.primitive import Rounded, exact
 from eccentric.emit.program import Program
 from eccentric.emit.text import LEADING_BITS
 from eccentric.model.steps import Leading

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import textwrap
+from collections.abc import Iterable
 from typing import Any
 
 from eccentric.emit.expression import Language, printed
 from eccentric.emit.pairs import pair_functions, pair_text, paired
-from eccentric.emit.program import Assignment, Input, Program, Routine
+from eccentric.emit.program import Assignment, Helper, Input, Program, Routine
 from eccentric.emit.series import polynomial
 from eccentric.emit.text import assigned, default_text, domain, number, rounds, splitting, used_series
 from eccentric.model.quantity import Quantity
@@ -67,7 +68,8 @@ def view(program: Program, banner: str, summary: str) -> dict[str, Any]:
             *(f"{a.target.name} = {_prepared(program, a, in_prepare)}" for a in program.prepare),
         ],
         "series": [_series(name) for name in used_series(program)],
-        "routines": [_routine(r, set(coefficients)) for r in program.routines],
+        "helpers": [_helper(program, h, set(coefficients)) for h in program.helpers],
+        "routines": [_routine(program, r, set(coefficients)) for r in program.routines],
         "states": [{"initial": repr(float(initial))} for _, initial in program.states],
         "names": _tuple([f'"{q.name}"' for q, _ in program.states]),
         "step": _step(program),
@@ -146,16 +148,31 @@ def _series(name: str) -> dict[str, Any]:
     function = {"sine_ratio": "sin(h)/h", "cosine": "cos(h)"}[name]
     return {
         "name": name,
-        "single": single.coefficients,
-        "double": double.coefficients,
+        "single": single.halves(),
+        "double": double.halves(),
         "doc": f"{function} for |h| within a quarter turn, a minimax polynomial in h^2; error"
         f" {single.error} and {double.error}.",
     }
 
 
-def _routine(r: Routine, coefficients: set[str]) -> dict[str, Any]:
-    language = _language(_NUMPY, lambda name: f"c.{name}" if name in coefficients else name)
-    lines = assigned(r, lambda target, value: f"{target} = {printed(value, language)}", "# {}".format)
+def _lines(program: Program, assignments: Iterable[Assignment], coefficients: set[str]) -> list[str]:
+    calls = _NUMPY | {helper.name: f"_{helper.name}(c, {{0}})" for helper in program.helpers}
+    language = _language(calls, lambda name: f"c.{name}" if name in coefficients else name)
+    return assigned(assignments, lambda to, value: f"{to} = {printed(value, language)}", "# {}".format)
+
+
+def _helper(program: Program, helper: Helper, coefficients: set[str]) -> dict[str, Any]:
+    return {
+        "name": helper.name,
+        "argument": helper.argument.name,
+        "doc": f"{helper.meaning[0].upper()}{helper.meaning[1:]}.",
+        "lines": _lines(program, helper.assignments, coefficients),
+        "result": helper.assignments[-1].target.name,
+    }
+
+
+def _routine(program: Program, r: Routine, coefficients: set[str]) -> dict[str, Any]:
+    lines = _lines(program, r.assignments, coefficients)
     arguments = [f"{x.quantity.name} [{x.quantity.unit}]: {x.quantity.meaning}" for x in r.inputs]
     shape = f"last axis ({', '.join(r.labels)})" if r.labels else "shape of the broadcast inputs"
     doc = f"{r.meaning[0].upper()}{r.meaning[1:]} [{r.unit}]; {shape}."

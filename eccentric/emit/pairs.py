@@ -14,7 +14,7 @@ from functools import reduce
 import sympy as sp
 
 from eccentric.emit.expression import Language, printed
-from eccentric.emit.lower import Low, TurnLeft
+from eccentric.emit.primitive import Low, TurnLeft
 from eccentric.emit.program import Assignment
 
 

@@ -68,6 +68,19 @@ class Routine:
 
 
 @dataclass(frozen=True)
+class Helper:
+    """A function of one number that routines call; its result is the last target.
+
+    It is private to the emitted file. With it the code of the angle stands there once.
+    """
+
+    name: str
+    argument: sp.Symbol
+    assignments: tuple[Assignment, ...]
+    meaning: str
+
+
+@dataclass(frozen=True)
 class Program:
     """All routines of a model and the parameter-only work they share.
 
@@ -81,6 +94,7 @@ class Program:
         constants: names that the module carries, such as the columns of its regressor.
         notes: what each coefficient is: meaning and unit, or its formula.
         defaults: where the default parameters come from, in words.
+        helpers: private functions that the routines call.
     """
 
     name: str
@@ -93,6 +107,11 @@ class Program:
     notes: tuple[tuple[str, str], ...] = ()
     states: tuple[tuple[Quantity, sp.Expr], ...] = ()
     defaults: str = "those of the derivation"
+    helpers: tuple[Helper, ...] = ()
+
+    def hot(self) -> tuple[Assignment, ...]:
+        """Every assignment that is evaluated for each sample."""
+        return tuple(a for part in (*self.helpers, *self.routines) for a in part.assignments)
 
 
 def differentiate(assignments: Iterable[Assignment], by: Sequence[sp.Symbol]) -> tuple[Assignment, ...]:

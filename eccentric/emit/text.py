@@ -5,13 +5,13 @@ from __future__ import annotations
 import keyword
 import re
 import textwrap
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import replace
 
 import sympy as sp
 
-from eccentric.emit.lower import COSINE, ROUNDER, SINE_RATIO
-from eccentric.emit.program import Input, Program, Routine
+from eccentric.emit.primitive import COSINE, ROUNDER, SINE_RATIO
+from eccentric.emit.program import Assignment, Input, Program
 from eccentric.errors import InputError
 from eccentric.model.quantity import Quantity
 from eccentric.model.steps import Leading
@@ -104,18 +104,20 @@ def splitting(program: Program) -> dict[str, str] | None:
 
 def used_series(program: Program) -> list[str]:
     """The names of the polynomials that the routines evaluate."""
-    used = set().union(*(a.value.free_symbols for r in program.routines for a in r.assignments))
+    used = set().union(*(a.value.free_symbols for a in program.hot()))
     return [s.name for s in (SINE_RATIO, COSINE) if s in used]
 
 
-def assigned(r: Routine, line: Callable[[str, sp.Expr], str], comment: Callable[[str], str]) -> list[str]:
+def assigned(
+    assignments: Iterable[Assignment], line: Callable[[str, sp.Expr], str], comment: Callable[[str], str]
+) -> list[str]:
     """One line per assignment, its note before it."""
     lines: list[str] = []
-    for a in r.assignments:
+    for a in assignments:
         lines += [*map(comment, textwrap.wrap(a.note, 100)), line(a.target.name, a.value)]
     return lines
 
 
 def rounds(program: Program) -> bool:
     """Whether a routine rounds to whole numbers."""
-    return any(ROUNDER in a.value.free_symbols for r in program.routines for a in r.assignments)
+    return any(ROUNDER in a.value.free_symbols for a in program.hot())
