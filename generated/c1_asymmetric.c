@@ -46,6 +46,47 @@ REAL_INLINE real c1_asymmetric_forward(const real x)
     return (x > REAL(0.0)) ? REAL(1.0) : ((x <= REAL(0.0)) ? REAL(0.0) : x);
 }
 
+/* Parameters beyond double precision: high + low, unevaluated, each result right to some 104 bits. */
+typedef struct {
+    double high;
+    double low;
+} c1_asymmetric_pair;
+
+static c1_asymmetric_pair c1_asymmetric_exact(const double x)
+{
+    const c1_asymmetric_pair result = {x, 0.0};
+    return result;
+}
+
+/* a + b without error. */
+static c1_asymmetric_pair c1_asymmetric_sum(const double a, const double b)
+{
+    const double high = a + b;
+    const double part = high - a;
+    const c1_asymmetric_pair result = {high, (a - (high - part)) + (b - part)};
+    return result;
+}
+
+/* a b without error: both factors are split into halves, whose products are exact. */
+static c1_asymmetric_pair c1_asymmetric_product(const double a, const double b)
+{
+    const double high = a * b;
+    const double a_scaled = a * 134217729.0;
+    const double b_scaled = b * 134217729.0;
+    const double a_1 = a_scaled - (a_scaled - a);
+    const double b_1 = b_scaled - (b_scaled - b);
+    const double a_2 = a - a_1;
+    const double b_2 = b - b_1;
+    const c1_asymmetric_pair result = {high, (((a_1 * b_1 - high) + a_1 * b_2) + a_2 * b_1) + a_2 * b_2};
+    return result;
+}
+
+static c1_asymmetric_pair c1_asymmetric_times(const c1_asymmetric_pair x, const c1_asymmetric_pair y)
+{
+    const c1_asymmetric_pair highs = c1_asymmetric_product(x.high, y.high);
+    return c1_asymmetric_sum(highs.high, highs.low + (x.high * y.low + x.low * y.high));
+}
+
 const c1_asymmetric_parameters c1_asymmetric_default_parameters = {
     0.5, /* M [kg] */
     0.2, /* M_l [kg] */
@@ -174,7 +215,9 @@ const c1_asymmetric_coefficients c1_asymmetric_default = {
 
 void c1_asymmetric_prepare(const c1_asymmetric_parameters *p, c1_asymmetric_coefficients *c)
 {
-    const double L_M_mu2 = p->L * p->M * p->mu * p->mu;
+    const c1_asymmetric_pair L_M_mu2 = c1_asymmetric_times(c1_asymmetric_times(c1_asymmetric_exact(p->L),
+        c1_asymmetric_exact(p->M)), c1_asymmetric_times(c1_asymmetric_exact(p->mu),
+        c1_asymmetric_exact(p->mu)));
     const double B_lN_pos_mu2 = p->B_lN_pos * p->mu * p->mu;
     const double B_lN_neg_mu2 = p->B_lN_neg * p->mu * p->mu;
     const double B_pos = p->B_lT_pos * p->F_T * p->mu * p->mu + p->B_m_pos;
@@ -221,7 +264,7 @@ void c1_asymmetric_prepare(const c1_asymmetric_parameters *p, c1_asymmetric_coef
     c->k_e = (real)(p->k_e);
     c->k_i = (real)(p->k_i);
     c->mu = (real)(p->mu);
-    c->L_M_mu2 = (real)(L_M_mu2);
+    c->L_M_mu2 = (real)(L_M_mu2.high);
     c->B_lN_pos_mu2 = (real)(B_lN_pos_mu2);
     c->B_lN_neg_mu2 = (real)(B_lN_neg_mu2);
     c->B_pos = (real)(B_pos);

@@ -41,6 +41,47 @@ REAL_INLINE real c1_perpendicular_sgn(const real x)
     return (x > REAL(0.0)) ? REAL(1.0) : ((x < REAL(0.0)) ? REAL(-1.0) : (x + REAL(0.0)));
 }
 
+/* Parameters beyond double precision: high + low, unevaluated, each result right to some 104 bits. */
+typedef struct {
+    double high;
+    double low;
+} c1_perpendicular_pair;
+
+static c1_perpendicular_pair c1_perpendicular_exact(const double x)
+{
+    const c1_perpendicular_pair result = {x, 0.0};
+    return result;
+}
+
+/* a + b without error. */
+static c1_perpendicular_pair c1_perpendicular_sum(const double a, const double b)
+{
+    const double high = a + b;
+    const double part = high - a;
+    const c1_perpendicular_pair result = {high, (a - (high - part)) + (b - part)};
+    return result;
+}
+
+/* a b without error: both factors are split into halves, whose products are exact. */
+static c1_perpendicular_pair c1_perpendicular_product(const double a, const double b)
+{
+    const double high = a * b;
+    const double a_scaled = a * 134217729.0;
+    const double b_scaled = b * 134217729.0;
+    const double a_1 = a_scaled - (a_scaled - a);
+    const double b_1 = b_scaled - (b_scaled - b);
+    const double a_2 = a - a_1;
+    const double b_2 = b - b_1;
+    const c1_perpendicular_pair result = {high, (((a_1 * b_1 - high) + a_1 * b_2) + a_2 * b_1) + a_2 * b_2};
+    return result;
+}
+
+static c1_perpendicular_pair c1_perpendicular_times(const c1_perpendicular_pair x, const c1_perpendicular_pair y)
+{
+    const c1_perpendicular_pair highs = c1_perpendicular_product(x.high, y.high);
+    return c1_perpendicular_sum(highs.high, highs.low + (x.high * y.low + x.low * y.high));
+}
+
 const c1_perpendicular_parameters c1_perpendicular_default_parameters = {
     0.5, /* M [kg] */
     0.2, /* M_l [kg] */
@@ -127,7 +168,10 @@ const c1_perpendicular_coefficients c1_perpendicular_default = {
 
 void c1_perpendicular_prepare(const c1_perpendicular_parameters *p, c1_perpendicular_coefficients *c)
 {
-    const double L_M_mu2 = p->L * p->M * p->mu * p->mu;
+    const c1_perpendicular_pair L_M_mu2 =
+        c1_perpendicular_times(c1_perpendicular_times(c1_perpendicular_exact(p->L),
+        c1_perpendicular_exact(p->M)), c1_perpendicular_times(c1_perpendicular_exact(p->mu),
+        c1_perpendicular_exact(p->mu)));
     const double B_lN_mu2 = p->B_lN * p->mu * p->mu;
     const double B = p->B_lT * p->F_T * p->mu * p->mu + p->B_m;
     const double B_plus_k_e_k_i_per_R = B + p->k_e * p->k_i / p->R;
@@ -156,7 +200,7 @@ void c1_perpendicular_prepare(const c1_perpendicular_parameters *p, c1_perpendic
     c->C_lN = (real)(p->C_lN);
     c->k_i = (real)(p->k_i);
     c->mu = (real)(p->mu);
-    c->L_M_mu2 = (real)(L_M_mu2);
+    c->L_M_mu2 = (real)(L_M_mu2.high);
     c->B_lN_mu2 = (real)(B_lN_mu2);
     c->B = (real)(B);
     c->B_plus_k_e_k_i_per_R = (real)(B_plus_k_e_k_i_per_R);

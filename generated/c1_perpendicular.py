@@ -159,12 +159,44 @@ class _Coefficients(NamedTuple):
     C_lN_L_M_mu3: Any
 
 
+class _Pair(NamedTuple):
+    """A parameter beyond double precision: high + low, unevaluated, right to some 104 bits."""
+
+    high: float
+    low: float
+
+
+def _exact(x: float) -> _Pair:
+    return _Pair(x, 0.0)
+
+
+def _sum(a: float, b: float) -> _Pair:
+    """Add without error."""
+    high = a + b
+    part = high - a
+    return _Pair(high, (a - (high - part)) + (b - part))
+
+
+def _product(a: float, b: float) -> _Pair:
+    """Multiply without error: both factors are split into halves, whose products are exact."""
+    high = a * b
+    a_scaled, b_scaled = a * 134217729.0, b * 134217729.0
+    a_1, b_1 = a_scaled - (a_scaled - a), b_scaled - (b_scaled - b)
+    a_2, b_2 = a - a_1, b - b_1
+    return _Pair(high, (((a_1 * b_1 - high) + a_1 * b_2) + a_2 * b_1) + a_2 * b_2)
+
+
+def _times(x: _Pair, y: _Pair) -> _Pair:
+    highs = _product(x.high, y.high)
+    return _sum(highs.high, highs.low + (x.high * y.low + x.low * y.high))
+
+
 @lru_cache(maxsize=64)
 def _prepare(p: Parameters, real: _Real) -> _Coefficients:
     F_T = p.M_l * p.g if p.F_T is None else p.F_T
     J_m = math.nan if p.J_m is None else p.J_m
     J_l = math.nan if p.J_l is None else p.J_l
-    L_M_mu2 = p.L * p.M * p.mu * p.mu
+    L_M_mu2 = _times(_times(_exact(p.L), _exact(p.M)), _times(_exact(p.mu), _exact(p.mu)))
     B_lN_mu2 = p.B_lN * p.mu * p.mu
     B = p.B_lT * F_T * p.mu * p.mu + p.B_m
     B_plus_k_e_k_i_per_R = B + p.k_e * p.k_i / p.R
@@ -195,7 +227,7 @@ def _prepare(p: Parameters, real: _Real) -> _Coefficients:
             C_lN=real(p.C_lN),
             k_i=real(p.k_i),
             mu=real(p.mu),
-            L_M_mu2=real(L_M_mu2),
+            L_M_mu2=real(L_M_mu2.high),
             B_lN_mu2=real(B_lN_mu2),
             B=real(B),
             B_plus_k_e_k_i_per_R=real(B_plus_k_e_k_i_per_R),

@@ -298,10 +298,12 @@ void c2_parallel_prepare(const c2_parallel_parameters *p, c2_parallel_coefficien
         (c2_parallel_over(weight, c2_parallel_times(c2_parallel_exact(p->L), c2_parallel_exact(p->M))));
     const c2_parallel_pair omega_star = (p->L * p->M == 0.0) ? c2_parallel_exact(1.0) :
         (c2_parallel_over(c2_parallel_root(critical_squared), c2_parallel_exact(p->mu)));
-    const double scale_N = (p->L * p->M == 0.0) ? weight.high / (omega_star.high * omega_star.high) : (p->L *
-        p->M * p->mu * p->mu);
+    const c2_parallel_pair scale_N = (p->L * p->M == 0.0) ? c2_parallel_over(weight,
+        c2_parallel_times(omega_star, omega_star)) :
+        (c2_parallel_times(c2_parallel_times(c2_parallel_exact(p->L), c2_parallel_exact(p->M)),
+        c2_parallel_times(c2_parallel_exact(p->mu), c2_parallel_exact(p->mu))));
     const double fastest = (p->L * p->M == 0.0) ? 0.0 : (1073741824.0);
-    const double mu_omega_star = p->mu * omega_star.high;
+    const c2_parallel_pair mu_omega_star = c2_parallel_times(c2_parallel_exact(p->mu), omega_star);
     const double omega_star_1 = (double)(real)(omega_star.high);
     const double omega_star_2 = (double)(real)(omega_star.high - omega_star_1 + omega_star.low);
     const double period = 2.0 * 3.1415926535897932 / p->mu;
@@ -313,24 +315,24 @@ void c2_parallel_prepare(const c2_parallel_parameters *p, c2_parallel_coefficien
     const double period_3 = c2_parallel_leading(period_left.high - period_2);
     const double period_4 = (double)(real)(period_left.high - period_2 - period_3 + period_left.low);
     const double half_mu = 0.5 * p->mu;
-    const double B_lN_mu2_scale_N = p->B_lN * p->mu * p->mu * scale_N;
+    const double B_lN_mu2_scale_N = p->B_lN * p->mu * p->mu * scale_N.high;
     const double B_m_plus_k_e_k_i_per_R = p->B_m + p->k_e * p->k_i / p->R;
-    const double C_lN_mu_scale_N = p->C_lN * p->mu * scale_N;
-    const double mu2_scale_N = p->mu * p->mu * scale_N;
-    const double mu_scale_N = p->mu * scale_N;
+    const double C_lN_mu_scale_N = p->C_lN * p->mu * scale_N.high;
+    const double mu2_scale_N = p->mu * p->mu * scale_N.high;
+    const double mu_scale_N = p->mu * scale_N.high;
     const double C_lN_mu_weight_plus_C_m = p->C_lN * p->mu * weight.high + p->C_m;
     const double L_M_g_mu2 = p->L * p->M * p->g * p->mu * p->mu;
     const double J = p->J_l * p->mu * p->mu + p->J_m;
-    const double B_lN_R_mu2_scale_N_per_k_i = p->B_lN * p->R * p->mu * p->mu * scale_N / p->k_i;
+    const double B_lN_R_mu2_scale_N_per_k_i = p->B_lN * p->R * p->mu * p->mu * scale_N.high / p->k_i;
     const double B_m_R_per_k_i_plus_k_e = p->B_m * p->R / p->k_i + p->k_e;
-    const double C_lN_R_mu_scale_N_per_k_i = p->C_lN * p->R * p->mu * scale_N / p->k_i;
+    const double C_lN_R_mu_scale_N_per_k_i = p->C_lN * p->R * p->mu * scale_N.high / p->k_i;
     const double C_m_R_per_k_i = p->C_m * p->R / p->k_i;
     const double R_per_k_i = p->R / p->k_i;
     const double L_M_R_g_mu2_per_k_i = p->L * p->M * p->R * p->g * p->mu * p->mu / p->k_i;
-    const double B_lN_mu2_scale_N_per_k_i = p->B_lN * p->mu * p->mu * scale_N / p->k_i;
+    const double B_lN_mu2_scale_N_per_k_i = p->B_lN * p->mu * p->mu * scale_N.high / p->k_i;
     const double B_m_per_k_i = p->B_m / p->k_i;
     const double per_k_i = 1.0 / p->k_i;
-    const double C_lN_mu_scale_N_per_k_i = p->C_lN * p->mu * scale_N / p->k_i;
+    const double C_lN_mu_scale_N_per_k_i = p->C_lN * p->mu * scale_N.high / p->k_i;
     const double C_m_per_k_i = p->C_m / p->k_i;
     const double L_M_g_mu2_per_k_i = p->L * p->M * p->g * p->mu * p->mu / p->k_i;
     const double k_i_per_R = p->k_i / p->R;
@@ -340,9 +342,9 @@ void c2_parallel_prepare(const c2_parallel_parameters *p, c2_parallel_coefficien
     c->C_lN = (real)(p->C_lN);
     c->C_m = (real)(p->C_m);
     c->k_i = (real)(p->k_i);
-    c->scale_N = (real)(scale_N);
+    c->scale_N = (real)(scale_N.high);
     c->fastest = (real)(fastest);
-    c->mu_omega_star = (real)(mu_omega_star);
+    c->mu_omega_star = (real)(mu_omega_star.high);
     c->omega_star_1 = (real)(omega_star_1);
     c->omega_star_2 = (real)(omega_star_2);
     c->period = (real)(period);

@@ -232,9 +232,13 @@ def _prepare(p: Parameters, real: _Real) -> _Coefficients:
     weight = _times(_exact(p.g), _plus(_exact(p.M), _exact(p.M_l)))
     critical_squared = _exact(1.0) if p.L * p.M == 0.0 else _over(weight, _times(_exact(p.L), _exact(p.M)))
     omega_star = _exact(1.0) if p.L * p.M == 0.0 else _over(_root(critical_squared), _exact(p.mu))
-    scale_N = weight.high / (omega_star.high * omega_star.high) if p.L * p.M == 0.0 else p.L * p.M * p.mu * p.mu
+    scale_N = (
+        _over(weight, _times(omega_star, omega_star))
+        if p.L * p.M == 0.0
+        else _times(_times(_exact(p.L), _exact(p.M)), _times(_exact(p.mu), _exact(p.mu)))
+    )
     fastest = 0.0 if p.L * p.M == 0.0 else 1073741824.0
-    mu_omega_star = p.mu * omega_star.high
+    mu_omega_star = _times(_exact(p.mu), omega_star)
     omega_star_1 = float(real(omega_star.high))
     omega_star_2 = float(real(omega_star.high - omega_star_1 + omega_star.low))
     period = 2.0 * 3.1415926535897932 / p.mu
@@ -245,24 +249,24 @@ def _prepare(p: Parameters, real: _Real) -> _Coefficients:
     period_3 = _leading(period_left.high - period_2, real)
     period_4 = float(real(period_left.high - period_2 - period_3 + period_left.low))
     half_mu = 0.5 * p.mu
-    B_lN_mu2_scale_N = p.B_lN * p.mu * p.mu * scale_N
+    B_lN_mu2_scale_N = p.B_lN * p.mu * p.mu * scale_N.high
     B_m_plus_k_e_k_i_per_R = p.B_m + p.k_e * p.k_i / p.R
-    C_lN_mu_scale_N = p.C_lN * p.mu * scale_N
-    mu2_scale_N = p.mu * p.mu * scale_N
-    mu_scale_N = p.mu * scale_N
+    C_lN_mu_scale_N = p.C_lN * p.mu * scale_N.high
+    mu2_scale_N = p.mu * p.mu * scale_N.high
+    mu_scale_N = p.mu * scale_N.high
     C_lN_mu_weight_plus_C_m = p.C_lN * p.mu * weight.high + p.C_m
     L_M_g_mu2 = p.L * p.M * p.g * p.mu * p.mu
     J = J_l * p.mu * p.mu + J_m
-    B_lN_R_mu2_scale_N_per_k_i = p.B_lN * p.R * p.mu * p.mu * scale_N / p.k_i
+    B_lN_R_mu2_scale_N_per_k_i = p.B_lN * p.R * p.mu * p.mu * scale_N.high / p.k_i
     B_m_R_per_k_i_plus_k_e = p.B_m * p.R / p.k_i + p.k_e
-    C_lN_R_mu_scale_N_per_k_i = p.C_lN * p.R * p.mu * scale_N / p.k_i
+    C_lN_R_mu_scale_N_per_k_i = p.C_lN * p.R * p.mu * scale_N.high / p.k_i
     C_m_R_per_k_i = p.C_m * p.R / p.k_i
     R_per_k_i = p.R / p.k_i
     L_M_R_g_mu2_per_k_i = p.L * p.M * p.R * p.g * p.mu * p.mu / p.k_i
-    B_lN_mu2_scale_N_per_k_i = p.B_lN * p.mu * p.mu * scale_N / p.k_i
+    B_lN_mu2_scale_N_per_k_i = p.B_lN * p.mu * p.mu * scale_N.high / p.k_i
     B_m_per_k_i = p.B_m / p.k_i
     per_k_i = 1.0 / p.k_i
-    C_lN_mu_scale_N_per_k_i = p.C_lN * p.mu * scale_N / p.k_i
+    C_lN_mu_scale_N_per_k_i = p.C_lN * p.mu * scale_N.high / p.k_i
     C_m_per_k_i = p.C_m / p.k_i
     L_M_g_mu2_per_k_i = p.L * p.M * p.g * p.mu * p.mu / p.k_i
     k_i_per_R = p.k_i / p.R
@@ -274,9 +278,9 @@ def _prepare(p: Parameters, real: _Real) -> _Coefficients:
             C_lN=real(p.C_lN),
             C_m=real(p.C_m),
             k_i=real(p.k_i),
-            scale_N=real(scale_N),
+            scale_N=real(scale_N.high),
             fastest=real(fastest),
-            mu_omega_star=real(mu_omega_star),
+            mu_omega_star=real(mu_omega_star.high),
             omega_star_1=real(omega_star_1),
             omega_star_2=real(omega_star_2),
             period=real(period),
@@ -415,23 +419,19 @@ def _from_top(c: _Coefficients, theta_m: Any) -> Any:
     # the turns go off in four parts of few digits: all products but the last are exact
     rest = theta_m - turns * c.period_1
     reduced = rest - turns * c.period_2 - turns * c.period_3 - turns * c.period_4
-    # an angle so large that nothing is left of its phase counts as the top
-    from_top = np.where(np.abs(reduced) <= c.period, reduced, theta_m - theta_m)
-    return from_top
+    return np.where(np.abs(reduced) <= c.period, reduced, theta_m - theta_m)
 
 
 def _chord(c: _Coefficients, from_top: Any) -> Any:
     """2 sin(half the link angle from the top)/mu."""
     half_angle = from_top * c.half_mu
-    chord = from_top * _sine_ratio(half_angle)
-    return chord
+    return from_top * _sine_ratio(half_angle)
 
 
 def _half_sine(c: _Coefficients, from_top: Any) -> Any:
     """Cosine of half the link angle from the top."""
     half_angle = from_top * c.half_mu
-    half_sine = _cosine(half_angle)
-    return half_sine
+    return _cosine(half_angle)
 
 
 def _normal_force(

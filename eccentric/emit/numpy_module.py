@@ -38,7 +38,7 @@ def view(program: Program, banner: str, summary: str) -> dict[str, Any]:
     """All that the templates of the NumPy module are filled with."""
     prepared = {a.target.name for a in program.prepare}
     optional = [q for q in program.parameters if q.default is None or q.default.free_symbols]
-    pairs = {s.name for s in paired(program.prepare)}
+    pairs = {s.name for s in paired(program)}
 
     def value_of(name: str) -> str:
         own = name in prepared | {q.name for q in optional}
@@ -61,11 +61,15 @@ def view(program: Program, banner: str, summary: str) -> dict[str, Any]:
         "optional": _tuple([f'"{q.name}"' for q in optional]),
         "coefficients": coefficients,
         "sources": {c: "1.5 / np.finfo(real).eps" if c == "rounder" else value_of(c) for c in coefficients},
-        "pairs": pair_functions(program.prepare),
+        "pairs": pair_functions(program),
         "leading": splitting(program),
         "prepare": [
             *(_default(q) for q in optional),
-            *(f"{a.target.name} = {_prepared(program, a, in_prepare)}" for a in program.prepare),
+            *(
+                part
+                for a in program.prepare
+                for part in _set(a.target.name, _prepared(program, a, in_prepare))
+            ),
         ],
         "series": [_series(name) for name in used_series(program)],
         "helpers": [_helper(program, h, set(coefficients)) for h in program.helpers],
@@ -77,10 +81,20 @@ def view(program: Program, banner: str, summary: str) -> dict[str, Any]:
 
 
 def _prepared(program: Program, a: Assignment, language: Language) -> str:
-    pairs = paired(program.prepare)
+    pairs = paired(program)
     if a.target in pairs:
         return pair_text(a.value, pairs, language, "_{}".format)
     return printed(a.value, language)
+
+
+def _set(target: str, value: str) -> list[str]:
+    """An assignment as formatters spell it: a choice that is too long takes a line for each part."""
+    line = f"{target} = {value}"
+    if len(line) <= 106 or " if " not in value:
+        return [line]
+    first, _, rest = value.partition(" if ")
+    condition, _, other = rest.partition(" else ")
+    return [f"{target} = (", f"    {first}", f"    if {condition}", f"    else {other}", ")"]
 
 
 def _step(program: Program) -> dict[str, Any]:
@@ -166,8 +180,8 @@ def _helper(program: Program, helper: Helper, coefficients: set[str]) -> dict[st
         "name": helper.name,
         "argument": helper.argument.name,
         "doc": f"{helper.meaning[0].upper()}{helper.meaning[1:]}.",
-        "lines": _lines(program, helper.assignments, coefficients),
-        "result": helper.assignments[-1].target.name,
+        "lines": _lines(program, helper.assignments[:-1], coefficients),
+        "result": _lines(program, helper.assignments[-1:], coefficients)[-1].partition(" = ")[2],
     }
 
 

@@ -15,34 +15,48 @@ import sympy as sp
 
 from eccentric.emit.expression import Language, printed
 from eccentric.emit.primitive import Low, TurnLeft
-from eccentric.emit.program import Assignment
+from eccentric.emit.program import Program
 
 
-def paired(prepare: Iterable[Assignment]) -> frozenset[sp.Symbol]:
-    """The targets computed as pairs: those whose low part is asked for, and what they follow from."""
-    values = {a.target: a.value for a in prepare}
-    found: set[sp.Symbol] = set()
+def paired(program: Program) -> frozenset[sp.Symbol]:
+    """The prepared values computed as pairs.
+
+    Those whose low part is asked for, what they follow from, and what F_N is multiplied with: of a product of
+    five parameters each rounding would show in the last place of every normal force.
+    """
+    values = {a.target: a.value for a in program.prepare}
     waiting = {e.args[0] for value in values.values() for e in value.atoms(Low)}
+    waiting |= {s for s in _of_normal_force(program) if s in values and _is_product(values[s])}
+    found: set[sp.Symbol] = set()
     while waiting:
         symbol = waiting.pop()
         found.add(symbol)
-        waiting |= (values[symbol].free_symbols & set(values)) - found
-        waiting -= {s for e in values[symbol].atoms(TurnLeft) for s in e.free_symbols}
+        exact = {s for e in values[symbol].atoms(TurnLeft) for s in e.free_symbols}
+        waiting |= (values[symbol].free_symbols & set(values)) - found - exact
     return frozenset(found)
 
 
-def pair_functions(prepare: Iterable[Assignment]) -> frozenset[str]:
-    """The names of the pair functions that `pair_text` calls for these assignments, besides `exact`."""
+def _of_normal_force(program: Program) -> set[sp.Symbol]:
+    routines = [r for r in program.routines if r.name == "normal_force"]
+    return set().union(*(a.value.free_symbols for r in routines for a in r.assignments))
+
+
+def _is_product(value: sp.Expr) -> bool:
+    branches = [e for e, _ in value.args] if isinstance(value, sp.Piecewise) else [value]
+    return any(e.is_Mul and e.free_symbols for e in branches) and not value.has(sp.sin, sp.cos, sp.exp)
+
+
+def pair_functions(program: Program) -> frozenset[str]:
+    """The names of the pair functions that `pair_text` calls for the program, besides `exact`."""
     found: set[str] = set()
 
     def noted(name: str) -> str:
         found.add(name)
         return name
 
-    prepare = tuple(prepare)
-    pairs = paired(prepare)
+    pairs = paired(program)
     silent = Language(str, str, lambda *_: "", lambda *_: "", lambda _: "")
-    for a in prepare:
+    for a in program.prepare:
         if a.target in pairs:
             pair_text(a.value, pairs, silent, noted)
     return frozenset(found)
