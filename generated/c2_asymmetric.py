@@ -489,6 +489,7 @@ def _from_top(c: _Coefficients, theta_m: Any) -> Any:
     # the turns go off in four parts of few digits: all products but the last are exact
     rest = theta_m - turns * c.period_1
     reduced = rest - turns * c.period_2 - turns * c.period_3 - turns * c.period_4
+    # an angle so large that nothing is left of its phase counts as the top
     return np.where(np.abs(reduced) <= c.period, reduced, theta_m - theta_m)
 
 

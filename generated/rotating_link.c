@@ -319,16 +319,11 @@ void rotating_link_prepare(const rotating_link_parameters *p, rotating_link_coef
         rotating_link_exact(p->M))));
     const rotating_link_pair omega_star = (p->L * p->M == 0.0) ? rotating_link_exact(1.0) :
         (rotating_link_over(rotating_link_root(critical_squared), rotating_link_exact(p->mu)));
-    const rotating_link_pair scale_N = (p->L * p->M == 0.0) ? rotating_link_over(weight,
-        rotating_link_times(omega_star, omega_star)) :
-        (rotating_link_times(rotating_link_times(rotating_link_exact(p->L), rotating_link_exact(p->M)),
-        rotating_link_times(rotating_link_exact(p->mu), rotating_link_exact(p->mu))));
+    const double scale_N = (p->L * p->M == 0.0) ? weight.high / (omega_star.high * omega_star.high) : (p->L *
+        p->M * p->mu * p->mu);
     const double fastest = (p->L * p->M == 0.0) ? 0.0 : (1073741824.0);
-    const rotating_link_pair half_mu2_omega_star2 =
-        rotating_link_over(rotating_link_times(rotating_link_times(rotating_link_exact(p->mu),
-        rotating_link_exact(p->mu)), rotating_link_times(omega_star, omega_star)), rotating_link_exact(2.0));
-    const rotating_link_pair mu_omega_star2 = rotating_link_times(rotating_link_exact(p->mu),
-        rotating_link_times(omega_star, omega_star));
+    const double half_mu2_omega_star2 = 0.5 * p->mu * p->mu * omega_star.high * omega_star.high;
+    const double mu_omega_star2 = p->mu * omega_star.high * omega_star.high;
     const double per_mu = 1.0 / p->mu;
     const double fastest2 = fastest * fastest;
     const double period = 2.0 * 3.1415926535897932 / p->mu;
@@ -342,30 +337,30 @@ void rotating_link_prepare(const rotating_link_parameters *p, rotating_link_coef
     const double half_mu = 0.5 * p->mu;
     const double omega_star_1 = (double)(real)(omega_star.high);
     const double omega_star_2 = (double)(real)(omega_star.high - omega_star_1 + omega_star.low);
-    const double B_lN_mu2_scale_N = p->B_lN * p->mu * p->mu * scale_N.high;
+    const double B_lN_mu2_scale_N = p->B_lN * p->mu * p->mu * scale_N;
     const double B = p->B_lT * p->F_T * p->mu * p->mu * sin(p->phi) + p->B_m;
     const double B_plus_k_e_k_i_per_R = B + p->k_e * p->k_i / p->R;
-    const double C_lN_mu_scale_N = p->C_lN * p->mu * scale_N.high;
+    const double C_lN_mu_scale_N = p->C_lN * p->mu * scale_N;
     const double C = p->C_lT * p->F_T * p->mu * sin(p->phi) + p->C_m;
     const double quarter_mu3_omega_star2 = 0.25 * p->mu * p->mu * p->mu * omega_star.high * omega_star.high;
     const double mu2_omega_star2 = p->mu * p->mu * omega_star.high * omega_star.high;
-    const double mu2_scale_N = p->mu * p->mu * scale_N.high;
-    const double mu_scale_N = p->mu * scale_N.high;
+    const double mu2_scale_N = p->mu * p->mu * scale_N;
+    const double mu_scale_N = p->mu * scale_N;
     const double F_T_mu2_sin_phi = p->F_T * p->mu * p->mu * sin(p->phi);
     const double F_T_mu_sin_phi = p->F_T * p->mu * sin(p->phi);
     const double omega_star2 = omega_star.high * omega_star.high;
     const double L_M_g_p_mu2 = p->L * p->M * g_p.high * p->mu * p->mu;
     const double J = p->J_l * p->mu * p->mu + p->J_m;
-    const double B_lN_R_mu2_scale_N_per_k_i = p->B_lN * p->R * p->mu * p->mu * scale_N.high / p->k_i;
+    const double B_lN_R_mu2_scale_N_per_k_i = p->B_lN * p->R * p->mu * p->mu * scale_N / p->k_i;
     const double B_R_per_k_i_plus_k_e = B * p->R / p->k_i + p->k_e;
-    const double C_lN_R_mu_scale_N_per_k_i = p->C_lN * p->R * p->mu * scale_N.high / p->k_i;
+    const double C_lN_R_mu_scale_N_per_k_i = p->C_lN * p->R * p->mu * scale_N / p->k_i;
     const double C_R_per_k_i = C * p->R / p->k_i;
     const double R_per_k_i = p->R / p->k_i;
     const double L_M_R_g_p_mu2_per_k_i = p->L * p->M * p->R * g_p.high * p->mu * p->mu / p->k_i;
-    const double B_lN_mu2_scale_N_per_k_i = p->B_lN * p->mu * p->mu * scale_N.high / p->k_i;
+    const double B_lN_mu2_scale_N_per_k_i = p->B_lN * p->mu * p->mu * scale_N / p->k_i;
     const double B_per_k_i = B / p->k_i;
     const double per_k_i = 1.0 / p->k_i;
-    const double C_lN_mu_scale_N_per_k_i = p->C_lN * p->mu * scale_N.high / p->k_i;
+    const double C_lN_mu_scale_N_per_k_i = p->C_lN * p->mu * scale_N / p->k_i;
     const double C_per_k_i = C / p->k_i;
     const double L_M_g_p_mu2_per_k_i = p->L * p->M * g_p.high * p->mu * p->mu / p->k_i;
     const double k_i_per_R = p->k_i / p->R;
@@ -373,10 +368,10 @@ void rotating_link_prepare(const rotating_link_parameters *p, rotating_link_coef
     c->B_lN = (real)(p->B_lN);
     c->C_lN = (real)(p->C_lN);
     c->k_i = (real)(p->k_i);
-    c->scale_N = (real)(scale_N.high);
+    c->scale_N = (real)(scale_N);
     c->fastest = (real)(fastest);
-    c->half_mu2_omega_star2 = (real)(half_mu2_omega_star2.high);
-    c->mu_omega_star2 = (real)(mu_omega_star2.high);
+    c->half_mu2_omega_star2 = (real)(half_mu2_omega_star2);
+    c->mu_omega_star2 = (real)(mu_omega_star2);
     c->per_mu = (real)(per_mu);
     c->fastest2 = (real)(fastest2);
     c->period = (real)(period);

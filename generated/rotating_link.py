@@ -254,13 +254,13 @@ def _prepare(p: Parameters, real: _Real) -> _Coefficients:
     critical_squared = _exact(1.0) if p.L * p.M == 0.0 else _over(weight, _times(_exact(p.L), _exact(p.M)))
     omega_star = _exact(1.0) if p.L * p.M == 0.0 else _over(_root(critical_squared), _exact(p.mu))
     scale_N = (
-        _over(weight, _times(omega_star, omega_star))
+        weight.high / (omega_star.high * omega_star.high)
         if p.L * p.M == 0.0
-        else _times(_times(_exact(p.L), _exact(p.M)), _times(_exact(p.mu), _exact(p.mu)))
+        else p.L * p.M * p.mu * p.mu
     )
     fastest = 0.0 if p.L * p.M == 0.0 else 1073741824.0
-    half_mu2_omega_star2 = _over(_times(_times(_exact(p.mu), _exact(p.mu)), _times(omega_star, omega_star)), _exact(2.0))
-    mu_omega_star2 = _times(_exact(p.mu), _times(omega_star, omega_star))
+    half_mu2_omega_star2 = 0.5 * p.mu * p.mu * omega_star.high * omega_star.high
+    mu_omega_star2 = p.mu * omega_star.high * omega_star.high
     per_mu = 1.0 / p.mu
     fastest2 = fastest * fastest
     period = 2.0 * 3.1415926535897932 / p.mu
@@ -273,30 +273,30 @@ def _prepare(p: Parameters, real: _Real) -> _Coefficients:
     half_mu = 0.5 * p.mu
     omega_star_1 = float(real(omega_star.high))
     omega_star_2 = float(real(omega_star.high - omega_star_1 + omega_star.low))
-    B_lN_mu2_scale_N = p.B_lN * p.mu * p.mu * scale_N.high
+    B_lN_mu2_scale_N = p.B_lN * p.mu * p.mu * scale_N
     B = p.B_lT * F_T * p.mu * p.mu * math.sin(p.phi) + p.B_m
     B_plus_k_e_k_i_per_R = B + p.k_e * p.k_i / p.R
-    C_lN_mu_scale_N = p.C_lN * p.mu * scale_N.high
+    C_lN_mu_scale_N = p.C_lN * p.mu * scale_N
     C = p.C_lT * F_T * p.mu * math.sin(p.phi) + p.C_m
     quarter_mu3_omega_star2 = 0.25 * p.mu * p.mu * p.mu * omega_star.high * omega_star.high
     mu2_omega_star2 = p.mu * p.mu * omega_star.high * omega_star.high
-    mu2_scale_N = p.mu * p.mu * scale_N.high
-    mu_scale_N = p.mu * scale_N.high
+    mu2_scale_N = p.mu * p.mu * scale_N
+    mu_scale_N = p.mu * scale_N
     F_T_mu2_sin_phi = F_T * p.mu * p.mu * math.sin(p.phi)
     F_T_mu_sin_phi = F_T * p.mu * math.sin(p.phi)
     omega_star2 = omega_star.high * omega_star.high
     L_M_g_p_mu2 = p.L * p.M * g_p.high * p.mu * p.mu
     J = J_l * p.mu * p.mu + J_m
-    B_lN_R_mu2_scale_N_per_k_i = p.B_lN * p.R * p.mu * p.mu * scale_N.high / p.k_i
+    B_lN_R_mu2_scale_N_per_k_i = p.B_lN * p.R * p.mu * p.mu * scale_N / p.k_i
     B_R_per_k_i_plus_k_e = B * p.R / p.k_i + p.k_e
-    C_lN_R_mu_scale_N_per_k_i = p.C_lN * p.R * p.mu * scale_N.high / p.k_i
+    C_lN_R_mu_scale_N_per_k_i = p.C_lN * p.R * p.mu * scale_N / p.k_i
     C_R_per_k_i = C * p.R / p.k_i
     R_per_k_i = p.R / p.k_i
     L_M_R_g_p_mu2_per_k_i = p.L * p.M * p.R * g_p.high * p.mu * p.mu / p.k_i
-    B_lN_mu2_scale_N_per_k_i = p.B_lN * p.mu * p.mu * scale_N.high / p.k_i
+    B_lN_mu2_scale_N_per_k_i = p.B_lN * p.mu * p.mu * scale_N / p.k_i
     B_per_k_i = B / p.k_i
     per_k_i = 1.0 / p.k_i
-    C_lN_mu_scale_N_per_k_i = p.C_lN * p.mu * scale_N.high / p.k_i
+    C_lN_mu_scale_N_per_k_i = p.C_lN * p.mu * scale_N / p.k_i
     C_per_k_i = C / p.k_i
     L_M_g_p_mu2_per_k_i = p.L * p.M * g_p.high * p.mu * p.mu / p.k_i
     k_i_per_R = p.k_i / p.R
@@ -306,10 +306,10 @@ def _prepare(p: Parameters, real: _Real) -> _Coefficients:
             B_lN=real(p.B_lN),
             C_lN=real(p.C_lN),
             k_i=real(p.k_i),
-            scale_N=real(scale_N.high),
+            scale_N=real(scale_N),
             fastest=real(fastest),
-            half_mu2_omega_star2=real(half_mu2_omega_star2.high),
-            mu_omega_star2=real(mu_omega_star2.high),
+            half_mu2_omega_star2=real(half_mu2_omega_star2),
+            mu_omega_star2=real(mu_omega_star2),
             per_mu=real(per_mu),
             fastest2=real(fastest2),
             period=real(period),
@@ -456,6 +456,7 @@ def _from_top(c: _Coefficients, theta_m: Any) -> Any:
     # the turns go off in four parts of few digits: all products but the last are exact
     rest = theta_m - turns * c.period_1
     reduced = rest - turns * c.period_2 - turns * c.period_3 - turns * c.period_4
+    # an angle so large that nothing is left of its phase counts as the top
     return np.where(np.abs(reduced) <= c.period, reduced, theta_m - theta_m)
 
 

@@ -65,11 +65,7 @@ def view(program: Program, banner: str, summary: str) -> dict[str, Any]:
         "leading": splitting(program),
         "prepare": [
             *(_default(q) for q in optional),
-            *(
-                part
-                for a in program.prepare
-                for part in _set(a.target.name, _prepared(program, a, in_prepare))
-            ),
+            *(line for a in program.prepare for line in _prepared(program, a, in_prepare)),
         ],
         "series": [_series(name) for name in used_series(program)],
         "helpers": [_helper(program, h, set(coefficients)) for h in program.helpers],
@@ -80,18 +76,13 @@ def view(program: Program, banner: str, summary: str) -> dict[str, Any]:
     }
 
 
-def _prepared(program: Program, a: Assignment, language: Language) -> str:
-    pairs = paired(program)
-    if a.target in pairs:
-        return pair_text(a.value, pairs, language, "_{}".format)
-    return printed(a.value, language)
-
-
-def _set(target: str, value: str) -> list[str]:
+def _prepared(program: Program, a: Assignment, language: Language) -> list[str]:
     """An assignment as formatters spell it: a choice that is too long takes a line for each part."""
-    line = f"{target} = {value}"
-    if len(line) <= 106 or " if " not in value:
-        return [line]
+    target, pairs = a.target.name, paired(program)
+    own = a.target in pairs
+    value = pair_text(a.value, pairs, language, "_{}".format) if own else printed(a.value, language)
+    if len(f"{target} = {value}") <= 106 or " if " not in value:
+        return [f"{target} = {value}"]
     first, _, rest = value.partition(" if ")
     condition, _, other = rest.partition(" else ")
     return [f"{target} = (", f"    {first}", f"    if {condition}", f"    else {other}", ")"]
@@ -176,12 +167,13 @@ def _lines(program: Program, assignments: Iterable[Assignment], coefficients: se
 
 
 def _helper(program: Program, helper: Helper, coefficients: set[str]) -> dict[str, Any]:
+    *lines, last = _lines(program, helper.assignments, coefficients)
     return {
         "name": helper.name,
         "argument": helper.argument.name,
         "doc": f"{helper.meaning[0].upper()}{helper.meaning[1:]}.",
-        "lines": _lines(program, helper.assignments[:-1], coefficients),
-        "result": _lines(program, helper.assignments[-1:], coefficients)[-1].partition(" = ")[2],
+        "lines": lines,
+        "result": last.partition(" = ")[2],
     }
 
 

@@ -37,7 +37,12 @@ def paired(program: Program) -> frozenset[sp.Symbol]:
 
 
 def _of_normal_force(program: Program) -> set[sp.Symbol]:
-    routines = [r for r in program.routines if r.name == "normal_force"]
+    steady = {"theta_m", "omega_m"}  # with an acceleration F_N vanishes along a curve: its bound is absolute
+    routines = [
+        r
+        for r in program.routines
+        if r.name == "normal_force" and {x.quantity.name for x in r.inputs} <= steady
+    ]
     return set().union(*(a.value.free_symbols for r in routines for a in r.assignments))
 
 
