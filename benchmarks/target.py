@@ -106,13 +106,7 @@ _CASADI = (
     "(const float **, float **, long long int *, float *, int)",
     "((const float *[]){&x, &y}, (float *[]){out, out + 1}, 0, 0, 0)",
 )
-# Generated C calls the functions of double, unless they are named anew for it.
-_FORCED = (
-    "-ffast-math",
-    *(f"-D{f}={f}f" for f in ("sqrt", "cos", "sin", "fabs", "pow")),
-    "-include",
-    "math.h",
-)
+_FORCED = ("-ffast-math", "-include", str(ROOT / "benchmarks" / "floats.h"))
 
 
 def peers(folder: Path, python: Path) -> list[str]:
