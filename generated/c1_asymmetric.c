@@ -1,6 +1,6 @@
 /*
  * Generated: do not edit. Written by `make derive` from derivations/c1_asymmetric.py
- * (eccentric 0.1.0, program 7614a788).
+ * (eccentric 0.1.0, program a81e2815).
  * Case C1 with friction that differs between the directions of motion.
  */
 #include "c1_asymmetric.h"
@@ -8,7 +8,7 @@
 #include <float.h>
 #include <math.h>
 
-#if C1_ASYMMETRIC_PROGRAM != 0x7614a788UL
+#if C1_ASYMMETRIC_PROGRAM != 0xa81e2815UL
 #error "c1_asymmetric.c and c1_asymmetric.h are of different derivations: write both again"
 #endif
 
@@ -44,47 +44,6 @@ REAL_INLINE real c1_asymmetric_sgn(const real x)
 REAL_INLINE real c1_asymmetric_forward(const real x)
 {
     return (x > REAL(0.0)) ? REAL(1.0) : ((x <= REAL(0.0)) ? REAL(0.0) : x);
-}
-
-/* Parameters beyond double precision: high + low, unevaluated, each result right to some 104 bits. */
-typedef struct {
-    double high;
-    double low;
-} c1_asymmetric_pair;
-
-static c1_asymmetric_pair c1_asymmetric_exact(const double x)
-{
-    const c1_asymmetric_pair result = {x, 0.0};
-    return result;
-}
-
-/* a + b without error. */
-static c1_asymmetric_pair c1_asymmetric_sum(const double a, const double b)
-{
-    const double high = a + b;
-    const double part = high - a;
-    const c1_asymmetric_pair result = {high, (a - (high - part)) + (b - part)};
-    return result;
-}
-
-/* a b without error: both factors are split into halves, whose products are exact. */
-static c1_asymmetric_pair c1_asymmetric_product(const double a, const double b)
-{
-    const double high = a * b;
-    const double a_scaled = a * 134217729.0;
-    const double b_scaled = b * 134217729.0;
-    const double a_1 = a_scaled - (a_scaled - a);
-    const double b_1 = b_scaled - (b_scaled - b);
-    const double a_2 = a - a_1;
-    const double b_2 = b - b_1;
-    const c1_asymmetric_pair result = {high, (((a_1 * b_1 - high) + a_1 * b_2) + a_2 * b_1) + a_2 * b_2};
-    return result;
-}
-
-static c1_asymmetric_pair c1_asymmetric_times(const c1_asymmetric_pair x, const c1_asymmetric_pair y)
-{
-    const c1_asymmetric_pair highs = c1_asymmetric_product(x.high, y.high);
-    return c1_asymmetric_sum(highs.high, highs.low + (x.high * y.low + x.low * y.high));
 }
 
 const c1_asymmetric_parameters c1_asymmetric_default_parameters = {
@@ -215,9 +174,7 @@ const c1_asymmetric_coefficients c1_asymmetric_default = {
 
 void c1_asymmetric_prepare(const c1_asymmetric_parameters *p, c1_asymmetric_coefficients *c)
 {
-    const c1_asymmetric_pair L_M_mu2 = c1_asymmetric_times(c1_asymmetric_times(c1_asymmetric_exact(p->L),
-        c1_asymmetric_exact(p->M)), c1_asymmetric_times(c1_asymmetric_exact(p->mu),
-        c1_asymmetric_exact(p->mu)));
+    const double L_M_mu2 = p->L * p->M * p->mu * p->mu;
     const double B_lN_pos_mu2 = p->B_lN_pos * p->mu * p->mu;
     const double B_lN_neg_mu2 = p->B_lN_neg * p->mu * p->mu;
     const double B_pos = p->B_lT_pos * p->F_T * p->mu * p->mu + p->B_m_pos;
@@ -264,7 +221,7 @@ void c1_asymmetric_prepare(const c1_asymmetric_parameters *p, c1_asymmetric_coef
     c->k_e = (real)(p->k_e);
     c->k_i = (real)(p->k_i);
     c->mu = (real)(p->mu);
-    c->L_M_mu2 = (real)(L_M_mu2.high);
+    c->L_M_mu2 = (real)(L_M_mu2);
     c->B_lN_pos_mu2 = (real)(B_lN_pos_mu2);
     c->B_lN_neg_mu2 = (real)(B_lN_neg_mu2);
     c->B_pos = (real)(B_pos);
@@ -432,6 +389,51 @@ void c1_asymmetric_friction_torque_gradient_n(
     const c1_asymmetric_coefficients own = *c; /* that no store to `out` can change */
     for (size_t k = 0; k < n; ++k) {
         c1_asymmetric_friction_torque_gradient_at(omega_m[k], &out[1 * k], &own);
+    }
+}
+
+REAL_INLINE void c1_asymmetric_friction_torque_with_gradient_at(
+    real omega_m,
+    real *out,
+    const c1_asymmetric_coefficients *c)
+{
+    /* normal force on the axis of rotation [N], eq (8) */
+    const real F_N = c->L_M_mu2 * omega_m * omega_m;
+    const real F_N_d_omega_m = omega_m * c->twice_L_M_mu2;
+    const real direction_of_motion = c1_asymmetric_sgn(omega_m);
+    const real part_3 = F_N * ((omega_m > REAL(0.0)) ? c->B_lN_pos_mu2 : c->B_lN_neg_mu2);
+    const real part_2 = c->k_e_k_i_per_R + part_3 + ((omega_m > REAL(0.0)) ? c->B_pos : c->B_neg);
+    const real part_1 = omega_m * part_2;
+    const real part_6 = F_N * ((omega_m > REAL(0.0)) ? c->C_lN_pos_mu : c->C_lN_neg_mu);
+    const real part_5 = part_6 + ((omega_m > REAL(0.0)) ? c->C_pos : c->C_neg);
+    const real part_4 = direction_of_motion * part_5;
+    out[0] = part_1 + part_4;
+    const real part_10 = ((omega_m > REAL(0.0)) ? c->C_lN_pos_mu : c->C_lN_neg_mu);
+    const real part_9 = direction_of_motion * part_10;
+    const real part_11 = omega_m * ((omega_m > REAL(0.0)) ? c->B_lN_pos_mu2 : c->B_lN_neg_mu2);
+    const real part_8 = part_11 + part_9;
+    const real part_7 = F_N_d_omega_m * part_8;
+    const real part_13 = ((omega_m > REAL(0.0)) ? c->B_pos : c->B_neg);
+    out[1] = c->k_e_k_i_per_R + part_13 + part_3 + part_7;
+}
+
+void c1_asymmetric_friction_torque_with_gradient(
+    ECCENTRIC_REAL omega_m,
+    ECCENTRIC_REAL *out,
+    const c1_asymmetric_coefficients *c)
+{
+    c1_asymmetric_friction_torque_with_gradient_at(omega_m, out, c);
+}
+
+void c1_asymmetric_friction_torque_with_gradient_n(
+    size_t n,
+    const ECCENTRIC_REAL *omega_m,
+    ECCENTRIC_REAL *out,
+    const c1_asymmetric_coefficients *c)
+{
+    const c1_asymmetric_coefficients own = *c; /* that no store to `out` can change */
+    for (size_t k = 0; k < n; ++k) {
+        c1_asymmetric_friction_torque_with_gradient_at(omega_m[k], &out[2 * k], &own);
     }
 }
 

@@ -1,5 +1,5 @@
 # Generated: do not edit. Written by `make derive` from derivations/c1_asymmetric.py
-# (eccentric 0.1.0, program 7614a788).
+# (eccentric 0.1.0, program a81e2815).
 # Case C1 with friction that differs between the directions of motion.
 """Case C1 with friction that differs between the directions of motion.
 
@@ -30,6 +30,7 @@ __all__ = [
     "friction_torque",
     "friction_torque_gradient",
     "friction_torque_jacobian",
+    "friction_torque_with_gradient",
     "gravity_torque",
     "mechanical_friction_torque",
     "mechanical_residual",
@@ -209,44 +210,12 @@ class _Coefficients(NamedTuple):
     B_neg_plus_k_e_k_i_per_R: Any
 
 
-class _Pair(NamedTuple):
-    """A parameter beyond double precision: high + low, unevaluated, right to some 104 bits."""
-
-    high: float
-    low: float
-
-
-def _exact(x: float) -> _Pair:
-    return _Pair(x, 0.0)
-
-
-def _sum(a: float, b: float) -> _Pair:
-    """Add without error."""
-    high = a + b
-    part = high - a
-    return _Pair(high, (a - (high - part)) + (b - part))
-
-
-def _product(a: float, b: float) -> _Pair:
-    """Multiply without error: both factors are split into halves, whose products are exact."""
-    high = a * b
-    a_scaled, b_scaled = a * 134217729.0, b * 134217729.0
-    a_1, b_1 = a_scaled - (a_scaled - a), b_scaled - (b_scaled - b)
-    a_2, b_2 = a - a_1, b - b_1
-    return _Pair(high, (((a_1 * b_1 - high) + a_1 * b_2) + a_2 * b_1) + a_2 * b_2)
-
-
-def _times(x: _Pair, y: _Pair) -> _Pair:
-    highs = _product(x.high, y.high)
-    return _sum(highs.high, highs.low + (x.high * y.low + x.low * y.high))
-
-
 @lru_cache(maxsize=64)
 def _prepare(p: Parameters, real: _Real) -> _Coefficients:
     F_T = p.M_l * p.g if p.F_T is None else p.F_T
     J_m = math.nan if p.J_m is None else p.J_m
     J_l = math.nan if p.J_l is None else p.J_l
-    L_M_mu2 = _times(_times(_exact(p.L), _exact(p.M)), _times(_exact(p.mu), _exact(p.mu)))
+    L_M_mu2 = p.L * p.M * p.mu * p.mu
     B_lN_pos_mu2 = p.B_lN_pos * p.mu * p.mu
     B_lN_neg_mu2 = p.B_lN_neg * p.mu * p.mu
     B_pos = p.B_lT_pos * F_T * p.mu * p.mu + p.B_m_pos
@@ -295,7 +264,7 @@ def _prepare(p: Parameters, real: _Real) -> _Coefficients:
             k_e=real(p.k_e),
             k_i=real(p.k_i),
             mu=real(p.mu),
-            L_M_mu2=real(L_M_mu2.high),
+            L_M_mu2=real(L_M_mu2),
             B_lN_pos_mu2=real(B_lN_pos_mu2),
             B_lN_neg_mu2=real(B_lN_neg_mu2),
             B_pos=real(B_pos),
@@ -506,6 +475,45 @@ def friction_torque_gradient(
     omega_m [rad/s]: motor velocity
     """
     return _evaluate(_friction_torque_gradient, (omega_m,), parameters, out, 1)
+
+
+def _friction_torque_with_gradient(
+    c: _Coefficients,
+    omega_m: Any,
+) -> tuple[Any, ...]:
+    # normal force on the axis of rotation [N], eq (8)
+    F_N = c.L_M_mu2 * omega_m * omega_m
+    F_N_d_omega_m = omega_m * c.twice_L_M_mu2
+    direction_of_motion = np.sign(omega_m)
+    part_3 = F_N * np.where(omega_m > 0.0, c.B_lN_pos_mu2, c.B_lN_neg_mu2)
+    part_2 = c.k_e_k_i_per_R + part_3 + np.where(omega_m > 0.0, c.B_pos, c.B_neg)
+    part_1 = omega_m * part_2
+    part_6 = F_N * np.where(omega_m > 0.0, c.C_lN_pos_mu, c.C_lN_neg_mu)
+    part_5 = part_6 + np.where(omega_m > 0.0, c.C_pos, c.C_neg)
+    part_4 = direction_of_motion * part_5
+    result_friction_torque = part_1 + part_4
+    part_10 = np.where(omega_m > 0.0, c.C_lN_pos_mu, c.C_lN_neg_mu)
+    part_9 = direction_of_motion * part_10
+    part_11 = omega_m * np.where(omega_m > 0.0, c.B_lN_pos_mu2, c.B_lN_neg_mu2)
+    part_8 = part_11 + part_9
+    part_7 = F_N_d_omega_m * part_8
+    part_13 = np.where(omega_m > 0.0, c.B_pos, c.B_neg)
+    result_omega_m = c.k_e_k_i_per_R + part_13 + part_3 + part_7
+    return (result_friction_torque, result_omega_m)
+
+
+def friction_torque_with_gradient(
+    omega_m: ArrayLike,
+    parameters: Parameters | None = None,
+    out: np.ndarray | None = None,
+) -> Any:
+    """Friction_torque and its partial derivatives, as a linearisation needs them.
+
+    In N m, N m per rad/s; last axis (friction_torque, omega_m).
+
+    omega_m [rad/s]: motor velocity
+    """
+    return _evaluate(_friction_torque_with_gradient, (omega_m,), parameters, out, 2)
 
 
 def _friction_torque_jacobian(

@@ -1,6 +1,6 @@
 /*
  * Generated: do not edit. Written by `make derive` from derivations/c1_perpendicular.py
- * (eccentric 0.1.0, program efe7c4e7).
+ * (eccentric 0.1.0, program 11a195f0).
  * Case C1: gravity perpendicular to the motion plane, steady motion.
  */
 #include "c1_perpendicular.h"
@@ -8,7 +8,7 @@
 #include <float.h>
 #include <math.h>
 
-#if C1_PERPENDICULAR_PROGRAM != 0xefe7c4e7UL
+#if C1_PERPENDICULAR_PROGRAM != 0x11a195f0UL
 #error "c1_perpendicular.c and c1_perpendicular.h are of different derivations: write both again"
 #endif
 
@@ -39,47 +39,6 @@
 REAL_INLINE real c1_perpendicular_sgn(const real x)
 {
     return (x > REAL(0.0)) ? REAL(1.0) : ((x < REAL(0.0)) ? REAL(-1.0) : (x + REAL(0.0)));
-}
-
-/* Parameters beyond double precision: high + low, unevaluated, each result right to some 104 bits. */
-typedef struct {
-    double high;
-    double low;
-} c1_perpendicular_pair;
-
-static c1_perpendicular_pair c1_perpendicular_exact(const double x)
-{
-    const c1_perpendicular_pair result = {x, 0.0};
-    return result;
-}
-
-/* a + b without error. */
-static c1_perpendicular_pair c1_perpendicular_sum(const double a, const double b)
-{
-    const double high = a + b;
-    const double part = high - a;
-    const c1_perpendicular_pair result = {high, (a - (high - part)) + (b - part)};
-    return result;
-}
-
-/* a b without error: both factors are split into halves, whose products are exact. */
-static c1_perpendicular_pair c1_perpendicular_product(const double a, const double b)
-{
-    const double high = a * b;
-    const double a_scaled = a * 134217729.0;
-    const double b_scaled = b * 134217729.0;
-    const double a_1 = a_scaled - (a_scaled - a);
-    const double b_1 = b_scaled - (b_scaled - b);
-    const double a_2 = a - a_1;
-    const double b_2 = b - b_1;
-    const c1_perpendicular_pair result = {high, (((a_1 * b_1 - high) + a_1 * b_2) + a_2 * b_1) + a_2 * b_2};
-    return result;
-}
-
-static c1_perpendicular_pair c1_perpendicular_times(const c1_perpendicular_pair x, const c1_perpendicular_pair y)
-{
-    const c1_perpendicular_pair highs = c1_perpendicular_product(x.high, y.high);
-    return c1_perpendicular_sum(highs.high, highs.low + (x.high * y.low + x.low * y.high));
 }
 
 const c1_perpendicular_parameters c1_perpendicular_default_parameters = {
@@ -168,10 +127,7 @@ const c1_perpendicular_coefficients c1_perpendicular_default = {
 
 void c1_perpendicular_prepare(const c1_perpendicular_parameters *p, c1_perpendicular_coefficients *c)
 {
-    const c1_perpendicular_pair L_M_mu2 =
-        c1_perpendicular_times(c1_perpendicular_times(c1_perpendicular_exact(p->L),
-        c1_perpendicular_exact(p->M)), c1_perpendicular_times(c1_perpendicular_exact(p->mu),
-        c1_perpendicular_exact(p->mu)));
+    const double L_M_mu2 = p->L * p->M * p->mu * p->mu;
     const double B_lN_mu2 = p->B_lN * p->mu * p->mu;
     const double B = p->B_lT * p->F_T * p->mu * p->mu + p->B_m;
     const double B_plus_k_e_k_i_per_R = B + p->k_e * p->k_i / p->R;
@@ -200,7 +156,7 @@ void c1_perpendicular_prepare(const c1_perpendicular_parameters *p, c1_perpendic
     c->C_lN = (real)(p->C_lN);
     c->k_i = (real)(p->k_i);
     c->mu = (real)(p->mu);
-    c->L_M_mu2 = (real)(L_M_mu2.high);
+    c->L_M_mu2 = (real)(L_M_mu2);
     c->B_lN_mu2 = (real)(B_lN_mu2);
     c->B = (real)(B);
     c->B_plus_k_e_k_i_per_R = (real)(B_plus_k_e_k_i_per_R);
@@ -339,6 +295,41 @@ void c1_perpendicular_friction_torque_gradient_n(
     const c1_perpendicular_coefficients own = *c; /* that no store to `out` can change */
     for (size_t k = 0; k < n; ++k) {
         c1_perpendicular_friction_torque_gradient_at(omega_m[k], &out[1 * k], &own);
+    }
+}
+
+REAL_INLINE void c1_perpendicular_friction_torque_with_gradient_at(
+    real omega_m,
+    real *out,
+    const c1_perpendicular_coefficients *c)
+{
+    /* normal force on the axis of rotation [N], eq (8) */
+    const real F_N = c->L_M_mu2 * omega_m * omega_m;
+    const real F_N_d_omega_m = omega_m * c->twice_L_M_mu2;
+    const real direction_of_motion = c1_perpendicular_sgn(omega_m);
+    const real part_1 = omega_m * (c->B_lN_mu2 * F_N + c->B_plus_k_e_k_i_per_R);
+    out[0] = direction_of_motion * (c->C + c->C_lN_mu * F_N) + part_1;
+    const real part_2 = F_N_d_omega_m * (c->B_lN_mu2 * omega_m + c->C_lN_mu * direction_of_motion);
+    out[1] = c->B_lN_mu2 * F_N + c->B_plus_k_e_k_i_per_R + part_2;
+}
+
+void c1_perpendicular_friction_torque_with_gradient(
+    ECCENTRIC_REAL omega_m,
+    ECCENTRIC_REAL *out,
+    const c1_perpendicular_coefficients *c)
+{
+    c1_perpendicular_friction_torque_with_gradient_at(omega_m, out, c);
+}
+
+void c1_perpendicular_friction_torque_with_gradient_n(
+    size_t n,
+    const ECCENTRIC_REAL *omega_m,
+    ECCENTRIC_REAL *out,
+    const c1_perpendicular_coefficients *c)
+{
+    const c1_perpendicular_coefficients own = *c; /* that no store to `out` can change */
+    for (size_t k = 0; k < n; ++k) {
+        c1_perpendicular_friction_torque_with_gradient_at(omega_m[k], &out[2 * k], &own);
     }
 }
 

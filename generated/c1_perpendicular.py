@@ -1,5 +1,5 @@
 # Generated: do not edit. Written by `make derive` from derivations/c1_perpendicular.py
-# (eccentric 0.1.0, program efe7c4e7).
+# (eccentric 0.1.0, program 11a195f0).
 # Case C1: gravity perpendicular to the motion plane, steady motion.
 """Case C1: gravity perpendicular to the motion plane, steady motion.
 
@@ -30,6 +30,7 @@ __all__ = [
     "friction_torque",
     "friction_torque_gradient",
     "friction_torque_jacobian",
+    "friction_torque_with_gradient",
     "gravity_torque",
     "mechanical_friction_torque",
     "mechanical_residual",
@@ -159,44 +160,12 @@ class _Coefficients(NamedTuple):
     C_lN_L_M_mu3: Any
 
 
-class _Pair(NamedTuple):
-    """A parameter beyond double precision: high + low, unevaluated, right to some 104 bits."""
-
-    high: float
-    low: float
-
-
-def _exact(x: float) -> _Pair:
-    return _Pair(x, 0.0)
-
-
-def _sum(a: float, b: float) -> _Pair:
-    """Add without error."""
-    high = a + b
-    part = high - a
-    return _Pair(high, (a - (high - part)) + (b - part))
-
-
-def _product(a: float, b: float) -> _Pair:
-    """Multiply without error: both factors are split into halves, whose products are exact."""
-    high = a * b
-    a_scaled, b_scaled = a * 134217729.0, b * 134217729.0
-    a_1, b_1 = a_scaled - (a_scaled - a), b_scaled - (b_scaled - b)
-    a_2, b_2 = a - a_1, b - b_1
-    return _Pair(high, (((a_1 * b_1 - high) + a_1 * b_2) + a_2 * b_1) + a_2 * b_2)
-
-
-def _times(x: _Pair, y: _Pair) -> _Pair:
-    highs = _product(x.high, y.high)
-    return _sum(highs.high, highs.low + (x.high * y.low + x.low * y.high))
-
-
 @lru_cache(maxsize=64)
 def _prepare(p: Parameters, real: _Real) -> _Coefficients:
     F_T = p.M_l * p.g if p.F_T is None else p.F_T
     J_m = math.nan if p.J_m is None else p.J_m
     J_l = math.nan if p.J_l is None else p.J_l
-    L_M_mu2 = _times(_times(_exact(p.L), _exact(p.M)), _times(_exact(p.mu), _exact(p.mu)))
+    L_M_mu2 = p.L * p.M * p.mu * p.mu
     B_lN_mu2 = p.B_lN * p.mu * p.mu
     B = p.B_lT * F_T * p.mu * p.mu + p.B_m
     B_plus_k_e_k_i_per_R = B + p.k_e * p.k_i / p.R
@@ -227,7 +196,7 @@ def _prepare(p: Parameters, real: _Real) -> _Coefficients:
             C_lN=real(p.C_lN),
             k_i=real(p.k_i),
             mu=real(p.mu),
-            L_M_mu2=real(L_M_mu2.high),
+            L_M_mu2=real(L_M_mu2),
             B_lN_mu2=real(B_lN_mu2),
             B=real(B),
             B_plus_k_e_k_i_per_R=real(B_plus_k_e_k_i_per_R),
@@ -407,6 +376,35 @@ def friction_torque_gradient(
     omega_m [rad/s]: motor velocity
     """
     return _evaluate(_friction_torque_gradient, (omega_m,), parameters, out, 1)
+
+
+def _friction_torque_with_gradient(
+    c: _Coefficients,
+    omega_m: Any,
+) -> tuple[Any, ...]:
+    # normal force on the axis of rotation [N], eq (8)
+    F_N = c.L_M_mu2 * omega_m * omega_m
+    F_N_d_omega_m = omega_m * c.twice_L_M_mu2
+    direction_of_motion = np.sign(omega_m)
+    part_1 = omega_m * (c.B_lN_mu2 * F_N + c.B_plus_k_e_k_i_per_R)
+    result_friction_torque = direction_of_motion * (c.C + c.C_lN_mu * F_N) + part_1
+    part_2 = F_N_d_omega_m * (c.B_lN_mu2 * omega_m + c.C_lN_mu * direction_of_motion)
+    result_omega_m = c.B_lN_mu2 * F_N + c.B_plus_k_e_k_i_per_R + part_2
+    return (result_friction_torque, result_omega_m)
+
+
+def friction_torque_with_gradient(
+    omega_m: ArrayLike,
+    parameters: Parameters | None = None,
+    out: np.ndarray | None = None,
+) -> Any:
+    """Friction_torque and its partial derivatives, as a linearisation needs them.
+
+    In N m, N m per rad/s; last axis (friction_torque, omega_m).
+
+    omega_m [rad/s]: motor velocity
+    """
+    return _evaluate(_friction_torque_with_gradient, (omega_m,), parameters, out, 2)
 
 
 def _friction_torque_jacobian(

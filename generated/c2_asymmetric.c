@@ -1,6 +1,6 @@
 /*
  * Generated: do not edit. Written by `make derive` from derivations/c2_asymmetric.py
- * (eccentric 0.1.0, program b181ea50).
+ * (eccentric 0.1.0, program 86132b02).
  * Case C2 with friction that differs between the directions of motion.
  */
 #include "c2_asymmetric.h"
@@ -8,7 +8,7 @@
 #include <float.h>
 #include <math.h>
 
-#if C2_ASYMMETRIC_PROGRAM != 0xb181ea50UL
+#if C2_ASYMMETRIC_PROGRAM != 0x86132b02UL
 #error "c2_asymmetric.c and c2_asymmetric.h are of different derivations: write both again"
 #endif
 
@@ -58,11 +58,11 @@ REAL_INLINE real c2_asymmetric_forward(const real x)
     return (x > REAL(0.0)) ? REAL(1.0) : ((x <= REAL(0.0)) ? REAL(0.0) : x);
 }
 
-/* sin(h)/h, |h| within a quarter turn: minimax in x = h^2, error 6.1e-9 (float), 2.8e-19 (double). */
+/* sin(h)/h - 1, |h| within a quarter turn: minimax in x = h^2, error 6.1e-9 (float), 2.8e-19 (double). */
 REAL_INLINE real c2_asymmetric_sine_ratio(const real h)
 {
 #ifdef ECCENTRIC_LIBM
-    return (h == REAL(0.0)) ? REAL(1.0) : (REAL_SIN(h) / h);
+    return (h == REAL(0.0)) ? REAL(0.0) : (REAL_SIN(h) / h - REAL(1.0));
 #else
     const real x = h * h;
     const real y = x * x;
@@ -71,7 +71,7 @@ REAL_INLINE real c2_asymmetric_sine_ratio(const real h)
     even = even * y + REAL(-1.66666595e-1);
     real odd = REAL(2.60548113e-6);
     odd = odd * y + REAL(8.33306462e-3);
-    return (odd * x + even) * x + REAL(1.0);
+    return (odd * x + even) * x;
 #else
     real even = REAL(-7.642974965950368e-13);
     even = even * y + REAL(-2.5052106860746877e-8);
@@ -81,7 +81,7 @@ REAL_INLINE real c2_asymmetric_sine_ratio(const real h)
     odd = odd * y + REAL(1.6058939085095993e-10);
     odd = odd * y + REAL(2.7557319211008999e-6);
     odd = odd * y + REAL(8.3333333333331924e-3);
-    return (odd * x + even) * x + REAL(1.0);
+    return (odd * x + even) * x;
 #endif
 #endif
 }
@@ -459,7 +459,7 @@ REAL_INLINE real c2_asymmetric_from_top(real theta_m, const c2_asymmetric_coeffi
 REAL_INLINE real c2_asymmetric_chord(real from_top, const c2_asymmetric_coefficients *c)
 {
     const real half_angle = from_top * c->half_mu;
-    return from_top * c2_asymmetric_sine_ratio(half_angle);
+    return from_top + from_top * c2_asymmetric_sine_ratio(half_angle);
 }
 
 /* Cosine of half the link angle from the top. */
@@ -476,11 +476,9 @@ REAL_INLINE real c2_asymmetric_normal_force_at(real omega_m, real chord, const c
     const real speed = ((size > c->fastest) ? c->fastest : size);
     /* speed^2 - omega_star^2; the difference is taken once, before anything is rounded */
     const real square_difference = (speed - c->omega_star_1 - c->omega_star_2) * (speed + c->omega_star_1);
-    const real p = square_difference;
     const real q = c->mu_omega_star * speed * chord;
-    const real magnitude = REAL_SQRT(p * p + q * q);
     /* normal force over scale_N [rad^2/s^2] */
-    const real load = magnitude;
+    const real load = REAL_SQRT(square_difference * square_difference + q * q);
     return load * c->scale_N;
 }
 
@@ -528,11 +526,9 @@ REAL_INLINE real c2_asymmetric_friction_torque_at(
     const real speed = ((size > c->fastest) ? c->fastest : size);
     /* speed^2 - omega_star^2; the difference is taken once, before anything is rounded */
     const real square_difference = (speed - c->omega_star_1 - c->omega_star_2) * (speed + c->omega_star_1);
-    const real p = square_difference;
     const real q = c->mu_omega_star * speed * chord;
-    const real magnitude = REAL_SQRT(p * p + q * q);
     /* normal force over scale_N [rad^2/s^2] */
-    const real load = magnitude;
+    const real load = REAL_SQRT(square_difference * square_difference + q * q);
     const real direction_of_motion = c2_asymmetric_sgn(omega_m);
     const real part_4 = ((omega_m > REAL(0.0)) ? c->B_lN_pos_mu2_scale_N : c->B_lN_neg_mu2_scale_N);
     const real part_3 = load * part_4;
@@ -590,11 +586,9 @@ REAL_INLINE real c2_asymmetric_mechanical_friction_torque_at(
     const real speed = ((size > c->fastest) ? c->fastest : size);
     /* speed^2 - omega_star^2; the difference is taken once, before anything is rounded */
     const real square_difference = (speed - c->omega_star_1 - c->omega_star_2) * (speed + c->omega_star_1);
-    const real p = square_difference;
     const real q = c->mu_omega_star * speed * chord;
-    const real magnitude = REAL_SQRT(p * p + q * q);
     /* normal force over scale_N [rad^2/s^2] */
-    const real load = magnitude;
+    const real load = REAL_SQRT(square_difference * square_difference + q * q);
     const real direction_of_motion = c2_asymmetric_sgn(omega_m);
     const real part_4 = ((omega_m > REAL(0.0)) ? c->C_lN_pos_mu_scale_N : c->C_lN_neg_mu_scale_N);
     const real part_3 = load * part_4;
@@ -652,35 +646,26 @@ REAL_INLINE void c2_asymmetric_friction_torque_gradient_at(
     /* magnitude of the motor velocity, at most 2^30, 0 if M L = 0 [rad/s] */
     const real speed = ((size > c->fastest) ? c->fastest : size);
     const real direction_of_motion = c2_asymmetric_sgn(omega_m);
-    const real speed_d_omega_m = direction_of_motion;
     /* speed^2 - omega_star^2; the difference is taken once, before anything is rounded */
     const real square_difference = (speed - c->omega_star_1 - c->omega_star_2) * (speed + c->omega_star_1);
-    const real p = square_difference;
     const real q = c->mu_omega_star * speed * chord;
-    const real magnitude = REAL_SQRT(p * p + q * q);
     /* normal force over scale_N [rad^2/s^2] */
-    const real load = magnitude;
+    const real load = REAL_SQRT(square_difference * square_difference + q * q);
     /* 1 at the apex, where F_N is 0 and its derivatives are taken as 0 */
-    const real inverse = REAL(1.0) / ((magnitude == REAL(0.0)) ? REAL(1.0) : magnitude);
+    const real inverse = REAL(1.0) / ((load == REAL(0.0)) ? REAL(1.0) : load);
     const real part_1 = c->mu_omega_star * speed * (q * inverse);
     const real load_d_theta_m = part_1 * half_sine;
     const real part_3 = c->mu_omega_star * (q * inverse) * chord;
-    const real part_2 = part_3 + REAL(2.0) * speed * (p * inverse);
-    const real load_d_omega_m = part_2 * speed_d_omega_m;
+    const real part_2 = part_3 + REAL(2.0) * speed * (square_difference * inverse);
+    const real load_d_omega_m = direction_of_motion * part_2;
     const real part_6 = ((omega_m > REAL(0.0)) ? c->C_lN_pos_mu_scale_N : c->C_lN_neg_mu_scale_N);
     const real part_5 = direction_of_motion * part_6;
     const real part_8 = ((omega_m > REAL(0.0)) ? c->B_lN_pos_mu2_scale_N : c->B_lN_neg_mu2_scale_N);
     const real part_7 = omega_m * part_8;
     const real part_4 = part_5 + part_7;
     out[0] = load_d_theta_m * part_4;
-    const real part_12 = ((omega_m > REAL(0.0)) ? c->C_lN_pos_mu_scale_N : c->C_lN_neg_mu_scale_N);
-    const real part_11 = direction_of_motion * part_12;
-    const real part_14 = ((omega_m > REAL(0.0)) ? c->B_lN_pos_mu2_scale_N : c->B_lN_neg_mu2_scale_N);
-    const real part_13 = omega_m * part_14;
-    const real part_10 = part_11 + part_13;
-    const real part_9 = load_d_omega_m * part_10;
-    const real part_16 = ((omega_m > REAL(0.0)) ? c->B_lN_pos_mu2_scale_N : c->B_lN_neg_mu2_scale_N);
-    const real part_15 = load * part_16;
+    const real part_9 = load_d_omega_m * part_4;
+    const real part_15 = load * part_8;
     const real part_17 = ((omega_m > REAL(0.0)) ? c->B_m_pos : c->B_m_neg);
     out[1] = c->k_e_k_i_per_R + part_15 + part_17 + part_9;
 }
@@ -724,6 +709,86 @@ void c2_asymmetric_friction_torque_gradient_n(
     }
 }
 
+REAL_INLINE void c2_asymmetric_friction_torque_with_gradient_at(
+    real omega_m,
+    real chord,
+    real half_sine,
+    real *out,
+    const c2_asymmetric_coefficients *c)
+{
+    const real size = REAL_FABS(omega_m);
+    /* magnitude of the motor velocity, at most 2^30, 0 if M L = 0 [rad/s] */
+    const real speed = ((size > c->fastest) ? c->fastest : size);
+    const real direction_of_motion = c2_asymmetric_sgn(omega_m);
+    /* speed^2 - omega_star^2; the difference is taken once, before anything is rounded */
+    const real square_difference = (speed - c->omega_star_1 - c->omega_star_2) * (speed + c->omega_star_1);
+    const real q = c->mu_omega_star * speed * chord;
+    /* normal force over scale_N [rad^2/s^2] */
+    const real load = REAL_SQRT(square_difference * square_difference + q * q);
+    /* 1 at the apex, where F_N is 0 and its derivatives are taken as 0 */
+    const real inverse = REAL(1.0) / ((load == REAL(0.0)) ? REAL(1.0) : load);
+    const real part_1 = c->mu_omega_star * speed * (q * inverse);
+    const real load_d_theta_m = part_1 * half_sine;
+    const real part_3 = c->mu_omega_star * (q * inverse) * chord;
+    const real part_2 = part_3 + REAL(2.0) * speed * (square_difference * inverse);
+    const real load_d_omega_m = direction_of_motion * part_2;
+    const real part_7 = ((omega_m > REAL(0.0)) ? c->B_lN_pos_mu2_scale_N : c->B_lN_neg_mu2_scale_N);
+    const real part_6 = load * part_7;
+    const real part_8 = ((omega_m > REAL(0.0)) ? c->B_m_pos : c->B_m_neg);
+    const real part_5 = c->k_e_k_i_per_R + part_6 + part_8;
+    const real part_4 = omega_m * part_5;
+    const real part_12 = ((omega_m > REAL(0.0)) ? c->C_lN_pos_mu_scale_N : c->C_lN_neg_mu_scale_N);
+    const real part_11 = load * part_12;
+    const real part_10 = part_11 + ((omega_m > REAL(0.0)) ? c->C_m_pos : c->C_m_neg);
+    const real part_9 = direction_of_motion * part_10;
+    out[0] = part_4 + part_9;
+    const real part_14 = direction_of_motion * part_12;
+    const real part_16 = omega_m * part_7;
+    const real part_13 = part_14 + part_16;
+    out[1] = load_d_theta_m * part_13;
+    const real part_18 = load_d_omega_m * part_13;
+    out[2] = c->k_e_k_i_per_R + part_18 + part_6 + part_8;
+}
+
+void c2_asymmetric_friction_torque_with_gradient(
+    ECCENTRIC_REAL theta_m,
+    ECCENTRIC_REAL omega_m,
+    ECCENTRIC_REAL *out,
+    const c2_asymmetric_coefficients *c)
+{
+    const real from_top = c2_asymmetric_from_top(theta_m, c);
+    const real chord = c2_asymmetric_chord(from_top, c);
+    const real half_sine = c2_asymmetric_half_sine(from_top, c);
+    c2_asymmetric_friction_torque_with_gradient_at(omega_m, chord, half_sine, out, c);
+}
+
+void c2_asymmetric_friction_torque_with_gradient_n(
+    size_t n,
+    const ECCENTRIC_REAL *theta_m,
+    const ECCENTRIC_REAL *omega_m,
+    ECCENTRIC_REAL *out,
+    const c2_asymmetric_coefficients *c)
+{
+    const c2_asymmetric_coefficients own = *c; /* that no store to `out` can change */
+    real from_top[REAL_BLOCK];
+    real chord[REAL_BLOCK];
+    real half_sine[REAL_BLOCK];
+    for (size_t first = 0; first < n; first += REAL_BLOCK) {
+        const size_t count = (n - first < REAL_BLOCK) ? (n - first) : REAL_BLOCK;
+        for (size_t k = 0; k < count; ++k) {
+            from_top[k] = c2_asymmetric_from_top(theta_m[first + k], &own);
+        }
+        for (size_t k = 0; k < count; ++k) {
+            chord[k] = c2_asymmetric_chord(from_top[k], &own);
+            half_sine[k] = c2_asymmetric_half_sine(from_top[k], &own);
+        }
+        for (size_t k = 0; k < count; ++k) {
+            c2_asymmetric_friction_torque_with_gradient_at(omega_m[first + k], chord[k], half_sine[k], &out[3
+                * (first + k)], &own);
+        }
+    }
+}
+
 REAL_INLINE void c2_asymmetric_friction_torque_jacobian_at(
     real omega_m,
     real chord,
@@ -735,11 +800,9 @@ REAL_INLINE void c2_asymmetric_friction_torque_jacobian_at(
     const real speed = ((size > c->fastest) ? c->fastest : size);
     /* speed^2 - omega_star^2; the difference is taken once, before anything is rounded */
     const real square_difference = (speed - c->omega_star_1 - c->omega_star_2) * (speed + c->omega_star_1);
-    const real p = square_difference;
     const real q = c->mu_omega_star * speed * chord;
-    const real magnitude = REAL_SQRT(p * p + q * q);
     /* normal force over scale_N [rad^2/s^2] */
-    const real load = magnitude;
+    const real load = REAL_SQRT(square_difference * square_difference + q * q);
     const real is_forward = c2_asymmetric_forward(omega_m);
     const real ungated = load * c->mu2_scale_N * omega_m;
     out[0] = ((is_forward == REAL(0.0)) ? REAL(0.0) : ungated * is_forward);
@@ -802,11 +865,9 @@ REAL_INLINE void c2_asymmetric_regressor_at(
     const real speed = ((size > c->fastest) ? c->fastest : size);
     /* speed^2 - omega_star^2; the difference is taken once, before anything is rounded */
     const real square_difference = (speed - c->omega_star_1 - c->omega_star_2) * (speed + c->omega_star_1);
-    const real p = square_difference;
     const real q = c->mu_omega_star * speed * chord;
-    const real magnitude = REAL_SQRT(p * p + q * q);
     /* normal force over scale_N [rad^2/s^2] */
-    const real load = magnitude;
+    const real load = REAL_SQRT(square_difference * square_difference + q * q);
     const real is_forward = c2_asymmetric_forward(omega_m);
     const real ungated = load * c->mu2_scale_N * omega_m;
     out[0] = ((is_forward == REAL(0.0)) ? REAL(0.0) : ungated * is_forward);
@@ -928,11 +989,9 @@ REAL_INLINE real c2_asymmetric_voltage_at(
     const real speed = ((size > c->fastest) ? c->fastest : size);
     /* speed^2 - omega_star^2; the difference is taken once, before anything is rounded */
     const real square_difference = (speed - c->omega_star_1 - c->omega_star_2) * (speed + c->omega_star_1);
-    const real p = square_difference;
     const real q = c->mu_omega_star * speed * chord;
-    const real magnitude = REAL_SQRT(p * p + q * q);
     /* normal force over scale_N [rad^2/s^2] */
-    const real load = magnitude;
+    const real load = REAL_SQRT(square_difference * square_difference + q * q);
     const real direction_of_motion = c2_asymmetric_sgn(omega_m);
     const real part_4 = ((omega_m > REAL(0.0)) ? c->C_lN_pos_R_mu_scale_N_per_k_i :
         c->C_lN_neg_R_mu_scale_N_per_k_i);
@@ -1003,11 +1062,9 @@ REAL_INLINE real c2_asymmetric_current_at(
     const real speed = ((size > c->fastest) ? c->fastest : size);
     /* speed^2 - omega_star^2; the difference is taken once, before anything is rounded */
     const real square_difference = (speed - c->omega_star_1 - c->omega_star_2) * (speed + c->omega_star_1);
-    const real p = square_difference;
     const real q = c->mu_omega_star * speed * chord;
-    const real magnitude = REAL_SQRT(p * p + q * q);
     /* normal force over scale_N [rad^2/s^2] */
-    const real load = magnitude;
+    const real load = REAL_SQRT(square_difference * square_difference + q * q);
     const real direction_of_motion = c2_asymmetric_sgn(omega_m);
     const real part_4 = ((omega_m > REAL(0.0)) ? c->C_lN_pos_mu_scale_N_per_k_i :
         c->C_lN_neg_mu_scale_N_per_k_i);
@@ -1077,11 +1134,9 @@ REAL_INLINE real c2_asymmetric_mechanical_residual_at(
     const real speed = ((size > c->fastest) ? c->fastest : size);
     /* speed^2 - omega_star^2; the difference is taken once, before anything is rounded */
     const real square_difference = (speed - c->omega_star_1 - c->omega_star_2) * (speed + c->omega_star_1);
-    const real p = square_difference;
     const real q = c->mu_omega_star * speed * chord;
-    const real magnitude = REAL_SQRT(p * p + q * q);
     /* normal force over scale_N [rad^2/s^2] */
-    const real load = magnitude;
+    const real load = REAL_SQRT(square_difference * square_difference + q * q);
     const real direction_of_motion = c2_asymmetric_sgn(omega_m);
     const real part_4 = ((omega_m > REAL(0.0)) ? c->C_lN_pos_mu_scale_N : c->C_lN_neg_mu_scale_N);
     const real part_3 = -load * part_4;

@@ -1,5 +1,5 @@
 # Generated: do not edit. Written by `make derive` from derivations/c2_asymmetric.py
-# (eccentric 0.1.0, program b181ea50).
+# (eccentric 0.1.0, program 86132b02).
 # Case C2 with friction that differs between the directions of motion.
 """Case C2 with friction that differs between the directions of motion.
 
@@ -30,6 +30,7 @@ __all__ = [
     "friction_torque",
     "friction_torque_gradient",
     "friction_torque_jacobian",
+    "friction_torque_with_gradient",
     "gravity_torque",
     "mechanical_friction_torque",
     "mechanical_residual",
@@ -418,11 +419,11 @@ def _horner(coefficients: tuple[float, ...], y: Any) -> Any:
 
 
 def _sine_ratio(half_angle: Any) -> Any:
-    """sin(h)/h for |h| within a quarter turn, a minimax polynomial in h^2; error 6.1e-9 and 2.8e-19."""
+    """sin(h)/h - 1 for |h| within a quarter turn, a minimax polynomial in h^2; error 6.1e-9 and 2.8e-19."""
     x = half_angle * half_angle
     y = x * x
     even, odd = (_horner(half, y) for half in _SINE_RATIO[y.dtype.char])
-    return (odd * x + even) * x + 1.0
+    return (odd * x + even) * x
 
 
 def _cosine(half_angle: Any) -> Any:
@@ -496,7 +497,7 @@ def _from_top(c: _Coefficients, theta_m: Any) -> Any:
 def _chord(c: _Coefficients, from_top: Any) -> Any:
     """2 sin(half the link angle from the top)/mu."""
     half_angle = from_top * c.half_mu
-    return from_top * _sine_ratio(half_angle)
+    return from_top + from_top * _sine_ratio(half_angle)
 
 
 def _half_sine(c: _Coefficients, from_top: Any) -> Any:
@@ -517,11 +518,9 @@ def _normal_force(
     square_difference = (speed - c.omega_star_1 - c.omega_star_2) * (speed + c.omega_star_1)
     from_top = _from_top(c, theta_m)
     chord = _chord(c, from_top)
-    p = square_difference
     q = c.mu_omega_star * speed * chord
-    magnitude = np.sqrt(p * p + q * q)
     # normal force over scale_N [rad^2/s^2]
-    load = magnitude
+    load = np.sqrt(square_difference * square_difference + q * q)
     result = load * c.scale_N
     return (result,)
 
@@ -552,11 +551,9 @@ def _friction_torque(
     square_difference = (speed - c.omega_star_1 - c.omega_star_2) * (speed + c.omega_star_1)
     from_top = _from_top(c, theta_m)
     chord = _chord(c, from_top)
-    p = square_difference
     q = c.mu_omega_star * speed * chord
-    magnitude = np.sqrt(p * p + q * q)
     # normal force over scale_N [rad^2/s^2]
-    load = magnitude
+    load = np.sqrt(square_difference * square_difference + q * q)
     direction_of_motion = np.sign(omega_m)
     part_4 = np.where(omega_m > 0.0, c.B_lN_pos_mu2_scale_N, c.B_lN_neg_mu2_scale_N)
     part_3 = load * part_4
@@ -599,11 +596,9 @@ def _mechanical_friction_torque(
     square_difference = (speed - c.omega_star_1 - c.omega_star_2) * (speed + c.omega_star_1)
     from_top = _from_top(c, theta_m)
     chord = _chord(c, from_top)
-    p = square_difference
     q = c.mu_omega_star * speed * chord
-    magnitude = np.sqrt(p * p + q * q)
     # normal force over scale_N [rad^2/s^2]
-    load = magnitude
+    load = np.sqrt(square_difference * square_difference + q * q)
     direction_of_motion = np.sign(omega_m)
     part_4 = np.where(omega_m > 0.0, c.C_lN_pos_mu_scale_N, c.C_lN_neg_mu_scale_N)
     part_3 = load * part_4
@@ -642,38 +637,29 @@ def _friction_torque_gradient(
     # magnitude of the motor velocity, at most 2^30, 0 if M L = 0 [rad/s]
     speed = np.where(size > c.fastest, c.fastest, size)
     direction_of_motion = np.sign(omega_m)
-    speed_d_omega_m = direction_of_motion
     # speed^2 - omega_star^2; the difference is taken once, before anything is rounded
     square_difference = (speed - c.omega_star_1 - c.omega_star_2) * (speed + c.omega_star_1)
     from_top = _from_top(c, theta_m)
     chord = _chord(c, from_top)
-    p = square_difference
     q = c.mu_omega_star * speed * chord
-    magnitude = np.sqrt(p * p + q * q)
     # normal force over scale_N [rad^2/s^2]
-    load = magnitude
+    load = np.sqrt(square_difference * square_difference + q * q)
     half_sine = _half_sine(c, from_top)
     # 1 at the apex, where F_N is 0 and its derivatives are taken as 0
-    inverse = 1.0 / np.where(magnitude == 0.0, 1.0, magnitude)
+    inverse = 1.0 / np.where(load == 0.0, 1.0, load)
     part_1 = c.mu_omega_star * speed * (q * inverse)
     load_d_theta_m = part_1 * half_sine
     part_3 = c.mu_omega_star * (q * inverse) * chord
-    part_2 = part_3 + 2.0 * speed * (p * inverse)
-    load_d_omega_m = part_2 * speed_d_omega_m
+    part_2 = part_3 + 2.0 * speed * (square_difference * inverse)
+    load_d_omega_m = direction_of_motion * part_2
     part_6 = np.where(omega_m > 0.0, c.C_lN_pos_mu_scale_N, c.C_lN_neg_mu_scale_N)
     part_5 = direction_of_motion * part_6
     part_8 = np.where(omega_m > 0.0, c.B_lN_pos_mu2_scale_N, c.B_lN_neg_mu2_scale_N)
     part_7 = omega_m * part_8
     part_4 = part_5 + part_7
     result_theta_m = load_d_theta_m * part_4
-    part_12 = np.where(omega_m > 0.0, c.C_lN_pos_mu_scale_N, c.C_lN_neg_mu_scale_N)
-    part_11 = direction_of_motion * part_12
-    part_14 = np.where(omega_m > 0.0, c.B_lN_pos_mu2_scale_N, c.B_lN_neg_mu2_scale_N)
-    part_13 = omega_m * part_14
-    part_10 = part_11 + part_13
-    part_9 = load_d_omega_m * part_10
-    part_16 = np.where(omega_m > 0.0, c.B_lN_pos_mu2_scale_N, c.B_lN_neg_mu2_scale_N)
-    part_15 = load * part_16
+    part_9 = load_d_omega_m * part_4
+    part_15 = load * part_8
     part_17 = np.where(omega_m > 0.0, c.B_m_pos, c.B_m_neg)
     result_omega_m = c.k_e_k_i_per_R + part_15 + part_17 + part_9
     return (result_theta_m, result_omega_m)
@@ -695,6 +681,65 @@ def friction_torque_gradient(
     return _evaluate(_friction_torque_gradient, (theta_m, omega_m), parameters, out, 2)
 
 
+def _friction_torque_with_gradient(
+    c: _Coefficients,
+    theta_m: Any,
+    omega_m: Any,
+) -> tuple[Any, ...]:
+    size = np.abs(omega_m)
+    # magnitude of the motor velocity, at most 2^30, 0 if M L = 0 [rad/s]
+    speed = np.where(size > c.fastest, c.fastest, size)
+    direction_of_motion = np.sign(omega_m)
+    # speed^2 - omega_star^2; the difference is taken once, before anything is rounded
+    square_difference = (speed - c.omega_star_1 - c.omega_star_2) * (speed + c.omega_star_1)
+    from_top = _from_top(c, theta_m)
+    chord = _chord(c, from_top)
+    q = c.mu_omega_star * speed * chord
+    # normal force over scale_N [rad^2/s^2]
+    load = np.sqrt(square_difference * square_difference + q * q)
+    half_sine = _half_sine(c, from_top)
+    # 1 at the apex, where F_N is 0 and its derivatives are taken as 0
+    inverse = 1.0 / np.where(load == 0.0, 1.0, load)
+    part_1 = c.mu_omega_star * speed * (q * inverse)
+    load_d_theta_m = part_1 * half_sine
+    part_3 = c.mu_omega_star * (q * inverse) * chord
+    part_2 = part_3 + 2.0 * speed * (square_difference * inverse)
+    load_d_omega_m = direction_of_motion * part_2
+    part_7 = np.where(omega_m > 0.0, c.B_lN_pos_mu2_scale_N, c.B_lN_neg_mu2_scale_N)
+    part_6 = load * part_7
+    part_8 = np.where(omega_m > 0.0, c.B_m_pos, c.B_m_neg)
+    part_5 = c.k_e_k_i_per_R + part_6 + part_8
+    part_4 = omega_m * part_5
+    part_12 = np.where(omega_m > 0.0, c.C_lN_pos_mu_scale_N, c.C_lN_neg_mu_scale_N)
+    part_11 = load * part_12
+    part_10 = part_11 + np.where(omega_m > 0.0, c.C_m_pos, c.C_m_neg)
+    part_9 = direction_of_motion * part_10
+    result_friction_torque = part_4 + part_9
+    part_14 = direction_of_motion * part_12
+    part_16 = omega_m * part_7
+    part_13 = part_14 + part_16
+    result_theta_m = load_d_theta_m * part_13
+    part_18 = load_d_omega_m * part_13
+    result_omega_m = c.k_e_k_i_per_R + part_18 + part_6 + part_8
+    return (result_friction_torque, result_theta_m, result_omega_m)
+
+
+def friction_torque_with_gradient(
+    theta_m: ArrayLike,
+    omega_m: ArrayLike,
+    parameters: Parameters | None = None,
+    out: np.ndarray | None = None,
+) -> Any:
+    """Friction_torque and its partial derivatives, as a linearisation needs them.
+
+    In N m, N m per rad, rad/s; last axis (friction_torque, theta_m, omega_m).
+
+    theta_m [rad]: motor angle
+    omega_m [rad/s]: motor velocity
+    """
+    return _evaluate(_friction_torque_with_gradient, (theta_m, omega_m), parameters, out, 3)
+
+
 def _friction_torque_jacobian(
     c: _Coefficients,
     theta_m: Any,
@@ -707,11 +752,9 @@ def _friction_torque_jacobian(
     square_difference = (speed - c.omega_star_1 - c.omega_star_2) * (speed + c.omega_star_1)
     from_top = _from_top(c, theta_m)
     chord = _chord(c, from_top)
-    p = square_difference
     q = c.mu_omega_star * speed * chord
-    magnitude = np.sqrt(p * p + q * q)
     # normal force over scale_N [rad^2/s^2]
-    load = magnitude
+    load = np.sqrt(square_difference * square_difference + q * q)
     is_forward = np.heaviside(omega_m, 0.0)
     ungated = load * c.mu2_scale_N * omega_m
     result_B_lN_pos = np.where(is_forward == 0.0, 0.0, ungated * is_forward)
@@ -766,11 +809,9 @@ def _regressor(
     square_difference = (speed - c.omega_star_1 - c.omega_star_2) * (speed + c.omega_star_1)
     from_top = _from_top(c, theta_m)
     chord = _chord(c, from_top)
-    p = square_difference
     q = c.mu_omega_star * speed * chord
-    magnitude = np.sqrt(p * p + q * q)
     # normal force over scale_N [rad^2/s^2]
-    load = magnitude
+    load = np.sqrt(square_difference * square_difference + q * q)
     is_forward = np.heaviside(omega_m, 0.0)
     ungated = load * c.mu2_scale_N * omega_m
     result_B_lN_pos = np.where(is_forward == 0.0, 0.0, ungated * is_forward)
@@ -903,11 +944,9 @@ def _voltage(
     square_difference = (speed - c.omega_star_1 - c.omega_star_2) * (speed + c.omega_star_1)
     from_top = _from_top(c, theta_m)
     chord = _chord(c, from_top)
-    p = square_difference
     q = c.mu_omega_star * speed * chord
-    magnitude = np.sqrt(p * p + q * q)
     # normal force over scale_N [rad^2/s^2]
-    load = magnitude
+    load = np.sqrt(square_difference * square_difference + q * q)
     direction_of_motion = np.sign(omega_m)
     half_sine = _half_sine(c, from_top)
     part_4 = np.where(omega_m > 0.0, c.C_lN_pos_R_mu_scale_N_per_k_i, c.C_lN_neg_R_mu_scale_N_per_k_i)
@@ -956,11 +995,9 @@ def _current(
     square_difference = (speed - c.omega_star_1 - c.omega_star_2) * (speed + c.omega_star_1)
     from_top = _from_top(c, theta_m)
     chord = _chord(c, from_top)
-    p = square_difference
     q = c.mu_omega_star * speed * chord
-    magnitude = np.sqrt(p * p + q * q)
     # normal force over scale_N [rad^2/s^2]
-    load = magnitude
+    load = np.sqrt(square_difference * square_difference + q * q)
     direction_of_motion = np.sign(omega_m)
     half_sine = _half_sine(c, from_top)
     part_4 = np.where(omega_m > 0.0, c.C_lN_pos_mu_scale_N_per_k_i, c.C_lN_neg_mu_scale_N_per_k_i)
@@ -1008,11 +1045,9 @@ def _mechanical_residual(
     square_difference = (speed - c.omega_star_1 - c.omega_star_2) * (speed + c.omega_star_1)
     from_top = _from_top(c, theta_m)
     chord = _chord(c, from_top)
-    p = square_difference
     q = c.mu_omega_star * speed * chord
-    magnitude = np.sqrt(p * p + q * q)
     # normal force over scale_N [rad^2/s^2]
-    load = magnitude
+    load = np.sqrt(square_difference * square_difference + q * q)
     direction_of_motion = np.sign(omega_m)
     half_sine = _half_sine(c, from_top)
     part_4 = np.where(omega_m > 0.0, c.C_lN_pos_mu_scale_N, c.C_lN_neg_mu_scale_N)

@@ -1,6 +1,6 @@
 /*
  * Generated: do not edit. Written by `make derive` from derivations/c2_parallel.py
- * (eccentric 0.1.0, program 4fca3e8c).
+ * (eccentric 0.1.0, program 64806716).
  * Case C2: gravity parallel to the motion plane, steady motion.
  */
 #include "c2_parallel.h"
@@ -8,7 +8,7 @@
 #include <float.h>
 #include <math.h>
 
-#if C2_PARALLEL_PROGRAM != 0x4fca3e8cUL
+#if C2_PARALLEL_PROGRAM != 0x64806716UL
 #error "c2_parallel.c and c2_parallel.h are of different derivations: write both again"
 #endif
 
@@ -53,11 +53,11 @@ REAL_INLINE real c2_parallel_sgn(const real x)
     return (x > REAL(0.0)) ? REAL(1.0) : ((x < REAL(0.0)) ? REAL(-1.0) : (x + REAL(0.0)));
 }
 
-/* sin(h)/h, |h| within a quarter turn: minimax in x = h^2, error 6.1e-9 (float), 2.8e-19 (double). */
+/* sin(h)/h - 1, |h| within a quarter turn: minimax in x = h^2, error 6.1e-9 (float), 2.8e-19 (double). */
 REAL_INLINE real c2_parallel_sine_ratio(const real h)
 {
 #ifdef ECCENTRIC_LIBM
-    return (h == REAL(0.0)) ? REAL(1.0) : (REAL_SIN(h) / h);
+    return (h == REAL(0.0)) ? REAL(0.0) : (REAL_SIN(h) / h - REAL(1.0));
 #else
     const real x = h * h;
     const real y = x * x;
@@ -66,7 +66,7 @@ REAL_INLINE real c2_parallel_sine_ratio(const real h)
     even = even * y + REAL(-1.66666595e-1);
     real odd = REAL(2.60548113e-6);
     odd = odd * y + REAL(8.33306462e-3);
-    return (odd * x + even) * x + REAL(1.0);
+    return (odd * x + even) * x;
 #else
     real even = REAL(-7.642974965950368e-13);
     even = even * y + REAL(-2.5052106860746877e-8);
@@ -76,7 +76,7 @@ REAL_INLINE real c2_parallel_sine_ratio(const real h)
     odd = odd * y + REAL(1.6058939085095993e-10);
     odd = odd * y + REAL(2.7557319211008999e-6);
     odd = odd * y + REAL(8.3333333333331924e-3);
-    return (odd * x + even) * x + REAL(1.0);
+    return (odd * x + even) * x;
 #endif
 #endif
 }
@@ -394,7 +394,7 @@ REAL_INLINE real c2_parallel_from_top(real theta_m, const c2_parallel_coefficien
 REAL_INLINE real c2_parallel_chord(real from_top, const c2_parallel_coefficients *c)
 {
     const real half_angle = from_top * c->half_mu;
-    return from_top * c2_parallel_sine_ratio(half_angle);
+    return from_top + from_top * c2_parallel_sine_ratio(half_angle);
 }
 
 /* Cosine of half the link angle from the top. */
@@ -411,11 +411,9 @@ REAL_INLINE real c2_parallel_normal_force_at(real omega_m, real chord, const c2_
     const real speed = ((size > c->fastest) ? c->fastest : size);
     /* speed^2 - omega_star^2; the difference is taken once, before anything is rounded */
     const real square_difference = (speed - c->omega_star_1 - c->omega_star_2) * (speed + c->omega_star_1);
-    const real p = square_difference;
     const real q = c->mu_omega_star * speed * chord;
-    const real magnitude = REAL_SQRT(p * p + q * q);
     /* normal force over scale_N [rad^2/s^2] */
-    const real load = magnitude;
+    const real load = REAL_SQRT(square_difference * square_difference + q * q);
     return load * c->scale_N;
 }
 
@@ -460,11 +458,9 @@ REAL_INLINE real c2_parallel_friction_torque_at(real omega_m, real chord, const 
     const real speed = ((size > c->fastest) ? c->fastest : size);
     /* speed^2 - omega_star^2; the difference is taken once, before anything is rounded */
     const real square_difference = (speed - c->omega_star_1 - c->omega_star_2) * (speed + c->omega_star_1);
-    const real p = square_difference;
     const real q = c->mu_omega_star * speed * chord;
-    const real magnitude = REAL_SQRT(p * p + q * q);
     /* normal force over scale_N [rad^2/s^2] */
-    const real load = magnitude;
+    const real load = REAL_SQRT(square_difference * square_difference + q * q);
     const real direction_of_motion = c2_parallel_sgn(omega_m);
     const real part_1 = omega_m * (c->B_lN_mu2_scale_N * load + c->B_m_plus_k_e_k_i_per_R);
     return direction_of_motion * (c->C_lN_mu_scale_N * load + c->C_m) + part_1;
@@ -514,11 +510,9 @@ REAL_INLINE real c2_parallel_mechanical_friction_torque_at(
     const real speed = ((size > c->fastest) ? c->fastest : size);
     /* speed^2 - omega_star^2; the difference is taken once, before anything is rounded */
     const real square_difference = (speed - c->omega_star_1 - c->omega_star_2) * (speed + c->omega_star_1);
-    const real p = square_difference;
     const real q = c->mu_omega_star * speed * chord;
-    const real magnitude = REAL_SQRT(p * p + q * q);
     /* normal force over scale_N [rad^2/s^2] */
-    const real load = magnitude;
+    const real load = REAL_SQRT(square_difference * square_difference + q * q);
     const real direction_of_motion = c2_parallel_sgn(omega_m);
     const real part_1 = direction_of_motion * (c->C_lN_mu_scale_N * load + c->C_m);
     return omega_m * (c->B_lN_mu2_scale_N * load + c->B_m) + part_1;
@@ -569,25 +563,21 @@ REAL_INLINE void c2_parallel_friction_torque_gradient_at(
     /* magnitude of the motor velocity, at most 2^30, 0 if M L = 0 [rad/s] */
     const real speed = ((size > c->fastest) ? c->fastest : size);
     const real direction_of_motion = c2_parallel_sgn(omega_m);
-    const real speed_d_omega_m = direction_of_motion;
     /* speed^2 - omega_star^2; the difference is taken once, before anything is rounded */
     const real square_difference = (speed - c->omega_star_1 - c->omega_star_2) * (speed + c->omega_star_1);
-    const real p = square_difference;
     const real q = c->mu_omega_star * speed * chord;
-    const real magnitude = REAL_SQRT(p * p + q * q);
     /* normal force over scale_N [rad^2/s^2] */
-    const real load = magnitude;
+    const real load = REAL_SQRT(square_difference * square_difference + q * q);
     /* 1 at the apex, where F_N is 0 and its derivatives are taken as 0 */
-    const real inverse = REAL(1.0) / ((magnitude == REAL(0.0)) ? REAL(1.0) : magnitude);
+    const real inverse = REAL(1.0) / ((load == REAL(0.0)) ? REAL(1.0) : load);
     const real part_1 = c->mu_omega_star * speed * (q * inverse);
     const real load_d_theta_m = part_1 * half_sine;
     const real part_3 = c->mu_omega_star * (q * inverse) * chord;
-    const real part_2 = part_3 + REAL(2.0) * speed * (p * inverse);
-    const real load_d_omega_m = part_2 * speed_d_omega_m;
+    const real part_2 = part_3 + REAL(2.0) * speed * (square_difference * inverse);
+    const real load_d_omega_m = direction_of_motion * part_2;
     const real part_4 = c->B_lN_mu2_scale_N * omega_m + c->C_lN_mu_scale_N * direction_of_motion;
     out[0] = load_d_theta_m * part_4;
-    const real part_6 = c->B_lN_mu2_scale_N * omega_m + c->C_lN_mu_scale_N * direction_of_motion;
-    const real part_5 = load_d_omega_m * part_6;
+    const real part_5 = load_d_omega_m * part_4;
     out[1] = c->B_lN_mu2_scale_N * load + c->B_m_plus_k_e_k_i_per_R + part_5;
 }
 
@@ -630,6 +620,77 @@ void c2_parallel_friction_torque_gradient_n(
     }
 }
 
+REAL_INLINE void c2_parallel_friction_torque_with_gradient_at(
+    real omega_m,
+    real chord,
+    real half_sine,
+    real *out,
+    const c2_parallel_coefficients *c)
+{
+    const real size = REAL_FABS(omega_m);
+    /* magnitude of the motor velocity, at most 2^30, 0 if M L = 0 [rad/s] */
+    const real speed = ((size > c->fastest) ? c->fastest : size);
+    const real direction_of_motion = c2_parallel_sgn(omega_m);
+    /* speed^2 - omega_star^2; the difference is taken once, before anything is rounded */
+    const real square_difference = (speed - c->omega_star_1 - c->omega_star_2) * (speed + c->omega_star_1);
+    const real q = c->mu_omega_star * speed * chord;
+    /* normal force over scale_N [rad^2/s^2] */
+    const real load = REAL_SQRT(square_difference * square_difference + q * q);
+    /* 1 at the apex, where F_N is 0 and its derivatives are taken as 0 */
+    const real inverse = REAL(1.0) / ((load == REAL(0.0)) ? REAL(1.0) : load);
+    const real part_1 = c->mu_omega_star * speed * (q * inverse);
+    const real load_d_theta_m = part_1 * half_sine;
+    const real part_3 = c->mu_omega_star * (q * inverse) * chord;
+    const real part_2 = part_3 + REAL(2.0) * speed * (square_difference * inverse);
+    const real load_d_omega_m = direction_of_motion * part_2;
+    const real part_4 = omega_m * (c->B_lN_mu2_scale_N * load + c->B_m_plus_k_e_k_i_per_R);
+    const real part_5 = direction_of_motion * (c->C_lN_mu_scale_N * load + c->C_m);
+    out[0] = part_4 + part_5;
+    const real part_6 = c->B_lN_mu2_scale_N * omega_m + c->C_lN_mu_scale_N * direction_of_motion;
+    out[1] = load_d_theta_m * part_6;
+    const real part_7 = load_d_omega_m * part_6;
+    out[2] = c->B_lN_mu2_scale_N * load + c->B_m_plus_k_e_k_i_per_R + part_7;
+}
+
+void c2_parallel_friction_torque_with_gradient(
+    ECCENTRIC_REAL theta_m,
+    ECCENTRIC_REAL omega_m,
+    ECCENTRIC_REAL *out,
+    const c2_parallel_coefficients *c)
+{
+    const real from_top = c2_parallel_from_top(theta_m, c);
+    const real chord = c2_parallel_chord(from_top, c);
+    const real half_sine = c2_parallel_half_sine(from_top, c);
+    c2_parallel_friction_torque_with_gradient_at(omega_m, chord, half_sine, out, c);
+}
+
+void c2_parallel_friction_torque_with_gradient_n(
+    size_t n,
+    const ECCENTRIC_REAL *theta_m,
+    const ECCENTRIC_REAL *omega_m,
+    ECCENTRIC_REAL *out,
+    const c2_parallel_coefficients *c)
+{
+    const c2_parallel_coefficients own = *c; /* that no store to `out` can change */
+    real from_top[REAL_BLOCK];
+    real chord[REAL_BLOCK];
+    real half_sine[REAL_BLOCK];
+    for (size_t first = 0; first < n; first += REAL_BLOCK) {
+        const size_t count = (n - first < REAL_BLOCK) ? (n - first) : REAL_BLOCK;
+        for (size_t k = 0; k < count; ++k) {
+            from_top[k] = c2_parallel_from_top(theta_m[first + k], &own);
+        }
+        for (size_t k = 0; k < count; ++k) {
+            chord[k] = c2_parallel_chord(from_top[k], &own);
+            half_sine[k] = c2_parallel_half_sine(from_top[k], &own);
+        }
+        for (size_t k = 0; k < count; ++k) {
+            c2_parallel_friction_torque_with_gradient_at(omega_m[first + k], chord[k], half_sine[k], &out[3 *
+                (first + k)], &own);
+        }
+    }
+}
+
 REAL_INLINE void c2_parallel_friction_torque_jacobian_at(
     real omega_m,
     real chord,
@@ -641,11 +702,9 @@ REAL_INLINE void c2_parallel_friction_torque_jacobian_at(
     const real speed = ((size > c->fastest) ? c->fastest : size);
     /* speed^2 - omega_star^2; the difference is taken once, before anything is rounded */
     const real square_difference = (speed - c->omega_star_1 - c->omega_star_2) * (speed + c->omega_star_1);
-    const real p = square_difference;
     const real q = c->mu_omega_star * speed * chord;
-    const real magnitude = REAL_SQRT(p * p + q * q);
     /* normal force over scale_N [rad^2/s^2] */
-    const real load = magnitude;
+    const real load = REAL_SQRT(square_difference * square_difference + q * q);
     out[0] = load * c->mu2_scale_N * omega_m;
     const real direction_of_motion = c2_parallel_sgn(omega_m);
     out[1] = direction_of_motion * load * c->mu_scale_N;
@@ -700,11 +759,9 @@ REAL_INLINE void c2_parallel_regressor_at(
     const real speed = ((size > c->fastest) ? c->fastest : size);
     /* speed^2 - omega_star^2; the difference is taken once, before anything is rounded */
     const real square_difference = (speed - c->omega_star_1 - c->omega_star_2) * (speed + c->omega_star_1);
-    const real p = square_difference;
     const real q = c->mu_omega_star * speed * chord;
-    const real magnitude = REAL_SQRT(p * p + q * q);
     /* normal force over scale_N [rad^2/s^2] */
-    const real load = magnitude;
+    const real load = REAL_SQRT(square_difference * square_difference + q * q);
     out[0] = load * c->mu2_scale_N * omega_m;
     const real direction_of_motion = c2_parallel_sgn(omega_m);
     out[1] = direction_of_motion * load * c->mu_scale_N;
@@ -810,11 +867,9 @@ REAL_INLINE real c2_parallel_voltage_at(
     const real speed = ((size > c->fastest) ? c->fastest : size);
     /* speed^2 - omega_star^2; the difference is taken once, before anything is rounded */
     const real square_difference = (speed - c->omega_star_1 - c->omega_star_2) * (speed + c->omega_star_1);
-    const real p = square_difference;
     const real q = c->mu_omega_star * speed * chord;
-    const real magnitude = REAL_SQRT(p * p + q * q);
     /* normal force over scale_N [rad^2/s^2] */
-    const real load = magnitude;
+    const real load = REAL_SQRT(square_difference * square_difference + q * q);
     const real direction_of_motion = c2_parallel_sgn(omega_m);
     const real part_2 = c->C_lN_R_mu_scale_N_per_k_i * load + c->C_m_R_per_k_i;
     const real part_1 = direction_of_motion * part_2;
@@ -877,11 +932,9 @@ REAL_INLINE real c2_parallel_current_at(
     const real speed = ((size > c->fastest) ? c->fastest : size);
     /* speed^2 - omega_star^2; the difference is taken once, before anything is rounded */
     const real square_difference = (speed - c->omega_star_1 - c->omega_star_2) * (speed + c->omega_star_1);
-    const real p = square_difference;
     const real q = c->mu_omega_star * speed * chord;
-    const real magnitude = REAL_SQRT(p * p + q * q);
     /* normal force over scale_N [rad^2/s^2] */
-    const real load = magnitude;
+    const real load = REAL_SQRT(square_difference * square_difference + q * q);
     const real direction_of_motion = c2_parallel_sgn(omega_m);
     const real part_1 = direction_of_motion * (c->C_lN_mu_scale_N_per_k_i * load + c->C_m_per_k_i);
     const real part_2 = omega_m * (c->B_lN_mu2_scale_N_per_k_i * load + c->B_m_per_k_i);
@@ -943,11 +996,9 @@ REAL_INLINE real c2_parallel_mechanical_residual_at(
     const real speed = ((size > c->fastest) ? c->fastest : size);
     /* speed^2 - omega_star^2; the difference is taken once, before anything is rounded */
     const real square_difference = (speed - c->omega_star_1 - c->omega_star_2) * (speed + c->omega_star_1);
-    const real p = square_difference;
     const real q = c->mu_omega_star * speed * chord;
-    const real magnitude = REAL_SQRT(p * p + q * q);
     /* normal force over scale_N [rad^2/s^2] */
-    const real load = magnitude;
+    const real load = REAL_SQRT(square_difference * square_difference + q * q);
     const real direction_of_motion = c2_parallel_sgn(omega_m);
     const real part_1 = -direction_of_motion * (c->C_lN_mu_scale_N * load + c->C_m);
     const real part_2 = -((alpha_m == REAL(0.0)) ? REAL(0.0) : c->J * alpha_m);

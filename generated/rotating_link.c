@@ -1,6 +1,6 @@
 /*
  * Generated: do not edit. Written by `make derive` from derivations/rotating_link.py
- * (eccentric 0.1.0, program 47623130).
+ * (eccentric 0.1.0, program 0f291ae2).
  * Rotating link with an unbalanced mass, plane tilted by phi, angular acceleration kept.
  */
 #include "rotating_link.h"
@@ -8,7 +8,7 @@
 #include <float.h>
 #include <math.h>
 
-#if ROTATING_LINK_PROGRAM != 0x47623130UL
+#if ROTATING_LINK_PROGRAM != 0x0f291ae2UL
 #error "rotating_link.c and rotating_link.h are of different derivations: write both again"
 #endif
 
@@ -53,11 +53,11 @@ REAL_INLINE real rotating_link_sgn(const real x)
     return (x > REAL(0.0)) ? REAL(1.0) : ((x < REAL(0.0)) ? REAL(-1.0) : (x + REAL(0.0)));
 }
 
-/* sin(h)/h, |h| within a quarter turn: minimax in x = h^2, error 6.1e-9 (float), 2.8e-19 (double). */
+/* sin(h)/h - 1, |h| within a quarter turn: minimax in x = h^2, error 6.1e-9 (float), 2.8e-19 (double). */
 REAL_INLINE real rotating_link_sine_ratio(const real h)
 {
 #ifdef ECCENTRIC_LIBM
-    return (h == REAL(0.0)) ? REAL(1.0) : (REAL_SIN(h) / h);
+    return (h == REAL(0.0)) ? REAL(0.0) : (REAL_SIN(h) / h - REAL(1.0));
 #else
     const real x = h * h;
     const real y = x * x;
@@ -66,7 +66,7 @@ REAL_INLINE real rotating_link_sine_ratio(const real h)
     even = even * y + REAL(-1.66666595e-1);
     real odd = REAL(2.60548113e-6);
     odd = odd * y + REAL(8.33306462e-3);
-    return (odd * x + even) * x + REAL(1.0);
+    return (odd * x + even) * x;
 #else
     real even = REAL(-7.642974965950368e-13);
     even = even * y + REAL(-2.5052106860746877e-8);
@@ -76,7 +76,7 @@ REAL_INLINE real rotating_link_sine_ratio(const real h)
     odd = odd * y + REAL(1.6058939085095993e-10);
     odd = odd * y + REAL(2.7557319211008999e-6);
     odd = odd * y + REAL(8.3333333333331924e-3);
-    return (odd * x + even) * x + REAL(1.0);
+    return (odd * x + even) * x;
 #endif
 #endif
 }
@@ -429,7 +429,7 @@ REAL_INLINE real rotating_link_from_top(real theta_m, const rotating_link_coeffi
 REAL_INLINE real rotating_link_chord(real from_top, const rotating_link_coefficients *c)
 {
     const real half_angle = from_top * c->half_mu;
-    return from_top * rotating_link_sine_ratio(half_angle);
+    return from_top + from_top * rotating_link_sine_ratio(half_angle);
 }
 
 /* Cosine of half the link angle from the top. */
@@ -456,9 +456,8 @@ REAL_INLINE real rotating_link_normal_force_at(
     const real part_1 = ((size_2 > c->fastest2) ? c->fastest2 : ((size_2 < -c->fastest2) ? -c->fastest2 :
         size_2));
     const real q = part_1 + (-c->mu_omega_star2) * chord * half_sine;
-    const real magnitude = REAL_SQRT(p * p + q * q);
     /* normal force over scale_N [rad^2/s^2] */
-    const real load = magnitude;
+    const real load = REAL_SQRT(p * p + q * q);
     return load * c->scale_N;
 }
 
@@ -519,9 +518,8 @@ REAL_INLINE real rotating_link_friction_torque_at(
     const real part_1 = ((size_2 > c->fastest2) ? c->fastest2 : ((size_2 < -c->fastest2) ? -c->fastest2 :
         size_2));
     const real q = part_1 + (-c->mu_omega_star2) * chord * half_sine;
-    const real magnitude = REAL_SQRT(p * p + q * q);
     /* normal force over scale_N [rad^2/s^2] */
-    const real load = magnitude;
+    const real load = REAL_SQRT(p * p + q * q);
     const real direction_of_motion = rotating_link_sgn(omega_m);
     const real part_2 = omega_m * (c->B_lN_mu2_scale_N * load + c->B_plus_k_e_k_i_per_R);
     return direction_of_motion * (c->C + c->C_lN_mu_scale_N * load) + part_2;
@@ -584,9 +582,8 @@ REAL_INLINE real rotating_link_mechanical_friction_torque_at(
     const real part_1 = ((size_2 > c->fastest2) ? c->fastest2 : ((size_2 < -c->fastest2) ? -c->fastest2 :
         size_2));
     const real q = part_1 + (-c->mu_omega_star2) * chord * half_sine;
-    const real magnitude = REAL_SQRT(p * p + q * q);
     /* normal force over scale_N [rad^2/s^2] */
-    const real load = magnitude;
+    const real load = REAL_SQRT(p * p + q * q);
     const real direction_of_motion = rotating_link_sgn(omega_m);
     const real part_2 = direction_of_motion * (c->C + c->C_lN_mu_scale_N * load);
     return omega_m * (c->B + c->B_lN_mu2_scale_N * load) + part_2;
@@ -644,7 +641,6 @@ REAL_INLINE void rotating_link_friction_torque_gradient_at(
     /* magnitude of the motor velocity, at most 2^30, 0 if M L = 0 [rad/s] */
     const real speed = ((size > c->fastest) ? c->fastest : size);
     const real direction_of_motion = rotating_link_sgn(omega_m);
-    const real speed_d_omega_m = direction_of_motion;
     /* speed^2 - omega_star^2; the difference is taken once, before anything is rounded */
     const real square_difference = (speed - c->omega_star_1 - c->omega_star_2) * (speed + c->omega_star_1);
     const real size_2 = alpha_m * c->per_mu;
@@ -652,24 +648,21 @@ REAL_INLINE void rotating_link_friction_torque_gradient_at(
     const real part_1 = ((size_2 > c->fastest2) ? c->fastest2 : ((size_2 < -c->fastest2) ? -c->fastest2 :
         size_2));
     const real q = part_1 + (-c->mu_omega_star2) * chord * half_sine;
-    const real magnitude = REAL_SQRT(p * p + q * q);
     /* normal force over scale_N [rad^2/s^2] */
-    const real load = magnitude;
+    const real load = REAL_SQRT(p * p + q * q);
     /* 1 at the apex, where F_N is 0 and its derivatives are taken as 0 */
-    const real inverse = REAL(1.0) / ((magnitude == REAL(0.0)) ? REAL(1.0) : magnitude);
+    const real inverse = REAL(1.0) / ((load == REAL(0.0)) ? REAL(1.0) : load);
     const real part_2 = c->mu2_omega_star2 * (p * inverse) * chord * half_sine;
     const real part_3 = chord * chord * c->quarter_mu3_omega_star2 * (q * inverse);
     const real part_4 = -half_sine * half_sine * c->mu_omega_star2 * (q * inverse);
     const real load_d_theta_m = part_2 + part_3 + part_4;
-    const real load_d_omega_m = REAL(2.0) * speed * speed_d_omega_m * (p * inverse);
+    const real load_d_omega_m = REAL(2.0) * direction_of_motion * speed * (p * inverse);
     const real load_d_alpha_m = c->per_mu * (q * inverse);
     const real part_5 = c->B_lN_mu2_scale_N * omega_m + c->C_lN_mu_scale_N * direction_of_motion;
     out[0] = load_d_theta_m * part_5;
-    const real part_7 = c->B_lN_mu2_scale_N * omega_m + c->C_lN_mu_scale_N * direction_of_motion;
-    const real part_6 = load_d_omega_m * part_7;
+    const real part_6 = load_d_omega_m * part_5;
     out[1] = c->B_lN_mu2_scale_N * load + c->B_plus_k_e_k_i_per_R + part_6;
-    const real part_8 = c->B_lN_mu2_scale_N * omega_m + c->C_lN_mu_scale_N * direction_of_motion;
-    out[2] = load_d_alpha_m * part_8;
+    out[2] = load_d_alpha_m * part_5;
 }
 
 void rotating_link_friction_torque_gradient(
@@ -713,6 +706,86 @@ void rotating_link_friction_torque_gradient_n(
     }
 }
 
+REAL_INLINE void rotating_link_friction_torque_with_gradient_at(
+    real omega_m,
+    real alpha_m,
+    real chord,
+    real half_sine,
+    real *out,
+    const rotating_link_coefficients *c)
+{
+    const real size = REAL_FABS(omega_m);
+    /* magnitude of the motor velocity, at most 2^30, 0 if M L = 0 [rad/s] */
+    const real speed = ((size > c->fastest) ? c->fastest : size);
+    const real direction_of_motion = rotating_link_sgn(omega_m);
+    /* speed^2 - omega_star^2; the difference is taken once, before anything is rounded */
+    const real square_difference = (speed - c->omega_star_1 - c->omega_star_2) * (speed + c->omega_star_1);
+    const real size_2 = alpha_m * c->per_mu;
+    const real p = chord * chord * c->half_mu2_omega_star2 + square_difference;
+    const real part_1 = ((size_2 > c->fastest2) ? c->fastest2 : ((size_2 < -c->fastest2) ? -c->fastest2 :
+        size_2));
+    const real q = part_1 + (-c->mu_omega_star2) * chord * half_sine;
+    /* normal force over scale_N [rad^2/s^2] */
+    const real load = REAL_SQRT(p * p + q * q);
+    /* 1 at the apex, where F_N is 0 and its derivatives are taken as 0 */
+    const real inverse = REAL(1.0) / ((load == REAL(0.0)) ? REAL(1.0) : load);
+    const real part_2 = c->mu2_omega_star2 * (p * inverse) * chord * half_sine;
+    const real part_3 = chord * chord * c->quarter_mu3_omega_star2 * (q * inverse);
+    const real part_4 = -half_sine * half_sine * c->mu_omega_star2 * (q * inverse);
+    const real load_d_theta_m = part_2 + part_3 + part_4;
+    const real load_d_omega_m = REAL(2.0) * direction_of_motion * speed * (p * inverse);
+    const real load_d_alpha_m = c->per_mu * (q * inverse);
+    const real part_5 = omega_m * (c->B_lN_mu2_scale_N * load + c->B_plus_k_e_k_i_per_R);
+    const real part_6 = direction_of_motion * (c->C + c->C_lN_mu_scale_N * load);
+    out[0] = part_5 + part_6;
+    const real part_7 = c->B_lN_mu2_scale_N * omega_m + c->C_lN_mu_scale_N * direction_of_motion;
+    out[1] = load_d_theta_m * part_7;
+    const real part_8 = load_d_omega_m * part_7;
+    out[2] = c->B_lN_mu2_scale_N * load + c->B_plus_k_e_k_i_per_R + part_8;
+    out[3] = load_d_alpha_m * part_7;
+}
+
+void rotating_link_friction_torque_with_gradient(
+    ECCENTRIC_REAL theta_m,
+    ECCENTRIC_REAL omega_m,
+    ECCENTRIC_REAL alpha_m,
+    ECCENTRIC_REAL *out,
+    const rotating_link_coefficients *c)
+{
+    const real from_top = rotating_link_from_top(theta_m, c);
+    const real chord = rotating_link_chord(from_top, c);
+    const real half_sine = rotating_link_half_sine(from_top, c);
+    rotating_link_friction_torque_with_gradient_at(omega_m, alpha_m, chord, half_sine, out, c);
+}
+
+void rotating_link_friction_torque_with_gradient_n(
+    size_t n,
+    const ECCENTRIC_REAL *theta_m,
+    const ECCENTRIC_REAL *omega_m,
+    const ECCENTRIC_REAL *alpha_m,
+    ECCENTRIC_REAL *out,
+    const rotating_link_coefficients *c)
+{
+    const rotating_link_coefficients own = *c; /* that no store to `out` can change */
+    real from_top[REAL_BLOCK];
+    real chord[REAL_BLOCK];
+    real half_sine[REAL_BLOCK];
+    for (size_t first = 0; first < n; first += REAL_BLOCK) {
+        const size_t count = (n - first < REAL_BLOCK) ? (n - first) : REAL_BLOCK;
+        for (size_t k = 0; k < count; ++k) {
+            from_top[k] = rotating_link_from_top(theta_m[first + k], &own);
+        }
+        for (size_t k = 0; k < count; ++k) {
+            chord[k] = rotating_link_chord(from_top[k], &own);
+            half_sine[k] = rotating_link_half_sine(from_top[k], &own);
+        }
+        for (size_t k = 0; k < count; ++k) {
+            rotating_link_friction_torque_with_gradient_at(omega_m[first + k], alpha_m[first + k], chord[k],
+                half_sine[k], &out[4 * (first + k)], &own);
+        }
+    }
+}
+
 REAL_INLINE void rotating_link_friction_torque_jacobian_at(
     real omega_m,
     real alpha_m,
@@ -731,9 +804,8 @@ REAL_INLINE void rotating_link_friction_torque_jacobian_at(
     const real part_1 = ((size_2 > c->fastest2) ? c->fastest2 : ((size_2 < -c->fastest2) ? -c->fastest2 :
         size_2));
     const real q = part_1 + (-c->mu_omega_star2) * chord * half_sine;
-    const real magnitude = REAL_SQRT(p * p + q * q);
     /* normal force over scale_N [rad^2/s^2] */
-    const real load = magnitude;
+    const real load = REAL_SQRT(p * p + q * q);
     out[0] = load * c->mu2_scale_N * omega_m;
     const real direction_of_motion = rotating_link_sgn(omega_m);
     out[1] = direction_of_motion * load * c->mu_scale_N;
@@ -802,9 +874,8 @@ REAL_INLINE void rotating_link_regressor_at(
     const real part_1 = ((size_2 > c->fastest2) ? c->fastest2 : ((size_2 < -c->fastest2) ? -c->fastest2 :
         size_2));
     const real q = part_1 + (-c->mu_omega_star2) * chord * half_sine;
-    const real magnitude = REAL_SQRT(p * p + q * q);
     /* normal force over scale_N [rad^2/s^2] */
-    const real load = magnitude;
+    const real load = REAL_SQRT(p * p + q * q);
     out[0] = load * c->mu2_scale_N * omega_m;
     const real direction_of_motion = rotating_link_sgn(omega_m);
     out[1] = direction_of_motion * load * c->mu_scale_N;
@@ -971,9 +1042,8 @@ REAL_INLINE real rotating_link_voltage_at(
     const real part_1 = ((size_2 > c->fastest2) ? c->fastest2 : ((size_2 < -c->fastest2) ? -c->fastest2 :
         size_2));
     const real q = part_1 + (-c->mu_omega_star2) * chord * half_sine;
-    const real magnitude = REAL_SQRT(p * p + q * q);
     /* normal force over scale_N [rad^2/s^2] */
-    const real load = magnitude;
+    const real load = REAL_SQRT(p * p + q * q);
     const real direction_of_motion = rotating_link_sgn(omega_m);
     const real part_3 = c->C_R_per_k_i + c->C_lN_R_mu_scale_N_per_k_i * load;
     const real part_2 = direction_of_motion * part_3;
@@ -1040,9 +1110,8 @@ REAL_INLINE real rotating_link_current_at(
     const real part_1 = ((size_2 > c->fastest2) ? c->fastest2 : ((size_2 < -c->fastest2) ? -c->fastest2 :
         size_2));
     const real q = part_1 + (-c->mu_omega_star2) * chord * half_sine;
-    const real magnitude = REAL_SQRT(p * p + q * q);
     /* normal force over scale_N [rad^2/s^2] */
-    const real load = magnitude;
+    const real load = REAL_SQRT(p * p + q * q);
     const real direction_of_motion = rotating_link_sgn(omega_m);
     const real part_2 = direction_of_motion * (c->C_lN_mu_scale_N_per_k_i * load + c->C_per_k_i);
     const real part_3 = (-c->L_M_g_p_mu2_per_k_i) * chord * half_sine;
@@ -1109,9 +1178,8 @@ REAL_INLINE real rotating_link_mechanical_residual_at(
     const real part_1 = ((size_2 > c->fastest2) ? c->fastest2 : ((size_2 < -c->fastest2) ? -c->fastest2 :
         size_2));
     const real q = part_1 + (-c->mu_omega_star2) * chord * half_sine;
-    const real magnitude = REAL_SQRT(p * p + q * q);
     /* normal force over scale_N [rad^2/s^2] */
-    const real load = magnitude;
+    const real load = REAL_SQRT(p * p + q * q);
     const real direction_of_motion = rotating_link_sgn(omega_m);
     const real part_2 = -direction_of_motion * (c->C + c->C_lN_mu_scale_N * load);
     const real part_3 = c->L_M_g_p_mu2 * chord * half_sine;

@@ -1,5 +1,5 @@
 # Generated: do not edit. Written by `make derive` from derivations/rotating_link.py
-# (eccentric 0.1.0, program 47623130).
+# (eccentric 0.1.0, program 0f291ae2).
 # Rotating link with an unbalanced mass, plane tilted by phi, angular acceleration kept.
 """Rotating link with an unbalanced mass, plane tilted by phi, angular acceleration kept.
 
@@ -30,6 +30,7 @@ __all__ = [
     "friction_torque",
     "friction_torque_gradient",
     "friction_torque_jacobian",
+    "friction_torque_with_gradient",
     "gravity_torque",
     "mechanical_friction_torque",
     "mechanical_residual",
@@ -254,9 +255,7 @@ def _prepare(p: Parameters, real: _Real) -> _Coefficients:
     critical_squared = _exact(1.0) if p.L * p.M == 0.0 else _over(weight, _times(_exact(p.L), _exact(p.M)))
     omega_star = _exact(1.0) if p.L * p.M == 0.0 else _over(_root(critical_squared), _exact(p.mu))
     scale_N = (
-        weight.high / (omega_star.high * omega_star.high)
-        if p.L * p.M == 0.0
-        else p.L * p.M * p.mu * p.mu
+        weight.high / (omega_star.high * omega_star.high) if p.L * p.M == 0.0 else p.L * p.M * p.mu * p.mu
     )
     fastest = 0.0 if p.L * p.M == 0.0 else 1073741824.0
     half_mu2_omega_star2 = 0.5 * p.mu * p.mu * omega_star.high * omega_star.high
@@ -385,11 +384,11 @@ def _horner(coefficients: tuple[float, ...], y: Any) -> Any:
 
 
 def _sine_ratio(half_angle: Any) -> Any:
-    """sin(h)/h for |h| within a quarter turn, a minimax polynomial in h^2; error 6.1e-9 and 2.8e-19."""
+    """sin(h)/h - 1 for |h| within a quarter turn, a minimax polynomial in h^2; error 6.1e-9 and 2.8e-19."""
     x = half_angle * half_angle
     y = x * x
     even, odd = (_horner(half, y) for half in _SINE_RATIO[y.dtype.char])
-    return (odd * x + even) * x + 1.0
+    return (odd * x + even) * x
 
 
 def _cosine(half_angle: Any) -> Any:
@@ -463,7 +462,7 @@ def _from_top(c: _Coefficients, theta_m: Any) -> Any:
 def _chord(c: _Coefficients, from_top: Any) -> Any:
     """2 sin(half the link angle from the top)/mu."""
     half_angle = from_top * c.half_mu
-    return from_top * _sine_ratio(half_angle)
+    return from_top + from_top * _sine_ratio(half_angle)
 
 
 def _half_sine(c: _Coefficients, from_top: Any) -> Any:
@@ -490,9 +489,8 @@ def _normal_force(
     p = chord * chord * c.half_mu2_omega_star2 + square_difference
     part_1 = np.where(size_2 > c.fastest2, c.fastest2, np.where(size_2 < -c.fastest2, -c.fastest2, size_2))
     q = part_1 + (-c.mu_omega_star2) * chord * half_sine
-    magnitude = np.sqrt(p * p + q * q)
     # normal force over scale_N [rad^2/s^2]
-    load = magnitude
+    load = np.sqrt(p * p + q * q)
     result = load * c.scale_N
     return (result,)
 
@@ -531,9 +529,8 @@ def _friction_torque(
     p = chord * chord * c.half_mu2_omega_star2 + square_difference
     part_1 = np.where(size_2 > c.fastest2, c.fastest2, np.where(size_2 < -c.fastest2, -c.fastest2, size_2))
     q = part_1 + (-c.mu_omega_star2) * chord * half_sine
-    magnitude = np.sqrt(p * p + q * q)
     # normal force over scale_N [rad^2/s^2]
-    load = magnitude
+    load = np.sqrt(p * p + q * q)
     direction_of_motion = np.sign(omega_m)
     part_2 = omega_m * (c.B_lN_mu2_scale_N * load + c.B_plus_k_e_k_i_per_R)
     result = direction_of_motion * (c.C + c.C_lN_mu_scale_N * load) + part_2
@@ -576,9 +573,8 @@ def _mechanical_friction_torque(
     p = chord * chord * c.half_mu2_omega_star2 + square_difference
     part_1 = np.where(size_2 > c.fastest2, c.fastest2, np.where(size_2 < -c.fastest2, -c.fastest2, size_2))
     q = part_1 + (-c.mu_omega_star2) * chord * half_sine
-    magnitude = np.sqrt(p * p + q * q)
     # normal force over scale_N [rad^2/s^2]
-    load = magnitude
+    load = np.sqrt(p * p + q * q)
     direction_of_motion = np.sign(omega_m)
     part_2 = direction_of_motion * (c.C + c.C_lN_mu_scale_N * load)
     result = omega_m * (c.B + c.B_lN_mu2_scale_N * load) + part_2
@@ -613,7 +609,6 @@ def _friction_torque_gradient(
     # magnitude of the motor velocity, at most 2^30, 0 if M L = 0 [rad/s]
     speed = np.where(size > c.fastest, c.fastest, size)
     direction_of_motion = np.sign(omega_m)
-    speed_d_omega_m = direction_of_motion
     from_top = _from_top(c, theta_m)
     chord = _chord(c, from_top)
     # speed^2 - omega_star^2; the difference is taken once, before anything is rounded
@@ -623,24 +618,21 @@ def _friction_torque_gradient(
     p = chord * chord * c.half_mu2_omega_star2 + square_difference
     part_1 = np.where(size_2 > c.fastest2, c.fastest2, np.where(size_2 < -c.fastest2, -c.fastest2, size_2))
     q = part_1 + (-c.mu_omega_star2) * chord * half_sine
-    magnitude = np.sqrt(p * p + q * q)
     # normal force over scale_N [rad^2/s^2]
-    load = magnitude
+    load = np.sqrt(p * p + q * q)
     # 1 at the apex, where F_N is 0 and its derivatives are taken as 0
-    inverse = 1.0 / np.where(magnitude == 0.0, 1.0, magnitude)
+    inverse = 1.0 / np.where(load == 0.0, 1.0, load)
     part_2 = c.mu2_omega_star2 * (p * inverse) * chord * half_sine
     part_3 = chord * chord * c.quarter_mu3_omega_star2 * (q * inverse)
     part_4 = -half_sine * half_sine * c.mu_omega_star2 * (q * inverse)
     load_d_theta_m = part_2 + part_3 + part_4
-    load_d_omega_m = 2.0 * speed * speed_d_omega_m * (p * inverse)
+    load_d_omega_m = 2.0 * direction_of_motion * speed * (p * inverse)
     load_d_alpha_m = c.per_mu * (q * inverse)
     part_5 = c.B_lN_mu2_scale_N * omega_m + c.C_lN_mu_scale_N * direction_of_motion
     result_theta_m = load_d_theta_m * part_5
-    part_7 = c.B_lN_mu2_scale_N * omega_m + c.C_lN_mu_scale_N * direction_of_motion
-    part_6 = load_d_omega_m * part_7
+    part_6 = load_d_omega_m * part_5
     result_omega_m = c.B_lN_mu2_scale_N * load + c.B_plus_k_e_k_i_per_R + part_6
-    part_8 = c.B_lN_mu2_scale_N * omega_m + c.C_lN_mu_scale_N * direction_of_motion
-    result_alpha_m = load_d_alpha_m * part_8
+    result_alpha_m = load_d_alpha_m * part_5
     return (result_theta_m, result_omega_m, result_alpha_m)
 
 
@@ -662,6 +654,64 @@ def friction_torque_gradient(
     return _evaluate(_friction_torque_gradient, (theta_m, omega_m, alpha_m), parameters, out, 3)
 
 
+def _friction_torque_with_gradient(
+    c: _Coefficients,
+    theta_m: Any,
+    omega_m: Any,
+    alpha_m: Any,
+) -> tuple[Any, ...]:
+    size = np.abs(omega_m)
+    # magnitude of the motor velocity, at most 2^30, 0 if M L = 0 [rad/s]
+    speed = np.where(size > c.fastest, c.fastest, size)
+    direction_of_motion = np.sign(omega_m)
+    from_top = _from_top(c, theta_m)
+    chord = _chord(c, from_top)
+    # speed^2 - omega_star^2; the difference is taken once, before anything is rounded
+    square_difference = (speed - c.omega_star_1 - c.omega_star_2) * (speed + c.omega_star_1)
+    half_sine = _half_sine(c, from_top)
+    size_2 = alpha_m * c.per_mu
+    p = chord * chord * c.half_mu2_omega_star2 + square_difference
+    part_1 = np.where(size_2 > c.fastest2, c.fastest2, np.where(size_2 < -c.fastest2, -c.fastest2, size_2))
+    q = part_1 + (-c.mu_omega_star2) * chord * half_sine
+    # normal force over scale_N [rad^2/s^2]
+    load = np.sqrt(p * p + q * q)
+    # 1 at the apex, where F_N is 0 and its derivatives are taken as 0
+    inverse = 1.0 / np.where(load == 0.0, 1.0, load)
+    part_2 = c.mu2_omega_star2 * (p * inverse) * chord * half_sine
+    part_3 = chord * chord * c.quarter_mu3_omega_star2 * (q * inverse)
+    part_4 = -half_sine * half_sine * c.mu_omega_star2 * (q * inverse)
+    load_d_theta_m = part_2 + part_3 + part_4
+    load_d_omega_m = 2.0 * direction_of_motion * speed * (p * inverse)
+    load_d_alpha_m = c.per_mu * (q * inverse)
+    part_5 = omega_m * (c.B_lN_mu2_scale_N * load + c.B_plus_k_e_k_i_per_R)
+    part_6 = direction_of_motion * (c.C + c.C_lN_mu_scale_N * load)
+    result_friction_torque = part_5 + part_6
+    part_7 = c.B_lN_mu2_scale_N * omega_m + c.C_lN_mu_scale_N * direction_of_motion
+    result_theta_m = load_d_theta_m * part_7
+    part_8 = load_d_omega_m * part_7
+    result_omega_m = c.B_lN_mu2_scale_N * load + c.B_plus_k_e_k_i_per_R + part_8
+    result_alpha_m = load_d_alpha_m * part_7
+    return (result_friction_torque, result_theta_m, result_omega_m, result_alpha_m)
+
+
+def friction_torque_with_gradient(
+    theta_m: ArrayLike,
+    omega_m: ArrayLike,
+    alpha_m: ArrayLike,
+    parameters: Parameters | None = None,
+    out: np.ndarray | None = None,
+) -> Any:
+    """Friction_torque and its partial derivatives, as a linearisation needs them.
+
+    In N m, N m per rad, rad/s, rad/s^2; last axis (friction_torque, theta_m, omega_m, alpha_m).
+
+    theta_m [rad]: motor angle
+    omega_m [rad/s]: motor velocity
+    alpha_m [rad/s^2]: motor acceleration
+    """
+    return _evaluate(_friction_torque_with_gradient, (theta_m, omega_m, alpha_m), parameters, out, 4)
+
+
 def _friction_torque_jacobian(
     c: _Coefficients,
     theta_m: Any,
@@ -680,9 +730,8 @@ def _friction_torque_jacobian(
     p = chord * chord * c.half_mu2_omega_star2 + square_difference
     part_1 = np.where(size_2 > c.fastest2, c.fastest2, np.where(size_2 < -c.fastest2, -c.fastest2, size_2))
     q = part_1 + (-c.mu_omega_star2) * chord * half_sine
-    magnitude = np.sqrt(p * p + q * q)
     # normal force over scale_N [rad^2/s^2]
-    load = magnitude
+    load = np.sqrt(p * p + q * q)
     result_B_lN = load * c.mu2_scale_N * omega_m
     direction_of_motion = np.sign(omega_m)
     result_C_lN = direction_of_motion * load * c.mu_scale_N
@@ -729,9 +778,8 @@ def _regressor(
     p = chord * chord * c.half_mu2_omega_star2 + square_difference
     part_1 = np.where(size_2 > c.fastest2, c.fastest2, np.where(size_2 < -c.fastest2, -c.fastest2, size_2))
     q = part_1 + (-c.mu_omega_star2) * chord * half_sine
-    magnitude = np.sqrt(p * p + q * q)
     # normal force over scale_N [rad^2/s^2]
-    load = magnitude
+    load = np.sqrt(p * p + q * q)
     result_B_lN = load * c.mu2_scale_N * omega_m
     direction_of_motion = np.sign(omega_m)
     result_C_lN = direction_of_motion * load * c.mu_scale_N
@@ -853,9 +901,8 @@ def _voltage(
     p = chord * chord * c.half_mu2_omega_star2 + square_difference
     part_1 = np.where(size_2 > c.fastest2, c.fastest2, np.where(size_2 < -c.fastest2, -c.fastest2, size_2))
     q = part_1 + (-c.mu_omega_star2) * chord * half_sine
-    magnitude = np.sqrt(p * p + q * q)
     # normal force over scale_N [rad^2/s^2]
-    load = magnitude
+    load = np.sqrt(p * p + q * q)
     direction_of_motion = np.sign(omega_m)
     part_3 = c.C_R_per_k_i + c.C_lN_R_mu_scale_N_per_k_i * load
     part_2 = direction_of_motion * part_3
@@ -901,9 +948,8 @@ def _current(
     p = chord * chord * c.half_mu2_omega_star2 + square_difference
     part_1 = np.where(size_2 > c.fastest2, c.fastest2, np.where(size_2 < -c.fastest2, -c.fastest2, size_2))
     q = part_1 + (-c.mu_omega_star2) * chord * half_sine
-    magnitude = np.sqrt(p * p + q * q)
     # normal force over scale_N [rad^2/s^2]
-    load = magnitude
+    load = np.sqrt(p * p + q * q)
     direction_of_motion = np.sign(omega_m)
     part_2 = direction_of_motion * (c.C_lN_mu_scale_N_per_k_i * load + c.C_per_k_i)
     part_3 = (-c.L_M_g_p_mu2_per_k_i) * chord * half_sine
@@ -949,9 +995,8 @@ def _mechanical_residual(
     p = chord * chord * c.half_mu2_omega_star2 + square_difference
     part_1 = np.where(size_2 > c.fastest2, c.fastest2, np.where(size_2 < -c.fastest2, -c.fastest2, size_2))
     q = part_1 + (-c.mu_omega_star2) * chord * half_sine
-    magnitude = np.sqrt(p * p + q * q)
     # normal force over scale_N [rad^2/s^2]
-    load = magnitude
+    load = np.sqrt(p * p + q * q)
     direction_of_motion = np.sign(omega_m)
     part_2 = -direction_of_motion * (c.C + c.C_lN_mu_scale_N * load)
     part_3 = c.L_M_g_p_mu2 * chord * half_sine

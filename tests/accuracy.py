@@ -1,12 +1,14 @@
 """How far emitted code is from the paper's closed forms at 50 digits, in units of the last place.
 
-Inputs count as the exact binary numbers they are, parameters as exact decimals. `python -m tests.accuracy`
-is not the way to run it: `benchmarks/accuracy.py` measures full sets, `test_accuracy.py` small ones.
+Inputs count as the exact binary numbers they are, parameters as exact, too. `benchmarks/accuracy.py` measures
+full sets, `tests/test_accuracy.py` small ones.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
+from fractions import Fraction
+from types import SimpleNamespace
 from typing import NamedTuple
 
 import mpmath
@@ -30,8 +32,11 @@ class Set(NamedTuple):
 
 
 def decimals(**changes: str) -> Parameters:
-    """Return Table 1 with decimals changed, at 50 digits."""
-    return paper.table_1(oracle.number, **{k: oracle.number(paper.Fraction(v)) for k, v in changes.items()})
+    """Return Table 1 with decimals or fractions changed, at 50 digits; F_T = M_l g follows."""
+    table = paper.table_1()
+    values = vars(table) | {name: Fraction(text) for name, text in changes.items()}
+    values["F_T"] = values["M_l"] * values["g"]
+    return SimpleNamespace(**{name: oracle.number(value) for name, value in values.items()})
 
 
 def sets(p: Parameters, dtype: Real, size: int, seed: int = 1) -> tuple[Set, ...]:
@@ -88,7 +93,52 @@ def units(actual: np.ndarray, exact: list[mpf]) -> np.ndarray:
 def normal_force(name: str, at: Set, p: Parameters) -> list[mpf]:
     """Return the exact normal forces of a steady model [N]."""
     law = oracle.CASES[name].normal_force
-    return [
-        law(Point(mpf(float(t)), mpf(float(w)), mpf(0)), p)
-        for t, w in zip(at.theta_m, at.omega_m, strict=True)
-    ]
+    return [law(point, p) for point in _points(at)]
+
+
+def friction_torque(name: str, at: Set, p: Parameters) -> list[mpf]:
+    """Return the exact resultant friction torques of a steady model [N m]."""
+    law = oracle.CASES[name].friction_torque
+    return [law(point, p) for point in _points(at)]
+
+
+def gradient(at: Set, p: Parameters) -> list[tuple[tuple[mpf, mpf], tuple[mpf, mpf]]]:
+    """Return, for c2_parallel, (slope, size) by theta_m and by omega_m.
+
+    With a = M L (mu omega_m)^2 and the weight b, F_N' is a'(a + b cos theta_l)/F_N and -a b theta_l' sin
+    theta_l/F_N. The size is what F_N' is at most, a' or a theta_l', in its place, and all terms of one sign.
+    """
+    found = []
+    for x in _points(at):
+        a_w = 2 * p.M * p.L * p.mu**2 * abs(x.omega_m)
+        a, b, theta = a_w * abs(x.omega_m) / 2, (p.M + p.M_l) * p.g, p.mu * x.theta_m
+        F_N, sign = paper.normal_force_c2(x.theta_m, x.omega_m, p), mpmath.sign(x.omega_m)
+        per_load = p.B_lN * p.mu**2 * x.omega_m + p.C_lN * p.mu * sign
+        own = p.B_lN * p.mu**2 * F_N + p.B_m + paper.back_emf_damping(p)
+        by_theta = -per_load * a * b * p.mu * mpmath.sin(theta) / F_N
+        by_omega = own + per_load * sign * a_w * (a + b * mpmath.cos(theta)) / F_N
+        sizes = abs(per_load) * a * p.mu, own + abs(per_load) * a_w
+        found.append(((by_theta, sizes[0]), (by_omega, sizes[1])))
+    return found
+
+
+def accelerated(at: Set, alpha_m: np.ndarray, p: Parameters) -> list[tuple[mpf, mpf]]:
+    """Return, for rotating_link, the normal force and M L (w^2 + |alpha|) + b, link side [N]."""
+    found = []
+    for x, number in zip(_points(at), alpha_m, strict=True):
+        alpha = mpf(float(number))
+        weight = (p.M + p.M_l) * p.g * mpmath.cos(p.phi)
+        size = p.M * p.L * ((p.mu * x.omega_m) ** 2 + abs(p.mu * alpha)) + weight
+        found.append((paper.normal_force_rotating_link(x.theta_m, x.omega_m, alpha, p), size))
+    return found
+
+
+def relative(actual: np.ndarray, exact: list[tuple[mpf, mpf]]) -> np.ndarray:
+    """Return the errors over the sizes that come with the exact values, in eps of the precision."""
+    eps = float(np.finfo(actual.dtype).eps)
+    errors = [float(abs(mpf(float(a)) - x) / size) for a, (x, size) in zip(actual, exact, strict=True)]
+    return np.array(errors) / eps
+
+
+def _points(at: Set) -> list[Point]:
+    return [Point(mpf(float(t)), mpf(float(w)), mpf(0)) for t, w in zip(at.theta_m, at.omega_m, strict=True)]

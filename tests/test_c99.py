@@ -45,7 +45,7 @@ Libraries = dict[tuple[str, Real], Library]
 def test_agrees_with_the_paper(libraries: Libraries, name: str, function: str, dtype: Real) -> None:
     """Every function is the paper's closed form to rounding, for any drive, in the hollow as elsewhere."""
     library = libraries[name, dtype]
-    derivative = function in ("friction_torque_gradient", "friction_torque_jacobian")
+    derivative = function in oracle.DERIVATIVES
 
     @settings(max_examples=8)  # the same bits as NumPy's, which sees more
     @given(st.data())

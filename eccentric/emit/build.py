@@ -8,12 +8,13 @@ from dataclasses import replace
 
 import sympy as sp
 
+from eccentric.emit.accuracy import promises
 from eccentric.emit.functions import Function, closure, functions, gradient_labels
 from eccentric.emit.half_turn import HalfTurns
 from eccentric.emit.lower import Lowering
 from eccentric.emit.primitive import Rounded, TurnLeft, exact
 from eccentric.emit.program import Assignment, Helper, Input, Program, Routine, differentiate, needed
-from eccentric.emit.shorten import shortened
+from eccentric.emit.shorten import shortened, without_copies
 from eccentric.model import Model, Quantity
 from eccentric.model import vocabulary as v
 from eccentric.model.steps import (
@@ -60,6 +61,7 @@ def build_program(model: Model) -> Program:
         defaults=model.defaults
         or ("Table 1 of the paper with mu = 1/5" if from_table else "those of the derivation"),
         helpers=helpers,
+        promises=promises(model),
     )
 
 
@@ -74,9 +76,9 @@ def _routine(
             torque = _grouped(model, torque)
         steps = differentiate((*assignments, Assignment(y, torque)), function.by)
         wanted = {f"torque_d_{label}" for label in labels}
-        results = [
-            (label, next(a.value for a in steps if a.target.name == f"torque_d_{label}")) for label in labels
-        ]
+        values = {a.target.name: a.value for a in steps}
+        value = [(label, torque) for label, _ in results if label]
+        results = value + [(label, values[f"torque_d_{label}"]) for label in labels]
         assignments = needed([a for a in steps if a.target.name not in wanted], [e for _, e in results])
     # What depends on parameters only is moved to `prepare`; the rest keeps its order.
     lowering = Lowering(shared, half_turns)
@@ -99,7 +101,7 @@ def _routine(
     return Routine(
         name=function.name,
         inputs=tuple(inputs),
-        assignments=shortened(lowering.assignments),
+        assignments=without_copies(shortened(lowering.assignments), targets),
         results=tuple(targets),
         labels=tuple(label for label, _ in results) if results[0][0] else (),
         unit=function.unit,

@@ -75,6 +75,8 @@ def view(program: Program, banner: str, digest: str) -> dict[str, Any]:
             _parameter(q, values[False][q.name].replace("NAN", "(double)NAN")) for q in program.parameters
         ],
         "valid": _valid(program),
+        "promises": program.promises,
+        "bounded": "fastest" in {s.name for s in program.coefficients},
         "defaults": program.defaults,
         "coefficients": [
             {
@@ -202,11 +204,11 @@ def _series(name: str) -> dict[str, Any]:
         lines = []
         for part, (first, *rest) in zip(("even", "odd"), polynomial(name, single).halves(), strict=True):
             lines += [f"real {part} = REAL({first});", *(f"{part} = {part} * y + REAL({c});" for c in rest)]
-        return [*lines, "return (odd * x + even) * x + REAL(1.0);"]
+        return [*lines, f"return (odd * x + even) * x{' + REAL(1.0)' if name == 'cosine' else ''};"]
 
     single, double = polynomial(name, True), polynomial(name, False)
     function, libm = {
-        "sine_ratio": ("sin(h)/h", "(h == REAL(0.0)) ? REAL(1.0) : (REAL_SIN(h) / h)"),
+        "sine_ratio": ("sin(h)/h - 1", "(h == REAL(0.0)) ? REAL(0.0) : (REAL_SIN(h) / h - REAL(1.0))"),
         "cosine": ("cos(h)", "REAL_COS(h)"),
     }[name]
     return {

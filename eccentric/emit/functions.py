@@ -20,7 +20,8 @@ class Function:
     Attributes:
         name, unit, meaning: as in Routine.
         results: label -> expression; the label is "" for a scalar function.
-        by: symbols by which the one entry of `results` is differentiated; the function returns those slopes.
+        by: symbols by which the one entry of `results` is differentiated; the function returns those slopes,
+            after the entry itself where that has a label.
     """
 
     name: str
@@ -116,6 +117,13 @@ def functions(model: Model) -> tuple[Function, ...]:
             f"N m per {', '.join(units[x] for x in dependence)}",
             "partial derivatives of friction_torque with respect to its inputs",
             (("", resultant),),
+            dependence,
+        ),
+        Function(
+            "friction_torque_with_gradient",
+            f"N m, N m per {', '.join(units[x] for x in dependence)}",
+            "friction_torque and its partial derivatives, as a linearisation needs them",
+            (("friction_torque", resultant),),
             dependence,
         ),
         Function(

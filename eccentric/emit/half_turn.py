@@ -85,7 +85,8 @@ class HalfTurns:
         )
         half, chord, half_sine = sp.symbols("half_angle chord half_sine", real=True)
         halved = Assignment(half, Times(_FROM_TOP, self._prepare("half_mu", mu / 2)))
-        bent = Assignment(chord, Times(_FROM_TOP, Call(SINE_RATIO, half)))
+        # The sum last: what comes before it is small where digits count, and so are its roundings.
+        bent = Assignment(chord, Plus(_FROM_TOP, Times(_FROM_TOP, Call(SINE_RATIO, half))))
         level = Assignment(half_sine, Call(COSINE, half))
         self.helpers += [
             Helper(names.from_top.name, _THETA, angle, "motor angle from the nearest top of the link [rad]"),

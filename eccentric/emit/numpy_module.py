@@ -85,6 +85,8 @@ def _prepared(program: Program, a: Assignment, language: Language) -> list[str]:
         return [f"{target} = {value}"]
     first, _, rest = value.partition(" if ")
     condition, _, other = rest.partition(" else ")
+    if len(value) <= 102:
+        return [f"{target} = (", f"    {value}", ")"]
     return [f"{target} = (", f"    {first}", f"    if {condition}", f"    else {other}", ")"]
 
 
@@ -150,9 +152,10 @@ def _tuple(items: list[str], indent: str = "") -> str:
 
 def _series(name: str) -> dict[str, Any]:
     single, double = polynomial(name, True), polynomial(name, False)
-    function = {"sine_ratio": "sin(h)/h", "cosine": "cos(h)"}[name]
+    function = {"sine_ratio": "sin(h)/h - 1", "cosine": "cos(h)"}[name]
     return {
         "name": name,
+        "rest": " + 1.0" if name == "cosine" else "",
         "single": single.halves(),
         "double": double.halves(),
         "doc": f"{function} for |h| within a quarter turn, a minimax polynomial in h^2; error"

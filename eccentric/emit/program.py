@@ -95,6 +95,7 @@ class Program:
         notes: what each coefficient is: meaning and unit, or its formula.
         defaults: where the default parameters come from, in words.
         helpers: private functions that the routines call.
+        promises: bounds of the rounding error, one line each.
     """
 
     name: str
@@ -108,6 +109,7 @@ class Program:
     states: tuple[tuple[Quantity, sp.Expr], ...] = ()
     defaults: str = "those of the derivation"
     helpers: tuple[Helper, ...] = ()
+    promises: tuple[str, ...] = ()
 
     def hot(self) -> tuple[Assignment, ...]:
         """Every assignment that is evaluated for each sample."""
