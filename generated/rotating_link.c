@@ -117,6 +117,32 @@ static double rotating_link_leading(const double x)
     return scaled - (scaled - x);
 }
 
+/* Motor angle from the nearest top of the link [rad]. */
+REAL_INLINE real rotating_link_from_top(real theta_m, const rotating_link_coefficients *c)
+{
+    /* whole turns of the link and a half, up to the top that is nearest */
+    const real turns = theta_m * c->turns_per_rad - REAL(0.5) + REAL_ROUNDER - REAL_ROUNDER + REAL(0.5);
+    /* the turns go off in four parts of few digits: all products but the last are exact */
+    const real rest = theta_m - turns * c->period_1;
+    const real reduced = rest - turns * c->period_2 - turns * c->period_3 - turns * c->period_4;
+    /* an angle so large that nothing is left of its phase counts as the top */
+    return ((REAL_FABS(reduced) <= c->period) ? reduced : theta_m - theta_m);
+}
+
+/* 2 sin(half the link angle from the top)/mu. */
+REAL_INLINE real rotating_link_chord(real from_top, const rotating_link_coefficients *c)
+{
+    const real half_angle = from_top * c->half_mu;
+    return from_top + from_top * rotating_link_sine_ratio(half_angle);
+}
+
+/* Cosine of half the link angle from the top. */
+REAL_INLINE real rotating_link_half_sine(real from_top, const rotating_link_coefficients *c)
+{
+    const real half_angle = from_top * c->half_mu;
+    return rotating_link_cosine(half_angle);
+}
+
 /* Parameters beyond double precision: high + low, unevaluated, each result right to some 104 bits. */
 typedef struct {
     double high;
@@ -411,32 +437,6 @@ void rotating_link_prepare(const rotating_link_parameters *p, rotating_link_coef
     c->L_M_g_p_mu2_per_k_i = (real)(L_M_g_p_mu2_per_k_i);
     c->k_i_per_R = (real)(k_i_per_R);
     c->k_e_k_i_per_R = (real)(k_e_k_i_per_R);
-}
-
-/* Motor angle from the nearest top of the link [rad]. */
-REAL_INLINE real rotating_link_from_top(real theta_m, const rotating_link_coefficients *c)
-{
-    /* whole turns of the link and a half, up to the top that is nearest */
-    const real turns = theta_m * c->turns_per_rad - REAL(0.5) + REAL_ROUNDER - REAL_ROUNDER + REAL(0.5);
-    /* the turns go off in four parts of few digits: all products but the last are exact */
-    const real rest = theta_m - turns * c->period_1;
-    const real reduced = rest - turns * c->period_2 - turns * c->period_3 - turns * c->period_4;
-    /* an angle so large that nothing is left of its phase counts as the top */
-    return ((REAL_FABS(reduced) <= c->period) ? reduced : theta_m - theta_m);
-}
-
-/* 2 sin(half the link angle from the top)/mu. */
-REAL_INLINE real rotating_link_chord(real from_top, const rotating_link_coefficients *c)
-{
-    const real half_angle = from_top * c->half_mu;
-    return from_top + from_top * rotating_link_sine_ratio(half_angle);
-}
-
-/* Cosine of half the link angle from the top. */
-REAL_INLINE real rotating_link_half_sine(real from_top, const rotating_link_coefficients *c)
-{
-    const real half_angle = from_top * c->half_mu;
-    return rotating_link_cosine(half_angle);
 }
 
 REAL_INLINE real rotating_link_normal_force_at(
