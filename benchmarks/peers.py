@@ -2,7 +2,7 @@
 
 Run by benchmarks/target.py in an environment of its own: python benchmarks/peers.py GENERATOR FOLDER
 Each is given the paper's (15)-(25) with the numbers of Table 1, as its manual shows, and writes torque.c and
-gradient.c (both first derivatives).
+gradient.c (torque with both first derivatives).
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ def casadi(folder: Path) -> None:
     F = torque(theta, omega, ca)
     for name, results in (
         ("torque", [F]),
-        ("gradient", ca.vertsplit(ca.gradient(F, ca.vertcat(theta, omega)))),
+        ("gradient", [F, *ca.vertsplit(ca.gradient(F, ca.vertcat(theta, omega)))]),
     ):
         function = ca.Function(name, [theta, omega], results)
         generator = ca.CodeGenerator(f"{name}.c", {"casadi_real": "float", "with_header": False})
@@ -45,7 +45,7 @@ def sympy(folder: Path) -> None:
     theta, omega = sp.symbols("theta omega", real=True)
     F = torque(theta, omega, sp)
     slopes = [F.diff(theta), F.diff(omega).subs(sp.DiracDelta(omega), 0)]
-    _with_printer(folder, {"torque": [F], "gradient": slopes})
+    _with_printer(folder, {"torque": [F], "gradient": [F, *slopes]})
 
 
 def symforce(folder: Path) -> None:
@@ -58,7 +58,7 @@ def symforce(folder: Path) -> None:
 
     theta, omega = sf.symbols("theta omega")
     F = torque(theta, omega, sf)
-    results = {"torque": [F], "gradient": [F.diff(theta), F.diff(omega)]}
+    results = {"torque": [F], "gradient": [F, F.diff(theta), F.diff(omega)]}
     plain = {
         name: [sp.sympify(str(e).replace("Heaviside", "heaviside")) for e in es]
         for name, es in results.items()

@@ -1,8 +1,8 @@
 """The emitted C on targets, under QEMU: the same bits as NumPy, within the promised instructions and bytes.
 
 A Cortex-M4F in single precision, and for double precision in hardware a Cortex-M7. Double on the M4F is left
-out: libgcc's subtraction in software for Arm is not always rounded to nearest (1 - 0x1.990c0672887a0p-33 is off
-by one in the last place), so that no source has the same bits there.
+out: libgcc subtracts in software there, not always to the nearest number (1 - 0x1.990c0672887a0p-33 is off by
+one in the last place), so that no source has the same bits.
 """
 
 import re
@@ -20,7 +20,6 @@ TARGETS = {
     "m4f-O2-float": (M4F, "-O2", "float"),
     "m4f-Os-float": (M4F, "-Os", "float"),
     "m7-O2-double": (M7, "-O2", "double"),
-    "m7-Os-double": (M7, "-Os", "double"),
 }
 
 
