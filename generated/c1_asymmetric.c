@@ -388,7 +388,7 @@ void c1_asymmetric_friction_torque_gradient_n(
 {
     const c1_asymmetric_coefficients own = *c; /* that no store to `out` can change */
     for (size_t k = 0; k < n; ++k) {
-        c1_asymmetric_friction_torque_gradient_at(omega_m[k], &out[1 * k], &own);
+        c1_asymmetric_friction_torque_gradient_at(omega_m[k], &out[1u * k], &own);
     }
 }
 
@@ -433,7 +433,7 @@ void c1_asymmetric_friction_torque_with_gradient_n(
 {
     const c1_asymmetric_coefficients own = *c; /* that no store to `out` can change */
     for (size_t k = 0; k < n; ++k) {
-        c1_asymmetric_friction_torque_with_gradient_at(omega_m[k], &out[2 * k], &own);
+        c1_asymmetric_friction_torque_with_gradient_at(omega_m[k], &out[2u * k], &own);
     }
 }
 
@@ -481,7 +481,7 @@ void c1_asymmetric_friction_torque_jacobian_n(
 {
     const c1_asymmetric_coefficients own = *c; /* that no store to `out` can change */
     for (size_t k = 0; k < n; ++k) {
-        c1_asymmetric_friction_torque_jacobian_at(omega_m[k], &out[12 * k], &own);
+        c1_asymmetric_friction_torque_jacobian_at(omega_m[k], &out[12u * k], &own);
     }
 }
 
@@ -520,7 +520,7 @@ void c1_asymmetric_regressor_n(
 {
     const c1_asymmetric_coefficients own = *c; /* that no store to `out` can change */
     for (size_t k = 0; k < n; ++k) {
-        c1_asymmetric_regressor_at(omega_m[k], &out[8 * k], &own);
+        c1_asymmetric_regressor_at(omega_m[k], &out[8u * k], &own);
     }
 }
 

@@ -294,7 +294,7 @@ void c1_perpendicular_friction_torque_gradient_n(
 {
     const c1_perpendicular_coefficients own = *c; /* that no store to `out` can change */
     for (size_t k = 0; k < n; ++k) {
-        c1_perpendicular_friction_torque_gradient_at(omega_m[k], &out[1 * k], &own);
+        c1_perpendicular_friction_torque_gradient_at(omega_m[k], &out[1u * k], &own);
     }
 }
 
@@ -329,7 +329,7 @@ void c1_perpendicular_friction_torque_with_gradient_n(
 {
     const c1_perpendicular_coefficients own = *c; /* that no store to `out` can change */
     for (size_t k = 0; k < n; ++k) {
-        c1_perpendicular_friction_torque_with_gradient_at(omega_m[k], &out[2 * k], &own);
+        c1_perpendicular_friction_torque_with_gradient_at(omega_m[k], &out[2u * k], &own);
     }
 }
 
@@ -365,7 +365,7 @@ void c1_perpendicular_friction_torque_jacobian_n(
 {
     const c1_perpendicular_coefficients own = *c; /* that no store to `out` can change */
     for (size_t k = 0; k < n; ++k) {
-        c1_perpendicular_friction_torque_jacobian_at(omega_m[k], &out[6 * k], &own);
+        c1_perpendicular_friction_torque_jacobian_at(omega_m[k], &out[6u * k], &own);
     }
 }
 
@@ -399,7 +399,7 @@ void c1_perpendicular_regressor_n(
 {
     const c1_perpendicular_coefficients own = *c; /* that no store to `out` can change */
     for (size_t k = 0; k < n; ++k) {
-        c1_perpendicular_regressor_at(omega_m[k], &out[4 * k], &own);
+        c1_perpendicular_regressor_at(omega_m[k], &out[4u * k], &own);
     }
 }
 

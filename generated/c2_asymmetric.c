@@ -703,7 +703,7 @@ void c2_asymmetric_friction_torque_gradient_n(
             half_sine[k] = c2_asymmetric_half_sine(from_top[k], &own);
         }
         for (size_t k = 0; k < count; ++k) {
-            c2_asymmetric_friction_torque_gradient_at(omega_m[first + k], chord[k], half_sine[k], &out[2 *
+            c2_asymmetric_friction_torque_gradient_at(omega_m[first + k], chord[k], half_sine[k], &out[2u *
                 (first + k)], &own);
         }
     }
@@ -783,7 +783,7 @@ void c2_asymmetric_friction_torque_with_gradient_n(
             half_sine[k] = c2_asymmetric_half_sine(from_top[k], &own);
         }
         for (size_t k = 0; k < count; ++k) {
-            c2_asymmetric_friction_torque_with_gradient_at(omega_m[first + k], chord[k], half_sine[k], &out[3
+            c2_asymmetric_friction_torque_with_gradient_at(omega_m[first + k], chord[k], half_sine[k], &out[3u
                 * (first + k)], &own);
         }
     }
@@ -848,7 +848,7 @@ void c2_asymmetric_friction_torque_jacobian_n(
             chord[k] = c2_asymmetric_chord(from_top[k], &own);
         }
         for (size_t k = 0; k < count; ++k) {
-            c2_asymmetric_friction_torque_jacobian_at(omega_m[first + k], chord[k], &out[8 * (first + k)],
+            c2_asymmetric_friction_torque_jacobian_at(omega_m[first + k], chord[k], &out[8u * (first + k)],
                 &own);
         }
     }
@@ -913,7 +913,7 @@ void c2_asymmetric_regressor_n(
             chord[k] = c2_asymmetric_chord(from_top[k], &own);
         }
         for (size_t k = 0; k < count; ++k) {
-            c2_asymmetric_regressor_at(omega_m[first + k], chord[k], &out[8 * (first + k)], &own);
+            c2_asymmetric_regressor_at(omega_m[first + k], chord[k], &out[8u * (first + k)], &own);
         }
     }
 }

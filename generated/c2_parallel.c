@@ -614,7 +614,7 @@ void c2_parallel_friction_torque_gradient_n(
             half_sine[k] = c2_parallel_half_sine(from_top[k], &own);
         }
         for (size_t k = 0; k < count; ++k) {
-            c2_parallel_friction_torque_gradient_at(omega_m[first + k], chord[k], half_sine[k], &out[2 *
+            c2_parallel_friction_torque_gradient_at(omega_m[first + k], chord[k], half_sine[k], &out[2u *
                 (first + k)], &own);
         }
     }
@@ -685,7 +685,7 @@ void c2_parallel_friction_torque_with_gradient_n(
             half_sine[k] = c2_parallel_half_sine(from_top[k], &own);
         }
         for (size_t k = 0; k < count; ++k) {
-            c2_parallel_friction_torque_with_gradient_at(omega_m[first + k], chord[k], half_sine[k], &out[3 *
+            c2_parallel_friction_torque_with_gradient_at(omega_m[first + k], chord[k], half_sine[k], &out[3u *
                 (first + k)], &own);
         }
     }
@@ -742,7 +742,7 @@ void c2_parallel_friction_torque_jacobian_n(
             chord[k] = c2_parallel_chord(from_top[k], &own);
         }
         for (size_t k = 0; k < count; ++k) {
-            c2_parallel_friction_torque_jacobian_at(omega_m[first + k], chord[k], &out[4 * (first + k)],
+            c2_parallel_friction_torque_jacobian_at(omega_m[first + k], chord[k], &out[4u * (first + k)],
                 &own);
         }
     }
@@ -799,7 +799,7 @@ void c2_parallel_regressor_n(
             chord[k] = c2_parallel_chord(from_top[k], &own);
         }
         for (size_t k = 0; k < count; ++k) {
-            c2_parallel_regressor_at(omega_m[first + k], chord[k], &out[4 * (first + k)], &own);
+            c2_parallel_regressor_at(omega_m[first + k], chord[k], &out[4u * (first + k)], &own);
         }
     }
 }

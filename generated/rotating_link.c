@@ -701,7 +701,7 @@ void rotating_link_friction_torque_gradient_n(
         }
         for (size_t k = 0; k < count; ++k) {
             rotating_link_friction_torque_gradient_at(omega_m[first + k], alpha_m[first + k], chord[k],
-                half_sine[k], &out[3 * (first + k)], &own);
+                half_sine[k], &out[3u * (first + k)], &own);
         }
     }
 }
@@ -781,7 +781,7 @@ void rotating_link_friction_torque_with_gradient_n(
         }
         for (size_t k = 0; k < count; ++k) {
             rotating_link_friction_torque_with_gradient_at(omega_m[first + k], alpha_m[first + k], chord[k],
-                half_sine[k], &out[4 * (first + k)], &own);
+                half_sine[k], &out[4u * (first + k)], &own);
         }
     }
 }
@@ -851,7 +851,7 @@ void rotating_link_friction_torque_jacobian_n(
         }
         for (size_t k = 0; k < count; ++k) {
             rotating_link_friction_torque_jacobian_at(omega_m[first + k], alpha_m[first + k], chord[k],
-                half_sine[k], &out[6 * (first + k)], &own);
+                half_sine[k], &out[6u * (first + k)], &own);
         }
     }
 }
@@ -918,7 +918,7 @@ void rotating_link_regressor_n(
             half_sine[k] = rotating_link_half_sine(from_top[k], &own);
         }
         for (size_t k = 0; k < count; ++k) {
-            rotating_link_regressor_at(omega_m[first + k], alpha_m[first + k], chord[k], half_sine[k], &out[4
+            rotating_link_regressor_at(omega_m[first + k], alpha_m[first + k], chord[k], half_sine[k], &out[4u
                 * (first + k)], &own);
         }
     }

@@ -245,7 +245,7 @@ def _routine(program: Program, r: Routine, coefficients: set[str]) -> dict[str, 
     passed = [*(x.quantity.name for x in parts.inputs), *ready, *(["out"] if r.labels else []), "c"]
     index = "first + k" if parts.angles else "k"
     each = [*(_element(x, index) for x in parts.inputs), *(f"{name}[k]" for name in ready)]
-    to, given = f"&out[{width} * {f'({index})' if parts.angles else index}]", ", ".join(each)
+    to, given = f"&out[{width}u * {f'({index})' if parts.angles else index}]", ", ".join(each)
     return {
         "name": r.name,
         "doc": f"{r.meaning[0].upper()}{r.meaning[1:]}.",
@@ -348,7 +348,7 @@ def _argument(x: Input, real: str) -> str:
 
 
 def _element(x: Input, index: str) -> str:
-    return f"{x.quantity.name}[{index}]" if x.length is None else f"{x.quantity.name} + {x.length} * {index}"
+    return f"{x.quantity.name}[{index}]" if x.length is None else f"{x.quantity.name} + {x.length}u * {index}"
 
 
 def _filled(text: str, indent: int = 4) -> list[str]:
