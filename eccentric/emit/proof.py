@@ -34,8 +34,9 @@ class _Called(Protocol):
     def scalar(self) -> bool: ...
 
 
-def view(model: Model, functions: Sequence[_Called], source: str) -> dict[str, Any]:
+def view(model: Model, functions: Sequence[_Called], inputs: Sequence[str], source: str) -> dict[str, Any]:
     """What the template of the proof driver is filled with; `source` is the emitted C."""
+    units = {symbol.name: unit for symbol, unit in model.units().items()}
     reductions = sorted(set(re.findall(rf"\b{model.name}_from_top\w*(?=\()", source)))
     narrow = ",".join(f"{function}:{_NARROW}" for function in reductions)
     return {
@@ -46,7 +47,7 @@ def view(model: Model, functions: Sequence[_Called], source: str) -> dict[str, A
             f'  -cpp-extra-args="-DECCENTRIC_REAL=float -I.." {model.name}_proof.c',
         ],
         "inputs": [
-            {"name": q.name, "unit": q.unit, "range": _RANGES.get(q.name, _OTHER_RANGE)} for q in model.inputs
+            {"name": x, "unit": units.get(x, "1"), "range": _RANGES.get(x, _OTHER_RANGE)} for x in inputs
         ],
         "samples": _SAMPLES,
         "largest": max(f.width for f in functions),
