@@ -21,8 +21,8 @@ from eccentric.emit.program import Program
 def paired(program: Program) -> frozenset[sp.Symbol]:
     """The prepared values computed as pairs.
 
-    Those whose low part is asked for, what they follow from, and beside them what F_N is multiplied with: each
-    rounding of a product of five parameters would show in the last place of every normal force.
+    Those whose low part is asked for, what they follow from, and beside them what F_N is multiplied with:
+    each rounding of a product of five parameters would show in the last place of every normal force.
     """
     values = {a.target: a.value for a in program.prepare}
     waiting = {e.args[0] for value in values.values() for e in value.atoms(Low)}
