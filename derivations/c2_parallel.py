@@ -14,9 +14,7 @@ theta_m, omega_m, theta_l, omega_l, alpha_l = symbols(v.theta_m, v.omega_m, v.th
 M, M_l, L, g, phi, mu = symbols(v.M, v.M_l, v.L, v.g, v.phi, v.mu)
 R, k_i, k_e, B_lN, C_lN, B_m, C_m = symbols(v.R, v.k_i, v.k_e, v.B_lN, v.C_lN, v.B_m, v.C_m)
 f, F, G, F_N, J, alpha_m, u = symbols(v.f, v.F, v.G, v.F_N, v.J, v.alpha_m, v.u)
-weight, omega_star, scale_N, unbalanced, speed = symbols(
-    v.weight, v.omega_star, v.scale_N, v.unbalanced, v.speed
-)
+weight, omega_star, scale_N, speed = symbols(v.weight, v.omega_star, v.scale_N, v.speed)
 
 general = load_model("rotating_link")
 parallel = {phi: 0}
@@ -45,7 +43,6 @@ careful = scale_N * Magnitude(
 plain = {
     scale_N: M * L * mu**2,
     omega_star: sp.sqrt((M + M_l) * g / (M * L)) / mu,
-    unbalanced: 1,
     speed: sp.Abs(omega_m),
 }
 

@@ -8,7 +8,16 @@ import sympy as sp
 
 from eccentric.model import Balance, Definition, Equation, Identity, Model, Term, symbols
 from eccentric.model import vocabulary as v
-from eccentric.model.steps import Gated, HalfCosine, HalfSine, Magnitude, Sgn, SquareDifference, meaning
+from eccentric.model.steps import (
+    Bounded,
+    Gated,
+    HalfCosine,
+    HalfSine,
+    Magnitude,
+    Sgn,
+    SquareDifference,
+    meaning,
+)
 
 t, theta_m, omega_m, alpha_m = symbols(v.t, v.theta_m, v.omega_m, v.alpha_m)
 theta_l, omega_l, alpha_l = symbols(v.theta_l, v.omega_l, v.alpha_l)
@@ -18,8 +27,8 @@ u, i, tau_m, tau_l, f_m, f_l, f, F, G, F_N = symbols(
     v.u, v.i, v.tau_m, v.tau_l, v.f_m, v.f_l, v.f, v.F, v.G, v.F_N
 )
 B_lN, C_lN, B_lT, C_lT, B_m, C_m, F_T = symbols(v.B_lN, v.C_lN, v.B_lT, v.C_lT, v.B_m, v.C_m, v.F_T)
-g_p, weight, critical_squared, omega_star, scale_N, unbalanced, speed = symbols(
-    v.g_p, v.weight, v.critical_squared, v.omega_star, v.scale_N, v.unbalanced, v.speed
+g_p, weight, critical_squared, omega_star, scale_N, fastest, speed = symbols(
+    v.g_p, v.weight, v.critical_squared, v.omega_star, v.scale_N, v.fastest, v.speed
 )
 
 # --- The link: positions, differentiated. Frame: x level and y up in the plane of motion, z along the axis. -
@@ -74,10 +83,10 @@ mechanical = (motor_friction + mu * link_friction).subs(gear)
 # With the half angle, a = M L omega_l^2 and b the weight: the radial part a + b cos(theta_l) becomes
 # (a - b) + 2 b cos^2(theta_l/2) and loses nothing near the top. All of it is divided by scale_N = M L mu^2,
 # so that a becomes omega_m^2 and b becomes omega_star^2. A balanced mass (M L = 0) has F_N = b: then
-# unbalanced = 0, omega_star = 1 rad/s and scale_N = b/omega_star^2.
+# omega_star = 1 rad/s, scale_N = b/omega_star^2, and speed and acceleration are bounded by 0.
 half_cosine, half_sine = HalfCosine(theta_m, mu), HalfSine(theta_m, mu)
 radial = SquareDifference(speed, omega_star) + 2 * omega_star**2 * half_cosine**2
-tangential = unbalanced * alpha_m / mu - 2 * omega_star**2 * half_cosine * half_sine
+tangential = Bounded(alpha_m / mu, fastest**2) - 2 * omega_star**2 * half_cosine * half_sine
 careful = scale_N * Magnitude(radial, tangential)
 # (5) by the same half angle: sin(theta_l) is minus twice the product.
 careful_gravity = -2 * mu * M * g_p * L * half_cosine * half_sine
@@ -90,8 +99,8 @@ definitions = (
     Definition(v.critical_squared, sp.Piecewise((1, balanced), (weight / (M * L), True))),
     Definition(v.omega_star, sp.Piecewise((1, balanced), (sp.sqrt(critical_squared) / mu, True))),
     Definition(v.scale_N, sp.Piecewise((weight / omega_star**2, balanced), (M * L * mu**2, True))),
-    Definition(v.unbalanced, sp.Piecewise((0, balanced), (1, True))),
-    Definition(v.speed, unbalanced * sp.Abs(omega_m)),
+    Definition(v.fastest, sp.Piecewise((0, balanced), (2**30, True))),
+    Definition(v.speed, Bounded(sp.Abs(omega_m), fastest)),
     Definition(v.F_N, careful),
     Definition(v.B, B_m + mu**2 * B_lT * link_force_T),
     Definition(v.C, C_m + mu * C_lT * link_force_T),
@@ -127,8 +136,8 @@ electrical = Balance(
 plain = {
     scale_N: M * L * mu**2,
     omega_star: sp.sqrt((M + M_l) * g_p / (M * L)) / mu,
-    unbalanced: 1,
     speed: sp.Abs(omega_m),
+    fastest: 2**30,
 }
 careful_squared = sp.expand((meaning(careful) ** 2).subs(plain)).subs(plain).subs(g_p, g * sp.cos(phi))
 

@@ -1,6 +1,6 @@
 /*
  * Generated: do not edit. Written by `make derive` from derivations/c1_asymmetric.py
- * (eccentric 0.1.0, program 7ec56a06).
+ * (eccentric 0.1.0, program a81e2815).
  * Case C1 with friction that differs between the directions of motion.
  */
 #include "c1_asymmetric.h"
@@ -8,7 +8,7 @@
 #include <float.h>
 #include <math.h>
 
-#if C1_ASYMMETRIC_PROGRAM != 0x7ec56a06UL
+#if C1_ASYMMETRIC_PROGRAM != 0xa81e2815UL
 #error "c1_asymmetric.c and c1_asymmetric.h are of different derivations: write both again"
 #endif
 
@@ -16,21 +16,32 @@
     (defined(__FINITE_MATH_ONLY__) && __FINITE_MATH_ONLY__)
 #error "-ffast-math undoes the split of parameters into leading and further digits, and drops NaN"
 #endif
+#if defined(FLT_EVAL_METHOD) && ((FLT_EVAL_METHOD < 0) || (FLT_EVAL_METHOD == 1) || (FLT_EVAL_METHOD == 2))
+#error "operations must round to their own type: on x86, compile with -msse2 -mfpmath=sse"
+#endif
+#if defined(__clang__)
+#pragma STDC FP_CONTRACT OFF
+#endif
 
 /* Short names for this file alone, taken back at its end: several models may share a translation unit. */
 #define real ECCENTRIC_REAL
+#if defined(__GNUC__)
+#define REAL_INLINE static inline __attribute__((always_inline))
+#else
+#define REAL_INLINE static inline
+#endif
 #if ECCENTRIC_PRECISION == 1
 #define REAL(x) x##f
 #else
 #define REAL(x) x
 #endif
 
-static inline real c1_asymmetric_sgn(const real x)
+REAL_INLINE real c1_asymmetric_sgn(const real x)
 {
-    return (x > REAL(0.0)) ? REAL(1.0) : ((x < REAL(0.0)) ? REAL(-1.0) : ((x == REAL(0.0)) ? REAL(0.0) : x));
+    return (x > REAL(0.0)) ? REAL(1.0) : ((x < REAL(0.0)) ? REAL(-1.0) : (x + REAL(0.0)));
 }
 
-static inline real c1_asymmetric_forward(const real x)
+REAL_INLINE real c1_asymmetric_forward(const real x)
 {
     return (x > REAL(0.0)) ? REAL(1.0) : ((x <= REAL(0.0)) ? REAL(0.0) : x);
 }
@@ -57,8 +68,8 @@ const c1_asymmetric_parameters c1_asymmetric_default_parameters = {
     0.008, /* C_m_pos [N m] */
     0.008, /* C_m_neg [N m] */
     1.962, /* F_T [N] */
-    NAN, /* J_m [kg m^2] */
-    NAN, /* J_l [kg m^2] */
+    (double)NAN, /* J_m [kg m^2] */
+    (double)NAN, /* J_l [kg m^2] */
 };
 
 const c1_asymmetric_coefficients c1_asymmetric_default = {
@@ -132,7 +143,7 @@ const c1_asymmetric_coefficients c1_asymmetric_default = {
     0.04, /* mu2 */
     0.07848, /* F_T_mu2 */
     0.3924, /* F_T_mu */
-    NAN, /* J */
+    (real)NAN, /* J */
     0.008, /* B_lN_pos_R_mu2_per_k_i */
     0.008, /* B_lN_neg_R_mu2_per_k_i */
     0.035696, /* B_pos_R_per_k_i */
@@ -252,11 +263,16 @@ void c1_asymmetric_prepare(const c1_asymmetric_parameters *p, c1_asymmetric_coef
     c->B_neg_plus_k_e_k_i_per_R = (real)(B_neg_plus_k_e_k_i_per_R);
 }
 
-ECCENTRIC_REAL c1_asymmetric_normal_force(ECCENTRIC_REAL omega_m, const c1_asymmetric_coefficients *c)
+REAL_INLINE real c1_asymmetric_normal_force_at(real omega_m, const c1_asymmetric_coefficients *c)
 {
     /* normal force on the axis of rotation [N], eq (8) */
     const real F_N = c->L_M_mu2 * omega_m * omega_m;
     return F_N;
+}
+
+ECCENTRIC_REAL c1_asymmetric_normal_force(ECCENTRIC_REAL omega_m, const c1_asymmetric_coefficients *c)
+{
+    return c1_asymmetric_normal_force_at(omega_m, c);
 }
 
 void c1_asymmetric_normal_force_n(
@@ -265,12 +281,13 @@ void c1_asymmetric_normal_force_n(
     ECCENTRIC_REAL *out,
     const c1_asymmetric_coefficients *c)
 {
+    const c1_asymmetric_coefficients own = *c; /* that no store to `out` can change */
     for (size_t k = 0; k < n; ++k) {
-        out[k] = c1_asymmetric_normal_force(omega_m[k], c);
+        out[k] = c1_asymmetric_normal_force_at(omega_m[k], &own);
     }
 }
 
-ECCENTRIC_REAL c1_asymmetric_friction_torque(ECCENTRIC_REAL omega_m, const c1_asymmetric_coefficients *c)
+REAL_INLINE real c1_asymmetric_friction_torque_at(real omega_m, const c1_asymmetric_coefficients *c)
 {
     /* normal force on the axis of rotation [N], eq (8) */
     const real F_N = c->L_M_mu2 * omega_m * omega_m;
@@ -284,19 +301,25 @@ ECCENTRIC_REAL c1_asymmetric_friction_torque(ECCENTRIC_REAL omega_m, const c1_as
     return part_1 + part_4;
 }
 
+ECCENTRIC_REAL c1_asymmetric_friction_torque(ECCENTRIC_REAL omega_m, const c1_asymmetric_coefficients *c)
+{
+    return c1_asymmetric_friction_torque_at(omega_m, c);
+}
+
 void c1_asymmetric_friction_torque_n(
     size_t n,
     const ECCENTRIC_REAL *omega_m,
     ECCENTRIC_REAL *out,
     const c1_asymmetric_coefficients *c)
 {
+    const c1_asymmetric_coefficients own = *c; /* that no store to `out` can change */
     for (size_t k = 0; k < n; ++k) {
-        out[k] = c1_asymmetric_friction_torque(omega_m[k], c);
+        out[k] = c1_asymmetric_friction_torque_at(omega_m[k], &own);
     }
 }
 
-ECCENTRIC_REAL c1_asymmetric_mechanical_friction_torque(
-    ECCENTRIC_REAL omega_m,
+REAL_INLINE real c1_asymmetric_mechanical_friction_torque_at(
+    real omega_m,
     const c1_asymmetric_coefficients *c)
 {
     /* normal force on the axis of rotation [N], eq (8) */
@@ -311,15 +334,42 @@ ECCENTRIC_REAL c1_asymmetric_mechanical_friction_torque(
     return part_1 + part_4;
 }
 
+ECCENTRIC_REAL c1_asymmetric_mechanical_friction_torque(
+    ECCENTRIC_REAL omega_m,
+    const c1_asymmetric_coefficients *c)
+{
+    return c1_asymmetric_mechanical_friction_torque_at(omega_m, c);
+}
+
 void c1_asymmetric_mechanical_friction_torque_n(
     size_t n,
     const ECCENTRIC_REAL *omega_m,
     ECCENTRIC_REAL *out,
     const c1_asymmetric_coefficients *c)
 {
+    const c1_asymmetric_coefficients own = *c; /* that no store to `out` can change */
     for (size_t k = 0; k < n; ++k) {
-        out[k] = c1_asymmetric_mechanical_friction_torque(omega_m[k], c);
+        out[k] = c1_asymmetric_mechanical_friction_torque_at(omega_m[k], &own);
     }
+}
+
+REAL_INLINE void c1_asymmetric_friction_torque_gradient_at(
+    real omega_m,
+    real *out,
+    const c1_asymmetric_coefficients *c)
+{
+    /* normal force on the axis of rotation [N], eq (8) */
+    const real F_N = c->L_M_mu2 * omega_m * omega_m;
+    const real F_N_d_omega_m = omega_m * c->twice_L_M_mu2;
+    const real direction_of_motion = c1_asymmetric_sgn(omega_m);
+    const real part_4 = ((omega_m > REAL(0.0)) ? c->C_lN_pos_mu : c->C_lN_neg_mu);
+    const real part_3 = direction_of_motion * part_4;
+    const real part_5 = omega_m * ((omega_m > REAL(0.0)) ? c->B_lN_pos_mu2 : c->B_lN_neg_mu2);
+    const real part_2 = part_3 + part_5;
+    const real part_1 = F_N_d_omega_m * part_2;
+    const real part_6 = F_N * ((omega_m > REAL(0.0)) ? c->B_lN_pos_mu2 : c->B_lN_neg_mu2);
+    const real part_7 = ((omega_m > REAL(0.0)) ? c->B_pos : c->B_neg);
+    out[0] = c->k_e_k_i_per_R + part_1 + part_6 + part_7;
 }
 
 void c1_asymmetric_friction_torque_gradient(
@@ -327,17 +377,7 @@ void c1_asymmetric_friction_torque_gradient(
     ECCENTRIC_REAL *out,
     const c1_asymmetric_coefficients *c)
 {
-    /* normal force on the axis of rotation [N], eq (8) */
-    const real F_N = c->L_M_mu2 * omega_m * omega_m;
-    const real F_N_d_omega_m = omega_m * c->twice_L_M_mu2;
-    const real direction_of_motion = c1_asymmetric_sgn(omega_m);
-    const real part_2 = ((omega_m > REAL(0.0)) ? c->C_lN_pos_mu : c->C_lN_neg_mu);
-    const real part_1 = F_N_d_omega_m * direction_of_motion * part_2;
-    const real part_4 = ((omega_m > REAL(0.0)) ? c->B_lN_pos_mu2 : c->B_lN_neg_mu2);
-    const real part_3 = F_N_d_omega_m * omega_m * part_4;
-    const real part_5 = F_N * ((omega_m > REAL(0.0)) ? c->B_lN_pos_mu2 : c->B_lN_neg_mu2);
-    const real part_6 = ((omega_m > REAL(0.0)) ? c->B_pos : c->B_neg);
-    out[0] = c->k_e_k_i_per_R + part_1 + part_3 + part_5 + part_6;
+    c1_asymmetric_friction_torque_gradient_at(omega_m, out, c);
 }
 
 void c1_asymmetric_friction_torque_gradient_n(
@@ -346,14 +386,60 @@ void c1_asymmetric_friction_torque_gradient_n(
     ECCENTRIC_REAL *out,
     const c1_asymmetric_coefficients *c)
 {
+    const c1_asymmetric_coefficients own = *c; /* that no store to `out` can change */
     for (size_t k = 0; k < n; ++k) {
-        c1_asymmetric_friction_torque_gradient(omega_m[k], out + 1 * k, c);
+        c1_asymmetric_friction_torque_gradient_at(omega_m[k], &out[1u * k], &own);
     }
 }
 
-void c1_asymmetric_friction_torque_jacobian(
+REAL_INLINE void c1_asymmetric_friction_torque_with_gradient_at(
+    real omega_m,
+    real *out,
+    const c1_asymmetric_coefficients *c)
+{
+    /* normal force on the axis of rotation [N], eq (8) */
+    const real F_N = c->L_M_mu2 * omega_m * omega_m;
+    const real F_N_d_omega_m = omega_m * c->twice_L_M_mu2;
+    const real direction_of_motion = c1_asymmetric_sgn(omega_m);
+    const real part_3 = F_N * ((omega_m > REAL(0.0)) ? c->B_lN_pos_mu2 : c->B_lN_neg_mu2);
+    const real part_2 = c->k_e_k_i_per_R + part_3 + ((omega_m > REAL(0.0)) ? c->B_pos : c->B_neg);
+    const real part_1 = omega_m * part_2;
+    const real part_6 = F_N * ((omega_m > REAL(0.0)) ? c->C_lN_pos_mu : c->C_lN_neg_mu);
+    const real part_5 = part_6 + ((omega_m > REAL(0.0)) ? c->C_pos : c->C_neg);
+    const real part_4 = direction_of_motion * part_5;
+    out[0] = part_1 + part_4;
+    const real part_10 = ((omega_m > REAL(0.0)) ? c->C_lN_pos_mu : c->C_lN_neg_mu);
+    const real part_9 = direction_of_motion * part_10;
+    const real part_11 = omega_m * ((omega_m > REAL(0.0)) ? c->B_lN_pos_mu2 : c->B_lN_neg_mu2);
+    const real part_8 = part_11 + part_9;
+    const real part_7 = F_N_d_omega_m * part_8;
+    const real part_13 = ((omega_m > REAL(0.0)) ? c->B_pos : c->B_neg);
+    out[1] = c->k_e_k_i_per_R + part_13 + part_3 + part_7;
+}
+
+void c1_asymmetric_friction_torque_with_gradient(
     ECCENTRIC_REAL omega_m,
     ECCENTRIC_REAL *out,
+    const c1_asymmetric_coefficients *c)
+{
+    c1_asymmetric_friction_torque_with_gradient_at(omega_m, out, c);
+}
+
+void c1_asymmetric_friction_torque_with_gradient_n(
+    size_t n,
+    const ECCENTRIC_REAL *omega_m,
+    ECCENTRIC_REAL *out,
+    const c1_asymmetric_coefficients *c)
+{
+    const c1_asymmetric_coefficients own = *c; /* that no store to `out` can change */
+    for (size_t k = 0; k < n; ++k) {
+        c1_asymmetric_friction_torque_with_gradient_at(omega_m[k], &out[2u * k], &own);
+    }
+}
+
+REAL_INLINE void c1_asymmetric_friction_torque_jacobian_at(
+    real omega_m,
+    real *out,
     const c1_asymmetric_coefficients *c)
 {
     /* normal force on the axis of rotation [N], eq (8) */
@@ -379,21 +465,27 @@ void c1_asymmetric_friction_torque_jacobian(
     out[11] = ((is_backward == REAL(0.0)) ? REAL(0.0) : direction_of_motion * is_backward);
 }
 
+void c1_asymmetric_friction_torque_jacobian(
+    ECCENTRIC_REAL omega_m,
+    ECCENTRIC_REAL *out,
+    const c1_asymmetric_coefficients *c)
+{
+    c1_asymmetric_friction_torque_jacobian_at(omega_m, out, c);
+}
+
 void c1_asymmetric_friction_torque_jacobian_n(
     size_t n,
     const ECCENTRIC_REAL *omega_m,
     ECCENTRIC_REAL *out,
     const c1_asymmetric_coefficients *c)
 {
+    const c1_asymmetric_coefficients own = *c; /* that no store to `out` can change */
     for (size_t k = 0; k < n; ++k) {
-        c1_asymmetric_friction_torque_jacobian(omega_m[k], out + 12 * k, c);
+        c1_asymmetric_friction_torque_jacobian_at(omega_m[k], &out[12u * k], &own);
     }
 }
 
-void c1_asymmetric_regressor(
-    ECCENTRIC_REAL omega_m,
-    ECCENTRIC_REAL *out,
-    const c1_asymmetric_coefficients *c)
+REAL_INLINE void c1_asymmetric_regressor_at(real omega_m, real *out, const c1_asymmetric_coefficients *c)
 {
     /* normal force on the axis of rotation [N], eq (8) */
     const real F_N = c->L_M_mu2 * omega_m * omega_m;
@@ -412,14 +504,23 @@ void c1_asymmetric_regressor(
     out[7] = ((is_backward == REAL(0.0)) ? REAL(0.0) : direction_of_motion * is_backward);
 }
 
+void c1_asymmetric_regressor(
+    ECCENTRIC_REAL omega_m,
+    ECCENTRIC_REAL *out,
+    const c1_asymmetric_coefficients *c)
+{
+    c1_asymmetric_regressor_at(omega_m, out, c);
+}
+
 void c1_asymmetric_regressor_n(
     size_t n,
     const ECCENTRIC_REAL *omega_m,
     ECCENTRIC_REAL *out,
     const c1_asymmetric_coefficients *c)
 {
+    const c1_asymmetric_coefficients own = *c; /* that no store to `out` can change */
     for (size_t k = 0; k < n; ++k) {
-        c1_asymmetric_regressor(omega_m[k], out + 8 * k, c);
+        c1_asymmetric_regressor_at(omega_m[k], &out[8u * k], &own);
     }
 }
 
@@ -447,10 +548,7 @@ ECCENTRIC_REAL c1_asymmetric_gravity_torque(const c1_asymmetric_coefficients *c)
     return REAL(0.0);
 }
 
-ECCENTRIC_REAL c1_asymmetric_voltage(
-    ECCENTRIC_REAL omega_m,
-    ECCENTRIC_REAL alpha_m,
-    const c1_asymmetric_coefficients *c)
+REAL_INLINE real c1_asymmetric_voltage_at(real omega_m, real alpha_m, const c1_asymmetric_coefficients *c)
 {
     /* normal force on the axis of rotation [N], eq (8) */
     const real F_N = c->L_M_mu2 * omega_m * omega_m;
@@ -468,6 +566,14 @@ ECCENTRIC_REAL c1_asymmetric_voltage(
     return part_1 + part_10 + part_5;
 }
 
+ECCENTRIC_REAL c1_asymmetric_voltage(
+    ECCENTRIC_REAL omega_m,
+    ECCENTRIC_REAL alpha_m,
+    const c1_asymmetric_coefficients *c)
+{
+    return c1_asymmetric_voltage_at(omega_m, alpha_m, c);
+}
+
 void c1_asymmetric_voltage_n(
     size_t n,
     const ECCENTRIC_REAL *omega_m,
@@ -475,15 +581,13 @@ void c1_asymmetric_voltage_n(
     ECCENTRIC_REAL *out,
     const c1_asymmetric_coefficients *c)
 {
+    const c1_asymmetric_coefficients own = *c; /* that no store to `out` can change */
     for (size_t k = 0; k < n; ++k) {
-        out[k] = c1_asymmetric_voltage(omega_m[k], alpha_m[k], c);
+        out[k] = c1_asymmetric_voltage_at(omega_m[k], alpha_m[k], &own);
     }
 }
 
-ECCENTRIC_REAL c1_asymmetric_current(
-    ECCENTRIC_REAL omega_m,
-    ECCENTRIC_REAL alpha_m,
-    const c1_asymmetric_coefficients *c)
+REAL_INLINE real c1_asymmetric_current_at(real omega_m, real alpha_m, const c1_asymmetric_coefficients *c)
 {
     /* normal force on the axis of rotation [N], eq (8) */
     const real F_N = c->L_M_mu2 * omega_m * omega_m;
@@ -500,6 +604,14 @@ ECCENTRIC_REAL c1_asymmetric_current(
     return part_1 + part_5 + part_9;
 }
 
+ECCENTRIC_REAL c1_asymmetric_current(
+    ECCENTRIC_REAL omega_m,
+    ECCENTRIC_REAL alpha_m,
+    const c1_asymmetric_coefficients *c)
+{
+    return c1_asymmetric_current_at(omega_m, alpha_m, c);
+}
+
 void c1_asymmetric_current_n(
     size_t n,
     const ECCENTRIC_REAL *omega_m,
@@ -507,15 +619,16 @@ void c1_asymmetric_current_n(
     ECCENTRIC_REAL *out,
     const c1_asymmetric_coefficients *c)
 {
+    const c1_asymmetric_coefficients own = *c; /* that no store to `out` can change */
     for (size_t k = 0; k < n; ++k) {
-        out[k] = c1_asymmetric_current(omega_m[k], alpha_m[k], c);
+        out[k] = c1_asymmetric_current_at(omega_m[k], alpha_m[k], &own);
     }
 }
 
-ECCENTRIC_REAL c1_asymmetric_mechanical_residual(
-    ECCENTRIC_REAL omega_m,
-    ECCENTRIC_REAL i,
-    ECCENTRIC_REAL alpha_m,
+REAL_INLINE real c1_asymmetric_mechanical_residual_at(
+    real omega_m,
+    real i,
+    real alpha_m,
     const c1_asymmetric_coefficients *c)
 {
     /* normal force on the axis of rotation [N], eq (8) */
@@ -531,6 +644,15 @@ ECCENTRIC_REAL c1_asymmetric_mechanical_residual(
     return i * c->k_i + part_1 + part_4 + part_7;
 }
 
+ECCENTRIC_REAL c1_asymmetric_mechanical_residual(
+    ECCENTRIC_REAL omega_m,
+    ECCENTRIC_REAL i,
+    ECCENTRIC_REAL alpha_m,
+    const c1_asymmetric_coefficients *c)
+{
+    return c1_asymmetric_mechanical_residual_at(omega_m, i, alpha_m, c);
+}
+
 void c1_asymmetric_mechanical_residual_n(
     size_t n,
     const ECCENTRIC_REAL *omega_m,
@@ -539,9 +661,19 @@ void c1_asymmetric_mechanical_residual_n(
     ECCENTRIC_REAL *out,
     const c1_asymmetric_coefficients *c)
 {
+    const c1_asymmetric_coefficients own = *c; /* that no store to `out` can change */
     for (size_t k = 0; k < n; ++k) {
-        out[k] = c1_asymmetric_mechanical_residual(omega_m[k], i[k], alpha_m[k], c);
+        out[k] = c1_asymmetric_mechanical_residual_at(omega_m[k], i[k], alpha_m[k], &own);
     }
+}
+
+REAL_INLINE real c1_asymmetric_electrical_residual_at(
+    real omega_m,
+    real i,
+    real u,
+    const c1_asymmetric_coefficients *c)
+{
+    return -i * c->k_i - c->k_e_k_i_per_R * omega_m + c->k_i_per_R * u;
 }
 
 ECCENTRIC_REAL c1_asymmetric_electrical_residual(
@@ -550,7 +682,7 @@ ECCENTRIC_REAL c1_asymmetric_electrical_residual(
     ECCENTRIC_REAL u,
     const c1_asymmetric_coefficients *c)
 {
-    return -i * c->k_i - c->k_e_k_i_per_R * omega_m + c->k_i_per_R * u;
+    return c1_asymmetric_electrical_residual_at(omega_m, i, u, c);
 }
 
 void c1_asymmetric_electrical_residual_n(
@@ -561,8 +693,9 @@ void c1_asymmetric_electrical_residual_n(
     ECCENTRIC_REAL *out,
     const c1_asymmetric_coefficients *c)
 {
+    const c1_asymmetric_coefficients own = *c; /* that no store to `out` can change */
     for (size_t k = 0; k < n; ++k) {
-        out[k] = c1_asymmetric_electrical_residual(omega_m[k], i[k], u[k], c);
+        out[k] = c1_asymmetric_electrical_residual_at(omega_m[k], i[k], u[k], &own);
     }
 }
 
@@ -583,5 +716,6 @@ void c1_asymmetric_polynomial_neg(ECCENTRIC_REAL *out, const c1_asymmetric_coeff
 }
 
 #undef real
+#undef REAL_INLINE
 #undef REAL
 

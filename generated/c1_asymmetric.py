@@ -1,5 +1,5 @@
 # Generated: do not edit. Written by `make derive` from derivations/c1_asymmetric.py
-# (eccentric 0.1.0, program 7ec56a06).
+# (eccentric 0.1.0, program a81e2815).
 # Case C1 with friction that differs between the directions of motion.
 """Case C1 with friction that differs between the directions of motion.
 
@@ -30,6 +30,7 @@ __all__ = [
     "friction_torque",
     "friction_torque_gradient",
     "friction_torque_jacobian",
+    "friction_torque_with_gradient",
     "gravity_torque",
     "mechanical_friction_torque",
     "mechanical_residual",
@@ -451,13 +452,14 @@ def _friction_torque_gradient(
     F_N = c.L_M_mu2 * omega_m * omega_m
     F_N_d_omega_m = omega_m * c.twice_L_M_mu2
     direction_of_motion = np.sign(omega_m)
-    part_2 = np.where(omega_m > 0.0, c.C_lN_pos_mu, c.C_lN_neg_mu)
-    part_1 = F_N_d_omega_m * direction_of_motion * part_2
-    part_4 = np.where(omega_m > 0.0, c.B_lN_pos_mu2, c.B_lN_neg_mu2)
-    part_3 = F_N_d_omega_m * omega_m * part_4
-    part_5 = F_N * np.where(omega_m > 0.0, c.B_lN_pos_mu2, c.B_lN_neg_mu2)
-    part_6 = np.where(omega_m > 0.0, c.B_pos, c.B_neg)
-    result_omega_m = c.k_e_k_i_per_R + part_1 + part_3 + part_5 + part_6
+    part_4 = np.where(omega_m > 0.0, c.C_lN_pos_mu, c.C_lN_neg_mu)
+    part_3 = direction_of_motion * part_4
+    part_5 = omega_m * np.where(omega_m > 0.0, c.B_lN_pos_mu2, c.B_lN_neg_mu2)
+    part_2 = part_3 + part_5
+    part_1 = F_N_d_omega_m * part_2
+    part_6 = F_N * np.where(omega_m > 0.0, c.B_lN_pos_mu2, c.B_lN_neg_mu2)
+    part_7 = np.where(omega_m > 0.0, c.B_pos, c.B_neg)
+    result_omega_m = c.k_e_k_i_per_R + part_1 + part_6 + part_7
     return (result_omega_m,)
 
 
@@ -473,6 +475,45 @@ def friction_torque_gradient(
     omega_m [rad/s]: motor velocity
     """
     return _evaluate(_friction_torque_gradient, (omega_m,), parameters, out, 1)
+
+
+def _friction_torque_with_gradient(
+    c: _Coefficients,
+    omega_m: Any,
+) -> tuple[Any, ...]:
+    # normal force on the axis of rotation [N], eq (8)
+    F_N = c.L_M_mu2 * omega_m * omega_m
+    F_N_d_omega_m = omega_m * c.twice_L_M_mu2
+    direction_of_motion = np.sign(omega_m)
+    part_3 = F_N * np.where(omega_m > 0.0, c.B_lN_pos_mu2, c.B_lN_neg_mu2)
+    part_2 = c.k_e_k_i_per_R + part_3 + np.where(omega_m > 0.0, c.B_pos, c.B_neg)
+    part_1 = omega_m * part_2
+    part_6 = F_N * np.where(omega_m > 0.0, c.C_lN_pos_mu, c.C_lN_neg_mu)
+    part_5 = part_6 + np.where(omega_m > 0.0, c.C_pos, c.C_neg)
+    part_4 = direction_of_motion * part_5
+    result_friction_torque = part_1 + part_4
+    part_10 = np.where(omega_m > 0.0, c.C_lN_pos_mu, c.C_lN_neg_mu)
+    part_9 = direction_of_motion * part_10
+    part_11 = omega_m * np.where(omega_m > 0.0, c.B_lN_pos_mu2, c.B_lN_neg_mu2)
+    part_8 = part_11 + part_9
+    part_7 = F_N_d_omega_m * part_8
+    part_13 = np.where(omega_m > 0.0, c.B_pos, c.B_neg)
+    result_omega_m = c.k_e_k_i_per_R + part_13 + part_3 + part_7
+    return (result_friction_torque, result_omega_m)
+
+
+def friction_torque_with_gradient(
+    omega_m: ArrayLike,
+    parameters: Parameters | None = None,
+    out: np.ndarray | None = None,
+) -> Any:
+    """Friction_torque and its partial derivatives, as a linearisation needs them.
+
+    In N m, N m per rad/s; last axis (friction_torque, omega_m).
+
+    omega_m [rad/s]: motor velocity
+    """
+    return _evaluate(_friction_torque_with_gradient, (omega_m,), parameters, out, 2)
 
 
 def _friction_torque_jacobian(

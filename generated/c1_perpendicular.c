@@ -1,6 +1,6 @@
 /*
  * Generated: do not edit. Written by `make derive` from derivations/c1_perpendicular.py
- * (eccentric 0.1.0, program 565b9336).
+ * (eccentric 0.1.0, program 11a195f0).
  * Case C1: gravity perpendicular to the motion plane, steady motion.
  */
 #include "c1_perpendicular.h"
@@ -8,7 +8,7 @@
 #include <float.h>
 #include <math.h>
 
-#if C1_PERPENDICULAR_PROGRAM != 0x565b9336UL
+#if C1_PERPENDICULAR_PROGRAM != 0x11a195f0UL
 #error "c1_perpendicular.c and c1_perpendicular.h are of different derivations: write both again"
 #endif
 
@@ -16,18 +16,29 @@
     (defined(__FINITE_MATH_ONLY__) && __FINITE_MATH_ONLY__)
 #error "-ffast-math undoes the split of parameters into leading and further digits, and drops NaN"
 #endif
+#if defined(FLT_EVAL_METHOD) && ((FLT_EVAL_METHOD < 0) || (FLT_EVAL_METHOD == 1) || (FLT_EVAL_METHOD == 2))
+#error "operations must round to their own type: on x86, compile with -msse2 -mfpmath=sse"
+#endif
+#if defined(__clang__)
+#pragma STDC FP_CONTRACT OFF
+#endif
 
 /* Short names for this file alone, taken back at its end: several models may share a translation unit. */
 #define real ECCENTRIC_REAL
+#if defined(__GNUC__)
+#define REAL_INLINE static inline __attribute__((always_inline))
+#else
+#define REAL_INLINE static inline
+#endif
 #if ECCENTRIC_PRECISION == 1
 #define REAL(x) x##f
 #else
 #define REAL(x) x
 #endif
 
-static inline real c1_perpendicular_sgn(const real x)
+REAL_INLINE real c1_perpendicular_sgn(const real x)
 {
-    return (x > REAL(0.0)) ? REAL(1.0) : ((x < REAL(0.0)) ? REAL(-1.0) : ((x == REAL(0.0)) ? REAL(0.0) : x));
+    return (x > REAL(0.0)) ? REAL(1.0) : ((x < REAL(0.0)) ? REAL(-1.0) : (x + REAL(0.0)));
 }
 
 const c1_perpendicular_parameters c1_perpendicular_default_parameters = {
@@ -46,8 +57,8 @@ const c1_perpendicular_parameters c1_perpendicular_default_parameters = {
     4.0e-4, /* B_m [N m s/rad] */
     0.008, /* C_m [N m] */
     1.962, /* F_T [N] */
-    NAN, /* J_m [kg m^2] */
-    NAN, /* J_l [kg m^2] */
+    (double)NAN, /* J_m [kg m^2] */
+    (double)NAN, /* J_l [kg m^2] */
 };
 
 const c1_perpendicular_coefficients c1_perpendicular_default = {
@@ -96,7 +107,7 @@ const c1_perpendicular_coefficients c1_perpendicular_default = {
     0.04, /* mu2 */
     0.07848, /* F_T_mu2 */
     0.3924, /* F_T_mu */
-    NAN, /* J */
+    (real)NAN, /* J */
     0.008, /* B_lN_R_mu2_per_k_i */
     0.235696, /* B_R_per_k_i_plus_k_e */
     0.8, /* C_lN_R_mu_per_k_i */
@@ -172,11 +183,16 @@ void c1_perpendicular_prepare(const c1_perpendicular_parameters *p, c1_perpendic
     c->C_lN_L_M_mu3 = (real)(C_lN_L_M_mu3);
 }
 
-ECCENTRIC_REAL c1_perpendicular_normal_force(ECCENTRIC_REAL omega_m, const c1_perpendicular_coefficients *c)
+REAL_INLINE real c1_perpendicular_normal_force_at(real omega_m, const c1_perpendicular_coefficients *c)
 {
     /* normal force on the axis of rotation [N], eq (8) */
     const real F_N = c->L_M_mu2 * omega_m * omega_m;
     return F_N;
+}
+
+ECCENTRIC_REAL c1_perpendicular_normal_force(ECCENTRIC_REAL omega_m, const c1_perpendicular_coefficients *c)
+{
+    return c1_perpendicular_normal_force_at(omega_m, c);
 }
 
 void c1_perpendicular_normal_force_n(
@@ -185,14 +201,13 @@ void c1_perpendicular_normal_force_n(
     ECCENTRIC_REAL *out,
     const c1_perpendicular_coefficients *c)
 {
+    const c1_perpendicular_coefficients own = *c; /* that no store to `out` can change */
     for (size_t k = 0; k < n; ++k) {
-        out[k] = c1_perpendicular_normal_force(omega_m[k], c);
+        out[k] = c1_perpendicular_normal_force_at(omega_m[k], &own);
     }
 }
 
-ECCENTRIC_REAL c1_perpendicular_friction_torque(
-    ECCENTRIC_REAL omega_m,
-    const c1_perpendicular_coefficients *c)
+REAL_INLINE real c1_perpendicular_friction_torque_at(real omega_m, const c1_perpendicular_coefficients *c)
 {
     /* normal force on the axis of rotation [N], eq (8) */
     const real F_N = c->L_M_mu2 * omega_m * omega_m;
@@ -201,19 +216,27 @@ ECCENTRIC_REAL c1_perpendicular_friction_torque(
     return direction_of_motion * (c->C + c->C_lN_mu * F_N) + part_1;
 }
 
+ECCENTRIC_REAL c1_perpendicular_friction_torque(
+    ECCENTRIC_REAL omega_m,
+    const c1_perpendicular_coefficients *c)
+{
+    return c1_perpendicular_friction_torque_at(omega_m, c);
+}
+
 void c1_perpendicular_friction_torque_n(
     size_t n,
     const ECCENTRIC_REAL *omega_m,
     ECCENTRIC_REAL *out,
     const c1_perpendicular_coefficients *c)
 {
+    const c1_perpendicular_coefficients own = *c; /* that no store to `out` can change */
     for (size_t k = 0; k < n; ++k) {
-        out[k] = c1_perpendicular_friction_torque(omega_m[k], c);
+        out[k] = c1_perpendicular_friction_torque_at(omega_m[k], &own);
     }
 }
 
-ECCENTRIC_REAL c1_perpendicular_mechanical_friction_torque(
-    ECCENTRIC_REAL omega_m,
+REAL_INLINE real c1_perpendicular_mechanical_friction_torque_at(
+    real omega_m,
     const c1_perpendicular_coefficients *c)
 {
     /* normal force on the axis of rotation [N], eq (8) */
@@ -223,15 +246,36 @@ ECCENTRIC_REAL c1_perpendicular_mechanical_friction_torque(
     return omega_m * (c->B + c->B_lN_mu2 * F_N) + part_1;
 }
 
+ECCENTRIC_REAL c1_perpendicular_mechanical_friction_torque(
+    ECCENTRIC_REAL omega_m,
+    const c1_perpendicular_coefficients *c)
+{
+    return c1_perpendicular_mechanical_friction_torque_at(omega_m, c);
+}
+
 void c1_perpendicular_mechanical_friction_torque_n(
     size_t n,
     const ECCENTRIC_REAL *omega_m,
     ECCENTRIC_REAL *out,
     const c1_perpendicular_coefficients *c)
 {
+    const c1_perpendicular_coefficients own = *c; /* that no store to `out` can change */
     for (size_t k = 0; k < n; ++k) {
-        out[k] = c1_perpendicular_mechanical_friction_torque(omega_m[k], c);
+        out[k] = c1_perpendicular_mechanical_friction_torque_at(omega_m[k], &own);
     }
+}
+
+REAL_INLINE void c1_perpendicular_friction_torque_gradient_at(
+    real omega_m,
+    real *out,
+    const c1_perpendicular_coefficients *c)
+{
+    /* normal force on the axis of rotation [N], eq (8) */
+    const real F_N = c->L_M_mu2 * omega_m * omega_m;
+    const real F_N_d_omega_m = omega_m * c->twice_L_M_mu2;
+    const real direction_of_motion = c1_perpendicular_sgn(omega_m);
+    const real part_1 = F_N_d_omega_m * (c->B_lN_mu2 * omega_m + c->C_lN_mu * direction_of_motion);
+    out[0] = c->B_lN_mu2 * F_N + c->B_plus_k_e_k_i_per_R + part_1;
 }
 
 void c1_perpendicular_friction_torque_gradient(
@@ -239,13 +283,7 @@ void c1_perpendicular_friction_torque_gradient(
     ECCENTRIC_REAL *out,
     const c1_perpendicular_coefficients *c)
 {
-    /* normal force on the axis of rotation [N], eq (8) */
-    const real F_N = c->L_M_mu2 * omega_m * omega_m;
-    const real F_N_d_omega_m = omega_m * c->twice_L_M_mu2;
-    const real direction_of_motion = c1_perpendicular_sgn(omega_m);
-    const real part_1 = c->C_lN_mu * F_N_d_omega_m * direction_of_motion;
-    const real part_2 = c->B_lN_mu2 * F_N_d_omega_m * omega_m;
-    out[0] = c->B_lN_mu2 * F_N + c->B_plus_k_e_k_i_per_R + part_1 + part_2;
+    c1_perpendicular_friction_torque_gradient_at(omega_m, out, c);
 }
 
 void c1_perpendicular_friction_torque_gradient_n(
@@ -254,14 +292,50 @@ void c1_perpendicular_friction_torque_gradient_n(
     ECCENTRIC_REAL *out,
     const c1_perpendicular_coefficients *c)
 {
+    const c1_perpendicular_coefficients own = *c; /* that no store to `out` can change */
     for (size_t k = 0; k < n; ++k) {
-        c1_perpendicular_friction_torque_gradient(omega_m[k], out + 1 * k, c);
+        c1_perpendicular_friction_torque_gradient_at(omega_m[k], &out[1u * k], &own);
     }
 }
 
-void c1_perpendicular_friction_torque_jacobian(
+REAL_INLINE void c1_perpendicular_friction_torque_with_gradient_at(
+    real omega_m,
+    real *out,
+    const c1_perpendicular_coefficients *c)
+{
+    /* normal force on the axis of rotation [N], eq (8) */
+    const real F_N = c->L_M_mu2 * omega_m * omega_m;
+    const real F_N_d_omega_m = omega_m * c->twice_L_M_mu2;
+    const real direction_of_motion = c1_perpendicular_sgn(omega_m);
+    const real part_1 = omega_m * (c->B_lN_mu2 * F_N + c->B_plus_k_e_k_i_per_R);
+    out[0] = direction_of_motion * (c->C + c->C_lN_mu * F_N) + part_1;
+    const real part_2 = F_N_d_omega_m * (c->B_lN_mu2 * omega_m + c->C_lN_mu * direction_of_motion);
+    out[1] = c->B_lN_mu2 * F_N + c->B_plus_k_e_k_i_per_R + part_2;
+}
+
+void c1_perpendicular_friction_torque_with_gradient(
     ECCENTRIC_REAL omega_m,
     ECCENTRIC_REAL *out,
+    const c1_perpendicular_coefficients *c)
+{
+    c1_perpendicular_friction_torque_with_gradient_at(omega_m, out, c);
+}
+
+void c1_perpendicular_friction_torque_with_gradient_n(
+    size_t n,
+    const ECCENTRIC_REAL *omega_m,
+    ECCENTRIC_REAL *out,
+    const c1_perpendicular_coefficients *c)
+{
+    const c1_perpendicular_coefficients own = *c; /* that no store to `out` can change */
+    for (size_t k = 0; k < n; ++k) {
+        c1_perpendicular_friction_torque_with_gradient_at(omega_m[k], &out[2u * k], &own);
+    }
+}
+
+REAL_INLINE void c1_perpendicular_friction_torque_jacobian_at(
+    real omega_m,
+    real *out,
     const c1_perpendicular_coefficients *c)
 {
     /* normal force on the axis of rotation [N], eq (8) */
@@ -275,20 +349,29 @@ void c1_perpendicular_friction_torque_jacobian(
     out[5] = direction_of_motion;
 }
 
+void c1_perpendicular_friction_torque_jacobian(
+    ECCENTRIC_REAL omega_m,
+    ECCENTRIC_REAL *out,
+    const c1_perpendicular_coefficients *c)
+{
+    c1_perpendicular_friction_torque_jacobian_at(omega_m, out, c);
+}
+
 void c1_perpendicular_friction_torque_jacobian_n(
     size_t n,
     const ECCENTRIC_REAL *omega_m,
     ECCENTRIC_REAL *out,
     const c1_perpendicular_coefficients *c)
 {
+    const c1_perpendicular_coefficients own = *c; /* that no store to `out` can change */
     for (size_t k = 0; k < n; ++k) {
-        c1_perpendicular_friction_torque_jacobian(omega_m[k], out + 6 * k, c);
+        c1_perpendicular_friction_torque_jacobian_at(omega_m[k], &out[6u * k], &own);
     }
 }
 
-void c1_perpendicular_regressor(
-    ECCENTRIC_REAL omega_m,
-    ECCENTRIC_REAL *out,
+REAL_INLINE void c1_perpendicular_regressor_at(
+    real omega_m,
+    real *out,
     const c1_perpendicular_coefficients *c)
 {
     /* normal force on the axis of rotation [N], eq (8) */
@@ -300,14 +383,23 @@ void c1_perpendicular_regressor(
     out[3] = direction_of_motion;
 }
 
+void c1_perpendicular_regressor(
+    ECCENTRIC_REAL omega_m,
+    ECCENTRIC_REAL *out,
+    const c1_perpendicular_coefficients *c)
+{
+    c1_perpendicular_regressor_at(omega_m, out, c);
+}
+
 void c1_perpendicular_regressor_n(
     size_t n,
     const ECCENTRIC_REAL *omega_m,
     ECCENTRIC_REAL *out,
     const c1_perpendicular_coefficients *c)
 {
+    const c1_perpendicular_coefficients own = *c; /* that no store to `out` can change */
     for (size_t k = 0; k < n; ++k) {
-        c1_perpendicular_regressor(omega_m[k], out + 4 * k, c);
+        c1_perpendicular_regressor_at(omega_m[k], &out[4u * k], &own);
     }
 }
 
@@ -330,9 +422,9 @@ ECCENTRIC_REAL c1_perpendicular_gravity_torque(const c1_perpendicular_coefficien
     return REAL(0.0);
 }
 
-ECCENTRIC_REAL c1_perpendicular_voltage(
-    ECCENTRIC_REAL omega_m,
-    ECCENTRIC_REAL alpha_m,
+REAL_INLINE real c1_perpendicular_voltage_at(
+    real omega_m,
+    real alpha_m,
     const c1_perpendicular_coefficients *c)
 {
     /* normal force on the axis of rotation [N], eq (8) */
@@ -344,6 +436,14 @@ ECCENTRIC_REAL c1_perpendicular_voltage(
     return part_1 + part_2 + part_3;
 }
 
+ECCENTRIC_REAL c1_perpendicular_voltage(
+    ECCENTRIC_REAL omega_m,
+    ECCENTRIC_REAL alpha_m,
+    const c1_perpendicular_coefficients *c)
+{
+    return c1_perpendicular_voltage_at(omega_m, alpha_m, c);
+}
+
 void c1_perpendicular_voltage_n(
     size_t n,
     const ECCENTRIC_REAL *omega_m,
@@ -351,14 +451,15 @@ void c1_perpendicular_voltage_n(
     ECCENTRIC_REAL *out,
     const c1_perpendicular_coefficients *c)
 {
+    const c1_perpendicular_coefficients own = *c; /* that no store to `out` can change */
     for (size_t k = 0; k < n; ++k) {
-        out[k] = c1_perpendicular_voltage(omega_m[k], alpha_m[k], c);
+        out[k] = c1_perpendicular_voltage_at(omega_m[k], alpha_m[k], &own);
     }
 }
 
-ECCENTRIC_REAL c1_perpendicular_current(
-    ECCENTRIC_REAL omega_m,
-    ECCENTRIC_REAL alpha_m,
+REAL_INLINE real c1_perpendicular_current_at(
+    real omega_m,
+    real alpha_m,
     const c1_perpendicular_coefficients *c)
 {
     /* normal force on the axis of rotation [N], eq (8) */
@@ -370,6 +471,14 @@ ECCENTRIC_REAL c1_perpendicular_current(
     return part_1 + part_2 + part_3;
 }
 
+ECCENTRIC_REAL c1_perpendicular_current(
+    ECCENTRIC_REAL omega_m,
+    ECCENTRIC_REAL alpha_m,
+    const c1_perpendicular_coefficients *c)
+{
+    return c1_perpendicular_current_at(omega_m, alpha_m, c);
+}
+
 void c1_perpendicular_current_n(
     size_t n,
     const ECCENTRIC_REAL *omega_m,
@@ -377,15 +486,16 @@ void c1_perpendicular_current_n(
     ECCENTRIC_REAL *out,
     const c1_perpendicular_coefficients *c)
 {
+    const c1_perpendicular_coefficients own = *c; /* that no store to `out` can change */
     for (size_t k = 0; k < n; ++k) {
-        out[k] = c1_perpendicular_current(omega_m[k], alpha_m[k], c);
+        out[k] = c1_perpendicular_current_at(omega_m[k], alpha_m[k], &own);
     }
 }
 
-ECCENTRIC_REAL c1_perpendicular_mechanical_residual(
-    ECCENTRIC_REAL omega_m,
-    ECCENTRIC_REAL i,
-    ECCENTRIC_REAL alpha_m,
+REAL_INLINE real c1_perpendicular_mechanical_residual_at(
+    real omega_m,
+    real i,
+    real alpha_m,
     const c1_perpendicular_coefficients *c)
 {
     /* normal force on the axis of rotation [N], eq (8) */
@@ -396,6 +506,15 @@ ECCENTRIC_REAL c1_perpendicular_mechanical_residual(
     return i * c->k_i - omega_m * (c->B + c->B_lN_mu2 * F_N) + part_1 + part_2;
 }
 
+ECCENTRIC_REAL c1_perpendicular_mechanical_residual(
+    ECCENTRIC_REAL omega_m,
+    ECCENTRIC_REAL i,
+    ECCENTRIC_REAL alpha_m,
+    const c1_perpendicular_coefficients *c)
+{
+    return c1_perpendicular_mechanical_residual_at(omega_m, i, alpha_m, c);
+}
+
 void c1_perpendicular_mechanical_residual_n(
     size_t n,
     const ECCENTRIC_REAL *omega_m,
@@ -404,9 +523,19 @@ void c1_perpendicular_mechanical_residual_n(
     ECCENTRIC_REAL *out,
     const c1_perpendicular_coefficients *c)
 {
+    const c1_perpendicular_coefficients own = *c; /* that no store to `out` can change */
     for (size_t k = 0; k < n; ++k) {
-        out[k] = c1_perpendicular_mechanical_residual(omega_m[k], i[k], alpha_m[k], c);
+        out[k] = c1_perpendicular_mechanical_residual_at(omega_m[k], i[k], alpha_m[k], &own);
     }
+}
+
+REAL_INLINE real c1_perpendicular_electrical_residual_at(
+    real omega_m,
+    real i,
+    real u,
+    const c1_perpendicular_coefficients *c)
+{
+    return -i * c->k_i - c->k_e_k_i_per_R * omega_m + c->k_i_per_R * u;
 }
 
 ECCENTRIC_REAL c1_perpendicular_electrical_residual(
@@ -415,7 +544,7 @@ ECCENTRIC_REAL c1_perpendicular_electrical_residual(
     ECCENTRIC_REAL u,
     const c1_perpendicular_coefficients *c)
 {
-    return -i * c->k_i - c->k_e_k_i_per_R * omega_m + c->k_i_per_R * u;
+    return c1_perpendicular_electrical_residual_at(omega_m, i, u, c);
 }
 
 void c1_perpendicular_electrical_residual_n(
@@ -426,8 +555,9 @@ void c1_perpendicular_electrical_residual_n(
     ECCENTRIC_REAL *out,
     const c1_perpendicular_coefficients *c)
 {
+    const c1_perpendicular_coefficients own = *c; /* that no store to `out` can change */
     for (size_t k = 0; k < n; ++k) {
-        out[k] = c1_perpendicular_electrical_residual(omega_m[k], i[k], u[k], c);
+        out[k] = c1_perpendicular_electrical_residual_at(omega_m[k], i[k], u[k], &own);
     }
 }
 
@@ -440,5 +570,6 @@ void c1_perpendicular_polynomial(ECCENTRIC_REAL *out, const c1_perpendicular_coe
 }
 
 #undef real
+#undef REAL_INLINE
 #undef REAL
 

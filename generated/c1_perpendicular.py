@@ -1,5 +1,5 @@
 # Generated: do not edit. Written by `make derive` from derivations/c1_perpendicular.py
-# (eccentric 0.1.0, program 565b9336).
+# (eccentric 0.1.0, program 11a195f0).
 # Case C1: gravity perpendicular to the motion plane, steady motion.
 """Case C1: gravity perpendicular to the motion plane, steady motion.
 
@@ -30,6 +30,7 @@ __all__ = [
     "friction_torque",
     "friction_torque_gradient",
     "friction_torque_jacobian",
+    "friction_torque_with_gradient",
     "gravity_torque",
     "mechanical_friction_torque",
     "mechanical_residual",
@@ -358,9 +359,8 @@ def _friction_torque_gradient(
     F_N = c.L_M_mu2 * omega_m * omega_m
     F_N_d_omega_m = omega_m * c.twice_L_M_mu2
     direction_of_motion = np.sign(omega_m)
-    part_1 = c.C_lN_mu * F_N_d_omega_m * direction_of_motion
-    part_2 = c.B_lN_mu2 * F_N_d_omega_m * omega_m
-    result_omega_m = c.B_lN_mu2 * F_N + c.B_plus_k_e_k_i_per_R + part_1 + part_2
+    part_1 = F_N_d_omega_m * (c.B_lN_mu2 * omega_m + c.C_lN_mu * direction_of_motion)
+    result_omega_m = c.B_lN_mu2 * F_N + c.B_plus_k_e_k_i_per_R + part_1
     return (result_omega_m,)
 
 
@@ -376,6 +376,35 @@ def friction_torque_gradient(
     omega_m [rad/s]: motor velocity
     """
     return _evaluate(_friction_torque_gradient, (omega_m,), parameters, out, 1)
+
+
+def _friction_torque_with_gradient(
+    c: _Coefficients,
+    omega_m: Any,
+) -> tuple[Any, ...]:
+    # normal force on the axis of rotation [N], eq (8)
+    F_N = c.L_M_mu2 * omega_m * omega_m
+    F_N_d_omega_m = omega_m * c.twice_L_M_mu2
+    direction_of_motion = np.sign(omega_m)
+    part_1 = omega_m * (c.B_lN_mu2 * F_N + c.B_plus_k_e_k_i_per_R)
+    result_friction_torque = direction_of_motion * (c.C + c.C_lN_mu * F_N) + part_1
+    part_2 = F_N_d_omega_m * (c.B_lN_mu2 * omega_m + c.C_lN_mu * direction_of_motion)
+    result_omega_m = c.B_lN_mu2 * F_N + c.B_plus_k_e_k_i_per_R + part_2
+    return (result_friction_torque, result_omega_m)
+
+
+def friction_torque_with_gradient(
+    omega_m: ArrayLike,
+    parameters: Parameters | None = None,
+    out: np.ndarray | None = None,
+) -> Any:
+    """Friction_torque and its partial derivatives, as a linearisation needs them.
+
+    In N m, N m per rad/s; last axis (friction_torque, omega_m).
+
+    omega_m [rad/s]: motor velocity
+    """
+    return _evaluate(_friction_torque_with_gradient, (omega_m,), parameters, out, 2)
 
 
 def _friction_torque_jacobian(

@@ -1,6 +1,6 @@
 /*
  * Generated: do not edit. Written by `make derive` from derivations/c2_asymmetric.py
- * (eccentric 0.1.0, program ccd95a0d).
+ * (eccentric 0.1.0, program 86132b02).
  * Case C2 with friction that differs between the directions of motion.
  */
 #include "c2_asymmetric.h"
@@ -8,7 +8,7 @@
 #include <float.h>
 #include <math.h>
 
-#if C2_ASYMMETRIC_PROGRAM != 0xccd95a0dUL
+#if C2_ASYMMETRIC_PROGRAM != 0x86132b02UL
 #error "c2_asymmetric.c and c2_asymmetric.h are of different derivations: write both again"
 #endif
 
@@ -16,83 +16,208 @@
     (defined(__FINITE_MATH_ONLY__) && __FINITE_MATH_ONLY__)
 #error "-ffast-math undoes the split of parameters into leading and further digits, and drops NaN"
 #endif
+#if defined(FLT_EVAL_METHOD) && ((FLT_EVAL_METHOD < 0) || (FLT_EVAL_METHOD == 1) || (FLT_EVAL_METHOD == 2))
+#error "operations must round to their own type: on x86, compile with -msse2 -mfpmath=sse"
+#endif
+#if defined(__clang__)
+#pragma STDC FP_CONTRACT OFF
+#endif
 
 /* Short names for this file alone, taken back at its end: several models may share a translation unit. */
 #define real ECCENTRIC_REAL
+#if defined(__GNUC__)
+#define REAL_INLINE static inline __attribute__((always_inline))
+#else
+#define REAL_INLINE static inline
+#endif
+/* Samples that the array functions hold back, stage by stage: they keep the arithmetic units busy. */
+#define REAL_BLOCK 64u
 #if ECCENTRIC_PRECISION == 1
 #define REAL(x) x##f
 #define REAL_SQRT(x) sqrtf(x)
 #define REAL_FABS(x) fabsf(x)
-#define REAL_FLOOR(x) floorf(x)
-#define REAL_LARGEST FLT_MAX
+#define REAL_ROUNDER 12582912.0f
+#define REAL_SIN(x) sinf(x)
+#define REAL_COS(x) cosf(x)
 #else
 #define REAL(x) x
 #define REAL_SQRT(x) sqrt(x)
 #define REAL_FABS(x) fabs(x)
-#define REAL_FLOOR(x) floor(x)
-#define REAL_LARGEST DBL_MAX
+#define REAL_ROUNDER 6755399441055744.0
+#define REAL_SIN(x) sin(x)
+#define REAL_COS(x) cos(x)
 #endif
 
-static inline real c2_asymmetric_sgn(const real x)
+REAL_INLINE real c2_asymmetric_sgn(const real x)
 {
-    return (x > REAL(0.0)) ? REAL(1.0) : ((x < REAL(0.0)) ? REAL(-1.0) : ((x == REAL(0.0)) ? REAL(0.0) : x));
+    return (x > REAL(0.0)) ? REAL(1.0) : ((x < REAL(0.0)) ? REAL(-1.0) : (x + REAL(0.0)));
 }
 
-static inline real c2_asymmetric_forward(const real x)
+REAL_INLINE real c2_asymmetric_forward(const real x)
 {
     return (x > REAL(0.0)) ? REAL(1.0) : ((x <= REAL(0.0)) ? REAL(0.0) : x);
 }
 
-/* sin(h)/h at x = h^2, |h| within a quarter turn; error of the fit 4.3e-9 and 2.1e-19. */
-static inline real c2_asymmetric_sine_series(const real x)
+/* sin(h)/h - 1, |h| within a quarter turn: minimax in x = h^2, error 6.1e-9 (float), 2.8e-19 (double). */
+REAL_INLINE real c2_asymmetric_sine_ratio(const real h)
 {
-#if ECCENTRIC_PRECISION == 1
-    real value = REAL(2.60481395e-6);
-    value = value * x + REAL(-1.98088904e-4);
-    value = value * x + REAL(8.33304849e-3);
-    value = value * x + REAL(-1.66666579e-1);
-    return value * x + REAL(9.99999996e-1);
+#ifdef ECCENTRIC_LIBM
+    return (h == REAL(0.0)) ? REAL(0.0) : (REAL_SIN(h) / h - REAL(1.0));
 #else
-    real value = REAL(2.7213978552799456e-15);
-    value = value * x + REAL(-7.6430101545396992e-13);
-    value = value * x + REAL(1.6058940263949843e-10);
-    value = value * x + REAL(-2.5052106878642193e-8);
-    value = value * x + REAL(2.7557319211102121e-6);
-    value = value * x + REAL(-1.984126984120794e-4);
-    value = value * x + REAL(8.3333333333331843e-3);
-    value = value * x + REAL(-1.6666666666666665e-1);
-    return value * x + REAL(1.0);
+    const real x = h * h;
+    const real y = x * x;
+#if ECCENTRIC_PRECISION == 1
+    real even = REAL(-1.98094749e-4);
+    even = even * y + REAL(-1.66666595e-1);
+    real odd = REAL(2.60548113e-6);
+    odd = odd * y + REAL(8.33306462e-3);
+    return (odd * x + even) * x;
+#else
+    real even = REAL(-7.642974965950368e-13);
+    even = even * y + REAL(-2.5052106860746877e-8);
+    even = even * y + REAL(-1.9841269841208492e-4);
+    even = even * y + REAL(-1.6666666666666666e-1);
+    real odd = REAL(2.7209972799826474e-15);
+    odd = odd * y + REAL(1.6058939085095993e-10);
+    odd = odd * y + REAL(2.7557319211008999e-6);
+    odd = odd * y + REAL(8.3333333333331924e-3);
+    return (odd * x + even) * x;
+#endif
 #endif
 }
 
-/* cos(h) at x = h^2, |h| within a quarter turn; error of the fit 2.2e-10 and 4.0e-18. */
-static inline real c2_asymmetric_cosine_series(const real x)
+/* cos(h), |h| within a quarter turn: minimax in x = h^2, error 2.5e-10 (float), 4.3e-18 (double). */
+REAL_INLINE real c2_asymmetric_cosine(const real h)
 {
-#if ECCENTRIC_PRECISION == 1
-    real value = REAL(-2.6047719e-7);
-    value = value * x + REAL(2.47599463e-5);
-    value = value * x + REAL(-1.38883571e-3);
-    value = value * x + REAL(4.16666359e-2);
-    value = value * x + REAL(-4.99999993e-1);
-    return value * x + REAL(1.0);
+#ifdef ECCENTRIC_LIBM
+    return REAL_COS(h);
 #else
-    real value = REAL(4.608641632733578e-14);
-    value = value * x + REAL(-1.1462870836348485e-11);
-    value = value * x + REAL(2.0876560676087604e-9);
-    value = value * x + REAL(-2.7557316368436772e-7);
-    value = value * x + REAL(2.4801587277173477e-5);
-    value = value * x + REAL(-1.3888888888771598e-3);
-    value = value * x + REAL(4.1666666666663843e-2);
-    value = value * x + REAL(-4.9999999999999974e-1);
-    return value * x + REAL(1.0);
+    const real x = h * h;
+    const real y = x * x;
+#if ECCENTRIC_PRECISION == 1
+    real even = REAL(-2.60742068e-7);
+    even = even * y + REAL(-1.38884006e-3);
+    even = even * y + REAL(-4.99999995e-1);
+    real odd = REAL(2.47617292e-5);
+    odd = odd * y + REAL(4.16666405e-2);
+    return (odd * x + even) * x + REAL(1.0);
+#else
+    real even = REAL(-1.1463008250042011e-11);
+    even = even * y + REAL(-2.7557316503307265e-7);
+    even = even * y + REAL(-1.3888888888784392e-3);
+    even = even * y + REAL(-4.9999999999999982e-1);
+    real odd = REAL(4.6099547638170315e-14);
+    odd = odd * y + REAL(2.0876566590691354e-9);
+    odd = odd * y + REAL(2.4801587278920885e-5);
+    odd = odd * y + REAL(4.1666666666664337e-2);
+    return (odd * x + even) * x + REAL(1.0);
+#endif
 #endif
 }
 
-/* The leading digits of x, so few that an odd number of half turns times them is exact. */
-static inline double c2_asymmetric_leading(const double x)
+/* The leading digits of x, so few that a number of turns and a half times them is exact. */
+static double c2_asymmetric_leading(const double x)
 {
-    const double scaled = x * (ECCENTRIC_PRECISION == 1 ? 4398046511105.0 : 1048577.0);
+    const double scaled = x * (ECCENTRIC_PRECISION == 1 ? 2199023255553.0 : 1048577.0);
     return scaled - (scaled - x);
+}
+
+/* Motor angle from the nearest top of the link [rad]. */
+REAL_INLINE real c2_asymmetric_from_top(real theta_m, const c2_asymmetric_coefficients *c)
+{
+    /* whole turns of the link and a half, up to the top that is nearest */
+    const real turns = theta_m * c->turns_per_rad - REAL(0.5) + REAL_ROUNDER - REAL_ROUNDER + REAL(0.5);
+    /* the turns go off in four parts of few digits: all products but the last are exact */
+    const real rest = theta_m - turns * c->period_1;
+    const real reduced = rest - turns * c->period_2 - turns * c->period_3 - turns * c->period_4;
+    /* an angle so large that nothing is left of its phase counts as the top */
+    return ((REAL_FABS(reduced) <= c->period) ? reduced : theta_m - theta_m);
+}
+
+/* 2 sin(half the link angle from the top)/mu. */
+REAL_INLINE real c2_asymmetric_chord(real from_top, const c2_asymmetric_coefficients *c)
+{
+    const real half_angle = from_top * c->half_mu;
+    return from_top + from_top * c2_asymmetric_sine_ratio(half_angle);
+}
+
+/* Cosine of half the link angle from the top. */
+REAL_INLINE real c2_asymmetric_half_sine(real from_top, const c2_asymmetric_coefficients *c)
+{
+    const real half_angle = from_top * c->half_mu;
+    return c2_asymmetric_cosine(half_angle);
+}
+
+/* Parameters beyond double precision: high + low, unevaluated, each result right to some 104 bits. */
+typedef struct {
+    double high;
+    double low;
+} c2_asymmetric_pair;
+
+static c2_asymmetric_pair c2_asymmetric_exact(const double x)
+{
+    const c2_asymmetric_pair result = {x, 0.0};
+    return result;
+}
+
+/* a + b without error. */
+static c2_asymmetric_pair c2_asymmetric_sum(const double a, const double b)
+{
+    const double high = a + b;
+    const double part = high - a;
+    const c2_asymmetric_pair result = {high, (a - (high - part)) + (b - part)};
+    return result;
+}
+
+/* a b without error: both factors are split into halves, whose products are exact. */
+static c2_asymmetric_pair c2_asymmetric_product(const double a, const double b)
+{
+    const double high = a * b;
+    const double a_scaled = a * 134217729.0;
+    const double b_scaled = b * 134217729.0;
+    const double a_1 = a_scaled - (a_scaled - a);
+    const double b_1 = b_scaled - (b_scaled - b);
+    const double a_2 = a - a_1;
+    const double b_2 = b - b_1;
+    const c2_asymmetric_pair result = {high, (((a_1 * b_1 - high) + a_1 * b_2) + a_2 * b_1) + a_2 * b_2};
+    return result;
+}
+
+static c2_asymmetric_pair c2_asymmetric_plus(const c2_asymmetric_pair x, const c2_asymmetric_pair y)
+{
+    const c2_asymmetric_pair highs = c2_asymmetric_sum(x.high, y.high);
+    return c2_asymmetric_sum(highs.high, highs.low + (x.low + y.low));
+}
+
+static c2_asymmetric_pair c2_asymmetric_times(const c2_asymmetric_pair x, const c2_asymmetric_pair y)
+{
+    const c2_asymmetric_pair highs = c2_asymmetric_product(x.high, y.high);
+    return c2_asymmetric_sum(highs.high, highs.low + (x.high * y.low + x.low * y.high));
+}
+
+static c2_asymmetric_pair c2_asymmetric_over(const c2_asymmetric_pair x, const c2_asymmetric_pair y)
+{
+    const double quotient = x.high / y.high;
+    const c2_asymmetric_pair taken = c2_asymmetric_product(quotient, y.high);
+    const double left = (((x.high - taken.high) - taken.low) + x.low) - quotient * y.low;
+    return c2_asymmetric_sum(quotient, left / y.high);
+}
+
+static c2_asymmetric_pair c2_asymmetric_root(const c2_asymmetric_pair x)
+{
+    const double root = sqrt(x.high);
+    const c2_asymmetric_pair taken = c2_asymmetric_product(root, root);
+    const double left = ((x.high - taken.high) - taken.low) + x.low;
+    return c2_asymmetric_sum(root, (root > 0.0) ? (left / (2.0 * root)) : 0.0);
+}
+
+/* 2 pi - a b, where a b is nearly 2 pi. */
+static c2_asymmetric_pair c2_asymmetric_turn_left(const double a, const double b)
+{
+    const c2_asymmetric_pair taken = c2_asymmetric_product(a, b);
+    const c2_asymmetric_pair first = c2_asymmetric_sum(6.283185307179586 - taken.high, -taken.low);
+    const c2_asymmetric_pair second = c2_asymmetric_sum(first.high, 2.4492935982947064e-16);
+    return c2_asymmetric_sum(second.high, second.low + (first.low - 5.989539619436679e-33));
 }
 
 const c2_asymmetric_parameters c2_asymmetric_default_parameters = {
@@ -112,8 +237,8 @@ const c2_asymmetric_parameters c2_asymmetric_default_parameters = {
     4.0e-4, /* B_m_neg [N m s/rad] */
     0.008, /* C_m_pos [N m] */
     0.008, /* C_m_neg [N m] */
-    NAN, /* J_m [kg m^2] */
-    NAN, /* J_l [kg m^2] */
+    (double)NAN, /* J_m [kg m^2] */
+    (double)NAN, /* J_l [kg m^2] */
 };
 
 const c2_asymmetric_coefficients c2_asymmetric_default = {
@@ -128,49 +253,49 @@ const c2_asymmetric_coefficients c2_asymmetric_default = {
     (real)(0.008), /* C_m_pos */
     (real)(0.2), /* k_e */
     (real)(0.02), /* k_i */
-    (real)(0.2), /* mu */
     (real)(0.005), /* scale_N */
-    (real)(1.0), /* unbalanced */
-    (real)(74.1188235), /* twice_omega_star */
+    (real)(1.07374182e+9), /* fastest */
+    (real)(7.41188235), /* mu_omega_star */
     (real)(37.0594101), /* omega_star_1 */
     (real)(1.66482255e-6), /* omega_star_2 */
-    (real)(15.7109375), /* half_period_1 */
-    (real)(-0.00297355652), /* half_period_2 */
-    (real)(-6.75532476e-7), /* half_period_3 */
-    (real)(0.0318309886), /* turns_per_rad */
-    (real)(0.1), /* half_mu */
     (real)(31.4159265), /* period */
-    (real)(1.6e-4), /* B_lN_pos_mu2 */
-    (real)(1.6e-4), /* B_lN_neg_mu2 */
+    (real)(0.0318309886), /* turns_per_rad */
+    (real)(31.4140625), /* period_1 */
+    (real)(0.00186395645), /* period_2 */
+    (real)(7.94534571e-8), /* period_3 */
+    (real)(-6.94077781e-12), /* period_4 */
+    (real)(0.1), /* half_mu */
+    (real)(8.0e-7), /* B_lN_pos_mu2_scale_N */
+    (real)(8.0e-7), /* B_lN_neg_mu2_scale_N */
     (real)(0.004), /* k_e_k_i_per_R */
-    (real)(0.016), /* C_lN_pos_mu */
-    (real)(0.016), /* C_lN_neg_mu */
-    (real)(0.0370594118), /* mu_omega_star_scale_N */
-    (real)(0.04), /* mu2 */
+    (real)(8.0e-5), /* C_lN_pos_mu_scale_N */
+    (real)(8.0e-5), /* C_lN_neg_mu_scale_N */
+    (real)(2.0e-4), /* mu2_scale_N */
+    (real)(0.001), /* mu_scale_N */
     (real)(0.117872), /* C_lN_pos_mu_weight_plus_C_m_pos */
     (real)(0.117872), /* C_lN_neg_mu_weight_plus_C_m_neg */
-    (real)(0.4905), /* twice_L_M_g_mu */
+    (real)(0.04905), /* L_M_g_mu2 */
     (real)(NAN), /* J */
-    (real)(0.008), /* B_lN_pos_R_mu2_per_k_i */
-    (real)(0.008), /* B_lN_neg_R_mu2_per_k_i */
+    (real)(4.0e-5), /* B_lN_pos_R_mu2_scale_N_per_k_i */
+    (real)(4.0e-5), /* B_lN_neg_R_mu2_scale_N_per_k_i */
     (real)(0.02), /* B_m_pos_R_per_k_i */
     (real)(0.02), /* B_m_neg_R_per_k_i */
-    (real)(0.8), /* C_lN_pos_R_mu_per_k_i */
-    (real)(0.8), /* C_lN_neg_R_mu_per_k_i */
+    (real)(0.004), /* C_lN_pos_R_mu_scale_N_per_k_i */
+    (real)(0.004), /* C_lN_neg_R_mu_scale_N_per_k_i */
     (real)(0.4), /* C_m_pos_R_per_k_i */
     (real)(0.4), /* C_m_neg_R_per_k_i */
     (real)(50.0), /* R_per_k_i */
-    (real)(24.525), /* twice_L_M_R_g_mu_per_k_i */
-    (real)(0.008), /* B_lN_pos_mu2_per_k_i */
-    (real)(0.008), /* B_lN_neg_mu2_per_k_i */
+    (real)(2.4525), /* L_M_R_g_mu2_per_k_i */
+    (real)(4.0e-5), /* B_lN_pos_mu2_scale_N_per_k_i */
+    (real)(4.0e-5), /* B_lN_neg_mu2_scale_N_per_k_i */
     (real)(0.02), /* B_m_pos_per_k_i */
     (real)(0.02), /* B_m_neg_per_k_i */
     (real)(50.0), /* per_k_i */
-    (real)(0.8), /* C_lN_pos_mu_per_k_i */
-    (real)(0.8), /* C_lN_neg_mu_per_k_i */
+    (real)(0.004), /* C_lN_pos_mu_scale_N_per_k_i */
+    (real)(0.004), /* C_lN_neg_mu_scale_N_per_k_i */
     (real)(0.4), /* C_m_pos_per_k_i */
     (real)(0.4), /* C_m_neg_per_k_i */
-    (real)(24.525), /* twice_L_M_g_mu_per_k_i */
+    (real)(2.4525), /* L_M_g_mu2_per_k_i */
     (real)(0.02), /* k_i_per_R */
 #else
     0.004, /* B_lN_neg */
@@ -183,102 +308,110 @@ const c2_asymmetric_coefficients c2_asymmetric_default = {
     0.008, /* C_m_pos */
     0.2, /* k_e */
     0.02, /* k_i */
-    0.2, /* mu */
     0.005, /* scale_N */
-    1.0, /* unbalanced */
-    74.118823520074845, /* twice_omega_star */
+    1.073741824e+9, /* fastest */
+    7.4118823520074845, /* mu_omega_star */
     37.05941176003742, /* omega_star_1 */
     1.9391227281942644e-15, /* omega_star_2 */
-    15.707963267341256, /* half_period_1 */
-    6.0771005068460671e-10, /* half_period_2 */
-    -3.3987446136315715e-20, /* half_period_3 */
-    0.031830988618379067, /* turns_per_rad */
-    0.1, /* half_mu */
     31.415926535897932, /* period */
-    1.6e-4, /* B_lN_pos_mu2 */
-    1.6e-4, /* B_lN_neg_mu2 */
+    0.031830988618379067, /* turns_per_rad */
+    31.415926534682512, /* period_1 */
+    1.2154201013692134e-9, /* period_2 */
+    -6.7974892274327114e-20, /* period_3 */
+    1.69568553207378e-30, /* period_4 */
+    0.1, /* half_mu */
+    8.0e-7, /* B_lN_pos_mu2_scale_N */
+    8.0e-7, /* B_lN_neg_mu2_scale_N */
     0.004, /* k_e_k_i_per_R */
-    0.016, /* C_lN_pos_mu */
-    0.016, /* C_lN_neg_mu */
-    0.037059411760037422, /* mu_omega_star_scale_N */
-    0.04, /* mu2 */
+    8.0e-5, /* C_lN_pos_mu_scale_N */
+    8.0e-5, /* C_lN_neg_mu_scale_N */
+    2.0e-4, /* mu2_scale_N */
+    0.001, /* mu_scale_N */
     0.117872, /* C_lN_pos_mu_weight_plus_C_m_pos */
     0.117872, /* C_lN_neg_mu_weight_plus_C_m_neg */
-    0.4905, /* twice_L_M_g_mu */
-    NAN, /* J */
-    0.008, /* B_lN_pos_R_mu2_per_k_i */
-    0.008, /* B_lN_neg_R_mu2_per_k_i */
+    0.04905, /* L_M_g_mu2 */
+    (real)NAN, /* J */
+    4.0e-5, /* B_lN_pos_R_mu2_scale_N_per_k_i */
+    4.0e-5, /* B_lN_neg_R_mu2_scale_N_per_k_i */
     0.02, /* B_m_pos_R_per_k_i */
     0.02, /* B_m_neg_R_per_k_i */
-    0.8, /* C_lN_pos_R_mu_per_k_i */
-    0.8, /* C_lN_neg_R_mu_per_k_i */
+    0.004, /* C_lN_pos_R_mu_scale_N_per_k_i */
+    0.004, /* C_lN_neg_R_mu_scale_N_per_k_i */
     0.4, /* C_m_pos_R_per_k_i */
     0.4, /* C_m_neg_R_per_k_i */
     50.0, /* R_per_k_i */
-    24.525, /* twice_L_M_R_g_mu_per_k_i */
-    0.008, /* B_lN_pos_mu2_per_k_i */
-    0.008, /* B_lN_neg_mu2_per_k_i */
+    2.4525, /* L_M_R_g_mu2_per_k_i */
+    4.0e-5, /* B_lN_pos_mu2_scale_N_per_k_i */
+    4.0e-5, /* B_lN_neg_mu2_scale_N_per_k_i */
     0.02, /* B_m_pos_per_k_i */
     0.02, /* B_m_neg_per_k_i */
     50.0, /* per_k_i */
-    0.8, /* C_lN_pos_mu_per_k_i */
-    0.8, /* C_lN_neg_mu_per_k_i */
+    0.004, /* C_lN_pos_mu_scale_N_per_k_i */
+    0.004, /* C_lN_neg_mu_scale_N_per_k_i */
     0.4, /* C_m_pos_per_k_i */
     0.4, /* C_m_neg_per_k_i */
-    24.525, /* twice_L_M_g_mu_per_k_i */
+    2.4525, /* L_M_g_mu2_per_k_i */
     0.02, /* k_i_per_R */
 #endif
 };
 
 void c2_asymmetric_prepare(const c2_asymmetric_parameters *p, c2_asymmetric_coefficients *c)
 {
-    const double weight = p->g * (p->M + p->M_l);
-    const double critical_squared = (p->L * p->M == 0.0) ? 1.0 : (weight / (p->L * p->M));
-    const double omega_star = (p->L * p->M == 0.0) ? 1.0 : (sqrt(critical_squared) / p->mu);
-    const double scale_N = (p->L * p->M == 0.0) ? weight / (omega_star * omega_star) : (p->L * p->M * p->mu *
-        p->mu);
-    const double unbalanced = (p->L * p->M == 0.0) ? 0.0 : (1.0);
-    const double twice_omega_star = 2.0 * omega_star;
-    const double omega_star_1 = (double)(real)(omega_star);
-    const double omega_star_2 = (double)(real)(omega_star - omega_star_1);
-    const double half_period = 3.1415926535897932 / p->mu;
-    const double half_period_1 = c2_asymmetric_leading(half_period);
-    const double half_period_2 = c2_asymmetric_leading(half_period - half_period_1);
-    const double half_period_3 = (double)(real)(half_period - half_period_1 - half_period_2);
-    const double turns_per_rad = 0.5 * p->mu / 3.1415926535897932;
-    const double half_mu = 0.5 * p->mu;
+    const c2_asymmetric_pair weight = c2_asymmetric_times(c2_asymmetric_exact(p->g),
+        c2_asymmetric_plus(c2_asymmetric_exact(p->M), c2_asymmetric_exact(p->M_l)));
+    const c2_asymmetric_pair critical_squared = (p->L * p->M == 0.0) ? c2_asymmetric_exact(1.0) :
+        (c2_asymmetric_over(weight, c2_asymmetric_times(c2_asymmetric_exact(p->L),
+        c2_asymmetric_exact(p->M))));
+    const c2_asymmetric_pair omega_star = (p->L * p->M == 0.0) ? c2_asymmetric_exact(1.0) :
+        (c2_asymmetric_over(c2_asymmetric_root(critical_squared), c2_asymmetric_exact(p->mu)));
+    const c2_asymmetric_pair scale_N = (p->L * p->M == 0.0) ? c2_asymmetric_over(weight,
+        c2_asymmetric_times(omega_star, omega_star)) :
+        (c2_asymmetric_times(c2_asymmetric_times(c2_asymmetric_exact(p->L), c2_asymmetric_exact(p->M)),
+        c2_asymmetric_times(c2_asymmetric_exact(p->mu), c2_asymmetric_exact(p->mu))));
+    const double fastest = (p->L * p->M == 0.0) ? 0.0 : (1073741824.0);
+    const c2_asymmetric_pair mu_omega_star = c2_asymmetric_times(c2_asymmetric_exact(p->mu), omega_star);
+    const double omega_star_1 = (double)(real)(omega_star.high);
+    const double omega_star_2 = (double)(real)(omega_star.high - omega_star_1 + omega_star.low);
     const double period = 2.0 * 3.1415926535897932 / p->mu;
-    const double B_lN_pos_mu2 = p->B_lN_pos * p->mu * p->mu;
-    const double B_lN_neg_mu2 = p->B_lN_neg * p->mu * p->mu;
+    const double turns_per_rad = 0.5 * p->mu / 3.1415926535897932;
+    const double period_1 = c2_asymmetric_leading(period);
+    const c2_asymmetric_pair period_left = c2_asymmetric_over(c2_asymmetric_turn_left(period_1, p->mu),
+        c2_asymmetric_exact(p->mu));
+    const double period_2 = c2_asymmetric_leading(period_left.high);
+    const double period_3 = c2_asymmetric_leading(period_left.high - period_2);
+    const double period_4 = (double)(real)(period_left.high - period_2 - period_3 + period_left.low);
+    const double half_mu = 0.5 * p->mu;
+    const double B_lN_pos_mu2_scale_N = p->B_lN_pos * p->mu * p->mu * scale_N.high;
+    const double B_lN_neg_mu2_scale_N = p->B_lN_neg * p->mu * p->mu * scale_N.high;
     const double k_e_k_i_per_R = p->k_e * p->k_i / p->R;
-    const double C_lN_pos_mu = p->C_lN_pos * p->mu;
-    const double C_lN_neg_mu = p->C_lN_neg * p->mu;
-    const double mu_omega_star_scale_N = p->mu * omega_star * scale_N;
-    const double mu2 = p->mu * p->mu;
-    const double C_lN_pos_mu_weight_plus_C_m_pos = p->C_lN_pos * p->mu * weight + p->C_m_pos;
-    const double C_lN_neg_mu_weight_plus_C_m_neg = p->C_lN_neg * p->mu * weight + p->C_m_neg;
-    const double twice_L_M_g_mu = 2.0 * p->L * p->M * p->g * p->mu;
+    const double C_lN_pos_mu_scale_N = p->C_lN_pos * p->mu * scale_N.high;
+    const double C_lN_neg_mu_scale_N = p->C_lN_neg * p->mu * scale_N.high;
+    const double mu2_scale_N = p->mu * p->mu * scale_N.high;
+    const double mu_scale_N = p->mu * scale_N.high;
+    const double C_lN_pos_mu_weight_plus_C_m_pos = p->C_lN_pos * p->mu * weight.high + p->C_m_pos;
+    const double C_lN_neg_mu_weight_plus_C_m_neg = p->C_lN_neg * p->mu * weight.high + p->C_m_neg;
+    const double L_M_g_mu2 = p->L * p->M * p->g * p->mu * p->mu;
     const double J = p->J_l * p->mu * p->mu + p->J_m;
-    const double B_lN_pos_R_mu2_per_k_i = p->B_lN_pos * p->R * p->mu * p->mu / p->k_i;
-    const double B_lN_neg_R_mu2_per_k_i = p->B_lN_neg * p->R * p->mu * p->mu / p->k_i;
+    const double B_lN_pos_R_mu2_scale_N_per_k_i = p->B_lN_pos * p->R * p->mu * p->mu * scale_N.high / p->k_i;
+    const double B_lN_neg_R_mu2_scale_N_per_k_i = p->B_lN_neg * p->R * p->mu * p->mu * scale_N.high / p->k_i;
     const double B_m_pos_R_per_k_i = p->B_m_pos * p->R / p->k_i;
     const double B_m_neg_R_per_k_i = p->B_m_neg * p->R / p->k_i;
-    const double C_lN_pos_R_mu_per_k_i = p->C_lN_pos * p->R * p->mu / p->k_i;
-    const double C_lN_neg_R_mu_per_k_i = p->C_lN_neg * p->R * p->mu / p->k_i;
+    const double C_lN_pos_R_mu_scale_N_per_k_i = p->C_lN_pos * p->R * p->mu * scale_N.high / p->k_i;
+    const double C_lN_neg_R_mu_scale_N_per_k_i = p->C_lN_neg * p->R * p->mu * scale_N.high / p->k_i;
     const double C_m_pos_R_per_k_i = p->C_m_pos * p->R / p->k_i;
     const double C_m_neg_R_per_k_i = p->C_m_neg * p->R / p->k_i;
     const double R_per_k_i = p->R / p->k_i;
-    const double twice_L_M_R_g_mu_per_k_i = 2.0 * p->L * p->M * p->R * p->g * p->mu / p->k_i;
-    const double B_lN_pos_mu2_per_k_i = p->B_lN_pos * p->mu * p->mu / p->k_i;
-    const double B_lN_neg_mu2_per_k_i = p->B_lN_neg * p->mu * p->mu / p->k_i;
+    const double L_M_R_g_mu2_per_k_i = p->L * p->M * p->R * p->g * p->mu * p->mu / p->k_i;
+    const double B_lN_pos_mu2_scale_N_per_k_i = p->B_lN_pos * p->mu * p->mu * scale_N.high / p->k_i;
+    const double B_lN_neg_mu2_scale_N_per_k_i = p->B_lN_neg * p->mu * p->mu * scale_N.high / p->k_i;
     const double B_m_pos_per_k_i = p->B_m_pos / p->k_i;
     const double B_m_neg_per_k_i = p->B_m_neg / p->k_i;
     const double per_k_i = 1.0 / p->k_i;
-    const double C_lN_pos_mu_per_k_i = p->C_lN_pos * p->mu / p->k_i;
-    const double C_lN_neg_mu_per_k_i = p->C_lN_neg * p->mu / p->k_i;
+    const double C_lN_pos_mu_scale_N_per_k_i = p->C_lN_pos * p->mu * scale_N.high / p->k_i;
+    const double C_lN_neg_mu_scale_N_per_k_i = p->C_lN_neg * p->mu * scale_N.high / p->k_i;
     const double C_m_pos_per_k_i = p->C_m_pos / p->k_i;
     const double C_m_neg_per_k_i = p->C_m_neg / p->k_i;
-    const double twice_L_M_g_mu_per_k_i = 2.0 * p->L * p->M * p->g * p->mu / p->k_i;
+    const double L_M_g_mu2_per_k_i = p->L * p->M * p->g * p->mu * p->mu / p->k_i;
     const double k_i_per_R = p->k_i / p->R;
     c->B_lN_neg = (real)(p->B_lN_neg);
     c->B_lN_pos = (real)(p->B_lN_pos);
@@ -290,50 +423,63 @@ void c2_asymmetric_prepare(const c2_asymmetric_parameters *p, c2_asymmetric_coef
     c->C_m_pos = (real)(p->C_m_pos);
     c->k_e = (real)(p->k_e);
     c->k_i = (real)(p->k_i);
-    c->mu = (real)(p->mu);
-    c->scale_N = (real)(scale_N);
-    c->unbalanced = (real)(unbalanced);
-    c->twice_omega_star = (real)(twice_omega_star);
+    c->scale_N = (real)(scale_N.high);
+    c->fastest = (real)(fastest);
+    c->mu_omega_star = (real)(mu_omega_star.high);
     c->omega_star_1 = (real)(omega_star_1);
     c->omega_star_2 = (real)(omega_star_2);
-    c->half_period_1 = (real)(half_period_1);
-    c->half_period_2 = (real)(half_period_2);
-    c->half_period_3 = (real)(half_period_3);
-    c->turns_per_rad = (real)(turns_per_rad);
-    c->half_mu = (real)(half_mu);
     c->period = (real)(period);
-    c->B_lN_pos_mu2 = (real)(B_lN_pos_mu2);
-    c->B_lN_neg_mu2 = (real)(B_lN_neg_mu2);
+    c->turns_per_rad = (real)(turns_per_rad);
+    c->period_1 = (real)(period_1);
+    c->period_2 = (real)(period_2);
+    c->period_3 = (real)(period_3);
+    c->period_4 = (real)(period_4);
+    c->half_mu = (real)(half_mu);
+    c->B_lN_pos_mu2_scale_N = (real)(B_lN_pos_mu2_scale_N);
+    c->B_lN_neg_mu2_scale_N = (real)(B_lN_neg_mu2_scale_N);
     c->k_e_k_i_per_R = (real)(k_e_k_i_per_R);
-    c->C_lN_pos_mu = (real)(C_lN_pos_mu);
-    c->C_lN_neg_mu = (real)(C_lN_neg_mu);
-    c->mu_omega_star_scale_N = (real)(mu_omega_star_scale_N);
-    c->mu2 = (real)(mu2);
+    c->C_lN_pos_mu_scale_N = (real)(C_lN_pos_mu_scale_N);
+    c->C_lN_neg_mu_scale_N = (real)(C_lN_neg_mu_scale_N);
+    c->mu2_scale_N = (real)(mu2_scale_N);
+    c->mu_scale_N = (real)(mu_scale_N);
     c->C_lN_pos_mu_weight_plus_C_m_pos = (real)(C_lN_pos_mu_weight_plus_C_m_pos);
     c->C_lN_neg_mu_weight_plus_C_m_neg = (real)(C_lN_neg_mu_weight_plus_C_m_neg);
-    c->twice_L_M_g_mu = (real)(twice_L_M_g_mu);
+    c->L_M_g_mu2 = (real)(L_M_g_mu2);
     c->J = (real)(J);
-    c->B_lN_pos_R_mu2_per_k_i = (real)(B_lN_pos_R_mu2_per_k_i);
-    c->B_lN_neg_R_mu2_per_k_i = (real)(B_lN_neg_R_mu2_per_k_i);
+    c->B_lN_pos_R_mu2_scale_N_per_k_i = (real)(B_lN_pos_R_mu2_scale_N_per_k_i);
+    c->B_lN_neg_R_mu2_scale_N_per_k_i = (real)(B_lN_neg_R_mu2_scale_N_per_k_i);
     c->B_m_pos_R_per_k_i = (real)(B_m_pos_R_per_k_i);
     c->B_m_neg_R_per_k_i = (real)(B_m_neg_R_per_k_i);
-    c->C_lN_pos_R_mu_per_k_i = (real)(C_lN_pos_R_mu_per_k_i);
-    c->C_lN_neg_R_mu_per_k_i = (real)(C_lN_neg_R_mu_per_k_i);
+    c->C_lN_pos_R_mu_scale_N_per_k_i = (real)(C_lN_pos_R_mu_scale_N_per_k_i);
+    c->C_lN_neg_R_mu_scale_N_per_k_i = (real)(C_lN_neg_R_mu_scale_N_per_k_i);
     c->C_m_pos_R_per_k_i = (real)(C_m_pos_R_per_k_i);
     c->C_m_neg_R_per_k_i = (real)(C_m_neg_R_per_k_i);
     c->R_per_k_i = (real)(R_per_k_i);
-    c->twice_L_M_R_g_mu_per_k_i = (real)(twice_L_M_R_g_mu_per_k_i);
-    c->B_lN_pos_mu2_per_k_i = (real)(B_lN_pos_mu2_per_k_i);
-    c->B_lN_neg_mu2_per_k_i = (real)(B_lN_neg_mu2_per_k_i);
+    c->L_M_R_g_mu2_per_k_i = (real)(L_M_R_g_mu2_per_k_i);
+    c->B_lN_pos_mu2_scale_N_per_k_i = (real)(B_lN_pos_mu2_scale_N_per_k_i);
+    c->B_lN_neg_mu2_scale_N_per_k_i = (real)(B_lN_neg_mu2_scale_N_per_k_i);
     c->B_m_pos_per_k_i = (real)(B_m_pos_per_k_i);
     c->B_m_neg_per_k_i = (real)(B_m_neg_per_k_i);
     c->per_k_i = (real)(per_k_i);
-    c->C_lN_pos_mu_per_k_i = (real)(C_lN_pos_mu_per_k_i);
-    c->C_lN_neg_mu_per_k_i = (real)(C_lN_neg_mu_per_k_i);
+    c->C_lN_pos_mu_scale_N_per_k_i = (real)(C_lN_pos_mu_scale_N_per_k_i);
+    c->C_lN_neg_mu_scale_N_per_k_i = (real)(C_lN_neg_mu_scale_N_per_k_i);
     c->C_m_pos_per_k_i = (real)(C_m_pos_per_k_i);
     c->C_m_neg_per_k_i = (real)(C_m_neg_per_k_i);
-    c->twice_L_M_g_mu_per_k_i = (real)(twice_L_M_g_mu_per_k_i);
+    c->L_M_g_mu2_per_k_i = (real)(L_M_g_mu2_per_k_i);
     c->k_i_per_R = (real)(k_i_per_R);
+}
+
+REAL_INLINE real c2_asymmetric_normal_force_at(real omega_m, real chord, const c2_asymmetric_coefficients *c)
+{
+    const real size = REAL_FABS(omega_m);
+    /* magnitude of the motor velocity, at most 2^30, 0 if M L = 0 [rad/s] */
+    const real speed = ((size > c->fastest) ? c->fastest : size);
+    /* speed^2 - omega_star^2; the difference is taken once, before anything is rounded */
+    const real square_difference = (speed - c->omega_star_1 - c->omega_star_2) * (speed + c->omega_star_1);
+    const real q = c->mu_omega_star * speed * chord;
+    /* normal force over scale_N [rad^2/s^2] */
+    const real load = REAL_SQRT(square_difference * square_difference + q * q);
+    return load * c->scale_N;
 }
 
 ECCENTRIC_REAL c2_asymmetric_normal_force(
@@ -341,29 +487,9 @@ ECCENTRIC_REAL c2_asymmetric_normal_force(
     ECCENTRIC_REAL omega_m,
     const c2_asymmetric_coefficients *c)
 {
-    /* magnitude of the motor velocity, 0 if the mass is balanced [rad/s] */
-    const real speed = c->unbalanced * REAL_FABS(omega_m);
-    /* speed^2 - omega_star^2; the difference is taken once, before anything is rounded */
-    const real square_difference = (speed - c->omega_star_1 - c->omega_star_2) * (speed + c->omega_star_1);
-    /* the odd number of half turns up to the top that is nearest */
-    const real halves = REAL(2.0) * REAL_FLOOR(theta_m * c->turns_per_rad) + REAL(1.0);
-    /* the half turns go off in three parts, the leading digits first: both products are exact */
-    const real rest = theta_m - halves * c->half_period_1;
-    /* angle from the top */
-    const real from_top = rest - halves * c->half_period_2 - halves * c->half_period_3;
-    /* an angle so large that nothing is left of its phase counts as the top */
-    const real bounded = ((REAL_FABS(from_top) <= c->period) ? from_top : theta_m - theta_m);
-    /* half angle from the top */
-    const real half_angle = bounded * c->half_mu;
-    const real half_angle_squared = half_angle * half_angle;
-    /* sine of the half angle from the top: the cosine of half the angle but for its sign */
-    const real half_cosine = half_angle * c2_asymmetric_sine_series(half_angle_squared);
-    const real p = square_difference;
-    const real q = half_cosine * speed * c->twice_omega_star;
-    const real magnitude = REAL_SQRT(p * p + q * q);
-    /* normal force on the axis of rotation [N], eq (17) */
-    const real F_N = magnitude * c->scale_N;
-    return F_N;
+    const real from_top = c2_asymmetric_from_top(theta_m, c);
+    const real chord = c2_asymmetric_chord(from_top, c);
+    return c2_asymmetric_normal_force_at(omega_m, chord, c);
 }
 
 void c2_asymmetric_normal_force_n(
@@ -373,9 +499,47 @@ void c2_asymmetric_normal_force_n(
     ECCENTRIC_REAL *out,
     const c2_asymmetric_coefficients *c)
 {
-    for (size_t k = 0; k < n; ++k) {
-        out[k] = c2_asymmetric_normal_force(theta_m[k], omega_m[k], c);
+    const c2_asymmetric_coefficients own = *c; /* that no store to `out` can change */
+    real from_top[REAL_BLOCK];
+    real chord[REAL_BLOCK];
+    for (size_t first = 0; first < n; first += REAL_BLOCK) {
+        const size_t count = (n - first < REAL_BLOCK) ? (n - first) : REAL_BLOCK;
+        for (size_t k = 0; k < count; ++k) {
+            from_top[k] = c2_asymmetric_from_top(theta_m[first + k], &own);
+        }
+        for (size_t k = 0; k < count; ++k) {
+            chord[k] = c2_asymmetric_chord(from_top[k], &own);
+        }
+        for (size_t k = 0; k < count; ++k) {
+            out[first + k] = c2_asymmetric_normal_force_at(omega_m[first + k], chord[k], &own);
+        }
     }
+}
+
+REAL_INLINE real c2_asymmetric_friction_torque_at(
+    real omega_m,
+    real chord,
+    const c2_asymmetric_coefficients *c)
+{
+    const real size = REAL_FABS(omega_m);
+    /* magnitude of the motor velocity, at most 2^30, 0 if M L = 0 [rad/s] */
+    const real speed = ((size > c->fastest) ? c->fastest : size);
+    /* speed^2 - omega_star^2; the difference is taken once, before anything is rounded */
+    const real square_difference = (speed - c->omega_star_1 - c->omega_star_2) * (speed + c->omega_star_1);
+    const real q = c->mu_omega_star * speed * chord;
+    /* normal force over scale_N [rad^2/s^2] */
+    const real load = REAL_SQRT(square_difference * square_difference + q * q);
+    const real direction_of_motion = c2_asymmetric_sgn(omega_m);
+    const real part_4 = ((omega_m > REAL(0.0)) ? c->B_lN_pos_mu2_scale_N : c->B_lN_neg_mu2_scale_N);
+    const real part_3 = load * part_4;
+    const real part_5 = ((omega_m > REAL(0.0)) ? c->B_m_pos : c->B_m_neg);
+    const real part_2 = c->k_e_k_i_per_R + part_3 + part_5;
+    const real part_1 = omega_m * part_2;
+    const real part_9 = ((omega_m > REAL(0.0)) ? c->C_lN_pos_mu_scale_N : c->C_lN_neg_mu_scale_N);
+    const real part_8 = load * part_9;
+    const real part_7 = part_8 + ((omega_m > REAL(0.0)) ? c->C_m_pos : c->C_m_neg);
+    const real part_6 = direction_of_motion * part_7;
+    return part_1 + part_6;
 }
 
 ECCENTRIC_REAL c2_asymmetric_friction_torque(
@@ -383,37 +547,9 @@ ECCENTRIC_REAL c2_asymmetric_friction_torque(
     ECCENTRIC_REAL omega_m,
     const c2_asymmetric_coefficients *c)
 {
-    /* magnitude of the motor velocity, 0 if the mass is balanced [rad/s] */
-    const real speed = c->unbalanced * REAL_FABS(omega_m);
-    /* speed^2 - omega_star^2; the difference is taken once, before anything is rounded */
-    const real square_difference = (speed - c->omega_star_1 - c->omega_star_2) * (speed + c->omega_star_1);
-    /* the odd number of half turns up to the top that is nearest */
-    const real halves = REAL(2.0) * REAL_FLOOR(theta_m * c->turns_per_rad) + REAL(1.0);
-    /* the half turns go off in three parts, the leading digits first: both products are exact */
-    const real rest = theta_m - halves * c->half_period_1;
-    /* angle from the top */
-    const real from_top = rest - halves * c->half_period_2 - halves * c->half_period_3;
-    /* an angle so large that nothing is left of its phase counts as the top */
-    const real bounded = ((REAL_FABS(from_top) <= c->period) ? from_top : theta_m - theta_m);
-    /* half angle from the top */
-    const real half_angle = bounded * c->half_mu;
-    const real half_angle_squared = half_angle * half_angle;
-    /* sine of the half angle from the top: the cosine of half the angle but for its sign */
-    const real half_cosine = half_angle * c2_asymmetric_sine_series(half_angle_squared);
-    const real p = square_difference;
-    const real q = half_cosine * speed * c->twice_omega_star;
-    const real magnitude = REAL_SQRT(p * p + q * q);
-    /* normal force on the axis of rotation [N], eq (17) */
-    const real F_N = magnitude * c->scale_N;
-    const real direction_of_motion = c2_asymmetric_sgn(omega_m);
-    const real part_3 = F_N * ((omega_m > REAL(0.0)) ? c->B_lN_pos_mu2 : c->B_lN_neg_mu2);
-    const real part_4 = ((omega_m > REAL(0.0)) ? c->B_m_pos : c->B_m_neg);
-    const real part_2 = c->k_e_k_i_per_R + part_3 + part_4;
-    const real part_1 = omega_m * part_2;
-    const real part_7 = F_N * ((omega_m > REAL(0.0)) ? c->C_lN_pos_mu : c->C_lN_neg_mu);
-    const real part_6 = part_7 + ((omega_m > REAL(0.0)) ? c->C_m_pos : c->C_m_neg);
-    const real part_5 = direction_of_motion * part_6;
-    return part_1 + part_5;
+    const real from_top = c2_asymmetric_from_top(theta_m, c);
+    const real chord = c2_asymmetric_chord(from_top, c);
+    return c2_asymmetric_friction_torque_at(omega_m, chord, c);
 }
 
 void c2_asymmetric_friction_torque_n(
@@ -423,9 +559,46 @@ void c2_asymmetric_friction_torque_n(
     ECCENTRIC_REAL *out,
     const c2_asymmetric_coefficients *c)
 {
-    for (size_t k = 0; k < n; ++k) {
-        out[k] = c2_asymmetric_friction_torque(theta_m[k], omega_m[k], c);
+    const c2_asymmetric_coefficients own = *c; /* that no store to `out` can change */
+    real from_top[REAL_BLOCK];
+    real chord[REAL_BLOCK];
+    for (size_t first = 0; first < n; first += REAL_BLOCK) {
+        const size_t count = (n - first < REAL_BLOCK) ? (n - first) : REAL_BLOCK;
+        for (size_t k = 0; k < count; ++k) {
+            from_top[k] = c2_asymmetric_from_top(theta_m[first + k], &own);
+        }
+        for (size_t k = 0; k < count; ++k) {
+            chord[k] = c2_asymmetric_chord(from_top[k], &own);
+        }
+        for (size_t k = 0; k < count; ++k) {
+            out[first + k] = c2_asymmetric_friction_torque_at(omega_m[first + k], chord[k], &own);
+        }
     }
+}
+
+REAL_INLINE real c2_asymmetric_mechanical_friction_torque_at(
+    real omega_m,
+    real chord,
+    const c2_asymmetric_coefficients *c)
+{
+    const real size = REAL_FABS(omega_m);
+    /* magnitude of the motor velocity, at most 2^30, 0 if M L = 0 [rad/s] */
+    const real speed = ((size > c->fastest) ? c->fastest : size);
+    /* speed^2 - omega_star^2; the difference is taken once, before anything is rounded */
+    const real square_difference = (speed - c->omega_star_1 - c->omega_star_2) * (speed + c->omega_star_1);
+    const real q = c->mu_omega_star * speed * chord;
+    /* normal force over scale_N [rad^2/s^2] */
+    const real load = REAL_SQRT(square_difference * square_difference + q * q);
+    const real direction_of_motion = c2_asymmetric_sgn(omega_m);
+    const real part_4 = ((omega_m > REAL(0.0)) ? c->C_lN_pos_mu_scale_N : c->C_lN_neg_mu_scale_N);
+    const real part_3 = load * part_4;
+    const real part_2 = part_3 + ((omega_m > REAL(0.0)) ? c->C_m_pos : c->C_m_neg);
+    const real part_1 = direction_of_motion * part_2;
+    const real part_8 = ((omega_m > REAL(0.0)) ? c->B_lN_pos_mu2_scale_N : c->B_lN_neg_mu2_scale_N);
+    const real part_7 = load * part_8;
+    const real part_6 = part_7 + ((omega_m > REAL(0.0)) ? c->B_m_pos : c->B_m_neg);
+    const real part_5 = omega_m * part_6;
+    return part_1 + part_5;
 }
 
 ECCENTRIC_REAL c2_asymmetric_mechanical_friction_torque(
@@ -433,36 +606,9 @@ ECCENTRIC_REAL c2_asymmetric_mechanical_friction_torque(
     ECCENTRIC_REAL omega_m,
     const c2_asymmetric_coefficients *c)
 {
-    /* magnitude of the motor velocity, 0 if the mass is balanced [rad/s] */
-    const real speed = c->unbalanced * REAL_FABS(omega_m);
-    /* speed^2 - omega_star^2; the difference is taken once, before anything is rounded */
-    const real square_difference = (speed - c->omega_star_1 - c->omega_star_2) * (speed + c->omega_star_1);
-    /* the odd number of half turns up to the top that is nearest */
-    const real halves = REAL(2.0) * REAL_FLOOR(theta_m * c->turns_per_rad) + REAL(1.0);
-    /* the half turns go off in three parts, the leading digits first: both products are exact */
-    const real rest = theta_m - halves * c->half_period_1;
-    /* angle from the top */
-    const real from_top = rest - halves * c->half_period_2 - halves * c->half_period_3;
-    /* an angle so large that nothing is left of its phase counts as the top */
-    const real bounded = ((REAL_FABS(from_top) <= c->period) ? from_top : theta_m - theta_m);
-    /* half angle from the top */
-    const real half_angle = bounded * c->half_mu;
-    const real half_angle_squared = half_angle * half_angle;
-    /* sine of the half angle from the top: the cosine of half the angle but for its sign */
-    const real half_cosine = half_angle * c2_asymmetric_sine_series(half_angle_squared);
-    const real p = square_difference;
-    const real q = half_cosine * speed * c->twice_omega_star;
-    const real magnitude = REAL_SQRT(p * p + q * q);
-    /* normal force on the axis of rotation [N], eq (17) */
-    const real F_N = magnitude * c->scale_N;
-    const real direction_of_motion = c2_asymmetric_sgn(omega_m);
-    const real part_3 = F_N * ((omega_m > REAL(0.0)) ? c->C_lN_pos_mu : c->C_lN_neg_mu);
-    const real part_2 = part_3 + ((omega_m > REAL(0.0)) ? c->C_m_pos : c->C_m_neg);
-    const real part_1 = direction_of_motion * part_2;
-    const real part_6 = F_N * ((omega_m > REAL(0.0)) ? c->B_lN_pos_mu2 : c->B_lN_neg_mu2);
-    const real part_5 = part_6 + ((omega_m > REAL(0.0)) ? c->B_m_pos : c->B_m_neg);
-    const real part_4 = omega_m * part_5;
-    return part_1 + part_4;
+    const real from_top = c2_asymmetric_from_top(theta_m, c);
+    const real chord = c2_asymmetric_chord(from_top, c);
+    return c2_asymmetric_mechanical_friction_torque_at(omega_m, chord, c);
 }
 
 void c2_asymmetric_mechanical_friction_torque_n(
@@ -472,9 +618,56 @@ void c2_asymmetric_mechanical_friction_torque_n(
     ECCENTRIC_REAL *out,
     const c2_asymmetric_coefficients *c)
 {
-    for (size_t k = 0; k < n; ++k) {
-        out[k] = c2_asymmetric_mechanical_friction_torque(theta_m[k], omega_m[k], c);
+    const c2_asymmetric_coefficients own = *c; /* that no store to `out` can change */
+    real from_top[REAL_BLOCK];
+    real chord[REAL_BLOCK];
+    for (size_t first = 0; first < n; first += REAL_BLOCK) {
+        const size_t count = (n - first < REAL_BLOCK) ? (n - first) : REAL_BLOCK;
+        for (size_t k = 0; k < count; ++k) {
+            from_top[k] = c2_asymmetric_from_top(theta_m[first + k], &own);
+        }
+        for (size_t k = 0; k < count; ++k) {
+            chord[k] = c2_asymmetric_chord(from_top[k], &own);
+        }
+        for (size_t k = 0; k < count; ++k) {
+            out[first + k] = c2_asymmetric_mechanical_friction_torque_at(omega_m[first + k], chord[k], &own);
+        }
     }
+}
+
+REAL_INLINE void c2_asymmetric_friction_torque_gradient_at(
+    real omega_m,
+    real chord,
+    real half_sine,
+    real *out,
+    const c2_asymmetric_coefficients *c)
+{
+    const real size = REAL_FABS(omega_m);
+    /* magnitude of the motor velocity, at most 2^30, 0 if M L = 0 [rad/s] */
+    const real speed = ((size > c->fastest) ? c->fastest : size);
+    const real direction_of_motion = c2_asymmetric_sgn(omega_m);
+    /* speed^2 - omega_star^2; the difference is taken once, before anything is rounded */
+    const real square_difference = (speed - c->omega_star_1 - c->omega_star_2) * (speed + c->omega_star_1);
+    const real q = c->mu_omega_star * speed * chord;
+    /* normal force over scale_N [rad^2/s^2] */
+    const real load = REAL_SQRT(square_difference * square_difference + q * q);
+    /* 1 at the apex, where F_N is 0 and its derivatives are taken as 0 */
+    const real inverse = REAL(1.0) / ((load == REAL(0.0)) ? REAL(1.0) : load);
+    const real part_1 = c->mu_omega_star * speed * (q * inverse);
+    const real load_d_theta_m = part_1 * half_sine;
+    const real part_3 = c->mu_omega_star * (q * inverse) * chord;
+    const real part_2 = part_3 + REAL(2.0) * speed * (square_difference * inverse);
+    const real load_d_omega_m = direction_of_motion * part_2;
+    const real part_6 = ((omega_m > REAL(0.0)) ? c->C_lN_pos_mu_scale_N : c->C_lN_neg_mu_scale_N);
+    const real part_5 = direction_of_motion * part_6;
+    const real part_8 = ((omega_m > REAL(0.0)) ? c->B_lN_pos_mu2_scale_N : c->B_lN_neg_mu2_scale_N);
+    const real part_7 = omega_m * part_8;
+    const real part_4 = part_5 + part_7;
+    out[0] = load_d_theta_m * part_4;
+    const real part_9 = load_d_omega_m * part_4;
+    const real part_15 = load * part_8;
+    const real part_17 = ((omega_m > REAL(0.0)) ? c->B_m_pos : c->B_m_neg);
+    out[1] = c->k_e_k_i_per_R + part_15 + part_17 + part_9;
 }
 
 void c2_asymmetric_friction_torque_gradient(
@@ -483,59 +676,10 @@ void c2_asymmetric_friction_torque_gradient(
     ECCENTRIC_REAL *out,
     const c2_asymmetric_coefficients *c)
 {
-    /* magnitude of the motor velocity, 0 if the mass is balanced [rad/s] */
-    const real speed = c->unbalanced * REAL_FABS(omega_m);
-    const real direction_of_motion = c2_asymmetric_sgn(omega_m);
-    const real speed_d_omega_m = direction_of_motion * c->unbalanced;
-    /* speed^2 - omega_star^2; the difference is taken once, before anything is rounded */
-    const real square_difference = (speed - c->omega_star_1 - c->omega_star_2) * (speed + c->omega_star_1);
-    /* the odd number of half turns up to the top that is nearest */
-    const real halves = REAL(2.0) * REAL_FLOOR(theta_m * c->turns_per_rad) + REAL(1.0);
-    /* the half turns go off in three parts, the leading digits first: both products are exact */
-    const real rest = theta_m - halves * c->half_period_1;
-    /* angle from the top */
-    const real from_top = rest - halves * c->half_period_2 - halves * c->half_period_3;
-    /* an angle so large that nothing is left of its phase counts as the top */
-    const real bounded = ((REAL_FABS(from_top) <= c->period) ? from_top : theta_m - theta_m);
-    /* half angle from the top */
-    const real half_angle = bounded * c->half_mu;
-    const real half_angle_squared = half_angle * half_angle;
-    /* sine of the half angle from the top: the cosine of half the angle but for its sign */
-    const real half_cosine = half_angle * c2_asymmetric_sine_series(half_angle_squared);
-    const real p = square_difference;
-    const real q = half_cosine * speed * c->twice_omega_star;
-    const real magnitude = REAL_SQRT(p * p + q * q);
-    /* normal force on the axis of rotation [N], eq (17) */
-    const real F_N = magnitude * c->scale_N;
-    /* cosine of the half angle from the top */
-    const real half_sine = c2_asymmetric_cosine_series(half_angle_squared);
-    /* 0/0 at the apex, where F_N is 0 and its derivatives are taken as 0 */
-    const real divisor = ((magnitude == REAL(0.0)) ? REAL(1.0) : magnitude);
-    /* where the square overflows, the larger of the two decides */
-    const real limit = ((REAL_FABS(q) > REAL_FABS(p)) ? c2_asymmetric_sgn(q) : REAL(0.0));
-    const real cosine = ((magnitude > REAL_LARGEST) ? limit : q / divisor);
-    const real ungated = half_sine * c->mu_omega_star_scale_N * speed;
-    const real F_N_d_theta_m = ((cosine == REAL(0.0)) ? REAL(0.0) : ungated * cosine);
-    /* where the square overflows, the larger of the two decides */
-    const real limit_2 = ((REAL_FABS(p) > REAL_FABS(q)) ? c2_asymmetric_sgn(p) : REAL(0.0));
-    const real cosine_2 = ((magnitude > REAL_LARGEST) ? limit_2 : p / divisor);
-    const real ungated_2 = REAL(2.0) * speed;
-    const real ungated_3 = half_cosine * c->twice_omega_star;
-    const real part_2 = ((cosine_2 == REAL(0.0)) ? REAL(0.0) : ungated_2 * cosine_2);
-    const real part_1 = part_2 + ((cosine == REAL(0.0)) ? REAL(0.0) : ungated_3 * cosine);
-    const real F_N_d_omega_m = part_1 * c->scale_N * speed_d_omega_m;
-    const real part_5 = ((omega_m > REAL(0.0)) ? c->C_lN_pos_mu : c->C_lN_neg_mu);
-    const real part_4 = direction_of_motion * part_5;
-    const real part_6 = omega_m * ((omega_m > REAL(0.0)) ? c->B_lN_pos_mu2 : c->B_lN_neg_mu2);
-    const real part_3 = part_4 + part_6;
-    out[0] = F_N_d_theta_m * part_3;
-    const real part_8 = ((omega_m > REAL(0.0)) ? c->C_lN_pos_mu : c->C_lN_neg_mu);
-    const real part_7 = F_N_d_omega_m * direction_of_motion * part_8;
-    const real part_10 = ((omega_m > REAL(0.0)) ? c->B_lN_pos_mu2 : c->B_lN_neg_mu2);
-    const real part_9 = F_N_d_omega_m * omega_m * part_10;
-    const real part_11 = F_N * ((omega_m > REAL(0.0)) ? c->B_lN_pos_mu2 : c->B_lN_neg_mu2);
-    const real part_12 = ((omega_m > REAL(0.0)) ? c->B_m_pos : c->B_m_neg);
-    out[1] = c->k_e_k_i_per_R + part_11 + part_12 + part_7 + part_9;
+    const real from_top = c2_asymmetric_from_top(theta_m, c);
+    const real chord = c2_asymmetric_chord(from_top, c);
+    const real half_sine = c2_asymmetric_half_sine(from_top, c);
+    c2_asymmetric_friction_torque_gradient_at(omega_m, chord, half_sine, out, c);
 }
 
 void c2_asymmetric_friction_torque_gradient_n(
@@ -545,9 +689,133 @@ void c2_asymmetric_friction_torque_gradient_n(
     ECCENTRIC_REAL *out,
     const c2_asymmetric_coefficients *c)
 {
-    for (size_t k = 0; k < n; ++k) {
-        c2_asymmetric_friction_torque_gradient(theta_m[k], omega_m[k], out + 2 * k, c);
+    const c2_asymmetric_coefficients own = *c; /* that no store to `out` can change */
+    real from_top[REAL_BLOCK];
+    real chord[REAL_BLOCK];
+    real half_sine[REAL_BLOCK];
+    for (size_t first = 0; first < n; first += REAL_BLOCK) {
+        const size_t count = (n - first < REAL_BLOCK) ? (n - first) : REAL_BLOCK;
+        for (size_t k = 0; k < count; ++k) {
+            from_top[k] = c2_asymmetric_from_top(theta_m[first + k], &own);
+        }
+        for (size_t k = 0; k < count; ++k) {
+            chord[k] = c2_asymmetric_chord(from_top[k], &own);
+            half_sine[k] = c2_asymmetric_half_sine(from_top[k], &own);
+        }
+        for (size_t k = 0; k < count; ++k) {
+            c2_asymmetric_friction_torque_gradient_at(omega_m[first + k], chord[k], half_sine[k], &out[2u *
+                (first + k)], &own);
+        }
     }
+}
+
+REAL_INLINE void c2_asymmetric_friction_torque_with_gradient_at(
+    real omega_m,
+    real chord,
+    real half_sine,
+    real *out,
+    const c2_asymmetric_coefficients *c)
+{
+    const real size = REAL_FABS(omega_m);
+    /* magnitude of the motor velocity, at most 2^30, 0 if M L = 0 [rad/s] */
+    const real speed = ((size > c->fastest) ? c->fastest : size);
+    const real direction_of_motion = c2_asymmetric_sgn(omega_m);
+    /* speed^2 - omega_star^2; the difference is taken once, before anything is rounded */
+    const real square_difference = (speed - c->omega_star_1 - c->omega_star_2) * (speed + c->omega_star_1);
+    const real q = c->mu_omega_star * speed * chord;
+    /* normal force over scale_N [rad^2/s^2] */
+    const real load = REAL_SQRT(square_difference * square_difference + q * q);
+    /* 1 at the apex, where F_N is 0 and its derivatives are taken as 0 */
+    const real inverse = REAL(1.0) / ((load == REAL(0.0)) ? REAL(1.0) : load);
+    const real part_1 = c->mu_omega_star * speed * (q * inverse);
+    const real load_d_theta_m = part_1 * half_sine;
+    const real part_3 = c->mu_omega_star * (q * inverse) * chord;
+    const real part_2 = part_3 + REAL(2.0) * speed * (square_difference * inverse);
+    const real load_d_omega_m = direction_of_motion * part_2;
+    const real part_7 = ((omega_m > REAL(0.0)) ? c->B_lN_pos_mu2_scale_N : c->B_lN_neg_mu2_scale_N);
+    const real part_6 = load * part_7;
+    const real part_8 = ((omega_m > REAL(0.0)) ? c->B_m_pos : c->B_m_neg);
+    const real part_5 = c->k_e_k_i_per_R + part_6 + part_8;
+    const real part_4 = omega_m * part_5;
+    const real part_12 = ((omega_m > REAL(0.0)) ? c->C_lN_pos_mu_scale_N : c->C_lN_neg_mu_scale_N);
+    const real part_11 = load * part_12;
+    const real part_10 = part_11 + ((omega_m > REAL(0.0)) ? c->C_m_pos : c->C_m_neg);
+    const real part_9 = direction_of_motion * part_10;
+    out[0] = part_4 + part_9;
+    const real part_14 = direction_of_motion * part_12;
+    const real part_16 = omega_m * part_7;
+    const real part_13 = part_14 + part_16;
+    out[1] = load_d_theta_m * part_13;
+    const real part_18 = load_d_omega_m * part_13;
+    out[2] = c->k_e_k_i_per_R + part_18 + part_6 + part_8;
+}
+
+void c2_asymmetric_friction_torque_with_gradient(
+    ECCENTRIC_REAL theta_m,
+    ECCENTRIC_REAL omega_m,
+    ECCENTRIC_REAL *out,
+    const c2_asymmetric_coefficients *c)
+{
+    const real from_top = c2_asymmetric_from_top(theta_m, c);
+    const real chord = c2_asymmetric_chord(from_top, c);
+    const real half_sine = c2_asymmetric_half_sine(from_top, c);
+    c2_asymmetric_friction_torque_with_gradient_at(omega_m, chord, half_sine, out, c);
+}
+
+void c2_asymmetric_friction_torque_with_gradient_n(
+    size_t n,
+    const ECCENTRIC_REAL *theta_m,
+    const ECCENTRIC_REAL *omega_m,
+    ECCENTRIC_REAL *out,
+    const c2_asymmetric_coefficients *c)
+{
+    const c2_asymmetric_coefficients own = *c; /* that no store to `out` can change */
+    real from_top[REAL_BLOCK];
+    real chord[REAL_BLOCK];
+    real half_sine[REAL_BLOCK];
+    for (size_t first = 0; first < n; first += REAL_BLOCK) {
+        const size_t count = (n - first < REAL_BLOCK) ? (n - first) : REAL_BLOCK;
+        for (size_t k = 0; k < count; ++k) {
+            from_top[k] = c2_asymmetric_from_top(theta_m[first + k], &own);
+        }
+        for (size_t k = 0; k < count; ++k) {
+            chord[k] = c2_asymmetric_chord(from_top[k], &own);
+            half_sine[k] = c2_asymmetric_half_sine(from_top[k], &own);
+        }
+        for (size_t k = 0; k < count; ++k) {
+            c2_asymmetric_friction_torque_with_gradient_at(omega_m[first + k], chord[k], half_sine[k], &out[3u
+                * (first + k)], &own);
+        }
+    }
+}
+
+REAL_INLINE void c2_asymmetric_friction_torque_jacobian_at(
+    real omega_m,
+    real chord,
+    real *out,
+    const c2_asymmetric_coefficients *c)
+{
+    const real size = REAL_FABS(omega_m);
+    /* magnitude of the motor velocity, at most 2^30, 0 if M L = 0 [rad/s] */
+    const real speed = ((size > c->fastest) ? c->fastest : size);
+    /* speed^2 - omega_star^2; the difference is taken once, before anything is rounded */
+    const real square_difference = (speed - c->omega_star_1 - c->omega_star_2) * (speed + c->omega_star_1);
+    const real q = c->mu_omega_star * speed * chord;
+    /* normal force over scale_N [rad^2/s^2] */
+    const real load = REAL_SQRT(square_difference * square_difference + q * q);
+    const real is_forward = c2_asymmetric_forward(omega_m);
+    const real ungated = load * c->mu2_scale_N * omega_m;
+    out[0] = ((is_forward == REAL(0.0)) ? REAL(0.0) : ungated * is_forward);
+    const real is_backward = c2_asymmetric_forward(-(omega_m));
+    out[1] = ((is_backward == REAL(0.0)) ? REAL(0.0) : ungated * is_backward);
+    const real direction_of_motion = c2_asymmetric_sgn(omega_m);
+    const real ungated_2 = direction_of_motion * load * c->mu_scale_N;
+    out[2] = ((is_forward == REAL(0.0)) ? REAL(0.0) : ungated_2 * is_forward);
+    out[3] = ((is_backward == REAL(0.0)) ? REAL(0.0) : ungated_2 * is_backward);
+    out[4] = ((is_forward == REAL(0.0)) ? REAL(0.0) : omega_m * is_forward);
+    out[5] = ((is_backward == REAL(0.0)) ? REAL(0.0) : omega_m * is_backward);
+    out[6] = ((is_forward == REAL(0.0)) ? REAL(0.0) : direction_of_motion * is_forward);
+    out[7] = ((is_backward == REAL(0.0)) ? REAL(0.0) : direction_of_motion * is_backward);
 }
 
 void c2_asymmetric_friction_torque_jacobian(
@@ -556,41 +824,9 @@ void c2_asymmetric_friction_torque_jacobian(
     ECCENTRIC_REAL *out,
     const c2_asymmetric_coefficients *c)
 {
-    /* magnitude of the motor velocity, 0 if the mass is balanced [rad/s] */
-    const real speed = c->unbalanced * REAL_FABS(omega_m);
-    /* speed^2 - omega_star^2; the difference is taken once, before anything is rounded */
-    const real square_difference = (speed - c->omega_star_1 - c->omega_star_2) * (speed + c->omega_star_1);
-    /* the odd number of half turns up to the top that is nearest */
-    const real halves = REAL(2.0) * REAL_FLOOR(theta_m * c->turns_per_rad) + REAL(1.0);
-    /* the half turns go off in three parts, the leading digits first: both products are exact */
-    const real rest = theta_m - halves * c->half_period_1;
-    /* angle from the top */
-    const real from_top = rest - halves * c->half_period_2 - halves * c->half_period_3;
-    /* an angle so large that nothing is left of its phase counts as the top */
-    const real bounded = ((REAL_FABS(from_top) <= c->period) ? from_top : theta_m - theta_m);
-    /* half angle from the top */
-    const real half_angle = bounded * c->half_mu;
-    const real half_angle_squared = half_angle * half_angle;
-    /* sine of the half angle from the top: the cosine of half the angle but for its sign */
-    const real half_cosine = half_angle * c2_asymmetric_sine_series(half_angle_squared);
-    const real p = square_difference;
-    const real q = half_cosine * speed * c->twice_omega_star;
-    const real magnitude = REAL_SQRT(p * p + q * q);
-    /* normal force on the axis of rotation [N], eq (17) */
-    const real F_N = magnitude * c->scale_N;
-    const real is_forward = c2_asymmetric_forward(omega_m);
-    const real ungated = F_N * c->mu2 * omega_m;
-    out[0] = ((is_forward == REAL(0.0)) ? REAL(0.0) : ungated * is_forward);
-    const real is_backward = c2_asymmetric_forward(-(omega_m));
-    out[1] = ((is_backward == REAL(0.0)) ? REAL(0.0) : ungated * is_backward);
-    const real direction_of_motion = c2_asymmetric_sgn(omega_m);
-    const real ungated_2 = F_N * direction_of_motion * c->mu;
-    out[2] = ((is_forward == REAL(0.0)) ? REAL(0.0) : ungated_2 * is_forward);
-    out[3] = ((is_backward == REAL(0.0)) ? REAL(0.0) : ungated_2 * is_backward);
-    out[4] = ((is_forward == REAL(0.0)) ? REAL(0.0) : omega_m * is_forward);
-    out[5] = ((is_backward == REAL(0.0)) ? REAL(0.0) : omega_m * is_backward);
-    out[6] = ((is_forward == REAL(0.0)) ? REAL(0.0) : direction_of_motion * is_forward);
-    out[7] = ((is_backward == REAL(0.0)) ? REAL(0.0) : direction_of_motion * is_backward);
+    const real from_top = c2_asymmetric_from_top(theta_m, c);
+    const real chord = c2_asymmetric_chord(from_top, c);
+    c2_asymmetric_friction_torque_jacobian_at(omega_m, chord, out, c);
 }
 
 void c2_asymmetric_friction_torque_jacobian_n(
@@ -600,9 +836,51 @@ void c2_asymmetric_friction_torque_jacobian_n(
     ECCENTRIC_REAL *out,
     const c2_asymmetric_coefficients *c)
 {
-    for (size_t k = 0; k < n; ++k) {
-        c2_asymmetric_friction_torque_jacobian(theta_m[k], omega_m[k], out + 8 * k, c);
+    const c2_asymmetric_coefficients own = *c; /* that no store to `out` can change */
+    real from_top[REAL_BLOCK];
+    real chord[REAL_BLOCK];
+    for (size_t first = 0; first < n; first += REAL_BLOCK) {
+        const size_t count = (n - first < REAL_BLOCK) ? (n - first) : REAL_BLOCK;
+        for (size_t k = 0; k < count; ++k) {
+            from_top[k] = c2_asymmetric_from_top(theta_m[first + k], &own);
+        }
+        for (size_t k = 0; k < count; ++k) {
+            chord[k] = c2_asymmetric_chord(from_top[k], &own);
+        }
+        for (size_t k = 0; k < count; ++k) {
+            c2_asymmetric_friction_torque_jacobian_at(omega_m[first + k], chord[k], &out[8u * (first + k)],
+                &own);
+        }
     }
+}
+
+REAL_INLINE void c2_asymmetric_regressor_at(
+    real omega_m,
+    real chord,
+    real *out,
+    const c2_asymmetric_coefficients *c)
+{
+    const real size = REAL_FABS(omega_m);
+    /* magnitude of the motor velocity, at most 2^30, 0 if M L = 0 [rad/s] */
+    const real speed = ((size > c->fastest) ? c->fastest : size);
+    /* speed^2 - omega_star^2; the difference is taken once, before anything is rounded */
+    const real square_difference = (speed - c->omega_star_1 - c->omega_star_2) * (speed + c->omega_star_1);
+    const real q = c->mu_omega_star * speed * chord;
+    /* normal force over scale_N [rad^2/s^2] */
+    const real load = REAL_SQRT(square_difference * square_difference + q * q);
+    const real is_forward = c2_asymmetric_forward(omega_m);
+    const real ungated = load * c->mu2_scale_N * omega_m;
+    out[0] = ((is_forward == REAL(0.0)) ? REAL(0.0) : ungated * is_forward);
+    const real is_backward = c2_asymmetric_forward(-(omega_m));
+    out[1] = ((is_backward == REAL(0.0)) ? REAL(0.0) : ungated * is_backward);
+    const real direction_of_motion = c2_asymmetric_sgn(omega_m);
+    const real ungated_2 = direction_of_motion * load * c->mu_scale_N;
+    out[2] = ((is_forward == REAL(0.0)) ? REAL(0.0) : ungated_2 * is_forward);
+    out[3] = ((is_backward == REAL(0.0)) ? REAL(0.0) : ungated_2 * is_backward);
+    out[4] = ((is_forward == REAL(0.0)) ? REAL(0.0) : omega_m * is_forward);
+    out[5] = ((is_backward == REAL(0.0)) ? REAL(0.0) : omega_m * is_backward);
+    out[6] = ((is_forward == REAL(0.0)) ? REAL(0.0) : direction_of_motion * is_forward);
+    out[7] = ((is_backward == REAL(0.0)) ? REAL(0.0) : direction_of_motion * is_backward);
 }
 
 void c2_asymmetric_regressor(
@@ -611,41 +889,9 @@ void c2_asymmetric_regressor(
     ECCENTRIC_REAL *out,
     const c2_asymmetric_coefficients *c)
 {
-    /* magnitude of the motor velocity, 0 if the mass is balanced [rad/s] */
-    const real speed = c->unbalanced * REAL_FABS(omega_m);
-    /* speed^2 - omega_star^2; the difference is taken once, before anything is rounded */
-    const real square_difference = (speed - c->omega_star_1 - c->omega_star_2) * (speed + c->omega_star_1);
-    /* the odd number of half turns up to the top that is nearest */
-    const real halves = REAL(2.0) * REAL_FLOOR(theta_m * c->turns_per_rad) + REAL(1.0);
-    /* the half turns go off in three parts, the leading digits first: both products are exact */
-    const real rest = theta_m - halves * c->half_period_1;
-    /* angle from the top */
-    const real from_top = rest - halves * c->half_period_2 - halves * c->half_period_3;
-    /* an angle so large that nothing is left of its phase counts as the top */
-    const real bounded = ((REAL_FABS(from_top) <= c->period) ? from_top : theta_m - theta_m);
-    /* half angle from the top */
-    const real half_angle = bounded * c->half_mu;
-    const real half_angle_squared = half_angle * half_angle;
-    /* sine of the half angle from the top: the cosine of half the angle but for its sign */
-    const real half_cosine = half_angle * c2_asymmetric_sine_series(half_angle_squared);
-    const real p = square_difference;
-    const real q = half_cosine * speed * c->twice_omega_star;
-    const real magnitude = REAL_SQRT(p * p + q * q);
-    /* normal force on the axis of rotation [N], eq (17) */
-    const real F_N = magnitude * c->scale_N;
-    const real is_forward = c2_asymmetric_forward(omega_m);
-    const real ungated = F_N * c->mu2 * omega_m;
-    out[0] = ((is_forward == REAL(0.0)) ? REAL(0.0) : ungated * is_forward);
-    const real is_backward = c2_asymmetric_forward(-(omega_m));
-    out[1] = ((is_backward == REAL(0.0)) ? REAL(0.0) : ungated * is_backward);
-    const real direction_of_motion = c2_asymmetric_sgn(omega_m);
-    const real ungated_2 = F_N * direction_of_motion * c->mu;
-    out[2] = ((is_forward == REAL(0.0)) ? REAL(0.0) : ungated_2 * is_forward);
-    out[3] = ((is_backward == REAL(0.0)) ? REAL(0.0) : ungated_2 * is_backward);
-    out[4] = ((is_forward == REAL(0.0)) ? REAL(0.0) : omega_m * is_forward);
-    out[5] = ((is_backward == REAL(0.0)) ? REAL(0.0) : omega_m * is_backward);
-    out[6] = ((is_forward == REAL(0.0)) ? REAL(0.0) : direction_of_motion * is_forward);
-    out[7] = ((is_backward == REAL(0.0)) ? REAL(0.0) : direction_of_motion * is_backward);
+    const real from_top = c2_asymmetric_from_top(theta_m, c);
+    const real chord = c2_asymmetric_chord(from_top, c);
+    c2_asymmetric_regressor_at(omega_m, chord, out, c);
 }
 
 void c2_asymmetric_regressor_n(
@@ -655,8 +901,20 @@ void c2_asymmetric_regressor_n(
     ECCENTRIC_REAL *out,
     const c2_asymmetric_coefficients *c)
 {
-    for (size_t k = 0; k < n; ++k) {
-        c2_asymmetric_regressor(theta_m[k], omega_m[k], out + 8 * k, c);
+    const c2_asymmetric_coefficients own = *c; /* that no store to `out` can change */
+    real from_top[REAL_BLOCK];
+    real chord[REAL_BLOCK];
+    for (size_t first = 0; first < n; first += REAL_BLOCK) {
+        const size_t count = (n - first < REAL_BLOCK) ? (n - first) : REAL_BLOCK;
+        for (size_t k = 0; k < count; ++k) {
+            from_top[k] = c2_asymmetric_from_top(theta_m[first + k], &own);
+        }
+        for (size_t k = 0; k < count; ++k) {
+            chord[k] = c2_asymmetric_chord(from_top[k], &own);
+        }
+        for (size_t k = 0; k < count; ++k) {
+            c2_asymmetric_regressor_at(omega_m[first + k], chord[k], &out[8u * (first + k)], &own);
+        }
     }
 }
 
@@ -678,24 +936,20 @@ void c2_asymmetric_coulomb_torque(ECCENTRIC_REAL *out, const c2_asymmetric_coeff
     out[1] = c->C_lN_neg_mu_weight_plus_C_m_neg;
 }
 
+REAL_INLINE real c2_asymmetric_gravity_torque_at(
+    real chord,
+    real half_sine,
+    const c2_asymmetric_coefficients *c)
+{
+    return (-c->L_M_g_mu2) * chord * half_sine;
+}
+
 ECCENTRIC_REAL c2_asymmetric_gravity_torque(ECCENTRIC_REAL theta_m, const c2_asymmetric_coefficients *c)
 {
-    /* the odd number of half turns up to the top that is nearest */
-    const real halves = REAL(2.0) * REAL_FLOOR(theta_m * c->turns_per_rad) + REAL(1.0);
-    /* the half turns go off in three parts, the leading digits first: both products are exact */
-    const real rest = theta_m - halves * c->half_period_1;
-    /* angle from the top */
-    const real from_top = rest - halves * c->half_period_2 - halves * c->half_period_3;
-    /* an angle so large that nothing is left of its phase counts as the top */
-    const real bounded = ((REAL_FABS(from_top) <= c->period) ? from_top : theta_m - theta_m);
-    /* half angle from the top */
-    const real half_angle = bounded * c->half_mu;
-    const real half_angle_squared = half_angle * half_angle;
-    /* sine of the half angle from the top: the cosine of half the angle but for its sign */
-    const real half_cosine = half_angle * c2_asymmetric_sine_series(half_angle_squared);
-    /* cosine of the half angle from the top */
-    const real half_sine = c2_asymmetric_cosine_series(half_angle_squared);
-    return -half_cosine * half_sine * c->twice_L_M_g_mu;
+    const real from_top = c2_asymmetric_from_top(theta_m, c);
+    const real chord = c2_asymmetric_chord(from_top, c);
+    const real half_sine = c2_asymmetric_half_sine(from_top, c);
+    return c2_asymmetric_gravity_torque_at(chord, half_sine, c);
 }
 
 void c2_asymmetric_gravity_torque_n(
@@ -704,9 +958,56 @@ void c2_asymmetric_gravity_torque_n(
     ECCENTRIC_REAL *out,
     const c2_asymmetric_coefficients *c)
 {
-    for (size_t k = 0; k < n; ++k) {
-        out[k] = c2_asymmetric_gravity_torque(theta_m[k], c);
+    const c2_asymmetric_coefficients own = *c; /* that no store to `out` can change */
+    real from_top[REAL_BLOCK];
+    real chord[REAL_BLOCK];
+    real half_sine[REAL_BLOCK];
+    for (size_t first = 0; first < n; first += REAL_BLOCK) {
+        const size_t count = (n - first < REAL_BLOCK) ? (n - first) : REAL_BLOCK;
+        for (size_t k = 0; k < count; ++k) {
+            from_top[k] = c2_asymmetric_from_top(theta_m[first + k], &own);
+        }
+        for (size_t k = 0; k < count; ++k) {
+            chord[k] = c2_asymmetric_chord(from_top[k], &own);
+            half_sine[k] = c2_asymmetric_half_sine(from_top[k], &own);
+        }
+        for (size_t k = 0; k < count; ++k) {
+            out[first + k] = c2_asymmetric_gravity_torque_at(chord[k], half_sine[k], &own);
+        }
     }
+}
+
+REAL_INLINE real c2_asymmetric_voltage_at(
+    real omega_m,
+    real alpha_m,
+    real chord,
+    real half_sine,
+    const c2_asymmetric_coefficients *c)
+{
+    const real size = REAL_FABS(omega_m);
+    /* magnitude of the motor velocity, at most 2^30, 0 if M L = 0 [rad/s] */
+    const real speed = ((size > c->fastest) ? c->fastest : size);
+    /* speed^2 - omega_star^2; the difference is taken once, before anything is rounded */
+    const real square_difference = (speed - c->omega_star_1 - c->omega_star_2) * (speed + c->omega_star_1);
+    const real q = c->mu_omega_star * speed * chord;
+    /* normal force over scale_N [rad^2/s^2] */
+    const real load = REAL_SQRT(square_difference * square_difference + q * q);
+    const real direction_of_motion = c2_asymmetric_sgn(omega_m);
+    const real part_4 = ((omega_m > REAL(0.0)) ? c->C_lN_pos_R_mu_scale_N_per_k_i :
+        c->C_lN_neg_R_mu_scale_N_per_k_i);
+    const real part_3 = load * part_4;
+    const real part_5 = ((omega_m > REAL(0.0)) ? c->C_m_pos_R_per_k_i : c->C_m_neg_R_per_k_i);
+    const real part_2 = part_3 + part_5;
+    const real part_1 = direction_of_motion * part_2;
+    const real part_9 = ((omega_m > REAL(0.0)) ? c->B_lN_pos_R_mu2_scale_N_per_k_i :
+        c->B_lN_neg_R_mu2_scale_N_per_k_i);
+    const real part_8 = load * part_9;
+    const real part_10 = ((omega_m > REAL(0.0)) ? c->B_m_pos_R_per_k_i : c->B_m_neg_R_per_k_i);
+    const real part_7 = c->k_e + part_10 + part_8;
+    const real part_6 = omega_m * part_7;
+    const real part_11 = (-c->L_M_R_g_mu2_per_k_i) * chord * half_sine;
+    const real part_12 = c->R_per_k_i * ((alpha_m == REAL(0.0)) ? REAL(0.0) : c->J * alpha_m);
+    return part_1 + part_11 + part_12 + part_6;
 }
 
 ECCENTRIC_REAL c2_asymmetric_voltage(
@@ -715,44 +1016,10 @@ ECCENTRIC_REAL c2_asymmetric_voltage(
     ECCENTRIC_REAL alpha_m,
     const c2_asymmetric_coefficients *c)
 {
-    /* magnitude of the motor velocity, 0 if the mass is balanced [rad/s] */
-    const real speed = c->unbalanced * REAL_FABS(omega_m);
-    /* speed^2 - omega_star^2; the difference is taken once, before anything is rounded */
-    const real square_difference = (speed - c->omega_star_1 - c->omega_star_2) * (speed + c->omega_star_1);
-    /* the odd number of half turns up to the top that is nearest */
-    const real halves = REAL(2.0) * REAL_FLOOR(theta_m * c->turns_per_rad) + REAL(1.0);
-    /* the half turns go off in three parts, the leading digits first: both products are exact */
-    const real rest = theta_m - halves * c->half_period_1;
-    /* angle from the top */
-    const real from_top = rest - halves * c->half_period_2 - halves * c->half_period_3;
-    /* an angle so large that nothing is left of its phase counts as the top */
-    const real bounded = ((REAL_FABS(from_top) <= c->period) ? from_top : theta_m - theta_m);
-    /* half angle from the top */
-    const real half_angle = bounded * c->half_mu;
-    const real half_angle_squared = half_angle * half_angle;
-    /* sine of the half angle from the top: the cosine of half the angle but for its sign */
-    const real half_cosine = half_angle * c2_asymmetric_sine_series(half_angle_squared);
-    const real p = square_difference;
-    const real q = half_cosine * speed * c->twice_omega_star;
-    const real magnitude = REAL_SQRT(p * p + q * q);
-    /* normal force on the axis of rotation [N], eq (17) */
-    const real F_N = magnitude * c->scale_N;
-    const real direction_of_motion = c2_asymmetric_sgn(omega_m);
-    /* cosine of the half angle from the top */
-    const real half_sine = c2_asymmetric_cosine_series(half_angle_squared);
-    const real part_4 = ((omega_m > REAL(0.0)) ? c->C_lN_pos_R_mu_per_k_i : c->C_lN_neg_R_mu_per_k_i);
-    const real part_3 = F_N * part_4;
-    const real part_5 = ((omega_m > REAL(0.0)) ? c->C_m_pos_R_per_k_i : c->C_m_neg_R_per_k_i);
-    const real part_2 = part_3 + part_5;
-    const real part_1 = direction_of_motion * part_2;
-    const real part_9 = ((omega_m > REAL(0.0)) ? c->B_lN_pos_R_mu2_per_k_i : c->B_lN_neg_R_mu2_per_k_i);
-    const real part_8 = F_N * part_9;
-    const real part_10 = ((omega_m > REAL(0.0)) ? c->B_m_pos_R_per_k_i : c->B_m_neg_R_per_k_i);
-    const real part_7 = c->k_e + part_10 + part_8;
-    const real part_6 = omega_m * part_7;
-    const real part_11 = c->R_per_k_i * ((alpha_m == REAL(0.0)) ? REAL(0.0) : c->J * alpha_m);
-    const real part_12 = -half_cosine * half_sine * c->twice_L_M_R_g_mu_per_k_i;
-    return part_1 + part_11 + part_12 + part_6;
+    const real from_top = c2_asymmetric_from_top(theta_m, c);
+    const real chord = c2_asymmetric_chord(from_top, c);
+    const real half_sine = c2_asymmetric_half_sine(from_top, c);
+    return c2_asymmetric_voltage_at(omega_m, alpha_m, chord, half_sine, c);
 }
 
 void c2_asymmetric_voltage_n(
@@ -763,9 +1030,55 @@ void c2_asymmetric_voltage_n(
     ECCENTRIC_REAL *out,
     const c2_asymmetric_coefficients *c)
 {
-    for (size_t k = 0; k < n; ++k) {
-        out[k] = c2_asymmetric_voltage(theta_m[k], omega_m[k], alpha_m[k], c);
+    const c2_asymmetric_coefficients own = *c; /* that no store to `out` can change */
+    real from_top[REAL_BLOCK];
+    real chord[REAL_BLOCK];
+    real half_sine[REAL_BLOCK];
+    for (size_t first = 0; first < n; first += REAL_BLOCK) {
+        const size_t count = (n - first < REAL_BLOCK) ? (n - first) : REAL_BLOCK;
+        for (size_t k = 0; k < count; ++k) {
+            from_top[k] = c2_asymmetric_from_top(theta_m[first + k], &own);
+        }
+        for (size_t k = 0; k < count; ++k) {
+            chord[k] = c2_asymmetric_chord(from_top[k], &own);
+            half_sine[k] = c2_asymmetric_half_sine(from_top[k], &own);
+        }
+        for (size_t k = 0; k < count; ++k) {
+            out[first + k] = c2_asymmetric_voltage_at(omega_m[first + k], alpha_m[first + k], chord[k],
+                half_sine[k], &own);
+        }
     }
+}
+
+REAL_INLINE real c2_asymmetric_current_at(
+    real omega_m,
+    real alpha_m,
+    real chord,
+    real half_sine,
+    const c2_asymmetric_coefficients *c)
+{
+    const real size = REAL_FABS(omega_m);
+    /* magnitude of the motor velocity, at most 2^30, 0 if M L = 0 [rad/s] */
+    const real speed = ((size > c->fastest) ? c->fastest : size);
+    /* speed^2 - omega_star^2; the difference is taken once, before anything is rounded */
+    const real square_difference = (speed - c->omega_star_1 - c->omega_star_2) * (speed + c->omega_star_1);
+    const real q = c->mu_omega_star * speed * chord;
+    /* normal force over scale_N [rad^2/s^2] */
+    const real load = REAL_SQRT(square_difference * square_difference + q * q);
+    const real direction_of_motion = c2_asymmetric_sgn(omega_m);
+    const real part_4 = ((omega_m > REAL(0.0)) ? c->C_lN_pos_mu_scale_N_per_k_i :
+        c->C_lN_neg_mu_scale_N_per_k_i);
+    const real part_3 = load * part_4;
+    const real part_2 = part_3 + ((omega_m > REAL(0.0)) ? c->C_m_pos_per_k_i : c->C_m_neg_per_k_i);
+    const real part_1 = direction_of_motion * part_2;
+    const real part_8 = ((omega_m > REAL(0.0)) ? c->B_lN_pos_mu2_scale_N_per_k_i :
+        c->B_lN_neg_mu2_scale_N_per_k_i);
+    const real part_7 = load * part_8;
+    const real part_6 = part_7 + ((omega_m > REAL(0.0)) ? c->B_m_pos_per_k_i : c->B_m_neg_per_k_i);
+    const real part_5 = omega_m * part_6;
+    const real part_9 = c->per_k_i * ((alpha_m == REAL(0.0)) ? REAL(0.0) : c->J * alpha_m);
+    const real part_10 = (-c->L_M_g_mu2_per_k_i) * chord * half_sine;
+    return part_1 + part_10 + part_5 + part_9;
 }
 
 ECCENTRIC_REAL c2_asymmetric_current(
@@ -774,42 +1087,10 @@ ECCENTRIC_REAL c2_asymmetric_current(
     ECCENTRIC_REAL alpha_m,
     const c2_asymmetric_coefficients *c)
 {
-    /* magnitude of the motor velocity, 0 if the mass is balanced [rad/s] */
-    const real speed = c->unbalanced * REAL_FABS(omega_m);
-    /* speed^2 - omega_star^2; the difference is taken once, before anything is rounded */
-    const real square_difference = (speed - c->omega_star_1 - c->omega_star_2) * (speed + c->omega_star_1);
-    /* the odd number of half turns up to the top that is nearest */
-    const real halves = REAL(2.0) * REAL_FLOOR(theta_m * c->turns_per_rad) + REAL(1.0);
-    /* the half turns go off in three parts, the leading digits first: both products are exact */
-    const real rest = theta_m - halves * c->half_period_1;
-    /* angle from the top */
-    const real from_top = rest - halves * c->half_period_2 - halves * c->half_period_3;
-    /* an angle so large that nothing is left of its phase counts as the top */
-    const real bounded = ((REAL_FABS(from_top) <= c->period) ? from_top : theta_m - theta_m);
-    /* half angle from the top */
-    const real half_angle = bounded * c->half_mu;
-    const real half_angle_squared = half_angle * half_angle;
-    /* sine of the half angle from the top: the cosine of half the angle but for its sign */
-    const real half_cosine = half_angle * c2_asymmetric_sine_series(half_angle_squared);
-    const real p = square_difference;
-    const real q = half_cosine * speed * c->twice_omega_star;
-    const real magnitude = REAL_SQRT(p * p + q * q);
-    /* normal force on the axis of rotation [N], eq (17) */
-    const real F_N = magnitude * c->scale_N;
-    const real direction_of_motion = c2_asymmetric_sgn(omega_m);
-    /* cosine of the half angle from the top */
-    const real half_sine = c2_asymmetric_cosine_series(half_angle_squared);
-    const real part_4 = ((omega_m > REAL(0.0)) ? c->C_lN_pos_mu_per_k_i : c->C_lN_neg_mu_per_k_i);
-    const real part_3 = F_N * part_4;
-    const real part_2 = part_3 + ((omega_m > REAL(0.0)) ? c->C_m_pos_per_k_i : c->C_m_neg_per_k_i);
-    const real part_1 = direction_of_motion * part_2;
-    const real part_8 = ((omega_m > REAL(0.0)) ? c->B_lN_pos_mu2_per_k_i : c->B_lN_neg_mu2_per_k_i);
-    const real part_7 = F_N * part_8;
-    const real part_6 = part_7 + ((omega_m > REAL(0.0)) ? c->B_m_pos_per_k_i : c->B_m_neg_per_k_i);
-    const real part_5 = omega_m * part_6;
-    const real part_9 = c->per_k_i * ((alpha_m == REAL(0.0)) ? REAL(0.0) : c->J * alpha_m);
-    const real part_10 = -half_cosine * half_sine * c->twice_L_M_g_mu_per_k_i;
-    return part_1 + part_10 + part_5 + part_9;
+    const real from_top = c2_asymmetric_from_top(theta_m, c);
+    const real chord = c2_asymmetric_chord(from_top, c);
+    const real half_sine = c2_asymmetric_half_sine(from_top, c);
+    return c2_asymmetric_current_at(omega_m, alpha_m, chord, half_sine, c);
 }
 
 void c2_asymmetric_current_n(
@@ -820,9 +1101,54 @@ void c2_asymmetric_current_n(
     ECCENTRIC_REAL *out,
     const c2_asymmetric_coefficients *c)
 {
-    for (size_t k = 0; k < n; ++k) {
-        out[k] = c2_asymmetric_current(theta_m[k], omega_m[k], alpha_m[k], c);
+    const c2_asymmetric_coefficients own = *c; /* that no store to `out` can change */
+    real from_top[REAL_BLOCK];
+    real chord[REAL_BLOCK];
+    real half_sine[REAL_BLOCK];
+    for (size_t first = 0; first < n; first += REAL_BLOCK) {
+        const size_t count = (n - first < REAL_BLOCK) ? (n - first) : REAL_BLOCK;
+        for (size_t k = 0; k < count; ++k) {
+            from_top[k] = c2_asymmetric_from_top(theta_m[first + k], &own);
+        }
+        for (size_t k = 0; k < count; ++k) {
+            chord[k] = c2_asymmetric_chord(from_top[k], &own);
+            half_sine[k] = c2_asymmetric_half_sine(from_top[k], &own);
+        }
+        for (size_t k = 0; k < count; ++k) {
+            out[first + k] = c2_asymmetric_current_at(omega_m[first + k], alpha_m[first + k], chord[k],
+                half_sine[k], &own);
+        }
     }
+}
+
+REAL_INLINE real c2_asymmetric_mechanical_residual_at(
+    real omega_m,
+    real i,
+    real alpha_m,
+    real chord,
+    real half_sine,
+    const c2_asymmetric_coefficients *c)
+{
+    const real size = REAL_FABS(omega_m);
+    /* magnitude of the motor velocity, at most 2^30, 0 if M L = 0 [rad/s] */
+    const real speed = ((size > c->fastest) ? c->fastest : size);
+    /* speed^2 - omega_star^2; the difference is taken once, before anything is rounded */
+    const real square_difference = (speed - c->omega_star_1 - c->omega_star_2) * (speed + c->omega_star_1);
+    const real q = c->mu_omega_star * speed * chord;
+    /* normal force over scale_N [rad^2/s^2] */
+    const real load = REAL_SQRT(square_difference * square_difference + q * q);
+    const real direction_of_motion = c2_asymmetric_sgn(omega_m);
+    const real part_4 = ((omega_m > REAL(0.0)) ? c->C_lN_pos_mu_scale_N : c->C_lN_neg_mu_scale_N);
+    const real part_3 = -load * part_4;
+    const real part_2 = part_3 - ((omega_m > REAL(0.0)) ? c->C_m_pos : c->C_m_neg);
+    const real part_1 = direction_of_motion * part_2;
+    const real part_8 = ((omega_m > REAL(0.0)) ? c->B_lN_pos_mu2_scale_N : c->B_lN_neg_mu2_scale_N);
+    const real part_7 = -load * part_8;
+    const real part_6 = part_7 - ((omega_m > REAL(0.0)) ? c->B_m_pos : c->B_m_neg);
+    const real part_5 = omega_m * part_6;
+    const real part_9 = -((alpha_m == REAL(0.0)) ? REAL(0.0) : c->J * alpha_m);
+    const real part_10 = c->L_M_g_mu2 * chord * half_sine;
+    return i * c->k_i + part_1 + part_10 + part_5 + part_9;
 }
 
 ECCENTRIC_REAL c2_asymmetric_mechanical_residual(
@@ -832,40 +1158,10 @@ ECCENTRIC_REAL c2_asymmetric_mechanical_residual(
     ECCENTRIC_REAL alpha_m,
     const c2_asymmetric_coefficients *c)
 {
-    /* magnitude of the motor velocity, 0 if the mass is balanced [rad/s] */
-    const real speed = c->unbalanced * REAL_FABS(omega_m);
-    /* speed^2 - omega_star^2; the difference is taken once, before anything is rounded */
-    const real square_difference = (speed - c->omega_star_1 - c->omega_star_2) * (speed + c->omega_star_1);
-    /* the odd number of half turns up to the top that is nearest */
-    const real halves = REAL(2.0) * REAL_FLOOR(theta_m * c->turns_per_rad) + REAL(1.0);
-    /* the half turns go off in three parts, the leading digits first: both products are exact */
-    const real rest = theta_m - halves * c->half_period_1;
-    /* angle from the top */
-    const real from_top = rest - halves * c->half_period_2 - halves * c->half_period_3;
-    /* an angle so large that nothing is left of its phase counts as the top */
-    const real bounded = ((REAL_FABS(from_top) <= c->period) ? from_top : theta_m - theta_m);
-    /* half angle from the top */
-    const real half_angle = bounded * c->half_mu;
-    const real half_angle_squared = half_angle * half_angle;
-    /* sine of the half angle from the top: the cosine of half the angle but for its sign */
-    const real half_cosine = half_angle * c2_asymmetric_sine_series(half_angle_squared);
-    const real p = square_difference;
-    const real q = half_cosine * speed * c->twice_omega_star;
-    const real magnitude = REAL_SQRT(p * p + q * q);
-    /* normal force on the axis of rotation [N], eq (17) */
-    const real F_N = magnitude * c->scale_N;
-    const real direction_of_motion = c2_asymmetric_sgn(omega_m);
-    /* cosine of the half angle from the top */
-    const real half_sine = c2_asymmetric_cosine_series(half_angle_squared);
-    const real part_3 = -F_N * ((omega_m > REAL(0.0)) ? c->C_lN_pos_mu : c->C_lN_neg_mu);
-    const real part_2 = part_3 - ((omega_m > REAL(0.0)) ? c->C_m_pos : c->C_m_neg);
-    const real part_1 = direction_of_motion * part_2;
-    const real part_6 = -F_N * ((omega_m > REAL(0.0)) ? c->B_lN_pos_mu2 : c->B_lN_neg_mu2);
-    const real part_5 = part_6 - ((omega_m > REAL(0.0)) ? c->B_m_pos : c->B_m_neg);
-    const real part_4 = omega_m * part_5;
-    const real part_7 = -((alpha_m == REAL(0.0)) ? REAL(0.0) : c->J * alpha_m);
-    const real part_8 = half_cosine * half_sine * c->twice_L_M_g_mu;
-    return i * c->k_i + part_1 + part_4 + part_7 + part_8;
+    const real from_top = c2_asymmetric_from_top(theta_m, c);
+    const real chord = c2_asymmetric_chord(from_top, c);
+    const real half_sine = c2_asymmetric_half_sine(from_top, c);
+    return c2_asymmetric_mechanical_residual_at(omega_m, i, alpha_m, chord, half_sine, c);
 }
 
 void c2_asymmetric_mechanical_residual_n(
@@ -877,9 +1173,33 @@ void c2_asymmetric_mechanical_residual_n(
     ECCENTRIC_REAL *out,
     const c2_asymmetric_coefficients *c)
 {
-    for (size_t k = 0; k < n; ++k) {
-        out[k] = c2_asymmetric_mechanical_residual(theta_m[k], omega_m[k], i[k], alpha_m[k], c);
+    const c2_asymmetric_coefficients own = *c; /* that no store to `out` can change */
+    real from_top[REAL_BLOCK];
+    real chord[REAL_BLOCK];
+    real half_sine[REAL_BLOCK];
+    for (size_t first = 0; first < n; first += REAL_BLOCK) {
+        const size_t count = (n - first < REAL_BLOCK) ? (n - first) : REAL_BLOCK;
+        for (size_t k = 0; k < count; ++k) {
+            from_top[k] = c2_asymmetric_from_top(theta_m[first + k], &own);
+        }
+        for (size_t k = 0; k < count; ++k) {
+            chord[k] = c2_asymmetric_chord(from_top[k], &own);
+            half_sine[k] = c2_asymmetric_half_sine(from_top[k], &own);
+        }
+        for (size_t k = 0; k < count; ++k) {
+            out[first + k] = c2_asymmetric_mechanical_residual_at(omega_m[first + k], i[first + k],
+                alpha_m[first + k], chord[k], half_sine[k], &own);
+        }
     }
+}
+
+REAL_INLINE real c2_asymmetric_electrical_residual_at(
+    real omega_m,
+    real i,
+    real u,
+    const c2_asymmetric_coefficients *c)
+{
+    return -i * c->k_i - c->k_e_k_i_per_R * omega_m + c->k_i_per_R * u;
 }
 
 ECCENTRIC_REAL c2_asymmetric_electrical_residual(
@@ -888,7 +1208,7 @@ ECCENTRIC_REAL c2_asymmetric_electrical_residual(
     ECCENTRIC_REAL u,
     const c2_asymmetric_coefficients *c)
 {
-    return -i * c->k_i - c->k_e_k_i_per_R * omega_m + c->k_i_per_R * u;
+    return c2_asymmetric_electrical_residual_at(omega_m, i, u, c);
 }
 
 void c2_asymmetric_electrical_residual_n(
@@ -899,15 +1219,19 @@ void c2_asymmetric_electrical_residual_n(
     ECCENTRIC_REAL *out,
     const c2_asymmetric_coefficients *c)
 {
+    const c2_asymmetric_coefficients own = *c; /* that no store to `out` can change */
     for (size_t k = 0; k < n; ++k) {
-        out[k] = c2_asymmetric_electrical_residual(omega_m[k], i[k], u[k], c);
+        out[k] = c2_asymmetric_electrical_residual_at(omega_m[k], i[k], u[k], &own);
     }
 }
 
 #undef real
+#undef REAL_INLINE
+#undef REAL_BLOCK
 #undef REAL
 #undef REAL_SQRT
 #undef REAL_FABS
-#undef REAL_FLOOR
-#undef REAL_LARGEST
+#undef REAL_ROUNDER
+#undef REAL_SIN
+#undef REAL_COS
 

@@ -1,6 +1,6 @@
 /*
  * Generated: do not edit. Written by `make derive` from derivations/rotating_link.py
- * (eccentric 0.1.0, program 0741deb1).
+ * (eccentric 0.1.0, program 0f291ae2).
  * Rotating link with an unbalanced mass, plane tilted by phi, angular acceleration kept.
  */
 #include "rotating_link.h"
@@ -8,7 +8,7 @@
 #include <float.h>
 #include <math.h>
 
-#if ROTATING_LINK_PROGRAM != 0x0741deb1UL
+#if ROTATING_LINK_PROGRAM != 0x0f291ae2UL
 #error "rotating_link.c and rotating_link.h are of different derivations: write both again"
 #endif
 
@@ -16,78 +16,203 @@
     (defined(__FINITE_MATH_ONLY__) && __FINITE_MATH_ONLY__)
 #error "-ffast-math undoes the split of parameters into leading and further digits, and drops NaN"
 #endif
+#if defined(FLT_EVAL_METHOD) && ((FLT_EVAL_METHOD < 0) || (FLT_EVAL_METHOD == 1) || (FLT_EVAL_METHOD == 2))
+#error "operations must round to their own type: on x86, compile with -msse2 -mfpmath=sse"
+#endif
+#if defined(__clang__)
+#pragma STDC FP_CONTRACT OFF
+#endif
 
 /* Short names for this file alone, taken back at its end: several models may share a translation unit. */
 #define real ECCENTRIC_REAL
+#if defined(__GNUC__)
+#define REAL_INLINE static inline __attribute__((always_inline))
+#else
+#define REAL_INLINE static inline
+#endif
+/* Samples that the array functions hold back, stage by stage: they keep the arithmetic units busy. */
+#define REAL_BLOCK 64u
 #if ECCENTRIC_PRECISION == 1
 #define REAL(x) x##f
 #define REAL_SQRT(x) sqrtf(x)
 #define REAL_FABS(x) fabsf(x)
-#define REAL_FLOOR(x) floorf(x)
-#define REAL_LARGEST FLT_MAX
+#define REAL_ROUNDER 12582912.0f
+#define REAL_SIN(x) sinf(x)
+#define REAL_COS(x) cosf(x)
 #else
 #define REAL(x) x
 #define REAL_SQRT(x) sqrt(x)
 #define REAL_FABS(x) fabs(x)
-#define REAL_FLOOR(x) floor(x)
-#define REAL_LARGEST DBL_MAX
+#define REAL_ROUNDER 6755399441055744.0
+#define REAL_SIN(x) sin(x)
+#define REAL_COS(x) cos(x)
 #endif
 
-static inline real rotating_link_sgn(const real x)
+REAL_INLINE real rotating_link_sgn(const real x)
 {
-    return (x > REAL(0.0)) ? REAL(1.0) : ((x < REAL(0.0)) ? REAL(-1.0) : ((x == REAL(0.0)) ? REAL(0.0) : x));
+    return (x > REAL(0.0)) ? REAL(1.0) : ((x < REAL(0.0)) ? REAL(-1.0) : (x + REAL(0.0)));
 }
 
-/* sin(h)/h at x = h^2, |h| within a quarter turn; error of the fit 4.3e-9 and 2.1e-19. */
-static inline real rotating_link_sine_series(const real x)
+/* sin(h)/h - 1, |h| within a quarter turn: minimax in x = h^2, error 6.1e-9 (float), 2.8e-19 (double). */
+REAL_INLINE real rotating_link_sine_ratio(const real h)
 {
-#if ECCENTRIC_PRECISION == 1
-    real value = REAL(2.60481395e-6);
-    value = value * x + REAL(-1.98088904e-4);
-    value = value * x + REAL(8.33304849e-3);
-    value = value * x + REAL(-1.66666579e-1);
-    return value * x + REAL(9.99999996e-1);
+#ifdef ECCENTRIC_LIBM
+    return (h == REAL(0.0)) ? REAL(0.0) : (REAL_SIN(h) / h - REAL(1.0));
 #else
-    real value = REAL(2.7213978552799456e-15);
-    value = value * x + REAL(-7.6430101545396992e-13);
-    value = value * x + REAL(1.6058940263949843e-10);
-    value = value * x + REAL(-2.5052106878642193e-8);
-    value = value * x + REAL(2.7557319211102121e-6);
-    value = value * x + REAL(-1.984126984120794e-4);
-    value = value * x + REAL(8.3333333333331843e-3);
-    value = value * x + REAL(-1.6666666666666665e-1);
-    return value * x + REAL(1.0);
-#endif
-}
-
-/* cos(h) at x = h^2, |h| within a quarter turn; error of the fit 2.2e-10 and 4.0e-18. */
-static inline real rotating_link_cosine_series(const real x)
-{
+    const real x = h * h;
+    const real y = x * x;
 #if ECCENTRIC_PRECISION == 1
-    real value = REAL(-2.6047719e-7);
-    value = value * x + REAL(2.47599463e-5);
-    value = value * x + REAL(-1.38883571e-3);
-    value = value * x + REAL(4.16666359e-2);
-    value = value * x + REAL(-4.99999993e-1);
-    return value * x + REAL(1.0);
+    real even = REAL(-1.98094749e-4);
+    even = even * y + REAL(-1.66666595e-1);
+    real odd = REAL(2.60548113e-6);
+    odd = odd * y + REAL(8.33306462e-3);
+    return (odd * x + even) * x;
 #else
-    real value = REAL(4.608641632733578e-14);
-    value = value * x + REAL(-1.1462870836348485e-11);
-    value = value * x + REAL(2.0876560676087604e-9);
-    value = value * x + REAL(-2.7557316368436772e-7);
-    value = value * x + REAL(2.4801587277173477e-5);
-    value = value * x + REAL(-1.3888888888771598e-3);
-    value = value * x + REAL(4.1666666666663843e-2);
-    value = value * x + REAL(-4.9999999999999974e-1);
-    return value * x + REAL(1.0);
+    real even = REAL(-7.642974965950368e-13);
+    even = even * y + REAL(-2.5052106860746877e-8);
+    even = even * y + REAL(-1.9841269841208492e-4);
+    even = even * y + REAL(-1.6666666666666666e-1);
+    real odd = REAL(2.7209972799826474e-15);
+    odd = odd * y + REAL(1.6058939085095993e-10);
+    odd = odd * y + REAL(2.7557319211008999e-6);
+    odd = odd * y + REAL(8.3333333333331924e-3);
+    return (odd * x + even) * x;
+#endif
 #endif
 }
 
-/* The leading digits of x, so few that an odd number of half turns times them is exact. */
-static inline double rotating_link_leading(const double x)
+/* cos(h), |h| within a quarter turn: minimax in x = h^2, error 2.5e-10 (float), 4.3e-18 (double). */
+REAL_INLINE real rotating_link_cosine(const real h)
 {
-    const double scaled = x * (ECCENTRIC_PRECISION == 1 ? 4398046511105.0 : 1048577.0);
+#ifdef ECCENTRIC_LIBM
+    return REAL_COS(h);
+#else
+    const real x = h * h;
+    const real y = x * x;
+#if ECCENTRIC_PRECISION == 1
+    real even = REAL(-2.60742068e-7);
+    even = even * y + REAL(-1.38884006e-3);
+    even = even * y + REAL(-4.99999995e-1);
+    real odd = REAL(2.47617292e-5);
+    odd = odd * y + REAL(4.16666405e-2);
+    return (odd * x + even) * x + REAL(1.0);
+#else
+    real even = REAL(-1.1463008250042011e-11);
+    even = even * y + REAL(-2.7557316503307265e-7);
+    even = even * y + REAL(-1.3888888888784392e-3);
+    even = even * y + REAL(-4.9999999999999982e-1);
+    real odd = REAL(4.6099547638170315e-14);
+    odd = odd * y + REAL(2.0876566590691354e-9);
+    odd = odd * y + REAL(2.4801587278920885e-5);
+    odd = odd * y + REAL(4.1666666666664337e-2);
+    return (odd * x + even) * x + REAL(1.0);
+#endif
+#endif
+}
+
+/* The leading digits of x, so few that a number of turns and a half times them is exact. */
+static double rotating_link_leading(const double x)
+{
+    const double scaled = x * (ECCENTRIC_PRECISION == 1 ? 2199023255553.0 : 1048577.0);
     return scaled - (scaled - x);
+}
+
+/* Motor angle from the nearest top of the link [rad]. */
+REAL_INLINE real rotating_link_from_top(real theta_m, const rotating_link_coefficients *c)
+{
+    /* whole turns of the link and a half, up to the top that is nearest */
+    const real turns = theta_m * c->turns_per_rad - REAL(0.5) + REAL_ROUNDER - REAL_ROUNDER + REAL(0.5);
+    /* the turns go off in four parts of few digits: all products but the last are exact */
+    const real rest = theta_m - turns * c->period_1;
+    const real reduced = rest - turns * c->period_2 - turns * c->period_3 - turns * c->period_4;
+    /* an angle so large that nothing is left of its phase counts as the top */
+    return ((REAL_FABS(reduced) <= c->period) ? reduced : theta_m - theta_m);
+}
+
+/* 2 sin(half the link angle from the top)/mu. */
+REAL_INLINE real rotating_link_chord(real from_top, const rotating_link_coefficients *c)
+{
+    const real half_angle = from_top * c->half_mu;
+    return from_top + from_top * rotating_link_sine_ratio(half_angle);
+}
+
+/* Cosine of half the link angle from the top. */
+REAL_INLINE real rotating_link_half_sine(real from_top, const rotating_link_coefficients *c)
+{
+    const real half_angle = from_top * c->half_mu;
+    return rotating_link_cosine(half_angle);
+}
+
+/* Parameters beyond double precision: high + low, unevaluated, each result right to some 104 bits. */
+typedef struct {
+    double high;
+    double low;
+} rotating_link_pair;
+
+static rotating_link_pair rotating_link_exact(const double x)
+{
+    const rotating_link_pair result = {x, 0.0};
+    return result;
+}
+
+/* a + b without error. */
+static rotating_link_pair rotating_link_sum(const double a, const double b)
+{
+    const double high = a + b;
+    const double part = high - a;
+    const rotating_link_pair result = {high, (a - (high - part)) + (b - part)};
+    return result;
+}
+
+/* a b without error: both factors are split into halves, whose products are exact. */
+static rotating_link_pair rotating_link_product(const double a, const double b)
+{
+    const double high = a * b;
+    const double a_scaled = a * 134217729.0;
+    const double b_scaled = b * 134217729.0;
+    const double a_1 = a_scaled - (a_scaled - a);
+    const double b_1 = b_scaled - (b_scaled - b);
+    const double a_2 = a - a_1;
+    const double b_2 = b - b_1;
+    const rotating_link_pair result = {high, (((a_1 * b_1 - high) + a_1 * b_2) + a_2 * b_1) + a_2 * b_2};
+    return result;
+}
+
+static rotating_link_pair rotating_link_plus(const rotating_link_pair x, const rotating_link_pair y)
+{
+    const rotating_link_pair highs = rotating_link_sum(x.high, y.high);
+    return rotating_link_sum(highs.high, highs.low + (x.low + y.low));
+}
+
+static rotating_link_pair rotating_link_times(const rotating_link_pair x, const rotating_link_pair y)
+{
+    const rotating_link_pair highs = rotating_link_product(x.high, y.high);
+    return rotating_link_sum(highs.high, highs.low + (x.high * y.low + x.low * y.high));
+}
+
+static rotating_link_pair rotating_link_over(const rotating_link_pair x, const rotating_link_pair y)
+{
+    const double quotient = x.high / y.high;
+    const rotating_link_pair taken = rotating_link_product(quotient, y.high);
+    const double left = (((x.high - taken.high) - taken.low) + x.low) - quotient * y.low;
+    return rotating_link_sum(quotient, left / y.high);
+}
+
+static rotating_link_pair rotating_link_root(const rotating_link_pair x)
+{
+    const double root = sqrt(x.high);
+    const rotating_link_pair taken = rotating_link_product(root, root);
+    const double left = ((x.high - taken.high) - taken.low) + x.low;
+    return rotating_link_sum(root, (root > 0.0) ? (left / (2.0 * root)) : 0.0);
+}
+
+/* 2 pi - a b, where a b is nearly 2 pi. */
+static rotating_link_pair rotating_link_turn_left(const double a, const double b)
+{
+    const rotating_link_pair taken = rotating_link_product(a, b);
+    const rotating_link_pair first = rotating_link_sum(6.283185307179586 - taken.high, -taken.low);
+    const rotating_link_pair second = rotating_link_sum(first.high, 2.4492935982947064e-16);
+    return rotating_link_sum(second.high, second.low + (first.low - 5.989539619436679e-33));
 }
 
 const rotating_link_parameters rotating_link_default_parameters = {
@@ -107,8 +232,8 @@ const rotating_link_parameters rotating_link_default_parameters = {
     4.0e-4, /* B_m [N m s/rad] */
     0.008, /* C_m [N m] */
     1.962, /* F_T [N] */
-    NAN, /* J_m [kg m^2] */
-    NAN, /* J_l [kg m^2] */
+    (double)NAN, /* J_m [kg m^2] */
+    (double)NAN, /* J_l [kg m^2] */
 };
 
 const rotating_link_coefficients rotating_link_default = {
@@ -116,94 +241,94 @@ const rotating_link_coefficients rotating_link_default = {
     (real)(0.004), /* B_lN */
     (real)(0.08), /* C_lN */
     (real)(0.02), /* k_i */
-    (real)(0.2), /* mu */
     (real)(0.005), /* scale_N */
-    (real)(1.0), /* unbalanced */
-    (real)(2746.8), /* twice_omega_star2 */
-    (real)(5.0), /* unbalanced_per_mu */
-    (real)(15.7109375), /* half_period_1 */
-    (real)(-0.00297355652), /* half_period_2 */
-    (real)(-6.75532476e-7), /* half_period_3 */
-    (real)(0.0318309886), /* turns_per_rad */
-    (real)(0.1), /* half_mu */
+    (real)(1.07374182e+9), /* fastest */
+    (real)(27.468), /* half_mu2_omega_star2 */
+    (real)(274.68), /* mu_omega_star2 */
+    (real)(5.0), /* per_mu */
+    (real)(1.1529215e+18), /* fastest2 */
     (real)(31.4159265), /* period */
+    (real)(0.0318309886), /* turns_per_rad */
+    (real)(31.4140625), /* period_1 */
+    (real)(0.00186395645), /* period_2 */
+    (real)(7.94534571e-8), /* period_3 */
+    (real)(-6.94077781e-12), /* period_4 */
+    (real)(0.1), /* half_mu */
     (real)(37.0594101), /* omega_star_1 */
     (real)(1.66482255e-6), /* omega_star_2 */
-    (real)(0.016), /* C_lN_mu */
-    (real)(0.008), /* C */
-    (real)(1.6e-4), /* B_lN_mu2 */
+    (real)(8.0e-7), /* B_lN_mu2_scale_N */
     (real)(4.0e-4), /* B */
     (real)(0.0044), /* B_plus_k_e_k_i_per_R */
-    (real)(549.36), /* twice_mu_omega_star2 */
-    (real)(274.68), /* mu_omega_star2 */
-    (real)(0.01), /* twice_scale_N */
-    (real)(0.025), /* scale_N_unbalanced_per_mu */
-    (real)(0.04), /* mu2 */
+    (real)(8.0e-5), /* C_lN_mu_scale_N */
+    (real)(0.008), /* C */
+    (real)(2.7468), /* quarter_mu3_omega_star2 */
+    (real)(54.936), /* mu2_omega_star2 */
+    (real)(2.0e-4), /* mu2_scale_N */
+    (real)(0.001), /* mu_scale_N */
     (real)(0.0), /* F_T_mu2_sin_phi */
     (real)(0.0), /* F_T_mu_sin_phi */
     (real)(1373.4), /* omega_star2 */
-    (real)(8.0e-5), /* C_lN_mu_scale_N */
-    (real)(0.4905), /* twice_L_M_g_p_mu */
+    (real)(0.04905), /* L_M_g_p_mu2 */
     (real)(NAN), /* J */
-    (real)(50.0), /* R_per_k_i */
-    (real)(24.525), /* twice_L_M_R_g_p_mu_per_k_i */
-    (real)(0.8), /* C_lN_R_mu_per_k_i */
-    (real)(0.4), /* C_R_per_k_i */
-    (real)(0.008), /* B_lN_R_mu2_per_k_i */
+    (real)(4.0e-5), /* B_lN_R_mu2_scale_N_per_k_i */
     (real)(0.22), /* B_R_per_k_i_plus_k_e */
-    (real)(50.0), /* per_k_i */
-    (real)(24.525), /* twice_L_M_g_p_mu_per_k_i */
-    (real)(0.008), /* B_lN_mu2_per_k_i */
+    (real)(0.004), /* C_lN_R_mu_scale_N_per_k_i */
+    (real)(0.4), /* C_R_per_k_i */
+    (real)(50.0), /* R_per_k_i */
+    (real)(2.4525), /* L_M_R_g_p_mu2_per_k_i */
+    (real)(4.0e-5), /* B_lN_mu2_scale_N_per_k_i */
     (real)(0.02), /* B_per_k_i */
-    (real)(0.8), /* C_lN_mu_per_k_i */
+    (real)(50.0), /* per_k_i */
+    (real)(0.004), /* C_lN_mu_scale_N_per_k_i */
     (real)(0.4), /* C_per_k_i */
+    (real)(2.4525), /* L_M_g_p_mu2_per_k_i */
     (real)(0.02), /* k_i_per_R */
     (real)(0.004), /* k_e_k_i_per_R */
 #else
     0.004, /* B_lN */
     0.08, /* C_lN */
     0.02, /* k_i */
-    0.2, /* mu */
     0.005, /* scale_N */
-    1.0, /* unbalanced */
-    2746.8, /* twice_omega_star2 */
-    5.0, /* unbalanced_per_mu */
-    15.707963267341256, /* half_period_1 */
-    6.0771005068460671e-10, /* half_period_2 */
-    -3.3987446136315715e-20, /* half_period_3 */
-    0.031830988618379067, /* turns_per_rad */
-    0.1, /* half_mu */
+    1.073741824e+9, /* fastest */
+    27.468, /* half_mu2_omega_star2 */
+    274.68, /* mu_omega_star2 */
+    5.0, /* per_mu */
+    1.152921504606847e+18, /* fastest2 */
     31.415926535897932, /* period */
+    0.031830988618379067, /* turns_per_rad */
+    31.415926534682512, /* period_1 */
+    1.2154201013692134e-9, /* period_2 */
+    -6.7974892274327114e-20, /* period_3 */
+    1.69568553207378e-30, /* period_4 */
+    0.1, /* half_mu */
     37.05941176003742, /* omega_star_1 */
     1.9391227281942644e-15, /* omega_star_2 */
-    0.016, /* C_lN_mu */
-    0.008, /* C */
-    1.6e-4, /* B_lN_mu2 */
+    8.0e-7, /* B_lN_mu2_scale_N */
     4.0e-4, /* B */
     0.0044, /* B_plus_k_e_k_i_per_R */
-    549.36, /* twice_mu_omega_star2 */
-    274.68, /* mu_omega_star2 */
-    0.01, /* twice_scale_N */
-    0.025, /* scale_N_unbalanced_per_mu */
-    0.04, /* mu2 */
+    8.0e-5, /* C_lN_mu_scale_N */
+    0.008, /* C */
+    2.7468, /* quarter_mu3_omega_star2 */
+    54.936, /* mu2_omega_star2 */
+    2.0e-4, /* mu2_scale_N */
+    0.001, /* mu_scale_N */
     0.0, /* F_T_mu2_sin_phi */
     0.0, /* F_T_mu_sin_phi */
     1373.4, /* omega_star2 */
-    8.0e-5, /* C_lN_mu_scale_N */
-    0.4905, /* twice_L_M_g_p_mu */
-    NAN, /* J */
-    50.0, /* R_per_k_i */
-    24.525, /* twice_L_M_R_g_p_mu_per_k_i */
-    0.8, /* C_lN_R_mu_per_k_i */
-    0.4, /* C_R_per_k_i */
-    0.008, /* B_lN_R_mu2_per_k_i */
+    0.04905, /* L_M_g_p_mu2 */
+    (real)NAN, /* J */
+    4.0e-5, /* B_lN_R_mu2_scale_N_per_k_i */
     0.22, /* B_R_per_k_i_plus_k_e */
-    50.0, /* per_k_i */
-    24.525, /* twice_L_M_g_p_mu_per_k_i */
-    0.008, /* B_lN_mu2_per_k_i */
+    0.004, /* C_lN_R_mu_scale_N_per_k_i */
+    0.4, /* C_R_per_k_i */
+    50.0, /* R_per_k_i */
+    2.4525, /* L_M_R_g_p_mu2_per_k_i */
+    4.0e-5, /* B_lN_mu2_scale_N_per_k_i */
     0.02, /* B_per_k_i */
-    0.8, /* C_lN_mu_per_k_i */
+    50.0, /* per_k_i */
+    0.004, /* C_lN_mu_scale_N_per_k_i */
     0.4, /* C_per_k_i */
+    2.4525, /* L_M_g_p_mu2_per_k_i */
     0.02, /* k_i_per_R */
     0.004, /* k_e_k_i_per_R */
 #endif
@@ -211,100 +336,129 @@ const rotating_link_coefficients rotating_link_default = {
 
 void rotating_link_prepare(const rotating_link_parameters *p, rotating_link_coefficients *c)
 {
-    const double g_p = p->g * fabs(cos(p->phi));
-    const double weight = g_p * (p->M + p->M_l);
-    const double critical_squared = (p->L * p->M == 0.0) ? 1.0 : (weight / (p->L * p->M));
-    const double omega_star = (p->L * p->M == 0.0) ? 1.0 : (sqrt(critical_squared) / p->mu);
-    const double scale_N = (p->L * p->M == 0.0) ? weight / (omega_star * omega_star) : (p->L * p->M * p->mu *
-        p->mu);
-    const double unbalanced = (p->L * p->M == 0.0) ? 0.0 : (1.0);
-    const double twice_omega_star2 = 2.0 * omega_star * omega_star;
-    const double unbalanced_per_mu = unbalanced / p->mu;
-    const double half_period = 3.1415926535897932 / p->mu;
-    const double half_period_1 = rotating_link_leading(half_period);
-    const double half_period_2 = rotating_link_leading(half_period - half_period_1);
-    const double half_period_3 = (double)(real)(half_period - half_period_1 - half_period_2);
-    const double turns_per_rad = 0.5 * p->mu / 3.1415926535897932;
-    const double half_mu = 0.5 * p->mu;
+    const rotating_link_pair g_p = rotating_link_times(rotating_link_exact(p->g),
+        rotating_link_exact(fabs(cos(p->phi))));
+    const rotating_link_pair weight = rotating_link_times(g_p, rotating_link_plus(rotating_link_exact(p->M),
+        rotating_link_exact(p->M_l)));
+    const rotating_link_pair critical_squared = (p->L * p->M == 0.0) ? rotating_link_exact(1.0) :
+        (rotating_link_over(weight, rotating_link_times(rotating_link_exact(p->L),
+        rotating_link_exact(p->M))));
+    const rotating_link_pair omega_star = (p->L * p->M == 0.0) ? rotating_link_exact(1.0) :
+        (rotating_link_over(rotating_link_root(critical_squared), rotating_link_exact(p->mu)));
+    const double scale_N = (p->L * p->M == 0.0) ? weight.high / (omega_star.high * omega_star.high) : (p->L *
+        p->M * p->mu * p->mu);
+    const double fastest = (p->L * p->M == 0.0) ? 0.0 : (1073741824.0);
+    const double half_mu2_omega_star2 = 0.5 * p->mu * p->mu * omega_star.high * omega_star.high;
+    const double mu_omega_star2 = p->mu * omega_star.high * omega_star.high;
+    const double per_mu = 1.0 / p->mu;
+    const double fastest2 = fastest * fastest;
     const double period = 2.0 * 3.1415926535897932 / p->mu;
-    const double omega_star_1 = (double)(real)(omega_star);
-    const double omega_star_2 = (double)(real)(omega_star - omega_star_1);
-    const double C_lN_mu = p->C_lN * p->mu;
-    const double C = p->C_lT * p->F_T * p->mu * sin(p->phi) + p->C_m;
-    const double B_lN_mu2 = p->B_lN * p->mu * p->mu;
+    const double turns_per_rad = 0.5 * p->mu / 3.1415926535897932;
+    const double period_1 = rotating_link_leading(period);
+    const rotating_link_pair period_left = rotating_link_over(rotating_link_turn_left(period_1, p->mu),
+        rotating_link_exact(p->mu));
+    const double period_2 = rotating_link_leading(period_left.high);
+    const double period_3 = rotating_link_leading(period_left.high - period_2);
+    const double period_4 = (double)(real)(period_left.high - period_2 - period_3 + period_left.low);
+    const double half_mu = 0.5 * p->mu;
+    const double omega_star_1 = (double)(real)(omega_star.high);
+    const double omega_star_2 = (double)(real)(omega_star.high - omega_star_1 + omega_star.low);
+    const double B_lN_mu2_scale_N = p->B_lN * p->mu * p->mu * scale_N;
     const double B = p->B_lT * p->F_T * p->mu * p->mu * sin(p->phi) + p->B_m;
     const double B_plus_k_e_k_i_per_R = B + p->k_e * p->k_i / p->R;
-    const double twice_mu_omega_star2 = 2.0 * p->mu * omega_star * omega_star;
-    const double mu_omega_star2 = p->mu * omega_star * omega_star;
-    const double twice_scale_N = 2.0 * scale_N;
-    const double scale_N_unbalanced_per_mu = scale_N * unbalanced / p->mu;
-    const double mu2 = p->mu * p->mu;
+    const double C_lN_mu_scale_N = p->C_lN * p->mu * scale_N;
+    const double C = p->C_lT * p->F_T * p->mu * sin(p->phi) + p->C_m;
+    const double quarter_mu3_omega_star2 = 0.25 * p->mu * p->mu * p->mu * omega_star.high * omega_star.high;
+    const double mu2_omega_star2 = p->mu * p->mu * omega_star.high * omega_star.high;
+    const double mu2_scale_N = p->mu * p->mu * scale_N;
+    const double mu_scale_N = p->mu * scale_N;
     const double F_T_mu2_sin_phi = p->F_T * p->mu * p->mu * sin(p->phi);
     const double F_T_mu_sin_phi = p->F_T * p->mu * sin(p->phi);
-    const double omega_star2 = omega_star * omega_star;
-    const double C_lN_mu_scale_N = p->C_lN * p->mu * scale_N;
-    const double twice_L_M_g_p_mu = 2.0 * p->L * p->M * g_p * p->mu;
+    const double omega_star2 = omega_star.high * omega_star.high;
+    const double L_M_g_p_mu2 = p->L * p->M * g_p.high * p->mu * p->mu;
     const double J = p->J_l * p->mu * p->mu + p->J_m;
-    const double R_per_k_i = p->R / p->k_i;
-    const double twice_L_M_R_g_p_mu_per_k_i = 2.0 * p->L * p->M * p->R * g_p * p->mu / p->k_i;
-    const double C_lN_R_mu_per_k_i = p->C_lN * p->R * p->mu / p->k_i;
-    const double C_R_per_k_i = C * p->R / p->k_i;
-    const double B_lN_R_mu2_per_k_i = p->B_lN * p->R * p->mu * p->mu / p->k_i;
+    const double B_lN_R_mu2_scale_N_per_k_i = p->B_lN * p->R * p->mu * p->mu * scale_N / p->k_i;
     const double B_R_per_k_i_plus_k_e = B * p->R / p->k_i + p->k_e;
-    const double per_k_i = 1.0 / p->k_i;
-    const double twice_L_M_g_p_mu_per_k_i = 2.0 * p->L * p->M * g_p * p->mu / p->k_i;
-    const double B_lN_mu2_per_k_i = p->B_lN * p->mu * p->mu / p->k_i;
+    const double C_lN_R_mu_scale_N_per_k_i = p->C_lN * p->R * p->mu * scale_N / p->k_i;
+    const double C_R_per_k_i = C * p->R / p->k_i;
+    const double R_per_k_i = p->R / p->k_i;
+    const double L_M_R_g_p_mu2_per_k_i = p->L * p->M * p->R * g_p.high * p->mu * p->mu / p->k_i;
+    const double B_lN_mu2_scale_N_per_k_i = p->B_lN * p->mu * p->mu * scale_N / p->k_i;
     const double B_per_k_i = B / p->k_i;
-    const double C_lN_mu_per_k_i = p->C_lN * p->mu / p->k_i;
+    const double per_k_i = 1.0 / p->k_i;
+    const double C_lN_mu_scale_N_per_k_i = p->C_lN * p->mu * scale_N / p->k_i;
     const double C_per_k_i = C / p->k_i;
+    const double L_M_g_p_mu2_per_k_i = p->L * p->M * g_p.high * p->mu * p->mu / p->k_i;
     const double k_i_per_R = p->k_i / p->R;
     const double k_e_k_i_per_R = p->k_e * p->k_i / p->R;
     c->B_lN = (real)(p->B_lN);
     c->C_lN = (real)(p->C_lN);
     c->k_i = (real)(p->k_i);
-    c->mu = (real)(p->mu);
     c->scale_N = (real)(scale_N);
-    c->unbalanced = (real)(unbalanced);
-    c->twice_omega_star2 = (real)(twice_omega_star2);
-    c->unbalanced_per_mu = (real)(unbalanced_per_mu);
-    c->half_period_1 = (real)(half_period_1);
-    c->half_period_2 = (real)(half_period_2);
-    c->half_period_3 = (real)(half_period_3);
-    c->turns_per_rad = (real)(turns_per_rad);
-    c->half_mu = (real)(half_mu);
+    c->fastest = (real)(fastest);
+    c->half_mu2_omega_star2 = (real)(half_mu2_omega_star2);
+    c->mu_omega_star2 = (real)(mu_omega_star2);
+    c->per_mu = (real)(per_mu);
+    c->fastest2 = (real)(fastest2);
     c->period = (real)(period);
+    c->turns_per_rad = (real)(turns_per_rad);
+    c->period_1 = (real)(period_1);
+    c->period_2 = (real)(period_2);
+    c->period_3 = (real)(period_3);
+    c->period_4 = (real)(period_4);
+    c->half_mu = (real)(half_mu);
     c->omega_star_1 = (real)(omega_star_1);
     c->omega_star_2 = (real)(omega_star_2);
-    c->C_lN_mu = (real)(C_lN_mu);
-    c->C = (real)(C);
-    c->B_lN_mu2 = (real)(B_lN_mu2);
+    c->B_lN_mu2_scale_N = (real)(B_lN_mu2_scale_N);
     c->B = (real)(B);
     c->B_plus_k_e_k_i_per_R = (real)(B_plus_k_e_k_i_per_R);
-    c->twice_mu_omega_star2 = (real)(twice_mu_omega_star2);
-    c->mu_omega_star2 = (real)(mu_omega_star2);
-    c->twice_scale_N = (real)(twice_scale_N);
-    c->scale_N_unbalanced_per_mu = (real)(scale_N_unbalanced_per_mu);
-    c->mu2 = (real)(mu2);
+    c->C_lN_mu_scale_N = (real)(C_lN_mu_scale_N);
+    c->C = (real)(C);
+    c->quarter_mu3_omega_star2 = (real)(quarter_mu3_omega_star2);
+    c->mu2_omega_star2 = (real)(mu2_omega_star2);
+    c->mu2_scale_N = (real)(mu2_scale_N);
+    c->mu_scale_N = (real)(mu_scale_N);
     c->F_T_mu2_sin_phi = (real)(F_T_mu2_sin_phi);
     c->F_T_mu_sin_phi = (real)(F_T_mu_sin_phi);
     c->omega_star2 = (real)(omega_star2);
-    c->C_lN_mu_scale_N = (real)(C_lN_mu_scale_N);
-    c->twice_L_M_g_p_mu = (real)(twice_L_M_g_p_mu);
+    c->L_M_g_p_mu2 = (real)(L_M_g_p_mu2);
     c->J = (real)(J);
-    c->R_per_k_i = (real)(R_per_k_i);
-    c->twice_L_M_R_g_p_mu_per_k_i = (real)(twice_L_M_R_g_p_mu_per_k_i);
-    c->C_lN_R_mu_per_k_i = (real)(C_lN_R_mu_per_k_i);
-    c->C_R_per_k_i = (real)(C_R_per_k_i);
-    c->B_lN_R_mu2_per_k_i = (real)(B_lN_R_mu2_per_k_i);
+    c->B_lN_R_mu2_scale_N_per_k_i = (real)(B_lN_R_mu2_scale_N_per_k_i);
     c->B_R_per_k_i_plus_k_e = (real)(B_R_per_k_i_plus_k_e);
-    c->per_k_i = (real)(per_k_i);
-    c->twice_L_M_g_p_mu_per_k_i = (real)(twice_L_M_g_p_mu_per_k_i);
-    c->B_lN_mu2_per_k_i = (real)(B_lN_mu2_per_k_i);
+    c->C_lN_R_mu_scale_N_per_k_i = (real)(C_lN_R_mu_scale_N_per_k_i);
+    c->C_R_per_k_i = (real)(C_R_per_k_i);
+    c->R_per_k_i = (real)(R_per_k_i);
+    c->L_M_R_g_p_mu2_per_k_i = (real)(L_M_R_g_p_mu2_per_k_i);
+    c->B_lN_mu2_scale_N_per_k_i = (real)(B_lN_mu2_scale_N_per_k_i);
     c->B_per_k_i = (real)(B_per_k_i);
-    c->C_lN_mu_per_k_i = (real)(C_lN_mu_per_k_i);
+    c->per_k_i = (real)(per_k_i);
+    c->C_lN_mu_scale_N_per_k_i = (real)(C_lN_mu_scale_N_per_k_i);
     c->C_per_k_i = (real)(C_per_k_i);
+    c->L_M_g_p_mu2_per_k_i = (real)(L_M_g_p_mu2_per_k_i);
     c->k_i_per_R = (real)(k_i_per_R);
     c->k_e_k_i_per_R = (real)(k_e_k_i_per_R);
+}
+
+REAL_INLINE real rotating_link_normal_force_at(
+    real omega_m,
+    real alpha_m,
+    real chord,
+    real half_sine,
+    const rotating_link_coefficients *c)
+{
+    const real size = REAL_FABS(omega_m);
+    /* magnitude of the motor velocity, at most 2^30, 0 if M L = 0 [rad/s] */
+    const real speed = ((size > c->fastest) ? c->fastest : size);
+    /* speed^2 - omega_star^2; the difference is taken once, before anything is rounded */
+    const real square_difference = (speed - c->omega_star_1 - c->omega_star_2) * (speed + c->omega_star_1);
+    const real size_2 = alpha_m * c->per_mu;
+    const real p = chord * chord * c->half_mu2_omega_star2 + square_difference;
+    const real part_1 = ((size_2 > c->fastest2) ? c->fastest2 : ((size_2 < -c->fastest2) ? -c->fastest2 :
+        size_2));
+    const real q = part_1 + (-c->mu_omega_star2) * chord * half_sine;
+    /* normal force over scale_N [rad^2/s^2] */
+    const real load = REAL_SQRT(p * p + q * q);
+    return load * c->scale_N;
 }
 
 ECCENTRIC_REAL rotating_link_normal_force(
@@ -313,31 +467,10 @@ ECCENTRIC_REAL rotating_link_normal_force(
     ECCENTRIC_REAL alpha_m,
     const rotating_link_coefficients *c)
 {
-    /* magnitude of the motor velocity, 0 if the mass is balanced [rad/s] */
-    const real speed = c->unbalanced * REAL_FABS(omega_m);
-    /* the odd number of half turns up to the top that is nearest */
-    const real halves = REAL(2.0) * REAL_FLOOR(theta_m * c->turns_per_rad) + REAL(1.0);
-    /* the half turns go off in three parts, the leading digits first: both products are exact */
-    const real rest = theta_m - halves * c->half_period_1;
-    /* angle from the top */
-    const real from_top = rest - halves * c->half_period_2 - halves * c->half_period_3;
-    /* an angle so large that nothing is left of its phase counts as the top */
-    const real bounded = ((REAL_FABS(from_top) <= c->period) ? from_top : theta_m - theta_m);
-    /* half angle from the top */
-    const real half_angle = bounded * c->half_mu;
-    const real half_angle_squared = half_angle * half_angle;
-    /* sine of the half angle from the top: the cosine of half the angle but for its sign */
-    const real half_cosine = half_angle * rotating_link_sine_series(half_angle_squared);
-    /* speed^2 - omega_star^2; the difference is taken once, before anything is rounded */
-    const real square_difference = (speed - c->omega_star_1 - c->omega_star_2) * (speed + c->omega_star_1);
-    /* cosine of the half angle from the top */
-    const real half_sine = rotating_link_cosine_series(half_angle_squared);
-    const real p = half_cosine * half_cosine * c->twice_omega_star2 + square_difference;
-    const real q = alpha_m * c->unbalanced_per_mu - half_cosine * half_sine * c->twice_omega_star2;
-    const real magnitude = REAL_SQRT(p * p + q * q);
-    /* normal force on the axis of rotation [N] */
-    const real F_N = magnitude * c->scale_N;
-    return F_N;
+    const real from_top = rotating_link_from_top(theta_m, c);
+    const real chord = rotating_link_chord(from_top, c);
+    const real half_sine = rotating_link_half_sine(from_top, c);
+    return rotating_link_normal_force_at(omega_m, alpha_m, chord, half_sine, c);
 }
 
 void rotating_link_normal_force_n(
@@ -348,9 +481,48 @@ void rotating_link_normal_force_n(
     ECCENTRIC_REAL *out,
     const rotating_link_coefficients *c)
 {
-    for (size_t k = 0; k < n; ++k) {
-        out[k] = rotating_link_normal_force(theta_m[k], omega_m[k], alpha_m[k], c);
+    const rotating_link_coefficients own = *c; /* that no store to `out` can change */
+    real from_top[REAL_BLOCK];
+    real chord[REAL_BLOCK];
+    real half_sine[REAL_BLOCK];
+    for (size_t first = 0; first < n; first += REAL_BLOCK) {
+        const size_t count = (n - first < REAL_BLOCK) ? (n - first) : REAL_BLOCK;
+        for (size_t k = 0; k < count; ++k) {
+            from_top[k] = rotating_link_from_top(theta_m[first + k], &own);
+        }
+        for (size_t k = 0; k < count; ++k) {
+            chord[k] = rotating_link_chord(from_top[k], &own);
+            half_sine[k] = rotating_link_half_sine(from_top[k], &own);
+        }
+        for (size_t k = 0; k < count; ++k) {
+            out[first + k] = rotating_link_normal_force_at(omega_m[first + k], alpha_m[first + k], chord[k],
+                half_sine[k], &own);
+        }
     }
+}
+
+REAL_INLINE real rotating_link_friction_torque_at(
+    real omega_m,
+    real alpha_m,
+    real chord,
+    real half_sine,
+    const rotating_link_coefficients *c)
+{
+    const real size = REAL_FABS(omega_m);
+    /* magnitude of the motor velocity, at most 2^30, 0 if M L = 0 [rad/s] */
+    const real speed = ((size > c->fastest) ? c->fastest : size);
+    /* speed^2 - omega_star^2; the difference is taken once, before anything is rounded */
+    const real square_difference = (speed - c->omega_star_1 - c->omega_star_2) * (speed + c->omega_star_1);
+    const real size_2 = alpha_m * c->per_mu;
+    const real p = chord * chord * c->half_mu2_omega_star2 + square_difference;
+    const real part_1 = ((size_2 > c->fastest2) ? c->fastest2 : ((size_2 < -c->fastest2) ? -c->fastest2 :
+        size_2));
+    const real q = part_1 + (-c->mu_omega_star2) * chord * half_sine;
+    /* normal force over scale_N [rad^2/s^2] */
+    const real load = REAL_SQRT(p * p + q * q);
+    const real direction_of_motion = rotating_link_sgn(omega_m);
+    const real part_2 = omega_m * (c->B_lN_mu2_scale_N * load + c->B_plus_k_e_k_i_per_R);
+    return direction_of_motion * (c->C + c->C_lN_mu_scale_N * load) + part_2;
 }
 
 ECCENTRIC_REAL rotating_link_friction_torque(
@@ -359,35 +531,10 @@ ECCENTRIC_REAL rotating_link_friction_torque(
     ECCENTRIC_REAL alpha_m,
     const rotating_link_coefficients *c)
 {
-    /* magnitude of the motor velocity, 0 if the mass is balanced [rad/s] */
-    const real speed = c->unbalanced * REAL_FABS(omega_m);
-    /* the odd number of half turns up to the top that is nearest */
-    const real halves = REAL(2.0) * REAL_FLOOR(theta_m * c->turns_per_rad) + REAL(1.0);
-    /* the half turns go off in three parts, the leading digits first: both products are exact */
-    const real rest = theta_m - halves * c->half_period_1;
-    /* angle from the top */
-    const real from_top = rest - halves * c->half_period_2 - halves * c->half_period_3;
-    /* an angle so large that nothing is left of its phase counts as the top */
-    const real bounded = ((REAL_FABS(from_top) <= c->period) ? from_top : theta_m - theta_m);
-    /* half angle from the top */
-    const real half_angle = bounded * c->half_mu;
-    const real half_angle_squared = half_angle * half_angle;
-    /* sine of the half angle from the top: the cosine of half the angle but for its sign */
-    const real half_cosine = half_angle * rotating_link_sine_series(half_angle_squared);
-    /* speed^2 - omega_star^2; the difference is taken once, before anything is rounded */
-    const real square_difference = (speed - c->omega_star_1 - c->omega_star_2) * (speed + c->omega_star_1);
-    /* cosine of the half angle from the top */
-    const real half_sine = rotating_link_cosine_series(half_angle_squared);
-    const real p = half_cosine * half_cosine * c->twice_omega_star2 + square_difference;
-    const real q = alpha_m * c->unbalanced_per_mu - half_cosine * half_sine * c->twice_omega_star2;
-    const real magnitude = REAL_SQRT(p * p + q * q);
-    /* normal force on the axis of rotation [N] */
-    const real F_N = magnitude * c->scale_N;
-    const real ungated = c->B_lN_mu2 * F_N + c->B_plus_k_e_k_i_per_R;
-    const real direction_of_motion = rotating_link_sgn(omega_m);
-    const real ungated_2 = c->C + c->C_lN_mu * F_N;
-    const real part_1 = ((direction_of_motion == REAL(0.0)) ? REAL(0.0) : ungated_2 * direction_of_motion);
-    return part_1 + ((omega_m == REAL(0.0)) ? REAL(0.0) : ungated * omega_m);
+    const real from_top = rotating_link_from_top(theta_m, c);
+    const real chord = rotating_link_chord(from_top, c);
+    const real half_sine = rotating_link_half_sine(from_top, c);
+    return rotating_link_friction_torque_at(omega_m, alpha_m, chord, half_sine, c);
 }
 
 void rotating_link_friction_torque_n(
@@ -398,9 +545,48 @@ void rotating_link_friction_torque_n(
     ECCENTRIC_REAL *out,
     const rotating_link_coefficients *c)
 {
-    for (size_t k = 0; k < n; ++k) {
-        out[k] = rotating_link_friction_torque(theta_m[k], omega_m[k], alpha_m[k], c);
+    const rotating_link_coefficients own = *c; /* that no store to `out` can change */
+    real from_top[REAL_BLOCK];
+    real chord[REAL_BLOCK];
+    real half_sine[REAL_BLOCK];
+    for (size_t first = 0; first < n; first += REAL_BLOCK) {
+        const size_t count = (n - first < REAL_BLOCK) ? (n - first) : REAL_BLOCK;
+        for (size_t k = 0; k < count; ++k) {
+            from_top[k] = rotating_link_from_top(theta_m[first + k], &own);
+        }
+        for (size_t k = 0; k < count; ++k) {
+            chord[k] = rotating_link_chord(from_top[k], &own);
+            half_sine[k] = rotating_link_half_sine(from_top[k], &own);
+        }
+        for (size_t k = 0; k < count; ++k) {
+            out[first + k] = rotating_link_friction_torque_at(omega_m[first + k], alpha_m[first + k],
+                chord[k], half_sine[k], &own);
+        }
     }
+}
+
+REAL_INLINE real rotating_link_mechanical_friction_torque_at(
+    real omega_m,
+    real alpha_m,
+    real chord,
+    real half_sine,
+    const rotating_link_coefficients *c)
+{
+    const real size = REAL_FABS(omega_m);
+    /* magnitude of the motor velocity, at most 2^30, 0 if M L = 0 [rad/s] */
+    const real speed = ((size > c->fastest) ? c->fastest : size);
+    /* speed^2 - omega_star^2; the difference is taken once, before anything is rounded */
+    const real square_difference = (speed - c->omega_star_1 - c->omega_star_2) * (speed + c->omega_star_1);
+    const real size_2 = alpha_m * c->per_mu;
+    const real p = chord * chord * c->half_mu2_omega_star2 + square_difference;
+    const real part_1 = ((size_2 > c->fastest2) ? c->fastest2 : ((size_2 < -c->fastest2) ? -c->fastest2 :
+        size_2));
+    const real q = part_1 + (-c->mu_omega_star2) * chord * half_sine;
+    /* normal force over scale_N [rad^2/s^2] */
+    const real load = REAL_SQRT(p * p + q * q);
+    const real direction_of_motion = rotating_link_sgn(omega_m);
+    const real part_2 = direction_of_motion * (c->C + c->C_lN_mu_scale_N * load);
+    return omega_m * (c->B + c->B_lN_mu2_scale_N * load) + part_2;
 }
 
 ECCENTRIC_REAL rotating_link_mechanical_friction_torque(
@@ -409,35 +595,10 @@ ECCENTRIC_REAL rotating_link_mechanical_friction_torque(
     ECCENTRIC_REAL alpha_m,
     const rotating_link_coefficients *c)
 {
-    /* magnitude of the motor velocity, 0 if the mass is balanced [rad/s] */
-    const real speed = c->unbalanced * REAL_FABS(omega_m);
-    /* the odd number of half turns up to the top that is nearest */
-    const real halves = REAL(2.0) * REAL_FLOOR(theta_m * c->turns_per_rad) + REAL(1.0);
-    /* the half turns go off in three parts, the leading digits first: both products are exact */
-    const real rest = theta_m - halves * c->half_period_1;
-    /* angle from the top */
-    const real from_top = rest - halves * c->half_period_2 - halves * c->half_period_3;
-    /* an angle so large that nothing is left of its phase counts as the top */
-    const real bounded = ((REAL_FABS(from_top) <= c->period) ? from_top : theta_m - theta_m);
-    /* half angle from the top */
-    const real half_angle = bounded * c->half_mu;
-    const real half_angle_squared = half_angle * half_angle;
-    /* sine of the half angle from the top: the cosine of half the angle but for its sign */
-    const real half_cosine = half_angle * rotating_link_sine_series(half_angle_squared);
-    /* speed^2 - omega_star^2; the difference is taken once, before anything is rounded */
-    const real square_difference = (speed - c->omega_star_1 - c->omega_star_2) * (speed + c->omega_star_1);
-    /* cosine of the half angle from the top */
-    const real half_sine = rotating_link_cosine_series(half_angle_squared);
-    const real p = half_cosine * half_cosine * c->twice_omega_star2 + square_difference;
-    const real q = alpha_m * c->unbalanced_per_mu - half_cosine * half_sine * c->twice_omega_star2;
-    const real magnitude = REAL_SQRT(p * p + q * q);
-    /* normal force on the axis of rotation [N] */
-    const real F_N = magnitude * c->scale_N;
-    const real ungated = c->B + c->B_lN_mu2 * F_N;
-    const real direction_of_motion = rotating_link_sgn(omega_m);
-    const real ungated_2 = c->C + c->C_lN_mu * F_N;
-    const real part_1 = ((direction_of_motion == REAL(0.0)) ? REAL(0.0) : ungated_2 * direction_of_motion);
-    return part_1 + ((omega_m == REAL(0.0)) ? REAL(0.0) : ungated * omega_m);
+    const real from_top = rotating_link_from_top(theta_m, c);
+    const real chord = rotating_link_chord(from_top, c);
+    const real half_sine = rotating_link_half_sine(from_top, c);
+    return rotating_link_mechanical_friction_torque_at(omega_m, alpha_m, chord, half_sine, c);
 }
 
 void rotating_link_mechanical_friction_torque_n(
@@ -448,9 +609,60 @@ void rotating_link_mechanical_friction_torque_n(
     ECCENTRIC_REAL *out,
     const rotating_link_coefficients *c)
 {
-    for (size_t k = 0; k < n; ++k) {
-        out[k] = rotating_link_mechanical_friction_torque(theta_m[k], omega_m[k], alpha_m[k], c);
+    const rotating_link_coefficients own = *c; /* that no store to `out` can change */
+    real from_top[REAL_BLOCK];
+    real chord[REAL_BLOCK];
+    real half_sine[REAL_BLOCK];
+    for (size_t first = 0; first < n; first += REAL_BLOCK) {
+        const size_t count = (n - first < REAL_BLOCK) ? (n - first) : REAL_BLOCK;
+        for (size_t k = 0; k < count; ++k) {
+            from_top[k] = rotating_link_from_top(theta_m[first + k], &own);
+        }
+        for (size_t k = 0; k < count; ++k) {
+            chord[k] = rotating_link_chord(from_top[k], &own);
+            half_sine[k] = rotating_link_half_sine(from_top[k], &own);
+        }
+        for (size_t k = 0; k < count; ++k) {
+            out[first + k] = rotating_link_mechanical_friction_torque_at(omega_m[first + k], alpha_m[first +
+                k], chord[k], half_sine[k], &own);
+        }
     }
+}
+
+REAL_INLINE void rotating_link_friction_torque_gradient_at(
+    real omega_m,
+    real alpha_m,
+    real chord,
+    real half_sine,
+    real *out,
+    const rotating_link_coefficients *c)
+{
+    const real size = REAL_FABS(omega_m);
+    /* magnitude of the motor velocity, at most 2^30, 0 if M L = 0 [rad/s] */
+    const real speed = ((size > c->fastest) ? c->fastest : size);
+    const real direction_of_motion = rotating_link_sgn(omega_m);
+    /* speed^2 - omega_star^2; the difference is taken once, before anything is rounded */
+    const real square_difference = (speed - c->omega_star_1 - c->omega_star_2) * (speed + c->omega_star_1);
+    const real size_2 = alpha_m * c->per_mu;
+    const real p = chord * chord * c->half_mu2_omega_star2 + square_difference;
+    const real part_1 = ((size_2 > c->fastest2) ? c->fastest2 : ((size_2 < -c->fastest2) ? -c->fastest2 :
+        size_2));
+    const real q = part_1 + (-c->mu_omega_star2) * chord * half_sine;
+    /* normal force over scale_N [rad^2/s^2] */
+    const real load = REAL_SQRT(p * p + q * q);
+    /* 1 at the apex, where F_N is 0 and its derivatives are taken as 0 */
+    const real inverse = REAL(1.0) / ((load == REAL(0.0)) ? REAL(1.0) : load);
+    const real part_2 = c->mu2_omega_star2 * (p * inverse) * chord * half_sine;
+    const real part_3 = chord * chord * c->quarter_mu3_omega_star2 * (q * inverse);
+    const real part_4 = -half_sine * half_sine * c->mu_omega_star2 * (q * inverse);
+    const real load_d_theta_m = part_2 + part_3 + part_4;
+    const real load_d_omega_m = REAL(2.0) * direction_of_motion * speed * (p * inverse);
+    const real load_d_alpha_m = c->per_mu * (q * inverse);
+    const real part_5 = c->B_lN_mu2_scale_N * omega_m + c->C_lN_mu_scale_N * direction_of_motion;
+    out[0] = load_d_theta_m * part_5;
+    const real part_6 = load_d_omega_m * part_5;
+    out[1] = c->B_lN_mu2_scale_N * load + c->B_plus_k_e_k_i_per_R + part_6;
+    out[2] = load_d_alpha_m * part_5;
 }
 
 void rotating_link_friction_torque_gradient(
@@ -460,57 +672,10 @@ void rotating_link_friction_torque_gradient(
     ECCENTRIC_REAL *out,
     const rotating_link_coefficients *c)
 {
-    /* magnitude of the motor velocity, 0 if the mass is balanced [rad/s] */
-    const real speed = c->unbalanced * REAL_FABS(omega_m);
-    const real direction_of_motion = rotating_link_sgn(omega_m);
-    const real speed_d_omega_m = direction_of_motion * c->unbalanced;
-    /* the odd number of half turns up to the top that is nearest */
-    const real halves = REAL(2.0) * REAL_FLOOR(theta_m * c->turns_per_rad) + REAL(1.0);
-    /* the half turns go off in three parts, the leading digits first: both products are exact */
-    const real rest = theta_m - halves * c->half_period_1;
-    /* angle from the top */
-    const real from_top = rest - halves * c->half_period_2 - halves * c->half_period_3;
-    /* an angle so large that nothing is left of its phase counts as the top */
-    const real bounded = ((REAL_FABS(from_top) <= c->period) ? from_top : theta_m - theta_m);
-    /* half angle from the top */
-    const real half_angle = bounded * c->half_mu;
-    const real half_angle_squared = half_angle * half_angle;
-    /* sine of the half angle from the top: the cosine of half the angle but for its sign */
-    const real half_cosine = half_angle * rotating_link_sine_series(half_angle_squared);
-    /* speed^2 - omega_star^2; the difference is taken once, before anything is rounded */
-    const real square_difference = (speed - c->omega_star_1 - c->omega_star_2) * (speed + c->omega_star_1);
-    /* cosine of the half angle from the top */
-    const real half_sine = rotating_link_cosine_series(half_angle_squared);
-    const real p = half_cosine * half_cosine * c->twice_omega_star2 + square_difference;
-    const real q = alpha_m * c->unbalanced_per_mu - half_cosine * half_sine * c->twice_omega_star2;
-    const real magnitude = REAL_SQRT(p * p + q * q);
-    /* normal force on the axis of rotation [N] */
-    const real F_N = magnitude * c->scale_N;
-    /* 0/0 at the apex, where F_N is 0 and its derivatives are taken as 0 */
-    const real divisor = ((magnitude == REAL(0.0)) ? REAL(1.0) : magnitude);
-    /* where the square overflows, the larger of the two decides */
-    const real limit = ((REAL_FABS(p) > REAL_FABS(q)) ? rotating_link_sgn(p) : REAL(0.0));
-    const real cosine = ((magnitude > REAL_LARGEST) ? limit : p / divisor);
-    const real ungated = half_cosine * half_sine * c->twice_mu_omega_star2;
-    /* where the square overflows, the larger of the two decides */
-    const real limit_2 = ((REAL_FABS(q) > REAL_FABS(p)) ? rotating_link_sgn(q) : REAL(0.0));
-    const real cosine_2 = ((magnitude > REAL_LARGEST) ? limit_2 : q / divisor);
-    const real ungated_2 = half_cosine * half_cosine * c->mu_omega_star2 - half_sine * half_sine *
-        c->mu_omega_star2;
-    const real part_2 = ((cosine_2 == REAL(0.0)) ? REAL(0.0) : ungated_2 * cosine_2);
-    const real part_1 = part_2 + ((cosine == REAL(0.0)) ? REAL(0.0) : ungated * cosine);
-    const real F_N_d_theta_m = part_1 * c->scale_N;
-    const real ungated_3 = speed * speed_d_omega_m * c->twice_scale_N;
-    const real F_N_d_omega_m = ((cosine == REAL(0.0)) ? REAL(0.0) : ungated_3 * cosine);
-    const real F_N_d_alpha_m = ((cosine_2 == REAL(0.0)) ? REAL(0.0) : c->scale_N_unbalanced_per_mu *
-        cosine_2);
-    const real part_3 = c->B_lN_mu2 * omega_m + c->C_lN_mu * direction_of_motion;
-    out[0] = F_N_d_theta_m * part_3;
-    const real part_4 = c->C_lN_mu * F_N_d_omega_m * direction_of_motion;
-    const real part_5 = c->B_lN_mu2 * F_N_d_omega_m * omega_m;
-    out[1] = c->B_lN_mu2 * F_N + c->B_plus_k_e_k_i_per_R + part_4 + part_5;
-    const real part_6 = c->B_lN_mu2 * omega_m + c->C_lN_mu * direction_of_motion;
-    out[2] = F_N_d_alpha_m * part_6;
+    const real from_top = rotating_link_from_top(theta_m, c);
+    const real chord = rotating_link_chord(from_top, c);
+    const real half_sine = rotating_link_half_sine(from_top, c);
+    rotating_link_friction_torque_gradient_at(omega_m, alpha_m, chord, half_sine, out, c);
 }
 
 void rotating_link_friction_torque_gradient_n(
@@ -521,9 +686,133 @@ void rotating_link_friction_torque_gradient_n(
     ECCENTRIC_REAL *out,
     const rotating_link_coefficients *c)
 {
-    for (size_t k = 0; k < n; ++k) {
-        rotating_link_friction_torque_gradient(theta_m[k], omega_m[k], alpha_m[k], out + 3 * k, c);
+    const rotating_link_coefficients own = *c; /* that no store to `out` can change */
+    real from_top[REAL_BLOCK];
+    real chord[REAL_BLOCK];
+    real half_sine[REAL_BLOCK];
+    for (size_t first = 0; first < n; first += REAL_BLOCK) {
+        const size_t count = (n - first < REAL_BLOCK) ? (n - first) : REAL_BLOCK;
+        for (size_t k = 0; k < count; ++k) {
+            from_top[k] = rotating_link_from_top(theta_m[first + k], &own);
+        }
+        for (size_t k = 0; k < count; ++k) {
+            chord[k] = rotating_link_chord(from_top[k], &own);
+            half_sine[k] = rotating_link_half_sine(from_top[k], &own);
+        }
+        for (size_t k = 0; k < count; ++k) {
+            rotating_link_friction_torque_gradient_at(omega_m[first + k], alpha_m[first + k], chord[k],
+                half_sine[k], &out[3u * (first + k)], &own);
+        }
     }
+}
+
+REAL_INLINE void rotating_link_friction_torque_with_gradient_at(
+    real omega_m,
+    real alpha_m,
+    real chord,
+    real half_sine,
+    real *out,
+    const rotating_link_coefficients *c)
+{
+    const real size = REAL_FABS(omega_m);
+    /* magnitude of the motor velocity, at most 2^30, 0 if M L = 0 [rad/s] */
+    const real speed = ((size > c->fastest) ? c->fastest : size);
+    const real direction_of_motion = rotating_link_sgn(omega_m);
+    /* speed^2 - omega_star^2; the difference is taken once, before anything is rounded */
+    const real square_difference = (speed - c->omega_star_1 - c->omega_star_2) * (speed + c->omega_star_1);
+    const real size_2 = alpha_m * c->per_mu;
+    const real p = chord * chord * c->half_mu2_omega_star2 + square_difference;
+    const real part_1 = ((size_2 > c->fastest2) ? c->fastest2 : ((size_2 < -c->fastest2) ? -c->fastest2 :
+        size_2));
+    const real q = part_1 + (-c->mu_omega_star2) * chord * half_sine;
+    /* normal force over scale_N [rad^2/s^2] */
+    const real load = REAL_SQRT(p * p + q * q);
+    /* 1 at the apex, where F_N is 0 and its derivatives are taken as 0 */
+    const real inverse = REAL(1.0) / ((load == REAL(0.0)) ? REAL(1.0) : load);
+    const real part_2 = c->mu2_omega_star2 * (p * inverse) * chord * half_sine;
+    const real part_3 = chord * chord * c->quarter_mu3_omega_star2 * (q * inverse);
+    const real part_4 = -half_sine * half_sine * c->mu_omega_star2 * (q * inverse);
+    const real load_d_theta_m = part_2 + part_3 + part_4;
+    const real load_d_omega_m = REAL(2.0) * direction_of_motion * speed * (p * inverse);
+    const real load_d_alpha_m = c->per_mu * (q * inverse);
+    const real part_5 = omega_m * (c->B_lN_mu2_scale_N * load + c->B_plus_k_e_k_i_per_R);
+    const real part_6 = direction_of_motion * (c->C + c->C_lN_mu_scale_N * load);
+    out[0] = part_5 + part_6;
+    const real part_7 = c->B_lN_mu2_scale_N * omega_m + c->C_lN_mu_scale_N * direction_of_motion;
+    out[1] = load_d_theta_m * part_7;
+    const real part_8 = load_d_omega_m * part_7;
+    out[2] = c->B_lN_mu2_scale_N * load + c->B_plus_k_e_k_i_per_R + part_8;
+    out[3] = load_d_alpha_m * part_7;
+}
+
+void rotating_link_friction_torque_with_gradient(
+    ECCENTRIC_REAL theta_m,
+    ECCENTRIC_REAL omega_m,
+    ECCENTRIC_REAL alpha_m,
+    ECCENTRIC_REAL *out,
+    const rotating_link_coefficients *c)
+{
+    const real from_top = rotating_link_from_top(theta_m, c);
+    const real chord = rotating_link_chord(from_top, c);
+    const real half_sine = rotating_link_half_sine(from_top, c);
+    rotating_link_friction_torque_with_gradient_at(omega_m, alpha_m, chord, half_sine, out, c);
+}
+
+void rotating_link_friction_torque_with_gradient_n(
+    size_t n,
+    const ECCENTRIC_REAL *theta_m,
+    const ECCENTRIC_REAL *omega_m,
+    const ECCENTRIC_REAL *alpha_m,
+    ECCENTRIC_REAL *out,
+    const rotating_link_coefficients *c)
+{
+    const rotating_link_coefficients own = *c; /* that no store to `out` can change */
+    real from_top[REAL_BLOCK];
+    real chord[REAL_BLOCK];
+    real half_sine[REAL_BLOCK];
+    for (size_t first = 0; first < n; first += REAL_BLOCK) {
+        const size_t count = (n - first < REAL_BLOCK) ? (n - first) : REAL_BLOCK;
+        for (size_t k = 0; k < count; ++k) {
+            from_top[k] = rotating_link_from_top(theta_m[first + k], &own);
+        }
+        for (size_t k = 0; k < count; ++k) {
+            chord[k] = rotating_link_chord(from_top[k], &own);
+            half_sine[k] = rotating_link_half_sine(from_top[k], &own);
+        }
+        for (size_t k = 0; k < count; ++k) {
+            rotating_link_friction_torque_with_gradient_at(omega_m[first + k], alpha_m[first + k], chord[k],
+                half_sine[k], &out[4u * (first + k)], &own);
+        }
+    }
+}
+
+REAL_INLINE void rotating_link_friction_torque_jacobian_at(
+    real omega_m,
+    real alpha_m,
+    real chord,
+    real half_sine,
+    real *out,
+    const rotating_link_coefficients *c)
+{
+    const real size = REAL_FABS(omega_m);
+    /* magnitude of the motor velocity, at most 2^30, 0 if M L = 0 [rad/s] */
+    const real speed = ((size > c->fastest) ? c->fastest : size);
+    /* speed^2 - omega_star^2; the difference is taken once, before anything is rounded */
+    const real square_difference = (speed - c->omega_star_1 - c->omega_star_2) * (speed + c->omega_star_1);
+    const real size_2 = alpha_m * c->per_mu;
+    const real p = chord * chord * c->half_mu2_omega_star2 + square_difference;
+    const real part_1 = ((size_2 > c->fastest2) ? c->fastest2 : ((size_2 < -c->fastest2) ? -c->fastest2 :
+        size_2));
+    const real q = part_1 + (-c->mu_omega_star2) * chord * half_sine;
+    /* normal force over scale_N [rad^2/s^2] */
+    const real load = REAL_SQRT(p * p + q * q);
+    out[0] = load * c->mu2_scale_N * omega_m;
+    const real direction_of_motion = rotating_link_sgn(omega_m);
+    out[1] = direction_of_motion * load * c->mu_scale_N;
+    out[2] = c->F_T_mu2_sin_phi * omega_m;
+    out[3] = c->F_T_mu_sin_phi * direction_of_motion;
+    out[4] = omega_m;
+    out[5] = direction_of_motion;
 }
 
 void rotating_link_friction_torque_jacobian(
@@ -533,39 +822,10 @@ void rotating_link_friction_torque_jacobian(
     ECCENTRIC_REAL *out,
     const rotating_link_coefficients *c)
 {
-    /* magnitude of the motor velocity, 0 if the mass is balanced [rad/s] */
-    const real speed = c->unbalanced * REAL_FABS(omega_m);
-    /* the odd number of half turns up to the top that is nearest */
-    const real halves = REAL(2.0) * REAL_FLOOR(theta_m * c->turns_per_rad) + REAL(1.0);
-    /* the half turns go off in three parts, the leading digits first: both products are exact */
-    const real rest = theta_m - halves * c->half_period_1;
-    /* angle from the top */
-    const real from_top = rest - halves * c->half_period_2 - halves * c->half_period_3;
-    /* an angle so large that nothing is left of its phase counts as the top */
-    const real bounded = ((REAL_FABS(from_top) <= c->period) ? from_top : theta_m - theta_m);
-    /* half angle from the top */
-    const real half_angle = bounded * c->half_mu;
-    const real half_angle_squared = half_angle * half_angle;
-    /* sine of the half angle from the top: the cosine of half the angle but for its sign */
-    const real half_cosine = half_angle * rotating_link_sine_series(half_angle_squared);
-    /* speed^2 - omega_star^2; the difference is taken once, before anything is rounded */
-    const real square_difference = (speed - c->omega_star_1 - c->omega_star_2) * (speed + c->omega_star_1);
-    /* cosine of the half angle from the top */
-    const real half_sine = rotating_link_cosine_series(half_angle_squared);
-    const real p = half_cosine * half_cosine * c->twice_omega_star2 + square_difference;
-    const real q = alpha_m * c->unbalanced_per_mu - half_cosine * half_sine * c->twice_omega_star2;
-    const real magnitude = REAL_SQRT(p * p + q * q);
-    /* normal force on the axis of rotation [N] */
-    const real F_N = magnitude * c->scale_N;
-    const real ungated = F_N * c->mu2;
-    out[0] = ((omega_m == REAL(0.0)) ? REAL(0.0) : ungated * omega_m);
-    const real direction_of_motion = rotating_link_sgn(omega_m);
-    const real ungated_2 = F_N * c->mu;
-    out[1] = ((direction_of_motion == REAL(0.0)) ? REAL(0.0) : ungated_2 * direction_of_motion);
-    out[2] = c->F_T_mu2_sin_phi * omega_m;
-    out[3] = c->F_T_mu_sin_phi * direction_of_motion;
-    out[4] = omega_m;
-    out[5] = direction_of_motion;
+    const real from_top = rotating_link_from_top(theta_m, c);
+    const real chord = rotating_link_chord(from_top, c);
+    const real half_sine = rotating_link_half_sine(from_top, c);
+    rotating_link_friction_torque_jacobian_at(omega_m, alpha_m, chord, half_sine, out, c);
 }
 
 void rotating_link_friction_torque_jacobian_n(
@@ -576,9 +836,51 @@ void rotating_link_friction_torque_jacobian_n(
     ECCENTRIC_REAL *out,
     const rotating_link_coefficients *c)
 {
-    for (size_t k = 0; k < n; ++k) {
-        rotating_link_friction_torque_jacobian(theta_m[k], omega_m[k], alpha_m[k], out + 6 * k, c);
+    const rotating_link_coefficients own = *c; /* that no store to `out` can change */
+    real from_top[REAL_BLOCK];
+    real chord[REAL_BLOCK];
+    real half_sine[REAL_BLOCK];
+    for (size_t first = 0; first < n; first += REAL_BLOCK) {
+        const size_t count = (n - first < REAL_BLOCK) ? (n - first) : REAL_BLOCK;
+        for (size_t k = 0; k < count; ++k) {
+            from_top[k] = rotating_link_from_top(theta_m[first + k], &own);
+        }
+        for (size_t k = 0; k < count; ++k) {
+            chord[k] = rotating_link_chord(from_top[k], &own);
+            half_sine[k] = rotating_link_half_sine(from_top[k], &own);
+        }
+        for (size_t k = 0; k < count; ++k) {
+            rotating_link_friction_torque_jacobian_at(omega_m[first + k], alpha_m[first + k], chord[k],
+                half_sine[k], &out[6u * (first + k)], &own);
+        }
     }
+}
+
+REAL_INLINE void rotating_link_regressor_at(
+    real omega_m,
+    real alpha_m,
+    real chord,
+    real half_sine,
+    real *out,
+    const rotating_link_coefficients *c)
+{
+    const real size = REAL_FABS(omega_m);
+    /* magnitude of the motor velocity, at most 2^30, 0 if M L = 0 [rad/s] */
+    const real speed = ((size > c->fastest) ? c->fastest : size);
+    /* speed^2 - omega_star^2; the difference is taken once, before anything is rounded */
+    const real square_difference = (speed - c->omega_star_1 - c->omega_star_2) * (speed + c->omega_star_1);
+    const real size_2 = alpha_m * c->per_mu;
+    const real p = chord * chord * c->half_mu2_omega_star2 + square_difference;
+    const real part_1 = ((size_2 > c->fastest2) ? c->fastest2 : ((size_2 < -c->fastest2) ? -c->fastest2 :
+        size_2));
+    const real q = part_1 + (-c->mu_omega_star2) * chord * half_sine;
+    /* normal force over scale_N [rad^2/s^2] */
+    const real load = REAL_SQRT(p * p + q * q);
+    out[0] = load * c->mu2_scale_N * omega_m;
+    const real direction_of_motion = rotating_link_sgn(omega_m);
+    out[1] = direction_of_motion * load * c->mu_scale_N;
+    out[2] = omega_m;
+    out[3] = direction_of_motion;
 }
 
 void rotating_link_regressor(
@@ -588,37 +890,10 @@ void rotating_link_regressor(
     ECCENTRIC_REAL *out,
     const rotating_link_coefficients *c)
 {
-    /* magnitude of the motor velocity, 0 if the mass is balanced [rad/s] */
-    const real speed = c->unbalanced * REAL_FABS(omega_m);
-    /* the odd number of half turns up to the top that is nearest */
-    const real halves = REAL(2.0) * REAL_FLOOR(theta_m * c->turns_per_rad) + REAL(1.0);
-    /* the half turns go off in three parts, the leading digits first: both products are exact */
-    const real rest = theta_m - halves * c->half_period_1;
-    /* angle from the top */
-    const real from_top = rest - halves * c->half_period_2 - halves * c->half_period_3;
-    /* an angle so large that nothing is left of its phase counts as the top */
-    const real bounded = ((REAL_FABS(from_top) <= c->period) ? from_top : theta_m - theta_m);
-    /* half angle from the top */
-    const real half_angle = bounded * c->half_mu;
-    const real half_angle_squared = half_angle * half_angle;
-    /* sine of the half angle from the top: the cosine of half the angle but for its sign */
-    const real half_cosine = half_angle * rotating_link_sine_series(half_angle_squared);
-    /* speed^2 - omega_star^2; the difference is taken once, before anything is rounded */
-    const real square_difference = (speed - c->omega_star_1 - c->omega_star_2) * (speed + c->omega_star_1);
-    /* cosine of the half angle from the top */
-    const real half_sine = rotating_link_cosine_series(half_angle_squared);
-    const real p = half_cosine * half_cosine * c->twice_omega_star2 + square_difference;
-    const real q = alpha_m * c->unbalanced_per_mu - half_cosine * half_sine * c->twice_omega_star2;
-    const real magnitude = REAL_SQRT(p * p + q * q);
-    /* normal force on the axis of rotation [N] */
-    const real F_N = magnitude * c->scale_N;
-    const real ungated = F_N * c->mu2;
-    out[0] = ((omega_m == REAL(0.0)) ? REAL(0.0) : ungated * omega_m);
-    const real direction_of_motion = rotating_link_sgn(omega_m);
-    const real ungated_2 = F_N * c->mu;
-    out[1] = ((direction_of_motion == REAL(0.0)) ? REAL(0.0) : ungated_2 * direction_of_motion);
-    out[2] = omega_m;
-    out[3] = direction_of_motion;
+    const real from_top = rotating_link_from_top(theta_m, c);
+    const real chord = rotating_link_chord(from_top, c);
+    const real half_sine = rotating_link_half_sine(from_top, c);
+    rotating_link_regressor_at(omega_m, alpha_m, chord, half_sine, out, c);
 }
 
 void rotating_link_regressor_n(
@@ -629,8 +904,23 @@ void rotating_link_regressor_n(
     ECCENTRIC_REAL *out,
     const rotating_link_coefficients *c)
 {
-    for (size_t k = 0; k < n; ++k) {
-        rotating_link_regressor(theta_m[k], omega_m[k], alpha_m[k], out + 4 * k, c);
+    const rotating_link_coefficients own = *c; /* that no store to `out` can change */
+    real from_top[REAL_BLOCK];
+    real chord[REAL_BLOCK];
+    real half_sine[REAL_BLOCK];
+    for (size_t first = 0; first < n; first += REAL_BLOCK) {
+        const size_t count = (n - first < REAL_BLOCK) ? (n - first) : REAL_BLOCK;
+        for (size_t k = 0; k < count; ++k) {
+            from_top[k] = rotating_link_from_top(theta_m[first + k], &own);
+        }
+        for (size_t k = 0; k < count; ++k) {
+            chord[k] = rotating_link_chord(from_top[k], &own);
+            half_sine[k] = rotating_link_half_sine(from_top[k], &own);
+        }
+        for (size_t k = 0; k < count; ++k) {
+            rotating_link_regressor_at(omega_m[first + k], alpha_m[first + k], chord[k], half_sine[k], &out[4u
+                * (first + k)], &own);
+        }
     }
 }
 
@@ -642,30 +932,29 @@ void rotating_link_friction_coefficients(ECCENTRIC_REAL *out, const rotating_lin
     out[3] = c->C;
 }
 
+REAL_INLINE real rotating_link_coulomb_torque_at(
+    real alpha_m,
+    real chord,
+    real half_sine,
+    const rotating_link_coefficients *c)
+{
+    const real size = alpha_m * c->per_mu;
+    const real p = chord * chord * c->half_mu2_omega_star2 - c->omega_star2;
+    const real part_1 = ((size > c->fastest2) ? c->fastest2 : ((size < -c->fastest2) ? -c->fastest2 : size));
+    const real q = part_1 + (-c->mu_omega_star2) * chord * half_sine;
+    const real magnitude = REAL_SQRT(p * p + q * q);
+    return c->C + c->C_lN_mu_scale_N * magnitude;
+}
+
 ECCENTRIC_REAL rotating_link_coulomb_torque(
     ECCENTRIC_REAL theta_m,
     ECCENTRIC_REAL alpha_m,
     const rotating_link_coefficients *c)
 {
-    /* the odd number of half turns up to the top that is nearest */
-    const real halves = REAL(2.0) * REAL_FLOOR(theta_m * c->turns_per_rad) + REAL(1.0);
-    /* the half turns go off in three parts, the leading digits first: both products are exact */
-    const real rest = theta_m - halves * c->half_period_1;
-    /* angle from the top */
-    const real from_top = rest - halves * c->half_period_2 - halves * c->half_period_3;
-    /* an angle so large that nothing is left of its phase counts as the top */
-    const real bounded = ((REAL_FABS(from_top) <= c->period) ? from_top : theta_m - theta_m);
-    /* half angle from the top */
-    const real half_angle = bounded * c->half_mu;
-    const real half_angle_squared = half_angle * half_angle;
-    /* sine of the half angle from the top: the cosine of half the angle but for its sign */
-    const real half_cosine = half_angle * rotating_link_sine_series(half_angle_squared);
-    /* cosine of the half angle from the top */
-    const real half_sine = rotating_link_cosine_series(half_angle_squared);
-    const real p = half_cosine * half_cosine * c->twice_omega_star2 - c->omega_star2;
-    const real q = alpha_m * c->unbalanced_per_mu - half_cosine * half_sine * c->twice_omega_star2;
-    const real magnitude = REAL_SQRT(p * p + q * q);
-    return c->C + c->C_lN_mu_scale_N * magnitude;
+    const real from_top = rotating_link_from_top(theta_m, c);
+    const real chord = rotating_link_chord(from_top, c);
+    const real half_sine = rotating_link_half_sine(from_top, c);
+    return rotating_link_coulomb_torque_at(alpha_m, chord, half_sine, c);
 }
 
 void rotating_link_coulomb_torque_n(
@@ -675,29 +964,40 @@ void rotating_link_coulomb_torque_n(
     ECCENTRIC_REAL *out,
     const rotating_link_coefficients *c)
 {
-    for (size_t k = 0; k < n; ++k) {
-        out[k] = rotating_link_coulomb_torque(theta_m[k], alpha_m[k], c);
+    const rotating_link_coefficients own = *c; /* that no store to `out` can change */
+    real from_top[REAL_BLOCK];
+    real chord[REAL_BLOCK];
+    real half_sine[REAL_BLOCK];
+    for (size_t first = 0; first < n; first += REAL_BLOCK) {
+        const size_t count = (n - first < REAL_BLOCK) ? (n - first) : REAL_BLOCK;
+        for (size_t k = 0; k < count; ++k) {
+            from_top[k] = rotating_link_from_top(theta_m[first + k], &own);
+        }
+        for (size_t k = 0; k < count; ++k) {
+            chord[k] = rotating_link_chord(from_top[k], &own);
+            half_sine[k] = rotating_link_half_sine(from_top[k], &own);
+        }
+        for (size_t k = 0; k < count; ++k) {
+            out[first + k] = rotating_link_coulomb_torque_at(alpha_m[first + k], chord[k], half_sine[k],
+                &own);
+        }
     }
+}
+
+REAL_INLINE real rotating_link_gravity_torque_at(
+    real chord,
+    real half_sine,
+    const rotating_link_coefficients *c)
+{
+    return (-c->L_M_g_p_mu2) * chord * half_sine;
 }
 
 ECCENTRIC_REAL rotating_link_gravity_torque(ECCENTRIC_REAL theta_m, const rotating_link_coefficients *c)
 {
-    /* the odd number of half turns up to the top that is nearest */
-    const real halves = REAL(2.0) * REAL_FLOOR(theta_m * c->turns_per_rad) + REAL(1.0);
-    /* the half turns go off in three parts, the leading digits first: both products are exact */
-    const real rest = theta_m - halves * c->half_period_1;
-    /* angle from the top */
-    const real from_top = rest - halves * c->half_period_2 - halves * c->half_period_3;
-    /* an angle so large that nothing is left of its phase counts as the top */
-    const real bounded = ((REAL_FABS(from_top) <= c->period) ? from_top : theta_m - theta_m);
-    /* half angle from the top */
-    const real half_angle = bounded * c->half_mu;
-    const real half_angle_squared = half_angle * half_angle;
-    /* sine of the half angle from the top: the cosine of half the angle but for its sign */
-    const real half_cosine = half_angle * rotating_link_sine_series(half_angle_squared);
-    /* cosine of the half angle from the top */
-    const real half_sine = rotating_link_cosine_series(half_angle_squared);
-    return -half_cosine * half_sine * c->twice_L_M_g_p_mu;
+    const real from_top = rotating_link_from_top(theta_m, c);
+    const real chord = rotating_link_chord(from_top, c);
+    const real half_sine = rotating_link_half_sine(from_top, c);
+    return rotating_link_gravity_torque_at(chord, half_sine, c);
 }
 
 void rotating_link_gravity_torque_n(
@@ -706,9 +1006,51 @@ void rotating_link_gravity_torque_n(
     ECCENTRIC_REAL *out,
     const rotating_link_coefficients *c)
 {
-    for (size_t k = 0; k < n; ++k) {
-        out[k] = rotating_link_gravity_torque(theta_m[k], c);
+    const rotating_link_coefficients own = *c; /* that no store to `out` can change */
+    real from_top[REAL_BLOCK];
+    real chord[REAL_BLOCK];
+    real half_sine[REAL_BLOCK];
+    for (size_t first = 0; first < n; first += REAL_BLOCK) {
+        const size_t count = (n - first < REAL_BLOCK) ? (n - first) : REAL_BLOCK;
+        for (size_t k = 0; k < count; ++k) {
+            from_top[k] = rotating_link_from_top(theta_m[first + k], &own);
+        }
+        for (size_t k = 0; k < count; ++k) {
+            chord[k] = rotating_link_chord(from_top[k], &own);
+            half_sine[k] = rotating_link_half_sine(from_top[k], &own);
+        }
+        for (size_t k = 0; k < count; ++k) {
+            out[first + k] = rotating_link_gravity_torque_at(chord[k], half_sine[k], &own);
+        }
     }
+}
+
+REAL_INLINE real rotating_link_voltage_at(
+    real omega_m,
+    real alpha_m,
+    real chord,
+    real half_sine,
+    const rotating_link_coefficients *c)
+{
+    const real size = REAL_FABS(omega_m);
+    /* magnitude of the motor velocity, at most 2^30, 0 if M L = 0 [rad/s] */
+    const real speed = ((size > c->fastest) ? c->fastest : size);
+    /* speed^2 - omega_star^2; the difference is taken once, before anything is rounded */
+    const real square_difference = (speed - c->omega_star_1 - c->omega_star_2) * (speed + c->omega_star_1);
+    const real size_2 = alpha_m * c->per_mu;
+    const real p = chord * chord * c->half_mu2_omega_star2 + square_difference;
+    const real part_1 = ((size_2 > c->fastest2) ? c->fastest2 : ((size_2 < -c->fastest2) ? -c->fastest2 :
+        size_2));
+    const real q = part_1 + (-c->mu_omega_star2) * chord * half_sine;
+    /* normal force over scale_N [rad^2/s^2] */
+    const real load = REAL_SQRT(p * p + q * q);
+    const real direction_of_motion = rotating_link_sgn(omega_m);
+    const real part_3 = c->C_R_per_k_i + c->C_lN_R_mu_scale_N_per_k_i * load;
+    const real part_2 = direction_of_motion * part_3;
+    const real part_4 = omega_m * (c->B_R_per_k_i_plus_k_e + c->B_lN_R_mu2_scale_N_per_k_i * load);
+    const real part_5 = (-c->L_M_R_g_p_mu2_per_k_i) * chord * half_sine;
+    const real part_6 = c->R_per_k_i * ((alpha_m == REAL(0.0)) ? REAL(0.0) : c->J * alpha_m);
+    return part_2 + part_4 + part_5 + part_6;
 }
 
 ECCENTRIC_REAL rotating_link_voltage(
@@ -717,38 +1059,10 @@ ECCENTRIC_REAL rotating_link_voltage(
     ECCENTRIC_REAL alpha_m,
     const rotating_link_coefficients *c)
 {
-    /* magnitude of the motor velocity, 0 if the mass is balanced [rad/s] */
-    const real speed = c->unbalanced * REAL_FABS(omega_m);
-    /* the odd number of half turns up to the top that is nearest */
-    const real halves = REAL(2.0) * REAL_FLOOR(theta_m * c->turns_per_rad) + REAL(1.0);
-    /* the half turns go off in three parts, the leading digits first: both products are exact */
-    const real rest = theta_m - halves * c->half_period_1;
-    /* angle from the top */
-    const real from_top = rest - halves * c->half_period_2 - halves * c->half_period_3;
-    /* an angle so large that nothing is left of its phase counts as the top */
-    const real bounded = ((REAL_FABS(from_top) <= c->period) ? from_top : theta_m - theta_m);
-    /* half angle from the top */
-    const real half_angle = bounded * c->half_mu;
-    const real half_angle_squared = half_angle * half_angle;
-    /* sine of the half angle from the top: the cosine of half the angle but for its sign */
-    const real half_cosine = half_angle * rotating_link_sine_series(half_angle_squared);
-    /* speed^2 - omega_star^2; the difference is taken once, before anything is rounded */
-    const real square_difference = (speed - c->omega_star_1 - c->omega_star_2) * (speed + c->omega_star_1);
-    /* cosine of the half angle from the top */
-    const real half_sine = rotating_link_cosine_series(half_angle_squared);
-    const real p = half_cosine * half_cosine * c->twice_omega_star2 + square_difference;
-    const real q = alpha_m * c->unbalanced_per_mu - half_cosine * half_sine * c->twice_omega_star2;
-    const real magnitude = REAL_SQRT(p * p + q * q);
-    /* normal force on the axis of rotation [N] */
-    const real F_N = magnitude * c->scale_N;
-    const real ungated = c->B_R_per_k_i_plus_k_e + c->B_lN_R_mu2_per_k_i * F_N;
-    const real direction_of_motion = rotating_link_sgn(omega_m);
-    const real ungated_2 = c->C_R_per_k_i + c->C_lN_R_mu_per_k_i * F_N;
-    const real part_1 = ((direction_of_motion == REAL(0.0)) ? REAL(0.0) : ungated_2 * direction_of_motion);
-    const real part_2 = c->R_per_k_i * ((alpha_m == REAL(0.0)) ? REAL(0.0) : c->J * alpha_m);
-    const real part_3 = -half_cosine * half_sine * c->twice_L_M_R_g_p_mu_per_k_i;
-    const real part_4 = ((omega_m == REAL(0.0)) ? REAL(0.0) : ungated * omega_m);
-    return part_1 + part_2 + part_3 + part_4;
+    const real from_top = rotating_link_from_top(theta_m, c);
+    const real chord = rotating_link_chord(from_top, c);
+    const real half_sine = rotating_link_half_sine(from_top, c);
+    return rotating_link_voltage_at(omega_m, alpha_m, chord, half_sine, c);
 }
 
 void rotating_link_voltage_n(
@@ -759,9 +1073,51 @@ void rotating_link_voltage_n(
     ECCENTRIC_REAL *out,
     const rotating_link_coefficients *c)
 {
-    for (size_t k = 0; k < n; ++k) {
-        out[k] = rotating_link_voltage(theta_m[k], omega_m[k], alpha_m[k], c);
+    const rotating_link_coefficients own = *c; /* that no store to `out` can change */
+    real from_top[REAL_BLOCK];
+    real chord[REAL_BLOCK];
+    real half_sine[REAL_BLOCK];
+    for (size_t first = 0; first < n; first += REAL_BLOCK) {
+        const size_t count = (n - first < REAL_BLOCK) ? (n - first) : REAL_BLOCK;
+        for (size_t k = 0; k < count; ++k) {
+            from_top[k] = rotating_link_from_top(theta_m[first + k], &own);
+        }
+        for (size_t k = 0; k < count; ++k) {
+            chord[k] = rotating_link_chord(from_top[k], &own);
+            half_sine[k] = rotating_link_half_sine(from_top[k], &own);
+        }
+        for (size_t k = 0; k < count; ++k) {
+            out[first + k] = rotating_link_voltage_at(omega_m[first + k], alpha_m[first + k], chord[k],
+                half_sine[k], &own);
+        }
     }
+}
+
+REAL_INLINE real rotating_link_current_at(
+    real omega_m,
+    real alpha_m,
+    real chord,
+    real half_sine,
+    const rotating_link_coefficients *c)
+{
+    const real size = REAL_FABS(omega_m);
+    /* magnitude of the motor velocity, at most 2^30, 0 if M L = 0 [rad/s] */
+    const real speed = ((size > c->fastest) ? c->fastest : size);
+    /* speed^2 - omega_star^2; the difference is taken once, before anything is rounded */
+    const real square_difference = (speed - c->omega_star_1 - c->omega_star_2) * (speed + c->omega_star_1);
+    const real size_2 = alpha_m * c->per_mu;
+    const real p = chord * chord * c->half_mu2_omega_star2 + square_difference;
+    const real part_1 = ((size_2 > c->fastest2) ? c->fastest2 : ((size_2 < -c->fastest2) ? -c->fastest2 :
+        size_2));
+    const real q = part_1 + (-c->mu_omega_star2) * chord * half_sine;
+    /* normal force over scale_N [rad^2/s^2] */
+    const real load = REAL_SQRT(p * p + q * q);
+    const real direction_of_motion = rotating_link_sgn(omega_m);
+    const real part_2 = direction_of_motion * (c->C_lN_mu_scale_N_per_k_i * load + c->C_per_k_i);
+    const real part_3 = (-c->L_M_g_p_mu2_per_k_i) * chord * half_sine;
+    const real part_4 = omega_m * (c->B_lN_mu2_scale_N_per_k_i * load + c->B_per_k_i);
+    const real part_5 = c->per_k_i * ((alpha_m == REAL(0.0)) ? REAL(0.0) : c->J * alpha_m);
+    return part_2 + part_3 + part_4 + part_5;
 }
 
 ECCENTRIC_REAL rotating_link_current(
@@ -770,38 +1126,10 @@ ECCENTRIC_REAL rotating_link_current(
     ECCENTRIC_REAL alpha_m,
     const rotating_link_coefficients *c)
 {
-    /* magnitude of the motor velocity, 0 if the mass is balanced [rad/s] */
-    const real speed = c->unbalanced * REAL_FABS(omega_m);
-    /* the odd number of half turns up to the top that is nearest */
-    const real halves = REAL(2.0) * REAL_FLOOR(theta_m * c->turns_per_rad) + REAL(1.0);
-    /* the half turns go off in three parts, the leading digits first: both products are exact */
-    const real rest = theta_m - halves * c->half_period_1;
-    /* angle from the top */
-    const real from_top = rest - halves * c->half_period_2 - halves * c->half_period_3;
-    /* an angle so large that nothing is left of its phase counts as the top */
-    const real bounded = ((REAL_FABS(from_top) <= c->period) ? from_top : theta_m - theta_m);
-    /* half angle from the top */
-    const real half_angle = bounded * c->half_mu;
-    const real half_angle_squared = half_angle * half_angle;
-    /* sine of the half angle from the top: the cosine of half the angle but for its sign */
-    const real half_cosine = half_angle * rotating_link_sine_series(half_angle_squared);
-    /* speed^2 - omega_star^2; the difference is taken once, before anything is rounded */
-    const real square_difference = (speed - c->omega_star_1 - c->omega_star_2) * (speed + c->omega_star_1);
-    /* cosine of the half angle from the top */
-    const real half_sine = rotating_link_cosine_series(half_angle_squared);
-    const real p = half_cosine * half_cosine * c->twice_omega_star2 + square_difference;
-    const real q = alpha_m * c->unbalanced_per_mu - half_cosine * half_sine * c->twice_omega_star2;
-    const real magnitude = REAL_SQRT(p * p + q * q);
-    /* normal force on the axis of rotation [N] */
-    const real F_N = magnitude * c->scale_N;
-    const real ungated = c->B_lN_mu2_per_k_i * F_N + c->B_per_k_i;
-    const real direction_of_motion = rotating_link_sgn(omega_m);
-    const real ungated_2 = c->C_lN_mu_per_k_i * F_N + c->C_per_k_i;
-    const real part_1 = ((direction_of_motion == REAL(0.0)) ? REAL(0.0) : ungated_2 * direction_of_motion);
-    const real part_2 = c->per_k_i * ((alpha_m == REAL(0.0)) ? REAL(0.0) : c->J * alpha_m);
-    const real part_3 = ((omega_m == REAL(0.0)) ? REAL(0.0) : ungated * omega_m);
-    const real part_4 = -half_cosine * half_sine * c->twice_L_M_g_p_mu_per_k_i;
-    return part_1 + part_2 + part_3 + part_4;
+    const real from_top = rotating_link_from_top(theta_m, c);
+    const real chord = rotating_link_chord(from_top, c);
+    const real half_sine = rotating_link_half_sine(from_top, c);
+    return rotating_link_current_at(omega_m, alpha_m, chord, half_sine, c);
 }
 
 void rotating_link_current_n(
@@ -812,9 +1140,52 @@ void rotating_link_current_n(
     ECCENTRIC_REAL *out,
     const rotating_link_coefficients *c)
 {
-    for (size_t k = 0; k < n; ++k) {
-        out[k] = rotating_link_current(theta_m[k], omega_m[k], alpha_m[k], c);
+    const rotating_link_coefficients own = *c; /* that no store to `out` can change */
+    real from_top[REAL_BLOCK];
+    real chord[REAL_BLOCK];
+    real half_sine[REAL_BLOCK];
+    for (size_t first = 0; first < n; first += REAL_BLOCK) {
+        const size_t count = (n - first < REAL_BLOCK) ? (n - first) : REAL_BLOCK;
+        for (size_t k = 0; k < count; ++k) {
+            from_top[k] = rotating_link_from_top(theta_m[first + k], &own);
+        }
+        for (size_t k = 0; k < count; ++k) {
+            chord[k] = rotating_link_chord(from_top[k], &own);
+            half_sine[k] = rotating_link_half_sine(from_top[k], &own);
+        }
+        for (size_t k = 0; k < count; ++k) {
+            out[first + k] = rotating_link_current_at(omega_m[first + k], alpha_m[first + k], chord[k],
+                half_sine[k], &own);
+        }
     }
+}
+
+REAL_INLINE real rotating_link_mechanical_residual_at(
+    real omega_m,
+    real i,
+    real alpha_m,
+    real chord,
+    real half_sine,
+    const rotating_link_coefficients *c)
+{
+    const real size = REAL_FABS(omega_m);
+    /* magnitude of the motor velocity, at most 2^30, 0 if M L = 0 [rad/s] */
+    const real speed = ((size > c->fastest) ? c->fastest : size);
+    /* speed^2 - omega_star^2; the difference is taken once, before anything is rounded */
+    const real square_difference = (speed - c->omega_star_1 - c->omega_star_2) * (speed + c->omega_star_1);
+    const real size_2 = alpha_m * c->per_mu;
+    const real p = chord * chord * c->half_mu2_omega_star2 + square_difference;
+    const real part_1 = ((size_2 > c->fastest2) ? c->fastest2 : ((size_2 < -c->fastest2) ? -c->fastest2 :
+        size_2));
+    const real q = part_1 + (-c->mu_omega_star2) * chord * half_sine;
+    /* normal force over scale_N [rad^2/s^2] */
+    const real load = REAL_SQRT(p * p + q * q);
+    const real direction_of_motion = rotating_link_sgn(omega_m);
+    const real part_2 = -direction_of_motion * (c->C + c->C_lN_mu_scale_N * load);
+    const real part_3 = c->L_M_g_p_mu2 * chord * half_sine;
+    const real part_4 = -((alpha_m == REAL(0.0)) ? REAL(0.0) : c->J * alpha_m);
+    const real part_5 = -omega_m * (c->B + c->B_lN_mu2_scale_N * load);
+    return i * c->k_i + part_2 + part_3 + part_4 + part_5;
 }
 
 ECCENTRIC_REAL rotating_link_mechanical_residual(
@@ -824,38 +1195,10 @@ ECCENTRIC_REAL rotating_link_mechanical_residual(
     ECCENTRIC_REAL alpha_m,
     const rotating_link_coefficients *c)
 {
-    /* magnitude of the motor velocity, 0 if the mass is balanced [rad/s] */
-    const real speed = c->unbalanced * REAL_FABS(omega_m);
-    /* the odd number of half turns up to the top that is nearest */
-    const real halves = REAL(2.0) * REAL_FLOOR(theta_m * c->turns_per_rad) + REAL(1.0);
-    /* the half turns go off in three parts, the leading digits first: both products are exact */
-    const real rest = theta_m - halves * c->half_period_1;
-    /* angle from the top */
-    const real from_top = rest - halves * c->half_period_2 - halves * c->half_period_3;
-    /* an angle so large that nothing is left of its phase counts as the top */
-    const real bounded = ((REAL_FABS(from_top) <= c->period) ? from_top : theta_m - theta_m);
-    /* half angle from the top */
-    const real half_angle = bounded * c->half_mu;
-    const real half_angle_squared = half_angle * half_angle;
-    /* sine of the half angle from the top: the cosine of half the angle but for its sign */
-    const real half_cosine = half_angle * rotating_link_sine_series(half_angle_squared);
-    /* speed^2 - omega_star^2; the difference is taken once, before anything is rounded */
-    const real square_difference = (speed - c->omega_star_1 - c->omega_star_2) * (speed + c->omega_star_1);
-    /* cosine of the half angle from the top */
-    const real half_sine = rotating_link_cosine_series(half_angle_squared);
-    const real p = half_cosine * half_cosine * c->twice_omega_star2 + square_difference;
-    const real q = alpha_m * c->unbalanced_per_mu - half_cosine * half_sine * c->twice_omega_star2;
-    const real magnitude = REAL_SQRT(p * p + q * q);
-    /* normal force on the axis of rotation [N] */
-    const real F_N = magnitude * c->scale_N;
-    const real ungated = -c->B - c->B_lN_mu2 * F_N;
-    const real direction_of_motion = rotating_link_sgn(omega_m);
-    const real ungated_2 = -c->C - c->C_lN_mu * F_N;
-    const real part_1 = ((direction_of_motion == REAL(0.0)) ? REAL(0.0) : ungated_2 * direction_of_motion);
-    const real part_2 = ((omega_m == REAL(0.0)) ? REAL(0.0) : ungated * omega_m);
-    const real part_3 = -((alpha_m == REAL(0.0)) ? REAL(0.0) : c->J * alpha_m);
-    const real part_4 = half_cosine * half_sine * c->twice_L_M_g_p_mu;
-    return i * c->k_i + part_1 + part_2 + part_3 + part_4;
+    const real from_top = rotating_link_from_top(theta_m, c);
+    const real chord = rotating_link_chord(from_top, c);
+    const real half_sine = rotating_link_half_sine(from_top, c);
+    return rotating_link_mechanical_residual_at(omega_m, i, alpha_m, chord, half_sine, c);
 }
 
 void rotating_link_mechanical_residual_n(
@@ -867,9 +1210,33 @@ void rotating_link_mechanical_residual_n(
     ECCENTRIC_REAL *out,
     const rotating_link_coefficients *c)
 {
-    for (size_t k = 0; k < n; ++k) {
-        out[k] = rotating_link_mechanical_residual(theta_m[k], omega_m[k], i[k], alpha_m[k], c);
+    const rotating_link_coefficients own = *c; /* that no store to `out` can change */
+    real from_top[REAL_BLOCK];
+    real chord[REAL_BLOCK];
+    real half_sine[REAL_BLOCK];
+    for (size_t first = 0; first < n; first += REAL_BLOCK) {
+        const size_t count = (n - first < REAL_BLOCK) ? (n - first) : REAL_BLOCK;
+        for (size_t k = 0; k < count; ++k) {
+            from_top[k] = rotating_link_from_top(theta_m[first + k], &own);
+        }
+        for (size_t k = 0; k < count; ++k) {
+            chord[k] = rotating_link_chord(from_top[k], &own);
+            half_sine[k] = rotating_link_half_sine(from_top[k], &own);
+        }
+        for (size_t k = 0; k < count; ++k) {
+            out[first + k] = rotating_link_mechanical_residual_at(omega_m[first + k], i[first + k],
+                alpha_m[first + k], chord[k], half_sine[k], &own);
+        }
     }
+}
+
+REAL_INLINE real rotating_link_electrical_residual_at(
+    real omega_m,
+    real i,
+    real u,
+    const rotating_link_coefficients *c)
+{
+    return -i * c->k_i - c->k_e_k_i_per_R * omega_m + c->k_i_per_R * u;
 }
 
 ECCENTRIC_REAL rotating_link_electrical_residual(
@@ -878,7 +1245,7 @@ ECCENTRIC_REAL rotating_link_electrical_residual(
     ECCENTRIC_REAL u,
     const rotating_link_coefficients *c)
 {
-    return -i * c->k_i - c->k_e_k_i_per_R * omega_m + c->k_i_per_R * u;
+    return rotating_link_electrical_residual_at(omega_m, i, u, c);
 }
 
 void rotating_link_electrical_residual_n(
@@ -889,15 +1256,19 @@ void rotating_link_electrical_residual_n(
     ECCENTRIC_REAL *out,
     const rotating_link_coefficients *c)
 {
+    const rotating_link_coefficients own = *c; /* that no store to `out` can change */
     for (size_t k = 0; k < n; ++k) {
-        out[k] = rotating_link_electrical_residual(omega_m[k], i[k], u[k], c);
+        out[k] = rotating_link_electrical_residual_at(omega_m[k], i[k], u[k], &own);
     }
 }
 
 #undef real
+#undef REAL_INLINE
+#undef REAL_BLOCK
 #undef REAL
 #undef REAL_SQRT
 #undef REAL_FABS
-#undef REAL_FLOOR
-#undef REAL_LARGEST
+#undef REAL_ROUNDER
+#undef REAL_SIN
+#undef REAL_COS
 

@@ -40,6 +40,8 @@ def labels(name: str, function: str) -> tuple[str, ...]:
         "regressor": "REGRESSOR",
         "friction_coefficients": "REGRESSOR",
     }
+    if function == "friction_torque_with_gradient":
+        return ("friction_torque", *module(name).GRADIENT)
     return tuple(getattr(module(name), constant[function])) if function in constant else ()
 
 

@@ -91,9 +91,12 @@ CASES = {
 
 FUNCTIONS = (
     "normal_force", "friction_torque", "mechanical_friction_torque", "friction_torque_gradient",
+    "friction_torque_with_gradient",
     "friction_torque_jacobian", "regressor", "friction_coefficients", "coulomb_torque", "gravity_torque",
     "voltage", "current", "mechanical_residual", "electrical_residual",
 )  # fmt: skip
+
+DERIVATIVES = ("friction_torque_gradient", "friction_torque_with_gradient", "friction_torque_jacobian")
 
 
 def functions(name: str) -> tuple[str, ...]:
@@ -262,8 +265,9 @@ def expected(
             )
             for sign in ((1, -1) if case.asymmetric else (1,))
         ]
-    assert function in ("friction_torque_gradient", "friction_torque_jacobian")
-    return [derivative(name, x, p, label) for label in labels]
+    assert function in DERIVATIVES
+    value = [(F, F_size)] if function == "friction_torque_with_gradient" else []
+    return value + [derivative(name, x, p, label) for label in labels[len(value) :]]
 
 
 def assert_agrees(

@@ -18,7 +18,7 @@ from tests.emitted import both_precisions, every_call, every_model, labels, modu
 @every_call
 def test_agrees_with_the_paper(name: str, function: str, dtype: type[np.floating]) -> None:
     """Every function is the paper's closed form to rounding, for any drive, in the hollow as elsewhere."""
-    derivative = function in ("friction_torque_gradient", "friction_torque_jacobian")
+    derivative = function in oracle.DERIVATIVES
 
     @given(st.data())
     def check(data: st.DataObject) -> None:

@@ -317,6 +317,7 @@ def test_scales_with_its_dimension(name: str, function: str) -> None:
     F = float(np.prod(units ** np.array(TORQUE)))
     by_component = {
         "friction_torque_gradient": lambda: [F / factor(one) for one in emitted.GRADIENT],
+        "friction_torque_with_gradient": lambda: [F, *(F / factor(one) for one in emitted.GRADIENT)],
         "friction_torque_jacobian": lambda: [F / factor(one) for one in emitted.JACOBIAN],
         "regressor": lambda: [F / factor(one) for one in emitted.REGRESSOR],
         "friction_coefficients": lambda: [factor(one) for one in emitted.REGRESSOR],

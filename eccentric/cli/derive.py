@@ -4,7 +4,7 @@ import argparse
 from pathlib import Path
 
 import eccentric
-from eccentric.emit import render, stale, write
+from eccentric.emit import complete, differences, write
 from eccentric.emit.text import checked_name
 from eccentric.errors import InputError
 from eccentric.model import load_model, model_names
@@ -35,7 +35,7 @@ def run(arguments: argparse.Namespace) -> int:
         checked_name(model.name, f"model {model.name}: its name")
     out = arguments.out or _generated()
     if arguments.check:
-        diffs = [stale(model, out) for model in models]
+        diffs = [differences(complete(model), out) for model in models]
         print("".join(diffs), end="")
         if any(diffs):
             print("generated files are stale: write them again with `make derive`")
@@ -43,7 +43,7 @@ def run(arguments: argparse.Namespace) -> int:
         print(f"generated files are fresh: {len(models)} models")
         return 0
     # All are rendered before the first is written: one that cannot be leaves the folder as it was.
-    files = {name: text for model in models for name, text in render(model).items()}
+    files = {name: text for model in models for name, text in complete(model).items()}
     for model in models:
         print(model.latex() if arguments.latex else model, end="\n\n")
     write(files, out)

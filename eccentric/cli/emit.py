@@ -4,14 +4,14 @@ import argparse
 from dataclasses import replace
 from pathlib import Path
 
-from eccentric.emit import emit
+from eccentric.emit import complete, write
 from eccentric.emit.defaults import read_parameters, with_fitted
 from eccentric.emit.text import checked_name
 from eccentric.model import load_model
 from eccentric.output import whole_folder
 
 NAME = "emit"
-HELP = "write the NumPy module, C header and C source of a model"
+HELP = "write the NumPy module, C header and C source of a model, and what checks the C"
 EXAMPLE = """eccentric emit c2_parallel --out build/firmware
 eccentric emit my_derivation.py --out build/mine
 eccentric emit c2_parallel --parameters build/fit/fit.json --prefix arm --out build/firmware"""
@@ -41,6 +41,7 @@ def run(arguments: argparse.Namespace) -> int:
     else:
         model = with_fitted(model, read_parameters(arguments.parameters), name)
     with whole_folder(arguments.out) as folder:
-        names = [path.name for path in emit(model, folder, "eccentric emit", origin)]
+        written = write(complete(model, "eccentric emit", origin), folder)
+        names = [path.relative_to(folder).as_posix() for path in written]
     print(f"{arguments.out}: {', '.join(names)}")
     return 0

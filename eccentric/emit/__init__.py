@@ -4,7 +4,7 @@ from eccentric.emit.build import build_program
 from eccentric.emit.hot import load_module
 from eccentric.emit.program import Assignment, Input, Program, Routine, differentiate, needed
 from eccentric.emit.render import render, render_program
-from eccentric.emit.write import emit, stale, write
+from eccentric.emit.write import complete, differences, emit, stale, write
 
 __all__ = [
     "Assignment",
@@ -12,6 +12,8 @@ __all__ = [
     "Program",
     "Routine",
     "build_program",
+    "complete",
+    "differences",
     "differentiate",
     "emit",
     "load_module",

@@ -3,24 +3,30 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Sequence
 from dataclasses import replace
 
 import sympy as sp
 
+from eccentric.emit.accuracy import promises
 from eccentric.emit.functions import Function, closure, functions, gradient_labels
-from eccentric.emit.lower import Lowering, Rounded
-from eccentric.emit.program import Assignment, Input, Program, Routine, differentiate, needed
-from eccentric.emit.shorten import shortened
+from eccentric.emit.half_turn import HalfTurns
+from eccentric.emit.lower import Lowering
+from eccentric.emit.primitive import Rounded, TurnLeft, exact
+from eccentric.emit.program import Assignment, Helper, Input, Program, Routine, differentiate, needed
+from eccentric.emit.shorten import shortened, without_copies
 from eccentric.model import Model, Quantity
 from eccentric.model import vocabulary as v
 from eccentric.model.steps import (
     Backward,
     ByDirection,
+    Chord,
     Forward,
     Gated,
     HalfCosine,
     HalfSine,
     Leading,
+    Magnitude,
     Sgn,
     SquareDifference,
 )
@@ -29,18 +35,21 @@ from eccentric.model.steps import (
 def build_program(model: Model) -> Program:
     """The Program of a model: every function of `eccentric.emit.functions`, ready to print."""
     shared = _Prepare(model)
+    half_turns = HalfTurns(shared)
     known = {q.name: q for q in vars(v).values() if isinstance(q, Quantity)}
     chosen = functions(model)
     from_table = all(q.default == known.get(q.name, q).default for q in model.parameters)
     labels = {f.name: gradient_labels(model, f) for f in chosen if f.by}
-    routines = tuple(_routine(model, function, labels.get(function.name, ()), shared) for function in chosen)
+    routines = tuple(_routine(model, f, labels.get(f.name, ()), shared, half_turns) for f in chosen)
+    called = {s for r in routines for a in r.assignments for s in a.value.free_symbols}
+    helpers = tuple(h for h in half_turns.helpers if sp.Symbol(h.name) in called)
     named = {f.name: tuple(label for label, _ in f.results) for f in chosen}
     return Program(
         name=model.name,
         title=model.title,
         parameters=model.parameters,
         prepare=shortened(shared.assignments),
-        coefficients=_used(routines, shared),
+        coefficients=_used((*helpers, *routines), shared),
         routines=routines,
         constants=(
             ("REGRESSOR", named["regressor"]),
@@ -51,26 +60,28 @@ def build_program(model: Model) -> Program:
         states=tuple((state.quantity, state.initial) for state in model.states),
         defaults=model.defaults
         or ("Table 1 of the paper with mu = 1/5" if from_table else "those of the derivation"),
+        helpers=helpers,
+        promises=promises(model),
     )
 
 
-def _routine(model: Model, function: Function, labels: tuple[str, ...], shared: _Prepare) -> Routine:
-    assignments = list(closure(model, function.results))
+def _routine(
+    model: Model, function: Function, labels: tuple[str, ...], shared: _Prepare, half_turns: HalfTurns
+) -> Routine:
+    assignments, results = _unscaled(closure(model, function.results), function.results)
     if function.by:
         y = sp.Symbol("torque", real=True)
-        torque = function.results[0][1]
+        torque = results[0][1]
         if not set(function.by) & model.parameter_symbols:
             torque = _grouped(model, torque)
         steps = differentiate((*assignments, Assignment(y, torque)), function.by)
         wanted = {f"torque_d_{label}" for label in labels}
-        results = [
-            (label, next(a.value for a in steps if a.target.name == f"torque_d_{label}")) for label in labels
-        ]
-        assignments = list(needed([a for a in steps if a.target.name not in wanted], [e for _, e in results]))
-    else:
-        results = list(function.results)
+        values = {a.target.name: a.value for a in steps}
+        value = [(label, torque) for label, _ in results if label]
+        results = value + [(label, values[f"torque_d_{label}"]) for label in labels]
+        assignments = needed([a for a in steps if a.target.name not in wanted], [e for _, e in results])
     # What depends on parameters only is moved to `prepare`; the rest keeps its order.
-    lowering = Lowering(shared)
+    lowering = Lowering(shared, half_turns)
     for assignment in assignments:
         if assignment.target in shared.symbols or assignment.value.free_symbols <= shared.symbols:
             shared.define(assignment.target, assignment.value)
@@ -79,7 +90,7 @@ def _routine(model: Model, function: Function, labels: tuple[str, ...], shared: 
             lowering.assignments.append(replace(assignment, value=value))
     targets = []
     for label, expression in results:
-        value = lowering(shared.hoist(_at_rest(model, _grouped(model, expression))))
+        value = lowering(shared.hoist(_grouped(model, expression)))
         name = f"result_{label}" if label else "result"
         targets.append(sp.Symbol(name, real=True))
         lowering.assignments.append(Assignment(targets[-1], value))
@@ -90,7 +101,7 @@ def _routine(model: Model, function: Function, labels: tuple[str, ...], shared: 
     return Routine(
         name=function.name,
         inputs=tuple(inputs),
-        assignments=shortened(lowering.assignments),
+        assignments=without_copies(shortened(lowering.assignments), targets),
         results=tuple(targets),
         labels=tuple(label for label, _ in results) if results[0][0] else (),
         unit=function.unit,
@@ -99,32 +110,38 @@ def _routine(model: Model, function: Function, labels: tuple[str, ...], shared: 
     )
 
 
+def _unscaled(
+    assignments: Sequence[Assignment], results: Sequence[tuple[str, sp.Expr]]
+) -> tuple[list[Assignment], list[tuple[str, sp.Expr]]]:
+    """F_N = scale_N load is written out, so that its scale goes into the coefficients that multiply it."""
+    load = sp.Symbol("load", real=True)
+    scaled: dict[sp.Symbol, sp.Expr] = {}
+    written: list[Assignment] = []
+    for a in assignments:
+        factors = sp.Mul.make_args(a.value)
+        magnitude = [factor for factor in factors if isinstance(factor, Magnitude)]
+        if a.target.name == "F_N" and magnitude:
+            scaled[a.target] = a.value.xreplace({magnitude[0]: load})
+            written.append(Assignment(load, magnitude[0], "normal force over scale_N [rad^2/s^2]"))
+        else:
+            written.append(replace(a, value=a.value.xreplace(scaled)))
+    return written, [(label, expression.xreplace(scaled)) for label, expression in results]
+
+
 def _grouped(model: Model, expression: sp.Expr) -> sp.Expr:
     """Friction as (... F_N + ...) omega_m + (... F_N + ...) sgn: fewest operations per call, (18)-(20)."""
     if not isinstance(expression, sp.Add):
         return expression
+    slopes = sorted((s for s in expression.free_symbols if "_d_" in s.name), key=str)
+    if slopes:
+        parts = sp.collect(sp.expand_mul(expression), slopes, evaluate=False)
+        return sp.Add(*(slope * _grouped(model, factor) for slope, factor in parts.items()))
     expression = _by_direction(model, sp.expand_mul(expression))
     factors = [symbol for symbol in expression.free_symbols if symbol.name == "omega_m"]
     factors += sorted(expression.atoms(Sgn), key=str)
     if any(isinstance(term, sp.Mul) and term.has(*factors) for term in expression.args if factors):
         return sp.collect(expression, factors)
     return expression
-
-
-def _at_rest(model: Model, expression: sp.Expr) -> sp.Expr:
-    """Friction at rest is 0 also where an acceleration alone makes F_N overflow (rotating_link)."""
-    normal_force = model.definition("F_N").symbol
-    if "alpha_m" not in {s.name for s in model.expand(normal_force).free_symbols}:
-        return expression
-
-    def moving(factor: sp.Expr) -> bool:
-        return isinstance(factor, Sgn) or (factor.is_Symbol and factor.name == "omega_m")
-
-    def gated(product: sp.Expr) -> sp.Expr:
-        gate = next(filter(moving, product.args))
-        return Gated(sp.Mul(*(factor for factor in product.args if factor != gate)), gate)
-
-    return expression.replace(lambda e: e.is_Mul and e.has(normal_force) and any(map(moving, e.args)), gated)
 
 
 def _by_direction(model: Model, expression: sp.Expr) -> sp.Expr:
@@ -188,12 +205,14 @@ class _Prepare:
         """
         if expression.is_Atom:
             return expression
+        if expression.has(HalfCosine):
+            return self.hoist(expression.rewrite("chord"), role)
         if expression.free_symbols and expression.free_symbols <= self.symbols:
             if _is_negative(expression):
                 return -self.hoist(-expression, role)
             value = self._folded(expression)
             return value if value.is_Symbol else self(_name(value, role), value)
-        if isinstance(expression, HalfCosine | HalfSine | SquareDifference):
+        if isinstance(expression, Chord | HalfSine | SquareDifference):
             return expression.func(self.hoist(expression.args[0]), expression.args[1])
         if isinstance(expression, ByDirection) and all(
             a == 0 or _is_negative(a) for a in expression.args[1:]
@@ -238,17 +257,18 @@ def _notes(model: Model, shared: _Prepare) -> tuple[tuple[str, str], ...]:
 def _formula(value: sp.Expr, values: dict[sp.Symbol, sp.Expr]) -> str:
     """The formula of a coefficient as a person writes it."""
     if isinstance(value, Leading | Rounded):
-        whole = {s: values[s] for s in value.free_symbols if s.name == "half_period"}
         kind = "leading digits" if isinstance(value, Leading) else "in the working precision"
-        return f"{_formula(value.args[0].xreplace(whole), values)}, {kind}"
+        if any(values[s].has(TurnLeft) for s in value.free_symbols if s in values):
+            return f"what the parts before it leave of the period, {kind}"
+        return f"{_formula(exact(value.args[0]), values)}, {kind}"
     # What is subtracted stands last.
     terms = sorted(value.as_ordered_terms(), key=_is_negative)
     text = " + ".join(map(str, terms)).replace("+ -", "- ")
     return text.replace("**", "^").replace("*", " ")
 
 
-def _used(routines: tuple[Routine, ...], shared: _Prepare) -> tuple[sp.Symbol, ...]:
-    used = set().union(*(a.value.free_symbols for routine in routines for a in routine.assignments))
+def _used(parts: tuple[Helper | Routine, ...], shared: _Prepare) -> tuple[sp.Symbol, ...]:
+    used = set().union(*(a.value.free_symbols for part in parts for a in part.assignments))
     order = [a.target for a in shared.assignments]
     plain = sorted((s for s in used & shared.symbols if s not in order), key=str)
     return (*plain, *(symbol for symbol in order if symbol in used))
@@ -256,7 +276,14 @@ def _used(routines: tuple[Routine, ...], shared: _Prepare) -> tuple[sp.Symbol, .
 
 # Names differ within their first 31 characters, which every C compiler tells apart.
 _LONGEST = 31
-_NUMBERS = {2: "twice", -1: "minus", -2: "minus_twice", 4: "four", sp.Rational(1, 2): "half"}
+_NUMBERS = {
+    2: "twice",
+    -1: "minus",
+    -2: "minus_twice",
+    4: "four",
+    sp.Rational(1, 2): "half",
+    sp.Rational(1, 4): "quarter",
+}
 
 
 def _is_negative(expression: sp.Expr) -> bool:
@@ -272,7 +299,7 @@ def _role(moving: list[sp.Expr], role: str) -> str:
         return "coulomb"
     roles = {"omega_m": "viscous", "alpha_m": "inertial", "i": "driving", "u": "driving"}
     named = [roles[factor.name] for factor in moving if factor.is_Symbol and factor.name in roles]
-    turning = any(isinstance(factor, HalfCosine | HalfSine) for factor in moving)
+    turning = any(isinstance(factor, Chord | HalfSine) for factor in moving)
     return named[0] if named else "turning" if turning else role
 
 

@@ -3,16 +3,18 @@
 from __future__ import annotations
 
 import textwrap
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from typing import Any
 
 import sympy as sp
 
 from eccentric.emit.constants import evaluate_prepare
 from eccentric.emit.expression import Language, printed
-from eccentric.emit.lower import Floor, Root, Size
-from eccentric.emit.program import Input, Program, Routine
+from eccentric.emit.pairs import pair_functions, pair_text, paired
+from eccentric.emit.primitive import ROUNDER, Root, Size
+from eccentric.emit.program import Assignment, Helper, Input, Program, Routine
 from eccentric.emit.series import polynomial
+from eccentric.emit.staged import staged
 from eccentric.emit.text import EXACT_HALF_TURNS, assigned, number, plain, splitting, used_series
 from eccentric.model.quantity import Quantity
 from eccentric.model.steps import Backward, Forward, Sgn
@@ -27,8 +29,8 @@ _REAL = {
     "forward": "MODEL_forward({0})",
     "backward": "MODEL_forward(-({0}))",
     "exp": "REAL_EXP({0})",
-    "sine_series": "MODEL_sine_series({0})",
-    "cosine_series": "MODEL_cosine_series({0})",
+    "sine_ratio": "MODEL_sine_ratio({0})",
+    "cosine": "MODEL_cosine({0})",
 }
 _DOUBLE = {
     "sqrt": "sqrt({0})",
@@ -41,9 +43,7 @@ _DOUBLE = {
 }
 # Written so that NaN goes in and NaN comes out.
 _HELPERS = {
-    "sgn": (
-        "(x > REAL(0.0)) ? REAL(1.0) : ((x < REAL(0.0)) ? REAL(-1.0) : ((x == REAL(0.0)) ? REAL(0.0) : x))"
-    ),
+    "sgn": ("(x > REAL(0.0)) ? REAL(1.0) : ((x < REAL(0.0)) ? REAL(-1.0) : (x + REAL(0.0)))"),
     "forward": "(x > REAL(0.0)) ? REAL(1.0) : ((x <= REAL(0.0)) ? REAL(0.0) : x)",
 }
 
@@ -51,10 +51,15 @@ _HELPERS = {
 def view(program: Program, banner: str, digest: str) -> dict[str, Any]:
     """All that the templates of header and source are filled with."""
     prepared = {a.target.name for a in program.prepare}
-    in_prepare = _language(program, _DOUBLE, lambda name: name if name in prepared else f"p->{name}", "{}")
+    pairs = {s.name for s in paired(program)}
+
+    def value_of(name: str) -> str:
+        return f"{name}.high" if name in pairs else name if name in prepared else f"p->{name}"
+
+    in_prepare = _language(program, _DOUBLE, value_of, "{}")
     coefficients = {s.name for s in program.coefficients}
     values = {single: evaluate_prepare(program, single) for single in (True, False)}
-    expressions = [a.value for r in program.routines for a in r.assignments]
+    expressions = [a.value for a in program.hot()]
     uses = {operation: any(e.has(operation) for e in expressions) for operation in (Sgn, Forward, Backward)}
     helpers = [
         name for name, used in (("sgn", uses[Sgn]), ("forward", uses[Forward] or uses[Backward])) if used
@@ -66,15 +71,19 @@ def view(program: Program, banner: str, digest: str) -> dict[str, Any]:
         "name": program.name,
         "guard": program.name.upper(),
         "digest": f"0x{digest}UL",
-        "parameters": [_parameter(q, values[False][q.name]) for q in program.parameters],
+        "parameters": [
+            _parameter(q, values[False][q.name].replace("NAN", "(double)NAN")) for q in program.parameters
+        ],
         "valid": _valid(program),
+        "promises": program.promises,
+        "bounded": "fastest" in {s.name for s in program.coefficients},
         "defaults": program.defaults,
         "coefficients": [
             {
                 "name": s.name,
-                "source": s.name if s.name in prepared else f"p->{s.name}",
+                "source": value_of(s.name),
                 "single": f"(real)({values[True][s.name]})",
-                "double": f"{values[False][s.name]}",
+                "double": values[False][s.name].replace("NAN", "(real)NAN"),
                 "doc": notes.get(s.name, ""),
             }
             for s in program.coefficients
@@ -85,9 +94,10 @@ def view(program: Program, banner: str, digest: str) -> dict[str, Any]:
         "helpers": [{"name": name, "body": _HELPERS[name]} for name in helpers],
         "series": [_series(name) for name in used_series(program)],
         "leading": splitting(program),
-        "prepare": _code(
-            f"const double {a.target.name} = {printed(a.value, in_prepare)};" for a in program.prepare
-        ),
+        "pairs": pair_functions(program),
+        "prepare": _code(_prepared(program, a, in_prepare) for a in program.prepare),
+        "helpers_of_angle": [_helper(program, h, coefficients) for h in program.helpers],
+        "staged": any(staged(r).angles for r in program.routines),
         "routines": [_routine(program, r, coefficients) for r in program.routines],
         "states": [
             {"name": q.name, "doc": plain(f"{q.meaning} [{q.unit}]"), "initial": number(str(float(initial)))}
@@ -95,6 +105,14 @@ def view(program: Program, banner: str, digest: str) -> dict[str, Any]:
         ],
         "step": _step(program),
     }
+
+
+def _prepared(program: Program, a: Assignment, language: Language) -> str:
+    pairs = paired(program)
+    if a.target not in pairs:
+        return f"const double {a.target.name} = {printed(a.value, language)};"
+    value = pair_text(a.value, pairs, language, lambda name: f"{program.name}_{name}")
+    return f"const {program.name}_pair {a.target.name} = {value};"
 
 
 def _step(program: Program) -> dict[str, Any]:
@@ -112,7 +130,9 @@ def _step(program: Program) -> dict[str, Any]:
             {"name": x.quantity.name, "doc": f"{x.quantity.meaning} [{x.quantity.unit}]"} for x in given
         ],
         "signature": _wrapped(
-            "void", own, [f"{program.name}_state *state", *map(_argument, given), coefficients]
+            "void",
+            own,
+            [f"{program.name}_state *state", *(_argument(x, "ECCENTRIC_REAL") for x in given), coefficients],
         ),
         "call": f"{program.name}_next_state({', '.join([*passed, 'next', 'c'])});",
     }
@@ -120,11 +140,10 @@ def _step(program: Program) -> dict[str, Any]:
 
 def _macros(program: Program) -> list[tuple[str, str, str]]:
     """(macro, its meaning in single, in double), those that the routines use."""
-    expressions = [a.value for r in program.routines for a in r.assignments]
+    expressions = [a.value for a in program.hot()]
     used = [
         ("REAL_SQRT(x)", Root, "sqrt"),
         ("REAL_FABS(x)", Size, "fabs"),
-        ("REAL_FLOOR(x)", Floor, "floor"),
         ("REAL_EXP(x)", sp.exp, "exp"),
     ]
     found = [("REAL(x)", "x##f", "x")]
@@ -133,8 +152,11 @@ def _macros(program: Program) -> list[tuple[str, str, str]]:
         for macro, op, name in used
         if any(e.has(op) for e in expressions)
     ]
-    if any("largest" in map(str, e.free_symbols) for e in expressions):
-        found.append(("REAL_LARGEST", "FLT_MAX", "DBL_MAX"))
+    if any(ROUNDER in e.free_symbols for e in expressions):
+        found.append(("REAL_ROUNDER", "12582912.0f", "6755399441055744.0"))
+    libm = {"sine_ratio": "sin", "cosine": "cos"}
+    names = [libm[series] for series in used_series(program)]
+    found += [(f"REAL_{name.upper()}(x)", f"{name}f(x)", f"{name}(x)") for name in names]
     return found
 
 
@@ -179,30 +201,30 @@ def _valid(program: Program) -> str:
 
 def _series(name: str) -> dict[str, Any]:
     def horner(single: bool) -> list[str]:
-        first, *rest, last = polynomial(name, single).coefficients
-        steps = [f"value = value * x + REAL({coefficient});" for coefficient in rest]
-        return [f"real value = REAL({first});", *steps, f"return value * x + REAL({last});"]
+        lines = []
+        for part, (first, *rest) in zip(("even", "odd"), polynomial(name, single).halves(), strict=True):
+            lines += [f"real {part} = REAL({first});", *(f"{part} = {part} * y + REAL({c});" for c in rest)]
+        return [*lines, f"return (odd * x + even) * x{' + REAL(1.0)' if name == 'cosine' else ''};"]
 
     single, double = polynomial(name, True), polynomial(name, False)
-    function = {"sine_series": "sin(h)/h", "cosine_series": "cos(h)"}[name]
+    function, libm = {
+        "sine_ratio": ("sin(h)/h - 1", "(h == REAL(0.0)) ? REAL(0.0) : (REAL_SIN(h) / h - REAL(1.0))"),
+        "cosine": ("cos(h)", "REAL_COS(h)"),
+    }[name]
     return {
         "name": name,
         "single": horner(True),
         "double": horner(False),
-        "doc": f"{function} at x = h^2, |h| within a quarter turn;"
-        f" error of the fit {single.error} and {double.error}.",
+        "libm": libm,
+        "doc": f"{function}, |h| within a quarter turn: minimax in x = h^2, error {single.error}"
+        f" (float), {double.error} (double).",
     }
 
 
 def _routine(program: Program, r: Routine, coefficients: set[str]) -> dict[str, Any]:
-    def spelled(name: str) -> str:
-        return "REAL_LARGEST" if name == "largest" else f"c->{name}" if name in coefficients else name
-
-    language = _language(program, _REAL, spelled, "REAL({})")
     results = {s.name: k for k, s in enumerate(r.results)}
 
-    def line(target: str, value: Any) -> str:
-        text = printed(value, language)
+    def line(target: str, text: str) -> str:
         if target not in results:
             return f"const real {target} = {text};"
         return f"out[{results[target]}] = {text};" if r.labels else f"return {text};"
@@ -213,16 +235,17 @@ def _routine(program: Program, r: Routine, coefficients: set[str]) -> dict[str, 
         if x.length is not None
         for k, symbol in enumerate(x.symbols)
     ]
-    own = f"{program.name}_{r.name}"
+    own, parts = f"{program.name}_{r.name}", staged(r)
+    ready = [a.target.name for a in parts.bent]
     coefficient_argument = f"const {program.name}_coefficients *c"
-    single = [_argument(x) for x in r.inputs]
-    arrays = [f"const ECCENTRIC_REAL *{x.quantity.name}" for x in r.inputs]
     out = ["ECCENTRIC_REAL *out"] if r.labels else []
-    passed = [_passed(x) for x in r.inputs]
     width = len(r.labels)
-    reduces = any(a.target.name == "halves" for a in r.assignments)
-    reduced = f", reduced exactly up to {EXACT_HALF_TURNS}" if reduces else ""
-    call = ", ".join([*passed, *([f"out + {width} * k"] if r.labels else []), "c"])
+    reduced = f", reduced exactly up to {EXACT_HALF_TURNS}" if parts.angles else ""
+    kernel = [*(_argument(x, "real") for x in parts.inputs), *(f"real {name}" for name in ready)]
+    passed = [*(x.quantity.name for x in parts.inputs), *ready, *(["out"] if r.labels else []), "c"]
+    index = "first + k" if parts.angles else "k"
+    each = [*(_element(x, index) for x in parts.inputs), *(f"{name}[k]" for name in ready)]
+    to, given = f"&out[{width}u * {f'({index})' if parts.angles else index}]", ", ".join(each)
     return {
         "name": r.name,
         "doc": f"{r.meaning[0].upper()}{r.meaning[1:]}.",
@@ -241,44 +264,103 @@ def _routine(program: Program, r: Routine, coefficients: set[str]) -> dict[str, 
             else ""
         ),
         "width": width,
+        "kernel": _wrapped(
+            f"REAL_INLINE {'void' if r.labels else 'real'}",
+            f"{own}_at",
+            [*kernel, *(["real *out"] if r.labels else []), coefficient_argument],
+        ),
+        "call": [
+            *_code(assigned((*parts.angles, *parts.bent), _printer(program, coefficients, line), "".format)),
+            f"{'' if r.labels else 'return '}{own}_at({', '.join(passed)});",
+        ],
         "signature": _wrapped(
-            "void" if r.labels else "ECCENTRIC_REAL", own, [*single, *out, coefficient_argument]
+            "void" if r.labels else "ECCENTRIC_REAL",
+            own,
+            [*(_argument(x, "ECCENTRIC_REAL") for x in r.inputs), *out, coefficient_argument],
         ),
         "array_signature": _wrapped(
-            "void", f"{own}_n", ["size_t n", *arrays, "ECCENTRIC_REAL *out", coefficient_argument]
+            "void",
+            f"{own}_n",
+            [
+                "size_t n",
+                *(f"const ECCENTRIC_REAL *{x.quantity.name}" for x in r.inputs),
+                "ECCENTRIC_REAL *out",
+                coefficient_argument,
+            ],
         ),
-        "array_call": f"{own}({call});" if r.labels else f"out[k] = {own}({call});",
-        "lines": [*unpack, *_unused(r, coefficients), *_code(assigned(r, line, "/* {} */".format))],
+        "array_call": _code(
+            [f"{own}_at({given}, {to}, &own);" if r.labels else f"out[{index}] = {own}_at({given}, &own);"],
+            12,
+        ),
+        "buffers": [a.target.name for a in (*parts.angles, *parts.bent)],
+        "stages": [
+            [
+                f"{a.target.name}[k] = {program.name}_{a.value.args[0]}({a.value.args[1]}[{at}], &own);"
+                for a in stage
+            ]
+            for stage, at in ((parts.angles, index), (parts.bent, "k"))
+            if stage
+        ],
+        "lines": [
+            *unpack,
+            *_unused(parts.rest, coefficients),
+            *_code(assigned(parts.rest, _printer(program, coefficients, line), "/* {} */".format)),
+        ],
     }
 
 
-def _unused(r: Routine, coefficients: set[str]) -> list[str]:
-    used = set().union(*(a.value.free_symbols for a in r.assignments))
+def _helper(program: Program, helper: Helper, coefficients: set[str]) -> dict[str, Any]:
+    result = helper.assignments[-1].target.name
+
+    def line(target: str, text: str) -> str:
+        return f"return {text};" if target == result else f"const real {target} = {text};"
+
+    argument = f"const {program.name}_coefficients *c"
+    return {
+        "doc": f"{helper.meaning[0].upper()}{helper.meaning[1:]}.",
+        "signature": _wrapped(
+            "REAL_INLINE real", f"{program.name}_{helper.name}", [f"real {helper.argument.name}", argument]
+        ),
+        "lines": _code(
+            assigned(helper.assignments, _printer(program, coefficients, line), "/* {} */".format)
+        ),
+    }
+
+
+def _printer(
+    program: Program, coefficients: set[str], line: Callable[[str, str], str]
+) -> Callable[[str, sp.Expr], str]:
+    def spelled(name: str) -> str:
+        return "REAL_ROUNDER" if name == "rounder" else f"c->{name}" if name in coefficients else name
+
+    calls = _REAL | {helper.name: f"MODEL_{helper.name}({{0}}, c)" for helper in program.helpers}
+    language = _language(program, calls, spelled, "REAL({})")
+    return lambda target, value: line(target, printed(value, language))
+
+
+def _unused(assignments: Iterable[Assignment], coefficients: set[str]) -> list[str]:
+    used = set().union(*(a.value.free_symbols for a in assignments))
     return [] if any(s.name in coefficients for s in used) else ["(void)c;"]
 
 
-def _argument(x: Input) -> str:
-    return (
-        f"ECCENTRIC_REAL {x.quantity.name}"
-        if x.length is None
-        else f"const ECCENTRIC_REAL *{x.quantity.name}"
-    )
+def _argument(x: Input, real: str) -> str:
+    return f"{real} {x.quantity.name}" if x.length is None else f"const {real} *{x.quantity.name}"
 
 
-def _passed(x: Input) -> str:
-    return f"{x.quantity.name}[k]" if x.length is None else f"{x.quantity.name} + {x.length} * k"
+def _element(x: Input, index: str) -> str:
+    return f"{x.quantity.name}[{index}]" if x.length is None else f"{x.quantity.name} + {x.length}u * {index}"
 
 
-def _filled(text: str) -> list[str]:
-    """The lines of a comment, those after the first set in."""
+def _filled(text: str, indent: int = 4) -> list[str]:
+    """The lines of a text that is set in, those after the first a little more."""
     return textwrap.wrap(
-        text, _WIDTH - 4, subsequent_indent="    ", break_long_words=False, break_on_hyphens=False
+        text, _WIDTH - indent, subsequent_indent="    ", break_long_words=False, break_on_hyphens=False
     )
 
 
-def _code(lines: Iterable[str]) -> list[str]:
+def _code(lines: Iterable[str], indent: int = 4) -> list[str]:
     """The lines of a function's body, long ones broken."""
-    return [part for line in lines for part in _filled(line)]
+    return [part for line in lines for part in _filled(line, indent)]
 
 
 def _wrapped(result: str, name: str, arguments: list[str]) -> str:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import mpmath
 import sympy as sp
 
-from eccentric.emit.lower import Rounded
+from eccentric.emit.primitive import Rounded, exact
 from eccentric.emit.program import Program
 from eccentric.emit.text import LEADING_BITS
 from eccentric.model.steps import Leading
@@ -29,7 +29,7 @@ def evaluate_prepare(program: Program, single: bool) -> dict[str, str]:
             symbols = sorted(a.value.free_symbols, key=str)
             function = sp.lambdify(
                 symbols,
-                a.value.replace(Leading, _Leading).replace(Rounded, _Rounded),
+                exact(a.value).replace(Leading, _Leading).replace(Rounded, _Rounded),
                 modules=[rounding, "mpmath"],
             )
             values[a.target] = mpmath.mpf(function(*(values[s] for s in symbols)))

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import mpmath
 import sympy as sp
 
-from eccentric.emit import lower
+from eccentric.emit import primitive
 from eccentric.errors import InputError
 from eccentric.model import steps
 
@@ -46,10 +46,9 @@ class Language:
 
 
 _CALLS: Mapping[type, str] = {
-    lower.Root: "sqrt",
-    lower.Size: "fabs",
-    lower.Floor: "floor",
-    lower.Rounded: "rounded",
+    primitive.Root: "sqrt",
+    primitive.Size: "fabs",
+    primitive.Rounded: "rounded",
     steps.Leading: "leading",
     steps.Sgn: "sgn",
     steps.Forward: "forward",
@@ -84,17 +83,19 @@ def _print(e: sp.Expr, language: Language) -> tuple[str, int]:
         with mpmath.workdps(30):
             text = mpmath.nstr(mpmath.mpf(e.evalf(30)), 17)
         return language.number(text), _ATOM if e >= 0 else _SUM
-    if isinstance(e, lower.Plus):
+    if isinstance(e, primitive.Plus):
         return f"{at(_SUM, e.args[0])} + {at(_PRODUCT, e.args[1])}", _SUM
-    if isinstance(e, lower.Minus):
+    if isinstance(e, primitive.Minus):
         return f"{at(_SUM, e.args[0])} - {at(_PRODUCT, e.args[1])}", _SUM
-    if isinstance(e, lower.Times):
+    if isinstance(e, primitive.Times):
         return f"{at(_PRODUCT, e.args[0])} * {at(_ATOM, e.args[1])}", _PRODUCT
-    if isinstance(e, lower.Over):
+    if isinstance(e, primitive.Over):
         return f"{at(_PRODUCT, e.args[0])} / {at(_ATOM, e.args[1])}", _PRODUCT
-    if isinstance(e, lower.Series):
+    if isinstance(e, primitive.Low):
+        return f"{e.args[0].name}.low", _ATOM
+    if isinstance(e, primitive.Call):
         return language.call(e.args[0].name, [plain(e.args[1])]), _ATOM
-    if isinstance(e, lower.Pick):
+    if isinstance(e, primitive.Pick):
         a, relation, b, x, y = e.args
         return language.pick(at(_SUM, a), relation.name, at(_SUM, b), plain(x), plain(y)), _ATOM
     if type(e) in _CALLS:

@@ -10,7 +10,7 @@ from eccentric.emit.program import Assignment, differentiate
 from eccentric.errors import InputError
 from eccentric.model import KINDS, Definition, Model, regressor
 from eccentric.model import vocabulary as v
-from eccentric.model.steps import Backward, Forward, Gated, Magnitude, Sgn, SquareDifference
+from eccentric.model.steps import Backward, Bounded, Forward, Gated, Magnitude, Sgn, SquareDifference
 
 
 @dataclass(frozen=True)
@@ -20,7 +20,8 @@ class Function:
     Attributes:
         name, unit, meaning: as in Routine.
         results: label -> expression; the label is "" for a scalar function.
-        by: symbols by which the one entry of `results` is differentiated; the function returns those slopes.
+        by: symbols by which the one entry of `results` is differentiated; the function returns those slopes,
+            after the entry itself where that has a label.
     """
 
     name: str
@@ -116,6 +117,13 @@ def functions(model: Model) -> tuple[Function, ...]:
             f"N m per {', '.join(units[x] for x in dependence)}",
             "partial derivatives of friction_torque with respect to its inputs",
             (("", resultant),),
+            dependence,
+        ),
+        Function(
+            "friction_torque_with_gradient",
+            f"N m, N m per {', '.join(units[x] for x in dependence)}",
+            "friction_torque and its partial derivatives, as a linearisation needs them",
+            (("friction_torque", resultant),),
             dependence,
         ),
         Function(
@@ -227,6 +235,7 @@ def _standstill(model: Model, friction: sp.Expr, direction: int) -> sp.Expr:
     friction = friction.replace(
         lambda e: isinstance(e, Gated) and e.args[1].is_number, lambda e: sp.Mul(*e.args)
     )
+    friction = friction.replace(lambda e: isinstance(e, Bounded) and e.args[0] == 0, lambda e: sp.Integer(0))
     friction = friction.replace(
         lambda e: isinstance(e, SquareDifference) and e.args[0] == 0, lambda e: -(e.args[1] ** 2)
     )

@@ -1,7 +1,6 @@
 """Lowering: each careful step becomes assignments in a fixed order, the same for every back end.
 
-The primitive operations below take their arguments as they stand; SymPy neither re-orders nor simplifies
-them, and the printers write them one to one. So NumPy and C compute the same bits.
+What the half-turn steps become stands in `eccentric.emit.half_turn`.
 """
 
 from __future__ import annotations
@@ -11,67 +10,32 @@ from functools import reduce
 
 import sympy as sp
 
+from eccentric.emit.half_turn import HalfTurns
+from eccentric.emit.primitive import (
+    ABOVE,
+    BELOW,
+    EQUAL,
+    WITHIN,
+    Call,
+    Low,
+    Minus,
+    Over,
+    Pick,
+    Plus,
+    Root,
+    Rounded,
+    Size,
+    Times,
+)
 from eccentric.emit.program import Assignment
 from eccentric.model import steps
-from eccentric.model.steps import Step
 
-
-class Plus(Step):
-    """a + b."""
-
-
-class Minus(Step):
-    """a - b."""
-
-
-class Times(Step):
-    """a b."""
-
-
-class Over(Step):
-    """a / b."""
-
-
-class Root(Step):
-    """Square root."""
-
-
-class Size(Step):
-    """Absolute value."""
-
-
-class Floor(Step):
-    """Greatest integer not above."""
-
-
-class Rounded(Step):
-    """A parameter-only number in the working precision (prepare only)."""
-
-
-class Series(Step):
-    """A polynomial of emission's own, by its name, at the square of the argument."""
-
-
-class Pick(Step):
-    """Pick(a, relation, b, x, y): x where `a relation b` holds, else y; relation is `>`, `<=` or `==`."""
-
-
-LARGEST = sp.Symbol("largest")  # the greatest finite number of the working precision
-SINE, COSINE = sp.Symbol("sine_series"), sp.Symbol("cosine_series")
 # What a reader of the emitted code must know of the steps, by the names that they get there.
 _NOTES = {
     "square_difference": "speed^2 - omega_star^2; the difference is taken once, before anything is rounded",
-    "halves": "the odd number of half turns up to the top that is nearest",
-    "rest": "the half turns go off in three parts, the leading digits first: both products are exact",
-    "from_top": "angle from the top",
-    "bounded": "an angle so large that nothing is left of its phase counts as the top",
-    "half_angle": "half angle from the top",
-    "half_cosine": "sine of the half angle from the top: the cosine of half the angle but for its sign",
-    "half_sine": "cosine of the half angle from the top",
-    "divisor": "0/0 at the apex, where F_N is 0 and its derivatives are taken as 0",
-    "limit": "where the square overflows, the larger of the two decides",
+    "inverse": "1 at the apex, where F_N is 0 and its derivatives are taken as 0",
 }
-_ABOVE, _WITHIN, _EQUAL = sp.Symbol(">"), sp.Symbol("<="), sp.Symbol("==")
+_LATE = (steps.Chord, steps.HalfSine)
 
 
 class Lowering:
@@ -80,8 +44,9 @@ class Lowering:
     The same step with the same arguments is lowered once.
     """
 
-    def __init__(self, prepare: Callable[[str, sp.Expr], sp.Symbol]) -> None:
+    def __init__(self, prepare: Callable[[str, sp.Expr], sp.Symbol], half_turns: HalfTurns) -> None:
         self._prepare = prepare
+        self._half_turns = half_turns
         self._done: dict[sp.Expr, sp.Symbol] = {}
         self._used: dict[str, int] = {}
         self.assignments: list[Assignment] = []
@@ -90,23 +55,26 @@ class Lowering:
             steps.Along: self._cosine_along,
             steps.Across: self._cosine_across,
             steps.Gated: self._gated,
+            steps.Bounded: self._bounded,
             steps.Sgn: lambda x: self.named("direction_of_motion", steps.Sgn(x)),
             steps.Forward: lambda x: self.named("is_forward", steps.Forward(x)),
             steps.Backward: lambda x: self.named("is_backward", steps.Backward(x)),
-            steps.ByDirection: lambda x, a, b: Pick(x, _ABOVE, sp.Integer(0), a, b),
+            steps.ByDirection: lambda x, a, b: Pick(x, ABOVE, sp.Integer(0), a, b),
             sp.Abs: Size,
-            sp.Max: lambda *all_of: reduce(lambda a, b: self._either(a, _ABOVE, b), all_of),
-            sp.Min: lambda *all_of: reduce(lambda a, b: self._either(a, _WITHIN, b), all_of),
+            sp.Max: lambda *all_of: reduce(lambda a, b: self._either(a, ABOVE, b), all_of),
+            sp.Min: lambda *all_of: reduce(lambda a, b: self._either(a, WITHIN, b), all_of),
         }
 
     def __call__(self, expression: sp.Expr) -> sp.Expr:
         """The expression in primitive operations; what must be computed before it stands in `assignments`."""
-        if isinstance(expression, steps.HalfCosine | steps.HalfSine):
+        if isinstance(expression, steps.Chord | steps.HalfSine):
             return self._half_turn(expression)
         if isinstance(expression, steps.SquareDifference):
             return self._square_difference(expression)
         if expression.is_Atom:
             return expression
+        if expression.is_Mul and any(isinstance(a, _LATE) for a in expression.args):
+            return self._late(expression)
         arguments = [self(argument) for argument in expression.args]
         lowered = self._simple.get(type(expression))
         if lowered is not None:
@@ -126,35 +94,28 @@ class Lowering:
         self._done[value] = symbol
         return symbol
 
+    def _late(self, product: sp.Expr) -> sp.Expr:
+        """Chord and half sine take longest: what is ready before them is multiplied first."""
+        late = [self(a) for a in product.args if isinstance(a, _LATE)]
+        others = sp.Mul(*(self(a) for a in product.args if not isinstance(a, _LATE)))
+        for factor in late:
+            others = factor if others == 1 else Times(others, factor)
+        return others
+
     def _half_turn(self, step: sp.Expr) -> sp.Expr:
-        """The half angle from the top: theta_m less an odd number of half periods, held in three parts."""
+        """A call of the program's own functions of the angle, which all routines share."""
         theta_m, mu = step.args
         theta_m = theta_m if theta_m.is_Atom else self.named("angle", self(theta_m))
-        half_period = self._prepare("half_period", sp.pi / mu)
-        part_1 = self._prepare("half_period_1", steps.Leading(half_period))
-        part_2 = self._prepare("half_period_2", steps.Leading(half_period - part_1))
-        part_3 = self._prepare("half_period_3", Rounded(half_period - part_1 - part_2))
-        per_turn = self._prepare("turns_per_rad", mu / (2 * sp.pi))
-        half_mu = self._prepare("half_mu", mu / 2)
-        turns = Floor(Times(theta_m, per_turn))
-        halves = self.named("halves", Plus(Times(sp.Integer(2), turns), sp.Integer(1)))
-        rest = self.named("rest", Minus(theta_m, Times(halves, part_1)))
-        rest = Minus(rest, Times(halves, part_2))
-        rest = self.named("from_top", Minus(rest, Times(halves, part_3)))
-        # An angle so large that nothing is left of its phase counts as the top; infinity and NaN give NaN.
-        period = self._prepare("period", 2 * sp.pi / mu)
-        lost = Minus(theta_m, theta_m)
-        bounded = self.named("bounded", Pick(Size(rest), _WITHIN, period, rest, lost))
-        half = self.named("half_angle", Times(bounded, half_mu))
-        square = self.named("half_angle_squared", Times(half, half))
-        if isinstance(step, steps.HalfCosine):
-            return self.named("half_cosine", Times(half, Series(SINE, square)))
-        return self.named("half_sine", Series(COSINE, square))
+        names = self._half_turns(mu)
+        from_top = self.named("from_top", Call(names.from_top, theta_m))
+        if isinstance(step, steps.Chord):
+            return self.named("chord", Call(names.chord, from_top))
+        return self.named("half_sine", Call(names.half_sine, from_top))
 
     def _square_difference(self, step: sp.Expr) -> sp.Expr:
         v, w = step.args
         high = self._prepare(f"{w.name}_1", Rounded(w))
-        low = self._prepare(f"{w.name}_2", Rounded(w - high))
+        low = self._prepare(f"{w.name}_2", Rounded(Plus(Minus(w, high), Low(w))))
         v = self(v)
         return self.named("square_difference", Times(Minus(Minus(v, high), low), Plus(v, high)))
 
@@ -163,25 +124,25 @@ class Lowering:
         return self.named("magnitude", Root(Plus(Times(p, p), Times(q, q))))
 
     def _cosine_along(self, p: sp.Expr, q: sp.Expr) -> sp.Expr:
-        return self._direction(p, q, p)
+        return Times(self.named("p", p), self._inverse(p, q))
 
     def _cosine_across(self, p: sp.Expr, q: sp.Expr) -> sp.Expr:
-        return self._direction(p, q, q)
+        return Times(self.named("q", q), self._inverse(p, q))
 
-    def _direction(self, p: sp.Expr, q: sp.Expr, part: sp.Expr) -> sp.Expr:
-        """part/magnitude: 0 at the apex; beyond the largest number only the larger of p and q counts."""
+    def _inverse(self, p: sp.Expr, q: sp.Expr) -> sp.Expr:
         magnitude = self._magnitude(p, q)
-        p, q, part = self.named("p", p), self.named("q", q), self.named("p", part)
-        divisor = self.named("divisor", Pick(magnitude, _EQUAL, sp.Integer(0), sp.Integer(1), magnitude))
-        other = q if part == p else p
-        limit = Pick(Size(part), _ABOVE, Size(other), steps.Sgn(part), sp.Integer(0))
-        limit = self.named("limit", limit)
-        return self.named("cosine", Pick(magnitude, _ABOVE, LARGEST, limit, Over(part, divisor)))
+        nowhere_zero = Pick(magnitude, EQUAL, sp.Integer(0), sp.Integer(1), magnitude)
+        return self.named("inverse", Over(sp.Integer(1), nowhere_zero))
+
+    def _bounded(self, x: sp.Expr, b: sp.Expr) -> sp.Expr:
+        size = x if x.is_Atom else self.named("size", x)
+        below = size if isinstance(x, Size) else Pick(size, BELOW, -b, -b, size)
+        return Pick(size, ABOVE, b, b, below)
 
     def _gated(self, a: sp.Expr, b: sp.Expr) -> sp.Expr:
         b = self.named("gate", b) if not b.is_Atom else b
         a = self.named("ungated", a) if not a.is_Atom else a
-        return Pick(b, _EQUAL, sp.Integer(0), sp.Integer(0), Times(a, b))
+        return Pick(b, EQUAL, sp.Integer(0), sp.Integer(0), Times(a, b))
 
     def _either(self, a: sp.Expr, relation: sp.Symbol, b: sp.Expr) -> sp.Expr:
         a = self.named("one", a) if not a.is_Atom else a

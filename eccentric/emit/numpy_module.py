@@ -3,24 +3,25 @@
 from __future__ import annotations
 
 import textwrap
+from collections.abc import Iterable
 from typing import Any
 
 from eccentric.emit.expression import Language, printed
-from eccentric.emit.program import Input, Program, Routine
+from eccentric.emit.pairs import pair_functions, pair_text, paired
+from eccentric.emit.program import Assignment, Helper, Input, Program, Routine
 from eccentric.emit.series import polynomial
-from eccentric.emit.text import assigned, default_text, domain, number, splitting, used_series, with_largest
+from eccentric.emit.text import assigned, default_text, domain, number, rounds, splitting, used_series
 from eccentric.model.quantity import Quantity
 
 _NUMPY = {
     "sqrt": "np.sqrt({0})",
     "fabs": "np.abs({0})",
-    "floor": "np.floor({0})",
     "sgn": "np.sign({0})",
     "forward": "np.heaviside({0}, 0.0)",
     "backward": "np.heaviside(-({0}), 0.0)",
     "exp": "np.exp({0})",
-    "sine_series": "_sine_series({0})",
-    "cosine_series": "_cosine_series({0})",
+    "sine_ratio": "_sine_ratio({0})",
+    "cosine": "_cosine({0})",
 }
 _MATH = {
     "sqrt": "math.sqrt({0})",
@@ -37,10 +38,14 @@ def view(program: Program, banner: str, summary: str) -> dict[str, Any]:
     """All that the templates of the NumPy module are filled with."""
     prepared = {a.target.name for a in program.prepare}
     optional = [q for q in program.parameters if q.default is None or q.default.free_symbols]
-    in_prepare = _language(
-        _MATH, lambda name: name if name in prepared | {q.name for q in optional} else f"p.{name}"
-    )
-    coefficients = [s.name for s in with_largest(program)]
+    pairs = {s.name for s in paired(program)}
+
+    def value_of(name: str) -> str:
+        own = name in prepared | {q.name for q in optional}
+        return f"{name}.high" if name in pairs else name if own else f"p.{name}"
+
+    in_prepare = _language(_MATH, value_of)
+    coefficients = [*(s.name for s in program.coefficients), *(["rounder"] if rounds(program) else [])]
     return {
         "banner": "\n".join(f"# {line}" for line in banner.splitlines()),
         "title": program.title,
@@ -55,20 +60,34 @@ def view(program: Program, banner: str, summary: str) -> dict[str, Any]:
         "parameters": [_parameter(q) for q in program.parameters],
         "optional": _tuple([f'"{q.name}"' for q in optional]),
         "coefficients": coefficients,
-        "sources": {
-            c: c if c in prepared or c in {q.name for q in optional} else _source(c) for c in coefficients
-        },
+        "sources": {c: "1.5 / np.finfo(real).eps" if c == "rounder" else value_of(c) for c in coefficients},
+        "pairs": pair_functions(program),
         "leading": splitting(program),
         "prepare": [
             *(_default(q) for q in optional),
-            *(f"{a.target.name} = {printed(a.value, in_prepare)}" for a in program.prepare),
+            *(line for a in program.prepare for line in _prepared(program, a, in_prepare)),
         ],
         "series": [_series(name) for name in used_series(program)],
-        "routines": [_routine(r, set(coefficients)) for r in program.routines],
+        "helpers": [_helper(program, h, set(coefficients)) for h in program.helpers],
+        "routines": [_routine(program, r, set(coefficients)) for r in program.routines],
         "states": [{"initial": repr(float(initial))} for _, initial in program.states],
         "names": _tuple([f'"{q.name}"' for q, _ in program.states]),
         "step": _step(program),
     }
+
+
+def _prepared(program: Program, a: Assignment, language: Language) -> list[str]:
+    """An assignment as formatters spell it: a choice that is too long takes a line for each part."""
+    target, pairs = a.target.name, paired(program)
+    own = a.target in pairs
+    value = pair_text(a.value, pairs, language, "_{}".format) if own else printed(a.value, language)
+    if len(f"{target} = {value}") <= 106 or " if " not in value:
+        return [f"{target} = {value}"]
+    first, _, rest = value.partition(" if ")
+    condition, _, other = rest.partition(" else ")
+    if len(value) <= 102:
+        return [f"{target} = (", f"    {value}", ")"]
+    return [f"{target} = (", f"    {first}", f"    if {condition}", f"    else {other}", ")"]
 
 
 def _step(program: Program) -> dict[str, Any]:
@@ -96,10 +115,6 @@ def _language(calls: dict[str, str], symbol: Any) -> Language:
         pick=lambda a, relation, b, x, y: f"np.where({a} {relation} {b}, {x}, {y})",
         branches=branches,
     )
-
-
-def _source(name: str) -> str:
-    return "np.finfo(real).max" if name == "largest" else f"p.{name}"
 
 
 def _default(q: Quantity) -> str:
@@ -137,19 +152,36 @@ def _tuple(items: list[str], indent: str = "") -> str:
 
 def _series(name: str) -> dict[str, Any]:
     single, double = polynomial(name, True), polynomial(name, False)
-    function = {"sine_series": "sin(x)/x", "cosine_series": "cos(x)"}[name]
+    function = {"sine_ratio": "sin(h)/h - 1", "cosine": "cos(h)"}[name]
     return {
         "name": name,
-        "single": single.coefficients,
-        "double": double.coefficients,
-        "doc": f"{function} by x^2, |x| within a quarter turn;"
-        f" error of the fit {single.error} and {double.error}.",
+        "rest": " + 1.0" if name == "cosine" else "",
+        "single": single.halves(),
+        "double": double.halves(),
+        "doc": f"{function} for |h| within a quarter turn, a minimax polynomial in h^2; error"
+        f" {single.error} and {double.error}.",
     }
 
 
-def _routine(r: Routine, coefficients: set[str]) -> dict[str, Any]:
-    language = _language(_NUMPY, lambda name: f"c.{name}" if name in coefficients else name)
-    lines = assigned(r, lambda target, value: f"{target} = {printed(value, language)}", "# {}".format)
+def _lines(program: Program, assignments: Iterable[Assignment], coefficients: set[str]) -> list[str]:
+    calls = _NUMPY | {helper.name: f"_{helper.name}(c, {{0}})" for helper in program.helpers}
+    language = _language(calls, lambda name: f"c.{name}" if name in coefficients else name)
+    return assigned(assignments, lambda to, value: f"{to} = {printed(value, language)}", "# {}".format)
+
+
+def _helper(program: Program, helper: Helper, coefficients: set[str]) -> dict[str, Any]:
+    *lines, last = _lines(program, helper.assignments, coefficients)
+    return {
+        "name": helper.name,
+        "argument": helper.argument.name,
+        "doc": f"{helper.meaning[0].upper()}{helper.meaning[1:]}.",
+        "lines": lines,
+        "result": last.partition(" = ")[2],
+    }
+
+
+def _routine(program: Program, r: Routine, coefficients: set[str]) -> dict[str, Any]:
+    lines = _lines(program, r.assignments, coefficients)
     arguments = [f"{x.quantity.name} [{x.quantity.unit}]: {x.quantity.meaning}" for x in r.inputs]
     shape = f"last axis ({', '.join(r.labels)})" if r.labels else "shape of the broadcast inputs"
     doc = f"{r.meaning[0].upper()}{r.meaning[1:]} [{r.unit}]; {shape}."

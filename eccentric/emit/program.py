@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import sympy as sp
 
 from eccentric.model.quantity import Quantity
-from eccentric.model.steps import Across, Along, Gated, Sgn
+from eccentric.model.steps import Sgn
 
 
 @dataclass(frozen=True)
@@ -68,6 +68,19 @@ class Routine:
 
 
 @dataclass(frozen=True)
+class Helper:
+    """A function of one number that routines call; its result is the last target.
+
+    It is private to the emitted file. With it the code of the angle stands there once.
+    """
+
+    name: str
+    argument: sp.Symbol
+    assignments: tuple[Assignment, ...]
+    meaning: str
+
+
+@dataclass(frozen=True)
 class Program:
     """All routines of a model and the parameter-only work they share.
 
@@ -81,6 +94,8 @@ class Program:
         constants: names that the module carries, such as the columns of its regressor.
         notes: what each coefficient is: meaning and unit, or its formula.
         defaults: where the default parameters come from, in words.
+        helpers: private functions that the routines call.
+        promises: bounds of the rounding error, one line each.
     """
 
     name: str
@@ -93,6 +108,12 @@ class Program:
     notes: tuple[tuple[str, str], ...] = ()
     states: tuple[tuple[Quantity, sp.Expr], ...] = ()
     defaults: str = "those of the derivation"
+    helpers: tuple[Helper, ...] = ()
+    promises: tuple[str, ...] = ()
+
+    def hot(self) -> tuple[Assignment, ...]:
+        """Every assignment that is evaluated for each sample."""
+        return tuple(a for part in (*self.helpers, *self.routines) for a in part.assignments)
 
 
 def differentiate(assignments: Iterable[Assignment], by: Sequence[sp.Symbol]) -> tuple[Assignment, ...]:
@@ -110,7 +131,7 @@ def differentiate(assignments: Iterable[Assignment], by: Sequence[sp.Symbol]) ->
             slope = sp.Add(*(_partial(assignment.value, s) * slopes[s, x] for s in inner))
             if slope != 0:
                 target = sp.Symbol(f"{assignment.target.name}_d_{x.name}", real=True)
-                out.append(Assignment(target, _gate(slope)))
+                out.append(Assignment(target, slope))
                 slopes[assignment.target, x] = target
     return tuple(out)
 
@@ -128,13 +149,3 @@ def needed(assignments: Iterable[Assignment], results: Iterable[sp.Expr]) -> tup
 
 def _partial(value: sp.Expr, symbol: sp.Symbol) -> sp.Expr:
     return value.diff(symbol).replace(sp.sign, Sgn)
-
-
-def _gate(slope: sp.Expr) -> sp.Expr:
-    """Products with a direction cosine, so that 0 times an overflow is 0."""
-
-    def gated(product: sp.Expr) -> sp.Expr:
-        cosine = next(factor for factor in product.args if isinstance(factor, Along | Across))
-        return Gated(sp.Mul(*(factor for factor in product.args if factor != cosine)), cosine)
-
-    return slope.replace(lambda e: e.is_Mul and any(isinstance(a, Along | Across) for a in e.args), gated)

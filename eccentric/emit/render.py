@@ -74,6 +74,8 @@ def program_digest(program: Program) -> str:
     """Eight hexadecimal digits that change when anything that is computed changes."""
     lines = [program.name, *(f"{q.name} {q.unit} {q.default}" for q in program.parameters)]
     lines += [f"{a.target} = {a.value}" for a in program.prepare]
+    for helper in program.helpers:
+        lines += [helper.name, *(f"{a.target} = {a.value}" for a in helper.assignments)]
     for r in program.routines:
         lines += [r.name, *r.labels, *(x.quantity.name for x in r.inputs)]
         lines += [f"{a.target} = {a.value}" for a in r.assignments]

@@ -31,6 +31,33 @@ def shortened(assignments: Iterable[Assignment]) -> tuple[Assignment, ...]:
     return tuple(out)
 
 
+def without_copies(assignments: Iterable[Assignment], results: Iterable[sp.Symbol]) -> tuple[Assignment, ...]:
+    """The assignments, each value computed once and under one name; results stay.
+
+    Of two names the one that comes with a note stays.
+    """
+    kept: list[Assignment] = []
+    names: dict[sp.Expr, sp.Symbol] = {}
+    renamed: dict[sp.Expr, sp.Expr] = {}
+    results = set(results)
+    for a in assignments:
+        value = a.value.xreplace(renamed)
+        first = value if value in names.values() else names.get(value)
+        if a.target in results or first is None or (value.is_Atom and value not in names.values()):
+            kept.append(replace(a, value=value))
+            if a.target not in results:
+                names.setdefault(value, a.target)
+        elif a.note:
+            kept = [replace(k, target=a.target, note=a.note) if k.target == first else k for k in kept]
+            kept = [replace(k, value=k.value.xreplace({first: a.target})) for k in kept]
+            names = {v.xreplace({first: a.target}): a.target if s == first else s for v, s in names.items()}
+            renamed = {old: a.target if new == first else new for old, new in renamed.items()}
+            renamed[first] = a.target
+        else:
+            renamed[a.target] = first
+    return tuple(kept)
+
+
 def _length(target: sp.Symbol, value: sp.Expr) -> int:
     symbols = sum(1 for e in sp.preorder_traversal(value) if e.is_Symbol)
     return len(f"{target} = {value}") + 3 * symbols

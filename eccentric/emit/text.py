@@ -5,19 +5,19 @@ from __future__ import annotations
 import keyword
 import re
 import textwrap
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import replace
 
 import sympy as sp
 
-from eccentric.emit.lower import COSINE, LARGEST, SINE
-from eccentric.emit.program import Input, Program, Routine
+from eccentric.emit.primitive import COSINE, ROUNDER, SINE_RATIO
+from eccentric.emit.program import Assignment, Input, Program
 from eccentric.errors import InputError
 from eccentric.model.quantity import Quantity
 from eccentric.model.steps import Leading
 
 # Of 24 and 53 bits `leading` keeps these, so that products with up to 2^12 and 2^20 half turns are exact.
-LEADING_BITS = {"single": 11, "double": 33}
+LEADING_BITS = {"single": 12, "double": 33}
 EXACT_HALF_TURNS = "2^20 half turns of the link (float: 2^12)"
 
 
@@ -104,19 +104,20 @@ def splitting(program: Program) -> dict[str, str] | None:
 
 def used_series(program: Program) -> list[str]:
     """The names of the polynomials that the routines evaluate."""
-    used = set().union(*(a.value.free_symbols for r in program.routines for a in r.assignments))
-    return [s.name for s in (SINE, COSINE) if s in used]
+    used = set().union(*(a.value.free_symbols for a in program.hot()))
+    return [s.name for s in (SINE_RATIO, COSINE) if s in used]
 
 
-def assigned(r: Routine, line: Callable[[str, sp.Expr], str], comment: Callable[[str], str]) -> list[str]:
+def assigned(
+    assignments: Iterable[Assignment], line: Callable[[str, sp.Expr], str], comment: Callable[[str], str]
+) -> list[str]:
     """One line per assignment, its note before it."""
     lines: list[str] = []
-    for a in r.assignments:
+    for a in assignments:
         lines += [*map(comment, textwrap.wrap(a.note, 100)), line(a.target.name, a.value)]
     return lines
 
 
-def with_largest(program: Program) -> tuple[sp.Symbol, ...]:
-    """The coefficients, and the greatest finite number where a routine compares with it."""
-    uses = any(LARGEST in a.value.free_symbols for r in program.routines for a in r.assignments)
-    return (*program.coefficients, LARGEST) if uses else program.coefficients
+def rounds(program: Program) -> bool:
+    """Whether a routine rounds to whole numbers."""
+    return any(ROUNDER in a.value.free_symbols for a in program.hot())

@@ -6,6 +6,7 @@ import difflib
 from collections.abc import Mapping
 from pathlib import Path
 
+from eccentric.emit.check import render_check
 from eccentric.emit.render import render
 from eccentric.model import Model
 from eccentric.output import whole_file
@@ -21,6 +22,16 @@ def emit(model: Model, out: Path, command: str = "make derive", origin: str | No
         InputError: the model cannot be emitted, or the folder cannot be written.
     """
     return write(render(model, command, origin), out)
+
+
+def complete(model: Model, command: str = "make derive", origin: str | None = None) -> dict[str, str]:
+    """The trio of a model, and what checks it on its user's side in the folder `check`: name -> text.
+
+    Raises:
+        InputError: the model cannot be emitted.
+    """
+    files = render(model, command, origin)
+    return files | render_check(model, files)
 
 
 def write(files: Mapping[str, str], out: Path) -> list[Path]:
@@ -40,9 +51,14 @@ def write(files: Mapping[str, str], out: Path) -> list[Path]:
 
 
 def stale(model: Model, out: Path, command: str = "make derive") -> str:
-    """The unified diff from what stands in the folder to what would be written; "" if it is fresh."""
+    """The unified diff of the trio from what stands in the folder to what would be written; "" if fresh."""
+    return differences(render(model, command), out)
+
+
+def differences(files: Mapping[str, str], out: Path) -> str:
+    """The unified diff from what stands in the folder to the rendered files; "" if they are the same."""
     diffs = []
-    for name, text in render(model, command).items():
+    for name, text in files.items():
         diffs += difflib.unified_diff(
             _found(out / name).splitlines(keepends=True),
             text.splitlines(keepends=True),

@@ -54,7 +54,7 @@ def of_expression(expression: sp.Basic, units: Mapping[sp.Symbol, str]) -> Dimen
     parts = [of_expression(argument, units) for argument in _values(expression)]
     if isinstance(expression, sp.Mul | steps.Gated):
         return tuple(sum(column, sp.Integer(0)) for column in zip(*parts, strict=True))
-    if isinstance(expression, sp.Abs | steps.Leading):
+    if isinstance(expression, sp.Abs | steps.Bounded | steps.Leading):
         return parts[0]
     if isinstance(expression, steps.SquareDifference):
         _same(expression, parts)

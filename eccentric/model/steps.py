@@ -95,6 +95,9 @@ class HalfCosine(Step):
             raise sp.ArgumentIndexError(self, argindex)
         return mu / 2 * HalfSine(theta_m, mu)
 
+    def _eval_rewrite_as_chord(self, theta_m: sp.Expr, mu: sp.Expr, **_: Any) -> sp.Expr:
+        return mu / 2 * Chord(theta_m, mu)
+
     def _eval_rewrite_as_meaning(self, theta_m: sp.Expr, mu: sp.Expr, **_: Any) -> sp.Expr:
         return -sp.cos(mu * theta_m / 2)
 
@@ -113,6 +116,43 @@ class HalfSine(Step):
 
     def _eval_rewrite_as_meaning(self, theta_m: sp.Expr, mu: sp.Expr, **_: Any) -> sp.Expr:
         return sp.sin(mu * theta_m / 2)
+
+
+class Chord(Step):
+    """(2/mu) HalfCosine, free of mu near the top: there it is the motor angle from the top itself.
+
+    Two directions an angle x apart are a chord 2 sin(x/2) apart on the unit circle; this is the chord between
+    the link and the top, on the motor side. Emission writes HalfCosine as mu/2 Chord, so that mu/2 goes into
+    a coefficient and is not rounded once more in every call.
+    """
+
+    nargs = 2
+
+    def fdiff(self, argindex: int = 1) -> sp.Expr:
+        """Derivative by theta_m."""
+        if argindex != 1:
+            raise sp.ArgumentIndexError(self, argindex)
+        return HalfSine(*self.args)
+
+    def _eval_rewrite_as_meaning(self, theta_m: sp.Expr, mu: sp.Expr, **_: Any) -> sp.Expr:
+        return -2 / mu * sp.cos(mu * theta_m / 2)
+
+
+class Bounded(Step):
+    """Bounded(x, b): x, kept within -b and b; b is so large that nothing physical reaches it, or 0.
+
+    Of what is bounded the square does not overflow, so that no result is inf - inf or 0 inf. With b = 0 it
+    is 0: a bound also switches off. The bound is a pure number, in the unit of x.
+    """
+
+    nargs = 2
+
+    def fdiff(self, argindex: int = 1) -> sp.Expr:
+        """1 by x; b is a parameter and never differentiated by."""
+        return sp.Integer(1)
+
+    def _eval_rewrite_as_meaning(self, x: sp.Expr, b: sp.Expr, **_: Any) -> sp.Expr:
+        return sp.Piecewise((0, sp.Eq(b, 0)), (x, True))
 
 
 class SquareDifference(Step):
@@ -191,6 +231,8 @@ STEPS = (
     ByDirection,
     HalfCosine,
     HalfSine,
+    Chord,
+    Bounded,
     SquareDifference,
     Magnitude,
     Along,

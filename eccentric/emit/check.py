@@ -1,0 +1,132 @@
+"""What checks an emitted C source on its user's side: a self-test with vectors, and a driver for its proof.
+
+All is told from the emitted NumPy module by its public names, so that nothing here knows how a model is
+evaluated.
+"""
+
+from __future__ import annotations
+
+import inspect
+import re
+import sys
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from types import ModuleType
+from typing import Any
+
+import jinja2
+import numpy as np
+import sympy as sp
+
+from eccentric.emit import proof, selftest
+from eccentric.model import Model
+from eccentric.places import folder
+
+# Where the parameters have no default, or one that leaves functions at zero. Sine and cosine of this tilt are
+# far from halfway between two numbers, so that every libm rounds them alike.
+_ASSUMED = {"J_m": 2e-4, "J_l": 0.04, "phi": 0.6}
+_ELSE_ASSUMED = 0.25
+
+
+@dataclass(frozen=True)
+class _Function:
+    """One emitted function.
+
+    Attributes:
+        name: in NumPy and, behind the model's prefix, in C.
+        inputs: names, in order.
+        width: number of values it gives.
+        scalar: whether C returns the one value; else it writes to an array.
+        call: in C, from x[] to out[].
+    """
+
+    name: str
+    inputs: tuple[str, ...]
+    width: int
+    scalar: bool
+    call: str
+
+
+def render_check(model: Model, files: Mapping[str, str]) -> dict[str, str]:
+    """The files that check a model's emitted C, file name -> text.
+
+    Args:
+        model: what was emitted.
+        files: what `render` made of it.
+    """
+    return {
+        f"check/{model.name}_{kind}": _environment().get_template(f"{kind}.jinja").render(view)
+        for kind, view in views(model, files).items()
+    }
+
+
+def views(model: Model, files: Mapping[str, str]) -> dict[str, dict[str, Any]]:
+    """What the templates are filled with: kind of file -> view."""
+    source = files[f"{model.name}.py"]
+    module = _executed(model.name, source)
+    public = {name: getattr(module, name) for name in module.__all__ if name.islower()}
+    inputs = _inputs(model, public.values())
+    functions = [_function(model.name, name, function, inputs) for name, function in public.items()]
+    defaults = _defaults(model)
+    missing = [q.name for q in model.parameters if q.name not in defaults]
+    assumed = {name: _ASSUMED.get(name, _ELSE_ASSUMED) for name in missing}
+    assumed |= {name: value for name, value in _ASSUMED.items() if defaults.get(name) == 0}
+    given = {
+        "name": model.name,
+        "program": re.findall(r"program \w+", source)[0],
+        "assumed": [(name, repr(value)) for name, value in assumed.items()],
+    }
+    source = files[f"{model.name}.c"]
+    driver = {"proof.c": given | proof.view(model, functions, inputs, source)}
+    # An exponential is every libm's own: with one there are no bits to expect.
+    if "REAL_EXP(" in source:
+        return driver
+    tested = given | selftest.view(module, functions, inputs, defaults | assumed)
+    return {"selftest.c": tested, "vectors.h": tested} | driver
+
+
+def _executed(name: str, source: str) -> ModuleType:
+    module = ModuleType(f"eccentric_checked_{name}")
+    # A dataclass under postponed annotations looks its module up while it is made.
+    sys.modules[module.__name__] = module
+    exec(compile(source, f"<{name}.py as emitted>", "exec"), module.__dict__)  # noqa: S102
+    return module
+
+
+def _defaults(model: Model) -> dict[str, float]:
+    """The parameters that have a default, rounded once from the exact value as in the C."""
+    exact = {q.symbol: q.default for q in model.parameters if q.default is not None}
+    return {symbol.name: float(sp.Rational(sp.sympify(value).subs(exact))) for symbol, value in exact.items()}
+
+
+def _taken(function: Any) -> tuple[str, ...]:
+    return tuple(x for x in inspect.signature(function).parameters if x not in {"parameters", "out"})
+
+
+def _inputs(model: Model, functions: Iterable[Any]) -> list[str]:
+    """The inputs of the model, and behind them hidden states and what else a function takes."""
+    taken = [q.name for q in model.inputs] + [x for function in functions for x in _taken(function)]
+    return list(dict.fromkeys(taken))
+
+
+def _function(prefix: str, name: str, function: Any, inputs: list[str]) -> _Function:
+    taken = _taken(function)
+    shape = np.shape(function(*(1.0 if x != "alpha_m" else 0.0 for x in taken)))
+    arguments = [f"x[{inputs.index(x)}]" for x in taken]
+    call = (
+        f"{prefix}_{name}({', '.join([*arguments, 'out', '&c'])});"
+        if shape
+        else f"out[0] = {prefix}_{name}({', '.join([*arguments, '&c'])});"
+    )
+    return _Function(name, taken, shape[0] if shape else 1, not shape, call)
+
+
+def _environment() -> jinja2.Environment:
+    return jinja2.Environment(
+        loader=jinja2.FileSystemLoader(folder("templates")),
+        undefined=jinja2.StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+        keep_trailing_newline=True,
+        autoescape=False,  # noqa: S701 - the output is C
+    )

@@ -1,0 +1,106 @@
+"""The angle of the link, counted from the top: functions of the emitted code's own that all routines share.
+
+theta_m less the nearest k + 1/2 periods 2 pi/mu is the motor angle from the top. The period is held in four
+parts; k + 1/2 times each of the first three is exact, and so is what they leave of theta_m near the top. The
+fourth makes the angle right to its own last place, wherever the top is.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import reduce
+
+import sympy as sp
+
+from eccentric.emit.primitive import (
+    COSINE,
+    HALF,
+    ROUNDER,
+    SINE_RATIO,
+    WITHIN,
+    Call,
+    Low,
+    Minus,
+    Pick,
+    Plus,
+    Rounded,
+    Size,
+    Times,
+    TurnLeft,
+)
+from eccentric.emit.program import Assignment, Helper
+from eccentric.model.steps import Leading
+
+_THETA, _FROM_TOP = sp.symbols("theta_m from_top", real=True)
+
+
+@dataclass(frozen=True)
+class Names:
+    """The functions of one gear ratio, as symbols that `Call` takes."""
+
+    from_top: sp.Symbol
+    chord: sp.Symbol
+    half_sine: sp.Symbol
+
+
+class HalfTurns:
+    """The helpers of one program; called with a gear ratio it gives their names and makes them once."""
+
+    def __init__(self, prepare: Callable[[str, sp.Expr], sp.Symbol]) -> None:
+        self._prepare = prepare
+        self._names: dict[sp.Expr, Names] = {}
+        self.helpers: list[Helper] = []
+
+    def __call__(self, mu: sp.Expr) -> Names:
+        """The names of the functions for this gear ratio."""
+        if mu not in self._names:
+            suffix = f"_{len(self._names) + 1}" if self._names else ""
+            self._names[mu] = Names(
+                *(sp.Symbol(name + suffix) for name in ("from_top", "chord", "half_sine"))
+            )
+            self._make(mu, self._names[mu])
+        return self._names[mu]
+
+    def _make(self, mu: sp.Expr, names: Names) -> None:
+        period = self._prepare("period", 2 * sp.pi / mu)
+        per_rad = self._prepare("turns_per_rad", mu / (2 * sp.pi))
+        turns, rest, reduced = sp.symbols("turns rest reduced", real=True)
+        nearest = Plus(Minus(Plus(Minus(Times(_THETA, per_rad), HALF), ROUNDER), ROUNDER), HALF)
+        first, *others = self._period_parts(period, mu)
+        angle = (
+            Assignment(turns, nearest, "whole turns of the link and a half, up to the top that is nearest"),
+            Assignment(
+                rest,
+                Minus(_THETA, Times(turns, first)),
+                "the turns go off in four parts of few digits: all products but the last are exact",
+            ),
+            Assignment(reduced, reduce(lambda left, part: Minus(left, Times(turns, part)), others, rest)),
+            # Infinity and NaN give NaN.
+            Assignment(
+                _FROM_TOP,
+                Pick(Size(reduced), WITHIN, period, reduced, Minus(_THETA, _THETA)),
+                "an angle so large that nothing is left of its phase counts as the top",
+            ),
+        )
+        half, chord, half_sine = sp.symbols("half_angle chord half_sine", real=True)
+        halved = Assignment(half, Times(_FROM_TOP, self._prepare("half_mu", mu / 2)))
+        # The sum last: what comes before it is small where digits count, and so are its roundings.
+        bent = Assignment(chord, Plus(_FROM_TOP, Times(_FROM_TOP, Call(SINE_RATIO, half))))
+        level = Assignment(half_sine, Call(COSINE, half))
+        self.helpers += [
+            Helper(names.from_top.name, _THETA, angle, "motor angle from the nearest top of the link [rad]"),
+            Helper(names.chord.name, _FROM_TOP, (halved, bent), "2 sin(half the link angle from the top)/mu"),
+            Helper(
+                names.half_sine.name, _FROM_TOP, (halved, level), "cosine of half the link angle from the top"
+            ),
+        ]
+
+    def _period_parts(self, period: sp.Symbol, mu: sp.Expr) -> list[sp.Symbol]:
+        """Long division of 2 pi by mu: a digit, and what it leaves of 2 pi, which gives the next ones."""
+        first = self._prepare("period_1", Leading(period))
+        left = self._prepare("period_left", TurnLeft(first, mu) / mu)
+        second = self._prepare("period_2", Leading(left))
+        third = self._prepare("period_3", Leading(Minus(left, second)))
+        last = Plus(Minus(Minus(left, second), third), Low(left))
+        return [first, second, third, self._prepare("period_4", Rounded(last))]

@@ -1,0 +1,75 @@
+"""Primitive operations: what lowered expressions are made of, printed one to one by every back end.
+
+They take their arguments as they stand; SymPy neither re-orders nor simplifies them. So NumPy and C compute
+the same bits.
+"""
+
+from __future__ import annotations
+
+import sympy as sp
+
+from eccentric.model.steps import Step
+
+
+class Plus(Step):
+    """a + b."""
+
+
+class Minus(Step):
+    """a - b."""
+
+
+class Times(Step):
+    """a b."""
+
+
+class Over(Step):
+    """a / b."""
+
+
+class Root(Step):
+    """Square root."""
+
+
+class Size(Step):
+    """Absolute value."""
+
+
+class Rounded(Step):
+    """A parameter-only number in the working precision (prepare only)."""
+
+
+class Low(Step):
+    """The digits of a parameter-only number that its double does not hold; 0 in exact arithmetic."""
+
+
+class TurnLeft(Step):
+    """2 pi - a b, its digits kept where a b is nearly 2 pi (prepare only)."""
+
+
+class Call(Step):
+    """A function of emission's own, by its name."""
+
+
+class Pick(Step):
+    """Pick(a, relation, b, x, y): x where `a relation b` holds, else y; a relation is >, <, <= or ==."""
+
+
+# 3/2 times the number from which on all are whole: x + ROUNDER - ROUNDER is x, rounded to a whole number.
+ROUNDER = sp.Symbol("rounder")
+SINE_RATIO, COSINE = sp.Symbol("sine_ratio"), sp.Symbol("cosine")
+HALF = sp.Rational(1, 2)
+ABOVE, BELOW, WITHIN, EQUAL = sp.symbols("> < <= ==")  # relations of Pick
+
+
+def exact(value: sp.Expr) -> sp.Expr:
+    """The parameter-only value with the primitive operations in SymPy's; rounding stays what it is."""
+    plain = {
+        Low: lambda _: sp.Integer(0),
+        TurnLeft: lambda a, b: 2 * sp.pi - a * b,
+        Plus: lambda a, b: a + b,
+        Minus: lambda a, b: a - b,
+    }
+    for operation, meant in plain.items():
+        value = value.replace(operation, meant)
+    return value

@@ -1,0 +1,180 @@
+"""The self-test of an emitted C source: inputs, and the bits that the emitted NumPy module gives there."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Mapping, Sequence
+from types import ModuleType
+from typing import Any, Protocol
+
+import numpy as np
+
+SECTIONS, SECTION = 10, 20_000  # generated samples
+_VECTORS_BYTES = 45_000  # of both precisions
+# Largest ordinary size of an input, as a power of two.
+_SIZES = {"theta_m": 7, "omega_m": 7, "alpha_m": 9, "i": 5, "u": 6}
+_OTHER_SIZE = 3
+
+
+class _Called(Protocol):
+    """What the self-test needs to know of a function."""
+
+    @property
+    def name(self) -> str: ...
+    @property
+    def inputs(self) -> tuple[str, ...]: ...
+    @property
+    def width(self) -> int: ...
+
+
+def view(
+    module: ModuleType, functions: Sequence[_Called], inputs: list[str], values: Mapping[str, float]
+) -> dict[str, Any]:
+    """What the templates of self-test and vectors are filled with.
+
+    Args:
+        module: the emitted NumPy module.
+        functions: its functions.
+        inputs: names of the model's inputs.
+        values: every parameter.
+    """
+    numbers = len(inputs) + sum(f.width for f in functions)
+    rows = min(64, _VECTORS_BYTES // (24 * numbers))
+    return {
+        "functions": functions,
+        "inputs": inputs,
+        "widths": _braces(f.width for f in functions),
+        "largest": max(f.width for f in functions),
+        "rows": rows,
+        "kinds": len(_spans(inputs)),
+        "sections": SECTIONS,
+        "section": SECTION,
+        "precisions": [
+            _precision(real, module, functions, inputs, values, rows) for real in (np.float32, np.float64)
+        ],
+    }
+
+
+def _precision(
+    real: Any,
+    module: ModuleType,
+    functions: Sequence[_Called],
+    inputs: list[str],
+    values: Mapping[str, float],
+    rows: int,
+) -> dict[str, Any]:
+    single = real is np.float32
+    digits, suffix = (8, "f") if single else (16, "")
+    hollow = _hollow(values)
+    spans, centres = np.array(_spans(inputs), real), np.zeros((len(_spans(inputs)), len(inputs)), real)
+    spans[5] = np.finfo(real).tiny * 4
+    centres[3:5] = [hollow.get(name, 0.0) for name in inputs]
+    parameters = module.Parameters(**values)
+
+    def evaluated(states: list[np.ndarray]) -> list[list[np.ndarray]]:
+        """The bits of what each function gives: function, value, sample."""
+        columns = dict(zip(inputs, states, strict=True))
+        out = []
+        for f in functions:
+            result = getattr(module, f.name)(*(columns[x] for x in f.inputs), parameters=parameters)
+            shape = (len(states[0]), f.width)
+            table = np.broadcast_to(np.asarray(result, real).reshape(-1, f.width), shape)
+            out.append([_bits(table[:, j]) for j in range(f.width)])
+        return out
+
+    special = [_special(k, hollow.get(name, 3.0), real)[:rows] for k, name in enumerate(inputs)]
+    vectors = np.column_stack([*map(_bits, special), *(x for f in evaluated(special) for x in f)])
+    digests = np.column_stack([_digests(f) for f in evaluated(_stream(centres, spans))])
+    return {
+        "condition": "if ECCENTRIC_PRECISION == 1" if single else "else",
+        "bits": f"uint{4 * digits}_t",
+        "digits": digits,
+        "not_a_number": f"0x{int(_bits(np.array([np.nan], real))[0]):x}u",
+        "scale": f"0x1p-32{suffix}",
+        "half": f"0.5{suffix}",
+        "centres": [_braces(float(x).hex() + suffix for x in row) for row in centres],
+        "spans": [_braces(float(x).hex() + suffix for x in row) for row in spans],
+        "vectors": ["".join(f"{int(x):0{digits}x}" for x in row) for row in vectors],
+        "digests": [_braces(f"0x{x:08x}u" for x in row) for row in digests],
+    }
+
+
+def _hollow(values: Mapping[str, float]) -> dict[str, float]:
+    """The state where the normal force vanishes: the mass at the top, at the velocity that lifts it."""
+    try:
+        M, M_l, L, mu, g = (values[name] for name in ("M", "M_l", "L", "mu", "g"))
+    except KeyError:
+        return {}
+    if M * L == 0:
+        return {}
+    in_plane = g * math.cos(values.get("phi", 0.0))
+    return {"theta_m": math.pi / mu, "omega_m": math.sqrt(in_plane * (M + M_l) / (M * L)) / mu}
+
+
+def _spans(inputs: list[str]) -> list[list[float]]:
+    """Widths of the inputs' ranges, a row per kind of sample, powers of two; 0 is any bits."""
+    usual = [2.0 ** (_SIZES.get(name, _OTHER_SIZE) + 1) for name in inputs]
+
+    def with_angle(span: float) -> list[float]:
+        return [span if name == "theta_m" else size for name, size in zip(inputs, usual, strict=True)]
+
+    hollow, closer, tiny, any_bits = ([x] * len(inputs) for x in (2.0**-9, 2.0**-19, 1.0, 0.0))
+    return [usual, with_angle(2.0**11), with_angle(2.0**15), hollow, closer, tiny, any_bits, with_angle(0.0)]
+
+
+def _special(k: int, at: float, real: Any) -> np.ndarray:
+    """The values of input k in the vectors: what arithmetic finds hard, each input in another order."""
+    limits, centre = np.finfo(real), real(at)
+    above, below = np.nextafter(centre, real(np.inf)), np.nextafter(centre, real(0))
+    values = np.array([
+        0.0, -0.0, 1.0, -2.5, centre, above, below, -centre, 2 * centre, centre / 2, 1e3, 1e4, -1e4, 1e7,
+        -1e9, limits.max, -limits.max, limits.tiny, limits.smallest_subnormal, -limits.tiny / 4, np.inf,
+        -np.inf, np.nan,
+    ], real)  # fmt: skip
+    row = np.arange(64)
+    return values[((2 * k + 1) * row + (k + 3) * (row // len(values))) % len(values)]
+
+
+def _stream(centres: np.ndarray, spans: np.ndarray) -> list[np.ndarray]:
+    """The generated samples, an array per input: what `generated` in selftest_stream.c.jinja computes."""
+    real, single = spans.dtype.type, spans.dtype == np.float32
+    n, scale = np.arange(SECTIONS * SECTION, dtype=np.uint32), real(2.0**-32)
+    columns = []
+    for k in range(spans.shape[1]):
+        high, low = (_scrambled(n * np.uint32(16) + np.uint32(2 * k + j)) for j in (0, 1))
+        unit = high.astype(real) * scale + low.astype(real) * scale * scale
+        word = high if single else (low.astype(np.uint64) << np.uint64(32)) | high
+        centre, span = (table[n % np.uint32(len(table)), k] for table in (centres, spans))
+        columns.append(np.where(span == 0, word.view(real), centre + (unit - real(0.5)) * span))
+    return columns
+
+
+def _scrambled(x: np.ndarray) -> np.ndarray:
+    x = (x ^ (x >> np.uint32(16))) * np.uint32(0x7FEB352D)
+    x = (x ^ (x >> np.uint32(15))) * np.uint32(0x846CA68B)
+    return x ^ (x >> np.uint32(16))
+
+
+def _bits(values: np.ndarray) -> np.ndarray:
+    """The bits of the values; a NaN has one pattern, since its sign and payload are the processor's own."""
+    single = values.dtype == np.float32
+    word = np.uint32 if single else np.uint64
+    nan = word(0x7FC00000 if single else 0x7FF8000000000000)
+    return np.where(np.isnan(values), nan, np.ascontiguousarray(values).view(word))
+
+
+def _digests(columns: list[np.ndarray]) -> np.ndarray:
+    """One number per section of the samples: a sum, each word times an odd factor of its place."""
+    n = np.arange(SECTIONS * SECTION, dtype=np.uint32)
+    total = np.zeros(SECTIONS, np.uint32)
+    for j, words in enumerate(columns):
+        factor = _scrambled(n * np.uint32(16) + np.uint32(j)) | np.uint32(1)
+        products = words.astype(np.uint32) * factor
+        if words.dtype == np.uint64:
+            products += (words >> np.uint64(32)).astype(np.uint32) * (factor + np.uint32(2))
+        total += products.reshape(SECTIONS, SECTION).sum(axis=1, dtype=np.uint32)
+    return total
+
+
+def _braces(items: Iterable[object]) -> str:
+    return "{" + ", ".join(map(str, items)) + "}"

@@ -1,0 +1,389 @@
+/*
+ * Generated: do not edit. Written beside c1_asymmetric.c (program a81e2815).
+ * Driver of a proof: over all inputs within the ranges below no function of c1_asymmetric.c has undefined
+ * behaviour, overflows or makes a NaN or an infinity, for the parameters set in main. For yours, set them there.
+ * Frama-C's Eva does it; 0 alarms are the proof, and the intervals that it shows hold the results:
+ *
+ *   frama-c -eva -eva-slevel 300 -eva-split-return full -eva-domains cvalue,equality -eva-subdivide-non-linear 20 \
+ *     -warn-special-float non-finite -kernel-warn-key annot:missing-spec=abort \
+ *     -cpp-extra-args="-DECCENTRIC_REAL=float -I.." c1_asymmetric_proof.c
+ *
+ * and the same with -DECCENTRIC_REAL=double.
+ */
+#include <float.h>
+#include <math.h>
+#include <stddef.h>
+#include "__fc_builtin.h"
+
+/* Largest size of the inputs. */
+#ifndef RANGE_omega_m
+#define RANGE_omega_m 1e3 /* rad/s */
+#endif
+#ifndef RANGE_i
+#define RANGE_i 1e3 /* A */
+#endif
+#ifndef RANGE_u
+#define RANGE_u 1e3 /* V */
+#endif
+#ifndef RANGE_alpha_m
+#define RANGE_alpha_m 1e4 /* rad/s^2 */
+#endif
+
+/* A parameter without default is NaN until it is set; Eva takes any NaN for an error. */
+#undef NAN
+#define NAN 0.0
+
+/* Eva's specification of fabs forgets that result and argument are related, and an interval that starts at the
+ * smallest number forgets that a square root does not. Written as cases, it keeps both. */
+static double proof_root(double x) { return (x == 0.0) ? 0.0 : sqrt(x); }
+static float proof_rootf(float x) { return (x == 0.0f) ? 0.0f : sqrtf(x); }
+#define sqrt(x) proof_root(x)
+#define sqrtf(x) proof_rootf(x)
+#define fabs(x) (((x) < 0.0) ? -(x) : (x))
+#define fabsf(x) (((x) < 0.0f) ? -(x) : (x))
+
+#include "c1_asymmetric.c"
+
+#define SAMPLES 2
+
+static ECCENTRIC_REAL within(double range)
+{
+#if ECCENTRIC_PRECISION == 1
+    return Frama_C_float_interval(-(float)range, (float)range);
+#else
+    return Frama_C_double_interval(-range, range);
+#endif
+}
+
+/* Function by function, each from the same start. */
+static void called(int function, const c1_asymmetric_coefficients *c)
+{
+    const ECCENTRIC_REAL omega_m = within(RANGE_omega_m);
+    ECCENTRIC_REAL omega_m_n[SAMPLES];
+    const ECCENTRIC_REAL i = within(RANGE_i);
+    ECCENTRIC_REAL i_n[SAMPLES];
+    const ECCENTRIC_REAL u = within(RANGE_u);
+    ECCENTRIC_REAL u_n[SAMPLES];
+    const ECCENTRIC_REAL alpha_m = within(RANGE_alpha_m);
+    ECCENTRIC_REAL alpha_m_n[SAMPLES];
+    ECCENTRIC_REAL out[SAMPLES * 12];
+    for (int k = 0; k < SAMPLES; ++k) {
+        omega_m_n[k] = within(RANGE_omega_m);
+        i_n[k] = within(RANGE_i);
+        u_n[k] = within(RANGE_u);
+        alpha_m_n[k] = within(RANGE_alpha_m);
+    }
+    switch (function) {
+    case 0:
+        c1_asymmetric_coulomb_torque(out, c);
+        //@ assert \is_finite(out[0]);
+        Frama_C_show_each_coulomb_torque(out[0]);
+        //@ assert \is_finite(out[1]);
+        Frama_C_show_each_coulomb_torque(out[1]);
+        break;
+    case 1:
+        out[0] = c1_asymmetric_current(omega_m, alpha_m, c);
+        //@ assert \is_finite(out[0]);
+        Frama_C_show_each_current(out[0]);
+        break;
+    case 2:
+        c1_asymmetric_current_n(SAMPLES, omega_m_n, alpha_m_n, out, c);
+        //@ assert \is_finite(out[0]);
+        Frama_C_show_each_current_n(out[0]);
+        //@ assert \is_finite(out[1]);
+        Frama_C_show_each_current_n(out[1]);
+        break;
+    case 3:
+        out[0] = c1_asymmetric_electrical_residual(omega_m, i, u, c);
+        //@ assert \is_finite(out[0]);
+        Frama_C_show_each_electrical_residual(out[0]);
+        break;
+    case 4:
+        c1_asymmetric_electrical_residual_n(SAMPLES, omega_m_n, i_n, u_n, out, c);
+        //@ assert \is_finite(out[0]);
+        Frama_C_show_each_electrical_residual_n(out[0]);
+        //@ assert \is_finite(out[1]);
+        Frama_C_show_each_electrical_residual_n(out[1]);
+        break;
+    case 5:
+        c1_asymmetric_friction_coefficients(out, c);
+        //@ assert \is_finite(out[0]);
+        Frama_C_show_each_friction_coefficients(out[0]);
+        //@ assert \is_finite(out[1]);
+        Frama_C_show_each_friction_coefficients(out[1]);
+        //@ assert \is_finite(out[2]);
+        Frama_C_show_each_friction_coefficients(out[2]);
+        //@ assert \is_finite(out[3]);
+        Frama_C_show_each_friction_coefficients(out[3]);
+        //@ assert \is_finite(out[4]);
+        Frama_C_show_each_friction_coefficients(out[4]);
+        //@ assert \is_finite(out[5]);
+        Frama_C_show_each_friction_coefficients(out[5]);
+        //@ assert \is_finite(out[6]);
+        Frama_C_show_each_friction_coefficients(out[6]);
+        //@ assert \is_finite(out[7]);
+        Frama_C_show_each_friction_coefficients(out[7]);
+        break;
+    case 6:
+        out[0] = c1_asymmetric_friction_torque(omega_m, c);
+        //@ assert \is_finite(out[0]);
+        Frama_C_show_each_friction_torque(out[0]);
+        break;
+    case 7:
+        c1_asymmetric_friction_torque_n(SAMPLES, omega_m_n, out, c);
+        //@ assert \is_finite(out[0]);
+        Frama_C_show_each_friction_torque_n(out[0]);
+        //@ assert \is_finite(out[1]);
+        Frama_C_show_each_friction_torque_n(out[1]);
+        break;
+    case 8:
+        c1_asymmetric_friction_torque_gradient(omega_m, out, c);
+        //@ assert \is_finite(out[0]);
+        Frama_C_show_each_friction_torque_gradient(out[0]);
+        break;
+    case 9:
+        c1_asymmetric_friction_torque_gradient_n(SAMPLES, omega_m_n, out, c);
+        //@ assert \is_finite(out[0]);
+        Frama_C_show_each_friction_torque_gradient_n(out[0]);
+        //@ assert \is_finite(out[1]);
+        Frama_C_show_each_friction_torque_gradient_n(out[1]);
+        break;
+    case 10:
+        c1_asymmetric_friction_torque_jacobian(omega_m, out, c);
+        //@ assert \is_finite(out[0]);
+        Frama_C_show_each_friction_torque_jacobian(out[0]);
+        //@ assert \is_finite(out[1]);
+        Frama_C_show_each_friction_torque_jacobian(out[1]);
+        //@ assert \is_finite(out[2]);
+        Frama_C_show_each_friction_torque_jacobian(out[2]);
+        //@ assert \is_finite(out[3]);
+        Frama_C_show_each_friction_torque_jacobian(out[3]);
+        //@ assert \is_finite(out[4]);
+        Frama_C_show_each_friction_torque_jacobian(out[4]);
+        //@ assert \is_finite(out[5]);
+        Frama_C_show_each_friction_torque_jacobian(out[5]);
+        //@ assert \is_finite(out[6]);
+        Frama_C_show_each_friction_torque_jacobian(out[6]);
+        //@ assert \is_finite(out[7]);
+        Frama_C_show_each_friction_torque_jacobian(out[7]);
+        //@ assert \is_finite(out[8]);
+        Frama_C_show_each_friction_torque_jacobian(out[8]);
+        //@ assert \is_finite(out[9]);
+        Frama_C_show_each_friction_torque_jacobian(out[9]);
+        //@ assert \is_finite(out[10]);
+        Frama_C_show_each_friction_torque_jacobian(out[10]);
+        //@ assert \is_finite(out[11]);
+        Frama_C_show_each_friction_torque_jacobian(out[11]);
+        break;
+    case 11:
+        c1_asymmetric_friction_torque_jacobian_n(SAMPLES, omega_m_n, out, c);
+        //@ assert \is_finite(out[0]);
+        Frama_C_show_each_friction_torque_jacobian_n(out[0]);
+        //@ assert \is_finite(out[1]);
+        Frama_C_show_each_friction_torque_jacobian_n(out[1]);
+        //@ assert \is_finite(out[2]);
+        Frama_C_show_each_friction_torque_jacobian_n(out[2]);
+        //@ assert \is_finite(out[3]);
+        Frama_C_show_each_friction_torque_jacobian_n(out[3]);
+        //@ assert \is_finite(out[4]);
+        Frama_C_show_each_friction_torque_jacobian_n(out[4]);
+        //@ assert \is_finite(out[5]);
+        Frama_C_show_each_friction_torque_jacobian_n(out[5]);
+        //@ assert \is_finite(out[6]);
+        Frama_C_show_each_friction_torque_jacobian_n(out[6]);
+        //@ assert \is_finite(out[7]);
+        Frama_C_show_each_friction_torque_jacobian_n(out[7]);
+        //@ assert \is_finite(out[8]);
+        Frama_C_show_each_friction_torque_jacobian_n(out[8]);
+        //@ assert \is_finite(out[9]);
+        Frama_C_show_each_friction_torque_jacobian_n(out[9]);
+        //@ assert \is_finite(out[10]);
+        Frama_C_show_each_friction_torque_jacobian_n(out[10]);
+        //@ assert \is_finite(out[11]);
+        Frama_C_show_each_friction_torque_jacobian_n(out[11]);
+        //@ assert \is_finite(out[12]);
+        Frama_C_show_each_friction_torque_jacobian_n(out[12]);
+        //@ assert \is_finite(out[13]);
+        Frama_C_show_each_friction_torque_jacobian_n(out[13]);
+        //@ assert \is_finite(out[14]);
+        Frama_C_show_each_friction_torque_jacobian_n(out[14]);
+        //@ assert \is_finite(out[15]);
+        Frama_C_show_each_friction_torque_jacobian_n(out[15]);
+        //@ assert \is_finite(out[16]);
+        Frama_C_show_each_friction_torque_jacobian_n(out[16]);
+        //@ assert \is_finite(out[17]);
+        Frama_C_show_each_friction_torque_jacobian_n(out[17]);
+        //@ assert \is_finite(out[18]);
+        Frama_C_show_each_friction_torque_jacobian_n(out[18]);
+        //@ assert \is_finite(out[19]);
+        Frama_C_show_each_friction_torque_jacobian_n(out[19]);
+        //@ assert \is_finite(out[20]);
+        Frama_C_show_each_friction_torque_jacobian_n(out[20]);
+        //@ assert \is_finite(out[21]);
+        Frama_C_show_each_friction_torque_jacobian_n(out[21]);
+        //@ assert \is_finite(out[22]);
+        Frama_C_show_each_friction_torque_jacobian_n(out[22]);
+        //@ assert \is_finite(out[23]);
+        Frama_C_show_each_friction_torque_jacobian_n(out[23]);
+        break;
+    case 12:
+        c1_asymmetric_friction_torque_with_gradient(omega_m, out, c);
+        //@ assert \is_finite(out[0]);
+        Frama_C_show_each_friction_torque_with_gradient(out[0]);
+        //@ assert \is_finite(out[1]);
+        Frama_C_show_each_friction_torque_with_gradient(out[1]);
+        break;
+    case 13:
+        c1_asymmetric_friction_torque_with_gradient_n(SAMPLES, omega_m_n, out, c);
+        //@ assert \is_finite(out[0]);
+        Frama_C_show_each_friction_torque_with_gradient_n(out[0]);
+        //@ assert \is_finite(out[1]);
+        Frama_C_show_each_friction_torque_with_gradient_n(out[1]);
+        //@ assert \is_finite(out[2]);
+        Frama_C_show_each_friction_torque_with_gradient_n(out[2]);
+        //@ assert \is_finite(out[3]);
+        Frama_C_show_each_friction_torque_with_gradient_n(out[3]);
+        break;
+    case 14:
+        out[0] = c1_asymmetric_gravity_torque(c);
+        //@ assert \is_finite(out[0]);
+        Frama_C_show_each_gravity_torque(out[0]);
+        break;
+    case 15:
+        out[0] = c1_asymmetric_mechanical_friction_torque(omega_m, c);
+        //@ assert \is_finite(out[0]);
+        Frama_C_show_each_mechanical_friction_torque(out[0]);
+        break;
+    case 16:
+        c1_asymmetric_mechanical_friction_torque_n(SAMPLES, omega_m_n, out, c);
+        //@ assert \is_finite(out[0]);
+        Frama_C_show_each_mechanical_friction_torque_n(out[0]);
+        //@ assert \is_finite(out[1]);
+        Frama_C_show_each_mechanical_friction_torque_n(out[1]);
+        break;
+    case 17:
+        out[0] = c1_asymmetric_mechanical_residual(omega_m, i, alpha_m, c);
+        //@ assert \is_finite(out[0]);
+        Frama_C_show_each_mechanical_residual(out[0]);
+        break;
+    case 18:
+        c1_asymmetric_mechanical_residual_n(SAMPLES, omega_m_n, i_n, alpha_m_n, out, c);
+        //@ assert \is_finite(out[0]);
+        Frama_C_show_each_mechanical_residual_n(out[0]);
+        //@ assert \is_finite(out[1]);
+        Frama_C_show_each_mechanical_residual_n(out[1]);
+        break;
+    case 19:
+        out[0] = c1_asymmetric_normal_force(omega_m, c);
+        //@ assert \is_finite(out[0]);
+        Frama_C_show_each_normal_force(out[0]);
+        break;
+    case 20:
+        c1_asymmetric_normal_force_n(SAMPLES, omega_m_n, out, c);
+        //@ assert \is_finite(out[0]);
+        Frama_C_show_each_normal_force_n(out[0]);
+        //@ assert \is_finite(out[1]);
+        Frama_C_show_each_normal_force_n(out[1]);
+        break;
+    case 21:
+        c1_asymmetric_polynomial(out, c);
+        //@ assert \is_finite(out[0]);
+        Frama_C_show_each_polynomial(out[0]);
+        //@ assert \is_finite(out[1]);
+        Frama_C_show_each_polynomial(out[1]);
+        //@ assert \is_finite(out[2]);
+        Frama_C_show_each_polynomial(out[2]);
+        //@ assert \is_finite(out[3]);
+        Frama_C_show_each_polynomial(out[3]);
+        break;
+    case 22:
+        c1_asymmetric_polynomial_neg(out, c);
+        //@ assert \is_finite(out[0]);
+        Frama_C_show_each_polynomial_neg(out[0]);
+        //@ assert \is_finite(out[1]);
+        Frama_C_show_each_polynomial_neg(out[1]);
+        //@ assert \is_finite(out[2]);
+        Frama_C_show_each_polynomial_neg(out[2]);
+        //@ assert \is_finite(out[3]);
+        Frama_C_show_each_polynomial_neg(out[3]);
+        break;
+    case 23:
+        c1_asymmetric_regressor(omega_m, out, c);
+        //@ assert \is_finite(out[0]);
+        Frama_C_show_each_regressor(out[0]);
+        //@ assert \is_finite(out[1]);
+        Frama_C_show_each_regressor(out[1]);
+        //@ assert \is_finite(out[2]);
+        Frama_C_show_each_regressor(out[2]);
+        //@ assert \is_finite(out[3]);
+        Frama_C_show_each_regressor(out[3]);
+        //@ assert \is_finite(out[4]);
+        Frama_C_show_each_regressor(out[4]);
+        //@ assert \is_finite(out[5]);
+        Frama_C_show_each_regressor(out[5]);
+        //@ assert \is_finite(out[6]);
+        Frama_C_show_each_regressor(out[6]);
+        //@ assert \is_finite(out[7]);
+        Frama_C_show_each_regressor(out[7]);
+        break;
+    case 24:
+        c1_asymmetric_regressor_n(SAMPLES, omega_m_n, out, c);
+        //@ assert \is_finite(out[0]);
+        Frama_C_show_each_regressor_n(out[0]);
+        //@ assert \is_finite(out[1]);
+        Frama_C_show_each_regressor_n(out[1]);
+        //@ assert \is_finite(out[2]);
+        Frama_C_show_each_regressor_n(out[2]);
+        //@ assert \is_finite(out[3]);
+        Frama_C_show_each_regressor_n(out[3]);
+        //@ assert \is_finite(out[4]);
+        Frama_C_show_each_regressor_n(out[4]);
+        //@ assert \is_finite(out[5]);
+        Frama_C_show_each_regressor_n(out[5]);
+        //@ assert \is_finite(out[6]);
+        Frama_C_show_each_regressor_n(out[6]);
+        //@ assert \is_finite(out[7]);
+        Frama_C_show_each_regressor_n(out[7]);
+        //@ assert \is_finite(out[8]);
+        Frama_C_show_each_regressor_n(out[8]);
+        //@ assert \is_finite(out[9]);
+        Frama_C_show_each_regressor_n(out[9]);
+        //@ assert \is_finite(out[10]);
+        Frama_C_show_each_regressor_n(out[10]);
+        //@ assert \is_finite(out[11]);
+        Frama_C_show_each_regressor_n(out[11]);
+        //@ assert \is_finite(out[12]);
+        Frama_C_show_each_regressor_n(out[12]);
+        //@ assert \is_finite(out[13]);
+        Frama_C_show_each_regressor_n(out[13]);
+        //@ assert \is_finite(out[14]);
+        Frama_C_show_each_regressor_n(out[14]);
+        //@ assert \is_finite(out[15]);
+        Frama_C_show_each_regressor_n(out[15]);
+        break;
+    case 25:
+        out[0] = c1_asymmetric_voltage(omega_m, alpha_m, c);
+        //@ assert \is_finite(out[0]);
+        Frama_C_show_each_voltage(out[0]);
+        break;
+    case 26:
+        c1_asymmetric_voltage_n(SAMPLES, omega_m_n, alpha_m_n, out, c);
+        //@ assert \is_finite(out[0]);
+        Frama_C_show_each_voltage_n(out[0]);
+        //@ assert \is_finite(out[1]);
+        Frama_C_show_each_voltage_n(out[1]);
+        break;
+    default: break;
+    }
+}
+
+int main(void)
+{
+    c1_asymmetric_parameters p = c1_asymmetric_default_parameters;
+    p.J_m = 0.0002;
+    p.J_l = 0.04;
+    c1_asymmetric_coefficients c;
+    c1_asymmetric_prepare(&p, &c);
+    called(Frama_C_interval(0, 26), &c);
+    return 0;
+}

@@ -1,0 +1,343 @@
+/*
+ * Generated: do not edit. Written beside rotating_link.c (program 0f291ae2).
+ * Driver of a proof: over all inputs within the ranges below no function of rotating_link.c has undefined
+ * behaviour, overflows or makes a NaN or an infinity, for the parameters set in main. For yours, set them there.
+ * Frama-C's Eva does it; 0 alarms are the proof, and the intervals that it shows hold the results:
+ *
+ *   frama-c -eva -eva-slevel 300 -eva-split-return full -eva-domains cvalue,equality -eva-subdivide-non-linear 20 \
+ *     -eva-subdivide-non-linear-function rotating_link_from_top:500 \
+ *     -warn-special-float non-finite -kernel-warn-key annot:missing-spec=abort \
+ *     -cpp-extra-args="-DECCENTRIC_REAL=float -I.." rotating_link_proof.c
+ *
+ * and the same with -DECCENTRIC_REAL=double.
+ */
+#include <float.h>
+#include <math.h>
+#include <stddef.h>
+#include "__fc_builtin.h"
+
+/* Largest size of the inputs. */
+#ifndef RANGE_theta_m
+#define RANGE_theta_m 1e4 /* rad */
+#endif
+#ifndef RANGE_omega_m
+#define RANGE_omega_m 1e3 /* rad/s */
+#endif
+#ifndef RANGE_i
+#define RANGE_i 1e3 /* A */
+#endif
+#ifndef RANGE_u
+#define RANGE_u 1e3 /* V */
+#endif
+#ifndef RANGE_alpha_m
+#define RANGE_alpha_m 1e4 /* rad/s^2 */
+#endif
+
+/* A parameter without default is NaN until it is set; Eva takes any NaN for an error. */
+#undef NAN
+#define NAN 0.0
+
+/* Eva's specification of fabs forgets that result and argument are related, and an interval that starts at the
+ * smallest number forgets that a square root does not. Written as cases, it keeps both. */
+static double proof_root(double x) { return (x == 0.0) ? 0.0 : sqrt(x); }
+static float proof_rootf(float x) { return (x == 0.0f) ? 0.0f : sqrtf(x); }
+#define sqrt(x) proof_root(x)
+#define sqrtf(x) proof_rootf(x)
+#define fabs(x) (((x) < 0.0) ? -(x) : (x))
+#define fabsf(x) (((x) < 0.0f) ? -(x) : (x))
+
+#include "rotating_link.c"
+
+#define SAMPLES 2
+
+static ECCENTRIC_REAL within(double range)
+{
+#if ECCENTRIC_PRECISION == 1
+    return Frama_C_float_interval(-(float)range, (float)range);
+#else
+    return Frama_C_double_interval(-range, range);
+#endif
+}
+
+/* Function by function, each from the same start. */
+static void called(int function, const rotating_link_coefficients *c)
+{
+    const ECCENTRIC_REAL theta_m = within(RANGE_theta_m);
+    ECCENTRIC_REAL theta_m_n[SAMPLES];
+    const ECCENTRIC_REAL omega_m = within(RANGE_omega_m);
+    ECCENTRIC_REAL omega_m_n[SAMPLES];
+    const ECCENTRIC_REAL i = within(RANGE_i);
+    ECCENTRIC_REAL i_n[SAMPLES];
+    const ECCENTRIC_REAL u = within(RANGE_u);
+    ECCENTRIC_REAL u_n[SAMPLES];
+    const ECCENTRIC_REAL alpha_m = within(RANGE_alpha_m);
+    ECCENTRIC_REAL alpha_m_n[SAMPLES];
+    ECCENTRIC_REAL out[SAMPLES * 6];
+    for (int k = 0; k < SAMPLES; ++k) {
+        theta_m_n[k] = within(RANGE_theta_m);
+        omega_m_n[k] = within(RANGE_omega_m);
+        i_n[k] = within(RANGE_i);
+        u_n[k] = within(RANGE_u);
+        alpha_m_n[k] = within(RANGE_alpha_m);
+    }
+    switch (function) {
+    case 0:
+        out[0] = rotating_link_coulomb_torque(theta_m, alpha_m, c);
+        //@ assert \is_finite(out[0]);
+        Frama_C_show_each_coulomb_torque(out[0]);
+        break;
+    case 1:
+        rotating_link_coulomb_torque_n(SAMPLES, theta_m_n, alpha_m_n, out, c);
+        //@ assert \is_finite(out[0]);
+        Frama_C_show_each_coulomb_torque_n(out[0]);
+        //@ assert \is_finite(out[1]);
+        Frama_C_show_each_coulomb_torque_n(out[1]);
+        break;
+    case 2:
+        out[0] = rotating_link_current(theta_m, omega_m, alpha_m, c);
+        //@ assert \is_finite(out[0]);
+        Frama_C_show_each_current(out[0]);
+        break;
+    case 3:
+        rotating_link_current_n(SAMPLES, theta_m_n, omega_m_n, alpha_m_n, out, c);
+        //@ assert \is_finite(out[0]);
+        Frama_C_show_each_current_n(out[0]);
+        //@ assert \is_finite(out[1]);
+        Frama_C_show_each_current_n(out[1]);
+        break;
+    case 4:
+        out[0] = rotating_link_electrical_residual(omega_m, i, u, c);
+        //@ assert \is_finite(out[0]);
+        Frama_C_show_each_electrical_residual(out[0]);
+        break;
+    case 5:
+        rotating_link_electrical_residual_n(SAMPLES, omega_m_n, i_n, u_n, out, c);
+        //@ assert \is_finite(out[0]);
+        Frama_C_show_each_electrical_residual_n(out[0]);
+        //@ assert \is_finite(out[1]);
+        Frama_C_show_each_electrical_residual_n(out[1]);
+        break;
+    case 6:
+        rotating_link_friction_coefficients(out, c);
+        //@ assert \is_finite(out[0]);
+        Frama_C_show_each_friction_coefficients(out[0]);
+        //@ assert \is_finite(out[1]);
+        Frama_C_show_each_friction_coefficients(out[1]);
+        //@ assert \is_finite(out[2]);
+        Frama_C_show_each_friction_coefficients(out[2]);
+        //@ assert \is_finite(out[3]);
+        Frama_C_show_each_friction_coefficients(out[3]);
+        break;
+    case 7:
+        out[0] = rotating_link_friction_torque(theta_m, omega_m, alpha_m, c);
+        //@ assert \is_finite(out[0]);
+        Frama_C_show_each_friction_torque(out[0]);
+        break;
+    case 8:
+        rotating_link_friction_torque_n(SAMPLES, theta_m_n, omega_m_n, alpha_m_n, out, c);
+        //@ assert \is_finite(out[0]);
+        Frama_C_show_each_friction_torque_n(out[0]);
+        //@ assert \is_finite(out[1]);
+        Frama_C_show_each_friction_torque_n(out[1]);
+        break;
+    case 9:
+        rotating_link_friction_torque_gradient(theta_m, omega_m, alpha_m, out, c);
+        //@ assert \is_finite(out[0]);
+        Frama_C_show_each_friction_torque_gradient(out[0]);
+        //@ assert \is_finite(out[1]);
+        Frama_C_show_each_friction_torque_gradient(out[1]);
+        //@ assert \is_finite(out[2]);
+        Frama_C_show_each_friction_torque_gradient(out[2]);
+        break;
+    case 10:
+        rotating_link_friction_torque_gradient_n(SAMPLES, theta_m_n, omega_m_n, alpha_m_n, out, c);
+        //@ assert \is_finite(out[0]);
+        Frama_C_show_each_friction_torque_gradient_n(out[0]);
+        //@ assert \is_finite(out[1]);
+        Frama_C_show_each_friction_torque_gradient_n(out[1]);
+        //@ assert \is_finite(out[2]);
+        Frama_C_show_each_friction_torque_gradient_n(out[2]);
+        //@ assert \is_finite(out[3]);
+        Frama_C_show_each_friction_torque_gradient_n(out[3]);
+        //@ assert \is_finite(out[4]);
+        Frama_C_show_each_friction_torque_gradient_n(out[4]);
+        //@ assert \is_finite(out[5]);
+        Frama_C_show_each_friction_torque_gradient_n(out[5]);
+        break;
+    case 11:
+        rotating_link_friction_torque_jacobian(theta_m, omega_m, alpha_m, out, c);
+        //@ assert \is_finite(out[0]);
+        Frama_C_show_each_friction_torque_jacobian(out[0]);
+        //@ assert \is_finite(out[1]);
+        Frama_C_show_each_friction_torque_jacobian(out[1]);
+        //@ assert \is_finite(out[2]);
+        Frama_C_show_each_friction_torque_jacobian(out[2]);
+        //@ assert \is_finite(out[3]);
+        Frama_C_show_each_friction_torque_jacobian(out[3]);
+        //@ assert \is_finite(out[4]);
+        Frama_C_show_each_friction_torque_jacobian(out[4]);
+        //@ assert \is_finite(out[5]);
+        Frama_C_show_each_friction_torque_jacobian(out[5]);
+        break;
+    case 12:
+        rotating_link_friction_torque_jacobian_n(SAMPLES, theta_m_n, omega_m_n, alpha_m_n, out, c);
+        //@ assert \is_finite(out[0]);
+        Frama_C_show_each_friction_torque_jacobian_n(out[0]);
+        //@ assert \is_finite(out[1]);
+        Frama_C_show_each_friction_torque_jacobian_n(out[1]);
+        //@ assert \is_finite(out[2]);
+        Frama_C_show_each_friction_torque_jacobian_n(out[2]);
+        //@ assert \is_finite(out[3]);
+        Frama_C_show_each_friction_torque_jacobian_n(out[3]);
+        //@ assert \is_finite(out[4]);
+        Frama_C_show_each_friction_torque_jacobian_n(out[4]);
+        //@ assert \is_finite(out[5]);
+        Frama_C_show_each_friction_torque_jacobian_n(out[5]);
+        //@ assert \is_finite(out[6]);
+        Frama_C_show_each_friction_torque_jacobian_n(out[6]);
+        //@ assert \is_finite(out[7]);
+        Frama_C_show_each_friction_torque_jacobian_n(out[7]);
+        //@ assert \is_finite(out[8]);
+        Frama_C_show_each_friction_torque_jacobian_n(out[8]);
+        //@ assert \is_finite(out[9]);
+        Frama_C_show_each_friction_torque_jacobian_n(out[9]);
+        //@ assert \is_finite(out[10]);
+        Frama_C_show_each_friction_torque_jacobian_n(out[10]);
+        //@ assert \is_finite(out[11]);
+        Frama_C_show_each_friction_torque_jacobian_n(out[11]);
+        break;
+    case 13:
+        rotating_link_friction_torque_with_gradient(theta_m, omega_m, alpha_m, out, c);
+        //@ assert \is_finite(out[0]);
+        Frama_C_show_each_friction_torque_with_gradient(out[0]);
+        //@ assert \is_finite(out[1]);
+        Frama_C_show_each_friction_torque_with_gradient(out[1]);
+        //@ assert \is_finite(out[2]);
+        Frama_C_show_each_friction_torque_with_gradient(out[2]);
+        //@ assert \is_finite(out[3]);
+        Frama_C_show_each_friction_torque_with_gradient(out[3]);
+        break;
+    case 14:
+        rotating_link_friction_torque_with_gradient_n(SAMPLES, theta_m_n, omega_m_n, alpha_m_n, out, c);
+        //@ assert \is_finite(out[0]);
+        Frama_C_show_each_friction_torque_with_gradient_n(out[0]);
+        //@ assert \is_finite(out[1]);
+        Frama_C_show_each_friction_torque_with_gradient_n(out[1]);
+        //@ assert \is_finite(out[2]);
+        Frama_C_show_each_friction_torque_with_gradient_n(out[2]);
+        //@ assert \is_finite(out[3]);
+        Frama_C_show_each_friction_torque_with_gradient_n(out[3]);
+        //@ assert \is_finite(out[4]);
+        Frama_C_show_each_friction_torque_with_gradient_n(out[4]);
+        //@ assert \is_finite(out[5]);
+        Frama_C_show_each_friction_torque_with_gradient_n(out[5]);
+        //@ assert \is_finite(out[6]);
+        Frama_C_show_each_friction_torque_with_gradient_n(out[6]);
+        //@ assert \is_finite(out[7]);
+        Frama_C_show_each_friction_torque_with_gradient_n(out[7]);
+        break;
+    case 15:
+        out[0] = rotating_link_gravity_torque(theta_m, c);
+        //@ assert \is_finite(out[0]);
+        Frama_C_show_each_gravity_torque(out[0]);
+        break;
+    case 16:
+        rotating_link_gravity_torque_n(SAMPLES, theta_m_n, out, c);
+        //@ assert \is_finite(out[0]);
+        Frama_C_show_each_gravity_torque_n(out[0]);
+        //@ assert \is_finite(out[1]);
+        Frama_C_show_each_gravity_torque_n(out[1]);
+        break;
+    case 17:
+        out[0] = rotating_link_mechanical_friction_torque(theta_m, omega_m, alpha_m, c);
+        //@ assert \is_finite(out[0]);
+        Frama_C_show_each_mechanical_friction_torque(out[0]);
+        break;
+    case 18:
+        rotating_link_mechanical_friction_torque_n(SAMPLES, theta_m_n, omega_m_n, alpha_m_n, out, c);
+        //@ assert \is_finite(out[0]);
+        Frama_C_show_each_mechanical_friction_torque_n(out[0]);
+        //@ assert \is_finite(out[1]);
+        Frama_C_show_each_mechanical_friction_torque_n(out[1]);
+        break;
+    case 19:
+        out[0] = rotating_link_mechanical_residual(theta_m, omega_m, i, alpha_m, c);
+        //@ assert \is_finite(out[0]);
+        Frama_C_show_each_mechanical_residual(out[0]);
+        break;
+    case 20:
+        rotating_link_mechanical_residual_n(SAMPLES, theta_m_n, omega_m_n, i_n, alpha_m_n, out, c);
+        //@ assert \is_finite(out[0]);
+        Frama_C_show_each_mechanical_residual_n(out[0]);
+        //@ assert \is_finite(out[1]);
+        Frama_C_show_each_mechanical_residual_n(out[1]);
+        break;
+    case 21:
+        out[0] = rotating_link_normal_force(theta_m, omega_m, alpha_m, c);
+        //@ assert \is_finite(out[0]);
+        Frama_C_show_each_normal_force(out[0]);
+        break;
+    case 22:
+        rotating_link_normal_force_n(SAMPLES, theta_m_n, omega_m_n, alpha_m_n, out, c);
+        //@ assert \is_finite(out[0]);
+        Frama_C_show_each_normal_force_n(out[0]);
+        //@ assert \is_finite(out[1]);
+        Frama_C_show_each_normal_force_n(out[1]);
+        break;
+    case 23:
+        rotating_link_regressor(theta_m, omega_m, alpha_m, out, c);
+        //@ assert \is_finite(out[0]);
+        Frama_C_show_each_regressor(out[0]);
+        //@ assert \is_finite(out[1]);
+        Frama_C_show_each_regressor(out[1]);
+        //@ assert \is_finite(out[2]);
+        Frama_C_show_each_regressor(out[2]);
+        //@ assert \is_finite(out[3]);
+        Frama_C_show_each_regressor(out[3]);
+        break;
+    case 24:
+        rotating_link_regressor_n(SAMPLES, theta_m_n, omega_m_n, alpha_m_n, out, c);
+        //@ assert \is_finite(out[0]);
+        Frama_C_show_each_regressor_n(out[0]);
+        //@ assert \is_finite(out[1]);
+        Frama_C_show_each_regressor_n(out[1]);
+        //@ assert \is_finite(out[2]);
+        Frama_C_show_each_regressor_n(out[2]);
+        //@ assert \is_finite(out[3]);
+        Frama_C_show_each_regressor_n(out[3]);
+        //@ assert \is_finite(out[4]);
+        Frama_C_show_each_regressor_n(out[4]);
+        //@ assert \is_finite(out[5]);
+        Frama_C_show_each_regressor_n(out[5]);
+        //@ assert \is_finite(out[6]);
+        Frama_C_show_each_regressor_n(out[6]);
+        //@ assert \is_finite(out[7]);
+        Frama_C_show_each_regressor_n(out[7]);
+        break;
+    case 25:
+        out[0] = rotating_link_voltage(theta_m, omega_m, alpha_m, c);
+        //@ assert \is_finite(out[0]);
+        Frama_C_show_each_voltage(out[0]);
+        break;
+    case 26:
+        rotating_link_voltage_n(SAMPLES, theta_m_n, omega_m_n, alpha_m_n, out, c);
+        //@ assert \is_finite(out[0]);
+        Frama_C_show_each_voltage_n(out[0]);
+        //@ assert \is_finite(out[1]);
+        Frama_C_show_each_voltage_n(out[1]);
+        break;
+    default: break;
+    }
+}
+
+int main(void)
+{
+    rotating_link_parameters p = rotating_link_default_parameters;
+    p.J_m = 0.0002;
+    p.J_l = 0.04;
+    p.phi = 0.6;
+    rotating_link_coefficients c;
+    rotating_link_prepare(&p, &c);
+    called(Frama_C_interval(0, 26), &c);
+    return 0;
+}
