@@ -406,5 +406,7 @@ def _noise(bench: Bench) -> float:
     difference = np.diff(raw, 4)[joined]
     sigma = float(1.4826 * np.median(np.abs(difference - np.median(difference))) / np.sqrt(70.0))
     weights = bench.rows.weights
-    # An average of rows has less of it; the first one stands for all.
-    return sigma if weights is None else sigma * float(np.sqrt(np.sum(weights.getrow(0).data ** 2)))
+    if weights is None:
+        return sigma
+    # An average of rows has less of it; the one in the middle stands for all.
+    return sigma * float(np.sqrt(np.median(np.asarray(weights.multiply(weights).sum(axis=1)))))

@@ -77,7 +77,7 @@ def _errors(found: Diagnosis) -> dict[str, Any]:
     if score.per_drive and found.unit == "N m":
         said[f"rmse_holdout_{'V' if drive.by_voltage else 'A'}"] = {"mechanical": dict(score.per_drive)}
     if score.free:
-        said["rmse_holdout_motor_off_Nm"] = dict(score.free)
+        said[f"rmse_holdout_motor_off_{_suffix(found)}"] = dict(score.free)
     over = score.over_runs
     if over is not None:
         said["leave_one_run_out"] = {
@@ -100,7 +100,7 @@ def _identified(found: Diagnosis) -> dict[str, Any]:
         "voltage_offset_V": c.voltage_offset_V,
     }
     said: dict[str, Any] = {name: aligned[name] for name in sorted(found.rig.estimate)}
-    for name, e in found.extended.estimates.items():
+    for name, e in found.shipped.estimates.items():
         if name in letters:
             interval = list(e.interval)
             said[name] = {"value": e.value, "std_error": e.std_error, "interval_95": interval, "unit": e.unit}
@@ -197,14 +197,19 @@ def lines(found: Diagnosis) -> list[str]:
         errors = ", ".join(f"{name} {value:.4g}" for name, value in over.rmse.items())
         out.append(f"each of {over.runs} runs predicted from the others [{found.unit}]: {errors}")
         for name, (percent, (low, high), better) in over.gains.items():
+            if low == high:  # without a mass, the paper's model is the linear one
+                continue
             than = {"paper": "linear", "extended": "paper"}[name]
             out.append(
-                f"  {name} against {than}: {percent:.1f} % less (95 % interval {low:.1f} to {high:.1f} %,"
-                f" {better} of {over.runs} runs better)"
+                f"  {name} against {than}: {abs(percent):.1f} % {'less' if percent > 0 else 'more'} error"
+                f" (95 % interval of the gain {low:.1f} to {high:.1f} %, {better} of {over.runs} runs better)"
             )
-    ranked = ", ".join(f"{c.id} {c.probability:.2f}" for c in a.candidates[:4])
-    if ranked and a.verdict != "nothing_missing":
-        out.append(f"{'closest, not enough' if a.verdict == 'unexplained' else 'candidates'}: {ranked}")
+    if a.verdict == "unexplained":
+        nearest = ", ".join(c.id for c in a.candidates[:4])
+        out.append(f"nearest, and not enough: {nearest}")
+    elif a.verdict != "nothing_missing":
+        ranked = ", ".join(f"{c.id} {c.probability:.2f}" for c in a.candidates[:4])
+        out.append(f"candidates: {ranked}")
     if found.orders:
         parts = ", ".join(f"{o.per_turn:.2f} ({100 * o.share:.0f} % of its variance)" for o in found.orders)
         out.append(f"what is left inside runs is periodic in the motor angle, per turn: {parts}")

@@ -29,14 +29,17 @@ LEAST_SHARE = 0.04
 ABOVE = 4.0
 """A peak over the median of the mean spectrum: chance spreads over all orders alike."""
 
+ALONE = 8
+"""Steps to either side within which an order is the highest of its stretch."""
+
 
 @dataclass(frozen=True)
 class Order:
     """A periodic part of the torque.
 
     per_turn: cycles per turn of the motor; amplitude: RMS over the stretches of its amplitude [N m]; share:
-    of the variance inside the stretches, on average; seen: in how many of `stretches` it is `ABOVE` times the
-    median of their own spectrum.
+    of the variance inside the stretches, on average; seen: in how many of `stretches` it is a peak, `ABOVE`
+    times the median of their own spectrum.
     """
 
     per_turn: float
@@ -77,7 +80,9 @@ def orders_of(bench: Bench, target: Array) -> tuple[Order, ...]:
         # An order is known to the inverse of the turns only: the best of the neighbours counts.
         near = every[:, max(k - 2, 0) : k + 3].max(axis=1)
         share = float(near.mean())
-        seen = int(np.count_nonzero(near > ABOVE * np.median(every, axis=1)))
+        # What leaks from one frequency in time into its neighbours is no peak of its own there.
+        peak = near >= every[:, max(k - ALONE, 0) : k + ALONE + 1].max(axis=1)
+        seen = int(np.count_nonzero(peak & (near > ABOVE * np.median(every, axis=1))))
         amplitude = float(np.sqrt(np.mean(2.0 * near * np.array(variances))))
         found.append(Order(_centre(grid, mean, int(k)), amplitude, share, seen, len(every)))
     return tuple(sorted((o for o in found if 2 * o.seen > o.stretches), key=lambda o: -o.share))

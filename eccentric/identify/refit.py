@@ -392,6 +392,8 @@ def _estimates(fitted: Refit, fit: _Fit, solved: _Solved) -> dict[str, Estimate]
     for k, name in enumerate([*solved.names, *shapes]):
         if name in units:
             bounds = (float(low[k]), float(high[k]))
+            if name in shapes:
+                bounds = (shapes[name].low, shapes[name].high)
             found[name] = error.estimate(fitted.values[name], unit[k], units[name], bounds, int(held[k]))
         else:
             shown, value, factor, of = _outside(name, fitted, fit)

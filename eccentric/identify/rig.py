@@ -319,9 +319,10 @@ def _intervals(value: object, where: str) -> tuple[tuple[float, float], ...]:
 
 def _average(value: object, where: str) -> float:
     """Return a time [s], 0 if none is given, infinity for "run"."""
-    if isinstance(value, str):
-        return math.inf if value == "run" else parse_value(value, "s", where)
-    return 0.0 if value is None else read_number(value, where, 0.0, open_below=True)
+    if value is None or value == "run":
+        return 0.0 if value is None else math.inf
+    seconds = parse_value(value, "s", where) if isinstance(value, str) else value
+    return read_number(seconds, where, 0.0, open_below=True)
 
 
 def _names(value: object, where: str) -> tuple[str, ...]:

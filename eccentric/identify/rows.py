@@ -30,6 +30,8 @@ Mask = NDArray[np.bool_]
 
 MANY_RUNS = 5
 """Runs in the training part from which each is left out as a whole in cross-validation."""
+LEAST_PART = 1 / 3
+"""Part of a run that has to be usable for a mean of it; the ends of a short run take a third themselves."""
 WINDOW_S = 0.064
 """Length of the search's windows for a low pass of 25 Hz, s; in proportion to its period for others."""
 
@@ -118,13 +120,16 @@ def _averages(channels: Channels, rig: Rig, part: Mask) -> Windows:
 
 
 def _runs(channels: Channels, usable: Mask) -> Windows:
-    runs = np.unique(channels.run[usable])
-    columns = [np.flatnonzero(usable & (channels.run == run)) for run in runs]
-    sizes = np.array([len(c) for c in columns])
-    weights = csr_matrix(
-        (np.repeat(1.0 / sizes, sizes), np.concatenate(columns), np.r_[0, np.cumsum(sizes)]),
-        shape=(len(runs), len(channels.t)),
+    """Means of runs; one that is usable only in pieces says little of its speed and is left out."""
+    rows, used = (
+        np.bincount(channels.run),
+        np.bincount(channels.run[usable], minlength=channels.run.max() + 1),
     )
+    runs = np.flatnonzero(used > LEAST_PART * rows)
+    columns = [np.flatnonzero(usable & (channels.run == run)) for run in runs]
+    sizes = np.array([len(c) for c in columns], dtype=int)
+    rows, pointer = np.concatenate([np.empty(0, int), *columns]), np.concatenate([[0], np.cumsum(sizes)])
+    weights = csr_matrix((np.repeat(1.0 / sizes, sizes), rows, pointer), (len(runs), len(channels.t)))
     return Windows(weights, np.arange(len(runs)), weights @ channels.t, independent=True)
 
 

@@ -1,0 +1,193 @@
+"""Numbers and pictures of docs/measured-rigs.md, from logs that are not bundled.
+
+    python benchmarks/measured_rigs.py DATA [NAME ...]
+
+DATA has one folder for each set of logs, with its data.csv.gz; NAME is one of `RIGS`, all of them by default.
+Writes docs/measured/results.json and the pictures beside it, and puts its tables and what the commands printed
+into the page.  The prose there is by hand: read it again when results.json has changed.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import sys
+import tempfile
+from itertools import pairwise
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+sys.path.insert(0, str(Path(__file__).resolve().parent))
+import measured_figures as figures
+import measured_page
+from measured_free import K_E, free_errors
+from measured_identified import IDENTIFIED
+from measured_page import Cell, Table, table
+
+from eccentric.identify.diagnose import Diagnosis, diagnose
+from eccentric.identify.diagnosis import lines
+from eccentric.identify.uncertainty import improvement
+
+ROOT = Path(__file__).resolve().parents[1]
+OUT = ROOT / "docs" / "measured"
+RIGS = {
+    "bam_xl330_pendulum": "bam_xl330_pendulum",
+    "tro2021_drive1": "tro2021_screw_drives",
+    "tro2021_drive3": "tro2021_screw_drives",
+    "tue_unbalanced_disc": "tue_unbalanced_disc",
+    "dfki_ak80_pendulum": "dfki_ak80_pendulum",
+}
+"""Rig file -> folder of its logs."""
+
+VARIANTS = {
+    "bam_xl330_pendulum": {
+        # Rows with the motor switched off are not used at all.
+        "driven rows only": ('motor_off = "torque_enable == 0"', 'use = "torque_enable == 1"'),
+        # A constant torque is put down to the zero of the angle, which free rows share.
+        "zero angle": ('voltage_offset_V = "estimate"', 'theta_zero_rad = "estimate"'),
+    },
+    "tro2021_drive3": {
+        "from 6 rpm": ('"drive3_*"', '"drive3_*_[6-9]", "drive3_*_n[6-9]", "drive3_*[0-9][0-9]"'),
+    },
+}
+"""Rig -> title -> (line of the rig file, what is tried in its place)."""
+
+MODELS = {"linear": "Coulomb + viscous", "paper": "paper", "extended": "extended"}
+
+
+def main() -> None:
+    """Diagnose the rigs, draw the pictures, write the results; those of rigs not named stay."""
+    parser = argparse.ArgumentParser(description="Numbers and pictures of docs/measured-rigs.md.")
+    parser.add_argument("data", type=Path, help="folder of the measured sets")
+    parser.add_argument("names", nargs="*", default=list(RIGS), help=", ".join(RIGS))
+    args = parser.parse_args()
+    if unknown := set(args.names) - set(RIGS):
+        parser.error(f"{min(unknown)}: required one of {', '.join(RIGS)}")
+    path = OUT / "results.json"
+    results = json.loads(path.read_text(encoding="utf-8")) if path.is_file() else {}
+    for name in args.names:
+        log, rig = args.data / RIGS[name] / "data.csv.gz", ROOT / "examples" / "rigs" / f"{name}.toml"
+        found = diagnose([log], rig)
+        others = {title: changed(log, rig, change) for title, change in VARIANTS.get(name, {}).items()}
+        results[name] = page(name, found)
+        if np.any(found.bench.drive.off):
+            results[name]["tables"] += [
+                free(found, others["driven rows only"]),
+                errors(others["zero angle"]),
+                free(others["zero angle"], others["driven rows only"]),
+            ]
+        else:
+            results[name]["tables"] += [errors(other) for other in others.values()]
+        results[name]["variants"] = {title: lines(other) for title, other in others.items()}
+        figures.draw(name, found, OUT)
+        print("\n".join(results[name]["console"]), "\n")
+    OUT.mkdir(exist_ok=True)
+    text = json.dumps({name: results[name] for name in RIGS if name in results}, indent=1, ensure_ascii=False)
+    path.write_text(text + "\n", encoding="utf-8")
+    measured_page.write(ROOT / "docs" / "measured-rigs.md", results)
+
+
+def changed(log: Path, rig: Path, change: tuple[str, str]) -> Diagnosis:
+    """Diagnose the log with one line of the rig changed."""
+    text = rig.read_text(encoding="utf-8")
+    if change[0] not in text:
+        raise SystemExit(f"{rig}: required the line {change[0]}, which a variant changes")
+    with tempfile.TemporaryDirectory() as folder:
+        other = Path(folder) / rig.name
+        other.write_text(text.replace(*change), encoding="utf-8")
+        return diagnose([log], other)
+
+
+def page(name: str, found: Diagnosis) -> dict[str, Any]:
+    """What the page says of one rig: lines of the terminal, and tables in their order."""
+    tables = [errors(found), *([gains(found)] if len(models(found)) > 1 else []), IDENTIFIED[name](found)]
+    if found.orders:
+        tables.append(orders(found))
+    return {"verdict": found.attribution.verdict, "console": lines(found), "tables": tables}
+
+
+def models(found: Diagnosis) -> dict[str, str]:
+    """Models that differ: without a mass the paper's is Coulomb + viscous, without an effect none extends it."""
+    kept = dict(MODELS)
+    if found.rmse["mechanical"]["paper"] == found.rmse["mechanical"]["linear"]:
+        del kept["paper"]
+    if found.extended is found.paper:
+        del kept["extended"]
+    return kept
+
+
+def errors(found: Diagnosis) -> Table:
+    """RMSE of the models: held out, and every run predicted from the others."""
+    score, milli = found.score, 1e3
+    columns = {"held out [mN m]": {n: milli * x for n, x in score.rmse["mechanical"].items()}}
+    if score.per_drive:
+        columns["held out [mV]"] = {n: milli * x for n, x in score.per_drive.items()}
+    if score.over_runs is not None:
+        columns["each run left out [mN m]"] = {n: milli * x for n, x in score.over_runs.rmse.items()}
+    rows = {label: [column[name] for column in columns.values()] for name, label in models(found).items()}
+    return table(["model", *columns], rows)
+
+
+def gains(found: Diagnosis) -> Table:
+    """By how much each model is better than the one before: percent of the RMSE, 95 % interval, runs better."""
+    columns = ["model", "held out: less error [%]", "95 % interval"]
+    over = found.score.over_runs
+    if over is not None:
+        columns += ["each run left out: less error [%]", "95 % interval", "runs better", "of"]
+    names, rows = list(models(found)), {}
+    fits = {"linear": found.linear, "paper": found.paper, "extended": found.extended}
+    for before, after in pairwise(names):
+        # At one scale, as the errors are: they are volts where the torque is not measured.
+        residual = [
+            fits[n].residuals["mechanical"][found.rows.score] * (fits[n].scale or 1.0)
+            for n in (before, after)
+        ]
+        percent, interval = improvement(*residual)
+        row: list[Cell] = [percent, list(interval)]
+        if over is not None:
+            whole, between, better = over.gains[after]
+            row += [whole, list(between), better, over.runs]
+        rows[f"{MODELS[after]} against {MODELS[before]}"] = row
+    return table(columns, rows)
+
+
+def free(found: Diagnosis, driven: Diagnosis) -> Table:
+    """RMSE while the motor is off: as diagnosed (held-out rows), and from driven rows alone (all free rows)."""
+    labels = {"linear": MODELS["linear"], "paper": "paper", "extended": "extended"}
+    blind = free_errors(found, driven)
+    off = found.rows.mean(found.bench.drive.off.astype(float)) > 0.5
+    fits = {"linear": found.linear, "paper": found.paper, "extended": found.extended}
+    mean = {n: float(m.residuals["mechanical"][off & found.rows.score].mean()) for n, m in fits.items()}
+    columns = [
+        "model",
+        "held out [mN m]",
+        "mean held-out residual [mN m]",
+        *(f"driven rows only, k_e = {k:g} V s/rad [mN m]" for k in K_E),
+    ]
+    rows: dict[str, list[Cell]] = {"no friction": [None, None, *(1e3 * x for x in blind["no friction"])]}
+    for name, label in labels.items():
+        rows[label] = [1e3 * found.score.free[name], 1e3 * mean[name], *(1e3 * x for x in blind[label])]
+    return table(columns, rows)
+
+
+def orders(found: Diagnosis) -> Table:
+    """What the torque inside runs is periodic in."""
+    rows: dict[str, list[Cell]] = {
+        str(round(o.per_turn)): [o.per_turn, 1e3 * o.amplitude, 100 * o.share, o.seen, o.stretches]
+        for o in found.orders
+    }
+    columns = [
+        "order",
+        "cycles per input turn",
+        "amplitude [mN m]",
+        "share of the variance [%]",
+        "seen in runs",
+        "of",
+    ]
+    return table(columns, rows)
+
+
+if __name__ == "__main__":
+    main()

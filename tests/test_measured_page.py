@@ -1,0 +1,112 @@
+"""The page of measured rigs says what the last run on their logs gave; no log is needed to check it."""
+
+from __future__ import annotations
+
+import json
+import re
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+DOCS = Path(__file__).resolve().parents[1] / "docs"
+PAGE = (DOCS / "measured-rigs.md").read_text(encoding="utf-8")
+RESULTS: dict[str, Any] = json.loads((DOCS / "measured" / "results.json").read_text(encoding="utf-8"))
+NUMBER = re.compile(r"-?\d+(?:\.\d+)?")
+
+
+def sections() -> dict[str, str]:
+    """Rig -> its section of the page: the one whose command names its rig file."""
+    found = {}
+    for text in re.split(r"^## ", PAGE, flags=re.MULTILINE)[1:]:
+        rigs = set(re.findall(r"--rig examples/rigs/(\w+)\.toml", text))
+        if rigs:
+            (name,) = rigs
+            assert name not in found
+            found[name] = text
+    return found
+
+
+def tables(text: str) -> list[dict[str, Any]]:
+    """Markdown tables in the form of results.json, cells as text."""
+    found = []
+    for block in re.findall(r"(?:^\|.*\n)+", text, flags=re.MULTILINE):
+        head, _, *rows = [
+            [cell.strip() for cell in line.strip("| \n").split(" | ")] for line in block.splitlines()
+        ]
+        found.append({"columns": head, "rows": {label: cells for label, *cells in rows}})
+    return found
+
+
+def is_rounded(shown: str, value: float | list[float] | None) -> bool:
+    """Whether a cell shows its value, or both ends of its interval, rounded to two digits or more."""
+    if value is None:
+        return shown == "-"
+    values = value if isinstance(value, list) else [value]
+    pattern = " to ".join([NUMBER.pattern] * len(values))
+    if not re.fullmatch(pattern, shown):
+        return False
+    for text, exact in zip(NUMBER.findall(shown), values, strict=True):
+        last_digit = 10.0 ** -len(text.partition(".")[2])
+        error = abs(float(text) - exact)
+        if error > 0.5 * last_digit + 1e-9 or error > 0.05 * abs(exact):
+            return False
+    return True
+
+
+def test_every_rig_has_its_section() -> None:
+    """The page has one section for each rig of the results."""
+    assert set(RESULTS) == set(sections())
+
+
+@pytest.mark.parametrize("name", RESULTS)
+def test_tables_are_the_results_rounded(name: str) -> None:
+    """Tables have the columns and rows of the results, and every cell its value after rounding."""
+    shown = tables(sections()[name])
+    assert len(RESULTS[name]["tables"]) == len(shown)
+    for expected, actual in zip(RESULTS[name]["tables"], shown, strict=True):
+        assert expected["columns"] == actual["columns"]
+        assert list(expected["rows"]) == list(actual["rows"])
+        for label, values in expected["rows"].items():
+            cells = actual["rows"][label]
+            wrong = [
+                (cell, value)
+                for cell, value in zip(cells, values, strict=True)
+                if not is_rounded(cell, value)
+            ]
+            assert [] == wrong, (name, label)
+
+
+@pytest.mark.parametrize("name", RESULTS)
+def test_a_changed_digit_is_noticed(name: str) -> None:
+    """No cell of the page may differ in its last digit."""
+    pairs = [
+        (cell, value)
+        for expected, actual in zip(RESULTS[name]["tables"], tables(sections()[name]), strict=True)
+        for label, values in expected["rows"].items()
+        for cell, value in zip(actual["rows"][label], values, strict=True)
+        if value is not None
+    ]
+    assert pairs
+    for cell, value in pairs:
+        for match in NUMBER.finditer(cell):
+            last = (int(match[0][-1]) + 2) % 10
+            changed = f"{cell[: match.end() - 1]}{last}{cell[match.end() :]}"
+            assert not is_rounded(changed, value), (cell, changed)
+
+
+@pytest.mark.parametrize("name", RESULTS)
+def test_what_the_terminal_shows_is_the_result(name: str) -> None:
+    """The section shows the command and every line that it printed."""
+    (block,) = re.findall(r"```console\n(.*?)```", sections()[name], flags=re.DOTALL)
+    command, *lines, files = block.splitlines()
+    assert f"$ eccentric diagnose data.csv.gz --rig examples/rigs/{name}.toml --out build/{name}" == command
+    assert RESULTS[name]["console"] == lines
+    assert files.startswith(f"build/{name}: report.html")
+
+
+def test_pictures_are_there_small_and_used() -> None:
+    """The page shows every picture of its folder, with a text for who does not see it, each below 150 kB."""
+    shown = re.findall(r"!\[([^\]]+)\]\(measured/([\w.]+)\)", PAGE)
+    assert {path.name for path in (DOCS / "measured").glob("*.[sp][vn]g")} == {name for _, name in shown}
+    assert [] == [name for _, name in shown if (DOCS / "measured" / name).stat().st_size > 150_000]
