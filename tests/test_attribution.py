@@ -26,6 +26,7 @@ class Signals:
     current: None = None
     voltage: None = None
     temperature: None = None
+    steady: bool = False
 
 
 def motion(seconds: float = 60.0, rate: float = 250.0) -> Signals:

@@ -180,13 +180,59 @@ def test_the_default_moving_threshold_is_no_warning(tmp_path: Path) -> None:
     assert c.moving_threshold_rad_s == pytest.approx(expected, rel=1e-2)
 
 
-def test_slow_sampling_is_differentiated_without_low_pass_and_said(tmp_path: Path) -> None:
-    """At 40 Hz there is no 25 Hz low pass: plain central differences, and a warning."""
-    t = np.arange(0.0, 20.0, 0.025)
-    theta = 8.0 * np.sin(SWING * t)
-    c = channels_of(tmp_path, {"time_s": t, "theta_m_rad": theta, "voltage_V": np.ones_like(t)})
-    np.testing.assert_allclose(c.omega_m[1:-1], (theta[2:] - theta[:-2]) / 0.05, rtol=1e-9)
-    assert any("plain central differences" in warning for warning in c.warnings)
+SLOW_T = np.arange(0.0, 20.0, 0.025)
+
+
+def slow(tmp_path: Path, rig: str = RIG) -> Channels:
+    """Channels of a slow sine at 40 rows per second, under a voltage that rises in steps."""
+    log = {"time_s": SLOW_T, "theta_m_rad": 8.0 * np.sin(SWING * SLOW_T), "voltage_V": 3.0 * SLOW_T}
+    return channels_of(tmp_path, log, rig)
+
+
+def test_slow_sampling_is_refined_by_a_spline_and_said(tmp_path: Path) -> None:
+    """At 40 Hz there is no 25 Hz low pass: two points a row, on the sine and its derivatives; it is said."""
+    c = slow(tmp_path)
+    assert (c.points_per_row, c.logged_step_s) == (2, pytest.approx(0.025))
+    np.testing.assert_allclose(c.t, np.arange(2 * len(SLOW_T) - 1) * 0.0125, atol=1e-12)
+    middle = (c.t > 0.5) & (c.t < 19.0)
+    sine, cosine = 8.0 * np.sin(SWING * c.t[middle]), 8.0 * np.cos(SWING * c.t[middle])
+    np.testing.assert_allclose(c.theta_m[middle], sine, atol=1e-7)
+    np.testing.assert_allclose(c.omega_m[middle], SWING * cosine, atol=1e-5)
+    np.testing.assert_allclose(c.alpha_m[middle], -(SWING**2) * sine, atol=1e-3)
+    assert any("sampled too slowly for the low pass" in warning for warning in c.warnings)
+
+
+def test_slow_voltage_is_held_and_rows_are_counted_as_logged(tmp_path: Path) -> None:
+    """Between two rows a commanded voltage is that of the first; counts are of the log, not of its points."""
+    c = slow(tmp_path, "holdout_intervals_s = [[4.0, 8.0]]\n" + RIG)
+    assert c.voltage is not None
+    np.testing.assert_array_equal(c.voltage[::2], 3.0 * SLOW_T)
+    np.testing.assert_array_equal(c.voltage[1::2], 3.0 * SLOW_T[:-1])
+    assert c.counts["read"] == len(SLOW_T)
+    # 19 s are clear of the ends; of each second with its reversal, 60 ms and some rows are lost either side.
+    assert 19 * 40 * (1.0 - 2.0 * 0.1) < c.counts["used"] < 19 * 40 * (1.0 - 2.0 * 0.05)
+    assert c.counts["held_out"] == pytest.approx(4.0 / 19.0 * c.counts["used"], abs=4)
+
+
+def test_slow_sampling_under_a_slower_low_pass_or_average_is_left_alone(tmp_path: Path) -> None:
+    """A low pass that 40 Hz allows, or averages that the rig asks for, need no points between the rows."""
+    for wish in ("low_pass_hz = 8\n", 'average_over = "0.3 s"\n'):
+        c = slow(tmp_path, wish + RIG)
+        assert (c.points_per_row, len(c.t)) == (1, len(SLOW_T))
+
+
+def test_motor_that_is_switched_off_is_told_from_the_driven_rows(tmp_path: Path) -> None:
+    """`motor_off` is a condition on columns; rows within 0.1 s of a switching are not used at all."""
+    off = (T > 4.0) & (T < 8.0)
+    columns = MAPPED + 'current = "current_A"\nmotor_off = "torque == 0"\n'
+    c = channels_of(tmp_path, STANDARD | {"torque": np.where(off, 0.0, 1.0)}, RIG + columns)
+    everything = channels_of(tmp_path, STANDARD)
+    np.testing.assert_array_equal(c.off, off)
+    near = (np.abs(T - 4.0) < 0.099) | (np.abs(T - 8.0) < 0.099)
+    clear = (np.abs(T - 4.0) > 0.105) & (np.abs(T - 8.0) > 0.105)
+    assert not np.any(c.usable & near)
+    np.testing.assert_array_equal(c.usable[clear], everything.usable[clear])
+    np.testing.assert_array_equal(c.driven.usable, c.usable & ~off)
 
 
 def test_delay_zero_angle_and_offset(tmp_path: Path) -> None:
@@ -234,6 +280,35 @@ def test_named_runs_are_held_out(tmp_path: Path) -> None:
     np.testing.assert_array_equal(c.held_out, c.run == 0)
     with pytest.raises(InputError, match="holdout_runs: one of 1, 2 is required, received '3'"):
         channels_of(tmp_path, log, 'holdout_runs = ["3"]\n' + RIG)
+
+
+def three_runs() -> dict[str, Sequence[object]]:
+    """Three runs with names."""
+    log: dict[str, Sequence[object]] = {n: np.concatenate([x] * 3).tolist() for n, x in STANDARD.items()}
+    return log | {"run": np.repeat(["slow_1", "slow_2", "fast_1"], len(T)).tolist()}
+
+
+def test_patterns_choose_the_runs_that_are_read_and_held_out(tmp_path: Path) -> None:
+    """`runs` leaves out what no pattern means, `holdout_runs` holds out what one means."""
+    log = log_file(tmp_path / "log.csv", three_runs())
+    some = read_channels([log], rig_file(tmp_path, 'runs = ["slow_*"]\nholdout_runs = ["*_2"]\n' + RIG))
+    assert some.run_names == ("slow_1", "slow_2")
+    np.testing.assert_array_equal(some.held_out, some.run == 1)
+    assert some.counts["read"] == 2 * len(T)
+    two = read_channels([log], rig_file(tmp_path, 'holdout_runs = ["?low_1", "fast_1"]\n' + RIG))
+    np.testing.assert_array_equal(two.held_out, two.run != 1)
+    assert two.holdout.rule == "runs named by the rig: slow_1, fast_1"
+
+
+@pytest.mark.parametrize("key", ["runs", "holdout_runs"])
+def test_a_pattern_that_no_run_has_is_refused_in_one_line(tmp_path: Path, key: str) -> None:
+    """A pattern without a match is refused with the runs of the log."""
+    log = log_file(tmp_path / "log.csv", three_runs())
+    with pytest.raises(InputError) as caught:
+        read_channels([log], rig_file(tmp_path, f'{key} = ["slow_*", "drive?_*"]\n' + RIG))
+    message = str(caught.value)
+    assert f"{key}: one of slow_1, slow_2, fast_1 is required, received 'drive?_*'" in message
+    assert "\n" not in message
 
 
 def test_rows_by_condition(tmp_path: Path) -> None:
@@ -381,9 +456,11 @@ def test_real_rig_is_read_as_its_readme_says() -> None:
     counts = np.loadtxt(path, delimiter=",", skiprows=1, usecols=3)
     c = read_channels([path], rig)
     assert c.counts["read"] == 24500
+    assert (c.points_per_row, c.logged_step_s) == (2, pytest.approx(0.025))
     assert c.run_names == ("2024",)
     assert c.quantum_rad == pytest.approx(math.pi / 1000.0)
     assert c.drive == "voltage"
     assert float(np.max(np.abs(c.omega_m))) == pytest.approx(19.0, abs=0.5)
-    np.testing.assert_allclose(c.theta_logged, counts * math.pi / 1000.0, rtol=1e-12)
+    # Every other point is a row of the log.
+    np.testing.assert_allclose(c.theta_logged[::2], counts * math.pi / 1000.0, atol=1e-9)
     assert rig.estimate == {"input_delay_s", "theta_zero_rad", "voltage_offset_V"}

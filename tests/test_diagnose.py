@@ -163,15 +163,6 @@ def test_model_script_prints_the_extended_derivation(bundled: Path) -> None:
     assert "Effect link_harmonic_friction[n=2]" in printed
 
 
-def test_report_is_one_file_that_needs_nothing_else(bundled: Path) -> None:
-    """report.html fetches nothing and names the verdict."""
-    page = (bundled / "report.html").read_text(encoding="utf-8")
-
-    assert "The model lacks link_harmonic_friction[n=2]" in page
-    assert "src=" not in page
-    assert "<script" not in page
-
-
 def log_of(tmp_path: Path, seed: int, *effects: tuple[str, float], **given: Any) -> tuple[Path, Path]:
     """A short log of the virtual bench; the sealed truth is deleted."""
     options = {"case": "C2", "mu": 0.2, "log_type": "runs", "noise": 0.006, "seconds": 40.0} | given
@@ -333,16 +324,3 @@ def test_shared_examples_come_out_as_their_truth(number: int) -> None:
 
     assert {e["family"] for e in truth} == {e.family for e, _ in found.effects}
     assert ("named" if truth else "nothing_missing") == found.attribution.verdict
-
-
-def test_voltage_only_rig_is_refused_in_one_line(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    """A rig without a measured drive torque is sent to `fit`, and nothing is written."""
-    rig = json.loads(RIG.read_text(encoding="utf-8"))
-    rig["drive"] = "voltage"
-    (tmp_path / "rig.json").write_text(json.dumps(rig), encoding="utf-8")
-    status = main(["diagnose", str(LOG), "--rig", str(tmp_path / "rig.json"), "--out", str(tmp_path / "out")])
-    error = capsys.readouterr().err
-
-    assert (2, 1) == (status, error.count("\n"))
-    assert "required a measured drive torque" in error
-    assert not (tmp_path / "out").exists()

@@ -32,6 +32,7 @@ from tests.planted import (
     T,
     coloured,
     fitted,
+    motion,
     torque,
     voltage,
     written,
@@ -233,17 +234,25 @@ def test_unknown_mass_is_found_within_its_range(plain: tuple[Channels, Rig]) -> 
     assert profile.values[int(np.argmin(profile.rmse))] == pytest.approx(M_L, abs=0.125)
 
 
+def test_balanced_rig_has_the_friction_of_the_motor_alone(tmp_path: Path) -> None:
+    """Without an unbalanced mass F_N is zero: its coefficients are left out with a warning, B and C found."""
+    _, omega, alpha = motion()
+    current = {"current_A": (INERTIA * alpha + 0.02 * np.sign(omega) + 0.0006 * omega) / K_I}
+    found = fitted(
+        tmp_path, 'case = "C1"\n' + KNOWN.replace("M_kg = 0.5", "M_kg = 0.0") + TORQUE + MASS, current
+    )
+    assert {"B": 0.0006, "C": 0.02} == pytest.approx(
+        {name: e.value for name, e in found.coefficients.items()}, rel=1e-3
+    )
+    assert "no unbalanced mass: B_lN, C_lN have no effect and are left out" in found.warnings
+
+
 BAD = {
     "one speed": ("cannot be told apart on this log", 'case = "C2"\n' + KNOWN + TORQUE + MASS, "steady"),
-    "no k_i": ("k_i_Nm_per_A is required", 'case = "C2"\n' + KNOWN + MASS, "plain"),
+    "no k_i": (r"\[known\] k_i is required", 'case = "C2"\n' + KNOWN + MASS, "plain"),
     "no mass": (
         r"\[known\] M is required by c2_parallel",
         'case = "C2"\nmu = 0.2\nL_m = 0.1\n' + TORQUE,
-        "plain",
-    ),
-    "balanced": (
-        "cannot be identified",
-        'case = "C1"\n' + KNOWN.replace("0.5", "0.0") + TORQUE + MASS,
         "plain",
     ),
     "other case": (

@@ -122,6 +122,37 @@ def test_inertia_less_than_that_of_the_mass_is_warned_of(tmp_path: Path) -> None
     assert read_rig(written(tmp_path, mass + "0.03125\n")).warnings == ()
 
 
+@pytest.mark.parametrize(
+    ("wish", "length_s"),
+    [
+        ("", 0.0),
+        ('average_over = "run"', math.inf),
+        ('average_over = "100 ms"', 0.1),
+        ("average_over = 0.2", 0.2),
+    ],
+)
+def test_average_is_a_time_or_a_run(tmp_path: Path, wish: str, length_s: float) -> None:
+    """A time in seconds or with its unit, a whole run, or none; only a time low-passes the drive as well."""
+    rig = read_rig(written(tmp_path, f"{wish}\n{MINIMAL}"))
+    assert rig.average_over == pytest.approx(length_s)
+    assert rig.drive_low_pass_hz == (25.0 if 0.0 < length_s < math.inf else None)
+
+
+def test_constant_load_may_have_either_sign(tmp_path: Path) -> None:
+    """A load is known, or known by a range, in any unit of torque."""
+    assert read_rig(written(tmp_path, MINIMAL + 'T_load = "-35 Ncm"\n')).known["T_load"] == pytest.approx(
+        -0.35
+    )
+    unknown = read_rig(written(tmp_path, MINIMAL + "[unknown]\nT_load_Nm = [-0.1, 0.1]\n")).unknown
+    assert unknown == {"T_load": (-0.1, 0.1)}
+
+
+def test_runs_to_read_are_named(tmp_path: Path) -> None:
+    """Names and patterns are kept for the log; none means all."""
+    assert read_rig(written(tmp_path, 'runs = ["a", "b_*"]\n' + MINIMAL)).runs == ("a", "b_*")
+    assert read_rig(written(tmp_path, MINIMAL)).runs == ()
+
+
 def test_estimate_is_kept_for_the_fit(tmp_path: Path) -> None:
     """What is to be estimated starts from 0 and is named."""
     rig = read_rig(written(tmp_path, 'input_delay_s = 0.025\ntheta_zero_rad = "estimate"\n' + MINIMAL))
@@ -162,6 +193,11 @@ BAD = {
     'holdout_intervals_s = [[2.0, 1.0]]\n[known]\ncase = "C2"': "start before end are required",
     'holdout_intervals_s = [1.0]\n[known]\ncase = "C2"': "a range of two values",
     'holdout_runs = "a"\n[known]\ncase = "C2"': "holdout_runs: a list of names is required, received 'a'",
+    'runs = "a"\n[known]\ncase = "C2"': "runs: a list of names is required, received 'a'",
+    'average_over = 0\n[known]\ncase = "C2"': "average_over: a finite number above 0 is required, received 0",
+    'average_over = "0.1 kg"\n[known]\ncase = "C2"': "average_over: a unit like s",
+    'average_over = "-0.1 s"\n[known]\ncase = "C2"': "a finite number above 0 is required, received -0.1",
+    'average_over = "log"\n[known]\ncase = "C2"': "average_over: ",
     'encoder_counts_per_rev = 0\n[known]\ncase = "C2"': "a finite number above 0 is required, received 0",
     '[known]\ncase = "C2"\n[columns]\nspeed = "n"': "[columns]: unknown key 'speed'",
     '[known]\ncase = "C2"\n[columns]\ntime = 3': "[columns] time: a table is required, received 3",

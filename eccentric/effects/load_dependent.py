@@ -43,7 +43,7 @@ def effects(setting: Setting) -> tuple[Effect, ...]:
             found.append(
                 addition(
                     "load_dependent[progressive]",
-                    [(eta, sp.Abs(load.symbol) * direction), (eta_2, load.symbol**2 * direction)],
+                    [(eta_2, load.symbol**2 * direction), (eta, sp.Abs(load.symbol) * direction)],
                     depends_on=(variable,),
                     formula=f"(eta |T| + eta_2 T^2) sgn w, T = {FORMULAS[variant]}",
                     reference=SERVO,

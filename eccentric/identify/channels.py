@@ -160,13 +160,16 @@ def read_channels(paths: Sequence[str | Path], rig: Rig) -> Channels:
     measures, and a log in which no row is left to fit on or to hold out.
     """
     logged = read_table(paths, rig)
-    step, coarse = logged_step(logged), is_coarse(logged, rig)
+    step = logged_step(logged)
     table, warnings = logged, list(rig.warnings)
     t = table.channels["time"]
     segment = filters.stretches(t, table.run)
     theta, omega_logged = _angle(table, rig, segment, warnings)
     quantum = _quantum(table, rig, theta, segment)
-    if coarse:
+    moving, threshold = _moving(t, theta, segment, rig, quantum)
+    rig, said = suited(rig, t, theta, segment, moving)
+    warnings += [said] if said else []
+    if coarse := is_coarse(logged, rig):
         # Between the rows lies the unwrapped angle, not the one that jumps.
         own = {"theta_m": theta} | ({} if omega_logged is None else {"omega_m": omega_logged})
         rest = {c: x for c, x in table.channels.items() if not c.startswith(("theta_", "omega_"))}
@@ -174,14 +177,7 @@ def read_channels(paths: Sequence[str | Path], rig: Rig) -> Channels:
         t, theta = table.channels["time"], table.channels["theta_m"]
         omega_logged = table.channels.get("omega_m")
         segment = filters.stretches(t, table.run)
-    velocity = _by_segment(segment, lambda rows: filters.span_velocity(t[rows], theta[rows]))
-    threshold = rig.moving_threshold_rad_s
-    if threshold is None:
-        threshold = _default_threshold(velocity, quantum)
-    moving = _by_segment(segment, lambda rows: filters.moves(t[rows], velocity[rows], threshold)).astype(bool)
-    if not coarse:
-        rig, said = suited(rig, t, theta, segment, moving)
-        warnings += [said] if said else []
+        moving, threshold = _moving(t, theta, segment, rig, quantum)
     cut = math.inf if coarse else rig.low_pass_hz
     motion = _motion(t, theta, segment, cut, warnings)
     settled = _by_segment(segment, lambda rows: filters.away_from_ends(t[rows])).astype(bool)
@@ -324,6 +320,18 @@ def _quantum(table: Table, rig: Rig, theta: Array, segment: NDArray[np.int64]) -
     changes = np.abs(np.diff(theta))[np.diff(segment) == 0]
     changes = changes[changes > 1e-9 * max(1.0, float(np.max(np.abs(theta))))]
     return float(np.min(changes)) if len(changes) else 0.0
+
+
+def _moving(
+    t: Array, theta: Array, segment: NDArray[np.int64], rig: Rig, quantum: float
+) -> tuple[Mask, float]:
+    """Return the rows that move (n,), and the threshold [rad/s] that tells."""
+    velocity = _by_segment(segment, lambda rows: filters.span_velocity(t[rows], theta[rows]))
+    threshold = rig.moving_threshold_rad_s
+    if threshold is None:
+        threshold = _default_threshold(velocity, quantum)
+    moves = _by_segment(segment, lambda rows: filters.moves(t[rows], velocity[rows], threshold))
+    return moves.astype(bool), threshold
 
 
 def _default_threshold(velocity: Array, quantum: float) -> float:

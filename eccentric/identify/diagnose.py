@@ -19,6 +19,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
+import sympy as sp
 
 from eccentric.effects import Setting, library, load_effects
 from eccentric.effects.effect import Effect
@@ -41,6 +42,8 @@ from eccentric.identify.rows import MANY_RUNS, Rows, rows_of, search_windows
 from eccentric.identify.score import Score, leave_runs_out, score
 from eccentric.identify.verdict import Attribution, attribute, unconfirmed
 from eccentric.model import Model, load_model
+from eccentric.model import vocabulary as v
+from eccentric.model.steps import meaning
 
 __all__ = ["Diagnosis", "diagnose"]
 
@@ -242,8 +245,8 @@ def bench_of(drive: Drive, rig: Rig, model: Model) -> Bench:
     dt = np.diff(channels.t, append=channels.t[-1] + np.median(np.diff(channels.t)))
     dt[[start - 1 for start in starts if start > 0]] = float(np.median(dt))
     signals = Signals(values, dt, starts, known, friction=seen_columns(model, known))
-    gravity = gravity_of(model, signals)
-    signals = Signals(values, dt, starts, known, drive.columns(gravity), signals.friction)
+    gravity, slope = gravity_of(model, signals)
+    signals = replace(signals, open=drive.columns(gravity, slope))
     return Bench(drive, signals, rows_of(channels, rig), gravity)
 
 
@@ -286,9 +289,11 @@ def balances_of(bench: Bench, rig: Rig, model: Model) -> tuple[list[Balance], di
     return balances, noise
 
 
-def gravity_of(model: Model, signals: Signals) -> Array:
-    """Gravity torque of the model on the motor side (samples,) [N m]."""
-    return compiled(model, model.balance("mechanical").sum_of("gravity"), signals)({}, {})
+def gravity_of(model: Model, signals: Signals) -> tuple[Array, Array]:
+    """Gravity torque of the model on the motor side (samples,) [N m], its slope over the link angle."""
+    torque = meaning(model.expand(model.balance("mechanical").sum_of("gravity")))
+    slope = sp.diff(torque, v.theta_m.symbol) / v.mu.symbol
+    return tuple(compiled(model, x, signals)({}, {}) for x in (torque, slope))
 
 
 def setting_of(bench: Bench, model: Model, friction: Array) -> Setting:
@@ -337,6 +342,8 @@ def _shown(effect: Effect, bench: Bench, rig: Rig, setting: Setting, balances: s
             return False
     elif effect.balance not in balances:
         return False
+    if effect.family == "angle_offset" and "theta_zero_rad" in rig.estimate:
+        return False  # that is what the rig leaves open
     if math.isinf(rig.average_over) and {"time", "acceleration", "history"} & set(effect.depends_on):
         return False
     # Angles integrated from the speed begin at zero in every run: their phases do not compare.

@@ -93,7 +93,8 @@ def _errors(found: Diagnosis) -> dict[str, Any]:
 
 def _identified(found: Diagnosis) -> dict[str, Any]:
     """What the rig left to the log: alignment, and quantities with their uncertainty."""
-    c, letters = found.channels, {"J_m", "T_load", "R/k_i", "1/k_i", "k_e", "L", "M", "voltage_offset"}
+    c = found.channels
+    letters = {"J_m", "T_load", "R/k_i", "1/k_i", "k_e", "L", "M", "voltage_offset", "theta_zero"}
     aligned = {
         "input_delay_s": c.input_delay_s,
         "theta_zero_rad": c.theta_zero_rad,

@@ -49,7 +49,8 @@ class Drive:
             scale, k_i is 1 N m/A and R stands for R/k_i, which is all that a voltage tells.
         scale: s, None where the torque is measured.
         unit: of torques: "N m", or "V" or "A" where nothing in the log gives the scale.
-        open: names of what stays free: J_m, T_load (parameters of the model), gravity, back_emf, offset.
+        open: names of what stays free: J_m, T_load (parameters of the model), gravity, back_emf, offset,
+            zero_angle.
         adjusts: the letter that a free gravity column changes: the scale, or M or L known by a range.
         identified: letters that the log had to give, for the report.
         warnings: of the first fit.
@@ -99,8 +100,11 @@ class Drive:
         emf = known.get("k_e", 0.0) * self.channels.omega_m if self.by_voltage else 0.0
         return np.where(self.off, 0.0, self.signal() - emf) / (scale or self.scale)
 
-    def columns(self, gravity: Array) -> dict[str, Array]:
-        """What stays free, as columns (n,) of the balance J alpha + G + f = torque; gravity (n,) [N m]."""
+    def columns(self, gravity: Array, slope: Array) -> dict[str, Array]:
+        """What stays free, as columns (n,) of the balance J alpha + G + f = torque.
+
+        gravity (n,) [N m] and its slope over the link angle (n,) [N m/rad].
+        """
         driven = np.where(self.off, 0.0, 1.0)
         made = {
             "J_m": self.channels.alpha_m,
@@ -108,6 +112,7 @@ class Drive:
             "gravity": gravity,
             "back_emf": self.channels.omega_m * driven,
             "offset": driven,
+            "zero_angle": -slope,
         }
         return {name: made[name] for name in self.open}
 
@@ -234,6 +239,8 @@ def _open(channels: Channels, rig: Rig, problem: Problem, open_inertia: bool) ->
         names.append("back_emf")
     if "voltage_offset_V" in rig.estimate and channels.drive == "voltage":
         names.append("offset")
+    if "theta_zero_rad" in rig.estimate and turning:
+        names.append("zero_angle")
     return tuple(names), adjusts if "gravity" in names else ""
 
 

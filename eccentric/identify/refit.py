@@ -212,7 +212,7 @@ class _Fit:
         self._scaled()
         self.values |= dict.fromkeys(_all_friction(base), 0.0) | shapes
         self.values |= {q.name: 0.0 for effect, _ in effects for q in effect.coefficients}
-        self.offset = 0.0
+        self.offset = self.zero = 0.0
         self.current: Array | None = None
         used = bench.rows.train | bench.rows.score
         self.train = bench.rows.train if without is None else used & (bench.rows.run != without)
@@ -237,7 +237,7 @@ class _Fit:
         quiet = self.values | {q.name: 0.0 for effect, _ in self.effects for q in effect.coefficients}
         effect = emitted.samples("mechanical", self.values, self.current)
         effect = effect - emitted.samples("mechanical", quiet, self.current)
-        columns = self.bench.drive.columns(self.bench.gravity)
+        columns = self.bench.signals.open
         offset = columns["offset"] * self.offset / (self.scale or 1.0) if "offset" in columns else 0.0
         rest = emitted.samples("mechanical", quiet) + effect - offset
         return emitted.inputs["i"] - rest / self.values["k_i"]
@@ -269,7 +269,7 @@ class _Fit:
         names = [*self.fitted, *names, *letters]
         limits = [(0.0, None)] * len(self.fitted) + limits
         limits += [(0.0 if n == "J_m" else None, None) for n in letters]
-        rows, columns = self.bench.rows, drive.columns(self.bench.gravity)
+        rows, columns = self.bench.rows, self.bench.signals.open
         outside = {n: rows.mean(-x) for n, x in columns.items() if n not in letters}
         solved, rest = self._solve(emitted, "mechanical", names, limits, outside, self.train)
         # By its columns, since Parameters refuse what is negative without bounds.
@@ -320,6 +320,7 @@ class _Fit:
         found = dict(zip(solved.names, map(float, solved.coefficients), strict=True))
         gravity = found.pop("gravity", 0.0)
         emf, offset = found.pop("back_emf", 0.0), found.pop("offset", 0.0)
+        self.zero = found.pop("zero_angle", 0.0)
         adjusts = self.bench.drive.adjusts
         scale = self.scale or 1.0
         if emf:
@@ -412,6 +413,8 @@ def _outside(name: str, fitted: Refit, fit: _Fit) -> tuple[str, float, float, st
         return drive.adjusts, value, value, {"L": "m", "M": "kg"}[drive.adjusts]
     if name == "back_emf":
         return "k_e", fitted.values["k_e"], scale, "V s/rad"
+    if name == "zero_angle":
+        return "theta_zero", drive.channels.theta_zero_rad + fit.zero, 1.0, "rad"
     offset = drive.channels.voltage_offset_V + fit.offset
     return "voltage_offset", offset, scale, "V"
 

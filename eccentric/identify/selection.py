@@ -183,8 +183,20 @@ class Screen:
         fitted = [f if f.terms[-1].candidate.replaces is None else self.refine(f, True, 10) for f in fitted]
         fitted.sort(key=lambda f: f.score)
         head = [self.refine(f, only_last=True) for f in fitted[:leaders]]
-        honest = [f for f in [*head, *fitted[leaders:]] if f.loss.sum() > 0.8 * self.floor]
+        honest = [f for f in [*head, *fitted[leaders:]] if f.loss.sum() > 0.8 * self.floor and self.itself(f)]
         return sorted(honest, key=lambda f: f.score)
+
+    def itself(self, fitted: Fitted) -> bool:
+        """Whether the last term holds what its effect is named for: its first coefficient is not at 0.
+
+        Without it the rest stands for another family: a bristle model whose bristles do nothing is a Stribeck
+        curve.
+        """
+        term = fitted.terms[-1]
+        width = self.columns(term).shape[1]
+        if width < 2 or not np.isfinite(_bounds(term.candidate, width)[0]):
+            return True
+        return bool(fitted.coefficients[-width] > 0.0)
 
     def _loss(self, terms: Sequence[Term]) -> float:
         target, design, lower = self.design(terms)

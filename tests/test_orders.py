@@ -1,0 +1,89 @@
+"""Constant speeds: a constant load and Stribeck friction from run means, orders per turn inside the runs."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from eccentric.identify.diagnose import Diagnosis, diagnose
+from eccentric.identify.orders import orders_of
+from tests import screw
+from tests.screw import Array
+
+RIPPLE = {1: 0.3e-3, 3: 0.15e-3}
+
+
+@pytest.fixture(scope="module")
+def found(tmp_path_factory: pytest.TempPathFactory) -> Diagnosis:
+    """The diagnosis of a simulated screw drive."""
+    folder = tmp_path_factory.mktemp("screw")
+    (folder / "rig.toml").write_text(screw.RIG, encoding="utf-8")
+    return diagnose([screw.write_log(folder / "log.csv", RIPPLE)], folder / "rig.toml")
+
+
+def test_stribeck_friction_is_named_from_the_means_of_runs(found: Diagnosis) -> None:
+    """One mean a run is enough to name it, and to find its torque and velocity to three standard errors."""
+    assert ["stribeck[d=2]"] == [effect.id for effect, _ in found.effects]
+    for name, truth in (("stribeck_A", screw.STRIBECK), ("stribeck_v", screw.VELOCITY)):
+        estimate = found.extended.estimates[name]
+        assert abs(estimate.value - truth) <= 3.0 * estimate.std_error
+    assert found.rows.description == "whole runs"
+    assert np.count_nonzero(found.rows.train | found.rows.score) == len(screw.SPEEDS)
+
+
+def test_constant_load_is_identified_and_no_friction_by_a_mass_that_is_not_there(found: Diagnosis) -> None:
+    """T_load comes back with its sign beside Coulomb and viscous friction; F_N has no coefficients."""
+    estimates = found.extended.estimates
+    truths = {"T_load": screw.LOAD, "C_m": screw.COULOMB, "B_m": screw.VISCOUS}
+    # A second is cut off each run: of the ripple, a part of one turn is left in the nine of the fastest.
+    left = sum(RIPPLE.values()) / np.pi / 8.8
+    allowed = {"T_load": left, "C_m": left, "B_m": left / max(screw.SPEEDS)}
+    for name, truth in truths.items():
+        assert abs(estimates[name].value - truth) <= 3.0 * estimates[name].std_error + allowed[name]
+    assert set(estimates) == {*truths, "stribeck_A", "stribeck_v"}
+
+
+def test_every_run_is_predicted_from_the_others(found: Diagnosis) -> None:
+    """Left out one by one, most runs are better predicted with the effect, clearly over all of them."""
+    over = found.score.over_runs
+    assert over is not None
+    _, (low, _), better = over.gains["extended"]
+    assert (over.runs, low > 0.0) == (len(screw.SPEEDS), True)
+    assert better > over.runs / 2
+
+
+def test_orders_of_a_log_are_those_of_its_ripple(found: Diagnosis) -> None:
+    """One and three periods per turn are found in every run, at the amplitudes planted, and nothing else."""
+    assert sorted(RIPPLE) == sorted(round(o.per_turn) for o in found.orders)
+    for order in found.orders:
+        whole = round(order.per_turn)
+        assert order.per_turn == pytest.approx(whole, abs=0.02)
+        assert order.amplitude == pytest.approx(RIPPLE[whole], rel=0.05)
+        assert order.seen == order.stretches == len(screw.SPEEDS)
+        variance = screw.NOISE**2 + sum(a**2 / 2.0 for a in RIPPLE.values())
+        assert order.share == pytest.approx(RIPPLE[whole] ** 2 / 2.0 / variance, rel=0.1)
+
+
+def noise(found: Diagnosis, seed: int) -> Array:
+    """White noise on the samples."""
+    return screw.NOISE * np.random.default_rng(seed).standard_normal(len(found.channels.t))
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_noise_has_no_order(found: Diagnosis, seed: int) -> None:
+    """Nothing is periodic in white noise."""
+    assert () == orders_of(found.bench, noise(found, seed))
+
+
+@pytest.mark.parametrize("hertz", [0.3, 1.0, 3.0])
+def test_what_is_periodic_in_time_is_no_order(found: Diagnosis, hertz: float) -> None:
+    """A hum of one frequency has another order at every speed, and is not called one."""
+    hum = 0.5e-3 * np.sin(2.0 * np.pi * hertz * found.channels.t)
+    assert () == orders_of(found.bench, hum + noise(found, 1))
+
+
+def test_a_fraction_of_the_turn_is_found_as_such(found: Diagnosis) -> None:
+    """A gear that turns 2.5 times per turn of the motor shows as 2.5, not as its neighbours."""
+    (order,) = orders_of(found.bench, 0.2e-3 * np.cos(2.5 * found.channels.theta_m) + noise(found, 2))
+    assert order.per_turn == pytest.approx(2.5, abs=0.02)
+    assert order.amplitude == pytest.approx(0.2e-3, rel=0.05)

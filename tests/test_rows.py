@@ -1,0 +1,147 @@
+"""Averages weigh both sides of the balance alike: what is fitted stays, what is noise goes."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from eccentric.errors import InputError
+from eccentric.identify.channels import Channels, read_channels
+from eccentric.identify.problem import pose
+from eccentric.identify.rig import Rig, read_rig
+from eccentric.identify.rows import rows_of
+from eccentric.model import load_model
+from tests import screw
+from tests.planted import FRICTION, KNOWN, MASS, RATE, TORQUE, T, fitted, motion, torque, written
+from tests.swing import GARBAGE_V, Run, Swing, driven, write_rig, write_runs
+
+AVERAGE_S = 0.2
+LOG = 'case = "C2"\n' + KNOWN + TORQUE + MASS
+
+
+def planted(tmp_path: Path, above: str) -> tuple[Channels, Rig]:
+    """The planted rig with a torque signal."""
+    channels, _ = written(tmp_path, LOG, {"torque_Nm": torque("C2", FRICTION)}, above)
+    return channels, channels.rig
+
+
+@pytest.mark.parametrize("length", [0.05, AVERAGE_S])
+def test_averages_leave_the_coefficients_of_a_log_without_noise(tmp_path: Path, length: float) -> None:
+    """Both sides pass the same window: friction comes back as from the rows, to the differences' error."""
+    above = f'average_over = "{length} s"'
+    found = fitted(tmp_path, LOG, {"torque_Nm": torque("C2", FRICTION)}, above)
+    assert FRICTION == pytest.approx({name: e.value for name, e in found.coefficients.items()}, rel=3e-3)
+    assert f"averages over {length} s" in found.problem.sampling.description
+
+
+def test_averages_are_those_of_a_hann_window(tmp_path: Path) -> None:
+    """A slope stays, a parabola rises by the window's variance, and two periods per window vanish."""
+    channels, rig = planted(tmp_path, f'average_over = "{AVERAGE_S} s"')
+    rows = rows_of(channels, rig)
+    np.testing.assert_allclose(rows.mean(channels.t), rows.t, atol=1e-9)
+    variance = AVERAGE_S**2 * (1.0 / 12.0 - 1.0 / (2.0 * math.pi**2))
+    np.testing.assert_allclose(rows.mean(channels.t**2) - rows.t**2, variance, rtol=0.02)
+    np.testing.assert_allclose(rows.mean(np.sin(4.0 * math.pi / AVERAGE_S * channels.t)), 0.0, atol=0.01)
+    # Every sample that is averaged is one to fit on, or one held out, as the row is.
+    for part, samples in ((rows.train, channels.fit_rows), (rows.score, channels.score_rows)):
+        np.testing.assert_allclose(rows.mean(samples.astype(float))[part], 1.0)
+    assert not np.any(rows.train & rows.score)
+    assert np.all(np.diff(rows.t) > 0.0)
+
+
+def test_rows_of_the_log_stay_as_they_are(tmp_path: Path) -> None:
+    """Without a wish for averages a row is a row."""
+    channels, rig = planted(tmp_path, "")
+    rows = rows_of(channels, rig)
+    assert rows.weights is None
+    np.testing.assert_allclose(rows.t, T, rtol=1e-12)
+    np.testing.assert_array_equal(rows.train, channels.fit_rows)
+    np.testing.assert_array_equal(rows.mean(motion()[0]), motion()[0])
+
+
+def several(tmp_path: Path, above: str) -> tuple[Channels, Rig]:
+    """Five driven runs with a torque signal, the last with the motor switched off."""
+    rig, rng = Swing(), np.random.default_rng(4)
+    runs = {f"run_{k}": driven(rig, rng) for k in range(5)}
+    off = dict(runs["run_4"].columns)
+    off |= {"torque_Nm": np.full_like(off["time_s"], GARBAGE_V), "motor_off": np.ones_like(off["time_s"])}
+    runs["run_4"] = Run(off)
+    log = write_runs(tmp_path / "log.csv", runs, ("time_s", "theta_m_rad", "torque_Nm", "motor_off"))
+    channels = read_channels([log], read_rig(write_rig(tmp_path / "rig.toml", rig.known, above)))
+    return channels, channels.rig
+
+
+def test_whole_runs_are_means_of_their_used_rows(tmp_path: Path) -> None:
+    """`average_over = "run"`: one row a run, in the order of the log, the plain mean of what is used."""
+    channels, rig = several(tmp_path, 'average_over = "run"\nholdout_runs = ["run_2"]')
+    rows = rows_of(channels, rig)
+    x = np.random.default_rng(0).standard_normal(len(channels.t))
+    expected = [x[channels.usable & (channels.run == run)].mean() for run in range(5)]
+    np.testing.assert_allclose(rows.mean(x), expected, rtol=1e-12)
+    np.testing.assert_array_equal(rows.run, range(5))
+    np.testing.assert_array_equal(rows.score, np.arange(5) == 2)
+    np.testing.assert_array_equal(rows.train, np.arange(5) != 2)
+
+
+def chosen(tmp_path: Path, counts: int, jitter: float, above: str = "") -> Channels:
+    """Channels of the planted motion by an encoder of these counts; stamps jitter by a part of a step."""
+    t = T + jitter / RATE * np.random.default_rng(2).uniform(-1.0, 1.0, len(T))
+    step = 2.0 * np.pi / counts
+    theta = np.round(np.interp(t, T, motion()[0]) / step) * step
+    columns = {"time_s": t, "theta_m_rad": theta, "torque_Nm": torque("C2", FRICTION)}
+    return written(tmp_path, LOG, columns, above)[0]
+
+
+def test_fine_encoder_keeps_the_low_pass_of_25_hz(tmp_path: Path) -> None:
+    """Nothing is averaged where the angle is fine and the stamps even."""
+    channels = chosen(tmp_path, 65536, 0.0)
+    assert (channels.rig.low_pass_hz, channels.rig.average_over, channels.warnings) == (25.0, 0.0, ())
+
+
+def test_coarse_encoder_gets_a_lower_cut_off_and_averages_and_says_so(tmp_path: Path) -> None:
+    """Of 60 counts a turn, the acceleration is noise at 25 Hz: cut-off and averages follow, unless given."""
+    channels = chosen(tmp_path, 60, 0.3)
+    cut = channels.rig.low_pass_hz
+    assert 3.0 <= cut < 25.0
+    assert channels.rig.average_over == pytest.approx(1.0 / cut)
+    assert any("the low pass is set to" in warning for warning in channels.warnings)
+    _, omega, alpha = motion()
+    # What is left of the acceleration's error is a small part of it.
+    rows = channels.usable
+    assert np.std((channels.alpha_m - alpha)[rows]) < 0.1 * np.std(alpha[rows])
+    given = chosen(tmp_path, 60, 0.3, "low_pass_hz = 25")
+    assert (given.rig.low_pass_hz, given.rig.average_over) == (25.0, 0.0)
+    assert np.std((given.alpha_m - alpha)[rows]) > 0.1 * np.std(alpha[rows])
+    np.testing.assert_allclose(channels.omega_m[rows], omega[rows], atol=0.02 * np.max(np.abs(omega)))
+
+
+def test_runs_of_constant_speed_are_means_without_being_asked(tmp_path: Path) -> None:
+    """A bench that holds one speed a run gives one mean a run; a warning says so."""
+    (tmp_path / "rig.toml").write_text(
+        screw.RIG.replace('average_over = "run"\nlow_pass_hz = 1\n', ""), encoding="utf-8"
+    )
+    channels = read_channels(
+        [screw.write_log(tmp_path / "log.csv", {}, rows=4000)], read_rig(tmp_path / "rig.toml")
+    )
+    assert math.isinf(channels.rig.average_over)
+    assert any("runs of constant speed: one mean of each" in warning for warning in channels.warnings)
+
+
+def test_an_average_longer_than_what_moves_is_refused_in_one_line(tmp_path: Path) -> None:
+    """Where no stretch of one direction is as long as the average, none is left, and that is said."""
+    channels, rig = planted(tmp_path, 'average_over = "20 s"')
+    with pytest.raises(InputError) as refused:
+        rows_of(channels, rig)
+    assert "20 s" in str(refused.value)
+    assert "\n" not in str(refused.value)
+
+
+def test_nothing_driven_to_hold_out_is_refused_in_one_line(tmp_path: Path) -> None:
+    """With the motor off in all that is held out, the first fit of a drive has nothing to be judged by."""
+    channels, rig = several(tmp_path, 'average_over = "run"\nholdout_runs = ["run_4"]')
+    with pytest.raises(InputError, match="average_over: at least one average to hold out is required") as no:
+        pose(channels, rig, load_model(rig.model))
+    assert "\n" not in str(no.value)

@@ -1,0 +1,88 @@
+"""Every run left out once: the errors are those of least squares on the other runs' rows."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from eccentric.identify.channels import read_channels
+from eccentric.identify.diagnose import bench_of
+from eccentric.identify.drive import drive_of
+from eccentric.identify.refit import Bench, refit
+from eccentric.identify.rig import read_rig
+from eccentric.identify.score import leave_runs_out
+from eccentric.model import Model, load_model
+from tests.swing import Array, Swing, driven, write_rig, write_runs
+
+RIG = Swing()
+KNOWN = RIG.known + f"J_m_kgm2 = {RIG.J}\nJ_l_kgm2 = 0.0\n"
+
+
+def bench(tmp_path: Path, runs: int) -> tuple[Bench, Model]:
+    """A known rig with a noisy torque signal and the third run held out."""
+    rng = np.random.default_rng(9)
+    table = {f"run_{k}": driven(RIG, rng, noise_Nm=0.01) for k in range(runs)}
+    log = write_runs(tmp_path / "log.csv", table, ("time_s", "theta_m_rad", "torque_Nm"))
+    rig = write_rig(tmp_path / "rig.toml", KNOWN, 'holdout_runs = ["run_2"]')
+    channels = read_channels([log], read_rig(rig))
+    model = load_model(channels.rig.model)
+    return bench_of(drive_of(channels, channels.rig, model), channels.rig, model), model
+
+
+def columns(one: Bench) -> tuple[Array, Array]:
+    """Friction torque (n,) and the columns of its coefficients (n, 4), by hand; Coulomb and viscous first."""
+    c = one.drive.channels
+    assert c.torque is not None
+    link, pull = RIG.mu * c.theta_m, RIG.M * RIG.L * (RIG.mu * c.omega_m) ** 2
+    weight = RIG.M * RIG.g
+    normal = np.sqrt(pull**2 + 2.0 * weight * pull * np.cos(link) + weight**2)
+    sign, speed = np.sign(c.omega_m), c.omega_m
+    target = c.torque - RIG.J * c.alpha_m - RIG.load(c.theta_m)
+    return target, np.column_stack([sign, speed, normal * sign, normal * speed])
+
+
+@pytest.mark.parametrize(("model", "count"), [("linear", 2), ("paper", 4)])
+def test_left_out_runs_have_the_error_of_plain_least_squares(tmp_path: Path, model: str, count: int) -> None:
+    """The RMSE over all runs is that of a fit by hand on the used rows of the others."""
+    one, base = bench(tmp_path, 6)
+    channels = one.drive.channels
+    target, design = columns(one)
+    squares, rows = 0.0, 0
+    for run in range(6):
+        own = channels.usable & (channels.run == run)
+        others = channels.usable & (channels.run != run)
+        found = np.linalg.lstsq(design[others, :count], target[others], rcond=None)[0]
+        squares += float(np.sum((target[own] - design[own, :count] @ found) ** 2))
+        rows += np.count_nonzero(own)
+    over = leave_runs_out(base, refit(base, (), one, bounds=False), one)
+    assert over is not None
+    assert over.runs == 6
+    assert over.rmse[model] == pytest.approx(np.sqrt(squares / rows), rel=1e-6)
+
+
+def test_to_leave_out_the_held_out_run_is_the_fit_itself(tmp_path: Path) -> None:
+    """What is held out is one run: a fit on all others is the fit on the training part."""
+    one, base = bench(tmp_path, 6)
+    expected, actual = refit(base, (), one), refit(base, (), one, without=2)
+    assert expected.values == pytest.approx(actual.values, rel=1e-12)
+
+
+def test_gain_over_runs_counts_the_better_ones(tmp_path: Path) -> None:
+    """Where friction is Coulomb and viscous, that of F_N neither gains nor clearly loses."""
+    one, base = bench(tmp_path, 6)
+    over = leave_runs_out(base, refit(base, (), one, bounds=False), one)
+    assert over is not None
+    percent, (low, high), better = over.gains["paper"]
+    assert set(over.gains) == {"paper"}
+    assert percent == pytest.approx(100.0 * (1.0 - over.rmse["paper"] / over.rmse["linear"]), abs=1e-9)
+    assert low <= percent <= high
+    assert low <= 0.0 <= high
+    assert 0 <= better <= over.runs
+
+
+def test_fewer_than_five_runs_are_not_left_out(tmp_path: Path) -> None:
+    """Four runs say too little of a fifth."""
+    one, base = bench(tmp_path, 4)
+    assert leave_runs_out(base, refit(base, (), one), one) is None
