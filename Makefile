@@ -13,7 +13,7 @@ TOOLKIT := $(wildcard eccentric/*.py eccentric/model/*.py eccentric/effects/*.py
 TEMPLATES := $(wildcard templates/*.jinja)
 
 # One stamp per set of extras. They live in the environment, so deleting it forgets them too.
-RUN := $(VENV)/.stamp-figures
+RUN := $(VENV)/.stamp-report
 TEST := $(VENV)/.stamp-test
 LINT := $(VENV)/.stamp-lint
 DOCS := $(VENV)/.stamp-docs
@@ -30,7 +30,7 @@ run: $(DERIVED)
 	@echo "build/c2_parallel_extended.o: the extended model, compiled with $(CC) $(STRICT)"
 
 test: $(TEST)
-	@$(BIN)/python -m pytest
+	@$(BIN)/python -m pytest -n auto --dist loadfile
 
 derive: $(RUN)
 	@$(BIN)/eccentric derive

@@ -1,38 +1,20 @@
-"""Pictures of docs/measured-rigs.md: small SVG files on white, colours that the colour-blind tell apart."""
+"""Pictures of docs/measured-rigs.md, rig by rig: small SVG files on white."""
 
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any
 
 import matplotlib as mpl
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
+from measured_plot import AFTER, BEFORE, INK, PALE, STYLE, band, friction, over_speed, pair
 from scipy.signal import lombscargle
 
 from eccentric.identify.diagnose import Diagnosis
 from eccentric.identify.refit import Refit, refit, residual_samples
 
-Array = np.ndarray
-
-BEFORE, AFTER, INK, PALE = "#c04f00", "#0672b0", "#333333", "#8a8a8a"
-STYLE: dict[Any, Any] = {
-    "svg.fonttype": "none",
-    "svg.hashsalt": "eccentric",
-    "font.size": 9,
-    "axes.titlesize": 9,
-    "text.color": INK,
-    "axes.edgecolor": INK,
-    "axes.labelcolor": INK,
-    "xtick.color": INK,
-    "ytick.color": INK,
-    "axes.spines.top": False,
-    "axes.spines.right": False,
-    "legend.frameon": False,
-    "legend.fontsize": 8,
-}
 RPM = 30.0 / np.pi
 COPPER = 0.39
 """Rise of copper's resistance, % per kelvin."""
@@ -55,9 +37,9 @@ def servo_residual(found: Diagnosis) -> Figure:
     j_l = found.extended.values["J_l"]
     load = np.abs(rows.mean(found.bench.gravity + j_l * c.alpha_m))
     edges = np.linspace(0.0, np.quantile(load, 0.995), 13)
-    for fit, label, colour, line in _pair(found):
+    for fit, label, colour, line in pair(found):
         against = 1e3 * fit.residuals["mechanical"] * _factor(fit, found) * np.sign(speed)
-        _band(left, load[rows.score], against[rows.score], edges, label, colour, line)
+        band(left, load[rows.score], against[rows.score], edges, label, colour, line)
     left.axhline(0.0, color=PALE, linewidth=0.8, zorder=0)
     left.set(xlabel="torque that the gear passes on [N m]", ylabel="held-out residual [mN m]")
     left.legend(loc="upper left")
@@ -66,6 +48,11 @@ def servo_residual(found: Diagnosis) -> Figure:
     load_only = refit(found.base, ((effect, shape),), found.bench)
     _resistance(right, found, load_only)
     return figure
+
+
+def _factor(fit: Refit, found: Diagnosis) -> float:
+    """To the torque scale of the extended model."""
+    return (fit.scale or 1.0) / (found.extended.scale or 1.0)
 
 
 def _resistance(axes: Axes, found: Diagnosis, fit: Refit) -> None:
@@ -122,7 +109,7 @@ def servo_free(found: Diagnosis) -> Figure:
     top.set(ylabel="angle [deg]", title=f"{c.run_names[run]}, motor switched off at 0 s")
     t = rows.t[shown] - start
     bottom.plot(t, 1e3 * friction(found.extended)[shown], ".", color=INK, label="measured: -J dw/dt - G")
-    for fit, label, colour, line in _pair(found):
+    for fit, label, colour, line in pair(found):
         predicted = friction(fit) - fit.residuals["mechanical"]
         pieces = np.flatnonzero(np.diff(t) > 0.06)
         gapped = np.insert(1e3 * predicted[shown], pieces + 1, np.nan)
@@ -146,7 +133,7 @@ def screw_speed(found: Diagnosis) -> Figure:
         top, bottom = grid[0, k], grid[1, k]
         rpm = np.abs(speed[own]) * RPM
         top.plot(rpm, sign * torque[own], "o", color=INK, markersize=4, label="mean of a run")
-        for fit, label, colour, line in _pair(found, "Coulomb + viscous + load"):
+        for fit, label, colour, line in pair(found, "Coulomb + viscous + load"):
             left = 1e3 * fit.residuals["mechanical"][own]
             top.plot(rpm, sign * (torque[own] - left), line, color=colour, label=label)
             mark = "s" if colour == BEFORE else "o"
@@ -217,12 +204,12 @@ def disc(found: Diagnosis) -> Figure:
     figure = Figure((7.2, 3.0), layout="constrained")
     one, two = figure.subplots(1, 2)
     own = rows.score
-    _over_speed(one, speed[own], friction(fit)[own] * volts, left[own], np.linspace(-16, 16, 33))
+    over_speed(one, speed[own], friction(fit)[own] * volts, left[own], np.linspace(-16, 16, 33))
     one.set(xlabel="speed [rad/s]", ylabel="friction and back-EMF [V], held out")
     edges = np.linspace(-1.0, 1.0, 21)
     for sign, label, colour, line in ((1, "forwards", AFTER, "-"), (-1, "backwards", BEFORE, "--")):
         own = rows.score & (np.sign(speed) == sign)
-        _band(two, angle[own], 1e3 * left[own], edges, label, colour, line)
+        band(two, angle[own], 1e3 * left[own], edges, label, colour, line)
     two.axhline(0.0, color=PALE, linewidth=0.8, zorder=0)
     two.set(xlabel="link angle [rad]", ylabel="held-out residual [mV]")
     two.legend(loc="upper center", ncols=2)
@@ -235,7 +222,7 @@ def direct(found: Diagnosis) -> Figure:
     speed, left = rows.mean(found.channels.omega_m), fit.residuals["mechanical"]
     figure = Figure((7.2, 3.0), layout="constrained")
     one, two = figure.subplots(1, 2)
-    _over_speed(one, speed, friction(fit), left, np.linspace(-10, 10, 21))
+    over_speed(one, speed, friction(fit), left, np.linspace(-10, 10, 21))
     one.set(xlabel="speed [rad/s]", ylabel="friction torque [N m]")
     two.axhspan(
         -found.noise_floor, found.noise_floor, color=PALE, alpha=0.5, linewidth=0, label="noise of the sensor"
@@ -248,62 +235,6 @@ def direct(found: Diagnosis) -> Figure:
     two.set(xlabel="speed [rad/s]", ylabel="residual [N m]")
     figure.legend(*two.get_legend_handles_labels(), loc="outside lower right", ncols=3)
     return figure
-
-
-def friction(fit: Refit) -> Array:
-    """Friction as measured (rows,) [N m at the scale of the fit]: drive torque less inertia, gravity and load."""
-    bench, values = fit.bench, fit.values
-    drive, c = bench.drive, bench.drive.channels
-    torque = drive.torque(values, fit.scale)
-    if "voltage_offset" in fit.estimates:
-        shift = fit.estimates["voltage_offset"].value - c.voltage_offset_V
-        torque = torque - np.where(c.off, 0.0, shift / (fit.scale or 1.0))
-    gravity = bench.gravity
-    if drive.adjusts in drive.known:
-        gravity = gravity * values[drive.adjusts] / drive.known[drive.adjusts]
-    inertia = values["J_m"] + values["mu"] ** 2 * values["J_l"]
-    return bench.rows.mean(torque - inertia * c.alpha_m - gravity)
-
-
-def _pair(found: Diagnosis, before: str = "paper") -> list[tuple[Refit, str, str, str]]:
-    """Fits before and after, with label, colour and line; one where nothing was adopted."""
-    pairs = [(found.paper, before, BEFORE, "--")]
-    if found.extended is not found.paper:
-        pairs.append((found.extended, "extended", AFTER, "-"))
-    return pairs
-
-
-def _factor(fit: Refit, found: Diagnosis) -> float:
-    """To the torque scale of the extended model."""
-    return (fit.scale or 1.0) / (found.extended.scale or 1.0)
-
-
-def _over_speed(axes: Axes, speed: Array, measured: Array, left: Array, edges: Array) -> None:
-    """Friction as measured over the speed and as fitted, on the same rows: means in bins, by direction."""
-    for sign, labels in ((1.0, ("measured: mean, 10 to 90 %", "Coulomb + viscous")), (-1.0, (None, None))):
-        own = np.sign(speed) == sign
-        _band(axes, speed[own], measured[own], edges, labels[0], AFTER, "none")
-        at, means = _means(speed[own], (measured - left)[own], edges)
-        axes.plot(at, means, "--", color=BEFORE, label=labels[1], linewidth=1.5)
-    axes.legend(loc="upper left")
-
-
-def _means(x: Array, y: Array, edges: Array) -> tuple[Array, Array]:
-    """Means of x and y in bins of x with at least five rows."""
-    place = np.digitize(x, edges)
-    kept = [k for k in range(1, len(edges)) if np.count_nonzero(place == k) >= 5]
-    at, means = np.array([(x[place == k].mean(), y[place == k].mean()) for k in kept]).T
-    return at, means
-
-
-def _band(axes: Axes, x: Array, y: Array, edges: Array, label: str | None, colour: str, line: str) -> None:
-    """Means of y in bins of x with at least five rows, and the range of 10 to 90 % of the rows."""
-    place = np.digitize(x, edges)
-    kept = [k for k in range(1, len(edges)) if np.count_nonzero(place == k) >= 5]
-    at = [x[place == k].mean() for k in kept]
-    low, high = np.array([np.quantile(y[place == k], [0.1, 0.9]) for k in kept]).T
-    axes.fill_between(at, low, high, color=colour, alpha=0.18, linewidth=0)
-    axes.plot(*_means(x, y, edges), linestyle=line, color=colour, marker="o", markersize=3, label=label)
 
 
 _SCREW = {"speed": screw_speed, "orders": screw_orders}

@@ -10,6 +10,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
+from measured_plot import friction
 
 from eccentric.identify.diagnose import Diagnosis
 from eccentric.identify.refit import refit
@@ -40,15 +41,13 @@ def free_errors(whole: Diagnosis, driven: Diagnosis) -> dict[str, list[float]]:
     for k_e in K_E:
         still_open = tuple(name for name in bench.drive.open if name != "back_emf")
         drive = replace(bench.drive, known={**bench.drive.known, "k_e": k_e}, open=still_open)
-        signals = replace(bench.signals, open=drive.columns(bench.gravity))
+        signals = replace(bench.signals, open={name: bench.signals.open[name] for name in still_open})
         given = replace(bench, drive=drive, rows=rows, signals=signals)
         for name, options in models.items():
             effects, how = options or (shapes, {})
             found = refit(whole.base, effects, given, **how)
             left = found.residuals["mechanical"]
             if options is None:
-                motion = found.values
-                inertia = motion["J_m"] + motion["mu"] ** 2 * motion["J_l"]
-                left = rows.mean(inertia * whole.channels.alpha_m + bench.gravity)
+                left = friction(found)
             errors[name].append(float(np.sqrt(np.mean(left[off] ** 2))))
     return errors

@@ -41,18 +41,8 @@ RIGS = {
 }
 """Rig file -> folder of its logs."""
 
-VARIANTS = {
-    "bam_xl330_pendulum": {
-        # Rows with the motor switched off are not used at all.
-        "driven rows only": ('motor_off = "torque_enable == 0"', 'use = "torque_enable == 1"'),
-        # A constant torque is put down to the zero of the angle, which free rows share.
-        "zero angle": ('voltage_offset_V = "estimate"', 'theta_zero_rad = "estimate"'),
-    },
-    "tro2021_drive3": {
-        "from 6 rpm": ('"drive3_*"', '"drive3_*_[6-9]", "drive3_*_n[6-9]", "drive3_*[0-9][0-9]"'),
-    },
-}
-"""Rig -> title -> (line of the rig file, what is tried in its place)."""
+DRIVEN_ROWS = ('motor_off = "torque_enable == 0"', 'use = "torque_enable == 1"')
+"""Line of a rig file with free rows, and what leaves them out altogether."""
 
 MODELS = {"linear": "Coulomb + viscous", "paper": "paper", "extended": "extended"}
 
@@ -70,17 +60,11 @@ def main() -> None:
     for name in args.names:
         log, rig = args.data / RIGS[name] / "data.csv.gz", ROOT / "examples" / "rigs" / f"{name}.toml"
         found = diagnose([log], rig)
-        others = {title: changed(log, rig, change) for title, change in VARIANTS.get(name, {}).items()}
         results[name] = page(name, found)
         if np.any(found.bench.drive.off):
-            results[name]["tables"] += [
-                free(found, others["driven rows only"]),
-                errors(others["zero angle"]),
-                free(others["zero angle"], others["driven rows only"]),
-            ]
-        else:
-            results[name]["tables"] += [errors(other) for other in others.values()]
-        results[name]["variants"] = {title: lines(other) for title, other in others.items()}
+            driven = changed(log, rig, DRIVEN_ROWS)
+            results[name]["tables"].append(free(found, driven))
+            results[name]["driven rows only"] = lines(driven)
         figures.draw(name, found, OUT)
         print("\n".join(results[name]["console"]), "\n")
     OUT.mkdir(exist_ok=True)

@@ -124,7 +124,7 @@ def test_one_blank_cell_and_a_default_threshold_are_told_shortly(
     arguments = ["fit", str(log), "--rig", str(tmp_path / "rig.json"), "--out", str(tmp_path / "out")]
     assert cli.main(arguments) == 0
     shown = capsys.readouterr()
-    dropped, uneven = shown.err.splitlines()
+    uneven, dropped = shown.err.splitlines()
     assert "log.csv: 1 of 15000 rows are not numbers (first: line 7001; most: 'current_A')" in dropped
     assert "time steps are uneven (1 of 14998 differ" in uneven
     assert "(moving_threshold_rad_s sets it)" in shown.out

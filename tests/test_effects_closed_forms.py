@@ -138,6 +138,12 @@ MECHANICAL: list[tuple[str, str, dict[str, float], Torque]] = [
          lambda x, case=case: 0.15 * np.abs(load(x, case, 0.3)) * np.sign(x["omega_m"]))
         for case in CASES
     ),
+    *(
+        (case, "load_dependent[progressive]", {"load_eta_2": 0.7, "load_eta": 0.15, "load_share": 0.3},
+         lambda x, case=case: (0.7 * load(x, case, 0.3) ** 2 + 0.15 * np.abs(load(x, case, 0.3)))
+         * np.sign(x["omega_m"]))
+        for case in CASES
+    ),
     ("C2", "load_dependent[gravity]", {"load_eta": 0.15},
      lambda x: 0.15 * np.abs(sine_load(x)) * np.sign(x["omega_m"])),
     ("C1", "gear_efficiency[transmitted]", {"gear_eta": 0.2, "gear_share": 0.3, "gear_rho": 0.3},

@@ -11,7 +11,10 @@ from eccentric.model.steps import Backward, Forward
 C = quantity("coulomb_asym", "N m", "half the difference of the Coulomb friction of the two directions")
 B = quantity("viscous_asym", "N m s/rad", "half the difference of the viscous friction of the two directions")
 REFERENCE = "B. Armstrong-Hélouvry, P. Dupont and C. Canudas de Wit, Automatica 30(7), 1994; eq (14)"
-HINT = "the same speeds in both directions, the current sensor's zero checked with the drive switched off"
+HINT = (
+    "the same speeds in both directions, the current sensor's zero checked with the drive switched off; a"
+    " constant load on the link looks the same, and is T_load in the rig"
+)
 
 
 def effects(setting: Setting) -> tuple[Effect, ...]:

@@ -167,8 +167,13 @@ def read_channels(paths: Sequence[str | Path], rig: Rig) -> Channels:
     theta, omega_logged = _angle(table, rig, segment, warnings)
     quantum = _quantum(table, rig, theta, segment)
     moving, threshold = _moving(t, theta, segment, rig, quantum)
-    rig, said = suited(rig, t, theta, segment, moving)
+    seen = moving & ~hold_out(t, table.run, table.run_names, rig).rows
+    rig, said = suited(rig, t, theta, segment, seen)
     warnings += [said] if said else []
+    if math.isinf(rig.average_over) and not {"J_m", "J_l"} <= set(rig.known):
+        # What little acceleration a constant speed has would take up anything that the friction lacks.
+        rig = dataclasses.replace(rig, known={"J_m": 0.0, "J_l": 0.0, **rig.known})
+        warnings.append("means of runs do not tell an inertia: J_m and J_l count as 0 where the rig has none")
     if coarse := is_coarse(logged, rig):
         # Between the rows lies the unwrapped angle, not the one that jumps.
         own = {"theta_m": theta} | ({} if omega_logged is None else {"omega_m": omega_logged})

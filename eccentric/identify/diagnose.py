@@ -17,12 +17,14 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
+from types import ModuleType
 
 import numpy as np
 import sympy as sp
 
 from eccentric.effects import Setting, library, load_effects
 from eccentric.effects.effect import Effect
+from eccentric.emit import load_module
 from eccentric.errors import InputError
 from eccentric.identify.adapter import Signals, base_columns, candidate, compiled
 from eccentric.identify.attribution import Rules
@@ -36,7 +38,7 @@ from eccentric.identify.nulltest import sensor_noise
 from eccentric.identify.orders import Order, orders_of
 from eccentric.identify.problem import seen_columns
 from eccentric.identify.refit import Bench, Refit, refit, residual_samples
-from eccentric.identify.residual import Balance, make_balance
+from eccentric.identify.residual import Balance, Windows, make_balance
 from eccentric.identify.rig import Rig, read_rig
 from eccentric.identify.rows import MANY_RUNS, Rows, rows_of, search_windows
 from eccentric.identify.score import Score, leave_runs_out, score
@@ -51,6 +53,8 @@ Array = np.ndarray
 _UNSEEN = {"current_bias", "sensor_delay", "ke_mismatch", "resistance_mismatch"}
 """Families that a voltage alone cannot show: of a current sensor, and of R and k_e, which are open then."""
 Progress = Callable[[str], None]
+LEAST_R2 = 0.5
+"""R^2 of the drive torque under which a log is not of this rig, or not in its units: nothing is named."""
 OVER_RUNS = 0.15
 """Part of the structure that may stay open where runs are left out as a whole: no two are quite alike, and
 what is named has to predict those that were not seen."""
@@ -72,6 +76,7 @@ class Diagnosis:
         shipped: what is emitted: `extended`, or without an effect the paper's model within its bounds.
         score: held-out errors and the improvement.
         noise_floor: RMS of the sensors' noise in the mechanical balance, in its unit.
+        r_squared: of the drive torque, on the training part, under the paper's model.
         orders: what the residual of the shipped model is periodic in while the motor turns one way.
     """
 
@@ -92,6 +97,7 @@ class Diagnosis:
     shipped: Refit
     score: Score
     noise_floor: float
+    r_squared: float
     orders: tuple[Order, ...]
 
     @property
@@ -113,6 +119,11 @@ class Diagnosis:
     def interval(self) -> tuple[float, float]:
         """Its 95 % interval."""
         return self.score.interval
+
+    @property
+    def shipped_module(self) -> ModuleType:
+        """The emitted NumPy module of what is shipped."""
+        return load_module(self.shipped.model)
 
     @property
     def quality(self) -> tuple[Finding, ...]:
@@ -187,6 +198,10 @@ def diagnose(
     paper = refit(base, (), bench, bounds=False)
     extended = refit(base, tuple(adopted), bench) if adopted else paper
     linear = refit(base, (), bench, bounds=False, linear=True)
+    fits = explained(paper)
+    if fits < LEAST_R2:
+        found = replace(unconfirmed(found), next_measurement="Mend the rig file or the log first.")
+        adopted, extended = [], paper
     balance = found.adopted[0].balance if adopted else "mechanical"
     scored = score(linear, paper, extended, balance, leave_runs_out(base, extended, bench))
     if adopted and not scored.confirms:
@@ -212,8 +227,16 @@ def diagnose(
         shipped=shipped,
         score=scored,
         noise_floor=_noise(bench),
+        r_squared=fits,
         orders=orders_of(bench, residual_samples(shipped)),
     )
+
+
+def explained(paper: Refit) -> float:
+    """R^2 of the drive torque on the training rows: friction, inertia and gravity of the paper's model."""
+    rows = paper.bench.rows
+    drive = rows.mean(paper.bench.drive.torque())[rows.train]
+    return 1.0 - float(np.mean(paper.residuals["mechanical"][rows.train] ** 2) / np.mean(drive**2))
 
 
 def bench_of(drive: Drive, rig: Rig, model: Model) -> Bench:
@@ -275,9 +298,10 @@ def balances_of(bench: Bench, rig: Rig, model: Model) -> tuple[list[Balance], di
     lower = np.r_[lower, np.full(len(signals.open), -np.inf)]
     names = (*(c.name for c in columns), *signals.open)
     windows = search_windows(channels, rig)
-    balances = [
-        make_balance("mechanical", windows, target, base_columns(model, signals), names, lower, target)
-    ]
+    mechanical = make_balance(
+        "mechanical", windows, target, base_columns(model, signals), names, lower, target
+    )
+    balances = [_once_filtered(mechanical, windows, channels.alpha_m, known)]
     unseen = np.where(channels.held_out, np.nan, torque)
     noise = {"mechanical": sensor_noise(unseen, windows)}
     if drive.measured_twice:
@@ -287,6 +311,18 @@ def balances_of(bench: Bench, rig: Rig, model: Model) -> tuple[list[Balance], di
         balances.append(make_balance("electrical", every, residual, empty, (), np.empty(0), target))
         noise["electrical"] = sensor_noise(unseen, every)
     return balances, noise
+
+
+def _once_filtered(balance: Balance, windows: Windows, alpha: Array, known: Mapping[str, float]) -> Balance:
+    """The balance with the acceleration as it is: it comes from the low-passed angle."""
+    if windows.smooth is None:
+        return balance
+    own = windows.weights @ alpha
+    inertia = known["J_m"] + known["mu"] ** 2 * known["J_l"]
+    base = balance.base.copy()
+    if "J_m" in balance.base_names:
+        base[:, balance.base_names.index("J_m")] = own
+    return replace(balance, target=balance.target + inertia * (windows(alpha) - own), base=base)
 
 
 def gravity_of(model: Model, signals: Signals) -> tuple[Array, Array]:
@@ -342,6 +378,8 @@ def _shown(effect: Effect, bench: Bench, rig: Rig, setting: Setting, balances: s
             return False
     elif effect.balance not in balances:
         return False
+    if effect.family == "sensor_delay" and not bench.drive.measured_twice:
+        return False  # its current would be the model's, whose noise is that of the acceleration
     if effect.family == "angle_offset" and "theta_zero_rad" in rig.estimate:
         return False  # that is what the rig leaves open
     if math.isinf(rig.average_over) and {"time", "acceleration", "history"} & set(effect.depends_on):
@@ -409,7 +447,7 @@ def _noise(bench: Bench) -> float:
     """RMS that the white noise of the measured drive leaves in a row, from its fourth differences."""
     drive = bench.drive
     joined = np.diff(drive.channels.segment, 4) == 0
-    raw = replace(drive, low_pass_hz=None).torque()
+    raw = drive.torque()
     difference = np.diff(raw, 4)[joined]
     sigma = float(1.4826 * np.median(np.abs(difference - np.median(difference))) / np.sqrt(70.0))
     weights = bench.rows.weights

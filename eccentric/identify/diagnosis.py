@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
+import inspect
 from typing import Any
 
 import sympy as sp
 
 from eccentric.effects.effect import Effect
-from eccentric.identify.diagnose import Diagnosis
+from eccentric.identify.diagnose import LEAST_R2, Diagnosis
 
 __all__ = ["document", "lines", "sentence"]
 
+_GRAVE = {"wrong_sign", "wrong_unit", "contradiction", "another_rig", "mismatch", "zero_angle"}
 PROVABLE = 3.0
 """A residual this many times the noise of the sensors has a cause, found or not."""
 
@@ -146,10 +148,15 @@ def sentence(found: Diagnosis) -> str:
         names = " and ".join(effect.id for effect, _ in found.effects)
         sure = min(_probability(found, effect) for effect, _ in found.effects)
         these = "it" if len(found.effects) == 1 else "them"
-        return f"The model lacks {names} (probability {sure:.2f}); with {these} {gain}."
+        return f"The model lacks {names} (probability {sure:.2f}); with {these} {gain}.{_first(found)}"
     if a.verdict == "not_identifiable":
         families = " or ".join(a.tied or tuple(dict.fromkeys(c.family for c in a.candidates[:2])))
         return f"An effect is missing, but this log cannot tell {families} apart; with the first {gain}."
+    if found.r_squared < LEAST_R2:
+        return (
+            f"This log does not fit the rig (R^2 of the drive torque {found.r_squared:.2f}): check units and"
+            f" signs before anything else.{_first(found)}"
+        )
     if a.unconfirmed:
         return (
             f"{' and '.join(a.unconfirmed)} fits the training part but does not predict what was held out; no"
@@ -172,6 +179,12 @@ def sentence(found: Diagnosis) -> str:
     )
 
 
+def _first(found: Diagnosis) -> str:
+    """What the record itself says is wrong, if anything."""
+    grave = [f for f in found.quality if f.severity == "warning" and f.kind in _GRAVE]
+    return f" {grave[0].text[0].upper()}{grave[0].text[1:]}." if grave else ""
+
+
 def _probability(found: Diagnosis, effect: Effect) -> float:
     return max(
         (c.probability for c in found.attribution.candidates if c.family == effect.family), default=0.0
@@ -187,7 +200,7 @@ def lines(found: Diagnosis) -> list[str]:
         for q in effect.parameters:
             estimate = found.extended.estimates.get(q.name)
             error = "" if estimate is None else f" +- {estimate.std_error:.2g}"
-            shown.append(f"{q.name} = {own[q.name]:.4g}{error} {q.unit}")
+            shown.append(f"{q.name} = {own[q.name]:.4g}{error}{'' if q.unit == '1' else ' ' + q.unit}")
         share = 100 * found.extended.shares.get(effect.id, 0.0)
         out.append(f"  {effect.id} ({share:.1f} % of friction): {', '.join(shown)}")
     for balance, models in found.rmse.items():
@@ -214,6 +227,9 @@ def lines(found: Diagnosis) -> list[str]:
     if found.orders:
         parts = ", ".join(f"{o.per_turn:.2f} ({100 * o.share:.0f} % of its variance)" for o in found.orders)
         out.append(f"what is left inside runs is periodic in the motor angle, per turn: {parts}")
+    arguments = list(inspect.signature(found.shipped_module.mechanical_friction_torque).parameters)[:-2]
+    name = f"{found.base.name}_extended"
+    out.append(f"to call: {name}_mechanical_friction_torque({', '.join([*arguments, f'&{name}_default'])})")
     if a.next_measurement:
         out.append(f"next: {a.next_measurement}")
     return out

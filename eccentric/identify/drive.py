@@ -25,7 +25,6 @@ from numpy.typing import NDArray
 from eccentric.effects.constant_load import effect as constant_load
 from eccentric.errors import InputError
 from eccentric.identify.channels import Channels
-from eccentric.identify.filters import smoothed
 from eccentric.identify.problem import Problem, own_letters, pose
 from eccentric.identify.rig import Rig
 from eccentric.identify.search import Solution, solve
@@ -54,7 +53,6 @@ class Drive:
         adjusts: the letter that a free gravity column changes: the scale, or M or L known by a range.
         identified: letters that the log had to give, for the report.
         warnings: of the first fit.
-        low_pass_hz: of the measured drive where rows are averages: then both sides have passed one filter.
     """
 
     channels: Channels
@@ -65,7 +63,6 @@ class Drive:
     adjusts: str
     identified: tuple[str, ...]
     warnings: tuple[str, ...] = ()
-    low_pass_hz: float | None = None
 
     @property
     def by_voltage(self) -> bool:
@@ -87,10 +84,7 @@ class Drive:
         measured = getattr(self.channels, self.channels.drive)
         if measured is None:
             raise InputError(f"diagnose: a {self.channels.drive} channel is required, the log has none")
-        measured = np.where(self.off, 0.0, measured)
-        if self.low_pass_hz is None:
-            return measured
-        return smoothed(self.channels.t, self.channels.segment, measured, self.low_pass_hz)
+        return np.where(self.off, 0.0, measured)
 
     def torque(self, known: Mapping[str, float] | None = None, scale: float | None = None) -> Array:
         """The drive torque (n,) [N m], for other values of k_e and scale if given."""
@@ -133,7 +127,7 @@ def drive_of(channels: Channels, rig: Rig, base: Model) -> Drive:
     complete = measured and not open_inertia and not rig.unknown and not rig.estimate
     if complete:
         known = _needed(channels, rig, base) | {k: v for k, v in rig.known.items() if k == "T_load"}
-        return Drive(channels, known, None, "N m", (), "", (), low_pass_hz=rig.drive_low_pass_hz)
+        return Drive(channels, known, None, "N m", (), "", ())
     problem = pose(channels.driven, rig, base)
     first = solve(problem)
     found = {c.role: float(v) for c, v in zip(problem.coefficients, first.coefficients, strict=True)}
@@ -161,7 +155,6 @@ def drive_of(channels: Channels, rig: Rig, base: Model) -> Drive:
         *_open(channels, rig, problem, open_inertia),
         _identified(first, scale, open_inertia, rig),
         tuple(w for w in problem.warnings if w not in channels.warnings),
-        rig.drive_low_pass_hz,
     )
 
 

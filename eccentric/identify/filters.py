@@ -47,11 +47,11 @@ def low_pass(x: Array, rate_hz: float, cut_hz: float) -> Array | None:
     """
     if cut_hz > 0.4 * rate_hz or len(x) <= _PADDING:
         return None
-    return np.asarray(sosfiltfilt(butter(2, cut_hz, fs=rate_hz, output="sos"), x))
+    return np.asarray(sosfiltfilt(butter(2, cut_hz, fs=rate_hz, output="sos"), x, axis=0))
 
 
 def smoothed(t: Array, segment: NDArray[np.int64], x: Array, cut_hz: float = 25.0) -> Array:
-    """Return x (n,) after the low pass, stretch by stretch; as it is where one is too coarse or short."""
+    """Return x (n,) or (n, k) after the low pass, stretch by stretch; as it is where one is too coarse."""
     out = np.array(x, float)
     for number in np.unique(segment):
         rows = segment == number

@@ -41,6 +41,8 @@ def script(found: Diagnosis) -> str:
     if drive.scale is not None and found.unit == "N m":
         letters_of = "R/k_i, with k_i = 1 N m/A" if drive.by_voltage else "k_i"
         notes["R" if drive.by_voltage else "k_i"] = f"{letters_of}: identified through gravity or inertia"
+        if drive.by_voltage and "k_e" not in found.rig.known and "back_emf" not in drive.open:
+            notes["B_m"] = f"{notes.get('B_m', '')}; contains k_e k_i/R, which this log cannot tell from it"
     load = ("", "")
     if "T_load" in {q.name for q in found.base.parameters}:
         load = (

@@ -11,6 +11,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.ndimage import median_filter
 from scipy.signal import find_peaks, lombscargle
 
 from eccentric.identify.refit import Bench
@@ -27,7 +28,11 @@ HIGHEST = 12.0
 LEAST_SHARE = 0.04
 """Of the variance inside the stretches; less is not worth a line."""
 ABOVE = 4.0
-"""A peak over the median of the mean spectrum: chance spreads over all orders alike."""
+"""A peak over the median of the spectrum around it: what wanders is high at low orders, and not periodic."""
+AROUND = 41
+"""Width of what is around, steps: two orders."""
+LEAST_STRETCHES = 6
+"""Chance makes a peak of the same order in one stretch, or in three; not in most of six."""
 
 ALONE = 8
 """Steps to either side within which an order is the highest of its stretch."""
@@ -52,7 +57,7 @@ class Order:
 def orders_of(bench: Bench, target: Array) -> tuple[Order, ...]:
     """The orders of the mechanical target (samples,) [N m], the largest share first.
 
-    Empty where no stretch of usable rows in one direction has `LEAST_TURNS` turns.
+    Empty with fewer than `LEAST_STRETCHES` stretches of usable rows in one direction of `LEAST_TURNS` turns.
     """
     channels = bench.drive.channels
     grid = np.arange(0.5, HIGHEST, 0.05)
@@ -70,11 +75,13 @@ def orders_of(bench: Bench, target: Array) -> tuple[Order, ...]:
             continue
         spectra.append(lombscargle(angle, rest, grid, normalize=True))
         variances.append(float(np.var(rest)))
-    if not spectra:
+    if len(spectra) < LEAST_STRETCHES:
         return ()
     every = np.array(spectra)
     mean = every.mean(axis=0)
-    peaks, _ = find_peaks(mean, height=max(LEAST_SHARE, ABOVE * float(np.median(mean))), distance=8)
+    around = median_filter(mean, AROUND, mode="nearest")
+    local = median_filter(every, (1, AROUND), mode="nearest")
+    peaks, _ = find_peaks(mean, height=np.maximum(LEAST_SHARE, ABOVE * around), distance=8)
     found = []
     for k in peaks:
         # An order is known to the inverse of the turns only: the best of the neighbours counts.
@@ -82,7 +89,7 @@ def orders_of(bench: Bench, target: Array) -> tuple[Order, ...]:
         share = float(near.mean())
         # What leaks from one frequency in time into its neighbours is no peak of its own there.
         peak = near >= every[:, max(k - ALONE, 0) : k + ALONE + 1].max(axis=1)
-        seen = int(np.count_nonzero(peak & (near > ABOVE * np.median(every, axis=1))))
+        seen = int(np.count_nonzero(peak & (near > ABOVE * local[:, k])))
         amplitude = float(np.sqrt(np.mean(2.0 * near * np.array(variances))))
         found.append(Order(_centre(grid, mean, int(k)), amplitude, share, seen, len(every)))
     return tuple(sorted((o for o in found if 2 * o.seen > o.stretches), key=lambda o: -o.share))

@@ -35,7 +35,6 @@ from eccentric.identify.columns import (
     scale_of,
     searched_of,
 )
-from eccentric.identify.filters import smoothed
 from eccentric.identify.known import KNOWNS
 from eccentric.identify.rows import averaged
 from eccentric.identify.windowed import Sampling, sample
@@ -109,8 +108,6 @@ class Problem:
     def _drive(self, channels: Channels) -> Array:
         known = self.rig.known
         signal = getattr(channels, channels.drive)
-        if (cut := self.rig.drive_low_pass_hz) is not None:
-            signal = smoothed(channels.t, channels.segment, signal, cut)
         if channels.drive == "current" and self.scale is None:
             return known["k_i"] * signal
         if channels.drive == "voltage":

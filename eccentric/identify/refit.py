@@ -100,7 +100,13 @@ class Emitted:
 
     def residual(self, balance: str, values: Mapping[str, float], current: Array | None = None) -> Array:
         """The emitted residual of a balance on the rows [N m], with another current if given."""
-        return self.bench.rows.mean(self.samples(balance, values, current))
+        rows, found = self.bench.rows, self.samples(balance, values, current)
+        if balance != "mechanical" or rows.smooth is None:
+            return rows.mean(found)
+        # The acceleration comes from the low-passed angle: it is not to pass the filter twice.
+        alpha = self.drive.channels.alpha_m
+        inertia = values["J_m"] + self.bench.signals.known["mu"] ** 2 * values["J_l"]
+        return rows.mean(found) + inertia * (rows.mean(alpha) - rows.filtered(alpha))
 
     def samples(self, balance: str, values: Mapping[str, float], current: Array | None = None) -> Array:
         """The same on the samples.
@@ -390,12 +396,16 @@ def _estimates(fitted: Refit, fit: _Fit, solved: _Solved) -> dict[str, Estimate]
     units = {q.name: q.unit for q in fitted.model.parameters}
     unit = np.eye(full.shape[1])
     found: dict[str, Estimate] = {}
+    scaled = drive.adjusts == "scale" and "gravity" in solved.names
+    shared = unit[solved.names.index("gravity")] if scaled else np.zeros(len(unit))
     for k, name in enumerate([*solved.names, *shapes]):
         if name in units:
             bounds = (float(low[k]), float(high[k]))
             if name in shapes:
                 bounds = (shapes[name].low, shapes[name].high)
-            found[name] = error.estimate(fitted.values[name], unit[k], units[name], bounds, int(held[k]))
+            # All torques are divided by the scale, so that its error is theirs too.
+            slope = unit[k] if name in shapes else unit[k] - fitted.values[name] * shared
+            found[name] = error.estimate(fitted.values[name], slope, units[name], bounds, int(held[k]))
         else:
             shown, value, factor, of = _outside(name, fitted, fit)
             found[shown] = error.estimate(value, factor * unit[k], of)

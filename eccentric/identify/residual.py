@@ -9,6 +9,7 @@ run.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -25,17 +26,19 @@ Array = np.ndarray
 class Windows:
     """Sparse row operator: (rows, samples) weights, with the block and the centre time of each row.
 
-    `independent`: rows share neither samples nor what happens between them, as means of whole runs.
+    `smooth`: a filter over the samples (samples, k) that comes first. `independent`: rows share neither
+    samples nor what happens between them, as means of whole runs.
     """
 
     weights: csr_matrix
     block: Array
     time: Array
     independent: bool = False
+    smooth: Callable[[Array], Array] | None = None
 
     def __call__(self, columns: Array) -> Array:
         """Columns (samples, k) or (samples,) to rows."""
-        return self.weights @ columns
+        return self.weights @ (columns if self.smooth is None else self.smooth(columns))
 
 
 @dataclass(frozen=True)

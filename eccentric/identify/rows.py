@@ -10,8 +10,11 @@ quantisation above its band.  Averages are taken over
 
 from __future__ import annotations
 
+import dataclasses
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,6 +22,7 @@ from scipy.sparse import csr_matrix, vstack
 
 from eccentric.errors import InputError
 from eccentric.identify.channels import Channels
+from eccentric.identify.filters import smoothed
 from eccentric.identify.residual import Windows, make_windows
 from eccentric.identify.rig import Rig
 from eccentric.identify.windowed import MOVING_PART, STEPS, Sampling
@@ -49,9 +53,14 @@ class Rows:
     score: Mask
     weights: csr_matrix | None
     description: str
+    smooth: Callable[[Array], Array] | None = None
 
     def mean(self, x: Array) -> Array:
         """Samples (n,) or (n, k) to rows (m,) or (m, k), in the unit of x."""
+        return self.filtered(x if self.smooth is None else self.smooth(x))
+
+    def filtered(self, x: Array) -> Array:
+        """The same of what has passed the low pass already: the acceleration, which comes from the angle."""
         return np.asarray(x, float) if self.weights is None else self.weights @ x
 
 
@@ -70,7 +79,9 @@ def rows_of(channels: Channels, rig: Rig) -> Rows:
     order = np.argsort(first, kind="stable")
     held = order >= len(train.time)
     what = "whole runs" if math.isinf(rig.average_over) else f"averages over {_length(channels, rig):.3g} s"
-    return Rows(t[order], channels.run[first[order]], ~held, held, weights[order], what)
+    return Rows(
+        t[order], channels.run[first[order]], ~held, held, weights[order], what, _smoothing(channels, rig)
+    )
 
 
 def averaged(channels: Channels, rig: Rig) -> Sampling:
@@ -88,11 +99,21 @@ def search_windows(channels: Channels, rig: Rig, moving: bool = True) -> Windows
     to be predicted for a run that was not seen.
     """
     found = _windows(channels, rig, moving)
+    found = dataclasses.replace(found, smooth=_smoothing(channels, rig))
     if found.independent:
         return found
     first = found.weights.indices[found.weights.indptr[:-1]]
     runs = np.unique(channels.run[first], return_inverse=True)[1]
-    return Windows(found.weights, runs, found.time) if runs.max() + 1 >= MANY_RUNS else found
+    return dataclasses.replace(found, block=runs) if runs.max() + 1 >= MANY_RUNS else found
+
+
+def _smoothing(channels: Channels, rig: Rig) -> Callable[[Array], Array] | None:
+    """The low pass of the angle, for all that is compared with its acceleration over a time.
+
+    Friction jumps where the drive and the acceleration of a filtered angle do not.
+    """
+    cut = rig.drive_low_pass_hz
+    return None if cut is None else partial(smoothed, channels.t, channels.segment, cut_hz=cut)
 
 
 def _windows(channels: Channels, rig: Rig, moving: bool) -> Windows:

@@ -101,7 +101,8 @@ def spread(design: Array, residual: Array, active: NDArray[np.int64], lower: Arr
     on: it is left out, and its standard error is zero here.
     """
     size = np.linalg.norm(design, axis=0)
-    seen = size > 1e-9 * np.max(size)
+    # Units differ, and so may the sizes by many orders: only a column of zeros is unseen.
+    seen = size > 1e-200
     free, held = np.flatnonzero((active == 0) & seen), np.flatnonzero((active != 0) & seen)
     count = len(active)
     matrix, alone, moves = np.zeros((count, count)), np.zeros(count), np.zeros((len(held), count))

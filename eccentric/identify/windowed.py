@@ -50,7 +50,7 @@ class Sampling:
         """Motor acceleration [rad/s^2] (m,): integrated by parts from the logged angle where windowed."""
         if isinstance(self.windows, Windows):
             return self.windows.second_rate(channels.theta_logged)
-        return self.mean(channels.alpha_m)
+        return channels.alpha_m if self.windows is None else self.windows.filtered(channels.alpha_m)
 
 
 def sample(channels: Channels) -> Sampling:

@@ -38,6 +38,7 @@ Array = np.ndarray
 TURN = 2.0 * np.pi
 
 _WORSE = {"paper": "Coulomb and viscous friction", "extended": "the paper's"}
+_ORIGINS = ("effect", "friction", "bench", "rig", "unseen")
 _QUARTER = TURN / 4
 _QUANTITIES = {"mechanical": "friction", "electrical": "torque of the voltage"}
 
@@ -77,10 +78,12 @@ def report_data(found: Diagnosis, files: Sequence[tuple[str, str]] = ()) -> Repo
         parameters=tuple(_parameters(found)),
         equations=tuple(friction_equations(found.extended.model, effects)),
         facts=tuple(_facts(found)),
-        warnings=(*found.channels.warnings, *found.bench.drive.warnings),
-        findings=tuple(
-            Finding(f.kind, f.channel, f.text, f.rows, f.severity) for f in getattr(found, "quality", ())
+        warnings=tuple(
+            text
+            for text in (*found.channels.warnings, *found.bench.drive.warnings)
+            if text not in {finding.text for finding in found.quality}
         ),
+        findings=tuple(Finding(f.kind, f.channel, f.text, f.rows, f.severity) for f in found.quality),
         next_measurement=attribution.next_measurement,
         command=_command(found),
         files=tuple(files),
@@ -202,16 +205,17 @@ def _further(found: Diagnosis) -> list[Errors]:
 
 def _parameters(found: Diagnosis) -> list[Parameter]:
     """Those of the effects, fitted friction, what the log had to give of the bench, what the rig knew."""
-    own = {q.name for effect, _ in found.extended.effects for q in effect.parameters}
-    terms = found.extended.model.balance("mechanical").terms
+    own = {q.name for effect, _ in found.shipped.effects for q in effect.parameters}
+    terms = found.shipped.model.balance("mechanical").terms
     friction = {str(term.coefficient) for term in terms if term.kind == "friction"}
-    estimates = found.extended.estimates
+    estimates = found.shipped.estimates
     given = {*found.bench.drive.identified, *estimates}
     rows = []
-    for q in found.extended.model.parameters:
-        value = found.extended.values.get(q.name)
+    for q in found.shipped.model.parameters:
+        value = found.shipped.values.get(q.name)
         kinds = (("effect", own), ("friction", friction), ("bench", given))
-        origin = next((name for name, letters in kinds if q.name in letters), "rig")
+        last = "rig" if q.name in found.rig.known else "unseen"
+        origin = next((name for name, letters in kinds if q.name in letters), last)
         # A coefficient that is one with another is not fitted: the other stands for their sum.
         if value is None or (origin == "friction" and estimates and q.name not in estimates):
             continue
@@ -221,7 +225,7 @@ def _parameters(found: Diagnosis) -> list[Parameter]:
                 row, std_error=e.std_error, interval=e.interval, bound=e.bound_active or "", widened=e.widened
             )
         rows.append(row)
-    return sorted(rows, key=lambda row: ("effect", "friction", "bench", "rig").index(row.origin))
+    return sorted(rows, key=lambda row: _ORIGINS.index(row.origin))
 
 
 def _facts(found: Diagnosis) -> list[Fact]:

@@ -25,6 +25,7 @@ _ORIGINS = {
     "effect": "fitted, new",
     "friction": "fitted",
     "bench": "identified along",
+    "unseen": "a placeholder: nothing in this log depends on it",
     "rig": "known from the rig",
 }
 _MARKS = {"named": "✓", "not_identifiable": "≈", "unexplained": "?", "nothing_missing": "○"}
