@@ -501,6 +501,7 @@ def _run(plan: _Plan, registers: list[np.ndarray]) -> None:
 
 
 _BLOCK = 16384  # elements: few enough to stay in the cache, so many that a call costs little for each
+_SMALL = 2048  # elements from which on blocks are worth their set-up
 _DEFAULT = Parameters()
 _NUMBERS = {float, int, np.float64}
 # Numbers of Python's have no precision of their own: they leave a float32 beside them what it is.
@@ -532,7 +533,7 @@ def _evaluate(
         for part, value in zip(parts, _at(kernel, parameters, [x.item() for x in arrays]), strict=True):
             part[...] = value
     else:
-        if out is not None and parts[0].size <= _BLOCK:
+        if out is not None and parts[0].size <= _SMALL:
             arrays = [x.copy() if np.may_share_memory(x, out) else x for x in arrays]
         _fill(_plan(kernel, len(arrays), real), _prepare(parameters, real).arrays, arrays, parts)
     return result[()] if out is None else out
@@ -554,7 +555,7 @@ def _at(kernel: Callable[..., tuple[Any, ...]], parameters: Parameters | None, i
 def _fill(plan: _Plan, c: Iterable[np.ndarray], arrays: list[np.ndarray], parts: list[np.ndarray]) -> None:
     """Fill the parts, block by block if they are large; the buffers are made once."""
     real, shape = parts[0].dtype, parts[0].shape or (1,)
-    if parts[0].size <= _BLOCK:
+    if parts[0].size <= _SMALL:
         to = [part.reshape(shape) for part in parts]
         work = [*np.empty((plan.buffers, *shape), real), *np.empty((plan.masks, *shape), bool)]
         _run(plan, [*c, *arrays, *plan.numbers, *to, *work])
@@ -563,18 +564,21 @@ def _fill(plan: _Plan, c: Iterable[np.ndarray], arrays: list[np.ndarray], parts:
     overlap = ["overlap_assume_elementwise"] if len(parts) == 1 else []
     flags: Any = [["readonly", *overlap]] * len(arrays) + [["writeonly", *overlap]] * len(parts)
     mode: Any = ["external_loop", "buffered", "copy_if_overlap"]
-    work = [*_aligned(plan.buffers, real), *np.empty((plan.masks, _BLOCK), bool)]
-    with np.nditer([*arrays, *parts], mode, flags, buffersize=_BLOCK) as blocks:
+    room = min(_BLOCK, parts[0].size)
+    work = [*_aligned(plan.buffers, room, real), *np.empty((plan.masks, room), bool)]
+    with np.nditer([*arrays, *parts], mode, flags, buffersize=room) as blocks:
         for block in blocks:
             size, given, to = len(block[0]), block[: len(arrays)], block[len(arrays) :]
             _run(plan, [*c, *given, *plan.numbers, *to, *(buffer[:size] for buffer in work)])
 
 
-def _aligned(count: int, real: np.dtype[Any]) -> np.ndarray:
+def _aligned(count: int, size: int, real: np.dtype[Any]) -> np.ndarray:
     """Buffers that start at the lines of the cache, which is a tenth of the time."""
-    room = np.empty(count * _BLOCK * real.itemsize + 64, np.uint8)
-    start = -room.ctypes.data % 64
-    return room[start : len(room) - 64 + start].view(real).reshape(count, _BLOCK)
+    line = 64 // real.itemsize
+    pitch = -(-size // line) * line
+    memory = np.empty(count * pitch + line, real)
+    start = -memory.ctypes.data % 64 // real.itemsize
+    return memory[start : start + count * pitch].reshape(count, pitch)[:, :size]
 
 
 def _require(names: tuple[str, ...], value: ArrayLike, parameters: Parameters | None) -> None:

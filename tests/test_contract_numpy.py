@@ -185,7 +185,7 @@ def test_memory_is_bounded_by_the_block(name: str, function: str, dtype: type[np
         tracemalloc.stop()
 
     assert abs(taken[1] - taken[0]) < 10_000, taken
-    assert taken[1] < 64 * 16384 * np.dtype(dtype).itemsize, taken
+    assert taken[1] < 64 * module(name)._BLOCK * np.dtype(dtype).itemsize, taken
 
 
 @every_model
