@@ -56,7 +56,7 @@ gravity_on_link = sp.simplify(torque_on_link - J_l * alpha_l - f_l)
 # --- The drive ----------------------------------------------------------------------------------------------
 
 armature = sp.Eq(u, R * i + k_e * omega_m)  # Kirchhoff, armature inductance neglected
-current = sp.solve(armature, i)[0]
+current = sp.solve(armature, i, simplify=False)[0]
 motor_torque = k_i * current
 gear = {theta_l: mu * theta_m, omega_l: mu * omega_m, alpha_l: mu * alpha_m}
 # An ideal gear passes power on: what the link takes at omega_l, the motor gives at omega_m.
@@ -67,7 +67,7 @@ drive = newton_motor.subs({tau_m: motor_torque}).subs({tau_l: torque_on_link}).s
 gravity_torque = sp.simplify(mu * gravity_on_link.subs(gear))
 inertia = sp.expand(drive.lhs - drive.rhs).coeff(alpha_m)
 # (4) is (k_i/R) u = inertial + gravity + all the rest, and the rest is called F.
-resultant = sp.expand(sp.solve(drive, u)[0] * k_i / R - inertia * alpha_m - gravity_torque)
+resultant = sp.expand(sp.solve(drive, u, simplify=False)[0] * k_i / R - inertia * alpha_m - gravity_torque)
 
 # --- Friction: the postulate (7) for both bearings ----------------------------------------------------------
 

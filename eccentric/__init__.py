@@ -6,8 +6,20 @@ The pipeline, each stage in the package of its name:
     emit      Model -> Program         -> NumPy module, C99 header and source   (eccentric.emit, templates/)
     identify  log + rig -> channels    -> fit, residual                 (eccentric.identify)
 
+`eccentric.compile(model)` serves the emitted C of a model as a Python module, built by the local compiler.
 `eccentric.bench` simulates a test bench with code of its own; `eccentric.cli` is the command line.
 Imports run one way: model <- emit <- identify <- cli.
 """
 
+from typing import Any
+
 __version__ = "0.1.0"
+
+
+def __getattr__(name: str) -> Any:
+    # SymPy takes longest to import: only who compiles waits for it.
+    if name == "compile":
+        from eccentric.emit.compiled import compile as function
+
+        return function
+    raise AttributeError(f"module 'eccentric' has no attribute {name!r}")

@@ -10,12 +10,14 @@ Without parameters the defaults of `Parameters` hold.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections import Counter
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import cache, lru_cache
 from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.lib.mixins import NDArrayOperatorsMixin
 from numpy.typing import ArrayLike
 
 __all__ = [
@@ -43,8 +45,6 @@ __all__ = [
 REGRESSOR = ("B_lN", "C_lN", "B", "C")
 GRADIENT = ("omega_m",)
 JACOBIAN = ("B_lN", "C_lN", "B_lT", "C_lT", "B_m", "C_m")
-
-_Real = type[np.float32] | type[np.float64]
 
 
 @dataclass(frozen=True)
@@ -126,6 +126,9 @@ _DOMAINS = {
 }
 
 
+_Real = type[np.float32] | type[np.float64]
+
+
 class _Coefficients(NamedTuple):
     """What depends on parameters only, in the working precision."""
 
@@ -160,8 +163,16 @@ class _Coefficients(NamedTuple):
     C_lN_L_M_mu3: Any
 
 
+class _Prepared(NamedTuple):
+    """The coefficients as numbers, for a kernel on Python's own, and as arrays, for its steps."""
+
+    numbers: _Coefficients
+    arrays: tuple[np.ndarray, ...]
+
+
 @lru_cache(maxsize=64)
-def _prepare(p: Parameters, real: _Real) -> _Coefficients:
+def _prepare(parameters: Parameters | None, real: _Real) -> _Prepared:
+    p = parameters or _DEFAULT
     F_T = p.M_l * p.g if p.F_T is None else p.F_T
     J_m = math.nan if p.J_m is None else p.J_m
     J_l = math.nan if p.J_l is None else p.J_l
@@ -191,7 +202,7 @@ def _prepare(p: Parameters, real: _Real) -> _Coefficients:
     B_lN_L_M_mu4 = p.B_lN * p.L * p.M * p.mu * p.mu * p.mu * p.mu
     C_lN_L_M_mu3 = p.C_lN * p.L * p.M * p.mu * p.mu * p.mu
     with np.errstate(all="ignore"):
-        return _Coefficients(
+        c = _Coefficients(
             B_lN=real(p.B_lN),
             C_lN=real(p.C_lN),
             k_i=real(p.k_i),
@@ -222,17 +233,147 @@ def _prepare(p: Parameters, real: _Real) -> _Coefficients:
             B_lN_L_M_mu4=real(B_lN_L_M_mu4),
             C_lN_L_M_mu3=real(C_lN_L_M_mu3),
         )
+    return _Prepared(_Coefficients(*map(float, c)), tuple(map(np.asarray, c)))
 
 
-_BLOCK = 4096  # elements; a block's temporaries stay in the cache
+class _Value(NDArrayOperatorsMixin):
+    """Stands for an array while a kernel is recorded; `place` is its number on the tape."""
+
+    def __init__(self, tape: _Tape, place: int) -> None:
+        self.tape = tape
+        self.place = place
+
+    def __array_ufunc__(self, operation: Any, method: str, *operands: Any) -> _Value:
+        return self.tape.step(operation, *operands)
+
+
+class _Tape:
+    """What a kernel does, step by step; what is computed already is not computed again."""
+
+    def __init__(self, real: _Real) -> None:
+        self.real = real
+        self.count = 0
+        self.numbers: dict[float, _Value] = {}
+        self.steps: dict[tuple[Any, ...], _Value] = {}
+        self.made: set[int] = set()
+
+    def value(self) -> _Value:
+        self.count += 1
+        return _Value(self, self.count - 1)
+
+    def computed(self, x: Any) -> bool:
+        return isinstance(x, _Value) and x.place in self.made
+
+    def place(self, x: Any) -> int:
+        if isinstance(x, _Value):
+            return x.place
+        if x not in self.numbers:
+            self.numbers[x] = self.value()
+        return self.numbers[x].place
+
+    def step(self, operation: Any, *operands: Any) -> _Value:
+        key = (operation, *map(self.place, operands))
+        if operation is np.multiply and key[1] == key[2]:
+            key = (np.square, key[1])  # the same bits, and less to read
+        if key not in self.steps:
+            self.steps[key] = self.value()
+            self.made.add(self.steps[key].place)
+        return self.steps[key]
+
+
+def _put(condition: np.ndarray, x: np.ndarray, out: np.ndarray) -> None:
+    np.copyto(out, x, where=condition)
+
+
+def _sign(x: Any) -> Any:
+    if isinstance(x, float):
+        return 1.0 if x > 0.0 else -1.0 if x < 0.0 else x + 0.0
+    return np.sign(x)
+
+
+def _choose(condition: Any, x: Any, y: Any) -> Any:
+    if isinstance(condition, bool):
+        return x if condition else y
+    tape = condition.tape
+    # What is computed stays where it is; only the other is moved.
+    if tape.computed(x):
+        return tape.step(_put, np.logical_not(condition), y, x)
+    return tape.step(_put, condition, x, y)
+
+
+class _Plan(NamedTuple):
+    """A kernel as steps (operation, first, second or None, result) on numbered registers.
+
+    In order: coefficients, inputs, numbers, results, buffers; from the end: masks.
+    """
+
+    numbers: tuple[np.ndarray, ...]
+    results: int
+    buffers: int
+    masks: int
+    steps: tuple[tuple[Callable[..., Any], int, int | None, int], ...]
+
+
+_MASKS = (np.greater, np.less, np.less_equal, np.equal, np.logical_not)  # what gives true or false
+
+
+@cache
+def _plan(kernel: Callable[..., tuple[Any, ...]], count: int, real: _Real) -> _Plan:
+    """Record a kernel of `count` inputs; a buffer is used again as soon as nobody reads it any more."""
+    tape = _Tape(real)
+    c = _Coefficients(*(tape.value() for _ in _Coefficients._fields))
+    inputs = [tape.value() for _ in range(count)]
+    register = {x: x for x in range(tape.count)}
+    results = [tape.place(x) for x in kernel(c, *inputs)]
+    register |= {number.place: len(register) + k for k, number in enumerate(tape.numbers.values())}
+    first = len(register)
+    uses = Counter([*results, *(x for _, *operands in tape.steps for x in operands)])
+    last = {x: k for k, (_, *operands) in enumerate(tape.steps) for x in operands}
+    last |= dict.fromkeys(results, len(tape.steps))
+    free: tuple[list[int], list[int]] = ([], [])  # buffers, masks
+    made = [0, 0]
+    steps: list[tuple[Callable[..., Any], int, int | None, int]] = []
+
+    def take(mask: bool) -> int:
+        if not free[mask]:
+            free[mask].append(-made[1] - 1 if mask else first + len(results) + made[0])
+            made[mask] += 1
+        return free[mask].pop()
+
+    for k, ((operation, *operands), value) in enumerate(tape.steps.items()):
+        read = [register[x] for x in operands]
+        ending = {register[x] for x in operands if last[x] == k and not 0 <= register[x] < first}
+        target = None
+        if operation is _put:  # into y, the last operand; into a copy where y is needed further on
+            y = read.pop()
+            target = y if y in ending and y not in read else take(False)
+            steps += [] if target == y else [(np.positive, y, None, target)]
+        elif value.place in results and uses[value.place] == 1:
+            target = first + results.index(value.place)
+        for x in ending - {target}:
+            free[x < 0].append(x)
+        register[value.place] = take(operation in _MASKS) if target is None else target
+        steps.append((operation, read[0], read[1] if len(read) > 1 else None, register[value.place]))
+    for k, x in enumerate(results):
+        steps += [] if register[x] == first + k else [(np.positive, register[x], None, first + k)]
+    numbers = tuple(np.array(x, dtype=real) for x in tape.numbers)
+    return _Plan(numbers, len(results), made[0], made[1], tuple(steps))
+
+
+def _run(plan: _Plan, registers: list[np.ndarray]) -> None:
+    for operation, x, y, to in plan.steps:
+        if y is None:
+            operation(registers[x], registers[to])
+        else:
+            operation(registers[x], registers[y], registers[to])
+
+
+_BLOCK = 16384  # elements: few enough to stay in the cache, so many that a call costs little for each
+_SMALL = 2048  # elements from which on blocks are worth their set-up
 _DEFAULT = Parameters()
-
-
-def _require(names: tuple[str, ...], value: ArrayLike, parameters: Parameters | None) -> None:
-    """Ask for the inertia, which has no default, where there is an acceleration."""
-    missing = [name for name in names if getattr(parameters or _DEFAULT, name) is None]
-    if missing and np.any(np.asarray(value) != 0):
-        raise ValueError(f"{', '.join(missing)}: required in Parameters with an acceleration, got None")
+_NUMBERS = {float, int, np.float64}
+# Numbers of Python's have no precision of their own: they leave a float32 beside them what it is.
+_KEPT = np.ndarray | np.generic | float | int
 
 
 def _evaluate(
@@ -243,38 +384,76 @@ def _evaluate(
     width: int,
 ) -> Any:
     """Run the kernel over the broadcast inputs, block by block; width 0 is a scalar result."""
-    # Numbers of Python's have no precision of their own: they leave a float32 beside them what it is.
-    kept = np.ndarray | np.generic | float | int
-    inputs = tuple(x if isinstance(x, kept) else np.asarray(x) for x in inputs)
+    if out is None and _NUMBERS.issuperset(map(type, inputs)):
+        values = _at(kernel, parameters, inputs)
+        return np.array(values) if width else np.float64(values[0])
+    inputs = tuple(x if isinstance(x, _KEPT) else np.asarray(x) for x in inputs)
     real = np.float32 if inputs and np.result_type(*inputs) == np.float32 else np.float64
     arrays = [np.asarray(x, dtype=real) for x in inputs]
-    c = _prepare(parameters or _DEFAULT, real)
-    shape = np.broadcast_shapes(*(x.shape for x in arrays))
+    shape = np.broadcast(*arrays).shape
     full = (*shape, width) if width else shape
     result = np.empty(full, dtype=real) if out is None else out
     if result.shape != full or result.dtype != real:
         got = f"{result.shape} of {result.dtype}"
         raise ValueError(f"out: required shape {full} of {real.__name__}, got {got}")
-    parts = [result[..., k] for k in range(width)] if width else [result]
-    with np.errstate(all="ignore"):
-        if result.size <= _BLOCK * max(width, 1):
-            for part, value in zip(parts, kernel(c, *arrays), strict=True):
-                part[...] = value
-        else:
-            operands: Any = [*arrays, *parts]
-            flags: Any = [["readonly"]] * len(arrays) + [["writeonly"]] * len(parts)
-            blocks = np.nditer(
-                operands,
-                flags=["external_loop", "buffered", "copy_if_overlap"],
-                op_flags=flags,
-                buffersize=_BLOCK,
-            )
-            with blocks:
-                for block in blocks:
-                    values = kernel(c, *block[: len(arrays)])
-                    for part, value in zip(block[len(arrays) :], values, strict=True):
-                        part[...] = value
+    parts = [result[..., k] for k in range(width)] if width else [result[...]]
+    if parts[0].size == 1 and real is np.float64:
+        for part, value in zip(parts, _at(kernel, parameters, [x.item() for x in arrays]), strict=True):
+            part[...] = value
+    else:
+        if out is not None and parts[0].size <= _SMALL:
+            arrays = [x.copy() if np.may_share_memory(x, out) else x for x in arrays]
+        _fill(_plan(kernel, len(arrays), real), _prepare(parameters, real).arrays, arrays, parts)
     return result[()] if out is None else out
+
+
+def _at(kernel: Callable[..., tuple[Any, ...]], parameters: Parameters | None, inputs: Iterable[Any]) -> Any:
+    """The kernel at one sample, on Python's own numbers: they are doubles, too, and take no set-up."""
+    values = list(map(float, inputs))
+    try:
+        return kernel(_prepare(parameters, np.float64).numbers, *values)
+    except (ArithmeticError, ValueError):  # where NumPy has infinity or NaN, Python raises
+        plan, c = _plan(kernel, len(values), np.float64), _prepare(parameters, np.float64).arrays
+        out = [np.empty(1) for _ in range(plan.results)]
+        _fill(plan, c, [np.array([x]) for x in values], out)
+        return tuple(x.item() for x in out)
+
+
+@np.errstate(all="ignore")
+def _fill(plan: _Plan, c: Iterable[np.ndarray], arrays: list[np.ndarray], parts: list[np.ndarray]) -> None:
+    """Fill the parts, block by block if they are large; the buffers are made once."""
+    real, shape = parts[0].dtype, parts[0].shape or (1,)
+    if parts[0].size <= _SMALL:
+        to = [part.reshape(shape) for part in parts]
+        work = [*np.empty((plan.buffers, *shape), real), *np.empty((plan.masks, *shape), bool)]
+        _run(plan, [*c, *arrays, *plan.numbers, *to, *work])
+        return
+    # One result is written last, element by element: it may lie where an input lies.
+    overlap = ["overlap_assume_elementwise"] if len(parts) == 1 else []
+    flags: Any = [["readonly", *overlap]] * len(arrays) + [["writeonly", *overlap]] * len(parts)
+    mode: Any = ["external_loop", "buffered", "copy_if_overlap"]
+    room = min(_BLOCK, parts[0].size)
+    work = [*_aligned(plan.buffers, room, real), *np.empty((plan.masks, room), bool)]
+    with np.nditer([*arrays, *parts], mode, flags, buffersize=room) as blocks:
+        for block in blocks:
+            size, given, to = len(block[0]), block[: len(arrays)], block[len(arrays) :]
+            _run(plan, [*c, *given, *plan.numbers, *to, *(buffer[:size] for buffer in work)])
+
+
+def _aligned(count: int, size: int, real: np.dtype[Any]) -> np.ndarray:
+    """Buffers that start at the lines of the cache, which is a tenth of the time."""
+    line = 64 // real.itemsize
+    pitch = -(-size // line) * line
+    memory = np.empty(count * pitch + line, real)
+    start = -memory.ctypes.data % 64 // real.itemsize
+    return memory[start : start + count * pitch].reshape(count, pitch)[:, :size]
+
+
+def _require(names: tuple[str, ...], value: ArrayLike, parameters: Parameters | None) -> None:
+    """Ask for the inertia, which has no default, where there is an acceleration."""
+    missing = [name for name in names if getattr(parameters or _DEFAULT, name) is None]
+    if missing and np.any(np.asarray(value) != 0):
+        raise ValueError(f"{', '.join(missing)}: required in Parameters with an acceleration, got None")
 
 
 def _normal_force(
@@ -305,7 +484,7 @@ def _friction_torque(
 ) -> tuple[Any, ...]:
     # normal force on the axis of rotation [N], eq (8)
     F_N = c.L_M_mu2 * omega_m * omega_m
-    direction_of_motion = np.sign(omega_m)
+    direction_of_motion = _sign(omega_m)
     part_1 = omega_m * (c.B_lN_mu2 * F_N + c.B_plus_k_e_k_i_per_R)
     result = direction_of_motion * (c.C + c.C_lN_mu * F_N) + part_1
     return (result,)
@@ -331,7 +510,7 @@ def _mechanical_friction_torque(
 ) -> tuple[Any, ...]:
     # normal force on the axis of rotation [N], eq (8)
     F_N = c.L_M_mu2 * omega_m * omega_m
-    direction_of_motion = np.sign(omega_m)
+    direction_of_motion = _sign(omega_m)
     part_1 = direction_of_motion * (c.C + c.C_lN_mu * F_N)
     result = omega_m * (c.B + c.B_lN_mu2 * F_N) + part_1
     return (result,)
@@ -358,7 +537,7 @@ def _friction_torque_gradient(
     # normal force on the axis of rotation [N], eq (8)
     F_N = c.L_M_mu2 * omega_m * omega_m
     F_N_d_omega_m = omega_m * c.twice_L_M_mu2
-    direction_of_motion = np.sign(omega_m)
+    direction_of_motion = _sign(omega_m)
     part_1 = F_N_d_omega_m * (c.B_lN_mu2 * omega_m + c.C_lN_mu * direction_of_motion)
     result_omega_m = c.B_lN_mu2 * F_N + c.B_plus_k_e_k_i_per_R + part_1
     return (result_omega_m,)
@@ -385,7 +564,7 @@ def _friction_torque_with_gradient(
     # normal force on the axis of rotation [N], eq (8)
     F_N = c.L_M_mu2 * omega_m * omega_m
     F_N_d_omega_m = omega_m * c.twice_L_M_mu2
-    direction_of_motion = np.sign(omega_m)
+    direction_of_motion = _sign(omega_m)
     part_1 = omega_m * (c.B_lN_mu2 * F_N + c.B_plus_k_e_k_i_per_R)
     result_friction_torque = direction_of_motion * (c.C + c.C_lN_mu * F_N) + part_1
     part_2 = F_N_d_omega_m * (c.B_lN_mu2 * omega_m + c.C_lN_mu * direction_of_motion)
@@ -414,7 +593,7 @@ def _friction_torque_jacobian(
     # normal force on the axis of rotation [N], eq (8)
     F_N = c.L_M_mu2 * omega_m * omega_m
     result_B_lN = F_N * c.mu2 * omega_m
-    direction_of_motion = np.sign(omega_m)
+    direction_of_motion = _sign(omega_m)
     result_C_lN = F_N * direction_of_motion * c.mu
     result_B_lT = c.F_T_mu2 * omega_m
     result_C_lT = c.F_T_mu * direction_of_motion
@@ -444,7 +623,7 @@ def _regressor(
     # normal force on the axis of rotation [N], eq (8)
     F_N = c.L_M_mu2 * omega_m * omega_m
     result_B_lN = F_N * c.mu2 * omega_m
-    direction_of_motion = np.sign(omega_m)
+    direction_of_motion = _sign(omega_m)
     result_C_lN = F_N * direction_of_motion * c.mu
     result_B = omega_m
     result_C = direction_of_motion
@@ -526,10 +705,10 @@ def _voltage(
 ) -> tuple[Any, ...]:
     # normal force on the axis of rotation [N], eq (8)
     F_N = c.L_M_mu2 * omega_m * omega_m
-    direction_of_motion = np.sign(omega_m)
+    direction_of_motion = _sign(omega_m)
     part_1 = direction_of_motion * (c.C_R_per_k_i + c.C_lN_R_mu_per_k_i * F_N)
     part_2 = omega_m * (c.B_R_per_k_i_plus_k_e + c.B_lN_R_mu2_per_k_i * F_N)
-    part_3 = c.R_per_k_i * np.where(alpha_m == 0.0, 0.0, c.J * alpha_m)
+    part_3 = c.R_per_k_i * _choose(alpha_m == 0.0, 0.0, c.J * alpha_m)
     result = part_1 + part_2 + part_3
     return (result,)
 
@@ -556,9 +735,9 @@ def _current(
 ) -> tuple[Any, ...]:
     # normal force on the axis of rotation [N], eq (8)
     F_N = c.L_M_mu2 * omega_m * omega_m
-    direction_of_motion = np.sign(omega_m)
+    direction_of_motion = _sign(omega_m)
     part_1 = direction_of_motion * (c.C_lN_mu_per_k_i * F_N + c.C_per_k_i)
-    part_2 = c.per_k_i * np.where(alpha_m == 0.0, 0.0, c.J * alpha_m)
+    part_2 = c.per_k_i * _choose(alpha_m == 0.0, 0.0, c.J * alpha_m)
     part_3 = omega_m * (c.B_lN_mu2_per_k_i * F_N + c.B_per_k_i)
     result = part_1 + part_2 + part_3
     return (result,)
@@ -587,8 +766,8 @@ def _mechanical_residual(
 ) -> tuple[Any, ...]:
     # normal force on the axis of rotation [N], eq (8)
     F_N = c.L_M_mu2 * omega_m * omega_m
-    direction_of_motion = np.sign(omega_m)
-    part_1 = -np.where(alpha_m == 0.0, 0.0, c.J * alpha_m)
+    direction_of_motion = _sign(omega_m)
+    part_1 = -_choose(alpha_m == 0.0, 0.0, c.J * alpha_m)
     part_2 = -direction_of_motion * (c.C + c.C_lN_mu * F_N)
     result = i * c.k_i - omega_m * (c.B + c.B_lN_mu2 * F_N) + part_1 + part_2
     return (result,)

@@ -10,12 +10,14 @@ Without parameters the defaults of `Parameters` hold.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections import Counter
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import cache, lru_cache
 from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.lib.mixins import NDArrayOperatorsMixin
 from numpy.typing import ArrayLike
 
 __all__ = [
@@ -60,8 +62,6 @@ JACOBIAN = (
     "C_m_pos",
     "C_m_neg",
 )
-
-_Real = type[np.float32] | type[np.float64]
 
 
 @dataclass(frozen=True)
@@ -144,6 +144,9 @@ _DOMAINS = {
     "J_m": ("a number that is not negative [kg m^2]", 0.0, _LARGEST),
     "J_l": ("a number that is not negative [kg m^2]", 0.0, _LARGEST),
 }
+
+
+_Real = type[np.float32] | type[np.float64]
 
 
 class _Coefficients(NamedTuple):
@@ -271,8 +274,16 @@ def _leading(x: float, real: _Real) -> float:
     return scaled - (scaled - x)
 
 
+class _Prepared(NamedTuple):
+    """The coefficients as numbers, for a kernel on Python's own, and as arrays, for its steps."""
+
+    numbers: _Coefficients
+    arrays: tuple[np.ndarray, ...]
+
+
 @lru_cache(maxsize=64)
-def _prepare(p: Parameters, real: _Real) -> _Coefficients:
+def _prepare(parameters: Parameters | None, real: _Real) -> _Prepared:
+    p = parameters or _DEFAULT
     J_m = math.nan if p.J_m is None else p.J_m
     J_l = math.nan if p.J_l is None else p.J_l
     weight = _times(_exact(p.g), _plus(_exact(p.M), _exact(p.M_l)))
@@ -328,7 +339,7 @@ def _prepare(p: Parameters, real: _Real) -> _Coefficients:
     L_M_g_mu2_per_k_i = p.L * p.M * p.g * p.mu * p.mu / p.k_i
     k_i_per_R = p.k_i / p.R
     with np.errstate(all="ignore"):
-        return _Coefficients(
+        c = _Coefficients(
             B_lN_neg=real(p.B_lN_neg),
             B_lN_pos=real(p.B_lN_pos),
             B_m_neg=real(p.B_m_neg),
@@ -385,60 +396,157 @@ def _prepare(p: Parameters, real: _Real) -> _Coefficients:
             k_i_per_R=real(k_i_per_R),
             rounder=real(1.5 / np.finfo(real).eps),
         )
+    return _Prepared(_Coefficients(*map(float, c)), tuple(map(np.asarray, c)))
 
 
-_BLOCK = 4096  # elements; a block's temporaries stay in the cache
+class _Value(NDArrayOperatorsMixin):
+    """Stands for an array while a kernel is recorded; `place` is its number on the tape."""
+
+    def __init__(self, tape: _Tape, place: int) -> None:
+        self.tape = tape
+        self.place = place
+
+    def __array_ufunc__(self, operation: Any, method: str, *operands: Any) -> _Value:
+        return self.tape.step(operation, *operands)
+
+
+class _Tape:
+    """What a kernel does, step by step; what is computed already is not computed again."""
+
+    def __init__(self, real: _Real) -> None:
+        self.real = real
+        self.count = 0
+        self.numbers: dict[float, _Value] = {}
+        self.steps: dict[tuple[Any, ...], _Value] = {}
+        self.made: set[int] = set()
+
+    def value(self) -> _Value:
+        self.count += 1
+        return _Value(self, self.count - 1)
+
+    def computed(self, x: Any) -> bool:
+        return isinstance(x, _Value) and x.place in self.made
+
+    def place(self, x: Any) -> int:
+        if isinstance(x, _Value):
+            return x.place
+        if x not in self.numbers:
+            self.numbers[x] = self.value()
+        return self.numbers[x].place
+
+    def step(self, operation: Any, *operands: Any) -> _Value:
+        key = (operation, *map(self.place, operands))
+        if operation is np.multiply and key[1] == key[2]:
+            key = (np.square, key[1])  # the same bits, and less to read
+        if key not in self.steps:
+            self.steps[key] = self.value()
+            self.made.add(self.steps[key].place)
+        return self.steps[key]
+
+
+def _put(condition: np.ndarray, x: np.ndarray, out: np.ndarray) -> None:
+    np.copyto(out, x, where=condition)
+
+
+def _sqrt(x: Any) -> Any:
+    return math.sqrt(x) if isinstance(x, float) else np.sqrt(x)
+
+
+def _sign(x: Any) -> Any:
+    if isinstance(x, float):
+        return 1.0 if x > 0.0 else -1.0 if x < 0.0 else x + 0.0
+    return np.sign(x)
+
+
+def _forward(x: Any) -> Any:
+    if isinstance(x, float):
+        return 0.0 if x <= 0.0 else 1.0 if x > 0.0 else x
+    return np.heaviside(x, 0.0)
+
+
+def _choose(condition: Any, x: Any, y: Any) -> Any:
+    if isinstance(condition, bool):
+        return x if condition else y
+    tape = condition.tape
+    # What is computed stays where it is; only the other is moved.
+    if tape.computed(x):
+        return tape.step(_put, np.logical_not(condition), y, x)
+    return tape.step(_put, condition, x, y)
+
+
+class _Plan(NamedTuple):
+    """A kernel as steps (operation, first, second or None, result) on numbered registers.
+
+    In order: coefficients, inputs, numbers, results, buffers; from the end: masks.
+    """
+
+    numbers: tuple[np.ndarray, ...]
+    results: int
+    buffers: int
+    masks: int
+    steps: tuple[tuple[Callable[..., Any], int, int | None, int], ...]
+
+
+_MASKS = (np.greater, np.less, np.less_equal, np.equal, np.logical_not)  # what gives true or false
+
+
+@cache
+def _plan(kernel: Callable[..., tuple[Any, ...]], count: int, real: _Real) -> _Plan:
+    """Record a kernel of `count` inputs; a buffer is used again as soon as nobody reads it any more."""
+    tape = _Tape(real)
+    c = _Coefficients(*(tape.value() for _ in _Coefficients._fields))
+    inputs = [tape.value() for _ in range(count)]
+    register = {x: x for x in range(tape.count)}
+    results = [tape.place(x) for x in kernel(c, *inputs)]
+    register |= {number.place: len(register) + k for k, number in enumerate(tape.numbers.values())}
+    first = len(register)
+    uses = Counter([*results, *(x for _, *operands in tape.steps for x in operands)])
+    last = {x: k for k, (_, *operands) in enumerate(tape.steps) for x in operands}
+    last |= dict.fromkeys(results, len(tape.steps))
+    free: tuple[list[int], list[int]] = ([], [])  # buffers, masks
+    made = [0, 0]
+    steps: list[tuple[Callable[..., Any], int, int | None, int]] = []
+
+    def take(mask: bool) -> int:
+        if not free[mask]:
+            free[mask].append(-made[1] - 1 if mask else first + len(results) + made[0])
+            made[mask] += 1
+        return free[mask].pop()
+
+    for k, ((operation, *operands), value) in enumerate(tape.steps.items()):
+        read = [register[x] for x in operands]
+        ending = {register[x] for x in operands if last[x] == k and not 0 <= register[x] < first}
+        target = None
+        if operation is _put:  # into y, the last operand; into a copy where y is needed further on
+            y = read.pop()
+            target = y if y in ending and y not in read else take(False)
+            steps += [] if target == y else [(np.positive, y, None, target)]
+        elif value.place in results and uses[value.place] == 1:
+            target = first + results.index(value.place)
+        for x in ending - {target}:
+            free[x < 0].append(x)
+        register[value.place] = take(operation in _MASKS) if target is None else target
+        steps.append((operation, read[0], read[1] if len(read) > 1 else None, register[value.place]))
+    for k, x in enumerate(results):
+        steps += [] if register[x] == first + k else [(np.positive, register[x], None, first + k)]
+    numbers = tuple(np.array(x, dtype=real) for x in tape.numbers)
+    return _Plan(numbers, len(results), made[0], made[1], tuple(steps))
+
+
+def _run(plan: _Plan, registers: list[np.ndarray]) -> None:
+    for operation, x, y, to in plan.steps:
+        if y is None:
+            operation(registers[x], registers[to])
+        else:
+            operation(registers[x], registers[y], registers[to])
+
+
+_BLOCK = 16384  # elements: few enough to stay in the cache, so many that a call costs little for each
+_SMALL = 2048  # elements from which on blocks are worth their set-up
 _DEFAULT = Parameters()
-_SINE_RATIO = {
-    "f": (
-        (-1.98094749e-4, -1.66666595e-1),
-        (2.60548113e-6, 8.33306462e-3),
-    ),
-    "d": (
-        (-7.642974965950368e-13, -2.5052106860746877e-8, -1.9841269841208492e-4, -1.6666666666666666e-1),
-        (2.7209972799826474e-15, 1.6058939085095993e-10, 2.7557319211008999e-6, 8.3333333333331924e-3),
-    ),
-}
-_COSINE = {
-    "f": (
-        (-2.60742068e-7, -1.38884006e-3, -4.99999995e-1),
-        (2.47617292e-5, 4.16666405e-2),
-    ),
-    "d": (
-        (-1.1463008250042011e-11, -2.7557316503307265e-7, -1.3888888888784392e-3, -4.9999999999999982e-1),
-        (4.6099547638170315e-14, 2.0876566590691354e-9, 2.4801587278920885e-5, 4.1666666666664337e-2),
-    ),
-}
-
-
-def _horner(coefficients: tuple[float, ...], y: Any) -> Any:
-    value = coefficients[0] * y + coefficients[1]
-    for coefficient in coefficients[2:]:
-        value = value * y + coefficient
-    return value
-
-
-def _sine_ratio(half_angle: Any) -> Any:
-    """sin(h)/h - 1 for |h| within a quarter turn, a minimax polynomial in h^2; error 6.1e-9 and 2.8e-19."""
-    x = half_angle * half_angle
-    y = x * x
-    even, odd = (_horner(half, y) for half in _SINE_RATIO[y.dtype.char])
-    return (odd * x + even) * x
-
-
-def _cosine(half_angle: Any) -> Any:
-    """cos(h) for |h| within a quarter turn, a minimax polynomial in h^2; error 2.5e-10 and 4.3e-18."""
-    x = half_angle * half_angle
-    y = x * x
-    even, odd = (_horner(half, y) for half in _COSINE[y.dtype.char])
-    return (odd * x + even) * x + 1.0
-
-
-def _require(names: tuple[str, ...], value: ArrayLike, parameters: Parameters | None) -> None:
-    """Ask for the inertia, which has no default, where there is an acceleration."""
-    missing = [name for name in names if getattr(parameters or _DEFAULT, name) is None]
-    if missing and np.any(np.asarray(value) != 0):
-        raise ValueError(f"{', '.join(missing)}: required in Parameters with an acceleration, got None")
+_NUMBERS = {float, int, np.float64}
+# Numbers of Python's have no precision of their own: they leave a float32 beside them what it is.
+_KEPT = np.ndarray | np.generic | float | int
 
 
 def _evaluate(
@@ -449,38 +557,115 @@ def _evaluate(
     width: int,
 ) -> Any:
     """Run the kernel over the broadcast inputs, block by block; width 0 is a scalar result."""
-    # Numbers of Python's have no precision of their own: they leave a float32 beside them what it is.
-    kept = np.ndarray | np.generic | float | int
-    inputs = tuple(x if isinstance(x, kept) else np.asarray(x) for x in inputs)
+    if out is None and _NUMBERS.issuperset(map(type, inputs)):
+        values = _at(kernel, parameters, inputs)
+        return np.array(values) if width else np.float64(values[0])
+    inputs = tuple(x if isinstance(x, _KEPT) else np.asarray(x) for x in inputs)
     real = np.float32 if inputs and np.result_type(*inputs) == np.float32 else np.float64
     arrays = [np.asarray(x, dtype=real) for x in inputs]
-    c = _prepare(parameters or _DEFAULT, real)
-    shape = np.broadcast_shapes(*(x.shape for x in arrays))
+    shape = np.broadcast(*arrays).shape
     full = (*shape, width) if width else shape
     result = np.empty(full, dtype=real) if out is None else out
     if result.shape != full or result.dtype != real:
         got = f"{result.shape} of {result.dtype}"
         raise ValueError(f"out: required shape {full} of {real.__name__}, got {got}")
-    parts = [result[..., k] for k in range(width)] if width else [result]
-    with np.errstate(all="ignore"):
-        if result.size <= _BLOCK * max(width, 1):
-            for part, value in zip(parts, kernel(c, *arrays), strict=True):
-                part[...] = value
-        else:
-            operands: Any = [*arrays, *parts]
-            flags: Any = [["readonly"]] * len(arrays) + [["writeonly"]] * len(parts)
-            blocks = np.nditer(
-                operands,
-                flags=["external_loop", "buffered", "copy_if_overlap"],
-                op_flags=flags,
-                buffersize=_BLOCK,
-            )
-            with blocks:
-                for block in blocks:
-                    values = kernel(c, *block[: len(arrays)])
-                    for part, value in zip(block[len(arrays) :], values, strict=True):
-                        part[...] = value
+    parts = [result[..., k] for k in range(width)] if width else [result[...]]
+    if parts[0].size == 1 and real is np.float64:
+        for part, value in zip(parts, _at(kernel, parameters, [x.item() for x in arrays]), strict=True):
+            part[...] = value
+    else:
+        if out is not None and parts[0].size <= _SMALL:
+            arrays = [x.copy() if np.may_share_memory(x, out) else x for x in arrays]
+        _fill(_plan(kernel, len(arrays), real), _prepare(parameters, real).arrays, arrays, parts)
     return result[()] if out is None else out
+
+
+def _at(kernel: Callable[..., tuple[Any, ...]], parameters: Parameters | None, inputs: Iterable[Any]) -> Any:
+    """The kernel at one sample, on Python's own numbers: they are doubles, too, and take no set-up."""
+    values = list(map(float, inputs))
+    try:
+        return kernel(_prepare(parameters, np.float64).numbers, *values)
+    except (ArithmeticError, ValueError):  # where NumPy has infinity or NaN, Python raises
+        plan, c = _plan(kernel, len(values), np.float64), _prepare(parameters, np.float64).arrays
+        out = [np.empty(1) for _ in range(plan.results)]
+        _fill(plan, c, [np.array([x]) for x in values], out)
+        return tuple(x.item() for x in out)
+
+
+@np.errstate(all="ignore")
+def _fill(plan: _Plan, c: Iterable[np.ndarray], arrays: list[np.ndarray], parts: list[np.ndarray]) -> None:
+    """Fill the parts, block by block if they are large; the buffers are made once."""
+    real, shape = parts[0].dtype, parts[0].shape or (1,)
+    if parts[0].size <= _SMALL:
+        to = [part.reshape(shape) for part in parts]
+        work = [*np.empty((plan.buffers, *shape), real), *np.empty((plan.masks, *shape), bool)]
+        _run(plan, [*c, *arrays, *plan.numbers, *to, *work])
+        return
+    # One result is written last, element by element: it may lie where an input lies.
+    overlap = ["overlap_assume_elementwise"] if len(parts) == 1 else []
+    flags: Any = [["readonly", *overlap]] * len(arrays) + [["writeonly", *overlap]] * len(parts)
+    mode: Any = ["external_loop", "buffered", "copy_if_overlap"]
+    room = min(_BLOCK, parts[0].size)
+    work = [*_aligned(plan.buffers, room, real), *np.empty((plan.masks, room), bool)]
+    with np.nditer([*arrays, *parts], mode, flags, buffersize=room) as blocks:
+        for block in blocks:
+            size, given, to = len(block[0]), block[: len(arrays)], block[len(arrays) :]
+            _run(plan, [*c, *given, *plan.numbers, *to, *(buffer[:size] for buffer in work)])
+
+
+def _aligned(count: int, size: int, real: np.dtype[Any]) -> np.ndarray:
+    """Buffers that start at the lines of the cache, which is a tenth of the time."""
+    line = 64 // real.itemsize
+    pitch = -(-size // line) * line
+    memory = np.empty(count * pitch + line, real)
+    start = -memory.ctypes.data % 64 // real.itemsize
+    return memory[start : start + count * pitch].reshape(count, pitch)[:, :size]
+
+
+def _require(names: tuple[str, ...], value: ArrayLike, parameters: Parameters | None) -> None:
+    """Ask for the inertia, which has no default, where there is an acceleration."""
+    missing = [name for name in names if getattr(parameters or _DEFAULT, name) is None]
+    if missing and np.any(np.asarray(value) != 0):
+        raise ValueError(f"{', '.join(missing)}: required in Parameters with an acceleration, got None")
+
+
+def _single(x: Any) -> bool:
+    return isinstance(x, _Value) and x.tape.real is np.float32
+
+
+def _sine_ratio(half_angle: Any) -> Any:
+    """sin(h)/h - 1 for |h| within a quarter turn, a minimax polynomial in h^2; error 6.1e-9 and 2.8e-19."""
+    x = half_angle * half_angle
+    y = x * x
+    if _single(x):
+        even = -1.98094749e-4 * y - 1.66666595e-1
+        odd = 2.60548113e-6 * y + 8.33306462e-3
+    else:
+        even = -7.642974965950368e-13 * y - 2.5052106860746877e-8
+        even = even * y - 1.9841269841208492e-4
+        even = even * y - 1.6666666666666666e-1
+        odd = 2.7209972799826474e-15 * y + 1.6058939085095993e-10
+        odd = odd * y + 2.7557319211008999e-6
+        odd = odd * y + 8.3333333333331924e-3
+    return (odd * x + even) * x
+
+
+def _cosine(half_angle: Any) -> Any:
+    """cos(h) for |h| within a quarter turn, a minimax polynomial in h^2; error 2.5e-10 and 4.3e-18."""
+    x = half_angle * half_angle
+    y = x * x
+    if _single(x):
+        even = -2.60742068e-7 * y - 1.38884006e-3
+        even = even * y - 4.99999995e-1
+        odd = 2.47617292e-5 * y + 4.16666405e-2
+    else:
+        even = -1.1463008250042011e-11 * y - 2.7557316503307265e-7
+        even = even * y - 1.3888888888784392e-3
+        even = even * y - 4.9999999999999982e-1
+        odd = 4.6099547638170315e-14 * y + 2.0876566590691354e-9
+        odd = odd * y + 2.4801587278920885e-5
+        odd = odd * y + 4.1666666666664337e-2
+    return (odd * x + even) * x + 1.0
 
 
 def _from_top(c: _Coefficients, theta_m: Any) -> Any:
@@ -491,7 +676,7 @@ def _from_top(c: _Coefficients, theta_m: Any) -> Any:
     rest = theta_m - turns * c.period_1
     reduced = rest - turns * c.period_2 - turns * c.period_3 - turns * c.period_4
     # an angle so large that nothing is left of its phase counts as the top
-    return np.where(np.abs(reduced) <= c.period, reduced, theta_m - theta_m)
+    return _choose(abs(reduced) <= c.period, reduced, theta_m - theta_m)
 
 
 def _chord(c: _Coefficients, from_top: Any) -> Any:
@@ -511,16 +696,16 @@ def _normal_force(
     theta_m: Any,
     omega_m: Any,
 ) -> tuple[Any, ...]:
-    size = np.abs(omega_m)
+    size = abs(omega_m)
     # magnitude of the motor velocity, at most 2^30, 0 if M L = 0 [rad/s]
-    speed = np.where(size > c.fastest, c.fastest, size)
+    speed = _choose(size > c.fastest, c.fastest, size)
     # speed^2 - omega_star^2; the difference is taken once, before anything is rounded
     square_difference = (speed - c.omega_star_1 - c.omega_star_2) * (speed + c.omega_star_1)
     from_top = _from_top(c, theta_m)
     chord = _chord(c, from_top)
     q = c.mu_omega_star * speed * chord
     # normal force over scale_N [rad^2/s^2]
-    load = np.sqrt(square_difference * square_difference + q * q)
+    load = _sqrt(square_difference * square_difference + q * q)
     result = load * c.scale_N
     return (result,)
 
@@ -544,25 +729,25 @@ def _friction_torque(
     theta_m: Any,
     omega_m: Any,
 ) -> tuple[Any, ...]:
-    size = np.abs(omega_m)
+    size = abs(omega_m)
     # magnitude of the motor velocity, at most 2^30, 0 if M L = 0 [rad/s]
-    speed = np.where(size > c.fastest, c.fastest, size)
+    speed = _choose(size > c.fastest, c.fastest, size)
     # speed^2 - omega_star^2; the difference is taken once, before anything is rounded
     square_difference = (speed - c.omega_star_1 - c.omega_star_2) * (speed + c.omega_star_1)
     from_top = _from_top(c, theta_m)
     chord = _chord(c, from_top)
     q = c.mu_omega_star * speed * chord
     # normal force over scale_N [rad^2/s^2]
-    load = np.sqrt(square_difference * square_difference + q * q)
-    direction_of_motion = np.sign(omega_m)
-    part_4 = np.where(omega_m > 0.0, c.B_lN_pos_mu2_scale_N, c.B_lN_neg_mu2_scale_N)
+    load = _sqrt(square_difference * square_difference + q * q)
+    direction_of_motion = _sign(omega_m)
+    part_4 = _choose(omega_m > 0.0, c.B_lN_pos_mu2_scale_N, c.B_lN_neg_mu2_scale_N)
     part_3 = load * part_4
-    part_5 = np.where(omega_m > 0.0, c.B_m_pos, c.B_m_neg)
+    part_5 = _choose(omega_m > 0.0, c.B_m_pos, c.B_m_neg)
     part_2 = c.k_e_k_i_per_R + part_3 + part_5
     part_1 = omega_m * part_2
-    part_9 = np.where(omega_m > 0.0, c.C_lN_pos_mu_scale_N, c.C_lN_neg_mu_scale_N)
+    part_9 = _choose(omega_m > 0.0, c.C_lN_pos_mu_scale_N, c.C_lN_neg_mu_scale_N)
     part_8 = load * part_9
-    part_7 = part_8 + np.where(omega_m > 0.0, c.C_m_pos, c.C_m_neg)
+    part_7 = part_8 + _choose(omega_m > 0.0, c.C_m_pos, c.C_m_neg)
     part_6 = direction_of_motion * part_7
     result = part_1 + part_6
     return (result,)
@@ -589,24 +774,24 @@ def _mechanical_friction_torque(
     theta_m: Any,
     omega_m: Any,
 ) -> tuple[Any, ...]:
-    size = np.abs(omega_m)
+    size = abs(omega_m)
     # magnitude of the motor velocity, at most 2^30, 0 if M L = 0 [rad/s]
-    speed = np.where(size > c.fastest, c.fastest, size)
+    speed = _choose(size > c.fastest, c.fastest, size)
     # speed^2 - omega_star^2; the difference is taken once, before anything is rounded
     square_difference = (speed - c.omega_star_1 - c.omega_star_2) * (speed + c.omega_star_1)
     from_top = _from_top(c, theta_m)
     chord = _chord(c, from_top)
     q = c.mu_omega_star * speed * chord
     # normal force over scale_N [rad^2/s^2]
-    load = np.sqrt(square_difference * square_difference + q * q)
-    direction_of_motion = np.sign(omega_m)
-    part_4 = np.where(omega_m > 0.0, c.C_lN_pos_mu_scale_N, c.C_lN_neg_mu_scale_N)
+    load = _sqrt(square_difference * square_difference + q * q)
+    direction_of_motion = _sign(omega_m)
+    part_4 = _choose(omega_m > 0.0, c.C_lN_pos_mu_scale_N, c.C_lN_neg_mu_scale_N)
     part_3 = load * part_4
-    part_2 = part_3 + np.where(omega_m > 0.0, c.C_m_pos, c.C_m_neg)
+    part_2 = part_3 + _choose(omega_m > 0.0, c.C_m_pos, c.C_m_neg)
     part_1 = direction_of_motion * part_2
-    part_8 = np.where(omega_m > 0.0, c.B_lN_pos_mu2_scale_N, c.B_lN_neg_mu2_scale_N)
+    part_8 = _choose(omega_m > 0.0, c.B_lN_pos_mu2_scale_N, c.B_lN_neg_mu2_scale_N)
     part_7 = load * part_8
-    part_6 = part_7 + np.where(omega_m > 0.0, c.B_m_pos, c.B_m_neg)
+    part_6 = part_7 + _choose(omega_m > 0.0, c.B_m_pos, c.B_m_neg)
     part_5 = omega_m * part_6
     result = part_1 + part_5
     return (result,)
@@ -633,34 +818,34 @@ def _friction_torque_gradient(
     theta_m: Any,
     omega_m: Any,
 ) -> tuple[Any, ...]:
-    size = np.abs(omega_m)
+    size = abs(omega_m)
     # magnitude of the motor velocity, at most 2^30, 0 if M L = 0 [rad/s]
-    speed = np.where(size > c.fastest, c.fastest, size)
-    direction_of_motion = np.sign(omega_m)
+    speed = _choose(size > c.fastest, c.fastest, size)
+    direction_of_motion = _sign(omega_m)
     # speed^2 - omega_star^2; the difference is taken once, before anything is rounded
     square_difference = (speed - c.omega_star_1 - c.omega_star_2) * (speed + c.omega_star_1)
     from_top = _from_top(c, theta_m)
     chord = _chord(c, from_top)
     q = c.mu_omega_star * speed * chord
     # normal force over scale_N [rad^2/s^2]
-    load = np.sqrt(square_difference * square_difference + q * q)
+    load = _sqrt(square_difference * square_difference + q * q)
     half_sine = _half_sine(c, from_top)
     # 1 at the apex, where F_N is 0 and its derivatives are taken as 0
-    inverse = 1.0 / np.where(load == 0.0, 1.0, load)
+    inverse = 1.0 / _choose(load == 0.0, 1.0, load)
     part_1 = c.mu_omega_star * speed * (q * inverse)
     load_d_theta_m = part_1 * half_sine
     part_3 = c.mu_omega_star * (q * inverse) * chord
     part_2 = part_3 + 2.0 * speed * (square_difference * inverse)
     load_d_omega_m = direction_of_motion * part_2
-    part_6 = np.where(omega_m > 0.0, c.C_lN_pos_mu_scale_N, c.C_lN_neg_mu_scale_N)
+    part_6 = _choose(omega_m > 0.0, c.C_lN_pos_mu_scale_N, c.C_lN_neg_mu_scale_N)
     part_5 = direction_of_motion * part_6
-    part_8 = np.where(omega_m > 0.0, c.B_lN_pos_mu2_scale_N, c.B_lN_neg_mu2_scale_N)
+    part_8 = _choose(omega_m > 0.0, c.B_lN_pos_mu2_scale_N, c.B_lN_neg_mu2_scale_N)
     part_7 = omega_m * part_8
     part_4 = part_5 + part_7
     result_theta_m = load_d_theta_m * part_4
     part_9 = load_d_omega_m * part_4
     part_15 = load * part_8
-    part_17 = np.where(omega_m > 0.0, c.B_m_pos, c.B_m_neg)
+    part_17 = _choose(omega_m > 0.0, c.B_m_pos, c.B_m_neg)
     result_omega_m = c.k_e_k_i_per_R + part_15 + part_17 + part_9
     return (result_theta_m, result_omega_m)
 
@@ -686,33 +871,33 @@ def _friction_torque_with_gradient(
     theta_m: Any,
     omega_m: Any,
 ) -> tuple[Any, ...]:
-    size = np.abs(omega_m)
+    size = abs(omega_m)
     # magnitude of the motor velocity, at most 2^30, 0 if M L = 0 [rad/s]
-    speed = np.where(size > c.fastest, c.fastest, size)
-    direction_of_motion = np.sign(omega_m)
+    speed = _choose(size > c.fastest, c.fastest, size)
+    direction_of_motion = _sign(omega_m)
     # speed^2 - omega_star^2; the difference is taken once, before anything is rounded
     square_difference = (speed - c.omega_star_1 - c.omega_star_2) * (speed + c.omega_star_1)
     from_top = _from_top(c, theta_m)
     chord = _chord(c, from_top)
     q = c.mu_omega_star * speed * chord
     # normal force over scale_N [rad^2/s^2]
-    load = np.sqrt(square_difference * square_difference + q * q)
+    load = _sqrt(square_difference * square_difference + q * q)
     half_sine = _half_sine(c, from_top)
     # 1 at the apex, where F_N is 0 and its derivatives are taken as 0
-    inverse = 1.0 / np.where(load == 0.0, 1.0, load)
+    inverse = 1.0 / _choose(load == 0.0, 1.0, load)
     part_1 = c.mu_omega_star * speed * (q * inverse)
     load_d_theta_m = part_1 * half_sine
     part_3 = c.mu_omega_star * (q * inverse) * chord
     part_2 = part_3 + 2.0 * speed * (square_difference * inverse)
     load_d_omega_m = direction_of_motion * part_2
-    part_7 = np.where(omega_m > 0.0, c.B_lN_pos_mu2_scale_N, c.B_lN_neg_mu2_scale_N)
+    part_7 = _choose(omega_m > 0.0, c.B_lN_pos_mu2_scale_N, c.B_lN_neg_mu2_scale_N)
     part_6 = load * part_7
-    part_8 = np.where(omega_m > 0.0, c.B_m_pos, c.B_m_neg)
+    part_8 = _choose(omega_m > 0.0, c.B_m_pos, c.B_m_neg)
     part_5 = c.k_e_k_i_per_R + part_6 + part_8
     part_4 = omega_m * part_5
-    part_12 = np.where(omega_m > 0.0, c.C_lN_pos_mu_scale_N, c.C_lN_neg_mu_scale_N)
+    part_12 = _choose(omega_m > 0.0, c.C_lN_pos_mu_scale_N, c.C_lN_neg_mu_scale_N)
     part_11 = load * part_12
-    part_10 = part_11 + np.where(omega_m > 0.0, c.C_m_pos, c.C_m_neg)
+    part_10 = part_11 + _choose(omega_m > 0.0, c.C_m_pos, c.C_m_neg)
     part_9 = direction_of_motion * part_10
     result_friction_torque = part_4 + part_9
     part_14 = direction_of_motion * part_12
@@ -745,29 +930,29 @@ def _friction_torque_jacobian(
     theta_m: Any,
     omega_m: Any,
 ) -> tuple[Any, ...]:
-    size = np.abs(omega_m)
+    size = abs(omega_m)
     # magnitude of the motor velocity, at most 2^30, 0 if M L = 0 [rad/s]
-    speed = np.where(size > c.fastest, c.fastest, size)
+    speed = _choose(size > c.fastest, c.fastest, size)
     # speed^2 - omega_star^2; the difference is taken once, before anything is rounded
     square_difference = (speed - c.omega_star_1 - c.omega_star_2) * (speed + c.omega_star_1)
     from_top = _from_top(c, theta_m)
     chord = _chord(c, from_top)
     q = c.mu_omega_star * speed * chord
     # normal force over scale_N [rad^2/s^2]
-    load = np.sqrt(square_difference * square_difference + q * q)
-    is_forward = np.heaviside(omega_m, 0.0)
+    load = _sqrt(square_difference * square_difference + q * q)
+    is_forward = _forward(omega_m)
     ungated = load * c.mu2_scale_N * omega_m
-    result_B_lN_pos = np.where(is_forward == 0.0, 0.0, ungated * is_forward)
-    is_backward = np.heaviside(-(omega_m), 0.0)
-    result_B_lN_neg = np.where(is_backward == 0.0, 0.0, ungated * is_backward)
-    direction_of_motion = np.sign(omega_m)
+    result_B_lN_pos = _choose(is_forward == 0.0, 0.0, ungated * is_forward)
+    is_backward = _forward(-(omega_m))
+    result_B_lN_neg = _choose(is_backward == 0.0, 0.0, ungated * is_backward)
+    direction_of_motion = _sign(omega_m)
     ungated_2 = direction_of_motion * load * c.mu_scale_N
-    result_C_lN_pos = np.where(is_forward == 0.0, 0.0, ungated_2 * is_forward)
-    result_C_lN_neg = np.where(is_backward == 0.0, 0.0, ungated_2 * is_backward)
-    result_B_m_pos = np.where(is_forward == 0.0, 0.0, omega_m * is_forward)
-    result_B_m_neg = np.where(is_backward == 0.0, 0.0, omega_m * is_backward)
-    result_C_m_pos = np.where(is_forward == 0.0, 0.0, direction_of_motion * is_forward)
-    result_C_m_neg = np.where(is_backward == 0.0, 0.0, direction_of_motion * is_backward)
+    result_C_lN_pos = _choose(is_forward == 0.0, 0.0, ungated_2 * is_forward)
+    result_C_lN_neg = _choose(is_backward == 0.0, 0.0, ungated_2 * is_backward)
+    result_B_m_pos = _choose(is_forward == 0.0, 0.0, omega_m * is_forward)
+    result_B_m_neg = _choose(is_backward == 0.0, 0.0, omega_m * is_backward)
+    result_C_m_pos = _choose(is_forward == 0.0, 0.0, direction_of_motion * is_forward)
+    result_C_m_neg = _choose(is_backward == 0.0, 0.0, direction_of_motion * is_backward)
     return (
         result_B_lN_pos,
         result_B_lN_neg,
@@ -802,29 +987,29 @@ def _regressor(
     theta_m: Any,
     omega_m: Any,
 ) -> tuple[Any, ...]:
-    size = np.abs(omega_m)
+    size = abs(omega_m)
     # magnitude of the motor velocity, at most 2^30, 0 if M L = 0 [rad/s]
-    speed = np.where(size > c.fastest, c.fastest, size)
+    speed = _choose(size > c.fastest, c.fastest, size)
     # speed^2 - omega_star^2; the difference is taken once, before anything is rounded
     square_difference = (speed - c.omega_star_1 - c.omega_star_2) * (speed + c.omega_star_1)
     from_top = _from_top(c, theta_m)
     chord = _chord(c, from_top)
     q = c.mu_omega_star * speed * chord
     # normal force over scale_N [rad^2/s^2]
-    load = np.sqrt(square_difference * square_difference + q * q)
-    is_forward = np.heaviside(omega_m, 0.0)
+    load = _sqrt(square_difference * square_difference + q * q)
+    is_forward = _forward(omega_m)
     ungated = load * c.mu2_scale_N * omega_m
-    result_B_lN_pos = np.where(is_forward == 0.0, 0.0, ungated * is_forward)
-    is_backward = np.heaviside(-(omega_m), 0.0)
-    result_B_lN_neg = np.where(is_backward == 0.0, 0.0, ungated * is_backward)
-    direction_of_motion = np.sign(omega_m)
+    result_B_lN_pos = _choose(is_forward == 0.0, 0.0, ungated * is_forward)
+    is_backward = _forward(-(omega_m))
+    result_B_lN_neg = _choose(is_backward == 0.0, 0.0, ungated * is_backward)
+    direction_of_motion = _sign(omega_m)
     ungated_2 = direction_of_motion * load * c.mu_scale_N
-    result_C_lN_pos = np.where(is_forward == 0.0, 0.0, ungated_2 * is_forward)
-    result_C_lN_neg = np.where(is_backward == 0.0, 0.0, ungated_2 * is_backward)
-    result_B_m_pos = np.where(is_forward == 0.0, 0.0, omega_m * is_forward)
-    result_B_m_neg = np.where(is_backward == 0.0, 0.0, omega_m * is_backward)
-    result_C_m_pos = np.where(is_forward == 0.0, 0.0, direction_of_motion * is_forward)
-    result_C_m_neg = np.where(is_backward == 0.0, 0.0, direction_of_motion * is_backward)
+    result_C_lN_pos = _choose(is_forward == 0.0, 0.0, ungated_2 * is_forward)
+    result_C_lN_neg = _choose(is_backward == 0.0, 0.0, ungated_2 * is_backward)
+    result_B_m_pos = _choose(is_forward == 0.0, 0.0, omega_m * is_forward)
+    result_B_m_neg = _choose(is_backward == 0.0, 0.0, omega_m * is_backward)
+    result_C_m_pos = _choose(is_forward == 0.0, 0.0, direction_of_motion * is_forward)
+    result_C_m_neg = _choose(is_backward == 0.0, 0.0, direction_of_motion * is_backward)
     return (
         result_B_lN_pos,
         result_B_lN_neg,
@@ -937,30 +1122,30 @@ def _voltage(
     omega_m: Any,
     alpha_m: Any,
 ) -> tuple[Any, ...]:
-    size = np.abs(omega_m)
+    size = abs(omega_m)
     # magnitude of the motor velocity, at most 2^30, 0 if M L = 0 [rad/s]
-    speed = np.where(size > c.fastest, c.fastest, size)
+    speed = _choose(size > c.fastest, c.fastest, size)
     # speed^2 - omega_star^2; the difference is taken once, before anything is rounded
     square_difference = (speed - c.omega_star_1 - c.omega_star_2) * (speed + c.omega_star_1)
     from_top = _from_top(c, theta_m)
     chord = _chord(c, from_top)
     q = c.mu_omega_star * speed * chord
     # normal force over scale_N [rad^2/s^2]
-    load = np.sqrt(square_difference * square_difference + q * q)
-    direction_of_motion = np.sign(omega_m)
+    load = _sqrt(square_difference * square_difference + q * q)
+    direction_of_motion = _sign(omega_m)
     half_sine = _half_sine(c, from_top)
-    part_4 = np.where(omega_m > 0.0, c.C_lN_pos_R_mu_scale_N_per_k_i, c.C_lN_neg_R_mu_scale_N_per_k_i)
+    part_4 = _choose(omega_m > 0.0, c.C_lN_pos_R_mu_scale_N_per_k_i, c.C_lN_neg_R_mu_scale_N_per_k_i)
     part_3 = load * part_4
-    part_5 = np.where(omega_m > 0.0, c.C_m_pos_R_per_k_i, c.C_m_neg_R_per_k_i)
+    part_5 = _choose(omega_m > 0.0, c.C_m_pos_R_per_k_i, c.C_m_neg_R_per_k_i)
     part_2 = part_3 + part_5
     part_1 = direction_of_motion * part_2
-    part_9 = np.where(omega_m > 0.0, c.B_lN_pos_R_mu2_scale_N_per_k_i, c.B_lN_neg_R_mu2_scale_N_per_k_i)
+    part_9 = _choose(omega_m > 0.0, c.B_lN_pos_R_mu2_scale_N_per_k_i, c.B_lN_neg_R_mu2_scale_N_per_k_i)
     part_8 = load * part_9
-    part_10 = np.where(omega_m > 0.0, c.B_m_pos_R_per_k_i, c.B_m_neg_R_per_k_i)
+    part_10 = _choose(omega_m > 0.0, c.B_m_pos_R_per_k_i, c.B_m_neg_R_per_k_i)
     part_7 = c.k_e + part_10 + part_8
     part_6 = omega_m * part_7
     part_11 = (-c.L_M_R_g_mu2_per_k_i) * chord * half_sine
-    part_12 = c.R_per_k_i * np.where(alpha_m == 0.0, 0.0, c.J * alpha_m)
+    part_12 = c.R_per_k_i * _choose(alpha_m == 0.0, 0.0, c.J * alpha_m)
     result = part_1 + part_11 + part_12 + part_6
     return (result,)
 
@@ -988,27 +1173,27 @@ def _current(
     omega_m: Any,
     alpha_m: Any,
 ) -> tuple[Any, ...]:
-    size = np.abs(omega_m)
+    size = abs(omega_m)
     # magnitude of the motor velocity, at most 2^30, 0 if M L = 0 [rad/s]
-    speed = np.where(size > c.fastest, c.fastest, size)
+    speed = _choose(size > c.fastest, c.fastest, size)
     # speed^2 - omega_star^2; the difference is taken once, before anything is rounded
     square_difference = (speed - c.omega_star_1 - c.omega_star_2) * (speed + c.omega_star_1)
     from_top = _from_top(c, theta_m)
     chord = _chord(c, from_top)
     q = c.mu_omega_star * speed * chord
     # normal force over scale_N [rad^2/s^2]
-    load = np.sqrt(square_difference * square_difference + q * q)
-    direction_of_motion = np.sign(omega_m)
+    load = _sqrt(square_difference * square_difference + q * q)
+    direction_of_motion = _sign(omega_m)
     half_sine = _half_sine(c, from_top)
-    part_4 = np.where(omega_m > 0.0, c.C_lN_pos_mu_scale_N_per_k_i, c.C_lN_neg_mu_scale_N_per_k_i)
+    part_4 = _choose(omega_m > 0.0, c.C_lN_pos_mu_scale_N_per_k_i, c.C_lN_neg_mu_scale_N_per_k_i)
     part_3 = load * part_4
-    part_2 = part_3 + np.where(omega_m > 0.0, c.C_m_pos_per_k_i, c.C_m_neg_per_k_i)
+    part_2 = part_3 + _choose(omega_m > 0.0, c.C_m_pos_per_k_i, c.C_m_neg_per_k_i)
     part_1 = direction_of_motion * part_2
-    part_8 = np.where(omega_m > 0.0, c.B_lN_pos_mu2_scale_N_per_k_i, c.B_lN_neg_mu2_scale_N_per_k_i)
+    part_8 = _choose(omega_m > 0.0, c.B_lN_pos_mu2_scale_N_per_k_i, c.B_lN_neg_mu2_scale_N_per_k_i)
     part_7 = load * part_8
-    part_6 = part_7 + np.where(omega_m > 0.0, c.B_m_pos_per_k_i, c.B_m_neg_per_k_i)
+    part_6 = part_7 + _choose(omega_m > 0.0, c.B_m_pos_per_k_i, c.B_m_neg_per_k_i)
     part_5 = omega_m * part_6
-    part_9 = c.per_k_i * np.where(alpha_m == 0.0, 0.0, c.J * alpha_m)
+    part_9 = c.per_k_i * _choose(alpha_m == 0.0, 0.0, c.J * alpha_m)
     part_10 = (-c.L_M_g_mu2_per_k_i) * chord * half_sine
     result = part_1 + part_10 + part_5 + part_9
     return (result,)
@@ -1038,27 +1223,27 @@ def _mechanical_residual(
     i: Any,
     alpha_m: Any,
 ) -> tuple[Any, ...]:
-    size = np.abs(omega_m)
+    size = abs(omega_m)
     # magnitude of the motor velocity, at most 2^30, 0 if M L = 0 [rad/s]
-    speed = np.where(size > c.fastest, c.fastest, size)
+    speed = _choose(size > c.fastest, c.fastest, size)
     # speed^2 - omega_star^2; the difference is taken once, before anything is rounded
     square_difference = (speed - c.omega_star_1 - c.omega_star_2) * (speed + c.omega_star_1)
     from_top = _from_top(c, theta_m)
     chord = _chord(c, from_top)
     q = c.mu_omega_star * speed * chord
     # normal force over scale_N [rad^2/s^2]
-    load = np.sqrt(square_difference * square_difference + q * q)
-    direction_of_motion = np.sign(omega_m)
+    load = _sqrt(square_difference * square_difference + q * q)
+    direction_of_motion = _sign(omega_m)
     half_sine = _half_sine(c, from_top)
-    part_4 = np.where(omega_m > 0.0, c.C_lN_pos_mu_scale_N, c.C_lN_neg_mu_scale_N)
+    part_4 = _choose(omega_m > 0.0, c.C_lN_pos_mu_scale_N, c.C_lN_neg_mu_scale_N)
     part_3 = -load * part_4
-    part_2 = part_3 - np.where(omega_m > 0.0, c.C_m_pos, c.C_m_neg)
+    part_2 = part_3 - _choose(omega_m > 0.0, c.C_m_pos, c.C_m_neg)
     part_1 = direction_of_motion * part_2
-    part_8 = np.where(omega_m > 0.0, c.B_lN_pos_mu2_scale_N, c.B_lN_neg_mu2_scale_N)
+    part_8 = _choose(omega_m > 0.0, c.B_lN_pos_mu2_scale_N, c.B_lN_neg_mu2_scale_N)
     part_7 = -load * part_8
-    part_6 = part_7 - np.where(omega_m > 0.0, c.B_m_pos, c.B_m_neg)
+    part_6 = part_7 - _choose(omega_m > 0.0, c.B_m_pos, c.B_m_neg)
     part_5 = omega_m * part_6
-    part_9 = -np.where(alpha_m == 0.0, 0.0, c.J * alpha_m)
+    part_9 = -_choose(alpha_m == 0.0, 0.0, c.J * alpha_m)
     part_10 = c.L_M_g_mu2 * chord * half_sine
     result = i * c.k_i + part_1 + part_10 + part_5 + part_9
     return (result,)

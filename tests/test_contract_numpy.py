@@ -5,6 +5,7 @@ import dataclasses
 import inspect
 import subprocess
 import sys
+import tracemalloc
 import warnings
 from pathlib import Path
 
@@ -145,6 +146,46 @@ def test_out_is_filled_and_returned(name: str, function: str, dtype: type[np.flo
     assert np.array_equal(expected, strided)
     with pytest.raises(ValueError, match=r"out|shape|broadcast"):
         f(*states, p, out=np.empty((2, 2), dtype))
+
+
+@both_precisions
+@pytest.mark.parametrize("count", [7, 50_000])
+@every_call_on_states
+def test_out_may_be_an_input(name: str, function: str, count: int, dtype: type[np.floating]) -> None:
+    """An input that lies where the result goes, or a sample beside it, is read before it is overwritten."""
+    f, p, one = getattr(module(name), function), with_inertia(name), width(name, function)
+    states = example_states(name, function, count + 1, dtype)
+    for k in range(len(states)):
+        for shift in (0, 1):
+            given_states = [x[:count].copy() for x in states]
+            memory = np.zeros(count * (one[0] if one else 1) + 1, dtype)
+            memory[shift : shift + count] = given_states[k]
+            given_states[k] = memory[shift : shift + count]
+            expected = f(*(x.copy() for x in given_states), p)
+            out = memory[:-1].reshape(expected.shape)
+
+            f(*given_states, p, out=out)
+
+            assert np.array_equal(expected, out, equal_nan=True), (k, shift)
+
+
+@both_precisions
+@every_call_on_states
+def test_memory_is_bounded_by_the_block(name: str, function: str, dtype: type[np.floating]) -> None:
+    """With `out` a call takes as much memory for 1,000,000 elements as for 100,000."""
+    f, p = getattr(module(name), function), with_inertia(name)
+    taken = []
+    for count in (100_000, 1_000_000):
+        states = [np.resize(x, count) for x in example_states(name, function, 1000, dtype)]
+        out = np.empty((count, *width(name, function)), dtype)
+        f(*states, p, out=out)
+        tracemalloc.start()
+        f(*states, p, out=out)
+        taken.append(tracemalloc.get_traced_memory()[1])
+        tracemalloc.stop()
+
+    assert abs(taken[1] - taken[0]) < 10_000, taken
+    assert taken[1] < 64 * module(name)._BLOCK * np.dtype(dtype).itemsize, taken
 
 
 @every_model

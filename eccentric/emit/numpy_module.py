@@ -6,20 +6,24 @@ import textwrap
 from collections.abc import Iterable
 from typing import Any
 
+import sympy as sp
+
 from eccentric.emit.expression import Language, printed
 from eccentric.emit.pairs import pair_functions, pair_text, paired
+from eccentric.emit.primitive import Pick, Root
 from eccentric.emit.program import Assignment, Helper, Input, Program, Routine
 from eccentric.emit.series import polynomial
 from eccentric.emit.text import assigned, default_text, domain, number, rounds, splitting, used_series
 from eccentric.model.quantity import Quantity
+from eccentric.model.steps import Backward, Forward, Sgn
 
 _NUMPY = {
-    "sqrt": "np.sqrt({0})",
-    "fabs": "np.abs({0})",
-    "sgn": "np.sign({0})",
-    "forward": "np.heaviside({0}, 0.0)",
-    "backward": "np.heaviside(-({0}), 0.0)",
-    "exp": "np.exp({0})",
+    "sqrt": "_sqrt({0})",
+    "fabs": "abs({0})",
+    "sgn": "_sign({0})",
+    "forward": "_forward({0})",
+    "backward": "_forward(-({0}))",
+    "exp": "_exp({0})",
     "sine_ratio": "_sine_ratio({0})",
     "cosine": "_cosine({0})",
 }
@@ -67,6 +71,7 @@ def view(program: Program, banner: str, summary: str) -> dict[str, Any]:
             *(_default(q) for q in optional),
             *(line for a in program.prepare for line in _prepared(program, a, in_prepare)),
         ],
+        "operations": _operations(program),
         "series": [_series(name) for name in used_series(program)],
         "helpers": [_helper(program, h, set(coefficients)) for h in program.helpers],
         "routines": [_routine(program, r, set(coefficients)) for r in program.routines],
@@ -98,7 +103,7 @@ def _step(program: Program) -> dict[str, Any]:
     states = [q.name for q, _ in program.states]
     names = [x.quantity.name for x in stepped.inputs]
     passed = [f"state[{states.index(name)}]" if name in states else name for name in names]
-    return {"inputs": [n for n in names if n not in states], "call": ", ".join(["c", *passed])}
+    return {"inputs": [n for n in names if n not in states], "call": ", ".join(passed)}
 
 
 def _language(calls: dict[str, str], symbol: Any) -> Language:
@@ -112,7 +117,7 @@ def _language(calls: dict[str, str], symbol: Any) -> Language:
         symbol=symbol,
         number=number,
         call=lambda name, arguments: calls[name].format(*arguments),
-        pick=lambda a, relation, b, x, y: f"np.where({a} {relation} {b}, {x}, {y})",
+        pick=lambda a, relation, b, x, y: f"_choose({a} {relation} {b}, {x}, {y})",
         branches=branches,
     )
 
@@ -151,16 +156,34 @@ def _tuple(items: list[str], indent: str = "") -> str:
 
 
 def _series(name: str) -> dict[str, Any]:
+    def horner(halves: tuple[tuple[str, ...], ...]) -> list[str]:
+        lines = []
+        for part, (first, second, *rest) in zip(("even", "odd"), halves, strict=True):
+            lines += [f"{part} = {first} * y {_signed(second)}"]
+            lines += [f"{part} = {part} * y {_signed(coefficient)}" for coefficient in rest]
+        return lines
+
     single, double = polynomial(name, True), polynomial(name, False)
     function = {"sine_ratio": "sin(h)/h - 1", "cosine": "cos(h)"}[name]
     return {
         "name": name,
         "rest": " + 1.0" if name == "cosine" else "",
-        "single": single.halves(),
-        "double": double.halves(),
+        "single": horner(single.halves()),
+        "double": horner(double.halves()),
         "doc": f"{function} for |h| within a quarter turn, a minimax polynomial in h^2; error"
         f" {single.error} and {double.error}.",
     }
+
+
+def _signed(decimal: str) -> str:
+    return f"- {decimal[1:]}" if decimal.startswith("-") else f"+ {decimal}"
+
+
+def _operations(program: Program) -> set[str]:
+    """The module's own functions that the routines call."""
+    kinds = {Root: "sqrt", Sgn: "sgn", Forward: "forward", Backward: "forward", sp.exp: "exp", Pick: "choose"}
+    hot = program.hot()
+    return {name for kind, name in kinds.items() if any(a.value.has(kind) for a in hot)}
 
 
 def _lines(program: Program, assignments: Iterable[Assignment], coefficients: set[str]) -> list[str]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+from collections.abc import Iterable
 from functools import cache
 
 import jinja2
@@ -12,7 +13,7 @@ from eccentric import __version__
 from eccentric.emit import c99, numpy_module
 from eccentric.emit.build import build_program
 from eccentric.emit.expression import UnprintableError
-from eccentric.emit.program import Program
+from eccentric.emit.program import Program, Routine
 from eccentric.emit.text import plain, with_plain_text
 from eccentric.errors import InputError
 from eccentric.model import Model
@@ -68,6 +69,15 @@ def render_program(program: Program, origin: str, command: str) -> dict[str, str
         f"{program.name}.h": _template("header.h.jinja").render(c_view),
         f"{program.name}.c": _template("source.c.jinja").render(c_view),
     }
+
+
+def python_source(name: str, routines: Iterable[Routine]) -> str:
+    """C that makes the functions of one sample callable from Python; each takes numbers and gives one."""
+    functions = [
+        {"name": r.name, "inputs": [x.quantity.name for x in r.inputs], "doc": plain(r.meaning)}
+        for r in routines
+    ]
+    return _template("python.c.jinja").render(name=name, functions=functions)
 
 
 def program_digest(program: Program) -> str:

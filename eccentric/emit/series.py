@@ -8,7 +8,6 @@ the working precision.
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cache
 
@@ -50,8 +49,11 @@ def polynomial(name: str, single: bool) -> Polynomial:
     function = {"sine_ratio": _sine_ratio, "cosine": _cosine}[name]
     digits, allowed = (9, "1.2e-8") if single else (17, "2.2e-17")
     with mpmath.workdps(30):
+        edge = (mpmath.pi / 2 * mpmath.mpf(_EDGE)) ** 2
+        grid = [edge * (1 - mpmath.cos(mpmath.pi * k / _GRID)) / 2 for k in range(1, _GRID + 1)]
+        exact = [function(x) for x in grid]
         for count in range(3, 16):
-            coefficients, error = _remez(function, count)
+            coefficients, error = _remez(grid, exact, count, mpmath.mpf(allowed))
             if error < mpmath.mpf(allowed):
                 decimals = tuple(mpmath.nstr(c, digits, min_fixed=0, max_fixed=0) for c in coefficients)
                 return Polynomial(decimals, mpmath.nstr(error, 2))
@@ -59,12 +61,12 @@ def polynomial(name: str, single: bool) -> Polynomial:
 
 
 def _remez(
-    function: Callable[[mpmath.mpf], tuple[mpmath.mpf, mpmath.mpf]], count: int
+    grid: list[mpmath.mpf], exact: list[tuple[mpmath.mpf, mpmath.mpf]], count: int, allowed: mpmath.mpf
 ) -> tuple[list[mpmath.mpf], mpmath.mpf]:
-    """The coefficients, highest first, whose greatest weighted error is least, and that error."""
-    edge = (mpmath.pi / 2 * mpmath.mpf(_EDGE)) ** 2
-    grid = [edge * (1 - mpmath.cos(mpmath.pi * k / _GRID)) / 2 for k in range(1, _GRID + 1)]
-    exact = [function(x) for x in grid]
+    """The coefficients, highest first, whose greatest weighted error is least, and that error.
+
+    Where so few coefficients cannot come down to the allowed error, what they leave at least.
+    """
     at = [(2 * k + 1) * _GRID // (2 * count + 2) for k in range(count + 1)]
     coefficients, error = [], mpmath.mpf(0)
     for _ in range(_EXCHANGES):
@@ -73,6 +75,8 @@ def _remez(
             [*(grid[k] ** (j + 1) for j in range(count)), (-1) ** n / exact[k][1]] for n, k in enumerate(at)
         ]
         solved = mpmath.lu_solve(mpmath.matrix(rows), mpmath.matrix([exact[k][0] - 1 for k in at]))
+        if abs(solved[count]) > allowed:  # de la Vallée Poussin: no polynomial of this degree leaves less
+            return [], abs(solved[count])
         coefficients = list(solved[:count])[::-1]
         errors = [
             (1 + x * mpmath.polyval(coefficients, x) - value) * weight

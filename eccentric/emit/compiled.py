@@ -1,0 +1,145 @@
+"""The emitted C of a model, built by the local compiler and called from Python as the NumPy module is."""
+
+from __future__ import annotations
+
+import ctypes
+import inspect
+from collections.abc import Callable
+from functools import lru_cache
+from pathlib import Path
+from types import ModuleType
+from typing import Any
+
+import numpy as np
+
+from eccentric.emit.build import build_program
+from eccentric.emit.hot import load_module
+from eccentric.emit.local_compiler import built, python_headers
+from eccentric.emit.program import Program, Routine
+from eccentric.emit.render import python_source, render
+from eccentric.model import Model
+
+_REALS: dict[Any, tuple[str, Any]] = {
+    np.float32: ("float", ctypes.c_float),
+    np.float64: ("double", ctypes.c_double),
+}
+
+
+def compile(model: Model) -> ModuleType:  # noqa: A001 - it is called as eccentric.compile
+    """A module like the emitted NumPy module of the model, its functions being those of the emitted C.
+
+    Arguments, broadcasting, precision, `out` and bits are those of the NumPy module; where an exponential
+    stands, the bits of the two libraries may differ. Floats give a float. The library is kept in the user's
+    cache under what it was built from: $XDG_CACHE_HOME or ~/.cache, folder eccentric.
+
+    Raises:
+        InputError: there is no C compiler, it does not compile, or the model cannot be emitted.
+    """
+    program, source, files = build_program(model), load_module(model), render(model)
+    module = ModuleType(f"eccentric_compiled_{model.name}", source.__doc__)
+    for name in (name for name in dir(source) if not name.startswith("_")):
+        setattr(module, name, getattr(source, name))
+    libraries = {real: ctypes.CDLL(str(built(program.name, files, of))) for real, (of, _) in _REALS.items()}
+    compiled = _Compiled(program, source, libraries)
+    for routine in program.routines:
+        if hasattr(source, routine.name):
+            setattr(module, routine.name, compiled.function(routine))
+    plain = [r for r in program.routines if hasattr(source, r.name) and _is_plain(r)]
+    if plain and python_headers():
+        shim = built(program.name, files | {"python.c": python_source(program.name, plain)}, "double")
+        for name, function in _direct(shim, plain, compiled, module):
+            setattr(module, name, function)
+    return module
+
+
+def _is_plain(r: Routine) -> bool:
+    """Whether it takes numbers and gives one, with nothing to check before."""
+    return bool(r.inputs) and not r.labels and not r.requires and all(x.length is None for x in r.inputs)
+
+
+def _direct(
+    shim: Path, plain: list[Routine], compiled: _Compiled, module: ModuleType
+) -> list[tuple[str, Callable[..., Any]]]:
+    """Functions that take floats without a detour through ctypes, which costs more than the model."""
+    library = ctypes.PyDLL(str(shim))
+    library.python_set.argtypes = [ctypes.c_void_p]
+    library.python_set(compiled.prepared(None, np.float64).ctypes.data)
+    library.python_function.argtypes = [ctypes.c_int, ctypes.py_object]
+    library.python_function.restype = ctypes.py_object
+    return [(r.name, library.python_function(k, getattr(module, r.name))) for k, r in enumerate(plain)]
+
+
+class _Compiled:
+    """The libraries of one program, by precision, and its parameters as they take them."""
+
+    def __init__(self, program: Program, source: ModuleType, libraries: dict[Any, ctypes.CDLL]) -> None:
+        self.program, self.source, self.libraries = program, source, libraries
+        self.prepared = lru_cache(maxsize=64)(self._prepared)
+
+    def _prepared(self, parameters: Any, real: Any) -> np.ndarray:
+        numbers = self.source._prepare(parameters, real).numbers  # noqa: SLF001 - the module is emission's own
+        return np.array([getattr(numbers, s.name) for s in self.program.coefficients] or [0.0], real)
+
+    def function(self, routine: Routine) -> Callable[..., Any]:
+        """The function of one routine, on arrays."""
+        like = getattr(self.source, routine.name)
+        signature = inspect.signature(like)
+        entries = {real: self._entry(routine, real) for real in _REALS}
+        lengths, width = [x.length for x in routine.inputs], len(routine.labels)
+
+        def function(*given: Any, **named: Any) -> Any:
+            bound = signature.bind(*given, **named)
+            bound.apply_defaults()
+            *inputs, parameters, out = bound.arguments.values()
+            if routine.requires:
+                self.source._require(routine.requires, inputs[-1], parameters)  # noqa: SLF001
+            arrays, real, shape = _broadcast(inputs, lengths)
+            full = (*shape, width) if width else shape
+            if out is not None and (out.shape != full or out.dtype != real):
+                got = f"{out.shape} of {out.dtype}"
+                raise ValueError(f"out: required shape {full} of {real.__name__}, got {got}")
+            apart = out is not None and not any(np.may_share_memory(x, out) for x in arrays)
+            result = out if out is not None and apart and out.flags.c_contiguous else np.empty(full, real)
+            c = self.prepared(parameters, real).ctypes.data
+            if lengths:
+                entries[real](int(np.prod(shape)), *(x.ctypes.data for x in arrays), result.ctypes.data, c)
+            elif width:
+                entries[real](result.ctypes.data, c)
+            else:
+                result[...] = entries[real](c)
+            if out is not None and result is not out:
+                out[...] = result
+            return result[()] if out is None else out
+
+        function.__name__ = function.__qualname__ = routine.name
+        function.__doc__ = like.__doc__
+        function.__signature__ = signature  # type: ignore[attr-defined]
+        return function
+
+    def _entry(self, routine: Routine, real: Any) -> Any:
+        """The array version, or where nothing is sampled the function itself."""
+        ending = "_n" if routine.inputs else ""
+        entry = getattr(self.libraries[real], f"{self.program.name}_{routine.name}{ending}")
+        pointers = [ctypes.c_void_p] * (len(routine.inputs) + 1)
+        if routine.inputs:
+            entry.argtypes = [ctypes.c_size_t, *pointers, ctypes.c_void_p]
+        else:
+            entry.argtypes = [ctypes.c_void_p] * (2 if routine.labels else 1)
+        entry.restype = None if routine.inputs or routine.labels else _REALS[real][1]
+        return entry
+
+
+def _broadcast(inputs: list[Any], lengths: list[int | None]) -> tuple[list[np.ndarray], Any, tuple[int, ...]]:
+    """The inputs as contiguous arrays of one shape and precision; a vector input keeps its last axis."""
+    kept = np.ndarray | np.generic | float | int
+    inputs = [x if isinstance(x, kept) else np.asarray(x) for x in inputs]
+    real = np.float32 if inputs and np.result_type(*inputs) == np.float32 else np.float64
+    arrays = [np.asarray(x, real) for x in inputs]
+    shapes = [x.shape if n is None else x.shape[:-1] for x, n in zip(arrays, lengths, strict=True)]
+    shape = np.broadcast_shapes(*shapes)
+    full = [shape if n is None else (*shape, n) for n in lengths]
+    return (
+        [np.ascontiguousarray(np.broadcast_to(x, s)) for x, s in zip(arrays, full, strict=True)],
+        real,
+        shape,
+    )

@@ -1,0 +1,64 @@
+"""Shared libraries of the emitted C, built by the local compiler and kept under what they were built from."""
+
+from __future__ import annotations
+
+import hashlib
+import os
+import shutil
+import subprocess
+import sysconfig
+from collections.abc import Mapping
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+from eccentric.errors import InputError
+
+# None of these changes a bit: no product is fused with a sum, nothing is re-associated.
+_FLAGS = ("-std=c99", "-O3", "-ffp-contract=off", "-fno-math-errno", "-fno-trapping-math", "-march=native")
+
+
+def python_headers() -> str | None:
+    """The folder of Python's own headers, if they are installed."""
+    folder = sysconfig.get_paths()["include"]
+    return folder if (Path(folder) / "Python.h").exists() else None
+
+
+def built(name: str, files: Mapping[str, str], real: str) -> Path:
+    """The shared library of all C sources among the files, in one precision; from the cache where it has it.
+
+    Raises:
+        InputError: there is no C compiler, or it does not compile.
+    """
+    compiler = next(filter(None, map(shutil.which, (os.environ.get("CC") or "cc", "gcc", "clang"))), None)
+    if compiler is None:
+        raise InputError("compile: required a C compiler (CC, cc, gcc or clang), found none")
+    command = [compiler, *_FLAGS, f"-DECCENTRIC_REAL={real}"]
+    sources = {file: text for file, text in files.items() if file.endswith((".c", ".h"))}
+    python = "python.c" in files
+    # What the compiler predefines tells its version and the processor that it builds for.
+    machine = _run([*command, "-dM", "-E", "-x", "c", os.devnull])
+    own = str(sysconfig.get_config_var("SOABI")) if python else ""
+    key = "\0".join((*command, machine, own, *(f"{file}\0{text}" for file, text in sources.items())))
+    folder = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "eccentric"
+    library = folder / f"{name}_{real}_{hashlib.sha256(key.encode()).hexdigest()[:32]}.so"
+    if not library.exists():
+        folder.mkdir(parents=True, exist_ok=True)
+        with TemporaryDirectory(dir=folder) as place:
+            for file, text in sources.items():
+                (Path(place) / file).write_text(text, encoding="utf-8")
+            made = Path(place) / library.name
+            included = [f"-I{python_headers()}"] if python else []
+            paths = [str(Path(place) / file) for file in sources if file.endswith(".c")]
+            _run([*command, "-shared", "-fPIC", *included, "-o", str(made), *paths, "-lm"])
+            made.replace(library)
+    return library
+
+
+def _run(command: list[str]) -> str:
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    if done.returncode:
+        told = (done.stderr.strip() or f"exit status {done.returncode}").splitlines()[0]
+        raise InputError(
+            f"compile: {command[0]}: required a C99 compiler that takes {' '.join(_FLAGS)}, got: {told}"
+        )
+    return done.stdout

@@ -1,0 +1,145 @@
+"""`eccentric.compile`: the emitted C behind the functions of the NumPy module."""
+
+import inspect
+import shutil
+from collections.abc import Iterator
+from functools import cache
+from pathlib import Path
+from types import ModuleType
+
+import numpy as np
+import pytest
+
+import eccentric
+from eccentric.errors import InputError
+from eccentric.model.load import load_model
+from tests import oracle
+from tests.emitted import (
+    both_precisions,
+    every_call,
+    every_call_on_states,
+    every_model,
+    example_states,
+    module,
+    width,
+    with_inertia,
+)
+
+pytestmark = pytest.mark.skipif(shutil.which("cc") is None, reason="needs a C compiler")
+
+
+@pytest.fixture(scope="module", autouse=True)
+def cache_folder(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
+    """Return the cache of these tests; the user's own is left alone."""
+    folder = tmp_path_factory.mktemp("cache")
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("XDG_CACHE_HOME", str(folder))
+        yield folder / "eccentric"
+
+
+@cache
+def compiled(name: str) -> ModuleType:
+    """Return the model, compiled once."""
+    return eccentric.compile(load_model(name))
+
+
+@both_precisions
+@every_call
+def test_same_bits_as_the_numpy_module(name: str, function: str, dtype: type[np.floating]) -> None:
+    """Arrays of any layout, and the parameters of a drive of one's own, give the bits that NumPy gives."""
+    expected, actual = getattr(module(name), function), getattr(compiled(name), function)
+    own = module(name).Parameters(J_m=1e-3, J_l=2e-2, mu=1 / 7, M=0.3)
+    states = [x.reshape(20, 50).T for x in example_states(name, function, 1000, dtype)]
+
+    for parameters in (with_inertia(name), own):
+        wanted = expected(*states, parameters)
+        assert np.array_equal(wanted, actual(*states, parameters), equal_nan=True)
+        assert wanted.dtype == np.asarray(actual(*states, parameters)).dtype
+        if states:
+            mixed = [states[0], *(x[:1] for x in states[1:])]
+            assert np.array_equal(expected(*mixed, parameters), actual(*mixed, parameters), equal_nan=True)
+
+
+@every_call_on_states
+def test_floats_give_the_same_bits(name: str, function: str) -> None:
+    """One sample in Python's numbers, of whatever size or sign, or whole, is that of NumPy."""
+    expected, actual = getattr(module(name), function), getattr(compiled(name), function)
+    states = example_states(name, function, 200, np.float64)
+    samples = [tuple(map(float, sample)) for sample in zip(*states, strict=True)]
+    samples += [tuple([x] * len(states)) for x in (0.0, -0.0, 1e308, 5e-324, float("inf"), float("nan"), 3)]
+
+    for sample in samples:
+        parameters = (
+            [with_inertia(name)] if function in ("voltage", "current") or "residual" in function else []
+        )
+        assert np.array_equal(expected(*sample, *parameters), actual(*sample, *parameters), equal_nan=True), (
+            sample
+        )
+
+
+@every_call
+def test_signature_is_that_of_the_numpy_module(name: str, function: str) -> None:
+    """Names, order and defaults of the arguments are the same, and they can be named."""
+    expected, actual = (getattr(m, function) for m in (module(name), compiled(name)))
+    defaults = [
+        {k: p.default for k, p in inspect.signature(f).parameters.items()} for f in (expected, actual)
+    ]
+
+    assert defaults[0] == defaults[1]
+    states = dict.fromkeys(oracle.inputs(name, function), 0.5)
+    assert np.array_equal(
+        expected(**states, parameters=with_inertia(name)), actual(**states, parameters=with_inertia(name))
+    )
+
+
+@both_precisions
+@every_call_on_states
+def test_out_is_filled_and_returned(name: str, function: str, dtype: type[np.floating]) -> None:
+    """`out` takes the result where it is strided or lies on an input, too; the wrong shape is refused."""
+    f, p = getattr(compiled(name), function), with_inertia(name)
+    states = example_states(name, function, 300, dtype)
+    expected = f(*states, p)
+    out, strided = np.empty_like(expected), np.empty((600, *width(name, function)), dtype)[::2]
+
+    assert f(*states, p, out=out) is out
+    assert f(*states, p, out=strided) is strided
+    assert np.array_equal(expected, out, equal_nan=True)
+    assert np.array_equal(expected, strided, equal_nan=True)
+    if not width(name, function):
+        assert np.array_equal(expected, f(*states, p, out=states[0]), equal_nan=True)
+    with pytest.raises(ValueError, match=r"^out: required shape .* got \(2, 2\)"):
+        f(*states, p, out=np.empty((2, 2), dtype))
+
+
+@every_model
+def test_acceleration_asks_for_inertia(name: str) -> None:
+    """Without J_m and J_l an acceleration is refused by their names, as the NumPy module does."""
+    states = dict.fromkeys(oracle.inputs(name, "voltage"), 1.0)
+
+    with pytest.raises(ValueError, match=r"J_m.*J_l"):
+        compiled(name).voltage(**states)
+
+
+def test_library_is_built_once(cache_folder: Path) -> None:
+    """A second model of the same text finds the libraries in the cache; nothing half-written stays there."""
+    compiled("c2_parallel")
+    before = {path: path.stat().st_mtime_ns for path in cache_folder.iterdir()}
+
+    eccentric.compile(load_model("c2_parallel"))
+
+    assert before == {path: path.stat().st_mtime_ns for path in cache_folder.iterdir()}
+    assert {".so"} == {path.suffix for path in before}
+
+
+def test_no_compiler_is_one_clear_line(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    """Without a compiler the error says what is required; with one that fails, what it said."""
+    monkeypatch.setenv("PATH", str(tmp_path))
+    monkeypatch.delenv("CC", raising=False)
+    with pytest.raises(InputError, match=r"^compile: required a C compiler .*, found none$"):
+        eccentric.compile(load_model("c1_perpendicular"))
+
+    broken = tmp_path / "cc"
+    broken.write_text("#!/bin/sh\necho no such flag >&2\nexit 1\n")
+    broken.chmod(0o755)
+    with pytest.raises(InputError, match=r"^compile: .*/cc: required a C99 compiler .*got: no such flag$"):
+        eccentric.compile(load_model("c1_perpendicular"))
