@@ -21,7 +21,7 @@ import numpy as np
 
 ROOT = Path(__file__).resolve().parent.parent
 sys.path.insert(0, str(ROOT))
-from benchmarks import speed  # noqa: E402
+from benchmarks import host, speed  # noqa: E402
 from tests import accuracy, oracle  # noqa: E402
 from tests.emitted import module  # noqa: E402
 
@@ -40,7 +40,7 @@ def main() -> None:
     python = sys.executable
     size, few = ("300", ["--no-peers"]) if quick else ("60000", [])
     result = speed.measured(quick)
-    rows = [*speed.asked(result), _derivation(3 if quick else 7)]
+    rows = [*speed.asked(result), *host.asked(), _derivation(3 if quick else 7)]
     figure(result, HERE / "emitted.svg")
     page = [
         "# The emitted code, measured",
