@@ -93,6 +93,7 @@ def test_every_template_uses_exactly_the_keys_it_is_given() -> None:
     views = {
         "selftest.c.jinja vectors.h.jinja": checks["selftest.c"],
         "proof.c.jinja": checks["proof.c"],
+        "python.c.jinja": python_view(program.name, program.routines),
         "module.py.jinja": numpy_module.view(program, "banner", "summary"),
         "header.h.jinja source.c.jinja": c99.view(program, "banner", "00000000"),
     }
