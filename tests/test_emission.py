@@ -36,6 +36,7 @@ from eccentric.emit import (
     stale,
 )
 from eccentric.emit.build import build_program
+from eccentric.emit.render import python_view
 from eccentric.emit.series import polynomial
 from eccentric.model import load_model, model_names, quantity
 from eccentric.places import folder
