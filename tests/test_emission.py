@@ -36,6 +36,7 @@ from eccentric.emit import (
     stale,
 )
 from eccentric.emit.build import build_program
+from eccentric.emit.render import python_view
 from eccentric.emit.series import polynomial
 from eccentric.model import load_model, model_names, quantity
 from eccentric.places import folder
@@ -93,6 +94,7 @@ def test_every_template_uses_exactly_the_keys_it_is_given() -> None:
     views = {
         "selftest.c.jinja vectors.h.jinja": checks["selftest.c"],
         "proof.c.jinja": checks["proof.c"],
+        "python.c.jinja": python_view(program.name, program.routines),
         "module.py.jinja": numpy_module.view(program, "banner", "summary"),
         "python.c.jinja": {"name": "c2_parallel", "functions": ()},
         "header.h.jinja source.c.jinja": c99.view(program, "banner", "00000000"),

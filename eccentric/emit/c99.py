@@ -51,7 +51,8 @@ _HELPERS = {
 def view(program: Program, banner: str, digest: str) -> dict[str, Any]:
     """All that the templates of header and source are filled with."""
     prepared = {a.target.name for a in program.prepare}
-    pairs = {s.name for s in paired(program)}
+    paired_symbols = paired(program)
+    pairs = {s.name for s in paired_symbols}
 
     def value_of(name: str) -> str:
         return f"{name}.high" if name in pairs else name if name in prepared else f"p->{name}"
@@ -95,7 +96,7 @@ def view(program: Program, banner: str, digest: str) -> dict[str, Any]:
         "series": [_series(name) for name in used_series(program)],
         "leading": splitting(program),
         "pairs": pair_functions(program),
-        "prepare": _code(_prepared(program, a, in_prepare) for a in program.prepare),
+        "prepare": _code(_prepared(program, paired_symbols, a, in_prepare) for a in program.prepare),
         "helpers_of_angle": [_helper(program, h, coefficients) for h in program.helpers],
         "staged": any(staged(r).angles for r in program.routines),
         "routines": [_routine(program, r, coefficients) for r in program.routines],
@@ -107,8 +108,7 @@ def view(program: Program, banner: str, digest: str) -> dict[str, Any]:
     }
 
 
-def _prepared(program: Program, a: Assignment, language: Language) -> str:
-    pairs = paired(program)
+def _prepared(program: Program, pairs: frozenset[sp.Symbol], a: Assignment, language: Language) -> str:
     if a.target not in pairs:
         return f"const double {a.target.name} = {printed(a.value, language)};"
     value = pair_text(a.value, pairs, language, lambda name: f"{program.name}_{name}")

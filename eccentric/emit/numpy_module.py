@@ -42,7 +42,8 @@ def view(program: Program, banner: str, summary: str) -> dict[str, Any]:
     """All that the templates of the NumPy module are filled with."""
     prepared = {a.target.name for a in program.prepare}
     optional = [q for q in program.parameters if q.default is None or q.default.free_symbols]
-    pairs = {s.name for s in paired(program)}
+    paired_symbols = paired(program)
+    pairs = {s.name for s in paired_symbols}
 
     def value_of(name: str) -> str:
         own = name in prepared | {q.name for q in optional}
@@ -69,7 +70,7 @@ def view(program: Program, banner: str, summary: str) -> dict[str, Any]:
         "leading": splitting(program),
         "prepare": [
             *(_default(q) for q in optional),
-            *(line for a in program.prepare for line in _prepared(program, a, in_prepare)),
+            *(line for a in program.prepare for line in _prepared(paired_symbols, a, in_prepare)),
         ],
         "operations": _operations(program),
         "series": [_series(name) for name in used_series(program)],
@@ -81,9 +82,9 @@ def view(program: Program, banner: str, summary: str) -> dict[str, Any]:
     }
 
 
-def _prepared(program: Program, a: Assignment, language: Language) -> list[str]:
+def _prepared(pairs: frozenset[sp.Symbol], a: Assignment, language: Language) -> list[str]:
     """An assignment as formatters spell it: a choice that is too long takes a line for each part."""
-    target, pairs = a.target.name, paired(program)
+    target = a.target.name
     own = a.target in pairs
     value = pair_text(a.value, pairs, language, "_{}".format) if own else printed(a.value, language)
     if len(f"{target} = {value}") <= 106 or " if " not in value:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import hashlib
 from collections.abc import Iterable
 from functools import cache
+from typing import Any
 
 import jinja2
 import sympy as sp
@@ -73,11 +74,16 @@ def render_program(program: Program, origin: str, command: str) -> dict[str, str
 
 def python_source(name: str, routines: Iterable[Routine]) -> str:
     """C that makes the functions of one sample callable from Python; each takes numbers and gives one."""
+    return _template("python.c.jinja").render(python_view(name, routines))
+
+
+def python_view(name: str, routines: Iterable[Routine]) -> dict[str, Any]:
+    """All that this template is filled with."""
     functions = [
         {"name": r.name, "inputs": [x.quantity.name for x in r.inputs], "doc": plain(r.meaning)}
         for r in routines
     ]
-    return _template("python.c.jinja").render(name=name, functions=functions)
+    return {"name": name, "functions": functions}
 
 
 def program_digest(program: Program) -> str:
