@@ -51,8 +51,10 @@ lint: $(LINT)
 
 check: lint test
 
-bench: $(RUN)
+# Half an hour: fuzzed readers, the emitted code beside its peers, and how often the diagnosis is right.
+bench: $(TEST)
 	@$(BIN)/python benchmarks/fuzz.py
+	@$(BIN)/python benchmarks/page.py
 	@$(BIN)/python benchmarks/diagnosis.py --out benchmarks/results.md
 
 # The environment stays: delete $(VENV) by hand to start over.

@@ -96,7 +96,6 @@ def test_every_template_uses_exactly_the_keys_it_is_given() -> None:
         "proof.c.jinja": checks["proof.c"],
         "python.c.jinja": python_view(program.name, program.routines),
         "module.py.jinja": numpy_module.view(program, "banner", "summary"),
-        "python.c.jinja": {"name": "c2_parallel", "functions": ()},
         "header.h.jinja source.c.jinja": c99.view(program, "banner", "00000000"),
     }
     environment = jinja2.Environment()  # noqa: S701 - it only parses

@@ -21,7 +21,7 @@ FEWEST = 5
 
 @dataclass(frozen=True)
 class OverRuns:
-    """Every run left out of the fit once and predicted; the shapes of the effects stay as they were found.
+    """Every run left out of the fit once and predicted; effects and their shapes stay as they were found.
 
     rmse: model -> RMSE over all runs, as in `Score.rmse`; gains: "paper" over linear, "extended" over paper
     -> percent, 95 % interval by drawing whole runs, and how many of the `runs` improve.
@@ -51,7 +51,7 @@ class Score:
 
     @property
     def confirms(self) -> bool:
-        """Whether the extended model predicts better what no fit has seen: held out, and run by run."""
+        """Whether the extended model predicts better held out, and run by run."""
         if self.over_runs is not None and self.over_runs.gains["extended"][1][0] <= 0.0:
             return False
         return self.percent > 0.0

@@ -197,7 +197,12 @@ def _further(found: Diagnosis) -> list[Errors]:
             for name, (percent, (low, high), better) in over.gains.items()
             if name in models
         ]
-        note = " ".join(["Each run predicted by a fit of the others.", *gains])
+        note = " ".join(
+            [
+                "Coefficients refitted on the other runs; the effect itself was chosen on the training runs.",
+                *gains,
+            ]
+        )
         interval = over.gains["extended"][1] if "extended" in over.gains and "extended" in models else None
         further.append(Errors("every run left out once", found.unit, of(over.rmse), interval, note))
     return further
