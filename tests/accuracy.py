@@ -75,7 +75,7 @@ def sets(p: Parameters, dtype: Real, size: int, seed: int = 1) -> tuple[Set, ...
     }
     for far in FAR:
         angles = random.choice((-1, 1), size) * random.uniform(0.9, 1.0, size) * far
-        chosen[f"|theta_m| to {far:.0e} rad"] = (angles, velocities())
+        chosen[f"theta_m up to {far:.0e} rad"] = (angles, velocities())
     return tuple(
         Set(name, theta.astype(dtype), omega.astype(dtype)) for name, (theta, omega) in chosen.items()
     )
