@@ -634,7 +634,7 @@ def _single(x: Any) -> bool:
 
 
 def _sine_ratio(half_angle: Any) -> Any:
-    """sin(h)/h - 1 for |h| within a quarter turn, a minimax polynomial in h^2; error 6.1e-9 and 2.8e-19."""
+    """sin(h)/h - 1 for |h| within a quarter turn, a minimax polynomial in h^2; error 6.3e-9 and 1.7e-17."""
     x = half_angle * half_angle
     y = x * x
     if _single(x):
@@ -651,7 +651,7 @@ def _sine_ratio(half_angle: Any) -> Any:
 
 
 def _cosine(half_angle: Any) -> Any:
-    """cos(h) for |h| within a quarter turn, a minimax polynomial in h^2; error 2.5e-10 and 4.3e-18."""
+    """cos(h) for |h| within a quarter turn, a minimax polynomial in h^2; error 1.2e-9 and 1.3e-17."""
     x = half_angle * half_angle
     y = x * x
     if _single(x):

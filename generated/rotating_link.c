@@ -53,7 +53,7 @@ REAL_INLINE real rotating_link_sgn(const real x)
     return (x > REAL(0.0)) ? REAL(1.0) : ((x < REAL(0.0)) ? REAL(-1.0) : (x + REAL(0.0)));
 }
 
-/* sin(h)/h - 1, |h| within a quarter turn: minimax in x = h^2, error 6.1e-9 (float), 2.8e-19 (double). */
+/* sin(h)/h - 1, |h| within a quarter turn: minimax in x = h^2, error 6.3e-9 (float), 1.7e-17 (double). */
 REAL_INLINE real rotating_link_sine_ratio(const real h)
 {
 #ifdef ECCENTRIC_LIBM
@@ -81,7 +81,7 @@ REAL_INLINE real rotating_link_sine_ratio(const real h)
 #endif
 }
 
-/* cos(h), |h| within a quarter turn: minimax in x = h^2, error 2.5e-10 (float), 4.3e-18 (double). */
+/* cos(h), |h| within a quarter turn: minimax in x = h^2, error 1.2e-9 (float), 1.3e-17 (double). */
 REAL_INLINE real rotating_link_cosine(const real h)
 {
 #ifdef ECCENTRIC_LIBM

@@ -8,6 +8,7 @@ the working precision.
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cache
 
@@ -56,7 +57,7 @@ def polynomial(name: str, single: bool) -> Polynomial:
             coefficients, error = _remez(grid, exact, count, mpmath.mpf(allowed))
             if error < mpmath.mpf(allowed):
                 decimals = tuple(mpmath.nstr(c, digits, min_fixed=0, max_fixed=0) for c in coefficients)
-                return Polynomial(decimals, mpmath.nstr(error, 2))
+                return Polynomial(decimals, mpmath.nstr(_greatest(grid, exact, map(mpmath.mpf, decimals)), 2))
     raise AssertionError(f"{name}: no degree below 16 reaches {allowed}")
 
 
@@ -78,15 +79,29 @@ def _remez(
         if abs(solved[count]) > allowed:  # de la Vallée Poussin: no polynomial of this degree leaves less
             return [], abs(solved[count])
         coefficients = list(solved[:count])[::-1]
-        errors = [
-            (1 + x * mpmath.polyval(coefficients, x) - value) * weight
-            for x, (value, weight) in zip(grid, exact, strict=True)
-        ]
+        errors = _errors(grid, exact, coefficients)
         error = max(map(abs, errors))
         at = _extrema(errors)
         if len(at) != count + 1:
             break
     return coefficients, error
+
+
+def _errors(
+    grid: list[mpmath.mpf], exact: list[tuple[mpmath.mpf, mpmath.mpf]], coefficients: list[mpmath.mpf]
+) -> list[mpmath.mpf]:
+    """Weighted errors at the points of the grid."""
+    return [
+        (1 + x * mpmath.polyval(coefficients, x) - value) * weight
+        for x, (value, weight) in zip(grid, exact, strict=True)
+    ]
+
+
+def _greatest(
+    grid: list[mpmath.mpf], exact: list[tuple[mpmath.mpf, mpmath.mpf]], coefficients: Iterable[mpmath.mpf]
+) -> mpmath.mpf:
+    """The greatest error of the coefficients as printed: rounding to decimals has its part in it."""
+    return max(map(abs, _errors(grid, exact, list(coefficients))))
 
 
 def _extrema(errors: list[mpmath.mpf]) -> list[int]:

@@ -75,6 +75,7 @@ class Diagnosis:
         linear, paper, extended: fits on the training part; `extended` is `paper` if nothing was adopted.
         shipped: what is emitted: `extended`, or without an effect the paper's model within its bounds.
         score: held-out errors and the improvement.
+        refused: those of effects that the held-out part did not confirm, if any were adopted before.
         noise_floor: RMS of the sensors' noise in the mechanical balance, in its unit.
         r_squared: of the drive torque, on the training part, under the paper's model.
         orders: what the residual of the shipped model is periodic in while the motor turns one way.
@@ -96,6 +97,7 @@ class Diagnosis:
     extended: Refit
     shipped: Refit
     score: Score
+    refused: Score | None
     noise_floor: float
     r_squared: float
     orders: tuple[Order, ...]
@@ -204,9 +206,10 @@ def diagnose(
         adopted, extended = [], paper
     balance = found.adopted[0].balance if adopted else "mechanical"
     scored = score(linear, paper, extended, balance, leave_runs_out(base, extended, bench))
+    refused = None
     if adopted and not scored.confirms:
         tell("the held-out part does not confirm it")
-        found, adopted, extended = unconfirmed(found), [], paper
+        refused, found, adopted, extended = scored, unconfirmed(found), [], paper
         scored = score(linear, paper, paper, "mechanical", leave_runs_out(base, paper, bench))
     shipped = extended if adopted else refit(base, (), bench)
     return Diagnosis(
@@ -226,6 +229,7 @@ def diagnose(
         extended=extended,
         shipped=shipped,
         score=scored,
+        refused=refused,
         noise_floor=_noise(bench),
         r_squared=fits,
         orders=orders_of(bench, residual_samples(shipped)),

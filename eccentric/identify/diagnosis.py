@@ -50,6 +50,7 @@ def document(found: Diagnosis) -> dict[str, Any]:
         "null_test": {
             name: {"gain": gain, "by_chance_99": level} for name, (gain, level) in a.deviance.items()
         },
+        "unconfirmed": _unconfirmed(found),
         "data_quality": [
             {"kind": f.kind, "channel": f.channel, "text": f.text, "rows": f.rows, "severity": f.severity}
             for f in found.channels.findings
@@ -65,6 +66,17 @@ def document(found: Diagnosis) -> dict[str, Any]:
         },
         "rows": found.channels.counts,
         "warnings": [*found.channels.warnings, *found.bench.drive.warnings],
+    }
+
+
+def _unconfirmed(found: Diagnosis) -> dict[str, Any]:
+    """Effects that the training part asked for and the held-out part did not confirm, with what it said."""
+    if found.refused is None:
+        return {"effects": list(found.attribution.unconfirmed)}
+    percent, interval = found.refused.percent, list(found.refused.interval)
+    return {
+        "effects": list(found.attribution.unconfirmed),
+        "improvement": {"percent": percent, "interval_95": interval},
     }
 
 
@@ -96,7 +108,7 @@ def _errors(found: Diagnosis) -> dict[str, Any]:
 def _identified(found: Diagnosis) -> dict[str, Any]:
     """What the rig left to the log: alignment, and quantities with their uncertainty."""
     c = found.channels
-    letters = {"J_m", "T_load", "R/k_i", "1/k_i", "k_e", "L", "M", "voltage_offset", "theta_zero"}
+    letters = {"J_m", "J_l", "T_load", "R/k_i", "1/k_i", "k_e", "L", "M", "voltage_offset", "theta_zero"}
     aligned = {
         "input_delay_s": c.input_delay_s,
         "theta_zero_rad": c.theta_zero_rad,

@@ -53,6 +53,7 @@ class Drive:
         adjusts: the letter that a free gravity column changes: the scale, or M or L known by a range.
         identified: letters that the log had to give, for the report.
         warnings: of the first fit.
+        rotor: J_m where the rig knows it and J_l is what the log has to give [kg m^2].
     """
 
     channels: Channels
@@ -63,6 +64,7 @@ class Drive:
     adjusts: str
     identified: tuple[str, ...]
     warnings: tuple[str, ...] = ()
+    rotor: float | None = None
 
     @property
     def by_voltage(self) -> bool:
@@ -155,6 +157,7 @@ def drive_of(channels: Channels, rig: Rig, base: Model) -> Drive:
         *_open(channels, rig, problem, open_inertia),
         _identified(first, scale, open_inertia, rig),
         tuple(w for w in problem.warnings if w not in channels.warnings),
+        rig.known.get("J_m") if open_inertia else None,
     )
 
 

@@ -335,6 +335,10 @@ class _Fit:
         # All of a scaled solution is too large by the same factor.
         factor = 1.0 + gravity if adjusts == "scale" else 1.0
         self.values |= {n: x / factor for n, x in found.items()}
+        if (rotor := self.bench.drive.rotor) is not None and "J_m" in found:
+            # The column is that of all inertia; what is beyond the known rotor is the link's.
+            link = self.values["J_l"] + (self.values["J_m"] - rotor) / self.values["mu"] ** 2
+            self.values |= {"J_m": rotor, "J_l": max(link, 0.0)}
         if adjusts == "scale" and self.scale is not None:
             self.scale *= factor
             self._scaled()
@@ -399,7 +403,11 @@ def _estimates(fitted: Refit, fit: _Fit, solved: _Solved) -> dict[str, Estimate]
     scaled = drive.adjusts == "scale" and "gravity" in solved.names
     shared = unit[solved.names.index("gravity")] if scaled else np.zeros(len(unit))
     for k, name in enumerate([*solved.names, *shapes]):
-        if name in units:
+        if name == "J_m" and drive.rotor is not None:
+            gear = fitted.values["mu"] ** 2
+            slope = (unit[k] - (fitted.values["J_l"] * gear + drive.rotor) * shared) / gear
+            found["J_l"] = error.estimate(fitted.values["J_l"], slope, "kg m^2", (0.0, np.inf))
+        elif name in units:
             bounds = (float(low[k]), float(high[k]))
             if name in shapes:
                 bounds = (shapes[name].low, shapes[name].high)
