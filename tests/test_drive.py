@@ -7,8 +7,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from eccentric.identify.balances import bench_of
 from eccentric.identify.channels import read_channels
-from eccentric.identify.diagnose import Diagnosis, bench_of, diagnose
+from eccentric.identify.diagnose import Diagnosis, diagnose
 from eccentric.identify.diagnosis import document
 from eccentric.identify.drive import Drive, drive_of, loaded_model
 from eccentric.identify.refit import Refit, refit

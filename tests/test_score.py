@@ -7,8 +7,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from eccentric.identify.balances import bench_of
 from eccentric.identify.channels import read_channels
-from eccentric.identify.diagnose import bench_of
 from eccentric.identify.drive import drive_of
 from eccentric.identify.refit import Bench, refit
 from eccentric.identify.rig import read_rig

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from eccentric.effects.effect import Effect
 from eccentric.identify.refit import Bench, Refit, refit
 from eccentric.identify.uncertainty import DRAWS, improvement
 from eccentric.model import Model
@@ -98,6 +99,7 @@ def leave_runs_out(base: Model, extended: Refit, bench: Bench) -> OverRuns | Non
     shapes = tuple(
         (e, {s.quantity.name: own[s.quantity.name] for s in e.shapes}) for e, own in extended.effects
     )
+    models: dict[str, tuple[tuple[tuple[Effect, dict[str, float]], ...], dict[str, bool]]]
     models = {"linear": ((), {"bounds": False, "linear": True}), "paper": ((), {"bounds": False})}
     if shapes:
         models["extended"] = (shapes, {})
