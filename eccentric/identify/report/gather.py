@@ -236,8 +236,9 @@ def _parameters(found: Diagnosis) -> list[Parameter]:
 def _facts(found: Diagnosis) -> list[Fact]:
     channels, counts = found.channels, found.channels.counts
     step = np.diff(channels.t)[np.diff(channels.segment) == 0]
-    usual = float(np.median(step))
-    uneven = f"; steps of {step.min():.4g} to {step.max():.4g} s" if np.ptp(step) > 0.01 * usual else ""
+    usual, points = channels.logged_step_s, channels.points_per_row
+    spread = (points * step.min(), points * step.max())
+    uneven = f"; steps of {spread[0]:.4g} to {spread[1]:.4g} s" if np.ptp(spread) > 0.01 * usual else ""
     runs = len(channels.run_names)
     gaps = int(channels.segment[-1]) + 1 - runs
     moving = f"faster than {channels.moving_threshold_rad_s:.3g} rad/s, clear of reversals and ends"
