@@ -209,8 +209,8 @@ def diagnose(
     balance = found.adopted[0].balance if adopted else "mechanical"
     scored = score(linear, paper, extended, balance, leave_runs_out(base, extended, bench))
     refused = None
-    # Voltage and current tell an effect twice, and row by row a ripple above the low pass is worse for being in
-    # the model. One signal alone has nothing but the held-out part to be checked by.
+    # Voltage and current tell an effect twice, and row by row a ripple above the low pass is worse for being
+    # in the model. One signal alone has nothing but the held-out part to be checked by.
     if adopted and not drive.measured_twice and not scored.confirms:
         tell("the held-out part does not confirm it")
         refused, found, adopted, extended = scored, unconfirmed(found), [], paper
