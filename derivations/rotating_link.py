@@ -35,7 +35,7 @@ g_p, weight, critical_squared, omega_star, scale_N, fastest, speed = symbols(
 
 theta = sp.Function("theta_l")(t)  # the link angle as a function of time
 position = L * sp.Matrix([sp.sin(theta), -sp.cos(theta), 0])
-acceleration = position.applyfunc(lambda x: x.diff(t, 2))
+acceleration = position.applyfunc(lambda x: sp.factor(x.diff(t, 2)))
 acceleration = acceleration.subs({theta.diff(t, 2): alpha_l}).subs({theta.diff(t): omega_l})
 position, acceleration = position.subs(theta, theta_l), acceleration.subs(theta, theta_l)
 gravity = sp.Matrix([0, -g * sp.cos(phi), -g * sp.sin(phi)])
