@@ -10,7 +10,6 @@ import inspect
 import re
 import sys
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
 from types import ModuleType
 from typing import Any
 
@@ -19,6 +18,7 @@ import numpy as np
 import sympy as sp
 
 from eccentric.emit import proof, selftest
+from eccentric.emit.called import Called
 from eccentric.model import Model
 from eccentric.places import folder
 
@@ -26,25 +26,6 @@ from eccentric.places import folder
 # far from halfway between two numbers, so that every libm rounds them alike.
 _ASSUMED = {"J_m": 2e-4, "J_l": 0.04, "phi": 0.6}
 _ELSE_ASSUMED = 0.25
-
-
-@dataclass(frozen=True)
-class _Function:
-    """One emitted function.
-
-    Attributes:
-        name: in NumPy and, behind the model's prefix, in C.
-        inputs: names, in order.
-        width: number of values it gives.
-        scalar: whether C returns the one value; else it writes to an array.
-        call: in C, from x[] to out[].
-    """
-
-    name: str
-    inputs: tuple[str, ...]
-    width: int
-    scalar: bool
-    call: str
 
 
 def render_check(model: Model, files: Mapping[str, str]) -> dict[str, str]:
@@ -109,7 +90,7 @@ def _inputs(model: Model, functions: Iterable[Any]) -> list[str]:
     return list(dict.fromkeys(taken))
 
 
-def _function(prefix: str, name: str, function: Any, inputs: list[str]) -> _Function:
+def _function(prefix: str, name: str, function: Any, inputs: list[str]) -> Called:
     taken = _taken(function)
     shape = np.shape(function(*(1.0 if x != "alpha_m" else 0.0 for x in taken)))
     arguments = [f"x[{inputs.index(x)}]" for x in taken]
@@ -118,7 +99,7 @@ def _function(prefix: str, name: str, function: Any, inputs: list[str]) -> _Func
         if shape
         else f"out[0] = {prefix}_{name}({', '.join([*arguments, '&c'])});"
     )
-    return _Function(name, taken, shape[0] if shape else 1, not shape, call)
+    return Called(name, taken, shape[0] if shape else 1, not shape, call)
 
 
 def _environment() -> jinja2.Environment:
