@@ -10,7 +10,7 @@ from eccentric.emit.program import Assignment, differentiate
 from eccentric.errors import InputError
 from eccentric.model import KINDS, Definition, Model, regressor
 from eccentric.model import vocabulary as v
-from eccentric.model.steps import Backward, Bounded, Forward, Gated, Magnitude, Sgn, SquareDifference
+from eccentric.model.steps import Backward, Bounded, Forward, Gated, Magnitude, Sgn, SquareDifference, Step
 
 
 @dataclass(frozen=True)
@@ -211,7 +211,7 @@ def gradient_labels(model: Model, function: Function) -> tuple[str, ...]:
 
 
 def _inputs(model: Model, expression: sp.Expr) -> tuple[sp.Symbol, ...]:
-    symbols = model.expand(expression).free_symbols
+    symbols = expression.free_symbols.union(*(a.value.free_symbols for a in closure(model, (("", expression),))))
     return tuple(q.symbol for q in model.inputs if q.symbol in symbols)
 
 
@@ -224,13 +224,8 @@ def _standstill(model: Model, friction: sp.Expr, direction: int) -> sp.Expr:
         if d.value.has(omega_m) or d.quantity.name in ("F_N", "speed")
     }
     for symbol in reversed(list(moving)):
-        friction = friction.subs(symbol, moving[symbol])
-    known = {
-        Sgn(omega_m): direction,
-        Forward(omega_m): int(direction > 0),
-        Backward(omega_m): int(direction < 0),
-    }
-    friction = friction.subs(known).subs(omega_m, 0)
+        friction = friction.xreplace({symbol: moving[symbol]})
+    friction = friction.xreplace(_moving(omega_m, direction)).xreplace({omega_m: sp.Integer(0)})
     # With zero speed the steps fold to plain numbers or to their other argument.
     friction = friction.replace(
         lambda e: isinstance(e, Gated) and e.args[1].is_number, lambda e: sp.Mul(*e.args)
@@ -248,18 +243,25 @@ def _standstill(model: Model, friction: sp.Expr, direction: int) -> sp.Expr:
     return friction
 
 
+def _moving(omega_m: sp.Symbol, direction: int) -> dict[sp.Expr, sp.Expr]:
+    """What is known of the steps by direction for velocities above (1) or below (-1) zero."""
+    return {
+        Sgn(omega_m): sp.Integer(direction),
+        Forward(omega_m): sp.Integer(direction > 0),
+        Backward(omega_m): sp.Integer(direction < 0),
+    }
+
+
 def _polynomials(model: Model, resultant: sp.Expr) -> tuple[Function, ...]:
     """F_3 ... F_0 for each direction where friction is a polynomial in the motor velocity (C1), else none."""
     omega_m = next(q.symbol for q in model.inputs if q.name == "omega_m")
     plain = model.expand(resultant).replace(Gated, sp.Mul)
     found = []
     for name, direction in (("polynomial", 1), ("polynomial_neg", -1)):
-        known = {
-            Sgn(omega_m): direction,
-            Forward(omega_m): int(direction > 0),
-            Backward(omega_m): int(direction < 0),
-        }
-        one_sided = sp.expand(plain.subs(known))
+        one_sided = plain.xreplace(_moving(omega_m, direction))
+        if any(omega_m in step.free_symbols for step in one_sided.atoms(Step)):
+            return ()
+        one_sided = sp.expand(one_sided)
         if not one_sided.is_polynomial(omega_m):
             return ()
         if direction < 0 and not resultant.has(Backward):
