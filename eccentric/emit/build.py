@@ -234,7 +234,11 @@ class _Prepare:
 
     def _folded(self, value: sp.Expr) -> sp.Expr:
         """A sum with what the model has a name for called by it: B_m + mu^2 B_lT F_T is B."""
-        named = [(symbol, parts) for symbol, parts in self._sums if sp.Add(*parts).free_symbols <= value.free_symbols]
+        named = [
+            (symbol, parts)
+            for symbol, parts in self._sums
+            if sp.Add(*parts).free_symbols <= value.free_symbols
+        ]
         terms = list(sp.Add.make_args(sp.expand(value))) if named else []
         for symbol, parts in named:
             for term in terms:

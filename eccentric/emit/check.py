@@ -13,14 +13,13 @@ from collections.abc import Iterable, Mapping
 from types import ModuleType
 from typing import Any
 
-import jinja2
 import numpy as np
 import sympy as sp
 
 from eccentric.emit import proof, selftest
 from eccentric.emit.called import Called
+from eccentric.emit.render import template
 from eccentric.model import Model
-from eccentric.places import folder
 
 # Where the parameters have no default, or one that leaves functions at zero. Sine and cosine of this tilt are
 # far from halfway between two numbers, so that every libm rounds them alike.
@@ -36,7 +35,7 @@ def render_check(model: Model, files: Mapping[str, str]) -> dict[str, str]:
         files: what `render` made of it.
     """
     return {
-        f"check/{model.name}_{kind}": _environment().get_template(f"{kind}.jinja").render(view)
+        f"check/{model.name}_{kind}": template(f"{kind}.jinja").render(view)
         for kind, view in views(model, files).items()
     }
 
@@ -100,14 +99,3 @@ def _function(prefix: str, name: str, function: Any, inputs: list[str]) -> Calle
         else f"out[0] = {prefix}_{name}({', '.join([*arguments, '&c'])});"
     )
     return Called(name, taken, shape[0] if shape else 1, not shape, call)
-
-
-def _environment() -> jinja2.Environment:
-    return jinja2.Environment(
-        loader=jinja2.FileSystemLoader(folder("templates")),
-        undefined=jinja2.StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-        keep_trailing_newline=True,
-        autoescape=False,  # noqa: S701 - the output is C
-    )

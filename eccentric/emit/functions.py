@@ -211,7 +211,9 @@ def gradient_labels(model: Model, function: Function) -> tuple[str, ...]:
 
 
 def _inputs(model: Model, expression: sp.Expr) -> tuple[sp.Symbol, ...]:
-    symbols = expression.free_symbols.union(*(a.value.free_symbols for a in closure(model, (("", expression),))))
+    symbols = expression.free_symbols.union(
+        *(a.value.free_symbols for a in closure(model, (("", expression),)))
+    )
     return tuple(q.symbol for q in model.inputs if q.symbol in symbols)
 
 

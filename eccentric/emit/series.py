@@ -81,8 +81,8 @@ def _remez(
         coefficients = list(solved[:count])[::-1]
         errors = _errors(grid, exact, coefficients)
         error = max(map(abs, errors))
-        at = _extrema(errors)
-        if len(at) != count + 1:
+        before, at = at, _extrema(errors)
+        if len(at) != count + 1 or at == before:
             break
     return coefficients, error
 
