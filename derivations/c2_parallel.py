@@ -134,7 +134,7 @@ equations = (
         (
             Identity(
                 "it is equal to (17)",
-                meaning(careful).subs(plain).subs(plain) ** 2 - F_N_squared.subs(on_motor_side),
+                meaning(careful).xreplace(plain) ** 2 - F_N_squared.subs(on_motor_side),
             ),
         ),
     ),

@@ -34,8 +34,8 @@ g_p, weight, critical_squared, omega_star, scale_N, fastest, speed = symbols(
 # --- The link: positions, differentiated. Frame: x level and y up in the plane of motion, z along the axis. -
 
 theta = sp.Function("theta_l")(t)  # the link angle as a function of time
-position = L * sp.Matrix([sp.sin(theta), -sp.cos(theta), 0])
-acceleration = position.applyfunc(lambda x: sp.factor(x.diff(t, 2)))
+direction = sp.Matrix([sp.sin(theta), -sp.cos(theta), 0])
+position, acceleration = L * direction, L * direction.applyfunc(lambda x: x.diff(t).diff(t))
 acceleration = acceleration.subs({theta.diff(t, 2): alpha_l}).subs({theta.diff(t): omega_l})
 position, acceleration = position.subs(theta, theta_l), acceleration.subs(theta, theta_l)
 gravity = sp.Matrix([0, -g * sp.cos(phi), -g * sp.sin(phi)])
@@ -138,11 +138,11 @@ electrical = Balance(
 # For M L > 0 the definitions say:
 plain = {
     scale_N: M * L * mu**2,
-    omega_star: sp.sqrt((M + M_l) * g_p / (M * L)) / mu,
+    omega_star: sp.sqrt((M + M_l) * g * sp.cos(phi) / (M * L)) / mu,
     speed: sp.Abs(omega_m),
-    fastest: 2**30,
+    fastest: sp.Integer(2**30),
 }
-careful_squared = meaning(careful).subs(plain).subs(plain).subs(g_p, g * sp.cos(phi)) ** 2
+careful_squared = meaning(careful).xreplace(plain) ** 2
 
 as_in_C2 = {phi: 0, alpha_l: 0}
 equations = (
