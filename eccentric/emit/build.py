@@ -140,8 +140,18 @@ def _grouped(fixed: frozenset[sp.Symbol], expression: sp.Expr) -> sp.Expr:
     factors = [symbol for symbol in expression.free_symbols if symbol.name == "omega_m"]
     factors += sorted(expression.atoms(Sgn), key=str)
     if any(isinstance(term, sp.Mul) and term.has(*factors) for term in expression.args if factors):
-        return sp.collect(expression, factors)
+        return _collected(expression, factors)
     return expression
+
+
+def _collected(expression: sp.Expr, factors: list[sp.Expr]) -> sp.Expr:
+    """The sum with each of the factors written once, before all that it multiplies."""
+    parts: dict[sp.Expr, list[sp.Expr]] = {}
+    for term in expression.args:
+        own = sp.Mul.make_args(term)
+        shared = next((factor for factor in factors if factor in own), sp.Integer(1))
+        parts.setdefault(shared, []).append(term / shared)
+    return sp.Add(*(shared * sp.Add(*rest) for shared, rest in parts.items()))
 
 
 def _by_direction(parameters: frozenset[sp.Symbol], expression: sp.Expr) -> sp.Expr:

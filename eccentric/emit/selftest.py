@@ -12,7 +12,7 @@ import numpy as np
 
 from eccentric.emit.called import Called
 
-SECTIONS, SECTION = 10, 20_000  # generated samples
+SECTIONS, SECTION = 5, 20_000  # generated samples
 _VECTORS_BYTES = 45_000  # of both precisions
 # Largest ordinary size of an input, as a power of two.
 _SIZES = {"theta_m": 7, "omega_m": 7, "alpha_m": 9, "i": 5, "u": 6}
