@@ -182,6 +182,7 @@ class _Prepare:
         self.assignments: list[Assignment] = []
         self._values: dict[sp.Expr, sp.Symbol] = {}
         self._names: dict[str, sp.Expr] = {}
+        self._hoisted: dict[tuple[sp.Expr, str], sp.Expr] = {}
         # A value that the model has a name for is called by it.
         self._defined = {d.value: d.symbol for d in model.definitions if d.value.free_symbols <= self.symbols}
         self._sums = [(symbol, value.args) for value, symbol in self._defined.items() if value.is_Add]
@@ -213,6 +214,11 @@ class _Prepare:
         A sign stays in the expression: no coefficient is another one's negative. `role` is the name of what
         has a formula too long for a name.
         """
+        if (expression, role) not in self._hoisted:
+            self._hoisted[expression, role] = self._hoist(expression, role)
+        return self._hoisted[expression, role]
+
+    def _hoist(self, expression: sp.Expr, role: str) -> sp.Expr:
         if expression.is_Atom:
             return expression
         if expression.has(HalfCosine):
@@ -230,7 +236,7 @@ class _Prepare:
             x, forward, backward = expression.args
             return -self.hoist(ByDirection(x, -forward, -backward), role)
         if expression.is_Mul or expression.is_Add:
-            fixed = [a for a in expression.args if a.is_number or a.free_symbols <= self.symbols]
+            fixed = [a for a in expression.args if a.free_symbols <= self.symbols]
             moving = [a for a in expression.args if a not in fixed]
             if expression.is_Mul:
                 role = _role(moving, role)

@@ -76,7 +76,7 @@ def _executed(name: str, source: str) -> ModuleType:
 def _defaults(model: Model) -> dict[str, float]:
     """The parameters that have a default, rounded once from the exact value as in the C."""
     exact = {q.symbol: q.default for q in model.parameters if q.default is not None}
-    return {symbol.name: float(sp.Rational(sp.sympify(value).subs(exact))) for symbol, value in exact.items()}
+    return {symbol.name: float(sp.Rational(value.xreplace(exact))) for symbol, value in exact.items()}
 
 
 def _taken(function: Any) -> tuple[str, ...]:

@@ -87,9 +87,8 @@ def _holds(condition: sp.Basic, values: Mapping[sp.Symbol, mpmath.mpf], single: 
 def _default(default: sp.Expr | None, program: Program) -> mpmath.mpf:
     if default is None:
         return mpmath.mpf("nan")
-    if default.free_symbols:
-        default = default.subs({q.symbol: q.default for q in program.parameters if q.default is not None})
-    exact = sp.Rational(default)
+    known = {q.symbol: q.default for q in program.parameters if q.default is not None}
+    exact = sp.Rational(default.xreplace(known))
     return mpmath.mpf(exact.p) / mpmath.mpf(exact.q)
 
 
