@@ -159,7 +159,7 @@ def _words(k: int) -> np.ndarray:
 
 
 def _bits(values: np.ndarray) -> np.ndarray:
-    """The bits of the values; a NaN has one pattern, since its sign and payload are the processor's own."""
+    """The bits of the values, in place; a NaN gets one pattern: sign and payload are the processor's own."""
     single = values.dtype == np.float32
     bits = values.view(np.uint32 if single else np.uint64)
     bits[np.isnan(values)] = 0x7FC00000 if single else 0x7FF8000000000000
