@@ -28,7 +28,7 @@ def evaluate_prepare(program: Program, single: bool) -> dict[str, str]:
     with mpmath.workdps(50):
         values = {q.symbol: _default(q.default, program) for q in program.parameters}
         for a in program.prepare:
-            values[a.target] = _value(a.value, values, single)
+            values[a.target] = mpmath.mpf(_value(a.value, values, single))
         return {
             symbol.name: "NAN" if mpmath.isnan(value) else _decimal(value, digits)
             for symbol, value in values.items()
