@@ -32,7 +32,7 @@ at_bottom = sp.factor(F_N_squared.subs(theta_l, 0))
 at_top = sp.factor(F_N_squared.subs(theta_l, sp.pi))
 F_N_max, F_N_min = sp.sqrt(at_bottom), sp.sqrt(at_top)
 square = sp.Symbol("omega_l^2", positive=True)
-(critical_square,) = sp.solve(at_top.subs(omega_l, sp.sqrt(square)), square)
+(critical_square,) = sp.roots(at_top.subs(omega_l, sp.sqrt(square)), square)
 omega_critical = sp.sqrt(critical_square, evaluate=False)
 
 # The careful form: with the half angle F_N^2 = (a - b)^2 + 4 a b cos^2(theta_l/2); divided by scale_N^2 it is
@@ -119,7 +119,7 @@ equations = (
         (
             Identity(
                 "it is periodic in the link angle",
-                sp.expand_trig(F_N_squared.subs(theta_l, theta_l + 2 * sp.pi) - F_N_squared),
+                F_N_squared.subs(theta_l, theta_l + 2 * sp.pi) - F_N_squared,
             ),
         ),
     ),
@@ -134,13 +134,7 @@ equations = (
         (
             Identity(
                 "it is equal to (17)",
-                sp.simplify(
-                    sp.expand_trig(
-                        sp.expand(
-                            meaning(careful).subs(plain).subs(plain) ** 2 - F_N_squared.subs(on_motor_side)
-                        ).subs(theta_m, 2 * theta_m / mu)
-                    )
-                ),
+                meaning(careful).xreplace(plain) ** 2 - F_N_squared.subs(on_motor_side),
             ),
         ),
     ),
@@ -186,7 +180,7 @@ equations = (
         "Link velocity at which the centrifugal force carries the weight at the top: there F_Nmin = 0.",
         (
             Identity("it is sqrt(weight/(M L))", omega_critical - sp.sqrt(weight_plain / (M * L))),
-            Identity("F_N vanishes there", sp.simplify(at_top.subs(omega_l, omega_critical))),
+            Identity("F_N vanishes there", at_top.subs(omega_l, omega_critical)),
         ),
     ),
     Equation(

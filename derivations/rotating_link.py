@@ -34,8 +34,9 @@ g_p, weight, critical_squared, omega_star, scale_N, fastest, speed = symbols(
 # --- The link: positions, differentiated. Frame: x level and y up in the plane of motion, z along the axis. -
 
 theta = sp.Function("theta_l")(t)  # the link angle as a function of time
-position = L * sp.Matrix([sp.sin(theta), -sp.cos(theta), 0])
-acceleration = position.diff(t, 2).subs({theta.diff(t, 2): alpha_l}).subs({theta.diff(t): omega_l})
+direction = sp.Matrix([sp.sin(theta), -sp.cos(theta), 0])
+position, acceleration = L * direction, L * direction.applyfunc(lambda x: x.diff(t).diff(t))
+acceleration = acceleration.subs({theta.diff(t, 2): alpha_l}).subs({theta.diff(t): omega_l})
 position, acceleration = position.subs(theta, theta_l), acceleration.subs(theta, theta_l)
 gravity = sp.Matrix([0, -g * sp.cos(phi), -g * sp.sin(phi)])
 
@@ -44,14 +45,16 @@ gravity = sp.Matrix([0, -g * sp.cos(phi), -g * sp.sin(phi)])
 reaction = M * acceleration - (M + M_l) * gravity
 load = -reaction
 in_plane = sp.Matrix(load[:2])
-F_N_squared = sp.collect(sp.expand(in_plane.dot(in_plane)), g, lambda part: sp.factor(sp.trigsimp(part)))
-transversal = sp.simplify(-load[2])  # along minus z: what the bearing carries of the weight
+pythagoras = {sp.sin(theta_l) ** 2: 1 - sp.cos(theta_l) ** 2}
+squared = sp.expand(sp.expand(in_plane.dot(in_plane)).subs(pythagoras))
+F_N_squared = sp.Add(*(g**power * sp.factor(squared.coeff(g, power)) for power in range(3)))
+transversal = -load[2]  # along minus z: what the bearing carries of the weight
 
 # Euler about the axis: inertia of the link without M, and M at its distance.
 J_0 = J_l - M * L**2
 moment = position.cross(M * (acceleration - gravity))[2]
-torque_on_link = sp.simplify(J_0 * alpha_l + moment + f_l)
-gravity_on_link = sp.simplify(torque_on_link - J_l * alpha_l - f_l)
+torque_on_link = sp.expand(sp.expand(J_0 * alpha_l + moment + f_l).subs(pythagoras))
+gravity_on_link = torque_on_link - J_l * alpha_l - f_l
 
 # --- The drive ----------------------------------------------------------------------------------------------
 
@@ -60,11 +63,11 @@ current = sp.solve(armature, i, simplify=False)[0]
 motor_torque = k_i * current
 gear = {theta_l: mu * theta_m, omega_l: mu * omega_m, alpha_l: mu * alpha_m}
 # An ideal gear passes power on: what the link takes at omega_l, the motor gives at omega_m.
-gear_torque = sp.simplify(tau_l * gear[omega_l] / omega_m)
+gear_torque = tau_l * gear[omega_l] / omega_m
 newton_motor = sp.Eq(J_m * alpha_m, tau_m - f_m - gear_torque)
 
 drive = newton_motor.subs({tau_m: motor_torque}).subs({tau_l: torque_on_link}).subs(gear)
-gravity_torque = sp.simplify(mu * gravity_on_link.subs(gear))
+gravity_torque = mu * gravity_on_link.subs(gear)
 inertia = sp.expand(drive.lhs - drive.rhs).coeff(alpha_m)
 # (4) is (k_i/R) u = inertial + gravity + all the rest, and the rest is called F.
 resultant = sp.expand(sp.solve(drive, u, simplify=False)[0] * k_i / R - inertia * alpha_m - gravity_torque)
@@ -135,11 +138,11 @@ electrical = Balance(
 # For M L > 0 the definitions say:
 plain = {
     scale_N: M * L * mu**2,
-    omega_star: sp.sqrt((M + M_l) * g_p / (M * L)) / mu,
+    omega_star: sp.sqrt((M + M_l) * g * sp.cos(phi) / (M * L)) / mu,
     speed: sp.Abs(omega_m),
-    fastest: 2**30,
+    fastest: sp.Integer(2**30),
 }
-careful_squared = sp.expand((meaning(careful) ** 2).subs(plain)).subs(plain).subs(g_p, g * sp.cos(phi))
+careful_squared = meaning(careful).xreplace(plain) ** 2
 
 as_in_C2 = {phi: 0, alpha_l: 0}
 equations = (
@@ -157,7 +160,7 @@ equations = (
         "load",
         "",
         sp.Symbol("P"),
-        sp.simplify(load),
+        load,
         "N",
         "Newton for both masses: the load P on the bearing; gravity is tilted by phi against the plane.",
         (
@@ -256,11 +259,7 @@ equations = (
         (
             Identity(
                 "the careful form of the code is equal to it",
-                sp.expand_trig(
-                    (gravity_torque - meaning(careful_gravity).subs(g_p, g * sp.cos(phi))).subs(
-                        theta_m, 2 * theta_m / mu
-                    )
-                ),
+                gravity_torque - meaning(careful_gravity).subs(g_p, g * sp.cos(phi)),
             ),
         ),
     ),
@@ -305,11 +304,7 @@ equations = (
         (
             Identity(
                 "its square is the squared normal force",
-                sp.simplify(
-                    sp.expand_trig(
-                        sp.expand(careful_squared - F_N_squared.subs(gear)).subs(theta_m, 2 * theta_m / mu)
-                    )
-                ),
+                careful_squared - F_N_squared.subs(gear),
             ),
         ),
     ),

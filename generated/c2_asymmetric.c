@@ -1,6 +1,6 @@
 /*
  * Generated: do not edit. Written by `make derive` from derivations/c2_asymmetric.py
- * (eccentric 0.1.0, program 86132b02).
+ * (eccentric 0.1.0, program 01e01f3d).
  * Case C2 with friction that differs between the directions of motion.
  */
 #include "c2_asymmetric.h"
@@ -8,7 +8,7 @@
 #include <float.h>
 #include <math.h>
 
-#if C2_ASYMMETRIC_PROGRAM != 0x86132b02UL
+#if C2_ASYMMETRIC_PROGRAM != 0x01e01f3dUL
 #error "c2_asymmetric.c and c2_asymmetric.h are of different derivations: write both again"
 #endif
 
@@ -73,11 +73,11 @@ REAL_INLINE real c2_asymmetric_sine_ratio(const real h)
     odd = odd * y + REAL(8.33306462e-3);
     return (odd * x + even) * x;
 #else
-    real even = REAL(-7.642974965950368e-13);
+    real even = REAL(-7.6429749659503679e-13);
     even = even * y + REAL(-2.5052106860746877e-8);
     even = even * y + REAL(-1.9841269841208492e-4);
     even = even * y + REAL(-1.6666666666666666e-1);
-    real odd = REAL(2.7209972799826474e-15);
+    real odd = REAL(2.7209972799826466e-15);
     odd = odd * y + REAL(1.6058939085095993e-10);
     odd = odd * y + REAL(2.7557319211008999e-6);
     odd = odd * y + REAL(8.3333333333331924e-3);

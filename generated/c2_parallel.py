@@ -1,5 +1,5 @@
 # Generated: do not edit. Written by `make derive` from derivations/c2_parallel.py
-# (eccentric 0.1.0, program 64806716).
+# (eccentric 0.1.0, program 8b4b6cd2).
 # Case C2: gravity parallel to the motion plane, steady motion.
 """Case C2: gravity parallel to the motion plane, steady motion.
 
@@ -565,10 +565,10 @@ def _sine_ratio(half_angle: Any) -> Any:
         even = -1.98094749e-4 * y - 1.66666595e-1
         odd = 2.60548113e-6 * y + 8.33306462e-3
     else:
-        even = -7.642974965950368e-13 * y - 2.5052106860746877e-8
+        even = -7.6429749659503679e-13 * y - 2.5052106860746877e-8
         even = even * y - 1.9841269841208492e-4
         even = even * y - 1.6666666666666666e-1
-        odd = 2.7209972799826474e-15 * y + 1.6058939085095993e-10
+        odd = 2.7209972799826466e-15 * y + 1.6058939085095993e-10
         odd = odd * y + 2.7557319211008999e-6
         odd = odd * y + 8.3333333333331924e-3
     return (odd * x + even) * x

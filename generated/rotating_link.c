@@ -1,6 +1,6 @@
 /*
  * Generated: do not edit. Written by `make derive` from derivations/rotating_link.py
- * (eccentric 0.1.0, program 0f291ae2).
+ * (eccentric 0.1.0, program aad3fa51).
  * Rotating link with an unbalanced mass, plane tilted by phi, angular acceleration kept.
  */
 #include "rotating_link.h"
@@ -8,7 +8,7 @@
 #include <float.h>
 #include <math.h>
 
-#if ROTATING_LINK_PROGRAM != 0x0f291ae2UL
+#if ROTATING_LINK_PROGRAM != 0xaad3fa51UL
 #error "rotating_link.c and rotating_link.h are of different derivations: write both again"
 #endif
 
@@ -68,11 +68,11 @@ REAL_INLINE real rotating_link_sine_ratio(const real h)
     odd = odd * y + REAL(8.33306462e-3);
     return (odd * x + even) * x;
 #else
-    real even = REAL(-7.642974965950368e-13);
+    real even = REAL(-7.6429749659503679e-13);
     even = even * y + REAL(-2.5052106860746877e-8);
     even = even * y + REAL(-1.9841269841208492e-4);
     even = even * y + REAL(-1.6666666666666666e-1);
-    real odd = REAL(2.7209972799826474e-15);
+    real odd = REAL(2.7209972799826466e-15);
     odd = odd * y + REAL(1.6058939085095993e-10);
     odd = odd * y + REAL(2.7557319211008999e-6);
     odd = odd * y + REAL(8.3333333333331924e-3);

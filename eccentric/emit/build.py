@@ -5,11 +5,12 @@ from __future__ import annotations
 import re
 from collections.abc import Sequence
 from dataclasses import replace
+from functools import cache
 
 import sympy as sp
 
 from eccentric.emit.accuracy import promises
-from eccentric.emit.functions import Function, closure, functions, gradient_labels
+from eccentric.emit.functions import Function, closure, functions
 from eccentric.emit.half_turn import HalfTurns
 from eccentric.emit.lower import Lowering
 from eccentric.emit.primitive import Rounded, TurnLeft, exact
@@ -39,11 +40,10 @@ def build_program(model: Model) -> Program:
     known = {q.name: q for q in vars(v).values() if isinstance(q, Quantity)}
     chosen = functions(model)
     from_table = all(q.default == known.get(q.name, q).default for q in model.parameters)
-    labels = {f.name: gradient_labels(model, f) for f in chosen if f.by}
-    routines = tuple(_routine(model, f, labels.get(f.name, ()), shared, half_turns) for f in chosen)
+    routines = tuple(_routine(model, f, shared, half_turns) for f in chosen)
     called = {s for r in routines for a in r.assignments for s in a.value.free_symbols}
     helpers = tuple(h for h in half_turns.helpers if sp.Symbol(h.name) in called)
-    named = {f.name: tuple(label for label, _ in f.results) for f in chosen}
+    labels = {r.name: r.labels for r in routines}
     return Program(
         name=model.name,
         title=model.title,
@@ -52,7 +52,7 @@ def build_program(model: Model) -> Program:
         coefficients=_used((*helpers, *routines), shared),
         routines=routines,
         constants=(
-            ("REGRESSOR", named["regressor"]),
+            ("REGRESSOR", labels["regressor"]),
             ("GRADIENT", labels["friction_torque_gradient"]),
             ("JACOBIAN", labels["friction_torque_jacobian"]),
         ),
@@ -65,32 +65,31 @@ def build_program(model: Model) -> Program:
     )
 
 
-def _routine(
-    model: Model, function: Function, labels: tuple[str, ...], shared: _Prepare, half_turns: HalfTurns
-) -> Routine:
+def _routine(model: Model, function: Function, shared: _Prepare, half_turns: HalfTurns) -> Routine:
+    fixed = model.parameter_symbols
     assignments, results = _unscaled(closure(model, function.results), function.results)
     if function.by:
         y = sp.Symbol("torque", real=True)
         torque = results[0][1]
-        if not set(function.by) & model.parameter_symbols:
-            torque = _grouped(model, torque)
+        if not fixed.intersection(function.by):
+            torque = _grouped(fixed, torque)
         steps = differentiate((*assignments, Assignment(y, torque)), function.by)
-        wanted = {f"torque_d_{label}" for label in labels}
-        values = {a.target.name: a.value for a in steps}
+        slopes = {f"torque_d_{x.name}": x.name for x in function.by}
+        found = {slopes[a.target.name]: a.value for a in steps if a.target.name in slopes}
         value = [(label, torque) for label, _ in results if label]
-        results = value + [(label, values[f"torque_d_{label}"]) for label in labels]
-        assignments = needed([a for a in steps if a.target.name not in wanted], [e for _, e in results])
+        results = value + [(x.name, found[x.name]) for x in function.by if x.name in found]
+        assignments = needed([a for a in steps if a.target.name not in slopes], [e for _, e in results])
     # What depends on parameters only is moved to `prepare`; the rest keeps its order.
     lowering = Lowering(shared, half_turns)
     for assignment in assignments:
         if assignment.target in shared.symbols or assignment.value.free_symbols <= shared.symbols:
             shared.define(assignment.target, assignment.value)
         else:
-            value = lowering(shared.hoist(_grouped(model, assignment.value)))
+            value = lowering(shared.hoist(_grouped(fixed, assignment.value)))
             lowering.assignments.append(replace(assignment, value=value))
     targets = []
     for label, expression in results:
-        value = lowering(shared.hoist(_grouped(model, expression)))
+        value = lowering(shared.hoist(_grouped(fixed, expression)))
         name = f"result_{label}" if label else "result"
         targets.append(sp.Symbol(name, real=True))
         lowering.assignments.append(Assignment(targets[-1], value))
@@ -128,23 +127,34 @@ def _unscaled(
     return written, [(label, expression.xreplace(scaled)) for label, expression in results]
 
 
-def _grouped(model: Model, expression: sp.Expr) -> sp.Expr:
+@cache
+def _grouped(fixed: frozenset[sp.Symbol], expression: sp.Expr) -> sp.Expr:
     """Friction as (... F_N + ...) omega_m + (... F_N + ...) sgn: fewest operations per call, (18)-(20)."""
     if not isinstance(expression, sp.Add):
         return expression
     slopes = sorted((s for s in expression.free_symbols if "_d_" in s.name), key=str)
     if slopes:
         parts = sp.collect(sp.expand_mul(expression), slopes, evaluate=False)
-        return sp.Add(*(slope * _grouped(model, factor) for slope, factor in parts.items()))
-    expression = _by_direction(model, sp.expand_mul(expression))
+        return sp.Add(*(slope * _grouped(fixed, factor) for slope, factor in parts.items()))
+    expression = _by_direction(fixed, sp.expand_mul(expression))
     factors = [symbol for symbol in expression.free_symbols if symbol.name == "omega_m"]
     factors += sorted(expression.atoms(Sgn), key=str)
     if any(isinstance(term, sp.Mul) and term.has(*factors) for term in expression.args if factors):
-        return sp.collect(expression, factors)
+        return _collected(expression, factors)
     return expression
 
 
-def _by_direction(model: Model, expression: sp.Expr) -> sp.Expr:
+def _collected(expression: sp.Expr, factors: list[sp.Expr]) -> sp.Expr:
+    """The sum with each of the factors written once, before all that it multiplies."""
+    parts: dict[sp.Expr, list[sp.Expr]] = {}
+    for term in expression.args:
+        own = sp.Mul.make_args(term)
+        shared = next((factor for factor in factors if factor in own), sp.Integer(1))
+        parts.setdefault(shared, []).append(term / shared)
+    return sp.Add(*(shared * sp.Add(*rest) for shared, rest in parts.items()))
+
+
+def _by_direction(parameters: frozenset[sp.Symbol], expression: sp.Expr) -> sp.Expr:
     """Addends that differ in gate and parameters only become one, its coefficient chosen by direction."""
     pairs: dict[tuple[sp.Expr, sp.Expr], dict[type, sp.Expr]] = {}
     rest = []
@@ -152,7 +162,7 @@ def _by_direction(model: Model, expression: sp.Expr) -> sp.Expr:
         gated = [factor for factor in sp.Mul.make_args(term) if isinstance(factor, Gated)]
         if len(gated) == 1 and isinstance(gated[0].args[1], Forward | Backward):
             basis, gate = gated[0].args
-            fixed = [a for a in sp.Mul.make_args(basis) if a.free_symbols <= model.parameter_symbols]
+            fixed = [a for a in sp.Mul.make_args(basis) if a.free_symbols <= parameters]
             moving = sp.Mul(*(a for a in sp.Mul.make_args(basis) if a not in fixed))
             sides = pairs.setdefault(
                 (moving, gate.args[0]), {Forward: sp.Integer(0), Backward: sp.Integer(0)}
@@ -172,6 +182,7 @@ class _Prepare:
         self.assignments: list[Assignment] = []
         self._values: dict[sp.Expr, sp.Symbol] = {}
         self._names: dict[str, sp.Expr] = {}
+        self._hoisted: dict[tuple[sp.Expr, str], sp.Expr] = {}
         # A value that the model has a name for is called by it.
         self._defined = {d.value: d.symbol for d in model.definitions if d.value.free_symbols <= self.symbols}
         self._sums = [(symbol, value.args) for value, symbol in self._defined.items() if value.is_Add]
@@ -203,6 +214,11 @@ class _Prepare:
         A sign stays in the expression: no coefficient is another one's negative. `role` is the name of what
         has a formula too long for a name.
         """
+        if (expression, role) not in self._hoisted:
+            self._hoisted[expression, role] = self._hoist(expression, role)
+        return self._hoisted[expression, role]
+
+    def _hoist(self, expression: sp.Expr, role: str) -> sp.Expr:
         if expression.is_Atom:
             return expression
         if expression.has(HalfCosine):
@@ -220,7 +236,7 @@ class _Prepare:
             x, forward, backward = expression.args
             return -self.hoist(ByDirection(x, -forward, -backward), role)
         if expression.is_Mul or expression.is_Add:
-            fixed = [a for a in expression.args if a.is_number or a.free_symbols <= self.symbols]
+            fixed = [a for a in expression.args if a.free_symbols <= self.symbols]
             moving = [a for a in expression.args if a not in fixed]
             if expression.is_Mul:
                 role = _role(moving, role)
@@ -234,8 +250,13 @@ class _Prepare:
 
     def _folded(self, value: sp.Expr) -> sp.Expr:
         """A sum with what the model has a name for called by it: B_m + mu^2 B_lT F_T is B."""
-        terms = list(sp.Add.make_args(sp.expand(value)))
-        for symbol, parts in self._sums:
+        named = [
+            (symbol, parts)
+            for symbol, parts in self._sums
+            if sp.Add(*parts).free_symbols <= value.free_symbols
+        ]
+        terms = list(sp.Add.make_args(sp.expand(value))) if named else []
+        for symbol, parts in named:
             for term in terms:
                 found = [sp.expand(term / parts[0] * part) for part in parts]
                 if set(found) <= set(terms):

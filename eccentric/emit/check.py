@@ -10,41 +10,21 @@ import inspect
 import re
 import sys
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
 from types import ModuleType
 from typing import Any
 
-import jinja2
 import numpy as np
 import sympy as sp
 
 from eccentric.emit import proof, selftest
+from eccentric.emit.called import Called
+from eccentric.emit.render import template
 from eccentric.model import Model
-from eccentric.places import folder
 
 # Where the parameters have no default, or one that leaves functions at zero. Sine and cosine of this tilt are
 # far from halfway between two numbers, so that every libm rounds them alike.
 _ASSUMED = {"J_m": 2e-4, "J_l": 0.04, "phi": 0.6}
 _ELSE_ASSUMED = 0.25
-
-
-@dataclass(frozen=True)
-class _Function:
-    """One emitted function.
-
-    Attributes:
-        name: in NumPy and, behind the model's prefix, in C.
-        inputs: names, in order.
-        width: number of values it gives.
-        scalar: whether C returns the one value; else it writes to an array.
-        call: in C, from x[] to out[].
-    """
-
-    name: str
-    inputs: tuple[str, ...]
-    width: int
-    scalar: bool
-    call: str
 
 
 def render_check(model: Model, files: Mapping[str, str]) -> dict[str, str]:
@@ -55,7 +35,7 @@ def render_check(model: Model, files: Mapping[str, str]) -> dict[str, str]:
         files: what `render` made of it.
     """
     return {
-        f"check/{model.name}_{kind}": _environment().get_template(f"{kind}.jinja").render(view)
+        f"check/{model.name}_{kind}": template(f"{kind}.jinja").render(view)
         for kind, view in views(model, files).items()
     }
 
@@ -96,7 +76,7 @@ def _executed(name: str, source: str) -> ModuleType:
 def _defaults(model: Model) -> dict[str, float]:
     """The parameters that have a default, rounded once from the exact value as in the C."""
     exact = {q.symbol: q.default for q in model.parameters if q.default is not None}
-    return {symbol.name: float(sp.Rational(sp.sympify(value).subs(exact))) for symbol, value in exact.items()}
+    return {symbol.name: float(sp.Rational(value.xreplace(exact))) for symbol, value in exact.items()}
 
 
 def _taken(function: Any) -> tuple[str, ...]:
@@ -109,7 +89,7 @@ def _inputs(model: Model, functions: Iterable[Any]) -> list[str]:
     return list(dict.fromkeys(taken))
 
 
-def _function(prefix: str, name: str, function: Any, inputs: list[str]) -> _Function:
+def _function(prefix: str, name: str, function: Any, inputs: list[str]) -> Called:
     taken = _taken(function)
     shape = np.shape(function(*(1.0 if x != "alpha_m" else 0.0 for x in taken)))
     arguments = [f"x[{inputs.index(x)}]" for x in taken]
@@ -118,15 +98,4 @@ def _function(prefix: str, name: str, function: Any, inputs: list[str]) -> _Func
         if shape
         else f"out[0] = {prefix}_{name}({', '.join([*arguments, '&c'])});"
     )
-    return _Function(name, taken, shape[0] if shape else 1, not shape, call)
-
-
-def _environment() -> jinja2.Environment:
-    return jinja2.Environment(
-        loader=jinja2.FileSystemLoader(folder("templates")),
-        undefined=jinja2.StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-        keep_trailing_newline=True,
-        autoescape=False,  # noqa: S701 - the output is C
-    )
+    return Called(name, taken, shape[0] if shape else 1, not shape, call)

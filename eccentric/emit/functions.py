@@ -6,11 +6,13 @@ from dataclasses import dataclass
 
 import sympy as sp
 
-from eccentric.emit.program import Assignment, differentiate
+from eccentric.emit.program import Assignment
 from eccentric.errors import InputError
 from eccentric.model import KINDS, Definition, Model, regressor
 from eccentric.model import vocabulary as v
-from eccentric.model.steps import Backward, Bounded, Forward, Gated, Magnitude, Sgn, SquareDifference
+from eccentric.model.steps import Backward, Bounded, Forward, Gated, Magnitude, Sgn, SquareDifference, Step
+
+_DIRECTED = Sgn | Forward | Backward | Gated
 
 
 @dataclass(frozen=True)
@@ -203,15 +205,10 @@ def friction_parameters(model: Model) -> tuple[sp.Symbol, ...]:
     return tuple(q.symbol for q in model.parameters if q.symbol in used)
 
 
-def gradient_labels(model: Model, function: Function) -> tuple[str, ...]:
-    """Names of the slopes that a differentiated function returns."""
-    assignments = (*closure(model, function.results), Assignment(sp.Symbol("y"), function.results[0][1]))
-    found = {a.target.name for a in differentiate(assignments, function.by)}
-    return tuple(x.name for x in function.by if f"y_d_{x.name}" in found)
-
-
 def _inputs(model: Model, expression: sp.Expr) -> tuple[sp.Symbol, ...]:
-    symbols = model.expand(expression).free_symbols
+    symbols = expression.free_symbols.union(
+        *(a.value.free_symbols for a in closure(model, (("", expression),)))
+    )
     return tuple(q.symbol for q in model.inputs if q.symbol in symbols)
 
 
@@ -224,13 +221,8 @@ def _standstill(model: Model, friction: sp.Expr, direction: int) -> sp.Expr:
         if d.value.has(omega_m) or d.quantity.name in ("F_N", "speed")
     }
     for symbol in reversed(list(moving)):
-        friction = friction.subs(symbol, moving[symbol])
-    known = {
-        Sgn(omega_m): direction,
-        Forward(omega_m): int(direction > 0),
-        Backward(omega_m): int(direction < 0),
-    }
-    friction = friction.subs(known).subs(omega_m, 0)
+        friction = friction.xreplace({symbol: moving[symbol]})
+    friction = friction.xreplace(_moving(omega_m, direction)).xreplace({omega_m: sp.Integer(0)})
     # With zero speed the steps fold to plain numbers or to their other argument.
     friction = friction.replace(
         lambda e: isinstance(e, Gated) and e.args[1].is_number, lambda e: sp.Mul(*e.args)
@@ -248,18 +240,35 @@ def _standstill(model: Model, friction: sp.Expr, direction: int) -> sp.Expr:
     return friction
 
 
+def _is_curved(model: Model, expression: sp.Expr, omega_m: sp.Symbol) -> bool:
+    """Whether a careful step of the velocity is in it, besides those that tell its direction."""
+    moving = {omega_m}
+    for definition in model.definitions:
+        if definition.value.free_symbols & moving:
+            moving.add(definition.symbol)
+    values = [expression, *(a.value for a in closure(model, (("", expression),)))]
+    steps = {step for value in values for step in value.atoms(Step)}
+    return any(step.free_symbols & moving for step in steps if not isinstance(step, _DIRECTED))
+
+
+def _moving(omega_m: sp.Symbol, direction: int) -> dict[sp.Expr, sp.Expr]:
+    """What is known of the steps by direction for velocities above (1) or below (-1) zero."""
+    return {
+        Sgn(omega_m): sp.Integer(direction),
+        Forward(omega_m): sp.Integer(direction > 0),
+        Backward(omega_m): sp.Integer(direction < 0),
+    }
+
+
 def _polynomials(model: Model, resultant: sp.Expr) -> tuple[Function, ...]:
     """F_3 ... F_0 for each direction where friction is a polynomial in the motor velocity (C1), else none."""
     omega_m = next(q.symbol for q in model.inputs if q.name == "omega_m")
+    if _is_curved(model, resultant, omega_m):
+        return ()
     plain = model.expand(resultant).replace(Gated, sp.Mul)
     found = []
     for name, direction in (("polynomial", 1), ("polynomial_neg", -1)):
-        known = {
-            Sgn(omega_m): direction,
-            Forward(omega_m): int(direction > 0),
-            Backward(omega_m): int(direction < 0),
-        }
-        one_sided = sp.expand(plain.subs(known))
+        one_sided = sp.expand(plain.xreplace(_moving(omega_m, direction)))
         if not one_sided.is_polynomial(omega_m):
             return ()
         if direction < 0 and not resultant.has(Backward):

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from functools import cache
 
 import sympy as sp
 
@@ -147,5 +148,6 @@ def needed(assignments: Iterable[Assignment], results: Iterable[sp.Expr]) -> tup
     return tuple(reversed(kept))
 
 
+@cache
 def _partial(value: sp.Expr, symbol: sp.Symbol) -> sp.Expr:
     return value.diff(symbol).replace(sp.sign, Sgn)

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import re
 from collections.abc import Sequence
-from typing import Any, Protocol
+from typing import Any
 
+from eccentric.emit.called import Called
 from eccentric.model import Model
 
 # Arrays are proved for this many samples: the loop's body is the same for all.
@@ -21,20 +22,7 @@ _STRICT = "-warn-special-float non-finite -kernel-warn-key annot:missing-spec=ab
 _NARROW = 500
 
 
-class _Called(Protocol):
-    """What the driver needs to know of a function."""
-
-    @property
-    def name(self) -> str: ...
-    @property
-    def inputs(self) -> tuple[str, ...]: ...
-    @property
-    def width(self) -> int: ...
-    @property
-    def scalar(self) -> bool: ...
-
-
-def view(model: Model, functions: Sequence[_Called], inputs: Sequence[str], source: str) -> dict[str, Any]:
+def view(model: Model, functions: Sequence[Called], inputs: Sequence[str], source: str) -> dict[str, Any]:
     """What the template of the proof driver is filled with; `source` is the emitted C."""
     units = {symbol.name: unit for symbol, unit in model.units().items()}
     reductions = sorted(set(re.findall(rf"\b{model.name}_from_top\w*(?=\()", source)))
@@ -55,7 +43,7 @@ def view(model: Model, functions: Sequence[_Called], inputs: Sequence[str], sour
     }
 
 
-def _calls(prefix: str, f: _Called) -> list[dict[str, Any]]:
+def _calls(prefix: str, f: Called) -> list[dict[str, Any]]:
     """The call of a function and, where it has inputs, of that over arrays."""
     own = f"{prefix}_{f.name}"
     one = [*f.inputs, *([] if f.scalar else ["out"]), "c"]

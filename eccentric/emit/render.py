@@ -20,6 +20,8 @@ from eccentric.errors import InputError
 from eccentric.model import Model
 from eccentric.places import folder
 
+_DIGEST = "{digest}"  # stands in the files for what is known only when they are rendered
+
 
 def render(model: Model, command: str = "make derive", origin: str | None = None) -> dict[str, str]:
     """The emitted files of a model: file name -> text.
@@ -49,12 +51,14 @@ def _place(model: Model, operation: sp.Basic) -> str:
 
 
 def render_program(program: Program, origin: str, command: str) -> dict[str, str]:
-    """The emitted files of a program; `origin` names where its physics stands."""
-    digest = program_digest(program)
+    """The emitted files of a program; `origin` names where its physics stands.
+
+    The digest that they carry is of all that stands below their banners: what changes the code changes it.
+    """
     program = with_plain_text(program)
     banner = (
         f"Generated: do not edit. Written by `{plain(command)}` from {plain(origin)}\n"
-        f"(eccentric {__version__}, program {digest}).\n"
+        f"(eccentric {__version__}, program {_DIGEST}).\n"
         f"{program.title}."
     )
     summary = (
@@ -62,19 +66,24 @@ def render_program(program: Program, origin: str, command: str) -> dict[str, str
         " honoured.\n"
         "Without parameters the defaults of `Parameters` hold."
     )
-    c_view = c99.view(program, banner, digest)
-    return {
-        f"{program.name}.py": _template("module.py.jinja").render(
-            numpy_module.view(program, banner, summary)
-        ),
-        f"{program.name}.h": _template("header.h.jinja").render(c_view),
-        f"{program.name}.c": _template("source.c.jinja").render(c_view),
+    c_view = c99.view(program, banner, _DIGEST)
+    views = {
+        ("module.py.jinja", ".py"): numpy_module.view(program, banner, summary),
+        ("header.h.jinja", ".h"): c_view,
+        ("source.c.jinja", ".c"): c_view,
     }
+    code = hashlib.sha256()
+    files = {}
+    for (name, ending), view in views.items():
+        text = template(name).render(view)
+        code.update(text.removeprefix(view["banner"]).encode())
+        files[f"{program.name}{ending}"] = text
+    return {name: text.replace(_DIGEST, code.hexdigest()[:8]) for name, text in files.items()}
 
 
 def python_source(name: str, routines: Iterable[Routine]) -> str:
     """C that makes the functions of one sample callable from Python; each takes numbers and gives one."""
-    return _template("python.c.jinja").render(python_view(name, routines))
+    return template("python.c.jinja").render(python_view(name, routines))
 
 
 def python_view(name: str, routines: Iterable[Routine]) -> dict[str, Any]:
@@ -84,18 +93,6 @@ def python_view(name: str, routines: Iterable[Routine]) -> dict[str, Any]:
         for r in routines
     ]
     return {"name": name, "functions": functions}
-
-
-def program_digest(program: Program) -> str:
-    """Eight hexadecimal digits that change when anything that is computed changes."""
-    lines = [program.name, *(f"{q.name} {q.unit} {q.default}" for q in program.parameters)]
-    lines += [f"{a.target} = {a.value}" for a in program.prepare]
-    for helper in program.helpers:
-        lines += [helper.name, *(f"{a.target} = {a.value}" for a in helper.assignments)]
-    for r in program.routines:
-        lines += [r.name, *r.labels, *(x.quantity.name for x in r.inputs)]
-        lines += [f"{a.target} = {a.value}" for a in r.assignments]
-    return hashlib.sha256("\n".join(lines).encode()).hexdigest()[:8]
 
 
 @cache
@@ -110,5 +107,6 @@ def _environment() -> jinja2.Environment:
     )
 
 
-def _template(name: str) -> jinja2.Template:
+def template(name: str) -> jinja2.Template:
+    """The template of that file name."""
     return _environment().get_template(name)

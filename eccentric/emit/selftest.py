@@ -4,31 +4,23 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Mapping, Sequence
+from functools import cache
 from types import ModuleType
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
 
-SECTIONS, SECTION = 10, 20_000  # generated samples
+from eccentric.emit.called import Called
+
+SECTIONS, SECTION = 5, 20_000  # generated samples
 _VECTORS_BYTES = 45_000  # of both precisions
 # Largest ordinary size of an input, as a power of two.
 _SIZES = {"theta_m": 7, "omega_m": 7, "alpha_m": 9, "i": 5, "u": 6}
 _OTHER_SIZE = 3
 
 
-class _Called(Protocol):
-    """What the self-test needs to know of a function."""
-
-    @property
-    def name(self) -> str: ...
-    @property
-    def inputs(self) -> tuple[str, ...]: ...
-    @property
-    def width(self) -> int: ...
-
-
 def view(
-    module: ModuleType, functions: Sequence[_Called], inputs: list[str], values: Mapping[str, float]
+    module: ModuleType, functions: Sequence[Called], inputs: list[str], values: Mapping[str, float]
 ) -> dict[str, Any]:
     """What the templates of self-test and vectors are filled with.
 
@@ -58,7 +50,7 @@ def view(
 def _precision(
     real: Any,
     module: ModuleType,
-    functions: Sequence[_Called],
+    functions: Sequence[Called],
     inputs: list[str],
     values: Mapping[str, float],
     rows: int,
@@ -71,20 +63,21 @@ def _precision(
     centres[3:5] = [hollow.get(name, 0.0) for name in inputs]
     parameters = module.Parameters(**values)
 
-    def evaluated(states: list[np.ndarray]) -> list[list[np.ndarray]]:
-        """The bits of what each function gives: function, value, sample."""
+    def evaluated(f: Called, states: Sequence[np.ndarray]) -> np.ndarray:
+        """The bits of what a function gives: value, sample."""
         columns = dict(zip(inputs, states, strict=True))
-        out = []
-        for f in functions:
-            result = getattr(module, f.name)(*(columns[x] for x in f.inputs), parameters=parameters)
-            shape = (len(states[0]), f.width)
-            table = np.broadcast_to(np.asarray(result, real).reshape(-1, f.width), shape)
-            out.append([_bits(table[:, j]) for j in range(f.width)])
-        return out
+        values = np.empty((f.width, len(states[0])), real)
+        out = values[0] if f.scalar else values.T
+        if f.inputs:
+            getattr(module, f.name)(*(columns[x] for x in f.inputs), parameters=parameters, out=out)
+        else:
+            out[...] = getattr(module, f.name)(parameters=parameters)
+        return _bits(values)
 
     special = [_special(k, hollow.get(name, 3.0), real)[:rows] for k, name in enumerate(inputs)]
-    vectors = np.column_stack([*map(_bits, special), *(x for f in evaluated(special) for x in f)])
-    digests = np.column_stack([_digests(f) for f in evaluated(_stream(centres, spans))])
+    vectors = np.vstack([*map(_bits, special), *(evaluated(f, special) for f in functions)]).T
+    stream = _stream(centres, spans)
+    digests = np.column_stack([_digests(evaluated(f, stream)) for f in functions])
     return {
         "condition": "if ECCENTRIC_PRECISION == 1" if single else "else",
         "bits": f"uint{4 * digits}_t",
@@ -137,43 +130,57 @@ def _special(k: int, at: float, real: Any) -> np.ndarray:
 
 def _stream(centres: np.ndarray, spans: np.ndarray) -> list[np.ndarray]:
     """The generated samples, an array per input: what `generated` in selftest_stream.c.jinja computes."""
-    real, single = spans.dtype.type, spans.dtype == np.float32
-    n, scale = np.arange(SECTIONS * SECTION, dtype=np.uint32), real(2.0**-32)
+    kinds, width = spans.shape
     columns = []
-    for k in range(spans.shape[1]):
-        high, low = (_scrambled(n * np.uint32(16) + np.uint32(2 * k + j)) for j in (0, 1))
-        unit = high.astype(real) * scale + low.astype(real) * scale * scale
-        word = high if single else (low.astype(np.uint64) << np.uint64(32)) | high
-        centre, span = (table[n % np.uint32(len(table)), k] for table in (centres, spans))
-        columns.append(np.where(span == 0, word.view(real), centre + (unit - real(0.5)) * span))
+    for k in range(width):
+        unit, word = _drawn(k, spans.dtype)
+        centre, span = (np.tile(table[:, k], len(unit) // kinds) for table in (centres, spans))
+        columns.append(np.where(span == 0, word, centre + unit * span))
     return columns
 
 
-def _scrambled(x: np.ndarray) -> np.ndarray:
+@cache
+def _drawn(k: int, real: np.dtype) -> tuple[np.ndarray, np.ndarray]:
+    """What input k of every sample is made of: a number from -1/2 to 1/2, and any bits as a number."""
+    high, low = _words(2 * k), _words(2 * k + 1)
+    scale = real.type(2.0**-32)
+    unit = high.astype(real) * scale + low.astype(real) * scale * scale
+    word = high if real.itemsize == 4 else (low.astype(np.uint64) << np.uint64(32)) | high
+    return unit - real.type(0.5), word.view(real)
+
+
+@cache
+def _words(k: int) -> np.ndarray:
+    """Pseudo-random word k of every generated sample."""
+    x = np.arange(SECTIONS * SECTION, dtype=np.uint32) * np.uint32(16) + np.uint32(k)
     x = (x ^ (x >> np.uint32(16))) * np.uint32(0x7FEB352D)
     x = (x ^ (x >> np.uint32(15))) * np.uint32(0x846CA68B)
     return x ^ (x >> np.uint32(16))
 
 
 def _bits(values: np.ndarray) -> np.ndarray:
-    """The bits of the values; a NaN has one pattern, since its sign and payload are the processor's own."""
+    """The bits of the values, in place; a NaN gets one pattern: sign and payload are the processor's own."""
     single = values.dtype == np.float32
-    word = np.uint32 if single else np.uint64
-    nan = word(0x7FC00000 if single else 0x7FF8000000000000)
-    return np.where(np.isnan(values), nan, np.ascontiguousarray(values).view(word))
+    bits = values.view(np.uint32 if single else np.uint64)
+    bits[np.isnan(values)] = 0x7FC00000 if single else 0x7FF8000000000000
+    return bits
 
 
-def _digests(columns: list[np.ndarray]) -> np.ndarray:
+def _digests(values: np.ndarray) -> np.ndarray:
     """One number per section of the samples: a sum, each word times an odd factor of its place."""
-    n = np.arange(SECTIONS * SECTION, dtype=np.uint32)
+    parts = values.dtype.itemsize // 4  # a double is two words, the lower one first
+    words = values.astype(f"<u{4 * parts}", copy=False).view("<u4").reshape(len(values), SECTIONS, -1)
     total = np.zeros(SECTIONS, np.uint32)
-    for j, words in enumerate(columns):
-        factor = _scrambled(n * np.uint32(16) + np.uint32(j)) | np.uint32(1)
-        products = words.astype(np.uint32) * factor
-        if words.dtype == np.uint64:
-            products += (words >> np.uint64(32)).astype(np.uint32) * (factor + np.uint32(2))
-        total += products.reshape(SECTIONS, SECTION).sum(axis=1, dtype=np.uint32)
+    for j, section in enumerate(words):
+        total += np.einsum("sn,sn->s", section, _factors(j, parts))
     return total
+
+
+@cache
+def _factors(j: int, parts: int) -> np.ndarray:
+    """What the words of value j are multiplied by, section by section."""
+    first = _words(j) | np.uint32(1)
+    return np.stack([first + np.uint32(2 * part) for part in range(parts)], axis=-1).reshape(SECTIONS, -1)
 
 
 def _braces(items: Iterable[object]) -> str:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import replace
+from functools import cache
 from itertools import count
 
 import sympy as sp
@@ -60,7 +61,13 @@ def without_copies(assignments: Iterable[Assignment], results: Iterable[sp.Symbo
 
 def _length(target: sp.Symbol, value: sp.Expr) -> int:
     symbols = sum(1 for e in sp.preorder_traversal(value) if e.is_Symbol)
-    return len(f"{target} = {value}") + 3 * symbols
+    return len(f"{target} = {_spelled(value)}") + 3 * symbols
+
+
+@cache
+def _spelled(value: sp.Expr) -> str:
+    """As SymPy spells it: what differs between two functions of a model is little."""
+    return str(value)
 
 
 def _longest_part(value: sp.Expr) -> sp.Expr | None:
@@ -73,4 +80,4 @@ def _longest_part(value: sp.Expr) -> sp.Expr | None:
         for a in parts
         if not (a.is_Mul and a.args[0].is_Number and len(a.args) == 2 and a.args[1].is_Symbol)
     ]
-    return max(parts, key=lambda a: (len(str(a)), str(a)), default=None)
+    return max(parts, key=lambda a: (len(_spelled(a)), _spelled(a)), default=None)

@@ -21,6 +21,23 @@ class _Letters(PrettyPrinter):
         head, *tail = e.name.split("_")
         return prettyForm("_".join([greek_unicode.get(head, head), *tail]))
 
+    def _print_Mul(self, e: sp.Mul) -> prettyForm:
+        # SymPy's own imports its physical units for this, which takes longer than all equations.
+        above, below = [], []
+        for factor in e.as_ordered_factors():
+            if factor.is_Rational:
+                above += [sp.Integer(factor.p)] if factor.p != 1 else []
+                below += [sp.Integer(factor.q)] if factor.q != 1 else []
+            else:
+                is_divisor = factor.is_Pow and factor.exp.is_Rational and factor.exp.is_negative
+                (below if is_divisor else above).append(1 / factor if is_divisor else factor)
+        top, bottom = (self._product(factors) for factors in (above, below))
+        return top / bottom if below else top
+
+    def _product(self, factors: list[sp.Expr]) -> prettyForm:
+        parts = [self._print(factor) for factor in factors or [sp.Integer(1)]]
+        return prettyForm.__mul__(*parts)
+
 
 @dataclass(frozen=True)
 class Identity:

@@ -1,0 +1,24 @@
+"""An emitted function as those who check it call it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class Called:
+    """One emitted function.
+
+    Attributes:
+        name: in NumPy and, behind the model's prefix, in C.
+        inputs: names, in order.
+        width: number of values it gives.
+        scalar: whether C returns the one value; else it writes to an array.
+        call: in C, from x[] to out[].
+    """
+
+    name: str
+    inputs: tuple[str, ...]
+    width: int
+    scalar: bool
+    call: str
