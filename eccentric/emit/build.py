@@ -14,6 +14,7 @@ from eccentric.emit.half_turn import HalfTurns
 from eccentric.emit.lower import Lowering
 from eccentric.emit.primitive import Rounded, TurnLeft, exact
 from eccentric.emit.program import Assignment, Helper, Input, Program, Routine, differentiate, needed
+from eccentric.emit.shift import written_out
 from eccentric.emit.shorten import shortened, without_copies
 from eccentric.model import Model, Quantity
 from eccentric.model import vocabulary as v
@@ -68,7 +69,8 @@ def build_program(model: Model) -> Program:
 def _routine(
     model: Model, function: Function, labels: tuple[str, ...], shared: _Prepare, half_turns: HalfTurns
 ) -> Routine:
-    assignments, results = _unscaled(closure(model, function.results), function.results)
+    plain = written_out(closure(model, function.results), function.results, model.parameter_symbols)
+    assignments, results = _unscaled(*plain)
     if function.by:
         y = sp.Symbol("torque", real=True)
         torque = results[0][1]
