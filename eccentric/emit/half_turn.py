@@ -70,6 +70,7 @@ class HalfTurns:
         true = Plus(_THETA, shift) if shift else _THETA
         nearest = Plus(Minus(Plus(Minus(Times(true, per_rad), HALF), ROUNDER), ROUNDER), HALF)
         first, *others = (Times(turns, part) for part in self._period_parts(period, mu))
+        shift = shift if shift.is_Atom else self._prepare("shift", shift)
         shifts = parts(shift, first.args[1], self._prepare) if shift else [shift] * 4
         first = Minus(first, shifts[0]) if shift else first
         angle = (

@@ -58,8 +58,8 @@ def split(angle: sp.Expr, fixed: Collection[sp.Symbol]) -> tuple[sp.Expr, sp.Exp
 def parts(shift: sp.Symbol, first: sp.Symbol, prepare: Prepare) -> list[sp.Symbol]:
     """The shift in four parts of few digits, to go off behind those of the period, each after its own.
 
-    The first is a multiple of the last digit of the period's first part, so that a number of half turns of that
-    less the shift's is exact, what is left of theta_m at the top is then small, and exact again.
+    The first is a multiple of the last digit of the period's first part: a number of half turns of that, less
+    the shift's, is exact, and so is the little that both leave of theta_m at the top.
     """
     twice = 2 * first  # so that the sum is not small, whatever the sign of the shift
     one = prepare(f"{shift.name}_1", Minus(Leading(Plus(twice, shift)), twice))
