@@ -1,8 +1,8 @@
 /* Feed-forward friction compensation in a 1 kHz loop.
  *
  * A current-controlled drive swings an arm with an unbalanced mass along a reference, beyond the velocity at
- * which the centrifugal force carries the whole weight at the top: there the bearing bears no load. It does so
- * twice: with the torque that inertia and gravity need fed forward, then with the friction torque of
+ * which the centrifugal force carries the whole weight at the top: there the bearing bears no load. It does
+ * so twice: with the torque that inertia and gravity need fed forward, then with the friction torque of
  * c2_parallel.c on top. Printed is the tracking error. */
 #include "c2_parallel.h"
 #include "drive.h"
