@@ -264,8 +264,8 @@ def _formula(value: sp.Expr, values: dict[sp.Symbol, sp.Expr]) -> str:
             return f"what the parts before it leave of the period, {kind}"
         return f"{_formula(exact(value.args[0]), values)}, {kind}"
     # What is subtracted stands last.
-    terms = sorted(value.as_ordered_terms(), key=_is_negative)
-    text = " + ".join(map(str, terms)).replace("+ -", "- ")
+    terms = sorted(exact(value).as_ordered_terms(), key=_is_negative)
+    text = " + ".join(map(str, terms)).replace("+ -", "- ").replace("Leading(", "leading digits of (")
     return text.replace("**", "^").replace("*", " ")
 
 
