@@ -1,6 +1,6 @@
 /*
  * Generated: do not edit. Written by `make derive` from derivations/c2_parallel.py
- * (eccentric 0.1.0, program 8b4b6cd2).
+ * (eccentric 0.1.0, program e6539969).
  * Case C2: gravity parallel to the motion plane, steady motion.
  */
 #ifndef C2_PARALLEL_H
@@ -9,7 +9,7 @@
 #include <stddef.h>
 
 /* C2_PARALLEL_PROGRAM names the derivation that header and source come from; the source checks it. */
-#define C2_PARALLEL_PROGRAM 0x8b4b6cd2UL
+#define C2_PARALLEL_PROGRAM 0xe6539969UL
 
 /* The working precision: double, or float by -DECCENTRIC_REAL=float. Files that differ in it do not link:
  * c2_parallel_prepare and c2_parallel_default carry it in their names. */
@@ -32,10 +32,11 @@
  * In F_N a speed above 2^30 rad/s counts as 2^30 rad/s.
  * An angle so large that its digits hold no phase counts as upright.
  * ECCENTRIC_LIBM takes sine and cosine from libm instead of from the polynomials here.
- * Measured against 50 digits, inputs and parameters as exact, in float and double, |theta_m| to 1e4 rad:
+ * Bounds of the rounding error in float and double, measured against 50 digits where it does not say "proved";
+ * inputs and parameters as exact, |theta_m| to 1e4 rad:
  *   normal_force within 5 units in the last place
- *   friction_torque within 6 units in the last place
- *   its derivatives within 6 eps of their greatest value at that speed, any angle
+ *   friction_torque, mechanical_friction_torque, friction_torque_jacobian within 6 units in the last place
+ *   friction_torque_gradient within 6 eps of its greatest value at that speed, any angle
  */
 /* MISRA C:2012, as checked by cppcheck: no required rule is violated; deviations from advisory rules:
  *  Rule 2.5: macros of the working precision that is not chosen stay unused.

@@ -6,7 +6,7 @@ full sets, `tests/test_accuracy.py` small ones.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from fractions import Fraction
 from types import SimpleNamespace
 from typing import NamedTuple
@@ -20,15 +20,20 @@ from tests.oracle import Point
 from tests.paper import Parameters
 
 Real = type[np.floating]
+_UNSHIFTED = mpf(0)
 FAR = (1e3, 1e4)  # rad, the largest motor angles
 
 
 class Set(NamedTuple):
-    """One set of states: its name, and motor angles [rad] and velocities [rad/s] in the precision."""
+    """One set of states: its name, and motor angles [rad] and velocities [rad/s] in the precision.
+
+    The link hangs lowest where theta_m + shift is 0.
+    """
 
     name: str
     theta_m: np.ndarray
     omega_m: np.ndarray
+    shift: mpf = _UNSHIFTED
 
 
 def decimals(**changes: str) -> Parameters:
@@ -39,19 +44,21 @@ def decimals(**changes: str) -> Parameters:
     return SimpleNamespace(**{name: oracle.number(value) for name, value in values.items()})
 
 
-def sets(p: Parameters, dtype: Real, size: int, seed: int = 1) -> tuple[Set, ...]:
+def sets(p: Parameters, dtype: Real, size: int, shift: mpf = _UNSHIFTED) -> tuple[Set, ...]:
     """Return the states to measure at: the whole plane, the hollow from afar and near, large angles.
 
     The hollow is where the link stands upright at the critical velocity; distances from it are in rad of the
     link and relative to that velocity.
     """
-    random = np.random.default_rng(seed)
+    random = np.random.default_rng(1)
     star = paper.critical_velocity(p) / p.mu
     turn = 2 * mpmath.pi / p.mu
 
     def near(offsets: Callable[[], np.ndarray], turns: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         sides = random.choice((-1, 1), size)
-        theta = [(int(k) + mpf(0.5)) * turn + mpf(x) / p.mu for k, x in zip(turns, offsets(), strict=True)]
+        theta = [
+            (int(k) + mpf(0.5)) * turn + mpf(x) / p.mu - shift for k, x in zip(turns, offsets(), strict=True)
+        ]
         omega = [int(s) * star * (1 + mpf(x)) for s, x in zip(sides, offsets(), strict=True)]
         return np.array([float(x) for x in theta]), np.array([float(x) for x in omega])
 
@@ -77,7 +84,7 @@ def sets(p: Parameters, dtype: Real, size: int, seed: int = 1) -> tuple[Set, ...
         angles = random.choice((-1, 1), size) * random.uniform(0.9, 1.0, size) * far
         chosen[f"theta_m up to {far:.0e} rad"] = (angles, velocities())
     return tuple(
-        Set(name, theta.astype(dtype), omega.astype(dtype)) for name, (theta, omega) in chosen.items()
+        Set(name, theta.astype(dtype), omega.astype(dtype), shift) for name, (theta, omega) in chosen.items()
     )
 
 
@@ -102,34 +109,52 @@ def friction_torque(name: str, at: Set, p: Parameters) -> list[mpf]:
     return [law(point, p) for point in _points(at)]
 
 
-def gradient(at: Set, p: Parameters) -> list[tuple[tuple[mpf, mpf], tuple[mpf, mpf]]]:
-    """Return, for c2_parallel, (slope, size) by theta_m and by omega_m.
+def mechanical_friction_torque(name: str, at: Set, p: Parameters) -> list[mpf]:
+    """Return the exact friction torques without the back-EMF damping [N m]."""
+    damping = paper.back_emf_damping(p)
+    return [F - damping * x.omega_m for F, x in zip(friction_torque(name, at, p), _points(at), strict=True)]
+
+
+def jacobian(name: str, at: Set, p: Parameters, labels: Iterable[str]) -> list[list[mpf]]:
+    """Return the exact derivatives of the friction torque by its coefficients, a list for each label."""
+    columns = [
+        oracle.columns(N, x.omega_m, p) for N, x in zip(normal_force(name, at, p), _points(at), strict=True)
+    ]
+    forces = {label: p.F_T if "lT" in label else 1 for label in labels}
+    return [[column[label] * force for column in columns] for label, force in forces.items()]
+
+
+def gradient(name: str, at: Set, p: Parameters) -> dict[str, list[tuple[mpf, mpf]]]:
+    """Return, for a steady model, (slope, size) by theta_m and by omega_m.
 
     With a = M L (mu omega_m)^2 and the weight b, F_N' is a'(a + b cos theta_l)/F_N and -a b theta_l' sin
     theta_l/F_N. The size is what F_N' is at most, a' or a theta_l', in its place, and all terms of one sign.
+    In case C1 b is 0, and the size is the slope itself.
     """
-    found = []
+    found: dict[str, list[tuple[mpf, mpf]]] = {"theta_m": [], "omega_m": []}
+    case = oracle.CASES[name]
     for x in _points(at):
+        q, sign = oracle.coefficients(name, x.omega_m, p), mpmath.sign(x.omega_m)
         a_w = 2 * p.M * p.L * p.mu**2 * abs(x.omega_m)
-        a, b, theta = a_w * abs(x.omega_m) / 2, (p.M + p.M_l) * p.g, p.mu * x.theta_m
-        F_N, sign = paper.normal_force_c2(x.theta_m, x.omega_m, p), mpmath.sign(x.omega_m)
-        per_load = p.B_lN * p.mu**2 * x.omega_m + p.C_lN * p.mu * sign
-        own = p.B_lN * p.mu**2 * F_N + p.B_m + paper.back_emf_damping(p)
+        a, b, theta = a_w * abs(x.omega_m) / 2, (p.M + p.M_l) * case.in_plane_gravity(p), p.mu * x.theta_m
+        F_N, F_T = case.normal_force(x, p), case.transversal(p) * p.F_T
+        per_load = q.B_lN * p.mu**2 * x.omega_m + q.C_lN * p.mu * sign
+        own = q.B_lN * p.mu**2 * F_N + q.B_m + paper.back_emf_damping(p)
+        own += q.B_lT * p.mu**2 * F_T if F_T else 0
         by_theta = -per_load * a * b * p.mu * mpmath.sin(theta) / F_N
         by_omega = own + per_load * sign * a_w * (a + b * mpmath.cos(theta)) / F_N
-        sizes = abs(per_load) * a * p.mu, own + abs(per_load) * a_w
-        found.append(((by_theta, sizes[0]), (by_omega, sizes[1])))
+        found["theta_m"].append((by_theta, abs(per_load) * a * p.mu))
+        found["omega_m"].append((by_omega, own + abs(per_load) * a_w))
     return found
 
 
-def accelerated(at: Set, alpha_m: np.ndarray, p: Parameters) -> list[tuple[mpf, mpf]]:
-    """Return, for rotating_link, the normal force and M L (w^2 + |alpha|) + b, link side [N]."""
+def accelerated(at: Set, alpha_m: np.ndarray, p: Parameters) -> list[tuple[Point, mpf]]:
+    """Return, for rotating_link, the states and their M L (w^2 + |alpha|) + b, link side [N]."""
+    weight = (p.M + p.M_l) * p.g * mpmath.cos(p.phi)
     found = []
-    for x, number in zip(_points(at), alpha_m, strict=True):
-        alpha = mpf(float(number))
-        weight = (p.M + p.M_l) * p.g * mpmath.cos(p.phi)
-        size = p.M * p.L * ((p.mu * x.omega_m) ** 2 + abs(p.mu * alpha)) + weight
-        found.append((paper.normal_force_rotating_link(x.theta_m, x.omega_m, alpha, p), size))
+    for steady, number in zip(_points(at), alpha_m, strict=True):
+        x = steady._replace(alpha_m=mpf(float(number)))
+        found.append((x, p.M * p.L * ((p.mu * x.omega_m) ** 2 + abs(p.mu * x.alpha_m)) + weight))
     return found
 
 
@@ -141,4 +166,7 @@ def relative(actual: np.ndarray, exact: list[tuple[mpf, mpf]]) -> np.ndarray:
 
 
 def _points(at: Set) -> list[Point]:
-    return [Point(mpf(float(t)), mpf(float(w)), mpf(0)) for t, w in zip(at.theta_m, at.omega_m, strict=True)]
+    return [
+        Point(mpf(float(t)) + at.shift, mpf(float(w)), mpf(0))
+        for t, w in zip(at.theta_m, at.omega_m, strict=True)
+    ]

@@ -5,9 +5,10 @@ from typing import Any
 
 import numpy as np
 import pytest
+from mpmath import mpf
 
 from eccentric.emit.accuracy import ACCELERATED_EPS, FRICTION_TORQUE_ULP, GRADIENT_EPS, NORMAL_FORCE_ULP
-from tests import accuracy, extended, oracle
+from tests import accuracy, oracle
 from tests.compiled import GENERATED, Library, Real
 from tests.emitted import both_precisions, module
 from tests.paper import Parameters
@@ -90,64 +91,103 @@ def test_every_part_of_the_constants_is_needed(dtype: Real, part: str, tmp_path:
 @every_drive
 @pytest.mark.parametrize("name", STEADY)
 def test_friction_torque(name: str, drive: str, dtype: Real) -> None:
-    """Friction is a sum of terms of one sign and loses little on top of F_N."""
+    """Friction, with the back EMF or without, sums terms of one sign and loses little on top of F_N."""
     given, p = drive_parameters(name, drive)
     for at in accuracy.sets(p, dtype, FEW):
-        actual = np.asarray(module(name).friction_torque(*arguments(name, "friction_torque", at), given))
-        worst = np.max(accuracy.units(actual, accuracy.friction_torque(name, at, p)))
-        assert worst <= FRICTION_TORQUE_ULP, at.name
+        for function in ("friction_torque", "mechanical_friction_torque"):
+            actual = np.asarray(getattr(module(name), function)(*arguments(name, function, at), given))
+            worst = np.max(accuracy.units(actual, getattr(accuracy, function)(name, at, p)))
+            assert worst <= FRICTION_TORQUE_ULP, (function, at.name)
 
 
 @both_precisions
 @every_drive
-def test_derivatives(drive: str, dtype: Real) -> None:
-    """The derivatives are right to some eps of what they are at most at that speed, in the hollow, too."""
-    given, p = drive_parameters("c2_parallel", drive)
+@pytest.mark.parametrize("name", STEADY)
+def test_derivatives_by_coefficients(name: str, drive: str, dtype: Real) -> None:
+    """What a coefficient of friction multiplies is as exact as friction itself."""
+    given, p = drive_parameters(name, drive)
     for at in accuracy.sets(p, dtype, FEW):
-        actual = module("c2_parallel").friction_torque_gradient(at.theta_m, at.omega_m, given)
-        for k, exact in enumerate(zip(*accuracy.gradient(at, p), strict=True)):
-            assert np.max(accuracy.relative(actual[:, k], list(exact))) <= GRADIENT_EPS, at.name
+        jacobian = module(name).friction_torque_jacobian(*arguments(name, "friction_torque", at), given)
+        exact = accuracy.jacobian(name, at, p, module(name).JACOBIAN)
+        for actual, column in zip(np.moveaxis(jacobian, -1, 0), exact, strict=True):
+            assert np.max(accuracy.units(actual, column)) <= FRICTION_TORQUE_ULP, at.name
 
 
 @both_precisions
 @every_drive
-@pytest.mark.parametrize("phi", [0.0, 0.75])
-def test_accelerated_normal_force(drive: str, phi: float, dtype: Real) -> None:
-    """With an acceleration F_N vanishes along a curve: its error is a few eps of what it is made of."""
+@pytest.mark.parametrize("name", STEADY)
+def test_derivatives_by_state(name: str, drive: str, dtype: Real) -> None:
+    """They are right to some eps of the most they are at that speed; without gravity to the last places."""
+    given, p = drive_parameters(name, drive)
+    for at in accuracy.sets(p, dtype, FEW):
+        gradient = module(name).friction_torque_gradient(*arguments(name, "friction_torque", at), given)
+        exact = accuracy.gradient(name, at, p)
+        assert_gradient(gradient, [exact[label] for label in module(name).GRADIENT], at.name)
+
+
+def assert_gradient(
+    actual: np.ndarray, exact: list[list[tuple[mpf, mpf]]], at: str, bound: int = GRADIENT_EPS
+) -> None:
+    """Hold a gradient against its bound; without the angle in it, the size is the slope, and units count."""
+    for got, slopes in zip(np.moveaxis(actual, -1, 0), exact, strict=True):
+        assert np.max(accuracy.relative(got, slopes)) <= bound, at
+        if len(exact) == 1:
+            assert np.max(accuracy.units(got, [slope for slope, _ in slopes])) <= FRICTION_TORQUE_ULP, at
+
+
+@both_precisions
+@every_drive
+@pytest.mark.parametrize("phi", [0.0, 0.75, 1.5])
+def test_accelerated(drive: str, phi: float, dtype: Real) -> None:
+    """With an acceleration F_N vanishes along a curve: its error is a few eps of what it is made of.
+
+    That of the friction torque is as many eps of the friction under that load.
+    """
     given, p = drive_parameters("rotating_link", drive)
     given, p.phi = dataclasses.replace(given, phi=phi), oracle.mpf(phi)
     alpha_m = np.random.default_rng(2).uniform(-500, 500, FEW).astype(dtype)
+    case = oracle.CASES["rotating_link"]
     for at in accuracy.sets(p, dtype, FEW):
-        actual = module("rotating_link").normal_force(at.theta_m, at.omega_m, alpha_m, given)
-        worst = np.max(accuracy.relative(actual, accuracy.accelerated(at, alpha_m, p)))
-        assert worst <= ACCELERATED_EPS, at.name
-
-
-@both_precisions
-@pytest.mark.parametrize("case", extended.CASES)
-def test_extended_models(case: str, dtype: Real) -> None:
-    """Effects leave F_N as exact as it was, but where they shift the angle; a replaced mass does, too."""
-    name = extended.BASE[case]
-    for one in extended.extended(case):
-        if "angle_offset" in {effect.id for effect in one.effects}:
-            continue
-        heavier = {"mass_ratio": 0.25} if "mass_ratio" in one.texts[f"{one.model.name}.py"] else {}
-        p = oracle.exact(extended.KNOWN)
-        p.M = p.M * oracle.mpf(1.25) if heavier else p.M
-        for at in accuracy.sets(p, dtype, FEW // 3):
-            given = {"theta_m": at.theta_m, "omega_m": at.omega_m}
-            actual = np.asarray(extended.call(one.module, "normal_force", given, **heavier))
-            worst = np.max(accuracy.units(actual, accuracy.normal_force(name, at, p)))
-            assert worst <= NORMAL_FORCE_ULP, (one.model.name, at.name)
+        states = accuracy.accelerated(at, alpha_m, p)
+        forces = [(case.normal_force(x, p), size) for x, size in states]
+        torques = {
+            back_emf: [
+                (
+                    oracle.friction_under_load("rotating_link", F_N, x.omega_m, p, back_emf),
+                    abs(oracle.friction_under_load("rotating_link", size, x.omega_m, p, back_emf)),
+                )
+                for (x, size), (F_N, _) in zip(states, forces, strict=True)
+            ]
+            for back_emf in (True, False)
+        }
+        expected = {
+            "normal_force": forces,
+            "friction_torque": torques[True],
+            "mechanical_friction_torque": torques[False],
+        }
+        for function, exact in expected.items():
+            actual = getattr(module("rotating_link"), function)(at.theta_m, at.omega_m, alpha_m, given)
+            assert np.max(accuracy.relative(actual, exact)) <= ACCELERATED_EPS, (function, at.name)
 
 
 @pytest.mark.parametrize("name", [*STEADY, "rotating_link"])
 def test_the_header_states_the_bounds(name: str) -> None:
-    """What is measured here is what the header promises."""
-    bound = (
-        f"normal_force within {ACCELERATED_EPS} eps (M L (omega_l^2 + |alpha_l|) + weight)"
-        if name == "rotating_link"
-        else f"normal_force within {NORMAL_FORCE_ULP} units in the last place"
-    )
+    """What is measured here is what the header promises, and nothing else is promised there."""
+    ulp = f"within {FRICTION_TORQUE_ULP} units in the last place"
+    greatest = f"within {GRADIENT_EPS} eps of its greatest value at that speed, any angle"
+    friction = "friction_torque, mechanical_friction_torque"
+    bounds = [
+        f"normal_force within {NORMAL_FORCE_ULP} units in the last place"
+        + " (proved)" * name.startswith("c1_"),
+        f"{friction}, friction_torque_jacobian {ulp}",
+        f"friction_torque_gradient {ulp if name.startswith('c1_') else greatest}",
+    ]
+    if name == "rotating_link":
+        bounds = [
+            f"normal_force within {ACCELERATED_EPS} eps (M L (omega_l^2 + |alpha_l|) + weight)",
+            f"{friction} within {ACCELERATED_EPS} eps of theirs at that load",
+        ]
+    header = (GENERATED / f"{name}.h").read_text(encoding="utf-8")
 
-    assert bound in (GENERATED / f"{name}.h").read_text(encoding="utf-8")
+    promised = header.split("/* Rounding to nearest")[1].split("*/")[0].splitlines()
+    assert bounds == [line.strip(" *") for line in promised if line.startswith(" *   ")]

@@ -11,6 +11,8 @@ from benchmarks.cortex_m4 import GENERATED, run
 from eccentric.emit import render
 from eccentric.emit.check import render_check
 from eccentric.model import load_model
+from tests import extended
+from tests.compiled import FLAGS
 from tests.emitted import every_model
 
 CHECK = GENERATED / "check"
@@ -90,3 +92,38 @@ def test_selftest_sees_contraction(tmp_path: Path) -> None:
     fused = on_host(tmp_path, "c2_parallel", ("gcc", "-O2", "-mfma", "-ffp-contract=fast"), "float")
 
     assert 1 == subprocess.run([fused], capture_output=True, check=False).returncode
+
+
+def exponential(folder: Path, effect_id: str, *options: str) -> subprocess.CompletedProcess[str]:
+    """Compile and run the self-test of an extended model that includes its own source."""
+    one = extended.with_effect("C2", effect_id)
+    for file, text in (one.texts | render_check(one.model, one.texts)).items():
+        (folder / file).parent.mkdir(exist_ok=True)
+        (folder / file).write_text(text, encoding="utf-8")
+    test = folder / "check" / f"{one.model.name}_selftest.c"
+    run("gcc", *FLAGS, f"-I{folder}", "-o", folder / "test", test, *options, "-lm")
+    return subprocess.run([folder / "test"], capture_output=True, text=True, check=False)
+
+
+@pytest.mark.parametrize("real", REALS)
+@pytest.mark.parametrize("effect_id", ["hidden_thermal_drift", "load_dependent[progressive]", "angle_offset"])
+def test_models_with_an_exponential(tmp_path: Path, effect_id: str, real: str) -> None:
+    """Where an exponential is called, for each sample or in `prepare`, all bits but its own are NumPy's."""
+    done = exponential(tmp_path, effect_id, f"-DECCENTRIC_REAL={real}")
+
+    assert (0, True) == (done.returncode, ": ok, " in done.stdout), done.stdout
+
+
+def test_selftest_sees_a_bad_exponential(tmp_path: Path) -> None:
+    """A library whose exponential is off by three units is told so."""
+    bad = tmp_path / "bad.h"
+    bad.write_text(
+        "#include <math.h>\n"
+        "static inline double bad(double x) { return exp(x) * (1.0 + 3 * 2.3e-16); }\n"
+        "#define exp bad\n"
+    )
+
+    done = exponential(tmp_path, "hidden_thermal_drift", "-include", str(bad))
+
+    assert 1 == done.returncode
+    assert "of the library is" in done.stdout

@@ -15,6 +15,7 @@ from eccentric.emit.half_turn import HalfTurns
 from eccentric.emit.lower import Lowering
 from eccentric.emit.primitive import Rounded, TurnLeft, exact
 from eccentric.emit.program import Assignment, Helper, Input, Program, Routine, differentiate, needed
+from eccentric.emit.shift import written_out
 from eccentric.emit.shorten import shortened, without_copies
 from eccentric.model import Model, Quantity
 from eccentric.model import vocabulary as v
@@ -67,7 +68,9 @@ def build_program(model: Model) -> Program:
 
 def _routine(model: Model, function: Function, shared: _Prepare, half_turns: HalfTurns) -> Routine:
     fixed = model.parameter_symbols
-    assignments, results = _unscaled(closure(model, function.results), function.results)
+    assignments, results = _unscaled(
+        *written_out(closure(model, function.results), function.results, fixed)
+    )
     if function.by:
         y = sp.Symbol("torque", real=True)
         torque = results[0][1]
@@ -283,8 +286,8 @@ def _formula(value: sp.Expr, values: dict[sp.Symbol, sp.Expr]) -> str:
             return f"what the parts before it leave of the period, {kind}"
         return f"{_formula(exact(value.args[0]), values)}, {kind}"
     # What is subtracted stands last.
-    terms = sorted(value.as_ordered_terms(), key=_is_negative)
-    text = " + ".join(map(str, terms)).replace("+ -", "- ")
+    terms = sorted(exact(value).as_ordered_terms(), key=_is_negative)
+    text = " + ".join(map(str, terms)).replace("+ -", "- ").replace("Leading(", "leading digits of (")
     return text.replace("**", "^").replace("*", " ")
 
 

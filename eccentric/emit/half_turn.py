@@ -2,12 +2,12 @@
 
 theta_m less the nearest k + 1/2 periods 2 pi/mu is the motor angle from the top. The period is held in four
 parts; k + 1/2 times each of the first three is exact, and so is what they leave of theta_m near the top. The
-fourth makes the angle right to its own last place, wherever the top is.
+fourth makes the angle right to its own last place, wherever the top is. Where the angle is shifted by a
+parameter, so is the top; `eccentric.emit.shift` holds the shift in four parts, too.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from functools import reduce
 
@@ -30,6 +30,7 @@ from eccentric.emit.primitive import (
     TurnLeft,
 )
 from eccentric.emit.program import Assignment, Helper
+from eccentric.emit.shift import Prepare, parts
 from eccentric.model.steps import Leading
 
 _THETA, _FROM_TOP = sp.symbols("theta_m from_top", real=True)
@@ -47,35 +48,39 @@ class Names:
 class HalfTurns:
     """The helpers of one program; called with a gear ratio it gives their names and makes them once."""
 
-    def __init__(self, prepare: Callable[[str, sp.Expr], sp.Symbol]) -> None:
+    def __init__(self, prepare: Prepare) -> None:
         self._prepare = prepare
-        self._names: dict[sp.Expr, Names] = {}
+        self._names: dict[tuple[sp.Expr, sp.Expr], Names] = {}
         self.helpers: list[Helper] = []
 
-    def __call__(self, mu: sp.Expr) -> Names:
-        """The names of the functions for this gear ratio."""
-        if mu not in self._names:
+    def __call__(self, mu: sp.Expr, shift: sp.Expr) -> Names:
+        """The names of the functions for this gear ratio and this shift of the angle, a coefficient or 0."""
+        if (mu, shift) not in self._names:
             suffix = f"_{len(self._names) + 1}" if self._names else ""
-            self._names[mu] = Names(
+            self._names[mu, shift] = Names(
                 *(sp.Symbol(name + suffix) for name in ("from_top", "chord", "half_sine"))
             )
-            self._make(mu, self._names[mu])
-        return self._names[mu]
+            self._make(mu, shift, self._names[mu, shift])
+        return self._names[mu, shift]
 
-    def _make(self, mu: sp.Expr, names: Names) -> None:
+    def _make(self, mu: sp.Expr, shift: sp.Expr, names: Names) -> None:
         period = self._prepare("period", 2 * sp.pi / mu)
         per_rad = self._prepare("turns_per_rad", mu / (2 * sp.pi))
         turns, rest, reduced = sp.symbols("turns rest reduced", real=True)
-        nearest = Plus(Minus(Plus(Minus(Times(_THETA, per_rad), HALF), ROUNDER), ROUNDER), HALF)
-        first, *others = self._period_parts(period, mu)
+        true = Plus(_THETA, shift) if shift else _THETA
+        nearest = Plus(Minus(Plus(Minus(Times(true, per_rad), HALF), ROUNDER), ROUNDER), HALF)
+        first, *others = (Times(turns, part) for part in self._period_parts(period, mu))
+        shift = shift if shift.is_Atom else self._prepare("shift", shift)
+        shifts = parts(shift, first.args[1], self._prepare) if shift else [shift] * 4
+        first = Minus(first, shifts[0]) if shift else first
         angle = (
             Assignment(turns, nearest, "whole turns of the link and a half, up to the top that is nearest"),
             Assignment(
                 rest,
-                Minus(_THETA, Times(turns, first)),
+                Minus(_THETA, first),
                 "the turns go off in four parts of few digits: all products but the last are exact",
             ),
-            Assignment(reduced, reduce(lambda left, part: Minus(left, Times(turns, part)), others, rest)),
+            Assignment(reduced, reduce(_reduced, zip(others, shifts[1:], strict=True), rest)),
             # Infinity and NaN give NaN.
             Assignment(
                 _FROM_TOP,
@@ -104,3 +109,9 @@ class HalfTurns:
         third = self._prepare("period_3", Leading(Minus(left, second)))
         last = Plus(Minus(Minus(left, second), third), Low(left))
         return [first, second, third, self._prepare("period_4", Rounded(last))]
+
+
+def _reduced(left: sp.Expr, part: tuple[sp.Expr, sp.Expr]) -> sp.Expr:
+    """What is left of the angle behind the next part of the turns, and of the shift."""
+    turned, shift = part
+    return Plus(Minus(left, turned), shift) if shift else Minus(left, turned)

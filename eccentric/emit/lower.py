@@ -28,6 +28,7 @@ from eccentric.emit.primitive import (
     Times,
 )
 from eccentric.emit.program import Assignment
+from eccentric.emit.shift import Prepare, split
 from eccentric.model import steps
 
 # What a reader of the emitted code must know of the steps, by the names that they get there.
@@ -44,7 +45,7 @@ class Lowering:
     The same step with the same arguments is lowered once.
     """
 
-    def __init__(self, prepare: Callable[[str, sp.Expr], sp.Symbol], half_turns: HalfTurns) -> None:
+    def __init__(self, prepare: Prepare, half_turns: HalfTurns) -> None:
         self._prepare = prepare
         self._half_turns = half_turns
         self._done: dict[sp.Expr, sp.Symbol] = {}
@@ -104,9 +105,11 @@ class Lowering:
 
     def _half_turn(self, step: sp.Expr) -> sp.Expr:
         """A call of the program's own functions of the angle, which all routines share."""
-        theta_m, mu = step.args
-        theta_m = theta_m if theta_m.is_Atom else self.named("angle", self(theta_m))
-        names = self._half_turns(mu)
+        angle, mu = step.args
+        theta_m, shift = split(angle, self._prepare.symbols)
+        if not theta_m:
+            theta_m = angle if angle.is_Atom else self.named("angle", self(angle))
+        names = self._half_turns(mu, shift)
         from_top = self.named("from_top", Call(names.from_top, theta_m))
         if isinstance(step, steps.Chord):
             return self.named("chord", Call(names.chord, from_top))

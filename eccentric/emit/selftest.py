@@ -5,22 +5,32 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Mapping, Sequence
 from functools import cache
-from types import ModuleType
+from types import ModuleType, SimpleNamespace
 from typing import Any
 
+import mpmath
 import numpy as np
 
 from eccentric.emit.called import Called
 
-SECTIONS, SECTION = 5, 20_000  # generated samples
+SECTIONS, SECTION = 10, 20_000  # generated samples
 _VECTORS_BYTES = 45_000  # of both precisions
+# Of the library's exponential: what is asked of it, and where.
+_EXPONENTIAL_EPS = 2
+_EXPONENTS = tuple(
+    sign * size for size in (1e-3, 0.1, 0.3, 0.7, 1.0, 2.5, 7.0, 20.0, 60.0) for sign in (-1, 1)
+)
 # Largest ordinary size of an input, as a power of two.
 _SIZES = {"theta_m": 7, "omega_m": 7, "alpha_m": 9, "i": 5, "u": 6}
 _OTHER_SIZE = 3
 
 
 def view(
-    module: ModuleType, functions: Sequence[Called], inputs: list[str], values: Mapping[str, float]
+    module: ModuleType,
+    functions: Sequence[Called],
+    inputs: list[str],
+    values: Mapping[str, float],
+    exponential: bool,
 ) -> dict[str, Any]:
     """What the templates of self-test and vectors are filled with.
 
@@ -29,6 +39,7 @@ def view(
         functions: its functions.
         inputs: names of the model's inputs.
         values: every parameter.
+        exponential: whether the C calls the exponential of its library, which no two libraries round alike.
     """
     numbers = len(inputs) + sum(f.width for f in functions)
     rows = min(64, _VECTORS_BYTES // (24 * numbers))
@@ -41,10 +52,26 @@ def view(
         "kinds": len(_spans(inputs)),
         "sections": SECTIONS,
         "section": SECTION,
+        "exponentials": len(_EXPONENTS) if exponential else 0,
         "precisions": [
             _precision(real, module, functions, inputs, values, rows) for real in (np.float32, np.float64)
         ],
     }
+
+
+def without_exponential(module: ModuleType) -> None:
+    """Put 1/(1 + x^2) in place of the exponential, as selftest_exponential.c.jinja does."""
+
+    def stand_in(x: Any) -> Any:
+        return 1.0 / (1.0 + x * x)
+
+    vars(module).update(_exp=stand_in, math=SimpleNamespace(**vars(math) | {"exp": stand_in}))
+
+
+def _exponentials(real: Any) -> list[tuple[Any, Any]]:
+    """Numbers of the precision and their exponentials, rounded from 50 digits."""
+    with mpmath.workdps(50):
+        return [(x, real(mpmath.nstr(mpmath.exp(float(x)), 40))) for x in map(real, _EXPONENTS)]
 
 
 def _precision(
@@ -80,6 +107,8 @@ def _precision(
     digests = np.column_stack([_digests(evaluated(f, stream)) for f in functions])
     return {
         "condition": "if ECCENTRIC_PRECISION == 1" if single else "else",
+        "exponential_error": (float(np.finfo(real).eps) * _EXPONENTIAL_EPS).hex() + suffix,
+        "exponentials": [_braces(float(x).hex() + suffix for x in row) for row in _exponentials(real)],
         "bits": f"uint{4 * digits}_t",
         "digits": digits,
         "not_a_number": f"0x{int(_bits(np.array([np.nan], real))[0]):x}u",
@@ -93,7 +122,7 @@ def _precision(
 
 
 def _hollow(values: Mapping[str, float]) -> dict[str, float]:
-    """The state where the normal force vanishes: the mass at the top, at the velocity that lifts it."""
+    """The state where the normal force vanishes: at the top, the weight carried by the centrifugal force."""
     try:
         M, M_l, L, mu, g = (values[name] for name in ("M", "M_l", "L", "mu", "g"))
     except KeyError:

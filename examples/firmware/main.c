@@ -1,8 +1,9 @@
 /* Feed-forward friction compensation in a 1 kHz loop.
  *
  * A current-controlled drive swings an arm with an unbalanced mass along a reference, beyond the velocity at
- * which the mass lifts off its bearing at the top. It does so twice: with the torque that inertia and gravity
- * need fed forward, then with the friction torque of c2_parallel.c on top. Printed is the tracking error. */
+ * which the centrifugal force carries the whole weight at the top: there the bearing bears no load. It does
+ * so twice: with the torque that inertia and gravity need fed forward, then with the friction torque of
+ * c2_parallel.c on top. Printed is the tracking error. */
 #include "c2_parallel.h"
 #include "drive.h"
 #include "semihosting.h"
@@ -22,8 +23,8 @@
 #define SAMPLES 8000u /* of one run: two swings forth and back */
 
 /* The reference: a sine of the motor velocity. */
-#define PEAK_VELOCITY 60.0f  /* [rad/s] */
-#define PULSATION 1.5707963f /* [rad/s] */
+#define PEAK_VELOCITY 60.0f          /* [rad/s] */
+#define ANGULAR_FREQUENCY 1.5707963f /* [rad/s] */
 
 #define INERTIA 0.0018f      /* on the motor side [kg m^2] */
 #define TORQUE_CONSTANT 0.02f /* [N m/A] */
@@ -54,10 +55,10 @@ void SysTick_Handler(void)
     if (r->finished) {
         return;
     }
-    const float phase = PULSATION * (float)r->sample / (float)LOOP_HZ;
-    const float theta_ref = PEAK_VELOCITY / PULSATION * (1.0f - cosf(phase));
+    const float phase = ANGULAR_FREQUENCY * (float)r->sample / (float)LOOP_HZ;
+    const float theta_ref = PEAK_VELOCITY / ANGULAR_FREQUENCY * (1.0f - cosf(phase));
     const float omega_ref = PEAK_VELOCITY * sinf(phase);
-    const float alpha_ref = PEAK_VELOCITY * PULSATION * cosf(phase);
+    const float alpha_ref = PEAK_VELOCITY * ANGULAR_FREQUENCY * cosf(phase);
 
     const int32_t encoder = drive_encoder(&r->plant);
     const float measured = (float)(encoder - r->encoder) * RAD_PER_COUNT * (float)LOOP_HZ;

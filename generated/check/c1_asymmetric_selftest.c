@@ -1,5 +1,5 @@
 /*
- * Generated: do not edit. Written beside c1_asymmetric.c (program 1fa57f1e).
+ * Generated: do not edit. Written beside c1_asymmetric.c (program bcc6bf91).
  * Self-test of c1_asymmetric.c: the bits that the emitted NumPy module gives, on any compiler and board.
  *
  *   cc -std=c99 -O2 -I.. c1_asymmetric_selftest.c ../c1_asymmetric.c -lm     single precision: -DECCENTRIC_REAL=float
@@ -16,7 +16,7 @@ typedef ECCENTRIC_REAL real;
 #include "c1_asymmetric_vectors.h"
 
 #ifndef SECTIONS
-#define SECTIONS 5u /* of 20000 generated samples each */
+#define SECTIONS 10u /* of 20000 generated samples each */
 #endif
 
 static c1_asymmetric_coefficients c;

@@ -1,5 +1,5 @@
 /*
- * Generated: do not edit. Written beside c1_perpendicular.c (program 9db3c2d0).
+ * Generated: do not edit. Written beside c1_perpendicular.c (program 1ab4f734).
  * Self-test of c1_perpendicular.c: the bits that the emitted NumPy module gives, on any compiler and board.
  *
  *   cc -std=c99 -O2 -I.. c1_perpendicular_selftest.c ../c1_perpendicular.c -lm     single precision: -DECCENTRIC_REAL=float
@@ -16,7 +16,7 @@ typedef ECCENTRIC_REAL real;
 #include "c1_perpendicular_vectors.h"
 
 #ifndef SECTIONS
-#define SECTIONS 5u /* of 20000 generated samples each */
+#define SECTIONS 10u /* of 20000 generated samples each */
 #endif
 
 static c1_perpendicular_coefficients c;

@@ -1,5 +1,5 @@
 /*
- * Generated: do not edit. Written beside c2_asymmetric.c (program 01e01f3d).
+ * Generated: do not edit. Written beside c2_asymmetric.c (program fc005e4d).
  * Self-test of c2_asymmetric.c: the bits that the emitted NumPy module gives, on any compiler and board.
  *
  *   cc -std=c99 -O2 -I.. c2_asymmetric_selftest.c ../c2_asymmetric.c -lm     single precision: -DECCENTRIC_REAL=float
@@ -16,7 +16,7 @@ typedef ECCENTRIC_REAL real;
 #include "c2_asymmetric_vectors.h"
 
 #ifndef SECTIONS
-#define SECTIONS 5u /* of 20000 generated samples each */
+#define SECTIONS 10u /* of 20000 generated samples each */
 #endif
 
 static c2_asymmetric_coefficients c;

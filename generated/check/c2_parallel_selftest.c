@@ -1,5 +1,5 @@
 /*
- * Generated: do not edit. Written beside c2_parallel.c (program 8b4b6cd2).
+ * Generated: do not edit. Written beside c2_parallel.c (program e6539969).
  * Self-test of c2_parallel.c: the bits that the emitted NumPy module gives, on any compiler and board.
  *
  *   cc -std=c99 -O2 -I.. c2_parallel_selftest.c ../c2_parallel.c -lm     single precision: -DECCENTRIC_REAL=float
@@ -16,7 +16,7 @@ typedef ECCENTRIC_REAL real;
 #include "c2_parallel_vectors.h"
 
 #ifndef SECTIONS
-#define SECTIONS 5u /* of 20000 generated samples each */
+#define SECTIONS 10u /* of 20000 generated samples each */
 #endif
 
 static c2_parallel_coefficients c;

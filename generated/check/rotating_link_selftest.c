@@ -1,5 +1,5 @@
 /*
- * Generated: do not edit. Written beside rotating_link.c (program aad3fa51).
+ * Generated: do not edit. Written beside rotating_link.c (program 5b6b7fe8).
  * Self-test of rotating_link.c: the bits that the emitted NumPy module gives, on any compiler and board.
  *
  *   cc -std=c99 -O2 -I.. rotating_link_selftest.c ../rotating_link.c -lm     single precision: -DECCENTRIC_REAL=float
@@ -16,7 +16,7 @@ typedef ECCENTRIC_REAL real;
 #include "rotating_link_vectors.h"
 
 #ifndef SECTIONS
-#define SECTIONS 5u /* of 20000 generated samples each */
+#define SECTIONS 10u /* of 20000 generated samples each */
 #endif
 
 static rotating_link_coefficients c;
