@@ -50,10 +50,10 @@ def with_routine(change: Callable[[Routine], Routine]) -> Program:
     return replace(program(), routines=(*others, change(last)))
 
 
-def negated(part: Part, field: str) -> Part:
-    """Return the part, the value of its first assignment negated."""
+def doubled(part: Part, field: str) -> Part:
+    """Return the part, the value of its first assignment doubled."""
     first, *rest = getattr(part, field)
-    return replace(part, **{field: (replace(first, value=-first.value), *rest)})
+    return replace(part, **{field: (replace(first, value=2 * first.value), *rest)})
 
 
 CHANGES = {
@@ -64,11 +64,11 @@ CHANGES = {
         "M", default=sp.Rational(1, 2) + sp.Rational(2) ** -53
     ),
     "unit": lambda: with_parameter("M", unit="g"),
-    "prepared value": lambda: negated(program(), "prepare"),
-    "operation of a routine": lambda: with_routine(lambda r: negated(r, "assignments")),
+    "prepared value": lambda: doubled(program(), "prepare"),
+    "operation of a routine": lambda: with_routine(lambda r: doubled(r, "assignments")),
     "order of routines": lambda: replace(program(), routines=program().routines[::-1]),
     "helper": lambda: replace(
-        program(), helpers=(negated(program().helpers[0], "assignments"), *program().helpers[1:])
+        program(), helpers=(doubled(program().helpers[0], "assignments"), *program().helpers[1:])
     ),
     "constants": lambda: replace(program(), constants=(("REGRESSOR", ("a",)), *program().constants[1:])),
     "promise": lambda: replace(program(), promises=("nothing",)),
