@@ -5,7 +5,7 @@ from __future__ import annotations
 import mpmath
 import sympy as sp
 
-from eccentric.emit.primitive import Rounded, exact
+from eccentric.emit.primitive import InSingle, Rounded, exact
 from eccentric.emit.program import Program
 from eccentric.emit.text import LEADING_BITS
 from eccentric.model.steps import Leading
@@ -26,10 +26,11 @@ def evaluate_prepare(program: Program, single: bool) -> dict[str, str]:
             "Rounded": lambda x: _round(x, _BITS[single]),
         }
         for a in program.prepare:
-            symbols = sorted(a.value.free_symbols, key=str)
+            value = a.value.replace(InSingle, lambda in_single, in_double: in_single if single else in_double)
+            symbols = sorted(value.free_symbols, key=str)
             function = sp.lambdify(
                 symbols,
-                exact(a.value).replace(Leading, _Leading).replace(Rounded, _Rounded),
+                exact(value).replace(Leading, _Leading).replace(Rounded, _Rounded),
                 modules=[rounding, "mpmath"],
             )
             values[a.target] = mpmath.mpf(function(*(values[s] for s in symbols)))
