@@ -400,31 +400,31 @@ def _choose(condition: Any, x: Any, y: Any) -> Any:
 class _Steps(NamedTuple):
     """A kernel as plain calls: a function of inputs, results, buffers and masks, and how many there are."""
 
-    run: Callable[[list[np.ndarray]], None]
+    run: Callable[..., Any]
     results: int
     buffers: int
     masks: int
-    spare: list[list[np.ndarray]]  # buffers and masks of the last short arrays, which nobody uses at present
+    spare: list[list[np.ndarray]]  # buffers and masks of short arrays that nobody uses at present
 
 
 @lru_cache(maxsize=256)
 def _steps(
     kernel: Callable[..., tuple[Any, ...]], inputs: int, parameters: Parameters | None, real: _Real
 ) -> _Steps:
-    bind, results, buffers, masks = _source(kernel, inputs, real)
+    steps = _unbound(kernel, inputs, real)
     with np.errstate(all="ignore"):
-        return _Steps(bind(_prepare(parameters, real).arrays), results, buffers, masks, [])
+        return steps._replace(run=steps.run(_prepare(parameters, real).arrays))
 
 
 _MASKS = (np.greater, np.less, np.less_equal, np.equal, np.logical_not)  # what gives true or false
 
 
 @cache
-def _source(kernel: Callable[..., tuple[Any, ...]], inputs: int, real: _Real) -> tuple[Any, int, int, int]:
-    """Record a kernel and write its steps out; a buffer is used again as soon as nobody reads it any more.
+def _unbound(kernel: Callable[..., tuple[Any, ...]], inputs: int, real: _Real) -> _Steps:
+    """Record a kernel and write its steps out as a function that takes the coefficients and gives `run`.
 
-    In a loop over the steps short arrays would take a quarter longer. What comes back takes the coefficients
-    and gives the steps as a function; beside it, how many results, buffers and masks that has.
+    A buffer is used again as soon as nobody reads it any more. A loop over the steps would take a quarter
+    longer on short arrays.
     """
     tape = _Tape(real)
     c = _Coefficients(*(_Value(tape, f"c_{name}") for name in _Coefficients._fields))
@@ -436,8 +436,7 @@ def _source(kernel: Callable[..., tuple[Any, ...]], inputs: int, real: _Real) ->
     free: dict[str, list[str]] = {"w": [], "m": []}  # buffers, masks
     made = {"w": 0, "m": 0}
     fixed = {f"c_{name}" for name in _Coefficients._fields} | {x.name for x in tape.numbers.values()}
-    ahead: list[str] = []  # what hangs on coefficients only is computed once
-    lines: list[str] = []
+    ahead, lines = list[str](), list[str]()  # what hangs on coefficients only is computed once
 
     def take(kind: str) -> str:
         if not free[kind]:
@@ -446,21 +445,22 @@ def _source(kernel: Callable[..., tuple[Any, ...]], inputs: int, real: _Real) ->
         return free[kind].pop()
 
     for k, ((operation, *names), value) in enumerate(tape.steps.items()):
-        if fixed.issuperset(names):
+        if fixed.issuperset(names) and operation is not np.copyto:
             fixed.add(value.name)
             ahead += [f"{value.name} = array({operation.__name__}({', '.join(names)}))"]
             continue
-        read = [place[name] if name in place else name for name in names]
+        read = [str(place.get(name, name)) for name in names]
         ending = {place[name] for name in names if name in place and last[name] == k}
-        target = f"y{results.index(value.name)}" if value.name in results else ""
+        # A result that lies where an input lies is written last, and by one step.
+        direct = value.name in results and (operation is not np.copyto or len(results) > 1)
+        target = f"y{results.index(value.name)}" if direct else ""
         if operation is np.copyto:  # into the last operand, or a copy of it where it is needed further on
             condition, x, y = read
             target = target or (y if y in ending and y != x else take("w"))
             lines += [f"positive({y}, {target})"] if target != y else []
             lines += [f"copyto({target}, {x}, where={condition})"]
-        for ended in ending - {target}:
-            if ended[0] in free:
-                free[ended[0]].append(ended)
+        for ended in sorted(ending - {target}):
+            free.get(ended[0], []).append(ended)
         if operation is not np.copyto:
             target = target or take("m" if operation in _MASKS else "w")
             named = "out=" if operation is np.minimum else ""  # which by position is deprecated, and slow
@@ -476,7 +476,7 @@ def _source(kernel: Callable[..., tuple[Any, ...]], inputs: int, real: _Real) ->
     known |= {value.name: np.array(x, real) for x, value in tape.numbers.items()}
     known |= {"positive": np.positive, "array": np.array}
     exec("\n    ".join(["def bind(c):", *used, *ahead, run, "return run"]), known)  # noqa: S102 - our own text
-    return known["bind"], len(results), made["w"], made["m"]
+    return _Steps(known["bind"], len(results), made["w"], made["m"], [])
 
 
 _BLOCK = 16384  # elements: few enough to stay in the cache, so many that a call costs little for each
