@@ -1,6 +1,6 @@
 /*
  * Generated: do not edit. Written by `make derive` from derivations/c1_perpendicular.py
- * (eccentric 0.1.0, program 1ab4f734).
+ * (eccentric 0.1.0, program 54afd081).
  * Case C1: gravity perpendicular to the motion plane, steady motion.
  */
 #ifndef C1_PERPENDICULAR_H
@@ -9,7 +9,7 @@
 #include <stddef.h>
 
 /* C1_PERPENDICULAR_PROGRAM names the derivation that header and source come from; the source checks it. */
-#define C1_PERPENDICULAR_PROGRAM 0x1ab4f734UL
+#define C1_PERPENDICULAR_PROGRAM 0x54afd081UL
 
 /* The working precision: double, or float by -DECCENTRIC_REAL=float. Files that differ in it do not link:
  * c1_perpendicular_prepare and c1_perpendicular_default carry it in their names. */

@@ -1,6 +1,6 @@
 /*
  * Generated: do not edit. Written by `make derive` from derivations/c2_asymmetric.py
- * (eccentric 0.1.0, program fc005e4d).
+ * (eccentric 0.1.0, program b92110f5).
  * Case C2 with friction that differs between the directions of motion.
  */
 #ifndef C2_ASYMMETRIC_H
@@ -9,7 +9,7 @@
 #include <stddef.h>
 
 /* C2_ASYMMETRIC_PROGRAM names the derivation that header and source come from; the source checks it. */
-#define C2_ASYMMETRIC_PROGRAM 0xfc005e4dUL
+#define C2_ASYMMETRIC_PROGRAM 0xb92110f5UL
 
 /* The working precision: double, or float by -DECCENTRIC_REAL=float. Files that differ in it do not link:
  * c2_asymmetric_prepare and c2_asymmetric_default carry it in their names. */
@@ -92,7 +92,7 @@ typedef struct {
     ECCENTRIC_REAL turns_per_rad; /**< mu/(2 pi) */
     ECCENTRIC_REAL period_1; /**< period, leading digits */
     ECCENTRIC_REAL period_2; /**< what the parts before it leave of the period, leading digits */
-    ECCENTRIC_REAL period_3; /**< what the parts before it leave of the period, leading digits */
+    ECCENTRIC_REAL period_3; /**< what the parts before it leave of the period, leading digits, in double all */
     ECCENTRIC_REAL period_4; /**< what the parts before it leave of the period, in the working precision */
     ECCENTRIC_REAL half_mu; /**< mu/2 */
     ECCENTRIC_REAL B_lN_pos_mu2_scale_N; /**< B_lN_pos mu^2 scale_N */

@@ -1,5 +1,5 @@
 # Generated: do not edit. Written by `make derive` from derivations/c2_asymmetric.py
-# (eccentric 0.1.0, program fc005e4d).
+# (eccentric 0.1.0, program b92110f5).
 # Case C2 with friction that differs between the directions of motion.
 """Case C2 with friction that differs between the directions of motion.
 
@@ -10,8 +10,7 @@ Without parameters the defaults of `Parameters` hold.
 from __future__ import annotations
 
 import math
-from collections import Counter
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from functools import cache, lru_cache
 from typing import Any, NamedTuple
@@ -278,7 +277,7 @@ class _Prepared(NamedTuple):
     """The coefficients as numbers, for a kernel on Python's own, and as arrays, for its steps."""
 
     numbers: _Coefficients
-    arrays: tuple[np.ndarray, ...]
+    arrays: _Coefficients
 
 
 @lru_cache(maxsize=64)
@@ -303,7 +302,11 @@ def _prepare(parameters: Parameters | None, real: _Real) -> _Prepared:
     period_1 = _leading(period, real)
     period_left = _over(_turn_left(period_1, p.mu), _exact(p.mu))
     period_2 = _leading(period_left.high, real)
-    period_3 = _leading(period_left.high - period_2, real)
+    period_3 = (
+        _leading(period_left.high - period_2, real)
+        if real is np.float32
+        else float(real(period_left.high - period_2 + period_left.low))
+    )
     period_4 = float(real(period_left.high - period_2 - period_3 + period_left.low))
     half_mu = 0.5 * p.mu
     B_lN_pos_mu2_scale_N = p.B_lN_pos * p.mu * p.mu * scale_N.high
@@ -396,15 +399,16 @@ def _prepare(parameters: Parameters | None, real: _Real) -> _Prepared:
             k_i_per_R=real(k_i_per_R),
             rounder=real(1.5 / np.finfo(real).eps),
         )
-    return _Prepared(_Coefficients(*map(float, c)), tuple(map(np.asarray, c)))
+    return _Prepared(_Coefficients(*map(float, c)), _Coefficients(*map(np.asarray, c)))
 
 
 class _Value(NDArrayOperatorsMixin):
-    """Stands for an array while a kernel is recorded; `place` is its number on the tape."""
+    """Stands for an array while a kernel is recorded, under the name that it has there."""
 
-    def __init__(self, tape: _Tape, place: int) -> None:
+    def __init__(self, tape: _Tape, name: str, *, computed: bool = False) -> None:
         self.tape = tape
-        self.place = place
+        self.name = name
+        self.computed = computed
 
     def __array_ufunc__(self, operation: Any, method: str, *operands: Any) -> _Value:
         return self.tape.step(operation, *operands)
@@ -415,37 +419,21 @@ class _Tape:
 
     def __init__(self, real: _Real) -> None:
         self.real = real
-        self.count = 0
         self.numbers: dict[float, _Value] = {}
         self.steps: dict[tuple[Any, ...], _Value] = {}
-        self.made: set[int] = set()
 
-    def value(self) -> _Value:
-        self.count += 1
-        return _Value(self, self.count - 1)
-
-    def computed(self, x: Any) -> bool:
-        return isinstance(x, _Value) and x.place in self.made
-
-    def place(self, x: Any) -> int:
+    def name(self, x: Any) -> str:
         if isinstance(x, _Value):
-            return x.place
-        if x not in self.numbers:
-            self.numbers[x] = self.value()
-        return self.numbers[x].place
+            return x.name
+        return self.numbers.setdefault(x, _Value(self, f"n{len(self.numbers)}")).name
 
     def step(self, operation: Any, *operands: Any) -> _Value:
-        key = (operation, *map(self.place, operands))
+        key = (operation, *map(self.name, operands))
         if operation is np.multiply and key[1] == key[2]:
             key = (np.square, key[1])  # the same bits, and less to read
         if key not in self.steps:
-            self.steps[key] = self.value()
-            self.made.add(self.steps[key].place)
+            self.steps[key] = _Value(self, f"v{len(self.steps)}", computed=True)
         return self.steps[key]
-
-
-def _put(condition: np.ndarray, x: np.ndarray, out: np.ndarray) -> None:
-    np.copyto(out, x, where=condition)
 
 
 def _sqrt(x: Any) -> Any:
@@ -464,87 +452,114 @@ def _forward(x: Any) -> Any:
     return np.heaviside(x, 0.0)
 
 
+def _at_most(x: Any, most: Any) -> Any:
+    if isinstance(x, float):
+        return most if x > most else x  # noqa: FURB136 - a call takes longer
+    return np.minimum(x, most)
+
+
+def _within(x: Any, most: Any) -> Any:
+    if isinstance(x, float):
+        return most if x > most else -most if x < -most else x  # noqa: FURB136 - a call takes longer
+    return x.tape.step(np.ndarray.clip, x, -most, most)
+
+
 def _choose(condition: Any, x: Any, y: Any) -> Any:
     if isinstance(condition, bool):
         return x if condition else y
-    tape = condition.tape
     # What is computed stays where it is; only the other is moved.
-    if tape.computed(x):
-        return tape.step(_put, np.logical_not(condition), y, x)
-    return tape.step(_put, condition, x, y)
+    if isinstance(x, _Value) and x.computed:
+        return condition.tape.step(np.copyto, np.logical_not(condition), y, x)
+    return condition.tape.step(np.copyto, condition, x, y)
 
 
-class _Plan(NamedTuple):
-    """A kernel as steps (operation, first, second or None, result) on numbered registers.
+class _Steps(NamedTuple):
+    """A kernel as plain calls: a function of inputs, results, buffers and masks, and how many there are."""
 
-    In order: coefficients, inputs, numbers, results, buffers; from the end: masks.
-    """
-
-    numbers: tuple[np.ndarray, ...]
+    run: Callable[..., Any]
     results: int
     buffers: int
     masks: int
-    steps: tuple[tuple[Callable[..., Any], int, int | None, int], ...]
+    spare: list[list[np.ndarray]]  # buffers and masks of short arrays that nobody uses at present
+
+
+@lru_cache(maxsize=256)
+def _steps(
+    kernel: Callable[..., tuple[Any, ...]], inputs: int, parameters: Parameters | None, real: _Real
+) -> _Steps:
+    steps = _unbound(kernel, inputs, real)
+    with np.errstate(all="ignore"):
+        return steps._replace(run=steps.run(_prepare(parameters, real).arrays))
 
 
 _MASKS = (np.greater, np.less, np.less_equal, np.equal, np.logical_not)  # what gives true or false
 
 
 @cache
-def _plan(kernel: Callable[..., tuple[Any, ...]], count: int, real: _Real) -> _Plan:
-    """Record a kernel of `count` inputs; a buffer is used again as soon as nobody reads it any more."""
+def _unbound(kernel: Callable[..., tuple[Any, ...]], inputs: int, real: _Real) -> _Steps:
+    """Record a kernel and write its steps out as a function that takes the coefficients and gives `run`.
+
+    A buffer is used again as soon as nobody reads it any more. A loop over the steps would take a quarter
+    longer on short arrays.
+    """
     tape = _Tape(real)
-    c = _Coefficients(*(tape.value() for _ in _Coefficients._fields))
-    inputs = [tape.value() for _ in range(count)]
-    register = {x: x for x in range(tape.count)}
-    results = [tape.place(x) for x in kernel(c, *inputs)]
-    register |= {number.place: len(register) + k for k, number in enumerate(tape.numbers.values())}
-    first = len(register)
-    uses = Counter([*results, *(x for _, *operands in tape.steps for x in operands)])
-    last = {x: k for k, (_, *operands) in enumerate(tape.steps) for x in operands}
+    c = _Coefficients(*(_Value(tape, f"c_{name}") for name in _Coefficients._fields))
+    given = [f"x{k}" for k in range(inputs)]
+    results = [tape.name(x) for x in kernel(c, *(_Value(tape, name) for name in given))]
+    last = {name: k for k, (_, *names) in enumerate(tape.steps) for name in names}
     last |= dict.fromkeys(results, len(tape.steps))
-    free: tuple[list[int], list[int]] = ([], [])  # buffers, masks
-    made = [0, 0]
-    steps: list[tuple[Callable[..., Any], int, int | None, int]] = []
+    place: dict[str, str] = {}  # of what is computed
+    free: dict[str, list[str]] = {"w": [], "m": []}  # buffers, masks
+    made = {"w": 0, "m": 0}
+    fixed = {f"c_{name}" for name in _Coefficients._fields} | {x.name for x in tape.numbers.values()}
+    ahead, lines = list[str](), list[str]()  # what hangs on coefficients only is computed once
 
-    def take(mask: bool) -> int:
-        if not free[mask]:
-            free[mask].append(-made[1] - 1 if mask else first + len(results) + made[0])
-            made[mask] += 1
-        return free[mask].pop()
+    def take(kind: str) -> str:
+        if not free[kind]:
+            free[kind].append(f"{kind}{made[kind]}")
+            made[kind] += 1
+        return free[kind].pop()
 
-    for k, ((operation, *operands), value) in enumerate(tape.steps.items()):
-        read = [register[x] for x in operands]
-        ending = {register[x] for x in operands if last[x] == k and not 0 <= register[x] < first}
-        target = None
-        if operation is _put:  # into y, the last operand; into a copy where y is needed further on
-            y = read.pop()
-            target = y if y in ending and y not in read else take(False)
-            steps += [] if target == y else [(np.positive, y, None, target)]
-        elif value.place in results and uses[value.place] == 1:
-            target = first + results.index(value.place)
-        for x in ending - {target}:
-            free[x < 0].append(x)
-        register[value.place] = take(operation in _MASKS) if target is None else target
-        steps.append((operation, read[0], read[1] if len(read) > 1 else None, register[value.place]))
-    for k, x in enumerate(results):
-        steps += [] if register[x] == first + k else [(np.positive, register[x], None, first + k)]
-    numbers = tuple(np.array(x, dtype=real) for x in tape.numbers)
-    return _Plan(numbers, len(results), made[0], made[1], tuple(steps))
-
-
-def _run(plan: _Plan, registers: list[np.ndarray]) -> None:
-    for operation, x, y, to in plan.steps:
-        if y is None:
-            operation(registers[x], registers[to])
-        else:
-            operation(registers[x], registers[y], registers[to])
+    for k, ((operation, *names), value) in enumerate(tape.steps.items()):
+        if fixed.issuperset(names) and operation is not np.copyto:
+            fixed.add(value.name)
+            ahead += [f"{value.name} = array({operation.__name__}({', '.join(names)}))"]
+            continue
+        read = [str(place.get(name, name)) for name in names]
+        ending = {place[name] for name in names if name in place and last[name] == k}
+        # A result that lies where an input lies is written last, and by one step.
+        direct = value.name in results and (operation is not np.copyto or len(results) > 1)
+        target = f"y{results.index(value.name)}" if direct else ""
+        if operation is np.copyto:  # into the last operand, or a copy of it where it is needed further on
+            condition, x, y = read
+            target = target or (y if y in ending and y != x else take("w"))
+            lines += [f"positive({y}, {target})"] if target != y else []
+            lines += [f"copyto({target}, {x}, where={condition})"]
+        for ended in sorted(ending - {target}):
+            free.get(ended[0], []).append(ended)
+        if operation is not np.copyto:
+            target = target or take("m" if operation in _MASKS else "w")
+            named = "out=" if operation is np.minimum else ""  # which by position is deprecated, and slow
+            lines += [f"{operation.__name__}({', '.join(read)}, {named}{target})"]
+        place[value.name] = target
+    ready = [place.get(name, name) for name in results]
+    lines += [f"positive({x}, y{k})" for k, x in enumerate(ready) if x != f"y{k}"]
+    taken = [*given, *(f"y{k}" for k in range(len(results)))]
+    taken += [f"{kind}{k}" for kind, count in made.items() for k in range(count)]
+    used = [f"{name} = c.{name[2:]}" for name in sorted(last) if name.startswith("c_")]
+    run = "\n        ".join(["def run(arrays):", f"{', '.join(taken)}, = arrays", *lines])
+    known: dict[str, Any] = {operation.__name__: operation for operation, *_ in tape.steps}
+    known |= {value.name: np.array(x, real) for x, value in tape.numbers.items()}
+    known |= {"positive": np.positive, "array": np.array}
+    exec("\n    ".join(["def bind(c):", *used, *ahead, run, "return run"]), known)  # noqa: S102 - our own text
+    return _Steps(known["bind"], len(results), made["w"], made["m"], [])
 
 
 _BLOCK = 16384  # elements: few enough to stay in the cache, so many that a call costs little for each
 _SMALL = 2048  # elements from which on blocks are worth their set-up
 _DEFAULT = Parameters()
 _NUMBERS = {float, int, np.float64}
+_DOUBLE = np.dtype(np.float64)
 # Numbers of Python's have no precision of their own: they leave a float32 beside them what it is.
 _KEPT = np.ndarray | np.generic | float | int
 
@@ -560,24 +575,35 @@ def _evaluate(
     if out is None and _NUMBERS.issuperset(map(type, inputs)):
         values = _at(kernel, parameters, inputs)
         return np.array(values) if width else np.float64(values[0])
-    inputs = tuple(x if isinstance(x, _KEPT) else np.asarray(x) for x in inputs)
-    real = np.float32 if inputs and np.result_type(*inputs) == np.float32 else np.float64
-    arrays = [np.asarray(x, dtype=real) for x in inputs]
-    shape = np.broadcast(*arrays).shape
+    arrays, real, shape = _broadcast(inputs)
     full = (*shape, width) if width else shape
-    result = np.empty(full, dtype=real) if out is None else out
-    if result.shape != full or result.dtype != real:
-        got = f"{result.shape} of {result.dtype}"
-        raise ValueError(f"out: required shape {full} of {real.__name__}, got {got}")
-    parts = [result[..., k] for k in range(width)] if width else [result[...]]
+    result = np.empty(full, real) if out is None else out
+    if out is not None:
+        if out.shape != full or out.dtype != real:
+            got = f"{out.shape} of {out.dtype}"
+            raise ValueError(f"out: required shape {full} of {real.__name__}, got {got}")
+        if out.size <= _SMALL:
+            arrays = [x.copy() if np.may_share_memory(x, out) else x for x in arrays]
+    parts = [result[..., k] for k in range(width)] if width else [result]
     if parts[0].size == 1 and real is np.float64:
         for part, value in zip(parts, _at(kernel, parameters, [x.item() for x in arrays]), strict=True):
             part[...] = value
     else:
-        if out is not None and parts[0].size <= _SMALL:
-            arrays = [x.copy() if np.may_share_memory(x, out) else x for x in arrays]
-        _fill(_plan(kernel, len(arrays), real), _prepare(parameters, real).arrays, arrays, parts)
-    return result[()] if out is None else out
+        _fill(_steps(kernel, len(arrays), parameters, real), arrays, parts)
+    return result if out is not None or full else result[()]
+
+
+def _broadcast(inputs: tuple[Any, ...]) -> tuple[Sequence[np.ndarray], _Real, tuple[int, ...]]:
+    """The inputs as arrays of one precision, that precision, and the shape that they have together."""
+    for x in inputs:  # mostly these are arrays of doubles already, and of one shape
+        if type(x) is not np.ndarray or x.dtype is not _DOUBLE or x.shape != inputs[0].shape:
+            break
+    else:
+        return inputs, np.float64, inputs[0].shape if inputs else ()
+    inputs = tuple(x if isinstance(x, _KEPT) else np.asarray(x) for x in inputs)
+    real = np.float32 if np.result_type(*inputs) == np.float32 else np.float64
+    arrays = [np.asarray(x, dtype=real) for x in inputs]
+    return arrays, real, np.broadcast(*arrays).shape
 
 
 def _at(kernel: Callable[..., tuple[Any, ...]], parameters: Parameters | None, inputs: Iterable[Any]) -> Any:
@@ -586,31 +612,37 @@ def _at(kernel: Callable[..., tuple[Any, ...]], parameters: Parameters | None, i
     try:
         return kernel(_prepare(parameters, np.float64).numbers, *values)
     except (ArithmeticError, ValueError):  # where NumPy has infinity or NaN, Python raises
-        plan, c = _plan(kernel, len(values), np.float64), _prepare(parameters, np.float64).arrays
-        out = [np.empty(1) for _ in range(plan.results)]
-        _fill(plan, c, [np.array([x]) for x in values], out)
-        return tuple(x.item() for x in out)
+        steps = _steps(kernel, len(values), parameters, np.float64)
+        out = np.empty((steps.results, 1))
+        _fill(steps, [np.array([x]) for x in values], list(out))
+        return tuple(out[:, 0].tolist())
 
 
 @np.errstate(all="ignore")
-def _fill(plan: _Plan, c: Iterable[np.ndarray], arrays: list[np.ndarray], parts: list[np.ndarray]) -> None:
+def _fill(steps: _Steps, arrays: Sequence[np.ndarray], parts: list[np.ndarray]) -> None:
     """Fill the parts, block by block if they are large; the buffers are made once."""
-    real, shape = parts[0].dtype, parts[0].shape or (1,)
-    if parts[0].size <= _SMALL:
-        to = [part.reshape(shape) for part in parts]
-        work = [*np.empty((plan.buffers, *shape), real), *np.empty((plan.masks, *shape), bool)]
-        _run(plan, [*c, *arrays, *plan.numbers, *to, *work])
+    shape, real, size = parts[0].shape or (1,), parts[0].dtype, parts[0].size
+    if size <= _SMALL:
+        to = [part.reshape(shape) for part in parts] if parts[0].ndim == 0 else parts
+        try:
+            work = steps.spare.pop()
+        except IndexError:
+            work = []
+        if not work or work[0].shape != shape:
+            work = [*np.empty((steps.buffers, *shape), real), *np.empty((steps.masks, *shape), bool)]
+        steps.run([*arrays, *to, *work])
+        steps.spare.append(work)
         return
     # One result is written last, element by element: it may lie where an input lies.
     overlap = ["overlap_assume_elementwise"] if len(parts) == 1 else []
     flags: Any = [["readonly", *overlap]] * len(arrays) + [["writeonly", *overlap]] * len(parts)
     mode: Any = ["external_loop", "buffered", "copy_if_overlap"]
-    room = min(_BLOCK, parts[0].size)
-    work = [*_aligned(plan.buffers, room, real), *np.empty((plan.masks, room), bool)]
+    room = min(_BLOCK, size)
+    work = [*_aligned(steps.buffers, room, real), *np.empty((steps.masks, room), bool)]
     with np.nditer([*arrays, *parts], mode, flags, buffersize=room) as blocks:
         for block in blocks:
-            size, given, to = len(block[0]), block[: len(arrays)], block[len(arrays) :]
-            _run(plan, [*c, *given, *plan.numbers, *to, *(buffer[:size] for buffer in work)])
+            length = len(block[0])
+            steps.run([*block, *(work if length == room else [buffer[:length] for buffer in work])])
 
 
 def _aligned(count: int, size: int, real: np.dtype[Any]) -> np.ndarray:
@@ -636,47 +668,50 @@ def _single(x: Any) -> bool:
 def _sine_ratio(half_angle: Any) -> Any:
     """sin(h)/h - 1 for |h| within a quarter turn, a minimax polynomial in h^2; error 6.3e-9 and 1.7e-17."""
     x = half_angle * half_angle
-    y = x * x
     if _single(x):
-        even = -1.98094749e-4 * y - 1.66666595e-1
-        odd = 2.60548113e-6 * y + 8.33306462e-3
+        y = 2.60548113e-6 * x - 1.98094749e-4
+        y = y * x + 8.33306462e-3
+        y = y * x - 1.66666595e-1
     else:
-        even = -7.6429749659503679e-13 * y - 2.5052106860746877e-8
-        even = even * y - 1.9841269841208492e-4
-        even = even * y - 1.6666666666666666e-1
-        odd = 2.7209972799826466e-15 * y + 1.6058939085095993e-10
-        odd = odd * y + 2.7557319211008999e-6
-        odd = odd * y + 8.3333333333331924e-3
-    return (odd * x + even) * x
+        y = 2.7209972799826466e-15 * x - 7.6429749659503679e-13
+        y = y * x + 1.6058939085095993e-10
+        y = y * x - 2.5052106860746877e-8
+        y = y * x + 2.7557319211008999e-6
+        y = y * x - 1.9841269841208492e-4
+        y = y * x + 8.3333333333331924e-3
+        y = y * x - 1.6666666666666666e-1
+    return y * x
 
 
 def _cosine(half_angle: Any) -> Any:
     """cos(h) for |h| within a quarter turn, a minimax polynomial in h^2; error 1.2e-9 and 1.3e-17."""
     x = half_angle * half_angle
-    y = x * x
     if _single(x):
-        even = -2.60742068e-7 * y - 1.38884006e-3
-        even = even * y - 4.99999995e-1
-        odd = 2.47617292e-5 * y + 4.16666405e-2
+        y = -2.60742068e-7 * x + 2.47617292e-5
+        y = y * x - 1.38884006e-3
+        y = y * x + 4.16666405e-2
+        y = y * x - 4.99999995e-1
     else:
-        even = -1.1463008250042011e-11 * y - 2.7557316503307265e-7
-        even = even * y - 1.3888888888784392e-3
-        even = even * y - 4.9999999999999982e-1
-        odd = 4.6099547638170315e-14 * y + 2.0876566590691354e-9
-        odd = odd * y + 2.4801587278920885e-5
-        odd = odd * y + 4.1666666666664337e-2
-    return (odd * x + even) * x + 1.0
+        y = 4.6099547638170315e-14 * x - 1.1463008250042011e-11
+        y = y * x + 2.0876566590691354e-9
+        y = y * x - 2.7557316503307265e-7
+        y = y * x + 2.4801587278920885e-5
+        y = y * x - 1.3888888888784392e-3
+        y = y * x + 4.1666666666664337e-2
+        y = y * x - 4.9999999999999982e-1
+    return y * x + 1.0
 
 
 def _from_top(c: _Coefficients, theta_m: Any) -> Any:
     """Motor angle from the nearest top of the link [rad]."""
     # whole turns of the link and a half, up to the top that is nearest
     turns = theta_m * c.turns_per_rad - 0.5 + c.rounder - c.rounder + 0.5
-    # the turns go off in four parts of few digits: all products but the last are exact
+    # the turns go off in parts of few digits: all products but the last are exact
     rest = theta_m - turns * c.period_1
-    reduced = rest - turns * c.period_2 - turns * c.period_3 - turns * c.period_4
-    # an angle so large that nothing is left of its phase counts as the top
-    return _choose(abs(reduced) <= c.period, reduced, theta_m - theta_m)
+    left = rest - turns * c.period_2 - turns * c.period_3
+    reduced = left - turns * c.period_4 if _single(left) else left
+    # the bound holds off an angle so large that nothing is left of its phase; of infinity it is NaN
+    return _within(reduced, c.period)
 
 
 def _chord(c: _Coefficients, from_top: Any) -> Any:
@@ -698,7 +733,7 @@ def _normal_force(
 ) -> tuple[Any, ...]:
     size = abs(omega_m)
     # magnitude of the motor velocity, at most 2^30, 0 if M L = 0 [rad/s]
-    speed = _choose(size > c.fastest, c.fastest, size)
+    speed = _at_most(size, c.fastest)
     # speed^2 - omega_star^2; the difference is taken once, before anything is rounded
     square_difference = (speed - c.omega_star_1 - c.omega_star_2) * (speed + c.omega_star_1)
     from_top = _from_top(c, theta_m)
@@ -731,7 +766,7 @@ def _friction_torque(
 ) -> tuple[Any, ...]:
     size = abs(omega_m)
     # magnitude of the motor velocity, at most 2^30, 0 if M L = 0 [rad/s]
-    speed = _choose(size > c.fastest, c.fastest, size)
+    speed = _at_most(size, c.fastest)
     # speed^2 - omega_star^2; the difference is taken once, before anything is rounded
     square_difference = (speed - c.omega_star_1 - c.omega_star_2) * (speed + c.omega_star_1)
     from_top = _from_top(c, theta_m)
@@ -776,7 +811,7 @@ def _mechanical_friction_torque(
 ) -> tuple[Any, ...]:
     size = abs(omega_m)
     # magnitude of the motor velocity, at most 2^30, 0 if M L = 0 [rad/s]
-    speed = _choose(size > c.fastest, c.fastest, size)
+    speed = _at_most(size, c.fastest)
     # speed^2 - omega_star^2; the difference is taken once, before anything is rounded
     square_difference = (speed - c.omega_star_1 - c.omega_star_2) * (speed + c.omega_star_1)
     from_top = _from_top(c, theta_m)
@@ -820,7 +855,7 @@ def _friction_torque_gradient(
 ) -> tuple[Any, ...]:
     size = abs(omega_m)
     # magnitude of the motor velocity, at most 2^30, 0 if M L = 0 [rad/s]
-    speed = _choose(size > c.fastest, c.fastest, size)
+    speed = _at_most(size, c.fastest)
     direction_of_motion = _sign(omega_m)
     # speed^2 - omega_star^2; the difference is taken once, before anything is rounded
     square_difference = (speed - c.omega_star_1 - c.omega_star_2) * (speed + c.omega_star_1)
@@ -831,7 +866,7 @@ def _friction_torque_gradient(
     load = _sqrt(square_difference * square_difference + q * q)
     half_sine = _half_sine(c, from_top)
     # 1 at the apex, where F_N is 0 and its derivatives are taken as 0
-    inverse = 1.0 / _choose(load == 0.0, 1.0, load)
+    inverse = _choose(load == 0.0, 1.0, 1.0 / load)
     part_1 = c.mu_omega_star * speed * (q * inverse)
     load_d_theta_m = part_1 * half_sine
     part_3 = c.mu_omega_star * (q * inverse) * chord
@@ -873,7 +908,7 @@ def _friction_torque_with_gradient(
 ) -> tuple[Any, ...]:
     size = abs(omega_m)
     # magnitude of the motor velocity, at most 2^30, 0 if M L = 0 [rad/s]
-    speed = _choose(size > c.fastest, c.fastest, size)
+    speed = _at_most(size, c.fastest)
     direction_of_motion = _sign(omega_m)
     # speed^2 - omega_star^2; the difference is taken once, before anything is rounded
     square_difference = (speed - c.omega_star_1 - c.omega_star_2) * (speed + c.omega_star_1)
@@ -884,7 +919,7 @@ def _friction_torque_with_gradient(
     load = _sqrt(square_difference * square_difference + q * q)
     half_sine = _half_sine(c, from_top)
     # 1 at the apex, where F_N is 0 and its derivatives are taken as 0
-    inverse = 1.0 / _choose(load == 0.0, 1.0, load)
+    inverse = _choose(load == 0.0, 1.0, 1.0 / load)
     part_1 = c.mu_omega_star * speed * (q * inverse)
     load_d_theta_m = part_1 * half_sine
     part_3 = c.mu_omega_star * (q * inverse) * chord
@@ -932,7 +967,7 @@ def _friction_torque_jacobian(
 ) -> tuple[Any, ...]:
     size = abs(omega_m)
     # magnitude of the motor velocity, at most 2^30, 0 if M L = 0 [rad/s]
-    speed = _choose(size > c.fastest, c.fastest, size)
+    speed = _at_most(size, c.fastest)
     # speed^2 - omega_star^2; the difference is taken once, before anything is rounded
     square_difference = (speed - c.omega_star_1 - c.omega_star_2) * (speed + c.omega_star_1)
     from_top = _from_top(c, theta_m)
@@ -989,7 +1024,7 @@ def _regressor(
 ) -> tuple[Any, ...]:
     size = abs(omega_m)
     # magnitude of the motor velocity, at most 2^30, 0 if M L = 0 [rad/s]
-    speed = _choose(size > c.fastest, c.fastest, size)
+    speed = _at_most(size, c.fastest)
     # speed^2 - omega_star^2; the difference is taken once, before anything is rounded
     square_difference = (speed - c.omega_star_1 - c.omega_star_2) * (speed + c.omega_star_1)
     from_top = _from_top(c, theta_m)
@@ -1124,7 +1159,7 @@ def _voltage(
 ) -> tuple[Any, ...]:
     size = abs(omega_m)
     # magnitude of the motor velocity, at most 2^30, 0 if M L = 0 [rad/s]
-    speed = _choose(size > c.fastest, c.fastest, size)
+    speed = _at_most(size, c.fastest)
     # speed^2 - omega_star^2; the difference is taken once, before anything is rounded
     square_difference = (speed - c.omega_star_1 - c.omega_star_2) * (speed + c.omega_star_1)
     from_top = _from_top(c, theta_m)
@@ -1175,7 +1210,7 @@ def _current(
 ) -> tuple[Any, ...]:
     size = abs(omega_m)
     # magnitude of the motor velocity, at most 2^30, 0 if M L = 0 [rad/s]
-    speed = _choose(size > c.fastest, c.fastest, size)
+    speed = _at_most(size, c.fastest)
     # speed^2 - omega_star^2; the difference is taken once, before anything is rounded
     square_difference = (speed - c.omega_star_1 - c.omega_star_2) * (speed + c.omega_star_1)
     from_top = _from_top(c, theta_m)
@@ -1225,7 +1260,7 @@ def _mechanical_residual(
 ) -> tuple[Any, ...]:
     size = abs(omega_m)
     # magnitude of the motor velocity, at most 2^30, 0 if M L = 0 [rad/s]
-    speed = _choose(size > c.fastest, c.fastest, size)
+    speed = _at_most(size, c.fastest)
     # speed^2 - omega_star^2; the difference is taken once, before anything is rounded
     square_difference = (speed - c.omega_star_1 - c.omega_star_2) * (speed + c.omega_star_1)
     from_top = _from_top(c, theta_m)

@@ -1,6 +1,6 @@
 /*
  * Generated: do not edit. Written by `make derive` from derivations/c2_parallel.py
- * (eccentric 0.1.0, program e6539969).
+ * (eccentric 0.1.0, program 681ac32e).
  * Case C2: gravity parallel to the motion plane, steady motion.
  */
 #include "c2_parallel.h"
@@ -8,7 +8,7 @@
 #include <float.h>
 #include <math.h>
 
-#if C2_PARALLEL_PROGRAM != 0xe6539969UL
+#if C2_PARALLEL_PROGRAM != 0x681ac32eUL
 #error "c2_parallel.c and c2_parallel.h are of different derivations: write both again"
 #endif
 
@@ -60,23 +60,22 @@ REAL_INLINE real c2_parallel_sine_ratio(const real h)
     return (h == REAL(0.0)) ? REAL(0.0) : (REAL_SIN(h) / h - REAL(1.0));
 #else
     const real x = h * h;
-    const real y = x * x;
 #if ECCENTRIC_PRECISION == 1
-    real even = REAL(-1.98094749e-4);
-    even = even * y + REAL(-1.66666595e-1);
-    real odd = REAL(2.60548113e-6);
-    odd = odd * y + REAL(8.33306462e-3);
-    return (odd * x + even) * x;
+    real y = REAL(2.60548113e-6);
+    y = y * x + REAL(-1.98094749e-4);
+    y = y * x + REAL(8.33306462e-3);
+    y = y * x + REAL(-1.66666595e-1);
+    return y * x;
 #else
-    real even = REAL(-7.6429749659503679e-13);
-    even = even * y + REAL(-2.5052106860746877e-8);
-    even = even * y + REAL(-1.9841269841208492e-4);
-    even = even * y + REAL(-1.6666666666666666e-1);
-    real odd = REAL(2.7209972799826466e-15);
-    odd = odd * y + REAL(1.6058939085095993e-10);
-    odd = odd * y + REAL(2.7557319211008999e-6);
-    odd = odd * y + REAL(8.3333333333331924e-3);
-    return (odd * x + even) * x;
+    real y = REAL(2.7209972799826466e-15);
+    y = y * x + REAL(-7.6429749659503679e-13);
+    y = y * x + REAL(1.6058939085095993e-10);
+    y = y * x + REAL(-2.5052106860746877e-8);
+    y = y * x + REAL(2.7557319211008999e-6);
+    y = y * x + REAL(-1.9841269841208492e-4);
+    y = y * x + REAL(8.3333333333331924e-3);
+    y = y * x + REAL(-1.6666666666666666e-1);
+    return y * x;
 #endif
 #endif
 }
@@ -88,24 +87,23 @@ REAL_INLINE real c2_parallel_cosine(const real h)
     return REAL_COS(h);
 #else
     const real x = h * h;
-    const real y = x * x;
 #if ECCENTRIC_PRECISION == 1
-    real even = REAL(-2.60742068e-7);
-    even = even * y + REAL(-1.38884006e-3);
-    even = even * y + REAL(-4.99999995e-1);
-    real odd = REAL(2.47617292e-5);
-    odd = odd * y + REAL(4.16666405e-2);
-    return (odd * x + even) * x + REAL(1.0);
+    real y = REAL(-2.60742068e-7);
+    y = y * x + REAL(2.47617292e-5);
+    y = y * x + REAL(-1.38884006e-3);
+    y = y * x + REAL(4.16666405e-2);
+    y = y * x + REAL(-4.99999995e-1);
+    return y * x + REAL(1.0);
 #else
-    real even = REAL(-1.1463008250042011e-11);
-    even = even * y + REAL(-2.7557316503307265e-7);
-    even = even * y + REAL(-1.3888888888784392e-3);
-    even = even * y + REAL(-4.9999999999999982e-1);
-    real odd = REAL(4.6099547638170315e-14);
-    odd = odd * y + REAL(2.0876566590691354e-9);
-    odd = odd * y + REAL(2.4801587278920885e-5);
-    odd = odd * y + REAL(4.1666666666664337e-2);
-    return (odd * x + even) * x + REAL(1.0);
+    real y = REAL(4.6099547638170315e-14);
+    y = y * x + REAL(-1.1463008250042011e-11);
+    y = y * x + REAL(2.0876566590691354e-9);
+    y = y * x + REAL(-2.7557316503307265e-7);
+    y = y * x + REAL(2.4801587278920885e-5);
+    y = y * x + REAL(-1.3888888888784392e-3);
+    y = y * x + REAL(4.1666666666664337e-2);
+    y = y * x + REAL(-4.9999999999999982e-1);
+    return y * x + REAL(1.0);
 #endif
 #endif
 }
@@ -122,11 +120,12 @@ REAL_INLINE real c2_parallel_from_top(real theta_m, const c2_parallel_coefficien
 {
     /* whole turns of the link and a half, up to the top that is nearest */
     const real turns = theta_m * c->turns_per_rad - REAL(0.5) + REAL_ROUNDER - REAL_ROUNDER + REAL(0.5);
-    /* the turns go off in four parts of few digits: all products but the last are exact */
+    /* the turns go off in parts of few digits: all products but the last are exact */
     const real rest = theta_m - turns * c->period_1;
-    const real reduced = rest - turns * c->period_2 - turns * c->period_3 - turns * c->period_4;
-    /* an angle so large that nothing is left of its phase counts as the top */
-    return ((REAL_FABS(reduced) <= c->period) ? reduced : theta_m - theta_m);
+    const real left = rest - turns * c->period_2 - turns * c->period_3;
+    const real reduced = (ECCENTRIC_PRECISION == 1) ? (left - turns * c->period_4) : left;
+    /* the bound holds off an angle so large that nothing is left of its phase; of infinity it is NaN */
+    return ((reduced > c->period) ? c->period : ((reduced < -c->period) ? -c->period : reduced));
 }
 
 /* 2 sin(half the link angle from the top)/mu. */
@@ -288,8 +287,8 @@ const c2_parallel_coefficients c2_parallel_default = {
     0.031830988618379067, /* turns_per_rad */
     31.415926534682512, /* period_1 */
     1.2154201013692134e-9, /* period_2 */
-    -6.7974892274327114e-20, /* period_3 */
-    1.69568553207378e-30, /* period_4 */
+    -6.7974892272631429e-20, /* period_3 */
+    5.1253803812197871e-37, /* period_4 */
     0.1, /* half_mu */
     8.0e-7, /* B_lN_mu2_scale_N */
     0.0044, /* B_m_plus_k_e_k_i_per_R */
@@ -338,7 +337,8 @@ void c2_parallel_prepare(const c2_parallel_parameters *p, c2_parallel_coefficien
     const c2_parallel_pair period_left = c2_parallel_over(c2_parallel_turn_left(period_1, p->mu),
         c2_parallel_exact(p->mu));
     const double period_2 = c2_parallel_leading(period_left.high);
-    const double period_3 = c2_parallel_leading(period_left.high - period_2);
+    const double period_3 = (ECCENTRIC_PRECISION == 1) ? c2_parallel_leading(period_left.high - period_2) :
+        (double)(real)(period_left.high - period_2 + period_left.low);
     const double period_4 = (double)(real)(period_left.high - period_2 - period_3 + period_left.low);
     const double half_mu = 0.5 * p->mu;
     const double B_lN_mu2_scale_N = p->B_lN * p->mu * p->mu * scale_N.high;
@@ -569,7 +569,7 @@ REAL_INLINE void c2_parallel_friction_torque_gradient_at(
     /* normal force over scale_N [rad^2/s^2] */
     const real load = REAL_SQRT(square_difference * square_difference + q * q);
     /* 1 at the apex, where F_N is 0 and its derivatives are taken as 0 */
-    const real inverse = REAL(1.0) / ((load == REAL(0.0)) ? REAL(1.0) : load);
+    const real inverse = ((load == REAL(0.0)) ? REAL(1.0) : REAL(1.0) / load);
     const real part_1 = c->mu_omega_star * speed * (q * inverse);
     const real load_d_theta_m = part_1 * half_sine;
     const real part_3 = c->mu_omega_star * (q * inverse) * chord;
@@ -637,7 +637,7 @@ REAL_INLINE void c2_parallel_friction_torque_with_gradient_at(
     /* normal force over scale_N [rad^2/s^2] */
     const real load = REAL_SQRT(square_difference * square_difference + q * q);
     /* 1 at the apex, where F_N is 0 and its derivatives are taken as 0 */
-    const real inverse = REAL(1.0) / ((load == REAL(0.0)) ? REAL(1.0) : load);
+    const real inverse = ((load == REAL(0.0)) ? REAL(1.0) : REAL(1.0) / load);
     const real part_1 = c->mu_omega_star * speed * (q * inverse);
     const real load_d_theta_m = part_1 * half_sine;
     const real part_3 = c->mu_omega_star * (q * inverse) * chord;

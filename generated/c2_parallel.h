@@ -1,6 +1,6 @@
 /*
  * Generated: do not edit. Written by `make derive` from derivations/c2_parallel.py
- * (eccentric 0.1.0, program e6539969).
+ * (eccentric 0.1.0, program 681ac32e).
  * Case C2: gravity parallel to the motion plane, steady motion.
  */
 #ifndef C2_PARALLEL_H
@@ -9,7 +9,7 @@
 #include <stddef.h>
 
 /* C2_PARALLEL_PROGRAM names the derivation that header and source come from; the source checks it. */
-#define C2_PARALLEL_PROGRAM 0xe6539969UL
+#define C2_PARALLEL_PROGRAM 0x681ac32eUL
 
 /* The working precision: double, or float by -DECCENTRIC_REAL=float. Files that differ in it do not link:
  * c2_parallel_prepare and c2_parallel_default carry it in their names. */
@@ -83,7 +83,7 @@ typedef struct {
     ECCENTRIC_REAL turns_per_rad; /**< mu/(2 pi) */
     ECCENTRIC_REAL period_1; /**< period, leading digits */
     ECCENTRIC_REAL period_2; /**< what the parts before it leave of the period, leading digits */
-    ECCENTRIC_REAL period_3; /**< what the parts before it leave of the period, leading digits */
+    ECCENTRIC_REAL period_3; /**< what the parts before it leave of the period, leading digits, in double all */
     ECCENTRIC_REAL period_4; /**< what the parts before it leave of the period, in the working precision */
     ECCENTRIC_REAL half_mu; /**< mu/2 */
     ECCENTRIC_REAL B_lN_mu2_scale_N; /**< B_lN mu^2 scale_N */

@@ -1,6 +1,6 @@
 /*
  * Generated: do not edit. Written by `make derive` from derivations/rotating_link.py
- * (eccentric 0.1.0, program 5b6b7fe8).
+ * (eccentric 0.1.0, program ab2105c8).
  * Rotating link with an unbalanced mass, plane tilted by phi, angular acceleration kept.
  */
 #ifndef ROTATING_LINK_H
@@ -9,7 +9,7 @@
 #include <stddef.h>
 
 /* ROTATING_LINK_PROGRAM names the derivation that header and source come from; the source checks it. */
-#define ROTATING_LINK_PROGRAM 0x5b6b7fe8UL
+#define ROTATING_LINK_PROGRAM 0xab2105c8UL
 
 /* The working precision: double, or float by -DECCENTRIC_REAL=float. Files that differ in it do not link:
  * rotating_link_prepare and rotating_link_default carry it in their names. */
@@ -85,7 +85,7 @@ typedef struct {
     ECCENTRIC_REAL turns_per_rad; /**< mu/(2 pi) */
     ECCENTRIC_REAL period_1; /**< period, leading digits */
     ECCENTRIC_REAL period_2; /**< what the parts before it leave of the period, leading digits */
-    ECCENTRIC_REAL period_3; /**< what the parts before it leave of the period, leading digits */
+    ECCENTRIC_REAL period_3; /**< what the parts before it leave of the period, leading digits, in double all */
     ECCENTRIC_REAL period_4; /**< what the parts before it leave of the period, in the working precision */
     ECCENTRIC_REAL half_mu; /**< mu/2 */
     ECCENTRIC_REAL omega_star_1; /**< omega_star, in the working precision */

@@ -13,7 +13,7 @@ from eccentric.emit.accuracy import promises
 from eccentric.emit.functions import Function, closure, functions
 from eccentric.emit.half_turn import HalfTurns
 from eccentric.emit.lower import Lowering
-from eccentric.emit.primitive import Rounded, TurnLeft, exact
+from eccentric.emit.primitive import InSingle, Rounded, TurnLeft, exact
 from eccentric.emit.program import Assignment, Helper, Input, Program, Routine, differentiate, needed
 from eccentric.emit.shift import written_out
 from eccentric.emit.shorten import shortened, without_copies
@@ -278,6 +278,8 @@ def _notes(model: Model, shared: _Prepare) -> tuple[tuple[str, str], ...]:
 
 def _formula(value: sp.Expr, values: dict[sp.Symbol, sp.Expr]) -> str:
     """The formula of a coefficient as a person writes it."""
+    if isinstance(value, InSingle):
+        return f"{_formula(value.args[0], values)}, in double all"
     if isinstance(value, Leading | Rounded):
         kind = "leading digits" if isinstance(value, Leading) else "in the working precision"
         if any(values[s].has(TurnLeft) for s in value.free_symbols if s in values):

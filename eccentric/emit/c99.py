@@ -29,6 +29,9 @@ _REAL = {
     "forward": "MODEL_forward({0})",
     "backward": "MODEL_forward(-({0}))",
     "exp": "REAL_EXP({0})",
+    "at_most": "(({0} > {1}) ? {1} : {0})",
+    "within": "(({0} > {1}) ? {1} : (({0} < -{1}) ? -{1} : {0}))",
+    "in_single": "(ECCENTRIC_PRECISION == 1) ? ({0}) : {1}",
     "sine_ratio": "MODEL_sine_ratio({0})",
     "cosine": "MODEL_cosine({0})",
 }
@@ -40,6 +43,7 @@ _DOUBLE = {
     "exp": "exp({0})",
     "rounded": "(double)(real)({0})",
     "leading": "MODEL_leading({0})",
+    "in_single": "(ECCENTRIC_PRECISION == 1) ? {0} : {1}",
 }
 # Written so that NaN goes in and NaN comes out.
 _HELPERS = {
@@ -201,10 +205,9 @@ def _valid(program: Program) -> str:
 
 def _series(name: str) -> dict[str, Any]:
     def horner(single: bool) -> list[str]:
-        lines = []
-        for part, (first, *rest) in zip(("even", "odd"), polynomial(name, single).halves(), strict=True):
-            lines += [f"real {part} = REAL({first});", *(f"{part} = {part} * y + REAL({c});" for c in rest)]
-        return [*lines, f"return (odd * x + even) * x{' + REAL(1.0)' if name == 'cosine' else ''};"]
+        first, *rest = polynomial(name, single).coefficients
+        lines = [f"real y = REAL({first});", *(f"y = y * x + REAL({c});" for c in rest)]
+        return [*lines, f"return y * x{' + REAL(1.0)' if name == 'cosine' else ''};"]
 
     single, double = polynomial(name, True), polynomial(name, False)
     function, libm = {

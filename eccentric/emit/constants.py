@@ -8,7 +8,7 @@ import mpmath
 import sympy as sp
 
 from eccentric.emit.expression import UnprintableError
-from eccentric.emit.primitive import Low, Minus, Plus, Rounded, TurnLeft
+from eccentric.emit.primitive import InSingle, Low, Minus, Plus, Rounded, TurnLeft
 from eccentric.emit.program import Program
 from eccentric.emit.text import LEADING_BITS
 from eccentric.model.steps import Leading
@@ -65,6 +65,8 @@ def _value(e: sp.Expr, values: Mapping[sp.Symbol, mpmath.mpf], single: bool) -> 
         return next(_value(x, values, single) for x, condition in e.args if _holds(condition, values, single))
     if isinstance(e, Low):  # what is evaluated here is not rounded
         return mpmath.mpf(0)
+    if isinstance(e, InSingle):
+        return _value(e.args[0 if single else 1], values, single)
     arguments = [_value(a, values, single) for a in e.args]
     if isinstance(e, Leading):
         return _round(arguments[0], LEADING_BITS["single" if single else "double"])

@@ -98,6 +98,11 @@ def _print(e: sp.Expr, language: Language) -> tuple[str, int]:
     if isinstance(e, primitive.Pick):
         a, relation, b, x, y = e.args
         return language.pick(at(_SUM, a), relation.name, at(_SUM, b), plain(x), plain(y)), _ATOM
+    if isinstance(e, primitive.InSingle):
+        return language.call("in_single", [at(_SUM, part) for part in e.args]), _CHOICE
+    if isinstance(e, primitive.AtMost | primitive.Within):
+        name = "at_most" if isinstance(e, primitive.AtMost) else "within"
+        return language.call(name, [at(_ATOM, part) for part in e.args]), _ATOM
     if type(e) in _CALLS:
         try:
             return language.call(_CALLS[type(e)], [plain(e.args[0])]), _ATOM

@@ -1,15 +1,16 @@
 """The angle of the link, counted from the top: functions of the emitted code's own that all routines share.
 
-theta_m less the nearest k + 1/2 periods 2 pi/mu is the motor angle from the top. The period is held in four
-parts; k + 1/2 times each of the first three is exact, and so is what they leave of theta_m near the top. The
-fourth makes the angle right to its own last place, wherever the top is. Where the angle is shifted by a
-parameter, so is the top; `eccentric.emit.shift` holds the shift in four parts, too.
+theta_m less the nearest k + 1/2 periods 2 pi/mu is the motor angle from the top. The period is held in parts,
+four in single precision, three in double; k + 1/2 times each but the last is exact, and so is what they leave
+of theta_m near the top. The last makes the angle right to its own last place, wherever the top is. In double
+it takes no fourth: what the third is rounded by is 2^-119 of the period, and up to 1e4 rad no number comes so
+near to a top that this would show. Where the angle is shifted by a parameter, so is the top;
+`eccentric.emit.shift` holds the shift in parts, too.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import reduce
 
 import sympy as sp
 
@@ -18,16 +19,15 @@ from eccentric.emit.primitive import (
     HALF,
     ROUNDER,
     SINE_RATIO,
-    WITHIN,
     Call,
+    InSingle,
     Low,
     Minus,
-    Pick,
     Plus,
     Rounded,
-    Size,
     Times,
     TurnLeft,
+    Within,
 )
 from eccentric.emit.program import Assignment, Helper
 from eccentric.emit.shift import Prepare, parts
@@ -66,26 +66,27 @@ class HalfTurns:
     def _make(self, mu: sp.Expr, shift: sp.Expr, names: Names) -> None:
         period = self._prepare("period", 2 * sp.pi / mu)
         per_rad = self._prepare("turns_per_rad", mu / (2 * sp.pi))
-        turns, rest, reduced = sp.symbols("turns rest reduced", real=True)
+        turns, rest, reduced, left = sp.symbols("turns rest reduced left", real=True)
         true = Plus(_THETA, shift) if shift else _THETA
         nearest = Plus(Minus(Plus(Minus(Times(true, per_rad), HALF), ROUNDER), ROUNDER), HALF)
         first, *others = (Times(turns, part) for part in self._period_parts(period, mu))
         shift = shift if shift.is_Atom else self._prepare("shift", shift)
         shifts = parts(shift, first.args[1], self._prepare) if shift else [shift] * 4
         first = Minus(first, shifts[0]) if shift else first
+        second, third, fourth = zip(others, shifts[1:], strict=True)
         angle = (
             Assignment(turns, nearest, "whole turns of the link and a half, up to the top that is nearest"),
             Assignment(
                 rest,
                 Minus(_THETA, first),
-                "the turns go off in four parts of few digits: all products but the last are exact",
+                "the turns go off in parts of few digits: all products but the last are exact",
             ),
-            Assignment(reduced, reduce(_reduced, zip(others, shifts[1:], strict=True), rest)),
-            # Infinity and NaN give NaN.
+            Assignment(left, _reduced(_reduced(rest, second), third)),
+            Assignment(reduced, InSingle(_reduced(left, fourth), left)),
             Assignment(
                 _FROM_TOP,
-                Pick(Size(reduced), WITHIN, period, reduced, Minus(_THETA, _THETA)),
-                "an angle so large that nothing is left of its phase counts as the top",
+                Within(reduced, period),
+                "the bound holds off an angle so large that nothing is left of its phase; of infinity it is NaN",
             ),
         )
         half, chord, half_sine = sp.symbols("half_angle chord half_sine", real=True)
@@ -106,9 +107,9 @@ class HalfTurns:
         first = self._prepare("period_1", Leading(period))
         left = self._prepare("period_left", TurnLeft(first, mu) / mu)
         second = self._prepare("period_2", Leading(left))
-        third = self._prepare("period_3", Leading(Minus(left, second)))
-        last = Plus(Minus(Minus(left, second), third), Low(left))
-        return [first, second, third, self._prepare("period_4", Rounded(last))]
+        rest, low = Minus(left, second), Low(left)
+        third = self._prepare("period_3", InSingle(Leading(rest), Rounded(Plus(rest, low))))
+        return [first, second, third, self._prepare("period_4", Rounded(Plus(Minus(rest, third), low)))]
 
 
 def _reduced(left: sp.Expr, part: tuple[sp.Expr, sp.Expr]) -> sp.Expr:

@@ -13,9 +13,10 @@ import sympy as sp
 from eccentric.emit.half_turn import HalfTurns
 from eccentric.emit.primitive import (
     ABOVE,
+    AT_MOST,
     BELOW,
     EQUAL,
-    WITHIN,
+    AtMost,
     Call,
     Low,
     Minus,
@@ -63,7 +64,7 @@ class Lowering:
             steps.ByDirection: lambda x, a, b: Pick(x, ABOVE, sp.Integer(0), a, b),
             sp.Abs: Size,
             sp.Max: lambda *all_of: reduce(lambda a, b: self._either(a, ABOVE, b), all_of),
-            sp.Min: lambda *all_of: reduce(lambda a, b: self._either(a, WITHIN, b), all_of),
+            sp.Min: lambda *all_of: reduce(lambda a, b: self._either(a, AT_MOST, b), all_of),
         }
 
     def __call__(self, expression: sp.Expr) -> sp.Expr:
@@ -134,13 +135,14 @@ class Lowering:
 
     def _inverse(self, p: sp.Expr, q: sp.Expr) -> sp.Expr:
         magnitude = self._magnitude(p, q)
-        nowhere_zero = Pick(magnitude, EQUAL, sp.Integer(0), sp.Integer(1), magnitude)
-        return self.named("inverse", Over(sp.Integer(1), nowhere_zero))
+        one = sp.Integer(1)
+        return self.named("inverse", Pick(magnitude, EQUAL, sp.Integer(0), one, Over(one, magnitude)))
 
     def _bounded(self, x: sp.Expr, b: sp.Expr) -> sp.Expr:
         size = x if x.is_Atom else self.named("size", x)
-        below = size if isinstance(x, Size) else Pick(size, BELOW, -b, -b, size)
-        return Pick(size, ABOVE, b, b, below)
+        if isinstance(x, Size):
+            return AtMost(size, b)
+        return Pick(size, ABOVE, b, b, Pick(size, BELOW, -b, -b, size))
 
     def _gated(self, a: sp.Expr, b: sp.Expr) -> sp.Expr:
         b = self.named("gate", b) if not b.is_Atom else b

@@ -10,7 +10,7 @@ import sympy as sp
 
 from eccentric.emit.expression import Language, printed
 from eccentric.emit.pairs import pair_functions, pair_text, paired
-from eccentric.emit.primitive import Pick, Root
+from eccentric.emit.primitive import AtMost, Pick, Root, Within
 from eccentric.emit.program import Assignment, Helper, Input, Program, Routine
 from eccentric.emit.series import polynomial
 from eccentric.emit.text import assigned, default_text, domain, number, rounds, splitting, used_series
@@ -24,6 +24,9 @@ _NUMPY = {
     "forward": "_forward({0})",
     "backward": "_forward(-({0}))",
     "exp": "_exp({0})",
+    "at_most": "_at_most({0}, {1})",
+    "within": "_within({0}, {1})",
+    "in_single": "{0} if _single({1}) else {1}",
     "sine_ratio": "_sine_ratio({0})",
     "cosine": "_cosine({0})",
 }
@@ -35,6 +38,7 @@ _MATH = {
     "exp": "math.exp({0})",
     "rounded": "float(real({0}))",
     "leading": "_leading({0}, real)",
+    "in_single": "{0} if real is np.float32 else {1}",
 }
 
 
@@ -157,20 +161,16 @@ def _tuple(items: list[str], indent: str = "") -> str:
 
 
 def _series(name: str) -> dict[str, Any]:
-    def horner(halves: tuple[tuple[str, ...], ...]) -> list[str]:
-        lines = []
-        for part, (first, second, *rest) in zip(("even", "odd"), halves, strict=True):
-            lines += [f"{part} = {first} * y {_signed(second)}"]
-            lines += [f"{part} = {part} * y {_signed(coefficient)}" for coefficient in rest]
-        return lines
+    def horner(first: str, second: str, *rest: str) -> list[str]:
+        return [f"y = {first} * x {_signed(second)}", *(f"y = y * x {_signed(c)}" for c in rest)]
 
     single, double = polynomial(name, True), polynomial(name, False)
     function = {"sine_ratio": "sin(h)/h - 1", "cosine": "cos(h)"}[name]
     return {
         "name": name,
         "rest": " + 1.0" if name == "cosine" else "",
-        "single": horner(single.halves()),
-        "double": horner(double.halves()),
+        "single": horner(*single.coefficients),
+        "double": horner(*double.coefficients),
         "doc": f"{function} for |h| within a quarter turn, a minimax polynomial in h^2; error"
         f" {single.error} and {double.error}.",
     }
@@ -182,7 +182,8 @@ def _signed(decimal: str) -> str:
 
 def _operations(program: Program) -> set[str]:
     """The module's own functions that the routines call."""
-    kinds = {Root: "sqrt", Sgn: "sgn", Forward: "forward", Backward: "forward", sp.exp: "exp", Pick: "choose"}
+    kinds = {Root: "sqrt", Sgn: "sgn", Forward: "forward", Backward: "forward", sp.exp: "exp"}
+    kinds |= {AtMost: "at_most", Within: "within", Pick: "choose"}
     hot = program.hot()
     return {name for kind, name in kinds.items() if any(a.value.has(kind) for a in hot)}
 

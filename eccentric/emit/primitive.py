@@ -47,6 +47,18 @@ class TurnLeft(Step):
     """2 pi - a b, its digits kept where a b is nearly 2 pi (prepare only)."""
 
 
+class AtMost(Step):
+    """AtMost(a, b): the lesser of both; NaN stays."""
+
+
+class Within(Step):
+    """Within(a, b): a, but at least -b and at most b, which is positive; NaN stays."""
+
+
+class InSingle(Step):
+    """InSingle(a, b): a in single precision, b in double; on a sample, b is a symbol."""
+
+
 class Call(Step):
     """A function of emission's own, by its name."""
 
@@ -59,7 +71,7 @@ class Pick(Step):
 ROUNDER = sp.Symbol("rounder")
 SINE_RATIO, COSINE = sp.Symbol("sine_ratio"), sp.Symbol("cosine")
 HALF = sp.Rational(1, 2)
-ABOVE, BELOW, WITHIN, EQUAL = sp.symbols("> < <= ==")  # relations of Pick
+ABOVE, BELOW, AT_MOST, EQUAL = sp.symbols("> < <= ==")  # relations of Pick
 
 
 def exact(value: sp.Expr) -> sp.Expr:

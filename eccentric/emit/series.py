@@ -29,10 +29,6 @@ class Polynomial:
     coefficients: tuple[str, ...]
     error: str
 
-    def halves(self) -> tuple[tuple[str, ...], tuple[str, ...]]:
-        """Those of even and of odd powers: two polynomials in x^2 are done in half the time of one in x."""
-        return self.coefficients[::-1][::2][::-1], self.coefficients[::-1][1::2][::-1]
-
 
 @cache
 def _samples(name: str) -> tuple[list[Decimal], list[tuple[Decimal, Decimal]]]:

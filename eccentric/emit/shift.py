@@ -10,7 +10,7 @@ from typing import Protocol
 
 import sympy as sp
 
-from eccentric.emit.primitive import Low, Minus, Plus, Rounded
+from eccentric.emit.primitive import InSingle, Low, Minus, Plus, Rounded
 from eccentric.emit.program import Assignment, needed
 from eccentric.model.steps import HalfCosine, HalfSine, Leading
 
@@ -65,5 +65,5 @@ def parts(shift: sp.Symbol, first: sp.Symbol, prepare: Prepare) -> list[sp.Symbo
     one = prepare(f"{shift.name}_1", Minus(Leading(Plus(twice, shift)), twice))
     two = prepare(f"{shift.name}_2", Leading(Minus(shift, one)))
     left = prepare(f"{shift.name}_left", Plus(Minus(Minus(shift, one), two), Low(shift)))
-    three = prepare(f"{shift.name}_3", Leading(left))
+    three = prepare(f"{shift.name}_3", InSingle(Leading(left), Rounded(left)))
     return [one, two, three, prepare(f"{shift.name}_4", Rounded(Minus(left, three)))]

@@ -1,5 +1,5 @@
 /*
- * Generated: do not edit. Written beside c1_perpendicular.c (program 1ab4f734).
+ * Generated: do not edit. Written beside c1_perpendicular.c (program 54afd081).
  * What the self-test expects; computed by the emitted NumPy module.
  */
 #define INPUTS 4u
