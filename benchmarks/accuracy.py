@@ -6,7 +6,7 @@ The peers are other forms of the normal force, on the same inputs.
 from __future__ import annotations
 
 import tempfile
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from concurrent.futures import ProcessPoolExecutor
 from pathlib import Path
 from typing import Any
@@ -23,6 +23,13 @@ CASES = {
     "c2_parallel": ("c2_parallel", "c2_asymmetric"),
 }
 PRECISIONS = {real: dtype for dtype, real in REAL.items()}
+_FIGURES = {
+    "force": ("F_N, C", "F_N, NumPy"),
+    "friction": ("friction",),
+    "gradient": ("gradient",),
+    "accelerated": ("rotating_link",),
+}
+EMITTED = tuple(name for names in _FIGURES.values() for name in names)
 _TILT = 0.6
 Errors = dict[str, np.ndarray]
 
@@ -41,19 +48,13 @@ def measured(quick: bool) -> Part:
     figures = {}
     for real in PRECISIONS:
         sets = [errors for (_, one, _), errors in found.items() if one == real]
-        forms = [errors for (case, one, _), errors in found.items() if one == real and case == "c2_parallel"]
-        force = [name for name in sets[0] if name.startswith("F_N")]
-        missing = sum(int(np.isnan(errors[name]).sum()) for errors in sets for name in force)
-        figures[f"nan {real}"] = Measured(missing, str(missing), _joined(forms, _missing))
-        figures[f"force {real}"] = Measured(
-            max(_worst(s, n) for s in sets for n in force), "", _joined(forms, _told)
-        )
-        for key, name in (
-            ("friction", "friction"),
-            ("gradient", "gradient"),
-            ("accelerated", "rotating_link"),
-        ):
-            figures[f"{key} {real}"] = Measured(max(_worst(s, name) for s in sets if name in s))
+        others = [errors for errors in sets if "paper" in errors]
+        missing = sum(_missing(errors, *EMITTED) for errors in sets)
+        figures[f"nan {real}"] = Measured(missing, str(missing), _joined(others, _missing, sum))
+        for key, names in _FIGURES.items():
+            worst = max(_worst(errors, name) for errors in sets for name in names if name in errors)
+            peers = _joined(others, _worst, max) if key == "force" else ""
+            figures[f"{key} {real}"] = Measured(worst, "", peers)
     return Part(
         figures, [f"Worst errors, {size:,} states a set; Table 1 with mu = 1/5.", "", *_details(found)]
     )
@@ -89,7 +90,7 @@ def _set(case: str, real: str, index: int, size: int) -> tuple[str, Errors]:
         )
         exact = accuracy.accelerated(at, alpha, oracle.exact(values | {"phi": _TILT}))
         errors["rotating_link"] = accuracy.relative(tilted, exact)
-        for form, value in forms(*states, values):
+        for form, value in forms(at.theta_m, at.omega_m, values):
             errors[form] = accuracy.units(value, printed)
     return at.name, errors
 
@@ -125,26 +126,24 @@ def _worst(errors: Errors, name: str) -> float:
     return float(np.nanmax(errors[name]))
 
 
-def _told(sets: list[Errors], form: str) -> str:
-    return f"{max(_worst(errors, form) for errors in sets):.2g}"
+def _missing(errors: Errors, *names: str) -> int:
+    return sum(int(np.isnan(errors[name]).sum()) for name in names if name in errors)
 
 
-def _missing(sets: list[Errors], form: str) -> str:
-    return str(sum(int(np.isnan(errors[form]).sum()) for errors in sets))
-
-
-def _joined(sets: list[Errors], told: Any) -> str:
-    return ", ".join(f"{words} {told(sets, form)}" for form, words in _FORMS.items() if form in sets[0])
+def _joined(sets: list[Errors], one: Callable[[Errors, str], float], all_of: Callable[..., float]) -> str:
+    told = {words: all_of(one(e, form) for e in sets) for form, words in _FORMS.items() if form in sets[0]}
+    return "; ".join(f"{words} {value:.3g}" for words, value in told.items())
 
 
 def _details(found: dict[tuple[str, str, str], Errors]) -> list[str]:
-    columns = ["F_N, C", "F_N, NumPy", "friction", "gradient", "rotating_link", *_FORMS]
+    columns = [*EMITTED, *_FORMS]
     heads = [_FORMS.get(name, name) for name in columns]
     lines = [f"| case | precision | set | {' | '.join(heads)} | NaN |", "|---" * (len(columns) + 4) + "|"]
     for (case, real, at), errors in found.items():
         cells = [f"{_worst(errors, name):.3g}" if name in errors else "" for name in columns]
-        missing = sum(int(np.isnan(errors[name]).sum()) for name in columns[:3])
-        lines.append(f"| {case[:2].upper()} | {real} | {at} | {' | '.join(cells)} | {missing} |")
+        lines.append(
+            f"| {case[:2].upper()} | {real} | {at} | {' | '.join(cells)} | {_missing(errors, *EMITTED)} |"
+        )
     return [
         *lines,
         "",

@@ -11,25 +11,17 @@ _COST = {"torque": TARGET[TORQUE], "torque and gradient": TARGET[GRADIENT]}
 
 
 def _accuracy(real: str) -> dict[str, Asked]:
-    steady = f"steady models, {real}"
+    parts = f"F_N of rotating_link, {real}, of M L (w^2 + abs alpha) + b, as the header states"
+    slopes = f"its gradient, {real}, of its greatest value at that speed, as the header states"
+    stated = f"friction torque, {real}, as the header states"
     return {
-        f"force {real}": Asked(f"F_N, {steady}, worst error", "at most", NORMAL_FORCE_ULP, "ULP"),
-        f"nan {real}": Asked(f"NaN, {steady}", "at most", 0),
-        f"friction {real}": Asked(
-            f"friction torque, {real}, as the header states", "at most", FRICTION_TORQUE_ULP, "ULP"
+        f"force {real}": Asked(
+            f"F_N, steady models, {real}, worst error", "at most", NORMAL_FORCE_ULP, "ULP"
         ),
-        f"gradient {real}": Asked(
-            f"its gradient, {real}, as the header states",
-            "at most",
-            GRADIENT_EPS,
-            "eps of its greatest value",
-        ),
-        f"accelerated {real}": Asked(
-            f"F_N of rotating_link, {real}, as the header states",
-            "at most",
-            ACCELERATED_EPS,
-            "eps (M L (w^2 + \\|alpha\\|) + b)",
-        ),
+        f"accelerated {real}": Asked(parts, "at most", ACCELERATED_EPS, "eps"),
+        f"friction {real}": Asked(stated, "at most", FRICTION_TORQUE_ULP, "ULP"),
+        f"gradient {real}": Asked(slopes, "at most", GRADIENT_EPS, "eps"),
+        f"nan {real}": Asked(f"NaN, all of these, {real}", "at most", 0),
     }
 
 

@@ -29,7 +29,7 @@ def figures(results: Sequence[Result], seconds: float, memory: float) -> dict[st
     single, control, pair, outside = (_of(results, kind) for kind in ("single", "control", "pair", "outside"))
     sure = [r for r in [*single, *pair] if r.verdict == "named" and r.probability >= 0.9]
     excess = _excess(single, lambda r, balance: r.rmse[balance])
-    peers = _excess(single, lambda r, balance: r.peer and r.peer["rmse"][balance])
+    peers = _excess(single, lambda r, balance: r.peer["rmse"][balance] if r.peer else None)
     found = {
         "first": _fraction(
             single, lambda r: r.ranked[:1] == r.truth, lambda ranked, r: ranked[:1] == r.truth

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from pathlib import Path
+from typing import Any
 
 import matplotlib as mpl
 
@@ -17,7 +18,7 @@ from tests.emitted import module
 
 Curves = Mapping[str, tuple[list[float], list[float]]]
 # Text stays text: outlines of letters are most of the file otherwise.
-_STYLE = {"svg.hashsalt": "eccentric", "svg.fonttype": "none", "font.family": "sans-serif"}
+_STYLE: dict[Any, str] = {"svg.hashsalt": "eccentric", "svg.fonttype": "none", "font.family": "sans-serif"}
 
 
 def draw(speed: Curves, path: Path) -> None:
@@ -36,7 +37,9 @@ def draw(speed: Curves, path: Path) -> None:
             axes.legend(fontsize="small")
         left.set(xlabel="elements", ylabel="ns an element", title="friction torque, double, one core")
         right.set(
-            xlabel="distance from the hollow [rad, rad/s]", ylabel="worst error of F_N [ULP]", title="single precision"
+            xlabel="distance from the hollow [rad, rad/s]",
+            ylabel="worst error of F_N [ULP]",
+            title="single precision",
         )
         drawing.savefig(path, metadata={"Date": None, "Creator": None})
         plt.close(drawing)

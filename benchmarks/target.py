@@ -164,7 +164,9 @@ def measured(_: bool) -> Part:
     figures, rows = {}, {"emitted": own}
     for k, what in enumerate(_COUNTS):
         told = [f"{name} {' / '.join(str(form[k]) for form in forms)}" for name, forms in found.items()]
-        figures[what] = Measured(own[k], str(own[k]), "; ".join(told))
+        figures[what] = Measured(
+            own[k], str(own[k]), f"as generated / -ffast-math: {'; '.join(told)}" if told else ""
+        )
     for name, forms in found.items():
         rows |= {f"{name}, {label}": values for label, values in zip(_FORMS, forms, strict=True)}
     lines = [f"| | {' | '.join(_COUNTS)} |", "|---" * 5 + "|"]
