@@ -64,6 +64,6 @@ DIAGNOSIS: dict[str, Asked] = {
     "oracle 90": Asked("held-out RMSE above the oracle's, 90th percentile", "at most", 10, "%"),
     "sure": Asked("named with probability 0.9 or more, and right", "at least", 0.9),
     "seconds": Asked("50,000 rows, whole library", "at most", 20, "s"),
-    "memory": Asked("memory of a worker", "at most", 1, "GB"),
+    "memory": Asked("memory of the process, up to 50,000 rows", "at most", 1, "GB"),
     "readers": Asked("fuzzed inputs neither taken nor refused in one line", "at most", 0),
 }

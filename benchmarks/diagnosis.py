@@ -1,7 +1,7 @@
 """How good is `eccentric diagnose`? Every family, controls, pairs and effects outside the library, on the virtual bench.
 
 The pipeline is given log and rig only; the sealed truth is read afterwards. Seeds here are never developed on.
-Run, with seeds to develop on: python benchmarks/diagnosis.py SEED     (it prints one line a log)
+Run, with seeds to develop on: python benchmarks/diagnosis.py SEED
 """
 
 from __future__ import annotations
@@ -20,9 +20,10 @@ import numpy as np
 
 sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
 from benchmarks import diagnosis_table, sparse
+from benchmarks.asked import DIAGNOSIS
 from benchmarks.oracle import oracle
 from benchmarks.outside import OUTSIDE
-from benchmarks.record import Part, tell
+from benchmarks.record import Part, table, tell
 from eccentric.bench import random_scenario, simulate, write
 from eccentric.bench.effects import EFFECTS
 from eccentric.bench.effects.record import Effect, simply
@@ -65,6 +66,7 @@ class Result:
     oracle: tuple[str, float] | None = None
     peer: dict | None = None
     seconds: float = 0.0
+    memory: float = 0.0
     note: str = ""
 
 
@@ -123,13 +125,14 @@ def run(job: Job, folder: Path) -> Result:
             result.note += f" {type(error).__name__}: {error}"
             return result
         result.seconds = time.perf_counter() - started
+        result.memory = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1e6
     result.verdict = said["verdict"]
     result.ranked = list(dict.fromkeys(c["family"] for c in said["candidates"]))
     result.named = [e["family"] for e in said["effects"]]
     result.depends = said["residual_depends_on"]
     result.probability = max((c["probability"] for c in said["candidates"][:1]), default=0.0)
     result.rmse = {balance: errors["extended"] for balance, errors in said["rmse_holdout_Nm"].items()}
-    if job.kind in {"single", "pair"}:
+    if job.kind == "single":
         result.oracle = oracle(found, result.truth)
     if job.kind in {"single", "control", "pair"}:
         sparse.write(found, folder / f"{job.seed}.npz")
@@ -145,15 +148,15 @@ def measured(quick: bool, first: int = FIRST_SEED) -> Part:
             for result in pool.map(partial(run, folder=Path(folder)), listed[: -len(long)]):
                 results.append(result)
                 tell(f"diagnosis: {len(results)} of {len(listed)} logs")
-        memory = resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss / 1e6
-        seconds = [run(job, Path(folder)).seconds for job in long]
+        with ProcessPoolExecutor(1) as pool:
+            slow = list(pool.map(partial(run, folder=Path(folder)), long))
         tell("diagnosis: PySINDy")
         try:
             said = sparse.answers(Path(folder))
             results = [replace(r, peer=said.get(str(r.job.seed))) for r in results]
         except RuntimeError as error:
             left_out = ["", f"PySINDy: {error}."]
-    figures = diagnosis_table.figures(results, max(seconds), memory)
+    figures = diagnosis_table.figures(results, slow)
     return Part(figures, [*_HEAD, "", *diagnosis_table.details(results), *left_out])
 
 
@@ -173,6 +176,4 @@ _HEAD = [
 
 if __name__ == "__main__":
     part = measured(quick=False, first=int(sys.argv[1]))
-    print(
-        "\n".join([*part.details, *(f"{key}: {one.told} [{one.peer}]" for key, one in part.figures.items())])
-    )
+    print("\n".join([*part.details, "", *table({key: DIAGNOSIS[key] for key in part.figures}, part.figures)]))

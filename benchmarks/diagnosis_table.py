@@ -18,13 +18,12 @@ ALIAS = 0.002
 Check = Callable[["Result"], bool]
 
 
-def figures(results: Sequence[Result], seconds: float, memory: float) -> dict[str, Measured]:
+def figures(results: Sequence[Result], slow: Sequence[Result]) -> dict[str, Measured]:
     """The asked-for figures.
 
     Args:
         results: of all logs but the long ones.
-        seconds: that the slowest of those took.
-        memory: of the largest worker [GB].
+        slow: of those.
     """
     single, control, pair, outside = (_of(results, kind) for kind in ("single", "control", "pair", "outside"))
     sure = [r for r in [*single, *pair] if r.verdict == "named" and r.probability >= 0.9]
@@ -50,8 +49,8 @@ def figures(results: Sequence[Result], seconds: float, memory: float) -> dict[st
             pair, lambda r: set(r.truth) <= set(r.named), lambda ranked, r: set(r.truth) <= set(ranked[:2])
         ),
         "sure": _fraction(sure, lambda r: r.named[0] in r.truth),
-        "seconds": Measured(seconds),
-        "memory": Measured(memory),
+        "seconds": Measured(max(r.seconds for r in slow)),
+        "memory": Measured(max(r.memory for r in [*results, *slow])),
     }
     for key, part in (("oracle median", 0.5), ("oracle 90", 0.9)):
         peer = f"{np.quantile(peers, part):+.1f} %" if peers else ""

@@ -67,7 +67,7 @@ def page(found: Mapping[str, Part], quick: bool) -> str:
         [
             "# Benchmarks",
             "",
-            f"`make bench` writes this page{', here in its quick form (--quick)' if quick else ''}."
+            f"`make bench` writes this page{', here in its quick form (`--quick`)' if quick else ''}."
             f" {platform.machine()}, {os.cpu_count()} shared cores, Linux, {_compiler()},"
             f" Python {platform.python_version()}.",
             "Times are medians of paired rounds on one core; the emitted code is that of case C2 with the parameters of"
