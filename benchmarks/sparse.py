@@ -53,7 +53,7 @@ def answers(folder: Path) -> dict[str, dict]:
     done = subprocess.run(
         [environment.PYTHON, PEER, folder],
         env=os.environ | {"OMP_NUM_THREADS": "1"},
-        capture_output=True, text=True, check=False, timeout=3600,
+        capture_output=True, text=True, check=False,
     )  # fmt: skip
     if done.returncode:
         raise RuntimeError((done.stderr.strip().splitlines() or ["PySINDy: no result"])[-1])
