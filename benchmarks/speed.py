@@ -1,56 +1,56 @@
 """Time of the emitted NumPy module and of the compiled C beside its peers, case C2, paired in one run.
 
-Run: python benchmarks/speed.py [--quick]     (peers are installed with pip into build/bench-env)
-Every round measures all in turn, as processor time on one core; told are the medians over the rounds.
+Every round measures all in turn, as processor time on one core; told are the medians over the rounds. The peers'
+environment runs this file as a script, its rounds as argument.
 """
 
 from __future__ import annotations
 
-import argparse
 import json
 import os
 import statistics
 import subprocess
 import sys
 import time
-import venv
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 ROOT = Path(__file__).resolve().parent.parent
 sys.path.insert(0, str(ROOT))
+from benchmarks import environment  # noqa: E402
 from benchmarks.peers import torque  # noqa: E402
+from benchmarks.record import Measured, Part, tell  # noqa: E402
 
 SIZES = (1, 100, 10_000, 1_000_000)
-PEERS = ("lambdify(cse)", "naive NumPy", "numexpr", "numba", "JAX")
 OURS, COMPILED = "emitted NumPy", "emitted C, compiled"
-_NEEDED = ("numpy", "sympy", "jinja2", "numexpr", "numba", "jax")
+_OPTIONAL = ("numexpr", "numba", "jax")
+_NEEDED = ("numpy", "sympy", "jinja2")
 _SINGLE_THREAD = dict.fromkeys(("OMP_NUM_THREADS", "NUMEXPR_NUM_THREADS", "NUMBA_NUM_THREADS"), "1") | {
     "XLA_FLAGS": "--xla_cpu_multi_thread_eigen=false intra_op_parallelism_threads=1"
 }
 
 
-def measured(quick: bool) -> dict[str, Any]:
-    """{"torque": {size: {name: ns an element}}, "gradient": ..., "float": ns of a call, "absent": reasons}."""
-    environment = ROOT / "build" / "bench-env"
-    python = environment / "bin" / "python"
-    if not python.exists():
-        venv.create(environment, with_pip=True)
-    absent = {}
-    for package in _NEEDED:
-        known = subprocess.run([python, "-c", f"import {package}"], capture_output=True, check=False)
-        if known.returncode:
-            command = [python, "-m", "pip", "install", "-q", "--disable-pip-version-check", package]
-            try:
-                subprocess.run(command, capture_output=True, check=True, timeout=300)
-            except (subprocess.CalledProcessError, subprocess.TimeoutExpired) as error:
-                absent[package] = type(error).__name__
-    command = [python, __file__, "--worker", *(["--quick"] if quick else [])]
+def measured(quick: bool) -> Part:
+    """Measure in the environment of the peers."""
+    tell("NumPy: peers")
+    absent = environment.absent(*_NEEDED, *_OPTIONAL)
+    tell("NumPy: rounds")
+    command = [environment.PYTHON, __file__, "5" if quick else "15"]
     done = subprocess.run(
-        command, capture_output=True, text=True, check=True, env=os.environ | _SINGLE_THREAD, cwd=ROOT
+        command, capture_output=True, text=True, check=False, env=os.environ | _SINGLE_THREAD, cwd=ROOT
     )
-    return json.loads(done.stdout.splitlines()[-1]) | {"absent": absent}
+    if done.returncode:
+        raise RuntimeError((done.stderr.strip().splitlines() or ["no result"])[-1])
+    result = json.loads(done.stdout.splitlines()[-1])
+    there = [package for package in (*_NEEDED[:2], *_OPTIONAL) if package not in absent]
+    left_out = [f"\n{package}: left out, {reason}." for package, reason in absent.items()]
+    details = [f"Peers: {environment.versions(*there)}.", "", *_table(result), *left_out]
+    curves = {
+        name: (list(map(float, SIZES)), [result["torque"][str(size)][name] for size in SIZES])
+        for name in result["torque"][str(SIZES[0])]
+    }
+    return Part(_figures(result), details, curves)
 
 
 def _contenders() -> dict[str, dict[str, Callable[..., Any]]]:
@@ -88,7 +88,7 @@ def _contenders() -> dict[str, dict[str, Callable[..., Any]]]:
         try:
             found["torque"][name] = make()
         except ImportError:
-            print(f"{name}: not installed", file=sys.stderr)
+            continue  # the page says why
     return found
 
 
@@ -126,14 +126,15 @@ def _jax() -> Callable[..., Any]:
     return lambda x, y: compiled(x, y).block_until_ready()
 
 
-def _work(quick: bool) -> dict[str, Any]:
+def _work(rounds: int) -> dict[str, Any]:
+    """{"torque": {size: {name: ns an element}}, "gradient": ..., "float": ns of a call}."""
     import numpy as np
 
-    found, generator, rounds = _contenders(), np.random.default_rng(5), 5 if quick else 15
+    found, generator = _contenders(), np.random.default_rng(5)
     result: dict[str, Any] = {kind: {} for kind in found}
     for size in SIZES:
         x, y = generator.uniform(-50.0, 50.0, size), generator.uniform(-100.0, 100.0, size)
-        calls = max(1, (20_000 if quick else 100_000) // (size + 200))
+        calls = max(1, 100_000 // (size + 200))
         for kind, functions in found.items():
             times = _rounds(functions, (x, y), calls, rounds)
             result[kind][size] = {n: 1e9 * statistics.median(t) / size for n, t in times.items()}
@@ -154,7 +155,7 @@ def _rounds(functions: dict[str, Any], given: Any, calls: int, rounds: int) -> d
     return times
 
 
-def table(result: dict[str, Any]) -> list[str]:
+def _table(result: dict[str, Any]) -> list[str]:
     """Rows of a Markdown table: ns an element, and of a call with two floats."""
     lines = ["| ns an element | " + " | ".join(f"{s:,}" for s in SIZES) + " | a call on floats |"]
     lines += ["|---" * (len(SIZES) + 2) + "|"]
@@ -166,46 +167,31 @@ def table(result: dict[str, Any]) -> list[str]:
     return lines
 
 
-def asked(result: dict[str, Any]) -> list[tuple[str, str, str, bool]]:
-    """(what, asked, measured with its peer, whether it is reached) of what was asked for."""
+def _figures(result: dict[str, Any]) -> dict[str, Measured]:
     at = {size: result["torque"][str(size)] for size in SIZES}
-    gradient, large = result["gradient"][str(SIZES[-1])], at[SIZES[-1]]
-    rows = []
-    for what, least, peer, own in (
-        ("NumPy, torque, 1e6: lambdify(cse) / emitted", 7.0, large["lambdify(cse)"], large[OURS]),
-        ("NumPy, torque, 1e6: numba / emitted", 1.5, large.get("numba"), large[OURS]),
-        ("NumPy, gradient, 1e6: lambdify(cse) / emitted", 10.0, gradient["lambdify(cse)"], gradient[OURS]),
+    large, gradient = at[SIZES[-1]], result["gradient"][str(SIZES[-1])]
+    figures = {}
+    for key, peer, times in (
+        ("lambdify", "lambdify(cse)", large),
+        ("numba", "numba", large),
+        ("lambdify gradient", "lambdify(cse)", gradient),
     ):
-        if peer is not None:
-            told = f"{peer / own:.1f} ({peer:.1f} / {own:.1f} ns)"
-            rows.append((what, f"at least {least:g}", told, peer >= least * own))
+        if peer in times:
+            ratio = times[peer] / times[OURS]
+            others = "; ".join(
+                f"{name} {ns:.1f} ns" for name, ns in times.items() if name not in {OURS, COMPILED}
+            )
+            figures[key] = Measured(ratio, f"{ratio:.1f} ({times[OURS]:.1f} ns)", others)
     for count in (1, 100):
-        own, peer = at[count][OURS] * count / 1000, at[count]["naive NumPy"] * count / 1000
-        told = f"{own / peer:.2f} ({own:.1f} / {peer:.1f} us)"
-        rows.append((f"NumPy, torque, {count}: emitted / naive", "at most 2", told, own <= 2 * peer))
-    call = result["float"][COMPILED] / 1000
-    rows.append(("eccentric.compile, a call on floats", "at most 0.5 us", f"{call:.2f} us", call <= 0.5))
-    return rows
-
-
-def main() -> None:
-    """Print the tables."""
-    parser = argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
-    )
-    parser.add_argument("--quick", action="store_true", help="fewer rounds")
-    parser.add_argument("--worker", action="store_true", help=argparse.SUPPRESS)
-    wanted = parser.parse_args()
-    if wanted.worker:
-        print(json.dumps(_work(wanted.quick)))
-        return
-    result = measured(wanted.quick)
-    print("\n".join(table(result)) + "\n\n| what | asked | measured | |\n|---|---|---|---|")
-    for what, least, told, reached in asked(result):
-        print(f"| {what} | {least} | {told} | {'' if reached else 'not reached'} |")
-    for package, reason in result["absent"].items():
-        print(f"{package}: left out, {reason}")
+        own, peer = (at[count][name] * count / 1000 for name in (OURS, "naive NumPy"))
+        figures[f"naive {count}"] = Measured(
+            own / peer, f"{own / peer:.2f} ({own:.1f} us)", f"naive NumPy {peer:.1f} us"
+        )
+    call = result["float"]
+    others = "; ".join(f"{name} {ns / 1000:.1f} us" for name, ns in call.items() if name != COMPILED)
+    figures["compiled"] = Measured(call[COMPILED] / 1000, f"{call[COMPILED] / 1000:.2f} us", others)
+    return figures
 
 
 if __name__ == "__main__":
-    main()
+    print(json.dumps(_work(int(sys.argv[1]))))

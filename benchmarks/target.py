@@ -1,31 +1,29 @@
 """The emitted C of case C2 on a Cortex-M4F and on x86-64, beside what other generators emit for the same model.
 
 Instructions are counted under QEMU and callgrind, bytes are those by which a linked firmware grows.
-Run: python benchmarks/target.py     (peers are installed with pip into build/bench-env; --no-peers leaves them out)
 """
 
 from __future__ import annotations
 
-import argparse
 import re
 import subprocess
-import sys
 import tempfile
-import venv
 from pathlib import Path
 from typing import NamedTuple
 
-sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
+from benchmarks import environment
 from benchmarks.cortex_m4 import (
     GENERATED,
     OPTIMISED,
     SAMPLES,
+    TOOLS,
     Subject,
     instructions,
     linked_growth,
     missing,
     run,
 )
+from benchmarks.record import Measured, Part, tell
 
 ROOT = Path(__file__).resolve().parent.parent
 TORQUE, GRADIENT = "c2_parallel_friction_torque", "c2_parallel_friction_torque_with_gradient"
@@ -123,82 +121,89 @@ _CASADI = (
 _FORCED = ("-ffast-math", "-include", str(ROOT / "benchmarks" / "floats.h"))
 
 
-def peers(folder: Path, python: Path) -> list[str]:
-    """Rows of the table for CasADi, SymPy and SymForce, as generated and with float functions and -ffast-math."""
-    rows = []
-    for name, package in (("CasADi", "casadi"), ("SymPy, cse", "sympy"), ("SymForce", "symforce")):
+_PEERS = {"CasADi": "casadi", "SymPy cse": "sympy", "SymForce": "symforce"}
+_COUNTS = (
+    "instructions torque",
+    "instructions torque and gradient",
+    "bytes torque",
+    "bytes torque and gradient",
+)
+
+
+_FORMS = {"as generated": OPTIMISED, "fast-math": (*OPTIMISED, *_FORCED)}
+
+
+def peers(folder: Path) -> tuple[dict[str, list[list[int]]], list[str]]:
+    """Peer -> its numbers as generated, and with float functions and -ffast-math; and who is left out."""
+    found, left_out = {}, []
+    reasons = environment.absent(*_PEERS.values())
+    for name, package in _PEERS.items():
+        tell(f"target: {name}")
+        if package in reasons:
+            left_out.append(f"{name}: left out, {reasons[package]}.")
+            continue
         own = folder / package
         own.mkdir()
         try:
-            run(
-                python,
-                "-m",
-                "pip",
-                "install",
-                "-q",
-                "--disable-pip-version-check",
-                package,
-                "sympy",
-                timeout=300,
-            )
-            run(python, ROOT / "benchmarks" / "peers.py", package, own, timeout=120)
+            run(environment.PYTHON, ROOT / "benchmarks" / "peers.py", package, own)
+            found[name] = [_peer(own, package == "casadi", options) for options in _FORMS.values()]
         except (RuntimeError, subprocess.TimeoutExpired) as error:
-            rows.append(f"| {name}: left out, {str(error).splitlines()[-1][:60]} | | | | |")
-            continue
-        for label, options in (("as generated", OPTIMISED), ("floats forced", (*OPTIMISED, *_FORCED))):
-            counts, sizes = [], []
-            for function in ("torque", "gradient"):
-                types, arguments = _CASADI if package == "casadi" else _PLAIN
-                result = "int" if package == "casadi" else "void"
-                declared = f"{result} {function}{types};"
-                called = [Subject(function, types, arguments, result)]
-                counts.append(
-                    max(instructions(own, declared, called, [own / f"{function}.c"], options)[function])
-                )
-                body = f"float out[3] = {{0}}; {function}{arguments}; return out[0] + out[1] + out[2];"
-                work = f"{declared}\nstatic float work(float x, float y)\n{{\n"
-                main = f"{work}#if CALLED\n{body}\n#else\nreturn x + y;\n#endif\n}}"
-                sizes.append(linked_growth(own, f"{function}_grown", main, [own / f"{function}.c"], options))
-            rows.append(f"| {name}, {label} | {counts[0]} | {counts[1]} | {sizes[0]} | {sizes[1]} |")
-    return rows
+            left_out.append(f"{name}: left out, {str(error).strip().splitlines()[-1]}.")
+    return found, left_out
 
 
-def main() -> None:
-    """Print the tables."""
-    parser = argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
-    )
-    parser.add_argument("--no-peers", action="store_true", help="measure the emitted C only")
-    wanted = parser.parse_args()
-    if absent := missing():
-        sys.exit(f"not installed: {', '.join(absent)}")
+def _peer(own: Path, casadi: bool, options: tuple[str, ...]) -> list[int]:
+    counts, sizes = [], []
+    for function in ("torque", "gradient"):
+        types, arguments = _CASADI if casadi else _PLAIN
+        result = "int" if casadi else "void"
+        declared = f"{result} {function}{types};"
+        called = [Subject(function, types, arguments, result)]
+        counts.append(max(instructions(own, declared, called, [own / f"{function}.c"], options)[function]))
+        body = f"float out[3] = {{0}}; {function}{arguments}; return out[0] + out[1] + out[2];"
+        work = f"{declared}\nstatic float work(float x, float y)\n{{\n"
+        main = f"{work}#if CALLED\n{body}\n#else\nreturn x + y;\n#endif\n}}"
+        sizes.append(linked_growth(own, f"{function}_grown", main, [own / f"{function}.c"], options))
+    return counts + sizes
+
+
+def measured(_: bool) -> Part:
+    """Measure the Cortex-M4F: the most instructions of 64 calls, and bytes of growth."""
+    _need(*TOOLS)
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         counts = target_counts(folder)
-        print(
-            "Cortex-M4F, single precision, instructions of a call (the most of 64) and bytes of growth, linked\n"
+        own = [*(max(counts[f]) for f in (TORQUE, GRADIENT)), *(grown(folder, f) for f in (TORQUE, GRADIENT))]
+        found, left_out = peers(folder)
+    figures, rows = {}, {"emitted": own}
+    for k, what in enumerate(_COUNTS):
+        told = [f"{name} {' / '.join(str(form[k]) for form in forms)}" for name, forms in found.items()]
+        figures[what] = Measured(
+            own[k], str(own[k]), f"as generated / -ffast-math: {'; '.join(told)}" if told else ""
         )
-        print("| | torque | with gradient | torque, bytes | with gradient, bytes |\n|---|---|---|---|---|")
-        asked = [ASKED[f].instructions for f in ASKED] + [ASKED[f].bytes for f in ASKED]
-        print("| asked, at most | " + " | ".join(map(str, asked)) + " |")
-        measured = [
-            *(max(counts[f]) for f in (TORQUE, GRADIENT)),
-            *(grown(folder, f) for f in (TORQUE, GRADIENT)),
-        ]
-        print("| emitted | " + " | ".join(map(str, measured)) + " |", flush=True)
-        if not wanted.no_peers:
-            environment = ROOT / "build" / "bench-env"
-            if not environment.is_dir():
-                venv.create(environment, with_pip=True)
-            print("\n".join(peers(folder, environment / "bin" / "python")))
-        if absent := missing(["valgrind"]):
-            sys.exit(f"not installed: {', '.join(absent)}")
-        print("\nx86-64, instructions of a call on average\n\n| | torque | with gradient |\n|---|---|---|")
-        print(f"| asked, at most | {ASKED[TORQUE].host_instructions} | {ASKED[GRADIENT].host_instructions} |")
+    for name, forms in found.items():
+        rows |= {f"{name}, {label}": values for label, values in zip(_FORMS, forms, strict=True)}
+    lines = [f"| | {' | '.join(_COUNTS)} |", "|---" * 5 + "|"]
+    lines += [f"| {name} | {' | '.join(map(str, values))} |" for name, values in rows.items()]
+    says = (
+        "Single precision, instructions of a call (the most of 64), bytes of growth of a linked firmware."
+        " Peers as generated / with float functions forced and -ffast-math."
+    )
+    return Part(figures, [says, "", *lines, *(f"\n{line}" for line in left_out)])
+
+
+def measured_host(_: bool) -> Part:
+    """Measure x86-64: instructions of a call on average."""
+    _need("valgrind")
+    figures = {}
+    with tempfile.TemporaryDirectory() as name:
         for real in ("float", "double"):
-            host = host_counts(folder, real)
-            print(f"| emitted, {real} | {host[TORQUE]:.1f} | {host[GRADIENT]:.1f} |")
+            counts = host_counts(Path(name), real)
+            for what, function in (("torque", TORQUE), ("torque and gradient", GRADIENT)):
+                figures[f"host {what} {real}"] = Measured(counts[function], f"{counts[function]:.1f}")
+    return Part(figures)
 
 
-if __name__ == "__main__":
-    main()
+def _need(*tools: str) -> None:
+    if absent := missing(tools):
+        raise RuntimeError(f"not installed: {', '.join(absent)}")

@@ -1,6 +1,6 @@
 /*
  * Generated: do not edit. Written by `make derive` from derivations/c2_asymmetric.py
- * (eccentric 0.1.0, program b92110f5).
+ * (eccentric 0.1.0, program 67ca1263).
  * Case C2 with friction that differs between the directions of motion.
  */
 #include "c2_asymmetric.h"
@@ -8,7 +8,7 @@
 #include <float.h>
 #include <math.h>
 
-#if C2_ASYMMETRIC_PROGRAM != 0xb92110f5UL
+#if C2_ASYMMETRIC_PROGRAM != 0x67ca1263UL
 #error "c2_asymmetric.c and c2_asymmetric.h are of different derivations: write both again"
 #endif
 
@@ -129,7 +129,7 @@ REAL_INLINE real c2_asymmetric_from_top(real theta_m, const c2_asymmetric_coeffi
     const real rest = theta_m - turns * c->period_1;
     const real left = rest - turns * c->period_2 - turns * c->period_3;
     const real reduced = (ECCENTRIC_PRECISION == 1) ? (left - turns * c->period_4) : left;
-    /* the bound holds off an angle so large that nothing is left of its phase; of infinity it is NaN */
+    /* bounded for angles so large that nothing is left of their phase; infinity gives NaN */
     return ((reduced > c->period) ? c->period : ((reduced < -c->period) ? -c->period : reduced));
 }
 

@@ -1,5 +1,5 @@
 # Generated: do not edit. Written by `make derive` from derivations/c2_asymmetric.py
-# (eccentric 0.1.0, program b92110f5).
+# (eccentric 0.1.0, program 67ca1263).
 # Case C2 with friction that differs between the directions of motion.
 """Case C2 with friction that differs between the directions of motion.
 
@@ -710,7 +710,7 @@ def _from_top(c: _Coefficients, theta_m: Any) -> Any:
     rest = theta_m - turns * c.period_1
     left = rest - turns * c.period_2 - turns * c.period_3
     reduced = left - turns * c.period_4 if _single(left) else left
-    # the bound holds off an angle so large that nothing is left of its phase; of infinity it is NaN
+    # bounded for angles so large that nothing is left of their phase; infinity gives NaN
     return _within(reduced, c.period)
 
 

@@ -1,6 +1,6 @@
 /*
  * Generated: do not edit. Written by `make derive` from derivations/c2_parallel.py
- * (eccentric 0.1.0, program 681ac32e).
+ * (eccentric 0.1.0, program 7a58ff9b).
  * Case C2: gravity parallel to the motion plane, steady motion.
  */
 #include "c2_parallel.h"
@@ -8,7 +8,7 @@
 #include <float.h>
 #include <math.h>
 
-#if C2_PARALLEL_PROGRAM != 0x681ac32eUL
+#if C2_PARALLEL_PROGRAM != 0x7a58ff9bUL
 #error "c2_parallel.c and c2_parallel.h are of different derivations: write both again"
 #endif
 
@@ -124,7 +124,7 @@ REAL_INLINE real c2_parallel_from_top(real theta_m, const c2_parallel_coefficien
     const real rest = theta_m - turns * c->period_1;
     const real left = rest - turns * c->period_2 - turns * c->period_3;
     const real reduced = (ECCENTRIC_PRECISION == 1) ? (left - turns * c->period_4) : left;
-    /* the bound holds off an angle so large that nothing is left of its phase; of infinity it is NaN */
+    /* bounded for angles so large that nothing is left of their phase; infinity gives NaN */
     return ((reduced > c->period) ? c->period : ((reduced < -c->period) ? -c->period : reduced));
 }
 

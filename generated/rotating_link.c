@@ -1,6 +1,6 @@
 /*
  * Generated: do not edit. Written by `make derive` from derivations/rotating_link.py
- * (eccentric 0.1.0, program ab2105c8).
+ * (eccentric 0.1.0, program adb540a1).
  * Rotating link with an unbalanced mass, plane tilted by phi, angular acceleration kept.
  */
 #include "rotating_link.h"
@@ -8,7 +8,7 @@
 #include <float.h>
 #include <math.h>
 
-#if ROTATING_LINK_PROGRAM != 0xab2105c8UL
+#if ROTATING_LINK_PROGRAM != 0xadb540a1UL
 #error "rotating_link.c and rotating_link.h are of different derivations: write both again"
 #endif
 
@@ -124,7 +124,7 @@ REAL_INLINE real rotating_link_from_top(real theta_m, const rotating_link_coeffi
     const real rest = theta_m - turns * c->period_1;
     const real left = rest - turns * c->period_2 - turns * c->period_3;
     const real reduced = (ECCENTRIC_PRECISION == 1) ? (left - turns * c->period_4) : left;
-    /* the bound holds off an angle so large that nothing is left of its phase; of infinity it is NaN */
+    /* bounded for angles so large that nothing is left of their phase; infinity gives NaN */
     return ((reduced > c->period) ? c->period : ((reduced < -c->period) ? -c->period : reduced));
 }
 

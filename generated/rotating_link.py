@@ -1,5 +1,5 @@
 # Generated: do not edit. Written by `make derive` from derivations/rotating_link.py
-# (eccentric 0.1.0, program ab2105c8).
+# (eccentric 0.1.0, program adb540a1).
 # Rotating link with an unbalanced mass, plane tilted by phi, angular acceleration kept.
 """Rotating link with an unbalanced mass, plane tilted by phi, angular acceleration kept.
 
@@ -669,7 +669,7 @@ def _from_top(c: _Coefficients, theta_m: Any) -> Any:
     rest = theta_m - turns * c.period_1
     left = rest - turns * c.period_2 - turns * c.period_3
     reduced = left - turns * c.period_4 if _single(left) else left
-    # the bound holds off an angle so large that nothing is left of its phase; of infinity it is NaN
+    # bounded for angles so large that nothing is left of their phase; infinity gives NaN
     return _within(reduced, c.period)
 
 

@@ -86,7 +86,7 @@ class HalfTurns:
             Assignment(
                 _FROM_TOP,
                 Within(reduced, period),
-                "the bound holds off an angle so large that nothing is left of its phase; of infinity it is NaN",
+                "bounded for angles so large that nothing is left of their phase; infinity gives NaN",
             ),
         )
         half, chord, half_sine = sp.symbols("half_angle chord half_sine", real=True)

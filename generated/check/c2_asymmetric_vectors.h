@@ -1,5 +1,5 @@
 /*
- * Generated: do not edit. Written beside c2_asymmetric.c (program b92110f5).
+ * Generated: do not edit. Written beside c2_asymmetric.c (program 67ca1263).
  * What the self-test expects; computed by the emitted NumPy module.
  */
 #define INPUTS 5u

@@ -1,0 +1,69 @@
+"""Every figure that was asked of the emitted code and of the diagnosis: the one place where they stand."""
+
+from __future__ import annotations
+
+from benchmarks.record import Asked
+from benchmarks.target import ASKED as TARGET
+from benchmarks.target import GRADIENT, TORQUE
+from eccentric.emit.accuracy import ACCELERATED_EPS, FRICTION_TORQUE_ULP, GRADIENT_EPS, NORMAL_FORCE_ULP
+
+_COST = {"torque": TARGET[TORQUE], "torque and gradient": TARGET[GRADIENT]}
+
+
+def _accuracy(real: str) -> dict[str, Asked]:
+    parts = f"F_N of rotating_link, {real}, of M L (w^2 + abs alpha) + b, as the header states"
+    slopes = f"its gradient, {real}, of its greatest value at that speed, as the header states"
+    stated = f"friction torque, {real}, as the header states"
+    return {
+        f"force {real}": Asked(
+            f"F_N, steady models, {real}, worst error", "at most", NORMAL_FORCE_ULP, "ULP"
+        ),
+        f"accelerated {real}": Asked(parts, "at most", ACCELERATED_EPS, "eps"),
+        f"friction {real}": Asked(stated, "at most", FRICTION_TORQUE_ULP, "ULP"),
+        f"gradient {real}": Asked(slopes, "at most", GRADIENT_EPS, "eps"),
+        f"nan {real}": Asked(f"NaN, all of these, {real}", "at most", 0),
+    }
+
+
+CODE: dict[str, Asked] = {
+    **_accuracy("float"),
+    **_accuracy("double"),
+    **{
+        f"{kind} {what}": Asked(f"Cortex-M4F, {what}, {kind}", "at most", cost[k])
+        for k, kind in enumerate(("instructions", "bytes"))
+        for what, cost in _COST.items()
+    },
+    **{
+        f"host {what} {real}": Asked(f"x86-64, {what}, {real}, instructions", "at most", cost[2])
+        for real in ("float", "double")
+        for what, cost in _COST.items()
+    },
+    "bits": Asked("self-tests of 200,000 inputs with other bits", "at most", 0),
+    "alarms": Asked("alarms of Frama-C's Eva", "at most", 0),
+    "misra": Asked("MISRA C:2012 deviations that no header declares", "at most", 0),
+    "fma": Asked("calls of fma in the emitted C", "at most", 0),
+    "libmvec": Asked("C, array, native: time over that of libmvec with -ffast-math", "at most", 1.1),
+    "v3": Asked("C, array, x86-64-v3, an element", "at most", 2, "ns"),
+    "lambdify": Asked("NumPy, torque, 1e6: times as fast as lambdify(cse)", "at least", 7),
+    "numba": Asked("NumPy, torque, 1e6: times as fast as numba", "at least", 1.5),
+    "lambdify gradient": Asked("NumPy, gradient, 1e6: times as fast as lambdify(cse)", "at least", 10),
+    "naive 1": Asked("NumPy, torque, 1: time over that of naive NumPy", "at most", 2),
+    "naive 100": Asked("NumPy, torque, 100: time over that of naive NumPy", "at most", 2),
+    "compiled": Asked("`eccentric.compile`, a call on floats", "at most", 0.5, "us"),
+    "derive": Asked("`make derive`, all models: time over `import sympy`", "at most", 10),
+}
+
+DIAGNOSIS: dict[str, Asked] = {
+    "first": Asked("right family first", "at least", 0.90),
+    "three": Asked("right family among the first three", "at least", 0.97),
+    "wrong": Asked("wrong name given", "at most", 0.03),
+    "false alarms": Asked("false alarms on controls", "at most", 1 / 60),
+    "outside": Asked("`unexplained` with the right variable, outside the library", "at least", 1),
+    "both": Asked("both of two effects named", "at least", 1),
+    "oracle median": Asked("held-out RMSE above the oracle's, median", "at most", 1, "%"),
+    "oracle 90": Asked("held-out RMSE above the oracle's, 90th percentile", "at most", 10, "%"),
+    "sure": Asked("named with probability 0.9 or more, and right", "at least", 0.9),
+    "seconds": Asked("50,000 rows, whole library", "at most", 20, "s"),
+    "memory": Asked("memory of the process, up to 50,000 rows", "at most", 1, "GB"),
+    "readers": Asked("fuzzed inputs neither taken nor refused in one line", "at most", 0),
+}

@@ -1,0 +1,155 @@
+"""The results of the diagnosis benchmark as figures and as the table of misses."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+from scipy.stats import beta
+
+from benchmarks.record import Measured
+
+if TYPE_CHECKING:
+    from benchmarks.diagnosis import Result
+
+# What leaves less than this part of the friction beyond the paper's own columns is an exact alias of them.
+ALIAS = 0.002
+Check = Callable[["Result"], bool]
+
+
+def figures(results: Sequence[Result], slow: Sequence[Result]) -> dict[str, Measured]:
+    """The asked-for figures.
+
+    Args:
+        results: of all logs but the long ones.
+        slow: of those.
+    """
+    single, control, pair, outside = (_of(results, kind) for kind in ("single", "control", "pair", "outside"))
+    sure = [r for r in [*single, *pair] if r.verdict == "named" and r.probability >= 0.9]
+    excess = _excess(single, lambda r, balance: r.rmse[balance])
+    peers = _excess(single, lambda r, balance: r.peer["rmse"][balance] if r.peer else None)
+    found = {
+        "first": _fraction(
+            single, lambda r: r.ranked[:1] == r.truth, lambda ranked, r: ranked[:1] == r.truth
+        ),
+        "three": _fraction(
+            single, lambda r: r.truth[0] in r.ranked[:3], lambda ranked, r: r.truth[0] in ranked[:3]
+        ),
+        "wrong": _fraction(
+            single,
+            lambda r: r.named != [] and r.named[0] not in r.truth,
+            lambda ranked, r: ranked != [] and ranked[0] not in r.truth,
+        ),
+        "false alarms": _fraction(
+            control, lambda r: r.verdict != "nothing_missing", lambda ranked, _: ranked != []
+        ),
+        "outside": _fraction(outside, _honest),
+        "both": _fraction(
+            pair, lambda r: set(r.truth) <= set(r.named), lambda ranked, r: set(r.truth) <= set(ranked[:2])
+        ),
+        "sure": _fraction(sure, lambda r: r.named[0] in r.truth),
+        "seconds": Measured(max(r.seconds for r in slow)),
+        "memory": Measured(max(r.memory for r in [*results, *slow])),
+    }
+    for key, part in (("oracle median", 0.5), ("oracle 90", 0.9)):
+        peer = f"{np.quantile(peers, part):+.1f} %" if peers else ""
+        value = float(np.quantile(excess, part)) if excess else float("nan")
+        found[key] = Measured(
+            value, f"{value:+.1f} % on {len(excess)} logs", f"PySINDy {peer}" if peer else ""
+        )
+    return found
+
+
+def details(results: Sequence[Result]) -> list[str]:
+    """Further figures, and every miss."""
+    single = _of(results, "single")
+    hidden = [r for r in results if r.job.kind == "single" and r not in single]
+    seconds = sorted(r.seconds for r in results if r.seconds) or [float("nan")]
+    named = _excess([r for r in single if r.named == r.truth], lambda r, balance: r.rmse[balance])
+    rows = {
+        "a wrong name, further names counted too": _share(
+            sum(bool(set(r.named) - set(r.truth)) for r in single), len(single)
+        ),
+        "abstained on a family of the library": _share(
+            sum(r.verdict in {"not_identifiable", "unexplained"} for r in single), len(single)
+        ),
+        "exact aliases of the paper's columns left alone": _share(
+            sum(r.verdict == "nothing_missing" for r in hidden), len(hidden)
+        ),
+        "held-out RMSE above the oracle's where the right name was given: median, 90th percentile": (
+            f"{np.median(named):+.1f} %, {np.quantile(named, 0.9):+.1f} %" if named else "-"
+        ),
+        "seconds per log (15,000 rows), median and longest": f"{np.median(seconds):.1f}, {seconds[-1]:.1f}",
+    }
+    lines = [
+        "| further | measured (95 % interval) |",
+        "|---|---|",
+        *(f"| {k} | {v} |" for k, v in rows.items()),
+        "",
+    ]
+    lines += [
+        "Misses:",
+        "",
+        "| kind | seed | rig | truth | verdict | named | first three | depends |",
+        "|---" * 8 + "|",
+    ]
+    return lines + [_miss(r) for r in results if not _good(r)]
+
+
+def _of(results: Sequence[Result], kind: str) -> list[Result]:
+    """The logs of a kind, exact aliases left out."""
+    own = [r for r in results if r.job.kind == kind]
+    return [r for r in own if max(r.beyond, default=0) > ALIAS] if kind == "single" else own
+
+
+def _fraction(
+    results: Sequence[Result], own: Check, peer: Callable[[list[str], Result], bool] | None = None
+) -> Measured:
+    count, answered = sum(map(own, results)), [r for r in results if r.peer is not None]
+    told = ""
+    if peer is not None and answered:
+        told = f"PySINDy {_share(sum(peer((r.peer or {})['ranked'], r) for r in answered), len(answered))}"
+    return Measured(count / len(results) if results else float("nan"), _share(count, len(results)), told)
+
+
+def _excess(results: Sequence[Result], rmse: Callable[[Result, str], float | None]) -> list[float]:
+    """By how many per cent the held-out RMSE is above the oracle's, where there is one."""
+    found = [(rmse(r, r.oracle[0]), r.oracle[1]) for r in results if r.oracle is not None]
+    return [100 * (own / least - 1) for own, least in found if own is not None]
+
+
+def _honest(r: Result) -> bool:
+    return r.verdict == "unexplained" and r.truth[0] in r.depends[:2]
+
+
+def _good(r: Result) -> bool:
+    return {
+        "single": max(r.beyond, default=0) <= ALIAS or r.named == r.truth,
+        "control": r.verdict == "nothing_missing",
+        "pair": set(r.named) == set(r.truth),
+        "outside": _honest(r),
+    }[r.job.kind]
+
+
+def _miss(r: Result) -> str:
+    truth = ", ".join(f"{t} {b:.3f}" for t, b in zip(r.truth, r.beyond, strict=False))
+    lists = (r.named, r.ranked[:3], r.depends[:3])
+    cells = [
+        f"{r.job.kind} {r.job.outside or ''}",
+        r.job.seed,
+        r.note,
+        truth,
+        r.verdict,
+        *map(", ".join, lists),
+    ]
+    return f"| {' | '.join(map(str, cells))} |"
+
+
+def _share(count: int, total: int) -> str:
+    """A fraction with its 95 % Clopper-Pearson interval."""
+    if total == 0:
+        return "-"
+    low = 0.0 if count == 0 else float(beta.ppf(0.025, count, total - count + 1))
+    high = 1.0 if count == total else float(beta.ppf(0.975, count + 1, total - count))
+    return f"{count}/{total} = {count / total:.2f} ({low:.2f} to {high:.2f})"

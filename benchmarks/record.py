@@ -1,0 +1,68 @@
+"""What a benchmark hands to the page, and how a figure is judged."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Literal
+
+HEAD = ("| what | asked | measured | peer | |", "|---|---|---|---|---|")
+
+
+@dataclass(frozen=True)
+class Asked:
+    """A figure that was asked for."""
+
+    what: str
+    bound: Literal["at most", "at least"]
+    limit: float
+    unit: str = ""
+
+    def reached(self, value: float) -> bool:
+        """Whether a value is within the limit; NaN is not."""
+        return value <= self.limit if self.bound == "at most" else value >= self.limit
+
+
+@dataclass(frozen=True)
+class Measured:
+    """The value that is judged; how it is told, if not by itself; what its peers have."""
+
+    value: float
+    told: str = ""
+    peer: str = ""
+
+
+@dataclass(frozen=True)
+class Part:
+    """What one benchmark found.
+
+    Attributes:
+        figures: key of the asked-for figure -> what was measured.
+        details: lines of Markdown.
+        curves: name -> (x, y), for the figure.
+    """
+
+    figures: Mapping[str, Measured]
+    details: list[str] = field(default_factory=list)
+    curves: Mapping[str, tuple[list[float], list[float]]] = field(default_factory=dict)
+
+
+def table(asked: Mapping[str, Asked], figures: Mapping[str, Measured]) -> list[str]:
+    """One row for each asked-for figure, measured or not, and whether it is reached."""
+    return [*HEAD, *(_row(one, figures.get(key)) for key, one in asked.items())]
+
+
+def tell(text: str) -> None:
+    """Show progress in one line of the terminal, where it is one."""
+    if sys.stderr.isatty():
+        print(f"\r\x1b[K{text}", end="", file=sys.stderr, flush=True)
+
+
+def _row(asked: Asked, measured: Measured | None) -> str:
+    wanted = f"{asked.bound} {asked.limit:.3g} {asked.unit}".rstrip()
+    if measured is None:
+        return f"| {asked.what} | {wanted} | | | not measured |"
+    told = measured.told or f"{measured.value:.3g} {asked.unit}".rstrip()
+    judged = "reached" if asked.reached(measured.value) else "not reached"
+    return f"| {asked.what} | {wanted} | {told} | {measured.peer} | {judged} |"
