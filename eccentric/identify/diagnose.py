@@ -39,10 +39,11 @@ from eccentric.identify.balances import (
 from eccentric.identify.candidates import Candidate
 from eccentric.identify.channels import Channels, read_channels
 from eccentric.identify.drive import drive_of, loaded_model
+from eccentric.identify.emitted import Bench
 from eccentric.identify.finding import Finding
 from eccentric.identify.least_squares import bounded
 from eccentric.identify.orders import Order, orders_of
-from eccentric.identify.refit import Bench, Refit, refit, residual_samples
+from eccentric.identify.refit import Refit, refit, residual_samples
 from eccentric.identify.rig import Rig, read_rig
 from eccentric.identify.rows import MANY_RUNS, Rows
 from eccentric.identify.score import Score, leave_runs_out, score

@@ -8,7 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from eccentric.effects.effect import Effect
-from eccentric.identify.refit import Bench, Refit, refit
+from eccentric.identify.emitted import Bench
+from eccentric.identify.refit import Refit, refit
 from eccentric.identify.uncertainty import improvement, improvement_over_runs
 from eccentric.model import Model
 
