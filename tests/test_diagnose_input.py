@@ -7,6 +7,8 @@ import pytest
 
 from eccentric.cli import main
 from eccentric.identify.diagnose import diagnose
+from eccentric.identify.diagnosis import document
+from eccentric.identify.report.gather import report_data
 
 ROOT = Path(__file__).resolve().parent.parent
 LOG = ROOT / "examples" / "bench" / "bench.csv.gz"
@@ -58,6 +60,32 @@ def test_zero_angle_to_be_found_does_not_hide_behind_an_effect(tmp_path: Path) -
     found = diagnose([LOG], rig)
 
     assert ["link_harmonic_friction"] == [effect.family for effect, _ in found.effects]
+
+
+def test_zero_angle_and_offset_are_told_once_as_they_were_planted(tmp_path: Path) -> None:
+    """Both are in the result once, under the rig's names; their intervals hold what was added to the log."""
+    rig = rig_with(
+        tmp_path,
+        (
+            'drive = "current"',
+            'drive = "voltage"\ntheta_zero_rad = "estimate"\nvoltage_offset_V = "estimate"',
+        ),
+        ('theta_m = "theta_m_rad"', 'theta_m = "theta_m_rad + 0.25"'),
+        ('voltage = "voltage_V"\ncurrent = "current_A"', 'voltage = "voltage_V + 0.3"'),
+    )
+    found = diagnose([LOG], rig)
+    said = document(found)["rig_identified"]
+    shown = {fact.name: fact.value for fact in report_data(found).facts}
+
+    assert {"theta_zero_rad", "voltage_offset_V"} == set(said)
+    # 0.25 rad at the motor are a fifth of that at the link.
+    for name, label, planted in (
+        ("theta_zero_rad", "zero angle", 0.25 / 5),
+        ("voltage_offset_V", "voltage offset", 0.3),
+    ):
+        low, high = said[name]["interval_95"]
+        assert low <= planted <= high
+        assert f"{said[name]['value']:.4g}" == shown[label].split()[0]
 
 
 def test_logs_may_begin_at_any_time(tmp_path: Path) -> None:

@@ -98,7 +98,7 @@ def test_offset_of_the_voltage_is_found(tmp_path: Path) -> None:
         for name, run in log_of(rig).items()
     }
     fitted = refitted(tmp_path, runs, VOLTAGE, rig.known, RUNS + 'voltage_offset_V = "estimate"\n')
-    assert is_found(fitted, "voltage_offset", 0.3)
+    assert is_found(fitted, "voltage_offset_V", 0.3)
     assert is_found(fitted, "R/k_i", rig.R / rig.k_i, 1e-3)
 
 

@@ -106,15 +106,12 @@ def _errors(found: Diagnosis) -> dict[str, Any]:
 
 
 def _identified(found: Diagnosis) -> dict[str, Any]:
-    """What the rig left to the log: alignment, and quantities with their uncertainty."""
-    c = found.channels
-    letters = {"J_m", "J_l", "T_load", "R/k_i", "1/k_i", "k_e", "L", "M", "voltage_offset", "theta_zero"}
-    aligned = {
-        "input_delay_s": c.input_delay_s,
-        "theta_zero_rad": c.theta_zero_rad,
-        "voltage_offset_V": c.voltage_offset_V,
-    }
-    said: dict[str, Any] = {name: aligned[name] for name in sorted(found.rig.estimate)}
+    """What the rig left to the log: alignment, and quantities with their uncertainty.
+
+    A zero angle or an offset that the refit has moved replaces that of the first fit.
+    """
+    letters = {"J_m", "J_l", "T_load", "R/k_i", "1/k_i", "k_e", "L", "M"} | found.rig.estimate
+    said: dict[str, Any] = {name: getattr(found.channels, name) for name in sorted(found.rig.estimate)}
     for name, e in found.shipped.estimates.items():
         if name in letters:
             interval = list(e.interval)

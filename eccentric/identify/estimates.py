@@ -67,9 +67,9 @@ def _outside(name: str, fit: Turns) -> tuple[str, float, float, str]:
     if name == "back_emf":
         return "k_e", fit.values["k_e"], scale, "V s/rad"
     if name == "zero_angle":
-        return "theta_zero", drive.channels.theta_zero_rad + fit.zero, 1.0, "rad"
+        return "theta_zero_rad", drive.channels.theta_zero_rad + fit.zero, 1.0, "rad"
     offset = drive.channels.voltage_offset_V + fit.offset
-    return "voltage_offset", offset, scale, "V"
+    return "voltage_offset_V", offset, scale, "V"
 
 
 def shares(fit: Turns, base: Model) -> dict[str, float]:

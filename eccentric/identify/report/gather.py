@@ -246,6 +246,10 @@ def _facts(found: Diagnosis) -> list[Fact]:
 
     def aligned(name: str, field: str, unit: str, factor: float = 1.0) -> Fact:
         value = getattr(channels, field)
+        if e := found.shipped.estimates.get(field):
+            return Fact(
+                name, f"{e.value:.4g} {unit}", f"estimated, 95 % interval {range_of(e.interval)} {unit}"
+            )
         given = "estimated" if field in found.rig.estimate else "from the rig file" if value else "none given"
         return Fact(name, f"{factor * value:.4g} {unit}", given)
 
