@@ -136,6 +136,26 @@ class Diagnosis:
         return self.channels.findings
 
     @property
+    def unsettled(self) -> tuple[str, ...]:
+        """Those of the models whose fit was stopped before it had settled."""
+        fits = {
+            "linear": self.linear,
+            "paper": self.paper,
+            "extended": self.extended,
+            "shipped": self.shipped,
+        }
+        return tuple(name for name, fit in fits.items() if not fit.settled)
+
+    @property
+    def warnings(self) -> tuple[str, ...]:
+        """Of the reader, of the first fit, and of fits that have not settled."""
+        said = (*self.channels.warnings, *self.bench.drive.warnings)
+        if not self.unsettled:
+            return said
+        models = f"model{'s' * (len(self.unsettled) > 1)} {', '.join(self.unsettled)}"
+        return (*said, f"the fit of the {models} has not settled: its values and errors are not final")
+
+    @property
     def rows(self) -> Rows:
         """The rows that errors are reported on."""
         return self.bench.rows

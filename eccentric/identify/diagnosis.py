@@ -65,7 +65,8 @@ def document(found: Diagnosis) -> dict[str, Any]:
             "intervals_s": [list(map(float, pair)) for pair in found.channels.holdout.intervals_s],
         },
         "rows": found.channels.counts,
-        "warnings": [*found.channels.warnings, *found.bench.drive.warnings],
+        "settled": not found.unsettled,
+        "warnings": list(found.warnings),
     }
 
 

@@ -16,6 +16,8 @@ from eccentric.model import Model
 __all__ = ["Refit", "refit", "residual_samples"]
 
 Array = np.ndarray
+_SHOWN = 1e-4
+"""Results are shown with four digits."""
 
 
 @dataclass(frozen=True)
@@ -32,6 +34,7 @@ class Refit:
         shares: effect id -> RMS of its torque as a fraction of that of the friction, on training rows.
         target: (rows,) what the mechanical friction, effects included, has to be [N m].
         bench: what it was fitted on.
+        change: relative, of the scale or of the current that the model asks for, by the last turn of the fit.
     """
 
     model: Model
@@ -43,6 +46,12 @@ class Refit:
     shares: dict[str, float]
     target: Array
     bench: Bench
+    change: float
+
+    @property
+    def settled(self) -> bool:
+        """Whether another turn would leave the digits that are shown."""
+        return self.change < _SHOWN
 
     def held_out(self, balance: str, per: float = 1.0) -> float:
         """Held-out RMSE of a balance [N m], divided by `per`."""
@@ -85,6 +94,7 @@ def refit(
         shares(turns, base) if effects and without is None else {},
         turns.target,
         bench,
+        turns.change,
     )
 
 

@@ -45,7 +45,7 @@ class Solved:
 
 
 class Turns:
-    """The turns of one fit; values, scale, residuals and target (as in `Refit`) are those of the last one."""
+    """The turns of one fit; values, scale, residuals, target, change (as in `Refit`) are of the last one."""
 
     def __init__(
         self,
@@ -73,6 +73,7 @@ class Turns:
         self.values |= dict.fromkeys(_all_friction(base), 0.0) | self.shapes
         self.values |= {q.name: 0.0 for effect, _ in effects for q in effect.coefficients}
         self.offset = self.zero = 0.0
+        self.change = np.inf
         self.current: Array | None = None
         used = bench.rows.train | bench.rows.score
         self.train = bench.rows.train if without is None else used & (bench.rows.run != without)
@@ -81,15 +82,23 @@ class Turns:
         self.target = np.empty(0)
 
     def run(self) -> None:
-        """Turn until the scale has settled."""
+        """Turn until scale and current have settled, or the limit is reached."""
         current = not self.bench.drive.measured_twice and bool(self.effects)
         turns = _TURNS if "gravity" in self.bench.drive.open or current else 1
-        for turn in range(turns):
-            if current:
-                self.current = self.bench.signals.values["i"] if turn == 0 else self._model_current()
-            change = self._turn()
-            if abs(change) < _SETTLED and not current:
+        for _ in range(turns):
+            moved = self._follow() if current else 0.0
+            self.change = max(abs(self._turn()), moved)
+            if self.change < _SETTLED:
                 return
+
+    def _follow(self) -> float:
+        """Take the current that the last turn asks for; return the RMS of what it changed by, relative."""
+        before = self.current
+        if before is None:
+            self.current = self.bench.signals.values["i"]
+            return np.inf
+        self.current = self._model_current()
+        return float(np.linalg.norm(self.current - before) / np.linalg.norm(self.current))
 
     def _model_current(self) -> Array:
         """The current (samples,) that the model of the last turn asks for [A at the scale of the fit]."""

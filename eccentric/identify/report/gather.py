@@ -79,9 +79,7 @@ def report_data(found: Diagnosis, files: Sequence[tuple[str, str]] = ()) -> Repo
         equations=tuple(friction_equations(found.extended.model, effects)),
         facts=tuple(_facts(found)),
         warnings=tuple(
-            text
-            for text in (*found.channels.warnings, *found.bench.drive.warnings)
-            if text not in {finding.text for finding in found.quality}
+            text for text in found.warnings if text not in {finding.text for finding in found.quality}
         ),
         findings=tuple(Finding(f.kind, f.channel, f.text, f.rows, f.severity) for f in found.quality),
         next_measurement=attribution.next_measurement,
