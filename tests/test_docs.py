@@ -177,7 +177,7 @@ def test_the_site_holds_no_path_of_this_computer(site: Path) -> None:
 
 
 def test_the_first_page_shows_the_errors_of_least_squares_by_hand(site: Path) -> None:
-    """Before and after in its picture are those of the paper's columns alone, and with the planted harmonic."""
+    """Its picture has those of the paper's columns alone before, and with the planted harmonic after."""
     rig = read_rig(ROOT / "examples" / "bench" / "bench.toml")
     c, k = read_channels([ROOT / "examples" / "bench" / "bench.csv.gz"], rig), rig.known
     link, sign = k["mu"] * c.theta_m, np.sign(c.omega_m)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -11,8 +12,10 @@ import pytest
 from eccentric.errors import InputError
 from eccentric.identify.channels import read_channels
 from tests.logged import (
+    PHASE,
     RIG,
     STANDARD,
+    SWING,
     T,
     channels_of,
     log_file,
@@ -47,6 +50,16 @@ def test_named_runs_are_held_out(tmp_path: Path) -> None:
     np.testing.assert_array_equal(c.held_out, c.run == 0)
     with pytest.raises(InputError, match="holdout_runs: one of 1, 2 is required, received '3'"):
         channels_of(tmp_path, log, 'holdout_runs = ["3"]\n' + RIG)
+
+
+def test_the_default_moving_threshold_does_not_look_at_the_held_out_part(tmp_path: Path) -> None:
+    """Where only held-out rows swing three times as fast, it stays 3 % of the others' upper end."""
+    fast = (T >= 4.0) & (T <= 8.0)
+    angle = 8.0 * np.sin(np.where(fast, 3.0, 1.0) * SWING * (T - 4.0) + PHASE)
+    c = channels_of(tmp_path, STANDARD | {"theta_m_rad": angle}, "holdout_intervals_s = [[4.0, 8.0]]\n" + RIG)
+    # The 95th percentile of |cos| is sin(0.95 pi/2).
+    expected = 0.03 * 8.0 * SWING * math.sin(0.95 * math.pi / 2.0)
+    assert c.moving_threshold_rad_s == pytest.approx(expected, rel=1e-2)
 
 
 def three_runs() -> dict[str, Sequence[object]]:
