@@ -1,13 +1,14 @@
 """What `diagnose` takes besides the bundled rig, and what it refuses in one line."""
 
 import gzip
+import re
 from pathlib import Path
 
 import pytest
 
 from eccentric.cli import main
 from eccentric.identify.diagnose import diagnose
-from eccentric.identify.diagnosis import document
+from eccentric.identify.diagnosis import document, sentence
 from eccentric.identify.report.gather import report_data
 
 ROOT = Path(__file__).resolve().parent.parent
@@ -130,3 +131,17 @@ def test_what_cannot_be_diagnosed_is_one_line(
     assert (2, 1) == (status, len(error))
     assert said in error[0]
     assert not (tmp_path / "out").exists()
+
+
+@pytest.mark.parametrize("k_e", ["0.05", "0.03"])
+def test_a_wrong_constant_of_the_rig_is_told_as_what_it_is(tmp_path: Path, k_e: str) -> None:
+    """The sentence gives the quantity, its value by the log and that of the rig, and says it once."""
+    rig = rig_with(tmp_path, ('k_e = "0.063 V s/rad"', f'k_e = "{k_e} V s/rad"'))
+    said = sentence(diagnose([LOG], rig))
+    (value,) = re.findall(
+        rf"the right value of k_e \(ke_mismatch: (\S+) V s/rad, {k_e} in the rig file\)", said
+    )
+
+    # The bench has 0.063 V s/rad; its encoder and its low pass cost some per mille.
+    assert float(value) == pytest.approx(0.063, rel=5e-3)
+    assert 1 == said.lower().count("k_e")
