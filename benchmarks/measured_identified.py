@@ -26,7 +26,7 @@ def _servo(found: Diagnosis) -> Table:
         "R/k_i": ("R/k_i [V/(N m)]", 1.0),
         "k_e": ("k_e [V s/rad]", 1.0),
         "J_m": ("J_m, rotor and gear [g m^2]", 1e3),
-        "theta_zero": ("zero angle [rad]", 1.0),
+        "theta_zero_rad": ("zero angle [rad]", 1.0),
         "C_m": ("C, Coulomb [mN m]", 1e3),
         "B_m": ("B, viscous [mN m s/rad]", 1e3),
         "C_lN": ("C_lN, by F_N [mm]", 1e3),
@@ -63,8 +63,16 @@ def _disc(found: Diagnosis) -> Table:
     estimates = found.linear.estimates
     rows: dict[str, list[Cell]] = {
         "input delay [ms]": [1e3 * channels.input_delay_s, None, None],
-        "zero angle [rad]": [estimates["theta_zero"].value, list(estimates["theta_zero"].interval), None],
-        "offset [V]": [estimates["voltage_offset"].value, list(estimates["voltage_offset"].interval), None],
+        "zero angle [rad]": [
+            estimates["theta_zero_rad"].value,
+            list(estimates["theta_zero_rad"].interval),
+            None,
+        ],
+        "offset [V]": [
+            estimates["voltage_offset_V"].value,
+            list(estimates["voltage_offset_V"].interval),
+            None,
+        ],
         # The simulator of the source: J, tau and K of a model with viscous friction only.
         "R/k_i [V/(N m)]": [scale, list(estimates["R/k_i"].interval), 0.397973 / (10.5082 * 2.44211e-4)],
         "inertia [g m^2]": [1e3 * (values["J_m"] + values["J_l"]), None, 0.244211],

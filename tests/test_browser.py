@@ -52,6 +52,24 @@ WIDEST = (
     "Math.max(...[...document.querySelectorAll('.plot > *')].map((p) => p.getBoundingClientRect().width))"
 )
 
+SCROLLS_UPRIGHT = """() => [...document.querySelectorAll("main *")].filter((box) =>
+  box.scrollHeight > box.clientHeight && ["auto", "scroll"].includes(getComputedStyle(box).overflowY))
+  .map((box) => box.className)"""
+# Of neighbouring labels on the axes below, from the widths that a canvas measures.
+LEAST_GAP = """() => Math.min(...Bokeh.documents[0].roots().flatMap((root) => {
+  const view = Bokeh.index.get_by_id(root.id);
+  const axis = view.views.get_one(root.below[0]);
+  const pen = document.createElement("canvas").getContext("2d");
+  pen.font = "12px system-ui, sans-serif";
+  const [ticks] = axis.tick_coords.major;
+  const labels = axis.compute_labels(ticks).items.map((label, k) => {
+    const half = pen.measureText(label.text).width / 2;
+    const at = view.frame.x_scale.compute(ticks[k]);
+    return [at - half, at + half];
+  }).sort((a, b) => a[0] - b[0]);
+  return labels.slice(1).map(([start], k) => start - labels[k][1]);
+}))"""
+
 Opened = Callable[..., Any]
 
 
@@ -132,6 +150,26 @@ def test_names_that_are_attacks_are_text(opened: Opened) -> None:
     assert 0 == one.locator("img").count()
     assert 3 == one.locator("script").count()
     assert HOSTILE in (one.locator("main").text_content() or "")
+
+
+@pytest.mark.parametrize("zoom", [0.9, 1.0, 1.1])
+def test_equations_and_tables_scroll_sideways_only(opened: Opened, zoom: float) -> None:
+    """At no zoom does a box whose content is a pixel too high for it get an upright scrollbar."""
+    one = opened("bundled")
+    one.evaluate(f"document.body.style.zoom = {zoom}")
+
+    assert [] == one.evaluate(SCROLLS_UPRIGHT)
+
+
+def test_labels_of_a_phone_do_not_touch(opened: Opened) -> None:
+    """At 360 pixels there is a gap between labels, also those of 0.018 N m either way, after a resize too."""
+    one = opened("short", viewport={"width": 1200, "height": 740})
+    all_drawn(one)
+    one.evaluate("Bokeh.documents[0].roots()[0].x_range.setv({ start: -0.018, end: 0.018 })")
+    one.set_viewport_size({"width": 360, "height": 740})
+    one.wait_for_function(f"() => {WIDEST} < 360")
+
+    assert one.evaluate(LEAST_GAP) > 0.0
 
 
 @pytest.mark.parametrize("name", ["bundled", "hostile"])

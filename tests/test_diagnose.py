@@ -1,9 +1,11 @@
 """Close the loop: effects are found and added, a control is left alone, the unknown stays unnamed."""
 
+import ast
 import importlib.util
 import inspect
 import json
 import os
+import re
 import subprocess
 import sys
 from dataclasses import replace
@@ -161,6 +163,15 @@ def test_model_script_prints_the_extended_derivation(bundled: Path) -> None:
 
     assert "link_harmonic_friction[n=2]" in printed.splitlines()[0]
     assert "Effect link_harmonic_friction[n=2]" in printed
+
+
+def test_model_script_lists_its_channels_in_order(bundled: Path) -> None:
+    """A set prints in another order in every run of Python; model.py is the same in all."""
+    (channels,) = re.findall(
+        r"channels=frozenset\((.*)\)", (bundled / "model.py").read_text(encoding="utf-8")
+    )
+
+    assert ["current", "voltage"] == ast.literal_eval(channels)
 
 
 def log_of(tmp_path: Path, seed: int, *effects: tuple[str, float], **given: Any) -> tuple[Path, Path]:

@@ -1,12 +1,15 @@
 """What `diagnose` takes besides the bundled rig, and what it refuses in one line."""
 
 import gzip
+import re
 from pathlib import Path
 
 import pytest
 
 from eccentric.cli import main
 from eccentric.identify.diagnose import diagnose
+from eccentric.identify.diagnosis import document, sentence
+from eccentric.identify.report.gather import report_data
 
 ROOT = Path(__file__).resolve().parent.parent
 LOG = ROOT / "examples" / "bench" / "bench.csv.gz"
@@ -60,6 +63,32 @@ def test_zero_angle_to_be_found_does_not_hide_behind_an_effect(tmp_path: Path) -
     assert ["link_harmonic_friction"] == [effect.family for effect, _ in found.effects]
 
 
+def test_zero_angle_and_offset_are_told_once_as_they_were_planted(tmp_path: Path) -> None:
+    """Both are in the result once, under the rig's names; their intervals hold what was added to the log."""
+    rig = rig_with(
+        tmp_path,
+        (
+            'drive = "current"',
+            'drive = "voltage"\ntheta_zero_rad = "estimate"\nvoltage_offset_V = "estimate"',
+        ),
+        ('theta_m = "theta_m_rad"', 'theta_m = "theta_m_rad + 0.25"'),
+        ('voltage = "voltage_V"\ncurrent = "current_A"', 'voltage = "voltage_V + 0.3"'),
+    )
+    found = diagnose([LOG], rig)
+    said = document(found)["rig_identified"]
+    shown = {fact.name: fact.value for fact in report_data(found).facts}
+
+    assert {"theta_zero_rad", "voltage_offset_V"} == set(said)
+    # 0.25 rad at the motor are a fifth of that at the link.
+    for name, label, planted in (
+        ("theta_zero_rad", "zero angle", 0.25 / 5),
+        ("voltage_offset_V", "voltage offset", 0.3),
+    ):
+        low, high = said[name]["interval_95"]
+        assert low <= planted <= high
+        assert f"{said[name]['value']:.4g}" == shown[label].split()[0]
+
+
 def test_logs_may_begin_at_any_time(tmp_path: Path) -> None:
     """Two logs, the later one with earlier time stamps, are two runs and not an error."""
     rig = rig_with(tmp_path, ("holdout_intervals_s", "# holdout_intervals_s"))
@@ -102,3 +131,17 @@ def test_what_cannot_be_diagnosed_is_one_line(
     assert (2, 1) == (status, len(error))
     assert said in error[0]
     assert not (tmp_path / "out").exists()
+
+
+@pytest.mark.parametrize("k_e", ["0.05", "0.03"])
+def test_a_wrong_constant_of_the_rig_is_told_as_what_it_is(tmp_path: Path, k_e: str) -> None:
+    """The sentence gives the quantity, its value by the log and that of the rig, and says it once."""
+    rig = rig_with(tmp_path, ('k_e = "0.063 V s/rad"', f'k_e = "{k_e} V s/rad"'))
+    said = sentence(diagnose([LOG], rig))
+    (value,) = re.findall(
+        rf"the right value of k_e \(ke_mismatch: (\S+) V s/rad, {k_e} in the rig file\)", said
+    )
+
+    # The bench has 0.063 V s/rad; its encoder and its low pass cost some per mille.
+    assert float(value) == pytest.approx(0.063, rel=5e-3)
+    assert 1 == said.lower().count("k_e")

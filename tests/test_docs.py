@@ -13,10 +13,13 @@ from html.parser import HTMLParser
 from pathlib import Path
 from urllib.parse import unquote
 
+import numpy as np
 import pytest
 
 from eccentric.cli import COMMANDS
 from eccentric.effects import FAMILIES, Setting, library
+from eccentric.identify.channels import read_channels
+from eccentric.identify.rig import read_rig
 
 ROOT = Path(__file__).resolve().parents[1]
 FETCHED = {"src", "srcset", "data", "poster", "action", "background"}
@@ -171,3 +174,25 @@ def test_the_site_holds_no_path_of_this_computer(site: Path) -> None:
             text = path.read_text(encoding="utf-8")
             for place in (ROOT, site, Path.home() if Path.home() != Path("/") else ROOT):
                 assert f"{place}/" not in text, path.name
+
+
+def test_the_first_page_shows_the_errors_of_least_squares_by_hand(site: Path) -> None:
+    """Its picture has those of the paper's columns alone before, and with the planted harmonic after."""
+    rig = read_rig(ROOT / "examples" / "bench" / "bench.toml")
+    c, k = read_channels([ROOT / "examples" / "bench" / "bench.csv.gz"], rig), rig.known
+    link, sign = k["mu"] * c.theta_m, np.sign(c.omega_m)
+    pull, weight = k["M"] * k["L"] * (k["mu"] * c.omega_m) ** 2, (k["M"] + k["M_l"]) * 9.81
+    normal = np.hypot(pull * np.sin(link), pull * np.cos(link) + weight)
+    assert c.current is not None
+    inertia = k["J_m"] + k["mu"] ** 2 * k["J_l"]
+    gravity = k["mu"] * k["M"] * 9.81 * k["L"] * np.sin(link)
+    target = k["k_i"] * c.current - inertia * c.alpha_m - gravity
+    paper = [sign, c.omega_m, normal * sign, normal * c.omega_m]
+    shown, expected = c.score_rows & (c.omega_m > 0.0), []
+    for columns in (paper, [*paper, np.cos(2.0 * link) * sign, np.sin(2.0 * link) * sign]):
+        design = np.column_stack(columns)
+        found = np.linalg.lstsq(design[c.fit_rows], target[c.fit_rows], rcond=None)[0]
+        expected.append(f"{1e3 * np.sqrt(np.mean((target - design @ found)[shown] ** 2)):.0f}")
+    picture = (site / "_images" / "bench.svg").read_text(encoding="utf-8")
+
+    assert expected == re.findall(r": (\d+) mN m rms", picture)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -13,6 +14,7 @@ from eccentric.identify.diagnose import Diagnosis, diagnose
 from eccentric.identify.diagnosis import document
 from eccentric.identify.drive import Drive, drive_of, loaded_model
 from eccentric.identify.refit import Refit, refit
+from eccentric.identify.report.gather import report_data
 from eccentric.identify.rig import read_rig
 from eccentric.model import load_model
 from tests.swing import Array, Friction, Run, Swing, driven, free, write_rig, write_runs
@@ -98,7 +100,7 @@ def test_offset_of_the_voltage_is_found(tmp_path: Path) -> None:
         for name, run in log_of(rig).items()
     }
     fitted = refitted(tmp_path, runs, VOLTAGE, rig.known, RUNS + 'voltage_offset_V = "estimate"\n')
-    assert is_found(fitted, "voltage_offset", 0.3)
+    assert is_found(fitted, "voltage_offset_V", 0.3)
     assert is_found(fitted, "R/k_i", rig.R / rig.k_i, 1e-3)
 
 
@@ -203,6 +205,25 @@ def test_stribeck_friction_is_not_named_presliding(tmp_path: Path) -> None:
     """Dry friction that falls with speed and has no memory is not named as one that has."""
     found = diagnosed(tmp_path, stribeck)
     assert "presliding" not in {effect.family for effect, _ in found.effects}
+
+
+def test_a_fit_that_is_stopped_too_early_says_so(
+    with_load: Diagnosis, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """One turn takes back what the scale was too large by, and is not the last: result and page tell it."""
+    bench = with_load.bench
+    assert bench.drive.scale is not None
+    wrong = replace(bench, drive=replace(bench.drive, scale=1.05 * bench.drive.scale))
+    monkeypatch.setattr("eccentric.identify.turns._TURNS", 1)
+    early = refit(with_load.base, (), wrong, bounds=False)
+    found = replace(with_load, paper=early)
+
+    assert early.change == pytest.approx(1.0 - 1.0 / 1.05, rel=1e-2)
+    assert (True, False) == (with_load.paper.settled, early.settled)
+    assert (True, False) == (document(with_load)["settled"], document(found)["settled"])
+    for said in (document(found)["warnings"], report_data(found).warnings, found.warnings):
+        assert any("fit of the model paper has not settled" in warning for warning in said)
+    assert not any("settled" in warning for warning in with_load.warnings)
 
 
 @pytest.mark.parametrize("name", ["with_drag", "with_load", "control"])

@@ -9,13 +9,15 @@ import numpy as np
 import pytest
 
 from eccentric.errors import InputError
+from eccentric.identify.balances import bench_of
 from eccentric.identify.channels import Channels, read_channels
+from eccentric.identify.drive import drive_of
 from eccentric.identify.problem import pose
 from eccentric.identify.rig import Rig, read_rig
 from eccentric.identify.rows import rows_of
 from eccentric.model import load_model
 from tests import screw
-from tests.planted import FRICTION, KNOWN, MASS, RATE, TORQUE, T, fitted, motion, torque, written
+from tests.planted import FRICTION, K_I, KNOWN, MASS, MOTOR, RATE, TORQUE, T, fitted, motion, torque, written
 from tests.swing import GARBAGE_V, Run, Swing, driven, write_rig, write_runs
 
 AVERAGE_S = 0.2
@@ -145,3 +147,16 @@ def test_nothing_driven_to_hold_out_is_refused_in_one_line(tmp_path: Path) -> No
     with pytest.raises(InputError, match="average_over: at least one average to hold out is required") as no:
         pose(channels, rig, load_model(rig.model))
     assert "\n" not in str(no.value)
+
+
+def test_the_voltage_of_expressions_passes_the_low_pass_of_the_rig(tmp_path: Path) -> None:
+    """A sine of 6 Hz keeps the gain |H|^2 of a Butterworth low pass at the 8 Hz that the rig asks for."""
+    u = np.sin(2.0 * math.pi * 6.0 * T)
+    known = 'case = "C2"\n' + KNOWN + MOTOR + MASS
+    columns = {"voltage_V": u, "current_A": torque("C2", FRICTION) / K_I}
+    channels, rig = written(tmp_path, known, columns, "low_pass_hz = 8.0")
+    model = load_model(rig.model)
+    found = bench_of(drive_of(channels, channels.rig, model), channels.rig, model).signals.values["u"]
+    warped = math.tan(math.pi * 6.0 / RATE) / math.tan(math.pi * 8.0 / RATE)
+    middle = (T > 1.0) & (T < T[-1] - 1.0)
+    np.testing.assert_allclose(found[middle], u[middle] / (1.0 + warped**4), atol=1e-6)

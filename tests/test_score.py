@@ -10,7 +10,8 @@ import pytest
 from eccentric.identify.balances import bench_of
 from eccentric.identify.channels import read_channels
 from eccentric.identify.drive import drive_of
-from eccentric.identify.refit import Bench, refit
+from eccentric.identify.emitted import Bench
+from eccentric.identify.refit import refit
 from eccentric.identify.rig import read_rig
 from eccentric.identify.score import leave_runs_out
 from eccentric.model import Model, load_model

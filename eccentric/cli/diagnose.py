@@ -60,7 +60,7 @@ def run(args: argparse.Namespace) -> int:
     found = diagnose(args.logs, args.rig, args.model, args.effects, _progress())
     with whole_folder(args.out) as folder:
         names = _write(found, folder)
-    for warning in found.channels.warnings:
+    for warning in found.warnings:
         print(f"eccentric: warning: {warning}", file=sys.stderr)
     print("\n".join(lines(found)))
     print(f"{args.out}: {', '.join(names)}")

@@ -62,6 +62,8 @@ class Effect:
         special_of: families of which this one is a special case.
         repeats: whether another effect of the family may join it (harmonics of other orders).
         hint: what to measure to tell it from others.
+        corrects: a quantity that the rig declares and its true value, for an effect that is nothing but a
+            wrong declaration; without the effect's parameters it is the declared one.
     """
 
     id: str
@@ -84,6 +86,7 @@ class Effect:
     special_of: tuple[str, ...] = ()
     repeats: bool = False
     hint: str = ""
+    corrects: tuple[Quantity, sp.Expr] | None = None
 
     @property
     def parameters(self) -> tuple[Quantity, ...]:

@@ -39,6 +39,7 @@ def effects(setting: Setting) -> tuple[Effect, ...]:
             shapes=(Shape(ratio, -0.6, 0.9, "linear", 6),),
             definitions=definitions,
             replaces=replaces,
+            corrects=(v.M, true_mass.value),
             hint=HINT,
         )
         for suffix, formula, definitions, replaces in (

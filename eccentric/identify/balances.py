@@ -12,10 +12,10 @@ from eccentric.effects import Setting
 from eccentric.identify.adapter import Signals, base_columns, compiled
 from eccentric.identify.channels import Channels
 from eccentric.identify.drive import Drive
+from eccentric.identify.emitted import Bench
 from eccentric.identify.filters import smoothed
 from eccentric.identify.nulltest import sensor_noise
 from eccentric.identify.problem import seen_columns
-from eccentric.identify.refit import Bench
 from eccentric.identify.residual import Balance, Windows, make_balance
 from eccentric.identify.rig import Rig
 from eccentric.identify.rows import rows_of, search_windows
@@ -42,15 +42,15 @@ def bench_of(drive: Drive, rig: Rig, model: Model) -> Bench:
         "t": elapsed(channels),
     }
     if drive.measured_twice and channels.voltage is not None:
-        values["u"] = smoothed(channels.t, channels.segment, channels.voltage)
+        values["u"] = _smooth(channels, channels.voltage)
         values["i"] = (values["u"] - known["k_e"] * channels.omega_m) / known["R"]
     else:
-        values["i"] = smoothed(channels.t, channels.segment, drive.torque()) / known["k_i"]
+        values["i"] = _smooth(channels, drive.torque()) / known["k_i"]
     if drive.scale is not None:
         known |= {"k_e": known.get("k_e", 0.0), "R": drive.scale if drive.by_voltage else 1.0}
         known |= {} if drive.by_voltage else {"k_i": 1.0 / drive.scale}
     if drive.by_voltage:
-        values["u"] = smoothed(channels.t, channels.segment, drive.signal())
+        values["u"] = _smooth(channels, drive.signal())
     if channels.temperature is not None:
         values["temperature"] = channels.temperature
     starts = tuple(int(k) for k in np.flatnonzero(np.r_[True, np.diff(channels.segment) != 0]))
@@ -160,8 +160,13 @@ def drive_current(bench: Bench) -> Array:
     """The current (samples,) [A] that what is smooth may depend on: measured where a voltage tells it too."""
     drive = bench.drive
     if drive.measured_twice:
-        return smoothed(drive.channels.t, drive.channels.segment, drive.signal())
+        return _smooth(drive.channels, drive.signal())
     return bench.signals.values["i"]
+
+
+def _smooth(channels: Channels, x: Array) -> Array:
+    """A channel (samples,) after the low pass that the angle has passed."""
+    return smoothed(channels.t, channels.segment, x, channels.rig.low_pass_hz)
 
 
 def elapsed(channels: Channels) -> Array:

@@ -37,7 +37,7 @@ Mask = NDArray[np.bool_]
 QUANTA = 10.0
 """Default moving threshold: this many encoder steps within the 40 ms of the central difference ..."""
 SLOW = 0.03
-"""... and at least this fraction of the 95th percentile of the speed."""
+"""... and at least this fraction of the 95th percentile of the speed, outside the held-out part."""
 SWITCHING_S = 0.1
 """Rows this near to a switching of the motor are not used, s."""
 UNEVEN = 0.2
@@ -166,9 +166,9 @@ def read_channels(paths: Sequence[str | Path], rig: Rig) -> Channels:
     segment = filters.stretches(t, table.run)
     theta, omega_logged = _angle(table, rig, segment, warnings)
     quantum = _quantum(table, rig, theta, segment)
-    moving, threshold = _moving(t, theta, segment, rig, quantum)
-    seen = moving & ~hold_out(t, table.run, table.run_names, rig).rows
-    rig, said = suited(rig, t, theta, segment, seen)
+    holdout = hold_out(t, table.run, table.run_names, rig)
+    moving, threshold = _moving(t, theta, segment, rig, quantum, ~holdout.rows)
+    rig, said = suited(rig, t, theta, segment, moving & ~holdout.rows)
     warnings += [said] if said else []
     if math.isinf(rig.average_over) and not {"J_m", "J_l"} <= set(rig.known):
         # What little acceleration a constant speed has would take up anything that the friction lacks.
@@ -182,7 +182,8 @@ def read_channels(paths: Sequence[str | Path], rig: Rig) -> Channels:
         t, theta = table.channels["time"], table.channels["theta_m"]
         omega_logged = table.channels.get("omega_m")
         segment = filters.stretches(t, table.run)
-        moving, threshold = _moving(t, theta, segment, rig, quantum)
+        holdout = hold_out(t, table.run, table.run_names, rig)
+        moving, threshold = _moving(t, theta, segment, rig, quantum, ~holdout.rows)
     cut = math.inf if coarse else rig.low_pass_hz
     motion = _motion(t, theta, segment, cut, warnings)
     settled = _by_segment(segment, lambda rows: filters.away_from_ends(t[rows])).astype(bool)
@@ -205,7 +206,7 @@ def read_channels(paths: Sequence[str | Path], rig: Rig) -> Channels:
         moving=moving,
         usable=moving & settled & table.use & ~_switching(t, segment, table.motor_off),
         off=table.motor_off,
-        holdout=hold_out(t, table.run, table.run_names, rig),
+        holdout=holdout,
         drive=_drive(table.channels, rig),
         moving_threshold_rad_s=threshold,
         quantum_rad=quantum,
@@ -328,13 +329,13 @@ def _quantum(table: Table, rig: Rig, theta: Array, segment: NDArray[np.int64]) -
 
 
 def _moving(
-    t: Array, theta: Array, segment: NDArray[np.int64], rig: Rig, quantum: float
+    t: Array, theta: Array, segment: NDArray[np.int64], rig: Rig, quantum: float, fitted: Mask
 ) -> tuple[Mask, float]:
-    """Return the rows that move (n,), and the threshold [rad/s] that tells."""
+    """Return the rows that move (n,), and the threshold [rad/s] that tells: by the rig or by `fitted`."""
     velocity = _by_segment(segment, lambda rows: filters.span_velocity(t[rows], theta[rows]))
     threshold = rig.moving_threshold_rad_s
     if threshold is None:
-        threshold = _default_threshold(velocity, quantum)
+        threshold = _default_threshold(velocity[fitted], quantum)
     moves = _by_segment(segment, lambda rows: filters.moves(t[rows], velocity[rows], threshold))
     return moves.astype(bool), threshold
 

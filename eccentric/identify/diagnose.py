@@ -39,10 +39,11 @@ from eccentric.identify.balances import (
 from eccentric.identify.candidates import Candidate
 from eccentric.identify.channels import Channels, read_channels
 from eccentric.identify.drive import drive_of, loaded_model
+from eccentric.identify.emitted import Bench
 from eccentric.identify.finding import Finding
 from eccentric.identify.least_squares import bounded
 from eccentric.identify.orders import Order, orders_of
-from eccentric.identify.refit import Bench, Refit, refit, residual_samples
+from eccentric.identify.refit import Refit, refit, residual_samples
 from eccentric.identify.rig import Rig, read_rig
 from eccentric.identify.rows import MANY_RUNS, Rows
 from eccentric.identify.score import Score, leave_runs_out, score
@@ -133,6 +134,26 @@ class Diagnosis:
     def quality(self) -> tuple[Finding, ...]:
         """What is odd about the record."""
         return self.channels.findings
+
+    @property
+    def unsettled(self) -> tuple[str, ...]:
+        """Those of the models whose fit was stopped before it had settled."""
+        fits = {
+            "linear": self.linear,
+            "paper": self.paper,
+            "extended": self.extended,
+            "shipped": self.shipped,
+        }
+        return tuple(name for name, fit in fits.items() if not fit.settled)
+
+    @property
+    def warnings(self) -> tuple[str, ...]:
+        """Of the reader, of the first fit, and of fits that have not settled."""
+        said = (*self.channels.warnings, *self.bench.drive.warnings)
+        if not self.unsettled:
+            return said
+        models = f"model{'s' * (len(self.unsettled) > 1)} {', '.join(self.unsettled)}"
+        return (*said, f"the fit of the {models} has not settled: its values and errors are not final")
 
     @property
     def rows(self) -> Rows:

@@ -65,7 +65,8 @@ def document(found: Diagnosis) -> dict[str, Any]:
             "intervals_s": [list(map(float, pair)) for pair in found.channels.holdout.intervals_s],
         },
         "rows": found.channels.counts,
-        "warnings": [*found.channels.warnings, *found.bench.drive.warnings],
+        "settled": not found.unsettled,
+        "warnings": list(found.warnings),
     }
 
 
@@ -106,15 +107,12 @@ def _errors(found: Diagnosis) -> dict[str, Any]:
 
 
 def _identified(found: Diagnosis) -> dict[str, Any]:
-    """What the rig left to the log: alignment, and quantities with their uncertainty."""
-    c = found.channels
-    letters = {"J_m", "J_l", "T_load", "R/k_i", "1/k_i", "k_e", "L", "M", "voltage_offset", "theta_zero"}
-    aligned = {
-        "input_delay_s": c.input_delay_s,
-        "theta_zero_rad": c.theta_zero_rad,
-        "voltage_offset_V": c.voltage_offset_V,
-    }
-    said: dict[str, Any] = {name: aligned[name] for name in sorted(found.rig.estimate)}
+    """What the rig left to the log: alignment, and quantities with their uncertainty.
+
+    A zero angle or an offset that the refit has moved replaces that of the first fit.
+    """
+    letters = {"J_m", "J_l", "T_load", "R/k_i", "1/k_i", "k_e", "L", "M"} | found.rig.estimate
+    said: dict[str, Any] = {name: getattr(found.channels, name) for name in sorted(found.rig.estimate)}
     for name, e in found.shipped.estimates.items():
         if name in letters:
             interval = list(e.interval)
@@ -157,7 +155,7 @@ def sentence(found: Diagnosis) -> str:
         f" ({found.percent:.1f} %, 95 % interval {found.interval[0]:.1f} to {found.interval[1]:.1f} %)"
     )
     if a.verdict == "named":
-        names = " and ".join(effect.id for effect, _ in found.effects)
+        names = " and ".join(_name(found, effect) for effect, _ in found.effects)
         sure = min(_probability(found, effect) for effect, _ in found.effects)
         these = "it" if len(found.effects) == 1 else "them"
         return f"The model lacks {names} (probability {sure:.2f}); with {these} {gain}.{_first(found)}"
@@ -191,9 +189,29 @@ def sentence(found: Diagnosis) -> str:
     )
 
 
+def _name(found: Diagnosis, effect: Effect) -> str:
+    """Its id; where it is a wrong declaration, which quantity of the rig should have which value."""
+    if effect.corrects is None:
+        return effect.id
+    quantity, value = effect.corrects
+    fitted = {q.symbol: found.extended.values[q.name] for q in effect.parameters}
+    letters = {s.name: s for s in value.free_symbols - set(fitted)}
+    if not set(letters) <= set(found.rig.known):
+        return effect.id
+    declared = {s: found.rig.known[name] for name, s in letters.items()}
+    true, said = (float(value.subs(declared | x)) for x in (fitted, dict.fromkeys(fitted, 0)))
+    return (
+        f"the right value of {quantity.name} ({effect.id}: {true:.4g} {quantity.unit},"
+        f" {said:.4g} in the rig file)"
+    )
+
+
 def _first(found: Diagnosis) -> str:
-    """What the record itself says is wrong, if anything."""
-    grave = [f for f in found.quality if f.severity == "warning" and f.kind in _GRAVE]
+    """What the record itself says is wrong, if anything that the named effects do not say."""
+    told = {effect.corrects[0].name for effect, _ in found.effects if effect.corrects}
+    grave = [
+        f for f in found.quality if f.severity == "warning" and f.kind in _GRAVE and f.channel not in told
+    ]
     return f" {grave[0].text[0].upper()}{grave[0].text[1:]}." if grave else ""
 
 

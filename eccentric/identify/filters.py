@@ -50,7 +50,7 @@ def low_pass(x: Array, rate_hz: float, cut_hz: float) -> Array | None:
     return np.asarray(sosfiltfilt(butter(2, cut_hz, fs=rate_hz, output="sos"), x, axis=0))
 
 
-def smoothed(t: Array, segment: NDArray[np.int64], x: Array, cut_hz: float = 25.0) -> Array:
+def smoothed(t: Array, segment: NDArray[np.int64], x: Array, cut_hz: float) -> Array:
     """Return x (n,) or (n, k) after the low pass, stretch by stretch; as it is where one is too coarse."""
     out = np.array(x, float)
     for number in np.unique(segment):

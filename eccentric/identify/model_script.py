@@ -29,7 +29,10 @@ def script(found: Diagnosis) -> str:
     adopted = found.shipped.effects
     names = ", ".join(effect.id for effect, _ in adopted) or "no effect"
     origin = ", ".join(found.logs)
+    # A set prints in another order in every run.
+    channels = found.setting.channels
     setting = pprint.pformat(found.setting, width=100, compact=True)
+    setting = setting.replace(repr(channels), f"frozenset({sorted(channels)})")
     chosen = pprint.pformat([(effect.id, own) for effect, own in adopted], width=100)
     letters = {q.name for q in found.shipped.model.parameters}
     values = {k: v for k, v in found.shipped.values.items() if k in letters and v is not None}

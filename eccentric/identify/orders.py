@@ -14,7 +14,7 @@ import numpy as np
 from scipy.ndimage import median_filter
 from scipy.signal import find_peaks, lombscargle
 
-from eccentric.identify.refit import Bench
+from eccentric.identify.emitted import Bench
 
 __all__ = ["Order", "orders_of"]
 

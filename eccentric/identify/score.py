@@ -8,8 +8,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from eccentric.effects.effect import Effect
-from eccentric.identify.refit import Bench, Refit, refit
-from eccentric.identify.uncertainty import DRAWS, improvement
+from eccentric.identify.emitted import Bench
+from eccentric.identify.refit import Refit, refit
+from eccentric.identify.uncertainty import improvement, improvement_over_runs
 from eccentric.model import Model
 
 __all__ = ["OverRuns", "Score", "leave_runs_out", "score"]
@@ -111,21 +112,15 @@ def leave_runs_out(base: Model, extended: Refit, bench: Bench) -> OverRuns | Non
             factor = (found.scale or 1.0) / (extended.scale or 1.0)
             squares[name][k] = float(np.sum((found.residuals["mechanical"][own] * factor) ** 2))
     gains = {
-        after: _gain(squares[before], squares[after])
+        after: (
+            *improvement_over_runs(squares[before], squares[after]),
+            int(np.count_nonzero(squares[after] < squares[before])),
+        )
         for before, after in (("linear", "paper"), ("paper", "extended"))
         if after in squares
     }
     count = int(np.count_nonzero(used))
     return OverRuns({n: float(np.sqrt(s.sum() / count)) for n, s in squares.items()}, gains, len(runs))
-
-
-def _gain(before: Array, after: Array) -> tuple[float, tuple[float, float], int]:
-    """Percent, 95 % interval and number of better runs, from sums of squares per run (runs,)."""
-    drawn = np.random.default_rng(1).integers(0, len(before), (DRAWS, len(before)))
-    percent = 100.0 * (1.0 - np.sqrt(after[drawn].sum(axis=1) / before[drawn].sum(axis=1)))
-    low, high = np.quantile(percent, [0.025, 0.975])
-    whole = 100.0 * (1.0 - float(np.sqrt(after.sum() / before.sum())))
-    return whole, (float(low), float(high)), int(np.count_nonzero(after < before))
 
 
 def _rms(x: Array) -> float:

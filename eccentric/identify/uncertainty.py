@@ -22,7 +22,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.special import log_ndtr, ndtri_exp
+from scipy.special import log_ndtr, ndtri, ndtri_exp, stdtrit
 
 Array = NDArray[np.float64]
 
@@ -158,11 +158,30 @@ def improvement(worse: Array, better: Array) -> tuple[float, tuple[float, float]
     """
     rows = len(worse)
     squares = np.column_stack([worse**2, better**2])
-    percent = 100.0 * (1.0 - np.sqrt(squares[:, 1].sum() / squares[:, 0].sum()))
     length = max(1, rows // 20)
     blocks = -(-rows // length)
     totals = np.concatenate([np.zeros((1, 2)), np.cumsum(np.concatenate([squares, squares]), axis=0)])
     starts = np.random.default_rng(1).integers(0, rows, (DRAWS, blocks))
-    drawn = (totals[starts + length] - totals[starts]).sum(axis=1)
-    low, high = np.quantile(100.0 * (1.0 - np.sqrt(drawn[:, 1] / drawn[:, 0])), [0.025, 0.975])
-    return float(percent), (float(low), float(high))
+    return _stretched(squares.sum(axis=0), (totals[starts + length] - totals[starts]).sum(axis=1), blocks)
+
+
+def improvement_over_runs(worse: Array, better: Array) -> tuple[float, tuple[float, float]]:
+    """Return the same for sums of squares per run (n,): a bootstrap that draws whole runs."""
+    squares = np.column_stack([worse, better])
+    drawn = np.random.default_rng(1).integers(0, len(worse), (DRAWS, len(worse)))
+    return _stretched(squares.sum(axis=0), squares[drawn].sum(axis=1), len(worse))
+
+
+def _stretched(whole: Array, drawn: Array, count: int) -> tuple[float, tuple[float, float]]:
+    """Return percent and interval from sums of squares: `whole` (2,), and `drawn` (draws, 2) from n blocks.
+
+    Between the plain quantiles of what was drawn the truth lies too rarely: with five blocks in 83 of 100
+    cases.  What is drawn scatters by sqrt((n-1)/n) too little, and knows its own size as badly as n blocks
+    do: Student's t with n - 1 degrees of freedom.  These are Hesterberg's corrections (The American
+    Statistician 69, 2015); here they stretch the logarithm of the ratio, so that no end passes 100 %.
+    """
+    ratio = math.sqrt(whole[1] / whole[0])
+    ends = np.quantile(np.sqrt(drawn[:, 1] / drawn[:, 0]), [0.975, 0.025])
+    stretch = math.sqrt(count / (count - 1)) * stdtrit(count - 1, 0.975) / ndtri(0.975)
+    low, high = 100.0 * (1.0 - ratio * (ends / ratio) ** stretch)
+    return 100.0 * (1.0 - ratio), (float(low), float(high))

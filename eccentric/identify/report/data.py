@@ -246,7 +246,7 @@ class ReportData:
         parameters: in order of printing.
         equations: the friction of the extended model, then what its letters stand for.
         facts: of the log: rows, sampling, gaps, delay, zero angle, offset.
-        warnings: of the reader.
+        warnings: of the reader and of the fits.
         findings: of the check of the data.
         next_measurement: one sentence; "" if nothing is open.
         command: shell command that does it again.

@@ -79,9 +79,7 @@ def report_data(found: Diagnosis, files: Sequence[tuple[str, str]] = ()) -> Repo
         equations=tuple(friction_equations(found.extended.model, effects)),
         facts=tuple(_facts(found)),
         warnings=tuple(
-            text
-            for text in (*found.channels.warnings, *found.bench.drive.warnings)
-            if text not in {finding.text for finding in found.quality}
+            text for text in found.warnings if text not in {finding.text for finding in found.quality}
         ),
         findings=tuple(Finding(f.kind, f.channel, f.text, f.rows, f.severity) for f in found.quality),
         next_measurement=attribution.next_measurement,
@@ -246,6 +244,10 @@ def _facts(found: Diagnosis) -> list[Fact]:
 
     def aligned(name: str, field: str, unit: str, factor: float = 1.0) -> Fact:
         value = getattr(channels, field)
+        if e := found.shipped.estimates.get(field):
+            return Fact(
+                name, f"{e.value:.4g} {unit}", f"estimated, 95 % interval {range_of(e.interval)} {unit}"
+            )
         given = "estimated" if field in found.rig.estimate else "from the rig file" if value else "none given"
         return Fact(name, f"{factor * value:.4g} {unit}", given)
 

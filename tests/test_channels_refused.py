@@ -1,0 +1,107 @@
+"""What a log and a rig have to hold, and what is said where they do not."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from eccentric.errors import InputError
+from eccentric.identify.channels import read_channels
+from tests.logged import (
+    MAPPED,
+    RIG,
+    STANDARD,
+    T,
+    channels_of,
+    log_file,
+    rig_file,
+)
+
+
+def test_rows_that_are_not_numbers_are_dropped_counted_and_warned_of(tmp_path: Path) -> None:
+    """A tenth of missing currents is dropped with a warning; the rest is as before."""
+    current = STANDARD["current_A"].copy()
+    missing = np.arange(len(T)) % 10 == 3
+    current[missing] = np.nan
+    c = channels_of(tmp_path, STANDARD | {"current_A": current})
+    assert c.counts["read"] == len(T)
+    assert c.counts["rejected"] == np.count_nonzero(missing)
+    np.testing.assert_array_equal(c.t, T[~missing])
+    assert any("300 of 3000 rows are not numbers (first: line 5; most: 'current_A')" in w for w in c.warnings)
+
+
+def test_drive_is_what_is_logged_or_what_the_rig_says(tmp_path: Path) -> None:
+    """Current goes before torque and voltage, unless the rig says otherwise."""
+    assert channels_of(tmp_path, STANDARD).drive == "current"
+    assert channels_of(tmp_path, STANDARD, 'drive = "voltage"\n' + RIG).drive == "voltage"
+    with pytest.raises(InputError, match=r"drive: one of current, voltage is required.*received 'torque'"):
+        channels_of(tmp_path, STANDARD, 'drive = "torque"\n' + RIG)
+
+
+def changed(**columns: object) -> dict[str, object]:
+    """Return the standard log with other columns; None takes one out."""
+    log = {**STANDARD, **columns}
+    return {name: x for name, x in log.items() if x is not None}
+
+
+THIRD = np.where(np.arange(len(T)) % 3 == 0, np.nan, STANDARD["current_A"])
+BACK = np.where(np.arange(len(T)) == 7, 0.0, T)
+TWICE = np.where(np.arange(len(T)) == 7, T[6], T)
+TEXT = [*STANDARD["current_A"][:4], "broken", *STANDARD["current_A"][5:]]
+SPLIT = np.where((T > 3.0) & (T < 4.0), 1.0, 0.0)
+BAD = {
+    "no time": (changed(time_s=None), RIG, "a column for time (column 'time_s') is required"),
+    "no angle": (changed(theta_m_rad=None), RIG, "a column for theta_m (column 'theta_m_rad') or theta_l"),
+    "no drive": (
+        changed(voltage_V=None, current_A=None),
+        RIG,
+        "a column for voltage (column 'voltage_V') or",
+    ),
+    "column": (
+        changed(),
+        RIG + MAPPED + 'current = "amps"\n',
+        "column 'amps' is required, the log has time_s",
+    ),
+    "arithmetic": (
+        changed(),
+        RIG + MAPPED + 'current = "current_A ** 2"\n',
+        "[columns] current: 'current_A ** 2'",
+    ),
+    "condition": (changed(), RIG + MAPPED + 'current = "current_A > 2"\n', "current: a number is required"),
+    "text": (
+        changed(current_A=TEXT),
+        RIG,
+        "line 6, column 'current_A': a number is required, received 'broken'",
+    ),
+    "third": (changed(current_A=THIRD), RIG, "1000 of 3000 rows are not numbers"),
+    "back": (changed(time_s=BACK), RIG, "line 9: time stamps must increase, received 0 s after 0.024 s"),
+    "twice": (changed(time_s=TWICE), RIG, "line 9: time stamps must increase, received 0.024 s after 0.024"),
+    "split": (changed(run=SPLIT), RIG, "the rows of a run must stand together, '0' comes back"),
+    "still": (changed(theta_m_rad=0.0 * T), RIG, "moving rows (above"),
+    "outside": (changed(), "holdout_intervals_s = [[90.0, 99.0]]\n" + RIG, "required to fit and to hold out"),
+    "link": (
+        changed(theta_m_rad=None, theta_l_rad=T),
+        '[known]\ncase = "C2"\n',
+        "[known] mu is required here",
+    ),
+}
+
+
+@pytest.mark.parametrize("name", BAD)
+def test_bad_log_under_a_rig_is_refused_in_one_line(tmp_path: Path, name: str) -> None:
+    """What cannot be fitted on is refused with file, row, column, what is required and what came."""
+    log, rig, expected = BAD[name]
+    with pytest.raises(InputError) as caught:
+        channels_of(tmp_path, log, rig)  # pyright: ignore[reportArgumentType]
+    assert expected in str(caught.value)
+    assert "\n" not in str(caught.value)
+
+
+def test_logs_with_different_channels_are_refused(tmp_path: Path) -> None:
+    """Logs read together have the same channels."""
+    first = log_file(tmp_path / "a.csv", STANDARD)
+    second = log_file(tmp_path / "b.csv", STANDARD | {"temperature_C": T})
+    with pytest.raises(InputError, match=r"b\.csv: the same channels in every log are required, temperature"):
+        read_channels([first, second], rig_file(tmp_path))

@@ -1,0 +1,78 @@
+"""Logs that are sampled too slowly for the low pass: points between their rows."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from eccentric.identify.channels import Channels, read_channels
+from eccentric.identify.rig import read_rig
+from tests.logged import (
+    RIG,
+    RIGS,
+    SHARED,
+    SWING,
+    channels_of,
+    needs_shared,
+)
+
+SLOW_T = np.arange(0.0, 20.0, 0.025)
+
+
+def slow(tmp_path: Path, rig: str = RIG) -> Channels:
+    """Channels of a slow sine at 40 rows per second, under a voltage that rises in steps."""
+    log = {"time_s": SLOW_T, "theta_m_rad": 8.0 * np.sin(SWING * SLOW_T), "voltage_V": 3.0 * SLOW_T}
+    return channels_of(tmp_path, log, rig)
+
+
+def test_slow_sampling_is_refined_by_a_spline_and_said(tmp_path: Path) -> None:
+    """At 40 Hz there is no 25 Hz low pass: two points a row, on the sine and its derivatives; it is said."""
+    c = slow(tmp_path)
+    assert (c.points_per_row, c.logged_step_s) == (2, pytest.approx(0.025))
+    np.testing.assert_allclose(c.t, np.arange(2 * len(SLOW_T) - 1) * 0.0125, atol=1e-12)
+    middle = (c.t > 0.5) & (c.t < 19.0)
+    sine, cosine = 8.0 * np.sin(SWING * c.t[middle]), 8.0 * np.cos(SWING * c.t[middle])
+    np.testing.assert_allclose(c.theta_m[middle], sine, atol=1e-7)
+    np.testing.assert_allclose(c.omega_m[middle], SWING * cosine, atol=1e-5)
+    np.testing.assert_allclose(c.alpha_m[middle], -(SWING**2) * sine, atol=1e-3)
+    assert any("sampled too slowly for the low pass" in warning for warning in c.warnings)
+
+
+def test_slow_voltage_is_held_and_rows_are_counted_as_logged(tmp_path: Path) -> None:
+    """Between two rows a commanded voltage is that of the first; counts are of the log, not of its points."""
+    c = slow(tmp_path, "holdout_intervals_s = [[4.0, 8.0]]\n" + RIG)
+    assert c.voltage is not None
+    np.testing.assert_array_equal(c.voltage[::2], 3.0 * SLOW_T)
+    np.testing.assert_array_equal(c.voltage[1::2], 3.0 * SLOW_T[:-1])
+    assert c.counts["read"] == len(SLOW_T)
+    # 19 s are clear of the ends; of each second with its reversal, 60 ms and some rows are lost either side.
+    assert 19 * 40 * (1.0 - 2.0 * 0.1) < c.counts["used"] < 19 * 40 * (1.0 - 2.0 * 0.05)
+    assert c.counts["held_out"] == pytest.approx(4.0 / 19.0 * c.counts["used"], abs=4)
+
+
+def test_slow_sampling_under_a_slower_low_pass_or_average_is_left_alone(tmp_path: Path) -> None:
+    """A low pass that 40 Hz allows, or averages that the rig asks for, need no points between the rows."""
+    for wish in ("low_pass_hz = 8\n", 'average_over = "0.3 s"\n'):
+        c = slow(tmp_path, wish + RIG)
+        assert (c.points_per_row, len(c.t)) == (1, len(SLOW_T))
+
+
+@needs_shared
+def test_real_rig_is_read_as_its_readme_says() -> None:
+    """The unbalanced disc: 24500 rows, pi/1000 rad per count, speeds up to 19 rad/s, voltage only."""
+    rig = read_rig(RIGS / "tue_unbalanced_disc.toml")
+    path = SHARED / "measured" / "tue_unbalanced_disc" / "data.csv.gz"
+    counts = np.loadtxt(path, delimiter=",", skiprows=1, usecols=3)
+    c = read_channels([path], rig)
+    assert c.counts["read"] == 24500
+    assert (c.points_per_row, c.logged_step_s) == (2, pytest.approx(0.025))
+    assert c.run_names == ("2024",)
+    assert c.quantum_rad == pytest.approx(math.pi / 1000.0)
+    assert c.drive == "voltage"
+    assert float(np.max(np.abs(c.omega_m))) == pytest.approx(19.0, abs=0.5)
+    # Every other point is a row of the log.
+    np.testing.assert_allclose(c.theta_logged[::2], counts * math.pi / 1000.0, atol=1e-9)
+    assert rig.estimate == {"input_delay_s", "theta_zero_rad", "voltage_offset_V"}
