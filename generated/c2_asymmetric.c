@@ -1,6 +1,6 @@
 /*
  * Generated: do not edit. Written by `make derive` from derivations/c2_asymmetric.py
- * (eccentric 0.1.0, program 67ca1263).
+ * (eccentric 0.1.0, program 1eb901a2).
  * Case C2 with friction that differs between the directions of motion.
  */
 #include "c2_asymmetric.h"
@@ -8,7 +8,7 @@
 #include <float.h>
 #include <math.h>
 
-#if C2_ASYMMETRIC_PROGRAM != 0x67ca1263UL
+#if C2_ASYMMETRIC_PROGRAM != 0x1eb901a2UL
 #error "c2_asymmetric.c and c2_asymmetric.h are of different derivations: write both again"
 #endif
 
@@ -31,7 +31,7 @@
 #define REAL_INLINE static inline
 #endif
 /* Samples that the array functions hold back, stage by stage: they keep the arithmetic units busy. */
-#define REAL_BLOCK 64u
+#define REAL_BLOCK 32u
 #if ECCENTRIC_PRECISION == 1
 #define REAL(x) x##f
 #define REAL_SQRT(x) sqrtf(x)
@@ -56,6 +56,12 @@ REAL_INLINE real c2_asymmetric_sgn(const real x)
 REAL_INLINE real c2_asymmetric_forward(const real x)
 {
     return (x > REAL(0.0)) ? REAL(1.0) : ((x <= REAL(0.0)) ? REAL(0.0) : x);
+}
+
+REAL_INLINE real c2_asymmetric_within(const real x, const real most)
+{
+    const real below = (x > most) ? most : x;
+    return (below < -most) ? -most : below;
 }
 
 /* sin(h)/h - 1, |h| within a quarter turn: minimax in x = h^2, error 6.3e-9 (float), 1.7e-17 (double). */
@@ -130,7 +136,7 @@ REAL_INLINE real c2_asymmetric_from_top(real theta_m, const c2_asymmetric_coeffi
     const real left = rest - turns * c->period_2 - turns * c->period_3;
     const real reduced = (ECCENTRIC_PRECISION == 1) ? (left - turns * c->period_4) : left;
     /* bounded for angles so large that nothing is left of their phase; infinity gives NaN */
-    return ((reduced > c->period) ? c->period : ((reduced < -c->period) ? -c->period : reduced));
+    return c2_asymmetric_within(reduced, c->period);
 }
 
 /* 2 sin(half the link angle from the top)/mu. */

@@ -1,6 +1,6 @@
 /*
  * Generated: do not edit. Written by `make derive` from derivations/rotating_link.py
- * (eccentric 0.1.0, program adb540a1).
+ * (eccentric 0.1.0, program b77e285b).
  * Rotating link with an unbalanced mass, plane tilted by phi, angular acceleration kept.
  */
 #include "rotating_link.h"
@@ -8,7 +8,7 @@
 #include <float.h>
 #include <math.h>
 
-#if ROTATING_LINK_PROGRAM != 0xadb540a1UL
+#if ROTATING_LINK_PROGRAM != 0xb77e285bUL
 #error "rotating_link.c and rotating_link.h are of different derivations: write both again"
 #endif
 
@@ -31,7 +31,7 @@
 #define REAL_INLINE static inline
 #endif
 /* Samples that the array functions hold back, stage by stage: they keep the arithmetic units busy. */
-#define REAL_BLOCK 64u
+#define REAL_BLOCK 32u
 #if ECCENTRIC_PRECISION == 1
 #define REAL(x) x##f
 #define REAL_SQRT(x) sqrtf(x)
@@ -51,6 +51,12 @@
 REAL_INLINE real rotating_link_sgn(const real x)
 {
     return (x > REAL(0.0)) ? REAL(1.0) : ((x < REAL(0.0)) ? REAL(-1.0) : (x + REAL(0.0)));
+}
+
+REAL_INLINE real rotating_link_within(const real x, const real most)
+{
+    const real below = (x > most) ? most : x;
+    return (below < -most) ? -most : below;
 }
 
 /* sin(h)/h - 1, |h| within a quarter turn: minimax in x = h^2, error 6.3e-9 (float), 1.7e-17 (double). */
@@ -125,7 +131,7 @@ REAL_INLINE real rotating_link_from_top(real theta_m, const rotating_link_coeffi
     const real left = rest - turns * c->period_2 - turns * c->period_3;
     const real reduced = (ECCENTRIC_PRECISION == 1) ? (left - turns * c->period_4) : left;
     /* bounded for angles so large that nothing is left of their phase; infinity gives NaN */
-    return ((reduced > c->period) ? c->period : ((reduced < -c->period) ? -c->period : reduced));
+    return rotating_link_within(reduced, c->period);
 }
 
 /* 2 sin(half the link angle from the top)/mu. */

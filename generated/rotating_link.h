@@ -1,6 +1,6 @@
 /*
  * Generated: do not edit. Written by `make derive` from derivations/rotating_link.py
- * (eccentric 0.1.0, program adb540a1).
+ * (eccentric 0.1.0, program b77e285b).
  * Rotating link with an unbalanced mass, plane tilted by phi, angular acceleration kept.
  */
 #ifndef ROTATING_LINK_H
@@ -9,7 +9,7 @@
 #include <stddef.h>
 
 /* ROTATING_LINK_PROGRAM names the derivation that header and source come from; the source checks it. */
-#define ROTATING_LINK_PROGRAM 0xadb540a1UL
+#define ROTATING_LINK_PROGRAM 0xb77e285bUL
 
 /* The working precision: double, or float by -DECCENTRIC_REAL=float. Files that differ in it do not link:
  * rotating_link_prepare and rotating_link_default carry it in their names. */

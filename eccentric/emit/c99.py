@@ -11,7 +11,7 @@ import sympy as sp
 from eccentric.emit.constants import evaluate_prepare
 from eccentric.emit.expression import Language, printed
 from eccentric.emit.pairs import pair_functions, pair_text, paired
-from eccentric.emit.primitive import ROUNDER, Root, Size
+from eccentric.emit.primitive import ROUNDER, Root, Size, Within
 from eccentric.emit.program import Assignment, Helper, Input, Program, Routine
 from eccentric.emit.series import polynomial
 from eccentric.emit.staged import staged
@@ -30,7 +30,7 @@ _REAL = {
     "backward": "MODEL_forward(-({0}))",
     "exp": "REAL_EXP({0})",
     "at_most": "(({0} > {1}) ? {1} : {0})",
-    "within": "(({0} > {1}) ? {1} : (({0} < -{1}) ? -{1} : {0}))",
+    "within": "MODEL_within({0}, {1})",
     "in_single": "(ECCENTRIC_PRECISION == 1) ? ({0}) : {1}",
     "sine_ratio": "MODEL_sine_ratio({0})",
     "cosine": "MODEL_cosine({0})",
@@ -45,11 +45,19 @@ _DOUBLE = {
     "leading": "MODEL_leading({0})",
     "in_single": "(ECCENTRIC_PRECISION == 1) ? {0} : {1}",
 }
-# Written so that NaN goes in and NaN comes out.
+# Written so that NaN goes in and NaN comes out; one comparison a line is one instruction of a vector unit.
 _HELPERS = {
-    "sgn": ("(x > REAL(0.0)) ? REAL(1.0) : ((x < REAL(0.0)) ? REAL(-1.0) : (x + REAL(0.0)))"),
-    "forward": "(x > REAL(0.0)) ? REAL(1.0) : ((x <= REAL(0.0)) ? REAL(0.0) : x)",
+    "sgn": (
+        "const real x",
+        ["return (x > REAL(0.0)) ? REAL(1.0) : ((x < REAL(0.0)) ? REAL(-1.0) : (x + REAL(0.0)));"],
+    ),
+    "forward": ("const real x", ["return (x > REAL(0.0)) ? REAL(1.0) : ((x <= REAL(0.0)) ? REAL(0.0) : x);"]),
+    "within": (
+        "const real x, const real most",
+        ["const real below = (x > most) ? most : x;", "return (below < -most) ? -most : below;"],
+    ),
 }
+_NEEDS = {"sgn": (Sgn,), "forward": (Forward, Backward), "within": (Within,)}
 
 
 def view(program: Program, banner: str, digest: str) -> dict[str, Any]:
@@ -65,10 +73,7 @@ def view(program: Program, banner: str, digest: str) -> dict[str, Any]:
     coefficients = {s.name for s in program.coefficients}
     values = {single: evaluate_prepare(program, single) for single in (True, False)}
     expressions = [a.value for a in program.hot()]
-    uses = {operation: any(e.has(operation) for e in expressions) for operation in (Sgn, Forward, Backward)}
-    helpers = [
-        name for name, used in (("sgn", uses[Sgn]), ("forward", uses[Forward] or uses[Backward])) if used
-    ]
+    helpers = [name for name, kinds in _NEEDS.items() if any(e.has(*kinds) for e in expressions)]
     macros = _macros(program)
     notes = dict(program.notes)
     return {
@@ -96,7 +101,10 @@ def view(program: Program, banner: str, digest: str) -> dict[str, Any]:
         "single": [(name, single) for name, single, _ in macros],
         "double": [(name, double) for name, _, double in macros],
         "macros": [name.removesuffix("(x)") for name, _, _ in macros],
-        "helpers": [{"name": name, "body": _HELPERS[name]} for name in helpers],
+        "helpers": [
+            dict(zip(("name", "arguments", "lines"), (name, *_HELPERS[name]), strict=True))
+            for name in helpers
+        ],
         "series": [_series(name) for name in used_series(program)],
         "leading": splitting(program),
         "pairs": pair_functions(program),

@@ -1,5 +1,5 @@
 /*
- * Generated: do not edit. Written beside c2_asymmetric.c (program 67ca1263).
+ * Generated: do not edit. Written beside c2_asymmetric.c (program 1eb901a2).
  * What the self-test expects; computed by the emitted NumPy module.
  */
 #define INPUTS 5u

@@ -1,5 +1,5 @@
 /*
- * Generated: do not edit. Written beside rotating_link.c (program adb540a1).
+ * Generated: do not edit. Written beside rotating_link.c (program b77e285b).
  * What the self-test expects; computed by the emitted NumPy module.
  */
 #define INPUTS 5u
