@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor
 from functools import cache
 from types import ModuleType, SimpleNamespace
 from typing import Any
@@ -104,7 +105,8 @@ def _precision(
     special = [_special(k, hollow.get(name, 3.0), real)[:rows] for k, name in enumerate(inputs)]
     vectors = np.vstack([*map(_bits, special), *(evaluated(f, special) for f in functions)]).T
     stream = _stream(centres, spans)
-    digests = np.column_stack([_digests(evaluated(f, stream)) for f in functions])
+    with ThreadPoolExecutor() as threads:  # NumPy works on long arrays beside other threads
+        digests = np.column_stack([*threads.map(lambda f: _digests(evaluated(f, stream)), functions)])
     return {
         "condition": "if ECCENTRIC_PRECISION == 1" if single else "else",
         "exponential_error": (float(np.finfo(real).eps) * _EXPONENTIAL_EPS).hex() + suffix,
