@@ -14,6 +14,7 @@ from dataclasses import dataclass
 
 import sympy as sp
 
+from eccentric.emit.prepare import Prepare
 from eccentric.emit.primitive import (
     COSINE,
     HALF,
@@ -30,7 +31,7 @@ from eccentric.emit.primitive import (
     Within,
 )
 from eccentric.emit.program import Assignment, Helper
-from eccentric.emit.shift import Prepare, parts
+from eccentric.emit.shift import parts
 from eccentric.model.steps import Leading
 
 _THETA, _FROM_TOP = sp.symbols("theta_m from_top", real=True)

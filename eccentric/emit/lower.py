@@ -11,6 +11,7 @@ from functools import reduce
 import sympy as sp
 
 from eccentric.emit.half_turn import HalfTurns
+from eccentric.emit.prepare import Prepare
 from eccentric.emit.primitive import (
     ABOVE,
     AT_MOST,
@@ -29,7 +30,7 @@ from eccentric.emit.primitive import (
     Times,
 )
 from eccentric.emit.program import Assignment
-from eccentric.emit.shift import Prepare, split
+from eccentric.emit.shift import split
 from eccentric.model import steps
 
 # What a reader of the emitted code must know of the steps, by the names that they get there.

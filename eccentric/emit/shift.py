@@ -6,25 +6,15 @@ Their sum would be rounded to the digits of theta_m, and near the hollow F_N han
 from __future__ import annotations
 
 from collections.abc import Collection, Sequence
-from typing import Protocol
 
 import sympy as sp
 
+from eccentric.emit.prepare import Prepare
 from eccentric.emit.primitive import InSingle, Low, Minus, Plus, Rounded
 from eccentric.emit.program import Assignment, needed
 from eccentric.model.steps import HalfCosine, HalfSine, Leading
 
 _Results = Sequence[tuple[str, sp.Expr]]
-
-
-class Prepare(Protocol):
-    """The parameter-only work of a program, called, it names a value."""
-
-    symbols: set[sp.Symbol]
-
-    def __call__(self, name: str, value: sp.Expr) -> sp.Symbol:
-        """The symbol of the value, this or another name."""
-        ...
 
 
 def written_out(
