@@ -1,5 +1,5 @@
 # Generated: do not edit. Written by `make derive` from derivations/c1_asymmetric.py
-# (eccentric 0.1.0, program c4895d06).
+# (eccentric 0.1.0, program ea14c537).
 # Case C1 with friction that differs between the directions of motion.
 """Case C1 with friction that differs between the directions of motion.
 
@@ -482,7 +482,7 @@ def _evaluate(
         if out.shape != full or out.dtype != real:
             got = f"{out.shape} of {out.dtype}"
             raise ValueError(f"out: required shape {full} of {real.__name__}, got {got}")
-        if out.size <= _SMALL:
+        if out.size <= _SMALL * (width or 1):  # longer ones are read block by block, with care
             arrays = [x.copy() if np.may_share_memory(x, out) else x for x in arrays]
     parts = [result[..., k] for k in range(width)] if width else [result]
     if parts[0].size == 1 and real is np.float64:

@@ -1,6 +1,6 @@
 /*
  * Generated: do not edit. Written by `make derive` from derivations/c1_perpendicular.py
- * (eccentric 0.1.0, program 54afd081).
+ * (eccentric 0.1.0, program 16c3ba97).
  * Case C1: gravity perpendicular to the motion plane, steady motion.
  */
 #ifndef C1_PERPENDICULAR_H
@@ -9,10 +9,10 @@
 #include <stddef.h>
 
 /* C1_PERPENDICULAR_PROGRAM names the derivation that header and source come from; the source checks it. */
-#define C1_PERPENDICULAR_PROGRAM 0x54afd081UL
+#define C1_PERPENDICULAR_PROGRAM 0x16c3ba97UL
 
 /* The working precision: double, or float by -DECCENTRIC_REAL=float. Files that differ in it do not link:
- * c1_perpendicular_prepare and c1_perpendicular_default carry it in their names. */
+ * all functions carry it in their names, as c1_perpendicular_prepare_double. */
 #ifndef ECCENTRIC_REAL
 #define ECCENTRIC_REAL double
 #endif
@@ -26,13 +26,41 @@
 #endif
 #define c1_perpendicular_prepare ECCENTRIC_JOIN(c1_perpendicular_prepare_, ECCENTRIC_REAL)
 #define c1_perpendicular_default ECCENTRIC_JOIN(c1_perpendicular_default_, ECCENTRIC_REAL)
+#define c1_perpendicular_normal_force ECCENTRIC_JOIN(c1_perpendicular_normal_force_, ECCENTRIC_REAL)
+#define c1_perpendicular_normal_force_n ECCENTRIC_JOIN(c1_perpendicular_normal_force_n_, ECCENTRIC_REAL)
+#define c1_perpendicular_friction_torque ECCENTRIC_JOIN(c1_perpendicular_friction_torque_, ECCENTRIC_REAL)
+#define c1_perpendicular_friction_torque_n ECCENTRIC_JOIN(c1_perpendicular_friction_torque_n_, ECCENTRIC_REAL)
+#define c1_perpendicular_mechanical_friction_torque ECCENTRIC_JOIN(c1_perpendicular_mechanical_friction_torque_, ECCENTRIC_REAL)
+#define c1_perpendicular_mechanical_friction_torque_n ECCENTRIC_JOIN(c1_perpendicular_mechanical_friction_torque_n_, ECCENTRIC_REAL)
+#define c1_perpendicular_friction_torque_gradient ECCENTRIC_JOIN(c1_perpendicular_friction_torque_gradient_, ECCENTRIC_REAL)
+#define c1_perpendicular_friction_torque_gradient_n ECCENTRIC_JOIN(c1_perpendicular_friction_torque_gradient_n_, ECCENTRIC_REAL)
+#define c1_perpendicular_friction_torque_with_gradient ECCENTRIC_JOIN(c1_perpendicular_friction_torque_with_gradient_, ECCENTRIC_REAL)
+#define c1_perpendicular_friction_torque_with_gradient_n ECCENTRIC_JOIN(c1_perpendicular_friction_torque_with_gradient_n_, ECCENTRIC_REAL)
+#define c1_perpendicular_friction_torque_jacobian ECCENTRIC_JOIN(c1_perpendicular_friction_torque_jacobian_, ECCENTRIC_REAL)
+#define c1_perpendicular_friction_torque_jacobian_n ECCENTRIC_JOIN(c1_perpendicular_friction_torque_jacobian_n_, ECCENTRIC_REAL)
+#define c1_perpendicular_regressor ECCENTRIC_JOIN(c1_perpendicular_regressor_, ECCENTRIC_REAL)
+#define c1_perpendicular_regressor_n ECCENTRIC_JOIN(c1_perpendicular_regressor_n_, ECCENTRIC_REAL)
+#define c1_perpendicular_friction_coefficients ECCENTRIC_JOIN(c1_perpendicular_friction_coefficients_, ECCENTRIC_REAL)
+#define c1_perpendicular_coulomb_torque ECCENTRIC_JOIN(c1_perpendicular_coulomb_torque_, ECCENTRIC_REAL)
+#define c1_perpendicular_gravity_torque ECCENTRIC_JOIN(c1_perpendicular_gravity_torque_, ECCENTRIC_REAL)
+#define c1_perpendicular_voltage ECCENTRIC_JOIN(c1_perpendicular_voltage_, ECCENTRIC_REAL)
+#define c1_perpendicular_voltage_n ECCENTRIC_JOIN(c1_perpendicular_voltage_n_, ECCENTRIC_REAL)
+#define c1_perpendicular_current ECCENTRIC_JOIN(c1_perpendicular_current_, ECCENTRIC_REAL)
+#define c1_perpendicular_current_n ECCENTRIC_JOIN(c1_perpendicular_current_n_, ECCENTRIC_REAL)
+#define c1_perpendicular_mechanical_residual ECCENTRIC_JOIN(c1_perpendicular_mechanical_residual_, ECCENTRIC_REAL)
+#define c1_perpendicular_mechanical_residual_n ECCENTRIC_JOIN(c1_perpendicular_mechanical_residual_n_, ECCENTRIC_REAL)
+#define c1_perpendicular_electrical_residual ECCENTRIC_JOIN(c1_perpendicular_electrical_residual_, ECCENTRIC_REAL)
+#define c1_perpendicular_electrical_residual_n ECCENTRIC_JOIN(c1_perpendicular_electrical_residual_n_, ECCENTRIC_REAL)
+#define c1_perpendicular_polynomial ECCENTRIC_JOIN(c1_perpendicular_polynomial_, ECCENTRIC_REAL)
 
 /* Rounding to nearest, and no product and sum in one step: -std=c99, or -ffp-contract=off, and no -ffast-math.
- * A NaN gives NaN; finite inputs give no NaN; an infinity gives NaN, infinity or what is said next.
+ * Then every platform gives the same bits, and no bits of the inputs are undefined behaviour.
+ * A NaN gives NaN; finite inputs give none, unless a sum overflows or an inertia is wanted that was not given;
+ * an infinity gives NaN, infinity or what is said next.
  * ECCENTRIC_LIBM takes sine and cosine from libm instead of from the polynomials here.
- * Bounds of the rounding error in float and double, measured against 50 digits where it does not say "proved";
- * inputs and parameters as exact:
- *   normal_force within 5 units in the last place (proved)
+ * Bounds of the rounding error in float and double, measured against 50 digits where it does not say "proved",
+ * eps being 2^-23 and 2^-52; inputs and parameters as exact:
+ *   normal_force within 5 units in the last place (proved for parameters and speeds of 1e-6 to 1e6)
  *   friction_torque, mechanical_friction_torque, friction_torque_jacobian within 6 units in the last place
  *   friction_torque_gradient within 6 units in the last place
  */

@@ -1,5 +1,5 @@
 # Generated: do not edit. Written by `make derive` from derivations/c2_asymmetric.py
-# (eccentric 0.1.0, program 1eb901a2).
+# (eccentric 0.1.0, program 868c50f3).
 # Case C2 with friction that differs between the directions of motion.
 """Case C2 with friction that differs between the directions of motion.
 
@@ -582,7 +582,7 @@ def _evaluate(
         if out.shape != full or out.dtype != real:
             got = f"{out.shape} of {out.dtype}"
             raise ValueError(f"out: required shape {full} of {real.__name__}, got {got}")
-        if out.size <= _SMALL:
+        if out.size <= _SMALL * (width or 1):  # longer ones are read block by block, with care
             arrays = [x.copy() if np.may_share_memory(x, out) else x for x in arrays]
     parts = [result[..., k] for k in range(width)] if width else [result]
     if parts[0].size == 1 and real is np.float64:

@@ -1,6 +1,6 @@
 /*
  * Generated: do not edit. Written by `make derive` from derivations/c2_parallel.py
- * (eccentric 0.1.0, program 2c8a04be).
+ * (eccentric 0.1.0, program 6136d347).
  * Case C2: gravity parallel to the motion plane, steady motion.
  */
 #ifndef C2_PARALLEL_H
@@ -9,10 +9,10 @@
 #include <stddef.h>
 
 /* C2_PARALLEL_PROGRAM names the derivation that header and source come from; the source checks it. */
-#define C2_PARALLEL_PROGRAM 0x2c8a04beUL
+#define C2_PARALLEL_PROGRAM 0x6136d347UL
 
 /* The working precision: double, or float by -DECCENTRIC_REAL=float. Files that differ in it do not link:
- * c2_parallel_prepare and c2_parallel_default carry it in their names. */
+ * all functions carry it in their names, as c2_parallel_prepare_double. */
 #ifndef ECCENTRIC_REAL
 #define ECCENTRIC_REAL double
 #endif
@@ -26,14 +26,42 @@
 #endif
 #define c2_parallel_prepare ECCENTRIC_JOIN(c2_parallel_prepare_, ECCENTRIC_REAL)
 #define c2_parallel_default ECCENTRIC_JOIN(c2_parallel_default_, ECCENTRIC_REAL)
+#define c2_parallel_normal_force ECCENTRIC_JOIN(c2_parallel_normal_force_, ECCENTRIC_REAL)
+#define c2_parallel_normal_force_n ECCENTRIC_JOIN(c2_parallel_normal_force_n_, ECCENTRIC_REAL)
+#define c2_parallel_friction_torque ECCENTRIC_JOIN(c2_parallel_friction_torque_, ECCENTRIC_REAL)
+#define c2_parallel_friction_torque_n ECCENTRIC_JOIN(c2_parallel_friction_torque_n_, ECCENTRIC_REAL)
+#define c2_parallel_mechanical_friction_torque ECCENTRIC_JOIN(c2_parallel_mechanical_friction_torque_, ECCENTRIC_REAL)
+#define c2_parallel_mechanical_friction_torque_n ECCENTRIC_JOIN(c2_parallel_mechanical_friction_torque_n_, ECCENTRIC_REAL)
+#define c2_parallel_friction_torque_gradient ECCENTRIC_JOIN(c2_parallel_friction_torque_gradient_, ECCENTRIC_REAL)
+#define c2_parallel_friction_torque_gradient_n ECCENTRIC_JOIN(c2_parallel_friction_torque_gradient_n_, ECCENTRIC_REAL)
+#define c2_parallel_friction_torque_with_gradient ECCENTRIC_JOIN(c2_parallel_friction_torque_with_gradient_, ECCENTRIC_REAL)
+#define c2_parallel_friction_torque_with_gradient_n ECCENTRIC_JOIN(c2_parallel_friction_torque_with_gradient_n_, ECCENTRIC_REAL)
+#define c2_parallel_friction_torque_jacobian ECCENTRIC_JOIN(c2_parallel_friction_torque_jacobian_, ECCENTRIC_REAL)
+#define c2_parallel_friction_torque_jacobian_n ECCENTRIC_JOIN(c2_parallel_friction_torque_jacobian_n_, ECCENTRIC_REAL)
+#define c2_parallel_regressor ECCENTRIC_JOIN(c2_parallel_regressor_, ECCENTRIC_REAL)
+#define c2_parallel_regressor_n ECCENTRIC_JOIN(c2_parallel_regressor_n_, ECCENTRIC_REAL)
+#define c2_parallel_friction_coefficients ECCENTRIC_JOIN(c2_parallel_friction_coefficients_, ECCENTRIC_REAL)
+#define c2_parallel_coulomb_torque ECCENTRIC_JOIN(c2_parallel_coulomb_torque_, ECCENTRIC_REAL)
+#define c2_parallel_gravity_torque ECCENTRIC_JOIN(c2_parallel_gravity_torque_, ECCENTRIC_REAL)
+#define c2_parallel_gravity_torque_n ECCENTRIC_JOIN(c2_parallel_gravity_torque_n_, ECCENTRIC_REAL)
+#define c2_parallel_voltage ECCENTRIC_JOIN(c2_parallel_voltage_, ECCENTRIC_REAL)
+#define c2_parallel_voltage_n ECCENTRIC_JOIN(c2_parallel_voltage_n_, ECCENTRIC_REAL)
+#define c2_parallel_current ECCENTRIC_JOIN(c2_parallel_current_, ECCENTRIC_REAL)
+#define c2_parallel_current_n ECCENTRIC_JOIN(c2_parallel_current_n_, ECCENTRIC_REAL)
+#define c2_parallel_mechanical_residual ECCENTRIC_JOIN(c2_parallel_mechanical_residual_, ECCENTRIC_REAL)
+#define c2_parallel_mechanical_residual_n ECCENTRIC_JOIN(c2_parallel_mechanical_residual_n_, ECCENTRIC_REAL)
+#define c2_parallel_electrical_residual ECCENTRIC_JOIN(c2_parallel_electrical_residual_, ECCENTRIC_REAL)
+#define c2_parallel_electrical_residual_n ECCENTRIC_JOIN(c2_parallel_electrical_residual_n_, ECCENTRIC_REAL)
 
 /* Rounding to nearest, and no product and sum in one step: -std=c99, or -ffp-contract=off, and no -ffast-math.
- * A NaN gives NaN; finite inputs give no NaN; an infinity gives NaN, infinity or what is said next.
+ * Then every platform gives the same bits, and no bits of the inputs are undefined behaviour.
+ * A NaN gives NaN; finite inputs give none, unless a sum overflows or an inertia is wanted that was not given;
+ * an infinity gives NaN, infinity or what is said next.
  * In F_N a speed above 2^30 rad/s counts as 2^30 rad/s.
- * An angle so large that its digits hold no phase counts as upright.
+ * An angle so large that its digits hold no phase gives finite values that mean nothing.
  * ECCENTRIC_LIBM takes sine and cosine from libm instead of from the polynomials here.
- * Bounds of the rounding error in float and double, measured against 50 digits where it does not say "proved";
- * inputs and parameters as exact, |theta_m| to 1e4 rad:
+ * Bounds of the rounding error in float and double, measured against 50 digits where it does not say "proved",
+ * eps being 2^-23 and 2^-52; inputs and parameters as exact, |theta_m| and |mu theta_m| to 1e4 rad:
  *   normal_force within 5 units in the last place
  *   friction_torque, mechanical_friction_torque, friction_torque_jacobian within 6 units in the last place
  *   friction_torque_gradient within 6 eps of its greatest value at that speed, any angle

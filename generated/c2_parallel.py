@@ -1,5 +1,5 @@
 # Generated: do not edit. Written by `make derive` from derivations/c2_parallel.py
-# (eccentric 0.1.0, program 2c8a04be).
+# (eccentric 0.1.0, program 6136d347).
 # Case C2: gravity parallel to the motion plane, steady motion.
 """Case C2: gravity parallel to the motion plane, steady motion.
 
@@ -506,7 +506,7 @@ def _evaluate(
         if out.shape != full or out.dtype != real:
             got = f"{out.shape} of {out.dtype}"
             raise ValueError(f"out: required shape {full} of {real.__name__}, got {got}")
-        if out.size <= _SMALL:
+        if out.size <= _SMALL * (width or 1):  # longer ones are read block by block, with care
             arrays = [x.copy() if np.may_share_memory(x, out) else x for x in arrays]
     parts = [result[..., k] for k in range(width)] if width else [result]
     if parts[0].size == 1 and real is np.float64:

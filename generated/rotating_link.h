@@ -1,6 +1,6 @@
 /*
  * Generated: do not edit. Written by `make derive` from derivations/rotating_link.py
- * (eccentric 0.1.0, program b77e285b).
+ * (eccentric 0.1.0, program 545a303b).
  * Rotating link with an unbalanced mass, plane tilted by phi, angular acceleration kept.
  */
 #ifndef ROTATING_LINK_H
@@ -9,10 +9,10 @@
 #include <stddef.h>
 
 /* ROTATING_LINK_PROGRAM names the derivation that header and source come from; the source checks it. */
-#define ROTATING_LINK_PROGRAM 0xb77e285bUL
+#define ROTATING_LINK_PROGRAM 0x545a303bUL
 
 /* The working precision: double, or float by -DECCENTRIC_REAL=float. Files that differ in it do not link:
- * rotating_link_prepare and rotating_link_default carry it in their names. */
+ * all functions carry it in their names, as rotating_link_prepare_double. */
 #ifndef ECCENTRIC_REAL
 #define ECCENTRIC_REAL double
 #endif
@@ -26,16 +26,45 @@
 #endif
 #define rotating_link_prepare ECCENTRIC_JOIN(rotating_link_prepare_, ECCENTRIC_REAL)
 #define rotating_link_default ECCENTRIC_JOIN(rotating_link_default_, ECCENTRIC_REAL)
+#define rotating_link_normal_force ECCENTRIC_JOIN(rotating_link_normal_force_, ECCENTRIC_REAL)
+#define rotating_link_normal_force_n ECCENTRIC_JOIN(rotating_link_normal_force_n_, ECCENTRIC_REAL)
+#define rotating_link_friction_torque ECCENTRIC_JOIN(rotating_link_friction_torque_, ECCENTRIC_REAL)
+#define rotating_link_friction_torque_n ECCENTRIC_JOIN(rotating_link_friction_torque_n_, ECCENTRIC_REAL)
+#define rotating_link_mechanical_friction_torque ECCENTRIC_JOIN(rotating_link_mechanical_friction_torque_, ECCENTRIC_REAL)
+#define rotating_link_mechanical_friction_torque_n ECCENTRIC_JOIN(rotating_link_mechanical_friction_torque_n_, ECCENTRIC_REAL)
+#define rotating_link_friction_torque_gradient ECCENTRIC_JOIN(rotating_link_friction_torque_gradient_, ECCENTRIC_REAL)
+#define rotating_link_friction_torque_gradient_n ECCENTRIC_JOIN(rotating_link_friction_torque_gradient_n_, ECCENTRIC_REAL)
+#define rotating_link_friction_torque_with_gradient ECCENTRIC_JOIN(rotating_link_friction_torque_with_gradient_, ECCENTRIC_REAL)
+#define rotating_link_friction_torque_with_gradient_n ECCENTRIC_JOIN(rotating_link_friction_torque_with_gradient_n_, ECCENTRIC_REAL)
+#define rotating_link_friction_torque_jacobian ECCENTRIC_JOIN(rotating_link_friction_torque_jacobian_, ECCENTRIC_REAL)
+#define rotating_link_friction_torque_jacobian_n ECCENTRIC_JOIN(rotating_link_friction_torque_jacobian_n_, ECCENTRIC_REAL)
+#define rotating_link_regressor ECCENTRIC_JOIN(rotating_link_regressor_, ECCENTRIC_REAL)
+#define rotating_link_regressor_n ECCENTRIC_JOIN(rotating_link_regressor_n_, ECCENTRIC_REAL)
+#define rotating_link_friction_coefficients ECCENTRIC_JOIN(rotating_link_friction_coefficients_, ECCENTRIC_REAL)
+#define rotating_link_coulomb_torque ECCENTRIC_JOIN(rotating_link_coulomb_torque_, ECCENTRIC_REAL)
+#define rotating_link_coulomb_torque_n ECCENTRIC_JOIN(rotating_link_coulomb_torque_n_, ECCENTRIC_REAL)
+#define rotating_link_gravity_torque ECCENTRIC_JOIN(rotating_link_gravity_torque_, ECCENTRIC_REAL)
+#define rotating_link_gravity_torque_n ECCENTRIC_JOIN(rotating_link_gravity_torque_n_, ECCENTRIC_REAL)
+#define rotating_link_voltage ECCENTRIC_JOIN(rotating_link_voltage_, ECCENTRIC_REAL)
+#define rotating_link_voltage_n ECCENTRIC_JOIN(rotating_link_voltage_n_, ECCENTRIC_REAL)
+#define rotating_link_current ECCENTRIC_JOIN(rotating_link_current_, ECCENTRIC_REAL)
+#define rotating_link_current_n ECCENTRIC_JOIN(rotating_link_current_n_, ECCENTRIC_REAL)
+#define rotating_link_mechanical_residual ECCENTRIC_JOIN(rotating_link_mechanical_residual_, ECCENTRIC_REAL)
+#define rotating_link_mechanical_residual_n ECCENTRIC_JOIN(rotating_link_mechanical_residual_n_, ECCENTRIC_REAL)
+#define rotating_link_electrical_residual ECCENTRIC_JOIN(rotating_link_electrical_residual_, ECCENTRIC_REAL)
+#define rotating_link_electrical_residual_n ECCENTRIC_JOIN(rotating_link_electrical_residual_n_, ECCENTRIC_REAL)
 
 /* Rounding to nearest, and no product and sum in one step: -std=c99, or -ffp-contract=off, and no -ffast-math.
- * A NaN gives NaN; finite inputs give no NaN; an infinity gives NaN, infinity or what is said next.
+ * Then every platform gives the same bits, and no bits of the inputs are undefined behaviour.
+ * A NaN gives NaN; finite inputs give none, unless a sum overflows or an inertia is wanted that was not given;
+ * an infinity gives NaN, infinity or what is said next.
  * In F_N a speed above 2^30 rad/s counts as 2^30 rad/s.
- * An angle so large that its digits hold no phase counts as upright.
+ * An angle so large that its digits hold no phase gives finite values that mean nothing.
  * ECCENTRIC_LIBM takes sine and cosine from libm instead of from the polynomials here.
- * Bounds of the rounding error in float and double, measured against 50 digits where it does not say "proved";
- * inputs and parameters as exact, |theta_m| to 1e4 rad:
+ * Bounds of the rounding error in float and double, measured against 50 digits where it does not say "proved",
+ * eps being 2^-23 and 2^-52; inputs and parameters as exact, |theta_m| and |mu theta_m| to 1e4 rad:
  *   normal_force within 6 eps (M L (omega_l^2 + |alpha_l|) + weight)
- *   friction_torque, mechanical_friction_torque within 6 eps of theirs at that load
+ *   friction_torque, mechanical_friction_torque within 6 eps of the friction under the load in brackets
  */
 /* MISRA C:2012, as checked by cppcheck: no required rule is violated; deviations from advisory rules:
  *  Rule 2.5: macros of the working precision that is not chosen stay unused.

@@ -1,5 +1,5 @@
 # Generated: do not edit. Written by `make derive` from derivations/rotating_link.py
-# (eccentric 0.1.0, program b77e285b).
+# (eccentric 0.1.0, program 545a303b).
 # Rotating link with an unbalanced mass, plane tilted by phi, angular acceleration kept.
 """Rotating link with an unbalanced mass, plane tilted by phi, angular acceleration kept.
 
@@ -541,7 +541,7 @@ def _evaluate(
         if out.shape != full or out.dtype != real:
             got = f"{out.shape} of {out.dtype}"
             raise ValueError(f"out: required shape {full} of {real.__name__}, got {got}")
-        if out.size <= _SMALL:
+        if out.size <= _SMALL * (width or 1):  # longer ones are read block by block, with care
             arrays = [x.copy() if np.may_share_memory(x, out) else x for x in arrays]
     parts = [result[..., k] for k in range(width)] if width else [result]
     if parts[0].size == 1 and real is np.float64:

@@ -21,7 +21,7 @@ from tests.paper import Parameters
 
 Real = type[np.floating]
 _UNSHIFTED = mpf(0)
-FAR = (1e3, 1e4)  # rad, the largest motor angles
+FAR = (1e3, 1e4)  # rad, the largest angles of the motor and of the link
 
 
 class Set(NamedTuple):
@@ -72,7 +72,8 @@ def sets(p: Parameters, dtype: Real, size: int, shift: mpf = _UNSHIFTED) -> tupl
         return random.uniform(-3, 3, size) * float(star)
 
     few = random.integers(-2, 2, size)
-    last = int(FAR[1] / float(turn)) - 1
+    far_angles = [far / max(1.0, float(p.mu)) for far in FAR]
+    last = int(far_angles[1] / float(turn)) - 1
     many = random.integers(-last, last + 1, size)
     chosen = {
         "plane": (random.uniform(-3, 3, size) * float(turn), velocities()),
@@ -80,9 +81,9 @@ def sets(p: Parameters, dtype: Real, size: int, shift: mpf = _UNSHIFTED) -> tupl
         "1e-7 to 1e-3 from it": near(logarithmic, few),
         "the same, up to 1e4 rad": near(logarithmic, many),
     }
-    for far in FAR:
+    for limit, far in zip(FAR, far_angles, strict=True):
         angles = random.choice((-1, 1), size) * random.uniform(0.9, 1.0, size) * far
-        chosen[f"theta_m up to {far:.0e} rad"] = (angles, velocities())
+        chosen[f"theta_m up to {limit:.0e} rad"] = (angles, velocities())
     return tuple(
         Set(name, theta.astype(dtype), omega.astype(dtype), shift) for name, (theta, omega) in chosen.items()
     )

@@ -58,14 +58,12 @@ class Library:
         self.lib: Any = self.ffi.dlopen(str(path))
 
     def __getitem__(self, function: str) -> Callable[..., Any]:
-        """Return the C function without its prefix; what fills coefficients has the precision in its name."""
-        return getattr(
-            self.lib, f"{self.name}_{function}" + (f"_{self.real}" if function == "prepare" else "")
-        )
+        """Return the C function without its prefix, and without the precision that its name ends in."""
+        return getattr(self.lib, f"{self.name}_{function}_{self.real}")
 
     def names(self) -> set[str]:
-        """Return the names of the functions, without the prefix."""
-        return set(re.findall(rf"\b{self.name}_(\w+)\s*\(", self.declarations))
+        """Return the names of the functions, without prefix and precision."""
+        return set(re.findall(rf"\b{self.name}_(\w+)_{self.real}\s*\(", self.declarations))
 
     def coefficients(self, values: Parameters = None) -> CData:
         """Return the prepared coefficients of a NumPy Parameters; None is the default set."""

@@ -164,7 +164,7 @@ def test_same_functions_as_numpy(libraries: Libraries, name: str) -> None:
     with_arrays = {f"{function}_n" for model, function in CALLED_ON_STATES if model == name}
 
     assert set(oracle.functions(name)) == public
-    assert public | with_arrays | {"prepare_double"} == libraries[name, np.float64].names()
+    assert public | with_arrays | {"prepare"} == libraries[name, np.float64].names()
 
 
 @both_precisions
@@ -230,10 +230,15 @@ int main(void)
 
 
 @pytest.mark.parametrize(
-    "call", ["c2_parallel_prepare(&c2_parallel_default_parameters, &own)", "own = c2_parallel_default"]
+    "call",
+    [
+        "c2_parallel_prepare(&c2_parallel_default_parameters, &own)",
+        "own = c2_parallel_default",
+        "static c2_parallel_coefficients of_another_file; own = of_another_file",
+    ],
 )
 def test_files_of_different_precision_do_not_link(tmp_path: Path, call: str) -> None:
-    """Coefficients in single precision are not read as double: either way to get them names its precision."""
+    """Coefficients in single precision are not read as double: all that makes or takes them names its own."""
     (tmp_path / "user.c").write_text(USER.replace("CALL", call))
     for real in ("float", "double"):
         options = [f"-DECCENTRIC_REAL={real}", f"-I{GENERATED}", "-c", "-o", tmp_path / f"{real}.o"]

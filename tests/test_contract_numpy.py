@@ -149,7 +149,7 @@ def test_out_is_filled_and_returned(name: str, function: str, dtype: type[np.flo
 
 
 @both_precisions
-@pytest.mark.parametrize("count", [7, 50_000])
+@pytest.mark.parametrize("count", [7, 1500, 2048, 50_000])
 @every_call_on_states
 def test_out_may_be_an_input(name: str, function: str, count: int, dtype: type[np.floating]) -> None:
     """An input that lies where the result goes, or a sample beside it, is read before it is overwritten."""

@@ -140,14 +140,14 @@ def test_emitted_c_reproduces_the_reported_error(
     ffi = cffi.FFI()
     name = source.stem
     ffi.cdef(f"extern char {name}_default_{real};"
-             f"void {name}_mechanical_residual_n(size_t n, const {real} *a,"
+             f"void {name}_mechanical_residual_n_{real}(size_t n, const {real} *a,"
              f" const {real} *b, const {real} *c, const {real} *d, {real} *out, const void *k);")  # fmt: skip
     compiled: Any = ffi.dlopen(str(library))
     inputs, rows = held_out_inputs(LOG, RIG)
     columns = [np.ascontiguousarray(inputs[n][rows], dtype) for n in ("theta_m", "omega_m", "i", "alpha_m")]
     out = np.empty(len(columns[0]), dtype)
     pointers = [ffi.cast(f"{real} *", x.ctypes.data) for x in (*columns, out)]
-    function = getattr(compiled, f"{name}_mechanical_residual_n")
+    function = getattr(compiled, f"{name}_mechanical_residual_n_{real}")
     function(len(out), *pointers, ffi.addressof(compiled, f"{name}_default_{real}"))
 
     assert np.isclose(rmse(out), said["rmse_holdout_Nm"]["mechanical"]["extended"], rtol=tolerance)
@@ -225,8 +225,8 @@ def test_hidden_state_is_emitted_as_a_step(tmp_path: Path) -> None:
     ffi = cffi.FFI()
     given = names_of(module.follow_states)
     ffi.cdef(f"typedef struct {{ {' '.join(f'double {s};' for s in module.STATES)} }} {name}_state;"
-             f"extern const {name}_state {name}_initial_state; extern char {name}_default_double;"
-             f"void {name}_step({name}_state *, {'double, ' * len(given)} const void *);")  # fmt: skip
+             f"extern const {name}_state {name}_initial_state_double; extern char {name}_default_double;"
+             f"void {name}_step_double({name}_state *, {'double, ' * len(given)} const void *);")  # fmt: skip
     subprocess.run(
         ["gcc", *STRICT, "-shared", "-fPIC", f"{name}.c", "-o", "step.so", "-lm"], check=True, cwd=out
     )
@@ -234,7 +234,7 @@ def test_hidden_state_is_emitted_as_a_step(tmp_path: Path) -> None:
     state = ffi.new(f"{name}_state *", [0.0] * len(module.STATES))
     for k in range(1000):
         assert np.allclose([getattr(state, s) for s in module.STATES], states[k], rtol=1e-12, atol=0)
-        step = getattr(compiled, f"{name}_step")
+        step = getattr(compiled, f"{name}_step_double")
         step(state, *(float(inputs[n][k]) for n in given), ffi.addressof(compiled, f"{name}_default_double"))
 
 

@@ -90,7 +90,7 @@ def test_the_c_of_extended_models_compiles_and_agrees(case: str, tmp_path: Path)
         numbers = [values[q.name] for q in one.model.parameters]
         coefficients = ctypes.create_string_buffer(1 << 16)
         getattr(library, f"{name}_prepare_double")((ctypes.c_double * len(numbers))(*numbers), coefficients)
-        residual = getattr(library, f"{name}_mechanical_residual")
+        residual = getattr(library, f"{name}_mechanical_residual_double")
         residual.restype = ctypes.c_double
         asked = [given[n][:8] for n in arguments(one.module, "mechanical_residual")]
         actual = [residual(*map(ctypes.c_double, row), coefficients) for row in zip(*asked, strict=True)]

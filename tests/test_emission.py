@@ -207,14 +207,14 @@ def test_chain_of_links_needs_no_rewrite(n: int, tmp_path: Path) -> None:
     library.cdef(
         "typedef struct { double weight; } chain_coefficients;extern chain_coefficients chain_default_double;"
     )
-    library.cdef("void chain_slopes(const double *theta, double *out, const chain_coefficients *c);")
+    library.cdef("void chain_slopes_double(const double *theta, double *out, const chain_coefficients *c);")
     flags = ["-std=c99", "-Wall", "-Wextra", "-Wpedantic", "-Wconversion", "-Wdouble-promotion", "-Werror"]
     subprocess.run(
         ["gcc", *flags, "-shared", "-fPIC", "chain.c", "-o", "chain.so", "-lm"], check=True, cwd=tmp_path
     )
     compiled: Any = library.dlopen(str(tmp_path / "chain.so"))
     out = np.empty(n)
-    compiled.chain_slopes(
+    compiled.chain_slopes_double(
         library.cast("double *", theta[0].ctypes.data),
         library.cast("double *", out.ctypes.data),
         library.addressof(compiled, "chain_default_double"),

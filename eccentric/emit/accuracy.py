@@ -1,7 +1,7 @@
 """What is promised of the emitted arithmetic: bounds that `tests/test_accuracy*.py` measure.
 
 They hold against 50 digits, inputs and parameters taken as exact, over the whole plane, in the hollow, and
-for |theta_m| up to 1e4 rad. Where Gappa proves one, the line says so.
+for angles of motor and link up to 1e4 rad. Where Gappa proves one, the line says so.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ FRICTION_TORQUE_ULP = 6
 ACCELERATED_EPS = 6
 GRADIENT_EPS = 6
 SHIFTED_GRADIENT_EPS = 8  # the parts of the shift are further roundings where the link is far from the top
-# Of the link angle, in rad; the parts of a shift by half a turn are no more exact where theta_m is nearly 0.
+# Of the link angle, in rad; the parts of a shift by half a turn are not exact where theta_m is nearly 0.
 LARGEST_SHIFT = 3
 
 
@@ -57,7 +57,9 @@ def promises(model: Model) -> tuple[str, ...]:
 def _steady(model: Model, slope: int | None) -> list[str]:
     """The bounds of a model without acceleration; its slopes are relative, too, where no angle is taken."""
     lines = [f"normal_force within {NORMAL_FORCE_ULP} units in the last place"]
-    lines = [f"{lines[0]} (proved)"] if _few_factors(model) else lines
+    lines = (
+        [f"{lines[0]} (proved for parameters and speeds of 1e-6 to 1e6)"] if _few_factors(model) else lines
+    )
     if not _of_one_sign(model):
         return lines
     ulp = f"within {FRICTION_TORQUE_ULP} units in the last place"
@@ -76,7 +78,7 @@ def _accelerated(model: Model) -> list[str]:
         return lines
     return [
         *lines,
-        f"friction_torque, mechanical_friction_torque within {ACCELERATED_EPS} eps of theirs at that load",
+        f"friction_torque, mechanical_friction_torque within {ACCELERATED_EPS} eps of the friction at a load of that size",
     ]
 
 

@@ -76,7 +76,10 @@ def view(program: Program, banner: str, digest: str) -> dict[str, Any]:
     helpers = [name for name, kinds in _NEEDS.items() if any(e.has(*kinds) for e in expressions)]
     macros = _macros(program)
     notes = dict(program.notes)
+    called = [r.name + ending for r in program.routines for ending in ("", "_n")[: 2 if r.inputs else 1]]
     return {
+        "names": ["prepare", "default", *called, *(["initial_state", "step"] if program.states else [])],
+        "exponential": any(e.has(sp.exp) for e in expressions),
         "banner": "\n".join(["/*", *(f" * {line}".rstrip() for line in banner.splitlines()), " */"]),
         "name": program.name,
         "guard": program.name.upper(),

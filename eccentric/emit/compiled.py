@@ -119,7 +119,8 @@ class _Compiled:
     def _entry(self, routine: Routine, real: Any) -> Any:
         """The array version, or where nothing is sampled the function itself."""
         ending = "_n" if routine.inputs else ""
-        entry = getattr(self.libraries[real], f"{self.program.name}_{routine.name}{ending}")
+        name = f"{self.program.name}_{routine.name}{ending}_{_REALS[real][0]}"
+        entry = getattr(self.libraries[real], name)
         pointers = [ctypes.c_void_p] * (len(routine.inputs) + 1)
         if routine.inputs:
             entry.argtypes = [ctypes.c_size_t, *pointers, ctypes.c_void_p]

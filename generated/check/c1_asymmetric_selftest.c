@@ -1,12 +1,17 @@
 /*
- * Generated: do not edit. Written beside c1_asymmetric.c (program c4895d06).
+ * Generated: do not edit. Written beside c1_asymmetric.c (program ea14c537).
  * Self-test of c1_asymmetric.c: the bits that the emitted NumPy module gives, on any compiler and board.
  *
  *   cc -std=c99 -O2 -I.. c1_asymmetric_selftest.c ../c1_asymmetric.c -lm     single precision: -DECCENTRIC_REAL=float
  *
  * Prints "ok" and returns 0, or prints the first deviation and returns 1. -DSECTIONS=1 is for slow boards.
+ * Where last digits differ, the compiler takes product and sum in one step: -std=c99 or -ffp-contract=off.
  */
 #include "c1_asymmetric.h"
+
+#ifdef ECCENTRIC_LIBM
+#error "these are the bits of the polynomials, not of libm: compile without ECCENTRIC_LIBM"
+#endif
 
 #include <stdint.h>
 #include <stdio.h>

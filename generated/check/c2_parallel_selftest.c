@@ -1,12 +1,17 @@
 /*
- * Generated: do not edit. Written beside c2_parallel.c (program 2c8a04be).
+ * Generated: do not edit. Written beside c2_parallel.c (program 6136d347).
  * Self-test of c2_parallel.c: the bits that the emitted NumPy module gives, on any compiler and board.
  *
  *   cc -std=c99 -O2 -I.. c2_parallel_selftest.c ../c2_parallel.c -lm     single precision: -DECCENTRIC_REAL=float
  *
  * Prints "ok" and returns 0, or prints the first deviation and returns 1. -DSECTIONS=1 is for slow boards.
+ * Where last digits differ, the compiler takes product and sum in one step: -std=c99 or -ffp-contract=off.
  */
 #include "c2_parallel.h"
+
+#ifdef ECCENTRIC_LIBM
+#error "these are the bits of the polynomials, not of libm: compile without ECCENTRIC_LIBM"
+#endif
 
 #include <stdint.h>
 #include <stdio.h>

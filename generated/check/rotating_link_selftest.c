@@ -1,12 +1,17 @@
 /*
- * Generated: do not edit. Written beside rotating_link.c (program b77e285b).
+ * Generated: do not edit. Written beside rotating_link.c (program 545a303b).
  * Self-test of rotating_link.c: the bits that the emitted NumPy module gives, on any compiler and board.
  *
  *   cc -std=c99 -O2 -I.. rotating_link_selftest.c ../rotating_link.c -lm     single precision: -DECCENTRIC_REAL=float
  *
  * Prints "ok" and returns 0, or prints the first deviation and returns 1. -DSECTIONS=1 is for slow boards.
+ * Where last digits differ, the compiler takes product and sum in one step: -std=c99 or -ffp-contract=off.
  */
 #include "rotating_link.h"
+
+#ifdef ECCENTRIC_LIBM
+#error "these are the bits of the polynomials, not of libm: compile without ECCENTRIC_LIBM"
+#endif
 
 #include <stdint.h>
 #include <stdio.h>
