@@ -51,7 +51,12 @@ def _fuzz(name: str, inputs: int) -> tuple[collections.Counter[str], float]:
         database=None,
         derandomize=False,
         phases=(Phase.generate,),
-        suppress_health_check=list(HealthCheck),
+        suppress_health_check=[
+            HealthCheck.data_too_large,
+            HealthCheck.filter_too_much,
+            HealthCheck.too_slow,
+            HealthCheck.large_base_example,
+        ],
     )
     @given(target.inputs)
     def one(content: object) -> None:

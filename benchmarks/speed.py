@@ -93,7 +93,7 @@ def _contenders() -> dict[str, dict[str, Callable[..., Any]]]:
 
 
 def _numexpr(F: Any) -> Callable[..., Any]:
-    import numexpr
+    import numexpr  # pyright: ignore[reportMissingImports]
     import sympy as sp
 
     omega = next(s for s in F.free_symbols if s.name == "omega")
@@ -103,7 +103,7 @@ def _numexpr(F: Any) -> Callable[..., Any]:
 
 
 def _numba(lambdified: Any) -> Callable[..., Any]:
-    import numba
+    import numba  # pyright: ignore[reportMissingImports]
     import numpy as np
 
     one = numba.njit(lambdified)
@@ -119,7 +119,7 @@ def _numba(lambdified: Any) -> Callable[..., Any]:
 
 
 def _jax() -> Callable[..., Any]:
-    import jax
+    import jax  # pyright: ignore[reportMissingImports]
 
     jax.config.update("jax_enable_x64", True)
     compiled = jax.jit(lambda x, y: torque(x, y, jax.numpy))
