@@ -1,6 +1,6 @@
 /*
  * Generated: do not edit. Written by `make derive` from derivations/rotating_link.py
- * (eccentric 0.1.0, program 545a303b).
+ * (eccentric 0.1.0, program 48e69573).
  * Rotating link with an unbalanced mass, plane tilted by phi, angular acceleration kept.
  */
 #ifndef ROTATING_LINK_H
@@ -9,7 +9,7 @@
 #include <stddef.h>
 
 /* ROTATING_LINK_PROGRAM names the derivation that header and source come from; the source checks it. */
-#define ROTATING_LINK_PROGRAM 0x545a303bUL
+#define ROTATING_LINK_PROGRAM 0x48e69573UL
 
 /* The working precision: double, or float by -DECCENTRIC_REAL=float. Files that differ in it do not link:
  * all functions carry it in their names, as rotating_link_prepare_double. */
@@ -64,7 +64,7 @@
  * Bounds of the rounding error in float and double, measured against 50 digits where it does not say "proved",
  * eps being 2^-23 and 2^-52; inputs and parameters as exact, |theta_m| and |mu theta_m| to 1e4 rad:
  *   normal_force within 6 eps (M L (omega_l^2 + |alpha_l|) + weight)
- *   friction_torque, mechanical_friction_torque within 6 eps of the friction under the load in brackets
+ *   friction_torque, mechanical_friction_torque within 6 eps of the friction at a load of that size
  */
 /* MISRA C:2012, as checked by cppcheck: no required rule is violated; deviations from advisory rules:
  *  Rule 2.5: macros of the working precision that is not chosen stay unused.

@@ -78,7 +78,8 @@ def _accelerated(model: Model) -> list[str]:
         return lines
     return [
         *lines,
-        f"friction_torque, mechanical_friction_torque within {ACCELERATED_EPS} eps of the friction at a load of that size",
+        f"friction_torque, mechanical_friction_torque within {ACCELERATED_EPS} eps of the friction"
+        " at a load of that size",
     ]
 
 

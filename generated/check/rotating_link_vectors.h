@@ -1,5 +1,5 @@
 /*
- * Generated: do not edit. Written beside rotating_link.c (program 545a303b).
+ * Generated: do not edit. Written beside rotating_link.c (program 48e69573).
  * What the self-test expects; computed by the emitted NumPy module.
  */
 #define INPUTS 5u
