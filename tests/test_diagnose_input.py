@@ -135,6 +135,19 @@ def test_what_cannot_be_diagnosed_is_one_line(
 
 
 @pytest.mark.parametrize("command", ["fit", "diagnose"])
+def test_a_model_of_another_case_is_refused(
+    command: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """A model without gravity is not that of a rig which swings against it: the same line from both."""
+    arguments = [str(LOG), "--rig", str(TOML), "--model", "c1_perpendicular", "--out", str(tmp_path / "out")]
+    status = main([command, *arguments])
+
+    said = f"{TOML}: model c1_perpendicular requires case C1, received case C2; c2_parallel fits it"
+    assert (2, f"eccentric: error: {said}\n") == (status, capsys.readouterr().err)
+    assert not (tmp_path / "out").exists()
+
+
+@pytest.mark.parametrize("command", ["fit", "diagnose"])
 def test_one_run_is_too_little_to_hold_out(
     command: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
