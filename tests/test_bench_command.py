@@ -18,7 +18,7 @@ BUNDLED = ROOT / "examples" / "bench"
 def test_the_bundled_log_is_what_its_command_writes(tmp_path: Path) -> None:
     """The command in the README of examples/bench regenerates its rows, its rig and its truth."""
     (line,) = (s for s in (BUNDLED / "README.md").read_text().splitlines() if s.startswith("eccentric bench"))
-    arguments = line.replace("'", "").replace("examples/bench", str(tmp_path)).split()[1:]
+    arguments = line.replace("'", "").replace("again", str(tmp_path)).split()[1:]
 
     assert cli.main(arguments) == 0
     for name in ("bench.json", "bench.truth.json"):
@@ -79,6 +79,20 @@ def test_the_command_line_refuses_and_writes_nothing(
     assert said.startswith(f"eccentric: error: {arguments[0]}")
     assert said.count("\n") == 1
     assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize("name", ["log.csv.gz", "log.json", "log.truth.json"])
+def test_the_command_line_overwrites_nothing(
+    name: str, tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A file that one of the three would replace is named in one line before anything is simulated."""
+    monkeypatch.setattr("eccentric.cli.bench.simulate", lambda _: pytest.fail("it was simulated"))
+    (tmp_path / name).write_bytes(b"measured")
+
+    assert cli.main(["bench", "--out", str(tmp_path / "log.csv.gz")]) == 2
+    said = f"{tmp_path / name}: required a new file to write; received one that exists"
+    assert capsys.readouterr().err == f"eccentric: error: {said}\n"
+    assert {path.name: path.read_bytes() for path in tmp_path.iterdir()} == {name: b"measured"}
 
 
 def test_the_command_line_requires_a_place_for_the_log(capsys: pytest.CaptureFixture[str]) -> None:

@@ -10,6 +10,7 @@ from eccentric.cli import main
 from eccentric.identify.diagnose import diagnose
 from eccentric.identify.diagnosis import document, sentence
 from eccentric.identify.report.gather import report_data
+from tests import screw
 
 ROOT = Path(__file__).resolve().parent.parent
 LOG = ROOT / "examples" / "bench" / "bench.csv.gz"
@@ -130,6 +131,33 @@ def test_what_cannot_be_diagnosed_is_one_line(
 
     assert (2, 1) == (status, len(error))
     assert said in error[0]
+    assert not (tmp_path / "out").exists()
+
+
+@pytest.mark.parametrize("command", ["fit", "diagnose"])
+def test_a_model_of_another_case_is_refused(
+    command: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """A model without gravity is not that of a rig which swings against it: the same line from both."""
+    arguments = [str(LOG), "--rig", str(TOML), "--model", "c1_perpendicular", "--out", str(tmp_path / "out")]
+    status = main([command, *arguments])
+
+    said = f"{TOML}: model c1_perpendicular requires case C1, received case C2; c2_parallel fits it"
+    assert (2, f"eccentric: error: {said}\n") == (status, capsys.readouterr().err)
+    assert not (tmp_path / "out").exists()
+
+
+@pytest.mark.parametrize("command", ["fit", "diagnose"])
+def test_one_run_is_too_little_to_hold_out(
+    command: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """The error on one whole run has no interval: both commands ask for a second in the same line."""
+    rig, log = tmp_path / "rig.toml", screw.write_log(tmp_path / "log.csv", {})
+    rig.write_text('holdout_runs = ["speed_6"]\n' + screw.RIG, encoding="utf-8")
+    status = main([command, str(log), "--rig", str(rig), "--out", str(tmp_path / "out")])
+
+    said = "log.csv: at least 2 moving whole runs to hold out are required, received 1"
+    assert (2, f"eccentric: error: {said}\n") == (status, capsys.readouterr().err)
     assert not (tmp_path / "out").exists()
 
 

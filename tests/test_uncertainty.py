@@ -96,6 +96,17 @@ def test_equal_predictions_gain_nothing() -> None:
     assert improvement(e, 0.5 * e) == (50.0, (50.0, 50.0))
 
 
+def test_a_perfect_prediction_gains_everything() -> None:
+    """No residual at all is a gain of 100 %, over rows and over runs, and numpy warns of nothing.
+
+    Nor where the other model is perfect in some runs as well.
+    """
+    e = np.random.default_rng(1).standard_normal(500)
+    with np.errstate(all="raise"):
+        assert improvement(e, 0.0 * e) == (100.0, (100.0, 100.0))
+        assert improvement_over_runs(np.array([1.0, 0.0]), np.zeros(2)) == (100.0, (100.0, 100.0))
+
+
 @pytest.mark.parametrize("runs", [5, 8, 15, 30])
 @pytest.mark.parametrize("scatter", ["normal", "skewed"])
 def test_intervals_over_few_runs_hold_the_truth(scatter: str, runs: int) -> None:

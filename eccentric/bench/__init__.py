@@ -9,6 +9,15 @@ different means, must agree.
 from .effects import EFFECTS
 from .scenario import Scenario, known_effect, random_scenario
 from .simulate import BenchRun, simulate
-from .write import write
+from .write import free_paths, write
 
-__all__ = ["EFFECTS", "BenchRun", "Scenario", "known_effect", "random_scenario", "simulate", "write"]
+__all__ = [
+    "EFFECTS",
+    "BenchRun",
+    "Scenario",
+    "free_paths",
+    "known_effect",
+    "random_scenario",
+    "simulate",
+    "write",
+]

@@ -3,6 +3,7 @@
 import gzip
 import io
 import json
+import os
 import shutil
 import tempfile
 from pathlib import Path
@@ -28,28 +29,42 @@ def write(run: BenchRun, path: str | Path) -> tuple[Path, Path, Path]:
     """Write the log to `path`, NAME.csv.gz, beside it NAME.json and NAME.truth.json; return the three paths.
 
     NAME goes into rig and truth. The same run gives the same bytes: the archive carries no time and no name.
-    Nothing is left behind if writing fails. Raises InputError if the path is no .csv.gz or cannot be written.
+    Nothing is left behind if writing fails. Raises InputError if the path is no .csv.gz, one of the three is
+    there, or they cannot be written.
     """
-    path = Path(path)
-    if not path.name.endswith(_ENDING) or path.name == _ENDING:
-        raise InputError(f"{path}: required a log name ending in {_ENDING}")
-    stem = path.name.removesuffix(_ENDING)
+    log, rig, truth = free_paths(path)
+    stem = log.name.removesuffix(_ENDING)
     contents = {
-        path: gzip.compress(_csv(run), 9, mtime=0),
-        path.with_name(f"{stem}.json"): _json({**run.rig, "name": stem}),
-        path.with_name(f"{stem}.truth.json"): _json({**run.truth, "name": stem}),
+        log: gzip.compress(_csv(run), 9, mtime=0),
+        rig: _json({**run.rig, "name": stem}),
+        truth: _json({**run.truth, "name": stem}),
     }
     try:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        with tempfile.TemporaryDirectory(dir=path.parent) as folder:
+        log.parent.mkdir(parents=True, exist_ok=True)
+        with tempfile.TemporaryDirectory(dir=log.parent) as folder:
             for target, content in contents.items():
                 (Path(folder) / target.name).write_bytes(content)
             for target in contents:
                 shutil.move(Path(folder) / target.name, target)
     except OSError as error:
         raise InputError(f"{path}: cannot be written: {error.strerror or error}") from error
-    log, rig, truth = contents
     return log, rig, truth
+
+
+def free_paths(path: str | Path) -> tuple[Path, Path, Path]:
+    """Return the paths of log, rig and truth, none of which is there: what was measured may have that name.
+
+    Raises InputError if the path is no .csv.gz or one of the three is there.
+    """
+    log = Path(path)
+    if not log.name.endswith(_ENDING) or log.name == _ENDING:
+        raise InputError(f"{log}: required a log name ending in {_ENDING}")
+    stem = log.name.removesuffix(_ENDING)
+    paths = log, log.with_name(f"{stem}.json"), log.with_name(f"{stem}.truth.json")
+    for one in paths:
+        if os.path.lexists(one):  # a link to nowhere too
+            raise InputError(f"{one}: required a new file to write; received one that exists")
+    return paths
 
 
 def _csv(run: BenchRun) -> bytes:

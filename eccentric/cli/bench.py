@@ -4,7 +4,7 @@ import argparse
 
 import numpy as np
 
-from eccentric.bench import EFFECTS, Scenario, known_effect, random_scenario, simulate, write
+from eccentric.bench import EFFECTS, Scenario, free_paths, known_effect, random_scenario, simulate, write
 from eccentric.errors import InputError
 
 NAME = "bench"
@@ -40,7 +40,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
     add(
         "--out",
         metavar="LOG.csv.gz",
-        help="the log; the rig LOG.json and the sealed LOG.truth.json go beside it",
+        help="the log, with the rig LOG.json and the sealed LOG.truth.json beside it; none of them may exist",
     )
     add(
         "--effect",
@@ -75,6 +75,7 @@ def run(args: argparse.Namespace) -> int:
     if args.seed < 0:
         raise InputError(f"--seed: required 0 or more; got {args.seed}")
     scenario = _scenario(args)
+    free_paths(args.out)
     result = simulate(scenario)
     log, rig, truth = write(result, args.out)
     inside = [

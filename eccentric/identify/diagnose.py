@@ -45,7 +45,7 @@ from eccentric.identify.least_squares import bounded
 from eccentric.identify.orders import Order, orders_of
 from eccentric.identify.refit import Refit, refit, residual_samples
 from eccentric.identify.rig import Rig, read_rig
-from eccentric.identify.rows import MANY_RUNS, Rows
+from eccentric.identify.rows import LEAST_HELD_OUT, MANY_RUNS, Rows, require_rows
 from eccentric.identify.score import Score, leave_runs_out, score
 from eccentric.identify.verdict import Attribution, attribute, unconfirmed
 from eccentric.model import Model, load_model
@@ -183,7 +183,7 @@ def diagnose(
         tell: told one line per stage.
 
     Raises:
-        InputError: bad input, or a model with a tilt.
+        InputError: bad input, a model with a tilt, or fewer than two rows to hold out.
     """
     tell = tell or (lambda _: None)
     rig = read_rig(rig_path)
@@ -196,6 +196,9 @@ def diagnose(
     drive = drive_of(channels, rig, plain)
     base, channels = loaded_model(plain, rig), drive.channels
     bench = bench_of(drive, rig, base)
+    names = tuple(Path(log).name for log in logs)
+    held_out = f"{bench.rows.description} to hold out"
+    require_rows(bench.rows.score, LEAST_HELD_OUT, held_out, ", ".join(names))
     signals = bench.signals
     balances, noise = balances_of(bench, rig, base)
     mechanical = next(b for b in balances if b.name == "mechanical")
@@ -238,7 +241,7 @@ def diagnose(
         scored = score(linear, paper, paper, "mechanical", leave_runs_out(base, paper, bench))
     shipped = extended if adopted else refit(base, (), bench)
     return Diagnosis(
-        logs=tuple(Path(log).name for log in logs),
+        logs=names,
         rig_name=Path(rig_path).name,
         model=model or rig.model,
         channels=channels,

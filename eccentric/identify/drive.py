@@ -25,7 +25,7 @@ from numpy.typing import NDArray
 from eccentric.effects.constant_load import effect as constant_load
 from eccentric.errors import InputError
 from eccentric.identify.channels import Channels
-from eccentric.identify.problem import Problem, own_letters, pose
+from eccentric.identify.problem import Problem, own_letters, pose, require_case
 from eccentric.identify.rig import Rig
 from eccentric.identify.search import Solution, solve
 from eccentric.model import Model, regressor
@@ -124,6 +124,7 @@ def drive_of(channels: Channels, rig: Rig, base: Model) -> Drive:
 
     Raises InputError for what `problem.pose` refuses, and for a drive whose sign contradicts the motion.
     """
+    require_case(rig, base)
     open_inertia = not {"J_m", "J_l"} <= set(rig.known)
     measured = channels.drive == "torque" or (channels.drive == "current" and "k_i" in rig.known)
     complete = measured and not open_inertia and not rig.unknown and not rig.estimate

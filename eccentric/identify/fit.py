@@ -19,6 +19,7 @@ from eccentric.errors import InputError
 from eccentric.identify.combinations import combinations, identified_letters
 from eccentric.identify.least_squares import require_rank
 from eccentric.identify.problem import Problem, Searched, pose
+from eccentric.identify.rows import LEAST_HELD_OUT, require_rows
 from eccentric.identify.search import Profile, Solution, profile, solve
 from eccentric.identify.uncertainty import Estimate, Spread, improvement, spread
 
@@ -107,13 +108,9 @@ def fit(channels: Channels, rig: Rig, model: Model, where: str = "log") -> Fit:
 
 def _require_rows(problem: Problem, where: str) -> None:
     sampling = problem.sampling
-    least = problem.sampling.per_coefficient * (len(problem.coefficients) + len(problem.searched))
-    for name, mask, rows in (("to fit", sampling.train, least), ("to hold out", sampling.score, 2)):
-        if (count := int(np.count_nonzero(mask))) < rows:
-            raise InputError(
-                f"{where}: at least {rows} moving {sampling.description} {name} are required, "
-                f"received {count}"
-            )
+    least = sampling.per_coefficient * (len(problem.coefficients) + len(problem.searched))
+    require_rows(sampling.train, least, f"{sampling.description} to fit", where)
+    require_rows(sampling.score, LEAST_HELD_OUT, f"{sampling.description} to hold out", where)
 
 
 def _require_scale(problem: Problem, paper: Solution, where: str) -> None:

@@ -137,7 +137,7 @@ def pose(channels: Channels, rig: Rig, model: Model) -> Problem:
     Raises InputError for a model of another case than the rig's, a letter that the model needs and the rig
     gives neither as a value nor as a range, and a current without k_i.
     """
-    _require_case(rig, model)
+    require_case(rig, model)
     channels = channels.driven
     needed = _letters(model)
     for letter in sorted(needed - own_letters(model)):
@@ -197,7 +197,8 @@ def seen_columns(model: Model, known: Mapping[str, float]) -> tuple[int, ...]:
     )
 
 
-def _require_case(rig: Rig, model: Model) -> None:
+def require_case(rig: Rig, model: Model) -> None:
+    """Raise InputError for a model of another case than the rig's; one with a tilt is of every case."""
     if any(quantity.name == "phi" for quantity in model.parameters):
         return
     case = "C1" if model.balance("mechanical").sum_of("gravity") == 0 else "C2"

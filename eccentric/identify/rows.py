@@ -27,13 +27,15 @@ from eccentric.identify.residual import Windows, make_windows
 from eccentric.identify.rig import Rig
 from eccentric.identify.windowed import MOVING_PART, STEPS, Sampling
 
-__all__ = ["MANY_RUNS", "Rows", "averaged", "rows_of", "search_windows"]
+__all__ = ["LEAST_HELD_OUT", "MANY_RUNS", "Rows", "averaged", "require_rows", "rows_of", "search_windows"]
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 
 MANY_RUNS = 5
 """Runs in the training part from which each is left out as a whole in cross-validation."""
+LEAST_HELD_OUT = 2
+"""Rows that an error on what is held out has an interval from."""
 LEAST_PART = 1 / 3
 """Part of a run that has to be usable for a mean of it; the ends of a short run take a third themselves."""
 WINDOW_S = 0.064
@@ -82,6 +84,12 @@ def rows_of(channels: Channels, rig: Rig) -> Rows:
     return Rows(
         t[order], channels.run[first[order]], ~held, held, weights[order], what, _smoothing(channels, rig)
     )
+
+
+def require_rows(part: Mask, least: int, what: str, where: str) -> None:
+    """Raise InputError where a part (m,) of the rows has fewer than `least`; `where` names the log."""
+    if (count := int(np.count_nonzero(part))) < least:
+        raise InputError(f"{where}: at least {least} moving {what} are required, received {count}")
 
 
 def averaged(channels: Channels, rig: Rig) -> Sampling:

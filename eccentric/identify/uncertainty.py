@@ -181,6 +181,8 @@ def _stretched(whole: Array, drawn: Array, count: int) -> tuple[float, tuple[flo
     Statistician 69, 2015); here they stretch the logarithm of the ratio, so that no end passes 100 %.
     """
     ratio = math.sqrt(whole[1] / whole[0])
+    if ratio == 0.0:
+        return 100.0, (100.0, 100.0)
     ends = np.quantile(np.sqrt(drawn[:, 1] / drawn[:, 0]), [0.975, 0.025])
     stretch = math.sqrt(count / (count - 1)) * stdtrit(count - 1, 0.975) / ndtri(0.975)
     low, high = 100.0 * (1.0 - ratio * (ends / ratio) ** stretch)
