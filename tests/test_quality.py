@@ -328,5 +328,7 @@ def test_an_interrupted_process_leaves_no_folder(tmp_path: Path) -> None:
             break
         time.sleep(0.005)
     _, error = process.communicate(timeout=60)
-    assert (process.returncode, error) == (130, "eccentric: interrupted\n")
+    # Where the interrupt met an exec(), CPython ends by the signal itself; a shell calls both 130.
+    assert process.returncode in (130, -signal.SIGINT)
+    assert error == "eccentric: interrupted\n"
     assert {path.name for path in tmp_path.iterdir()} == there

@@ -76,11 +76,8 @@ def _accelerated(model: Model) -> list[str]:
     lines = [f"normal_force within {ACCELERATED_EPS} eps (M L (omega_l^2 + |alpha_l|) + weight)"]
     if not _of_one_sign(model):
         return lines
-    return [
-        *lines,
-        f"friction_torque, mechanical_friction_torque within {ACCELERATED_EPS} eps of the friction"
-        " at a load of that size",
-    ]
+    friction = f"within {ACCELERATED_EPS} eps of the friction at a load of that size"
+    return [*lines, f"friction_torque, mechanical_friction_torque {friction}"]
 
 
 def _as_derived(F_N: sp.Expr) -> bool:
