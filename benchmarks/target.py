@@ -99,7 +99,7 @@ def host_counts(folder: Path, real: str) -> dict[str, float]:
     run("gcc", *options, "-o", program, source, GENERATED / "c2_parallel.c", "-lm")
     counts = {}
     for function in (TORQUE, GRADIENT):
-        command = ["valgrind", "--tool=callgrind", f"--toggle-collect={function}"]
+        command = ["valgrind", "--tool=callgrind", f"--toggle-collect={function}_{real}"]
         done = subprocess.run(
             [*command, "--callgrind-out-file=/dev/null", str(program)],
             capture_output=True,
@@ -109,6 +109,7 @@ def host_counts(folder: Path, real: str) -> dict[str, float]:
         collected = re.search(r"Collected : (\d+)", done.stderr)
         assert collected is not None, done.stderr
         counts[function] = int(collected[1]) / SAMPLES
+        assert counts[function] > 0, f"no call of {function}_{real} seen"
     return counts
 
 
