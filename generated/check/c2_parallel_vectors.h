@@ -1,5 +1,5 @@
 /*
- * Generated: do not edit. Written beside c2_parallel.c (program 6136d347).
+ * Generated: do not edit. Written beside c2_parallel.c (program c7206231).
  * What the self-test expects; computed by the emitted NumPy module.
  */
 #define INPUTS 5u

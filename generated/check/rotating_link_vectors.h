@@ -1,5 +1,5 @@
 /*
- * Generated: do not edit. Written beside rotating_link.c (program 48e69573).
+ * Generated: do not edit. Written beside rotating_link.c (program 022d346e).
  * What the self-test expects; computed by the emitted NumPy module.
  */
 #define INPUTS 5u
