@@ -55,7 +55,12 @@ def _peer(emitted: Generated, options: tuple[str, ...]) -> list[float]:
     for function in FUNCTIONS:
         calls = {function: f"{function}{emitted.arguments};"}
         counts |= _counts(
-            emitted.folder, emitted.real, emitted.declared(function), calls, [emitted.source(function)], options
+            emitted.folder,
+            emitted.real,
+            emitted.declared(function),
+            calls,
+            [emitted.source(function)],
+            options,
         )
     return [counts[function] for function in FUNCTIONS]
 

@@ -36,7 +36,11 @@ class Generated:
     def types(self) -> str:
         """The types of their arguments."""
         real = self.real
-        return f"(const {real} **, {real} **, long long int *, {real} *, int)" if self.casadi else f"({real}, {real}, {real} *)"
+        return (
+            f"(const {real} **, {real} **, long long int *, {real} *, int)"
+            if self.casadi
+            else f"({real}, {real}, {real} *)"
+        )
 
     @property
     def arguments(self) -> str:
@@ -97,4 +101,6 @@ def table(
     for name, forms in found.items():
         rows |= {f"{name}, {form}": numbers for form, numbers in zip(FORMS, forms, strict=True)}
     lines = [f"| | {' | '.join(heads)} |", "|---" * (len(heads) + 1) + "|"]
-    return lines + [f"| {name} | {' | '.join(f'{x:.0f}' for x in numbers)} |" for name, numbers in rows.items()]
+    return lines + [
+        f"| {name} | {' | '.join(f'{x:.0f}' for x in numbers)} |" for name, numbers in rows.items()
+    ]

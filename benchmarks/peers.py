@@ -76,7 +76,9 @@ def _with_printer(folder: Path, real: str, results: dict[str, list[Any]]) -> Non
     from sympy.codegen import ast
     from sympy.printing.c import C99CodePrinter
 
-    printer = C99CodePrinter({"type_aliases": {ast.real: {"float": ast.float32, "double": ast.float64}[real]}})
+    printer = C99CodePrinter(
+        {"type_aliases": {ast.real: {"float": ast.float32, "double": ast.float64}[real]}}
+    )
     for name, expressions in results.items():
         steps, outs = sp.cse(expressions)
         lines = [f"const {real} {s} = {printer.doprint(e)};" for s, e in steps]

@@ -77,7 +77,11 @@ _COUNTS = (
 def _peer(emitted: Generated, options: tuple[str, ...]) -> list[int]:
     counts, sizes = [], []
     for function in FUNCTIONS:
-        declared, arguments, sources = emitted.declared(function), emitted.arguments, [emitted.source(function)]
+        declared, arguments, sources = (
+            emitted.declared(function),
+            emitted.arguments,
+            [emitted.source(function)],
+        )
         called = [Subject(function, emitted.types, arguments, emitted.result)]
         counts.append(max(instructions(emitted.folder, declared, called, sources, options)[function]))
         body = f"float out[3] = {{0}}; {function}{arguments}; return out[0] + out[1] + out[2];"
