@@ -1,18 +1,19 @@
 """How exact the emitted code is: full sets of states against 50 digits, in C and NumPy, float and double.
 
-The peers are other forms of the normal force, on the same inputs.
+The peers are other forms of the same quantities (`benchmarks/forms.py`), on the same inputs.
 """
 
 from __future__ import annotations
 
 import tempfile
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Mapping
 from concurrent.futures import ProcessPoolExecutor
 from pathlib import Path
-from typing import Any
+from types import SimpleNamespace
 
 import numpy as np
 
+from benchmarks import forms
 from benchmarks.record import Measured, Part, tell
 from tests import accuracy, oracle
 from tests.compiled import REAL, Library
@@ -23,15 +24,17 @@ CASES = {
     "c2_parallel": ("c2_parallel", "c2_asymmetric"),
 }
 PRECISIONS = {real: dtype for dtype, real in REAL.items()}
-_FIGURES = {
-    "force": ("F_N, C", "F_N, NumPy"),
-    "friction": ("friction",),
-    "gradient": ("gradient",),
-    "accelerated": ("rotating_link",),
+OWN = ("C", "NumPy")
+MEASURED = {
+    "force": (*OWN, "paper", "paper in double", "hypot", "half angle"),
+    "friction": ("NumPy", "paper", "paper in double", "SymPy"),
+    "gradient": ("NumPy", "paper", "paper in double", "SymPy"),
+    "accelerated": ("NumPy", "paper", "paper in double"),
 }
-EMITTED = tuple(name for names in _FIGURES.values() for name in names)
+"""Asked-for figure -> who is measured: the emitted code, and in case C2 its peers."""
+_HEADS = {"force": "F_N", "friction": "friction", "gradient": "gradient", "accelerated": "rotating_link"}
 _TILT = 0.6
-Errors = dict[str, np.ndarray]
+Errors = dict[tuple[str, str], np.ndarray]
 
 
 def measured(quick: bool) -> Part:
@@ -50,110 +53,123 @@ def measured(quick: bool) -> Part:
             tell(f"accuracy: {len(found)} of {len(jobs)} sets")
     figures = {}
     for real in PRECISIONS:
-        sets = [errors for (_, one, _), errors in found.items() if one == real]
-        others = [errors for errors in sets if "paper" in errors]
-        missing = sum(_missing(errors, *EMITTED) for errors in sets)
-        figures[f"nan {real}"] = Measured(missing, str(missing), _joined(others, _missing, sum))
-        for key, names in _FIGURES.items():
-            worst = max(_worst(errors, name) for errors in sets for name in names if name in errors)
-            peers = _joined(others, _worst, max) if key == "force" else ""
-            figures[f"{key} {real}"] = Measured(worst, "", peers)
+        figures |= _figures(real, [errors for (_, one, _), errors in found.items() if one == real])
     sizes = f"{many:,} states a set for F_N of C2 and its peers, {few:,} for all else"
-    return Part(figures, [f"Worst errors, {sizes}; Table 1 with mu = 1/5.", "", *_details(found)])
+    return Part(figures, [f"Worst errors, {sizes}; Table 1 with mu = 1/5.", *_details(found)])
+
+
+def _figures(real: str, sets: list[Errors]) -> dict[str, Measured]:
+    """The asked-for figures of a precision: the worst of all sets, and how many NaN, beside those of the peers."""
+    figures = {}
+    for figure in MEASURED:
+        worst = _over(sets, [figure], _worst, max)
+        own = max(worst.pop(who) for who in OWN if who in worst)
+        figures[f"{figure} {real}"] = Measured(own, "", _told(worst))
+    missing = _over(sets, MEASURED, _missing, sum)
+    own = int(sum(missing.pop(who) for who in OWN))
+    return figures | {f"nan {real}": Measured(own, str(own), _told(missing))}
 
 
 def _set(case: str, real: str, index: int, size: int, few: int) -> tuple[str, Errors]:
-    """The errors on one set of states: its name, and (what -> errors), of F_N at all, else at the first few."""
+    """The errors on one set of states: its name, and (figure, who) -> errors, of F_N at all, else at few."""
     dtype, decimals = PRECISIONS[real], accuracy.decimals()
     values = {letter: float(value) for letter, value in vars(decimals).items()}
-    binary = oracle.exact(values)
+    binary, p = oracle.exact(values), SimpleNamespace(**values)
     at = accuracy.sets(decimals, dtype, size)[index]
     states = [getattr(at, one) for one in oracle.inputs(case, "normal_force")]
-    printed, prepared = (accuracy.normal_force(case, at, p) for p in (decimals, binary))
-    errors: Errors = {"F_N, C": np.zeros(size), "F_N, NumPy": np.zeros(size)}
+    printed, prepared = (accuracy.normal_force(case, at, q) for q in (decimals, binary))
+    errors: Errors = {("force", who): np.zeros(size) for who in OWN}
     with tempfile.TemporaryDirectory() as folder:
         for name in CASES[case]:
             library = Library(name, dtype, Path(folder))
             constant = library.many("normal_force", states, library.coefficients())
             numpy = np.asarray(module(name).normal_force(*states))
-            for what, value, exact in (("F_N, C", constant, printed), ("F_N, NumPy", numpy, prepared)):
-                errors[what] = np.maximum(errors[what], accuracy.units(value, exact))
+            for who, value, exact in zip(OWN, (constant, numpy), (printed, prepared), strict=True):
+                errors["force", who] = np.maximum(errors["force", who], accuracy.units(value, exact))
     if case == "c2_parallel":
-        for form, value in forms(at.theta_m, at.omega_m, values):
-            errors[form] = accuracy.units(value, printed)
+        for form, value in forms.normal_forces(at.theta_m, at.omega_m, p).items():
+            errors["force", form] = accuracy.units(value, prepared)
     at = at._replace(theta_m=at.theta_m[:few], omega_m=at.omega_m[:few])
     states = [one[:few] for one in states]
-    friction = np.asarray(module(case).friction_torque(*states))
-    errors["friction"] = accuracy.units(friction, accuracy.friction_torque(case, at, binary))
+    torques = {"NumPy": np.asarray(module(case).friction_torque(*states))}
     if case == "c2_parallel":
-        slopes = module(case).friction_torque_gradient(*states)
-        exact = accuracy.gradient(case, at, binary)
-        errors["gradient"] = np.max(
-            [accuracy.relative(slopes[:, k], exact[label]) for k, label in enumerate(module(case).GRADIENT)],
+        torques |= forms.friction_torques(at.theta_m, at.omega_m, p)
+        errors |= _slopes(at, p) | _tilted(at, p)
+    exact = accuracy.friction_torque(case, at, binary)
+    return at.name, errors | {("friction", who): accuracy.units(F, exact) for who, F in torques.items()}
+
+
+def _slopes(at: accuracy.Set, p: SimpleNamespace) -> Errors:
+    """The greater error of both derivatives of the friction torque of case C2."""
+    emitted = module("c2_parallel")
+    found = {"NumPy": emitted.friction_torque_gradient(at.theta_m, at.omega_m)}
+    found |= forms.gradients(at.theta_m, at.omega_m, p)
+    exact = accuracy.gradient("c2_parallel", at, oracle.exact(vars(p)))
+    return {
+        ("gradient", who): np.max(
+            [accuracy.relative(slopes[:, k], exact[label]) for k, label in enumerate(emitted.GRADIENT)],
             axis=0,
         )
-        link, law = module("rotating_link"), oracle.CASES["rotating_link"].normal_force
-        alpha = np.random.default_rng(2).uniform(-500, 500, few).astype(dtype)
-        tilted = link.normal_force(*states, alpha, link.Parameters(phi=_TILT))
-        p = oracle.exact(values | {"phi": _TILT})
-        forces = [(law(x, p), most) for x, most in accuracy.accelerated(at, alpha, p)]
-        errors["rotating_link"] = accuracy.relative(tilted, forces)
-    return at.name, errors
+        for who, slopes in found.items()
+    }
 
 
-def forms(theta_m: np.ndarray, omega_m: np.ndarray, p: dict[str, Any]) -> Iterator[tuple[str, np.ndarray]]:
-    """Other forms of F_N in the precision of the states, and the paper's in double for states in float."""
-    real = theta_m.dtype.type
-
-    def papers(kind: type[np.floating]) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        a = kind(p["M"] * p["L"] * p["mu"] ** 2) * omega_m.astype(kind) ** 2
-        b = np.full_like(a, (p["M"] + p["M_l"]) * p["g"])
-        return a, b, kind(p["mu"]) * theta_m.astype(kind)
-
-    with np.errstate(invalid="ignore"):
-        a, b, theta = papers(real)
-        yield "paper", np.sqrt(a * a + b * b + 2 * a * b * np.cos(theta))
-        yield "hypot", np.hypot(a + b * np.cos(theta), b * np.sin(theta))
-        yield "half angle", np.sqrt((a - b) ** 2 + 4 * a * b * np.cos(theta / 2) ** 2)
-        if real is np.float32:
-            a, b, theta = papers(np.float64)
-            yield "paper in double", np.sqrt(a * a + b * b + 2 * a * b * np.cos(theta)).astype(real)
+def _tilted(at: accuracy.Set, p: SimpleNamespace) -> Errors:
+    """The errors of F_N of a link that is accelerated in a tilted plane."""
+    link, law = module("rotating_link"), oracle.CASES["rotating_link"].normal_force
+    p = SimpleNamespace(**vars(p) | {"phi": _TILT})
+    alpha = np.random.default_rng(2).uniform(-500, 500, at.theta_m.size).astype(at.theta_m.dtype)
+    states = (at.theta_m, at.omega_m, alpha)
+    found = {"NumPy": link.normal_force(*states, link.Parameters(phi=_TILT))} | forms.accelerated(*states, p)
+    binary = oracle.exact(vars(p))
+    exact = [(law(x, binary), most) for x, most in accuracy.accelerated(at, alpha, binary)]
+    return {("accelerated", who): accuracy.relative(F_N, exact) for who, F_N in found.items()}
 
 
-_FORMS = {
-    "paper": "the paper's (16)",
-    "hypot": "hypot(a + b cos, b sin)",
-    "half angle": "sqrt((a-b)^2 + 4ab cos^2(th/2))",
-    "paper in double": "the paper's in double",
-}
+def _worst(errors: np.ndarray) -> float:
+    return float(np.nanmax(errors))
 
 
-def _worst(errors: Errors, name: str) -> float:
-    return float(np.nanmax(errors[name]))
+def _missing(errors: np.ndarray) -> float:
+    return float(np.isnan(errors).sum())
 
 
-def _missing(errors: Errors, *names: str) -> int:
-    return sum(int(np.isnan(errors[name]).sum()) for name in names if name in errors)
+def _over(
+    sets: Iterable[Errors],
+    figures: Iterable[str],
+    one: Callable[[np.ndarray], float],
+    all_of: Callable[[list[float]], float],
+) -> dict[str, float]:
+    """Who -> what there is of their errors, over all sets and these figures."""
+    there = [(who, one(e)) for errors in sets for (figure, who), e in errors.items() if figure in figures]
+    return {who: all_of([x for other, x in there if other == who]) for who, _ in there}
 
 
-def _joined(sets: list[Errors], one: Callable[[Errors, str], float], all_of: Callable[..., float]) -> str:
-    told = {words: all_of(one(e, form) for e in sets) for form, words in _FORMS.items() if form in sets[0]}
-    return "; ".join(f"{words} {value:.3g}" for words, value in told.items())
+def _told(peers: Mapping[str, float]) -> str:
+    return "; ".join(f"{forms.WORDS[who]} {value:.3g}" for who, value in peers.items())
 
 
 def _details(found: dict[tuple[str, str, str], Errors]) -> list[str]:
-    columns = [*EMITTED, *_FORMS]
-    heads = [*EMITTED, *_FORMS.values()]
-    lines = [f"| case | precision | set | {' | '.join(heads)} | NaN |", "|---" * (len(columns) + 4) + "|"]
-    for (case, real, at), errors in found.items():
-        cells = [f"{_worst(errors, name):.3g}" if name in errors else "" for name in columns]
-        lines.append(
-            f"| {case[:2].upper()} | {real} | {at} | {' | '.join(cells)} | {_missing(errors, *EMITTED)} |"
-        )
+    """A table for F_N, and one for all else."""
+    force, *others = MEASURED
     return [
-        *lines,
+        *_table(found, [force]),
+        *_table(found, others),
         "",
-        "F_N and friction in units of the last place, gradient and rotating_link in eps of the sizes that the headers"
-        " name; C with the emitted constants, whose parameters are decimals, NumPy with prepared ones."
+        "The closed forms are the paper's (16) and (18), the latter differentiated by hand, and for rotating_link the one"
+        " with an acceleration."
+        " F_N and friction in units of the last place, gradient and rotating_link in eps of the sizes that the headers"
+        " name; C with the emitted constants, whose parameters are decimals, NumPy and peers with binary ones."
         " NaN is counted for the emitted code.",
     ]
+
+
+def _table(found: dict[tuple[str, str, str], Errors], figures: Iterable[str]) -> list[str]:
+    columns = [(figure, who) for figure in figures for who in MEASURED[figure]]
+    heads = [f"{_HEADS[figure]}, {who if who in OWN else forms.WORDS[who]}" for figure, who in columns]
+    lines = ["", f"| case | precision | set | {' | '.join(heads)} | NaN |", "|---" * (len(columns) + 4) + "|"]
+    for (case, real, at), errors in found.items():
+        cells = [f"{_worst(errors[column]):.3g}" if column in errors else "" for column in columns]
+        missing = sum(_missing(errors[one]) for one in columns if one in errors and one[1] in OWN)
+        lines.append(f"| {case[:2].upper()} | {real} | {at} | {' | '.join(cells)} | {missing:.0f} |")
+    return lines

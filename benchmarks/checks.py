@@ -10,9 +10,9 @@ from pathlib import Path
 from benchmarks.cortex_m4 import GENERATED, TOOLS, build, emulate, missing, run
 from benchmarks.record import Measured, Part, tell
 from tests.emitted import MODELS
+from tests.hosts import CHECK, HOSTS, REALS, lacking, on_host
 from tests.test_misra import deviations
 from tests.test_proof import proved
-from tests.test_selftest import CHECK, HOSTS, REALS, on_host
 from tests.test_target import TARGETS
 
 
@@ -38,8 +38,8 @@ def _bits() -> tuple[Measured, list[str]]:
         folder = Path(name)
         for label, compiler in HOSTS.items():
             tell(f"checks: bits of {label}")
-            if shutil.which(compiler[0]) is None:
-                left_out.append(f"{label}: not installed.")
+            if reason := lacking(*compiler):
+                left_out.append(f"{label}: {reason}.")
                 continue
             compilers.append(label)
             for model in MODELS:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import matplotlib as mpl
@@ -12,7 +13,7 @@ mpl.use("Agg")
 import matplotlib.pyplot as plt
 import numpy as np
 
-from benchmarks.accuracy import forms
+from benchmarks import forms
 from tests import accuracy, oracle
 from tests.emitted import module
 
@@ -64,7 +65,7 @@ def near_hollow() -> Curves:
         omega = (fastest + distance * np.sin(turn)).astype(np.float32)
         exact = accuracy.normal_force("c2_parallel", accuracy.Set("", theta, omega), binary)
         emitted = np.asarray(module("c2_parallel").normal_force(theta, omega))
-        printed = dict(forms(theta, omega, values))["paper"]
+        printed = forms.normal_forces(theta, omega, SimpleNamespace(**values))["paper"]
         for name, value in zip(worst, (emitted, printed), strict=True):
             worst[name].append(float(np.nanmax(accuracy.units(value, exact))))
     return {name: (distances.tolist(), errors) for name, errors in worst.items()}

@@ -14,7 +14,7 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
-from benchmarks import accuracy, checks, derivation, diagnosis, figure, fuzz, host, speed, target
+from benchmarks import accuracy, calls, checks, derivation, diagnosis, figure, fuzz, host, speed, target
 from benchmarks.asked import CODE, DIAGNOSIS
 from benchmarks.record import Part, table, tell
 
@@ -23,7 +23,7 @@ PARTS: dict[str, tuple[str, Callable[[bool], Part]]] = {
     "derivation": ("Derivation", derivation.measured),
     "speed": ("NumPy and compiled C", speed.measured),
     "host": ("C on the host, arrays", host.measured),
-    "calls": ("C on the host, single calls", target.measured_host),
+    "calls": ("C on the host, single calls", calls.measured),
     "target": ("C on a Cortex-M4F", target.measured),
     "accuracy": ("Accuracy", accuracy.measured),
     "checks": ("Checks", checks.measured),

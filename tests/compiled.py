@@ -36,14 +36,15 @@ def declarations(name: str, real: str) -> str:
 
 
 class Library:
-    """One model, compiled in one precision."""
+    """One model, compiled in one precision; further options of the compiler may define macros."""
 
-    def __init__(self, name: str, dtype: Real, folder: Path) -> None:
+    def __init__(self, name: str, dtype: Real, folder: Path, *options: str) -> None:
         self.name, self.dtype, self.real = name, dtype, REAL[dtype]
         path = folder / f"{name}_{self.real}.so"
         run(
             "gcc",
             *FLAGS,
+            *options,
             "-shared",
             "-fPIC",
             f"-DECCENTRIC_REAL={self.real}",

@@ -41,6 +41,7 @@ from eccentric.emit.series import polynomial
 from eccentric.model import load_model, model_names, quantity
 from eccentric.places import folder
 from generated import c2_parallel
+from tests.compiled import FLAGS
 
 ROOT = Path(__file__).resolve().parent.parent
 
@@ -208,9 +209,8 @@ def test_chain_of_links_needs_no_rewrite(n: int, tmp_path: Path) -> None:
         "typedef struct { double weight; } chain_coefficients;extern chain_coefficients chain_default_double;"
     )
     library.cdef("void chain_slopes_double(const double *theta, double *out, const chain_coefficients *c);")
-    flags = ["-std=c99", "-Wall", "-Wextra", "-Wpedantic", "-Wconversion", "-Wdouble-promotion", "-Werror"]
     subprocess.run(
-        ["gcc", *flags, "-shared", "-fPIC", "chain.c", "-o", "chain.so", "-lm"], check=True, cwd=tmp_path
+        ["gcc", *FLAGS, "-shared", "-fPIC", "chain.c", "-o", "chain.so", "-lm"], check=True, cwd=tmp_path
     )
     compiled: Any = library.dlopen(str(tmp_path / "chain.so"))
     out = np.empty(n)
@@ -293,8 +293,7 @@ def test_free_text_stays_in_comments(tmp_path: Path) -> None:
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         compile((tmp_path / "c2_parallel.py").read_text("utf-8"), "c2_parallel.py", "exec")
-    flags = ["-std=c99", "-Wall", "-Wextra", "-Wpedantic", "-Werror", "-fsyntax-only"]
-    subprocess.run(["gcc", *flags, tmp_path / "c2_parallel.c"], check=True)
+    subprocess.run(["gcc", *FLAGS, "-fsyntax-only", tmp_path / "c2_parallel.c"], check=True)
 
 
 @pytest.mark.parametrize(

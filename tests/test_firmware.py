@@ -30,11 +30,7 @@ def test_friction_compensation_reduces_the_tracking_error(ran: subprocess.Comple
 
 
 def test_readme_shows_what_it_prints(ran: subprocess.CompletedProcess[str]) -> None:
-    """The result in the README is that of the firmware, to a per cent: sine and cosine are newlib's."""
+    """What the README shows is what the firmware prints, letter by letter."""
     readme = (FIRMWARE / "README.md").read_text(encoding="utf-8")
-    told, printed = (
-        re.findall(r"(tracking.*: +)(\d+\.\d+) mrad rms", x) for x in (readme, ran.stdout + ran.stderr)
-    )
 
-    assert [label for label, _ in told] == [label for label, _ in printed]
-    assert [float(x) for _, x in printed] == pytest.approx([float(x) for _, x in told], rel=0.01)
+    assert f"```\n{ran.stdout}{ran.stderr}```" in readme

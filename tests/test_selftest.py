@@ -1,7 +1,6 @@
 """The self-test of the emitted C: every compiler of the host has the bits of NumPy, sanitizers included."""
 
 import re
-import shutil
 import subprocess
 from pathlib import Path
 
@@ -14,35 +13,7 @@ from eccentric.model import load_model
 from tests import extended
 from tests.compiled import FLAGS
 from tests.emitted import every_model
-
-CHECK = GENERATED / "check"
-REALS = ("float", "double")
-# Without contraction of products and sums: gcc's -std=c99 forbids it, clang has an option.
-HOSTS = {
-    "gcc-O0": ("gcc", "-O0"),
-    "gcc-O2-fma": ("gcc", "-O2", "-mfma"),
-    "clang": ("clang", "-O2", "-ffp-contract=off"),
-    "gcc-sanitized": (
-        "gcc", "-O1", "-fsanitize=undefined,address,float-cast-overflow", "-fno-sanitize-recover=all"
-    ),
-}  # fmt: skip
-
-
-def need_fma() -> None:
-    """Skip the test where the processor has no fused multiply-add."""
-    information = Path("/proc/cpuinfo")
-    if not information.is_file() or " fma " not in information.read_text(encoding="utf-8"):
-        pytest.skip("this processor has no fused multiply-add")
-
-
-def on_host(
-    folder: Path, name: str, compiler: tuple[str, ...], real: str, source: Path | None = None
-) -> Path:
-    """Compile the self-test of a model."""
-    program = folder / f"{name}_{real}"
-    sources = [CHECK / f"{name}_selftest.c", source or GENERATED / f"{name}.c"]
-    run(*compiler, "-std=c99", f"-DECCENTRIC_REAL={real}", f"-I{GENERATED}", "-o", program, *sources, "-lm")
-    return program
+from tests.hosts import CHECK, HOSTS, REALS, both_reals, need, on_host
 
 
 @every_model
@@ -58,40 +29,36 @@ def test_check_files_are_fresh(name: str) -> None:
 @every_model
 def test_same_bits_on_hosts(tmp_path: Path, name: str, compiler: tuple[str, ...]) -> None:
     """NumPy's bits in both precisions, from every compiler, without a word of the sanitizers'."""
-    if shutil.which(compiler[0]) is None:
-        pytest.skip(f"not installed: {compiler[0]}")
-    if "-mfma" in compiler:
-        need_fma()
+    need(*compiler)
 
     for real in REALS:
         assert f"{name}: ok" in run(on_host(tmp_path, name, compiler, real))
 
 
-@pytest.mark.parametrize("real", REALS)
-def test_selftest_sees_a_changed_digit(tmp_path: Path, real: str) -> None:
-    """A polynomial coefficient that is off in its last digit fails, and the function is named."""
-    text = (GENERATED / "c2_parallel.c").read_text(encoding="utf-8")
-    digits = re.findall(r"REAL\((-1\.66666\d+)e-1\)", text)[REALS.index(real)]
-    changed = tmp_path / "changed.c"
-    changed.write_text(text.replace(digits, digits[:-2] + "00"), encoding="utf-8")
-
-    done = subprocess.run(
-        [on_host(tmp_path, "c2_parallel", ("gcc", "-O2"), real, changed)],
-        capture_output=True, text=True, check=False,
-    )  # fmt: skip
-
-    assert 1 == done.returncode
-    assert re.match(
-        r"c2_parallel: vector \d+, \w+, value \d:\n expected 0x\w+ got 0x\w+ theta_m", done.stdout
+@every_model
+def test_every_function_is_tested(name: str) -> None:
+    """The self-test calls all that the header declares, array functions as well, and reads the constants."""
+    header, test = (
+        path.read_text(encoding="utf-8") for path in (GENERATED / f"{name}.h", CHECK / f"{name}_selftest.c")
     )
+    declared = set(re.findall(rf"^(?:void|ECCENTRIC_REAL) ({name}_\w+)\(", header, re.MULTILINE))
+    constants = set(re.findall(rf"^extern const \w+ ({name}_\w+);", header, re.MULTILINE))
+
+    assert declared == set(re.findall(rf"\b({name}_\w+)\(", test))
+    assert constants <= set(re.findall(rf"\b{name}_\w+", test))
 
 
-def test_selftest_sees_contraction(tmp_path: Path) -> None:
-    """A compiler that fuses products and sums has other bits, and the self-test says so."""
-    need_fma()
-    fused = on_host(tmp_path, "c2_parallel", ("gcc", "-O2", "-mfma", "-ffp-contract=fast"), "float")
+@pytest.mark.parametrize("name", ["c2_parallel", "c2_asymmetric", "rotating_link"])
+def test_arrays_end_within_a_block(name: str) -> None:
+    """The arrays are a whole block of the array functions, and of the next one a part that is odd."""
+    source, vectors = (
+        path.read_text(encoding="utf-8") for path in (GENERATED / f"{name}.c", CHECK / f"{name}_vectors.h")
+    )
+    (block,) = map(int, re.findall(r"#define REAL_BLOCK (\d+)u", source))
+    (array,) = map(int, re.findall(r"#define ARRAY (\d+)u", vectors))
 
-    assert 1 == subprocess.run([fused], capture_output=True, check=False).returncode
+    assert block < array
+    assert 1 == array % block % 2
 
 
 def exponential(folder: Path, effect_id: str, *options: str) -> subprocess.CompletedProcess[str]:
@@ -105,7 +72,7 @@ def exponential(folder: Path, effect_id: str, *options: str) -> subprocess.Compl
     return subprocess.run([folder / "test"], capture_output=True, text=True, check=False)
 
 
-@pytest.mark.parametrize("real", REALS)
+@both_reals
 @pytest.mark.parametrize("effect_id", ["hidden_thermal_drift", "load_dependent[progressive]", "angle_offset"])
 def test_models_with_an_exponential(tmp_path: Path, effect_id: str, real: str) -> None:
     """Where an exponential is called, for each sample or in `prepare`, all bits but its own are NumPy's."""
@@ -114,7 +81,7 @@ def test_models_with_an_exponential(tmp_path: Path, effect_id: str, real: str) -
     assert (0, True) == (done.returncode, ": ok, " in done.stdout), done.stdout
 
 
-def test_selftest_sees_a_bad_exponential(tmp_path: Path) -> None:
+def test_a_bad_exponential_is_seen(tmp_path: Path) -> None:
     """A library whose exponential is off by three units is told so."""
     bad = tmp_path / "bad.h"
     bad.write_text(
@@ -126,4 +93,4 @@ def test_selftest_sees_a_bad_exponential(tmp_path: Path) -> None:
     done = exponential(tmp_path, "hidden_thermal_drift", "-include", str(bad))
 
     assert 1 == done.returncode
-    assert "of the library is" in done.stdout
+    assert "exp of the library is" in done.stdout

@@ -11,8 +11,9 @@ from pathlib import Path
 import pytest
 
 from benchmarks import cortex_m4
+from benchmarks.calls import host_counts
 from benchmarks.cortex_m4 import GENERATED, M4F, M7, OPTIMISED, build, emulate, missing, run
-from benchmarks.target import ASKED, grown, host_counts, target_counts
+from benchmarks.target import ASKED, grown, target_counts
 from tests.emitted import every_model
 
 CHECK = GENERATED / "check"

@@ -15,6 +15,7 @@ class Called:
         width: number of values it gives.
         scalar: whether C returns the one value; else it writes to an array.
         call: in C, from x[] to out[].
+        array_call: of its array function, from ARRAY samples in each of x_n[] to out_n[]; "" without inputs.
     """
 
     name: str
@@ -22,3 +23,4 @@ class Called:
     width: int
     scalar: bool
     call: str
+    array_call: str

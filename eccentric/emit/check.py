@@ -58,10 +58,7 @@ def views(model: Model, files: Mapping[str, str]) -> dict[str, dict[str, Any]]:
     }
     source = files[f"{model.name}.c"]
     driver = {"proof.c": given | proof.view(model, functions, inputs, source)}
-    exponential = re.search(r"\bexpf?\(", source) is not None
-    if exponential:
-        selftest.without_exponential(module)
-    tested = given | selftest.view(module, functions, inputs, defaults | assumed, exponential)
+    tested = given | selftest.view(module, functions, inputs, defaults | assumed, source)
     return {"selftest.c": tested, "vectors.h": tested} | driver
 
 
@@ -98,4 +95,6 @@ def _function(prefix: str, name: str, function: Any, inputs: list[str]) -> Calle
         if shape
         else f"out[0] = {prefix}_{name}({', '.join([*arguments, '&c'])});"
     )
-    return Called(name, taken, shape[0] if shape else 1, not shape, call)
+    arrays = ", ".join(f"x_n[{inputs.index(x)}]" for x in taken)
+    array_call = f"{prefix}_{name}_n(ARRAY, {arrays}, out_n, &c);" if taken else ""
+    return Called(name, taken, shape[0] if shape else 1, not shape, call, array_call)

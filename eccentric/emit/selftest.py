@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Iterable, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from functools import cache
@@ -15,7 +16,10 @@ import numpy as np
 from eccentric.emit.called import Called
 
 SECTIONS, SECTION = 10, 20_000  # generated samples
-_VECTORS_BYTES = 45_000  # of both precisions
+# Arrays of a section, and samples in each: a block of an array function, and of the next an odd part, which
+# no vector unit takes without a rest.
+_ARRAYS, _ARRAY = 10, 51
+_VECTORS_BYTES, _NUMBER_BYTES = 45_000, 32  # of text, in both precisions
 # Of the library's exponential: what is asked of it, and where.
 _EXPONENTIAL_EPS = 2
 _EXPONENTS = tuple(
@@ -31,36 +35,56 @@ def view(
     functions: Sequence[Called],
     inputs: list[str],
     values: Mapping[str, float],
-    exponential: bool,
+    source: str,
 ) -> dict[str, Any]:
     """What the templates of self-test and vectors are filled with.
 
     Args:
-        module: the emitted NumPy module.
+        module: the emitted NumPy module; the exponential, which no two libraries round alike, is taken out
+            of it.
         functions: its functions.
         inputs: names of the model's inputs.
         values: every parameter.
-        exponential: whether the C calls the exponential of its library, which no two libraries round alike.
+        source: the emitted C.
     """
+    exponential = re.search(r"\bexpf?\(", source) is not None
+    if exponential:
+        _without_exponential(module)
     numbers = len(inputs) + sum(f.width for f in functions)
-    rows = min(64, _VECTORS_BYTES // (24 * numbers))
+    rows = min(64, _VECTORS_BYTES // (_NUMBER_BYTES * numbers))
+    single, double = _default(source)
     return {
         "functions": functions,
         "inputs": inputs,
+        "coefficients": list(double),
         "widths": _braces(f.width for f in functions),
+        "taken": _braces(f"0x{sum(1 << inputs.index(x) for x in f.inputs):x}u" for f in functions),
         "largest": max(f.width for f in functions),
+        "numbers": numbers,
         "rows": rows,
         "kinds": len(_spans(inputs)),
         "sections": SECTIONS,
         "section": SECTION,
+        "arrays": _ARRAYS,
+        "array": _ARRAY,
         "exponentials": len(_EXPONENTS) if exponential else 0,
         "precisions": [
-            _precision(real, module, functions, inputs, values, rows) for real in (np.float32, np.float64)
+            _precision(real, module, functions, inputs, values, rows, default)
+            for real, default in ((np.float32, single), (np.float64, double))
         ],
     }
 
 
-def without_exponential(module: ModuleType) -> None:
+def _default(source: str) -> list[dict[str, float]]:
+    """The constant coefficients by name, in single and in double precision: the decimals in the C source."""
+    (block,) = re.findall(r"_coefficients \w+_default = {(.*?)};", source, re.DOTALL)
+    return [
+        {name: float(decimal) for decimal, name in re.findall(r"([-+.\w]+)\)?, /\* (\w+) \*/", part)}
+        for part in block.replace("(real)NAN", "NAN").split("#else")
+    ]
+
+
+def _without_exponential(module: ModuleType) -> None:
     """Put 1/(1 + x^2) in place of the exponential, as selftest_exponential.c.jinja does."""
 
     def stand_in(x: Any) -> Any:
@@ -82,9 +106,10 @@ def _precision(
     inputs: list[str],
     values: Mapping[str, float],
     rows: int,
+    default: Mapping[str, float],
 ) -> dict[str, Any]:
     single = real is np.float32
-    digits, suffix = (8, "f") if single else (16, "")
+    suffix = "f" if single else ""
     hollow = _hollow(values)
     spans, centres = np.array(_spans(inputs), real), np.zeros((len(_spans(inputs)), len(inputs)), real)
     spans[5] = np.finfo(real).tiny * 4
@@ -111,14 +136,14 @@ def _precision(
         "condition": "if ECCENTRIC_PRECISION == 1" if single else "else",
         "exponential_error": (float(np.finfo(real).eps) * _EXPONENTIAL_EPS).hex() + suffix,
         "exponentials": [_braces(float(x).hex() + suffix for x in row) for row in _exponentials(real)],
-        "bits": f"uint{4 * digits}_t",
-        "digits": digits,
+        "bits": "uint32_t" if single else "uint64_t",
         "not_a_number": f"0x{int(_bits(np.array([np.nan], real))[0]):x}u",
         "scale": f"0x1p-32{suffix}",
         "half": f"0.5{suffix}",
         "centres": [_braces(float(x).hex() + suffix for x in row) for row in centres],
         "spans": [_braces(float(x).hex() + suffix for x in row) for row in spans],
-        "vectors": ["".join(f"{int(x):0{digits}x}" for x in row) for row in vectors],
+        "vectors": [_braces(map(hex, row)) for row in vectors.tolist()],
+        "default": _braces(map(hex, _bits(np.array([*default.values()], real)).tolist())),
         "digests": [_braces(f"0x{x:08x}u" for x in row) for row in digests],
     }
 

@@ -78,7 +78,7 @@ void SysTick_Handler(void)
     r->finished = (r->sample == SAMPLES);
 }
 
-/* Root mean square of the tracking error over one run [urad]. */
+/* Root mean square of the tracking error over one run [0.1 mrad]. */
 static uint32_t tracking_error(bool compensated)
 {
     const run fresh = {.compensated = compensated};
@@ -91,16 +91,16 @@ static uint32_t tracking_error(bool compensated)
         __asm__ volatile("wfi");
     }
     SYST_CSR = 0u;
-    return (uint32_t)(1.0e6f * sqrtf(current_run.squared_error / (float)SAMPLES));
+    return (uint32_t)(1.0e4f * sqrtf(current_run.squared_error / (float)SAMPLES) + 0.5f);
 }
 
-/* Write a label and a number of thousandths of a unit. */
-static void print(const char *label, uint32_t thousandths, const char *unit)
+/* Write a label and a number of tenths of a unit: further digits change with compiler and libm. */
+static void print(const char *label, uint32_t tenths, const char *unit)
 {
-    char digits[12] = "000000.000";
-    uint32_t rest = thousandths;
+    char digits[12] = "00000000.0";
+    uint32_t rest = tenths;
     for (int32_t place = 9; place >= 0; --place) {
-        if (place != 6) {
+        if (place != 8) {
             digits[place] = (char)('0' + (char)(rest % 10u));
             rest /= 10u;
         }

@@ -20,6 +20,50 @@
 typedef ECCENTRIC_REAL real;
 #include "c2_parallel_vectors.h"
 
+/* The bits of a value; a NaN has one pattern, since its sign and payload are the processor's own. */
+static bits bits_of(real value)
+{
+    bits word = NOT_A_NUMBER;
+    if (value == value) { memcpy(&word, &value, sizeof word); }
+    return word;
+}
+
+/* A line with a value: its bits, and six digits that integers print: small C libraries leave %g out. */
+static void print_value(const char *what, real value)
+{
+    const uint64_t word = bits_of(value);
+    printf("  %s 0x", what);
+    if (sizeof(real) > 4u) { printf("%08lx", (unsigned long)(word >> 32)); }
+    printf("%08lx ", (unsigned long)(word & 0xffffffffu));
+    if (value != value) {
+        printf("nan\n");
+    } else if (value - value != 0) {
+        printf("%s\n", (value > 0) ? "inf" : "-inf");
+    } else {
+        real size = (value < 0) ? -value : value;
+        int exponent = 0;
+        for (; size >= 10; ++exponent) { size /= 10; }
+        for (; size > 0 && size < 1; --exponent) { size *= 10; }
+        unsigned long digits = (unsigned long)(size * 100000 + SCALE_HALF);
+        if (digits > 999999u) {
+            digits /= 10u;
+            ++exponent;
+        }
+        printf("%s%lu.%05lue%d\n", (value < 0) ? "-" : "", digits / 100000u, digits % 100000u, exponent);
+    }
+}
+
+/* What deviates: value j of a function, at its own inputs. */
+static void print_deviation(const char *ending, unsigned function, unsigned j, const real *x, real came, real required)
+{
+    printf("c2_parallel: %s%s, value %u\n", functions[function], ending, j);
+    for (unsigned k = 0; k < INPUTS; ++k) {
+        if (((taken[function] >> k) & 1u) != 0u) { print_value(inputs[k], x[k]); }
+    }
+    print_value("came", came);
+    print_value("required", required);
+}
+
 #ifndef SECTIONS
 #define SECTIONS 10u /* of 20000 generated samples each */
 #endif
@@ -47,23 +91,41 @@ static void evaluate(unsigned function, const real *x, real *out)
     }
 }
 
-/* The bits of a value; a NaN has one pattern, since its sign and payload are the processor's own. */
-static bits bits_of(real value)
+/* The constant coefficients, as this compiler reads their decimals and this linker places them. */
+static int default_holds(void)
 {
-    bits word = NOT_A_NUMBER;
-    if (value == value) { memcpy(&word, &value, sizeof word); }
-    return word;
+    real came[COEFFICIENTS], required[COEFFICIENTS];
+    memcpy(came, &c2_parallel_default, sizeof came);
+    memcpy(required, default_bits, sizeof required);
+    for (unsigned k = 0; k < COEFFICIENTS; ++k) {
+        if (bits_of(came[k]) != default_bits[k]) {
+            printf("c2_parallel: c2_parallel_default.%s\n", coefficients[k]);
+            print_value("came", came[k]);
+            print_value("required", required[k]);
+            return 0;
+        }
+    }
+    return 1;
 }
 
-/* Reads a number of WIDTH hexadecimal digits and goes on behind it. */
-static bits next_word(const char **text)
+static int vectors_hold(void)
 {
-    bits word = 0;
-    for (int digit = 0; digit < WIDTH; ++digit) {
-        const char sign = *(*text)++;
-        word = (bits)(word << 4) | (bits)((sign <= '9') ? (sign - '0') : (sign - 'a' + 10));
+    for (unsigned row = 0; row < VECTORS; ++row) {
+        real x[NUMBERS], out[LARGEST_WIDTH];
+        memcpy(x, vectors[row], sizeof x);
+        const real *required = x + INPUTS;
+        for (unsigned f = 0; f < FUNCTIONS; ++f) {
+            evaluate(f, x, out);
+            for (unsigned j = 0; j < widths[f]; ++j) {
+                if (bits_of(out[j]) != bits_of(required[j])) {
+                    print_deviation("", f, j, x, out[j], required[j]);
+                    return 0;
+                }
+            }
+            required += widths[f];
+        }
     }
-    return word;
+    return 1;
 }
 
 /* Counter to pseudo-random word: integers only, so that every platform sees the same inputs. */
@@ -108,8 +170,9 @@ static int stream_holds(void)
         }
         for (unsigned f = 0; f < FUNCTIONS; ++f) {
             if (digest[f] != digests[section][f]) {
-                printf("c2_parallel: %s deviates within generated samples %lu to %lu\n", functions[f],
-                       (unsigned long)(section * 20000u), (unsigned long)((section + 1u) * 20000u - 1u));
+                printf("c2_parallel: %s, generated samples %lu to %lu: digest 0x%08lx came, 0x%08lx required\n",
+                       functions[f], (unsigned long)(section * 20000u), (unsigned long)((section + 1u) * 20000u - 1u),
+                       (unsigned long)digest[f], (unsigned long)digests[section][f]);
                 return 0;
             }
         }
@@ -117,32 +180,49 @@ static int stream_holds(void)
     return 1;
 }
 
-static void print_bits(const char *name, bits word)
+static real x_n[INPUTS][ARRAY], out_n[ARRAY * LARGEST_WIDTH];
+
+static void evaluate_array(unsigned function)
 {
-    printf(" %s 0x%08lx%08lx", name, (unsigned long)((uint64_t)word >> 32),
-           (unsigned long)(word & 0xffffffffu));
+    switch (function) {
+    case 1: c2_parallel_current_n(ARRAY, x_n[0], x_n[1], x_n[4], out_n, &c); break;
+    case 2: c2_parallel_electrical_residual_n(ARRAY, x_n[1], x_n[2], x_n[3], out_n, &c); break;
+    case 4: c2_parallel_friction_torque_n(ARRAY, x_n[0], x_n[1], out_n, &c); break;
+    case 5: c2_parallel_friction_torque_gradient_n(ARRAY, x_n[0], x_n[1], out_n, &c); break;
+    case 6: c2_parallel_friction_torque_jacobian_n(ARRAY, x_n[0], x_n[1], out_n, &c); break;
+    case 7: c2_parallel_friction_torque_with_gradient_n(ARRAY, x_n[0], x_n[1], out_n, &c); break;
+    case 8: c2_parallel_gravity_torque_n(ARRAY, x_n[0], out_n, &c); break;
+    case 9: c2_parallel_mechanical_friction_torque_n(ARRAY, x_n[0], x_n[1], out_n, &c); break;
+    case 10: c2_parallel_mechanical_residual_n(ARRAY, x_n[0], x_n[1], x_n[2], x_n[4], out_n, &c); break;
+    case 11: c2_parallel_normal_force_n(ARRAY, x_n[0], x_n[1], out_n, &c); break;
+    case 12: c2_parallel_regressor_n(ARRAY, x_n[0], x_n[1], out_n, &c); break;
+    case 13: c2_parallel_voltage_n(ARRAY, x_n[0], x_n[1], x_n[4], out_n, &c); break;
+    default: break;
+    }
 }
 
-static int vectors_hold(void)
+/* The functions over arrays have the bits of those of one sample: the vectors first, then generated samples. */
+static int arrays_hold(void)
 {
-    for (unsigned row = 0; row < VECTORS; ++row) {
-        const char *text = vectors[row];
-        real x[INPUTS], out[LARGEST_WIDTH];
-        for (unsigned k = 0; k < INPUTS; ++k) {
-            const bits word = next_word(&text);
-            memcpy(&x[k], &word, sizeof word);
+    for (uint32_t first = 0; first < SECTIONS * ARRAYS * ARRAY; first += ARRAY) {
+        for (uint32_t n = 0; n < ARRAY; ++n) {
+            for (unsigned k = 0; k < INPUTS; ++k) {
+                x_n[k][n] = generated(first + n, k);
+                if (first + n < VECTORS) { memcpy(&x_n[k][n], &vectors[first + n][k], sizeof(real)); }
+            }
         }
         for (unsigned f = 0; f < FUNCTIONS; ++f) {
-            evaluate(f, x, out);
-            for (unsigned j = 0; j < widths[f]; ++j) {
-                const bits expected = next_word(&text);
-                if (bits_of(out[j]) != expected) {
-                    printf("c2_parallel: vector %u, %s, value %u:\n", row, functions[f], j);
-                    print_bits("expected", expected);
-                    print_bits("got", bits_of(out[j]));
-                    for (unsigned k = 0; k < INPUTS; ++k) { print_bits(inputs[k], bits_of(x[k])); }
-                    printf("\n");
-                    return 0;
+            evaluate_array(f);
+            for (uint32_t n = 0; taken[f] != 0u && n < ARRAY; ++n) {
+                real x[INPUTS], out[LARGEST_WIDTH];
+                for (unsigned k = 0; k < INPUTS; ++k) { x[k] = x_n[k][n]; }
+                evaluate(f, x, out);
+                for (unsigned j = 0; j < widths[f]; ++j) {
+                    const real came = out_n[n * widths[f] + j];
+                    if (bits_of(came) != bits_of(out[j])) {
+                        print_deviation("_n", f, j, x, came, out[j]);
+                        return 0;
+                    }
                 }
             }
         }
@@ -156,8 +236,10 @@ int main(void)
     p.J_m = 0.0002;
     p.J_l = 0.04;
     c2_parallel_prepare(&p, &c);
-    if (!vectors_hold() || !stream_holds()) { return 1; }
+    if (!default_holds() || !vectors_hold() || !stream_holds() || !arrays_hold()) {
+        return 1;
+    }
     printf("c2_parallel: ok, %u vectors and %lu generated samples of %u functions, %u-bit reals\n", VECTORS,
-           (unsigned long)SECTIONS * 20000, FUNCTIONS, 4u * WIDTH);
+           (unsigned long)SECTIONS * 20000, FUNCTIONS, (unsigned)sizeof(real) * 8u);
     return 0;
 }

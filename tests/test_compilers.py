@@ -1,0 +1,139 @@
+"""How the emitted C compiles and links: without a warning, with little of libm, refused where it must be."""
+
+import re
+import subprocess
+from pathlib import Path
+
+import pytest
+
+from tests.compiled import FLAGS, GENERATED, REAL, Real, run
+from tests.emitted import MODELS, both_precisions, every_model
+from tests.hosts import need
+
+# Square root, absolute value and rounding; sine and cosine of the tilt in `prepare` only, which runs once.
+LIBM = {"sqrt", "sqrtf", "fabs", "fabsf", "floor", "floorf", "round", "roundf", "rint", "rintf"}
+LIBM_OF_PREPARE = {"sin", "cos", "sincos"}
+
+
+@pytest.mark.parametrize("variant", [(), ("-DECCENTRIC_LIBM",)], ids=["polynomials", "libm"])
+@pytest.mark.parametrize("compiler", ["gcc", "clang"])
+@both_precisions
+@every_model
+def test_no_warning(tmp_path: Path, name: str, dtype: Real, compiler: str, variant: tuple[str, ...]) -> None:
+    """No compiler has a word about the source, under strict flags and an optimisation that sees far."""
+    need(compiler)
+    options = [*FLAGS, *variant, f"-DECCENTRIC_REAL={REAL[dtype]}"]
+
+    run(compiler, *options, "-c", GENERATED / f"{name}.c", "-o", tmp_path / "model.o")
+
+
+@both_precisions
+@every_model
+def test_links_with_libm_only(tmp_path: Path, name: str, dtype: Real) -> None:
+    """An object file needs square root, absolute value and rounding, and holds no variables."""
+    object_file = tmp_path / f"{name}.o"
+    run("gcc", *FLAGS, f"-DECCENTRIC_REAL={REAL[dtype]}", "-c", "-o", object_file, GENERATED / f"{name}.c")
+    symbols = [line.split()[-2:] for line in run("nm", object_file).splitlines()]
+    undefined = {symbol for kind, symbol in symbols if kind == "U"} - {"_GLOBAL_OFFSET_TABLE_"}
+    defined = {(kind, symbol) for kind, symbol in symbols if kind != "U"}
+
+    assert undefined <= LIBM | (LIBM_OF_PREPARE if name == "rotating_link" else set())
+    assert {kind.upper() for kind, _ in defined} <= {"T", "R"}
+    assert all(symbol.startswith(f"{name}_") for kind, symbol in defined if kind.isupper())
+
+
+def refused(*arguments: str | Path) -> str:
+    """Return what gcc says of something that it must not compile or link."""
+    done = subprocess.run(["gcc", *FLAGS, *arguments], capture_output=True, text=True, check=False)
+    assert done.returncode != 0
+    return done.stderr
+
+
+@every_model
+def test_header_of_another_derivation_is_refused(tmp_path: Path, name: str) -> None:
+    """A source does not compile with a header that another program wrote."""
+    header = (GENERATED / f"{name}.h").read_text()
+    (tmp_path / f"{name}.c").write_text((GENERATED / f"{name}.c").read_text())
+    (tmp_path / f"{name}.h").write_text(re.sub(r"(_PROGRAM )0x\w+", r"\g<1>0x0UL", header))
+
+    assert "#error" in refused("-fsyntax-only", tmp_path / f"{name}.c")
+
+
+@pytest.mark.parametrize("real", ["real_t", "int"])
+def test_other_types_are_refused(tmp_path: Path, real: str) -> None:
+    """ECCENTRIC_REAL is float or double: a typedef hides from the preprocessor which of them it is."""
+    (tmp_path / "types.h").write_text("typedef float real_t;\n")
+    options = [f"-DECCENTRIC_REAL={real}", "-include", tmp_path / "types.h"]
+
+    said = refused("-fsyntax-only", *options, GENERATED / "c2_parallel.c")
+
+    assert '#error "ECCENTRIC_REAL must be float or double"' in said
+
+
+@pytest.mark.parametrize(
+    "option", ["-ffast-math", "-Ofast", "-funsafe-math-optimizations", "-ffinite-math-only"]
+)
+def test_fast_arithmetic_is_refused(option: str) -> None:
+    """A compiler that re-associates sums or assumes no NaN breaks what the source promises."""
+    assert "#error" in refused("-fsyntax-only", option, GENERATED / "c2_parallel.c")
+
+
+USER = """
+#include "c2_parallel.h"
+int main(void)
+{
+    c2_parallel_coefficients own;
+    CALL;
+    return c2_parallel_coulomb_torque(&own) > 0;
+}
+"""
+
+
+@pytest.mark.parametrize(
+    "call",
+    [
+        "c2_parallel_prepare(&c2_parallel_default_parameters, &own)",
+        "own = c2_parallel_default",
+        "static c2_parallel_coefficients of_another_file; own = of_another_file",
+    ],
+)
+def test_files_of_different_precision_do_not_link(tmp_path: Path, call: str) -> None:
+    """Coefficients in single precision are not read as double: all that makes or takes them names its own."""
+    (tmp_path / "user.c").write_text(USER.replace("CALL", call))
+    for real in ("float", "double"):
+        options = [f"-DECCENTRIC_REAL={real}", f"-I{GENERATED}", "-c", "-o", tmp_path / f"{real}.o"]
+        run("gcc", *FLAGS, *options, tmp_path / "user.c")
+    model = [f"-I{GENERATED}", GENERATED / "c2_parallel.c", "-o", tmp_path / "user", "-lm"]
+
+    run("gcc", *FLAGS, tmp_path / "double.o", *model)
+    said = refused(tmp_path / "float.o", *model)
+
+    assert "undefined reference" in said
+    assert "_float" in said
+
+
+@both_precisions
+def test_models_share_a_translation_unit(tmp_path: Path, dtype: Real) -> None:
+    """All models included in one file compile: nothing private has a name that two of them use."""
+    (tmp_path / "all.c").write_text("".join(f'#include "{name}.c"\n' for name in MODELS))
+
+    run(
+        "gcc",
+        *FLAGS,
+        "-fsyntax-only",
+        f"-DECCENTRIC_REAL={REAL[dtype]}",
+        f"-I{GENERATED}",
+        tmp_path / "all.c",
+    )
+
+
+@pytest.mark.parametrize("compiler", ["g++", "clang++"])
+@every_model
+def test_header_is_cpp(tmp_path: Path, name: str, compiler: str) -> None:
+    """The header includes from C++ and keeps C linkage."""
+    need(compiler)
+    source = tmp_path / "user.cpp"
+    source.write_text(f'#include "{name}.h"\ntypedef {name}_coefficients user;\n')
+
+    run(compiler, "-Wall", "-Wextra", "-Werror", "-fsyntax-only", f"-I{GENERATED}", source)
+    assert 'extern "C"' in run(compiler, "-E", f"-I{GENERATED}", source)

@@ -1,0 +1,67 @@
+"""The peers of the emitted C: what SymPy emits for the benchmark is the paper's friction torque."""
+
+import ctypes
+from pathlib import Path
+
+import mpmath
+import numpy as np
+import pytest
+from mpmath import mpf
+
+from benchmarks import calls, generators, peers
+from benchmarks.cortex_m4 import missing, run
+from benchmarks.generators import Generated
+from tests import accuracy, paper
+from tests.hosts import both_reals
+
+STATES = ((3.0, 20.0), (-7.5, -41.0), (40.0, 0.5))
+
+
+def emitted(folder: Path, real: str) -> Generated:
+    """Let SymPy emit its C."""
+    peers.sympy(folder, real)
+    return Generated(folder, real, casadi=False)
+
+
+@pytest.mark.parametrize("state", STATES)
+@both_reals
+def test_it_is_the_paper(tmp_path: Path, real: str, state: tuple[float, float]) -> None:
+    """Away from the hollow the emitted C gives eq. (18) and its derivatives, but for some rounding."""
+    one, library = emitted(tmp_path, real), tmp_path / "peer.so"
+    run("gcc", "-shared", "-fPIC", "-o", library, one.source("gradient"), "-lm")
+    number = {"float": ctypes.c_float, "double": ctypes.c_double}[real]
+    out = (number * 3)()
+
+    ctypes.CDLL(str(library)).gradient(number(state[0]), number(state[1]), out)
+
+    p, at = accuracy.decimals(), tuple(map(mpf, state))
+    exact = [
+        mpmath.diff(lambda x, y: paper.friction_torque_c2(x, y, p), at, n) for n in ((0, 0), (1, 0), (0, 1))
+    ]
+    eps = float(np.finfo({"float": np.float32, "double": np.float64}[real]).eps)
+    assert [float(x) for x in exact] == pytest.approx(list(out), rel=1000 * eps)
+
+
+@both_reals
+def test_its_calls_are_counted(tmp_path: Path, real: str) -> None:
+    """Both functions are counted, the one with the slopes takes more, and more than the emitted one does."""
+    if absent := missing(["valgrind"]):
+        pytest.skip(f"not installed: {', '.join(absent)}")
+
+    torque, gradient = calls._peer(emitted(tmp_path, real), ())
+
+    own_torque, own_gradient = calls.host_counts(tmp_path, real).values()
+    assert own_torque < torque < gradient
+    assert own_gradient < gradient
+
+
+def test_how_they_are_told() -> None:
+    """Each number stands with the generator, as generated and with -ffast-math, in line and table."""
+    found = {"A": [[1.0, 2.0], [3.0, 4.0]], "B": [[5.0, 6.0], [7.0, 8.4]]}
+
+    assert "as generated / -ffast-math: A 2 / 4; B 6 / 8" == generators.told(found, 1)
+    assert [
+        "| | x | y |", "|---|---|---|", "| emitted | 0 | 1 |", "| A, as generated | 1 | 2 |",
+        "| A, -ffast-math | 3 | 4 |", "| B, as generated | 5 | 6 |", "| B, -ffast-math | 7 | 8 |",
+    ] == generators.table(["x", "y"], [0.2, 1.0], found)  # fmt: skip
+    assert "" == generators.told({}, 0)

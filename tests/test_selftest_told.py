@@ -1,0 +1,147 @@
+"""What the self-test of the emitted C sees, and how it tells: the function, its inputs, both values."""
+
+import re
+import struct
+import subprocess
+from pathlib import Path
+
+import numpy as np
+import pytest
+from mpmath import mpf
+
+from benchmarks.cortex_m4 import GENERATED, TOOLS, build, emulate, missing, run
+from tests import accuracy, oracle, paper
+from tests.hosts import CHECK, REALS, both_reals, need, on_host
+
+DTYPE = {"float": np.float32, "double": np.float64}
+GRAVITY = "return (-c->L_M_g_mu2) * chord * half_sine"
+TRIPLED = GRAVITY.replace("chord", "chord * REAL(-3.0)")
+
+
+def changed(folder: Path, old: str, new: str) -> Path:
+    """Write the source of case C2 with one text replaced, which stands there once."""
+    text = (GENERATED / "c2_parallel.c").read_text(encoding="utf-8")
+    assert 1 == text.count(old), old
+    (folder / "changed.c").write_text(text.replace(old, new), encoding="utf-8")
+    return folder / "changed.c"
+
+
+def failed(folder: Path, real: str, source: Path | None, *compiler: str) -> tuple[str, dict[str, float]]:
+    """Return what the self-test, which must fail, says of a source: what deviates, and values by name."""
+    program = on_host(folder, "c2_parallel", compiler or ("gcc",), real, source)
+    done = subprocess.run([program], capture_output=True, text=True, check=False)
+    assert 1 == done.returncode
+    return told(done.stdout)
+
+
+def told(said: str) -> tuple[str, dict[str, float]]:
+    """Return what deviates, and the values by name; each decimal is that of its bits to the sixth digit."""
+    first, *lines = said.splitlines()
+    values = {}
+    for line in lines:
+        ((name, bits, decimal),) = re.findall(r"^  (\w+) 0x([0-9a-f]+) (\S+)$", line)
+        (values[name],) = struct.unpack({8: ">f", 16: ">d"}[len(bits)], bytes.fromhex(bits))
+        assert [values[name]] == pytest.approx([float(decimal)], rel=1e-5, nan_ok=True), line
+    return first, values
+
+
+@both_reals
+def test_a_failure(tmp_path: Path, real: str) -> None:
+    """Told are the function, its own inputs, what came and what was required: the paper's value."""
+    said, values = failed(tmp_path, real, changed(tmp_path, GRAVITY, TRIPLED))
+
+    assert "c2_parallel: gravity_torque, value 0" == said
+    assert_gravity(values, real)
+    assert [-3 * values["required"]] == pytest.approx([values["came"]], rel=1e-6)
+
+
+def assert_gravity(values: dict[str, float], real: str) -> None:
+    """Assert that the inputs are those of the gravity torque, and that its value is required of it."""
+    assert ["theta_m", "came", "required"] == list(values)
+    exact = paper.gravity_torque(mpf(values["theta_m"]), accuracy.decimals())
+    rounding = oracle.K * float(np.finfo(DTYPE[real]).eps)
+    assert [float(exact)] == pytest.approx([values["required"]], rel=rounding, abs=rounding)
+
+
+@both_reals
+def test_an_array_function_that_writes_beside(tmp_path: Path, real: str) -> None:
+    """An array function that forgets where its block begins is named, with the inputs of the sample."""
+    line = "out[first + k] = c2_parallel_gravity_torque_at("
+
+    said, values = failed(tmp_path, real, changed(tmp_path, line, line.replace("first + ", "")))
+
+    assert "c2_parallel: gravity_torque_n, value 0" == said
+    assert_gravity(values, real)
+    assert values["came"] != values["required"]
+
+
+@both_reals
+@pytest.mark.parametrize("coefficient", ["omega_star_1", "period_2", "L_M_g_mu2"])
+def test_a_changed_constant(tmp_path: Path, coefficient: str, real: str) -> None:
+    """A constant of the default set that is off in its last digit fails, and is named."""
+    text = (GENERATED / "c2_parallel.c").read_text(encoding="utf-8")
+    line = re.findall(rf"^    \S+, /\* {coefficient} \*/$", text, re.MULTILINE)[REALS.index(real)]
+    (decimal,) = re.findall(r"\d[-+.e\d]+", line.split("/*")[0])
+    value = DTYPE[real](decimal)
+    above = float(np.nextafter(value, DTYPE[real](np.inf)))
+
+    said, values = failed(tmp_path, real, changed(tmp_path, line, line.replace(decimal, repr(above))))
+
+    assert f"c2_parallel: c2_parallel_default.{coefficient}" == said
+    assert {"came": above, "required": float(value)} == values
+
+
+@both_reals
+def test_a_changed_digit(tmp_path: Path, real: str) -> None:
+    """A polynomial coefficient that is off in its last digit fails."""
+    text = (GENERATED / "c2_parallel.c").read_text(encoding="utf-8")
+    digits = re.findall(r"REAL\((-1\.66666\d+)e-1\)", text)[REALS.index(real)]
+
+    said, _ = failed(tmp_path, real, changed(tmp_path, digits, digits[:-2] + "00"))
+
+    assert re.fullmatch(r"c2_parallel: \w+, value \d", said)
+
+
+def test_contraction(tmp_path: Path) -> None:
+    """A compiler that fuses products and sums has other bits, and the self-test says so."""
+    fusing = ("gcc", "-O2", "-mfma", "-ffp-contract=fast")
+    need(*fusing)
+
+    failed(tmp_path, "float", None, *fusing)
+
+
+@pytest.mark.parametrize(
+    ("value", "decimal"),
+    [
+        ("0.0", "0.00000e0"), ("1.0", "1.00000e0"), ("-2.5e-3", "-2.50000e-3"), ("31415926.0", "3.14159e7"),
+        ("9.999999e9", "1.00000e10"), ("-1e-30", "-1.00000e-30"), ("3e38", "3.00000e38"),
+        ("1.0 / zero", "inf"), ("-1.0 / zero", "-inf"), ("zero / zero", "nan"),
+    ],
+)  # fmt: skip
+@both_reals
+def test_decimals(tmp_path: Path, value: str, decimal: str, real: str) -> None:
+    """Six digits of any number are printed."""
+    program = tmp_path / "print.c"
+    program.write_text(
+        '#define main selftest\n#include "c2_parallel_selftest.c"\n#undef main\n'
+        "int main(void)\n{\n    volatile double zero = 0.0;\n    (void)zero;\n"
+        f'    print_value("x", (real)({value}));\n    return 0;\n}}\n',
+        encoding="utf-8",
+    )
+    options = [f"-I{GENERATED}", f"-I{CHECK}", f"-DECCENTRIC_REAL={real}"]
+    run("gcc", "-std=c99", *options, "-o", tmp_path / "print", program, GENERATED / "c2_parallel.c", "-lm")
+
+    assert decimal == run(tmp_path / "print").split()[-1]
+
+
+def test_a_small_library_prints_them(tmp_path: Path) -> None:
+    """On a Cortex-M4F with newlib-nano, whose printf knows no floating point, a failure reads the same."""
+    if absent := missing(TOOLS):
+        pytest.skip(f"not installed: {', '.join(absent)}")
+    source = changed(tmp_path, GRAVITY, TRIPLED)
+    options = ["-O2", "-DECCENTRIC_REAL=float", "--specs=nano.specs"]
+    elf = build(tmp_path / "nano.elf", [CHECK / "c2_parallel_selftest.c", source], options)
+
+    status, said = emulate(elf)
+
+    assert (1, *failed(tmp_path, "float", source)) == (status, *told(said))
