@@ -10,10 +10,10 @@ import sympy as sp
 
 from eccentric.effects import Setting
 from eccentric.identify.adapter import Signals, base_columns, compiled
-from eccentric.identify.channels import Channels
 from eccentric.identify.drive import Drive
 from eccentric.identify.emitted import Bench
 from eccentric.identify.filters import smoothed
+from eccentric.identify.measured import Channels
 from eccentric.identify.nulltest import sensor_noise
 from eccentric.identify.problem import seen_columns
 from eccentric.identify.residual import Balance, Windows, make_balance

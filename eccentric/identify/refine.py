@@ -14,8 +14,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import make_interp_spline
 
-from eccentric.identify.filters import stretches
 from eccentric.identify.rig import Rig
+from eccentric.identify.stretches import stretches
 from eccentric.identify.table import Table
 
 __all__ = ["FACTOR", "is_coarse", "logged_step", "refined"]

@@ -21,8 +21,8 @@ from numpy.typing import NDArray
 from scipy.sparse import csr_matrix, vstack
 
 from eccentric.errors import InputError
-from eccentric.identify.channels import Channels
 from eccentric.identify.filters import smoothed
+from eccentric.identify.measured import Channels
 from eccentric.identify.residual import Windows, make_windows
 from eccentric.identify.rig import Rig
 from eccentric.identify.windowed import MOVING_PART, STEPS, Sampling
