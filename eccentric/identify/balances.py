@@ -23,7 +23,15 @@ from eccentric.model import Model
 from eccentric.model import vocabulary as v
 from eccentric.model.steps import meaning
 
-__all__ = ["balances_of", "bench_of", "drive_current", "drive_noise", "setting_of", "with_model_current"]
+__all__ = [
+    "balances_of",
+    "bench_of",
+    "drive_current",
+    "drive_noise",
+    "elapsed",
+    "setting_of",
+    "with_model_current",
+]
 
 Array = np.ndarray
 

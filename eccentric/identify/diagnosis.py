@@ -8,7 +8,8 @@ from typing import Any
 import sympy as sp
 
 from eccentric.effects.effect import Effect
-from eccentric.identify.diagnose import LEAST_R2, Diagnosis
+from eccentric.identify.outcome import Diagnosis
+from eccentric.identify.trial import LEAST_R2
 
 __all__ = ["document", "lines", "sentence"]
 

@@ -10,10 +10,11 @@ from pathlib import Path
 import numpy as np
 
 from eccentric import __version__
-from eccentric.effects import library, load_effects
 from eccentric.effects.effect import Effect
-from eccentric.identify.diagnose import Diagnosis
+from eccentric.identify.balances import elapsed
 from eccentric.identify.diagnosis import sentence
+from eccentric.identify.offered import every_effect
+from eccentric.identify.outcome import Diagnosis
 from eccentric.identify.refit import Refit
 from eccentric.identify.report.data import (
     AddedEffect,
@@ -49,7 +50,7 @@ def report_data(found: Diagnosis, files: Sequence[tuple[str, str]] = ()) -> Repo
     extended = found.extended is not found.paper
     effects = [effect for effect, _ in found.extended.effects]
     named = {effect.family for effect in effects}
-    about = {effect.id: effect for effect in _offered(found)}
+    about = {effect.id: effect for effect in every_effect(found.setting, found.own)}
     balances = [_balance(found, name) for name in sorted(found.rmse, key=lambda name: name != found.balance)]
     return ReportData(
         logs=found.logs,
@@ -87,11 +88,6 @@ def report_data(found: Diagnosis, files: Sequence[tuple[str, str]] = ()) -> Repo
         files=tuple(files),
         version=__version__,
     )
-
-
-def _offered(found: Diagnosis) -> list[Effect]:
-    own = load_effects(found.own, found.setting) if found.own else ()
-    return [*library(found.setting), *own]
 
 
 def _words(about: dict[str, Effect], name: str) -> tuple[str, tuple[str, ...], str]:
@@ -132,21 +128,19 @@ def _scaled(found: Diagnosis, fit: Refit, x: Array) -> Array:
 
 def _rows(found: Diagnosis) -> Rows:
     channels, mu, rows = found.channels, found.setting.mu, found.rows
-    starts = np.array([channels.t[channels.run == run][0] for run in range(len(channels.run_names))])
-    # An integrated angle begins at zero in every run: runs do not compare.
-    phased = len(channels.run_names) == 1 or channels.quantum_rad > 0.0
     gravity = found.bench.gravity if np.any(found.bench.gravity) else None
+    theta = channels.theta_m if channels.phased else None
     given = [
         ("velocity", "motor velocity", "rad/s", channels.omega_m, None),
-        ("link_angle", "link angle", "rad", mu * channels.theta_m if phased else None, TURN),
+        ("link_angle", "link angle", "rad", None if theta is None else mu * theta, TURN),
         # Without a gear the motor turns with the link.
-        ("motor_angle", "motor angle", "rad", channels.theta_m if phased and abs(mu) != 1.0 else None, TURN),
+        ("motor_angle", "motor angle", "rad", theta if abs(mu) != 1.0 else None, TURN),
         ("acceleration", "motor acceleration", "rad/s²", channels.alpha_m, None),
         ("gravity_load", "gravity torque on the motor", found.unit, gravity, None),
         ("current", "current", "A", channels.current, None),
         ("voltage", "voltage", "V", channels.voltage, None),
         ("temperature", "temperature", "°C", channels.temperature, None),
-        ("time", "time in the run", "s", channels.t - starts[channels.run], None),
+        ("time", "time in the run", "s", elapsed(channels), None),
     ]  # fmt: skip
     made = [
         Channel(k, label, u, _mean(rows, x, period), period)
