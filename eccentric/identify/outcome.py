@@ -5,11 +5,9 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from types import ModuleType
 
 from eccentric.effects import Setting
 from eccentric.effects.effect import Effect
-from eccentric.emit import load_module
 from eccentric.identify.emitted import Bench
 from eccentric.identify.finding import Finding
 from eccentric.identify.measured import Channels
@@ -85,11 +83,6 @@ class Diagnosis:
     def interval(self) -> tuple[float, float]:
         """Its 95 % interval."""
         return self.score.interval
-
-    @property
-    def shipped_module(self) -> ModuleType:
-        """The emitted NumPy module of what is shipped."""
-        return load_module(self.shipped.model)
 
     @property
     def quality(self) -> tuple[Finding, ...]:

@@ -12,7 +12,7 @@ import numpy as np
 from eccentric import __version__
 from eccentric.effects.effect import Effect
 from eccentric.identify.balances import elapsed
-from eccentric.identify.diagnosis import sentence
+from eccentric.identify.diagnosis_words import sentence
 from eccentric.identify.offered import every_effect
 from eccentric.identify.outcome import Diagnosis
 from eccentric.identify.refit import Refit
