@@ -9,7 +9,6 @@ import numpy as np
 import sympy as sp
 
 from eccentric.effects import Setting
-from eccentric.identify.adapter import Signals, base_columns, compiled
 from eccentric.identify.drive import Drive
 from eccentric.identify.emitted import Bench
 from eccentric.identify.filters import smoothed
@@ -19,6 +18,7 @@ from eccentric.identify.problem import seen_columns
 from eccentric.identify.residual import Balance, Windows, make_balance
 from eccentric.identify.rig import Rig
 from eccentric.identify.rows import rows_of, search_windows
+from eccentric.identify.signals import Signals, base_columns, compiled
 from eccentric.model import Model
 from eccentric.model import vocabulary as v
 from eccentric.model.steps import meaning

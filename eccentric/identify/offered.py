@@ -7,9 +7,9 @@ from pathlib import Path
 
 from eccentric.effects import Setting, library, load_effects
 from eccentric.effects.effect import Effect
-from eccentric.identify.adapter import Signals
 from eccentric.identify.emitted import Bench
 from eccentric.identify.rig import Rig
+from eccentric.identify.signals import Signals
 from eccentric.model import Model
 
 __all__ = ["every_effect", "offered"]
