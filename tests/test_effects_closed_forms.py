@@ -154,8 +154,8 @@ MECHANICAL: list[tuple[str, str, dict[str, float], Torque]] = [
     ("C1", "presliding[lugre]", {"presliding_S": 0.1, "presliding_v": 9.0},
      lambda x: 0.1 * x["presliding_z"] * np.exp(-((x["omega_m"] / 9) ** 2))),
     ("C1", "backlash", {"backlash_B": 0.01, "backlash_C": 0.2},
-     lambda x: -x["backlash_free"] * (MU**2 * 0.01 * x["omega_m"] + MU * 0.2 * np.sign(x["omega_m"]))),
-    ("C2", "backlash", {"backlash_G": 0.9, "backlash_C": 0.02}, lambda x: -x["backlash_free"]
+     lambda x: -np.sign(x["backlash_left"]) * (MU**2 * 0.01 * x["omega_m"] + MU * 0.2 * np.sign(x["omega_m"]))),
+    ("C2", "backlash", {"backlash_G": 0.9, "backlash_C": 0.02}, lambda x: -np.sign(x["backlash_left"])
      * (0.9 * sine_load(x) + MU * 0.02 * normal_force(x) * np.sign(x["omega_m"]))),
     ("C2", "backlash[lag]", {"backlash_T": 0.1},
      lambda x: -0.1 * x["backlash_z"] * np.cos(MU * x["theta_m"])),

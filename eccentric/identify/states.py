@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from itertools import accumulate
 from typing import Any
 
 import numpy as np
@@ -49,11 +50,15 @@ class States:
             update = meaning(model.expand(state.update))
             gain = sp.diff(update, state.symbol)
             affine = state.symbol not in gain.free_symbols
-            parts = (gain, sp.expand(update).subs(state.symbol, 0)) if affine else (update,)
-            # Python's own numbers are several times faster than NumPy's where samples go one by one.
-            modules = "numpy" if affine else "math"
-            functions = [lambdified(model, part, signals, names, modules) for part in parts]
-            self._steps.append((state, affine, functions))
+            parts = (gain, sp.expand(update).subs(state.symbol, 0)) if affine else None
+            step = None
+            if parts is None:
+                rest, parts = _apart(update, state.symbol)
+                # Python's own numbers are several times faster than NumPy's where samples go one by one.
+                step = sp.lambdify([state.symbol, tuple(parts)], rest, modules="math", cse=True)
+                parts = tuple(parts.values())
+            functions = [lambdified(model, part, signals, names) for part in parts]
+            self._steps.append((state, step, functions))
         self._kept: dict[tuple[Any, ...], dict[str, Array]] = {}
 
     def __call__(self, shape: Mapping[str, float]) -> dict[str, Array]:
@@ -62,38 +67,61 @@ class States:
         if key in self._kept:
             return self._kept[key]
         series: dict[str, Array] = {}
-        for state, affine, compiled in self._steps:
+        for state, step, functions in self._steps:
             given = {**self._signals.values, "dt": self._signals.dt, **series, **shape}
-            solve = self._affine if affine else self._loop
-            series[state.quantity.name] = solve(state, compiled, given)
+            n = self._signals.size
+            parts = [
+                np.array(np.broadcast_to(np.asarray(f(*(given[a] for a in names)), float), (n,)))
+                for f, names in functions
+            ]
+            initial = float(state.initial)
+            found = self._affine(initial, *parts) if step is None else self._loop(initial, step, parts)
+            series[state.quantity.name] = found
         if len(self._kept) >= _MOST_KEPT:
             del self._kept[next(iter(self._kept))]
         self._kept[key] = series
         return series
 
-    def _affine(self, state: State, compiled: list, given: Mapping[str, Any]) -> Array:
-        """x[k + 1] = gain[k] x[k] + input[k]: a bidiagonal system."""
-        n = self._signals.size
-        gain, push = (
-            np.array(np.broadcast_to(np.asarray(f(*(given[a] for a in names)), float), (n,)))
-            for f, names in compiled
-        )
+    def _affine(self, initial: float, gain: Array, push: Array) -> Array:
+        """x[k + 1] = gain[k] x[k] + push[k]: a bidiagonal system."""
         right = np.r_[0.0, push[:-1]]
         below = -gain[:-1].copy()
         for start in self._signals.starts:
-            right[start] = float(state.initial)
+            right[start] = initial
             if start > 0:
                 below[start - 1] = 0.0
-        return solve_banded((1, 0), np.vstack([np.ones(n), np.r_[below, 0.0]]), right)
+        return solve_banded((1, 0), np.vstack([np.ones(len(gain)), np.r_[below, 0.0]]), right)
 
-    def _loop(self, state: State, compiled: list, given: Mapping[str, Any]) -> Array:
-        (function, names), n = compiled[0], self._signals.size
-        at = names.index(state.quantity.name)
-        columns = [np.broadcast_to(np.asarray(given.get(a, 0.0), float), (n,)).tolist() for a in names]
-        out, value, starts = np.empty(n), float(state.initial), set(self._signals.starts)
-        for k, arguments in enumerate(zip(*columns, strict=True)):
-            if k in starts:
-                value = float(state.initial)
-            out[k] = value
-            value = float(function(*arguments[:at], value, *arguments[at + 1 :]))
-        return out
+    def _loop(self, initial: float, step: Callable[..., float], parts: list[Array]) -> Array:
+        """x[k + 1] = step(x[k], parts[k])."""
+        ends = [*self._signals.starts[1:], self._signals.size]
+        found: list[float] = []
+        for start, end in zip(self._signals.starts, ends, strict=True):
+            rows = zip(*(part[start : end - 1].tolist() for part in parts), strict=True)
+            found.extend(accumulate(rows, step, initial=initial))
+        return np.array(found, float)
+
+
+def _apart(update: sp.Expr, state: sp.Symbol) -> tuple[sp.Expr, dict[sp.Symbol, sp.Expr]]:
+    """The update with a symbol for each of its largest parts without the state; symbol -> part."""
+    parts: dict[sp.Symbol, sp.Expr] = {}
+
+    def without(e: sp.Expr) -> sp.Expr:
+        if e.is_number:
+            return e
+        found = next((symbol for symbol, part in parts.items() if part == e), None)
+        found = found or sp.Dummy(f"part_{len(parts)}")
+        parts[found] = e
+        return found
+
+    def walk(e: sp.Expr) -> sp.Expr:
+        if e == state:
+            return e
+        if not e.has(state):
+            return without(e)
+        if isinstance(e, sp.Add | sp.Mul):
+            free, own = e.as_independent(state, as_Add=isinstance(e, sp.Add))
+            return e.func(without(free), *(walk(arg) for arg in e.func.make_args(own)))
+        return e.func(*map(walk, e.args))
+
+    return walk(update), parts
