@@ -174,7 +174,7 @@ def test_gap_opens_when_the_load_changes_its_side() -> None:
 
 
 def test_a_load_that_comes_back_inside_the_gap_has_as_far_to_go_as_it_came() -> None:
-    """Three tenths of the gap crossed, then back: three tenths are open, however small the steps there are."""
+    """Three tenths of the gap crossed, then back: three tenths are open, however small the steps."""
     speed = np.r_[np.full(10, 50.0), np.full(30, -1.0), np.zeros(5), np.full(155, 1.0)]
 
     actual = stepped("C1", "backlash", motion(omega_m=speed), backlash_gap=0.1)["backlash_left"]
