@@ -27,7 +27,7 @@ from measured_identified import IDENTIFIED
 from measured_page import Cell, Table, table
 
 from eccentric.identify.diagnose import Diagnosis, diagnose
-from eccentric.identify.diagnosis import lines
+from eccentric.identify.diagnosis_words import lines
 from eccentric.identify.uncertainty import improvement
 
 ROOT = Path(__file__).resolve().parents[1]

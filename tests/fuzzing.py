@@ -24,7 +24,8 @@ from eccentric.errors import InputError
 from eccentric.identify.arithmetic import evaluate
 from eccentric.identify.known import KNOWNS
 from eccentric.identify.log import read_log
-from eccentric.identify.rig import CHANNELS, read_rig
+from eccentric.identify.rig import read_rig
+from eccentric.identify.rig_columns import CHANNELS
 from eccentric.identify.units import parse_value
 
 ROWS = 12

@@ -8,7 +8,8 @@ import pytest
 
 from eccentric.cli import main
 from eccentric.identify.diagnose import diagnose
-from eccentric.identify.diagnosis import document, sentence
+from eccentric.identify.diagnosis import document
+from eccentric.identify.diagnosis_words import sentence
 from eccentric.identify.report.gather import report_data
 from tests import screw
 

@@ -63,9 +63,11 @@ def friction(x: Signals, case: str, force: np.ndarray | None = None, *, viscous:
 
 
 def load(x: Signals, case: str, share: float) -> np.ndarray:
-    """Torque passed on to the link: gravity, inertia, and a share of the friction."""
+    """Torque passed on to the link: gravity, inertia, friction by F_N, a share of that without."""
     gravity = 0.0 if case == "C1" else sine_load(x)
-    return gravity + MU**2 * J_L * x["alpha_m"] + share * friction(x, case)
+    without = friction(x, case, np.zeros_like(x["omega_m"]))
+    own = friction(x, case) - without
+    return gravity + MU**2 * J_L * x["alpha_m"] + own + share * without
 
 
 def rise(x: Signals, tau: float, state: str) -> np.ndarray:
@@ -154,8 +156,9 @@ MECHANICAL: list[tuple[str, str, dict[str, float], Torque]] = [
     ("C1", "presliding[lugre]", {"presliding_S": 0.1, "presliding_v": 9.0},
      lambda x: 0.1 * x["presliding_z"] * np.exp(-((x["omega_m"] / 9) ** 2))),
     ("C1", "backlash", {"backlash_B": 0.01, "backlash_C": 0.2},
-     lambda x: -x["backlash_free"] * (MU**2 * 0.01 * x["omega_m"] + MU * 0.2 * np.sign(x["omega_m"]))),
-    ("C2", "backlash", {"backlash_G": 0.9, "backlash_C": 0.02}, lambda x: -x["backlash_free"]
+     lambda x: -np.sign(x["backlash_left"])
+     * (MU**2 * 0.01 * x["omega_m"] + MU * 0.2 * np.sign(x["omega_m"]))),
+    ("C2", "backlash", {"backlash_G": 0.9, "backlash_C": 0.02}, lambda x: -np.sign(x["backlash_left"])
      * (0.9 * sine_load(x) + MU * 0.02 * normal_force(x) * np.sign(x["omega_m"]))),
     ("C2", "backlash[lag]", {"backlash_T": 0.1},
      lambda x: -0.1 * x["backlash_z"] * np.cos(MU * x["theta_m"])),

@@ -163,13 +163,25 @@ def test_hysteresis_has_two_branches() -> None:
 
 
 def test_gap_opens_when_the_load_changes_its_side() -> None:
-    """After a reversal the share of the gap left falls as exp(-angle/gap), and nothing is left in between."""
+    """After a reversal the share of the gap left falls with the angle, and nothing is left in between."""
     speed = np.r_[np.full(100, 50.0), np.full(100, -20.0)]
 
-    actual = stepped("C1", "backlash", motion(omega_m=speed), backlash_gap=0.1)["backlash_free"]
+    actual = stepped("C1", "backlash", motion(omega_m=speed), backlash_gap=0.1)["backlash_left"]
 
-    np.testing.assert_allclose(actual[100], 0.5 * np.exp(-5.0 / 0.1), atol=1e-15)  # half open at the start
-    np.testing.assert_allclose(actual[101:], np.exp(-0.02 * np.arange(1.0, 101.0) / 0.1), 1e-12, 1e-15)
+    np.testing.assert_array_equal(actual[:101], 0.0)
+    np.testing.assert_allclose(actual[101:106], [0.8, 0.6, 0.4, 0.2, 0.0], atol=1e-12)
+    np.testing.assert_array_equal(actual[106:], 0.0)
+
+
+def test_a_load_that_comes_back_inside_the_gap_has_as_far_to_go_as_it_came() -> None:
+    """Three tenths of the gap crossed, then back: three tenths are open, however small the steps."""
+    speed = np.r_[np.full(10, 50.0), np.full(30, -1.0), np.zeros(5), np.full(155, 1.0)]
+
+    actual = stepped("C1", "backlash", motion(omega_m=speed), backlash_gap=0.1)["backlash_left"]
+
+    np.testing.assert_allclose(actual[40:46], 0.7, atol=1e-12)
+    np.testing.assert_allclose(actual[46:76], 0.3 - 0.01 * np.arange(1, 31), atol=1e-12)
+    np.testing.assert_allclose(actual[76:], 0.0, atol=1e-12)
 
 
 def test_slope_of_the_current_is_its_difference_quotient() -> None:

@@ -14,7 +14,9 @@ from eccentric.emit.hot import load_module
 from eccentric.errors import InputError
 from eccentric.identify.channels import Channels, read_channels
 from eccentric.identify.fit import Fit, fit
-from eccentric.identify.fit_report import document, emitted_parameters, lines, sentence
+from eccentric.identify.fit_parameters import emitted_parameters
+from eccentric.identify.fit_report import document
+from eccentric.identify.fit_words import lines, sentence
 from eccentric.identify.rig import Rig, read_rig
 from eccentric.model import load_model
 from tests.planted import (

@@ -9,11 +9,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from eccentric.identify import rig as rigs
 from eccentric.identify.channels import read_channels
 from eccentric.identify.fit import Fit, fit
 from eccentric.identify.known import KNOWNS
-from eccentric.identify.rig import CHANNELS, read_rig
+from eccentric.identify.rig import KEYS, read_rig
+from eccentric.identify.rig_columns import CHANNELS
 from eccentric.identify.units import parse_unit
 from eccentric.model import load_model
 
@@ -76,7 +76,7 @@ def test_the_rig_by_hand_of_the_bundled_log_says_what_the_sidecar_says() -> None
 def test_every_key_stands_in_the_page() -> None:
     """Keys of the file, quantities in both ways of writing, channels and standard columns: all are told."""
     told = set(_code(PAGE.split("```")[2]))
-    keys = {*rigs._KEYS, *CHANNELS, *(column for column, _ in CHANNELS.values()), "case"}
+    keys = {*KEYS, *CHANNELS, *(column for column, _ in CHANNELS.values()), "case"}
     keys |= {known.name for known in KNOWNS} | {known.key for known in KNOWNS}
     keys = {f"[{key}]" if key in ("known", "unknown", "columns") else key for key in keys}
     assert sorted(keys - told) == []

@@ -9,7 +9,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from eccentric.identify.diagnose import diagnose
-from eccentric.identify.diagnosis import sentence
+from eccentric.identify.diagnosis_words import sentence
 from generator.pictures import COLOURS, STYLE, save
 
 BENCH = Path(__file__).parents[2] / "examples" / "bench"

@@ -10,7 +10,8 @@ from pathlib import Path
 from eccentric.emit import emit
 from eccentric.errors import InputError
 from eccentric.identify.diagnose import Diagnosis, diagnose
-from eccentric.identify.diagnosis import document, lines
+from eccentric.identify.diagnosis import document
+from eccentric.identify.diagnosis_words import lines
 from eccentric.identify.model_script import script
 from eccentric.identify.report import report
 from eccentric.model import load_model

@@ -9,7 +9,8 @@ from eccentric.errors import InputError
 from eccentric.identify.channels import read_channels
 from eccentric.identify.fit import fit
 from eccentric.identify.fit_figure import draw
-from eccentric.identify.fit_report import document, lines
+from eccentric.identify.fit_report import document
+from eccentric.identify.fit_words import lines
 from eccentric.identify.rig import read_rig
 from eccentric.model import load_model
 from eccentric.output import whole_folder

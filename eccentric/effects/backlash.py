@@ -26,21 +26,20 @@ gap = quantity("backlash_gap", "rad", "gap, motor side", "", "positive")
 arm = quantity(
     "backlash_arm", "m", "dry friction of the link per force, as part of the load", "", "nonnegative"
 )
-free = quantity("backlash_free", "1", "share of the gap that is left")
+left = quantity("backlash_left", "1", "share of the gap that is left", "", "nonnegative")
 side = quantity("backlash_side", "1", "side that the load was on, 1 or -1")
 GRAVITY = quantity(
     "backlash_G", "1", "gravity torque not felt in the gap, 1 for all of it", "", "nonnegative"
 )
 TORQUE = quantity("backlash_T", "N m", "gravity torque by the link's lag, per full gap", "", "nonnegative")
-REFERENCE = "form of our own, smoothed; backlash: M. Nordin and P.-O. Gutman, Automatica 38(10), 2002"
+REFERENCE = "form of our own, no impact; backlash: M. Nordin and P.-O. Gutman, Automatica 38(10), 2002"
 HINT = "slow swings that change the side of the load often, with an encoder on the link if there can be one"
 
 
 def effects(setting: Setting) -> tuple[Effect, ...]:
     """The link not felt in the gap; in case C2 also the link that lags by the gap.
 
-    The gap closes exponentially with the travelled angle, its mean being the gap: a sharp end is below what a
-    filtered log shows, and so the states are linear in themselves.
+    The gap closes where the motor has turned it: an exponential closing would be a bristle of `presliding`.
     """
     return (_freed(setting),) if setting.case == "C1" else (_freed(setting), _lag(setting))
 
@@ -48,12 +47,15 @@ def effects(setting: Setting) -> tuple[Effect, ...]:
 def _freed(setting: Setting) -> Effect:
     dry = v.mu.symbol * link_force(setting) * arm.symbol * direction
     load = gravity(setting) + dry if setting.case == "C2" else direction
-    changed = (1 - Sgn(load) * side.symbol) / 2
-    closing = sp.exp(-speed * dt / gap.symbol)
+    now = Sgn(load)
+    changed = now * (now * side.symbol**2 - side.symbol) / 2  # 1 where both are known and differ
+    # A load that comes back inside the gap finds open what the motor has turned so far.
+    rest = sp.Abs(changed - left.symbol) - speed * dt / gap.symbol
     states = (
-        State(side, sp.Integer(0), Sgn(load)),
-        State(free, sp.Integer(0), closing * (changed + (1 - changed) * free.symbol)),
+        State(side, sp.Integer(0), now + (1 - now**2) * side.symbol),
+        State(left, sp.Integer(0), sp.Max(0, rest)),
     )
+    free = Sgn(left.symbol)
     force = v.F_N.symbol if setting.case == "C2" else sp.Integer(1)
     per_force = setting.case == "C2"
     B = quantity(
@@ -65,13 +67,13 @@ def _freed(setting: Setting) -> Effect:
     )
     C = quantity("backlash_C", "m" if per_force else "N m", "Coulomb friction of the link", "", "nonnegative")
     columns = [
-        (B, -free.symbol * v.mu.symbol**2 * force * omega_m),
-        (C, -free.symbol * v.mu.symbol * force * direction),
+        (B, -free * v.mu.symbol**2 * force * omega_m),
+        (C, -free * v.mu.symbol * force * direction),
     ]
     shapes = [Shape(gap, 3e-3 / setting.mu, 0.5 / setting.mu, "log", 10)]
     fields = {}
     if setting.case == "C2":
-        columns.insert(0, (GRAVITY, -free.symbol * gravity(setting)))
+        columns.insert(0, (GRAVITY, -free * gravity(setting)))
         shapes.append(Shape(arm, 0.0, 0.4 * setting.known.get("L", 0.25), "linear", 3))
         kinds = ("conservative", "friction", "friction")
         fields["terms"] = {
@@ -85,8 +87,8 @@ def _freed(setting: Setting) -> Effect:
         "backlash",
         columns,
         depends_on=("history",),
-        formula="-free (friction and gravity of the link), free falls from 1 with the angle after the"
-        " load changed its side",
+        formula="-(friction and gravity of the link) while the motor turns through the gap, after the load"
+        " has changed its side",
         reference=REFERENCE,
         shapes=tuple(shapes),
         states=states,

@@ -100,8 +100,9 @@ def link_force(setting: Setting) -> sp.Expr:
 def transmitted(name: str, setting: Setting, share: sp.Symbol) -> tuple[sp.Expr, tuple[Definition, ...]]:
     """Torque that the gear passes on to the link, as the motor sees it [N m]; and the constants it needs.
 
-    Gravity, inertia, and the share of the friction that the link has. That friction is the one of a first
-    fit: with the model's own coefficients in its load, friction would no longer be linear in them.
+    Gravity, inertia, the friction in proportion to F_N, and the link's share of the rest: to the motor the
+    dry and viscous parts of both look alike. That friction is the one of a first fit: with the model's own
+    coefficients in its load, friction would no longer be linear in them.
     """
     columns = {
         "B_lN": ("m s/rad", v.mu.symbol**2 * v.F_N.symbol * omega_m),
@@ -116,9 +117,10 @@ def transmitted(name: str, setting: Setting, share: sp.Symbol) -> tuple[sp.Expr,
         for key, value in setting.friction.items()
         if key in columns
     }
-    friction = sp.Add(*(constants[key].symbol * columns[key][1] for key in constants))
+    parts = {key: constants[key].symbol * columns[key][1] for key in constants}
+    friction = sp.Add(*((1 if key.endswith("_lN") else share) * part for key, part in parts.items()))
     inertia = Gated(v.J_l.symbol, alpha_m) * v.mu.symbol**2
-    return gravity(setting) + inertia + share * friction, tuple(constants.values())
+    return gravity(setting) + inertia + friction, tuple(constants.values())
 
 
 def loss(setting: Setting) -> sp.Expr:

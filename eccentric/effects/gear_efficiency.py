@@ -13,7 +13,7 @@ from eccentric.model import vocabulary as v
 
 eta = quantity("gear_eta", "1", "loss of the gear per torque, driving", "", "nonnegative")
 rho = quantity("gear_rho", "1", "loss of the gear back-driven over that driving", "", "nonnegative")
-share = quantity("gear_share", "1", "share of the friction that is the link's", "", "nonnegative")
+share = quantity("gear_share", "1", "share of the friction without F_N that is the link's", "", "nonnegative")
 load = quantity("gear_torque", "N m", "torque that the gear passes on, motor side")
 
 

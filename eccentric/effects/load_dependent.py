@@ -12,7 +12,7 @@ from eccentric.model import vocabulary as v
 
 eta = quantity("load_eta", "1", "friction of the gear per torque that it passes on", "", "nonnegative")
 eta_2 = quantity("load_eta_2", "1/(N m)", "its growth with the torque that it passes on", "", "nonnegative")
-share = quantity("load_share", "1", "share of the friction that is the link's", "", "nonnegative")
+share = quantity("load_share", "1", "share of the friction without F_N that is the link's", "", "nonnegative")
 load = quantity("load_torque", "N m", "torque that the gear passes on, motor side")
 REFERENCE = "A. Gogoussis and M. Donath, IEEE ICRA 1987; P. Hamon, M. Gautier and P. Garrec, IROS 2010"
 SERVO = "M. Duclusaud, G. Passault, V. Padois and O. Ly, arXiv:2410.08650, 2024 (quadratic in the load)"
@@ -35,7 +35,6 @@ def effects(setting: Setting) -> tuple[Effect, ...]:
                 shapes=shape,
                 definitions=(*constants, Definition(load, torque)),
                 inputs=inputs,
-                special_of=("gear_efficiency",),
                 hint=HINT,
             )
         )
@@ -56,7 +55,7 @@ def effects(setting: Setting) -> tuple[Effect, ...]:
     return tuple(found)
 
 
-FORMULAS = {"gravity": "G", "transmitted": "G + mu^2 J_l alpha + share f"}
+FORMULAS = {"gravity": "G", "transmitted": "G + mu^2 J_l alpha + f_lN + share (f - f_lN)"}
 
 Load = tuple[str, str, sp.Expr, tuple[Definition, ...], list[tuple[float, float, str, int]]]
 

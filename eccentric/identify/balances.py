@@ -9,21 +9,29 @@ import numpy as np
 import sympy as sp
 
 from eccentric.effects import Setting
-from eccentric.identify.adapter import Signals, base_columns, compiled
-from eccentric.identify.channels import Channels
 from eccentric.identify.drive import Drive
 from eccentric.identify.emitted import Bench
 from eccentric.identify.filters import smoothed
+from eccentric.identify.measured import Channels
 from eccentric.identify.nulltest import sensor_noise
 from eccentric.identify.problem import seen_columns
 from eccentric.identify.residual import Balance, Windows, make_balance
 from eccentric.identify.rig import Rig
 from eccentric.identify.rows import rows_of, search_windows
+from eccentric.identify.signals import Signals, base_columns, compiled
 from eccentric.model import Model
 from eccentric.model import vocabulary as v
 from eccentric.model.steps import meaning
 
-__all__ = ["balances_of", "bench_of", "drive_current", "drive_noise", "setting_of", "with_model_current"]
+__all__ = [
+    "balances_of",
+    "bench_of",
+    "drive_current",
+    "drive_noise",
+    "elapsed",
+    "setting_of",
+    "with_model_current",
+]
 
 Array = np.ndarray
 

@@ -21,6 +21,7 @@ from numpy.typing import NDArray
 
 from eccentric.identify import filters
 from eccentric.identify.rig import Rig
+from eccentric.identify.stretches import rows_of_each
 
 __all__ = ["suited"]
 
@@ -45,7 +46,7 @@ def suited(rig: Rig, t: Array, theta: Array, segment: NDArray[np.int64], moving:
     """
     if rig.low_pass_given or rig.average_over:
         return rig, ""
-    stretches = np.split(np.arange(len(t)), np.flatnonzero(np.diff(segment)) + 1)
+    stretches = rows_of_each(segment)
     if _is_map(t, theta, stretches):
         steps = [float(np.median(np.diff(t[rows]))) for rows in stretches if len(rows) > 1]
         cut = min(rig.low_pass_hz, 0.4 / max(steps))

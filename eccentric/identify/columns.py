@@ -13,7 +13,7 @@ from eccentric.identify.known import KNOWNS
 from eccentric.model import Model, regressor
 
 if TYPE_CHECKING:
-    from eccentric.identify.channels import Channels
+    from eccentric.identify.measured import Channels
     from eccentric.identify.rig import Rig
 
 R, k_i, k_e, J, u_0, T_load = sp.symbols("R k_i k_e J u_0 T_load")

@@ -24,7 +24,7 @@ from numpy.typing import NDArray
 
 from eccentric.effects.constant_load import effect as constant_load
 from eccentric.errors import InputError
-from eccentric.identify.channels import Channels
+from eccentric.identify.measured import Channels
 from eccentric.identify.problem import Problem, own_letters, pose, require_case
 from eccentric.identify.rig import Rig
 from eccentric.identify.search import Solution, solve

@@ -9,9 +9,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from eccentric.emit import load_module
-from eccentric.identify.adapter import Signals, state_series
 from eccentric.identify.drive import Drive
 from eccentric.identify.rows import Rows
+from eccentric.identify.signals import Signals
+from eccentric.identify.states import state_series
 from eccentric.model import Model
 
 __all__ = ["Bench", "Emitted", "Values"]

@@ -20,24 +20,10 @@ REVERSAL_S = 0.06
 """No reversal within this time of a moving row, s."""
 END_S = 0.5
 """Rows closer than this to either end of a stretch are not used: filters have not settled there, s."""
-GAP_STEPS = 5.0
-"""A step longer than this many median steps is a gap: nothing is filtered or interpolated across it."""
 JITTER = 0.1
 """Time stamps within this fraction of a step of an even grid count as even (stamps are often rounded)."""
 _PADDING = 9
 """SciPy's own padding at either end of a second-order section, rows."""
-
-
-def stretches(t: Array, run: NDArray[np.int64]) -> NDArray[np.int64]:
-    """Return the number of the stretch of each row (n,): one begins with a run or after a gap in t [s]."""
-    begins = np.ones(len(t), dtype=bool)
-    begins[1:] = run[1:] != run[:-1]
-    for k in np.unique(run):
-        rows = np.flatnonzero(run == k)
-        steps = np.diff(t[rows])
-        if len(steps):
-            begins[rows[1:]] |= steps > GAP_STEPS * np.median(steps)
-    return np.cumsum(begins) - 1
 
 
 def low_pass(x: Array, rate_hz: float, cut_hz: float) -> Array | None:

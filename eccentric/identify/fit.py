@@ -24,7 +24,7 @@ from eccentric.identify.search import Profile, Solution, profile, solve
 from eccentric.identify.uncertainty import Estimate, Spread, improvement, spread
 
 if TYPE_CHECKING:
-    from eccentric.identify.channels import Channels
+    from eccentric.identify.measured import Channels
     from eccentric.identify.rig import Rig
     from eccentric.model import Model
 

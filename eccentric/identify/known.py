@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
-import difflib
 import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
+import sympy as sp
+
 from eccentric.errors import InputError
+from eccentric.identify.entries import read_number, read_pair, read_table, refuse_unknown
 from eccentric.identify.units import parse_value
+from eccentric.model import vocabulary
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
@@ -91,36 +94,55 @@ def read_value(value: object, known: Known, key: str, where: str) -> float:
     return number
 
 
-def read_number(value: object, where: str, lower: float = -math.inf, open_below: bool = False) -> float:
-    """Return a finite number, at least (or above) `lower`; InputError for anything else, also true."""
-    if isinstance(value, bool) or not isinstance(value, int | float):
-        raise InputError(f"{where}: a number is required, received {value!r}")
-    number = float(value) if abs(value) < 1e300 else math.inf
-    if not math.isfinite(number) or number < lower or (open_below and number == lower):
-        bound = "" if math.isinf(lower) else f" {'above' if open_below else 'of at least'} {lower:g}"
-        raise InputError(f"{where}: a finite number{bound} is required, received {value!r}")
-    return number
+def read_knowns(
+    content: Mapping[str, Any], where: str
+) -> tuple[dict[str, float], dict[str, tuple[float, float]], str | None]:
+    """Return known values and unknown ranges in SI, by letter, and the case: C1, C2, None for a tilted plane.
+
+    Raises InputError for what no rig can be: an unknown key or unit, an impossible value, a quantity that is
+    given twice, a tilt that contradicts the case.
+    """
+    table = dict(read_table(content.get("known", {}), f"{where}: [known]"))
+    case = table.pop("case", None)
+    if case not in (None, "C1", "C2"):
+        raise InputError(f"{where}: [known] case: C1 or C2 is required, received {case!r}")
+    known: dict[str, float] = {}
+    for key, value in table.items():
+        quantity = find_known(key, value, f"{where}: [known]", ["case"])
+        _refuse_twice(quantity.name, known, where)
+        known[quantity.name] = read_value(value, quantity, key, f"{where}: [known] {key}")
+    unknown: dict[str, tuple[float, float]] = {}
+    for key, value in read_table(content.get("unknown", {}), f"{where}: [unknown]").items():
+        quantity = find_known(key, value, f"{where}: [unknown]")
+        _refuse_twice(quantity.name, known | unknown, where)
+        at = f"{where}: [unknown] {key}"
+        lower, upper = (read_value(end, quantity, key, at) for end in read_pair(value, at))
+        if lower >= upper:
+            raise InputError(f"{at}: a range with lower below upper is required, received {value!r}")
+        unknown[quantity.name] = lower, upper
+    case = _case(case, known, unknown, where)
+    if "g" not in unknown:
+        known.setdefault("g", float(sp.Rational(vocabulary.g.default)))  # Table 1's
+    return known, unknown, case
 
 
-def read_pair(value: object, where: str) -> tuple[Any, Any]:
-    """Return the two ends of a range, as they came; InputError for anything but a list of two."""
-    if not isinstance(value, list) or len(value) != 2:
-        raise InputError(f"{where}: a range of two values, [lower, upper], is required, received {value!r}")
-    return value[0], value[1]
+def _refuse_twice(name: str, given: Mapping[str, Any], where: str) -> None:
+    if name in given:
+        raise InputError(f"{where}: {name} is given twice")
 
 
-def read_table(value: object, where: str) -> Mapping[str, Any]:
-    """Return a table of the rig file; InputError for anything else."""
-    if not isinstance(value, dict):
-        raise InputError(f"{where}: a table is required, received {value!r}")
-    return value
-
-
-def refuse_unknown(keys: Iterable[str], allowed: Iterable[str], where: str) -> None:
-    """Raise InputError for the first key that is not allowed, with the closest one that is."""
-    allowed = list(allowed)
-    for key in keys:
-        if key not in allowed:
-            close = difflib.get_close_matches(key, allowed, 1, 0.5)
-            hint = f"did you mean {close[0]!r}?" if close else f"known are {', '.join(allowed)}"
-            raise InputError(f"{where}: unknown key {key!r}; {hint}")
+def _case(case: str | None, known: dict[str, float], unknown: Mapping[str, Any], where: str) -> str | None:
+    """Return the case that case and tilt agree on; write the tilt of a case into `known`."""
+    tilt = {"C1": math.pi / 2.0, "C2": 0.0}
+    if case is None:
+        if "phi" not in known and "phi" not in unknown:
+            raise InputError(
+                f"{where}: [known] case (C1 or C2) or the tilt phi is required, neither is given"
+            )
+        return next((name for name, phi in tilt.items() if math.isclose(known.get("phi", -1.0), phi)), None)
+    if "phi" in unknown or not math.isclose(known.get("phi", tilt[case]), tilt[case], abs_tol=1e-6):
+        raise InputError(
+            f"{where}: [known] case {case} means phi = {math.degrees(tilt[case]):g} deg; leave one out"
+        )
+    known["phi"] = tilt[case]
+    return case

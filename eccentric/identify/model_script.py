@@ -5,7 +5,7 @@ from __future__ import annotations
 import pprint
 from pathlib import Path
 
-from eccentric.identify.diagnose import Diagnosis
+from eccentric.identify.outcome import Diagnosis
 
 __all__ = ["extended_name", "script"]
 

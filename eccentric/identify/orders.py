@@ -15,6 +15,7 @@ from scipy.ndimage import median_filter
 from scipy.signal import find_peaks, lombscargle
 
 from eccentric.identify.emitted import Bench
+from eccentric.identify.stretches import rows_of_each
 
 __all__ = ["Order", "orders_of"]
 
@@ -107,5 +108,4 @@ def _centre(grid: Array, power: Array, k: int) -> float:
 def _stretches(usable: Array, segment: Array, omega: Array) -> list[Array]:
     """Rows of each stretch that is used without a break, in one direction."""
     key = np.where(usable, 2 * segment + (omega > 0.0), -1)
-    parts = np.split(np.arange(len(key)), np.flatnonzero(np.diff(key)) + 1)
-    return [rows for rows in parts if key[rows[0]] >= 0]
+    return [rows for rows in rows_of_each(key) if key[rows[0]] >= 0]

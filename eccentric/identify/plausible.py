@@ -13,6 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.integrate import cumulative_trapezoid
 
+from eccentric.identify.stretches import rows_of_each
+
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
 
@@ -106,7 +108,7 @@ def speed_factor(t: Array, theta: Array, omega: Array, segment: Integers) -> tup
     """
     rise: list[Array] = []
     told: list[Array] = []
-    for rows in np.split(np.arange(len(t)), np.flatnonzero(np.diff(segment)) + 1):
+    for rows in rows_of_each(segment):
         if len(rows) > SPAN_ROWS:
             span = max(SPAN_ROWS, round(SPAN_S / float(np.median(np.diff(t[rows])))))
             integral = cumulative_trapezoid(omega[rows], t[rows], initial=0.0)

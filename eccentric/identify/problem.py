@@ -42,7 +42,7 @@ from eccentric.model import Model, regressor
 from eccentric.model.steps import meaning
 
 if TYPE_CHECKING:
-    from eccentric.identify.channels import Channels
+    from eccentric.identify.measured import Channels
     from eccentric.identify.rig import Rig
 
 Array = NDArray[np.float64]

@@ -19,7 +19,7 @@ from eccentric.identify.quality_rig import rig_findings
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from eccentric.identify.channels import Channels
+    from eccentric.identify.measured import Channels
     from eccentric.identify.rig import Rig
     from eccentric.identify.table import Table
 

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 if TYPE_CHECKING:
-    from eccentric.identify.channels import Channels
+    from eccentric.identify.measured import Channels
     from eccentric.identify.rig import Rig
 
 Array = NDArray[np.float64]

@@ -8,13 +8,13 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from eccentric.identify.filters import stretches
 from eccentric.identify.finding import MUCH, Finding
+from eccentric.identify.stretches import stretches
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from eccentric.identify.channels import Channels
+    from eccentric.identify.measured import Channels
     from eccentric.identify.table import Table
 
 Array = NDArray[np.float64]

@@ -28,7 +28,7 @@ from eccentric.identify.quality_causes import ANGLES, SPEEDS, Ratio, common_caus
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from eccentric.identify.channels import Channels
+    from eccentric.identify.measured import Channels
     from eccentric.identify.rig import Rig
 
 Array = NDArray[np.float64]

@@ -14,8 +14,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import make_interp_spline
 
-from eccentric.identify.filters import stretches
 from eccentric.identify.rig import Rig
+from eccentric.identify.stretches import rows_of_each, stretches
 from eccentric.identify.table import Table
 
 __all__ = ["FACTOR", "is_coarse", "logged_step", "refined"]
@@ -43,7 +43,7 @@ def refined(table: Table) -> Table:
     t = table.channels["time"]
     parts: list[dict[str, Array]] = []
     source: list[NDArray[np.int64]] = []
-    for rows in np.split(np.arange(len(t)), np.flatnonzero(np.diff(stretches(t, table.run))) + 1):
+    for rows in rows_of_each(stretches(t, table.run)):
         where = np.arange((len(rows) - 1) * FACTOR + 1) / FACTOR
         fine = np.interp(where, np.arange(len(rows)), t[rows])
         before = rows[np.minimum(where.astype(int), len(rows) - 1)]

@@ -16,6 +16,7 @@ import numpy as np
 from scipy.sparse import csr_matrix
 
 from eccentric.errors import InputError
+from eccentric.identify.stretches import rows_of_each
 
 __all__ = ["Balance", "Windows", "make_balance", "make_windows"]
 
@@ -76,10 +77,9 @@ def make_windows(
     remain.
     """
     label = np.zeros(len(time), int) if segment is None else np.unique(segment, return_inverse=True)[1]
-    stretches = np.split(np.arange(len(time)), np.flatnonzero(np.diff(label)) + 1)
     thinning = int(np.ceil(np.count_nonzero(valid) / most_rows))
     data, index, sizes = [np.empty(0)], [np.empty(0, int)], [np.empty(0, int)]
-    for rows in stretches:
+    for rows in rows_of_each(label):
         step = float(np.median(np.diff(time[rows]))) if len(rows) > 1 else length_s
         half = max(1, round(0.5 * length_s / step))
         kernel = np.hanning(2 * half + 1)[1:-1] if half > 1 else np.ones(1)

@@ -21,8 +21,9 @@ from numpy.typing import NDArray
 from scipy.sparse import csr_matrix, vstack
 
 from eccentric.errors import InputError
-from eccentric.identify.channels import Channels
 from eccentric.identify.filters import smoothed
+from eccentric.identify.measured import Channels
+from eccentric.identify.moving import clear_of_ends
 from eccentric.identify.residual import Windows, make_windows
 from eccentric.identify.rig import Rig
 from eccentric.identify.windowed import MOVING_PART, STEPS, Sampling
@@ -127,7 +128,7 @@ def _smoothing(channels: Channels, rig: Rig) -> Callable[[Array], Array] | None:
 def _windows(channels: Channels, rig: Rig, moving: bool) -> Windows:
     if moving and (rig.average_over or channels.points_per_row > 1):
         return _averages(channels, rig, ~channels.held_out)
-    rows = channels.fit_rows if moving else ~channels.held_out & _away_from_ends(channels)
+    rows = channels.fit_rows if moving else ~channels.held_out & clear_of_ends(channels.t, channels.segment)
     return make_windows(channels.t, rows, channels.segment, WINDOW_S * 25.0 / rig.low_pass_hz)
 
 
@@ -160,13 +161,3 @@ def _runs(channels: Channels, usable: Mask) -> Windows:
     rows, pointer = np.concatenate([np.empty(0, int), *columns]), np.concatenate([[0], np.cumsum(sizes)])
     weights = csr_matrix((np.repeat(1.0 / sizes, sizes), rows, pointer), (len(runs), len(channels.t)))
     return Windows(weights, np.arange(len(runs)), weights @ channels.t, independent=True)
-
-
-def _away_from_ends(channels: Channels) -> Mask:
-    """Rows half a second clear of the ends of every stretch: filters settle there."""
-    clear = np.zeros(len(channels.t), bool)
-    for segment in np.unique(channels.segment):
-        rows = np.flatnonzero(channels.segment == segment)
-        time = channels.t[rows]
-        clear[rows] = (time > time[0] + 0.5) & (time < time[-1] - 0.5)
-    return clear

@@ -15,7 +15,8 @@ from eccentric.identify.arithmetic import evaluate
 from eccentric.identify.finding import MUCH, Finding
 from eccentric.identify.holdout import matching
 from eccentric.identify.log import Log, read_log
-from eccentric.identify.rig import CHANNELS, ColumnSource, Rig
+from eccentric.identify.rig import Rig
+from eccentric.identify.rig_columns import CHANNELS, ColumnSource
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence

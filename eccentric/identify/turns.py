@@ -17,9 +17,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from eccentric.effects.effect import Effect
-from eccentric.identify.adapter import Signals
 from eccentric.identify.emitted import Bench, Emitted, Values
 from eccentric.identify.least_squares import bounded
+from eccentric.identify.signals import Signals
 from eccentric.model import Model
 
 __all__ = ["Solved", "Turns"]

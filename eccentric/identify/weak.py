@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from scipy.sparse import csr_array
 
 from eccentric.errors import InputError
+from eccentric.identify.stretches import rows_of_each
 
 Array = NDArray[np.float64]
 
@@ -59,7 +60,7 @@ def windows(t: Array, segment: NDArray[np.int64], window_s: float) -> Windows:
     half = window_s / 2.0
     centres: list[Array] = []
     bounds: list[NDArray[np.int64]] = []
-    for rows in np.split(np.arange(len(t)), np.flatnonzero(np.diff(segment)) + 1):
+    for rows in rows_of_each(segment):
         stretch = t[rows]
         count = int(np.floor((stretch[-1] - stretch[0] - window_s) / half + 1e-9)) + 1
         centre = stretch[0] + half + half * np.arange(max(count, 0))

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from eccentric.identify.weak import Windows, windows
 
 if TYPE_CHECKING:
-    from eccentric.identify.channels import Channels
+    from eccentric.identify.measured import Channels
     from eccentric.identify.rows import Rows
 
 Array = NDArray[np.float64]

@@ -16,7 +16,7 @@ from types import ModuleType
 
 import jinja2
 
-from eccentric.identify.diagnose import Diagnosis
+from eccentric.identify.outcome import Diagnosis
 from eccentric.identify.report.data import ReportData
 from eccentric.identify.report.gather import report_data
 from eccentric.identify.report.view import view

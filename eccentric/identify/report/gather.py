@@ -1,4 +1,7 @@
-"""From a Diagnosis to the records of the report: the only file of the report that knows what a fit is."""
+"""From a Diagnosis to the records of the report.
+
+Beside `balance` and `facts`, which this file calls, no other file of the report knows what a fit is.
+"""
 
 from __future__ import annotations
 
@@ -7,40 +10,29 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 
-import numpy as np
-
 from eccentric import __version__
-from eccentric.effects import library, load_effects
 from eccentric.effects.effect import Effect
-from eccentric.identify.diagnose import Diagnosis
-from eccentric.identify.diagnosis import sentence
-from eccentric.identify.refit import Refit
+from eccentric.identify.diagnosis_words import sentence
+from eccentric.identify.offered import every_effect
+from eccentric.identify.outcome import Diagnosis
+from eccentric.identify.report.balance import balance_of
 from eccentric.identify.report.data import (
     AddedEffect,
-    Balance,
     Candidate,
-    Channel,
     Errors,
-    Fact,
     Finding,
     Gain,
     Parameter,
     ReportData,
-    Rows,
 )
 from eccentric.identify.report.equation import friction_equations
+from eccentric.identify.report.facts import facts_of
 from eccentric.identify.report.text import number, range_of
-from eccentric.identify.rows import Rows as LogRows
 
 __all__ = ["report_data"]
 
-Array = np.ndarray
-TURN = 2.0 * np.pi
-
 _WORSE = {"paper": "Coulomb and viscous friction", "extended": "the paper's"}
 _ORIGINS = ("effect", "friction", "bench", "rig", "unseen")
-_QUARTER = TURN / 4
-_QUANTITIES = {"mechanical": "friction", "electrical": "torque of the voltage"}
 
 
 def report_data(found: Diagnosis, files: Sequence[tuple[str, str]] = ()) -> ReportData:
@@ -49,8 +41,8 @@ def report_data(found: Diagnosis, files: Sequence[tuple[str, str]] = ()) -> Repo
     extended = found.extended is not found.paper
     effects = [effect for effect, _ in found.extended.effects]
     named = {effect.family for effect in effects}
-    about = {effect.id: effect for effect in _offered(found)}
-    balances = [_balance(found, name) for name in sorted(found.rmse, key=lambda name: name != found.balance)]
+    about = {effect.id: effect for effect in every_effect(found.setting, found.own)}
+    names = sorted(found.rmse, key=lambda name: name != found.balance)
     return ReportData(
         logs=found.logs,
         rig=found.rig_name,
@@ -58,7 +50,7 @@ def report_data(found: Diagnosis, files: Sequence[tuple[str, str]] = ()) -> Repo
         model_title=found.base.title,
         verdict=attribution.verdict,
         sentence=sentence(found),
-        balances=tuple(balances),
+        balances=tuple(balance_of(found, name) for name in names),
         gain=Gain(found.balance, found.percent, found.interval) if extended else None,
         further=tuple(_further(found)),
         holdout=found.channels.holdout.rule,
@@ -77,7 +69,7 @@ def report_data(found: Diagnosis, files: Sequence[tuple[str, str]] = ()) -> Repo
         ),
         parameters=tuple(_parameters(found)),
         equations=tuple(friction_equations(found.extended.model, effects)),
-        facts=tuple(_facts(found)),
+        facts=tuple(facts_of(found)),
         warnings=tuple(
             text for text in found.warnings if text not in {finding.text for finding in found.quality}
         ),
@@ -89,88 +81,9 @@ def report_data(found: Diagnosis, files: Sequence[tuple[str, str]] = ()) -> Repo
     )
 
 
-def _offered(found: Diagnosis) -> list[Effect]:
-    own = load_effects(found.own, found.setting) if found.own else ()
-    return [*library(found.setting), *own]
-
-
 def _words(about: dict[str, Effect], name: str) -> tuple[str, tuple[str, ...], str]:
     effect = about.get(name)
     return ("", (), "") if effect is None else (effect.formula, effect.aliases, effect.hint)
-
-
-def _balance(found: Diagnosis, name: str) -> Balance:
-    """Residuals at one scale of the drive, the extended model's, as the score has them."""
-    mechanical = name == "mechanical"
-    residuals = {
-        m: _scaled(found, fit, fit.residuals[name]) for m, fit in _fits(found) if name in fit.residuals
-    }
-    adopted = found.extended is not found.paper and (
-        mechanical or any(effect.balance == name for effect, _ in found.extended.effects)
-    )
-    return Balance(
-        name=name,
-        quantity=_QUANTITIES[name],
-        unit=found.unit,
-        rows=_rows(found),
-        paper=residuals["paper"],
-        extended=residuals["extended"] if adopted else None,
-        linear=residuals["linear"] if mechanical else None,
-        measured=_scaled(found, found.paper, found.paper.target) if mechanical else None,
-        rmse=found.rmse[name],
-        noise_floor=found.noise_floor if mechanical else None,
-    )
-
-
-def _fits(found: Diagnosis) -> list[tuple[str, Refit]]:
-    return [("linear", found.linear), ("paper", found.paper), ("extended", found.extended)]
-
-
-def _scaled(found: Diagnosis, fit: Refit, x: Array) -> Array:
-    return x * ((fit.scale or 1.0) / (found.extended.scale or 1.0))
-
-
-def _rows(found: Diagnosis) -> Rows:
-    channels, mu, rows = found.channels, found.setting.mu, found.rows
-    starts = np.array([channels.t[channels.run == run][0] for run in range(len(channels.run_names))])
-    # An integrated angle begins at zero in every run: runs do not compare.
-    phased = len(channels.run_names) == 1 or channels.quantum_rad > 0.0
-    gravity = found.bench.gravity if np.any(found.bench.gravity) else None
-    given = [
-        ("velocity", "motor velocity", "rad/s", channels.omega_m, None),
-        ("link_angle", "link angle", "rad", mu * channels.theta_m if phased else None, TURN),
-        # Without a gear the motor turns with the link.
-        ("motor_angle", "motor angle", "rad", channels.theta_m if phased and abs(mu) != 1.0 else None, TURN),
-        ("acceleration", "motor acceleration", "rad/s²", channels.alpha_m, None),
-        ("gravity_load", "gravity torque on the motor", found.unit, gravity, None),
-        ("current", "current", "A", channels.current, None),
-        ("voltage", "voltage", "V", channels.voltage, None),
-        ("temperature", "temperature", "°C", channels.temperature, None),
-        ("time", "time in the run", "s", channels.t - starts[channels.run], None),
-    ]  # fmt: skip
-    made = [
-        Channel(k, label, u, _mean(rows, x, period), period)
-        for k, label, u, x, period in given
-        if x is not None
-    ]
-    return Rows(
-        t=rows.t,
-        run=rows.run,
-        run_names=channels.run_names,
-        train=rows.train,
-        held_out=rows.score,
-        channels=tuple(made),
-        description=rows.description,
-    )
-
-
-def _mean(rows: LogRows, x: Array, period: float | None) -> Array:
-    """A channel on the rows; NaN where an average goes over more than a quarter of a turn."""
-    mean = rows.mean(x)
-    if rows.weights is None or period is None:
-        return mean
-    spread = rows.mean((x - x[0]) ** 2) - (mean - x[0]) ** 2
-    return np.where(spread < _QUARTER**2, mean, np.nan)
 
 
 def _further(found: Diagnosis) -> list[Errors]:
@@ -229,54 +142,6 @@ def _parameters(found: Diagnosis) -> list[Parameter]:
             )
         rows.append(row)
     return sorted(rows, key=lambda row: _ORIGINS.index(row.origin))
-
-
-def _facts(found: Diagnosis) -> list[Fact]:
-    channels, counts = found.channels, found.channels.counts
-    step = np.diff(channels.t)[np.diff(channels.segment) == 0]
-    usual, points = channels.logged_step_s, channels.points_per_row
-    spread = (points * step.min(), points * step.max())
-    uneven = f"; steps of {spread[0]:.4g} to {spread[1]:.4g} s" if np.ptp(spread) > 0.01 * usual else ""
-    runs = len(channels.run_names)
-    gaps = int(channels.segment[-1]) + 1 - runs
-    moving = f"faster than {channels.moving_threshold_rad_s:.3g} rad/s, clear of reversals and ends"
-    held = "; ".join(f"{a:.4g} to {b:.4g} s" for a, b in channels.holdout.intervals_s[:8])
-
-    def aligned(name: str, field: str, unit: str, factor: float = 1.0) -> Fact:
-        value = getattr(channels, field)
-        if e := found.shipped.estimates.get(field):
-            return Fact(
-                name, f"{e.value:.4g} {unit}", f"estimated, 95 % interval {range_of(e.interval)} {unit}"
-            )
-        given = "estimated" if field in found.rig.estimate else "from the rig file" if value else "none given"
-        return Fact(name, f"{factor * value:.4g} {unit}", given)
-
-    facts = [
-        Fact("rows read", f"{counts['read']}", f"{runs} run{'s' * (runs > 1)}"),
-        Fact("rows rejected", f"{counts['rejected']}", "not numbers"),
-        Fact("rows used", f"{counts['used']}", moving),
-        Fact("rows held out", f"{counts['held_out']}", held),
-        Fact("models are compared on", found.rows.description),
-        Fact("sampling", f"{1.0 / usual:.4g} Hz", f"{usual:.4g} s a row{uneven}"),
-        Fact("gaps in time", f"{gaps}", "nothing is filtered across one" if gaps else ""),
-        Fact("drive measured by", channels.drive),
-        Fact("step of the motor angle", f"{channels.quantum_rad:.3g} rad"),
-        aligned("input delay", "input_delay_s", "ms", 1e3),
-        aligned("zero angle", "theta_zero_rad", "rad"),
-    ]
-    if channels.voltage is not None:
-        facts.append(aligned("voltage offset", "voltage_offset_V", "V"))
-    facts += [
-        Fact(
-            "periodic inside runs",
-            f"{o.per_turn:.2f} per motor turn",
-            f"amplitude {o.amplitude:.3g} {found.unit}, {100 * o.share:.0f} % of the variance that is left,"
-            f" in {o.seen} of {o.stretches} stretches",
-        )
-        for o in found.orders
-    ]
-    noise = f"{found.noise_floor:.3g} {found.unit}"
-    return [*facts, Fact("noise of the sensors", noise, "RMS of a row; no model can be better")]
 
 
 def _command(found: Diagnosis) -> str:

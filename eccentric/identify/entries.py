@@ -1,0 +1,70 @@
+"""Entries of a rig file by their kind: numbers, ranges, intervals, names, tables, and keys that are allowed.
+
+`where` opens the message of every InputError: file and key.
+"""
+
+from __future__ import annotations
+
+import difflib
+import math
+from typing import TYPE_CHECKING, Any
+
+from eccentric.errors import InputError
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Mapping
+
+
+def read_number(value: object, where: str, lower: float = -math.inf, open_below: bool = False) -> float:
+    """Return a finite number, at least (or above) `lower`; InputError for anything else, also true."""
+    if isinstance(value, bool) or not isinstance(value, int | float):
+        raise InputError(f"{where}: a number is required, received {value!r}")
+    number = float(value) if abs(value) < 1e300 else math.inf
+    if not math.isfinite(number) or number < lower or (open_below and number == lower):
+        bound = "" if math.isinf(lower) else f" {'above' if open_below else 'of at least'} {lower:g}"
+        raise InputError(f"{where}: a finite number{bound} is required, received {value!r}")
+    return number
+
+
+def read_pair(value: object, where: str) -> tuple[Any, Any]:
+    """Return the two ends of a range, as they came; InputError for anything but a list of two."""
+    if not isinstance(value, list) or len(value) != 2:
+        raise InputError(f"{where}: a range of two values, [lower, upper], is required, received {value!r}")
+    return value[0], value[1]
+
+
+def read_intervals(value: object, where: str) -> tuple[tuple[float, float], ...]:
+    """Return a list of intervals (start, end), each start before its end; InputError for anything else."""
+    if not isinstance(value, list):
+        raise InputError(f"{where}: a list of [start, end] is required, received {value!r}")
+    intervals: list[tuple[float, float]] = []
+    for pair in value:
+        start, end = (read_number(end, where) for end in read_pair(pair, where))
+        if start >= end:
+            raise InputError(f"{where}: intervals with start before end are required, received {pair!r}")
+        intervals.append((start, end))
+    return tuple(intervals)
+
+
+def read_names(value: object, where: str) -> tuple[str, ...]:
+    """Return a list of names; InputError for anything else."""
+    if not isinstance(value, list) or not all(isinstance(name, str) for name in value):
+        raise InputError(f"{where}: a list of names is required, received {value!r}")
+    return tuple(value)
+
+
+def read_table(value: object, where: str) -> Mapping[str, Any]:
+    """Return a table of the rig file; InputError for anything else."""
+    if not isinstance(value, dict):
+        raise InputError(f"{where}: a table is required, received {value!r}")
+    return value
+
+
+def refuse_unknown(keys: Iterable[str], allowed: Iterable[str], where: str) -> None:
+    """Raise InputError for the first key that is not allowed, with the closest one that is."""
+    allowed = list(allowed)
+    for key in keys:
+        if key not in allowed:
+            close = difflib.get_close_matches(key, allowed, 1, 0.5)
+            hint = f"did you mean {close[0]!r}?" if close else f"known are {', '.join(allowed)}"
+            raise InputError(f"{where}: unknown key {key!r}; {hint}")

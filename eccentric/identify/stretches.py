@@ -1,0 +1,39 @@
+"""What runs and gaps cut a log into: nothing is filtered, interpolated or integrated across their ends."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+Array = NDArray[np.float64]
+Integers = NDArray[np.int64]
+
+GAP_STEPS = 5.0
+"""A step longer than this many median steps is a gap."""
+
+
+def stretches(t: Array, run: Integers) -> Integers:
+    """Return the number of the stretch of each row (n,): one begins with a run or after a gap in t [s]."""
+    begins = np.ones(len(t), dtype=bool)
+    begins[1:] = run[1:] != run[:-1]
+    for k in np.unique(run):
+        rows = np.flatnonzero(run == k)
+        steps = np.diff(t[rows])
+        if len(steps):
+            begins[rows[1:]] |= steps > GAP_STEPS * np.median(steps)
+    return np.cumsum(begins) - 1
+
+
+def rows_of_each(number: NDArray[Any]) -> list[Integers]:
+    """Return the rows of each stretch, in order; `number` (n,) tells stretches (or runs) apart."""
+    return np.split(np.arange(len(number)), np.flatnonzero(np.diff(number)) + 1)
+
+
+def joined(number: NDArray[Any], function: Callable[[Integers], NDArray[Any]]) -> NDArray[Any]:
+    """Join what a function gives for the rows of each stretch."""
+    return np.concatenate([function(rows) for rows in rows_of_each(number)])
