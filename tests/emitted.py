@@ -11,6 +11,9 @@ from tests import oracle
 from tests.paper import Parameters
 
 MODELS = tuple(oracle.CASES)
+SWINGING = [name for name in MODELS if not name.startswith("c1_")]
+INERTIA = {"J_m": 2e-4, "J_l": 0.04}
+"""Inertias have no default."""
 CALLS = [(name, function) for name in MODELS for function in oracle.functions(name)]
 CALLED_ON_STATES = [(name, function) for name, function in CALLS if oracle.inputs(name, function)]
 every_model = pytest.mark.parametrize("name", MODELS)
@@ -69,6 +72,11 @@ def example_states(
     return [np.asarray(columns[one], dtype) for one in oracle.inputs(name, function)]
 
 
+def grid(name: str, function: str, count: int = 500) -> dict[str, np.ndarray]:
+    """Return reproducible states by the names of the inputs."""
+    return dict(zip(oracle.inputs(name, function), example_states(name, function, count), strict=True))
+
+
 def with_inertia(name: str) -> Parameters:
-    """Return the default parameters with the inertias, which have no default."""
-    return module(name).Parameters(J_m=2e-4, J_l=0.04)
+    """Return the default parameters with inertias."""
+    return module(name).Parameters(**INERTIA)

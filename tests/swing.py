@@ -21,6 +21,8 @@ Friction = Callable[[Array, Array], Array]
 
 RATE = 125.0
 COUNTS = 65536
+VOLTAGE = ("time_s", "theta_m_rad", "voltage_V", "motor_off")
+HELD_OUT = 'holdout_runs = ["driven_2", "free_1"]\n'
 GARBAGE_V = 7.7
 """What is logged as voltage while the motor is switched off: it must not count."""
 
@@ -153,6 +155,14 @@ def free(rig: Swing, theta: float) -> Run:
             "motor_off": np.ones_like(t),
         }
     )
+
+
+def log_of(rig: Swing, noise_V: float = 0.05, noise_Nm: float = 0.003, swings: bool = True) -> dict[str, Run]:
+    """Six driven runs, two of them slow, and three free ones."""
+    rng = np.random.default_rng(5)
+    paces = (1.0, 0.2, 1.0, 1.0, 0.2, 1.0)
+    runs = {f"driven_{k}": driven(rig, rng, noise_V, noise_Nm, p) for k, p in enumerate(paces)}
+    return runs | ({f"free_{k}": free(rig, a) for k, a in enumerate((4.5, 5.5, 3.5))} if swings else {})
 
 
 def _counted(theta: Array) -> Array:

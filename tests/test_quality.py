@@ -5,14 +5,8 @@ from __future__ import annotations
 import functools
 import json
 import math
-import os
-import signal
-import subprocess
-import sys
-import time
 from collections.abc import Callable
 from pathlib import Path
-from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -20,7 +14,6 @@ import pytest
 from numpy.typing import NDArray
 
 from eccentric.bench import BenchRun, random_scenario, simulate
-from eccentric.cli import main
 from eccentric.errors import InputError
 from eccentric.identify.channels import read_channels
 from eccentric.identify.quality import Finding, assess
@@ -279,56 +272,3 @@ def test_time_in_ms_is_told_where_it_is_not_refused(tmp_path: Path) -> None:
     columns = scaled("time_s", 1e3)(NO_SPEED(run.columns))
     found = findings(*written(tmp_path, columns, rig | {"moving_threshold_rad_s": 0.0}))
     assert ("wrong_unit", "time") in {(f.kind, f.channel) for f in found}
-
-
-def test_a_run_leaves_the_log_as_it_was(tmp_path: Path) -> None:
-    """A fit writes beside the log and the rig, and into neither."""
-    log, sidecar = written(tmp_path, bench(*C1).columns, bench(*C1).rig)
-    before = [(path.read_bytes(), path.stat().st_mtime_ns) for path in (log, sidecar)]
-    assert main(["fit", str(log), "--rig", str(sidecar), "--out", str(tmp_path / "out")]) == 0
-    assert [(path.read_bytes(), path.stat().st_mtime_ns) for path in (log, sidecar)] == before
-
-
-@pytest.mark.parametrize("earlier", [False, True], ids=["new", "earlier result"])
-def test_an_interrupt_while_writing_leaves_what_was_there(
-    earlier: bool, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """An interrupt between two files of a diagnosis leaves no folder, or the one of the run before."""
-    out = tmp_path / "out"
-    if earlier:
-        out.mkdir()
-        (out / "report.html").write_text("earlier")
-        (out / ".eccentric").write_text("notice\nreport.html\n")
-
-    def interrupted(_: object, folder: Path) -> None:
-        (folder / "report.html").write_text("half")
-        raise KeyboardInterrupt
-
-    monkeypatch.setattr("eccentric.cli.diagnose.diagnose", lambda *_: SimpleNamespace())
-    monkeypatch.setattr("eccentric.cli.diagnose._write", interrupted)
-    assert main(["diagnose", "log.csv", "--rig", "rig.json", "--out", str(out)]) == 130
-    assert [path.name for path in tmp_path.iterdir()] == (["out"] if earlier else [])
-    assert not earlier or (out / "report.html").read_text() == "earlier"
-
-
-@pytest.mark.skipif(os.name != "posix", reason="signals are those of POSIX")
-def test_an_interrupted_process_leaves_no_folder(tmp_path: Path) -> None:
-    """Ctrl-C at the moment when a result is being written: status 130, and nothing of it is left."""
-    log, sidecar = written(tmp_path, bench(*C1).columns, bench(*C1).rig)
-    there = {log.name, sidecar.name}
-    command = [sys.executable, "-m", "eccentric", "fit", str(log), "--rig", str(sidecar)]
-    process = subprocess.Popen(
-        [*command, "--out", str(tmp_path / "out")],
-        stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True, cwd=ROOT,
-    )  # fmt: skip
-    deadline = time.monotonic() + 120.0
-    while process.poll() is None and time.monotonic() < deadline:
-        if {path.name for path in tmp_path.iterdir()} - there:
-            process.send_signal(signal.SIGINT)
-            break
-        time.sleep(0.005)
-    _, error = process.communicate(timeout=60)
-    # Where the interrupt met an exec(), CPython ends by the signal itself; a shell calls both 130.
-    assert process.returncode in (130, -signal.SIGINT)
-    assert error == "eccentric: interrupted\n"
-    assert {path.name for path in tmp_path.iterdir()} == there

@@ -1,61 +1,32 @@
-"""report.html: what it says, in which order, for whom; nothing from a log or a rig becomes markup."""
+"""report.html: what it says, in which order, for whom."""
 
-import json
 import re
 import shlex
 import sys
 from dataclasses import replace
-from html.parser import HTMLParser
 from itertools import pairwise
 from pathlib import Path
 
 import jinja2
 import numpy as np
 import pytest
-import sympy as sp
 from jinja2 import meta
-from reported import ADOPTED, HOSTILE, RIVAL, balance_of, nothing_missing, rows_of, sample
 
 from eccentric.cli import diagnose as command
 from eccentric.cli import main
-from eccentric.effects import Setting, library
 from eccentric.identify import report as package
 from eccentric.identify.diagnose import Diagnosis, diagnose
 from eccentric.identify.report import page, report_data
 from eccentric.identify.report.data import Errors
-from eccentric.identify.report.equation import friction_equations
 from eccentric.identify.report.text import number, why
 from eccentric.identify.report.view import view
-from eccentric.model import load_model, quantity
 from eccentric.places import folder
+from tests.page_reader import Reader, figures_of
+from tests.reported import ADOPTED, RIVAL, balance_of, nothing_missing, rows_of, sample
 
 ROOT = Path(__file__).resolve().parent.parent
 LOG, RIG = ROOT / "examples" / "bench" / "bench.csv.gz", ROOT / "examples" / "bench" / "bench.json"
 VERDICTS = ("named", "not_identifiable", "unexplained", "nothing_missing")
-
-
-class Reader(HTMLParser):
-    """Start tags with their attributes in order, and the text outside of scripts and styles."""
-
-    def __init__(self, text: str) -> None:
-        super().__init__()
-        self.tags: list[tuple[str, dict[str, str | None]]] = []
-        self.text, self._inside = "", ""
-        self.feed(text)
-
-    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
-        """Remember it."""
-        self.tags.append((tag, dict(attrs)))
-        self._inside = tag
-
-    def handle_data(self, data: str) -> None:
-        """Keep what a person reads."""
-        if self._inside not in {"script", "style"}:
-            self.text += data
-
-    def count(self, *names: str) -> int:
-        """Elements of these names."""
-        return sum(tag in names for tag, _ in self.tags)
 
 
 @pytest.fixture(scope="module")
@@ -70,22 +41,10 @@ def plain() -> str:
     return page(sample())
 
 
-@pytest.fixture(scope="module")
-def hostile() -> str:
-    """The page of a log whose every name is an attack."""
-    return page(sample(text=HOSTILE))
-
-
 @pytest.fixture
 def undrawn(monkeypatch: pytest.MonkeyPatch) -> None:
     """Without figures, a page takes no time."""
     monkeypatch.setattr(package, "_figures", lambda: None)
-
-
-def figures_of(text: str) -> str:
-    """The JSON of the figures of a page."""
-    (content,) = re.findall(r'<script type="application/json" id="figures">(.*?)</script>', text, re.DOTALL)
-    return content
 
 
 def test_the_verdict_comes_first(plain: str) -> None:
@@ -122,39 +81,6 @@ def test_figures_are_told_in_words(plain: str) -> None:
     assert all(p["role"] == "img" and re.search(r"\d N m", p["aria-label"] or "") for p in plots)
     assert reader.count("figure") == reader.count("figcaption") == 7
     assert ("html", {"lang": "en"}) in reader.tags
-
-
-def test_nothing_from_a_log_becomes_markup(plain: str, hostile: str) -> None:
-    """Hostile names of files, columns, runs and effects change neither elements nor scripts of the page."""
-    before, after = Reader(plain), Reader(hostile)
-
-    assert [tag for tag, _ in before.tags] == [tag for tag, _ in after.tags]
-    assert 0 == after.count("img")
-    assert f"made{HOSTILE}.csv" in after.text
-
-
-def test_the_json_of_the_figures_ends_no_script(hostile: str) -> None:
-    """A run's name with a closing tag arrives in the figures' JSON letter by letter, without a "<" in it."""
-    content = figures_of(hostile)
-
-    assert "<" not in content
-    assert f"run 1{HOSTILE}" in json.dumps(json.loads(content), ensure_ascii=False).replace('\\"', '"')
-
-
-def test_axis_labels_are_never_tex(hostile: str) -> None:
-    """No text between dollar signs is handed to Bokeh as a string, which would fetch a typesetter for it."""
-    content = json.loads(figures_of(hostile))
-
-    def labels(node: object) -> list[object]:
-        if isinstance(node, list):
-            return [label for one in node for label in labels(one)]
-        if not isinstance(node, dict):
-            return []
-        own = [node["axis_label"]] if "axis_label" in node else []
-        return own + [label for one in node.values() for label in labels(one)]
-
-    found = labels(content)
-    assert ["PlainText"] * 16 == [label["name"] if isinstance(label, dict) else label for label in found]
 
 
 def test_without_bokeh_the_report_is_words_and_tables(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -267,48 +193,6 @@ def test_templates_use_what_they_are_given() -> None:
         used |= meta.find_undeclared_variables(environment.parse(path.read_text(encoding="utf-8")))
 
     assert set(view(sample(50), None)) == used
-
-
-def test_the_equation_has_every_friction_term() -> None:
-    """One line for each term; those of the effect, and no other, are marked; sgn as in the paper."""
-    setting = Setting("C2", 0.2, {"k_i": 0.06}, 0.5, 40.0, 10.0, 60.0, 5.0)
-    effect = next(e for e in library(setting) if e.id == "link_harmonic_friction[n=2]")
-    base = load_model("c2_parallel")
-    friction, *where = friction_equations(effect.extend(base), [effect])
-
-    assert (6, 2) == (friction.mathml.count("<mtr"), friction.mathml.count('<mtr class="added"'))
-    assert [True, True] == [name in friction.mathml for name in ("link_harmonic_c2", "link_harmonic_s2")]
-    assert "Sgn" not in friction.mathml
-    assert ["normal force on the axis of rotation [N]", "link angle"] == [
-        where[0].note, where[1].note[:10]
-    ]  # fmt: skip
-
-
-def test_the_equation_tells_what_is_replaced() -> None:
-    """A mass that is another one than the rig says stands beside the friction, as what it has become."""
-    setting = Setting("C2", 0.2, {"M": 0.5, "L": 0.2}, 0.5, 40.0, 10.0, 60.0, 5.0)
-    effect = next(e for e in library(setting) if e.id == "mass_mismatch")
-    notes = [
-        equation.note for equation in friction_equations(effect.extend(load_model("c2_parallel")), [effect])
-    ]
-    meanings = [d.quantity.meaning for d in effect.definitions if d.symbol in effect.replaces.values()]
-
-    assert 1 == len(meanings) == sum(note.startswith(meanings[0]) for note in notes)
-
-
-def test_a_letter_of_the_users_own_is_escaped() -> None:
-    """A parameter can be called anything: in the formula it is text."""
-    base = load_model("c1_perpendicular")
-    bad = quantity("<b>bold</b>", "N m", "a name with tags")
-    mechanical = base.balance("mechanical")
-    term = replace(mechanical.terms[-1], name="own", coefficient=bad.symbol, basis=sp.Integer(2))
-    balances = (replace(mechanical, terms=(*mechanical.terms, term)), *base.balances[1:])
-    (friction, *_) = friction_equations(
-        replace(base, parameters=(*base.parameters, bad), balances=balances), []
-    )
-
-    assert "<b>" not in friction.mathml
-    assert "&lt;b&gt;bold" in friction.mathml
 
 
 def test_the_record_says_what_the_diagnosis_found(found: Diagnosis) -> None:

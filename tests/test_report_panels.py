@@ -4,10 +4,10 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from reported import balance_of, rows_of
 
 from eccentric.identify.report.data import Channel
 from eccentric.identify.report.panels import POINTS, friction_panel, residual_panel, trace
+from tests.reported import balance_of, rows_of
 
 
 @pytest.mark.parametrize("n", [50, 5000, 40000])

@@ -1,11 +1,21 @@
-"""Scenarios of the virtual bench."""
+"""Scenarios of the virtual bench, and their logs."""
+
+from pathlib import Path
 
 import numpy as np
 
-from eccentric.bench import Scenario, random_scenario
+from eccentric.bench import Scenario, random_scenario, simulate, write
 
 
 def drawn_scenario(seed: int = 3, /, **options: object) -> Scenario:
     """Return a scenario of this seed: speed runs of 15 s in C2, unless the options say otherwise."""
     chosen = {"case": "C2", "mu": 0.2, "log_type": "runs", "seconds": 15.0, **options}
     return random_scenario(np.random.default_rng(seed), **chosen)  # pyright: ignore[reportArgumentType]
+
+
+def log_of(tmp_path: Path, seed: int, *effects: tuple[str, float], **given: object) -> tuple[Path, Path]:
+    """Write a log of 40 s of a scenario with these effects, and its rig; the sealed truth is deleted."""
+    scenario = drawn_scenario(seed, **{"effects": effects, "noise": 0.006, "seconds": 40.0, **given})
+    log, rig, truth = write(simulate(scenario), tmp_path / f"log{seed}.csv.gz")
+    truth.unlink()
+    return log, rig

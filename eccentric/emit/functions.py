@@ -6,13 +6,12 @@ from dataclasses import dataclass
 
 import sympy as sp
 
+from eccentric.emit import one_sided
 from eccentric.emit.program import Assignment
 from eccentric.errors import InputError
 from eccentric.model import KINDS, Definition, Model, regressor
 from eccentric.model import vocabulary as v
-from eccentric.model.steps import Backward, Bounded, Forward, Gated, Magnitude, Sgn, SquareDifference, Step
-
-_DIRECTED = Sgn | Forward | Backward | Gated
+from eccentric.model.steps import Forward
 
 
 @dataclass(frozen=True)
@@ -92,12 +91,8 @@ def functions(model: Model) -> tuple[Function, ...]:
     parameters = friction_parameters(model)
     inertia = tuple(q.name for q in model.parameters if q.default is None)
     dependence = tuple(x for x in _inputs(model, resultant) if x.name in {"theta_m", "omega_m", "alpha_m"})
-    asymmetric = friction.has(Forward)
-    standstill = (
-        (("pos", _standstill(model, friction, 1)), ("neg", -_standstill(model, friction, -1)))
-        if asymmetric
-        else (("", _standstill(model, friction, 1)),)
-    )
+    sides = (("pos", 1), ("neg", -1)) if friction.has(Forward) else (("", 1),)
+    standstill = tuple((side, sign * one_sided.standstill(model, friction, sign)) for side, sign in sides)
     normal_force = model.definition("F_N").symbol
     units = {q.symbol: q.unit for q in model.inputs}
     listed = [
@@ -212,76 +207,16 @@ def _inputs(model: Model, expression: sp.Expr) -> tuple[sp.Symbol, ...]:
     return tuple(q.symbol for q in model.inputs if q.symbol in symbols)
 
 
-def _standstill(model: Model, friction: sp.Expr, direction: int) -> sp.Expr:
-    """The limit of the friction torque for velocity to 0 from above (1) or below (-1)."""
-    omega_m = next(q.symbol for q in model.inputs if q.name == "omega_m")
-    moving = {
-        d.symbol: d.value
-        for d in model.definitions
-        if d.value.has(omega_m) or d.quantity.name in ("F_N", "speed")
-    }
-    for symbol in reversed(list(moving)):
-        friction = friction.xreplace({symbol: moving[symbol]})
-    friction = friction.xreplace(_moving(omega_m, direction)).xreplace({omega_m: sp.Integer(0)})
-    # With zero speed the steps fold to plain numbers or to their other argument.
-    friction = friction.replace(
-        lambda e: isinstance(e, Gated) and e.args[1].is_number, lambda e: sp.Mul(*e.args)
-    )
-    friction = friction.replace(lambda e: isinstance(e, Bounded) and e.args[0] == 0, lambda e: sp.Integer(0))
-    friction = friction.replace(
-        lambda e: isinstance(e, SquareDifference) and e.args[0] == 0, lambda e: -(e.args[1] ** 2)
-    )
-    friction = friction.replace(
-        lambda e: isinstance(e, Magnitude) and e.args[1] == 0, lambda e: sp.Abs(e.args[0])
-    )
-    if any(d.quantity.name == "omega_star" for d in model.definitions):
-        omega_star, scale = model.definition("omega_star").symbol, model.definition("scale_N").symbol
-        friction = friction.subs(scale * omega_star**2, model.definition("weight").symbol)
-    return friction
-
-
-def _is_curved(model: Model, expression: sp.Expr, omega_m: sp.Symbol) -> bool:
-    """Whether a careful step of the velocity is in it, besides those that tell its direction."""
-    moving = {omega_m}
-    for definition in model.definitions:
-        if definition.value.free_symbols & moving:
-            moving.add(definition.symbol)
-    values = [expression, *(a.value for a in closure(model, (("", expression),)))]
-    steps = {step for value in values for step in value.atoms(Step)}
-    return any(step.free_symbols & moving for step in steps if not isinstance(step, _DIRECTED))
-
-
-def _moving(omega_m: sp.Symbol, direction: int) -> dict[sp.Expr, sp.Expr]:
-    """What is known of the steps by direction for velocities above (1) or below (-1) zero."""
-    return {
-        Sgn(omega_m): sp.Integer(direction),
-        Forward(omega_m): sp.Integer(direction > 0),
-        Backward(omega_m): sp.Integer(direction < 0),
-    }
-
-
 def _polynomials(model: Model, resultant: sp.Expr) -> tuple[Function, ...]:
     """F_3 ... F_0 for each direction where friction is a polynomial in the motor velocity (C1), else none."""
-    omega_m = next(q.symbol for q in model.inputs if q.name == "omega_m")
-    if _is_curved(model, resultant, omega_m):
-        return ()
-    plain = model.expand(resultant).replace(Gated, sp.Mul)
-    found = []
-    for name, direction in (("polynomial", 1), ("polynomial_neg", -1)):
-        one_sided = sp.expand(plain.xreplace(_moving(omega_m, direction)))
-        if not one_sided.is_polynomial(omega_m):
-            return ()
-        if direction < 0 and not resultant.has(Backward):
-            break  # symmetric friction: the other direction says nothing new
-        poly = sp.Poly(one_sided, omega_m)
-        results = tuple((f"F_{k}", poly.coeff_monomial(omega_m**k)) for k in (3, 2, 1, 0))
-        side = "omega_m > 0" if direction > 0 else "omega_m < 0"
-        found.append(
-            Function(
-                name,
-                "N m s^3/rad^3, N m s^2/rad^2, N m s/rad, N m",
-                f"coefficients F_3, F_2, F_1, F_0 of F for {side}, eqs (11)-(14)",
-                results,
-            )
+    values = [resultant, *(a.value for a in closure(model, (("", resultant),)))]
+    names = {1: ("polynomial", "omega_m > 0"), -1: ("polynomial_neg", "omega_m < 0")}
+    return tuple(
+        Function(
+            names[direction][0],
+            "N m s^3/rad^3, N m s^2/rad^2, N m s/rad, N m",
+            f"coefficients F_3, F_2, F_1, F_0 of F for {names[direction][1]}, eqs (11)-(14)",
+            tuple((f"F_{k}", coefficient) for k, coefficient in zip((3, 2, 1, 0), found, strict=True)),
         )
-    return tuple(found)
+        for direction, found in one_sided.polynomials(model, resultant, values).items()
+    )

@@ -1,0 +1,28 @@
+"""Lines of C: long ones are broken."""
+
+from __future__ import annotations
+
+import textwrap
+from collections.abc import Iterable
+
+_WIDTH = 110
+
+
+def filled(text: str, indent: int = 4) -> list[str]:
+    """The lines of a text that is set in, those after the first a little more."""
+    return textwrap.wrap(
+        text, _WIDTH - indent, subsequent_indent="    ", break_long_words=False, break_on_hyphens=False
+    )
+
+
+def code(lines: Iterable[str], indent: int = 4) -> list[str]:
+    """The lines of a function's body, long ones broken."""
+    return [part for line in lines for part in filled(line, indent)]
+
+
+def wrapped(result: str, name: str, arguments: list[str]) -> str:
+    """The head of a function, an argument a line where it is long."""
+    line = f"{result} {name}({', '.join(arguments)})"
+    if len(line) < _WIDTH:
+        return line
+    return f"{result} {name}(\n    " + ",\n    ".join(arguments) + ")"

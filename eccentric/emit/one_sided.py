@@ -1,0 +1,81 @@
+"""Friction on one side of zero velocity: its limit at standstill, and its polynomial in the velocity."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+import sympy as sp
+
+from eccentric.model import Model
+from eccentric.model.steps import Backward, Bounded, Forward, Gated, Magnitude, Sgn, SquareDifference, Step
+
+_DIRECTED = Sgn | Forward | Backward | Gated
+
+
+def standstill(model: Model, friction: sp.Expr, direction: int) -> sp.Expr:
+    """The limit of the friction torque for velocity to 0 from above (1) or below (-1)."""
+    omega_m = next(q.symbol for q in model.inputs if q.name == "omega_m")
+    moving = {
+        d.symbol: d.value
+        for d in model.definitions
+        if d.value.has(omega_m) or d.quantity.name in ("F_N", "speed")
+    }
+    for symbol in reversed(list(moving)):
+        friction = friction.xreplace({symbol: moving[symbol]})
+    friction = friction.xreplace(_moving(omega_m, direction)).xreplace({omega_m: sp.Integer(0)})
+    # With zero speed the steps fold to plain numbers or to their other argument.
+    friction = friction.replace(
+        lambda e: isinstance(e, Gated) and e.args[1].is_number, lambda e: sp.Mul(*e.args)
+    )
+    friction = friction.replace(lambda e: isinstance(e, Bounded) and e.args[0] == 0, lambda e: sp.Integer(0))
+    friction = friction.replace(
+        lambda e: isinstance(e, SquareDifference) and e.args[0] == 0, lambda e: -(e.args[1] ** 2)
+    )
+    friction = friction.replace(
+        lambda e: isinstance(e, Magnitude) and e.args[1] == 0, lambda e: sp.Abs(e.args[0])
+    )
+    if any(d.quantity.name == "omega_star" for d in model.definitions):
+        omega_star, scale = model.definition("omega_star").symbol, model.definition("scale_N").symbol
+        friction = friction.subs(scale * omega_star**2, model.definition("weight").symbol)
+    return friction
+
+
+def polynomials(
+    model: Model, resultant: sp.Expr, values: Iterable[sp.Expr]
+) -> dict[int, tuple[sp.Expr, ...]]:
+    """F_3, F_2, F_1, F_0 by direction, 1 or -1, where friction is a polynomial in the velocity, else none.
+
+    `values` are the resultant and the definitions that it needs. Where friction is symmetric, -1 says nothing
+    new and is left out.
+    """
+    omega_m = next(q.symbol for q in model.inputs if q.name == "omega_m")
+    if _is_curved(model, values, omega_m):
+        return {}
+    plain = model.expand(resultant).replace(Gated, sp.Mul)
+    sides = {direction: sp.expand(plain.xreplace(_moving(omega_m, direction))) for direction in (1, -1)}
+    if not all(side.is_polynomial(omega_m) for side in sides.values()):
+        return {}
+    return {
+        direction: tuple(sp.Poly(side, omega_m).coeff_monomial(omega_m**k) for k in (3, 2, 1, 0))
+        for direction, side in sides.items()
+        if direction > 0 or resultant.has(Backward)
+    }
+
+
+def _is_curved(model: Model, values: Iterable[sp.Expr], omega_m: sp.Symbol) -> bool:
+    """Whether a careful step of the velocity is in them, besides those that tell its direction."""
+    moving = {omega_m}
+    for definition in model.definitions:
+        if definition.value.free_symbols & moving:
+            moving.add(definition.symbol)
+    steps = {step for value in values for step in value.atoms(Step)}
+    return any(step.free_symbols & moving for step in steps if not isinstance(step, _DIRECTED))
+
+
+def _moving(omega_m: sp.Symbol, direction: int) -> dict[sp.Expr, sp.Expr]:
+    """What is known of the steps by direction for velocities above (1) or below (-1) zero."""
+    return {
+        Sgn(omega_m): sp.Integer(direction),
+        Forward(omega_m): sp.Integer(direction > 0),
+        Backward(omega_m): sp.Integer(direction < 0),
+    }

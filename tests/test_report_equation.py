@@ -1,0 +1,51 @@
+"""The equation of the report: every term of the friction, what is added marked, what is replaced told."""
+
+from dataclasses import replace
+
+import sympy as sp
+
+from eccentric.effects import Setting, library
+from eccentric.identify.report.equation import friction_equations
+from eccentric.model import load_model, quantity
+
+
+def test_the_equation_has_every_friction_term() -> None:
+    """One line for each term; those of the effect, and no other, are marked; sgn as in the paper."""
+    setting = Setting("C2", 0.2, {"k_i": 0.06}, 0.5, 40.0, 10.0, 60.0, 5.0)
+    effect = next(e for e in library(setting) if e.id == "link_harmonic_friction[n=2]")
+    base = load_model("c2_parallel")
+    friction, *where = friction_equations(effect.extend(base), [effect])
+
+    assert (6, 2) == (friction.mathml.count("<mtr"), friction.mathml.count('<mtr class="added"'))
+    assert [True, True] == [name in friction.mathml for name in ("link_harmonic_c2", "link_harmonic_s2")]
+    assert "Sgn" not in friction.mathml
+    assert ["normal force on the axis of rotation [N]", "link angle"] == [
+        where[0].note, where[1].note[:10]
+    ]  # fmt: skip
+
+
+def test_the_equation_tells_what_is_replaced() -> None:
+    """A mass that is another one than the rig says stands beside the friction, as what it has become."""
+    setting = Setting("C2", 0.2, {"M": 0.5, "L": 0.2}, 0.5, 40.0, 10.0, 60.0, 5.0)
+    effect = next(e for e in library(setting) if e.id == "mass_mismatch")
+    notes = [
+        equation.note for equation in friction_equations(effect.extend(load_model("c2_parallel")), [effect])
+    ]
+    meanings = [d.quantity.meaning for d in effect.definitions if d.symbol in effect.replaces.values()]
+
+    assert 1 == len(meanings) == sum(note.startswith(meanings[0]) for note in notes)
+
+
+def test_a_letter_of_the_users_own_is_escaped() -> None:
+    """A parameter can be called anything: in the formula it is text."""
+    base = load_model("c1_perpendicular")
+    bad = quantity("<b>bold</b>", "N m", "a name with tags")
+    mechanical = base.balance("mechanical")
+    term = replace(mechanical.terms[-1], name="own", coefficient=bad.symbol, basis=sp.Integer(2))
+    balances = (replace(mechanical, terms=(*mechanical.terms, term)), *base.balances[1:])
+    (friction, *_) = friction_equations(
+        replace(base, parameters=(*base.parameters, bad), balances=balances), []
+    )
+
+    assert "<b>" not in friction.mathml
+    assert "&lt;b&gt;bold" in friction.mathml

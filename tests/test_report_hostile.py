@@ -1,0 +1,48 @@
+"""Nothing that comes from a log, a rig or a user becomes markup of the report."""
+
+import json
+
+import pytest
+
+from eccentric.identify.report import page
+from tests.page_reader import Reader, figures_of
+from tests.reported import HOSTILE, sample
+
+
+@pytest.fixture(scope="module")
+def hostile() -> str:
+    """The page of a log whose every name is an attack."""
+    return page(sample(text=HOSTILE))
+
+
+def test_nothing_from_a_log_becomes_markup(hostile: str) -> None:
+    """Hostile names of files, columns, runs and effects change neither elements nor scripts of the page."""
+    before, after = Reader(page(sample())), Reader(hostile)
+
+    assert [tag for tag, _ in before.tags] == [tag for tag, _ in after.tags]
+    assert 0 == after.count("img")
+    assert f"made{HOSTILE}.csv" in after.text
+
+
+def test_the_json_of_the_figures_ends_no_script(hostile: str) -> None:
+    """A run's name with a closing tag arrives in the figures' JSON letter by letter, without a "<" in it."""
+    content = figures_of(hostile)
+
+    assert "<" not in content
+    assert f"run 1{HOSTILE}" in json.dumps(json.loads(content), ensure_ascii=False).replace('\\"', '"')
+
+
+def test_axis_labels_are_never_tex(hostile: str) -> None:
+    """No text between dollar signs is handed to Bokeh as a string, which would fetch a typesetter for it."""
+    content = json.loads(figures_of(hostile))
+
+    def labels(node: object) -> list[object]:
+        if isinstance(node, list):
+            return [label for one in node for label in labels(one)]
+        if not isinstance(node, dict):
+            return []
+        own = [node["axis_label"]] if "axis_label" in node else []
+        return own + [label for one in node.values() for label in labels(one)]
+
+    found = labels(content)
+    assert ["PlainText"] * 16 == [label["name"] if isinstance(label, dict) else label for label in found]
