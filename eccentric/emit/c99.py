@@ -9,17 +9,19 @@ from typing import Any
 import sympy as sp
 
 from eccentric.emit.constants import evaluate_prepare
+from eccentric.emit.digits import TURN_BITS
 from eccentric.emit.expression import Language, printed
 from eccentric.emit.pairs import pair_functions, pair_text, paired
-from eccentric.emit.primitive import ROUNDER, Root, Size, Within
+from eccentric.emit.primitive import ROUNDER, InSingle, Root, Size, Within
 from eccentric.emit.program import Assignment, Helper, Input, Program, Routine
 from eccentric.emit.series import polynomial
 from eccentric.emit.staged import staged
-from eccentric.emit.text import EXACT_HALF_TURNS, assigned, number, plain, splitting, used_series
+from eccentric.emit.text import assigned, number, plain, splitting, used_series
 from eccentric.model.quantity import Quantity
 from eccentric.model.steps import Backward, Forward, Sgn
 
 _WIDTH = 110
+_EXACT = "2^{double} half turns of the link (float: 2^{single})".format_map(TURN_BITS)
 
 _REAL = {
     "sqrt": "REAL_SQRT({0})",
@@ -31,7 +33,7 @@ _REAL = {
     "exp": "REAL_EXP({0})",
     "at_most": "(({0} > {1}) ? {1} : {0})",
     "within": "MODEL_within({0}, {1})",
-    "in_single": "(ECCENTRIC_PRECISION == 1) ? ({0}) : {1}",
+    "in_single": "REAL_IN_SINGLE({0}, {1})",
     "sine_ratio": "MODEL_sine_ratio({0})",
     "cosine": "MODEL_cosine({0})",
 }
@@ -43,7 +45,7 @@ _DOUBLE = {
     "exp": "exp({0})",
     "rounded": "(double)(real)({0})",
     "leading": "MODEL_leading({0})",
-    "in_single": "(ECCENTRIC_PRECISION == 1) ? {0} : {1}",
+    "in_single": "REAL_IN_SINGLE({0}, {1})",
 }
 # Written so that NaN goes in and NaN comes out; one comparison a line is one instruction of a vector unit.
 _HELPERS = {
@@ -62,20 +64,34 @@ _NEEDS = {"sgn": (Sgn,), "forward": (Forward, Backward), "within": (Within,)}
 
 def view(program: Program, banner: str, digest: str) -> dict[str, Any]:
     """All that the templates of header and source are filled with."""
-    prepared = {a.target.name for a in program.prepare}
-    paired_symbols = paired(program)
-    pairs = {s.name for s in paired_symbols}
+    own, pairs = {a.target.name for a in program.prepare}, paired(program)
+    high = {s.name for s in pairs}
 
     def value_of(name: str) -> str:
-        return f"{name}.high" if name in pairs else name if name in prepared else f"p->{name}"
+        return f"{name}.high" if name in high else name if name in own else f"p->{name}"
 
-    in_prepare = _language(program, _DOUBLE, value_of, "{}")
+    def coefficient(s: sp.Symbol) -> dict[str, str]:
+        return {
+            "name": s.name,
+            "source": value_of(s.name),
+            "single": f"(real)({values[True][s.name]})",
+            "double": values[False][s.name].replace("NAN", "(real)NAN"),
+            "doc": notes.get(s.name, ""),
+        }
+
+    def prepared(a: Assignment) -> str:
+        language = _language(program, _DOUBLE, value_of, "{}")
+        if a.target not in pairs:
+            return f"const double {a.target.name} = {printed(a.value, language)};"
+        value = pair_text(a.value, pairs, language, lambda name: f"{program.name}_{name}")
+        return f"const {program.name}_pair {a.target.name} = {value};"
+
     coefficients = {s.name for s in program.coefficients}
     values = {single: evaluate_prepare(program, single) for single in (True, False)}
     expressions = [a.value for a in program.hot()]
     helpers = [name for name, kinds in _NEEDS.items() if any(e.has(*kinds) for e in expressions)]
     macros = _macros(program)
-    notes = dict(program.notes)
+    notes, single_only = dict(program.notes), program.single_only()
     called = [r.name + ending for r in program.routines for ending in ("", "_n")[: 2 if r.inputs else 1]]
     return {
         "names": ["prepare", "default", *called, *(["initial_state", "step"] if program.states else [])],
@@ -91,19 +107,11 @@ def view(program: Program, banner: str, digest: str) -> dict[str, Any]:
         "promises": program.promises,
         "bounded": "fastest" in {s.name for s in program.coefficients},
         "defaults": program.defaults,
-        "coefficients": [
-            {
-                "name": s.name,
-                "source": value_of(s.name),
-                "single": f"(real)({values[True][s.name]})",
-                "double": values[False][s.name].replace("NAN", "(real)NAN"),
-                "doc": notes.get(s.name, ""),
-            }
-            for s in program.coefficients
-        ],
+        "coefficients": [coefficient(s) for s in program.coefficients if s not in single_only],
+        "single_coefficients": [coefficient(s) for s in program.coefficients if s in single_only],
         "single": [(name, single) for name, single, _ in macros],
         "double": [(name, double) for name, _, double in macros],
-        "macros": [name.removesuffix("(x)") for name, _, _ in macros],
+        "macros": [name.partition("(")[0] for name, _, _ in macros],
         "helpers": [
             dict(zip(("name", "arguments", "lines"), (name, *_HELPERS[name]), strict=True))
             for name in helpers
@@ -111,7 +119,8 @@ def view(program: Program, banner: str, digest: str) -> dict[str, Any]:
         "series": [_series(name) for name in used_series(program)],
         "leading": splitting(program),
         "pairs": pair_functions(program),
-        "prepare": _code(_prepared(program, paired_symbols, a, in_prepare) for a in program.prepare),
+        "prepare": _code(prepared(a) for a in program.prepare if a.target not in single_only),
+        "single_prepare": _code(prepared(a) for a in program.prepare if a.target in single_only),
         "helpers_of_angle": [_helper(program, h, coefficients) for h in program.helpers],
         "staged": any(staged(r).angles for r in program.routines),
         "routines": [_routine(program, r, coefficients) for r in program.routines],
@@ -121,13 +130,6 @@ def view(program: Program, banner: str, digest: str) -> dict[str, Any]:
         ],
         "step": _step(program),
     }
-
-
-def _prepared(program: Program, pairs: frozenset[sp.Symbol], a: Assignment, language: Language) -> str:
-    if a.target not in pairs:
-        return f"const double {a.target.name} = {printed(a.value, language)};"
-    value = pair_text(a.value, pairs, language, lambda name: f"{program.name}_{name}")
-    return f"const {program.name}_pair {a.target.name} = {value};"
 
 
 def _step(program: Program) -> dict[str, Any]:
@@ -167,6 +169,8 @@ def _macros(program: Program) -> list[tuple[str, str, str]]:
         for macro, op, name in used
         if any(e.has(op) for e in expressions)
     ]
+    if any(e.has(InSingle) for e in expressions):
+        found.append(("REAL_IN_SINGLE(x, y)", "(x)", "(y)"))
     if any(ROUNDER in e.free_symbols for e in expressions):
         found.append(("REAL_ROUNDER", "12582912.0f", "6755399441055744.0"))
     libm = {"sine_ratio": "sin", "cosine": "cos"}
@@ -254,7 +258,7 @@ def _routine(program: Program, r: Routine, coefficients: set[str]) -> dict[str, 
     coefficient_argument = f"const {program.name}_coefficients *c"
     out = ["ECCENTRIC_REAL *out"] if r.labels else []
     width = len(r.labels)
-    reduced = f", reduced exactly up to {EXACT_HALF_TURNS}" if parts.angles else ""
+    reduced = f", reduced exactly up to {_EXACT}" if parts.angles else ""
     kernel = [*(_argument(x, "real") for x in parts.inputs), *(f"real {name}" for name in ready)]
     passed = [*(x.quantity.name for x in parts.inputs), *ready, *(["out"] if r.labels else []), "c"]
     index = "first + k" if parts.angles else "k"
