@@ -234,8 +234,9 @@ def _series(name: str) -> dict[str, Any]:
         "single": horner(True),
         "double": horner(False),
         "libm": libm,
-        "doc": f"{function}, |h| within a quarter turn: minimax in x = h^2, error {single.error}"
-        f" (float), {double.error} (double).",
+        "doc": f"{function}, |h| within a quarter turn: minimax in x = h^2.",
+        "errors": f"{function.partition(' - ')[0]}: method {single.error} and {double.error},"
+        f" rounding {single.rounding} and {double.rounding}",
     }
 
 
