@@ -8,6 +8,7 @@ from typing import Any
 
 import sympy as sp
 
+from eccentric.emit.accuracy import LARGEST_ANGLE, LARGEST_RATIO
 from eccentric.emit.constants import evaluate_prepare
 from eccentric.emit.digits import TURN_BITS
 from eccentric.emit.expression import Language, printed
@@ -105,6 +106,7 @@ def view(program: Program, banner: str, digest: str) -> dict[str, Any]:
         ],
         "valid": _valid(program),
         "promises": program.promises,
+        "far": f", |theta_m| to {LARGEST_ANGLE} rad, mu to {LARGEST_RATIO}",
         "bounded": "fastest" in {s.name for s in program.coefficients},
         "defaults": program.defaults,
         "coefficients": [coefficient(s) for s in program.coefficients if s not in single_only],
