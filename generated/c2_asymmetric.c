@@ -1,6 +1,6 @@
 /*
  * Generated: do not edit. Written by `make derive` from derivations/c2_asymmetric.py
- * (eccentric 0.1.0, program 25ab9a27).
+ * (eccentric 0.1.0, program 58227132).
  * Case C2 with friction that differs between the directions of motion.
  */
 #include "c2_asymmetric.h"
@@ -8,7 +8,7 @@
 #include <float.h>
 #include <math.h>
 
-#if C2_ASYMMETRIC_PROGRAM != 0x25ab9a27UL
+#if C2_ASYMMETRIC_PROGRAM != 0x58227132UL
 #error "c2_asymmetric.c and c2_asymmetric.h are of different derivations: write both again"
 #endif
 
@@ -36,6 +36,7 @@
 #define REAL(x) x##f
 #define REAL_SQRT(x) sqrtf(x)
 #define REAL_FABS(x) fabsf(x)
+#define REAL_IN_SINGLE(x, y) (x)
 #define REAL_ROUNDER 12582912.0f
 #define REAL_SIN(x) sinf(x)
 #define REAL_COS(x) cosf(x)
@@ -43,6 +44,7 @@
 #define REAL(x) x
 #define REAL_SQRT(x) sqrt(x)
 #define REAL_FABS(x) fabs(x)
+#define REAL_IN_SINGLE(x, y) (y)
 #define REAL_ROUNDER 6755399441055744.0
 #define REAL_SIN(x) sin(x)
 #define REAL_COS(x) cos(x)
@@ -64,7 +66,7 @@ REAL_INLINE real c2_asymmetric_within(const real x, const real most)
     return (below < -most) ? -most : below;
 }
 
-/* sin(h)/h - 1, |h| within a quarter turn: minimax in x = h^2, error 6.3e-9 (float), 1.7e-17 (double). */
+/* sin(h)/h - 1, |h| within a quarter turn: minimax in x = h^2. */
 REAL_INLINE real c2_asymmetric_sine_ratio(const real h)
 {
 #ifdef ECCENTRIC_LIBM
@@ -91,7 +93,7 @@ REAL_INLINE real c2_asymmetric_sine_ratio(const real h)
 #endif
 }
 
-/* cos(h), |h| within a quarter turn: minimax in x = h^2, error 1.2e-9 (float), 1.3e-17 (double). */
+/* cos(h), |h| within a quarter turn: minimax in x = h^2. */
 REAL_INLINE real c2_asymmetric_cosine(const real h)
 {
 #ifdef ECCENTRIC_LIBM
@@ -122,7 +124,7 @@ REAL_INLINE real c2_asymmetric_cosine(const real h)
 /* The leading digits of x, so few that a number of turns and a half times them is exact. */
 static double c2_asymmetric_leading(const double x)
 {
-    const double scaled = x * (ECCENTRIC_PRECISION == 1 ? 2199023255553.0 : 1048577.0);
+    const double scaled = x * REAL_IN_SINGLE(8796093022209.0, 1048577.0);
     return scaled - (scaled - x);
 }
 
@@ -134,9 +136,9 @@ REAL_INLINE real c2_asymmetric_from_top(real theta_m, const c2_asymmetric_coeffi
     /* the turns go off in parts of few digits: all products but the last are exact */
     const real rest = theta_m - turns * c->period_1;
     const real left = rest - turns * c->period_2 - turns * c->period_3;
-    const real reduced = (ECCENTRIC_PRECISION == 1) ? (left - turns * c->period_4) : left;
+    const real reduced = REAL_IN_SINGLE(left - turns * c->period_4 - turns * c->period_5, left);
     /* bounded for angles so large that nothing is left of their phase; infinity gives NaN */
-    return c2_asymmetric_within(reduced, c->period);
+    return c2_asymmetric_within(reduced, c->period_1);
 }
 
 /* 2 sin(half the link angle from the top)/mu. */
@@ -263,12 +265,10 @@ const c2_asymmetric_coefficients c2_asymmetric_default = {
     (real)(7.41188235), /* mu_omega_star */
     (real)(37.0594101), /* omega_star_1 */
     (real)(1.66482255e-6), /* omega_star_2 */
-    (real)(31.4159265), /* period */
     (real)(0.0318309886), /* turns_per_rad */
-    (real)(31.4140625), /* period_1 */
-    (real)(0.00186395645), /* period_2 */
-    (real)(7.94534571e-8), /* period_3 */
-    (real)(-6.94077781e-12), /* period_4 */
+    (real)(31.40625), /* period_1 */
+    (real)(0.00967407227), /* period_2 */
+    (real)(2.46241689e-6), /* period_3 */
     (real)(0.1), /* half_mu */
     (real)(8.0e-7), /* B_lN_pos_mu2_scale_N */
     (real)(8.0e-7), /* B_lN_neg_mu2_scale_N */
@@ -302,6 +302,8 @@ const c2_asymmetric_coefficients c2_asymmetric_default = {
     (real)(0.4), /* C_m_neg_per_k_i */
     (real)(2.4525), /* L_M_g_mu2_per_k_i */
     (real)(0.02), /* k_i_per_R */
+    (real)(1.21508492e-9), /* period_4 */
+    (real)(3.35179719e-13), /* period_5 */
 #else
     0.004, /* B_lN_neg */
     0.004, /* B_lN_pos */
@@ -318,12 +320,10 @@ const c2_asymmetric_coefficients c2_asymmetric_default = {
     7.4118823520074845, /* mu_omega_star */
     37.05941176003742, /* omega_star_1 */
     1.9391227281942644e-15, /* omega_star_2 */
-    31.415926535897932, /* period */
     0.031830988618379067, /* turns_per_rad */
     31.415926534682512, /* period_1 */
     1.2154201013692134e-9, /* period_2 */
     -6.7974892272631429e-20, /* period_3 */
-    5.1253803812197871e-37, /* period_4 */
     0.1, /* half_mu */
     8.0e-7, /* B_lN_pos_mu2_scale_N */
     8.0e-7, /* B_lN_neg_mu2_scale_N */
@@ -377,15 +377,13 @@ void c2_asymmetric_prepare(const c2_asymmetric_parameters *p, c2_asymmetric_coef
     const c2_asymmetric_pair mu_omega_star = c2_asymmetric_times(c2_asymmetric_exact(p->mu), omega_star);
     const double omega_star_1 = (double)(real)(omega_star.high);
     const double omega_star_2 = (double)(real)(omega_star.high - omega_star_1 + omega_star.low);
-    const double period = 2.0 * 3.1415926535897932 / p->mu;
     const double turns_per_rad = 0.5 * p->mu / 3.1415926535897932;
-    const double period_1 = c2_asymmetric_leading(period);
+    const double period_1 = c2_asymmetric_leading(2.0 * 3.1415926535897932 / p->mu);
     const c2_asymmetric_pair period_left = c2_asymmetric_over(c2_asymmetric_turn_left(period_1, p->mu),
         c2_asymmetric_exact(p->mu));
     const double period_2 = c2_asymmetric_leading(period_left.high);
-    const double period_3 = (ECCENTRIC_PRECISION == 1) ? c2_asymmetric_leading(period_left.high - period_2) :
-        (double)(real)(period_left.high - period_2 + period_left.low);
-    const double period_4 = (double)(real)(period_left.high - period_2 - period_3 + period_left.low);
+    const double period_rest = period_left.high - period_2 + period_left.low;
+    const double period_3 = REAL_IN_SINGLE(c2_asymmetric_leading(period_rest), (double)(real)(period_rest));
     const double half_mu = 0.5 * p->mu;
     const double B_lN_pos_mu2_scale_N = p->B_lN_pos * p->mu * p->mu * scale_N.high;
     const double B_lN_neg_mu2_scale_N = p->B_lN_neg * p->mu * p->mu * scale_N.high;
@@ -434,12 +432,10 @@ void c2_asymmetric_prepare(const c2_asymmetric_parameters *p, c2_asymmetric_coef
     c->mu_omega_star = (real)(mu_omega_star.high);
     c->omega_star_1 = (real)(omega_star_1);
     c->omega_star_2 = (real)(omega_star_2);
-    c->period = (real)(period);
     c->turns_per_rad = (real)(turns_per_rad);
     c->period_1 = (real)(period_1);
     c->period_2 = (real)(period_2);
     c->period_3 = (real)(period_3);
-    c->period_4 = (real)(period_4);
     c->half_mu = (real)(half_mu);
     c->B_lN_pos_mu2_scale_N = (real)(B_lN_pos_mu2_scale_N);
     c->B_lN_neg_mu2_scale_N = (real)(B_lN_neg_mu2_scale_N);
@@ -473,6 +469,13 @@ void c2_asymmetric_prepare(const c2_asymmetric_parameters *p, c2_asymmetric_coef
     c->C_m_neg_per_k_i = (real)(C_m_neg_per_k_i);
     c->L_M_g_mu2_per_k_i = (real)(L_M_g_mu2_per_k_i);
     c->k_i_per_R = (real)(k_i_per_R);
+#if ECCENTRIC_PRECISION == 1
+    const double period_4 = c2_asymmetric_leading(period_rest - period_3);
+    const double period_last = period_rest - period_3 - period_4;
+    const double period_5 = (double)(real)(period_last);
+    c->period_4 = (real)(period_4);
+    c->period_5 = (real)(period_5);
+#endif
 }
 
 REAL_INLINE real c2_asymmetric_normal_force_at(real omega_m, real chord, const c2_asymmetric_coefficients *c)
@@ -1237,6 +1240,7 @@ void c2_asymmetric_electrical_residual_n(
 #undef REAL
 #undef REAL_SQRT
 #undef REAL_FABS
+#undef REAL_IN_SINGLE
 #undef REAL_ROUNDER
 #undef REAL_SIN
 #undef REAL_COS

@@ -6,7 +6,7 @@ full sets, `tests/test_accuracy.py` small ones.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from fractions import Fraction
 from types import SimpleNamespace
 from typing import NamedTuple
@@ -21,7 +21,7 @@ from tests.paper import Parameters
 
 Real = type[np.floating]
 _UNSHIFTED = mpf(0)
-FAR = (1e3, 1e4)  # rad, the largest angles of the motor and of the link
+FAR = (1e3, 1e4)  # rad, the largest angles of the motor
 
 
 class Set(NamedTuple):
@@ -72,8 +72,7 @@ def sets(p: Parameters, dtype: Real, size: int, shift: mpf = _UNSHIFTED) -> tupl
         return random.uniform(-3, 3, size) * float(star)
 
     few = random.integers(-2, 2, size)
-    far_angles = [far / max(1.0, float(p.mu)) for far in FAR]
-    last = int(far_angles[1] / float(turn)) - 1
+    last = int(FAR[-1] / float(turn)) - 1
     many = random.integers(-last, last + 1, size)
     chosen = {
         "plane": (random.uniform(-3, 3, size) * float(turn), velocities()),
@@ -81,12 +80,24 @@ def sets(p: Parameters, dtype: Real, size: int, shift: mpf = _UNSHIFTED) -> tupl
         "1e-7 to 1e-3 from it": near(logarithmic, few),
         "the same, up to 1e4 rad": near(logarithmic, many),
     }
-    for limit, far in zip(FAR, far_angles, strict=True):
+    for far in FAR:
         angles = random.choice((-1, 1), size) * random.uniform(0.9, 1.0, size) * far
-        chosen[f"theta_m up to {limit:.0e} rad"] = (angles, velocities())
+        chosen[f"theta_m up to {far:.0e} rad"] = (angles, velocities())
     return tuple(
         Set(name, theta.astype(dtype), omega.astype(dtype), shift) for name, (theta, omega) in chosen.items()
     )
+
+
+def beside_the_tops(p: Parameters, dtype: Real) -> Set:
+    """Return the angles nearest to every top of the link up to 1e4 rad, at the nearest to critical velocity.
+
+    Nowhere else does F_N hang on more digits of the period.
+    """
+    tops = [(k + mpf(0.5)) * 2 * mpmath.pi / p.mu for k in range(int(FAR[-1] * p.mu / (2 * mpmath.pi)))]
+    at = np.array([float(x) for x in tops]).astype(dtype)
+    theta_m = np.concatenate([np.nextafter(at, dtype(0)), at, -np.nextafter(at, dtype(FAR[-1]))])
+    star = dtype(float(paper.critical_velocity(p) / p.mu))
+    return Set("beside the tops", theta_m, np.full_like(theta_m, star))
 
 
 def units(actual: np.ndarray, exact: list[mpf]) -> np.ndarray:
@@ -118,11 +129,17 @@ def mechanical_friction_torque(name: str, at: Set, p: Parameters) -> list[mpf]:
 
 def jacobian(name: str, at: Set, p: Parameters, labels: Iterable[str]) -> list[list[mpf]]:
     """Return the exact derivatives of the friction torque by its coefficients, a list for each label."""
-    columns = [
-        oracle.columns(N, x.omega_m, p) for N, x in zip(normal_force(name, at, p), _points(at), strict=True)
+    rows = [
+        columns(name, F_N, x, p, labels)
+        for x, F_N in zip(_points(at), normal_force(name, at, p), strict=True)
     ]
-    forces = {label: p.F_T if "lT" in label else 1 for label in labels}
-    return [[column[label] * force for column in columns] for label, force in forces.items()]
+    return [list(column) for column in zip(*rows, strict=True)]
+
+
+def columns(name: str, F_N: mpf, x: Point, p: Parameters, labels: Iterable[str]) -> list[mpf]:
+    """Return the derivatives of the friction torque by its coefficients under a given normal force."""
+    found, F_T = oracle.columns(F_N, x.omega_m, p), oracle.CASES[name].transversal(p) * p.F_T
+    return [found[label] * (F_T if "lT" in label else 1) for label in labels]
 
 
 def gradient(name: str, at: Set, p: Parameters) -> dict[str, list[tuple[mpf, mpf]]]:
@@ -135,18 +152,24 @@ def gradient(name: str, at: Set, p: Parameters) -> dict[str, list[tuple[mpf, mpf
     found: dict[str, list[tuple[mpf, mpf]]] = {"theta_m": [], "omega_m": []}
     case = oracle.CASES[name]
     for x in _points(at):
-        q, sign = oracle.coefficients(name, x.omega_m, p), mpmath.sign(x.omega_m)
+        sign = mpmath.sign(x.omega_m)
         a_w = 2 * p.M * p.L * p.mu**2 * abs(x.omega_m)
         a, b, theta = a_w * abs(x.omega_m) / 2, (p.M + p.M_l) * case.in_plane_gravity(p), p.mu * x.theta_m
-        F_N, F_T = case.normal_force(x, p), case.transversal(p) * p.F_T
-        per_load = q.B_lN * p.mu**2 * x.omega_m + q.C_lN * p.mu * sign
-        own = q.B_lN * p.mu**2 * F_N + q.B_m + paper.back_emf_damping(p)
-        own += q.B_lT * p.mu**2 * F_T if F_T else 0
+        F_N = case.normal_force(x, p)
+        per_load, own = under_load(name, F_N, x, p)
         by_theta = -per_load * a * b * p.mu * mpmath.sin(theta) / F_N
         by_omega = own + per_load * sign * a_w * (a + b * mpmath.cos(theta)) / F_N
         found["theta_m"].append((by_theta, abs(per_load) * a * p.mu))
         found["omega_m"].append((by_omega, own + abs(per_load) * a_w))
     return found
+
+
+def under_load(name: str, F_N: mpf, x: Point, p: Parameters) -> tuple[mpf, mpf]:
+    """Return by how much friction grows with F_N, and with omega_m while F_N stays what it is."""
+    q, F_T = oracle.coefficients(name, x.omega_m, p), oracle.CASES[name].transversal(p) * p.F_T
+    own = q.B_lN * p.mu**2 * F_N + q.B_m + paper.back_emf_damping(p)
+    per_load = q.B_lN * p.mu**2 * x.omega_m + q.C_lN * p.mu * mpmath.sign(x.omega_m)
+    return per_load, own + (q.B_lT * p.mu**2 * F_T if F_T else 0)
 
 
 def accelerated(at: Set, alpha_m: np.ndarray, p: Parameters) -> list[tuple[Point, mpf]]:
@@ -159,11 +182,12 @@ def accelerated(at: Set, alpha_m: np.ndarray, p: Parameters) -> list[tuple[Point
     return found
 
 
-def relative(actual: np.ndarray, exact: list[tuple[mpf, mpf]]) -> np.ndarray:
+def relative(actual: np.ndarray, exact: Sequence[tuple[mpf, mpf]]) -> np.ndarray:
     """Return the errors over the sizes that come with the exact values, in eps of the precision."""
     eps = float(np.finfo(actual.dtype).eps)
-    errors = [float(abs(mpf(float(a)) - x) / size) for a, (x, size) in zip(actual, exact, strict=True)]
-    return np.array(errors) / eps
+    errors = [abs(mpf(float(a)) - x) for a, (x, _) in zip(actual, exact, strict=True)]
+    sizes = [abs(size) for _, size in exact]
+    return np.array([float(e and e / size) for e, size in zip(errors, sizes, strict=True)]) / eps
 
 
 def _points(at: Set) -> list[Point]:

@@ -1,6 +1,8 @@
 """The bounds that emitted headers state, measured against 50 digits; full sets: benchmarks/accuracy.py."""
 
 import dataclasses
+import re
+from fractions import Fraction
 from typing import Any
 
 import numpy as np
@@ -8,21 +10,25 @@ import pytest
 from mpmath import mpf
 
 from eccentric.emit.accuracy import ACCELERATED_EPS, FRICTION_TORQUE_ULP, GRADIENT_EPS, NORMAL_FORCE_ULP
-from tests import accuracy, oracle
+from tests import accelerated, accuracy, oracle
 from tests.compiled import GENERATED, Library, Real
 from tests.emitted import both_precisions, module
 from tests.paper import Parameters
 
 SIZE, FEW = 5000, 300  # states of each set, with the default parameters and with others
+DERIVATIVES = ("friction_torque_jacobian", "friction_torque_gradient")
 STEADY = ("c1_perpendicular", "c1_asymmetric", "c2_parallel", "c2_asymmetric")
-# Table 1 with both of its gears, no gear, and links of little and of much unbalance.
+# Table 1 with both of its gears, no gear, gears up, and links of little and of much unbalance.
 DRIVES: dict[str, dict[str, str]] = {
     "mu = 1/5": {},
     "mu = 1/30": {"mu": "1/30"},
     "mu = 1": {"mu": "1"},
     "mu = 3": {"mu": "3"},
+    "mu = 5": {"mu": "5"},
     "much unbalance": {"mu": "0.37", "M": "3.3", "L": "0.11", "g": "1.62"},
     "little unbalance": {"M": "0.013", "M_l": "7.1", "L": "1.7", "mu": "0.83"},
+    # Both precisions have this one's critical velocity, 4 rad/s: in the hollow nothing but the angle is left.
+    "exact velocity": {"M": "0.5", "M_l": "0.5", "L": "0.5", "mu": "1.25", "g": "6.25"},
 }
 every_drive = pytest.mark.parametrize("drive", DRIVES)
 
@@ -56,6 +62,17 @@ def test_normal_force(name: str, drive: str, dtype: Real) -> None:
 
 
 @both_precisions
+@every_drive
+def test_beside_every_top(drive: str, dtype: Real) -> None:
+    """F_N is right to its last places at the angles nearest to every top of the link, up to 1e4 rad."""
+    given, p = drive_parameters("c2_parallel", drive)
+    at = accuracy.beside_the_tops(p, dtype)
+    actual = np.asarray(module("c2_parallel").normal_force(at.theta_m, at.omega_m, given))
+
+    assert np.max(accuracy.units(actual, accuracy.normal_force("c2_parallel", at, p))) <= NORMAL_FORCE_ULP
+
+
+@both_precisions
 @pytest.mark.parametrize("name", ["c1_perpendicular", "c2_parallel"])
 def test_default_coefficients(name: str, dtype: Real, tmp_path: Any) -> None:
     """The emitted constants are those of Table 1's decimals: nothing is lost to a parameter in double."""
@@ -71,8 +88,8 @@ def test_default_coefficients(name: str, dtype: Real, tmp_path: Any) -> None:
     ("dtype", "part"),
     [
         (np.float32, "omega_star_2"), (np.float32, "period_2"), (np.float32, "period_3"),
-        (np.float32, "period_4"), (np.float64, "omega_star_2"), (np.float64, "period_2"),
-        (np.float64, "period_3"),
+        (np.float32, "period_4"), (np.float32, "period_5"), (np.float64, "omega_star_2"),
+        (np.float64, "period_2"), (np.float64, "period_3"),
     ],
 )  # fmt: skip
 def test_every_part_of_the_constants_is_needed(dtype: Real, part: str, tmp_path: Any) -> None:
@@ -80,10 +97,9 @@ def test_every_part_of_the_constants_is_needed(dtype: Real, part: str, tmp_path:
     library, p = Library("c2_parallel", dtype, tmp_path), accuracy.decimals()
     without = library.ffi.new("c2_parallel_coefficients *", library.coefficients()[0])
     setattr(without, part, 0.0)
-    worst = 0.0
-    for at in accuracy.sets(p, dtype, SIZE):
-        actual = library.many("normal_force", [at.theta_m, at.omega_m], without)
-        worst = max(worst, np.max(accuracy.units(actual, accuracy.normal_force("c2_parallel", at, p))))
+    at = accuracy.beside_the_tops(p, dtype)
+    actual = library.many("normal_force", [at.theta_m, at.omega_m], without)
+    worst = np.max(accuracy.units(actual, accuracy.normal_force("c2_parallel", at, p)))
 
     assert worst > NORMAL_FORCE_ULP
 
@@ -142,33 +158,19 @@ def assert_gradient(
 def test_accelerated(drive: str, phi: float, dtype: Real) -> None:
     """With an acceleration F_N vanishes along a curve: its error is a few eps of what it is made of.
 
-    That of the friction torque is as many eps of the friction under that load.
+    Those of friction and of what its coefficients multiply are as many eps of the same under that load;
+    those of the slopes, which need the direction of F_N, of their greatest values times that load over F_N.
     """
-    given, p = drive_parameters("rotating_link", drive)
-    given, p.phi = dataclasses.replace(given, phi=phi), oracle.mpf(phi)
+    given, p = drive_parameters(accelerated.NAME, drive)
+    given, p.phi = dataclasses.replace(given, phi=phi), mpf(phi)
     alpha_m = np.random.default_rng(2).uniform(-500, 500, FEW).astype(dtype)
-    case = oracle.CASES["rotating_link"]
-    for at in accuracy.sets(p, dtype, FEW):
-        states = accuracy.accelerated(at, alpha_m, p)
-        forces = [(case.normal_force(x, p), size) for x, size in states]
-        torques = {
-            back_emf: [
-                (
-                    oracle.friction_under_load("rotating_link", F_N, x.omega_m, p, back_emf),
-                    abs(oracle.friction_under_load("rotating_link", size, x.omega_m, p, back_emf)),
-                )
-                for (x, size), (F_N, _) in zip(states, forces, strict=True)
-            ]
-            for back_emf in (True, False)
-        }
-        expected = {
-            "normal_force": forces,
-            "friction_torque": torques[True],
-            "mechanical_friction_torque": torques[False],
-        }
-        for function, exact in expected.items():
-            actual = getattr(module("rotating_link"), function)(at.theta_m, at.omega_m, alpha_m, given)
-            assert np.max(accuracy.relative(actual, exact)) <= ACCELERATED_EPS, (function, at.name)
+    anywhere = [(at, alpha_m) for at in accuracy.sets(p, dtype, FEW)]
+    for at, alpha in (*anywhere, accelerated.near_no_load(p, dtype, FEW)):
+        for function in ("normal_force", "friction_torque", "mechanical_friction_torque", *DERIVATIVES):
+            exact = accelerated.exact(function, at, alpha, p)
+            actual = getattr(module(accelerated.NAME), function)(at.theta_m, at.omega_m, alpha, given)
+            for got, wanted in zip(np.atleast_2d(actual.T), exact, strict=True):
+                assert np.max(accuracy.relative(got, wanted)) <= ACCELERATED_EPS, (function, at.name)
 
 
 @pytest.mark.parametrize("name", [*STEADY, "rotating_link"])
@@ -183,12 +185,17 @@ def test_the_header_states_the_bounds(name: str) -> None:
         f"{friction}, friction_torque_jacobian {ulp}",
         f"friction_torque_gradient {ulp if name.startswith('c1_') else greatest}",
     ]
-    if name == "rotating_link":
+    if name == accelerated.NAME:
+        within = f"within {ACCELERATED_EPS} eps"
+        anywhere = "its greatest value, any direction of F_N, times that load over F_N"
         bounds = [
-            f"normal_force within {ACCELERATED_EPS} eps (M L (omega_l^2 + |alpha_l|) + weight)",
-            f"{friction} within {ACCELERATED_EPS} eps of the friction at a load of that size",
+            f"normal_force {within} (M L (omega_l^2 + |alpha_l|) + weight)",
+            f"{friction}, friction_torque_jacobian {within} of what they are at that load",
+            f"friction_torque_gradient {within} of {anywhere}",
         ]
     header = (GENERATED / f"{name}.h").read_text(encoding="utf-8")
+    steepest = max(Fraction(changed.get("mu", 0)) for changed in DRIVES.values())
+    reach = "" if name.startswith("c1_") else f", |theta_m| to {accuracy.FAR[-1]:.0f} rad, mu to {steepest}"
 
-    promised = header.split("/* Rounding to nearest")[1].split("*/")[0].splitlines()
-    assert bounds == [line.strip(" *") for line in promised if line.startswith(" *   ")]
+    stated, told = re.findall(r"parameters as exact(.*):\n((?: \*   .*\n)+)", header)[0]
+    assert (reach, bounds) == (stated, [line.strip(" *") for line in told.splitlines()])

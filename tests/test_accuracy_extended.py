@@ -2,6 +2,7 @@
 
 import dataclasses
 import math
+import re
 from functools import cache
 
 import mpmath
@@ -24,20 +25,73 @@ from tests import accuracy, extended
 from tests.compiled import Real
 from tests.emitted import both_precisions
 from tests.paper import Parameters
-from tests.test_accuracy import assert_gradient, drive_parameters, every_drive
+from tests.test_accuracy import DERIVATIVES, assert_gradient, drive_parameters, every_drive
 
 FEW = 100  # states of each set
 TILT, MORE = 0.3, 0.4  # rad; and the share by which the mass is greater
+FORCE, FRICTION = "normal force", "friction and its derivatives"
+# What keeps its bounds beside which effects, for which reason: of their physics, nothing of the code's.
+KEPT = {
+    (FORCE, FRICTION): {
+        "the drive": (
+            "kt_ripple", "kt_saturation", "magnetic_hysteresis", "magnetic_hysteresis[play]",
+            "current_bias", "sensor_delay",
+        ),
+        "the voltage": (
+            "inverter_deadtime", "resistance_mismatch", "resistance_temperature",
+            "resistance_temperature[hidden]", "armature_inductance",
+        ),
+        "torques that store energy": (
+            "cogging", "cable_spring", "angle_offset[torque]", "mass_mismatch[torque]", "backlash[lag]",
+            "inertia_mismatch",
+        ),
+        "parameters of F_N, which stays a product or a difference that is taken once": (
+            "gravity_tilt", "angle_offset", "mass_mismatch", "mass_mismatch[inertia]",
+        ),
+        "a power of the speed, added": (
+            "oneway_windage[+]", "oneway_windage[-]", "quadratic_drag", "cubic_drag",
+        ),
+    },
+    (FORCE,): {
+        "of either sign, so that friction may cancel": (
+            "coulomb_asymmetry", "viscous_asymmetry", "link_harmonic_friction", "ke_mismatch", "wear_runin",
+            "wear_runin[travel]", "time_drift", "coulomb_temperature[bearing]",
+        ),
+        "taken off friction": (
+            "backlash", "presliding", "presliding[lugre]", "hidden_thermal_drift[bearing]",
+            "hidden_thermal_drift[coulomb]", "viscosity_temperature[bearing]",
+        ),
+        "a factor on friction that is a difference or an exponential": (
+            "time_drift[all]", "hidden_thermal_drift", "hidden_thermal_drift[viscous]",
+            "viscosity_temperature", "viscosity_temperature[arrhenius]", "coulomb_temperature",
+        ),
+        "by the load on the gear, which may cancel": (
+            "load_dependent[transmitted]", "load_dependent[progressive]", "load_dependent[gravity]",
+            "gear_efficiency[transmitted]", "gear_efficiency[gravity]",
+        ),
+        "an exponential, a root or a quotient, which have errors of their own": (
+            "stribeck[d=0.5]", "stribeck[d=1]", "stribeck[d=1.5]", "stribeck[d=2]", "local_defect",
+            "sqrt_speed", "eddy_current",
+        ),
+    },
+    (): {"weight and centrifugal force, added as vectors in F_N": ("gravity_tilt[load]",)},
+}  # fmt: skip
 # What adds powers of the speed to the friction, and the power.
 DRAGS = ("oneway_windage",)  # families whose effects go together
 DRAG = {"windage_pos": (2e-6, 2), "windage_neg": (3e-6, 2), "drag_2": (5e-6, 2), "drag_3": (7e-8, 3)}
 
 
-def promised(case: str) -> list[Effect]:
-    """Return the effects with which friction keeps its bound, one harmonic of each."""
-    base = load_model(extended.BASE[case])
+@cache
+def promised(case: str) -> tuple[Effect, ...]:
+    """Return the effects with which friction keeps its bounds, one harmonic of each."""
     chosen = [e for e in extended.effects(case).values() if "[n=" not in e.id or "[n=1]" in e.id]
-    return [e for e in chosen if len(promises(e.extend(base))) >= len(promises(base))]
+    return tuple(e for e in chosen if FRICTION in kept(e))
+
+
+def kept(effect: Effect) -> tuple[str, ...]:
+    """Return what keeps its bounds beside the effect, whatever its order."""
+    name = re.sub(r"\[n=\d+\]", "", effect.id)
+    return next(what for what, reasons in KEPT.items() if any(name in ids for ids in reasons.values()))
 
 
 @cache
@@ -80,17 +134,29 @@ def called(one: extended.Extended, function: str, at: accuracy.Set, given: Param
 
 def drag(one: extended.Extended, omega_m: np.ndarray) -> list[tuple[mpf, mpf]]:
     """Return what windage and drag add to the friction torque and to its slope."""
-    there = {q.name for q in one.model.parameters}
-    found = []
-    for w in map(mpf, map(float, omega_m)):
-        acting = [key for key in DRAG if key in there and (key != "windage_neg" or w < 0)]
-        acting = [key for key in acting if key != "windage_pos" or w > 0]
-        size = [(mpf(DRAG[key][0]), DRAG[key][1]) for key in acting]
-        found.append((
-            mpmath.sign(w) * mpmath.fsum(c * abs(w) ** n for c, n in size),
-            mpmath.fsum(n * c * abs(w) ** (n - 1) for c, n in size),
-        ))  # fmt: skip
-    return found
+    powers = {key: by_power(key, omega_m) for key in DRAG if key in one.module.JACOBIAN}
+    of = {key: mpf(c) for key, (c, _) in DRAG.items()}
+    return [
+        (
+            mpmath.fsum(of[key] * row[k] for key, row in powers.items()),
+            mpmath.fsum(of[key] * DRAG[key][1] * row[k] / mpf(float(w)) for key, row in powers.items()),
+        )
+        for k, w in enumerate(omega_m)
+    ]
+
+
+def by_power(key: str, omega_m: np.ndarray) -> list[mpf]:
+    """Return what a coefficient of windage or drag multiplies: a power of the speed, against the motion."""
+    gates = {"windage_pos": lambda w: w > 0, "windage_neg": lambda w: w < 0}
+    acts, n = gates.get(key, bool), DRAG[key][1]
+    return [acts(w) * mpmath.sign(w) * abs(w) ** n for w in map(mpf, map(float, omega_m))]
+
+
+def columns(one: extended.Extended, name: str, at: accuracy.Set, p: Parameters) -> list[list[mpf]]:
+    """Return what each coefficient of friction multiplies, those of windage and drag last."""
+    own = [label for label in one.module.JACOBIAN if label not in DRAG]
+    added = [by_power(label, at.omega_m) for label in one.module.JACOBIAN if label in DRAG]
+    return [*accuracy.jacobian(name, at, p, own), *added]
 
 
 @both_precisions
@@ -108,6 +174,9 @@ def test_friction_keeps_its_bounds(case: str, drive: str, dtype: Real) -> None:
                 exact = [F + D for F, (D, _) in zip(paper, more, strict=True)]
                 units = accuracy.units(called(one, function, at, given), exact)
                 assert np.max(units) <= FRICTION_TORQUE_ULP, (function, where)
+            jacobian = called(one, "friction_torque_jacobian", at, given)
+            for actual, column in zip(np.moveaxis(jacobian, -1, 0), columns(one, name, at, p), strict=True):
+                assert np.max(accuracy.units(actual, column)) <= FRICTION_TORQUE_ULP, where
             slopes = accuracy.gradient(name, at, p)
             by_omega = zip(slopes["omega_m"], more, strict=True)
             slopes["omega_m"] = [(slope + D, size + D) for (slope, size), (_, D) in by_omega]
@@ -121,7 +190,8 @@ def test_friction_keeps_its_bounds(case: str, drive: str, dtype: Real) -> None:
 def test_normal_force(case: str, dtype: Real) -> None:
     """Whatever effects a header promises it of, F_N is right to its last places, the angle shifted or not."""
     for one in (*extended.extended(case), *models(case)):
-        assert promises(one.model)[0].startswith("normal_force within")
+        if any(FORCE not in kept(effect) for effect in one.effects):
+            continue
         given, p, shift = of_drive(one, "mu = 1/5", 0.3)
         for at in accuracy.sets(p, dtype, FEW, shift):
             exact = accuracy.normal_force(extended.BASE[case], at, p)
@@ -142,8 +212,22 @@ def test_shifted_angle(offset: float, drive: str, dtype: Real) -> None:
         assert np.max(units) <= NORMAL_FORCE_ULP, at.name
 
 
-def test_no_bound_is_promised_of_differences() -> None:
-    """Friction that an effect may take away from is left out: where it cancels, no digit need be right."""
-    for effect_id in ("coulomb_asymmetry", "viscous_asymmetry", "hidden_thermal_drift", "ke_mismatch"):
-        one = extended.effects("C2")[effect_id].extend(load_model("c2_parallel"))
-        assert 1 == len(promises(one)), effect_id
+@pytest.mark.parametrize("case", extended.CASES)
+def test_what_an_effect_leaves_is_promised(case: str) -> None:
+    """Every effect of the library, of every order, keeps the bounds that its physics leaves, and no other."""
+    base = load_model(extended.BASE[case])
+    functions = {
+        FORCE: {"normal_force"},
+        FRICTION: {"friction_torque", "mechanical_friction_torque", *DERIVATIVES},
+    }
+    for effect in extended.effects(case).values():
+        stated = [line.partition(" within ") for line in promises(effect.extend(base))]
+        found = {name for names, within, _ in stated if within for name in names.split(", ")}
+        assert set().union(*(functions[what] for what in kept(effect))) == found, effect.id
+
+
+def test_the_table_is_of_the_library() -> None:
+    """What the table names is the library's, each effect once."""
+    named = [name for reasons in KEPT.values() for ids in reasons.values() for name in ids]
+    library = {re.sub(r"\[n=\d+\]", "", name) for case in extended.CASES for name in extended.effects(case)}
+    assert sorted(library) == sorted(named)

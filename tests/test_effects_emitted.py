@@ -15,6 +15,7 @@ from tests.extended import (
     J_M,
     K_I,
     KNOWN,
+    M_L,
     MU,
     G,
     L,
@@ -53,6 +54,19 @@ def test_neutral_effects_change_nothing(case: str) -> None:
             tolerance = 1e-13 * np.max(np.abs(expected), initial=1.0)
             expected = np.broadcast_to(expected, actual.shape)
             np.testing.assert_allclose(actual, expected, 1e-13, tolerance, err_msg=one.model.name)
+
+
+def test_normal_force_is_the_one_that_friction_hangs_on() -> None:
+    """Where a tilt of the plane loads the bearing, F_N is centrifugal force and weight, added as vectors."""
+    given, one = inputs(), with_effect("C1", "gravity_tilt[load]")
+    weight, at = (M + M_L) * G * np.sin(0.2), MU * given["theta_m"] + 0.7
+    centrifugal = M * L * (MU * given["omega_m"]) ** 2
+
+    actual = call(one.module, "normal_force", given, tilt_angle=0.2, tilt_phase=0.7)
+
+    np.testing.assert_allclose(
+        actual, np.hypot(centrifugal + weight * np.cos(at), weight * np.sin(at)), 1e-12
+    )
 
 
 @every_case

@@ -1,15 +1,20 @@
 """What is promised of the emitted arithmetic: bounds that `tests/test_accuracy*.py` measure.
 
 They hold against 50 digits, inputs and parameters taken as exact, over the whole plane, in the hollow, and
-for angles of motor and link up to 1e4 rad. Where Gappa proves one, the line says so.
+for angles of the motor up to 1e4 rad. Where Gappa proves one, the line says so.
 """
 
 from __future__ import annotations
 
+import math
+
 import sympy as sp
 
+from eccentric.emit.digits import TURN_BITS
+from eccentric.emit.functions import normal_force
 from eccentric.emit.shift import split
 from eccentric.model import Model
+from eccentric.model import vocabulary as v
 from eccentric.model.steps import (
     Backward,
     Forward,
@@ -30,19 +35,25 @@ GRADIENT_EPS = 6
 SHIFTED_GRADIENT_EPS = 8  # the parts of the shift are further roundings where the link is far from the top
 # Of the link angle, in rad; the parts of a shift by half a turn are not exact where theta_m is nearly 0.
 LARGEST_SHIFT = 3
+LARGEST_ANGLE = 10_000  # of the motor, in rad
+# A link that turns more than this would pass more half turns within that angle than are taken off exactly.
+LARGEST_RATIO = int(2 ** min(TURN_BITS.values()) * math.pi / LARGEST_ANGLE)
+
+# F_N of case C1, eq (8): what Gappa is given, as it is emitted.
+_CENTRIFUGAL = v.M.symbol * v.L.symbol * (v.mu.symbol * v.omega_m.symbol) ** 2
 
 
 def promises(model: Model) -> tuple[str, ...]:
     """One line for each bound that the model has; none where an effect bends the angle or adds to F_N."""
     inputs = {q.symbol for q in model.inputs}
-    F_N = model.expand(model.definition("F_N").symbol)
+    F_N = model.expand(normal_force(model))
     angles = {
         step.args[0]: split(step.args[0], model.parameter_symbols) for step in F_N.atoms(HalfCosine, HalfSine)
     }
     if any(moving not in inputs for moving, _ in angles.values()):
         return ()
     steady = "alpha_m" not in {s.name for s in F_N.free_symbols}
-    if steady and not _as_derived(F_N):
+    if not _as_derived(F_N, steady):
         return ()
     shifted = any(shift for _, shift in angles.values())
     slope = SHIFTED_GRADIENT_EPS if shifted else GRADIENT_EPS
@@ -56,10 +67,9 @@ def promises(model: Model) -> tuple[str, ...]:
 
 def _steady(model: Model, slope: int | None) -> list[str]:
     """The bounds of a model without acceleration; its slopes are relative, too, where no angle is taken."""
-    lines = [f"normal_force within {NORMAL_FORCE_ULP} units in the last place"]
-    lines = (
-        [f"{lines[0]} (proved for parameters and speeds of 1e-6 to 1e6)"] if _few_factors(model) else lines
-    )
+    proved = model.expand(normal_force(model)) == _CENTRIFUGAL
+    words = " (proved for parameters and speeds of 1e-6 to 1e6)" if proved else ""
+    lines = [f"normal_force within {NORMAL_FORCE_ULP} units in the last place{words}"]
     if not _of_one_sign(model):
         return lines
     ulp = f"within {FRICTION_TORQUE_ULP} units in the last place"
@@ -72,31 +82,32 @@ def _steady(model: Model, slope: int | None) -> list[str]:
 
 
 def _accelerated(model: Model) -> list[str]:
-    """With an acceleration F_N vanishes along a curve, and its direction, which a gradient needs, is lost."""
-    lines = [f"normal_force within {ACCELERATED_EPS} eps (M L (omega_l^2 + |alpha_l|) + weight)"]
+    """With an acceleration F_N vanishes along a curve, and near it the digits of its direction are lost."""
+    within = f"within {ACCELERATED_EPS} eps"
+    lines = [f"normal_force {within} (M L (omega_l^2 + |alpha_l|) + weight)"]
     if not _of_one_sign(model):
         return lines
-    friction = f"within {ACCELERATED_EPS} eps of the friction at a load of that size"
-    return [*lines, f"friction_torque, mechanical_friction_torque {friction}"]
+    friction = "friction_torque, mechanical_friction_torque, friction_torque_jacobian"
+    greatest = "its greatest value, any direction of F_N, times that load over F_N"
+    return [
+        *lines,
+        f"{friction} {within} of what they are at that load",
+        f"friction_torque_gradient {within} of {greatest}",
+    ]
 
 
-def _as_derived(F_N: sp.Expr) -> bool:
+def _as_derived(F_N: sp.Expr, steady: bool) -> bool:
     """Whether it is one product of parameters, speed and the careful steps, no effect added to it."""
-    factors = [f for f in sp.Mul.make_args(F_N) if f.has(Magnitude)] or [F_N]
-    careful = isinstance(factors[0], Magnitude) and isinstance(factors[0].args[0], SquareDifference)
-    return careful or not F_N.has(sp.Add)
-
-
-def _few_factors(model: Model) -> bool:
-    """Whether F_N is a product with no more roundings than its bound has units: then Gappa proves it."""
-    powers = model.expand(model.definition("F_N").symbol).as_powers_dict()
-    plain = all(base.is_Symbol and power.is_Integer and power > 0 for base, power in powers.items())
-    return plain and sum(powers.values()) - 1 <= NORMAL_FORCE_ULP
+    magnitude = next((f for f in sp.Mul.make_args(F_N) if isinstance(f, Magnitude)), None)
+    if magnitude is None:
+        return not F_N.has(sp.Add)
+    along = magnitude.args[0]
+    return isinstance(along, SquareDifference) if steady else along.has(SquareDifference)
 
 
 def _of_one_sign(model: Model) -> bool:
     """Whether friction sums terms of one sign, and so do its slopes: powers of load and velocity."""
-    F_N, omega_m = model.definition("F_N").symbol, next(q.symbol for q in model.inputs if q.name == "omega_m")
+    F_N, omega_m = normal_force(model), next(q.symbol for q in model.inputs if q.name == "omega_m")
 
     def is_power(basis: sp.Expr) -> bool:
         moving = {f: sp.Integer(1) for f in basis.atoms(Sgn, Forward, Backward)}

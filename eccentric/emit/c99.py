@@ -6,13 +6,14 @@ from typing import Any
 
 import sympy as sp
 
+from eccentric.emit.accuracy import LARGEST_ANGLE, LARGEST_RATIO
 from eccentric.emit.c99_language import DOUBLE, language
 from eccentric.emit.c99_lines import code, wrapped
 from eccentric.emit.c99_routine import argument, helper, routine
 from eccentric.emit.constants import evaluate_prepare
 from eccentric.emit.expression import Language, printed
 from eccentric.emit.pairs import pair_functions, pair_text, paired
-from eccentric.emit.primitive import ROUNDER, Root, Size, Within
+from eccentric.emit.primitive import ROUNDER, InSingle, Root, Size, Within
 from eccentric.emit.program import Assignment, Program
 from eccentric.emit.series import polynomial
 from eccentric.emit.staged import staged
@@ -44,13 +45,22 @@ def view(program: Program, banner: str, digest: str) -> dict[str, Any]:
     def value_of(name: str) -> str:
         return f"{name}.high" if name in pairs else name if name in prepared else f"p->{name}"
 
+    def coefficient(s: sp.Symbol) -> dict[str, str]:
+        return {
+            "name": s.name,
+            "source": value_of(s.name),
+            "single": f"(real)({values[True][s.name]})",
+            "double": values[False][s.name].replace("NAN", "(real)NAN"),
+            "doc": notes.get(s.name, ""),
+        }
+
     in_prepare = language(program, DOUBLE, value_of, "{}")
     coefficients = {s.name for s in program.coefficients}
     values = {single: evaluate_prepare(program, single) for single in (True, False)}
     expressions = [a.value for a in program.hot()]
     helpers = [name for name, kinds in _NEEDS.items() if any(e.has(*kinds) for e in expressions)]
     macros = _macros(program)
-    notes = dict(program.notes)
+    notes, single_only = dict(program.notes), program.single_only()
     called = [r.name + ending for r in program.routines for ending in ("", "_n")[: 2 if r.inputs else 1]]
     return {
         "names": ["prepare", "default", *called, *(["initial_state", "step"] if program.states else [])],
@@ -64,21 +74,14 @@ def view(program: Program, banner: str, digest: str) -> dict[str, Any]:
         ],
         "valid": _valid(program),
         "promises": program.promises,
+        "far": f", |theta_m| to {LARGEST_ANGLE} rad, mu to {LARGEST_RATIO}",
         "bounded": "fastest" in {s.name for s in program.coefficients},
         "defaults": program.defaults,
-        "coefficients": [
-            {
-                "name": s.name,
-                "source": value_of(s.name),
-                "single": f"(real)({values[True][s.name]})",
-                "double": values[False][s.name].replace("NAN", "(real)NAN"),
-                "doc": notes.get(s.name, ""),
-            }
-            for s in program.coefficients
-        ],
+        "coefficients": [coefficient(s) for s in program.coefficients if s not in single_only],
+        "single_coefficients": [coefficient(s) for s in program.coefficients if s in single_only],
         "single": [(name, single) for name, single, _ in macros],
         "double": [(name, double) for name, _, double in macros],
-        "macros": [name.removesuffix("(x)") for name, _, _ in macros],
+        "macros": [name.partition("(")[0] for name, _, _ in macros],
         "helpers": [
             dict(zip(("name", "arguments", "lines"), (name, *_HELPERS[name]), strict=True))
             for name in helpers
@@ -86,7 +89,16 @@ def view(program: Program, banner: str, digest: str) -> dict[str, Any]:
         "series": [_series(name) for name in used_series(program)],
         "leading": splitting(program),
         "pairs": pair_functions(program),
-        "prepare": code(_prepared(program, paired_symbols, a, in_prepare) for a in program.prepare),
+        "prepare": code(
+            _prepared(program, paired_symbols, a, in_prepare)
+            for a in program.prepare
+            if a.target not in single_only
+        ),
+        "single_prepare": code(
+            _prepared(program, paired_symbols, a, in_prepare)
+            for a in program.prepare
+            if a.target in single_only
+        ),
         "helpers_of_angle": [helper(program, h, coefficients) for h in program.helpers],
         "staged": any(staged(r).angles for r in program.routines),
         "routines": [routine(program, r, coefficients) for r in program.routines],
@@ -142,6 +154,8 @@ def _macros(program: Program) -> list[tuple[str, str, str]]:
         for macro, op, name in used
         if any(e.has(op) for e in expressions)
     ]
+    if any(e.has(InSingle) for e in expressions):
+        found.append(("REAL_IN_SINGLE(x, y)", "(x)", "(y)"))
     if any(ROUNDER in e.free_symbols for e in expressions):
         found.append(("REAL_ROUNDER", "12582912.0f", "6755399441055744.0"))
     libm = {"sine_ratio": "sin", "cosine": "cos"}
@@ -189,6 +203,7 @@ def _series(name: str) -> dict[str, Any]:
         "single": horner(True),
         "double": horner(False),
         "libm": libm,
-        "doc": f"{function}, |h| within a quarter turn: minimax in x = h^2, error {single.error}"
-        f" (float), {double.error} (double).",
+        "doc": f"{function}, |h| within a quarter turn: minimax in x = h^2.",
+        "errors": f"{function.partition(' - ')[0]}: method {single.error} and {double.error},"
+        f" rounding {single.rounding} and {double.rounding}",
     }

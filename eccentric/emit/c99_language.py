@@ -17,7 +17,7 @@ REAL = {
     "exp": "REAL_EXP({0})",
     "at_most": "(({0} > {1}) ? {1} : {0})",
     "within": "MODEL_within({0}, {1})",
-    "in_single": "(ECCENTRIC_PRECISION == 1) ? ({0}) : {1}",
+    "in_single": "REAL_IN_SINGLE({0}, {1})",
     "sine_ratio": "MODEL_sine_ratio({0})",
     "cosine": "MODEL_cosine({0})",
 }
@@ -29,7 +29,7 @@ DOUBLE = {
     "exp": "exp({0})",
     "rounded": "(double)(real)({0})",
     "leading": "MODEL_leading({0})",
-    "in_single": "(ECCENTRIC_PRECISION == 1) ? {0} : {1}",
+    "in_single": "REAL_IN_SINGLE({0}, {1})",
 }
 
 

@@ -9,10 +9,13 @@ import sympy as sp
 
 from eccentric.emit.c99_language import REAL, language
 from eccentric.emit.c99_lines import code, filled, wrapped
+from eccentric.emit.digits import TURN_BITS
 from eccentric.emit.expression import printed
 from eccentric.emit.program import Assignment, Helper, Input, Program, Routine
 from eccentric.emit.staged import Staged, staged
-from eccentric.emit.text import EXACT_HALF_TURNS, assigned
+from eccentric.emit.text import assigned
+
+_EXACT = "2^{double} half turns of the link (float: 2^{single})".format_map(TURN_BITS)
 
 
 def routine(program: Program, r: Routine, coefficients: set[str]) -> dict[str, Any]:
@@ -55,7 +58,7 @@ def _prepared(program: Program) -> str:
 
 
 def _documentation(r: Routine, parts: Staged) -> dict[str, Any]:
-    width, reduced = len(r.labels), f", reduced exactly up to {EXACT_HALF_TURNS}" if parts.angles else ""
+    width, reduced = len(r.labels), f", reduced exactly up to {_EXACT}" if parts.angles else ""
     out = f"@param[out] out  {width} value{'s' * (width > 1)}: {', '.join(r.labels)} [{r.unit}]"
     return {
         "doc": f"{r.meaning[0].upper()}{r.meaning[1:]}.",

@@ -7,13 +7,11 @@ from collections.abc import Callable, Mapping
 import mpmath
 import sympy as sp
 
+from eccentric.emit.digits import BITS, LEADING_BITS
 from eccentric.emit.expression import UnprintableError
 from eccentric.emit.primitive import InSingle, Low, Minus, Plus, Rounded, TurnLeft
 from eccentric.emit.program import Program
-from eccentric.emit.text import LEADING_BITS
 from eccentric.model.steps import Leading
-
-_BITS = {True: 24, False: 53}  # of the working precision
 
 
 def evaluate_prepare(program: Program, single: bool) -> dict[str, str]:
@@ -68,10 +66,11 @@ def _value(e: sp.Expr, values: Mapping[sp.Symbol, mpmath.mpf], single: bool) -> 
     if isinstance(e, InSingle):
         return _value(e.args[0 if single else 1], values, single)
     arguments = [_value(a, values, single) for a in e.args]
+    precision = "single" if single else "double"
     if isinstance(e, Leading):
-        return _round(arguments[0], LEADING_BITS["single" if single else "double"])
+        return _round(arguments[0], LEADING_BITS[precision])
     if isinstance(e, Rounded):
-        return _round(arguments[0], _BITS[single])
+        return _round(arguments[0], BITS[precision])
     if type(e) not in _OPERATIONS:
         raise UnprintableError(e)
     return _OPERATIONS[type(e)](*arguments)

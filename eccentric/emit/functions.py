@@ -93,10 +93,11 @@ def functions(model: Model) -> tuple[Function, ...]:
     dependence = tuple(x for x in _inputs(model, resultant) if x.name in {"theta_m", "omega_m", "alpha_m"})
     sides = (("pos", 1), ("neg", -1)) if friction.has(Forward) else (("", 1),)
     standstill = tuple((side, sign * one_sided.standstill(model, friction, sign)) for side, sign in sides)
-    normal_force = model.definition("F_N").symbol
     units = {q.symbol: q.unit for q in model.inputs}
     listed = [
-        Function("normal_force", "N", "normal force F_N on the axis of rotation", (("", normal_force),)),
+        Function(
+            "normal_force", "N", "normal force F_N on the axis of rotation", (("", normal_force(model)),)
+        ),
         Function(
             "friction_torque",
             "N m",
@@ -198,6 +199,12 @@ def friction_parameters(model: Model) -> tuple[sp.Symbol, ...]:
     """The friction coefficients among the parameters, in their order there."""
     used = {term.coefficient for term in model.balance("mechanical").terms if term.kind == "friction"}
     return tuple(q.symbol for q in model.parameters if q.symbol in used)
+
+
+def normal_force(model: Model) -> sp.Symbol:
+    """The symbol of F_N, or of what an effect has put in its place."""
+    F_N = model.definition("F_N").symbol
+    return next((step.left for step in model.equations if step.name == f"{F_N.name}_replaced"), F_N)
 
 
 def _inputs(model: Model, expression: sp.Expr) -> tuple[sp.Symbol, ...]:

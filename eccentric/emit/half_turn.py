@@ -1,11 +1,11 @@
 """The angle of the link, counted from the top: functions of the emitted code's own that all routines share.
 
 theta_m less the nearest k + 1/2 periods 2 pi/mu is the motor angle from the top. The period is held in parts,
-four in single precision, three in double; k + 1/2 times each but the last is exact, and so is what they leave
-of theta_m near the top. The last makes the angle right to its own last place, wherever the top is. In double
-it takes no fourth: what the third is rounded by is 2^-119 of the period, and up to 1e4 rad no number comes so
-near to a top that this would show. Where the angle is shifted by a parameter, so is the top;
-`eccentric.emit.shift` holds the shift in parts, too.
+five in single precision, three in double; k + 1/2 times each but the last is exact, and so is what they leave
+of theta_m near the top. The last makes the angle right to its own last place, wherever the top is: what it is
+rounded by is 2^-64 of the period, in double 2^-119, and up to 1e4 rad no number comes so near to a top that
+this would show. Where the angle is shifted by a parameter, so is the top; `eccentric.emit.shift` holds the
+shift in parts, too.
 """
 
 from __future__ import annotations
@@ -14,6 +14,7 @@ from dataclasses import dataclass
 
 import sympy as sp
 
+from eccentric.emit.digits import last_parts
 from eccentric.emit.prepare import Prepare
 from eccentric.emit.primitive import (
     COSINE,
@@ -25,7 +26,6 @@ from eccentric.emit.primitive import (
     Low,
     Minus,
     Plus,
-    Rounded,
     Times,
     TurnLeft,
     Within,
@@ -65,16 +65,16 @@ class HalfTurns:
         return self._names[mu, shift]
 
     def _make(self, mu: sp.Expr, shift: sp.Expr, names: Names) -> None:
-        period = self._prepare("period", 2 * sp.pi / mu)
         per_rad = self._prepare("turns_per_rad", mu / (2 * sp.pi))
         turns, rest, reduced, left = sp.symbols("turns rest reduced left", real=True)
         true = Plus(_THETA, shift) if shift else _THETA
         nearest = Plus(Minus(Plus(Minus(Times(true, per_rad), HALF), ROUNDER), ROUNDER), HALF)
-        first, *others = (Times(turns, part) for part in self._period_parts(period, mu))
+        periods = self._period_parts(mu)
         shift = shift if shift.is_Atom else self._prepare("shift", shift)
-        shifts = parts(shift, first.args[1], self._prepare) if shift else [shift] * 4
+        shifts = parts(shift, periods[0], self._prepare) if shift else [shift] * len(periods)
+        first, *others = (Times(turns, part) for part in periods)
         first = Minus(first, shifts[0]) if shift else first
-        second, third, fourth = zip(others, shifts[1:], strict=True)
+        second, third, fourth, fifth = zip(others, shifts[1:], strict=True)
         angle = (
             Assignment(turns, nearest, "whole turns of the link and a half, up to the top that is nearest"),
             Assignment(
@@ -83,10 +83,10 @@ class HalfTurns:
                 "the turns go off in parts of few digits: all products but the last are exact",
             ),
             Assignment(left, _reduced(_reduced(rest, second), third)),
-            Assignment(reduced, InSingle(_reduced(left, fourth), left)),
+            Assignment(reduced, InSingle(_reduced(_reduced(left, fourth), fifth), left)),
             Assignment(
                 _FROM_TOP,
-                Within(reduced, period),
+                Within(reduced, periods[0]),
                 "bounded for angles so large that nothing is left of their phase; infinity gives NaN",
             ),
         )
@@ -103,14 +103,13 @@ class HalfTurns:
             ),
         ]
 
-    def _period_parts(self, period: sp.Symbol, mu: sp.Expr) -> list[sp.Symbol]:
+    def _period_parts(self, mu: sp.Expr) -> list[sp.Symbol]:
         """Long division of 2 pi by mu: a digit, and what it leaves of 2 pi, which gives the next ones."""
-        first = self._prepare("period_1", Leading(period))
+        first = self._prepare("period_1", Leading(2 * sp.pi / mu))
         left = self._prepare("period_left", TurnLeft(first, mu) / mu)
         second = self._prepare("period_2", Leading(left))
-        rest, low = Minus(left, second), Low(left)
-        third = self._prepare("period_3", InSingle(Leading(rest), Rounded(Plus(rest, low))))
-        return [first, second, third, self._prepare("period_4", Rounded(Plus(Minus(rest, third), low)))]
+        rest = self._prepare("period_rest", Plus(Minus(left, second), Low(left)))
+        return [first, second, *last_parts("period", rest, self._prepare)]
 
 
 def _reduced(left: sp.Expr, part: tuple[sp.Expr, sp.Expr]) -> sp.Expr:

@@ -53,7 +53,7 @@ def view(program: Program, banner: str, summary: str) -> dict[str, Any]:
         own = name in prepared | {q.name for q in optional}
         return f"{name}.high" if name in pairs else name if own else f"p.{name}"
 
-    in_prepare = _language(_MATH, value_of)
+    in_prepare, single_only = _language(_MATH, value_of), program.single_only()
     coefficients = [*(s.name for s in program.coefficients), *(["rounder"] if rounds(program) else [])]
     return {
         "banner": "\n".join(f"# {line}" for line in banner.splitlines()),
@@ -74,7 +74,11 @@ def view(program: Program, banner: str, summary: str) -> dict[str, Any]:
         "leading": splitting(program),
         "prepare": [
             *(_default(q) for q in optional),
-            *(line for a in program.prepare for line in _prepared(paired_symbols, a, in_prepare)),
+            *(
+                line
+                for a in program.prepare
+                for line in _prepared(paired_symbols, single_only, a, in_prepare)
+            ),
         ],
         "operations": _operations(program),
         "series": [_series(name) for name in used_series(program)],
@@ -86,11 +90,14 @@ def view(program: Program, banner: str, summary: str) -> dict[str, Any]:
     }
 
 
-def _prepared(pairs: frozenset[sp.Symbol], a: Assignment, language: Language) -> list[str]:
+def _prepared(
+    pairs: frozenset[sp.Symbol], single_only: frozenset[sp.Symbol], a: Assignment, language: Language
+) -> list[str]:
     """An assignment as formatters spell it: a choice that is too long takes a line for each part."""
     target = a.target.name
     own = a.target in pairs
     value = pair_text(a.value, pairs, language, "_{}".format) if own else printed(a.value, language)
+    value += " if real is np.float32 else math.nan" if a.target in single_only else ""
     if len(f"{target} = {value}") <= 106 or " if " not in value:
         return [f"{target} = {value}"]
     first, _, rest = value.partition(" if ")

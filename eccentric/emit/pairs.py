@@ -21,13 +21,14 @@ from eccentric.emit.program import Program
 def paired(program: Program) -> frozenset[sp.Symbol]:
     """The prepared values computed as pairs.
 
-    Those whose low part is asked for, what they follow from, and beside them what F_N is multiplied with:
-    each rounding of a product of five parameters would show in the last place of every normal force.
+    Those whose low part is asked for, what they follow from, and where F_N takes one, what it is multiplied
+    with: each rounding of a product of five parameters would show in the last place of every normal force.
     """
     values = {a.target: a.value for a in program.prepare}
     waiting = {e.args[0] for value in values.values() for e in value.atoms(Low)}
-    if waiting:
-        waiting |= {s for s in _of_normal_force(program) if s in values and _is_product(values[s])}
+    of_force = _of_normal_force(program) & set(values)
+    if any(values[s].has(Low) for s in of_force):
+        waiting |= {s for s in of_force if _is_product(values[s])}
     found: set[sp.Symbol] = set()
     while waiting:
         symbol = waiting.pop()

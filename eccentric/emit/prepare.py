@@ -6,7 +6,7 @@ import re
 
 import sympy as sp
 
-from eccentric.emit.primitive import InSingle, Rounded, TurnLeft, exact
+from eccentric.emit.primitive import InSingle, Low, Rounded, TurnLeft, exact
 from eccentric.emit.program import Assignment
 from eccentric.model import Model
 from eccentric.model.steps import ByDirection, Chord, HalfCosine, HalfSine, Leading, Sgn, SquareDifference
@@ -121,13 +121,19 @@ def _formula(value: sp.Expr, values: dict[sp.Symbol, sp.Expr]) -> str:
         return f"{_formula(value.args[0], values)}, in double all"
     if isinstance(value, Leading | Rounded):
         kind = "leading digits" if isinstance(value, Leading) else "in the working precision"
-        if any(values[s].has(TurnLeft) for s in value.free_symbols if s in values):
-            return f"what the parts before it leave of the period, {kind}"
+        if any(_is_left(values[s], values) for s in value.free_symbols if s in values):
+            return f"what the parts before it leave, {kind}"
         return f"{_formula(exact(value.args[0]), values)}, {kind}"
     # What is subtracted stands last.
     terms = sorted(exact(value).as_ordered_terms(), key=_is_negative)
     text = " + ".join(map(str, terms)).replace("+ -", "- ").replace("Leading(", "leading digits of (")
     return text.replace("**", "^").replace("*", " ")
+
+
+def _is_left(value: sp.Expr, values: dict[sp.Symbol, sp.Expr]) -> bool:
+    """Whether it follows from what a part leaves of a number."""
+    known = [values[s] for s in value.free_symbols if s in values]
+    return value.has(TurnLeft, Low) or any(_is_left(v, values) for v in known)
 
 
 # Names differ within their first 31 characters, which every C compiler tells apart.

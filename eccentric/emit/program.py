@@ -7,11 +7,12 @@ differentiated one by one (never one expanded expression), so that a chain of n 
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
 
 import sympy as sp
 
+from eccentric.emit.primitive import InSingle
 from eccentric.model.quantity import Quantity
 from eccentric.model.steps import Sgn
 
@@ -115,6 +116,18 @@ class Program:
     def hot(self) -> tuple[Assignment, ...]:
         """Every assignment that is evaluated for each sample."""
         return tuple(a for part in (*self.helpers, *self.routines) for a in part.assignments)
+
+    def single_only(self) -> frozenset[sp.Symbol]:
+        """What is prepared for single precision alone."""
+
+        def prepared(choice: int) -> set[sp.Symbol]:
+            hot, prepare = (
+                [replace(a, value=a.value.replace(InSingle, lambda *of: of[choice])) for a in assignments]
+                for assignments in (self.hot(), self.prepare)
+            )
+            return {a.target for a in needed(prepare, [a.value for a in hot])}
+
+        return frozenset(prepared(0) - prepared(1))
 
 
 def differentiate(assignments: Iterable[Assignment], by: Sequence[sp.Symbol]) -> tuple[Assignment, ...]:

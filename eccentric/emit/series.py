@@ -3,31 +3,47 @@
 sin(h)/h = 1 + x S(x) and cos(h) = 1 + x C(x), x = h^2, for |h| up to a quarter turn. S and C come from Remez'
 exchange at 40 digits, for the least greatest error: relative for the sine, which the normal force takes its
 last digits from, absolute for the cosine. The degree is the least that keeps it below a fifth of a unit of
-the working precision.
+the working precision. The error that is stated is that of the coefficients rounded to the working precision.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass
-from decimal import Decimal, localcontext
+from decimal import ROUND_UP, Context, Decimal, localcontext
 from functools import cache
 
 import mpmath
+
+from eccentric.emit.digits import BITS
 
 _DIGITS = 40  # of which the solution of the equations loses ten
 # The half angle lies within a quarter turn; a little more for its own rounding.
 _EDGE = "1.001"
 _GRID = 160  # points among which the extrema of the error are looked for
 _EXCHANGES = 4
+# Between points like these a polynomial of degree n is at most 1/cos(n pi/2 _GRID) times what it is at them
+# (Ehlich and Zeller, Mathematische Zeitschrift 86, 1964): 1 % more for a degree of 14, by which all digits
+# that matter here are there.
+_BETWEEN = Decimal("1.01")
+# How far rounding takes them from what the same coefficients give exactly, in single and in double precision:
+# Gappa proves it, asked by tests/test_polynomials.py.
+_ROUNDING = {"sine_ratio": ("6.2e-8", "1.2e-16"), "cosine": ("2.3e-7", "4.2e-16")}
 
 
 @dataclass(frozen=True)
 class Polynomial:
-    """Coefficients of S or C from the highest power down, as decimals, and the greatest error of the fit."""
+    """Coefficients of S or C from the highest power down, as decimals, and what is known of their errors.
+
+    Attributes:
+        coefficients: as they are printed.
+        error: at most that of the method, of 1 + x S(x) relative to sin(h)/h, of 1 + x C(x) absolute.
+        rounding: at most what rounding adds to x S(x) or 1 + x C(x), absolute.
+    """
 
     coefficients: tuple[str, ...]
     error: str
+    rounding: str
 
 
 @cache
@@ -61,9 +77,16 @@ def polynomial(name: str, single: bool) -> Polynomial:
                 decimals = tuple(
                     mpmath.nstr(mpmath.mpf(str(c)), digits, min_fixed=0, max_fixed=0) for c in coefficients
                 )
-                worst = max(map(abs, _errors(grid, exact, map(Decimal, decimals))))
-                return Polynomial(decimals, mpmath.nstr(mpmath.mpf(str(worst)), 2))
+                rounded = _rounded(decimals, BITS["single" if single else "double"])
+                worst = max(map(abs, _errors(grid, exact, rounded))) * _BETWEEN
+                stated = Context(prec=2, rounding=ROUND_UP).create_decimal(worst)
+                return Polynomial(decimals, f"{stated:.1e}", _ROUNDING[name][not single])
     raise AssertionError(f"{name}: no degree below 16 reaches {allowed}")
+
+
+def _rounded(decimals: Iterable[str], bits: int) -> list[Decimal]:
+    with mpmath.workprec(bits):
+        return [Decimal(float(mpmath.mpf(c))) for c in decimals]
 
 
 def _remez(

@@ -9,8 +9,9 @@ from collections.abc import Collection, Sequence
 
 import sympy as sp
 
+from eccentric.emit.digits import last_parts
 from eccentric.emit.prepare import Prepare
-from eccentric.emit.primitive import InSingle, Low, Minus, Plus, Rounded
+from eccentric.emit.primitive import Low, Minus, Plus
 from eccentric.emit.program import Assignment, needed
 from eccentric.model.steps import HalfCosine, HalfSine, Leading
 
@@ -46,7 +47,7 @@ def split(angle: sp.Expr, fixed: Collection[sp.Symbol]) -> tuple[sp.Expr, sp.Exp
 
 
 def parts(shift: sp.Symbol, first: sp.Symbol, prepare: Prepare) -> list[sp.Symbol]:
-    """The shift in four parts of few digits, to go off behind those of the period, each after its own.
+    """The shift in parts of few digits, to go off behind those of the period, each after its own.
 
     The first is a multiple of the last digit of the period's first part: a number of half turns of that, less
     the shift's, is exact, and so is the little that both leave of theta_m at the top.
@@ -55,5 +56,4 @@ def parts(shift: sp.Symbol, first: sp.Symbol, prepare: Prepare) -> list[sp.Symbo
     one = prepare(f"{shift.name}_1", Minus(Leading(Plus(twice, shift)), twice))
     two = prepare(f"{shift.name}_2", Leading(Minus(shift, one)))
     left = prepare(f"{shift.name}_left", Plus(Minus(Minus(shift, one), two), Low(shift)))
-    three = prepare(f"{shift.name}_3", InSingle(Leading(left), Rounded(left)))
-    return [one, two, three, prepare(f"{shift.name}_4", Rounded(Minus(left, three)))]
+    return [one, two, *last_parts(shift.name, left, prepare)]

@@ -10,15 +10,12 @@ from dataclasses import replace
 
 import sympy as sp
 
+from eccentric.emit.digits import BITS, LEADING_BITS
 from eccentric.emit.primitive import COSINE, ROUNDER, SINE_RATIO
 from eccentric.emit.program import Assignment, Input, Program
 from eccentric.errors import InputError
 from eccentric.model.quantity import Quantity
 from eccentric.model.steps import Leading
-
-# Of 24 and 53 bits `leading` keeps these, so that products with up to 2^12 and 2^20 half turns are exact.
-LEADING_BITS = {"single": 12, "double": 33}
-EXACT_HALF_TURNS = "2^20 half turns of the link (float: 2^12)"
 
 
 def checked_name(name: str, where: str) -> str:
@@ -99,7 +96,7 @@ def splitting(program: Program) -> dict[str, str] | None:
     if not any(a.value.has(Leading) for a in program.prepare):
         return None
     # Veltkamp's split, in double also where the working precision is single.
-    return {precision: f"{2 ** (53 - bits) + 1}.0" for precision, bits in LEADING_BITS.items()}
+    return {precision: f"{2 ** (BITS['double'] - bits) + 1}.0" for precision, bits in LEADING_BITS.items()}
 
 
 def used_series(program: Program) -> list[str]:
