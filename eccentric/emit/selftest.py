@@ -56,7 +56,7 @@ def view(
     return {
         "functions": functions,
         "inputs": inputs,
-        "coefficients": list(double),
+        "coefficients": list(single),
         "widths": _braces(f.width for f in functions),
         "taken": _braces(f"0x{sum(1 << inputs.index(x) for x in f.inputs):x}u" for f in functions),
         "largest": max(f.width for f in functions),
