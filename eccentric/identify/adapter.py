@@ -24,7 +24,7 @@ Array = np.ndarray
 
 
 def candidate(
-    effect: Effect, model: Model, signals: Signals, friction: Array, balance: str | None = None
+    effect: Effect, model: Model, signals: Signals, friction: Array, balance: str | None
 ) -> Candidate:
     """The effect as columns of torque.
 
@@ -34,7 +34,7 @@ def candidate(
         signals: smooth signals.
         friction: (columns,) coefficients of a first fit of the base model, for the first look at effects that
             scale or replace something.
-        balance: the one that shows it, if not the effect's own: a rig driven by voltage alone shows what
+        balance: the one that shows it, None for the effect's own: a rig driven by voltage alone shows what
             the armature does in the mechanical balance.
     """
     extended = effect.extend(model)

@@ -74,9 +74,9 @@ def bounded_solve(matrix: Array, vector: Array, lower: Array, ridge: Array | flo
     return solution / scale
 
 
-def fold_of_block(blocks: int, folds: int = 8, seed: int = 7) -> Array:
+def fold_of_block(blocks: int, folds: int) -> Array:
     """Fold number of each block: every run of `folds` neighbours holds each fold once, in shuffled order."""
-    rng = np.random.default_rng(seed)
+    rng = np.random.default_rng(7)
     turns = [rng.permutation(folds) for _ in range(-(-blocks // folds))]
     return np.concatenate(turns)[:blocks]
 

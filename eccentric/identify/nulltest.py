@@ -26,6 +26,12 @@ __all__ = ["correlated", "flipped_null", "inflation", "null_quantile", "sensor_n
 
 Array = np.ndarray
 
+MOST_LAGS = 60
+"""Rows over which a residual is correlated with itself, at most."""
+DRAWS = 200
+LEVEL = 0.99
+"""What chance reaches in one log of a hundred."""
+
 
 def sensor_noise(signal: Array, windows: Windows) -> float:
     """RMS of a row (after its window) that the white noise of a raw signal (samples,) explains.
@@ -40,7 +46,7 @@ def sensor_noise(signal: Array, windows: Windows) -> float:
     return sigma * float(np.sqrt(np.sum(first**2)))
 
 
-def inflation(residual: Array, block: Array, most_lags: int = 60) -> float:
+def inflation(residual: Array, block: Array) -> float:
     """Variance inflation 1 + 2 sum of autocorrelation (Bartlett weights), at least 1.
 
     Pairs of rows more than one block apart are not counted.
@@ -50,26 +56,26 @@ def inflation(residual: Array, block: Array, most_lags: int = 60) -> float:
     if variance <= 0.0:
         return 1.0
     total = 1.0
-    for lag in range(1, min(most_lags, len(r) - 1) + 1):
+    for lag in range(1, min(MOST_LAGS, len(r) - 1) + 1):
         near = block[lag:] - block[:-lag] <= 1
         rho = float(np.sum(r[lag:] * r[:-lag] * near)) / (len(r) * variance)
-        total += 2.0 * (1.0 - lag / (most_lags + 1)) * rho
+        total += 2.0 * (1.0 - lag / (MOST_LAGS + 1)) * rho
     return max(1.0, total)
 
 
-def flipped_null(residual: Array, columns: Array, block: Array, draws: int = 200, seed: int = 5) -> Array:
-    """Largest single-column gain, in units of the residual's variance, under random signs per block (draws,).
+def flipped_null(residual: Array, columns: Array, block: Array) -> Array:
+    """Largest single-column gain, in units of the residual's variance, under random signs per block (DRAWS,).
 
     columns (rows, m) must be orthogonal to the base and of unit length.
     """
-    rng = np.random.default_rng(seed)
+    rng = np.random.default_rng(5)
     starts = np.flatnonzero(np.r_[True, block[1:] != block[:-1]])
     per_block = np.add.reduceat(columns * residual[:, None], starts, axis=0)
-    signs = rng.choice([-1.0, 1.0], size=(draws, len(starts)))
+    signs = rng.choice([-1.0, 1.0], size=(DRAWS, len(starts)))
     return np.max((signs @ per_block) ** 2, axis=1) / float(np.mean(residual**2))
 
 
-def null_quantile(screen: Screen, fitted: Fitted, level: float = 0.99) -> float:
+def null_quantile(screen: Screen, fitted: Fitted) -> float:
     """Quantile of the deviance that the best single column of a screen reaches by chance beside a fit."""
     residual = screen.residual(fitted)
     design = np.hstack([screen.balance.base, *[screen.columns(term) for term in fitted.terms]])
@@ -82,7 +88,7 @@ def null_quantile(screen: Screen, fitted: Fitted, level: float = 0.99) -> float:
     if not np.any(kept):
         return 0.0
     gain = flipped_null(residual, library[:, kept] / length[kept], screen.block)
-    return float(np.quantile(gain, level)) / correlated(screen, residual)
+    return float(np.quantile(gain, LEVEL)) / correlated(screen, residual)
 
 
 def correlated(screen: Screen, residual: Array) -> float:

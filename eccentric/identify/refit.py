@@ -53,10 +53,10 @@ class Refit:
         """Whether another turn would leave the digits that are shown."""
         return self.change < _SHOWN
 
-    def held_out(self, balance: str, per: float = 1.0) -> float:
-        """Held-out RMSE of a balance [N m], divided by `per`."""
+    def held_out(self, balance: str) -> float:
+        """Held-out RMSE of a balance [N m]."""
         rows = self.bench.rows.score
-        return float(np.sqrt(np.mean(self.residuals[balance][rows] ** 2))) / per
+        return float(np.sqrt(np.mean(self.residuals[balance][rows] ** 2)))
 
 
 def refit(

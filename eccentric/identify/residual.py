@@ -22,6 +22,11 @@ __all__ = ["Balance", "Windows", "make_balance", "make_windows"]
 
 Array = np.ndarray
 
+BLOCK_S = 1.0
+"""Windows this far apart count as independent, s."""
+MOST_ROWS = 8000
+"""Windows of a long log are spaced wider, so that about so many remain."""
+
 
 @dataclass(frozen=True)
 class Windows:
@@ -66,18 +71,16 @@ def make_windows(
     valid: Array,
     segment: Array | None = None,
     length_s: float = 0.064,
-    block_s: float = 1.0,
-    most_rows: int = 8000,
     least: int = 50,
 ) -> Windows:
-    """Hann windows whose samples are all valid; blocks are stretches of `block_s` of time within one run.
+    """Hann windows whose samples are all valid; blocks are stretches of `BLOCK_S` of time within one run.
 
     time (n,) [s], valid (n,) bool, segment (n,) number of the stretch without gap; stretches may differ in
     their sampling, and windows are spaced by a quarter of their length. InputError if fewer than `least` rows
     remain.
     """
     label = np.zeros(len(time), int) if segment is None else np.unique(segment, return_inverse=True)[1]
-    thinning = int(np.ceil(np.count_nonzero(valid) / most_rows))
+    thinning = int(np.ceil(np.count_nonzero(valid) / MOST_ROWS))
     data, index, sizes = [np.empty(0)], [np.empty(0, int)], [np.empty(0, int)]
     for rows in rows_of_each(label):
         step = float(np.median(np.diff(time[rows]))) if len(rows) > 1 else length_s
@@ -102,8 +105,8 @@ def make_windows(
     columns = np.concatenate(index)
     weights = csr_matrix((np.concatenate(data), columns, pointer), shape=(len(width), len(time)))
     centre = columns[pointer[:-1] + width // 2]
-    key = label[centre] * (int((time.max() - time.min()) / block_s) + 2) + (
-        (time[centre] - time.min()) / block_s
+    key = label[centre] * (int((time.max() - time.min()) / BLOCK_S) + 2) + (
+        (time[centre] - time.min()) / BLOCK_S
     ).astype(int)
     changes = np.r_[False, np.diff(key) != 0]
     return Windows(weights, np.cumsum(changes), time[centre])

@@ -59,9 +59,7 @@ class Score:
         return self.percent > 0.0
 
 
-def score(
-    linear: Refit, paper: Refit, extended: Refit, balance: str, over_runs: OverRuns | None = None
-) -> Score:
+def score(linear: Refit, paper: Refit, extended: Refit, balance: str, over_runs: OverRuns | None) -> Score:
     """Open the held-out part.
 
     Models that identify different scales are compared at that of the extended one: their errors are in volts

@@ -14,6 +14,9 @@ from eccentric.model.quantity import Quantity
 from eccentric.model.steps import Gated
 from eccentric.model.vocabulary import directed as directed_quantity
 
+_KEPT = ("F_N", "B", "C")
+"""Definitions that are emitted whether a term needs them or not."""
+
 
 def limit(
     model: Model,
@@ -56,13 +59,13 @@ def limit(
     )
 
 
-def prune(model: Model, keep: tuple[str, ...] = ("F_N", "B", "C")) -> Model:
-    """The model without the inputs, parameters and definitions that neither terms nor `keep` need."""
+def prune(model: Model) -> Model:
+    """The model without the inputs, parameters and definitions that neither terms nor `_KEPT` need."""
     needed: set[sp.Symbol] = set()
     for balance in model.balances:
         for term in balance.terms:
             needed |= term.value.free_symbols
-    needed |= {d.symbol for d in model.definitions if d.quantity.name in keep}
+    needed |= {d.symbol for d in model.definitions if d.quantity.name in _KEPT}
     for definition in reversed(model.definitions):
         if definition.symbol in needed:
             needed |= definition.value.free_symbols

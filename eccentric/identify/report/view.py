@@ -7,7 +7,7 @@ from types import ModuleType
 from typing import Any
 
 from eccentric.identify.report.data import Balance, Candidate, Errors, Parameter, ReportData
-from eccentric.identify.report.panels import Panel, friction_panel, residual_panel, trace
+from eccentric.identify.report.panels import friction_panel, residual_panel, trace
 from eccentric.identify.report.text import (
     VERDICTS,
     figure_words,
@@ -35,7 +35,7 @@ def view(data: ReportData, figures: ModuleType | None) -> dict[str, Any]:
     """The names that the templates use; without `figures` (no Bokeh) captions and tables remain."""
     shown = [b for k, b in enumerate(data.balances) if k == 0 or b.extended is not None]
     drawn = _Figures(figures)
-    residuals = [(b, _panels(drawn, b, data, residual_panel, "residual")) for b in shown]
+    residuals = [(b, _residuals(drawn, b, data)) for b in shown]
     friction = [one for b in shown for one in _friction(drawn, b)]
     traces = [one for b in shown for one in _traces(drawn, b)]
     return {
@@ -79,24 +79,16 @@ class _Figures:
         return self.module.document_json(self.roots) if self.module and self.roots else ""
 
 
-def _panels(
-    drawn: _Figures,
-    balance: Balance,
-    data: ReportData,
-    make: Callable[..., Panel | None],
-    quantity: str,
-    keys: tuple[str, ...] = (),
-) -> list[dict[str, Any]]:
+def _residuals(drawn: _Figures, balance: Balance, data: ReportData) -> list[dict[str, Any]]:
     """One figure per channel, those that the residual depends on first."""
     order = {key: k for k, key in enumerate(data.depends_on)}
-    channels = [c for c in balance.rows.channels if not keys or c.key in keys]
     found = []
-    for channel in sorted(channels, key=lambda c: order.get(c.key, len(order))):
-        panel = make(balance, channel)
+    for channel in sorted(balance.rows.channels, key=lambda c: order.get(c.key, len(order))):
+        panel = residual_panel(balance, channel)
         if panel is not None:
             words = figure_words(panel, balance.unit)
             found.append(
-                drawn.add(words, lambda m, p=panel: [m.panel_figure(p, quantity, balance.unit)])
+                drawn.add(words, lambda m, p=panel: [m.panel_figure(p, "residual", balance.unit)])
                 | {"depends": channel.key in order, "label": channel.label}
             )
     return found
