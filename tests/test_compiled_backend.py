@@ -6,6 +6,7 @@ from collections.abc import Iterator
 from functools import cache
 from pathlib import Path
 from types import ModuleType
+from typing import Any
 
 import numpy as np
 import pytest
@@ -24,6 +25,7 @@ from tests.emitted import (
     width,
     with_inertia,
 )
+from tests.refused import NO_NUMBERS, NO_PARAMETERS
 
 pytestmark = pytest.mark.skipif(shutil.which("cc") is None, reason="needs a C compiler")
 
@@ -109,6 +111,46 @@ def test_out_is_filled_and_returned(name: str, function: str, dtype: type[np.flo
         assert np.array_equal(expected, f(*states, p, out=states[0]), equal_nan=True)
     with pytest.raises(ValueError, match=r"^out: required shape .* got \(2, 2\)"):
         f(*states, p, out=np.empty((2, 2), dtype))
+
+
+@every_call_on_states
+def test_what_is_refused_is_what_numpy_refuses(name: str, function: str) -> None:
+    """Inputs, parameters and `out` of the wrong kind raise the error of the NumPy module, in its words."""
+    f, compiled_f = getattr(module(name), function), getattr(compiled(name), function)
+    p, count = with_inertia(name), len(oracle.inputs(name, function))
+    ones = [np.ones(3, np.float32)] * (count - 1)
+    calls: list[tuple[list[Any], dict[str, Any]]] = [
+        *(([*ones, wrong], {"parameters": p}) for wrong in NO_NUMBERS),
+        *(([*ones, 1.0], {"parameters": wrong}) for wrong in NO_PARAMETERS),
+        *(([*ones, np.ones(3)], {"parameters": p, "out": wrong}) for wrong in ([0.0], 0.0)),
+    ]
+    if count > 1:
+        calls.append(([*ones, 1e300], {"parameters": p}))
+
+    for given, named in calls:
+        with pytest.raises((TypeError, ValueError)) as expected:
+            f(*given, **named)
+        with pytest.raises(type(expected.value)) as actual:
+            compiled_f(*given, **named)
+        assert str(expected.value) == str(actual.value)
+
+
+@every_call_on_states
+def test_memory_of_any_kind_is_taken_as_numpy_takes_it(name: str, function: str) -> None:
+    """Numbers that lie between two addresses of doubles give the same bits; what is read-only stays."""
+    expected, actual = getattr(module(name), function), getattr(compiled(name), function)
+    p, states = with_inertia(name), example_states(name, function, 100, np.float64)
+    apart = [np.frombuffer(b"\0\0\0" + x.tobytes(), np.uint8)[3:].view(np.float64) for x in states]
+    wanted = expected(*states, p)
+    out = np.frombuffer(bytearray(wanted.nbytes + 3), np.uint8)[3:].view(np.float64).reshape(wanted.shape)
+
+    assert not any(x.flags.aligned for x in (*apart, out))
+    assert np.array_equal(wanted, actual(*apart, p))
+    assert np.array_equal(wanted, actual(*apart, p, out=out))
+    kept = np.frombuffer(bytes(wanted.nbytes)).reshape(wanted.shape)
+    with pytest.raises(ValueError, match="read-only"):
+        actual(*states, p, out=kept)
+    assert not np.any(kept)
 
 
 @every_model
