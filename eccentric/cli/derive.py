@@ -5,7 +5,7 @@ from pathlib import Path
 
 import eccentric
 from eccentric.emit import complete, differences, write
-from eccentric.emit.text import checked_name
+from eccentric.emit.names import checked_name
 from eccentric.errors import InputError
 from eccentric.model import load_model, model_names
 

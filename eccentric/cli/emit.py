@@ -6,7 +6,7 @@ from pathlib import Path
 
 from eccentric.emit import complete, write
 from eccentric.emit.defaults import read_parameters, with_fitted
-from eccentric.emit.text import checked_name
+from eccentric.emit.names import checked_name
 from eccentric.model import load_model
 from eccentric.output import whole_folder
 
