@@ -3,6 +3,8 @@
 import json
 import re
 import shlex
+import shutil
+import subprocess
 import sys
 from dataclasses import replace
 from html.parser import HTMLParser
@@ -361,3 +363,24 @@ def test_open_opens_the_report(
     capsys.readouterr()
     assert 0 == main([*arguments, "--open"])
     assert "no browser was found" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("real", ["float", "double"])
+def test_the_extended_model_comes_with_its_check(
+    found: Diagnosis, real: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Self-test and proof driver lie beside the C: the test passes, and the report names each file."""
+    if shutil.which("gcc") is None:
+        pytest.skip("gcc is not installed")
+    monkeypatch.setattr(command, "diagnose", lambda *_: found)
+    out, name = tmp_path / "out", "c2_parallel_extended"
+    assert 0 == main(["diagnose", str(LOG), "--rig", str(RIG), "--out", str(out)])
+
+    sources = [out / f"{name}.c", out / "check" / f"{name}_selftest.c"]
+    flags = ["-std=c99", f"-DECCENTRIC_REAL={real}", f"-I{out}", "-o", tmp_path / "test"]
+    subprocess.run(["gcc", *flags, *sources, "-lm"], check=True)
+    subprocess.run([tmp_path / "test"], check=True, capture_output=True)
+    text = Reader((out / "report.html").read_text(encoding="utf-8")).text
+    written = {path.relative_to(out).as_posix() for path in out.rglob("*") if path.is_file()}
+    assert f"check/{name}_proof.c" in written
+    assert [file for file in written - {"report.html", ".eccentric"} if file not in text] == []

@@ -8,6 +8,7 @@ from eccentric.emit import complete, differences, write
 from eccentric.emit.names import checked_name
 from eccentric.errors import InputError
 from eccentric.model import load_model, model_names
+from eccentric.output import folder_to_write
 
 NAME = "derive"
 HELP = "print the derivations and write generated/ (NumPy and C99)"
@@ -42,6 +43,7 @@ def run(arguments: argparse.Namespace) -> int:
             return 1
         print(f"generated files are fresh: {len(models)} models")
         return 0
+    folder_to_write(out)
     # All are rendered before the first is written: one that cannot be leaves the folder as it was.
     files = {name: text for model in models for name, text in complete(model).items()}
     for model in models:
