@@ -1,7 +1,11 @@
-"""Output appears whole or not at all: it is written beside its target and moved there on success."""
+"""Output appears whole or not at all: it is written beside its target and moved there on success.
+
+What is printed may be read in part: a reader that leaves is no error.
+"""
 
 import os
 import shutil
+import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -9,10 +13,35 @@ from tempfile import TemporaryDirectory
 
 from eccentric.errors import InputError
 
-__all__ = ["MARKER", "folder_to_write", "own_folder", "whole_file", "whole_folder"]
+__all__ = [
+    "MARKER",
+    "UNREAD",
+    "folder_to_write",
+    "nobody_reads",
+    "own_folder",
+    "show",
+    "whole_file",
+    "whole_folder",
+]
 
 MARKER = ".eccentric"
+UNREAD = 141
+"""Exit status of a program whose reader has left: that of one that SIGPIPE ends, 128 + 13."""
 _NOTICE = "Written by eccentric. The command beside a file replaces it when it runs again; all others stay."
+
+
+def show(what: object) -> None:
+    """Print; if the reader of a pipe has left, end the program quietly with status 141."""
+    try:
+        print(what, flush=True)
+    except BrokenPipeError:
+        nobody_reads()
+        sys.exit(UNREAD)
+
+
+def nobody_reads() -> None:
+    """Let stdout go nowhere: the interpreter flushes it once more at exit."""
+    os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
 
 
 def folder_to_write(path: str | os.PathLike[str]) -> Path:

@@ -1,5 +1,6 @@
 """The command line: one line on bad input, quiet where nobody reads."""
 
+import os
 import subprocess
 import sys
 import types
@@ -136,9 +137,15 @@ def test_wrong_usage_is_one_line(arguments: list[str], complaint: str) -> None:
     assert "--help" in done.stderr
 
 
-def test_a_reader_that_leaves_is_no_error() -> None:
+PRINTING = {"eccentric audit": ("-m", "eccentric", "audit")} | {
+    path.stem: (str(path),) for path in (ROOT / "derivations").glob("*.py")
+}
+
+
+@pytest.mark.parametrize("name", sorted(PRINTING))
+def test_a_reader_that_leaves_is_no_error(name: str) -> None:
     """Output into a pipe that nobody reads ends quietly, as it does for other programs."""
-    command = [sys.executable, "-m", "eccentric", "audit"]
+    command = [sys.executable, *PRINTING[name]]
     process = subprocess.Popen(command, cwd=ROOT, stdout=subprocess.PIPE, stderr=subprocess.PIPE)
     assert process.stdout is not None
     assert process.stderr is not None
@@ -148,6 +155,35 @@ def test_a_reader_that_leaves_is_no_error() -> None:
     process.stderr.close()
 
     assert (process.wait(), complaint) == (141, b"")
+
+
+def test_a_reader_that_leaves_leaves_the_files(tmp_path: Path) -> None:
+    """`eccentric derive | head` has written what it derived."""
+    command = [
+        sys.executable,
+        "-m",
+        "eccentric",
+        "derive",
+        "c1_perpendicular",
+        "--out",
+        str(tmp_path / "out"),
+    ]
+    process = subprocess.Popen(command, cwd=ROOT, stdout=subprocess.PIPE)
+    assert process.stdout is not None
+    process.stdout.close()
+
+    assert process.wait() == 141
+    there = {path.name for path in (tmp_path / "out").iterdir()}
+    assert there >= {f"c1_perpendicular{ending}" for ending in (".py", ".h", ".c")}
+
+
+@pytest.mark.skipif(os.name != "posix", reason="closed with a shell")
+def test_no_stdout_at_all_is_no_error() -> None:
+    """Started with stdout closed, as some services do, a command works and says nothing."""
+    line = f'"{sys.executable}" -m eccentric audit >&-'
+    done = subprocess.run(["sh", "-c", line], cwd=ROOT, capture_output=True, check=False)
+
+    assert (done.returncode, done.stdout, done.stderr) == (0, b"", b"")
 
 
 def test_places_are_found_beside_the_package() -> None:

@@ -17,6 +17,7 @@ def test_a_prefix_that_hides_another_name_is_refused(
     assert 2 == main(["emit", "c2_parallel", "--prefix", taken, "--out", str(tmp_path / "out")])
 
     error = capsys.readouterr().err
-    start = f"eccentric: error: --prefix: required a name that is free in C and Python, got '{taken}', a "
+    required = "required a lower-case C identifier that C and Python leave free"
+    start = f"eccentric: error: --prefix: {required}, got '{taken}', a "
     assert (1, True) == (error.count("\n"), error.startswith(start))
     assert [] == list(tmp_path.iterdir())

@@ -43,5 +43,6 @@ def checked_name(name: str, where: str) -> str:
         )
     taken = next((what for what, names in _TAKEN.items() if name in names), None)
     if taken is not None:
-        raise InputError(f"{where}: required a name that is free in C and Python, got {name!r}, {taken}")
+        free = "a lower-case C identifier that C and Python leave free"
+        raise InputError(f"{where}: required {free}, got {name!r}, {taken}")
     return name
