@@ -1,5 +1,6 @@
 """report.html: what it says, in which order, for whom; nothing from a log or a rig becomes markup."""
 
+import ast
 import json
 import re
 import shlex
@@ -23,6 +24,7 @@ from eccentric.cli import main
 from eccentric.effects import Setting, library
 from eccentric.identify import report as package
 from eccentric.identify.diagnose import Diagnosis, diagnose
+from eccentric.identify.model_script import script
 from eccentric.identify.report import page, report_data
 from eccentric.identify.report.data import Errors
 from eccentric.identify.report.equation import friction_equations
@@ -384,3 +386,13 @@ def test_the_extended_model_comes_with_its_check(
     written = {path.relative_to(out).as_posix() for path in out.rglob("*") if path.is_file()}
     assert f"check/{name}_proof.c" in written
     assert [file for file in written - {"report.html", ".eccentric"} if file not in text] == []
+
+
+def test_no_name_of_a_log_is_run(found: Diagnosis) -> None:
+    """What a log is called stays text in model.py, which is loaded as soon as it is written."""
+    hostile = 'a\\""" + str(print(1)) + """.csv'
+
+    before, after = (ast.parse(script(replace(found, logs=(name,)))) for name in ("a.csv", hostile))
+
+    assert [ast.dump(node) for node in before.body[1:]] == [ast.dump(node) for node in after.body[1:]]
+    assert "print(1)" in (ast.get_docstring(after) or "")
