@@ -8,6 +8,7 @@ from typing import Any
 import sympy as sp
 
 from eccentric.effects.effect import Effect
+from eccentric.errors import few
 from eccentric.identify.diagnose import LEAST_R2, Diagnosis
 
 __all__ = ["document", "lines", "sentence"]
@@ -224,7 +225,7 @@ def _probability(found: Diagnosis, effect: Effect) -> float:
 def lines(found: Diagnosis) -> list[str]:
     """At most fourteen lines for a terminal."""
     a = found.attribution
-    out = [f"{', '.join(found.logs)}: {found.base.name}, verdict {a.verdict}", sentence(found)]
+    out = [f"{few(found.logs)}: {found.base.name}, verdict {a.verdict}", sentence(found)]
     for effect, own in found.effects[:3]:
         shown = []
         for q in effect.parameters:

@@ -27,6 +27,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from eccentric.errors import few
+
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
@@ -275,8 +277,8 @@ def lines(fit: Fit, logs: Sequence[str]) -> list[str]:
     problem = fit.problem
     sampling = problem.sampling
     what = f"{np.count_nonzero(sampling.train)} {sampling.description} fitted"
-    head = f"{', '.join(logs)}: {problem.model.name}, driven by {problem.channels.drive}; {what}, "
-    head += f"{np.count_nonzero(sampling.score)} held out ({problem.channels.holdout.rule})"
+    head = f"{few(logs)}: {problem.model.name}, driven by {problem.channels.drive}; {what}, "
+    head += f"{np.count_nonzero(sampling.score)} held out ({problem.channels.holdout.brief})"
     shown = {**fit.coefficients, **fit.searched}
     table = [("", "value", "std error", "95 % interval", "unit")]
     table += [
