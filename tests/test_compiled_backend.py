@@ -185,3 +185,28 @@ def test_no_compiler_is_one_clear_line(monkeypatch: pytest.MonkeyPatch, tmp_path
     broken.chmod(0o755)
     with pytest.raises(InputError, match=r"^compile: .*/cc: required a C99 compiler .*got: no such flag$"):
         eccentric.compile(load_model("c1_perpendicular"))
+
+
+def test_compiler_may_have_options(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    """CC is what `make` takes: a command with options of its own, which are handed on."""
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
+    monkeypatch.setenv("CC", "cc -O1")
+    expected = module("c1_perpendicular").friction_torque(2.0)
+    assert expected == eccentric.compile(load_model("c1_perpendicular")).friction_torque(2.0)
+
+    monkeypatch.setenv("CC", "cc -no-such-option")
+    with pytest.raises(InputError, match=r"^compile: .*/cc: required a C99 compiler .*no-such-option"):
+        eccentric.compile(load_model("c1_perpendicular"))
+
+
+def test_what_cannot_be_compiled_or_kept_is_one_clear_line(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    """A name in place of a model, and a cache that is a file, are told as what they are."""
+    with pytest.raises(TypeError, match=r"^compile: required a Model, as load_model gives it, got str$"):
+        eccentric.compile("c2_parallel")  # type: ignore[arg-type]
+
+    (tmp_path / "file").write_text("")
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "file"))
+    with pytest.raises(InputError, match=r"file/eccentric: required a place that can be written"):
+        eccentric.compile(load_model("c1_perpendicular"))

@@ -35,8 +35,12 @@ def compile(model: Model) -> ModuleType:  # noqa: A001 - it is called as eccentr
     cache under what it was built from: $XDG_CACHE_HOME or ~/.cache, folder eccentric.
 
     Raises:
-        InputError: there is no C compiler, it does not compile, or the model cannot be emitted.
+        TypeError: this is no model.
+        InputError: there is no C compiler, it does not compile, its cache cannot be written, or the model
+            cannot be emitted.
     """
+    if not isinstance(model, Model):
+        raise TypeError(f"compile: required a Model, as load_model gives it, got {type(model).__name__}")
     program, source, files = build_program(model), load_module(model), render(model)
     module = ModuleType(f"eccentric_compiled_{model.name}", source.__doc__)
     for name in (name for name in dir(source) if not name.startswith("_")):
