@@ -109,8 +109,7 @@ def test_a_number_beyond_single_precision_is_refused_beside_it(name: str, functi
         for value in (largest, -largest, float("inf"), float("nan"), 1e-300):
             given = [value if j == k else np.ones(3, np.float32) for j in range(len(names))]
             rounded = [np.float32(x) for x in given]
-            with warnings.catch_warnings():
-                warnings.simplefilter("error")
+            with np.errstate(all="raise"):  # as who debugs sets it
                 actual = f(*given, p)
             assert np.float32 == actual.dtype
             assert np.array_equal(f(*(np.broadcast_to(x, 3) for x in rounded), p), actual, equal_nan=True)

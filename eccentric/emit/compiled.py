@@ -91,6 +91,7 @@ class _Compiled:
         like = getattr(self.source, routine.name)
         signature = inspect.signature(like)
         entries = {real: self._entry(routine, real) for real in _REALS}
+        names = [x.quantity.name for x in routine.inputs]
         lengths, width = [x.length for x in routine.inputs], len(routine.labels)
 
         def function(*given: Any, **named: Any) -> Any:
@@ -101,7 +102,7 @@ class _Compiled:
                 self.source._check_kind(type(parameters))
             if routine.requires:
                 self.source._require(routine.requires, inputs[-1], parameters)
-            arrays, real = self.source._arrays(inputs, signature.parameters) if lengths else ([], np.float64)
+            arrays, real = self.source._arrays(inputs, names) if lengths else ([], np.float64)
             arrays, shape = _broadcast(arrays, lengths)
             full = (*shape, width) if width else shape
             if out is not None:
