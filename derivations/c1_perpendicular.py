@@ -8,6 +8,7 @@ import sympy as sp
 from eccentric.model import Equation, Identity, load_model, symbols
 from eccentric.model import vocabulary as v
 from eccentric.model.limit import limit
+from eccentric.output import show
 
 omega_m, omega_l, alpha_l, u = symbols(v.omega_m, v.omega_l, v.alpha_l, v.u)
 M, M_l, L, g, phi, mu, J = symbols(v.M, v.M_l, v.L, v.g, v.phi, v.mu, v.J)
@@ -127,4 +128,4 @@ model = limit(
 )
 
 if __name__ == "__main__":
-    print(model)
+    show(model)

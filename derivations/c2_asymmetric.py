@@ -9,6 +9,7 @@ from eccentric.model import Equation, Identity, load_model, symbols
 from eccentric.model import vocabulary as v
 from eccentric.model.limit import directed
 from eccentric.model.steps import Backward, Forward
+from eccentric.output import show
 
 omega_m, F = symbols(v.omega_m, v.F)
 symmetric = load_model("c2_parallel")
@@ -71,4 +72,4 @@ model = directed(
 )
 
 if __name__ == "__main__":
-    print(model)
+    show(model)

@@ -9,6 +9,7 @@ from eccentric.model import Equation, Identity, load_model, symbols
 from eccentric.model import vocabulary as v
 from eccentric.model.limit import limit
 from eccentric.model.steps import HalfCosine, Magnitude, SquareDifference, meaning
+from eccentric.output import show
 
 theta_m, omega_m, theta_l, omega_l, alpha_l = symbols(v.theta_m, v.omega_m, v.theta_l, v.omega_l, v.alpha_l)
 M, M_l, L, g, phi, mu = symbols(v.M, v.M_l, v.L, v.g, v.phi, v.mu)
@@ -213,4 +214,4 @@ model = limit(
 )
 
 if __name__ == "__main__":
-    print(model)
+    show(model)

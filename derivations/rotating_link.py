@@ -18,6 +18,7 @@ from eccentric.model.steps import (
     SquareDifference,
     meaning,
 )
+from eccentric.output import show
 
 t, theta_m, omega_m, alpha_m = symbols(v.t, v.theta_m, v.omega_m, v.alpha_m)
 theta_l, omega_l, alpha_l = symbols(v.theta_l, v.omega_l, v.alpha_l)
@@ -340,4 +341,4 @@ model = Model(
 )
 
 if __name__ == "__main__":
-    print(model)
+    show(model)

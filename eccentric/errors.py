@@ -1,5 +1,7 @@
 """The one error a user sees: a single line that names what was wrong, what was required and what came."""
 
+from collections.abc import Iterable
+
 
 class InputError(ValueError):
     """Bad input from outside: a log, a rig, a parameter, a command line.
@@ -7,3 +9,10 @@ class InputError(ValueError):
     The message is one line and names the file, row, column or quantity, what was required and what came.
     The command line prints it after `eccentric: error:` and exits with status 2; nothing is written.
     """
+
+
+def few(names: Iterable[object], most: int = 12) -> str:
+    """Join the names for a message: the first ones, and how many more there are."""
+    shown = [str(name) for name in names]
+    rest = f" and {len(shown) - most} more" if len(shown) > most else ""
+    return ", ".join(shown[:most]) + rest

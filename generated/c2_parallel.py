@@ -1,10 +1,11 @@
 # Generated: do not edit. Written by `make derive` from derivations/c2_parallel.py
-# (eccentric 0.1.0, program 56b5a142).
+# (eccentric 0.1.0, program a3518614).
 # Case C2: gravity parallel to the motion plane, steady motion.
 """Case C2: gravity parallel to the motion plane, steady motion.
 
 Inputs are on the motor side, in SI units; they broadcast, float32 stays float32, and `out` is honoured.
 Without parameters the defaults of `Parameters` hold.
+A TypeError names what is no real number; a ValueError, what is too large for the float32 beside it.
 """
 
 from __future__ import annotations
@@ -13,6 +14,7 @@ import math
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from functools import cache, lru_cache
+from numbers import Real
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -49,8 +51,11 @@ JACOBIAN = ("B_lN", "C_lN", "B_m", "C_m")
 class Parameters:
     """Parameters with the paper's letters, in SI units; the defaults are Table 1 of the paper with mu = 1/5.
 
+    Real numbers of any type are taken, and kept as floats.
+
     Raises:
-        ValueError: a value is not a finite number, or has a sign that the quantity cannot have.
+        TypeError: a value is no real number.
+        ValueError: a value is not finite, or has a sign that the quantity cannot have.
     """
 
     M: float = 0.5
@@ -87,12 +92,16 @@ class Parameters:
             value = getattr(self, name)
             if value is None and name in _OPTIONAL:
                 continue
+            if type(value) is not float and not isinstance(value, Real):
+                raise TypeError(f"{name}: required {required}, got {type(value).__name__}")
             try:
-                allowed = value is not None and lowest <= value <= highest
-            except TypeError:
-                allowed = False
-            if not allowed:
-                raise ValueError(f"{name}: required {required}, got {value!r}")
+                number = float(value) + 0.0  # minus zero is zero, too
+            except OverflowError:
+                raise ValueError(f"{name}: required {required}, got one beyond double precision") from None
+            if not lowest <= number <= highest:
+                raise ValueError(f"{name}: required {required}, got {number}")
+            # What is equal is then the same, as the caches take it to be.
+            object.__setattr__(self, name, number)
 
 
 _OPTIONAL = ("J_m", "J_l")
@@ -395,6 +404,73 @@ def _choose(condition: Any, x: Any, y: Any) -> Any:
     return condition.tape.step(np.copyto, condition, x, y)
 
 
+class _Rooms:
+    """Names of buffers, w0, w1, ..., and of masks, m0, m1, ...; what is given back is taken again."""
+
+    def __init__(self) -> None:
+        self.made = {"w": 0, "m": 0}
+        self.free: dict[str, list[str]] = {"w": [], "m": []}
+
+    def take(self, kind: str) -> str:
+        if self.free[kind]:
+            return self.free[kind].pop()
+        self.made[kind] += 1
+        return f"{kind}{self.made[kind] - 1}"
+
+    def give(self, names: set[str]) -> None:
+        for name in sorted(names):
+            self.free[name[0]].append(name)
+
+    def names(self) -> list[str]:
+        return [f"{kind}{k}" for kind, count in self.made.items() for k in range(count)]
+
+
+_MASKS = (np.greater, np.less, np.less_equal, np.equal, np.logical_not)  # what gives true or false
+
+
+class _Writer:
+    """Steps as lines of Python: calls that leave each result in y0, y1, ... and all else in rooms."""
+
+    def __init__(self, results: list[str]) -> None:
+        self.results = results
+        self.rooms = _Rooms()
+        self.place: dict[str, str] = {}  # of what is computed
+        self.lines = list[str]()
+
+    def write(self, steps: dict[tuple[Any, ...], str]) -> None:
+        last = {name: k for k, (_, *names) in enumerate(steps) for name in names}
+        last |= dict.fromkeys(self.results, len(steps))
+        for k, ((operation, *names), value) in enumerate(steps.items()):
+            read = [str(self.place.get(name, name)) for name in names]
+            ending = {self.place[name] for name in names if name in self.place and last[name] == k}
+            how = self.choose if operation is np.copyto else self.compute
+            self.place[value] = how(operation, read, ending, value)
+        ready = [self.place.get(name, name) for name in self.results]
+        self.lines += [f"positive({x}, y{k})" for k, x in enumerate(ready) if x != f"y{k}"]
+
+    def compute(self, operation: Any, read: list[str], ending: set[str], value: str) -> str:
+        """Write a call; its result may lie where an operand lies that nobody reads any more."""
+        self.rooms.give(ending)
+        target = self.result(value) or self.rooms.take("m" if operation in _MASKS else "w")
+        named = "out=" if operation is np.minimum else ""  # which by position is deprecated, and slow
+        self.lines.append(_call(operation, *read, named + target))
+        return target
+
+    def choose(self, _: Any, read: list[str], ending: set[str], value: str) -> str:
+        """Write a choice: into its last operand, or into a copy of it where it is needed further on."""
+        condition, x, y = read
+        # A single result may lie where an input lies: it is written last, and by one step.
+        target = self.result(value) if len(self.results) > 1 else ""
+        target = target or (y if y in ending and y != x else self.rooms.take("w"))
+        self.lines += [f"positive({y}, {target})"] if target != y else []
+        self.lines.append(f"copyto({target}, {x}, where={condition})")
+        self.rooms.give(ending - {target})
+        return target
+
+    def result(self, value: str) -> str:
+        return f"y{self.results.index(value)}" if value in self.results else ""
+
+
 class _Steps(NamedTuple):
     """A kernel as plain calls: a function of inputs, results, buffers and masks, and how many there are."""
 
@@ -414,76 +490,58 @@ def _steps(
         return steps._replace(run=steps.run(_prepare(parameters, real).arrays))
 
 
-_MASKS = (np.greater, np.less, np.less_equal, np.equal, np.logical_not)  # what gives true or false
-
-
 @cache
 def _unbound(kernel: Callable[..., tuple[Any, ...]], inputs: int, real: _Real) -> _Steps:
     """Record a kernel and write its steps out as a function that takes the coefficients and gives `run`.
 
-    A buffer is used again as soon as nobody reads it any more. A loop over the steps would take a quarter
-    longer on short arrays.
+    A loop over the steps would take a quarter longer on short arrays.
     """
     tape = _Tape(real)
-    c = _Coefficients(*(_Value(tape, f"c_{name}") for name in _Coefficients._fields))
     given = [f"x{k}" for k in range(inputs)]
+    c = _Coefficients(*(_Value(tape, f"c_{name}") for name in _Coefficients._fields))
     results = [tape.name(x) for x in kernel(c, *(_Value(tape, name) for name in given))]
-    last = {name: k for k, (_, *names) in enumerate(tape.steps) for name in names}
-    last |= dict.fromkeys(results, len(tape.steps))
-    place: dict[str, str] = {}  # of what is computed
-    free: dict[str, list[str]] = {"w": [], "m": []}  # buffers, masks
-    made = {"w": 0, "m": 0}
-    fixed = {f"c_{name}" for name in _Coefficients._fields} | {x.name for x in tape.numbers.values()}
-    ahead, lines = list[str](), list[str]()  # what hangs on coefficients only is computed once
-
-    def take(kind: str) -> str:
-        if not free[kind]:
-            free[kind].append(f"{kind}{made[kind]}")
-            made[kind] += 1
-        return free[kind].pop()
-
-    for k, ((operation, *names), value) in enumerate(tape.steps.items()):
-        if fixed.issuperset(names) and operation is not np.copyto:
-            fixed.add(value.name)
-            ahead += [f"{value.name} = array({operation.__name__}({', '.join(names)}))"]
-            continue
-        read = [str(place.get(name, name)) for name in names]
-        ending = {place[name] for name in names if name in place and last[name] == k}
-        # A result that lies where an input lies is written last, and by one step.
-        direct = value.name in results and (operation is not np.copyto or len(results) > 1)
-        target = f"y{results.index(value.name)}" if direct else ""
-        if operation is np.copyto:  # into the last operand, or a copy of it where it is needed further on
-            condition, x, y = read
-            target = target or (y if y in ending and y != x else take("w"))
-            lines += [f"positive({y}, {target})"] if target != y else []
-            lines += [f"copyto({target}, {x}, where={condition})"]
-        for ended in sorted(ending - {target}):
-            free.get(ended[0], []).append(ended)
-        if operation is not np.copyto:
-            target = target or take("m" if operation in _MASKS else "w")
-            named = "out=" if operation is np.minimum else ""  # which by position is deprecated, and slow
-            lines += [f"{operation.__name__}({', '.join(read)}, {named}{target})"]
-        place[value.name] = target
-    ready = [place.get(name, name) for name in results]
-    lines += [f"positive({x}, y{k})" for k, x in enumerate(ready) if x != f"y{k}"]
-    taken = [*given, *(f"y{k}" for k in range(len(results)))]
-    taken += [f"{kind}{k}" for kind, count in made.items() for k in range(count)]
-    used = [f"{name} = c.{name[2:]}" for name in sorted(last) if name.startswith("c_")]
-    run = "\n        ".join(["def run(arrays):", f"{', '.join(taken)}, = arrays", *lines])
+    ahead = _ahead(tape)
+    steps = {step: value.name for step, value in tape.steps.items() if step not in ahead}
+    writer = _Writer(results)
+    writer.write(steps)
+    read = {name for _, *names in tape.steps for name in names}.union(results)
+    arrays = [*given, *(f"y{k}" for k in range(len(results))), *writer.rooms.names()]
+    text = [
+        "def bind(c):",
+        *(f"    {name} = c.{name[2:]}" for name in sorted(read) if name.startswith("c_")),
+        *(f"    {value.name} = array({_call(*step)})" for step, value in ahead.items()),
+        "    def run(arrays):",
+        f"        {', '.join(arrays)}, = arrays",
+        *(f"        {line}" for line in writer.lines),
+        "    return run",
+    ]
     known: dict[str, Any] = {operation.__name__: operation for operation, *_ in tape.steps}
     known |= {value.name: np.array(x, real) for x, value in tape.numbers.items()}
     known |= {"positive": np.positive, "array": np.array}
-    exec("\n    ".join(["def bind(c):", *used, *ahead, run, "return run"]), known)  # noqa: S102 - our own text
+    made = writer.rooms.made
+    exec("\n".join(text), known)  # noqa: S102 - our own text
     return _Steps(known["bind"], len(results), made["w"], made["m"], [])
+
+
+def _ahead(tape: _Tape) -> dict[tuple[Any, ...], _Value]:
+    """The steps that hang on coefficients only, which are computed once."""
+    known = {f"c_{name}" for name in _Coefficients._fields} | {x.name for x in tape.numbers.values()}
+    ahead = dict[tuple[Any, ...], _Value]()
+    for (operation, *names), value in tape.steps.items():
+        if operation is not np.copyto and known.issuperset(names):
+            ahead[operation, *names] = value
+            known.add(value.name)
+    return ahead
+
+
+def _call(operation: Any, *names: str) -> str:
+    return f"{operation.__name__}({', '.join(names)})"
 
 
 _BLOCK = 16384  # elements: few enough to stay in the cache, so many that a call costs little for each
 _SMALL = 2048  # elements from which on blocks are worth their set-up
 _DEFAULT = Parameters()
 _NUMBERS = {float, int, np.float64}
-_DOUBLE = np.dtype(np.float64)
-# Numbers of Python's have no precision of their own: they leave a float32 beside them what it is.
-_KEPT = np.ndarray | np.generic | float | int
 
 
 def _evaluate(
@@ -494,16 +552,16 @@ def _evaluate(
     width: int,
 ) -> Any:
     """Run the kernel over the broadcast inputs, block by block; width 0 is a scalar result."""
+    if parameters is not None:
+        _check_kind(type(parameters))
     if out is None and _NUMBERS.issuperset(map(type, inputs)):
         values = _at(kernel, parameters, inputs)
         return np.array(values) if width else np.float64(values[0])
-    arrays, real, shape = _broadcast(inputs)
+    arrays, real, shape = _broadcast(inputs, kernel)
     full = (*shape, width) if width else shape
     result = np.empty(full, real) if out is None else out
     if out is not None:
-        if out.shape != full or out.dtype != real:
-            got = f"{out.shape} of {out.dtype}"
-            raise ValueError(f"out: required shape {full} of {real.__name__}, got {got}")
+        _check_out(out, full, real)
         if out.size <= _SMALL * (width or 1):  # longer ones are read block by block, with care
             arrays = [x.copy() if np.may_share_memory(x, out) else x for x in arrays]
     parts = [result[..., k] for k in range(width)] if width else [result]
@@ -515,16 +573,16 @@ def _evaluate(
     return result if out is not None or full else result[()]
 
 
-def _broadcast(inputs: tuple[Any, ...]) -> tuple[Sequence[np.ndarray], _Real, tuple[int, ...]]:
+def _broadcast(
+    inputs: tuple[Any, ...], kernel: Callable[..., Any]
+) -> tuple[Sequence[np.ndarray], _Real, tuple[int, ...]]:
     """The inputs as arrays of one precision, that precision, and the shape that they have together."""
     for x in inputs:  # mostly these are arrays of doubles already, and of one shape
         if type(x) is not np.ndarray or x.dtype is not _DOUBLE or x.shape != inputs[0].shape:
             break
     else:
         return inputs, np.float64, inputs[0].shape if inputs else ()
-    inputs = tuple(x if isinstance(x, _KEPT) else np.asarray(x) for x in inputs)
-    real = np.float32 if np.result_type(*inputs) == np.float32 else np.float64
-    arrays = [np.asarray(x, dtype=real) for x in inputs]
+    arrays, real = _arrays(inputs, kernel.__code__.co_varnames[1:])
     return arrays, real, np.broadcast(*arrays).shape
 
 
@@ -538,6 +596,69 @@ def _at(kernel: Callable[..., tuple[Any, ...]], parameters: Parameters | None, i
         out = np.empty((steps.results, 1))
         _fill(steps, [np.array([x]) for x in values], list(out))
         return tuple(out[:, 0].tolist())
+
+
+_DOUBLE = np.dtype(np.float64)
+# Numbers of Python's have no precision of their own: they leave a float32 beside them what it is.
+_PYTHONS = (float, int)
+_KEPT = (np.ndarray, np.generic, *_PYTHONS)
+_LARGEST_SINGLE = float(np.finfo(np.float32).max)
+
+
+@cache
+def _check_kind(kind: type) -> None:
+    """Ask for Parameters of this model; a module that was loaded twice has them twice."""
+    if getattr(kind, "__dataclass_fields__", {}).keys() != _DOMAINS.keys():
+        got = f"{kind.__module__}.{kind.__qualname__}"
+        raise TypeError(f"parameters: required Parameters of this model, got {got}")
+
+
+def _require(names: tuple[str, ...], value: ArrayLike, parameters: Parameters | None) -> None:
+    """Ask for the inertia, which has no default, where there is an acceleration."""
+    if parameters is not None:
+        _check_kind(type(parameters))
+    missing = [name for name in names if getattr(parameters or _DEFAULT, name) is None]
+    if missing and np.any(np.asarray(value) != 0):
+        raise ValueError(f"{', '.join(missing)}: required in Parameters with an acceleration, got None")
+
+
+def _check_out(out: np.ndarray, shape: tuple[int, ...], real: _Real) -> None:
+    if not isinstance(out, np.ndarray):
+        raise TypeError(f"out: required an array, got {type(out).__name__}")
+    if out.shape != shape or out.dtype != real:
+        got = f"{out.shape} of {out.dtype}"
+        raise ValueError(f"out: required shape {shape} of {real.__name__}, got {got}")
+
+
+def _number(name: str, x: Any) -> Any:
+    """The input, as an array unless it is a number."""
+    x = x if isinstance(x, _KEPT) else np.asarray(x)
+    if getattr(x, "dtype", _DOUBLE).kind not in "biuf":
+        raise TypeError(f"{name}: required real numbers, got {x.dtype.name}")
+    return x
+
+
+def _arrays(inputs: Sequence[Any], names: Sequence[str]) -> tuple[list[np.ndarray], _Real]:
+    """The inputs as arrays of one precision, and that precision."""
+    given = [x if isinstance(x, _KEPT) else np.asarray(x) for x in inputs]
+    try:
+        common = np.result_type(*given)
+    except TypeError:  # dates, texts
+        common = None
+    if common is None or common.kind not in "biuf":
+        given = list(map(_number, names, given))
+    if common == np.float32:
+        return list(map(_rounded, names, given)), np.float32
+    return [np.asarray(x, np.float64) for x in given], np.float64
+
+
+def _rounded(name: str, x: Any) -> np.ndarray:
+    if isinstance(x, _PYTHONS):
+        if _LARGEST_SINGLE < abs(x) < math.inf:  # infinite, it would make a NaN of what is finite
+            raise ValueError(f"{name}: required a number that float32 can hold, got {x}")
+        with np.errstate(all="ignore"):
+            return np.asarray(x, np.float32)
+    return np.asarray(x, np.float32)
 
 
 @np.errstate(all="ignore")
@@ -574,13 +695,6 @@ def _aligned(count: int, size: int, real: np.dtype[Any]) -> np.ndarray:
     memory = np.empty(count * pitch + line, real)
     start = -memory.ctypes.data % 64 // real.itemsize
     return memory[start : start + count * pitch].reshape(count, pitch)[:, :size]
-
-
-def _require(names: tuple[str, ...], value: ArrayLike, parameters: Parameters | None) -> None:
-    """Ask for the inertia, which has no default, where there is an acceleration."""
-    missing = [name for name in names if getattr(parameters or _DEFAULT, name) is None]
-    if missing and np.any(np.asarray(value) != 0):
-        raise ValueError(f"{', '.join(missing)}: required in Parameters with an acceleration, got None")
 
 
 def _single(x: Any) -> bool:

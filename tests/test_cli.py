@@ -1,5 +1,6 @@
-"""The command line and its output folders: one line on bad input, whole output or none."""
+"""The command line: one line on bad input, quiet where nobody reads."""
 
+import os
 import subprocess
 import sys
 import types
@@ -11,7 +12,6 @@ import pytest
 
 from eccentric import cli
 from eccentric.errors import InputError
-from eccentric.output import MARKER, whole_file, whole_folder
 from eccentric.places import folder
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -137,9 +137,15 @@ def test_wrong_usage_is_one_line(arguments: list[str], complaint: str) -> None:
     assert "--help" in done.stderr
 
 
-def test_a_reader_that_leaves_is_no_error() -> None:
+PRINTING = {"eccentric audit": ("-m", "eccentric", "audit")} | {
+    path.stem: (str(path),) for path in (ROOT / "derivations").glob("*.py")
+}
+
+
+@pytest.mark.parametrize("name", sorted(PRINTING))
+def test_a_reader_that_leaves_is_no_error(name: str) -> None:
     """Output into a pipe that nobody reads ends quietly, as it does for other programs."""
-    command = [sys.executable, "-m", "eccentric", "audit"]
+    command = [sys.executable, *PRINTING[name]]
     process = subprocess.Popen(command, cwd=ROOT, stdout=subprocess.PIPE, stderr=subprocess.PIPE)
     assert process.stdout is not None
     assert process.stderr is not None
@@ -151,6 +157,35 @@ def test_a_reader_that_leaves_is_no_error() -> None:
     assert (process.wait(), complaint) == (141, b"")
 
 
+def test_a_reader_that_leaves_leaves_the_files(tmp_path: Path) -> None:
+    """`eccentric derive | head` has written what it derived."""
+    command = [
+        sys.executable,
+        "-m",
+        "eccentric",
+        "derive",
+        "c1_perpendicular",
+        "--out",
+        str(tmp_path / "out"),
+    ]
+    process = subprocess.Popen(command, cwd=ROOT, stdout=subprocess.PIPE)
+    assert process.stdout is not None
+    process.stdout.close()
+
+    assert process.wait() == 141
+    there = {path.name for path in (tmp_path / "out").iterdir()}
+    assert there >= {f"c1_perpendicular{ending}" for ending in (".py", ".h", ".c")}
+
+
+@pytest.mark.skipif(os.name != "posix", reason="closed with a shell")
+def test_no_stdout_at_all_is_no_error() -> None:
+    """Started with stdout closed, as some services do, a command works and says nothing."""
+    line = f'"{sys.executable}" -m eccentric audit >&-'
+    done = subprocess.run(["sh", "-c", line], cwd=ROOT, capture_output=True, check=False)
+
+    assert (done.returncode, done.stdout, done.stderr) == (0, b"", b"")
+
+
 def test_places_are_found_beside_the_package() -> None:
     """In a clone the derivations and templates are the top-level folders."""
     assert [ROOT / "derivations", ROOT / "templates"] == [folder("derivations"), folder("templates")]
@@ -160,118 +195,6 @@ def test_a_place_that_is_not_there_is_named() -> None:
     """An incomplete installation says which folder is missing."""
     with pytest.raises(InputError, match="nonsense: required a folder"):
         folder("nonsense")
-
-
-def test_a_folder_is_replaced_as_a_whole(tmp_path: Path) -> None:
-    """A second run replaces all files of the first, those that it does not write again included."""
-    out = tmp_path / "new" / "out"
-    for names in (("a", "b/c"), ("a",)):
-        with whole_folder(out) as new:
-            for name in names:
-                (new / name).parent.mkdir(exist_ok=True)
-                (new / name).write_text(str(names))
-
-    assert sorted(path.name for path in out.iterdir()) == [MARKER, "a"]
-    assert (out / "a").read_text() == "('a',)"
-    assert [path.name for path in out.parent.iterdir()] == ["out"]
-
-
-@pytest.mark.parametrize("error", [ValueError(), KeyboardInterrupt()], ids=["error", "interrupt"])
-def test_nothing_half_written_stays(error: BaseException, tmp_path: Path) -> None:
-    """After an exception, an interrupt included, folder and file are what they were and nothing is beside."""
-    out, log = tmp_path / "out", tmp_path / "log.csv"
-    with whole_folder(out) as new, whole_file(log) as file:
-        (new / "a").write_text("first")
-        file.write_text("first")
-
-    with pytest.raises(type(error)), whole_folder(out) as new:  # noqa: PT012 -- the failure is the point
-        (new / "a").write_text("second")
-        raise error
-    with pytest.raises(type(error)), whole_file(log) as file:  # noqa: PT012
-        file.write_text("second")
-        raise error
-
-    assert ["first", "first"] == [(out / "a").read_text(), log.read_text()]
-    assert sorted(path.name for path in tmp_path.iterdir()) == ["log.csv", "out"]
-
-
-def test_the_old_folder_returns_if_the_new_one_cannot_take_its_place(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """A failure between the two renames leaves the earlier output where it was."""
-    out = tmp_path / "out"
-    with whole_folder(out) as new:
-        (new / "a").write_text("first")
-    rename = Path.rename
-
-    def fail_for_the_new_one(self: Path, target: Path) -> Path:
-        if self.name == target.name == "out":
-            raise KeyboardInterrupt
-        return rename(self, target)
-
-    monkeypatch.setattr(Path, "rename", fail_for_the_new_one)
-    with pytest.raises(KeyboardInterrupt), whole_folder(out) as new:
-        (new / "a").write_text("second")
-
-    assert (out / "a").read_text() == "first"
-
-
-def test_files_of_others_are_kept(tmp_path: Path) -> None:
-    """What someone adds to an output folder outlives the next run."""
-    for text in ("first", "second"):
-        with whole_folder(tmp_path / "out") as new:
-            (new / "a").write_text(text)
-        (tmp_path / "out/mine").mkdir(exist_ok=True)
-        (tmp_path / "out/mine/notes").write_text("mine")
-
-    with whole_folder(tmp_path / "out") as new:
-        (new / "a").write_text("third")
-
-    assert ["third", "mine"] == [(tmp_path / f"out/{name}").read_text() for name in ("a", "mine/notes")]
-
-
-def test_files_of_others_are_not_overwritten(tmp_path: Path) -> None:
-    """A new file whose name someone else's file has is refused, and theirs stays."""
-    with whole_folder(tmp_path / "out"):
-        pass
-    (tmp_path / "out/a").write_text("mine")
-
-    with (
-        pytest.raises(InputError, match="out: required to be free: a;"),
-        whole_folder(tmp_path / "out") as new,
-    ):
-        (new / "a").write_text("ours")
-
-    assert (tmp_path / "out/a").read_text() == "mine"
-
-
-def test_a_folder_of_others_is_refused(tmp_path: Path) -> None:
-    """A folder that holds files and was not written by eccentric is refused before any work is done."""
-    (tmp_path / "thesis.tex").write_text("mine")
-
-    with pytest.raises(InputError, match="received a folder with other files"), whole_folder(tmp_path):
-        pytest.fail("the block must not be entered")
-
-    assert [path.name for path in tmp_path.iterdir()] == ["thesis.tex"]
-
-
-def test_targets_of_the_wrong_kind_are_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """A file for a folder, the reverse, the working directory and a file as parent are refused."""
-    (tmp_path / "file").write_text("")
-    (tmp_path / "here").mkdir()
-    monkeypatch.chdir(tmp_path / "here")
-
-    with pytest.raises(InputError, match="received a file"), whole_folder(tmp_path / "file"):
-        pass
-    with (
-        pytest.raises(InputError, match="received something that is not a regular file"),
-        whole_file(tmp_path),
-    ):
-        pass
-    with pytest.raises(InputError, match="received the working directory"), whole_folder("."):
-        pass
-    with pytest.raises(InputError, match="required a place that can be written"), whole_file("../file/log"):
-        pass
 
 
 def _python(*arguments: str) -> subprocess.CompletedProcess[str]:

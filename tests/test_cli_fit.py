@@ -130,6 +130,44 @@ def test_one_blank_cell_and_a_default_threshold_are_told_shortly(
     assert "(moving_threshold_rad_s sets it)" in shown.out
 
 
+def test_a_stretch_of_blank_cells_is_told_before_the_gap_that_it_leaves(
+    rows: list[str], tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """First what is known, rows that are not numbers; then the gap, without a guess at its cause."""
+    log = tmp_path / "log.csv"
+    blank = [row.rsplit(",", 1)[0] + "," for row in rows[7001:7030]]
+    log.write_text("\n".join([*rows[:7001], *blank, *rows[7030:]]) + "\n")
+    assert cli.main(["fit", str(log), "--rig", str(RIG), "--out", str(tmp_path / "out")]) == 0
+    dropped, gap = capsys.readouterr().err.splitlines()
+    assert (
+        "29 of 15000 rows are not numbers (first: line 7002; most: 'current_A'), they are dropped" in dropped
+    )
+    assert gap.endswith(
+        "1 gap in time, 0.002 of the log, the longest of 0.12 s after 27.996 s: no filter crosses them"
+    )
+
+
+def test_a_refusal_names_a_few_of_many_runs(
+    rows: list[str], tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Of 150 runs one line tells the first, and how many more there are or that there are more."""
+    columns = {"time": "time_s", "theta_m": "theta_m_rad", "current": "current_A", "run": "run"}
+    rig = {k: v for k, v in changed().items() if k != "holdout_intervals_s"} | {"columns": columns}
+    log, path = tmp_path / "log.csv", tmp_path / "rig.json"
+    runs = [f"{row},bench {k // 100}" for k, row in enumerate(rows[1:])]
+    log.write_text("\n".join([f"{rows[0]},run", *runs]) + "\n")
+    first = ", ".join(f"bench {k}" for k in range(12))
+    for more, message in (
+        ({"holdout_runs": ["x*"]}, f"one of {first} and 138 more is required, received 'x*'"),
+        (
+            {"moving_threshold_rad_s": 1e4},
+            "every fifth from the third on: bench 2, bench 7, bench 12,",
+        ),
+    ):
+        path.write_text(json.dumps(rig | more))
+        refused([str(log), "--rig", str(path)], message, tmp_path, capsys)
+
+
 LOGS = {
     "missing file": (None, "no such file"),
     "missing column": (lambda rows: ["time_s,current_A", "0,1", "1,2"], "column 'theta_m_rad' is required"),
@@ -140,6 +178,10 @@ LOGS = {
     "decimal comma": (
         lambda rows: [row.replace(",", ";").replace(".", ",") for row in rows],
         "line 2, column 'time_s': a number is required, received '0,000'; decimals are required with a point",
+    ),
+    "two hundred columns": (
+        lambda rows: [",".join(f"signal_{k}" for k in range(200)), *[",".join(["1"] * 200)] * len(rows)],
+        f"the log has {', '.join(f'signal_{k}' for k in range(12))} and 188 more",
     ),
     "unknown name in a comment": (lambda rows: ["# nothing", *rows[1:]], "a header row with column names"),
     "empty": (lambda rows: rows[:1], "a log with rows is required"),

@@ -6,6 +6,7 @@ from collections.abc import Iterator
 from functools import cache
 from pathlib import Path
 from types import ModuleType
+from typing import Any
 
 import numpy as np
 import pytest
@@ -24,6 +25,7 @@ from tests.emitted import (
     width,
     with_inertia,
 )
+from tests.refused import NO_NUMBERS, NO_PARAMETERS
 
 pytestmark = pytest.mark.skipif(shutil.which("cc") is None, reason="needs a C compiler")
 
@@ -111,6 +113,46 @@ def test_out_is_filled_and_returned(name: str, function: str, dtype: type[np.flo
         f(*states, p, out=np.empty((2, 2), dtype))
 
 
+@every_call_on_states
+def test_what_is_refused_is_what_numpy_refuses(name: str, function: str) -> None:
+    """Inputs, parameters and `out` of the wrong kind raise the error of the NumPy module, in its words."""
+    f, compiled_f = getattr(module(name), function), getattr(compiled(name), function)
+    p, count = with_inertia(name), len(oracle.inputs(name, function))
+    ones = [np.ones(3, np.float32)] * (count - 1)
+    calls: list[tuple[list[Any], dict[str, Any]]] = [
+        *(([*ones, wrong], {"parameters": p}) for wrong in NO_NUMBERS),
+        *(([*ones, 1.0], {"parameters": wrong}) for wrong in NO_PARAMETERS),
+        *(([*ones, np.ones(3)], {"parameters": p, "out": wrong}) for wrong in ([0.0], 0.0)),
+    ]
+    if count > 1:
+        calls.append(([*ones, 1e300], {"parameters": p}))
+
+    for given, named in calls:
+        with pytest.raises((TypeError, ValueError)) as expected:
+            f(*given, **named)
+        with pytest.raises(type(expected.value)) as actual:
+            compiled_f(*given, **named)
+        assert str(expected.value) == str(actual.value)
+
+
+@every_call_on_states
+def test_memory_of_any_kind_is_taken_as_numpy_takes_it(name: str, function: str) -> None:
+    """Numbers that lie between two addresses of doubles give the same bits; what is read-only stays."""
+    expected, actual = getattr(module(name), function), getattr(compiled(name), function)
+    p, states = with_inertia(name), example_states(name, function, 100, np.float64)
+    apart = [np.frombuffer(b"\0\0\0" + x.tobytes(), np.uint8)[3:].view(np.float64) for x in states]
+    wanted = expected(*states, p)
+    out = np.frombuffer(bytearray(wanted.nbytes + 3), np.uint8)[3:].view(np.float64).reshape(wanted.shape)
+
+    assert not any(x.flags.aligned for x in (*apart, out))
+    assert np.array_equal(wanted, actual(*apart, p))
+    assert np.array_equal(wanted, actual(*apart, p, out=out))
+    kept = np.frombuffer(bytes(wanted.nbytes)).reshape(wanted.shape)
+    with pytest.raises(ValueError, match="read-only"):
+        actual(*states, p, out=kept)
+    assert not np.any(kept)
+
+
 @every_model
 def test_acceleration_asks_for_inertia(name: str) -> None:
     """Without J_m and J_l an acceleration is refused by their names, as the NumPy module does."""
@@ -142,4 +184,29 @@ def test_no_compiler_is_one_clear_line(monkeypatch: pytest.MonkeyPatch, tmp_path
     broken.write_text("#!/bin/sh\necho no such flag >&2\nexit 1\n")
     broken.chmod(0o755)
     with pytest.raises(InputError, match=r"^compile: .*/cc: required a C99 compiler .*got: no such flag$"):
+        eccentric.compile(load_model("c1_perpendicular"))
+
+
+def test_compiler_may_have_options(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    """CC is what `make` takes: a command with options of its own, which are handed on."""
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
+    monkeypatch.setenv("CC", "cc -O1")
+    expected = module("c1_perpendicular").friction_torque(2.0)
+    assert expected == eccentric.compile(load_model("c1_perpendicular")).friction_torque(2.0)
+
+    monkeypatch.setenv("CC", "cc -no-such-option")
+    with pytest.raises(InputError, match=r"^compile: .*/cc: required a C99 compiler .*no-such-option"):
+        eccentric.compile(load_model("c1_perpendicular"))
+
+
+def test_what_cannot_be_compiled_or_kept_is_one_clear_line(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    """A name in place of a model, and a cache that is a file, are told as what they are."""
+    with pytest.raises(TypeError, match=r"^compile: required a Model, as load_model gives it, got str$"):
+        eccentric.compile("c2_parallel")  # type: ignore[arg-type]
+
+    (tmp_path / "file").write_text("")
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "file"))
+    with pytest.raises(InputError, match=r"file/eccentric: required a place that can be written"):
         eccentric.compile(load_model("c1_perpendicular"))

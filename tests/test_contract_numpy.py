@@ -7,6 +7,7 @@ import subprocess
 import sys
 import tracemalloc
 import warnings
+from fractions import Fraction
 from pathlib import Path
 
 import numpy as np
@@ -190,13 +191,13 @@ def test_memory_is_bounded_by_the_block(name: str, function: str, dtype: type[np
 
 @every_model
 def test_parameters_are_checked(name: str) -> None:
-    """What cannot be a drive is refused by name: a negative mass, a ratio of zero, a NaN, a text."""
+    """What cannot be a drive is refused by name: a negative mass, a ratio of zero, a NaN, an infinity."""
     cls = module(name).Parameters
     wrong = {
         "M": (-1.0, float("nan")),
         "M_l": (-0.1,),
         "L": (-0.25,),
-        "mu": (0.0, -0.2, "a"),
+        "mu": (0.0, -0.2, float("inf"), 10**400, Fraction(1, 10**400)),
         "R": (0.0,),
         "k_i": (0.0,),
     }

@@ -10,7 +10,6 @@ Exit status: 0, or what `run` returns; 2 with one line on stderr for bad input; 
 
 import argparse
 import ast
-import os
 import sys
 import textwrap
 import warnings
@@ -21,6 +20,7 @@ from typing import NoReturn
 
 from eccentric import __version__
 from eccentric.errors import InputError
+from eccentric.output import UNREAD, nobody_reads
 
 __all__ = ["COMMANDS", "main"]
 
@@ -43,15 +43,15 @@ def main(argv: Sequence[str] | None = None) -> int:
     try:
         parsed = _parser(arguments).parse_args(arguments)
         status = parsed.run(parsed)
-        sys.stdout.flush()
+        if sys.stdout is not None:  # as where a service has none
+            sys.stdout.flush()
     except InputError as error:
         return _complain(str(error), 2)
     except KeyboardInterrupt:
         return _complain("interrupted", 130)
     except BrokenPipeError:
-        # The interpreter flushes stdout once more at exit: it has to find a place to go.
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-        return 141
+        nobody_reads()
+        return UNREAD
     except OSError as error:
         place = f"{error.filename}: " if error.filename else ""
         return _complain(f"{place}{error.strerror or error}", 2)

@@ -5,9 +5,10 @@ from pathlib import Path
 
 import eccentric
 from eccentric.emit import complete, differences, write
-from eccentric.emit.text import checked_name
+from eccentric.emit.names import checked_name
 from eccentric.errors import InputError
 from eccentric.model import load_model, model_names
+from eccentric.output import folder_to_write
 
 NAME = "derive"
 HELP = "print the derivations and write generated/ (NumPy and C99)"
@@ -29,7 +30,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Print the derivations, then write their trios; with --check compare instead."""
+    """Write the trios of the derivations, then print these; with --check compare instead."""
     models = [load_model(name) for name in arguments.models or model_names()]
     for model in models:
         checked_name(model.name, f"model {model.name}: its name")
@@ -42,11 +43,12 @@ def run(arguments: argparse.Namespace) -> int:
             return 1
         print(f"generated files are fresh: {len(models)} models")
         return 0
+    folder_to_write(out)
     # All are rendered before the first is written: one that cannot be leaves the folder as it was.
     files = {name: text for model in models for name, text in complete(model).items()}
+    write(files, out)
     for model in models:
         print(model.latex() if arguments.latex else model, end="\n\n")
-    write(files, out)
     return 0
 
 

@@ -7,7 +7,8 @@ import sys
 import webbrowser
 from pathlib import Path
 
-from eccentric.emit import emit
+from eccentric.cli.arguments import add_folder, add_logs, distinct
+from eccentric.emit import complete, write
 from eccentric.errors import InputError
 from eccentric.identify.diagnose import Diagnosis, diagnose
 from eccentric.identify.diagnosis import document
@@ -15,7 +16,7 @@ from eccentric.identify.diagnosis_words import lines
 from eccentric.identify.model_script import script
 from eccentric.identify.report import report
 from eccentric.model import load_model
-from eccentric.output import whole_folder
+from eccentric.output import own_folder, whole_folder
 
 NAME = "diagnose"
 HELP = "find what the model lacks on a log, add it, emit it, report the error before and after"
@@ -34,32 +35,29 @@ _EMITTED = {
     ".py": "the extended model in NumPy",
     ".h": "its C99 header",
     ".c": "its C99 source",
+    "_selftest.c": "a self-test of the source, for your board",
+    "_vectors.h": "what the self-test compares with",
+    "_proof.c": "the driver of a proof that the source is free of undefined behaviour",
 }
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
     """Add the arguments."""
-    parser.add_argument(
-        "logs", metavar="LOG", nargs="+", help="logs of one rig: .csv[.gz], .parquet, .mat, .json[.gz]"
-    )
-    parser.add_argument(
-        "--rig", metavar="RIG", required=True, help="what is known of the rig: .toml or .json"
-    )
-    parser.add_argument(
-        "--model", metavar="MODEL", help="a model or the path of a derivation (by the rig's case)"
-    )
+    add_logs(parser)
     parser.add_argument("--effects", metavar="FILE", type=Path, help="a Python file with effects of your own")
-    parser.add_argument("--out", metavar="DIR", required=True, help="folder to write; replaced as a whole")
+    add_folder(parser, "the report and the extended model")
     parser.add_argument("--open", action="store_true", help="open the report in the browser")
 
 
 def run(args: argparse.Namespace) -> int:
     """Diagnose, write the folder, print the result; return 0."""
+    distinct(args.logs)
+    own_folder(args.out)
     for own in _own(args.effects, args.model):
         if own.name == "model.py" or own.stem.endswith("_extended"):
             raise InputError(f"{own}: required another name: the result has a file of this one")
     found = diagnose(args.logs, args.rig, args.model, args.effects, _progress())
-    with whole_folder(args.out) as folder:
+    with whole_folder(args.out, NAME) as folder:
         names = _write(found, folder)
     for warning in found.warnings:
         print(f"eccentric: warning: {warning}", file=sys.stderr)
@@ -82,11 +80,14 @@ def _write(found: Diagnosis, folder: Path) -> list[str]:
     own = _own(found.own, found.model)
     for path in own:
         shutil.copyfile(path, folder / path.name)
-    emitted = emit(load_model(folder / "model.py"), folder, "eccentric diagnose", "model.py")
+    model = load_model(folder / "model.py")
+    emitted = complete(model, "eccentric diagnose", "model.py")
+    write(emitted, folder)
     files = [*_FILES, *((path.name, "a script of your own") for path in own)]
-    files += [(path.name, _EMITTED[path.suffix]) for path in emitted]
+    files += [(name, _EMITTED[name.rpartition(model.name)[2]]) for name in emitted]
     (folder / "report.html").write_text(report(found, files), encoding="utf-8")
-    return ["report.html", "diagnosis.json", "model.py", *(path.name for path in emitted)]
+    top = [name for name in emitted if "/" not in name]
+    return ["report.html", "diagnosis.json", "model.py", *top, "check/"]
 
 
 def _progress():  # noqa: ANN202 - a function or None

@@ -4,9 +4,10 @@ import argparse
 from dataclasses import replace
 from pathlib import Path
 
+from eccentric.cli.arguments import add_folder
 from eccentric.emit import complete, write
 from eccentric.emit.defaults import read_parameters, with_fitted
-from eccentric.emit.text import checked_name
+from eccentric.emit.names import checked_name
 from eccentric.model import load_model
 from eccentric.output import whole_folder
 
@@ -20,7 +21,7 @@ eccentric emit c2_parallel --parameters build/fit/fit.json --prefix arm --out bu
 def configure(parser: argparse.ArgumentParser) -> None:
     """Add the arguments."""
     parser.add_argument("model", metavar="MODEL", help="a model's name, or the path of a derivation")
-    parser.add_argument("--out", type=Path, required=True, help="folder to write; replaced as a whole")
+    add_folder(parser, "the files of the model")
     parser.add_argument(
         "--parameters", type=Path, metavar="FIT.json", help="fitted values to be the trio's defaults"
     )
@@ -40,7 +41,7 @@ def run(arguments: argparse.Namespace) -> int:
         model = replace(model, name=name)
     else:
         model = with_fitted(model, read_parameters(arguments.parameters), name)
-    with whole_folder(arguments.out) as folder:
+    with whole_folder(arguments.out, f"{NAME} {name}") as folder:
         written = write(complete(model, "eccentric emit", origin), folder)
         names = [path.relative_to(folder).as_posix() for path in written]
     print(f"{arguments.out}: {', '.join(names)}")

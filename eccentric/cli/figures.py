@@ -1,8 +1,8 @@
 """`eccentric figures`: the paper's figures from the emitted modules."""
 
 import argparse
-from pathlib import Path
 
+from eccentric.cli.arguments import add_folder
 from eccentric.figures import draw
 from eccentric.output import whole_folder
 
@@ -13,12 +13,12 @@ EXAMPLE = "eccentric figures --out build/figures"
 
 def configure(parser: argparse.ArgumentParser) -> None:
     """Add the arguments."""
-    parser.add_argument("--out", type=Path, required=True, help="folder to write; replaced as a whole")
+    add_folder(parser, "the figures")
 
 
 def run(arguments: argparse.Namespace) -> int:
     """Draw and name the files."""
-    with whole_folder(arguments.out) as folder:
+    with whole_folder(arguments.out, NAME) as folder:
         names = [path.name for path in draw(folder)]
     print(f"{arguments.out}: {', '.join(names)}")
     return 0

@@ -5,6 +5,7 @@ import json
 import sys
 from pathlib import Path
 
+from eccentric.cli.arguments import add_folder, add_logs, distinct
 from eccentric.errors import InputError
 from eccentric.identify.channels import read_channels
 from eccentric.identify.fit import fit
@@ -13,7 +14,7 @@ from eccentric.identify.fit_report import document
 from eccentric.identify.fit_words import lines
 from eccentric.identify.rig import read_rig
 from eccentric.model import load_model
-from eccentric.output import whole_folder
+from eccentric.output import own_folder, whole_folder
 
 NAME = "fit"
 HELP = "identify the friction of a rig from its logs, with uncertainty, and compare it with Coulomb + viscous"
@@ -23,32 +24,21 @@ eccentric fit monday.csv tuesday.csv --rig my_rig.toml --out build/mine"""
 
 def configure(parser: argparse.ArgumentParser) -> None:
     """Add the arguments of `fit` to `parser`."""
-    parser.add_argument(
-        "logs", metavar="LOG", nargs="+", help="logs of one rig: .csv[.gz], .parquet, .mat, .json[.gz]"
-    )
-    parser.add_argument(
-        "--rig",
-        metavar="RIG",
-        required=True,
-        help="what is known of the rig: .toml or .json, as docs/rig.md explains",
-    )
-    parser.add_argument(
-        "--model", metavar="MODEL", help="a model or the path of a derivation (by the rig's case)"
-    )
-    parser.add_argument(
-        "--out", metavar="DIR", required=True, help="folder for fit.json, fit.png and fit.svg"
-    )
+    add_logs(parser)
+    add_folder(parser, "fit.json, fit.png and fit.svg")
 
 
 def run(args: argparse.Namespace) -> int:
     """Fit, write the folder, print the table; return 0. Raises InputError on bad input."""
+    distinct(args.logs)
+    own_folder(args.out)
     rig = read_rig(args.rig)
     names = [Path(log).name for log in args.logs]
     channels = read_channels(args.logs, rig)
     rig = channels.rig
     found = fit(channels, rig, load_model(args.model or rig.model), ", ".join(names))
     figure = "fit.png, fit.svg"
-    with whole_folder(args.out) as folder:
+    with whole_folder(args.out, NAME) as folder:
         text = json.dumps(document(found, names), indent=1, ensure_ascii=False, allow_nan=False)
         (folder / "fit.json").write_text(text + "\n", encoding="utf-8")
         try:

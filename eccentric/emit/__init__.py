@@ -4,7 +4,7 @@ from eccentric.emit.build import build_program
 from eccentric.emit.hot import load_module
 from eccentric.emit.program import Assignment, Input, Program, Routine, differentiate, needed
 from eccentric.emit.render import render, render_program
-from eccentric.emit.write import complete, differences, emit, stale, write
+from eccentric.emit.write import complete, differences, stale, write
 
 __all__ = [
     "Assignment",
@@ -15,7 +15,6 @@ __all__ = [
     "complete",
     "differences",
     "differentiate",
-    "emit",
     "load_module",
     "needed",
     "render",

@@ -1,5 +1,7 @@
 """The emitted C of a model, built by the local compiler and called from Python as the NumPy module is."""
 
+# ruff: noqa: SLF001 - the module is emission's own
+
 from __future__ import annotations
 
 import ctypes
@@ -33,8 +35,12 @@ def compile(model: Model) -> ModuleType:  # noqa: A001 - it is called as eccentr
     cache under what it was built from: $XDG_CACHE_HOME or ~/.cache, folder eccentric.
 
     Raises:
-        InputError: there is no C compiler, it does not compile, or the model cannot be emitted.
+        TypeError: this is no model.
+        InputError: there is no C compiler, it does not compile, its cache cannot be written, or the model
+            cannot be emitted.
     """
+    if not isinstance(model, Model):
+        raise TypeError(f"compile: required a Model, as load_model gives it, got {type(model).__name__}")
     program, source, files = build_program(model), load_module(model), render(model)
     module = ModuleType(f"eccentric_compiled_{model.name}", source.__doc__)
     for name in (name for name in dir(source) if not name.startswith("_")):
@@ -77,7 +83,7 @@ class _Compiled:
         self.prepared = lru_cache(maxsize=64)(self._prepared)
 
     def _prepared(self, parameters: Any, real: Any) -> np.ndarray:
-        numbers = self.source._prepare(parameters, real).numbers  # noqa: SLF001 - the module is emission's own
+        numbers = self.source._prepare(parameters, real).numbers
         return np.array([getattr(numbers, s.name) for s in self.program.coefficients] or [0.0], real)
 
     def function(self, routine: Routine) -> Callable[..., Any]:
@@ -85,21 +91,24 @@ class _Compiled:
         like = getattr(self.source, routine.name)
         signature = inspect.signature(like)
         entries = {real: self._entry(routine, real) for real in _REALS}
+        names = [x.quantity.name for x in routine.inputs]
         lengths, width = [x.length for x in routine.inputs], len(routine.labels)
 
         def function(*given: Any, **named: Any) -> Any:
             bound = signature.bind(*given, **named)
             bound.apply_defaults()
             *inputs, parameters, out = bound.arguments.values()
+            if parameters is not None:
+                self.source._check_kind(type(parameters))
             if routine.requires:
-                self.source._require(routine.requires, inputs[-1], parameters)  # noqa: SLF001
-            arrays, real, shape = _broadcast(inputs, lengths)
+                self.source._require(routine.requires, inputs[-1], parameters)
+            arrays, real = self.source._arrays(inputs, names) if lengths else ([], np.float64)
+            arrays, shape = _broadcast(arrays, lengths)
             full = (*shape, width) if width else shape
-            if out is not None and (out.shape != full or out.dtype != real):
-                got = f"{out.shape} of {out.dtype}"
-                raise ValueError(f"out: required shape {full} of {real.__name__}, got {got}")
+            if out is not None:
+                self.source._check_out(out, full, real)
             apart = out is not None and not any(np.may_share_memory(x, out) for x in arrays)
-            result = out if out is not None and apart and out.flags.c_contiguous else np.empty(full, real)
+            result = out if out is not None and apart and out.flags.carray else np.empty(full, real)
             c = self.prepared(parameters, real).ctypes.data
             if lengths:
                 entries[real](int(np.prod(shape)), *(x.ctypes.data for x in arrays), result.ctypes.data, c)
@@ -130,17 +139,14 @@ class _Compiled:
         return entry
 
 
-def _broadcast(inputs: list[Any], lengths: list[int | None]) -> tuple[list[np.ndarray], Any, tuple[int, ...]]:
-    """The inputs as contiguous arrays of one shape and precision; a vector input keeps its last axis."""
-    kept = np.ndarray | np.generic | float | int
-    inputs = [x if isinstance(x, kept) else np.asarray(x) for x in inputs]
-    real = np.float32 if inputs and np.result_type(*inputs) == np.float32 else np.float64
-    arrays = [np.asarray(x, real) for x in inputs]
+def _broadcast(
+    arrays: list[np.ndarray], lengths: list[int | None]
+) -> tuple[list[np.ndarray], tuple[int, ...]]:
+    """The inputs as C takes them, all of one shape, and that shape; a vector input keeps its last axis."""
     shapes = [x.shape if n is None else x.shape[:-1] for x, n in zip(arrays, lengths, strict=True)]
     shape = np.broadcast_shapes(*shapes)
     full = [shape if n is None else (*shape, n) for n in lengths]
-    return (
-        [np.ascontiguousarray(np.broadcast_to(x, s)) for x, s in zip(arrays, full, strict=True)],
-        real,
-        shape,
-    )
+    whole = [
+        np.require(np.broadcast_to(x, s), requirements=["C", "A"]) for x, s in zip(arrays, full, strict=True)
+    ]
+    return whole, shape

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import os
+import shlex
 import shutil
 import subprocess
 import sysconfig
@@ -12,6 +13,7 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 
 from eccentric.errors import InputError
+from eccentric.output import folder_to_write
 
 # None of these changes a bit: no product is fused with a sum, nothing is re-associated.
 _FLAGS = ("-std=c99", "-O3", "-ffp-contract=off", "-fno-math-errno", "-fno-trapping-math", "-march=native")
@@ -27,12 +29,9 @@ def built(name: str, files: Mapping[str, str], real: str) -> Path:
     """The shared library of all C sources among the files, in one precision; from the cache where it has it.
 
     Raises:
-        InputError: there is no C compiler, or it does not compile.
+        InputError: there is no C compiler, it does not compile, or the cache cannot be written.
     """
-    compiler = next(filter(None, map(shutil.which, (os.environ.get("CC") or "cc", "gcc", "clang"))), None)
-    if compiler is None:
-        raise InputError("compile: required a C compiler (CC, cc, gcc or clang), found none")
-    command = [compiler, *_FLAGS, f"-DECCENTRIC_REAL={real}"]
+    command = [*_compiler(), *_FLAGS, f"-DECCENTRIC_REAL={real}"]
     sources = {file: text for file, text in files.items() if file.endswith((".c", ".h"))}
     python = "python.c" in files
     # What the compiler predefines tells its version and the processor that it builds for.
@@ -42,7 +41,7 @@ def built(name: str, files: Mapping[str, str], real: str) -> Path:
     folder = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "eccentric"
     library = folder / f"{name}_{real}_{hashlib.sha256(key.encode()).hexdigest()[:32]}.so"
     if not library.exists():
-        folder.mkdir(parents=True, exist_ok=True)
+        folder_to_write(folder).mkdir(parents=True, exist_ok=True)
         with TemporaryDirectory(dir=folder) as place:
             for file, text in sources.items():
                 (Path(place) / file).write_text(text, encoding="utf-8")
@@ -52,6 +51,14 @@ def built(name: str, files: Mapping[str, str], real: str) -> Path:
             _run([*command, "-shared", "-fPIC", *included, "-o", str(made), *paths, "-lm"])
             made.replace(library)
     return library
+
+
+def _compiler() -> list[str]:
+    """The first of CC, cc, gcc and clang that is there; CC may hold options, as make takes it."""
+    for command in (shlex.split(os.environ.get("CC", "")), ["cc"], ["gcc"], ["clang"]):
+        if command and (path := shutil.which(command[0])):
+            return [path, *command[1:]]
+    raise InputError("compile: required a C compiler (CC, cc, gcc or clang), found none")
 
 
 def _run(command: list[str]) -> str:

@@ -115,7 +115,9 @@ def _step(program: Program) -> dict[str, Any]:
     states = [q.name for q, _ in program.states]
     names = [x.quantity.name for x in stepped.inputs]
     passed = [f"state[{states.index(name)}]" if name in states else name for name in names]
-    return {"inputs": [n for n in names if n not in states], "call": ", ".join(passed)}
+    inputs = [n for n in names if n not in states]
+    given = ", ".join(f'"{name}": {name}' for name in inputs)
+    return {"inputs": inputs, "named": f"{{{given}}}", "call": ", ".join(passed)}
 
 
 def _language(calls: dict[str, str], symbol: Any) -> Language:

@@ -64,7 +64,8 @@ def render_program(program: Program, origin: str, command: str) -> dict[str, str
     summary = (
         "Inputs are on the motor side, in SI units; they broadcast, float32 stays float32, and `out` is"
         " honoured.\n"
-        "Without parameters the defaults of `Parameters` hold."
+        "Without parameters the defaults of `Parameters` hold.\n"
+        "A TypeError names what is no real number; a ValueError, what is too large for the float32 beside it."
     )
     c_view = c99.view(program, banner, _DIGEST)
     views = {

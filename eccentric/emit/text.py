@@ -1,8 +1,7 @@
-"""Spellings that both back ends share: names, free text, numbers, defaults, domains, assignments."""
+"""Spellings that both back ends share: free text, numbers, defaults, domains, assignments."""
 
 from __future__ import annotations
 
-import keyword
 import re
 import textwrap
 from collections.abc import Callable, Iterable
@@ -13,22 +12,8 @@ import sympy as sp
 from eccentric.emit.digits import BITS, LEADING_BITS
 from eccentric.emit.primitive import COSINE, ROUNDER, SINE_RATIO
 from eccentric.emit.program import Assignment, Input, Program
-from eccentric.errors import InputError
 from eccentric.model.quantity import Quantity
 from eccentric.model.steps import Leading
-
-
-def checked_name(name: str, where: str) -> str:
-    """The name, if files, a Python module and C functions can be called by it.
-
-    Raises:
-        InputError: they cannot; `where` says where the name comes from.
-    """
-    if not re.fullmatch(r"[a-z][a-z0-9_]{0,30}", name) or keyword.iskeyword(name):
-        raise InputError(
-            f"{where}: required a lower-case C identifier of at most 31 characters, got {name!r}"
-        )
-    return name
 
 
 def plain(text: str) -> str:

@@ -12,18 +12,6 @@ from eccentric.model import Model
 from eccentric.output import whole_file
 
 
-def emit(model: Model, out: Path, command: str = "make derive", origin: str | None = None) -> list[Path]:
-    """Write model.py, .h and .c into a folder; files that are fresh already are left alone.
-
-    Returns:
-        The paths, written or fresh.
-
-    Raises:
-        InputError: the model cannot be emitted, or the folder cannot be written.
-    """
-    return write(render(model, command, origin), out)
-
-
 def complete(model: Model, command: str = "make derive", origin: str | None = None) -> dict[str, str]:
     """The trio of a model, and what checks it on its user's side in the folder `check`: name -> text.
 

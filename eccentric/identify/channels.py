@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from eccentric.errors import InputError
+from eccentric.errors import InputError, few
 from eccentric.identify.bandwidth import suited
 from eccentric.identify.filters import END_S
 from eccentric.identify.holdout import Holdout, hold_out
@@ -181,12 +181,12 @@ def _rate_doubt(step: float, rig: Rig) -> list[str]:
 
 
 def _require_rows(channels: Channels, paths: Sequence[str | Path], rig: Rig) -> None:
-    where = ", ".join(map(str, paths))
+    where = few(paths)
     fitted, scored = np.count_nonzero(channels.fit_rows), np.count_nonzero(channels.score_rows)
     if not fitted or not scored:
         raise InputError(
             f"{where}: moving rows (above {channels.moving_threshold_rad_s:.4g} rad/s at the motor, "
             f"{END_S:g} s from the ends) are required to fit and to hold out "
-            f"({channels.holdout.rule}); received {fitted} and {scored} under {rig.path}: are the units of "
+            f"({channels.holdout.brief}); received {fitted} and {scored} under {rig.path}: are the units of "
             "time and angle right?"
         )

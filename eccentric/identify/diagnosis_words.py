@@ -7,6 +7,7 @@ from collections.abc import Mapping
 
 from eccentric.effects.effect import Effect
 from eccentric.emit import load_module
+from eccentric.errors import few
 from eccentric.identify.model_script import extended_name
 from eccentric.identify.outcome import Diagnosis
 from eccentric.identify.score import OverRuns
@@ -98,7 +99,7 @@ def _probability(found: Diagnosis, effect: Effect) -> float:
 def lines(found: Diagnosis) -> list[str]:
     """At most fourteen lines for a terminal."""
     a = found.attribution
-    out = [f"{', '.join(found.logs)}: {found.base.name}, verdict {a.verdict}", sentence(found)]
+    out = [f"{few(found.logs)}: {found.base.name}, verdict {a.verdict}", sentence(found)]
     out += [_effect(found, effect, own) for effect, own in found.effects[:3]]
     for balance, models in found.rmse.items():
         out.append(f"held-out RMSE, {balance} [{found.unit}]: {_errors(models)}")

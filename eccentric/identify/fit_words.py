@@ -6,6 +6,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from eccentric.errors import few
+
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
@@ -71,8 +73,8 @@ def lines(fit: Fit, logs: Sequence[str]) -> list[str]:
     problem = fit.problem
     sampling = problem.sampling
     what = f"{np.count_nonzero(sampling.train)} {sampling.description} fitted"
-    head = f"{', '.join(logs)}: {problem.model.name}, driven by {problem.channels.drive}; {what}, "
-    head += f"{np.count_nonzero(sampling.score)} held out ({problem.channels.holdout.rule})"
+    head = f"{few(logs)}: {problem.model.name}, driven by {problem.channels.drive}; {what}, "
+    head += f"{np.count_nonzero(sampling.score)} held out ({problem.channels.holdout.brief})"
     out = [head, *_table({**fit.coefficients, **fit.searched}), *_scale_line(fit)]
     errors = ", ".join(f"{which} {fit.rmse[which]:.4g}" for which in ("linear", "paper"))
     parts = ", ".join(f"{which} {fit.r_squared[which]:.4f}" for which in ("linear", "paper"))

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import fnmatch
 from dataclasses import dataclass
+from textwrap import shorten
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
-from eccentric.errors import InputError
+from eccentric.errors import InputError, few
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -29,6 +30,11 @@ class Holdout:
     rows: NDArray[np.bool_]
     rule: str
     intervals_s: tuple[tuple[float, float], ...]
+
+    @property
+    def brief(self) -> str:
+        """The rule for one line of print: a log may have hundreds of runs."""
+        return shorten(self.rule, 100, placeholder=" ...")
 
 
 def hold_out(t: Array, run: NDArray[np.int64], run_names: tuple[str, ...], rig: Rig) -> Holdout:
@@ -78,7 +84,7 @@ def matching(patterns: Sequence[str], run_names: Sequence[str], where: str) -> l
     """
     for pattern in patterns:
         if not fnmatch.filter(run_names, pattern):
-            raise InputError(f"{where}: one of {', '.join(run_names)} is required, received {pattern!r}")
+            raise InputError(f"{where}: one of {few(run_names)} is required, received {pattern!r}")
     return [name for name in run_names if any(fnmatch.fnmatchcase(name, p) for p in patterns)]
 
 

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from eccentric.errors import InputError
+from eccentric.errors import InputError, few
 from eccentric.identify.log_columns import Column, Read, number_of
 from eccentric.identify.log_csv import POINT, read_csv
 from eccentric.identify.log_json import read_json
@@ -65,9 +65,7 @@ class Log:
     def text(self, name: str) -> Column:
         """Return the column `name` as it came, float64 or str; InputError where there is none."""
         if name not in self.columns:
-            raise InputError(
-                f"{self.path}: column {name!r} is required, the log has {', '.join(self.columns)}"
-            )
+            raise InputError(f"{self.path}: column {name!r} is required, the log has {few(self.columns)}")
         return self.columns[name]
 
 

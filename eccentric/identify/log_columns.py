@@ -12,6 +12,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from eccentric.errors import few
+
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
 
@@ -87,9 +89,9 @@ def assemble(content: Mapping[str, Any]) -> Read:
             columns[name] = value
         else:
             others.append(f"{name} ({len(value)})")
-    said = [f"left out, {reason}: {_few(names)}" for reason, names in notes.items()]
+    said = [f"left out, {reason}: {few(names, 5)}" for reason, names in notes.items()]
     if others:
-        said.append(f"left out, since most variables have {rows} rows: {_few(others)}")
+        said.append(f"left out, since most variables have {rows} rows: {few(others, 5)}")
     return Read(columns if rows else {}, notes=tuple(said))
 
 
@@ -160,7 +162,3 @@ def _of_records(items: Sequence[Mapping[str, Any]], name: str, depth: int) -> It
 
 def _last(name: str) -> str:
     return name.rsplit(".", 1)[-1]
-
-
-def _few(names: Sequence[str]) -> str:
-    return ", ".join(names[:5]) + (f" and {len(names) - 5} more" if len(names) > 5 else "")

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from eccentric.errors import InputError
+from eccentric.errors import InputError, few
 from eccentric.identify.log_columns import Column, Read, column_of
 
 _PER_SECOND = {"s": 1.0, "ms": 1e3, "us": 1e6, "ns": 1e9}
@@ -43,7 +43,7 @@ def read_parquet(path: Path) -> Read:
             left_out.append(f"{name} ({table[name].type})")
         else:
             columns[name] = column
-    notes = [f"left out, since they are neither numbers nor text: {', '.join(left_out)}"] if left_out else []
+    notes = [f"left out, since they are neither numbers nor text: {few(left_out)}"] if left_out else []
     return Read(columns, notes=tuple(notes))
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import pprint
 from pathlib import Path
 
+from eccentric.emit.text import plain
 from eccentric.identify.outcome import Diagnosis
 
 __all__ = ["extended_name", "script"]
@@ -28,7 +29,7 @@ def script(found: Diagnosis) -> str:
     """
     adopted = found.shipped.effects
     names = ", ".join(effect.id for effect, _ in adopted) or "no effect"
-    origin = ", ".join(found.logs)
+    origin = plain(", ".join(found.logs))
     # A set prints in another order in every run.
     channels = found.setting.channels
     setting = pprint.pformat(found.setting, width=100, compact=True)
@@ -55,7 +56,7 @@ def script(found: Diagnosis) -> str:
     own = ""
     if found.own is not None:
         own = f"\noffered += load_effects(Path(__file__).with_name({found.own.name!r}), setting)"
-    return f'''"""{found.base.title}, extended by {names}.
+    return f'''"""{plain(f"{found.base.title}, extended by {names}")}.
 
 Written by `eccentric diagnose` from {origin}.
 A derivation like any other: run it to read it, edit it, emit it with `eccentric emit model.py --out DIR`.
@@ -66,6 +67,7 @@ from pathlib import Path
 from eccentric.effects import Setting, library, load_effects
 {load[0]}from eccentric.model import load_model
 from eccentric.model.defaults import with_values
+from eccentric.output import show
 
 # What the log spans; the ranges of the library of effects follow from it.
 setting = {setting}
@@ -86,5 +88,5 @@ model = with_values(
 )
 
 if __name__ == "__main__":
-    print(model)
+    show(model)
 '''

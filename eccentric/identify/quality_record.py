@@ -73,10 +73,10 @@ def record_of(table: Table, c: Channels) -> Record:
 
 
 def record_findings(table: Table, channels: Channels) -> Iterator[Finding]:
-    """Yield findings on gaps, dropped rows, clipped and frozen channels, and on the range of speeds."""
+    """Yield findings on dropped rows, gaps, clipped and frozen channels, and on the range of speeds."""
     record = record_of(table, channels)
-    yield from _gaps(record)
     yield from table.findings
+    yield from _gaps(record)
     signals = {
         name: x for name, x in table.channels.items() if name in UNITS and not name.startswith("theta")
     }
@@ -98,8 +98,7 @@ def _gaps(c: Record) -> Iterator[Finding]:
     part = float(np.sum(steps)) / whole
     text = (
         f"{len(ends)} gap{'s' if len(ends) > 1 else ''} in time, {part:.2g} of the log, the longest of "
-        f"{steps[longest]:.3g} s after {c.t[ends[longest]]:.6g} s: no filter crosses them; "
-        "a logger that drops rows under load does this"
+        f"{steps[longest]:.3g} s after {c.t[ends[longest]]:.6g} s: no filter crosses them"
     )
     yield Finding("gap", "time", text, len(ends), "warning" if part > MUCH else "note")
 

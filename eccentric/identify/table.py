@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from eccentric.errors import InputError
+from eccentric.errors import InputError, few
 from eccentric.identify.arithmetic import evaluate
 from eccentric.identify.finding import MUCH, Finding
 from eccentric.identify.holdout import matching
@@ -67,7 +67,7 @@ def read_table(paths: Sequence[str | Path], rig: Rig) -> Table:
     names = set(tables[0].channels)
     for path, table in zip(paths, tables, strict=True):
         if set(table.channels) != names:
-            differ = ", ".join(sorted(names ^ set(table.channels)))
+            differ = few(sorted(names ^ set(table.channels)))
             raise InputError(
                 f"{path}: the same channels in every log are required, {differ} is not in all of them"
             )
@@ -168,7 +168,7 @@ def _sources(log: Log, rig: Rig) -> Mapping[str, ColumnSource]:
             needed = " or ".join(f"{channel} (column {CHANNELS[channel][0]!r})" for channel in choice)
             raise InputError(
                 f"{log.path}: a column for {needed} is required; map it in [columns] of {rig.path}; "
-                f"the log has {', '.join(log.columns)}"
+                f"the log has {few(log.columns)}"
             )
     return sources
 

@@ -1,5 +1,5 @@
 /*
- * Generated: do not edit. Written beside c1_asymmetric.c (program efc4ee01).
+ * Generated: do not edit. Written beside c1_asymmetric.c (program 76a4de97).
  * Driver of a proof: over all inputs within the ranges below no function of c1_asymmetric.c has undefined
  * behaviour, overflows or makes a NaN or an infinity, for the parameters set in main. For yours, set them there.
  * Frama-C's Eva does it; 0 alarms are the proof, and the intervals that it shows hold the results:

@@ -1,5 +1,5 @@
 /*
- * Generated: do not edit. Written beside c2_asymmetric.c (program 58227132).
+ * Generated: do not edit. Written beside c2_asymmetric.c (program 7c6c4eea).
  * What the self-test expects; computed by the emitted NumPy module.
  */
 #define INPUTS 5u

@@ -1,5 +1,5 @@
 /*
- * Generated: do not edit. Written beside rotating_link.c (program 7a8656b9).
+ * Generated: do not edit. Written beside rotating_link.c (program 2878de00).
  * What the self-test expects; computed by the emitted NumPy module.
  */
 #define INPUTS 5u

@@ -1,0 +1,182 @@
+"""Output files and folders: they appear whole or not at all, and what others wrote stays."""
+
+from pathlib import Path
+
+import pytest
+
+from eccentric import cli
+from eccentric.errors import InputError
+from eccentric.output import MARKER, whole_file, whole_folder
+
+
+def test_a_folder_is_replaced_as_a_whole(tmp_path: Path) -> None:
+    """A second run replaces all files of the first, those that it does not write again included."""
+    out = tmp_path / "new" / "out"
+    for names in (("a", "b/c"), ("a",)):
+        with whole_folder(out, "fit") as new:
+            for name in names:
+                (new / name).parent.mkdir(exist_ok=True)
+                (new / name).write_text(str(names))
+
+    assert sorted(path.name for path in out.iterdir()) == [MARKER, "a"]
+    assert (out / "a").read_text() == "('a',)"
+    assert [path.name for path in out.parent.iterdir()] == ["out"]
+
+
+@pytest.mark.parametrize("error", [ValueError(), KeyboardInterrupt()], ids=["error", "interrupt"])
+def test_nothing_half_written_stays(error: BaseException, tmp_path: Path) -> None:
+    """After an exception, an interrupt included, folder and file are what they were and nothing is beside."""
+    out, log = tmp_path / "out", tmp_path / "log.csv"
+    with whole_folder(out, "fit") as new, whole_file(log) as file:
+        (new / "a").write_text("first")
+        file.write_text("first")
+
+    with pytest.raises(type(error)), whole_folder(out, "fit") as new:  # noqa: PT012 -- the failure is the point
+        (new / "a").write_text("second")
+        raise error
+    with pytest.raises(type(error)), whole_file(log) as file:  # noqa: PT012
+        file.write_text("second")
+        raise error
+
+    assert ["first", "first"] == [(out / "a").read_text(), log.read_text()]
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["log.csv", "out"]
+
+
+def test_the_old_folder_returns_if_the_new_one_cannot_take_its_place(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A failure between the two renames leaves the earlier output where it was."""
+    out = tmp_path / "out"
+    with whole_folder(out, "fit") as new:
+        (new / "a").write_text("first")
+    rename = Path.rename
+
+    def fail_for_the_new_one(self: Path, target: Path) -> Path:
+        if self.name == target.name == "out":
+            raise KeyboardInterrupt
+        return rename(self, target)
+
+    monkeypatch.setattr(Path, "rename", fail_for_the_new_one)
+    with pytest.raises(KeyboardInterrupt), whole_folder(out, "fit") as new:
+        (new / "a").write_text("second")
+
+    assert (out / "a").read_text() == "first"
+
+
+def test_files_of_others_are_kept(tmp_path: Path) -> None:
+    """What someone adds to an output folder outlives the next run."""
+    for text in ("first", "second"):
+        with whole_folder(tmp_path / "out", "fit") as new:
+            (new / "a").write_text(text)
+        (tmp_path / "out/mine").mkdir(exist_ok=True)
+        (tmp_path / "out/mine/notes").write_text("mine")
+
+    with whole_folder(tmp_path / "out", "fit") as new:
+        (new / "a").write_text("third")
+
+    assert ["third", "mine"] == [(tmp_path / f"out/{name}").read_text() for name in ("a", "mine/notes")]
+
+
+def test_a_command_replaces_what_it_wrote_itself(tmp_path: Path) -> None:
+    """Two commands share a folder: each renews its own files, and what the other wrote stays."""
+    runs = (("fit", "a b"), ("emit arm", "check/c d"), ("fit", "a"), ("emit leg", "e"))
+    for command, names in runs:
+        with whole_folder(tmp_path / "out", command) as new:
+            for name in names.split():
+                (new / name).parent.mkdir(exist_ok=True)
+                (new / name).write_text(command)
+
+    there = {p.relative_to(tmp_path / "out").as_posix() for p in (tmp_path / "out").rglob("*") if p.is_file()}
+    assert there == {MARKER, "a", "check/c", "d", "e"}
+
+
+def test_files_of_another_command_are_not_overwritten(tmp_path: Path) -> None:
+    """A new file whose name another command's file has is refused; the message says whose it is."""
+    with whole_folder(tmp_path / "out", "diagnose") as new:
+        (new / "arm.c").write_text("first")
+
+    said = r"out: required to be free: arm\.c; received a file that `eccentric diagnose` wrote$"
+    with pytest.raises(InputError, match=said), whole_folder(tmp_path / "out", "emit arm") as new:
+        (new / "arm.c").write_text("second")
+
+    assert (tmp_path / "out/arm.c").read_text() == "first"
+
+
+@pytest.mark.parametrize("command", ["fit", "diagnose"])
+def test_a_folder_that_cannot_be_is_told_before_the_work(
+    command: str, tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """One line says what is wrong with --out, before the log is opened, and nothing is made."""
+    (tmp_path / "file").write_text("")
+    (tmp_path / "full").mkdir()
+    (tmp_path / "full/thesis.tex").write_text("")
+    (tmp_path / "here").mkdir()
+    monkeypatch.chdir(tmp_path / "here")
+    wrong = {
+        "/": "/: required a folder of its own for the output; received one with the working directory in it",
+        "": ".: required a folder of its own for the output; received the working directory",
+        "../file": "../file: required a folder to write; received a file",
+        "../file/a/b": f"../file/a/b: required a place that can be written; {tmp_path}/file is a file",
+        "../full": "../full: required a new or empty folder, or one that eccentric wrote"
+        " (it holds .eccentric); received a folder with other files",
+    }
+    for out, said in wrong.items():
+        assert cli.main([command, "no.csv", "--rig", "no.toml", "--out", out]) == 2
+        assert capsys.readouterr() == ("", f"eccentric: error: {said}\n")
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["file", "full", "here"]
+
+
+@pytest.mark.parametrize("command", ["fit", "diagnose"])
+def test_a_log_that_is_given_twice_is_refused(
+    command: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Rows that count twice would make standard errors look smaller than they are."""
+    log, out = tmp_path / "a.csv", tmp_path / "out"
+    again = tmp_path / "x" / ".." / "a.csv"
+    assert cli.main([command, str(log), str(again), "--rig", "no.toml", "--out", str(out)]) == 2
+    said = f"eccentric: error: {again}: required every log once, received it twice\n"
+    assert capsys.readouterr() == ("", said)
+
+
+def test_files_of_others_are_not_overwritten(tmp_path: Path) -> None:
+    """A new file whose name someone else's file has is refused, and theirs stays."""
+    with whole_folder(tmp_path / "out", "fit"):
+        pass
+    (tmp_path / "out/a").write_text("mine")
+
+    with (
+        pytest.raises(InputError, match="out: required to be free: a;"),
+        whole_folder(tmp_path / "out", "fit") as new,
+    ):
+        (new / "a").write_text("ours")
+
+    assert (tmp_path / "out/a").read_text() == "mine"
+
+
+def test_a_folder_of_others_is_refused(tmp_path: Path) -> None:
+    """A folder that holds files and was not written by eccentric is refused before any work is done."""
+    (tmp_path / "thesis.tex").write_text("mine")
+
+    with pytest.raises(InputError, match="received a folder with other files"), whole_folder(tmp_path, "fit"):
+        pytest.fail("the block must not be entered")
+
+    assert [path.name for path in tmp_path.iterdir()] == ["thesis.tex"]
+
+
+def test_targets_of_the_wrong_kind_are_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A file for a folder, the reverse, the working directory and a file as parent are refused."""
+    (tmp_path / "file").write_text("")
+    (tmp_path / "here").mkdir()
+    monkeypatch.chdir(tmp_path / "here")
+
+    with pytest.raises(InputError, match="received a file"), whole_folder(tmp_path / "file", "fit"):
+        pass
+    with (
+        pytest.raises(InputError, match="received something that is not a regular file"),
+        whole_file(tmp_path),
+    ):
+        pass
+    with pytest.raises(InputError, match="received the working directory"), whole_folder(".", "fit"):
+        pass
+    with pytest.raises(InputError, match="required a place that can be written"), whole_file("../file/log"):
+        pass
