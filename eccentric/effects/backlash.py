@@ -26,7 +26,7 @@ gap = quantity("backlash_gap", "rad", "gap, motor side", "", "positive")
 arm = quantity(
     "backlash_arm", "m", "dry friction of the link per force, as part of the load", "", "nonnegative"
 )
-free = quantity("backlash_free", "1", "share of the gap that is left")
+free = quantity("backlash_free", "1", "share of the gap that is left", "", "nonnegative")
 side = quantity("backlash_side", "1", "side that the load was on, 1 or -1")
 GRAVITY = quantity(
     "backlash_G", "1", "gravity torque not felt in the gap, 1 for all of it", "", "nonnegative"
