@@ -56,4 +56,5 @@ def parts(shift: sp.Symbol, first: sp.Symbol, prepare: Prepare) -> list[sp.Symbo
     two = prepare(f"{shift.name}_2", Leading(Minus(shift, one)))
     left = prepare(f"{shift.name}_left", Plus(Minus(Minus(shift, one), two), Low(shift)))
     three = prepare(f"{shift.name}_3", InSingle(Leading(left), Rounded(left)))
-    return [one, two, three, prepare(f"{shift.name}_4", Rounded(Minus(left, three)))]
+    rest = prepare(f"{shift.name}_rest", Minus(left, three))  # named: MISRA C casts no sum there and back
+    return [one, two, three, prepare(f"{shift.name}_4", Rounded(rest))]
