@@ -1,5 +1,5 @@
 /*
- * Generated: do not edit. Written beside c1_asymmetric.c (program 0d104210).
+ * Generated: do not edit. Written beside c1_asymmetric.c (program 4d23f820).
  * What the self-test expects; computed by the emitted NumPy module.
  */
 #define INPUTS 4u

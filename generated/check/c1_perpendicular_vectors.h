@@ -1,5 +1,5 @@
 /*
- * Generated: do not edit. Written beside c1_perpendicular.c (program 104a36c6).
+ * Generated: do not edit. Written beside c1_perpendicular.c (program d1ea8426).
  * What the self-test expects; computed by the emitted NumPy module.
  */
 #define INPUTS 4u

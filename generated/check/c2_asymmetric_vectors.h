@@ -1,5 +1,5 @@
 /*
- * Generated: do not edit. Written beside c2_asymmetric.c (program 25ab9a27).
+ * Generated: do not edit. Written beside c2_asymmetric.c (program 6a1592a6).
  * What the self-test expects; computed by the emitted NumPy module.
  */
 #define INPUTS 5u

@@ -1,5 +1,5 @@
 /*
- * Generated: do not edit. Written beside c2_parallel.c (program c7206231).
+ * Generated: do not edit. Written beside c2_parallel.c (program 955d24ad).
  * What the self-test expects; computed by the emitted NumPy module.
  */
 #define INPUTS 5u
