@@ -1,6 +1,6 @@
 /*
  * Generated: do not edit. Written by `make derive` from derivations/c1_perpendicular.py
- * (eccentric 0.1.0, program 8e90a2a5).
+ * (eccentric 0.1.0, program 22293017).
  * Case C1: gravity perpendicular to the motion plane, steady motion.
  */
 #ifndef C1_PERPENDICULAR_H
@@ -9,7 +9,7 @@
 #include <stddef.h>
 
 /* C1_PERPENDICULAR_PROGRAM names the derivation that header and source come from; the source checks it. */
-#define C1_PERPENDICULAR_PROGRAM 0x8e90a2a5UL
+#define C1_PERPENDICULAR_PROGRAM 0x22293017UL
 
 /* The working precision: double, or float by -DECCENTRIC_REAL=float. Files that differ in it do not link:
  * all functions carry it in their names, as c1_perpendicular_prepare_double. */
@@ -63,7 +63,7 @@
  *   friction_torque, mechanical_friction_torque, friction_torque_jacobian within 6 units in the last place
  *   friction_torque_gradient within 6 units in the last place
  */
-/* MISRA C:2012, the paper's models, by cppcheck: no required rule is violated; advisory ones deviated from:
+/* MISRA C:2012 by cppcheck: no required rule is violated; advisory ones deviated from:
  *  Rule 2.5: macros of the working precision that is not chosen stay unused.
  *  Rule 12.1: products in a sum stand without parentheses, as formulas do.
  *  Rule 20.5: short names are taken back at the source's end, so that models may share a translation unit.

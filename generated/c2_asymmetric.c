@@ -1,6 +1,6 @@
 /*
  * Generated: do not edit. Written by `make derive` from derivations/c2_asymmetric.py
- * (eccentric 0.1.0, program 7c6c4eea).
+ * (eccentric 0.1.0, program 2c275abf).
  * Case C2 with friction that differs between the directions of motion.
  */
 #include "c2_asymmetric.h"
@@ -8,7 +8,7 @@
 #include <float.h>
 #include <math.h>
 
-#if C2_ASYMMETRIC_PROGRAM != 0x7c6c4eeaUL
+#if C2_ASYMMETRIC_PROGRAM != 0x2c275abfUL
 #error "c2_asymmetric.c and c2_asymmetric.h are of different derivations: write both again"
 #endif
 

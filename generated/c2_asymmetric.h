@@ -1,6 +1,6 @@
 /*
  * Generated: do not edit. Written by `make derive` from derivations/c2_asymmetric.py
- * (eccentric 0.1.0, program 7c6c4eea).
+ * (eccentric 0.1.0, program 2c275abf).
  * Case C2 with friction that differs between the directions of motion.
  */
 #ifndef C2_ASYMMETRIC_H
@@ -9,7 +9,7 @@
 #include <stddef.h>
 
 /* C2_ASYMMETRIC_PROGRAM names the derivation that header and source come from; the source checks it. */
-#define C2_ASYMMETRIC_PROGRAM 0x7c6c4eeaUL
+#define C2_ASYMMETRIC_PROGRAM 0x2c275abfUL
 
 /* The working precision: double, or float by -DECCENTRIC_REAL=float. Files that differ in it do not link:
  * all functions carry it in their names, as c2_asymmetric_prepare_double. */
@@ -69,7 +69,7 @@
  *   friction_torque, mechanical_friction_torque, friction_torque_jacobian within 6 units in the last place
  *   friction_torque_gradient within 6 eps of its greatest value at that speed, any angle
  */
-/* MISRA C:2012, the paper's models, by cppcheck: no required rule is violated; advisory ones deviated from:
+/* MISRA C:2012 by cppcheck: no required rule is violated; advisory ones deviated from:
  *  Rule 2.5: macros of the working precision that is not chosen stay unused.
  *  Rule 12.1: products in a sum stand without parentheses, as formulas do.
  *  Rule 20.5: short names are taken back at the source's end, so that models may share a translation unit.

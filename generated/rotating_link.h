@@ -1,6 +1,6 @@
 /*
  * Generated: do not edit. Written by `make derive` from derivations/rotating_link.py
- * (eccentric 0.1.0, program 2878de00).
+ * (eccentric 0.1.0, program 3e9c139f).
  * Rotating link with an unbalanced mass, plane tilted by phi, angular acceleration kept.
  */
 #ifndef ROTATING_LINK_H
@@ -9,7 +9,7 @@
 #include <stddef.h>
 
 /* ROTATING_LINK_PROGRAM names the derivation that header and source come from; the source checks it. */
-#define ROTATING_LINK_PROGRAM 0x2878de00UL
+#define ROTATING_LINK_PROGRAM 0x3e9c139fUL
 
 /* The working precision: double, or float by -DECCENTRIC_REAL=float. Files that differ in it do not link:
  * all functions carry it in their names, as rotating_link_prepare_double. */
@@ -70,7 +70,7 @@
  *   friction_torque, mechanical_friction_torque, friction_torque_jacobian within 6 eps of what they are at that load
  *   friction_torque_gradient within 6 eps of its greatest value, any direction of F_N, times that load over F_N
  */
-/* MISRA C:2012, the paper's models, by cppcheck: no required rule is violated; advisory ones deviated from:
+/* MISRA C:2012 by cppcheck: no required rule is violated; advisory ones deviated from:
  *  Rule 2.5: macros of the working precision that is not chosen stay unused.
  *  Rule 12.1: products in a sum stand without parentheses, as formulas do.
  *  Rule 20.5: short names are taken back at the source's end, so that models may share a translation unit.

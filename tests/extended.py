@@ -4,6 +4,7 @@ import dataclasses
 import inspect
 import sys
 from functools import cache
+from pathlib import Path
 from types import ModuleType
 
 import numpy as np
@@ -11,6 +12,7 @@ import pytest
 
 from eccentric.effects import Effect, Setting, library
 from eccentric.emit import render
+from eccentric.emit.check import render_check
 from eccentric.model import Model, load_model
 
 BASE = {"C1": "c1_perpendicular", "C2": "c2_parallel"}
@@ -84,35 +86,66 @@ def effects(case: str) -> dict[str, Effect]:
 
 
 @cache
-def extended(case: str) -> tuple[Extended, ...]:
-    """Return the base model with five effects at a time; in C2 those only that C1 does not have just so."""
-    groups: list[list[Effect]] = []
-    models: list[Model] = []
+def groups(case: str) -> tuple[tuple[Effect, ...], ...]:
+    """Return five effects at a time; in C2 those only that C1 does not have just so."""
+    found: list[list[Effect]] = []
     for effect in effects(case).values():
         seen = case == "C2" and effects("C1").get(effect.id) == effect
         if seen or (effect.repeats and effect.id not in ORDERS):
             continue
         changes = bool(effect.scales or effect.replaces)
-        for k, members in enumerate(groups):
+        for members in found:
             # Two variants of a family share their names; of factors on friction one is enough.
             if len(members) < 5 and effect.family not in {e.family for e in members}:
                 if changes and any(e.scales or e.replaces for e in members):
                     continue
-                models[k] = effect.extend(models[k], dict.fromkeys(NEUTRAL, 0.0))
                 members.append(effect)
                 break
         else:
-            groups.append([effect])
-            models.append(effect.extend(load_model(BASE[case]), dict.fromkeys(NEUTRAL, 0.0)))
+            found.append([effect])
+    return tuple(map(tuple, found))
+
+
+def joined(case: str, number: int, values: dict[str, float]) -> Model:
+    """Return the base model with a group of effects, the parameters named set to these values."""
+    model = load_model(BASE[case])
+    for effect in groups(case)[number]:
+        model = effect.extend(model, values)
+    return dataclasses.replace(model, name=f"{model.name}_{number}")
+
+
+@cache
+def extended(case: str) -> tuple[Extended, ...]:
+    """Return the base model with each of the groups, at values where they change nothing."""
+    models = [joined(case, k, dict.fromkeys(NEUTRAL, 0.0)) for k in range(len(groups(case)))]
+    texts = [render(model) for model in models]
     return tuple(
-        _emitted(model, members, k) for k, (model, members) in enumerate(zip(models, groups, strict=True))
+        Extended(model, members, files, loaded(model.name, files))
+        for model, members, files in zip(models, groups(case), texts, strict=True)
     )
 
 
-def _emitted(model: Model, members: list[Effect], number: int) -> Extended:
-    model = dataclasses.replace(model, name=f"{model.name}_{number}")
+AT_WORK = {f"{BASE[case]}_{k}": (case, k) for case in CASES for k in range(len(groups(case)))}
+
+
+def members(name: str) -> tuple[Effect, ...]:
+    """Return the effects of an extended model."""
+    case, number = AT_WORK[name]
+    return groups(case)[number]
+
+
+def at_work(name: str) -> Model:
+    """Return an extended model whose effects show: coefficients 0.1, shapes amid their ranges."""
+    return joined(*AT_WORK[name], {q.name: 0.1 for effect in members(name) for q in effect.coefficients})
+
+
+def written(model: Model, folder: Path) -> Path:
+    """Write what is emitted for a model, its checks included, below the folder, and return that."""
     texts = render(model)
-    return Extended(model, tuple(members), texts, loaded(model.name, texts))
+    for file, text in (texts | render_check(model, texts)).items():
+        (folder / file).parent.mkdir(parents=True, exist_ok=True)
+        (folder / file).write_text(text, encoding="utf-8")
+    return folder
 
 
 def loaded(name: str, texts: dict[str, str]) -> ModuleType:

@@ -9,6 +9,7 @@ import pytest
 
 from eccentric.emit import load_module
 from eccentric.model import load_model
+from tests.emitted import both_precisions
 from tests.extended import (
     BASE,
     J_L,
@@ -17,6 +18,7 @@ from tests.extended import (
     KNOWN,
     M_L,
     MU,
+    Extended,
     G,
     L,
     M,
@@ -88,17 +90,23 @@ def compiled(name: str, real: str, folder: Path, *options: str) -> None:
     assert (0, "") == (done.returncode, done.stderr), done.stderr
 
 
+def shared(one: Extended, folder: Path) -> ctypes.CDLL:
+    """Compile an extended model in double precision and load it."""
+    name = one.model.name
+    for file, text in one.texts.items():
+        (folder / file).write_text(text)
+    compiled(name, "double", folder, "-O0", "-shared", "-fPIC", "-o", f"{name}.so")
+    return ctypes.CDLL(str(folder / f"{name}.so"))
+
+
 @every_case
 def test_the_c_of_extended_models_compiles_and_agrees(case: str, tmp_path: Path) -> None:
     """Strict C99 in both precisions; in double precision the mechanical residual is that of NumPy."""
     given = inputs()
     for one in extended(case):
         name, own = one.model.name, {q.name: 0.1 for effect in one.effects for q in effect.coefficients}
-        for file, text in one.texts.items():
-            (tmp_path / file).write_text(text)
+        library = shared(one, tmp_path)
         compiled(name, "float", tmp_path, "-fsyntax-only")
-        compiled(name, "double", tmp_path, "-O0", "-shared", "-fPIC", "-o", f"{name}.so")
-        library = ctypes.CDLL(str(tmp_path / f"{name}.so"))
         defaults = {q.name: getattr(one.module.Parameters(), q.name) for q in one.model.parameters}
         values = {**defaults, **KNOWN, "F_T": KNOWN["M_l"] * G, **own}
         numbers = [values[q.name] for q in one.model.parameters]
@@ -134,6 +142,56 @@ def motion(**columns: np.ndarray | float) -> Signals:
     names = ("theta_m", "omega_m", "i", "u", "alpha_m", "t", "temperature")
     base = {name: np.zeros(200) for name in names} | {"dt": np.full(200, 1e-3)}
     return base | {name: np.broadcast_to(np.asarray(value, float), 200) for name, value in columns.items()}
+
+
+def timed(case: str) -> list[Extended]:
+    """Return the extended models whose hidden states are stepped by a time step."""
+    models = [one for one in extended(case) if hasattr(one.module, "next_state")]
+    return [one for one in models if "dt" in arguments(one.module, "next_state")]
+
+
+@both_precisions
+@every_case
+def test_no_time_changes_no_state(case: str, dtype: type[np.floating]) -> None:
+    """A time step of 0, below 0 or below a nanosecond leaves the hidden states as they are, bit for bit."""
+    given = {name: column.astype(dtype) for name, column in inputs().items()}
+    for dt in (0.0, -0.0, -1e-3, -1e30, np.finfo(dtype).smallest_subnormal, 9e-10):
+        given["dt"] = np.full(40, dt, dtype)
+        for one in timed(case):
+            before = [given[state.quantity.name] for state in one.model.states]
+
+            after = call(one.module, "next_state", given)
+
+            assert np.stack(before, axis=-1).tobytes() == after.tobytes(), (one.model.name, dt)
+
+
+@both_precisions
+@every_case
+def test_every_time_step_gives_finite_states(case: str, dtype: type[np.floating]) -> None:
+    """From the smallest number above 0 to 30 years, what the states become is finite."""
+    given = {name: column.astype(dtype) for name, column in inputs().items()}
+    for dt in (np.finfo(dtype).smallest_subnormal, *np.logspace(-40, 9, 99)):
+        given["dt"] = np.full(40, dt, dtype)
+        for one in timed(case):
+            assert np.all(np.isfinite(call(one.module, "next_state", given))), (one.model.name, dt)
+
+
+@every_case
+def test_no_time_changes_no_state_in_c(case: str, tmp_path: Path) -> None:
+    """`step` of the emitted C leaves the caller's states as they are where no time has passed."""
+    for one in timed(case):
+        name, states = one.model.name, [state.quantity.name for state in one.model.states]
+        library = shared(one, tmp_path)
+        coefficients = ctypes.byref(ctypes.c_char.in_dll(library, f"{name}_default_double"))
+        asked = [x for x in arguments(one.module, "next_state") if x not in states]
+        for dt in (0.0, -1e-3, 5e-324):
+            given = {x: float(column[0]) for x, column in inputs().items()} | {"dt": dt}
+            own = (ctypes.c_double * len(states))(*(given[state] for state in states))
+
+            step = getattr(library, f"{name}_step_double")
+            step(own, *(ctypes.c_double(given[x]) for x in asked), coefficients)
+
+            assert [given[state] for state in states] == list(own), (name, dt)
 
 
 @every_case

@@ -61,9 +61,9 @@ def test_arrays_end_within_a_block(name: str) -> None:
     assert 1 == array % block % 2
 
 
-def exponential(folder: Path, effect_id: str, *options: str) -> subprocess.CompletedProcess[str]:
+def exponential(folder: Path, case: str, effect_id: str, *options: str) -> subprocess.CompletedProcess[str]:
     """Compile and run the self-test of an extended model that includes its own source."""
-    one = extended.with_effect("C2", effect_id)
+    one = extended.with_effect(case, effect_id)
     for file, text in (one.texts | render_check(one.model, one.texts)).items():
         (folder / file).parent.mkdir(exist_ok=True)
         (folder / file).write_text(text, encoding="utf-8")
@@ -73,10 +73,19 @@ def exponential(folder: Path, effect_id: str, *options: str) -> subprocess.Compl
 
 
 @both_reals
-@pytest.mark.parametrize("effect_id", ["hidden_thermal_drift", "load_dependent[progressive]", "angle_offset"])
-def test_models_with_an_exponential(tmp_path: Path, effect_id: str, real: str) -> None:
+@pytest.mark.parametrize(
+    ("case", "effect_id"),
+    [
+        ("C2", "hidden_thermal_drift"),
+        ("C2", "load_dependent[progressive]"),
+        ("C2", "angle_offset"),
+        ("C1", "sensor_delay"),
+        ("C1", "magnetic_hysteresis[play]"),
+    ],
+)
+def test_models_with_an_exponential(tmp_path: Path, case: str, effect_id: str, real: str) -> None:
     """Where an exponential is called, for each sample or in `prepare`, all bits but its own are NumPy's."""
-    done = exponential(tmp_path, effect_id, f"-DECCENTRIC_REAL={real}")
+    done = exponential(tmp_path, case, effect_id, f"-DECCENTRIC_REAL={real}")
 
     assert (0, True) == (done.returncode, ": ok, " in done.stdout), done.stdout
 
@@ -90,7 +99,7 @@ def test_a_bad_exponential_is_seen(tmp_path: Path) -> None:
         "#define exp bad\n"
     )
 
-    done = exponential(tmp_path, "hidden_thermal_drift", "-include", str(bad))
+    done = exponential(tmp_path, "C2", "hidden_thermal_drift", "-include", str(bad))
 
     assert 1 == done.returncode
     assert "exp of the library is" in done.stdout

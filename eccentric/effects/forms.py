@@ -154,8 +154,8 @@ def heating(
 def relaxation(name: str, meaning: str, path: sp.Expr, length: sp.Symbol, way: sp.Expr) -> State:
     """A state that follows the sign of `way`, exponentially in the path travelled, exact over a time step."""
     state = quantity(name, "1", meaning)
-    stays = sp.exp(-path / length)
-    return State(state, sp.Integer(0), state.symbol * stays + (1 - stays) * Sgn(way))
+    end = Sgn(way)
+    return State(state, sp.Integer(0), end + (state.symbol - end) * sp.exp(-path / length))
 
 
 def current_slope(name: str) -> tuple[sp.Symbol, tuple[State, State]]:

@@ -16,12 +16,15 @@ i_0 = quantity("deadtime_i", "A", "current within which it changes its sign", ""
 
 
 def effects(setting: Setting) -> tuple[Effect, ...]:
-    """The one effect of the family; tanh is written with exp(-2|x|), which never overflows."""
+    """The one effect of the family; tanh is written with exp(-2|x|), which never overflows.
+
+    With it in the numerator too, expanding would turn exp(-2|x|)/(1 + exp(-2|x|)) into 1/(exp(2|x|) + 1).
+    """
     i, largest = v.i.symbol, setting.current_max
     small = sp.exp(-2 * sp.Abs(i) / i_0.symbol)
     effect = addition(
         "inverter_deadtime",
-        [(V, Sgn(i) * (1 - small) / (1 + small))],
+        [(V, Sgn(i) * (2 / (1 + small) - 1))],
         kind="actuator",
         balance="electrical",
         depends_on=("current", "voltage"),

@@ -13,7 +13,7 @@ from eccentric.model.model import State
 
 C = quantity("wear_C", "N m", "Coulomb torque at the start beyond the final one")
 tau = quantity("wear_tau", "s", "time over which it settles", "", "positive")
-way = quantity("wear_s", "rad", "motor angle travelled")
+way = quantity("wear_s", "rad", "motor angle travelled", "", "nonnegative")
 reach = quantity("wear_x", "rad", "travelled motor angle over which it settles", "", "positive")
 REFERENCE = "standard form; running-in: P. J. Blau, Tribology International 38(11-12), 2005"
 HINT = "repeat the same run at the end: friction stays low after a rest, which heat does not"

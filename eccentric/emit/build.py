@@ -55,7 +55,8 @@ def build_program(model: Model) -> Program:
 
 def _routine(model: Model, function: Function, shared: Prepare, half_turns: HalfTurns) -> Routine:
     fixed = model.parameter_symbols
-    assignments, results = _unscaled(*written_out(closure(model, function.results), function.results, fixed))
+    needs = closure(model, function.results, function.definitions)
+    assignments, results = _unscaled(*written_out(needs, function.results, fixed))
     if function.by:
         y = sp.Symbol("torque", real=True)
         torque = results[0][1]

@@ -136,6 +136,7 @@ def _step(program: Program) -> dict[str, Any]:
             own,
             [f"{program.name}_state *state", *(argument(x, "ECCENTRIC_REAL") for x in given), coefficients],
         ),
+        "meaning": stepped.meaning,
         "call": f"{program.name}_next_state({', '.join([*passed, 'next', 'c'])});",
     }
 

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import sympy as sp
 
-from eccentric.emit import one_sided
+from eccentric.emit import one_sided, stepping
 from eccentric.emit.program import Assignment
 from eccentric.errors import InputError
 from eccentric.model import KINDS, Definition, Model, regressor
@@ -23,6 +23,7 @@ class Function:
         results: label -> expression; the label is "" for a scalar function.
         by: symbols by which the one entry of `results` is differentiated; the function returns those slopes,
             after the entry itself where that has a label.
+        definitions: of its own, beyond those of the model.
     """
 
     name: str
@@ -31,13 +32,16 @@ class Function:
     results: tuple[tuple[str, sp.Expr], ...]
     by: tuple[sp.Symbol, ...] = ()
     requires: tuple[str, ...] = ()
+    definitions: tuple[Definition, ...] = ()
 
 
-def closure(model: Model, results: tuple[tuple[str, sp.Expr], ...]) -> tuple[Assignment, ...]:
-    """The model's definitions that the results need, in order."""
+def closure(
+    model: Model, results: tuple[tuple[str, sp.Expr], ...], own: tuple[Definition, ...] = ()
+) -> tuple[Assignment, ...]:
+    """The definitions, the model's and those of a function's own, that the results need, in order."""
     needed = set().union(*(expression.free_symbols for _, expression in results))
     chosen: list[Assignment] = []
-    for definition in reversed(model.definitions):
+    for definition in reversed((*model.definitions, *own)):
         if definition.symbol in needed:
             needed |= definition.value.free_symbols
             chosen.append(Assignment(definition.symbol, definition.value, _note(model, definition)))
@@ -177,9 +181,11 @@ def functions(model: Model) -> tuple[Function, ...]:
         ),
     ]
     if model.states:
-        updates = tuple((state.quantity.name, state.update) for state in model.states)
         units = ", ".join(state.quantity.unit for state in model.states)
-        listed.append(Function("next_state", units, "the hidden states one time step later", updates))
+        own = stepping.definitions(model)
+        listed.append(
+            Function("next_state", units, stepping.meaning(model), stepping.updates(model), definitions=own)
+        )
     return (*listed, *_polynomials(model, resultant))
 
 

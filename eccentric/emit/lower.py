@@ -64,8 +64,8 @@ class Lowering:
             steps.Backward: lambda x: self.named("is_backward", steps.Backward(x)),
             steps.ByDirection: lambda x, a, b: Pick(x, ABOVE, sp.Integer(0), a, b),
             sp.Abs: Size,
-            sp.Max: lambda *all_of: reduce(lambda a, b: self._either(a, ABOVE, b), all_of),
-            sp.Min: lambda *all_of: reduce(lambda a, b: self._either(a, AT_MOST, b), all_of),
+            sp.Max: lambda *all_of: reduce(lambda a, b: self._either(a, ABOVE, AT_MOST, b), all_of),
+            sp.Min: lambda *all_of: reduce(lambda a, b: self._either(a, AT_MOST, ABOVE, b), all_of),
         }
 
     def __call__(self, expression: sp.Expr) -> sp.Expr:
@@ -150,7 +150,8 @@ class Lowering:
         a = self.named("ungated", a) if not a.is_Atom else a
         return Pick(b, EQUAL, sp.Integer(0), sp.Integer(0), Times(a, b))
 
-    def _either(self, a: sp.Expr, relation: sp.Symbol, b: sp.Expr) -> sp.Expr:
+    def _either(self, a: sp.Expr, taken: sp.Symbol, left: sp.Symbol, b: sp.Expr) -> sp.Expr:
+        """Return a where `a taken b`, b where `a left b`, else the sum, which is NaN as one of them is."""
         a = self.named("one", a) if not a.is_Atom else a
         b = self.named("other", b) if not b.is_Atom else b
-        return Pick(a, relation, b, a, b)
+        return Pick(a, taken, b, a, b if a.is_number else Pick(a, left, b, b, Plus(a, b)))

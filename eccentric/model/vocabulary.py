@@ -11,7 +11,7 @@ from eccentric.model.quantity import Quantity, quantity
 
 # Time and motion. Inputs of the emitted functions are on the motor side.
 t = quantity("t", "s", "time since the start of the log")
-dt = quantity("dt", "s", "time step", "", "positive")
+dt = quantity("dt", "s", "time step, positive", "", "positive")
 temperature = quantity("temperature", "K", "temperature in degC (differences count only)")
 theta_m = quantity("theta_m", "rad", "motor angle", "(3)")
 omega_m = quantity("omega_m", "rad/s", "motor velocity", "(3)")

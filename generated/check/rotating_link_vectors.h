@@ -1,5 +1,5 @@
 /*
- * Generated: do not edit. Written beside rotating_link.c (program 2878de00).
+ * Generated: do not edit. Written beside rotating_link.c (program 3e9c139f).
  * What the self-test expects; computed by the emitted NumPy module.
  */
 #define INPUTS 5u
