@@ -60,7 +60,8 @@ def view(program: Program, banner: str, digest: str) -> dict[str, Any]:
     expressions = [a.value for a in program.hot()]
     helpers = [name for name, kinds in _NEEDS.items() if any(e.has(*kinds) for e in expressions)]
     macros = _macros(program)
-    notes, single_only = dict(program.notes), program.single_only()
+    notes, single_only = dict(program.notes), program.single_only
+    held, shared = program.held(single=True), len(program.held(single=False))
     called = [r.name + ending for r in program.routines for ending in ("", "_n")[: 2 if r.inputs else 1]]
     return {
         "names": ["prepare", "default", *called, *(["initial_state", "step"] if program.states else [])],
@@ -77,8 +78,8 @@ def view(program: Program, banner: str, digest: str) -> dict[str, Any]:
         "far": f", |theta_m| to {LARGEST_ANGLE} rad, mu to {LARGEST_RATIO}",
         "bounded": "fastest" in {s.name for s in program.coefficients},
         "defaults": program.defaults,
-        "coefficients": [coefficient(s) for s in program.coefficients if s not in single_only],
-        "single_coefficients": [coefficient(s) for s in program.coefficients if s in single_only],
+        "coefficients": list(map(coefficient, held[:shared])),
+        "single_coefficients": list(map(coefficient, held[shared:])),
         "single": [(name, single) for name, single, _ in macros],
         "double": [(name, double) for name, _, double in macros],
         "macros": [name.partition("(")[0] for name, _, _ in macros],

@@ -84,7 +84,8 @@ class _Compiled:
 
     def _prepared(self, parameters: Any, real: Any) -> np.ndarray:
         numbers = self.source._prepare(parameters, real).numbers
-        return np.array([getattr(numbers, s.name) for s in self.program.coefficients] or [0.0], real)
+        held = self.program.held(single=real is np.float32)
+        return np.array([getattr(numbers, s.name) for s in held] or [0.0], real)
 
     def function(self, routine: Routine) -> Callable[..., Any]:
         """The function of one routine, on arrays."""

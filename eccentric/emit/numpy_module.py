@@ -53,7 +53,7 @@ def view(program: Program, banner: str, summary: str) -> dict[str, Any]:
         own = name in prepared | {q.name for q in optional}
         return f"{name}.high" if name in pairs else name if own else f"p.{name}"
 
-    in_prepare, single_only = _language(_MATH, value_of), program.single_only()
+    in_prepare, single_only = _language(_MATH, value_of), program.single_only
     coefficients = [*(s.name for s in program.coefficients), *(["rounder"] if rounds(program) else [])]
     return {
         "banner": "\n".join(f"# {line}" for line in banner.splitlines()),

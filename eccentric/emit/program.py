@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
-from functools import cache
+from functools import cache, cached_property
 
 import sympy as sp
 
@@ -117,15 +117,22 @@ class Program:
         """Every assignment that is evaluated for each sample."""
         return tuple(a for part in (*self.helpers, *self.routines) for a in part.assignments)
 
+    def held(self, *, single: bool) -> tuple[sp.Symbol, ...]:
+        """The coefficients of one precision as C holds them: what only single precision takes stands last."""
+        shared = tuple(s for s in self.coefficients if s not in self.single_only)
+        return shared + tuple(s for s in self.coefficients if single and s in self.single_only)
+
+    @cached_property
     def single_only(self) -> frozenset[sp.Symbol]:
         """What is prepared for single precision alone."""
 
         def prepared(choice: int) -> set[sp.Symbol]:
-            hot, prepare = (
-                [replace(a, value=a.value.replace(InSingle, lambda *of: of[choice])) for a in assignments]
-                for assignments in (self.hot(), self.prepare)
-            )
-            return {a.target for a in needed(prepare, [a.value for a in hot])}
+            def chosen(a: Assignment) -> Assignment:
+                return replace(a, value=a.value.args[choice]) if isinstance(a.value, InSingle) else a
+
+            return {
+                a.target for a in needed(map(chosen, self.prepare), [chosen(a).value for a in self.hot()])
+            }
 
         return frozenset(prepared(0) - prepared(1))
 
