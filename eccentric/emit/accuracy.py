@@ -12,17 +12,15 @@ import sympy as sp
 
 from eccentric.emit.digits import TURN_BITS
 from eccentric.emit.functions import normal_force
+from eccentric.emit.one_sided import moving
 from eccentric.emit.shift import split
 from eccentric.model import Model
 from eccentric.model import vocabulary as v
 from eccentric.model.steps import (
-    Backward,
-    Forward,
     Gated,
     HalfCosine,
     HalfSine,
     Magnitude,
-    Sgn,
     SquareDifference,
 )
 
@@ -106,20 +104,25 @@ def _as_derived(F_N: sp.Expr, steady: bool) -> bool:
 
 
 def _of_one_sign(model: Model) -> bool:
-    """Whether friction sums terms of one sign, and so do its slopes: powers of load and velocity."""
+    """Whether friction sums powers of load and speed that all oppose the motion; then its slopes do, too."""
     F_N, omega_m = normal_force(model), next(q.symbol for q in model.inputs if q.name == "omega_m")
+    size = sp.Symbol("size", positive=True)
+    tilts = [q.symbol for q in model.parameters if q.domain == "tilt"]  # from 0 to pi/2
+    upright = {of(tilt): sp.Dummy(nonnegative=True) for tilt in tilts for of in (sp.sin, sp.cos)}
 
-    def is_power(basis: sp.Expr) -> bool:
-        moving = {f: sp.Integer(1) for f in basis.atoms(Sgn, Forward, Backward)}
-        plain = basis.replace(Gated, sp.Mul).xreplace(moving)
-        return plain.free_symbols - model.parameter_symbols <= {F_N, omega_m} and plain.is_polynomial(
-            F_N, omega_m
-        )
+    def opposes(value: sp.Expr, direction: int) -> bool:
+        known = moving(omega_m, direction) | {omega_m: direction * size}
+        against = direction * value.replace(Gated, sp.Mul).xreplace(known)
+        if against.free_symbols - model.parameter_symbols - {F_N, size} or not against.is_polynomial(
+            F_N, size
+        ):
+            return False
+        return all(c.xreplace(upright).is_nonnegative for c in sp.Poly(against, F_N, size).coeffs())
 
     return all(
-        is_power(term.basis)
-        and all(s.is_nonnegative for s in term.value.free_symbols & model.parameter_symbols)
+        opposes(term.value, direction)
         for balance in model.balances
         for term in balance.terms
         if term.kind in ("friction", "back_emf")
+        for direction in (1, -1)
     )

@@ -15,14 +15,14 @@ _DIRECTED = Sgn | Forward | Backward | Gated
 def standstill(model: Model, friction: sp.Expr, direction: int) -> sp.Expr:
     """The limit of the friction torque for velocity to 0 from above (1) or below (-1)."""
     omega_m = next(q.symbol for q in model.inputs if q.name == "omega_m")
-    moving = {
+    defined = {
         d.symbol: d.value
         for d in model.definitions
         if d.value.has(omega_m) or d.quantity.name in ("F_N", "speed")
     }
-    for symbol in reversed(list(moving)):
-        friction = friction.xreplace({symbol: moving[symbol]})
-    friction = friction.xreplace(_moving(omega_m, direction)).xreplace({omega_m: sp.Integer(0)})
+    for symbol in reversed(list(defined)):
+        friction = friction.xreplace({symbol: defined[symbol]})
+    friction = friction.xreplace(moving(omega_m, direction)).xreplace({omega_m: sp.Integer(0)})
     # With zero speed the steps fold to plain numbers or to their other argument.
     friction = friction.replace(
         lambda e: isinstance(e, Gated) and e.args[1].is_number, lambda e: sp.Mul(*e.args)
@@ -52,7 +52,7 @@ def polynomials(
     if _is_curved(model, values, omega_m):
         return {}
     plain = model.expand(resultant).replace(Gated, sp.Mul)
-    sides = {direction: sp.expand(plain.xreplace(_moving(omega_m, direction))) for direction in (1, -1)}
+    sides = {direction: sp.expand(plain.xreplace(moving(omega_m, direction))) for direction in (1, -1)}
     if not all(side.is_polynomial(omega_m) for side in sides.values()):
         return {}
     return {
@@ -64,15 +64,15 @@ def polynomials(
 
 def _is_curved(model: Model, values: Iterable[sp.Expr], omega_m: sp.Symbol) -> bool:
     """Whether a careful step of the velocity is in them, besides those that tell its direction."""
-    moving = {omega_m}
+    moved = {omega_m}
     for definition in model.definitions:
-        if definition.value.free_symbols & moving:
-            moving.add(definition.symbol)
+        if definition.value.free_symbols & moved:
+            moved.add(definition.symbol)
     steps = {step for value in values for step in value.atoms(Step)}
-    return any(step.free_symbols & moving for step in steps if not isinstance(step, _DIRECTED))
+    return any(step.free_symbols & moved for step in steps if not isinstance(step, _DIRECTED))
 
 
-def _moving(omega_m: sp.Symbol, direction: int) -> dict[sp.Expr, sp.Expr]:
+def moving(omega_m: sp.Symbol, direction: int) -> dict[sp.Expr, sp.Expr]:
     """What is known of the steps by direction for velocities above (1) or below (-1) zero."""
     return {
         Sgn(omega_m): sp.Integer(direction),
