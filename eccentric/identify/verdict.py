@@ -208,6 +208,11 @@ _SENTENCES: tuple[tuple[set[str], set[str], str], ...] = (
     (_TIME, _TIME, "Log three times as long, with rests, so that time and distance travelled part."),
     ({"stribeck"}, {"presliding"}, "Creep below the Stribeck velocity, far from reversals."),
     (_SPEED, _SPEED, "Add constant speeds at twice the present range and at its lower end, both ways."),
+    (
+        {"load_dependent"},
+        {"gear_efficiency"},
+        "Raise and lower the mass slowly at the same speeds, with the current logged and k_i known.",
+    ),
     (_LOAD, _LOAD, "Accelerate hard at several speeds, then repeat with another mass on the link."),
     ({"coulomb_asymmetry"}, {"current_bias"}, "Log the voltage too, or the current at rest."),
     ({"coulomb_asymmetry"}, {"cable_spring"}, "Turn the link ten times further in one direction."),
