@@ -1,6 +1,6 @@
 /*
  * Generated: do not edit. Written by `make derive` from derivations/c1_asymmetric.py
- * (eccentric 0.1.0, program 0bca8cb6).
+ * (eccentric 0.1.0, program eb7a228a).
  * Case C1 with friction that differs between the directions of motion.
  */
 #include "c1_asymmetric.h"
@@ -8,7 +8,7 @@
 #include <float.h>
 #include <math.h>
 
-#if C1_ASYMMETRIC_PROGRAM != 0x0bca8cb6UL
+#if C1_ASYMMETRIC_PROGRAM != 0xeb7a228aUL
 #error "c1_asymmetric.c and c1_asymmetric.h are of different derivations: write both again"
 #endif
 
@@ -446,23 +446,25 @@ REAL_INLINE void c1_asymmetric_friction_torque_jacobian_at(
     const real F_N = c->L_M_mu2 * omega_m * omega_m;
     const real is_forward = c1_asymmetric_forward(omega_m);
     const real ungated = F_N * c->mu2 * omega_m;
-    out[0] = ((is_forward == REAL(0.0)) ? REAL(0.0) : ungated * is_forward);
+    out[0] = ((is_forward == REAL(0.0)) ? c1_asymmetric_sgn(ungated) : ungated) * is_forward;
     const real is_backward = c1_asymmetric_forward(-(omega_m));
-    out[1] = ((is_backward == REAL(0.0)) ? REAL(0.0) : ungated * is_backward);
+    out[1] = ((is_backward == REAL(0.0)) ? c1_asymmetric_sgn(ungated) : ungated) * is_backward;
     const real direction_of_motion = c1_asymmetric_sgn(omega_m);
     const real ungated_2 = F_N * direction_of_motion * c->mu;
-    out[2] = ((is_forward == REAL(0.0)) ? REAL(0.0) : ungated_2 * is_forward);
-    out[3] = ((is_backward == REAL(0.0)) ? REAL(0.0) : ungated_2 * is_backward);
+    out[2] = ((is_forward == REAL(0.0)) ? c1_asymmetric_sgn(ungated_2) : ungated_2) * is_forward;
+    out[3] = ((is_backward == REAL(0.0)) ? c1_asymmetric_sgn(ungated_2) : ungated_2) * is_backward;
     const real ungated_3 = c->F_T_mu2 * omega_m;
-    out[4] = ((is_forward == REAL(0.0)) ? REAL(0.0) : ungated_3 * is_forward);
-    out[5] = ((is_backward == REAL(0.0)) ? REAL(0.0) : ungated_3 * is_backward);
+    out[4] = ((is_forward == REAL(0.0)) ? c1_asymmetric_sgn(ungated_3) : ungated_3) * is_forward;
+    out[5] = ((is_backward == REAL(0.0)) ? c1_asymmetric_sgn(ungated_3) : ungated_3) * is_backward;
     const real ungated_4 = c->F_T_mu * direction_of_motion;
-    out[6] = ((is_forward == REAL(0.0)) ? REAL(0.0) : ungated_4 * is_forward);
-    out[7] = ((is_backward == REAL(0.0)) ? REAL(0.0) : ungated_4 * is_backward);
-    out[8] = ((is_forward == REAL(0.0)) ? REAL(0.0) : omega_m * is_forward);
-    out[9] = ((is_backward == REAL(0.0)) ? REAL(0.0) : omega_m * is_backward);
-    out[10] = ((is_forward == REAL(0.0)) ? REAL(0.0) : direction_of_motion * is_forward);
-    out[11] = ((is_backward == REAL(0.0)) ? REAL(0.0) : direction_of_motion * is_backward);
+    out[6] = ((is_forward == REAL(0.0)) ? c1_asymmetric_sgn(ungated_4) : ungated_4) * is_forward;
+    out[7] = ((is_backward == REAL(0.0)) ? c1_asymmetric_sgn(ungated_4) : ungated_4) * is_backward;
+    out[8] = ((is_forward == REAL(0.0)) ? c1_asymmetric_sgn(omega_m) : omega_m) * is_forward;
+    out[9] = ((is_backward == REAL(0.0)) ? c1_asymmetric_sgn(omega_m) : omega_m) * is_backward;
+    out[10] = ((is_forward == REAL(0.0)) ? c1_asymmetric_sgn(direction_of_motion) : direction_of_motion) *
+        is_forward;
+    out[11] = ((is_backward == REAL(0.0)) ? c1_asymmetric_sgn(direction_of_motion) : direction_of_motion) *
+        is_backward;
 }
 
 void c1_asymmetric_friction_torque_jacobian(
@@ -491,17 +493,19 @@ REAL_INLINE void c1_asymmetric_regressor_at(real omega_m, real *out, const c1_as
     const real F_N = c->L_M_mu2 * omega_m * omega_m;
     const real is_forward = c1_asymmetric_forward(omega_m);
     const real ungated = F_N * c->mu2 * omega_m;
-    out[0] = ((is_forward == REAL(0.0)) ? REAL(0.0) : ungated * is_forward);
+    out[0] = ((is_forward == REAL(0.0)) ? c1_asymmetric_sgn(ungated) : ungated) * is_forward;
     const real is_backward = c1_asymmetric_forward(-(omega_m));
-    out[1] = ((is_backward == REAL(0.0)) ? REAL(0.0) : ungated * is_backward);
+    out[1] = ((is_backward == REAL(0.0)) ? c1_asymmetric_sgn(ungated) : ungated) * is_backward;
     const real direction_of_motion = c1_asymmetric_sgn(omega_m);
     const real ungated_2 = F_N * direction_of_motion * c->mu;
-    out[2] = ((is_forward == REAL(0.0)) ? REAL(0.0) : ungated_2 * is_forward);
-    out[3] = ((is_backward == REAL(0.0)) ? REAL(0.0) : ungated_2 * is_backward);
-    out[4] = ((is_forward == REAL(0.0)) ? REAL(0.0) : omega_m * is_forward);
-    out[5] = ((is_backward == REAL(0.0)) ? REAL(0.0) : omega_m * is_backward);
-    out[6] = ((is_forward == REAL(0.0)) ? REAL(0.0) : direction_of_motion * is_forward);
-    out[7] = ((is_backward == REAL(0.0)) ? REAL(0.0) : direction_of_motion * is_backward);
+    out[2] = ((is_forward == REAL(0.0)) ? c1_asymmetric_sgn(ungated_2) : ungated_2) * is_forward;
+    out[3] = ((is_backward == REAL(0.0)) ? c1_asymmetric_sgn(ungated_2) : ungated_2) * is_backward;
+    out[4] = ((is_forward == REAL(0.0)) ? c1_asymmetric_sgn(omega_m) : omega_m) * is_forward;
+    out[5] = ((is_backward == REAL(0.0)) ? c1_asymmetric_sgn(omega_m) : omega_m) * is_backward;
+    out[6] = ((is_forward == REAL(0.0)) ? c1_asymmetric_sgn(direction_of_motion) : direction_of_motion) *
+        is_forward;
+    out[7] = ((is_backward == REAL(0.0)) ? c1_asymmetric_sgn(direction_of_motion) : direction_of_motion) *
+        is_backward;
 }
 
 void c1_asymmetric_regressor(

@@ -1,5 +1,5 @@
 # Generated: do not edit. Written by `make derive` from derivations/c1_asymmetric.py
-# (eccentric 0.1.0, program 0bca8cb6).
+# (eccentric 0.1.0, program eb7a228a).
 # Case C1 with friction that differs between the directions of motion.
 """Case C1 with friction that differs between the directions of motion.
 
@@ -839,23 +839,23 @@ def _friction_torque_jacobian(
     F_N = c.L_M_mu2 * omega_m * omega_m
     is_forward = _forward(omega_m)
     ungated = F_N * c.mu2 * omega_m
-    result_B_lN_pos = _choose(is_forward == 0.0, 0.0, ungated * is_forward)
+    result_B_lN_pos = _choose(is_forward == 0.0, _sign(ungated), ungated) * is_forward
     is_backward = _forward(-(omega_m))
-    result_B_lN_neg = _choose(is_backward == 0.0, 0.0, ungated * is_backward)
+    result_B_lN_neg = _choose(is_backward == 0.0, _sign(ungated), ungated) * is_backward
     direction_of_motion = _sign(omega_m)
     ungated_2 = F_N * direction_of_motion * c.mu
-    result_C_lN_pos = _choose(is_forward == 0.0, 0.0, ungated_2 * is_forward)
-    result_C_lN_neg = _choose(is_backward == 0.0, 0.0, ungated_2 * is_backward)
+    result_C_lN_pos = _choose(is_forward == 0.0, _sign(ungated_2), ungated_2) * is_forward
+    result_C_lN_neg = _choose(is_backward == 0.0, _sign(ungated_2), ungated_2) * is_backward
     ungated_3 = c.F_T_mu2 * omega_m
-    result_B_lT_pos = _choose(is_forward == 0.0, 0.0, ungated_3 * is_forward)
-    result_B_lT_neg = _choose(is_backward == 0.0, 0.0, ungated_3 * is_backward)
+    result_B_lT_pos = _choose(is_forward == 0.0, _sign(ungated_3), ungated_3) * is_forward
+    result_B_lT_neg = _choose(is_backward == 0.0, _sign(ungated_3), ungated_3) * is_backward
     ungated_4 = c.F_T_mu * direction_of_motion
-    result_C_lT_pos = _choose(is_forward == 0.0, 0.0, ungated_4 * is_forward)
-    result_C_lT_neg = _choose(is_backward == 0.0, 0.0, ungated_4 * is_backward)
-    result_B_m_pos = _choose(is_forward == 0.0, 0.0, omega_m * is_forward)
-    result_B_m_neg = _choose(is_backward == 0.0, 0.0, omega_m * is_backward)
-    result_C_m_pos = _choose(is_forward == 0.0, 0.0, direction_of_motion * is_forward)
-    result_C_m_neg = _choose(is_backward == 0.0, 0.0, direction_of_motion * is_backward)
+    result_C_lT_pos = _choose(is_forward == 0.0, _sign(ungated_4), ungated_4) * is_forward
+    result_C_lT_neg = _choose(is_backward == 0.0, _sign(ungated_4), ungated_4) * is_backward
+    result_B_m_pos = _choose(is_forward == 0.0, _sign(omega_m), omega_m) * is_forward
+    result_B_m_neg = _choose(is_backward == 0.0, _sign(omega_m), omega_m) * is_backward
+    result_C_m_pos = _choose(is_forward == 0.0, _sign(direction_of_motion), direction_of_motion) * is_forward
+    result_C_m_neg = _choose(is_backward == 0.0, _sign(direction_of_motion), direction_of_motion) * is_backward
     return (
         result_B_lN_pos,
         result_B_lN_neg,
@@ -895,17 +895,17 @@ def _regressor(
     F_N = c.L_M_mu2 * omega_m * omega_m
     is_forward = _forward(omega_m)
     ungated = F_N * c.mu2 * omega_m
-    result_B_lN_pos = _choose(is_forward == 0.0, 0.0, ungated * is_forward)
+    result_B_lN_pos = _choose(is_forward == 0.0, _sign(ungated), ungated) * is_forward
     is_backward = _forward(-(omega_m))
-    result_B_lN_neg = _choose(is_backward == 0.0, 0.0, ungated * is_backward)
+    result_B_lN_neg = _choose(is_backward == 0.0, _sign(ungated), ungated) * is_backward
     direction_of_motion = _sign(omega_m)
     ungated_2 = F_N * direction_of_motion * c.mu
-    result_C_lN_pos = _choose(is_forward == 0.0, 0.0, ungated_2 * is_forward)
-    result_C_lN_neg = _choose(is_backward == 0.0, 0.0, ungated_2 * is_backward)
-    result_B_pos = _choose(is_forward == 0.0, 0.0, omega_m * is_forward)
-    result_B_neg = _choose(is_backward == 0.0, 0.0, omega_m * is_backward)
-    result_C_pos = _choose(is_forward == 0.0, 0.0, direction_of_motion * is_forward)
-    result_C_neg = _choose(is_backward == 0.0, 0.0, direction_of_motion * is_backward)
+    result_C_lN_pos = _choose(is_forward == 0.0, _sign(ungated_2), ungated_2) * is_forward
+    result_C_lN_neg = _choose(is_backward == 0.0, _sign(ungated_2), ungated_2) * is_backward
+    result_B_pos = _choose(is_forward == 0.0, _sign(omega_m), omega_m) * is_forward
+    result_B_neg = _choose(is_backward == 0.0, _sign(omega_m), omega_m) * is_backward
+    result_C_pos = _choose(is_forward == 0.0, _sign(direction_of_motion), direction_of_motion) * is_forward
+    result_C_neg = _choose(is_backward == 0.0, _sign(direction_of_motion), direction_of_motion) * is_backward
     return (
         result_B_lN_pos,
         result_B_lN_neg,

@@ -1,6 +1,6 @@
 /*
  * Generated: do not edit. Written by `make derive` from derivations/c2_asymmetric.py
- * (eccentric 0.1.0, program 2c275abf).
+ * (eccentric 0.1.0, program 32de661f).
  * Case C2 with friction that differs between the directions of motion.
  */
 #include "c2_asymmetric.h"
@@ -8,7 +8,7 @@
 #include <float.h>
 #include <math.h>
 
-#if C2_ASYMMETRIC_PROGRAM != 0x2c275abfUL
+#if C2_ASYMMETRIC_PROGRAM != 0x32de661fUL
 #error "c2_asymmetric.c and c2_asymmetric.h are of different derivations: write both again"
 #endif
 
@@ -814,17 +814,19 @@ REAL_INLINE void c2_asymmetric_friction_torque_jacobian_at(
     const real load = REAL_SQRT(square_difference * square_difference + q * q);
     const real is_forward = c2_asymmetric_forward(omega_m);
     const real ungated = load * c->mu2_scale_N * omega_m;
-    out[0] = ((is_forward == REAL(0.0)) ? REAL(0.0) : ungated * is_forward);
+    out[0] = ((is_forward == REAL(0.0)) ? c2_asymmetric_sgn(ungated) : ungated) * is_forward;
     const real is_backward = c2_asymmetric_forward(-(omega_m));
-    out[1] = ((is_backward == REAL(0.0)) ? REAL(0.0) : ungated * is_backward);
+    out[1] = ((is_backward == REAL(0.0)) ? c2_asymmetric_sgn(ungated) : ungated) * is_backward;
     const real direction_of_motion = c2_asymmetric_sgn(omega_m);
     const real ungated_2 = direction_of_motion * load * c->mu_scale_N;
-    out[2] = ((is_forward == REAL(0.0)) ? REAL(0.0) : ungated_2 * is_forward);
-    out[3] = ((is_backward == REAL(0.0)) ? REAL(0.0) : ungated_2 * is_backward);
-    out[4] = ((is_forward == REAL(0.0)) ? REAL(0.0) : omega_m * is_forward);
-    out[5] = ((is_backward == REAL(0.0)) ? REAL(0.0) : omega_m * is_backward);
-    out[6] = ((is_forward == REAL(0.0)) ? REAL(0.0) : direction_of_motion * is_forward);
-    out[7] = ((is_backward == REAL(0.0)) ? REAL(0.0) : direction_of_motion * is_backward);
+    out[2] = ((is_forward == REAL(0.0)) ? c2_asymmetric_sgn(ungated_2) : ungated_2) * is_forward;
+    out[3] = ((is_backward == REAL(0.0)) ? c2_asymmetric_sgn(ungated_2) : ungated_2) * is_backward;
+    out[4] = ((is_forward == REAL(0.0)) ? c2_asymmetric_sgn(omega_m) : omega_m) * is_forward;
+    out[5] = ((is_backward == REAL(0.0)) ? c2_asymmetric_sgn(omega_m) : omega_m) * is_backward;
+    out[6] = ((is_forward == REAL(0.0)) ? c2_asymmetric_sgn(direction_of_motion) : direction_of_motion) *
+        is_forward;
+    out[7] = ((is_backward == REAL(0.0)) ? c2_asymmetric_sgn(direction_of_motion) : direction_of_motion) *
+        is_backward;
 }
 
 void c2_asymmetric_friction_torque_jacobian(
@@ -879,17 +881,19 @@ REAL_INLINE void c2_asymmetric_regressor_at(
     const real load = REAL_SQRT(square_difference * square_difference + q * q);
     const real is_forward = c2_asymmetric_forward(omega_m);
     const real ungated = load * c->mu2_scale_N * omega_m;
-    out[0] = ((is_forward == REAL(0.0)) ? REAL(0.0) : ungated * is_forward);
+    out[0] = ((is_forward == REAL(0.0)) ? c2_asymmetric_sgn(ungated) : ungated) * is_forward;
     const real is_backward = c2_asymmetric_forward(-(omega_m));
-    out[1] = ((is_backward == REAL(0.0)) ? REAL(0.0) : ungated * is_backward);
+    out[1] = ((is_backward == REAL(0.0)) ? c2_asymmetric_sgn(ungated) : ungated) * is_backward;
     const real direction_of_motion = c2_asymmetric_sgn(omega_m);
     const real ungated_2 = direction_of_motion * load * c->mu_scale_N;
-    out[2] = ((is_forward == REAL(0.0)) ? REAL(0.0) : ungated_2 * is_forward);
-    out[3] = ((is_backward == REAL(0.0)) ? REAL(0.0) : ungated_2 * is_backward);
-    out[4] = ((is_forward == REAL(0.0)) ? REAL(0.0) : omega_m * is_forward);
-    out[5] = ((is_backward == REAL(0.0)) ? REAL(0.0) : omega_m * is_backward);
-    out[6] = ((is_forward == REAL(0.0)) ? REAL(0.0) : direction_of_motion * is_forward);
-    out[7] = ((is_backward == REAL(0.0)) ? REAL(0.0) : direction_of_motion * is_backward);
+    out[2] = ((is_forward == REAL(0.0)) ? c2_asymmetric_sgn(ungated_2) : ungated_2) * is_forward;
+    out[3] = ((is_backward == REAL(0.0)) ? c2_asymmetric_sgn(ungated_2) : ungated_2) * is_backward;
+    out[4] = ((is_forward == REAL(0.0)) ? c2_asymmetric_sgn(omega_m) : omega_m) * is_forward;
+    out[5] = ((is_backward == REAL(0.0)) ? c2_asymmetric_sgn(omega_m) : omega_m) * is_backward;
+    out[6] = ((is_forward == REAL(0.0)) ? c2_asymmetric_sgn(direction_of_motion) : direction_of_motion) *
+        is_forward;
+    out[7] = ((is_backward == REAL(0.0)) ? c2_asymmetric_sgn(direction_of_motion) : direction_of_motion) *
+        is_backward;
 }
 
 void c2_asymmetric_regressor(

@@ -1,5 +1,5 @@
 # Generated: do not edit. Written by `make derive` from derivations/c2_asymmetric.py
-# (eccentric 0.1.0, program 2c275abf).
+# (eccentric 0.1.0, program 32de661f).
 # Case C2 with friction that differs between the directions of motion.
 """Case C2 with friction that differs between the directions of motion.
 
@@ -1089,17 +1089,17 @@ def _friction_torque_jacobian(
     load = _sqrt(square_difference * square_difference + q * q)
     is_forward = _forward(omega_m)
     ungated = load * c.mu2_scale_N * omega_m
-    result_B_lN_pos = _choose(is_forward == 0.0, 0.0, ungated * is_forward)
+    result_B_lN_pos = _choose(is_forward == 0.0, _sign(ungated), ungated) * is_forward
     is_backward = _forward(-(omega_m))
-    result_B_lN_neg = _choose(is_backward == 0.0, 0.0, ungated * is_backward)
+    result_B_lN_neg = _choose(is_backward == 0.0, _sign(ungated), ungated) * is_backward
     direction_of_motion = _sign(omega_m)
     ungated_2 = direction_of_motion * load * c.mu_scale_N
-    result_C_lN_pos = _choose(is_forward == 0.0, 0.0, ungated_2 * is_forward)
-    result_C_lN_neg = _choose(is_backward == 0.0, 0.0, ungated_2 * is_backward)
-    result_B_m_pos = _choose(is_forward == 0.0, 0.0, omega_m * is_forward)
-    result_B_m_neg = _choose(is_backward == 0.0, 0.0, omega_m * is_backward)
-    result_C_m_pos = _choose(is_forward == 0.0, 0.0, direction_of_motion * is_forward)
-    result_C_m_neg = _choose(is_backward == 0.0, 0.0, direction_of_motion * is_backward)
+    result_C_lN_pos = _choose(is_forward == 0.0, _sign(ungated_2), ungated_2) * is_forward
+    result_C_lN_neg = _choose(is_backward == 0.0, _sign(ungated_2), ungated_2) * is_backward
+    result_B_m_pos = _choose(is_forward == 0.0, _sign(omega_m), omega_m) * is_forward
+    result_B_m_neg = _choose(is_backward == 0.0, _sign(omega_m), omega_m) * is_backward
+    result_C_m_pos = _choose(is_forward == 0.0, _sign(direction_of_motion), direction_of_motion) * is_forward
+    result_C_m_neg = _choose(is_backward == 0.0, _sign(direction_of_motion), direction_of_motion) * is_backward
     return (
         result_B_lN_pos,
         result_B_lN_neg,
@@ -1146,17 +1146,17 @@ def _regressor(
     load = _sqrt(square_difference * square_difference + q * q)
     is_forward = _forward(omega_m)
     ungated = load * c.mu2_scale_N * omega_m
-    result_B_lN_pos = _choose(is_forward == 0.0, 0.0, ungated * is_forward)
+    result_B_lN_pos = _choose(is_forward == 0.0, _sign(ungated), ungated) * is_forward
     is_backward = _forward(-(omega_m))
-    result_B_lN_neg = _choose(is_backward == 0.0, 0.0, ungated * is_backward)
+    result_B_lN_neg = _choose(is_backward == 0.0, _sign(ungated), ungated) * is_backward
     direction_of_motion = _sign(omega_m)
     ungated_2 = direction_of_motion * load * c.mu_scale_N
-    result_C_lN_pos = _choose(is_forward == 0.0, 0.0, ungated_2 * is_forward)
-    result_C_lN_neg = _choose(is_backward == 0.0, 0.0, ungated_2 * is_backward)
-    result_B_m_pos = _choose(is_forward == 0.0, 0.0, omega_m * is_forward)
-    result_B_m_neg = _choose(is_backward == 0.0, 0.0, omega_m * is_backward)
-    result_C_m_pos = _choose(is_forward == 0.0, 0.0, direction_of_motion * is_forward)
-    result_C_m_neg = _choose(is_backward == 0.0, 0.0, direction_of_motion * is_backward)
+    result_C_lN_pos = _choose(is_forward == 0.0, _sign(ungated_2), ungated_2) * is_forward
+    result_C_lN_neg = _choose(is_backward == 0.0, _sign(ungated_2), ungated_2) * is_backward
+    result_B_m_pos = _choose(is_forward == 0.0, _sign(omega_m), omega_m) * is_forward
+    result_B_m_neg = _choose(is_backward == 0.0, _sign(omega_m), omega_m) * is_backward
+    result_C_m_pos = _choose(is_forward == 0.0, _sign(direction_of_motion), direction_of_motion) * is_forward
+    result_C_m_neg = _choose(is_backward == 0.0, _sign(direction_of_motion), direction_of_motion) * is_backward
     return (
         result_B_lN_pos,
         result_B_lN_neg,

@@ -1,5 +1,7 @@
 """NaN in gives NaN out, whatever else comes in; that any bits do no harm is in the sanitized self-test."""
 
+import itertools
+
 import numpy as np
 import pytest
 
@@ -23,3 +25,21 @@ def test_nan_in_gives_nan_out(name: str, function: str, dtype: type[np.floating]
         result = getattr(module(name), function)(*states, with_inertia(name))
 
         assert np.all(np.isnan(result)), inputs[k]
+
+
+VECTORS = [pair for pair in CALLED_ON_STATES if pair not in SCALARS]
+PLAIN = (0.0, -0.0, 1.0, -2.5, 1e3)
+
+
+@both_precisions
+@pytest.mark.parametrize(("name", "function"), VECTORS, ids=map(".".join, VECTORS))
+def test_nan_is_told_at_standstill_too(name: str, function: str, dtype: type[np.floating]) -> None:
+    """A NaN in any input is in some element of the result, whatever the direction of motion."""
+    inputs = oracle.inputs(name, function)
+    for k in range(len(inputs)):
+        states = np.array(list(itertools.product(PLAIN, repeat=len(inputs))), dtype).T
+        states[k] = np.nan
+
+        result = getattr(module(name), function)(*states, with_inertia(name))
+
+        assert np.all(np.any(np.isnan(result), axis=-1)), inputs[k]

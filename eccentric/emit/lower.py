@@ -146,9 +146,13 @@ class Lowering:
         return Pick(size, ABOVE, b, b, Pick(size, BELOW, -b, -b, size))
 
     def _gated(self, a: sp.Expr, b: sp.Expr) -> sp.Expr:
+        zero, given = sp.Integer(0), not a.free_symbols <= self._prepare.symbols
         b = self.named("gate", b) if not b.is_Atom else b
         a = self.named("ungated", a) if not a.is_Atom else a
-        return Pick(b, EQUAL, sp.Integer(0), sp.Integer(0), Times(a, b))
+        if given:
+            # Where the gate is shut, the sign alone goes through it: a NaN stays, an infinity makes none.
+            return Times(Pick(b, EQUAL, zero, steps.Sgn(a), a), b)
+        return Pick(b, EQUAL, zero, zero, Times(a, b))
 
     def _either(self, a: sp.Expr, taken: sp.Symbol, left: sp.Symbol, b: sp.Expr) -> sp.Expr:
         """Return a where `a taken b`, b where `a left b`, else the sum, which is NaN as one of them is."""

@@ -202,7 +202,7 @@ class Across(Step):
 
 
 class Gated(Step):
-    """a b, and 0 where b is 0 whatever a is: without acceleration an inertia need not be given (NaN)."""
+    """a b, and 0 where b is 0 though the parameter a is not given (NaN): an inertia without acceleration."""
 
     nargs = 2
 
