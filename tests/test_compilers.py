@@ -94,6 +94,14 @@ def test_fast_arithmetic_is_refused(option: str) -> None:
     assert "#error" in refused("-fsyntax-only", option, GENERATED / "c2_parallel.c")
 
 
+@pytest.fixture(scope="module")
+def model(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Return a model as it compiles where nobody names a precision: in double."""
+    made = tmp_path_factory.mktemp("default") / "c2_parallel.o"
+    run("gcc", *FLAGS, "-c", GENERATED / "c2_parallel.c", "-o", made)
+    return made
+
+
 USER = """
 #include "c2_parallel.h"
 int main(void)
@@ -113,16 +121,16 @@ int main(void)
         "static c2_parallel_coefficients of_another_file; own = of_another_file",
     ],
 )
-def test_files_of_different_precision_do_not_link(tmp_path: Path, call: str) -> None:
+def test_files_of_different_precision_do_not_link(tmp_path: Path, model: Path, call: str) -> None:
     """Coefficients in single precision are not read as double: all that makes or takes them names its own."""
     (tmp_path / "user.c").write_text(USER.replace("CALL", call))
     for real in ("float", "double"):
         options = [f"-DECCENTRIC_REAL={real}", f"-I{GENERATED}", "-c", "-o", tmp_path / f"{real}.o"]
         run("gcc", *FLAGS, *options, tmp_path / "user.c")
-    model = [f"-I{GENERATED}", GENERATED / "c2_parallel.c", "-o", tmp_path / "user", "-lm"]
+    linked = [model, "-o", tmp_path / "user", "-lm"]
 
-    run("gcc", *FLAGS, tmp_path / "double.o", *model)
-    said = refused(tmp_path / "float.o", *model)
+    run("gcc", *FLAGS, tmp_path / "double.o", *linked)
+    said = refused(tmp_path / "float.o", *linked)
 
     assert "undefined reference" in said
     assert "_float" in said
