@@ -29,8 +29,9 @@ run: $(DERIVED)
 	@$(CC) $(STRICT) -c build/bench/c2_parallel_extended.c -o build/c2_parallel_extended.o
 	@echo "build/c2_parallel_extended.o: the extended model, compiled with $(CC) $(STRICT)"
 
+# One process per processor: threads of a linear algebra library would only wait for each other.
 test: $(TEST)
-	@$(BIN)/python -m pytest -n auto --dist loadfile
+	@OMP_NUM_THREADS=1 $(BIN)/python -m pytest -n auto --dist loadfile
 
 derive: $(RUN)
 	@$(BIN)/eccentric derive

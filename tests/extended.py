@@ -115,14 +115,16 @@ def joined(case: str, number: int, values: dict[str, float]) -> Model:
 
 
 @cache
+def with_group(case: str, number: int) -> Extended:
+    """Return the base model with one of the groups, at values where it changes nothing."""
+    model = joined(case, number, dict.fromkeys(NEUTRAL, 0.0))
+    texts = render(model)
+    return Extended(model, groups(case)[number], texts, loaded(model.name, texts))
+
+
 def extended(case: str) -> tuple[Extended, ...]:
     """Return the base model with each of the groups, at values where they change nothing."""
-    models = [joined(case, k, dict.fromkeys(NEUTRAL, 0.0)) for k in range(len(groups(case)))]
-    texts = [render(model) for model in models]
-    return tuple(
-        Extended(model, members, files, loaded(model.name, files))
-        for model, members, files in zip(models, groups(case), texts, strict=True)
-    )
+    return tuple(with_group(case, number) for number in range(len(groups(case))))
 
 
 AT_WORK = {f"{BASE[case]}_{k}": (case, k) for case in CASES for k in range(len(groups(case)))}
@@ -158,7 +160,8 @@ def loaded(name: str, texts: dict[str, str]) -> ModuleType:
 
 def with_effect(case: str, effect_id: str) -> Extended:
     """Return the extended model that has the effect."""
-    return next(one for one in extended(case) if effect_id in {e.id for e in one.effects})
+    members = groups(case)
+    return with_group(case, next(k for k in range(len(members)) if effect_id in {e.id for e in members[k]}))
 
 
 def inputs(size: int = 40) -> Signals:

@@ -2,6 +2,7 @@
 
 import shutil
 import tempfile
+from functools import cache
 from pathlib import Path
 
 import pytest
@@ -24,6 +25,7 @@ HOSTS = {
 }
 
 
+@cache
 def lacking(*compiler: str) -> str:
     """Return why a compiler with its options cannot be used: it, its libraries, the processor; else ""."""
     if shutil.which(compiler[0]) is None:

@@ -2,6 +2,8 @@
 
 import re
 import subprocess
+from collections.abc import Callable
+from functools import cache
 from pathlib import Path
 
 import pytest
@@ -15,24 +17,38 @@ LIBM = {"sqrt", "sqrtf", "fabs", "fabsf", "floor", "floorf", "round", "roundf", 
 LIBM_OF_PREPARE = {"sin", "cos", "sincos"}
 
 
+@pytest.fixture(scope="module")
+def compiled(tmp_path_factory: pytest.TempPathFactory) -> Callable[..., Path]:
+    """Return what compiles a model, once for the same command: any warning is a failure."""
+
+    @cache
+    def object_file(name: str, dtype: Real, compiler: str, variant: tuple[str, ...]) -> Path:
+        made = tmp_path_factory.mktemp(name) / f"{name}.o"
+        options = [*FLAGS, *variant, f"-DECCENTRIC_REAL={REAL[dtype]}"]
+        run(compiler, *options, "-c", GENERATED / f"{name}.c", "-o", made)
+        return made
+
+    return object_file
+
+
 @pytest.mark.parametrize("variant", [(), ("-DECCENTRIC_LIBM",)], ids=["polynomials", "libm"])
 @pytest.mark.parametrize("compiler", ["gcc", "clang"])
 @both_precisions
 @every_model
-def test_no_warning(tmp_path: Path, name: str, dtype: Real, compiler: str, variant: tuple[str, ...]) -> None:
+def test_no_warning(
+    compiled: Callable[..., Path], name: str, dtype: Real, compiler: str, variant: tuple[str, ...]
+) -> None:
     """No compiler has a word about the source, under strict flags and an optimisation that sees far."""
     need(compiler)
-    options = [*FLAGS, *variant, f"-DECCENTRIC_REAL={REAL[dtype]}"]
 
-    run(compiler, *options, "-c", GENERATED / f"{name}.c", "-o", tmp_path / "model.o")
+    assert compiled(name, dtype, compiler, variant).is_file()
 
 
 @both_precisions
 @every_model
-def test_links_with_libm_only(tmp_path: Path, name: str, dtype: Real) -> None:
+def test_links_with_libm_only(compiled: Callable[..., Path], name: str, dtype: Real) -> None:
     """An object file needs square root, absolute value and rounding, and holds no variables."""
-    object_file = tmp_path / f"{name}.o"
-    run("gcc", *FLAGS, f"-DECCENTRIC_REAL={REAL[dtype]}", "-c", "-o", object_file, GENERATED / f"{name}.c")
+    object_file = compiled(name, dtype, "gcc", ())
     symbols = [line.split()[-2:] for line in run("nm", object_file).splitlines()]
     undefined = {symbol for kind, symbol in symbols if kind == "U"} - {"_GLOBAL_OFFSET_TABLE_"}
     defined = {(kind, symbol) for kind, symbol in symbols if kind != "U"}
@@ -78,6 +94,14 @@ def test_fast_arithmetic_is_refused(option: str) -> None:
     assert "#error" in refused("-fsyntax-only", option, GENERATED / "c2_parallel.c")
 
 
+@pytest.fixture(scope="module")
+def model(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Return a model as it compiles where nobody names a precision: in double."""
+    made = tmp_path_factory.mktemp("default") / "c2_parallel.o"
+    run("gcc", *FLAGS, "-c", GENERATED / "c2_parallel.c", "-o", made)
+    return made
+
+
 USER = """
 #include "c2_parallel.h"
 int main(void)
@@ -97,16 +121,16 @@ int main(void)
         "static c2_parallel_coefficients of_another_file; own = of_another_file",
     ],
 )
-def test_files_of_different_precision_do_not_link(tmp_path: Path, call: str) -> None:
+def test_files_of_different_precision_do_not_link(tmp_path: Path, model: Path, call: str) -> None:
     """Coefficients in single precision are not read as double: all that makes or takes them names its own."""
     (tmp_path / "user.c").write_text(USER.replace("CALL", call))
     for real in ("float", "double"):
         options = [f"-DECCENTRIC_REAL={real}", f"-I{GENERATED}", "-c", "-o", tmp_path / f"{real}.o"]
         run("gcc", *FLAGS, *options, tmp_path / "user.c")
-    model = [f"-I{GENERATED}", GENERATED / "c2_parallel.c", "-o", tmp_path / "user", "-lm"]
+    linked = [model, "-o", tmp_path / "user", "-lm"]
 
-    run("gcc", *FLAGS, tmp_path / "double.o", *model)
-    said = refused(tmp_path / "float.o", *model)
+    run("gcc", *FLAGS, tmp_path / "double.o", *linked)
+    said = refused(tmp_path / "float.o", *linked)
 
     assert "undefined reference" in said
     assert "_float" in said

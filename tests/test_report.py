@@ -1,22 +1,16 @@
 """report.html: what it says, in which order, for whom."""
 
 import re
-import shlex
 import sys
 from dataclasses import replace
 from itertools import pairwise
-from pathlib import Path
 
 import jinja2
-import numpy as np
 import pytest
 from jinja2 import meta
 
-from eccentric.cli import diagnose as command
-from eccentric.cli import main
 from eccentric.identify import report as package
-from eccentric.identify.diagnose import Diagnosis, diagnose
-from eccentric.identify.report import page, report_data
+from eccentric.identify.report import page
 from eccentric.identify.report.data import Errors
 from eccentric.identify.report.text import number, why
 from eccentric.identify.report.view import view
@@ -24,15 +18,7 @@ from eccentric.places import folder
 from tests.page_reader import Reader, figures_of
 from tests.reported import ADOPTED, RIVAL, balance_of, nothing_missing, rows_of, sample
 
-ROOT = Path(__file__).resolve().parent.parent
-LOG, RIG = ROOT / "examples" / "bench" / "bench.csv.gz", ROOT / "examples" / "bench" / "bench.json"
 VERDICTS = ("named", "not_identifiable", "unexplained", "nothing_missing")
-
-
-@pytest.fixture(scope="module")
-def found() -> Diagnosis:
-    """The diagnosis of the bundled log."""
-    return diagnose([LOG], RIG)
 
 
 @pytest.fixture(scope="module")
@@ -193,55 +179,3 @@ def test_templates_use_what_they_are_given() -> None:
         used |= meta.find_undeclared_variables(environment.parse(path.read_text(encoding="utf-8")))
 
     assert set(view(sample(50), None)) == used
-
-
-def test_the_record_says_what_the_diagnosis_found(found: Diagnosis) -> None:
-    """Errors follow from the residuals of the held-out rows; parameters are those of the fit."""
-    data = report_data(found)
-    mechanical = data.balances[0]
-    assert mechanical.extended is not None
-    held = mechanical.rows.held_out
-    rmse = {
-        name: float(np.sqrt(np.mean(np.asarray(x)[held] ** 2)))
-        for name, x in (
-            ("linear", mechanical.linear), ("paper", mechanical.paper), ("extended", mechanical.extended)
-        )
-    }  # fmt: skip
-    fitted = {p.name: p.value for p in data.parameters if p.origin in {"effect", "friction"}}
-
-    assert pytest.approx(dict(mechanical.rmse), rel=1e-9) == rmse
-    assert {name: e.value for name, e in found.extended.estimates.items()}.items() >= fitted.items()
-    assert {
-        "velocity",
-        "link_angle",
-        "motor_angle",
-        "acceleration",
-        "gravity_load",
-        "current",
-        "voltage",
-        "time",
-    } == {channel.key for channel in mechanical.rows.channels}
-    assert shlex.split(data.command)[:4] == ["eccentric", "diagnose", "bench.csv.gz", "--rig"]
-
-
-def test_open_opens_the_report(
-    found: Diagnosis, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
-    """`--open` hands the written file to the browser; without a browser it says so and ends well."""
-    opened: list[str] = []
-    monkeypatch.setattr(command, "diagnose", lambda *_: found)
-    monkeypatch.setattr(command.webbrowser, "open", lambda address: not opened.append(address))
-    arguments = ["diagnose", str(LOG), "--rig", str(RIG), "--out", str(tmp_path / "out")]
-    assert 0 == main(arguments)
-    assert [] == opened
-    assert 0 == main([*arguments, "--open"])
-    assert [(tmp_path / "out" / "report.html").as_uri()] == opened
-    assert (
-        "c2_parallel_extended.h"
-        in Reader((tmp_path / "out" / "report.html").read_text(encoding="utf-8")).text
-    )
-
-    monkeypatch.setattr(command.webbrowser, "open", lambda address: False)
-    capsys.readouterr()
-    assert 0 == main([*arguments, "--open"])
-    assert "no browser was found" in capsys.readouterr().err

@@ -1,17 +1,20 @@
-"""What `eccentric diagnose` writes beside the report: the model's script, and C that comes with its check."""
+"""What `eccentric diagnose` writes of a diagnosis: its record, the report, the model's script, checked C."""
 
 import ast
+import shlex
 import shutil
 import subprocess
 from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from eccentric.cli import diagnose as command
 from eccentric.cli import main
 from eccentric.identify.diagnose import Diagnosis, diagnose
 from eccentric.identify.model_script import script
+from eccentric.identify.report import report_data
 from tests.page_reader import Reader
 
 ROOT = Path(__file__).resolve().parent.parent
@@ -24,16 +27,22 @@ def found() -> Diagnosis:
     return diagnose([LOG], RIG)
 
 
+@pytest.fixture(scope="module")
+def out(found: Diagnosis, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The folder that the command writes."""
+    folder = tmp_path_factory.mktemp("diagnosed") / "out"
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(command, "diagnose", lambda *_: found)
+        assert 0 == main(["diagnose", str(LOG), "--rig", str(RIG), "--out", str(folder)])
+    return folder
+
+
 @pytest.mark.parametrize("real", ["float", "double"])
-def test_the_extended_model_comes_with_its_check(
-    found: Diagnosis, real: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_the_extended_model_comes_with_its_check(out: Path, real: str, tmp_path: Path) -> None:
     """Self-test and proof driver lie beside the C: the test passes, and the report names each file."""
     if shutil.which("gcc") is None:
         pytest.skip("gcc is not installed")
-    monkeypatch.setattr(command, "diagnose", lambda *_: found)
-    out, name = tmp_path / "out", "c2_parallel_extended"
-    assert 0 == main(["diagnose", str(LOG), "--rig", str(RIG), "--out", str(out)])
+    name = "c2_parallel_extended"
 
     sources = [out / f"{name}.c", out / "check" / f"{name}_selftest.c"]
     flags = ["-std=c99", f"-DECCENTRIC_REAL={real}", f"-I{out}", "-o", tmp_path / "test"]
@@ -53,3 +62,55 @@ def test_no_name_of_a_log_is_run(found: Diagnosis) -> None:
 
     assert [ast.dump(node) for node in before.body[1:]] == [ast.dump(node) for node in after.body[1:]]
     assert "print(1)" in (ast.get_docstring(after) or "")
+
+
+def test_the_record_says_what_the_diagnosis_found(found: Diagnosis) -> None:
+    """Errors follow from the residuals of the held-out rows; parameters are those of the fit."""
+    data = report_data(found)
+    mechanical = data.balances[0]
+    assert mechanical.extended is not None
+    held = mechanical.rows.held_out
+    rmse = {
+        name: float(np.sqrt(np.mean(np.asarray(x)[held] ** 2)))
+        for name, x in (
+            ("linear", mechanical.linear), ("paper", mechanical.paper), ("extended", mechanical.extended)
+        )
+    }  # fmt: skip
+    fitted = {p.name: p.value for p in data.parameters if p.origin in {"effect", "friction"}}
+
+    assert pytest.approx(dict(mechanical.rmse), rel=1e-9) == rmse
+    assert {name: e.value for name, e in found.extended.estimates.items()}.items() >= fitted.items()
+    assert {
+        "velocity",
+        "link_angle",
+        "motor_angle",
+        "acceleration",
+        "gravity_load",
+        "current",
+        "voltage",
+        "time",
+    } == {channel.key for channel in mechanical.rows.channels}
+    assert shlex.split(data.command)[:4] == ["eccentric", "diagnose", "bench.csv.gz", "--rig"]
+
+
+def test_open_opens_the_report(
+    found: Diagnosis, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """`--open` hands the written file to the browser; without a browser it says so and ends well."""
+    opened: list[str] = []
+    monkeypatch.setattr(command, "diagnose", lambda *_: found)
+    monkeypatch.setattr(command.webbrowser, "open", lambda address: not opened.append(address))
+    arguments = ["diagnose", str(LOG), "--rig", str(RIG), "--out", str(tmp_path / "out")]
+    assert 0 == main(arguments)
+    assert [] == opened
+    assert 0 == main([*arguments, "--open"])
+    assert [(tmp_path / "out" / "report.html").as_uri()] == opened
+    assert (
+        "c2_parallel_extended.h"
+        in Reader((tmp_path / "out" / "report.html").read_text(encoding="utf-8")).text
+    )
+
+    monkeypatch.setattr(command.webbrowser, "open", lambda address: False)
+    capsys.readouterr()
+    assert 0 == main([*arguments, "--open"])
+    assert "no browser was found" in capsys.readouterr().err

@@ -6,7 +6,9 @@ one in the last place), so that no source has the same bits.
 """
 
 import re
+from functools import cache
 from pathlib import Path
+from tempfile import TemporaryDirectory
 
 import pytest
 
@@ -24,10 +26,27 @@ TARGETS = {
 }
 
 
+absent = cache(missing)
+
+
 def need(*tools: str) -> None:
     """Skip the test where a tool is not installed, and say which."""
-    if absent := missing(tools):
-        pytest.skip(f"not installed: {', '.join(absent)}")
+    if lacking := absent(tools):
+        pytest.skip(f"not installed: {', '.join(lacking)}")
+
+
+@cache
+def counted_on_the_target() -> dict[str, list[int]]:
+    """Return the instructions of all calls on a Cortex-M4F: one firmware counts them."""
+    with TemporaryDirectory() as folder:
+        return target_counts(Path(folder))
+
+
+@cache
+def counted_on_the_host(real: str) -> dict[str, float]:
+    """Return the instructions of both calls on x86-64."""
+    with TemporaryDirectory() as folder:
+        return host_counts(Path(folder), real)
 
 
 @pytest.mark.parametrize(("target", "optimisation", "real"), TARGETS.values(), ids=TARGETS)
@@ -45,22 +64,22 @@ def test_same_bits_on_targets(
     assert (0, f"{name}: ok") == (status, said[: len(f"{name}: ok")])
 
 
-def test_counts_are_exact(tmp_path: Path) -> None:
+def test_counts_are_exact() -> None:
     """The counter counts 1, 11 and 101 instructions of functions that have as many."""
     need(*cortex_m4.TOOLS)
 
-    counts = target_counts(tmp_path)
+    counts = counted_on_the_target()
 
     known = {f"nops_{n}": {n + 1} for n in (0, 10, 100)}
     assert known == {name: set(counts[name]) for name in known}
 
 
 @pytest.mark.parametrize("function", ASKED)
-def test_instructions_on_the_target(tmp_path: Path, function: str) -> None:
+def test_instructions_on_the_target(function: str) -> None:
     """No call takes more instructions on a Cortex-M4F than is promised."""
     need(*cortex_m4.TOOLS)
 
-    assert max(target_counts(tmp_path)[function]) <= ASKED[function].instructions
+    assert max(counted_on_the_target()[function]) <= ASKED[function].instructions
 
 
 @pytest.mark.parametrize("function", ASKED)
@@ -73,11 +92,11 @@ def test_bytes_on_the_target(tmp_path: Path, function: str) -> None:
 
 @pytest.mark.parametrize("function", ASKED)
 @pytest.mark.parametrize("real", ["float", "double"])
-def test_instructions_on_the_host(tmp_path: Path, function: str, real: str) -> None:
+def test_instructions_on_the_host(function: str, real: str) -> None:
     """No call takes more instructions on x86-64 than is promised, on average over the samples."""
     need("valgrind")
 
-    assert host_counts(tmp_path, real)[function] <= ASKED[function].host_instructions
+    assert counted_on_the_host(real)[function] <= ASKED[function].host_instructions
 
 
 @every_model
