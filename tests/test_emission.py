@@ -294,7 +294,7 @@ def test_free_text_stays_in_comments(tmp_path: Path) -> None:
         ('{"model": "c2_asymmetric", "parameters": {"M": 1}}', "required a fit of c2_parallel, got"),
         ('{"parameters": {"B_x": 1}}', "B_x: c2_parallel has no such parameter"),
         ('{"parameters": {"B_m": "a"}}', "B_m: required a finite number, got 'a'"),
-        ("{", "required JSON"),
+        ("{", "fit.json: required the fit.json of `eccentric fit`, or JSON with `parameters` like it; got a"),
         ("[]", "required an object `parameters`"),
     ],
 )
