@@ -121,7 +121,7 @@ def test_what_is_refused_is_what_numpy_refuses(name: str, function: str) -> None
     p, count = with_inertia(name), len(oracle.inputs(name, function))
     ones = [np.ones(3, np.float32)] * (count - 1)
     calls: list[tuple[list[Any], dict[str, Any]]] = [
-        *(([*ones, wrong], {"parameters": p}) for wrong in NO_NUMBERS),
+        *(([*ones, wrong], {"parameters": p}) for wrong, _ in NO_NUMBERS),
         *(([*ones, 1.0], {"parameters": wrong}) for wrong in NO_PARAMETERS),
         *(([*ones, np.ones(3)], {"parameters": p, "out": wrong}) for wrong in ([0.0], 0.0)),
     ]
