@@ -1,6 +1,6 @@
 /*
  * Generated: do not edit. Written by `make derive` from derivations/c1_asymmetric.py
- * (eccentric 0.1.0, program 0bca8cb6).
+ * (eccentric 0.1.0, program a902a81b).
  * Case C1 with friction that differs between the directions of motion.
  */
 #ifndef C1_ASYMMETRIC_H
@@ -9,7 +9,7 @@
 #include <stddef.h>
 
 /* C1_ASYMMETRIC_PROGRAM names the derivation that header and source come from; the source checks it. */
-#define C1_ASYMMETRIC_PROGRAM 0x0bca8cb6UL
+#define C1_ASYMMETRIC_PROGRAM 0xa902a81bUL
 
 /* The working precision: double, or float by -DECCENTRIC_REAL=float. Files that differ in it do not link:
  * all functions carry it in their names, as c1_asymmetric_prepare_double. */

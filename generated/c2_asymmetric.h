@@ -1,6 +1,6 @@
 /*
  * Generated: do not edit. Written by `make derive` from derivations/c2_asymmetric.py
- * (eccentric 0.1.0, program 2c275abf).
+ * (eccentric 0.1.0, program 0f14a9ce).
  * Case C2 with friction that differs between the directions of motion.
  */
 #ifndef C2_ASYMMETRIC_H
@@ -9,7 +9,7 @@
 #include <stddef.h>
 
 /* C2_ASYMMETRIC_PROGRAM names the derivation that header and source come from; the source checks it. */
-#define C2_ASYMMETRIC_PROGRAM 0x2c275abfUL
+#define C2_ASYMMETRIC_PROGRAM 0x0f14a9ceUL
 
 /* The working precision: double, or float by -DECCENTRIC_REAL=float. Files that differ in it do not link:
  * all functions carry it in their names, as c2_asymmetric_prepare_double. */
