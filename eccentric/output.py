@@ -127,7 +127,7 @@ def whole_folder(path: str | os.PathLike[str], command: str) -> Iterator[Path]:
         yield new
         names, there, listed = _files(new), _files(target), _listed(target)
         for name in sorted(names):
-            _require_free(target, name, listed, command)
+            _require_free(Path(path), name, listed, command)
         owned = {name: owner for name, owner in listed.items() if name in there}
         gone = {name for name, owner in owned.items() if owner == command} - names
         kept = {name: owner for name, owner in owned.items() if owner != command}
@@ -135,17 +135,17 @@ def whole_folder(path: str | os.PathLike[str], command: str) -> Iterator[Path]:
         _replace(target, new, old, sorted(gone))
 
 
-def _require_free(target: Path, name: str, listed: dict[str, str], command: str) -> None:
+def _require_free(folder: Path, name: str, listed: dict[str, str], command: str) -> None:
     """Raise InputError if a file cannot be written by this name without a loss to another one."""
-    *folders, _ = Path(name).parents
-    blocked = next((f for f in reversed(folders) if _stands(target / f) and not _is_folder(target / f)), None)
+    *above, _ = Path(name).parents
+    blocked = next((f for f in reversed(above) if _stands(folder / f) and not _is_folder(folder / f)), None)
     place = Path(name) if blocked is None else blocked
-    taken = target / place
+    taken = folder / place
     if _stands(taken) and (blocked or _is_folder(taken) or listed.get(name) != command):
         wrote = listed.get(place.as_posix())
         owner = f"`eccentric {wrote}` wrote" if wrote else "eccentric did not write"
         what = "a folder" if _is_folder(taken) else f"a file that {owner}"
-        raise InputError(f"{target}: required to be free: {place.as_posix()}; received {what}")
+        raise InputError(f"{folder}: required to be free: {place.as_posix()}; received {what}")
 
 
 def _replace(target: Path, new: Path, old: Path, gone: list[str]) -> None:
