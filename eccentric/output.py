@@ -1,4 +1,4 @@
-"""Output appears whole or not at all: it is written beside its target and moved there on success.
+"""Output appears whole or not at all: it is written aside, on its file system, and moved there on success.
 
 What is printed may be read in part: a reader that leaves is no error.
 """
@@ -64,8 +64,8 @@ def own_folder(path: str | os.PathLike[str]) -> Path:
     """Return the absolute path of a folder that `whole_folder` may write: for asking before a long run.
 
     Raises:
-        InputError: as `folder_to_write`; or it holds files and no `.eccentric`; or it is the working
-            directory, or holds that.
+        InputError: as `folder_to_write`; or it holds files and no `.eccentric`, or one that cannot be read;
+            or it is the working directory, or holds that.
     """
     target = folder_to_write(path)
     if Path.cwd().is_relative_to(target):
@@ -76,6 +76,7 @@ def own_folder(path: str | os.PathLike[str]) -> Path:
             f"{Path(path)}: required a new or empty folder, or one that eccentric wrote (it holds {MARKER});"
             " received a folder with other files"
         )
+    _listed(target)
     return target
 
 
@@ -92,7 +93,7 @@ def whole_file(path: str | os.PathLike[str]) -> Iterator[Path]:
     target = Path(path).resolve()
     if target.exists() and not target.is_file():
         raise InputError(f"{path}: required a file to write; received something that is not a regular file")
-    with _workshop(target) as workshop:
+    with _workshop(target.parent) as workshop:
         new = workshop / target.name
         yield new
         new.replace(target)
@@ -103,57 +104,94 @@ def whole_folder(path: str | os.PathLike[str], command: str) -> Iterator[Path]:
     """Yield an empty folder to write to; its files appear in `path` when the block ends without an exception.
 
     A hidden file `.eccentric` lists there what was written by which command. When the same command writes
-    again, its new files take the place of all that it wrote before; files of other commands and of others
-    stay. After any exception, an interrupt included, `path` is what it was.
+    again, its new files take the place of all that it wrote before; whatever else is there is not touched.
+    After any exception, an interrupt included, `path` is what it was.
 
     Raises:
-        InputError: `own_folder` refuses the path; or a file of another command, or of someone else, has the
-            name of a new one; or it cannot be written.
+        InputError: `own_folder` refuses the path; or a file of another command, or anything of someone else,
+            stands where a new file or its folder has to; or it cannot be written.
     """
     target = own_folder(path)
+    if not target.exists():
+        with _workshop(target.parent) as workshop:
+            new = workshop / target.name
+            new.mkdir()
+            yield new
+            _mark(new, dict.fromkeys(_files(new), command))
+            new.rename(target)
+        return
+    # In the folder itself: the same file system, and a place that can be written, whatever is above it.
     with _workshop(target) as workshop:
-        new = workshop / target.name
+        new, old = workshop / "new", workshop / "old"
         new.mkdir()
         yield new
-        written = dict.fromkeys(_files(new), command)
-        if target.is_dir():
-            listed = _listed(target)
-            kept = {name for name in _files(target) if listed.get(name) != command}
-            if clash := sorted(kept & written.keys()):
-                wrote = listed.get(clash[0])
-                owner = f"`eccentric {wrote}` wrote" if wrote else "eccentric did not write"
-                raise InputError(f"{path}: required to be free: {clash[0]}; received a file that {owner}")
-            for name in kept:
-                (new / name).parent.mkdir(parents=True, exist_ok=True)
-                shutil.copy2(target / name, new / name, follow_symlinks=False)
-            written |= {name: owner for name, owner in listed.items() if name in kept}
-        lines = [f"{owner}: {name}" for name, owner in sorted(written.items())]
-        (new / MARKER).write_text("\n".join([_NOTICE, *lines]) + "\n", encoding="utf-8")
-        _swap(new, target, workshop / "old")
+        names, there, listed = _files(new), _files(target), _listed(target)
+        for name in sorted(names):
+            _require_free(Path(path), name, listed, command)
+        owned = {name: owner for name, owner in listed.items() if name in there}
+        gone = {name for name, owner in owned.items() if owner == command} - names
+        kept = {name: owner for name, owner in owned.items() if owner != command}
+        _mark(new, kept | dict.fromkeys(names, command))
+        _replace(target, new, old, sorted(gone))
 
 
-def _swap(new: Path, target: Path, old: Path) -> None:
-    """Put `new` in the place of `target`, which goes to `old`, and put it back if that fails."""
-    if not target.is_dir():
-        new.rename(target)
-        return
-    # Two renames, since no portable call exchanges folders; a power cut between them leaves both on disk.
-    target.rename(old)
+def _require_free(folder: Path, name: str, listed: dict[str, str], command: str) -> None:
+    """Raise InputError if a file cannot be written by this name without a loss to another one."""
+    *above, _ = Path(name).parents
+    blocked = next((f for f in reversed(above) if _stands(folder / f) and not _is_folder(folder / f)), None)
+    place = Path(name) if blocked is None else blocked
+    taken = folder / place
+    if _stands(taken) and (blocked or _is_folder(taken) or listed.get(name) != command):
+        wrote = listed.get(place.as_posix())
+        owner = f"`eccentric {wrote}` wrote" if wrote else "eccentric did not write"
+        what = "a folder" if _is_folder(taken) else f"a file that {owner}"
+        raise InputError(f"{folder}: required to be free: {place.as_posix()}; received {what}")
+
+
+def _replace(target: Path, new: Path, old: Path, gone: list[str]) -> None:
+    """Move the files of `new` to `target`, remove those that are `gone`; if that fails, undo it.
+
+    What they replace is copied to `old` first. The marker goes first: if the power is cut between two files,
+    each of them is whole, and those of this command are listed.
+    """
+    names = [MARKER, *sorted(_files(new))]
+    folders = {folder for name in names for folder in Path(name).parents}
+    made = [folder for folder in sorted(folders) if not _stands(target / folder)]
+    for name in (*names, *gone):
+        if _stands(target / name):
+            (old / name).parent.mkdir(parents=True, exist_ok=True)
+            shutil.copy2(target / name, old / name, follow_symlinks=False)
     try:
-        new.rename(target)
+        for folder in made:
+            (target / folder).mkdir()
+        for name in names:
+            (new / name).replace(target / name)
+        for name in gone:
+            (target / name).unlink()
+        for folder in sorted({folder for name in gone for folder in Path(name).parents}, reverse=True)[:-1]:
+            if not any((target / folder).iterdir()):
+                (target / folder).rmdir()
     except BaseException:
-        old.rename(target)
+        for name in (*names, *gone):
+            if _stands(old / name):
+                (target / name).parent.mkdir(parents=True, exist_ok=True)
+                (old / name).replace(target / name)
+            elif not _stands(new / name):
+                (target / name).unlink()
+        for folder in reversed(made):
+            if _stands(target / folder):
+                (target / folder).rmdir()
         raise
 
 
 @contextmanager
-def _workshop(target: Path) -> Iterator[Path]:
-    """Yield a temporary folder beside `target`, hence on the same file system, and remove it afterwards."""
+def _workshop(place: Path) -> Iterator[Path]:
+    """Yield a temporary folder in a folder, which is made if need be, and remove it afterwards."""
     try:
-        target.parent.mkdir(parents=True, exist_ok=True)
-        workshop = TemporaryDirectory(dir=target.parent, prefix=f".{target.name}-")
+        place.mkdir(parents=True, exist_ok=True)
+        workshop = TemporaryDirectory(dir=place, prefix=f"{MARKER}-")
     except OSError as error:
-        raise InputError(f"{target}: required a place that can be written; {error.strerror}") from error
+        raise InputError(f"{place}: required a place that can be written; {error.strerror}") from error
     with workshop as name:
         yield Path(name)
 
@@ -164,8 +202,32 @@ def _files(folder: Path) -> set[str]:
     return {path.relative_to(folder).as_posix() for path in paths} - {MARKER}
 
 
+def _stands(path: Path) -> bool:
+    """Whether there is anything of this name, a link to nothing included."""
+    return os.path.lexists(path)
+
+
+def _is_folder(path: Path) -> bool:
+    """Whether it is a folder itself: behind a link lies what is not ours."""
+    return path.is_dir() and not path.is_symlink()
+
+
+def _mark(folder: Path, written: dict[str, str]) -> None:
+    """Write the marker of a folder: name -> command that wrote it."""
+    lines = [_NOTICE, *(f"{command}: {name}" for name, command in sorted(written.items()))]
+    (folder / MARKER).write_text("\n".join(lines) + "\n", encoding="utf-8")
+
+
 def _listed(folder: Path) -> dict[str, str]:
-    """What the marker lists, name -> command that wrote it; nothing without a marker."""
+    """What the marker lists, name -> command that wrote it; nothing without a marker.
+
+    Raises:
+        InputError: it is no text of UTF-8.
+    """
     marker = folder / MARKER
-    lines = marker.read_text(encoding="utf-8").splitlines()[1:] if marker.is_file() else []
+    try:
+        lines = marker.read_text(encoding="utf-8").splitlines()[1:] if marker.is_file() else []
+    except UnicodeDecodeError as error:
+        place = f"byte {error.start} is not"
+        raise InputError(f"{marker}: required UTF-8 text as eccentric wrote it; {place}") from None
     return {name: command for command, _, name in (line.partition(": ") for line in lines)}

@@ -130,13 +130,25 @@ def test_uneven_sampling_is_resampled_and_said(tmp_path: Path) -> None:
     assert any("time steps are uneven" in warning for warning in c.warnings)
 
 
-def test_one_missing_row_is_one_uneven_step(tmp_path: Path) -> None:
-    """A blank cell leaves one step of two; the warning counts it and not the rows that are resampled."""
-    current = STANDARD["current_A"].copy()
-    current[1000] = np.nan
-    c = channels_of(tmp_path, STANDARD | {"current_A": current})
-    (said,) = (warning for warning in c.warnings if "uneven" in warning)
-    assert "(1 of 2998 differ by more than 20% from the usual 0.004 s)" in said
+def test_a_row_that_is_missing_is_an_uneven_step_and_a_blank_one_is_told_as_that(tmp_path: Path) -> None:
+    """A row that the logger left out is one step of two; of a row without a number it is said, and first."""
+    left_out = {name: np.delete(x, 1000) for name, x in STANDARD.items()}
+    blank = {name: x.copy() for name, x in STANDARD.items()}
+    blank["current_A"][2000] = np.nan
+    both = {name: np.delete(x, 1000) for name, x in blank.items()}
+    uneven, dropped = (
+        "time steps are uneven ({} differ by more than 20% from the usual 0.004 s)",
+        "no number in 1",
+    )
+
+    for log, expected in (
+        (left_out, [uneven.format("1 of 2998")]),
+        (blank, [dropped]),
+        (both, [dropped, uneven.format("1 of 2996")]),
+    ):
+        said = [w for w in channels_of(tmp_path, log).warnings if "uneven" in w or "no number" in w]
+        assert len(expected) == len(said)
+        assert all(words in line for words, line in zip(expected, said, strict=True))
 
 
 def test_the_default_moving_threshold_is_no_warning(tmp_path: Path) -> None:

@@ -29,14 +29,14 @@ def test_rows_that_are_not_numbers_are_dropped_counted_and_warned_of(tmp_path: P
     assert c.counts["read"] == len(T)
     assert c.counts["rejected"] == np.count_nonzero(missing)
     np.testing.assert_array_equal(c.t, T[~missing])
-    assert any("300 of 3000 rows are not numbers (first: line 5; most: 'current_A')" in w for w in c.warnings)
+    assert any("no number in 300 of 3000 rows (first: line 5; most: 'current_A')" in w for w in c.warnings)
 
 
 def test_drive_is_what_is_logged_or_what_the_rig_says(tmp_path: Path) -> None:
     """Current goes before torque and voltage, unless the rig says otherwise."""
     assert channels_of(tmp_path, STANDARD).drive == "current"
     assert channels_of(tmp_path, STANDARD, 'drive = "voltage"\n' + RIG).drive == "voltage"
-    with pytest.raises(InputError, match=r"drive: one of current, voltage is required.*received 'torque'"):
+    with pytest.raises(InputError, match=r"drive: one that .* \(current, voltage\), received 'torque'"):
         channels_of(tmp_path, STANDARD, 'drive = "torque"\n' + RIG)
 
 
@@ -75,12 +75,16 @@ BAD = {
         RIG,
         "line 6, column 'current_A': a number is required, received 'broken'",
     ),
-    "third": (changed(current_A=THIRD), RIG, "1000 of 3000 rows are not numbers"),
+    "third": (changed(current_A=THIRD), RIG, "no number in 1000 of 3000 rows"),
     "back": (changed(time_s=BACK), RIG, "line 9: time stamps must increase, received 0 s after 0.024 s"),
     "twice": (changed(time_s=TWICE), RIG, "line 9: time stamps must increase, received 0.024 s after 0.024"),
     "split": (changed(run=SPLIT), RIG, "the rows of a run must stand together, '0' comes back"),
     "still": (changed(theta_m_rad=0.0 * T), RIG, "moving rows (above"),
-    "outside": (changed(), "holdout_intervals_s = [[90.0, 99.0]]\n" + RIG, "required to fit and to hold out"),
+    "at the end": (
+        changed(),
+        "holdout_intervals_s = [[0.0, 0.1]]\n" + RIG,
+        "required to fit and to hold out",
+    ),
     "link": (
         changed(theta_m_rad=None, theta_l_rad=T),
         '[known]\ncase = "C2"\n',

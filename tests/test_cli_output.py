@@ -42,27 +42,6 @@ def test_nothing_half_written_stays(error: BaseException, tmp_path: Path) -> Non
     assert sorted(path.name for path in tmp_path.iterdir()) == ["log.csv", "out"]
 
 
-def test_the_old_folder_returns_if_the_new_one_cannot_take_its_place(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """A failure between the two renames leaves the earlier output where it was."""
-    out = tmp_path / "out"
-    with whole_folder(out, "fit") as new:
-        (new / "a").write_text("first")
-    rename = Path.rename
-
-    def fail_for_the_new_one(self: Path, target: Path) -> Path:
-        if self.name == target.name == "out":
-            raise KeyboardInterrupt
-        return rename(self, target)
-
-    monkeypatch.setattr(Path, "rename", fail_for_the_new_one)
-    with pytest.raises(KeyboardInterrupt), whole_folder(out, "fit") as new:
-        (new / "a").write_text("second")
-
-    assert (out / "a").read_text() == "first"
-
-
 def test_files_of_others_are_kept(tmp_path: Path) -> None:
     """What someone adds to an output folder outlives the next run."""
     for text in ("first", "second"):

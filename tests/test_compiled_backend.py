@@ -3,6 +3,7 @@
 import inspect
 import shutil
 from collections.abc import Iterator
+from dataclasses import replace
 from functools import cache
 from pathlib import Path
 from types import ModuleType
@@ -120,7 +121,7 @@ def test_what_is_refused_is_what_numpy_refuses(name: str, function: str) -> None
     p, count = with_inertia(name), len(oracle.inputs(name, function))
     ones = [np.ones(3, np.float32)] * (count - 1)
     calls: list[tuple[list[Any], dict[str, Any]]] = [
-        *(([*ones, wrong], {"parameters": p}) for wrong in NO_NUMBERS),
+        *(([*ones, wrong], {"parameters": p}) for wrong, _ in NO_NUMBERS),
         *(([*ones, 1.0], {"parameters": wrong}) for wrong in NO_PARAMETERS),
         *(([*ones, np.ones(3)], {"parameters": p, "out": wrong}) for wrong in ([0.0], 0.0)),
     ]
@@ -197,6 +198,30 @@ def test_compiler_may_have_options(monkeypatch: pytest.MonkeyPatch, tmp_path: Pa
     monkeypatch.setenv("CC", "cc -no-such-option")
     with pytest.raises(InputError, match=r"^compile: .*/cc: required a C99 compiler .*no-such-option"):
         eccentric.compile(load_model("c1_perpendicular"))
+
+
+@pytest.mark.parametrize(
+    ("given", "said"),
+    [
+        ("gcc '", r"required a command with its options, got \"gcc '\": No closing quotation"),
+        ("no-such-compiler -O1", r"required a C compiler that is installed, got 'no-such-compiler -O1'"),
+    ],
+    ids=["open quotation", "absent"],
+)
+def test_a_compiler_that_is_asked_for_is_not_replaced(
+    given: str, said: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Who sets CC wants that compiler: another one in its place would be a surprise."""
+    monkeypatch.setenv("CC", given)
+    with pytest.raises(InputError, match=f"^compile: CC: {said}$"):
+        eccentric.compile(load_model("c1_perpendicular"))
+
+
+def test_a_model_may_be_called_python() -> None:
+    """No file of the build has the name of a model's own."""
+    expected = module("c1_perpendicular").friction_torque(2.0)
+    model = replace(load_model("c1_perpendicular"), name="python")
+    assert expected == eccentric.compile(model).friction_torque(2.0)
 
 
 def test_what_cannot_be_compiled_or_kept_is_one_clear_line(

@@ -85,11 +85,11 @@ def test_a_parameter_that_is_no_real_number_is_named(name: str, kind: str) -> No
 def test_an_input_that_is_no_real_number_is_named(name: str, function: str) -> None:
     """Complex numbers, texts, dates, None and other objects are refused by the name of the input."""
     f, p, names = getattr(module(name), function), with_inertia(name), inputs(name, function)
-    for wrong in NO_NUMBERS:
+    for wrong, came in NO_NUMBERS:
         for k, asked in enumerate(names):
             for others in (1.0, np.ones(1), np.ones(1, np.float32)):
                 given: list[Any] = [wrong if j == k else others for j in range(len(names))]
-                with pytest.raises(TypeError, match=rf"^{asked}: required real numbers, got [\w\[\]]+$"):
+                with pytest.raises(TypeError, match=rf"^{asked}: required real numbers, got {came}$"):
                     f(*given, p)
 
 

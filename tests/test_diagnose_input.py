@@ -135,6 +135,18 @@ def test_what_cannot_be_diagnosed_is_one_line(
     assert not (tmp_path / "out").exists()
 
 
+def test_two_scripts_of_one_name_are_refused_before_the_work(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Both would be copied into the result by this name; the log is not even opened."""
+    scripts = [str(tmp_path / name) for name in ("a/x.py", "b/x.py")]
+    arguments = ["no.csv", "--rig", "no.toml", "--effects", scripts[0], "--model", scripts[1]]
+    status = main(["diagnose", *arguments, "--out", str(tmp_path / "out")])
+
+    said = "--effects and --model: required files of different names, received x.py twice"
+    assert (2, f"eccentric: error: {said}\n") == (status, capsys.readouterr().err)
+
+
 @pytest.mark.parametrize("command", ["fit", "diagnose"])
 def test_a_model_of_another_case_is_refused(
     command: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]

@@ -26,13 +26,15 @@ from eccentric.emit import (
     Routine,
     c99,
     check,
+    complete,
+    differences,
     differentiate,
     load_module,
     needed,
     numpy_module,
     render,
     render_program,
-    stale,
+    write,
 )
 from eccentric.emit.build import build_program
 from eccentric.emit.render import python_view
@@ -47,7 +49,7 @@ ROOT = Path(__file__).resolve().parent.parent
 @pytest.mark.parametrize("name", model_names())
 def test_generated_files_are_fresh(name: str) -> None:
     """What is committed is what would be derived now, byte for byte."""
-    diff = stale(load_model(name), ROOT / "generated")
+    diff = differences(complete(load_model(name)), ROOT / "generated")
 
     assert "" == diff, f"generated/ is stale; mend it with: make derive\n{diff}"
 
@@ -74,16 +76,20 @@ def test_rendering_twice_gives_the_same_bytes(name: str) -> None:
 def test_freshness_test_sees_a_changed_file(tmp_path: Path) -> None:
     """A byte changed in a generated file shows in the diff, with the file's name."""
     model = load_model("c1_perpendicular")
-    for name, text in render(model).items():
-        (tmp_path / name).write_text(text, encoding="utf-8")
-    assert "" == stale(model, tmp_path)
+    files = complete(model)
+    write(files, tmp_path)
+    assert "" == differences(files, tmp_path)
     header = tmp_path / "c1_perpendicular.h"
     header.write_text(
         header.read_text(encoding="utf-8").replace("newton", "newtons").replace("mass", "Mass"),
         encoding="utf-8",
     )
 
-    assert "generated/c1_perpendicular.h" in stale(model, tmp_path)
+    (tmp_path / "check/c1_perpendicular_proof.c").unlink()
+
+    diff = differences(files, tmp_path)
+    shown = set(re.findall("^--- (.*)$", diff, re.MULTILINE))
+    assert {"generated/c1_perpendicular.h", "generated/check/c1_perpendicular_proof.c"} == shown
 
 
 def test_every_template_uses_exactly_the_keys_it_is_given() -> None:
@@ -288,7 +294,7 @@ def test_free_text_stays_in_comments(tmp_path: Path) -> None:
         ('{"model": "c2_asymmetric", "parameters": {"M": 1}}', "required a fit of c2_parallel, got"),
         ('{"parameters": {"B_x": 1}}', "B_x: c2_parallel has no such parameter"),
         ('{"parameters": {"B_m": "a"}}', "B_m: required a finite number, got 'a'"),
-        ("{", "required JSON"),
+        ("{", "fit.json: required the fit.json of `eccentric fit`, or JSON with `parameters` like it; got a"),
         ("[]", "required an object `parameters`"),
     ],
 )

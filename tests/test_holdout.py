@@ -102,3 +102,12 @@ def test_rows_by_condition(tmp_path: Path) -> None:
     everything = channels_of(tmp_path, STANDARD)
     np.testing.assert_array_equal(c.usable, everything.usable & ((T < 3.0) | (T >= 5.0)))
     assert c.counts["rejected"] == 0
+
+
+def test_intervals_outside_of_the_log_are_refused_with_its_ends(tmp_path: Path) -> None:
+    """What is held out has to be in the log: the line says where that begins and ends."""
+    with pytest.raises(InputError) as caught:
+        channels_of(tmp_path, STANDARD, "holdout_intervals_s = [[100, 120.5]]\n" + RIG)
+    ends = f"a part of the log is required, which goes from {T[0]:g} to {T[-1]:g} s"
+    said = f"rig.toml: holdout_intervals_s: {ends}, received [100, 120.5]: is time in s?"
+    assert str(caught.value).endswith(said)

@@ -43,7 +43,7 @@ def test_an_interrupt_while_writing_leaves_what_was_there(
     if earlier:
         out.mkdir()
         (out / "report.html").write_text("earlier")
-        (out / ".eccentric").write_text("notice\nreport.html\n")
+        (out / ".eccentric").write_text("notice\ndiagnose: report.html\n")
 
     def interrupted(_: object, folder: Path) -> None:
         (folder / "report.html").write_text("half")
@@ -53,7 +53,9 @@ def test_an_interrupt_while_writing_leaves_what_was_there(
     monkeypatch.setattr("eccentric.cli.diagnose._write", interrupted)
     assert main(["diagnose", "log.csv", "--rig", "rig.json", "--out", str(out)]) == 130
     assert [path.name for path in tmp_path.iterdir()] == (["out"] if earlier else [])
-    assert not earlier or (out / "report.html").read_text() == "earlier"
+    if earlier:
+        assert (out / "report.html").read_text() == "earlier"
+        assert sorted(path.name for path in out.iterdir()) == [".eccentric", "report.html"]
 
 
 @pytest.mark.skipif(os.name != "posix", reason="signals are those of POSIX")

@@ -115,7 +115,7 @@ NO_SPEED = without(OMEGA)
 Damage = tuple[tuple[str, str], Callable[[Columns], Columns], dict[str, float | str], str, str, str]
 DAMAGE: dict[str, Damage] = {
     "gaps": (C2, GAPS, {}, "gap", "time", "2 gaps in time, 0.037 of the log, the longest of 0.804 s"),
-    "missing": (C2, missing, {}, "missing", "current", "125 of 6250 rows are not numbers"),
+    "missing": (C2, missing, {}, "missing", "current", "no number in 125 of 6250 rows"),
     "clipped current": (C2, clipped(CURRENT), {}, "saturated", "current", "stays at its largest value, "),
     "clipped voltage": (C1, clipped(VOLTAGE), {}, "saturated", "voltage", "stays at its smallest value, -"),
     "clipped speed": (RUNS, clipped(OMEGA), {}, "saturated", "omega_m", "clipped"),
@@ -251,7 +251,7 @@ TIMES = {
         lambda t: np.where(np.arange(len(t)) == 7, t[6], t),
         r"log\.csv: line 9: time stamps must increase",
     ),
-    "in ms": (lambda t: 1e3 * t, "are the units of time and angle right"),
+    "in ms": (lambda t: 1e3 * t, r"which goes from 0 to 24996 s, received .*: is time in s\?$"),
 }
 
 

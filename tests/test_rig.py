@@ -75,6 +75,7 @@ def test_toml_and_json_say_the_same(tmp_path: Path) -> None:
     [
         ('case = "C1"', "C1", math.pi / 2.0, "c1_perpendicular"),
         ('case = "C2"', "C2", 0.0, "c2_parallel"),
+        ('case = "c2"', "C2", 0.0, "c2_parallel"),
         ('phi = "0 deg"', "C2", 0.0, "c2_parallel"),
         ("phi_rad = 0.5", None, 0.5, "rotating_link"),
         ('case = "C1"\nphi = "90 deg"', "C1", math.pi / 2.0, "c1_perpendicular"),
@@ -184,6 +185,8 @@ BAD = {
     '[known]\ncase = "C2"\n[unknown]\nM_l_kg = [0.2, 0.1]': "a range with lower below upper is required",
     '[known]\ncase = "C2"\n[unknown]\nM_l_kg = [-0.2, 0.1]': "at least 0 kg is required, received -0.2",
     'holdout = 3\n[known]\ncase = "C2"': "unknown key 'holdout'; did you mean 'holdout_runs'?",
+    '[known]\ncase = "C2"\nMass = "489 g"': "[known]: unknown key 'Mass'; known are M, M_l, L, mu",
+    '[known]\ncase = "C2"\nmu = "1:5"': "mu: a ratio with '/', as in '1/5', is required, received '1:5'",
     '[known]\ncase = "C2"\nzz = 3': "'zz'; known are M_kg, M_l_kg, L_m, mu, R_ohm, k_i_Nm_per_A",
     '[known]\ncase = "C2"\nzz = "3 kg"': "'zz'; known are M, M_l, L, mu, R, k_i, k_e, J_m, J_l, g, F_T",
     "known = 3\n": "[known]: a table is required, received 3",
@@ -207,7 +210,8 @@ BAD = {
     '[known]\ncase = "C2"\n[columns]\nrun = {column = "t", unit = "s"}': "run: no unit",
     '[known]\ncase = "C2"\n[columns]\ntheta_m = {column = "q", unit = "counts"}': "encoder_counts_per_rev",
     '[known]\ncase = "C2"\n[columns]\ntheta_m = "a"\ntheta_l = "b"': "one of theta_m and theta_l is required",
-    "[known\n": "no TOML file (",
+    "[known\n": "rig.toml: not valid TOML: ",
+    "\nname = bench\n": "rig.toml: not valid TOML: Invalid value (at line 2, column 8)",
 }
 
 
@@ -225,7 +229,7 @@ def test_bad_rig_is_refused_in_one_line(tmp_path: Path, text: str) -> None:
 def test_bad_json_is_refused(tmp_path: Path) -> None:
     """JSON that is cut off, holds a list or a key twice is refused."""
     for text, expected in (
-        ('{"known": ', r"no JSON file \("),
+        ('{"known": ', r"not valid JSON: Expecting value: line 1 column 11"),
         ("[1]", r"a table is required, received \[1\]"),
         ('{"drive": "current", "drive": "voltage"}', "key 'drive' comes twice"),
     ):

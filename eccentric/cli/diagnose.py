@@ -53,9 +53,14 @@ def run(args: argparse.Namespace) -> int:
     """Diagnose, write the folder, print the result; return 0."""
     distinct(args.logs)
     own_folder(args.out)
-    for own in _own(args.effects, args.model):
+    scripts = _own(args.effects, args.model)
+    for own in scripts:
         if own.name == "model.py" or own.stem.endswith("_extended"):
             raise InputError(f"{own}: required another name: the result has a file of this one")
+    if len({own.resolve() for own in scripts}) > len(called := {own.name for own in scripts}):
+        raise InputError(
+            f"--effects and --model: required files of different names, received {called.pop()} twice"
+        )
     found = diagnose(args.logs, args.rig, args.model, args.effects, _progress())
     with whole_folder(args.out, NAME) as folder:
         names = _write(found, folder)

@@ -4,7 +4,7 @@ from eccentric.emit.build import build_program
 from eccentric.emit.hot import load_module
 from eccentric.emit.program import Assignment, Input, Program, Routine, differentiate, needed
 from eccentric.emit.render import render, render_program
-from eccentric.emit.write import complete, differences, stale, write
+from eccentric.emit.write import complete, differences, write
 
 __all__ = [
     "Assignment",
@@ -19,6 +19,5 @@ __all__ = [
     "needed",
     "render",
     "render_program",
-    "stale",
     "write",
 ]

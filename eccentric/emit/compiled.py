@@ -16,7 +16,7 @@ import numpy as np
 
 from eccentric.emit.build import build_program
 from eccentric.emit.hot import load_module
-from eccentric.emit.local_compiler import built, python_headers
+from eccentric.emit.local_compiler import SHIM, built, python_headers
 from eccentric.emit.program import Program, Routine
 from eccentric.emit.render import python_source, render
 from eccentric.model import Model
@@ -36,8 +36,8 @@ def compile(model: Model) -> ModuleType:  # noqa: A001 - it is called as eccentr
 
     Raises:
         TypeError: this is no model.
-        InputError: there is no C compiler, it does not compile, its cache cannot be written, or the model
-            cannot be emitted.
+        InputError: there is no C compiler, or not the one that CC names; it does not compile, its cache
+            cannot be written, or the model cannot be emitted.
     """
     if not isinstance(model, Model):
         raise TypeError(f"compile: required a Model, as load_model gives it, got {type(model).__name__}")
@@ -52,7 +52,7 @@ def compile(model: Model) -> ModuleType:  # noqa: A001 - it is called as eccentr
             setattr(module, routine.name, compiled.function(routine))
     plain = [r for r in program.routines if hasattr(source, r.name) and _is_plain(r)]
     if plain and python_headers():
-        shim = built(program.name, files | {"python.c": python_source(program.name, plain)}, "double")
+        shim = built(program.name, files | {SHIM: python_source(program.name, plain)}, "double")
         for name, function in _direct(shim, plain, compiled, module):
             setattr(module, name, function)
     return module

@@ -42,7 +42,8 @@ def read_parameters(path: Path) -> Fitted:
     except FileNotFoundError:
         raise InputError(f"{path}: no such file; required the fit.json of `eccentric fit`") from None
     except (json.JSONDecodeError, UnicodeDecodeError) as error:
-        raise InputError(f"{path}: required JSON, got {error}") from None
+        what = "required the fit.json of `eccentric fit`, or JSON with `parameters` like it"
+        raise InputError(f"{path}: {what}; got a file that is not JSON ({error})") from None
     values = content.get("parameters") if isinstance(content, dict) else None
     if not isinstance(values, dict) or not values:
         raise InputError(f"{path}: required an object `parameters` of numbers by the paper's letters")

@@ -15,6 +15,9 @@ from tempfile import TemporaryDirectory
 from eccentric.errors import InputError
 from eccentric.output import folder_to_write
 
+SHIM = "python-shim.c"
+"""The file that calls the sources from Python: a name that no model has, whose names are identifiers of C."""
+
 # None of these changes a bit: no product is fused with a sum, nothing is re-associated.
 _FLAGS = ("-std=c99", "-O3", "-ffp-contract=off", "-fno-math-errno", "-fno-trapping-math", "-march=native")
 
@@ -29,11 +32,12 @@ def built(name: str, files: Mapping[str, str], real: str) -> Path:
     """The shared library of all C sources among the files, in one precision; from the cache where it has it.
 
     Raises:
-        InputError: there is no C compiler, it does not compile, or the cache cannot be written.
+        InputError: there is no C compiler, or not the one that CC names; it does not compile, or the cache
+            cannot be written.
     """
     command = [*_compiler(), *_FLAGS, f"-DECCENTRIC_REAL={real}"]
     sources = {file: text for file, text in files.items() if file.endswith((".c", ".h"))}
-    python = "python.c" in files
+    python = SHIM in files
     # What the compiler predefines tells its version and the processor that it builds for.
     machine = _run([*command, "-dM", "-E", "-x", "c", os.devnull])
     own = str(sysconfig.get_config_var("SOABI")) if python else ""
@@ -54,10 +58,19 @@ def built(name: str, files: Mapping[str, str], real: str) -> Path:
 
 
 def _compiler() -> list[str]:
-    """The first of CC, cc, gcc and clang that is there; CC may hold options, as make takes it."""
-    for command in (shlex.split(os.environ.get("CC", "")), ["cc"], ["gcc"], ["clang"]):
-        if command and (path := shutil.which(command[0])):
+    """The command that CC is, options included, as make takes it; else the first of cc, gcc and clang."""
+    given = os.environ.get("CC", "")
+    try:
+        commands = [command] if (command := shlex.split(given)) else [["cc"], ["gcc"], ["clang"]]
+    except ValueError as error:
+        raise InputError(
+            f"compile: CC: required a command with its options, got {given!r}: {error}"
+        ) from None
+    for command in commands:
+        if path := shutil.which(command[0]):
             return [path, *command[1:]]
+    if given.strip():
+        raise InputError(f"compile: CC: required a C compiler that is installed, got {given!r}")
     raise InputError("compile: required a C compiler (CC, cc, gcc or clang), found none")
 
 

@@ -38,11 +38,6 @@ def write(files: Mapping[str, str], out: Path) -> list[Path]:
     return [out / name for name in files]
 
 
-def stale(model: Model, out: Path, command: str = "make derive") -> str:
-    """The unified diff of the trio from what stands in the folder to what would be written; "" if fresh."""
-    return differences(render(model, command), out)
-
-
 def differences(files: Mapping[str, str], out: Path) -> str:
     """The unified diff from what stands in the folder to the rendered files; "" if they are the same."""
     diffs = []

@@ -20,7 +20,7 @@ from eccentric.identify.bandwidth import suited
 from eccentric.identify.filters import END_S
 from eccentric.identify.holdout import Holdout, hold_out
 from eccentric.identify.measured import Channels
-from eccentric.identify.motion import motion_of, motor_side, of_the_motor, quantum_of
+from eccentric.identify.motion import motion_of, motor_side, of_the_motor, quantum_of, uneven
 from eccentric.identify.moving import clear_of_ends, moving_rows, near_switching
 from eccentric.identify.quality import assess
 from eccentric.identify.refine import FACTOR, is_coarse, logged_step, refined
@@ -75,13 +75,13 @@ def read_channels(paths: Sequence[str | Path], rig: Rig) -> Channels:
     points = _points(table, rig, quantum, 1)
     rig, said = _suited(rig, points)
     warnings += said
-    cut = rig.low_pass_hz
+    cut, doubts = rig.low_pass_hz, uneven(logged)
     if is_coarse(logged, rig):
-        # Between the rows lies the unwrapped angle, not the one that jumps.
-        points, cut = _points(refined(table), rig, quantum, FACTOR), math.inf
+        # Between the rows lies the unwrapped angle, not the one that jumps; a spline needs no even steps.
+        points, cut, doubts = _points(refined(table), rig, quantum, FACTOR), math.inf, []
     motion, said = motion_of(points.t, points.theta, points.segment, cut)
     step = logged_step(logged)
-    warnings += [*said, *_rate_doubt(step, rig)]
+    doubts = [*said, *doubts, *_rate_doubt(step, rig)]
     channels = _channels(points, motion, rig, step)
     _require_rows(channels, paths, rig)
     channels = channels.realigned(
@@ -91,7 +91,8 @@ def read_channels(paths: Sequence[str | Path], rig: Rig) -> Channels:
         voltage_offset_V=rig.voltage_offset_V,
     )
     findings = assess(logged, channels, rig)
-    warnings += [finding.text for finding in findings]
+    # What the log lacks comes before what that does to its filters.
+    warnings += [*(finding.text for finding in findings), *doubts]
     return dataclasses.replace(channels, warnings=tuple(warnings), findings=findings)
 
 
@@ -165,9 +166,9 @@ def _drive(channels: Mapping[str, Array], rig: Rig) -> str:
     if rig.drive is None:
         return there[0]
     if rig.drive not in there:
-        what = f"one of {', '.join(there)} is required" if len(there) > 1 else f"{there[0]} is required"
         raise InputError(
-            f"{rig.path}: drive: {what}, since the log has no {rig.drive}; received {rig.drive!r}"
+            f"{rig.path}: drive: one that the log has a column for is required ({', '.join(there)}), "
+            f"received {rig.drive!r}"
         )
     return rig.drive
 

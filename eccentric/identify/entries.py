@@ -65,6 +65,6 @@ def refuse_unknown(keys: Iterable[str], allowed: Iterable[str], where: str) -> N
     allowed = list(allowed)
     for key in keys:
         if key not in allowed:
-            close = difflib.get_close_matches(key, allowed, 1, 0.5)
+            close = difflib.get_close_matches(key, allowed, 1)
             hint = f"did you mean {close[0]!r}?" if close else f"known are {', '.join(allowed)}"
             raise InputError(f"{where}: unknown key {key!r}; {hint}")

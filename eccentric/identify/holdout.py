@@ -43,7 +43,7 @@ def hold_out(t: Array, run: NDArray[np.int64], run_names: tuple[str, ...], rig: 
     What the rig names goes first: intervals (in every run) and runs. Without, it is every fifth run from the
     third on where there are three or more, else five contiguous blocks, the middle fifth of each fifth of the
     rows.
-    Raises InputError for a run that the log has not.
+    Raises InputError for a run that the log has not, and for intervals in which it has no row.
     """
     if rig.holdout_intervals_s or rig.holdout_runs:
         rows, rule = _named(t, run, run_names, rig)
@@ -68,6 +68,13 @@ def _named(
     parts: list[str] = []
     for start, end in rig.holdout_intervals_s:
         rows |= (t >= start) & (t <= end)
+    if rig.holdout_intervals_s and not np.any(rows):
+        given = few(f"[{start:g}, {end:g}]" for start, end in rig.holdout_intervals_s)
+        ends = f"which goes from {np.min(t):.6g} to {np.max(t):.6g} s"
+        raise InputError(
+            f"{rig.path}: holdout_intervals_s: a part of the log is required, {ends}, received {given}: "
+            "is time in s?"
+        )
     if rig.holdout_intervals_s:
         parts.append(f"{len(rig.holdout_intervals_s)} intervals named by the rig")
     chosen = matching(rig.holdout_runs, run_names, f"{rig.path}: holdout_runs")

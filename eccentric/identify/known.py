@@ -103,9 +103,10 @@ def read_knowns(
     given twice, a tilt that contradicts the case.
     """
     table = dict(read_table(content.get("known", {}), f"{where}: [known]"))
-    case = table.pop("case", None)
+    given = table.pop("case", None)
+    case = given.upper() if isinstance(given, str) else given
     if case not in (None, "C1", "C2"):
-        raise InputError(f"{where}: [known] case: C1 or C2 is required, received {case!r}")
+        raise InputError(f"{where}: [known] case: C1 or C2 is required, received {given!r}")
     known: dict[str, float] = {}
     for key, value in table.items():
         quantity = find_known(key, value, f"{where}: [known]", ["case"])

@@ -12,13 +12,13 @@ from scipy.integrate import cumulative_trapezoid
 
 from eccentric.identify import filters
 from eccentric.identify.plausible import unwrapped
-from eccentric.identify.stretches import joined, stretches
+from eccentric.identify.stretches import joined, rows_of_each, stretches
 
 if TYPE_CHECKING:
     from eccentric.identify.rig import Rig
     from eccentric.identify.table import Table
 
-__all__ = ["motion_of", "motor_side", "of_the_motor", "quantum_of"]
+__all__ = ["motion_of", "motor_side", "of_the_motor", "quantum_of", "uneven"]
 
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
@@ -69,14 +69,11 @@ def _integral(table: Table, omega: Array | None) -> tuple[Array, list[str]]:
 def motion_of(t: Array, theta: Array, segment: Integers, cut_hz: float) -> tuple[Array, list[str]]:
     """Return angle, velocity, acceleration as rows of (3, n), filtered stretch by stretch, and warnings."""
     plain: list[int] = []
-    uneven = False
 
     def one(rows: Integers) -> Array:
-        nonlocal uneven
         *signals, smoothed = filters.motion(t[rows], theta[rows], cut_hz)
         if not smoothed:
             plain.append(len(rows))
-        uneven |= not filters.is_even(t[rows])
         return np.stack(signals, axis=1)
 
     signals = joined(segment, one)
@@ -91,15 +88,23 @@ def motion_of(t: Array, theta: Array, segment: Integers, cut_hz: float) -> tuple
             f"{sum(plain)} of {len(t)} rows are sampled too slowly, or in stretches too short, for the "
             f"{cut_hz:g} Hz low pass: their velocity and acceleration are those of a spline"
         )
-    if uneven:
-        steps = np.diff(t)[np.diff(segment) == 0]
-        usual = float(np.median(steps))
-        odd = int(np.count_nonzero(np.abs(steps / usual - 1.0) > UNEVEN))
-        warnings.append(
-            f"time steps are uneven ({odd} of {len(steps)} differ by more than {UNEVEN:.0%} from the usual "
-            f"{usual:.4g} s): for filtering, the angle is interpolated linearly"
-        )
     return signals.T, warnings
+
+
+def uneven(table: Table) -> list[str]:
+    """Return what there is to say of uneven time steps; one over rows that were dropped is no step."""
+    t = table.channels["time"]
+    piece = stretches(t, table.run) + np.cumsum(table.after_dropped)
+    if all(filters.is_even(t[rows]) for rows in rows_of_each(piece)):
+        return []
+    steps = np.diff(t)[np.diff(piece) == 0]
+    usual = float(np.median(steps))
+    odd = int(np.count_nonzero(np.abs(steps / usual - 1.0) > UNEVEN))
+    text = (
+        f"time steps are uneven ({odd} of {len(steps)} differ by more than {UNEVEN:.0%} from the usual "
+        f"{usual:.4g} s): for filtering, the angle is interpolated linearly"
+    )
+    return [text]
 
 
 def quantum_of(logged: Table, rig: Rig, theta: Array) -> float:

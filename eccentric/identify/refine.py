@@ -64,4 +64,5 @@ def refined(table: Table) -> Table:
         run=table.run[rows],
         use=table.use[rows],
         motor_off=table.motor_off[rows],
+        after_dropped=table.after_dropped[rows],
     )

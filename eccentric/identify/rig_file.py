@@ -40,7 +40,7 @@ def read_file(path: Path) -> Mapping[str, Any]:
     except InputError:
         raise
     except (ValueError, RecursionError) as error:  # ValueError: also a number of thousands of digits
-        raise InputError(f"{path}: no {path.suffix[1:].upper()} file ({error})") from None
+        raise InputError(f"{path}: not valid {path.suffix[1:].upper()}: {error}") from None
     return read_table(content, str(path))
 
 

@@ -34,6 +34,7 @@ class Table:
     """Kept rows of all logs: channels by name in SI (temperature in degC), run number, masks; all (n,).
 
     `use` is what the rig wants used, `motor_off` where the motor is switched off and the link swings freely.
+    `after_dropped` is where the row before in the log was dropped.
     """
 
     channels: Mapping[str, Array]
@@ -41,6 +42,7 @@ class Table:
     run_names: tuple[str, ...]
     use: NDArray[np.bool_]
     motor_off: NDArray[np.bool_]
+    after_dropped: NDArray[np.bool_]
     rows_read: int
     rows_rejected: int
     findings: tuple[Finding, ...]
@@ -80,6 +82,7 @@ def read_table(paths: Sequence[str | Path], rig: Rig) -> Table:
         run_names=tuple(name for table in tables for name in table.run_names),
         use=np.concatenate([table.use for table in tables]),
         motor_off=np.concatenate([table.motor_off for table in tables]),
+        after_dropped=np.concatenate([table.after_dropped for table in tables]),
         rows_read=sum(table.rows_read for table in tables),
         rows_rejected=sum(table.rows_rejected for table in tables),
         findings=tuple(finding for table in tables for finding in table.findings),
@@ -99,6 +102,7 @@ def _chosen(table: Table, rig: Rig) -> Table:
         run_names=tuple(names),
         use=table.use[kept],
         motor_off=table.motor_off[kept],
+        after_dropped=table.after_dropped[kept],
         rows_read=int(np.count_nonzero(kept)) + table.rows_rejected,
     )
 
@@ -116,21 +120,18 @@ def _one(log: Log, rig: Rig, name: str, alone: bool) -> Table:
     if rejected:
         worst = min(numbers, key=lambda c: np.count_nonzero(numbers[c]))
         first = log.place(int(np.flatnonzero(~kept)[0]))
-        what = (
-            f"{rejected} of {log.rows} rows are not numbers (first: {first}; most: {sources[worst].text!r})"
-        )
+        what = f"no number in {rejected} of {log.rows} rows (first: {first}; most: {sources[worst].text!r})"
         if rejected > MAX_REJECTED * log.rows:
             raise InputError(f"{log.path}: {what}; at most {MAX_REJECTED:.0%} may be missing")
         severity = "warning" if rejected > MUCH * log.rows else "note"
         findings.append(
-            Finding("missing", worst, f"{log.path}: {what}, they are dropped", rejected, severity)
+            Finding("missing", worst, f"{log.path}: {what}: such rows are dropped", rejected, severity)
         )
     again = _repeated([*values.values(), use, motor_off, labels], kept)
     if np.any(again):
         count, first = int(np.count_nonzero(again)), log.place(int(np.flatnonzero(again)[0]))
-        text = (
-            f"{log.path}: {count} of {log.rows} rows repeat the one before (first: {first}), they are dropped"
-        )
+        repeat = f"{count} of {log.rows} rows {'repeats' if count == 1 else 'repeat'} the one before"
+        text = f"{log.path}: {repeat} (first: {first}): such rows are dropped"
         findings.append(Finding("repeated", "time", text, count, "note"))
         kept &= ~again
     run, run_names = _runs(log, labels, values["time"], kept)
@@ -140,6 +141,7 @@ def _one(log: Log, rig: Rig, name: str, alone: bool) -> Table:
         run_names,
         use[kept] != 0.0,
         motor_off[kept] != 0.0,
+        np.concatenate([[False], ~kept[:-1]])[kept],
         log.rows,
         int(np.count_nonzero(~kept)),
         tuple(findings),

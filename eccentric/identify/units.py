@@ -144,6 +144,8 @@ def parse_value(text: str, required: str, where: str, counts_per_rev: float | No
             f"{where}: a number with a unit is required ({', '.join(_choices(required, where))}), "
             f"received {text!r}"
         )
+    if match[3].startswith(":"):
+        raise InputError(f"{where}: a ratio with '/', as in '1/5', is required, received {text!r}")
     divisor = float(match[2]) if match[2] else 1.0
     if divisor == 0.0:
         raise InputError(f"{where}: a finite number is required, received {text!r}")
