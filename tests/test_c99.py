@@ -153,7 +153,7 @@ def test_no_acceleration_asks_for_no_inertia(libraries: Libraries, name: str, dt
 
 @every_model
 def test_the_header_says_where_an_inertia_is_wanted(libraries: Libraries, name: str) -> None:
-    """Its comments say so at those functions that give NaN with an acceleration and the default parameters."""
+    """Its comments say so at the functions that give NaN with an acceleration and the default parameters."""
     library = libraries[name, np.float64]
     text = (GENERATED / f"{name}.h").read_text(encoding="utf-8")
     blocks = re.findall(rf"/\*\*((?:(?!\*/).)*)\*/\n\w+ {name}_(\w+)\(", text, re.DOTALL)

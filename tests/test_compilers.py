@@ -61,7 +61,7 @@ def test_header_of_another_derivation_is_refused(tmp_path: Path, name: str) -> N
 
 @pytest.mark.parametrize("real", ["real_t", "int", "long double", ""])
 def test_other_types_are_refused(tmp_path: Path, real: str) -> None:
-    """ECCENTRIC_REAL is float or double, else that is the one error; a typedef would hide which of them it is."""
+    """ECCENTRIC_REAL is float or double, else that is the one error; a typedef hides which of them it is."""
     (tmp_path / "types.h").write_text("typedef float real_t;\n")
     options = [f"-DECCENTRIC_REAL={real}", "-include", tmp_path / "types.h"]
 

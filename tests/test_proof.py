@@ -90,7 +90,7 @@ def test_proved(
 
 
 def test_ranges_of_ones_own(tmp_path: Path) -> None:
-    """By the option that the driver's head shows, the proof is of that range: for C1, F_N = M L (mu w)^2 of it."""
+    """By the option that the driver's head shows, the proof is of that range: F_N is M L (mu w)^2 of it."""
     driver = changed(tmp_path, "_proof.c", "", "")
     head = driver.read_text(encoding="utf-8").split("*/")[0]
     ((option, fastest),) = re.findall(r"(-DRANGE_omega_m=-\d+\\,(\d+))$", head, re.MULTILINE)

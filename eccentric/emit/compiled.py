@@ -30,7 +30,7 @@ _REALS: dict[Any, tuple[str, Any]] = {
 def compile(model: Model | str | Path) -> ModuleType:  # noqa: A001 - it is called as eccentric.compile
     """A module like the emitted NumPy module of the model, its functions being those of the emitted C.
 
-    The model may be given as `load_model` takes it: a name such as "c2_parallel", or the path of a derivation.
+    The model may be given as `load_model` takes it: its name ("c2_parallel"), or the path of a derivation.
 
     Arguments, broadcasting, precision, `out` and bits are those of the NumPy module; where an exponential
     stands, the bits of the two libraries may differ. Floats give a float. The library is kept in the user's
@@ -38,8 +38,8 @@ def compile(model: Model | str | Path) -> ModuleType:  # noqa: A001 - it is call
 
     Raises:
         TypeError: this is neither a model nor a name or path.
-        InputError: there is no such model, there is no C compiler, it does not compile, its cache cannot be written, or the model
-            cannot be emitted.
+        InputError: there is no such model, there is no C compiler, it does not compile, its cache cannot be
+            written, or the model cannot be emitted.
     """
     if isinstance(model, str | Path):
         model = load_model(model)
