@@ -27,8 +27,8 @@ def test_the_c_in_both_precisions(tmp_path: Path, real: str, compiler: str) -> N
     """The C compiles without a word in double and in float, and gives the torque that NumPy gives."""
     need(compiler)
     (snippet,) = snippets("c")
-    main = '#include <stdio.h>\nint main(void)\n{\n    set_up();\n    printf("%.9e", (double)feed_forward(3, 25));\n}\n'
-    (tmp_path / "my_firmware.c").write_text(snippet + main, encoding="utf-8")
+    called = 'int main(void) { set_up(); printf("%.9e", (double)feed_forward(3, 25)); }\n'
+    (tmp_path / "my_firmware.c").write_text(f"#include <stdio.h>\n{snippet}{called}", encoding="utf-8")
     options = [*FLAGS, f"-DECCENTRIC_REAL={real}", f"-I{ROOT / 'generated'}"]
     sources = [tmp_path / "my_firmware.c", ROOT / "generated" / "c2_parallel.c"]
 
