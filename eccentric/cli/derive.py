@@ -72,8 +72,9 @@ def _in_reading_order() -> list[str]:
 def _legend(models: list[Model]) -> str:
     """The careful steps in the equations of the models, each with the formula that it stands for."""
     sides = [equation.right for model in models for equation in model.equations]
-    found = [step for step in STEPS if any(side.has(step) for side in sides)]
-    calls = [step(*sp.symbols("x y z", real=True)[: max(step.nargs)]) for step in found]
+    used = {type(call): len(call.args) for side in sides for call in side.atoms(*STEPS)}
+    letters = sp.symbols("x y z", real=True)
+    calls = [step(*letters[: used[step]]) for step in STEPS if step in used]
     lines = [f"    {call} = {meaning(call)}" for call in calls]
     head = "Functions in these formulas; their order of evaluation is the code's, so that no digits are lost:"
     return "\n".join([head, "", *lines, "", ""]) if lines else ""
