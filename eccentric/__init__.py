@@ -6,7 +6,8 @@ The pipeline, each stage in the package of its name:
     emit      Model -> Program         -> NumPy module, C99 header and source   (eccentric.emit, templates/)
     identify  log + rig -> channels    -> fit, residual                 (eccentric.identify)
 
-`eccentric.compile(model)` serves the emitted C of a model as a Python module, built by the local compiler.
+`eccentric.compile("c2_parallel")` serves the emitted C of a model as a Python module, built by the local
+compiler.
 `eccentric.bench` simulates a test bench with code of its own; `eccentric.cli` is the command line.
 Imports run one way: model <- emit <- identify <- cli.
 """

@@ -1,15 +1,17 @@
 /*
  * Generated: do not edit. Written by `make derive` from derivations/c1_perpendicular.py
- * (eccentric 0.1.0, program 9c87b17b).
+ * (eccentric 0.1.0, program 973faa50).
  * Case C1: gravity perpendicular to the motion plane, steady motion.
  */
+/* Begin with c1_perpendicular_mechanical_friction_torque, what a current-controlled drive must compensate, or
+ * c1_perpendicular_normal_force; `c` is &c1_perpendicular_default, or what c1_perpendicular_prepare makes of your own parameters. */
 #ifndef C1_PERPENDICULAR_H
 #define C1_PERPENDICULAR_H
 
 #include <stddef.h>
 
 /* C1_PERPENDICULAR_PROGRAM names the derivation that header and source come from; the source checks it. */
-#define C1_PERPENDICULAR_PROGRAM 0x9c87b17bUL
+#define C1_PERPENDICULAR_PROGRAM 0x973faa50UL
 
 /* The working precision: double, or float by -DECCENTRIC_REAL=float. Files that differ in it do not link:
  * all functions carry it in their names, as c1_perpendicular_prepare_double. */
@@ -18,11 +20,14 @@
 #endif
 #define ECCENTRIC_PRECISION_float 1
 #define ECCENTRIC_PRECISION_double 2
+#define ECCENTRIC_PRECISION_long 0 * /* so that "long double" is a number to the preprocessor, and refused */
 #define ECCENTRIC_JOIN_(a, b) a##b
 #define ECCENTRIC_JOIN(a, b) ECCENTRIC_JOIN_(a, b)
 #define ECCENTRIC_PRECISION ECCENTRIC_JOIN(ECCENTRIC_PRECISION_, ECCENTRIC_REAL)
 #if ECCENTRIC_PRECISION != 1 && ECCENTRIC_PRECISION != 2
 #error "ECCENTRIC_REAL must be float or double"
+#undef ECCENTRIC_REAL /* one error is enough */
+#define ECCENTRIC_REAL double
 #endif
 #define c1_perpendicular_prepare ECCENTRIC_JOIN(c1_perpendicular_prepare_, ECCENTRIC_REAL)
 #define c1_perpendicular_default ECCENTRIC_JOIN(c1_perpendicular_default_, ECCENTRIC_REAL)
@@ -275,6 +280,7 @@ ECCENTRIC_REAL c1_perpendicular_coulomb_torque(const c1_perpendicular_coefficien
 ECCENTRIC_REAL c1_perpendicular_gravity_torque(const c1_perpendicular_coefficients *c);
 
 /** Armature voltage u = (R/k_i) (J alpha_m + G + F), eq (4).
+ *  NaN with an acceleration, unless the parameters give J_m and J_l.
  *  @param[in]  omega_m  motor velocity [rad/s]
  *  @param[in]  alpha_m  motor acceleration [rad/s^2]
  *  @param[in]  c  coefficients
@@ -294,6 +300,7 @@ void c1_perpendicular_voltage_n(
     const c1_perpendicular_coefficients *c);
 
 /** Armature current i = (J alpha_m + G + f)/k_i.
+ *  NaN with an acceleration, unless the parameters give J_m and J_l.
  *  @param[in]  omega_m  motor velocity [rad/s]
  *  @param[in]  alpha_m  motor acceleration [rad/s^2]
  *  @param[in]  c  coefficients
@@ -313,6 +320,7 @@ void c1_perpendicular_current_n(
     const c1_perpendicular_coefficients *c);
 
 /** What the mechanical balance leaves: k_i i - J alpha_m - G - f.
+ *  NaN with an acceleration, unless the parameters give J_m and J_l.
  *  @param[in]  omega_m  motor velocity [rad/s]
  *  @param[in]  i  armature current [A]
  *  @param[in]  alpha_m  motor acceleration [rad/s^2]

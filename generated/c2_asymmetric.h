@@ -1,15 +1,17 @@
 /*
  * Generated: do not edit. Written by `make derive` from derivations/c2_asymmetric.py
- * (eccentric 0.1.0, program 32de661f).
+ * (eccentric 0.1.0, program e1769bf0).
  * Case C2 with friction that differs between the directions of motion.
  */
+/* Begin with c2_asymmetric_mechanical_friction_torque, what a current-controlled drive must compensate, or
+ * c2_asymmetric_normal_force; `c` is &c2_asymmetric_default, or what c2_asymmetric_prepare makes of your own parameters. */
 #ifndef C2_ASYMMETRIC_H
 #define C2_ASYMMETRIC_H
 
 #include <stddef.h>
 
 /* C2_ASYMMETRIC_PROGRAM names the derivation that header and source come from; the source checks it. */
-#define C2_ASYMMETRIC_PROGRAM 0x32de661fUL
+#define C2_ASYMMETRIC_PROGRAM 0xe1769bf0UL
 
 /* The working precision: double, or float by -DECCENTRIC_REAL=float. Files that differ in it do not link:
  * all functions carry it in their names, as c2_asymmetric_prepare_double. */
@@ -18,11 +20,14 @@
 #endif
 #define ECCENTRIC_PRECISION_float 1
 #define ECCENTRIC_PRECISION_double 2
+#define ECCENTRIC_PRECISION_long 0 * /* so that "long double" is a number to the preprocessor, and refused */
 #define ECCENTRIC_JOIN_(a, b) a##b
 #define ECCENTRIC_JOIN(a, b) ECCENTRIC_JOIN_(a, b)
 #define ECCENTRIC_PRECISION ECCENTRIC_JOIN(ECCENTRIC_PRECISION_, ECCENTRIC_REAL)
 #if ECCENTRIC_PRECISION != 1 && ECCENTRIC_PRECISION != 2
 #error "ECCENTRIC_REAL must be float or double"
+#undef ECCENTRIC_REAL /* one error is enough */
+#define ECCENTRIC_REAL double
 #endif
 #define c2_asymmetric_prepare ECCENTRIC_JOIN(c2_asymmetric_prepare_, ECCENTRIC_REAL)
 #define c2_asymmetric_default ECCENTRIC_JOIN(c2_asymmetric_default_, ECCENTRIC_REAL)
@@ -343,6 +348,7 @@ void c2_asymmetric_gravity_torque_n(
     const c2_asymmetric_coefficients *c);
 
 /** Armature voltage u = (R/k_i) (J alpha_m + G + F), eq (4).
+ *  NaN with an acceleration, unless the parameters give J_m and J_l.
  *  @param[in]  theta_m  motor angle [rad], reduced exactly up to 2^20 half turns of the link (float: 2^14)
  *  @param[in]  omega_m  motor velocity [rad/s]
  *  @param[in]  alpha_m  motor acceleration [rad/s^2]
@@ -365,6 +371,7 @@ void c2_asymmetric_voltage_n(
     const c2_asymmetric_coefficients *c);
 
 /** Armature current i = (J alpha_m + G + f)/k_i.
+ *  NaN with an acceleration, unless the parameters give J_m and J_l.
  *  @param[in]  theta_m  motor angle [rad], reduced exactly up to 2^20 half turns of the link (float: 2^14)
  *  @param[in]  omega_m  motor velocity [rad/s]
  *  @param[in]  alpha_m  motor acceleration [rad/s^2]
@@ -387,6 +394,7 @@ void c2_asymmetric_current_n(
     const c2_asymmetric_coefficients *c);
 
 /** What the mechanical balance leaves: k_i i - J alpha_m - G - f.
+ *  NaN with an acceleration, unless the parameters give J_m and J_l.
  *  @param[in]  theta_m  motor angle [rad], reduced exactly up to 2^20 half turns of the link (float: 2^14)
  *  @param[in]  omega_m  motor velocity [rad/s]
  *  @param[in]  i  armature current [A]

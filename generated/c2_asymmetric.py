@@ -1,5 +1,5 @@
 # Generated: do not edit. Written by `make derive` from derivations/c2_asymmetric.py
-# (eccentric 0.1.0, program 32de661f).
+# (eccentric 0.1.0, program e1769bf0).
 # Case C2 with friction that differs between the directions of motion.
 """Case C2 with friction that differs between the directions of motion.
 
@@ -708,10 +708,12 @@ def _check_out(out: np.ndarray, shape: tuple[int, ...], real: _Real) -> None:
 
 def _number(name: str, x: Any) -> Any:
     """The input, as an array unless it is a number."""
-    x = x if isinstance(x, _KEPT) else np.asarray(x)
-    if getattr(x, "dtype", _DOUBLE).kind not in "biuf":
-        raise TypeError(f"{name}: required real numbers, got {x.dtype.name}")
-    return x
+    given = x if isinstance(x, _KEPT) else np.asarray(x)
+    kind = getattr(given, "dtype", _DOUBLE)
+    if kind.kind not in "biuf":
+        of = f" of {kind.type.__name__.rstrip('_')}" if np.shape(given) else ""
+        raise TypeError(f"{name}: required real numbers, got {type(x).__name__}{of}")
+    return given
 
 
 def _arrays(inputs: Sequence[Any], names: Sequence[str]) -> tuple[list[np.ndarray], _Real]:
@@ -722,7 +724,7 @@ def _arrays(inputs: Sequence[Any], names: Sequence[str]) -> tuple[list[np.ndarra
     except TypeError:  # dates, texts
         common = None
     if common is None or common.kind not in "biuf":
-        given = list(map(_number, names, given))
+        given = list(map(_number, names, inputs))
     if common == np.float32:
         return list(map(_rounded, names, given)), np.float32
     return [np.asarray(x, np.float64) for x in given], np.float64

@@ -1,15 +1,17 @@
 /*
  * Generated: do not edit. Written by `make derive` from derivations/c2_parallel.py
- * (eccentric 0.1.0, program 8935b0f1).
+ * (eccentric 0.1.0, program be37be07).
  * Case C2: gravity parallel to the motion plane, steady motion.
  */
+/* Begin with c2_parallel_mechanical_friction_torque, what a current-controlled drive must compensate, or
+ * c2_parallel_normal_force; `c` is &c2_parallel_default, or what c2_parallel_prepare makes of your own parameters. */
 #ifndef C2_PARALLEL_H
 #define C2_PARALLEL_H
 
 #include <stddef.h>
 
 /* C2_PARALLEL_PROGRAM names the derivation that header and source come from; the source checks it. */
-#define C2_PARALLEL_PROGRAM 0x8935b0f1UL
+#define C2_PARALLEL_PROGRAM 0xbe37be07UL
 
 /* The working precision: double, or float by -DECCENTRIC_REAL=float. Files that differ in it do not link:
  * all functions carry it in their names, as c2_parallel_prepare_double. */
@@ -18,11 +20,14 @@
 #endif
 #define ECCENTRIC_PRECISION_float 1
 #define ECCENTRIC_PRECISION_double 2
+#define ECCENTRIC_PRECISION_long 0 * /* so that "long double" is a number to the preprocessor, and refused */
 #define ECCENTRIC_JOIN_(a, b) a##b
 #define ECCENTRIC_JOIN(a, b) ECCENTRIC_JOIN_(a, b)
 #define ECCENTRIC_PRECISION ECCENTRIC_JOIN(ECCENTRIC_PRECISION_, ECCENTRIC_REAL)
 #if ECCENTRIC_PRECISION != 1 && ECCENTRIC_PRECISION != 2
 #error "ECCENTRIC_REAL must be float or double"
+#undef ECCENTRIC_REAL /* one error is enough */
+#define ECCENTRIC_REAL double
 #endif
 #define c2_parallel_prepare ECCENTRIC_JOIN(c2_parallel_prepare_, ECCENTRIC_REAL)
 #define c2_parallel_default ECCENTRIC_JOIN(c2_parallel_default_, ECCENTRIC_REAL)
@@ -321,6 +326,7 @@ void c2_parallel_gravity_torque_n(
     const c2_parallel_coefficients *c);
 
 /** Armature voltage u = (R/k_i) (J alpha_m + G + F), eq (4).
+ *  NaN with an acceleration, unless the parameters give J_m and J_l.
  *  @param[in]  theta_m  motor angle [rad], reduced exactly up to 2^20 half turns of the link (float: 2^14)
  *  @param[in]  omega_m  motor velocity [rad/s]
  *  @param[in]  alpha_m  motor acceleration [rad/s^2]
@@ -343,6 +349,7 @@ void c2_parallel_voltage_n(
     const c2_parallel_coefficients *c);
 
 /** Armature current i = (J alpha_m + G + f)/k_i.
+ *  NaN with an acceleration, unless the parameters give J_m and J_l.
  *  @param[in]  theta_m  motor angle [rad], reduced exactly up to 2^20 half turns of the link (float: 2^14)
  *  @param[in]  omega_m  motor velocity [rad/s]
  *  @param[in]  alpha_m  motor acceleration [rad/s^2]
@@ -365,6 +372,7 @@ void c2_parallel_current_n(
     const c2_parallel_coefficients *c);
 
 /** What the mechanical balance leaves: k_i i - J alpha_m - G - f.
+ *  NaN with an acceleration, unless the parameters give J_m and J_l.
  *  @param[in]  theta_m  motor angle [rad], reduced exactly up to 2^20 half turns of the link (float: 2^14)
  *  @param[in]  omega_m  motor velocity [rad/s]
  *  @param[in]  i  armature current [A]

@@ -1,15 +1,17 @@
 /*
  * Generated: do not edit. Written by `make derive` from derivations/rotating_link.py
- * (eccentric 0.1.0, program 92263a1a).
+ * (eccentric 0.1.0, program f5351bc5).
  * Rotating link with an unbalanced mass, plane tilted by phi, angular acceleration kept.
  */
+/* Begin with rotating_link_mechanical_friction_torque, what a current-controlled drive must compensate, or
+ * rotating_link_normal_force; `c` is &rotating_link_default, or what rotating_link_prepare makes of your own parameters. */
 #ifndef ROTATING_LINK_H
 #define ROTATING_LINK_H
 
 #include <stddef.h>
 
 /* ROTATING_LINK_PROGRAM names the derivation that header and source come from; the source checks it. */
-#define ROTATING_LINK_PROGRAM 0x92263a1aUL
+#define ROTATING_LINK_PROGRAM 0xf5351bc5UL
 
 /* The working precision: double, or float by -DECCENTRIC_REAL=float. Files that differ in it do not link:
  * all functions carry it in their names, as rotating_link_prepare_double. */
@@ -18,11 +20,14 @@
 #endif
 #define ECCENTRIC_PRECISION_float 1
 #define ECCENTRIC_PRECISION_double 2
+#define ECCENTRIC_PRECISION_long 0 * /* so that "long double" is a number to the preprocessor, and refused */
 #define ECCENTRIC_JOIN_(a, b) a##b
 #define ECCENTRIC_JOIN(a, b) ECCENTRIC_JOIN_(a, b)
 #define ECCENTRIC_PRECISION ECCENTRIC_JOIN(ECCENTRIC_PRECISION_, ECCENTRIC_REAL)
 #if ECCENTRIC_PRECISION != 1 && ECCENTRIC_PRECISION != 2
 #error "ECCENTRIC_REAL must be float or double"
+#undef ECCENTRIC_REAL /* one error is enough */
+#define ECCENTRIC_REAL double
 #endif
 #define rotating_link_prepare ECCENTRIC_JOIN(rotating_link_prepare_, ECCENTRIC_REAL)
 #define rotating_link_default ECCENTRIC_JOIN(rotating_link_default_, ECCENTRIC_REAL)
@@ -367,6 +372,7 @@ void rotating_link_gravity_torque_n(
     const rotating_link_coefficients *c);
 
 /** Armature voltage u = (R/k_i) (J alpha_m + G + F), eq (4).
+ *  NaN with an acceleration, unless the parameters give J_m and J_l.
  *  @param[in]  theta_m  motor angle [rad], reduced exactly up to 2^20 half turns of the link (float: 2^14)
  *  @param[in]  omega_m  motor velocity [rad/s]
  *  @param[in]  alpha_m  motor acceleration [rad/s^2]
@@ -389,6 +395,7 @@ void rotating_link_voltage_n(
     const rotating_link_coefficients *c);
 
 /** Armature current i = (J alpha_m + G + f)/k_i.
+ *  NaN with an acceleration, unless the parameters give J_m and J_l.
  *  @param[in]  theta_m  motor angle [rad], reduced exactly up to 2^20 half turns of the link (float: 2^14)
  *  @param[in]  omega_m  motor velocity [rad/s]
  *  @param[in]  alpha_m  motor acceleration [rad/s^2]
@@ -411,6 +418,7 @@ void rotating_link_current_n(
     const rotating_link_coefficients *c);
 
 /** What the mechanical balance leaves: k_i i - J alpha_m - G - f.
+ *  NaN with an acceleration, unless the parameters give J_m and J_l.
  *  @param[in]  theta_m  motor angle [rad], reduced exactly up to 2^20 half turns of the link (float: 2^14)
  *  @param[in]  omega_m  motor velocity [rad/s]
  *  @param[in]  i  armature current [A]

@@ -1,12 +1,14 @@
 """The emitted C99, compiled in both precisions and called through cffi, against the paper and NumPy."""
 
+import re
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from tests import oracle, paper, strategies
-from tests.compiled import REAL, Library, Real
+from tests.compiled import GENERATED, REAL, Library, Real
 from tests.emitted import (
     CALLED_ON_STATES,
     MODELS,
@@ -147,6 +149,31 @@ def test_no_acceleration_asks_for_no_inertia(libraries: Libraries, name: str, dt
 
         assert np.isfinite(library.one(function, [*states, 0.0], library.coefficients()))
         assert np.isnan(library.one(function, [*states, 1.0], library.coefficients()))
+
+
+@every_model
+def test_the_header_says_where_an_inertia_is_wanted(libraries: Libraries, name: str) -> None:
+    """Its comments say so at the functions that give NaN with an acceleration and the default parameters."""
+    library = libraries[name, np.float64]
+    text = (GENERATED / f"{name}.h").read_text(encoding="utf-8")
+    blocks = re.findall(rf"/\*\*((?:(?!\*/).)*)\*/\n\w+ {name}_(\w+)\(", text, re.DOTALL)
+    told = {
+        f for doc, f in blocks if "NaN with an acceleration, unless the parameters give J_m and J_l" in doc
+    }
+    states = {f: [1.0] * len(oracle.inputs(name, f)) for f in oracle.functions(name)}
+
+    assert told == {f for f, s in states.items() if np.isnan(library.one(f, s, library.coefficients())).any()}
+
+
+@every_model
+def test_the_header_says_where_to_begin(name: str) -> None:
+    """Behind its banner it names the friction torque to compensate and the normal force, and it has both."""
+    text = (GENERATED / f"{name}.h").read_text(encoding="utf-8")
+    (begin,) = re.findall(r"^/\* Begin with (.*?)\*/", text, re.DOTALL | re.MULTILINE)
+    named = [f"{name}_mechanical_friction_torque", f"{name}_normal_force"]
+
+    assert named == re.findall(rf"{name}_\w+(?=, what|;)", begin)
+    assert all(f"\nECCENTRIC_REAL {function}(" in text for function in named)
 
 
 @every_model

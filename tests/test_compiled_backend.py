@@ -15,6 +15,7 @@ import pytest
 import eccentric
 from eccentric.errors import InputError
 from eccentric.model.load import load_model
+from eccentric.places import folder
 from tests import oracle
 from tests.emitted import (
     both_precisions,
@@ -224,12 +225,23 @@ def test_a_model_may_be_called_python() -> None:
     assert expected == eccentric.compile(model).friction_torque(2.0)
 
 
+def test_a_name_or_a_path_will_do() -> None:
+    """By the name of a model and by the path of its derivation the same functions come as by the model."""
+    path = folder("derivations") / "c1_perpendicular.py"
+    expected = compiled("c1_perpendicular").normal_force(17.0)
+
+    for given in ("c1_perpendicular", path, str(path)):
+        assert expected == eccentric.compile(given).normal_force(17.0)
+
+
 def test_what_cannot_be_compiled_or_kept_is_one_clear_line(
     monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
-    """A name in place of a model, and a cache that is a file, are told as what they are."""
-    with pytest.raises(TypeError, match=r"^compile: required a Model, as load_model gives it, got str$"):
-        eccentric.compile("c2_parallel")  # type: ignore[arg-type]
+    """A number in place of a model, an unknown name and a cache that is a file are told as what they are."""
+    with pytest.raises(TypeError, match=r"^compile: required a Model, its name or path, got int$"):
+        eccentric.compile(2)  # type: ignore[arg-type]
+    with pytest.raises(InputError, match=r"^model 'c2_paralel' is unknown; known are "):
+        eccentric.compile("c2_paralel")
 
     (tmp_path / "file").write_text("")
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "file"))

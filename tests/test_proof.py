@@ -19,13 +19,17 @@ LARGEST = {"float": 3.4e38, "double": 1.79e308}
 SPECIFIED = {"Frama_C_interval", "Frama_C_float_interval", "Frama_C_double_interval"}
 
 
-def proved(driver: Path, real: str) -> str:
-    """Run the command in the driver's head; return what Frama-C says."""
+def proved(driver: Path, real: str, *options: str) -> str:
+    """Run the command in the driver's head, with further options to the preprocessor; return what is said."""
     if shutil.which("frama-c") is None:
         pytest.skip("not installed: frama-c")
     head = driver.read_text(encoding="utf-8").split("*/")[0]
     (command,) = re.findall(r"frama-c -eva.*?_proof\.c", head, re.DOTALL)
-    command = command.replace("\\\n *", " ").replace("=float", f"={real}")
+    command = (
+        command.replace("\\\n *", " ")
+        .replace("=float", f"={real}")
+        .replace("-I..", " ".join(["-I..", *options]))
+    )
     done = subprocess.run(
         ["sh", "-c", command], cwd=driver.parent, capture_output=True, text=True, check=False, timeout=300
     )
@@ -83,6 +87,20 @@ def test_proved(
     assert "either code nor specification" not in said
     assert functions == set(ends)
     assert all(abs(end) < LARGEST[real] for each in ends.values() for end in each)
+
+
+def test_ranges_of_ones_own(tmp_path: Path) -> None:
+    """By the option that the driver's head shows, the proof is of that range: F_N is M L (mu w)^2 of it."""
+    driver = changed(tmp_path, "_proof.c", "", "")
+    head = driver.read_text(encoding="utf-8").split("*/")[0]
+    ((option, fastest),) = re.findall(r"(-DRANGE_omega_m=-\d+\\,(\d+))$", head, re.MULTILINE)
+    most = 0.5 * 0.25 * (0.2 * float(fastest)) ** 2
+
+    said = proved(driver, "double", option)
+
+    assert [] == alarms(said)
+    assert [0.0, pytest.approx(most)] == shown(said)["normal_force"]
+    assert [] != alarms(proved(driver, "float", option.replace(fastest, "1e30")))
 
 
 def changed(folder: Path, suffix: str, old: str, new: str) -> Path:

@@ -3,12 +3,18 @@
 import argparse
 from pathlib import Path
 
+import sympy as sp
+
 import eccentric
 from eccentric.emit import complete, differences, write
 from eccentric.emit.names import checked_name
 from eccentric.errors import InputError
-from eccentric.model import load_model, model_names
+from eccentric.model import Model, load_model, model_names
+from eccentric.model.steps import STEPS, meaning
 from eccentric.output import folder_to_write
+
+# The others hang on these, or contain them.
+_FIRST = ("c1_perpendicular", "c2_parallel")
 
 NAME = "derive"
 HELP = "print the derivations and write generated/ (NumPy and C99)"
@@ -31,7 +37,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Write the trios of the derivations, then print these; with --check compare instead."""
-    models = [load_model(name) for name in arguments.models or model_names()]
+    models = [load_model(name) for name in arguments.models or _in_reading_order()]
     for model in models:
         checked_name(model.name, f"model {model.name}: its name")
     out = arguments.out or _generated()
@@ -47,9 +53,31 @@ def run(arguments: argparse.Namespace) -> int:
     # All are rendered before the first is written: one that cannot be leaves the folder as it was.
     files = {name: text for model in models for name, text in complete(model).items()}
     write(files, out)
+    if not arguments.latex:
+        print(_legend(models), end="")
     for model in models:
         print(model.latex() if arguments.latex else model, end="\n\n")
+    written = (
+        f"{arguments.out or out.name}/: {len(models)} model{'s' * (len(models) > 1)}, {len(files)} files"
+    )
+    print(f"% {written}" if arguments.latex else written)
     return 0
+
+
+def _in_reading_order() -> list[str]:
+    """The names of all derivations, the paper's two cases first."""
+    return sorted(model_names(), key=lambda name: (name not in _FIRST, name))
+
+
+def _legend(models: list[Model]) -> str:
+    """The careful steps in the equations of the models, each with the formula that it stands for."""
+    sides = [equation.right for model in models for equation in model.equations]
+    used = {type(call): len(call.args) for side in sides for call in side.atoms(*STEPS)}
+    letters = sp.symbols("x y z", real=True)
+    calls = [step(*letters[: used[step]]) for step in STEPS if step in used]
+    lines = [f"    {call} = {meaning(call)}" for call in calls]
+    head = "Functions in these formulas; their order of evaluation is the code's, so that no digits are lost:"
+    return "\n".join([head, "", *lines, "", ""]) if lines else ""
 
 
 def _generated() -> Path:

@@ -24,6 +24,7 @@ def routine(program: Program, r: Routine, coefficients: set[str]) -> dict[str, A
     return {
         "name": r.name,
         "unit": r.unit,
+        "requires": " and ".join(r.requires),
         "width": len(r.labels),
         **_documentation(r, parts),
         **_signatures(program, r, parts),

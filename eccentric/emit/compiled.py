@@ -19,7 +19,7 @@ from eccentric.emit.hot import load_module
 from eccentric.emit.local_compiler import SHIM, built, python_headers
 from eccentric.emit.program import Program, Routine
 from eccentric.emit.render import python_source, render
-from eccentric.model import Model
+from eccentric.model import Model, load_model
 
 _REALS: dict[Any, tuple[str, Any]] = {
     np.float32: ("float", ctypes.c_float),
@@ -27,20 +27,24 @@ _REALS: dict[Any, tuple[str, Any]] = {
 }
 
 
-def compile(model: Model) -> ModuleType:  # noqa: A001 - it is called as eccentric.compile
+def compile(model: Model | str | Path) -> ModuleType:  # noqa: A001 - it is called as eccentric.compile
     """A module like the emitted NumPy module of the model, its functions being those of the emitted C.
+
+    The model may be given as `load_model` takes it: its name ("c2_parallel"), or the path of a derivation.
 
     Arguments, broadcasting, precision, `out` and bits are those of the NumPy module; where an exponential
     stands, the bits of the two libraries may differ. Floats give a float. The library is kept in the user's
     cache under what it was built from: $XDG_CACHE_HOME or ~/.cache, folder eccentric.
 
     Raises:
-        TypeError: this is no model.
-        InputError: there is no C compiler, or not the one that CC names; it does not compile, its cache
-            cannot be written, or the model cannot be emitted.
+        TypeError: this is neither a model nor a name or path.
+        InputError: there is no such model, there is no C compiler, or not the one that CC names; it does not
+            compile, its cache cannot be written, or the model cannot be emitted.
     """
+    if isinstance(model, str | Path):
+        model = load_model(model)
     if not isinstance(model, Model):
-        raise TypeError(f"compile: required a Model, as load_model gives it, got {type(model).__name__}")
+        raise TypeError(f"compile: required a Model, its name or path, got {type(model).__name__}")
     program, source, files = build_program(model), load_module(model), render(model)
     module = ModuleType(f"eccentric_compiled_{model.name}", source.__doc__)
     for name in (name for name in dir(source) if not name.startswith("_")):

@@ -1,6 +1,9 @@
-/* Equation of motion of the paper's case C2, written out with libm: it shares nothing with the emitted code.
- * The friction of the link and the inertia differ from what the firmware assumes, as they would on a machine. */
+/* Equation of motion of the paper's case C2, written out with libm: of the emitted code it takes the parameters
+ * alone. The friction of the link and the inertia differ from these, as they would on a machine. */
 #include "drive.h"
+
+#include "arm.h"
+#include "c2_parallel.h"
 
 #include <math.h>
 
@@ -8,17 +11,22 @@
 #define STEP (1.0e-3f / STEPS)  /* [s] */
 #define CREEP 0.02f             /* speed below which Coulomb friction fades, instead of stiction [rad/s] */
 
-/* Table 1 of the paper, mu = 1/5; B_lN, C_lN and J deviate by 10, -5 and 3 per cent. */
-static const float M = 0.5f, M_l = 0.2f, L = 0.25f, mu = 0.2f, k_i = 0.02f, g = 9.81f;
-static const float B_lN = 0.0044f, C_lN = 0.076f, B_m = 4.0e-4f, C_m = 0.008f;
-static const float J = 0.0018f * 1.03f;
+/* What the machine is, beside what the firmware takes it for. */
+#define TRUE_B_lN 1.10f
+#define TRUE_C_lN 0.95f
+#define TRUE_INERTIA 1.03f
 
 /* Motor acceleration [rad/s^2]. */
 static float acceleration(float theta_m, float omega_m, float current)
 {
+    const c2_parallel_parameters *const p = &c2_parallel_default_parameters;
+    const float M = (float)p->M, L = (float)p->L, mu = (float)p->mu, g = (float)p->g;
+    const float B_lN = TRUE_B_lN * (float)p->B_lN, C_lN = TRUE_C_lN * (float)p->C_lN;
+    const float B_m = (float)p->B_m, C_m = (float)p->C_m;
+
     const float omega_l = mu * omega_m;
     const float centrifugal = M * L * omega_l * omega_l;
-    const float weight = (M + M_l) * g;
+    const float weight = (M + (float)p->M_l) * g;
     const float along = centrifugal + weight * cosf(mu * theta_m);
     const float across = weight * sinf(mu * theta_m);
     const float normal_force = sqrtf(along * along + across * across);
@@ -27,7 +35,7 @@ static float acceleration(float theta_m, float omega_m, float current)
     const float link = normal_force * (B_lN * omega_l + C_lN * direction);
     const float motor = B_m * omega_m + C_m * direction;
     const float gravity = mu * M * g * L * sinf(mu * theta_m);
-    return (k_i * current - gravity - motor - mu * link) / J;
+    return (arm_torque_constant() * current - gravity - motor - mu * link) / (TRUE_INERTIA * arm_inertia());
 }
 
 void drive_run(drive *state, float current)

@@ -1,5 +1,5 @@
 /*
- * Generated: do not edit. Written beside c1_asymmetric.c (program eb7a228a).
+ * Generated: do not edit. Written beside c1_asymmetric.c (program dc614679).
  * What the self-test expects; computed by the emitted NumPy module.
  */
 #define INPUTS 4u

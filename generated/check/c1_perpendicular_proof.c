@@ -1,5 +1,5 @@
 /*
- * Generated: do not edit. Written beside c1_perpendicular.c (program 9c87b17b).
+ * Generated: do not edit. Written beside c1_perpendicular.c (program 973faa50).
  * Driver of a proof: over all inputs within the ranges below no function of c1_perpendicular.c has undefined
  * behaviour, overflows or makes a NaN or an infinity, for the parameters set in main. For yours, set them there.
  * Frama-C's Eva does it; 0 alarms and 100 % of the logical properties are the proof, and the intervals that it
@@ -9,7 +9,8 @@
  *     -warn-special-float non-finite -kernel-warn-key annot:missing-spec=abort \
  *     -cpp-extra-args="-DECCENTRIC_REAL=float -I.." c1_perpendicular_proof.c
  *
- * and the same with -DECCENTRIC_REAL=double.
+ * and the same with -DECCENTRIC_REAL=double. Ranges of your own stand beside -I.. within the quotes, with a
+ * backslash, since Frama-C splits at a comma: -DRANGE_omega_m=-50\,50
  */
 #include <float.h>
 #include <math.h>

@@ -1,5 +1,5 @@
 /*
- * Generated: do not edit. Written beside rotating_link.c (program 92263a1a).
+ * Generated: do not edit. Written beside rotating_link.c (program f5351bc5).
  * Driver of a proof: over all inputs within the ranges below no function of rotating_link.c has undefined
  * behaviour, overflows or makes a NaN or an infinity, for the parameters set in main. For yours, set them there.
  * Frama-C's Eva does it; 0 alarms and 100 % of the logical properties are the proof, and the intervals that it
@@ -10,7 +10,8 @@
  *     -warn-special-float non-finite -kernel-warn-key annot:missing-spec=abort \
  *     -cpp-extra-args="-DECCENTRIC_REAL=float -I.." rotating_link_proof.c
  *
- * and the same with -DECCENTRIC_REAL=double.
+ * and the same with -DECCENTRIC_REAL=double. Ranges of your own stand beside -I.. within the quotes, with a
+ * backslash, since Frama-C splits at a comma: -DRANGE_omega_m=-50\,50
  */
 #include <float.h>
 #include <math.h>
