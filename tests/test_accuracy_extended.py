@@ -13,11 +13,12 @@ from mpmath import mpf
 from eccentric.effects import Effect
 from eccentric.emit import render
 from eccentric.emit.accuracy import (
-    FRICTION_TORQUE_ULP,
-    GRADIENT_EPS,
+    FRICTION_TORQUE,
+    GRADIENT,
     LARGEST_SHIFT,
-    NORMAL_FORCE_ULP,
-    SHIFTED_GRADIENT_EPS,
+    NORMAL_FORCE,
+    SHIFTED_GRADIENT,
+    WITHOUT_ANGLE,
     promises,
 )
 from eccentric.model import Model, load_model
@@ -25,7 +26,7 @@ from tests import accuracy, extended
 from tests.compiled import Real
 from tests.emitted import both_precisions
 from tests.paper import Parameters
-from tests.test_accuracy import DERIVATIVES, assert_gradient, drive_parameters, every_drive
+from tests.test_accuracy import DERIVATIVES, drive_parameters, every_drive, gradient_error
 
 FEW = 100  # states of each set
 TILT, MORE = 0.3, 0.4  # rad; and the share by which the mass is greater
@@ -165,6 +166,7 @@ def columns(one: extended.Extended, name: str, at: accuracy.Set, p: Parameters) 
 def test_friction_keeps_its_bounds(case: str, drive: str, dtype: Real) -> None:
     """Effects that leave friction as it is, or add powers of the speed to it, leave it as exact as it was."""
     name = extended.BASE[case]
+    friction = WITHOUT_ANGLE.anywhere if case == "C1" else FRICTION_TORQUE.anywhere
     for one in models(case):
         given, p, shift = of_drive(one, drive, 0.7)
         for at in accuracy.sets(p, dtype, FEW, shift):
@@ -173,16 +175,16 @@ def test_friction_keeps_its_bounds(case: str, drive: str, dtype: Real) -> None:
                 paper = getattr(accuracy, function)(name, at, p)
                 exact = [F + D for F, (D, _) in zip(paper, more, strict=True)]
                 units = accuracy.units(called(one, function, at, given), exact)
-                assert np.max(units) <= FRICTION_TORQUE_ULP, (function, where)
+                assert np.max(units) <= friction, (function, where)
             jacobian = called(one, "friction_torque_jacobian", at, given)
             for actual, column in zip(np.moveaxis(jacobian, -1, 0), columns(one, name, at, p), strict=True):
-                assert np.max(accuracy.units(actual, column)) <= FRICTION_TORQUE_ULP, where
+                assert np.max(accuracy.units(actual, column)) <= friction, where
             slopes = accuracy.gradient(name, at, p)
             by_omega = zip(slopes["omega_m"], more, strict=True)
             slopes["omega_m"] = [(slope + D, size + D) for (slope, size), (_, D) in by_omega]
             gradient, wanted = called(one, "friction_torque_gradient", at, given), one.module.GRADIENT
-            bound = SHIFTED_GRADIENT_EPS if shift else GRADIENT_EPS
-            assert_gradient(gradient, [slopes[label] for label in wanted], where, bound)
+            slope = friction if case == "C1" else (SHIFTED_GRADIENT if shift else GRADIENT).anywhere
+            assert gradient_error(gradient, [slopes[label] for label in wanted]) <= slope, where
 
 
 @both_precisions
@@ -196,7 +198,7 @@ def test_normal_force(case: str, dtype: Real) -> None:
         for at in accuracy.sets(p, dtype, FEW, shift):
             exact = accuracy.normal_force(extended.BASE[case], at, p)
             units = accuracy.units(called(one, "normal_force", at, given), exact)
-            assert np.max(units) <= NORMAL_FORCE_ULP, (one.model.name, at.name)
+            assert np.max(units) <= NORMAL_FORCE.anywhere, (one.model.name, at.name)
 
 
 @both_precisions
@@ -209,7 +211,7 @@ def test_shifted_angle(offset: float, drive: str, dtype: Real) -> None:
     for at in accuracy.sets(p, dtype, FEW, shift):
         exact = accuracy.normal_force("c2_parallel", at, p)
         units = accuracy.units(called(one, "normal_force", at, given), exact)
-        assert np.max(units) <= NORMAL_FORCE_ULP, at.name
+        assert np.max(units) <= NORMAL_FORCE.anywhere, at.name
 
 
 @pytest.mark.parametrize("case", extended.CASES)
