@@ -155,8 +155,7 @@ def mechanical_friction_torque(name: str, at: Set, p: Parameters) -> list[mpf]:
 def jacobian(name: str, at: Set, p: Parameters, labels: Iterable[str]) -> list[list[mpf]]:
     """Return the exact derivatives of the friction torque by its coefficients, a list for each label."""
     rows = [
-        columns(name, F_N, x, p, labels)
-        for x, F_N in zip(at.points, normal_force(name, at, p), strict=True)
+        columns(name, F_N, x, p, labels) for x, F_N in zip(at.points, normal_force(name, at, p), strict=True)
     ]
     return [list(column) for column in zip(*rows, strict=True)]
 
@@ -212,4 +211,3 @@ def relative(actual: np.ndarray, exact: Sequence[tuple[mpf, mpf]]) -> np.ndarray
     errors = [abs(mpf(float(a)) - x) for a, (x, _) in zip(actual, exact, strict=True)]
     sizes = [abs(size) for _, size in exact]
     return np.array([float(e and e / size) for e, size in zip(errors, sizes, strict=True)]) / eps
-

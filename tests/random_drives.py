@@ -67,11 +67,17 @@ def states(name: str, values: Values, random: np.random.Generator, size: int) ->
     def angles(most: float) -> np.ndarray:
         return random.uniform(-1, 1, size) * min(most, LARGEST["theta_m"])
 
-    theta = [angles(1e4), angles(3 * turn), (random.integers(-2, 2, size) + 0.5) * turn + either(-7, 0) / v.mu]
+    theta = [
+        angles(1e4),
+        angles(3 * turn),
+        (random.integers(-2, 2, size) + 0.5) * turn + either(-7, 0) / v.mu,
+    ]
     speeds = [star * either(-4, 4), star * either(-0.7, 0.7), star * (1 + either(-7, 0)) * either(0, 0)]
     found = {"theta_m": np.concatenate(theta), "omega_m": random.permutation(np.concatenate(speeds))}
     if oracle.CASES[name].accelerated:
-        found["alpha_m"] = np.concatenate([ratio / v.mu * either(-3, 2, 2 * size), ratio / v.mu * either(-1, 1)])
+        found["alpha_m"] = np.concatenate(
+            [ratio / v.mu * either(-3, 2, 2 * size), ratio / v.mu * either(-1, 1)]
+        )
         link = random.uniform(np.pi / 2, 3 * np.pi / 2, size)
         none = (link, np.sqrt(-ratio * np.cos(link)), -ratio * np.sin(link))
         beside = [none[0], none[1] * either(0, 0) * (1 + either(-7, -0.5)), none[2] * (1 + either(-7, -0.5))]

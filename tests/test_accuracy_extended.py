@@ -17,7 +17,6 @@ from eccentric.emit.accuracy import (
     GRADIENT,
     LARGEST_SHIFT,
     NORMAL_FORCE,
-    SHIFTED_GRADIENT,
     WITHOUT_ANGLE,
     promises,
 )
@@ -183,7 +182,7 @@ def test_friction_keeps_its_bounds(case: str, drive: str, dtype: Real) -> None:
             by_omega = zip(slopes["omega_m"], more, strict=True)
             slopes["omega_m"] = [(slope + D, size + D) for (slope, size), (_, D) in by_omega]
             gradient, wanted = called(one, "friction_torque_gradient", at, given), one.module.GRADIENT
-            slope = friction if case == "C1" else (SHIFTED_GRADIENT if shift else GRADIENT).anywhere
+            slope = friction if case == "C1" else GRADIENT.anywhere
             assert gradient_error(gradient, [slopes[label] for label in wanted]) <= slope, where
 
 
