@@ -170,8 +170,8 @@ def gradient(name: str, at: Set, p: Parameters) -> dict[str, list[tuple[mpf, mpf
     """Return, for a steady model, (slope, size) by theta_m and by omega_m.
 
     With a = M L (mu omega_m)^2 and the weight b, F_N' is a'(a + b cos theta_l)/F_N and -a b theta_l' sin
-    theta_l/F_N. The size is what F_N' is at most, at any angle, in its place, a' or the lesser of a and b times
-    theta_l', and all terms of one sign. In case C1 b is 0, and the size is the slope itself.
+    theta_l/F_N. The size is what F_N' is at most, at any angle, in its place, a' or the lesser of a and b
+    times theta_l', and all terms of one sign. In case C1 b is 0, and the size is the slope itself.
     """
     found: dict[str, list[tuple[mpf, mpf]]] = {"theta_m": [], "omega_m": []}
     case = oracle.CASES[name]

@@ -1,28 +1,23 @@
 """The bounds that emitted headers state, measured against 50 digits; full sets: benchmarks/accuracy.py."""
 
-import dataclasses
 import re
 from fractions import Fraction
 from typing import Any
 
 import numpy as np
 import pytest
-from mpmath import mpf
 
 from eccentric.emit import accuracy as stated
-from eccentric.emit.accuracy import Bound
 from tests import accelerated, accuracy, oracle, random_drives
 from tests.compiled import GENERATED, Library, Real
 from tests.emitted import both_precisions, module
 from tests.paper import Parameters
+from tests.promised import DERIVATIVES, NAMES, STEADY, arguments, bounds, errors, given, link_errors
 
 SIZE = 5000  # states of each set with the constants of Table 1
 # With other parameters: a float is held to the emitted double, too, at far more states.
 FEW, LINK_FEW = {np.float64: 200, np.float32: 60}, {np.float64: 60, np.float32: 20}
 MANY = 2000
-DERIVATIVES = ("friction_torque_jacobian", "friction_torque_gradient")
-STEADY = {"C1": ("c1_perpendicular", "c1_asymmetric"), "C2": ("c2_parallel", "c2_asymmetric")}
-NAMES = (*STEADY["C1"], *STEADY["C2"], accelerated.NAME)
 # Table 1 with both of its gears, no gear, gears up, and links of little and of much unbalance.
 DRIVES: dict[str, dict[str, str]] = {
     "mu = 1/5": {},
@@ -39,18 +34,6 @@ TABLE_1 = ("mu = 1/5", "mu = 1/30")
 every_drive = pytest.mark.parametrize("drive", DRIVES)
 
 
-def bounds(name: str) -> dict[str, Bound]:
-    """Return what is promised of each function of a model."""
-    slopes = [stated.GRADIENT]
-    force, friction = stated.NORMAL_FORCE, stated.FRICTION_TORQUE
-    if name in STEADY["C1"]:
-        force, friction, slopes = stated.PROVED_FORCE, stated.WITHOUT_ANGLE, [stated.WITHOUT_ANGLE]
-    if name == accelerated.NAME:
-        force, friction = stated.ACCELERATED_FORCE, stated.ACCELERATED_FRICTION
-        slopes = [stated.ACCELERATED_GRADIENT]
-    return dict(zip(random_drives.FUNCTIONS, (force, friction, friction, friction, *slopes), strict=True))
-
-
 def bound(name: str, function: str, drive: str) -> int:
     """Return what is promised of a drive, the paper's or another."""
     one = bounds(name)[function]
@@ -63,59 +46,9 @@ def letters(drive: str) -> dict[str, float]:
     return random_drives.directed(values, 1.25)
 
 
-def given(name: str, values: dict[str, float]) -> Any:
-    """Return the emitted Parameters with those letters that the model has."""
-    cls = module(name).Parameters
-    return cls(**{f.name: values[f.name] for f in dataclasses.fields(cls) if f.name in values})
-
-
 def drive_parameters(name: str, drive: str) -> tuple[Any, Parameters]:
     """Return a drive as the emitted Parameters, in double, and at 50 digits what these are exactly."""
     return given(name, letters(drive)), oracle.exact(letters(drive))
-
-
-def arguments(name: str, function: str, at: accuracy.Set) -> list[np.ndarray]:
-    """Return the inputs of a steady model's function."""
-    return [getattr(at, one) for one in oracle.inputs(name, function)]
-
-
-def errors(name: str, at: accuracy.Set, values: dict[str, float]) -> dict[str, float]:
-    """Return the worst error of each function of a steady model, in the units that its header words."""
-    p, found = oracle.exact(values), {}
-    for function in random_drives.FUNCTIONS[:3]:
-        by = "normal_force" if function == "normal_force" else "friction_torque"
-        actual = np.asarray(getattr(module(name), function)(*arguments(name, by, at), given(name, values)))
-        found[function] = np.max(accuracy.units(actual, getattr(accuracy, function)(name, at, p)))
-    states = (*arguments(name, "friction_torque", at), given(name, values))
-    jacobian, gradient = (getattr(module(name), function)(*states) for function in DERIVATIVES)
-    columns = accuracy.jacobian(name, at, p, module(name).JACOBIAN)
-    pairs = zip(np.moveaxis(jacobian, -1, 0), columns, strict=True)
-    found[DERIVATIVES[0]] = max(np.max(accuracy.units(*pair)) for pair in pairs)
-    slopes = [accuracy.gradient(name, at, p)[label] for label in module(name).GRADIENT]
-    found[DERIVATIVES[1]] = gradient_error(gradient, slopes)
-    return {function: float(worst) for function, worst in found.items()}
-
-
-def gradient_error(actual: np.ndarray, exact: list[list[tuple[mpf, mpf]]]) -> float:
-    """Return the worst error of a gradient; without the angle in it units in the last place count."""
-    components = list(zip(np.moveaxis(actual, -1, 0), exact, strict=True))
-    if len(components) == 1:
-        ((got, slopes),) = components
-        return float(np.max(accuracy.units(got, [slope for slope, _ in slopes])))
-    return float(max(np.max(accuracy.relative(got, slopes)) for got, slopes in components))
-
-
-def link_errors(
-    at: accuracy.Set, alpha_m: np.ndarray, values: dict[str, float], exact: dict[str, accelerated.Columns]
-) -> dict[str, float]:
-    """Return the worst error of each function of `rotating_link`, in the units that its header words."""
-    found = {}
-    for function, columns in exact.items():
-        call = getattr(module(accelerated.NAME), function)
-        actual = call(at.theta_m, at.omega_m, alpha_m, given(accelerated.NAME, values))
-        pairs = zip(np.atleast_2d(actual.T), columns, strict=True)
-        found[function] = float(max(np.max(accuracy.relative(*pair)) for pair in pairs))
-    return found
 
 
 @both_precisions

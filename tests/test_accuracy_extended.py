@@ -25,7 +25,8 @@ from tests import accuracy, extended
 from tests.compiled import Real
 from tests.emitted import both_precisions
 from tests.paper import Parameters
-from tests.test_accuracy import DERIVATIVES, drive_parameters, every_drive, gradient_error
+from tests.promised import DERIVATIVES, gradient_error
+from tests.test_accuracy import drive_parameters, every_drive
 
 FEW = 100  # states of each set
 TILT, MORE = 0.3, 0.4  # rad; and the share by which the mass is greater

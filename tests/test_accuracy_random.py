@@ -8,10 +8,10 @@ precision 50 digits; errors in double were less by a quarter and more, in units 
 import numpy as np
 import pytest
 
-from tests import accelerated, accuracy, oracle, random_drives
+from tests import accelerated, accuracy, random_drives
 from tests.compiled import Real
 from tests.emitted import both_precisions
-from tests.test_accuracy import NAMES, bounds, errors, link_errors
+from tests.promised import NAMES, at_50_digits, bounds
 
 DRAWN, SIZE = 300, 200  # drives; states of each in each of the ways to draw them
 EXACTLY, BESIDE = 40, 5  # the same where each state is held to 50 digits
@@ -118,16 +118,6 @@ def test_any_parameters_at_50_digits(name: str, dtype: Real) -> None:
         states = [x.astype(dtype) for x in random_drives.states(name, values, random, BESIDE)]
         for function, worst in at_50_digits(name, values, states).items():
             assert worst <= bounds(name)[function].anywhere, (function, values)
-
-
-def at_50_digits(name: str, values: dict[str, float], states: list[np.ndarray]) -> dict[str, float]:
-    """Return the worst error of each function at these states."""
-    theta_m, omega_m = states[:2] if len(states) > 1 else (np.zeros_like(states[0]), states[0])
-    at = accuracy.Set("random", theta_m, omega_m)
-    if name != accelerated.NAME:
-        return errors(name, at, values)
-    exact = accelerated.exact(at, states[2], oracle.exact(values))
-    return link_errors(at, states[2], values, exact)
 
 
 @pytest.mark.parametrize(

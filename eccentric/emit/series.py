@@ -49,7 +49,7 @@ class Polynomial:
 
 @cache
 def _samples(name: str, edge: str) -> tuple[list[Decimal], list[tuple[Decimal, Decimal]]]:
-    """Points x = h^2, h up to the edge in quarter turns, and there sin(h)/h or cos(h) with its error's weight."""
+    """Points x = h^2 up to the edge, and there sin(h)/h or cos(h) with the weight of its error."""
     with mpmath.workdps(_DIGITS):
         last = (mpmath.pi / 2 * mpmath.mpf(edge)) ** 2
         grid = [last * (1 - mpmath.cos(mpmath.pi * k / _GRID)) / 2 for k in range(1, _GRID + 1)]
