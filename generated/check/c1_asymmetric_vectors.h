@@ -1,5 +1,5 @@
 /*
- * Generated: do not edit. Written beside c1_asymmetric.c (program 0bca8cb6).
+ * Generated: do not edit. Written beside c1_asymmetric.c (program 951b431a).
  * What the self-test expects; computed by the emitted NumPy module.
  */
 #define INPUTS 4u

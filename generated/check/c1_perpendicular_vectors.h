@@ -1,5 +1,5 @@
 /*
- * Generated: do not edit. Written beside c1_perpendicular.c (program 22293017).
+ * Generated: do not edit. Written beside c1_perpendicular.c (program 30f9ffa8).
  * What the self-test expects; computed by the emitted NumPy module.
  */
 #define INPUTS 4u

@@ -1,5 +1,5 @@
 /*
- * Generated: do not edit. Written beside c2_asymmetric.c (program 2c275abf).
+ * Generated: do not edit. Written beside c2_asymmetric.c (program 0efd86f0).
  * What the self-test expects; computed by the emitted NumPy module.
  */
 #define INPUTS 5u

@@ -1,5 +1,5 @@
 /*
- * Generated: do not edit. Written beside c2_parallel.c (program 7ac861f8).
+ * Generated: do not edit. Written beside c2_parallel.c (program 0cae4d9a).
  * What the self-test expects; computed by the emitted NumPy module.
  */
 #define INPUTS 5u

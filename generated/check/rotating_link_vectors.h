@@ -1,5 +1,5 @@
 /*
- * Generated: do not edit. Written beside rotating_link.c (program 3e9c139f).
+ * Generated: do not edit. Written beside rotating_link.c (program 9de8d6e3).
  * What the self-test expects; computed by the emitted NumPy module.
  */
 #define INPUTS 5u
