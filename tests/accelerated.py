@@ -72,9 +72,9 @@ def exact(at: Set, alpha_m: np.ndarray, p: Parameters) -> dict[str, Columns]:
     force = oracle.CASES[NAME].normal_force
     loads = [(x, force(x, p), most) for x, most in states]
     pairs = {function: [[law(x, N), law(x, most)] for x, N, most in loads] for function, law in laws.items()}
-    found = {key: [zip(*pair, strict=True) for pair in of] for key, of in pairs.items()}
-    found["friction_torque_gradient"] = [_slopes(x, most, p) for x, most in states]
-    return {key: list(zip(*rows, strict=True)) for key, rows in found.items()}
+    found = {key: [list(zip(*pair, strict=True)) for pair in of] for key, of in pairs.items()}
+    slopes = {"friction_torque_gradient": [_slopes(x, most, p) for x, most in states]}
+    return {key: list(zip(*rows, strict=True)) for key, rows in (found | slopes).items()}
 
 
 def _slopes(x: Point, most: mpf, p: Parameters) -> list[tuple[mpf, mpf]]:

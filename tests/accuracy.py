@@ -173,6 +173,12 @@ def gradient(name: str, at: Set, p: Parameters) -> dict[str, list[tuple[mpf, mpf
     theta_l/F_N. The size is what F_N' is at most, at any angle, in its place, a' or the lesser of a and b
     times theta_l', and all terms of one sign. In case C1 b is 0, and the size is the slope itself.
     """
+    return dict(_gradient(name, at, _letters(p)))
+
+
+@lru_cache(maxsize=64)
+def _gradient(name: str, at: Set, letters: tuple[tuple[str, mpf], ...]) -> dict[str, list[tuple[mpf, mpf]]]:
+    p = SimpleNamespace(**dict(letters))
     found: dict[str, list[tuple[mpf, mpf]]] = {"theta_m": [], "omega_m": []}
     case = oracle.CASES[name]
     for x, F_N in zip(at.points, normal_force(name, at, p), strict=True):

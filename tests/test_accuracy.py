@@ -56,8 +56,10 @@ def drive_parameters(name: str, drive: str) -> tuple[Any, Parameters]:
 @pytest.mark.parametrize("case", STEADY)
 def test_steady(case: str, drive: str, dtype: Real) -> None:
     """F_N, friction and derivatives keep their bounds in the plane, in the hollow and at large angles."""
+    chosen = accuracy.sets(oracle.exact(letters(drive)), dtype, FEW[dtype])
     for name in STEADY[case]:
-        for at in accuracy.sets(oracle.exact(letters(drive)), dtype, FEW[dtype]):
+        # Nothing hangs on the angle in case C1: the sets that differ in it are one.
+        for at in chosen if case == "C2" else chosen[:2]:
             for function, worst in errors(name, at, letters(drive)).items():
                 assert worst <= bound(name, function, drive), (name, function, at.name)
 

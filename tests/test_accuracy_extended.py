@@ -28,7 +28,7 @@ from tests.paper import Parameters
 from tests.promised import DERIVATIVES, gradient_error
 from tests.test_accuracy import drive_parameters, every_drive
 
-FEW = 100  # states of each set
+FEW = {np.float64: 80, np.float32: 40}  # states of each set
 TILT, MORE = 0.3, 0.4  # rad; and the share by which the mass is greater
 FORCE, FRICTION = "normal force", "friction and its derivatives"
 # What keeps its bounds beside which effects, for which reason: of their physics, nothing of the code's.
@@ -169,7 +169,7 @@ def test_friction_keeps_its_bounds(case: str, drive: str, dtype: Real) -> None:
     friction = WITHOUT_ANGLE.anywhere if case == "C1" else FRICTION_TORQUE.anywhere
     for one in models(case):
         given, p, shift = of_drive(one, drive, 0.7)
-        for at in accuracy.sets(p, dtype, FEW, shift):
+        for at in accuracy.sets(p, dtype, FEW[dtype], shift):
             where, more = str(([e.id for e in one.effects], at.name)), drag(one, at.omega_m)
             for function in ("friction_torque", "mechanical_friction_torque"):
                 paper = getattr(accuracy, function)(name, at, p)
@@ -195,7 +195,7 @@ def test_normal_force(case: str, dtype: Real) -> None:
         if any(FORCE not in kept(effect) for effect in one.effects):
             continue
         given, p, shift = of_drive(one, "mu = 1/5", 0.3)
-        for at in accuracy.sets(p, dtype, FEW, shift):
+        for at in accuracy.sets(p, dtype, FEW[dtype], shift):
             exact = accuracy.normal_force(extended.BASE[case], at, p)
             units = accuracy.units(called(one, "normal_force", at, given), exact)
             assert np.max(units) <= NORMAL_FORCE.anywhere, (one.model.name, at.name)
@@ -208,7 +208,7 @@ def test_shifted_angle(offset: float, drive: str, dtype: Real) -> None:
     """A shifted angle costs F_N nothing, next to the shifted hollow and far from theta_m = 0 either."""
     one = extended.with_effect("C2", "angle_offset")
     given, p, shift = of_drive(one, drive, offset)
-    for at in accuracy.sets(p, dtype, FEW, shift):
+    for at in accuracy.sets(p, dtype, FEW[dtype], shift):
         exact = accuracy.normal_force("c2_parallel", at, p)
         units = accuracy.units(called(one, "normal_force", at, given), exact)
         assert np.max(units) <= NORMAL_FORCE.anywhere, at.name
