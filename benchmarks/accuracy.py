@@ -8,14 +8,15 @@ from __future__ import annotations
 import tempfile
 from collections.abc import Callable, Iterable, Mapping
 from concurrent.futures import ProcessPoolExecutor
+from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
 
 import numpy as np
 
-from benchmarks import forms
+from benchmarks import accuracy_any, forms
 from benchmarks.record import Measured, Part, tell
-from tests import accuracy, oracle
+from tests import accelerated, accuracy, oracle
 from tests.compiled import REAL, Library
 from tests.emitted import module
 
@@ -39,7 +40,7 @@ Errors = dict[tuple[str, str], np.ndarray]
 
 def measured(quick: bool) -> Part:
     """Measure all sets on all processors: 60,000 states each for F_N of C2, 6,000 for the rest; 300 if quick."""
-    many, few = (300, 300) if quick else (60_000, 6_000)
+    many, few, drives = (300, 300, 10) if quick else (60_000, 6_000, 1_000)
     jobs = [
         (case, real, k, many if case == "c2_parallel" else few, few)
         for case in CASES
@@ -54,8 +55,10 @@ def measured(quick: bool) -> Part:
     figures = {}
     for real in PRECISIONS:
         figures |= _figures(real, [errors for (_, one, _), errors in found.items() if one == real])
+        figures |= accuracy_any.figures(real, drives)
     sizes = f"{many:,} states a set for F_N of C2 and its peers, {few:,} for all else"
-    return Part(figures, [f"Worst errors, {sizes}; Table 1 with mu = 1/5.", *_details(found)])
+    told = f"Worst errors. Table 1: mu = 1/5, {sizes}. Any parameters: {drives:,} random drives."
+    return Part(figures, [told, *_details(found)])
 
 
 def _figures(real: str, sets: list[Errors]) -> dict[str, Measured]:
@@ -89,7 +92,7 @@ def _set(case: str, real: str, index: int, size: int, few: int) -> tuple[str, Er
     if case == "c2_parallel":
         for form, value in forms.normal_forces(at.theta_m, at.omega_m, p).items():
             errors["force", form] = accuracy.units(value, prepared)
-    at = at._replace(theta_m=at.theta_m[:few], omega_m=at.omega_m[:few])
+    at = replace(at, theta_m=at.theta_m[:few], omega_m=at.omega_m[:few])
     states = [one[:few] for one in states]
     torques = {"NumPy": np.asarray(module(case).friction_torque(*states))}
     if case == "c2_parallel":
@@ -118,10 +121,10 @@ def _tilted(at: accuracy.Set, p: SimpleNamespace) -> Errors:
     """The errors of F_N of a link that is accelerated in a tilted plane."""
     link, law = module("rotating_link"), oracle.CASES["rotating_link"].normal_force
     p = SimpleNamespace(**vars(p) | {"phi": _TILT})
-    alpha = np.random.default_rng(2).uniform(-500, 500, at.theta_m.size).astype(at.theta_m.dtype)
+    binary = oracle.exact(vars(p))
+    alpha = accelerated.alphas(binary, at.theta_m.dtype.type, at.theta_m.size)
     states = (at.theta_m, at.omega_m, alpha)
     found = {"NumPy": link.normal_force(*states, link.Parameters(phi=_TILT))} | forms.accelerated(*states, p)
-    binary = oracle.exact(vars(p))
     exact = [(law(x, binary), most) for x, most in accuracy.accelerated(at, alpha, binary)]
     return {("accelerated", who): accuracy.relative(F_N, exact) for who, F_N in found.items()}
 

@@ -1,6 +1,6 @@
 /*
  * Generated: do not edit. Written by `make derive` from derivations/c1_perpendicular.py
- * (eccentric 0.1.0, program 973faa50).
+ * (eccentric 0.1.0, program 9f837b10).
  * Case C1: gravity perpendicular to the motion plane, steady motion.
  */
 /* Begin with c1_perpendicular_mechanical_friction_torque, what a current-controlled drive must compensate, or
@@ -11,7 +11,7 @@
 #include <stddef.h>
 
 /* C1_PERPENDICULAR_PROGRAM names the derivation that header and source come from; the source checks it. */
-#define C1_PERPENDICULAR_PROGRAM 0x973faa50UL
+#define C1_PERPENDICULAR_PROGRAM 0x9f837b10UL
 
 /* The working precision: double, or float by -DECCENTRIC_REAL=float. Files that differ in it do not link:
  * all functions carry it in their names, as c1_perpendicular_prepare_double. */
@@ -62,7 +62,7 @@
  * Then every platform gives the same bits, and no bits of the inputs are undefined behaviour.
  * A NaN gives NaN; finite inputs give none, unless a sum overflows or an inertia is wanted that was not given;
  * an infinity gives NaN, infinity or what is said next.
- * Bounds of the rounding error in float and double, measured against 50 digits where it does not say "proved",
+ * Bounds of the rounding error in float and double, found by search where it does not say "proved",
  * eps being 2^-23 and 2^-52; inputs and parameters as exact:
  *   normal_force within 5 units in the last place (proved for parameters and speeds of 1e-6 to 1e6)
  *   friction_torque, mechanical_friction_torque, friction_torque_jacobian within 6 units in the last place

@@ -1,6 +1,6 @@
 /*
  * Generated: do not edit. Written by `make derive` from derivations/c2_parallel.py
- * (eccentric 0.1.0, program be37be07).
+ * (eccentric 0.1.0, program 919d65de).
  * Case C2: gravity parallel to the motion plane, steady motion.
  */
 /* Begin with c2_parallel_mechanical_friction_torque, what a current-controlled drive must compensate, or
@@ -11,7 +11,7 @@
 #include <stddef.h>
 
 /* C2_PARALLEL_PROGRAM names the derivation that header and source come from; the source checks it. */
-#define C2_PARALLEL_PROGRAM 0xbe37be07UL
+#define C2_PARALLEL_PROGRAM 0x919d65deUL
 
 /* The working precision: double, or float by -DECCENTRIC_REAL=float. Files that differ in it do not link:
  * all functions carry it in their names, as c2_parallel_prepare_double. */
@@ -68,11 +68,12 @@
  * float and double, h being half the link angle, the rounding proved by Gappa:
  *   sin(h)/h: method 1.4e-8 and 4.3e-18, rounding 6.2e-8 and 1.2e-16
  *   cos(h): method 4.1e-9 and 1.4e-17, rounding 2.3e-7 and 4.2e-16
- * Bounds of the rounding error in float and double, measured against 50 digits where it does not say "proved",
+ * Bounds of the rounding error in float and double, found by search where it does not say "proved",
  * eps being 2^-23 and 2^-52; inputs and parameters as exact, |theta_m| to 10000 rad, mu to 5:
- *   normal_force within 5 units in the last place
- *   friction_torque, mechanical_friction_torque, friction_torque_jacobian within 6 units in the last place
- *   friction_torque_gradient within 6 eps of its greatest value at that speed, any angle
+ *   normal_force within 8 (Table 1: 7) units in the last place
+ *   friction_torque, mechanical_friction_torque, friction_torque_jacobian within 9 (Table 1: 8) units in the last place
+ *   friction_torque_gradient within 15 (Table 1: 7) eps of its greatest value at that speed, any angle
+ *     Table 1: with its parameters, mu 1/5 or 1/30
  */
 /* MISRA C:2012 by cppcheck: no required rule is violated; advisory ones deviated from:
  *  Rule 2.5: macros of the working precision that is not chosen stay unused.

@@ -1,6 +1,6 @@
 /*
  * Generated: do not edit. Written by `make derive` from derivations/rotating_link.py
- * (eccentric 0.1.0, program f5351bc5).
+ * (eccentric 0.1.0, program 964ef87b).
  * Rotating link with an unbalanced mass, plane tilted by phi, angular acceleration kept.
  */
 /* Begin with rotating_link_mechanical_friction_torque, what a current-controlled drive must compensate, or
@@ -11,7 +11,7 @@
 #include <stddef.h>
 
 /* ROTATING_LINK_PROGRAM names the derivation that header and source come from; the source checks it. */
-#define ROTATING_LINK_PROGRAM 0xf5351bc5UL
+#define ROTATING_LINK_PROGRAM 0x964ef87bUL
 
 /* The working precision: double, or float by -DECCENTRIC_REAL=float. Files that differ in it do not link:
  * all functions carry it in their names, as rotating_link_prepare_double. */
@@ -69,11 +69,12 @@
  * float and double, h being half the link angle, the rounding proved by Gappa:
  *   sin(h)/h: method 1.4e-8 and 4.3e-18, rounding 6.2e-8 and 1.2e-16
  *   cos(h): method 4.1e-9 and 1.4e-17, rounding 2.3e-7 and 4.2e-16
- * Bounds of the rounding error in float and double, measured against 50 digits where it does not say "proved",
+ * Bounds of the rounding error in float and double, found by search where it does not say "proved",
  * eps being 2^-23 and 2^-52; inputs and parameters as exact, |theta_m| to 10000 rad, mu to 5:
- *   normal_force within 6 eps (M L (omega_l^2 + |alpha_l|) + weight)
- *   friction_torque, mechanical_friction_torque, friction_torque_jacobian within 6 eps of what they are at that load
- *   friction_torque_gradient within 6 eps of its greatest value, any direction of F_N, times that load over F_N
+ *   normal_force within 12 eps (M L (omega_l^2 + |alpha_l|) + weight)
+ *   friction_torque, mechanical_friction_torque, friction_torque_jacobian within 12 eps of what they are at that load
+ *   friction_torque_gradient within 12 (Table 1: 7) eps of its greatest value, any direction of F_N, times that load over F_N
+ *     Table 1: with its parameters, mu 1/5 or 1/30
  */
 /* MISRA C:2012 by cppcheck: no required rule is violated; advisory ones deviated from:
  *  Rule 2.5: macros of the working precision that is not chosen stay unused.

@@ -7,9 +7,10 @@ full sets, `tests/test_accuracy.py` small ones.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass
 from fractions import Fraction
+from functools import cached_property, lru_cache
 from types import SimpleNamespace
-from typing import NamedTuple
 
 import mpmath
 import numpy as np
@@ -24,7 +25,8 @@ _UNSHIFTED = mpf(0)
 FAR = (1e3, 1e4)  # rad, the largest angles of the motor
 
 
-class Set(NamedTuple):
+@dataclass(frozen=True, eq=False)
+class Set:
     """One set of states: its name, and motor angles [rad] and velocities [rad/s] in the precision.
 
     The link hangs lowest where theta_m + shift is 0.
@@ -34,6 +36,12 @@ class Set(NamedTuple):
     theta_m: np.ndarray
     omega_m: np.ndarray
     shift: mpf = _UNSHIFTED
+
+    @cached_property
+    def points(self) -> list[Point]:
+        """The states as the exact numbers that they are."""
+        states = zip(self.theta_m.tolist(), self.omega_m.tolist(), strict=True)
+        return [Point(mpf(t) + self.shift, mpf(w), mpf(0)) for t, w in states]
 
 
 def decimals(**changes: str) -> Parameters:
@@ -50,6 +58,16 @@ def sets(p: Parameters, dtype: Real, size: int, shift: mpf = _UNSHIFTED) -> tupl
     The hollow is where the link stands upright at the critical velocity; distances from it are in rad of the
     link and relative to that velocity.
     """
+    return _sets(_letters(p), dtype, size, shift)
+
+
+def _letters(p: Parameters) -> tuple[tuple[str, mpf], ...]:
+    return tuple(vars(p).items())
+
+
+@lru_cache(maxsize=4)
+def _sets(letters: tuple[tuple[str, mpf], ...], dtype: Real, size: int, shift: mpf) -> tuple[Set, ...]:
+    p = SimpleNamespace(**dict(letters))
     random = np.random.default_rng(1)
     star = paper.critical_velocity(p) / p.mu
     turn = 2 * mpmath.pi / p.mu
@@ -109,29 +127,35 @@ def units(actual: np.ndarray, exact: list[mpf]) -> np.ndarray:
     return np.abs(errors) / spacing
 
 
+# Friction and its derivatives, of one model or of several, ask for the same forces.
+@lru_cache(maxsize=64)
+def _values(
+    law: Callable[[Point, Parameters], mpf], at: Set, letters: tuple[tuple[str, mpf], ...]
+) -> list[mpf]:
+    p = SimpleNamespace(**dict(letters))
+    return [law(x, p) for x in at.points]
+
+
 def normal_force(name: str, at: Set, p: Parameters) -> list[mpf]:
     """Return the exact normal forces of a steady model [N]."""
-    law = oracle.CASES[name].normal_force
-    return [law(point, p) for point in _points(at)]
+    return _values(oracle.CASES[name].normal_force, at, _letters(p))
 
 
 def friction_torque(name: str, at: Set, p: Parameters) -> list[mpf]:
     """Return the exact resultant friction torques of a steady model [N m]."""
-    law = oracle.CASES[name].friction_torque
-    return [law(point, p) for point in _points(at)]
+    return _values(oracle.CASES[name].friction_torque, at, _letters(p))
 
 
 def mechanical_friction_torque(name: str, at: Set, p: Parameters) -> list[mpf]:
     """Return the exact friction torques without the back-EMF damping [N m]."""
     damping = paper.back_emf_damping(p)
-    return [F - damping * x.omega_m for F, x in zip(friction_torque(name, at, p), _points(at), strict=True)]
+    return [F - damping * x.omega_m for F, x in zip(friction_torque(name, at, p), at.points, strict=True)]
 
 
 def jacobian(name: str, at: Set, p: Parameters, labels: Iterable[str]) -> list[list[mpf]]:
     """Return the exact derivatives of the friction torque by its coefficients, a list for each label."""
     rows = [
-        columns(name, F_N, x, p, labels)
-        for x, F_N in zip(_points(at), normal_force(name, at, p), strict=True)
+        columns(name, F_N, x, p, labels) for x, F_N in zip(at.points, normal_force(name, at, p), strict=True)
     ]
     return [list(column) for column in zip(*rows, strict=True)]
 
@@ -146,20 +170,25 @@ def gradient(name: str, at: Set, p: Parameters) -> dict[str, list[tuple[mpf, mpf
     """Return, for a steady model, (slope, size) by theta_m and by omega_m.
 
     With a = M L (mu omega_m)^2 and the weight b, F_N' is a'(a + b cos theta_l)/F_N and -a b theta_l' sin
-    theta_l/F_N. The size is what F_N' is at most, a' or a theta_l', in its place, and all terms of one sign.
-    In case C1 b is 0, and the size is the slope itself.
+    theta_l/F_N. The size is what F_N' is at most, at any angle, in its place, a' or the lesser of a and b
+    times theta_l', and all terms of one sign. In case C1 b is 0, and the size is the slope itself.
     """
+    return dict(_gradient(name, at, _letters(p)))
+
+
+@lru_cache(maxsize=64)
+def _gradient(name: str, at: Set, letters: tuple[tuple[str, mpf], ...]) -> dict[str, list[tuple[mpf, mpf]]]:
+    p = SimpleNamespace(**dict(letters))
     found: dict[str, list[tuple[mpf, mpf]]] = {"theta_m": [], "omega_m": []}
     case = oracle.CASES[name]
-    for x in _points(at):
+    for x, F_N in zip(at.points, normal_force(name, at, p), strict=True):
         sign = mpmath.sign(x.omega_m)
         a_w = 2 * p.M * p.L * p.mu**2 * abs(x.omega_m)
         a, b, theta = a_w * abs(x.omega_m) / 2, (p.M + p.M_l) * case.in_plane_gravity(p), p.mu * x.theta_m
-        F_N = case.normal_force(x, p)
         per_load, own = under_load(name, F_N, x, p)
         by_theta = -per_load * a * b * p.mu * mpmath.sin(theta) / F_N
         by_omega = own + per_load * sign * a_w * (a + b * mpmath.cos(theta)) / F_N
-        found["theta_m"].append((by_theta, abs(per_load) * a * p.mu))
+        found["theta_m"].append((by_theta, abs(per_load) * min(a, b) * p.mu))
         found["omega_m"].append((by_omega, own + abs(per_load) * a_w))
     return found
 
@@ -174,9 +203,9 @@ def under_load(name: str, F_N: mpf, x: Point, p: Parameters) -> tuple[mpf, mpf]:
 
 def accelerated(at: Set, alpha_m: np.ndarray, p: Parameters) -> list[tuple[Point, mpf]]:
     """Return, for rotating_link, the states and their M L (w^2 + |alpha|) + b, link side [N]."""
-    weight = (p.M + p.M_l) * p.g * mpmath.cos(p.phi)
+    weight = (p.M + p.M_l) * oracle.CASES["rotating_link"].in_plane_gravity(p)
     found = []
-    for steady, number in zip(_points(at), alpha_m, strict=True):
+    for steady, number in zip(at.points, alpha_m, strict=True):
         x = steady._replace(alpha_m=mpf(float(number)))
         found.append((x, p.M * p.L * ((p.mu * x.omega_m) ** 2 + abs(p.mu * x.alpha_m)) + weight))
     return found
@@ -188,10 +217,3 @@ def relative(actual: np.ndarray, exact: Sequence[tuple[mpf, mpf]]) -> np.ndarray
     errors = [abs(mpf(float(a)) - x) for a, (x, _) in zip(actual, exact, strict=True)]
     sizes = [abs(size) for _, size in exact]
     return np.array([float(e and e / size) for e, size in zip(errors, sizes, strict=True)]) / eps
-
-
-def _points(at: Set) -> list[Point]:
-    return [
-        Point(mpf(float(t)) + at.shift, mpf(float(w)), mpf(0))
-        for t, w in zip(at.theta_m, at.omega_m, strict=True)
-    ]

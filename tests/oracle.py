@@ -11,6 +11,7 @@ eps |theta_l|, so F_N is right to a few eps times a + b + min(a, b) |theta_l|, h
 
 from collections.abc import Callable, Sequence
 from fractions import Fraction
+from functools import lru_cache
 from types import SimpleNamespace
 from typing import NamedTuple
 
@@ -61,6 +62,10 @@ def _none(_: Parameters) -> Number:
     return mpf(0)
 
 
+# Asked for at every state, and always of the same few tilts.
+_cos, _sin = lru_cache(maxsize=8)(mpmath.cos), lru_cache(maxsize=8)(mpmath.sin)
+
+
 def _whole(_: Parameters) -> Number:
     return mpf(1)
 
@@ -83,8 +88,8 @@ CASES = {
     "rotating_link": Case(
         lambda x, p: paper.normal_force_rotating_link(x.theta_m, x.omega_m, x.alpha_m, p),
         lambda x, p: paper.friction_torque_rotating_link(x.theta_m, x.omega_m, x.alpha_m, p),
-        lambda p: p.g * mpmath.cos(p.phi),
-        lambda p: mpmath.sin(p.phi),
+        lambda p: p.g * _cos(p.phi),
+        lambda p: _sin(p.phi),
         accelerated=True,
     ),
 }

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from benchmarks import accuracy
+from benchmarks import accuracy, accuracy_any
 from benchmarks.asked import CODE
 
 MANY, FEW = 12, 5
@@ -55,3 +55,13 @@ def test_an_asked_for_figure_has_its_peers() -> None:
 
     assert {f"{one} float" for one in (*accuracy.MEASURED, "nan")} == set(figures)
     assert {True} == {"the closed form " in figure.peer for figure in figures.values()}
+
+
+@pytest.mark.parametrize("real", accuracy.PRECISIONS)
+def test_any_parameters_are_told_apart(real: str) -> None:
+    """Every bound with any parameters has a figure of its own, measured at random drives, and it holds."""
+    figures = accuracy_any.figures(real, FEW)
+
+    assert {key for key in CODE if key.startswith("any ") and key.endswith(f" {real}")} == set(figures)
+    assert dict.fromkeys(figures, True) == {key: CODE[key].reached(x.value) for key, x in figures.items()}
+    assert 0 < min(figure.value for figure in figures.values())

@@ -1,50 +1,62 @@
-"""With ECCENTRIC_LIBM sine and cosine are the library's: the bounds of friction in the header hold, too."""
+"""With ECCENTRIC_LIBM sine and cosine are the library's: all bounds in the header hold, too."""
 
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-from eccentric.emit.accuracy import ACCELERATED_EPS, FRICTION_TORQUE_ULP
-from tests import accuracy, oracle
+from tests import accelerated, accuracy, oracle
 from tests.compiled import FLAGS, GENERATED, REAL, Library, Real, run
-from tests.emitted import both_precisions, module
+from tests.emitted import both_precisions, labels
+from tests.promised import given, gradient_error
+from tests.random_drives import FUNCTIONS
+from tests.test_accuracy import bound, letters
 
 LIBM = "-DECCENTRIC_LIBM"
-SIZE = 300  # states of each set
-TILT = 0.75  # rad
+SIZE = 80  # states of each set
+DRIVES = ("mu = 1/5", "mu = 1/30", "much unbalance")
 
 
 @both_precisions
 @pytest.mark.parametrize("name", ["c1_perpendicular", "c2_parallel"])
 def test_steady(name: str, dtype: Real, tmp_path: Path) -> None:
-    """Friction of Table 1 is within the units of the last place that the header states, of 50 digits."""
-    library, p = Library(name, dtype, tmp_path, LIBM), accuracy.decimals()
-    for at in accuracy.sets(p, dtype, SIZE):
-        states = [getattr(at, one) for one in oracle.inputs(name, "friction_torque")]
-        actual = library.many("friction_torque", states, library.coefficients())
-        worst = np.max(accuracy.units(actual, accuracy.friction_torque(name, at, p)))
-        assert worst <= FRICTION_TORQUE_ULP, at.name
+    """F_N, friction and its derivatives keep their bounds, held to 50 digits."""
+    library = Library(name, dtype, tmp_path, LIBM)
+    for drive in DRIVES:
+        p, coefficients = oracle.exact(letters(drive)), library.coefficients(given(name, letters(drive)))
+        for at in accuracy.sets(p, dtype, SIZE):
+            states = [getattr(at, one) for one in oracle.inputs(name, "friction_torque")]
+            found = {f: library.many(f, states, coefficients) for f in FUNCTIONS}
+            slopes = accuracy.gradient(name, at, p)
+            wanted = [slopes[one] for one in labels(name, "friction_torque_gradient")]
+            worst = {
+                "friction_torque_gradient": gradient_error(found.pop("friction_torque_gradient"), wanted)
+            }
+            columns = accuracy.jacobian(name, at, p, labels(name, "friction_torque_jacobian"))
+            for function, actual in found.items():
+                vector = actual.ndim > 1
+                exact = columns if vector else [getattr(accuracy, function)(name, at, p)]
+                pairs = zip(np.atleast_2d(actual.T), exact, strict=True)
+                worst[function] = max(np.max(accuracy.units(*pair)) for pair in pairs)
+            for function, error in worst.items():
+                assert error <= bound(name, function, drive), (function, drive, at.name)
 
 
 @both_precisions
-def test_accelerated(dtype: Real, tmp_path: Path) -> None:
-    """With an acceleration, in a tilted plane, it is within the eps of a friction that the header states."""
-    name = "rotating_link"
-    library, law = Library(name, dtype, tmp_path, LIBM), oracle.CASES[name].friction_torque
-    given = module(name).Parameters(phi=TILT)
-    decimals = accuracy.decimals()
-    p = oracle.exact({letter: float(value) for letter, value in vars(decimals).items()} | {"phi": TILT})
-    alpha_m = np.random.default_rng(2).uniform(-500, 500, SIZE).astype(dtype)
-    for at in accuracy.sets(p, dtype, SIZE):
-        actual = library.many(
-            "friction_torque", [at.theta_m, at.omega_m, alpha_m], library.coefficients(given)
-        )
-        exact = [
-            (law(x, p), abs(oracle.friction_under_load(name, size, x.omega_m, p)))
-            for x, size in accuracy.accelerated(at, alpha_m, p)
-        ]
-        assert np.max(accuracy.relative(actual, exact)) <= ACCELERATED_EPS, at.name
+@pytest.mark.parametrize("phi", [0.0, 0.75])
+def test_accelerated(phi: float, dtype: Real, tmp_path: Path) -> None:
+    """With an acceleration, in a tilted plane, they are within the eps that the header states."""
+    name = accelerated.NAME
+    library = Library(name, dtype, tmp_path, LIBM)
+    for drive in DRIVES:
+        values = letters(drive) | {"phi": phi}
+        p, coefficients = oracle.exact(values), library.coefficients(given(name, values))
+        for make in (accelerated.at_any_scale, accelerated.near_no_load):
+            at, alpha_m = make(p, dtype, SIZE)
+            for function, exact in accelerated.exact(at, alpha_m, p).items():
+                actual = library.many(function, [at.theta_m, at.omega_m, alpha_m], coefficients)
+                for pair in zip(np.atleast_2d(actual.T), exact, strict=True):
+                    assert np.max(accuracy.relative(*pair)) <= bound(name, function, drive), (function, drive)
 
 
 @both_precisions

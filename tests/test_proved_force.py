@@ -9,7 +9,7 @@ import mpmath
 import numpy as np
 import pytest
 
-from eccentric.emit.accuracy import NORMAL_FORCE_ULP
+from eccentric.emit.accuracy import PROVED_FORCE
 from tests import accuracy, extended, paper
 from tests.gappa import proved
 
@@ -40,7 +40,7 @@ def products() -> frozenset[tuple[str, str]]:
     texts: dict[str, str] = {}
     for found in [*files, *(one.texts for one in extended.extended("C1"))]:
         texts |= found
-    claim = f"normal_force within {NORMAL_FORCE_ULP}{PROVED}"
+    claim = f"normal_force within {PROVED_FORCE.anywhere}{PROVED}"
     proved = [name for name, text in texts.items() if name.endswith(".h") and claim in text]
     assert {"c1_perpendicular.h", "c1_asymmetric.h"} < set(proved)
     patterns = [
@@ -66,7 +66,7 @@ def test_products_are_proved(real: str) -> None:
             exact = L * M * mu * mu * omega_m * omega_m;
             {{ {between} -> F_N -/ exact in ? }}"""
 
-        assert proved(script) <= NORMAL_FORCE_ULP * unit * SLACK, (coefficient, force)
+        assert proved(script) <= PROVED_FORCE.anywhere * unit * SLACK, (coefficient, force)
 
 
 def hollow(real: str) -> tuple[float, float, mpmath.mpf]:

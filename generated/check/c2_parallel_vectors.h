@@ -1,5 +1,5 @@
 /*
- * Generated: do not edit. Written beside c2_parallel.c (program be37be07).
+ * Generated: do not edit. Written beside c2_parallel.c (program 919d65de).
  * What the self-test expects; computed by the emitted NumPy module.
  */
 #define INPUTS 5u
