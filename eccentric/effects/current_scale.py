@@ -24,7 +24,7 @@ def effects(setting: Setting) -> tuple[Effect, ...]:
         "ki_mismatch",
         [(ratio, Gated(v.J.symbol, alpha_m) + gravity(setting))],
         kind="conservative",
-        bounds=((-0.95, None),),
+        bounds=((-1.0, None),),
         depends_on=("gravity_load", "acceleration"),
         formula="k_i/(1 + r) for k_i: r (J alpha + G)",
         corrects=(v.k_i, v.k_i.symbol / (1 + ratio.symbol)),

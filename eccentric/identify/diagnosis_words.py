@@ -116,7 +116,8 @@ def lines(found: Diagnosis) -> list[str]:
     out = [f"{few(found.logs)}: {found.base.name}, verdict {a.verdict}", sentence(found)]
     out += [_effect(found, effect, own) for effect, own in found.effects[:3]]
     for balance, models in found.rmse.items():
-        out.append(f"held-out RMSE, {balance} [{found.unit}]: {_errors(models)}")
+        shown = {n: x for n, x in models.items() if n != "extended" or found.extended is not found.paper}
+        out.append(f"held-out RMSE, {balance} [{found.unit}]: {_errors(shown)}")
     if found.score.over_runs is not None:
         out += _over_runs(found.score.over_runs, found.unit)
     if a.verdict == "unexplained":
@@ -130,7 +131,8 @@ def lines(found: Diagnosis) -> list[str]:
         out.append(f"what is left inside runs is periodic in the motor angle, per turn: {parts}")
     module, name = load_module(found.shipped.model), extended_name(found)
     arguments = list(inspect.signature(module.mechanical_friction_torque).parameters)[:-2]
-    out.append(f"to call: {name}_mechanical_friction_torque({', '.join([*arguments, f'&{name}_default'])})")
+    what = "to call" if found.shipped.effects else "nothing was added; to call the paper's model, fitted"
+    out.append(f"{what}: {name}_mechanical_friction_torque({', '.join([*arguments, f'&{name}_default'])})")
     if a.next_measurement:
         out.append(f"next: {a.next_measurement}")
     return out

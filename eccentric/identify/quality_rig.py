@@ -84,13 +84,15 @@ def _inverted(m: Means, drive: str, rig: Rig) -> Finding | None:
     if x is None or m.link is None or mu is None:
         return None
 
-    def ratios(gear: float, link: Array) -> list[Ratio]:
-        body = body_of(m, x, link)
+    def ratios(body: Body, gear: float) -> list[Ratio]:
         turned = dataclasses.replace(rig, known={**rig.known, "mu": gear})
-        return list(_mechanical(body, drive, turned)) if body.explained >= EXPLAINED else []
+        return list(_mechanical(body, drive, turned))
 
-    off = [ratio for ratio in ratios(mu, m.link) if ratio.off(FACTOR)]
-    mended = ratios(1.0 / mu, m.link / mu**2)
+    body, other = body_of(m, x, m.link), body_of(m, x, m.link / mu**2)
+    if 1.0 - other.explained > min(BETTER * (1.0 - body.explained), EXPLAINED):
+        return None
+    off = [ratio for ratio in ratios(body, mu) if ratio.off(FACTOR)]
+    mended = ratios(other, 1.0 / mu)
     if not off or "M g L" not in {r.name for r in mended} or not all(r.near(1.0) for r in mended):
         return None
     said = ", ".join(ratio.text for ratio in off)
