@@ -177,6 +177,7 @@ MECHANICAL: list[tuple[str, str, dict[str, float], Torque]] = [
      + friction(x, "C2", normal_force(x, mass=1.4 * M)) + MU**2 * 0.4 * M * L**2 * x["alpha_m"]),
     ("C2", "mass_mismatch[torque]", {"mass_torque": 0.2}, lambda x: 0.2 * sine_load(x)),
     ("C1", "inertia_mismatch", {"inertia_ratio": 0.5}, lambda x: 0.5 * J * x["alpha_m"]),
+    ("C2", "ki_mismatch", {"current_scale": 0.2}, lambda x: 0.2 * (J * x["alpha_m"] + sine_load(x))),
     ("C1", "kt_saturation", {"ktsat_A": 1.0, "ktsat_i": 10.0},
      lambda x: K_I * x["i"] - K_I * x["i"] / (1 + (x["i"] / 10) ** 2)),
     ("C1", "magnetic_hysteresis", {"hysteresis_A": 0.03}, lambda x: 0.03 * x["hysteresis_z"]),

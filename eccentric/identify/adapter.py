@@ -52,7 +52,8 @@ def candidate(
         for balance, terms in effect.terms.items()
     }
     ranges = {s.quantity.name: (s.low, s.high, s.scale, s.points) for s in effect.shapes}
-    lower = tuple(-np.inf if low is None else low for low, _ in effect.bounds) or (-np.inf,)
+    # The search knows 0 as a bound, no other; the fit on the emitted module keeps them all.
+    lower = tuple(0.0 if low == 0.0 else -np.inf for low, _ in effect.bounds) or (-np.inf,)
     changes = _changes(effect, model, extended, signals, names, states)
 
     def columns_of(balance: str) -> Callable[[Any, Shape], Array]:

@@ -16,6 +16,8 @@ from eccentric.identify.trial import LEAST_R2
 __all__ = ["lines", "sentence"]
 
 _GRAVE = {"wrong_sign", "wrong_unit", "contradiction", "another_rig", "mismatch", "zero_angle"}
+_FOLLOWS = {"k_i": {"J", "M g L"}, "M": {"M g L"}}
+"""What else a wrong declaration makes look wrong."""
 PROVABLE = 3.0
 """A residual this many times the noise of the sensors has a cause, found or not."""
 
@@ -33,7 +35,10 @@ def sentence(found: Diagnosis) -> str:
         names = " and ".join(_name(found, effect) for effect, _ in found.effects)
         sure = min(_probability(found, effect) for effect, _ in found.effects)
         these = "it" if len(found.effects) == 1 else "them"
-        return f"The model lacks {names} (probability {sure:.2f}); with {these} {gain}.{_first(found)}"
+        return (
+            f"The model lacks {names} (probability {sure:.2f}); with {these} {gain}."
+            f"{_alike(found)}{_first(found)}"
+        )
     if a.verdict == "not_identifiable":
         families = " or ".join(a.tied or tuple(dict.fromkeys(c.family for c in a.candidates[:2])))
         return f"An effect is missing, but this log cannot tell {families} apart; with the first {gain}."
@@ -81,9 +86,18 @@ def _name(found: Diagnosis, effect: Effect) -> str:
     )
 
 
+def _alike(found: Diagnosis) -> str:
+    """What no log of this rig, as it is declared, tells from the named effects."""
+    alike = {effect.id: " or ".join(effect.aliases) for effect, _ in found.effects if effect.aliases}
+    return "".join(
+        f" As the rig is declared, {name} looks the same as {other}." for name, other in alike.items()
+    )
+
+
 def _first(found: Diagnosis) -> str:
     """What the record itself says is wrong, if anything that the named effects do not say."""
     told = {effect.corrects[0].name for effect, _ in found.effects if effect.corrects}
+    told |= set().union(*(_FOLLOWS.get(name, set()) for name in told))
     grave = [
         f for f in found.quality if f.severity == "warning" and f.kind in _GRAVE and f.channel not in told
     ]
@@ -102,12 +116,13 @@ def lines(found: Diagnosis) -> list[str]:
     out = [f"{few(found.logs)}: {found.base.name}, verdict {a.verdict}", sentence(found)]
     out += [_effect(found, effect, own) for effect, own in found.effects[:3]]
     for balance, models in found.rmse.items():
-        out.append(f"held-out RMSE, {balance} [{found.unit}]: {_errors(models)}")
+        shown = {n: x for n, x in models.items() if n != "extended" or found.extended is not found.paper}
+        out.append(f"held-out RMSE, {balance} [{found.unit}]: {_errors(shown)}")
     if found.score.over_runs is not None:
         out += _over_runs(found.score.over_runs, found.unit)
     if a.verdict == "unexplained":
-        nearest = ", ".join(c.id for c in a.candidates[:4])
-        out.append(f"nearest, and not enough: {nearest}")
+        if found.r_squared >= LEAST_R2:
+            out.append(f"nearest, and not enough: {', '.join(c.id for c in a.candidates[:4])}")
     elif a.verdict != "nothing_missing":
         ranked = ", ".join(f"{c.id} {c.probability:.2f}" for c in a.candidates[:4])
         out.append(f"candidates: {ranked}")
@@ -116,7 +131,8 @@ def lines(found: Diagnosis) -> list[str]:
         out.append(f"what is left inside runs is periodic in the motor angle, per turn: {parts}")
     module, name = load_module(found.shipped.model), extended_name(found)
     arguments = list(inspect.signature(module.mechanical_friction_torque).parameters)[:-2]
-    out.append(f"to call: {name}_mechanical_friction_torque({', '.join([*arguments, f'&{name}_default'])})")
+    what = "to call" if found.shipped.effects else "nothing was added; to call the paper's model, fitted"
+    out.append(f"{what}: {name}_mechanical_friction_torque({', '.join([*arguments, f'&{name}_default'])})")
     if a.next_measurement:
         out.append(f"next: {a.next_measurement}")
     return out

@@ -184,6 +184,11 @@ def _needed(channels: Channels, rig: Rig, base: Model) -> dict[str, float]:
         given |= {"M_l"}
     if channels.drive == "current" and channels.voltage is not None:
         given -= {"R", "k_e"}
+        if missing := sorted({"R", "k_e"} - set(rig.known)):
+            raise InputError(
+                f"{rig.path}: [known] {' and '.join(missing)} required, since current and voltage are mapped,"
+                " received none: give it, or leave the voltage out of [columns]"
+            )
     own = own_letters(base) & needed
     known = {q.name: float(sp.Float(q.default)) for q in base.parameters if q.name in own}
     known |= {name: rig.value(name) for name in sorted(needed - given - own)}

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from pathlib import Path
 
 from eccentric.effects import Setting, library, load_effects
@@ -28,7 +29,7 @@ def offered(
 ) -> list[Effect]:
     """Those of the effects that the log can show, on the balances that it has, with what the rig knows."""
     return [
-        effect
+        _aliased(effect, bench)
         for effect in effects
         if set(effect.needs) <= setting.channels
         and _told(effect, bench, balances)
@@ -43,10 +44,24 @@ def _told(effect: Effect, bench: Bench, balances: set[str]) -> bool:
         if effect.balance == "electrical" and set(effect.terms) != {"electrical"}:
             return False
         return effect.family not in _UNSEEN
-    if effect.balance not in balances:
+    if effect.balance not in balances or (effect.family == "ki_mismatch" and not _scaled(bench)):
         return False
     # The current would be the model's, whose noise is that of the acceleration.
     return effect.family != "sensor_delay" or bench.drive.measured_twice
+
+
+def _scaled(bench: Bench) -> bool:
+    """Whether a declared k_i makes the torque, and declared inertia and gravity tell it from either."""
+    declared = bench.drive.scale is None and bench.drive.channels.drive == "current"
+    return declared and not {"J_m", "gravity"} & set(bench.drive.open)
+
+
+def _aliased(effect: Effect, bench: Bench) -> Effect:
+    """The effect; where the inertia is open, a wrong mass shows in gravity alone, as a wrong k_i does."""
+    drive = bench.drive
+    if effect.family != "mass_mismatch" or drive.scale is not None or drive.channels.drive != "current":
+        return effect
+    return replace(effect, aliases=(*effect.aliases, "ki_mismatch")) if "J_m" in drive.open else effect
 
 
 def _told_apart(effect: Effect, bench: Bench, rig: Rig) -> bool:

@@ -106,8 +106,10 @@ def _causes(drive: str, mu: float | None, angle: bool) -> list[Cause]:
                 f"the voltage is in {prefix}V",
                 {"R": factor, "k_e": factor} | ({"J": factor, "M g L": factor} if drive == "voltage" else {}),
             ),
-            Cause("wrong_unit", "torque", f"the torque is in {prefix}N m", {"J": factor, "M g L": factor}),
         ]
+        if drive == "torque":
+            both = {"J": factor, "M g L": factor}
+            causes.append(Cause("wrong_unit", "torque", f"the torque is in {prefix}N m", both))
     return causes  # fmt: skip
 
 
@@ -124,15 +126,18 @@ _SINGLE = {
 }  # fmt: skip
 
 
-def single_cause(ratio: Ratio, mu: float | None) -> str:
+def single_cause(ratio: Ratio, drive: str, mu: float | None) -> str:
     """Return what explains one ratio, in brackets, empty if nothing does."""
     causes = dict(_SINGLE[ratio.name])
     if ratio.name == "J" and mu is not None and mu < 0.7:
         causes |= {mu**2: "the rig's J_m is at the link", 1.0 / mu**2: "the rig's J_l is at the motor"}
     if ratio.name == "M g L" and ratio.high < LEVEL:
         return " (is the plane of motion level, case C1?)"
-    if ratio.value <= 0.0:
-        return ""
-    near = {abs(math.log(ratio.value / factor)): words for factor, words in causes.items()}
+    near = {math.inf: ""}
+    if ratio.value > 0.0:
+        near |= {abs(math.log(ratio.value / factor)): words for factor, words in causes.items()}
     best = min(near)
-    return f" ({near[best]}?)" if best <= NEAR else ""
+    if best <= NEAR:
+        return f" ({near[best]}?)"
+    # Gravity is the larger part of a torque; an inertia that is off alike may not show.
+    return " (or is k_i off by this factor?)" if ratio.name == "M g L" and drive == "current" else ""

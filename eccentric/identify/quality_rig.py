@@ -5,6 +5,7 @@ The questions are those whose answers differ by factors: they need no model of t
 
 from __future__ import annotations
 
+import dataclasses
 import math
 from typing import TYPE_CHECKING
 
@@ -52,6 +53,9 @@ def rig_findings(channels: Channels, rig: Rig) -> Iterator[Finding]:
     means = means_of(channels, rig)
     if means is None:
         return
+    if inverted := _inverted(means, channels.drive, rig):
+        yield inverted
+        return
     bodies = {name: body_of(means, x, means.link) for name, x in means.drives.items()}
     bodies = {name: body for name, body in bodies.items() if body.explained >= EXPLAINED}
     against = [name for name, body in bodies.items() if _reversed(body)]
@@ -72,6 +76,30 @@ def rig_findings(channels: Channels, rig: Rig) -> Iterator[Finding]:
         ratios += _mechanical(body, channels.drive, rig)
         yield from _gravity(body, channels, rig, means)
     yield from _contradictions(ratios, rig, channels, means.rows)
+
+
+def _inverted(m: Means, drive: str, rig: Rig) -> Finding | None:
+    """Blame mu where its inverse makes gravity, and inertia if it shows, those of the rig."""
+    x, mu = m.drives.get(drive), rig.known.get("mu")
+    if x is None or m.link is None or mu is None:
+        return None
+
+    def ratios(body: Body, gear: float) -> list[Ratio]:
+        turned = dataclasses.replace(rig, known={**rig.known, "mu": gear})
+        return list(_mechanical(body, drive, turned))
+
+    body, other = body_of(m, x, m.link), body_of(m, x, m.link / mu**2)
+    if 1.0 - other.explained > min(BETTER * (1.0 - body.explained), EXPLAINED):
+        return None
+    off = [ratio for ratio in ratios(body, mu) if ratio.off(FACTOR)]
+    mended = ratios(other, 1.0 / mu)
+    if not off or "M g L" not in {r.name for r in mended} or not all(r.near(1.0) for r in mended):
+        return None
+    said = ", ".join(ratio.text for ratio in off)
+    text = (
+        f"mu is the wrong way round ({1.0 / mu:.4g} fits, link speed over motor speed): with {mu:.4g}, {said}"
+    )
+    return Finding("contradiction", "mu", text, m.rows, "warning")
 
 
 def _reversed(body: Body) -> bool:
@@ -200,7 +228,7 @@ def _contradictions(ratios: list[Ratio], rig: Rig, c: Channels, rows: int) -> It
         yield Finding(cause.kind, cause.channel, f"{cause.text}: {said}", rows, "warning")
         return
     for ratio in off:
-        why = single_cause(ratio, rig.known.get("mu"))
+        why = single_cause(ratio, c.drive, rig.known.get("mu"))
         text = f"{ratio.text}{why}; correct the rig, or give it in [unknown] to identify it along"
         yield Finding("contradiction", ratio.name, text, rows, "warning")
     if {"J", "M g L"} <= {ratio.name for ratio in off}:

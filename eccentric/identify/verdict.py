@@ -54,7 +54,8 @@ class Attribution:
 
     verdict: as in the module's table; adopted: effects by share, the largest first (for `unexplained` the
     best approximation, not to be reported as a name); tied: families that explain the log alike; candidates:
-    best first; depends_on: variables that the residual of the paper's model follows, strongest first;
+    best first, those of the balance that the verdict is about before all others; depends_on:
+    variables that the residual of the paper's model follows, strongest first;
     next_measurement: one sentence, empty if nothing is open; searches: per balance, for the report;
     deviance: per balance, what the best addition gained and what chance reaches (99 %);
     unconfirmed: effects that were adopted and did not predict the held-out part.
@@ -94,8 +95,9 @@ def attribute(
         verdict = "not_identifiable" if tied else "named"
     else:
         verdict = "nothing_missing"
-    listed = [*leading, *_runners_up(searches, {entry.family for entry in leading})]
-    variables = tuple(dict.fromkeys([*depends, *left]))
+    about = [entry.balance for entry in leading] or [balance for _, balance in left] or ["mechanical"]
+    listed = [*leading, *_runners_up(searches, {entry.family for entry in leading}, set(about))]
+    variables = tuple(dict.fromkeys([*depends, *(variable for variable, _ in left)]))
     deviance = {
         name: (search.deviance(search.base, search.ranked[0]), search.null_level())
         for name, search in searches.items()
@@ -157,8 +159,11 @@ def _adopted(searches: dict[str, Search], rules: Rules) -> tuple[list[Adopted], 
     return [one for one, _ in found], [entry for _, entry in found], list(dict.fromkeys(tied))
 
 
-def _runners_up(searches: dict[str, Search], named: set[str]) -> list[Ranked]:
-    """The best of every other family: alternatives of the adopted terms, then the first step's candidates."""
+def _runners_up(searches: dict[str, Search], named: set[str], about: set[str]) -> list[Ranked]:
+    """The best of every other family: alternatives of the adopted terms, then the first step's candidates.
+
+    Errors of different balances do not compare: those that the verdict is about come first.
+    """
     best: dict[str, Ranked] = {}
     for name, search in searches.items():
         pool = [
@@ -171,25 +176,30 @@ def _runners_up(searches: dict[str, Search], named: set[str]) -> list[Ranked]:
             old = best.get(candidate.family)
             if candidate.family not in named and (old is None or old.probability < probability):
                 best[candidate.family] = entry
-    return sorted(best.values(), key=lambda r: (-r.probability, r.rmse))
+    return sorted(best.values(), key=lambda r: (r.balance not in about, -r.probability, r.rmse))
 
 
-def _variables(searches: dict[str, Search], rules: Rules) -> tuple[list[str], list[str]]:
-    """Variables of what the adopted effects leave, and of the paper's residual; the larger part first."""
-    left: list[tuple[float, str]] = []
+def _variables(searches: dict[str, Search], rules: Rules) -> tuple[list[tuple[str, str]], list[str]]:
+    """Variables of what the adopted effects leave, each with its balance, and of the paper's residual.
+
+    The larger part first.
+    """
+    left: list[tuple[float, str, str]] = []
     depends: list[tuple[float, str]] = []
-    for search in searches.values():
+    for name, search in searches.items():
         for fitted in search.smoothed:
             part = (search.best.score - fitted.score) / max(search.base.score - fitted.score, 1e-300)
             if part > rules.unexplained_part and search.worth_it(search.best, fitted, search.smooth):
-                left.append((part, fitted.terms[-1].candidate.depends_on[0]))
+                left.append((part, fitted.terms[-1].candidate.depends_on[0], name))
         least = min([search.best.score, *(fitted.score for fitted in search.smoothed)])
         structure = max(search.base.score - least, 1e-300)
         for fitted in search.smooth.rank([]):
             if search.worth_it(search.base, fitted, search.smooth):
                 share = (search.base.score - fitted.score) / structure
                 depends.append((share, fitted.terms[-1].candidate.depends_on[0]))
-    return [v for _, v in sorted(left, reverse=True)], [v for _, v in sorted(depends, reverse=True)]
+    return [(v, name) for _, v, name in sorted(left, reverse=True)], [
+        v for _, v in sorted(depends, reverse=True)
+    ]
 
 
 _TEMPERATURE = {
@@ -200,7 +210,7 @@ _TEMPERATURE = {
 }
 _TIME = {"wear_runin", "time_drift"}
 _SPEED = {"stribeck", "quadratic_drag", "cubic_drag", "oneway_windage", "eddy_current"}
-_LOAD = {"load_dependent", "gear_efficiency", "kt_saturation", "inertia_mismatch"}
+_LOAD = {"load_dependent", "gear_efficiency", "kt_saturation", "inertia_mismatch", "ki_mismatch"}
 _GRAVITY = {"mass_mismatch", "gravity_tilt", "angle_offset", "link_harmonic_friction", "cable_spring"}
 _SENTENCES: tuple[tuple[set[str], set[str], str], ...] = (
     (_TEMPERATURE, _TIME, "Repeat the same speeds warm and cooled, temperature logged."),
@@ -213,6 +223,7 @@ _SENTENCES: tuple[tuple[set[str], set[str], str], ...] = (
         {"gear_efficiency"},
         "Raise and lower the mass slowly at the same speeds, with the current logged and k_i known.",
     ),
+    ({"ki_mismatch"}, _GRAVITY, "Weigh the mass; or accelerate hard, with the inertia declared."),
     (_LOAD, _LOAD, "Accelerate hard at several speeds, then repeat with another mass on the link."),
     ({"coulomb_asymmetry"}, {"current_bias"}, "Log the voltage too, or the current at rest."),
     ({"coulomb_asymmetry"}, {"cable_spring"}, "Turn the link ten times further in one direction."),

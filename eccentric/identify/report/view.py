@@ -50,7 +50,7 @@ def view(data: ReportData, figures: ModuleType | None) -> dict[str, Any]:
         "traces": traces,
         "rows": data.balances[0].rows.description,
         "depends": ", ".join(map(plain_words, data.depends_on)),
-        "candidates": [_candidate(c, data) for c in _by_balance(data)],
+        "candidates": [_candidate(c, data) for c in data.candidates],
         "why": why(data),
         "parameters": [_parameter(p) for p in data.parameters],
         "effects": [(e, number(100.0 * e.share, 3)) for e in data.effects],
@@ -165,11 +165,6 @@ def _bars(errors: Errors, noise: float | None) -> dict[str, Any]:
         "noise": None if noise is None else (number(noise, 3), f"{noise * part:.2f}"),
         "note": errors.note,
     }
-
-
-def _by_balance(data: ReportData) -> list[Candidate]:
-    """The candidates, those of the first balance before the others: errors of two do not compare."""
-    return sorted(data.candidates, key=lambda c: c.balance != data.balances[0].name)
 
 
 def _candidate(c: Candidate, data: ReportData) -> dict[str, Any]:

@@ -1,0 +1,37 @@
+"""The torque constant, or the scale of the current sensor, is not the declared one."""
+
+from __future__ import annotations
+
+from eccentric.effects.effect import Effect
+from eccentric.effects.forms import addition, alpha_m, gravity
+from eccentric.effects.setting import Setting
+from eccentric.model import quantity
+from eccentric.model import vocabulary as v
+from eccentric.model.steps import Gated
+
+ratio = quantity("current_scale", "1", "declared torque constant over the true one, less 1")
+
+
+def effects(setting: Setting) -> tuple[Effect, ...]:
+    """The one effect of the family, case C2 only: without gravity it is a factor on the inertia.
+
+    k_i (1 + r) where k_i belongs makes every torque 1 + r times too large: friction, which is fitted, takes
+    that up; inertia and gravity, which are declared, both fall short by r.
+    """
+    if setting.case == "C1":
+        return ()
+    effect = addition(
+        "ki_mismatch",
+        [(ratio, Gated(v.J.symbol, alpha_m) + gravity(setting))],
+        kind="conservative",
+        bounds=((-1.0, None),),
+        depends_on=("gravity_load", "acceleration"),
+        formula="k_i/(1 + r) for k_i: r (J alpha + G)",
+        corrects=(v.k_i, v.k_i.symbol / (1 + ratio.symbol)),
+        reference="standard form; torque constant: W. Leonhard, Control of Electrical Drives, Springer",
+        inputs=(v.theta_m,),
+        needs=("current",),
+        hint="hold a known weight on a lever and read the current in both directions of approach;"
+        " in SI units k_i of a DC motor equals its k_e",
+    )
+    return (effect,)
