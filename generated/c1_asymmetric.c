@@ -1,6 +1,6 @@
 /*
  * Generated: do not edit. Written by `make derive` from derivations/c1_asymmetric.py
- * (eccentric 0.1.0, program 73e265bb).
+ * (eccentric 0.1.0, program 3321e2ab).
  * Case C1 with friction that differs between the directions of motion.
  */
 #include "c1_asymmetric.h"
@@ -8,7 +8,7 @@
 #include <float.h>
 #include <math.h>
 
-#if C1_ASYMMETRIC_PROGRAM != 0x73e265bbUL
+#if C1_ASYMMETRIC_PROGRAM != 0x3321e2abUL
 #error "c1_asymmetric.c and c1_asymmetric.h are of different derivations: write both again"
 #endif
 
@@ -461,10 +461,8 @@ REAL_INLINE void c1_asymmetric_friction_torque_jacobian_at(
     out[7] = ((is_backward == REAL(0.0)) ? c1_asymmetric_sgn(ungated_4) : ungated_4) * is_backward;
     out[8] = ((is_forward == REAL(0.0)) ? c1_asymmetric_sgn(omega_m) : omega_m) * is_forward;
     out[9] = ((is_backward == REAL(0.0)) ? c1_asymmetric_sgn(omega_m) : omega_m) * is_backward;
-    out[10] = ((is_forward == REAL(0.0)) ? c1_asymmetric_sgn(direction_of_motion) : direction_of_motion) *
-        is_forward;
-    out[11] = ((is_backward == REAL(0.0)) ? c1_asymmetric_sgn(direction_of_motion) : direction_of_motion) *
-        is_backward;
+    out[10] = direction_of_motion * is_forward;
+    out[11] = direction_of_motion * is_backward;
 }
 
 void c1_asymmetric_friction_torque_jacobian(
@@ -502,10 +500,8 @@ REAL_INLINE void c1_asymmetric_regressor_at(real omega_m, real *out, const c1_as
     out[3] = ((is_backward == REAL(0.0)) ? c1_asymmetric_sgn(ungated_2) : ungated_2) * is_backward;
     out[4] = ((is_forward == REAL(0.0)) ? c1_asymmetric_sgn(omega_m) : omega_m) * is_forward;
     out[5] = ((is_backward == REAL(0.0)) ? c1_asymmetric_sgn(omega_m) : omega_m) * is_backward;
-    out[6] = ((is_forward == REAL(0.0)) ? c1_asymmetric_sgn(direction_of_motion) : direction_of_motion) *
-        is_forward;
-    out[7] = ((is_backward == REAL(0.0)) ? c1_asymmetric_sgn(direction_of_motion) : direction_of_motion) *
-        is_backward;
+    out[6] = direction_of_motion * is_forward;
+    out[7] = direction_of_motion * is_backward;
 }
 
 void c1_asymmetric_regressor(

@@ -1,5 +1,5 @@
 # Generated: do not edit. Written by `make derive` from derivations/c1_asymmetric.py
-# (eccentric 0.1.0, program 73e265bb).
+# (eccentric 0.1.0, program 3321e2ab).
 # Case C1 with friction that differs between the directions of motion.
 """Case C1 with friction that differs between the directions of motion.
 
@@ -856,8 +856,8 @@ def _friction_torque_jacobian(
     result_C_lT_neg = _choose(is_backward == 0.0, _sign(ungated_4), ungated_4) * is_backward
     result_B_m_pos = _choose(is_forward == 0.0, _sign(omega_m), omega_m) * is_forward
     result_B_m_neg = _choose(is_backward == 0.0, _sign(omega_m), omega_m) * is_backward
-    result_C_m_pos = _choose(is_forward == 0.0, _sign(direction_of_motion), direction_of_motion) * is_forward
-    result_C_m_neg = _choose(is_backward == 0.0, _sign(direction_of_motion), direction_of_motion) * is_backward
+    result_C_m_pos = direction_of_motion * is_forward
+    result_C_m_neg = direction_of_motion * is_backward
     return (
         result_B_lN_pos,
         result_B_lN_neg,
@@ -906,8 +906,8 @@ def _regressor(
     result_C_lN_neg = _choose(is_backward == 0.0, _sign(ungated_2), ungated_2) * is_backward
     result_B_pos = _choose(is_forward == 0.0, _sign(omega_m), omega_m) * is_forward
     result_B_neg = _choose(is_backward == 0.0, _sign(omega_m), omega_m) * is_backward
-    result_C_pos = _choose(is_forward == 0.0, _sign(direction_of_motion), direction_of_motion) * is_forward
-    result_C_neg = _choose(is_backward == 0.0, _sign(direction_of_motion), direction_of_motion) * is_backward
+    result_C_pos = direction_of_motion * is_forward
+    result_C_neg = direction_of_motion * is_backward
     return (
         result_B_lN_pos,
         result_B_lN_neg,

@@ -1,6 +1,6 @@
 /*
  * Generated: do not edit. Written by `make derive` from derivations/c2_asymmetric.py
- * (eccentric 0.1.0, program a5ccfb97).
+ * (eccentric 0.1.0, program 1966b3da).
  * Case C2 with friction that differs between the directions of motion.
  */
 #include "c2_asymmetric.h"
@@ -8,7 +8,7 @@
 #include <float.h>
 #include <math.h>
 
-#if C2_ASYMMETRIC_PROGRAM != 0xa5ccfb97UL
+#if C2_ASYMMETRIC_PROGRAM != 0x1966b3daUL
 #error "c2_asymmetric.c and c2_asymmetric.h are of different derivations: write both again"
 #endif
 
@@ -823,10 +823,8 @@ REAL_INLINE void c2_asymmetric_friction_torque_jacobian_at(
     out[3] = ((is_backward == REAL(0.0)) ? c2_asymmetric_sgn(ungated_2) : ungated_2) * is_backward;
     out[4] = ((is_forward == REAL(0.0)) ? c2_asymmetric_sgn(omega_m) : omega_m) * is_forward;
     out[5] = ((is_backward == REAL(0.0)) ? c2_asymmetric_sgn(omega_m) : omega_m) * is_backward;
-    out[6] = ((is_forward == REAL(0.0)) ? c2_asymmetric_sgn(direction_of_motion) : direction_of_motion) *
-        is_forward;
-    out[7] = ((is_backward == REAL(0.0)) ? c2_asymmetric_sgn(direction_of_motion) : direction_of_motion) *
-        is_backward;
+    out[6] = direction_of_motion * is_forward;
+    out[7] = direction_of_motion * is_backward;
 }
 
 void c2_asymmetric_friction_torque_jacobian(
@@ -890,10 +888,8 @@ REAL_INLINE void c2_asymmetric_regressor_at(
     out[3] = ((is_backward == REAL(0.0)) ? c2_asymmetric_sgn(ungated_2) : ungated_2) * is_backward;
     out[4] = ((is_forward == REAL(0.0)) ? c2_asymmetric_sgn(omega_m) : omega_m) * is_forward;
     out[5] = ((is_backward == REAL(0.0)) ? c2_asymmetric_sgn(omega_m) : omega_m) * is_backward;
-    out[6] = ((is_forward == REAL(0.0)) ? c2_asymmetric_sgn(direction_of_motion) : direction_of_motion) *
-        is_forward;
-    out[7] = ((is_backward == REAL(0.0)) ? c2_asymmetric_sgn(direction_of_motion) : direction_of_motion) *
-        is_backward;
+    out[6] = direction_of_motion * is_forward;
+    out[7] = direction_of_motion * is_backward;
 }
 
 void c2_asymmetric_regressor(

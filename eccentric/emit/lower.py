@@ -146,13 +146,15 @@ class Lowering:
         return Pick(size, ABOVE, b, b, Pick(size, BELOW, -b, -b, size))
 
     def _gated(self, a: sp.Expr, b: sp.Expr) -> sp.Expr:
-        zero, given = sp.Integer(0), not a.free_symbols <= self._prepare.symbols
+        zero, parameter = sp.Integer(0), a.free_symbols <= self._prepare.symbols
         b = self.named("gate", b) if not b.is_Atom else b
         a = self.named("ungated", a) if not a.is_Atom else a
-        if given:
-            # Where the gate is shut, the sign alone goes through it: a NaN stays, an infinity makes none.
-            return Times(Pick(b, EQUAL, zero, steps.Sgn(a), a), b)
-        return Pick(b, EQUAL, zero, zero, Times(a, b))
+        if parameter:
+            return Pick(b, EQUAL, zero, zero, Times(a, b))
+        if a in (symbol for value, symbol in self._done.items() if isinstance(value, steps.Sgn)):
+            return Times(a, b)
+        # Where the gate is shut, the sign alone goes through it: a NaN stays, an infinity makes none.
+        return Times(Pick(b, EQUAL, zero, steps.Sgn(a), a), b)
 
     def _either(self, a: sp.Expr, taken: sp.Symbol, left: sp.Symbol, b: sp.Expr) -> sp.Expr:
         """Return a where `a taken b`, b where `a left b`, else the sum, which is NaN as one of them is."""

@@ -1,5 +1,5 @@
 /*
- * Generated: do not edit. Written beside c2_asymmetric.c (program a5ccfb97).
+ * Generated: do not edit. Written beside c2_asymmetric.c (program 1966b3da).
  * What the self-test expects; computed by the emitted NumPy module.
  */
 #define INPUTS 5u
