@@ -83,7 +83,11 @@ def sample(n: int = 5000, runs: int = 1, text: str = "", unit: str = "N m", **ch
         candidates=(replace(ADOPTED, formula=ADOPTED.formula + text), replace(RIVAL, hint=f"turns{text}")),
         tied=(),
         chance={"mechanical": (900.0, 16.0)},
-        effects=(AddedEffect("wobble[n=2]", "mechanical", f"s sin{text}", f"someone{text}", 0.12),),
+        effects=(
+            AddedEffect(
+                "wobble[n=2]", "mechanical", f"A bent shaft{text}.", f"s sin{text}", f"someone{text}", 0.12
+            ),
+        ),
         parameters=(
             Parameter("wobble_s2", f"sine{text}", unit, 0.03, "effect", 2e-5, (0.0299, 0.0301)),
             Parameter("C_m", "Coulomb friction", unit, 0.0, "friction", 0.001, (0.0, 0.002), "lower"),

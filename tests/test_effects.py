@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 import sympy as sp
 
-from eccentric.effects import FAMILIES, Effect, base_aliases, library, load_effects
+from eccentric.effects import FAMILIES, Effect, base_aliases, library, load_effects, meaning
 from eccentric.emit import load_module
 from eccentric.errors import InputError
 from eccentric.model import Definition, load_model, quantity
@@ -34,6 +34,16 @@ def test_records_are_complete(case: str) -> None:
         assert len(effect.coefficients) == len(effect.bounds), effect.id
         for shape in effect.shapes:
             assert (effect.id, True) == (effect.id, 0 <= shape.low < shape.high or shape.scale == "linear")
+
+
+def test_every_family_is_told_in_one_sentence() -> None:
+    """A person reads what it is and where it comes from; of a user's own nothing is known."""
+    told = {family: meaning(family) for family in FAMILIES}
+
+    assert [] == [
+        family for family, words in told.items() if not words.endswith(".") or len(words.split()) < 5
+    ]
+    assert "" == meaning("gremlins")
 
 
 def test_parameter_names_are_short_and_tell_the_family() -> None:

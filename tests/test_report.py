@@ -149,12 +149,12 @@ def test_further_errors_have_their_bars() -> None:
 
 
 def test_why_the_runner_up_lost() -> None:
-    """The sentence compares the errors of the same balance: 0.004 against 0.002 is 100 % more."""
+    """The sentence compares the errors of the same balance: 0.004 is twice 0.002."""
     elsewhere = replace(RIVAL, id="other", balance="electrical", rmse=0.001)
     (sentence,) = why(sample(50, candidates=(ADOPTED, elsewhere, RIVAL)))
 
-    assert "dent leaves a cross-validated error of 0.004 N m" in sentence
-    assert "what was adopted 0.002 N m: 100 % more" in sentence
+    assert "dent leaves an error of 0.004 N m" in sentence
+    assert "2 times the 0.002 N m of what was adopted" in sentence
 
 
 @pytest.mark.parametrize(

@@ -40,7 +40,7 @@ from eccentric.effects.effect import Effect, Shape
 from eccentric.effects.load import load_effects
 from eccentric.effects.setting import Setting
 
-__all__ = ["FAMILIES", "Effect", "Setting", "Shape", "base_aliases", "library", "load_effects"]
+__all__ = ["FAMILIES", "Effect", "Setting", "Shape", "base_aliases", "library", "load_effects", "meaning"]
 
 FAMILIES = MappingProxyType(
     {
@@ -100,6 +100,11 @@ def library(setting: Setting) -> tuple[Effect, ...]:
     """Every effect that makes sense for the case and whose channels are logged, in the order of FAMILIES."""
     made = [effect for module in dict.fromkeys(FAMILIES.values()) for effect in module.effects(setting)]
     return tuple(effect for effect in made if setting.has(*effect.needs))
+
+
+def meaning(family: str) -> str:
+    """What a family is and where it comes from, for a person: its module's first line; "" of a user's own."""
+    return (getattr(FAMILIES.get(family), "__doc__", None) or "").split("\n", 1)[0]
 
 
 def base_aliases(case: str) -> dict[str, str]:

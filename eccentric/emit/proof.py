@@ -26,7 +26,8 @@ _RANGES = {
     "temperature": (-60.0, 3e2),
     "dt": (-1e2, 1e2),
 }
-# Of a hidden state, by its unit: what the inputs can bring it to. Averaged losses are negative by noise only.
+# Of a hidden state, by its unit; that the inputs bring it no further is not proved. Averaged losses are
+# negative by noise only.
 _SLOPE = 2 * _CURRENT / float(SHORTEST)
 _BEND = 2 * _SLOPE / float(SHORTEST)
 _RANGES_BY_UNIT = {

@@ -1,4 +1,4 @@
-"""A fit in words: one sentence on what the paper's model gains, and a few lines for a terminal."""
+"""A fit in words: one sentence on what the model gains, and a few lines for a terminal."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from eccentric.errors import few
+from eccentric.model import model_names
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -28,7 +29,7 @@ wrong by 30 % leaves 0.95; logs with friction that the models lack have 0.98.
 
 
 def sentence(fit: Fit) -> str:
-    """Return in one sentence what the paper's model gains on the held-out part over Coulomb + viscous.
+    """Return in one sentence what the model gains on the held-out part over Coulomb + viscous.
 
     Where the log does not fit the rig at all, the sentence says that instead.
     """
@@ -37,27 +38,34 @@ def sentence(fit: Fit) -> str:
             f"This log does not fit the rig (R^2 {fit.r_squared['paper']:.2f}): check units and signs of the "
             'columns, mu, and the zero angle (theta_zero_rad = "estimate" estimates it).'
         )
+    subject = f"The model {called}" if (called := _called(fit)) != "paper" else "The paper's model"
     low, high = fit.percent_interval
     gain, interval = _percent(fit.percent), f"95 % interval {_percent(low)} to {_percent(high)} %"
     if low > 0.0 and fit.percent >= _CLEAR:
         return (
-            f"The paper's model predicts the held-out part {gain} % better than "
+            f"{subject} predicts the held-out part {gain} % better than "
             f"Coulomb + viscous friction ({interval})."
         )
     if high < 0.0 and fit.percent <= -_CLEAR:
         return (
-            f"The paper's model predicts the held-out part {_percent(-fit.percent)} % worse than "
+            f"{subject} predicts the held-out part {_percent(-fit.percent)} % worse than "
             f"Coulomb + viscous friction ({interval} of gain)."
         )
     if abs(fit.percent) >= _CLEAR:
         return (
-            f"The paper's model has no certain gain over Coulomb + viscous friction on the held-out part "
+            f"{subject} has no certain gain over Coulomb + viscous friction on the held-out part "
             f"({gain} %, {interval})."
         )
     return (
-        f"The paper's model gains nothing over Coulomb + viscous friction here "
+        f"{subject} gains nothing over Coulomb + viscous friction here "
         f"({gain} % of the held-out error, {interval})."
     )
+
+
+def _called(fit: Fit) -> str:
+    """Return "paper" for the models that come along, else the model's own name."""
+    name = fit.problem.model.name
+    return "paper" if name in model_names() else name
 
 
 def _fits(fit: Fit) -> bool:
@@ -76,8 +84,9 @@ def lines(fit: Fit, logs: Sequence[str]) -> list[str]:
     head = f"{few(logs)}: {problem.model.name}, driven by {problem.channels.drive}; {what}, "
     head += f"{np.count_nonzero(sampling.score)} held out ({problem.channels.holdout.brief})"
     out = [head, *_table({**fit.coefficients, **fit.searched}), *_scale_line(fit)]
-    errors = ", ".join(f"{which} {fit.rmse[which]:.4g}" for which in ("linear", "paper"))
-    parts = ", ".join(f"{which} {fit.r_squared[which]:.4f}" for which in ("linear", "paper"))
+    shown = {"linear": "linear", "paper": _called(fit)}
+    errors = ", ".join(f"{name} {fit.rmse[which]:.4g}" for which, name in shown.items())
+    parts = ", ".join(f"{name} {fit.r_squared[which]:.4f}" for which, name in shown.items())
     out.append(f"held-out RMSE [{problem.unit}]: {errors}; R^2 of the drive {_DRIVES[problem.unit]}: {parts}")
     if problem.rig.moving_threshold_rad_s is None:
         threshold = problem.channels.moving_threshold_rad_s

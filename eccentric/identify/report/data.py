@@ -163,10 +163,11 @@ class Candidate:
 
 @dataclass(frozen=True)
 class AddedEffect:
-    """An effect of the extended model: formula in words, source, its part of the friction (0 to 1)."""
+    """An effect of the extended model: what it is, formula, source, its part of the friction (0 to 1)."""
 
     id: str
     balance: str
+    meaning: str
     formula: str
     reference: str
     share: float

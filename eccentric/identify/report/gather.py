@@ -11,6 +11,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from eccentric import __version__
+from eccentric.effects import meaning
 from eccentric.effects.effect import Effect
 from eccentric.identify.diagnosis_words import sentence
 from eccentric.identify.offered import every_effect
@@ -64,7 +65,14 @@ def report_data(found: Diagnosis, files: Sequence[tuple[str, str]] = ()) -> Repo
         tied=attribution.tied,
         chance=attribution.deviance,
         effects=tuple(
-            AddedEffect(e.id, e.balance, e.formula, e.reference, found.extended.shares.get(e.id, 0.0))
+            AddedEffect(
+                id=e.id,
+                balance=e.balance,
+                meaning=meaning(e.family),
+                formula=e.formula,
+                reference=e.reference,
+                share=found.extended.shares.get(e.id, 0.0),
+            )
             for e in effects
         ),
         parameters=tuple(_parameters(found)),

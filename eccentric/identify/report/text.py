@@ -15,6 +15,10 @@ VERDICTS = {
     "unexplained": "structure unexplained",
     "nothing_missing": "nothing missing",
 }
+_WINDOWS = (
+    "These errors are of smoothed windows, each predicted by a fit to the others; those of the held-out part"
+    " are of single rows."
+)
 _SUPERSCRIPT = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 
 
@@ -101,22 +105,27 @@ def why(data: ReportData) -> list[str]:
 
 
 def _against(winner: Candidate, runner: Candidate, unit: str, tied: bool) -> str:
-    more = 100.0 * (runner.rmse / winner.rmse - 1.0) if winner.rmse else 0.0
+    times = runner.rmse / winner.rmse if winner.rmse else 1.0
     chances = f"probabilities {runner.probability:.2f} and {winner.probability:.2f}"
-    first = f"{runner.id} leaves a cross-validated error of {number(runner.rmse)} {unit}"
+    first = f"{runner.id} leaves an error of {number(runner.rmse)} {unit}"
     second = f"{number(winner.rmse)} {unit}"
     if tied:
-        return f"Undecided between {winner.id} and {runner.id}: {first}, {winner.id} {second} ({chances})."
+        return (
+            f"Undecided between {winner.id} and {runner.id}: {first}, {winner.id} {second} ({chances})."
+            f" {_WINDOWS}"
+        )
     return (
-        f"Why the runner-up lost: {first}, what was adopted {second}: {number(more, 3)} % more ({chances})."
+        f"Why the runner-up lost: {first}, {number(times, 3)} times the {second} of what was adopted"
+        f" ({chances}). {_WINDOWS}"
     )
 
 
 def _chance(best: Candidate, chance: tuple[float, float], verdict: str) -> str:
     gained, level = chance
     sentence = (
-        f"The best candidate of the {best.balance} balance, {best.id}, gains a deviance of"
-        f" {number(gained, 3)}; without any effect, chance reaches {number(level, 3)} in one log of a hundred"
+        f"The best candidate of the {best.balance} balance is {best.id}; how much better the log fits with it"
+        f" is {number(gained, 3)} in deviance, and one log of a hundred without any effect has"
+        f" {number(level, 3)} or more by chance"
     )
     if gained <= level:
         return f"{sentence}: it may be chance."
