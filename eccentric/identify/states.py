@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+import sys
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from itertools import accumulate
 from typing import Any
 
@@ -55,7 +56,10 @@ class States:
             if parts is None:
                 rest, parts = _apart(update, state.symbol)
                 # Python's own numbers are several times faster than NumPy's where samples go one by one.
-                step = sp.lambdify([state.symbol, tuple(parts)], rest, modules="math", cse=True)
+                step = tuple(
+                    sp.lambdify([state.symbol, tuple(parts)], rest, modules=modules, cse=True)
+                    for modules in ("math", "numpy")
+                )
                 parts = tuple(parts.values())
             functions = [lambdified(model, part, signals, names) for part in parts]
             self._steps.append((state, step, functions))
@@ -92,14 +96,45 @@ class States:
                 below[start - 1] = 0.0
         return solve_banded((1, 0), np.vstack([np.ones(len(gain)), np.r_[below, 0.0]]), right)
 
-    def _loop(self, initial: float, step: Callable[..., float], parts: list[Array]) -> Array:
-        """x[k + 1] = step(x[k], parts[k])."""
-        ends = [*self._signals.starts[1:], self._signals.size]
-        found: list[float] = []
-        for start, end in zip(self._signals.starts, ends, strict=True):
-            rows = zip(*(part[start : end - 1].tolist() for part in parts), strict=True)
-            found.extend(accumulate(rows, step, initial=initial))
-        return np.array(found, float)
+    def _loop(
+        self, initial: float, step: tuple[Callable[..., float], Callable[..., Array]], parts: list[Array]
+    ) -> Array:
+        """x[k + 1] = step(x[k], parts[k]), `step` for one sample and for arrays.
+
+        A state that is where it began stays there until a sample moves it: over those in between one leaps.
+        """
+        one, all_at_once = step
+        moving = np.flatnonzero(all_at_once(initial, parts) != initial)
+        rows = list(zip(*(part.tolist() for part in parts), strict=True))
+        found = np.full(self._signals.size, initial)
+        for start, end in zip(
+            self._signals.starts, [*self._signals.starts[1:], self._signals.size], strict=True
+        ):
+            k = start
+            while (k := _next(moving, k)) < end - 1:
+                way = list(
+                    _until(
+                        initial, accumulate(map(rows.__getitem__, range(k, end - 1)), one, initial=initial)
+                    )
+                )
+                found[k : k + len(way)] = way
+                k += len(way)
+        return found
+
+
+def _next(moving: Array, k: int) -> int:
+    """The first of the sorted samples from k on; a number larger than all if there is none."""
+    at = int(np.searchsorted(moving, k))
+    return int(moving[at]) if at < len(moving) else sys.maxsize
+
+
+def _until(initial: float, values: Iterator[float]) -> Iterator[float]:
+    """The first value, and those after it up to one that is where the state began."""
+    yield next(values)
+    for value in values:
+        if value == initial:
+            return
+        yield value
 
 
 def _apart(update: sp.Expr, state: sp.Symbol) -> tuple[sp.Expr, dict[sp.Symbol, sp.Expr]]:

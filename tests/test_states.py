@@ -1,0 +1,44 @@
+"""Hidden states along a log: leaps over samples that change nothing lose none that do."""
+
+import numpy as np
+import pytest
+
+from eccentric.identify.signals import Signals
+from eccentric.identify.states import state_series
+from eccentric.model import load_model
+from tests.extended import KNOWN, effects
+
+DT, GAP = 0.01, 0.4  # s, rad
+
+
+def left_open(omega: np.ndarray) -> list[float]:
+    """Return what is left of the gap by its definition: opened by a change of side, closed by the motor."""
+    side, left, found = 0.0, 0.0, []
+    for w in omega:
+        found.append(left)
+        now = np.sign(w)
+        changed = 1.0 if now * side < 0.0 else 0.0
+        left = max(0.0, abs(changed - left) - abs(w) * DT / GAP)
+        side = now or side
+    return found
+
+
+def test_a_gap_opens_and_closes_as_it_is_defined() -> None:
+    """Two runs of swings with rests; the gap closes, is left open at a rest, and opens again half closed."""
+    t = DT * np.arange(3000)
+    omega = np.where(np.sin(0.7 * t) > 0.9, 0.0, 3.0 * np.sin(2.1 * t) * np.sin(0.4 * t) ** 3)
+    start = 1234  # of the second run, where the side is not known yet
+    values = {name: np.zeros_like(t) for name in ("theta_m", "alpha_m", "i", "u")} | {
+        "omega_m": omega,
+        "t": t,
+    }
+    model = effects("C1")["backlash"].extend(load_model("c1_perpendicular"))
+    signals = Signals(values, np.full_like(t, DT), (0, start), KNOWN)
+
+    actual = state_series(model, signals, {"backlash_gap": GAP})["backlash_left"]
+    expected = [*left_open(omega[:start]), *left_open(omega[start:])]
+
+    assert expected == pytest.approx(actual, rel=1e-12, abs=1e-14)
+    opened = np.count_nonzero((actual[1:] > 0.0) & (actual[:-1] == 0.0))
+    assert opened > 10
+    assert 0.2 < np.mean(actual == 0.0) < 0.9
