@@ -28,7 +28,7 @@ def figures(real: str, drives: int) -> dict[str, Measured]:
             states = random_drives.states(name, values, random, _STATES[real])
             for function, error in _errors(real, name, values, states).items():
                 key = f"any {prefix}{_FUNCTIONS[function]} {real}"
-                worst[key] = max(worst.get(key, 0.0), error)
+                worst[key] = float(np.maximum(worst.get(key, 0.0), error))  # NaN stays
     return {key: Measured(error) for key, error in worst.items()}
 
 

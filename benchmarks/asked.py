@@ -28,7 +28,10 @@ def _accuracy(real: str) -> dict[str, Asked]:
     return {
         **{
             f"{key} {real}": Asked(
-                f"{what}, Table 1", "at most", _FORCE if key == "force" else bound.table_1, unit
+                f"{what}, Table 1, random states",
+                "at most",
+                _FORCE if key == "force" else bound.table_1,
+                unit,
             )
             for key, (what, bound, unit) in stated.items()
         },

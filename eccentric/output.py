@@ -71,7 +71,9 @@ def own_folder(path: str | os.PathLike[str]) -> Path:
     if Path.cwd().is_relative_to(target):
         what = "the working directory" if Path.cwd() == target else "one with the working directory in it"
         raise InputError(f"{Path(path)}: required a folder of its own for the output; received {what}")
-    if target.is_dir() and any(target.iterdir()) and not (target / MARKER).is_file():
+    # What a run that was killed has left of its own is in nobody's way.
+    there = target.is_dir() and any(not f.name.startswith(f"{MARKER}-") for f in target.iterdir())
+    if there and not (target / MARKER).is_file():
         raise InputError(
             f"{Path(path)}: required a new or empty folder, or one that eccentric wrote (it holds {MARKER});"
             " received a folder with other files"
@@ -151,8 +153,8 @@ def _require_free(folder: Path, name: str, listed: dict[str, str], command: str)
 def _replace(target: Path, new: Path, old: Path, gone: list[str]) -> None:
     """Move the files of `new` to `target`, remove those that are `gone`; if that fails, undo it.
 
-    What they replace is copied to `old` first. The marker goes first: if the power is cut between two files,
-    each of them is whole, and those of this command are listed.
+    What they replace is copied to `old` first. The marker goes first: if the process is killed between two
+    files, each of them is whole, and those that this run writes are listed.
     """
     names = [MARKER, *sorted(_files(new))]
     folders = {folder for name in names for folder in Path(name).parents}
@@ -222,7 +224,7 @@ def _listed(folder: Path) -> dict[str, str]:
     """What the marker lists, name -> command that wrote it; nothing without a marker.
 
     Raises:
-        InputError: it is no text of UTF-8.
+        InputError: it is no text of UTF-8, or cannot be read.
     """
     marker = folder / MARKER
     try:
@@ -230,4 +232,6 @@ def _listed(folder: Path) -> dict[str, str]:
     except UnicodeDecodeError as error:
         place = f"byte {error.start} is not"
         raise InputError(f"{marker}: required UTF-8 text as eccentric wrote it; {place}") from None
+    except OSError as error:
+        raise InputError(f"{marker}: required a file that can be read; {error.strerror}") from None
     return {name: command for command, _, name in (line.partition(": ") for line in lines)}

@@ -1,9 +1,9 @@
 /*
  * Generated: do not edit. Written by `make derive` from derivations/c1_asymmetric.py
- * (eccentric 0.1.0, program 3321e2ab).
+ * (eccentric 0.1.0, program ffb79a78).
  * Case C1 with friction that differs between the directions of motion.
  */
-/* Begin with c1_asymmetric_mechanical_friction_torque, what a current-controlled drive must compensate, or
+/* Begin with c1_asymmetric_mechanical_friction_torque, the friction that a drive must compensate, or
  * c1_asymmetric_normal_force; `c` is &c1_asymmetric_default, or what c1_asymmetric_prepare makes of your own parameters. */
 #ifndef C1_ASYMMETRIC_H
 #define C1_ASYMMETRIC_H
@@ -11,7 +11,7 @@
 #include <stddef.h>
 
 /* C1_ASYMMETRIC_PROGRAM names the derivation that header and source come from; the source checks it. */
-#define C1_ASYMMETRIC_PROGRAM 0x3321e2abUL
+#define C1_ASYMMETRIC_PROGRAM 0xffb79a78UL
 
 /* The working precision: double, or float by -DECCENTRIC_REAL=float. Files that differ in it do not link:
  * all functions carry it in their names, as c1_asymmetric_prepare_double. */

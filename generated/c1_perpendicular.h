@@ -1,9 +1,9 @@
 /*
  * Generated: do not edit. Written by `make derive` from derivations/c1_perpendicular.py
- * (eccentric 0.1.0, program 9f837b10).
+ * (eccentric 0.1.0, program 04201a80).
  * Case C1: gravity perpendicular to the motion plane, steady motion.
  */
-/* Begin with c1_perpendicular_mechanical_friction_torque, what a current-controlled drive must compensate, or
+/* Begin with c1_perpendicular_mechanical_friction_torque, the friction that a drive must compensate, or
  * c1_perpendicular_normal_force; `c` is &c1_perpendicular_default, or what c1_perpendicular_prepare makes of your own parameters. */
 #ifndef C1_PERPENDICULAR_H
 #define C1_PERPENDICULAR_H
@@ -11,7 +11,7 @@
 #include <stddef.h>
 
 /* C1_PERPENDICULAR_PROGRAM names the derivation that header and source come from; the source checks it. */
-#define C1_PERPENDICULAR_PROGRAM 0x9f837b10UL
+#define C1_PERPENDICULAR_PROGRAM 0x04201a80UL
 
 /* The working precision: double, or float by -DECCENTRIC_REAL=float. Files that differ in it do not link:
  * all functions carry it in their names, as c1_perpendicular_prepare_double. */

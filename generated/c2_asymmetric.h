@@ -1,9 +1,9 @@
 /*
  * Generated: do not edit. Written by `make derive` from derivations/c2_asymmetric.py
- * (eccentric 0.1.0, program 1966b3da).
+ * (eccentric 0.1.0, program c4c48b32).
  * Case C2 with friction that differs between the directions of motion.
  */
-/* Begin with c2_asymmetric_mechanical_friction_torque, what a current-controlled drive must compensate, or
+/* Begin with c2_asymmetric_mechanical_friction_torque, the friction that a drive must compensate, or
  * c2_asymmetric_normal_force; `c` is &c2_asymmetric_default, or what c2_asymmetric_prepare makes of your own parameters. */
 #ifndef C2_ASYMMETRIC_H
 #define C2_ASYMMETRIC_H
@@ -11,7 +11,7 @@
 #include <stddef.h>
 
 /* C2_ASYMMETRIC_PROGRAM names the derivation that header and source come from; the source checks it. */
-#define C2_ASYMMETRIC_PROGRAM 0x1966b3daUL
+#define C2_ASYMMETRIC_PROGRAM 0xc4c48b32UL
 
 /* The working precision: double, or float by -DECCENTRIC_REAL=float. Files that differ in it do not link:
  * all functions carry it in their names, as c2_asymmetric_prepare_double. */

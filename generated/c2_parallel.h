@@ -1,9 +1,9 @@
 /*
  * Generated: do not edit. Written by `make derive` from derivations/c2_parallel.py
- * (eccentric 0.1.0, program 919d65de).
+ * (eccentric 0.1.0, program ef50ef54).
  * Case C2: gravity parallel to the motion plane, steady motion.
  */
-/* Begin with c2_parallel_mechanical_friction_torque, what a current-controlled drive must compensate, or
+/* Begin with c2_parallel_mechanical_friction_torque, the friction that a drive must compensate, or
  * c2_parallel_normal_force; `c` is &c2_parallel_default, or what c2_parallel_prepare makes of your own parameters. */
 #ifndef C2_PARALLEL_H
 #define C2_PARALLEL_H
@@ -11,7 +11,7 @@
 #include <stddef.h>
 
 /* C2_PARALLEL_PROGRAM names the derivation that header and source come from; the source checks it. */
-#define C2_PARALLEL_PROGRAM 0x919d65deUL
+#define C2_PARALLEL_PROGRAM 0xef50ef54UL
 
 /* The working precision: double, or float by -DECCENTRIC_REAL=float. Files that differ in it do not link:
  * all functions carry it in their names, as c2_parallel_prepare_double. */

@@ -1,9 +1,9 @@
 /*
  * Generated: do not edit. Written by `make derive` from derivations/rotating_link.py
- * (eccentric 0.1.0, program 964ef87b).
+ * (eccentric 0.1.0, program 630629ad).
  * Rotating link with an unbalanced mass, plane tilted by phi, angular acceleration kept.
  */
-/* Begin with rotating_link_mechanical_friction_torque, what a current-controlled drive must compensate, or
+/* Begin with rotating_link_mechanical_friction_torque, the friction that a drive must compensate, or
  * rotating_link_normal_force; `c` is &rotating_link_default, or what rotating_link_prepare makes of your own parameters. */
 #ifndef ROTATING_LINK_H
 #define ROTATING_LINK_H
@@ -11,7 +11,7 @@
 #include <stddef.h>
 
 /* ROTATING_LINK_PROGRAM names the derivation that header and source come from; the source checks it. */
-#define ROTATING_LINK_PROGRAM 0x964ef87bUL
+#define ROTATING_LINK_PROGRAM 0x630629adUL
 
 /* The working precision: double, or float by -DECCENTRIC_REAL=float. Files that differ in it do not link:
  * all functions carry it in their names, as rotating_link_prepare_double. */

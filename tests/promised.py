@@ -50,7 +50,7 @@ def errors(name: str, at: accuracy.Set, values: dict[str, float]) -> dict[str, f
     jacobian, gradient = (getattr(module(name), function)(*states) for function in DERIVATIVES)
     columns = accuracy.jacobian(name, at, p, module(name).JACOBIAN)
     pairs = zip(np.moveaxis(jacobian, -1, 0), columns, strict=True)
-    found[DERIVATIVES[0]] = max(np.max(accuracy.units(*pair)) for pair in pairs)
+    found[DERIVATIVES[0]] = np.max([accuracy.units(*pair) for pair in pairs])
     slopes = [accuracy.gradient(name, at, p)[label] for label in module(name).GRADIENT]
     found[DERIVATIVES[1]] = gradient_error(gradient, slopes)
     return {function: float(worst) for function, worst in found.items()}
@@ -62,7 +62,7 @@ def gradient_error(actual: np.ndarray, exact: list[list[tuple[mpf, mpf]]]) -> fl
     if len(components) == 1:
         ((got, slopes),) = components
         return float(np.max(accuracy.units(got, [slope for slope, _ in slopes])))
-    return float(max(np.max(accuracy.relative(got, slopes)) for got, slopes in components))
+    return float(np.max([accuracy.relative(got, slopes) for got, slopes in components]))
 
 
 def link_errors(
@@ -74,7 +74,7 @@ def link_errors(
         call = getattr(module(accelerated.NAME), function)
         actual = call(at.theta_m, at.omega_m, alpha_m, given(accelerated.NAME, values))
         pairs = zip(np.atleast_2d(actual.T), columns, strict=True)
-        found[function] = float(max(np.max(accuracy.relative(*pair)) for pair in pairs))
+        found[function] = float(np.max([accuracy.relative(*pair) for pair in pairs]))
     return found
 
 

@@ -43,6 +43,7 @@ def test_every_family_is_told_in_one_sentence() -> None:
     assert [] == [
         family for family, words in told.items() if not words.endswith(".") or len(words.split()) < 5
     ]
+    assert len(told) == len(set(told.values()))
     assert "" == meaning("gremlins")
 
 

@@ -37,7 +37,7 @@ def test_steady(name: str, dtype: Real, tmp_path: Path) -> None:
                 vector = actual.ndim > 1
                 exact = columns if vector else [getattr(accuracy, function)(name, at, p)]
                 pairs = zip(np.atleast_2d(actual.T), exact, strict=True)
-                worst[function] = max(np.max(accuracy.units(*pair)) for pair in pairs)
+                worst[function] = np.max([accuracy.units(*pair) for pair in pairs])
             for function, error in worst.items():
                 assert error <= bound(name, function, drive), (function, drive, at.name)
 

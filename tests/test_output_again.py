@@ -169,3 +169,12 @@ def test_a_marker_that_is_no_text_is_one_clear_line(ask, tmp_path: Path) -> None
         ask(tmp_path / "out")
 
     assert [path.name for path in (tmp_path / "out").iterdir()] == [MARKER]
+
+
+def test_what_a_killed_run_left_is_in_nobodys_way(tmp_path: Path) -> None:
+    """A folder that holds nothing but the workshop of a run that was killed can be written."""
+    (tmp_path / "out" / ".eccentric-a1b2").mkdir(parents=True)
+    with whole_folder(tmp_path / "out", "fit") as folder:
+        (folder / "fit.json").write_text("{}", encoding="utf-8")
+
+    assert "{}" == (tmp_path / "out" / "fit.json").read_text(encoding="utf-8")

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from html import escape
 from pathlib import Path
 
-from eccentric.effects import FAMILIES, Effect, base_aliases
+from eccentric.effects import FAMILIES, Effect, base_aliases, meaning
 from eccentric.model import Model
 from generator.formula import equations
 from generator.pictures import draw
@@ -55,10 +55,7 @@ def _words(names: tuple[str, ...]) -> str:
 
 def _family(family: str, images: Path) -> str:
     members = _of(family)
-    module = FAMILIES[family]
-    lines = [f"({family})=", f"## {family}", ""]
-    if sum(other is module for other in FAMILIES.values()) == 1:
-        lines += [(module.__doc__ or "").strip().splitlines()[0], ""]
+    lines = [f"({family})=", f"## {family}", "", meaning(family), ""]
     for case in ("C1", "C2"):
         if held := base_aliases(case).get(family):
             lines += [f"Not offered in case {case}: there it is {held}.", ""]

@@ -103,8 +103,13 @@ def library(setting: Setting) -> tuple[Effect, ...]:
 
 
 def meaning(family: str) -> str:
-    """What a family is and where it comes from, for a person: its module's first line; "" of a user's own."""
-    return (getattr(FAMILIES.get(family), "__doc__", None) or "").split("\n", 1)[0]
+    """What a family is and where it comes from, in a sentence for a person; "" of a user's own.
+
+    It is the first line of the family's module, or where a module makes several families, of its `MEANINGS`.
+    """
+    module = FAMILIES.get(family)
+    own: dict[str, str] = getattr(module, "MEANINGS", {})
+    return own.get(family, (getattr(module, "__doc__", None) or "").split("\n", 1)[0])
 
 
 def base_aliases(case: str) -> dict[str, str]:

@@ -8,6 +8,11 @@ from eccentric.effects.setting import Setting
 from eccentric.model import quantity
 from eccentric.model import vocabulary as v
 
+MEANINGS = {
+    "ke_mismatch": "The back-EMF constant is not the declared one: another winding, or weak magnets.",
+    "resistance_mismatch": "The armature's resistance is not the declared one: cable, brushes, a warm winding.",
+    "armature_inductance": "The winding's inductance, which the paper neglects: voltage as current changes.",
+}
 resistance = quantity("armature_R", "Ohm", "true resistance less the declared one")
 back_emf = quantity("armature_k", "V s/rad", "true back-EMF constant less the declared one")
 inductance = quantity("armature_L", "V s/A", "inductance of the armature", "", "nonnegative")

@@ -8,6 +8,10 @@ from eccentric.effects.setting import Setting
 from eccentric.model import quantity
 from eccentric.model.steps import Backward, Forward
 
+MEANINGS = {
+    "coulomb_asymmetry": "Dry friction that differs by direction: a bearing, seal or brush that leans.",
+    "viscous_asymmetry": "Viscous friction that differs by direction: a seal lip, or grease pumped one way.",
+}
 C = quantity("coulomb_asym", "N m", "half the difference of the Coulomb friction of the two directions")
 B = quantity("viscous_asym", "N m s/rad", "half the difference of the viscous friction of the two directions")
 REFERENCE = "B. Armstrong-Hélouvry, P. Dupont and C. Canudas de Wit, Automatica 30(7), 1994; eq (14)"

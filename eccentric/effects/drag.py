@@ -15,6 +15,12 @@ cubic = quantity(
     "drag_3", "N m s^3/rad^3", "drag torque per third power of the motor velocity", "", "nonnegative"
 )
 degressive = quantity("drag_half", "N m", "drag torque at the reference speed", "", "nonnegative")
+MEANINGS = {
+    "quadratic_drag": "Drag of air or oil in turbulent flow: it grows with the square of the speed.",
+    "cubic_drag": "Drag by the third power of the speed: a bearing whose load grows with its square.",
+    "sqrt_speed": "Degressive drag: a lubricated seal whose resistance grows ever less with speed.",
+    "oneway_windage": "Windage of one direction only: a fan, or blades that are bent to one side.",
+}
 WINDAGE = "J. E. Vrancik, NASA TN D-4849, 1968 (windage grows with the square of the speed)"
 BY_SPEED = "steady runs over a speed range of 1 to 5 or more: powers of the speed fit alike over a short one"
 

@@ -23,7 +23,7 @@ def effects(setting: Setting) -> tuple[Effect, ...]:
         formula="J (1 + r) for J",
         corrects=(v.J, (v.J_m.symbol + v.mu.symbol**2 * v.J_l.symbol) * (1 + ratio.symbol)),
         reference="C. G. Atkeson, C. H. An and J. M. Hollerbach, Int. J. Robotics Research 5(3), 1986",
-        aliases=("mass_mismatch", "ki_mismatch") if setting.case == "C1" else (),
+        aliases=("mass_mismatch",) if setting.case == "C1" else (),
         hint="strong accelerations, up and down through the same speeds",
     )
     return (effect,)

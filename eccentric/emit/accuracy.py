@@ -2,7 +2,7 @@
 
 They hold against 50 digits, inputs and parameters taken as exact, over the whole plane, in the hollow, and
 for angles of the motor up to 1e4 rad. Where Gappa proves one, the line says so. The others were found by
-search, over states and parameters at once, and are stated about a unit above the worst that it found.
+search, over states and parameters at once, and are stated one to two units above the worst that it found.
 """
 
 from __future__ import annotations

@@ -29,7 +29,7 @@ def offered(
 ) -> list[Effect]:
     """Those of the effects that the log can show, on the balances that it has, with what the rig knows."""
     return [
-        _aliased(effect, bench)
+        _aliased(effect, bench, setting.case)
         for effect in effects
         if set(effect.needs) <= setting.channels
         and _told(effect, bench, balances)
@@ -40,11 +40,13 @@ def offered(
 
 def _told(effect: Effect, bench: Bench, balances: set[str]) -> bool:
     """Whether what measures the drive can show the effect at all."""
+    if effect.family == "ki_mismatch" and not _scaled(bench):
+        return False
     if bench.drive.by_voltage:
         if effect.balance == "electrical" and set(effect.terms) != {"electrical"}:
             return False
         return effect.family not in _UNSEEN
-    if effect.balance not in balances or (effect.family == "ki_mismatch" and not _scaled(bench)):
+    if effect.balance not in balances:
         return False
     # The current would be the model's, whose noise is that of the acceleration.
     return effect.family != "sensor_delay" or bench.drive.measured_twice
@@ -52,16 +54,29 @@ def _told(effect: Effect, bench: Bench, balances: set[str]) -> bool:
 
 def _scaled(bench: Bench) -> bool:
     """Whether a declared k_i makes the torque, and declared inertia and gravity tell it from either."""
-    declared = bench.drive.scale is None and bench.drive.channels.drive == "current"
-    return declared and not {"J_m", "gravity"} & set(bench.drive.open)
+    return _declared(bench) and not {"J_m", "gravity"} & set(bench.drive.open)
 
 
-def _aliased(effect: Effect, bench: Bench) -> Effect:
-    """The effect; where the inertia is open, a wrong mass shows in gravity alone, as a wrong k_i does."""
-    drive = bench.drive
-    if effect.family != "mass_mismatch" or drive.scale is not None or drive.channels.drive != "current":
+def _declared(bench: Bench) -> bool:
+    """Whether a declared k_i makes the torque, from a current or, by R/k_i, from a voltage."""
+    return bench.drive.scale is None and bench.drive.channels.drive in {"current", "voltage"}
+
+
+def _aliased(effect: Effect, bench: Bench, case: str) -> Effect:
+    """The effect with what no log of this rig tells from it.
+
+    A wrong k_i scales inertia and gravity: where one of them is open, or is not there, the other alone shows
+    it. A voltage alone knows R/k_i only.
+    """
+    if not _declared(bench):
         return effect
-    return replace(effect, aliases=(*effect.aliases, "ki_mismatch")) if "J_m" in drive.open else effect
+    left_open = set(bench.drive.open)
+    alike = {
+        "mass_mismatch": {"ki_mismatch"} if "J_m" in left_open else set(),
+        "inertia_mismatch": {"ki_mismatch"} if case == "C1" or "gravity" in left_open else set(),
+        "ki_mismatch": {"resistance_mismatch"} if bench.drive.by_voltage else set(),
+    }
+    return replace(effect, aliases=(*effect.aliases, *alike.get(effect.family, set())))
 
 
 def _told_apart(effect: Effect, bench: Bench, rig: Rig) -> bool:

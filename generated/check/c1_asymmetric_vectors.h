@@ -1,5 +1,5 @@
 /*
- * Generated: do not edit. Written beside c1_asymmetric.c (program 3321e2ab).
+ * Generated: do not edit. Written beside c1_asymmetric.c (program ffb79a78).
  * What the self-test expects; computed by the emitted NumPy module.
  */
 #define INPUTS 4u
