@@ -10,7 +10,7 @@ from eccentric.model import vocabulary as v
 
 MEANINGS = {
     "ke_mismatch": "The back-EMF constant is not the declared one: another winding, or weak magnets.",
-    "resistance_mismatch": "The armature's resistance is not the declared one: cable, brushes, a warm winding.",
+    "resistance_mismatch": "The resistance is not the declared one: cable, brushes, a warm winding.",
     "armature_inductance": "The winding's inductance, which the paper neglects: voltage as current changes.",
 }
 resistance = quantity("armature_R", "Ohm", "true resistance less the declared one")
