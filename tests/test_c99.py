@@ -172,7 +172,7 @@ def test_the_header_says_where_to_begin(name: str) -> None:
     (begin,) = re.findall(r"^/\* Begin with (.*?)\*/", text, re.DOTALL | re.MULTILINE)
     named = [f"{name}_mechanical_friction_torque", f"{name}_normal_force"]
 
-    assert named == re.findall(rf"{name}_\w+(?=, what|;)", begin)
+    assert named == re.findall(rf"{name}_\w+(?=, the friction|;)", begin)
     assert all(f"\nECCENTRIC_REAL {function}(" in text for function in named)
 
 
