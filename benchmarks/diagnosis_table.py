@@ -124,12 +124,12 @@ def _honest(r: Result) -> bool:
 
 
 def _good(r: Result) -> bool:
-    return {
-        "single": max(r.beyond, default=0) <= ALIAS or r.named == r.truth,
-        "control": r.verdict == "nothing_missing",
-        "pair": set(r.named) == set(r.truth),
-        "outside": _honest(r),
-    }[r.job.kind]
+    if r.job.kind == "control":
+        return r.verdict == "nothing_missing"
+    if r.job.kind == "outside":
+        return _honest(r)
+    alias = r.job.kind == "single" and max(r.beyond, default=0) <= ALIAS
+    return alias or set(r.named) == set(r.truth)
 
 
 def _miss(r: Result) -> str:

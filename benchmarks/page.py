@@ -10,6 +10,7 @@ import os
 import platform
 import subprocess
 import sys
+import traceback
 from collections.abc import Callable, Mapping
 from pathlib import Path
 
@@ -48,6 +49,7 @@ def main() -> int:
         try:
             found[name] = PARTS[name][1](wanted.quick)
         except Exception as error:  # noqa: BLE001 - an hour of other figures is not lost to one part
+            traceback.print_exc()
             failed, reason = True, (str(error).strip().splitlines() or [""])[-1]
             found[name] = Part({}, [f"Not measured: {type(error).__name__}: {reason}"])
         tell("")

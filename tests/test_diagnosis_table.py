@@ -1,0 +1,48 @@
+"""The benchmark of the diagnosis counts what it is told: hits, false alarms, honest and dishonest answers."""
+
+from benchmarks.diagnosis import Job, Result
+from benchmarks.diagnosis_table import details, figures
+
+
+def result(
+    kind: str, truth: list[str], verdict: str, named: list[str] | None = None, **others: object
+) -> Result:
+    """Return what came of a log; the ranking is what was named."""
+    job = Job(kind, 0, tuple((family, 0.1) for family in truth))
+    named = named or []
+    return Result(job, verdict, truth, [0.1] * len(truth), named, named, probability=0.95, **others)  # pyright: ignore[reportArgumentType]
+
+
+RESULTS = [
+    result("single", ["stribeck"], "named", ["stribeck"]),
+    result("single", ["stribeck"], "named", ["cogging"]),
+    result("single", ["stribeck"], "unexplained", depends=["velocity"]),
+    result("single", ["backlash"], "nothing_missing"),
+    result("control", [], "nothing_missing"),
+    result("control", [], "unexplained"),
+    result("pair", ["stribeck", "cogging"], "named", ["cogging", "stribeck"]),
+    result("outside", ["velocity"], "unexplained", depends=["time", "velocity"]),
+    result("outside", ["velocity"], "unexplained", depends=["time", "link_angle", "velocity"]),
+    result("outside", ["velocity"], "named", ["stribeck"]),
+]
+LONG = [result("long", ["stribeck"], "named", ["stribeck"], seconds=3.0, memory=0.5)]
+
+
+def test_fractions_are_those_of_the_logs() -> None:
+    """One of four singles is right, one wrong; one control of two a false alarm; one of three honest."""
+    found = {key: one.value for key, one in figures(RESULTS, LONG).items()}
+
+    assert {"first": 0.25, "wrong": 0.25, "false alarms": 0.5, "both": 1.0, "outside": 1 / 3} == {
+        key: found[key] for key in ("first", "wrong", "false alarms", "both", "outside")
+    }
+    assert (2 / 3, 3.0, 0.5) == (found["sure"], found["seconds"], found["memory"])
+
+
+def test_every_miss_has_a_line_and_no_hit_has() -> None:
+    """Three singles, the false alarm, and two outside the library."""
+    lines = details(RESULTS)
+    misses = lines[lines.index("Misses:") + 4 :]
+
+    assert ["single", "single", "single", "control", "outside", "outside"] == [
+        line.split("|")[1].strip() for line in misses
+    ]
