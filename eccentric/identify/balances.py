@@ -64,7 +64,7 @@ def bench_of(drive: Drive, rig: Rig, model: Model) -> Bench:
     starts = tuple(int(k) for k in np.flatnonzero(np.r_[True, np.diff(channels.segment) != 0]))
     dt = np.diff(channels.t, append=channels.t[-1] + np.median(np.diff(channels.t)))
     dt[[start - 1 for start in starts if start > 0]] = float(np.median(dt))
-    signals = Signals(values, dt, starts, known, friction=seen_columns(model, known))
+    signals = Signals(values, dt, starts, known, friction=seen_columns(model, known), base=model)
     gravity, slope = gravity_of(model, signals)
     signals = replace(signals, open=drive.columns(gravity, slope))
     return Bench(drive, signals, rows_of(channels, rig), gravity)

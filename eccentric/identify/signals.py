@@ -1,13 +1,14 @@
 """What expressions are evaluated on, and how: smooth signals of one log, and an expression compiled for them.
 
-Definitions are expanded, careful steps replaced by what they mean, known parameters put in, and what is left
-is compiled to NumPy.
+What the base model defines is a signal too, computed once. Other definitions are expanded, careful steps
+replaced by what they mean, known parameters put in, and what is left is compiled to NumPy.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -32,6 +33,7 @@ class Signals:
         known: value of every parameter that is no friction coefficient.
         open: what the rig leaves open, name -> column of torque [N m]; part of every base.
         friction: positions of the columns of the regressor that are not zero throughout.
+        base: the model whose definitions are signals.
     """
 
     values: Mapping[str, Array]
@@ -40,6 +42,7 @@ class Signals:
     known: Mapping[str, float]
     open: Mapping[str, Array] = field(default_factory=dict)
     friction: tuple[int, ...] | None = None
+    base: Model | None = None
 
     def columns(self, model: Model) -> tuple[Column, ...]:
         """The friction columns of a model that the log can show."""
@@ -50,6 +53,36 @@ class Signals:
     def size(self) -> int:
         """Number of samples."""
         return len(self.dt)
+
+    @cached_property
+    def defined(self) -> dict[sp.Symbol, tuple[sp.Expr, Array]]:
+        """What the base model defines, as far as the log tells it: symbol -> (its formula, its values)."""
+        found: dict[sp.Symbol, tuple[sp.Expr, Array]] = {}
+        given = {**self.values, **self.known}
+        for definition in () if self.base is None else self.base.definitions:
+            function, arguments = _function(meaning(definition.value), self.known, ())
+            if given.keys() >= set(arguments):
+                with np.errstate(all="ignore"):
+                    values = np.asarray(function(*(given[a] for a in arguments)), float)
+                found[definition.symbol] = definition.value, values
+                given[definition.quantity.name] = values
+        return found
+
+    def given(self, shape: Mapping[str, float], series: Mapping[str, Array]) -> dict[str, Any]:
+        """All that an expression may use, by name."""
+        own = {symbol.name: values for symbol, (_, values) in self.defined.items()}
+        return {**own, **self.values, "dt": self.dt, **series, **shape}
+
+    def expanded(self, model: Model, expression: sp.Expr, names: Collection[str]) -> sp.Expr:
+        """The expression in signals, states and shapes of these names, careful steps as what they mean."""
+        put_in: dict[sp.Symbol, sp.Expr] = {}
+        for definition in model.definitions:
+            symbol, value = definition.symbol, definition.value
+            used = value.free_symbols
+            own = not used.isdisjoint(put_in) or any(s.name in names for s in used)
+            if own or symbol not in self.defined or self.defined[symbol][0] != value:
+                put_in[symbol] = value.xreplace(put_in)
+        return meaning(expression.xreplace(put_in))
 
 
 def base_columns(model: Model, signals: Signals) -> Array:
@@ -65,7 +98,7 @@ def compiled(
     function, arguments = lambdified(model, expression, signals, names)
 
     def evaluate(shape: Mapping[str, float], series: Mapping[str, Array]) -> Array:
-        given = {**signals.values, "dt": signals.dt, **series, **shape}
+        given = signals.given(shape, series)
         with np.errstate(all="ignore"):
             return np.broadcast_to(
                 np.asarray(function(*(given[a] for a in arguments)), float), (signals.size,)
@@ -75,18 +108,20 @@ def compiled(
 
 
 def lambdified(
-    model: Model, expression: sp.Expr, signals: Signals, names: tuple[str, ...], modules: str = "numpy"
+    model: Model, expression: sp.Expr, signals: Signals, names: tuple[str, ...]
 ) -> tuple[Callable[..., Any], list[str]]:
-    """An expression as a function, and the names of its arguments.
+    """An expression as a NumPy function, and its arguments; `names` are those of shapes, which stay free."""
+    return _function(signals.expanded(model, expression, names), signals.known, names)
 
-    `names` are those of shapes, which stay free; `modules` is what sympy.lambdify computes with.
-    """
-    plain = meaning(model.expand(expression))
+
+def _function(
+    expression: sp.Expr, known: Mapping[str, float], names: tuple[str, ...]
+) -> tuple[Callable[..., Any], list[str]]:
     numbers = {
-        s: sp.Float(signals.known[s.name], 17)
-        for s in plain.free_symbols
-        if s.name in signals.known and s.name not in names
+        s: sp.Float(known[s.name], 17)
+        for s in expression.free_symbols
+        if s.name in known and s.name not in names
     }
-    plain = plain.xreplace(numbers)
+    plain = expression.xreplace(numbers)
     symbols = sorted(plain.free_symbols, key=str)
-    return sp.lambdify(symbols, plain, modules=modules, cse=True), [s.name for s in symbols]
+    return sp.lambdify(symbols, plain, modules="numpy", cse=True), [s.name for s in symbols]

@@ -14,7 +14,6 @@ from scipy.linalg import solve_banded
 from eccentric.identify.signals import Signals, lambdified
 from eccentric.model import Model
 from eccentric.model.model import State
-from eccentric.model.steps import meaning
 
 __all__ = ["States", "state_series"]
 
@@ -48,7 +47,7 @@ class States:
                 raise ValueError(f"states of {model.name} depend on each other in a circle")
             waiting.remove(state)
             done.add(state.symbol)
-            update = meaning(model.expand(state.update))
+            update = signals.expanded(model, state.update, names)
             gain = sp.diff(update, state.symbol)
             affine = state.symbol not in gain.free_symbols
             parts = (gain, sp.expand(update).subs(state.symbol, 0)) if affine else None
@@ -72,7 +71,7 @@ class States:
             return self._kept[key]
         series: dict[str, Array] = {}
         for state, step, functions in self._steps:
-            given = {**self._signals.values, "dt": self._signals.dt, **series, **shape}
+            given = self._signals.given(shape, series)
             n = self._signals.size
             parts = [
                 np.array(np.broadcast_to(np.asarray(f(*(given[a] for a in names)), float), (n,)))
