@@ -6,6 +6,8 @@ backwards over the angle, central differences after it, and a motion mask from t
 
 from __future__ import annotations
 
+import functools
+
 import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import make_interp_spline
@@ -33,7 +35,13 @@ def low_pass(x: Array, rate_hz: float, cut_hz: float) -> Array | None:
     """
     if cut_hz > 0.4 * rate_hz or len(x) <= _PADDING:
         return None
-    return np.asarray(sosfiltfilt(butter(2, cut_hz, fs=rate_hz, output="sos"), x, axis=0))
+    return np.asarray(sosfiltfilt(_sections(cut_hz, rate_hz), x, axis=0))
+
+
+@functools.lru_cache(maxsize=256)
+def _sections(cut_hz: float, rate_hz: float) -> Array:
+    """The low pass as second-order sections: a fit asks for that of the same log hundreds of times."""
+    return butter(2, cut_hz, fs=rate_hz, output="sos")
 
 
 def smoothed(t: Array, segment: NDArray[np.int64], x: Array, cut_hz: float) -> Array:

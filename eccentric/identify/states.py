@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from itertools import accumulate
+from bisect import bisect_left
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -103,37 +103,28 @@ class States:
         A state that is where it began stays there until a sample moves it: over those in between one leaps.
         """
         one, all_at_once = step
-        moving = np.flatnonzero(all_at_once(initial, parts) != initial)
+        moving = np.flatnonzero(all_at_once(initial, parts) != initial).tolist()
         rows = list(zip(*(part.tolist() for part in parts), strict=True))
-        found = np.full(self._signals.size, initial)
+        found = [initial] * self._signals.size
         for start, end in zip(
             self._signals.starts, [*self._signals.starts[1:], self._signals.size], strict=True
         ):
             k = start
             while (k := _next(moving, k)) < end - 1:
-                way = list(
-                    _until(
-                        initial, accumulate(map(rows.__getitem__, range(k, end - 1)), one, initial=initial)
-                    )
-                )
-                found[k : k + len(way)] = way
-                k += len(way)
-        return found
+                now = initial
+                while k < end - 1:
+                    now = one(now, rows[k])
+                    k += 1
+                    if now == initial:
+                        break
+                    found[k] = now
+        return np.array(found)
 
 
-def _next(moving: Array, k: int) -> int:
+def _next(moving: list[int], k: int) -> int:
     """The first of the sorted samples from k on; a number larger than all if there is none."""
-    at = int(np.searchsorted(moving, k))
-    return int(moving[at]) if at < len(moving) else sys.maxsize
-
-
-def _until(initial: float, values: Iterator[float]) -> Iterator[float]:
-    """The first value, and those after it up to one that is where the state began."""
-    yield next(values)
-    for value in values:
-        if value == initial:
-            return
-        yield value
+    at = bisect_left(moving, k)
+    return moving[at] if at < len(moving) else sys.maxsize
 
 
 def _apart(update: sp.Expr, state: sp.Symbol) -> tuple[sp.Expr, dict[sp.Symbol, sp.Expr]]:
