@@ -4,12 +4,12 @@ What is printed may be read in part: a reader that leaves is no error.
 """
 
 import os
+import secrets
 import shutil
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from tempfile import TemporaryDirectory
 
 from eccentric.errors import InputError
 
@@ -188,14 +188,20 @@ def _replace(target: Path, new: Path, old: Path, gone: list[str]) -> None:
 
 @contextmanager
 def _workshop(place: Path) -> Iterator[Path]:
-    """Yield a temporary folder in a folder, which is made if need be, and remove it afterwards."""
+    """Yield a temporary folder in a folder, which is made if need be, and remove it afterwards.
+
+    Its name is known before it is made: an interrupt at the very moment finds what it has to remove.
+    """
+    workshop = place / f"{MARKER}-{secrets.token_hex(8)}"
     try:
-        place.mkdir(parents=True, exist_ok=True)
-        workshop = TemporaryDirectory(dir=place, prefix=f"{MARKER}-")
-    except OSError as error:
-        raise InputError(f"{place}: required a place that can be written; {error.strerror}") from error
-    with workshop as name:
-        yield Path(name)
+        try:
+            place.mkdir(parents=True, exist_ok=True)
+            workshop.mkdir(mode=0o700)
+        except OSError as error:
+            raise InputError(f"{place}: required a place that can be written; {error.strerror}") from error
+        yield workshop
+    finally:
+        shutil.rmtree(workshop, ignore_errors=True)
 
 
 def _files(folder: Path) -> set[str]:

@@ -14,6 +14,7 @@ from types import SimpleNamespace
 import pytest
 
 from eccentric.cli import main
+from eccentric.output import whole_folder
 
 ROOT = Path(__file__).resolve().parents[1]
 
@@ -56,6 +57,27 @@ def test_an_interrupt_while_writing_leaves_what_was_there(
     if earlier:
         assert (out / "report.html").read_text() == "earlier"
         assert sorted(path.name for path in out.iterdir()) == [".eccentric", "report.html"]
+
+
+@pytest.mark.parametrize("earlier", [False, True], ids=["new", "earlier result"])
+def test_an_interrupt_as_the_temporary_folder_is_made_leaves_none(
+    earlier: bool, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The folder is on the disk, the statement that made it not yet over."""
+    out, make = tmp_path / "out", os.mkdir
+    if earlier:
+        out.mkdir()
+    there = sorted(tmp_path.rglob("*"))
+
+    def interrupted(path: str | os.PathLike[str], *others: int) -> None:
+        make(path, *others)
+        if Path(path).name.startswith(".eccentric-"):
+            raise KeyboardInterrupt
+
+    monkeypatch.setattr("os.mkdir", interrupted)
+    with pytest.raises(KeyboardInterrupt), whole_folder(out, "fit"):
+        pass
+    assert sorted(tmp_path.rglob("*")) == there
 
 
 @pytest.mark.skipif(os.name != "posix", reason="signals are those of POSIX")
