@@ -22,6 +22,7 @@ __all__ = [
     "show",
     "whole_file",
     "whole_folder",
+    "workshop",
 ]
 
 MARKER = ".eccentric"
@@ -95,8 +96,8 @@ def whole_file(path: str | os.PathLike[str]) -> Iterator[Path]:
     target = Path(path).resolve()
     if target.exists() and not target.is_file():
         raise InputError(f"{path}: required a file to write; received something that is not a regular file")
-    with _workshop(target.parent) as workshop:
-        new = workshop / target.name
+    with workshop(target.parent) as place:
+        new = place / target.name
         yield new
         new.replace(target)
 
@@ -115,16 +116,16 @@ def whole_folder(path: str | os.PathLike[str], command: str) -> Iterator[Path]:
     """
     target = own_folder(path)
     if not target.exists():
-        with _workshop(target.parent) as workshop:
-            new = workshop / target.name
+        with workshop(target.parent) as place:
+            new = place / target.name
             new.mkdir()
             yield new
             _mark(new, dict.fromkeys(_files(new), command))
             new.rename(target)
         return
     # In the folder itself: the same file system, and a place that can be written, whatever is above it.
-    with _workshop(target) as workshop:
-        new, old = workshop / "new", workshop / "old"
+    with workshop(target) as place:
+        new, old = place / "new", place / "old"
         new.mkdir()
         yield new
         names, there, listed = _files(new), _files(target), _listed(target)
@@ -187,21 +188,24 @@ def _replace(target: Path, new: Path, old: Path, gone: list[str]) -> None:
 
 
 @contextmanager
-def _workshop(place: Path) -> Iterator[Path]:
+def workshop(place: Path) -> Iterator[Path]:
     """Yield a temporary folder in a folder, which is made if need be, and remove it afterwards.
 
     Its name is known before it is made: an interrupt at the very moment finds what it has to remove.
+
+    Raises:
+        InputError: the folder cannot be made, or not written.
     """
-    workshop = place / f"{MARKER}-{secrets.token_hex(8)}"
+    own = place / f"{MARKER}-{secrets.token_hex(8)}"
     try:
         try:
             place.mkdir(parents=True, exist_ok=True)
-            workshop.mkdir(mode=0o700)
+            own.mkdir(mode=0o700)
         except OSError as error:
             raise InputError(f"{place}: required a place that can be written; {error.strerror}") from error
-        yield workshop
+        yield own
     finally:
-        shutil.rmtree(workshop, ignore_errors=True)
+        shutil.rmtree(own, ignore_errors=True)
 
 
 def _files(folder: Path) -> set[str]:

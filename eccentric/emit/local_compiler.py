@@ -10,10 +10,9 @@ import subprocess
 import sysconfig
 from collections.abc import Mapping
 from pathlib import Path
-from tempfile import TemporaryDirectory
 
 from eccentric.errors import InputError
-from eccentric.output import folder_to_write
+from eccentric.output import folder_to_write, workshop
 
 SHIM = "python-shim.c"
 """The file that calls the sources from Python: a name that no model has, whose names are identifiers of C."""
@@ -45,13 +44,12 @@ def built(name: str, files: Mapping[str, str], real: str) -> Path:
     folder = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "eccentric"
     library = folder / f"{name}_{real}_{hashlib.sha256(key.encode()).hexdigest()[:32]}.so"
     if not library.exists():
-        folder_to_write(folder).mkdir(parents=True, exist_ok=True)
-        with TemporaryDirectory(dir=folder) as place:
+        with workshop(folder_to_write(folder)) as place:
             for file, text in sources.items():
-                (Path(place) / file).write_text(text, encoding="utf-8")
-            made = Path(place) / library.name
+                (place / file).write_text(text, encoding="utf-8")
+            made = place / library.name
             included = [f"-I{python_headers()}"] if python else []
-            paths = [str(Path(place) / file) for file in sources if file.endswith(".c")]
+            paths = [str(place / file) for file in sources if file.endswith(".c")]
             _run([*command, "-shared", "-fPIC", *included, "-o", str(made), *paths, "-lm"])
             made.replace(library)
     return library
