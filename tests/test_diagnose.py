@@ -37,6 +37,15 @@ def test_finds_effects_of_several_kinds(
     assert ("named", [effect]) == (found.attribution.verdict, [e.family for e, _ in found.effects])
 
 
+def test_a_busy_drive_does_not_pass_for_noise(tmp_path: Path) -> None:
+    """What a drive does from sample to sample is no noise: a fit below it may be the right one."""
+    options = {"case": "C1", "mu": 1.0, "log_type": "traj", "noise": 0.003}
+    log, rig = log_of(tmp_path, 2, ("current_bias", 0.05), **options)
+    found = diagnose([log], rig)
+
+    assert ("named", ["current_bias"]) == (found.attribution.verdict, [e.family for e, _ in found.effects])
+
+
 def test_leaves_a_control_alone(tmp_path: Path) -> None:
     """Without an undeclared effect nothing is missing, and the emitted model is the paper's."""
     log, rig = log_of(tmp_path, 9004)

@@ -99,14 +99,15 @@ def balances_of(bench: Bench, rig: Rig, model: Model) -> tuple[list[Balance], di
         "mechanical", windows, target, base_columns(model, signals), names, lower, target
     )
     balances = [_once_filtered(mechanical, windows, channels.alpha_m, known)]
-    unseen = np.where(channels.held_out, np.nan, torque)
-    noise = {"mechanical": sensor_noise(unseen, windows)}
+    unseen = np.where(channels.held_out, np.nan, 1.0)
+    noise = {"mechanical": sensor_noise(unseen * torque, windows)}
     if drive.measured_twice and channels.voltage is not None:
         every = search_windows(channels, rig, moving=False)
         residual = known["k_i"] / known["R"] * (channels.voltage - known["k_e"] * channels.omega_m) - torque
         empty = np.empty((len(torque), 0))
         balances.append(make_balance("electrical", every, residual, empty, (), np.empty(0), target))
-        noise["electrical"] = sensor_noise(unseen, every)
+        # What the drive really does as quickly as noise is in the torque, and cancels in the residual.
+        noise["electrical"] = min(sensor_noise(unseen * x, every) for x in (torque, residual))
     return balances, noise
 
 
