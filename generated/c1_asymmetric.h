@@ -1,6 +1,6 @@
 /*
  * Generated: do not edit. Written by `make derive` from derivations/c1_asymmetric.py
- * (eccentric 0.1.0, program ffb79a78).
+ * (eccentric 0.1.0, program 440f8a4d).
  * Case C1 with friction that differs between the directions of motion.
  */
 /* Begin with c1_asymmetric_mechanical_friction_torque, the friction that a drive must compensate, or
@@ -11,7 +11,7 @@
 #include <stddef.h>
 
 /* C1_ASYMMETRIC_PROGRAM names the derivation that header and source come from; the source checks it. */
-#define C1_ASYMMETRIC_PROGRAM 0xffb79a78UL
+#define C1_ASYMMETRIC_PROGRAM 0x440f8a4dUL
 
 /* The working precision: double, or float by -DECCENTRIC_REAL=float. Files that differ in it do not link:
  * all functions carry it in their names, as c1_asymmetric_prepare_double. */
@@ -60,7 +60,7 @@
 #define c1_asymmetric_polynomial_neg ECCENTRIC_JOIN(c1_asymmetric_polynomial_neg_, ECCENTRIC_REAL)
 
 /* Rounding to nearest, and no product and sum in one step: -std=c99, or -ffp-contract=off, and no -ffast-math.
- * Then every platform gives the same bits, and no bits of the inputs are undefined behaviour.
+ * Then every platform whose arithmetic rounds correctly gives the same bits, and no bits of the inputs are undefined behaviour.
  * A NaN gives NaN; finite inputs give none, unless a sum overflows or an inertia is wanted that was not given;
  * an infinity gives NaN, infinity or what is said next.
  * Bounds of the rounding error in float and double, found by search where it does not say "proved",

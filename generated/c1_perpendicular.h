@@ -1,6 +1,6 @@
 /*
  * Generated: do not edit. Written by `make derive` from derivations/c1_perpendicular.py
- * (eccentric 0.1.0, program 04201a80).
+ * (eccentric 0.1.0, program 1d64d308).
  * Case C1: gravity perpendicular to the motion plane, steady motion.
  */
 /* Begin with c1_perpendicular_mechanical_friction_torque, the friction that a drive must compensate, or
@@ -11,7 +11,7 @@
 #include <stddef.h>
 
 /* C1_PERPENDICULAR_PROGRAM names the derivation that header and source come from; the source checks it. */
-#define C1_PERPENDICULAR_PROGRAM 0x04201a80UL
+#define C1_PERPENDICULAR_PROGRAM 0x1d64d308UL
 
 /* The working precision: double, or float by -DECCENTRIC_REAL=float. Files that differ in it do not link:
  * all functions carry it in their names, as c1_perpendicular_prepare_double. */
@@ -59,7 +59,7 @@
 #define c1_perpendicular_polynomial ECCENTRIC_JOIN(c1_perpendicular_polynomial_, ECCENTRIC_REAL)
 
 /* Rounding to nearest, and no product and sum in one step: -std=c99, or -ffp-contract=off, and no -ffast-math.
- * Then every platform gives the same bits, and no bits of the inputs are undefined behaviour.
+ * Then every platform whose arithmetic rounds correctly gives the same bits, and no bits of the inputs are undefined behaviour.
  * A NaN gives NaN; finite inputs give none, unless a sum overflows or an inertia is wanted that was not given;
  * an infinity gives NaN, infinity or what is said next.
  * Bounds of the rounding error in float and double, found by search where it does not say "proved",

@@ -1,6 +1,6 @@
 /*
  * Generated: do not edit. Written by `make derive` from derivations/c2_asymmetric.py
- * (eccentric 0.1.0, program c4c48b32).
+ * (eccentric 0.1.0, program 1bc91bbb).
  * Case C2 with friction that differs between the directions of motion.
  */
 /* Begin with c2_asymmetric_mechanical_friction_torque, the friction that a drive must compensate, or
@@ -11,7 +11,7 @@
 #include <stddef.h>
 
 /* C2_ASYMMETRIC_PROGRAM names the derivation that header and source come from; the source checks it. */
-#define C2_ASYMMETRIC_PROGRAM 0xc4c48b32UL
+#define C2_ASYMMETRIC_PROGRAM 0x1bc91bbbUL
 
 /* The working precision: double, or float by -DECCENTRIC_REAL=float. Files that differ in it do not link:
  * all functions carry it in their names, as c2_asymmetric_prepare_double. */
@@ -59,7 +59,7 @@
 #define c2_asymmetric_electrical_residual_n ECCENTRIC_JOIN(c2_asymmetric_electrical_residual_n_, ECCENTRIC_REAL)
 
 /* Rounding to nearest, and no product and sum in one step: -std=c99, or -ffp-contract=off, and no -ffast-math.
- * Then every platform gives the same bits, and no bits of the inputs are undefined behaviour.
+ * Then every platform whose arithmetic rounds correctly gives the same bits, and no bits of the inputs are undefined behaviour.
  * A NaN gives NaN; finite inputs give none, unless a sum overflows or an inertia is wanted that was not given;
  * an infinity gives NaN, infinity or what is said next.
  * In F_N a speed above 2^30 rad/s counts as 2^30 rad/s.

@@ -1,6 +1,6 @@
 /*
  * Generated: do not edit. Written by `make derive` from derivations/rotating_link.py
- * (eccentric 0.1.0, program 630629ad).
+ * (eccentric 0.1.0, program cfcc86da).
  * Rotating link with an unbalanced mass, plane tilted by phi, angular acceleration kept.
  */
 /* Begin with rotating_link_mechanical_friction_torque, the friction that a drive must compensate, or
@@ -11,7 +11,7 @@
 #include <stddef.h>
 
 /* ROTATING_LINK_PROGRAM names the derivation that header and source come from; the source checks it. */
-#define ROTATING_LINK_PROGRAM 0x630629adUL
+#define ROTATING_LINK_PROGRAM 0xcfcc86daUL
 
 /* The working precision: double, or float by -DECCENTRIC_REAL=float. Files that differ in it do not link:
  * all functions carry it in their names, as rotating_link_prepare_double. */
@@ -60,7 +60,7 @@
 #define rotating_link_electrical_residual_n ECCENTRIC_JOIN(rotating_link_electrical_residual_n_, ECCENTRIC_REAL)
 
 /* Rounding to nearest, and no product and sum in one step: -std=c99, or -ffp-contract=off, and no -ffast-math.
- * Then every platform gives the same bits, and no bits of the inputs are undefined behaviour.
+ * Then every platform whose arithmetic rounds correctly gives the same bits, and no bits of the inputs are undefined behaviour.
  * A NaN gives NaN; finite inputs give none, unless a sum overflows or an inertia is wanted that was not given;
  * an infinity gives NaN, infinity or what is said next.
  * In F_N a speed above 2^30 rad/s counts as 2^30 rad/s.

@@ -1,5 +1,5 @@
 /*
- * Generated: do not edit. Written beside c1_perpendicular.c (program 04201a80).
+ * Generated: do not edit. Written beside c1_perpendicular.c (program 1d64d308).
  * What the self-test expects; computed by the emitted NumPy module.
  */
 #define INPUTS 4u

@@ -1,5 +1,5 @@
 /*
- * Generated: do not edit. Written beside c2_asymmetric.c (program c4c48b32).
+ * Generated: do not edit. Written beside c2_asymmetric.c (program 1bc91bbb).
  * What the self-test expects; computed by the emitted NumPy module.
  */
 #define INPUTS 5u

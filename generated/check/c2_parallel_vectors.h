@@ -1,5 +1,5 @@
 /*
- * Generated: do not edit. Written beside c2_parallel.c (program ef50ef54).
+ * Generated: do not edit. Written beside c2_parallel.c (program 33b89868).
  * What the self-test expects; computed by the emitted NumPy module.
  */
 #define INPUTS 5u

@@ -1,5 +1,5 @@
 /*
- * Generated: do not edit. Written beside rotating_link.c (program 630629ad).
+ * Generated: do not edit. Written beside rotating_link.c (program cfcc86da).
  * What the self-test expects; computed by the emitted NumPy module.
  */
 #define INPUTS 5u
