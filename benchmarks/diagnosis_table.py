@@ -49,8 +49,9 @@ def figures(results: Sequence[Result], slow: Sequence[Result]) -> dict[str, Meas
             pair, lambda r: set(r.truth) <= set(r.named), lambda ranked, r: set(r.truth) <= set(ranked[:2])
         ),
         "sure": _fraction(sure, lambda r: r.named[0] in r.truth),
-        "seconds": Measured(max(r.seconds for r in slow)),
-        "memory": Measured(max(r.memory for r in [*results, *slow])),
+        # Of one that failed there is no figure.
+        "seconds": Measured(float(np.max([r.seconds or np.nan for r in slow]))),
+        "memory": Measured(max(r.memory for r in [*results, *slow]) or float("nan")),
     }
     for key, part in (("oracle median", 0.5), ("oracle 90", 0.9)):
         peer = f"{np.quantile(peers, part):+.1f} %" if peers else ""

@@ -147,6 +147,23 @@ def test_two_scripts_of_one_name_are_refused_before_the_work(
     assert (2, f"eccentric: error: {said}\n") == (status, capsys.readouterr().err)
 
 
+def test_a_model_with_a_hidden_state_is_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """An effect with a memory is diagnose's to add: a base model that has one is named in one line."""
+    model = tmp_path / "bristles.py"
+    model.write_text(
+        "from eccentric.model import load_model\n"
+        "from tests.extended import effects\n\n"
+        'model = effects("C2")["presliding"].extend(load_model("c2_parallel"))\n',
+        encoding="utf-8",
+    )
+    arguments = [str(LOG), "--rig", str(TOML), "--model", str(model), "--out", str(tmp_path / "out")]
+    status = main(["diagnose", *arguments])
+    error = [line for line in capsys.readouterr().err.splitlines() if "warning" not in line]
+
+    assert (2, 1) == (status, len(error))
+    assert "required a model without hidden states for diagnose, got one with presliding_z" in error[0]
+
+
 @pytest.mark.parametrize("command", ["fit", "diagnose"])
 def test_a_model_of_another_case_is_refused(
     command: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]

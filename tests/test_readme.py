@@ -11,6 +11,7 @@ import pytest
 from generated import c2_parallel
 from tests.compiled import FLAGS, run
 from tests.hosts import both_reals, need
+from tests.test_tutorial import first_difference, outputs
 
 ROOT = Path(__file__).resolve().parents[1]
 README = (ROOT / "README.md").read_text(encoding="utf-8")
@@ -53,3 +54,15 @@ def test_the_python_runs_as_printed(tmp_path: Path, monkeypatch: pytest.MonkeyPa
 
     assert "" == done.stderr
     assert (100 * 4, 1)[number] == int(done.stdout)
+
+
+def test_the_first_result_is_what_make_prints(tmp_path: Path) -> None:
+    """Words exactly, numbers to 2 %, for the two commands that `make` runs on the bundled log."""
+    (tmp_path / "examples").symlink_to(ROOT / "examples")
+    recipe = (ROOT / "Makefile").read_text(encoding="utf-8")
+    script = re.findall(r"^\t@\$\(BIN\)/(eccentric (?:fit|diagnose) .*)$", recipe, re.MULTILINE)
+    (shown,) = re.findall(r"^```\n(bench\.csv\.gz: .*?)^```$", README, re.DOTALL | re.MULTILINE)
+
+    fitted, diagnosed = outputs(script, tmp_path)
+
+    assert first_difference(shown, f"{fitted}\n{diagnosed}") is None

@@ -73,13 +73,13 @@ def diagnose(
         tell: told one line per stage.
 
     Raises:
-        InputError: bad input, a model with a tilt, or fewer than two rows to hold out.
+        InputError: bad input, a model with a tilt or hidden states, or fewer than two rows to hold out.
     """
     tell = tell or (lambda _: None)
     rig = read_rig(rig_path)
     channels = read_channels(logs, rig)
     rig, names = channels.rig, tuple(Path(log).name for log in logs)
-    plain = _untilted(load_model(model or rig.model))
+    plain = _supported(load_model(model or rig.model))
     tell(f"{channels.counts['used']} rows used of {channels.rows_read}")
     drive = drive_of(channels, rig, plain)
     base, channels = loaded_model(plain, rig), drive.channels
@@ -121,9 +121,15 @@ def diagnose(
     )
 
 
-def _untilted(model: Model) -> Model:
+def _supported(model: Model) -> Model:
     if "phi" in {q.name for q in model.parameters}:
         raise InputError(f"{model.name}: required a model of case C1 or C2 for diagnose, got one with a tilt")
+    if model.states:
+        names = ", ".join(state.quantity.name for state in model.states)
+        raise InputError(
+            f"{model.name}: required a model without hidden states for diagnose, got one with {names}"
+            " (diagnose adds the effect that has them itself)"
+        )
     return model
 
 

@@ -56,12 +56,16 @@ class Signals:
 
     @cached_property
     def defined(self) -> dict[sp.Symbol, tuple[sp.Expr, Array]]:
-        """What the base model defines, as far as the log tells it: symbol -> (its formula, its values)."""
+        """What the base model defines, as far as the log tells it: symbol -> (its formula, its values).
+
+        What bears the name of something else that expressions use is left out: it is expanded.
+        """
         found: dict[sp.Symbol, tuple[sp.Expr, Array]] = {}
         given = {**self.values, **self.known}
+        others = {*given, "dt"}
         for definition in () if self.base is None else self.base.definitions:
             function, arguments = _function(meaning(definition.value), self.known, ())
-            if given.keys() >= set(arguments):
+            if definition.quantity.name not in others and given.keys() >= set(arguments):
                 with np.errstate(all="ignore"):
                     values = np.asarray(function(*(given[a] for a in arguments)), float)
                 found[definition.symbol] = definition.value, values

@@ -149,7 +149,13 @@ def parse_value(text: str, required: str, where: str, counts_per_rev: float | No
     divisor = float(match[2]) if match[2] else 1.0
     if divisor == 0.0:
         raise InputError(f"{where}: a finite number is required, received {text!r}")
-    unit = require_unit(match[3] or "1", required, where, counts_per_rev)
+    try:
+        unit = require_unit(match[3] or "1", required, where, counts_per_rev)
+    except InputError:
+        if match[3]:
+            raise
+        choices = ", ".join(_choices(required, where))
+        raise InputError(f"{where}: a unit is required ({choices}), received {text!r}") from None
     return unit.to_si(float(match[1]) / divisor)
 
 

@@ -123,7 +123,8 @@ int main(void)
     if (with >= without / LEAST_GAIN) {
         semihosting_write("failed: the compensation gains less than a factor of 5.\n"
                           "Either the drive (drive.c) is not the one that c2_parallel was emitted for,\n"
-                          "or the reference or the feedback of main.c does not suit it.\n");
+                          "or the reference or the feedback of main.c does not suit it,\n"
+                          "or it has little friction to compensate: LEAST_GAIN says what is asked.\n");
         return 1;
     }
     return 0;
