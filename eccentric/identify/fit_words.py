@@ -134,7 +134,10 @@ def _bounds_line(fit: Fit) -> list[str]:
     if not fit.bounds_active:
         return []
     gain = 100.0 * (1.0 - free / held)
-    text = f"bound active on {', '.join(fit.bounds_active)}; without bounds the held-out RMSE is {free:.4g}"
+    text = f"bound active on {', '.join(fit.bounds_active)}"
+    if any(e.widened for e in fit.coefficients.values()):
+        text += ", which widens the intervals that have no std error"
+    text += f"; without bounds the held-out RMSE is {free:.4g}"
     if gain >= _CLEAR:
         text += f", {gain:.2g} % less: a sign of an effect that the model lacks"
     return [text]
