@@ -1,14 +1,14 @@
 """What expressions are evaluated on, and how: smooth signals of one log, and an expression compiled for them.
 
 What the base model defines is a signal too, computed once. Other definitions are expanded, careful steps
-replaced by what they mean, known parameters put in, and what is left is compiled to NumPy.
+replaced by what they mean, and what is left is compiled to NumPy.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass, field
-from functools import cached_property
+from functools import cached_property, lru_cache
 from typing import Any
 
 import numpy as np
@@ -61,10 +61,10 @@ class Signals:
         What bears the name of something else that expressions use is left out: it is expanded.
         """
         found: dict[sp.Symbol, tuple[sp.Expr, Array]] = {}
-        given = {**self.values, **self.known}
+        given = {**self.known, **self.values}
         others = {*given, "dt"}
         for definition in () if self.base is None else self.base.definitions:
-            function, arguments = _function(meaning(definition.value), self.known, ())
+            function, arguments = _function_of(meaning(definition.value))
             if definition.quantity.name not in others and given.keys() >= set(arguments):
                 with np.errstate(all="ignore"):
                     values = np.asarray(function(*(given[a] for a in arguments)), float)
@@ -72,10 +72,14 @@ class Signals:
                 given[definition.quantity.name] = values
         return found
 
+    @cached_property
+    def _own(self) -> dict[str, Any]:
+        defined = {symbol.name: values for symbol, (_, values) in self.defined.items()}
+        return {**self.known, **defined, **self.values, "dt": self.dt}
+
     def given(self, shape: Mapping[str, float], series: Mapping[str, Array]) -> dict[str, Any]:
         """All that an expression may use, by name."""
-        own = {symbol.name: values for symbol, (_, values) in self.defined.items()}
-        return {**own, **self.values, "dt": self.dt, **series, **shape}
+        return {**self._own, **series, **shape}
 
     def expanded(self, model: Model, expression: sp.Expr, names: Collection[str]) -> sp.Expr:
         """The expression in signals, states and shapes of these names, careful steps as what they mean."""
@@ -113,19 +117,13 @@ def compiled(
 
 def lambdified(
     model: Model, expression: sp.Expr, signals: Signals, names: tuple[str, ...]
-) -> tuple[Callable[..., Any], list[str]]:
-    """An expression as a NumPy function, and its arguments; `names` are those of shapes, which stay free."""
-    return _function(signals.expanded(model, expression, names), signals.known, names)
+) -> tuple[Callable[..., Any], tuple[str, ...]]:
+    """An expression as a NumPy function, and the names of its arguments; `names` are those of shapes."""
+    return _function_of(signals.expanded(model, expression, names))
 
 
-def _function(
-    expression: sp.Expr, known: Mapping[str, float], names: tuple[str, ...]
-) -> tuple[Callable[..., Any], list[str]]:
-    numbers = {
-        s: sp.Float(known[s.name], 17)
-        for s in expression.free_symbols
-        if s.name in known and s.name not in names
-    }
-    plain = expression.xreplace(numbers)
-    symbols = sorted(plain.free_symbols, key=str)
-    return sp.lambdify(symbols, plain, modules="numpy", cse=True), [s.name for s in symbols]
+@lru_cache(maxsize=2000)
+def _function_of(expression: sp.Expr) -> tuple[Callable[..., Any], tuple[str, ...]]:
+    """An expression as a function of its symbols, and their names; made once for all logs of a process."""
+    symbols = sorted(expression.free_symbols, key=str)
+    return sp.lambdify(symbols, expression, modules="numpy", cse=True), tuple(s.name for s in symbols)
