@@ -24,12 +24,12 @@ from benchmarks.asked import DIAGNOSIS
 from benchmarks.oracle import oracle
 from benchmarks.outside import OUTSIDE
 from benchmarks.record import Part, table, tell
-from eccentric.bench import random_scenario, simulate, write
-from eccentric.bench.effects import EFFECTS
-from eccentric.bench.effects.record import Effect, simply
+from eccentric.diagnosis.diagnose import diagnose
+from eccentric.diagnosis.document import document
 from eccentric.errors import InputError
-from eccentric.identify.diagnose import diagnose
-from eccentric.identify.diagnosis import document
+from eccentric.virtual_bench import random_scenario, simulate, write
+from eccentric.virtual_bench.effects import EFFECTS
+from eccentric.virtual_bench.effects.record import Effect, simply
 
 # Those below have been looked at while the method was changed, and judge no more.
 FIRST_SEED = 70000

@@ -12,8 +12,8 @@ from matplotlib.lines import Line2D
 from measured_plot import AFTER, BEFORE, INK, PALE, STYLE, band, friction, over_speed, pair
 from scipy.signal import lombscargle
 
-from eccentric.identify.diagnose import Diagnosis
-from eccentric.identify.refit import Refit, refit, residual_samples
+from eccentric.diagnosis.diagnose import Diagnosis
+from eccentric.fitting.refit import Refit, refit, residual_samples
 
 RPM = 30.0 / np.pi
 COPPER = 0.39

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from measured_page import Cell, Table, table
 
-from eccentric.identify.diagnose import Diagnosis
+from eccentric.diagnosis.diagnose import Diagnosis
 
 
 def _identified(found: Diagnosis, shown: dict[str, tuple[str, float]]) -> dict[str, list[Cell]]:

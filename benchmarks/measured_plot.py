@@ -7,8 +7,8 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 
-from eccentric.identify.diagnose import Diagnosis
-from eccentric.identify.refit import Refit
+from eccentric.diagnosis.diagnose import Diagnosis
+from eccentric.fitting.refit import Refit
 
 Array = np.ndarray
 

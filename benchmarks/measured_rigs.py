@@ -26,9 +26,9 @@ from measured_free import K_E, free_errors
 from measured_identified import IDENTIFIED
 from measured_page import Cell, Table, table
 
-from eccentric.identify.diagnose import Diagnosis, diagnose
-from eccentric.identify.diagnosis_words import lines
-from eccentric.identify.uncertainty import improvement
+from eccentric.diagnosis.diagnose import Diagnosis, diagnose
+from eccentric.diagnosis.words import lines
+from eccentric.fitting.uncertainty import improvement
 
 ROOT = Path(__file__).resolve().parents[1]
 OUT = ROOT / "docs" / "measured"

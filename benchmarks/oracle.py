@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Collection
 
+from eccentric.diagnosis.diagnose import Diagnosis
 from eccentric.effects import library
-from eccentric.identify.diagnose import Diagnosis
-from eccentric.identify.refit import refit
+from eccentric.fitting.refit import refit
 
 
 def oracle(found: Diagnosis, families: Collection[str]) -> tuple[str, float] | None:

@@ -14,8 +14,8 @@ from pathlib import Path
 import numpy as np
 
 from benchmarks import environment
-from eccentric.identify.diagnose import Diagnosis
-from eccentric.identify.signals import base_columns
+from eccentric.diagnosis.diagnose import Diagnosis
+from eccentric.fitting.expressions import base_columns
 
 Array = np.ndarray
 ORDERS = range(1, 13)

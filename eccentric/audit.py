@@ -8,7 +8,7 @@ from collections.abc import Mapping
 import numpy as np
 import sympy as sp
 
-from eccentric.emit import load_module
+from eccentric.emission import load_module
 from eccentric.model import Quantity, load_model
 from eccentric.model import vocabulary as v
 

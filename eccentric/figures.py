@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 import sympy as sp
 
-from eccentric.emit import load_module
+from eccentric.emission import load_module
 from eccentric.errors import InputError
 from eccentric.model import load_model
 from eccentric.model import vocabulary as v

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from eccentric.identify.report.data import (
+from eccentric.report.data import (
     AddedEffect,
     Balance,
     Candidate,

@@ -11,8 +11,8 @@ import pytest
 from mpmath import mpf
 
 from eccentric.effects import Effect
-from eccentric.emit import render
-from eccentric.emit.accuracy import (
+from eccentric.emission import render
+from eccentric.emission.accuracy import (
     FRICTION_TORQUE,
     GRADIENT,
     LARGEST_SHIFT,

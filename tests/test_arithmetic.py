@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from eccentric.errors import InputError
-from eccentric.identify.arithmetic import MAX_DEPTH, MAX_LENGTH, evaluate
+from eccentric.logs.arithmetic import MAX_DEPTH, MAX_LENGTH, evaluate
 
 COLUMNS = {
     "a": np.array([1.0, 2.0, 3.0]),

@@ -8,9 +8,9 @@ from dataclasses import dataclass
 import numpy as np
 import pytest
 
-from eccentric.identify.candidates import Candidate
-from eccentric.identify.residual import make_balance, make_windows
-from eccentric.identify.verdict import Attribution, attribute
+from eccentric.search.candidates import Candidate
+from eccentric.search.verdict import Attribution, attribute
+from eccentric.signals.residual import make_balance, make_windows
 
 MU, NOISE = 0.2, 0.004
 

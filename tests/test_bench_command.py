@@ -6,9 +6,9 @@ from pathlib import Path
 import pytest
 
 from eccentric import cli
-from eccentric.bench import EFFECTS
 from eccentric.cli.bench import VARIANTS
 from eccentric.errors import InputError
+from eccentric.virtual_bench import EFFECTS
 from tests.virtual import drawn_scenario
 
 ROOT = Path(__file__).resolve().parents[1]

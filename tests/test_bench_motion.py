@@ -7,9 +7,9 @@ from math import exp, log, sin
 import numpy as np
 import pytest
 
-from eccentric.bench.effects import Effect
-from eccentric.bench.motion import Motion, laws, mover
-from eccentric.bench.plant import Plant
+from eccentric.virtual_bench.effects import Effect
+from eccentric.virtual_bench.motion import Motion, laws, mover
+from eccentric.virtual_bench.plant import Plant
 from tests.virtual import drawn_scenario
 
 # Table 1 of the paper at mu = 1/5, in the reading that its F_1 and F_0 take: k_e = 0.2 V s/rad, F_T = M_l g.

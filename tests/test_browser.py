@@ -8,8 +8,8 @@ from typing import Any
 import pytest
 from reported import HOSTILE, nothing_missing, sample
 
-from eccentric.identify.diagnose import diagnose
-from eccentric.identify.report import page, report
+from eccentric.diagnosis.diagnose import diagnose
+from eccentric.report import page, report
 
 playwright = pytest.importorskip("playwright.sync_api", reason="Playwright is not installed")
 

@@ -5,10 +5,10 @@ from pathlib import Path
 
 import pytest
 
-from eccentric.identify.channels import read_channels
-from eccentric.identify.diagnose import diagnose
-from eccentric.identify.diagnosis_words import sentence
-from eccentric.identify.rig import read_rig
+from eccentric.diagnosis.diagnose import diagnose
+from eccentric.diagnosis.words import sentence
+from eccentric.rigs.rig import read_rig
+from eccentric.signals.channels import read_channels
 from tests.virtual import log_of
 
 

@@ -8,10 +8,10 @@ from typing import Any
 import numpy as np
 import pytest
 
-from eccentric.bench import random_scenario, simulate, write
-from eccentric.bench.effects.record import Effect, simply
 from eccentric.cli import main
-from eccentric.identify.diagnose import diagnose
+from eccentric.diagnosis.diagnose import diagnose
+from eccentric.virtual_bench import random_scenario, simulate, write
+from eccentric.virtual_bench.effects.record import Effect, simply
 from tests.virtual import log_of
 
 ROOT = Path(__file__).resolve().parent.parent

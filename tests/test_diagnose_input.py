@@ -7,10 +7,10 @@ from pathlib import Path
 import pytest
 
 from eccentric.cli import main
-from eccentric.identify.diagnose import diagnose
-from eccentric.identify.diagnosis import document
-from eccentric.identify.diagnosis_words import sentence
-from eccentric.identify.report.gather import report_data
+from eccentric.diagnosis.diagnose import diagnose
+from eccentric.diagnosis.document import document
+from eccentric.diagnosis.words import sentence
+from eccentric.report.gather import report_data
 from tests import screw
 
 ROOT = Path(__file__).resolve().parent.parent

@@ -9,8 +9,8 @@ from typing import TypeVar
 import pytest
 import sympy as sp
 
-from eccentric.emit import Program, Routine, build_program, c99, numpy_module, render_program
-from eccentric.emit.program import Helper
+from eccentric.emission import Program, Routine, build_program, c99, numpy_module, render_program
+from eccentric.emission.program import Helper
 from eccentric.model import load_model
 from tests.extended import effects
 

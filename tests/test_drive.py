@@ -7,12 +7,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from eccentric.identify.balances import bench_of
-from eccentric.identify.channels import read_channels
-from eccentric.identify.drive import Drive, drive_of, loaded_model
-from eccentric.identify.refit import Refit, refit
-from eccentric.identify.rig import read_rig
+from eccentric.fitting.drive import Drive, drive_of, loaded_model
+from eccentric.fitting.refit import Refit, refit
 from eccentric.model import load_model
+from eccentric.rigs.rig import read_rig
+from eccentric.search.balances import bench_of
+from eccentric.signals.channels import read_channels
 from tests.identified import DIFFERENCES, inertia, is_found
 from tests.swing import HELD_OUT, VOLTAGE, Run, Swing, log_of, write_rig, write_runs
 

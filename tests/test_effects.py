@@ -8,7 +8,7 @@ import pytest
 import sympy as sp
 
 from eccentric.effects import FAMILIES, Effect, base_aliases, library, load_effects, meaning
-from eccentric.emit import load_module
+from eccentric.emission import load_module
 from eccentric.errors import InputError
 from eccentric.model import Definition, load_model, quantity
 from eccentric.model import vocabulary as v

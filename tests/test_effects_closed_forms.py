@@ -5,7 +5,7 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
-from eccentric.emit import load_module
+from eccentric.emission import load_module
 from eccentric.model import load_model
 from tests.extended import (
     BASE,

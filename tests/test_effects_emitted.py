@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from eccentric.emit import load_module
+from eccentric.emission import load_module
 from eccentric.model import load_model
 from tests.emitted import both_precisions
 from tests.extended import (

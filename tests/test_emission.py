@@ -19,7 +19,7 @@ import sympy as sp
 
 from eccentric import __version__
 from eccentric.cli import main
-from eccentric.emit import (
+from eccentric.emission import (
     Assignment,
     Input,
     Program,
@@ -36,8 +36,8 @@ from eccentric.emit import (
     render_program,
     write,
 )
-from eccentric.emit.build import build_program
-from eccentric.emit.render import python_view
+from eccentric.emission.build import build_program
+from eccentric.emission.render import python_view
 from eccentric.model import load_model, model_names, quantity
 from eccentric.places import folder
 from generated import c2_parallel

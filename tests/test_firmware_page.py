@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from eccentric.emit.check import render_check
+from eccentric.emission.check import render_check
 from tests import extended
 
 ROOT = Path(__file__).resolve().parents[1]

@@ -9,15 +9,15 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from eccentric.emit.hot import load_module
+from eccentric.emission.hot import load_module
 from eccentric.errors import InputError
-from eccentric.identify.channels import read_channels
-from eccentric.identify.fit import Fit, fit
-from eccentric.identify.fit_parameters import emitted_parameters
-from eccentric.identify.fit_report import document
-from eccentric.identify.fit_words import lines, sentence
-from eccentric.identify.rig import read_rig
+from eccentric.fitting.document import document
+from eccentric.fitting.fit import Fit, fit
+from eccentric.fitting.parameters import emitted_parameters
+from eccentric.fitting.words import lines, sentence
 from eccentric.model import load_model
+from eccentric.rigs.rig import read_rig
+from eccentric.signals.channels import read_channels
 from tests.planted import (
     FRICTION,
     INERTIA,

@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 from scipy.stats import binom
 
-from eccentric.identify.channels import Channels
-from eccentric.identify.fit import fit
-from eccentric.identify.fit_words import lines
-from eccentric.identify.rig import Rig
+from eccentric.fitting.fit import fit
+from eccentric.fitting.words import lines
 from eccentric.model import load_model
+from eccentric.rigs.rig import Rig
+from eccentric.signals.channels import Channels
 from tests.planted import (
     FRICTION,
     K_I,

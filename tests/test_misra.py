@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from eccentric.emit import render
+from eccentric.emission import render
 from tests.emitted import MODELS
 from tests.extended import AT_WORK, at_work
 

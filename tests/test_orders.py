@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from eccentric.identify.diagnose import Diagnosis, diagnose
-from eccentric.identify.orders import orders_of
+from eccentric.diagnosis.diagnose import Diagnosis, diagnose
+from eccentric.diagnosis.orders import orders_of
 from tests import screw
 from tests.screw import Array
 

@@ -13,12 +13,12 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from eccentric.bench import BenchRun, random_scenario, simulate
 from eccentric.errors import InputError
-from eccentric.identify.channels import read_channels
-from eccentric.identify.quality import Finding, assess
-from eccentric.identify.rig import read_rig
-from eccentric.identify.table import read_table
+from eccentric.rigs.rig import read_rig
+from eccentric.signals.channels import read_channels
+from eccentric.signals.quality.assess import Finding, assess
+from eccentric.signals.table import read_table
+from eccentric.virtual_bench import BenchRun, random_scenario, simulate
 
 ROOT = Path(__file__).resolve().parents[1]
 SHARED = ROOT / ".." / "shared" / "data"

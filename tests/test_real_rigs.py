@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from eccentric.identify.diagnose import Diagnosis, diagnose
+from eccentric.diagnosis.diagnose import Diagnosis, diagnose
 
 ROOT = Path(__file__).resolve().parents[1]
 MEASURED = ROOT.parent / "shared" / "data" / "measured"

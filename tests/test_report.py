@@ -9,12 +9,12 @@ import jinja2
 import pytest
 from jinja2 import meta
 
-from eccentric.identify import report as package
-from eccentric.identify.report import page
-from eccentric.identify.report.data import Errors
-from eccentric.identify.report.text import number, why
-from eccentric.identify.report.view import view
+from eccentric import report as package
 from eccentric.places import folder
+from eccentric.report import page
+from eccentric.report.data import Errors
+from eccentric.report.text import number, why
+from eccentric.report.view import view
 from tests.page_reader import Reader, figures_of
 from tests.reported import ADOPTED, RIVAL, balance_of, nothing_missing, rows_of, sample
 
@@ -74,7 +74,7 @@ def test_without_bokeh_the_report_is_words_and_tables(monkeypatch: pytest.Monkey
     for name in [name for name in sys.modules if name.split(".")[0] == "bokeh"]:
         monkeypatch.delitem(sys.modules, name)
     monkeypatch.setitem(sys.modules, "bokeh", None)
-    monkeypatch.delitem(sys.modules, "eccentric.identify.report.figures", raising=False)
+    monkeypatch.delitem(sys.modules, "eccentric.report.figures", raising=False)
     monkeypatch.delattr(package, "figures", raising=False)
     text = page(sample())
     reader = Reader(text)

@@ -5,8 +5,8 @@ from dataclasses import replace
 import sympy as sp
 
 from eccentric.effects import Setting, library
-from eccentric.identify.report.equation import friction_equations
 from eccentric.model import load_model, quantity
+from eccentric.report.equation import friction_equations
 
 
 def test_the_equation_has_every_friction_term() -> None:

@@ -12,9 +12,9 @@ import pytest
 
 from eccentric.cli import diagnose as command
 from eccentric.cli import main
-from eccentric.identify.diagnose import Diagnosis, diagnose
-from eccentric.identify.model_script import script
-from eccentric.identify.report import report_data
+from eccentric.diagnosis.diagnose import Diagnosis, diagnose
+from eccentric.diagnosis.model_script import script
+from eccentric.report import report_data
 from tests.page_reader import Reader
 
 ROOT = Path(__file__).resolve().parent.parent

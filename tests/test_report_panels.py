@@ -5,8 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from eccentric.identify.report.data import Channel
-from eccentric.identify.report.panels import POINTS, friction_panel, residual_panel, trace
+from eccentric.report.data import Channel
+from eccentric.report.panels import POINTS, friction_panel, residual_panel, trace
 from tests.reported import balance_of, rows_of
 
 

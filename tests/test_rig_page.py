@@ -9,13 +9,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from eccentric.identify.channels import read_channels
-from eccentric.identify.fit import Fit, fit
-from eccentric.identify.known import KNOWNS
-from eccentric.identify.rig import KEYS, read_rig
-from eccentric.identify.rig_columns import CHANNELS
-from eccentric.identify.units import parse_unit
+from eccentric.fitting.fit import Fit, fit
+from eccentric.logs.units import parse_unit
 from eccentric.model import load_model
+from eccentric.rigs.known import KNOWNS
+from eccentric.rigs.rig import KEYS, read_rig
+from eccentric.rigs.sources import CHANNELS
+from eccentric.signals.channels import read_channels
 
 ROOT = Path(__file__).parents[1]
 PAGE = (ROOT / "docs" / "rig.md").read_text(encoding="utf-8")

@@ -9,13 +9,13 @@ import numpy as np
 import pytest
 
 from eccentric.errors import InputError
-from eccentric.identify.balances import bench_of
-from eccentric.identify.channels import Channels, read_channels
-from eccentric.identify.drive import drive_of
-from eccentric.identify.problem import pose
-from eccentric.identify.rig import Rig, read_rig
-from eccentric.identify.rows import rows_of
+from eccentric.fitting.drive import drive_of
+from eccentric.fitting.problem import pose
 from eccentric.model import load_model
+from eccentric.rigs.rig import Rig, read_rig
+from eccentric.search.balances import bench_of
+from eccentric.signals.channels import Channels, read_channels
+from eccentric.signals.rows import rows_of
 from tests import screw
 from tests.planted import FRICTION, K_I, KNOWN, MASS, MOTOR, RATE, TORQUE, T, fitted, motion, torque, written
 from tests.swing import GARBAGE_V, Run, Swing, driven, write_rig, write_runs

@@ -7,14 +7,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from eccentric.identify.balances import bench_of
-from eccentric.identify.channels import read_channels
-from eccentric.identify.drive import drive_of
-from eccentric.identify.emitted import Bench
-from eccentric.identify.refit import refit
-from eccentric.identify.rig import read_rig
-from eccentric.identify.score import leave_runs_out
+from eccentric.diagnosis.score import leave_runs_out
+from eccentric.fitting.drive import drive_of
+from eccentric.fitting.emitted import Bench
+from eccentric.fitting.refit import refit
 from eccentric.model import Model, load_model
+from eccentric.rigs.rig import read_rig
+from eccentric.search.balances import bench_of
+from eccentric.signals.channels import read_channels
 from tests.swing import Array, Swing, driven, write_rig, write_runs
 
 RIG = Swing()

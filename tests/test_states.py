@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from eccentric.identify.signals import Signals
-from eccentric.identify.states import state_series
+from eccentric.fitting.expressions import Signals
+from eccentric.fitting.states import state_series
 from eccentric.model import load_model
 from tests.extended import KNOWN, effects
 

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 from scipy.stats import binom
 
-from eccentric.identify.least_squares import bounded
-from eccentric.identify.uncertainty import (
+from eccentric.fitting.least_squares import bounded
+from eccentric.fitting.uncertainty import (
     FRACTION,
     TWO_SIDED,
     covariance,

@@ -8,10 +8,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from eccentric.identify.diagnose import Diagnosis, diagnose
-from eccentric.identify.diagnosis import document
-from eccentric.identify.refit import refit
-from eccentric.identify.report.gather import report_data
+from eccentric.diagnosis.diagnose import Diagnosis, diagnose
+from eccentric.diagnosis.document import document
+from eccentric.fitting.refit import refit
+from eccentric.report.gather import report_data
 from tests.identified import DIFFERENCES, inertia, is_found
 from tests.swing import HELD_OUT, VOLTAGE, Array, Friction, Swing, log_of, sines, write_rig, write_runs
 
@@ -111,7 +111,7 @@ def test_a_fit_that_is_stopped_too_early_says_so(
     bench = with_load.bench
     assert bench.drive.scale is not None
     wrong = replace(bench, drive=replace(bench.drive, scale=1.05 * bench.drive.scale))
-    monkeypatch.setattr("eccentric.identify.turns._TURNS", 1)
+    monkeypatch.setattr("eccentric.fitting.turns._TURNS", 1)
     early = refit(with_load.base, (), wrong, bounds=False)
     found = replace(with_load, paper=early)
 

@@ -7,7 +7,7 @@ import pytest
 from scipy.integrate import quad
 
 from eccentric.errors import InputError
-from eccentric.identify.weak import windows
+from eccentric.signals.weak import windows
 
 RNG = np.random.default_rng(3)
 EVEN = np.arange(0.0, 4.0, 0.004)

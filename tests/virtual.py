@@ -4,7 +4,7 @@ from pathlib import Path
 
 import numpy as np
 
-from eccentric.bench import Scenario, random_scenario, simulate, write
+from eccentric.virtual_bench import Scenario, random_scenario, simulate, write
 
 
 def drawn_scenario(seed: int = 3, /, **options: object) -> Scenario:

@@ -8,8 +8,8 @@ import matplotlib as mpl
 import numpy as np
 from matplotlib.figure import Figure
 
-from eccentric.identify.diagnose import diagnose
-from eccentric.identify.diagnosis_words import sentence
+from eccentric.diagnosis.diagnose import diagnose
+from eccentric.diagnosis.words import sentence
 from generator.pictures import COLOURS, STYLE, save
 
 BENCH = Path(__file__).parents[2] / "examples" / "bench"

@@ -4,8 +4,16 @@ import argparse
 
 import numpy as np
 
-from eccentric.bench import EFFECTS, Scenario, free_paths, known_effect, random_scenario, simulate, write
 from eccentric.errors import InputError
+from eccentric.virtual_bench import (
+    EFFECTS,
+    Scenario,
+    free_paths,
+    known_effect,
+    random_scenario,
+    simulate,
+    write,
+)
 
 NAME = "bench"
 HELP = "simulate a realistic log of a test bench, with effects that its rig file does not declare"

@@ -8,15 +8,15 @@ import webbrowser
 from pathlib import Path
 
 from eccentric.cli.arguments import add_folder, add_logs, distinct
-from eccentric.emit import complete, write
+from eccentric.diagnosis.diagnose import Diagnosis, diagnose
+from eccentric.diagnosis.document import document
+from eccentric.diagnosis.model_script import script
+from eccentric.diagnosis.words import lines
+from eccentric.emission import complete, write
 from eccentric.errors import InputError
-from eccentric.identify.diagnose import Diagnosis, diagnose
-from eccentric.identify.diagnosis import document
-from eccentric.identify.diagnosis_words import lines
-from eccentric.identify.model_script import script
-from eccentric.identify.report import report
 from eccentric.model import load_model
 from eccentric.output import own_folder, whole_folder
+from eccentric.report import report
 
 NAME = "diagnose"
 HELP = "find what the model lacks on a log, add it, emit it, report the error before and after"

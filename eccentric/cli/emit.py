@@ -5,9 +5,9 @@ from dataclasses import replace
 from pathlib import Path
 
 from eccentric.cli.arguments import add_folder
-from eccentric.emit import complete, write
-from eccentric.emit.defaults import read_parameters, with_fitted
-from eccentric.emit.names import checked_name
+from eccentric.emission import complete, write
+from eccentric.emission.defaults import read_parameters, with_fitted
+from eccentric.emission.names import checked_name
 from eccentric.model import load_model
 from eccentric.output import whole_folder
 

@@ -7,14 +7,14 @@ from pathlib import Path
 
 from eccentric.cli.arguments import add_folder, add_logs, distinct
 from eccentric.errors import InputError
-from eccentric.identify.channels import read_channels
-from eccentric.identify.fit import fit
-from eccentric.identify.fit_figure import draw
-from eccentric.identify.fit_report import document
-from eccentric.identify.fit_words import lines
-from eccentric.identify.rig import read_rig
+from eccentric.fitting.document import document
+from eccentric.fitting.figure import draw
+from eccentric.fitting.fit import fit
+from eccentric.fitting.words import lines
 from eccentric.model import load_model
 from eccentric.output import own_folder, whole_folder
+from eccentric.rigs.rig import read_rig
+from eccentric.signals.channels import read_channels
 
 NAME = "fit"
 HELP = "identify the friction of a rig from its logs, with uncertainty, and compare it with Coulomb + viscous"

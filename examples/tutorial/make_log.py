@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
-from eccentric.bench import random_scenario, simulate
+from eccentric.virtual_bench import random_scenario, simulate
 
 COUNTS = 8192
 

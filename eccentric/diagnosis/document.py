@@ -1,0 +1,141 @@
+"""A diagnosis as a document: diagnosis.json, format eccentric-diagnosis/1."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import sympy as sp
+
+from eccentric.diagnosis.outcome import Diagnosis
+from eccentric.diagnosis.words import sentence
+from eccentric.effects.effect import Effect
+
+__all__ = ["document"]
+
+
+def document(found: Diagnosis) -> dict[str, Any]:
+    """The content of diagnosis.json, format eccentric-diagnosis/1 (keys as in the manual)."""
+    a = found.attribution
+    return {
+        "format": "eccentric-diagnosis/1",
+        "logs": list(found.logs),
+        "model": found.base.name,
+        "verdict": a.verdict,
+        "sentence": sentence(found),
+        "effects": [_effect(found, effect) for effect, _ in found.effects],
+        "candidates": [
+            {
+                "id": c.id,
+                "family": c.family,
+                "balance": c.balance,
+                "rmse_cross_validated": c.rmse,
+                "probability": c.probability,
+            }
+            for c in a.candidates
+        ],
+        "extended_by": [effect.id for effect, _ in found.extended.effects],
+        "residual_depends_on": list(a.depends_on),
+        "next_measurement": a.next_measurement,
+        **_errors(found),
+        "improvement": {
+            "balance": found.balance,
+            "percent": found.percent,
+            "interval_95": list(found.interval),
+        },
+        f"noise_floor_{_suffix(found)}": found.noise_floor,
+        "null_test": {
+            name: {"gain": gain, "by_chance_99": level} for name, (gain, level) in a.deviance.items()
+        },
+        "unconfirmed": _unconfirmed(found),
+        "data_quality": [
+            {"kind": f.kind, "channel": f.channel, "text": f.text, "rows": f.rows, "severity": f.severity}
+            for f in found.channels.findings
+        ],
+        "periodic_per_motor_turn": [
+            {"order": o.per_turn, "amplitude": o.amplitude, "share": o.share, "seen": [o.seen, o.stretches]}
+            for o in found.orders
+        ],
+        "rig_identified": _identified(found),
+        "holdout": {
+            "rule": found.channels.holdout.rule,
+            "intervals_s": [list(map(float, pair)) for pair in found.channels.holdout.intervals_s],
+        },
+        "rows": found.channels.counts,
+        "settled": not found.unsettled,
+        "warnings": list(found.warnings),
+    }
+
+
+def _unconfirmed(found: Diagnosis) -> dict[str, Any]:
+    """Effects that the training part asked for and the held-out part did not confirm, with what it said."""
+    if found.refused is None:
+        return {"effects": list(found.attribution.unconfirmed)}
+    percent, interval = found.refused.percent, list(found.refused.interval)
+    return {
+        "effects": list(found.attribution.unconfirmed),
+        "improvement": {"percent": percent, "interval_95": interval},
+    }
+
+
+def _suffix(found: Diagnosis) -> str:
+    return found.unit.replace(" ", "")
+
+
+def _errors(found: Diagnosis) -> dict[str, Any]:
+    """Held-out errors; where the torque is not measured also in the unit of the drive, and of free motion."""
+    score, drive = found.score, found.bench.drive
+    said: dict[str, Any] = {f"rmse_holdout_{_suffix(found)}": {k: dict(v) for k, v in score.rmse.items()}}
+    if score.per_drive and found.unit == "N m":
+        said[f"rmse_holdout_{'V' if drive.by_voltage else 'A'}"] = {"mechanical": dict(score.per_drive)}
+    if score.free:
+        said[f"rmse_holdout_motor_off_{_suffix(found)}"] = dict(score.free)
+    over = score.over_runs
+    if over is not None:
+        said["leave_one_run_out"] = {
+            "runs": over.runs,
+            f"rmse_{_suffix(found)}": dict(over.rmse),
+            "gains": {
+                name: {"percent": percent, "interval_95": list(interval), "better_runs": better}
+                for name, (percent, interval, better) in over.gains.items()
+            },
+        }
+    return said
+
+
+def _identified(found: Diagnosis) -> dict[str, Any]:
+    """What the rig left to the log: alignment, and quantities with their uncertainty.
+
+    A zero angle or an offset that the refit has moved replaces that of the first fit.
+    """
+    letters = {"J_m", "J_l", "T_load", "R/k_i", "1/k_i", "k_e", "L", "M"} | found.rig.estimate
+    said: dict[str, Any] = {name: getattr(found.channels, name) for name in sorted(found.rig.estimate)}
+    for name, e in found.shipped.estimates.items():
+        if name in letters:
+            interval = list(e.interval)
+            said[name] = {"value": e.value, "std_error": e.std_error, "interval_95": interval, "unit": e.unit}
+    return said
+
+
+def _effect(found: Diagnosis, effect: Effect) -> dict[str, Any]:
+    values = dict(next(own for e, own in found.extended.effects if e is effect))
+    parameters = {}
+    for q in effect.parameters:
+        estimate = found.extended.estimates.get(q.name)
+        parameters[q.name] = {
+            "value": values[q.name],
+            "std_error": None if estimate is None else estimate.std_error,
+            "interval_95": None if estimate is None else list(estimate.interval),
+            "unit": q.unit,
+        }
+    equation = effect.equation()
+    return {
+        "id": effect.id,
+        "family": effect.family,
+        "balance": effect.balance,
+        "equation": f"{equation.left} = {sp.sstr(equation.right)}",
+        "formula": effect.formula,
+        "reference": effect.reference,
+        "parameters": parameters,
+        "share_of_friction_rms": found.extended.shares.get(effect.id, 0.0),
+        "aliases": list(effect.aliases),
+    }

@@ -1,0 +1,111 @@
+"""What the torque is periodic in while the motor turns one way: its spectrum over the angle, run by run.
+
+A harmonic of the motor or the link is one order per turn at every speed; something periodic in time is one
+frequency, and its order changes from speed to speed.  Each stretch of several turns has its own spectrum
+(Lomb and Scargle, over the angle in place of time), so that no common zero of the angle is needed, as it is
+for an effect: an angle that was integrated from the speed of each run will do.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.ndimage import median_filter
+from scipy.signal import find_peaks, lombscargle
+
+from eccentric.fitting.emitted import Bench
+from eccentric.signals.stretches import rows_of_each
+
+__all__ = ["Order", "orders_of"]
+
+Array = np.ndarray
+
+TURN = 2.0 * np.pi
+LEAST_TURNS = 2.0
+"""A stretch of fewer turns does not tell one order from the next."""
+HIGHEST = 12.0
+"""Orders per motor turn that are looked at, in steps of a twentieth."""
+LEAST_SHARE = 0.04
+"""Of the variance inside the stretches; less is not worth a line."""
+ABOVE = 4.0
+"""A peak over the median of the spectrum around it: what wanders is high at low orders, and not periodic."""
+AROUND = 41
+"""Width of what is around, steps: two orders."""
+LEAST_STRETCHES = 6
+"""Chance makes a peak of the same order in one stretch, or in three; not in most of six."""
+
+ALONE = 8
+"""Steps to either side within which an order is the highest of its stretch."""
+
+
+@dataclass(frozen=True)
+class Order:
+    """A periodic part of the torque.
+
+    per_turn: cycles per turn of the motor; amplitude: RMS over the stretches of its amplitude [N m]; share:
+    of the variance inside the stretches, on average; seen: in how many of `stretches` it is a peak, `ABOVE`
+    times the median of their own spectrum.
+    """
+
+    per_turn: float
+    amplitude: float
+    share: float
+    seen: int
+    stretches: int
+
+
+def orders_of(bench: Bench, target: Array) -> tuple[Order, ...]:
+    """The orders of the mechanical target (samples,) [N m], the largest share first.
+
+    Empty with fewer than `LEAST_STRETCHES` stretches of usable rows in one direction of `LEAST_TURNS` turns.
+    """
+    channels = bench.drive.channels
+    grid = np.arange(0.5, HIGHEST, 0.05)
+    spectra, variances = [], []
+    for rows in _stretches(channels.usable, channels.segment, channels.omega_m):
+        angle, y = channels.theta_m[rows], target[rows]
+        turns = abs(angle[-1] - angle[0]) / TURN
+        if turns < LEAST_TURNS or len(rows) < 4.0 * HIGHEST * turns:
+            continue
+        # What is smooth over the stretch, and what follows the speed, is no ripple.
+        t = np.linspace(-1.0, 1.0, len(rows))
+        slow = np.column_stack([np.ones_like(t), t, t**2, channels.omega_m[rows]])
+        rest = y - slow @ np.linalg.lstsq(slow, y, rcond=None)[0]
+        if np.std(rest) <= 1e-12 * max(np.std(y), 1e-300):
+            continue
+        spectra.append(lombscargle(angle, rest, grid, normalize=True))
+        variances.append(float(np.var(rest)))
+    if len(spectra) < LEAST_STRETCHES:
+        return ()
+    every = np.array(spectra)
+    mean = every.mean(axis=0)
+    around = median_filter(mean, AROUND, mode="nearest")
+    local = median_filter(every, (1, AROUND), mode="nearest")
+    peaks, _ = find_peaks(mean, height=np.maximum(LEAST_SHARE, ABOVE * around), distance=8)
+    found = []
+    for k in peaks:
+        # An order is known to the inverse of the turns only: the best of the neighbours counts.
+        near = every[:, max(k - 2, 0) : k + 3].max(axis=1)
+        share = float(near.mean())
+        # What leaks from one frequency in time into its neighbours is no peak of its own there.
+        peak = near >= every[:, max(k - ALONE, 0) : k + ALONE + 1].max(axis=1)
+        seen = int(np.count_nonzero(peak & (near > ABOVE * local[:, k])))
+        amplitude = float(np.sqrt(np.mean(2.0 * near * np.array(variances))))
+        found.append(Order(_centre(grid, mean, int(k)), amplitude, share, seen, len(every)))
+    return tuple(sorted((o for o in found if 2 * o.seen > o.stretches), key=lambda o: -o.share))
+
+
+def _centre(grid: Array, power: Array, k: int) -> float:
+    """The peak between its neighbours, by a parabola."""
+    if not 0 < k < len(grid) - 1:
+        return float(grid[k])
+    left, top, right = power[k - 1 : k + 2]
+    shift = 0.5 * (left - right) / (left - 2.0 * top + right)
+    return float(grid[k] + shift * (grid[1] - grid[0]))
+
+
+def _stretches(usable: Array, segment: Array, omega: Array) -> list[Array]:
+    """Rows of each stretch that is used without a break, in one direction."""
+    key = np.where(usable, 2 * segment + (omega > 0.0), -1)
+    return [rows for rows in rows_of_each(key) if key[rows[0]] >= 0]

@@ -1,0 +1,125 @@
+"""Held-out errors of the three models, before and after, and how sure the difference is."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from eccentric.effects.effect import Effect
+from eccentric.fitting.emitted import Bench
+from eccentric.fitting.refit import Refit, refit
+from eccentric.fitting.uncertainty import improvement, improvement_over_runs
+from eccentric.model import Model
+
+__all__ = ["OverRuns", "Score", "leave_runs_out", "score"]
+
+Array = np.ndarray
+
+FEWEST = 5
+"""Runs from which the gain is also told over whole runs."""
+
+
+@dataclass(frozen=True)
+class OverRuns:
+    """Every run left out of the fit once and predicted; effects and their shapes stay as they were found.
+
+    rmse: model -> RMSE over all runs, as in `Score.rmse`; gains: "paper" over linear, "extended" over paper
+    -> percent, 95 % interval by drawing whole runs, and how many of the `runs` improve.
+    """
+
+    rmse: Mapping[str, float]
+    gains: Mapping[str, tuple[float, tuple[float, float], int]]
+    runs: int
+
+
+@dataclass(frozen=True)
+class Score:
+    """What the held-out part says.
+
+    rmse: balance -> model -> held-out RMSE [N m, or the unit of the drive]; per_drive: the same of the
+    mechanical balance in the unit of the drive, where the torque is not measured; free: held-out RMSE [N m]
+    while the motor is switched off; `percent` and `interval` are those of `balance`.
+    """
+
+    rmse: Mapping[str, Mapping[str, float]]
+    per_drive: Mapping[str, float]
+    free: Mapping[str, float]
+    balance: str
+    percent: float
+    interval: tuple[float, float]
+    over_runs: OverRuns | None
+
+    @property
+    def confirms(self) -> bool:
+        """Whether the extended model predicts better held out, and run by run."""
+        if self.over_runs is not None and self.over_runs.gains["extended"][1][0] <= 0.0:
+            return False
+        return self.percent > 0.0
+
+
+def score(linear: Refit, paper: Refit, extended: Refit, balance: str, over_runs: OverRuns | None) -> Score:
+    """Open the held-out part.
+
+    Models that identify different scales are compared at that of the extended one: their errors are in volts
+    (or amperes) first.
+    """
+    models = {"linear": linear, "paper": paper, "extended": extended}
+    common = extended.scale or 1.0
+    factor = {name: (m.scale or 1.0) / common for name, m in models.items()}
+    rows = paper.bench.rows
+    off = rows.mean(paper.bench.drive.off.astype(float)) > 0.5
+    rmse: dict[str, dict[str, float]] = {
+        "mechanical": {n: m.held_out("mechanical") * factor[n] for n, m in models.items()}
+    }
+    if "electrical" in paper.residuals:
+        rmse["electrical"] = {n: m.held_out("electrical") for n, m in models.items() if n != "linear"}
+    free: dict[str, float] = {}
+    if np.any(off & rows.score):
+        free = {n: _rms(m.residuals["mechanical"][off & rows.score]) for n, m in models.items()}
+    before, after = (
+        m.residuals[balance][rows.score] * f
+        for m, f in ((paper, factor["paper"]), (extended, factor["extended"]))
+    )
+    percent, interval = improvement(before, after) if extended is not paper else (0.0, (0.0, 0.0))
+    scaled = paper.scale is not None
+    per_drive = {n: x * common for n, x in rmse["mechanical"].items()} if scaled else {}
+    return Score(rmse, per_drive, free, balance, percent, interval, over_runs)
+
+
+def leave_runs_out(base: Model, extended: Refit, bench: Bench) -> OverRuns | None:
+    """Predict each run from all others; None with fewer than five runs, or where two balances are fitted."""
+    rows = bench.rows
+    used = rows.train | rows.score
+    runs = np.unique(rows.run[used])
+    if len(runs) < FEWEST or bench.drive.measured_twice:
+        return None
+    shapes = tuple(
+        (e, {s.quantity.name: own[s.quantity.name] for s in e.shapes}) for e, own in extended.effects
+    )
+    models: dict[str, tuple[tuple[tuple[Effect, dict[str, float]], ...], dict[str, bool]]]
+    models = {"linear": ((), {"bounds": False, "linear": True}), "paper": ((), {"bounds": False})}
+    if shapes:
+        models["extended"] = (shapes, {})
+    squares = {name: np.zeros(len(runs)) for name in models}
+    for k, run in enumerate(runs):
+        own = used & (rows.run == run)
+        for name, (effects, options) in models.items():
+            found = refit(base, effects, bench, without=int(run), **options)
+            factor = (found.scale or 1.0) / (extended.scale or 1.0)
+            squares[name][k] = float(np.sum((found.residuals["mechanical"][own] * factor) ** 2))
+    gains = {
+        after: (
+            *improvement_over_runs(squares[before], squares[after]),
+            int(np.count_nonzero(squares[after] < squares[before])),
+        )
+        for before, after in (("linear", "paper"), ("paper", "extended"))
+        if after in squares
+    }
+    count = int(np.count_nonzero(used))
+    return OverRuns({n: float(np.sqrt(s.sum() / count)) for n, s in squares.items()}, gains, len(runs))
+
+
+def _rms(x: Array) -> float:
+    return float(np.sqrt(np.mean(x**2)))

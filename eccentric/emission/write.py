@@ -1,0 +1,55 @@
+"""Write the trio of a model, and tell whether what is written is fresh."""
+
+from __future__ import annotations
+
+import difflib
+from collections.abc import Mapping
+from pathlib import Path
+
+from eccentric.emission.check import render_check
+from eccentric.emission.render import render
+from eccentric.model import Model
+from eccentric.output import whole_file
+
+
+def complete(model: Model, command: str = "make derive", origin: str | None = None) -> dict[str, str]:
+    """The trio of a model, and what checks it on its user's side in the folder `check`: name -> text.
+
+    Raises:
+        InputError: the model cannot be emitted.
+    """
+    files = render(model, command, origin)
+    return files | render_check(model, files)
+
+
+def write(files: Mapping[str, str], out: Path) -> list[Path]:
+    """Write rendered files, name -> text, each as a whole; those that are fresh already are left alone.
+
+    Returns:
+        The paths, written or fresh.
+
+    Raises:
+        InputError: the folder cannot be written.
+    """
+    for name, text in files.items():
+        if _found(out / name) != text:
+            with whole_file(out / name) as path:
+                path.write_text(text, encoding="utf-8", newline="\n")
+    return [out / name for name in files]
+
+
+def differences(files: Mapping[str, str], out: Path) -> str:
+    """The unified diff from what stands in the folder to the rendered files; "" if they are the same."""
+    diffs = []
+    for name, text in files.items():
+        diffs += difflib.unified_diff(
+            _found(out / name).splitlines(keepends=True),
+            text.splitlines(keepends=True),
+            f"generated/{name}",
+            f"derived/{name}",
+        )
+    return "".join(diffs)
+
+
+def _found(path: Path) -> str:
+    return path.read_text(encoding="utf-8") if path.is_file() else ""

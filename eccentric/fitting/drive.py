@@ -1,0 +1,256 @@
+"""The drive torque of a log, and what of its bench the rig leaves open.
+
+    current, k_i known                 torque = k_i i
+    torque signal                      torque = tau
+    voltage, or current without k_i    torque = (x - x_0 - k_e w)/s,  s = R/k_i [V/(N m)] or 1/k_i [A/(N m)]
+    motor switched off                 torque = 0
+
+Delay, zero angle, offset, inertia and the scale s come from a first fit of the paper's model.  Inertia,
+scale (through gravity), back-EMF (where free motion tells it from viscous friction), offset and a constant
+load then stay free beside every model that is tried: columns that each of them gets, so that no effect is
+adopted for making up a bench that was described a little wrong.  Without a scale in the log s is 1, and the
+result is in the unit of the drive.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+import sympy as sp
+from numpy.typing import NDArray
+
+from eccentric.effects.constant_load import effect as constant_load
+from eccentric.errors import InputError
+from eccentric.fitting.problem import Problem, own_letters, pose, require_case
+from eccentric.fitting.projection import Solution, solve
+from eccentric.model import Model, regressor
+from eccentric.rigs.rig import Rig
+from eccentric.signals.measured import Channels
+
+__all__ = ["Drive", "drive_of", "loaded_model"]
+
+Array = NDArray[np.float64]
+
+_FRICTION = ("B_m", "C_m", "B_lT", "C_lT", "B_lN", "C_lN")
+_UNITS = {"voltage": "V", "current": "A", "torque": "N m"}
+
+
+@dataclass(frozen=True)
+class Drive:
+    """What drives the rig.
+
+    Attributes:
+        channels: with delay, zero angle and offset as identified.
+        known: value of every parameter that is no friction coefficient, known or identified, SI units; with a
+            scale, k_i is 1 N m/A and R stands for R/k_i, which is all that a voltage tells.
+        scale: s, None where the torque is measured.
+        unit: of torques: "N m", or "V" or "A" where nothing in the log gives the scale.
+        open: names of what stays free: J_m, T_load (parameters of the model), gravity, back_emf, offset,
+            zero_angle.
+        adjusts: the letter that a free gravity column changes: the scale, or M or L known by a range.
+        identified: letters that the log had to give, for the report.
+        warnings: of the first fit.
+        rotor: J_m where the rig knows it and J_l is what the log has to give [kg m^2].
+    """
+
+    channels: Channels
+    known: Mapping[str, float]
+    scale: float | None
+    unit: str
+    open: tuple[str, ...]
+    adjusts: str
+    identified: tuple[str, ...]
+    warnings: tuple[str, ...] = ()
+    rotor: float | None = None
+
+    @property
+    def by_voltage(self) -> bool:
+        """Whether the voltage alone tells the torque."""
+        return self.scale is not None and self.channels.drive == "voltage"
+
+    @property
+    def off(self) -> NDArray[np.bool_]:
+        """Rows (n,) with the motor switched off."""
+        return self.channels.off
+
+    @property
+    def measured_twice(self) -> bool:
+        """Whether voltage and current are both logged: then one tells the current for the other's balance."""
+        return self.scale is None and self.channels.drive == "current" and self.channels.voltage is not None
+
+    def signal(self) -> Array:
+        """The measured drive (n,): volts, amperes or newton metres."""
+        measured = getattr(self.channels, self.channels.drive)
+        if measured is None:
+            raise InputError(f"diagnose: a {self.channels.drive} channel is required, the log has none")
+        return np.where(self.off, 0.0, measured)
+
+    def torque(self, known: Mapping[str, float] | None = None, scale: float | None = None) -> Array:
+        """The drive torque (n,) [N m], for other values of k_e and scale if given."""
+        known = known or self.known
+        if self.scale is None:
+            return self.signal() * (1.0 if self.channels.drive == "torque" else known["k_i"])
+        emf = known.get("k_e", 0.0) * self.channels.omega_m if self.by_voltage else 0.0
+        return np.where(self.off, 0.0, self.signal() - emf) / (scale or self.scale)
+
+    def columns(self, gravity: Array, slope: Array) -> dict[str, Array]:
+        """What stays free, as columns (n,) of the balance J alpha + G + f = torque.
+
+        gravity (n,) [N m] and its slope over the link angle (n,) [N m/rad].
+        """
+        driven = np.where(self.off, 0.0, 1.0)
+        made = {
+            "J_m": self.channels.alpha_m,
+            "T_load": np.full_like(driven, self.known.get("mu", 1.0)),
+            "gravity": gravity,
+            "back_emf": self.channels.omega_m * driven,
+            "offset": driven,
+            "zero_angle": -slope,
+        }
+        return {name: made[name] for name in self.open}
+
+
+def loaded_model(base: Model, rig: Rig) -> Model:
+    """The model, extended by a constant load where the rig has one."""
+    loaded = "T_load" in rig.known or "T_load" in rig.unknown
+    return constant_load.extend(base, {"T_load": rig.known.get("T_load", 0.0)}) if loaded else base
+
+
+def drive_of(channels: Channels, rig: Rig, base: Model) -> Drive:
+    """Return the drive of a log; `base` is the paper's model, without load.
+
+    Raises InputError for what `problem.pose` refuses, and for a drive whose sign contradicts the motion.
+    """
+    require_case(rig, base)
+    open_inertia = not {"J_m", "J_l"} <= set(rig.known)
+    measured = channels.drive == "torque" or (channels.drive == "current" and "k_i" in rig.known)
+    complete = measured and not open_inertia and not rig.unknown and not rig.estimate
+    if complete:
+        known = _needed(channels, rig, base) | {k: v for k, v in rig.known.items() if k == "T_load"}
+        return Drive(channels, known, None, "N m", (), "", ())
+    problem = pose(channels.driven, rig, base)
+    first = solve(problem)
+    found = {c.role: float(v) for c, v in zip(problem.coefficients, first.coefficients, strict=True)}
+    _require_sign(found, problem)
+    letters = {k: v for k, v in first.values.items() if k not in ("input_delay_s", "theta_zero_rad")}
+    aligned = {k: v for k, v in first.values.items() if k not in letters}
+    if "offset" in found:
+        aligned["voltage_offset_V"] = found["offset"]
+    channels = channels.realigned(rig, **aligned)
+    rig = dataclasses.replace(rig, known={**rig.known, **letters})
+    scale = None if measured else _scale(channels, rig, found)
+    unit = "N m" if measured or _has_scale(problem) else _UNITS[channels.drive]
+    known = _needed(channels, rig, base)
+    if open_inertia:
+        known |= _inertias(rig, found["inertia"] / (found.get("scale", 1.0) if scale else 1.0))
+    if "T_load" in rig.known:
+        known["T_load"] = rig.known["T_load"]
+    elif "T_load" in rig.unknown:
+        known["T_load"] = 0.0  # free, a column
+    return Drive(
+        channels,
+        known,
+        scale,
+        unit,
+        *_open(channels, rig, problem, open_inertia),
+        _identified(first, scale, open_inertia, rig),
+        tuple(w for w in problem.warnings if w not in channels.warnings),
+        rig.known.get("J_m") if open_inertia else None,
+    )
+
+
+def _identified(first: Solution, scale: float | None, open_inertia: bool, rig: Rig) -> tuple[str, ...]:
+    """Parameters that the log had to give."""
+    scaled = {"R", "k_i"} if scale is not None else set()
+    inertia = {"J_m", "J_l"} - set(rig.known) if open_inertia else set()
+    load = {"T_load"} & set(rig.unknown)
+    return tuple(sorted({*first.values, *scaled, *inertia, *load}))
+
+
+def _needed(channels: Channels, rig: Rig, base: Model) -> dict[str, float]:
+    """Values of the parameters of the model that are no friction coefficients, as far as they are known.
+
+    A torque signal is a current with k_i = 1 N m/A; of a scale only R/k_i counts.
+    """
+    needed = {q.name for q in base.parameters} - {c.name for c in regressor(base)} - {"T_load"}
+    needed = {n for n in needed if n.removesuffix("_pos").removesuffix("_neg") not in _FRICTION}
+    # What the log has to give, and what only the armature of a rig with voltage and current needs.
+    given = {"k_i", "R", "k_e", "J_m", "J_l", "F_T"}
+    if rig.case == "C1":
+        # There it is only in F_T, whose friction no log tells from the motor's.
+        given |= {"M_l"}
+    if channels.drive == "current" and channels.voltage is not None:
+        given -= {"R", "k_e"}
+        if missing := sorted({"R", "k_e"} - set(rig.known)):
+            raise InputError(
+                f"{rig.path}: [known] {' and '.join(missing)} required, since current and voltage are mapped,"
+                " received none: give it, or leave the voltage out of [columns]"
+            )
+    own = own_letters(base) & needed
+    known = {q.name: float(sp.Float(q.default)) for q in base.parameters if q.name in own}
+    known |= {name: rig.value(name) for name in sorted(needed - given - own)}
+    known |= {name: rig.known[name] for name in sorted(needed & given) if name in rig.known}
+    if "M_l" in needed:
+        known.setdefault("M_l", 0.0)
+    if "F_T" in needed:
+        known.setdefault("F_T", known.get("M_l", 0.0) * known["g"])
+    if channels.drive == "torque" or "k_i" not in known:
+        known["k_i"] = 1.0
+    return known
+
+
+def _scale(channels: Channels, rig: Rig, found: Mapping[str, float]) -> float:
+    if channels.drive == "voltage" and {"R", "k_i"} <= set(rig.known):
+        return rig.known["R"] / rig.known["k_i"]
+    return found.get("scale", 1.0)
+
+
+def _has_scale(problem: Problem) -> bool:
+    return problem.scale is None or any(c.role == "scale" for c in problem.coefficients)
+
+
+def _inertias(rig: Rig, total: float) -> dict[str, float]:
+    """J_m and J_l that give the identified inertia; a link of unknown inertia is taken as its mass alone."""
+    mu = rig.value("mu")
+    if "J_m" in rig.known:
+        return {"J_l": max(total - rig.known["J_m"], 0.0) / mu**2}
+    link = rig.known.get("J_l", rig.known["M"] * rig.known["L"] ** 2)
+    rotor = max(total - mu**2 * link, 0.0)
+    return {"J_m": rotor, "J_l": link if rotor else max(total, 0.0) / mu**2}
+
+
+def _open(channels: Channels, rig: Rig, problem: Problem, open_inertia: bool) -> tuple[tuple[str, ...], str]:
+    """Names of the columns that stay free, and the letter that the one of gravity changes."""
+    names, adjusts = [], ""
+    turning = problem.model.balance("mechanical").sum_of("gravity") != 0
+    if open_inertia:
+        names.append("J_m")
+    if "T_load" in rig.unknown:
+        names.append("T_load")
+    if any(c.role == "scale" for c in problem.coefficients):
+        adjusts = "scale"
+    else:
+        adjusts = next((letter for letter in ("L", "M") if letter in rig.unknown), "")
+    if turning and adjusts:
+        names.append("gravity")
+    scaled = problem.scale is not None
+    if channels.drive == "voltage" and scaled and "k_e" not in rig.known and np.any(channels.off):
+        names.append("back_emf")
+    if "voltage_offset_V" in rig.estimate and channels.drive == "voltage":
+        names.append("offset")
+    if "theta_zero_rad" in rig.estimate and turning:
+        names.append("zero_angle")
+    return tuple(names), adjusts if "gravity" in names else ""
+
+
+def _require_sign(found: Mapping[str, float], problem: Problem) -> None:
+    for role in ("scale", "inertia"):
+        if found.get(role, 1.0) <= 0.0:
+            raise InputError(
+                f"{problem.rig.path}: {'scale' if role == 'scale' else 'inertia'} of the drive above 0 is"
+                f" required, received {found[role]:.3g} from the log: do the signs of"
+                f" {problem.channels.drive} and angle agree?"
+            )

@@ -1,0 +1,183 @@
+"""Identify a model on a log: coefficients with uncertainty, alignment, and the error on the held-out part.
+
+Three models are fitted on the same training rows: the paper's with the bounds of physics, the same without
+bounds (where it does better, a bound is in the way of something that the model lacks), and Coulomb + viscous
+friction. Delay, zero angle and masses known by a range only are searched for each of them (variable
+projection: for given values of those the rest is linear). The held-out rows are looked at once, at the end.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from eccentric.errors import InputError
+from eccentric.fitting.combinations import combinations, identified_letters
+from eccentric.fitting.least_squares import require_rank
+from eccentric.fitting.problem import Problem, Searched, pose
+from eccentric.fitting.projection import Profile, Solution, profile, solve
+from eccentric.fitting.uncertainty import Estimate, Spread, improvement, spread
+from eccentric.signals.rows import LEAST_HELD_OUT, require_rows
+
+if TYPE_CHECKING:
+    from eccentric.model import Model
+    from eccentric.rigs.rig import Rig
+    from eccentric.signals.measured import Channels
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Fit:
+    """What came out; `solutions` and held-out `rmse` by model: linear, paper, paper_unbounded.
+
+    `coefficients` are those of the columns, `searched` what was found beside them (with `profiles` over the
+    ranges of unknown quantities), `combinations` what the columns hold that is no single letter; `identified`
+    the letters that the log tells, and those it does not. `percent` is 100 (1 - paper/linear). `r_squared`
+    by model is that of the drive signal on the held-out rows.
+    """
+
+    problem: Problem
+    solutions: Mapping[str, Solution]
+    coefficients: Mapping[str, Estimate]
+    combinations: Mapping[str, Estimate]
+    searched: Mapping[str, Estimate]
+    profiles: Mapping[str, Profile]
+    identified: tuple[list[str], list[str]]
+    rmse: Mapping[str, float]
+    percent: float
+    percent_interval: tuple[float, float]
+    r_squared: Mapping[str, float]
+    warnings: tuple[str, ...]
+
+    @property
+    def bounds_active(self) -> list[str]:
+        """Names of the coefficients that are held by a bound."""
+        return [name for name, e in self.coefficients.items() if e.bound_active]
+
+
+def fit(channels: Channels, rig: Rig, model: Model, where: str = "log") -> Fit:
+    """Fit a model; `where` names the log in messages.
+
+    Raises InputError for what `pose` refuses, too few rows, and columns that this log cannot tell apart.
+    """
+    problem = pose(channels, rig, model)
+    _require_rows(problem, where)
+    paper = solve(problem)
+    train = problem.sampling.train
+    require_rank(paper.design[train], [c.name for c in problem.coefficients], where)
+    solutions = {
+        "linear": solve(problem, linear=True),
+        "paper": paper,
+        "paper_unbounded": solve(problem, bounds=False, start=paper.values),
+    }
+    _require_scale(problem, paper, where)
+    profiles = {s.name: profile(problem, paper, s) for s in problem.searched if s.name in rig.unknown}
+    better = min(profiles.values(), key=lambda p: p.best.cost, default=None)
+    if better is not None and better.best.cost < paper.cost:
+        solutions["paper"] = paper = better.best
+    error = _spread(problem, paper)
+    coefficients, searched = _estimates(problem, paper, error)
+    score = problem.sampling.score
+    errors = {name: solution.residual[score] for name, solution in solutions.items()}
+    percent, interval = improvement(errors["linear"], errors["paper"])
+    r_squared = {
+        name: 1.0 - float(np.mean(e**2) / np.var(problem.drive_signal(solutions[name].values)[score]))
+        for name, e in errors.items()
+    }
+    warnings = [*problem.warnings, *_warnings(problem, paper, profiles)]
+    return Fit(
+        problem,
+        solutions,
+        coefficients,
+        combinations(problem, paper.coefficients, paper.active, error),
+        searched,
+        profiles,
+        identified_letters(problem),
+        {name: float(np.sqrt(np.mean(e**2))) for name, e in errors.items()},
+        percent,
+        interval,
+        r_squared,
+        tuple(warnings),
+    )
+
+
+def _require_rows(problem: Problem, where: str) -> None:
+    sampling = problem.sampling
+    least = sampling.per_coefficient * (len(problem.coefficients) + len(problem.searched))
+    require_rows(sampling.train, least, f"{sampling.description} to fit", where)
+    require_rows(sampling.score, LEAST_HELD_OUT, f"{sampling.description} to hold out", where)
+
+
+def _require_scale(problem: Problem, paper: Solution, where: str) -> None:
+    for c, value in zip(problem.coefficients, paper.coefficients, strict=True):
+        if c.role == "scale" and value <= 0.0:
+            raise InputError(
+                f"{where}: {c.name} above 0 is required, received {value:.3g}: do the signs of "
+                f"{problem.channels.drive} and angle agree?"
+            )
+
+
+def _spread(problem: Problem, paper: Solution) -> Spread:
+    """Return the spread of coefficients and searched values: the errors of the one know of the other."""
+    train = problem.sampling.train
+    root = np.sqrt(problem.sampling.weights[train])
+    everything = [*problem.coefficients, *problem.searched]
+    active = np.concatenate([paper.active, [_at_end(paper.values[s.name], s) for s in problem.searched]])
+    return spread(
+        np.column_stack([paper.design, paper.slopes])[train] * root[:, None],
+        paper.residual[train] * root,
+        active.astype(np.int64),
+        np.array([x.lower for x in everything]),
+        np.array([x.upper for x in everything]),
+    )
+
+
+def _estimates(
+    problem: Problem, paper: Solution, error: Spread
+) -> tuple[dict[str, Estimate], dict[str, Estimate]]:
+    """Return estimates of the coefficients and of the searched values, by name."""
+    unit = np.eye(len(error.alone))
+    coefficients = {
+        c.name: error.estimate(
+            paper.coefficients[k], unit[k], c.unit, (c.lower, c.upper), int(paper.active[k])
+        )
+        for k, c in enumerate(problem.coefficients)
+    }
+    searched: dict[str, Estimate] = {}
+    for k, s in enumerate(problem.searched, start=len(coefficients)):
+        value, ends = paper.values[s.name], (s.lower, s.upper)
+        found = error.estimate(value, unit[k], s.unit, ends, _at_end(value, s))
+        if found.std_error == 0.0:
+            # The friction terms that it enters are all zero: nothing in the log depends on it.
+            found = Estimate(value, s.upper - s.lower, ends, s.unit)
+        searched[s.name] = found
+    return coefficients, searched
+
+
+def _at_end(value: float, searched: Searched) -> int:
+    """Return -1 for the lower end of the range, 1 for the upper, 0 between."""
+    return -1 if value <= searched.lower else 1 if value >= searched.upper else 0
+
+
+def _warnings(problem: Problem, paper: Solution, profiles: Mapping[str, Profile]) -> list[str]:
+    found = []
+    friction = [a for c, a in zip(problem.coefficients, paper.active, strict=True) if c.role == "friction"]
+    if all(a == -1 for a in friction):
+        found.append(f"no friction is left: do the signs of {problem.channels.drive} and angle agree?")
+    for s in problem.searched:
+        value = paper.values[s.name]
+        if _at_end(value, s):
+            found.append(
+                f"{s.name} = {value:.4g} {s.unit} lies at the end of its range {s.lower:g} to {s.upper:g}"
+            )
+    for name, p in profiles.items():
+        change = 100.0 * (max(p.rmse) / min(p.rmse) - 1.0)
+        found.append(
+            f"{name} is known by a range only: over it, the training error changes by {change:.1f} %"
+        )
+    return found

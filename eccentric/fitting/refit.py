@@ -1,0 +1,105 @@
+"""Fit a model, extended or not, on its own emitted module: what is scored is what is shipped."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from eccentric.effects.effect import Effect
+from eccentric.fitting.emitted import Bench, Emitted, Values
+from eccentric.fitting.estimates import estimates, shares
+from eccentric.fitting.turns import Turns
+from eccentric.fitting.uncertainty import Estimate
+from eccentric.model import Model
+
+__all__ = ["Refit", "refit", "residual_samples"]
+
+Array = np.ndarray
+_SHOWN = 1e-4
+"""Results are shown with four digits."""
+
+
+@dataclass(frozen=True)
+class Refit:
+    """A model fitted on the training part.
+
+    Attributes:
+        model: the model, extended by `effects`.
+        effects: each with the values of all its parameters.
+        values: every parameter of the model by name, as the emitted Parameters take it.
+        scale: of the drive, V/(N m) or A/(N m); None where the torque is measured.
+        estimates: fitted parameters with uncertainty, by name.
+        residuals: balance -> (rows,) [N m at this fit's own scale].
+        shares: effect id -> RMS of its torque as a fraction of that of the friction, on training rows.
+        target: (rows,) what the mechanical friction, effects included, has to be [N m].
+        bench: what it was fitted on.
+        change: relative, of the scale or of the current that the model asks for, by the last turn of the fit.
+    """
+
+    model: Model
+    effects: tuple[tuple[Effect, Values], ...]
+    values: Values
+    scale: float | None
+    estimates: dict[str, Estimate]
+    residuals: dict[str, Array]
+    shares: dict[str, float]
+    target: Array
+    bench: Bench
+    change: float
+
+    @property
+    def settled(self) -> bool:
+        """Whether another turn would leave the digits that are shown."""
+        return self.change < _SHOWN
+
+    def held_out(self, balance: str) -> float:
+        """Held-out RMSE of a balance [N m]."""
+        rows = self.bench.rows.score
+        return float(np.sqrt(np.mean(self.residuals[balance][rows] ** 2)))
+
+
+def refit(
+    base: Model,
+    effects: tuple[tuple[Effect, Values], ...],
+    bench: Bench,
+    bounds: bool = True,
+    linear: bool = False,
+    without: int | None = None,
+) -> Refit:
+    """Fit friction, effect coefficients and what the rig leaves open by least squares on the training rows.
+
+    Args:
+        base: the paper's model.
+        effects: adopted effects, each with the values of its shapes.
+        bench: the log.
+        bounds: whether friction coefficients are kept from being negative. Without, the paper's model may use
+            them to imitate what it lacks: its best case.
+        linear: Coulomb and viscous friction only.
+        without: number of a run to leave out; then all other runs are fitted on, held out or not.
+    """
+    turns = Turns(base, effects, bench, bounds, linear, without)
+    turns.run()
+    found: dict[str, Estimate] = {}
+    if without is None:
+        for solved in turns.solved:
+            found |= estimates(turns, solved)
+    return Refit(
+        turns.model,
+        tuple((e, {q.name: turns.values[q.name] for q in e.parameters}) for e, _ in effects),
+        turns.values,
+        turns.scale,
+        found,
+        turns.residuals,
+        shares(turns, base) if effects and without is None else {},
+        turns.target,
+        bench,
+        turns.change,
+    )
+
+
+def residual_samples(fitted: Refit) -> Array:
+    """The mechanical residual on the samples (n,) [N m], up to a constant; for fits within the bounds."""
+    shapes = {s.quantity.name: fitted.values[s.quantity.name] for e, _ in fitted.effects for s in e.shapes}
+    emitted = Emitted(fitted.model, fitted.bench, shapes, fitted.values, fitted.scale)
+    return emitted.samples("mechanical", fitted.values)

@@ -1,0 +1,152 @@
+"""Hidden states of a model along a log: solved at once where the update is affine, else sample by sample."""
+
+from __future__ import annotations
+
+import sys
+from bisect import bisect_left
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any
+
+import numpy as np
+import sympy as sp
+from scipy.linalg import solve_banded
+
+from eccentric.fitting.expressions import Signals, lambdified
+from eccentric.model import Model
+from eccentric.model.model import State
+
+__all__ = ["States", "state_series"]
+
+Array = np.ndarray
+# Shapes whose states are kept: a search comes back to the points of its grid.
+_MOST_KEPT = 40
+
+
+def state_series(model: Model, signals: Signals, shape: Mapping[str, float]) -> dict[str, Array]:
+    """Hidden states of a model along the log, from its start: name -> (samples,).
+
+    `shape` gives the values of the parameters of the effects that brought the states along.
+    """
+    return States(model, model.states, signals, tuple(shape))(dict(shape))
+
+
+class States:
+    """The hidden states of a model along the signals, for given shape values."""
+
+    def __init__(
+        self, model: Model, states: Sequence[State], signals: Signals, names: tuple[str, ...]
+    ) -> None:
+        self._signals = signals
+        self._steps = []
+        symbols = {state.symbol for state in states}
+        done: set[sp.Symbol] = set()
+        waiting = list(states)
+        while waiting:
+            state = next((s for s in waiting if (s.update.free_symbols & symbols) - done <= {s.symbol}), None)
+            if state is None:
+                raise ValueError(f"states of {model.name} depend on each other in a circle")
+            waiting.remove(state)
+            done.add(state.symbol)
+            update = signals.expanded(model, state.update, names)
+            gain = sp.diff(update, state.symbol)
+            affine = state.symbol not in gain.free_symbols
+            parts = (gain, sp.expand(update).subs(state.symbol, 0)) if affine else None
+            step = None
+            if parts is None:
+                rest, parts = _apart(update, state.symbol)
+                # Python's own numbers are several times faster than NumPy's where samples go one by one.
+                step = tuple(
+                    sp.lambdify([state.symbol, tuple(parts)], rest, modules=modules, cse=True)
+                    for modules in ("math", "numpy")
+                )
+                parts = tuple(parts.values())
+            functions = [lambdified(model, part, signals, names) for part in parts]
+            self._steps.append((state, step, functions))
+        self._kept: dict[tuple[Any, ...], dict[str, Array]] = {}
+
+    def __call__(self, shape: Mapping[str, float]) -> dict[str, Array]:
+        """The states along the signals, name -> (samples,), for the values of the shapes."""
+        key = tuple(sorted(shape.items()))
+        if key in self._kept:
+            return self._kept[key]
+        series: dict[str, Array] = {}
+        for state, step, functions in self._steps:
+            given = self._signals.given(shape, series)
+            n = self._signals.size
+            parts = [
+                np.array(np.broadcast_to(np.asarray(f(*(given[a] for a in names)), float), (n,)))
+                for f, names in functions
+            ]
+            initial = float(state.initial)
+            found = self._affine(initial, *parts) if step is None else self._loop(initial, step, parts)
+            series[state.quantity.name] = found
+        if len(self._kept) >= _MOST_KEPT:
+            del self._kept[next(iter(self._kept))]
+        self._kept[key] = series
+        return series
+
+    def _affine(self, initial: float, gain: Array, push: Array) -> Array:
+        """x[k + 1] = gain[k] x[k] + push[k]: a bidiagonal system."""
+        right = np.r_[0.0, push[:-1]]
+        below = -gain[:-1].copy()
+        for start in self._signals.starts:
+            right[start] = initial
+            if start > 0:
+                below[start - 1] = 0.0
+        return solve_banded((1, 0), np.vstack([np.ones(len(gain)), np.r_[below, 0.0]]), right)
+
+    def _loop(
+        self, initial: float, step: tuple[Callable[..., float], Callable[..., Array]], parts: list[Array]
+    ) -> Array:
+        """x[k + 1] = step(x[k], parts[k]), `step` for one sample and for arrays.
+
+        A state that is where it began stays there until a sample moves it: over those in between one leaps.
+        """
+        one, all_at_once = step
+        moving = np.flatnonzero(all_at_once(initial, parts) != initial).tolist()
+        rows = list(zip(*(part.tolist() for part in parts), strict=True))
+        found = [initial] * self._signals.size
+        for start, end in zip(
+            self._signals.starts, [*self._signals.starts[1:], self._signals.size], strict=True
+        ):
+            k = start
+            while (k := _next(moving, k)) < end - 1:
+                now = initial
+                while k < end - 1:
+                    now = one(now, rows[k])
+                    k += 1
+                    if now == initial:
+                        break
+                    found[k] = now
+        return np.array(found)
+
+
+def _next(moving: list[int], k: int) -> int:
+    """The first of the sorted samples from k on; a number larger than all if there is none."""
+    at = bisect_left(moving, k)
+    return moving[at] if at < len(moving) else sys.maxsize
+
+
+def _apart(update: sp.Expr, state: sp.Symbol) -> tuple[sp.Expr, dict[sp.Symbol, sp.Expr]]:
+    """The update with a symbol for each of its largest parts without the state; symbol -> part."""
+    parts: dict[sp.Symbol, sp.Expr] = {}
+
+    def without(e: sp.Expr) -> sp.Expr:
+        if e.is_number:
+            return e
+        found = next((symbol for symbol, part in parts.items() if part == e), None)
+        found = found or sp.Dummy(f"part_{len(parts)}")
+        parts[found] = e
+        return found
+
+    def walk(e: sp.Expr) -> sp.Expr:
+        if e == state:
+            return e
+        if not e.has(state):
+            return without(e)
+        if isinstance(e, sp.Add | sp.Mul):
+            free, own = e.as_independent(state, as_Add=isinstance(e, sp.Add))
+            return e.func(without(free), *(walk(arg) for arg in e.func.make_args(own)))
+        return e.func(*map(walk, e.args))
+
+    return walk(update), parts

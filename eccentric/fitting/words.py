@@ -1,0 +1,143 @@
+"""A fit in words: one sentence on what the model gains, and a few lines for a terminal."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from eccentric.errors import few
+from eccentric.model import model_names
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping, Sequence
+
+    from eccentric.fitting.fit import Fit
+    from eccentric.fitting.uncertainty import Estimate
+
+__all__ = ["lines", "sentence"]
+
+_DRIVES = {"N m": "torque", "V": "voltage", "A": "current"}
+_CLEAR = 1.0
+"""A gain below this, in per cent, is not worth the words."""
+LEAST_R_SQUARED = 0.5
+"""Below, half of what the drive does is unexplained, and comparing friction models says nothing.
+
+On the bundled log a wrong sign or unit, another mu and a zero angle 1 rad off leave -4000 to 0.48, a k_i
+wrong by 30 % leaves 0.95; logs with friction that the models lack have 0.98.
+"""
+
+
+def sentence(fit: Fit) -> str:
+    """Return in one sentence what the model gains on the held-out part over Coulomb + viscous.
+
+    Where the log does not fit the rig at all, the sentence says that instead.
+    """
+    if not _fits(fit):
+        return (
+            f"This log does not fit the rig (R^2 {fit.r_squared['paper']:.2f}): check units and signs of the "
+            'columns, mu, and the zero angle (theta_zero_rad = "estimate" estimates it).'
+        )
+    subject = f"The model {called}" if (called := _called(fit)) != "paper" else "The paper's model"
+    low, high = fit.percent_interval
+    gain, interval = _percent(fit.percent), f"95 % interval {_percent(low)} to {_percent(high)} %"
+    if low > 0.0 and fit.percent >= _CLEAR:
+        return (
+            f"{subject} predicts the held-out part {gain} % better than "
+            f"Coulomb + viscous friction ({interval})."
+        )
+    if high < 0.0 and fit.percent <= -_CLEAR:
+        return (
+            f"{subject} predicts the held-out part {_percent(-fit.percent)} % worse than "
+            f"Coulomb + viscous friction ({interval} of gain)."
+        )
+    if abs(fit.percent) >= _CLEAR:
+        return (
+            f"{subject} has no certain gain over Coulomb + viscous friction on the held-out part "
+            f"({gain} %, {interval})."
+        )
+    return (
+        f"{subject} gains nothing over Coulomb + viscous friction here "
+        f"({gain} % of the held-out error, {interval})."
+    )
+
+
+def _called(fit: Fit) -> str:
+    """Return "paper" for the models that come along, else the model's own name."""
+    name = fit.problem.model.name
+    return "paper" if name in model_names() else name
+
+
+def _fits(fit: Fit) -> bool:
+    return fit.r_squared["paper"] >= LEAST_R_SQUARED
+
+
+def _percent(x: float) -> str:
+    return f"{round(x, 1) + 0.0:.1f}"  # + 0.0 takes the sign from a zero
+
+
+def lines(fit: Fit, logs: Sequence[str]) -> list[str]:
+    """Return the fit for a terminal."""
+    problem = fit.problem
+    sampling = problem.sampling
+    what = f"{np.count_nonzero(sampling.train)} {sampling.description} fitted"
+    head = f"{few(logs)}: {problem.model.name}, driven by {problem.channels.drive}; {what}, "
+    head += f"{np.count_nonzero(sampling.score)} held out ({problem.channels.holdout.brief})"
+    out = [head, *_table({**fit.coefficients, **fit.searched}), *_scale_line(fit)]
+    shown = {"linear": "linear", "paper": _called(fit)}
+    errors = ", ".join(f"{name} {fit.rmse[which]:.4g}" for which, name in shown.items())
+    parts = ", ".join(f"{name} {fit.r_squared[which]:.4f}" for which, name in shown.items())
+    out.append(f"held-out RMSE [{problem.unit}]: {errors}; R^2 of the drive {_DRIVES[problem.unit]}: {parts}")
+    if problem.rig.moving_threshold_rad_s is None:
+        threshold = problem.channels.moving_threshold_rad_s
+        out.append(f"rows count as moving above {threshold:.4g} rad/s (moving_threshold_rad_s sets it)")
+    if _fits(fit):
+        out += _bounds_line(fit)
+    return [*out, sentence(fit)]
+
+
+def _table(shown: Mapping[str, Estimate]) -> list[str]:
+    table = [("", "value", "std error", "95 % interval", "unit")]
+    table += [
+        (name, f"{e.value:.4g}", "-" if e.widened else f"{e.std_error:.2g}", _interval(e), e.unit + _bound(e))
+        for name, e in shown.items()
+    ]
+    widths = [max(len(row[k]) for row in table) for k in range(4)]
+    out = []
+    for name, *middle, unit in table:
+        cells = [name.ljust(widths[0]), *(x.rjust(w) for x, w in zip(middle, widths[1:], strict=True))]
+        out.append("  ".join(["", *cells, unit]).rstrip())
+    return out
+
+
+def _scale_line(fit: Fit) -> list[str]:
+    problem = fit.problem
+    if any(c.role == "scale" for c in problem.coefficients):
+        names = [name for name in fit.combinations if name not in fit.coefficients]
+        combined = (f"{name} = {fit.combinations[name].value:.4g}" for name in names)
+        return [f"in newton metres: {', '.join(combined)}"]
+    if problem.scale is not None:
+        return [f"no scale to newton metres (neither J nor gravity is known): all is times {problem.scale}"]
+    return []
+
+
+def _interval(e: Estimate) -> str:
+    return f"{e.interval[0]:.4g} to {e.interval[1]:.4g}"
+
+
+def _bound(e: Estimate) -> str:
+    return f"  ({e.bound_active} bound active)" if e.bound_active else ""
+
+
+def _bounds_line(fit: Fit) -> list[str]:
+    free, held = fit.rmse["paper_unbounded"], fit.rmse["paper"]
+    if not fit.bounds_active:
+        return []
+    gain = 100.0 * (1.0 - free / held)
+    text = f"bound active on {', '.join(fit.bounds_active)}"
+    if any(e.widened for e in fit.coefficients.values()):
+        text += ", which widens the intervals that have no std error"
+    text += f"; without bounds the held-out RMSE is {free:.4g}"
+    if gain >= _CLEAR:
+        text += f", {gain:.2g} % less: a sign of an effect that the model lacks"
+    return [text]

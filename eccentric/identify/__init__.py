@@ -1,1 +1,0 @@
-"""Measured data in, identified parameters and named effects out."""

@@ -1,0 +1,41 @@
+"""JSON logs: those of Rhoban BAM's recorder, and tables as pandas writes them.
+
+BAM's recorder writes one object: the settings of the run (mass, length, kp, vin, motor, trajectory) and a
+list `entries` of one object per row (timestamp, position, speed, load, input_volts, temp, goal_position,
+torque_enable). A file of lists of numbers instead, one for each column, is read as well.
+"""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+from eccentric.errors import InputError
+from eccentric.logs.assemble import Read, assemble
+from eccentric.logs.csv_file import text_of
+
+
+def read_json(path: Path) -> Read:
+    """Read a JSON log: columns by the entries' keys, NaN for a missing key, 1 and 0 for true and false.
+
+    Numbers and texts beside the rows become columns that say them in every row, so that arithmetic in the
+    rig can use them.
+    """
+    text = text_of(path)
+    try:
+        content = json.loads(text)
+    except (ValueError, RecursionError) as error:
+        raise InputError(f"{path}: no JSON file ({error})") from None
+    if isinstance(content, list):
+        content = {"": content}
+    if not isinstance(content, dict):
+        raise InputError(
+            f"{path}: a JSON object with a list of entries is required, received {content!r:.40}"
+        )
+    read = assemble(content)
+    if not read.columns:
+        keys = ", ".join(map(repr, list(content)[:8]))
+        raise InputError(
+            f"{path}: a JSON log with a list of entries is required, received keys {keys or 'none'}"
+        )
+    return read

@@ -1,0 +1,108 @@
+"""A measured log as it was recorded: named columns, nothing converted, nothing dropped.
+
+`read_log` knows the formats; a further format is one function in `READERS`.
+"""
+
+from __future__ import annotations
+
+import gzip
+import zlib
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from eccentric.errors import InputError, few
+from eccentric.logs.assemble import Column, Read, number_of
+from eccentric.logs.csv_file import POINT, read_csv
+from eccentric.logs.json_file import read_json
+from eccentric.logs.mat_file import read_mat
+from eccentric.logs.parquet_file import read_parquet
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Mapping
+
+
+@dataclass(frozen=True)
+class Log:
+    """Columns of one log, all of one length: float64 with NaN for a missing value, or str where text came.
+
+    `lines` (rows,) are the numbers of the rows' lines in a text file, from 1; None for other formats.
+    `notes` say what of the file was left out, and why.
+    """
+
+    path: str
+    columns: Mapping[str, Column]
+    rows: int
+    lines: NDArray[np.int64] | None = None
+    notes: tuple[str, ...] = ()
+
+    def place(self, row: int) -> str:
+        """Return where the row (counted from 0) stands: its line as an editor shows it, else its number."""
+        return f"row {row + 1}" if self.lines is None else f"line {self.lines[row]}"
+
+    def numbers(self, name: str) -> NDArray[np.float64]:
+        """Return the column `name` as float64 (rows,).
+
+        Raises InputError where the log has no such column (naming those that it has), or where it holds text
+        (naming its first line).
+        """
+        values = self.text(name)
+        if values.dtype.kind == "f":
+            return values
+        numbers = [number_of(entry) for entry in values]
+        for row, entry in enumerate(values):
+            if numbers[row] is None:
+                hint = POINT if number_of(entry.replace(",", ".")) is not None else ""
+                raise InputError(
+                    f"{self.path}: {self.place(row)}, column {name!r}: a number is required, "
+                    f"received {str(entry)[:40]!r}{hint}"
+                )
+        return np.array(numbers, dtype=float)
+
+    def text(self, name: str) -> Column:
+        """Return the column `name` as it came, float64 or str; InputError where there is none."""
+        if name not in self.columns:
+            raise InputError(f"{self.path}: column {name!r} is required, the log has {few(self.columns)}")
+        return self.columns[name]
+
+
+READERS: dict[str, Callable[[Path], Read]] = {
+    ".csv": read_csv,
+    ".csv.gz": read_csv,
+    ".mat": read_mat,
+    ".parquet": read_parquet,
+    ".json": read_json,
+    ".json.gz": read_json,
+}
+
+
+def read_log(path: str | Path) -> Log:
+    """Read a log: `.csv`, `.json`, both also as `.gz`, `.mat` (7.3: extra `mat73`), `.parquet` (extra).
+
+    Raises InputError, one line with file, line and column, for whatever cannot be read.
+    """
+    path = Path(path)
+    suffix = next((s for s in READERS if path.name.lower().endswith(s)), None)
+    if path.is_dir():
+        raise InputError(f"{path}: a log file is required, received a directory")
+    if not path.exists():
+        raise InputError(f"{path}: no such file")
+    if suffix is None:
+        raise InputError(
+            f"{path}: a log of {', '.join(READERS)} is required, received {path.suffix or 'no suffix'!r}"
+        )
+    try:
+        read = READERS[suffix](path)
+    except UnicodeDecodeError as error:
+        raise InputError(f"{path}: UTF-8 text is required, byte {error.start} is not") from None
+    except (EOFError, zlib.error, gzip.BadGzipFile) as error:
+        raise InputError(f"{path}: the compressed file is damaged or cut off ({error})") from None
+    except OSError as error:
+        raise InputError(f"{path}: cannot be read ({error.strerror or error})") from None
+    rows = len(next(iter(read.columns.values()))) if read.columns else 0
+    if rows == 0:
+        raise InputError("; ".join((f"{path}: a log with rows is required, received none", *read.notes)))
+    return Log(str(path), read.columns, rows, read.lines, read.notes)

@@ -1,0 +1,53 @@
+"""`report.html`: the diagnosis for a person, one file that opens offline.
+
+    gather    Diagnosis -> ReportData: plain numbers, arrays and strings, the seam        (`report_data`)
+    panels    rows -> means over a channel, time traces: few enough to be drawn
+    figures   -> Bokeh models and their JSON; without Bokeh the report has its words and tables
+    view      -> the strings that the templates see (`templates/report*.jinja`)
+
+All text from logs and rigs is escaped; only what is made here goes in as it is: formulas, BokehJS, the JSON
+of the figures. The page's own policy forbids it to fetch anything.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from types import ModuleType
+
+import jinja2
+
+from eccentric.diagnosis.outcome import Diagnosis
+from eccentric.places import folder
+from eccentric.report.data import ReportData
+from eccentric.report.gather import report_data
+from eccentric.report.view import view
+
+__all__ = ["ReportData", "page", "report", "report_data"]
+
+
+def report(found: Diagnosis, files: Sequence[tuple[str, str]] = ()) -> str:
+    """The page of a diagnosis; `files` are (name, what it is) of everything that is written beside it."""
+    return page(report_data(found, files))
+
+
+def page(data: ReportData) -> str:
+    """The page."""
+    environment = jinja2.Environment(
+        loader=jinja2.FileSystemLoader(folder("templates")),
+        undefined=jinja2.StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+        autoescape=True,
+    )
+    return environment.get_template("report.html.jinja").render(view(data, _figures()))
+
+
+def _figures() -> ModuleType | None:
+    """The drawing half, None where Bokeh is not installed."""
+    try:
+        from eccentric.report import figures
+    except ModuleNotFoundError as error:
+        if (error.name or "").split(".")[0] != "bokeh":
+            raise
+        return None
+    return figures

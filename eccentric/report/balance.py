@@ -1,0 +1,87 @@
+"""The balances of the report: residuals of the models on the rows, and the channels they are drawn over."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from eccentric.diagnosis.outcome import Diagnosis
+from eccentric.fitting.refit import Refit
+from eccentric.report.data import Balance, Channel, Rows
+from eccentric.search.balances import elapsed
+from eccentric.signals.rows import Rows as LogRows
+
+__all__ = ["balance_of"]
+
+Array = np.ndarray
+TURN = 2.0 * np.pi
+_QUARTER = TURN / 4
+_QUANTITIES = {"mechanical": "friction", "electrical": "torque of the voltage"}
+
+
+def balance_of(found: Diagnosis, name: str) -> Balance:
+    """Residuals at one scale of the drive, the extended model's, as the score has them."""
+    mechanical = name == "mechanical"
+    fits = {"linear": found.linear, "paper": found.paper, "extended": found.extended}
+    residuals = {
+        m: _scaled(found, fit, fit.residuals[name]) for m, fit in fits.items() if name in fit.residuals
+    }
+    adopted = found.extended is not found.paper and (
+        mechanical or any(effect.balance == name for effect, _ in found.extended.effects)
+    )
+    return Balance(
+        name=name,
+        quantity=_QUANTITIES[name],
+        unit=found.unit,
+        rows=_rows(found),
+        paper=residuals["paper"],
+        extended=residuals["extended"] if adopted else None,
+        linear=residuals["linear"] if mechanical else None,
+        measured=_scaled(found, found.paper, found.paper.target) if mechanical else None,
+        rmse=found.rmse[name],
+        noise_floor=found.noise_floor if mechanical else None,
+    )
+
+
+def _scaled(found: Diagnosis, fit: Refit, x: Array) -> Array:
+    return x * ((fit.scale or 1.0) / (found.extended.scale or 1.0))
+
+
+def _rows(found: Diagnosis) -> Rows:
+    channels, mu, rows = found.channels, found.setting.mu, found.rows
+    gravity = found.bench.gravity if np.any(found.bench.gravity) else None
+    theta = channels.theta_m if channels.phased else None
+    given = [
+        ("velocity", "motor velocity", "rad/s", channels.omega_m, None),
+        ("link_angle", "link angle", "rad", None if theta is None else mu * theta, TURN),
+        # Without a gear the motor turns with the link.
+        ("motor_angle", "motor angle", "rad", theta if abs(mu) != 1.0 else None, TURN),
+        ("acceleration", "motor acceleration", "rad/s²", channels.alpha_m, None),
+        ("gravity_load", "gravity torque on the motor", found.unit, gravity, None),
+        ("current", "current", "A", channels.current, None),
+        ("voltage", "voltage", "V", channels.voltage, None),
+        ("temperature", "temperature", "°C", channels.temperature, None),
+        ("time", "time in the run", "s", elapsed(channels), None),
+    ]  # fmt: skip
+    made = [
+        Channel(k, label, u, _mean(rows, x, period), period)
+        for k, label, u, x, period in given
+        if x is not None
+    ]
+    return Rows(
+        t=rows.t,
+        run=rows.run,
+        run_names=channels.run_names,
+        train=rows.train,
+        held_out=rows.score,
+        channels=tuple(made),
+        description=rows.description,
+    )
+
+
+def _mean(rows: LogRows, x: Array, period: float | None) -> Array:
+    """A channel on the rows; NaN where an average goes over more than a quarter of a turn."""
+    mean = rows.mean(x)
+    if rows.weights is None or period is None:
+        return mean
+    spread = rows.mean((x - x[0]) ** 2) - (mean - x[0]) ** 2
+    return np.where(spread < _QUARTER**2, mean, np.nan)

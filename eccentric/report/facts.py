@@ -1,0 +1,60 @@
+"""The data-quality table of the report: rows, sampling, gaps, delay, zero angle, noise."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from eccentric.diagnosis.outcome import Diagnosis
+from eccentric.report.data import Fact
+from eccentric.report.text import range_of
+
+__all__ = ["facts_of"]
+
+
+def facts_of(found: Diagnosis) -> list[Fact]:
+    """Lines on the log, in the order of the table."""
+    channels, counts = found.channels, found.channels.counts
+    step = np.diff(channels.t)[np.diff(channels.segment) == 0]
+    usual, points = channels.logged_step_s, channels.points_per_row
+    spread = (points * step.min(), points * step.max())
+    uneven = f"; steps of {spread[0]:.4g} to {spread[1]:.4g} s" if np.ptp(spread) > 0.01 * usual else ""
+    runs = len(channels.run_names)
+    gaps = int(channels.segment[-1]) + 1 - runs
+    moving = f"faster than {channels.moving_threshold_rad_s:.3g} rad/s, clear of reversals and ends"
+    held = "; ".join(f"{a:.4g} to {b:.4g} s" for a, b in channels.holdout.intervals_s[:8])
+
+    def aligned(name: str, field: str, unit: str, factor: float = 1.0) -> Fact:
+        value = getattr(channels, field)
+        if e := found.shipped.estimates.get(field):
+            return Fact(
+                name, f"{e.value:.4g} {unit}", f"estimated, 95 % interval {range_of(e.interval)} {unit}"
+            )
+        given = "estimated" if field in found.rig.estimate else "from the rig file" if value else "none given"
+        return Fact(name, f"{factor * value:.4g} {unit}", given)
+
+    facts = [
+        Fact("rows read", f"{counts['read']}", f"{runs} run{'s' * (runs > 1)}"),
+        Fact("rows rejected", f"{counts['rejected']}", "not numbers"),
+        Fact("rows used", f"{counts['used']}", moving),
+        Fact("rows held out", f"{counts['held_out']}", held),
+        Fact("models are compared on", found.rows.description),
+        Fact("sampling", f"{1.0 / usual:.4g} Hz", f"{usual:.4g} s a row{uneven}"),
+        Fact("gaps in time", f"{gaps}", "nothing is filtered across one" if gaps else ""),
+        Fact("drive measured by", channels.drive),
+        Fact("step of the motor angle", f"{channels.quantum_rad:.3g} rad"),
+        aligned("input delay", "input_delay_s", "ms", 1e3),
+        aligned("zero angle", "theta_zero_rad", "rad"),
+    ]
+    if channels.voltage is not None:
+        facts.append(aligned("voltage offset", "voltage_offset_V", "V"))
+    facts += [
+        Fact(
+            "periodic inside runs",
+            f"{o.per_turn:.2f} per motor turn",
+            f"amplitude {o.amplitude:.3g} {found.unit}, {100 * o.share:.0f} % of the variance that is left,"
+            f" in {o.seen} of {o.stretches} stretches",
+        )
+        for o in found.orders
+    ]
+    noise = f"{found.noise_floor:.3g} {found.unit}"
+    return [*facts, Fact("noise of the sensors", noise, "RMS of a row; no model can be better")]

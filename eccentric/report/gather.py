@@ -1,0 +1,161 @@
+"""From a Diagnosis to the records of the report.
+
+Beside `balance` and `facts`, which this file calls, no other file of the report knows what a fit is.
+"""
+
+from __future__ import annotations
+
+import shlex
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from pathlib import Path
+
+from eccentric import __version__
+from eccentric.diagnosis.outcome import Diagnosis
+from eccentric.diagnosis.words import sentence
+from eccentric.effects import meaning
+from eccentric.effects.effect import Effect
+from eccentric.report.balance import balance_of
+from eccentric.report.data import (
+    AddedEffect,
+    Candidate,
+    Errors,
+    Finding,
+    Gain,
+    Parameter,
+    ReportData,
+)
+from eccentric.report.equation import friction_equations
+from eccentric.report.facts import facts_of
+from eccentric.report.text import number, range_of
+from eccentric.search.offered import every_effect
+
+__all__ = ["report_data"]
+
+_WORSE = {"paper": "Coulomb and viscous friction", "extended": "the paper's"}
+_ORIGINS = ("effect", "friction", "bench", "rig", "unseen")
+
+
+def report_data(found: Diagnosis, files: Sequence[tuple[str, str]] = ()) -> ReportData:
+    """The records of a diagnosis; `files` are (name, what it is) of everything written beside the report."""
+    attribution = found.attribution
+    extended = found.extended is not found.paper
+    effects = [effect for effect, _ in found.extended.effects]
+    named = {effect.family for effect in effects}
+    about = {effect.id: effect for effect in every_effect(found.setting, found.own)}
+    names = sorted(found.rmse, key=lambda name: name != found.balance)
+    return ReportData(
+        logs=found.logs,
+        rig=found.rig_name,
+        model=found.base.name,
+        model_title=found.base.title,
+        verdict=attribution.verdict,
+        sentence=sentence(found),
+        balances=tuple(balance_of(found, name) for name in names),
+        gain=Gain(found.balance, found.percent, found.interval) if extended else None,
+        further=tuple(_further(found)),
+        holdout=found.channels.holdout.rule,
+        depends_on=attribution.depends_on,
+        candidates=tuple(
+            Candidate(
+                c.id, c.family, c.balance, c.rmse, c.probability, c.family in named, *_words(about, c.id)
+            )
+            for c in attribution.candidates
+        ),
+        tied=attribution.tied,
+        chance=attribution.deviance,
+        effects=tuple(
+            AddedEffect(
+                id=e.id,
+                balance=e.balance,
+                meaning=meaning(e.family),
+                formula=e.formula,
+                reference=e.reference,
+                share=found.extended.shares.get(e.id, 0.0),
+            )
+            for e in effects
+        ),
+        parameters=tuple(_parameters(found)),
+        equations=tuple(friction_equations(found.extended.model, effects)),
+        facts=tuple(facts_of(found)),
+        warnings=tuple(
+            text for text in found.warnings if text not in {finding.text for finding in found.quality}
+        ),
+        findings=tuple(Finding(f.kind, f.channel, f.text, f.rows, f.severity) for f in found.quality),
+        next_measurement=attribution.next_measurement,
+        command=_command(found),
+        files=tuple(files),
+        version=__version__,
+    )
+
+
+def _words(about: dict[str, Effect], name: str) -> tuple[str, tuple[str, ...], str]:
+    effect = about.get(name)
+    return ("", (), "") if effect is None else (effect.formula, effect.aliases, effect.hint)
+
+
+def _further(found: Diagnosis) -> list[Errors]:
+    """Errors that are there for some logs: in the drive's unit, of free motion, over whole runs."""
+    score = found.score
+    models = {"linear", "paper"} | ({"extended"} if found.extended is not found.paper else set())
+
+    def of(rmse: Mapping[str, float]) -> dict[str, float]:
+        return {model: value for model, value in rmse.items() if model in models}
+
+    further = []
+    if score.per_drive:
+        unit = {"voltage": "V", "current": "A", "torque": "N m"}[found.channels.drive]
+        further.append(Errors("mechanical balance, as measured", unit, of(score.per_drive)))
+    if score.free:
+        note = "No electrical effect is in these rows: what predicts them is mechanical."
+        further.append(Errors("with the motor switched off", found.unit, of(score.free), note=note))
+    if over := score.over_runs:
+        gains = [
+            f"Gain of the {name} model on {_WORSE[name]}: {number(percent, 3)} % (95 % interval"
+            f" {range_of((low, high), 3)} %), in {better} of {over.runs} runs."
+            for name, (percent, (low, high), better) in over.gains.items()
+            if name in models
+        ]
+        note = " ".join(
+            [
+                "Coefficients refitted on the other runs; the effect itself was chosen on the training runs.",
+                *gains,
+            ]
+        )
+        interval = over.gains["extended"][1] if "extended" in over.gains and "extended" in models else None
+        further.append(Errors("every run left out once", found.unit, of(over.rmse), interval, note))
+    return further
+
+
+def _parameters(found: Diagnosis) -> list[Parameter]:
+    """Those of the effects, fitted friction, what the log had to give of the bench, what the rig knew."""
+    own = {q.name for effect, _ in found.shipped.effects for q in effect.parameters}
+    terms = found.shipped.model.balance("mechanical").terms
+    friction = {str(term.coefficient) for term in terms if term.kind == "friction"}
+    estimates = found.shipped.estimates
+    given = {*found.bench.drive.identified, *estimates}
+    rows = []
+    for q in found.shipped.model.parameters:
+        value = found.shipped.values.get(q.name)
+        kinds = (("effect", own), ("friction", friction), ("bench", given))
+        last = "rig" if q.name in found.rig.known else "unseen"
+        origin = next((name for name, letters in kinds if q.name in letters), last)
+        # A coefficient that is one with another is not fitted: the other stands for their sum.
+        if value is None or (origin == "friction" and estimates and q.name not in estimates):
+            continue
+        row = Parameter(q.name, q.meaning, q.unit, value, origin)
+        if e := estimates.get(q.name):
+            row = replace(
+                row, std_error=e.std_error, interval=e.interval, bound=e.bound_active or "", widened=e.widened
+            )
+        rows.append(row)
+    return sorted(rows, key=lambda row: _ORIGINS.index(row.origin))
+
+
+def _command(found: Diagnosis) -> str:
+    words = ["eccentric", "diagnose", *found.logs, "--rig", found.rig_name]
+    if found.model != found.rig.model:
+        words += ["--model", Path(found.model).name]
+    if found.own is not None:
+        words += ["--effects", found.own.name]
+    return shlex.join([*words, "--out", "DIR"])

@@ -1,0 +1,134 @@
+"""Numbers as they are read, and the sentences of the report."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from eccentric.report.data import Balance, Candidate, ReportData
+from eccentric.report.panels import Panel, Trace
+
+__all__ = ["VERDICTS", "figure_words", "number", "plain_words", "range_of", "trace_words", "why"]
+
+VERDICTS = {
+    "named": "effect named",
+    "not_identifiable": "not identifiable on this log",
+    "unexplained": "structure unexplained",
+    "nothing_missing": "nothing missing",
+}
+_WINDOWS = (
+    "These errors are of smoothed windows, each predicted by a fit to the others; those of the held-out part"
+    " are of single rows."
+)
+_SUPERSCRIPT = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
+
+
+def number(value: float, digits: int = 4) -> str:
+    """A number with so many significant digits, a real minus sign, and powers of ten set as such."""
+    text = f"{value:.{digits}g}"
+    mantissa, e, exponent = text.partition("e")
+    power = f" × 10{str(int(exponent)).translate(_SUPERSCRIPT)}" if e else ""
+    return mantissa.replace("-", "−") + power
+
+
+def range_of(interval: tuple[float, float], digits: int = 4) -> str:
+    """An interval in words."""
+    return f"{number(interval[0], digits)} to {number(interval[1], digits)}"
+
+
+def plain_words(name: str) -> str:
+    """A key such as link_angle as words."""
+    return name.replace("_", " ")
+
+
+def figure_words(panel: Panel, unit: str) -> tuple[str, str]:
+    """Caption and text alternative of a panel, by its numbers."""
+    label, curves = panel.channel.label, panel.curves
+    facing = ", counted against the motion" if panel.against_motion else ""
+    if "before" in curves:
+        swing = f"Over the {label} the means swing by {number(curves['before'].swing, 3)} {unit}"
+        if "after" in curves:
+            swing += f" before and by {number(curves['after'].swing, 3)} {unit} after"
+        what = "Residual" if "after" in curves else "Residual of the paper's model"
+    else:
+        middle = curves["measured"].middle
+        missed = {
+            name: float(np.nanmax(np.abs(curves[name].middle - middle)))
+            for name in ("paper", "extended")
+            if name in curves
+        }
+        parts = [
+            f"{number(value, 3)} {unit} ({'paper' if name == 'paper' else 'extended'})"
+            for name, value in missed.items()
+        ]
+        swing = (
+            f"Over the {label} the predicted means miss the measured ones by at most {' and '.join(parts)}"
+        )
+        what = "Measured and predicted friction"
+    rows = panel.rows[panel.rows > 0]
+    stands = "a mark is a row" if rows.max() == 1 else f"a mark stands for {rows.min()} to {rows.max()} rows"
+    if panel.left_out:
+        stands += f", {panel.left_out} rows in bins too thin are not drawn"
+    at = panel.at[np.isfinite(panel.at)]
+    extent = f"from {number(float(at[0]), 3)} to {number(float(at[-1]), 3)} {panel.channel.unit}"
+    return f"{swing}{facing}; {stands}.", f"{what} over the {label} {extent}. {swing}{facing}."
+
+
+def trace_words(found: Trace, balance: Balance) -> tuple[str, str]:
+    """Caption and text alternative of the time traces."""
+    stands = (
+        "every row is drawn"
+        if found.rows_per_point == 1
+        else f"a point is the mean of up to {found.rows_per_point} consecutive rows, the shaded band their"
+        " least and greatest"
+    )
+    cuts = f" The {len(found.cuts)} dotted lines mark where time was cut out." if len(found.cuts) else ""
+    errors = ", ".join(f"{name} {number(value, 3)} {balance.unit}" for name, value in balance.rmse.items())
+    caption = f"The {found.rows} held-out rows; {stands}.{cuts}"
+    return caption, f"Measured and predicted {balance.quantity} along time. Held-out RMSE: {errors}."
+
+
+def why(data: ReportData) -> list[str]:
+    """Why the runner-up lost, or why nothing won; a sentence for each balance that was searched."""
+    units = {balance.name: balance.unit for balance in data.balances}
+    sentences = []
+    for name in dict.fromkeys(c.balance for c in data.candidates):
+        own = [c for c in data.candidates if c.balance == name]
+        winners, others = [c for c in own if c.adopted], [c for c in own if not c.adopted]
+        if winners and data.verdict in {"named", "not_identifiable"}:
+            tied = [c for c in own if c.family in data.tied]
+            pair = (tied or [winners[0], *others])[:2]
+            if len(pair) == 2:
+                sentences.append(_against(pair[0], pair[1], units.get(name, ""), bool(tied)))
+        elif name in data.chance:
+            sentences.append(_chance(own[0], data.chance[name], data.verdict))
+    return sentences
+
+
+def _against(winner: Candidate, runner: Candidate, unit: str, tied: bool) -> str:
+    times = runner.rmse / winner.rmse if winner.rmse else 1.0
+    chances = f"probabilities {runner.probability:.2f} and {winner.probability:.2f}"
+    first = f"{runner.id} leaves an error of {number(runner.rmse)} {unit}"
+    second = f"{number(winner.rmse)} {unit}"
+    if tied:
+        return (
+            f"Undecided between {winner.id} and {runner.id}: {first}, {winner.id} {second} ({chances})."
+            f" {_WINDOWS}"
+        )
+    return (
+        f"Why the runner-up lost: {first}, {number(times, 3)} times the {second} of what was adopted"
+        f" ({chances}). {_WINDOWS}"
+    )
+
+
+def _chance(best: Candidate, chance: tuple[float, float], verdict: str) -> str:
+    gained, level = chance
+    sentence = (
+        f"The best candidate of the {best.balance} balance is {best.id}; how much better the log fits with it"
+        f" is {number(gained, 3)} in deviance, and one log of a hundred without any effect has"
+        f" {number(level, 3)} or more by chance"
+    )
+    if gained <= level:
+        return f"{sentence}: it may be chance."
+    if verdict == "unexplained":
+        return f"{sentence}. What it leaves still follows a variable: it has not the right shape."
+    return f"{sentence}. It is too little to be told from the errors of filters and of sampling."

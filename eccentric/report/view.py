@@ -1,0 +1,198 @@
+"""What the report's templates may see: strings, and lists of them; arithmetic and choices end here."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from types import ModuleType
+from typing import Any
+
+from eccentric.report.data import Balance, Candidate, Errors, Parameter, ReportData
+from eccentric.report.panels import friction_panel, residual_panel, trace
+from eccentric.report.text import (
+    VERDICTS,
+    figure_words,
+    number,
+    plain_words,
+    range_of,
+    trace_words,
+    why,
+)
+
+__all__ = ["view"]
+
+_MODELS = {"linear": "Coulomb + viscous", "paper": "paper's model", "extended": "extended model"}
+_ORIGINS = {
+    "effect": "fitted, new",
+    "friction": "fitted",
+    "bench": "identified along",
+    "unseen": "a placeholder: nothing in this log depends on it",
+    "rig": "known from the rig",
+}
+_MARKS = {"named": "✓", "not_identifiable": "≈", "unexplained": "?", "nothing_missing": "○"}
+
+
+def view(data: ReportData, figures: ModuleType | None) -> dict[str, Any]:
+    """The names that the templates use; without `figures` (no Bokeh) captions and tables remain."""
+    shown = [b for k, b in enumerate(data.balances) if k == 0 or b.extended is not None]
+    drawn = _Figures(figures)
+    residuals = [(b, _residuals(drawn, b, data)) for b in shown]
+    friction = [one for b in shown for one in _friction(drawn, b)]
+    traces = [one for b in shown for one in _traces(drawn, b)]
+    return {
+        "title": f"What does the model lack? {', '.join(data.logs)}",
+        "data": data,
+        "verdict": VERDICTS[data.verdict],
+        "mark": _MARKS[data.verdict],
+        "key_figures": _key_figures(data),
+        "errors": _errors(data),
+        "residuals": [(f"{b.name} balance", b.unit, panels) for b, panels in residuals],
+        "friction": friction,
+        "traces": traces,
+        "rows": data.balances[0].rows.description,
+        "depends": ", ".join(map(plain_words, data.depends_on)),
+        "candidates": [_candidate(c, data) for c in data.candidates],
+        "why": why(data),
+        "parameters": [_parameter(p) for p in data.parameters],
+        "effects": [(e, number(100.0 * e.share, 3)) for e in data.effects],
+        "hints": [(c.id, c.hint) for c in data.candidates if c.hint and (c.adopted or c.family in data.tied)],
+        "figures_json": drawn.json(),
+        "bokeh": figures.library() if figures else "",
+    }
+
+
+class _Figures:
+    """Collects what is drawn; each figure gets the id of its element in the page."""
+
+    def __init__(self, module: ModuleType | None) -> None:
+        self.module = module
+        self.roots: list[tuple[str, Any]] = []
+
+    def add(self, caption: tuple[str, str], make: Callable[[ModuleType], list[Any]]) -> dict[str, Any]:
+        """The template's view of a figure, of one plot or several that belong together."""
+        made = make(self.module) if self.module else []
+        ids = [f"plot-{len(self.roots) + k + 1}" for k in range(len(made))]
+        self.roots += zip(ids, made, strict=True)
+        return {"ids": ids, "caption": caption[0], "alternative": caption[1]}
+
+    def json(self) -> str:
+        """The document of all figures; "" without any."""
+        return self.module.document_json(self.roots) if self.module and self.roots else ""
+
+
+def _residuals(drawn: _Figures, balance: Balance, data: ReportData) -> list[dict[str, Any]]:
+    """One figure per channel, those that the residual depends on first."""
+    order = {key: k for k, key in enumerate(data.depends_on)}
+    found = []
+    for channel in sorted(balance.rows.channels, key=lambda c: order.get(c.key, len(order))):
+        panel = residual_panel(balance, channel)
+        if panel is not None:
+            words = figure_words(panel, balance.unit)
+            found.append(
+                drawn.add(words, lambda m, p=panel: [m.panel_figure(p, "residual", balance.unit)])
+                | {"depends": channel.key in order, "label": channel.label}
+            )
+    return found
+
+
+def _friction(drawn: _Figures, balance: Balance) -> list[dict[str, Any]]:
+    found = []
+    for key in ("velocity", "link_angle"):
+        channel = balance.rows.channel(key)
+        panel = channel and friction_panel(balance, channel)
+        if panel:
+            words = figure_words(panel, balance.unit)
+            found.append(
+                drawn.add(words, lambda m, p=panel: [m.panel_figure(p, balance.quantity, balance.unit)])
+            )
+    return found
+
+
+def _traces(drawn: _Figures, balance: Balance) -> list[dict[str, Any]]:
+    found = trace(balance)
+    if found is None:
+        return []
+    names = balance.rows.run_names
+    words = trace_words(found, balance)
+    return [drawn.add(words, lambda m: m.trace_figures(found, names, balance.quantity, balance.unit))]
+
+
+def _key_figures(data: ReportData) -> list[tuple[str, str]]:
+    first = data.balances[0]
+    paper, after = first.rmse["paper"], first.rmse.get("extended", first.rmse["paper"])
+    found = []
+    if data.gain:
+        found.append(("held-out error", f"{number(paper, 3)} → {number(after, 3)} {first.unit}"))
+        found.append(
+            (f"smaller by ({range_of(data.gain.interval, 3)} %)", f"{number(data.gain.percent, 3)} %")
+        )
+    else:
+        found.append(("held-out error", f"{number(paper, 3)} {first.unit}"))
+    adopted = [c.probability for c in data.candidates if c.adopted]
+    if adopted:
+        found.append(("probability", f"{min(adopted):.2f}"))
+    if first.noise_floor is not None:
+        found.append(("noise of the sensors", f"{number(first.noise_floor, 3)} {first.unit}"))
+    return found
+
+
+def _errors(data: ReportData) -> list[dict[str, Any]]:
+    """Bars of the errors of every balance, then of the further ones."""
+    found = []
+    for b in data.balances:
+        interval = data.gain.interval if data.gain and data.gain.balance == b.name else None
+        rmse = {m: x for m, x in b.rmse.items() if m != "extended" or b.extended is not None}
+        found.append(_bars(Errors(f"{b.name} balance", b.unit, rmse, interval), b.noise_floor))
+    return [*found, *(_bars(errors, None) for errors in data.further)]
+
+
+def _bars(errors: Errors, noise: float | None) -> dict[str, Any]:
+    """The longest bar is full width; the interval of the improvement is a whisker on the extended model's."""
+    ends: list[float] = []
+    if errors.interval:
+        ends = [errors.rmse["paper"] * (1.0 - percent / 100.0) for percent in reversed(errors.interval)]
+    top = 1.02 * max([*errors.rmse.values(), noise or 0.0, *ends])
+    part = 100.0 / top if top > 0.0 else 0.0
+    bars = [
+        {"model": model, "name": _MODELS[model], "value": number(value), "width": f"{value * part:.2f}"}
+        for model, value in errors.rmse.items()
+    ]
+    return {
+        "name": errors.name,
+        "unit": errors.unit,
+        "bars": bars,
+        "whisker": [f"{x * part:.2f}" for x in (ends[0], ends[1] - ends[0])] if ends else [],
+        "interval": [number(x) for x in ends],
+        "noise": None if noise is None else (number(noise, 3), f"{noise * part:.2f}"),
+        "note": errors.note,
+    }
+
+
+def _candidate(c: Candidate, data: ReportData) -> dict[str, Any]:
+    units = {balance.name: balance.unit for balance in data.balances}
+    standing = "adopted" if c.adopted else "tied" if c.family in data.tied else ""
+    return {
+        "standing": standing,
+        "id": c.id,
+        "formula": c.formula,
+        "balance": c.balance,
+        "rmse": f"{number(c.rmse)} {units.get(c.balance, '')}",
+        "probability": f"{c.probability:.2f}",
+        "width": f"{100.0 * c.probability:.1f}",
+        "aliases": ", ".join(c.aliases),
+    }
+
+
+def _parameter(p: Parameter) -> dict[str, str]:
+    notes = [f"{p.bound} bound active"] if p.bound else []
+    if p.widened and not p.bound:
+        notes.append("widened by a bound")
+    return {
+        "name": p.name,
+        "meaning": p.meaning,
+        "value": number(p.value),
+        "error": "" if p.std_error is None else number(p.std_error, 2),
+        "interval": "" if p.interval is None else range_of(p.interval),
+        "unit": p.unit,
+        "note": "; ".join([_ORIGINS[p.origin], *notes]),
+        "origin": p.origin,
+    }

@@ -1,0 +1,149 @@
+"""What can be known of a rig: the paper's letters, their keys in a rig file, units and physical bounds."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import sympy as sp
+
+from eccentric.errors import InputError
+from eccentric.logs.units import parse_value
+from eccentric.model import vocabulary
+from eccentric.rigs.entries import read_number, read_pair, read_table, refuse_unknown
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Mapping
+
+
+@dataclass(frozen=True)
+class Known:
+    """A quantity of the rig: letter, key with the unit as its suffix, SI unit, range that physics allows."""
+
+    name: str
+    key: str
+    unit: str
+    lower: float = 0.0
+    upper: float = math.inf
+    open_below: bool = False
+
+    @property
+    def required(self) -> str:
+        """The allowed range in words."""
+        unit = "" if self.unit == "1" else f" {self.unit}"
+        if math.isinf(self.lower):
+            return f"finite, in{unit}"
+        above = f"{'above' if self.open_below else 'at least'} {self.lower:g}"
+        return above + unit if math.isinf(self.upper) else f"{above} and at most {self.upper:.6g}{unit}"
+
+    def allows(self, value: float) -> bool:
+        """Tell whether a value is finite and physically possible."""
+        low = value > self.lower if self.open_below else value >= self.lower
+        return math.isfinite(value) and low and value <= self.upper
+
+
+KNOWNS = (
+    Known("M", "M_kg", "kg"),
+    Known("M_l", "M_l_kg", "kg"),
+    Known("L", "L_m", "m"),
+    Known("mu", "mu", "1", open_below=True),
+    Known("R", "R_ohm", "ohm", open_below=True),
+    Known("k_i", "k_i_Nm_per_A", "N m/A", open_below=True),
+    Known("k_e", "k_e_Vs_per_rad", "V s/rad"),
+    Known("J_m", "J_m_kgm2", "kg m^2"),
+    Known("J_l", "J_l_kgm2", "kg m^2"),
+    Known("g", "g_m_s2", "m/s^2"),
+    Known("F_T", "F_T_N", "N"),
+    Known("phi", "phi_rad", "rad", upper=math.pi / 2.0),
+    Known("T_load", "T_load_Nm", "N m", lower=-math.inf),
+)
+"""`k_i_Nm_per_A = 0.02` and `k_i = "20 mNm/A"` say the same; J_l is about the axis, M L^2 included."""
+
+_BY_KEY = {key: known for known in KNOWNS for key in (known.key, known.name)}
+
+
+def find_known(key: str, value: object, where: str, others: Iterable[str] = ()) -> Known:
+    """Return the quantity that a key of the rig file names.
+
+    Raises InputError if there is none, with the closest of the keys that such a `value` can have: letters
+    for texts with units, keys with a suffix for numbers.
+    """
+    if key not in _BY_KEY:
+        first = value[0] if isinstance(value, list) and value else value
+        same = [known.name if isinstance(first, str) else known.key for known in KNOWNS]
+        refuse_unknown([key], (*same, *others), where)
+    return _BY_KEY[key]
+
+
+def read_value(value: object, known: Known, key: str, where: str) -> float:
+    """Return a quantity in SI, from a number under a key with a unit suffix or from a text with a unit.
+
+    Raises InputError for a bare number without unit, a wrong dimension, and a physically impossible value.
+    """
+    if isinstance(value, str):
+        number = parse_value(value, known.unit, where)
+    elif key == known.key:
+        number = read_number(value, where)
+    else:
+        raise InputError(
+            f'{where}: a text with a unit is required, as in {key} = "0.1 {known.unit}", received {value!r}'
+        )
+    if not known.allows(number):
+        raise InputError(f"{where}: a value {known.required} is required, received {value!r}")
+    return number
+
+
+def read_knowns(
+    content: Mapping[str, Any], where: str
+) -> tuple[dict[str, float], dict[str, tuple[float, float]], str | None]:
+    """Return known values and unknown ranges in SI, by letter, and the case: C1, C2, None for a tilted plane.
+
+    Raises InputError for what no rig can be: an unknown key or unit, an impossible value, a quantity that is
+    given twice, a tilt that contradicts the case.
+    """
+    table = dict(read_table(content.get("known", {}), f"{where}: [known]"))
+    given = table.pop("case", None)
+    case = given.upper() if isinstance(given, str) else given
+    if case not in (None, "C1", "C2"):
+        raise InputError(f"{where}: [known] case: C1 or C2 is required, received {given!r}")
+    known: dict[str, float] = {}
+    for key, value in table.items():
+        quantity = find_known(key, value, f"{where}: [known]", ["case"])
+        _refuse_twice(quantity.name, known, where)
+        known[quantity.name] = read_value(value, quantity, key, f"{where}: [known] {key}")
+    unknown: dict[str, tuple[float, float]] = {}
+    for key, value in read_table(content.get("unknown", {}), f"{where}: [unknown]").items():
+        quantity = find_known(key, value, f"{where}: [unknown]")
+        _refuse_twice(quantity.name, known | unknown, where)
+        at = f"{where}: [unknown] {key}"
+        lower, upper = (read_value(end, quantity, key, at) for end in read_pair(value, at))
+        if lower >= upper:
+            raise InputError(f"{at}: a range with lower below upper is required, received {value!r}")
+        unknown[quantity.name] = lower, upper
+    case = _case(case, known, unknown, where)
+    if "g" not in unknown:
+        known.setdefault("g", float(sp.Rational(vocabulary.g.default)))  # Table 1's
+    return known, unknown, case
+
+
+def _refuse_twice(name: str, given: Mapping[str, Any], where: str) -> None:
+    if name in given:
+        raise InputError(f"{where}: {name} is given twice")
+
+
+def _case(case: str | None, known: dict[str, float], unknown: Mapping[str, Any], where: str) -> str | None:
+    """Return the case that case and tilt agree on; write the tilt of a case into `known`."""
+    tilt = {"C1": math.pi / 2.0, "C2": 0.0}
+    if case is None:
+        if "phi" not in known and "phi" not in unknown:
+            raise InputError(
+                f"{where}: [known] case (C1 or C2) or the tilt phi is required, neither is given"
+            )
+        return next((name for name, phi in tilt.items() if math.isclose(known.get("phi", -1.0), phi)), None)
+    if "phi" in unknown or not math.isclose(known.get("phi", tilt[case]), tilt[case], abs_tol=1e-6):
+        raise InputError(
+            f"{where}: [known] case {case} means phi = {math.degrees(tilt[case]):g} deg; leave one out"
+        )
+    known["phi"] = tilt[case]
+    return case

@@ -1,0 +1,169 @@
+"""What the user knows of the test bench: a TOML or JSON file, checked and in SI.
+
+The sidecars `rotlink-log/1` are rigs as they stand. A file by hand looks like `examples/rigs/*.toml`.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from eccentric.errors import InputError
+from eccentric.logs.units import parse_value
+from eccentric.rigs.entries import read_intervals, read_names, read_number, refuse_unknown
+from eccentric.rigs.file import read_file
+from eccentric.rigs.known import read_knowns
+from eccentric.rigs.sources import ColumnSource, read_columns
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+__all__ = ["Rig", "read_rig"]
+
+DRIVES = ("current", "voltage", "torque")
+ALIGNMENT = ("input_delay_s", "theta_zero_rad", "voltage_offset_V")
+KEYS = (
+    *("format", "name", "log_type", "known", "unknown", "columns", "drive", "encoder_counts_per_rev"),
+    *("sample_rate_hz", "low_pass_hz", "moving_threshold_rad_s", "holdout_intervals_s", "holdout_runs"),
+    *("runs", "average_over"),
+    *ALIGNMENT,
+)
+"""What may stand in a rig file at its top level."""
+
+
+@dataclass(frozen=True)
+class Rig:
+    """The test bench as the user describes it; numbers in SI, by the paper's letters.
+
+    `known` holds values, `unknown` ranges [lower, upper]; what is in neither is identified along where it
+    can be. `case` is "C1", "C2" or None for a tilted plane; then `phi` [rad] is in `known` or `unknown`.
+    `columns` is None where the standard column names hold. `drive` says what measures the drive torque
+    ("current", "voltage", "torque"; None: what the log has). `estimate` names those of input_delay_s,
+    theta_zero_rad, voltage_offset_V that the fit has to find. `theta_zero_rad` is the logged link angle at
+    which the mass hangs straight down. `runs` and `holdout_runs` are names or patterns of runs, `runs` empty
+    for all. `average_over` is a time [s] that both sides of the balance are averaged over before they are
+    compared, 0 for the rows of the log, infinite for whole runs.
+    """
+
+    path: str
+    name: str
+    known: Mapping[str, float]
+    unknown: Mapping[str, tuple[float, float]]
+    case: str | None
+    columns: Mapping[str, ColumnSource] | None
+    drive: str | None
+    counts_per_rev: float | None
+    sample_rate_hz: float | None
+    low_pass_hz: float
+    low_pass_given: bool
+    moving_threshold_rad_s: float | None
+    holdout_intervals_s: tuple[tuple[float, float], ...]
+    holdout_runs: tuple[str, ...]
+    runs: tuple[str, ...]
+    average_over: float
+    input_delay_s: float
+    theta_zero_rad: float
+    voltage_offset_V: float
+    estimate: frozenset[str]
+    warnings: tuple[str, ...]
+
+    def value(self, name: str) -> float:
+        """Return a known quantity by the paper's letter; InputError, naming the rig, where it is unknown."""
+        if name not in self.known:
+            raise InputError(f"{self.path}: [known] {name} is required here and is not given")
+        return self.known[name]
+
+    @property
+    def drive_low_pass_hz(self) -> float | None:
+        """Cut-off for the measured drive where rows are averages over a time: both sides pass one filter."""
+        return self.low_pass_hz if self.average_over and math.isfinite(self.average_over) else None
+
+    @property
+    def model(self) -> str:
+        """The name of the model that the case or the tilt asks for."""
+        return {"C1": "c1_perpendicular", "C2": "c2_parallel"}.get(self.case or "", "rotating_link")
+
+
+def read_rig(path: str | Path) -> Rig:
+    """Read a rig file, `.toml` or `.json`.
+
+    Raises InputError, one line with file, key, what is required and what came: a missing or damaged file, an
+    unknown key or unit, a value that is physically impossible, a contradiction.
+    """
+    path = Path(path)
+    where = str(path)
+    content = read_file(path)
+    refuse_unknown(content, KEYS, where)
+    known, unknown, case = read_knowns(content, where)
+    counts = _optional(content, "encoder_counts_per_rev", where)
+    columns, warnings = read_columns(content.get("columns"), f"{where}: [columns]", counts)
+    drive = content.get("drive")
+    if drive is not None and drive not in DRIVES:
+        raise InputError(f"{where}: drive: one of {', '.join(DRIVES)} is required, received {drive!r}")
+    aligned, estimate = _alignment(content, where)
+    return Rig(
+        path=where,
+        name=str(content.get("name", path.stem)),
+        known=known,
+        unknown=unknown,
+        case=case,
+        columns=columns,
+        drive=drive,
+        counts_per_rev=counts,
+        sample_rate_hz=_optional(content, "sample_rate_hz", where),
+        low_pass_hz=_optional(content, "low_pass_hz", where) or 25.0,
+        low_pass_given="low_pass_hz" in content,
+        moving_threshold_rad_s=_optional(content, "moving_threshold_rad_s", where, open_below=False),
+        holdout_intervals_s=read_intervals(
+            content.get("holdout_intervals_s", []), f"{where}: holdout_intervals_s"
+        ),
+        holdout_runs=read_names(content.get("holdout_runs", []), f"{where}: holdout_runs"),
+        runs=read_names(content.get("runs", []), f"{where}: runs"),
+        average_over=_average(content.get("average_over"), f"{where}: average_over"),
+        estimate=estimate,
+        warnings=(*warnings, *_doubts(known)),
+        **aligned,
+    )
+
+
+def _doubts(known: Mapping[str, float]) -> list[str]:
+    """Return warnings of what a rig can be and seldom is."""
+    doubts = []
+    if known.get("mu", 0.0) > 1.0:
+        doubts.append(
+            f"mu = {known['mu']:g} is above 1: the link turns faster than the motor (step-up drive)"
+        )
+    if {"J_l", "M", "L"} <= set(known) and known["J_l"] < (mass := known["M"] * known["L"] ** 2) * (1 - 1e-9):
+        doubts.append(
+            f"J_l = {known['J_l']:.6g} kg m^2 is less than M L^2 = {mass:.6g} kg m^2, which it includes:"
+            " it is the inertia of the whole link about its axis"
+        )
+    return doubts
+
+
+def _optional(content: Mapping[str, Any], key: str, where: str, *, open_below: bool = True) -> float | None:
+    """Return a number above 0 (or at least 0), None where the key is not there."""
+    return None if key not in content else read_number(content[key], f"{where}: {key}", 0.0, open_below)
+
+
+def _alignment(content: Mapping[str, Any], where: str) -> tuple[dict[str, float], frozenset[str]]:
+    """Return delay, zero angle and offset by key, 0 where the fit estimates them, and which those are."""
+    given = {key: content.get(key, 0.0) for key in ALIGNMENT}
+    estimate = frozenset(key for key, value in given.items() if value == "estimate")
+    values: dict[str, float] = {}
+    for key, value in given.items():
+        if isinstance(value, str) and value != "estimate":
+            raise InputError(f'{where}: {key}: a number or "estimate" is required, received {value!r}')
+        lower = 0.0 if key == "input_delay_s" else -math.inf
+        values[key] = 0.0 if key in estimate else read_number(value, f"{where}: {key}", lower)
+    return values, estimate
+
+
+def _average(value: object, where: str) -> float:
+    """Return a time [s], 0 if none is given, infinity for "run"."""
+    if value is None or value == "run":
+        return 0.0 if value is None else math.inf
+    seconds = parse_value(value, "s", where) if isinstance(value, str) else value
+    return read_number(seconds, where, 0.0, open_below=True)

@@ -1,0 +1,1 @@
+"""Residuals and a library of effects in, one verdict out."""

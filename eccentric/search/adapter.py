@@ -1,0 +1,125 @@
+"""From symbolic effects to numerical candidates: the only bridge between physics and selection.
+
+Everything a candidate computes comes from the Effect's expressions and the Model it extends.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import Any
+
+import numpy as np
+import sympy as sp
+
+from eccentric.effects.effect import Effect
+from eccentric.fitting.expressions import Signals, base_columns, compiled
+from eccentric.fitting.states import States
+from eccentric.model import Model
+from eccentric.model import vocabulary as v
+from eccentric.search.candidates import Candidate, Shape
+
+__all__ = ["candidate"]
+
+Array = np.ndarray
+
+
+def candidate(
+    effect: Effect, model: Model, signals: Signals, friction: Array, balance: str | None
+) -> Candidate:
+    """The effect as columns of torque.
+
+    Args:
+        effect: the record.
+        model: the base model.
+        signals: smooth signals.
+        friction: (columns,) coefficients of a first fit of the base model, for the first look at effects that
+            scale or replace something.
+        balance: the one that shows it, None for the effect's own: a rig driven by voltage alone shows what
+            the armature does in the mechanical balance.
+    """
+    extended = effect.extend(model)
+    names = tuple(shape.quantity.name for shape in effect.shapes)
+    states = States(extended, effect.states, signals, names)
+    load = {
+        "mechanical": sp.Integer(1),
+        "electrical": v.k_i.symbol / v.R.symbol,
+    }
+    own = {
+        balance: [
+            compiled(extended, load[balance] * _collected(terms, q.symbol), signals, names)
+            for q in effect.coefficients
+        ]
+        for balance, terms in effect.terms.items()
+    }
+    ranges = {s.quantity.name: (s.low, s.high, s.scale, s.points) for s in effect.shapes}
+    # The search knows 0 as a bound, no other; the fit on the emitted module keeps them all.
+    lower = tuple(0.0 if low == 0.0 else -np.inf for low, _ in effect.bounds) or (-np.inf,)
+    changes = _changes(effect, model, extended, signals, names, states)
+
+    def columns_of(balance: str) -> Callable[[Any, Shape], Array]:
+        def columns(_: Any, shape: Shape) -> Array:
+            series = states(shape)
+            return np.column_stack([column(shape, series) for column in own[balance]])
+
+        return columns
+
+    # Compiled for those few that need it.
+    plain = np.empty(0) if changes is None else base_columns(model, signals) @ friction
+
+    def first_look(_: Any, shape: Shape) -> Array:
+        """The change at this shape, friction as first fitted: a direction for the search."""
+        if changes is None:
+            raise ValueError(f"effect {effect.id} changes nothing of the base model")
+        known, base = changes(shape)
+        return (known + base @ friction - plain)[:, None]
+
+    other = "mechanical" if effect.balance == "electrical" and balance is None else None
+    return Candidate(
+        id=effect.id,
+        family=effect.family,
+        balance=balance or effect.balance,
+        depends_on=effect.depends_on,
+        columns=columns_of(effect.balance) if changes is None else first_look,
+        shape=ranges,
+        lower=lower if changes is None else (0.0,),
+        needs=effect.needs,
+        special_of=effect.special_of,
+        repeats=effect.repeats,
+        also=None if other is None or other not in own else columns_of(other),
+        replaces=None if changes is None else (lambda _, shape, __: changes(shape)),
+    )
+
+
+def _collected(terms: Sequence[Any], coefficient: sp.Symbol) -> sp.Expr:
+    """What the coefficient multiplies in the terms of one balance."""
+    return sp.Add(*(sp.expand(term.value).coeff(coefficient) for term in terms))
+
+
+def _changes(
+    effect: Effect, model: Model, extended: Model, signals: Signals, names: tuple[str, ...], states: States
+) -> Callable[[Shape], tuple[Array, Array]] | None:
+    """For an effect that scales or replaces: shape -> (what is known to be missing, new base columns)."""
+    if not effect.replaces and not effect.scales:
+        return None
+    swap = dict(effect.replaces)
+    columns = []
+    for column in signals.columns(model):
+        kind = "viscous" if column.name.startswith("B") else "coulomb"
+        factors = [factor for which, factor in effect.scales.items() if which in {"friction", kind}]
+        basis = sp.Mul(column.basis.xreplace(swap), *factors)
+        columns.append(compiled(extended, basis, signals, names))
+    loads = [
+        compiled(
+            which, which.balance("mechanical").sum_of("inertial", "gravity", "conservative"), signals, names
+        )
+        for which in (extended, model)
+    ]
+
+    def changed(shape: Shape) -> tuple[Array, Array]:
+        series = states(shape)
+        known = loads[0](shape, series) - loads[1](shape, series)
+        return known, np.column_stack(
+            [*(column(shape, series) for column in columns), *signals.open.values()]
+        )
+
+    return changed

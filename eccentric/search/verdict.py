@@ -1,0 +1,250 @@
+"""From the searches on the balances to one verdict, a ranked list and the measurement that would decide.
+
+named             adopted effects, each clearly ahead of its alternatives
+not_identifiable  adopted, but another family explains the log alike
+unexplained       a smooth term takes out a part of the structure that no candidate does: no name is given
+nothing_missing   no candidate and no smooth term is worth it
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from eccentric.search.attribution import Rules, Search, search_all
+from eccentric.search.candidates import Candidate
+from eccentric.search.selection import Term
+from eccentric.signals.residual import Balance
+
+__all__ = ["Adopted", "Attribution", "Ranked", "attribute", "next_measurement", "unconfirmed"]
+
+
+@dataclass(frozen=True)
+class Adopted:
+    """An adopted term with its balance.
+
+    coefficients: of its columns, none if its parameters are all in the shape; share: RMS that it takes out of
+        the residual beside the other terms, as a fraction of the balance's scale.
+    """
+
+    balance: str
+    term: Term
+    coefficients: tuple[float, ...]
+    share: float
+
+
+@dataclass(frozen=True)
+class Ranked:
+    """A candidate in the list: id, family, balance, cross-validated RMSE [N m], probability."""
+
+    id: str
+    family: str
+    balance: str
+    rmse: float
+    probability: float
+
+
+@dataclass(frozen=True)
+class Attribution:
+    """What was decided.
+
+    verdict: as in the module's table; adopted: effects by share, the largest first (for `unexplained` the
+    best approximation, not to be reported as a name); tied: families that explain the log alike; candidates:
+    best first, those of the balance that the verdict is about before all others; depends_on:
+    variables that the residual of the paper's model follows, strongest first;
+    next_measurement: one sentence, empty if nothing is open; searches: per balance, for the report;
+    deviance: per balance, what the best addition gained and what chance reaches (99 %);
+    unconfirmed: effects that were adopted and did not predict the held-out part.
+    """
+
+    verdict: str
+    adopted: tuple[Adopted, ...]
+    tied: tuple[str, ...]
+    candidates: tuple[Ranked, ...]
+    depends_on: tuple[str, ...]
+    next_measurement: str
+    searches: dict[str, Search]
+    deviance: dict[str, tuple[float, float]]
+    unconfirmed: tuple[str, ...] = ()
+
+
+def attribute(
+    balances: Sequence[Balance],
+    channels: Any,
+    candidates: Sequence[Candidate],
+    mu: float,
+    gravity: np.ndarray,
+    noise: Mapping[str, float] | None = None,
+    rules: Rules | None = None,
+    progress: Callable[[str], None] | None = None,
+) -> Attribution:
+    """Attribute the residuals of a log's training part; arguments as in `attribution.search_all`."""
+    rules = rules or Rules()
+    searches = search_all(balances, channels, candidates, mu, gravity, noise, rules, progress)
+    adopted, leading, tied = _adopted(searches, rules)
+    left, depends = _variables(searches, rules)
+    patched = _patched(adopted)
+    if left or patched:
+        verdict, tied = "unexplained", []
+        depends = list(dict.fromkeys([*patched, *depends]))
+    elif adopted:
+        verdict = "not_identifiable" if tied else "named"
+    else:
+        verdict = "nothing_missing"
+    about = [entry.balance for entry in leading] or [balance for _, balance in left] or ["mechanical"]
+    listed = [*leading, *_runners_up(searches, {entry.family for entry in leading}, set(about))]
+    variables = tuple(dict.fromkeys([*depends, *(variable for variable, _ in left)]))
+    deviance = {
+        name: (search.deviance(search.base, search.ranked[0]), search.null_level())
+        for name, search in searches.items()
+        if search.ranked
+    }
+    sentence = next_measurement(verdict, tied, variables)
+    return Attribution(
+        verdict, tuple(adopted), tuple(tied), tuple(listed), variables, sentence, searches, deviance
+    )
+
+
+def unconfirmed(found: Attribution) -> Attribution:
+    """The same search, its names taken back: what fitted the training part did not predict the rest."""
+    first = [a.term.candidate.depends_on[0] for a in found.adopted]
+    variables = tuple(dict.fromkeys([*first, *found.depends_on]))
+    return replace(
+        found,
+        verdict="unexplained",
+        tied=(),
+        depends_on=variables,
+        next_measurement=next_measurement("unexplained", (), variables),
+        unconfirmed=tuple(a.term.candidate.id for a in found.adopted),
+    )
+
+
+def _patched(adopted: Sequence[Adopted]) -> list[str]:
+    """The variables of families of which three or more members were needed.
+
+    One order, or two, is an effect; three of them trace a shape that none of them is.
+    """
+    families = Counter(entry.term.candidate.family for entry in adopted)
+    return [
+        entry.term.candidate.depends_on[0] for entry in adopted if families[entry.term.candidate.family] >= 3
+    ]
+
+
+def _adopted(searches: dict[str, Search], rules: Rules) -> tuple[list[Adopted], list[Ranked], list[str]]:
+    """Adopted terms of all balances by share, their entries in the list, and the families tied with them."""
+    found: list[tuple[Adopted, Ranked]] = []
+    tied: list[str] = []
+    for name, search in searches.items():
+        screen, best = search.screen, search.best
+        at = screen.balance.base.shape[1]
+        for place, term in enumerate(best.terms):
+            width = screen.columns(term).shape[1]
+            without = screen.fit([t for k, t in enumerate(best.terms) if k != place])
+            share = np.sqrt(max(without.score - best.score, 0.0) / screen.rows) / screen.balance.scale
+            own = tuple(float(c) for c in best.coefficients[at : at + width])
+            at += width
+            probability = search.alternatives[place][term.candidate.family][0]
+            rmse = float(np.sqrt(best.score / screen.rows))
+            entry = Ranked(term.candidate.id, term.candidate.family, name, rmse, probability)
+            found.append((Adopted(name, term, own, float(share)), entry))
+            if probability < rules.sure:
+                options = sorted(search.alternatives[place].items(), key=lambda item: -item[1][0])
+                # At least the two best: one family alone is not to be told from anything.
+                tied += [f for k, (f, (chance, _)) in enumerate(options) if chance > 0.05 or k < 2]
+    found.sort(key=lambda pair: -pair[0].share)
+    return [one for one, _ in found], [entry for _, entry in found], list(dict.fromkeys(tied))
+
+
+def _runners_up(searches: dict[str, Search], named: set[str], about: set[str]) -> list[Ranked]:
+    """The best of every other family: alternatives of the adopted terms, then the first step's candidates.
+
+    Errors of different balances do not compare: those that the verdict is about come first.
+    """
+    best: dict[str, Ranked] = {}
+    for name, search in searches.items():
+        pool = [
+            (p, f) for options in search.alternatives for p, f in options.values() if f is not search.best
+        ]
+        for probability, fitted in [*pool, *((0.0, fitted) for fitted in search.ranked)]:
+            candidate = fitted.terms[-1].candidate
+            rmse = float(np.sqrt(fitted.score / search.screen.rows))
+            entry = Ranked(candidate.id, candidate.family, name, rmse, probability)
+            old = best.get(candidate.family)
+            if candidate.family not in named and (old is None or old.probability < probability):
+                best[candidate.family] = entry
+    return sorted(best.values(), key=lambda r: (r.balance not in about, -r.probability, r.rmse))
+
+
+def _variables(searches: dict[str, Search], rules: Rules) -> tuple[list[tuple[str, str]], list[str]]:
+    """Variables of what the adopted effects leave, each with its balance, and of the paper's residual.
+
+    The larger part first.
+    """
+    left: list[tuple[float, str, str]] = []
+    depends: list[tuple[float, str]] = []
+    for name, search in searches.items():
+        for fitted in search.smoothed:
+            part = (search.best.score - fitted.score) / max(search.base.score - fitted.score, 1e-300)
+            if part > rules.unexplained_part and search.worth_it(search.best, fitted, search.smooth):
+                left.append((part, fitted.terms[-1].candidate.depends_on[0], name))
+        least = min([search.best.score, *(fitted.score for fitted in search.smoothed)])
+        structure = max(search.base.score - least, 1e-300)
+        for fitted in search.smooth.rank([]):
+            if search.worth_it(search.base, fitted, search.smooth):
+                share = (search.base.score - fitted.score) / structure
+                depends.append((share, fitted.terms[-1].candidate.depends_on[0]))
+    return [(v, name) for _, v, name in sorted(left, reverse=True)], [
+        v for _, v in sorted(depends, reverse=True)
+    ]
+
+
+_TEMPERATURE = {
+    "viscosity_temperature",
+    "coulomb_temperature",
+    "hidden_thermal_drift",
+    "resistance_temperature",
+}
+_TIME = {"wear_runin", "time_drift"}
+_SPEED = {"stribeck", "quadratic_drag", "cubic_drag", "oneway_windage", "eddy_current"}
+_LOAD = {"load_dependent", "gear_efficiency", "kt_saturation", "inertia_mismatch", "ki_mismatch"}
+_GRAVITY = {"mass_mismatch", "gravity_tilt", "angle_offset", "link_harmonic_friction", "cable_spring"}
+_SENTENCES: tuple[tuple[set[str], set[str], str], ...] = (
+    (_TEMPERATURE, _TIME, "Repeat the same speeds warm and cooled, temperature logged."),
+    (_TEMPERATURE, _TEMPERATURE, "Alternate slow and fast speeds over a ramp of 20 K or more."),
+    (_TIME, _TIME, "Log three times as long, with rests, so that time and distance travelled part."),
+    ({"stribeck"}, {"presliding"}, "Creep below the Stribeck velocity, far from reversals."),
+    (_SPEED, _SPEED, "Add constant speeds at twice the present range and at its lower end, both ways."),
+    (
+        {"load_dependent"},
+        {"gear_efficiency"},
+        "Raise and lower the mass slowly at the same speeds, with the current logged and k_i known.",
+    ),
+    ({"ki_mismatch"}, _GRAVITY, "Weigh the mass; or accelerate hard, with the inertia declared."),
+    (_LOAD, _LOAD, "Accelerate hard at several speeds, then repeat with another mass on the link."),
+    ({"coulomb_asymmetry"}, {"current_bias"}, "Log the voltage too, or the current at rest."),
+    ({"coulomb_asymmetry"}, {"cable_spring"}, "Turn the link ten times further in one direction."),
+    (_GRAVITY, _GRAVITY, "Hold slow speeds over whole turns both ways, with two masses."),
+    ({"cogging"}, _GRAVITY, "Turn the motor slowly with the link taken off."),
+)  # fmt: skip
+
+
+def next_measurement(verdict: str, tied: Sequence[str], variables: Sequence[str]) -> str:
+    """The measurement that would decide, in one sentence; empty where nothing is open."""
+    if verdict == "unexplained":
+        what = variables[0].replace("_", " ") if variables else "time"
+        if what == "acceleration":
+            return "Leave J_m and J_l out of the rig: the log then tells the inertia, and what else is left."
+        return (
+            f"Repeat the log with everything held constant but the {what}, swept slowly in both directions."
+        )
+    if verdict != "not_identifiable" or not tied:
+        return ""
+    first, second = tied[0], tied[1] if len(tied) > 1 else tied[0]
+    for one, other, sentence in _SENTENCES:
+        if (first in one and second in other) or (second in one and first in other):
+            return sentence
+    return f"Excite what tells {first} from {second}: other speeds, loads and directions than this log holds."

@@ -1,0 +1,99 @@
+"""What a log can resolve, where the rig does not say: cut-off, averages, or one mean a run.
+
+The default low pass of 25 Hz is right for an encoder of many counts on even stamps.  A coarse or jittery
+angle has more noise than signal in its second derivative there, and what the inertia makes of that noise
+looks like friction that depends on anything.  Its size is known beforehand: white noise of the angle, seen in
+its fourth differences, leaves after the zero-phase low pass of second order and two derivatives
+
+    noise(alpha)^2 = noise(theta)^2 2 dt (2 pi)^4 f_c^5 I,   I = integral of x^4/(1 + x^4)^2 = pi/(8 sqrt 2)
+
+so that the cut-off at which it is a given part of the acceleration follows.  A bench that holds a speed and
+logs it has no acceleration to speak of: its runs are points, one mean each.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from eccentric.rigs.rig import Rig
+from eccentric.signals import filters
+from eccentric.signals.stretches import rows_of_each
+
+__all__ = ["suited"]
+
+Array = NDArray[np.float64]
+Mask = NDArray[np.bool_]
+
+TOO_NOISY = 0.1
+"""Noise in the acceleration, as a part of it, from which the default low pass does not serve."""
+QUIET = 0.02
+"""The part that the chosen cut-off leaves: with it, a term in the acceleration is known to 2 %."""
+LOWEST_HZ = 3.0
+RUNS = 8
+"""Runs of constant speed from which they are a map of friction over speed."""
+STEADY = 0.3
+"""Standard deviation of the speed inside a run over its mean, at most, in the middle one of all runs."""
+
+
+def suited(rig: Rig, t: Array, theta: Array, segment: NDArray[np.int64], moving: Mask) -> tuple[Rig, str]:
+    """Return the rig with what suits its log, and a sentence that says so; as it is where it names a filter.
+
+    t [s], theta [rad] at the motor, number of the stretch and whether it moves, each (n,).
+    """
+    if rig.low_pass_given or rig.average_over:
+        return rig, ""
+    stretches = rows_of_each(segment)
+    if _is_map(t, theta, stretches):
+        steps = [float(np.median(np.diff(t[rows]))) for rows in stretches if len(rows) > 1]
+        cut = min(rig.low_pass_hz, 0.4 / max(steps))
+        said = f"the log is {len(stretches)} runs of constant speed: one mean of each is compared"
+        return dataclasses.replace(rig, low_pass_hz=cut, average_over=math.inf), said
+    parts = [_noise_and_size(t[r], theta[r], moving[r], rig.low_pass_hz) for r in stretches if len(r) > 40]
+    parts = [part for part in parts if part is not None]
+    if not parts:
+        return rig, ""
+    noise, size = np.sqrt(np.mean(np.array(parts) ** 2, axis=0))
+    if noise <= TOO_NOISY * size:
+        return rig, ""
+    signal = math.sqrt(max(size**2 - noise**2, (TOO_NOISY * size) ** 2))
+    cut = max(LOWEST_HZ, rig.low_pass_hz * (QUIET * signal / noise) ** 0.4)
+    said = (
+        f"at {rig.low_pass_hz:g} Hz the steps and stamps of the angle make {noise / size:.0%} of the"
+        f" acceleration: the low pass is set to {cut:.2g} Hz, and both sides are averaged over"
+        f" {1.0 / cut:.2g} s (low_pass_hz and average_over of the rig override this)"
+    )
+    return dataclasses.replace(rig, low_pass_hz=cut, average_over=1.0 / cut), said
+
+
+def _is_map(t: Array, theta: Array, stretches: list[NDArray[np.int64]]) -> bool:
+    """Whether the stretches hold one speed each, and not all the same."""
+    if len(stretches) < RUNS:
+        return False
+    means, spreads = [], []
+    for rows in stretches:
+        if len(rows) < 8:
+            return False
+        # Over an eighth of the stretch: what encoder or firmware make of a steady speed is no motion.
+        reach = len(rows) // 8
+        speed = (theta[rows[reach:]] - theta[rows[:-reach]]) / (t[rows[reach:]] - t[rows[:-reach]])
+        means.append(float(np.mean(speed)))
+        spreads.append(float(np.std(speed)) / max(abs(means[-1]), 1e-12))
+    return float(np.median(spreads)) < STEADY and np.ptp(means) > 0.5 * float(np.max(np.abs(means)))
+
+
+def _noise_and_size(t: Array, theta: Array, moving: Mask, cut_hz: float) -> tuple[float, float] | None:
+    """RMS of noise and of everything in the acceleration of a stretch [rad/s^2], over its moving rows."""
+    step = float(np.median(np.diff(t)))
+    grid = np.arange(t[0], t[-1], step)
+    inside = np.interp(grid, t, moving.astype(float)) > 0.5
+    difference = np.diff(np.interp(grid, t, theta), 4)[inside[2:-2]] / math.sqrt(70.0)
+    _, _, acceleration, smooth = filters.motion(t, theta, cut_hz)
+    if not smooth or len(difference) < 30 or not np.any(moving):
+        return None
+    gain = math.sqrt(2.0 * step * (2.0 * math.pi) ** 4 * cut_hz**5 * math.pi / (8.0 * math.sqrt(2.0)))
+    size = float(np.sqrt(np.mean(acceleration[moving] ** 2)))
+    return gain * float(np.sqrt(np.mean(difference**2))), size

@@ -1,0 +1,193 @@
+"""From logs and a rig to the signals that a model is fitted on: SI units, motor side, masks, held-out part.
+
+    logs, rig -> table (columns in SI) -> stretches without gap -> theta, w, dw/dt -> masks -> Channels
+
+The reference residual takes w and dw/dt from the low-passed angle, current and voltage as they were logged.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from eccentric.errors import InputError, few
+from eccentric.signals.bandwidth import suited
+from eccentric.signals.filters import END_S
+from eccentric.signals.holdout import Holdout, hold_out
+from eccentric.signals.measured import Channels
+from eccentric.signals.motion import motion_of, motor_side, of_the_motor, quantum_of, uneven
+from eccentric.signals.moving import clear_of_ends, moving_rows, near_switching
+from eccentric.signals.quality.assess import assess
+from eccentric.signals.refine import FACTOR, is_coarse, logged_step, refined
+from eccentric.signals.stretches import stretches
+from eccentric.signals.table import Table, read_table
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping, Sequence
+    from pathlib import Path
+
+    from eccentric.rigs.rig import Rig
+
+__all__ = ["Channels", "read_channels"]
+
+Array = NDArray[np.float64]
+Mask = NDArray[np.bool_]
+
+
+@dataclass(frozen=True)
+class _Points:
+    """The motor's motion on a grid of n points, and what is told of each; the last three as in Channels."""
+
+    table: Table
+    per_row: int
+    segment: NDArray[np.int64]
+    holdout: Holdout
+    moving: Mask
+    quantum: float
+    threshold: float
+
+    @property
+    def t(self) -> Array:
+        """Time [s] (n,)."""
+        return self.table.channels["time"]
+
+    @property
+    def theta(self) -> Array:
+        """Angle of the motor [rad] (n,), without wraps."""
+        return self.table.channels["theta_m"]
+
+
+def read_channels(paths: Sequence[str | Path], rig: Rig) -> Channels:
+    """Return the channels of logs under a rig, with its delay, zero angle and offset (0 where "estimate").
+
+    Raises InputError for whatever `read_log` and `table.read_table` refuse, a drive that no channel
+    measures, and a log in which no row is left to fit on or to hold out.
+    """
+    logged = read_table(paths, rig)
+    table, said = of_the_motor(logged, rig)
+    warnings = [*rig.warnings, *said]
+    quantum = quantum_of(logged, rig, table.channels["theta_m"])
+    points = _points(table, rig, quantum, 1)
+    rig, said = _suited(rig, points)
+    warnings += said
+    cut, doubts = rig.low_pass_hz, uneven(logged)
+    if is_coarse(logged, rig):
+        # Between the rows lies the unwrapped angle, not the one that jumps; a spline needs no even steps.
+        points, cut, doubts = _points(refined(table), rig, quantum, FACTOR), math.inf, []
+    motion, said = motion_of(points.t, points.theta, points.segment, cut)
+    step = logged_step(logged)
+    doubts = [*said, *doubts, *_rate_doubt(step, rig)]
+    channels = _channels(points, motion, rig, step)
+    _require_rows(channels, paths, rig)
+    channels = channels.realigned(
+        rig,
+        input_delay_s=rig.input_delay_s,
+        theta_zero_rad=rig.theta_zero_rad,
+        voltage_offset_V=rig.voltage_offset_V,
+    )
+    findings = assess(logged, channels, rig)
+    # What the log lacks comes before what that does to its filters.
+    warnings += [*(finding.text for finding in findings), *doubts]
+    return dataclasses.replace(channels, warnings=tuple(warnings), findings=findings)
+
+
+def _points(table: Table, rig: Rig, quantum: float, per_row: int) -> _Points:
+    t = table.channels["time"]
+    segment = stretches(t, table.run)
+    holdout = hold_out(t, table.run, table.run_names, rig)
+    moving, threshold = moving_rows(t, table.channels["theta_m"], segment, rig, quantum, ~holdout.rows)
+    return _Points(table, per_row, segment, holdout, moving, quantum, threshold)
+
+
+def _suited(rig: Rig, points: _Points) -> tuple[Rig, list[str]]:
+    """Return the rig with what suits the log where it says nothing, and what there is to say of it."""
+    fitted = points.moving & ~points.holdout.rows
+    rig, said = suited(rig, points.t, points.theta, points.segment, fitted)
+    warnings = [said] if said else []
+    if math.isinf(rig.average_over) and not {"J_m", "J_l"} <= set(rig.known):
+        # What little acceleration a constant speed has would take up anything that the friction lacks.
+        rig = dataclasses.replace(rig, known={"J_m": 0.0, "J_l": 0.0, **rig.known})
+        warnings.append("means of runs do not tell an inertia: J_m and J_l count as 0 where the rig has none")
+    return rig, warnings
+
+
+def _channels(points: _Points, motion: Array, rig: Rig, step: float) -> Channels:
+    """The channels before anything is realigned; warnings and findings are to come."""
+    table, t, segment = points.table, points.t, points.segment
+    clear = clear_of_ends(t, segment) & ~near_switching(t, segment, table.motor_off)
+    return Channels(
+        t=t,
+        theta_m=motion[0],
+        omega_m=motion[1],
+        alpha_m=motion[2],
+        theta_logged=points.theta,
+        omega_logged=table.channels.get("omega_m"),
+        voltage=table.channels.get("voltage"),
+        voltage_logged=table.channels.get("voltage"),
+        current=table.channels.get("current"),
+        torque=motor_side(table, rig, "torque", "torque_l"),
+        temperature=table.channels.get("temperature"),
+        run=table.run,
+        run_names=table.run_names,
+        segment=segment,
+        moving=points.moving,
+        usable=points.moving & table.use & clear,
+        off=table.motor_off,
+        holdout=points.holdout,
+        drive=_drive(table.channels, rig),
+        moving_threshold_rad_s=points.threshold,
+        quantum_rad=points.quantum,
+        input_delay_s=0.0,
+        theta_zero_rad=0.0,
+        voltage_offset_V=0.0,
+        logged_step_s=step,
+        points_per_row=points.per_row,
+        rows_read=table.rows_read,
+        rows_rejected=table.rows_rejected,
+        warnings=(),
+        findings=(),
+        rig=rig,
+    )
+
+
+def _drive(channels: Mapping[str, Array], rig: Rig) -> str:
+    """Return what measures the drive torque: as the rig says, else the first of those below that is there."""
+    logged = {
+        "current": "current" in channels,
+        "torque": "torque" in channels or "torque_l" in channels,
+        "voltage": "voltage" in channels,
+    }
+    there = [drive for drive, is_there in logged.items() if is_there]
+    if rig.drive is None:
+        return there[0]
+    if rig.drive not in there:
+        raise InputError(
+            f"{rig.path}: drive: one that the log has a column for is required ({', '.join(there)}), "
+            f"received {rig.drive!r}"
+        )
+    return rig.drive
+
+
+def _rate_doubt(step: float, rig: Rig) -> list[str]:
+    if rig.sample_rate_hz is None or not step or 0.9 < 1.0 / step / rig.sample_rate_hz < 1.1:
+        return []
+    return [
+        f"the rig says {rig.sample_rate_hz:g} rows per second, the log has {1.0 / step:.4g}: is time in s?"
+    ]
+
+
+def _require_rows(channels: Channels, paths: Sequence[str | Path], rig: Rig) -> None:
+    where = few(paths)
+    fitted, scored = np.count_nonzero(channels.fit_rows), np.count_nonzero(channels.score_rows)
+    if not fitted or not scored:
+        raise InputError(
+            f"{where}: moving rows (above {channels.moving_threshold_rad_s:.4g} rad/s at the motor, "
+            f"{END_S:g} s from the ends) are required to fit and to hold out "
+            f"({channels.holdout.brief}); received {fitted} and {scored} under {rig.path}: are the units of "
+            "time and angle right?"
+        )

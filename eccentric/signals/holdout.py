@@ -1,0 +1,103 @@
+"""The held-out part of a log: named by the rig, or by a rule that is recorded."""
+
+from __future__ import annotations
+
+import fnmatch
+from dataclasses import dataclass
+from textwrap import shorten
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from eccentric.errors import InputError, few
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from eccentric.rigs.rig import Rig
+
+Array = NDArray[np.float64]
+
+BLOCKS = 5
+FRACTION = 0.2
+
+
+@dataclass(frozen=True)
+class Holdout:
+    """Held-out rows (n,), the rule in a sentence, and the intervals [s] that they cover, in row order."""
+
+    rows: NDArray[np.bool_]
+    rule: str
+    intervals_s: tuple[tuple[float, float], ...]
+
+    @property
+    def brief(self) -> str:
+        """The rule for one line of print: a log may have hundreds of runs."""
+        return shorten(self.rule, 100, placeholder=" ...")
+
+
+def hold_out(t: Array, run: NDArray[np.int64], run_names: tuple[str, ...], rig: Rig) -> Holdout:
+    """Return the held-out part of rows with times t [s] (n,) and run numbers (n,).
+
+    What the rig names goes first: intervals (in every run) and runs. Without, it is every fifth run from the
+    third on where there are three or more, else five contiguous blocks, the middle fifth of each fifth of the
+    rows.
+    Raises InputError for a run that the log has not, and for intervals in which it has no row.
+    """
+    if rig.holdout_intervals_s or rig.holdout_runs:
+        rows, rule = _named(t, run, run_names, rig)
+        if not rig.holdout_runs and len(run_names) == 1:
+            return Holdout(rows, rule, rig.holdout_intervals_s)
+    elif len(run_names) >= 3:
+        chosen = range(2, len(run_names), round(1.0 / FRACTION))
+        rows = np.isin(run, list(chosen))
+        names = ", ".join(run_names[k] for k in chosen)
+        rule = f"whole runs, every fifth from the third on: {names}"
+    else:
+        position = (np.arange(len(t)) / len(t) * BLOCKS) % 1.0
+        rows = np.abs(position - 0.5) < FRACTION / 2.0
+        rule = f"{BLOCKS} contiguous blocks, {FRACTION:.0%} of the rows, evenly spread"
+    return Holdout(rows, rule, _intervals(t, run, rows))
+
+
+def _named(
+    t: Array, run: NDArray[np.int64], run_names: tuple[str, ...], rig: Rig
+) -> tuple[NDArray[np.bool_], str]:
+    rows = np.zeros(len(t), dtype=bool)
+    parts: list[str] = []
+    for start, end in rig.holdout_intervals_s:
+        rows |= (t >= start) & (t <= end)
+    if rig.holdout_intervals_s and not np.any(rows):
+        given = few(f"[{start:g}, {end:g}]" for start, end in rig.holdout_intervals_s)
+        ends = f"which goes from {np.min(t):.6g} to {np.max(t):.6g} s"
+        raise InputError(
+            f"{rig.path}: holdout_intervals_s: a part of the log is required, {ends}, received {given}: "
+            "is time in s?"
+        )
+    if rig.holdout_intervals_s:
+        parts.append(f"{len(rig.holdout_intervals_s)} intervals named by the rig")
+    chosen = matching(rig.holdout_runs, run_names, f"{rig.path}: holdout_runs")
+    rows |= np.isin(run, [run_names.index(name) for name in chosen])
+    if chosen:
+        parts.append(f"runs named by the rig: {', '.join(chosen)}")
+    return rows, "; ".join(parts)
+
+
+def matching(patterns: Sequence[str], run_names: Sequence[str], where: str) -> list[str]:
+    """Return the runs that any of the names or patterns (`*`, `?`) means, in the order of the log.
+
+    Raises InputError for a name or pattern that no run has.
+    """
+    for pattern in patterns:
+        if not fnmatch.filter(run_names, pattern):
+            raise InputError(f"{where}: one of {few(run_names)} is required, received {pattern!r}")
+    return [name for name in run_names if any(fnmatch.fnmatchcase(name, p) for p in patterns)]
+
+
+def _intervals(t: Array, run: NDArray[np.int64], rows: NDArray[np.bool_]) -> tuple[tuple[float, float], ...]:
+    """First and last time of each contiguous stretch of held-out rows."""
+    label = np.where(rows, run, -1)
+    begins = np.flatnonzero(np.concatenate([[True], label[1:] != label[:-1]]))
+    ends = np.concatenate([begins[1:], [len(t)]]) - 1
+    return tuple((float(t[a]), float(t[b])) for a, b in zip(begins, ends, strict=True) if rows[a])

@@ -1,0 +1,58 @@
+"""Which rows move, and which are clear of what a filter mixes: the ends of a stretch, a switching motor."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from eccentric.signals import filters
+from eccentric.signals.stretches import joined
+
+if TYPE_CHECKING:
+    from eccentric.rigs.rig import Rig
+
+__all__ = ["clear_of_ends", "moving_rows", "near_switching"]
+
+Array = NDArray[np.float64]
+Integers = NDArray[np.int64]
+Mask = NDArray[np.bool_]
+
+QUANTA = 10.0
+"""Default moving threshold: this many encoder steps within the 40 ms of the central difference ..."""
+SLOW = 0.03
+"""... and at least this fraction of the 95th percentile of the speed, outside the held-out part."""
+SWITCHING_S = 0.1
+"""Rows this near to a switching of the motor are not used, s."""
+
+
+def moving_rows(
+    t: Array, theta: Array, segment: Integers, rig: Rig, quantum: float, fitted: Mask
+) -> tuple[Mask, float]:
+    """Return the rows that move (n,), and the threshold [rad/s] that tells: by the rig or by `fitted`."""
+    velocity = joined(segment, lambda rows: filters.span_velocity(t[rows], theta[rows]))
+    threshold = rig.moving_threshold_rad_s
+    if threshold is None:
+        threshold = _default_threshold(velocity[fitted], quantum)
+    moves = joined(segment, lambda rows: filters.moves(t[rows], velocity[rows], threshold))
+    return moves.astype(bool), threshold
+
+
+def _default_threshold(velocity: Array, quantum: float) -> float:
+    speeds = np.abs(velocity[np.isfinite(velocity)])
+    slow = SLOW * float(np.percentile(speeds, 95.0)) if len(speeds) else 0.0
+    return max(QUANTA * quantum / (2.0 * filters.HALF_SPAN_S), slow)
+
+
+def clear_of_ends(t: Array, segment: Integers) -> Mask:
+    """Rows (n,) half a second clear of the ends of every stretch: filters settle there."""
+    return joined(segment, lambda rows: filters.away_from_ends(t[rows]))
+
+
+def near_switching(t: Array, segment: Integers, off: Mask) -> Mask:
+    """Rows (n,) near a switching of the motor: what is filtered there mixes driven and free motion."""
+    near = np.zeros(len(t), dtype=bool)
+    for row in np.flatnonzero(np.diff(off.astype(int)) & (np.diff(segment) == 0)):
+        near |= (np.abs(t - t[row]) < SWITCHING_S) & (segment == segment[row])
+    return near

@@ -1,0 +1,151 @@
+"""Whether angle and speed of a log can belong together: wrapped angles are unwrapped, the rest is told.
+
+An angle that restarts at every turn, a speed in revolutions per minute and a sign the wrong way round all
+pass for numbers, and a fit on them is nonsense that looks like a comparison of models.
+"""
+
+from __future__ import annotations
+
+import itertools
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.integrate import cumulative_trapezoid
+
+from eccentric.signals.stretches import rows_of_each
+
+Array = NDArray[np.float64]
+Integers = NDArray[np.int64]
+
+TURN = 2.0 * math.pi
+HOLE, FULL = 0.25, 0.75
+"""A wrapped angle steps by about a period, 0.75 to 1.25 of it, and never by something like half of one."""
+LEAST_FACTOR, LARGEST_FACTOR = 0.9, 1.1
+"""A logged speed over the slope of its angle: the scales of drives and tachometers are better than this."""
+CORRELATION = 0.9
+"""Least correlation of the two: below, a fifth of the speed's square is something else."""
+SPAN_S, SPAN_ROWS = 0.2, 5
+"""Speed and angle are compared over this time: longer than encoder steps and filters of drives matter."""
+NEAR = 0.03
+"""A cause is named where its factor is met this closely; rpm (9.55) and a gear of 10 are 0.046 apart."""
+
+_UNITS = {
+    60.0 / TURN: "the speed is in rpm",
+    360.0 / TURN: "the speed is in deg/s",
+    1.0 / TURN: "the speed is in rev/s",
+    TURN / 360.0: "the angle is in deg",
+    TURN: "the angle is in rev",
+    1e3: "the time is in ms",
+    1e6: "the time is in us",
+}
+
+
+def unwrapped(
+    t: Array, theta: Array, segment: Integers, run: Integers, mu: float | None
+) -> tuple[Array, str]:
+    """Return the motor angle [rad] (n,) without wraps, and a warning, empty where there are none.
+
+    An angle wraps at one turn of the motor or, with the gear ratio known, of the link. Over a gap in time it
+    is continued at the speed before and after; each run starts at the angle that it was logged with.
+    """
+    periods = {"motor": TURN} | ({} if mu in (None, 1.0) else {"link": TURN / mu})
+    found = [
+        (_largest_step(smooth, segment), turns, smooth, count)
+        for turns, period in periods.items()
+        for smooth, count in [_unwrap(t, theta, segment, run, period)]
+        if count
+    ]
+    if not found:
+        degrees = [math.degrees(period) for period in periods.values()]
+        if any(_unwrap(t, theta, segment, run, period)[1] for period in degrees):
+            return theta, "the angle jumps by 360 rad (or that over mu): is it in deg?"
+        return theta, ""
+    largest, turns, smooth, count = min(found, key=lambda one: one[0])
+    text = f"the angle is wrapped at one turn of the {turns}, {count} times: it is unwrapped"
+    if largest > HOLE * periods[turns]:
+        text += f", uncertain at up to {largest / periods[turns]:.2g} turns from row to row"
+    if turns == "motor" and "link" in periods:
+        text += "; the turn that a run starts in is not in the log (theta_zero_rad sets it)"
+    return smooth, text
+
+
+def _unwrap(t: Array, theta: Array, segment: Integers, run: Integers, period: float) -> tuple[Array, int]:
+    """Return the angle (n,) unwrapped at the period, and the number of wraps."""
+    steps = np.diff(theta) / period
+    steps[np.diff(segment) != 0] = 0.0
+    sizes = np.abs(steps)
+    narrow = all(np.ptp(theta[run == k]) <= 1.02 * period for k in np.unique(run))
+    whole = not np.any((sizes > HOLE) & (sizes < FULL)) and np.max(sizes, initial=0.0) < 2.0 - FULL
+    if not np.any(sizes > FULL) or not (narrow or whole):
+        return theta, 0
+    turns = np.concatenate([[0.0], np.cumsum(-np.round(steps))])
+    starts = np.flatnonzero(np.diff(segment, prepend=-1))
+    for first, last in zip(starts[1:], starts[1:] - 1, strict=True):
+        if run[first] != run[last]:
+            turns[first:] -= turns[first]
+            continue
+        smooth = theta + period * turns
+        ahead = _speed(t, smooth, np.flatnonzero(segment == segment[first])[:SPAN_ROWS])
+        behind = _speed(t, smooth, np.flatnonzero(segment == segment[last])[-SPAN_ROWS:])
+        expected = smooth[last] + 0.5 * (ahead + behind) * (t[first] - t[last])
+        turns[first:] += np.round((expected - smooth[first]) / period)
+    return theta + period * turns, int(np.count_nonzero(np.round(steps)))
+
+
+def _speed(t: Array, theta: Array, rows: Integers) -> float:
+    return 0.0 if len(rows) < 2 else float((theta[rows[-1]] - theta[rows[0]]) / (t[rows[-1]] - t[rows[0]]))
+
+
+def _largest_step(theta: Array, segment: Integers) -> float:
+    return float(np.max(np.abs(np.diff(theta)[np.diff(segment) == 0]), initial=0.0))
+
+
+def speed_factor(t: Array, theta: Array, omega: Array, segment: Integers) -> tuple[float, float] | None:
+    """Return a logged speed [rad/s] (n,) over the slope of the angle, and their correlation; None at rest.
+
+    Compared are the turns that both tell for the same 0.2 s, or five rows.
+    """
+    rise: list[Array] = []
+    told: list[Array] = []
+    for rows in rows_of_each(segment):
+        if len(rows) > SPAN_ROWS:
+            span = max(SPAN_ROWS, round(SPAN_S / float(np.median(np.diff(t[rows])))))
+            integral = cumulative_trapezoid(omega[rows], t[rows], initial=0.0)
+            rise.append(theta[rows][span:] - theta[rows][:-span])
+            told.append(integral[span:] - integral[:-span])
+    x, y = (np.concatenate([np.zeros(0), *parts]) for parts in (rise, told))
+    size = float(x @ x)
+    if size == 0.0:
+        return None
+    return float(x @ y) / size, float(x @ y) / math.sqrt(size * float(y @ y)) if np.any(y) else 0.0
+
+
+def speed_doubt(t: Array, theta: Array, omega: Array, segment: Integers, mu: float | None) -> str:
+    """Return what is odd about a logged speed [rad/s] (n,) beside the slope of the angle; empty if fine."""
+    found = speed_factor(t, theta, omega, segment)
+    if found is None:
+        return ""
+    factor, correlation = found
+    if abs(correlation) < CORRELATION:
+        return (
+            f"the logged speed does not follow the slope of the angle (correlation {correlation:.2f}): "
+            "are both of one shaft?"
+        )
+    if LEAST_FACTOR <= factor <= LARGEST_FACTOR:
+        return ""
+    cause = _cause(factor, mu)
+    return f"the logged speed is {factor:.4g} times the slope of the angle" + (f": {cause}?" if cause else "")
+
+
+def _cause(factor: float, mu: float | None) -> str:
+    """Return what explains the factor, in the fewest words and most closely; empty if nothing does."""
+    gears = {} if mu in (None, 1.0) else dict.fromkeys((mu, 1.0 / mu), "they are of two sides of the gear")
+    found = []
+    for unit, gear in itertools.product((1.0, *_UNITS), (1.0, *gears)):
+        words = [_UNITS.get(unit), gears.get(gear), "their signs differ" if factor < 0.0 else None]
+        said = [word for word in words if word]
+        off = abs(math.log(abs(factor) / (unit * gear)))
+        if off <= NEAR:
+            found.append((len(said), off, " and ".join(said)))
+    return min(found, default=(0, 0.0, ""))[2]

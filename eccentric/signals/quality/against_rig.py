@@ -1,0 +1,236 @@
+"""Whether drive, motion and rig can belong together: signs, units by a factor, a log of another rig.
+
+The questions are those whose answers differ by factors: they need no model of the friction.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from eccentric.signals.finding import Finding
+from eccentric.signals.quality.body import (
+    EXPLAINED,
+    SIGMAS,
+    Body,
+    Means,
+    body_of,
+    friction_of,
+    is_clear,
+    means_of,
+    regressed,
+)
+from eccentric.signals.quality.causes import ANGLES, SPEEDS, Ratio, common_cause, single_cause
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from eccentric.rigs.rig import Rig
+    from eccentric.signals.measured import Channels
+
+Array = NDArray[np.float64]
+
+FACTOR = 2.0
+"""Inertia and gravity of a rig are known better than to this factor, and no effect of the library hides so
+much of them in a mean."""
+FACTOR_MOTOR = 1.5
+"""The same for R and k_e, which are simply measured; a hot winding adds 0.4 to R."""
+NOTICED = 0.1
+"""Least part of the drive that accelerates, by log or rig, for the inertia to be judged: below, the lag of a
+drive that averages its signals looks like inertia."""
+TURNED = math.radians(45.0)
+"""An unbalance of another part turns gravity by some degrees, a wrong zero angle by any."""
+BETTER = 0.5
+"""Another unit of the angle has to leave less than this part of the variance."""
+
+
+def rig_findings(channels: Channels, rig: Rig) -> Iterator[Finding]:
+    """Yield wrong signs, and what of rig and log contradict each other by a factor."""
+    means = means_of(channels, rig)
+    if means is None:
+        return
+    if inverted := _inverted(means, channels.drive, rig):
+        yield inverted
+        return
+    bodies = {name: body_of(means, x, means.link) for name, x in means.drives.items()}
+    bodies = {name: body for name, body in bodies.items() if body.explained >= EXPLAINED}
+    against = [name for name, body in bodies.items() if _reversed(body)]
+    if against:
+        yield _sign(against, bodies, means)
+        return
+    # In case C1 a slow sine would explain any drift.
+    angle = channels.quantum_rad > 0.0
+    unit = "" if _known_gravity(rig) == 0.0 else _angle_unit(means, channels.drive, angle)
+    if unit:
+        name, channel = ("angle", "theta_m") if angle else ("speed", "omega_m")
+        text = f"the {channels.drive} follows gravity if the {name} {unit}: correct the rig's [columns]"
+        yield Finding("wrong_unit", channel, text, means.rows, "warning")
+        return
+    ratios = [*_electrical(means, rig)]
+    if channels.drive in bodies:
+        body = bodies[channels.drive]
+        ratios += _mechanical(body, channels.drive, rig)
+        yield from _gravity(body, channels, rig, means)
+    yield from _contradictions(ratios, rig, channels, means.rows)
+
+
+def _inverted(m: Means, drive: str, rig: Rig) -> Finding | None:
+    """Blame mu where its inverse makes gravity, and inertia if it shows, those of the rig."""
+    x, mu = m.drives.get(drive), rig.known.get("mu")
+    if x is None or m.link is None or mu is None:
+        return None
+
+    def ratios(body: Body, gear: float) -> list[Ratio]:
+        turned = dataclasses.replace(rig, known={**rig.known, "mu": gear})
+        return list(_mechanical(body, drive, turned))
+
+    body, other = body_of(m, x, m.link), body_of(m, x, m.link / mu**2)
+    if 1.0 - other.explained > min(BETTER * (1.0 - body.explained), EXPLAINED):
+        return None
+    off = [ratio for ratio in ratios(body, mu) if ratio.off(FACTOR)]
+    mended = ratios(other, 1.0 / mu)
+    if not off or "M g L" not in {r.name for r in mended} or not all(r.near(1.0) for r in mended):
+        return None
+    said = ", ".join(ratio.text for ratio in off)
+    text = (
+        f"mu is the wrong way round ({1.0 / mu:.4g} fits, link speed over motor speed): with {mu:.4g}, {said}"
+    )
+    return Finding("contradiction", "mu", text, m.rows, "warning")
+
+
+def _reversed(body: Body) -> bool:
+    """Tell whether the drive brakes what it should move: inertia and friction would both be negative."""
+    (inertia, i_error), (loss, l_error) = body.inertia, body.loss
+    if is_clear(loss, l_error) and loss < 0.0:
+        return inertia < 0.0 or not is_clear(inertia, i_error)
+    return is_clear(inertia, i_error) and inertia < 0.0 and loss < 0.0
+
+
+def _sign(against: list[str], bodies: dict[str, Body], m: Means) -> Finding:
+    """Blame the drive that runs against the motion, or the angle if all do."""
+    if len(against) == len(bodies) > 1:
+        channel, text = "theta_m", f"the angle runs against {' and '.join(against)}"
+    else:
+        channel, text = against[0], f"{against[0]} runs against the motion"
+    text += (
+        ": with these signs inertia and friction come out negative; put a minus before its column in the rig"
+        f"{'' if channel == 'theta_m' else ' (or before that of the angle)'}"
+    )
+    return Finding("wrong_sign", channel, text, m.rows, "warning")
+
+
+def _angle_unit(m: Means, drive: str, angle: bool) -> str:
+    """Return the unit of the angle under which gravity shows in the drive, empty for the rig's own."""
+    x = m.drives.get(drive)
+    if m.link is None or x is None:
+        return ""
+    words = {1.0: ""} | {factor: unit for unit, factor in (ANGLES if angle else SPEEDS).items()}
+    bodies = {factor: body_of(m, x, m.link / factor) for factor in words}
+    best = max(bodies, key=lambda factor: bodies[factor].explained)
+    left, now = 1.0 - bodies[best].explained, 1.0 - bodies[1.0].explained
+    if left > min(BETTER * now, EXPLAINED) or not is_clear(*bodies[best].gravity):
+        return ""
+    return words[best]
+
+
+def _electrical(m: Means, rig: Rig) -> Iterator[Ratio]:
+    """Yield k_e and R by the armature's u = R i + k_e w, over those of the rig."""
+    if "voltage" not in m.drives or "current" not in m.drives or not {"R", "k_e"} <= set(rig.known):
+        return
+    u, i = m.drives["voltage"], m.drives["current"]
+    rest = friction_of(m)
+    a, covariance, explained = regressed([i, *rest], u)
+    if explained < EXPLAINED:
+        return
+    resistance = Ratio.of("R", a[0], math.sqrt(covariance[0, 0]) * SIGMAS, rig.known["R"])
+    yield resistance
+    if not resistance.off(FACTOR_MOTOR):
+        # With R as the rig has it, k_e is known where current and speed go together as well.
+        a, covariance, _ = regressed(rest, u - rig.known["R"] * i)
+        yield Ratio.of("k_e", a[0], math.sqrt(covariance[0, 0]) * SIGMAS, rig.known["k_e"])
+    else:
+        yield Ratio.of("k_e", a[1], math.sqrt(covariance[1, 1]) * SIGMAS, rig.known["k_e"])
+
+
+def _scale(drive: str, rig: Rig) -> float | None:
+    """Return newton metres per unit of the drive, None where the rig does not say."""
+    k = rig.known
+    if drive == "torque":
+        return 1.0
+    if drive == "current":
+        return k.get("k_i")
+    return k["k_i"] / k["R"] if {"k_i", "R"} <= set(k) else None
+
+
+def _mechanical(body: Body, drive: str, rig: Rig) -> Iterator[Ratio]:
+    """Yield inertia and gravity of the drive over those of the rig."""
+    scale, k = _scale(drive, rig), rig.known
+    if scale is None:
+        return
+    if {"J_m", "J_l", "mu"} <= set(k) and (inertia := k["J_m"] + k["mu"] ** 2 * k["J_l"]) > 0.0:
+        value, error = body.inertia
+        if max(abs(value), inertia / scale) * body.alpha >= NOTICED * body.drive:
+            yield Ratio.of("J", scale * value, scale * error * SIGMAS, inertia)
+    gravity = _known_gravity(rig)
+    if gravity is not None and gravity > 0.0:
+        value, error = body.gravity
+        yield Ratio.of("M g L", scale * value, scale * error * SIGMAS, gravity)
+
+
+def _known_gravity(rig: Rig) -> float | None:
+    """Return the amplitude of gravity at the motor [N m], None where the rig does not say."""
+    k = rig.known
+    if not {"M", "L", "mu", "phi"} <= set(k):
+        return None
+    in_plane = k["g"] * math.cos(k["phi"])
+    return k["mu"] * k["M"] * k["L"] * in_plane if in_plane > 1e-9 * k["g"] else 0.0
+
+
+def _gravity(body: Body, c: Channels, rig: Rig, m: Means) -> Iterator[Finding]:
+    """Yield gravity where the rig's case has none, and gravity that pulls another way than down."""
+    (value, error), k = body.gravity, rig.known
+    scale = _scale(c.drive, rig)
+    if _known_gravity(rig) == 0.0 and scale is not None:
+        upright = k["mu"] * k["M"] * k["L"] * k["g"]
+        if is_clear(value, error) and scale * value > upright / FACTOR:
+            text = (
+                f"{c.drive} shows gravity of {scale * value:.3g} N m at the motor, the rig has none (C1): is "
+                f"the plane of motion upright, case C2 ({upright:.3g} N m)?"
+            )
+            yield Finding("contradiction", "case", text, m.rows, "warning")
+    elif (
+        is_clear(value, error)
+        and abs(body.turned) > TURNED
+        and "theta_zero_rad" not in rig.estimate
+        and c.quantum_rad > 0.0
+    ):
+        zero = math.remainder(rig.theta_zero_rad - body.turned, math.tau)
+        text = (
+            f"gravity pulls towards {math.degrees(body.turned):.0f} deg off the zero angle of the log: set "
+            f"theta_zero_rad = {zero:.3g} in the rig (the link angle that is logged when the mass hangs down)"
+        )
+        yield Finding("zero_angle", "theta_m", text, m.rows, "warning")
+
+
+def _contradictions(ratios: list[Ratio], rig: Rig, c: Channels, rows: int) -> Iterator[Finding]:
+    """Yield one wrong unit that explains all that is off, else each quantity that is off by itself."""
+    limits = {"R": FACTOR_MOTOR, "k_e": FACTOR_MOTOR}
+    off = [ratio for ratio in ratios if ratio.off(limits.get(ratio.name, FACTOR))]
+    if not off:
+        return
+    cause = common_cause(ratios, c.drive, rig.known.get("mu"), c.quantum_rad > 0.0)
+    if cause:
+        said = ", ".join(ratio.text for ratio in off)
+        yield Finding(cause.kind, cause.channel, f"{cause.text}: {said}", rows, "warning")
+        return
+    for ratio in off:
+        why = single_cause(ratio, c.drive, rig.known.get("mu"))
+        text = f"{ratio.text}{why}; correct the rig, or give it in [unknown] to identify it along"
+        yield Finding("contradiction", ratio.name, text, rows, "warning")
+    if {"J", "M g L"} <= {ratio.name for ratio in off}:
+        text = "neither inertia nor gravity of the rig is that of the log: is it a log of another rig?"
+        yield Finding("another_rig", c.drive, text, rows, "warning")

@@ -1,0 +1,129 @@
+"""What the drive of a log says of its rig: a rigid body with Coulomb and viscous friction, on block means.
+
+That is no model of the friction: it tells signs, and sizes to some per cent, whatever delay and noise.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+if TYPE_CHECKING:
+    from eccentric.rigs.rig import Rig
+    from eccentric.signals.measured import Channels
+
+Array = NDArray[np.float64]
+
+BLOCK_S, BLOCK_ROWS = 0.15, 5
+"""Means are taken over this: longer than delays and noise, shorter than a swing."""
+LEAST_BLOCKS = 30
+"""Fewer blocks leave six coefficients to chance."""
+SIGMAS = 9.0
+"""Least distance from zero in standard errors. They count blocks as independent and the friction as Coulomb
+and viscous; an error that goes on over ten blocks makes them three times too small, and three are wanted."""
+EXPLAINED = 0.5
+"""Least part of the drive's variance that the rigid body explains before its coefficients are believed."""
+
+
+@dataclass(frozen=True)
+class Means:
+    """Means of blocks, each (m,): motion at the motor, link angle [rad] if mu is known, drives as logged."""
+
+    alpha: Array
+    omega: Array
+    link: Array | None
+    drives: dict[str, Array]
+    rows: int
+
+
+@dataclass(frozen=True)
+class Body:
+    """What a drive says of the rig, in its own unit: value and standard error; `explained` of its variance.
+
+    `alpha` and `drive` are their rms about the mean.
+    `inertia` multiplies alpha; `gravity` is the amplitude of gravity, `turned` the angle [rad] by which it is
+    off; `loss` is the mean power of friction [unit rad/s].
+    """
+
+    inertia: tuple[float, float]
+    gravity: tuple[float, float]
+    turned: float
+    loss: tuple[float, float]
+    explained: float
+    alpha: float
+    drive: float
+
+
+def means_of(c: Channels, rig: Rig) -> Means | None:
+    """Take the means of blocks of rows that follow each other; None if there are too few."""
+    rows = np.flatnonzero(c.fit_rows & ~c.off & np.isfinite(c.alpha_m) & np.isfinite(c.omega_m))
+    steps = np.diff(c.t)[np.diff(c.segment) == 0]
+    if not len(rows) or not len(steps):
+        return None
+    size = max(BLOCK_ROWS, math.ceil(BLOCK_S / float(np.median(steps))))
+    pieces = np.split(rows, np.flatnonzero((np.diff(rows) != 1) | (np.diff(c.segment[rows]) != 0)) + 1)
+    blocks = [piece[k : k + size] for piece in pieces for k in range(0, len(piece) - size + 1, size)]
+    if len(blocks) < LEAST_BLOCKS:
+        return None
+    index = np.array(blocks)
+    found = {"current": c.current, "torque": c.torque, "voltage": c.voltage}
+    mu = rig.known.get("mu")
+    return Means(
+        np.mean(c.alpha_m[index], axis=1),
+        np.mean(c.omega_m[index], axis=1),
+        None if mu is None else mu * np.mean(c.theta_m[index], axis=1),
+        {name: np.mean(x[index], axis=1) for name, x in found.items() if x is not None},
+        index.size,
+    )
+
+
+def regressed(columns: list[Array], x: Array) -> tuple[Array, Array, float]:
+    """Return coefficients, their covariance, and the explained part of the variance of x."""
+    design = np.stack(columns, axis=1)
+    scale = np.linalg.norm(design, axis=0)
+    scale[scale == 0.0] = 1.0
+    inverse = np.linalg.pinv(design / scale, rcond=1e-8)
+    solution = inverse @ x
+    rest = x - design / scale @ solution
+    variance = float(rest @ rest) / max(len(x) - design.shape[1], 1)
+    # A column that the others span has no coefficient of its own, whatever the pseudoinverse gives it.
+    lost = np.linalg.matrix_rank(design / scale, tol=1e-6) < design.shape[1]
+    covariance = variance * (inverse @ inverse.T) + (np.inf if lost else 0.0)
+    total = float(np.sum((x - np.mean(x)) ** 2))
+    return (
+        solution / scale,
+        covariance / np.outer(scale, scale),
+        1.0 - float(rest @ rest) / max(total, 1e-300),
+    )
+
+
+def friction_of(m: Means) -> list[Array]:
+    """Return w, sgn(w), and a constant where both directions tell it from the second; each (m,)."""
+    sign = np.sign(m.omega)
+    both = bool(np.any(sign > 0.0) and np.any(sign < 0.0))
+    return [m.omega, sign, *([np.ones_like(sign)] if both else [])]
+
+
+def body_of(m: Means, x: Array, link: Array | None) -> Body:
+    """Return what a drive x (m,) says, with the link angle (m,) [rad] if it is known."""
+    gravity = [] if link is None else [np.sin(link), np.cos(link)]
+    columns = [m.alpha, *friction_of(m), *gravity]
+    a, covariance, explained = regressed(columns, x)
+    power = np.array([np.mean(m.omega**2), np.mean(np.abs(m.omega))])
+    loss = float(power @ a[1:3]), math.sqrt(float(power @ covariance[1:3, 1:3] @ power))
+    amplitude, turned, error = 0.0, 0.0, math.inf
+    if link is not None:
+        amplitude, turned = math.hypot(a[-2], a[-1]), math.atan2(a[-1], a[-2])
+        error = math.sqrt(max(covariance[-2, -2], covariance[-1, -1]))
+    inertia = float(a[0]), math.sqrt(covariance[0, 0])
+    sizes = float(np.std(m.alpha)), float(np.std(x))
+    return Body(inertia, (amplitude, error), turned, loss, explained, *sizes)
+
+
+def is_clear(value: float, error: float) -> bool:
+    """Tell whether a coefficient is surely not zero."""
+    return abs(value) > SIGMAS * error

@@ -1,0 +1,230 @@
+"""What the record of each signal shows by itself: gaps, missing rows, clipped and frozen channels, speeds."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from eccentric.signals.finding import MUCH, Finding
+from eccentric.signals.stretches import stretches
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from eccentric.signals.measured import Channels
+    from eccentric.signals.table import Table
+
+Array = NDArray[np.float64]
+Integers = NDArray[np.int64]
+
+UNITS = {
+    "omega_m": "rad/s", "omega_l": "rad/s", "voltage": "V", "current": "A", "torque": "N m",
+    "torque_l": "N m", "theta_m": "rad", "theta_l": "rad",
+}  # fmt: skip
+SHORT_RUN = 3
+"""Equal values from row to row that clipping is counted from: noise gives two of them now and then."""
+CLIPPED = 0.01
+"""Least part of the rows at the limit: below, clipping changes a least-squares fit by less than its noise."""
+FROZEN_ROWS, FROZEN_S = 25, 0.5
+"""Least length of a frozen stretch; a slow speed that is held can be as steady as that for half as long."""
+CHANCE = 1e-6
+"""Chance that a log of honest noise has so many equal values in a row; smaller is a frozen channel."""
+MOST_EQUAL = 0.5
+"""A channel that repeats itself more often than this is too coarse to be told from a frozen one."""
+STEADY = 0.01
+"""Change of the speed over a frozen stretch, as a part of the top speed, that counts as none."""
+JUMP = 3.0
+"""An angle that was frozen catches up in one step of this many of its largest usual ones."""
+ONE_SPEED = 1.25
+"""Speeds within this factor are one level: Coulomb and viscous friction differ by a ninth over it, which the
+friction's own scatter from turn to turn hides."""
+
+
+@dataclass(frozen=True)
+class Record:
+    """The rows of the log (n,), as logged: the channels of a coarse log have points between them.
+
+    `speed` [rad/s] is the slope of the angle at the motor, `theta` [rad] the angle there, unwrapped.
+    """
+
+    t: Array
+    run: Integers
+    segment: Integers
+    moving: NDArray[np.bool_]
+    speed: Array
+    theta: Array
+    omega_logged: Array | None
+
+
+def record_of(table: Table, c: Channels) -> Record:
+    """Return what the channels say at the rows of the table; the motor moves where it is not switched off."""
+    t, at = table.channels["time"], np.arange(len(table.run))
+    if len(t) != len(c.t):
+        for run in np.unique(table.run):
+            points, rows = np.flatnonzero(c.run == run), table.run == run
+            middles = 0.5 * (c.t[points][1:] + c.t[points][:-1])
+            at[rows] = points[np.searchsorted(middles, t[rows])]
+    omega = None if c.omega_logged is None else c.omega_logged[at]
+    moving = (c.moving & ~c.off)[at]
+    return Record(t, table.run, stretches(t, table.run), moving, c.omega_m[at], c.theta_logged[at], omega)
+
+
+def record_findings(table: Table, channels: Channels) -> Iterator[Finding]:
+    """Yield findings on dropped rows, gaps, clipped and frozen channels, and on the range of speeds."""
+    record = record_of(table, channels)
+    yield from table.findings
+    yield from _gaps(record)
+    signals = {
+        name: x for name, x in table.channels.items() if name in UNITS and not name.startswith("theta")
+    }
+    for name, x in signals.items():
+        yield from _clipped(name, x, record)
+        yield from _frozen(name, x, record)
+    yield from _frozen_angle(table, record)
+    yield from _speeds(channels)
+
+
+def _gaps(c: Record) -> Iterator[Finding]:
+    """Yield what filters treat as gaps: steps of more than five times the usual one within a run."""
+    ends = np.flatnonzero((np.diff(c.segment) != 0) & (np.diff(c.run) == 0))
+    if not len(ends):
+        return
+    steps = c.t[ends + 1] - c.t[ends]
+    longest = int(np.argmax(steps))
+    whole = sum(float(np.ptp(c.t[c.run == run])) for run in np.unique(c.run))
+    part = float(np.sum(steps)) / whole
+    text = (
+        f"{len(ends)} gap{'s' if len(ends) > 1 else ''} in time, {part:.2g} of the log, the longest of "
+        f"{steps[longest]:.3g} s after {c.t[ends[longest]]:.6g} s: no filter crosses them"
+    )
+    yield Finding("gap", "time", text, len(ends), "warning" if part > MUCH else "note")
+
+
+def _runs(x: Array, segment: Integers) -> tuple[Integers, Integers]:
+    """Return the first rows and the lengths of runs of equal values, none across a gap."""
+    begins = np.flatnonzero(np.concatenate([[True], (np.diff(x) != 0.0) | (np.diff(segment) != 0)]))
+    return begins, np.diff(np.append(begins, len(x)))
+
+
+def _clipped(name: str, x: Array, c: Record) -> Iterator[Finding]:
+    """Yield a limit that the channel keeps hitting: equal values in a row there, and only there.
+
+    A coarse or stepped channel has as long runs of equal values elsewhere, a switched-off one at zero.
+    """
+    begins, lengths = _runs(x, c.segment)
+    values = x[begins]
+    inside = (values != np.min(x)) & (values != np.max(x)) & (values != 0.0)
+    usual = int(np.max(lengths[inside], initial=1))
+    for limit, word in ((np.max(x), "largest"), (np.min(x), "smallest")):
+        at = (values == limit) & (lengths >= max(SHORT_RUN, 3 * usual))
+        rows = int(np.sum(lengths[at]))
+        if limit != 0.0 and np.count_nonzero(at) > 1 and rows > CLIPPED * len(x):
+            text = (
+                f"{name} stays at its {word} value, {limit:.6g} {UNITS[name]}, in {rows} of {len(x)} rows "
+                f"({np.count_nonzero(at)} times): it is clipped there; measure with a wider range or less "
+                "drive, or leave these rows out by `use`"
+            )
+            yield Finding("saturated", name, text, rows, "warning")
+
+
+def _frozen(name: str, x: Array, c: Record) -> Iterator[Finding]:
+    """Yield a channel that keeps one value while the drive moves, where its own noise cannot."""
+    moving = c.moving
+    if np.any(moving) and np.ptp(x[moving]) == 0.0:
+        text = (
+            f"{name} is {x[moving][0]:.6g} {UNITS[name]} in all moving rows: it is not recorded, or another "
+            "column is meant"
+        )
+        yield Finding("frozen", name, text, int(np.count_nonzero(moving)), "warning")
+        return
+    begins, lengths = _runs(x, c.segment)
+    ends = begins + lengths - 1
+    inside = (x[begins] != np.max(x)) & (x[begins] != np.min(x)) & (x[begins] != 0.0)
+    long = inside & (lengths >= FROZEN_ROWS) & (c.t[ends] - c.t[begins] >= FROZEN_S)
+    if not np.any(long):
+        return
+    again = np.concatenate([[False], np.diff(x) == 0.0])
+    others = np.repeat(np.arange(len(begins)) != np.argmax(np.where(long, lengths, 0)), lengths)
+    everywhere = max(_part(again, others), _part(again, others & _steady(c)))
+
+    def is_frozen(k: int) -> bool:
+        stretch = slice(begins[k], ends[k] + 1)
+        # A run of its own can be sampled, or averaged by the drive, in its own way.
+        rest = (c.run == c.run[begins[k]]) & others
+        rest[stretch] = False
+        equal = max(everywhere, _part(again, rest))
+        if equal > MOST_EQUAL:
+            return False
+        # Equal pairs come by chance, one in `equal`: so many of them in a row, anywhere in the log.
+        needed = 1.0 + np.log(CHANCE / len(x)) / np.log(max(equal, 1e-3))
+        return lengths[k] >= needed and float(np.mean(moving[stretch])) > 0.5
+
+    found = np.array([k for k in np.flatnonzero(long) if is_frozen(int(k))], dtype=np.int64)
+    if len(found):
+        yield _stretch(name, x, c, begins[found], lengths[found], "while the drive moves")
+
+
+def _part(what: NDArray[np.bool_], rows: NDArray[np.bool_]) -> float:
+    return float(np.mean(what[rows])) if np.any(rows) else 0.0
+
+
+def _steady(c: Record) -> NDArray[np.bool_]:
+    """Rows at a steady speed: a filtered speed and a command without noise repeat themselves there."""
+    ahead = np.minimum(np.arange(len(c.t)) + FROZEN_ROWS, len(c.t) - 1)
+    change = np.abs(c.speed[ahead] - c.speed)
+    return c.moving & (change < STEADY * np.nanquantile(np.abs(c.speed), 0.95))
+
+
+def _stretch(name: str, x: Array, c: Record, begins: Integers, lengths: Integers, why: str) -> Finding:
+    k = int(np.argmax(lengths))
+    first, last = begins[k], begins[k] + lengths[k] - 1
+    times = f"{len(begins)} times, the longest" if len(begins) > 1 else "once,"
+    text = (
+        f"{name} keeps one value {why}, {times} {c.t[last] - c.t[first]:.3g} s at {x[first]:.6g} "
+        f"{UNITS[name]} from {c.t[first]:.6g} s: the sensor or its connection failed; "
+        "leave these rows out by `use`"
+    )
+    return Finding("frozen", name, text, int(np.sum(lengths)), "warning")
+
+
+def _frozen_angle(table: Table, c: Record) -> Iterator[Finding]:
+    """Yield an angle that stands still and then catches up in one step, or while a logged speed goes on.
+
+    A link that sticks stands still as well, but it starts again without a jump.
+    """
+    name = next((name for name in ("theta_m", "theta_l") if name in table.channels), None)
+    if name is None:
+        return
+    x = c.theta
+    begins, lengths = _runs(x, c.segment)
+    ends = begins + lengths - 1
+    steps = np.abs(np.diff(x, append=x[-1]))
+    steps[np.flatnonzero(np.diff(c.segment))] = 0.0
+    usual = float(np.quantile(steps, 0.999)) if len(steps) else 0.0
+    long = (lengths >= FROZEN_ROWS) & (c.t[ends] - c.t[begins] >= FROZEN_S)
+    jumps = steps[ends] > JUMP * usual
+    goes_on = np.zeros(len(begins), dtype=bool)
+    if c.omega_logged is not None:
+        moved = np.concatenate([[0.0], np.cumsum(c.omega_logged[1:] * np.diff(c.t))])
+        # A turn of the drive of twenty usual steps: no lag of a speed filter is as long.
+        goes_on = np.abs(moved[ends] - moved[begins]) > 20.0 * usual
+    found = long & (jumps | goes_on) & (usual > 0.0)
+    if np.any(found):
+        yield _stretch(name, x, c, begins[found], lengths[found], "and then jumps or falls behind")
+
+
+def _speeds(c: Channels) -> Iterator[Finding]:
+    rows = c.fit_rows & ~c.off
+    speed = np.abs(c.omega_m[rows])
+    if not len(speed):
+        return
+    low, high = np.quantile(speed, [0.1, 0.9])
+    if high < ONE_SPEED * low:
+        text = (
+            f"nearly all moving rows are at one speed, {low:.4g} to {high:.4g} rad/s at the motor: Coulomb "
+            "and viscous friction cannot be told apart; measure at several speeds, a factor of five apart"
+        )
+        yield Finding("one_speed", "omega_m", text, len(speed), "warning")

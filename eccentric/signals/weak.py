@@ -1,0 +1,114 @@
+"""Balances as windowed integrals, for logs too coarse to differentiate: integrate by parts instead.
+
+A window carries the smooth weight psi(s) ~ (1 - s^2)^4 with s from -1 to 1, of integral one, which vanishes
+with three derivatives at both ends.  So
+
+    mean(x)        = integral of psi x dt
+    second_rate(x) = integral of psi d2x/dt2 dt   =  integral of psi'' x dt
+
+and a balance becomes one row per window, in its own unit, with the angle as it was logged.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.sparse import csr_array
+
+from eccentric.errors import InputError
+from eccentric.signals.stretches import rows_of_each
+
+Array = NDArray[np.float64]
+
+_POWER = 4
+_LEAST_ROWS = 7
+
+
+@dataclass(frozen=True)
+class Windows:
+    """Centre times t [s], first row, row after the last of m windows, each (m,); sparse weights (m, n)."""
+
+    t: Array
+    first: NDArray[np.int64]
+    stop: NDArray[np.int64]
+    weights: tuple[csr_array, csr_array]
+
+    def mean(self, x: Array) -> Array:
+        """Weighted mean of x (n,) or (n, k) over each window: (m,) or (m, k), in the unit of x."""
+        return self.weights[0] @ x
+
+    def second_rate(self, x: Array) -> Array:
+        """Weighted mean of d2x/dt2 over each window from x alone, unit of x per second squared."""
+        return self.weights[1] @ x
+
+    def inside(self, rows: NDArray[np.bool_]) -> NDArray[np.bool_]:
+        """Windows (m,) all of whose rows are in the mask (n,)."""
+        outside = np.concatenate([[0], np.cumsum(~rows)])
+        return outside[self.stop] == outside[self.first]
+
+
+def windows(t: Array, segment: NDArray[np.int64], window_s: float) -> Windows:
+    """Return windows of `window_s` with centres half a window apart, none across a gap.
+
+    t [s] (n,) may be uneven; weights are corrected so that constants, slopes and parabolas come out exactly.
+    Raises InputError where a window holds fewer than 7 rows, or no window fits into the log.
+    """
+    if not window_s > 0.0:
+        raise InputError(f"windows: a length above 0 s is required, received {window_s:g}")
+    half = window_s / 2.0
+    centres: list[Array] = []
+    bounds: list[NDArray[np.int64]] = []
+    for rows in rows_of_each(segment):
+        stretch = t[rows]
+        count = int(np.floor((stretch[-1] - stretch[0] - window_s) / half + 1e-9)) + 1
+        centre = stretch[0] + half + half * np.arange(max(count, 0))
+        # The tolerance keeps rows that lie on the edge up to rounding; their weight is next to nothing.
+        ends = [np.searchsorted(stretch, centre + side * (half + 1e-9)) for side in (-1.0, 1.0)]
+        centres.append(centre)
+        bounds.append(rows[0] + np.stack(ends))
+    middle = np.concatenate(centres)
+    first, stop = np.concatenate(bounds, axis=1)
+    sizes = stop - first
+    if not len(middle):
+        raise InputError(f"windows: a stretch of {window_s:g} s without gap is required, the log has none")
+    if sizes.min() < _LEAST_ROWS:
+        raise InputError(
+            f"windows: {_LEAST_ROWS} rows in {window_s:g} s are required, received {sizes.min()}"
+        )
+    pointer = np.concatenate([[0], np.cumsum(sizes)])
+    columns = np.empty(pointer[-1], dtype=np.int64)
+    values = np.empty((2, pointer[-1]))
+    for size in np.unique(sizes):
+        same = np.flatnonzero(sizes == size)
+        entries = pointer[same, None] + np.arange(size)
+        columns[entries] = first[same, None] + np.arange(size)
+        values[:, entries] = _weights(t[columns[entries]] - middle[same, None], half)
+    shape = (len(middle), len(t))
+    mean, second = (csr_array((row, columns, pointer), shape=shape) for row in values)
+    return Windows(middle, first, stop, (mean, second))
+
+
+def _weights(t: Array, half: float) -> Array:
+    """Return weights (2, m, n) of psi and psi'' at times t (m, n) from the centres of the windows."""
+    s = t / half
+    bump = np.clip(1.0 - s * s, 0.0, None)
+    p = _POWER
+    curves = np.stack(
+        [
+            bump**p,
+            2.0 * p * bump ** (p - 2) * ((2.0 * p - 1.0) * s * s - 1.0) / half**2,
+        ]
+    )
+    area = np.gradient(t, axis=-1)
+    curves *= area / np.sum(bump**p * area, axis=-1, keepdims=True)
+    # Left alone, the quadrature error of psi'' would multiply the large constant part of an angle.
+    powers = np.stack([np.ones_like(s), s, s * s / 2.0])
+    moments = np.einsum("cmn,pmn->mcp", curves, powers)
+    exact = np.zeros_like(moments)
+    exact[:, (0, 1), (0, 2)] = 1.0, 1.0 / half**2
+    exact[:, 0, 2] = moments[:, 0, 2]
+    gram = np.einsum("pmn,qmn,mn->mpq", powers, powers, bump**p)
+    change = np.linalg.solve(gram, np.swapaxes(exact - moments, 1, 2))
+    return curves + np.einsum("mpc,pmn,mn->cmn", change, powers, bump**p)

@@ -1,0 +1,88 @@
+"""Effects that remember: states that the log does not show."""
+
+# ruff: noqa: ARG001 (all builders have one signature)
+
+from __future__ import annotations
+
+from math import exp
+from typing import TYPE_CHECKING
+
+from .record import Builder, Effect, Law, Setting, choose, draw, sign
+
+if TYPE_CHECKING:
+    import numpy as np
+
+    from eccentric.virtual_bench.motion import Motion
+
+
+def presliding(strength: float, rng: np.random.Generator, setting: Setting, variant: str | None) -> Effect:
+    """Soft contact (seal, grease, wave gear) that builds its torque up over x0 after each reversal.
+
+    Dahl 1968: dz = dx/x0 (1 - z sgn dx), solved exactly over each step. LuGre (Canudas de Wit 1995) adds a
+    level that falls with the speed, here towards 0.6 of its value at rest.
+    """
+    variant = choose("presliding", variant, ("dahl", "lugre"), rng)
+    x0 = draw(rng, 0.08, 0.3)
+    reach, vs = x0 / setting.plant.mu, 0.1 * setting.top_speed
+    falls = variant == "lugre"
+
+    def start() -> dict[str, Law]:
+        z, travel = 0.0, 0.0
+
+        def torque(s: Motion, a: float) -> float:
+            nonlocal z, travel
+            way = sign(s.w_mid)
+            level = 0.6 + 0.4 * exp(-((s.w_mid / vs) ** 2)) if falls else 1.0
+            z = way * level + (z - way * level) * exp(-(s.travel - travel) / reach)
+            travel = s.travel
+            return a * z
+
+        return {"torque": torque}
+
+    form = "A z, dz/dx = (level - z sgn w)/x0" + (
+        ", level = 0.6 + 0.4 exp(-(w/vs)^2)" if falls else ", level = 1"
+    )
+    shape = (x0, vs) if falls else (x0,)
+    return Effect(
+        "presliding",
+        form,
+        strength * setting.friction,
+        start,
+        ("history", "direction"),
+        shape,
+        variant=variant,
+    )
+
+
+def magnetic_hysteresis(
+    strength: float, rng: np.random.Generator, setting: Setting, variant: str | None
+) -> Effect:
+    """Iron that keeps some magnetisation: the torque lags the current by a loop of half-width A in torque.
+
+    An elastic-plastic element of the current, dz = di/i0 within [-1, 1]. Duhem's smooth form was tried: the
+    drive's dither at each pulse walks its loop to the middle, which iron does not do at such small changes.
+    """
+    i0 = draw(rng, 0.3, 0.6) * setting.current
+
+    def start() -> dict[str, Law]:
+        z, last = 0.0, 0.0
+
+        def torque(s: Motion, a: float) -> float:
+            nonlocal z, last
+            z = min(1.0, max(-1.0, z + (s.i - last) / i0))
+            last = s.i
+            return a * z
+
+        return {"torque": torque}
+
+    return Effect(
+        "magnetic_hysteresis",
+        "A z, dz = di/i0 within [-1, 1]",
+        1.3 * strength * setting.friction,
+        start,
+        ("current", "history"),
+        (i0,),
+    )
+
+
+FAMILIES: dict[str, Builder] = {builder.__name__: builder for builder in (presliding, magnetic_hysteresis)}

@@ -1,0 +1,151 @@
+"""Effects of the load that the transmission carries."""
+
+# ruff: noqa: ARG001 (all builders have one signature, and so have all laws)
+
+from __future__ import annotations
+
+from math import exp
+from typing import TYPE_CHECKING
+
+from .record import Builder, Effect, Law, Setting, choose, draw, sign, simply
+
+if TYPE_CHECKING:
+    import numpy as np
+
+    from eccentric.virtual_bench.motion import Motion
+
+_SETTLING_S = (
+    0.002  # the meshing of a gear follows the load within about this time; it also keeps the step explicit
+)
+
+
+def _transmitted(setting: Setting) -> Law:
+    """Return the law of mu tau_l, eq. (3): torque through the gear, settled within `_SETTLING_S` [N m]."""
+    inertia = setting.plant.mu**2 * setting.plant.J_l
+    load, before = 0.0, 0.0
+
+    def law(s: Motion, a: float) -> float:
+        nonlocal load, before
+        now = inertia * s.alpha + s.gravity + s.link_dry * sign(s.w_mid) + s.link_viscous * s.w_mid
+        load += (now - load) * (1.0 - exp(-(s.t - before) / _SETTLING_S))
+        before = s.t
+        return load
+
+    return law
+
+
+def load_dependent(
+    strength: float, rng: np.random.Generator, setting: Setting, variant: str | None
+) -> Effect:
+    """Dry friction in proportion to the load: gravity alone, or all torque transmitted (Gogoussis 1987)."""
+    if variant == "gravity":
+        setting.need("C2", "load_dependent[gravity]", "there is no gravity load otherwise")
+    drawn = choose("load_dependent", variant, ("gravity", "transmitted"), rng)
+    if setting.plant.case == "C1":
+        drawn = "transmitted"
+    if drawn == "gravity":
+        return Effect(
+            "load_dependent",
+            "A |G| sgn w",
+            strength,
+            simply(dry=lambda s, a: a * abs(s.gravity)),
+            ("gravity_load", "link_angle"),
+            bound=0.8,
+            variant=drawn,
+        )
+
+    def start() -> dict[str, Law]:
+        load = _transmitted(setting)
+        return {"dry": lambda s, a: a * abs(load(s, a))}
+
+    return Effect(
+        "load_dependent",
+        "A |mu tau_l| sgn w, tau_l = J_l dw_l/dt + f_l + G",
+        strength,
+        start,
+        ("transmitted_torque",),
+        bound=0.6,
+        variant=drawn,
+    )
+
+
+def gear_efficiency(
+    strength: float, rng: np.random.Generator, setting: Setting, variant: str | None
+) -> Effect:
+    """Loss in proportion to the load, smaller when the load drives the motor."""
+    back = draw(rng, 0.25, 0.5)
+    if setting.plant.case == "C2":
+        form, depends = (
+            f"A |G| sgn w when driving, {back} A |G| sgn w when back-driven",
+            ("gravity_load", "direction"),
+        )
+
+        def start() -> dict[str, Law]:
+            return {"dry": lambda s, a: a * abs(s.gravity) * (1.0 if s.gravity * s.w_mid > 0.0 else back)}
+    else:
+        form, depends = (
+            f"A |mu tau_l| sgn w when driving, {back} A |mu tau_l| sgn w when back-driven",
+            ("transmitted_torque", "direction"),
+        )
+
+        def start() -> dict[str, Law]:
+            load = _transmitted(setting)
+
+            def dry(s: Motion, a: float) -> float:
+                torque = load(s, a)
+                return a * abs(torque) * (1.0 if torque * s.w_mid > 0.0 else back)
+
+            return {"dry": dry}
+
+    return Effect("gear_efficiency", form, 1.4 * strength, start, depends, (back,), bound=0.6)
+
+
+def backlash(strength: float, rng: np.random.Generator, setting: Setting, variant: str | None) -> Effect:
+    """Gap of A at the motor, which it crosses free of the link's torques after the load has reversed.
+
+    An approximation: the link's friction and gravity are let go while the motor turns through the gap, but
+    its inertia stays coupled. A true two-mass contact would need steps of microseconds. It acts reversal by
+    reversal, so a short log meets the strength asked for only roughly; the truth has the one reached.
+    """
+    bound = 0.25 / setting.plant.mu
+
+    def start() -> dict[str, Law]:
+        flank, left, travel = 0.0, 0.0, 0.0
+
+        def free(s: Motion, a: float) -> bool:
+            nonlocal flank, left, travel
+            load = s.gravity + (s.link_dry + s.link_viscous * abs(s.w_mid)) * sign(s.w_mid)
+            left -= s.travel - travel
+            travel = s.travel
+            if load * flank < 0.0 and left <= 0.0:
+                left = a
+            if load:
+                flank = sign(load)
+            return left > 0.0
+
+        state = False
+
+        def dry(s: Motion, a: float) -> float:  # the mover asks the dry port first, the others follow it
+            nonlocal state
+            state = free(s, a)
+            return -s.link_dry if state else 0.0
+
+        return {
+            "dry": dry,
+            "viscous": lambda s, a: -s.link_viscous if state else 0.0,
+            "torque": lambda s, a: -s.gravity if state else 0.0,
+        }
+
+    return Effect(
+        "backlash",
+        "-(mu f_l + G) while the motor turns A after a reversal of the load",
+        0.1 / setting.plant.mu,
+        start,
+        ("history", "direction"),
+        bound=bound,
+    )
+
+
+FAMILIES: dict[str, Builder] = {
+    builder.__name__: builder for builder in (load_dependent, gear_efficiency, backlash)
+}
