@@ -35,7 +35,7 @@ def servo_residual(found: Diagnosis) -> Figure:
     rows, c = found.rows, found.channels
     speed = rows.mean(c.omega_m)
     j_l = found.extended.values["J_l"]
-    load = np.abs(rows.mean(found.bench.gravity + j_l * c.alpha_m))
+    load = np.abs(rows.mean(found.data.gravity + j_l * c.alpha_m))
     edges = np.linspace(0.0, np.quantile(load, 0.995), 13)
     for fit, label, colour, line in pair(found):
         against = 1e3 * fit.residuals["mechanical"] * _factor(fit, found) * np.sign(speed)
@@ -45,7 +45,7 @@ def servo_residual(found: Diagnosis) -> Figure:
     left.legend(loc="upper left")
     effect, own = next((e, v) for e, v in found.extended.effects if e.balance == "mechanical")
     shape = {s.quantity.name: own[s.quantity.name] for s in effect.shapes}
-    load_only = refit(found.base, ((effect, shape),), found.bench)
+    load_only = refit(found.base, ((effect, shape),), found.data)
     _resistance(right, found, load_only)
     return figure
 
@@ -60,7 +60,7 @@ def _resistance(axes: Axes, found: Diagnosis, fit: Refit) -> None:
     rows, c = found.rows, found.channels
     off = rows.mean(c.off.astype(float)) > 0.0
     torque, warm = (
-        rows.mean(fit.bench.drive.torque(fit.values, fit.scale)),
+        rows.mean(fit.data.drive.torque(fit.values, fit.scale)),
         rows.mean(np.asarray(c.temperature)),
     )
     rises, temperatures, weights = [], [], []
@@ -124,7 +124,7 @@ def screw_speed(found: Diagnosis) -> Figure:
     """Mean torque of each run against the motion, over the speed, for both directions; what is left below."""
     rows = found.rows
     speed = rows.mean(found.channels.omega_m)
-    torque = 1e3 * rows.mean(found.bench.drive.signal())
+    torque = 1e3 * rows.mean(found.data.drive.signal())
     figure = Figure((7.2, 4.0), layout="constrained")
     grid = figure.subplots(2, 2, sharex=True, sharey="row", height_ratios=(1.6, 1))
     for k, (sign, title) in enumerate(((1.0, "forwards"), (-1.0, "backwards"))):

@@ -25,9 +25,9 @@ def free_errors(whole: Diagnosis, driven: Diagnosis) -> dict[str, list[float]]:
     `whole` holds the rows, `driven` the effects.  Also the RMS of what has to be predicted, friction of the arm
     that swings freely, as "no friction".
     """
-    bench = whole.bench
-    off = bench.rows.mean(bench.drive.off.astype(float)) > 0.0
-    rows = replace(bench.rows, train=(bench.rows.train | bench.rows.score) & ~off)
+    data = whole.data
+    off = data.rows.mean(data.drive.off.astype(float)) > 0.0
+    rows = replace(data.rows, train=(data.rows.train | data.rows.score) & ~off)
     shapes = tuple(
         (e, {s.quantity.name: own[s.quantity.name] for s in e.shapes}) for e, own in driven.extended.effects
     )
@@ -39,10 +39,10 @@ def free_errors(whole: Diagnosis, driven: Diagnosis) -> dict[str, list[float]]:
     }
     errors: dict[str, list[float]] = {name: [] for name in models}
     for k_e in K_E:
-        still_open = tuple(name for name in bench.drive.open if name != "back_emf")
-        drive = replace(bench.drive, known={**bench.drive.known, "k_e": k_e}, open=still_open)
-        signals = replace(bench.signals, open={name: bench.signals.open[name] for name in still_open})
-        given = replace(bench, drive=drive, rows=rows, signals=signals)
+        still_open = tuple(name for name in data.drive.open if name != "back_emf")
+        drive = replace(data.drive, known={**data.drive.known, "k_e": k_e}, open=still_open)
+        signals = replace(data.signals, open={name: data.signals.open[name] for name in still_open})
+        given = replace(data, drive=drive, rows=rows, signals=signals)
         for name, options in models.items():
             effects, how = options or (shapes, {})
             found = refit(whole.base, effects, given, **how)

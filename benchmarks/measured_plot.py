@@ -32,20 +32,20 @@ STYLE: dict[Any, Any] = {
 
 def friction(fit: Refit) -> Array:
     """Friction as measured (rows,) [N m at the scale of the fit]: drive torque less inertia, gravity and load."""
-    bench, values = fit.bench, fit.values
-    drive, c = bench.drive, bench.drive.channels
+    data, values = fit.data, fit.values
+    drive, c = data.drive, data.drive.channels
     torque = drive.torque(values, fit.scale)
     if "voltage_offset_V" in fit.estimates:
         shift = fit.estimates["voltage_offset_V"].value - c.voltage_offset_V
         torque = torque - np.where(c.off, 0.0, shift / (fit.scale or 1.0))
-    gravity = bench.gravity
+    gravity = data.gravity
     if drive.adjusts in drive.known:
         gravity = gravity * values[drive.adjusts] / drive.known[drive.adjusts]
     if "theta_zero_rad" in fit.estimates:
         shift = fit.estimates["theta_zero_rad"].value - c.theta_zero_rad
-        gravity = gravity + shift * bench.signals.open["zero_angle"]
+        gravity = gravity + shift * data.signals.open["zero_angle"]
     inertia = values["J_m"] + values["mu"] ** 2 * values["J_l"]
-    return bench.rows.mean(torque - inertia * c.alpha_m - gravity)
+    return data.rows.mean(torque - inertia * c.alpha_m - gravity)
 
 
 def pair(found: Diagnosis, before: str = "paper") -> list[tuple[Refit, str, str, str]]:

@@ -61,7 +61,7 @@ def main() -> None:
         log, rig = args.data / RIGS[name] / "data.csv.gz", ROOT / "examples" / "rigs" / f"{name}.toml"
         found = diagnose([log], rig)
         results[name] = page(name, found)
-        if np.any(found.bench.drive.off):
+        if np.any(found.data.drive.off):
             driven = changed(log, rig, DRIVEN_ROWS)
             results[name]["tables"].append(free(found, driven))
             results[name]["driven rows only"] = lines(driven)
@@ -141,7 +141,7 @@ def free(found: Diagnosis, driven: Diagnosis) -> Table:
     """RMSE while the motor is off: as diagnosed (held-out rows), and from driven rows alone (all free rows)."""
     labels = {"linear": MODELS["linear"], "paper": "paper", "extended": "extended"}
     blind = free_errors(found, driven)
-    off = found.rows.mean(found.bench.drive.off.astype(float)) > 0.5
+    off = found.rows.mean(found.data.drive.off.astype(float)) > 0.5
     fits = {"linear": found.linear, "paper": found.paper, "extended": found.extended}
     mean = {n: float(m.residuals["mechanical"][off & found.rows.score].mean()) for n, m in fits.items()}
     columns = [

@@ -32,5 +32,5 @@ def oracle(found: Diagnosis, families: Collection[str]) -> tuple[str, float] | N
         adopted += [(effects[term.candidate.id], dict(term.shape)) for term in best.terms]
     if wanted:
         return None
-    balance, fitted = shown or "mechanical", refit(found.base, tuple(adopted), found.bench)
+    balance, fitted = shown or "mechanical", refit(found.base, tuple(adopted), found.data)
     return balance, min(fitted.held_out(balance), found.paper.held_out(balance))

@@ -24,20 +24,20 @@ PEER = Path(__file__).resolve().with_name("sparse_peer.py")
 
 def write(found: Diagnosis, path: Path) -> None:
     """Write residuals of the paper's model, its own columns, those of effects, and which rows are fitted."""
-    rows, own = found.bench.rows, found.paper.residuals
-    signals = {name: rows.mean(x) for name, x in found.bench.signals.values.items()}
-    signals["gravity"] = rows.mean(found.bench.gravity)
+    rows, own = found.data.rows, found.paper.residuals
+    signals = {name: rows.mean(x) for name, x in found.data.signals.values.items()}
+    signals["gravity"] = rows.mean(found.data.gravity)
     signals["inertia"] = signals["alpha_m"] * _inertia(found)
     content: dict[str, Array] = {"train": rows.train, "score": rows.score}
     for balance, columns in (("mechanical", _mechanical), ("electrical", _electrical)):
         if balance in own:
-            families, values = zip(*columns(signals, found.bench.signals.known["mu"]), strict=True)
+            families, values = zip(*columns(signals, found.data.signals.known["mu"]), strict=True)
             content |= {
                 f"{balance}_families": np.array(families),
                 f"{balance}_columns": np.column_stack(values),
             }
             content[f"{balance}_residual"] = own[balance]
-    content["mechanical_base"] = rows.mean(base_columns(found.base, found.bench.signals))
+    content["mechanical_base"] = rows.mean(base_columns(found.base, found.data.signals))
     content["electrical_base"] = np.empty((len(rows.train), 0))
     np.savez(path, **content)  # pyright: ignore[reportArgumentType]
 
@@ -61,7 +61,7 @@ def answers(folder: Path) -> dict[str, dict]:
 
 
 def _inertia(found: Diagnosis) -> float:
-    known = found.bench.signals.known
+    known = found.data.signals.known
     return known["J_m"] + known["mu"] ** 2 * known["J_l"]
 
 

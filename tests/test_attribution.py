@@ -10,7 +10,7 @@ import pytest
 
 from eccentric.search.candidates import Candidate
 from eccentric.search.verdict import Attribution, attribute
-from eccentric.signals.residual import make_balance, make_windows
+from eccentric.signals.residual import make_balance_design, make_windows
 
 MU, NOISE = 0.2, 0.004
 
@@ -80,7 +80,7 @@ def diagnose(missing: np.ndarray, seed: int = 3) -> Attribution:
     slow = np.abs(S.omega_m) < 0.5
     moving = np.convolve(slow, np.ones(31), mode="same") < 0.5
     windows = make_windows(S.t, moving)
-    balance = make_balance("mechanical", windows, target, base, ("C", "B"), np.zeros(2), target)
+    balance = make_balance_design("mechanical", windows, target, base, ("C", "B"), np.zeros(2), target)
     weights = windows.weights.getrow(0).data
     noise = NOISE * float(np.sqrt(np.sum(weights**2)))
     return attribute([balance], S, LIBRARY, MU, np.zeros(len(S.t)), noise={"mechanical": noise})

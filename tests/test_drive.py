@@ -11,7 +11,7 @@ from eccentric.fitting.drive import Drive, drive_of, loaded_model
 from eccentric.fitting.refit import Refit, refit
 from eccentric.model import load_model
 from eccentric.rigs.rig import read_rig
-from eccentric.search.balances import bench_of
+from eccentric.search.balances import fit_data_of
 from eccentric.signals.channels import read_channels
 from tests.identified import DIFFERENCES, inertia, is_found
 from tests.swing import HELD_OUT, VOLTAGE, Run, Swing, log_of, write_rig, write_runs
@@ -29,7 +29,7 @@ def refitted(
     base = load_model(rig.model)
     drive = drive_of(channels, rig, base)
     model = loaded_model(base, rig)
-    return refit(model, (), bench_of(drive, rig, model))
+    return refit(model, (), fit_data_of(drive, rig, model))
 
 
 def test_voltage_alone_tells_scale_inertia_friction_and_by_free_swings_the_back_emf(tmp_path: Path) -> None:
@@ -40,7 +40,7 @@ def test_voltage_alone_tells_scale_inertia_friction_and_by_free_swings_the_back_
     assert is_found(fitted, "k_e", rig.k_e, 1e-3)
     assert is_found(fitted, "B_m", rig.B, 1e-2)
     assert inertia(fitted, rig.mu) == pytest.approx(rig.J, rel=DIFFERENCES)
-    assert fitted.bench.drive.unit == "N m"
+    assert fitted.data.drive.unit == "N m"
     # Without unbalanced friction planted, that of the paper is none or takes its share from the motor's.
     low, high = fitted.estimates["C_m"].interval
     assert low <= rig.C <= high + 1e-3
@@ -107,7 +107,7 @@ def test_rig_that_is_known_leaves_nothing_open(tmp_path: Path) -> None:
     names = ("time_s", "theta_m_rad", "current_A", "motor_off")
     runs = log_of(rig, noise_Nm=0.0)
     fitted = refitted(tmp_path, runs, names, known, HELD_OUT)
-    drive: Drive = fitted.bench.drive
+    drive: Drive = fitted.data.drive
     assert (drive.open, drive.scale, drive.unit) == ((), None, "N m")
     driven_rows = np.concatenate([run.columns["motor_off"] for run in runs.values()]) == 0.0
     torque = np.concatenate([run.columns["torque_Nm"] for run in runs.values()])

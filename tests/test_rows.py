@@ -13,7 +13,7 @@ from eccentric.fitting.drive import drive_of
 from eccentric.fitting.problem import pose
 from eccentric.model import load_model
 from eccentric.rigs.rig import Rig, read_rig
-from eccentric.search.balances import bench_of
+from eccentric.search.balances import fit_data_of
 from eccentric.signals.channels import Channels, read_channels
 from eccentric.signals.rows import rows_of
 from tests import screw
@@ -156,7 +156,7 @@ def test_the_voltage_of_expressions_passes_the_low_pass_of_the_rig(tmp_path: Pat
     columns = {"voltage_V": u, "current_A": torque("C2", FRICTION) / K_I}
     channels, rig = written(tmp_path, known, columns, "low_pass_hz = 8.0")
     model = load_model(rig.model)
-    found = bench_of(drive_of(channels, channels.rig, model), channels.rig, model).signals.values["u"]
+    found = fit_data_of(drive_of(channels, channels.rig, model), channels.rig, model).signals.values["u"]
     warped = math.tan(math.pi * 6.0 / RATE) / math.tan(math.pi * 8.0 / RATE)
     middle = (T > 1.0) & (T < T[-1] - 1.0)
     np.testing.assert_allclose(found[middle], u[middle] / (1.0 + warped**4), atol=1e-6)

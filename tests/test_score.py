@@ -9,11 +9,11 @@ import pytest
 
 from eccentric.diagnosis.score import leave_runs_out
 from eccentric.fitting.drive import drive_of
-from eccentric.fitting.emitted import Bench
+from eccentric.fitting.emitted import FitData
 from eccentric.fitting.refit import refit
 from eccentric.model import Model, load_model
 from eccentric.rigs.rig import read_rig
-from eccentric.search.balances import bench_of
+from eccentric.search.balances import fit_data_of
 from eccentric.signals.channels import read_channels
 from tests.swing import Array, Swing, driven, write_rig, write_runs
 
@@ -21,7 +21,7 @@ RIG = Swing()
 KNOWN = RIG.known + f"J_m_kgm2 = {RIG.J}\nJ_l_kgm2 = 0.0\n"
 
 
-def bench(tmp_path: Path, runs: int) -> tuple[Bench, Model]:
+def data(tmp_path: Path, runs: int) -> tuple[FitData, Model]:
     """A known rig with a noisy torque signal and the third run held out."""
     rng = np.random.default_rng(9)
     table = {f"run_{k}": driven(RIG, rng, noise_Nm=0.01) for k in range(runs)}
@@ -29,10 +29,10 @@ def bench(tmp_path: Path, runs: int) -> tuple[Bench, Model]:
     rig = write_rig(tmp_path / "rig.toml", KNOWN, 'holdout_runs = ["run_2"]')
     channels = read_channels([log], read_rig(rig))
     model = load_model(channels.rig.model)
-    return bench_of(drive_of(channels, channels.rig, model), channels.rig, model), model
+    return fit_data_of(drive_of(channels, channels.rig, model), channels.rig, model), model
 
 
-def columns(one: Bench) -> tuple[Array, Array]:
+def columns(one: FitData) -> tuple[Array, Array]:
     """Friction torque (n,) and the columns of its coefficients (n, 4), by hand; Coulomb and viscous first."""
     c = one.drive.channels
     assert c.torque is not None
@@ -47,7 +47,7 @@ def columns(one: Bench) -> tuple[Array, Array]:
 @pytest.mark.parametrize(("model", "count"), [("linear", 2), ("paper", 4)])
 def test_left_out_runs_have_the_error_of_plain_least_squares(tmp_path: Path, model: str, count: int) -> None:
     """The RMSE over all runs is that of a fit by hand on the used rows of the others."""
-    one, base = bench(tmp_path, 6)
+    one, base = data(tmp_path, 6)
     channels = one.drive.channels
     target, design = columns(one)
     squares, rows = 0.0, 0
@@ -65,14 +65,14 @@ def test_left_out_runs_have_the_error_of_plain_least_squares(tmp_path: Path, mod
 
 def test_to_leave_out_the_held_out_run_is_the_fit_itself(tmp_path: Path) -> None:
     """What is held out is one run: a fit on all others is the fit on the training part."""
-    one, base = bench(tmp_path, 6)
+    one, base = data(tmp_path, 6)
     expected, actual = refit(base, (), one), refit(base, (), one, without=2)
     assert expected.values == pytest.approx(actual.values, rel=1e-12)
 
 
 def test_gain_over_runs_counts_the_better_ones(tmp_path: Path) -> None:
     """Where friction is Coulomb and viscous, that of F_N neither gains nor clearly loses."""
-    one, base = bench(tmp_path, 6)
+    one, base = data(tmp_path, 6)
     over = leave_runs_out(base, refit(base, (), one, bounds=False), one)
     assert over is not None
     percent, (low, high), better = over.gains["paper"]
@@ -85,5 +85,5 @@ def test_gain_over_runs_counts_the_better_ones(tmp_path: Path) -> None:
 
 def test_fewer_than_five_runs_are_not_left_out(tmp_path: Path) -> None:
     """Four runs say too little of a fifth."""
-    one, base = bench(tmp_path, 4)
+    one, base = data(tmp_path, 4)
     assert leave_runs_out(base, refit(base, (), one), one) is None

@@ -108,9 +108,9 @@ def test_a_fit_that_is_stopped_too_early_says_so(
     with_load: Diagnosis, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """One turn takes back what the scale was too large by, and is not the last: result and page tell it."""
-    bench = with_load.bench
-    assert bench.drive.scale is not None
-    wrong = replace(bench, drive=replace(bench.drive, scale=1.05 * bench.drive.scale))
+    data = with_load.data
+    assert data.drive.scale is not None
+    wrong = replace(data, drive=replace(data.drive, scale=1.05 * data.drive.scale))
     monkeypatch.setattr("eccentric.fitting.turns._TURNS", 1)
     early = refit(with_load.base, (), wrong, bounds=False)
     found = replace(with_load, paper=early)

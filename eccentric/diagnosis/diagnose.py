@@ -3,7 +3,7 @@
 The stages, each with what it hands on:
 
     drive       channels, rig -> drive torque, known and identified parameters   (`drive.drive_of`)
-    signals     smooth inputs of expressions                                     (`balances.bench_of`)
+    signals     smooth inputs of expressions                                     (`balances.fit_data_of`)
     balances    both residuals as linear designs on the training part            (`balances.balances_of`)
     attribute   verdict and adopted effects                                      (`verdict.attribute`)
     extend      Model', its coefficients fitted on its own emitted module        (`trial.trial`)
@@ -26,7 +26,7 @@ from eccentric.diagnosis.outcome import Diagnosis
 from eccentric.diagnosis.trial import trial
 from eccentric.errors import InputError
 from eccentric.fitting.drive import drive_of, loaded_model
-from eccentric.fitting.emitted import Bench
+from eccentric.fitting.emitted import FitData
 from eccentric.fitting.least_squares import bounded
 from eccentric.fitting.refit import residual_samples
 from eccentric.model import Model, load_model
@@ -35,9 +35,9 @@ from eccentric.search.adapter import candidate
 from eccentric.search.attribution import Rules
 from eccentric.search.balances import (
     balances_of,
-    bench_of,
     drive_current,
     drive_noise,
+    fit_data_of,
     setting_of,
     with_model_current,
 )
@@ -45,7 +45,7 @@ from eccentric.search.offered import every_effect, offered
 from eccentric.search.verdict import attribute
 from eccentric.signals.channels import read_channels
 from eccentric.signals.measured import Channels
-from eccentric.signals.residual import Balance
+from eccentric.signals.residual import BalanceDesign
 from eccentric.signals.rows import LEAST_HELD_OUT, MANY_RUNS, require_rows
 
 __all__ = ["Diagnosis", "diagnose"]
@@ -83,27 +83,27 @@ def diagnose(
     tell(f"{channels.counts['used']} rows used of {channels.rows_read}")
     drive = drive_of(channels, rig, plain)
     base, channels = loaded_model(plain, rig), drive.channels
-    bench = bench_of(drive, rig, base)
-    require_rows(bench.rows.score, LEAST_HELD_OUT, f"{bench.rows.description} to hold out", ", ".join(names))
-    balances, noise = balances_of(bench, rig, base)
+    data = fit_data_of(drive, rig, base)
+    require_rows(data.rows.score, LEAST_HELD_OUT, f"{data.rows.description} to hold out", ", ".join(names))
+    balances, noise = balances_of(data, rig, base)
     friction = _first_friction(balances)
     if not drive.measured_twice:
-        bench = with_model_current(bench, base, friction)
-    setting = setting_of(bench, base, friction)
+        data = with_model_current(data, base, friction)
+    setting = setting_of(data, base, friction)
     told = {balance.name for balance in balances}
-    chosen = offered(every_effect(setting, effects), bench, rig, setting, base, told)
+    chosen = offered(every_effect(setting, effects), data, rig, setting, base, told)
     only = "mechanical" if drive.by_voltage else None
     found = attribute(
         balances,
-        _smooth_channels(bench, rig),
-        [candidate(effect, base, bench.signals, friction, only) for effect in chosen],
-        bench.signals.known["mu"],
-        bench.gravity,
+        _smooth_channels(data, rig),
+        [candidate(effect, base, data.signals, friction, only) for effect in chosen],
+        data.signals.known["mu"],
+        data.gravity,
         noise,
         _rules(channels),
         progress=tell,
     )
-    tried = trial(found, chosen, base, bench, tell)
+    tried = trial(found, chosen, base, data, tell)
     return Diagnosis(
         logs=names,
         rig_name=Path(rig_path).name,
@@ -113,10 +113,10 @@ def diagnose(
         base=base,
         setting=setting,
         own=effects,
-        bench=bench,
+        data=data,
         effects=tried.extended.effects if tried.attribution.verdict == "named" else (),
-        noise_floor=drive_noise(bench),
-        orders=orders_of(bench, residual_samples(tried.shipped)),
+        noise_floor=drive_noise(data),
+        orders=orders_of(data, residual_samples(tried.shipped)),
         **vars(tried),
     )
 
@@ -133,7 +133,7 @@ def _supported(model: Model) -> Model:
     return model
 
 
-def _first_friction(balances: Sequence[Balance]) -> Array:
+def _first_friction(balances: Sequence[BalanceDesign]) -> Array:
     """Coefficients of the mechanical balance's base, friction within its bounds: (columns,)."""
     mechanical = next(b for b in balances if b.name == "mechanical")
     none = np.full(len(mechanical.lower), np.inf)
@@ -145,16 +145,16 @@ def _rules(channels: Channels) -> Rules:
     return Rules() if runs < MANY_RUNS else Rules(unexplained_part=OVER_RUNS)
 
 
-def _smooth_channels(bench: Bench, rig: Rig) -> SimpleNamespace:
+def _smooth_channels(data: FitData, rig: Rig) -> SimpleNamespace:
     """Channels as candidates and smooth terms take them."""
-    channels = bench.drive.channels
+    channels = data.drive.channels
     return SimpleNamespace(
         t=channels.t,
         theta_m=channels.theta_m if channels.phased else None,
         omega_m=channels.omega_m,
         alpha_m=channels.alpha_m,
-        current=drive_current(bench),
-        voltage=bench.signals.values.get("u"),
+        current=drive_current(data),
+        voltage=data.signals.values.get("u"),
         temperature=channels.temperature,
         steady=math.isinf(rig.average_over),
     )

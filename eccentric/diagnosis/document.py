@@ -83,7 +83,7 @@ def _suffix(found: Diagnosis) -> str:
 
 def _errors(found: Diagnosis) -> dict[str, Any]:
     """Held-out errors; where the torque is not measured also in the unit of the drive, and of free motion."""
-    score, drive = found.score, found.bench.drive
+    score, drive = found.score, found.data.drive
     said: dict[str, Any] = {f"rmse_holdout_{_suffix(found)}": {k: dict(v) for k, v in score.rmse.items()}}
     if score.per_drive and found.unit == "N m":
         said[f"rmse_holdout_{'V' if drive.by_voltage else 'A'}"] = {"mechanical": dict(score.per_drive)}

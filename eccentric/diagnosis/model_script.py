@@ -41,7 +41,7 @@ def script(found: Diagnosis) -> str:
         name: f"fitted: {e.value:.4g}, 95 % interval {e.interval[0]:.4g} to {e.interval[1]:.4g}"
         for name, e in found.shipped.estimates.items()
     }
-    drive = found.bench.drive
+    drive = found.data.drive
     if drive.scale is not None and found.unit == "N m":
         letters_of = "R/k_i, with k_i = 1 N m/A" if drive.by_voltage else "k_i"
         notes["R" if drive.by_voltage else "k_i"] = f"{letters_of}: identified through gravity or inertia"

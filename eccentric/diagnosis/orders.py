@@ -14,7 +14,7 @@ import numpy as np
 from scipy.ndimage import median_filter
 from scipy.signal import find_peaks, lombscargle
 
-from eccentric.fitting.emitted import Bench
+from eccentric.fitting.emitted import FitData
 from eccentric.signals.stretches import rows_of_each
 
 __all__ = ["Order", "orders_of"]
@@ -55,12 +55,12 @@ class Order:
     stretches: int
 
 
-def orders_of(bench: Bench, target: Array) -> tuple[Order, ...]:
+def orders_of(data: FitData, target: Array) -> tuple[Order, ...]:
     """The orders of the mechanical target (samples,) [N m], the largest share first.
 
     Empty with fewer than `LEAST_STRETCHES` stretches of usable rows in one direction of `LEAST_TURNS` turns.
     """
-    channels = bench.drive.channels
+    channels = data.drive.channels
     grid = np.arange(0.5, HIGHEST, 0.05)
     spectra, variances = [], []
     for rows in _stretches(channels.usable, channels.segment, channels.omega_m):

@@ -10,7 +10,7 @@ from eccentric.diagnosis.orders import Order
 from eccentric.diagnosis.score import Score
 from eccentric.effects import Setting
 from eccentric.effects.effect import Effect
-from eccentric.fitting.emitted import Bench
+from eccentric.fitting.emitted import FitData
 from eccentric.fitting.refit import Refit
 from eccentric.model import Model
 from eccentric.rigs.rig import Rig
@@ -31,7 +31,7 @@ class Diagnosis:
         base: the paper's model; its fit is `paper`.
         setting: what the library of effects was made for.
         own: effects of the user's own file, if any.
-        bench: drive, signals and rows that models were fitted on.
+        data: drive, signals and rows that models were fitted on.
         attribution: verdict, candidates, dependence.
         effects: adopted effects with their parameters, in order of adoption; empty without a name.
         linear, paper, extended: fits on the training part; `extended` is `paper` if nothing was adopted.
@@ -51,7 +51,7 @@ class Diagnosis:
     base: Model
     setting: Setting
     own: Path | None
-    bench: Bench
+    data: FitData
     attribution: Attribution
     effects: tuple[tuple[Effect, dict[str, float]], ...]
     linear: Refit
@@ -103,7 +103,7 @@ class Diagnosis:
     @property
     def warnings(self) -> tuple[str, ...]:
         """Of the reader, of the first fit, and of fits that have not settled."""
-        said = (*self.channels.warnings, *self.bench.drive.warnings)
+        said = (*self.channels.warnings, *self.data.drive.warnings)
         if not self.unsettled:
             return said
         models = f"model{'s' * (len(self.unsettled) > 1)} {', '.join(self.unsettled)}"
@@ -112,9 +112,9 @@ class Diagnosis:
     @property
     def rows(self) -> Rows:
         """The rows that errors are reported on."""
-        return self.bench.rows
+        return self.data.rows
 
     @property
     def unit(self) -> str:
         """Unit of torques: "N m", or that of the drive where nothing tells the scale."""
-        return self.bench.drive.unit
+        return self.data.drive.unit

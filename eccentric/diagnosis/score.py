@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from eccentric.effects.effect import Effect
-from eccentric.fitting.emitted import Bench
+from eccentric.fitting.emitted import FitData
 from eccentric.fitting.refit import Refit, refit
 from eccentric.fitting.uncertainty import improvement, improvement_over_runs
 from eccentric.model import Model
@@ -68,8 +68,8 @@ def score(linear: Refit, paper: Refit, extended: Refit, balance: str, over_runs:
     models = {"linear": linear, "paper": paper, "extended": extended}
     common = extended.scale or 1.0
     factor = {name: (m.scale or 1.0) / common for name, m in models.items()}
-    rows = paper.bench.rows
-    off = rows.mean(paper.bench.drive.off.astype(float)) > 0.5
+    rows = paper.data.rows
+    off = rows.mean(paper.data.drive.off.astype(float)) > 0.5
     rmse: dict[str, dict[str, float]] = {
         "mechanical": {n: m.held_out("mechanical") * factor[n] for n, m in models.items()}
     }
@@ -88,12 +88,12 @@ def score(linear: Refit, paper: Refit, extended: Refit, balance: str, over_runs:
     return Score(rmse, per_drive, free, balance, percent, interval, over_runs)
 
 
-def leave_runs_out(base: Model, extended: Refit, bench: Bench) -> OverRuns | None:
+def leave_runs_out(base: Model, extended: Refit, data: FitData) -> OverRuns | None:
     """Predict each run from all others; None with fewer than five runs, or where two balances are fitted."""
-    rows = bench.rows
+    rows = data.rows
     used = rows.train | rows.score
     runs = np.unique(rows.run[used])
-    if len(runs) < FEWEST or bench.drive.measured_twice:
+    if len(runs) < FEWEST or data.drive.measured_twice:
         return None
     shapes = tuple(
         (e, {s.quantity.name: own[s.quantity.name] for s in e.shapes}) for e, own in extended.effects
@@ -106,7 +106,7 @@ def leave_runs_out(base: Model, extended: Refit, bench: Bench) -> OverRuns | Non
     for k, run in enumerate(runs):
         own = used & (rows.run == run)
         for name, (effects, options) in models.items():
-            found = refit(base, effects, bench, without=int(run), **options)
+            found = refit(base, effects, data, without=int(run), **options)
             factor = (found.scale or 1.0) / (extended.scale or 1.0)
             squares[name][k] = float(np.sum((found.residuals["mechanical"][own] * factor) ** 2))
     gains = {

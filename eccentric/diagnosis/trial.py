@@ -9,7 +9,7 @@ import numpy as np
 
 from eccentric.diagnosis.score import Score, leave_runs_out, score
 from eccentric.effects.effect import Effect
-from eccentric.fitting.emitted import Bench
+from eccentric.fitting.emitted import FitData
 from eccentric.fitting.refit import Refit, refit
 from eccentric.model import Model
 from eccentric.search.verdict import Attribution, unconfirmed
@@ -35,7 +35,7 @@ class Trial:
 
 
 def trial(
-    found: Attribution, effects: Sequence[Effect], base: Model, bench: Bench, tell: Callable[[str], None]
+    found: Attribution, effects: Sequence[Effect], base: Model, data: FitData, tell: Callable[[str], None]
 ) -> Trial:
     """Fit the three models and open the held-out part; what it does not confirm loses its name.
 
@@ -46,28 +46,28 @@ def trial(
     adopted = tuple((by_id[a.term.candidate.id], dict(a.term.shape)) for a in found.adopted)
     if found.verdict in {"unexplained", "nothing_missing"}:
         adopted = ()
-    paper = refit(base, (), bench, bounds=False)
-    extended = refit(base, adopted, bench) if adopted else paper
-    linear = refit(base, (), bench, bounds=False, linear=True)
+    paper = refit(base, (), data, bounds=False)
+    extended = refit(base, adopted, data) if adopted else paper
+    linear = refit(base, (), data, bounds=False, linear=True)
     r_squared = _explained(paper)
     if r_squared < LEAST_R2:
         found = replace(unconfirmed(found), next_measurement="Mend the rig file or the log first.")
         extended = paper
     balance = "mechanical" if extended is paper else found.adopted[0].balance
-    scored = score(linear, paper, extended, balance, leave_runs_out(base, extended, bench))
+    scored = score(linear, paper, extended, balance, leave_runs_out(base, extended, data))
     refused = None
     # Voltage and current tell an effect twice, and row by row a ripple above the low pass is worse for being
     # in the model. One signal alone has nothing but the held-out part to be checked by.
-    if extended is not paper and not bench.drive.measured_twice and not scored.confirms:
+    if extended is not paper and not data.drive.measured_twice and not scored.confirms:
         tell("the held-out part does not confirm it")
         refused, found, extended = scored, unconfirmed(found), paper
-        scored = score(linear, paper, paper, "mechanical", leave_runs_out(base, paper, bench))
-    shipped = refit(base, (), bench) if extended is paper else extended
+        scored = score(linear, paper, paper, "mechanical", leave_runs_out(base, paper, data))
+    shipped = refit(base, (), data) if extended is paper else extended
     return Trial(found, linear, paper, extended, shipped, scored, refused, r_squared)
 
 
 def _explained(paper: Refit) -> float:
     """R^2 of the drive torque on the training rows: friction, inertia and gravity of the paper's model."""
-    rows = paper.bench.rows
-    drive = rows.mean(paper.bench.drive.torque())[rows.train]
+    rows = paper.data.rows
+    drive = rows.mean(paper.data.drive.torque())[rows.train]
     return 1.0 - float(np.mean(paper.residuals["mechanical"][rows.train] ** 2) / np.mean(drive**2))

@@ -15,14 +15,14 @@ from eccentric.fitting.states import state_series
 from eccentric.model import Model
 from eccentric.signals.rows import Rows
 
-__all__ = ["Bench", "Emitted", "Values"]
+__all__ = ["Emitted", "FitData", "Values"]
 
 Array = np.ndarray
 Values = dict[str, float]
 
 
 @dataclass(frozen=True)
-class Bench:
+class FitData:
     """A log as models are fitted on it: drive, smooth signals, rows; gravity torque (samples,) [N m]."""
 
     drive: Drive
@@ -35,10 +35,10 @@ class Emitted:
     """The emitted module of a model on the samples of a log, for given values of what is searched."""
 
     def __init__(
-        self, model: Model, bench: Bench, shapes: Mapping[str, float], known: Values, scale: float | None
+        self, model: Model, data: FitData, shapes: Mapping[str, float], known: Values, scale: float | None
     ) -> None:
-        self.module, self.bench = load_module(model), bench
-        self.drive, signals, channels = bench.drive, bench.signals, bench.drive.channels
+        self.module, self.data = load_module(model), data
+        self.drive, signals, channels = data.drive, data.signals, data.drive.channels
         torque = self.drive.torque(known, scale)
         given: dict[str, Array | None] = {
             "theta_m": channels.theta_m,
@@ -55,12 +55,12 @@ class Emitted:
 
     def residual(self, balance: str, values: Mapping[str, float], current: Array | None = None) -> Array:
         """The emitted residual of a balance on the rows [N m], with another current if given."""
-        rows, found = self.bench.rows, self.samples(balance, values, current)
+        rows, found = self.data.rows, self.samples(balance, values, current)
         if balance != "mechanical" or rows.smooth is None:
             return rows.mean(found)
         # The acceleration comes from the low-passed angle: it is not to pass the filter twice.
         alpha = self.drive.channels.alpha_m
-        inertia = values["J_m"] + self.bench.signals.known["mu"] ** 2 * values["J_l"]
+        inertia = values["J_m"] + self.data.signals.known["mu"] ** 2 * values["J_l"]
         return rows.mean(found) + inertia * (rows.mean(alpha) - rows.filtered(alpha))
 
     def samples(self, balance: str, values: Mapping[str, float], current: Array | None = None) -> Array:

@@ -13,7 +13,7 @@ __all__ = ["estimates", "shares"]
 
 def estimates(fit: Turns, solved: Solved) -> dict[str, Estimate]:
     """Values with standard errors from one balance; shapes enter by the slope of the residual."""
-    drive = fit.bench.drive
+    drive = fit.data.drive
     every = {s.quantity.name for e, _ in fit.effects for s in e.shapes}
     own = {solved.balance} | ({"electrical"} if drive.by_voltage else set())
     shapes = {s.quantity.name: s for e, _ in fit.effects if e.balance in own for s in e.shapes}
@@ -57,7 +57,7 @@ def estimates(fit: Turns, solved: Solved) -> dict[str, Estimate]:
 
 def _outside(name: str, fit: Turns) -> tuple[str, float, float, str]:
     """Name, value, factor on the coefficient's error, unit of what the drive is described by."""
-    drive, scale = fit.bench.drive, fit.scale or 1.0
+    drive, scale = fit.data.drive, fit.scale or 1.0
     if name == "gravity" and drive.adjusts == "scale":
         letters, unit = ("R/k_i", "V/(N m)") if drive.by_voltage else ("1/k_i", "A/(N m)")
         return letters, scale, scale, unit
@@ -74,8 +74,8 @@ def _outside(name: str, fit: Turns) -> tuple[str, float, float, str]:
 
 def shares(fit: Turns, base: Model) -> dict[str, float]:
     """RMS of what each effect adds beside the others, over that of the friction, on training rows."""
-    bench = fit.bench
-    rows = bench.rows.train
+    data = fit.data
+    rows = data.rows.train
     friction = float(np.sqrt(np.mean(fit.target[rows] ** 2)))
     found = {}
     whole = fit.emitted()
@@ -87,7 +87,7 @@ def shares(fit: Turns, base: Model) -> dict[str, float]:
         letters = {q.name for q in model.parameters}
         values = {name: value for name, value in fit.values.items() if name in letters}
         kept = {s.quantity.name: fit.values[s.quantity.name] for e, _ in others for s in e.shapes}
-        balance = "mechanical" if bench.drive.by_voltage else effect.balance
+        balance = "mechanical" if data.drive.by_voltage else effect.balance
         without = fit.emitted(model, kept).residual(balance, values)
         torque = (without - whole.residual(balance, fit.values))[rows]
         found[effect.id] = float(np.sqrt(np.mean(torque**2))) / friction

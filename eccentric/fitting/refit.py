@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from eccentric.effects.effect import Effect
-from eccentric.fitting.emitted import Bench, Emitted, Values
+from eccentric.fitting.emitted import Emitted, FitData, Values
 from eccentric.fitting.estimates import estimates, shares
 from eccentric.fitting.turns import Turns
 from eccentric.fitting.uncertainty import Estimate
@@ -33,7 +33,7 @@ class Refit:
         residuals: balance -> (rows,) [N m at this fit's own scale].
         shares: effect id -> RMS of its torque as a fraction of that of the friction, on training rows.
         target: (rows,) what the mechanical friction, effects included, has to be [N m].
-        bench: what it was fitted on.
+        data: what it was fitted on.
         change: relative, of the scale or of the current that the model asks for, by the last turn of the fit.
     """
 
@@ -45,7 +45,7 @@ class Refit:
     residuals: dict[str, Array]
     shares: dict[str, float]
     target: Array
-    bench: Bench
+    data: FitData
     change: float
 
     @property
@@ -55,14 +55,14 @@ class Refit:
 
     def held_out(self, balance: str) -> float:
         """Held-out RMSE of a balance [N m]."""
-        rows = self.bench.rows.score
+        rows = self.data.rows.score
         return float(np.sqrt(np.mean(self.residuals[balance][rows] ** 2)))
 
 
 def refit(
     base: Model,
     effects: tuple[tuple[Effect, Values], ...],
-    bench: Bench,
+    data: FitData,
     bounds: bool = True,
     linear: bool = False,
     without: int | None = None,
@@ -72,13 +72,13 @@ def refit(
     Args:
         base: the paper's model.
         effects: adopted effects, each with the values of its shapes.
-        bench: the log.
+        data: the log.
         bounds: whether friction coefficients are kept from being negative. Without, the paper's model may use
             them to imitate what it lacks: its best case.
         linear: Coulomb and viscous friction only.
         without: number of a run to leave out; then all other runs are fitted on, held out or not.
     """
-    turns = Turns(base, effects, bench, bounds, linear, without)
+    turns = Turns(base, effects, data, bounds, linear, without)
     turns.run()
     found: dict[str, Estimate] = {}
     if without is None:
@@ -93,7 +93,7 @@ def refit(
         turns.residuals,
         shares(turns, base) if effects and without is None else {},
         turns.target,
-        bench,
+        data,
         turns.change,
     )
 
@@ -101,5 +101,5 @@ def refit(
 def residual_samples(fitted: Refit) -> Array:
     """The mechanical residual on the samples (n,) [N m], up to a constant; for fits within the bounds."""
     shapes = {s.quantity.name: fitted.values[s.quantity.name] for e, _ in fitted.effects for s in e.shapes}
-    emitted = Emitted(fitted.model, fitted.bench, shapes, fitted.values, fitted.scale)
+    emitted = Emitted(fitted.model, fitted.data, shapes, fitted.values, fitted.scale)
     return emitted.samples("mechanical", fitted.values)

@@ -17,7 +17,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from eccentric.effects.effect import Effect
-from eccentric.fitting.emitted import Bench, Emitted, Values
+from eccentric.fitting.emitted import Emitted, FitData, Values
 from eccentric.fitting.expressions import Signals
 from eccentric.fitting.least_squares import bounded
 from eccentric.model import Model
@@ -51,19 +51,19 @@ class Turns:
         self,
         base: Model,
         effects: tuple[tuple[Effect, Values], ...],
-        bench: Bench,
+        data: FitData,
         bounds: bool,
         linear: bool,
         without: int | None,
     ) -> None:
-        self.effects, self.bench, self.bounds = effects, bench, bounds
+        self.effects, self.data, self.bounds = effects, data, bounds
         self.shapes = {name: value for _, own in effects for name, value in own.items()}
         self.model = base
         for effect, own in effects:
             self.model = effect.extend(self.model, own)
-        drive, letters = bench.drive, {q.name for q in self.model.parameters}
+        drive, letters = data.drive, {q.name for q in self.model.parameters}
         self.scale = drive.scale
-        self.every = _friction_letters(base, bench.signals)
+        self.every = _friction_letters(base, data.signals)
         self.fitted = [n for n in self.every if n[0] in "BC" and not (linear and "_lN" in n)]
         self.values = {name: value for name, value in drive.known.items() if name in letters}
         # What the log cannot show has no effect on it, but the module wants a number.
@@ -75,16 +75,16 @@ class Turns:
         self.offset = self.zero = 0.0
         self.change = np.inf
         self.current: Array | None = None
-        used = bench.rows.train | bench.rows.score
-        self.train = bench.rows.train if without is None else used & (bench.rows.run != without)
+        used = data.rows.train | data.rows.score
+        self.train = data.rows.train if without is None else used & (data.rows.run != without)
         self.solved: list[Solved] = []
         self.residuals: dict[str, Array] = {}
         self.target = np.empty(0)
 
     def run(self) -> None:
         """Turn until scale and current have settled, or the limit is reached."""
-        current = not self.bench.drive.measured_twice and bool(self.effects)
-        turns = _TURNS if "gravity" in self.bench.drive.open or current else 1
+        current = not self.data.drive.measured_twice and bool(self.effects)
+        turns = _TURNS if "gravity" in self.data.drive.open or current else 1
         for _ in range(turns):
             moved = self._follow() if current else 0.0
             self.change = max(abs(self._turn()), moved)
@@ -95,7 +95,7 @@ class Turns:
         """Take the current that the last turn asks for; return the RMS of what it changed by, relative."""
         before = self.current
         if before is None:
-            self.current = self.bench.signals.values["i"]
+            self.current = self.data.signals.values["i"]
             return np.inf
         self.current = self._model_current()
         return float(np.linalg.norm(self.current - before) / np.linalg.norm(self.current))
@@ -106,7 +106,7 @@ class Turns:
         quiet = self.values | {q.name: 0.0 for effect, _ in self.effects for q in effect.coefficients}
         effect = emitted.samples("mechanical", self.values, self.current)
         effect = effect - emitted.samples("mechanical", quiet, self.current)
-        columns = self.bench.signals.open
+        columns = self.data.signals.open
         offset = columns["offset"] * self.offset / (self.scale or 1.0) if "offset" in columns else 0.0
         rest = emitted.samples("mechanical", quiet) + effect - offset
         return emitted.inputs["i"] - rest / self.values["k_i"]
@@ -114,15 +114,15 @@ class Turns:
     def emitted(self, model: Model | None = None, shapes: Mapping[str, float] | None = None) -> Emitted:
         """The module of a model under the present values."""
         given = self.shapes if shapes is None else shapes
-        return Emitted(model or self.model, self.bench, given, self.values, self.scale)
+        return Emitted(model or self.model, self.data, given, self.values, self.scale)
 
     def _turn(self) -> float:
         """Solve, put the solution into the values, return what the free gravity column still wants."""
-        drive, emitted = self.bench.drive, self.emitted()
+        drive, emitted = self.data.drive, self.emitted()
         self.solved = []
         if drive.measured_twice:
             names, limits = _coefficients(self.effects, "electrical")
-            rows = self.bench.rows.train & self._usable()
+            rows = self.data.rows.train & self._usable()
             if names:
                 self.solved.append(self._solve(emitted, "electrical", names, limits, {}, rows)[0])
                 self._take(self.solved[-1])
@@ -138,7 +138,7 @@ class Turns:
         names = [*self.fitted, *names, *letters]
         limits = [(0.0, None)] * len(self.fitted) + limits
         limits += [(0.0 if n == "J_m" else None, None) for n in letters]
-        rows, columns = self.bench.rows, self.bench.signals.open
+        rows, columns = self.data.rows, self.data.signals.open
         outside = {n: rows.mean(-x) for n, x in columns.items() if n not in letters}
         solved, rest = self._solve(emitted, "mechanical", names, limits, outside, self.train)
         # By its columns, since Parameters refuse what is negative without bounds.
@@ -152,7 +152,7 @@ class Turns:
         return change
 
     def _usable(self) -> Array:
-        return self.bench.rows.mean(self.bench.drive.channels.usable.astype(float)) > 0.5
+        return self.data.rows.mean(self.data.drive.channels.usable.astype(float)) > 0.5
 
     def _solve(
         self,
@@ -190,7 +190,7 @@ class Turns:
         gravity = found.pop("gravity", 0.0)
         emf, offset = found.pop("back_emf", 0.0), found.pop("offset", 0.0)
         self.zero = found.pop("zero_angle", 0.0)
-        adjusts = self.bench.drive.adjusts
+        adjusts = self.data.drive.adjusts
         scale = self.scale or 1.0
         if emf:
             self.values["k_e"] += emf * scale
@@ -198,7 +198,7 @@ class Turns:
         # All of a scaled solution is too large by the same factor.
         factor = 1.0 + gravity if adjusts == "scale" else 1.0
         self.values |= {n: x / factor for n, x in found.items()}
-        if (rotor := self.bench.drive.rotor) is not None and "J_m" in found:
+        if (rotor := self.data.drive.rotor) is not None and "J_m" in found:
             # The column is that of all inertia; what is beyond the known rotor is the link's.
             link = self.values["J_l"] + (self.values["J_m"] - rotor) / self.values["mu"] ** 2
             self.values |= {"J_m": rotor, "J_l": max(link, 0.0)}
@@ -211,7 +211,7 @@ class Turns:
 
     def _scaled(self) -> None:
         """Write the scale as the letters that it stands for."""
-        if self.scale is not None and self.bench.drive.by_voltage:
+        if self.scale is not None and self.data.drive.by_voltage:
             self.values |= {"k_i": 1.0, "R": self.scale}
         elif self.scale is not None:
             self.values["k_i"] = 1.0 / self.scale

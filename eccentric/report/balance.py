@@ -48,7 +48,7 @@ def _scaled(found: Diagnosis, fit: Refit, x: Array) -> Array:
 
 def _rows(found: Diagnosis) -> Rows:
     channels, mu, rows = found.channels, found.setting.mu, found.rows
-    gravity = found.bench.gravity if np.any(found.bench.gravity) else None
+    gravity = found.data.gravity if np.any(found.data.gravity) else None
     theta = channels.theta_m if channels.phased else None
     given = [
         ("velocity", "motor velocity", "rad/s", channels.omega_m, None),

@@ -133,7 +133,7 @@ def _parameters(found: Diagnosis) -> list[Parameter]:
     terms = found.shipped.model.balance("mechanical").terms
     friction = {str(term.coefficient) for term in terms if term.kind == "friction"}
     estimates = found.shipped.estimates
-    given = {*found.bench.drive.identified, *estimates}
+    given = {*found.data.drive.identified, *estimates}
     rows = []
     for q in found.shipped.model.parameters:
         value = found.shipped.values.get(q.name)

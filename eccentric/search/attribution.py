@@ -24,7 +24,7 @@ import numpy as np
 from eccentric.search.candidates import Candidate
 from eccentric.search.nulltest import correlated, null_quantile, smooth_terms
 from eccentric.search.selection import Fitted, Screen
-from eccentric.signals.residual import Balance
+from eccentric.signals.residual import BalanceDesign
 
 __all__ = ["Rules", "Search", "search_all"]
 
@@ -183,7 +183,7 @@ class Search:
 
 
 def search_all(
-    balances: Sequence[Balance],
+    balances: Sequence[BalanceDesign],
     channels: Any,
     candidates: Sequence[Candidate],
     mu: float,
@@ -217,7 +217,7 @@ def search_all(
     return found
 
 
-def _corrected(balance: Balance, channels: Any, electrical: Search) -> Balance:
+def _corrected(balance: BalanceDesign, channels: Any, electrical: Search) -> BalanceDesign:
     """The mechanical target without what effects found in the electrical balance add to it."""
     target, at = balance.target, electrical.screen.balance.base.shape[1]
     for term in electrical.best.terms:

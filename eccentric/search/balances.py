@@ -1,4 +1,4 @@
-"""A log as it enters the search: bench, smooth signals, both balances, and what the library is made for."""
+"""A log as it enters the search: signals and rows, both balances, and what the library is made for."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ import sympy as sp
 
 from eccentric.effects import Setting
 from eccentric.fitting.drive import Drive
-from eccentric.fitting.emitted import Bench
+from eccentric.fitting.emitted import FitData
 from eccentric.fitting.expressions import Signals, base_columns, compiled
 from eccentric.fitting.problem import seen_columns
 from eccentric.model import Model
@@ -20,15 +20,15 @@ from eccentric.rigs.rig import Rig
 from eccentric.search.nulltest import sensor_noise
 from eccentric.signals.filters import smoothed
 from eccentric.signals.measured import Channels
-from eccentric.signals.residual import Balance, Windows, make_balance
+from eccentric.signals.residual import BalanceDesign, Windows, make_balance_design
 from eccentric.signals.rows import rows_of, search_windows
 
 __all__ = [
     "balances_of",
-    "bench_of",
     "drive_current",
     "drive_noise",
     "elapsed",
+    "fit_data_of",
     "setting_of",
     "with_model_current",
 ]
@@ -36,7 +36,7 @@ __all__ = [
 Array = np.ndarray
 
 
-def bench_of(drive: Drive, rig: Rig, model: Model) -> Bench:
+def fit_data_of(drive: Drive, rig: Rig, model: Model) -> FitData:
     """Smooth signals that expressions are evaluated on, and the rows that models are compared on.
 
     The current that effects depend on is (u - k_e omega_m)/R where there is a voltage: measured current on
@@ -67,26 +67,26 @@ def bench_of(drive: Drive, rig: Rig, model: Model) -> Bench:
     signals = Signals(values, dt, starts, known, friction=seen_columns(model, known), base=model)
     gravity, slope = gravity_of(model, signals)
     signals = replace(signals, open=drive.columns(gravity, slope))
-    return Bench(drive, signals, rows_of(channels, rig), gravity)
+    return FitData(drive, signals, rows_of(channels, rig), gravity)
 
 
-def with_model_current(bench: Bench, model: Model, friction: Array) -> Bench:
-    """The bench with the current that the first fit asks for.
+def with_model_current(data: FitData, model: Model, friction: Array) -> FitData:
+    """The data with the current that the first fit asks for.
 
     Where one signal alone measures the drive, the current from it is that signal: an effect on it would
     explain the drive by the drive, noise and all.
     """
-    signals = bench.signals
+    signals = data.signals
     load = compiled(model, model.balance("mechanical").sum_of("inertial", "gravity", "conservative"), signals)
     torque = load({}, {}) + base_columns(model, signals) @ friction
     return replace(
-        bench, signals=replace(signals, values={**signals.values, "i": torque / signals.known["k_i"]})
+        data, signals=replace(signals, values={**signals.values, "i": torque / signals.known["k_i"]})
     )
 
 
-def balances_of(bench: Bench, rig: Rig, model: Model) -> tuple[list[Balance], dict[str, float]]:
+def balances_of(data: FitData, rig: Rig, model: Model) -> tuple[list[BalanceDesign], dict[str, float]]:
     """The balances of the training part, and what white noise leaves in a row of each [N m]."""
-    drive, signals, channels = bench.drive, bench.signals, bench.drive.channels
+    drive, signals, channels = data.drive, data.signals, data.drive.channels
     known, torque = signals.known, drive.torque()
     load = compiled(model, model.balance("mechanical").sum_of("inertial", "gravity", "conservative"), signals)
     target = torque - load({}, {})
@@ -95,7 +95,7 @@ def balances_of(bench: Bench, rig: Rig, model: Model) -> tuple[list[Balance], di
     lower = np.r_[lower, np.full(len(signals.open), -np.inf)]
     names = (*(c.name for c in columns), *signals.open)
     windows = search_windows(channels, rig)
-    mechanical = make_balance(
+    mechanical = make_balance_design(
         "mechanical", windows, target, base_columns(model, signals), names, lower, target
     )
     balances = [_once_filtered(mechanical, windows, channels.alpha_m, known)]
@@ -105,13 +105,15 @@ def balances_of(bench: Bench, rig: Rig, model: Model) -> tuple[list[Balance], di
         every = search_windows(channels, rig, moving=False)
         residual = known["k_i"] / known["R"] * (channels.voltage - known["k_e"] * channels.omega_m) - torque
         empty = np.empty((len(torque), 0))
-        balances.append(make_balance("electrical", every, residual, empty, (), np.empty(0), target))
+        balances.append(make_balance_design("electrical", every, residual, empty, (), np.empty(0), target))
         # What the drive really does as quickly as noise is in the torque, and cancels in the residual.
         noise["electrical"] = min(sensor_noise(unseen * x, every) for x in (torque, residual))
     return balances, noise
 
 
-def _once_filtered(balance: Balance, windows: Windows, alpha: Array, known: Mapping[str, float]) -> Balance:
+def _once_filtered(
+    balance: BalanceDesign, windows: Windows, alpha: Array, known: Mapping[str, float]
+) -> BalanceDesign:
     """The balance with the acceleration as it is: it comes from the low-passed angle."""
     if windows.smooth is None:
         return balance
@@ -130,9 +132,9 @@ def gravity_of(model: Model, signals: Signals) -> tuple[Array, Array]:
     return compiled(model, torque, signals)({}, {}), compiled(model, slope, signals)({}, {})
 
 
-def setting_of(bench: Bench, model: Model, friction: Array) -> Setting:
+def setting_of(data: FitData, model: Model, friction: Array) -> Setting:
     """What the ranges of the library depend on, from the moving training rows."""
-    signals, channels = bench.signals, bench.drive.channels
+    signals, channels = data.signals, data.drive.channels
     rows = channels.fit_rows
     speed = np.abs(channels.omega_m[rows])
     current = signals.values["i"]
@@ -144,9 +146,9 @@ def setting_of(bench: Bench, model: Model, friction: Array) -> Setting:
         loss += np.mean(signals.known["R"] * current[rows] ** 2)
     warm = channels.temperature
     present = {"current"} if channels.drive != "voltage" else set()
-    present |= {"voltage"} if bench.drive.measured_twice else set()
+    present |= {"voltage"} if data.drive.measured_twice else set()
     # What the armature does, a voltage shows in the torque that it makes.
-    present |= {"current", "voltage"} if bench.drive.by_voltage else set()
+    present |= {"current", "voltage"} if data.drive.by_voltage else set()
     present |= {"temperature"} if warm is not None else set()
     highest = float(np.quantile(speed, 0.99))
     return Setting(
@@ -161,16 +163,16 @@ def setting_of(bench: Bench, model: Model, friction: Array) -> Setting:
         temperature_mid=None if warm is None else float(np.median(warm[rows])),
         channels=frozenset(present),
         friction={c.name: float(x) for c, x in zip(columns, own, strict=True)},
-        by_voltage=bench.drive.by_voltage,
+        by_voltage=data.drive.by_voltage,
     )
 
 
-def drive_current(bench: Bench) -> Array:
+def drive_current(data: FitData) -> Array:
     """The current (samples,) [A] that what is smooth may depend on: measured where a voltage tells it too."""
-    drive = bench.drive
+    drive = data.drive
     if drive.measured_twice:
         return _smooth(drive.channels, drive.signal())
-    return bench.signals.values["i"]
+    return data.signals.values["i"]
 
 
 def _smooth(channels: Channels, x: Array) -> Array:
@@ -184,14 +186,14 @@ def elapsed(channels: Channels) -> Array:
     return channels.t - start[channels.run]
 
 
-def drive_noise(bench: Bench) -> float:
+def drive_noise(data: FitData) -> float:
     """RMS that the white noise of the measured drive leaves in a row, from its fourth differences."""
-    drive = bench.drive
+    drive = data.drive
     joined = np.diff(drive.channels.segment, 4) == 0
     raw = drive.torque()
     difference = np.diff(raw, 4)[joined]
     sigma = float(1.4826 * np.median(np.abs(difference - np.median(difference))) / np.sqrt(70.0))
-    weights = bench.rows.weights
+    weights = data.rows.weights
     if weights is None:
         return sigma
     # An average of rows has less of it; the one in the middle stands for all.

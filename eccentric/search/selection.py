@@ -11,7 +11,7 @@ from scipy.optimize import minimize
 
 from eccentric.search.candidates import Candidate, Shape, shape_grid
 from eccentric.search.crossval import Gram, bounded_solve, cross_validate, fold_of_block
-from eccentric.signals.residual import Balance
+from eccentric.signals.residual import BalanceDesign
 
 __all__ = ["Fitted", "Screen", "Term"]
 
@@ -58,7 +58,7 @@ class Screen:
 
     def __init__(
         self,
-        balance: Balance,
+        balance: BalanceDesign,
         channels: Any,
         candidates: Sequence[Candidate],
         noise: float = 0.0,

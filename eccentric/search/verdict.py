@@ -18,7 +18,7 @@ import numpy as np
 from eccentric.search.attribution import Rules, Search, search_all
 from eccentric.search.candidates import Candidate
 from eccentric.search.selection import Term
-from eccentric.signals.residual import Balance
+from eccentric.signals.residual import BalanceDesign
 
 __all__ = ["Adopted", "Attribution", "Ranked", "attribute", "next_measurement", "unconfirmed"]
 
@@ -73,7 +73,7 @@ class Attribution:
 
 
 def attribute(
-    balances: Sequence[Balance],
+    balances: Sequence[BalanceDesign],
     channels: Any,
     candidates: Sequence[Candidate],
     mu: float,

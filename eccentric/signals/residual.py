@@ -18,7 +18,7 @@ from scipy.sparse import csr_matrix
 from eccentric.errors import InputError
 from eccentric.signals.stretches import rows_of_each
 
-__all__ = ["Balance", "Windows", "make_balance", "make_windows"]
+__all__ = ["BalanceDesign", "Windows", "make_balance_design", "make_windows"]
 
 Array = np.ndarray
 
@@ -48,7 +48,7 @@ class Windows:
 
 
 @dataclass(frozen=True)
-class Balance:
+class BalanceDesign:
     """One scalar balance on the training rows.
 
     name: 'mechanical' or 'electrical'; target (rows,) and base (rows, p) in N m on the motor side;
@@ -112,7 +112,7 @@ def make_windows(
     return Windows(weights, np.cumsum(changes), time[centre])
 
 
-def make_balance(
+def make_balance_design(
     name: str,
     windows: Windows,
     target: Array,
@@ -120,9 +120,9 @@ def make_balance(
     base_names: tuple[str, ...],
     lower: Array,
     share_of: Array,
-) -> Balance:
-    """Sample-wise target (n,) and base (n, p) to a Balance; shares are of the RMS of `share_of` (n,)."""
+) -> BalanceDesign:
+    """Sample-wise target (n,) and base (n, p) to a design; shares are of the RMS of `share_of` (n,)."""
     scale = float(np.sqrt(np.mean(windows(share_of) ** 2)))
-    return Balance(
+    return BalanceDesign(
         name, windows, windows(target), windows(base), base_names, np.asarray(lower, float), scale, base
     )
