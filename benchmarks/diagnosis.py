@@ -27,9 +27,7 @@ from benchmarks.record import Part, table, tell
 from eccentric.diagnosis.diagnose import diagnose
 from eccentric.diagnosis.document import document
 from eccentric.errors import InputError
-from eccentric.virtual_bench import random_scenario, simulate, write
-from eccentric.virtual_bench.effects import EFFECTS
-from eccentric.virtual_bench.effects.record import Effect, simply
+from eccentric.virtual_bench import EFFECTS, PlantedEffect, random_scenario, simply, simulate, write
 
 # Those below have been looked at while the method was changed, and judge no more.
 FIRST_SEED = 70000
@@ -109,7 +107,7 @@ def run(job: Job, folder: Path) -> Result:
     if job.outside is not None:
         variable, port, law = OUTSIDE[job.outside]
         top = {"runs": 7.5, "traj": 6.2}[log_type] / mu
-        effect = Effect(job.outside, job.outside, scenario.effects[0].amplitude,
+        effect = PlantedEffect(job.outside, job.outside, scenario.effects[0].amplitude,
                         simply(**{port: law(top, scenario.course.seconds)}), (variable,), strength=0.12)  # fmt: skip
         scenario = replace(scenario, effects=(effect,))
     result.note = f"{case} mu={mu:.3g} {log_type} noise={noise}"

@@ -101,7 +101,7 @@ def test_the_angle_comes_in_counts_of_the_encoder() -> None:
 def test_a_rippling_bus_shows_in_the_current_but_not_in_the_command() -> None:
     """A ripple of 5 % leaves (k_i/R) 0.05 u sin(2 pi f t) in the electrical residual."""
     scenario = drawn_scenario(noise=0.0)
-    ripple = simulate(replace(scenario, drive=replace(scenario.drive, ripple=0.05, ripple_hz=30.0)))
+    ripple = simulate(replace(scenario, controller=replace(scenario.controller, ripple=0.05, ripple_hz=30.0)))
     known, time = ripple.rig["known"], ripple.columns["time_s"]
     expected = 0.05 * ripple.columns["voltage_V"] * np.sin(2.0 * pi * 30.0 * time)
 
@@ -146,10 +146,10 @@ def test_runs_go_both_ways() -> None:
 
 
 def test_a_control_has_the_same_rig_and_course_as_its_twin_with_an_effect() -> None:
-    """The same seed draws the same plant, drive and course, whatever the effects."""
+    """The same seed draws the same plant, controller and course, whatever the effects."""
     control, twin = drawn_scenario(), drawn_scenario(effects=["cogging"])
 
-    assert (control.plant, control.drive, control.course) == (twin.plant, twin.drive, twin.course)
+    assert (control.plant, control.controller, control.course) == (twin.plant, twin.controller, twin.course)
 
 
 def test_a_temperature_is_logged_where_an_effect_needs_it() -> None:

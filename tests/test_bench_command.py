@@ -6,9 +6,8 @@ from pathlib import Path
 import pytest
 
 from eccentric import cli
-from eccentric.cli.bench import VARIANTS
 from eccentric.errors import InputError
-from eccentric.virtual_bench import EFFECTS
+from eccentric.virtual_bench import EFFECTS, VARIANTS
 from tests.virtual import drawn_scenario
 
 ROOT = Path(__file__).resolve().parents[1]

@@ -7,8 +7,9 @@ from math import exp, log, sin
 import numpy as np
 import pytest
 
-from eccentric.virtual_bench.effects import Effect
-from eccentric.virtual_bench.motion import Motion, laws, mover
+from eccentric.virtual_bench import PlantedEffect
+from eccentric.virtual_bench.motion import Motion
+from eccentric.virtual_bench.mover import laws, mover
 from eccentric.virtual_bench.plant import Plant
 from tests.virtual import drawn_scenario
 
@@ -21,7 +22,12 @@ C2 = replace(TABLE_1, case="C2")
 
 
 def _run(
-    plant: Plant, seconds: float, voltage: float, dt: float, effects: Sequence[Effect] = (), **start: float
+    plant: Plant,
+    seconds: float,
+    voltage: float,
+    dt: float,
+    effects: Sequence[PlantedEffect] = (),
+    **start: float,
 ) -> Motion:
     bound = laws(effects)
     motion = Motion(plant, effects=len(bound), **start)

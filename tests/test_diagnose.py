@@ -10,8 +10,7 @@ import pytest
 
 from eccentric.cli import main
 from eccentric.diagnosis.diagnose import diagnose
-from eccentric.virtual_bench import random_scenario, simulate, write
-from eccentric.virtual_bench.effects.record import Effect, simply
+from eccentric.virtual_bench import PlantedEffect, random_scenario, simply, simulate, write
 from tests.virtual import log_of
 
 ROOT = Path(__file__).resolve().parent.parent
@@ -71,7 +70,7 @@ def test_leaves_the_unknown_unnamed(tmp_path: Path) -> None:
     def band(state: Any, amplitude: float) -> float:
         return amplitude * (1.0 if 0.35 * top < abs(state.w_mid) < 0.6 * top else 0.0)
 
-    effect = Effect(
+    effect = PlantedEffect(
         "band", "band", 2 * scenario.effects[0].amplitude, simply(dry=band), ("velocity",), strength=0.12
     )
     log, rig, _ = write(simulate(replace(scenario, effects=(effect,))), tmp_path / "band.csv.gz")
@@ -115,7 +114,7 @@ def effects(setting):
     def fourth(state: Any, amplitude: float) -> float:
         return amplitude * (abs(state.w_mid) / top) ** 4
 
-    effect = Effect(
+    effect = PlantedEffect(
         "fourth", "fourth", 4 * scenario.effects[0].amplitude, simply(dry=fourth), ("velocity",), strength=0.3
     )
     log, rig, _ = write(simulate(replace(scenario, effects=(effect,))), tmp_path / "fourth.csv.gz")

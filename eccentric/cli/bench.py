@@ -7,6 +7,7 @@ import numpy as np
 from eccentric.errors import InputError
 from eccentric.virtual_bench import (
     EFFECTS,
+    VARIANTS,
     Scenario,
     free_paths,
     known_effect,
@@ -19,16 +20,6 @@ NAME = "bench"
 HELP = "simulate a realistic log of a test bench, with effects that its rig file does not declare"
 EXAMPLE = """eccentric bench --out LOG.csv.gz --case C2 --effect stribeck=0.12 --effect cogging --seed 7
 eccentric bench --out LOG.csv.gz --effect 'link_harmonic_friction[n=2]=0.2'"""
-
-VARIANTS = {
-    "link_harmonic_friction": ("n=1", "n=2", "n=3", "n=4"),
-    "cogging": ("n=2", "n=4", "n=6"),
-    "kt_ripple": ("n=2", "n=4", "n=6"),
-    "viscosity_temperature": ("exponential", "arrhenius"),
-    "load_dependent": ("gravity", "transmitted"),
-    "presliding": ("dahl", "lugre"),
-}
-"""Variants by family, as its builder takes them."""
 
 _OPTIONS = {
     "case": "--case",

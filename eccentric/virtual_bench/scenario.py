@@ -9,9 +9,9 @@ import numpy as np
 
 from eccentric.errors import InputError
 
+from .controller import MotorController
 from .course import Course, speed_runs, sum_of_sines
-from .drive import Drive
-from .effects import EFFECTS, Effect, Setting
+from .effects import EFFECTS, VARIANTS, PlantedEffect, PlantSetting, Request
 from .plant import Plant
 
 CASES = ("C1", "C2")
@@ -25,9 +25,9 @@ class Scenario:
     """A whole test, which `simulate` turns into a log. `noise` is the current's, over its largest size."""
 
     plant: Plant
-    drive: Drive
+    controller: MotorController
     course: Course
-    effects: tuple[Effect, ...]
+    effects: tuple[PlantedEffect, ...]
     noise: float
     temperature: bool  # is the temperature logged?
     seed: int
@@ -63,42 +63,53 @@ def random_scenario(
     for name, size in wanted:
         known_effect(name)
         if not (isfinite(size) and 0.0 < size <= 1.0):
-            raise InputError(f"effect {name}: required a strength above 0 and at most 1; got {size}")
+            raise InputError(f"effect {name}: required a strength above 0 and at most 1; received {size}")
     plant = _plant(rng, case, mu)
     top_speed = float(rng.uniform(6.5, 8.5)) / mu if log_type == "runs" else float(rng.uniform(5.5, 7.0)) / mu
     course = (speed_runs if log_type == "runs" else sum_of_sines)(rng, seconds, top_speed)
-    drive, theta = _drive(rng, plant), float(rng.uniform(0.0, 2.0 * pi))
+    controller, theta = _controller(rng, plant), float(rng.uniform(0.0, 2.0 * pi))
     seed = int(rng.integers(2**32))
 
     setting = _setting(plant, course, top_speed)
     built = []
     for name, size in wanted:
         family, variant = known_effect(name)
-        effect = EFFECTS[family](size, rng, setting, variant)
-        if variant is not None and effect.variant is None:
-            raise InputError(f"effect {family}: required no variant, since it has none; got {variant}")
-        built.append(replace(effect, strength=size))
+        drawn = _drawn_variant(family, rng)  # also where one is asked for: the shapes are the same then
+        request = Request(size, variant or drawn, variant is not None, setting, rng)
+        built.append(replace(EFFECTS[family](request), strength=size))
     logged = temperature or any(effect.needs_temperature for effect in built)
     hiding = [effect.id for effect in built if effect.hides_temperature]
     if hiding and logged:
-        raise InputError(f"effect {hiding[0]}: required a log without a temperature column; got one with it")
+        raise InputError(
+            f"effect {hiding[0]}: required a log without a temperature column; received one with it"
+        )
     if logged or hiding:
         plant = replace(plant, Rth=_thermal_resistance(setting))
-    return Scenario(plant, drive, course, tuple(built), noise, logged, seed, theta)
+    return Scenario(plant, controller, course, tuple(built), noise, logged, seed, theta)
 
 
 def known_effect(name: str) -> tuple[str, str | None]:
-    """Split `family[variant]`; InputError, listing the known families, if there is no such family."""
+    """Split `family[variant]`; InputError, listing what there is, if the bench has no such effect."""
     match = re.fullmatch(r"(\w+)(?:\[(.+)\])?", name)
     if match is None or match[1] not in EFFECTS:
         raise InputError(f"unknown effect {name}: required one of {', '.join(EFFECTS)}")
-    return match[1], match[2]
+    family, variant = match[1], match[2]
+    variants = VARIANTS.get(family, ())
+    if variant is not None and not variants:
+        raise InputError(f"effect {family}: required no variant, since it has none; received {variant}")
+    if variant is not None and variant not in variants:
+        raise InputError(f"effect {family}: required a variant of {', '.join(variants)}; received {variant}")
+    return family, variant
+
+
+def _drawn_variant(family: str, rng: np.random.Generator) -> str:
+    return str(rng.choice(VARIANTS[family])) if family in VARIANTS else ""
 
 
 def _check(case: str, mu: float, log_type: str, strength: float, noise: float, seconds: float) -> None:
     for quantity, value, allowed in (("case", case, CASES), ("log type", log_type, LOG_TYPES)):
         if value not in allowed:
-            raise InputError(f"{quantity}: required {' or '.join(allowed)}; got {value}")
+            raise InputError(f"{quantity}: required {' or '.join(allowed)}; received {value}")
     for quantity, value, low, high in (
         ("gear ratio mu", mu, 1e-3, 2.0),
         ("strength", strength, 1e-6, 1.0),
@@ -106,7 +117,7 @@ def _check(case: str, mu: float, log_type: str, strength: float, noise: float, s
         ("seconds", seconds, _SHORTEST_S, _LONGEST_S),
     ):
         if not low <= value <= high:  # also refuses NaN
-            raise InputError(f"{quantity}: required {low:g} to {high:g}; got {value}")
+            raise InputError(f"{quantity}: required {low:g} to {high:g}; received {value}")
 
 
 def _plant(rng: np.random.Generator, case: str, mu: float) -> Plant:
@@ -126,15 +137,15 @@ def _plant(rng: np.random.Generator, case: str, mu: float) -> Plant:
     )  # fmt: skip
 
 
-def _drive(rng: np.random.Generator, plant: Plant) -> Drive:
-    """Return a drive: a loop of 4 to 6 Hz, which the velocity filter's lag leaves stable.
+def _controller(rng: np.random.Generator, plant: Plant) -> MotorController:
+    """Return a controller: a loop of 4 to 6 Hz, which the velocity filter's lag leaves stable.
 
     The encoder is finer at low reductions, as one would buy it: what counts is the resolution at the link.
     """
     finer = 2 ** max(0, floor(log2(30.0 * plant.mu)))
     bandwidth = 2.0 * pi * float(rng.uniform(4.0, 6.0))
     kp = bandwidth * plant.inertia * plant.R / plant.k_i
-    return Drive(
+    return MotorController(
         counts=int(rng.choice([4096, 8192])) * finer,
         filter_hz=float(rng.choice([30.0, 40.0, 60.0])),
         filter_order=int(rng.choice([1, 2])),
@@ -144,7 +155,7 @@ def _drive(rng: np.random.Generator, plant: Plant) -> Drive:
     )
 
 
-def _setting(plant: Plant, course: Course, top_speed: float) -> Setting:
+def _setting(plant: Plant, course: Course, top_speed: float) -> PlantSetting:
     """Return rough sizes along the wanted course, as if it were followed without inertia."""
     time = np.arange(0.0, course.seconds, 0.02)
     speed = course.wanted(time)
@@ -159,17 +170,17 @@ def _setting(plant: Plant, course: Course, top_speed: float) -> Setting:
     friction_rms, speed_rms, current_rms = (
         float(np.sqrt(np.mean(np.square(x)))) for x in (torque, speed, current)
     )
-    return Setting(
+    return PlantSetting(
         plant,
         friction_rms,
         speed_rms,
         top_speed,
         current_rms,
-        _FINAL_RISE_K * float(heated),
+        max(1.0, _FINAL_RISE_K * float(heated)),
         course.seconds,
         loss,
     )
 
 
-def _thermal_resistance(setting: Setting) -> float:
+def _thermal_resistance(setting: PlantSetting) -> float:
     return float(f"{_FINAL_RISE_K / setting.loss:.3g}")

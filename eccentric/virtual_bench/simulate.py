@@ -6,9 +6,10 @@ from typing import Any
 
 import numpy as np
 
-from .drive import bus_ripple, servo
-from .effects import Effect
-from .motion import Motion, laws, mover
+from .controller import bus_ripple, servo
+from .effects import PlantedEffect
+from .motion import Motion
+from .mover import laws, mover
 from .scenario import Scenario
 
 _TOLERANCE, _MOST_RUNS = 2e-3, 6
@@ -66,8 +67,8 @@ def _run(scenario: Scenario) -> _Raw:
     bound = laws(scenario.effects)
     motion = Motion(plant, scenario.start_angle, effects=len(bound))
     advance = mover(plant, motion, dt, bound)
-    control = servo(scenario.drive, plant, motion.theta, dt)
-    applied = bus_ripple(scenario.drive)
+    control = servo(scenario.controller, plant, motion.theta, dt)
+    applied = bus_ripple(scenario.controller)
     wanted = scenario.course.wanted(np.arange(rows * steps) * dt).tolist()
 
     # The drive averages voltage and current over the two pulses about the sample instant: neither is ahead.
@@ -130,8 +131,8 @@ def _fractions(raw: _Raw) -> list[float]:
 
 
 def _corrected(
-    effects: tuple[Effect, ...], fractions: list[float], powers: list[float]
-) -> tuple[Effect, ...]:
+    effects: tuple[PlantedEffect, ...], fractions: list[float], powers: list[float]
+) -> tuple[PlantedEffect, ...]:
     """Return the effects with amplitudes for their strengths, which go with amplitude to `powers`."""
     scales = [
         (effect.strength / max(fraction, 1e-3 * effect.strength)) ** (1.0 / power)
@@ -158,7 +159,7 @@ def _log(scenario: Scenario, raw: _Raw) -> dict[str, np.ndarray]:
     """Return the columns as a drive writes them: quantised, noisy, rounded to the digits of the file."""
     rng = np.random.default_rng(scenario.seed)
     peak = float(np.max(np.abs(raw.i))) or 1.0
-    quantum, bit = 2.0 * pi / scenario.drive.counts, 1.5 * peak / 2048
+    quantum, bit = 2.0 * pi / scenario.controller.counts, 1.5 * peak / 2048
     current = raw.i + scenario.noise * peak * rng.standard_normal(len(raw.i))
     columns = {
         "time_s": np.round(np.arange(len(raw.i)) / scenario.sample_rate_hz, 3),
@@ -179,7 +180,7 @@ def _rig(scenario: Scenario, columns: dict[str, np.ndarray], raw: _Raw) -> dict[
         "name": scenario.name,
         "log_type": {"runs": "speed_runs", "traj": "trajectory"}[scenario.course.log_type],
         "known": scenario.plant.known(),
-        "encoder_counts_per_rev": scenario.drive.counts,
+        "encoder_counts_per_rev": scenario.controller.counts,
         "sample_rate_hz": scenario.sample_rate_hz,
         "columns": list(columns),
         "moving_threshold_rad_s": raw.threshold,
@@ -195,10 +196,10 @@ def _truth(scenario: Scenario, raw: _Raw) -> dict[str, Any]:
         "kind": ("control", "single", "double")[count] if count < 3 else "several",
         "log": scenario.course.log_type,
         "noise_frac_of_range": scenario.noise,
-        "counts": scenario.drive.counts,
-        "velocity_filter_hz": scenario.drive.filter_hz,
-        "velocity_filter_order": scenario.drive.filter_order,
-        "bus_ripple": scenario.drive.ripple,
+        "counts": scenario.controller.counts,
+        "velocity_filter_hz": scenario.controller.filter_hz,
+        "velocity_filter_order": scenario.controller.filter_order,
+        "bus_ripple": scenario.controller.ripple,
         "rows": len(raw.theta),
         "mu": plant.mu,
         "case": plant.case,

@@ -1,12 +1,12 @@
 """What a rig may do that the paper's model lacks: one builder per family, with code of the bench's own.
 
-`EFFECTS` maps a family's id to its builder, `builder(strength, rng, setting, variant) -> Effect`: the shape
-is drawn by `rng`, the amplitude is a first guess for `strength` (fraction of the friction rms), which the
-simulation then measures and corrects.
+`EFFECTS` maps a family to its builder, `builder(request) -> PlantedEffect`, and `VARIANTS` to its variants
+where it has any. A builder draws the shape; the amplitude is a first guess for the strength requested, which
+the simulation then measures and corrects.
 """
 
 from . import circuit, geometry, history, loads, speed, warmth
-from .record import PORTS, Builder, Effect, Law, Setting
+from .record import PORTS, Builder, Law, PlantedEffect, PlantSetting, Request, simply
 
 EFFECTS: dict[str, Builder] = {
     **speed.FAMILIES,
@@ -17,4 +17,24 @@ EFFECTS: dict[str, Builder] = {
     **circuit.FAMILIES,
 }
 
-__all__ = ["EFFECTS", "PORTS", "Builder", "Effect", "Law", "Setting"]
+VARIANTS = {
+    "link_harmonic_friction": ("n=1", "n=2", "n=3", "n=4"),
+    "cogging": ("n=2", "n=4", "n=6"),
+    "kt_ripple": ("n=2", "n=4", "n=6"),
+    "viscosity_temperature": ("exponential", "arrhenius"),
+    "load_dependent": ("gravity", "transmitted"),
+    "presliding": ("dahl", "lugre"),
+}
+"""Variants of a family, by its id; a family without an entry has none."""
+
+__all__ = [
+    "EFFECTS",
+    "PORTS",
+    "VARIANTS",
+    "Builder",
+    "Law",
+    "PlantSetting",
+    "PlantedEffect",
+    "Request",
+    "simply",
+]

@@ -1,31 +1,22 @@
 """Effects in the armature circuit, the torque constant and the current sensor."""
 
-# ruff: noqa: ARG001 (all builders have one signature, and so have all laws)
+from eccentric.virtual_bench.motion import Motion
 
-from __future__ import annotations
-
-from typing import TYPE_CHECKING
-
-from .record import Builder, Effect, Setting, draw, simply
-
-if TYPE_CHECKING:
-    import numpy as np
-
-    from eccentric.virtual_bench.motion import Motion
+from .record import Builder, PlantedEffect, Request, simply
 
 
-def kt_saturation(strength: float, rng: np.random.Generator, setting: Setting, variant: str | None) -> Effect:
+def kt_saturation(wanted: Request) -> PlantedEffect:
     """Iron that saturates: the torque constant falls with the current."""
-    k_i, size = setting.plant.k_i, setting.current
+    k_i, size = wanted.plant.k_i, wanted.setting.current
 
     def torque(s: Motion, a: float) -> float:
         share = a * (s.i / size) ** 2
         return k_i * s.i * share / (1.0 + share)
 
-    return Effect(
+    return PlantedEffect(
         "kt_saturation",
         "k_i -> k_i/(1 + A (i/i0)^2)",
-        0.5 * strength * setting.friction / (k_i * size),
+        wanted.torque(0.5) / (k_i * size),
         simply(torque=torque),
         ("current",),
         (size,),
@@ -33,36 +24,34 @@ def kt_saturation(strength: float, rng: np.random.Generator, setting: Setting, v
     )
 
 
-def current_bias(strength: float, rng: np.random.Generator, setting: Setting, variant: str | None) -> Effect:
+def current_bias(wanted: Request) -> PlantedEffect:
     """Sensor of the current whose zero is off by A."""
-    return Effect(
+    return PlantedEffect(
         "current_bias",
         "i_logged = i + A",
-        strength * setting.friction / setting.plant.k_i,
+        wanted.torque() / wanted.plant.k_i,
         simply(current=lambda s, a: a),
         ("current",),
         channel="electrical",
     )
 
 
-def inverter_deadtime(
-    strength: float, rng: np.random.Generator, setting: Setting, variant: str | None
-) -> Effect:
+def inverter_deadtime(wanted: Request) -> PlantedEffect:
     """Voltage lost to the dead time of the bridge, against the current (Munoz and Lipo 1999).
 
     It is linear within i0 about zero current, where the drop and the current are solved for together.
     """
-    plant = setting.plant
-    i0 = draw(rng, 0.02, 0.06) * setting.current
+    plant = wanted.plant
+    i0 = wanted.draw(0.02, 0.06) * wanted.setting.current
 
     def drop(s: Motion, a: float) -> float:
         share = s.v / (a + plant.R * i0)
         return a * min(1.0, max(-1.0, share))
 
-    return Effect(
+    return PlantedEffect(
         "inverter_deadtime",
         "A sat(i/i0)",
-        strength * setting.friction * plant.R / plant.k_i,
+        wanted.torque() * plant.R / plant.k_i,
         simply(drop=drop),
         ("current", "voltage"),
         (i0,),
@@ -70,18 +59,16 @@ def inverter_deadtime(
     )
 
 
-def resistance_temperature(
-    strength: float, rng: np.random.Generator, setting: Setting, variant: str | None
-) -> Effect:
+def resistance_temperature(wanted: Request) -> PlantedEffect:
     """Winding whose resistance rises with its temperature."""
-    cold = setting.plant.Tamb
+    cold = wanted.plant.Tamb
 
     def drop(s: Motion, a: float) -> float:
         share = a * (s.temperature - cold)
         return s.v * share / (1.0 + share)
 
-    size = strength * setting.friction / (setting.plant.k_i * setting.current * max(setting.warming, 1.0))
-    return Effect(
+    size = wanted.torque() / (wanted.plant.k_i * wanted.setting.current * wanted.setting.warming)
+    return PlantedEffect(
         "resistance_temperature",
         "R -> R (1 + A (T - Tamb))",
         size,
@@ -94,11 +81,11 @@ def resistance_temperature(
     )
 
 
-def ke_mismatch(strength: float, rng: np.random.Generator, setting: Setting, variant: str | None) -> Effect:
+def ke_mismatch(wanted: Request) -> PlantedEffect:
     """Back-EMF constant A times more than declared."""
-    plant = setting.plant
-    size = strength * setting.friction * plant.R / (plant.k_i * plant.k_e * setting.speed)
-    return Effect(
+    plant = wanted.plant
+    size = wanted.torque() * plant.R / (plant.k_i * plant.k_e * wanted.setting.speed)
+    return PlantedEffect(
         "ke_mismatch",
         "k_e -> k_e (1 + A)",
         size,
@@ -109,9 +96,9 @@ def ke_mismatch(strength: float, rng: np.random.Generator, setting: Setting, var
     )
 
 
-def sensor_delay(strength: float, rng: np.random.Generator, setting: Setting, variant: str | None) -> Effect:
+def sensor_delay(wanted: Request) -> PlantedEffect:  # noqa: ARG001 - every builder takes one
     """Sensor of the current that is late by A against angle and voltage."""
-    return Effect(
+    return PlantedEffect(
         "sensor_delay",
         "i_logged(t) = i(t - A)",
         0.01,

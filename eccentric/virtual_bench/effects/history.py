@@ -1,30 +1,21 @@
 """Effects that remember: states that the log does not show."""
 
-# ruff: noqa: ARG001 (all builders have one signature)
-
-from __future__ import annotations
-
 from math import exp
-from typing import TYPE_CHECKING
 
-from .record import Builder, Effect, Law, Setting, choose, draw, sign
+from eccentric.virtual_bench.motion import Motion
 
-if TYPE_CHECKING:
-    import numpy as np
-
-    from eccentric.virtual_bench.motion import Motion
+from .record import Builder, Law, PlantedEffect, Request, sign
 
 
-def presliding(strength: float, rng: np.random.Generator, setting: Setting, variant: str | None) -> Effect:
+def presliding(wanted: Request) -> PlantedEffect:
     """Soft contact (seal, grease, wave gear) that builds its torque up over x0 after each reversal.
 
     Dahl 1968: dz = dx/x0 (1 - z sgn dx), solved exactly over each step. LuGre (Canudas de Wit 1995) adds a
     level that falls with the speed, here towards 0.6 of its value at rest.
     """
-    variant = choose("presliding", variant, ("dahl", "lugre"), rng)
-    x0 = draw(rng, 0.08, 0.3)
-    reach, vs = x0 / setting.plant.mu, 0.1 * setting.top_speed
-    falls = variant == "lugre"
+    x0 = wanted.draw(0.08, 0.3)
+    reach, vs = x0 / wanted.plant.mu, 0.1 * wanted.setting.top_speed
+    falls = wanted.variant == "lugre"
 
     def start() -> dict[str, Law]:
         z, travel = 0.0, 0.0
@@ -43,26 +34,24 @@ def presliding(strength: float, rng: np.random.Generator, setting: Setting, vari
         ", level = 0.6 + 0.4 exp(-(w/vs)^2)" if falls else ", level = 1"
     )
     shape = (x0, vs) if falls else (x0,)
-    return Effect(
+    return PlantedEffect(
         "presliding",
         form,
-        strength * setting.friction,
+        wanted.torque(),
         start,
         ("history", "direction"),
         shape,
-        variant=variant,
+        variant=wanted.variant,
     )
 
 
-def magnetic_hysteresis(
-    strength: float, rng: np.random.Generator, setting: Setting, variant: str | None
-) -> Effect:
+def magnetic_hysteresis(wanted: Request) -> PlantedEffect:
     """Iron that keeps some magnetisation: the torque lags the current by a loop of half-width A in torque.
 
     An elastic-plastic element of the current, dz = di/i0 within [-1, 1]. Duhem's smooth form was tried: the
     drive's dither at each pulse walks its loop to the middle, which iron does not do at such small changes.
     """
-    i0 = draw(rng, 0.3, 0.6) * setting.current
+    i0 = wanted.draw(0.3, 0.6) * wanted.setting.current
 
     def start() -> dict[str, Law]:
         z, last = 0.0, 0.0
@@ -75,10 +64,10 @@ def magnetic_hysteresis(
 
         return {"torque": torque}
 
-    return Effect(
+    return PlantedEffect(
         "magnetic_hysteresis",
         "A z, dz = di/i0 within [-1, 1]",
-        1.3 * strength * setting.friction,
+        wanted.torque(1.3),
         start,
         ("current", "history"),
         (i0,),

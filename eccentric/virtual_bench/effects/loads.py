@@ -1,30 +1,23 @@
 """Effects of the load that the transmission carries."""
 
-# ruff: noqa: ARG001 (all builders have one signature, and so have all laws)
-
-from __future__ import annotations
-
+from collections.abc import Callable
 from math import exp
-from typing import TYPE_CHECKING
 
-from .record import Builder, Effect, Law, Setting, choose, draw, sign, simply
+from eccentric.virtual_bench.motion import Motion
+from eccentric.virtual_bench.plant import Plant
 
-if TYPE_CHECKING:
-    import numpy as np
+from .record import Builder, Law, PlantedEffect, Request, sign, simply
 
-    from eccentric.virtual_bench.motion import Motion
-
-_SETTLING_S = (
-    0.002  # the meshing of a gear follows the load within about this time; it also keeps the step explicit
-)
+# The meshing of a gear follows the load within about this time; it also keeps the step explicit.
+_SETTLING_S = 0.002
 
 
-def _transmitted(setting: Setting) -> Law:
+def _transmitted(plant: Plant) -> Callable[[Motion], float]:
     """Return the law of mu tau_l, eq. (3): torque through the gear, settled within `_SETTLING_S` [N m]."""
-    inertia = setting.plant.mu**2 * setting.plant.J_l
+    inertia = plant.mu**2 * plant.J_l
     load, before = 0.0, 0.0
 
-    def law(s: Motion, a: float) -> float:
+    def law(s: Motion) -> float:
         nonlocal load, before
         now = inertia * s.alpha + s.gravity + s.link_dry * sign(s.w_mid) + s.link_viscous * s.w_mid
         load += (now - load) * (1.0 - exp(-(s.t - before) / _SETTLING_S))
@@ -34,47 +27,40 @@ def _transmitted(setting: Setting) -> Law:
     return law
 
 
-def load_dependent(
-    strength: float, rng: np.random.Generator, setting: Setting, variant: str | None
-) -> Effect:
+def load_dependent(wanted: Request) -> PlantedEffect:
     """Dry friction in proportion to the load: gravity alone, or all torque transmitted (Gogoussis 1987)."""
-    if variant == "gravity":
-        setting.need("C2", "load_dependent[gravity]", "there is no gravity load otherwise")
-    drawn = choose("load_dependent", variant, ("gravity", "transmitted"), rng)
-    if setting.plant.case == "C1":
-        drawn = "transmitted"
-    if drawn == "gravity":
-        return Effect(
+    if wanted.variant == "gravity" and wanted.chosen:
+        wanted.require_case("C2", "load_dependent[gravity]", "there is no gravity load otherwise")
+    if wanted.variant == "gravity" and wanted.plant.case == "C2":
+        return PlantedEffect(
             "load_dependent",
             "A |G| sgn w",
-            strength,
+            wanted.strength,
             simply(dry=lambda s, a: a * abs(s.gravity)),
             ("gravity_load", "link_angle"),
             bound=0.8,
-            variant=drawn,
+            variant=wanted.variant,
         )
 
     def start() -> dict[str, Law]:
-        load = _transmitted(setting)
-        return {"dry": lambda s, a: a * abs(load(s, a))}
+        load = _transmitted(wanted.plant)
+        return {"dry": lambda s, a: a * abs(load(s))}
 
-    return Effect(
+    return PlantedEffect(
         "load_dependent",
         "A |mu tau_l| sgn w, tau_l = J_l dw_l/dt + f_l + G",
-        strength,
+        wanted.strength,
         start,
         ("transmitted_torque",),
         bound=0.6,
-        variant=drawn,
+        variant="transmitted",
     )
 
 
-def gear_efficiency(
-    strength: float, rng: np.random.Generator, setting: Setting, variant: str | None
-) -> Effect:
+def gear_efficiency(wanted: Request) -> PlantedEffect:
     """Loss in proportion to the load, smaller when the load drives the motor."""
-    back = draw(rng, 0.25, 0.5)
-    if setting.plant.case == "C2":
+    back = wanted.draw(0.25, 0.5)
+    if wanted.plant.case == "C2":
         form, depends = (
             f"A |G| sgn w when driving, {back} A |G| sgn w when back-driven",
             ("gravity_load", "direction"),
@@ -89,25 +75,25 @@ def gear_efficiency(
         )
 
         def start() -> dict[str, Law]:
-            load = _transmitted(setting)
+            load = _transmitted(wanted.plant)
 
             def dry(s: Motion, a: float) -> float:
-                torque = load(s, a)
+                torque = load(s)
                 return a * abs(torque) * (1.0 if torque * s.w_mid > 0.0 else back)
 
             return {"dry": dry}
 
-    return Effect("gear_efficiency", form, 1.4 * strength, start, depends, (back,), bound=0.6)
+    return PlantedEffect("gear_efficiency", form, 1.4 * wanted.strength, start, depends, (back,), bound=0.6)
 
 
-def backlash(strength: float, rng: np.random.Generator, setting: Setting, variant: str | None) -> Effect:
+def backlash(wanted: Request) -> PlantedEffect:
     """Gap of A at the motor, which it crosses free of the link's torques after the load has reversed.
 
     An approximation: the link's friction and gravity are let go while the motor turns through the gap, but
     its inertia stays coupled. A true two-mass contact would need steps of microseconds. It acts reversal by
     reversal, so a short log meets the strength asked for only roughly; the truth has the one reached.
     """
-    bound = 0.25 / setting.plant.mu
+    bound = 0.25 / wanted.plant.mu
 
     def start() -> dict[str, Law]:
         flank, left, travel = 0.0, 0.0, 0.0
@@ -136,10 +122,10 @@ def backlash(strength: float, rng: np.random.Generator, setting: Setting, varian
             "torque": lambda s, a: -s.gravity if state else 0.0,
         }
 
-    return Effect(
+    return PlantedEffect(
         "backlash",
         "-(mu f_l + G) while the motor turns A after a reversal of the load",
-        0.1 / setting.plant.mu,
+        0.1 / wanted.plant.mu,
         start,
         ("history", "direction"),
         bound=bound,

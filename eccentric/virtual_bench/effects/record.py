@@ -1,21 +1,17 @@
-"""The record of one effect: where it acts, what it depends on, and its law."""
-
-from __future__ import annotations
+"""The record of a planted effect (where it acts, its law), and what the builder of one is given."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
 from math import inf, pi
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from eccentric.errors import InputError
+from eccentric.virtual_bench.motion import Motion
+from eccentric.virtual_bench.plant import Plant
 
-if TYPE_CHECKING:
-    from eccentric.virtual_bench.motion import Motion
-    from eccentric.virtual_bench.plant import Plant
-
-Law = Callable[["Motion", float], float]  # (motion, amplitude) -> what the port says
+Law = Callable[[Motion, float], float]
+"""(motion, amplitude) -> what the port takes."""
 
 PORTS = {
     "dry": "level added to the Coulomb friction, which stays set-valued [N m]",
@@ -29,7 +25,7 @@ PORTS = {
 
 
 @dataclass(frozen=True)
-class Setting:
+class PlantSetting:
     """What a builder may scale by: the plant and rough sizes of what the log will contain (motor side)."""
 
     plant: Plant
@@ -37,22 +33,52 @@ class Setting:
     speed: float  # rms speed [rad/s]
     top_speed: float  # [rad/s]
     current: float  # rms current [A]
-    warming: float  # expected rise of the temperature [K]
-    seconds: float
-    loss: float = 0.0  # mean of what the drive turns into heat [W]
+    warming: float  # expected rise of the temperature [K], at least 1
+    seconds: float  # length of the log
+    loss: float  # mean of what the drive turns into heat [W]
 
-    def need(self, case: str, family: str, why: str) -> None:
+
+@dataclass(frozen=True)
+class Request:
+    """One effect to build: its strength (rms over the friction's), and `rng` to draw its shape from."""
+
+    strength: float
+    variant: str  # "" where the family has none
+    chosen: bool  # was the variant asked for, or drawn?
+    setting: PlantSetting
+    rng: np.random.Generator
+
+    @property
+    def plant(self) -> Plant:
+        """The rig that the effect acts on."""
+        return self.setting.plant
+
+    def torque(self, factor: float = 1.0) -> float:
+        """Return `factor` times the strength times the rms friction torque [N m]."""
+        return factor * self.strength * self.setting.friction
+
+    def draw(self, low: float, high: float) -> float:
+        """Return a random number between `low` and `high` to three significant digits."""
+        return float(f"{self.rng.uniform(low, high):.3g}")
+
+    def phase(self) -> float:
+        """Return a random angle in (-pi, pi] [rad], to two decimals."""
+        return round(float(self.rng.uniform(-pi, pi)), 2)
+
+    def require_case(self, case: str, effect: str, why: str) -> None:
         """Raise InputError unless the plant is of that case."""
         if self.plant.case != case:
-            raise InputError(f"effect {family}: needs case {case}, since {why}; got case {self.plant.case}")
+            raise InputError(
+                f"effect {effect}: required case {case}, since {why}; received {self.plant.case}"
+            )
 
 
-@dataclass
-class Effect:
+@dataclass(frozen=True)
+class PlantedEffect:
     """One effect beyond the paper's model.
 
-    `start()` returns {port: law} with fresh memory; a law takes the motion and the amplitude and gives what
-    the port asks for (`PORTS`). `bound` limits the amplitude to what is physical. `form` says it in symbols,
+    `start()` returns {port: law} with fresh memory; a law takes the motion and the amplitude and returns what
+    its port takes (`PORTS`). `bound` limits the amplitude to what is physical. `form` says it in symbols,
     `shape` holds its constants, `depends_on` the quantities that its residual follows.
     """
 
@@ -64,7 +90,7 @@ class Effect:
     shape: tuple[float, ...] = ()
     strength: float = 0.0
     bound: float = inf
-    variant: str | None = None
+    variant: str = ""
     channel: str = "mechanical"
     needs_temperature: bool = False
     hides_temperature: bool = False
@@ -75,30 +101,12 @@ class Effect:
         return f"{self.family}[{self.variant}]" if self.variant else self.family
 
 
-Builder = Callable[[float, np.random.Generator, Setting, str | None], Effect]
+Builder = Callable[[Request], PlantedEffect]
 
 
 def simply(**ports: Law) -> Callable[[], dict[str, Law]]:
     """`start` of an effect without memory."""
     return lambda: dict(ports)
-
-
-def choose(family: str, variant: str | None, variants: tuple[str, ...], rng: np.random.Generator) -> str:
-    """Return the variant asked for, or one drawn from `variants`; InputError if it is none of them."""
-    drawn = str(rng.choice(variants))
-    if variant is not None and variant not in variants:
-        raise InputError(f"effect {family}: required a variant of {', '.join(variants)}; got {variant}")
-    return variant or drawn
-
-
-def phase(rng: np.random.Generator) -> float:
-    """Return a random angle in (-pi, pi] [rad], to two decimals."""
-    return round(float(rng.uniform(-pi, pi)), 2)
-
-
-def draw(rng: np.random.Generator, low: float, high: float) -> float:
-    """Return a number between `low` and `high` to three significant digits."""
-    return float(f"{rng.uniform(low, high):.3g}")
 
 
 def sign(value: float) -> float:

@@ -8,8 +8,11 @@ from .plant import Plant
 
 
 @dataclass(frozen=True)
-class Drive:
-    """How the drive measures and controls. Gains in V s/rad and V/rad; `ripple` is a fraction of the bus."""
+class MotorController:
+    """How the servo drive measures and controls the motor.
+
+    Gains in V s/rad and V/rad; `ripple` is a fraction of the bus voltage.
+    """
 
     counts: int  # encoder counts per motor turn
     filter_hz: float  # corner of the velocity filter
@@ -22,17 +25,17 @@ class Drive:
 
 
 def servo(
-    drive: Drive, plant: Plant, theta: float, dt: float
+    controller: MotorController, plant: Plant, theta: float, dt: float
 ) -> Callable[[float, float], tuple[float, float]]:
     """Return `control(theta, wanted)` -> (commanded voltage [V], drive's velocity [rad/s]), for every `dt`.
 
     The velocity is the filtered difference of encoder counts, so it is late and grainy, and it is what the
     controller acts on. The integrator stops while the bus saturates.
     """
-    per_rad, quantum = drive.counts / (2.0 * pi), 2.0 * pi / drive.counts
-    pole = 1.0 - exp(-2.0 * pi * drive.filter_hz * dt)
-    second = drive.filter_order == 2
-    kp, ki, k_e, bus = drive.kp, drive.ki * dt, plant.k_e, drive.bus_V
+    per_rad, quantum = controller.counts / (2.0 * pi), 2.0 * pi / controller.counts
+    pole = 1.0 - exp(-2.0 * pi * controller.filter_hz * dt)
+    second = controller.filter_order == 2
+    kp, ki, k_e, bus = controller.kp, controller.ki * dt, plant.k_e, controller.bus_V
     last, first, speed, integral = floor(theta * per_rad + 0.5), 0.0, 0.0, 0.0
 
     def control(theta: float, wanted: float) -> tuple[float, float]:
@@ -56,9 +59,9 @@ def servo(
     return control
 
 
-def bus_ripple(drive: Drive) -> Callable[[float, float], float]:
+def bus_ripple(controller: MotorController) -> Callable[[float, float], float]:
     """Return `applied(u, t)`: the voltage at the motor when the rectified bus, and so the pulses, ripple."""
-    if not drive.ripple:
+    if not controller.ripple:
         return lambda u, _: u
-    depth, rate = drive.ripple, 2.0 * pi * drive.ripple_hz
+    depth, rate = controller.ripple, 2.0 * pi * controller.ripple_hz
     return lambda u, t: u * (1.0 + depth * sin(rate * t))

@@ -1,0 +1,111 @@
+"""One step of the rig's motion: second order in time while moving, exact in sticking.
+
+    (J_m + mu^2 J_l) dw/dt + G(theta) + (b + k_i k_e / R) w + c Sgn(w) + effects = k_i u / R
+
+Angles drift half a step, the speed is kicked, angles drift the other half. In the kick the linear damping is
+taken at the mean of old and new speed and the dry level c is set-valued: the new speed solves
+
+    (J + b dt/2) w' + dt c Sgn(w') contains (J - b dt/2) w + dt T,
+
+whose only solution is a soft threshold. A link below its Coulomb level therefore stands still to the last
+bit, with no tanh, no creep and no event search.
+"""
+
+from collections.abc import Callable, Sequence
+from math import cos, hypot, sin
+
+from .effects import Law, PlantedEffect
+from .motion import Motion
+from .plant import Plant
+
+BoundLaw = tuple[str, PlantedEffect, Law]
+"""A port, the effect that acts there, and its law, freshly started."""
+
+
+def laws(effects: Sequence[PlantedEffect]) -> list[BoundLaw]:
+    """All laws of the effects with their ports, freshly started, in the order of `Motion.acting`."""
+    return [(port, effect, law) for effect in effects for port, law in effect.start().items()]
+
+
+def mover(
+    plant: Plant,
+    motion: Motion,
+    dt: float,
+    bound: Sequence[BoundLaw] = (),
+) -> Callable[[float], None]:
+    """Return `advance(u)`, which moves `motion` on by `dt` seconds under the armature voltage u [V].
+
+    `bound` is what `laws` returned; `motion` must have been made with that many places.
+    """
+    s = motion
+    mu, k_i, k_e, R = plant.mu, plant.k_i, plant.k_e, plant.R
+    C_m, B_m, C_N, B_N = plant.C_m, plant.B_m, mu * plant.C_lN, mu**2 * plant.B_lN
+    C_T, B_T = plant.link_friction(0.0)
+    ML, weight = plant.M * plant.L, (plant.M + plant.M_l) * plant.in_plane_gravity
+    MgL, flat = mu * plant.M * plant.in_plane_gravity * plant.L, plant.case == "C1"
+    half, damping, acting = 0.5 * dt, k_i * k_e / R, s.acting
+    Rth, Tamb, heating = plant.Rth, plant.Tamb, dt / plant.tau
+
+    def of(port: str) -> list[tuple[int, Law, float]]:
+        return [(n, law, e.amplitude) for n, (where, e, law) in enumerate(bound) if where == port]
+
+    dry_laws, viscous_laws, torque_laws, drop_laws = of("dry"), of("viscous"), of("torque"), of("drop")
+    inertia = plant.inertia
+    for n, law, amplitude in of("inertia"):
+        acting[n] = law(s, amplitude)
+        inertia += acting[n]
+
+    def advance(u: float) -> None:
+        w, before = s.w, s.w_before
+        theta = s.theta + half * w
+        w_mid = 1.5 * w - 0.5 * before
+        if w_mid * w <= 0.0:
+            w_mid = w
+        link, w_link = mu * theta, mu * w_mid
+        pull = ML * w_link * w_link
+        if flat:
+            normal, gravity = pull, 0.0
+        else:
+            sine = sin(link)
+            normal, gravity = hypot(pull * sine, pull * cos(link) + weight), MgL * sine
+        s.theta, s.w_mid, s.link, s.w_link, s.normal, s.gravity = theta, w_mid, link, w_link, normal, gravity
+        s.link_dry = C_N * normal + C_T
+        s.link_viscous = B_N * normal + B_T
+        s.dry = dry = C_m + s.link_dry
+        s.viscous = viscous = B_m + s.link_viscous
+        s.v = u - k_e * w_mid
+        torque, drop = gravity, 0.0
+        for n, law, amplitude in dry_laws:
+            acting[n] = value = law(s, amplitude)
+            dry += value
+        for n, law, amplitude in viscous_laws:
+            acting[n] = value = law(s, amplitude)
+            viscous += value
+        for n, law, amplitude in torque_laws:
+            acting[n] = value = law(s, amplitude)
+            torque += value
+        for n, law, amplitude in drop_laws:
+            acting[n] = value = law(s, amplitude)
+            drop += value
+
+        loss = half * (viscous + damping)
+        push = (inertia - loss) * w + dt * (k_i * (u - drop) / R - torque)
+        hold = dt * dry if dry > 0.0 else 0.0
+        if push > hold:
+            after = (push - hold) / (inertia + loss)
+        elif push < -hold:
+            after = (push + hold) / (inertia + loss)
+        else:
+            after = 0.0
+        mean = 0.5 * (w + after)
+        s.i = current = (u - drop - k_e * mean) / R
+        s.alpha = (after - w) / dt
+        s.w_before, s.w = w, after
+        s.theta = theta + half * after
+        s.t += dt
+        s.travel += dt * abs(mean)
+        if Rth:
+            lost = R * current * current + (dry + viscous * abs(mean)) * abs(mean)
+            s.temperature += heating * (Rth * lost - (s.temperature - Tamb))
+
+    return advance
