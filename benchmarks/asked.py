@@ -5,7 +5,7 @@ from __future__ import annotations
 from benchmarks.record import Asked
 from benchmarks.target import ASKED as TARGET
 from benchmarks.target import GRADIENT, TORQUE
-from eccentric.emission import accuracy
+from eccentric.emission.program import accuracy
 
 _FORCE = 5  # units in the last place
 _COST = {"torque": TARGET[TORQUE], "torque and gradient": TARGET[GRADIENT]}

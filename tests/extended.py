@@ -11,8 +11,7 @@ import numpy as np
 import pytest
 
 from eccentric.effects import Effect, Setting, library
-from eccentric.emission import render
-from eccentric.emission.check import render_check
+from eccentric.emission import render, render_check
 from eccentric.model import Model, load_model
 
 BASE = {"C1": "c1_perpendicular", "C2": "c2_parallel"}

@@ -6,8 +6,8 @@ from typing import Any
 import numpy as np
 from mpmath import mpf
 
-from eccentric.emission import accuracy as stated
-from eccentric.emission.accuracy import Bound
+from eccentric.emission.program import Bound
+from eccentric.emission.program import accuracy as stated
 from tests import accelerated, accuracy, oracle, random_drives
 from tests.emitted import module
 

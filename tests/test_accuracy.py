@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from eccentric.emission import accuracy as stated
+from eccentric.emission.program import accuracy as stated
 from tests import accelerated, accuracy, oracle, random_drives
 from tests.compiled import GENERATED, Library, Real
 from tests.emitted import both_precisions, module

@@ -12,7 +12,7 @@ from mpmath import mpf
 
 from eccentric.effects import Effect
 from eccentric.emission import render
-from eccentric.emission.accuracy import (
+from eccentric.emission.program.accuracy import (
     FRICTION_TORQUE,
     GRADIENT,
     LARGEST_SHIFT,

@@ -9,8 +9,10 @@ from typing import TypeVar
 import pytest
 import sympy as sp
 
-from eccentric.emission import Program, Routine, build_program, c99, numpy_module, render_program
-from eccentric.emission.program import Helper
+from eccentric.emission import build_program, render_program
+from eccentric.emission.backends.c99 import view as c99
+from eccentric.emission.backends.numpy import view as numpy_module
+from eccentric.emission.program import Helper, Program, Routine
 from eccentric.model import load_model
 from tests.extended import effects
 

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from eccentric.emission.check import render_check
+from eccentric.emission import render_check
 from tests import extended
 
 ROOT = Path(__file__).resolve().parents[1]

@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from eccentric.emission.hot import load_module
+from eccentric.emission import load_module
 from eccentric.errors import InputError
 from eccentric.fitting.document import document
 from eccentric.fitting.fit import Fit, fit

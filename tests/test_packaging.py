@@ -102,7 +102,7 @@ def test_the_wheel_holds_all_of_the_toolkit(built: tuple[Path, Path]) -> None:
     expected = {
         *(path.relative_to(ROOT).as_posix() for path in (ROOT / "eccentric").rglob("*.py")),
         *(f"eccentric/derivations/{path.name}" for path in SCRIPTS),
-        *(f"eccentric/templates/{path.name}" for path in (ROOT / "templates").glob("*.jinja")),
+        *(f"eccentric/{path.relative_to(ROOT)}" for path in (ROOT / "templates").rglob("*.jinja")),
         "eccentric/py.typed",
     }
 

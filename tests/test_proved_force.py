@@ -9,7 +9,7 @@ import mpmath
 import numpy as np
 import pytest
 
-from eccentric.emission.accuracy import PROVED_FORCE
+from eccentric.emission.program.accuracy import PROVED_FORCE
 from tests import accuracy, extended, paper
 from tests.gappa import proved
 

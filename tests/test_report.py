@@ -175,7 +175,7 @@ def test_templates_use_what_they_are_given() -> None:
     """The templates of the report use exactly the names that its view has."""
     environment = jinja2.Environment(loader=jinja2.FileSystemLoader(folder("templates")), autoescape=True)
     used: set[str] = set()
-    for path in folder("templates").glob("report*.jinja"):
+    for path in (folder("templates") / "report").glob("*.jinja"):
         used |= meta.find_undeclared_variables(environment.parse(path.read_text(encoding="utf-8")))
 
     assert set(view(sample(50), None)) == used

@@ -7,8 +7,7 @@ from pathlib import Path
 import pytest
 
 from benchmarks.cortex_m4 import GENERATED, run
-from eccentric.emission import render
-from eccentric.emission.check import render_check
+from eccentric.emission import render, render_check
 from eccentric.model import load_model
 from tests import extended
 from tests.compiled import FLAGS

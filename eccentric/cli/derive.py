@@ -6,8 +6,7 @@ from pathlib import Path
 import sympy as sp
 
 import eccentric
-from eccentric.emission import complete, differences, write
-from eccentric.emission.names import checked_name
+from eccentric.emission import checked_name, complete, differences, write
 from eccentric.errors import InputError
 from eccentric.model import Model, load_model, model_names
 from eccentric.model.steps import STEPS, meaning

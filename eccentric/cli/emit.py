@@ -5,9 +5,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from eccentric.cli.arguments import add_folder
-from eccentric.emission import complete, write
-from eccentric.emission.defaults import read_parameters, with_fitted
-from eccentric.emission.names import checked_name
+from eccentric.emission import checked_name, complete, read_parameters, with_fitted, write
 from eccentric.model import load_model
 from eccentric.output import whole_folder
 

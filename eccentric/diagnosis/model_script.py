@@ -6,7 +6,7 @@ import pprint
 from pathlib import Path
 
 from eccentric.diagnosis.outcome import Diagnosis
-from eccentric.emission.text import plain
+from eccentric.emission import plain
 
 __all__ = ["extended_name", "script"]
 

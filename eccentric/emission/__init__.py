@@ -1,23 +1,35 @@
-"""Emission: Model to Program to text. It knows no data; the templates know no physics."""
+"""Emission: Model to Program to text, for every target.
 
-from eccentric.emission.build import build_program
+    program    Model -> Program: routines in primitive operations, bounds of their rounding
+    backends   Program -> text: a folder for each target
+    check      emitted C -> a self-test and a driver for its proof
+    render     the emitted files of a model, name -> text; `write` writes them, `hot` loads the module
+    compiled   the emitted C, built and called from Python
+
+In: a `Model`. Out: files, or the module that they make. It imports `eccentric.model`, `eccentric.places` and
+`eccentric.output`; it knows no data, and its templates know no physics.
+"""
+
+from eccentric.emission.backends.text import plain
+from eccentric.emission.check import render_check
+from eccentric.emission.defaults import read_parameters, with_fitted
 from eccentric.emission.hot import load_module
-from eccentric.emission.program import Assignment, Input, Program, Routine, differentiate, needed
+from eccentric.emission.names import checked_name
+from eccentric.emission.program import build_program
 from eccentric.emission.render import render, render_program
 from eccentric.emission.write import complete, differences, write
 
 __all__ = [
-    "Assignment",
-    "Input",
-    "Program",
-    "Routine",
     "build_program",
+    "checked_name",
     "complete",
     "differences",
-    "differentiate",
     "load_module",
-    "needed",
+    "plain",
+    "read_parameters",
     "render",
+    "render_check",
     "render_program",
+    "with_fitted",
     "write",
 ]

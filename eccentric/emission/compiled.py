@@ -14,10 +14,9 @@ from typing import Any
 
 import numpy as np
 
-from eccentric.emission.build import build_program
 from eccentric.emission.hot import load_module
 from eccentric.emission.local_compiler import SHIM, built, python_headers
-from eccentric.emission.program import Program, Routine
+from eccentric.emission.program import Program, Routine, build_program
 from eccentric.emission.render import python_source, render
 from eccentric.model import Model, load_model
 

@@ -11,11 +11,11 @@ import jinja2
 import sympy as sp
 
 from eccentric import __version__
-from eccentric.emission import c99, numpy_module
-from eccentric.emission.build import build_program
-from eccentric.emission.expression import UnprintableError
-from eccentric.emission.program import Program, Routine
-from eccentric.emission.text import plain, with_plain_text
+from eccentric.emission.backends.c99 import view as c99
+from eccentric.emission.backends.expression import UnprintableError
+from eccentric.emission.backends.numpy import view as numpy_module
+from eccentric.emission.backends.text import plain, with_plain_text
+from eccentric.emission.program import Program, Routine, build_program
 from eccentric.errors import InputError
 from eccentric.model import Model
 from eccentric.places import folder
@@ -69,9 +69,9 @@ def render_program(program: Program, origin: str, command: str) -> dict[str, str
     )
     c_view = c99.view(program, banner, _DIGEST)
     views = {
-        ("module.py.jinja", ".py"): numpy_module.view(program, banner, summary),
-        ("header.h.jinja", ".h"): c_view,
-        ("source.c.jinja", ".c"): c_view,
+        ("numpy/module.py.jinja", ".py"): numpy_module.view(program, banner, summary),
+        ("c99/header.h.jinja", ".h"): c_view,
+        ("c99/source.c.jinja", ".c"): c_view,
     }
     code = hashlib.sha256()
     files = {}
@@ -84,7 +84,7 @@ def render_program(program: Program, origin: str, command: str) -> dict[str, str
 
 def python_source(name: str, routines: Iterable[Routine]) -> str:
     """C that makes the functions of one sample callable from Python; each takes numbers and gives one."""
-    return template("python.c.jinja").render(python_view(name, routines))
+    return template("compiled/python.c.jinja").render(python_view(name, routines))
 
 
 def python_view(name: str, routines: Iterable[Routine]) -> dict[str, Any]:
@@ -109,5 +109,5 @@ def _environment() -> jinja2.Environment:
 
 
 def template(name: str) -> jinja2.Template:
-    """The template of that file name."""
+    """The template of that name below `templates/`, such as `numpy/module.py.jinja`."""
     return _environment().get_template(name)

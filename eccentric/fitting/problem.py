@@ -25,7 +25,7 @@ import numpy as np
 import sympy as sp
 from numpy.typing import NDArray
 
-from eccentric.emission.hot import load_module
+from eccentric.emission import load_module
 from eccentric.errors import InputError
 from eccentric.fitting.columns import (
     Coefficient,

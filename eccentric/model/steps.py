@@ -1,7 +1,7 @@
 """Numerically careful steps: opaque SymPy functions with a derivative and a `rewrite` to what they mean.
 
 SymPy may not re-associate their insides, so the back ends evaluate them in the fixed order that
-`eccentric.emission.lower` writes down; `meaning(expression)` puts the plain formula back for proofs.
+`eccentric.emission.program.lower` writes down; `meaning(expression)` puts the plain formula back for proofs.
 
 Why they are needed: F_N^2 = (a - b)^2 + 4 a b cos^2(theta_l/2) with a = M L omega_l^2, b the weight, is the
 paper's (16) without its cancellation. Near the hollow (theta_l = pi, a = b) every digit hangs on two

@@ -3,7 +3,7 @@
     gather    Diagnosis -> ReportData: plain numbers, arrays and strings, the seam        (`report_data`)
     panels    rows -> means over a channel, time traces: few enough to be drawn
     figures   -> Bokeh models and their JSON; without Bokeh the report has its words and tables
-    view      -> the strings that the templates see (`templates/report*.jinja`)
+    view      -> the strings that the templates see (`templates/report/`)
 
 All text from logs and rigs is escaped; only what is made here goes in as it is: formulas, BokehJS, the JSON
 of the figures. The page's own policy forbids it to fetch anything.
@@ -39,7 +39,7 @@ def page(data: ReportData) -> str:
         lstrip_blocks=True,
         autoescape=True,
     )
-    return environment.get_template("report.html.jinja").render(view(data, _figures()))
+    return environment.get_template("report/report.html.jinja").render(view(data, _figures()))
 
 
 def _figures() -> ModuleType | None:

@@ -1,0 +1,111 @@
+"""The coefficients of the default parameters, computed in mpmath: the target has nothing left to compute."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+
+import mpmath
+import sympy as sp
+
+from eccentric.emission.backends.expression import UnprintableError
+from eccentric.emission.program import (
+    BITS,
+    LEADING_BITS,
+    InSingle,
+    Low,
+    Minus,
+    Plus,
+    Program,
+    Rounded,
+    TurnLeft,
+)
+from eccentric.model.steps import Leading
+
+
+def evaluate_prepare(program: Program, single: bool) -> dict[str, str]:
+    """Every parameter and prepared value at the default parameters, as decimals of the working precision.
+
+    Parameters count as the exact decimals they are written as. Without a default a value is "NAN".
+
+    Raises:
+        UnprintableError: an operation that no back end computes.
+    """
+    digits = 9 if single else 17
+    with mpmath.workdps(50):
+        values = {q.symbol: _default(q.default, program) for q in program.parameters}
+        for a in program.prepare:
+            values[a.target] = mpmath.mpf(_value(a.value, values, single))
+        return {
+            symbol.name: "NAN" if mpmath.isnan(value) else _decimal(value, digits)
+            for symbol, value in values.items()
+        }
+
+
+_OPERATIONS: Mapping[type, Callable[..., mpmath.mpf]] = {
+    sp.Add: lambda *terms: mpmath.fsum(terms),
+    sp.Mul: lambda *factors: mpmath.fprod(factors),
+    sp.Pow: mpmath.power,
+    sp.Abs: abs,
+    sp.sin: mpmath.sin,
+    sp.cos: mpmath.cos,
+    sp.exp: mpmath.exp,
+    Plus: lambda a, b: a + b,
+    Minus: lambda a, b: a - b,
+    TurnLeft: lambda a, b: 2 * mpmath.pi - a * b,
+}
+
+
+def _value(e: sp.Expr, values: Mapping[sp.Symbol, mpmath.mpf], single: bool) -> mpmath.mpf:
+    """The expression, evaluated operation by operation.
+
+    Raises:
+        UnprintableError: an operation that no back end computes either.
+    """
+    if e.is_Symbol:
+        return values[e]
+    if e.is_Rational:
+        return mpmath.mpf(e.p) / e.q
+    if e.is_number and not e.args:
+        return mpmath.mpf(e.evalf(mpmath.mp.dps))
+    if isinstance(e, sp.Piecewise):
+        return next(_value(x, values, single) for x, condition in e.args if _holds(condition, values, single))
+    if isinstance(e, Low):  # what is evaluated here is not rounded
+        return mpmath.mpf(0)
+    if isinstance(e, InSingle):
+        return _value(e.args[0 if single else 1], values, single)
+    arguments = [_value(a, values, single) for a in e.args]
+    precision = "single" if single else "double"
+    if isinstance(e, Leading):
+        return _round(arguments[0], LEADING_BITS[precision])
+    if isinstance(e, Rounded):
+        return _round(arguments[0], BITS[precision])
+    if type(e) not in _OPERATIONS:
+        raise UnprintableError(e)
+    return _OPERATIONS[type(e)](*arguments)
+
+
+def _holds(condition: sp.Basic, values: Mapping[sp.Symbol, mpmath.mpf], single: bool) -> bool:
+    if condition == sp.true:
+        return True
+    if not isinstance(condition, sp.Eq):
+        raise UnprintableError(condition)
+    left, right = (_value(side, values, single) for side in condition.args)
+    return left == right
+
+
+def _default(default: sp.Expr | None, program: Program) -> mpmath.mpf:
+    if default is None:
+        return mpmath.mpf("nan")
+    known = {q.symbol: q.default for q in program.parameters if q.default is not None}
+    exact = sp.Rational(default.xreplace(known))
+    return mpmath.mpf(exact.p) / mpmath.mpf(exact.q)
+
+
+def _round(value: mpmath.mpf, bits: int) -> mpmath.mpf:
+    with mpmath.workprec(bits):
+        return +value
+
+
+def _decimal(value: mpmath.mpf, digits: int) -> str:
+    text = mpmath.nstr(value, digits, min_fixed=-4, max_fixed=6)
+    return text if any(mark in text for mark in ".en") else f"{text}.0"

@@ -1,0 +1,173 @@
+"""A routine of the Program as C: its kernel, the function that calls it, and the one for arrays."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from typing import Any
+
+import sympy as sp
+
+from eccentric.emission.backends.c99.lines import code, filled, wrapped
+from eccentric.emission.backends.c99.printer import REAL, language
+from eccentric.emission.backends.c99.staged import Staged, staged
+from eccentric.emission.backends.expression import printed
+from eccentric.emission.backends.text import assigned
+from eccentric.emission.program import TURN_BITS, Assignment, Helper, Input, Program, Routine
+
+_EXACT = "2^{double} half turns of the link (float: 2^{single})".format_map(TURN_BITS)
+
+
+def routine(program: Program, r: Routine, coefficients: set[str]) -> dict[str, Any]:
+    """What the templates take of a routine; `coefficients` are the names of what is prepared."""
+    parts = staged(r)
+    return {
+        "name": r.name,
+        "unit": r.unit,
+        "requires": " and ".join(r.requires),
+        "width": len(r.labels),
+        **_documentation(r, parts),
+        **_signatures(program, r, parts),
+        **_calls(program, r, parts, coefficients),
+        "lines": _body(program, r, parts, coefficients),
+    }
+
+
+def helper(program: Program, h: Helper, coefficients: set[str]) -> dict[str, Any]:
+    """What the templates take of a helper."""
+    result = h.assignments[-1].target.name
+
+    def line(target: str, text: str) -> str:
+        return f"return {text};" if target == result else f"const real {target} = {text};"
+
+    return {
+        "doc": f"{h.meaning[0].upper()}{h.meaning[1:]}.",
+        "signature": wrapped(
+            "REAL_INLINE real", f"{program.name}_{h.name}", [f"real {h.argument.name}", _prepared(program)]
+        ),
+        "lines": code(assigned(h.assignments, _printer(program, coefficients, line), "/* {} */".format)),
+    }
+
+
+def argument(x: Input, real: str) -> str:
+    """An input in the head of a function, a vector as a pointer."""
+    return f"{real} {x.quantity.name}" if x.length is None else f"const {real} *{x.quantity.name}"
+
+
+def _prepared(program: Program) -> str:
+    return f"const {program.name}_coefficients *c"
+
+
+def _documentation(r: Routine, parts: Staged) -> dict[str, Any]:
+    width, reduced = len(r.labels), f", reduced exactly up to {_EXACT}" if parts.angles else ""
+    out = f"@param[out] out  {width} value{'s' * (width > 1)}: {', '.join(r.labels)} [{r.unit}]"
+    return {
+        "doc": f"{r.meaning[0].upper()}{r.meaning[1:]}.",
+        "inputs": [
+            {
+                "name": x.quantity.name,
+                "doc": f"{x.quantity.meaning} [{x.quantity.unit}]"
+                + (reduced if x.quantity.name == "theta_m" else ""),
+            }
+            for x in r.inputs
+        ],
+        "out": filled(out if r.labels else ""),
+    }
+
+
+def _signatures(program: Program, r: Routine, parts: Staged) -> dict[str, str]:
+    own, last = f"{program.name}_{r.name}", _prepared(program)
+    kernel = [*(argument(x, "real") for x in parts.inputs), *(f"real {name}" for name in _ready(parts))]
+    arrays = [f"const ECCENTRIC_REAL *{x.quantity.name}" for x in r.inputs]
+    given = [argument(x, "ECCENTRIC_REAL") for x in r.inputs]
+    return {
+        "kernel": wrapped(
+            f"REAL_INLINE {'void' if r.labels else 'real'}",
+            f"{own}_at",
+            [*kernel, *(["real *out"] if r.labels else []), last],
+        ),
+        "signature": wrapped(
+            "void" if r.labels else "ECCENTRIC_REAL",
+            own,
+            [*given, *(["ECCENTRIC_REAL *out"] if r.labels else []), last],
+        ),
+        "array_signature": wrapped("void", f"{own}_n", ["size_t n", *arrays, "ECCENTRIC_REAL *out", last]),
+    }
+
+
+def _calls(program: Program, r: Routine, parts: Staged, coefficients: set[str]) -> dict[str, Any]:
+    """How the kernel is called, for one sample and stage by stage for arrays."""
+    own, ready, width = f"{program.name}_{r.name}", _ready(parts), len(r.labels)
+    early = (*parts.angles, *parts.bent)
+    passed = [*(x.quantity.name for x in parts.inputs), *ready, *(["out"] if r.labels else []), "c"]
+    index = "first + k" if parts.angles else "k"
+    given = ", ".join([*(_element(x, index) for x in parts.inputs), *(f"{name}[k]" for name in ready)])
+    to = f"&out[{width}u * {f'({index})' if parts.angles else index}]"
+    each = f"{own}_at({given}, {to}, &own);" if r.labels else f"out[{index}] = {own}_at({given}, &own);"
+    return {
+        "call": [
+            *code(assigned(early, _printer(program, coefficients, _line_of(r)), "".format)),
+            f"{'' if r.labels else 'return '}{own}_at({', '.join(passed)});",
+        ],
+        "array_call": code([each], 12),
+        "buffers": [a.target.name for a in early],
+        "stages": [
+            [
+                f"{a.target.name}[k] = {program.name}_{a.value.args[0]}({a.value.args[1]}[{at}], &own);"
+                for a in stage
+            ]
+            for stage, at in ((parts.angles, index), (parts.bent, "k"))
+            if stage
+        ],
+    }
+
+
+def _body(program: Program, r: Routine, parts: Staged, coefficients: set[str]) -> list[str]:
+    """The lines of the kernel."""
+    unpack = [
+        f"const real {symbol.name} = {x.quantity.name}[{k}];"
+        for x in r.inputs
+        if x.length is not None
+        for k, symbol in enumerate(x.symbols)
+    ]
+    return [
+        *unpack,
+        *_unused(parts.rest, coefficients),
+        *code(assigned(parts.rest, _printer(program, coefficients, _line_of(r)), "/* {} */".format)),
+    ]
+
+
+def _line_of(r: Routine) -> Callable[[str, str], str]:
+    """How an assignment is spelled: a constant of its own, or what is returned."""
+    results = {s.name: k for k, s in enumerate(r.results)}
+
+    def line(target: str, text: str) -> str:
+        if target not in results:
+            return f"const real {target} = {text};"
+        return f"out[{results[target]}] = {text};" if r.labels else f"return {text};"
+
+    return line
+
+
+def _ready(parts: Staged) -> list[str]:
+    """Names of what the kernel is given beside the inputs."""
+    return [a.target.name for a in parts.bent]
+
+
+def _printer(
+    program: Program, coefficients: set[str], line: Callable[[str, str], str]
+) -> Callable[[str, sp.Expr], str]:
+    def spelled(name: str) -> str:
+        return "REAL_ROUNDER" if name == "rounder" else f"c->{name}" if name in coefficients else name
+
+    calls = REAL | {h.name: f"MODEL_{h.name}({{0}}, c)" for h in program.helpers}
+    spelling = language(program, calls, spelled, "REAL({})")
+    return lambda target, value: line(target, printed(value, spelling))
+
+
+def _unused(assignments: Iterable[Assignment], coefficients: set[str]) -> list[str]:
+    used = set().union(*(a.value.free_symbols for a in assignments))
+    return [] if any(s.name in coefficients for s in used) else ["(void)c;"]
+
+
+def _element(x: Input, index: str) -> str:
+    return f"{x.quantity.name}[{index}]" if x.length is None else f"{x.quantity.name} + {x.length}u * {index}"

@@ -1,0 +1,220 @@
+"""What `header.h.jinja` and `source.c.jinja` may see: the Program as lines of C, nothing symbolic left."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import sympy as sp
+
+from eccentric.emission.backends.c99.constants import evaluate_prepare
+from eccentric.emission.backends.c99.lines import code, wrapped
+from eccentric.emission.backends.c99.printer import DOUBLE, language
+from eccentric.emission.backends.c99.routine import argument, helper, routine
+from eccentric.emission.backends.c99.staged import staged
+from eccentric.emission.backends.expression import Language, printed
+from eccentric.emission.backends.pairs import pair_functions, pair_text
+from eccentric.emission.backends.text import number, plain, splitting, used_series
+from eccentric.emission.program import (
+    LARGEST_ANGLE,
+    LARGEST_RATIO,
+    ROUNDER,
+    Assignment,
+    InSingle,
+    Program,
+    Root,
+    Size,
+    Within,
+    paired,
+    polynomial,
+)
+from eccentric.model.quantity import Quantity
+from eccentric.model.steps import Backward, Forward, Sgn
+
+# Written so that NaN goes in and NaN comes out; one comparison a line is one instruction of a vector unit.
+_HELPERS = {
+    "sgn": (
+        "const real x",
+        ["return (x > REAL(0.0)) ? REAL(1.0) : ((x < REAL(0.0)) ? REAL(-1.0) : (x + REAL(0.0)));"],
+    ),
+    "forward": ("const real x", ["return (x > REAL(0.0)) ? REAL(1.0) : ((x <= REAL(0.0)) ? REAL(0.0) : x);"]),
+    "within": (
+        "const real x, const real most",
+        ["const real below = (x > most) ? most : x;", "return (below < -most) ? -most : below;"],
+    ),
+}
+_NEEDS = {"sgn": (Sgn,), "forward": (Forward, Backward), "within": (Within,)}
+
+
+def view(program: Program, banner: str, digest: str) -> dict[str, Any]:
+    """All that the templates of header and source are filled with."""
+    prepared = {a.target.name for a in program.prepare}
+    paired_symbols = paired(program)
+    pairs = {s.name for s in paired_symbols}
+
+    def value_of(name: str) -> str:
+        return f"{name}.high" if name in pairs else name if name in prepared else f"p->{name}"
+
+    def coefficient(s: sp.Symbol) -> dict[str, str]:
+        return {
+            "name": s.name,
+            "source": value_of(s.name),
+            "single": f"(real)({values[True][s.name]})",
+            "double": values[False][s.name].replace("NAN", "(real)NAN"),
+            "doc": notes.get(s.name, ""),
+        }
+
+    in_prepare = language(program, DOUBLE, value_of, "{}")
+    coefficients = {s.name for s in program.coefficients}
+    values = {single: evaluate_prepare(program, single) for single in (True, False)}
+    expressions = [a.value for a in program.hot()]
+    helpers = [name for name, kinds in _NEEDS.items() if any(e.has(*kinds) for e in expressions)]
+    macros = _macros(program)
+    notes, single_only = dict(program.notes), program.single_only
+    held, shared = program.held(single=True), len(program.held(single=False))
+    called = [r.name + ending for r in program.routines for ending in ("", "_n")[: 2 if r.inputs else 1]]
+    return {
+        "names": ["prepare", "default", *called, *(["initial_state", "step"] if program.states else [])],
+        "exponential": any(e.has(sp.exp) for e in expressions),
+        "banner": "\n".join(["/*", *(f" * {line}".rstrip() for line in banner.splitlines()), " */"]),
+        "name": program.name,
+        "guard": program.name.upper(),
+        "digest": f"0x{digest}UL",
+        "parameters": [
+            _parameter(q, values[False][q.name].replace("NAN", "(double)NAN")) for q in program.parameters
+        ],
+        "valid": _valid(program),
+        "promises": program.promises,
+        "far": f", |theta_m| to {LARGEST_ANGLE} rad, mu to {LARGEST_RATIO}",
+        "bounded": "fastest" in {s.name for s in program.coefficients},
+        "defaults": program.defaults,
+        "coefficients": list(map(coefficient, held[:shared])),
+        "single_coefficients": list(map(coefficient, held[shared:])),
+        "single": [(name, single) for name, single, _ in macros],
+        "double": [(name, double) for name, _, double in macros],
+        "macros": [name.partition("(")[0] for name, _, _ in macros],
+        "helpers": [
+            dict(zip(("name", "arguments", "lines"), (name, *_HELPERS[name]), strict=True))
+            for name in helpers
+        ],
+        "series": [_series(name) for name in used_series(program)],
+        "leading": splitting(program),
+        "pairs": pair_functions(program),
+        "prepare": code(
+            _prepared(program, paired_symbols, a, in_prepare)
+            for a in program.prepare
+            if a.target not in single_only
+        ),
+        "single_prepare": code(
+            _prepared(program, paired_symbols, a, in_prepare)
+            for a in program.prepare
+            if a.target in single_only
+        ),
+        "helpers_of_angle": [helper(program, h, coefficients) for h in program.helpers],
+        "staged": any(staged(r).angles for r in program.routines),
+        "routines": [routine(program, r, coefficients) for r in program.routines],
+        "states": [
+            {"name": q.name, "doc": plain(f"{q.meaning} [{q.unit}]"), "initial": number(str(float(initial)))}
+            for q, initial in program.states
+        ],
+        "step": _step(program),
+    }
+
+
+def _prepared(program: Program, pairs: frozenset[sp.Symbol], a: Assignment, language: Language) -> str:
+    if a.target not in pairs:
+        return f"const double {a.target.name} = {printed(a.value, language)};"
+    value = pair_text(a.value, pairs, language, lambda name: f"{program.name}_{name}")
+    return f"const {program.name}_pair {a.target.name} = {value};"
+
+
+def _step(program: Program) -> dict[str, Any]:
+    """The step of the hidden states, which the caller owns; nothing for a model without."""
+    if not program.states:
+        return {}
+    stepped = next(r for r in program.routines if r.name == "next_state")
+    states = {q.name for q, _ in program.states}
+    given = [x for x in stepped.inputs if x.quantity.name not in states]
+    names = [x.quantity.name for x in stepped.inputs]
+    passed = [f"state->{name}" if name in states else name for name in names]
+    own, coefficients = f"{program.name}_step", f"const {program.name}_coefficients *c"
+    return {
+        "inputs": [
+            {"name": x.quantity.name, "doc": f"{x.quantity.meaning} [{x.quantity.unit}]"} for x in given
+        ],
+        "signature": wrapped(
+            "void",
+            own,
+            [f"{program.name}_state *state", *(argument(x, "ECCENTRIC_REAL") for x in given), coefficients],
+        ),
+        "meaning": stepped.meaning,
+        "call": f"{program.name}_next_state({', '.join([*passed, 'next', 'c'])});",
+    }
+
+
+def _macros(program: Program) -> list[tuple[str, str, str]]:
+    """(macro, its meaning in single, in double), those that the routines use."""
+    expressions = [a.value for a in program.hot()]
+    used = [
+        ("REAL_SQRT(x)", Root, "sqrt"),
+        ("REAL_FABS(x)", Size, "fabs"),
+        ("REAL_EXP(x)", sp.exp, "exp"),
+    ]
+    found = [("REAL(x)", "x##f", "x")]
+    found += [
+        (macro, f"{name}f(x)", f"{name}(x)")
+        for macro, op, name in used
+        if any(e.has(op) for e in expressions)
+    ]
+    if any(e.has(InSingle) for e in expressions):
+        found.append(("REAL_IN_SINGLE(x, y)", "(x)", "(y)"))
+    if any(ROUNDER in e.free_symbols for e in expressions):
+        found.append(("REAL_ROUNDER", "12582912.0f", "6755399441055744.0"))
+    libm = {"sine_ratio": "sin", "cosine": "cos"}
+    names = [libm[series] for series in used_series(program)]
+    found += [(f"REAL_{name.upper()}(x)", f"{name}f(x)", f"{name}(x)") for name in names]
+    return found
+
+
+def _parameter(q: Quantity, value: str) -> dict[str, str]:
+    equation = f", eq. {q.equation}" if q.equation else ""
+    note = ", no default" if q.default is None else ""
+    if q.default is not None and q.default.free_symbols:
+        note = f", by default {q.default}: set it along".replace("*", " ")
+    return {
+        "name": q.name,
+        "unit": q.unit,
+        "default": value,
+        "doc": f"{q.meaning} [{q.unit}]{equation}{note}",
+    }
+
+
+def _valid(program: Program) -> str:
+    kinds = {
+        kind: [q.name for q in program.parameters if q.domain == kind]
+        for kind in ("positive", "tilt", "real")
+    }
+    words = {"positive": "positive", "tilt": "from 0 to pi/2", "real": "any finite number"}
+    named = [f"{', '.join(names)} {words[kind]}" for kind, names in kinds.items() if names]
+    return "; ".join([*named, "the others not negative"])
+
+
+def _series(name: str) -> dict[str, Any]:
+    def horner(single: bool) -> list[str]:
+        first, *rest = polynomial(name, single).coefficients
+        lines = [f"real y = REAL({first});", *(f"y = y * x + REAL({c});" for c in rest)]
+        return [*lines, f"return y * x{' + REAL(1.0)' if name == 'cosine' else ''};"]
+
+    single, double = polynomial(name, True), polynomial(name, False)
+    function, libm = {
+        "sine_ratio": ("sin(h)/h - 1", "(h == REAL(0.0)) ? REAL(0.0) : (REAL_SIN(h) / h - REAL(1.0))"),
+        "cosine": ("cos(h)", "REAL_COS(h)"),
+    }[name]
+    return {
+        "name": name,
+        "single": horner(True),
+        "double": horner(False),
+        "libm": libm,
+        "doc": f"{function}, |h| within a quarter turn: minimax in x = h^2.",
+        "errors": f"{function.partition(' - ')[0]}: method {single.error} and {double.error},"
+        f" rounding {single.rounding} and {double.rounding}",
+    }

@@ -1,0 +1,1 @@
+"""The NumPy module of a Program."""

@@ -1,0 +1,112 @@
+"""Spellings that both back ends share: free text, numbers, defaults, domains, assignments."""
+
+from __future__ import annotations
+
+import re
+import textwrap
+from collections.abc import Callable, Iterable
+from dataclasses import replace
+
+import sympy as sp
+
+from eccentric.emission.program import (
+    BITS,
+    COSINE,
+    LEADING_BITS,
+    ROUNDER,
+    SINE_RATIO,
+    Assignment,
+    Input,
+    Program,
+)
+from eccentric.model.quantity import Quantity
+from eccentric.model.steps import Leading
+
+
+def plain(text: str) -> str:
+    """Free text that ends no comment and no docstring: one line, no escape, no delimiter of C or Python."""
+    line = "".join(c for c in " ".join(text.split()) if c.isprintable())
+    line = line.replace("\\", "\\\\").replace('"', "'")
+    return re.sub(r"(?<=\*)(?=/)|(?<=/)(?=\*)", " ", line)
+
+
+def with_plain_text(program: Program) -> Program:
+    """The program, all that people have written in it as `plain` spells it."""
+
+    def of(q: Quantity) -> Quantity:
+        return replace(q, unit=plain(q.unit), meaning=plain(q.meaning), equation=plain(q.equation))
+
+    routines = [
+        replace(
+            r,
+            unit=plain(r.unit),
+            meaning=plain(r.meaning),
+            inputs=tuple(Input(of(x.quantity), x.length) for x in r.inputs),
+            assignments=tuple(replace(a, note=plain(a.note)) for a in r.assignments),
+        )
+        for r in program.routines
+    ]
+    return replace(
+        program,
+        title=plain(program.title),
+        parameters=tuple(map(of, program.parameters)),
+        routines=tuple(routines),
+        notes=tuple((name, plain(note)) for name, note in program.notes),
+        defaults=plain(program.defaults),
+        states=tuple((of(q), initial) for q, initial in program.states),
+    )
+
+
+def number(decimal: str) -> str:
+    """A decimal with a point or an exponent, so that no language takes it for an integer."""
+    return decimal if any(mark in decimal for mark in ".en") else f"{decimal}.0"
+
+
+def default_text(q: Quantity) -> str:
+    """The default of a parameter as the shortest decimal."""
+    return repr(float(sp.Rational(q.default)))
+
+
+# In words, lowest and highest value; infinity and NaN are never valid.
+_DOMAINS = {
+    "positive": ("a positive number", "math.ulp(0.0)", "_LARGEST"),
+    "nonnegative": ("a number that is not negative", "0.0", "_LARGEST"),
+    "real": ("a finite number", "-_LARGEST", "_LARGEST"),
+    # A right angle rounded up to single precision is still one.
+    "tilt": ("a number from 0 to pi/2", "0.0", "1.5707964"),
+}
+
+
+def domain(q: Quantity) -> tuple[str, str, str]:
+    """What is required of a parameter: in words, and its lowest and highest value as spelled in Python."""
+    words, lowest, highest = _DOMAINS[q.domain]
+    return f"{words} [{q.unit}]", lowest, highest
+
+
+def splitting(program: Program) -> dict[str, str] | None:
+    """The factors of the split into leading digits, in double arithmetic; None where no angle is reduced."""
+    if not any(a.value.has(Leading) for a in program.prepare):
+        return None
+    # Veltkamp's split, in double also where the working precision is single.
+    return {precision: f"{2 ** (BITS['double'] - bits) + 1}.0" for precision, bits in LEADING_BITS.items()}
+
+
+def used_series(program: Program) -> list[str]:
+    """The names of the polynomials that the routines evaluate."""
+    used = set().union(*(a.value.free_symbols for a in program.hot()))
+    return [s.name for s in (SINE_RATIO, COSINE) if s in used]
+
+
+def assigned(
+    assignments: Iterable[Assignment], line: Callable[[str, sp.Expr], str], comment: Callable[[str], str]
+) -> list[str]:
+    """One line per assignment, its note before it."""
+    lines: list[str] = []
+    for a in assignments:
+        lines += [*map(comment, textwrap.wrap(a.note, 100)), line(a.target.name, a.value)]
+    return lines
+
+
+def rounds(program: Program) -> bool:
+    """Whether a routine rounds to whole numbers."""
+    return any(ROUNDER in a.value.free_symbols for a in program.hot())

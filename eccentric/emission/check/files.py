@@ -1,0 +1,100 @@
+"""What checks an emitted C source on its user's side: a self-test with vectors, and a driver for its proof.
+
+All is told from the emitted NumPy module by its public names, so that nothing here knows how a model is
+evaluated.
+"""
+
+from __future__ import annotations
+
+import inspect
+import re
+import sys
+from collections.abc import Iterable, Mapping
+from types import ModuleType
+from typing import Any
+
+import numpy as np
+import sympy as sp
+
+from eccentric.emission.check import proof, selftest
+from eccentric.emission.check.called import Called
+from eccentric.emission.render import template
+from eccentric.model import Model
+
+# Where the parameters have no default, or one that leaves functions at zero. Sine and cosine of this tilt are
+# far from halfway between two numbers, so that every libm rounds them alike.
+_ASSUMED = {"J_m": 2e-4, "J_l": 0.04, "phi": 0.6}
+_ELSE_ASSUMED = 0.25
+
+
+def render_check(model: Model, files: Mapping[str, str]) -> dict[str, str]:
+    """The files that check a model's emitted C, file name -> text.
+
+    Args:
+        model: what was emitted.
+        files: what `render` made of it.
+    """
+    return {
+        f"check/{model.name}_{kind}": template(f"check/{kind}.jinja").render(view)
+        for kind, view in views(model, files).items()
+    }
+
+
+def views(model: Model, files: Mapping[str, str]) -> dict[str, dict[str, Any]]:
+    """What the templates are filled with: kind of file -> view."""
+    source = files[f"{model.name}.py"]
+    module = _executed(model.name, source)
+    public = {name: getattr(module, name) for name in module.__all__ if name.islower()}
+    inputs = _inputs(model, public.values())
+    functions = [_function(model.name, name, function, inputs) for name, function in public.items()]
+    defaults = _defaults(model)
+    missing = [q.name for q in model.parameters if q.name not in defaults]
+    assumed = {name: _ASSUMED.get(name, _ELSE_ASSUMED) for name in missing}
+    assumed |= {name: value for name, value in _ASSUMED.items() if defaults.get(name) == 0}
+    given = {
+        "name": model.name,
+        "program": re.findall(r"program \w+", source)[0],
+        "assumed": [(name, repr(value)) for name, value in assumed.items()],
+    }
+    source = files[f"{model.name}.c"]
+    driver = {"proof.c": given | proof.view(model, functions, inputs, source)}
+    tested = given | selftest.view(module, functions, inputs, defaults | assumed, source)
+    return {"selftest.c": tested, "vectors.h": tested} | driver
+
+
+def _executed(name: str, source: str) -> ModuleType:
+    module = ModuleType(f"eccentric_checked_{name}")
+    # A dataclass under postponed annotations looks its module up while it is made.
+    sys.modules[module.__name__] = module
+    exec(compile(source, f"<{name}.py as emitted>", "exec"), module.__dict__)  # noqa: S102
+    return module
+
+
+def _defaults(model: Model) -> dict[str, float]:
+    """The parameters that have a default, rounded once from the exact value as in the C."""
+    exact = {q.symbol: q.default for q in model.parameters if q.default is not None}
+    return {symbol.name: float(sp.Rational(value.xreplace(exact))) for symbol, value in exact.items()}
+
+
+def _taken(function: Any) -> tuple[str, ...]:
+    return tuple(x for x in inspect.signature(function).parameters if x not in {"parameters", "out"})
+
+
+def _inputs(model: Model, functions: Iterable[Any]) -> list[str]:
+    """The inputs of the model, and behind them hidden states and what else a function takes."""
+    taken = [q.name for q in model.inputs] + [x for function in functions for x in _taken(function)]
+    return list(dict.fromkeys(taken))
+
+
+def _function(prefix: str, name: str, function: Any, inputs: list[str]) -> Called:
+    taken = _taken(function)
+    shape = np.shape(function(*(1.0 if x != "alpha_m" else 0.0 for x in taken)))
+    arguments = [f"x[{inputs.index(x)}]" for x in taken]
+    call = (
+        f"{prefix}_{name}({', '.join([*arguments, 'out', '&c'])});"
+        if shape
+        else f"out[0] = {prefix}_{name}({', '.join([*arguments, '&c'])});"
+    )
+    arrays = ", ".join(f"x_n[{inputs.index(x)}]" for x in taken)
+    array_call = f"{prefix}_{name}_n(ARRAY, {arrays}, out_n, &c);" if taken else ""
+    return Called(name, taken, shape[0] if shape else 1, not shape, call, array_call)

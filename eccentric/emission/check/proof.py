@@ -1,0 +1,103 @@
+"""The driver by which Frama-C's Eva proves that an emitted C source neither overflows nor makes a NaN."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from typing import Any
+
+from eccentric.emission.backends.text import plain
+from eccentric.emission.check.called import Called
+from eccentric.emission.program import SHORTEST
+from eccentric.model import Model, Quantity
+from eccentric.model import vocabulary as v
+
+# Arrays are proved for this many samples: the loop's body is the same for all.
+_SAMPLES = 2
+# Lowest and highest value of an input, in SI units. A time step is positive, but none does harm.
+_CURRENT = 1e3
+_RANGES = {
+    "theta_m": (-1e4, 1e4),
+    "omega_m": (-1e3, 1e3),
+    "alpha_m": (-1e4, 1e4),
+    "i": (-_CURRENT, _CURRENT),
+    "u": (-1e3, 1e3),
+    "t": (0.0, 1e6),
+    "temperature": (-60.0, 3e2),
+    "dt": (-1e2, 1e2),
+}
+# Of a hidden state, by its unit; that the inputs bring it no further is not proved. Averaged losses are
+# negative by noise only.
+_SLOPE = 2 * _CURRENT / float(SHORTEST)
+_BEND = 2 * _SLOPE / float(SHORTEST)
+_RANGES_BY_UNIT = {
+    "1": (-1e4, 1e4),
+    "rad": (-1e9, 1e9),
+    "W": (-1.0, 1e6),
+    "A": (-_CURRENT, _CURRENT),
+    "A/s": (-_SLOPE, _SLOPE),
+    "A/s^2": (-_BEND, _BEND),
+}
+_OTHER_RANGE = (-1e2, 1e2)
+# Cases stay apart, each keeps what its condition says, and squares are squares.
+_OPTIONS = "-eva-slevel 30 -eva-split-return full -eva-subdivide-non-linear 20"
+# Any NaN or infinity is an alarm, and no result is taken on trust.
+_STRICT = "-warn-special-float non-finite -kernel-warn-key annot:missing-spec=abort"
+# Where an angle minus itself stands for what is lost, only narrow intervals of the angle show that it is 0.
+_NARROW = 500
+
+
+def view(model: Model, functions: Sequence[Called], inputs: Sequence[str], source: str) -> dict[str, Any]:
+    """What the template of the proof driver is filled with; `source` is the emitted C."""
+    states = [state.quantity for state in model.states]
+    known = {q.name: q for q in (*model.inputs, *states, v.dt)}
+    reductions = sorted(set(re.findall(rf"\b{model.name}_from_top\w*(?=\()", source)))
+    narrow = ",".join(f"{function}:{_NARROW}" for function in reductions)
+    return {
+        "command": [
+            f"frama-c -eva {_OPTIONS} \\",
+            *([f"  -eva-subdivide-non-linear-function {narrow} \\"] if narrow else []),
+            f"  {_STRICT} \\",
+            f'  -cpp-extra-args="-DECCENTRIC_REAL=float -I.." {model.name}_proof.c',
+        ],
+        "inputs": [_input(known[x]) for x in inputs],
+        "states": [q.name for q in states],
+        "samples": _SAMPLES,
+        "largest": max(f.width for f in functions),
+        "calls": [call for f in functions for call in (*_calls(model.name, f), *_step(model, f))],
+    }
+
+
+def _input(q: Quantity) -> dict[str, str]:
+    """An input or hidden state, and the range that is proved."""
+    low, high = _RANGES.get(q.name) or _RANGES_BY_UNIT.get(q.unit, _OTHER_RANGE)
+    low = 0.0 if q.domain == "nonnegative" else low
+    return {"name": q.name, "doc": plain(f"{q.meaning} [{q.unit}]"), "range": f"{low:g}, {high:g}"}
+
+
+def _calls(prefix: str, f: Called) -> list[dict[str, Any]]:
+    """The call of a function and, where it has inputs, of that over arrays."""
+    own = f"{prefix}_{f.name}"
+    one = [*f.inputs, *([] if f.scalar else ["out"]), "c"]
+    line = f"{'out[0] = ' if f.scalar else ''}{own}({', '.join(one)});"
+    calls = [{"name": f.name, "lines": [line], "width": f.width}]
+    if f.inputs:
+        many = ["SAMPLES", *(f"{x}_n" for x in f.inputs), "out", "c"]
+        calls.append({
+            "name": f"{f.name}_n", "lines": [f"{own}_n({', '.join(many)});"], "width": _SAMPLES * f.width
+        })  # fmt: skip
+    return calls
+
+
+def _step(model: Model, f: Called) -> list[dict[str, Any]]:
+    """Beside `next_state` the call of `step`, which writes to the state that the caller owns."""
+    if f.name != "next_state":
+        return []
+    states = [state.quantity.name for state in model.states]
+    given = ["&state", *(x for x in f.inputs if x not in states), "c"]
+    lines = [
+        *(f"state.{name} = {name};" for name in states),
+        f"{model.name}_step({', '.join(given)});",
+        *(f"out[{k}] = state.{name};" for k, name in enumerate(states)),
+    ]
+    return [{"name": "step", "lines": lines, "width": f.width}]

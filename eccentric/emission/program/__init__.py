@@ -1,0 +1,80 @@
+"""The Program of a model: ordered assignments in primitive operations, which every back end prints alike.
+
+In: a `Model`. Out: `build_program(model)`, a `Program` of routines, private helpers and parameter-only work,
+with the bounds of its rounding. It knows how numbers are kept, no target and no spelling.
+Imports `eccentric.model`.
+"""
+
+from eccentric.emission.program import accuracy
+from eccentric.emission.program.accuracy import LARGEST_ANGLE, LARGEST_RATIO, Bound
+from eccentric.emission.program.build import build_program
+from eccentric.emission.program.digits import BITS, LEADING_BITS, TURN_BITS
+from eccentric.emission.program.pairs import paired
+from eccentric.emission.program.primitive import (
+    COSINE,
+    ROUNDER,
+    SINE_RATIO,
+    AtMost,
+    Call,
+    InSingle,
+    Low,
+    Minus,
+    Over,
+    Pick,
+    Plus,
+    Root,
+    Rounded,
+    Size,
+    Times,
+    TurnLeft,
+    Within,
+)
+from eccentric.emission.program.program import (
+    Assignment,
+    Helper,
+    Input,
+    Program,
+    Routine,
+    differentiate,
+    needed,
+)
+from eccentric.emission.program.series import polynomial
+from eccentric.emission.program.stepping import SHORTEST
+
+__all__ = [
+    "BITS",
+    "COSINE",
+    "LARGEST_ANGLE",
+    "LARGEST_RATIO",
+    "LEADING_BITS",
+    "ROUNDER",
+    "SHORTEST",
+    "SINE_RATIO",
+    "TURN_BITS",
+    "Assignment",
+    "AtMost",
+    "Bound",
+    "Call",
+    "Helper",
+    "InSingle",
+    "Input",
+    "Low",
+    "Minus",
+    "Over",
+    "Pick",
+    "Plus",
+    "Program",
+    "Root",
+    "Rounded",
+    "Routine",
+    "Size",
+    "Times",
+    "TurnLeft",
+    "Within",
+    "accuracy",
+    "build_program",
+    "differentiate",
+    "needed",
+    "paired",
+    "polynomial",
+]

@@ -1,0 +1,118 @@
+"""The angle of the link, counted from the top: functions of the emitted code's own that all routines share.
+
+theta_m less the nearest k + 1/2 periods 2 pi/mu is the motor angle from the top. The period is held in parts,
+five in single precision, three in double; k + 1/2 times each but the last is exact, and so is what they leave
+of theta_m near the top. The last makes the angle right to its own last place, wherever the top is: what it is
+rounded by is 2^-64 of the period, in double 2^-119, and up to 1e4 rad no number comes so near to a top that
+this would show. Where the angle is shifted by a parameter, so is the top; `shift` holds the shift in parts,
+too.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import sympy as sp
+
+from eccentric.emission.program.digits import last_parts
+from eccentric.emission.program.prepare import Prepare
+from eccentric.emission.program.primitive import (
+    COSINE,
+    HALF,
+    ROUNDER,
+    SINE_RATIO,
+    Call,
+    InSingle,
+    Low,
+    Minus,
+    Plus,
+    Times,
+    TurnLeft,
+    Within,
+)
+from eccentric.emission.program.program import Assignment, Helper
+from eccentric.emission.program.shift import parts
+from eccentric.model.steps import Leading
+
+_THETA, _FROM_TOP = sp.symbols("theta_m from_top", real=True)
+
+
+@dataclass(frozen=True)
+class Names:
+    """The functions of one gear ratio, as symbols that `Call` takes."""
+
+    from_top: sp.Symbol
+    chord: sp.Symbol
+    half_sine: sp.Symbol
+
+
+class HalfTurns:
+    """The helpers of one program; called with a gear ratio it gives their names and makes them once."""
+
+    def __init__(self, prepare: Prepare) -> None:
+        self._prepare = prepare
+        self._names: dict[tuple[sp.Expr, sp.Expr], Names] = {}
+        self.helpers: list[Helper] = []
+
+    def __call__(self, mu: sp.Expr, shift: sp.Expr) -> Names:
+        """The names of the functions for this gear ratio and this shift of the angle, a coefficient or 0."""
+        if (mu, shift) not in self._names:
+            suffix = f"_{len(self._names) + 1}" if self._names else ""
+            self._names[mu, shift] = Names(
+                *(sp.Symbol(name + suffix) for name in ("from_top", "chord", "half_sine"))
+            )
+            self._make(mu, shift, self._names[mu, shift])
+        return self._names[mu, shift]
+
+    def _make(self, mu: sp.Expr, shift: sp.Expr, names: Names) -> None:
+        per_rad = self._prepare("turns_per_rad", mu / (2 * sp.pi))
+        turns, rest, reduced, left = sp.symbols("turns rest reduced left", real=True)
+        true = Plus(_THETA, shift) if shift else _THETA
+        nearest = Plus(Minus(Plus(Minus(Times(true, per_rad), HALF), ROUNDER), ROUNDER), HALF)
+        periods = self._period_parts(mu)
+        shift = shift if shift.is_Atom else self._prepare("shift", shift)
+        shifts = parts(shift, periods[0], self._prepare) if shift else [shift] * len(periods)
+        first, *others = (Times(turns, part) for part in periods)
+        first = Minus(first, shifts[0]) if shift else first
+        second, third, fourth, fifth = zip(others, shifts[1:], strict=True)
+        angle = (
+            Assignment(turns, nearest, "whole turns of the link and a half, up to the top that is nearest"),
+            Assignment(
+                rest,
+                Minus(_THETA, first),
+                "the turns go off in parts of few digits: all products but the last are exact",
+            ),
+            Assignment(left, _reduced(_reduced(rest, second), third)),
+            Assignment(reduced, InSingle(_reduced(_reduced(left, fourth), fifth), left)),
+            Assignment(
+                _FROM_TOP,
+                Within(reduced, periods[0]),
+                "bounded for angles so large that nothing is left of their phase; infinity gives NaN",
+            ),
+        )
+        half, chord, half_sine = sp.symbols("half_angle chord half_sine", real=True)
+        halved = Assignment(half, Times(_FROM_TOP, self._prepare("half_mu", mu / 2)))
+        # The sum last: what comes before it is small where digits count, and so are its roundings.
+        bent = Assignment(chord, Plus(_FROM_TOP, Times(_FROM_TOP, Call(SINE_RATIO, half))))
+        level = Assignment(half_sine, Call(COSINE, half))
+        self.helpers += [
+            Helper(names.from_top.name, _THETA, angle, "motor angle from the nearest top of the link [rad]"),
+            Helper(names.chord.name, _FROM_TOP, (halved, bent), "2 sin(half the link angle from the top)/mu"),
+            Helper(
+                names.half_sine.name, _FROM_TOP, (halved, level), "cosine of half the link angle from the top"
+            ),
+        ]
+
+    def _period_parts(self, mu: sp.Expr) -> list[sp.Symbol]:
+        """Long division of 2 pi by mu: a digit, and what it leaves of 2 pi, which gives the next ones."""
+        first = self._prepare("period_1", Leading(2 * sp.pi / mu))
+        left = self._prepare("period_left", TurnLeft(first, mu) / mu)
+        second = self._prepare("period_2", Leading(left))
+        rest = self._prepare("period_rest", Plus(Minus(left, second), Low(left)))
+        return [first, second, *last_parts("period", rest, self._prepare)]
+
+
+def _reduced(left: sp.Expr, part: tuple[sp.Expr, sp.Expr]) -> sp.Expr:
+    """What is left of the angle behind the next part of the turns, and of the shift."""
+    turned, shift = part
+    return Plus(Minus(left, turned), shift) if shift else Minus(left, turned)

@@ -1,0 +1,173 @@
+"""The Program: ordered named assignments, split into parameter-only and per-sample work.
+
+It is what emission prints. It knows nothing of friction: inputs may be vectors, and assignments are
+differentiated one by one (never one expanded expression), so that a chain of n links needs no rewrite.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, replace
+from functools import cache, cached_property
+
+import sympy as sp
+
+from eccentric.emission.program.primitive import InSingle
+from eccentric.model.quantity import Quantity
+from eccentric.model.steps import Sgn
+
+
+@dataclass(frozen=True)
+class Input:
+    """An input of a routine: one number, or a vector of `length` numbers.
+
+    A vector's elements are the symbols name_0, name_1, ...; in NumPy they are the last axis, in C a pointer.
+    """
+
+    quantity: Quantity
+    length: int | None = None
+
+    @property
+    def symbols(self) -> tuple[sp.Symbol, ...]:
+        """The symbols that expressions use for it."""
+        if self.length is None:
+            return (self.quantity.symbol,)
+        return tuple(sp.Symbol(f"{self.quantity.name}_{k}", real=True) for k in range(self.length))
+
+
+@dataclass(frozen=True)
+class Assignment:
+    """`target = value`; `note` is a comment for it, where its name does not tell."""
+
+    target: sp.Symbol
+    value: sp.Expr
+    note: str = ""
+
+
+@dataclass(frozen=True)
+class Routine:
+    """One emitted function.
+
+    Attributes:
+        name: in NumPy and, behind the model's prefix, in C.
+        inputs: in order.
+        assignments: the hot path, in order of evaluation.
+        results: what is returned.
+        labels: one name per result for a vector result, () for a scalar one.
+        unit: of the result.
+        meaning: one line for the docstring.
+        requires: parameters without a default that are asked for where the last input is not zero.
+    """
+
+    name: str
+    inputs: tuple[Input, ...]
+    assignments: tuple[Assignment, ...]
+    results: tuple[sp.Symbol, ...]
+    labels: tuple[str, ...]
+    unit: str
+    meaning: str
+    requires: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True)
+class Helper:
+    """A function of one number that routines call; its result is the last target.
+
+    It is private to the emitted file. With it the code of the angle stands there once.
+    """
+
+    name: str
+    argument: sp.Symbol
+    assignments: tuple[Assignment, ...]
+    meaning: str
+
+
+@dataclass(frozen=True)
+class Program:
+    """All routines of a model and the parameter-only work they share.
+
+    Attributes:
+        name: prefix in C, module name in Python.
+        title: one line.
+        parameters: in the order of the struct.
+        prepare: assignments in parameters only, in double precision, run once.
+        coefficients: the targets of `prepare` that the routines use.
+        routines: the emitted functions.
+        constants: names that the module carries, such as the columns of its regressor.
+        notes: what each coefficient is: meaning and unit, or its formula.
+        defaults: where the default parameters come from, in words.
+        helpers: private functions that the routines call.
+        promises: bounds of the rounding error, one line each.
+    """
+
+    name: str
+    title: str
+    parameters: tuple[Quantity, ...]
+    prepare: tuple[Assignment, ...]
+    coefficients: tuple[sp.Symbol, ...]
+    routines: tuple[Routine, ...]
+    constants: tuple[tuple[str, tuple[str, ...]], ...] = ()
+    notes: tuple[tuple[str, str], ...] = ()
+    states: tuple[tuple[Quantity, sp.Expr], ...] = ()
+    defaults: str = "those of the derivation"
+    helpers: tuple[Helper, ...] = ()
+    promises: tuple[str, ...] = ()
+
+    def hot(self) -> tuple[Assignment, ...]:
+        """Every assignment that is evaluated for each sample."""
+        return tuple(a for part in (*self.helpers, *self.routines) for a in part.assignments)
+
+    def held(self, *, single: bool) -> tuple[sp.Symbol, ...]:
+        """The coefficients of one precision as C holds them: what only single precision takes stands last."""
+        shared = tuple(s for s in self.coefficients if s not in self.single_only)
+        return shared + tuple(s for s in self.coefficients if single and s in self.single_only)
+
+    @cached_property
+    def single_only(self) -> frozenset[sp.Symbol]:
+        """What is prepared for single precision alone."""
+
+        def prepared(choice: int) -> set[sp.Symbol]:
+            def chosen(a: Assignment) -> Assignment:
+                return replace(a, value=a.value.args[choice]) if isinstance(a.value, InSingle) else a
+
+            return {
+                a.target for a in needed(map(chosen, self.prepare), [chosen(a).value for a in self.hot()])
+            }
+
+        return frozenset(prepared(0) - prepared(1))
+
+
+def differentiate(assignments: Iterable[Assignment], by: Sequence[sp.Symbol]) -> tuple[Assignment, ...]:
+    """The assignments, each followed by its derivatives by the symbols in `by` where they are not zero.
+
+    The derivative of `target` by x is named target_d_x. Each value is differentiated by the symbols it
+    contains, and the chain rule is carried from one assignment to the next (forward mode).
+    """
+    slopes: dict[tuple[sp.Symbol, sp.Symbol], sp.Expr] = {(x, x): sp.Integer(1) for x in by}
+    out: list[Assignment] = []
+    for assignment in assignments:
+        out.append(assignment)
+        for x in by:
+            inner = [s for s in sorted(assignment.value.free_symbols, key=str) if slopes.get((s, x), 0) != 0]
+            slope = sp.Add(*(_partial(assignment.value, s) * slopes[s, x] for s in inner))
+            if slope != 0:
+                target = sp.Symbol(f"{assignment.target.name}_d_{x.name}", real=True)
+                out.append(Assignment(target, slope))
+                slopes[assignment.target, x] = target
+    return tuple(out)
+
+
+def needed(assignments: Iterable[Assignment], results: Iterable[sp.Expr]) -> tuple[Assignment, ...]:
+    """The assignments that the results depend on, in order."""
+    wanted = set().union(*(expression.free_symbols for expression in results))
+    kept: list[Assignment] = []
+    for assignment in reversed(list(assignments)):
+        if assignment.target in wanted:
+            wanted |= assignment.value.free_symbols
+            kept.append(assignment)
+    return tuple(reversed(kept))
+
+
+@cache
+def _partial(value: sp.Expr, symbol: sp.Symbol) -> sp.Expr:
+    return value.diff(symbol).replace(sp.sign, Sgn)
