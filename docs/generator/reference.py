@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from html import escape
 from pathlib import Path
 
-from eccentric.effects import FAMILIES, Effect, base_aliases, meaning
+from eccentric.effects import FAMILIES, Effect, base_aliases
 from eccentric.model import Model
 from generator.formula import equations
 from generator.pictures import draw
@@ -55,7 +55,7 @@ def _words(names: tuple[str, ...]) -> str:
 
 def _family(family: str, images: Path) -> str:
     members = _of(family)
-    lines = [f"({family})=", f"## {family}", "", meaning(family), ""]
+    lines = [f"({family})=", f"## {family}", "", members[0][0].words.meaning, ""]
     for case in ("C1", "C2"):
         if held := base_aliases(case).get(family):
             lines += [f"Not offered in case {case}: there it is {held}.", ""]
@@ -99,7 +99,7 @@ def _notes(effect: Effect) -> list[str]:
         said.append(f"cannot be told from: {_links(effect.aliases)}")
     if effect.special_of:
         said.append(f"a special case of: {_links(effect.special_of)}")
-    said += [f"to tell it from others: {effect.hint}", f"source: {effect.reference}"]
+    said += [f"to tell it from others: {effect.words.hint}", f"source: {effect.reference}"]
     return [f"- {one}" for one in said]
 
 

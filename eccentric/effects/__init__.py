@@ -39,8 +39,20 @@ from eccentric.effects import (
 from eccentric.effects.effect import Effect, Shape
 from eccentric.effects.load import load_effects
 from eccentric.effects.setting import Setting
+from eccentric.effects.words import Kin, Words, measurement_between
 
-__all__ = ["FAMILIES", "Effect", "Setting", "Shape", "base_aliases", "library", "load_effects", "meaning"]
+__all__ = [
+    "FAMILIES",
+    "Effect",
+    "Kin",
+    "Setting",
+    "Shape",
+    "Words",
+    "base_aliases",
+    "library",
+    "load_effects",
+    "measurement_between",
+]
 
 FAMILIES = MappingProxyType(
     {
@@ -100,16 +112,6 @@ def library(setting: Setting) -> tuple[Effect, ...]:
     """Every effect that makes sense for the case and whose channels are logged, in the order of FAMILIES."""
     made = [effect for module in dict.fromkeys(FAMILIES.values()) for effect in module.effects(setting)]
     return tuple(effect for effect in made if setting.has(*effect.needs))
-
-
-def meaning(family: str) -> str:
-    """What a family is and where it comes from, in a sentence for a person; "" of a user's own.
-
-    It is the first line of the family's module, or where a module makes several families, of its `MEANINGS`.
-    """
-    module = FAMILIES.get(family)
-    own: dict[str, str] = getattr(module, "MEANINGS", {})
-    return own.get(family, (getattr(module, "__doc__", None) or "").split("\n", 1)[0])
 
 
 def base_aliases(case: str) -> dict[str, str]:

@@ -1,10 +1,13 @@
-"""The link angle is not 0 where the mass hangs lowest."""
+"""A zero of the link angle other than the declared one."""
 
 from __future__ import annotations
+
+from dataclasses import replace
 
 from eccentric.effects.effect import Effect, Shape
 from eccentric.effects.forms import addition, harmonic, theta_m
 from eccentric.effects.setting import Setting
+from eccentric.effects.words import GRAVITY, Words
 from eccentric.model import Definition, quantity
 from eccentric.model import vocabulary as v
 
@@ -12,7 +15,11 @@ offset = quantity("offset_angle", "rad", "true link angle less the one logged")
 torque = quantity("offset_torque", "N m", "gravity torque where the logged link angle is 0")
 theta_true = quantity("theta_true", "rad", "true motor angle")
 REFERENCE = "B. W. Mooring, Z. S. Roth and M. R. Driels, Fundamentals of Manipulator Calibration, Wiley, 1991"
-HINT = "let the link swing out freely and read the angle at which it comes to rest"
+WORDS = Words(
+    meaning="The link angle is not 0 where the mass hangs lowest.",
+    hint="let the link swing out freely and read the angle at which it comes to rest",
+    kin=GRAVITY,
+)
 
 
 def effects(setting: Setting) -> tuple[Effect, ...]:
@@ -29,7 +36,7 @@ def effects(setting: Setting) -> tuple[Effect, ...]:
         shapes=(Shape(offset, -0.7, 0.7, "linear", 6),),
         definitions=(Definition(theta_true, theta_m + offset.symbol / v.mu.symbol),),
         replaces={theta_m: theta_true.symbol},
-        hint=HINT,
+        words=replace(WORDS, headline="an offset of the link angle"),
     )
     alone = addition(
         "angle_offset[torque]",
@@ -39,6 +46,6 @@ def effects(setting: Setting) -> tuple[Effect, ...]:
         formula="T cos(theta_l)",
         reference=REFERENCE,
         inputs=(v.theta_m,),
-        hint=HINT,
+        words=replace(WORDS, headline="a gravity torque where the link angle is zero"),
     )
     return shifted, alone

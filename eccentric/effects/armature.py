@@ -1,21 +1,32 @@
-"""The armature equation itself: other constants than declared, and the inductance that the paper neglects."""
+"""Constants of the armature equation: corrections of the declared ones, and the inductance."""
 
 from __future__ import annotations
 
 from eccentric.effects.effect import Effect
 from eccentric.effects.forms import addition, current_slope, omega_m
 from eccentric.effects.setting import Setting
+from eccentric.effects.words import Words
 from eccentric.model import quantity
 from eccentric.model import vocabulary as v
 
-MEANINGS = {
-    "ke_mismatch": "The back-EMF constant is not the declared one: another winding, or weak magnets.",
-    "resistance_mismatch": "The resistance is not the declared one: cable, brushes, a warm winding.",
-    "armature_inductance": "The winding's inductance, which the paper neglects: voltage as current changes.",
-}
 resistance = quantity("armature_R", "Ohm", "true resistance less the declared one")
 back_emf = quantity("armature_k", "V s/rad", "true back-EMF constant less the declared one")
 inductance = quantity("armature_L", "V s/A", "inductance of the armature", "", "nonnegative")
+BACK_EMF = Words(
+    headline="a correction of the declared back-EMF constant",
+    meaning="The back-EMF constant is not the declared one: another winding, or weak magnets.",
+    hint="turn the motor from outside with its terminals open and read the voltage",
+)
+RESISTANCE = Words(
+    headline="a correction of the declared resistance",
+    meaning="The resistance is not the declared one: cable, brushes, a warm winding.",
+    hint="the rotor held at several currents",
+)
+INDUCTANCE = Words(
+    headline="the inductance of the armature",
+    meaning="The winding's inductance, which the paper neglects: voltage as current changes.",
+    hint="steps of voltage, the rotor held, finely sampled; a sensor's delay shows in the torque too",
+)
 REFERENCE = "standard form; armature circuit: W. Leonhard, Control of Electrical Drives, Springer"
 
 
@@ -34,7 +45,7 @@ def effects(_: Setting) -> tuple[Effect, ...]:
             corrects=(v.k_e, v.k_e.symbol + back_emf.symbol),
             reference=REFERENCE,
             needs=needs,
-            hint="turn the motor from outside with its terminals open and read the voltage",
+            words=BACK_EMF,
         ),
         addition(
             "resistance_mismatch",
@@ -47,7 +58,7 @@ def effects(_: Setting) -> tuple[Effect, ...]:
             special_of=("resistance_temperature",),
             reference=REFERENCE,
             needs=needs,
-            hint="the rotor held at several currents",
+            words=RESISTANCE,
         ),
         addition(
             "armature_inductance",
@@ -59,6 +70,6 @@ def effects(_: Setting) -> tuple[Effect, ...]:
             reference=REFERENCE,
             states=states,
             needs=needs,
-            hint="steps of voltage, the rotor held, finely sampled; a sensor's delay shows in the torque too",
+            words=INDUCTANCE,
         ),
     )

@@ -5,19 +5,30 @@ from __future__ import annotations
 from eccentric.effects.effect import Effect
 from eccentric.effects.forms import addition, omega_m
 from eccentric.effects.setting import Setting
+from eccentric.effects.words import Words
 from eccentric.model import quantity
 from eccentric.model.steps import Backward, Forward
 
-MEANINGS = {
-    "coulomb_asymmetry": "Dry friction that differs by direction: a bearing, seal or brush that leans.",
-    "viscous_asymmetry": "Viscous friction that differs by direction: a seal lip, or grease pumped one way.",
-}
 C = quantity("coulomb_asym", "N m", "half the difference of the Coulomb friction of the two directions")
 B = quantity("viscous_asym", "N m s/rad", "half the difference of the viscous friction of the two directions")
 REFERENCE = "B. Armstrong-Hélouvry, P. Dupont and C. Canudas de Wit, Automatica 30(7), 1994; eq (14)"
 HINT = (
     "the same speeds in both directions, the current sensor's zero checked with the drive switched off; a"
     " constant load on the link looks the same, and is T_load in the rig"
+)
+DRY = Words(
+    headline="Coulomb friction that differs between the directions",
+    meaning="Dry friction that differs by direction: a bearing, seal or brush that leans.",
+    hint=HINT,
+    tell_apart={
+        "current_bias": "Log the voltage too, or the current at rest.",
+        "cable_spring": "Turn the link ten times further in one direction.",
+    },
+)
+VISCOUS = Words(
+    headline="viscous friction that differs between the directions",
+    meaning="Viscous friction that differs by direction: a seal lip, or grease pumped one way.",
+    hint=HINT,
 )
 
 
@@ -32,7 +43,7 @@ def effects(setting: Setting) -> tuple[Effect, ...]:
         reference=REFERENCE,
         aliases=() if setting.has("voltage") else ("current_bias",),
         special_of=("cable_spring",),
-        hint=HINT,
+        words=DRY,
     )
     viscous = addition(
         "viscous_asymmetry",
@@ -40,6 +51,6 @@ def effects(setting: Setting) -> tuple[Effect, ...]:
         depends_on=("direction", "velocity"),
         formula="B |w|: viscous friction B_m + B forwards, B_m - B backwards",
         reference=REFERENCE,
-        hint=HINT,
+        words=VISCOUS,
     )
     return dry, viscous

@@ -1,6 +1,8 @@
-"""Backlash: when the load on the gear changes its side, the motor turns free until the teeth meet again."""
+"""Backlash."""
 
 from __future__ import annotations
+
+from dataclasses import replace
 
 import sympy as sp
 
@@ -17,6 +19,7 @@ from eccentric.effects.forms import (
     speed,
 )
 from eccentric.effects.setting import Setting
+from eccentric.effects.words import Words
 from eccentric.model import Term, quantity
 from eccentric.model import vocabulary as v
 from eccentric.model.model import State
@@ -33,7 +36,15 @@ GRAVITY = quantity(
 )
 TORQUE = quantity("backlash_T", "N m", "gravity torque by the link's lag, per full gap", "", "nonnegative")
 REFERENCE = "form of our own, no impact; backlash: M. Nordin and P.-O. Gutman, Automatica 38(10), 2002"
-HINT = "slow swings that change the side of the load often, with an encoder on the link if there can be one"
+WORDS = Words(
+    meaning=(
+        "Backlash: when the load on the gear changes its side, the motor turns free until the teeth "
+        "meet again."
+    ),
+    hint=(
+        "slow swings that change the side of the load often, with an encoder on the link if there can be one"
+    ),
+)
 
 
 def effects(setting: Setting) -> tuple[Effect, ...]:
@@ -92,7 +103,7 @@ def _freed(setting: Setting) -> Effect:
         reference=REFERENCE,
         shapes=tuple(shapes),
         states=states,
-        hint=HINT,
+        words=replace(WORDS, headline="backlash in the gear"),
         **fields,
     )
 
@@ -109,5 +120,5 @@ def _lag(setting: Setting) -> Effect:
         shapes=(Shape(gap, 2e-3 / setting.mu, 0.5 / setting.mu, "log", 6),),
         inputs=(v.theta_m,),
         states=(state,),
-        hint=HINT,
+        words=replace(WORDS, headline="a link that lags by the backlash in the gear"),
     )

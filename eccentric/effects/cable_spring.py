@@ -1,4 +1,4 @@
-"""A cable or hose that twists with the link: a torque in proportion to the link angle."""
+"""A cable that twists with the link."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ import sympy as sp
 from eccentric.effects.effect import Effect
 from eccentric.effects.forms import addition, theta_m
 from eccentric.effects.setting import Setting
+from eccentric.effects.words import GRAVITY, Words
 from eccentric.model import quantity
 from eccentric.model import vocabulary as v
 
@@ -14,6 +15,12 @@ k = quantity(
     "cable_k", "N m/rad", "stiffness of the cable, torque on the motor per link angle", "", "nonnegative"
 )
 zero = quantity("cable_0", "N m", "torque of the cable at link angle 0, motor side")
+WORDS = Words(
+    headline="a cable that twists with the link",
+    meaning="A cable or hose that twists with the link: a torque in proportion to the link angle.",
+    hint="several turns of the link one way and back; or take the cable off",
+    kin=GRAVITY,
+)
 
 
 def effects(_: Setting) -> tuple[Effect, ...]:
@@ -26,6 +33,6 @@ def effects(_: Setting) -> tuple[Effect, ...]:
         formula="k theta_l + T_0",
         reference="R. Hooke, De potentia restitutiva, 1678",
         inputs=(v.theta_m,),
-        hint="several turns of the link one way and back; or take the cable off",
+        words=WORDS,
     )
     return (effect,)

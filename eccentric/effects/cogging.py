@@ -1,14 +1,27 @@
-"""Cogging: the torque by which magnets seek the teeth; it needs no current and takes no energy in a turn."""
+"""Cogging of the motor."""
 
 from __future__ import annotations
+
+from dataclasses import replace
 
 from eccentric.effects.effect import Effect
 from eccentric.effects.forms import addition, harmonic
 from eccentric.effects.setting import Setting
+from eccentric.effects.words import Words, how_often
 from eccentric.model import quantity
 from eccentric.model import vocabulary as v
 
 ORDERS = range(1, 25)
+WORDS = Words(
+    meaning=(
+        "Cogging: the torque by which magnets seek the teeth; it needs no current and takes no energy"
+        " in a turn."
+    ),
+    hint="slow turns of the motor in both directions, at low and at high current: cogging stays the same",
+    tell_apart={
+        "gravity": "Turn the motor slowly with the link taken off.",
+    },
+)
 
 
 def effects(_: Setting) -> tuple[Effect, ...]:
@@ -29,5 +42,5 @@ def _order(n: int) -> Effect:
         reference="T. M. Jahns and W. L. Soong, IEEE Trans. Industrial Electronics 43(2), 1996",
         inputs=(v.theta_m,),
         repeats=True,
-        hint="slow turns of the motor in both directions, at low and at high current: cogging stays the same",
+        words=replace(WORDS, headline=f"cogging that repeats {how_often(n)} per turn of the motor"),
     )

@@ -10,6 +10,7 @@ import sympy as sp
 
 from eccentric.effects.effect import Effect
 from eccentric.effects.forms import addition
+from eccentric.effects.words import Words
 from eccentric.model import quantity
 from eccentric.model import vocabulary as v
 
@@ -22,6 +23,6 @@ effect: Effect = addition(
     depends_on=("direction",),
     formula="mu T_load",
     reference="torque balance of the link, as gravity in the paper's eq (5), but constant",
-    hint="another weight",
+    words=Words(headline="a constant load on the link", hint="another weight"),
 )
 """The record that extends a model by the load."""

@@ -1,10 +1,13 @@
-"""Dry friction that changes with temperature: fits and preloads grow or shrink, boundary films thin out."""
+"""Coulomb friction by temperature."""
 
 from __future__ import annotations
+
+from dataclasses import replace
 
 from eccentric.effects.effect import Effect, Shape
 from eccentric.effects.forms import addition, constant, direction
 from eccentric.effects.setting import Setting
+from eccentric.effects.words import TEMPERATURE, Words
 from eccentric.model import Definition, quantity
 from eccentric.model import vocabulary as v
 
@@ -12,7 +15,14 @@ b = quantity("coulomb_b", "1/K", "relative change of the Coulomb friction per ke
 C = quantity("coulomb_C", "N m/K", "change of the Coulomb friction of one bearing per kelvin")
 factor = quantity("coulomb_factor", "1", "Coulomb friction over that at the reference temperature")
 REFERENCE = "A. C. Bittencourt and S. Gunnarsson, J. Dynamic Systems, Measurement and Control 134(5), 2012"
-HINT = "low speeds, where viscous friction is small, at several temperatures"
+WORDS = Words(
+    meaning=(
+        "Dry friction that changes with temperature: fits and preloads grow or shrink, boundary films"
+        " thin out."
+    ),
+    hint="low speeds, where viscous friction is small, at several temperatures",
+    kin=TEMPERATURE,
+)
 
 
 def effects(setting: Setting) -> tuple[Effect, ...]:
@@ -33,7 +43,7 @@ def effects(setting: Setting) -> tuple[Effect, ...]:
         scales={"coulomb": factor.symbol},
         inputs=(v.temperature,),
         needs=("temperature",),
-        hint=HINT,
+        words=replace(WORDS, headline="Coulomb friction that changes with temperature"),
     )
     bearing = addition(
         "coulomb_temperature[bearing]",
@@ -44,6 +54,6 @@ def effects(setting: Setting) -> tuple[Effect, ...]:
         definitions=(zero,),
         inputs=(v.temperature,),
         needs=("temperature",),
-        hint=HINT,
+        words=replace(WORDS, headline="Coulomb friction of one bearing that changes with temperature"),
     )
     return scaling, bearing

@@ -1,4 +1,4 @@
-"""The current sensor has an offset: it shows in both balances."""
+"""Offset of the current sensor."""
 
 from __future__ import annotations
 
@@ -7,11 +7,17 @@ import sympy as sp
 from eccentric.effects.effect import Effect
 from eccentric.effects.forms import addition
 from eccentric.effects.setting import Setting
+from eccentric.effects.words import Words
 from eccentric.model import Term, quantity
 from eccentric.model import vocabulary as v
 
 bias = quantity("bias_i", "A", "measured current less the true one")
 REFERENCE = "D.-W. Chung and S.-K. Sul, IEEE Trans. Industry Applications 34(2), 1998"
+WORDS = Words(
+    headline="an offset of the current sensor",
+    meaning="The current sensor has an offset: it shows in both balances.",
+    hint="read the current with the drive switched off",
+)
 
 
 def effects(_: Setting) -> tuple[Effect, ...]:
@@ -28,7 +34,7 @@ def effects(_: Setting) -> tuple[Effect, ...]:
         formula="i - bias for i",
         reference=REFERENCE,
         needs=("current", "voltage"),
-        hint="read the current with the drive switched off",
+        words=WORDS,
     )
     return (effect,)
 

@@ -1,15 +1,28 @@
-"""The torque constant, or the scale of the current sensor, is not the declared one."""
+"""A torque constant other than the declared one."""
 
 from __future__ import annotations
 
 from eccentric.effects.effect import Effect
 from eccentric.effects.forms import addition, alpha_m, gravity
 from eccentric.effects.setting import Setting
+from eccentric.effects.words import LOAD, Words
 from eccentric.model import quantity
 from eccentric.model import vocabulary as v
 from eccentric.model.steps import Gated
 
 ratio = quantity("current_scale", "1", "declared torque constant over the true one, less 1")
+WORDS = Words(
+    headline="a correction of the declared torque constant",
+    meaning="The torque constant, or the scale of the current sensor, is not the declared one.",
+    hint=(
+        "hold a known weight on a lever and read the current in both directions of approach; in SI units"
+        " k_i of a DC motor equals its k_e"
+    ),
+    kin=LOAD,
+    tell_apart={
+        "gravity": "Weigh the mass; or accelerate hard, with the inertia declared.",
+    },
+)
 
 
 def effects(setting: Setting) -> tuple[Effect, ...]:
@@ -31,7 +44,6 @@ def effects(setting: Setting) -> tuple[Effect, ...]:
         reference="standard form; torque constant: W. Leonhard, Control of Electrical Drives, Springer",
         inputs=(v.theta_m,),
         needs=("current",),
-        hint="hold a known weight on a lever and read the current in both directions of approach;"
-        " in SI units k_i of a DC motor equals its k_e",
+        words=WORDS,
     )
     return (effect,)

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import sympy as sp
 
 from eccentric.effects.effect import Effect
 from eccentric.effects.forms import addition, constant, direction, omega_m, root
 from eccentric.effects.setting import Setting
+from eccentric.effects.words import SPEED, Words
 from eccentric.model import quantity
 from eccentric.model.steps import Backward, Forward
 
@@ -15,14 +18,30 @@ cubic = quantity(
     "drag_3", "N m s^3/rad^3", "drag torque per third power of the motor velocity", "", "nonnegative"
 )
 degressive = quantity("drag_half", "N m", "drag torque at the reference speed", "", "nonnegative")
-MEANINGS = {
-    "quadratic_drag": "Drag of air or oil in turbulent flow: it grows with the square of the speed.",
-    "cubic_drag": "Drag by the third power of the speed: a bearing whose load grows with its square.",
-    "sqrt_speed": "Degressive drag: a lubricated seal whose resistance grows ever less with speed.",
-    "oneway_windage": "Windage of one direction only: a fan, or blades that are bent to one side.",
-}
 WINDAGE = "J. E. Vrancik, NASA TN D-4849, 1968 (windage grows with the square of the speed)"
 BY_SPEED = "steady runs over a speed range of 1 to 5 or more: powers of the speed fit alike over a short one"
+QUADRATIC = Words(
+    headline="drag that grows with the square of the speed",
+    meaning="Drag of air or oil in turbulent flow: it grows with the square of the speed.",
+    hint=BY_SPEED,
+    kin=SPEED,
+)
+CUBIC = Words(
+    headline="drag that grows with the cube of the speed",
+    meaning="Drag by the third power of the speed: a bearing whose load grows with its square.",
+    hint=BY_SPEED,
+    kin=SPEED,
+)
+DEGRESSIVE = Words(
+    headline="drag that grows with the square root of the speed",
+    meaning="Degressive drag: a lubricated seal whose resistance grows ever less with speed.",
+    hint=BY_SPEED,
+)
+ONE_WAY = Words(
+    meaning="Windage of one direction only: a fan, or blades that are bent to one side.",
+    hint="the same high speeds in both directions",
+    kin=SPEED,
+)
 
 
 def effects(setting: Setting) -> tuple[Effect, ...]:
@@ -40,7 +59,7 @@ def effects(setting: Setting) -> tuple[Effect, ...]:
                 depends_on=("velocity",),
                 formula="D w|w|",
                 reference="S. S. Ge, T. H. Lee and S. X. Ren, Int. J. Systems Science 32(4), 2001",
-                hint=BY_SPEED,
+                words=QUADRATIC,
             ),
             addition(
                 "cubic_drag",
@@ -48,7 +67,7 @@ def effects(setting: Setting) -> tuple[Effect, ...]:
                 depends_on=("velocity",),
                 formula="D w^3",
                 reference="standard form: a polynomial of the third order, as the paper's eq (11) in case C1",
-                hint=BY_SPEED,
+                words=CUBIC,
             ),
         ]
     return tuple(found)
@@ -65,13 +84,16 @@ def _sqrt_speed(setting: Setting) -> Effect:
         reference="standard form; degressive friction of robots: M. Grotjahn, M. Daemi and B. Heimann, Int."
         " J. Solids and Structures 38, 2001",
         definitions=(reference, *definitions),
-        hint=BY_SPEED,
+        words=DEGRESSIVE,
     )
 
 
 def _oneway() -> tuple[Effect, ...]:
     found = []
-    for sign, name, gate in ((1, "pos", Forward(omega_m)), (-1, "neg", Backward(omega_m))):
+    for sign, name, which, gate in (
+        (1, "pos", "positive", Forward(omega_m)),
+        (-1, "neg", "negative", Backward(omega_m)),
+    ):
         meaning = f"windage torque per squared motor velocity, omega_m {'>' if sign > 0 else '<'} 0"
         q = quantity(f"windage_{name}", "N m s^2/rad^2", meaning, "", "nonnegative")
         found.append(
@@ -81,7 +103,7 @@ def _oneway() -> tuple[Effect, ...]:
                 depends_on=("velocity", "direction"),
                 formula=f"D w|w| for w {'>' if sign > 0 else '<'} 0 only",
                 reference=WINDAGE,
-                hint="the same high speeds in both directions",
+                words=replace(ONE_WAY, headline=f"windage in the {which} direction only"),
             )
         )
     return tuple(found)

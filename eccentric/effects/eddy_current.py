@@ -1,14 +1,21 @@
-"""Eddy currents: a brake that is viscous at low speed and fades above its critical speed."""
+"""Eddy-current brake."""
 
 from __future__ import annotations
 
 from eccentric.effects.effect import Effect, Shape
 from eccentric.effects.forms import addition, omega_m
 from eccentric.effects.setting import Setting
+from eccentric.effects.words import SPEED, Words
 from eccentric.model import quantity
 
 D = quantity("eddy_D", "N m s/rad", "eddy-current damping near rest", "", "nonnegative")
 w_c = quantity("eddy_w", "rad/s", "speed of the greatest eddy-current torque, motor side", "", "positive")
+WORDS = Words(
+    headline="an eddy-current brake",
+    meaning="Eddy currents: a brake that is viscous at low speed and fades above its critical speed.",
+    hint="steady runs below, at and far above the critical speed; with the magnet moved away it is gone",
+    kin=SPEED,
+)
 
 
 def effects(setting: Setting) -> tuple[Effect, ...]:
@@ -20,6 +27,6 @@ def effects(setting: Setting) -> tuple[Effect, ...]:
         formula="D w/(1 + (w/w_c)^2)",
         reference="J. H. Wouterse, IEE Proceedings B 138(4), 1991",
         shapes=(Shape(w_c, 2.0 * setting.w_min, 0.8 * setting.w_max, "log", 12),),
-        hint="steady runs below, at and far above the critical speed; with the magnet moved away it is gone",
+        words=WORDS,
     )
     return (effect,)

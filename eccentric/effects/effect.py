@@ -12,6 +12,7 @@ from dataclasses import dataclass, field, replace
 
 import sympy as sp
 
+from eccentric.effects.words import Words
 from eccentric.model import Definition, Equation, Model, Quantity, Term
 from eccentric.model.model import State
 
@@ -61,7 +62,7 @@ class Effect:
         aliases: ids that are exactly the same within the base model.
         special_of: families of which this one is a special case.
         repeats: whether another effect of the family may join it (harmonics of other orders).
-        hint: what to measure to tell it from others.
+        words: what a person reads of it.
         corrects: a quantity that the rig declares and its true value, for an effect that is nothing but a
             wrong declaration; without the effect's parameters it is the declared one.
     """
@@ -85,7 +86,7 @@ class Effect:
     aliases: tuple[str, ...] = ()
     special_of: tuple[str, ...] = ()
     repeats: bool = False
-    hint: str = ""
+    words: Words = field(default_factory=Words)
     corrects: tuple[Quantity, sp.Expr] | None = None
 
     @property

@@ -1,6 +1,8 @@
-"""A gear whose losses differ between driving the load and being driven by it."""
+"""Losses of the gear that differ between driving and being driven."""
 
 from __future__ import annotations
+
+from dataclasses import replace
 
 import sympy as sp
 
@@ -8,6 +10,7 @@ from eccentric.effects.effect import Effect, Shape
 from eccentric.effects.forms import addition, direction
 from eccentric.effects.load_dependent import FORMULAS, loads
 from eccentric.effects.setting import Setting
+from eccentric.effects.words import LOAD, Words
 from eccentric.model import Definition, quantity
 from eccentric.model import vocabulary as v
 
@@ -15,6 +18,11 @@ eta = quantity("gear_eta", "1", "loss of the gear per torque, driving", "", "non
 rho = quantity("gear_rho", "1", "loss of the gear back-driven over that driving", "", "nonnegative")
 share = quantity("gear_share", "1", "share of the friction without F_N that is the link's", "", "nonnegative")
 load = quantity("gear_torque", "N m", "torque that the gear passes on, motor side")
+WORDS = Words(
+    meaning="A gear whose losses differ between driving the load and being driven by it.",
+    hint="raise and lower the mass slowly at the same speeds: the losses must differ",
+    kin=LOAD,
+)
 
 
 def effects(setting: Setting) -> tuple[Effect, ...]:
@@ -40,7 +48,11 @@ def effects(setting: Setting) -> tuple[Effect, ...]:
                 shapes=(*(Shape(share, *span) for span in shapes), Shape(rho, 0.0, 0.8, "linear", 5)),
                 definitions=(*constants, Definition(load, torque)),
                 inputs=inputs,
-                hint="raise and lower the mass slowly at the same speeds: the losses must differ",
+                words=replace(
+                    WORDS,
+                    headline="gear losses that differ between driving and being driven, by the"
+                    f" {variant} torque",
+                ),
             )
         )
     return tuple(found)

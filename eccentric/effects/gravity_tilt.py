@@ -1,12 +1,15 @@
-"""The plane of motion is not quite level (C1) or not quite upright (C2)."""
+"""A plane of motion that is tilted."""
 
 from __future__ import annotations
+
+from dataclasses import replace
 
 import sympy as sp
 
 from eccentric.effects.effect import Effect, Shape
 from eccentric.effects.forms import addition, harmonic, omega_m, theta_m
 from eccentric.effects.setting import Setting
+from eccentric.effects.words import GRAVITY, Words
 from eccentric.model import Definition, Term, quantity
 from eccentric.model import vocabulary as v
 from eccentric.model.steps import Magnitude
@@ -21,7 +24,11 @@ sine = quantity("tilt_s", "N m", "gravity torque of the tilt by sin(theta_l)")
 g_tilted = quantity("tilt_g", "m/s^2", "gravity in the tilted plane", "", "nonnegative")
 F_N_tilted = quantity("tilt_F_N", "N", "normal force with the gravity of the tilted plane", "", "nonnegative")
 REFERENCE = "derivations/rotating_link.py: the general link, phi near pi/2 or near 0"
-HINT = "a spirit level; or slow full turns with and without the mass"
+WORDS = Words(
+    meaning="The plane of motion is not quite level (C1) or not quite upright (C2).",
+    hint="a spirit level; or slow full turns with and without the mass",
+    kin=GRAVITY,
+)
 
 
 def effects(setting: Setting) -> tuple[Effect, ...]:
@@ -38,7 +45,7 @@ def _level() -> tuple[Effect, Effect]:
         formula="c cos(theta_l) + s sin(theta_l)",
         reference=REFERENCE,
         inputs=(v.theta_m,),
-        hint=HINT,
+        words=replace(WORDS, headline="a plane of motion that is not level"),
     )
     turned = theta_m + phase.symbol / mu
     along, across = harmonic(mu, turned)
@@ -58,7 +65,7 @@ def _level() -> tuple[Effect, Effect]:
         definitions=(Definition(F_N_tilted, force),),
         replaces={v.F_N.symbol: F_N_tilted.symbol},
         inputs=(v.theta_m,),
-        hint=HINT,
+        words=replace(WORDS, headline="a plane of motion that is not level, normal force included"),
     )
     return torque, load
 
@@ -74,5 +81,5 @@ def _upright() -> Effect:
         shapes=(Shape(tilt, 0.05, 1.0, "log", 4),),
         definitions=(Definition(g_tilted, g * sp.cos(tilt.symbol)),),
         replaces={g: g_tilted.symbol},
-        hint=HINT,
+        words=replace(WORDS, headline="a plane of motion that is not upright"),
     )

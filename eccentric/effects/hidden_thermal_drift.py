@@ -1,12 +1,15 @@
-"""Friction falls as the drive warms up, and no temperature is logged: first-order heating by the losses."""
+"""Friction that falls as the drive warms up, temperature not logged."""
 
 from __future__ import annotations
+
+from dataclasses import replace
 
 import sympy as sp
 
 from eccentric.effects.effect import Effect, Shape
 from eccentric.effects.forms import addition, direction, heating, loss, omega_m, thermal_times
 from eccentric.effects.setting import Setting
+from eccentric.effects.words import TEMPERATURE, Words
 from eccentric.model import Definition, quantity
 
 tau = quantity("heat_tau", "s", "thermal time constant", "", "positive")
@@ -17,6 +20,14 @@ B = quantity("heat_B", "N m s/rad", "viscous friction of the bearing that warms 
 C = quantity("heat_C", "N m", "fall of the Coulomb friction until the end of the log", "", "nonnegative")
 factor = quantity("heat_factor", "1", "friction over that of the cold drive", "", "positive")
 REFERENCE = "L. Simoni, M. Beschi, G. Legnani and A. Visioli, Robotica 37(5), 2019 (temperature not measured)"
+WORDS = Words(
+    meaning=(
+        "Friction falls as the drive warms up, and no temperature is logged: first-order heating by "
+        "the losses."
+    ),
+    hint="start cold, hold one speed until friction settles, rest, repeat; or log a temperature",
+    kin=TEMPERATURE,
+)
 
 
 def effects(setting: Setting) -> tuple[Effect, ...]:
@@ -33,7 +44,6 @@ def effects(setting: Setting) -> tuple[Effect, ...]:
         "depends_on": ("time", "history"),
         "reference": REFERENCE,
         "states": (state,),
-        "hint": "start cold, hold one speed until friction settles, rest, repeat; or log a temperature",
     }
     scaling = [
         Effect(
@@ -44,9 +54,13 @@ def effects(setting: Setting) -> tuple[Effect, ...]:
             shapes=(constant_of_time, Shape(fall, 0.03, 1.5, "log", 3)),
             definitions=(*definitions, Definition(factor, thins)),
             scales={which: factor.symbol},
+            words=replace(WORDS, headline=f"{what} that falls as the drive warms up"),
             **common,
         )
-        for suffix, which in (("", "friction"), ("[viscous]", "viscous"))
+        for suffix, which, what in (
+            ("", "friction", "friction"),
+            ("[viscous]", "viscous", "viscous friction"),
+        )
     ]
     bearing = addition(
         "hidden_thermal_drift[bearing]",
@@ -54,6 +68,7 @@ def effects(setting: Setting) -> tuple[Effect, ...]:
         formula="B w (exp(-b rise) - 1), tau d(rise)/dt = losses/mean - rise",
         shapes=(constant_of_time, Shape(fall, 0.1, 2.5, "log", 3)),
         definitions=definitions,
+        words=replace(WORDS, headline="viscous friction of one bearing that falls as the drive warms up"),
         **common,
     )
     dry = addition(
@@ -62,6 +77,7 @@ def effects(setting: Setting) -> tuple[Effect, ...]:
         formula="-C rise sgn w, tau d(rise)/dt = losses/mean - rise",
         shapes=(constant_of_time,),
         definitions=definitions,
+        words=replace(WORDS, headline="Coulomb friction that falls as the drive warms up"),
         **common,
     )
     return (*scaling, bearing, dry)

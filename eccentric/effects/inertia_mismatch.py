@@ -1,15 +1,22 @@
-"""The inertia is not the declared one."""
+"""An inertia other than the declared one."""
 
 from __future__ import annotations
 
 from eccentric.effects.effect import Effect
 from eccentric.effects.forms import addition, alpha_m
 from eccentric.effects.setting import Setting
+from eccentric.effects.words import LOAD, Words
 from eccentric.model import quantity
 from eccentric.model import vocabulary as v
 from eccentric.model.steps import Gated
 
 ratio = quantity("inertia_ratio", "1", "true inertia on the motor side over the declared one, less 1")
+WORDS = Words(
+    headline="a correction of the declared inertia",
+    meaning="The inertia is not the declared one.",
+    hint="strong accelerations, up and down through the same speeds",
+    kin=LOAD,
+)
 
 
 def effects(setting: Setting) -> tuple[Effect, ...]:
@@ -24,6 +31,6 @@ def effects(setting: Setting) -> tuple[Effect, ...]:
         corrects=(v.J, (v.J_m.symbol + v.mu.symbol**2 * v.J_l.symbol) * (1 + ratio.symbol)),
         reference="C. G. Atkeson, C. H. An and J. M. Hollerbach, Int. J. Robotics Research 5(3), 1986",
         aliases=("mass_mismatch",) if setting.case == "C1" else (),
-        hint="strong accelerations, up and down through the same speeds",
+        words=WORDS,
     )
     return (effect,)

@@ -1,4 +1,4 @@
-"""Dead time of the inverter, drop of valves or brushes: a voltage lost with the sign of the current."""
+"""Dead time of the inverter."""
 
 from __future__ import annotations
 
@@ -7,12 +7,20 @@ import sympy as sp
 from eccentric.effects.effect import Effect, Shape
 from eccentric.effects.forms import addition
 from eccentric.effects.setting import Setting
+from eccentric.effects.words import Words
 from eccentric.model import quantity
 from eccentric.model import vocabulary as v
 from eccentric.model.steps import Sgn
 
 V = quantity("deadtime_u", "V", "voltage lost at high current", "", "nonnegative")
 i_0 = quantity("deadtime_i", "A", "current within which it changes its sign", "", "positive")
+WORDS = Words(
+    headline="the voltage lost to the dead time of the inverter",
+    meaning=(
+        "Dead time of the inverter, drop of valves or brushes: a voltage lost with the sign of the current."
+    ),
+    hint="currents slowly through zero, of both signs, the rotor held",
+)
 
 
 def effects(setting: Setting) -> tuple[Effect, ...]:
@@ -32,6 +40,6 @@ def effects(setting: Setting) -> tuple[Effect, ...]:
         reference="smoothed; S.-G. Jeong and M.-H. Park, IEEE Trans. Industrial Electronics 38(2), 1991",
         shapes=(Shape(i_0, 0.002 * largest, 0.2 * largest, "log", 6),),
         needs=("current", "voltage"),
-        hint="currents slowly through zero, of both signs, the rotor held",
+        words=WORDS,
     )
     return (effect,)

@@ -1,14 +1,24 @@
-"""Torque ripple: the torque constant varies over a turn of the motor, the ripple grows with the current."""
+"""Ripple of the torque constant over a turn of the motor."""
 
 from __future__ import annotations
+
+from dataclasses import replace
 
 from eccentric.effects.effect import Effect
 from eccentric.effects.forms import addition, harmonic
 from eccentric.effects.setting import Setting
+from eccentric.effects.words import Words, how_often
 from eccentric.model import quantity
 from eccentric.model import vocabulary as v
 
 ORDERS = range(1, 25)
+WORDS = Words(
+    meaning=(
+        "Torque ripple: the torque constant varies over a turn of the motor, the ripple grows with "
+        "the current."
+    ),
+    hint="slow turns of the motor at low and at high current: the ripple grows with it, cogging does not",
+)
 
 
 def effects(_: Setting) -> tuple[Effect, ...]:
@@ -31,5 +41,5 @@ def _order(n: int) -> Effect:
         inputs=(v.theta_m,),
         needs=("current",),
         repeats=True,
-        hint="slow turns of the motor at low and at high current: the ripple grows with it, cogging does not",
+        words=replace(WORDS, headline=f"a torque constant that ripples {how_often(n)} per turn of the motor"),
     )

@@ -1,15 +1,22 @@
-"""Iron saturates: the torque constant falls at high current."""
+"""Saturation of the torque constant."""
 
 from __future__ import annotations
 
 from eccentric.effects.effect import Effect, Shape
 from eccentric.effects.forms import addition
 from eccentric.effects.setting import Setting
+from eccentric.effects.words import LOAD, Words
 from eccentric.model import quantity
 from eccentric.model import vocabulary as v
 
 part = quantity("ktsat_A", "1", "part of the torque constant that saturates", "", "nonnegative")
 i_s = quantity("ktsat_i", "A", "current at which half of that part is lost", "", "positive")
+WORDS = Words(
+    headline="a torque constant that falls at high current",
+    meaning="Iron saturates: the torque constant falls at high current.",
+    hint="high currents at low speed: hold the mass level, or accelerate hard",
+    kin=LOAD,
+)
 
 
 def effects(setting: Setting) -> tuple[Effect, ...]:
@@ -28,6 +35,6 @@ def effects(setting: Setting) -> tuple[Effect, ...]:
         " Electric Machinery",
         shapes=(Shape(i_s, 0.7 * largest, 20.0 * largest, "log", 10),),
         needs=("current",),
-        hint="high currents at low speed: hold the mass level, or accelerate hard",
+        words=WORDS,
     )
     return (effect,)

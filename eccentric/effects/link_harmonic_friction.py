@@ -1,14 +1,24 @@
-"""Friction that varies with the link angle: an eccentric wheel, a bent shaft, a bearing under strain."""
+"""Friction that varies with the link angle."""
 
 from __future__ import annotations
+
+from dataclasses import replace
 
 from eccentric.effects.effect import Effect
 from eccentric.effects.forms import addition, direction, harmonic
 from eccentric.effects.setting import Setting
+from eccentric.effects.words import GRAVITY, Words, how_often
 from eccentric.model import quantity
 from eccentric.model import vocabulary as v
 
 ORDERS = range(1, 13)
+WORDS = Words(
+    meaning=(
+        "Friction that varies with the link angle: an eccentric wheel, a bent shaft, a bearing under strain."
+    ),
+    hint="slow full turns of the link in both directions: friction changes its sign with the direction",
+    kin=GRAVITY,
+)
 
 
 def effects(_: Setting) -> tuple[Effect, ...]:
@@ -28,5 +38,5 @@ def _order(n: int) -> Effect:
         reference="M. R. Popovic and A. A. Goldenberg, IEEE Trans. Robotics and Automation 14(1), 1998",
         inputs=(v.theta_m,),
         repeats=True,
-        hint="slow full turns of the link in both directions: friction changes its sign with the direction",
+        words=replace(WORDS, headline=f"friction that varies {how_often(n)} per turn of the link"),
     )

@@ -1,12 +1,15 @@
-"""Friction of the gear in proportion to the load it passes on."""
+"""Friction of the gear by the load."""
 
 from __future__ import annotations
+
+from dataclasses import replace
 
 import sympy as sp
 
 from eccentric.effects.effect import Effect, Shape
 from eccentric.effects.forms import addition, direction, gravity, transmitted
 from eccentric.effects.setting import Setting
+from eccentric.effects.words import LOAD, Words
 from eccentric.model import Definition, quantity
 from eccentric.model import vocabulary as v
 
@@ -16,7 +19,16 @@ share = quantity("load_share", "1", "share of the friction without F_N that is t
 load = quantity("load_torque", "N m", "torque that the gear passes on, motor side")
 REFERENCE = "A. Gogoussis and M. Donath, IEEE ICRA 1987; P. Hamon, M. Gautier and P. Garrec, IROS 2010"
 SERVO = "M. Duclusaud, G. Passault, V. Padois and O. Ly, arXiv:2410.08650, 2024 (quadratic in the load)"
-HINT = "another mass or arm at the same speeds; back-driving tells it from a gear efficiency"
+WORDS = Words(
+    meaning="Friction of the gear in proportion to the load it passes on.",
+    hint="another mass or arm at the same speeds; back-driving tells it from a gear efficiency",
+    kin=LOAD,
+    tell_apart={
+        "gear_efficiency": (
+            "Raise and lower the mass slowly at the same speeds, with the current logged and k_i known."
+        ),
+    },
+)
 
 
 def effects(setting: Setting) -> tuple[Effect, ...]:
@@ -35,7 +47,7 @@ def effects(setting: Setting) -> tuple[Effect, ...]:
                 shapes=shape,
                 definitions=(*constants, Definition(load, torque)),
                 inputs=inputs,
-                hint=HINT,
+                words=replace(WORDS, headline=f"gear friction in proportion to the {variant} torque"),
             )
         )
         if variant == "transmitted":
@@ -49,7 +61,9 @@ def effects(setting: Setting) -> tuple[Effect, ...]:
                     shapes=shape,
                     definitions=(*constants, Definition(load, torque)),
                     inputs=inputs,
-                    hint=HINT,
+                    words=replace(
+                        WORDS, headline="gear friction that grows progressively with the transmitted torque"
+                    ),
                 )
             )
     return tuple(found)

@@ -1,4 +1,4 @@
-"""A tight spot at one link angle: a dent in a race, a rubbing seal, dirt in a tooth."""
+"""A tight spot at one link angle."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ import sympy as sp
 from eccentric.effects.effect import Effect, Shape
 from eccentric.effects.forms import addition, direction, theta_m
 from eccentric.effects.setting import Setting
+from eccentric.effects.words import Words
 from eccentric.model import quantity
 from eccentric.model import vocabulary as v
 from eccentric.model.steps import HalfSine
@@ -14,6 +15,11 @@ from eccentric.model.steps import HalfSine
 A = quantity("defect_A", "N m", "friction torque of the tight spot", "", "nonnegative")
 angle = quantity("defect_angle", "rad", "link angle of the tight spot")
 width = quantity("defect_width", "rad", "its width as a standard deviation, link side", "", "positive")
+WORDS = Words(
+    headline="a tight spot at one angle of the link",
+    meaning="A tight spot at one link angle: a dent in a race, a rubbing seal, dirt in a tooth.",
+    hint="slow full turns of the link in both directions, friction drawn over the link angle",
+)
 
 
 def effects(_: Setting) -> tuple[Effect, ...]:
@@ -28,6 +34,6 @@ def effects(_: Setting) -> tuple[Effect, ...]:
         " Mises, Physikalische Zeitschrift 19, 1918",
         shapes=(Shape(angle, -3.2, 3.2, "linear", 38), Shape(width, 0.06, 0.5, "log", 4)),
         inputs=(v.theta_m,),
-        hint="slow full turns of the link in both directions, friction drawn over the link angle",
+        words=WORDS,
     )
     return (effect,)

@@ -1,12 +1,15 @@
-"""Magnetic hysteresis: the torque lags behind the current, whatever the rate."""
+"""Magnetic hysteresis."""
 
 from __future__ import annotations
+
+from dataclasses import replace
 
 import sympy as sp
 
 from eccentric.effects.effect import Effect, Shape
 from eccentric.effects.forms import addition, relaxation
 from eccentric.effects.setting import Setting
+from eccentric.effects.words import Words
 from eccentric.model import quantity
 from eccentric.model import vocabulary as v
 from eccentric.model.model import State
@@ -15,7 +18,10 @@ A = quantity("hysteresis_A", "N m", "torque by which rising and falling current 
 width = quantity("hysteresis_i", "A", "change of current within which the branches meet", "", "positive")
 last = quantity("hysteresis_last", "A", "current one time step ago")
 play = quantity("hysteresis_p", "1", "play of the current, in half widths")
-HINT = "rising and falling currents through the same value, at rest against a stop or at one speed"
+WORDS = Words(
+    meaning="Magnetic hysteresis: the torque lags behind the current, whatever the rate.",
+    hint="rising and falling currents through the same value, at rest against a stop or at one speed",
+)
 
 
 def effects(setting: Setting) -> tuple[Effect, ...]:
@@ -33,7 +39,7 @@ def effects(setting: Setting) -> tuple[Effect, ...]:
         shapes=(Shape(width, 0.03 * largest, 2.0 * largest, "log", 7),),
         states=(State(last, sp.Integer(0), i), branch),
         needs=("current",),
-        hint=HINT,
+        words=replace(WORDS, headline="magnetic hysteresis between current and torque (Duhem)"),
     )
     scaled = i / width.symbol
     follow = State(play, sp.Integer(0), sp.Max(scaled - 1, sp.Min(scaled + 1, play.symbol)))
@@ -47,6 +53,6 @@ def effects(setting: Setting) -> tuple[Effect, ...]:
         shapes=(Shape(width, 0.02 * largest, 0.8 * largest, "log", 4),),
         states=(follow,),
         needs=("current",),
-        hint=HINT,
+        words=replace(WORDS, headline="magnetic hysteresis between current and torque (play)"),
     )
     return duhem, parallel

@@ -1,10 +1,13 @@
-"""The mass on the link is not the declared one."""
+"""A mass other than the declared one."""
 
 from __future__ import annotations
+
+from dataclasses import replace
 
 from eccentric.effects.effect import Effect, Shape
 from eccentric.effects.forms import addition, gravity
 from eccentric.effects.setting import Setting
+from eccentric.effects.words import GRAVITY, Words
 from eccentric.model import Definition, quantity
 from eccentric.model import vocabulary as v
 
@@ -14,7 +17,11 @@ more = quantity("mass_torque", "1", "gravity torque beyond the declared one, rel
 M_true = quantity("M_true", "kg", "true unbalanced mass", "", "nonnegative")
 J_l_true = quantity("J_l_true", "kg m^2", "inertia of the link with the true mass", "", "nonnegative")
 REFERENCE = "C. G. Atkeson, C. H. An and J. M. Hollerbach, Int. J. Robotics Research 5(3), 1986"
-HINT = "weigh the mass; or hold the link level and read the current in both directions of approach"
+WORDS = Words(
+    meaning="The mass on the link is not the declared one.",
+    hint="weigh the mass; or hold the link level and read the current in both directions of approach",
+    kin=GRAVITY,
+)
 
 
 def effects(setting: Setting) -> tuple[Effect, ...]:
@@ -40,12 +47,19 @@ def effects(setting: Setting) -> tuple[Effect, ...]:
             definitions=definitions,
             replaces=replaces,
             corrects=(v.M, true_mass.value),
-            hint=HINT,
+            words=replace(WORDS, headline=headline),
         )
-        for suffix, formula, definitions, replaces in (
-            ("", "M (1 + r) for M in gravity and normal force", (true_mass,), {M: M_true.symbol}),
+        for suffix, headline, formula, definitions, replaces in (
+            (
+                "",
+                "a correction of the declared mass",
+                "M (1 + r) for M in gravity and normal force",
+                (true_mass,),
+                {M: M_true.symbol},
+            ),
             (
                 "[inertia]",
+                "a correction of the declared mass, in the inertia too",
                 "M (1 + r) for M in gravity, normal force and inertia",
                 (true_inertia, true_mass),
                 {M: M_true.symbol, J_l: J_l_true.symbol},
@@ -60,6 +74,6 @@ def effects(setting: Setting) -> tuple[Effect, ...]:
         formula="r G",
         reference=REFERENCE,
         inputs=(v.theta_m,),
-        hint=HINT,
+        words=replace(WORDS, headline="a correction of the gravity torque"),
     )
     return (*replacing, torque)

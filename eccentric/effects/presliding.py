@@ -1,12 +1,15 @@
-"""Pre-sliding: after a reversal bristles bend before surfaces slide (Dahl), more so at low speed (LuGre)."""
+"""Presliding: Dahl's and LuGre's bristles."""
 
 from __future__ import annotations
+
+from dataclasses import replace
 
 import sympy as sp
 
 from eccentric.effects.effect import Effect, Shape
 from eccentric.effects.forms import addition, direction, dt, omega_m, relaxation, speed
 from eccentric.effects.setting import Setting
+from eccentric.effects.words import Words
 from eccentric.model import quantity
 
 A = quantity(
@@ -15,7 +18,15 @@ A = quantity(
 S = quantity("presliding_S", "N m", "by how much it is higher near rest", "", "nonnegative")
 reach = quantity("presliding_x", "rad", "motor angle over which it builds up", "", "positive")
 w_s = quantity("presliding_v", "rad/s", "Stribeck velocity, motor side", "", "positive")
-HINT = "many reversals with strokes from a tenth of the bending angle up to ten times of it, finely resolved"
+WORDS = Words(
+    meaning=(
+        "Pre-sliding: after a reversal bristles bend before surfaces slide (Dahl), more so at low "
+        "speed (LuGre)."
+    ),
+    hint=(
+        "many reversals with strokes from a tenth of the bending angle up to ten times of it, finely resolved"
+    ),
+)
 
 
 def effects(setting: Setting) -> tuple[Effect, ...]:
@@ -31,7 +42,7 @@ def effects(setting: Setting) -> tuple[Effect, ...]:
         reference="P. R. Dahl, A solid friction model, The Aerospace Corporation TOR-0158(3107-18)-1, 1968",
         shapes=(Shape(reach, low, high, "log", 8),),
         states=(state,),
-        hint=HINT,
+        words=replace(WORDS, headline="presliding after each reversal (Dahl)"),
     )
     lugre = addition(
         "presliding[lugre]",
@@ -45,6 +56,6 @@ def effects(setting: Setting) -> tuple[Effect, ...]:
             Shape(w_s, setting.w_min, 0.4 * setting.w_max, "log", 4),
         ),
         states=(state,),
-        hint=HINT,
+        words=replace(WORDS, headline="presliding after each reversal, with a Stribeck curve (LuGre)"),
     )
     return dahl, lugre

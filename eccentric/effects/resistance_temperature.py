@@ -1,10 +1,13 @@
-"""The winding's resistance rises with temperature, logged or by the heat of the current itself."""
+"""Resistance of the winding by temperature."""
 
 from __future__ import annotations
+
+from dataclasses import replace
 
 from eccentric.effects.effect import Effect, Shape
 from eccentric.effects.forms import addition, constant, heating, thermal_times
 from eccentric.effects.setting import Setting
+from eccentric.effects.words import TEMPERATURE, Words
 from eccentric.model import quantity
 from eccentric.model import vocabulary as v
 
@@ -18,7 +21,11 @@ tau = quantity("resistance_tau", "s", "thermal time constant of the winding", ""
 REFERENCE = (
     "standard form; thermal models: A. Boglietti et al., IEEE Trans. Industrial Electronics 56(3), 2009"
 )
-HINT = "the rotor held at a constant current: the voltage shows the resistance alone"
+WORDS = Words(
+    meaning="The winding's resistance rises with temperature, logged or by the heat of the current itself.",
+    hint="the rotor held at a constant current: the voltage shows the resistance alone",
+    kin=TEMPERATURE,
+)
 
 
 def effects(setting: Setting) -> tuple[Effect, ...]:
@@ -40,7 +47,7 @@ def effects(setting: Setting) -> tuple[Effect, ...]:
                 definitions=(zero,),
                 inputs=(v.temperature,),
                 needs=("current", "voltage", "temperature"),
-                hint=HINT,
+                words=replace(WORDS, headline="a winding resistance that rises with temperature"),
             )
         )
     warm, definitions, state = heating("resistance", setting, drop * v.i.symbol, tau.symbol)
@@ -57,7 +64,7 @@ def effects(setting: Setting) -> tuple[Effect, ...]:
             definitions=definitions,
             states=(state,),
             needs=("current", "voltage"),
-            hint=HINT,
+            words=replace(WORDS, headline="a winding resistance that rises as the winding heats up"),
         )
     )
     return tuple(found)

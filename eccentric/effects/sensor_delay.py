@@ -1,4 +1,4 @@
-"""The current is measured late: it shows in both balances, in proportion to how fast the current changes."""
+"""Delay of the current sensor."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ import sympy as sp
 from eccentric.effects.effect import Effect
 from eccentric.effects.forms import current_slope
 from eccentric.effects.setting import Setting
+from eccentric.effects.words import Words
 from eccentric.model import Quantity, Term, quantity
 from eccentric.model import vocabulary as v
 from eccentric.model.model import State
@@ -15,6 +16,14 @@ delay = quantity("delay_d", "s", "delay of the measured current behind angle and
 square = quantity("delay_q", "s^2", "half the squared delay, less what the difference quotient lags")
 BOUNDS = (-0.02, 0.07)
 REFERENCE = "standard form: second order of the Taylor series i(t + d) = i + d di/dt + q d2i/dt2"
+WORDS = Words(
+    headline="a delay of the current sensor",
+    meaning=(
+        "The current is measured late: it shows in both balances, in proportion to how fast the "
+        "current changes."
+    ),
+    hint="a step of voltage with the rotor held: voltage and current must move together",
+)
 
 
 def effects(setting: Setting) -> tuple[Effect, ...]:
@@ -46,7 +55,7 @@ def effects(setting: Setting) -> tuple[Effect, ...]:
             reference=REFERENCE,
             states=states,
             needs=("current",),
-            hint="a step of voltage with the rotor held: voltage and current must move together",
+            words=WORDS,
         ),
     )
 

@@ -1,12 +1,15 @@
-"""Stribeck: dry friction is higher at low speed, until a film of lubricant carries the load."""
+"""Stribeck friction."""
 
 from __future__ import annotations
+
+from dataclasses import replace
 
 import sympy as sp
 
 from eccentric.effects.effect import Effect, Shape
 from eccentric.effects.forms import addition, direction, omega_m, root, speed
 from eccentric.effects.setting import Setting
+from eccentric.effects.words import SPEED, Words
 from eccentric.model import quantity
 
 A = quantity(
@@ -17,6 +20,14 @@ ratio = speed / w_s.symbol
 half, definitions = root("stribeck", omega_m / w_s.symbol, "speed over the Stribeck velocity")
 # A general exponent would need `pow`; these are the four in use.
 POWERS = {"0.5": half, "1": ratio, "1.5": ratio * half, "2": ratio**2}
+WORDS = Words(
+    meaning="Dry friction is higher at low speed, until a film of lubricant carries the load.",
+    hint="steady runs at several speeds below and around the Stribeck velocity, in both directions",
+    kin=SPEED,
+    tell_apart={
+        "presliding": "Creep below the Stribeck velocity, far from reversals.",
+    },
+)
 
 
 def effects(setting: Setting) -> tuple[Effect, ...]:
@@ -31,7 +42,9 @@ def effects(setting: Setting) -> tuple[Effect, ...]:
             " Wear 82(3), 1982",
             definitions=definitions if power.has(half) else (),
             shapes=(Shape(w_s, setting.w_min, 0.6 * setting.w_max, "log", 12),),
-            hint="steady runs at several speeds below and around the Stribeck velocity, in both directions",
+            words=replace(
+                WORDS, headline=f"dry friction that is higher at low speed (Stribeck, exponent {d})"
+            ),
         )
         for d, power in POWERS.items()
     )

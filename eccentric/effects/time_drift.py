@@ -1,10 +1,13 @@
-"""Friction drifts linearly over the log, for whatever reason."""
+"""Friction that drifts over the log."""
 
 from __future__ import annotations
+
+from dataclasses import replace
 
 from eccentric.effects.effect import Effect, Shape
 from eccentric.effects.forms import addition, direction
 from eccentric.effects.setting import Setting
+from eccentric.effects.words import TIME, Words
 from eccentric.model import Definition, quantity
 from eccentric.model import vocabulary as v
 
@@ -12,7 +15,11 @@ C = quantity("drift_C", "N m/s", "change of the Coulomb torque per second")
 rate = quantity("drift_rate", "1/s", "relative change of friction per second")
 factor = quantity("drift_factor", "1", "friction over that at the start of the log")
 REFERENCE = "standard form; parameters that drift: R. Isermann, Fault-Diagnosis Systems, Springer, 2006"
-HINT = "repeat the first run at the end, and once more after a rest"
+WORDS = Words(
+    meaning="Friction drifts linearly over the log, for whatever reason.",
+    hint="repeat the first run at the end, and once more after a rest",
+    kin=TIME,
+)
 
 
 def effects(setting: Setting) -> tuple[Effect, ...]:
@@ -24,7 +31,7 @@ def effects(setting: Setting) -> tuple[Effect, ...]:
         formula="C t sgn w",
         reference=REFERENCE,
         inputs=(v.t,),
-        hint=HINT,
+        words=replace(WORDS, headline="Coulomb friction that drifts over time"),
     )
     most = 0.6 / setting.duration_s
     every = Effect(
@@ -38,6 +45,6 @@ def effects(setting: Setting) -> tuple[Effect, ...]:
         definitions=(Definition(factor, 1 + rate.symbol * v.t.symbol),),
         scales={"friction": factor.symbol},
         inputs=(v.t,),
-        hint=HINT,
+        words=replace(WORDS, headline="friction that drifts over time"),
     )
     return dry, every

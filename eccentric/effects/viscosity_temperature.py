@@ -1,12 +1,15 @@
-"""The viscosity of a lubricant falls with temperature: exponentially (Reynolds), or as Arrhenius has it."""
+"""Viscosity by temperature."""
 
 from __future__ import annotations
+
+from dataclasses import replace
 
 import sympy as sp
 
 from eccentric.effects.effect import Effect, Shape
 from eccentric.effects.forms import addition, constant, omega_m
 from eccentric.effects.setting import Setting
+from eccentric.effects.words import TEMPERATURE, Words
 from eccentric.model import Definition, quantity
 from eccentric.model import vocabulary as v
 
@@ -19,8 +22,16 @@ factor = quantity("viscosity_factor", "1", "viscosity over that at the reference
 
 REYNOLDS = "O. Reynolds, Phil. Trans. Royal Society 177, 1886"
 ROBOT = "A. C. Bittencourt, E. Wernholt, S. Sander-Tavallaey and T. Brogårdh, IROS 2010"
-HINT = (
-    "one speed held while the temperature rises and falls, so that temperature is not the order of the runs"
+WORDS = Words(
+    meaning=(
+        "The viscosity of a lubricant falls with temperature: exponentially (Reynolds), or as "
+        "Arrhenius has it."
+    ),
+    hint=(
+        "one speed held while the temperature rises and falls, so that temperature is not the order of "
+        "the runs"
+    ),
+    kin=TEMPERATURE,
 )
 
 
@@ -40,6 +51,7 @@ def effects(setting: Setting) -> tuple[Effect, ...]:
     return (
         _scaling(
             "viscosity_temperature",
+            "viscous friction that falls with temperature (Reynolds)",
             (zero, Definition(factor, reynolds)),
             falls,
             "viscous friction times exp(-b (T - T_0))",
@@ -47,6 +59,7 @@ def effects(setting: Setting) -> tuple[Effect, ...]:
         ),
         _scaling(
             "viscosity_temperature[arrhenius]",
+            "viscous friction that falls with temperature (Arrhenius)",
             (zero, kelvin, Definition(factor, arrhenius)),
             energy,
             "viscous friction times exp(E/T - E/T_0), T in K",
@@ -62,13 +75,18 @@ def effects(setting: Setting) -> tuple[Effect, ...]:
             definitions=(zero,),
             inputs=(v.temperature,),
             needs=("temperature",),
-            hint=HINT,
+            words=replace(WORDS, headline="viscous friction of one bearing that falls with temperature"),
         ),
     )
 
 
 def _scaling(
-    effect_id: str, definitions: tuple[Definition, ...], shape: Shape, formula: str, reference: str
+    effect_id: str,
+    headline: str,
+    definitions: tuple[Definition, ...],
+    shape: Shape,
+    formula: str,
+    reference: str,
 ) -> Effect:
     return Effect(
         id=effect_id,
@@ -82,5 +100,5 @@ def _scaling(
         scales={"viscous": factor.symbol},
         inputs=(v.temperature,),
         needs=("temperature",),
-        hint=HINT,
+        words=replace(WORDS, headline=headline),
     )

@@ -1,12 +1,15 @@
-"""Running-in: dry friction settles as surfaces wear smooth, over time or over the way travelled."""
+"""Running-in."""
 
 from __future__ import annotations
+
+from dataclasses import replace
 
 import sympy as sp
 
 from eccentric.effects.effect import Effect, Shape
 from eccentric.effects.forms import addition, direction, dt, speed
 from eccentric.effects.setting import Setting
+from eccentric.effects.words import TIME, Words
 from eccentric.model import quantity
 from eccentric.model import vocabulary as v
 from eccentric.model.model import State
@@ -16,7 +19,11 @@ tau = quantity("wear_tau", "s", "time over which it settles", "", "positive")
 way = quantity("wear_s", "rad", "motor angle travelled", "", "nonnegative")
 reach = quantity("wear_x", "rad", "travelled motor angle over which it settles", "", "positive")
 REFERENCE = "standard form; running-in: P. J. Blau, Tribology International 38(11-12), 2005"
-HINT = "repeat the same run at the end: friction stays low after a rest, which heat does not"
+WORDS = Words(
+    meaning="Running-in: dry friction settles as surfaces wear smooth, over time or over the way travelled.",
+    hint="repeat the same run at the end: friction stays low after a rest, which heat does not",
+    kin=TIME,
+)
 
 
 def effects(setting: Setting) -> tuple[Effect, ...]:
@@ -32,7 +39,7 @@ def effects(setting: Setting) -> tuple[Effect, ...]:
         reference=REFERENCE,
         shapes=(Shape(tau, 0.05 * end, 0.5 * end, "log", 6),),
         inputs=(v.t,),
-        hint=HINT,
+        words=replace(WORDS, headline="Coulomb friction that settles over time as surfaces run in"),
     )
     in_way = addition(
         "wear_runin[travel]",
@@ -42,6 +49,8 @@ def effects(setting: Setting) -> tuple[Effect, ...]:
         reference=REFERENCE,
         shapes=(Shape(reach, 0.05 * travelled, 0.6 * travelled, "log", 6),),
         states=(State(way, sp.Integer(0), way.symbol + speed * dt),),
-        hint=HINT,
+        words=replace(
+            WORDS, headline="Coulomb friction that settles over the angle travelled as surfaces run in"
+        ),
     )
     return in_time, in_way

@@ -13,7 +13,6 @@ from pathlib import Path
 from eccentric import __version__
 from eccentric.diagnosis.outcome import Diagnosis
 from eccentric.diagnosis.words import sentence
-from eccentric.effects import meaning
 from eccentric.effects.effect import Effect
 from eccentric.report.balance import balance_of
 from eccentric.report.data import (
@@ -68,7 +67,7 @@ def report_data(found: Diagnosis, files: Sequence[tuple[str, str]] = ()) -> Repo
             AddedEffect(
                 id=e.id,
                 balance=e.balance,
-                meaning=meaning(e.family),
+                meaning=e.words.meaning,
                 formula=e.formula,
                 reference=e.reference,
                 share=found.extended.shares.get(e.id, 0.0),
@@ -91,7 +90,7 @@ def report_data(found: Diagnosis, files: Sequence[tuple[str, str]] = ()) -> Repo
 
 def _words(about: dict[str, Effect], name: str) -> tuple[str, tuple[str, ...], str]:
     effect = about.get(name)
-    return ("", (), "") if effect is None else (effect.formula, effect.aliases, effect.hint)
+    return ("", (), "") if effect is None else (effect.formula, effect.aliases, effect.words.hint)
 
 
 def _further(found: Diagnosis) -> list[Errors]:

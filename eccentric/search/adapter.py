@@ -85,6 +85,7 @@ def candidate(
         needs=effect.needs,
         special_of=effect.special_of,
         repeats=effect.repeats,
+        words=effect.words,
         also=None if other is None or other not in own else columns_of(other),
         replaces=None if changes is None else (lambda _, shape, __: changes(shape)),
     )

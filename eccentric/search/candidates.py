@@ -13,6 +13,8 @@ from typing import Any
 
 import numpy as np
 
+from eccentric.effects import Words
+
 __all__ = ["Candidate", "Shape", "shape_grid"]
 
 Array = np.ndarray
@@ -37,6 +39,7 @@ class Candidate:
     special_of: families of which this one is a special case; it wins a tie against them.
     repeats: whether another candidate of the family may join it (harmonics of other orders).
     ridge: penalty on the coefficients, relative to their scaled diagonal (smooth terms only).
+    words: what a person reads of it.
     also: (channels, shape) -> what an electrical effect adds to the mechanical target, columns (samples, k)
         for its coefficients, or (samples,) if its parameters are all in `shape` (a current sensor's bias and
         delay).
@@ -53,6 +56,7 @@ class Candidate:
     special_of: tuple[str, ...] = ()
     repeats: bool = False
     ridge: float = 0.0
+    words: Words = field(default_factory=Words)
     also: Callable[[Any, Shape], Array] | None = None
     replaces: Callable[[Any, Shape, Array], tuple[Array | None, Array]] | None = None
 

@@ -15,6 +15,7 @@ from typing import Any
 
 import numpy as np
 
+from eccentric.effects import Words, measurement_between
 from eccentric.search.attribution import Rules, Search, search_all
 from eccentric.search.candidates import Candidate
 from eccentric.search.selection import Term
@@ -103,7 +104,7 @@ def attribute(
         for name, search in searches.items()
         if search.ranked
     }
-    sentence = next_measurement(verdict, tied, variables)
+    sentence = next_measurement(verdict, tied, variables, {c.family: c.words for c in candidates})
     return Attribution(
         verdict, tuple(adopted), tuple(tied), tuple(listed), variables, sentence, searches, deviance
     )
@@ -118,7 +119,7 @@ def unconfirmed(found: Attribution) -> Attribution:
         verdict="unexplained",
         tied=(),
         depends_on=variables,
-        next_measurement=next_measurement("unexplained", (), variables),
+        next_measurement=next_measurement("unexplained", (), variables, {}),
         unconfirmed=tuple(a.term.candidate.id for a in found.adopted),
     )
 
@@ -202,38 +203,13 @@ def _variables(searches: dict[str, Search], rules: Rules) -> tuple[list[tuple[st
     ]
 
 
-_TEMPERATURE = {
-    "viscosity_temperature",
-    "coulomb_temperature",
-    "hidden_thermal_drift",
-    "resistance_temperature",
-}
-_TIME = {"wear_runin", "time_drift"}
-_SPEED = {"stribeck", "quadratic_drag", "cubic_drag", "oneway_windage", "eddy_current"}
-_LOAD = {"load_dependent", "gear_efficiency", "kt_saturation", "inertia_mismatch", "ki_mismatch"}
-_GRAVITY = {"mass_mismatch", "gravity_tilt", "angle_offset", "link_harmonic_friction", "cable_spring"}
-_SENTENCES: tuple[tuple[set[str], set[str], str], ...] = (
-    (_TEMPERATURE, _TIME, "Repeat the same speeds warm and cooled, temperature logged."),
-    (_TEMPERATURE, _TEMPERATURE, "Alternate slow and fast speeds over a ramp of 20 K or more."),
-    (_TIME, _TIME, "Log three times as long, with rests, so that time and distance travelled part."),
-    ({"stribeck"}, {"presliding"}, "Creep below the Stribeck velocity, far from reversals."),
-    (_SPEED, _SPEED, "Add constant speeds at twice the present range and at its lower end, both ways."),
-    (
-        {"load_dependent"},
-        {"gear_efficiency"},
-        "Raise and lower the mass slowly at the same speeds, with the current logged and k_i known.",
-    ),
-    ({"ki_mismatch"}, _GRAVITY, "Weigh the mass; or accelerate hard, with the inertia declared."),
-    (_LOAD, _LOAD, "Accelerate hard at several speeds, then repeat with another mass on the link."),
-    ({"coulomb_asymmetry"}, {"current_bias"}, "Log the voltage too, or the current at rest."),
-    ({"coulomb_asymmetry"}, {"cable_spring"}, "Turn the link ten times further in one direction."),
-    (_GRAVITY, _GRAVITY, "Hold slow speeds over whole turns both ways, with two masses."),
-    ({"cogging"}, _GRAVITY, "Turn the motor slowly with the link taken off."),
-)  # fmt: skip
+def next_measurement(
+    verdict: str, tied: Sequence[str], variables: Sequence[str], words: Mapping[str, Words]
+) -> str:
+    """The measurement that would decide, in one sentence; empty where nothing is open.
 
-
-def next_measurement(verdict: str, tied: Sequence[str], variables: Sequence[str]) -> str:
-    """The measurement that would decide, in one sentence; empty where nothing is open."""
+    words: of each family.
+    """
     if verdict == "unexplained":
         what = variables[0].replace("_", " ") if variables else "time"
         if what == "acceleration":
@@ -244,7 +220,6 @@ def next_measurement(verdict: str, tied: Sequence[str], variables: Sequence[str]
     if verdict != "not_identifiable" or not tied:
         return ""
     first, second = tied[0], tied[1] if len(tied) > 1 else tied[0]
-    for one, other, sentence in _SENTENCES:
-        if (first in one and second in other) or (second in one and first in other):
-            return sentence
-    return f"Excite what tells {first} from {second}: other speeds, loads and directions than this log holds."
+    return measurement_between((first, words[first]), (second, words[second])) or (
+        f"Excite what tells {first} from {second}: other speeds, loads and directions than this log holds."
+    )
