@@ -13,7 +13,7 @@ from measured_plot import AFTER, BEFORE, INK, PALE, STYLE, band, friction, over_
 from scipy.signal import lombscargle
 
 from eccentric.diagnosis.diagnose import Diagnosis
-from eccentric.fitting.refit import Refit, refit, residual_samples
+from eccentric.fitting import Refit, refit, residual_samples
 
 RPM = 30.0 / np.pi
 COPPER = 0.39

@@ -8,7 +8,7 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from eccentric.diagnosis.diagnose import Diagnosis
-from eccentric.fitting.refit import Refit
+from eccentric.fitting import Refit
 
 Array = np.ndarray
 

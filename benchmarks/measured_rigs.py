@@ -28,7 +28,7 @@ from measured_page import Cell, Table, table
 
 from eccentric.diagnosis.diagnose import Diagnosis, diagnose
 from eccentric.diagnosis.words import lines
-from eccentric.fitting.uncertainty import improvement
+from eccentric.fitting import improvement
 
 ROOT = Path(__file__).resolve().parents[1]
 OUT = ROOT / "docs" / "measured"

@@ -6,7 +6,7 @@ from collections.abc import Collection
 
 from eccentric.diagnosis.diagnose import Diagnosis
 from eccentric.effects import library
-from eccentric.fitting.refit import refit
+from eccentric.fitting import refit
 
 
 def oracle(found: Diagnosis, families: Collection[str]) -> tuple[str, float] | None:

@@ -18,12 +18,8 @@ from typing import Any
 from hypothesis import strategies as st
 
 from eccentric.errors import InputError
-from eccentric.logs.arithmetic import evaluate
-from eccentric.logs.log import read_log
-from eccentric.logs.units import parse_value
-from eccentric.rigs.known import KNOWNS
-from eccentric.rigs.rig import KEYS, read_rig
-from eccentric.rigs.sources import CHANNELS
+from eccentric.logs import evaluate, parse_value, read_log
+from eccentric.rigs import CHANNELS, KEYS, KNOWNS, read_rig
 from tests.damage import NUMBERS, csv_bytes, files, json_bytes, mat73_bytes, mat_bytes, parquet_bytes, texts
 
 ODD_TEXTS = (

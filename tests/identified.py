@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from eccentric.fitting.refit import Refit
+from eccentric.fitting import Refit
 
 DIFFERENCES = 4e-3
 """Relative: what 25 Hz and central differences at 125 Hz take from an acceleration of 2 Hz and less."""

@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from eccentric.rigs.rig import Rig, read_rig
-from eccentric.signals.channels import Channels, read_channels
+from eccentric.rigs import Rig, read_rig
+from eccentric.signals import Channels, read_channels
 
 SHARED = Path(__file__).parents[1] / ".." / "shared" / "data"
 RIGS = Path(__file__).parents[1] / "examples" / "rigs"

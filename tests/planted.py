@@ -12,10 +12,10 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.signal import lfilter
 
-from eccentric.fitting.fit import Fit, fit
+from eccentric.fitting import Fit, fit
 from eccentric.model import load_model
-from eccentric.rigs.rig import Rig, read_rig
-from eccentric.signals.channels import Channels, read_channels
+from eccentric.rigs import Rig, read_rig
+from eccentric.signals import Channels, read_channels
 from tests import paper
 
 Array = NDArray[np.float64]

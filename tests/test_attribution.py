@@ -10,7 +10,7 @@ import pytest
 
 from eccentric.search.candidates import Candidate
 from eccentric.search.verdict import Attribution, attribute
-from eccentric.signals.residual import make_balance_design, make_windows
+from eccentric.signals import make_balance_design, make_windows
 
 MU, NOISE = 0.2, 0.004
 

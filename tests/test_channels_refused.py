@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from eccentric.errors import InputError
-from eccentric.signals.channels import read_channels
+from eccentric.signals import read_channels
 from tests.logged import (
     MAPPED,
     RIG,

@@ -8,8 +8,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from eccentric.rigs.rig import read_rig
-from eccentric.signals.channels import Channels, read_channels
+from eccentric.rigs import read_rig
+from eccentric.signals import Channels, read_channels
 from tests.logged import (
     RIG,
     RIGS,

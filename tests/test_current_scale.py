@@ -7,8 +7,8 @@ import pytest
 
 from eccentric.diagnosis.diagnose import diagnose
 from eccentric.diagnosis.words import sentence
-from eccentric.rigs.rig import read_rig
-from eccentric.signals.channels import read_channels
+from eccentric.rigs import read_rig
+from eccentric.signals import read_channels
 from tests.virtual import log_of
 
 

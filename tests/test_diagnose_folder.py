@@ -17,8 +17,8 @@ import numpy as np
 import pytest
 
 from eccentric.cli import main
-from eccentric.rigs.rig import read_rig
-from eccentric.signals.channels import read_channels
+from eccentric.rigs import read_rig
+from eccentric.signals import read_channels
 from tests.compiled import FLAGS
 from tests.virtual import log_of
 

@@ -18,8 +18,8 @@ import pytest
 
 from eccentric.cli import COMMANDS
 from eccentric.effects import FAMILIES, Setting, library
-from eccentric.rigs.rig import read_rig
-from eccentric.signals.channels import read_channels
+from eccentric.rigs import read_rig
+from eccentric.signals import read_channels
 
 ROOT = Path(__file__).resolve().parents[1]
 FETCHED = {"src", "srcset", "data", "poster", "action", "background"}

@@ -11,13 +11,10 @@ import pytest
 
 from eccentric.emission import load_module
 from eccentric.errors import InputError
-from eccentric.fitting.document import document
-from eccentric.fitting.fit import Fit, fit
-from eccentric.fitting.parameters import emitted_parameters
-from eccentric.fitting.words import lines, sentence
+from eccentric.fitting import Fit, emitted_parameters, fit, fit_document, fit_lines, fit_sentence
 from eccentric.model import load_model
-from eccentric.rigs.rig import read_rig
-from eccentric.signals.channels import read_channels
+from eccentric.rigs import read_rig
+from eccentric.signals import read_channels
 from tests.planted import (
     FRICTION,
     INERTIA,
@@ -133,7 +130,7 @@ def test_voltage_in_case_c1_stays_in_volts(tmp_path: Path) -> None:
     }
     assert expected == pytest.approx({name: e.value for name, e in found.coefficients.items()}, rel=2e-3)
     assert found.identified[0] == []
-    assert "no scale to newton metres" in "\n".join(lines(found, ["log"]))
+    assert "no scale to newton metres" in "\n".join(fit_lines(found, ["log"]))
 
 
 def test_emitted_parameters_predict_what_the_fit_predicts(tmp_path: Path) -> None:
@@ -224,8 +221,8 @@ def test_disc_of_eindhoven_shows_no_gain() -> None:
     assert found.searched["theta_zero_rad"].value == pytest.approx(0.05, abs=0.01)
     assert found.r_squared["paper"] > 0.998
     assert found.percent_interval[0] <= 0.0 <= found.percent_interval[1]
-    assert "gains nothing" in sentence(found)
-    unknown = document(found, ["data"])["unknown"]["M_l"]
+    assert "gains nothing" in fit_sentence(found)
+    unknown = fit_document(found, ["data"])["unknown"]["M_l"]
     assert unknown["range"] == [0.0, 0.2]
     assert max(unknown["profile"]["rmse_training"]) < 1.01 * min(unknown["profile"]["rmse_training"])
 
@@ -235,7 +232,7 @@ def test_bundled_log_shows_the_gain_and_the_planted_friction() -> None:
     folder = ROOT / "examples" / "bench"
     found = shared_fit(folder / "bench.csv.gz", folder / "bench.json")
     assert found.percent_interval[0] > 0.0
-    assert "better than Coulomb + viscous" in sentence(found)
+    assert "better than Coulomb + viscous" in fit_sentence(found)
     truth = json.loads((folder / "bench.truth.json").read_text())["hidden_parameters"]
     outside = [
         name for name, e in found.coefficients.items() if not e.interval[0] <= truth[name] <= e.interval[1]

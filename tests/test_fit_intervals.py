@@ -8,11 +8,10 @@ import numpy as np
 import pytest
 from scipy.stats import binom
 
-from eccentric.fitting.fit import fit
-from eccentric.fitting.words import lines
+from eccentric.fitting import fit, fit_lines
 from eccentric.model import load_model
-from eccentric.rigs.rig import Rig
-from eccentric.signals.channels import Channels
+from eccentric.rigs import Rig
+from eccentric.signals import Channels
 from tests.planted import (
     FRICTION,
     K_I,
@@ -80,7 +79,7 @@ def test_an_undeclared_effect_shows_beside_the_bounds(plain: tuple[Channels, Rig
     )
     assert found.bounds_active != []
     assert found.rmse["paper_unbounded"] < found.rmse["paper"]
-    assert "a sign of an effect that the model lacks" in "\n".join(lines(found, ["log"]))
+    assert "a sign of an effect that the model lacks" in "\n".join(fit_lines(found, ["log"]))
 
 
 def test_unknown_mass_is_found_within_its_range(plain: tuple[Channels, Rig]) -> None:

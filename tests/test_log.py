@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from eccentric.errors import InputError
-from eccentric.logs.log import read_log
+from eccentric.logs import read_log
 
 if TYPE_CHECKING:
     from pathlib import Path

@@ -14,9 +14,9 @@ import pytest
 from numpy.typing import NDArray
 
 from eccentric.errors import InputError
-from eccentric.rigs.rig import read_rig
-from eccentric.signals.channels import read_channels
-from eccentric.signals.quality.assess import Finding, assess
+from eccentric.rigs import read_rig
+from eccentric.signals import Finding, read_channels
+from eccentric.signals.quality import assess
 from eccentric.signals.table import read_table
 from eccentric.virtual_bench import BenchRun, random_scenario, simulate
 

@@ -14,8 +14,8 @@ import numpy as np
 import pytest
 
 from eccentric.errors import InputError
+from eccentric.logs import Log, read_log
 from eccentric.logs import csv_file as log_csv
-from eccentric.logs.log import Log, read_log
 
 ENTRIES = [
     {"timestamp": 0.0, "position": -0.5, "load": 0, "torque_enable": True, "note": "ok"},

@@ -14,7 +14,7 @@ from scipy.io import savemat
 from scipy.sparse import csc_array
 
 from eccentric.errors import InputError
-from eccentric.logs.log import Log, read_log
+from eccentric.logs import Log, read_log
 
 T = np.arange(4.0)
 

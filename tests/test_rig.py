@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from eccentric.errors import InputError
-from eccentric.rigs.rig import read_rig
+from eccentric.rigs import read_rig
 
 SHARED = Path(__file__).parents[1] / ".." / "shared" / "data" / "examples"
 RIGS = Path(__file__).parents[1] / "examples" / "rigs"

@@ -9,13 +9,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from eccentric.fitting.fit import Fit, fit
-from eccentric.logs.units import parse_unit
+from eccentric.fitting import Fit, fit
+from eccentric.logs import parse_unit
 from eccentric.model import load_model
-from eccentric.rigs.known import KNOWNS
-from eccentric.rigs.rig import KEYS, read_rig
-from eccentric.rigs.sources import CHANNELS
-from eccentric.signals.channels import read_channels
+from eccentric.rigs import CHANNELS, KEYS, KNOWNS, read_rig
+from eccentric.signals import read_channels
 
 ROOT = Path(__file__).parents[1]
 PAGE = (ROOT / "docs" / "rig.md").read_text(encoding="utf-8")

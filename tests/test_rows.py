@@ -9,13 +9,12 @@ import numpy as np
 import pytest
 
 from eccentric.errors import InputError
-from eccentric.fitting.drive import drive_of
+from eccentric.fitting import drive_of
 from eccentric.fitting.problem import pose
 from eccentric.model import load_model
-from eccentric.rigs.rig import Rig, read_rig
+from eccentric.rigs import Rig, read_rig
 from eccentric.search.balances import fit_data_of
-from eccentric.signals.channels import Channels, read_channels
-from eccentric.signals.rows import rows_of
+from eccentric.signals import Channels, read_channels, rows_of
 from tests import screw
 from tests.planted import FRICTION, K_I, KNOWN, MASS, MOTOR, RATE, TORQUE, T, fitted, motion, torque, written
 from tests.swing import GARBAGE_V, Run, Swing, driven, write_rig, write_runs

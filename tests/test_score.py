@@ -8,13 +8,11 @@ import numpy as np
 import pytest
 
 from eccentric.diagnosis.score import leave_runs_out
-from eccentric.fitting.drive import drive_of
-from eccentric.fitting.emitted import FitData
-from eccentric.fitting.refit import refit
+from eccentric.fitting import FitData, drive_of, refit
 from eccentric.model import Model, load_model
-from eccentric.rigs.rig import read_rig
+from eccentric.rigs import read_rig
 from eccentric.search.balances import fit_data_of
-from eccentric.signals.channels import read_channels
+from eccentric.signals import read_channels
 from tests.swing import Array, Swing, driven, write_rig, write_runs
 
 RIG = Swing()

@@ -5,7 +5,7 @@ import dataclasses
 import numpy as np
 import pytest
 
-from eccentric.fitting.expressions import Signals, compiled
+from eccentric.fitting import Signals, compiled
 from eccentric.model import load_model, quantity
 from eccentric.model import vocabulary as v
 from eccentric.model.model import Definition

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from eccentric.fitting.expressions import Signals
+from eccentric.fitting import Signals
 from eccentric.fitting.states import state_series
 from eccentric.model import load_model
 from tests.extended import KNOWN, effects

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from scipy.stats import binom
 
-from eccentric.fitting.least_squares import bounded
+from eccentric.fitting import bounded
 from eccentric.fitting.uncertainty import (
     FRACTION,
     TWO_SIDED,

@@ -10,7 +10,7 @@ import pytest
 
 from eccentric.diagnosis.diagnose import Diagnosis, diagnose
 from eccentric.diagnosis.document import document
-from eccentric.fitting.refit import refit
+from eccentric.fitting import refit
 from eccentric.report.gather import report_data
 from tests.identified import DIFFERENCES, inertia, is_found
 from tests.swing import HELD_OUT, VOLTAGE, Array, Friction, Swing, log_of, sines, write_rig, write_runs

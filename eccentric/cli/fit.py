@@ -7,14 +7,11 @@ from pathlib import Path
 
 from eccentric.cli.arguments import add_folder, add_logs, distinct
 from eccentric.errors import InputError
-from eccentric.fitting.document import document
-from eccentric.fitting.figure import draw
-from eccentric.fitting.fit import fit
-from eccentric.fitting.words import lines
+from eccentric.fitting import draw_fit, fit, fit_document, fit_lines
 from eccentric.model import load_model
 from eccentric.output import own_folder, whole_folder
-from eccentric.rigs.rig import read_rig
-from eccentric.signals.channels import read_channels
+from eccentric.rigs import read_rig
+from eccentric.signals import read_channels
 
 NAME = "fit"
 HELP = "identify the friction of a rig from its logs, with uncertainty, and compare it with Coulomb + viscous"
@@ -39,14 +36,14 @@ def run(args: argparse.Namespace) -> int:
     found = fit(channels, rig, load_model(args.model or rig.model), ", ".join(names))
     figure = "fit.png, fit.svg"
     with whole_folder(args.out, NAME) as folder:
-        text = json.dumps(document(found, names), indent=1, ensure_ascii=False, allow_nan=False)
+        text = json.dumps(fit_document(found, names), indent=1, ensure_ascii=False, allow_nan=False)
         (folder / "fit.json").write_text(text + "\n", encoding="utf-8")
         try:
-            draw(found, folder / "fit")
+            draw_fit(found, folder / "fit")
         except InputError as error:
             figure = f"no figure: {error}"
     for warning in found.warnings:
         print(f"eccentric: warning: {warning}", file=sys.stderr)
-    print("\n".join(lines(found, names)))
+    print("\n".join(fit_lines(found, names)))
     print(f"{args.out}: fit.json, {figure}")
     return 0

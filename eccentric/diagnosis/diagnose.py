@@ -25,12 +25,9 @@ from eccentric.diagnosis.orders import orders_of
 from eccentric.diagnosis.outcome import Diagnosis
 from eccentric.diagnosis.trial import trial
 from eccentric.errors import InputError
-from eccentric.fitting.drive import drive_of, loaded_model
-from eccentric.fitting.emitted import FitData
-from eccentric.fitting.least_squares import bounded
-from eccentric.fitting.refit import residual_samples
+from eccentric.fitting import FitData, bounded, drive_of, loaded_model, residual_samples
 from eccentric.model import Model, load_model
-from eccentric.rigs.rig import Rig, read_rig
+from eccentric.rigs import Rig, read_rig
 from eccentric.search.adapter import candidate
 from eccentric.search.attribution import Rules
 from eccentric.search.balances import (
@@ -43,10 +40,7 @@ from eccentric.search.balances import (
 )
 from eccentric.search.offered import every_effect, offered
 from eccentric.search.verdict import attribute
-from eccentric.signals.channels import read_channels
-from eccentric.signals.measured import Channels
-from eccentric.signals.residual import BalanceDesign
-from eccentric.signals.rows import LEAST_HELD_OUT, MANY_RUNS, require_rows
+from eccentric.signals import LEAST_HELD_OUT, MANY_RUNS, BalanceDesign, Channels, read_channels, require_rows
 
 __all__ = ["Diagnosis", "diagnose"]
 

@@ -14,8 +14,8 @@ import numpy as np
 from scipy.ndimage import median_filter
 from scipy.signal import find_peaks, lombscargle
 
-from eccentric.fitting.emitted import FitData
-from eccentric.signals.stretches import rows_of_each
+from eccentric.fitting import FitData
+from eccentric.signals import rows_of_each
 
 __all__ = ["Order", "orders_of"]
 

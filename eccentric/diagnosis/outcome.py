@@ -10,14 +10,11 @@ from eccentric.diagnosis.orders import Order
 from eccentric.diagnosis.score import Score
 from eccentric.effects import Setting
 from eccentric.effects.effect import Effect
-from eccentric.fitting.emitted import FitData
-from eccentric.fitting.refit import Refit
+from eccentric.fitting import FitData, Refit
 from eccentric.model import Model
-from eccentric.rigs.rig import Rig
+from eccentric.rigs import Rig
 from eccentric.search.verdict import Attribution
-from eccentric.signals.finding import Finding
-from eccentric.signals.measured import Channels
-from eccentric.signals.rows import Rows
+from eccentric.signals import Channels, Finding, Rows
 
 __all__ = ["Diagnosis"]
 

@@ -8,9 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from eccentric.effects.effect import Effect
-from eccentric.fitting.emitted import FitData
-from eccentric.fitting.refit import Refit, refit
-from eccentric.fitting.uncertainty import improvement, improvement_over_runs
+from eccentric.fitting import FitData, Refit, improvement, improvement_over_runs, refit
 from eccentric.model import Model
 
 __all__ = ["OverRuns", "Score", "leave_runs_out", "score"]

@@ -9,8 +9,7 @@ import numpy as np
 
 from eccentric.diagnosis.score import Score, leave_runs_out, score
 from eccentric.effects.effect import Effect
-from eccentric.fitting.emitted import FitData
-from eccentric.fitting.refit import Refit, refit
+from eccentric.fitting import FitData, Refit, refit
 from eccentric.model import Model
 from eccentric.search.verdict import Attribution, unconfirmed
 

@@ -10,11 +10,11 @@ import sympy as sp
 
 from eccentric.errors import InputError
 from eccentric.model import Model, regressor
-from eccentric.rigs.known import KNOWNS
+from eccentric.rigs import KNOWNS
 
 if TYPE_CHECKING:
-    from eccentric.rigs.rig import Rig
-    from eccentric.signals.measured import Channels
+    from eccentric.rigs import Rig
+    from eccentric.signals import Channels
 
 R, k_i, k_e, J, u_0, T_load = sp.symbols("R k_i k_e J u_0 T_load")
 _UNITS = {known.name: known.unit for known in KNOWNS}

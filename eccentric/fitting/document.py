@@ -27,20 +27,20 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from eccentric.fitting.parameters import emitted_parameters
-from eccentric.rigs.rig import ALIGNMENT
+from eccentric.rigs import ALIGNMENT
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from eccentric.fitting.fit import Fit
+    from eccentric.fitting.identify import Fit
     from eccentric.fitting.uncertainty import Estimate
 
-__all__ = ["document"]
+__all__ = ["fit_document"]
 
 FORMAT = "eccentric-fit/1"
 
 
-def document(fit: Fit, logs: Sequence[str]) -> dict[str, Any]:
+def fit_document(fit: Fit, logs: Sequence[str]) -> dict[str, Any]:
     """Return the fit as strict JSON: numbers, texts, lists and tables; null for what is not there.
 
     `logs` are the names of the logs.

@@ -27,8 +27,8 @@ from eccentric.errors import InputError
 from eccentric.fitting.problem import Problem, own_letters, pose, require_case
 from eccentric.fitting.projection import Solution, solve
 from eccentric.model import Model, regressor
-from eccentric.rigs.rig import Rig
-from eccentric.signals.measured import Channels
+from eccentric.rigs import Rig
+from eccentric.signals import Channels
 
 __all__ = ["Drive", "drive_of", "loaded_model"]
 

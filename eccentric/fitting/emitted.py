@@ -13,7 +13,7 @@ from eccentric.fitting.drive import Drive
 from eccentric.fitting.expressions import Signals
 from eccentric.fitting.states import state_series
 from eccentric.model import Model
-from eccentric.signals.rows import Rows
+from eccentric.signals import Rows
 
 __all__ = ["Emitted", "FitData", "Values"]
 

@@ -11,13 +11,13 @@ from eccentric.errors import InputError
 if TYPE_CHECKING:
     from pathlib import Path
 
-    from eccentric.fitting.fit import Fit
+    from eccentric.fitting.identify import Fit
 
 MOST_POINTS = 4000
 _MEASURED, _LINEAR, _PAPER = "0.55", "tab:orange", "tab:blue"
 
 
-def draw(fit: Fit, stem: Path) -> None:
+def draw_fit(fit: Fit, stem: Path) -> None:
     """Write `stem`.png and `stem`.svg. Raises InputError without matplotlib (extra `figures`)."""
     try:
         from matplotlib import rc_context

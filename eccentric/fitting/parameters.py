@@ -6,7 +6,7 @@ import dataclasses
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from eccentric.fitting.fit import Fit
+    from eccentric.fitting.identify import Fit
     from eccentric.fitting.uncertainty import Estimate
 
 __all__ = ["emitted_parameters"]

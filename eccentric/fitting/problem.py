@@ -37,13 +37,12 @@ from eccentric.fitting.columns import (
 )
 from eccentric.model import Model, regressor
 from eccentric.model.steps import meaning
-from eccentric.rigs.known import KNOWNS
-from eccentric.signals.rows import averaged
-from eccentric.signals.windowed import Sampling, sample
+from eccentric.rigs import KNOWNS
+from eccentric.signals import Sampling, averaged, sample
 
 if TYPE_CHECKING:
-    from eccentric.rigs.rig import Rig
-    from eccentric.signals.measured import Channels
+    from eccentric.rigs import Rig
+    from eccentric.signals import Channels
 
 Array = NDArray[np.float64]
 

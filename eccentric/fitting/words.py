@@ -12,10 +12,10 @@ from eccentric.model import model_names
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
-    from eccentric.fitting.fit import Fit
+    from eccentric.fitting.identify import Fit
     from eccentric.fitting.uncertainty import Estimate
 
-__all__ = ["lines", "sentence"]
+__all__ = ["fit_lines", "fit_sentence"]
 
 _DRIVES = {"N m": "torque", "V": "voltage", "A": "current"}
 _CLEAR = 1.0
@@ -28,7 +28,7 @@ wrong by 30 % leaves 0.95; logs with friction that the models lack have 0.98.
 """
 
 
-def sentence(fit: Fit) -> str:
+def fit_sentence(fit: Fit) -> str:
     """Return in one sentence what the model gains on the held-out part over Coulomb + viscous.
 
     Where the log does not fit the rig at all, the sentence says that instead.
@@ -76,7 +76,7 @@ def _percent(x: float) -> str:
     return f"{round(x, 1) + 0.0:.1f}"  # + 0.0 takes the sign from a zero
 
 
-def lines(fit: Fit, logs: Sequence[str]) -> list[str]:
+def fit_lines(fit: Fit, logs: Sequence[str]) -> list[str]:
     """Return the fit for a terminal."""
     problem = fit.problem
     sampling = problem.sampling
@@ -93,7 +93,7 @@ def lines(fit: Fit, logs: Sequence[str]) -> list[str]:
         out.append(f"rows count as moving above {threshold:.4g} rad/s (moving_threshold_rad_s sets it)")
     if _fits(fit):
         out += _bounds_line(fit)
-    return [*out, sentence(fit)]
+    return [*out, fit_sentence(fit)]
 
 
 def _table(shown: Mapping[str, Estimate]) -> list[str]:

@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 
 from eccentric.diagnosis.outcome import Diagnosis
-from eccentric.fitting.refit import Refit
+from eccentric.fitting import Refit
 from eccentric.report.data import Balance, Channel, Rows
 from eccentric.search.balances import elapsed
-from eccentric.signals.rows import Rows as LogRows
+from eccentric.signals import Rows as LogRows
 
 __all__ = ["balance_of"]
 

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import sympy as sp
 
 from eccentric.errors import InputError
-from eccentric.logs.units import parse_value
+from eccentric.logs import parse_value
 from eccentric.model import vocabulary
 from eccentric.rigs.entries import read_number, read_pair, read_table, refuse_unknown
 

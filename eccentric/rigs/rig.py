@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from eccentric.errors import InputError
-from eccentric.logs.units import parse_value
+from eccentric.logs import parse_value
 from eccentric.rigs.entries import read_intervals, read_names, read_number, refuse_unknown
 from eccentric.rigs.file import read_file
 from eccentric.rigs.known import read_knowns

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from eccentric.errors import InputError
-from eccentric.logs.units import Unit, require_unit
+from eccentric.logs import Unit, require_unit
 from eccentric.rigs.entries import read_names, read_table, refuse_unknown
 
 __all__ = ["CHANNELS", "ColumnSource", "read_columns"]

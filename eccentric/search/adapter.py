@@ -12,8 +12,7 @@ import numpy as np
 import sympy as sp
 
 from eccentric.effects.effect import Effect
-from eccentric.fitting.expressions import Signals, base_columns, compiled
-from eccentric.fitting.states import States
+from eccentric.fitting import Signals, States, base_columns, compiled
 from eccentric.model import Model
 from eccentric.model import vocabulary as v
 from eccentric.search.candidates import Candidate, Shape

@@ -24,7 +24,7 @@ import numpy as np
 from eccentric.search.candidates import Candidate
 from eccentric.search.nulltest import correlated, null_quantile, smooth_terms
 from eccentric.search.selection import Fitted, Screen
-from eccentric.signals.residual import BalanceDesign
+from eccentric.signals import BalanceDesign
 
 __all__ = ["Rules", "Search", "search_all"]
 

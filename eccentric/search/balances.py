@@ -9,19 +9,21 @@ import numpy as np
 import sympy as sp
 
 from eccentric.effects import Setting
-from eccentric.fitting.drive import Drive
-from eccentric.fitting.emitted import FitData
-from eccentric.fitting.expressions import Signals, base_columns, compiled
-from eccentric.fitting.problem import seen_columns
+from eccentric.fitting import Drive, FitData, Signals, base_columns, compiled, seen_columns
 from eccentric.model import Model
 from eccentric.model import vocabulary as v
 from eccentric.model.steps import meaning
-from eccentric.rigs.rig import Rig
+from eccentric.rigs import Rig
 from eccentric.search.nulltest import sensor_noise
-from eccentric.signals.filters import smoothed
-from eccentric.signals.measured import Channels
-from eccentric.signals.residual import BalanceDesign, Windows, make_balance_design
-from eccentric.signals.rows import rows_of, search_windows
+from eccentric.signals import (
+    BalanceDesign,
+    Channels,
+    Windows,
+    make_balance_design,
+    rows_of,
+    search_windows,
+    smoothed,
+)
 
 __all__ = [
     "balances_of",

@@ -20,7 +20,7 @@ from scipy.interpolate import BSpline
 
 from eccentric.search.candidates import Candidate
 from eccentric.search.selection import Fitted, Screen
-from eccentric.signals.residual import Windows
+from eccentric.signals import Windows
 
 __all__ = ["correlated", "flipped_null", "inflation", "null_quantile", "sensor_noise", "smooth_terms"]
 

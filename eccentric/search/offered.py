@@ -8,10 +8,9 @@ from pathlib import Path
 
 from eccentric.effects import Setting, library, load_effects
 from eccentric.effects.effect import Effect
-from eccentric.fitting.emitted import FitData
-from eccentric.fitting.expressions import Signals
+from eccentric.fitting import FitData, Signals
 from eccentric.model import Model
-from eccentric.rigs.rig import Rig
+from eccentric.rigs import Rig
 
 __all__ = ["every_effect", "offered"]
 

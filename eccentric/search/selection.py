@@ -11,7 +11,7 @@ from scipy.optimize import minimize
 
 from eccentric.search.candidates import Candidate, Shape, shape_grid
 from eccentric.search.crossval import Gram, bounded_solve, cross_validate, fold_of_block
-from eccentric.signals.residual import BalanceDesign
+from eccentric.signals import BalanceDesign
 
 __all__ = ["Fitted", "Screen", "Term"]
 

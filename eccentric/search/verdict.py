@@ -19,7 +19,7 @@ from eccentric.effects import Words, measurement_between
 from eccentric.search.attribution import Rules, Search, search_all
 from eccentric.search.candidates import Candidate
 from eccentric.search.selection import Term
-from eccentric.signals.residual import BalanceDesign
+from eccentric.signals import BalanceDesign
 
 __all__ = ["Adopted", "Attribution", "Ranked", "attribute", "next_measurement", "unconfirmed"]
 

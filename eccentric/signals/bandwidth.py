@@ -19,7 +19,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from eccentric.rigs.rig import Rig
+from eccentric.rigs import Rig
 from eccentric.signals import filters
 from eccentric.signals.stretches import rows_of_each
 

@@ -22,7 +22,7 @@ from eccentric.signals.holdout import Holdout, hold_out
 from eccentric.signals.measured import Channels
 from eccentric.signals.motion import motion_of, motor_side, of_the_motor, quantum_of, uneven
 from eccentric.signals.moving import clear_of_ends, moving_rows, near_switching
-from eccentric.signals.quality.assess import assess
+from eccentric.signals.quality import assess
 from eccentric.signals.refine import FACTOR, is_coarse, logged_step, refined
 from eccentric.signals.stretches import stretches
 from eccentric.signals.table import Table, read_table
@@ -31,7 +31,7 @@ if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
     from pathlib import Path
 
-    from eccentric.rigs.rig import Rig
+    from eccentric.rigs import Rig
 
 __all__ = ["Channels", "read_channels"]
 

@@ -15,7 +15,7 @@ from eccentric.errors import InputError, few
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from eccentric.rigs.rig import Rig
+    from eccentric.rigs import Rig
 
 Array = NDArray[np.float64]
 

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from eccentric.signals.stretches import joined
 
 if TYPE_CHECKING:
-    from eccentric.rigs.rig import Rig
+    from eccentric.rigs import Rig
     from eccentric.signals.finding import Finding
     from eccentric.signals.holdout import Holdout
 

@@ -15,7 +15,7 @@ from eccentric.signals.plausible import unwrapped
 from eccentric.signals.stretches import joined, rows_of_each, stretches
 
 if TYPE_CHECKING:
-    from eccentric.rigs.rig import Rig
+    from eccentric.rigs import Rig
     from eccentric.signals.table import Table
 
 __all__ = ["motion_of", "motor_side", "of_the_motor", "quantum_of", "uneven"]

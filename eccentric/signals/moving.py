@@ -11,7 +11,7 @@ from eccentric.signals import filters
 from eccentric.signals.stretches import joined
 
 if TYPE_CHECKING:
-    from eccentric.rigs.rig import Rig
+    from eccentric.rigs import Rig
 
 __all__ = ["clear_of_ends", "moving_rows", "near_switching"]
 

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import make_interp_spline
 
-from eccentric.rigs.rig import Rig
+from eccentric.rigs import Rig
 from eccentric.signals.stretches import rows_of_each, stretches
 from eccentric.signals.table import Table
 

@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 from scipy.sparse import csr_matrix, vstack
 
 from eccentric.errors import InputError
-from eccentric.rigs.rig import Rig
+from eccentric.rigs import Rig
 from eccentric.signals.filters import smoothed
 from eccentric.signals.measured import Channels
 from eccentric.signals.moving import clear_of_ends

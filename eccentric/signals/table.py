@@ -11,10 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from eccentric.errors import InputError, few
-from eccentric.logs.arithmetic import evaluate
-from eccentric.logs.log import Log, read_log
-from eccentric.rigs.rig import Rig
-from eccentric.rigs.sources import CHANNELS, ColumnSource
+from eccentric.logs import Log, evaluate, read_log
+from eccentric.rigs import CHANNELS, ColumnSource, Rig
 from eccentric.signals.finding import MUCH, Finding
 from eccentric.signals.holdout import matching
 

@@ -29,7 +29,7 @@ from eccentric.signals.quality.causes import ANGLES, SPEEDS, Ratio, common_cause
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from eccentric.rigs.rig import Rig
+    from eccentric.rigs import Rig
     from eccentric.signals.measured import Channels
 
 Array = NDArray[np.float64]

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 if TYPE_CHECKING:
-    from eccentric.rigs.rig import Rig
+    from eccentric.rigs import Rig
     from eccentric.signals.measured import Channels
 
 Array = NDArray[np.float64]

@@ -19,7 +19,7 @@ from eccentric.signals.quality.record import record_findings, record_of
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from eccentric.rigs.rig import Rig
+    from eccentric.rigs import Rig
     from eccentric.signals.measured import Channels
     from eccentric.signals.table import Table
 

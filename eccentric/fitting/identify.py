@@ -21,12 +21,12 @@ from eccentric.fitting.least_squares import require_rank
 from eccentric.fitting.problem import Problem, Searched, pose
 from eccentric.fitting.projection import Profile, Solution, profile, solve
 from eccentric.fitting.uncertainty import Estimate, Spread, improvement, spread
-from eccentric.signals.rows import LEAST_HELD_OUT, require_rows
+from eccentric.signals import LEAST_HELD_OUT, require_rows
 
 if TYPE_CHECKING:
     from eccentric.model import Model
-    from eccentric.rigs.rig import Rig
-    from eccentric.signals.measured import Channels
+    from eccentric.rigs import Rig
+    from eccentric.signals import Channels
 
 Array = NDArray[np.float64]
 

@@ -1,0 +1,75 @@
+"""The graph of imports of a folder of Python files, read from the sources: nothing is executed."""
+
+from __future__ import annotations
+
+import ast
+from collections.abc import Iterator, Mapping
+from graphlib import CycleError, TopologicalSorter
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[1]
+
+Graph = Mapping[str, set[str]]
+
+
+def names_imported(path: Path, package: tuple[str, ...]) -> Iterator[str]:
+    """Yield the absolute dotted names that a file imports; `package` is where relative imports start.
+
+    Imports inside functions and those for types only count as well: they are knowledge of the other file.
+    """
+    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+        if isinstance(node, ast.Import):
+            yield from (alias.name for alias in node.names)
+        elif isinstance(node, ast.ImportFrom):
+            base = package[: len(package) + 1 - node.level] if node.level else ()
+            yield from (".".join([*base, *filter(None, [node.module]), alias.name]) for alias in node.names)
+
+
+def module_of(path: Path) -> str:
+    """The dotted name of a file; that of its package for a door, `__init__.py`."""
+    parts = path.relative_to(ROOT).with_suffix("").parts
+    return ".".join(parts[:-1] if parts[-1] == "__init__" else parts)
+
+
+def files_of(folder: str) -> dict[str, Path]:
+    """Every Python file below a top-level folder, by its dotted name."""
+    return {module_of(path): path for path in sorted((ROOT / folder).rglob("*.py"))}
+
+
+def graph_of(files: Mapping[str, Path]) -> dict[str, set[str]]:
+    """File -> those of the files that it imports."""
+    return {module: set(_found(module, path, files)) - {module} for module, path in files.items()}
+
+
+def _found(module: str, path: Path, files: Mapping[str, Path]) -> Iterator[str]:
+    package = module if path.name == "__init__.py" else module.rpartition(".")[0]
+    for name in names_imported(path, tuple(package.split("."))):
+        parts = name.split(".")
+        outward = (".".join(parts[:k]) for k in range(len(parts), 0, -1))
+        if found := next((candidate for candidate in outward if candidate in files), None):
+            yield found
+
+
+def circle_in(graph: Graph) -> list[str]:
+    """A circle of imports, empty if there is none."""
+    try:
+        TopologicalSorter(graph).prepare()
+    except CycleError as error:
+        return list(error.args[1])
+    return []
+
+
+def levels_of(graph: Graph) -> list[list[str]]:
+    """The nodes by level, from those that import nothing: each is one above the highest that it imports."""
+    level: dict[str, int] = {}
+    for node in TopologicalSorter(graph).static_order():
+        level[node] = 1 + max((level[other] for other in graph.get(node, ())), default=-1)
+    return [sorted(n for n in level if level[n] == k) for k in range(max(level.values(), default=-1) + 1)]
+
+
+def drawn(levels: list[list[str]], graph: Graph) -> str:
+    """The levels, the highest first, each node with what it imports."""
+    lines: list[str] = []
+    for k, nodes in reversed(list(enumerate(levels, start=1))):
+        lines += [f"{k}: {node:12} <- {', '.join(sorted(graph.get(node, ()))) or '-'}" for node in nodes]
+    return "\n".join(lines)
