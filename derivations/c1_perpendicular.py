@@ -15,7 +15,7 @@ M, M_l, L, g, phi, mu, J = symbols(v.M, v.M_l, v.L, v.g, v.phi, v.mu, v.J)
 R, k_i, k_e, B_lN, C_lN, B_lT, C_lT, B_m, C_m, F_T = symbols(
     v.R, v.k_i, v.k_e, v.B_lN, v.C_lN, v.B_lT, v.C_lT, v.B_m, v.C_m, v.F_T
 )
-f, F, F_N, beta_T, gamma_T = symbols(v.f, v.F, v.F_N, v.beta_T, v.gamma_T)
+f, f_m, f_l, F, F_N, beta_T, gamma_T = symbols(v.f, v.f_m, v.f_l, v.F, v.F_N, v.beta_T, v.gamma_T)
 
 general = load_model("rotating_link")
 perpendicular = {phi: sp.pi / 2}
@@ -30,8 +30,12 @@ F_N_motor = F_N_link.subs(omega_l, mu * omega_m)
 # --- The friction torque is a polynomial of the third order -------------------------------------------------
 
 transversal = {F_T * B_lT: beta_T, F_T * C_lT: gamma_T}
-friction = sp.expand(general.equation("friction").right.subs(perpendicular)).subs(transversal)
-resultant = sp.expand(friction.subs(F_N, F_N_motor) + k_i * k_e / R * omega_m)
+motor_friction = general.equation("motor_friction").right
+link_friction = sp.expand(general.equation("link_friction").right.subs(perpendicular)).subs(transversal)
+friction = sp.expand(motor_friction + mu * link_friction)
+# (6) is the same in every plane.
+torques = {f_m: motor_friction, f_l: link_friction}
+resultant = sp.expand(general.equation("resultant").right.subs(torques).subs(F_N, F_N_motor))
 resultant = sp.collect(resultant, [omega_m, sp.sign(omega_m)])
 sgn = sp.Symbol("sgn")  # stands for the sign, so that it does not count as a power of the velocity
 signed = sp.expand(resultant).subs(sp.sign(omega_m), sgn)
@@ -56,12 +60,45 @@ equations = (
     ),
     Equation("normal_force_motor", "(8)", F_N, F_N_motor, "N", "The same on the motor side."),
     Equation(
+        "link_friction",
+        "(9)",
+        f_l,
+        sp.expand(link_friction.subs(F_N, F_N_motor)),
+        "N m",
+        "Friction of the link joint (link side), with beta_T = B_lT F_T and gamma_T = C_lT F_T.",
+        (
+            Identity(
+                "it is what the paper prints",
+                link_friction.subs(F_N, F_N_motor)
+                - B_lN * M * L * mu**3 * omega_m**3
+                - C_lN * M * L * mu**2 * omega_m**2 * sp.sign(omega_m)
+                - beta_T * mu * omega_m
+                - gamma_T * sp.sign(omega_m),
+            ),
+            Identity(
+                "a balanced mass (M = 0) leaves the friction of the transversal force",
+                link_friction.subs(F_N, F_N_motor).subs(M, 0)
+                - beta_T * mu * omega_m
+                - gamma_T * sp.sign(omega_m),
+            ),
+        ),
+    ),
+    Equation(
+        "motor_friction",
+        "(10)",
+        f_m,
+        motor_friction,
+        "N m",
+        "Friction of the motor bearing.",
+        (Identity("it is what the paper prints", motor_friction - B_m * omega_m - C_m * sp.sign(omega_m)),),
+    ),
+    Equation(
         "friction",
         "(7)",
         f,
         sp.collect(friction, [omega_m, sp.sign(omega_m)]),
         "N m",
-        "Friction of both bearings, (9) and (10), with beta_T = B_lT F_T and gamma_T = C_lT F_T.",
+        "Mechanical friction on the motor side, f_m + mu f_l of (9) and (10), F_N by its own equation (8).",
     ),
     Equation(
         "resultant",
@@ -71,6 +108,10 @@ equations = (
         "N m",
         "Resultant friction torque, back-EMF damping included.",
         (
+            Identity(
+                "it is f_m + mu f_l of (9) and (10) and the damping by the back-EMF, as (6) has it",
+                sp.expand(resultant - friction.subs(F_N, F_N_motor) - k_i * k_e / R * omega_m),
+            ),
             Identity(
                 "it is odd in the velocity",
                 sp.expand(

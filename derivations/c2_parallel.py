@@ -14,7 +14,7 @@ from eccentric.output import show
 theta_m, omega_m, theta_l, omega_l, alpha_l = symbols(v.theta_m, v.omega_m, v.theta_l, v.omega_l, v.alpha_l)
 M, M_l, L, g, phi, mu = symbols(v.M, v.M_l, v.L, v.g, v.phi, v.mu)
 R, k_i, k_e, B_lN, C_lN, B_m, C_m = symbols(v.R, v.k_i, v.k_e, v.B_lN, v.C_lN, v.B_m, v.C_m)
-f, F, G, F_N, J, alpha_m, u = symbols(v.f, v.F, v.G, v.F_N, v.J, v.alpha_m, v.u)
+f, f_m, f_l, F, G, F_N, J, alpha_m, u = symbols(v.f, v.f_m, v.f_l, v.F, v.G, v.F_N, v.J, v.alpha_m, v.u)
 weight, omega_star, scale_N, speed = symbols(v.weight, v.omega_star, v.scale_N, v.speed)
 
 general = load_model("rotating_link")
@@ -28,10 +28,23 @@ F_N_squared = general.equation("normal_force").right.subs(parallel).subs(steady)
 on_motor_side = {theta_l: mu * theta_m, omega_l: mu * omega_m}
 
 weight_plain = (M + M_l) * g
-# Extremal values: F_N^2 is linear in cos(theta_l), so they are at cos = 1 and cos = -1, both perfect squares.
-at_bottom = sp.factor(F_N_squared.subs(theta_l, 0))
-at_top = sp.factor(F_N_squared.subs(theta_l, sp.pi))
+
+# Extremal values along a revolution: where the slope vanishes; the curvature says which is which.
+slope = sp.diff(F_N_squared, theta_l)
+curvature = sp.diff(slope, theta_l)
+stationary = sp.solveset(slope, theta_l, sp.Interval.Ropen(0, 2 * sp.pi))
+(top_angle,) = (angle for angle in stationary if curvature.subs(theta_l, angle).is_nonnegative)
+(bottom_angle,) = (angle for angle in stationary if curvature.subs(theta_l, angle).is_nonpositive)
+at_bottom = sp.factor(F_N_squared.subs(theta_l, bottom_angle))
+at_top = sp.factor(F_N_squared.subs(theta_l, top_angle))
 F_N_max, F_N_min = sp.sqrt(at_bottom), sp.sqrt(at_top)
+# That they are so on the whole turn: what F_N^2 is more than at the top and less than at the bottom.
+over_top = 4 * weight_plain * M * L * omega_l**2 * sp.cos(theta_l / 2) ** 2
+under_bottom = 4 * weight_plain * M * L * omega_l**2 * sp.sin(theta_l / 2) ** 2
+
+# F_Nmin is the magnitude of what the centrifugal force leaves of the weight: s times it, s being its sign.
+(net_weight,) = F_N_min.args
+switch = sp.sign(net_weight)
 square = sp.Symbol("omega_l^2", positive=True)
 (critical_square,) = sp.roots(at_top.subs(omega_l, sp.sqrt(square)), square)
 omega_critical = sp.sqrt(critical_square, evaluate=False)
@@ -49,35 +62,32 @@ plain = {
 
 # --- The friction torque ------------------------------------------------------------------------------------
 
-friction = general.equation("friction").right.subs(parallel)
-resultant = sp.collect(sp.expand(friction + k_i * k_e / R * omega_m), [omega_m, sp.sign(omega_m)])
+motor_friction = general.equation("motor_friction").right
+link_friction = general.equation("link_friction").right.subs(parallel)
+friction = motor_friction + mu * link_friction
+torques = {f_m: motor_friction, f_l: link_friction}
+resultant = sp.expand(general.equation("resultant").right.subs(torques))
+resultant = sp.collect(resultant, [omega_m, sp.sign(omega_m)])
 F_1 = resultant.coeff(omega_m, 1)
 F_0 = sp.expand(resultant) - sp.expand(F_1 * omega_m)
 F_0 = sp.collect(F_0, sp.sign(omega_m))
 
-# At the bottom and at the top F_N is a polynomial in the velocity (omega_m > 0 here), and so is F.
-s = sp.Symbol("s")  # +1 below the critical velocity, -1 above
-forward = sp.Symbol("omega_m", positive=True)
-at_velocity = {omega_m: forward, sp.sign(omega_m): 1}
+# At the bottom and at the top F_N is a polynomial in the velocity, by (23) and (22), and so is F.
+s, sgn = sp.symbols("s sgn")  # of (25); the sign of omega_m, so that it does not count as a power of it
 
 
-def polynomial(normal_force: sp.Expr) -> sp.Poly:
-    """F as a polynomial in the motor velocity, for a normal force at a fixed link angle."""
-    return sp.Poly(sp.expand(resultant.subs(at_velocity).subs(F_N, normal_force)), forward)
+def polynomial(normal_force: sp.Expr) -> sp.Matrix:
+    """F_3, F_2, F_1, F_0 of F for a normal force, in omega_l, at a fixed link angle."""
+    torque = resultant.subs(sp.sign(omega_m), sgn).subs(F_N, normal_force.subs(omega_l, mu * omega_m))
+    weighed = [
+        sp.collect(sp.expand(c), g, lambda part: sp.factor(part) if part.has(M) else part)
+        for c in sp.Poly(torque, omega_m).all_coeffs()
+    ]
+    return sp.Matrix([sp.collect(c, sgn).subs(sgn, sp.sign(omega_m)) for c in weighed])
 
 
-bottom = polynomial(weight_plain + M * L * mu**2 * forward**2)
-top = polynomial(s * (weight_plain - M * L * mu**2 * forward**2))
-
-
-def column(poly: sp.Poly) -> sp.Matrix:
-    """Coefficients F_3, F_2, F_1, F_0 as a column."""
-    return sp.Matrix(
-        [
-            sp.collect(sp.expand(c), g, lambda part: sp.factor(part) if part.has(M) else part)
-            for c in poly.all_coeffs()
-        ]
-    )
+bottom, top = polynomial(F_N_max), polynomial(s * net_weight)
+powers = sp.Matrix([omega_m**3, omega_m**2, omega_m, 1])
 
 
 gravity_torque = general.equation("gravity_torque").right.subs(parallel)
@@ -140,8 +150,15 @@ equations = (
         ),
     ),
     Equation(
-        "friction", "(7)", f, friction, "N m", "Friction of both bearings, the transversal force neglected."
+        "link_friction",
+        "(7)",
+        f_l,
+        link_friction,
+        "N m",
+        "Friction of the link joint (link side), the transversal force neglected.",
     ),
+    Equation("motor_friction", "(10)", f_m, motor_friction, "N m", "Friction of the motor bearing."),
+    Equation("friction", "(7)", f, friction, "N m", "Mechanical friction on the motor side, f_m + mu f_l."),
     Equation(
         "resultant", "(18)", F, resultant, "N m", "Resultant friction torque F = F_1 omega_m + F_0, where"
     ),
@@ -150,6 +167,38 @@ equations = (
     ),
     Equation("F_0", "(20)", sp.Symbol("F_0"), F_0, "N m", "and the Coulomb part is"),
     Equation(
+        "slope",
+        "",
+        sp.Derivative(F_N**2, theta_l, evaluate=False),
+        slope,
+        "N^2/rad",
+        "Slope of F_N^2 along the link angle, at constant velocity: where it vanishes F_N is extremal.",
+        (
+            Identity(
+                "it is proportional to sin(theta_l): within a revolution it vanishes at 0 and at pi only",
+                slope + 2 * weight_plain * M * L * omega_l**2 * sp.sin(theta_l),
+            ),
+        ),
+    ),
+    Equation(
+        "curvature",
+        "",
+        sp.Derivative(F_N**2, (theta_l, 2), evaluate=False),
+        curvature,
+        "N^2/rad^2",
+        "Its curvature tells the least from the greatest.",
+        (
+            Identity(
+                "at theta_l = pi it is nowhere negative",
+                curvature.subs(theta_l, sp.pi) - sp.Abs(curvature.subs(theta_l, sp.pi)),
+            ),
+            Identity(
+                "at theta_l = 0 it is nowhere positive",
+                curvature.subs(theta_l, 0) + sp.Abs(curvature.subs(theta_l, 0)),
+            ),
+        ),
+    ),
+    Equation(
         "F_N_min",
         "(22)",
         sp.Symbol("F_Nmin"),
@@ -157,10 +206,16 @@ equations = (
         "N",
         "Least normal force of a revolution, theta_l = pi.",
         (
+            Identity("it is at theta_l = pi", top_angle - sp.pi),
             Identity(
                 "it is |weight - M L omega_l^2|",
                 F_N_min - sp.Abs(sp.expand(weight_plain - M * L * omega_l**2)),
             ),
+            Identity(
+                "F_N^2 is greater by 4 weight M L omega_l^2 cos^2(theta_l/2)",
+                F_N_squared - F_N_min**2 - over_top,
+            ),
+            Identity("that is nowhere negative: no angle has a smaller F_N", over_top - sp.Abs(over_top)),
         ),
     ),
     Equation(
@@ -170,7 +225,17 @@ equations = (
         F_N_max,
         "N",
         "Greatest normal force, theta_l = 0.",
-        (Identity("it is weight + M L omega_l^2", F_N_max - (weight_plain + M * L * omega_l**2)),),
+        (
+            Identity("it is at theta_l = 0", bottom_angle),
+            Identity("it is weight + M L omega_l^2", F_N_max - (weight_plain + M * L * omega_l**2)),
+            Identity(
+                "F_N^2 is less by 4 weight M L omega_l^2 sin^2(theta_l/2)",
+                F_N_max**2 - F_N_squared - under_bottom,
+            ),
+            Identity(
+                "that is nowhere negative: no angle has a greater F_N", under_bottom - sp.Abs(under_bottom)
+            ),
+        ),
     ),
     Equation(
         "critical_velocity",
@@ -188,17 +253,60 @@ equations = (
         "bottom",
         "(24)",
         sp.Matrix(sp.symbols("F_30 F_20 F_10 F_00")),
-        column(bottom),
+        bottom,
         POLYNOMIAL,
-        "At the bottom F is a polynomial in omega_m (here omega_m > 0).",
+        "At the bottom F is a polynomial in omega_m, F_N being (23).",
+        (
+            Identity(
+                "it is what the paper prints",
+                (bottom.T * powers)[0]
+                - mu**4 * B_lN * M * L * omega_m**3
+                - mu**3 * C_lN * M * L * sp.sign(omega_m) * omega_m**2
+                - (mu**2 * B_lN * weight_plain + B_m + k_i * k_e / R) * omega_m
+                - (mu * C_lN * weight_plain + C_m) * sp.sign(omega_m),
+            ),
+        ),
+    ),
+    Equation(
+        "switch",
+        "(25)",
+        s,
+        switch.subs(omega_l, mu * omega_m),
+        "1",
+        "At the top F_N is (22); s is the sign of the weight less the centrifugal force: 1 below the critical"
+        " velocity and -1 above it.",
+        (
+            Identity(
+                "s (weight - M L omega_l^2) is F_Nmin",
+                F_N_min - switch * (weight_plain - M * L * omega_l**2),
+            ),
+            Identity("at rest it is the sign of the weight", switch.subs(omega_l, 0) - sp.sign(weight_plain)),
+            Identity(
+                "it is 0 at the critical velocity, where it changes", switch.subs(omega_l, omega_critical)
+            ),
+        ),
     ),
     Equation(
         "top",
         "(25)",
         sp.Matrix(sp.symbols("F_3pi F_2pi F_1pi F_0pi")),
-        column(top),
+        top,
         POLYNOMIAL,
-        "At the top too, with s = 1 below the critical velocity and s = -1 above.",
+        "So F is a polynomial in omega_m at the top too, one below the critical velocity and one above.",
+        (
+            Identity(
+                "it is what the paper prints",
+                (top.T * powers)[0]
+                + s * mu**4 * B_lN * M * L * omega_m**3
+                + s * mu**3 * C_lN * M * L * sp.sign(omega_m) * omega_m**2
+                - (s * mu**2 * B_lN * weight_plain + B_m + k_i * k_e / R) * omega_m
+                - (s * mu * C_lN * weight_plain + C_m) * sp.sign(omega_m),
+            ),
+            Identity(
+                "it is (18) with s (weight - M L omega_l^2) as F_N",
+                (top.T * powers)[0] - resultant.subs(F_N, s * net_weight.subs(omega_l, mu * omega_m)),
+            ),
+        ),
     ),
     Equation("gravity_torque", "(5)", G, gravity_torque, "N m", "Gravity torque."),
     Equation("voltage", "(4)", u, R / k_i * (J * alpha_m + G + F), "V", "Voltage of the drive."),

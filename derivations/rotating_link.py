@@ -80,7 +80,8 @@ link_friction = (B_lN * link_force_N + B_lT * link_force_T) * omega_l + (
     C_lN * link_force_N + C_lT * link_force_T
 ) * sp.sign(omega_l)
 motor_friction = B_m * omega_m + C_m * sp.sign(omega_m)
-mechanical = (motor_friction + mu * link_friction).subs(gear)
+link_friction = link_friction.subs(gear)
+mechanical = motor_friction + mu * link_friction
 
 # --- The careful form of F_N --------------------------------------------------------------------------------
 
@@ -280,13 +281,37 @@ equations = (
         ),
     ),
     Equation(
+        "motor_friction",
+        "(10)",
+        f_m,
+        motor_friction,
+        "N m",
+        "The postulate (7), viscous and Coulomb friction, for the motor bearing, whose load is constant ...",
+    ),
+    Equation(
+        "link_friction",
+        "(7)",
+        f_l,
+        link_friction,
+        "N m",
+        "... and for the link joint, where both are proportional to the forces that it carries (link side).",
+    ),
+    Equation(
         "friction",
         "(7)",
         f,
         mechanical,
         "N m",
-        "Viscous and Coulomb friction of both bearings, the link's in proportion to the forces it carries.",
+        "Mechanical friction on the motor side, f_m + mu f_l.",
         (
+            Identity(
+                "with the back-EMF damping it is the resultant friction torque (6)",
+                sp.expand(
+                    resultant.subs({f_m: motor_friction, f_l: link_friction})
+                    - mechanical
+                    - k_i * k_e / R * omega_m
+                ),
+            ),
             Identity(
                 "the friction terms of the balance are (7)",
                 sp.expand(meaning(balance.sum_of("friction")) - mechanical),

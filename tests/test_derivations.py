@@ -1,5 +1,6 @@
 """The derivations: from first principles follows what the paper prints, in every equation and unit."""
 
+import math
 import subprocess
 import sys
 from pathlib import Path
@@ -180,28 +181,52 @@ def test_extremal_normal_forces_and_the_critical_velocity() -> None:
 
 
 def test_polynomials_at_bottom_and_top() -> None:
-    """Equations (24) and (25), with the switch s."""
+    """Equations (24) and (25), s being a letter of the latter."""
     model = load_model("c2_parallel")
     s = sp.Symbol("s")
-    p = LETTERS
-    back_emf = p.B_m + p.k_i * p.k_e / p.R
-    weight = (p.M + p.M_l) * p.g
-    printed_bottom = (
-        p.mu**4 * p.B_lN * p.M * p.L,
-        p.mu**3 * p.C_lN * p.M * p.L,
-        p.mu**2 * p.B_lN * weight + back_emf,
-        p.mu * p.C_lN * weight + p.C_m,
+    printed = (
+        *paper.polynomial_c2(None, sgn, LETTERS),
+        *paper.polynomial_c2(s, sgn, LETTERS),
     )
-    printed_top = (
-        -s * p.mu**4 * p.B_lN * p.M * p.L,
-        -s * p.mu**3 * p.C_lN * p.M * p.L,
-        s * p.mu**2 * p.B_lN * weight + back_emf,
-        s * p.mu * p.C_lN * weight + p.C_m,
-    )
-    for mine, papers in zip(model.equation("bottom").right, printed_bottom, strict=True):
+    derived = (*model.equation("bottom").right, *model.equation("top").right)
+    for mine, papers in zip(derived, printed, strict=True):
         assert is_zero(mine - papers)
-    for mine, papers in zip(model.equation("top").right, printed_top, strict=True):
-        assert is_zero(mine - papers)
+
+
+@pytest.mark.parametrize("share", ["1/100", "99/100", "101/100", "3"], ids=lambda share: f"{share} critical")
+@pytest.mark.parametrize("direction", [1, -1], ids=["forwards", "backwards"])
+def test_the_switch_of_the_polynomial_at_the_top(share: str, direction: int) -> None:
+    """Equation (25): s is 1 below the critical velocity and -1 above it, in either direction."""
+    model = load_model("c2_parallel")
+    table = paper.table_1(sp.Rational)
+    velocity = direction * sp.Rational(share) * paper.critical_velocity(table, sp) / table.mu
+    values = {getattr(LETTERS, name): value for name, value in vars(table).items()} | {omega_m: velocity}
+
+    assert paper.top_switch(velocity, table) == model.equation("switch").right.subs(values)
+
+
+def test_normal_force_lies_between_its_extremal_values_at_every_angle() -> None:
+    """Equations (22) and (23) are the least and the greatest of (16) over all degrees of a turn."""
+    model = load_model("c2_parallel")
+    table = paper.table_1(float)
+    values = {getattr(LETTERS, name): value for name, value in vars(table).items()}
+    for velocity in (0.5, 7.4, 7.5, 25.0):
+        at = values | {omega_l: velocity}
+        force = sp.lambdify(theta_l, sp.sqrt(model.equation("normal_force").right.subs(at)), "math")
+        forces = [force(math.pi * k / 180) for k in range(360)]
+
+        assert min(forces) == pytest.approx(float(model.equation("F_N_min").right.subs(at)), rel=1e-9)
+        assert max(forces) == pytest.approx(float(model.equation("F_N_max").right.subs(at)), rel=1e-12)
+
+
+def test_friction_of_the_link_joint_and_of_the_motor_are_the_papers() -> None:
+    """Equations (9) and (10), each an equation of its own."""
+    model = load_model("c1_perpendicular")
+    link, motor = (model.equation(name) for name in ("link_friction", "motor_friction"))
+
+    assert ("(9)", "(10)") == (link.number, motor.number)
+    assert is_zero(link.right.subs(TRANSVERSAL) - paper.link_friction_c1(omega_m, LETTERS, sp))
+    assert is_zero(motor.right - paper.motor_friction(omega_m, LETTERS, sp))
 
 
 @pytest.mark.parametrize("name", ["rotating_link", "c2_parallel"])
@@ -280,8 +305,20 @@ def test_regressor_spans_the_mechanical_friction() -> None:
 def test_script_prints_its_derivation_with_the_papers_numbers(name: str) -> None:
     """A derivation run by path prints its equations with the paper's numbers."""
     numbers = {
-        "c1_perpendicular": ("(8)", "(11)", "(12)", "(13)"),
-        "c2_parallel": ("(15)", "(16)", "(17)", "(18)", "(19)", "(20)", "(22)", "(23)", "(24)", "(25)"),
+        "c1_perpendicular": ("(8)", "(9)", "(10)", "(11)", "(12)", "(13)"),
+        "c2_parallel": (
+            "(10)",
+            "(15)",
+            "(16)",
+            "(17)",
+            "(18)",
+            "(19)",
+            "(20)",
+            "(22)",
+            "(23)",
+            "(24)",
+            "(25)",
+        ),
         "c1_asymmetric": ("(14)",),
         "c2_asymmetric": ("(21)",),
         "rotating_link": ("(1)", "(2)", "(3)", "(4)", "(5)", "(6)", "(7)"),
