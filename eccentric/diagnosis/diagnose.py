@@ -15,9 +15,11 @@ The stages, each with what it hands on:
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+import os
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 
@@ -26,6 +28,7 @@ from eccentric.diagnosis.outcome import Diagnosis
 from eccentric.diagnosis.trial import trial
 from eccentric.errors import InputError
 from eccentric.fitting import FitData, bounded, drive_of, loaded_model, residual_samples
+from eccentric.logs import LogSource, read_log
 from eccentric.model import Model, load_model
 from eccentric.rigs import Rig, read_rig
 from eccentric.search.adapter import candidate
@@ -51,8 +54,8 @@ what is named has to predict those that were not seen."""
 
 
 def diagnose(
-    logs: Sequence[str | Path],
-    rig_path: str | Path,
+    logs: Sequence[LogSource],
+    rig: str | os.PathLike[str] | Mapping[str, Any] | Rig,
     model: str | None = None,
     effects: Path | None = None,
     tell: Callable[[str], None] | None = None,
@@ -60,8 +63,8 @@ def diagnose(
     """Diagnose one rig's logs.
 
     Args:
-        logs: paths of logs of the same rig.
-        rig_path: the rig file.
+        logs: those of one rig, as `read_log` takes them.
+        rig: the rig, as `read_rig` takes it.
         model: name or path of the base model; by the rig's case if None.
         effects: a file with effects of the user's own.
         tell: told one line per stage.
@@ -70,9 +73,9 @@ def diagnose(
         InputError: bad input, a model with a tilt or hidden states, or fewer than two rows to hold out.
     """
     tell = tell or (lambda _: None)
-    rig = read_rig(rig_path)
-    channels = read_channels(logs, rig)
-    rig, names = channels.rig, tuple(Path(log).name for log in logs)
+    read = [read_log(log) for log in logs]
+    channels = read_channels(read, read_rig(rig))
+    rig, names = channels.rig, tuple(Path(log.path).name for log in read)
     plain = _supported(load_model(model or rig.model))
     tell(f"{channels.counts['used']} rows used of {channels.rows_read}")
     drive = drive_of(channels, rig, plain)
@@ -100,7 +103,7 @@ def diagnose(
     tried = trial(found, chosen, base, data, tell)
     return Diagnosis(
         logs=names,
-        rig_name=Path(rig_path).name,
+        rig_name=Path(rig.path).name,
         model=model or rig.model,
         channels=channels,
         rig=rig,

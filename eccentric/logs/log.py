@@ -1,15 +1,16 @@
 """A measured log as it was recorded: named columns, nothing converted, nothing dropped.
 
-`read_log` knows the formats; a further format is one function in `READERS`.
+`read_log` knows the formats; a further format is one function in `READERS`. Tables in memory are logs too.
 """
 
 from __future__ import annotations
 
 import gzip
+import os
 import zlib
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,6 +20,7 @@ from eccentric.logs.assemble import Column, Read, number_of
 from eccentric.logs.csv_file import POINT, read_csv
 from eccentric.logs.json_file import read_json
 from eccentric.logs.mat_file import read_mat
+from eccentric.logs.memory import TableLike, read_memory
 from eccentric.logs.parquet_file import read_parquet
 
 if TYPE_CHECKING:
@@ -29,8 +31,9 @@ if TYPE_CHECKING:
 class Log:
     """Columns of one log, all of one length: float64 with NaN for a missing value, or str where text came.
 
-    `lines` (rows,) are the numbers of the rows' lines in a text file, from 1; None for other formats.
-    `notes` say what of the file was left out, and why.
+    `path` is that of its file; a table in memory has the name that messages call it by. `lines` (rows,) are
+    the numbers of the rows' lines in a text file, from 1; None for other formats. `notes` say what was left
+    out, and why.
     """
 
     path: str
@@ -79,12 +82,36 @@ READERS: dict[str, Callable[[Path], Read]] = {
 }
 
 
-def read_log(path: str | Path) -> Log:
-    """Read a log: `.csv`, `.json`, both also as `.gz`, `.mat` (7.3: extra `mat73`), `.parquet` (extra).
+LogSource: TypeAlias = str | os.PathLike[str] | Log | TableLike
 
-    Raises InputError, one line with file, line and column, for whatever cannot be read.
+
+def read_log(source: LogSource, name: str = "table") -> Log:
+    """Read a log from a file or from a table in memory.
+
+    Args:
+        source: a path: `.csv`, `.json`, both also as `.gz`, `.mat` (7.3: extra `mat73`), `.parquet` (extra);
+            or a table: a mapping of names to arrays (n,), a structured array, or a table of pandas, polars,
+            pyarrow or any library with the Arrow PyCapsule or the dataframe interchange protocol; or a Log,
+            which is returned as it is.
+        name: what messages and results call a table in memory.
+
+    Raises:
+        InputError: it cannot be read: one line with file, line and column.
     """
-    path = Path(path)
+    if isinstance(source, Log):
+        return source
+    if isinstance(source, str | os.PathLike):
+        path = Path(source)
+        where, read = str(path), _read_file(path)
+    else:
+        where, read = name, read_memory(source, name)
+    rows = len(next(iter(read.columns.values()))) if read.columns else 0
+    if rows == 0:
+        raise InputError("; ".join((f"{where}: a log with rows is required, received none", *read.notes)))
+    return Log(where, read.columns, rows, read.lines, read.notes)
+
+
+def _read_file(path: Path) -> Read:
     suffix = next((s for s in READERS if path.name.lower().endswith(s)), None)
     if path.is_dir():
         raise InputError(f"{path}: a log file is required, received a directory")
@@ -95,14 +122,10 @@ def read_log(path: str | Path) -> Log:
             f"{path}: a log of {', '.join(READERS)} is required, received {path.suffix or 'no suffix'!r}"
         )
     try:
-        read = READERS[suffix](path)
+        return READERS[suffix](path)
     except UnicodeDecodeError as error:
         raise InputError(f"{path}: UTF-8 text is required, byte {error.start} is not") from None
     except (EOFError, zlib.error, gzip.BadGzipFile) as error:
         raise InputError(f"{path}: the compressed file is damaged or cut off ({error})") from None
     except OSError as error:
         raise InputError(f"{path}: cannot be read ({error.strerror or error})") from None
-    rows = len(next(iter(read.columns.values()))) if read.columns else 0
-    if rows == 0:
-        raise InputError("; ".join((f"{path}: a log with rows is required, received none", *read.notes)))
-    return Log(str(path), read.columns, rows, read.lines, read.notes)

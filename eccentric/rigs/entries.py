@@ -6,13 +6,15 @@
 from __future__ import annotations
 
 import difflib
+import json
 import math
+from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 from eccentric.errors import InputError
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Mapping
+    from collections.abc import Iterable
 
 
 def read_number(value: object, where: str, lower: float = -math.inf, open_below: bool = False) -> float:
@@ -51,6 +53,27 @@ def read_names(value: object, where: str) -> tuple[str, ...]:
     if not isinstance(value, list) or not all(isinstance(name, str) for name in value):
         raise InputError(f"{where}: a list of names is required, received {value!r}")
     return tuple(value)
+
+
+def plain_entries(value: object, where: str) -> Mapping[str, Any]:
+    """Return a rig in memory as a file would have it: lists for tuples, numbers of Python for those of NumPy.
+
+    Raises InputError for what no file can hold.
+    """
+    if not isinstance(value, Mapping):
+        raise InputError(f"{where}: a path, a mapping or a Rig is required, received {type(value).__name__}")
+    try:
+        return json.loads(json.dumps(dict(value), default=_plain))
+    except (TypeError, ValueError, RecursionError) as error:
+        raise InputError(f"{where}: what a JSON file can hold is required ({error})") from None
+
+
+def _plain(value: Any) -> Any:
+    if isinstance(value, Mapping):
+        return dict(value)
+    if hasattr(value, "tolist"):  # arrays and numbers of NumPy
+        return value.tolist()
+    raise TypeError(f"received {type(value).__name__}")
 
 
 def read_table(value: object, where: str) -> Mapping[str, Any]:

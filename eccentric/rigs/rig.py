@@ -1,4 +1,4 @@
-"""What the user knows of the test bench: a TOML or JSON file, checked and in SI.
+"""What the user knows of the test bench: a TOML or JSON file or a mapping like it, checked and in SI.
 
 The sidecars `rotlink-log/1` are rigs as they stand. A file by hand looks like `examples/rigs/*.toml`.
 """
@@ -6,13 +6,14 @@ The sidecars `rotlink-log/1` are rigs as they stand. A file by hand looks like `
 from __future__ import annotations
 
 import math
+import os
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from eccentric.errors import InputError
 from eccentric.logs import parse_value
-from eccentric.rigs.entries import read_intervals, read_names, read_number, refuse_unknown
+from eccentric.rigs.entries import plain_entries, read_intervals, read_names, read_number, refuse_unknown
 from eccentric.rigs.file import read_file
 from eccentric.rigs.known import read_knowns
 from eccentric.rigs.sources import ColumnSource, read_columns
@@ -86,15 +87,23 @@ class Rig:
         return {"C1": "c1_perpendicular", "C2": "c2_parallel"}.get(self.case or "", "rotating_link")
 
 
-def read_rig(path: str | Path) -> Rig:
-    """Read a rig file, `.toml` or `.json`.
+def read_rig(source: str | os.PathLike[str] | Mapping[str, Any] | Rig) -> Rig:
+    """Read a rig: a file `.toml` or `.json`, or a mapping with the keys of such a file.
 
-    Raises InputError, one line with file, key, what is required and what came: a missing or damaged file, an
-    unknown key or unit, a value that is physically impossible, a contradiction.
+    A Rig is returned as it is. Messages call a mapping "rig".
+
+    Raises InputError, one line with file, key, what is required and what was received: a missing or damaged
+    file, an unknown key or unit, a value that is physically impossible, a contradiction.
     """
-    path = Path(path)
-    where = str(path)
-    content = read_file(path)
+    if isinstance(source, Rig):
+        return source
+    if isinstance(source, str | os.PathLike):
+        path = Path(source)
+        return _rig(read_file(path), str(path), path.stem)
+    return _rig(plain_entries(source, "rig"), "rig", "rig")
+
+
+def _rig(content: Mapping[str, Any], where: str, name: str) -> Rig:
     refuse_unknown(content, KEYS, where)
     known, unknown, case = read_knowns(content, where)
     counts = _optional(content, "encoder_counts_per_rev", where)
@@ -105,7 +114,7 @@ def read_rig(path: str | Path) -> Rig:
     aligned, estimate = _alignment(content, where)
     return Rig(
         path=where,
-        name=str(content.get("name", path.stem)),
+        name=str(content.get("name", name)),
         known=known,
         unknown=unknown,
         case=case,

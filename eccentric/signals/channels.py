@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from eccentric.errors import InputError, few
+from eccentric.logs import read_log
 from eccentric.signals.bandwidth import suited
 from eccentric.signals.filters import END_S
 from eccentric.signals.holdout import Holdout, hold_out
@@ -29,8 +30,8 @@ from eccentric.signals.table import Table, read_table
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
-    from pathlib import Path
 
+    from eccentric.logs import LogSource
     from eccentric.rigs import Rig
 
 __all__ = ["Channels", "read_channels"]
@@ -62,13 +63,16 @@ class _Points:
         return self.table.channels["theta_m"]
 
 
-def read_channels(paths: Sequence[str | Path], rig: Rig) -> Channels:
+def read_channels(logs: Sequence[LogSource], rig: Rig) -> Channels:
     """Return the channels of logs under a rig, with its delay, zero angle and offset (0 where "estimate").
+
+    Each log is a path, a table in memory or a Log.
 
     Raises InputError for whatever `read_log` and `table.read_table` refuse, a drive that no channel
     measures, and a log in which no row is left to fit on or to hold out.
     """
-    logged = read_table(paths, rig)
+    read = [read_log(log) for log in logs]
+    logged = read_table(read, rig)
     table, said = of_the_motor(logged, rig)
     warnings = [*rig.warnings, *said]
     quantum = quantum_of(logged, rig, table.channels["theta_m"])
@@ -83,7 +87,7 @@ def read_channels(paths: Sequence[str | Path], rig: Rig) -> Channels:
     step = logged_step(logged)
     doubts = [*said, *doubts, *_rate_doubt(step, rig)]
     channels = _channels(points, motion, rig, step)
-    _require_rows(channels, paths, rig)
+    _require_rows(channels, [log.path for log in read], rig)
     channels = channels.realigned(
         rig,
         input_delay_s=rig.input_delay_s,
@@ -181,7 +185,7 @@ def _rate_doubt(step: float, rig: Rig) -> list[str]:
     ]
 
 
-def _require_rows(channels: Channels, paths: Sequence[str | Path], rig: Rig) -> None:
+def _require_rows(channels: Channels, paths: Sequence[str], rig: Rig) -> None:
     where = few(paths)
     fitted, scored = np.count_nonzero(channels.fit_rows), np.count_nonzero(channels.score_rows)
     if not fitted or not scored:

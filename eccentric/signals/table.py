@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from eccentric.errors import InputError, few
-from eccentric.logs import Log, evaluate, read_log
+from eccentric.logs import Log, LogSource, evaluate, read_log
 from eccentric.rigs import CHANNELS, ColumnSource, Rig
 from eccentric.signals.finding import MUCH, Finding
 from eccentric.signals.holdout import matching
@@ -46,30 +46,30 @@ class Table:
     findings: tuple[Finding, ...]
 
 
-def read_table(paths: Sequence[str | Path], rig: Rig) -> Table:
-    """Read and join logs.
+def read_table(logs: Sequence[LogSource], rig: Rig) -> Table:
+    """Read and join logs, each a path, a table in memory or a Log.
 
     A row that says again what the one before it says is dropped, as one that is not numbers is.
     Raises InputError for what `read_log` refuses, a missing or non-numeric column, more than 20 % of rows
     that are not numbers, time stamps that do not increase within a run, a run in two pieces, and logs with
     different channels.
     """
-    if not paths:
+    if not logs:
         raise InputError("a log is required, none is given")
     tables: list[Table] = []
     stems: list[str] = []
-    for path in paths:
-        log = read_log(path)
-        stem = Path(path).name.split(".")[0]
+    read = [read_log(log) for log in logs]
+    for log in read:
+        stem = Path(log.path).name.split(".")[0]
         stems.append(stem)
         name = stem if stems.count(stem) == 1 else f"{stem}#{stems.count(stem)}"
-        tables.append(_one(log, rig, name, alone=len(paths) == 1))
+        tables.append(_one(log, rig, name, alone=len(read) == 1))
     names = set(tables[0].channels)
-    for path, table in zip(paths, tables, strict=True):
+    for log, table in zip(read, tables, strict=True):
         if set(table.channels) != names:
             differ = few(sorted(names ^ set(table.channels)))
             raise InputError(
-                f"{path}: the same channels in every log are required, {differ} is not in all of them"
+                f"{log.path}: the same channels in every log are required, {differ} is not in all of them"
             )
     offsets = np.cumsum([0, *(len(table.run_names) for table in tables)])
     joined = Table(
