@@ -6,7 +6,7 @@ Run it to read the derivation: python derivations/rotating_link.py
 
 import sympy as sp
 
-from eccentric.model import Balance, Definition, Equation, Identity, Model, Term, symbols
+from eccentric.model import Balance, Definition, Equation, Identity, Load, Model, Role, Term, symbols
 from eccentric.model import vocabulary as v
 from eccentric.model.steps import (
     Bounded,
@@ -112,6 +112,13 @@ definitions = (
 )
 
 sgn = Sgn(omega_m)
+
+
+def link_bearing(name: str, coefficient: sp.Symbol, basis: sp.Expr, role: Role, load: Load) -> Term:
+    """A term of (9): the bearing of the link, in proportion to one of the forces that it carries."""
+    return Term(name, "friction", coefficient, basis, "(7), (9)", role=role, load=load)
+
+
 balance = Balance(
     "mechanical",
     "N m",
@@ -119,12 +126,16 @@ balance = Balance(
         Term("motor_torque", "drive", k_i, i, "(2)", (None, None)),
         Term("inertia", "inertial", sp.Integer(1), Gated(J, alpha_m), "(4)"),
         Term("gravity", "gravity", sp.Integer(1), careful_gravity, "(5)"),
-        Term("link_viscous_normal", "friction", B_lN, mu**2 * F_N * omega_m, "(7), (9)"),
-        Term("link_coulomb_normal", "friction", C_lN, mu * F_N * sgn, "(7), (9)"),
-        Term("link_viscous_transversal", "friction", B_lT, mu**2 * link_force_T * omega_m, "(7), (9)"),
-        Term("link_coulomb_transversal", "friction", C_lT, mu * link_force_T * sgn, "(7), (9)"),
-        Term("motor_viscous", "friction", B_m, omega_m, "(10)"),
-        Term("motor_coulomb", "friction", C_m, sgn, "(10)"),
+        link_bearing("link_viscous_normal", B_lN, mu**2 * F_N * omega_m, Role.VISCOUS, Load.NORMAL),
+        link_bearing("link_coulomb_normal", C_lN, mu * F_N * sgn, Role.COULOMB, Load.NORMAL),
+        link_bearing(
+            "link_viscous_transversal", B_lT, mu**2 * link_force_T * omega_m, Role.VISCOUS, Load.TRANSVERSAL
+        ),
+        link_bearing(
+            "link_coulomb_transversal", C_lT, mu * link_force_T * sgn, Role.COULOMB, Load.TRANSVERSAL
+        ),
+        Term("motor_viscous", "friction", B_m, omega_m, "(10)", role=Role.VISCOUS),
+        Term("motor_coulomb", "friction", C_m, sgn, "(10)", role=Role.COULOMB),
     ),
 )
 electrical = Balance(

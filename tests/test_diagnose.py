@@ -87,14 +87,14 @@ def test_takes_an_effect_of_the_users_own(tmp_path: Path) -> None:
         '''"""A fourth-power drag."""
 import sympy as sp
 from eccentric.effects import Effect
-from eccentric.model import Term, quantity, vocabulary as v
+from eccentric.model import Role, Term, quantity, vocabulary as v
 
 w = v.omega_m.symbol
 D = quantity("my_drag_D", "N m s^4/rad^4", "fourth-power drag", "", "nonnegative")
 
 
 def effects(setting):
-    term = Term("my_drag", "friction", D.symbol, w**3 * sp.Abs(w), "own")
+    term = Term("my_drag", "friction", D.symbol, w**3 * sp.Abs(w), "own", role=Role.DRAG)
     return (Effect(id="my_drag", family="my_drag", balance="mechanical", depends_on=("velocity",),
                    formula="D w^3 |w|", reference="own", coefficients=(D,), bounds=((0.0, None),),
                    terms={"mechanical": (term,)}),)

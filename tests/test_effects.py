@@ -146,14 +146,14 @@ def test_replacing_reaches_hidden_states() -> None:
 
 OWN = """
 from eccentric.effects import Effect, Shape
-from eccentric.model import Term, quantity
+from eccentric.model import Role, Term, quantity
 from eccentric.model import vocabulary as v
 
 q = quantity("brush_A", "N m", "brush torque")
 
 
 def make(setting):
-    term = Term("brush", "friction", q.symbol, v.omega_m.symbol**5 / sum(range(1, 2)), "own")
+    term = Term("brush", "friction", q.symbol, v.omega_m.symbol**5 / sum(range(1, 2)), "own", role=Role.DRAG)
     return Effect("brush", "brush", "mechanical", ("velocity",), "A w^5", "own", (q,), ((0, None),),
                   {"mechanical": (term,)})
 

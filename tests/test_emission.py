@@ -323,11 +323,11 @@ def test_derive_writes_all_or_nothing(tmp_path: Path, capsys: pytest.CaptureFixt
 MINE = """
 from dataclasses import replace
 import sympy as sp
-from eccentric.model import Term, load_model, vocabulary as v
+from eccentric.model import Role, Term, load_model, vocabulary as v
 base = load_model("c2_parallel")
 def with_term(coefficient, basis):
     balance = base.balance("mechanical")
-    term = Term("mine", "friction", coefficient, basis, "mine")
+    term = Term("mine", "friction", coefficient, basis, "mine", role=Role.DRAG)
     balance = replace(balance, terms=(*balance.terms, term))
     return replace(base, name="mine", balances=(balance, base.balance("electrical")))
 w = v.omega_m.symbol

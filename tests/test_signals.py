@@ -6,9 +6,8 @@ import numpy as np
 import pytest
 
 from eccentric.fitting import Signals, compiled
-from eccentric.model import load_model, quantity
+from eccentric.model import Definition, load_model, quantity
 from eccentric.model import vocabulary as v
-from eccentric.model.model import Definition
 from generated import c2_parallel
 from tests.extended import KNOWN, effects
 

@@ -6,7 +6,7 @@ from eccentric.effects.effect import Effect
 from eccentric.effects.forms import addition, omega_m
 from eccentric.effects.setting import Setting
 from eccentric.effects.words import Words
-from eccentric.model import quantity
+from eccentric.model import Role, quantity
 from eccentric.model.steps import Backward, Forward
 
 C = quantity("coulomb_asym", "N m", "half the difference of the Coulomb friction of the two directions")
@@ -38,6 +38,7 @@ def effects(setting: Setting) -> tuple[Effect, ...]:
     dry = addition(
         "coulomb_asymmetry",
         [(C, forward + backward)],
+        role=Role.COULOMB,
         depends_on=("direction",),
         formula="C while moving, whichever way: Coulomb friction C_m + C forwards, C_m - C backwards",
         reference=REFERENCE,
@@ -48,6 +49,7 @@ def effects(setting: Setting) -> tuple[Effect, ...]:
     viscous = addition(
         "viscous_asymmetry",
         [(B, omega_m * (forward - backward))],
+        role=Role.VISCOUS,
         depends_on=("direction", "velocity"),
         formula="B |w|: viscous friction B_m + B forwards, B_m - B backwards",
         reference=REFERENCE,

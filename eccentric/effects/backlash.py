@@ -20,9 +20,8 @@ from eccentric.effects.forms import (
 )
 from eccentric.effects.setting import Setting
 from eccentric.effects.words import Words
-from eccentric.model import Term, quantity
+from eccentric.model import Load, Role, State, quantity
 from eccentric.model import vocabulary as v
-from eccentric.model.model import State
 from eccentric.model.steps import Sgn
 
 gap = quantity("backlash_gap", "rad", "gap, motor side", "", "positive")
@@ -82,21 +81,18 @@ def _freed(setting: Setting) -> Effect:
         (C, -free * v.mu.symbol * force * direction),
     ]
     shapes = [Shape(gap, 3e-3 / setting.mu, 0.5 / setting.mu, "log", 10)]
-    fields = {}
+    roles, inputs = [Role.VISCOUS, Role.COULOMB], ()
     if setting.case == "C2":
         columns.insert(0, (GRAVITY, -free * gravity(setting)))
         shapes.append(Shape(arm, 0.0, 0.4 * setting.known.get("L", 0.25), "linear", 3))
-        kinds = ("conservative", "friction", "friction")
-        fields["terms"] = {
-            "mechanical": tuple(
-                Term(q.name, kind, q.symbol, basis, REFERENCE)
-                for kind, (q, basis) in zip(kinds, columns, strict=True)
-            )
-        }
-        fields["inputs"] = (v.theta_m,)
+        roles.insert(0, Role.NONE)
+        inputs = (v.theta_m,)
     return addition(
         "backlash",
         columns,
+        role=roles,
+        load=Load.NORMAL if per_force else Load.NONE,
+        kind="conservative",
         depends_on=("history",),
         formula="-(friction and gravity of the link) while the motor turns through the gap, after the load"
         " has changed its side",
@@ -104,7 +100,7 @@ def _freed(setting: Setting) -> Effect:
         shapes=tuple(shapes),
         states=states,
         words=replace(WORDS, headline="backlash in the gear"),
-        **fields,
+        inputs=inputs,
     )
 
 

@@ -8,7 +8,7 @@ from eccentric.effects.effect import Effect, Shape
 from eccentric.effects.forms import addition, constant, direction
 from eccentric.effects.setting import Setting
 from eccentric.effects.words import TEMPERATURE, Words
-from eccentric.model import Definition, quantity
+from eccentric.model import Definition, Role, quantity
 from eccentric.model import vocabulary as v
 
 b = quantity("coulomb_b", "1/K", "relative change of the Coulomb friction per kelvin")
@@ -40,7 +40,7 @@ def effects(setting: Setting) -> tuple[Effect, ...]:
         reference=REFERENCE,
         shapes=(Shape(b, -0.03, 0.03, "linear", 4),),
         definitions=(zero, Definition(factor, 1 + b.symbol * warmer)),
-        scales={"coulomb": factor.symbol},
+        scales=dict.fromkeys((Role.COULOMB, Role.PRESLIDING), factor.symbol),
         inputs=(v.temperature,),
         needs=("temperature",),
         words=replace(WORDS, headline="Coulomb friction that changes with temperature"),
@@ -48,6 +48,7 @@ def effects(setting: Setting) -> tuple[Effect, ...]:
     bearing = addition(
         "coulomb_temperature[bearing]",
         [(C, direction * warmer)],
+        role=Role.COULOMB,
         depends_on=("temperature",),
         formula="C (T - T_0) sgn w",
         reference=REFERENCE,

@@ -25,6 +25,7 @@ def effects(_: Setting) -> tuple[Effect, ...]:
     effect = addition(
         "current_bias",
         [(bias, -v.R.symbol)],
+        kind="actuator",
         balance="electrical",
         terms={
             "electrical": (_term("bias_u", -v.R.symbol),),

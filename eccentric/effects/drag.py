@@ -10,7 +10,7 @@ from eccentric.effects.effect import Effect
 from eccentric.effects.forms import addition, constant, direction, omega_m, root
 from eccentric.effects.setting import Setting
 from eccentric.effects.words import SPEED, Words
-from eccentric.model import quantity
+from eccentric.model import Role, quantity
 from eccentric.model.steps import Backward, Forward
 
 quadratic = quantity("drag_2", "N m s^2/rad^2", "drag torque per squared motor velocity", "", "nonnegative")
@@ -56,6 +56,7 @@ def effects(setting: Setting) -> tuple[Effect, ...]:
             addition(
                 "quadratic_drag",
                 [(quadratic, omega_m**2 * direction)],
+                role=Role.DRAG,
                 depends_on=("velocity",),
                 formula="D w|w|",
                 reference="S. S. Ge, T. H. Lee and S. X. Ren, Int. J. Systems Science 32(4), 2001",
@@ -64,6 +65,7 @@ def effects(setting: Setting) -> tuple[Effect, ...]:
             addition(
                 "cubic_drag",
                 [(cubic, omega_m**3)],
+                role=Role.DRAG,
                 depends_on=("velocity",),
                 formula="D w^3",
                 reference="standard form: a polynomial of the third order, as the paper's eq (11) in case C1",
@@ -79,6 +81,7 @@ def _sqrt_speed(setting: Setting) -> Effect:
     return addition(
         "sqrt_speed",
         [(degressive, half * direction)],
+        role=Role.DRAG,
         depends_on=("velocity",),
         formula="D sqrt(|w|/w_ref) sgn w",
         reference="standard form; degressive friction of robots: M. Grotjahn, M. Daemi and B. Heimann, Int."
@@ -100,6 +103,7 @@ def _oneway() -> tuple[Effect, ...]:
             addition(
                 f"oneway_windage[{'+' if sign > 0 else '-'}]",
                 [(q, sp.Integer(sign) * omega_m**2 * gate)],
+                role=Role.DRAG,
                 depends_on=("velocity", "direction"),
                 formula=f"D w|w| for w {'>' if sign > 0 else '<'} 0 only",
                 reference=WINDAGE,

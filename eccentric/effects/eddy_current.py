@@ -6,7 +6,7 @@ from eccentric.effects.effect import Effect, Shape
 from eccentric.effects.forms import addition, omega_m
 from eccentric.effects.setting import Setting
 from eccentric.effects.words import SPEED, Words
-from eccentric.model import quantity
+from eccentric.model import Role, quantity
 
 D = quantity("eddy_D", "N m s/rad", "eddy-current damping near rest", "", "nonnegative")
 w_c = quantity("eddy_w", "rad/s", "speed of the greatest eddy-current torque, motor side", "", "positive")
@@ -23,6 +23,7 @@ def effects(setting: Setting) -> tuple[Effect, ...]:
     effect = addition(
         "eddy_current",
         [(D, omega_m / (1 + (omega_m / w_c.symbol) ** 2))],
+        role=Role.EDDY_CURRENT,
         depends_on=("velocity",),
         formula="D w/(1 + (w/w_c)^2)",
         reference="J. H. Wouterse, IEE Proceedings B 138(4), 1991",

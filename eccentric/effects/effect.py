@@ -13,8 +13,7 @@ from dataclasses import dataclass, field, replace
 import sympy as sp
 
 from eccentric.effects.words import Words
-from eccentric.model import Definition, Equation, Model, Quantity, Term
-from eccentric.model.model import State
+from eccentric.model import Definition, Equation, Model, Quantity, Role, State, Term
 
 
 @dataclass(frozen=True)
@@ -54,8 +53,7 @@ class Effect:
         shapes: its nonlinear parameters.
         definitions: quantities it brings along, each after those it uses.
         replaces: symbol -> symbol of one of `definitions`, to stand in its place wherever the model used it.
-        scales: "viscous", "coulomb" or "friction" -> symbol of one of `definitions` that multiplies those
-            friction terms.
+        scales: role -> symbol of one of `definitions` that multiplies the friction terms of that role.
         inputs: further inputs, of the vocabulary: temperature, t.
         states: hidden states.
         needs: channels of the log without which it cannot be seen.
@@ -79,7 +77,7 @@ class Effect:
     shapes: tuple[Shape, ...] = ()
     definitions: tuple[Definition, ...] = ()
     replaces: Mapping[sp.Symbol, sp.Symbol] = field(default_factory=dict)
-    scales: Mapping[str, sp.Symbol] = field(default_factory=dict)
+    scales: Mapping[Role, sp.Symbol] = field(default_factory=dict)
     inputs: tuple[Quantity, ...] = ()
     states: tuple[State, ...] = ()
     needs: tuple[str, ...] = ()
@@ -182,10 +180,7 @@ class Effect:
     def _scaled(self, term: Term, balance: str) -> Term:
         if balance != "mechanical" or term.kind != "friction":
             return term
-        for which, factor in self.scales.items():
-            if which == "friction" or which in term.name:
-                term = replace(term, basis=term.basis * factor)
-        return term
+        return replace(term, basis=term.basis * self.scales.get(term.role, 1))
 
 
 # The order of inputs, as `Model.inputs` wants it; what is not listed comes before alpha_m.

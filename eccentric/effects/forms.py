@@ -13,9 +13,8 @@ import sympy as sp
 
 from eccentric.effects.effect import Effect
 from eccentric.effects.setting import Setting
-from eccentric.model import Definition, Quantity, Term, quantity
+from eccentric.model import Definition, Load, Quantity, Role, State, Term, quantity
 from eccentric.model import vocabulary as v
-from eccentric.model.model import State
 from eccentric.model.steps import Gated, HalfCosine, HalfSine, Magnitude, Sgn
 
 omega_m, theta_m, alpha_m, dt = v.omega_m.symbol, v.theta_m.symbol, v.alpha_m.symbol, v.dt.symbol
@@ -30,6 +29,8 @@ def addition(
     effect_id: str,
     columns: Sequence[Column],
     *,
+    role: Role | Sequence[Role] = Role.NONE,
+    load: Load = Load.NONE,
     kind: str = "friction",
     balance: str = "mechanical",
     bounds: Sequence[Bounds] | None = None,
@@ -41,16 +42,21 @@ def addition(
     Args:
         effect_id: id; the family is what stands before a bracket.
         columns: coefficient and basis of each term.
-        kind: of the terms, see `eccentric.model.KINDS`.
+        role: of the terms, or of each of them; what has one is friction.
+        load: the load that the friction is in proportion to.
+        kind: of the terms without a role, see `eccentric.model.KINDS`.
         balance: name of the balance.
         bounds: of each coefficient; at least 0 for one whose domain says so, else open, if not given.
         reference: of the effect and its terms.
         fields: the other fields of Effect.
     """
+    roles = [role] * len(columns) if isinstance(role, Role) else role
     bounds = tuple(bounds or ((None if q.domain == "real" else 0.0, None) for q, _ in columns))
     terms = tuple(
         Term(q.name, kind, q.symbol, basis, reference, bound)
-        for (q, basis), bound in zip(columns, bounds, strict=True)
+        if does is Role.NONE
+        else Term(q.name, "friction", q.symbol, basis, reference, bound, does, load)
+        for (q, basis), bound, does in zip(columns, bounds, roles, strict=True)
     )
     fields.setdefault("terms", {balance: terms})
     return Effect(

@@ -11,7 +11,7 @@ from eccentric.effects.forms import addition, direction
 from eccentric.effects.load_dependent import FORMULAS, loads
 from eccentric.effects.setting import Setting
 from eccentric.effects.words import LOAD, Words
-from eccentric.model import Definition, quantity
+from eccentric.model import Definition, Load, Role, quantity
 from eccentric.model import vocabulary as v
 
 eta = quantity("gear_eta", "1", "loss of the gear per torque, driving", "", "nonnegative")
@@ -41,6 +41,8 @@ def effects(setting: Setting) -> tuple[Effect, ...]:
             addition(
                 f"gear_efficiency[{variant}]",
                 [(eta, basis)],
+                role=Role.COULOMB,
+                load=Load.TRANSMITTED,
                 depends_on=(variable, "direction"),
                 formula=f"eta |T| sgn w driving, rho eta |T| sgn w back-driven, T = {FORMULAS[variant]}",
                 reference="A. Gogoussis and M. Donath, IEEE ICRA 1987; T. Verstraten et al., IEEE Robotics"

@@ -10,7 +10,7 @@ from eccentric.effects.effect import Effect, Shape
 from eccentric.effects.forms import addition, direction, heating, loss, omega_m, thermal_times
 from eccentric.effects.setting import Setting
 from eccentric.effects.words import TEMPERATURE, Words
-from eccentric.model import Definition, quantity
+from eccentric.model import CONTACT, Definition, Role, quantity
 
 tau = quantity("heat_tau", "s", "thermal time constant", "", "positive")
 fall = quantity(
@@ -53,18 +53,19 @@ def effects(setting: Setting) -> tuple[Effect, ...]:
             formula=f"{which} times exp(-b rise), tau d(rise)/dt = losses/mean - rise",
             shapes=(constant_of_time, Shape(fall, 0.03, 1.5, "log", 3)),
             definitions=(*definitions, Definition(factor, thins)),
-            scales={which: factor.symbol},
+            scales=dict.fromkeys(roles, factor.symbol),
             words=replace(WORDS, headline=f"{what} that falls as the drive warms up"),
             **common,
         )
-        for suffix, which, what in (
-            ("", "friction", "friction"),
-            ("[viscous]", "viscous", "viscous friction"),
+        for suffix, which, what, roles in (
+            ("", "friction", "friction", CONTACT),
+            ("[viscous]", "viscous", "viscous friction", {Role.VISCOUS}),
         )
     ]
     bearing = addition(
         "hidden_thermal_drift[bearing]",
         [(B, omega_m * (thins - 1))],
+        role=Role.VISCOUS,
         formula="B w (exp(-b rise) - 1), tau d(rise)/dt = losses/mean - rise",
         shapes=(constant_of_time, Shape(fall, 0.1, 2.5, "log", 3)),
         definitions=definitions,
@@ -74,6 +75,7 @@ def effects(setting: Setting) -> tuple[Effect, ...]:
     dry = addition(
         "hidden_thermal_drift[coulomb]",
         [(C, -direction * rise)],
+        role=Role.COULOMB,
         formula="-C rise sgn w, tau d(rise)/dt = losses/mean - rise",
         shapes=(constant_of_time,),
         definitions=definitions,

@@ -8,7 +8,7 @@ from eccentric.effects.effect import Effect
 from eccentric.effects.forms import addition, direction, harmonic
 from eccentric.effects.setting import Setting
 from eccentric.effects.words import GRAVITY, Words, how_often
-from eccentric.model import quantity
+from eccentric.model import Role, quantity
 from eccentric.model import vocabulary as v
 
 ORDERS = range(1, 13)
@@ -33,6 +33,7 @@ def _order(n: int) -> Effect:
     return addition(
         f"link_harmonic_friction[n={n}]",
         [(C, cosine * direction), (S, sine * direction)],
+        role=Role.COULOMB,
         depends_on=("link_angle",),
         formula=f"(c cos({n} theta_l) + s sin({n} theta_l)) sgn w",
         reference="M. R. Popovic and A. A. Goldenberg, IEEE Trans. Robotics and Automation 14(1), 1998",

@@ -10,7 +10,7 @@ from eccentric.effects.effect import Effect, Shape
 from eccentric.effects.forms import addition, direction, gravity, transmitted
 from eccentric.effects.setting import Setting
 from eccentric.effects.words import LOAD, Words
-from eccentric.model import Definition, quantity
+from eccentric.model import Definition, Load, Role, quantity
 from eccentric.model import vocabulary as v
 
 eta = quantity("load_eta", "1", "friction of the gear per torque that it passes on", "", "nonnegative")
@@ -41,6 +41,8 @@ def effects(setting: Setting) -> tuple[Effect, ...]:
             addition(
                 f"load_dependent[{variant}]",
                 [(eta, sp.Abs(load.symbol) * direction)],
+                role=Role.COULOMB,
+                load=Load.TRANSMITTED,
                 depends_on=(variable,),
                 formula=f"eta |{FORMULAS[variant]}| sgn w",
                 reference=REFERENCE,
@@ -55,6 +57,8 @@ def effects(setting: Setting) -> tuple[Effect, ...]:
                 addition(
                     "load_dependent[progressive]",
                     [(eta_2, load.symbol**2 * direction), (eta, sp.Abs(load.symbol) * direction)],
+                    role=Role.COULOMB,
+                    load=Load.TRANSMITTED,
                     depends_on=(variable,),
                     formula=f"(eta |T| + eta_2 T^2) sgn w, T = {FORMULAS[variant]}",
                     reference=SERVO,
@@ -71,16 +75,18 @@ def effects(setting: Setting) -> tuple[Effect, ...]:
 
 FORMULAS = {"gravity": "G", "transmitted": "G + mu^2 J_l alpha + f_lN + share (f - f_lN)"}
 
-Load = tuple[str, str, sp.Expr, tuple[Definition, ...], list[tuple[float, float, str, int]]]
+Variant = tuple[str, str, sp.Expr, tuple[Definition, ...], list[tuple[float, float, str, int]]]
 
 
-def loads(name: str, setting: Setting, share: sp.Symbol) -> list[Load]:
+def loads(name: str, setting: Setting, share: sp.Symbol) -> list[Variant]:
     """(variant, variable, torque, its constants, range of the share) of what counts as load.
 
     Names begin with `name`. `gear_efficiency` has the same loads.
     """
     torque, constants = transmitted(name, setting, share)
-    found: list[Load] = [("transmitted", "transmitted_torque", torque, constants, [(0.0, 1.0, "linear", 3)])]
+    found: list[Variant] = [
+        ("transmitted", "transmitted_torque", torque, constants, [(0.0, 1.0, "linear", 3)])
+    ]
     if setting.case == "C2":
         found.append(("gravity", "gravity_load", gravity(setting), (), []))
     return found

@@ -8,7 +8,7 @@ from eccentric.effects.effect import Effect, Shape
 from eccentric.effects.forms import addition, direction, theta_m
 from eccentric.effects.setting import Setting
 from eccentric.effects.words import Words
-from eccentric.model import quantity
+from eccentric.model import Role, quantity
 from eccentric.model import vocabulary as v
 from eccentric.model.steps import HalfSine
 
@@ -28,6 +28,7 @@ def effects(_: Setting) -> tuple[Effect, ...]:
     effect = addition(
         "local_defect",
         [(A, sp.exp(-2 * (half / width.symbol) ** 2) * direction)],
+        role=Role.COULOMB,
         depends_on=("link_angle",),
         formula="A exp((cos(theta_l - angle) - 1)/width^2) sgn w",
         reference="N. Tandon and A. Choudhury, Tribology International 32(8), 1999; bump: R. von"

@@ -10,9 +10,8 @@ from eccentric.effects.effect import Effect, Shape
 from eccentric.effects.forms import addition, relaxation
 from eccentric.effects.setting import Setting
 from eccentric.effects.words import Words
-from eccentric.model import quantity
+from eccentric.model import State, quantity
 from eccentric.model import vocabulary as v
-from eccentric.model.model import State
 
 A = quantity("hysteresis_A", "N m", "torque by which rising and falling current differ, halved")
 width = quantity("hysteresis_i", "A", "change of current within which the branches meet", "", "positive")

@@ -10,7 +10,7 @@ from eccentric.effects.effect import Effect, Shape
 from eccentric.effects.forms import addition, direction, dt, omega_m, relaxation, speed
 from eccentric.effects.setting import Setting
 from eccentric.effects.words import Words
-from eccentric.model import quantity
+from eccentric.model import Role, quantity
 
 A = quantity(
     "presliding_A", "N m", "Coulomb torque that builds up with the travelled angle", "", "nonnegative"
@@ -37,6 +37,7 @@ def effects(setting: Setting) -> tuple[Effect, ...]:
     dahl = addition(
         "presliding",
         [(A, late)],
+        role=Role.PRESLIDING,
         depends_on=("history",),
         formula="A (z - sgn w), dz/dt = (w - |w| z)/x",
         reference="P. R. Dahl, A solid friction model, The Aerospace Corporation TOR-0158(3107-18)-1, 1968",
@@ -47,6 +48,7 @@ def effects(setting: Setting) -> tuple[Effect, ...]:
     lugre = addition(
         "presliding[lugre]",
         [(A, late), (S, state.symbol * sp.exp(-((omega_m / w_s.symbol) ** 2)))],
+        role=(Role.PRESLIDING, Role.STRIBECK),
         depends_on=("history",),
         formula="A (z - sgn w) + S z exp(-(w/v)^2), dz/dt = (w - |w| z)/x",
         reference="C. Canudas de Wit, H. Olsson, K. J. Åström and P. Lischinsky, IEEE Trans. Automatic"

@@ -8,9 +8,8 @@ from eccentric.effects.effect import Effect
 from eccentric.effects.forms import current_slope
 from eccentric.effects.setting import Setting
 from eccentric.effects.words import Words
-from eccentric.model import Quantity, Term, quantity
+from eccentric.model import Quantity, State, Term, quantity
 from eccentric.model import vocabulary as v
-from eccentric.model.model import State
 
 delay = quantity("delay_d", "s", "delay of the measured current behind angle and voltage")
 square = quantity("delay_q", "s^2", "half the squared delay, less what the difference quotient lags")

@@ -10,7 +10,7 @@ from eccentric.effects.effect import Effect, Shape
 from eccentric.effects.forms import addition, direction, omega_m, root, speed
 from eccentric.effects.setting import Setting
 from eccentric.effects.words import SPEED, Words
-from eccentric.model import quantity
+from eccentric.model import Role, quantity
 
 A = quantity(
     "stribeck_A", "N m", "Stribeck torque: by how much friction is higher near rest", "", "nonnegative"
@@ -36,6 +36,7 @@ def effects(setting: Setting) -> tuple[Effect, ...]:
         addition(
             f"stribeck[d={d}]",
             [(A, sp.exp(-power) * direction)],
+            role=Role.STRIBECK,
             depends_on=("velocity",),
             formula=f"A exp(-(|w|/v)^{d}) sgn w",
             reference="R. Stribeck, Zeitschrift des VDI 46, 1902; with an exponent L. C. Bo and D. Pavelescu,"

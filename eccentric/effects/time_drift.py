@@ -8,7 +8,7 @@ from eccentric.effects.effect import Effect, Shape
 from eccentric.effects.forms import addition, direction
 from eccentric.effects.setting import Setting
 from eccentric.effects.words import TIME, Words
-from eccentric.model import Definition, quantity
+from eccentric.model import CONTACT, Definition, Role, quantity
 from eccentric.model import vocabulary as v
 
 C = quantity("drift_C", "N m/s", "change of the Coulomb torque per second")
@@ -27,6 +27,7 @@ def effects(setting: Setting) -> tuple[Effect, ...]:
     dry = addition(
         "time_drift",
         [(C, direction * v.t.symbol)],
+        role=Role.COULOMB,
         depends_on=("time",),
         formula="C t sgn w",
         reference=REFERENCE,
@@ -43,7 +44,7 @@ def effects(setting: Setting) -> tuple[Effect, ...]:
         reference=REFERENCE,
         shapes=(Shape(rate, -most, most, "linear", 4),),
         definitions=(Definition(factor, 1 + rate.symbol * v.t.symbol),),
-        scales={"friction": factor.symbol},
+        scales=dict.fromkeys(CONTACT, factor.symbol),
         inputs=(v.t,),
         words=replace(WORDS, headline="friction that drifts over time"),
     )

@@ -10,7 +10,7 @@ from eccentric.effects.effect import Effect, Shape
 from eccentric.effects.forms import addition, constant, omega_m
 from eccentric.effects.setting import Setting
 from eccentric.effects.words import TEMPERATURE, Words
-from eccentric.model import Definition, quantity
+from eccentric.model import Definition, Role, quantity
 from eccentric.model import vocabulary as v
 
 b = quantity("viscosity_b", "1/K", "relative fall of the viscosity per kelvin", "", "nonnegative")
@@ -68,6 +68,7 @@ def effects(setting: Setting) -> tuple[Effect, ...]:
         addition(
             "viscosity_temperature[bearing]",
             [(B, omega_m * (reynolds - 1))],
+            role=Role.VISCOUS,
             depends_on=("temperature",),
             formula="B w (exp(-b (T - T_0)) - 1)",
             reference=f"{REYNOLDS}; {ROBOT}",
@@ -97,7 +98,7 @@ def _scaling(
         reference=reference,
         shapes=(shape,),
         definitions=definitions,
-        scales={"viscous": factor.symbol},
+        scales={Role.VISCOUS: factor.symbol},
         inputs=(v.temperature,),
         needs=("temperature",),
         words=replace(WORDS, headline=headline),

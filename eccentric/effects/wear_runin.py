@@ -10,9 +10,8 @@ from eccentric.effects.effect import Effect, Shape
 from eccentric.effects.forms import addition, direction, dt, speed
 from eccentric.effects.setting import Setting
 from eccentric.effects.words import TIME, Words
-from eccentric.model import quantity
+from eccentric.model import Role, State, quantity
 from eccentric.model import vocabulary as v
-from eccentric.model.model import State
 
 C = quantity("wear_C", "N m", "Coulomb torque at the start beyond the final one")
 tau = quantity("wear_tau", "s", "time over which it settles", "", "positive")
@@ -34,6 +33,7 @@ def effects(setting: Setting) -> tuple[Effect, ...]:
     in_time = addition(
         "wear_runin",
         [(C, direction * sp.exp(-v.t.symbol / tau.symbol))],
+        role=Role.COULOMB,
         depends_on=("time",),
         formula="C exp(-t/tau) sgn w",
         reference=REFERENCE,
@@ -44,6 +44,7 @@ def effects(setting: Setting) -> tuple[Effect, ...]:
     in_way = addition(
         "wear_runin[travel]",
         [(C, direction * sp.exp(-way.symbol / reach.symbol))],
+        role=Role.COULOMB,
         depends_on=("time",),
         formula="C exp(-s/x) sgn w, s the motor angle travelled",
         reference=REFERENCE,

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import sympy as sp
 
 from eccentric.errors import InputError
-from eccentric.model import Model, regressor
+from eccentric.model import Model, Role, regressor
 from eccentric.rigs import KNOWNS
 
 if TYPE_CHECKING:
@@ -18,8 +18,6 @@ if TYPE_CHECKING:
 
 R, k_i, k_e, J, u_0, T_load = sp.symbols("R k_i k_e J u_0 T_load")
 _UNITS = {known.name: known.unit for known in KNOWNS}
-LINEAR_UNITS = ("N m", "N m s/rad")
-"""Coulomb and viscous friction: the coefficients whose columns are sgn(w) and w."""
 
 
 @dataclass(frozen=True)
@@ -95,9 +93,13 @@ def coefficients_of(channels: Channels, rig: Rig, model: Model, scale: sp.Expr |
     s = sp.Integer(1) if scale is None else scale
     found: list[Coefficient] = []
     for column in regressor(model):
-        linear = column.unit in LINEAR_UNITS
         expression, meaning = s * column.coefficient, s * model.expand(column.coefficient)
-        if column.unit == "N m s/rad" and channels.drive == "voltage" and "k_e" not in rig.known:
+        if (
+            column.linear
+            and column.role is Role.VISCOUS
+            and channels.drive == "voltage"
+            and "k_e" not in rig.known
+        ):
             # The back-EMF has the same column, w; only the sum can be seen.
             emf = k_e if scale is not None else k_i * k_e / R
             expression, meaning = expression + emf, meaning + emf
@@ -105,7 +107,9 @@ def coefficients_of(channels: Channels, rig: Rig, model: Model, scale: sp.Expr |
         high = math.inf if column.bounds[1] is None else float(column.bounds[1])
         own, shown = _scaled(column.unit, unit), _plain(expression)
         found.append(
-            Coefficient(shown, _plain(meaning), own, low, high, "friction", linear, column.name, column.unit)
+            Coefficient(
+                shown, _plain(meaning), own, low, high, "friction", column.linear, column.name, column.unit
+            )
         )
     inertia = known_inertia(rig)
     s_low, s_high = _scale_range(rig, scale)

@@ -26,7 +26,7 @@ from eccentric.effects.constant_load import effect as constant_load
 from eccentric.errors import InputError
 from eccentric.fitting.problem import Problem, own_letters, pose, require_case
 from eccentric.fitting.projection import Solution, solve
-from eccentric.model import Model, regressor
+from eccentric.model import Model
 from eccentric.rigs import Rig
 from eccentric.signals import Channels
 
@@ -34,7 +34,6 @@ __all__ = ["Drive", "drive_of", "loaded_model"]
 
 Array = NDArray[np.float64]
 
-_FRICTION = ("B_m", "C_m", "B_lT", "C_lT", "B_lN", "C_lN")
 _UNITS = {"voltage": "V", "current": "A", "torque": "N m"}
 
 
@@ -175,8 +174,7 @@ def _needed(channels: Channels, rig: Rig, base: Model) -> dict[str, float]:
 
     A torque signal is a current with k_i = 1 N m/A; of a scale only R/k_i counts.
     """
-    needed = {q.name for q in base.parameters} - {c.name for c in regressor(base)} - {"T_load"}
-    needed = {n for n in needed if n.removesuffix("_pos").removesuffix("_neg") not in _FRICTION}
+    needed = {q.name for q in base.parameters if q not in base.friction_parameters} - {"T_load"}
     # What the log has to give, and what only the armature of a rig with voltage and current needs.
     given = {"k_i", "R", "k_e", "J_m", "J_l", "F_T"}
     if rig.case == "C1":

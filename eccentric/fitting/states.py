@@ -12,8 +12,7 @@ import sympy as sp
 from scipy.linalg import solve_banded
 
 from eccentric.fitting.expressions import Signals, lambdified
-from eccentric.model import Model
-from eccentric.model.model import State
+from eccentric.model import Model, State
 
 __all__ = ["States", "state_series"]
 

@@ -18,7 +18,6 @@ import numpy as np
 
 from eccentric.effects.effect import Effect
 from eccentric.fitting.emitted import Emitted, FitData, Values
-from eccentric.fitting.expressions import Signals
 from eccentric.fitting.least_squares import bounded
 from eccentric.model import Model
 
@@ -63,14 +62,15 @@ class Turns:
             self.model = effect.extend(self.model, own)
         drive, letters = data.drive, {q.name for q in self.model.parameters}
         self.scale = drive.scale
-        self.every = _friction_letters(base, data.signals)
-        self.fitted = [n for n in self.every if n[0] in "BC" and not (linear and "_lN" in n)]
+        columns = data.signals.columns(base)
+        self.every = [column.parameter.name for column in columns]
+        self.fitted = [column.parameter.name for column in columns if column.linear or not linear]
         self.values = {name: value for name, value in drive.known.items() if name in letters}
         # What the log cannot show has no effect on it, but the module wants a number.
         absent = {"R": 1.0, "k_e": 0.0, "J_m": 0.0, "J_l": 0.0}
         self.values = {n: v for n, v in absent.items() if n in letters} | self.values
         self._scaled()
-        self.values |= dict.fromkeys(_all_friction(base), 0.0) | self.shapes
+        self.values |= dict.fromkeys((q.name for q in base.friction_parameters), 0.0) | self.shapes
         self.values |= {q.name: 0.0 for effect, _ in effects for q in effect.coefficients}
         self.offset = self.zero = 0.0
         self.change = np.inf
@@ -215,21 +215,6 @@ class Turns:
             self.values |= {"k_i": 1.0, "R": self.scale}
         elif self.scale is not None:
             self.values["k_i"] = 1.0 / self.scale
-
-
-def _friction_letters(base: Model, signals: Signals) -> list[str]:
-    """One parameter for each column of the regressor: B_m stands for the sum B, C_m for C."""
-    letters = {q.name for q in base.parameters}
-    names = []
-    for column in signals.columns(base):
-        head, *tail = column.name.split("_")
-        names.append(column.name if column.name in letters else "_".join([head, "m", *tail]))
-    return names
-
-
-def _all_friction(base: Model) -> list[str]:
-    used = {str(t.coefficient) for t in base.balance("mechanical").terms if t.kind == "friction"}
-    return [q.name for q in base.parameters if q.name in used]
 
 
 def _coefficients(effects: tuple[tuple[Effect, Values], ...], balance: str) -> tuple[list[str], Limits]:

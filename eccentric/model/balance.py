@@ -6,6 +6,8 @@ from dataclasses import dataclass
 
 import sympy as sp
 
+from eccentric.model.role import Load, Role
+
 # The sign with which a kind of term enters its balance: what drives is positive, what is driven is negative.
 KINDS = {
     "drive": 1,
@@ -30,6 +32,9 @@ class Term:
         basis: what the coefficient multiplies, in inputs, parameters and defined quantities.
         reference: paper equation or other source.
         bounds: of the coefficient; None for a side that is open.
+        role: what it does; required of friction, and of friction only.
+        load: the load that it is in proportion to.
+        joint: the joint that it belongs to, counted from the base; a single link has joint 0.
     """
 
     name: str
@@ -38,10 +43,26 @@ class Term:
     basis: sp.Expr
     reference: str
     bounds: tuple[float | None, float | None] = (0.0, None)
+    role: Role = Role.NONE
+    load: Load = Load.NONE
+    joint: int = 0
 
     def __post_init__(self) -> None:
         if self.kind not in KINDS:
             raise ValueError(f"term {self.name}: kind must be one of {', '.join(KINDS)}, not {self.kind!r}")
+        for name, given, words in (("role", self.role, Role), ("load", self.load, Load)):
+            if not isinstance(given, words):
+                known = ", ".join(f"{words.__name__}.{word.name}" for word in words)
+                raise TypeError(f"term {self.name}: {name} must be one of {known}; received {given!r}")
+        if self.kind == "friction" and self.role is Role.NONE:
+            roles = ", ".join(f"Role.{role.name}" for role in Role if role is not Role.NONE)
+            raise ValueError(f"term {self.name}: friction requires a role, one of {roles}; received none")
+        if self.kind != "friction" and self.role is not Role.NONE:
+            raise ValueError(
+                f"term {self.name}: only friction has a role, received {self.role} of kind {self.kind}"
+            )
+        if self.joint < 0:
+            raise ValueError(f"term {self.name}: joint must be 0 or above, received {self.joint}")
 
     @property
     def value(self) -> sp.Expr:
@@ -70,3 +91,16 @@ class Balance:
     def residual(self) -> sp.Expr:
         """The sum of all terms, each with the sign of its kind: zero if the balance holds."""
         return sp.Add(*(KINDS[term.kind] * term.value for term in self.terms))
+
+    def solved_for(self, symbol: sp.Symbol) -> sp.Expr:
+        """The value of a symbol that makes the residual zero: the current that the armature leaves, say.
+
+        Raises:
+            ValueError: the balance does not depend on the symbol, or not linearly.
+        """
+        residual = sp.expand(self.residual())
+        slope = residual.coeff(symbol)
+        rest = sp.expand(residual - slope * symbol)
+        if slope == 0 or symbol in slope.free_symbols | rest.free_symbols:
+            raise ValueError(f"balance {self.name}: required to be linear in {symbol}")
+        return -rest / slope

@@ -90,7 +90,7 @@ def directed(
         name, title, equations: of the result.
         gates: direction ("pos", "neg") -> expression that is 1 in that direction and else 0.
     """
-    renamed = {q.symbol: {d: directed_quantity(q, d) for d in gates} for q in _friction_parameters(model)}
+    renamed = {q.symbol: {d: directed_quantity(q, d) for d in gates} for q in model.friction_parameters}
     terms: list[Term] = []
     for term in model.balance("mechanical").terms:
         if term.kind != "friction":
@@ -129,9 +129,3 @@ def directed(
         balances=balances,
         equations=equations,
     )
-
-
-def _friction_parameters(model: Model) -> tuple[Quantity, ...]:
-    """The parameters that friction terms have as coefficients."""
-    used = {term.coefficient for term in model.balance("mechanical").terms if term.kind == "friction"}
-    return tuple(quantity for quantity in model.parameters if quantity.symbol in used)

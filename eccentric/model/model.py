@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
 
 import sympy as sp
 
 from eccentric.errors import InputError
-from eccentric.model.balance import Balance, Term
+from eccentric.model.balance import Balance
 from eccentric.model.equation import Equation, equation_named
 from eccentric.model.quantity import Quantity
-from eccentric.model.steps import Gated
+from eccentric.model.steps import meaning
+from eccentric.model.vocabulary import alpha_m
 
 
 @dataclass(frozen=True)
@@ -103,6 +105,17 @@ class Model:
                 found.add(definition.symbol)
         return frozenset(found)
 
+    @cached_property
+    def friction_parameters(self) -> tuple[Quantity, ...]:
+        """The parameters that friction terms have as coefficients, in the order of the parameters."""
+        used = {term.coefficient for term in self.balance("mechanical").terms if term.kind == "friction"}
+        return tuple(quantity for quantity in self.parameters if quantity.symbol in used)
+
+    @cached_property
+    def inertia(self) -> sp.Expr:
+        """What multiplies alpha_m in the inertial terms, in parameters: J_m + mu^2 J_l [kg m^2]."""
+        return self.expand(sp.diff(self.balance("mechanical").sum_of("inertial"), alpha_m.symbol))
+
     def balance(self, name: str) -> Balance:
         """The balance of that name; KeyError if there is none."""
         return {balance.name: balance for balance in self.balances}[name]
@@ -121,6 +134,19 @@ class Model:
             expression = expression.xreplace({definition.symbol: definition.value})
         return expression
 
+    def value(self, expression: sp.Expr, values: Mapping[str, float]) -> float:
+        """The number that an expression in parameters and what they define has.
+
+        Args:
+            expression: in parameters, definitions and inputs.
+            values: parameter or input by name -> value in SI units.
+
+        Raises:
+            KeyError: a value that it needs is not among them.
+        """
+        plain = meaning(self.expand(expression))
+        return float(plain.xreplace({symbol: sp.Float(values[symbol.name]) for symbol in plain.free_symbols}))
+
     def units(self) -> dict[sp.Symbol, str]:
         """The unit of every symbol of the model."""
         named = (*self.inputs, *self.parameters, *(d.quantity for d in self.definitions))
@@ -137,75 +163,3 @@ class Model:
         return "\n\n".join(
             [rf"\section*{{{self.title}}}", *(equation.latex() for equation in self.equations)]
         )
-
-
-@dataclass(frozen=True)
-class Column:
-    """A column of the regressor: one identifiable coefficient of friction and what it multiplies.
-
-    Attributes:
-        name: of the coefficient, e.g. "B_lN", or "B" for B_m + mu^2 beta_T, which one log cannot tell apart.
-        coefficient: its value in the model's parameters.
-        basis: the column.
-        unit: of the coefficient.
-        bounds: of the coefficient.
-    """
-
-    name: str
-    coefficient: sp.Expr
-    basis: sp.Expr
-    unit: str
-    bounds: tuple[float | None, float | None]
-
-
-def regressor(model: Model) -> tuple[Column, ...]:
-    """The columns that span the mechanical friction torque.
-
-    No log can tell terms apart whose bases differ by a factor of parameters only; they are one column, on the
-    plainest of their bases. Which ones those are is computed from the expressions, never declared.
-
-    Raises:
-        InputError: the coefficient of a friction term is no parameter, or a combination has no name.
-    """
-    groups: list[list[Term]] = []
-    for term in model.balance("mechanical").terms:
-        if term.kind != "friction":
-            continue
-        for group in groups:
-            if _ratio(term.basis, group[0].basis).free_symbols <= model.parameter_symbols:
-                group.append(term)
-                break
-        else:
-            groups.append([term])
-    return tuple(_column(model, group) for group in groups)
-
-
-def _ratio(one: sp.Expr, other: sp.Expr) -> sp.Expr:
-    """One basis by the other; a gate that both have cancels."""
-    return one.replace(Gated, sp.Mul) / other.replace(Gated, sp.Mul)
-
-
-def _column(model: Model, group: list[Term]) -> Column:
-    known = {quantity.symbol: quantity for quantity in model.parameters}
-    for term in group:
-        if term.coefficient not in known:
-            raise InputError(
-                f"model {model.name}: term {term.name}: required a parameter as coefficient of friction,"
-                f" received {term.coefficient}"
-            )
-    if len(group) == 1:
-        (term,) = group
-        quantity = known[term.coefficient]
-        return Column(quantity.name, term.coefficient, term.basis, quantity.unit, term.bounds)
-    basis = min((term.basis for term in group), key=sp.count_ops)
-    coefficient = sp.Add(*(term.coefficient * _ratio(term.basis, basis) for term in group))
-    lows = [term.bounds[0] for term in group if term.bounds[0] is not None]
-    low = sum(lows) if len(lows) == len(group) else None
-    for definition in model.definitions:
-        if sp.expand(definition.value - coefficient) == 0:
-            quantity = definition.quantity
-            return Column(quantity.name, definition.symbol, basis, quantity.unit, (low, None))
-    names = ", ".join(term.name for term in group)
-    raise InputError(
-        f"model {model.name}: terms {names}: no log tells them apart; define a quantity for {coefficient}"
-    )

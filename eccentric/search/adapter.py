@@ -104,9 +104,7 @@ def _changes(
     swap = dict(effect.replaces)
     columns = []
     for column in signals.columns(model):
-        kind = "viscous" if column.name.startswith("B") else "coulomb"
-        factors = [factor for which, factor in effect.scales.items() if which in {"friction", kind}]
-        basis = sp.Mul(column.basis.xreplace(swap), *factors)
+        basis = column.basis.xreplace(swap) * effect.scales.get(column.role, 1)
         columns.append(compiled(extended, basis, signals, names))
     loads = [
         compiled(

@@ -64,7 +64,8 @@ def build_program(model: Model) -> Program:
 def _routine(model: Model, function: Function, shared: Prepare, half_turns: HalfTurns) -> Routine:
     fixed = model.parameter_symbols
     needs = closure(model, function.results, function.definitions)
-    assignments, results = _unscaled(*written_out(needs, function.results, fixed))
+    F_N = model.definition("F_N").symbol
+    assignments, results = _unscaled(*written_out(needs, function.results, fixed), F_N)
     if function.by:
         y = sp.Symbol("torque", real=True)
         torque = results[0][1]
@@ -107,7 +108,7 @@ def _routine(model: Model, function: Function, shared: Prepare, half_turns: Half
 
 
 def _unscaled(
-    assignments: Sequence[Assignment], results: Sequence[tuple[str, sp.Expr]]
+    assignments: Sequence[Assignment], results: Sequence[tuple[str, sp.Expr]], F_N: sp.Symbol
 ) -> tuple[list[Assignment], list[tuple[str, sp.Expr]]]:
     """F_N = scale_N load is written out, so that its scale goes into the coefficients that multiply it."""
     load = sp.Symbol("load", real=True)
@@ -116,7 +117,7 @@ def _unscaled(
     for a in assignments:
         factors = sp.Mul.make_args(a.value)
         magnitude = [factor for factor in factors if isinstance(factor, Magnitude)]
-        if a.target.name == "F_N" and magnitude:
+        if a.target == F_N and magnitude:
             scaled[a.target] = a.value.xreplace({magnitude[0]: load})
             written.append(Assignment(load, magnitude[0], "normal force over scale_N [rad^2/s^2]"))
         else:

@@ -9,7 +9,7 @@ import sympy as sp
 from eccentric.emission.program import one_sided, stepping
 from eccentric.emission.program.program import Assignment
 from eccentric.errors import InputError
-from eccentric.model import KINDS, Definition, Model, regressor
+from eccentric.model import KINDS, Definition, Model, regressor, symbols
 from eccentric.model import vocabulary as v
 from eccentric.model.steps import Forward
 
@@ -92,7 +92,7 @@ def functions(model: Model) -> tuple[Function, ...]:
     electrical_residual = sp.expand_mul(torque_constant / resistance * electrical.residual())
     columns = regressor(model)
     coefficients = tuple((column.name, column.coefficient) for column in columns)
-    parameters = friction_parameters(model)
+    parameters = symbols(*model.friction_parameters)
     inertia = tuple(q.name for q in model.parameters if q.default is None)
     dependence = tuple(x for x in _inputs(model, resultant) if x.name in {"theta_m", "omega_m", "alpha_m"})
     sides = (("pos", 1), ("neg", -1)) if friction.has(Forward) else (("", 1),)
@@ -199,12 +199,6 @@ def _require(model: Model) -> None:
     }
     if missing := [what for what, found in there.items() if not found]:
         raise InputError(f"model {model.name}: required {missing[0]}, received none")
-
-
-def friction_parameters(model: Model) -> tuple[sp.Symbol, ...]:
-    """The friction coefficients among the parameters, in their order there."""
-    used = {term.coefficient for term in model.balance("mechanical").terms if term.kind == "friction"}
-    return tuple(q.symbol for q in model.parameters if q.symbol in used)
 
 
 def normal_force(model: Model) -> sp.Symbol:

@@ -9,6 +9,7 @@ import sympy as sp
 from eccentric.emission.program.primitive import InSingle, Low, Rounded, TurnLeft, exact
 from eccentric.emission.program.program import Assignment
 from eccentric.model import Model
+from eccentric.model import vocabulary as v
 from eccentric.model.steps import ByDirection, Chord, HalfCosine, HalfSine, Leading, Sgn, SquareDifference
 
 
@@ -155,12 +156,19 @@ def _is_negative(expression: sp.Expr) -> bool:
     return expression.as_coeff_Mul()[0].is_negative is True
 
 
+_MULTIPLIES = {
+    v.omega_m.symbol: "viscous",
+    v.alpha_m.symbol: "inertial",
+    v.i.symbol: "driving",
+    v.u.symbol: "driving",
+}
+
+
 def _role(moving: list[sp.Expr], role: str) -> str:
     """What a factor of these is in the friction model; `role` if that cannot be told."""
     if any(isinstance(factor, Sgn) for factor in moving):
         return "coulomb"
-    roles = {"omega_m": "viscous", "alpha_m": "inertial", "i": "driving", "u": "driving"}
-    named = [roles[factor.name] for factor in moving if factor.is_Symbol and factor.name in roles]
+    named = [_MULTIPLIES[factor] for factor in moving if factor in _MULTIPLIES]
     turning = any(isinstance(factor, Chord | HalfSine) for factor in moving)
     return named[0] if named else "turning" if turning else role
 

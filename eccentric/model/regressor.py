@@ -1,0 +1,105 @@
+"""The regressor: the columns that span the friction torque, one for each coefficient that a log can show."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import sympy as sp
+
+from eccentric.errors import InputError
+from eccentric.model.balance import Term
+from eccentric.model.model import Model
+from eccentric.model.quantity import Quantity
+from eccentric.model.role import Load, Role
+from eccentric.model.steps import Gated
+
+
+@dataclass(frozen=True)
+class Column:
+    """A column of the regressor: one identifiable coefficient of friction and what it multiplies.
+
+    Attributes:
+        name: of the coefficient, e.g. "B_lN", or "B" for B_m + mu^2 beta_T, which one log cannot tell apart.
+        coefficient: its value in the model's parameters.
+        basis: the column.
+        unit: of the coefficient.
+        bounds: of the coefficient.
+        parameter: the parameter of the model that stands for the coefficient: with the others of a
+            combination at zero it is the coefficient (B_m for B).
+        role, load, joint: those of the term on whose basis the column is; terms of one column have one role.
+    """
+
+    name: str
+    coefficient: sp.Expr
+    basis: sp.Expr
+    unit: str
+    bounds: tuple[float | None, float | None]
+    parameter: Quantity
+    role: Role
+    load: Load
+    joint: int
+
+    @property
+    def linear(self) -> bool:
+        """Whether it belongs to the linear model: viscous or Coulomb friction that follows no load."""
+        return self.role in {Role.VISCOUS, Role.COULOMB} and self.load is Load.NONE
+
+
+def regressor(model: Model) -> tuple[Column, ...]:
+    """The columns that span the mechanical friction torque.
+
+    No log can tell terms apart whose bases differ by a factor of parameters only; they are one column, on the
+    plainest of their bases. Which ones those are is computed from the expressions, never declared.
+
+    Raises:
+        InputError: the coefficient of a friction term is no parameter, a combination has no name, or terms of
+            one column differ in role or joint.
+    """
+    groups: list[list[Term]] = []
+    for term in model.balance("mechanical").terms:
+        if term.kind != "friction":
+            continue
+        for group in groups:
+            if _ratio(term.basis, group[0].basis).free_symbols <= model.parameter_symbols:
+                group.append(term)
+                break
+        else:
+            groups.append([term])
+    return tuple(_column(model, group) for group in groups)
+
+
+def _ratio(one: sp.Expr, other: sp.Expr) -> sp.Expr:
+    """One basis by the other; a gate that both have cancels."""
+    return one.replace(Gated, sp.Mul) / other.replace(Gated, sp.Mul)
+
+
+def _column(model: Model, group: list[Term]) -> Column:
+    known = {quantity.symbol: quantity for quantity in model.parameters}
+    names = ", ".join(term.name for term in group)
+    for term in group:
+        if term.coefficient not in known:
+            raise InputError(
+                f"model {model.name}: term {term.name}: required a parameter as coefficient of friction,"
+                f" received {term.coefficient}"
+            )
+    if len({(term.role, term.joint) for term in group}) > 1:
+        received = ", ".join(f"{term.role} at joint {term.joint}" for term in group)
+        raise InputError(
+            f"model {model.name}: terms {names}: no log tells them apart; required one role and one joint,"
+            f" received {received}"
+        )
+    plainest = min(group, key=lambda term: sp.count_ops(term.basis))
+    basis, parameter = plainest.basis, known[plainest.coefficient]
+    follows = (parameter, plainest.role, plainest.load, plainest.joint)
+    if len(group) == 1:
+        return Column(parameter.name, parameter.symbol, basis, parameter.unit, plainest.bounds, *follows)
+    coefficient = sp.Add(*(term.coefficient * _ratio(term.basis, basis) for term in group))
+    lows = [term.bounds[0] for term in group if term.bounds[0] is not None]
+    low = sum(lows) if len(lows) == len(group) else None
+    for definition in model.definitions:
+        if sp.expand(definition.value - coefficient) == 0:
+            quantity = definition.quantity
+            return Column(quantity.name, definition.symbol, basis, quantity.unit, (low, None), *follows)
+    raise InputError(
+        f"model {model.name}: terms {names}: no log tells them apart; define a quantity for {coefficient}"
+    )
