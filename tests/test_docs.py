@@ -89,6 +89,15 @@ def pages(site: Path) -> dict[Path, Page]:
     return found
 
 
+def test_the_paths_on_the_first_page_exist() -> None:
+    """Every folder and file that the first page sends a developer to is there."""
+    house = (ROOT / "docs" / "index.md").read_text(encoding="utf-8").split("## The house")[1]
+    paths = re.findall(r"`([a-z_]+/[\w./]*)`", house)
+
+    assert len(paths) > 15
+    assert [] == [path for path in paths if not (ROOT / path).exists()]
+
+
 def test_every_family_has_its_section_and_its_pictures(pages: dict[Path, Page]) -> None:
     """One section for each family of the library, in it a picture for white pages and one for dark ones."""
     sections = Counter(
