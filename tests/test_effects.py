@@ -56,6 +56,20 @@ def test_harmonics_of_all_orders_stand_side_by_side(case: str) -> None:
     assert len(load_model(BASE[case]).parameters) + 2 * len(orders) == len(model.parameters)
 
 
+def test_harmonics_begin_with_once_a_turn() -> None:
+    """Every order from 1 on is offered: 12 of the link, 24 of the motor for cogging and for torque ripple."""
+    orders: dict[str, list[int]] = {}
+    for effect in effects("C2").values():
+        if effect.repeats:
+            orders.setdefault(effect.family, []).append(int(effect.id.partition("n=")[2].rstrip("]")))
+
+    assert {
+        "link_harmonic_friction": list(range(1, 13)),
+        "cogging": list(range(1, 25)),
+        "kt_ripple": list(range(1, 25)),
+    } == orders
+
+
 @every_case
 def test_dimensions_hold(case: str) -> None:
     """Terms have the unit of their balance, definitions and updates that of their quantity."""

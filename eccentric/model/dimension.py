@@ -27,7 +27,8 @@ def of_unit(unit: str) -> Dimension:
         ValueError: a factor of the unit is unknown.
     """
     total = list(PURE)
-    for side, sign in zip(unit.split("/"), (1, -1, -1), strict=False):
+    for place, side in enumerate(unit.split("/")):
+        sign = -1 if place else 1
         for factor in side.strip(" ()").split():
             match = re.fullmatch(r"([A-Za-z]+|1)(?:\^(-?\d+))?", factor)
             if match is None or match[1] not in _BASE:

@@ -13,6 +13,7 @@ from __future__ import annotations
 from typing import Any
 
 import sympy as sp
+from sympy.core.function import ArgumentIndexError
 
 
 class Step(sp.Function):
@@ -92,7 +93,7 @@ class HalfCosine(Step):
         """Derivative by theta_m; mu is a parameter and never differentiated by."""
         theta_m, mu = self.args
         if argindex != 1:
-            raise sp.ArgumentIndexError(self, argindex)
+            raise ArgumentIndexError(self, argindex)
         return mu / 2 * HalfSine(theta_m, mu)
 
     def _eval_rewrite_as_chord(self, theta_m: sp.Expr, mu: sp.Expr, **_: Any) -> sp.Expr:
@@ -111,7 +112,7 @@ class HalfSine(Step):
         """Derivative by theta_m."""
         theta_m, mu = self.args
         if argindex != 1:
-            raise sp.ArgumentIndexError(self, argindex)
+            raise ArgumentIndexError(self, argindex)
         return -mu / 2 * HalfCosine(theta_m, mu)
 
     def _eval_rewrite_as_meaning(self, theta_m: sp.Expr, mu: sp.Expr, **_: Any) -> sp.Expr:
@@ -131,7 +132,7 @@ class Chord(Step):
     def fdiff(self, argindex: int = 1) -> sp.Expr:
         """Derivative by theta_m."""
         if argindex != 1:
-            raise sp.ArgumentIndexError(self, argindex)
+            raise ArgumentIndexError(self, argindex)
         return HalfSine(*self.args)
 
     def _eval_rewrite_as_meaning(self, theta_m: sp.Expr, mu: sp.Expr, **_: Any) -> sp.Expr:
