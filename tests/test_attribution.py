@@ -10,7 +10,7 @@ import pytest
 
 from eccentric.search.candidates import Candidate
 from eccentric.search.verdict import Attribution, attribute
-from eccentric.signals import make_balance_design, make_windows
+from eccentric.signals import balance_design, hann_windows
 
 MU, NOISE = 0.2, 0.004
 
@@ -79,10 +79,10 @@ def diagnose(missing: np.ndarray, seed: int = 3) -> Attribution:
     target = base @ [0.15, 0.01] + missing + NOISE * rng.standard_normal(len(S.t))
     slow = np.abs(S.omega_m) < 0.5
     moving = np.convolve(slow, np.ones(31), mode="same") < 0.5
-    windows = make_windows(S.t, moving)
-    balance = make_balance_design("mechanical", windows, target, base, ("C", "B"), np.zeros(2), target)
-    weights = windows.weights.getrow(0).data
-    noise = NOISE * float(np.sqrt(np.sum(weights**2)))
+    one_run = np.zeros(len(S.t), dtype=int)
+    rows = hann_windows(S.t, moving, one_run, one_run, length_s=0.064)
+    balance = balance_design("mechanical", rows, target, base, ("C", "B"), np.zeros(2), target)
+    noise = NOISE * float(rows.noise_gain()[0])
     return attribute([balance], S, LIBRARY, MU, np.zeros(len(S.t)), noise={"mechanical": noise})
 
 

@@ -35,7 +35,7 @@ def test_averages_leave_the_coefficients_of_a_log_without_noise(tmp_path: Path, 
     above = f'average_over = "{length} s"'
     found = fitted(tmp_path, LOG, {"torque_Nm": torque("C2", FRICTION)}, above)
     assert FRICTION == pytest.approx({name: e.value for name, e in found.coefficients.items()}, rel=3e-3)
-    assert f"averages over {length} s" in found.problem.sampling.description
+    assert f"averages over {length} s" in found.problem.rows.description
 
 
 def test_averages_are_those_of_a_hann_window(tmp_path: Path) -> None:
@@ -48,7 +48,7 @@ def test_averages_are_those_of_a_hann_window(tmp_path: Path) -> None:
     np.testing.assert_allclose(rows.mean(np.sin(4.0 * math.pi / AVERAGE_S * channels.t)), 0.0, atol=0.01)
     # Every sample that is averaged is one to fit on, or one held out, as the row is.
     for part, samples in ((rows.train, channels.fit_rows), (rows.score, channels.score_rows)):
-        np.testing.assert_allclose(rows.filtered(samples.astype(float))[part], 1.0)
+        np.testing.assert_allclose(rows.plain_mean(samples.astype(float))[part], 1.0)
     assert not np.any(rows.train & rows.score)
     assert np.all(np.diff(rows.t) > 0.0)
 
@@ -57,7 +57,7 @@ def test_rows_of_the_log_stay_as_they_are(tmp_path: Path) -> None:
     """Without a wish for averages a row is a row."""
     channels, rig = planted(tmp_path, "")
     rows = rows_of(channels, rig)
-    assert rows.weights is None
+    assert rows.operator is None
     np.testing.assert_allclose(rows.t, T, rtol=1e-12)
     np.testing.assert_array_equal(rows.train, channels.fit_rows)
     np.testing.assert_array_equal(rows.mean(motion()[0]), motion()[0])

@@ -48,7 +48,7 @@ def fit_document(fit: Fit, logs: Sequence[str]) -> dict[str, Any]:
     problem = fit.problem
     channels, rig = problem.channels, problem.rig
     parameters, texts = emitted_parameters(fit)
-    counted = problem.sampling
+    counted = problem.rows
     return {
         "format": FORMAT,
         "model": problem.model.name,

@@ -61,7 +61,7 @@ class Emitted:
         # The acceleration comes from the low-passed angle: it is not to pass the filter twice.
         alpha = self.drive.channels.alpha_m
         inertia = values["J_m"] + self.data.signals.known["mu"] ** 2 * values["J_l"]
-        return rows.mean(found) + inertia * (rows.mean(alpha) - rows.filtered(alpha))
+        return rows.mean(found) + inertia * (rows.mean(alpha) - rows.plain_mean(alpha))
 
     def samples(self, balance: str, values: Mapping[str, float], current: Array | None = None) -> Array:
         """The same on the samples.

@@ -39,13 +39,13 @@ def draw_fit(fit: Fit, stem: Path) -> None:
 def _panels(fit: Fit, left: Any, right: Any) -> None:
     problem = fit.problem
     paper, linear = fit.solutions["paper"], fit.solutions["linear"]
-    rows = np.flatnonzero(problem.sampling.score)
+    rows = np.flatnonzero(problem.rows.score)
     rows = rows[:: -(-len(rows) // MOST_POINTS)]
     friction = [k for k, c in enumerate(problem.coefficients) if c.role == "friction"]
     predicted = paper.design[rows][:, friction] @ paper.coefficients[friction]
     measured = predicted + paper.residual[rows]
     by_linear = measured - linear.residual[rows]
-    speed = problem.sampling.mean(problem.channels.omega_m)[rows]
+    speed = problem.rows.mean(problem.channels.omega_m)[rows]
     name = "friction" if problem.unit == "N m" else "friction (and back-EMF)"
     both = np.concatenate([measured, predicted, by_linear])
     ends = [float(both.min()), float(both.max())]
@@ -67,4 +67,4 @@ def _panels(fit: Fit, left: Any, right: Any) -> None:
         axes.legend(loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=3, frameon=False, handletextpad=0.2)
         for handle in axes.get_legend().legend_handles:
             handle.set_markersize(10.0)
-    left.figure.suptitle(f"{problem.rig.name}: held-out {problem.sampling.description}", fontsize=9.0)
+    left.figure.suptitle(f"{problem.rig.name}: held-out {problem.rows.description}", fontsize=9.0)

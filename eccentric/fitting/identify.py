@@ -68,7 +68,7 @@ def fit(channels: Channels, rig: Rig, model: Model, where: str = "log") -> Fit:
     problem = pose(channels, rig, model)
     _require_rows(problem, where)
     paper = solve(problem)
-    train = problem.sampling.train
+    train = problem.rows.train
     require_rank(paper.design[train], [c.name for c in problem.coefficients], where)
     solutions = {
         "linear": solve(problem, linear=True),
@@ -82,7 +82,7 @@ def fit(channels: Channels, rig: Rig, model: Model, where: str = "log") -> Fit:
         solutions["paper"] = paper = better.best
     error = _spread(problem, paper)
     coefficients, searched = _estimates(problem, paper, error)
-    score = problem.sampling.score
+    score = problem.rows.score
     errors = {name: solution.residual[score] for name, solution in solutions.items()}
     percent, interval = improvement(errors["linear"], errors["paper"])
     r_squared = {
@@ -107,10 +107,10 @@ def fit(channels: Channels, rig: Rig, model: Model, where: str = "log") -> Fit:
 
 
 def _require_rows(problem: Problem, where: str) -> None:
-    sampling = problem.sampling
-    least = sampling.per_coefficient * (len(problem.coefficients) + len(problem.searched))
-    require_rows(sampling.train, least, f"{sampling.description} to fit", where)
-    require_rows(sampling.score, LEAST_HELD_OUT, f"{sampling.description} to hold out", where)
+    rows = problem.rows
+    least = rows.per_coefficient * (len(problem.coefficients) + len(problem.searched))
+    require_rows(rows.train, least, f"{rows.description} to fit", where)
+    require_rows(rows.score, LEAST_HELD_OUT, f"{rows.description} to hold out", where)
 
 
 def _require_scale(problem: Problem, paper: Solution, where: str) -> None:
@@ -124,8 +124,8 @@ def _require_scale(problem: Problem, paper: Solution, where: str) -> None:
 
 def _spread(problem: Problem, paper: Solution) -> Spread:
     """Return the spread of coefficients and searched values: the errors of the one know of the other."""
-    train = problem.sampling.train
-    root = np.sqrt(problem.sampling.weights[train])
+    train = problem.rows.train
+    root = np.sqrt(problem.rows.weights[train])
     everything = [*problem.coefficients, *problem.searched]
     active = np.concatenate([paper.active, [_at_end(paper.values[s.name], s) for s in problem.searched]])
     return spread(

@@ -38,7 +38,7 @@ from eccentric.fitting.columns import (
 from eccentric.model import Model, regressor
 from eccentric.model.steps import meaning
 from eccentric.rigs import KNOWNS
-from eccentric.signals import Sampling, averaged, sample
+from eccentric.signals import Rows, fit_rows
 
 if TYPE_CHECKING:
     from eccentric.rigs import Rig
@@ -55,7 +55,7 @@ class Problem:
     rig: Rig
     model: Model
     module: ModuleType
-    sampling: Sampling
+    rows: Rows
     unit: str
     scale: sp.Expr | None
     coefficients: tuple[Coefficient, ...]
@@ -82,7 +82,7 @@ class Problem:
         except ValueError as error:
             raise InputError(f"{self.rig.path}: {error}") from None
 
-    def rows(self, values: Mapping[str, float]) -> tuple[Array, Array]:
+    def design(self, values: Mapping[str, float]) -> tuple[Array, Array]:
         """Return target (m,) and columns (m, k) under the searched values."""
         channels = self.channels
         aligned = {k: v for k, v in values.items() if k in ("input_delay_s", "theta_zero_rad")}
@@ -90,19 +90,19 @@ class Problem:
             channels = channels.realigned(self.rig, **aligned)
         parameters = self.parameters({k: v for k, v in values.items() if k not in aligned})
         signals = {"theta_m": channels.theta_m, "omega_m": channels.omega_m, "alpha_m": channels.alpha_m}
-        friction = self.sampling.mean(self.module.regressor(*(signals[n] for n in self._inputs), parameters))
+        friction = self.rows.mean(self.module.regressor(*(signals[n] for n in self._inputs), parameters))
         friction = friction[:, self.kept]
         known, inertia = self._known(channels, parameters)
         load = np.full(len(inertia), self.rig.known.get("mu", 1.0))
         by_role = {"inertia": inertia, "scale": known, "offset": self._offset, "load": load}
         columns = [by_role[c.role] for c in self.coefficients if c.role != "friction"]
-        target = self.sampling.mean(self._drive(channels)) - (known if self.scale is None else 0.0)
+        target = self.rows.mean(self._drive(channels)) - (known if self.scale is None else 0.0)
         return target, np.column_stack([friction, *columns])
 
     def drive_signal(self, values: Mapping[str, float]) -> Array:
         """Return what is explained as a whole, in `unit`, at the rows (m,)."""
         aligned = {k: v for k, v in values.items() if k in ("input_delay_s", "theta_zero_rad")}
-        return self.sampling.mean(self._drive(self.channels.realigned(self.rig, **aligned)))
+        return self.rows.mean(self._drive(self.channels.realigned(self.rig, **aligned)))
 
     def _drive(self, channels: Channels) -> Array:
         known = self.rig.known
@@ -117,14 +117,14 @@ class Problem:
     @property
     def _offset(self) -> Array:
         driven = self.channels.drive == "voltage" and self.scale is None
-        return np.full(len(self.sampling.t), self.rig.known["k_i"] / self.rig.known["R"] if driven else 1.0)
+        return np.full(len(self.rows), self.rig.known["k_i"] / self.rig.known["R"] if driven else 1.0)
 
     def _known(self, channels: Channels, parameters: object) -> tuple[Array, Array]:
         """Return what is known of J alpha + G (m,), and alpha (m,)."""
-        acceleration = self.sampling.acceleration(channels)
+        acceleration = self.rows.acceleration(channels)
         gravity = np.zeros_like(acceleration)
         if inspect.signature(self.module.gravity_torque).parameters.get("theta_m"):
-            gravity = self.sampling.mean(self.module.gravity_torque(channels.theta_m, parameters))
+            gravity = self.rows.mean(self.module.gravity_torque(channels.theta_m, parameters))
         gravity = gravity + self.rig.known.get("T_load", 0.0) * self.rig.known.get("mu", 1.0)
         inertia = known_inertia(self.rig)
         return gravity + (0.0 if inertia is None else inertia * acceleration), acceleration
@@ -146,10 +146,10 @@ def pose(channels: Channels, rig: Rig, model: Model) -> Problem:
                 "received neither"
             )
     scale = scale_of(channels.drive, rig)
-    sampling = averaged(channels, rig) if rig.average_over else sample(channels)
+    rows = fit_rows(channels, rig)
     warnings = list(channels.warnings)
-    if sampling.windows is not None:
-        warnings.append(f"the log is fitted, and its error taken, on {sampling.description}")
+    if rows.operator is not None:
+        warnings.append(f"the log is fitted, and its error taken, on {rows.description}")
     coefficients = coefficients_of(channels, rig, model, scale)
     kept = seen_columns(model, rig.known)
     gone = [c.letter for k, c in enumerate(coefficients) if c.role == "friction" and k not in kept]
@@ -166,7 +166,7 @@ def pose(channels: Channels, rig: Rig, model: Model) -> Problem:
         rig,
         model,
         load_module(model),
-        sampling,
+        rows,
         unit,
         scale,
         tuple(coefficients),

@@ -66,13 +66,13 @@ def solve(
     none = np.full(int(used.sum()), np.inf)
     low = np.array([c.lower for c in problem.coefficients])[used] if bounds else -none
     high = np.array([c.upper for c in problem.coefficients])[used] if bounds else none
-    train = problem.sampling.train
-    root = np.sqrt(problem.sampling.weights[train])
+    train = problem.rows.train
+    root = np.sqrt(problem.rows.weights[train])
     held = dict(fixed or {})
     searched = [s for s in problem.searched if s.name not in held]
 
     def inner(values: Mapping[str, float]) -> tuple[Linear, Array]:
-        target, design = problem.rows(values)
+        target, design = problem.design(values)
         target, design = target[train] * root, design[train][:, used] * root[:, None]
         found = bounded(design, target, low, high)
         return found, target - design @ found.coefficients
@@ -101,7 +101,7 @@ def solve(
     found, error = inner(values)
     coefficients, active = np.zeros(len(used)), np.zeros(len(used), dtype=np.int64)
     coefficients[used], active[used] = found.coefficients, found.active
-    target, design = problem.rows(values)
+    target, design = problem.design(values)
     slopes = _slopes(problem, values, coefficients)
     return Solution(
         coefficients, active, values, target - design @ coefficients, design, slopes, float(np.sum(error**2))
@@ -112,7 +112,7 @@ def profile(problem: Problem, solution: Solution, searched: Searched) -> Profile
     """Fit at evenly spaced values of one searched value over its range."""
     points = np.linspace(searched.lower, searched.upper, PROFILE_POINTS)
     found = [solve(problem, fixed={searched.name: float(v)}, start=solution.values) for v in points]
-    weight = float(np.sum(problem.sampling.weights[problem.sampling.train]))
+    weight = float(np.sum(problem.rows.weights[problem.rows.train]))
     rmse = tuple(float(np.sqrt(s.cost / weight)) for s in found)
     return Profile(tuple(map(float, points)), rmse, min(found, key=lambda s: s.cost))
 
@@ -134,7 +134,7 @@ def _slopes(problem: Problem, values: Mapping[str, float], coefficients: Array) 
         # A delay moves between rows; a step well below a row sees one side of its kinks only.
         half = 0.05 * s.step
         ends = [min(max(values[s.name] + d, s.lower), s.upper) for d in (-half, half)]
-        one, two = (problem.rows({**values, s.name: end}) for end in ends)
+        one, two = (problem.design({**values, s.name: end}) for end in ends)
         rise = (two[1] @ coefficients - two[0]) - (one[1] @ coefficients - one[0])
         slopes.append(rise / (ends[1] - ends[0]))
-    return np.column_stack(slopes) if slopes else np.zeros((len(problem.sampling.t), 0))
+    return np.column_stack(slopes) if slopes else np.zeros((len(problem.rows), 0))

@@ -79,10 +79,10 @@ def _percent(x: float) -> str:
 def fit_lines(fit: Fit, logs: Sequence[str]) -> list[str]:
     """Return the fit for a terminal."""
     problem = fit.problem
-    sampling = problem.sampling
-    what = f"{np.count_nonzero(sampling.train)} {sampling.description} fitted"
+    rows = problem.rows
+    what = f"{np.count_nonzero(rows.train)} {rows.description} fitted"
     head = f"{few(logs)}: {problem.model.name}, driven by {problem.channels.drive}; {what}, "
-    head += f"{np.count_nonzero(sampling.score)} held out ({problem.channels.holdout.brief})"
+    head += f"{np.count_nonzero(rows.score)} held out ({problem.channels.holdout.brief})"
     out = [head, *_table({**fit.coefficients, **fit.searched}), *_scale_line(fit)]
     shown = {"linear": "linear", "paper": _called(fit)}
     errors = ", ".join(f"{name} {fit.rmse[which]:.4g}" for which, name in shown.items())

@@ -81,7 +81,7 @@ def _rows(found: Diagnosis) -> Rows:
 def _mean(rows: LogRows, x: Array, period: float | None) -> Array:
     """A channel on the rows; NaN where an average goes over more than a quarter of a turn."""
     mean = rows.mean(x)
-    if rows.weights is None or period is None:
+    if rows.operator is None or period is None:
         return mean
     spread = rows.mean((x - x[0]) ** 2) - (mean - x[0]) ** 2
     return np.where(spread < _QUARTER**2, mean, np.nan)

@@ -207,7 +207,7 @@ def search_all(
         electrical = found.get("electrical")
         balance = given if electrical is None else _corrected(given, channels, electrical)
         screen = Screen(balance, channels, own, (noise or {}).get(balance.name, 0.0))
-        valid = np.asarray(balance.windows.weights.sum(axis=0)).ravel() > 0.0
+        valid = balance.rows.used_samples()
         smooth = Screen(balance, channels, smooth_terms(channels, balance.name, mu, gravity, valid))
         base = screen.fit([])
         found[balance.name] = Search(screen, smooth, rules, base, base)
@@ -223,7 +223,7 @@ def _corrected(balance: BalanceDesign, channels: Any, electrical: Search) -> Bal
     for term in electrical.best.terms:
         width = electrical.screen.columns(term).shape[1]
         if term.candidate.also is not None:
-            added = balance.windows(term.candidate.also(channels, term.shape))
+            added = balance.rows.mean(term.candidate.also(channels, term.shape))
             own = electrical.best.coefficients[at : at + width]
             target = target - (added if added.ndim == 1 else added @ own)
         at += width

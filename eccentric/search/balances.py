@@ -14,15 +14,15 @@ from eccentric.model import Model
 from eccentric.model import vocabulary as v
 from eccentric.model.steps import meaning
 from eccentric.rigs import Rig
-from eccentric.search.nulltest import sensor_noise
 from eccentric.signals import (
     BalanceDesign,
     Channels,
-    Windows,
-    make_balance_design,
+    Rows,
+    balance_design,
     rows_of,
-    search_windows,
+    search_rows,
     smoothed,
+    white_noise,
 )
 
 __all__ = [
@@ -96,35 +96,39 @@ def balances_of(data: FitData, rig: Rig, model: Model) -> tuple[list[BalanceDesi
     lower = np.array([-np.inf if c.bounds[0] is None else c.bounds[0] for c in columns])
     lower = np.r_[lower, np.full(len(signals.open), -np.inf)]
     names = (*(c.name for c in columns), *signals.open)
-    windows = search_windows(channels, rig)
-    mechanical = make_balance_design(
-        "mechanical", windows, target, base_columns(model, signals), names, lower, target
+    rows = search_rows(channels, rig)
+    mechanical = balance_design(
+        "mechanical", rows, target, base_columns(model, signals), names, lower, target
     )
-    balances = [_once_filtered(mechanical, windows, channels.alpha_m, known)]
+    balances = [_once_filtered(mechanical, channels.alpha_m, known)]
     unseen = np.where(channels.held_out, np.nan, 1.0)
-    noise = {"mechanical": sensor_noise(unseen * torque, windows)}
+    noise = {"mechanical": _row_noise(unseen * torque, rows)}
     if drive.measured_twice and channels.voltage is not None:
-        every = search_windows(channels, rig, moving=False)
+        every = search_rows(channels, rig, moving=False)
         residual = known["k_i"] / known["R"] * (channels.voltage - known["k_e"] * channels.omega_m) - torque
         empty = np.empty((len(torque), 0))
-        balances.append(make_balance_design("electrical", every, residual, empty, (), np.empty(0), target))
+        balances.append(balance_design("electrical", every, residual, empty, (), np.empty(0), target))
         # What the drive really does as quickly as noise is in the torque, and cancels in the residual.
-        noise["electrical"] = min(sensor_noise(unseen * x, every) for x in (torque, residual))
+        noise["electrical"] = min(_row_noise(unseen * x, every) for x in (torque, residual))
     return balances, noise
 
 
-def _once_filtered(
-    balance: BalanceDesign, windows: Windows, alpha: Array, known: Mapping[str, float]
-) -> BalanceDesign:
+def _row_noise(signal: Array, rows: Rows) -> float:
+    """RMS that the white noise of a signal (samples,) leaves in a row; the first stands for all."""
+    return white_noise(signal) * float(rows.noise_gain()[0])
+
+
+def _once_filtered(balance: BalanceDesign, alpha: Array, known: Mapping[str, float]) -> BalanceDesign:
     """The balance with the acceleration as it is: it comes from the low-passed angle."""
-    if windows.smooth is None:
+    rows = balance.rows
+    if rows.smooth is None:
         return balance
-    own = windows.weights @ alpha
+    own = rows.plain_mean(alpha)
     inertia = known["J_m"] + known["mu"] ** 2 * known["J_l"]
     base = balance.base.copy()
     if "J_m" in balance.base_names:
         base[:, balance.base_names.index("J_m")] = own
-    return replace(balance, target=balance.target + inertia * (windows(alpha) - own), base=base)
+    return replace(balance, target=balance.target + inertia * (rows.mean(alpha) - own), base=base)
 
 
 def gravity_of(model: Model, signals: Signals) -> tuple[Array, Array]:
@@ -191,12 +195,6 @@ def elapsed(channels: Channels) -> Array:
 def drive_noise(data: FitData) -> float:
     """RMS that the white noise of the measured drive leaves in a row, from its fourth differences."""
     drive = data.drive
-    joined = np.diff(drive.channels.segment, 4) == 0
-    raw = drive.torque()
-    difference = np.diff(raw, 4)[joined]
-    sigma = float(1.4826 * np.median(np.abs(difference - np.median(difference))) / np.sqrt(70.0))
-    weights = data.rows.weights
-    if weights is None:
-        return sigma
+    sigma = white_noise(drive.torque(), drive.channels.segment)
     # An average of rows has less of it; the one in the middle stands for all.
-    return sigma * float(np.sqrt(np.median(np.asarray(weights.multiply(weights).sum(axis=1)))))
+    return sigma * float(np.sqrt(np.median(data.rows.noise_gain() ** 2)))

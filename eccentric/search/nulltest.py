@@ -1,6 +1,5 @@
 """Is anything missing, and on what does the residual depend?
 
-- `sensor_noise`: what the sensor's white noise leaves in a row, from fourth differences of the raw signal.
 - `inflation`: by how much correlated rows overstate their number (a HAC sum of the autocorrelation).
 - `flipped_null`: the largest gain that any column of the library reaches by chance, from residuals whose
   blocks have their signs flipped at random: correlation within blocks, heteroscedasticity and the search are
@@ -20,9 +19,8 @@ from scipy.interpolate import BSpline
 
 from eccentric.search.candidates import Candidate
 from eccentric.search.selection import Fitted, Screen
-from eccentric.signals import Windows
 
-__all__ = ["correlated", "flipped_null", "inflation", "null_quantile", "sensor_noise", "smooth_terms"]
+__all__ = ["correlated", "flipped_null", "inflation", "null_quantile", "smooth_terms"]
 
 Array = np.ndarray
 
@@ -31,19 +29,6 @@ MOST_LAGS = 60
 DRAWS = 200
 LEVEL = 0.99
 """What chance reaches in one log of a hundred."""
-
-
-def sensor_noise(signal: Array, windows: Windows) -> float:
-    """RMS of a row (after its window) that the white noise of a raw signal (samples,) explains.
-
-    The fourth difference of a smooth signal vanishes; of white noise it has 70 times the variance. NaN marks
-    samples that are not to be looked at.
-    """
-    difference = np.diff(signal, 4)
-    difference = difference[np.isfinite(difference)]
-    sigma = 1.4826 * float(np.median(np.abs(difference - np.median(difference)))) / np.sqrt(70.0)
-    first = windows.weights.getrow(0).data
-    return sigma * float(np.sqrt(np.sum(first**2)))
 
 
 def inflation(residual: Array, block: Array) -> float:
@@ -93,8 +78,7 @@ def null_quantile(screen: Screen, fitted: Fitted) -> float:
 
 def correlated(screen: Screen, residual: Array) -> float:
     """How many rows count as one: at least two, since windows overlap by half; one where they are runs."""
-    windows = screen.balance.windows
-    return 1.0 if windows.independent else max(2.0, inflation(residual, screen.block))
+    return 1.0 if screen.balance.rows.independent else max(2.0, inflation(residual, screen.block))
 
 
 def _spline(x: Array, pieces: int, valid: Array) -> Array:

@@ -65,7 +65,7 @@ class Screen:
         folds: int = 8,
     ) -> None:
         self.balance, self.channels = balance, channels
-        self.block = balance.windows.block
+        self.block = balance.rows.block
         self.rows = len(balance.target)
         self.floor = self.rows * noise**2
         self.fold = fold_of_block(int(self.block[-1]) + 1, folds)
@@ -76,7 +76,7 @@ class Screen:
         columns, at = [], 0
         for candidate in candidates:
             for shape in shape_grid(candidate):
-                z = balance.windows(candidate.columns(channels, shape))
+                z = balance.rows.mean(candidate.columns(channels, shape))
                 if not np.all(np.isfinite(z)) or np.any(np.sum(z**2, axis=0) < 1e-24 * self.rows):
                     continue
                 self.points.append(Term(candidate, shape))
@@ -97,7 +97,7 @@ class Screen:
         if key not in self._kept:
             if len(self._kept) > _MOST_KEPT:
                 self._kept.clear()
-            self._kept[key] = self.balance.windows(term.candidate.columns(self.channels, term.shape))
+            self._kept[key] = self.balance.rows.mean(term.candidate.columns(self.channels, term.shape))
         return self._kept[key]
 
     def design(self, terms: Sequence[Term]) -> tuple[Array, Array, Array]:
@@ -115,7 +115,7 @@ class Screen:
                     if term.candidate.replaces is not None:
                         more, samples = term.candidate.replaces(self.channels, term.shape, samples)
                         known = known if more is None else known + more
-                self._replaced[key] = (self.balance.windows(known), self.balance.windows(samples))
+                self._replaced[key] = (self.balance.rows.mean(known), self.balance.rows.mean(samples))
             known, base = self._replaced[key]
             target = target - known
         parts = [self.columns(term) for term in terms]

@@ -1,65 +1,45 @@
-"""Balances as windowed integrals, for logs too coarse to differentiate: integrate by parts instead.
+"""Means as windowed integrals, for logs too coarse to differentiate: integrate by parts instead.
 
 A window carries the smooth weight psi(s) ~ (1 - s^2)^4 with s from -1 to 1, of integral one, which vanishes
 with three derivatives at both ends.  So
 
-    mean(x)        = integral of psi x dt
-    second_rate(x) = integral of psi d2x/dt2 dt   =  integral of psi'' x dt
+    mean(x)              = integral of psi x dt
+    mean second rate(x)  = integral of psi d2x/dt2 dt   =  integral of psi'' x dt
 
 and a balance becomes one row per window, in its own unit, with the angle as it was logged.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import csr_array
 
 from eccentric.errors import InputError
+from eccentric.signals.rows import Rows, blocks_of
 from eccentric.signals.stretches import rows_of_each
 
+__all__ = ["windows_by_parts"]
+
 Array = NDArray[np.float64]
+Integers = NDArray[np.int64]
 
 _POWER = 4
 _LEAST_ROWS = 7
 
 
-@dataclass(frozen=True)
-class Windows:
-    """Centre times t [s], first row, row after the last of m windows, each (m,); sparse weights (m, n)."""
-
-    t: Array
-    first: NDArray[np.int64]
-    stop: NDArray[np.int64]
-    weights: tuple[csr_array, csr_array]
-
-    def mean(self, x: Array) -> Array:
-        """Weighted mean of x (n,) or (n, k) over each window: (m,) or (m, k), in the unit of x."""
-        return self.weights[0] @ x
-
-    def second_rate(self, x: Array) -> Array:
-        """Weighted mean of d2x/dt2 over each window from x alone, unit of x per second squared."""
-        return self.weights[1] @ x
-
-    def inside(self, rows: NDArray[np.bool_]) -> NDArray[np.bool_]:
-        """Windows (m,) all of whose rows are in the mask (n,)."""
-        outside = np.concatenate([[0], np.cumsum(~rows)])
-        return outside[self.stop] == outside[self.first]
-
-
-def windows(t: Array, segment: NDArray[np.int64], window_s: float) -> Windows:
-    """Return windows of `window_s` with centres half a window apart, none across a gap.
+def windows_by_parts(t: Array, segment: Integers, run: Integers, window_s: float) -> Rows:
+    """Return a row for each window of `window_s`, centres half a window apart, none across a gap.
 
     t [s] (n,) may be uneven; weights are corrected so that constants, slopes and parabolas come out exactly.
+    All rows are to fit on.
     Raises InputError where a window holds fewer than 7 rows, or no window fits into the log.
     """
     if not window_s > 0.0:
         raise InputError(f"windows: a length above 0 s is required, received {window_s:g}")
     half = window_s / 2.0
     centres: list[Array] = []
-    bounds: list[NDArray[np.int64]] = []
+    bounds: list[Integers] = []
     for rows in rows_of_each(segment):
         stretch = t[rows]
         count = int(np.floor((stretch[-1] - stretch[0] - window_s) / half + 1e-9)) + 1
@@ -87,7 +67,18 @@ def windows(t: Array, segment: NDArray[np.int64], window_s: float) -> Windows:
         values[:, entries] = _weights(t[columns[entries]] - middle[same, None], half)
     shape = (len(middle), len(t))
     mean, second = (csr_array((row, columns, pointer), shape=shape) for row in values)
-    return Windows(middle, first, stop, (mean, second))
+    every = np.ones(len(middle), dtype=bool)
+    return Rows(
+        t=middle,
+        run=run[first],
+        block=blocks_of(middle, segment[first], t),
+        train=every,
+        score=~every,
+        weights=np.ones(len(middle)),
+        description=f"windows of {window_s:.3g} s",
+        operator=mean,
+        rate_operator=second,
+    )
 
 
 def _weights(t: Array, half: float) -> Array:

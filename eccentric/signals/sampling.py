@@ -1,0 +1,186 @@
+"""How the rows of a log come about, under a rig: for a fit, for the comparison of models, for the search.
+
+    samples        of the log, where it is sampled finely and the rig asks for nothing else
+    windows        integrated by parts, where the log is too coarse to be differentiated (`by_parts`)
+    averages       over the time that the rig names (`average_over`), or twelve steps of a coarse log (`hann`)
+    means of runs  for benches that hold a speed and log it (`average_over = "run"`)
+    windows        of the search: short ones, over the rows to fit on alone (`hann`)
+
+A fit minimises over `fit_rows`; models are compared on `rows_of`; effects are searched on `search_rows`.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from collections.abc import Callable
+from functools import partial
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.sparse import csr_array
+
+from eccentric.errors import InputError
+from eccentric.rigs import Rig
+from eccentric.signals.by_parts import windows_by_parts
+from eccentric.signals.filters import smoothed
+from eccentric.signals.hann import hann_windows
+from eccentric.signals.measured import Channels
+from eccentric.signals.moving import clear_of_ends
+from eccentric.signals.rows import Rows, blocks_of, in_order
+
+__all__ = ["LEAST_HELD_OUT", "MANY_RUNS", "fit_rows", "rows_of", "search_rows"]
+
+Array = NDArray[np.float64]
+Integers = NDArray[np.int64]
+Mask = NDArray[np.bool_]
+
+MANY_RUNS = 5
+"""Runs in the training part from which each is left out as a whole in cross-validation."""
+LEAST_HELD_OUT = 2
+"""Rows that an error on what is held out has an interval from."""
+LEAST_PART = 1 / 3
+"""Part of a run that has to be usable for a mean of it; the ends of a short run take a third themselves."""
+WINDOW_S = 0.064
+"""Length of the search's windows for a low pass of 25 Hz, s; in proportion to its period for others."""
+LEAST_WINDOWS = 50
+"""Fewer windows leave the search nothing to cross-validate on."""
+STEPS = 12
+"""Steps in a window of a coarse log: 0.3 s at 40 rows per second, where a second difference is mostly
+rounding."""
+MOVING_PART = 0.5
+"""Least part of a window's weight on moving rows, in a log too coarse for windows that only move."""
+
+
+def fit_rows(channels: Channels, rig: Rig) -> Rows:
+    """The rows that `eccentric fit` minimises over. Raises InputError if an average has none.
+
+    Rows of the log count as long as they stand for. Weighting by what the noise is estimated to be would
+    serve the noise of the sensors, but what dominates is usually what the model leaves out, and a fit should
+    then be best where the log has been.
+    """
+    if rig.average_over:
+        return rows_of(channels, rig)
+    if channels.points_per_row > 1:
+        return _by_parts(channels)
+    weights = _durations(channels.t, channels.segment, channels.logged_step_s)
+    return dataclasses.replace(_samples(channels), weights=weights, description="rows")
+
+
+def rows_of(channels: Channels, rig: Rig) -> Rows:
+    """The rows that models are compared on. Raises InputError if none is left to fit on or to hold out."""
+    if not rig.average_over and channels.points_per_row == 1:
+        return _samples(channels)
+    parts = {"train": ~channels.held_out, "score": channels.held_out}
+    found = {name: _averages(channels, rig, part).for_part(name) for name, part in parts.items()}
+    for name, words in (("train", "to fit"), ("score", "to hold out")):
+        if not len(found[name]):
+            raise InputError(
+                f"{rig.path}: average_over: at least one average {words} is required, found none"
+            )
+    what = "whole runs" if math.isinf(rig.average_over) else f"averages over {_length(channels, rig):.3g} s"
+    return dataclasses.replace(
+        in_order(list(found.values())), description=what, smooth=_smoothing(channels, rig)
+    )
+
+
+def search_rows(channels: Channels, rig: Rig, moving: bool = True) -> Rows:
+    """The rows of the training part that effects are searched on; all rows, moving or not, if asked.
+
+    With five runs or more, a block is a whole run: what differs from run to run, a temperature or a gain, is
+    to be predicted for a run that was not seen.
+    """
+    if moving and (rig.average_over or channels.points_per_row > 1):
+        found = _averages(channels, rig, ~channels.held_out)
+    else:
+        clear = channels.fit_rows if moving else _clear(channels)
+        length = WINDOW_S * 25.0 / rig.low_pass_hz
+        found = hann_windows(channels.t, clear, channels.segment, channels.run, length, LEAST_WINDOWS)
+    found = dataclasses.replace(found, smooth=_smoothing(channels, rig))
+    if found.independent:
+        return found
+    runs = np.unique(found.run, return_inverse=True)[1]
+    return dataclasses.replace(found, block=runs) if runs.max() + 1 >= MANY_RUNS else found
+
+
+def _clear(channels: Channels) -> Mask:
+    return ~channels.held_out & clear_of_ends(channels.t, channels.segment)
+
+
+def _smoothing(channels: Channels, rig: Rig) -> Callable[[Array], Array] | None:
+    """The low pass of the angle, for all that is compared with its acceleration over a time.
+
+    Friction jumps where the drive and the acceleration of a filtered angle do not.
+    """
+    cut = rig.drive_low_pass_hz
+    return None if cut is None else partial(smoothed, channels.t, channels.segment, cut_hz=cut)
+
+
+def _length(channels: Channels, rig: Rig) -> float:
+    return rig.average_over or STEPS * channels.logged_step_s
+
+
+def _samples(channels: Channels) -> Rows:
+    """The rows of the log."""
+    c = channels
+    blocks = blocks_of(c.t, c.segment, c.t)
+    return Rows(c.t, c.run, blocks, c.fit_rows, c.score_rows, np.ones_like(c.t), "rows of the log")
+
+
+def _durations(t: Array, segment: Integers, step: float) -> Array:
+    """Return the time from half-way to the last to half-way to the next row, in median steps."""
+    same = np.diff(segment) == 0
+    gaps = np.where(same, np.diff(t), step)
+    durations = (np.concatenate([[step], gaps]) + np.concatenate([gaps, [step]])) / (2.0 * step)
+    even = bool(np.all(np.abs(gaps / step - 1.0) < 0.2))  # rounded stamps are not uneven sampling
+    return np.ones_like(t) if even else durations
+
+
+def _by_parts(channels: Channels) -> Rows:
+    """Windows of twelve steps that weigh mostly moving rows, integrated by parts.
+
+    An integral passes a reversal, where a row does not; only standstill leaves friction open.
+    """
+    length = STEPS * channels.logged_step_s
+    found = windows_by_parts(channels.t, channels.segment, channels.run, length)
+    kept = found.mean(channels.usable.astype(float)) >= MOVING_PART
+    kept &= found.inside(channels.usable | ~channels.moving)
+    train, score = (kept & found.inside(part) for part in (~channels.held_out, channels.held_out))
+    return dataclasses.replace(found, train=train, score=score)
+
+
+def _averages(channels: Channels, rig: Rig, part: Mask) -> Rows:
+    """Averages over samples of one part of the log (n,)."""
+    c, usable = channels, channels.usable & part
+    if math.isinf(rig.average_over):
+        return _run_means(c, usable)
+    if rig.average_over:
+        return hann_windows(c.t, usable, c.segment, c.run, rig.average_over)
+    # As in `_by_parts`: an average passes a reversal.
+    allowed = part & (c.usable | ~c.moving)
+    found = hann_windows(c.t, allowed, c.segment, c.run, _length(c, rig))
+    return found.chosen(np.flatnonzero(found.mean(usable.astype(float)) >= MOVING_PART))
+
+
+def _run_means(channels: Channels, usable: Mask) -> Rows:
+    """Means of runs; one that is usable only in pieces says little of its speed and is left out."""
+    every = np.bincount(channels.run)
+    used = np.bincount(channels.run[usable], minlength=len(every))
+    runs = np.flatnonzero(used > LEAST_PART * every)
+    columns = [np.flatnonzero(usable & (channels.run == run)) for run in runs]
+    sizes = np.array([len(c) for c in columns], dtype=int)
+    index, pointer = np.concatenate([np.empty(0, int), *columns]), np.concatenate([[0], np.cumsum(sizes)])
+    weights = np.repeat(1.0 / sizes, sizes)
+    operator = csr_array((weights, index, pointer), shape=(len(runs), len(channels.t)))
+    all_of_them = np.ones(len(runs), dtype=bool)
+    return Rows(
+        t=operator @ channels.t,
+        run=runs,
+        block=np.arange(len(runs)),
+        train=all_of_them,
+        score=~all_of_them,
+        weights=np.ones(len(runs)),
+        description="whole runs",
+        operator=operator,
+        independent=True,
+    )
