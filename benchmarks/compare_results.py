@@ -2,15 +2,16 @@
 
     python benchmarks/compare_results.py BEFORE AFTER [--tolerance 1e-9]
 
-BEFORE and AFTER are files, or folders whose JSON files are paired by their relative path.  Texts, lists and keys
-have to be equal; numbers agree where they differ by at most the tolerance times the larger magnitude.  Prints each
-difference, and exits 1 if there is one.
+BEFORE and AFTER are files, or folders whose JSON files are paired by their relative path, such as
+benchmarks/reference_results.py writes.  Texts, lists and keys have to be equal; numbers agree where they differ by
+at most the tolerance times the larger magnitude, NaN with NaN.  Prints each difference, and exits 1 if there is one.
 """
 
 from __future__ import annotations
 
 import argparse
 import json
+import math
 import sys
 from collections.abc import Iterator
 from pathlib import Path
@@ -31,19 +32,21 @@ def differences(before: Any, after: Any, tolerance: float, at: str = "") -> Iter
         else:
             for number, (one, two) in enumerate(zip(before, after, strict=True)):
                 yield from differences(one, two, tolerance, f"{at}/{number}")
-    elif _is_number(before) and _is_number(after):
-        if abs(before - after) > tolerance * max(abs(before), abs(after)):
-            yield f"{at}: {before!r}, then {after!r}"
-    elif before != after:
+    elif not _agree(before, after, tolerance):
         yield f"{at}: {before!r}, then {after!r}"
 
 
-def _is_number(value: Any) -> bool:
-    return isinstance(value, int | float) and not isinstance(value, bool)
+def _agree(before: Any, after: Any, tolerance: float) -> bool:
+    """Whether two numbers agree, or two other values are equal; true is not 1."""
+    if not all(isinstance(value, int | float) and not isinstance(value, bool) for value in (before, after)):
+        return type(before) is type(after) and before == after
+    if math.isnan(before) or math.isnan(after):
+        return math.isnan(before) and math.isnan(after)
+    return math.isclose(before, after, rel_tol=tolerance, abs_tol=0.0)
 
 
 def pairs(before: Path, after: Path) -> list[tuple[Path, Path]]:
-    """The files to compare; those of a folder that the other one lacks have no partner and are an error."""
+    """The files to compare; a file of one folder that the other one lacks is in the list too."""
     if before.is_file():
         return [(before, after)]
     names = sorted({p.relative_to(folder) for folder in (before, after) for p in folder.rglob("*.json")})
@@ -66,8 +69,8 @@ def main() -> int:
             print(f"{missing[0]}: required to compare, not there")
             found += 1
             continue
-        texts = [json.loads(p.read_text(encoding="utf-8")) for p in (one, two)]
-        for line in differences(*texts, args.tolerance):
+        first, second = (json.loads(p.read_text(encoding="utf-8")) for p in (one, two))
+        for line in differences(first, second, args.tolerance):
             print(f"{two}: {line}")
             found += 1
     print(f"{len(compared)} pairs compared, {found} differences")

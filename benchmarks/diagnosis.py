@@ -12,7 +12,7 @@ import tempfile
 import time
 from collections.abc import Iterator
 from concurrent.futures import ProcessPoolExecutor
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 
@@ -21,6 +21,7 @@ import numpy as np
 sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
 from benchmarks import diagnosis_table, sparse
 from benchmarks.asked import DIAGNOSIS
+from benchmarks.diagnosis_jobs import Job, Result
 from benchmarks.oracle import oracle
 from benchmarks.outside import OUTSIDE
 from benchmarks.record import Part, table, tell
@@ -36,37 +37,6 @@ NEEDS_TEMPERATURE = {"viscosity_temperature", "coulomb_temperature", "resistance
 HIDES_TEMPERATURE = {"hidden_thermal_drift"}
 # Of a log with a temperature no family is left out.
 LONG = ("stribeck", "viscosity_temperature", "link_harmonic_friction")
-
-
-@dataclass(frozen=True)
-class Job:
-    """One log to diagnose."""
-
-    kind: str
-    seed: int
-    effects: tuple[tuple[str, float], ...]
-    outside: str | None = None
-    minutes: float = 1.0
-
-
-@dataclass
-class Result:
-    """What came of one job."""
-
-    job: Job
-    verdict: str = "failed"
-    truth: list[str] = field(default_factory=list)
-    beyond: list[float] = field(default_factory=list)
-    ranked: list[str] = field(default_factory=list)
-    named: list[str] = field(default_factory=list)
-    depends: list[str] = field(default_factory=list)
-    probability: float = 0.0
-    rmse: dict[str, float] = field(default_factory=dict)  # balance -> held out, of what is shipped
-    oracle: tuple[str, float] | None = None
-    peer: dict | None = None
-    seconds: float = 0.0
-    memory: float = 0.0
-    note: str = ""
 
 
 def jobs(quick: bool, first: int = FIRST_SEED) -> Iterator[Job]:

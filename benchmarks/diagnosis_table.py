@@ -3,19 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from typing import TYPE_CHECKING
 
 import numpy as np
 from scipy.stats import beta
 
+from benchmarks.diagnosis_jobs import Result
 from benchmarks.record import Measured
-
-if TYPE_CHECKING:
-    from benchmarks.diagnosis import Result
 
 # What leaves less than this part of the friction beyond the paper's own columns is an exact alias of them.
 ALIAS = 0.002
-Check = Callable[["Result"], bool]
+Check = Callable[[Result], bool]
 
 
 def figures(results: Sequence[Result], slow: Sequence[Result]) -> dict[str, Measured]:

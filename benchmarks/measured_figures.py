@@ -9,9 +9,9 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
-from measured_plot import AFTER, BEFORE, INK, PALE, STYLE, band, friction, over_speed, pair
 from scipy.signal import lombscargle
 
+from benchmarks.measured_plot import AFTER, BEFORE, INK, PALE, STYLE, band, friction, over_speed, pair
 from eccentric.diagnosis.diagnose import Diagnosis
 from eccentric.fitting import Refit, refit, residual_samples
 

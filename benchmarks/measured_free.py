@@ -10,8 +10,8 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
-from measured_plot import friction
 
+from benchmarks.measured_plot import friction
 from eccentric.diagnosis.diagnose import Diagnosis
 from eccentric.fitting import refit
 

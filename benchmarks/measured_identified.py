@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from measured_page import Cell, Table, table
-
+from benchmarks.measured_page import Cell, Table, table
 from eccentric.diagnosis.diagnose import Diagnosis
 
 

@@ -2,7 +2,7 @@
 
     python benchmarks/measured_rigs.py DATA [NAME ...]
 
-DATA has one folder for each set of logs, with its data.csv.gz; NAME is one of `RIGS`, all of them by default.
+DATA has one folder for each set of logs, with its data.csv.gz; NAME is one of `measured_logs.SETS`, by default all.
 Writes docs/measured/results.json and the pictures beside it, and puts its tables and what the commands printed
 into the page.  The prose there is by hand: read it again when results.json has changed.
 """
@@ -19,27 +19,18 @@ from typing import Any
 
 import numpy as np
 
-sys.path.insert(0, str(Path(__file__).resolve().parent))
-import measured_figures as figures
-import measured_page
-from measured_free import K_E, free_errors
-from measured_identified import IDENTIFIED
-from measured_page import Cell, Table, table
-
+sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
+from benchmarks import measured_figures as figures
+from benchmarks import measured_page
+from benchmarks.measured_free import K_E, free_errors
+from benchmarks.measured_identified import IDENTIFIED
+from benchmarks.measured_logs import ROOT, SETS, measured_log
+from benchmarks.measured_page import Cell, Table, table
 from eccentric.diagnosis.diagnose import Diagnosis, diagnose
 from eccentric.diagnosis.words import lines
 from eccentric.fitting import improvement
 
-ROOT = Path(__file__).resolve().parents[1]
 OUT = ROOT / "docs" / "measured"
-RIGS = {
-    "bam_xl330_pendulum": "bam_xl330_pendulum",
-    "tro2021_drive1": "tro2021_screw_drives",
-    "tro2021_drive3": "tro2021_screw_drives",
-    "tue_unbalanced_disc": "tue_unbalanced_disc",
-    "dfki_ak80_pendulum": "dfki_ak80_pendulum",
-}
-"""Rig file -> folder of its logs."""
 
 DRIVEN_ROWS = ('motor_off = "torque_enable == 0"', 'use = "torque_enable == 1"')
 """Line of a rig file with free rows, and what leaves them out altogether."""
@@ -51,14 +42,14 @@ def main() -> None:
     """Diagnose the rigs, draw the pictures, write the results; those of rigs not named stay."""
     parser = argparse.ArgumentParser(description="Numbers and pictures of docs/measured-rigs.md.")
     parser.add_argument("data", type=Path, help="folder of the measured sets")
-    parser.add_argument("names", nargs="*", default=list(RIGS), help=", ".join(RIGS))
+    parser.add_argument("names", nargs="*", default=list(SETS), help=", ".join(SETS))
     args = parser.parse_args()
-    if unknown := set(args.names) - set(RIGS):
-        parser.error(f"{min(unknown)}: required one of {', '.join(RIGS)}")
+    if unknown := set(args.names) - set(SETS):
+        parser.error(f"{min(unknown)}: required one of {', '.join(SETS)}")
     path = OUT / "results.json"
     results = json.loads(path.read_text(encoding="utf-8")) if path.is_file() else {}
     for name in args.names:
-        log, rig = args.data / RIGS[name] / "data.csv.gz", ROOT / "examples" / "rigs" / f"{name}.toml"
+        log, rig = measured_log(args.data, name)
         found = diagnose([log], rig)
         results[name] = page(name, found)
         if np.any(found.data.drive.off):
@@ -68,7 +59,7 @@ def main() -> None:
         figures.draw(name, found, OUT)
         print("\n".join(results[name]["console"]), "\n")
     OUT.mkdir(exist_ok=True)
-    text = json.dumps({name: results[name] for name in RIGS if name in results}, indent=1, ensure_ascii=False)
+    text = json.dumps({name: results[name] for name in SETS if name in results}, indent=1, ensure_ascii=False)
     path.write_text(text + "\n", encoding="utf-8")
     measured_page.write(ROOT / "docs" / "measured-rigs.md", results)
 

@@ -9,8 +9,8 @@ import pytest
 
 from eccentric.virtual_bench import PlantedEffect
 from eccentric.virtual_bench.motion import Motion
-from eccentric.virtual_bench.mover import laws, mover
 from eccentric.virtual_bench.plant import Plant
+from eccentric.virtual_bench.time_step import laws, mover
 from tests.virtual import drawn_scenario
 
 # Table 1 of the paper at mu = 1/5, in the reading that its F_1 and F_0 take: k_e = 0.2 V s/rad, F_T = M_l g.

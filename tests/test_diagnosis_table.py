@@ -1,6 +1,6 @@
 """The benchmark of the diagnosis counts what it is told: hits, false alarms, honest and dishonest answers."""
 
-from benchmarks.diagnosis import Job, Result
+from benchmarks.diagnosis_jobs import Job, Result
 from benchmarks.diagnosis_table import details, figures
 
 

@@ -8,9 +8,9 @@ twice, by different means, must agree.
 """
 
 from .effects import EFFECTS, VARIANTS, PlantedEffect, simply
+from .files import free_paths, write
 from .scenario import Scenario, known_effect, random_scenario
-from .simulate import BenchRun, simulate
-from .write import free_paths, write
+from .simulation import BenchRun, simulate
 
 __all__ = [
     "EFFECTS",

@@ -9,8 +9,8 @@ import numpy as np
 from .controller import bus_ripple, servo
 from .effects import PlantedEffect
 from .motion import Motion
-from .mover import laws, mover
 from .scenario import Scenario
+from .time_step import laws, mover
 
 _TOLERANCE, _MOST_RUNS = 2e-3, 6
 

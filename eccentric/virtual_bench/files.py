@@ -12,7 +12,7 @@ import numpy as np
 
 from eccentric.errors import InputError
 
-from .simulate import BenchRun
+from .simulation import BenchRun
 
 _FORMATS = {
     "time_s": "%.3f",

@@ -1,0 +1,36 @@
+"""A log of the diagnosis benchmark, and what came of it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+
+@dataclass(frozen=True)
+class Job:
+    """One log to diagnose."""
+
+    kind: str
+    seed: int
+    effects: tuple[tuple[str, float], ...]
+    outside: str | None = None
+    minutes: float = 1.0
+
+
+@dataclass
+class Result:
+    """What came of one job."""
+
+    job: Job
+    verdict: str = "failed"
+    truth: list[str] = field(default_factory=list)
+    beyond: list[float] = field(default_factory=list)
+    ranked: list[str] = field(default_factory=list)
+    named: list[str] = field(default_factory=list)
+    depends: list[str] = field(default_factory=list)
+    probability: float = 0.0
+    rmse: dict[str, float] = field(default_factory=dict)  # balance -> held out, of what is shipped
+    oracle: tuple[str, float] | None = None
+    peer: dict | None = None
+    seconds: float = 0.0
+    memory: float = 0.0
+    note: str = ""
