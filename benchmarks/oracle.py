@@ -24,12 +24,12 @@ def oracle(found: Diagnosis, families: Collection[str]) -> tuple[str, float] | N
             p for p in screen.points if p.candidate.family in wanted and p.candidate.id in effects
         ]:
             # A start from the best point of every member: grids are coarse.
-            fits = [screen.fit([*best.terms, point]) for point in options]
-            members = {f.terms[-1].candidate.id: f for f in sorted(fits, key=lambda f: -f.loss.sum())}
+            fits = [screen.fit([*best.variants, point]) for point in options]
+            members = {f.last.id: f for f in sorted(fits, key=lambda f: -f.loss.sum())}
             best = min((screen.refine(f) for f in members.values()), key=lambda f: f.loss.sum())
-            wanted.discard(best.terms[-1].candidate.family)
+            wanted.discard(best.last.family)
             shown = shown or balance
-        adopted += [(effects[term.candidate.id], dict(term.shape)) for term in best.terms]
+        adopted += [(effects[v.candidate.id], dict(v.values)) for v in best.variants]
     if wanted:
         return None
     balance, fitted = shown or "mechanical", refit(found.base, tuple(adopted), found.data)

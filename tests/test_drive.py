@@ -10,7 +10,7 @@ import pytest
 from eccentric.fitting import Drive, Refit, drive_of, loaded_model, refit
 from eccentric.model import load_model
 from eccentric.rigs import read_rig
-from eccentric.search.balances import fit_data_of
+from eccentric.search import fit_data_of
 from eccentric.signals import read_channels
 from tests.identified import DIFFERENCES, inertia, is_found
 from tests.swing import HELD_OUT, VOLTAGE, Run, Swing, log_of, write_rig, write_runs

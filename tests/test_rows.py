@@ -13,7 +13,7 @@ from eccentric.fitting import drive_of
 from eccentric.fitting.problem import pose
 from eccentric.model import load_model
 from eccentric.rigs import Rig, read_rig
-from eccentric.search.balances import fit_data_of
+from eccentric.search import fit_data_of
 from eccentric.signals import Channels, read_channels, rows_of
 from tests import screw
 from tests.planted import FRICTION, K_I, KNOWN, MASS, MOTOR, RATE, TORQUE, T, fitted, motion, torque, written

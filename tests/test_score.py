@@ -11,7 +11,7 @@ from eccentric.diagnosis.score import leave_runs_out
 from eccentric.fitting import FitData, drive_of, refit
 from eccentric.model import Model, load_model
 from eccentric.rigs import read_rig
-from eccentric.search.balances import fit_data_of
+from eccentric.search import fit_data_of
 from eccentric.signals import read_channels
 from tests.swing import Array, Swing, driven, write_rig, write_runs
 

@@ -14,11 +14,9 @@ The stages, each with what it hands on:
 
 from __future__ import annotations
 
-import math
 import os
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
-from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -27,30 +25,26 @@ from eccentric.diagnosis.orders import orders_of
 from eccentric.diagnosis.outcome import Diagnosis
 from eccentric.diagnosis.trial import trial
 from eccentric.errors import InputError
-from eccentric.fitting import FitData, bounded, drive_of, loaded_model, residual_samples
+from eccentric.fitting import bounded, drive_of, loaded_model, residual_samples
 from eccentric.logs import LogSource, read_log
 from eccentric.model import Model, load_model
-from eccentric.rigs import Rig, read_rig
-from eccentric.search.adapter import candidate
-from eccentric.search.attribution import Rules
-from eccentric.search.balances import (
+from eccentric.rigs import read_rig
+from eccentric.search import (
+    attribute,
     balances_of,
-    drive_current,
+    candidate_of,
     drive_noise,
     fit_data_of,
+    offered,
     setting_of,
+    variables_of,
     with_model_current,
 )
-from eccentric.search.offered import every_effect, offered
-from eccentric.search.verdict import attribute
-from eccentric.signals import LEAST_HELD_OUT, MANY_RUNS, BalanceDesign, Channels, read_channels, require_rows
+from eccentric.signals import LEAST_HELD_OUT, BalanceDesign, read_channels, require_rows
 
 __all__ = ["Diagnosis", "diagnose"]
 
 Array = np.ndarray
-OVER_RUNS = 0.15
-"""Part of the structure that may stay open where runs are left out as a whole: no two are quite alike, and
-what is named has to predict those that were not seen."""
 
 
 def diagnose(
@@ -88,17 +82,15 @@ def diagnose(
         data = with_model_current(data, base, friction)
     setting = setting_of(data, base, friction)
     told = {balance.name for balance in balances}
-    chosen = offered(every_effect(setting, effects), data, rig, setting, base, told)
+    chosen = offered(setting, effects, data, rig, base, told)
     only = "mechanical" if drive.by_voltage else None
     found = attribute(
         balances,
-        _smooth_channels(data, rig),
-        [candidate(effect, base, data.signals, friction, only) for effect in chosen],
-        data.signals.known["mu"],
-        data.gravity,
+        [candidate_of(effect, base, data.signals, friction, only) for effect in chosen],
+        variables_of(data),
         noise,
-        _rules(channels),
-        progress=tell,
+        len(np.unique(channels.run[channels.fit_rows])),
+        tell,
     )
     tried = trial(found, chosen, base, data, tell)
     return Diagnosis(
@@ -135,23 +127,3 @@ def _first_friction(balances: Sequence[BalanceDesign]) -> Array:
     mechanical = next(b for b in balances if b.name == "mechanical")
     none = np.full(len(mechanical.lower), np.inf)
     return bounded(mechanical.base, mechanical.target, mechanical.lower, none).coefficients
-
-
-def _rules(channels: Channels) -> Rules:
-    runs = len(np.unique(channels.run[channels.fit_rows]))
-    return Rules() if runs < MANY_RUNS else Rules(unexplained_part=OVER_RUNS)
-
-
-def _smooth_channels(data: FitData, rig: Rig) -> SimpleNamespace:
-    """Channels as candidates and smooth terms take them."""
-    channels = data.drive.channels
-    return SimpleNamespace(
-        t=channels.t,
-        theta_m=channels.theta_m if channels.phased else None,
-        omega_m=channels.omega_m,
-        alpha_m=channels.alpha_m,
-        current=drive_current(data),
-        voltage=data.signals.values.get("u"),
-        temperature=channels.temperature,
-        steady=math.isinf(rig.average_over),
-    )

@@ -8,7 +8,7 @@ import sympy as sp
 
 from eccentric.diagnosis.outcome import Diagnosis
 from eccentric.diagnosis.words import sentence
-from eccentric.effects.effect import Effect
+from eccentric.effects import Effect
 
 __all__ = ["document"]
 

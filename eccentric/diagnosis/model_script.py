@@ -30,9 +30,9 @@ def script(found: Diagnosis) -> str:
     adopted = found.shipped.effects
     names = ", ".join(effect.id for effect, _ in adopted) or "no effect"
     origin = plain(", ".join(found.logs))
+    setting = pprint.pformat(found.setting, width=100, compact=True)
     # A set prints in another order in every run.
     channels = found.setting.channels
-    setting = pprint.pformat(found.setting, width=100, compact=True)
     setting = setting.replace(repr(channels), f"frozenset({sorted(channels)})")
     chosen = pprint.pformat([(effect.id, own) for effect, own in adopted], width=100)
     letters = {q.name for q in found.shipped.model.parameters}

@@ -8,12 +8,11 @@ from pathlib import Path
 
 from eccentric.diagnosis.orders import Order
 from eccentric.diagnosis.score import Score
-from eccentric.effects import Setting
-from eccentric.effects.effect import Effect
+from eccentric.effects import Effect, Setting
 from eccentric.fitting import FitData, Refit
 from eccentric.model import Model
 from eccentric.rigs import Rig
-from eccentric.search.verdict import Attribution
+from eccentric.search import Attribution
 from eccentric.signals import Channels, Finding, Rows
 
 __all__ = ["Diagnosis"]

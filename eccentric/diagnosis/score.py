@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from eccentric.effects.effect import Effect
+from eccentric.effects import Effect
 from eccentric.fitting import FitData, Refit, improvement, improvement_over_runs, refit
 from eccentric.model import Model
 

@@ -8,10 +8,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from eccentric.diagnosis.score import Score, leave_runs_out, score
-from eccentric.effects.effect import Effect
+from eccentric.effects import Effect
 from eccentric.fitting import FitData, Refit, refit
 from eccentric.model import Model
-from eccentric.search.verdict import Attribution, unconfirmed
+from eccentric.search import Attribution, unconfirmed
 
 __all__ = ["LEAST_R2", "Trial", "trial"]
 
@@ -42,7 +42,7 @@ def trial(
     """
     tell("refitting on the emitted module")
     by_id = {effect.id: effect for effect in effects}
-    adopted = tuple((by_id[a.term.candidate.id], dict(a.term.shape)) for a in found.adopted)
+    adopted = tuple((by_id[a.variant.candidate.id], dict(a.variant.values)) for a in found.adopted)
     if found.verdict in {"unexplained", "nothing_missing"}:
         adopted = ()
     paper = refit(base, (), data, bounds=False)

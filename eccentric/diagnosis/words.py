@@ -9,7 +9,7 @@ from eccentric.diagnosis.model_script import extended_name
 from eccentric.diagnosis.outcome import Diagnosis
 from eccentric.diagnosis.score import OverRuns
 from eccentric.diagnosis.trial import LEAST_R2
-from eccentric.effects.effect import Effect
+from eccentric.effects import Effect
 from eccentric.emission import load_module
 from eccentric.errors import few
 

@@ -23,8 +23,11 @@ WORDS = Words(
 
 
 def effects(setting: Setting) -> tuple[Effect, ...]:
-    """A shifted angle, and the torque alone, as a link out of balance sideways gives; case C2 only."""
-    if setting.case == "C1":
+    """A shifted angle, and the torque alone, as a link out of balance sideways gives; case C2 only.
+
+    None where the rig leaves the zero angle to the log: the fit has it already.
+    """
+    if setting.case == "C1" or "theta_zero_rad" in setting.left_open:
         return ()
     shifted = Effect(
         id="angle_offset",

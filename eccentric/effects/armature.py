@@ -27,49 +27,55 @@ INDUCTANCE = Words(
     meaning="The winding's inductance, which the paper neglects: voltage as current changes.",
     hint="steps of voltage, the rotor held, finely sampled; a sensor's delay shows in the torque too",
 )
+NEEDS = ("current", "voltage")
 REFERENCE = "standard form; armature circuit: W. Leonhard, Control of Electrical Drives, Springer"
 
 
-def effects(_: Setting) -> tuple[Effect, ...]:
-    """Back-EMF constant, resistance and inductance."""
+def effects(setting: Setting) -> tuple[Effect, ...]:
+    """Back-EMF constant, resistance and inductance; the first two are open where voltage alone drives."""
+    return (_inductance(),) if setting.by_voltage else (*_constants(), _inductance())
+
+
+def _constants() -> tuple[Effect, Effect]:
+    back_emf_constant = addition(
+        "ke_mismatch",
+        [(back_emf, omega_m)],
+        kind="back_emf",
+        balance="electrical",
+        depends_on=("velocity",),
+        formula="(k_e + dk) for k_e",
+        corrects=(v.k_e, v.k_e.symbol + back_emf.symbol),
+        reference=REFERENCE,
+        needs=NEEDS,
+        words=BACK_EMF,
+    )
+    true_resistance = addition(
+        "resistance_mismatch",
+        [(resistance, v.i.symbol)],
+        kind="actuator",
+        balance="electrical",
+        depends_on=("current",),
+        formula="(R + dR) for R",
+        corrects=(v.R, v.R.symbol + resistance.symbol),
+        special_of=("resistance_temperature",),
+        reference=REFERENCE,
+        needs=NEEDS,
+        words=RESISTANCE,
+    )
+    return back_emf_constant, true_resistance
+
+
+def _inductance() -> Effect:
     slope, states = current_slope("armature")
-    needs = ("current", "voltage")
-    return (
-        addition(
-            "ke_mismatch",
-            [(back_emf, omega_m)],
-            kind="back_emf",
-            balance="electrical",
-            depends_on=("velocity",),
-            formula="(k_e + dk) for k_e",
-            corrects=(v.k_e, v.k_e.symbol + back_emf.symbol),
-            reference=REFERENCE,
-            needs=needs,
-            words=BACK_EMF,
-        ),
-        addition(
-            "resistance_mismatch",
-            [(resistance, v.i.symbol)],
-            kind="actuator",
-            balance="electrical",
-            depends_on=("current",),
-            formula="(R + dR) for R",
-            corrects=(v.R, v.R.symbol + resistance.symbol),
-            special_of=("resistance_temperature",),
-            reference=REFERENCE,
-            needs=needs,
-            words=RESISTANCE,
-        ),
-        addition(
-            "armature_inductance",
-            [(inductance, slope)],
-            kind="actuator",
-            balance="electrical",
-            depends_on=("current",),
-            formula="L di/dt",
-            reference=REFERENCE,
-            states=states,
-            needs=needs,
-            words=INDUCTANCE,
-        ),
+    return addition(
+        "armature_inductance",
+        [(inductance, slope)],
+        kind="actuator",
+        balance="electrical",
+        depends_on=("current",),
+        formula="L di/dt",
+        reference=REFERENCE,
+        states=states,
+        needs=NEEDS,
+        words=INDUCTANCE,
     )

@@ -20,8 +20,10 @@ WORDS = Words(
 )
 
 
-def effects(_: Setting) -> tuple[Effect, ...]:
+def effects(setting: Setting) -> tuple[Effect, ...]:
     """The one effect of the family; without a voltage it is an alias of `coulomb_asymmetry`."""
+    if setting.by_voltage:
+        return ()
     effect = addition(
         "current_bias",
         [(bias, -v.R.symbol)],

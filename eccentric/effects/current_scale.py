@@ -26,12 +26,14 @@ WORDS = Words(
 
 
 def effects(setting: Setting) -> tuple[Effect, ...]:
-    """The one effect of the family, case C2 only: without gravity it is a factor on the inertia.
+    """The one effect of the family, where a declared k_i makes the torque.
+
+    Declared inertia and gravity together show it; in case C1 it is a factor on the inertia alone.
 
     k_i (1 + r) where k_i belongs makes every torque 1 + r times too large: friction, which is fitted, takes
     that up; inertia and gravity, which are declared, both fall short by r.
     """
-    if setting.case == "C1":
+    if setting.case == "C1" or not setting.scaled or {"J_m", "gravity"} & set(setting.left_open):
         return ()
     effect = addition(
         "ki_mismatch",
@@ -42,6 +44,7 @@ def effects(setting: Setting) -> tuple[Effect, ...]:
         formula="k_i/(1 + r) for k_i: r (J alpha + G)",
         corrects=(v.k_i, v.k_i.symbol / (1 + ratio.symbol)),
         reference="standard form; torque constant: W. Leonhard, Control of Electrical Drives, Springer",
+        aliases=("resistance_mismatch",) if setting.by_voltage else (),
         inputs=(v.theta_m,),
         needs=("current",),
         words=WORDS,

@@ -21,6 +21,10 @@ WORDS = Words(
 
 def effects(setting: Setting) -> tuple[Effect, ...]:
     """The one effect of the family; linear, since the inertia is used nowhere but in J alpha."""
+    aliases = ("mass_mismatch",) if setting.case == "C1" else ()
+    if setting.scaled and (setting.case == "C1" or "gravity" in setting.left_open):
+        # A wrong k_i scales inertia and gravity: here the inertia alone would show it.
+        aliases += ("ki_mismatch",)
     effect = addition(
         "inertia_mismatch",
         [(ratio, Gated(v.J.symbol, alpha_m))],
@@ -30,7 +34,7 @@ def effects(setting: Setting) -> tuple[Effect, ...]:
         formula="J (1 + r) for J",
         corrects=(v.J, (v.J_m.symbol + v.mu.symbol**2 * v.J_l.symbol) * (1 + ratio.symbol)),
         reference="C. G. Atkeson, C. H. An and J. M. Hollerbach, Int. J. Robotics Research 5(3), 1986",
-        aliases=("mass_mismatch",) if setting.case == "C1" else (),
+        aliases=aliases,
         words=WORDS,
     )
     return (effect,)

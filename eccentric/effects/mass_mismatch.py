@@ -33,6 +33,8 @@ def effects(setting: Setting) -> tuple[Effect, ...]:
     """
     if setting.case == "C1":
         return ()
+    # A wrong k_i scales inertia and gravity: where the inertia is open, gravity alone would show it.
+    aliases = ("ki_mismatch",) if setting.scaled and "J_m" in setting.left_open else ()
     true_mass = Definition(M_true, M * (1 + ratio.symbol))
     true_inertia = Definition(J_l_true, J_l + M * L**2 * ratio.symbol)
     replacing = [
@@ -47,6 +49,7 @@ def effects(setting: Setting) -> tuple[Effect, ...]:
             definitions=definitions,
             replaces=replaces,
             corrects=(v.M, true_mass.value),
+            aliases=aliases,
             words=replace(WORDS, headline=headline),
         )
         for suffix, headline, formula, definitions, replaces in (
@@ -74,6 +77,7 @@ def effects(setting: Setting) -> tuple[Effect, ...]:
         formula="r G",
         reference=REFERENCE,
         inputs=(v.theta_m,),
+        aliases=aliases,
         words=replace(WORDS, headline="a correction of the gravity torque"),
     )
     return (*replacing, torque)

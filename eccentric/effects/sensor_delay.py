@@ -26,7 +26,13 @@ WORDS = Words(
 
 
 def effects(setting: Setting) -> tuple[Effect, ...]:
-    """The one effect of the family, its derivatives states; in both balances where a voltage is logged."""
+    """The one effect of the family, its derivatives states.
+
+    It takes a voltage beside the current: without, the current of the balance would be the model's, whose
+    noise is that of the acceleration.
+    """
+    if setting.by_voltage:
+        return ()
     slope, states = current_slope("delay")
     last = quantity("delay_slope_last", "A/s", "rate of change of the current one time step ago")
     bend = quantity("delay_bend", "A/s^2", "second derivative of the current")
@@ -36,16 +42,15 @@ def effects(setting: Setting) -> tuple[Effect, ...]:
         State(bend, sp.Integer(0), (slope - last.symbol) / v.dt.symbol),
     )
     columns = ((delay, slope, BOUNDS), (square, bend.symbol, (None, None)))
-    terms = {"mechanical": tuple(_term(q, -v.k_i.symbol * x, b) for q, x, b in columns)}
-    balance = "mechanical"
-    if setting.has("voltage"):
-        terms["electrical"] = tuple(_term(q, v.R.symbol * x, b) for q, x, b in columns)
-        balance = "electrical"
+    terms = {
+        "mechanical": tuple(_term(q, -v.k_i.symbol * x, b) for q, x, b in columns),
+        "electrical": tuple(_term(q, v.R.symbol * x, b) for q, x, b in columns),
+    }
     return (
         Effect(
             id="sensor_delay",
             family="sensor_delay",
-            balance=balance,
+            balance="electrical",
             coefficients=(delay, square),
             bounds=(BOUNDS, (None, None)),
             terms=terms,
@@ -53,7 +58,7 @@ def effects(setting: Setting) -> tuple[Effect, ...]:
             formula="i(t + d), to second order i + d di/dt + q d2i/dt2, for i",
             reference=REFERENCE,
             states=states,
-            needs=("current",),
+            needs=("current", "voltage"),
             words=WORDS,
         ),
     )

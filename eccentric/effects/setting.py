@@ -23,7 +23,10 @@ class Setting:
         channels: names of those logged: "current", "voltage", "temperature".
         friction: coefficients of a first fit of the paper's model, by column of its regressor: how much of
             the load on a gear is friction of the link is told from it.
-        by_voltage: whether voltage alone tells the torque; resistance and back-EMF constant are open then.
+        by_voltage: whether voltage alone measures the torque: resistance and back-EMF constant are open then,
+            and no current sensor shows.
+        scaled: whether a declared constant makes the torque, k_i from a current or R/k_i from a voltage.
+        left_open: what the rig leaves to the log, among others "J_m", "gravity", "theta_zero_rad".
 
     Raises:
         ValueError: the case is unknown, or a range is not positive.
@@ -41,6 +44,8 @@ class Setting:
     channels: frozenset[str] = frozenset({"current", "voltage"})
     friction: Mapping[str, float] = field(default_factory=dict)
     by_voltage: bool = False
+    scaled: bool = True
+    left_open: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         if self.case not in {"C1", "C2"}:

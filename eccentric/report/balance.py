@@ -7,7 +7,7 @@ import numpy as np
 from eccentric.diagnosis.outcome import Diagnosis
 from eccentric.fitting import Refit
 from eccentric.report.data import Balance, Channel, Rows
-from eccentric.search.balances import elapsed
+from eccentric.search import elapsed
 from eccentric.signals import Rows as LogRows
 
 __all__ = ["balance_of"]

@@ -13,7 +13,7 @@ from pathlib import Path
 from eccentric import __version__
 from eccentric.diagnosis.outcome import Diagnosis
 from eccentric.diagnosis.words import sentence
-from eccentric.effects.effect import Effect
+from eccentric.effects import Effect, library, load_effects
 from eccentric.report.balance import balance_of
 from eccentric.report.data import (
     AddedEffect,
@@ -27,7 +27,6 @@ from eccentric.report.data import (
 from eccentric.report.equation import friction_equations
 from eccentric.report.facts import facts_of
 from eccentric.report.text import number, range_of
-from eccentric.search.offered import every_effect
 
 __all__ = ["report_data"]
 
@@ -41,7 +40,8 @@ def report_data(found: Diagnosis, files: Sequence[tuple[str, str]] = ()) -> Repo
     extended = found.extended is not found.paper
     effects = [effect for effect, _ in found.extended.effects]
     named = {effect.family for effect in effects}
-    about = {effect.id: effect for effect in every_effect(found.setting, found.own)}
+    offered = [*library(found.setting), *(load_effects(found.own, found.setting) if found.own else ())]
+    about = {effect.id: effect for effect in offered}
     names = sorted(found.rmse, key=lambda name: name != found.balance)
     return ReportData(
         logs=found.logs,

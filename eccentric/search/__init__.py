@@ -1,1 +1,43 @@
-"""Residuals and a library of effects in, one verdict out."""
+"""What is missing from a model: residuals of a log and a library of effects in, one verdict out.
+
+    balances      FitData -> both balances as linear designs, the setting of the library
+    offered       which effects of the library a log can show
+    from_effect   an effect becomes a candidate: columns of torque with a few shapes
+    screen        candidates on one balance: scored, refined, cross-validated
+    attribution   the search on each balance: adopt, compare, let smooth terms try
+    verdict       one verdict, a ranked list, the measurement that would decide
+    limits        every threshold, with its reason
+
+In: `FitData`, a `Model`, a `Rig`. Out: an `Attribution`.
+May import: `fitting`, `signals`, `rigs`, `effects`, `model`.
+"""
+
+from eccentric.search.balances import (
+    balances_of,
+    drive_noise,
+    elapsed,
+    fit_data_of,
+    setting_of,
+    variables_of,
+    with_model_current,
+)
+from eccentric.search.from_effect import candidate_of
+from eccentric.search.offered import offered
+from eccentric.search.verdict import Adopted, Attribution, Ranked, attribute, unconfirmed
+
+__all__ = [
+    "Adopted",
+    "Attribution",
+    "Ranked",
+    "attribute",
+    "balances_of",
+    "candidate_of",
+    "drive_noise",
+    "elapsed",
+    "fit_data_of",
+    "offered",
+    "setting_of",
+    "unconfirmed",
+    "variables_of",
+    "with_model_current",
+]

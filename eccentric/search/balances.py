@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import replace
 
@@ -14,6 +15,7 @@ from eccentric.model import Model
 from eccentric.model import vocabulary as v
 from eccentric.model.steps import meaning
 from eccentric.rigs import Rig
+from eccentric.search.smooth import Variables
 from eccentric.signals import (
     BalanceDesign,
     Channels,
@@ -32,6 +34,7 @@ __all__ = [
     "elapsed",
     "fit_data_of",
     "setting_of",
+    "variables_of",
     "with_model_current",
 ]
 
@@ -170,6 +173,26 @@ def setting_of(data: FitData, model: Model, friction: Array) -> Setting:
         channels=frozenset(present),
         friction={c.name: float(x) for c, x in zip(columns, own, strict=True)},
         by_voltage=data.drive.by_voltage,
+        scaled=data.drive.scale is None and channels.drive in {"current", "voltage"},
+        left_open=tuple(sorted({*data.drive.open, *channels.rig.estimate})),
+    )
+
+
+def variables_of(data: FitData) -> Variables:
+    """What a residual of the log may depend on."""
+    channels = data.drive.channels
+    return Variables(
+        t=channels.t,
+        # Angles of several runs that were integrated from the speed have no common zero.
+        theta_m=channels.theta_m if channels.phased else None,
+        omega_m=channels.omega_m,
+        alpha_m=channels.alpha_m,
+        gravity=data.gravity,
+        mu=data.signals.known["mu"],
+        current=drive_current(data),
+        voltage=data.signals.values.get("u"),
+        temperature=channels.temperature,
+        averaged=math.isinf(channels.rig.average_over),
     )
 
 

@@ -1,92 +1,55 @@
-"""The effects that the search is offered: of the library and the user's own, those that a log can show."""
+"""Which effects a log is offered: of the library and the user's own, those that it can show.
+
+An effect itself says by the `Setting` whether it makes sense for a rig; here stands what follows from the
+record of any effect: channels, balances, variables and parameters that this log has.
+"""
 
 from __future__ import annotations
 
 import math
-from dataclasses import replace
 from pathlib import Path
 
-from eccentric.effects import Setting, library, load_effects
-from eccentric.effects.effect import Effect
+from eccentric.effects import Effect, Setting, library, load_effects
 from eccentric.fitting import FitData, Signals
 from eccentric.model import Model
 from eccentric.rigs import Rig
 
-__all__ = ["every_effect", "offered"]
-
-_UNSEEN = {"current_bias", "sensor_delay", "ke_mismatch", "resistance_mismatch"}
-"""Families that a voltage alone cannot show: of a current sensor, and of R and k_e, which are open then."""
-
-
-def every_effect(setting: Setting, own: Path | None) -> list[Effect]:
-    """The library for a setting and, from a file of the user's, effects of their own."""
-    return [*library(setting), *(load_effects(own, setting) if own else ())]
+__all__ = ["offered"]
 
 
 def offered(
-    effects: list[Effect], data: FitData, rig: Rig, setting: Setting, base: Model, balances: set[str]
-) -> list[Effect]:
-    """Those of the effects that the log can show, on the balances that it has, with what the rig knows."""
-    return [
-        _aliased(effect, data, setting.case)
-        for effect in effects
-        if set(effect.needs) <= setting.channels
-        and _told(effect, data, balances)
-        and _told_apart(effect, data, rig)
-        and _known(effect, base, data.signals)
-    ]
+    setting: Setting, own: Path | None, data: FitData, rig: Rig, base: Model, balances: set[str]
+) -> tuple[Effect, ...]:
+    """The library for a setting and the effects of the user's own file, as far as the log shows them.
 
-
-def _told(effect: Effect, data: FitData, balances: set[str]) -> bool:
-    """Whether what measures the drive can show the effect at all."""
-    if effect.family == "ki_mismatch" and not _scaled(data):
-        return False
-    if data.drive.by_voltage:
-        if effect.balance == "electrical" and set(effect.terms) != {"electrical"}:
-            return False
-        return effect.family not in _UNSEEN
-    if effect.balance not in balances:
-        return False
-    # The current would be the model's, whose noise is that of the acceleration.
-    return effect.family != "sensor_delay" or data.drive.measured_twice
-
-
-def _scaled(data: FitData) -> bool:
-    """Whether a declared k_i makes the torque, and declared inertia and gravity tell it from either."""
-    return _declared(data) and not {"J_m", "gravity"} & set(data.drive.open)
-
-
-def _declared(data: FitData) -> bool:
-    """Whether a declared k_i makes the torque, from a current or, by R/k_i, from a voltage."""
-    return data.drive.scale is None and data.drive.channels.drive in {"current", "voltage"}
-
-
-def _aliased(effect: Effect, data: FitData, case: str) -> Effect:
-    """The effect with what no log of this rig tells from it.
-
-    A wrong k_i scales inertia and gravity: where one of them is open, or is not there, the other alone shows
-    it. A voltage alone knows R/k_i only.
+    balances: names of those that the log has.
     """
-    if not _declared(data):
-        return effect
-    left_open = set(data.drive.open)
-    alike = {
-        "mass_mismatch": {"ki_mismatch"} if "J_m" in left_open else set(),
-        "inertia_mismatch": {"ki_mismatch"} if case == "C1" or "gravity" in left_open else set(),
-        "ki_mismatch": {"resistance_mismatch"} if data.drive.by_voltage else set(),
-    }
-    return replace(effect, aliases=(*effect.aliases, *alike.get(effect.family, set())))
+    effects = [*library(setting), *(load_effects(own, setting) if own else ())]
+    return tuple(
+        effect
+        for effect in effects
+        if setting.has(*effect.needs)
+        and _in_a_balance(effect, data, balances)
+        and _varies(effect, data, rig)
+        and _known(effect, base, data.signals)
+    )
 
 
-def _told_apart(effect: Effect, data: FitData, rig: Rig) -> bool:
-    """Whether the effect is told from what the rig leaves open, from run to run and from angle to angle."""
-    if effect.family == "angle_offset" and "theta_zero_rad" in rig.estimate:
-        return False
-    if math.isinf(rig.average_over) and {"time", "acceleration", "history"} & set(effect.depends_on):
+def _in_a_balance(effect: Effect, data: FitData, balances: set[str]) -> bool:
+    """Whether a balance of the log shows the effect."""
+    # What the armature does, a voltage alone shows in its torque.
+    if data.drive.by_voltage:
+        return effect.balance != "electrical" or set(effect.terms) == {"electrical"}
+    return effect.balance in balances
+
+
+def _varies(effect: Effect, data: FitData, rig: Rig) -> bool:
+    """Whether the variables of the effect compare from row to row and from run to run."""
+    variables = set(effect.depends_on)
+    if math.isinf(rig.average_over) and {"time", "acceleration", "history"} & variables:
         return False
     # Without a common zero of the angle, phases of different runs do not compare.
-    angles = {"link_angle", "motor_angle", "gravity_load"}
-    return data.drive.channels.phased or not angles & set(effect.depends_on)
+    return data.drive.channels.phased or not {"link_angle", "motor_angle", "gravity_load"} & variables
 
 
 def _known(effect: Effect, base: Model, signals: Signals) -> bool:

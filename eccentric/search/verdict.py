@@ -11,29 +11,29 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 
 from eccentric.effects import Words, measurement_between
-from eccentric.search.attribution import Rules, Search, search_all
-from eccentric.search.candidates import Candidate
-from eccentric.search.selection import Term
-from eccentric.signals import BalanceDesign
+from eccentric.search import limits
+from eccentric.search.attribution import Search, search_all
+from eccentric.search.candidate import Candidate, Variant
+from eccentric.search.smooth import Variables
+from eccentric.signals import MANY_RUNS, BalanceDesign
 
 __all__ = ["Adopted", "Attribution", "Ranked", "attribute", "next_measurement", "unconfirmed"]
 
 
 @dataclass(frozen=True)
 class Adopted:
-    """An adopted term with its balance.
+    """An adopted variant with its balance.
 
-    coefficients: of its columns, none if its parameters are all in the shape; share: RMS that it takes out of
-        the residual beside the other terms, as a fraction of the balance's scale.
+    coefficients: of its columns, none if its parameters are all in its shapes; share: RMS that it takes out
+        of the residual beside the others, as a fraction of the balance's scale.
     """
 
     balance: str
-    term: Term
+    variant: Variant
     coefficients: tuple[float, ...]
     share: float
 
@@ -57,7 +57,7 @@ class Attribution:
     best approximation, not to be reported as a name); tied: families that explain the log alike; candidates:
     best first, those of the balance that the verdict is about before all others; depends_on:
     variables that the residual of the paper's model follows, strongest first;
-    next_measurement: one sentence, empty if nothing is open; searches: per balance, for the report;
+    next_measurement: one sentence, empty if nothing is open; searches: per balance;
     deviance: per balance, what the best addition gained and what chance reaches (99 %);
     unconfirmed: effects that were adopted and did not predict the held-out part.
     """
@@ -75,19 +75,23 @@ class Attribution:
 
 def attribute(
     balances: Sequence[BalanceDesign],
-    channels: Any,
     candidates: Sequence[Candidate],
-    mu: float,
-    gravity: np.ndarray,
+    variables: Variables,
     noise: Mapping[str, float] | None = None,
-    rules: Rules | None = None,
-    progress: Callable[[str], None] | None = None,
+    runs: int = 1,
+    progress: Callable[[str], None] = lambda _: None,
 ) -> Attribution:
-    """Attribute the residuals of a log's training part; arguments as in `attribution.search_all`."""
-    rules = rules or Rules()
-    searches = search_all(balances, channels, candidates, mu, gravity, noise, rules, progress)
-    adopted, leading, tied = _adopted(searches, rules)
-    left, depends = _variables(searches, rules)
+    """Attribute the residuals of a log's training part.
+
+    balances: mechanical, electrical or both, training windows only; candidates: of all balances;
+    variables: what a residual may depend on; noise: RMS of a window that the sensors' white noise explains,
+    per balance (`nulltest.sensor_noise`); runs: number of those that were fitted; progress: called with one
+    line before and after each balance.
+    """
+    searches = search_all(balances, candidates, variables, noise or {}, progress)
+    adopted, leading, tied = _adopted(searches)
+    unexplained = limits.UNEXPLAINED if runs < MANY_RUNS else limits.UNEXPLAINED_OVER_RUNS
+    left, depends = _variables(searches, unexplained)
     patched = _patched(adopted)
     if left or patched:
         verdict, tied = "unexplained", []
@@ -98,70 +102,68 @@ def attribute(
         verdict = "nothing_missing"
     about = [entry.balance for entry in leading] or [balance for _, balance in left] or ["mechanical"]
     listed = [*leading, *_runners_up(searches, {entry.family for entry in leading}, set(about))]
-    variables = tuple(dict.fromkeys([*depends, *(variable for variable, _ in left)]))
+    follows = tuple(dict.fromkeys([*depends, *(variable for variable, _ in left)]))
     deviance = {
         name: (search.deviance(search.base, search.ranked[0]), search.null_level())
         for name, search in searches.items()
         if search.ranked
     }
-    sentence = next_measurement(verdict, tied, variables, {c.family: c.words for c in candidates})
+    sentence = next_measurement(verdict, tied, follows, {c.family: c.words for c in candidates})
     return Attribution(
-        verdict, tuple(adopted), tuple(tied), tuple(listed), variables, sentence, searches, deviance
+        verdict, tuple(adopted), tuple(tied), tuple(listed), follows, sentence, searches, deviance
     )
 
 
 def unconfirmed(found: Attribution) -> Attribution:
     """The same search, its names taken back: what fitted the training part did not predict the rest."""
-    first = [a.term.candidate.depends_on[0] for a in found.adopted]
-    variables = tuple(dict.fromkeys([*first, *found.depends_on]))
+    first = [a.variant.candidate.depends_on[0] for a in found.adopted]
+    follows = tuple(dict.fromkeys([*first, *found.depends_on]))
     return replace(
         found,
         verdict="unexplained",
         tied=(),
-        depends_on=variables,
-        next_measurement=next_measurement("unexplained", (), variables, {}),
-        unconfirmed=tuple(a.term.candidate.id for a in found.adopted),
+        depends_on=follows,
+        next_measurement=next_measurement("unexplained", (), follows, {}),
+        unconfirmed=tuple(a.variant.candidate.id for a in found.adopted),
     )
 
 
 def _patched(adopted: Sequence[Adopted]) -> list[str]:
-    """The variables of families of which three or more members were needed.
-
-    One order, or two, is an effect; three of them trace a shape that none of them is.
-    """
-    families = Counter(entry.term.candidate.family for entry in adopted)
-    return [
-        entry.term.candidate.depends_on[0] for entry in adopted if families[entry.term.candidate.family] >= 3
-    ]
+    """The variables of families of which so many members were needed that none of them is the effect."""
+    candidates = [entry.variant.candidate for entry in adopted]
+    members = Counter(candidate.family for candidate in candidates)
+    return [c.depends_on[0] for c in candidates if members[c.family] >= limits.FORMS_OF_A_PATCH]
 
 
-def _adopted(searches: dict[str, Search], rules: Rules) -> tuple[list[Adopted], list[Ranked], list[str]]:
-    """Adopted terms of all balances by share, their entries in the list, and the families tied with them."""
+def _adopted(searches: dict[str, Search]) -> tuple[list[Adopted], list[Ranked], list[str]]:
+    """Adopted variants of all balances by share, their entries in the list, and families tied with them."""
     found: list[tuple[Adopted, Ranked]] = []
     tied: list[str] = []
     for name, search in searches.items():
         screen, best = search.screen, search.best
-        at = screen.balance.base.shape[1]
-        for place, term in enumerate(best.terms):
-            width = screen.columns(term).shape[1]
-            without = screen.fit([t for k, t in enumerate(best.terms) if k != place])
+        rmse = float(np.sqrt(best.score / screen.rows))
+        for place, (variant, own) in enumerate(zip(best.variants, screen.own(best), strict=True)):
+            without = screen.fit([v for k, v in enumerate(best.variants) if k != place])
             share = np.sqrt(max(without.score - best.score, 0.0) / screen.rows) / screen.balance.scale
-            own = tuple(float(c) for c in best.coefficients[at : at + width])
-            at += width
-            probability = search.alternatives[place][term.candidate.family][0]
-            rmse = float(np.sqrt(best.score / screen.rows))
-            entry = Ranked(term.candidate.id, term.candidate.family, name, rmse, probability)
-            found.append((Adopted(name, term, own, float(share)), entry))
-            if probability < rules.sure:
-                options = sorted(search.alternatives[place].items(), key=lambda item: -item[1][0])
-                # At least the two best: one family alone is not to be told from anything.
-                tied += [f for k, (f, (chance, _)) in enumerate(options) if chance > 0.05 or k < 2]
+            options = search.alternatives[place]
+            candidate = variant.candidate
+            probability = options[candidate.family][0]
+            entry = Ranked(candidate.id, candidate.family, name, rmse, probability)
+            found.append((Adopted(name, variant, tuple(map(float, own)), float(share)), entry))
+            if probability < limits.SURE:
+                tied += _alike({family: chance for family, (chance, _) in options.items()})
     found.sort(key=lambda pair: -pair[0].share)
     return [one for one, _ in found], [entry for _, entry in found], list(dict.fromkeys(tied))
 
 
+def _alike(probabilities: Mapping[str, float]) -> list[str]:
+    """The families that explain the log alike, best first: at least two, for one is tied with nothing."""
+    ordered = sorted(probabilities, key=lambda family: -probabilities[family])
+    return [f for k, f in enumerate(ordered) if probabilities[f] > limits.POSSIBLE or k < 2]
+
+
 def _runners_up(searches: dict[str, Search], named: set[str], about: set[str]) -> list[Ranked]:
-    """The best of every other family: alternatives of the adopted terms, then the first step's candidates.
+    """The best of every other family: alternatives of the adopted variants, then the first step's candidates.
 
     Errors of different balances do not compare: those that the verdict is about come first.
     """
@@ -171,7 +173,7 @@ def _runners_up(searches: dict[str, Search], named: set[str], about: set[str]) -
             (p, f) for options in search.alternatives for p, f in options.values() if f is not search.best
         ]
         for probability, fitted in [*pool, *((0.0, fitted) for fitted in search.ranked)]:
-            candidate = fitted.terms[-1].candidate
+            candidate = fitted.last
             rmse = float(np.sqrt(fitted.score / search.screen.rows))
             entry = Ranked(candidate.id, candidate.family, name, rmse, probability)
             old = best.get(candidate.family)
@@ -180,7 +182,7 @@ def _runners_up(searches: dict[str, Search], named: set[str], about: set[str]) -
     return sorted(best.values(), key=lambda r: (r.balance not in about, -r.probability, r.rmse))
 
 
-def _variables(searches: dict[str, Search], rules: Rules) -> tuple[list[tuple[str, str]], list[str]]:
+def _variables(searches: dict[str, Search], unexplained: float) -> tuple[list[tuple[str, str]], list[str]]:
     """Variables of what the adopted effects leave, each with its balance, and of the paper's residual.
 
     The larger part first.
@@ -190,14 +192,14 @@ def _variables(searches: dict[str, Search], rules: Rules) -> tuple[list[tuple[st
     for name, search in searches.items():
         for fitted in search.smoothed:
             part = (search.best.score - fitted.score) / max(search.base.score - fitted.score, 1e-300)
-            if part > rules.unexplained_part and search.worth_it(search.best, fitted, search.smooth):
-                left.append((part, fitted.terms[-1].candidate.depends_on[0], name))
+            if part > unexplained and search.worth_it(search.best, fitted, search.smooth):
+                left.append((part, fitted.last.depends_on[0], name))
         least = min([search.best.score, *(fitted.score for fitted in search.smoothed)])
         structure = max(search.base.score - least, 1e-300)
         for fitted in search.smooth.rank([]):
             if search.worth_it(search.base, fitted, search.smooth):
                 share = (search.base.score - fitted.score) / structure
-                depends.append((share, fitted.terms[-1].candidate.depends_on[0]))
+                depends.append((share, fitted.last.depends_on[0]))
     return [(v, name) for _, v, name in sorted(left, reverse=True)], [
         v for _, v in sorted(depends, reverse=True)
     ]

@@ -1,4 +1,4 @@
-"""From symbolic effects to numerical candidates: the only bridge between physics and selection.
+"""An effect becomes a candidate: the only bridge between physics and search.
 
 Everything a candidate computes comes from the Effect's expressions and the Model it extends.
 """
@@ -11,18 +11,18 @@ from typing import Any
 import numpy as np
 import sympy as sp
 
-from eccentric.effects.effect import Effect
+from eccentric.effects import Effect
 from eccentric.fitting import Signals, States, base_columns, compiled
 from eccentric.model import Model
 from eccentric.model import vocabulary as v
-from eccentric.search.candidates import Candidate, Shape
+from eccentric.search.candidate import Candidate, Values
 
-__all__ = ["candidate"]
+__all__ = ["candidate_of"]
 
 Array = np.ndarray
 
 
-def candidate(
+def candidate_of(
     effect: Effect, model: Model, signals: Signals, friction: Array, balance: str | None
 ) -> Candidate:
     """The effect as columns of torque.
@@ -50,26 +50,25 @@ def candidate(
         ]
         for balance, terms in effect.terms.items()
     }
-    ranges = {s.quantity.name: (s.low, s.high, s.scale, s.points) for s in effect.shapes}
     # The search knows 0 as a bound, no other; the fit on the emitted module keeps them all.
     lower = tuple(0.0 if low == 0.0 else -np.inf for low, _ in effect.bounds) or (-np.inf,)
     changes = _changes(effect, model, extended, signals, names, states)
 
-    def columns_of(balance: str) -> Callable[[Any, Shape], Array]:
-        def columns(_: Any, shape: Shape) -> Array:
-            series = states(shape)
-            return np.column_stack([column(shape, series) for column in own[balance]])
+    def columns_of(balance: str) -> Callable[[Values], Array]:
+        def columns(values: Values) -> Array:
+            series = states(values)
+            return np.column_stack([column(values, series) for column in own[balance]])
 
         return columns
 
     # Compiled for those few that need it.
     plain = np.empty(0) if changes is None else base_columns(model, signals) @ friction
 
-    def first_look(_: Any, shape: Shape) -> Array:
-        """The change at this shape, friction as first fitted: a direction for the search."""
+    def first_look(values: Values) -> Array:
+        """The change at these values, friction as first fitted: a direction for the search."""
         if changes is None:
             raise ValueError(f"effect {effect.id} changes nothing of the base model")
-        known, base = changes(shape)
+        known, base = changes(values)
         return (known + base @ friction - plain)[:, None]
 
     other = "mechanical" if effect.balance == "electrical" and balance is None else None
@@ -79,14 +78,13 @@ def candidate(
         balance=balance or effect.balance,
         depends_on=effect.depends_on,
         columns=columns_of(effect.balance) if changes is None else first_look,
-        shape=ranges,
+        shapes=effect.shapes,
         lower=lower if changes is None else (0.0,),
-        needs=effect.needs,
         special_of=effect.special_of,
         repeats=effect.repeats,
         words=effect.words,
         also=None if other is None or other not in own else columns_of(other),
-        replaces=None if changes is None else (lambda _, shape, __: changes(shape)),
+        changes=changes,
     )
 
 
@@ -97,8 +95,8 @@ def _collected(terms: Sequence[Any], coefficient: sp.Symbol) -> sp.Expr:
 
 def _changes(
     effect: Effect, model: Model, extended: Model, signals: Signals, names: tuple[str, ...], states: States
-) -> Callable[[Shape], tuple[Array, Array]] | None:
-    """For an effect that scales or replaces: shape -> (what is known to be missing, new base columns)."""
+) -> Callable[[Values], tuple[Array, Array]] | None:
+    """For an effect that scales or replaces: values -> (what is known to be missing, new base columns)."""
     if not effect.replaces and not effect.scales:
         return None
     swap = dict(effect.replaces)
@@ -113,11 +111,11 @@ def _changes(
         for which in (extended, model)
     ]
 
-    def changed(shape: Shape) -> tuple[Array, Array]:
-        series = states(shape)
-        known = loads[0](shape, series) - loads[1](shape, series)
+    def changed(values: Values) -> tuple[Array, Array]:
+        series = states(values)
+        known = loads[0](values, series) - loads[1](values, series)
         return known, np.column_stack(
-            [*(column(shape, series) for column in columns), *signals.open.values()]
+            [*(column(values, series) for column in columns), *signals.open.values()]
         )
 
     return changed

@@ -1,0 +1,89 @@
+"""What the search knows of an effect: columns of torque with a few shape parameters.
+
+Method and physics are kept apart here: a candidate computes columns [N m, motor side], the search decides
+about columns. `from_effect` turns a record of `eccentric.effects` into a candidate, `smooth` makes those that
+no effect is behind.
+"""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Callable
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from eccentric.effects import Shape, Words
+
+__all__ = ["Candidate", "Values", "Variant", "bounds_of", "grid"]
+
+Array = np.ndarray
+Values = dict[str, float]
+
+
+@dataclass(frozen=True)
+class Candidate:
+    """One way in which an effect may enter a balance.
+
+    id: name in the report, as `link_harmonic_friction[n=3]`; several candidates share a `family`.
+    balance: "mechanical" or "electrical"; columns are in N m on the motor side in both.
+    depends_on: variables of the diagnosis ("velocity", "link_angle", ...), the leading one first.
+    columns: values of the shapes -> (samples, k); hidden states run from the start of the log.
+    shapes: nonlinear parameters with their ranges.
+    lower: least coefficient of each column, 0 or -inf; a single one holds for all.
+    changes: values of the shapes -> (what is known to be missing (samples,), base (samples, p)), of an effect
+        that changes a quantity inside the base (an angle, a factor on friction). Its parameters are all in
+        `shapes`; `columns` then only serve the first look.
+    also: values of the shapes -> what an electrical effect adds to the mechanical target (samples, k), for
+        the same coefficients.
+    special_of: families of which this one is a special case; it wins a tie against them.
+    repeats: whether another candidate of the family may join it (harmonics of other orders).
+    ridge: penalty on the coefficients, relative to their scaled diagonal (smooth terms only).
+    words: what a person reads of it.
+    """
+
+    id: str
+    family: str
+    balance: str
+    depends_on: tuple[str, ...]
+    columns: Callable[[Values], Array]
+    shapes: tuple[Shape, ...] = ()
+    lower: tuple[float, ...] = (-np.inf,)
+    changes: Callable[[Values], tuple[Array, Array]] | None = None
+    also: Callable[[Values], Array] | None = None
+    special_of: tuple[str, ...] = ()
+    repeats: bool = False
+    ridge: float = 0.0
+    words: Words = field(default_factory=Words)
+
+
+@dataclass(frozen=True)
+class Variant:
+    """A candidate at one set of values of its shapes."""
+
+    candidate: Candidate
+    values: Values
+
+    @property
+    def key(self) -> tuple[object, ...]:
+        """What tells it from other variants."""
+        return (self.candidate.id, *self.values.values())
+
+
+def grid(candidate: Candidate) -> list[Variant]:
+    """The variants on all grid points of a candidate's shapes; a single one if it has none."""
+    names = [shape.quantity.name for shape in candidate.shapes]
+    axes = [
+        np.geomspace(s.low, s.high, s.points) if s.scale == "log" else np.linspace(s.low, s.high, s.points)
+        for s in candidate.shapes
+    ]
+    return [
+        Variant(candidate, dict(zip(names, map(float, point), strict=True)))
+        for point in itertools.product(*axes)
+    ]
+
+
+def bounds_of(candidate: Candidate, width: int) -> Array:
+    """Least coefficients of a candidate's columns, (width,)."""
+    own = np.asarray(candidate.lower, float)
+    return own if len(own) == width else np.full(width, own[0])

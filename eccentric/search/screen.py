@@ -1,0 +1,219 @@
+"""Scores of candidates on one balance: whole grids at once, then the leaders refined and cross-validated."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from eccentric.search.candidate import Candidate, Variant, bounds_of, grid
+from eccentric.search.crossval import Gram, bounded_solve, cross_validate, fold_of_block
+from eccentric.search.limits import (
+    BELOW_NOISE,
+    EVALUATIONS,
+    EXTRAPOLATED,
+    FIRST_EVALUATIONS,
+    FOLDS,
+    LEADERS,
+    MOST_KEPT,
+)
+from eccentric.search.refinement import refined
+from eccentric.signals import BalanceDesign
+
+__all__ = ["Fitted", "Screen"]
+
+Array = np.ndarray
+
+
+@dataclass(frozen=True)
+class Fitted:
+    """Base and variants fitted: coefficients of both, loss per block in sample and cross-validated."""
+
+    variants: tuple[Variant, ...]
+    coefficients: Array
+    loss: Array
+    cross: Array
+
+    @property
+    def score(self) -> float:
+        """Cross-validated sum of squares."""
+        return float(self.cross.sum())
+
+    @property
+    def last(self) -> Candidate:
+        """The candidate that was added last."""
+        return self.variants[-1].candidate
+
+
+class Screen:
+    """One balance and the candidates for it, with their windowed columns kept.
+
+    noise: RMS of a window that the sensors' white noise explains. A fit clearly below it is dropped, see
+    `limits.BELOW_NOISE`.
+    Columns of all grids lie side by side (rows, total), so that one matrix product scores them all.
+    """
+
+    def __init__(self, balance: BalanceDesign, candidates: Sequence[Candidate], noise: float = 0.0) -> None:
+        self.balance = balance
+        self.block = balance.rows.block
+        self.rows = len(balance.target)
+        self.floor = self.rows * noise**2
+        self.fold = fold_of_block(int(self.block[-1]) + 1, FOLDS)
+        self._kept: dict[tuple[object, ...], Array] = {}
+        self._changed: dict[tuple[object, ...], tuple[Array, Array]] = {}
+        self.points: list[Variant] = []
+        self.where: list[slice] = []
+        columns, at = [], 0
+        for variant in (point for candidate in candidates for point in grid(candidate)):
+            z = balance.rows.mean(variant.candidate.columns(variant.values))
+            if not np.all(np.isfinite(z)) or np.any(np.sum(z**2, axis=0) < 1e-24 * self.rows):
+                continue
+            self.points.append(variant)
+            columns.append(z)
+            self.where.append(slice(at, at + z.shape[1]))
+            at += z.shape[1]
+        self.library = np.hstack(columns) if columns else np.empty((self.rows, 0))
+        self.inner = [self.library[:, w].T @ self.library[:, w] for w in self.where]
+        self._index = {variant.key: number for number, variant in enumerate(self.points)}
+
+    def columns(self, variant: Variant) -> Array:
+        """Windowed columns (rows, k) of a variant; none if it changes the base."""
+        if variant.candidate.changes is not None:
+            return np.empty((self.rows, 0))
+        key = variant.key
+        if key in self._index:
+            return self.library[:, self.where[self._index[key]]]
+        if key not in self._kept:
+            if len(self._kept) > MOST_KEPT:
+                self._kept.clear()
+            self._kept[key] = self.balance.rows.mean(variant.candidate.columns(variant.values))
+        return self._kept[key]
+
+    def design(self, variants: Sequence[Variant]) -> tuple[Array, Array, Array]:
+        """Target (rows,), base and columns (rows, q), and their least coefficients (q,)."""
+        known, base = self._base(variants)
+        parts = [self.columns(variant) for variant in variants]
+        lower = [bounds_of(v.candidate, part.shape[1]) for v, part in zip(variants, parts, strict=True)]
+        return (
+            self.balance.target - known,
+            np.hstack([base, *parts]),
+            np.concatenate([self.balance.lower, *lower]),
+        )
+
+    def _base(self, variants: Sequence[Variant]) -> tuple[Array | float, Array]:
+        """What the variants that change the base are known to add, and the base with their changes."""
+        changing = [v for v in variants if v.candidate.changes is not None]
+        if not changing:
+            return 0.0, self.balance.base
+        key = tuple(variant.key for variant in changing)
+        if key not in self._changed:
+            if len(self._changed) > MOST_KEPT:
+                self._changed.clear()
+            known, samples = np.zeros(len(self.balance.samples)), self.balance.samples
+            for variant in changing:
+                if variant.candidate.changes is not None:
+                    more, changed = variant.candidate.changes(variant.values)
+                    known = known + more
+                    # To first order changes add up, in whichever order they were adopted.
+                    samples = changed if variant is changing[0] else samples + changed - self.balance.samples
+            self._changed[key] = (self.balance.rows.mean(known), self.balance.rows.mean(samples))
+        return self._changed[key]
+
+    def fit(self, variants: Sequence[Variant]) -> Fitted:
+        """Bounded fit of base and variants, with its blocked cross-validation."""
+        target, design, lower = self.design(variants)
+        gram = Gram.of(design, target, self.block)
+        ridges = [np.full(self.columns(v).shape[1], v.candidate.ridge) for v in variants]
+        ridge = np.concatenate([np.zeros(self.balance.base.shape[1]), *ridges])
+        coefficients = bounded_solve(gram.matrix.sum(axis=0), gram.vector.sum(axis=0), lower, ridge)
+        cross = cross_validate(gram, lower, self.fold, ridge)
+        if np.any(ridge):
+            without = self.fit([v for v in variants if not v.candidate.ridge]).cross
+            cross = np.where(cross > EXTRAPOLATED * without, without, cross)
+        return Fitted(tuple(variants), coefficients, gram.loss(coefficients), cross)
+
+    def residual(self, fitted: Fitted) -> Array:
+        """Target minus base and variants, (rows,)."""
+        target, design, _ = self.design(fitted.variants)
+        return target - design @ fitted.coefficients
+
+    def own(self, fitted: Fitted) -> list[Array]:
+        """The coefficients of each variant's columns, none of one whose parameters are all in its shapes."""
+        widths = [self.columns(variant).shape[1] for variant in fitted.variants]
+        ends = self.balance.base.shape[1] + np.cumsum(widths)
+        return [fitted.coefficients[end - width : end] for end, width in zip(ends, widths, strict=True)]
+
+    def first_look(self, variants: Sequence[Variant]) -> list[tuple[float, int]]:
+        """(in-sample loss of the bounded fit, number) of every candidate's best grid point beside `variants`.
+
+        Best first. All points share one matrix product. What changes the base is fitted anew at each of its
+        points, and has the loss of its derivative if that is better: its grid may be coarse.
+        """
+        target, design, lower = self.design(variants)
+        taken = {v.candidate.id for v in variants}
+        closed = {v.candidate.family for v in variants if not v.candidate.repeats}
+        inner, right, total = design.T @ design, design.T @ target, float(target @ target)
+        mixed, cross = design.T @ self.library, self.library.T @ target
+        best: dict[str, tuple[float, int]] = {}
+        slope: dict[str, float] = {}
+        for number, variant in enumerate(self.points):
+            candidate, where = variant.candidate, self.where[number]
+            if candidate.id in taken or candidate.family in closed:
+                continue
+            matrix = np.block([[inner, mixed[:, where]], [mixed[:, where].T, self.inner[number]]])
+            vector = np.r_[right, cross[where]]
+            c = bounded_solve(matrix, vector, np.r_[lower, bounds_of(candidate, len(vector) - len(right))])
+            loss = total + float(c @ matrix @ c - 2.0 * c @ vector)
+            if candidate.changes is not None:
+                slope[candidate.id] = min(loss, slope.get(candidate.id, np.inf))
+                loss = self._loss([*variants, variant])
+            if candidate.id not in best or loss < best[candidate.id][0]:
+                best[candidate.id] = (loss, number)
+        return sorted((min(loss, slope.get(name, loss)), number) for name, (loss, number) in best.items())
+
+    def rank(self, variants: Sequence[Variant], leaders: int = LEADERS) -> list[Fitted]:
+        """Every candidate added to `variants`, best cross-validated score first.
+
+        The leaders' shapes are refined; what changes the base takes a few steps before it is compared.
+        """
+        look = self.first_look(variants)[: 4 * leaders]
+        fitted = [self.fit([*variants, self.points[number]]) for _, number in look]
+        fitted = [f if f.last.changes is None else self.refine(f, True, FIRST_EVALUATIONS) for f in fitted]
+        fitted.sort(key=lambda f: f.score)
+        head = [self.refine(f, only_last=True) for f in fitted[:leaders]]
+        least = BELOW_NOISE * self.floor
+        honest = [f for f in [*head, *fitted[leaders:]] if f.loss.sum() > least and self.itself(f)]
+        return sorted(honest, key=lambda f: f.score)
+
+    def itself(self, fitted: Fitted) -> bool:
+        """Whether the last variant holds what its effect is named for: its first coefficient is not at 0.
+
+        Without it the rest is another family: a bristle model whose bristles do nothing is a Stribeck curve.
+        """
+        own = self.own(fitted)[-1]
+        if len(own) < 2 or not np.isfinite(bounds_of(fitted.last, len(own))[0]):
+            return True
+        return bool(own[0] > 0.0)
+
+    def refine(self, fitted: Fitted, only_last: bool = False, evaluations: int = EVALUATIONS) -> Fitted:
+        """Shapes improved by simplex search of the bounded fit: of every variant in turn, or the last."""
+        variants = list(fitted.variants)
+        for turn in [len(variants) - 1] if only_last else range(len(variants)):
+            if variants[turn].candidate.shapes:
+                before, after = variants[:turn], variants[turn + 1 :]
+                variants[turn] = refined(
+                    variants[turn],
+                    lambda v, before=before, after=after: self._loss([*before, v, *after]),
+                    evaluations,
+                )
+        if all(new is old for new, old in zip(variants, fitted.variants, strict=True)):
+            return fitted
+        better = self.fit(variants)
+        return better if better.loss.sum() <= fitted.loss.sum() else fitted
+
+    def _loss(self, variants: Sequence[Variant]) -> float:
+        target, design, lower = self.design(variants)
+        matrix, vector = design.T @ design, design.T @ target
+        c = bounded_solve(matrix, vector, lower)
+        return float(target @ target + c @ matrix @ c - 2.0 * c @ vector)

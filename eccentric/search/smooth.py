@@ -1,0 +1,111 @@
+"""Smooth terms: splines and Fourier sums in each variable of the diagnosis.
+
+They compete with the physical candidates in the same cross-validation: what they still take out of a
+residual, no physical effect explains.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.interpolate import BSpline
+
+from eccentric.search.candidate import Candidate
+
+__all__ = ["Variables", "smooth_terms"]
+
+Array = np.ndarray
+RIDGE = 1e-2
+"""Penalty of their coefficients: a piece of a spline that no row falls into stays at zero."""
+
+
+@dataclass(frozen=True)
+class Variables:
+    """What a residual may depend on: smooth signals (samples,), None where a log has none.
+
+    t: time in the run [s]; theta_m, omega_m, alpha_m: of the motor, theta_m None where the angles of several
+    runs have no common zero; current [A]; voltage [V]; temperature [degC]; gravity: its torque on the motor
+    side [N m]; mu: gear ratio; averaged: whether a row is the mean of a whole run, which has no time, and the
+    acceleration of its ends.
+    """
+
+    t: Array
+    theta_m: Array | None
+    omega_m: Array
+    alpha_m: Array
+    gravity: Array
+    mu: float
+    current: Array | None = None
+    voltage: Array | None = None
+    temperature: Array | None = None
+    averaged: bool = False
+
+
+def smooth_terms(variables: Variables, balance: str, valid: Array) -> list[Candidate]:
+    """Empirical terms of a balance, one family "smooth:<variable>" each.
+
+    valid (samples,): those that any window uses. Even and odd parts are both there: a term times sgn w is one
+    of friction.
+    """
+    omega = variables.omega_m
+    sign = np.sign(omega)[:, None]
+
+    def both(columns: Array) -> Array:
+        return np.hstack([columns, columns * sign])
+
+    terms: dict[str, Array] = {
+        "velocity": _spline(np.abs(omega), 14, valid) * sign,
+        "direction": np.hstack([np.ones_like(sign), _spline(np.abs(omega), 8, valid)]),
+    }
+    if not variables.averaged:
+        elapsed = variables.t - variables.t[0]
+        slope = _spline(elapsed, 5, valid) * omega[:, None]
+        terms["acceleration"] = _spline(variables.alpha_m, 8, valid)
+        terms["time"] = np.hstack([both(_spline(elapsed, 12, valid)), slope])
+    if variables.theta_m is not None:
+        terms["motor_angle"] = _fourier(variables.theta_m, range(1, 9))
+    if balance == "mechanical":
+        if variables.theta_m is not None:
+            terms["link_angle"] = both(_fourier(variables.mu * variables.theta_m, range(1, 13)))
+        if np.any(variables.gravity):
+            terms["gravity_load"] = both(_spline(variables.gravity, 8, valid))
+    if variables.current is not None:
+        terms["current"] = _spline(variables.current, 12, valid)
+    if variables.voltage is not None and balance == "electrical":
+        terms["voltage"] = _spline(variables.voltage, 12, valid)
+    if variables.temperature is not None:
+        warm = _spline(variables.temperature, 5, valid)
+        terms["temperature"] = np.hstack([warm, warm * sign, warm * omega[:, None]])
+    return [
+        Candidate(
+            id=f"smooth:{name}",
+            family=f"smooth:{name}",
+            balance=balance,
+            depends_on=(name,),
+            columns=lambda _, columns=columns: columns,
+            ridge=RIDGE,
+        )
+        for name, columns in terms.items()
+        if columns.shape[1]
+    ]
+
+
+def _spline(x: Array, pieces: int, valid: Array) -> Array:
+    """Cubic B-splines of x, (samples, pieces + 2): the constant is left out.
+
+    Knots lie half by quantiles, half evenly within the 0.2 to 99.8 % range of the valid samples: a log dwells
+    at few speeds, and what happens between them counts too.
+    """
+    low, high = np.quantile(x[valid], [0.002, 0.998])
+    share = np.linspace(0.0, 1.0, pieces + 1)
+    knots = 0.5 * (np.clip(np.quantile(x[valid], share), low, high) + low + (high - low) * share)
+    if high - low <= 1e-9 * max(1.0, abs(low), abs(high)):
+        return np.empty((len(x), 0))
+    full = np.r_[[knots[0]] * 3, knots, [knots[-1]] * 3]
+    return BSpline.design_matrix(np.clip(x, knots[0], knots[-1]), full, 3).toarray()[:, 1:]
+
+
+def _fourier(angle: Array, orders: Sequence[int]) -> Array:
+    return np.column_stack([f(n * angle) for n in orders for f in (np.cos, np.sin)])
