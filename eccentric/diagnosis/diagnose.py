@@ -28,7 +28,7 @@ from eccentric.errors import InputError
 from eccentric.fitting import bounded, drive_of, loaded_model, residual_samples
 from eccentric.logs import LogSource, read_log
 from eccentric.model import Model, load_model
-from eccentric.rigs import read_rig
+from eccentric.rigs import Rig, read_rig
 from eccentric.search import (
     attribute,
     balances_of,

@@ -1,7 +1,7 @@
 """What is missing from a model: residuals of a log and a library of effects in, one verdict out.
 
     balances      FitData -> both balances as linear designs, the setting of the library
-    offered       which effects of the library a log can show
+    offer         which effects of the library a log can show
     from_effect   an effect becomes a candidate: columns of torque with a few shapes
     screen        candidates on one balance: scored, refined, cross-validated
     attribution   the search on each balance: adopt, compare, let smooth terms try
@@ -22,7 +22,7 @@ from eccentric.search.balances import (
     with_model_current,
 )
 from eccentric.search.from_effect import candidate_of
-from eccentric.search.offered import offered
+from eccentric.search.offer import offered
 from eccentric.search.verdict import Adopted, Attribution, Ranked, attribute, unconfirmed
 
 __all__ = [

@@ -85,7 +85,7 @@ def attribute(
 
     balances: mechanical, electrical or both, training windows only; candidates: of all balances;
     variables: what a residual may depend on; noise: RMS of a window that the sensors' white noise explains,
-    per balance (`nulltest.sensor_noise`); runs: number of those that were fitted; progress: called with one
+    per balance (`balances.balances_of`); runs: number of those that were fitted; progress: called with one
     line before and after each balance.
     """
     searches = search_all(balances, candidates, variables, noise or {}, progress)
