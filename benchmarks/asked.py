@@ -1,14 +1,19 @@
-"""Every figure that was asked of the emitted code and of the diagnosis: the one place where they stand."""
+"""Every figure required of the emitted code and of the diagnosis: limits are typed here and nowhere else.
+
+Tests and the page of benchmarks read them by their keys. Bounds of accuracy that headers print are those of
+`eccentric.emission`, so that what is required is what is promised.
+"""
 
 from __future__ import annotations
 
 from benchmarks.record import Asked
-from benchmarks.target import ASKED as TARGET
-from benchmarks.target import GRADIENT, TORQUE
 from eccentric.emission.program import accuracy
 
 _FORCE = 5  # units in the last place
-_COST = {"torque": TARGET[TORQUE], "torque and gradient": TARGET[GRADIENT]}
+# Of a call: instructions and bytes on a Cortex-M4F in single precision, instructions on x86-64 on average.
+_COST = {"torque": (95, 550, 85), "torque and gradient": (165, 750, 150)}
+SURE = 0.9
+"""From this probability on a name counts as a sure one."""
 
 
 def _accuracy(real: str) -> dict[str, Asked]:
@@ -80,7 +85,7 @@ DIAGNOSIS: dict[str, Asked] = {
     "both": Asked("both of two effects named", "at least", 1),
     "oracle median": Asked("held-out RMSE above the oracle's, median", "at most", 1, "%"),
     "oracle 90": Asked("held-out RMSE above the oracle's, 90th percentile", "at most", 10, "%"),
-    "sure": Asked("named with probability 0.9 or more, and right", "at least", 0.9),
+    "sure": Asked(f"named with probability {SURE:g} or more, and right", "at least", 0.9),
     "seconds": Asked("50,000 rows, whole library", "at most", 20, "s"),
     "memory": Asked("memory of the process, up to 50,000 rows", "at most", 1, "GB"),
     "readers": Asked("fuzzed inputs neither taken nor refused in one line", "at most", 0),

@@ -7,6 +7,7 @@ from collections.abc import Callable, Sequence
 import numpy as np
 from scipy.stats import beta
 
+from benchmarks.asked import SURE
 from benchmarks.diagnosis_jobs import Result
 from benchmarks.record import Measured
 
@@ -23,7 +24,7 @@ def figures(results: Sequence[Result], slow: Sequence[Result]) -> dict[str, Meas
         slow: of those.
     """
     single, control, pair, outside = (_of(results, kind) for kind in ("single", "control", "pair", "outside"))
-    sure = [r for r in [*single, *pair] if r.verdict == "named" and r.probability >= 0.9]
+    sure = [r for r in [*single, *pair] if r.verdict == "named" and r.probability >= SURE]
     excess = _excess(single, lambda r, balance: r.rmse[balance])
     peers = _excess(single, lambda r, balance: r.peer["rmse"][balance] if r.peer else None)
     found = {

@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import tempfile
 from pathlib import Path
-from typing import NamedTuple
 
 from benchmarks import generators
 from benchmarks.cortex_m4 import (
@@ -25,18 +24,6 @@ from benchmarks.record import Measured, Part
 TORQUE, GRADIENT = "c2_parallel_friction_torque", "c2_parallel_friction_torque_with_gradient"
 
 
-class Asked(NamedTuple):
-    """What is promised of a call, at most; `tests/test_target.py` holds it against what is measured."""
-
-    instructions: int
-    """on a Cortex-M4F, in single precision"""
-    bytes: int
-    """by which a firmware grows"""
-    host_instructions: int
-    """on x86-64, on average"""
-
-
-ASKED = {TORQUE: Asked(95, 550, 85), GRADIENT: Asked(165, 750, 150)}
 _HEADER = '#include "c2_parallel.h"\n'
 _SINGLE = ("-DECCENTRIC_REAL=float",)
 _SUBJECTS = (

@@ -110,6 +110,14 @@ def test_a_bound_of_zero_switches_off() -> None:
     assert 0 == meaning(steps.Bounded(x, sp.Integer(0)))
 
 
+def test_at_standstill_neither_direction_is_on() -> None:
+    """At x = 0 the sign and both gates are 0, and a coefficient by direction is the second."""
+    still = sp.Integer(0)
+
+    assert [0, 0, 0] == [meaning(step(still)) for step in (steps.Sgn, steps.Forward, steps.Backward)]
+    assert z == meaning(steps.ByDirection(still, y, z))
+
+
 def test_a_step_stays_as_written_also_for_numbers() -> None:
     """SymPy evaluates no step: SquareDifference(3, 2) is not 5 until its meaning is asked for."""
     difference = steps.SquareDifference(sp.Integer(3), sp.Integer(2))
