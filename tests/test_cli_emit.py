@@ -1,10 +1,13 @@
 """`eccentric emit`: names of one's own, and the folder that is written."""
 
+import re
 from pathlib import Path
 
 import pytest
 
 from eccentric.cli import main
+from eccentric.emission import BACKENDS, render
+from eccentric.model import load_model
 
 
 @pytest.mark.parametrize(
@@ -21,3 +24,40 @@ def test_a_prefix_that_hides_another_name_is_refused(
     start = f"eccentric: error: --prefix: {required}, got '{taken}', a "
     assert (1, True) == (error.count("\n"), error.startswith(start))
     assert [] == list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize(
+    ("given", "expected"),
+    [
+        ([], {"c1_perpendicular.py", "c1_perpendicular.h", "c1_perpendicular.c", "check"}),
+        (["--backend", "numpy"], {"c1_perpendicular.py"}),
+        (["--backend", "c99"], {"c1_perpendicular.h", "c1_perpendicular.c", "check"}),
+    ],
+    ids=["default", "numpy", "c99"],
+)
+def test_only_the_named_back_ends_are_written(given: list[str], expected: set[str], tmp_path: Path) -> None:
+    """Each back end writes its files, C its checks, too; texts and digest are those of the default."""
+    assert 0 == main(["emit", "c1_perpendicular", *given, "--out", str(tmp_path / "out")])
+
+    found = {path.name for path in (tmp_path / "out").iterdir()} - {".eccentric"}
+    assert expected == found
+    whole = render(load_model("c1_perpendicular"), "eccentric emit")
+    for path in (tmp_path / "out").glob("c1_*"):
+        assert whole[path.name] == path.read_text(encoding="utf-8")
+
+
+def test_an_unknown_back_end_is_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """One line with the names that there are."""
+    assert 2 == main(["emit", "c2_parallel", "--backend", "fortran", "--out", str(tmp_path / "out")])
+
+    expected = "eccentric: error: --backend: required one of numpy, c99, received 'fortran'\n"
+    assert expected == capsys.readouterr().err
+
+
+def test_help_names_every_back_end(capsys: pytest.CaptureFixture[str]) -> None:
+    """The help, which loads no back end, lists what the registry holds."""
+    with pytest.raises(SystemExit):
+        main(["emit", "--help"])
+
+    shown = capsys.readouterr().out
+    assert [] == [name for name in BACKENDS if not re.search(rf"\b{name}\b", shown)]

@@ -20,6 +20,7 @@ import sympy as sp
 from eccentric import __version__
 from eccentric.cli import main
 from eccentric.emission import (
+    BACKENDS,
     build_program,
     check,
     complete,
@@ -29,8 +30,6 @@ from eccentric.emission import (
     render_program,
     write,
 )
-from eccentric.emission.backends.c99 import view as c99
-from eccentric.emission.backends.numpy import view as numpy_module
 from eccentric.emission.program import Assignment, Input, Program, Routine, differentiate, needed
 from eccentric.emission.render import python_view
 from eccentric.model import load_model, model_names, quantity
@@ -91,19 +90,18 @@ def test_every_template_uses_exactly_the_keys_it_is_given() -> None:
     """No hole without a value, no value without a hole."""
     model = load_model("c2_parallel")
     program, checks = build_program(model), check.views(model, render(model))
-    views = {
-        "check/selftest.c.jinja check/vectors.h.jinja": checks["selftest.c"],
-        "check/proof.c.jinja": checks["proof.c"],
-        "compiled/python.c.jinja": python_view(program.name, program.routines),
-        "numpy/module.py.jinja": numpy_module.view(program, "banner", "summary"),
-        "c99/header.h.jinja c99/source.c.jinja": c99.view(program, "banner", "00000000"),
-    }
+    views = [(list(b.files), b.view(program, "00000000")) for b in BACKENDS.values()]
+    views += [
+        (["check/selftest.c", "check/vectors.h"], checks["selftest.c"]),
+        (["check/proof.c"], checks["proof.c"]),
+        (["compiled/python.c"], python_view(program.name, program.routines)),
+    ]
     environment = jinja2.Environment()  # noqa: S701 - it only parses
     seen = set()
-    for names, view in views.items():
-        holes = set().union(*(_holes(environment, name, seen) for name in names.split()))
+    for names, view in views:
+        holes = set().union(*(_holes(environment, f"{name}.jinja", seen) for name in names))
         assert holes == set(view), names
-    folders = ("numpy", "c99", "check", "compiled")
+    folders = (*BACKENDS, "check", "compiled")
     emitted = {f"{name}/{p.name}" for name in folders for p in (folder("templates") / name).iterdir()}
     assert seen == emitted, "a template that nothing uses"
 

@@ -10,7 +10,7 @@ In: a `Model`. Out: files, or the module that they make. It imports `eccentric.m
 `eccentric.output`; it knows no data, and its templates know no physics.
 """
 
-from eccentric.emission.backends.text import plain
+from eccentric.emission.backends import BACKENDS, DEFAULT, plain
 from eccentric.emission.check import render_check
 from eccentric.emission.defaults import read_parameters, with_fitted
 from eccentric.emission.hot import load_module
@@ -20,6 +20,8 @@ from eccentric.emission.render import render, render_program
 from eccentric.emission.write import complete, differences, write
 
 __all__ = [
+    "BACKENDS",
+    "DEFAULT",
     "build_program",
     "checked_name",
     "complete",

@@ -34,6 +34,6 @@ def _executed(model: Model) -> ModuleType:
     module = ModuleType(f"eccentric_emitted_{model.name}_{next(_numbers)}")
     # A dataclass under postponed annotations looks its module up while it is made.
     sys.modules[module.__name__] = module
-    source = render(model)[f"{model.name}.py"]
+    source = render(model, backends=("numpy",))[f"{model.name}.py"]
     exec(compile(source, f"<{model.name}.py as emitted>", "exec"), module.__dict__)  # noqa: S102
     return module

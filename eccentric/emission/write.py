@@ -1,25 +1,35 @@
-"""Write the trio of a model, and tell whether what is written is fresh."""
+"""Write the emitted files of a model, and tell whether what is written is fresh."""
 
 from __future__ import annotations
 
 import difflib
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from pathlib import Path
 
+from eccentric.emission.backends import BACKENDS, DEFAULT
 from eccentric.emission.check import render_check
 from eccentric.emission.render import render
 from eccentric.model import Model
 from eccentric.output import whole_file
 
 
-def complete(model: Model, command: str = "make derive", origin: str | None = None) -> dict[str, str]:
-    """The trio of a model, and what checks it on its user's side in the folder `check`: name -> text.
+def complete(
+    model: Model,
+    command: str = "make derive",
+    origin: str | None = None,
+    backends: Collection[str] = DEFAULT,
+) -> dict[str, str]:
+    """The emitted files of a model and, in the folder `check`, what checks its C: name -> text.
 
     Raises:
         InputError: the model cannot be emitted.
     """
-    files = render(model, command, origin)
-    return files | render_check(model, files)
+    if "c99" not in backends:
+        return render(model, command, origin, backends)
+    # The checks of the C are made with the NumPy module, wanted or not.
+    files = render(model, command, origin, dict.fromkeys((*DEFAULT, *backends)))
+    wanted = {file for name in backends for file in BACKENDS[name].named(model.name)}
+    return {file: text for file, text in files.items() if file in wanted} | render_check(model, files)
 
 
 def write(files: Mapping[str, str], out: Path) -> list[Path]:

@@ -1,5 +1,5 @@
 /*
- * Generated: do not edit. Written beside c2_asymmetric.c (program 1bc91bbb).
+ * Generated: do not edit. Written beside c2_asymmetric.c (program 40f0963b).
  * What the self-test expects; computed by the emitted NumPy module.
  */
 #define INPUTS 5u

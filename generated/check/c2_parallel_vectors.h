@@ -1,5 +1,5 @@
 /*
- * Generated: do not edit. Written beside c2_parallel.c (program 33b89868).
+ * Generated: do not edit. Written beside c2_parallel.c (program d1df6cd0).
  * What the self-test expects; computed by the emitted NumPy module.
  */
 #define INPUTS 5u

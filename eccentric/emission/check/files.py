@@ -18,7 +18,7 @@ import sympy as sp
 
 from eccentric.emission.check import proof, selftest
 from eccentric.emission.check.called import Called
-from eccentric.emission.render import template
+from eccentric.emission.templates import template
 from eccentric.model import Model
 
 # Where the parameters have no default, or one that leaves functions at zero. Sine and cosine of this tilt are
@@ -35,7 +35,7 @@ def render_check(model: Model, files: Mapping[str, str]) -> dict[str, str]:
         files: what `render` made of it.
     """
     return {
-        f"check/{model.name}_{kind}": template(f"check/{kind}.jinja").render(view)
+        f"check/{model.name}_{kind}": template(f"check/{kind}").render(view)
         for kind, view in views(model, files).items()
     }
 

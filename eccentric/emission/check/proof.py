@@ -6,7 +6,7 @@ import re
 from collections.abc import Sequence
 from typing import Any
 
-from eccentric.emission.backends.text import plain
+from eccentric.emission.backends import plain
 from eccentric.emission.check.called import Called
 from eccentric.emission.program import SHORTEST
 from eccentric.model import Model, Quantity

@@ -45,8 +45,8 @@ _HELPERS = {
 _NEEDS = {"sgn": (Sgn,), "forward": (Forward, Backward), "within": (Within,)}
 
 
-def view(program: Program, banner: str, digest: str) -> dict[str, Any]:
-    """All that the templates of header and source are filled with."""
+def view(program: Program, digest: str) -> dict[str, Any]:
+    """All that the templates of header and source are filled with; `digest` is that of the code."""
     prepared = {a.target.name for a in program.prepare}
     paired_symbols = paired(program)
     pairs = {s.name for s in paired_symbols}
@@ -75,7 +75,6 @@ def view(program: Program, banner: str, digest: str) -> dict[str, Any]:
     return {
         "names": ["prepare", "default", *called, *(["initial_state", "step"] if program.states else [])],
         "exponential": any(e.has(sp.exp) for e in expressions),
-        "banner": "\n".join(["/*", *(f" * {line}".rstrip() for line in banner.splitlines()), " */"]),
         "name": program.name,
         "guard": program.name.upper(),
         "digest": f"0x{digest}UL",

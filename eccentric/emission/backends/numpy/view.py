@@ -60,7 +60,7 @@ _MATH = {
 }
 
 
-def view(program: Program, banner: str, summary: str) -> dict[str, Any]:
+def view(program: Program, _: str) -> dict[str, Any]:
     """All that the templates of the NumPy module are filled with."""
     prepared = {a.target.name for a in program.prepare}
     optional = [q for q in program.parameters if q.default is None or q.default.free_symbols]
@@ -74,9 +74,7 @@ def view(program: Program, banner: str, summary: str) -> dict[str, Any]:
     in_prepare, single_only = _language(_MATH, value_of), program.single_only
     coefficients = [*(s.name for s in program.coefficients), *(["rounder"] if rounds(program) else [])]
     return {
-        "banner": "\n".join(f"# {line}" for line in banner.splitlines()),
         "title": program.title,
-        "summary": summary,
         "public": [
             *sorted(name for name, _ in program.constants),
             "Parameters",

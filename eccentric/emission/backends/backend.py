@@ -1,0 +1,32 @@
+"""What a back end is: a record of what it writes and how, and one line in the registry."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from eccentric.emission.program import Program
+
+
+@dataclass(frozen=True)
+class Backend:
+    """A target that programs are printed for.
+
+    Attributes:
+        meaning: what it writes, in words for a list of back ends.
+        files: template -> file, such as "numpy/module.py" -> "{name}.py" with the program's name.
+        view: what the templates are filled with, from a program and the digest of the code as it is spelled
+            until it is known. Keys are exactly the names that the templates use; values are strings, numbers,
+            truths and collections of them, ready to print: a template computes nothing.
+        banner: the lines at the top of every file as a comment of the target.
+    """
+
+    meaning: str
+    files: Mapping[str, str]
+    view: Callable[[Program, str], dict[str, Any]]
+    banner: Callable[[Sequence[str]], str]
+
+    def named(self, name: str) -> list[str]:
+        """The files of a program of that name."""
+        return [file.format(name=name) for file in self.files.values()]
