@@ -5,13 +5,12 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 import pytest
 
 from eccentric.cli import main
 from eccentric.diagnosis.diagnose import diagnose
-from eccentric.virtual_bench import PlantedEffect, random_scenario, simply, simulate, write
-from tests.virtual import log_of
+from eccentric.virtual_bench import Law, PlantedEffect, simply, simulate, write
+from tests.virtual import drawn_scenario, log_of
 
 ROOT = Path(__file__).resolve().parent.parent
 SHARED = ROOT.parent / "shared" / "data" / "examples"
@@ -55,26 +54,31 @@ def test_leaves_a_control_alone(tmp_path: Path) -> None:
     assert found.rmse["mechanical"]["paper"] == found.rmse["mechanical"]["extended"]
 
 
+def own_friction(
+    tmp_path: Path, seed: int, law: Law, size: float, strength: float, **options: Any
+) -> tuple[list[Path], Path]:
+    """Write a log with a dry friction outside the library, first `size` times a Stribeck friction; and a rig."""
+    scenario = drawn_scenario(seed, effects=[("stribeck", 0.12)], seconds=60.0, **options)
+    effect = PlantedEffect(
+        "own",
+        "own",
+        size * scenario.effects[0].amplitude,
+        simply(dry=law),
+        ("velocity",),
+        strength=strength,
+    )
+    log, rig, _ = write(simulate(replace(scenario, effects=(effect,))), tmp_path / "own.csv.gz")
+    return [log], rig
+
+
 def test_leaves_the_unknown_unnamed(tmp_path: Path) -> None:
     """A friction that no library holds (a band of speed that resonates) gets no name, but its variable."""
-    scenario = random_scenario(
-        np.random.default_rng(9005),
-        case="C2",
-        mu=0.2,
-        log_type="traj",
-        effects=[("stribeck", 0.12)],
-        noise=0.006,
-    )
     top = 6.2 / 0.2
 
     def band(state: Any, amplitude: float) -> float:
         return amplitude * (1.0 if 0.35 * top < abs(state.w_mid) < 0.6 * top else 0.0)
 
-    effect = PlantedEffect(
-        "band", "band", 2 * scenario.effects[0].amplitude, simply(dry=band), ("velocity",), strength=0.12
-    )
-    log, rig, _ = write(simulate(replace(scenario, effects=(effect,))), tmp_path / "band.csv.gz")
-    found = diagnose([log], rig)
+    found = diagnose(*own_friction(tmp_path, 9005, band, 2.0, 0.12, log_type="traj", noise=0.006))
 
     assert ("unexplained", ()) == (found.attribution.verdict, found.effects)
     assert "velocity" == found.attribution.depends_on[0]
@@ -101,24 +105,12 @@ def effects(setting):
 ''',
         encoding="utf-8",
     )
-    scenario = random_scenario(
-        np.random.default_rng(9006),
-        case="C2",
-        mu=0.2,
-        log_type="runs",
-        effects=[("stribeck", 0.12)],
-        noise=0.004,
-    )
     top = 7.5 / 0.2
 
     def fourth(state: Any, amplitude: float) -> float:
         return amplitude * (abs(state.w_mid) / top) ** 4
 
-    effect = PlantedEffect(
-        "fourth", "fourth", 4 * scenario.effects[0].amplitude, simply(dry=fourth), ("velocity",), strength=0.3
-    )
-    log, rig, _ = write(simulate(replace(scenario, effects=(effect,))), tmp_path / "fourth.csv.gz")
-    out = tmp_path / "out"
+    ([log], rig), out = own_friction(tmp_path, 9006, fourth, 4.0, 0.3, noise=0.004), tmp_path / "out"
     assert 0 == main(["diagnose", str(log), "--rig", str(rig), "--effects", str(own), "--out", str(out)])
     said = json.loads((out / "diagnosis.json").read_text(encoding="utf-8"))
 

@@ -7,7 +7,7 @@ as files. It imports nothing of the toolkit but its error, so that it can serve 
 twice, by different means, must agree.
 """
 
-from .effects import EFFECTS, VARIANTS, PlantedEffect, simply
+from .effects import EFFECTS, VARIANTS, Law, PlantedEffect, simply
 from .files import free_paths, write
 from .scenario import Scenario, known_effect, random_scenario
 from .simulation import BenchRun, simulate
@@ -16,6 +16,7 @@ __all__ = [
     "EFFECTS",
     "VARIANTS",
     "BenchRun",
+    "Law",
     "PlantedEffect",
     "Scenario",
     "free_paths",

@@ -9,12 +9,9 @@ from . import circuit, geometry, history, loads, speed, warmth
 from .record import PORTS, Builder, Law, PlantedEffect, PlantSetting, Request, simply
 
 EFFECTS: dict[str, Builder] = {
-    **speed.FAMILIES,
-    **warmth.FAMILIES,
-    **geometry.FAMILIES,
-    **loads.FAMILIES,
-    **history.FAMILIES,
-    **circuit.FAMILIES,
+    builder.__name__: builder
+    for file in (speed, warmth, geometry, loads, history, circuit)
+    for builder in file.BUILDERS
 }
 
 VARIANTS = {

@@ -109,14 +109,11 @@ def sensor_delay(wanted: Request) -> PlantedEffect:  # noqa: ARG001 - every buil
     )
 
 
-FAMILIES: dict[str, Builder] = {
-    builder.__name__: builder
-    for builder in (
-        kt_saturation,
-        current_bias,
-        inverter_deadtime,
-        resistance_temperature,
-        ke_mismatch,
-        sensor_delay,
-    )
-}
+BUILDERS: tuple[Builder, ...] = (
+    kt_saturation,
+    current_bias,
+    inverter_deadtime,
+    resistance_temperature,
+    ke_mismatch,
+    sensor_delay,
+)

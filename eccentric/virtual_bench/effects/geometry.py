@@ -165,17 +165,14 @@ def _gravity_size(plant: Plant) -> float:
     return plant.gravity_torque(pi / 2, plant.g)
 
 
-FAMILIES: dict[str, Builder] = {
-    builder.__name__: builder
-    for builder in (
-        link_harmonic_friction,
-        cogging,
-        kt_ripple,
-        local_defect,
-        cable_spring,
-        gravity_tilt,
-        angle_offset,
-        mass_mismatch,
-        inertia_mismatch,
-    )
-}
+BUILDERS: tuple[Builder, ...] = (
+    link_harmonic_friction,
+    cogging,
+    kt_ripple,
+    local_defect,
+    cable_spring,
+    gravity_tilt,
+    angle_offset,
+    mass_mismatch,
+    inertia_mismatch,
+)

@@ -74,4 +74,7 @@ def magnetic_hysteresis(wanted: Request) -> PlantedEffect:
     )
 
 
-FAMILIES: dict[str, Builder] = {builder.__name__: builder for builder in (presliding, magnetic_hysteresis)}
+BUILDERS: tuple[Builder, ...] = (
+    presliding,
+    magnetic_hysteresis,
+)

@@ -132,6 +132,8 @@ def backlash(wanted: Request) -> PlantedEffect:
     )
 
 
-FAMILIES: dict[str, Builder] = {
-    builder.__name__: builder for builder in (load_dependent, gear_efficiency, backlash)
-}
+BUILDERS: tuple[Builder, ...] = (
+    load_dependent,
+    gear_efficiency,
+    backlash,
+)

@@ -92,15 +92,12 @@ def eddy_current(wanted: Request) -> PlantedEffect:
     )
 
 
-FAMILIES: dict[str, Builder] = {
-    builder.__name__: builder
-    for builder in (
-        stribeck,
-        quadratic_drag,
-        cubic_drag,
-        oneway_windage,
-        coulomb_asymmetry,
-        viscous_asymmetry,
-        eddy_current,
-    )
-}
+BUILDERS: tuple[Builder, ...] = (
+    stribeck,
+    quadratic_drag,
+    cubic_drag,
+    oneway_windage,
+    coulomb_asymmetry,
+    viscous_asymmetry,
+    eddy_current,
+)

@@ -101,7 +101,10 @@ def time_drift(wanted: Request) -> PlantedEffect:
     )
 
 
-FAMILIES: dict[str, Builder] = {
-    builder.__name__: builder
-    for builder in (viscosity_temperature, coulomb_temperature, hidden_thermal_drift, wear_runin, time_drift)
-}
+BUILDERS: tuple[Builder, ...] = (
+    viscosity_temperature,
+    coulomb_temperature,
+    hidden_thermal_drift,
+    wear_runin,
+    time_drift,
+)
