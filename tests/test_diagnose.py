@@ -57,7 +57,7 @@ def test_leaves_a_control_alone(tmp_path: Path) -> None:
 def own_friction(
     tmp_path: Path, seed: int, law: Law, size: float, strength: float, **options: Any
 ) -> tuple[list[Path], Path]:
-    """Write a log with a dry friction outside the library, first `size` times a Stribeck friction; and a rig."""
+    """Write a log with a dry friction outside the library, `size` times a Stribeck friction at first."""
     scenario = drawn_scenario(seed, effects=[("stribeck", 0.12)], seconds=60.0, **options)
     effect = PlantedEffect(
         "own",
