@@ -75,7 +75,8 @@ def setting(case: str, *, warm: bool) -> Setting:
     channels = {"current", "voltage", *(["temperature"] if warm else [])}
     seen = frozenset(channels)
     middle = WARM if warm else None
-    return Setting(case, MU, KNOWN, 0.5, W_MAX, 15.0, END, MEAN, middle, seen, FIRST_FIT[case])
+    base = load_model(BASE[case])
+    return Setting(base, MU, KNOWN, 0.5, W_MAX, 15.0, END, MEAN, middle, seen, FIRST_FIT[case])
 
 
 @cache
@@ -90,13 +91,13 @@ def groups(case: str) -> tuple[tuple[Effect, ...], ...]:
     found: list[list[Effect]] = []
     for effect in effects(case).values():
         seen = case == "C2" and effects("C1").get(effect.id) == effect
-        if seen or (effect.repeats and effect.id not in ORDERS):
+        if seen or (effect.evidence.repeats and effect.id not in ORDERS):
             continue
-        changes = bool(effect.scales or effect.replaces)
+        changes = bool(effect.change.scales or effect.change.replaces)
         for members in found:
             # Two variants of a family share their names; of factors on friction one is enough.
             if len(members) < 5 and effect.family not in {e.family for e in members}:
-                if changes and any(e.scales or e.replaces for e in members):
+                if changes and any(e.change.scales or e.change.replaces for e in members):
                     continue
                 members.append(effect)
                 break
@@ -176,7 +177,7 @@ def inputs(size: int = 40) -> Signals:
         "temperature": random.uniform(15.0, 40.0, size),
         "dt": np.full(size, 0.004),
     }
-    names = {s.quantity.name for case in CASES for e in effects(case).values() for s in e.states}
+    names = {s.quantity.name for case in CASES for e in effects(case).values() for s in e.change.states}
     return columns | {name: random.uniform(-1.0, 1.0, size) for name in sorted(names)}
 
 

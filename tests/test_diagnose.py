@@ -90,8 +90,8 @@ def test_takes_an_effect_of_the_users_own(tmp_path: Path) -> None:
     own.write_text(
         '''"""A fourth-power drag."""
 import sympy as sp
-from eccentric.effects import Effect
-from eccentric.model import Role, Term, quantity, vocabulary as v
+from eccentric.effects import Effect, Evidence
+from eccentric.model import Change, Role, Term, quantity, vocabulary as v
 
 w = v.omega_m.symbol
 D = quantity("my_drag_D", "N m s^4/rad^4", "fourth-power drag", "", "nonnegative")
@@ -99,9 +99,9 @@ D = quantity("my_drag_D", "N m s^4/rad^4", "fourth-power drag", "", "nonnegative
 
 def effects(setting):
     term = Term("my_drag", "friction", D.symbol, w**3 * sp.Abs(w), "own", role=Role.DRAG)
-    return (Effect(id="my_drag", family="my_drag", balance="mechanical", depends_on=("velocity",),
-                   formula="D w^3 |w|", reference="own", coefficients=(D,), bounds=((0.0, None),),
-                   terms={"mechanical": (term,)}),)
+    return (Effect(family="my_drag", balance="mechanical", formula="D w^3 |w|", reference="own",
+                   change=Change({"mechanical": (term,)}), evidence=Evidence(depends_on=("velocity",)),
+                   coefficients=(D,)),)
 ''',
         encoding="utf-8",
     )

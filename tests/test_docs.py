@@ -18,6 +18,7 @@ import pytest
 
 from eccentric.cli import COMMANDS
 from eccentric.effects import FAMILIES, Setting, library
+from eccentric.model import load_model
 from eccentric.rigs import read_rig
 from eccentric.signals import read_channels
 
@@ -133,7 +134,7 @@ def test_formulas_stand_whole_in_their_tables(site: Path) -> None:
     """The table of families holds each formula as its record has it: a bar in it is no border."""
     text = unescape(re.sub(r"<[^>]+>", "", (site / "effects" / "index.html").read_text(encoding="utf-8")))
     channels = frozenset({"current", "voltage", "temperature"})
-    setting = Setting("C2", 0.2, {}, 1.0, 60.0, 15.0, 60.0, 70.0, 25.0, channels)
+    setting = Setting(load_model("c2_parallel"), 0.2, {}, 1.0, 60.0, 15.0, 60.0, 70.0, 25.0, channels)
     firsts = {effect.family: effect.formula for effect in reversed(library(setting))}
     assert len(firsts) > 30
     for family, formula in firsts.items():

@@ -241,7 +241,7 @@ def test_voltages_are_those_of_the_formulas(
 def test_every_effect_has_its_closed_form() -> None:
     """No id of the library, harmonics of further orders apart, is without a spot value above."""
     spotted = {effect_id for _, effect_id, *_ in MECHANICAL} | {effect_id for effect_id, *_ in ELECTRICAL}
-    offered = {e.id for case in CASES for e in effects(case).values() if not e.repeats}
+    offered = {e.id for case in CASES for e in effects(case).values() if not e.evidence.repeats}
 
     # By gear efficiency and load the transmitted torque is the same definition; C1 has it above.
     assert offered - spotted == set()

@@ -93,7 +93,7 @@ def test_worm_gear_is_periodic_in_its_turns_and_gets_no_wrong_name() -> None:
     """Drive 3 has one period per turn; run means show no angle, time or acceleration to name."""
     diagnosis = screw_drive(3)
     assert order_near(diagnosis, 1) > 0.4
-    variables = {v for effect, _ in diagnosis.effects for v in effect.depends_on}
+    variables = {v for effect, _ in diagnosis.effects for v in effect.evidence.depends_on}
     assert variables <= {"velocity", "direction"}
     assert not diagnosis.effects or diagnosis.interval[0] > 0.0
 

@@ -11,7 +11,7 @@ from eccentric.report.equation import friction_equations
 
 def test_the_equation_has_every_friction_term() -> None:
     """One line for each term; those of the effect, and no other, are marked; sgn as in the paper."""
-    setting = Setting("C2", 0.2, {"k_i": 0.06}, 0.5, 40.0, 10.0, 60.0, 5.0)
+    setting = Setting(load_model("c2_parallel"), 0.2, {"k_i": 0.06}, 0.5, 40.0, 10.0, 60.0, 5.0)
     effect = next(e for e in library(setting) if e.id == "link_harmonic_friction[n=2]")
     base = load_model("c2_parallel")
     friction, *where = friction_equations(effect.extend(base), [effect])
@@ -26,12 +26,14 @@ def test_the_equation_has_every_friction_term() -> None:
 
 def test_the_equation_tells_what_is_replaced() -> None:
     """A mass that is another one than the rig says stands beside the friction, as what it has become."""
-    setting = Setting("C2", 0.2, {"M": 0.5, "L": 0.2}, 0.5, 40.0, 10.0, 60.0, 5.0)
+    setting = Setting(load_model("c2_parallel"), 0.2, {"M": 0.5, "L": 0.2}, 0.5, 40.0, 10.0, 60.0, 5.0)
     effect = next(e for e in library(setting) if e.id == "mass_mismatch")
     notes = [
         equation.note for equation in friction_equations(effect.extend(load_model("c2_parallel")), [effect])
     ]
-    meanings = [d.quantity.meaning for d in effect.definitions if d.symbol in effect.replaces.values()]
+    meanings = [
+        d.quantity.meaning for d in effect.change.definitions if d.symbol in effect.change.replaces.values()
+    ]
 
     assert 1 == len(meanings) == sum(note.startswith(meanings[0]) for note in notes)
 

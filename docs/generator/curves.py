@@ -22,18 +22,18 @@ Added = Callable[[Mapping[str, float], Mapping[str, Array]], Array]
 
 def course(effect: Effect) -> Course:
     """How the drive moves in the picture of the effect: its leading variable goes through its range."""
-    leading = effect.depends_on[0]
-    if "time" in effect.depends_on:
+    leading = effect.evidence.depends_on[0]
+    if "time" in effect.evidence.depends_on:
         t = np.linspace(0.0, 60.0, 601)
         return "time [s], at a constant speed", t, _steady(t, t=t, omega_m=30.0, i=8.0)
-    if effect.states:
+    if effect.change.states:
         t = np.linspace(0.0, 2.0, 2001)
         omega = 20.0 * np.sin(2 * np.pi * t)
         theta = -20.0 / (2 * np.pi) * np.cos(2 * np.pi * t)
         current = CURRENT * np.sin(2 * np.pi * t)
         inputs = {"t": t, "omega_m": omega, "theta_m": theta, "i": current}
         inputs["alpha_m"] = np.gradient(omega, t)
-        if leading == "current" and "history" in effect.depends_on:  # a loop
+        if leading == "current" and "history" in effect.evidence.depends_on:  # a loop
             return "current [A]", current, inputs
         return "time [s], the speed a sine of 1 Hz", t, inputs
     one = np.linspace(-1.0, 1.0, 401)
@@ -71,7 +71,7 @@ def added(effect: Effect, base: Model) -> Added:
     own = [q.symbol for q in effect.parameters]
     others = (q for q in model.parameters if q.symbol not in own)
     numbers = {q.symbol: {**KNOWN, **FRICTION}.get(q.name, 0.0) for q in others}
-    states = [state.symbol for state in effect.states]
+    states = [state.symbol for state in effect.change.states]
     names = [*own, *(q.symbol for q in model.inputs), *states, v.dt.symbol]
 
     def compiled(expression: sp.Expr) -> Callable[..., Any]:
@@ -79,16 +79,16 @@ def added(effect: Effect, base: Model) -> Added:
 
     before, after = (one.expand(one.balance(effect.balance).residual()) for one in (base, model))
     change = compiled(before - after)
-    updates = [compiled(model.expand(state.update)) for state in effect.states]
+    updates = [compiled(model.expand(state.update)) for state in effect.change.states]
 
     def along(values: Mapping[str, float], inputs: Mapping[str, Array]) -> Array:
         parameters = [values[q.name] for q in effect.parameters]
         size = len(inputs["t"])
         signals = [inputs.get(q.name, np.zeros(size)) for q in model.inputs]
         step = np.gradient(inputs["t"])
-        if not effect.states:
+        if not effect.change.states:
             return np.broadcast_to(change(*parameters, *signals, step), size)
-        found, now = np.empty(size), [float(state.initial) for state in effect.states]
+        found, now = np.empty(size), [float(state.initial) for state in effect.change.states]
         for k, dt in enumerate(step):
             at = (*parameters, *(signal[k] for signal in signals), *now, dt)
             found[k] = change(*at)

@@ -71,16 +71,18 @@ def _whole_angle(pair: sp.Basic) -> sp.Expr:
 
 def equations(effect: Effect) -> Iterator[str]:
     """The effect's equations in LaTeX: what it adds, replaces or scales, then its definitions and states."""
-    for balance, terms in effect.terms.items():
+    for balance, terms in effect.change.terms.items():
         yield f"{_LEFT[balance]} = {latex(sp.Add(*(term.value for term in terms)))}"
-    for old, new in effect.replaces.items():
+    for old, new in effect.change.replaces.items():
         yield rf"{latex(old)} \;\to\; {latex(new)}"
-    for which, factor in effect.scales.items():
-        yield rf"f_{{\mathrm{{{which}}}}} \;\to\; {latex(factor)} \cdot f_{{\mathrm{{{which}}}}}"
-    for definition in effect.definitions:
+    for factor in dict.fromkeys(effect.change.scales.values()):
+        roles = sorted(role for role, by in effect.change.scales.items() if by == factor)
+        which = r",\,".join(rf"\mathrm{{{role}}}" for role in roles)
+        yield rf"f_{{{which}}} \;\to\; {latex(factor)} \cdot f_{{{which}}}"
+    for definition in effect.change.definitions:
         if not definition.value.is_number:  # a number stands in the table
             yield f"{latex(definition.symbol)} = {latex(definition.value)}"
-    for state in effect.states:
+    for state in effect.change.states:
         yield rf"{latex(state.symbol)} \;\leftarrow\; {latex(state.update)}"
 
 

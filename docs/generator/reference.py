@@ -13,7 +13,7 @@ from generator.formula import equations
 from generator.pictures import draw
 from generator.setting import effects
 
-SHOWN_ORDER = "[n=2]"
+SHOWN_ORDER = "n=2"
 """Of families with an effect for each harmonic this one stands for all."""
 
 
@@ -32,7 +32,7 @@ def overview() -> str:
     rows = []
     for family in FAMILIES:
         effect, _ = _of(family)[0]
-        rows.append(_row(f"[{family}](#{family})", f"`{effect.formula}`", _words(effect.depends_on)))
+        rows.append(_row(f"[{family}](#{family})", f"`{effect.formula}`", _words(effect.evidence.depends_on)))
     return "\n".join(["| family | adds or changes | depends on |", "|---|---|---|", *rows])
 
 
@@ -59,9 +59,9 @@ def _family(family: str, images: Path) -> str:
     for case in ("C1", "C2"):
         if held := base_aliases(case).get(family):
             lines += [f"Not offered in case {case}: there it is {held}.", ""]
-    orders = [effect.id for effect, _ in members if effect.repeats]
+    orders = [effect.id for effect, _ in members if effect.evidence.repeats]
     if orders:
-        shown = next((effect, model) for effect, model in members if effect.id.endswith(SHOWN_ORDER))
+        shown = next((effect, model) for effect, model in members if effect.variant == SHOWN_ORDER)
         lines += [f"Offered for every n from 1 to {len(orders)}; here n = 2.", ""]
         members = [shown]
     notes = [_notes(effect) for effect, _ in members]
@@ -92,13 +92,13 @@ def _effect(effect: Effect, model: Model, images: Path) -> Iterator[str]:
 
 def _notes(effect: Effect) -> list[str]:
     """What else its record says, as items of a list."""
-    said = [f"depends on: {_words(effect.depends_on)}; {effect.balance} balance"]
-    if effect.needs:
-        said.append(f"needs a log of: {_words(effect.needs)}")
-    if effect.aliases:
-        said.append(f"cannot be told from: {_links(effect.aliases)}")
-    if effect.special_of:
-        said.append(f"a special case of: {_links(effect.special_of)}")
+    said = [f"depends on: {_words(effect.evidence.depends_on)}; {effect.balance} balance"]
+    if effect.evidence.needs:
+        said.append(f"needs a log of: {_words(effect.evidence.needs)}")
+    if effect.evidence.aliases:
+        said.append(f"cannot be told from: {_links(effect.evidence.aliases)}")
+    if effect.evidence.special_of:
+        said.append(f"a special case of: {_links(effect.evidence.special_of)}")
     said += [f"to tell it from others: {effect.words.hint}", f"source: {effect.reference}"]
     return [f"- {one}" for one in said]
 
@@ -110,7 +110,7 @@ def _parameters(effect: Effect) -> Iterator[str]:
     for shape in effect.shapes:
         q = shape.quantity
         yield _row(f"`{q.name}`", q.meaning, q.unit, f"{_short(shape.low)} to {_short(shape.high)}")
-    for definition in effect.definitions:
+    for definition in effect.change.definitions:
         if definition.value.is_number:
             q = definition.quantity
             yield _row(f"`{q.name}`", q.meaning, q.unit, f"here {float(definition.value):g}")

@@ -26,7 +26,8 @@ def setting(case: str, *, warm: bool) -> Setting:
     """The setting of a case, with a temperature logged or not."""
     channels = frozenset(("current", "voltage", "temperature") if warm else ("current", "voltage"))
     middle = WARM if warm else None
-    return Setting(case, KNOWN["mu"], KNOWN, 1.0, SPEED, CURRENT, SECONDS, LOSS, middle, channels, FRICTION)
+    base = load_model(BASE[case])
+    return Setting(base, KNOWN["mu"], KNOWN, 1.0, SPEED, CURRENT, SECONDS, LOSS, middle, channels, FRICTION)
 
 
 @cache
@@ -38,7 +39,8 @@ def effects() -> tuple[tuple[Effect, Model], ...]:
         for warm in (True, False):
             for effect in library(setting(case, warm=warm)):
                 known = found.setdefault(effect.id, (effect, model))[0]
-                if (known.depends_on, known.formula) != (effect.depends_on, effect.formula):
-                    own = dataclasses.replace(effect, id=f"{effect.id} in case {case}")
+                if (known.evidence.depends_on, known.formula) != (effect.evidence.depends_on, effect.formula):
+                    variant = ", ".join(filter(None, (effect.variant, f"case {case}")))
+                    own = dataclasses.replace(effect, variant=variant)
                     found.setdefault(own.id, (own, model))
     return tuple(found.values())

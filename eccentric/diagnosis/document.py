@@ -137,5 +137,5 @@ def _effect(found: Diagnosis, effect: Effect) -> dict[str, Any]:
         "reference": effect.reference,
         "parameters": parameters,
         "share_of_friction_rms": found.extended.shares.get(effect.id, 0.0),
-        "aliases": list(effect.aliases),
+        "aliases": list(effect.evidence.aliases),
     }

@@ -34,6 +34,7 @@ def script(found: Diagnosis) -> str:
     # A set prints in another order in every run.
     channels = found.setting.channels
     setting = setting.replace(repr(channels), f"frozenset({sorted(channels)})")
+    setting = setting.replace("Setting(", "Setting(base=model,\n        ", 1)
     chosen = pprint.pformat([(effect.id, own) for effect, own in adopted], width=100)
     letters = {q.name for q in found.shipped.model.parameters}
     values = {k: v for k, v in found.shipped.values.items() if k in letters and v is not None}
@@ -69,14 +70,16 @@ from eccentric.effects import Setting, library, load_effects
 from eccentric.model.defaults import with_values
 from eccentric.output import show
 
+# The paper's model.
+model = load_model({_base(found)})
+{load[1]}
 # What the log spans; the ranges of the library of effects follow from it.
 setting = {setting}
 offered = [*library(setting)]{own}
 effects = {{effect.id: effect for effect in offered}}
 
-# The paper's model, and what it lacks on this log.
-model = load_model({_base(found)})
-{load[1]}for name, values in {chosen}:
+# What the model lacks on this log.
+for name, values in {chosen}:
     model = effects[name].extend(model, values)
 
 model = with_values(

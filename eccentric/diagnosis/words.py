@@ -88,7 +88,8 @@ def _name(found: Diagnosis, effect: Effect) -> str:
 
 def _alike(found: Diagnosis) -> str:
     """What no log of this rig, as it is declared, tells from the named effects."""
-    alike = {effect.id: " or ".join(effect.aliases) for effect, _ in found.effects if effect.aliases}
+    aliases = {effect.id: effect.evidence.aliases for effect, _ in found.effects}
+    alike = {name: " or ".join(others) for name, others in aliases.items() if others}
     return "".join(
         f" As the rig is declared, {name} looks the same as {other}." for name, other in alike.items()
     )

@@ -36,7 +36,7 @@ from eccentric.effects import (
     viscosity_temperature,
     wear_runin,
 )
-from eccentric.effects.effect import Effect, Shape
+from eccentric.effects.effect import Effect, Evidence, Shape
 from eccentric.effects.load import load_effects
 from eccentric.effects.setting import Setting
 from eccentric.effects.words import Kin, Words, measurement_between
@@ -44,6 +44,7 @@ from eccentric.effects.words import Kin, Words, measurement_between
 __all__ = [
     "FAMILIES",
     "Effect",
+    "Evidence",
     "Kin",
     "Setting",
     "Shape",
@@ -111,7 +112,7 @@ _BASE_ALIASES = {
 def library(setting: Setting) -> tuple[Effect, ...]:
     """Every effect that makes sense for the case and whose channels are logged, in the order of FAMILIES."""
     made = [effect for module in dict.fromkeys(FAMILIES.values()) for effect in module.effects(setting)]
-    return tuple(effect for effect in made if setting.has(*effect.needs))
+    return tuple(effect for effect in made if setting.has(*effect.evidence.needs))
 
 
 def base_aliases(case: str) -> dict[str, str]:

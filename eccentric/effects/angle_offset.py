@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from eccentric.effects.effect import Effect, Shape
+from eccentric.effects.effect import Effect, Evidence, Shape
 from eccentric.effects.forms import addition, harmonic, theta_m
 from eccentric.effects.setting import Setting
 from eccentric.effects.words import GRAVITY, Words
-from eccentric.model import Definition, quantity
+from eccentric.model import Change, Definition, quantity
 from eccentric.model import vocabulary as v
 
 offset = quantity("offset_angle", "rad", "true link angle less the one logged")
@@ -30,20 +30,22 @@ def effects(setting: Setting) -> tuple[Effect, ...]:
     if setting.case == "C1" or "theta_zero_rad" in setting.left_open:
         return ()
     shifted = Effect(
-        id="angle_offset",
         family="angle_offset",
         balance="mechanical",
-        depends_on=("link_angle",),
         formula="theta_l + offset for theta_l",
         reference=REFERENCE,
+        change=Change(
+            definitions=(Definition(theta_true, theta_m + offset.symbol / v.mu.symbol),),
+            replaces={theta_m: theta_true.symbol},
+        ),
+        evidence=Evidence(depends_on=("link_angle",)),
         shapes=(Shape(offset, -0.7, 0.7, "linear", 6),),
-        definitions=(Definition(theta_true, theta_m + offset.symbol / v.mu.symbol),),
-        replaces={theta_m: theta_true.symbol},
         words=replace(WORDS, headline="an offset of the link angle"),
     )
     alone = addition(
-        "angle_offset[torque]",
+        "angle_offset",
         [(torque, harmonic(v.mu.symbol)[0])],
+        variant="torque",
         kind="conservative",
         depends_on=("link_angle",),
         formula="T cos(theta_l)",

@@ -107,8 +107,9 @@ def _freed(setting: Setting) -> Effect:
 def _lag(setting: Setting) -> Effect:
     state = relaxation("backlash_z", "lag of the link, in gaps", speed * dt, gap.symbol, omega_m)
     return addition(
-        "backlash[lag]",
+        "backlash",
         [(TORQUE, -harmonic(v.mu.symbol)[0] * state.symbol)],
+        variant="lag",
         kind="conservative",
         depends_on=("history",),
         formula="-T z cos(theta_l), z the side of the gap, following the direction of motion",

@@ -34,8 +34,9 @@ def _order(n: int) -> Effect:
     C = quantity(f"cogging_c{n}", "N m", f"cogging torque by cos({n} theta_m)")
     S = quantity(f"cogging_s{n}", "N m", f"cogging torque by sin({n} theta_m)")
     return addition(
-        f"cogging[n={n}]",
+        "cogging",
         [(C, cosine), (S, sine)],
+        variant=f"n={n}",
         kind="conservative",
         depends_on=("motor_angle",),
         formula=f"c cos({n} theta_m) + s sin({n} theta_m)",

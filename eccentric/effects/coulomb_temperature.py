@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from eccentric.effects.effect import Effect, Shape
+from eccentric.effects.effect import Effect, Evidence, Shape
 from eccentric.effects.forms import addition, constant, direction
 from eccentric.effects.setting import Setting
 from eccentric.effects.words import TEMPERATURE, Words
-from eccentric.model import Definition, Role, quantity
+from eccentric.model import Change, Definition, Role, quantity
 from eccentric.model import vocabulary as v
 
 b = quantity("coulomb_b", "1/K", "relative change of the Coulomb friction per kelvin")
@@ -32,22 +32,23 @@ def effects(setting: Setting) -> tuple[Effect, ...]:
     zero = constant("coulomb_T0", "K", "reference temperature in degC", setting.temperature_mid)
     warmer = v.temperature.symbol - zero.symbol
     scaling = Effect(
-        id="coulomb_temperature",
         family="coulomb_temperature",
         balance="mechanical",
-        depends_on=("temperature",),
         formula="Coulomb friction times 1 + b (T - T_0)",
         reference=REFERENCE,
+        change=Change(
+            definitions=(zero, Definition(factor, 1 + b.symbol * warmer)),
+            scales=dict.fromkeys((Role.COULOMB, Role.PRESLIDING), factor.symbol),
+            inputs=(v.temperature,),
+        ),
+        evidence=Evidence(depends_on=("temperature",), needs=("temperature",)),
         shapes=(Shape(b, -0.03, 0.03, "linear", 4),),
-        definitions=(zero, Definition(factor, 1 + b.symbol * warmer)),
-        scales=dict.fromkeys((Role.COULOMB, Role.PRESLIDING), factor.symbol),
-        inputs=(v.temperature,),
-        needs=("temperature",),
         words=replace(WORDS, headline="Coulomb friction that changes with temperature"),
     )
     bearing = addition(
-        "coulomb_temperature[bearing]",
+        "coulomb_temperature",
         [(C, direction * warmer)],
+        variant="bearing",
         role=Role.COULOMB,
         depends_on=("temperature",),
         formula="C (T - T_0) sgn w",

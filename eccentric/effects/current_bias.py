@@ -4,11 +4,10 @@ from __future__ import annotations
 
 import sympy as sp
 
-from eccentric.effects.effect import Effect
-from eccentric.effects.forms import addition
+from eccentric.effects.effect import Effect, Evidence
 from eccentric.effects.setting import Setting
 from eccentric.effects.words import Words
-from eccentric.model import Term, quantity
+from eccentric.model import Change, Term, quantity
 from eccentric.model import vocabulary as v
 
 bias = quantity("bias_i", "A", "measured current less the true one")
@@ -24,19 +23,19 @@ def effects(setting: Setting) -> tuple[Effect, ...]:
     """The one effect of the family; without a voltage it is an alias of `coulomb_asymmetry`."""
     if setting.by_voltage:
         return ()
-    effect = addition(
-        "current_bias",
-        [(bias, -v.R.symbol)],
-        kind="actuator",
+    effect = Effect(
+        family="current_bias",
         balance="electrical",
-        terms={
-            "electrical": (_term("bias_u", -v.R.symbol),),
-            "mechanical": (_term("bias_torque", v.k_i.symbol),),
-        },
-        depends_on=("current",),
         formula="i - bias for i",
         reference=REFERENCE,
-        needs=("current", "voltage"),
+        change=Change(
+            {
+                "electrical": (_term("bias_u", -v.R.symbol),),
+                "mechanical": (_term("bias_torque", v.k_i.symbol),),
+            }
+        ),
+        evidence=Evidence(depends_on=("current",), needs=("current", "voltage")),
+        coefficients=(bias,),
         words=WORDS,
     )
     return (effect,)

@@ -101,8 +101,9 @@ def _oneway() -> tuple[Effect, ...]:
         q = quantity(f"windage_{name}", "N m s^2/rad^2", meaning, "", "nonnegative")
         found.append(
             addition(
-                f"oneway_windage[{'+' if sign > 0 else '-'}]",
+                "oneway_windage",
                 [(q, sp.Integer(sign) * omega_m**2 * gate)],
+                variant=f"{'+' if sign > 0 else '-'}",
                 role=Role.DRAG,
                 depends_on=("velocity", "direction"),
                 formula=f"D w|w| for w {'>' if sign > 0 else '<'} 0 only",

@@ -7,13 +7,13 @@ cos(x) = 2 HalfCosine^2 - 1 and sin(x) = -2 HalfCosine HalfSine for x = rate the
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
 
 import sympy as sp
 
-from eccentric.effects.effect import Effect
+from eccentric.effects.effect import Effect, Evidence, Shape
 from eccentric.effects.setting import Setting
-from eccentric.model import Definition, Load, Quantity, Role, State, Term, quantity
+from eccentric.effects.words import Words
+from eccentric.model import Change, Definition, Load, Quantity, Role, State, Term, quantity, regressor
 from eccentric.model import vocabulary as v
 from eccentric.model.steps import Gated, HalfCosine, HalfSine, Magnitude, Sgn
 
@@ -26,47 +26,61 @@ Column = tuple[Quantity, sp.Expr]
 
 
 def addition(
-    effect_id: str,
+    family: str,
     columns: Sequence[Column],
     *,
+    variant: str = "",
     role: Role | Sequence[Role] = Role.NONE,
     load: Load = Load.NONE,
     kind: str = "friction",
     balance: str = "mechanical",
     bounds: Sequence[Bounds] | None = None,
+    depends_on: tuple[str, ...],
+    formula: str,
     reference: str,
-    **fields: Any,
+    definitions: tuple[Definition, ...] = (),
+    states: tuple[State, ...] = (),
+    inputs: tuple[Quantity, ...] = (),
+    shapes: tuple[Shape, ...] = (),
+    needs: tuple[str, ...] = (),
+    aliases: tuple[str, ...] = (),
+    special_of: tuple[str, ...] = (),
+    repeats: bool = False,
+    words: Words | None = None,
+    corrects: tuple[Quantity, sp.Expr] | None = None,
 ) -> Effect:
     """An effect that adds coefficient times basis to one balance, one term for each of the columns.
 
     Args:
-        effect_id: id; the family is what stands before a bracket.
+        family, variant, balance, formula, reference, shapes, words, corrects: as in `Effect`.
         columns: coefficient and basis of each term.
         role: of the terms, or of each of them; what has one is friction.
         load: the load that the friction is in proportion to.
         kind: of the terms without a role, see `eccentric.model.KINDS`.
-        balance: name of the balance.
         bounds: of each coefficient; at least 0 for one whose domain says so, else open, if not given.
-        reference: of the effect and its terms.
-        fields: the other fields of Effect.
+        depends_on, needs, aliases, special_of, repeats: as in `Evidence`.
+        definitions, states, inputs: as in `eccentric.model.Change`.
     """
     roles = [role] * len(columns) if isinstance(role, Role) else role
-    bounds = tuple(bounds or ((None if q.domain == "real" else 0.0, None) for q, _ in columns))
+    bounds = bounds or [(None if q.domain == "real" else 0.0, None) for q, _ in columns]
     terms = tuple(
         Term(q.name, kind, q.symbol, basis, reference, bound)
         if does is Role.NONE
         else Term(q.name, "friction", q.symbol, basis, reference, bound, does, load)
         for (q, basis), bound, does in zip(columns, bounds, roles, strict=True)
     )
-    fields.setdefault("terms", {balance: terms})
     return Effect(
-        id=effect_id,
-        family=effect_id.split("[", 1)[0],
+        family=family,
+        variant=variant,
         balance=balance,
+        formula=formula,
         reference=reference,
+        change=Change({balance: terms}, definitions, states, inputs),
+        evidence=Evidence(depends_on, needs, aliases, special_of, repeats),
         coefficients=tuple(q for q, _ in columns),
-        bounds=bounds,
-        **fields,
+        shapes=shapes,
+        words=words or Words(),
+        corrects=corrects,
     )
 
 
@@ -106,27 +120,27 @@ def link_force(setting: Setting) -> sp.Expr:
 def transmitted(name: str, setting: Setting, share: sp.Symbol) -> tuple[sp.Expr, tuple[Definition, ...]]:
     """Torque that the gear passes on to the link, as the motor sees it [N m]; and the constants it needs.
 
-    Gravity, inertia, the friction in proportion to F_N, and the link's share of the rest: to the motor the
-    dry and viscous parts of both look alike. That friction is the one of a first fit: with the model's own
-    coefficients in its load, friction would no longer be linear in them.
+    Gravity, inertia, the friction that follows a force on the link, and the link's share of the rest: to the
+    motor the dry and viscous parts of both look alike. That friction is the one of a first fit: with the
+    model's own coefficients in its load, friction would no longer be linear in them.
     """
-    columns = {
-        "B_lN": ("m s/rad", v.mu.symbol**2 * v.F_N.symbol * omega_m),
-        "C_lN": ("m", v.mu.symbol * v.F_N.symbol * direction),
-        "B": ("N m s/rad", omega_m),
-        "C": ("N m", direction),
-        "B_m": ("N m s/rad", omega_m),
-        "C_m": ("N m", direction),
-    }
-    constants = {
-        key: constant(f"{name}_{key}", columns[key][0], f"{key} of the fit without the effect", value)
-        for key, value in setting.friction.items()
-        if key in columns
-    }
-    parts = {key: constants[key].symbol * columns[key][1] for key in constants}
-    friction = sp.Add(*((1 if key.endswith("_lN") else share) * part for key, part in parts.items()))
+    columns = [column for column in regressor(setting.base) if column.name in setting.friction]
+    constants = [
+        constant(
+            f"{name}_{column.name}",
+            column.unit,
+            f"{column.name} of the fit without the effect",
+            setting.friction[column.name],
+        )
+        for column in columns
+    ]
+    parts = [
+        known.symbol * column.basis * (share if column.load is Load.NONE else 1)
+        for column, known in zip(columns, constants, strict=True)
+    ]
+    friction = sp.Add(*parts)
     inertia = Gated(v.J_l.symbol, alpha_m) * v.mu.symbol**2
-    return gravity(setting) + inertia + friction, tuple(constants.values())
+    return gravity(setting) + inertia + friction, tuple(constants)
 
 
 def loss(setting: Setting) -> sp.Expr:

@@ -39,8 +39,9 @@ def effects(setting: Setting) -> tuple[Effect, ...]:
         basis = both * sp.Abs(load.symbol) * direction + differ * load.symbol * direction**2
         found.append(
             addition(
-                f"gear_efficiency[{variant}]",
+                "gear_efficiency",
                 [(eta, basis)],
+                variant=variant,
                 role=Role.COULOMB,
                 load=Load.TRANSMITTED,
                 depends_on=(variable, "direction"),

@@ -6,11 +6,11 @@ from dataclasses import replace
 
 import sympy as sp
 
-from eccentric.effects.effect import Effect, Shape
+from eccentric.effects.effect import Effect, Evidence, Shape
 from eccentric.effects.forms import addition, harmonic, omega_m, theta_m
 from eccentric.effects.setting import Setting
 from eccentric.effects.words import GRAVITY, Words
-from eccentric.model import Definition, Term, quantity
+from eccentric.model import Change, Definition, Term, quantity
 from eccentric.model import vocabulary as v
 from eccentric.model.steps import Magnitude
 
@@ -54,17 +54,19 @@ def _level() -> tuple[Effect, Effect]:
     force = Magnitude(M * L * mu**2 * omega_m**2 + weight * along, weight * across)
     gravity = mu * M * g * sp.sin(tilt.symbol) * L * across
     load = Effect(
-        id="gravity_tilt[load]",
         family="gravity_tilt",
+        variant="load",
         balance="mechanical",
-        depends_on=("link_angle",),
         formula="mu M g sin(tilt) L sin(theta_l + phase), and its weight in the normal force",
         reference=REFERENCE,
-        terms={"mechanical": (Term("tilt", "conservative", sp.Integer(1), gravity, REFERENCE),)},
+        change=Change(
+            terms={"mechanical": (Term("tilt", "conservative", sp.Integer(1), gravity, REFERENCE),)},
+            definitions=(Definition(F_N_tilted, force),),
+            replaces={v.F_N.symbol: F_N_tilted.symbol},
+            inputs=(v.theta_m,),
+        ),
+        evidence=Evidence(depends_on=("link_angle",)),
         shapes=(Shape(tilt, 0.01, 0.7, "log", 3), Shape(phase, -3.6, 3.6, "linear", 13)),
-        definitions=(Definition(F_N_tilted, force),),
-        replaces={v.F_N.symbol: F_N_tilted.symbol},
-        inputs=(v.theta_m,),
         words=replace(WORDS, headline="a plane of motion that is not level, normal force included"),
     )
     return torque, load
@@ -72,14 +74,14 @@ def _level() -> tuple[Effect, Effect]:
 
 def _upright() -> Effect:
     return Effect(
-        id="gravity_tilt",
         family="gravity_tilt",
         balance="mechanical",
-        depends_on=("gravity_load",),
         formula="g cos(tilt) for g",
         reference=REFERENCE,
+        change=Change(
+            definitions=(Definition(g_tilted, g * sp.cos(tilt.symbol)),), replaces={g: g_tilted.symbol}
+        ),
+        evidence=Evidence(depends_on=("gravity_load",)),
         shapes=(Shape(tilt, 0.05, 1.0, "log", 4),),
-        definitions=(Definition(g_tilted, g * sp.cos(tilt.symbol)),),
-        replaces={g: g_tilted.symbol},
         words=replace(WORDS, headline="a plane of motion that is not upright"),
     )

@@ -6,11 +6,11 @@ from dataclasses import replace
 
 import sympy as sp
 
-from eccentric.effects.effect import Effect, Shape
+from eccentric.effects.effect import Effect, Evidence, Shape
 from eccentric.effects.forms import addition, direction, heating, loss, omega_m, thermal_times
 from eccentric.effects.setting import Setting
 from eccentric.effects.words import TEMPERATURE, Words
-from eccentric.model import CONTACT, Definition, Role, quantity
+from eccentric.model import CONTACT, Change, Definition, Role, quantity
 
 tau = quantity("heat_tau", "s", "thermal time constant", "", "positive")
 fall = quantity(
@@ -40,46 +40,52 @@ def effects(setting: Setting) -> tuple[Effect, ...]:
     rise, definitions, state = heating("heat", setting, loss(setting), tau.symbol)
     thins = sp.exp(-fall.symbol * rise)
     constant_of_time = Shape(tau, *thermal_times(setting), "log", 8)
-    common = {
-        "depends_on": ("time", "history"),
-        "reference": REFERENCE,
-        "states": (state,),
-    }
+    depends_on = ("time", "history")
     scaling = [
         Effect(
-            id=f"hidden_thermal_drift{suffix}",
             family="hidden_thermal_drift",
+            variant=variant,
             balance="mechanical",
             formula=f"{which} times exp(-b rise), tau d(rise)/dt = losses/mean - rise",
+            reference=REFERENCE,
+            change=Change(
+                definitions=(*definitions, Definition(factor, thins)),
+                states=(state,),
+                scales=dict.fromkeys(roles, factor.symbol),
+            ),
+            evidence=Evidence(depends_on),
             shapes=(constant_of_time, Shape(fall, 0.03, 1.5, "log", 3)),
-            definitions=(*definitions, Definition(factor, thins)),
-            scales=dict.fromkeys(roles, factor.symbol),
             words=replace(WORDS, headline=f"{what} that falls as the drive warms up"),
-            **common,
         )
-        for suffix, which, what, roles in (
+        for variant, which, what, roles in (
             ("", "friction", "friction", CONTACT),
-            ("[viscous]", "viscous", "viscous friction", {Role.VISCOUS}),
+            ("viscous", "viscous", "viscous friction", {Role.VISCOUS}),
         )
     ]
     bearing = addition(
-        "hidden_thermal_drift[bearing]",
+        "hidden_thermal_drift",
         [(B, omega_m * (thins - 1))],
+        variant="bearing",
         role=Role.VISCOUS,
+        depends_on=depends_on,
         formula="B w (exp(-b rise) - 1), tau d(rise)/dt = losses/mean - rise",
         shapes=(constant_of_time, Shape(fall, 0.1, 2.5, "log", 3)),
+        reference=REFERENCE,
         definitions=definitions,
+        states=(state,),
         words=replace(WORDS, headline="viscous friction of one bearing that falls as the drive warms up"),
-        **common,
     )
     dry = addition(
-        "hidden_thermal_drift[coulomb]",
+        "hidden_thermal_drift",
         [(C, -direction * rise)],
+        variant="coulomb",
         role=Role.COULOMB,
+        depends_on=depends_on,
         formula="-C rise sgn w, tau d(rise)/dt = losses/mean - rise",
         shapes=(constant_of_time,),
+        reference=REFERENCE,
         definitions=definitions,
+        states=(state,),
         words=replace(WORDS, headline="Coulomb friction that falls as the drive warms up"),
-        **common,
     )
     return (*scaling, bearing, dry)

@@ -32,8 +32,9 @@ def _order(n: int) -> Effect:
     C = quantity(f"kt_ripple_c{n}", "1", f"relative ripple of the torque constant by cos({n} theta_m)")
     S = quantity(f"kt_ripple_s{n}", "1", f"relative ripple of the torque constant by sin({n} theta_m)")
     return addition(
-        f"kt_ripple[n={n}]",
+        "kt_ripple",
         [(C, -torque * cosine), (S, -torque * sine)],
+        variant=f"n={n}",
         kind="actuator",
         depends_on=("motor_angle", "current"),
         formula=f"k_t = k_i (1 + c cos({n} theta_m) + s sin({n} theta_m))",

@@ -31,8 +31,9 @@ def _order(n: int) -> Effect:
     C = quantity(f"link_harmonic_c{n}", "N m", f"friction torque by cos({n} theta_l)")
     S = quantity(f"link_harmonic_s{n}", "N m", f"friction torque by sin({n} theta_l)")
     return addition(
-        f"link_harmonic_friction[n={n}]",
+        "link_harmonic_friction",
         [(C, cosine * direction), (S, sine * direction)],
+        variant=f"n={n}",
         role=Role.COULOMB,
         depends_on=("link_angle",),
         formula=f"(c cos({n} theta_l) + s sin({n} theta_l)) sgn w",

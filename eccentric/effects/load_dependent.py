@@ -39,8 +39,9 @@ def effects(setting: Setting) -> tuple[Effect, ...]:
         shape = tuple(Shape(share, *span) for span in shapes)
         found.append(
             addition(
-                f"load_dependent[{variant}]",
+                "load_dependent",
                 [(eta, sp.Abs(load.symbol) * direction)],
+                variant=variant,
                 role=Role.COULOMB,
                 load=Load.TRANSMITTED,
                 depends_on=(variable,),
@@ -55,8 +56,9 @@ def effects(setting: Setting) -> tuple[Effect, ...]:
         if variant == "transmitted":
             found.append(
                 addition(
-                    "load_dependent[progressive]",
+                    "load_dependent",
                     [(eta_2, load.symbol**2 * direction), (eta, sp.Abs(load.symbol) * direction)],
+                    variant="progressive",
                     role=Role.COULOMB,
                     load=Load.TRANSMITTED,
                     depends_on=(variable,),

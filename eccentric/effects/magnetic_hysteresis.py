@@ -43,8 +43,9 @@ def effects(setting: Setting) -> tuple[Effect, ...]:
     scaled = i / width.symbol
     follow = State(play, sp.Integer(0), sp.Max(scaled - 1, sp.Min(scaled + 1, play.symbol)))
     parallel = addition(
-        "magnetic_hysteresis[play]",
+        "magnetic_hysteresis",
         [(A, scaled - play.symbol)],
+        variant="play",
         kind="actuator",
         depends_on=("current", "history"),
         formula="A (i/width - p), p the play of i/width",

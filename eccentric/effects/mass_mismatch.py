@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from eccentric.effects.effect import Effect, Shape
+from eccentric.effects.effect import Effect, Evidence, Shape
 from eccentric.effects.forms import addition, gravity
 from eccentric.effects.setting import Setting
 from eccentric.effects.words import GRAVITY, Words
-from eccentric.model import Definition, quantity
+from eccentric.model import Change, Definition, quantity
 from eccentric.model import vocabulary as v
 
 M, L, J_l = v.M.symbol, v.L.symbol, v.J_l.symbol
@@ -39,20 +39,18 @@ def effects(setting: Setting) -> tuple[Effect, ...]:
     true_inertia = Definition(J_l_true, J_l + M * L**2 * ratio.symbol)
     replacing = [
         Effect(
-            id=f"mass_mismatch{suffix}",
             family="mass_mismatch",
+            variant=variant,
             balance="mechanical",
-            depends_on=("gravity_load", "acceleration"),
             formula=formula,
             reference=REFERENCE,
+            change=Change(definitions=definitions, replaces=replaces),
+            evidence=Evidence(depends_on=("gravity_load", "acceleration"), aliases=aliases),
             shapes=(Shape(ratio, -0.6, 0.9, "linear", 6),),
-            definitions=definitions,
-            replaces=replaces,
             corrects=(v.M, true_mass.value),
-            aliases=aliases,
             words=replace(WORDS, headline=headline),
         )
-        for suffix, headline, formula, definitions, replaces in (
+        for variant, headline, formula, definitions, replaces in (
             (
                 "",
                 "a correction of the declared mass",
@@ -61,7 +59,7 @@ def effects(setting: Setting) -> tuple[Effect, ...]:
                 {M: M_true.symbol},
             ),
             (
-                "[inertia]",
+                "inertia",
                 "a correction of the declared mass, in the inertia too",
                 "M (1 + r) for M in gravity, normal force and inertia",
                 (true_inertia, true_mass),
@@ -70,8 +68,9 @@ def effects(setting: Setting) -> tuple[Effect, ...]:
         )
     ]
     torque = addition(
-        "mass_mismatch[torque]",
+        "mass_mismatch",
         [(more, gravity(setting))],
+        variant="torque",
         kind="conservative",
         depends_on=("gravity_load",),
         formula="r G",

@@ -46,8 +46,9 @@ def effects(setting: Setting) -> tuple[Effect, ...]:
         words=replace(WORDS, headline="presliding after each reversal (Dahl)"),
     )
     lugre = addition(
-        "presliding[lugre]",
+        "presliding",
         [(A, late), (S, state.symbol * sp.exp(-((omega_m / w_s.symbol) ** 2)))],
+        variant="lugre",
         role=(Role.PRESLIDING, Role.STRIBECK),
         depends_on=("history",),
         formula="A (z - sgn w) + S z exp(-(w/v)^2), dz/dt = (w - |w| z)/x",

@@ -53,8 +53,9 @@ def effects(setting: Setting) -> tuple[Effect, ...]:
     warm, definitions, state = heating("resistance", setting, drop * v.i.symbol, tau.symbol)
     found.append(
         addition(
-            "resistance_temperature[hidden]",
+            "resistance_temperature",
             [(rise, drop * warm)],
+            variant="hidden",
             kind="actuator",
             balance="electrical",
             depends_on=("current", "time"),

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import sympy as sp
 
-from eccentric.effects.effect import Effect
+from eccentric.effects.effect import Effect, Evidence
 from eccentric.effects.forms import current_slope
 from eccentric.effects.setting import Setting
 from eccentric.effects.words import Words
-from eccentric.model import Quantity, State, Term, quantity
+from eccentric.model import Change, Quantity, State, Term, quantity
 from eccentric.model import vocabulary as v
 
 delay = quantity("delay_d", "s", "delay of the measured current behind angle and voltage")
@@ -48,17 +48,13 @@ def effects(setting: Setting) -> tuple[Effect, ...]:
     }
     return (
         Effect(
-            id="sensor_delay",
             family="sensor_delay",
             balance="electrical",
-            coefficients=(delay, square),
-            bounds=(BOUNDS, (None, None)),
-            terms=terms,
-            depends_on=("history", "current"),
             formula="i(t + d), to second order i + d di/dt + q d2i/dt2, for i",
             reference=REFERENCE,
-            states=states,
-            needs=("current", "voltage"),
+            change=Change(terms, states=states),
+            evidence=Evidence(depends_on=("history", "current"), needs=("current", "voltage")),
+            coefficients=(delay, square),
             words=WORDS,
         ),
     )

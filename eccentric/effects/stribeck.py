@@ -34,8 +34,9 @@ def effects(setting: Setting) -> tuple[Effect, ...]:
     """One effect for each exponent d."""
     return tuple(
         addition(
-            f"stribeck[d={d}]",
+            "stribeck",
             [(A, sp.exp(-power) * direction)],
+            variant=f"d={d}",
             role=Role.STRIBECK,
             depends_on=("velocity",),
             formula=f"A exp(-(|w|/v)^{d}) sgn w",

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from eccentric.effects.effect import Effect, Shape
+from eccentric.effects.effect import Effect, Evidence, Shape
 from eccentric.effects.forms import addition, direction
 from eccentric.effects.setting import Setting
 from eccentric.effects.words import TIME, Words
-from eccentric.model import CONTACT, Definition, Role, quantity
+from eccentric.model import CONTACT, Change, Definition, Role, quantity
 from eccentric.model import vocabulary as v
 
 C = quantity("drift_C", "N m/s", "change of the Coulomb torque per second")
@@ -36,16 +36,18 @@ def effects(setting: Setting) -> tuple[Effect, ...]:
     )
     most = 0.6 / setting.duration_s
     every = Effect(
-        id="time_drift[all]",
         family="time_drift",
+        variant="all",
         balance="mechanical",
-        depends_on=("time",),
         formula="friction times 1 + rate t",
         reference=REFERENCE,
+        change=Change(
+            definitions=(Definition(factor, 1 + rate.symbol * v.t.symbol),),
+            scales=dict.fromkeys(CONTACT, factor.symbol),
+            inputs=(v.t,),
+        ),
+        evidence=Evidence(depends_on=("time",)),
         shapes=(Shape(rate, -most, most, "linear", 4),),
-        definitions=(Definition(factor, 1 + rate.symbol * v.t.symbol),),
-        scales=dict.fromkeys(CONTACT, factor.symbol),
-        inputs=(v.t,),
         words=replace(WORDS, headline="friction that drifts over time"),
     )
     return dry, every

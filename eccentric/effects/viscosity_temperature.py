@@ -6,11 +6,11 @@ from dataclasses import replace
 
 import sympy as sp
 
-from eccentric.effects.effect import Effect, Shape
+from eccentric.effects.effect import Effect, Evidence, Shape
 from eccentric.effects.forms import addition, constant, omega_m
 from eccentric.effects.setting import Setting
 from eccentric.effects.words import TEMPERATURE, Words
-from eccentric.model import Definition, Role, quantity
+from eccentric.model import Change, Definition, Role, quantity
 from eccentric.model import vocabulary as v
 
 b = quantity("viscosity_b", "1/K", "relative fall of the viscosity per kelvin", "", "nonnegative")
@@ -50,7 +50,7 @@ def effects(setting: Setting) -> tuple[Effect, ...]:
     energy = Shape(E, 0.002 * middle, 0.4 * middle, "log", 9)
     return (
         _scaling(
-            "viscosity_temperature",
+            "",
             "viscous friction that falls with temperature (Reynolds)",
             (zero, Definition(factor, reynolds)),
             falls,
@@ -58,7 +58,7 @@ def effects(setting: Setting) -> tuple[Effect, ...]:
             f"{REYNOLDS}; {ROBOT}",
         ),
         _scaling(
-            "viscosity_temperature[arrhenius]",
+            "arrhenius",
             "viscous friction that falls with temperature (Arrhenius)",
             (zero, kelvin, Definition(factor, arrhenius)),
             energy,
@@ -66,8 +66,9 @@ def effects(setting: Setting) -> tuple[Effect, ...]:
             f"E. N. da C. Andrade, Nature 125, 1930; {ROBOT}",
         ),
         addition(
-            "viscosity_temperature[bearing]",
+            "viscosity_temperature",
             [(B, omega_m * (reynolds - 1))],
+            variant="bearing",
             role=Role.VISCOUS,
             depends_on=("temperature",),
             formula="B w (exp(-b (T - T_0)) - 1)",
@@ -82,7 +83,7 @@ def effects(setting: Setting) -> tuple[Effect, ...]:
 
 
 def _scaling(
-    effect_id: str,
+    variant: str,
     headline: str,
     definitions: tuple[Definition, ...],
     shape: Shape,
@@ -90,16 +91,13 @@ def _scaling(
     reference: str,
 ) -> Effect:
     return Effect(
-        id=effect_id,
         family="viscosity_temperature",
+        variant=variant,
         balance="mechanical",
-        depends_on=("temperature",),
         formula=formula,
         reference=reference,
+        change=Change(definitions=definitions, scales={Role.VISCOUS: factor.symbol}, inputs=(v.temperature,)),
+        evidence=Evidence(depends_on=("temperature",), needs=("temperature",)),
         shapes=(shape,),
-        definitions=definitions,
-        scales={Role.VISCOUS: factor.symbol},
-        inputs=(v.temperature,),
-        needs=("temperature",),
         words=replace(WORDS, headline=headline),
     )

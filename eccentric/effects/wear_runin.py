@@ -42,8 +42,9 @@ def effects(setting: Setting) -> tuple[Effect, ...]:
         words=replace(WORDS, headline="Coulomb friction that settles over time as surfaces run in"),
     )
     in_way = addition(
-        "wear_runin[travel]",
+        "wear_runin",
         [(C, direction * sp.exp(-way.symbol / reach.symbol))],
+        variant="travel",
         role=Role.COULOMB,
         depends_on=("time",),
         formula="C exp(-s/x) sgn w, s the motor angle travelled",

@@ -1,9 +1,12 @@
 """The words of a derivation: quantity, equation, balance, term, model, and the numerically careful steps."""
 
 from eccentric.model.balance import KINDS, Balance, Term
+from eccentric.model.change import Change, Extension
+from eccentric.model.definition import Definition, State
 from eccentric.model.equation import Equation, Identity
+from eccentric.model.extension import extended
 from eccentric.model.load import load_model, model_names
-from eccentric.model.model import Definition, Model, State
+from eccentric.model.model import Model
 from eccentric.model.quantity import Quantity, quantity, symbols
 from eccentric.model.regressor import Column, regressor
 from eccentric.model.role import CONTACT, Load, Role
@@ -12,9 +15,11 @@ __all__ = [
     "CONTACT",
     "KINDS",
     "Balance",
+    "Change",
     "Column",
     "Definition",
     "Equation",
+    "Extension",
     "Identity",
     "Load",
     "Model",
@@ -22,6 +27,7 @@ __all__ = [
     "Role",
     "State",
     "Term",
+    "extended",
     "load_model",
     "model_names",
     "quantity",

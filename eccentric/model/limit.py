@@ -8,8 +8,9 @@ from dataclasses import replace
 import sympy as sp
 
 from eccentric.model.balance import Balance, Term
+from eccentric.model.definition import Definition
 from eccentric.model.equation import Equation
-from eccentric.model.model import Definition, Model
+from eccentric.model.model import Model
 from eccentric.model.quantity import Quantity
 from eccentric.model.steps import Gated
 from eccentric.model.vocabulary import directed as directed_quantity

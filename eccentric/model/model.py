@@ -10,43 +10,12 @@ import sympy as sp
 
 from eccentric.errors import InputError
 from eccentric.model.balance import Balance
+from eccentric.model.change import Extension
+from eccentric.model.definition import Definition, State
 from eccentric.model.equation import Equation, equation_named
 from eccentric.model.quantity import Quantity
 from eccentric.model.steps import meaning
 from eccentric.model.vocabulary import alpha_m
-
-
-@dataclass(frozen=True)
-class Definition:
-    """A quantity that follows from others."""
-
-    quantity: Quantity
-    value: sp.Expr
-
-    @property
-    def symbol(self) -> sp.Symbol:
-        """The symbol defined."""
-        return self.quantity.symbol
-
-
-@dataclass(frozen=True)
-class State:
-    """A hidden state, stepped along time by the caller.
-
-    Attributes:
-        quantity: its name and unit.
-        initial: its value before the first sample.
-        update: its value one sample later, in inputs, parameters, definitions, states and the time step dt.
-    """
-
-    quantity: Quantity
-    initial: sp.Expr
-    update: sp.Expr
-
-    @property
-    def symbol(self) -> sp.Symbol:
-        """The symbol of the state."""
-        return self.quantity.symbol
 
 
 @dataclass(frozen=True)
@@ -63,6 +32,7 @@ class Model:
         equations: the derivation, in reading order.
         states: hidden states that effects brought along; the paper's models have none.
         defaults: where the parameters' defaults come from, in words; "" for the quantities' own.
+        extensions: what the model was extended by; their rules reach whatever else it is extended by.
 
     Raises:
         InputError: a definition or term uses what is neither an input nor a parameter nor defined before it.
@@ -77,6 +47,7 @@ class Model:
     equations: tuple[Equation, ...] = ()
     states: tuple[State, ...] = ()
     defaults: str = ""
+    extensions: tuple[Extension, ...] = ()
 
     def __post_init__(self) -> None:
         states = (state.quantity for state in self.states)
@@ -104,6 +75,11 @@ class Model:
             if definition.value.free_symbols <= found:
                 found.add(definition.symbol)
         return frozenset(found)
+
+    @property
+    def replaced(self) -> dict[sp.Symbol, sp.Symbol]:
+        """Symbol -> what an extension has put in its place."""
+        return {old: now for e in self.extensions for old, now in e.change.replaces.items()}
 
     @cached_property
     def friction_parameters(self) -> tuple[Quantity, ...]:

@@ -58,7 +58,7 @@ def friction_equations(model: Model, effects: Sequence[Any]) -> list[Equation]:
         model: with the effects in it.
         effects: those in it; their terms are marked (class "added").
     """
-    own = {term.name for effect in effects for terms in effect.terms.values() for term in terms}
+    own = {term.name for effect in effects for terms in effect.change.terms.values() for term in terms}
     friction = [term for term in model.balance("mechanical").terms if term.kind == "friction"]
     shown = [_sum("f", [(term, 1) for term in friction], own, "friction torque [N m, motor side]")]
     used = [term.value for term in friction]
@@ -70,8 +70,8 @@ def friction_equations(model: Model, effects: Sequence[Any]) -> list[Equation]:
                 _sum(f"Delta_{there.name}", [(term, KINDS[term.kind]) for term in others], own, note)
             )
             used += [term.value for term in others]
-    replaced = {old for effect in effects for old in effect.replaces}
-    used += [new for effect in effects for new in effect.replaces.values()]
+    replaced = {old for effect in effects for old in effect.change.replaces}
+    used += [new for effect in effects for new in effect.change.replaces.values()]
     return [*shown, *_definitions(model, used, replaced)]
 
 

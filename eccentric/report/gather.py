@@ -90,7 +90,7 @@ def report_data(found: Diagnosis, files: Sequence[tuple[str, str]] = ()) -> Repo
 
 def _words(about: dict[str, Effect], name: str) -> tuple[str, tuple[str, ...], str]:
     effect = about.get(name)
-    return ("", (), "") if effect is None else (effect.formula, effect.aliases, effect.words.hint)
+    return ("", (), "") if effect is None else (effect.formula, effect.evidence.aliases, effect.words.hint)
 
 
 def _further(found: Diagnosis) -> list[Errors]:

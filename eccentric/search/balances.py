@@ -161,7 +161,7 @@ def setting_of(data: FitData, model: Model, friction: Array) -> Setting:
     present |= {"temperature"} if warm is not None else set()
     highest = float(np.quantile(speed, 0.99))
     return Setting(
-        case="C1" if "theta_m" not in {q.name for q in model.inputs} else "C2",
+        base=model,
         mu=signals.known["mu"],
         known=dict(signals.known),
         w_min=max(0.5 * float(np.quantile(speed, 0.002)), highest / 400),

@@ -38,7 +38,7 @@ def candidate_of(
     """
     extended = effect.extend(model)
     names = tuple(shape.quantity.name for shape in effect.shapes)
-    states = States(extended, effect.states, signals, names)
+    states = States(extended, effect.change.states, signals, names)
     load = {
         "mechanical": sp.Integer(1),
         "electrical": v.k_i.symbol / v.R.symbol,
@@ -48,7 +48,7 @@ def candidate_of(
             compiled(extended, load[balance] * _collected(terms, q.symbol), signals, names)
             for q in effect.coefficients
         ]
-        for balance, terms in effect.terms.items()
+        for balance, terms in effect.change.terms.items()
     }
     # The search knows 0 as a bound, no other; the fit on the emitted module keeps them all.
     lower = tuple(0.0 if low == 0.0 else -np.inf for low, _ in effect.bounds) or (-np.inf,)
@@ -76,12 +76,12 @@ def candidate_of(
         id=effect.id,
         family=effect.family,
         balance=balance or effect.balance,
-        depends_on=effect.depends_on,
+        depends_on=effect.evidence.depends_on,
         columns=columns_of(effect.balance) if changes is None else first_look,
         shapes=effect.shapes,
         lower=lower if changes is None else (0.0,),
-        special_of=effect.special_of,
-        repeats=effect.repeats,
+        special_of=effect.evidence.special_of,
+        repeats=effect.evidence.repeats,
         words=effect.words,
         also=None if other is None or other not in own else columns_of(other),
         changes=changes,
@@ -97,12 +97,12 @@ def _changes(
     effect: Effect, model: Model, extended: Model, signals: Signals, names: tuple[str, ...], states: States
 ) -> Callable[[Values], tuple[Array, Array]] | None:
     """For an effect that scales or replaces: values -> (what is known to be missing, new base columns)."""
-    if not effect.replaces and not effect.scales:
+    if not effect.change.replaces and not effect.change.scales:
         return None
-    swap = dict(effect.replaces)
+    swap = dict(effect.change.replaces)
     columns = []
     for column in signals.columns(model):
-        basis = column.basis.xreplace(swap) * effect.scales.get(column.role, 1)
+        basis = column.basis.xreplace(swap) * effect.change.scales.get(column.role, 1)
         columns.append(compiled(extended, basis, signals, names))
     loads = [
         compiled(

@@ -28,7 +28,7 @@ def offered(
     return tuple(
         effect
         for effect in effects
-        if setting.has(*effect.needs)
+        if setting.has(*effect.evidence.needs)
         and _in_a_balance(effect, data, balances)
         and _varies(effect, data, rig)
         and _known(effect, base, data.signals)
@@ -39,13 +39,13 @@ def _in_a_balance(effect: Effect, data: FitData, balances: set[str]) -> bool:
     """Whether a balance of the log shows the effect."""
     # What the armature does, a voltage alone shows in its torque.
     if data.drive.by_voltage:
-        return effect.balance != "electrical" or set(effect.terms) == {"electrical"}
+        return effect.balance != "electrical" or set(effect.change.terms) == {"electrical"}
     return effect.balance in balances
 
 
 def _varies(effect: Effect, data: FitData, rig: Rig) -> bool:
     """Whether the variables of the effect compare from row to row and from run to run."""
-    variables = set(effect.depends_on)
+    variables = set(effect.evidence.depends_on)
     if math.isinf(rig.average_over) and {"time", "acceleration", "history"} & variables:
         return False
     # Without a common zero of the angle, phases of different runs do not compare.
@@ -57,8 +57,8 @@ def _known(effect: Effect, base: Model, signals: Signals) -> bool:
     unknown = {q.name for q in base.parameters} - set(signals.known)
     unknown -= {str(t.coefficient) for t in base.balance("mechanical").terms}
     used = set().union(
-        *(d.value.free_symbols for d in effect.definitions),
-        *(s.update.free_symbols for s in effect.states),
-        *(t.basis.free_symbols for terms in effect.terms.values() for t in terms),
+        *(d.value.free_symbols for d in effect.change.definitions),
+        *(s.update.free_symbols for s in effect.change.states),
+        *(t.basis.free_symbols for terms in effect.change.terms.values() for t in terms),
     )
     return not unknown & {s.name for s in used}

@@ -204,7 +204,7 @@ def _require(model: Model) -> None:
 def normal_force(model: Model) -> sp.Symbol:
     """The symbol of F_N, or of what an effect has put in its place."""
     F_N = model.definition("F_N").symbol
-    return next((step.left for step in model.equations if step.name == f"{F_N.name}_replaced"), F_N)
+    return model.replaced.get(F_N, F_N)
 
 
 def _inputs(model: Model, expression: sp.Expr) -> tuple[sp.Symbol, ...]:
