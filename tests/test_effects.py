@@ -63,7 +63,7 @@ def test_harmonics_begin_with_once_a_turn() -> None:
     orders: dict[str, list[int]] = {}
     for effect in effects("C2").values():
         if effect.evidence.repeats:
-            orders.setdefault(effect.family, []).append(int(effect.id.partition("n=")[2].rstrip("]")))
+            orders.setdefault(effect.family, []).append(int(effect.variant.removeprefix("n=")))
 
     assert {
         "link_harmonic_friction": list(range(1, 13)),

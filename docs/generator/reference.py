@@ -22,7 +22,7 @@ def sections(images: Path, *leading: str) -> str:
 
     Args:
         images: folder for the pictures.
-        leading: variables, see `Effect.depends_on`.
+        leading: variables, see `Evidence.depends_on`.
     """
     return "\n".join(_family(family, images) for family in FAMILIES if _leading(family) in leading)
 
@@ -46,7 +46,7 @@ def _of(family: str) -> list[tuple[Effect, Model]]:
 
 
 def _leading(family: str) -> str:
-    return _of(family)[0][0].depends_on[0]
+    return _of(family)[0][0].evidence.depends_on[0]
 
 
 def _words(names: tuple[str, ...]) -> str:
