@@ -98,16 +98,17 @@ class Design:
 
     def solve(self, used: Mask | None = None) -> Solution:
         """Minimise the weighted squares on the fitted rows; coefficients not `used` (k,) are zero."""
-        used = np.ones(len(self.coefficients), dtype=bool) if used is None else used
+        every = slice(None) if used is None else used
         root = np.sqrt(self.weights[self.train])
-        rows = self.columns[self.train][:, used] * root[:, None]
-        low, high = self.lower[used], self.upper[used]
+        rows = self.columns[self.train][:, every] * root[:, None]
+        low, high = self.lower[every], self.upper[every]
         target = self.target[self.train] * root
         found = bounded(rows, target, low, high)
-        values, active = np.zeros(len(used)), np.zeros(len(used), dtype=np.int64)
+        count = len(self.coefficients)
+        values, active = np.zeros(count), np.zeros(count, dtype=np.int64)
         # What a bound holds is the bound, free of rounding.
-        values[used] = np.where(found.active < 0, low, np.where(found.active > 0, high, found.coefficients))
-        active[used] = found.active
+        values[every] = np.where(found.active < 0, low, np.where(found.active > 0, high, found.coefficients))
+        active[every] = found.active
         return Solution(self, values, active, target - rows @ found.coefficients)
 
 

@@ -138,7 +138,7 @@ def drive_of(channels: Channels, rig: Rig, base: Model) -> Drive:
         known = _needed(channels, rig, base) | {k: v for k, v in rig.known.items() if k == "T_load"}
         return Drive(Machine(base), channels, known, None, "N m", (), "", ())
     problem = pose(channels.driven, rig, base)
-    first = search(problem)
+    first = search(problem, problem.every)
     found = {c.role: float(v) for c, v in zip(problem.coefficients, first.values, strict=True)}
     _require_sign(found, problem)
     letters = {k: v for k, v in first.at.items() if k not in ("input_delay_s", "theta_zero_rad")}

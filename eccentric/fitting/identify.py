@@ -68,13 +68,13 @@ def fit(channels: Channels, rig: Rig, model: Model, where: str = "log") -> Fit:
     """
     problem = pose(channels, rig, model)
     _require_rows(problem, where)
-    paper = search(problem)
+    paper = search(problem, problem.every)
     train = problem.rows.train
     require_rank(paper.design.columns[train], [c.name for c in problem.coefficients], where)
     solutions = {
-        "linear": search(problem, used=problem.linear),
+        "linear": search(problem, problem.linear),
         "paper": paper,
-        "paper_unbounded": search(problem, bounds=False, start=paper.at),
+        "paper_unbounded": search(problem, problem.every, bounds=False, start=paper.at),
     }
     _require_scale(problem, paper, where)
     profiles = {s.name: profile(problem, paper, s) for s in problem.nonlinear if s.name in rig.unknown}

@@ -85,6 +85,11 @@ class Problem:
         return self.rows.mean(self._drive(self._aligned(at)))
 
     @property
+    def every(self) -> NDArray[np.bool_]:
+        """All of the coefficients (k,)."""
+        return np.ones(len(self.coefficients), dtype=bool)
+
+    @property
     def linear(self) -> NDArray[np.bool_]:
         """The coefficients (k,) of the linear model: friction of Coulomb and viscous form, and the bench."""
         return np.array([c.linear for c in self.coefficients])

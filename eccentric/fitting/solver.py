@@ -50,16 +50,16 @@ class Profile:
 
 def search(
     problem: Searched,
+    used: Mask,
     *,
-    used: Mask | None = None,
     bounds: bool = True,
     start: Mapping[str, float] | None = None,
     fixed: Mapping[str, float] | None = None,
 ) -> Solution:
     """Minimise over coefficients and the values that do not enter linearly.
 
-    `used` (k,) leaves out coefficients, `bounds=False` the bounds of all (those of the searched values stay);
-    `start` is where to look for those first; `fixed` holds some of them.
+    Coefficients that are not `used` (k,) are zero; `bounds=False` leaves out the bounds of all (those of the
+    searched values stay); `start` is where to look for those first; `fixed` holds some of them.
     """
     held = dict(fixed or {})
     searched = [s for s in problem.nonlinear if s.name not in held]
@@ -100,8 +100,9 @@ def search(
 def profile(problem: Searched, solution: Solution, one: Nonlinear) -> Profile:
     """Fit at evenly spaced values of one searched value over its range."""
     points = np.linspace(one.lower, one.upper, PROFILE_POINTS)
-    found = [search(problem, fixed={one.name: float(v)}, start=solution.at) for v in points]
     design = solution.design
+    every = np.ones(len(design.coefficients), dtype=bool)
+    found = [search(problem, every, fixed={one.name: float(v)}, start=solution.at) for v in points]
     weight = float(np.sum(design.weights[design.train]))
     rmse = tuple(float(np.sqrt(s.cost / weight)) for s in found)
     return Profile(tuple(map(float, points)), rmse, min(found, key=lambda s: s.cost))
