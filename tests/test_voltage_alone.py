@@ -107,11 +107,11 @@ def test_stribeck_friction_is_not_named_presliding(tmp_path: Path) -> None:
 def test_a_fit_that_is_stopped_too_early_says_so(
     with_load: Diagnosis, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """One turn takes back what the scale was too large by, and is not the last: result and page tell it."""
+    """One step takes back what the scale was too large by, and is not the last: result and page say so."""
     data = with_load.data
     assert data.drive.scale is not None
     wrong = replace(data, drive=replace(data.drive, scale=1.05 * data.drive.scale))
-    monkeypatch.setattr("eccentric.fitting.turns._TURNS", 1)
+    monkeypatch.setattr("eccentric.fitting.extended.MOST_STEPS", 1)
     early = refit(with_load.base, (), wrong, bounds=False)
     found = replace(with_load, paper=early)
 

@@ -6,9 +6,9 @@ Coulomb + viscous friction, as `eccentric fit` shows it); `drive_of` -> `Drive`,
 May import: `signals`, `rigs`, `model`, `effects`, `emission`.
 """
 
+from eccentric.fitting.constant_load import loaded_model
 from eccentric.fitting.document import fit_document
-from eccentric.fitting.drive import Drive, drive_of, loaded_model
-from eccentric.fitting.emitted import FitData
+from eccentric.fitting.drive import Drive, drive_of
 from eccentric.fitting.expressions import Signals, base_columns, compiled
 from eccentric.fitting.figure import draw_fit
 from eccentric.fitting.identify import Fit, fit
@@ -16,6 +16,7 @@ from eccentric.fitting.least_squares import bounded
 from eccentric.fitting.parameters import emitted_parameters
 from eccentric.fitting.problem import seen_columns
 from eccentric.fitting.refitting import Refit, refit, residual_samples
+from eccentric.fitting.residuals import FitData
 from eccentric.fitting.states import States
 from eccentric.fitting.uncertainty import Estimate, improvement, improvement_over_runs
 from eccentric.fitting.words import fit_lines, fit_sentence

@@ -4,15 +4,17 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import sympy as sp
 
 from eccentric.errors import InputError
-from eccentric.model import Model, Role, regressor
+from eccentric.fitting.design import Coefficient, Nonlinear
+from eccentric.model import Column, Model, Role, regressor
 from eccentric.rigs import KNOWNS
 
 if TYPE_CHECKING:
+    from eccentric.fitting.machine import Machine
     from eccentric.rigs import Rig
     from eccentric.signals import Channels
 
@@ -20,28 +22,19 @@ R, k_i, k_e, J, u_0, T_load = sp.symbols("R k_i k_e J u_0 T_load")
 _UNITS = {known.name: known.unit for known in KNOWNS}
 
 
-@dataclass(frozen=True)
-class Coefficient:
-    """A column: its coefficient as an expression, what that means in the paper's letters, unit, bounds.
+@dataclass(frozen=True, kw_only=True)
+class Combination(Coefficient):
+    """A coefficient of a fit in the paper's letters: what the rig leaves open of the scaled balance.
 
-    role: friction, inertia, scale, load or offset. `linear`: it belongs to the linear model as well. `letter`
-    is the coefficient without the scale, `mechanical_unit` its unit.
+    `expression` is what it is called by, `meaning` what that is in parameters, `letter` the coefficient
+    without the scale, `mechanical_unit` its unit. `linear`: it belongs to the linear model as well.
     """
 
     expression: sp.Expr
     meaning: sp.Expr
-    unit: str
-    lower: float
-    upper: float
-    role: str
-    linear: bool
     letter: str
     mechanical_unit: str
-
-    @property
-    def name(self) -> str:
-        """The expression as text."""
-        return self.letter if self.role == "offset" else as_text(self.expression)
+    linear: bool = True
 
 
 def as_text(expression: sp.Expr) -> str:
@@ -49,25 +42,9 @@ def as_text(expression: sp.Expr) -> str:
     return str(expression).replace("**", "^")
 
 
-@dataclass(frozen=True)
-class Searched:
-    """A value that does not enter linearly: its unit, its range, where to start looking."""
-
-    name: str
-    unit: str
-    lower: float
-    upper: float
-    starts: tuple[float, ...]
-    step: float
-
-
-def known_inertia(rig: Rig) -> float | None:
-    """Return J_m + mu^2 J_l [kg m^2] where the rig has all three, else None."""
-    letters = ("J_m", "J_l", "mu")
-    if not all(letter in rig.known for letter in letters):
-        return None
-    rotor, link, mu = (rig.known[letter] for letter in letters)
-    return rotor + mu**2 * link
+def known_inertia(rig: Rig, machine: Machine) -> float | None:
+    """Return all of the inertia [kg m^2] where the rig has all that it is made of, else None."""
+    return machine.inertia(rig.known) if machine.inertia_letters <= set(rig.known) else None
 
 
 def scale_of(drive: str, rig: Rig) -> sp.Expr | None:
@@ -87,48 +64,59 @@ def scale_of(drive: str, rig: Rig) -> sp.Expr | None:
     return None
 
 
-def coefficients_of(channels: Channels, rig: Rig, model: Model, scale: sp.Expr | None) -> list[Coefficient]:
-    """Return the columns in the order of `Problem.rows`: friction first, then inertia, scale, offset."""
+def combinations_of(
+    channels: Channels, rig: Rig, model: Model, machine: Machine, scale: sp.Expr | None
+) -> list[Combination]:
+    """Return the coefficients in the order of their columns: friction, inertia, scale, load, offset."""
     unit = {None: "N m", R / k_i: "V", 1 / k_i: "A"}[scale]
     s = sp.Integer(1) if scale is None else scale
-    found: list[Coefficient] = []
-    for column in regressor(model):
-        expression, meaning = s * column.coefficient, s * model.expand(column.coefficient)
-        if (
-            column.linear
-            and column.role is Role.VISCOUS
-            and channels.drive == "voltage"
-            and "k_e" not in rig.known
-        ):
-            # The back-EMF has the same column, w; only the sum can be seen.
-            emf = k_e if scale is not None else k_i * k_e / R
-            expression, meaning = expression + emf, meaning + emf
-        low = -math.inf if column.bounds[0] is None else float(column.bounds[0])
-        high = math.inf if column.bounds[1] is None else float(column.bounds[1])
-        own, shown = _scaled(column.unit, unit), _plain(expression)
-        found.append(
-            Coefficient(
-                shown, _plain(meaning), own, low, high, "friction", column.linear, column.name, column.unit
-            )
-        )
-    inertia = known_inertia(rig)
+    # The back-EMF has the same column as viscous friction, w: without k_e only the sum can be seen.
+    hidden = channels.drive == "voltage" and "k_e" not in rig.known
+    damping = s * _plain(machine.back_emf_damping) if hidden else sp.Integer(0)
+    found = [_friction(column, model, s, damping, unit) for column in regressor(model)]
+
+    def add(value: sp.Expr, **fields: Any) -> None:
+        found.append(Combination(name=as_text(value), expression=value, meaning=value, **fields))
+
+    inertia = known_inertia(rig, machine)
     s_low, s_high = _scale_range(rig, scale)
     if inertia is None:
-        low, high = _inertia_range(rig)
-        own, bounds = _scaled("kg m^2", unit), (s_low * low, s_high * high)
-        found.append(Coefficient(s * J, s * J, own, *bounds, "inertia", True, "J", "kg m^2"))
+        low, high = _inertia_range(rig, machine)
+        bounds = {"lower": s_low * low, "upper": s_high * high}
+        own = _scaled("kg m^2", unit)
+        add(s * J, role="inertia", unit=own, **bounds, letter="J", mechanical_unit="kg m^2")
     gravity = model.balance("mechanical").sum_of("gravity", "conservative")
     if scale is not None and (gravity != 0 or inertia is not None):
-        found.append(
-            Coefficient(scale, scale, f"{unit}/(N m)", s_low, s_high, "scale", True, str(scale), "1")
-        )
+        bounds = {"lower": s_low, "upper": s_high}
+        add(scale, role="scale", unit=f"{unit}/(N m)", **bounds, letter=str(scale), mechanical_unit="1")
     if "T_load" in rig.unknown:
-        found.append(
-            Coefficient(s * T_load, s * T_load, unit, -math.inf, math.inf, "load", True, "T_load", "N m")
-        )
+        add(s * T_load, role="load", unit=unit, letter="T_load", mechanical_unit="N m")
     if "voltage_offset_V" in rig.estimate and channels.drive == "voltage":
-        found.append(Coefficient(u_0, u_0, "V", -math.inf, math.inf, "offset", True, "voltage_offset_V", "V"))
+        name = "voltage_offset_V"
+        offset = Combination(
+            name, "offset", "V", expression=u_0, meaning=u_0, letter=name, mechanical_unit="V"
+        )
+        found.append(offset)
     return found
+
+
+def _friction(column: Column, model: Model, s: sp.Expr, damping: sp.Expr, unit: str) -> Combination:
+    """A column of the regressor, times the scale; the back-EMF is in that of plain viscous friction."""
+    damped = damping if column.linear and column.role is Role.VISCOUS else sp.Integer(0)
+    shown = _plain(s * column.coefficient + damped)
+    low, high = column.bounds
+    return Combination(
+        as_text(shown),
+        "friction",
+        _scaled(column.unit, unit),
+        -math.inf if low is None else float(low),
+        math.inf if high is None else float(high),
+        expression=shown,
+        meaning=_plain(s * model.expand(column.coefficient) + damped),
+        letter=column.name,
+        mechanical_unit=column.unit,
+        linear=column.linear,
+    )
 
 
 def _plain(expression: sp.Expr) -> sp.Expr:
@@ -164,26 +152,28 @@ def _scale_range(rig: Rig, scale: sp.Expr | None) -> tuple[float, float]:
     return (r_low / high if math.isfinite(high) else 0.0), (r_high / low if low else math.inf)
 
 
-def _inertia_range(rig: Rig) -> tuple[float, float]:
-    (m_low, m_high), (l_low, l_high), (low, high) = (_range(rig, k) for k in ("J_m", "J_l", "mu"))
-    return m_low + low**2 * l_low, m_high + high**2 * l_high
+def _inertia_range(rig: Rig, machine: Machine) -> tuple[float, float]:
+    """The inertia with all that it is made of at the lower, and at the upper end of its range."""
+    ranges = {letter: _range(rig, letter) for letter in machine.inertia_letters}
+    low, high = ({letter: ends[side] for letter, ends in ranges.items()} for side in (0, 1))
+    return machine.inertia(low), machine.inertia(high)
 
 
-def searched_of(channels: Channels, rig: Rig, model: Model, needed: set[str]) -> list[Searched]:
+def nonlinear_of(channels: Channels, rig: Rig, model: Model, needed: set[str]) -> list[Nonlinear]:
     """Return what does not enter linearly: delay and zero angle to estimate, `needed` letters with ranges."""
     step = channels.logged_step_s
     turning = any(
         "theta_m" in {x.name for x in model.expand(e).free_symbols}
         for e in (*(c.basis for c in regressor(model)), model.balance("mechanical").sum_of("gravity"))
     )
-    found: list[Searched] = []
+    found: list[Nonlinear] = []
     if "input_delay_s" in rig.estimate and channels.drive == "voltage":
         starts = tuple(k * step for k in (1.0, 0.0, 2.0, 4.0))
-        found.append(Searched("input_delay_s", "s", 0.0, max(0.1, 6.0 * step), starts, step))
+        found.append(Nonlinear("input_delay_s", "s", 0.0, max(0.1, 6.0 * step), starts, step))
     if "theta_zero_rad" in rig.estimate and turning:
-        found.append(Searched("theta_zero_rad", "rad", -math.pi, math.pi, (0.0,), 0.1))
+        found.append(Nonlinear("theta_zero_rad", "rad", -math.pi, math.pi, (0.0,), 0.1))
     for letter, (low, high) in rig.unknown.items():
         if letter in needed:
             starts = tuple(low + part * (high - low) for part in (0.5, 0.1, 0.9))
-            found.append(Searched(letter, _UNITS[letter], low, high, starts, (high - low) / 4.0))
+            found.append(Nonlinear(letter, _UNITS[letter], low, high, starts, (high - low) / 4.0))
     return found

@@ -22,15 +22,17 @@ import numpy as np
 import sympy as sp
 from numpy.typing import NDArray
 
-from eccentric.effects.constant_load import effect as constant_load
 from eccentric.errors import InputError
+from eccentric.fitting.constant_load import load_gain
+from eccentric.fitting.design import Solution
+from eccentric.fitting.machine import Machine
 from eccentric.fitting.problem import Problem, own_letters, pose, require_case
-from eccentric.fitting.projection import Solution, solve
+from eccentric.fitting.solver import search
 from eccentric.model import Model
 from eccentric.rigs import Rig
 from eccentric.signals import Channels
 
-__all__ = ["Drive", "drive_of", "loaded_model"]
+__all__ = ["Drive", "drive_of"]
 
 Array = NDArray[np.float64]
 
@@ -42,6 +44,7 @@ class Drive:
     """What drives the rig.
 
     Attributes:
+        machine: motor, armature and inertia of the base model.
         channels: with delay, zero angle and offset as identified.
         known: value of every parameter that is no friction coefficient, known or identified, SI units; with a
             scale, k_i is 1 N m/A and R stands for R/k_i, which is all that a voltage tells.
@@ -55,6 +58,7 @@ class Drive:
         rotor: J_m where the rig knows it and J_l is what the log has to give [kg m^2].
     """
 
+    machine: Machine
     channels: Channels
     known: Mapping[str, float]
     scale: float | None
@@ -87,13 +91,22 @@ class Drive:
             raise InputError(f"diagnose: a {self.channels.drive} channel is required, the log has none")
         return np.where(self.off, 0.0, measured)
 
+    def scaled(self, scale: float | None = None) -> dict[str, float]:
+        """The letters that the scale of the drive stands for, at another scale if given."""
+        scale = self.scale if scale is None else scale
+        if scale is None:
+            return {}
+        return {"k_i": 1.0, "R": scale} if self.by_voltage else {"k_i": 1.0 / scale}
+
     def torque(self, known: Mapping[str, float] | None = None, scale: float | None = None) -> Array:
         """The drive torque (n,) [N m], for other values of k_e and scale if given."""
-        known = known or self.known
-        if self.scale is None:
-            return self.signal() * (1.0 if self.channels.drive == "torque" else known["k_i"])
-        emf = known.get("k_e", 0.0) * self.channels.omega_m if self.by_voltage else 0.0
-        return np.where(self.off, 0.0, self.signal() - emf) / (scale or self.scale)
+        signal = self.signal()
+        if self.channels.drive == "torque":
+            return signal
+        letters = {"k_e": 0.0, **(self.known if known is None else known), **self.scaled(scale)}
+        if self.by_voltage:
+            signal = self.machine.current(letters, signal, self.channels.omega_m)
+        return np.where(self.off, 0.0, self.machine.torque(letters, signal))
 
     def columns(self, gravity: Array, slope: Array) -> dict[str, Array]:
         """What stays free, as columns (n,) of the balance J alpha + G + f = torque.
@@ -103,19 +116,13 @@ class Drive:
         driven = np.where(self.off, 0.0, 1.0)
         made = {
             "J_m": self.channels.alpha_m,
-            "T_load": np.full_like(driven, self.known.get("mu", 1.0)),
+            "T_load": np.full_like(driven, load_gain(self.known)),
             "gravity": gravity,
             "back_emf": self.channels.omega_m * driven,
             "offset": driven,
             "zero_angle": -slope,
         }
         return {name: made[name] for name in self.open}
-
-
-def loaded_model(base: Model, rig: Rig) -> Model:
-    """The model, extended by a constant load where the rig has one."""
-    loaded = "T_load" in rig.known or "T_load" in rig.unknown
-    return constant_load.extend(base, {"T_load": rig.known.get("T_load", 0.0)}) if loaded else base
 
 
 def drive_of(channels: Channels, rig: Rig, base: Model) -> Drive:
@@ -129,27 +136,29 @@ def drive_of(channels: Channels, rig: Rig, base: Model) -> Drive:
     complete = measured and not open_inertia and not rig.unknown and not rig.estimate
     if complete:
         known = _needed(channels, rig, base) | {k: v for k, v in rig.known.items() if k == "T_load"}
-        return Drive(channels, known, None, "N m", (), "", ())
+        return Drive(Machine(base), channels, known, None, "N m", (), "", ())
     problem = pose(channels.driven, rig, base)
-    first = solve(problem)
-    found = {c.role: float(v) for c, v in zip(problem.coefficients, first.coefficients, strict=True)}
+    first = search(problem, problem.every)
+    found = {c.role: float(v) for c, v in zip(problem.coefficients, first.values, strict=True)}
     _require_sign(found, problem)
-    letters = {k: v for k, v in first.values.items() if k not in ("input_delay_s", "theta_zero_rad")}
-    aligned = {k: v for k, v in first.values.items() if k not in letters}
+    letters = {k: v for k, v in first.at.items() if k not in ("input_delay_s", "theta_zero_rad")}
+    aligned = {k: v for k, v in first.at.items() if k not in letters}
     if "offset" in found:
         aligned["voltage_offset_V"] = found["offset"]
     channels = channels.realigned(rig, **aligned)
     rig = dataclasses.replace(rig, known={**rig.known, **letters})
-    scale = None if measured else _scale(channels, rig, found)
+    scale = None if measured else _scale(problem, found)
     unit = "N m" if measured or _has_scale(problem) else _UNITS[channels.drive]
     known = _needed(channels, rig, base)
     if open_inertia:
-        known |= _inertias(rig, found["inertia"] / (found.get("scale", 1.0) if scale else 1.0))
+        total = found["inertia"] / (found.get("scale", 1.0) if scale else 1.0)
+        known |= _inertias(rig, problem.machine, total)
     if "T_load" in rig.known:
         known["T_load"] = rig.known["T_load"]
     elif "T_load" in rig.unknown:
         known["T_load"] = 0.0  # free, a column
     return Drive(
+        problem.machine,
         channels,
         known,
         scale,
@@ -166,7 +175,7 @@ def _identified(first: Solution, scale: float | None, open_inertia: bool, rig: R
     scaled = {"R", "k_i"} if scale is not None else set()
     inertia = {"J_m", "J_l"} - set(rig.known) if open_inertia else set()
     load = {"T_load"} & set(rig.unknown)
-    return tuple(sorted({*first.values, *scaled, *inertia, *load}))
+    return tuple(sorted({*first.at, *scaled, *inertia, *load}))
 
 
 def _needed(channels: Channels, rig: Rig, base: Model) -> dict[str, float]:
@@ -200,9 +209,10 @@ def _needed(channels: Channels, rig: Rig, base: Model) -> dict[str, float]:
     return known
 
 
-def _scale(channels: Channels, rig: Rig, found: Mapping[str, float]) -> float:
-    if channels.drive == "voltage" and {"R", "k_i"} <= set(rig.known):
-        return rig.known["R"] / rig.known["k_i"]
+def _scale(problem: Problem, found: Mapping[str, float]) -> float:
+    """What a newton metre is in the unit of the drive."""
+    if problem.channels.drive == "voltage" and problem.scale is None:
+        return 1.0 / problem.per_volt
     return found.get("scale", 1.0)
 
 
@@ -210,14 +220,19 @@ def _has_scale(problem: Problem) -> bool:
     return problem.scale is None or any(c.role == "scale" for c in problem.coefficients)
 
 
-def _inertias(rig: Rig, total: float) -> dict[str, float]:
+def _inertias(rig: Rig, machine: Machine, total: float) -> dict[str, float]:
     """J_m and J_l that give the identified inertia; a link of unknown inertia is taken as its mass alone."""
-    mu = rig.value("mu")
+    mu = {"mu": rig.value("mu")}
+
+    def link_of(rotor: float) -> float:
+        rest = total - machine.inertia({**mu, "J_m": rotor, "J_l": 0.0})
+        return max(rest, 0.0) / machine.inertia_per("J_l", mu)
+
     if "J_m" in rig.known:
-        return {"J_l": max(total - rig.known["J_m"], 0.0) / mu**2}
+        return {"J_l": link_of(rig.known["J_m"])}
     link = rig.known.get("J_l", rig.known["M"] * rig.known["L"] ** 2)
-    rotor = max(total - mu**2 * link, 0.0)
-    return {"J_m": rotor, "J_l": link if rotor else max(total, 0.0) / mu**2}
+    rotor = max(total - machine.inertia({**mu, "J_m": 0.0, "J_l": link}), 0.0)
+    return {"J_m": rotor, "J_l": link if rotor else link_of(0.0)}
 
 
 def _open(channels: Channels, rig: Rig, problem: Problem, open_inertia: bool) -> tuple[tuple[str, ...], str]:

@@ -1,81 +1,42 @@
-"""The emitted module of a model on the samples and rows of a log."""
+"""The emitted module of a model, loaded: what is fitted and scored is what is shipped."""
 
 from __future__ import annotations
 
+import dataclasses
 import inspect
 from collections.abc import Mapping
-from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from eccentric.emission import load_module
-from eccentric.fitting.drive import Drive
-from eccentric.fitting.expressions import Signals
-from eccentric.fitting.states import state_series
 from eccentric.model import Model
-from eccentric.signals import Rows
 
-__all__ = ["Emitted", "FitData", "Values"]
+__all__ = ["Emitted"]
 
-Array = np.ndarray
-Values = dict[str, float]
-
-
-@dataclass(frozen=True)
-class FitData:
-    """A log as models are fitted on it: drive, smooth signals, rows; gravity torque (samples,) [N m]."""
-
-    drive: Drive
-    signals: Signals
-    rows: Rows
-    gravity: Array
+Array = NDArray[np.float64]
 
 
 class Emitted:
-    """The emitted module of a model on the samples of a log, for given values of what is searched."""
+    """The functions of an emitted module, called with the inputs that they take."""
 
-    def __init__(
-        self, model: Model, data: FitData, shapes: Mapping[str, float], known: Values, scale: float | None
-    ) -> None:
-        self.module, self.data = load_module(model), data
-        self.drive, signals, channels = data.drive, data.signals, data.drive.channels
-        torque = self.drive.torque(known, scale)
-        given: dict[str, Array | None] = {
-            "theta_m": channels.theta_m,
-            "omega_m": channels.omega_m,
-            "alpha_m": channels.alpha_m,
-            "i": torque / known["k_i"],
-            "u": self.drive.signal() if self.drive.by_voltage else channels.voltage,
-            "temperature": channels.temperature,
-            "t": signals.values["t"],
-        }
-        self.inputs = {name: x for name, x in given.items() if x is not None}
-        if model.states:
-            self.inputs |= state_series(model, signals, dict(shapes))
+    def __init__(self, model: Model) -> None:
+        self._module = load_module(model)
+        self.letters = tuple(field.name for field in dataclasses.fields(self._module.Parameters))
 
-    def residual(self, balance: str, values: Mapping[str, float], current: Array | None = None) -> Array:
-        """The emitted residual of a balance on the rows [N m], with another current if given."""
-        rows, found = self.data.rows, self.samples(balance, values, current)
-        if balance != "mechanical" or rows.smooth is None:
-            return rows.mean(found)
-        # The acceleration comes from the low-passed angle: it is not to pass the filter twice.
-        alpha = self.drive.channels.alpha_m
-        inertia = values["J_m"] + self.data.signals.known["mu"] ** 2 * values["J_l"]
-        return rows.mean(found) + inertia * (rows.mean(alpha) - rows.plain_mean(alpha))
+    def parameters(self, values: Mapping[str, float]) -> Any:
+        """Return the emitted `Parameters` of those values that the model has; the others are left out.
 
-    def samples(self, balance: str, values: Mapping[str, float], current: Array | None = None) -> Array:
-        """The same on the samples.
-
-        Where voltage alone drives, the two balances are one: i is the torque that the voltage leaves, so that
-        the electrical residual holds nothing but the effects of the armature.
+        Raises ValueError where the emitted class refuses a value.
         """
-        inputs = self.inputs if current is None else self.inputs | {"i": current}
-        found = self._call(f"{balance}_residual", values, inputs)
-        if balance == "mechanical" and self.drive.by_voltage:
-            found = found + np.where(self.drive.off, 0.0, self._call("electrical_residual", values, inputs))
-        return found
+        return self._module.Parameters(**{k: x for k, x in values.items() if k in self.letters})
 
-    def _call(self, name: str, values: Mapping[str, float], inputs: Mapping[str, Array]) -> Array:
-        function = getattr(self.module, name)
-        names = [n for n in inspect.signature(function).parameters if n not in {"parameters", "out"}]
-        return function(*(inputs[n] for n in names), self.module.Parameters(**values))
+    def inputs_of(self, function: str) -> tuple[str, ...]:
+        """The names of the inputs that a function takes."""
+        names = inspect.signature(getattr(self._module, function)).parameters
+        return tuple(name for name in names if name not in {"parameters", "out"})
+
+    def __call__(self, function: str, inputs: Mapping[str, Array], parameters: Any) -> Array:
+        """Evaluate a function on those of the inputs (n,) that it takes."""
+        return getattr(self._module, function)(*(inputs[n] for n in self.inputs_of(function)), parameters)

@@ -1,94 +1,122 @@
-"""What a fit found, with its uncertainty; and how much of the friction each effect is."""
+"""What the fit of an extended model found, with its uncertainty, and the share of each effect in it."""
 
 from __future__ import annotations
 
-import numpy as np
+from collections.abc import Mapping
+from dataclasses import replace
 
-from eccentric.fitting.turns import Solved, Turns
-from eccentric.fitting.uncertainty import Estimate, spread
+import numpy as np
+from numpy.typing import NDArray
+
+from eccentric.effects import Shape
+from eccentric.fitting.design import Nonlinear
+from eccentric.fitting.extended import Extended, Step
+from eccentric.fitting.solver import slopes_between
+from eccentric.fitting.uncertainty import Estimate
 from eccentric.model import Model
 
 __all__ = ["estimates", "shares"]
 
+Array = NDArray[np.float64]
 
-def estimates(fit: Turns, solved: Solved) -> dict[str, Estimate]:
+
+def estimates(fit: Extended, step: Step, balance: str) -> dict[str, Estimate]:
     """Values with standard errors from one balance; shapes enter by the slope of the residual."""
-    drive = fit.data.drive
-    every = {s.quantity.name for e, _ in fit.effects for s in e.shapes}
-    own = {solved.balance} | ({"electrical"} if drive.by_voltage else set())
+    drive, point, solution = fit.data.drive, step.point, step.solutions[balance]
+    own = {balance} | ({"electrical"} if drive.by_voltage else set())
     shapes = {s.quantity.name: s for e, _ in fit.effects if e.balance in own for s in e.shapes}
-    emitted, current = fit.emitted(), fit.current
-    residual = emitted.residual(solved.balance, fit.values, current) if shapes else np.empty(0)
-    slopes = []
-    for name, shape in shapes.items():
-        step = 1e-3 * (shape.high - shape.low if shape.scale == "linear" else fit.values[name])
-        moved = fit.values | {name: fit.values[name] + step}
-        there = emitted
-        if fit.model.states:
-            there = fit.emitted(shapes={n: moved[n] for n in every})
-        slopes.append((residual - there.residual(solved.balance, moved, current)) / step)
-    free = np.full(len(shapes), np.inf)
-    low, high = np.r_[solved.low, -free], np.r_[solved.high, free]
-    held = np.r_[solved.active, np.zeros(len(shapes), int)]
-    full = np.column_stack([solved.design, *slopes])[solved.rows]
-    error = spread(full, fit.residuals[solved.balance][solved.rows], held, low, high)
+    solution = replace(
+        solution,
+        at={name: point.values[name] for name in shapes},
+        slopes=_slopes(fit, step, balance, shapes),
+    )
+    # No bound holds a shape: the search ends inside its range, or tells what it is at the end of.
+    error = solution.spread([Nonlinear(n, "", -np.inf, np.inf, (), 0.0) for n in shapes])
+    names = [c.name for c in solution.design.coefficients]
     units = {q.name: q.unit for q in fit.model.parameters}
-    unit = np.eye(full.shape[1])
+    unit = np.eye(len(names) + len(shapes))
+    # All torques are divided by the scale, so that its error is theirs too.
+    scaled = drive.adjusts == "scale" and "gravity" in names
+    shared = unit[names.index("gravity")] if scaled else np.zeros(len(unit))
     found: dict[str, Estimate] = {}
-    scaled = drive.adjusts == "scale" and "gravity" in solved.names
-    shared = unit[solved.names.index("gravity")] if scaled else np.zeros(len(unit))
-    for k, name in enumerate([*solved.names, *shapes]):
-        if name == "J_m" and drive.rotor is not None:
-            gear = fit.values["mu"] ** 2
-            slope = (unit[k] - (fit.values["J_l"] * gear + drive.rotor) * shared) / gear
-            found["J_l"] = error.estimate(fit.values["J_l"], slope, "kg m^2", (0.0, np.inf))
-        elif name in units:
-            bounds = (float(low[k]), float(high[k]))
-            if name in shapes:
-                bounds = (shapes[name].low, shapes[name].high)
-            # All torques are divided by the scale, so that its error is theirs too.
-            slope = unit[k] if name in shapes else unit[k] - fit.values[name] * shared
-            found[name] = error.estimate(fit.values[name], slope, units[name], bounds, int(held[k]))
+    for k, c in enumerate(solution.design.coefficients):
+        value = point.values.get(c.name, 0.0)
+        if c.name == "J_m" and drive.rotor is not None:
+            letters, link = point.values, point.values["J_l"]
+            gear = drive.machine.inertia_per("J_l", letters)
+            slope = (unit[k] - drive.machine.inertia({**letters, "J_m": drive.rotor}) * shared) / gear
+            found["J_l"] = error.estimate(link, slope, "kg m^2", (0.0, np.inf))
+        elif c.name in units:
+            slope = unit[k] - value * shared
+            ends = (c.lower, c.upper)
+            found[c.name] = error.estimate(value, slope, units[c.name], ends, int(solution.active[k]))
         else:
-            shown, value, factor, of = _outside(name, fit)
+            shown, value, factor, of = _outside(c.name, fit, step)
             found[shown] = error.estimate(value, factor * unit[k], of)
+    for k, (name, shape) in enumerate(shapes.items(), start=len(names)):
+        ends = (shape.low, shape.high)
+        found[name] = error.estimate(point.values[name], unit[k], units[name], ends)
     return found
 
 
-def _outside(name: str, fit: Turns) -> tuple[str, float, float, str]:
+def _slopes(fit: Extended, step: Step, balance: str, shapes: Mapping[str, Shape]) -> Array:
+    """Slopes (rows, q) of prediction less target by each shape, by forward differences."""
+    point = step.point
+    every = {s.quantity.name for e, _ in fit.effects for s in e.shapes}
+    as_it_is = fit.residuals(point)
+    here = -as_it_is.rows(balance, point.values, point.current) if shapes else np.empty(0)
+
+    def misfit(at: Mapping[str, float]) -> Array:
+        values = {**point.values, **at}
+        if values == point.values:
+            return here
+        there = fit.residuals(point, shapes={n: values[n] for n in every}) if fit.model.states else as_it_is
+        return -there.rows(balance, values, point.current)
+
+    ends = {
+        name: (x := point.values[name], x + 1e-3 * (s.high - s.low if s.scale == "linear" else x))
+        for name, s in shapes.items()
+    }
+    if not ends:
+        return np.zeros((len(fit.data.rows), 0))
+    return slopes_between(misfit, {name: point.values[name] for name in shapes}, ends)
+
+
+def _outside(name: str, fit: Extended, step: Step) -> tuple[str, float, float, str]:
     """Name, value, factor on the coefficient's error, unit of what the drive is described by."""
-    drive, scale = fit.data.drive, fit.scale or 1.0
+    drive, point = fit.data.drive, step.point
+    scale = point.scale or 1.0
     if name == "gravity" and drive.adjusts == "scale":
         letters, unit = ("R/k_i", "V/(N m)") if drive.by_voltage else ("1/k_i", "A/(N m)")
         return letters, scale, scale, unit
     if name == "gravity":
-        value = fit.values[drive.adjusts]
+        value = point.values[drive.adjusts]
         return drive.adjusts, value, value, {"L": "m", "M": "kg"}[drive.adjusts]
     if name == "back_emf":
-        return "k_e", fit.values["k_e"], scale, "V s/rad"
+        return "k_e", point.values["k_e"], scale, "V s/rad"
     if name == "zero_angle":
-        return "theta_zero_rad", drive.channels.theta_zero_rad + fit.zero, 1.0, "rad"
-    offset = drive.channels.voltage_offset_V + fit.offset
+        return "theta_zero_rad", drive.channels.theta_zero_rad + point.zero, 1.0, "rad"
+    offset = drive.channels.voltage_offset_V + point.offset
     return "voltage_offset_V", offset, scale, "V"
 
 
-def shares(fit: Turns, base: Model) -> dict[str, float]:
+def shares(fit: Extended, step: Step, base: Model) -> dict[str, float]:
     """RMS of what each effect adds beside the others, over that of the friction, on training rows."""
-    data = fit.data
+    data, point = fit.data, step.point
     rows = data.rows.train
-    friction = float(np.sqrt(np.mean(fit.target[rows] ** 2)))
-    found = {}
-    whole = fit.emitted()
+    friction = float(np.sqrt(np.mean(step.target[rows] ** 2)))
+    found: dict[str, float] = {}
+    whole = fit.residuals(point)
     for effect, _ in fit.effects:
         others = [(e, own) for e, own in fit.effects if e is not effect]
         model = base
         for other, own in others:
             model = other.extend(model, own)
         letters = {q.name for q in model.parameters}
-        values = {name: value for name, value in fit.values.items() if name in letters}
-        kept = {s.quantity.name: fit.values[s.quantity.name] for e, _ in others for s in e.shapes}
+        values = {name: value for name, value in point.values.items() if name in letters}
+        kept = {s.quantity.name: point.values[s.quantity.name] for e, _ in others for s in e.shapes}
         balance = "mechanical" if data.drive.by_voltage else effect.balance
-        without = fit.emitted(model, kept).residual(balance, values)
-        torque = (without - whole.residual(balance, fit.values))[rows]
+        without = fit.residuals(point, model, kept).rows(balance, values)
+        torque = (without - whole.rows(balance, point.values))[rows]
         found[effect.id] = float(np.sqrt(np.mean(torque**2))) / friction
     return found

@@ -17,7 +17,7 @@ import sympy as sp
 from eccentric.model import Column, Model, regressor
 from eccentric.model.steps import meaning
 
-__all__ = ["Signals", "base_columns", "compiled", "lambdified"]
+__all__ = ["Signals", "base_columns", "compiled", "evaluated", "lambdified"]
 
 Array = np.ndarray
 
@@ -120,6 +120,15 @@ def lambdified(
 ) -> tuple[Callable[..., Any], tuple[str, ...]]:
     """An expression as a NumPy function, and the names of its arguments; `names` are those of shapes."""
     return _function_of(signals.expanded(model, expression, names))
+
+
+def evaluated(expression: sp.Expr, given: Mapping[str, Any]) -> Any:
+    """An expression at values or arrays (n,) of its inputs and parameters, by name.
+
+    Raises KeyError where one is missing.
+    """
+    function, arguments = _function_of(meaning(expression))
+    return function(*(given[name] for name in arguments))
 
 
 @lru_cache(maxsize=2000)

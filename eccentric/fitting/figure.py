@@ -42,7 +42,7 @@ def _panels(fit: Fit, left: Any, right: Any) -> None:
     rows = np.flatnonzero(problem.rows.score)
     rows = rows[:: -(-len(rows) // MOST_POINTS)]
     friction = [k for k, c in enumerate(problem.coefficients) if c.role == "friction"]
-    predicted = paper.design[rows][:, friction] @ paper.coefficients[friction]
+    predicted = paper.design.columns[rows][:, friction] @ paper.values[friction]
     measured = predicted + paper.residual[rows]
     by_linear = measured - linear.residual[rows]
     speed = problem.rows.mean(problem.channels.omega_m)[rows]

@@ -17,10 +17,11 @@ from numpy.typing import NDArray
 
 from eccentric.errors import InputError
 from eccentric.fitting.combinations import combinations, identified_letters
+from eccentric.fitting.design import Solution
 from eccentric.fitting.least_squares import require_rank
-from eccentric.fitting.problem import Problem, Searched, pose
-from eccentric.fitting.projection import Profile, Solution, profile, solve
-from eccentric.fitting.uncertainty import Estimate, Spread, improvement, spread
+from eccentric.fitting.problem import Problem, pose
+from eccentric.fitting.solver import Profile, profile, search
+from eccentric.fitting.uncertainty import Estimate, Spread, improvement
 from eccentric.signals import LEAST_HELD_OUT, require_rows
 
 if TYPE_CHECKING:
@@ -67,26 +68,26 @@ def fit(channels: Channels, rig: Rig, model: Model, where: str = "log") -> Fit:
     """
     problem = pose(channels, rig, model)
     _require_rows(problem, where)
-    paper = solve(problem)
+    paper = search(problem, problem.every)
     train = problem.rows.train
-    require_rank(paper.design[train], [c.name for c in problem.coefficients], where)
+    require_rank(paper.design.columns[train], [c.name for c in problem.coefficients], where)
     solutions = {
-        "linear": solve(problem, linear=True),
+        "linear": search(problem, problem.linear),
         "paper": paper,
-        "paper_unbounded": solve(problem, bounds=False, start=paper.values),
+        "paper_unbounded": search(problem, problem.every, bounds=False, start=paper.at),
     }
     _require_scale(problem, paper, where)
-    profiles = {s.name: profile(problem, paper, s) for s in problem.searched if s.name in rig.unknown}
+    profiles = {s.name: profile(problem, paper, s) for s in problem.nonlinear if s.name in rig.unknown}
     better = min(profiles.values(), key=lambda p: p.best.cost, default=None)
     if better is not None and better.best.cost < paper.cost:
         solutions["paper"] = paper = better.best
-    error = _spread(problem, paper)
+    error = paper.spread(problem.nonlinear)
     coefficients, searched = _estimates(problem, paper, error)
     score = problem.rows.score
     errors = {name: solution.residual[score] for name, solution in solutions.items()}
     percent, interval = improvement(errors["linear"], errors["paper"])
     r_squared = {
-        name: 1.0 - float(np.mean(e**2) / np.var(problem.drive_signal(solutions[name].values)[score]))
+        name: 1.0 - float(np.mean(e**2) / np.var(problem.drive_signal(solutions[name].at)[score]))
         for name, e in errors.items()
     }
     warnings = [*problem.warnings, *_warnings(problem, paper, profiles)]
@@ -94,7 +95,7 @@ def fit(channels: Channels, rig: Rig, model: Model, where: str = "log") -> Fit:
         problem,
         solutions,
         coefficients,
-        combinations(problem, paper.coefficients, paper.active, error),
+        combinations(problem, paper.values, paper.active, error),
         searched,
         profiles,
         identified_letters(problem),
@@ -108,33 +109,18 @@ def fit(channels: Channels, rig: Rig, model: Model, where: str = "log") -> Fit:
 
 def _require_rows(problem: Problem, where: str) -> None:
     rows = problem.rows
-    least = rows.per_coefficient * (len(problem.coefficients) + len(problem.searched))
+    least = rows.per_coefficient * (len(problem.coefficients) + len(problem.nonlinear))
     require_rows(rows.train, least, f"{rows.description} to fit", where)
     require_rows(rows.score, LEAST_HELD_OUT, f"{rows.description} to hold out", where)
 
 
 def _require_scale(problem: Problem, paper: Solution, where: str) -> None:
-    for c, value in zip(problem.coefficients, paper.coefficients, strict=True):
+    for c, value in zip(problem.coefficients, paper.values, strict=True):
         if c.role == "scale" and value <= 0.0:
             raise InputError(
                 f"{where}: {c.name} above 0 is required, received {value:.3g}: do the signs of "
                 f"{problem.channels.drive} and angle agree?"
             )
-
-
-def _spread(problem: Problem, paper: Solution) -> Spread:
-    """Return the spread of coefficients and searched values: the errors of the one know of the other."""
-    train = problem.rows.train
-    root = np.sqrt(problem.rows.weights[train])
-    everything = [*problem.coefficients, *problem.searched]
-    active = np.concatenate([paper.active, [_at_end(paper.values[s.name], s) for s in problem.searched]])
-    return spread(
-        np.column_stack([paper.design, paper.slopes])[train] * root[:, None],
-        paper.residual[train] * root,
-        active.astype(np.int64),
-        np.array([x.lower for x in everything]),
-        np.array([x.upper for x in everything]),
-    )
 
 
 def _estimates(
@@ -143,15 +129,13 @@ def _estimates(
     """Return estimates of the coefficients and of the searched values, by name."""
     unit = np.eye(len(error.alone))
     coefficients = {
-        c.name: error.estimate(
-            paper.coefficients[k], unit[k], c.unit, (c.lower, c.upper), int(paper.active[k])
-        )
+        c.name: error.estimate(paper.values[k], unit[k], c.unit, (c.lower, c.upper), int(paper.active[k]))
         for k, c in enumerate(problem.coefficients)
     }
     searched: dict[str, Estimate] = {}
-    for k, s in enumerate(problem.searched, start=len(coefficients)):
-        value, ends = paper.values[s.name], (s.lower, s.upper)
-        found = error.estimate(value, unit[k], s.unit, ends, _at_end(value, s))
+    for k, s in enumerate(problem.nonlinear, start=len(coefficients)):
+        value, ends = paper.at[s.name], (s.lower, s.upper)
+        found = error.estimate(value, unit[k], s.unit, ends, s.end_at(value))
         if found.std_error == 0.0:
             # The friction terms that it enters are all zero: nothing in the log depends on it.
             found = Estimate(value, s.upper - s.lower, ends, s.unit)
@@ -159,19 +143,14 @@ def _estimates(
     return coefficients, searched
 
 
-def _at_end(value: float, searched: Searched) -> int:
-    """Return -1 for the lower end of the range, 1 for the upper, 0 between."""
-    return -1 if value <= searched.lower else 1 if value >= searched.upper else 0
-
-
 def _warnings(problem: Problem, paper: Solution, profiles: Mapping[str, Profile]) -> list[str]:
     found = []
     friction = [a for c, a in zip(problem.coefficients, paper.active, strict=True) if c.role == "friction"]
     if all(a == -1 for a in friction):
         found.append(f"no friction is left: do the signs of {problem.channels.drive} and angle agree?")
-    for s in problem.searched:
-        value = paper.values[s.name]
-        if _at_end(value, s):
+    for s in problem.nonlinear:
+        value = paper.at[s.name]
+        if s.end_at(value):
             found.append(
                 f"{s.name} = {value:.4g} {s.unit} lies at the end of its range {s.lower:g} to {s.upper:g}"
             )

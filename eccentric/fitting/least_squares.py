@@ -10,14 +10,12 @@ from numpy.typing import NDArray
 from scipy.optimize import lsq_linear
 
 from eccentric.errors import InputError
+from eccentric.fitting.limits import LEAST_PART, MEMBER_PART
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
 Array = NDArray[np.float64]
-
-LEAST_PART = 1e-4
-"""A combination of unit columns smaller than this counts as zero: no sensor is as exact."""
 
 _BLOCK = 256
 
@@ -76,7 +74,9 @@ def require_rank(design: Array, names: Sequence[str], where: str) -> None:
     sizes = np.linalg.svd(design / np.linalg.norm(design, axis=0), full_matrices=False)
     weak = sizes.Vh[sizes.S < LEAST_PART * sizes.S[0]]
     if len(weak):
-        members = [n for n, part in zip(names, np.max(np.abs(weak), axis=0), strict=True) if part > 0.1]
+        members = [
+            n for n, part in zip(names, np.max(np.abs(weak), axis=0), strict=True) if part > MEMBER_PART
+        ]
         raise InputError(
             f"{where}: {', '.join(members)} cannot be told apart on this log; required more different speeds"
             " (or angles, in both directions)"

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import dataclasses
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
@@ -36,7 +35,7 @@ def emitted_parameters(fit: Fit) -> tuple[dict[str, float | None], dict[str, str
             notes[letter] += "" if shown in (letter, "J") else f"; holds all of {shown}"
     if any(c.role == "inertia" for c in problem.coefficients):
         values["J_l"], notes["J_l"] = 0.0, "convention: J_m holds all of the inertia J_m + mu^2 J_l"
-    fields = [field.name for field in dataclasses.fields(problem.module.Parameters)]
+    fields = problem.emitted.letters
     for name in fields:
         if name in values:
             continue

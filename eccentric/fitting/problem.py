@@ -13,28 +13,20 @@ with s come out.
 
 from __future__ import annotations
 
-import dataclasses
-import inspect
 from collections.abc import Mapping
 from dataclasses import dataclass
-from functools import cached_property
-from types import ModuleType
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import sympy as sp
 from numpy.typing import NDArray
 
-from eccentric.emission import load_module
 from eccentric.errors import InputError
-from eccentric.fitting.columns import (
-    Coefficient,
-    Searched,
-    coefficients_of,
-    known_inertia,
-    scale_of,
-    searched_of,
-)
+from eccentric.fitting.columns import Combination, combinations_of, known_inertia, nonlinear_of, scale_of
+from eccentric.fitting.constant_load import load_gain
+from eccentric.fitting.design import Design, Nonlinear
+from eccentric.fitting.emitted import Emitted
+from eccentric.fitting.machine import Machine
 from eccentric.model import Model, regressor
 from eccentric.model.steps import meaning
 from eccentric.rigs import KNOWNS
@@ -45,6 +37,7 @@ if TYPE_CHECKING:
     from eccentric.signals import Channels
 
 Array = NDArray[np.float64]
+_ALIGNED = ("input_delay_s", "theta_zero_rad")
 
 
 @dataclass(frozen=True)
@@ -54,80 +47,92 @@ class Problem:
     channels: Channels
     rig: Rig
     model: Model
-    module: ModuleType
+    emitted: Emitted
+    machine: Machine
     rows: Rows
     unit: str
     scale: sp.Expr | None
-    coefficients: tuple[Coefficient, ...]
-    searched: tuple[Searched, ...]
+    coefficients: tuple[Combination, ...]
+    nonlinear: tuple[Nonlinear, ...]
     kept: tuple[int, ...]
     warnings: tuple[str, ...]
 
+    def design(self, at: Mapping[str, float]) -> Design:
+        """Return the design under values that do not enter linearly."""
+        channels, parameters = self._aligned(at), self._parameters(at)
+        signals = {"theta_m": channels.theta_m, "omega_m": channels.omega_m, "alpha_m": channels.alpha_m}
+        friction = self.rows.mean(self.emitted("regressor", signals, parameters))[:, self.kept]
+        inertia = self.rows.acceleration(channels)
+        known = self._load(signals, inertia, parameters)
+        by_role = {
+            "inertia": inertia,
+            "scale": known,
+            "offset": np.full(len(inertia), self.per_volt),
+            "load": np.full(len(inertia), load_gain(self.rig.known)),
+        }
+        columns = [by_role[c.role] for c in self.coefficients if c.role != "friction"]
+        target = self.rows.mean(self._drive(channels)) - (known if self.scale is None else 0.0)
+        return Design(
+            self.coefficients,
+            target,
+            np.column_stack([friction, *columns]),
+            self.rows.train,
+            self.rows.weights,
+        )
+
+    def drive_signal(self, at: Mapping[str, float]) -> Array:
+        """Return what is explained as a whole, in `unit`, at the rows (m,)."""
+        return self.rows.mean(self._drive(self._aligned(at)))
+
     @property
-    def starts(self) -> dict[str, float]:
-        """The first value of everything searched."""
-        return {s.name: s.starts[0] for s in self.searched}
+    def every(self) -> NDArray[np.bool_]:
+        """All of the coefficients (k,)."""
+        return np.ones(len(self.coefficients), dtype=bool)
 
-    @cached_property
-    def _inputs(self) -> tuple[str, ...]:
-        names = inspect.signature(self.module.regressor).parameters
-        return tuple(name for name in names if name.endswith("_m"))
+    @property
+    def linear(self) -> NDArray[np.bool_]:
+        """The coefficients (k,) of the linear model: friction of Coulomb and viscous form, and the bench."""
+        return np.array([c.linear for c in self.coefficients])
 
-    def parameters(self, values: Mapping[str, float]) -> object:
-        """Return the emitted `Parameters` of what is known, the letters among `values` put in."""
-        letters = {**self.rig.known, **values}
-        fields = {field.name for field in dataclasses.fields(self.module.Parameters)}
+    def _aligned(self, at: Mapping[str, float]) -> Channels:
+        aligned = {name: value for name, value in at.items() if name in _ALIGNED}
+        return self.channels.realigned(self.rig, **aligned) if aligned else self.channels
+
+    def _parameters(self, at: Mapping[str, float]) -> Any:
         try:
-            return self.module.Parameters(**{k: v for k, v in letters.items() if k in fields})
+            return self.emitted.parameters({**self.rig.known, **at})
         except ValueError as error:
             raise InputError(f"{self.rig.path}: {error}") from None
 
-    def design(self, values: Mapping[str, float]) -> tuple[Array, Array]:
-        """Return target (m,) and columns (m, k) under the searched values."""
-        channels = self.channels
-        aligned = {k: v for k, v in values.items() if k in ("input_delay_s", "theta_zero_rad")}
-        if aligned:
-            channels = channels.realigned(self.rig, **aligned)
-        parameters = self.parameters({k: v for k, v in values.items() if k not in aligned})
-        signals = {"theta_m": channels.theta_m, "omega_m": channels.omega_m, "alpha_m": channels.alpha_m}
-        friction = self.rows.mean(self.module.regressor(*(signals[n] for n in self._inputs), parameters))
-        friction = friction[:, self.kept]
-        known, inertia = self._known(channels, parameters)
-        load = np.full(len(inertia), self.rig.known.get("mu", 1.0))
-        by_role = {"inertia": inertia, "scale": known, "offset": self._offset, "load": load}
-        columns = [by_role[c.role] for c in self.coefficients if c.role != "friction"]
-        target = self.rows.mean(self._drive(channels)) - (known if self.scale is None else 0.0)
-        return target, np.column_stack([friction, *columns])
-
-    def drive_signal(self, values: Mapping[str, float]) -> Array:
-        """Return what is explained as a whole, in `unit`, at the rows (m,)."""
-        aligned = {k: v for k, v in values.items() if k in ("input_delay_s", "theta_zero_rad")}
-        return self.rows.mean(self._drive(self.channels.realigned(self.rig, **aligned)))
-
     def _drive(self, channels: Channels) -> Array:
-        known = self.rig.known
-        signal = getattr(channels, channels.drive)
-        if channels.drive == "current" and self.scale is None:
-            return known["k_i"] * signal
-        if channels.drive == "voltage":
-            emf = known.get("k_e", 0.0) * channels.omega_m
-            return (signal - emf) * (known["k_i"] / known["R"] if self.scale is None else 1.0)
-        return signal
+        """The measured drive (n,) in `unit`, what the back-EMF takes of a voltage taken off."""
+        known, signal = self.rig.known, getattr(channels, channels.drive)
+        if channels.drive == "torque" or (channels.drive == "current" and self.scale is not None):
+            return signal
+        if channels.drive == "current":
+            return self.machine.torque(known, signal)
+        # Without k_e the back-EMF is in the column of viscous friction.
+        known = {"k_e": 0.0, **known}
+        if self.scale is not None:
+            return signal - self.machine.back_emf(known, channels.omega_m)
+        return self.machine.torque(known, self.machine.current(known, signal, channels.omega_m))
 
     @property
-    def _offset(self) -> Array:
-        driven = self.channels.drive == "voltage" and self.scale is None
-        return np.full(len(self.rows), self.rig.known["k_i"] / self.rig.known["R"] if driven else 1.0)
+    def per_volt(self) -> float:
+        """What a volt is in `unit`."""
+        if self.channels.drive != "voltage" or self.scale is not None:
+            return 1.0
+        known = {"k_e": 0.0, **self.rig.known}
+        return float(self.machine.torque(known, self.machine.current(known, 1.0, 0.0)))
 
-    def _known(self, channels: Channels, parameters: object) -> tuple[Array, Array]:
-        """Return what is known of J alpha + G (m,), and alpha (m,)."""
-        acceleration = self.rows.acceleration(channels)
+    def _load(self, signals: Mapping[str, Array], acceleration: Array, parameters: Any) -> Array:
+        """Return what is known of J alpha + G (m,) [N m]."""
         gravity = np.zeros_like(acceleration)
-        if inspect.signature(self.module.gravity_torque).parameters.get("theta_m"):
-            gravity = self.rows.mean(self.module.gravity_torque(channels.theta_m, parameters))
-        gravity = gravity + self.rig.known.get("T_load", 0.0) * self.rig.known.get("mu", 1.0)
-        inertia = known_inertia(self.rig)
-        return gravity + (0.0 if inertia is None else inertia * acceleration), acceleration
+        if "theta_m" in self.emitted.inputs_of("gravity_torque"):
+            gravity = self.rows.mean(self.emitted("gravity_torque", signals, parameters))
+        gravity = gravity + self.rig.known.get("T_load", 0.0) * load_gain(self.rig.known)
+        inertia = known_inertia(self.rig, self.machine)
+        return gravity + (0.0 if inertia is None else inertia * acceleration)
 
 
 def pose(channels: Channels, rig: Rig, model: Model) -> Problem:
@@ -146,31 +151,32 @@ def pose(channels: Channels, rig: Rig, model: Model) -> Problem:
                 "received neither"
             )
     scale = scale_of(channels.drive, rig)
-    rows = fit_rows(channels, rig)
+    rows, machine = fit_rows(channels, rig), Machine(model)
     warnings = list(channels.warnings)
     if rows.operator is not None:
         warnings.append(f"the log is fitted, and its error taken, on {rows.description}")
-    coefficients = coefficients_of(channels, rig, model, scale)
+    coefficients = combinations_of(channels, rig, model, machine, scale)
     kept = seen_columns(model, rig.known)
     gone = [c.letter for k, c in enumerate(coefficients) if c.role == "friction" and k not in kept]
     if gone:
         warnings.append(f"no unbalanced mass: {', '.join(gone)} have no effect and are left out")
     coefficients = [c for c in coefficients if c.letter not in gone]
-    searched = tuple(searched_of(channels, rig, model, needed))
-    idle = set(rig.unknown) - {s.name for s in searched} - {"J_m", "J_l", "k_i", "k_e", "R", "T_load"}
-    idle |= rig.estimate - {s.name for s in searched} - {c.letter for c in coefficients}
+    nonlinear = nonlinear_of(channels, rig, model, needed)
+    searched = {s.name for s in nonlinear}
+    idle = set(rig.unknown) - searched - {"J_m", "J_l", "k_i", "k_e", "R", "T_load"}
+    idle |= rig.estimate - searched - {c.letter for c in coefficients}
     warnings += [f"{name} has no effect on {model.name} driven by {channels.drive}" for name in sorted(idle)]
-    unit = "N m" if scale is None else {"current": "A", "voltage": "V"}[channels.drive]
     return Problem(
         channels,
         rig,
         model,
-        load_module(model),
+        Emitted(model),
+        machine,
         rows,
-        unit,
+        "N m" if scale is None else {"current": "A", "voltage": "V"}[channels.drive],
         scale,
         tuple(coefficients),
-        searched,
+        tuple(nonlinear),
         kept,
         tuple(warnings),
     )

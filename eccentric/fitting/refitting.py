@@ -5,19 +5,19 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
-from eccentric.effects.effect import Effect
-from eccentric.fitting.emitted import Emitted, FitData, Values
+from eccentric.effects import Effect
 from eccentric.fitting.estimates import estimates, shares
-from eccentric.fitting.turns import Turns
+from eccentric.fitting.extended import extended
+from eccentric.fitting.limits import CONVERGED
+from eccentric.fitting.residuals import FitData, Residuals, Values
 from eccentric.fitting.uncertainty import Estimate
 from eccentric.model import Model
 
 __all__ = ["Refit", "refit", "residual_samples"]
 
-Array = np.ndarray
-_SHOWN = 1e-4
-"""Results are shown with four digits."""
+Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
@@ -34,7 +34,7 @@ class Refit:
         shares: effect id -> RMS of its torque as a fraction of that of the friction, on training rows.
         target: (rows,) what the mechanical friction, effects included, has to be [N m].
         data: what it was fitted on.
-        change: relative, of the scale or of the current that the model asks for, by the last turn of the fit.
+        change: relative, of the scale or of the current that the model asks for, by the last step of the fit.
     """
 
     model: Model
@@ -50,8 +50,8 @@ class Refit:
 
     @property
     def settled(self) -> bool:
-        """Whether another turn would leave the digits that are shown."""
-        return self.change < _SHOWN
+        """Whether another step would leave the digits that are shown."""
+        return self.change < CONVERGED
 
     def held_out(self, balance: str) -> float:
         """Held-out RMSE of a balance [N m]."""
@@ -78,28 +78,29 @@ def refit(
         linear: Coulomb and viscous friction only.
         without: number of a run to leave out; then all other runs are fitted on, held out or not.
     """
-    turns = Turns(base, effects, data, bounds, linear, without)
-    turns.run()
+    fitted = extended(base, effects, data, bounds, linear, without)
+    step, change = fitted.fitted(base)
     found: dict[str, Estimate] = {}
     if without is None:
-        for solved in turns.solved:
-            found |= estimates(turns, solved)
+        for balance in step.solutions:
+            found |= estimates(fitted, step, balance)
+    values = step.point.values
     return Refit(
-        turns.model,
-        tuple((e, {q.name: turns.values[q.name] for q in e.parameters}) for e, _ in effects),
-        turns.values,
-        turns.scale,
+        fitted.model,
+        tuple((e, {q.name: values[q.name] for q in e.parameters}) for e, _ in effects),
+        values,
+        step.point.scale,
         found,
-        turns.residuals,
-        shares(turns, base) if effects and without is None else {},
-        turns.target,
+        dict(step.residuals),
+        shares(fitted, step, base) if effects and without is None else {},
+        step.target,
         data,
-        turns.change,
+        change,
     )
 
 
 def residual_samples(fitted: Refit) -> Array:
     """The mechanical residual on the samples (n,) [N m], up to a constant; for fits within the bounds."""
     shapes = {s.quantity.name: fitted.values[s.quantity.name] for e, _ in fitted.effects for s in e.shapes}
-    emitted = Emitted(fitted.model, fitted.data, shapes, fitted.values, fitted.scale)
-    return emitted.samples("mechanical", fitted.values)
+    residuals = Residuals(fitted.model, fitted.data, shapes, fitted.values, fitted.scale)
+    return residuals.samples("mechanical", fitted.values)

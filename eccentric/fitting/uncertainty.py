@@ -24,6 +24,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.special import log_ndtr, ndtri, ndtri_exp, stdtrit
 
+from eccentric.fitting.limits import LITTLE
+
 Array = NDArray[np.float64]
 
 FRACTION = 0.1
@@ -33,8 +35,6 @@ TWO_SIDED = 1.9600 + 2.9694 * FRACTION + 0.4160 * FRACTION**2 - 0.5324 * FRACTIO
 ONE_SIDED = 1.6449 + 2.1859 * FRACTION + 0.3142 * FRACTION**2 - 0.3427 * FRACTION**3
 """Standard errors to the one end of a one-sided 95 % interval: their 95 % quantile."""
 DRAWS = 2000
-LITTLE = 0.01
-"""An active bound that moves a value by less than this part of its interval is not worth mentioning."""
 
 
 @dataclass(frozen=True)

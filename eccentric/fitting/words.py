@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from eccentric.errors import few
+from eccentric.fitting.limits import LEAST_GAIN_PERCENT, LEAST_R_SQUARED
 from eccentric.model import model_names
 
 if TYPE_CHECKING:
@@ -18,14 +19,6 @@ if TYPE_CHECKING:
 __all__ = ["fit_lines", "fit_sentence"]
 
 _DRIVES = {"N m": "torque", "V": "voltage", "A": "current"}
-_CLEAR = 1.0
-"""A gain below this, in per cent, is not worth the words."""
-LEAST_R_SQUARED = 0.5
-"""Below, half of what the drive does is unexplained, and comparing friction models says nothing.
-
-On the bundled log a wrong sign or unit, another mu and a zero angle 1 rad off leave -4000 to 0.48, a k_i
-wrong by 30 % leaves 0.95; logs with friction that the models lack have 0.98.
-"""
 
 
 def fit_sentence(fit: Fit) -> str:
@@ -41,17 +34,17 @@ def fit_sentence(fit: Fit) -> str:
     subject = f"The model {called}" if (called := _called(fit)) != "paper" else "The paper's model"
     low, high = fit.percent_interval
     gain, interval = _percent(fit.percent), f"95 % interval {_percent(low)} to {_percent(high)} %"
-    if low > 0.0 and fit.percent >= _CLEAR:
+    if low > 0.0 and fit.percent >= LEAST_GAIN_PERCENT:
         return (
             f"{subject} predicts the held-out part {gain} % better than "
             f"Coulomb + viscous friction ({interval})."
         )
-    if high < 0.0 and fit.percent <= -_CLEAR:
+    if high < 0.0 and fit.percent <= -LEAST_GAIN_PERCENT:
         return (
             f"{subject} predicts the held-out part {_percent(-fit.percent)} % worse than "
             f"Coulomb + viscous friction ({interval} of gain)."
         )
-    if abs(fit.percent) >= _CLEAR:
+    if abs(fit.percent) >= LEAST_GAIN_PERCENT:
         return (
             f"{subject} has no certain gain over Coulomb + viscous friction on the held-out part "
             f"({gain} %, {interval})."
@@ -138,6 +131,6 @@ def _bounds_line(fit: Fit) -> list[str]:
     if any(e.widened for e in fit.coefficients.values()):
         text += ", which widens the intervals that have no std error"
     text += f"; without bounds the held-out RMSE is {free:.4g}"
-    if gain >= _CLEAR:
+    if gain >= LEAST_GAIN_PERCENT:
         text += f", {gain:.2g} % less: a sign of an effect that the model lacks"
     return [text]

@@ -1,0 +1,24 @@
+"""A constant load on the link, where the rig has one: no effect to be found, a part of the base model."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from eccentric.effects.constant_load import effect as constant_load
+from eccentric.fitting.expressions import evaluated
+from eccentric.model import Model
+from eccentric.rigs import Rig
+
+__all__ = ["load_gain", "loaded_model"]
+
+
+def loaded_model(base: Model, rig: Rig) -> Model:
+    """The model, extended by a constant load where the rig has one."""
+    loaded = "T_load" in rig.known or "T_load" in rig.unknown
+    return constant_load.extend(base, {"T_load": rig.known.get("T_load", 0.0)}) if loaded else base
+
+
+def load_gain(known: Mapping[str, float]) -> float:
+    """What a newton metre of load is at the motor: mu, where it is known."""
+    (term,) = constant_load.terms["mechanical"]
+    return float(evaluated(term.basis, {"mu": 1.0, **known}))

@@ -1,0 +1,155 @@
+"""What a fit minimises: a linear design, its solution, and how far the solution can be off.
+
+    target = columns @ values + residual        on m rows, `train` of them fitted
+
+A value that does not enter linearly is held while the design is made; `solver` moves it.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from eccentric.fitting.least_squares import bounded
+from eccentric.fitting.uncertainty import Spread, spread
+
+__all__ = ["Coefficient", "Design", "Nonlinear", "Role", "Solution"]
+
+Array = NDArray[np.float64]
+Integers = NDArray[np.int64]
+Mask = NDArray[np.bool_]
+
+Role = Literal[
+    "friction",
+    "effect",
+    "armature",
+    "inertia",
+    "load",
+    "scale",
+    "gravity",
+    "back_emf",
+    "offset",
+    "zero_angle",
+]
+"""What a column is: friction of the base model, an effect in its own balance, one of the armature in the
+mechanical balance, or something of the bench that the rig leaves open."""
+
+
+@dataclass(frozen=True)
+class Coefficient:
+    """A linear unknown: what multiplies a column, its unit and bounds."""
+
+    name: str
+    role: Role
+    unit: str
+    lower: float = -math.inf
+    upper: float = math.inf
+
+
+@dataclass(frozen=True)
+class Nonlinear:
+    """A value that does not enter linearly: its unit, its range, where to start looking, a usual step."""
+
+    name: str
+    unit: str
+    lower: float
+    upper: float
+    starts: tuple[float, ...]
+    step: float
+
+    def end_at(self, value: float) -> int:
+        """Return -1 at the lower end of the range, 1 at the upper, 0 between."""
+        return -1 if value <= self.lower else 1 if value >= self.upper else 0
+
+
+@dataclass(frozen=True)
+class Design:
+    """Target (m,) and columns (m, k) in one unit; which rows are fitted, and what they count (m,)."""
+
+    coefficients: tuple[Coefficient, ...]
+    target: Array
+    columns: Array
+    train: Mask
+    weights: Array
+
+    @property
+    def lower(self) -> Array:
+        """The lower bounds (k,)."""
+        return np.array([c.lower for c in self.coefficients])
+
+    @property
+    def upper(self) -> Array:
+        """The upper bounds (k,)."""
+        return np.array([c.upper for c in self.coefficients])
+
+    def without_bounds(self, but: Collection[Role] = ()) -> Design:
+        """The same, coefficients free, those of some roles excepted."""
+        freed = tuple(
+            c if c.role in but else dataclasses.replace(c, lower=-math.inf, upper=math.inf)
+            for c in self.coefficients
+        )
+        return dataclasses.replace(self, coefficients=freed)
+
+    def solve(self, used: Mask | None = None) -> Solution:
+        """Minimise the weighted squares on the fitted rows; coefficients not `used` (k,) are zero."""
+        every = slice(None) if used is None else used
+        root = np.sqrt(self.weights[self.train])
+        rows = self.columns[self.train][:, every] * root[:, None]
+        low, high = self.lower[every], self.upper[every]
+        target = self.target[self.train] * root
+        found = bounded(rows, target, low, high)
+        count = len(self.coefficients)
+        values, active = np.zeros(count), np.zeros(count, dtype=np.int64)
+        # What a bound holds is the bound, free of rounding.
+        values[every] = np.where(found.active < 0, low, np.where(found.active > 0, high, found.coefficients))
+        active[every] = found.active
+        return Solution(self, values, active, target - rows @ found.coefficients)
+
+
+@dataclass(frozen=True)
+class Solution:
+    """A solved design: values (k,), and for each whether its lower (-1), upper (1) or no (0) bound is active.
+
+    `weighted` is what is left on the fitted rows, times the root of their weights. `at` are the values that
+    do not enter linearly, by name, and `slopes` (m, q) those of the prediction, less the target, by each.
+    """
+
+    design: Design
+    values: Array
+    active: Integers
+    weighted: Array
+    at: Mapping[str, float] = field(default_factory=dict)
+    slopes: Array | None = None
+
+    @property
+    def residual(self) -> Array:
+        """What is left of the target on all rows (m,)."""
+        return self.design.target - self.design.columns @ self.values
+
+    @property
+    def cost(self) -> float:
+        """The weighted sum of squares on the fitted rows."""
+        return float(np.sum(self.weighted**2))
+
+    def by_name(self) -> dict[str, float]:
+        """The values by the names of their coefficients."""
+        return {c.name: float(x) for c, x in zip(self.design.coefficients, self.values, strict=True)}
+
+    def spread(self, nonlinear: Sequence[Nonlinear] = ()) -> Spread:
+        """Return how far coefficients and then nonlinear values can be off, together."""
+        design, train = self.design, self.design.train
+        slopes = np.zeros((len(train), 0)) if self.slopes is None else self.slopes
+        ends = [n.end_at(self.at[n.name]) for n in nonlinear]
+        return spread(
+            np.column_stack([design.columns, slopes])[train] * np.sqrt(design.weights[train])[:, None],
+            self.weighted,
+            np.concatenate([self.active, ends]).astype(np.int64),
+            np.concatenate([design.lower, [n.lower for n in nonlinear]]),
+            np.concatenate([design.upper, [n.upper for n in nonlinear]]),
+        )

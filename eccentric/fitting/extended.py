@@ -1,0 +1,257 @@
+"""Fit a model, extended or not, on its own emitted module: what is scored is what is shipped.
+
+The residual of the mechanical balance is linear in friction, in the coefficients of effects and in what the
+rig leaves open; only the scale of the drive is not.  A free column of gravity finds it: where the fit wants
+1 + g times the gravity torque, the scale (or the unknown arm) was too small by that factor, and the fit is
+repeated with the better one until g vanishes.
+
+Where one signal alone measures the drive, effects on the current take the one that the model asks for,
+(torque - residual)/k_i of the step before: with the measured one the drive would explain itself.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from eccentric.effects import Effect
+from eccentric.fitting.design import Coefficient, Design, Role, Solution
+from eccentric.fitting.limits import USABLE_PART
+from eccentric.fitting.residuals import FitData, Residuals, Values
+from eccentric.fitting.solver import iterate
+from eccentric.model import Model
+
+__all__ = ["Extended", "Step", "extended"]
+
+Array = NDArray[np.float64]
+Mask = NDArray[np.bool_]
+Adopted = Sequence[tuple[Effect, Values]]
+
+_OUTSIDE: dict[str, Role] = {
+    "gravity": "gravity",
+    "back_emf": "back_emf",
+    "offset": "offset",
+    "zero_angle": "zero_angle",
+}
+"""Columns of the drive that no parameter of the emitted module has, and what they are."""
+MOST_STEPS = 8
+CONVERGED = 1e-9
+
+
+@dataclass(frozen=True)
+class Point:
+    """Where an iteration is: every parameter of the model, scale and offset of the drive, zero angle.
+
+    `current` (samples,) [A at the scale] is what effects on the current take; None for the measured one.
+    """
+
+    values: Values
+    scale: float | None
+    offset: float = 0.0
+    zero: float = 0.0
+    current: Array | None = None
+
+
+@dataclass(frozen=True)
+class Step:
+    """What a step of the iteration found, and the point that it leads to.
+
+    solutions and residuals (rows,) [N m] by balance; target (rows,): what the mechanical friction, effects
+    included, has to be [N m].
+    """
+
+    point: Point
+    solutions: Mapping[str, Solution] = field(default_factory=dict)
+    residuals: Mapping[str, Array] = field(default_factory=dict)
+    target: Array = field(default_factory=lambda: np.empty(0))
+
+
+@dataclass(frozen=True)
+class Extended:
+    """A base model with effects on a log, ready to be fitted.
+
+    friction: names of the fitted friction coefficients, `every` with those that stay zero in the linear
+    model; `bounds` whether they are held to be not negative; train (rows,): what is fitted.
+    """
+
+    model: Model
+    effects: tuple[tuple[Effect, Values], ...]
+    data: FitData
+    friction: tuple[str, ...]
+    every: tuple[str, ...]
+    bounds: bool
+    train: Mask
+
+    @property
+    def shapes(self) -> Values:
+        """The values of the effects that do not enter linearly, and of their coefficients before the fit."""
+        return {name: value for _, own in self.effects for name, value in own.items()}
+
+    @property
+    def follows(self) -> bool:
+        """Whether effects take the current that the model asks for."""
+        return bool(self.effects) and not self.data.drive.measured_twice
+
+    def start(self, base: Model) -> Point:
+        """Where the iteration begins: what is known, all that is fitted at zero."""
+        drive, letters = self.data.drive, {q.name for q in self.model.parameters}
+        # What the log cannot show has no effect on it, but the module wants a number.
+        absent = {"R": 1.0, "k_e": 0.0, "J_m": 0.0, "J_l": 0.0}
+        values = {n: x for n, x in {**absent, **drive.known}.items() if n in letters}
+        values |= drive.scaled()
+        values |= dict.fromkeys((q.name for q in base.friction_parameters), 0.0) | self.shapes
+        return Point(values | dict.fromkeys(self._of_effects(), 0.0), drive.scale)
+
+    def fitted(self, base: Model) -> tuple[Step, float]:
+        """Iterate until scale and current have converged, or the limit is reached; return the last change."""
+        most = MOST_STEPS if "gravity" in self.data.drive.open or self.follows else 1
+        return iterate(self.advance, Step(self.start(base)), most, CONVERGED)
+
+    def advance(self, last: Step) -> tuple[Step, float]:
+        """One step: solve at a point, move there; return the relative change of scale and current."""
+        drive, point = self.data.drive, last.point
+        residuals = self.residuals(point)
+        point, moved = self._followed(point, residuals) if self.follows else (point, 0.0)
+        solutions: dict[str, Solution] = {}
+        if drive.measured_twice and (own := self._own("electrical", "effect")):
+            usable = self.data.rows.mean(drive.channels.usable.astype(float)) > USABLE_PART
+            design = self._design(residuals, "electrical", own, point, self.data.rows.train & usable)
+            solutions["electrical"] = design.solve()
+            point, _ = self._moved(point, solutions["electrical"])
+        solutions["mechanical"] = solution = self._mechanical(residuals, point).solve()
+        point, change = self._moved(point, solution)
+        # By its columns, since Parameters refuse what is negative without bounds.
+        found = {"mechanical": solution.residual}
+        roles = np.array([c.role in {"friction", "effect"} for c in solution.design.coefficients])
+        target = found["mechanical"] + solution.design.columns[:, roles] @ solution.values[roles]
+        if drive.measured_twice:
+            allowed = {n: max(x, 0.0) if n in self.every else x for n, x in point.values.items()}
+            found["electrical"] = residuals.rows("electrical", allowed)
+        return Step(point, solutions, found, target), max(abs(change), moved)
+
+    def residuals(
+        self, point: Point, model: Model | None = None, shapes: Mapping[str, float] | None = None
+    ) -> Residuals:
+        """The residuals of the model, or of another, at a point."""
+        given = self.shapes if shapes is None else shapes
+        return Residuals(model or self.model, self.data, given, point.values, point.scale)
+
+    def _mechanical(self, residuals: Residuals, point: Point) -> Design:
+        drive = self.data.drive
+        friction = [Coefficient(name, "friction", "", lower=0.0) for name in self.friction]
+        found = [*friction, *self._own("mechanical", "effect")]
+        if drive.by_voltage:
+            found += self._own("electrical", "armature")
+        if "J_m" in drive.open:
+            found.append(Coefficient("J_m", "inertia", "kg m^2", lower=0.0))
+        if "T_load" in drive.open:
+            found.append(Coefficient("T_load", "load", "N m"))
+        return self._design(residuals, "mechanical", found, point, self.train)
+
+    def _own(self, balance: str, role: Role) -> list[Coefficient]:
+        """The coefficients of the effects that a balance shows."""
+        return [
+            Coefficient(
+                q.name, role, q.unit, -np.inf if low is None else low, np.inf if high is None else high
+            )
+            for effect, _ in self.effects
+            if effect.balance == balance
+            for q, (low, high) in zip(effect.coefficients, effect.bounds, strict=True)
+        ]
+
+    def _design(
+        self, residuals: Residuals, balance: str, own: Sequence[Coefficient], point: Point, train: Mask
+    ) -> Design:
+        """A balance in its unknowns. It is linear in them: unit steps of the emitted function are columns."""
+        start = point.values | {c.name: 0.0 for c in own}
+        rest = residuals.rows(balance, start)
+        there = rest if point.current is None else residuals.rows(balance, start, point.current)
+        steps = [there - residuals.rows(balance, {**start, c.name: 1.0}, point.current) for c in own]
+        outside: dict[str, Array] = {}
+        if balance == "mechanical":
+            # What is outside the module: gravity, back-EMF, offset and zero angle, against the drive.
+            names = {c.name for c in own}
+            left_open = self.data.signals.open.items()
+            outside = {n: self.data.rows.mean(x) for n, x in left_open if n not in names}
+        design = Design(
+            (*own, *(Coefficient(name, _OUTSIDE[name], "") for name in outside)),
+            rest,
+            np.column_stack([*steps, *outside.values()]),
+            train,
+            self.data.rows.weights,
+        )
+        # An inertia is never negative, whatever a friction coefficient has to imitate.
+        return design if self.bounds else design.without_bounds(but=("inertia",))
+
+    def _moved(self, point: Point, solution: Solution) -> tuple[Point, float]:
+        """Put a solution into the values; return what the free gravity column still wants.
+
+        What is outside the module changes scale, back-EMF, offset and zero angle.
+        """
+        found = solution.by_name()
+        gravity, emf = found.pop("gravity", 0.0), found.pop("back_emf", 0.0)
+        offset, zero = found.pop("offset", 0.0), found.pop("zero_angle", 0.0)
+        drive, values, scale = self.data.drive, dict(point.values), point.scale
+        if emf:
+            values["k_e"] += emf * (scale or 1.0)
+        offset *= scale or 1.0
+        # All of a scaled solution is too large by the same factor.
+        factor = 1.0 + gravity if drive.adjusts == "scale" else 1.0
+        values |= {n: x / factor for n, x in found.items()}
+        if drive.rotor is not None and "J_m" in found:
+            values |= self._shared(values, drive.rotor)
+        if drive.adjusts == "scale" and scale is not None:
+            scale *= factor
+            values |= drive.scaled(scale)
+        elif gravity:
+            values[drive.adjusts] *= 1.0 + gravity
+        return Point(values, scale, offset, zero, point.current), gravity
+
+    def _shared(self, values: Values, rotor: float) -> Values:
+        """J_m and J_l: the column is that of all inertia; what the known rotor has not is the link's."""
+        machine = self.data.drive.machine
+        beyond = machine.inertia(values) - machine.inertia({**values, "J_m": rotor, "J_l": 0.0})
+        return {"J_m": rotor, "J_l": max(beyond / machine.inertia_per("J_l", values), 0.0)}
+
+    def _followed(self, point: Point, residuals: Residuals) -> tuple[Point, float]:
+        """Take the current that the last step asks for; return the RMS of what it changed by, relative."""
+        if point.current is None:
+            return replace(point, current=self.data.signals.values["i"]), np.inf
+        current = self._model_current(point, residuals)
+        change = np.linalg.norm(current - point.current) / np.linalg.norm(current)
+        return replace(point, current=current), float(change)
+
+    def _model_current(self, point: Point, residuals: Residuals) -> Array:
+        """The current (samples,) that the model of the last step asks for [A at the scale of the fit]."""
+        quiet = point.values | dict.fromkeys(self._of_effects(), 0.0)
+        effect = residuals.samples("mechanical", point.values, point.current)
+        effect = effect - residuals.samples("mechanical", quiet, point.current)
+        columns = self.data.signals.open
+        offset = columns["offset"] * point.offset / (point.scale or 1.0) if "offset" in columns else 0.0
+        rest = residuals.samples("mechanical", quiet) + effect - offset
+        return residuals.inputs["i"] - self.data.drive.machine.current_of_torque(point.values, rest)
+
+    def _of_effects(self) -> list[str]:
+        return [q.name for effect, _ in self.effects for q in effect.coefficients]
+
+
+def extended(
+    base: Model, effects: Adopted, data: FitData, bounds: bool, linear: bool, without: int | None
+) -> Extended:
+    """Extend a model by effects, each with the values of its shapes; see `refitting.refit`."""
+    model = base
+    for effect, own in effects:
+        model = effect.extend(model, own)
+    columns, rows = data.signals.columns(base), data.rows
+    return Extended(
+        model,
+        tuple(effects),
+        data,
+        tuple(column.parameter.name for column in columns if column.linear or not linear),
+        tuple(column.parameter.name for column in columns),
+        bounds,
+        rows.train if without is None else (rows.train | rows.score) & (rows.run != without),
+    )
