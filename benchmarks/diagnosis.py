@@ -25,8 +25,7 @@ from benchmarks.diagnosis_jobs import Job, Result
 from benchmarks.oracle import oracle
 from benchmarks.outside import OUTSIDE
 from benchmarks.record import Part, table, tell
-from eccentric.diagnosis.diagnose import diagnose
-from eccentric.diagnosis.document import document
+from eccentric.diagnosis import diagnose, diagnosis_document
 from eccentric.errors import InputError
 from eccentric.virtual_bench import EFFECTS, PlantedEffect, random_scenario, simply, simulate, write
 
@@ -91,7 +90,7 @@ def run(job: Job, folder: Path) -> Result:
         started = time.perf_counter()
         try:
             found = diagnose([log], rig)
-            said = document(found)
+            said = diagnosis_document(found)
         except Exception as error:  # noqa: BLE001 - a failure is a result
             result.note += f" {type(error).__name__}: {error}"
             return result

@@ -12,7 +12,7 @@ from matplotlib.lines import Line2D
 from scipy.signal import lombscargle
 
 from benchmarks.measured_plot import AFTER, BEFORE, INK, PALE, STYLE, band, friction, over_speed, pair
-from eccentric.diagnosis.diagnose import Diagnosis
+from eccentric.diagnosis import Diagnosis
 from eccentric.fitting import Refit, refit, residual_samples
 
 RPM = 30.0 / np.pi
@@ -34,7 +34,7 @@ def servo_residual(found: Diagnosis) -> Figure:
     left, right = figure.subplots(1, 2)
     rows, c = found.rows, found.channels
     speed = rows.mean(c.omega_m)
-    j_l = found.extended.values["J_l"]
+    j_l = found.models.extended.values["J_l"]
     load = np.abs(rows.mean(found.data.gravity + j_l * c.alpha_m))
     edges = np.linspace(0.0, np.quantile(load, 0.995), 13)
     for fit, label, colour, line in pair(found):
@@ -43,16 +43,16 @@ def servo_residual(found: Diagnosis) -> Figure:
     left.axhline(0.0, color=PALE, linewidth=0.8, zorder=0)
     left.set(xlabel="torque that the gear passes on [N m]", ylabel="held-out residual [mN m]")
     left.legend(loc="upper left")
-    effect, own = next((e, v) for e, v in found.extended.effects if e.balance == "mechanical")
+    effect, own = next((e, v) for e, v in found.models.extended.effects if e.balance == "mechanical")
     shape = {s.quantity.name: own[s.quantity.name] for s in effect.shapes}
-    load_only = refit(found.base, ((effect, shape),), found.data)
+    load_only = refit(found.models.base, ((effect, shape),), found.data)
     _resistance(right, found, load_only)
     return figure
 
 
 def _factor(fit: Refit, found: Diagnosis) -> float:
     """To the torque scale of the extended model."""
-    return (fit.scale or 1.0) / (found.extended.scale or 1.0)
+    return (fit.scale or 1.0) / (found.models.extended.scale or 1.0)
 
 
 def _resistance(axes: Axes, found: Diagnosis, fit: Refit) -> None:
@@ -78,7 +78,7 @@ def _resistance(axes: Axes, found: Diagnosis, fit: Refit) -> None:
     t = np.array(temperatures)
     at = np.array([t.min(), t.max()])
     middle, level = np.average(t, weights=weights), np.average(rises, weights=weights)
-    slope = 100.0 * found.extended.values["resistance_alpha"]
+    slope = 100.0 * found.models.extended.values["resistance_alpha"]
     axes.plot(at, level + slope * (at - middle), "-", color=INK, linewidth=1.2)
     axes.plot(at, level + COPPER * (at - middle), ":", color=INK, linewidth=1.2)
     axes.text(at[1], level + slope * (at[1] - middle), f"{slope:.1f} %/K ", ha="right", va="bottom")
@@ -108,7 +108,9 @@ def servo_free(found: Diagnosis) -> Figure:
     top.plot(c.t[samples] - start, np.degrees(c.theta_m[samples]), color=INK)
     top.set(ylabel="angle [deg]", title=f"{c.run_names[run]}, motor switched off at 0 s")
     t = rows.t[shown] - start
-    bottom.plot(t, 1e3 * friction(found.extended)[shown], ".", color=INK, label="measured: -J dw/dt - G")
+    bottom.plot(
+        t, 1e3 * friction(found.models.extended)[shown], ".", color=INK, label="measured: -J dw/dt - G"
+    )
     for fit, label, colour, line in pair(found):
         predicted = friction(fit) - fit.residuals["mechanical"]
         pieces = np.flatnonzero(np.diff(t) > 0.06)
@@ -159,7 +161,7 @@ def screw_speed(found: Diagnosis) -> Figure:
 
 def screw_orders(found: Diagnosis) -> Figure:
     """Spectrum over the angle of every run, stacked by speed, and their mean."""
-    c, residual = found.channels, residual_samples(found.shipped)
+    c, residual = found.channels, residual_samples(found.models.shipped)
     order = np.arange(0.5, 6.0, 0.02)
     speeds, spectra = [], []
     for run in range(len(c.run_names)):
@@ -197,7 +199,7 @@ def screw_orders(found: Diagnosis) -> Figure:
 
 def disc(found: Diagnosis) -> Figure:
     """Left: friction in volts over the speed. Right: what is left over the link angle, both directions."""
-    rows, fit = found.rows, found.linear
+    rows, fit = found.rows, found.models.linear
     volts = fit.scale or 1.0
     speed, angle = rows.mean(found.channels.omega_m), rows.mean(found.channels.theta_m)
     left = fit.residuals["mechanical"] * volts
@@ -218,7 +220,7 @@ def disc(found: Diagnosis) -> Figure:
 
 def direct(found: Diagnosis) -> Figure:
     """Left: friction over the speed. Right: what is left over the speed, and the noise of the sensor."""
-    rows, fit = found.rows, found.linear
+    rows, fit = found.rows, found.models.linear
     speed, left = rows.mean(found.channels.omega_m), fit.residuals["mechanical"]
     figure = Figure((7.2, 3.0), layout="constrained")
     one, two = figure.subplots(1, 2)

@@ -12,7 +12,7 @@ from dataclasses import replace
 import numpy as np
 
 from benchmarks.measured_plot import friction
-from eccentric.diagnosis.diagnose import Diagnosis
+from eccentric.diagnosis import Diagnosis
 from eccentric.fitting import refit
 
 K_E = (0.32, 0.355, 0.39)
@@ -29,7 +29,8 @@ def free_errors(whole: Diagnosis, driven: Diagnosis) -> dict[str, list[float]]:
     off = data.rows.mean(data.drive.off.astype(float)) > 0.0
     rows = replace(data.rows, train=(data.rows.train | data.rows.score) & ~off)
     shapes = tuple(
-        (e, {s.quantity.name: own[s.quantity.name] for s in e.shapes}) for e, own in driven.extended.effects
+        (e, {s.quantity.name: own[s.quantity.name] for s in e.shapes})
+        for e, own in driven.models.extended.effects
     )
     models = {
         "no friction": None,
@@ -45,7 +46,7 @@ def free_errors(whole: Diagnosis, driven: Diagnosis) -> dict[str, list[float]]:
         given = replace(data, drive=drive, rows=rows, signals=signals)
         for name, options in models.items():
             effects, how = options or (shapes, {})
-            found = refit(whole.base, effects, given, **how)
+            found = refit(whole.models.base, effects, given, **how)
             left = found.residuals["mechanical"]
             if options is None:
                 left = friction(found)

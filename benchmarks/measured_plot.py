@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 
-from eccentric.diagnosis.diagnose import Diagnosis
+from eccentric.diagnosis import Diagnosis
 from eccentric.fitting import Refit
 
 Array = np.ndarray
@@ -50,9 +50,9 @@ def friction(fit: Refit) -> Array:
 
 def pair(found: Diagnosis, before: str = "paper") -> list[tuple[Refit, str, str, str]]:
     """Fits before and after, with label, colour and line; one where nothing was adopted."""
-    pairs = [(found.paper, before, BEFORE, "--")]
-    if found.extended is not found.paper:
-        pairs.append((found.extended, "extended", AFTER, "-"))
+    pairs = [(found.models.paper, before, BEFORE, "--")]
+    if found.models.adopted:
+        pairs.append((found.models.extended, "extended", AFTER, "-"))
     return pairs
 
 

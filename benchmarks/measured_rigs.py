@@ -26,8 +26,7 @@ from benchmarks.measured_free import K_E, free_errors
 from benchmarks.measured_identified import IDENTIFIED
 from benchmarks.measured_logs import ROOT, SETS, measured_log
 from benchmarks.measured_page import Cell, Table, table
-from eccentric.diagnosis.diagnose import Diagnosis, diagnose
-from eccentric.diagnosis.words import lines
+from eccentric.diagnosis import Diagnosis, diagnose, diagnosis_lines
 from eccentric.fitting import improvement
 
 OUT = ROOT / "docs" / "measured"
@@ -55,7 +54,7 @@ def main() -> None:
         if np.any(found.data.drive.off):
             driven = changed(log, rig, DRIVEN_ROWS)
             results[name]["tables"].append(free(found, driven))
-            results[name]["driven rows only"] = lines(driven)
+            results[name]["driven rows only"] = diagnosis_lines(driven)
         figures.draw(name, found, OUT)
         print("\n".join(results[name]["console"]), "\n")
     OUT.mkdir(exist_ok=True)
@@ -80,15 +79,15 @@ def page(name: str, found: Diagnosis) -> dict[str, Any]:
     tables = [errors(found), *([gains(found)] if len(models(found)) > 1 else []), IDENTIFIED[name](found)]
     if found.orders:
         tables.append(orders(found))
-    return {"verdict": found.attribution.verdict, "console": lines(found), "tables": tables}
+    return {"verdict": found.attribution.verdict, "console": diagnosis_lines(found), "tables": tables}
 
 
 def models(found: Diagnosis) -> dict[str, str]:
     """Models that differ: without a mass the paper's is Coulomb + viscous, without an effect none extends it."""
     kept = dict(MODELS)
-    if found.rmse["mechanical"]["paper"] == found.rmse["mechanical"]["linear"]:
+    if found.score.rmse["mechanical"]["paper"] == found.score.rmse["mechanical"]["linear"]:
         del kept["paper"]
-    if found.extended is found.paper:
+    if not found.models.adopted:
         del kept["extended"]
     return kept
 
@@ -112,7 +111,7 @@ def gains(found: Diagnosis) -> Table:
     if over is not None:
         columns += ["each run left out: less error [%]", "95 % interval", "runs better", "of"]
     names, rows = list(models(found)), {}
-    fits = {"linear": found.linear, "paper": found.paper, "extended": found.extended}
+    fits = {"linear": found.models.linear, "paper": found.models.paper, "extended": found.models.extended}
     for before, after in pairwise(names):
         # At one scale, as the errors are: they are volts where the torque is not measured.
         residual = [
@@ -133,7 +132,7 @@ def free(found: Diagnosis, driven: Diagnosis) -> Table:
     labels = {"linear": MODELS["linear"], "paper": "paper", "extended": "extended"}
     blind = free_errors(found, driven)
     off = found.rows.mean(found.data.drive.off.astype(float)) > 0.5
-    fits = {"linear": found.linear, "paper": found.paper, "extended": found.extended}
+    fits = {"linear": found.models.linear, "paper": found.models.paper, "extended": found.models.extended}
     mean = {n: float(m.residuals["mechanical"][off & found.rows.score].mean()) for n, m in fits.items()}
     columns = [
         "model",

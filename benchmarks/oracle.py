@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Collection
 
-from eccentric.diagnosis.diagnose import Diagnosis
+from eccentric.diagnosis import Diagnosis
 from eccentric.effects import library
 from eccentric.fitting import refit
 
@@ -32,5 +32,5 @@ def oracle(found: Diagnosis, families: Collection[str]) -> tuple[str, float] | N
         adopted += [(effects[v.candidate.id], dict(v.values)) for v in best.variants]
     if wanted:
         return None
-    balance, fitted = shown or "mechanical", refit(found.base, tuple(adopted), found.data)
-    return balance, min(fitted.held_out(balance), found.paper.held_out(balance))
+    balance, fitted = shown or "mechanical", refit(found.models.base, tuple(adopted), found.data)
+    return balance, min(fitted.held_out(balance), found.models.paper.held_out(balance))

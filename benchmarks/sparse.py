@@ -14,7 +14,7 @@ from pathlib import Path
 import numpy as np
 
 from benchmarks import environment
-from eccentric.diagnosis.diagnose import Diagnosis
+from eccentric.diagnosis import Diagnosis
 from eccentric.fitting import base_columns
 
 Array = np.ndarray
@@ -24,7 +24,7 @@ PEER = Path(__file__).resolve().with_name("sparse_peer.py")
 
 def write(found: Diagnosis, path: Path) -> None:
     """Write residuals of the paper's model, its own columns, those of effects, and which rows are fitted."""
-    rows, own = found.data.rows, found.paper.residuals
+    rows, own = found.data.rows, found.models.paper.residuals
     signals = {name: rows.mean(x) for name, x in found.data.signals.values.items()}
     signals["gravity"] = rows.mean(found.data.gravity)
     signals["inertia"] = signals["alpha_m"] * _inertia(found)
@@ -37,7 +37,7 @@ def write(found: Diagnosis, path: Path) -> None:
                 f"{balance}_columns": np.column_stack(values),
             }
             content[f"{balance}_residual"] = own[balance]
-    content["mechanical_base"] = rows.mean(base_columns(found.base, found.data.signals))
+    content["mechanical_base"] = rows.mean(base_columns(found.models.base, found.data.signals))
     content["electrical_base"] = np.empty((len(rows.train), 0))
     np.savez(path, **content)  # pyright: ignore[reportArgumentType]
 

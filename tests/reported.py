@@ -9,7 +9,7 @@ import numpy as np
 
 from eccentric.report.data import (
     AddedEffect,
-    Balance,
+    BalanceResiduals,
     Candidate,
     Channel,
     Equation,
@@ -46,7 +46,7 @@ def rows_of(n: int, runs: int = 1) -> Rows:
     return Rows(t, run, tuple(f"run {k + 1}" for k in range(runs)), ~held, held, channels)
 
 
-def balance_of(rows: Rows, unit: str = "N m", effect: bool = True) -> Balance:
+def balance_of(rows: Rows, unit: str = "N m", effect: bool = True) -> BalanceResiduals:
     """The mechanical balance of such rows."""
     omega, angle = (rows.channels[k].values for k in (0, 1))
     noise = np.random.default_rng(5).normal(0.0, 0.004, len(omega))
@@ -57,7 +57,7 @@ def balance_of(rows: Rows, unit: str = "N m", effect: bool = True) -> Balance:
     rmse = {"linear": 0.04, "paper": float(np.sqrt(np.mean(paper[held] ** 2)))}
     rmse["extended"] = float(np.sqrt(np.mean(noise[held] ** 2))) if effect else rmse["paper"]
     extended = noise if effect else None
-    return Balance(
+    return BalanceResiduals(
         "mechanical", "friction", unit, rows, paper, extended, 1.3 * paper, known + paper, rmse, 0.004
     )
 

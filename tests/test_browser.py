@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 from reported import HOSTILE, nothing_missing, sample
 
-from eccentric.diagnosis.diagnose import diagnose
+from eccentric.diagnosis import diagnose
 from eccentric.report import page, report
 
 playwright = pytest.importorskip("playwright.sync_api", reason="Playwright is not installed")

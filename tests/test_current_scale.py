@@ -5,8 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from eccentric.diagnosis.diagnose import diagnose
-from eccentric.diagnosis.words import sentence
+from eccentric.diagnosis import diagnose, diagnosis_sentence
 from eccentric.rigs import read_rig
 from eccentric.signals import read_channels
 from tests.virtual import log_of
@@ -32,7 +31,7 @@ def test_a_wrong_k_i_is_named_with_its_right_value(tmp_path: Path) -> None:
     assert ("named", ["ki_mismatch"]) == (found.attribution.verdict, [e.id for e, _ in found.effects])
     (_, own), *_ = found.effects
     assert pytest.approx(true, rel=0.01) == 0.85 * true / (1.0 + own["current_scale"])
-    assert "M g L" not in sentence(found)
+    assert "M g L" not in diagnosis_sentence(found)
 
 
 def test_a_wrong_mass_is_not_taken_for_a_wrong_k_i(tmp_path: Path) -> None:
@@ -41,7 +40,7 @@ def test_a_wrong_mass_is_not_taken_for_a_wrong_k_i(tmp_path: Path) -> None:
     found = diagnose([log], declared(rig, M_kg=1.11))
 
     assert ("named", ["mass_mismatch"]) == (found.attribution.verdict, [e.family for e, _ in found.effects])
-    assert "k_i" not in sentence(found)
+    assert "k_i" not in diagnosis_sentence(found)
 
 
 def test_a_wrong_inertia_is_not_taken_for_a_wrong_k_i(tmp_path: Path) -> None:
@@ -59,7 +58,7 @@ def test_where_the_inertia_is_open_mass_and_k_i_are_told_together(wrong: str, tm
     found = diagnose([log], declared(rig, "J_m_kgm2", "J_l_kgm2", **{wrong: 1.11}))
 
     assert ["mass_mismatch"] == [e.family for e, _ in found.effects]
-    assert "looks the same as ki_mismatch" in sentence(found)
+    assert "looks the same as ki_mismatch" in diagnosis_sentence(found)
 
 
 def test_mu_the_wrong_way_round_is_told(tmp_path: Path) -> None:

@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 
 from eccentric.cli import main
-from eccentric.diagnosis.diagnose import diagnose
+from eccentric.diagnosis import diagnose
 from eccentric.virtual_bench import Law, PlantedEffect, simply, simulate, write
 from tests.virtual import drawn_scenario, log_of
 
@@ -51,7 +51,7 @@ def test_leaves_a_control_alone(tmp_path: Path) -> None:
 
     assert "nothing_missing" == found.attribution.verdict
     assert () == found.effects
-    assert found.rmse["mechanical"]["paper"] == found.rmse["mechanical"]["extended"]
+    assert found.score.rmse["mechanical"]["paper"] == found.score.rmse["mechanical"]["extended"]
 
 
 def own_friction(

@@ -7,9 +7,7 @@ from pathlib import Path
 import pytest
 
 from eccentric.cli import main
-from eccentric.diagnosis.diagnose import diagnose
-from eccentric.diagnosis.document import document
-from eccentric.diagnosis.words import sentence
+from eccentric.diagnosis import diagnose, diagnosis_document, diagnosis_sentence
 from eccentric.report.gather import report_data
 from tests import screw
 
@@ -41,7 +39,7 @@ def test_torque_signal_needs_no_motor_constants(tmp_path: Path) -> None:
     found = diagnose([LOG], rig)
 
     assert ["link_harmonic_friction"] == [effect.family for effect, _ in found.effects]
-    assert {"mechanical"} == set(found.rmse)
+    assert {"mechanical"} == set(found.score.rmse)
 
 
 def test_voltage_alone_names_the_same_effect(tmp_path: Path) -> None:
@@ -77,7 +75,7 @@ def test_zero_angle_and_offset_are_told_once_as_they_were_planted(tmp_path: Path
         ('voltage = "voltage_V"\ncurrent = "current_A"', 'voltage = "voltage_V + 0.3"'),
     )
     found = diagnose([LOG], rig)
-    said = document(found)["rig_identified"]
+    said = diagnosis_document(found)["rig_identified"]
     shown = {fact.name: fact.value for fact in report_data(found).facts}
 
     assert {"theta_zero_rad", "voltage_offset_V"} == set(said)
@@ -195,7 +193,7 @@ def test_one_run_is_too_little_to_hold_out(
 def test_a_wrong_constant_of_the_rig_is_told_as_what_it_is(tmp_path: Path, k_e: str) -> None:
     """The sentence gives the quantity, its value by the log and that of the rig, and says it once."""
     rig = rig_with(tmp_path, ('k_e = "0.063 V s/rad"', f'k_e = "{k_e} V s/rad"'))
-    said = sentence(diagnose([LOG], rig))
+    said = diagnosis_sentence(diagnose([LOG], rig))
     (value,) = re.findall(
         rf"the right value of k_e \(ke_mismatch: (\S+) V s/rad, {k_e} in the rig file\)", said
     )

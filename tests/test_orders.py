@@ -5,8 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from eccentric.diagnosis.diagnose import Diagnosis, diagnose
-from eccentric.diagnosis.orders import orders_of
+from eccentric.diagnosis import Diagnosis, diagnose, orders_of
 from tests import screw
 from tests.screw import Array
 
@@ -25,7 +24,7 @@ def test_stribeck_friction_is_named_from_the_means_of_runs(found: Diagnosis) -> 
     """One mean a run is enough to name it, and to find its torque and velocity to three standard errors."""
     assert ["stribeck[d=2]"] == [effect.id for effect, _ in found.effects]
     for name, truth in (("stribeck_A", screw.STRIBECK), ("stribeck_v", screw.VELOCITY)):
-        estimate = found.extended.estimates[name]
+        estimate = found.models.extended.estimates[name]
         assert abs(estimate.value - truth) <= 3.0 * estimate.std_error
     assert found.rows.description == "whole runs"
     assert np.count_nonzero(found.rows.train | found.rows.score) == len(screw.SPEEDS)
@@ -33,7 +32,7 @@ def test_stribeck_friction_is_named_from_the_means_of_runs(found: Diagnosis) -> 
 
 def test_constant_load_is_identified_and_no_friction_by_a_mass_that_is_not_there(found: Diagnosis) -> None:
     """T_load comes back with its sign beside Coulomb and viscous friction; F_N has no coefficients."""
-    estimates = found.extended.estimates
+    estimates = found.models.extended.estimates
     truths = {"T_load": screw.LOAD, "C_m": screw.COULOMB, "B_m": screw.VISCOUS}
     # A second is cut off each run: of the ripple, a part of one turn is left in the nine of the fastest.
     left = sum(RIPPLE.values()) / np.pi / 8.8

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from eccentric.diagnosis.diagnose import Diagnosis, diagnose
+from eccentric.diagnosis import Diagnosis, diagnose
 
 ROOT = Path(__file__).resolve().parents[1]
 MEASURED = ROOT.parent / "shared" / "data" / "measured"
@@ -42,7 +42,7 @@ def test_servo_lacks_friction_that_follows_the_load_of_its_gear() -> None:
     over = diagnosis.score.over_runs
     assert over is not None
     assert (diagnosis.effects[0][0].family, diagnosis.unit) == ("load_dependent", "N m")
-    assert diagnosis.interval[0] > 0.0
+    assert diagnosis.score.interval[0] > 0.0
     assert over.gains["extended"][1][0] > 0.0
 
 
@@ -52,13 +52,13 @@ def test_normal_force_of_the_bearing_is_not_the_load_of_the_servo() -> None:
     over = diagnosis.score.over_runs
     assert over is not None
     assert over.gains["paper"][1][0] <= 0.0
-    held = {name: diagnosis.extended.estimates[name].bound_active for name in ("B_lN", "C_lN")}
+    held = {name: diagnosis.models.extended.estimates[name].bound_active for name in ("B_lN", "C_lN")}
     assert held == {"B_lN": "lower", "C_lN": "lower"}
 
 
 def test_motor_of_the_servo_is_that_of_other_logs() -> None:
     """R/k_i and k_e lie where R of 2.8 to 4.8 ohm and k_t = k_e of 0.32 to 0.39 N m/A put them."""
-    estimates = servo().extended.estimates
+    estimates = servo().models.extended.estimates
     assert 2.8 / 0.39 < estimates["R/k_i"].value < 4.8 / 0.32
     assert 0.32 < estimates["k_e"].value < 0.39
 
@@ -67,7 +67,7 @@ def test_free_swings_of_the_servo_have_the_same_friction() -> None:
     """With the motor off, where nothing electrical is, the same friction predicts as well as with it on."""
     diagnosis = servo()
     free = diagnosis.score.free
-    assert free["extended"] < diagnosis.rmse["mechanical"]["extended"]
+    assert free["extended"] < diagnosis.score.rmse["mechanical"]["extended"]
     assert free["extended"] < min(free["linear"], free["paper"])
 
 
@@ -78,7 +78,7 @@ def test_lead_screw_shows_stribeck_friction() -> None:
     assert over is not None
     assert ["stribeck"] == [effect.family for effect, _ in diagnosis.effects]
     assert over.rmse["linear"] == pytest.approx(0.14e-3, abs=0.005e-3)
-    assert diagnosis.interval[0] > 0.0
+    assert diagnosis.score.interval[0] > 0.0
     assert over.gains["extended"][1][0] > 0.0
 
 
@@ -95,14 +95,14 @@ def test_worm_gear_is_periodic_in_its_turns_and_gets_no_wrong_name() -> None:
     assert order_near(diagnosis, 1) > 0.4
     variables = {v for effect, _ in diagnosis.effects for v in effect.evidence.depends_on}
     assert variables <= {"velocity", "direction"}
-    assert not diagnosis.effects or diagnosis.interval[0] > 0.0
+    assert not diagnosis.effects or diagnosis.score.interval[0] > 0.0
 
 
 def test_nothing_is_invented_on_the_quasi_direct_drive() -> None:
     """Of the disturbed pendulum nothing can be proved beyond the paper; gravity is that of its README."""
     diagnosis = found("dfki_ak80_pendulum")
     assert ("nothing_missing", ()) == (diagnosis.attribution.verdict, diagnosis.effects)
-    gravity = diagnosis.rig.known["M"] * 9.81 * diagnosis.paper.estimates["L"].value
+    gravity = diagnosis.rig.known["M"] * 9.81 * diagnosis.models.paper.estimates["L"].value
     assert gravity == pytest.approx(3.68, rel=0.05)
 
 
@@ -112,6 +112,6 @@ def test_disc_is_aligned_and_nothing_unsupported_is_named() -> None:
     channels = diagnosis.channels
     assert 0.02 < channels.input_delay_s < 0.045
     assert 0.04 < channels.theta_zero_rad < 0.06
-    assert not diagnosis.effects or diagnosis.interval[0] > 0.0
+    assert not diagnosis.effects or diagnosis.score.interval[0] > 0.0
     # README: rigid body, back-EMF and Coulomb leave 0.035 V on windows of 0.3 s.
     assert diagnosis.score.per_drive["linear"] < 0.035

@@ -12,8 +12,7 @@ import pytest
 
 from eccentric.cli import diagnose as command
 from eccentric.cli import main
-from eccentric.diagnosis.diagnose import Diagnosis, diagnose
-from eccentric.diagnosis.model_script import script
+from eccentric.diagnosis import Diagnosis, diagnose, script
 from eccentric.report import report_data
 from tests.page_reader import Reader
 
@@ -58,7 +57,10 @@ def test_no_name_of_a_log_is_run(found: Diagnosis) -> None:
     """What a log is called stays text in model.py, which is loaded as soon as it is written."""
     hostile = 'a\\""" + str(print(1)) + """.csv'
 
-    before, after = (ast.parse(script(replace(found, logs=(name,)))) for name in ("a.csv", hostile))
+    before, after = (
+        ast.parse(script(replace(found, asked=replace(found.asked, logs=(name,)))))
+        for name in ("a.csv", hostile)
+    )
 
     assert [ast.dump(node) for node in before.body[1:]] == [ast.dump(node) for node in after.body[1:]]
     assert "print(1)" in (ast.get_docstring(after) or "")
@@ -79,7 +81,7 @@ def test_the_record_says_what_the_diagnosis_found(found: Diagnosis) -> None:
     fitted = {p.name: p.value for p in data.parameters if p.origin in {"effect", "friction"}}
 
     assert pytest.approx(dict(mechanical.rmse), rel=1e-9) == rmse
-    assert {name: e.value for name, e in found.extended.estimates.items()}.items() >= fitted.items()
+    assert {name: e.value for name, e in found.models.extended.estimates.items()}.items() >= fitted.items()
     assert {
         "velocity",
         "link_angle",

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from eccentric.diagnosis.score import leave_runs_out
+from eccentric.diagnosis import leave_runs_out
 from eccentric.fitting import FitData, drive_of, refit
 from eccentric.model import Model, load_model
 from eccentric.rigs import read_rig

@@ -8,8 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from eccentric.diagnosis.diagnose import Diagnosis, diagnose
-from eccentric.diagnosis.document import document
+from eccentric.diagnosis import Diagnosis, diagnose, diagnosis_document
 from eccentric.fitting import refit
 from eccentric.report.gather import report_data
 from tests.identified import DIFFERENCES, inertia, is_found
@@ -58,7 +57,7 @@ def test_drag_is_named_from_the_voltage_alone(with_drag: Diagnosis) -> None:
     assert "named" == with_drag.attribution.verdict
     assert ["quadratic_drag"] == [effect.family for effect, _ in with_drag.effects]
     (coefficient,) = with_drag.effects[0][0].coefficients
-    assert is_found(with_drag.extended, coefficient.name, DRAG)
+    assert is_found(with_drag.models.extended, coefficient.name, DRAG)
 
 
 def test_a_gear_that_loses_unlike_amounts_gives_the_same_voltage() -> None:
@@ -90,7 +89,7 @@ def test_load_dependent_friction_is_told_with_its_equal(with_load: Diagnosis) ->
     assert "not_identifiable" == with_load.attribution.verdict
     assert {"load_dependent", "gear_efficiency"} == set(with_load.attribution.tied)
     assert "current" in with_load.attribution.next_measurement
-    assert is_found(with_load.extended, "load_eta", 0.15)
+    assert is_found(with_load.models.extended, "load_eta", 0.15)
 
 
 def stribeck(_: Array, omega: Array) -> Array:
@@ -112,13 +111,13 @@ def test_a_fit_that_is_stopped_too_early_says_so(
     assert data.drive.scale is not None
     wrong = replace(data, drive=replace(data.drive, scale=1.05 * data.drive.scale))
     monkeypatch.setattr("eccentric.fitting.extended.MOST_STEPS", 1)
-    early = refit(with_load.base, (), wrong, bounds=False)
-    found = replace(with_load, paper=early)
+    early = refit(with_load.models.base, (), wrong, bounds=False)
+    found = replace(with_load, models=replace(with_load.models, paper=early))
 
     assert early.change == pytest.approx(1.0 - 1.0 / 1.05, rel=1e-2)
-    assert (True, False) == (with_load.paper.settled, early.settled)
-    assert (True, False) == (document(with_load)["settled"], document(found)["settled"])
-    for said in (document(found)["warnings"], report_data(found).warnings, found.warnings):
+    assert (True, False) == (with_load.models.paper.settled, early.settled)
+    assert (True, False) == (diagnosis_document(with_load)["settled"], diagnosis_document(found)["settled"])
+    for said in (diagnosis_document(found)["warnings"], report_data(found).warnings, found.warnings):
         assert any("fit of the model paper has not settled" in warning for warning in said)
     assert not any("settled" in warning for warning in with_load.warnings)
 
@@ -128,18 +127,18 @@ def test_rig_is_identified_beside_the_effect(name: str, request: pytest.FixtureR
     """Scale, back-EMF and inertia of the extended model are those of the rig, effect or not."""
     found: Diagnosis = request.getfixturevalue(name)
     rig = Swing()
-    fitted = found.shipped
+    fitted = found.models.shipped
     assert is_found(fitted, "R/k_i", rig.R / rig.k_i, 1e-3)
     assert is_found(fitted, "k_e", rig.k_e, 1e-3)
     assert inertia(fitted, rig.mu) == pytest.approx(rig.J, rel=DIFFERENCES)
-    said = document(found)["rig_identified"]
+    said = diagnosis_document(found)["rig_identified"]
     assert {"R/k_i", "k_e", "J_m"} <= set(said)
     assert said["R/k_i"]["unit"] == "V/(N m)"
 
 
 def test_errors_in_volts_are_those_in_newton_metres_by_the_scale(with_drag: Diagnosis) -> None:
     """Both are told, and differ by R/k_i; the error after is that of the voltage's noise."""
-    said = document(with_drag)
+    said = diagnosis_document(with_drag)
     volts, torques = said["rmse_holdout_V"]["mechanical"], said["rmse_holdout_Nm"]["mechanical"]
     scale = said["rig_identified"]["R/k_i"]["value"]
     for name in ("linear", "paper", "extended"):
@@ -174,7 +173,7 @@ def test_control_by_voltage_alone_lacks_nothing(control: Diagnosis) -> None:
     over = control.score.over_runs
     assert over is not None
     assert ("nothing_missing", ()) == (control.attribution.verdict, control.effects)
-    assert control.extended is control.paper
+    assert not control.models.adopted
     assert set(over.gains) == {"paper"}
     low, high = over.gains["paper"][1]
     assert low <= 0.0 <= high

@@ -8,8 +8,7 @@ import matplotlib as mpl
 import numpy as np
 from matplotlib.figure import Figure
 
-from eccentric.diagnosis.diagnose import diagnose
-from eccentric.diagnosis.words import sentence
+from eccentric.diagnosis import diagnose, diagnosis_sentence
 from generator.pictures import COLOURS, STYLE, save
 
 BENCH = Path(__file__).parents[2] / "examples" / "bench"
@@ -24,7 +23,7 @@ def picture(path: Path) -> str:
     rows = found.rows
     shown = rows.score & (rows.mean(found.channels.omega_m) > 0.0)
     angle = np.degrees(found.setting.mu * rows.mean(found.channels.theta_m)[shown]) % 360.0
-    before, after = (fit.residuals["mechanical"][shown] for fit in (found.paper, found.shipped))
+    before, after = (fit.residuals["mechanical"][shown] for fit in (found.models.paper, found.models.shipped))
     with mpl.rc_context(STYLE):
         figure = Figure((7.0, 2.7), layout="constrained")
         bins = np.linspace(0.0, 360.0, 37)
@@ -44,4 +43,4 @@ def picture(path: Path) -> str:
             axes.set_xticks(range(0, 361, 90))
         figure.axes[0].set_ylabel("residual [N m], forwards")
     save(figure, path)
-    return sentence(found)
+    return diagnosis_sentence(found)

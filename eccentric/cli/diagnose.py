@@ -8,10 +8,7 @@ import webbrowser
 from pathlib import Path
 
 from eccentric.cli.arguments import add_folder, add_logs, distinct
-from eccentric.diagnosis.diagnose import Diagnosis, diagnose
-from eccentric.diagnosis.document import document
-from eccentric.diagnosis.model_script import script
-from eccentric.diagnosis.words import lines
+from eccentric.diagnosis import Diagnosis, diagnose, diagnosis_document, diagnosis_lines, script
 from eccentric.emission import complete, write
 from eccentric.errors import InputError
 from eccentric.model import load_model
@@ -66,7 +63,7 @@ def run(args: argparse.Namespace) -> int:
         names = _write(found, folder)
     for warning in found.warnings:
         print(f"eccentric: warning: {warning}", file=sys.stderr)
-    print("\n".join(lines(found)))
+    print("\n".join(diagnosis_lines(found)))
     print(f"{args.out}: {', '.join(names)}")
     if args.open and not webbrowser.open((Path(args.out).resolve() / "report.html").as_uri()):
         print("eccentric: warning: no browser was found to open the report", file=sys.stderr)
@@ -79,10 +76,10 @@ def _own(effects: Path | None, model: str | None) -> list[Path]:
 
 
 def _write(found: Diagnosis, folder: Path) -> list[str]:
-    text = json.dumps(document(found), indent=1, ensure_ascii=False, allow_nan=False)
+    text = json.dumps(diagnosis_document(found), indent=1, ensure_ascii=False, allow_nan=False)
     (folder / "diagnosis.json").write_text(text + "\n", encoding="utf-8")
     (folder / "model.py").write_text(script(found), encoding="utf-8")
-    own = _own(found.own, found.model)
+    own = _own(found.asked.effects, found.asked.model)
     for path in own:
         shutil.copyfile(path, folder / path.name)
     model = load_model(folder / "model.py")

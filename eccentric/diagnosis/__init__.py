@@ -1,1 +1,38 @@
-"""The loop: fit, search, extend, refit, score; and the result in words and JSON."""
+"""The loop: fit, search, extend, refit, score; and the result in words, as JSON and as a script.
+
+    loop          logs, rig -> Diagnosis: every stage in order
+    models        the models after the search; what the held-out part does not confirm loses its name
+    score         held-out errors before and after, run by run where there are enough
+    orders        what is left inside runs and periodic in the motor angle
+    words         a Diagnosis for a person
+    document      a Diagnosis as diagnosis.json
+    model_script  the extended model as a derivation
+    limits        every threshold, with its reason
+
+In: logs and a rig. Out: a `Diagnosis`.
+May import: `search` and all rooms below it.
+"""
+
+from eccentric.diagnosis.document import diagnosis_document
+from eccentric.diagnosis.loop import diagnose
+from eccentric.diagnosis.model_script import extended_name, script
+from eccentric.diagnosis.orders import Order, orders_of
+from eccentric.diagnosis.outcome import Asked, Diagnosis
+from eccentric.diagnosis.score import OverRuns, Score, leave_runs_out
+from eccentric.diagnosis.words import diagnosis_lines, diagnosis_sentence
+
+__all__ = [
+    "Asked",
+    "Diagnosis",
+    "Order",
+    "OverRuns",
+    "Score",
+    "diagnose",
+    "diagnosis_document",
+    "diagnosis_lines",
+    "diagnosis_sentence",
+    "extended_name",
+    "leave_runs_out",
+    "orders_of",
+    "script",
+]

@@ -7,21 +7,21 @@ from typing import Any
 import sympy as sp
 
 from eccentric.diagnosis.outcome import Diagnosis
-from eccentric.diagnosis.words import sentence
+from eccentric.diagnosis.words import diagnosis_sentence
 from eccentric.effects import Effect
 
-__all__ = ["document"]
+__all__ = ["diagnosis_document"]
 
 
-def document(found: Diagnosis) -> dict[str, Any]:
+def diagnosis_document(found: Diagnosis) -> dict[str, Any]:
     """The content of diagnosis.json, format eccentric-diagnosis/1 (keys as in the manual)."""
     a = found.attribution
     return {
         "format": "eccentric-diagnosis/1",
-        "logs": list(found.logs),
-        "model": found.base.name,
+        "logs": list(found.asked.logs),
+        "model": found.models.base.name,
         "verdict": a.verdict,
-        "sentence": sentence(found),
+        "sentence": diagnosis_sentence(found),
         "effects": [_effect(found, effect) for effect, _ in found.effects],
         "candidates": [
             {
@@ -33,14 +33,14 @@ def document(found: Diagnosis) -> dict[str, Any]:
             }
             for c in a.candidates
         ],
-        "extended_by": [effect.id for effect, _ in found.extended.effects],
+        "extended_by": [effect.id for effect, _ in found.models.extended.effects],
         "residual_depends_on": list(a.depends_on),
         "next_measurement": a.next_measurement,
         **_errors(found),
         "improvement": {
-            "balance": found.balance,
-            "percent": found.percent,
-            "interval_95": list(found.interval),
+            "balance": found.score.balance,
+            "percent": found.score.percent,
+            "interval_95": list(found.score.interval),
         },
         f"noise_floor_{_suffix(found)}": found.noise_floor,
         "null_test": {
@@ -61,7 +61,7 @@ def document(found: Diagnosis) -> dict[str, Any]:
             "intervals_s": [list(map(float, pair)) for pair in found.channels.holdout.intervals_s],
         },
         "rows": found.channels.counts,
-        "settled": not found.unsettled,
+        "settled": not found.models.unsettled,
         "warnings": list(found.warnings),
     }
 
@@ -109,7 +109,7 @@ def _identified(found: Diagnosis) -> dict[str, Any]:
     """
     letters = {"J_m", "J_l", "T_load", "R/k_i", "1/k_i", "k_e", "L", "M"} | found.rig.estimate
     said: dict[str, Any] = {name: getattr(found.channels, name) for name in sorted(found.rig.estimate)}
-    for name, e in found.shipped.estimates.items():
+    for name, e in found.models.shipped.estimates.items():
         if name in letters:
             interval = list(e.interval)
             said[name] = {"value": e.value, "std_error": e.std_error, "interval_95": interval, "unit": e.unit}
@@ -117,10 +117,10 @@ def _identified(found: Diagnosis) -> dict[str, Any]:
 
 
 def _effect(found: Diagnosis, effect: Effect) -> dict[str, Any]:
-    values = dict(next(own for e, own in found.extended.effects if e is effect))
+    values = dict(next(own for e, own in found.models.extended.effects if e is effect))
     parameters = {}
     for q in effect.parameters:
-        estimate = found.extended.estimates.get(q.name)
+        estimate = found.models.extended.estimates.get(q.name)
         parameters[q.name] = {
             "value": values[q.name],
             "std_error": None if estimate is None else estimate.std_error,
@@ -136,6 +136,6 @@ def _effect(found: Diagnosis, effect: Effect) -> dict[str, Any]:
         "formula": effect.formula,
         "reference": effect.reference,
         "parameters": parameters,
-        "share_of_friction_rms": found.extended.shares.get(effect.id, 0.0),
+        "share_of_friction_rms": found.models.extended.shares.get(effect.id, 0.0),
         "aliases": list(effect.evidence.aliases),
     }

@@ -14,6 +14,7 @@ import numpy as np
 from scipy.ndimage import median_filter
 from scipy.signal import find_peaks, lombscargle
 
+from eccentric.diagnosis.limits import ABOVE, HIGHEST_ORDER, LEAST_SHARE, LEAST_STRETCHES, LEAST_TURNS
 from eccentric.fitting import FitData
 from eccentric.signals import rows_of_each
 
@@ -22,19 +23,10 @@ __all__ = ["Order", "orders_of"]
 Array = np.ndarray
 
 TURN = 2.0 * np.pi
-LEAST_TURNS = 2.0
-"""A stretch of fewer turns does not tell one order from the next."""
-HIGHEST = 12.0
-"""Orders per motor turn that are looked at, in steps of a twentieth."""
-LEAST_SHARE = 0.04
-"""Of the variance inside the stretches; less is not worth a line."""
-ABOVE = 4.0
-"""A peak over the median of the spectrum around it: what wanders is high at low orders, and not periodic."""
+STEP = 0.05
+"""Between the orders of a spectrum."""
 AROUND = 41
-"""Width of what is around, steps: two orders."""
-LEAST_STRETCHES = 6
-"""Chance makes a peak of the same order in one stretch, or in three; not in most of six."""
-
+"""Steps that are around a peak: two orders."""
 ALONE = 8
 """Steps to either side within which an order is the highest of its stretch."""
 
@@ -61,12 +53,12 @@ def orders_of(data: FitData, target: Array) -> tuple[Order, ...]:
     Empty with fewer than `LEAST_STRETCHES` stretches of usable rows in one direction of `LEAST_TURNS` turns.
     """
     channels = data.drive.channels
-    grid = np.arange(0.5, HIGHEST, 0.05)
+    grid = np.arange(0.5, HIGHEST_ORDER, STEP)
     spectra, variances = [], []
     for rows in _stretches(channels.usable, channels.segment, channels.omega_m):
         angle, y = channels.theta_m[rows], target[rows]
         turns = abs(angle[-1] - angle[0]) / TURN
-        if turns < LEAST_TURNS or len(rows) < 4.0 * HIGHEST * turns:
+        if turns < LEAST_TURNS or len(rows) < 4.0 * HIGHEST_ORDER * turns:
             continue
         # What is smooth over the stretch, and what follows the speed, is no ripple.
         t = np.linspace(-1.0, 1.0, len(rows))
@@ -82,7 +74,7 @@ def orders_of(data: FitData, target: Array) -> tuple[Order, ...]:
     mean = every.mean(axis=0)
     around = median_filter(mean, AROUND, mode="nearest")
     local = median_filter(every, (1, AROUND), mode="nearest")
-    peaks, _ = find_peaks(mean, height=np.maximum(LEAST_SHARE, ABOVE * around), distance=8)
+    peaks, _ = find_peaks(mean, height=np.maximum(LEAST_SHARE, ABOVE * around), distance=ALONE)
     found = []
     for k in peaks:
         # An order is known to the inverse of the turns only: the best of the neighbours counts.

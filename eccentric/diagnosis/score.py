@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from eccentric.diagnosis.limits import FEWEST_RUNS
 from eccentric.effects import Effect
 from eccentric.fitting import FitData, Refit, improvement, improvement_over_runs, refit
 from eccentric.model import Model
@@ -14,9 +15,6 @@ from eccentric.model import Model
 __all__ = ["OverRuns", "Score", "leave_runs_out", "score"]
 
 Array = np.ndarray
-
-FEWEST = 5
-"""Runs from which the gain is also told over whole runs."""
 
 
 @dataclass(frozen=True)
@@ -91,7 +89,7 @@ def leave_runs_out(base: Model, extended: Refit, data: FitData) -> OverRuns | No
     rows = data.rows
     used = rows.train | rows.score
     runs = np.unique(rows.run[used])
-    if len(runs) < FEWEST or data.drive.measured_twice:
+    if len(runs) < FEWEST_RUNS or data.drive.measured_twice:
         return None
     shapes = tuple(
         (e, {s.quantity.name: own[s.quantity.name] for s in e.shapes}) for e, own in extended.effects

@@ -5,31 +5,30 @@ from __future__ import annotations
 import inspect
 from collections.abc import Mapping
 
+from eccentric.diagnosis.limits import PROVABLE
 from eccentric.diagnosis.model_script import extended_name
 from eccentric.diagnosis.outcome import Diagnosis
 from eccentric.diagnosis.score import OverRuns
-from eccentric.diagnosis.trial import LEAST_R2
 from eccentric.effects import Effect
 from eccentric.emission import load_module
 from eccentric.errors import few
 
-__all__ = ["lines", "sentence"]
+__all__ = ["diagnosis_lines", "diagnosis_sentence"]
 
 _GRAVE = {"wrong_sign", "wrong_unit", "contradiction", "another_rig", "mismatch", "zero_angle"}
 _FOLLOWS = {"k_i": {"J", "M g L"}, "M": {"M g L"}}
 """What else a wrong declaration makes look wrong."""
-PROVABLE = 3.0
-"""A residual this many times the noise of the sensors has a cause, found or not."""
 
 
-def sentence(found: Diagnosis) -> str:
+def diagnosis_sentence(found: Diagnosis) -> str:
     """One sentence that can be sent to a colleague."""
     a = found.attribution
-    before, after = found.rmse[found.balance]["paper"], found.rmse[found.balance]["extended"]
-    falls = "falls" if found.interval[0] > 0.0 else "does not clearly fall:"
+    score = found.score
+    before, after = (score.rmse[score.balance][model] for model in ("paper", "extended"))
+    falls = "falls" if score.interval[0] > 0.0 else "does not clearly fall:"
     gain = (
         f"the held-out error {falls} from {before:.4g} to {after:.4g} {found.unit}"
-        f" ({found.percent:.1f} %, 95 % interval {found.interval[0]:.1f} to {found.interval[1]:.1f} %)"
+        f" ({score.percent:.1f} %, 95 % interval {score.interval[0]:.1f} to {score.interval[1]:.1f} %)"
     )
     if a.verdict == "named":
         names = " and ".join(_name(found, effect) for effect, _ in found.effects)
@@ -42,10 +41,10 @@ def sentence(found: Diagnosis) -> str:
     if a.verdict == "not_identifiable":
         families = " or ".join(a.tied or tuple(dict.fromkeys(c.family for c in a.candidates[:2])))
         return f"An effect is missing, but this log cannot tell {families} apart; with the first {gain}."
-    if found.r_squared < LEAST_R2:
+    if not found.models.fits_the_rig:
         return (
-            f"This log does not fit the rig (R^2 of the drive torque {found.r_squared:.2f}): check units and"
-            f" signs before anything else.{_first(found)}"
+            f"This log does not fit the rig (R^2 of the drive torque {found.models.r_squared:.2f}): check"
+            f" units and signs before anything else.{_first(found)}"
         )
     if a.unconfirmed:
         return (
@@ -74,7 +73,7 @@ def _name(found: Diagnosis, effect: Effect) -> str:
     if effect.corrects is None:
         return effect.id
     quantity, value = effect.corrects
-    fitted = {q.symbol: found.extended.values[q.name] for q in effect.parameters}
+    fitted = {q.symbol: found.models.extended.values[q.name] for q in effect.parameters}
     letters = {s.name: s for s in value.free_symbols - set(fitted)}
     if not set(letters) <= set(found.rig.known):
         return effect.id
@@ -99,9 +98,8 @@ def _first(found: Diagnosis) -> str:
     """What the record itself says is wrong, if anything that the named effects do not say."""
     told = {effect.corrects[0].name for effect, _ in found.effects if effect.corrects}
     told |= set().union(*(_FOLLOWS.get(name, set()) for name in told))
-    grave = [
-        f for f in found.quality if f.severity == "warning" and f.kind in _GRAVE and f.channel not in told
-    ]
+    warnings = [f for f in found.channels.findings if f.severity == "warning" and f.kind in _GRAVE]
+    grave = [f for f in warnings if f.channel not in told]
     return f" {grave[0].text[0].upper()}{grave[0].text[1:]}." if grave else ""
 
 
@@ -111,18 +109,21 @@ def _probability(found: Diagnosis, effect: Effect) -> float:
     )
 
 
-def lines(found: Diagnosis) -> list[str]:
+def diagnosis_lines(found: Diagnosis) -> list[str]:
     """At most fourteen lines for a terminal."""
     a = found.attribution
-    out = [f"{few(found.logs)}: {found.base.name}, verdict {a.verdict}", sentence(found)]
+    out = [
+        f"{few(found.asked.logs)}: {found.models.base.name}, verdict {a.verdict}",
+        diagnosis_sentence(found),
+    ]
     out += [_effect(found, effect, own) for effect, own in found.effects[:3]]
-    for balance, models in found.rmse.items():
-        shown = {n: x for n, x in models.items() if n != "extended" or found.extended is not found.paper}
+    for balance, models in found.score.rmse.items():
+        shown = {n: x for n, x in models.items() if n != "extended" or found.models.adopted}
         out.append(f"held-out RMSE, {balance} [{found.unit}]: {_errors(shown)}")
     if found.score.over_runs is not None:
         out += _over_runs(found.score.over_runs, found.unit)
     if a.verdict == "unexplained":
-        if found.r_squared >= LEAST_R2:
+        if found.models.fits_the_rig:
             out.append(f"nearest, and not enough: {', '.join(c.id for c in a.candidates[:4])}")
     elif a.verdict != "nothing_missing":
         ranked = ", ".join(f"{c.id} {c.probability:.2f}" for c in a.candidates[:4])
@@ -130,9 +131,10 @@ def lines(found: Diagnosis) -> list[str]:
     if found.orders:
         parts = ", ".join(f"{o.per_turn:.2f} ({100 * o.share:.0f} % of its variance)" for o in found.orders)
         out.append(f"what is left inside runs is periodic in the motor angle, per turn: {parts}")
-    module, name = load_module(found.shipped.model), extended_name(found)
+    shipped, name = found.models.shipped, extended_name(found)
+    module = load_module(shipped.model)
     arguments = list(inspect.signature(module.mechanical_friction_torque).parameters)[:-2]
-    what = "to call" if found.shipped.effects else "nothing was added; to call the paper's model, fitted"
+    what = "to call" if shipped.effects else "nothing was added; to call the paper's model, fitted"
     out.append(f"{what}: {name}_mechanical_friction_torque({', '.join([*arguments, f'&{name}_default'])})")
     if a.next_measurement:
         out.append(f"next: {a.next_measurement}")
@@ -142,10 +144,10 @@ def lines(found: Diagnosis) -> list[str]:
 def _effect(found: Diagnosis, effect: Effect, own: Mapping[str, float]) -> str:
     shown = []
     for q in effect.parameters:
-        estimate = found.extended.estimates.get(q.name)
+        estimate = found.models.extended.estimates.get(q.name)
         error = "" if estimate is None else f" +- {estimate.std_error:.2g}"
         shown.append(f"{q.name} = {own[q.name]:.4g}{error}{'' if q.unit == '1' else ' ' + q.unit}")
-    share = 100 * found.extended.shares.get(effect.id, 0.0)
+    share = 100 * found.models.extended.shares.get(effect.id, 0.0)
     return f"  {effect.id} ({share:.1f} % of friction): {', '.join(shown)}"
 
 

@@ -16,7 +16,7 @@ from types import ModuleType
 
 import jinja2
 
-from eccentric.diagnosis.outcome import Diagnosis
+from eccentric.diagnosis import Diagnosis
 from eccentric.places import folder
 from eccentric.report.data import ReportData
 from eccentric.report.gather import report_data

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from eccentric.diagnosis.outcome import Diagnosis
+from eccentric.diagnosis import Diagnosis
 from eccentric.fitting import Refit
-from eccentric.report.data import Balance, Channel, Rows
+from eccentric.report.data import BalanceResiduals, Channel, Rows
 from eccentric.search import elapsed
 from eccentric.signals import Rows as LogRows
 
@@ -18,17 +18,18 @@ _QUARTER = TURN / 4
 _QUANTITIES = {"mechanical": "friction", "electrical": "torque of the voltage"}
 
 
-def balance_of(found: Diagnosis, name: str) -> Balance:
+def balance_of(found: Diagnosis, name: str) -> BalanceResiduals:
     """Residuals at one scale of the drive, the extended model's, as the score has them."""
     mechanical = name == "mechanical"
-    fits = {"linear": found.linear, "paper": found.paper, "extended": found.extended}
+    models = found.models
+    fits = {"linear": models.linear, "paper": models.paper, "extended": models.extended}
     residuals = {
         m: _scaled(found, fit, fit.residuals[name]) for m, fit in fits.items() if name in fit.residuals
     }
-    adopted = found.extended is not found.paper and (
-        mechanical or any(effect.balance == name for effect, _ in found.extended.effects)
+    adopted = found.models.adopted and (
+        mechanical or any(effect.balance == name for effect, _ in found.models.extended.effects)
     )
-    return Balance(
+    return BalanceResiduals(
         name=name,
         quantity=_QUANTITIES[name],
         unit=found.unit,
@@ -36,14 +37,14 @@ def balance_of(found: Diagnosis, name: str) -> Balance:
         paper=residuals["paper"],
         extended=residuals["extended"] if adopted else None,
         linear=residuals["linear"] if mechanical else None,
-        measured=_scaled(found, found.paper, found.paper.target) if mechanical else None,
-        rmse=found.rmse[name],
+        measured=_scaled(found, found.models.paper, found.models.paper.target) if mechanical else None,
+        rmse=found.score.rmse[name],
         noise_floor=found.noise_floor if mechanical else None,
     )
 
 
 def _scaled(found: Diagnosis, fit: Refit, x: Array) -> Array:
-    return x * ((fit.scale or 1.0) / (found.extended.scale or 1.0))
+    return x * ((fit.scale or 1.0) / (found.models.extended.scale or 1.0))
 
 
 def _rows(found: Diagnosis) -> Rows:

@@ -14,7 +14,7 @@ import numpy as np
 
 __all__ = [
     "AddedEffect",
-    "Balance",
+    "BalanceResiduals",
     "Candidate",
     "Channel",
     "Equation",
@@ -78,7 +78,7 @@ class Rows:
 
 
 @dataclass(frozen=True)
-class Balance:
+class BalanceResiduals:
     """A balance and how well each model holds it.
 
     Attributes:
@@ -261,7 +261,7 @@ class ReportData:
     model_title: str
     verdict: str
     sentence: str
-    balances: tuple[Balance, ...]
+    balances: tuple[BalanceResiduals, ...]
     gain: Gain | None
     further: tuple[Errors, ...]
     holdout: str

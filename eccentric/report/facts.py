@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from eccentric.diagnosis.outcome import Diagnosis
+from eccentric.diagnosis import Diagnosis
 from eccentric.report.data import Fact
 from eccentric.report.text import range_of
 
@@ -25,7 +25,7 @@ def facts_of(found: Diagnosis) -> list[Fact]:
 
     def aligned(name: str, field: str, unit: str, factor: float = 1.0) -> Fact:
         value = getattr(channels, field)
-        if e := found.shipped.estimates.get(field):
+        if e := found.models.shipped.estimates.get(field):
             return Fact(
                 name, f"{e.value:.4g} {unit}", f"estimated, 95 % interval {range_of(e.interval)} {unit}"
             )

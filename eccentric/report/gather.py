@@ -11,9 +11,8 @@ from dataclasses import replace
 from pathlib import Path
 
 from eccentric import __version__
-from eccentric.diagnosis.outcome import Diagnosis
-from eccentric.diagnosis.words import sentence
-from eccentric.effects import Effect, library, load_effects
+from eccentric.diagnosis import Diagnosis, diagnosis_sentence
+from eccentric.effects import Effect
 from eccentric.report.balance import balance_of
 from eccentric.report.data import (
     AddedEffect,
@@ -36,22 +35,20 @@ _ORIGINS = ("effect", "friction", "bench", "rig", "unseen")
 
 def report_data(found: Diagnosis, files: Sequence[tuple[str, str]] = ()) -> ReportData:
     """The records of a diagnosis; `files` are (name, what it is) of everything written beside the report."""
-    attribution = found.attribution
-    extended = found.extended is not found.paper
-    effects = [effect for effect, _ in found.extended.effects]
+    attribution, score, findings = found.attribution, found.score, found.channels.findings
+    effects = [effect for effect, _ in found.models.extended.effects]
     named = {effect.family for effect in effects}
-    offered = [*library(found.setting), *(load_effects(found.own, found.setting) if found.own else ())]
-    about = {effect.id: effect for effect in offered}
-    names = sorted(found.rmse, key=lambda name: name != found.balance)
+    about = {effect.id: effect for effect in found.offered}
+    names = sorted(score.rmse, key=lambda name: name != score.balance)
     return ReportData(
-        logs=found.logs,
-        rig=found.rig_name,
-        model=found.base.name,
-        model_title=found.base.title,
+        logs=found.asked.logs,
+        rig=found.asked.rig,
+        model=found.models.base.name,
+        model_title=found.models.base.title,
         verdict=attribution.verdict,
-        sentence=sentence(found),
+        sentence=diagnosis_sentence(found),
         balances=tuple(balance_of(found, name) for name in names),
-        gain=Gain(found.balance, found.percent, found.interval) if extended else None,
+        gain=Gain(score.balance, score.percent, score.interval) if found.models.adopted else None,
         further=tuple(_further(found)),
         holdout=found.channels.holdout.rule,
         depends_on=attribution.depends_on,
@@ -70,17 +67,15 @@ def report_data(found: Diagnosis, files: Sequence[tuple[str, str]] = ()) -> Repo
                 meaning=e.words.meaning,
                 formula=e.formula,
                 reference=e.reference,
-                share=found.extended.shares.get(e.id, 0.0),
+                share=found.models.extended.shares.get(e.id, 0.0),
             )
             for e in effects
         ),
         parameters=tuple(_parameters(found)),
-        equations=tuple(friction_equations(found.extended.model, effects)),
+        equations=tuple(friction_equations(found.models.extended.model, effects)),
         facts=tuple(facts_of(found)),
-        warnings=tuple(
-            text for text in found.warnings if text not in {finding.text for finding in found.quality}
-        ),
-        findings=tuple(Finding(f.kind, f.channel, f.text, f.rows, f.severity) for f in found.quality),
+        warnings=tuple(text for text in found.warnings if text not in {f.text for f in findings}),
+        findings=tuple(Finding(f.kind, f.channel, f.text, f.rows, f.severity) for f in findings),
         next_measurement=attribution.next_measurement,
         command=_command(found),
         files=tuple(files),
@@ -96,7 +91,7 @@ def _words(about: dict[str, Effect], name: str) -> tuple[str, tuple[str, ...], s
 def _further(found: Diagnosis) -> list[Errors]:
     """Errors that are there for some logs: in the drive's unit, of free motion, over whole runs."""
     score = found.score
-    models = {"linear", "paper"} | ({"extended"} if found.extended is not found.paper else set())
+    models = {"linear", "paper"} | ({"extended"} if found.models.adopted else set())
 
     def of(rmse: Mapping[str, float]) -> dict[str, float]:
         return {model: value for model, value in rmse.items() if model in models}
@@ -128,14 +123,14 @@ def _further(found: Diagnosis) -> list[Errors]:
 
 def _parameters(found: Diagnosis) -> list[Parameter]:
     """Those of the effects, fitted friction, what the log had to give of the bench, what the rig knew."""
-    own = {q.name for effect, _ in found.shipped.effects for q in effect.parameters}
-    terms = found.shipped.model.balance("mechanical").terms
+    own = {q.name for effect, _ in found.models.shipped.effects for q in effect.parameters}
+    terms = found.models.shipped.model.balance("mechanical").terms
     friction = {str(term.coefficient) for term in terms if term.kind == "friction"}
-    estimates = found.shipped.estimates
+    estimates = found.models.shipped.estimates
     given = {*found.data.drive.identified, *estimates}
     rows = []
-    for q in found.shipped.model.parameters:
-        value = found.shipped.values.get(q.name)
+    for q in found.models.shipped.model.parameters:
+        value = found.models.shipped.values.get(q.name)
         kinds = (("effect", own), ("friction", friction), ("bench", given))
         last = "rig" if q.name in found.rig.known else "unseen"
         origin = next((name for name, letters in kinds if q.name in letters), last)
@@ -152,9 +147,9 @@ def _parameters(found: Diagnosis) -> list[Parameter]:
 
 
 def _command(found: Diagnosis) -> str:
-    words = ["eccentric", "diagnose", *found.logs, "--rig", found.rig_name]
-    if found.model != found.rig.model:
-        words += ["--model", Path(found.model).name]
-    if found.own is not None:
-        words += ["--effects", found.own.name]
+    words = ["eccentric", "diagnose", *found.asked.logs, "--rig", found.asked.rig]
+    if found.asked.model != found.rig.model:
+        words += ["--model", Path(found.asked.model).name]
+    if found.asked.effects is not None:
+        words += ["--effects", found.asked.effects.name]
     return shlex.join([*words, "--out", "DIR"])

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from eccentric.report.data import Balance, Channel, Rows
+from eccentric.report.data import BalanceResiduals, Channel, Rows
 
 __all__ = ["Curve", "Panel", "Trace", "friction_panel", "residual_panel", "shown_rows", "trace"]
 
@@ -87,7 +87,7 @@ def shown_rows(rows: Rows) -> Array:
     return np.asarray(rows.train, bool) | np.asarray(rows.held_out, bool)
 
 
-def residual_panel(balance: Balance, channel: Channel) -> Panel | None:
+def residual_panel(balance: BalanceResiduals, channel: Channel) -> Panel | None:
     """Residual before and after, and the fitted effect; None without enough rows.
 
     Over anything but the velocity the two directions of motion would cancel where friction is missing. There
@@ -105,7 +105,7 @@ def residual_panel(balance: Balance, channel: Channel) -> Panel | None:
     return turned if turned is not None and _structure(turned) > _structure(plain) else plain
 
 
-def friction_panel(balance: Balance, channel: Channel) -> Panel | None:
+def friction_panel(balance: BalanceResiduals, channel: Channel) -> Panel | None:
     """Measured and predicted friction; over anything but the velocity counted against the motion."""
     if balance.measured is None:
         return None
@@ -161,7 +161,7 @@ def _binned(
     return Panel(channel, against_motion, curve(x).middle, np.where(thick, sizes, 0), left_out, made)
 
 
-def trace(balance: Balance) -> Trace | None:
+def trace(balance: BalanceResiduals) -> Trace | None:
     """Measured and predicted friction, and residuals, on the held-out rows; None if there are none.
 
     Consecutive rows of a stretch are put together so that at most some 1200 points remain.

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from eccentric.report.data import Balance, Candidate, ReportData
+from eccentric.report.data import BalanceResiduals, Candidate, ReportData
 from eccentric.report.panels import Panel, Trace
 
 __all__ = ["VERDICTS", "figure_words", "number", "plain_words", "range_of", "trace_words", "why"]
@@ -73,7 +73,7 @@ def figure_words(panel: Panel, unit: str) -> tuple[str, str]:
     return f"{swing}{facing}; {stands}.", f"{what} over the {label} {extent}. {swing}{facing}."
 
 
-def trace_words(found: Trace, balance: Balance) -> tuple[str, str]:
+def trace_words(found: Trace, balance: BalanceResiduals) -> tuple[str, str]:
     """Caption and text alternative of the time traces."""
     stands = (
         "every row is drawn"

@@ -6,7 +6,7 @@ from collections.abc import Callable
 from types import ModuleType
 from typing import Any
 
-from eccentric.report.data import Balance, Candidate, Errors, Parameter, ReportData
+from eccentric.report.data import BalanceResiduals, Candidate, Errors, Parameter, ReportData
 from eccentric.report.panels import friction_panel, residual_panel, trace
 from eccentric.report.text import (
     VERDICTS,
@@ -79,7 +79,7 @@ class _Figures:
         return self.module.document_json(self.roots) if self.module and self.roots else ""
 
 
-def _residuals(drawn: _Figures, balance: Balance, data: ReportData) -> list[dict[str, Any]]:
+def _residuals(drawn: _Figures, balance: BalanceResiduals, data: ReportData) -> list[dict[str, Any]]:
     """One figure per channel, those that the residual depends on first."""
     order = {key: k for k, key in enumerate(data.depends_on)}
     found = []
@@ -94,7 +94,7 @@ def _residuals(drawn: _Figures, balance: Balance, data: ReportData) -> list[dict
     return found
 
 
-def _friction(drawn: _Figures, balance: Balance) -> list[dict[str, Any]]:
+def _friction(drawn: _Figures, balance: BalanceResiduals) -> list[dict[str, Any]]:
     found = []
     for key in ("velocity", "link_angle"):
         channel = balance.rows.channel(key)
@@ -107,7 +107,7 @@ def _friction(drawn: _Figures, balance: Balance) -> list[dict[str, Any]]:
     return found
 
 
-def _traces(drawn: _Figures, balance: Balance) -> list[dict[str, Any]]:
+def _traces(drawn: _Figures, balance: BalanceResiduals) -> list[dict[str, Any]]:
     found = trace(balance)
     if found is None:
         return []

@@ -21,9 +21,9 @@ from typing import Any
 
 import numpy as np
 
+from eccentric.diagnosis.models import fitted_models
 from eccentric.diagnosis.orders import orders_of
-from eccentric.diagnosis.outcome import Diagnosis
-from eccentric.diagnosis.trial import trial
+from eccentric.diagnosis.outcome import Asked, Diagnosis
 from eccentric.errors import InputError
 from eccentric.fitting import bounded, drive_of, loaded_model, residual_samples
 from eccentric.logs import LogSource, read_log
@@ -42,7 +42,7 @@ from eccentric.search import (
 )
 from eccentric.signals import LEAST_HELD_OUT, BalanceDesign, read_channels, require_rows
 
-__all__ = ["Diagnosis", "diagnose"]
+__all__ = ["diagnose"]
 
 Array = np.ndarray
 
@@ -81,8 +81,8 @@ def diagnose(
     if not drive.measured_twice:
         data = with_model_current(data, base, friction)
     setting = setting_of(data, base, friction)
-    told = {balance.name for balance in balances}
-    chosen = offered(setting, effects, data, rig, base, told)
+    names_of_balances = {balance.name for balance in balances}
+    chosen = offered(setting, effects, data, rig, base, names_of_balances)
     only = "mechanical" if drive.by_voltage else None
     found = attribute(
         balances,
@@ -92,21 +92,18 @@ def diagnose(
         len(np.unique(channels.run[channels.fit_rows])),
         tell,
     )
-    tried = trial(found, chosen, base, data, tell)
+    found, models, score, refused = fitted_models(found, chosen, base, data, tell)
     return Diagnosis(
-        logs=names,
-        rig_name=Path(rig.path).name,
-        model=model or rig.model,
-        channels=channels,
-        rig=rig,
-        base=base,
-        setting=setting,
-        own=effects,
+        asked=Asked(names, Path(rig.path).name, model or rig.model, effects),
         data=data,
-        effects=tried.extended.effects if tried.attribution.verdict == "named" else (),
+        setting=setting,
+        offered=chosen,
+        attribution=found,
+        models=models,
+        score=score,
+        refused=refused,
         noise_floor=drive_noise(data),
-        orders=orders_of(data, residual_samples(tried.shipped)),
-        **vars(tried),
+        orders=orders_of(data, residual_samples(models.shipped)),
     )
 
 

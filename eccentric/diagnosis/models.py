@@ -1,0 +1,99 @@
+"""The models after the search: fitted on their own emitted modules, and held against what was held out."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from eccentric.diagnosis.limits import LEAST_R2
+from eccentric.diagnosis.score import Score, leave_runs_out, score
+from eccentric.effects import Effect
+from eccentric.fitting import FitData, Refit, refit
+from eccentric.model import Model
+from eccentric.search import Attribution, unconfirmed
+
+__all__ = ["Models", "fitted_models"]
+
+
+@dataclass(frozen=True)
+class Models:
+    """What was fitted on the training part.
+
+    linear: Coulomb and viscous friction; paper: the paper's model, its coefficients free to go below zero;
+    extended: with the adopted effects, `paper` itself if there are none; shipped: what is emitted, `extended`
+    or without an effect the paper's model within its bounds.
+    """
+
+    linear: Refit
+    paper: Refit
+    extended: Refit
+    shipped: Refit
+
+    @property
+    def base(self) -> Model:
+        """The paper's model."""
+        return self.paper.model
+
+    @property
+    def adopted(self) -> bool:
+        """Whether an effect was adopted, named or not."""
+        return self.extended is not self.paper
+
+    @property
+    def r_squared(self) -> float:
+        """Of the drive torque on the training rows, by friction, inertia and gravity of the paper's model."""
+        rows = self.paper.data.rows
+        drive = rows.mean(self.paper.data.drive.torque())[rows.train]
+        left = self.paper.residuals["mechanical"][rows.train]
+        return 1.0 - float(np.mean(left**2) / np.mean(drive**2))
+
+    @property
+    def fits_the_rig(self) -> bool:
+        """Whether the log can be of this rig, in these units."""
+        return self.r_squared >= LEAST_R2
+
+    @property
+    def unsettled(self) -> tuple[str, ...]:
+        """Those whose fit was stopped before it had converged."""
+        return tuple(name for name, fit in vars(self).items() if not fit.settled)
+
+
+def fitted_models(
+    found: Attribution, offered: Sequence[Effect], base: Model, data: FitData, tell: Callable[[str], None]
+) -> tuple[Attribution, Models, Score, Score | None]:
+    """Fit the models and open the held-out part.
+
+    Effects that it does not confirm lose their name: then the attribution says so, the models are without
+    them, and their score comes last. `tell` is called with one line per stage.
+    """
+    tell("refitting on the emitted module")
+    by_id = {effect.id: effect for effect in offered}
+    adopted = tuple((by_id[a.variant.candidate.id], dict(a.variant.values)) for a in found.adopted)
+    if found.verdict in {"unexplained", "nothing_missing"}:
+        adopted = ()
+    paper = refit(base, (), data, bounds=False)
+    extended = refit(base, adopted, data) if adopted else paper
+    linear = refit(base, (), data, bounds=False, linear=True)
+    models = Models(linear, paper, extended, extended)
+    if not models.fits_the_rig:
+        found = replace(unconfirmed(found), next_measurement="Mend the rig file or the log first.")
+        models = replace(models, extended=paper)
+    balance = found.adopted[0].balance if models.adopted else "mechanical"
+    scored = _scored(models, balance, data)
+    refused = None
+    # Voltage and current show an effect twice, and row by row a ripple above the low pass is worse for being
+    # in the model. One signal alone has nothing but the held-out part to be checked by.
+    if models.adopted and not data.drive.measured_twice and not scored.confirms:
+        tell("the held-out part does not confirm it")
+        refused, found, models = scored, unconfirmed(found), replace(models, extended=paper)
+        scored = _scored(models, "mechanical", data)
+    if not models.adopted:
+        models = replace(models, shipped=refit(base, (), data))
+    return found, models, scored, refused
+
+
+def _scored(models: Models, balance: str, data: FitData) -> Score:
+    over_runs = leave_runs_out(models.base, models.extended, data)
+    return score(models.linear, models.paper, models.extended, balance, over_runs)
