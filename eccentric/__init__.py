@@ -16,13 +16,15 @@ Imports run one way: model <- emission; logs <- rigs <- signals <- fitting <- se
 
 from typing import Any
 
+import eccentric.started  # noqa: F401 - before anything else
+
 __version__ = "0.1.0"
 
 
 def __getattr__(name: str) -> Any:
     # SymPy takes longest to import: only who compiles waits for it.
     if name == "compile":
-        from eccentric.emission.compiled import compile as function
+        from eccentric.compiled import compile as function
 
         return function
     raise AttributeError(f"module 'eccentric' has no attribute {name!r}")

@@ -4,7 +4,7 @@ from pathlib import Path
 
 from eccentric.errors import InputError
 
-__all__ = ["folder"]
+__all__ = ["derivation", "folder"]
 
 
 def folder(name: str) -> Path:
@@ -27,3 +27,12 @@ def folder(name: str) -> Path:
     if beside.is_dir() and (package.parent / "pyproject.toml").is_file():
         return beside
     raise InputError(f"{name}: required a folder {inside} or, in a clone, {beside}; received neither")
+
+
+def derivation(name_or_path: str | Path) -> Path:
+    """Return the script that is meant: by its path, which ends in `.py`, or by the name of one that ships.
+
+    It need not be there.
+    """
+    path = Path(name_or_path)
+    return (path if path.suffix == ".py" else folder("derivations") / f"{name_or_path}.py").resolve()

@@ -172,20 +172,22 @@ def test_library_is_built_once(cache_folder: Path) -> None:
     eccentric.compile(load_model("c2_parallel"))
 
     assert before == {path: path.stat().st_mtime_ns for path in cache_folder.iterdir()}
-    assert {".so"} == {path.suffix for path in before}
+    assert {".json", ".so"} == {path.suffix for path in before}
 
 
 def test_no_compiler_is_one_clear_line(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     """Without a compiler the error says what is required; with one that fails, what it said."""
     monkeypatch.setenv("PATH", str(tmp_path))
     monkeypatch.delenv("CC", raising=False)
-    with pytest.raises(InputError, match=r"^compile: required a C compiler .*, found none$"):
+    with pytest.raises(InputError, match=r"^compile: required a C compiler .*, received none$"):
         eccentric.compile(load_model("c1_perpendicular"))
 
     broken = tmp_path / "cc"
     broken.write_text("#!/bin/sh\necho no such flag >&2\nexit 1\n")
     broken.chmod(0o755)
-    with pytest.raises(InputError, match=r"^compile: .*/cc: required a C99 compiler .*got: no such flag$"):
+    with pytest.raises(
+        InputError, match=r"^compile: .*/cc: required a C99 compiler .*received: no such flag$"
+    ):
         eccentric.compile(load_model("c1_perpendicular"))
 
 
@@ -204,8 +206,8 @@ def test_compiler_may_have_options(monkeypatch: pytest.MonkeyPatch, tmp_path: Pa
 @pytest.mark.parametrize(
     ("given", "said"),
     [
-        ("gcc '", r"required a command with its options, got \"gcc '\": No closing quotation"),
-        ("no-such-compiler -O1", r"required a C compiler that is installed, got 'no-such-compiler -O1'"),
+        ("gcc '", r"required a command with its options, received \"gcc '\": No closing quotation"),
+        ("no-such-compiler -O1", r"required a C compiler that is installed, received 'no-such-compiler -O1'"),
     ],
     ids=["open quotation", "absent"],
 )
@@ -238,7 +240,7 @@ def test_what_cannot_be_compiled_or_kept_is_one_clear_line(
     monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
     """A number in place of a model, an unknown name and a cache that is a file are told as what they are."""
-    with pytest.raises(TypeError, match=r"^compile: required a Model, its name or path, got int$"):
+    with pytest.raises(TypeError, match=r"^compile: required a Model, its name or path, received int$"):
         eccentric.compile(2)  # type: ignore[arg-type]
     with pytest.raises(InputError, match=r"^model 'c2_paralel' is unknown; known are "):
         eccentric.compile("c2_paralel")

@@ -19,6 +19,7 @@ import sympy as sp
 
 from eccentric import __version__
 from eccentric.cli import main
+from eccentric.compiled.view import view as compiled_view
 from eccentric.emission import (
     BACKENDS,
     build_program,
@@ -31,7 +32,6 @@ from eccentric.emission import (
     write,
 )
 from eccentric.emission.program import Assignment, Input, Program, Routine, differentiate, needed
-from eccentric.emission.render import python_view
 from eccentric.model import load_model, model_names, quantity
 from eccentric.places import folder
 from generated import c2_parallel
@@ -94,7 +94,7 @@ def test_every_template_uses_exactly_the_keys_it_is_given() -> None:
     views += [
         (["check/selftest.c", "check/vectors.h"], checks["selftest.c"]),
         (["check/proof.c"], checks["proof.c"]),
-        (["compiled/python.c"], python_view(program.name, program.routines)),
+        (["compiled/python.c"], compiled_view(program)),
     ]
     environment = jinja2.Environment()  # noqa: S701 - it only parses
     seen = set()

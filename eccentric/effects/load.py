@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import importlib.util
 import sys
 from collections.abc import Iterable
 from pathlib import Path
@@ -10,6 +9,7 @@ from pathlib import Path
 from eccentric.effects.effect import Effect
 from eccentric.effects.setting import Setting
 from eccentric.errors import InputError
+from eccentric.scripts import asks, run_script
 
 
 def load_effects(path: str | Path, setting: Setting) -> tuple[Effect, ...]:
@@ -22,14 +22,9 @@ def load_effects(path: str | Path, setting: Setting) -> tuple[Effect, ...]:
     if path.suffix != ".py" or not path.is_file():
         raise InputError(f"{path}: no such script of effects (.py)")
     name = f"eccentric_effects_{path.stem}"
-    spec = importlib.util.spec_from_file_location(name, path)
-    if spec is None or spec.loader is None:
-        raise InputError(f"{path}: required a Python script (.py)")
-    module = importlib.util.module_from_spec(spec)
-    # A dataclass under postponed annotations looks its module up while the script still runs.
-    sys.modules[name] = module
+    asks(str(path), path.resolve())
     try:
-        spec.loader.exec_module(module)
+        module = run_script(path.resolve(), name)
         made = getattr(module, "effects", None)
         found = made(setting) if callable(made) else getattr(module, "effect", None)
     except InputError:
@@ -37,7 +32,7 @@ def load_effects(path: str | Path, setting: Setting) -> tuple[Effect, ...]:
     except Exception as error:
         raise InputError(f"{path}: the effects stopped with {type(error).__name__}: {error}") from error
     finally:
-        del sys.modules[name]
+        sys.modules.pop(name, None)
     found = (found,) if isinstance(found, Effect) else found
     if not isinstance(found, Iterable):
         raise InputError(

@@ -4,7 +4,6 @@
     backends   Program -> text: a folder for each target
     check      emitted C -> a self-test and a driver for its proof
     render     the emitted files of a model, name -> text; `write` writes them, `hot` loads the module
-    compiled   the emitted C, built and called from Python
 
 In: a `Model`. Out: files, or the module that they make. It imports `eccentric.model`, `eccentric.places` and
 `eccentric.output`; it knows no data, and its templates know no physics.
@@ -15,13 +14,16 @@ from eccentric.emission.check import render_check
 from eccentric.emission.defaults import read_parameters, with_fitted
 from eccentric.emission.hot import load_module
 from eccentric.emission.names import checked_name
-from eccentric.emission.program import build_program
+from eccentric.emission.program import Program, Routine, build_program
 from eccentric.emission.render import render, render_program
+from eccentric.emission.templates import template
 from eccentric.emission.write import complete, differences, write
 
 __all__ = [
     "BACKENDS",
     "DEFAULT",
+    "Program",
+    "Routine",
     "build_program",
     "checked_name",
     "complete",
@@ -32,6 +34,7 @@ __all__ = [
     "render",
     "render_check",
     "render_program",
+    "template",
     "with_fitted",
     "write",
 ]

@@ -4,13 +4,12 @@ from __future__ import annotations
 
 import hashlib
 from collections.abc import Iterable
-from typing import Any
 
 import sympy as sp
 
 from eccentric import __version__
 from eccentric.emission.backends import BACKENDS, DEFAULT, Backend, UnprintableError, plain, with_plain_text
-from eccentric.emission.program import Program, Routine, build_program
+from eccentric.emission.program import Program, build_program
 from eccentric.emission.templates import template
 from eccentric.errors import InputError
 from eccentric.model import Model
@@ -81,17 +80,3 @@ def _code(program: Program, backend: Backend) -> dict[str, str]:
     view = backend.view(program, _DIGEST)
     files = zip(backend.files, backend.named(program.name), strict=True)
     return {file: template(name).render(view) for name, file in files}
-
-
-def python_source(name: str, routines: Iterable[Routine]) -> str:
-    """C that makes the functions of one sample callable from Python; each takes numbers and gives one."""
-    return template("compiled/python.c").render(python_view(name, routines))
-
-
-def python_view(name: str, routines: Iterable[Routine]) -> dict[str, Any]:
-    """All that this template is filled with."""
-    functions = [
-        {"name": r.name, "inputs": [x.quantity.name for x in r.inputs], "doc": plain(r.meaning)}
-        for r in routines
-    ]
-    return {"name": name, "functions": functions}

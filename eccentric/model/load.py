@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import importlib.util
-import sys
 from pathlib import Path
 
 from eccentric.errors import InputError
 from eccentric.model.model import Model
-from eccentric.places import folder
+from eccentric.places import derivation, folder
+from eccentric.scripts import asks, run_script
 
 _loaded: dict[Path, Model] = {}
 _loading: list[Path] = []
@@ -31,26 +30,18 @@ def load_model(name_or_path: str | Path) -> Model:
             script without a Model named `model`.
     """
     path = _find(name_or_path)
+    asks(str(name_or_path), path)
     if path in _loaded:
         return _loaded[path]
     if path in _loading:
         circle = " -> ".join(p.stem for p in [*_loading[_loading.index(path) :], path])
         raise InputError(f"{path.name}: derivations load each other in a circle: {circle}")
-    module_name = f"eccentric_derivation_{path.stem}"
-    spec = importlib.util.spec_from_file_location(module_name, path)
-    if spec is None or spec.loader is None:
-        raise InputError(f"{path}: required a Python script (.py)")
-    module = importlib.util.module_from_spec(spec)
-    # A dataclass under postponed annotations looks its module up while the script still runs.
-    sys.modules[module_name] = module
     _loading.append(path)
     try:
-        spec.loader.exec_module(module)
+        module = run_script(path, f"eccentric_derivation_{path.stem}")
     except InputError:
-        del sys.modules[module_name]
         raise
     except Exception as error:
-        del sys.modules[module_name]
         raise InputError(f"{path}: the derivation stopped with {type(error).__name__}: {error}") from error
     finally:
         _loading.pop()
@@ -62,14 +53,11 @@ def load_model(name_or_path: str | Path) -> Model:
 
 
 def _find(name_or_path: str | Path) -> Path:
-    path = Path(name_or_path)
-    if path.suffix == ".py":
-        if not path.is_file():
-            raise InputError(f"{path}: no such derivation script")
-        return path.resolve()
-    shipped = folder("derivations") / f"{name_or_path}.py"
-    if not shipped.is_file():
+    path = derivation(name_or_path)
+    if not path.is_file():
+        if Path(name_or_path).suffix == ".py":
+            raise InputError(f"{name_or_path}: no such derivation script")
         raise InputError(
             f"model {str(name_or_path)!r} is unknown; known are {', '.join(model_names())}, or a path.py"
         )
-    return shipped.resolve()
+    return path

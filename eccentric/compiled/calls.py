@@ -1,0 +1,107 @@
+"""Arguments as NumPy takes them, made what the C takes.
+
+The library takes numbers, and arrays of one shape and precision in one piece, by itself. What comes here is
+all else: lists, shapes that broadcast, precisions that differ, strides, and what is wrong.
+"""
+
+# ruff: noqa: SLF001 - the module is emission's own
+
+from __future__ import annotations
+
+import ctypes
+import inspect
+import sys
+from collections.abc import Callable, Sequence
+from functools import lru_cache
+from pathlib import Path
+from types import ModuleType
+from typing import Any
+
+import numpy as np
+
+from eccentric.compiled.entry import Called, Entry
+
+
+def functions(entry: Entry, library: Path, source: ModuleType) -> dict[str, Callable[..., Any]]:
+    """The functions of a library that the NumPy module `source` has, by name; they take what those take.
+
+    Raises:
+        OSError: the library is none, or not one for this process.
+    """
+    loaded = ctypes.PyDLL(str(library))
+    loaded.python_set.argtypes = [*[ctypes.py_object] * 5, ctypes.c_int]
+    # Without its global lock Python runs threads side by side, which may not share what came last.
+    alone = getattr(sys, "_is_gil_enabled", lambda: True)()
+    prepare = _prepare(entry, source)
+    loaded.python_set(np.ndarray, np.empty, np.float32, np.float64, prepare, alone)
+    loaded.python_function.argtypes = [ctypes.c_int, ctypes.c_char_p, ctypes.py_object]
+    loaded.python_function.restype = ctypes.py_object
+    made = {}
+    for number, called in enumerate(entry.functions):
+        if like := getattr(source, called.name, None):
+            plain = loaded.python_function(number, None, ctypes.py_object())
+            signature = inspect.signature(like)
+            doc = f"{called.name}{_text(signature)}\n--\n\n{inspect.getdoc(like)}"
+            general = _general(called, source, signature, plain)
+            made[called.name] = loaded.python_function(number, doc.encode(), general)
+    return made
+
+
+def _text(signature: inspect.Signature) -> str:
+    """A signature as `inspect` reads it from the functions of C: without types."""
+    plain = (p.replace(annotation=p.empty) for p in signature.parameters.values())
+    return str(signature.replace(parameters=list(plain), return_annotation=signature.empty))
+
+
+def _prepare(entry: Entry, source: ModuleType) -> Callable[[Any, Any], tuple[np.ndarray, bool]]:
+    held = {np.float32: entry.single, np.float64: entry.double}
+    inertias = {name for called in entry.functions for name in called.requires}
+
+    @lru_cache(maxsize=64)
+    def prepared(parameters: Any, real: Any) -> tuple[np.ndarray, bool]:
+        """The coefficients as C holds them, and whether there are inertias for an acceleration."""
+        numbers = source._prepare(parameters, real).numbers
+        given = source._DEFAULT if parameters is None else parameters
+        complete = all(getattr(given, name) is not None for name in inertias)
+        return np.array([getattr(numbers, name) for name in held[real]] or [0.0], real), complete
+
+    def prepare(parameters: Any, real: Any) -> tuple[np.ndarray, bool]:
+        if parameters is not None:
+            source._check_kind(type(parameters))
+        return prepared(parameters, real)
+
+    return prepare
+
+
+def _general(
+    called: Called, source: ModuleType, signature: inspect.Signature, plain: Callable[..., Any]
+) -> Callable[..., Any]:
+    """A function that hands on to `plain` what that takes."""
+
+    def general(*given: Any, **named: Any) -> Any:
+        bound = signature.bind(*given, **named)
+        bound.apply_defaults()
+        *inputs, parameters, out = bound.arguments.values()
+        if parameters is not None:
+            source._check_kind(type(parameters))
+        if called.requires:
+            source._require(called.requires, inputs[-1], parameters)
+        arrays, real = source._arrays(inputs, called.inputs) if inputs else ([], np.float64)
+        shape = np.broadcast_shapes(*(x.shape for x in arrays))
+        if out is not None:
+            source._check_out(out, (*shape, called.width) if called.width else shape, real)
+        whole = [_whole(x, shape) for x in arrays]
+        if out is None:
+            result = plain(*whole, parameters)
+            return result if shape or called.width else result[()]
+        if out.flags.carray and not any(np.may_share_memory(x, out) for x in whole):
+            return plain(*whole, parameters, out)
+        out[...] = plain(*whole, parameters)
+        return out
+
+    return general
+
+
+def _whole(x: np.ndarray, shape: Sequence[int]) -> np.ndarray:
+    """The array in one piece, of that shape, where numbers of its kind may lie."""
+    return np.require(np.broadcast_to(x, shape), requirements=["C", "A"])

@@ -1,0 +1,115 @@
+"""A derivation or Model as a module of Python whose functions are those of the emitted C."""
+
+from __future__ import annotations
+
+from itertools import count
+from pathlib import Path
+from types import ModuleType
+from typing import TYPE_CHECKING
+
+from eccentric.compiled.calls import functions
+from eccentric.compiled.compiler import Compiler, local_compiler
+from eccentric.compiled.entry import (
+    Called,
+    Entry,
+    cache_folder,
+    digest,
+    keep_library,
+    read_entry,
+    write_entry,
+)
+from eccentric.compiled.lookup import look_up, remember
+from eccentric.errors import InputError
+from eccentric.scripts import run_text
+
+if TYPE_CHECKING:
+    from eccentric.model import Model
+
+_UNIT = "python-calls.c"
+"""What is compiled, and includes the rest: a name that no model has, whose names are identifiers of C."""
+_numbers = count()
+
+
+def compile(model: Model | str | Path) -> ModuleType:  # noqa: A001 - it is called as eccentric.compile
+    """A module like the emitted NumPy module of the model, its functions being those of the emitted C.
+
+    The model may be given as `load_model` takes it: its name ("c2_parallel"), or the path of a derivation.
+    Given so, it is derived only if something has changed since it was compiled last: its scripts, the toolkit
+    or the compiler.
+
+    Arguments, broadcasting, precision, `out` and bits are those of the NumPy module; where an exponential
+    stands, the bits of the two libraries may differ. Floats give a float. The library is kept in the user's
+    cache under what it was built from: $XDG_CACHE_HOME or ~/.cache, folder eccentric.
+
+    Raises:
+        TypeError: this is neither a model nor a name or path.
+        InputError: there is no such model, there is no C compiler, or not the one that CC names; it does not
+            compile, its cache cannot be written, or the model cannot be emitted.
+    """
+    if isinstance(model, str | Path):
+        compiler = local_compiler()
+        served = _served(look_up(model, compiler))
+        return served or _derived(model, compiler)
+    from eccentric.model import Model
+
+    if not isinstance(model, Model):
+        raise TypeError(f"compile: required a Model, its name or path, received {type(model).__name__}")
+    return _built(model, local_compiler())[0]
+
+
+def _derived(asked: str | Path, compiler: Compiler) -> ModuleType:
+    from eccentric.model import load_model
+
+    module, name, key = _built(load_model(asked), compiler)
+    remember(asked, compiler, (name, key))
+    return module
+
+
+def _built(model: Model, compiler: Compiler) -> tuple[ModuleType, str, str]:
+    """The module of a model, and the name and key of its entry in the cache."""
+    from eccentric.compiled.view import view
+    from eccentric.emission import build_program, render, template
+
+    program, files = build_program(model), render(model)
+    module = files[f"{program.name}.py"]
+    sources = {name: text for name, text in files.items() if name.endswith((".c", ".h"))}
+    sources[_UNIT] = template("compiled/python.c").render(view(program))
+    key = digest([compiler.identity, module, *(part for source in sources.items() for part in source)])
+    if served := _served(read_entry(program.name, key)):
+        return served, program.name, key
+    entry = Entry(
+        program.name,
+        module,
+        tuple(
+            Called(r.name, tuple(x.quantity.name for x in r.inputs), len(r.labels), r.requires)
+            for r in program.routines
+        ),
+        tuple(s.name for s in program.held(single=True)),
+        tuple(s.name for s in program.held(single=False)),
+        keep_library(program.name, lambda folder: compiler.build(sources, _UNIT, folder)),
+    )
+    write_entry(key, entry)
+    if served := _served(entry):
+        return served, program.name, key
+    raise InputError(
+        f"compile: required a library that this process can load, received {cache_folder() / entry.library}"
+    )
+
+
+def _served(entry: Entry | None) -> ModuleType | None:
+    """The module of an entry; None if there is none, or if its library cannot be loaded."""
+    if entry is None:
+        return None
+    source = run_text(
+        entry.module, f"eccentric_compiled_{entry.name}_{next(_numbers)}", f"<{entry.name}.py as emitted>"
+    )
+    module = ModuleType(f"eccentric_compiled_{entry.name}", source.__doc__)
+    for name in (name for name in dir(source) if not name.startswith("_")):
+        setattr(module, name, getattr(source, name))
+    try:
+        made = functions(entry, cache_folder() / entry.library, source)
+    except OSError:
+        return None
+    for name, function in made.items():
+        setattr(module, name, function)
+    return module

@@ -1,0 +1,29 @@
+"""What `templates/compiled/` is filled with: C that makes the functions of a program callable from Python."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from eccentric.emission import Program, Routine
+
+
+def view(program: Program) -> dict[str, Any]:
+    """All that the template is filled with."""
+    functions = [_function(routine) for routine in program.routines]
+    return {
+        "name": program.name,
+        "functions": functions,
+        "most_inputs": max(len(f["inputs"]) for f in functions),
+    }
+
+
+def _function(r: Routine) -> dict[str, Any]:
+    return {
+        "name": r.name,
+        "inputs": [x.quantity.name for x in r.inputs],
+        "width": len(r.labels),
+        "inertia": int(bool(r.requires)),
+        # As in the emitted NumPy: where an inertia may be missing, the acceleration may be left out.
+        "optional": int(bool(r.requires)),
+        "plain": bool(r.inputs) and not r.labels and not r.requires,
+    }
