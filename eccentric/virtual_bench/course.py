@@ -28,7 +28,7 @@ class Course:
             sines = np.zeros_like(time)
             for amplitude, frequency, phase in zip(self.speeds, self.frequencies, self.phases, strict=True):
                 sines += amplitude * np.sin(2.0 * np.pi * frequency * time + phase)
-            return sines * _smooth(time / 1.0)
+            return sines * _smooth(time)  # faded in over the first second
         speed, before = np.zeros_like(time), 0.0
         for start, value in zip(self.starts, self.speeds, strict=True):
             speed += (value - before) * _smooth((time - start) / self.ramp_s)
