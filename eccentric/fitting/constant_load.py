@@ -20,5 +20,5 @@ def loaded_model(base: Model, rig: Rig) -> Model:
 
 def load_gain(known: Mapping[str, float]) -> float:
     """What a newton metre of load is at the motor: mu, where it is known."""
-    (term,) = constant_load.terms["mechanical"]
+    (term,) = constant_load.change.terms["mechanical"]
     return float(evaluated(term.basis, {"mu": 1.0, **known}))
