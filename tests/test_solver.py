@@ -74,7 +74,7 @@ def test_a_coefficient_that_is_not_used_is_zero() -> None:
 
 def test_bounds_of_a_role_can_stay() -> None:
     """Freed of its bounds, a design keeps those of the roles that are excepted."""
-    held = tuple(Coefficient(name, role, "", 0.0) for name, role in (("a", "friction"), ("J_m", "inertia")))
+    held = (Coefficient("a", "friction", "", 0.0), Coefficient("J_m", "inertia", "", 0.0))
     freed = design(held).without_bounds(but={"inertia"})
 
     assert [(-math.inf, math.inf), (0.0, math.inf)] == [(c.lower, c.upper) for c in freed.coefficients]
