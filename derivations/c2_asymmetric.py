@@ -29,7 +29,7 @@ alike = {v.directed(q, d).symbol: q.symbol for q in split for d in ("pos", "neg"
 equations = (
     *(
         symmetric.equation(name)
-        for name in ("load", "normal_force", "normal_force_motor", "careful_normal_force")
+        for name in ("load", "normal_force", "normal_force_motor", "stable_normal_force")
     ),
     *(symmetric.equation(name) for name in ("friction", "resultant")),
     Equation(

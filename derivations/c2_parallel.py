@@ -29,7 +29,7 @@ on_motor_side = {theta_l: mu * theta_m, omega_l: mu * omega_m}
 
 weight_plain = (M + M_l) * g
 
-# Extremal values along a revolution: where the slope vanishes; the curvature says which is which.
+# Extremal values along a revolution: where the slope vanishes. The curvature tells minimum from maximum.
 slope = sp.diff(F_N_squared, theta_l)
 curvature = sp.diff(slope, theta_l)
 stationary = sp.solveset(slope, theta_l, sp.Interval.Ropen(0, 2 * sp.pi))
@@ -49,9 +49,9 @@ square = sp.Symbol("omega_l^2", positive=True)
 (critical_square,) = sp.roots(at_top.subs(omega_l, sp.sqrt(square)), square)
 omega_critical = sp.sqrt(critical_square, evaluate=False)
 
-# The careful form: with the half angle F_N^2 = (a - b)^2 + 4 a b cos^2(theta_l/2); divided by scale_N^2 it is
+# Numerically stable, by the half angle: F_N^2 = (a - b)^2 + 4 a b cos^2(theta_l/2). Over scale_N^2 it is
 # the square of omega_m^2 - omega_star^2 plus the square of 2 omega_m omega_star cos(theta_l/2).
-careful = scale_N * Magnitude(
+stable = scale_N * Magnitude(
     SquareDifference(speed, omega_star), 2 * omega_star * HalfCosine(theta_m, mu) * speed
 )
 plain = {
@@ -135,17 +135,17 @@ equations = (
         ),
     ),
     Equation(
-        "careful_normal_force",
+        "stable_normal_force",
         "",
         F_N,
-        careful,
+        stable,
         "N",
         "As the code computes it: a difference of squares and the half angle from the top, divided by"
         " scale_N = M L mu^2 (omega_star is the critical velocity on the motor side).",
         (
             Identity(
                 "it is equal to (17)",
-                meaning(careful).xreplace(plain) ** 2 - F_N_squared.subs(on_motor_side),
+                meaning(stable).xreplace(plain) ** 2 - F_N_squared.subs(on_motor_side),
             ),
         ),
     ),
@@ -186,7 +186,7 @@ equations = (
         sp.Derivative(F_N**2, (theta_l, 2), evaluate=False),
         curvature,
         "N^2/rad^2",
-        "Its curvature tells the least from the greatest.",
+        "Its curvature distinguishes the minimum from the maximum.",
         (
             Identity(
                 "at theta_l = pi it is nowhere negative",
@@ -317,7 +317,7 @@ model = limit(
     name="c2_parallel",
     title="Case C2: gravity parallel to the motion plane, steady motion",
     substitutions=parallel,
-    definitions={v.F_N: careful, v.g_p: g},
+    definitions={v.F_N: stable, v.g_p: g},
     equations=equations,
 )
 

@@ -83,7 +83,7 @@ motor_friction = B_m * omega_m + C_m * sp.sign(omega_m)
 link_friction = link_friction.subs(gear)
 mechanical = motor_friction + mu * link_friction
 
-# --- The careful form of F_N --------------------------------------------------------------------------------
+# --- The numerically stable form of F_N ---------------------------------------------------------------------
 
 # With the half angle, a = M L omega_l^2 and b the weight: the radial part a + b cos(theta_l) becomes
 # (a - b) + 2 b cos^2(theta_l/2) and loses nothing near the top. All of it is divided by scale_N = M L mu^2,
@@ -92,9 +92,9 @@ mechanical = motor_friction + mu * link_friction
 half_cosine, half_sine = HalfCosine(theta_m, mu), HalfSine(theta_m, mu)
 radial = SquareDifference(speed, omega_star) + 2 * omega_star**2 * half_cosine**2
 tangential = Bounded(alpha_m / mu, fastest**2) - 2 * omega_star**2 * half_cosine * half_sine
-careful = scale_N * Magnitude(radial, tangential)
+stable = scale_N * Magnitude(radial, tangential)
 # (5) by the same half angle: sin(theta_l) is minus twice the product.
-careful_gravity = -2 * mu * M * g_p * L * half_cosine * half_sine
+stable_gravity = -2 * mu * M * g_p * L * half_cosine * half_sine
 
 balanced = sp.Eq(M * L, 0)
 definitions = (
@@ -106,7 +106,7 @@ definitions = (
     Definition(v.scale_N, sp.Piecewise((weight / omega_star**2, balanced), (M * L * mu**2, True))),
     Definition(v.fastest, sp.Piecewise((0, balanced), (2**30, True))),
     Definition(v.speed, Bounded(sp.Abs(omega_m), fastest)),
-    Definition(v.F_N, careful),
+    Definition(v.F_N, stable),
     Definition(v.B, B_m + mu**2 * B_lT * link_force_T),
     Definition(v.C, C_m + mu * C_lT * link_force_T),
 )
@@ -125,7 +125,7 @@ balance = Balance(
     (
         Term("motor_torque", "drive", k_i, i, "(2)", (None, None)),
         Term("inertia", "inertial", sp.Integer(1), Gated(J, alpha_m), "(4)"),
-        Term("gravity", "gravity", sp.Integer(1), careful_gravity, "(5)"),
+        Term("gravity", "gravity", sp.Integer(1), stable_gravity, "(5)"),
         link_bearing("link_viscous_normal", B_lN, mu**2 * F_N * omega_m, Role.VISCOUS, Load.NORMAL),
         link_bearing("link_coulomb_normal", C_lN, mu * F_N * sgn, Role.COULOMB, Load.NORMAL),
         link_bearing(
@@ -155,7 +155,7 @@ plain = {
     speed: sp.Abs(omega_m),
     fastest: sp.Integer(2**30),
 }
-careful_squared = meaning(careful).xreplace(plain) ** 2
+stable_squared = meaning(stable).xreplace(plain) ** 2
 
 as_in_C2 = {phi: 0, alpha_l: 0}
 equations = (
@@ -271,8 +271,8 @@ equations = (
         "Gravity torque on the motor side.",
         (
             Identity(
-                "the careful form of the code is equal to it",
-                gravity_torque - meaning(careful_gravity).subs(g_p, g * sp.cos(phi)),
+                "the numerically stable form of the code is equal to it",
+                gravity_torque - meaning(stable_gravity).subs(g_p, g * sp.cos(phi)),
             ),
         ),
     ),
@@ -330,10 +330,10 @@ equations = (
         ),
     ),
     Equation(
-        "careful_normal_force",
+        "stable_normal_force",
         "",
         F_N,
-        careful,
+        stable,
         "N",
         "F_N as the code computes it: half angle from the top and a difference of squares, for M L > 0"
         " divided by scale_N = M L mu^2; HalfCosine, HalfSine, SquareDifference and Magnitude keep their"
@@ -341,7 +341,7 @@ equations = (
         (
             Identity(
                 "its square is the squared normal force",
-                careful_squared - F_N_squared.subs(gear),
+                stable_squared - F_N_squared.subs(gear),
             ),
         ),
     ),

@@ -132,12 +132,12 @@ def _global_minimum() -> str:
         (f"{listed}/rev, converted", k_e_listed / (2 * math.pi)),
     ):
         parameters = module.Parameters(mu=mu, k_e=k_e)
-        at_hollow = module.friction_torque(math.pi / mu, omega_l / mu, parameters)
+        at_zero = module.friction_torque(math.pi / mu, omega_l / mu, parameters)
         torque = module.friction_torque(link_angle / mu, link_velocity / mu, parameters)
         lowest = np.unravel_index(np.argmin(torque), torque.shape)
         where = f"{link_velocity[lowest]:.2f} rad/s, {link_angle[lowest]:.2f} rad"
         lines.append(
-            f"   {text}: {at_hollow:.4f} N m at ({omega_l:.6f} rad/s, pi),"
+            f"   {text}: {at_zero:.4f} N m at ({omega_l:.6f} rad/s, pi),"
             f" {module.coulomb_torque(parameters):.4f} N m for velocity to 0;"
             f" least on a grid over the figure: {torque[lowest]:.4f} N m at ({where})."
         )
@@ -176,7 +176,7 @@ def _gear_ratio() -> str:
     same = sp.sign(v.mu.symbol * omega_m) == sp.sign(omega_m)  # the symbol mu is positive, and no more
     verdict = "= sgn(omega_m) for every positive mu" if same else "DIFFERS from sgn(omega_m)"
     return (
-        "(3) asks for mu < 1, while section 3 speaks of direct drives with mu = 1.\n"
+        "(3) requires mu < 1, while section 3 speaks of direct drives with mu = 1.\n"
         "   Nothing in the derivation needs mu < 1: it only divides by mu, and, by SymPy,"
         f" sgn(mu omega_m) {verdict}.\n"
         "   Reading: any mu > 0 is valid."

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 # Table 1's; figure 4's minimum needs k_e in V s/rev (see `eccentric audit`, finding 3).
 K_E_CONVERTED = float(sp.Rational(v.k_e.default)) / (2 * math.pi)
 MU = float(sp.Rational(v.mu.default))
-# Okabe and Ito's colours, told apart by the colour-blind.
+# Okabe and Ito's colours, which colour-blind readers can distinguish.
 _BLUE, _ORANGE, _GREEN, _RED = "#0072B2", "#E69F00", "#009E73", "#D55E00"
 
 

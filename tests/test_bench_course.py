@@ -1,4 +1,4 @@
-"""The wanted speed of the virtual bench, and what of it is held out, against closed forms."""
+"""The reference speed of the virtual bench, and what of it is held out, against closed forms."""
 
 import numpy as np
 import pytest
@@ -7,7 +7,7 @@ from eccentric.virtual_bench.course import Course, speed_runs, sum_of_sines
 
 SEEDS = range(200)
 TOP = 30.0
-"""Greatest speed asked for [rad/s]."""
+"""Greatest reference speed [rad/s]."""
 
 
 def test_constant_speeds_are_joined_by_smooth_ramps() -> None:
@@ -16,7 +16,9 @@ def test_constant_speeds_are_joined_by_smooth_ramps() -> None:
     x = 0.25
 
     expected = [0.0, 4.0 * (3 * x**2 - 2 * x**3), 2.0, 4.0, 4.0, 4.0 - 6.0 * (3 * x**2 - 2 * x**3), -2.0]
-    assert expected == pytest.approx(course.wanted(np.array([0.0, 0.1, 0.2, 0.4, 3.0, 3.1, 3.4])), abs=1e-12)
+    assert expected == pytest.approx(
+        course.reference(np.array([0.0, 0.1, 0.2, 0.4, 3.0, 3.1, 3.4])), abs=1e-12
+    )
 
 
 def test_a_trajectory_is_the_sum_of_its_sines_after_a_second() -> None:
@@ -25,7 +27,7 @@ def test_a_trajectory_is_the_sum_of_its_sines_after_a_second() -> None:
     time = np.array([0.0, 0.5, 1.0, 2.0, 7.0])
 
     whole = 2.0 * np.cos(np.pi * time) + np.sin(0.5 * np.pi * time)
-    assert whole * [0.0, 0.5, 1.0, 1.0, 1.0] == pytest.approx(course.wanted(time), abs=1e-12)
+    assert whole * [0.0, 0.5, 1.0, 1.0, 1.0] == pytest.approx(course.reference(time), abs=1e-12)
 
 
 def test_speed_runs_fill_the_log_and_the_range() -> None:

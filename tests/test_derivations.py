@@ -116,7 +116,7 @@ def test_normal_force_of_c1_is_the_papers() -> None:
 
 
 def test_normal_force_of_c2_is_the_papers() -> None:
-    """Equations (16) and (17), squared: the careful form hides nothing."""
+    """Equations (16) and (17), squared: the numerically stable form is the same function."""
     model = load_model("c2_parallel")
     link = paper.normal_force_c2_link(theta_l, omega_l, LETTERS, sp)
     motor = paper.normal_force_c2(theta_m, omega_m, LETTERS, sp)
@@ -127,7 +127,7 @@ def test_normal_force_of_c2_is_the_papers() -> None:
 
 
 def _plain(model: Model, name: str) -> sp.Expr:
-    """A definition in inputs and parameters, the careful steps written out, for an unbalanced mass."""
+    """A definition in inputs and parameters, the opaque steps written out, for an unbalanced mass."""
     expression = meaning(model.expand(model.definition(name).symbol))
     return expression.subs(sp.Eq(v.L.symbol * v.M.symbol, 0), sp.false).doit()
 

@@ -27,7 +27,7 @@ class MotorController:
 def servo(
     controller: MotorController, plant: Plant, theta: float, dt: float
 ) -> Callable[[float, float], tuple[float, float]]:
-    """Return `control(theta, wanted)` -> (commanded voltage [V], drive's velocity [rad/s]), for every `dt`.
+    """Return `control(theta, reference)` -> (commanded voltage [V], measured velocity [rad/s]), every `dt`.
 
     The velocity is the filtered difference of encoder counts, so it is late and grainy, and it is what the
     controller acts on. The integrator stops while the bus saturates.
@@ -38,14 +38,14 @@ def servo(
     kp, ki, k_e, bus = controller.kp, controller.ki * dt, plant.k_e, controller.bus_V
     last, first, speed, integral = floor(theta * per_rad + 0.5), 0.0, 0.0, 0.0
 
-    def control(theta: float, wanted: float) -> tuple[float, float]:
+    def control(theta: float, reference: float) -> tuple[float, float]:
         nonlocal last, first, speed, integral
         count = floor(theta * per_rad + 0.5)
         first += pole * ((count - last) * quantum / dt - first)
         speed = speed + pole * (first - speed) if second else first
         last = count
-        error = wanted - speed
-        voltage = kp * error + integral + k_e * wanted
+        error = reference - speed
+        voltage = kp * error + integral + k_e * reference
         if voltage > bus:
             voltage = bus
             integral += min(0.0, ki * error)

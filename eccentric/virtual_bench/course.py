@@ -1,4 +1,4 @@
-"""What the drive is told to do: speed runs or a sum of sines, and which part of the log is held out."""
+"""The reference speed of the drive, speed runs or a sum of sines, and which part of the log is held out."""
 
 from dataclasses import dataclass
 
@@ -7,7 +7,7 @@ import numpy as np
 
 @dataclass(frozen=True)
 class Course:
-    """The wanted motor speed over a log of `seconds`, and the held-out intervals [s].
+    """The reference motor speed over a log of `seconds`, and the held-out intervals [s].
 
     `runs`: `starts` [s] and `speeds` [rad/s] of the constant speeds, joined by smooth ramps of `ramp_s`.
     `traj`: `frequencies` [Hz], `speeds` (amplitudes, rad/s) and `phases` [rad] of the sines.
@@ -22,8 +22,8 @@ class Course:
     frequencies: tuple[float, ...] = ()
     phases: tuple[float, ...] = ()
 
-    def wanted(self, time: np.ndarray) -> np.ndarray:
-        """Return the wanted motor speed [rad/s] at `time` [s], shape (n,)."""
+    def reference(self, time: np.ndarray) -> np.ndarray:
+        """Return the reference motor speed [rad/s] at `time` [s], shape (n,)."""
         if self.log_type == "traj":
             sines = np.zeros_like(time)
             for amplitude, frequency, phase in zip(self.speeds, self.frequencies, self.phases, strict=True):

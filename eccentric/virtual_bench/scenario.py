@@ -51,16 +51,16 @@ def random_scenario(
 ) -> Scenario:
     """Draw a plausible rig of that gear ratio about the paper's Table 1, a course and the shapes of effects.
 
-    `effects` are family ids, with a variant in brackets if wanted (`load_dependent[gravity]`), each alone or
+    `effects` are family ids, with a variant in brackets if need be (`load_dependent[gravity]`), each alone or
     with its strength (fraction of the friction rms; otherwise `strength`). `noise` is the current's, over its
-    largest size. A temperature is logged if asked for or if an effect needs it. The same state of `rng` gives
+    largest size. A temperature is logged if requested or if an effect needs it. The same state of `rng` gives
     the same plant and course, whatever the effects.
 
     Raises InputError for values out of range, an unknown effect, or one that the case cannot show.
     """
     _check(case, mu, log_type, strength, noise, seconds)
-    wanted = [(one, strength) if isinstance(one, str) else one for one in effects]
-    for name, size in wanted:
+    requested = [(one, strength) if isinstance(one, str) else one for one in effects]
+    for name, size in requested:
         known_effect(name)
         if not (isfinite(size) and 0.0 < size <= 1.0):
             raise InputError(f"effect {name}: required a strength above 0 and at most 1; received {size}")
@@ -72,9 +72,9 @@ def random_scenario(
 
     setting = _setting(plant, course, top_speed)
     built = []
-    for name, size in wanted:
+    for name, size in requested:
         family, variant = known_effect(name)
-        drawn = _drawn_variant(family, rng)  # also where one is asked for: the shapes are the same then
+        drawn = _drawn_variant(family, rng)  # also where one is given: the shapes are the same then
         request = Request(size, variant or drawn, variant is not None, setting, rng)
         built.append(replace(EFFECTS[family](request), strength=size))
     logged = temperature or any(effect.needs_temperature for effect in built)
@@ -140,7 +140,7 @@ def _plant(rng: np.random.Generator, case: str, mu: float) -> Plant:
 def _controller(rng: np.random.Generator, plant: Plant) -> MotorController:
     """Return a controller: a loop of 4 to 6 Hz, which the velocity filter's lag leaves stable.
 
-    The encoder is finer at low reductions, as one would buy it: what counts is the resolution at the link.
+    The encoder is finer at low reductions, since the resolution at the link is what counts.
     """
     finer = 2 ** max(0, floor(log2(30.0 * plant.mu)))
     bandwidth = 2.0 * pi * float(rng.uniform(4.0, 6.0))
@@ -156,9 +156,9 @@ def _controller(rng: np.random.Generator, plant: Plant) -> MotorController:
 
 
 def _setting(plant: Plant, course: Course, top_speed: float) -> PlantSetting:
-    """Return rough sizes along the wanted course, as if it were followed without inertia."""
+    """Return rough sizes along the course, as if a drive without inertia followed it."""
     time = np.arange(0.0, course.seconds, 0.02)
-    speed = course.wanted(time)
+    speed = course.reference(time)
     link = plant.mu * np.cumsum(speed) * 0.02
     torque = [
         plant.friction_torque(a, plant.mu * w) for a, w in zip(link.tolist(), speed.tolist(), strict=True)

@@ -27,7 +27,7 @@ class BenchRun:
 def simulate(scenario: Scenario) -> BenchRun:
     """Run the bench; the same scenario gives the same run.
 
-    Each effect's amplitude is corrected until its rms, over rows in motion, is the strength asked for times
+    Each effect's amplitude is corrected until its rms, over rows in motion, is the requested strength times
     the rms of the paper's friction there: to 0.2 %, or as near as its physical bound lets it.
     """
     raw = _run(scenario)
@@ -69,14 +69,14 @@ def _run(scenario: Scenario) -> _Raw:
     advance = mover(plant, motion, dt, bound)
     control = servo(scenario.controller, plant, motion.theta, dt)
     applied = bus_ripple(scenario.controller)
-    wanted = scenario.course.wanted(np.arange(rows * steps) * dt).tolist()
+    reference = scenario.course.reference(np.arange(rows * steps) * dt).tolist()
 
     # The drive averages voltage and current over the two pulses about the sample instant: neither is ahead.
     samples, acting, fine_current = [], [], []
     voltage, n = 0.0, 0
     for _ in range(rows):
         theta, w, u_before, i_before = motion.theta, motion.w, voltage, motion.i
-        voltage, speed = control(theta, wanted[n])
+        voltage, speed = control(theta, reference[n])
         advance(applied(voltage, motion.t))
         fine_current.append(motion.i)
         friction = motion.dry * ((motion.w_mid > 0.0) - (motion.w_mid < 0.0)) + motion.viscous * motion.w_mid
@@ -87,7 +87,7 @@ def _run(scenario: Scenario) -> _Raw:
         )  # fmt: skip
         acting.append(motion.acting.copy())
         for k in range(n + 1, n + steps):
-            voltage, _ = control(motion.theta, wanted[k])
+            voltage, _ = control(motion.theta, reference[k])
             advance(applied(voltage, motion.t))
             fine_current.append(motion.i)
         n += steps
@@ -138,10 +138,12 @@ def _corrected(
         (effect.strength / max(fraction, 1e-3 * effect.strength)) ** (1.0 / power)
         for effect, fraction, power in zip(effects, fractions, powers, strict=True)
     ]
-    wanted = [min(e.bound, e.amplitude * min(5.0, max(0.2, s))) for e, s in zip(effects, scales, strict=True)]
-    if all(abs(a / e.amplitude - 1.0) <= _TOLERANCE for e, a in zip(effects, wanted, strict=True)):
+    amplitudes = [
+        min(e.bound, e.amplitude * min(5.0, max(0.2, s))) for e, s in zip(effects, scales, strict=True)
+    ]
+    if all(abs(a / e.amplitude - 1.0) <= _TOLERANCE for e, a in zip(effects, amplitudes, strict=True)):
         return effects
-    return tuple(replace(effect, amplitude=a) for effect, a in zip(effects, wanted, strict=True))
+    return tuple(replace(effect, amplitude=a) for effect, a in zip(effects, amplitudes, strict=True))
 
 
 def _powers(before: tuple[Scenario, _Raw], after: tuple[Scenario, _Raw], powers: list[float]) -> list[float]:

@@ -7,7 +7,7 @@ taken at the mean of old and new speed and the dry level c is set-valued: the ne
 
     (J + b dt/2) w' + dt c Sgn(w') contains (J - b dt/2) w + dt T,
 
-whose only solution is a soft threshold. A link below its Coulomb level therefore stands still to the last
+whose only solution is a soft threshold. A link below its Coulomb level is therefore at rest to the last
 bit, with no tanh, no creep and no event search.
 """
 

@@ -5,9 +5,9 @@ from eccentric.virtual_bench.motion import Motion
 from .record import Builder, PlantedEffect, Request, simply
 
 
-def kt_saturation(wanted: Request) -> PlantedEffect:
+def kt_saturation(request: Request) -> PlantedEffect:
     """Iron that saturates: the torque constant falls with the current."""
-    k_i, size = wanted.plant.k_i, wanted.setting.current
+    k_i, size = request.plant.k_i, request.setting.current
 
     def torque(s: Motion, a: float) -> float:
         share = a * (s.i / size) ** 2
@@ -16,7 +16,7 @@ def kt_saturation(wanted: Request) -> PlantedEffect:
     return PlantedEffect(
         "kt_saturation",
         "k_i -> k_i/(1 + A (i/i0)^2)",
-        wanted.torque(0.5) / (k_i * size),
+        request.torque(0.5) / (k_i * size),
         simply(torque=torque),
         ("current",),
         (size,),
@@ -24,25 +24,25 @@ def kt_saturation(wanted: Request) -> PlantedEffect:
     )
 
 
-def current_bias(wanted: Request) -> PlantedEffect:
+def current_bias(request: Request) -> PlantedEffect:
     """Sensor of the current whose zero is off by A."""
     return PlantedEffect(
         "current_bias",
         "i_logged = i + A",
-        wanted.torque() / wanted.plant.k_i,
+        request.torque() / request.plant.k_i,
         simply(current=lambda s, a: a),
         ("current",),
         channel="electrical",
     )
 
 
-def inverter_deadtime(wanted: Request) -> PlantedEffect:
+def inverter_deadtime(request: Request) -> PlantedEffect:
     """Voltage lost to the dead time of the bridge, against the current (Munoz and Lipo 1999).
 
     It is linear within i0 about zero current, where the drop and the current are solved for together.
     """
-    plant = wanted.plant
-    i0 = wanted.draw(0.02, 0.06) * wanted.setting.current
+    plant = request.plant
+    i0 = request.draw(0.02, 0.06) * request.setting.current
 
     def drop(s: Motion, a: float) -> float:
         share = s.v / (a + plant.R * i0)
@@ -51,7 +51,7 @@ def inverter_deadtime(wanted: Request) -> PlantedEffect:
     return PlantedEffect(
         "inverter_deadtime",
         "A sat(i/i0)",
-        wanted.torque() * plant.R / plant.k_i,
+        request.torque() * plant.R / plant.k_i,
         simply(drop=drop),
         ("current", "voltage"),
         (i0,),
@@ -59,15 +59,15 @@ def inverter_deadtime(wanted: Request) -> PlantedEffect:
     )
 
 
-def resistance_temperature(wanted: Request) -> PlantedEffect:
+def resistance_temperature(request: Request) -> PlantedEffect:
     """Winding whose resistance rises with its temperature."""
-    cold = wanted.plant.Tamb
+    cold = request.plant.Tamb
 
     def drop(s: Motion, a: float) -> float:
         share = a * (s.temperature - cold)
         return s.v * share / (1.0 + share)
 
-    size = wanted.torque() / (wanted.plant.k_i * wanted.setting.current * wanted.setting.warming)
+    size = request.torque() / (request.plant.k_i * request.setting.current * request.setting.warming)
     return PlantedEffect(
         "resistance_temperature",
         "R -> R (1 + A (T - Tamb))",
@@ -81,10 +81,10 @@ def resistance_temperature(wanted: Request) -> PlantedEffect:
     )
 
 
-def ke_mismatch(wanted: Request) -> PlantedEffect:
+def ke_mismatch(request: Request) -> PlantedEffect:
     """Back-EMF constant A times more than declared."""
-    plant = wanted.plant
-    size = wanted.torque() * plant.R / (plant.k_i * plant.k_e * wanted.setting.speed)
+    plant = request.plant
+    size = request.torque() * plant.R / (plant.k_i * plant.k_e * request.setting.speed)
     return PlantedEffect(
         "ke_mismatch",
         "k_e -> k_e (1 + A)",
@@ -96,7 +96,7 @@ def ke_mismatch(wanted: Request) -> PlantedEffect:
     )
 
 
-def sensor_delay(wanted: Request) -> PlantedEffect:  # noqa: ARG001 - every builder takes one
+def sensor_delay(request: Request) -> PlantedEffect:  # noqa: ARG001 - every builder takes one
     """Sensor of the current that is late by A against angle and voltage."""
     return PlantedEffect(
         "sensor_delay",

@@ -8,53 +8,53 @@ from eccentric.virtual_bench.plant import Plant
 from .record import Builder, Law, PlantedEffect, Request, simply
 
 
-def link_harmonic_friction(wanted: Request) -> PlantedEffect:
+def link_harmonic_friction(request: Request) -> PlantedEffect:
     """Dry friction that varies n times per turn of the link (misalignment, bent shaft, lobed bearing)."""
-    order, shift = int(wanted.variant[2:]), wanted.phase()
+    order, shift = int(request.variant[2:]), request.phase()
     return PlantedEffect(
         "link_harmonic_friction",
         f"A cos({order} thl + phi) sgn w",
-        wanted.torque(1.4),
+        request.torque(1.4),
         simply(dry=lambda s, a: a * cos(order * s.link + shift)),
         ("link_angle",),
         (float(order), shift),
-        variant=wanted.variant,
+        variant=request.variant,
     )
 
 
-def cogging(wanted: Request) -> PlantedEffect:
+def cogging(request: Request) -> PlantedEffect:
     """Torque of the slots against the magnets, n times per turn of the motor (Hanselman 2003)."""
-    order, shift = int(wanted.variant[2:]), wanted.phase()
+    order, shift = int(request.variant[2:]), request.phase()
     return PlantedEffect(
         "cogging",
         f"A cos({order} thm + phi)",
-        wanted.torque(1.4),
+        request.torque(1.4),
         simply(torque=lambda s, a: a * cos(order * s.theta + shift)),
         ("motor_angle",),
         (float(order), shift),
-        variant=wanted.variant,
+        variant=request.variant,
     )
 
 
-def kt_ripple(wanted: Request) -> PlantedEffect:
+def kt_ripple(request: Request) -> PlantedEffect:
     """Torque constant that varies n times per turn of the motor (commutation)."""
-    drawn = wanted.variant
-    order, shift, k_i = int(drawn[2:]), wanted.phase(), wanted.plant.k_i
+    drawn = request.variant
+    order, shift, k_i = int(drawn[2:]), request.phase(), request.plant.k_i
     return PlantedEffect(
         "kt_ripple",
         f"-A cos({order} thm + phi) k_i i",
-        wanted.torque(1.4) / (k_i * wanted.setting.current),
+        request.torque(1.4) / (k_i * request.setting.current),
         simply(torque=lambda s, a: -a * cos(order * s.theta + shift) * k_i * s.i),
         ("motor_angle", "current"),
         (float(order), shift),
-        variant=wanted.variant,
+        variant=request.variant,
         bound=0.6,
     )
 
 
-def local_defect(wanted: Request) -> PlantedEffect:
+def local_defect(request: Request) -> PlantedEffect:
     """Tight spot at one angle of the link: a bump of dry friction."""
-    centre, width = wanted.phase(), wanted.draw(0.15, 0.4)
+    centre, width = request.phase(), request.draw(0.15, 0.4)
 
     def dry(s: Motion, a: float) -> float:
         away = (s.link - centre + pi) % (2.0 * pi) - pi
@@ -63,20 +63,20 @@ def local_defect(wanted: Request) -> PlantedEffect:
     return PlantedEffect(
         "local_defect",
         "A exp(-((thl - th0)/d)^2/2) sgn w",
-        wanted.torque(3.0),
+        request.torque(3.0),
         simply(dry=dry),
         ("link_angle",),
         (centre, width),
     )
 
 
-def cable_spring(wanted: Request) -> PlantedEffect:
+def cable_spring(request: Request) -> PlantedEffect:
     """Cable or hose that winds up with the link."""
-    rest = wanted.phase()
+    rest = request.phase()
     return PlantedEffect(
         "cable_spring",
         "A (thl - th0)",
-        wanted.torque(0.1),
+        request.torque(0.1),
         simply(torque=lambda s, a: a * (s.link - rest)),
         ("link_angle",),
         (rest,),
@@ -84,7 +84,7 @@ def cable_spring(wanted: Request) -> PlantedEffect:
 
 
 def _other_gravity(plant: Plant, gravity: Law, turn: Law) -> dict[str, Law]:
-    """Return what changes with `gravity` [m/s^2] in the plane and down turned by `turn` [rad]."""
+    """Return what changes with `gravity` [m/s^2] in the plane and the vertical turned by `turn` [rad]."""
 
     def friction(s: Motion, a: float) -> tuple[float, float]:
         return plant.link_friction(plant.normal_force(s.link + turn(s, a), s.w_link, gravity(s, a)))
@@ -96,41 +96,43 @@ def _other_gravity(plant: Plant, gravity: Law, turn: Law) -> dict[str, Law]:
     }
 
 
-def gravity_tilt(wanted: Request) -> PlantedEffect:
+def gravity_tilt(request: Request) -> PlantedEffect:
     """Plane of motion tilted by A against the declared one, in gravity torque and normal force."""
-    g, load = wanted.plant.g, _gravity_size(wanted.plant)
-    if wanted.plant.case == "C1":
-        shift = wanted.phase()
-        start = simply(**_other_gravity(wanted.plant, lambda s, a: g * sin(a), lambda s, a: shift))
+    g, load = request.plant.g, _gravity_size(request.plant)
+    if request.plant.case == "C1":
+        shift = request.phase()
+        start = simply(**_other_gravity(request.plant, lambda s, a: g * sin(a), lambda s, a: shift))
         form, size, shape = (
             "tilt A: g' = g sin A, down at thl = -phi",
-            wanted.torque(1.4) / load,
+            request.torque(1.4) / load,
             (shift,),
         )
     else:
-        start = simply(**_other_gravity(wanted.plant, lambda s, a: g * cos(a), lambda s, a: 0.0))
-        form, size, shape = "tilt A: g' = g cos A", (wanted.torque(2.8) / load) ** 0.5, ()
+        start = simply(**_other_gravity(request.plant, lambda s, a: g * cos(a), lambda s, a: 0.0))
+        form, size, shape = "tilt A: g' = g cos A", (request.torque(2.8) / load) ** 0.5, ()
     return PlantedEffect("gravity_tilt", form, size, start, ("link_angle", "gravity_load"), shape, bound=0.7)
 
 
-def angle_offset(wanted: Request) -> PlantedEffect:
+def angle_offset(request: Request) -> PlantedEffect:
     """Zero angle of the link off by A, so that gravity pulls elsewhere than the log says."""
-    wanted.require_case("C2", "angle_offset", "without gravity in the plane no angle is special")
-    g = wanted.plant.g
+    request.require_case("C2", "angle_offset", "without gravity in the plane no angle is special")
+    g = request.plant.g
     return PlantedEffect(
         "angle_offset",
         "G(thl + A) - G(thl), and F_N likewise",
-        wanted.torque(1.4) / _gravity_size(wanted.plant),
-        simply(**_other_gravity(wanted.plant, lambda s, a: g, lambda s, a: a)),
+        request.torque(1.4) / _gravity_size(request.plant),
+        simply(**_other_gravity(request.plant, lambda s, a: g, lambda s, a: a)),
         ("link_angle", "gravity_load"),
         bound=0.7,
     )
 
 
-def mass_mismatch(wanted: Request) -> PlantedEffect:
+def mass_mismatch(request: Request) -> PlantedEffect:
     """Unbalanced mass A times more than declared, in gravity and normal force; J_l is as declared."""
-    wanted.require_case("C2", "mass_mismatch", "without gravity in the plane it is an alias of B_lN and C_lN")
-    plant = wanted.plant
+    request.require_case(
+        "C2", "mass_mismatch", "without gravity in the plane it is an alias of B_lN and C_lN"
+    )
+    plant = request.plant
 
     def friction(s: Motion, a: float) -> tuple[float, float]:
         ratio = (plant.M * (1.0 + a) + plant.M_l) / (plant.M + plant.M_l)
@@ -142,19 +144,19 @@ def mass_mismatch(wanted: Request) -> PlantedEffect:
         dry=lambda s, a: friction(s, a)[0] - s.link_dry,
         viscous=lambda s, a: friction(s, a)[1] - s.link_viscous,
     )
-    size = wanted.torque(1.4) / _gravity_size(wanted.plant)
+    size = request.torque(1.4) / _gravity_size(request.plant)
     return PlantedEffect(
         "mass_mismatch", "M -> M (1 + A) in G and F_N", size, start, ("gravity_load", "link_angle"), bound=0.9
     )
 
 
-def inertia_mismatch(wanted: Request) -> PlantedEffect:
+def inertia_mismatch(request: Request) -> PlantedEffect:
     """Inertia on the motor side A times more than declared."""
-    inertia = wanted.plant.inertia
+    inertia = request.plant.inertia
     return PlantedEffect(
         "inertia_mismatch",
         "A J dw/dt",
-        wanted.strength,
+        request.strength,
         simply(inertia=lambda s, a: a * inertia),
         ("acceleration",),
         bound=3.0,

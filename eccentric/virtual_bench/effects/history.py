@@ -7,15 +7,15 @@ from eccentric.virtual_bench.motion import Motion
 from .record import Builder, Law, PlantedEffect, Request, sign
 
 
-def presliding(wanted: Request) -> PlantedEffect:
+def presliding(request: Request) -> PlantedEffect:
     """Soft contact (seal, grease, wave gear) that builds its torque up over x0 after each reversal.
 
     Dahl 1968: dz = dx/x0 (1 - z sgn dx), solved exactly over each step. LuGre (Canudas de Wit 1995) adds a
     level that falls with the speed, here towards 0.6 of its value at rest.
     """
-    x0 = wanted.draw(0.08, 0.3)
-    reach, vs = x0 / wanted.plant.mu, 0.1 * wanted.setting.top_speed
-    falls = wanted.variant == "lugre"
+    x0 = request.draw(0.08, 0.3)
+    reach, vs = x0 / request.plant.mu, 0.1 * request.setting.top_speed
+    falls = request.variant == "lugre"
 
     def start() -> dict[str, Law]:
         z, travel = 0.0, 0.0
@@ -37,21 +37,21 @@ def presliding(wanted: Request) -> PlantedEffect:
     return PlantedEffect(
         "presliding",
         form,
-        wanted.torque(),
+        request.torque(),
         start,
         ("history", "direction"),
         shape,
-        variant=wanted.variant,
+        variant=request.variant,
     )
 
 
-def magnetic_hysteresis(wanted: Request) -> PlantedEffect:
+def magnetic_hysteresis(request: Request) -> PlantedEffect:
     """Iron that keeps some magnetisation: the torque lags the current by a loop of half-width A in torque.
 
     An elastic-plastic element of the current, dz = di/i0 within [-1, 1]. Duhem's smooth form was tried: the
-    drive's dither at each pulse walks its loop to the middle, which iron does not do at such small changes.
+    drive's dither at each pulse pulls its loop to the middle; iron does not follow changes that small.
     """
-    i0 = wanted.draw(0.3, 0.6) * wanted.setting.current
+    i0 = request.draw(0.3, 0.6) * request.setting.current
 
     def start() -> dict[str, Law]:
         z, last = 0.0, 0.0
@@ -67,7 +67,7 @@ def magnetic_hysteresis(wanted: Request) -> PlantedEffect:
     return PlantedEffect(
         "magnetic_hysteresis",
         "A z, dz = di/i0 within [-1, 1]",
-        wanted.torque(1.3),
+        request.torque(1.3),
         start,
         ("current", "history"),
         (i0,),

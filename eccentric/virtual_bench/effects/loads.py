@@ -27,29 +27,29 @@ def _transmitted(plant: Plant) -> Callable[[Motion], float]:
     return law
 
 
-def load_dependent(wanted: Request) -> PlantedEffect:
+def load_dependent(request: Request) -> PlantedEffect:
     """Dry friction in proportion to the load: gravity alone, or all torque transmitted (Gogoussis 1987)."""
-    if wanted.variant == "gravity" and wanted.chosen:
-        wanted.require_case("C2", "load_dependent[gravity]", "there is no gravity load otherwise")
-    if wanted.variant == "gravity" and wanted.plant.case == "C2":
+    if request.variant == "gravity" and request.chosen:
+        request.require_case("C2", "load_dependent[gravity]", "there is no gravity load otherwise")
+    if request.variant == "gravity" and request.plant.case == "C2":
         return PlantedEffect(
             "load_dependent",
             "A |G| sgn w",
-            wanted.strength,
+            request.strength,
             simply(dry=lambda s, a: a * abs(s.gravity)),
             ("gravity_load", "link_angle"),
             bound=0.8,
-            variant=wanted.variant,
+            variant=request.variant,
         )
 
     def start() -> dict[str, Law]:
-        load = _transmitted(wanted.plant)
+        load = _transmitted(request.plant)
         return {"dry": lambda s, a: a * abs(load(s))}
 
     return PlantedEffect(
         "load_dependent",
         "A |mu tau_l| sgn w, tau_l = J_l dw_l/dt + f_l + G",
-        wanted.strength,
+        request.strength,
         start,
         ("transmitted_torque",),
         bound=0.6,
@@ -57,10 +57,10 @@ def load_dependent(wanted: Request) -> PlantedEffect:
     )
 
 
-def gear_efficiency(wanted: Request) -> PlantedEffect:
+def gear_efficiency(request: Request) -> PlantedEffect:
     """Loss in proportion to the load, smaller when the load drives the motor."""
-    back = wanted.draw(0.25, 0.5)
-    if wanted.plant.case == "C2":
+    back = request.draw(0.25, 0.5)
+    if request.plant.case == "C2":
         form, depends = (
             f"A |G| sgn w when driving, {back} A |G| sgn w when back-driven",
             ("gravity_load", "direction"),
@@ -75,7 +75,7 @@ def gear_efficiency(wanted: Request) -> PlantedEffect:
         )
 
         def start() -> dict[str, Law]:
-            load = _transmitted(wanted.plant)
+            load = _transmitted(request.plant)
 
             def dry(s: Motion, a: float) -> float:
                 torque = load(s)
@@ -83,17 +83,17 @@ def gear_efficiency(wanted: Request) -> PlantedEffect:
 
             return {"dry": dry}
 
-    return PlantedEffect("gear_efficiency", form, 1.4 * wanted.strength, start, depends, (back,), bound=0.6)
+    return PlantedEffect("gear_efficiency", form, 1.4 * request.strength, start, depends, (back,), bound=0.6)
 
 
-def backlash(wanted: Request) -> PlantedEffect:
+def backlash(request: Request) -> PlantedEffect:
     """Gap of A at the motor, which it crosses free of the link's torques after the load has reversed.
 
     An approximation: the link's friction and gravity are let go while the motor turns through the gap, but
     its inertia stays coupled. A true two-mass contact would need steps of microseconds. It acts reversal by
-    reversal, so a short log meets the strength asked for only roughly; the truth has the one reached.
+    reversal, so a short log meets the requested strength only roughly; the truth holds the one reached.
     """
-    bound = 0.25 / wanted.plant.mu
+    bound = 0.25 / request.plant.mu
 
     def start() -> dict[str, Law]:
         flank, left, travel = 0.0, 0.0, 0.0
@@ -111,7 +111,7 @@ def backlash(wanted: Request) -> PlantedEffect:
 
         state = False
 
-        def dry(s: Motion, a: float) -> float:  # the mover asks the dry port first, the others follow it
+        def dry(s: Motion, a: float) -> float:  # the dry port is evaluated first, and the others follow it
             nonlocal state
             state = free(s, a)
             return -s.link_dry if state else 0.0
@@ -125,7 +125,7 @@ def backlash(wanted: Request) -> PlantedEffect:
     return PlantedEffect(
         "backlash",
         "-(mu f_l + G) while the motor turns A after a reversal of the load",
-        0.1 / wanted.plant.mu,
+        0.1 / request.plant.mu,
         start,
         ("history", "direction"),
         bound=bound,

@@ -44,7 +44,7 @@ class Request:
 
     strength: float
     variant: str  # "" where the family has none
-    chosen: bool  # was the variant asked for, or drawn?
+    chosen: bool  # was the variant given, or drawn?
     setting: PlantSetting
     rng: np.random.Generator
 

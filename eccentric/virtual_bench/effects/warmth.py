@@ -7,13 +7,13 @@ from .record import Builder, PlantedEffect, Request, simply
 _KELVIN = 273.15
 
 
-def viscosity_temperature(wanted: Request) -> PlantedEffect:
+def viscosity_temperature(request: Request) -> PlantedEffect:
     """Oil that thins as it warms: exponentially (Reynolds 1886), or by Arrhenius' law."""
-    cold = wanted.plant.Tamb
-    if wanted.variant == "exponential":
+    cold = request.plant.Tamb
+    if request.variant == "exponential":
         form, size, bound = (
             "b w (exp(-A (T - Tamb)) - 1)",
-            wanted.strength * 4.0 / wanted.setting.warming,
+            request.strength * 4.0 / request.setting.warming,
             0.15,
         )
 
@@ -22,7 +22,7 @@ def viscosity_temperature(wanted: Request) -> PlantedEffect:
     else:
         form, size, bound = (
             "b w (exp(A (1/T - 1/Tamb)) - 1), T in K",
-            wanted.strength * 4e5 / wanted.setting.warming,
+            request.strength * 4e5 / request.setting.warming,
             1.5e4,
         )
 
@@ -37,64 +37,64 @@ def viscosity_temperature(wanted: Request) -> PlantedEffect:
         ("temperature", "velocity"),
         (cold,),
         bound=bound,
-        variant=wanted.variant,
+        variant=request.variant,
         needs_temperature=True,
     )
 
 
-def coulomb_temperature(wanted: Request) -> PlantedEffect:
+def coulomb_temperature(request: Request) -> PlantedEffect:
     """Dry friction that falls in proportion to the temperature."""
-    cold = wanted.plant.Tamb
+    cold = request.plant.Tamb
     return PlantedEffect(
         "coulomb_temperature",
         "-A (T - Tamb) c sgn w",
-        1.5 * wanted.strength / wanted.setting.warming,
+        1.5 * request.strength / request.setting.warming,
         simply(dry=lambda s, a: -a * (s.temperature - cold) * s.dry),
         ("temperature",),
         (cold,),
-        bound=0.8 / wanted.setting.warming,
+        bound=0.8 / request.setting.warming,
         needs_temperature=True,
     )
 
 
-def hidden_thermal_drift(wanted: Request) -> PlantedEffect:
-    """All friction falls as the drive warms, and no column of the log tells the temperature."""
-    cold = wanted.plant.Tamb
+def hidden_thermal_drift(request: Request) -> PlantedEffect:
+    """All friction falls as the drive warms, and no column of the log holds the temperature."""
+    cold = request.plant.Tamb
     return PlantedEffect(
         "hidden_thermal_drift",
         "-A (T - Tamb) f, T heated by the losses and not logged",
-        1.5 * wanted.strength / wanted.setting.warming,
+        1.5 * request.strength / request.setting.warming,
         simply(
             dry=lambda s, a: -a * (s.temperature - cold) * s.dry,
             viscous=lambda s, a: -a * (s.temperature - cold) * s.viscous,
         ),
         ("time", "history"),
         (cold,),
-        bound=0.8 / wanted.setting.warming,
+        bound=0.8 / request.setting.warming,
         hides_temperature=True,
     )
 
 
-def wear_runin(wanted: Request) -> PlantedEffect:
+def wear_runin(request: Request) -> PlantedEffect:
     """Dry friction of a fresh surface, worn off with the distance travelled (Archard 1953)."""
-    distance = wanted.draw(0.15, 0.35) * wanted.setting.speed * wanted.setting.seconds
+    distance = request.draw(0.15, 0.35) * request.setting.speed * request.setting.seconds
     return PlantedEffect(
         "wear_runin",
         "A exp(-s/s0) sgn w, s the motor's travel",
-        wanted.torque(2.5),
+        request.torque(2.5),
         simply(dry=lambda s, a: a * exp(-s.travel / distance)),
         ("time", "history"),
         (distance,),
     )
 
 
-def time_drift(wanted: Request) -> PlantedEffect:
+def time_drift(request: Request) -> PlantedEffect:
     """Dry friction that grows steadily with time, as a drying grease does."""
-    seconds = wanted.setting.seconds
+    seconds = request.setting.seconds
     return PlantedEffect(
         "time_drift",
         "A (t/t_end) sgn w",
-        wanted.torque(1.7),
+        request.torque(1.7),
         simply(dry=lambda s, a: a * s.t / seconds),
         ("time",),
         (seconds,),
