@@ -289,7 +289,7 @@ def test_free_text_stays_in_comments(tmp_path: Path) -> None:
         ('{"parameters": {"B_m": "a"}}', "B_m: required a finite number, received 'a'"),
         (
             "{",
-            "fit.json: required the fit.json of `eccentric fit`, or JSON with `parameters` like it; received a",
+            "fit.json: required the fit.json of `eccentric fit`, or JSON with `parameters` like it; received",
         ),
         ("[]", "required an object `parameters`"),
     ],

@@ -35,9 +35,9 @@ def emit(
         backend: a target, "numpy" or "c99", or several; by default both.
 
     Raises:
-        InputError: there is no such model or target, or it cannot be emitted; the parameters are those of another
-            model, or of a sign that they cannot have; the prefix is no name that C and Python leave free;
-            the folder cannot be written.
+        InputError: there is no such model or target, or it cannot be emitted; the parameters are those of
+            another model, or of a sign that they cannot have; the prefix is no name that C and Python leave
+            free; the folder cannot be written.
     """
     loaded = model_of(model)
     name = checked_name(
