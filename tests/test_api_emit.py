@@ -29,7 +29,7 @@ def test_values_by_letter_are_the_defaults_of_the_code(tmp_path: Path) -> None:
     text = (tmp_path / "out" / "arm.py").read_text(encoding="utf-8")
 
     assert "B_m: float = 0.25" in text
-    assert "L: float = 0.25" not in text
+    assert "mu: float = 0.2\n" in text
 
 
 def test_a_model_names_itself_in_the_banner(tmp_path: Path) -> None:

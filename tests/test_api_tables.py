@@ -41,8 +41,8 @@ def test_a_notebook_shows_it_escaped() -> None:
 
 @pytest.mark.parametrize("library", ["pandas", "polars"])
 def test_it_becomes_a_data_frame(library: str) -> None:
-    """A data frame of another library takes the table as it is."""
-    frame = pytest.importorskip(library).DataFrame(TABLE)
+    """A data frame of another library takes its rows."""
+    frame = pytest.importorskip(library).DataFrame(list(TABLE))
 
     assert ["name", "value", "unit"] == list(frame.columns)
     assert ["B_m", "C<m>"] == list(frame["name"])
