@@ -18,8 +18,8 @@ __all__ = ["Correlation", "ResultTable"]
 class ResultTable:
     """A small table of results.
 
-    `table["value"]` is a column; iterating gives the rows as dictionaries, so that `list(table)` is plain data
-    and what a data frame is made of: `pandas.DataFrame(list(table))`. None stands for what is not known.
+    `table["value"]` is a column; iterating gives the rows as dictionaries, so that `list(table)` is plain
+    data, and `pandas.DataFrame(list(table))` a data frame. None stands for what is not known.
 
     Attributes:
         names: of the columns.

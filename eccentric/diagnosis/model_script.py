@@ -22,14 +22,8 @@ def extended_name(found: Diagnosis) -> str:
 def extended_model(found: Diagnosis) -> Model:
     """The extended model with the fitted values as its defaults: the one that the script makes."""
     fitted = _fitted(found)
-    return with_values(
-        found.models.shipped.model,
-        fitted.values,
-        extended_name(found),
-        fitted.notes,
-        fitted.title,
-        "diagnosis",
-    )
+    model, name = found.models.shipped.model, extended_name(found)
+    return with_values(model, fitted.values, name, fitted.notes, fitted.title, "diagnosis")
 
 
 @dataclass(frozen=True)
