@@ -1,30 +1,102 @@
 """Friction models of drives that swing an unbalanced mass: derived, emitted, held against measured data.
 
-The pipeline, each stage in the package of its name:
+    read_log, read_rig    a file or a table in memory; a file or a mapping     -> Log, Rig
+    fit                   logs, rig -> FitResult: estimates with uncertainty, error on what was held out
+    diagnose              logs, rig -> DiagnosisResult: what the model lacks, and the model that has it
+    load_model, emit      a derivation -> Model; a Model -> NumPy module and C99 files
+    compile               a Model -> a Python module whose functions are the emitted C
+    bench                 a virtual test bench: log, rig and truth             -> BenchResult
 
-    derive    derivations/*.py         first principles -> Model        (eccentric.model)
-    emit      Model -> Program         -> NumPy module, C99             (eccentric.emission, templates/)
+Bad input raises InputError, one line. Everything is imported when it is first used.
+
+Inside, each stage has a room of its name, and imports run one way, each room through the doors of those
+before it:
+
+    derive    derivations/*.py         first principles -> Model        (model, effects)
+    emit      Model -> Program         -> NumPy module, C99             (emission, templates/)
     read      log + rig                -> signals                       (logs, rigs, signals)
-    fit       signals + Model          -> coefficients, residual        (eccentric.fitting)
+    fit       signals + Model          -> coefficients, residual        (fitting)
     diagnose  residual + effects       -> verdict, extended Model       (search, diagnosis, report)
+    run       Model -> its C           -> a module of Python            (compiled)
+    use       all of it                from Python and from a shell     (api, cli)
 
-`eccentric.compile("c2_parallel")` serves the emitted C of a model as a Python module, built by the local
-compiler.
-`eccentric.virtual_bench` simulates a test bench with code of its own; `eccentric.cli` is the command line.
-Imports run one way: model <- emission; logs <- rigs <- signals <- fitting <- search <- diagnosis <- cli.
+`virtual_bench` simulates a test bench with code of its own.
 """
 
-from typing import Any
-
 import eccentric.started  # noqa: F401 - before anything else
+from eccentric.version import __version__
 
-__version__ = "0.1.0"
+TYPE_CHECKING = False
+if TYPE_CHECKING:  # as in `typing`, which takes longer to import than this file
+    from eccentric.api import (
+        BenchResult,
+        Correlation,
+        DiagnosisResult,
+        FitResult,
+        ResultTable,
+        bench,
+        diagnose,
+        emit,
+        fit,
+    )
+    from eccentric.compiled import compile  # noqa: A004 - it is called as eccentric.compile
+    from eccentric.errors import InputError
+    from eccentric.logs import Log, read_log
+    from eccentric.model import Model, load_model
+    from eccentric.rigs import Rig, read_rig
+
+__all__ = [
+    "BenchResult",
+    "Correlation",
+    "DiagnosisResult",
+    "FitResult",
+    "InputError",
+    "Log",
+    "Model",
+    "ResultTable",
+    "Rig",
+    "__version__",
+    "bench",
+    "compile",
+    "diagnose",
+    "emit",
+    "fit",
+    "load_model",
+    "read_log",
+    "read_rig",
+]
+
+_ROOMS = {
+    "BenchResult": "api",
+    "Correlation": "api",
+    "DiagnosisResult": "api",
+    "FitResult": "api",
+    "InputError": "errors",
+    "Log": "logs",
+    "Model": "model",
+    "ResultTable": "api",
+    "Rig": "rigs",
+    "bench": "api",
+    "compile": "compiled",
+    "diagnose": "api",
+    "emit": "api",
+    "fit": "api",
+    "load_model": "model",
+    "read_log": "logs",
+    "read_rig": "rigs",
+}
+"""Whose door has each name: SymPy and SciPy take seconds to import, and only who needs them waits."""
 
 
-def __getattr__(name: str) -> Any:
-    # SymPy takes longest to import: only who compiles waits for it.
-    if name == "compile":
-        from eccentric.compiled import compile as function
+def __getattr__(name: str) -> object:
+    if name not in _ROOMS:
+        raise AttributeError(f"module 'eccentric' has no attribute {name!r}")
+    from importlib import import_module
 
-        return function
-    raise AttributeError(f"module 'eccentric' has no attribute {name!r}")
+    found = getattr(import_module(f"eccentric.{_ROOMS[name]}"), name)
+    globals()[name] = found
+    return found
+
+
+def __dir__() -> list[str]:
+    return sorted(__all__)

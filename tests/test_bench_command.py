@@ -85,7 +85,7 @@ def test_the_command_line_overwrites_nothing(
     name: str, tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """A file that one of the three would replace is named in one line before anything is simulated."""
-    monkeypatch.setattr("eccentric.cli.bench.simulate", lambda _: pytest.fail("it was simulated"))
+    monkeypatch.setattr("eccentric.api.simulated.simulate", lambda _: pytest.fail("it was simulated"))
     (tmp_path / name).write_bytes(b"measured")
 
     assert cli.main(["bench", "--out", str(tmp_path / "log.csv.gz")]) == 2

@@ -9,10 +9,10 @@ import subprocess
 import sys
 import time
 from pathlib import Path
-from types import SimpleNamespace
 
 import pytest
 
+from eccentric import DiagnosisResult
 from eccentric.cli import main
 from eccentric.output import whole_folder
 
@@ -50,8 +50,9 @@ def test_an_interrupt_while_writing_leaves_what_was_there(
         (folder / "report.html").write_text("half")
         raise KeyboardInterrupt
 
-    monkeypatch.setattr("eccentric.cli.diagnose.diagnose", lambda *_: SimpleNamespace())
-    monkeypatch.setattr("eccentric.cli.diagnose._write", interrupted)
+    found = DiagnosisResult.__new__(DiagnosisResult)
+    monkeypatch.setattr("eccentric.diagnose", lambda *_: found)
+    monkeypatch.setattr(DiagnosisResult, "_write", interrupted)
     assert main(["diagnose", "log.csv", "--rig", "rig.json", "--out", str(out)]) == 130
     assert [path.name for path in tmp_path.iterdir()] == (["out"] if earlier else [])
     if earlier:

@@ -18,9 +18,9 @@ from importlib import import_module
 from pathlib import Path
 from typing import NoReturn
 
-from eccentric import __version__
 from eccentric.errors import InputError
 from eccentric.output import UNREAD, nobody_reads
+from eccentric.version import __version__
 
 __all__ = ["COMMANDS", "main"]
 

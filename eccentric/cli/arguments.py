@@ -1,12 +1,14 @@
 """Arguments that several commands take."""
 
 import argparse
-from collections.abc import Sequence
+import sys
+from collections.abc import Iterable, Iterator, Mapping
+from contextlib import contextmanager
 from pathlib import Path
 
 from eccentric.errors import InputError
 
-__all__ = ["add_folder", "add_logs", "distinct"]
+__all__ = ["add_folder", "add_logs", "options", "print_warnings"]
 
 
 def add_logs(parser: argparse.ArgumentParser) -> None:
@@ -33,13 +35,18 @@ def add_folder(parser: argparse.ArgumentParser, files: str) -> None:
     )
 
 
-def distinct(logs: Sequence[str]) -> None:
-    """Ask for every log once: rows that count twice make errors look smaller than they are.
+@contextmanager
+def options(names: Mapping[str, str]) -> Iterator[None]:
+    """Let messages of bad input begin with the option that is meant: beginning of a message -> option."""
+    try:
+        yield
+    except InputError as error:
+        said = str(error)
+        start = next((start for start in names if said.startswith(start)), None)
+        raise InputError(said if start is None else names[start] + said.removeprefix(start)) from None
 
-    Raises:
-        InputError: two names are one file.
-    """
-    places = [Path(log).resolve() for log in logs]
-    for k, log in enumerate(logs):
-        if places[k] in places[:k]:
-            raise InputError(f"{log}: required every log once, received it twice")
+
+def print_warnings(warnings: Iterable[str]) -> None:
+    """Print each as one line on stderr."""
+    for warning in warnings:
+        print(f"eccentric: warning: {warning}", file=sys.stderr)

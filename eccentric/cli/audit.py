@@ -2,8 +2,6 @@
 
 import argparse
 
-from eccentric.audit import findings, table_1
-
 NAME = "audit"
 HELP = "hold the paper's Table 1 and its claims against the derivation"
 EXAMPLE = "eccentric audit"
@@ -15,6 +13,8 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Print Table 1 side by side with the derivation, then the findings."""
+    from eccentric.audit import findings, table_1
+
     del arguments
     print(table_1())
     for number, finding in enumerate(findings(), 1):

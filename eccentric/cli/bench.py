@@ -1,20 +1,11 @@
 """`eccentric bench`: the virtual test bench writes a log, its rig and the sealed truth."""
 
 import argparse
+from pathlib import Path
 
-import numpy as np
-
+import eccentric
+from eccentric.cli.arguments import options
 from eccentric.errors import InputError
-from eccentric.virtual_bench import (
-    EFFECTS,
-    VARIANTS,
-    Scenario,
-    free_paths,
-    known_effect,
-    random_scenario,
-    simulate,
-    write,
-)
 
 NAME = "bench"
 HELP = "simulate a realistic log of a test bench, with effects that its rig file does not declare"
@@ -27,6 +18,7 @@ _OPTIONS = {
     "gear ratio mu": "--mu",
     "noise": "--noise",
     "seconds": "--seconds",
+    "seed": "--seed",
     "unknown effect": "--effect",
     "effect": "--effect",
 }
@@ -62,50 +54,43 @@ def configure(parser: argparse.ArgumentParser) -> None:
 def run(args: argparse.Namespace) -> int:
     """Write the three files, or list the effects; return 0. Raises InputError on bad values."""
     if args.list_effects:
-        width = max(map(len, EFFECTS))
-        for family, builder in EFFECTS.items():
-            variants = f" Variants: {', '.join(VARIANTS[family])}." if family in VARIANTS else ""
-            print(f"{family:{width}}  {(builder.__doc__ or '').splitlines()[0]}{variants}")
+        _list_effects()
         return 0
     if args.out is None:
-        raise InputError("--out: required the path of a log, LOG.csv.gz; got none")
+        raise InputError("--out: required the path of a log, LOG.csv.gz; received none")
     if not args.out.endswith(".csv.gz"):
-        raise InputError(f"--out: required a log name that ends in .csv.gz; got {args.out}")
-    if args.seed < 0:
-        raise InputError(f"--seed: required 0 or more; got {args.seed}")
-    scenario = _scenario(args)
-    free_paths(args.out)
-    result = simulate(scenario)
-    log, rig, truth = write(result, args.out)
-    inside = [
-        f"{e['id']} at {e['rms_fraction_of_friction']:.1%} of friction" for e in result.truth["effects"]
-    ]
-    print(f"{log}: {len(result.columns['time_s'])} rows, case {args.case}, mu {args.mu:g}; rig {rig.name}")
-    print(f"sealed in {truth.name}: {', '.join(inside) or 'no effect'}")
-    return 0
-
-
-def _scenario(args: argparse.Namespace) -> Scenario:
-    """Return the scenario that the options ask for; InputError that names the option."""
-    try:
-        return random_scenario(
-            np.random.default_rng(args.seed),
+        raise InputError(f"--out: required a log name that ends in .csv.gz; received {args.out}")
+    with options(_OPTIONS):
+        result = eccentric.bench(
+            [_effect(text) for text in args.effect],
             case=args.case,
             mu=args.mu,
             log_type=args.log_type,
-            effects=[_effect(text) for text in args.effect],
+            seconds=args.seconds,
             noise=args.noise,
             temperature=args.temperature,
-            seconds=args.seconds,
+            seed=args.seed,
+            out=args.out,
         )
-    except InputError as error:
-        said = str(error)
-        start = next((start for start in _OPTIONS if said.startswith(start)), None)
-        raise InputError(said if start is None else _OPTIONS[start] + said.removeprefix(start)) from None
+    name = Path(args.out).name.removesuffix(".csv.gz")
+    print(f"{args.out}: {result.log.rows} rows, case {args.case}, mu {args.mu:g}; rig {name}.json")
+    print(f"sealed in {name}.truth.json: {', '.join(result.effects) or 'no effect'}")
+    return 0
+
+
+def _list_effects() -> None:
+    from eccentric.virtual_bench import EFFECTS, VARIANTS
+
+    width = max(map(len, EFFECTS))
+    for family, builder in EFFECTS.items():
+        variants = f" Variants: {', '.join(VARIANTS[family])}." if family in VARIANTS else ""
+        print(f"{family:{width}}  {(builder.__doc__ or '').splitlines()[0]}{variants}")
 
 
 def _effect(text: str) -> str | tuple[str, float]:
     """Read FAMILY, FAMILY[VARIANT] or either with =STRENGTH; the variant may hold an equals sign itself."""
+    from eccentric.virtual_bench import known_effect
+
     closed = text.rfind("]") + 1
     place = text.find("=", closed)
     if place < 0:
@@ -115,4 +100,4 @@ def _effect(text: str) -> str | tuple[str, float]:
     try:
         return name, float(size)
     except ValueError:
-        raise InputError(f"--effect {text}: required a number as the strength; got {size}") from None
+        raise InputError(f"--effect {text}: required a number as the strength; received {size}") from None

@@ -1,15 +1,13 @@
 """`eccentric derive`: print the derivations and write what follows from them."""
 
+from __future__ import annotations
+
 import argparse
+from collections.abc import Iterable
 from pathlib import Path
 
-import sympy as sp
-
 import eccentric
-from eccentric.emission import checked_name, complete, differences, write
 from eccentric.errors import InputError
-from eccentric.model import Model, load_model, model_names
-from eccentric.model.steps import STEPS, meaning
 from eccentric.output import folder_to_write
 
 # The others hang on these, or contain them.
@@ -36,7 +34,10 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Write the trios of the derivations, then print these; with --check compare instead."""
-    models = [load_model(name) for name in arguments.models or _in_reading_order()]
+    from eccentric.emission import checked_name, complete, differences, write
+    from eccentric.model import load_model, model_names
+
+    models = [load_model(name) for name in arguments.models or _in_reading_order(model_names())]
     for model in models:
         checked_name(model.name, f"model {model.name}: its name")
     out = arguments.out or _generated()
@@ -63,13 +64,17 @@ def run(arguments: argparse.Namespace) -> int:
     return 0
 
 
-def _in_reading_order() -> list[str]:
-    """The names of all derivations, the paper's two cases first."""
-    return sorted(model_names(), key=lambda name: (name not in _FIRST, name))
+def _in_reading_order(names: Iterable[str]) -> list[str]:
+    """The names of derivations, the paper's two cases first."""
+    return sorted(names, key=lambda name: (name not in _FIRST, name))
 
 
-def _legend(models: list[Model]) -> str:
+def _legend(models: list[eccentric.Model]) -> str:
     """The careful steps in the equations of the models, each with the formula that it stands for."""
+    import sympy as sp
+
+    from eccentric.model.steps import STEPS, meaning
+
     sides = [equation.right for model in models for equation in model.equations]
     used = {type(call): len(call.args) for side in sides for call in side.atoms(*STEPS)}
     letters = sp.symbols("x y z", real=True)

@@ -1,14 +1,10 @@
 """`eccentric emit`: the files of any model for chosen targets, with the parameters of a fit if wanted."""
 
 import argparse
-from dataclasses import replace
 from pathlib import Path
 
-from eccentric.cli.arguments import add_folder
-from eccentric.emission import BACKENDS, DEFAULT, checked_name, complete, read_parameters, with_fitted, write
-from eccentric.errors import InputError
-from eccentric.model import load_model
-from eccentric.output import whole_folder
+import eccentric
+from eccentric.cli.arguments import add_folder, options
 
 NAME = "emit"
 HELP = "write the NumPy module, C header and C source of a model, and the files that check the C"
@@ -38,26 +34,14 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Write the files and name them."""
-    model = load_model(arguments.model)
-    own = Path(arguments.model).suffix == ".py"
-    origin = Path(arguments.model).name if own else f"derivations/{model.name}.py"
-    where = f"model {arguments.model}: its name" if arguments.prefix is None else "--prefix"
-    name = checked_name(model.name if arguments.prefix is None else arguments.prefix, where)
-    if arguments.parameters is None:
-        model = replace(model, name=name)
-    else:
-        model = with_fitted(model, read_parameters(arguments.parameters), name)
-    files = complete(model, "eccentric emit", origin, _backends(arguments.backend))
-    with whole_folder(arguments.out, f"{NAME} {name}") as folder:
-        written = write(files, folder)
-        names = [path.relative_to(folder).as_posix() for path in written]
-    print(f"{arguments.out}: {', '.join(names)}")
+    with options({"prefix": "--prefix", "backend": "--backend"}):
+        written = eccentric.emit(
+            arguments.model,
+            arguments.out,
+            parameters=arguments.parameters,
+            prefix=arguments.prefix,
+            backend=arguments.backend,
+        )
+    names = ", ".join(path.relative_to(arguments.out).as_posix() for path in written)
+    print(f"{arguments.out}: {names}")
     return 0
-
-
-def _backends(given: list[str] | None) -> tuple[str, ...]:
-    """The names of the back ends, each once."""
-    for name in given or ():
-        if name not in BACKENDS:
-            raise InputError(f"--backend: required one of {', '.join(BACKENDS)}, received {name!r}")
-    return tuple(dict.fromkeys(given or DEFAULT))

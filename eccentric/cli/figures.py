@@ -3,7 +3,6 @@
 import argparse
 
 from eccentric.cli.arguments import add_folder
-from eccentric.figures import draw
 from eccentric.output import whole_folder
 
 NAME = "figures"
@@ -18,6 +17,8 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Draw and name the files."""
+    from eccentric.figures import draw
+
     with whole_folder(arguments.out, NAME) as folder:
         names = [path.name for path in draw(folder)]
     print(f"{arguments.out}: {', '.join(names)}")

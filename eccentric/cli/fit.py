@@ -1,17 +1,10 @@
 """`eccentric fit`: identify a model on logs, with uncertainty and the error on what was held out."""
 
 import argparse
-import json
-import sys
-from pathlib import Path
 
-from eccentric.cli.arguments import add_folder, add_logs, distinct
-from eccentric.errors import InputError
-from eccentric.fitting import draw_fit, fit, fit_document, fit_lines
-from eccentric.model import load_model
-from eccentric.output import own_folder, whole_folder
-from eccentric.rigs import read_rig
-from eccentric.signals import read_channels
+import eccentric
+from eccentric.cli.arguments import add_folder, add_logs, print_warnings
+from eccentric.output import own_folder
 
 NAME = "fit"
 HELP = "identify the friction of a rig from its logs, with uncertainty, and compare it with Coulomb + viscous"
@@ -27,23 +20,12 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Fit, write the folder, print the table; return 0. Raises InputError on bad input."""
-    distinct(args.logs)
+    from eccentric.fitting import NEEDS_MATPLOTLIB
+
     own_folder(args.out)
-    rig = read_rig(args.rig)
-    names = [Path(log).name for log in args.logs]
-    channels = read_channels(args.logs, rig)
-    rig = channels.rig
-    found = fit(channels, rig, load_model(args.model or rig.model), ", ".join(names))
-    figure = "fit.png, fit.svg"
-    with whole_folder(args.out, NAME) as folder:
-        text = json.dumps(fit_document(found, names), indent=1, ensure_ascii=False, allow_nan=False)
-        (folder / "fit.json").write_text(text + "\n", encoding="utf-8")
-        try:
-            draw_fit(found, folder / "fit")
-        except InputError as error:
-            figure = f"no figure: {error}"
-    for warning in found.warnings:
-        print(f"eccentric: warning: {warning}", file=sys.stderr)
-    print("\n".join(fit_lines(found, names)))
-    print(f"{args.out}: fit.json, {figure}")
+    found = eccentric.fit(args.logs, args.rig, args.model)
+    first, *figures = (path.name for path in found.write(args.out))
+    print_warnings(found.warnings)
+    print(found.summary())
+    print(f"{args.out}: {first}, {', '.join(figures) or f'no figure: {NEEDS_MATPLOTLIB}'}")
     return 0

@@ -15,7 +15,7 @@ May import: `search` and all rooms below it.
 
 from eccentric.diagnosis.document import diagnosis_document
 from eccentric.diagnosis.loop import diagnose
-from eccentric.diagnosis.model_script import extended_name, script
+from eccentric.diagnosis.model_script import extended_model, extended_name, script
 from eccentric.diagnosis.orders import Order, orders_of
 from eccentric.diagnosis.outcome import Asked, Diagnosis
 from eccentric.diagnosis.score import OverRuns, Score, leave_runs_out
@@ -31,6 +31,7 @@ __all__ = [
     "diagnosis_document",
     "diagnosis_lines",
     "diagnosis_sentence",
+    "extended_model",
     "extended_name",
     "leave_runs_out",
     "orders_of",

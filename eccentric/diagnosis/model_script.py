@@ -1,19 +1,55 @@
-"""The extended model as a derivation script that can be read, run and edited."""
+"""The extended model with its fitted values: live, and as a derivation script to be read, run and edited."""
 
 from __future__ import annotations
 
 import pprint
+from dataclasses import dataclass
 from pathlib import Path
 
 from eccentric.diagnosis.outcome import Diagnosis
 from eccentric.emission import plain
+from eccentric.model import Model
+from eccentric.model.defaults import with_values
 
-__all__ = ["extended_name", "script"]
+__all__ = ["extended_model", "extended_name", "script"]
 
 
 def extended_name(found: Diagnosis) -> str:
     """Name of the extended model, and of its emitted trio."""
     return f"{found.models.base.name}_extended"
+
+
+def extended_model(found: Diagnosis) -> Model:
+    """The extended model with the fitted values as its defaults: the one that the script makes."""
+    fitted = _fitted(found)
+    model, name = found.models.shipped.model, extended_name(found)
+    return with_values(model, fitted.values, name, fitted.notes, fitted.title, "diagnosis")
+
+
+@dataclass(frozen=True)
+class _Fitted:
+    """What is fitted: values and remarks by the paper's letters, and the title of the model."""
+
+    values: dict[str, float]
+    notes: dict[str, str]
+    title: str
+
+
+def _fitted(found: Diagnosis) -> _Fitted:
+    letters = {q.name for q in found.models.shipped.model.parameters}
+    values = {k: v for k, v in found.models.shipped.values.items() if k in letters and v is not None}
+    notes = {
+        name: f"fitted: {e.value:.4g}, 95 % interval {e.interval[0]:.4g} to {e.interval[1]:.4g}"
+        for name, e in found.models.shipped.estimates.items()
+    }
+    drive = found.data.drive
+    if drive.scale is not None and found.unit == "N m":
+        letters_of = "R/k_i, with k_i = 1 N m/A" if drive.by_voltage else "k_i"
+        notes["R" if drive.by_voltage else "k_i"] = f"{letters_of}: identified through gravity or inertia"
+        if drive.by_voltage and "k_e" not in found.rig.known and "back_emf" not in drive.open:
+            notes["B_m"] = f"{notes.get('B_m', '')}; contains k_e k_i/R, which this log cannot tell from it"
+    names = ", ".join(effect.id for effect, _ in found.models.shipped.effects) or "no effect"
+    return _Fitted(values, notes, f"{found.models.base.title}, extended by {names}")
 
 
 def _base(found: Diagnosis) -> str:
@@ -27,8 +63,7 @@ def script(found: Diagnosis) -> str:
 
     It is a derivation like any other: `python model.py` prints it, `eccentric emit model.py` emits it.
     """
-    adopted = found.models.shipped.effects
-    names = ", ".join(effect.id for effect, _ in adopted) or "no effect"
+    adopted, fitted = found.models.shipped.effects, _fitted(found)
     origin = plain(", ".join(found.asked.logs))
     setting = pprint.pformat(found.setting, width=100, compact=True)
     # A set prints in another order in every run.
@@ -36,18 +71,6 @@ def script(found: Diagnosis) -> str:
     setting = setting.replace(repr(channels), f"frozenset({sorted(channels)})")
     setting = setting.replace("Setting(", "Setting(base=model,\n        ", 1)
     chosen = pprint.pformat([(effect.id, own) for effect, own in adopted], width=100)
-    letters = {q.name for q in found.models.shipped.model.parameters}
-    values = {k: v for k, v in found.models.shipped.values.items() if k in letters and v is not None}
-    notes = {
-        name: f"fitted: {e.value:.4g}, 95 % interval {e.interval[0]:.4g} to {e.interval[1]:.4g}"
-        for name, e in found.models.shipped.estimates.items()
-    }
-    drive = found.data.drive
-    if drive.scale is not None and found.unit == "N m":
-        letters_of = "R/k_i, with k_i = 1 N m/A" if drive.by_voltage else "k_i"
-        notes["R" if drive.by_voltage else "k_i"] = f"{letters_of}: identified through gravity or inertia"
-        if drive.by_voltage and "k_e" not in found.rig.known and "back_emf" not in drive.open:
-            notes["B_m"] = f"{notes.get('B_m', '')}; contains k_e k_i/R, which this log cannot tell from it"
     load = ("", "")
     if "T_load" in {q.name for q in found.models.base.parameters}:
         load = (
@@ -57,7 +80,7 @@ def script(found: Diagnosis) -> str:
     own = ""
     if found.asked.effects is not None:
         own = f"\noffered += load_effects(Path(__file__).with_name({found.asked.effects.name!r}), setting)"
-    return f'''"""{plain(f"{found.models.base.title}, extended by {names}")}.
+    return f'''"""{plain(fitted.title)}.
 
 Written by `eccentric diagnose` from {origin}.
 A derivation like any other: run it to read it, edit it, emit it with `eccentric emit model.py --out DIR`.
@@ -84,10 +107,10 @@ for name, values in {chosen}:
 
 model = with_values(
     model,
-    {pprint.pformat(values, width=96, indent=1)},
+    {pprint.pformat(fitted.values, width=96, indent=1)},
     name={extended_name(found)!r},
-    notes={pprint.pformat(notes, width=96)},
-    title={f"{found.models.base.title}, extended by {names}"!r},
+    notes={pprint.pformat(fitted.notes, width=96)},
+    title={fitted.title!r},
 )
 
 if __name__ == "__main__":

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import json
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 from eccentric.errors import InputError
 from eccentric.model import Model
@@ -31,28 +33,35 @@ class Fitted:
     identified_on: str
 
 
-def read_parameters(path: Path) -> Fitted:
-    """Read the parameters of a fit from its fit.json.
+def read_parameters(source: Path | Mapping[str, Any]) -> Fitted:
+    """Read the parameters of a fit from its fit.json, or from the content of one.
 
     Raises:
         InputError: the file is missing, is not JSON, or has no `parameters` of finite numbers.
     """
+    if isinstance(source, Mapping):
+        return _fitted(source, "parameters", "parameters")
     try:
-        content = json.loads(path.read_text(encoding="utf-8"))
+        content = json.loads(source.read_text(encoding="utf-8"))
     except FileNotFoundError:
-        raise InputError(f"{path}: no such file; required the fit.json of `eccentric fit`") from None
+        raise InputError(f"{source}: no such file; required the fit.json of `eccentric fit`") from None
     except (json.JSONDecodeError, UnicodeDecodeError) as error:
         what = "required the fit.json of `eccentric fit`, or JSON with `parameters` like it"
-        raise InputError(f"{path}: {what}; got a file that is not JSON ({error})") from None
-    values = content.get("parameters") if isinstance(content, dict) else None
-    if not isinstance(values, dict) or not values:
-        raise InputError(f"{path}: required an object `parameters` of numbers by the paper's letters")
-    values = {name: value for name, value in values.items() if value is not None}
-    for name, value in values.items():
+        raise InputError(f"{source}: {what}; received a file that is not JSON ({error})") from None
+    return _fitted(content, str(source), source.name)
+
+
+def _fitted(content: object, where: str, name: str) -> Fitted:
+    content = content if isinstance(content, Mapping) else {}
+    values = content.get("parameters")
+    if not isinstance(values, Mapping) or not values:
+        raise InputError(f"{where}: required an object `parameters` of numbers by the paper's letters")
+    values = {letter: value for letter, value in values.items() if value is not None}
+    for letter, value in values.items():
         if isinstance(value, bool) or not isinstance(value, int | float) or not math.isfinite(value):
-            raise InputError(f"{path}: parameters.{name}: required a finite number, got {value!r}")
+            raise InputError(f"{where}: parameters.{letter}: required a finite number, received {value!r}")
     notes, identified_on = dict(content.get("parameter_notes", {})), str(content.get("identified_range", ""))
-    return Fitted(path.name, content.get("model"), values, notes, identified_on)
+    return Fitted(name, content.get("model"), values, notes, identified_on)
 
 
 def with_fitted(model: Model, fitted: Fitted, name: str) -> Model:
@@ -63,6 +72,6 @@ def with_fitted(model: Model, fitted: Fitted, name: str) -> Model:
             value is of no parameter of the model, or of a sign that it cannot have.
     """
     if fitted.model not in (None, model.name):
-        raise InputError(f"{fitted.source}: required a fit of {model.name}, got one of {fitted.model}")
+        raise InputError(f"{fitted.source}: required a fit of {model.name}, received one of {fitted.model}")
     title = f"{model.title}; {fitted.identified_on}" if fitted.identified_on else model.title
     return with_values(model, fitted.values, name, fitted.notes, title, fitted.source)

@@ -7,12 +7,12 @@ from collections.abc import Iterable
 
 import sympy as sp
 
-from eccentric import __version__
 from eccentric.emission.backends import BACKENDS, DEFAULT, Backend, UnprintableError, plain, with_plain_text
 from eccentric.emission.program import Program, build_program
 from eccentric.emission.templates import template
 from eccentric.errors import InputError
 from eccentric.model import Model
+from eccentric.version import __version__
 
 _DIGEST = "{digest}"  # stands in the files for what is known only when they are rendered
 

@@ -10,7 +10,7 @@ from eccentric.fitting.constant_load import loaded_model
 from eccentric.fitting.document import fit_document
 from eccentric.fitting.drive import Drive, drive_of
 from eccentric.fitting.expressions import Signals, base_columns, compiled
-from eccentric.fitting.figure import draw_fit
+from eccentric.fitting.figure import NEEDS_MATPLOTLIB, Comparison, compare, draw_fit, plot_fit
 from eccentric.fitting.identify import Fit, fit
 from eccentric.fitting.least_squares import bounded
 from eccentric.fitting.parameters import emitted_parameters
@@ -22,6 +22,8 @@ from eccentric.fitting.uncertainty import Estimate, improvement, improvement_ove
 from eccentric.fitting.words import fit_lines, fit_sentence
 
 __all__ = [
+    "NEEDS_MATPLOTLIB",
+    "Comparison",
     "Drive",
     "Estimate",
     "Fit",
@@ -31,6 +33,7 @@ __all__ = [
     "States",
     "base_columns",
     "bounded",
+    "compare",
     "compiled",
     "draw_fit",
     "drive_of",
@@ -42,6 +45,7 @@ __all__ = [
     "improvement",
     "improvement_over_runs",
     "loaded_model",
+    "plot_fit",
     "refit",
     "residual_samples",
     "seen_columns",

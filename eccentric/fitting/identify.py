@@ -38,7 +38,8 @@ class Fit:
 
     `coefficients` are those of the columns, `searched` what was found beside them (with `profiles` over the
     ranges of unknown quantities), `combinations` what the columns hold that is no single letter; `identified`
-    the letters that the log tells, and those it does not. `percent` is 100 (1 - paper/linear). `r_squared`
+    the letters that the log tells, and those it does not. `spread` is that of coefficients and searched
+    values, in this order. `percent` is 100 (1 - paper/linear). `r_squared`
     by model is that of the drive signal on the held-out rows.
     """
 
@@ -49,6 +50,7 @@ class Fit:
     searched: Mapping[str, Estimate]
     profiles: Mapping[str, Profile]
     identified: tuple[list[str], list[str]]
+    spread: Spread
     rmse: Mapping[str, float]
     percent: float
     percent_interval: tuple[float, float]
@@ -99,6 +101,7 @@ def fit(channels: Channels, rig: Rig, model: Model, where: str = "log") -> Fit:
         searched,
         profiles,
         identified_letters(problem),
+        error,
         {name: float(np.sqrt(np.mean(e**2))) for name, e in errors.items()},
         percent,
         interval,

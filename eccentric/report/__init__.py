@@ -3,6 +3,7 @@
     gather    Diagnosis -> ReportData: plain numbers, arrays and strings, the seam        (`report_data`)
     panels    rows -> means over a channel, time traces: few enough to be drawn
     figures   -> Bokeh models and their JSON; without Bokeh the report has its words and tables
+    plot      -> two of them on matplotlib axes
     view      -> the strings that the templates see (`templates/report/`)
 
 All text from logs and rigs is escaped; only what is made here goes in as it is: formulas, BokehJS, the JSON
@@ -18,11 +19,12 @@ import jinja2
 
 from eccentric.diagnosis import Diagnosis
 from eccentric.places import folder
-from eccentric.report.data import ReportData
+from eccentric.report.data import Parameter, ReportData
 from eccentric.report.gather import report_data
+from eccentric.report.plot import plot_report
 from eccentric.report.view import view
 
-__all__ = ["ReportData", "page", "report", "report_data"]
+__all__ = ["Parameter", "ReportData", "page", "plot_report", "report", "report_data"]
 
 
 def report(found: Diagnosis, files: Sequence[tuple[str, str]] = ()) -> str:

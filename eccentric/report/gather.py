@@ -10,7 +10,6 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 
-from eccentric import __version__
 from eccentric.diagnosis import Diagnosis, diagnosis_sentence
 from eccentric.effects import Effect
 from eccentric.report.balance import balance_of
@@ -26,6 +25,7 @@ from eccentric.report.data import (
 from eccentric.report.equation import friction_equations
 from eccentric.report.facts import facts_of
 from eccentric.report.text import number, range_of
+from eccentric.version import __version__
 
 __all__ = ["report_data"]
 

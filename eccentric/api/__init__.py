@@ -1,0 +1,53 @@
+"""What `import eccentric` offers beside the rooms' own readers: fit, diagnose, emit and bench, with results.
+
+    inputs      logs, rigs and models as a person has them    -> those of the rooms
+    fitted      fit        -> FitResult
+    diagnosed   diagnose   -> DiagnosisResult
+    emitted     emit       -> files
+    simulated   bench      -> BenchResult
+    tables      ResultTable, Correlation: what prints in a terminal and shows in a notebook
+
+In: paths, tables in memory, mappings. Out: results with named fields, `summary()`, `table()`, `plot()`,
+`to_json()`. It may import every room; it decides nothing and computes nothing that a room could. A file is
+imported when one of its names is first used.
+"""
+
+TYPE_CHECKING = False
+if TYPE_CHECKING:  # as in `typing`, which takes longer to import than this file
+    from eccentric.api.diagnosed import DiagnosisResult, diagnose
+    from eccentric.api.emitted import emit
+    from eccentric.api.fitted import FitResult, fit
+    from eccentric.api.simulated import BenchResult, bench
+    from eccentric.api.tables import Correlation, ResultTable
+
+__all__ = [
+    "BenchResult",
+    "Correlation",
+    "DiagnosisResult",
+    "FitResult",
+    "ResultTable",
+    "bench",
+    "diagnose",
+    "emit",
+    "fit",
+]
+
+_FILES = {
+    "BenchResult": "simulated",
+    "Correlation": "tables",
+    "DiagnosisResult": "diagnosed",
+    "FitResult": "fitted",
+    "ResultTable": "tables",
+    "bench": "simulated",
+    "diagnose": "diagnosed",
+    "emit": "emitted",
+    "fit": "fitted",
+}
+
+
+def __getattr__(name: str) -> object:
+    if name not in _FILES:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    from importlib import import_module
+
+    return getattr(import_module(f"{__name__}.{_FILES[name]}"), name)

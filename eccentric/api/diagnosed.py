@@ -1,0 +1,253 @@
+"""`eccentric.diagnose`: what the model lacks on logs, and the model that has it."""
+
+from __future__ import annotations
+
+import dataclasses
+import os
+import shutil
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from types import ModuleType
+from typing import TYPE_CHECKING, Any
+
+from eccentric.api.files import described, write_emitted
+from eccentric.api.inputs import LogSources, RigSource, read_logs
+from eccentric.api.result import Result, new_axes, paragraphs
+from eccentric.api.tables import ResultTable
+from eccentric.diagnosis import diagnose as diagnose_logs
+from eccentric.diagnosis import diagnosis_document, diagnosis_lines, extended_model, script
+from eccentric.emission import checked_name, complete, load_module, write
+from eccentric.errors import InputError
+from eccentric.model import Model
+from eccentric.output import whole_file, whole_folder
+from eccentric.report import Parameter, ReportData, page, plot_report, report_data
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+__all__ = ["DiagnosisResult", "diagnose"]
+
+
+def diagnose(
+    logs: LogSources,
+    rig: RigSource,
+    model: str | os.PathLike[str] | None = None,
+    effects: str | os.PathLike[str] | None = None,
+    progress: Callable[[str], None] | None = None,
+) -> DiagnosisResult:
+    """Find what a friction model lacks on logs of a rig, add it, and measure the error again.
+
+    Args:
+        logs: one log or a list of them: paths, tables in memory (a dict of arrays, or a table of pandas,
+            polars or pyarrow) or what `read_log` returned.
+        rig: what is known of the rig: the path of a rig file, its content as a mapping, or what `read_rig`
+            returned.
+        model: the base model's name, or the path of a derivation; by default that of the rig's case. It is no
+            Model, since the extended model is written as a script, too, which loads its base model.
+        effects: the path of a Python file with effects of your own.
+        progress: called with one line for each stage.
+
+    Raises:
+        InputError: a log, the rig, the model or the effects cannot be read, or do not belong together; or the
+            log has too few rows.
+    """
+    own = _scripts(effects, model)
+    base = None if model is None else str(model)
+    found = diagnose_logs(read_logs(logs), rig, base, None if effects is None else Path(effects), progress)
+    return DiagnosisResult(
+        model=extended_model(found),
+        script=script(found),
+        own=own,
+        warnings=found.warnings,
+        lines=tuple(diagnosis_lines(found)),
+        data=report_data(found),
+        document=diagnosis_document(found),
+    )
+
+
+def _scripts(
+    effects: str | os.PathLike[str] | None, model: str | os.PathLike[str] | None
+) -> tuple[Path, ...]:
+    """Scripts of the user's own, which travel with the result; InputError where their names clash with it."""
+    own = tuple(Path(one) for one in (effects, model) if one is not None and Path(one).suffix == ".py")
+    for one in own:
+        if one.name == "model.py" or one.stem.endswith("_extended"):
+            raise InputError(f"{one}: required another name: the result has a file of this one")
+    if len({one.resolve() for one in own}) > len(called := {one.name for one in own}):
+        raise InputError(
+            f"effects and model: required files of different names, received {called.pop()} twice"
+        )
+    return own
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class DiagnosisResult(Result):
+    """What a diagnosis found. It prints as `summary()`, shows as tables in a notebook, and can be pickled.
+
+    Attributes:
+        model: the extended model with its fitted values as defaults: a Model to derive further, to emit, or
+            to `eccentric.compile`; without an adopted effect the paper's model, fitted.
+        script: its derivation, the text of model.py.
+        own: scripts of the user's own that the derivation loads.
+        data: everything that the report shows.
+        lines, warnings, document: as in Result; the document is the content of diagnosis.json.
+    """
+
+    model: Model
+    script: str
+    own: tuple[Path, ...]
+    data: ReportData
+
+    @property
+    def verdict(self) -> str:
+        """named, not_identifiable, unexplained or nothing_missing."""
+        return self.data.verdict
+
+    @property
+    def sentence(self) -> str:
+        """The result in one sentence."""
+        return self.data.sentence
+
+    @property
+    def effects(self) -> tuple[str, ...]:
+        """Ids of the effects that the model lacked, in order of adoption; empty without a name."""
+        return tuple(effect["id"] for effect in self.document["effects"])
+
+    @property
+    def rmse(self) -> dict[str, dict[str, float]]:
+        """Balance -> model ("linear", "paper", "extended") -> error on the held-out rows in `unit`."""
+        return {balance.name: dict(balance.rmse) for balance in self.data.balances}
+
+    @property
+    def unit(self) -> str:
+        """Unit of the errors: "N m"; that of the drive where the log tells no torque."""
+        return self.data.balances[0].unit
+
+    @property
+    def improvement(self) -> float:
+        """Of the held-out error by the effects, in percent."""
+        return self.document["improvement"]["percent"]
+
+    @property
+    def improvement_interval(self) -> tuple[float, float]:
+        """The 95 % interval of the improvement, in percent."""
+        low, high = self.document["improvement"]["interval_95"]
+        return low, high
+
+    @property
+    def depends_on(self) -> tuple[str, ...]:
+        """What the residual of the paper's model depends on, strongest first."""
+        return self.data.depends_on
+
+    @property
+    def next_measurement(self) -> str:
+        """What to measure next; "" if nothing is open."""
+        return self.data.next_measurement
+
+    @property
+    def module(self) -> ModuleType:
+        """The extended model as a NumPy module, the one that `emit` writes."""
+        return load_module(self.model)
+
+    def table(self) -> ResultTable:
+        """The parameters of the extended model: value, standard error, 95 % interval, unit and origin.
+
+        The origin is "effect" or "friction" (fitted), "bench" (estimated jointly with them), "rig" (known) or
+        "unseen" (nothing in the log depends on it).
+        """
+        names = ("name", "value", "std_error", "lower", "upper", "unit", "origin")
+        rows = (
+            (
+                p.name,
+                p.value,
+                None if p.widened else p.std_error,
+                *(p.interval or (None, None)),
+                p.unit,
+                p.origin,
+            )
+            for p in self.data.parameters
+        )
+        return ResultTable(names, tuple(rows))
+
+    def candidates(self) -> ResultTable:
+        """The effects that were considered, best first: cross-validated RMSE, probability among families."""
+        names = ("id", "family", "balance", "rmse", "probability", "adopted")
+        rows = ((c.id, c.family, c.balance, c.rmse, c.probability, c.adopted) for c in self.data.candidates)
+        return ResultTable(names, tuple(rows))
+
+    def plot(self, axes: tuple[Axes, Axes] | None = None) -> tuple[Axes, Axes]:
+        """Draw the residual before and after over what it depends on, and friction over the motor velocity.
+
+        Args:
+            axes: where to draw; by default a new figure of two.
+
+        Raises:
+            InputError: matplotlib is not installed.
+        """
+        left, right = new_axes(1, 2, (9.0, 4.2)) if axes is None else axes
+        plot_report(self.data, left, right)
+        return left, right
+
+    def report(self, path: str | os.PathLike[str]) -> Path:
+        """Write the report, one HTML file that opens offline; return its path.
+
+        Raises:
+            InputError: it cannot be written.
+        """
+        with whole_file(path) as new:
+            new.write_text(page(self.data), encoding="utf-8")
+        return Path(path)
+
+    def emit(
+        self,
+        out: str | os.PathLike[str],
+        prefix: str | None = None,
+        backend: str | Sequence[str] | None = None,
+    ) -> list[Path]:
+        """Write the extended model as a NumPy module and C99 into a folder; return the paths.
+
+        Args:
+            out: a folder of its own, new or written by eccentric before.
+            prefix: name of the files and prefix of the C functions; by default the model's name.
+            backend: a target, "numpy" or "c99", or several; by default both.
+
+        Raises:
+            InputError: the prefix is no name that C and Python leave free, there is no such target, or the
+                folder cannot be written.
+        """
+        name = self.model.name if prefix is None else checked_name(prefix, "prefix")
+        return write_emitted(dataclasses.replace(self.model, name=name), "model.py", out, backend)
+
+    def write(self, out: str | os.PathLike[str]) -> list[Path]:
+        """Write what the command `eccentric diagnose` writes: report, JSON, script and the emitted model.
+
+        Raises:
+            InputError: the folder cannot be written.
+        """
+        with whole_folder(out, "diagnose") as folder:
+            names = self._write(folder)
+        return [Path(out) / name for name in names]
+
+    def _write(self, folder: Path) -> Sequence[str]:
+        (folder / "diagnosis.json").write_text(self.to_json(), encoding="utf-8")
+        (folder / "model.py").write_text(self.script, encoding="utf-8")
+        for path in self.own:
+            shutil.copyfile(path, folder / path.name)
+        emitted = complete(self.model, "eccentric diagnose", "model.py")
+        write(emitted, folder)
+        text = page(dataclasses.replace(self.data, files=described(self.own, emitted, self.model.name)))
+        (folder / "report.html").write_text(text, encoding="utf-8")
+        return ["report.html", "diagnosis.json", "model.py", *emitted]
+
+    def __repr__(self) -> str:
+        return f"<DiagnosisResult: {self.verdict}{': ' if self.effects else ''}{', '.join(self.effects)}>"
+
+    def _repr_html_(self) -> str:
+        warned = (f"Warning: {text}" for text in self.warnings)
+        return f"<div>{paragraphs(self.sentence)}{self.table()._repr_html_()}{paragraphs(*warned)}</div>"
+
+
+def _row(p: Parameter) -> tuple[Any, ...]:
+    error, (low, high) = None if p.widened else p.std_error, p.interval or (None, None)
+    return (p.name, p.value, error, low, high, p.unit, p.origin)

@@ -1,0 +1,60 @@
+"""`eccentric.emit`: any model as a NumPy module and C99."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+from eccentric.api.files import write_emitted
+from eccentric.api.fitted import FitResult
+from eccentric.api.inputs import ModelSource, model_of, origin_of
+from eccentric.emission import checked_name, read_parameters, with_fitted
+
+__all__ = ["emit"]
+
+
+def emit(
+    model: ModelSource,
+    out: str | os.PathLike[str],
+    *,
+    parameters: str | os.PathLike[str] | FitResult | Mapping[str, Any] | None = None,
+    prefix: str | None = None,
+    backend: str | Sequence[str] | None = None,
+) -> list[Path]:
+    """Write a model as a NumPy module and C99, and what checks the C, into a folder; return the paths.
+
+    Args:
+        model: a Model, its name, or the path of a derivation.
+        out: a folder of its own, new or written by eccentric before.
+        parameters: defaults of the emitted code: a FitResult, the path or the content of a fit.json, or
+            values in SI by the paper's letters; by default those of the model.
+        prefix: name of the files and prefix of the C functions; by default the model's name.
+        backend: a target, "numpy" or "c99", or several; by default both.
+
+    Raises:
+        InputError: there is no such model or target, or it cannot be emitted; the parameters are those of
+            another model, or of a sign that they cannot have; the prefix is no name that C and Python leave
+            free; the folder cannot be written.
+    """
+    loaded = model_of(model)
+    name = checked_name(
+        *((loaded.name, f"model {loaded.name}: its name") if prefix is None else (prefix, "prefix"))
+    )
+    if parameters is None:
+        chosen = replace(loaded, name=name)
+    else:
+        chosen = with_fitted(loaded, read_parameters(_content(parameters)), name)
+    return write_emitted(chosen, origin_of(model), out, backend)
+
+
+def _content(
+    parameters: str | os.PathLike[str] | FitResult | Mapping[str, Any],
+) -> Path | Mapping[str, Any]:
+    if isinstance(parameters, FitResult):
+        return parameters.document
+    if isinstance(parameters, Mapping):
+        return parameters if "parameters" in parameters else {"parameters": parameters}
+    return Path(parameters)

@@ -1,0 +1,58 @@
+"""Files that are written whole: the emitted files of a model, and what a report says of those beside it."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterable, Sequence
+from pathlib import Path
+
+from eccentric.emission import BACKENDS, DEFAULT, complete, write
+from eccentric.errors import InputError
+from eccentric.model import Model
+from eccentric.output import whole_folder
+
+__all__ = ["described", "write_emitted"]
+
+_WRITTEN = (
+    ("diagnosis.json", "the figures of this page, for programs"),
+    (
+        "model.py",
+        "the extended model as a derivation: python model.py prints it, eccentric emit model.py emits it",
+    ),
+)
+_EMITTED = {
+    ".py": "the extended model in NumPy",
+    ".h": "its C99 header",
+    ".c": "its C99 source",
+    "_selftest.c": "a self-test of the source, for your board",
+    "_vectors.h": "what the self-test compares with",
+    "_proof.c": "the driver of a proof that the source is free of undefined behaviour",
+}
+
+
+def write_emitted(
+    model: Model, origin: str, out: str | os.PathLike[str], backend: str | Sequence[str] | None = None
+) -> list[Path]:
+    """Write the files of a model for its targets, and what checks the C, into a folder of their own.
+
+    Files that the same model left there before are replaced, all others stay. `origin` names in the banner
+    where the physics is from; `backend` is a target or several, NumPy and C99 by default. Returns the paths.
+    Raises InputError where there is no such target, and where the folder cannot be written.
+    """
+    names = DEFAULT if backend is None else dict.fromkeys([backend] if isinstance(backend, str) else backend)
+    for name in names:
+        if name not in BACKENDS:
+            raise InputError(f"backend: required one of {', '.join(BACKENDS)}, received {name!r}")
+    files = complete(model, "eccentric emit", origin, names)
+    with whole_folder(out, f"emit {model.name}") as folder:
+        write(files, folder)
+    return [Path(out) / name for name in files]
+
+
+def described(own: Iterable[Path], emitted: Iterable[str], model: str) -> tuple[tuple[str, str], ...]:
+    """(name, what it is) of the files beside a report; `own` are scripts of the user's own."""
+    return (
+        *_WRITTEN,
+        *((path.name, "a script of your own") for path in own),
+        *((name, _EMITTED[name.rpartition(model)[2]]) for name in emitted),
+    )

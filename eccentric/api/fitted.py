@@ -1,0 +1,200 @@
+"""`eccentric.fit`: a model fitted to logs, and what came out."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from types import ModuleType
+from typing import TYPE_CHECKING, Any
+
+from eccentric.api.files import write_emitted
+from eccentric.api.inputs import LogSources, ModelSource, RigSource, names_of, origin_of, read_logs
+from eccentric.api.result import Result, new_axes, paragraphs
+from eccentric.api.tables import Correlation, ResultTable
+from eccentric.emission import checked_name, load_module, read_parameters, with_fitted
+from eccentric.errors import InputError
+from eccentric.fitting import (
+    Comparison,
+    Estimate,
+    compare,
+    draw_fit,
+    fit_document,
+    fit_lines,
+    plot_fit,
+)
+from eccentric.fitting import fit as fit_channels
+from eccentric.model import Model, load_model
+from eccentric.output import whole_folder
+from eccentric.rigs import read_rig
+from eccentric.signals import read_channels
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+__all__ = ["FitResult", "fit"]
+
+
+def fit(logs: LogSources, rig: RigSource, model: ModelSource | None = None) -> FitResult:
+    """Fit a friction model to logs of a rig, and compare it with Coulomb and viscous friction.
+
+    Args:
+        logs: one log or a list of them: paths, tables in memory (a dict of arrays, or a table of pandas,
+            polars or pyarrow) or what `read_log` returned.
+        rig: what is known of the rig: the path of a rig file, its content as a mapping, or what `read_rig`
+            returned.
+        model: a Model, its name, or the path of a derivation; by default that of the rig's case or tilt.
+
+    Raises:
+        InputError: a log or the rig cannot be read, they do not belong together, or the log has too few rows
+            or too little motion for the model.
+    """
+    read = read_logs(logs)
+    channels = read_channels(read, read_rig(rig))
+    chosen = channels.rig.model if model is None else model
+    base = chosen if isinstance(chosen, Model) else load_model(chosen)
+    names = names_of(read)
+    found = fit_channels(channels, channels.rig, base, ", ".join(names))
+    estimates = {**found.coefficients, **found.searched}
+    return FitResult(
+        base=base,
+        origin=origin_of(chosen),
+        estimates=estimates,
+        combinations=found.combinations,
+        correlation=Correlation.of(list(estimates), found.spread.matrix),
+        rmse=found.rmse,
+        r_squared=found.r_squared,
+        unit=found.problem.unit,
+        improvement=found.percent,
+        improvement_interval=found.percent_interval,
+        warnings=found.warnings,
+        lines=tuple(fit_lines(found, names)),
+        comparison=compare(found),
+        document=fit_document(found, names),
+    )
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class FitResult(Result):
+    """What a fit found. It prints as `summary()`, shows as a table in a notebook, and can be pickled.
+
+    Attributes:
+        base: the model that was fitted, with the paper's parameters; `model` is the fitted one.
+        origin: where its physics is from, for the banner of emitted files.
+        estimates: name -> Estimate (value, std_error, interval, unit), of the coefficients and of what was
+            searched beside them, such as a zero angle or a delay.
+        combinations: the same for what the log shows only in combination.
+        correlation: of the errors of the estimates, by name.
+        rmse: error on the held-out rows in `unit`, by model: "paper" (the fitted one), "linear" (Coulomb and
+            viscous friction), "paper_unbounded".
+        r_squared: of the drive signal on the held-out rows, by model.
+        unit: "N m"; "V" or "A" where the log tells no torque.
+        improvement: of the held-out error over Coulomb and viscous friction, in percent, with its 95 %
+            interval `improvement_interval`.
+        comparison: measured and predicted friction on the held-out rows.
+        lines, warnings, document: as in Result; the document is the content of fit.json, which
+            `eccentric emit --parameters` takes.
+    """
+
+    base: Model
+    origin: str
+    estimates: Mapping[str, Estimate]
+    combinations: Mapping[str, Estimate]
+    correlation: Correlation
+    rmse: Mapping[str, float]
+    r_squared: Mapping[str, float]
+    unit: str
+    improvement: float
+    improvement_interval: tuple[float, float]
+    comparison: Comparison
+
+    @property
+    def parameters(self) -> dict[str, float]:
+        """All parameters of the fitted model by the paper's letters, in SI."""
+        return read_parameters(self.document).values
+
+    @property
+    def model(self) -> Model:
+        """The fitted model: its defaults are the fitted values, each with its interval as a remark."""
+        return self._named(self.base.name)
+
+    @property
+    def module(self) -> ModuleType:
+        """The fitted model as a NumPy module, the one that `emit` writes."""
+        return load_module(self.model)
+
+    @property
+    def sentence(self) -> str:
+        """The result in one sentence."""
+        return self.lines[-1]
+
+    def table(self) -> ResultTable:
+        """The estimates: value, standard error, 95 % interval, unit, and which bound holds one."""
+        names = ("name", "value", "std_error", "lower", "upper", "unit", "bound")
+        return ResultTable(names, tuple(_row(name, e) for name, e in self.estimates.items()))
+
+    def plot(self, axes: tuple[Axes, Axes] | None = None) -> tuple[Axes, Axes]:
+        """Draw measured against predicted friction, and both over the speed, on the held-out rows.
+
+        Args:
+            axes: where to draw; by default a new figure of two.
+
+        Raises:
+            InputError: matplotlib is not installed.
+        """
+        left, right = new_axes(1, 2, (9.0, 4.2)) if axes is None else axes
+        plot_fit(self.comparison, left, right)
+        return left, right
+
+    def emit(
+        self,
+        out: str | os.PathLike[str],
+        prefix: str | None = None,
+        backend: str | Sequence[str] | None = None,
+    ) -> list[Path]:
+        """Write the fitted model as a NumPy module and C99 into a folder; return the paths.
+
+        Args:
+            out: a folder of its own, new or written by eccentric before.
+            prefix: name of the files and prefix of the C functions; by default the model's name.
+            backend: a target, "numpy" or "c99", or several; by default both.
+
+        Raises:
+            InputError: the prefix is no name that C and Python leave free, there is no such target, or the
+                folder cannot be written.
+        """
+        name = self.base.name if prefix is None else checked_name(prefix, "prefix")
+        return write_emitted(self._named(name), self.origin, out, backend)
+
+    def write(self, out: str | os.PathLike[str]) -> list[Path]:
+        """Write what the command `eccentric fit` writes: fit.json and, with matplotlib, fit.png and fit.svg.
+
+        Raises:
+            InputError: the folder cannot be written.
+        """
+        with whole_folder(out, "fit") as folder:
+            (folder / "fit.json").write_text(self.to_json(), encoding="utf-8")
+            names = ["fit.json"]
+            try:
+                draw_fit(self.comparison, folder / "fit")
+                names += ["fit.png", "fit.svg"]
+            except InputError:  # without matplotlib, the figures are left out
+                pass
+        return [Path(out) / name for name in names]
+
+    def _named(self, name: str) -> Model:
+        return with_fitted(self.base, read_parameters(self.document), name)
+
+    def __repr__(self) -> str:
+        errors = ", ".join(f"{name} {self.rmse[name]:.4g}" for name in ("linear", "paper"))
+        return f"<FitResult: {self.base.name}, held-out RMSE [{self.unit}] {errors}>"
+
+    def _repr_html_(self) -> str:
+        warned = (f"Warning: {text}" for text in self.warnings)
+        table = self.table()._repr_html_()
+        return f"<div>{paragraphs(self.lines[0])}{table}{paragraphs(self.sentence, *warned)}</div>"
+
+
+def _row(name: str, e: Estimate) -> tuple[Any, ...]:
+    return (name, e.value, None if e.widened else e.std_error, *e.interval, e.unit, e.bound_active)

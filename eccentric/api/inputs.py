@@ -1,0 +1,54 @@
+"""Logs, rigs and models as a person has them, and as the rooms take them."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any, TypeAlias
+
+from eccentric.errors import InputError
+from eccentric.logs import Log, LogSource, read_log
+from eccentric.model import Model, load_model
+from eccentric.rigs import Rig
+
+__all__ = ["LogSources", "ModelSource", "RigSource", "model_of", "names_of", "origin_of", "read_logs"]
+
+LogSources: TypeAlias = LogSource | Sequence[LogSource]
+RigSource: TypeAlias = str | os.PathLike[str] | Mapping[str, Any] | Rig
+ModelSource: TypeAlias = str | Path | Model
+
+
+def read_logs(logs: LogSources) -> list[Log]:
+    """Return one log or several, as `read_log` takes each; tables in memory are "table 1", "table 2".
+
+    Raises:
+        InputError: one cannot be read; or two are one and the same: rows that count twice make errors look
+            smaller than they are.
+    """
+    sources: list[Any] = list(logs) if isinstance(logs, list | tuple) else [logs]
+    places = [Path(x).resolve() if isinstance(x, str | os.PathLike) else id(x) for x in sources]
+    for k, source in enumerate(sources):
+        if places[k] in places[:k]:
+            what = source if isinstance(source, str | os.PathLike) else f"table {k + 1}"
+            raise InputError(f"{what}: required every log once, received it twice")
+    names = [f"table {k}" for k in range(1, len(sources) + 1)] if len(sources) > 1 else ["table"]
+    return [read_log(source, name) for source, name in zip(sources, names, strict=True)]
+
+
+def names_of(logs: Sequence[Log]) -> list[str]:
+    """The names of logs in messages and results: those of their files, without folders."""
+    return [Path(log.path).name for log in logs]
+
+
+def model_of(model: ModelSource) -> Model:
+    """A model by its name, by the path of its derivation, or as it is."""
+    return model if isinstance(model, Model) else load_model(model)
+
+
+def origin_of(model: ModelSource) -> str:
+    """Where the physics of a model is from, for the banner of what is emitted."""
+    if isinstance(model, Model):
+        return f"model {model.name}"
+    own = Path(model).suffix == ".py"
+    return Path(model).name if own else f"derivations/{model}.py"

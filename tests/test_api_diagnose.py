@@ -1,0 +1,171 @@
+"""`eccentric.diagnose`: the command's result as an object, with the extended model alive in it."""
+
+from __future__ import annotations
+
+import json
+import pickle
+import shutil
+from collections.abc import Mapping
+from dataclasses import fields
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from matplotlib import pyplot as plt
+
+import eccentric
+from eccentric import DiagnosisResult, InputError, cli
+from eccentric.effects import Setting, library
+from eccentric.emission import complete, load_module
+from generated import c2_parallel
+
+BENCH = Path(__file__).parents[1] / "examples" / "bench"
+LOG, RIG = BENCH / "bench.csv.gz", BENCH / "bench.json"
+
+
+@pytest.fixture(scope="module")
+def stages() -> list[str]:
+    """What the diagnosis said while it ran."""
+    return []
+
+
+@pytest.fixture(scope="module")
+def result(stages: list[str]) -> DiagnosisResult:
+    """The diagnosis of the bundled log, from a table in memory and a mapping."""
+    rig = json.loads(RIG.read_text(encoding="utf-8"))
+    table: Mapping[str, Any] = eccentric.read_log(LOG).columns
+    return eccentric.diagnose(table, rig, progress=stages.append)
+
+
+@pytest.fixture(scope="module")
+def written(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """What the command writes for the same log."""
+    out = tmp_path_factory.mktemp("diagnosis") / "out"
+    assert 0 == cli.main(["diagnose", str(LOG), "--rig", str(RIG), "--out", str(out)])
+    return out
+
+
+def test_the_command_finds_the_same(result: DiagnosisResult, written: Path, tmp_path: Path) -> None:
+    """The figures to the last bit, the emitted code to the last byte, and the same files."""
+    command = json.loads((written / "diagnosis.json").read_text(encoding="utf-8"))
+    paths = result.write(tmp_path / "out")
+
+    assert command | {"logs": ["table"]} == result.to_dict()
+    files = {path.relative_to(tmp_path / "out").as_posix() for path in paths}
+    assert {p.relative_to(written).as_posix() for p in written.rglob("*.*")} - {".eccentric"} == files
+    for name in files - {"report.html", "diagnosis.json", "model.py"}:
+        assert (written / name).read_bytes() == (tmp_path / "out" / name).read_bytes(), name
+
+
+def test_it_says_what_it_found(result: DiagnosisResult, stages: list[str]) -> None:
+    """The planted harmonic, the error before and after, and what the residual depends on."""
+    before, after = (result.rmse["mechanical"][name] for name in ("paper", "extended"))
+
+    assert ("named", ("link_harmonic_friction[n=2]",)) == (result.verdict, result.effects)
+    assert 100 * (1 - after / before) == pytest.approx(result.improvement)
+    assert result.improvement_interval[0] < result.improvement < result.improvement_interval[1]
+    assert ("link_angle", "N m") == (result.depends_on[0], result.unit)
+    assert result.sentence in result.summary() == str(result)
+    assert "<DiagnosisResult: named: link_harmonic_friction[n=2]>" == repr(result)
+    assert "14293 rows used of 15000" == stages[0]
+
+
+def test_the_live_model_is_the_one_of_the_script(result: DiagnosisResult, written: Path) -> None:
+    """model.py, loaded, and the model of the result are emitted as the same files."""
+    loaded = eccentric.load_model(written / "model.py")
+
+    assert complete(loaded) == complete(result.model)
+
+
+def test_the_live_model_can_be_called_and_compiled(
+    result: DiagnosisResult, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """It is the paper's model, fitted, and the harmonic; C and NumPy agree to the last bit."""
+    p = result.module.Parameters()
+    theta, omega = np.linspace(0.0, 6.0, 50), 20.0
+    harmonic = p.link_harmonic_c2 * np.cos(2 * p.mu * theta) + p.link_harmonic_s2 * np.sin(2 * p.mu * theta)
+    fitted = {field.name: getattr(p, field.name) for field in fields(c2_parallel.Parameters)}
+    plain = c2_parallel.mechanical_friction_torque(theta, omega, c2_parallel.Parameters(**fitted))
+    torque = result.module.mechanical_friction_torque(theta, omega)
+
+    np.testing.assert_allclose(plain + harmonic, torque, rtol=1e-12)
+    if shutil.which("cc") is not None:
+        monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
+        compiled = eccentric.compile(result.model)
+        np.testing.assert_array_equal(torque, compiled.mechanical_friction_torque(theta, omega))
+
+
+def test_the_live_model_can_be_derived_further(result: DiagnosisResult) -> None:
+    """Another effect of the library extends it, and its torque is added to the rest."""
+    setting = Setting("C2", 0.2, {}, 1.0, 60.0, 15.0, 60.0, 70.0, 25.0, frozenset())
+    drag = next(effect for effect in library(setting) if effect.family == "quadratic_drag")
+    (letter,) = (q.name for q in drag.parameters)
+    further = drag.extend(result.model, {letter: 1e-4})
+
+    before, after = (m.mechanical_friction_torque(0.3, 20.0) for m in (result.module, load_module(further)))
+
+    assert 1e-4 * 20.0**2 == pytest.approx(after - before, rel=1e-9)
+
+
+def test_tables_have_parameters_and_candidates(result: DiagnosisResult) -> None:
+    """The parameters of the effect come first, with their errors; the candidates best first."""
+    table, candidates = result.table(), result.candidates()
+    (effect,) = result.document["effects"]
+
+    assert list(effect["parameters"]) == table["name"][:2]
+    assert [p["value"] for p in effect["parameters"].values()] == table["value"][:2]
+    assert [p["std_error"] for p in effect["parameters"].values()] == table["std_error"][:2]
+    assert {"effect", "friction", "rig"} == set(table["origin"])
+    assert [c["id"] for c in result.document["candidates"]] == candidates["id"]
+    assert [True] == candidates["adopted"][:1]
+
+
+def test_it_is_drawn_over_what_it_depends_on(result: DiagnosisResult) -> None:
+    """Left the residual over the link angle, before and after; right friction over the velocity."""
+    left, right = result.plot()
+    names = [line.get_label() for line in left.lines]
+
+    assert ["before", "after", "effect"] == names
+    assert ("link angle [rad]", "motor velocity [rad/s]") == (left.get_xlabel(), right.get_xlabel())
+    before, after = (np.asarray(line.get_ydata()) for line in left.lines[:2])
+    assert np.nanstd(after) < 0.1 * np.nanstd(before)
+    plt.close("all")
+
+
+def test_the_report_is_one_file(result: DiagnosisResult, tmp_path: Path) -> None:
+    """It goes where it is wanted, and names no files that are not beside it."""
+    path = result.report(tmp_path / "reports" / "arm.html")
+    text = path.read_text(encoding="utf-8")
+
+    assert tmp_path / "reports" / "arm.html" == path
+    assert "link_harmonic_friction[n=2]" in text
+    assert "diagnosis.json" not in text
+
+
+def test_a_notebook_shows_sentence_and_table(result: DiagnosisResult) -> None:
+    """Its HTML has a row for each parameter below the sentence."""
+    page = result._repr_html_()
+
+    assert page.count("<tr>") == 1 + len(result.table())
+    assert page.index("The model lacks") < page.index("<table>")
+
+
+def test_it_can_be_pickled(result: DiagnosisResult) -> None:
+    """The copy says the same, draws the same report, and its model is emitted as the same files."""
+    again = pickle.loads(pickle.dumps(result))  # noqa: S301 - what was just pickled
+
+    assert (result.to_json(), result.script) == (again.to_json(), again.script)
+    assert list(result.table()) == list(again.table())
+    assert complete(result.model) == complete(again.model)
+
+
+def test_scripts_that_would_hide_a_file_of_the_result_are_refused(tmp_path: Path) -> None:
+    """One line, before the logs are read."""
+    for name, line in (("model.py", "required another name"), ("my_extended.py", "required another name")):
+        with pytest.raises(InputError, match=line):
+            eccentric.diagnose("no.csv", RIG, effects=tmp_path / name)
+    with pytest.raises(
+        InputError, match=r"effects and model: required files of different names, received a\.py"
+    ):
+        eccentric.diagnose("no.csv", RIG, tmp_path / "one" / "a.py", tmp_path / "two" / "a.py")

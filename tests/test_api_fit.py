@@ -1,0 +1,219 @@
+"""`eccentric.fit`: one result whatever holds the log, the one of the command, and all that it becomes."""
+
+from __future__ import annotations
+
+import json
+import pickle
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pyarrow as pa
+import pytest
+from matplotlib import pyplot as plt
+from matplotlib.axes import Axes
+
+import eccentric
+from eccentric import FitResult, InputError, Log, cli
+from eccentric.signals import read_channels
+
+BENCH = Path(__file__).parents[1] / "examples" / "bench"
+LOG, RIG = BENCH / "bench.csv.gz", BENCH / "bench.json"
+LETTERS = ("B_lN", "C_lN", "B_m", "C_m")
+
+
+@pytest.fixture(scope="module")
+def log() -> Log:
+    """The bundled log."""
+    return eccentric.read_log(LOG)
+
+
+@pytest.fixture(scope="module")
+def result() -> FitResult:
+    """Its fit."""
+    return eccentric.fit(LOG, RIG)
+
+
+def columns(log: Log) -> dict[str, Any]:
+    """The columns of a log as a dict of arrays."""
+    return {name: np.array(values) for name, values in log.columns.items()}
+
+
+def content(result: FitResult) -> dict[str, Any]:
+    """The document, without the names of logs and rig."""
+    return {key: value for key, value in result.to_dict().items() if key not in {"logs", "rig"}}
+
+
+def test_the_command_prints_and_writes_the_same(
+    result: FitResult, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Summary and fit.json of the command are those of the function, byte for byte."""
+    out = tmp_path / "out"
+    assert 0 == cli.main(["fit", str(LOG), "--rig", str(RIG), "--out", str(out)])
+
+    assert f"{result.summary()}\n{out}: fit.json, fit.png, fit.svg\n" == capsys.readouterr().out
+    assert result.to_json() == (out / "fit.json").read_text(encoding="utf-8")
+
+
+@pytest.mark.parametrize("kind", ["dict of arrays", "Arrow"])
+def test_a_table_in_memory_is_fitted_as_its_file(kind: str, result: FitResult, log: Log) -> None:
+    """The same rows from memory, under a rig given as a mapping, give the same figures to the last bit."""
+    table = columns(log) if kind == "dict of arrays" else pa.table(columns(log))
+    rig = json.loads(RIG.read_text(encoding="utf-8"))
+
+    again = eccentric.fit(table, rig)
+
+    assert content(result) == content(again)
+    assert again.lines[0].startswith("table: c2_parallel, driven by current; ")
+
+
+def test_several_logs_are_one_fit(log: Log) -> None:
+    """Two halves of a log as two tables are two runs, each under its name."""
+    half = log.rows // 2
+    halves = [{n: x[:half] for n, x in columns(log).items()}, {n: x[half:] for n, x in columns(log).items()}]
+
+    found = eccentric.fit(halves, RIG)
+
+    assert ["table 1", "table 2"] == found.document["logs"]
+    assert log.rows == found.document["rows"]["read"]
+
+
+def test_a_log_that_comes_twice_is_refused(log: Log) -> None:
+    """Rows that count twice would make errors look smaller than they are."""
+    for logs, name in (([LOG, str(LOG)], str(LOG)), ([log, log], "table 2")):
+        with pytest.raises(InputError, match="required every log once, received it twice") as error:
+            eccentric.fit(logs, RIG)
+        assert str(error.value).startswith(name)
+
+
+def test_a_column_that_is_missing_is_named(log: Log) -> None:
+    """What the rig maps and the table has not is one line with both names."""
+    table = columns(log)
+    rig = {**json.loads(RIG.read_text()), "columns": {"time": "time_s", "theta_m": "angle", "current": "i"}}
+    table["angle"] = table.pop("theta_m_rad")
+
+    with pytest.raises(InputError) as error:
+        eccentric.fit(table, rig)
+
+    assert str(error.value).startswith("table: column 'i' is required, the log has time_s, ")
+
+
+def test_a_column_of_text_is_named_with_its_row(log: Log) -> None:
+    """A number is required where the rig maps a number."""
+    table = columns(log)
+    table["current_A"] = np.array(["fast", *table["current_A"][1:].astype(str)])
+
+    with pytest.raises(InputError) as error:
+        eccentric.fit(table, RIG)
+
+    assert "table: row 1, column 'current_A': a number is required, received 'fast'" == str(error.value)
+
+
+def test_estimates_are_named_with_unit_and_interval(result: FitResult) -> None:
+    """The table has a row for each estimate, its numbers those of fit.json."""
+    table, written = result.table(), result.to_dict()["coefficients"]
+
+    assert list(LETTERS) == table["name"] == list(result.estimates)
+    for row in table:
+        entry = written[row["name"]]
+        assert (entry["value"], entry["unit"]) == (row["value"], row["unit"])
+        assert entry["interval_95"] == [row["lower"], row["upper"]]
+        assert entry["std_error"] == row["std_error"]
+
+
+def test_the_correlation_is_that_of_least_squares(result: FitResult) -> None:
+    """Its axes are the coefficients; it is about that of the normal equations, which take noise for white."""
+    channels = read_channels([LOG], eccentric.read_rig(RIG))
+    rows = channels.fit_rows
+    design = result.module.regressor(channels.theta_m[rows], channels.omega_m[rows])
+    covariance = np.linalg.inv(design.T @ design)
+    error = np.sqrt(np.diag(covariance))
+    expected = covariance / np.outer(error, error)
+
+    assert LETTERS == result.correlation.names
+    np.testing.assert_allclose(expected, result.correlation.matrix, atol=0.2)
+    np.testing.assert_allclose(1.0, np.diag(result.correlation.matrix), rtol=1e-12)
+    assert result.correlation["B_lN", "C_lN"] < -0.5 < 0.5 < result.correlation["B_lN", "C_m"]
+
+
+def test_the_fitted_model_predicts_the_reported_error(result: FitResult) -> None:
+    """The residual of the fitted module on the held-out rows has the RMSE that the result names."""
+    channels = read_channels([LOG], eccentric.read_rig(RIG))
+    rows = channels.score_rows
+    assert channels.current is not None
+    signals = (channels.theta_m, channels.omega_m, channels.current, channels.alpha_m)
+    residual = result.module.mechanical_residual(*(x[rows] for x in signals))
+
+    assert result.rmse["paper"] == pytest.approx(np.sqrt(np.mean(residual**2)), rel=1e-9)
+    assert result.parameters["C_m"] == result.module.Parameters().C_m == result.estimates["C_m"].value
+
+
+def test_json_goes_round(result: FitResult, tmp_path: Path) -> None:
+    """What was written as JSON emits the same files as the result itself."""
+    path = tmp_path / "fit.json"
+    path.write_text(result.to_json(), encoding="utf-8")
+    mine = result.emit(tmp_path / "mine", prefix="arm")
+    for kind, parameters in (("path", path), ("content", json.loads(path.read_text())), ("result", result)):
+        theirs = eccentric.emit("c2_parallel", tmp_path / kind, parameters=parameters, prefix="arm")
+        assert [p.read_bytes() for p in mine] == [p.read_bytes() for p in theirs]
+    assert result.to_dict() == json.loads(result.to_json())
+
+
+def test_it_is_drawn_on_two_axes(result: FitResult) -> None:
+    """A new figure, or axes that are given; the held-out rows are on both."""
+    left, right = result.plot()
+    _, given = plt.subplots(1, 2)
+
+    assert isinstance(left, Axes)
+    assert tuple(given) == result.plot(tuple(given))
+    for axes in (left, right, *given):
+        assert result.comparison.speed.shape == np.shape(axes.lines[0].get_xdata())
+    assert "motor velocity [rad/s]" == right.get_xlabel() == given[1].get_xlabel()
+    plt.close("all")
+
+
+def test_a_plot_without_matplotlib_says_what_to_install(
+    result: FitResult, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    """One line for `plot`; `write` leaves the figures out."""
+    for name in [name for name in sys.modules if name.startswith("matplotlib")]:
+        monkeypatch.delitem(sys.modules, name)
+    monkeypatch.setitem(sys.modules, "matplotlib", None)
+
+    with pytest.raises(InputError, match="matplotlib is required for the figure"):
+        result.plot()
+    assert [tmp_path / "out" / "fit.json"] == result.write(tmp_path / "out")
+
+
+def test_a_notebook_shows_the_table_and_the_sentence(result: FitResult) -> None:
+    """Its HTML has a row for each estimate, between head and sentence."""
+    page = result._repr_html_()
+
+    assert page.count("<tr>") == 1 + len(LETTERS)
+    assert (
+        page.index("bench.csv.gz: c2_parallel")
+        < page.index("<table>")
+        < page.index("predicts the held-out part")
+    )
+
+
+def test_it_goes_to_another_process_and_back(result: FitResult, tmp_path: Path) -> None:
+    """A process that never saw the log unpickles the result, and its model gives the same torque."""
+    (tmp_path / "fit.pickle").write_bytes(pickle.dumps(result))
+    program = (
+        "import pickle, sys; found = pickle.load(open(sys.argv[1], 'rb'));"
+        "print(found); print(repr(float(found.module.mechanical_friction_torque(0.5, 20.0))))"
+    )
+    command = [sys.executable, "-c", program, str(tmp_path / "fit.pickle")]
+    shown = subprocess.run(command, capture_output=True, text=True, check=True).stdout
+
+    torque = float(result.module.mechanical_friction_torque(0.5, 20.0))
+    assert f"{result.summary()}\n{torque!r}\n" == shown
+
+
+def test_a_model_may_be_given_in_every_form(result: FitResult, log: Log) -> None:
+    """By its name and as a Model: the fit is the one by default."""
+    for model in ("c2_parallel", eccentric.load_model("c2_parallel")):
+        assert content(result) == content(eccentric.fit(log, RIG, model))

@@ -1,0 +1,88 @@
+"""`import eccentric` and every `--help` are there at once; what the package offers is there to see."""
+
+from __future__ import annotations
+
+import ast
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+import eccentric
+from eccentric import api, cli
+
+ROOT = Path(__file__).resolve().parents[1]
+HEAVY = {"numpy", "sympy", "mpmath", "scipy", "matplotlib", "jinja2", "bokeh", "pandas", "pyarrow", "typing"}
+OFFERED = {
+    *("bench", "compile", "diagnose", "emit", "fit", "load_model", "read_log", "read_rig"),
+    *("BenchResult", "Correlation", "DiagnosisResult", "FitResult", "Log", "Model", "ResultTable", "Rig"),
+    *("InputError", "__version__"),
+}
+
+
+def imported_by(program: str) -> set[str]:
+    """The top-level modules that a program has imported when it ends, its own standard ones included."""
+    ending = "\nimport sys; print('|'.join(sorted({name.split('.')[0] for name in sys.modules})))"
+    done = subprocess.run(
+        [sys.executable, "-c", program + ending], cwd=ROOT, capture_output=True, text=True, check=True
+    )
+    return set(done.stdout.splitlines()[-1].split("|"))
+
+
+def test_the_package_alone_imports_nothing_heavy() -> None:
+    """`import eccentric` costs a few small files; not even `typing` is among what it brings in."""
+    bare = imported_by("pass")
+
+    assert (imported_by("import eccentric") - bare) & HEAVY == set()
+    assert "sympy" in imported_by("import eccentric\neccentric.load_model")
+
+
+@pytest.mark.parametrize("command", ["", *cli.COMMANDS])
+def test_help_imports_nothing_heavy(command: str) -> None:
+    """A command's description and arguments need no SymPy, SciPy, NumPy or matplotlib."""
+    arguments = [*command.split(), "--help"]
+    program = f"from eccentric.cli import main\ntry: main({arguments})\nexcept SystemExit: pass"
+
+    assert imported_by(program) & (HEAVY - {"typing"}) == set()
+
+
+def test_a_package_lists_what_it_offers() -> None:
+    """`dir` shows the public names, no more and no less, before and after they are used."""
+    assert sorted(OFFERED) == dir(eccentric)
+    assert callable(eccentric.read_log)
+    assert sorted(OFFERED) == dir(eccentric)
+
+
+@pytest.mark.parametrize("name", sorted(OFFERED))
+def test_every_name_is_there(name: str) -> None:
+    """Each public name is found, the same object each time, and says what it is."""
+    found = getattr(eccentric, name)
+
+    assert found is getattr(eccentric, name)
+    assert isinstance(found, str) or found.__doc__
+
+
+@pytest.mark.parametrize("module", [eccentric, api], ids=["eccentric", "eccentric.api"])
+def test_what_type_checkers_see_is_what_there_is(module: object) -> None:
+    """The names imported for type checkers are those that `__getattr__` finds, in the same modules."""
+    source = Path(str(module.__file__))  # type: ignore[attr-defined]
+    tree = ast.parse(source.read_text(encoding="utf-8"))
+    guarded = next(node for node in tree.body if isinstance(node, ast.If))
+    typed = {
+        alias.name: str(node.module)
+        for node in guarded.body
+        if isinstance(node, ast.ImportFrom)
+        for alias in node.names
+    }
+
+    assert set(module.__all__) - {"__version__"} == set(typed)  # type: ignore[attr-defined]
+    for name, home in typed.items():
+        assert getattr(module, name) is getattr(sys.modules[home], name), name
+
+
+def test_a_name_that_is_not_offered_is_an_attribute_error() -> None:
+    """A wrong name is refused as Python refuses it, with the name in the message."""
+    for module in (eccentric, api):
+        with pytest.raises(AttributeError, match=f"module '{module.__name__}' has no attribute 'fitt'"):
+            module.fitt  # type: ignore[attr-defined] # noqa: B018
