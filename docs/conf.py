@@ -6,12 +6,11 @@ import sys
 from pathlib import Path
 
 import jinja2
-from docutils.nodes import SkipNode
 
 DOCS = Path(__file__).parent
 sys.path[:0] = [str(DOCS), str(DOCS.parent)]
 
-from generator import bench, commands, formula, reference  # noqa: E402 - found by the line above
+from generator import bench, commands, reference  # noqa: E402 - found by the line above
 
 from eccentric import __version__  # noqa: E402
 
@@ -27,7 +26,6 @@ html_css_files = ["site.css"]
 html_copy_source = False
 html_show_copyright = False
 html_use_index = False
-html_math_renderer = "mathml"
 pygments_style, pygments_dark_style = "friendly", "github-dark"
 
 GENERATED = ("index", "commands")
@@ -35,22 +33,8 @@ GENERATED = ("index", "commands")
 
 
 def setup(app):  # noqa: ANN001, ANN201 - Sphinx's hook
-    """Typeset formulas as MathML, and fill the pages that are templates."""
-    app.add_html_math_renderer("mathml", (_inline_math, None), (_display_math, None))
+    """Fill the pages that are templates."""
     app.connect("source-read", _fill)
-
-
-def _inline_math(writer, node) -> None:  # noqa: ANN001 - docutils
-    _math(writer, node, "span", block=False)
-
-
-def _display_math(writer, node) -> None:  # noqa: ANN001
-    _math(writer, node, "div", block=True)
-
-
-def _math(writer, node, tag: str, *, block: bool) -> None:  # noqa: ANN001
-    writer.body.append(f'<{tag} class="math">{formula.mathml(node.astext(), block=block)}</{tag}>')
-    raise SkipNode
 
 
 def _fill(app, name: str, content: list[str]) -> None:  # noqa: ANN001

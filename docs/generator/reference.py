@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from html import escape
 from pathlib import Path
 
 from eccentric.effects import FAMILIES, Effect, base_aliases
-from eccentric.model import Model
-from generator.formula import equations
+from eccentric.model import Model, Quantity
+from eccentric.report.formulas import short_formula
+from generator.formula import equations, typesetter
 from generator.pictures import draw
 from generator.setting import effects
 
@@ -28,17 +29,20 @@ def sections(images: Path, *leading: str) -> str:
 
 
 def overview() -> str:
-    """A table of all families: name, formula, what it depends on."""
+    """A table of all families: what it is, its name, formula, what it depends on."""
     rows = []
     for family in FAMILIES:
         effect, _ = _of(family)[0]
-        rows.append(_row(f"[{family}](#{family})", f"`{effect.formula}`", _words(effect.evidence.depends_on)))
-    return "\n".join(["| family | adds or changes | depends on |", "|---|---|---|", *rows])
+        adds = short_formula(effect.formula)
+        rows.append(
+            _row(f"[{_title(family)}](#{family}) `{family}`", adds, _words(effect.evidence.depends_on))
+        )
+    return "\n".join(["| effect | adds or changes | depends on |", "|---|---|---|", *rows])
 
 
 def _row(*cells: str) -> str:
     """A row of a table; a bar within a cell is no border."""
-    return f"| {' | '.join(cell.replace('|', chr(92) + '|') for cell in cells)} |"
+    return f"| {' | '.join(cell.replace('|', '&#124;') for cell in cells)} |"
 
 
 def _of(family: str) -> list[tuple[Effect, Model]]:
@@ -53,9 +57,15 @@ def _words(names: tuple[str, ...]) -> str:
     return ", ".join(name.replace("_", " ") for name in names)
 
 
+def _title(family: str) -> str:
+    """A heading for the family: its own, or the headline of its only effect."""
+    words = _of(family)[0][0].words
+    return words.title or words.headline[0].upper() + words.headline[1:]
+
+
 def _family(family: str, images: Path) -> str:
     members = _of(family)
-    lines = [f"({family})=", f"## {family}", "", members[0][0].words.meaning, ""]
+    lines = [f"({family})=", f"## {_title(family)}", "", f"`{family}`", "", members[0][0].words.meaning, ""]
     for case in ("C1", "C2"):
         if held := base_aliases(case).get(family):
             lines += [f"Not offered in case {case}: there it is {held}.", ""]
@@ -68,18 +78,24 @@ def _family(family: str, images: Path) -> str:
     shared = [note for note in notes[0] if all(note in other for other in notes)]
     for (effect, model), own in zip(members, notes, strict=True):
         if len(members) > 1:
-            lines += [f"### {effect.id}", ""]
+            lines += [
+                f"### {effect.words.headline[0].upper()}{effect.words.headline[1:]}",
+                "",
+                f"`{effect.id}`",
+                "",
+            ]
         lines += [*_effect(effect, model, images), "", *(note for note in own if note not in shared), ""]
     if len(members) > 1 and shared:
-        lines += [f"All of {family}:", ""]
+        lines += [f"All effects of `{family}`:", ""]
     return "\n".join([*lines, *shared, ""])
 
 
 def _effect(effect: Effect, model: Model, images: Path) -> Iterator[str]:
     """Formula, picture and parameters."""
-    yield from (f"`{effect.formula}`", "")
+    if effect.change.states:  # in continuous time, which is easier to read than steps
+        yield from (f"<p>{short_formula(effect.formula)}</p>", "")
     for text in equations(effect):
-        yield from ("```{math}", text, "```", "")
+        yield from (f'<div class="formula">{text}</div>', "")
     name = re.sub(r"\W+", "_", effect.id.replace("+", "forward").replace("[-", "[backward")).strip("_")
     shows = draw(effect, model, images / "effects" / name)
     yield '<p class="picture">'
@@ -87,33 +103,56 @@ def _effect(effect: Effect, model: Model, images: Path) -> Iterator[str]:
         alt = escape(f"{effect.id}: {shows}", quote=True)
         yield f'<img class="only-{style}" src="../_images/effects/{name}{suffix}.svg" alt="{alt}">'
     yield from ("</p>", "")
-    yield from ("| parameter | is | unit | range |", "|---|---|---|---|", *_parameters(effect))
+    yield from (
+        "| symbol | parameter | meaning | unit | range |",
+        "|---|---|---|---|---|",
+        *_parameters(effect),
+    )
 
 
 def _notes(effect: Effect) -> list[str]:
     """What else its record says, as items of a list."""
-    said = [f"depends on: {_words(effect.evidence.depends_on)}; {effect.balance} balance"]
+    said = [f"Depends on {_words(effect.evidence.depends_on)}; {effect.balance} balance."]
+    if effect.change.scales:
+        roles = [
+            role.value.capitalize() if role.value == "coulomb" else role.value
+            for role in effect.change.scales
+        ]
+        said.append(
+            f"f is the {_list(roles)} friction." if len(roles) < 3 else "f is the friction of all contacts."
+        )
     if effect.evidence.needs:
-        said.append(f"needs a log of: {_words(effect.evidence.needs)}")
+        said.append(f"Needs a log with {_list([_words((name,)) for name in effect.evidence.needs])}.")
     if effect.evidence.aliases:
-        said.append(f"cannot be told from: {_links(effect.evidence.aliases)}")
+        said.append(f"Indistinguishable from {_links(effect.evidence.aliases)}.")
     if effect.evidence.special_of:
-        said.append(f"a special case of: {_links(effect.evidence.special_of)}")
-    said += [f"to tell it from others: {effect.words.hint}", f"source: {effect.reference}"]
+        said.append(f"A special case of {_links(effect.evidence.special_of)}.")
+    said += [f"To distinguish it from others: {effect.words.hint}.", f"Source: {effect.reference}."]
     return [f"- {one}" for one in said]
 
 
 def _parameters(effect: Effect) -> Iterator[str]:
-    """Rows of the table: coefficients with their bounds, shapes with their range, numbers of the log."""
+    """Rows of the table: coefficients with their bounds, shapes with their range, what follows from them."""
+    typeset = typesetter(effect)
+
+    def described(q: Quantity, allowed: str) -> str:
+        return _row(f"<math>{typeset(q.symbol)}</math>", f"`{q.name}`", q.meaning, q.unit, allowed)
+
     for q, (low, high) in zip(effect.coefficients, effect.bounds, strict=True):
-        yield _row(f"`{q.name}`", q.meaning, q.unit, _range(low, high))
+        yield described(q, _range(low, high))
     for shape in effect.shapes:
-        q = shape.quantity
-        yield _row(f"`{q.name}`", q.meaning, q.unit, f"{_short(shape.low)} to {_short(shape.high)}")
+        yield described(shape.quantity, f"{_short(shape.low)} to {_short(shape.high)}")
     for definition in effect.change.definitions:
-        if definition.value.is_number:
-            q = definition.quantity
-            yield _row(f"`{q.name}`", q.meaning, q.unit, f"here {float(definition.value):g}")
+        value = definition.value
+        yield described(definition.quantity, f"here {float(value):g}" if value.is_number else "defined above")
+    for state in effect.change.states:
+        yield described(state.quantity, f"hidden state, initially {float(state.initial):g}")
+
+
+def _list(names: Sequence[str]) -> str:
+    """Names as a sentence has them."""
+    *most, last = names
+    return f"{', '.join(most)} and {last}" if most else last
 
 
 def _range(low: float | None, high: float | None) -> str:

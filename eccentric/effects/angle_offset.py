@@ -11,11 +11,12 @@ from eccentric.effects.words import GRAVITY, Words
 from eccentric.model import Change, Definition, quantity
 from eccentric.model import vocabulary as v
 
-offset = quantity("offset_angle", "rad", "true link angle less the one logged")
-torque = quantity("offset_torque", "N m", "gravity torque where the logged link angle is 0")
-theta_true = quantity("theta_true", "rad", "true motor angle")
+offset = quantity("offset_angle", "rad", "true link angle less the one logged", letter="theta_0")
+torque = quantity("offset_torque", "N m", "gravity torque where the logged link angle is 0", letter="T_0")
+theta_true = quantity("theta_true", "rad", "true motor angle", letter="theta_m^*")
 REFERENCE = "B. W. Mooring, Z. S. Roth and M. R. Driels, Fundamentals of Manipulator Calibration, Wiley, 1991"
 WORDS = Words(
+    title="An offset of the link angle",
     meaning="The link angle is not 0 where the mass hangs lowest.",
     hint="let the link swing out freely and read the angle at which it comes to rest",
     kin=GRAVITY,

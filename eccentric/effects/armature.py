@@ -9,9 +9,11 @@ from eccentric.effects.words import Words
 from eccentric.model import quantity
 from eccentric.model import vocabulary as v
 
-resistance = quantity("armature_R", "Ohm", "true resistance less the declared one")
-back_emf = quantity("armature_k", "V s/rad", "true back-EMF constant less the declared one")
-inductance = quantity("armature_L", "V s/A", "inductance of the armature", "", "nonnegative")
+resistance = quantity("armature_R", "Ohm", "true resistance less the declared one", letter="Delta R")
+back_emf = quantity(
+    "armature_k", "V s/rad", "true back-EMF constant less the declared one", letter="Delta k_e"
+)
+inductance = quantity("armature_L", "V s/A", "inductance of the armature", "", "nonnegative", letter="L_a")
 BACK_EMF = Words(
     headline="a correction of the declared back-EMF constant",
     meaning="The back-EMF constant is not the declared one: another winding, or weak magnets.",

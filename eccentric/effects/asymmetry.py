@@ -9,8 +9,15 @@ from eccentric.effects.words import Words
 from eccentric.model import Role, quantity
 from eccentric.model.steps import Backward, Forward
 
-C = quantity("coulomb_asym", "N m", "half the difference of the Coulomb friction of the two directions")
-B = quantity("viscous_asym", "N m s/rad", "half the difference of the viscous friction of the two directions")
+C = quantity(
+    "coulomb_asym", "N m", "half the difference of the Coulomb friction of the two directions", letter="C"
+)
+B = quantity(
+    "viscous_asym",
+    "N m s/rad",
+    "half the difference of the viscous friction of the two directions",
+    letter="B",
+)
 REFERENCE = "B. Armstrong-Hélouvry, P. Dupont and C. Canudas de Wit, Automatica 30(7), 1994; eq (14)"
 HINT = (
     "the same speeds in both directions, the current sensor's zero checked with the drive switched off; a"

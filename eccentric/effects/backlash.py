@@ -24,18 +24,31 @@ from eccentric.model import Load, Role, State, quantity
 from eccentric.model import vocabulary as v
 from eccentric.model.steps import Sgn
 
-gap = quantity("backlash_gap", "rad", "gap, motor side", "", "positive")
+gap = quantity("backlash_gap", "rad", "gap, motor side", "", "positive", letter="delta")
 arm = quantity(
-    "backlash_arm", "m", "dry friction of the link per force, as part of the load", "", "nonnegative"
+    "backlash_arm",
+    "m",
+    "dry friction of the link per force, as part of the load",
+    "",
+    "nonnegative",
+    letter="a",
 )
-left = quantity("backlash_left", "1", "share of the gap that is left", "", "nonnegative")
-side = quantity("backlash_side", "1", "side that the load was on, 1 or -1")
+left = quantity("backlash_left", "1", "share of the gap that is left", "", "nonnegative", letter="r")
+side = quantity("backlash_side", "1", "side that the load was on, 1 or -1", letter="z")
 GRAVITY = quantity(
-    "backlash_G", "1", "gravity torque not felt in the gap, 1 for all of it", "", "nonnegative"
+    "backlash_G",
+    "1",
+    "gravity torque not felt in the gap, 1 for all of it",
+    "",
+    "nonnegative",
+    letter="gamma",
 )
-TORQUE = quantity("backlash_T", "N m", "gravity torque by the link's lag, per full gap", "", "nonnegative")
+TORQUE = quantity(
+    "backlash_T", "N m", "gravity torque by the link's lag, per full gap", "", "nonnegative", letter="T"
+)
 REFERENCE = "form of our own, no impact; backlash: M. Nordin and P.-O. Gutman, Automatica 38(10), 2002"
 WORDS = Words(
+    title="Backlash",
     meaning=(
         "Backlash: when the load on the gear changes its side, the motor turns free until the teeth "
         "meet again."
@@ -74,8 +87,16 @@ def _freed(setting: Setting) -> Effect:
         "viscous friction of the link",
         "",
         "nonnegative",
+        letter="B",
     )
-    C = quantity("backlash_C", "m" if per_force else "N m", "Coulomb friction of the link", "", "nonnegative")
+    C = quantity(
+        "backlash_C",
+        "m" if per_force else "N m",
+        "Coulomb friction of the link",
+        "",
+        "nonnegative",
+        letter="C",
+    )
     columns = [
         (B, -free * v.mu.symbol**2 * force * omega_m),
         (C, -free * v.mu.symbol * force * direction),
@@ -105,7 +126,7 @@ def _freed(setting: Setting) -> Effect:
 
 
 def _lag(setting: Setting) -> Effect:
-    state = relaxation("backlash_z", "lag of the link, in gaps", speed * dt, gap.symbol, omega_m)
+    state = relaxation("backlash_z", "lag of the link, in gaps", speed * dt, gap.symbol, omega_m, letter="z")
     return addition(
         "backlash",
         [(TORQUE, -harmonic(v.mu.symbol)[0] * state.symbol)],

@@ -12,9 +12,14 @@ from eccentric.model import quantity
 from eccentric.model import vocabulary as v
 
 k = quantity(
-    "cable_k", "N m/rad", "stiffness of the cable, torque on the motor per link angle", "", "nonnegative"
+    "cable_k",
+    "N m/rad",
+    "stiffness of the cable, torque on the motor per link angle",
+    "",
+    "nonnegative",
+    letter="k",
 )
-zero = quantity("cable_0", "N m", "torque of the cable at link angle 0, motor side")
+zero = quantity("cable_0", "N m", "torque of the cable at link angle 0, motor side", letter="T_0")
 WORDS = Words(
     headline="a cable that twists with the link",
     meaning="A cable or hose that twists with the link: a torque in proportion to the link angle.",

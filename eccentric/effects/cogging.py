@@ -13,6 +13,7 @@ from eccentric.model import vocabulary as v
 
 ORDERS = range(1, 25)
 WORDS = Words(
+    title="Cogging",
     meaning=(
         "Cogging: the torque by which magnets seek the teeth; it needs no current and takes no energy"
         " in a turn."
@@ -31,8 +32,8 @@ def effects(_: Setting) -> tuple[Effect, ...]:
 
 def _order(n: int) -> Effect:
     cosine, sine = harmonic(n)
-    C = quantity(f"cogging_c{n}", "N m", f"cogging torque by cos({n} theta_m)")
-    S = quantity(f"cogging_s{n}", "N m", f"cogging torque by sin({n} theta_m)")
+    C = quantity(f"cogging_c{n}", "N m", f"cogging torque by cos({n} theta_m)", letter=f"c_{n}")
+    S = quantity(f"cogging_s{n}", "N m", f"cogging torque by sin({n} theta_m)", letter=f"s_{n}")
     return addition(
         "cogging",
         [(C, cosine), (S, sine)],

@@ -11,11 +11,14 @@ from eccentric.effects.words import TEMPERATURE, Words
 from eccentric.model import Change, Definition, Role, quantity
 from eccentric.model import vocabulary as v
 
-b = quantity("coulomb_b", "1/K", "relative change of the Coulomb friction per kelvin")
-C = quantity("coulomb_C", "N m/K", "change of the Coulomb friction of one bearing per kelvin")
-factor = quantity("coulomb_factor", "1", "Coulomb friction over that at the reference temperature")
+b = quantity("coulomb_b", "1/K", "relative change of the Coulomb friction per kelvin", letter="b")
+C = quantity("coulomb_C", "N m/K", "change of the Coulomb friction of one bearing per kelvin", letter="C")
+factor = quantity(
+    "coulomb_factor", "1", "Coulomb friction over that at the reference temperature", letter="kappa"
+)
 REFERENCE = "A. C. Bittencourt and S. Gunnarsson, J. Dynamic Systems, Measurement and Control 134(5), 2012"
 WORDS = Words(
+    title="Coulomb friction that changes with temperature",
     meaning=(
         "Dry friction that changes with temperature: fits and preloads grow or shrink, boundary films"
         " thin out."
@@ -29,7 +32,7 @@ def effects(setting: Setting) -> tuple[Effect, ...]:
     """All Coulomb friction, and that of one bearing; none where no temperature is logged."""
     if setting.temperature_mid is None:
         return ()
-    zero = constant("coulomb_T0", "K", "reference temperature in degC", setting.temperature_mid)
+    zero = constant("coulomb_T0", "K", "reference temperature in degC", setting.temperature_mid, letter="T_0")
     warmer = v.temperature.symbol - zero.symbol
     scaling = Effect(
         family="coulomb_temperature",

@@ -10,7 +10,7 @@ from eccentric.effects.words import Words
 from eccentric.model import Change, Term, quantity
 from eccentric.model import vocabulary as v
 
-bias = quantity("bias_i", "A", "measured current less the true one")
+bias = quantity("bias_i", "A", "measured current less the true one", letter="i_0")
 REFERENCE = "D.-W. Chung and S.-K. Sul, IEEE Trans. Industry Applications 34(2), 1998"
 WORDS = Words(
     headline="an offset of the current sensor",

@@ -10,7 +10,7 @@ from eccentric.model import quantity
 from eccentric.model import vocabulary as v
 from eccentric.model.steps import Gated
 
-ratio = quantity("current_scale", "1", "declared torque constant over the true one, less 1")
+ratio = quantity("current_scale", "1", "declared torque constant over the true one, less 1", letter="r")
 WORDS = Words(
     headline="a correction of the declared torque constant",
     meaning="The torque constant, or the scale of the current sensor, is not the declared one.",

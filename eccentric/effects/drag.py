@@ -13,11 +13,18 @@ from eccentric.effects.words import SPEED, Words
 from eccentric.model import Role, quantity
 from eccentric.model.steps import Backward, Forward
 
-quadratic = quantity("drag_2", "N m s^2/rad^2", "drag torque per squared motor velocity", "", "nonnegative")
-cubic = quantity(
-    "drag_3", "N m s^3/rad^3", "drag torque per third power of the motor velocity", "", "nonnegative"
+quadratic = quantity(
+    "drag_2", "N m s^2/rad^2", "drag torque per squared motor velocity", "", "nonnegative", letter="D"
 )
-degressive = quantity("drag_half", "N m", "drag torque at the reference speed", "", "nonnegative")
+cubic = quantity(
+    "drag_3",
+    "N m s^3/rad^3",
+    "drag torque per third power of the motor velocity",
+    "",
+    "nonnegative",
+    letter="D",
+)
+degressive = quantity("drag_half", "N m", "drag torque at the reference speed", "", "nonnegative", letter="D")
 WINDAGE = "J. E. Vrancik, NASA TN D-4849, 1968 (windage grows with the square of the speed)"
 BY_SPEED = "steady runs over a speed range of 1 to 5 or more: powers of the speed fit alike over a short one"
 QUADRATIC = Words(
@@ -38,6 +45,7 @@ DEGRESSIVE = Words(
     hint=BY_SPEED,
 )
 ONE_WAY = Words(
+    title="Windage in one direction only",
     meaning="Windage of one direction only: a fan, or blades that are bent to one side.",
     hint="the same high speeds in both directions",
     kin=SPEED,
@@ -76,7 +84,9 @@ def effects(setting: Setting) -> tuple[Effect, ...]:
 
 
 def _sqrt_speed(setting: Setting) -> Effect:
-    reference = constant("drag_w", "rad/s", "reference speed of the degressive drag", setting.w_max)
+    reference = constant(
+        "drag_w", "rad/s", "reference speed of the degressive drag", setting.w_max, letter="omega_ref"
+    )
     half, definitions = root("drag", omega_m / reference.symbol, "speed over the reference speed")
     return addition(
         "sqrt_speed",
@@ -98,7 +108,7 @@ def _oneway() -> tuple[Effect, ...]:
         (-1, "neg", "negative", Backward(omega_m)),
     ):
         meaning = f"windage torque per squared motor velocity, omega_m {'>' if sign > 0 else '<'} 0"
-        q = quantity(f"windage_{name}", "N m s^2/rad^2", meaning, "", "nonnegative")
+        q = quantity(f"windage_{name}", "N m s^2/rad^2", meaning, "", "nonnegative", letter="D")
         found.append(
             addition(
                 "oneway_windage",

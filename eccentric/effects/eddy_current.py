@@ -8,8 +8,15 @@ from eccentric.effects.setting import Setting
 from eccentric.effects.words import SPEED, Words
 from eccentric.model import Role, quantity
 
-D = quantity("eddy_D", "N m s/rad", "eddy-current damping near rest", "", "nonnegative")
-w_c = quantity("eddy_w", "rad/s", "speed of the greatest eddy-current torque, motor side", "", "positive")
+D = quantity("eddy_D", "N m s/rad", "eddy-current damping near rest", "", "nonnegative", letter="D")
+w_c = quantity(
+    "eddy_w",
+    "rad/s",
+    "speed of the greatest eddy-current torque, motor side",
+    "",
+    "positive",
+    letter="omega_c",
+)
 WORDS = Words(
     headline="an eddy-current brake",
     meaning="Eddy currents: a brake that is viscous at low speed and fades above its critical speed.",

@@ -84,9 +84,9 @@ def addition(
     )
 
 
-def constant(name: str, unit: str, meaning: str, value: float) -> Definition:
+def constant(name: str, unit: str, meaning: str, value: float, letter: str = "") -> Definition:
     """A number with a name and a unit, such as a reference temperature."""
-    return Definition(quantity(name, unit, meaning), sp.Rational(repr(float(value))))
+    return Definition(quantity(name, unit, meaning, letter=letter), sp.Rational(repr(float(value))))
 
 
 def harmonic(rate: sp.Expr | int, angle: sp.Expr = theta_m) -> tuple[sp.Expr, sp.Expr]:
@@ -98,9 +98,9 @@ def harmonic(rate: sp.Expr | int, angle: sp.Expr = theta_m) -> tuple[sp.Expr, sp
 def root(name: str, x: sp.Expr, meaning: str) -> tuple[sp.Expr, tuple[Definition, ...]]:
     """sqrt(|x|), off by 1e-6 at most so that its slope at 0 is finite; and the definitions that it needs."""
     size = Definition(
-        quantity(f"{name}_x", "1", f"{meaning}, kept off 0"), Magnitude(x, sp.Rational(1, 10**12))
+        quantity(f"{name}_x", "1", f"{meaning}, kept off 0", letter="x"), Magnitude(x, sp.Rational(1, 10**12))
     )
-    value = quantity(f"{name}_root", "1", f"square root of the {meaning}")
+    value = quantity(f"{name}_root", "1", f"square root of the {meaning}", letter="r")
     return value.symbol, (size, Definition(value, sp.sqrt(size.symbol) - sp.Rational(1, 10**6)))
 
 
@@ -131,6 +131,7 @@ def transmitted(name: str, setting: Setting, share: sp.Symbol) -> tuple[sp.Expr,
             column.unit,
             f"{column.name} of the fit without the effect",
             setting.friction[column.name],
+            f"{column.name}^0",
         )
         for column in columns
     ]
@@ -162,18 +163,24 @@ def heating(
     The state is the power as a body of time constant tau has averaged it. The step is the implicit one,
     stable for any time step and free of 1 - exp(-dt/tau), which single precision cannot hold.
     """
-    state = quantity(f"{name}_P", "W", "heating power, averaged over the thermal time constant")
-    scale = quantity(f"{name}_full", "W", "averaged power at the end of the log it was identified on")
-    mean = constant(f"{name}_mean", "W", "mean losses of the log it was identified on", setting.mean_loss_W)
-    end = constant(f"{name}_end", "s", "length of the log it was identified on", setting.duration_s)
+    state = quantity(f"{name}_P", "W", "heating power, averaged over the thermal time constant", letter="P")
+    scale = quantity(
+        f"{name}_full", "W", "averaged power at the end of the log it was identified on", letter="P_end"
+    )
+    mean = constant(
+        f"{name}_mean", "W", "mean losses of the log it was identified on", setting.mean_loss_W, "P_0"
+    )
+    end = constant(f"{name}_end", "s", "length of the log it was identified on", setting.duration_s, "t_end")
     full = Definition(scale, mean.symbol * (1 - sp.exp(-end.symbol / tau)))
     update = state.symbol + dt / (tau + dt) * (power - state.symbol)
     return state.symbol / scale.symbol, (mean, end, full), State(state, sp.Integer(0), update)
 
 
-def relaxation(name: str, meaning: str, path: sp.Expr, length: sp.Symbol, way: sp.Expr) -> State:
+def relaxation(
+    name: str, meaning: str, path: sp.Expr, length: sp.Symbol, way: sp.Expr, letter: str = ""
+) -> State:
     """A state that follows the sign of `way`, exponentially in the path travelled, exact over a time step."""
-    state = quantity(name, "1", meaning)
+    state = quantity(name, "1", meaning, letter=letter)
     end = Sgn(way)
     return State(state, sp.Integer(0), end + (state.symbol - end) * sp.exp(-path / length))
 
@@ -183,8 +190,8 @@ def current_slope(name: str) -> tuple[sp.Symbol, tuple[State, State]]:
 
     It lags by one and a half time steps, and the current is best low-passed before it is passed in.
     """
-    last = quantity(f"{name}_last", "A", "current one time step ago")
-    slope = quantity(f"{name}_slope", "A/s", "rate of change of the current")
+    last = quantity(f"{name}_last", "A", "current one time step ago", letter="i_old")
+    slope = quantity(f"{name}_slope", "A/s", "rate of change of the current", letter="i^'")
     states = (
         State(last, sp.Integer(0), v.i.symbol),
         State(slope, sp.Integer(0), (v.i.symbol - last.symbol) / dt),

@@ -14,11 +14,16 @@ from eccentric.effects.words import LOAD, Words
 from eccentric.model import Definition, Load, Role, quantity
 from eccentric.model import vocabulary as v
 
-eta = quantity("gear_eta", "1", "loss of the gear per torque, driving", "", "nonnegative")
-rho = quantity("gear_rho", "1", "loss of the gear back-driven over that driving", "", "nonnegative")
-share = quantity("gear_share", "1", "share of the friction without F_N that is the link's", "", "nonnegative")
-load = quantity("gear_torque", "N m", "torque that the gear passes on, motor side")
+eta = quantity("gear_eta", "1", "loss of the gear per torque, driving", "", "nonnegative", letter="eta")
+rho = quantity(
+    "gear_rho", "1", "loss of the gear back-driven over that driving", "", "nonnegative", letter="rho"
+)
+share = quantity(
+    "gear_share", "1", "share of the friction without F_N that is the link's", "", "nonnegative", letter="s"
+)
+load = quantity("gear_torque", "N m", "torque that the gear passes on, motor side", letter="T")
 WORDS = Words(
+    title="Gear losses that differ between driving and being driven",
     meaning="A gear whose losses differ between driving the load and being driven by it.",
     hint="raise and lower the mass slowly at the same speeds: the losses must differ",
     kin=LOAD,

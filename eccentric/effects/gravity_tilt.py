@@ -16,15 +16,23 @@ from eccentric.model.steps import Magnitude
 
 M, M_l, L, g, mu = (q.symbol for q in (v.M, v.M_l, v.L, v.g, v.mu))
 tilt = quantity(
-    "tilt_angle", "rad", "tilt of the plane against level (C1) or upright (C2)", "", "nonnegative"
+    "tilt_angle",
+    "rad",
+    "tilt of the plane against level (C1) or upright (C2)",
+    "",
+    "nonnegative",
+    letter="delta",
 )
-phase = quantity("tilt_phase", "rad", "link angle from the lowest point of the tilted plane")
-cosine = quantity("tilt_c", "N m", "gravity torque of the tilt by cos(theta_l)")
-sine = quantity("tilt_s", "N m", "gravity torque of the tilt by sin(theta_l)")
-g_tilted = quantity("tilt_g", "m/s^2", "gravity in the tilted plane", "", "nonnegative")
-F_N_tilted = quantity("tilt_F_N", "N", "normal force with the gravity of the tilted plane", "", "nonnegative")
+phase = quantity("tilt_phase", "rad", "link angle from the lowest point of the tilted plane", letter="beta")
+cosine = quantity("tilt_c", "N m", "gravity torque of the tilt by cos(theta_l)", letter="c")
+sine = quantity("tilt_s", "N m", "gravity torque of the tilt by sin(theta_l)", letter="s")
+g_tilted = quantity("tilt_g", "m/s^2", "gravity in the tilted plane", "", "nonnegative", letter="g^*")
+F_N_tilted = quantity(
+    "tilt_F_N", "N", "normal force with the gravity of the tilted plane", "", "nonnegative", letter="F_N^*"
+)
 REFERENCE = "derivations/rotating_link.py: the general link, phi near pi/2 or near 0"
 WORDS = Words(
+    title="A tilted plane of motion",
     meaning="The plane of motion is not quite level (C1) or not quite upright (C2).",
     hint="a spirit level; or slow full turns with and without the mass",
     kin=GRAVITY,

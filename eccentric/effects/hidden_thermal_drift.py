@@ -12,15 +12,20 @@ from eccentric.effects.setting import Setting
 from eccentric.effects.words import TEMPERATURE, Words
 from eccentric.model import CONTACT, Change, Definition, Role, quantity
 
-tau = quantity("heat_tau", "s", "thermal time constant", "", "positive")
+tau = quantity("heat_tau", "s", "thermal time constant", "", "positive", letter="tau")
 fall = quantity(
-    "heat_b", "1", "fall of the logarithm of friction until the end of the log", "", "nonnegative"
+    "heat_b", "1", "fall of the logarithm of friction until the end of the log", "", "nonnegative", letter="b"
 )
-B = quantity("heat_B", "N m s/rad", "viscous friction of the bearing that warms up", "", "nonnegative")
-C = quantity("heat_C", "N m", "fall of the Coulomb friction until the end of the log", "", "nonnegative")
-factor = quantity("heat_factor", "1", "friction over that of the cold drive", "", "positive")
+B = quantity(
+    "heat_B", "N m s/rad", "viscous friction of the bearing that warms up", "", "nonnegative", letter="B"
+)
+C = quantity(
+    "heat_C", "N m", "fall of the Coulomb friction until the end of the log", "", "nonnegative", letter="C"
+)
+factor = quantity("heat_factor", "1", "friction over that of the cold drive", "", "positive", letter="kappa")
 REFERENCE = "L. Simoni, M. Beschi, G. Legnani and A. Visioli, Robotica 37(5), 2019 (temperature not measured)"
 WORDS = Words(
+    title="Friction that falls as the drive warms up",
     meaning=(
         "Friction falls as the drive warms up, and no temperature is logged: first-order heating by "
         "the losses."

@@ -10,7 +10,9 @@ from eccentric.model import quantity
 from eccentric.model import vocabulary as v
 from eccentric.model.steps import Gated
 
-ratio = quantity("inertia_ratio", "1", "true inertia on the motor side over the declared one, less 1")
+ratio = quantity(
+    "inertia_ratio", "1", "true inertia on the motor side over the declared one, less 1", letter="r"
+)
 WORDS = Words(
     headline="a correction of the declared inertia",
     meaning="The inertia is not the declared one.",

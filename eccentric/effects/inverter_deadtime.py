@@ -12,8 +12,8 @@ from eccentric.model import quantity
 from eccentric.model import vocabulary as v
 from eccentric.model.steps import Sgn
 
-V = quantity("deadtime_u", "V", "voltage lost at high current", "", "nonnegative")
-i_0 = quantity("deadtime_i", "A", "current within which it changes its sign", "", "positive")
+V = quantity("deadtime_u", "V", "voltage lost at high current", "", "nonnegative", letter="V")
+i_0 = quantity("deadtime_i", "A", "current within which it changes its sign", "", "positive", letter="i_0")
 WORDS = Words(
     headline="the voltage lost to the dead time of the inverter",
     meaning=(

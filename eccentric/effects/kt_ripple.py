@@ -13,6 +13,7 @@ from eccentric.model import vocabulary as v
 
 ORDERS = range(1, 25)
 WORDS = Words(
+    title="Ripple of the torque constant",
     meaning=(
         "Torque ripple: the torque constant varies over a turn of the motor, the ripple grows with "
         "the current."
@@ -29,8 +30,12 @@ def effects(_: Setting) -> tuple[Effect, ...]:
 def _order(n: int) -> Effect:
     cosine, sine = harmonic(n)
     torque = v.k_i.symbol * v.i.symbol
-    C = quantity(f"kt_ripple_c{n}", "1", f"relative ripple of the torque constant by cos({n} theta_m)")
-    S = quantity(f"kt_ripple_s{n}", "1", f"relative ripple of the torque constant by sin({n} theta_m)")
+    C = quantity(
+        f"kt_ripple_c{n}", "1", f"relative ripple of the torque constant by cos({n} theta_m)", letter=f"c_{n}"
+    )
+    S = quantity(
+        f"kt_ripple_s{n}", "1", f"relative ripple of the torque constant by sin({n} theta_m)", letter=f"s_{n}"
+    )
     return addition(
         "kt_ripple",
         [(C, -torque * cosine), (S, -torque * sine)],

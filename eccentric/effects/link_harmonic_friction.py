@@ -13,6 +13,7 @@ from eccentric.model import vocabulary as v
 
 ORDERS = range(1, 13)
 WORDS = Words(
+    title="Friction that varies over a turn of the link",
     meaning=(
         "Friction that varies with the link angle: an eccentric wheel, a bent shaft, a bearing under strain."
     ),
@@ -28,8 +29,8 @@ def effects(_: Setting) -> tuple[Effect, ...]:
 
 def _order(n: int) -> Effect:
     cosine, sine = harmonic(n * v.mu.symbol)
-    C = quantity(f"link_harmonic_c{n}", "N m", f"friction torque by cos({n} theta_l)")
-    S = quantity(f"link_harmonic_s{n}", "N m", f"friction torque by sin({n} theta_l)")
+    C = quantity(f"link_harmonic_c{n}", "N m", f"friction torque by cos({n} theta_l)", letter=f"c_{n}")
+    S = quantity(f"link_harmonic_s{n}", "N m", f"friction torque by sin({n} theta_l)", letter=f"s_{n}")
     return addition(
         "link_harmonic_friction",
         [(C, cosine * direction), (S, sine * direction)],

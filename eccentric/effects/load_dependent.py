@@ -13,13 +13,20 @@ from eccentric.effects.words import LOAD, Words
 from eccentric.model import Definition, Load, Role, quantity
 from eccentric.model import vocabulary as v
 
-eta = quantity("load_eta", "1", "friction of the gear per torque that it passes on", "", "nonnegative")
-eta_2 = quantity("load_eta_2", "1/(N m)", "its growth with the torque that it passes on", "", "nonnegative")
-share = quantity("load_share", "1", "share of the friction without F_N that is the link's", "", "nonnegative")
-load = quantity("load_torque", "N m", "torque that the gear passes on, motor side")
+eta = quantity(
+    "load_eta", "1", "friction of the gear per torque that it passes on", "", "nonnegative", letter="eta"
+)
+eta_2 = quantity(
+    "load_eta_2", "1/(N m)", "its growth with the torque that it passes on", "", "nonnegative", letter="eta_2"
+)
+share = quantity(
+    "load_share", "1", "share of the friction without F_N that is the link's", "", "nonnegative", letter="s"
+)
+load = quantity("load_torque", "N m", "torque that the gear passes on, motor side", letter="T")
 REFERENCE = "A. Gogoussis and M. Donath, IEEE ICRA 1987; P. Hamon, M. Gautier and P. Garrec, IROS 2010"
 SERVO = "M. Duclusaud, G. Passault, V. Padois and O. Ly, arXiv:2410.08650, 2024 (quadratic in the load)"
 WORDS = Words(
+    title="Gear friction that follows the load",
     meaning="Friction of the gear in proportion to the load it passes on.",
     hint="another mass or arm at the same speeds; back-driving tells it from a gear efficiency",
     kin=LOAD,

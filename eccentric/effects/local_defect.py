@@ -12,9 +12,11 @@ from eccentric.model import Role, quantity
 from eccentric.model import vocabulary as v
 from eccentric.model.steps import HalfSine
 
-A = quantity("defect_A", "N m", "friction torque of the tight spot", "", "nonnegative")
-angle = quantity("defect_angle", "rad", "link angle of the tight spot")
-width = quantity("defect_width", "rad", "its width as a standard deviation, link side", "", "positive")
+A = quantity("defect_A", "N m", "friction torque of the tight spot", "", "nonnegative", letter="A")
+angle = quantity("defect_angle", "rad", "link angle of the tight spot", letter="theta_0")
+width = quantity(
+    "defect_width", "rad", "its width as a standard deviation, link side", "", "positive", letter="sigma"
+)
 WORDS = Words(
     headline="a tight spot at one angle of the link",
     meaning="A tight spot at one link angle: a dent in a race, a rubbing seal, dirt in a tooth.",

@@ -13,11 +13,14 @@ from eccentric.effects.words import Words
 from eccentric.model import State, quantity
 from eccentric.model import vocabulary as v
 
-A = quantity("hysteresis_A", "N m", "torque by which rising and falling current differ, halved")
-width = quantity("hysteresis_i", "A", "change of current within which the branches meet", "", "positive")
-last = quantity("hysteresis_last", "A", "current one time step ago")
-play = quantity("hysteresis_p", "1", "play of the current, in half widths")
+A = quantity("hysteresis_A", "N m", "torque by which rising and falling current differ, halved", letter="A")
+width = quantity(
+    "hysteresis_i", "A", "change of current within which the branches meet", "", "positive", letter="i_h"
+)
+last = quantity("hysteresis_last", "A", "current one time step ago", letter="i_old")
+play = quantity("hysteresis_p", "1", "play of the current, in half widths", letter="p")
 WORDS = Words(
+    title="Magnetic hysteresis",
     meaning="Magnetic hysteresis: the torque lags behind the current, whatever the rate.",
     hint="rising and falling currents through the same value, at rest against a stop or at one speed",
 )
@@ -27,7 +30,9 @@ def effects(setting: Setting) -> tuple[Effect, ...]:
     """Duhem's model, branches that meet exponentially, and the play operator, branches that are parallel."""
     i, largest = v.i.symbol, setting.current_max
     step = i - last.symbol
-    branch = relaxation("hysteresis_z", "branch of the hysteresis, -1 to 1", sp.Abs(step), width.symbol, step)
+    branch = relaxation(
+        "hysteresis_z", "branch of the hysteresis, -1 to 1", sp.Abs(step), width.symbol, step, letter="z"
+    )
     duhem = addition(
         "magnetic_hysteresis",
         [(A, branch.symbol)],

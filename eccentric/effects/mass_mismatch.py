@@ -12,12 +12,15 @@ from eccentric.model import Change, Definition, quantity
 from eccentric.model import vocabulary as v
 
 M, L, J_l = v.M.symbol, v.L.symbol, v.J_l.symbol
-ratio = quantity("mass_ratio", "1", "true mass over the declared one, less 1")
-more = quantity("mass_torque", "1", "gravity torque beyond the declared one, relative")
-M_true = quantity("M_true", "kg", "true unbalanced mass", "", "nonnegative")
-J_l_true = quantity("J_l_true", "kg m^2", "inertia of the link with the true mass", "", "nonnegative")
+ratio = quantity("mass_ratio", "1", "true mass over the declared one, less 1", letter="r")
+more = quantity("mass_torque", "1", "gravity torque beyond the declared one, relative", letter="r")
+M_true = quantity("M_true", "kg", "true unbalanced mass", "", "nonnegative", letter="M^*")
+J_l_true = quantity(
+    "J_l_true", "kg m^2", "inertia of the link with the true mass", "", "nonnegative", letter="J_l^*"
+)
 REFERENCE = "C. G. Atkeson, C. H. An and J. M. Hollerbach, Int. J. Robotics Research 5(3), 1986"
 WORDS = Words(
+    title="A correction of the declared mass",
     meaning="The mass on the link is not the declared one.",
     hint="weigh the mass; or hold the link level and read the current in both directions of approach",
     kin=GRAVITY,

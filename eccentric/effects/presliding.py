@@ -13,12 +13,18 @@ from eccentric.effects.words import Words
 from eccentric.model import Role, quantity
 
 A = quantity(
-    "presliding_A", "N m", "Coulomb torque that builds up with the travelled angle", "", "nonnegative"
+    "presliding_A",
+    "N m",
+    "Coulomb torque that builds up with the travelled angle",
+    "",
+    "nonnegative",
+    letter="A",
 )
-S = quantity("presliding_S", "N m", "by how much it is higher near rest", "", "nonnegative")
-reach = quantity("presliding_x", "rad", "motor angle over which it builds up", "", "positive")
-w_s = quantity("presliding_v", "rad/s", "Stribeck velocity, motor side", "", "positive")
+S = quantity("presliding_S", "N m", "by how much it is higher near rest", "", "nonnegative", letter="S")
+reach = quantity("presliding_x", "rad", "motor angle over which it builds up", "", "positive", letter="x")
+w_s = quantity("presliding_v", "rad/s", "Stribeck velocity, motor side", "", "positive", letter="v")
 WORDS = Words(
+    title="Presliding",
     meaning=(
         "Pre-sliding: after a reversal bristles bend before surfaces slide (Dahl), more so at low "
         "speed (LuGre)."
@@ -31,7 +37,9 @@ WORDS = Words(
 
 def effects(setting: Setting) -> tuple[Effect, ...]:
     """Dahl's and LuGre's model, their state stepped exactly for the direction of motion of a time step."""
-    state = relaxation("presliding_z", "deflection of the bristles", speed * dt, reach.symbol, omega_m)
+    state = relaxation(
+        "presliding_z", "deflection of the bristles", speed * dt, reach.symbol, omega_m, letter="z"
+    )
     late = state.symbol - direction
     low, high = 2e-3 / setting.mu, 2.0 / setting.mu
     dahl = addition(

@@ -11,17 +11,25 @@ from eccentric.effects.words import TEMPERATURE, Words
 from eccentric.model import quantity
 from eccentric.model import vocabulary as v
 
-alpha = quantity("resistance_alpha", "1/K", "relative rise of the winding's resistance per kelvin")
-# The declared R holds at a temperature that the rig file does not tell: it is free.
-cold = quantity("resistance_r0", "1", "relative error of the declared resistance at T_0")
-rise = quantity(
-    "resistance_rise", "1", "relative rise of the resistance until the end of the log", "", "nonnegative"
+alpha = quantity(
+    "resistance_alpha", "1/K", "relative rise of the winding's resistance per kelvin", letter="alpha"
 )
-tau = quantity("resistance_tau", "s", "thermal time constant of the winding", "", "positive")
+# The declared R holds at a temperature that the rig file does not tell: it is free.
+cold = quantity("resistance_r0", "1", "relative error of the declared resistance at T_0", letter="r_0")
+rise = quantity(
+    "resistance_rise",
+    "1",
+    "relative rise of the resistance until the end of the log",
+    "",
+    "nonnegative",
+    letter="r",
+)
+tau = quantity("resistance_tau", "s", "thermal time constant of the winding", "", "positive", letter="tau")
 REFERENCE = (
     "standard form; thermal models: A. Boglietti et al., IEEE Trans. Industrial Electronics 56(3), 2009"
 )
 WORDS = Words(
+    title="A winding resistance that rises with temperature",
     meaning="The winding's resistance rises with temperature, logged or by the heat of the current itself.",
     hint="the rotor held at a constant current: the voltage shows the resistance alone",
     kin=TEMPERATURE,
@@ -33,7 +41,9 @@ def effects(setting: Setting) -> tuple[Effect, ...]:
     drop = v.R.symbol * v.i.symbol
     found = []
     if setting.temperature_mid is not None:
-        zero = constant("resistance_T0", "K", "reference temperature in degC", setting.temperature_mid)
+        zero = constant(
+            "resistance_T0", "K", "reference temperature in degC", setting.temperature_mid, letter="T_0"
+        )
         columns = [(alpha, drop * (v.temperature.symbol - zero.symbol)), (cold, drop)]
         found.append(
             addition(

@@ -11,8 +11,10 @@ from eccentric.effects.words import Words
 from eccentric.model import Change, Quantity, State, Term, quantity
 from eccentric.model import vocabulary as v
 
-delay = quantity("delay_d", "s", "delay of the measured current behind angle and voltage")
-square = quantity("delay_q", "s^2", "half the squared delay, less what the difference quotient lags")
+delay = quantity("delay_d", "s", "delay of the measured current behind angle and voltage", letter="d")
+square = quantity(
+    "delay_q", "s^2", "half the squared delay, less what the difference quotient lags", letter="q"
+)
 BOUNDS = (-0.02, 0.07)
 REFERENCE = "standard form: second order of the Taylor series i(t + d) = i + d di/dt + q d2i/dt2"
 WORDS = Words(
@@ -34,8 +36,10 @@ def effects(setting: Setting) -> tuple[Effect, ...]:
     if setting.by_voltage:
         return ()
     slope, states = current_slope("delay")
-    last = quantity("delay_slope_last", "A/s", "rate of change of the current one time step ago")
-    bend = quantity("delay_bend", "A/s^2", "second derivative of the current")
+    last = quantity(
+        "delay_slope_last", "A/s", "rate of change of the current one time step ago", letter="i_old^'"
+    )
+    bend = quantity("delay_bend", "A/s^2", "second derivative of the current", letter="i^''")
     states = (
         *states,
         State(last, sp.Integer(0), slope),

@@ -13,14 +13,20 @@ from eccentric.effects.words import SPEED, Words
 from eccentric.model import Role, quantity
 
 A = quantity(
-    "stribeck_A", "N m", "Stribeck torque: by how much friction is higher near rest", "", "nonnegative"
+    "stribeck_A",
+    "N m",
+    "Stribeck torque: by how much friction is higher near rest",
+    "",
+    "nonnegative",
+    letter="A",
 )
-w_s = quantity("stribeck_v", "rad/s", "Stribeck velocity, motor side", "", "positive")
+w_s = quantity("stribeck_v", "rad/s", "Stribeck velocity, motor side", "", "positive", letter="v")
 ratio = speed / w_s.symbol
 half, definitions = root("stribeck", omega_m / w_s.symbol, "speed over the Stribeck velocity")
 # A general exponent would need `pow`; these are the four in use.
 POWERS = {"0.5": half, "1": ratio, "1.5": ratio * half, "2": ratio**2}
 WORDS = Words(
+    title="Stribeck friction",
     meaning="Dry friction is higher at low speed, until a film of lubricant carries the load.",
     hint="steady runs at several speeds below and around the Stribeck velocity, in both directions",
     kin=SPEED,

@@ -11,11 +11,12 @@ from eccentric.effects.words import TIME, Words
 from eccentric.model import CONTACT, Change, Definition, Role, quantity
 from eccentric.model import vocabulary as v
 
-C = quantity("drift_C", "N m/s", "change of the Coulomb torque per second")
-rate = quantity("drift_rate", "1/s", "relative change of friction per second")
-factor = quantity("drift_factor", "1", "friction over that at the start of the log")
+C = quantity("drift_C", "N m/s", "change of the Coulomb torque per second", letter="C")
+rate = quantity("drift_rate", "1/s", "relative change of friction per second", letter="r")
+factor = quantity("drift_factor", "1", "friction over that at the start of the log", letter="kappa")
 REFERENCE = "standard form; parameters that drift: R. Isermann, Fault-Diagnosis Systems, Springer, 2006"
 WORDS = Words(
+    title="Friction that drifts over time",
     meaning="Friction drifts linearly over the log, for whatever reason.",
     hint="repeat the first run at the end, and once more after a rest",
     kin=TIME,

@@ -13,16 +13,31 @@ from eccentric.effects.words import TEMPERATURE, Words
 from eccentric.model import Change, Definition, Role, quantity
 from eccentric.model import vocabulary as v
 
-b = quantity("viscosity_b", "1/K", "relative fall of the viscosity per kelvin", "", "nonnegative")
+b = quantity("viscosity_b", "1/K", "relative fall of the viscosity per kelvin", "", "nonnegative", letter="b")
 E = quantity(
-    "viscosity_E", "K", "activation energy of the viscosity over the gas constant", "", "nonnegative"
+    "viscosity_E",
+    "K",
+    "activation energy of the viscosity over the gas constant",
+    "",
+    "nonnegative",
+    letter="E",
 )
-B = quantity("viscosity_B", "N m s/rad", "viscous friction of the bearing that warms up", "", "nonnegative")
-factor = quantity("viscosity_factor", "1", "viscosity over that at the reference temperature", "", "positive")
+B = quantity(
+    "viscosity_B", "N m s/rad", "viscous friction of the bearing that warms up", "", "nonnegative", letter="B"
+)
+factor = quantity(
+    "viscosity_factor",
+    "1",
+    "viscosity over that at the reference temperature",
+    "",
+    "positive",
+    letter="kappa",
+)
 
 REYNOLDS = "O. Reynolds, Phil. Trans. Royal Society 177, 1886"
 ROBOT = "A. C. Bittencourt, E. Wernholt, S. Sander-Tavallaey and T. Brogårdh, IROS 2010"
 WORDS = Words(
+    title="Viscous friction that falls with temperature",
     meaning=(
         "The viscosity of a lubricant falls with temperature: exponentially (Reynolds), or as "
         "Arrhenius has it."
@@ -39,8 +54,10 @@ def effects(setting: Setting) -> tuple[Effect, ...]:
     """All viscous friction by either law, and that of one bearing; none where no temperature is logged."""
     if setting.temperature_mid is None:
         return ()
-    zero = constant("viscosity_T0", "K", "reference temperature in degC", setting.temperature_mid)
-    kelvin = constant("viscosity_C0", "K", "absolute temperature of 0 degC", 273.15)
+    zero = constant(
+        "viscosity_T0", "K", "reference temperature in degC", setting.temperature_mid, letter="T_0"
+    )
+    kelvin = constant("viscosity_C0", "K", "absolute temperature of 0 degC", 273.15, letter="T_K")
     T, T_0 = v.temperature.symbol, zero.symbol
     absolute = (T + kelvin.symbol) * (T_0 + kelvin.symbol)
     reynolds = sp.exp(-b.symbol * (T - T_0))

@@ -13,12 +13,13 @@ from eccentric.effects.words import TIME, Words
 from eccentric.model import Role, State, quantity
 from eccentric.model import vocabulary as v
 
-C = quantity("wear_C", "N m", "Coulomb torque at the start beyond the final one")
-tau = quantity("wear_tau", "s", "time over which it settles", "", "positive")
-way = quantity("wear_s", "rad", "motor angle travelled", "", "nonnegative")
-reach = quantity("wear_x", "rad", "travelled motor angle over which it settles", "", "positive")
+C = quantity("wear_C", "N m", "Coulomb torque at the start beyond the final one", letter="C")
+tau = quantity("wear_tau", "s", "time over which it settles", "", "positive", letter="tau")
+way = quantity("wear_s", "rad", "motor angle travelled", "", "nonnegative", letter="s")
+reach = quantity("wear_x", "rad", "travelled motor angle over which it settles", "", "positive", letter="x")
 REFERENCE = "standard form; running-in: P. J. Blau, Tribology International 38(11-12), 2005"
 WORDS = Words(
+    title="Coulomb friction that settles as surfaces run in",
     meaning="Running-in: dry friction settles as surfaces wear smooth, over time or over the way travelled.",
     hint="repeat the same run at the end: friction stays low after a rest, which heat does not",
     kin=TIME,

@@ -60,6 +60,7 @@ class Words:
     Attributes:
         headline: what it is, as a noun phrase that continues "the model lacks ...": "friction that varies
             twice per turn of the link"; "" for an effect that is known by its id only.
+        title: a heading for the family, where its effects have headlines of their own.
         meaning: what the family is and where it comes from, one sentence.
         hint: what to measure to tell it from others, as a noun phrase or an instruction.
         kin: families that follow the same variable; None for one that has no kin.
@@ -68,6 +69,7 @@ class Words:
     """
 
     headline: str = ""
+    title: str = ""
     meaning: str = ""
     hint: str = ""
     kin: Kin | None = None

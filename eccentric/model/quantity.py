@@ -25,6 +25,7 @@ class Quantity:
         equation: the paper's equation number, "" where the paper has none.
         domain: "positive", "nonnegative", "real" or "tilt" (0 to a right angle); what a valid value is.
         default: the paper's value as a decimal, or an expression in other parameters; None if there is none.
+        letter: how a formula shows it, where that is not its name: "eta_2", "B_m^+", "Delta t", "i^'".
     """
 
     symbol: sp.Symbol
@@ -33,6 +34,7 @@ class Quantity:
     equation: str = ""
     domain: str = "real"
     default: sp.Expr | None = None
+    letter: str = ""
 
     @property
     def name(self) -> str:
@@ -47,6 +49,7 @@ def quantity(
     equation: str = "",
     domain: str = "real",
     default: str | sp.Expr | None = None,
+    letter: str = "",
 ) -> Quantity:
     """Make a quantity; a decimal default such as "0.25" is kept exact (1/4).
 
@@ -56,7 +59,7 @@ def quantity(
     if domain not in _ASSUMPTIONS:
         raise ValueError(f"{name}: domain must be one of {', '.join(_ASSUMPTIONS)}, not {domain!r}")
     value = sp.Rational(default) if isinstance(default, str) else default
-    return Quantity(sp.Symbol(name, **_ASSUMPTIONS[domain]), unit, meaning, equation, domain, value)
+    return Quantity(sp.Symbol(name, **_ASSUMPTIONS[domain]), unit, meaning, equation, domain, value, letter)
 
 
 def symbols(*quantities: Quantity) -> tuple[sp.Symbol, ...]:

@@ -11,8 +11,8 @@ from eccentric.model.quantity import Quantity, quantity
 
 # Time and motion. Inputs of the emitted functions are on the motor side.
 t = quantity("t", "s", "time since the start of the log")
-dt = quantity("dt", "s", "time step, positive", "", "positive")
-temperature = quantity("temperature", "K", "temperature in degC (differences count only)")
+dt = quantity("dt", "s", "time step, positive", "", "positive", letter="Delta t")
+temperature = quantity("temperature", "K", "temperature in degC (differences count only)", letter="T")
 theta_m = quantity("theta_m", "rad", "motor angle", "(3)")
 omega_m = quantity("omega_m", "rad/s", "motor velocity", "(3)")
 alpha_m = quantity("alpha_m", "rad/s^2", "motor acceleration", "(1)")
@@ -76,7 +76,9 @@ F_N = quantity("F_N", "N", "normal force on the axis of rotation", "(8)", "nonne
 
 # What follows from the parameters.
 g_p = quantity("g_p", "m/s^2", "gravity in the motion plane, g cos(phi)")
-weight = quantity("weight", "N", "weight in the motion plane, (M + M_l) g_p", "(22)", "nonnegative")
+weight = quantity(
+    "weight", "N", "weight in the motion plane, (M + M_l) g_p", "(22)", "nonnegative", letter="W"
+)
 critical_squared = quantity(
     "critical_squared",
     "rad^2/s^2",
@@ -84,7 +86,9 @@ critical_squared = quantity(
     "(22)",
     "nonnegative",
 )
-omega_star = quantity("omega_star", "rad/s", "the critical velocity on the motor side", "(22)", "nonnegative")
+omega_star = quantity(
+    "omega_star", "rad/s", "the critical velocity on the motor side", "(22)", "nonnegative", letter="omega^*"
+)
 scale_N = quantity("scale_N", "N s^2/rad^2", "normal force per squared motor velocity, M L mu^2", "(8)")
 fastest = quantity("fastest", "1", "greatest speed in rad/s that F_N counts: 2^30, or 0 if M L = 0")
 speed = quantity("speed", "rad/s", "magnitude of the motor velocity, at most 2^30, 0 if M L = 0")
@@ -103,4 +107,5 @@ def directed(base: Quantity, direction: str) -> Quantity:
         base.equation,
         base.domain,
         base.default,
+        letter=f"{base.letter or base.name}^{'+' if direction == 'pos' else '-'}",
     )

@@ -1,0 +1,178 @@
+"""An expression on one line, with its factors and terms in the order in which a person writes them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+
+import sympy as sp
+from sympy.core.function import Application
+from sympy.core.relational import Relational
+
+from eccentric.model import Quantity
+from eccentric.model import vocabulary as v
+from eccentric.report.formulas.letters import SPACE, letter, name, number, operator, raised, row
+from eccentric.report.formulas.plain import factors, grouped
+
+__all__ = ["Typesetter"]
+
+# Factors of a product: gains of the drive, coefficients and what a model brings along, these, the rest.
+_GAINS = (v.R, v.k_i, v.k_e)
+_BODIES = (v.mu, v.M, v.M_l, v.g, v.L, v.J, v.J_m, v.J_l, v.F_N, v.F_T)
+_SIGNALS = (v.i, v.u, v.t, v.dt, v.theta_m, v.theta_l, v.omega_m, v.omega_l, v.alpha_m, v.alpha_l)
+_OWN, _LATE = 1, 10
+_REST = (sp.Pow, sp.Abs, sp.Add, sp.exp, sp.sin, sp.cos, sp.tanh, sp.Heaviside, sp.sign)
+_SUM = (_LATE + _REST.index(sp.Add), 0)
+_NAMES = {sp.sign: "sgn", sp.Max: "max", sp.Min: "min"}
+_BARE = (sp.sin, sp.cos, sp.tanh, sp.sign)
+"""Functions that need no parentheses around a letter."""
+_VOCABULARY = {q.symbol: q for q in vars(v).values() if isinstance(q, Quantity)}
+
+
+class Typesetter:
+    """Prints expressions in the letters of their quantities.
+
+    Where quantities share a letter, the paper's keeps it and the others are printed by their names in code.
+    """
+
+    def __init__(self, quantities: Iterable[Quantity] = ()) -> None:
+        """All quantities of the formulas; those besides the vocabulary's in the order of a product."""
+        given = {q.symbol: q for q in quantities}
+        own = {symbol: q for symbol, q in given.items() if symbol not in _VOCABULARY}
+        taken = [_mark(q) for q in given.values()]
+        self._letters = {symbol: letter(_mark(q)) for symbol, q in _VOCABULARY.items()}
+        for symbol, q in own.items():
+            self._letters[symbol] = name(q.name) if taken.count(_mark(q)) > 1 else letter(_mark(q))
+        self._spelled = {
+            s for s, x in self._letters.items() if x.startswith(("<mi>", "<mrow>")) and len(x) > 10
+        }
+        groups = (_GAINS, tuple(own.values()), _BODIES, _SIGNALS)
+        self._order = {q.symbol: (k, n) for k, group in enumerate(groups) for n, q in enumerate(group)}
+
+    def __call__(self, e: sp.Basic) -> str:
+        """An expression."""
+        e = grouped(e) if isinstance(e, sp.Add) else e
+        if isinstance(e, sp.Add):
+            return row(*(f"{sign}{body}" for sign, body in self.terms(e)))
+        if isinstance(e, sp.Mul) or (isinstance(e, sp.Pow) and e.exp.could_extract_minus_sign()):
+            return self._product(e)
+        if isinstance(e, sp.Pow):
+            return self._power(e)
+        if isinstance(e, sp.Symbol):
+            return self._letters.get(e) or letter(e.name)
+        if isinstance(e, sp.Number):
+            return number(e) if e.is_nonnegative else f"{operator('-')}{number(-e)}"
+        return self._function(e)
+
+    def terms(self, total: sp.Expr) -> list[tuple[str, str]]:
+        """Sign and size of each term of a sum, those that are added first; the first has no plus."""
+        signed = [(term.could_extract_minus_sign(), term) for term in sp.Add.make_args(total)]
+        powers = max(_degree(term) for _, term in signed) > 1
+        signed.sort(key=lambda found: (found[0], *_place(found[1], powers=powers)))
+        signs = [
+            operator("-") if minus else operator("+") if k else "" for k, (minus, _) in enumerate(signed)
+        ]
+        return [(sign, self(-t if minus else t)) for sign, (minus, t) in zip(signs, signed, strict=True)]
+
+    def product(self, parts: Sequence[sp.Expr]) -> str:
+        """Factors side by side, functions set off by some space."""
+        ordered = sorted(parts, key=self.rank)
+        found = [self._parenthesised(f) if isinstance(f, sp.Add) else self(f) for f in ordered]
+        for k in range(1, len(found)):
+            tight = {type(_base(f)) for f in ordered[k - 1 : k + 1]} <= {sp.Symbol, sp.Add}
+            tight &= not self._spelled & {_base(f) for f in ordered[k - 1 : k + 1]}
+            found[k] = found[k] if tight else f"{SPACE}{found[k]}"
+        return row(*found)
+
+    def rank(self, factor: sp.Expr) -> tuple[int, int]:
+        """Where a factor stands in its product."""
+        base = _base(factor)
+        if base in self._order:
+            return self._order[base]
+        if base.is_Symbol:
+            return (_OWN, -1)
+        return (_LATE + _REST.index(type(base)) if type(base) in _REST else 9, 0)
+
+    def _product(self, e: sp.Expr) -> str:
+        parts = [inner for f in factors(e) for inner in factors(grouped(f))]
+        count = sp.Mul(*(f for f in parts if f.is_Number))
+        sign, count = ([operator("-")], -count) if count.is_negative else ([], count)
+        parts = [f for f in parts if not f.is_Number]
+        below = [1 / f for f in parts if isinstance(f, sp.Pow) and f.exp.could_extract_minus_sign()]
+        above = [f for f in parts if 1 / f not in below]
+        if count.is_Rational and count.q != 1 and (below or count.q < 5):
+            below, count = [sp.Integer(count.q), *below], sp.Integer(count.p)
+        counted = [number(count)] if count != 1 else []
+        if not below:
+            return row(*sign, *counted, self.product(above))
+        beside = [f for f in above if self.rank(f) >= _SUM]
+        if len(beside) == len(above):
+            beside = [f for f in above if not isinstance(f, sp.Add)]
+        over = [f for f in above if f not in beside]
+        if len(below) == 2 and below[0].is_Symbol | below[0].is_Pow and isinstance(below[1], sp.Add):
+            below = [sp.expand(sp.Mul(*below))]  # x^2 (1 + y^2/x^2)
+        one = [] if over or counted else ["<mn>1</mn>"]
+        fraction = f"<mfrac>{row(*one, *counted, *self._side(over))}{row(*self._side(below))}</mfrac>"
+        return row(*sign, fraction, *([SPACE, self.product(beside)] if beside else []))
+
+    def _side(self, parts: Sequence[sp.Expr]) -> list[str]:
+        """What stands above or below a fraction line; a single sum needs no parentheses there."""
+        return [self(parts[0]) if len(parts) == 1 else self.product(parts)] if parts else []
+
+    def _power(self, e: sp.Pow) -> str:
+        base, exponent = e.args
+        if exponent == sp.Rational(1, 2):
+            return f"<msqrt>{self(base)}</msqrt>"
+        if isinstance(base, _BARE):
+            return self._function(base, self(exponent))
+        body = self(base)
+        if not isinstance(base, sp.Symbol | sp.Abs) or body.startswith(("<msup", "<msubsup", "<mrow")):
+            body = self._parenthesised(base)
+        return raised(body, self(exponent))
+
+    def _function(self, e: sp.Basic, power: str = "") -> str:
+        if isinstance(e, sp.Abs):
+            return f'<mrow><mo form="prefix">|</mo>{self(e.args[0])}<mo form="postfix">|</mo></mrow>'
+        if isinstance(e, sp.Heaviside):
+            side = e.args[0]
+            sign, side = ("<", -side) if side.could_extract_minus_sign() else (">", side)
+            return row(operator("["), self(side), operator(sign), "<mn>0</mn>", operator("]"))
+        if isinstance(e, sp.Piecewise):
+            cells = ((self(x), "<mtext>else</mtext>" if c == sp.true else self(c)) for x, c in e.args)
+            cases = "".join(f"<mtr><mtd>{x}</mtd><mtd>{condition}</mtd></mtr>" for x, condition in cells)
+            return row(operator("{"), f"<mtable>{cases}</mtable>")
+        if isinstance(e, Relational):
+            return row(self(e.lhs), operator("=" if isinstance(e, sp.Eq) else e.rel_op), self(e.rhs))
+        if not isinstance(e, Application):
+            return name(str(e))
+        called = name(_NAMES.get(e.func, e.func.__name__))
+        called = f"<msup>{called}{power}</msup>" if power else called
+        inside = operator(",").join(self(x) for x in e.args)
+        if isinstance(e, _BARE) and e.args[0].as_coeff_Mul()[1].is_Symbol:
+            return row(called, SPACE, inside)
+        return row(called, f"<mrow>{operator('(')}{inside}{operator(')')}</mrow>")
+
+    def _parenthesised(self, e: sp.Basic) -> str:
+        return f"<mrow>{operator('(')}{self(e)}{operator(')')}</mrow>"
+
+
+def _mark(q: Quantity) -> str:
+    return q.letter or q.name
+
+
+def _base(factor: sp.Expr) -> sp.Expr:
+    """The base of a power; a root is none."""
+    power = isinstance(factor, sp.Pow) and factor.exp.is_Integer
+    return factor.base if power else factor
+
+
+def _degree(term: sp.Expr) -> int:
+    """Power of the speed in a term of a polynomial."""
+    powers = [int(f.exp) for f in factors(term) if f.is_Pow and f.base == v.omega_m.symbol]
+    return max(powers, default=int(term.has(v.omega_m.symbol)))
+
+
+def _place(term: sp.Expr, *, powers: bool) -> tuple[int, int, int, str]:
+    """One and more, powers of the speed, letters, gravity, inertia, the rest; of these a bare sign last."""
+    one = term.is_number and term >= 1
+    kinds = (one, powers, term.is_Symbol, term.has(v.g.symbol), term.has(v.alpha_m.symbol), True)
+    return (kinds.index(True), -_degree(term) if powers else 0, int(term.has(sp.sign)), str(term))
