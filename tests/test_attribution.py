@@ -7,7 +7,7 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
-from eccentric.effects import Shape
+from eccentric.effects import Evidence, Shape
 from eccentric.model import quantity
 from eccentric.search import Attribution, attribute
 from eccentric.search.candidate import Candidate
@@ -46,15 +46,16 @@ def harmonic(order: int) -> Callable[[dict[str, float]], np.ndarray]:
 
 free = -np.inf
 LIBRARY = [
-    Candidate("stribeck", "stribeck", "mechanical", ("velocity",), stribeck,
+    Candidate("stribeck", "stribeck", "mechanical", Evidence(("velocity",)), stribeck,
               (Shape(quantity("vs", "rad/s", "Stribeck velocity"), 0.5, 15.0, "log", 9),), (0.0,)),
-    Candidate("quadratic_drag", "quadratic_drag", "mechanical", ("velocity",),
+    Candidate("quadratic_drag", "quadratic_drag", "mechanical", Evidence(("velocity",)),
               lambda _: (S.omega_m * np.abs(S.omega_m))[:, None], lower=(0.0,)),
-    Candidate("asymmetry", "asymmetry", "mechanical", ("direction",), lambda _: np.ones((len(S.t), 1))),
-    Candidate("time_drift", "time_drift", "mechanical", ("time",),
+    Candidate("asymmetry", "asymmetry", "mechanical", Evidence(("direction",)),
+              lambda _: np.ones((len(S.t), 1))),
+    Candidate("time_drift", "time_drift", "mechanical", Evidence(("time",)),
               lambda _: (np.sign(S.omega_m) * S.t / S.t[-1])[:, None]),
-    *[Candidate(f"harmonic[n={n}]", "harmonic", "mechanical", ("link_angle",), harmonic(n),
-                lower=(free, free), repeats=True) for n in (1, 2, 3, 4)],
+    *[Candidate(f"harmonic[n={n}]", "harmonic", "mechanical", Evidence(("link_angle",), repeats=True),
+                harmonic(n), lower=(free, free)) for n in (1, 2, 3, 4)],
 ]  # fmt: skip
 
 

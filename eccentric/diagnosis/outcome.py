@@ -88,4 +88,4 @@ class Diagnosis:
         if not names:
             return said
         models = f"model{'s' * (len(names) > 1)} {', '.join(names)}"
-        return (*said, f"the fit of the {models} has not settled: its values and errors are not final")
+        return (*said, f"the fit of the {models} has not converged: its values and errors are not final")

@@ -1,88 +1,125 @@
-"""A diagnosis in words: one sentence that can be sent to a colleague, and a few lines for a terminal."""
+"""A diagnosis in words: one sentence that can be sent to a colleague, and a few lines for a terminal.
+
+What an effect is comes first, its id second; both from the effect's own record.
+"""
 
 from __future__ import annotations
 
 import inspect
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 from eccentric.diagnosis.limits import PROVABLE
 from eccentric.diagnosis.model_script import extended_name
 from eccentric.diagnosis.outcome import Diagnosis
 from eccentric.diagnosis.score import OverRuns
-from eccentric.effects import Effect
+from eccentric.effects import Correction, Effect, Words
 from eccentric.emission import load_module
 from eccentric.errors import few
 
 __all__ = ["diagnosis_lines", "diagnosis_sentence"]
 
 _GRAVE = {"wrong_sign", "wrong_unit", "contradiction", "another_rig", "mismatch", "zero_angle"}
-_FOLLOWS = {"k_i": {"J", "M g L"}, "M": {"M g L"}}
-"""What else a wrong declaration makes look wrong."""
 
 
 def diagnosis_sentence(found: Diagnosis) -> str:
     """One sentence that can be sent to a colleague."""
-    a = found.attribution
-    score = found.score
-    before, after = (score.rmse[score.balance][model] for model in ("paper", "extended"))
-    falls = "falls" if score.interval[0] > 0.0 else "does not clearly fall:"
-    gain = (
-        f"the held-out error {falls} from {before:.4g} to {after:.4g} {found.unit}"
-        f" ({score.percent:.1f} %, 95 % interval {score.interval[0]:.1f} to {score.interval[1]:.1f} %)"
-    )
+    a, unit = found.attribution, found.unit
     if a.verdict == "named":
-        names = " and ".join(_name(found, effect) for effect, _ in found.effects)
-        sure = min(_probability(found, effect) for effect, _ in found.effects)
         these = "it" if len(found.effects) == 1 else "them"
-        return (
-            f"The model lacks {names} (probability {sure:.2f}); with {these} {gain}."
-            f"{_alike(found)}{_first(found)}"
-        )
+        lacks = " and ".join(_named(found, effect) for effect, _ in found.effects)
+        return f"The model lacks {lacks}; with {these} {_gain(found)}.{_alike(found)}{_grave(found)}"
     if a.verdict == "not_identifiable":
-        families = " or ".join(a.tied or tuple(dict.fromkeys(c.family for c in a.candidates[:2])))
-        return f"An effect is missing, but this log cannot tell {families} apart; with the first {gain}."
+        return (
+            f"An effect is missing, but this log cannot tell {_tied(found)} apart;"
+            f" with the first {_gain(found)}."
+        )
     if not found.models.fits_the_rig:
         return (
             f"This log does not fit the rig (R^2 of the drive torque {found.models.r_squared:.2f}): check"
-            f" units and signs before anything else.{_first(found)}"
+            f" units and signs before anything else.{_grave(found)}"
         )
+    depends = _listed([variable.replace("_", " ") for variable in a.depends_on])
     if a.unconfirmed:
+        words = {c.id: c.words for c in a.candidates}
+        names = _listed([_headline(words[name], name) for name in a.unconfirmed])
+        fit = "fits the training part but does" if len(a.unconfirmed) == 1 else "fit the training part but do"
         return (
-            f"{' and '.join(a.unconfirmed)} fits the training part but does not predict what was held out; no"
-            f" name is given. The structure depends on {', '.join(a.depends_on)}."
+            f"{names[0].upper()}{names[1:]} {fit} not predict what was held out; no name is given."
+            f" The structure depends on {depends}."
         )
     if a.verdict == "unexplained":
         return (
-            f"Structure remains that depends on {', '.join(a.depends_on) or 'something unknown'},"
+            f"Structure remains that depends on {depends or 'something unknown'},"
             " and no effect of the library explains it; no name is given."
         )
-    if before > PROVABLE * found.noise_floor:
+    left = found.score.rmse[found.score.balance]["paper"]
+    if left > PROVABLE * found.noise_floor:
         return (
-            f"Nothing further can be proved from this log: {before:.4g} {found.unit} are left, well above the"
-            f" {found.noise_floor:.2g} {found.unit} of the sensors' noise, but no effect takes out more of"
+            f"Nothing further can be proved from this log: {left:.4g} {unit} are left, well above the"
+            f" {found.noise_floor:.2g} {unit} of the sensors' noise, but no effect takes out more of"
             " them than chance would."
         )
     return (
-        f"Nothing is missing: no effect takes out more of the residual ({before:.4g} {found.unit} held out;"
-        f" noise of the sensors alone {found.noise_floor:.4g} {found.unit}) than chance would."
+        f"Nothing is missing: no effect takes out more of the residual ({left:.4g} {unit} held out;"
+        f" noise of the sensors alone {found.noise_floor:.4g} {unit}) than chance would."
     )
 
 
-def _name(found: Diagnosis, effect: Effect) -> str:
-    """Its id; where it is a wrong declaration, which quantity of the rig should have which value."""
-    if effect.corrects is None:
-        return effect.id
-    quantity, value = effect.corrects
-    fitted = {q.symbol: found.models.extended.values[q.name] for q in effect.parameters}
-    letters = {s.name: s for s in value.free_symbols - set(fitted)}
-    if not set(letters) <= set(found.rig.known):
-        return effect.id
-    declared = {s: found.rig.known[name] for name, s in letters.items()}
-    true, said = (float(value.subs(declared | x)) for x in (fitted, dict.fromkeys(fitted, 0)))
+def _headline(words: Words, effect_id: str) -> str:
+    """What an effect is, its id second."""
+    return f"{words.headline} ({effect_id})" if words.headline else effect_id
+
+
+def _listed(names: Sequence[str]) -> str:
+    """Names joined as in a sentence."""
+    return " and ".join([", ".join(names[:-1]), names[-1]] if len(names) > 1 else names)
+
+
+def _gain(found: Diagnosis) -> str:
+    """How the held-out error changes."""
+    score = found.score
+    before, after = (score.rmse[score.balance][model] for model in ("paper", "extended"))
+    low, high = score.interval
+    falls = "falls" if low > 0.0 else "does not clearly fall:"
     return (
-        f"the right value of {quantity.name} ({effect.id}: {true:.4g} {quantity.unit},"
-        f" {said:.4g} in the rig file)"
+        f"the held-out error {falls} from {before:.4g} to {after:.4g} {found.unit}"
+        f" ({score.percent:.1f} %, 95 % interval {low:.1f} to {high:.1f} %)"
     )
+
+
+def _named(found: Diagnosis, effect: Effect) -> str:
+    """A named effect with its probability; of a wrong declaration, which value the quantity should have."""
+    ranked = [c.probability for c in found.attribution.candidates if c.family == effect.family]
+    sure = f"probability {max(ranked, default=0.0):.2f}"
+    values = effect.corrects and _values(found, effect, effect.corrects)
+    if effect.corrects and values:
+        q, (true, declared) = effect.corrects.quantity, values
+        return (
+            f"the right value of {q.name}, {true:.4g} {q.unit} where the rig file has {declared:.4g}"
+            f" ({effect.id}, {sure})"
+        )
+    headline = effect.words.headline
+    return f"{headline} ({effect.id}, {sure})" if headline else f"{effect.id} ({sure})"
+
+
+def _values(found: Diagnosis, effect: Effect, correction: Correction) -> tuple[float, float] | None:
+    """True and declared value of a quantity; None where the rig does not declare all that it takes."""
+    fitted = {q.symbol: found.models.extended.values[q.name] for q in effect.parameters}
+    letters = {s.name: s for s in correction.value.free_symbols - set(fitted)}
+    if not set(letters) <= set(found.rig.known):
+        return None
+    known = {s: found.rig.known[name] for name, s in letters.items()}
+    true, declared = (float(correction.value.subs(known | own)) for own in (fitted, dict.fromkeys(fitted, 0)))
+    return true, declared
+
+
+def _tied(found: Diagnosis) -> str:
+    """The families that explain the log alike, each by its best member."""
+    best = {c.family: c for c in reversed(found.attribution.candidates)}
+    families = (
+        found.attribution.tied or tuple(dict.fromkeys(c.family for c in found.attribution.candidates))[:2]
+    )
+    return _listed([_headline(best[family].words, best[family].id) for family in families])
 
 
 def _alike(found: Diagnosis) -> str:
@@ -94,46 +131,38 @@ def _alike(found: Diagnosis) -> str:
     )
 
 
-def _first(found: Diagnosis) -> str:
+def _grave(found: Diagnosis) -> str:
     """What the record itself says is wrong, if anything that the named effects do not say."""
-    told = {effect.corrects[0].name for effect, _ in found.effects if effect.corrects}
-    told |= set().union(*(_FOLLOWS.get(name, set()) for name in told))
+    corrections = [effect.corrects for effect, _ in found.effects if effect.corrects]
+    said = {name for c in corrections for name in (c.quantity.name, *c.looks_wrong)}
     warnings = [f for f in found.channels.findings if f.severity == "warning" and f.kind in _GRAVE]
-    grave = [f for f in warnings if f.channel not in told]
-    return f" {grave[0].text[0].upper()}{grave[0].text[1:]}." if grave else ""
-
-
-def _probability(found: Diagnosis, effect: Effect) -> float:
-    return max(
-        (c.probability for c in found.attribution.candidates if c.family == effect.family), default=0.0
-    )
+    grave = [f.text for f in warnings if f.channel not in said]
+    return f" {grave[0][0].upper()}{grave[0][1:]}." if grave else ""
 
 
 def diagnosis_lines(found: Diagnosis) -> list[str]:
-    """At most fourteen lines for a terminal."""
-    a = found.attribution
-    out = [
-        f"{few(found.asked.logs)}: {found.models.base.name}, verdict {a.verdict}",
-        diagnosis_sentence(found),
-    ]
+    """At most eighteen lines for a terminal."""
+    a, adopted = found.attribution, found.models.adopted
+    out = [f"{few(found.asked.logs)}: {found.models.base.name}, verdict {a.verdict}"]
+    out.append(diagnosis_sentence(found))
     out += [_effect(found, effect, own) for effect, own in found.effects[:3]]
     for balance, models in found.score.rmse.items():
-        shown = {n: x for n, x in models.items() if n != "extended" or found.models.adopted}
+        shown = {name: error for name, error in models.items() if name != "extended" or adopted}
         out.append(f"held-out RMSE, {balance} [{found.unit}]: {_errors(shown)}")
     if found.score.over_runs is not None:
         out += _over_runs(found.score.over_runs, found.unit)
-    if a.verdict == "unexplained":
-        if found.models.fits_the_rig:
-            out.append(f"nearest, and not enough: {', '.join(c.id for c in a.candidates[:4])}")
-    elif a.verdict != "nothing_missing":
-        ranked = ", ".join(f"{c.id} {c.probability:.2f}" for c in a.candidates[:4])
-        out.append(f"candidates: {ranked}")
+    if a.verdict == "unexplained" and found.models.fits_the_rig:
+        out.append("nearest, and not enough:")
+        out += [f"  {_headline(c.words, c.id)}" for c in a.candidates[:4]]
+    elif a.verdict in {"named", "not_identifiable"}:
+        out.append("candidates, with their probability:")
+        out += [f"  {c.probability:.2f} {_headline(c.words, c.id)}" for c in a.candidates[:4]]
     if found.orders:
         parts = ", ".join(f"{o.per_turn:.2f} ({100 * o.share:.0f} % of its variance)" for o in found.orders)
         out.append(f"what is left inside runs is periodic in the motor angle, per turn: {parts}")
     shipped, name = found.models.shipped, extended_name(found)
-    module = load_module(shipped.model)
-    arguments = list(inspect.signature(module.mechanical_friction_torque).parameters)[:-2]
+    function = load_module(shipped.model).mechanical_friction_torque
+    arguments = list(inspect.signature(function).parameters)[:-2]
     what = "to call" if shipped.effects else "nothing was added; to call the paper's model, fitted"
     out.append(f"{what}: {name}_mechanical_friction_torque({', '.join([*arguments, f'&{name}_default'])})")
     if a.next_measurement:
@@ -148,7 +177,7 @@ def _effect(found: Diagnosis, effect: Effect, own: Mapping[str, float]) -> str:
         error = "" if estimate is None else f" +- {estimate.std_error:.2g}"
         shown.append(f"{q.name} = {own[q.name]:.4g}{error}{'' if q.unit == '1' else ' ' + q.unit}")
     share = 100 * found.models.extended.shares.get(effect.id, 0.0)
-    return f"  {effect.id} ({share:.1f} % of friction): {', '.join(shown)}"
+    return f"  {effect.id}, {share:.1f} % of the friction: {', '.join(shown)}"
 
 
 def _errors(models: Mapping[str, float]) -> str:

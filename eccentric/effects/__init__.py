@@ -36,13 +36,14 @@ from eccentric.effects import (
     viscosity_temperature,
     wear_runin,
 )
-from eccentric.effects.effect import Effect, Evidence, Shape
+from eccentric.effects.effect import Correction, Effect, Evidence, Shape
 from eccentric.effects.load import load_effects
 from eccentric.effects.setting import Setting
 from eccentric.effects.words import Kin, Words, measurement_between
 
 __all__ = [
     "FAMILIES",
+    "Correction",
     "Effect",
     "Evidence",
     "Kin",

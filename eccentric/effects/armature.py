@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from eccentric.effects.effect import Effect
+from eccentric.effects.effect import Correction, Effect
 from eccentric.effects.forms import addition, current_slope, omega_m
 from eccentric.effects.setting import Setting
 from eccentric.effects.words import Words
@@ -46,7 +46,7 @@ def _constants() -> tuple[Effect, Effect]:
         balance="electrical",
         depends_on=("velocity",),
         formula="(k_e + dk) for k_e",
-        corrects=(v.k_e, v.k_e.symbol + back_emf.symbol),
+        corrects=Correction(v.k_e, v.k_e.symbol + back_emf.symbol),
         reference=REFERENCE,
         needs=NEEDS,
         words=BACK_EMF,
@@ -58,7 +58,7 @@ def _constants() -> tuple[Effect, Effect]:
         balance="electrical",
         depends_on=("current",),
         formula="(R + dR) for R",
-        corrects=(v.R, v.R.symbol + resistance.symbol),
+        corrects=Correction(v.R, v.R.symbol + resistance.symbol),
         special_of=("resistance_temperature",),
         reference=REFERENCE,
         needs=NEEDS,

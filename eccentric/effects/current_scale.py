@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from eccentric.effects.effect import Effect
+from eccentric.effects.effect import Correction, Effect
 from eccentric.effects.forms import addition, alpha_m, gravity
 from eccentric.effects.setting import Setting
 from eccentric.effects.words import LOAD, Words
@@ -42,7 +42,7 @@ def effects(setting: Setting) -> tuple[Effect, ...]:
         bounds=((-1.0, None),),
         depends_on=("gravity_load", "acceleration"),
         formula="k_i/(1 + r) for k_i: r (J alpha + G)",
-        corrects=(v.k_i, v.k_i.symbol / (1 + ratio.symbol)),
+        corrects=Correction(v.k_i, v.k_i.symbol / (1 + ratio.symbol), looks_wrong=("J", "M g L")),
         reference="standard form; torque constant: W. Leonhard, Control of Electrical Drives, Springer",
         aliases=("resistance_mismatch",) if setting.by_voltage else (),
         inputs=(v.theta_m,),

@@ -61,6 +61,21 @@ class Evidence:
 
 
 @dataclass(frozen=True)
+class Correction:
+    """A quantity that the rig declares wrongly.
+
+    Attributes:
+        quantity: the quantity.
+        value: its true value; with the effect's parameters at 0 it is the declared one.
+        looks_wrong: what else a check of the record finds wrong for it: "J", "M g L".
+    """
+
+    quantity: Quantity
+    value: sp.Expr
+    looks_wrong: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True)
 class Effect:
     """One way in which the world differs from the model.
 
@@ -75,8 +90,7 @@ class Effect:
         coefficients: its linear parameters, in the order of their terms; a default of None counts as 0.
         shapes: its nonlinear parameters.
         words: what a person reads of it.
-        corrects: a quantity that the rig declares and its true value, for an effect that is nothing but a
-            wrong declaration; without the effect's parameters it is the declared one.
+        corrects: what of the rig is wrong, for an effect that is nothing but a wrong declaration.
     """
 
     family: str
@@ -89,7 +103,7 @@ class Effect:
     coefficients: tuple[Quantity, ...] = ()
     shapes: tuple[Shape, ...] = ()
     words: Words = field(default_factory=Words)
-    corrects: tuple[Quantity, sp.Expr] | None = None
+    corrects: Correction | None = None
 
     @property
     def id(self) -> str:

@@ -10,7 +10,7 @@ from collections.abc import Sequence
 
 import sympy as sp
 
-from eccentric.effects.effect import Effect, Evidence, Shape
+from eccentric.effects.effect import Correction, Effect, Evidence, Shape
 from eccentric.effects.setting import Setting
 from eccentric.effects.words import Words
 from eccentric.model import Change, Definition, Load, Quantity, Role, State, Term, quantity, regressor
@@ -47,7 +47,7 @@ def addition(
     special_of: tuple[str, ...] = (),
     repeats: bool = False,
     words: Words | None = None,
-    corrects: tuple[Quantity, sp.Expr] | None = None,
+    corrects: Correction | None = None,
 ) -> Effect:
     """An effect that adds coefficient times basis to one balance, one term for each of the columns.
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from eccentric.effects.effect import Effect
+from eccentric.effects.effect import Correction, Effect
 from eccentric.effects.forms import addition, alpha_m
 from eccentric.effects.setting import Setting
 from eccentric.effects.words import LOAD, Words
@@ -34,7 +34,7 @@ def effects(setting: Setting) -> tuple[Effect, ...]:
         bounds=((-0.95, None),),
         depends_on=("acceleration",),
         formula="J (1 + r) for J",
-        corrects=(v.J, (v.J_m.symbol + v.mu.symbol**2 * v.J_l.symbol) * (1 + ratio.symbol)),
+        corrects=Correction(v.J, (v.J_m.symbol + v.mu.symbol**2 * v.J_l.symbol) * (1 + ratio.symbol)),
         reference="C. G. Atkeson, C. H. An and J. M. Hollerbach, Int. J. Robotics Research 5(3), 1986",
         aliases=aliases,
         words=WORDS,

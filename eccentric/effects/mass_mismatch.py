@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from eccentric.effects.effect import Effect, Evidence, Shape
+from eccentric.effects.effect import Correction, Effect, Evidence, Shape
 from eccentric.effects.forms import addition, gravity
 from eccentric.effects.setting import Setting
 from eccentric.effects.words import GRAVITY, Words
@@ -50,7 +50,7 @@ def effects(setting: Setting) -> tuple[Effect, ...]:
             change=Change(definitions=definitions, replaces=replaces),
             evidence=Evidence(depends_on=("gravity_load", "acceleration"), aliases=aliases),
             shapes=(Shape(ratio, -0.6, 0.9, "linear", 6),),
-            corrects=(v.M, true_mass.value),
+            corrects=Correction(v.M, true_mass.value, looks_wrong=("M g L",)),
             words=replace(WORDS, headline=headline),
         )
         for variant, headline, formula, definitions, replaces in (

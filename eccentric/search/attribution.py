@@ -138,7 +138,7 @@ class Search:
             log = {
                 family: -0.5 * effective * float(np.log(fitted.score))
                 - 0.5 * len(own.values)
-                + limits.SPECIAL * any(general in rivals for general in own.candidate.special_of)
+                + limits.SPECIAL * any(general in rivals for general in own.candidate.evidence.special_of)
                 for family, (own, fitted) in rivals.items()
             }
             first = max(log, key=lambda family: log[family])

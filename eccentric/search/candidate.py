@@ -13,7 +13,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from eccentric.effects import Shape, Words
+from eccentric.effects import Evidence, Shape, Words
 
 __all__ = ["Candidate", "Values", "Variant", "bounds_of", "grid"]
 
@@ -27,7 +27,7 @@ class Candidate:
 
     id: name in the report, as `link_harmonic_friction[n=3]`; several candidates share a `family`.
     balance: "mechanical" or "electrical"; columns are in N m on the motor side in both.
-    depends_on: variables of the diagnosis ("velocity", "link_angle", ...), the leading one first.
+    evidence: how it shows in a log.
     columns: values of the shapes -> (samples, k); hidden states run from the start of the log.
     shapes: nonlinear parameters with their ranges.
     lower: least coefficient of each column, 0 or -inf; a single one holds for all.
@@ -36,8 +36,6 @@ class Candidate:
         `shapes`; `columns` then only serve the first look.
     also: values of the shapes -> what an electrical effect adds to the mechanical target (samples, k), for
         the same coefficients.
-    special_of: families of which this one is a special case; it wins a tie against them.
-    repeats: whether another candidate of the family may join it (harmonics of other orders).
     ridge: penalty on the coefficients, relative to their scaled diagonal (smooth terms only).
     words: what a person reads of it.
     """
@@ -45,16 +43,19 @@ class Candidate:
     id: str
     family: str
     balance: str
-    depends_on: tuple[str, ...]
+    evidence: Evidence
     columns: Callable[[Values], Array]
     shapes: tuple[Shape, ...] = ()
     lower: tuple[float, ...] = (-np.inf,)
     changes: Callable[[Values], tuple[Array, Array]] | None = None
     also: Callable[[Values], Array] | None = None
-    special_of: tuple[str, ...] = ()
-    repeats: bool = False
     ridge: float = 0.0
     words: Words = field(default_factory=Words)
+
+    @property
+    def variable(self) -> str:
+        """The leading variable that it depends on: "velocity", "link_angle", ..."""
+        return self.evidence.depends_on[0]
 
 
 @dataclass(frozen=True)

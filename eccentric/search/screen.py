@@ -152,7 +152,7 @@ class Screen:
         """
         target, design, lower = self.design(variants)
         taken = {v.candidate.id for v in variants}
-        closed = {v.candidate.family for v in variants if not v.candidate.repeats}
+        closed = {v.candidate.family for v in variants if not v.candidate.evidence.repeats}
         inner, right, total = design.T @ design, design.T @ target, float(target @ target)
         mixed, cross = design.T @ self.library, self.library.T @ target
         best: dict[str, tuple[float, int]] = {}

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.interpolate import BSpline
 
+from eccentric.effects import Evidence
 from eccentric.search.candidate import Candidate
 
 __all__ = ["Variables", "smooth_terms"]
@@ -83,7 +84,7 @@ def smooth_terms(variables: Variables, balance: str, valid: Array) -> list[Candi
             id=f"smooth:{name}",
             family=f"smooth:{name}",
             balance=balance,
-            depends_on=(name,),
+            evidence=Evidence((name,)),
             columns=lambda _, columns=columns: columns,
             ridge=RIDGE,
         )

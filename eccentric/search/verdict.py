@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -18,6 +18,7 @@ from eccentric.effects import Words, measurement_between
 from eccentric.search import limits
 from eccentric.search.attribution import Search, search_all
 from eccentric.search.candidate import Candidate, Variant
+from eccentric.search.screen import Fitted
 from eccentric.search.smooth import Variables
 from eccentric.signals import MANY_RUNS, BalanceDesign
 
@@ -40,13 +41,14 @@ class Adopted:
 
 @dataclass(frozen=True)
 class Ranked:
-    """A candidate in the list: id, family, balance, cross-validated RMSE [N m], probability."""
+    """A candidate in the list: id, family, balance, cross-validated RMSE [N m], probability, words."""
 
     id: str
     family: str
     balance: str
     rmse: float
     probability: float
+    words: Words = field(default_factory=Words)
 
 
 @dataclass(frozen=True)
@@ -108,7 +110,8 @@ def attribute(
         for name, search in searches.items()
         if search.ranked
     }
-    sentence = next_measurement(verdict, tied, follows, {c.family: c.words for c in candidates})
+    words = {entry.family: entry.words for entry in listed}
+    sentence = next_measurement(verdict, [(family, words[family]) for family in tied], follows)
     return Attribution(
         verdict, tuple(adopted), tuple(tied), tuple(listed), follows, sentence, searches, deviance
     )
@@ -116,14 +119,14 @@ def attribute(
 
 def unconfirmed(found: Attribution) -> Attribution:
     """The same search, its names taken back: what fitted the training part did not predict the rest."""
-    first = [a.variant.candidate.depends_on[0] for a in found.adopted]
+    first = [a.variant.candidate.variable for a in found.adopted]
     follows = tuple(dict.fromkeys([*first, *found.depends_on]))
     return replace(
         found,
         verdict="unexplained",
         tied=(),
         depends_on=follows,
-        next_measurement=next_measurement("unexplained", (), follows, {}),
+        next_measurement=next_measurement("unexplained", (), follows),
         unconfirmed=tuple(a.variant.candidate.id for a in found.adopted),
     )
 
@@ -132,7 +135,7 @@ def _patched(adopted: Sequence[Adopted]) -> list[str]:
     """The variables of families of which so many members were needed that none of them is the effect."""
     candidates = [entry.variant.candidate for entry in adopted]
     members = Counter(candidate.family for candidate in candidates)
-    return [c.depends_on[0] for c in candidates if members[c.family] >= limits.FORMS_OF_A_PATCH]
+    return [c.variable for c in candidates if members[c.family] >= limits.FORMS_OF_A_PATCH]
 
 
 def _adopted(searches: dict[str, Search]) -> tuple[list[Adopted], list[Ranked], list[str]]:
@@ -141,19 +144,23 @@ def _adopted(searches: dict[str, Search]) -> tuple[list[Adopted], list[Ranked], 
     tied: list[str] = []
     for name, search in searches.items():
         screen, best = search.screen, search.best
-        rmse = float(np.sqrt(best.score / screen.rows))
         for place, (variant, own) in enumerate(zip(best.variants, screen.own(best), strict=True)):
             without = screen.fit([v for k, v in enumerate(best.variants) if k != place])
             share = np.sqrt(max(without.score - best.score, 0.0) / screen.rows) / screen.balance.scale
             options = search.alternatives[place]
             candidate = variant.candidate
             probability = options[candidate.family][0]
-            entry = Ranked(candidate.id, candidate.family, name, rmse, probability)
+            entry = _ranked(candidate, name, search, best, probability)
             found.append((Adopted(name, variant, tuple(map(float, own)), float(share)), entry))
             if probability < limits.SURE:
                 tied += _alike({family: chance for family, (chance, _) in options.items()})
     found.sort(key=lambda pair: -pair[0].share)
     return [one for one, _ in found], [entry for _, entry in found], list(dict.fromkeys(tied))
+
+
+def _ranked(candidate: Candidate, balance: str, search: Search, fitted: Fitted, probability: float) -> Ranked:
+    rmse = float(np.sqrt(fitted.score / search.screen.rows))
+    return Ranked(candidate.id, candidate.family, balance, rmse, probability, candidate.words)
 
 
 def _alike(probabilities: Mapping[str, float]) -> list[str]:
@@ -174,8 +181,7 @@ def _runners_up(searches: dict[str, Search], named: set[str], about: set[str]) -
         ]
         for probability, fitted in [*pool, *((0.0, fitted) for fitted in search.ranked)]:
             candidate = fitted.last
-            rmse = float(np.sqrt(fitted.score / search.screen.rows))
-            entry = Ranked(candidate.id, candidate.family, name, rmse, probability)
+            entry = _ranked(candidate, name, search, fitted, probability)
             old = best.get(candidate.family)
             if candidate.family not in named and (old is None or old.probability < probability):
                 best[candidate.family] = entry
@@ -193,35 +199,37 @@ def _variables(searches: dict[str, Search], unexplained: float) -> tuple[list[tu
         for fitted in search.smoothed:
             part = (search.best.score - fitted.score) / max(search.base.score - fitted.score, 1e-300)
             if part > unexplained and search.worth_it(search.best, fitted, search.smooth):
-                left.append((part, fitted.last.depends_on[0], name))
+                left.append((part, fitted.last.variable, name))
         least = min([search.best.score, *(fitted.score for fitted in search.smoothed)])
         structure = max(search.base.score - least, 1e-300)
         for fitted in search.smooth.rank([]):
             if search.worth_it(search.base, fitted, search.smooth):
                 share = (search.base.score - fitted.score) / structure
-                depends.append((share, fitted.last.depends_on[0]))
+                depends.append((share, fitted.last.variable))
     return [(v, name) for _, v, name in sorted(left, reverse=True)], [
         v for _, v in sorted(depends, reverse=True)
     ]
 
 
-def next_measurement(
-    verdict: str, tied: Sequence[str], variables: Sequence[str], words: Mapping[str, Words]
-) -> str:
+def next_measurement(verdict: str, tied: Sequence[tuple[str, Words]], variables: Sequence[str]) -> str:
     """The measurement that would decide, in one sentence; empty where nothing is open.
 
-    words: of each family.
+    tied: families that explain the log alike, each with the words of its best member.
     """
     if verdict == "unexplained":
         what = variables[0].replace("_", " ") if variables else "time"
         if what == "acceleration":
-            return "Leave J_m and J_l out of the rig: the log then tells the inertia, and what else is left."
+            return (
+                "Leave J_m and J_l out of the rig file: the log then gives the inertia, and shows"
+                " what else is left."
+            )
         return (
             f"Repeat the log with everything held constant but the {what}, swept slowly in both directions."
         )
     if verdict != "not_identifiable" or not tied:
         return ""
     first, second = tied[0], tied[1] if len(tied) > 1 else tied[0]
-    return measurement_between((first, words[first]), (second, words[second])) or (
-        f"Excite what tells {first} from {second}: other speeds, loads and directions than this log holds."
+    one, other = (words.headline or family for family, words in (first, second))
+    return measurement_between(first, second) or (
+        f"Log what separates {one} from {other}: other speeds, loads and directions than this log has."
     )
