@@ -73,6 +73,9 @@ CODE: dict[str, Asked] = {
     "naive 1": Asked("NumPy, torque, 1: time over that of naive NumPy", "at most", 2),
     "naive 100": Asked("NumPy, torque, 100: time over that of naive NumPy", "at most", 2),
     "compiled": Asked("`eccentric.compile`, a call on floats", "at most", 0.5, "us"),
+    "compiled 1": Asked("`eccentric.compile`, a call on arrays of 1", "at most", 3, "us"),
+    "compiled 100": Asked("`eccentric.compile`, a call on arrays of 100", "at most", 3, "us"),
+    "found": Asked("`eccentric.compile`, cached, in a fresh process that has NumPy", "at most", 0.2, "s"),
     "derive": Asked("`make derive`, all models: time over `import sympy`", "at most", 10),
 }
 

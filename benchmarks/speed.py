@@ -59,13 +59,12 @@ def _contenders() -> dict[str, dict[str, Callable[..., Any]]]:
     import sympy as sp
 
     import eccentric
-    from eccentric.model.load import load_model
     from generated import c2_parallel
 
     theta, omega = sp.symbols("theta omega", real=True)
     F = torque(theta, omega, sp)
     slopes = [F.diff(theta), F.diff(omega).replace(sp.DiracDelta, lambda *_: sp.Integer(0))]
-    compiled = eccentric.compile(load_model("c2_parallel"))
+    compiled = eccentric.compile("c2_parallel")
     lambdified = sp.lambdify((theta, omega), F, "numpy", cse=True)
     found: dict[str, dict[str, Callable[..., Any]]] = {
         "torque": {
@@ -127,7 +126,7 @@ def _jax() -> Callable[..., Any]:
 
 
 def _work(rounds: int) -> dict[str, Any]:
-    """{"torque": {size: {name: ns an element}}, "gradient": ..., "float": ns of a call}."""
+    """{"torque": {size: {name: ns an element}}, "gradient": ..., "float": ns of a call, "found": seconds}."""
     import numpy as np
 
     found, generator = _contenders(), np.random.default_rng(5)
@@ -140,7 +139,26 @@ def _work(rounds: int) -> dict[str, Any]:
             result[kind][size] = {n: 1e9 * statistics.median(t) / size for n, t in times.items()}
     plain = {n: found["torque"][n] for n in (OURS, COMPILED, "lambdify(cse)", "naive NumPy")}
     times = _rounds(plain, (1.5, 20.0), 2000, rounds)
-    return result | {"float": {n: 1e9 * statistics.median(t) for n, t in times.items()}}
+    result["float"] = {n: 1e9 * statistics.median(t) for n, t in times.items()}
+    return result | {"found": _found(rounds)}
+
+
+_FOUND = """
+import time, numpy
+start = time.perf_counter()
+import eccentric
+eccentric.compile("c2_parallel")
+print(time.perf_counter() - start)
+"""
+
+
+def _found(rounds: int) -> list[float]:
+    """Seconds that a fresh process takes to find a model that was compiled before; NumPy is imported already."""
+    run = [sys.executable, "-c", _FOUND]
+    return [
+        float(subprocess.run(run, capture_output=True, text=True, check=True, cwd=ROOT).stdout)
+        for _ in range(rounds)
+    ]
 
 
 def _rounds(functions: dict[str, Any], given: Any, calls: int, rounds: int) -> dict[str, list[float]]:
@@ -190,6 +208,12 @@ def _figures(result: dict[str, Any]) -> dict[str, Measured]:
     call = result["float"]
     others = "; ".join(f"{name} {ns / 1000:.1f} us" for name, ns in call.items() if name != COMPILED)
     figures["compiled"] = Measured(call[COMPILED] / 1000, f"{call[COMPILED] / 1000:.2f} us", others)
+    for count in (1, 100):
+        own = at[count][COMPILED] * count / 1000
+        others = "; ".join(f"{n} {ns * count / 1000:.1f} us" for n, ns in at[count].items() if n != COMPILED)
+        figures[f"compiled {count}"] = Measured(own, f"{own:.2f} us", others)
+    least, median = min(result["found"]), statistics.median(result["found"])
+    figures["found"] = Measured(median, f"{median:.2f} s (least {least:.2f} s)")
     return figures
 
 
