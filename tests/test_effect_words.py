@@ -10,13 +10,16 @@ from tests.extended import CASES, effects, every_case
 
 @every_case
 def test_headlines_are_distinct_noun_phrases(case: str) -> None:
-    """A headline continues "the model lacks ...": no sentence of its own, no id; none twice."""
+    """A headline continues "the model lacks ...": no sentence of its own, no id, no brackets."""
     headlines = {effect.id: effect.words.headline for effect in effects(case).values()}
 
     assert [] == [
         effect_id
         for effect_id, text in headlines.items()
-        if len(text.split()) < 3 or text.endswith(".") or "_" in text or text.split()[0] in {"The", "A", "An"}
+        if len(text.split()) < 3
+        or text.endswith(".")
+        or set("_(") & set(text)
+        or text.split()[0] in {"The", "A", "An"}
     ]
     assert len(headlines) == len(set(headlines.values()))
 

@@ -43,7 +43,7 @@ def effects(setting: Setting) -> tuple[Effect, ...]:
         shapes=(Shape(width, 0.03 * largest, 2.0 * largest, "log", 7),),
         states=(State(last, sp.Integer(0), i), branch),
         needs=("current",),
-        words=replace(WORDS, headline="magnetic hysteresis between current and torque (Duhem)"),
+        words=replace(WORDS, headline="magnetic hysteresis between current and torque by Duhem's model"),
     )
     scaled = i / width.symbol
     follow = State(play, sp.Integer(0), sp.Max(scaled - 1, sp.Min(scaled + 1, play.symbol)))
@@ -58,6 +58,6 @@ def effects(setting: Setting) -> tuple[Effect, ...]:
         shapes=(Shape(width, 0.02 * largest, 0.8 * largest, "log", 4),),
         states=(follow,),
         needs=("current",),
-        words=replace(WORDS, headline="magnetic hysteresis between current and torque (play)"),
+        words=replace(WORDS, headline="magnetic hysteresis between current and torque by the play operator"),
     )
     return duhem, parallel

@@ -51,7 +51,7 @@ def effects(setting: Setting) -> tuple[Effect, ...]:
         reference="P. R. Dahl, A solid friction model, The Aerospace Corporation TOR-0158(3107-18)-1, 1968",
         shapes=(Shape(reach, low, high, "log", 8),),
         states=(state,),
-        words=replace(WORDS, headline="presliding after each reversal (Dahl)"),
+        words=replace(WORDS, headline="presliding after each reversal by Dahl's model"),
     )
     lugre = addition(
         "presliding",
@@ -67,6 +67,6 @@ def effects(setting: Setting) -> tuple[Effect, ...]:
             Shape(w_s, setting.w_min, 0.4 * setting.w_max, "log", 4),
         ),
         states=(state,),
-        words=replace(WORDS, headline="presliding after each reversal, with a Stribeck curve (LuGre)"),
+        words=replace(WORDS, headline="presliding after each reversal by the LuGre model"),
     )
     return dahl, lugre

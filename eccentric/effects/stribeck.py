@@ -50,9 +50,7 @@ def effects(setting: Setting) -> tuple[Effect, ...]:
             " Wear 82(3), 1982",
             definitions=definitions if power.has(half) else (),
             shapes=(Shape(w_s, setting.w_min, 0.6 * setting.w_max, "log", 12),),
-            words=replace(
-                WORDS, headline=f"dry friction that is higher at low speed (Stribeck, exponent {d})"
-            ),
+            words=replace(WORDS, headline=f"Stribeck friction with exponent {d}"),
         )
         for d, power in POWERS.items()
     )

@@ -68,7 +68,7 @@ def effects(setting: Setting) -> tuple[Effect, ...]:
     return (
         _scaling(
             "",
-            "viscous friction that falls with temperature (Reynolds)",
+            "viscous friction that falls with temperature by Reynolds' law",
             (zero, Definition(factor, reynolds)),
             falls,
             "viscous friction times exp(-b (T - T_0))",
@@ -76,7 +76,7 @@ def effects(setting: Setting) -> tuple[Effect, ...]:
         ),
         _scaling(
             "arrhenius",
-            "viscous friction that falls with temperature (Arrhenius)",
+            "viscous friction that falls with temperature by Arrhenius' law",
             (zero, kelvin, Definition(factor, arrhenius)),
             energy,
             "viscous friction times exp(E/T - E/T_0), T in K",
