@@ -15,7 +15,7 @@ from types import SimpleNamespace
 import numpy as np
 
 from benchmarks import accuracy_any, forms
-from benchmarks.record import Measured, Part, tell
+from benchmarks.record import Measured, Part, progress
 from tests import accelerated, accuracy, oracle
 from tests.compiled import REAL, Library
 from tests.emitted import module
@@ -51,26 +51,26 @@ def measured(quick: bool) -> Part:
     with ProcessPoolExecutor() as pool:
         for job, (at, errors) in zip(jobs, pool.map(_set, *zip(*jobs, strict=True)), strict=True):
             found[*job[:2], at] = errors
-            tell(f"accuracy: {len(found)} of {len(jobs)} sets")
+            progress(f"accuracy: {len(found)} of {len(jobs)} sets")
     figures = {}
     for real in PRECISIONS:
         figures |= _figures(real, [errors for (_, one, _), errors in found.items() if one == real])
         figures |= accuracy_any.figures(real, drives)
     sizes = f"{many:,} states a set for F_N of C2 and its peers, {few:,} for all else"
-    told = f"Worst errors. Table 1: mu = 1/5, {sizes}. Any parameters: {drives:,} random drives."
-    return Part(figures, [told, *_details(found)])
+    text = f"Worst errors. Table 1: mu = 1/5, {sizes}. Any parameters: {drives:,} random drives."
+    return Part(figures, [text, *_details(found)])
 
 
 def _figures(real: str, sets: list[Errors]) -> dict[str, Measured]:
-    """The asked-for figures of a precision: the worst of all sets, and how many NaN, beside those of the peers."""
+    """The required figures of a precision: the worst of all sets, and how many NaN, beside those of the peers."""
     figures = {}
     for figure in MEASURED:
         worst = _over(sets, [figure], _worst, max)
         own = max(worst.pop(who) for who in OWN if who in worst)
-        figures[f"{figure} {real}"] = Measured(own, "", _told(worst))
+        figures[f"{figure} {real}"] = Measured(own, "", _text(worst))
     missing = _over(sets, MEASURED, _missing, sum)
     own = int(sum(missing.pop(who) for who in OWN))
-    return figures | {f"nan {real}": Measured(own, str(own), _told(missing))}
+    return figures | {f"nan {real}": Measured(own, str(own), _text(missing))}
 
 
 def _set(case: str, real: str, index: int, size: int, few: int) -> tuple[str, Errors]:
@@ -148,7 +148,7 @@ def _over(
     return {who: all_of([x for other, x in there if other == who]) for who, _ in there}
 
 
-def _told(peers: Mapping[str, float]) -> str:
+def _text(peers: Mapping[str, float]) -> str:
     return "; ".join(f"{forms.WORDS[who]} {value:.3g}" for who, value in peers.items())
 
 

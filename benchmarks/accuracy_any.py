@@ -19,7 +19,7 @@ _STATES = {"float": 200, "double": 5}  # of each drive, in each of the ways to d
 
 
 def figures(real: str, drives: int) -> dict[str, Measured]:
-    """Return the worst errors over so many drives, by asked-for figure."""
+    """Return the worst errors over so many drives, by required figure."""
     random = np.random.default_rng(30)
     worst: dict[str, float] = {}
     for _ in range(drives):

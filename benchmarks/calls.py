@@ -106,7 +106,9 @@ def measured(_: bool) -> Part:
             own = [counts[function] for function in (TORQUE, GRADIENT)]
             found, left_out = generators.measured(Path(name), real, _peer)
             for k, what in enumerate(_WHAT):
-                figures[f"host {what} {real}"] = Measured(own[k], f"{own[k]:.1f}", generators.told(found, k))
+                figures[f"host {what} {real}"] = Measured(
+                    own[k], f"{own[k]:.1f}", generators.as_text(found, k)
+                )
             heads = [f"{what}, {real}" for what in _WHAT]
             details += ["", *generators.table(heads, own, found), *(f"\n{line}" for line in left_out)]
     return Part(figures, details)

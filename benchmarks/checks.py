@@ -11,7 +11,7 @@ import tempfile
 from pathlib import Path
 
 from benchmarks.cortex_m4 import GENERATED, TOOLS, build, emulate, missing, run
-from benchmarks.record import Measured, Part, tell
+from benchmarks.record import Measured, Part, progress
 from tests.emitted import MODELS
 from tests.extended import AT_WORK, at_work, written
 from tests.hosts import CHECK, HOSTS, REALS, lacking, on_host
@@ -29,7 +29,7 @@ def measured(_: bool) -> Part:
         if shutil.which(tool) is None:
             left_out.append(f"{tool}: not installed.")
         else:
-            tell(f"checks: {tool}")
+            progress(f"checks: {tool}")
             figures[key] = count()
     bits, absent = _bits()
     return Part(figures | {"bits": bits}, [f"{line}\n" for line in left_out + absent])
@@ -41,7 +41,7 @@ def _bits() -> tuple[Measured, list[str]]:
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         for label, compiler in HOSTS.items():
-            tell(f"checks: bits of {label}")
+            progress(f"checks: bits of {label}")
             if reason := lacking(*compiler):
                 left_out.append(f"{label}: {reason}.")
                 continue
@@ -55,7 +55,7 @@ def _bits() -> tuple[Measured, list[str]]:
         absent = missing(TOOLS)
         left_out += [f"Cortex-M: not installed: {', '.join(absent)}."] if absent else []
         for label, (target, optimisation, real) in () if absent else TARGETS.items():
-            tell(f"checks: bits of {label}")
+            progress(f"checks: bits of {label}")
             compilers.append(label)
             for model in MODELS:
                 sources = [CHECK / f"{model}_selftest.c", GENERATED / f"{model}.c"]
@@ -65,8 +65,8 @@ def _bits() -> tuple[Measured, list[str]]:
                 status, said = emulate(elf, target=target)
                 if status or not said.startswith(f"{model}: ok"):
                     other.append(f"{label}, {model}")
-    told = f"{len(other)} on {', '.join(compilers)}" if compilers else ""
-    return Measured(len(other) if compilers else float("nan"), told), left_out + [f"{one}." for one in other]
+    text = f"{len(other)} on {', '.join(compilers)}" if compilers else ""
+    return Measured(len(other) if compilers else float("nan"), text), left_out + [f"{one}." for one in other]
 
 
 def _alarms() -> Measured:
@@ -89,5 +89,5 @@ def _misra() -> Measured:
         for real in REALS:
             with tempfile.TemporaryDirectory() as folder:
                 found |= {(name, rule) for rule in deviations(Path(folder), files, name, real) - own}
-    told = f"{len(found)} in {len(MODELS) + len(AT_WORK)} models, every effect in some"
-    return Measured(len(found), f"{told} (declared: {', '.join(sorted(listed, key=float))})")
+    text = f"{len(found)} in {len(MODELS) + len(AT_WORK)} models, every effect in some"
+    return Measured(len(found), f"{text} (declared: {', '.join(sorted(listed, key=float))})")

@@ -9,7 +9,7 @@ import sys
 import time
 from pathlib import Path
 
-from benchmarks.record import Measured, Part, tell
+from benchmarks.record import Measured, Part, progress
 
 ROOT = Path(__file__).resolve().parent.parent
 _DERIVE = [sys.executable, "-m", "eccentric", "derive"]
@@ -20,7 +20,7 @@ def measured(quick: bool) -> Part:
     """Measure seven rounds, or three if quick, after one that nobody times."""
     times = []
     for turn in range(4 if quick else 8):
-        tell(f"derivation: round {turn}")
+        progress(f"derivation: round {turn}")
         times.append([*_taken(_DERIVE), *_taken(_IMPORT)])
     own, own_processor, peer, peer_processor = map(statistics.median, zip(*times[1:], strict=True))
     ratio = statistics.median(one[0] / one[2] for one in times[1:])

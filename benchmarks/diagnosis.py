@@ -24,12 +24,12 @@ from benchmarks.asked import DIAGNOSIS
 from benchmarks.diagnosis_jobs import Job, Result
 from benchmarks.oracle import oracle
 from benchmarks.outside import OUTSIDE
-from benchmarks.record import Part, table, tell
+from benchmarks.record import Part, progress, table
 from eccentric.diagnosis import diagnose, diagnosis_document
 from eccentric.errors import InputError
 from eccentric.virtual_bench import EFFECTS, PlantedEffect, random_scenario, simply, simulate, write
 
-# Those below have been looked at while the method was changed, and judge no more.
+# Seeds below this one were looked at while the method was developed, so they no longer judge it.
 FIRST_SEED = 70000
 RATIOS = (1 / 30, 1 / 5, 1 / 2, 1.0)
 NEEDS_TEMPERATURE = {"viscosity_temperature", "coulomb_temperature", "resistance_temperature"}
@@ -117,10 +117,10 @@ def measured(quick: bool, first: int = FIRST_SEED) -> Part:
         with ProcessPoolExecutor() as pool:
             for result in pool.map(partial(run, folder=Path(folder)), listed[: -len(long)]):
                 results.append(result)
-                tell(f"diagnosis: {len(results)} of {len(listed)} logs")
+                progress(f"diagnosis: {len(results)} of {len(listed)} logs")
         with ProcessPoolExecutor(1) as pool:
             slow = list(pool.map(partial(run, folder=Path(folder)), long))
-        tell("diagnosis: PySINDy")
+        progress("diagnosis: PySINDy")
         try:
             said = sparse.answers(Path(folder))
             results = [replace(r, peer=said.get(str(r.job.seed))) for r in results]
@@ -138,7 +138,7 @@ _HEAD = [
     " no library holds (`benchmarks/outside.py`), twice each; one minute at 250 rows a second.",
     f"An effect whose torque lies within {100 * diagnosis_table.ALIAS:g} % of the friction of what the paper's own columns can take is"
     " an exact alias (w\\|w\\| and w^3 in C1) and is not counted among the singles.",
-    "The oracle is told the true families and fits them on the same rows; PySINDy gets the same residuals and, as far"
+    "The oracle knows the true families and fits them on the same rows; PySINDy gets the same residuals and, as far"
     " as it can have them, the same effects as columns (`benchmarks/sparse.py`), and has no way to abstain but to find"
     " nothing.",
 ]

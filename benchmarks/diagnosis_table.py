@@ -17,7 +17,7 @@ Check = Callable[[Result], bool]
 
 
 def figures(results: Sequence[Result], slow: Sequence[Result]) -> dict[str, Measured]:
-    """The asked-for figures.
+    """The required figures.
 
     Args:
         results: of all logs but the long ones.
@@ -106,10 +106,10 @@ def _fraction(
     results: Sequence[Result], own: Check, peer: Callable[[list[str], Result], bool] | None = None
 ) -> Measured:
     count, answered = sum(map(own, results)), [r for r in results if r.peer is not None]
-    told = ""
+    text = ""
     if peer is not None and answered:
-        told = f"PySINDy {_share(sum(peer((r.peer or {})['ranked'], r) for r in answered), len(answered))}"
-    return Measured(count / len(results) if results else float("nan"), _share(count, len(results)), told)
+        text = f"PySINDy {_share(sum(peer((r.peer or {})['ranked'], r) for r in answered), len(answered))}"
+    return Measured(count / len(results) if results else float("nan"), _share(count, len(results)), text)
 
 
 def _excess(results: Sequence[Result], rmse: Callable[[Result, str], float | None]) -> list[float]:

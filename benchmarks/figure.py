@@ -1,4 +1,4 @@
-"""The figure of the page: speed against array size, error against distance from the hollow."""
+"""The figure of the page: speed against array size, error against distance from the zero of F_N."""
 
 from __future__ import annotations
 
@@ -31,14 +31,14 @@ def draw(speed: Curves, path: Path) -> None:
     """
     with mpl.rc_context(_STYLE):
         drawing, (left, right) = plt.subplots(1, 2, figsize=(10, 4), layout="constrained")
-        for axes, curves, marker in ((left, speed, "o-"), (right, near_hollow(), "-")):
+        for axes, curves, marker in ((left, speed, "o-"), (right, near_the_zero(), "-")):
             for name, (x, y) in curves.items():
                 axes.loglog(x, y, marker, label=name)
             axes.minorticks_off()
             axes.legend(fontsize="small")
         left.set(xlabel="elements", ylabel="ns an element", title="friction torque, double, one core")
         right.set(
-            xlabel="distance from the hollow [rad, rad/s]",
+            xlabel="distance from the zero of F_N [rad, rad/s]",
             ylabel="worst error of F_N [ULP]",
             title="single precision",
         )
@@ -48,7 +48,7 @@ def draw(speed: Curves, path: Path) -> None:
     path.write_text(path.read_text(encoding="utf-8").replace(" \n", " "), encoding="utf-8")
 
 
-def near_hollow() -> Curves:
+def near_the_zero() -> Curves:
     """Form -> (distance, worst error of F_N in float): the emitted one and the paper's as it is printed."""
     decimals = accuracy.decimals()
     values = {letter: float(value) for letter, value in vars(decimals).items()}

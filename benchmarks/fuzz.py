@@ -10,7 +10,7 @@ from pathlib import Path
 
 from hypothesis import HealthCheck, Phase, given, seed, settings
 
-from benchmarks.record import Measured, Part, tell
+from benchmarks.record import Measured, Part, progress
 from tests.fuzzing import TARGETS
 
 SLOW_S = 5.0
@@ -27,7 +27,7 @@ def measured(quick: bool) -> Part:
         # What Python's parser has to say about odd text is nobody's traceback.
         warnings.simplefilter("ignore")
         for name in TARGETS:
-            tell(f"fuzzed readers: {name}")
+            progress(f"fuzzed readers: {name}")
             counts, slowest = _fuzz(name, each)
             taken = counts.pop("accepted", 0), counts.pop("refused", 0)
             tried += sum(taken) + counts.total()
@@ -35,8 +35,8 @@ def measured(quick: bool) -> Part:
             odd += [f"{name}: {count} x {what}" for what, count in counts.items()]
             cells = [sum(taken) + counts.total(), *taken, counts.total(), f"{1e3 * slowest:.0f} ms"]
             lines.append(f"| {name} | {' | '.join(map(str, cells))} |")
-    told = Measured(findings, f"{findings} of {tried:,}")
-    return Part({"readers": told}, [*lines, *(f"\n{line}" for line in odd)])
+    counted = Measured(findings, f"{findings} of {tried:,}")
+    return Part({"readers": counted}, [*lines, *(f"\n{line}" for line in odd)])
 
 
 def _fuzz(name: str, inputs: int) -> tuple[collections.Counter[str], float]:

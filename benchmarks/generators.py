@@ -10,7 +10,7 @@ from typing import TypeVar
 
 from benchmarks import environment
 from benchmarks.cortex_m4 import OPTIMISED, run
-from benchmarks.record import tell
+from benchmarks.record import progress
 
 HERE = Path(__file__).resolve().parent
 FUNCTIONS = ("torque", "gradient")
@@ -53,7 +53,7 @@ class Generated:
         return f"{self.result} {function}{self.types};"
 
     def source(self, function: str) -> Path:
-        """The file that it stands in."""
+        """The file that it is in."""
         return self.folder / f"{function}.c"
 
 
@@ -73,7 +73,7 @@ def measured(
     found, left_out = {}, []
     reasons = environment.absent(*_PACKAGES.values())
     for name, package in _PACKAGES.items():
-        tell(f"peers: {name}, {real}")
+        progress(f"peers: {name}, {real}")
         if package in reasons:
             left_out.append(f"{name}: left out, {reasons[package]}.")
             continue
@@ -87,7 +87,7 @@ def measured(
     return found, left_out
 
 
-def told(found: Mapping[str, Sequence[Sequence[float]]], k: int) -> str:
+def as_text(found: Mapping[str, Sequence[Sequence[float]]], k: int) -> str:
     """Number k of every generator, in one line."""
     each = [f"{name} {' / '.join(f'{form[k]:.0f}' for form in forms)}" for name, forms in found.items()]
     return f"{' / '.join(FORMS)}: {'; '.join(each)}" if each else ""

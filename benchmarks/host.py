@@ -46,7 +46,7 @@ def times(machine: str) -> tuple[float, float, float]:
 
 
 def measured(_: bool) -> Part:
-    """Measure both machines that were asked for."""
+    """Measure both machines."""
     own, peer, ratio = times("native")
     figures = {"libmvec": Measured(ratio, f"{ratio:.2f} ({own:.2f} ns)", f"libmvec {peer:.2f} ns")}
     own, peer = times("x86-64-v3")[:2]

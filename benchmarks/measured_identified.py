@@ -1,4 +1,4 @@
-"""What a log told of its rig, beside what others say of it: the tables "What was identified"."""
+"""What was identified from a log, beside what others state of its rig: the tables "What was identified"."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Shared by the pictures: colours that the colour-blind tell apart, friction as measured, means in bins."""
+"""Shared by the pictures: colours that colour-blind readers can distinguish, friction as measured, means in bins."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Every figure that was asked for beside what is measured and its peers: benchmarks/results.md and its figure.
+"""Every required figure beside what is measured and its peers: benchmarks/results.md and its figure.
 
 Run: python benchmarks/page.py [--quick] [PART ...]     (with parts named, their tables are printed, nothing is written)
 """
@@ -17,7 +17,7 @@ from pathlib import Path
 sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
 from benchmarks import accuracy, calls, checks, derivation, diagnosis, figure, fuzz, host, speed, target
 from benchmarks.asked import CODE, DIAGNOSIS
-from benchmarks.record import Part, table, tell
+from benchmarks.record import Part, progress, table
 
 HERE = Path(__file__).resolve().parent
 PARTS: dict[str, tuple[str, Callable[[bool], Part]]] = {
@@ -52,7 +52,7 @@ def main() -> int:
             traceback.print_exc()
             failed, reason = True, (str(error).strip().splitlines() or [""])[-1]
             found[name] = Part({}, [f"Not measured: {type(error).__name__}: {reason}"])
-        tell("")
+        progress("")
     if wanted.parts:
         print("\n".join([*details(found), *summary(found, whole=False)]))
     else:
@@ -74,11 +74,11 @@ def page(found: Mapping[str, Part], quick: bool) -> str:
             f" Python {platform.python_version()}.",
             "Times are medians of paired rounds on one core; the emitted code is that of case C2 with the parameters of"
             " Table 1 where no other is named.",
-            "That results have no other bits whatever the shape, that memory is bounded by the block and that sanitizers"
-            " and warnings are silent is held by the tests.",
+            "Tests hold that results have the same bits whatever the shape, that memory is bounded by the block, and that"
+            " sanitizers and warnings are silent.",
             "",
             *summary(found),
-            "![speed against array size, error against distance from the hollow](results.svg)",
+            "![speed against array size, error against distance from the zero of F_N](results.svg)",
             "",
             *details(found),
         ]
@@ -86,7 +86,7 @@ def page(found: Mapping[str, Part], quick: bool) -> str:
 
 
 def summary(found: Mapping[str, Part], whole: bool = True) -> list[str]:
-    """The tables of what was asked for, measured or not; if not whole, only what was measured."""
+    """The tables of what is required, measured or not; if not whole, only what was measured."""
     figures = {key: one for part in found.values() for key, one in part.figures.items()}
     lines = []
     for title, asked in (("The emitted code", CODE), ("The diagnosis", DIAGNOSIS)):
@@ -97,7 +97,7 @@ def summary(found: Mapping[str, Part], whole: bool = True) -> list[str]:
 
 
 def details(found: Mapping[str, Part]) -> list[str]:
-    """What each part has to say beyond the asked-for figures."""
+    """What each part reports beyond the required figures."""
     return [
         line
         for name, part in found.items()

@@ -7,12 +7,12 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Literal
 
-HEAD = ("| what | asked | measured | peer | |", "|---|---|---|---|---|")
+HEAD = ("| what | required | measured | peer | |", "|---|---|---|---|---|")
 
 
 @dataclass(frozen=True)
 class Asked:
-    """A figure that was asked for."""
+    """A required figure."""
 
     what: str
     bound: Literal["at most", "at least"]
@@ -26,10 +26,10 @@ class Asked:
 
 @dataclass(frozen=True)
 class Measured:
-    """The value that is judged; how it is told, if not by itself; what its peers have."""
+    """The value that is judged; its text, if not the value itself; what its peers reach."""
 
     value: float
-    told: str = ""
+    text: str = ""
     peer: str = ""
 
 
@@ -38,7 +38,7 @@ class Part:
     """What one benchmark found.
 
     Attributes:
-        figures: key of the asked-for figure -> what was measured.
+        figures: key of the required figure -> what was measured.
         details: lines of Markdown.
         curves: name -> (x, y), for the figure.
     """
@@ -49,20 +49,20 @@ class Part:
 
 
 def table(asked: Mapping[str, Asked], figures: Mapping[str, Measured]) -> list[str]:
-    """One row for each asked-for figure, measured or not, and whether it is reached."""
+    """One row for each required figure, measured or not, and whether it is reached."""
     return [*HEAD, *(_row(one, figures.get(key)) for key, one in asked.items())]
 
 
-def tell(text: str) -> None:
+def progress(text: str) -> None:
     """Show progress in one line of the terminal, where it is one."""
     if sys.stderr.isatty():
         print(f"\r\x1b[K{text}", end="", file=sys.stderr, flush=True)
 
 
 def _row(asked: Asked, measured: Measured | None) -> str:
-    wanted = f"{asked.bound} {asked.limit:.3g} {asked.unit}".rstrip()
+    required = f"{asked.bound} {asked.limit:.3g} {asked.unit}".rstrip()
     if measured is None:
-        return f"| {asked.what} | {wanted} | | | not measured |"
-    told = measured.told or f"{measured.value:.3g} {asked.unit}".rstrip()
+        return f"| {asked.what} | {required} | | | not measured |"
+    text = measured.text or f"{measured.value:.3g} {asked.unit}".rstrip()
     judged = "reached" if asked.reached(measured.value) else "not reached"
-    return f"| {asked.what} | {wanted} | {told} | {measured.peer} | {judged} |"
+    return f"| {asked.what} | {required} | {text} | {measured.peer} | {judged} |"

@@ -1,6 +1,6 @@
 """The residuals of a log, with the columns that a sparse regression can have of the library's effects.
 
-What has a hidden state (backlash, presliding, magnetic hysteresis) has no column; shapes stand on a grid.
+What has a hidden state (backlash, presliding, magnetic hysteresis) has no column; shapes are on a grid.
 """
 
 from __future__ import annotations

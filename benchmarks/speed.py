@@ -1,6 +1,6 @@
 """Time of the emitted NumPy module and of the compiled C beside its peers, case C2, paired in one run.
 
-Every round measures all in turn, as processor time on one core; told are the medians over the rounds. The peers'
+Every round measures all in turn, as processor time on one core; reported are the medians over the rounds. The peers'
 environment runs this file as a script, its rounds as argument.
 """
 
@@ -20,7 +20,7 @@ ROOT = Path(__file__).resolve().parent.parent
 sys.path.insert(0, str(ROOT))
 from benchmarks import environment  # noqa: E402
 from benchmarks.peers import torque  # noqa: E402
-from benchmarks.record import Measured, Part, tell  # noqa: E402
+from benchmarks.record import Measured, Part, progress  # noqa: E402
 
 SIZES = (1, 100, 10_000, 1_000_000)
 OURS, COMPILED = "emitted NumPy", "emitted C, compiled"
@@ -33,9 +33,9 @@ _SINGLE_THREAD = dict.fromkeys(("OMP_NUM_THREADS", "NUMEXPR_NUM_THREADS", "NUMBA
 
 def measured(quick: bool) -> Part:
     """Measure in the environment of the peers."""
-    tell("NumPy: peers")
+    progress("NumPy: peers")
     absent = environment.absent(*_NEEDED, *_OPTIONAL)
-    tell("NumPy: rounds")
+    progress("NumPy: rounds")
     command = [environment.PYTHON, __file__, "5" if quick else "15"]
     done = subprocess.run(
         command, capture_output=True, text=True, check=False, env=os.environ | _SINGLE_THREAD, cwd=ROOT

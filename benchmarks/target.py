@@ -88,7 +88,7 @@ def measured(_: bool) -> Part:
         own = [*(max(counts[f]) for f in (TORQUE, GRADIENT)), *(grown(folder, f) for f in (TORQUE, GRADIENT))]
         found, left_out = generators.measured(folder, "float", _peer)
     figures = {
-        what: Measured(own[k], str(own[k]), generators.told(found, k)) for k, what in enumerate(_COUNTS)
+        what: Measured(own[k], str(own[k]), generators.as_text(found, k)) for k, what in enumerate(_COUNTS)
     }
     says = (
         "Single precision, instructions of a call (the most of 64), bytes of growth of a linked firmware."

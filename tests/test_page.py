@@ -1,4 +1,4 @@
-"""The page of benchmarks: every asked-for figure has its row, and one that is missed says so."""
+"""The page of benchmarks: every required figure has its row, and one that is missed says so."""
 
 import re
 

@@ -59,9 +59,9 @@ def test_how_they_are_told() -> None:
     """Each number stands with the generator, as generated and with -ffast-math, in line and table."""
     found = {"A": [[1.0, 2.0], [3.0, 4.0]], "B": [[5.0, 6.0], [7.0, 8.4]]}
 
-    assert "as generated / -ffast-math: A 2 / 4; B 6 / 8" == generators.told(found, 1)
+    assert "as generated / -ffast-math: A 2 / 4; B 6 / 8" == generators.as_text(found, 1)
     assert [
         "| | x | y |", "|---|---|---|", "| emitted | 0 | 1 |", "| A, as generated | 1 | 2 |",
         "| A, -ffast-math | 3 | 4 |", "| B, as generated | 5 | 6 |", "| B, -ffast-math | 7 | 8 |",
     ] == generators.table(["x", "y"], [0.2, 1.0], found)  # fmt: skip
-    assert "" == generators.told({}, 0)
+    assert "" == generators.as_text({}, 0)
