@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import sys
+from collections.abc import Mapping
+from functools import cache
 from itertools import count
 from types import ModuleType
 
@@ -10,6 +12,7 @@ from eccentric.emission.render import render
 from eccentric.model import Model
 
 _KEPT = 32
+_PACKAGE, _RUNTIME = "eccentric_emitted", "eccentric_runtime"
 _numbers = count()
 # By identity: a model is immutable, and rendering takes half a second. It is kept, so its id stays its own.
 _by_model: dict[int, tuple[Model, ModuleType]] = {}
@@ -22,7 +25,7 @@ def load_module(model: Model) -> ModuleType:
         InputError: the model cannot be emitted.
     """
     if id(model) not in _by_model:
-        module = _executed(model)
+        module = executed(render(model, backends=("numpy",)), model.name)
         if len(_by_model) >= _KEPT:
             _, oldest = _by_model.pop(next(iter(_by_model)))
             del sys.modules[oldest.__name__]
@@ -30,10 +33,25 @@ def load_module(model: Model) -> ModuleType:
     return _by_model[id(model)][1]
 
 
-def _executed(model: Model) -> ModuleType:
-    module = ModuleType(f"eccentric_emitted_{model.name}_{next(_numbers)}")
+def executed(files: Mapping[str, str], name: str) -> ModuleType:
+    """A new module of the emitted file of that name, with the runtime that is emitted beside it."""
+    _package(files[f"{_RUNTIME}.py"])
+    return _run(f"{_PACKAGE}.{name}_{next(_numbers)}", files[f"{name}.py"])
+
+
+@cache
+def _package(runtime: str) -> None:
+    """Make the package that the modules are in, for the one runtime that this toolkit emits."""
+    package = ModuleType(_PACKAGE)
+    package.__path__ = []
+    sys.modules[_PACKAGE] = package
+    vars(package)[_RUNTIME] = _run(f"{_PACKAGE}.{_RUNTIME}", runtime)
+
+
+def _run(name: str, source: str) -> ModuleType:
+    module = ModuleType(name)
+    module.__package__ = _PACKAGE
     # A dataclass under postponed annotations looks its module up while it is made.
-    sys.modules[module.__name__] = module
-    source = render(model, backends=("numpy",))[f"{model.name}.py"]
-    exec(compile(source, f"<{model.name}.py as emitted>", "exec"), module.__dict__)  # noqa: S102
+    sys.modules[name] = module
+    exec(compile(source, f"<{name}.py as emitted>", "exec"), module.__dict__)  # noqa: S102
     return module

@@ -22,6 +22,8 @@ def render(
     command: str = "make derive",
     origin: str | None = None,
     backends: Iterable[str] = DEFAULT,
+    *,
+    single_file: bool = False,
 ) -> dict[str, str]:
     """The emitted files of a model: file name -> text.
 
@@ -30,6 +32,7 @@ def render(
         command: by which command the files were written; it stands in their banner.
         origin: where the physics stands, for the banner; by default the derivation of the model's name.
         backends: names of `BACKENDS`.
+        single_file: whether each file carries all that it needs, also what is the same for all models.
 
     Raises:
         InputError: the model lacks a balance, a term or a definition that is emitted, or has one with an
@@ -37,7 +40,7 @@ def render(
     """
     try:
         origin = origin or f"derivations/{model.name}.py"
-        return render_program(build_program(model), origin, command, backends)
+        return render_program(build_program(model), origin, command, backends, single_file=single_file)
     except UnprintableError as error:
         raise InputError(f"model {model.name}: {_place(model, error.operation)}{error}") from None
 
@@ -52,31 +55,42 @@ def _place(model: Model, operation: sp.Basic) -> str:
 
 
 def render_program(
-    program: Program, origin: str, command: str, backends: Iterable[str] = DEFAULT
+    program: Program,
+    origin: str,
+    command: str,
+    backends: Iterable[str] = DEFAULT,
+    *,
+    single_file: bool = False,
 ) -> dict[str, str]:
     """The emitted files of a program; `origin` names where its physics stands.
 
-    The digest that they carry is of all that stands below their banners: what changes the code changes it.
-    It is that of the default back ends, whichever are asked for: files of one program carry one number.
+    The digest that they carry is of all that stands below the banners of the default back ends, whichever are
+    asked for: what changes the code changes it, and files of one program carry one number.
     """
     program, backends = with_plain_text(program), tuple(backends)
-    banner = (
-        f"Generated: do not edit. Written by `{plain(command)}` from {plain(origin)}",
-        f"(eccentric {__version__}, program {_DIGEST}).",
-        f"{program.title}.",
-    )
     code = {name: _code(program, BACKENDS[name]) for name in {*DEFAULT, *backends}}
     texts = [text for name in DEFAULT for text in code[name].values()]
     digest = hashlib.sha256("".join(texts).encode()).hexdigest()[:8]
+    if single_file:
+        code = {name: _code(program, BACKENDS[name], single_file=True) for name in backends}
+    written = f"Generated: do not edit. Written by `{plain(command)}`"
+    own = (
+        f"{written} from {plain(origin)}",
+        f"(eccentric {__version__}, program {_DIGEST}).",
+        f"{program.title}.",
+    )
+    common = (f"{written} (eccentric {__version__}).",)
     return {
-        file: (BACKENDS[name].banner(banner) + text).replace(_DIGEST, digest)
+        file: (
+            BACKENDS[name].banner(common if file in BACKENDS[name].files.values() else own) + text
+        ).replace(_DIGEST, digest)
         for name in backends
         for file, text in code[name].items()
     }
 
 
-def _code(program: Program, backend: Backend) -> dict[str, str]:
+def _code(program: Program, backend: Backend, *, single_file: bool = False) -> dict[str, str]:
     """The files of a back end without their banners."""
     view = backend.view(program, _DIGEST)
-    files = zip(backend.files, backend.named(program.name), strict=True)
-    return {file: template(name).render(view) for name, file in files}
+    files = backend.written(program.name, single_file=single_file)
+    return {file: template(name).render(view) for name, file in files.items()}

@@ -6,7 +6,7 @@ import difflib
 from collections.abc import Collection, Mapping
 from pathlib import Path
 
-from eccentric.emission.backends import BACKENDS, DEFAULT
+from eccentric.emission.backends import DEFAULT
 from eccentric.emission.check import render_check
 from eccentric.emission.render import render
 from eccentric.model import Model
@@ -18,18 +18,19 @@ def complete(
     command: str = "make derive",
     origin: str | None = None,
     backends: Collection[str] = DEFAULT,
+    *,
+    single_file: bool = False,
 ) -> dict[str, str]:
     """The emitted files of a model and, in the folder `check`, what checks its C: name -> text.
 
     Raises:
         InputError: the model cannot be emitted.
     """
+    files = render(model, command, origin, backends, single_file=single_file)
     if "c99" not in backends:
-        return render(model, command, origin, backends)
-    # The checks of the C are made with the NumPy module, wanted or not.
-    files = render(model, command, origin, dict.fromkeys((*DEFAULT, *backends)))
-    wanted = {file for name in backends for file in BACKENDS[name].named(model.name)}
-    return {file: text for file, text in files.items() if file in wanted} | render_check(model, files)
+        return files
+    with_module = "numpy" in backends and not single_file
+    return files | render_check(model, files if with_module else render(model, command, origin))
 
 
 def write(files: Mapping[str, str], out: Path) -> list[Path]:

@@ -1,5 +1,5 @@
 /*
- * Generated: do not edit. Written beside c1_asymmetric.c (program eaa8389b).
+ * Generated: do not edit. Written beside c1_asymmetric.c (program af40957c).
  * What the self-test expects; computed by the emitted NumPy module.
  */
 #define INPUTS 4u

@@ -1,5 +1,5 @@
 /*
- * Generated: do not edit. Written beside c1_perpendicular.c (program 9e7e7bfc).
+ * Generated: do not edit. Written beside c1_perpendicular.c (program 98575159).
  * What the self-test expects; computed by the emitted NumPy module.
  */
 #define INPUTS 4u

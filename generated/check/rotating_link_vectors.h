@@ -1,5 +1,5 @@
 /*
- * Generated: do not edit. Written beside rotating_link.c (program 11266053).
+ * Generated: do not edit. Written beside rotating_link.c (program f5237b70).
  * What the self-test expects; computed by the emitted NumPy module.
  */
 #define INPUTS 5u

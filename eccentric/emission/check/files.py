@@ -8,9 +8,7 @@ from __future__ import annotations
 
 import inspect
 import re
-import sys
 from collections.abc import Iterable, Mapping
-from types import ModuleType
 from typing import Any
 
 import numpy as np
@@ -18,6 +16,7 @@ import sympy as sp
 
 from eccentric.emission.check import proof, selftest
 from eccentric.emission.check.called import Called
+from eccentric.emission.hot import executed
 from eccentric.emission.templates import template
 from eccentric.model import Model
 
@@ -43,7 +42,7 @@ def render_check(model: Model, files: Mapping[str, str]) -> dict[str, str]:
 def views(model: Model, files: Mapping[str, str]) -> dict[str, dict[str, Any]]:
     """What the templates are filled with: kind of file -> view."""
     source = files[f"{model.name}.py"]
-    module = _executed(model.name, source)
+    module = executed(files, model.name)
     public = {name: getattr(module, name) for name in module.__all__ if name.islower()}
     inputs = _inputs(model, public.values())
     functions = [_function(model.name, name, function, inputs) for name, function in public.items()]
@@ -60,14 +59,6 @@ def views(model: Model, files: Mapping[str, str]) -> dict[str, dict[str, Any]]:
     driver = {"proof.c": given | proof.view(model, functions, inputs, source)}
     tested = given | selftest.view(module, functions, inputs, defaults | assumed, source)
     return {"selftest.c": tested, "vectors.h": tested} | driver
-
-
-def _executed(name: str, source: str) -> ModuleType:
-    module = ModuleType(f"eccentric_checked_{name}")
-    # A dataclass under postponed annotations looks its module up while it is made.
-    sys.modules[module.__name__] = module
-    exec(compile(source, f"<{name}.py as emitted>", "exec"), module.__dict__)  # noqa: S102
-    return module
 
 
 def _defaults(model: Model) -> dict[str, float]:

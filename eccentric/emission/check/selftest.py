@@ -90,7 +90,8 @@ def _without_exponential(module: ModuleType) -> None:
     def stand_in(x: Any) -> Any:
         return 1.0 / (1.0 + x * x)
 
-    vars(module).update(_exp=stand_in, math=SimpleNamespace(**vars(math) | {"exp": stand_in}))
+    for name, library in (("np", np), ("math", math)):
+        vars(module)[name] = SimpleNamespace(**vars(library) | {"exp": stand_in})
 
 
 def _exponentials(real: Any) -> list[tuple[Any, Any]]:

@@ -8,11 +8,11 @@ import sympy as sp
 
 from eccentric.emission.backends.c99.constants import evaluate_prepare
 from eccentric.emission.backends.c99.lines import code, wrapped
+from eccentric.emission.backends.c99.pairs import pair_functions, pair_text
 from eccentric.emission.backends.c99.printer import DOUBLE, language
 from eccentric.emission.backends.c99.routine import argument, helper, routine
 from eccentric.emission.backends.c99.staged import staged
 from eccentric.emission.backends.expression import Language, printed
-from eccentric.emission.backends.pairs import pair_functions, pair_text
 from eccentric.emission.backends.text import number, plain, splitting, used_series
 from eccentric.emission.program import (
     LARGEST_ANGLE,

@@ -1,0 +1,81 @@
+"""What is computed as pairs of doubles, as formulas of `runtime.Pair`."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from functools import reduce
+
+import sympy as sp
+
+from eccentric.emission.backends.expression import Language, printed
+from eccentric.emission.program import TurnLeft
+
+_SUM, _PRODUCT, _ATOM = range(3)
+
+
+def pair_text(e: sp.Expr, pairs: frozenset[sp.Symbol], plain: Language, name: Callable[[str], str]) -> str:
+    """The expression as a formula that gives a Pair.
+
+    Args:
+        e: what to print.
+        pairs: symbols that are Pairs.
+        plain: how to print what is a float and counts as exact.
+        name: the spelling of a Pair.
+    """
+    return _Formulas(pairs, plain, name).pair(e)[0]
+
+
+class _Formulas:
+    """A formula is its text and how tightly that holds together."""
+
+    def __init__(self, pairs: frozenset[sp.Symbol], plain: Language, name: Callable[[str], str]) -> None:
+        self._pairs, self._plain, self._name = pairs, plain, name
+
+    def pair(self, e: sp.Expr) -> tuple[str, int]:
+        """The expression as a Pair."""
+        text, level, is_pair = self._term(e)
+        return (text, level) if is_pair else (f"runtime.Pair({text})", _ATOM)
+
+    def _term(self, e: sp.Expr) -> tuple[str, int, bool]:
+        """The expression as a Pair, or as a float where that is exact."""
+        if e in self._pairs:
+            return self._name(e.name), _ATOM, True
+        if isinstance(e, sp.Piecewise):
+            return self._choice(e), _SUM - 1, True
+        if isinstance(e, TurnLeft):
+            return f"runtime.turn_less({', '.join(printed(a, self._plain) for a in e.args)})", _ATOM, True
+        if e.is_Add:
+            return *self._folded(" + ", _SUM, e.as_ordered_terms()), True
+        if e.is_Mul:
+            above, below = e.as_numer_denom()
+            if below != 1:
+                return *self._folded(" / ", _PRODUCT, (above, below)), True
+            return *self._folded(" * ", _PRODUCT, e.as_ordered_factors()), True
+        if e.is_Pow and e.exp == sp.Rational(1, 2):
+            return f"{self._held(*self.pair(e.base), _ATOM)}.sqrt()", _ATOM, True
+        if e.is_Pow and e.exp.is_Integer and e.exp > 0:
+            return *self._folded(" * ", _PRODUCT, [e.base] * int(e.exp)), True
+        if e.is_Pow and e.exp.is_Integer:
+            return *self._folded(" / ", _PRODUCT, (sp.Integer(1), 1 / e)), True
+        return printed(e, self._plain), _ATOM if e.is_Atom and e.is_nonnegative else _SUM, False
+
+    def _folded(self, sign: str, level: int, parts: Sequence[sp.Expr]) -> tuple[str, int]:
+        """Terms or factors from left to right; the first two are not both floats."""
+        terms = [self._term(part) for part in parts]
+        if not (terms[0][2] or terms[1][2]):
+            terms[0] = (*self.pair(parts[0]), True)
+        first, *rest = terms
+        held = [self._held(*first[:2], level), *(self._held(*term[:2], level + 1) for term in rest)]
+        return reduce(lambda a, b: f"{a}{sign}{b}", held), level
+
+    def _choice(self, e: sp.Piecewise) -> str:
+        # Conditions are plain; only the values are pairs.
+        values = {f"value_{k}": self.pair(value)[0] for k, (value, _) in enumerate(e.args)}
+        stand_in = sp.Piecewise(*((sp.Symbol(s), c) for s, (_, c) in zip(values, e.args, strict=True)))
+        plain = self._plain.symbol
+        return printed(stand_in, replace(self._plain, symbol=lambda name: values.get(name) or plain(name)))
+
+    @staticmethod
+    def _held(text: str, own: int, level: int) -> str:
+        return text if own >= level else f"({text})"

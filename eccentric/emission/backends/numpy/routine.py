@@ -1,0 +1,144 @@
+"""Routines and helpers of the Program as functions of Python: formulas in plain NumPy."""
+
+from __future__ import annotations
+
+import textwrap
+from collections.abc import Iterable, Sequence
+from typing import Any
+
+from eccentric.emission.backends.expression import Language, printed
+from eccentric.emission.backends.inline import inlined
+from eccentric.emission.backends.numpy.printer import KERNEL, language
+from eccentric.emission.backends.shared import Body, Line, names_in, with_shared
+from eccentric.emission.program import Assignment, Helper, Program, Routine
+
+_WIDTH = 110
+
+
+def functions(program: Program) -> dict[str, list[dict[str, Any]]]:
+    """What the template takes of helpers, of what routines share, and of routines."""
+    coefficients = {s.name for s in program.coefficients} | {"rounder"}
+    calls = KERNEL | {helper.name: f"_{helper.name}(c, {{0}})" for helper in program.helpers}
+    spelling = language(calls, lambda name: f"c.{name}" if name in coefficients else name)
+    taken = {f"_{helper.name}" for helper in program.helpers}
+    shared, bodies = with_shared([_body(r, spelling) for r in program.routines], taken)
+    return {
+        "helpers": [_helper(h, spelling) for h in program.helpers],
+        "shared": [_shared(body) for body in shared],
+        "routines": [_routine(r, b) for r, b in zip(program.routines, bodies, strict=True)],
+    }
+
+
+def _body(r: Routine, spelling: Language) -> Body:
+    """The routine as lines; a result that is but a name needs none."""
+    lines = _printed(r.assignments, spelling)
+    results = {s.name: s.name for s in r.results}
+    renamed = {
+        line.targets[0]: line.text
+        for line in lines
+        if line.targets[0] in results and line.text.removeprefix("c.").isidentifier()
+    }
+    kept = [line for line in lines if line.targets[0] not in renamed]
+    inputs = [s.name for x in r.inputs for s in x.symbols]
+    return Body(r.name, tuple(inputs), tuple(kept), tuple(renamed.get(name, name) for name in results))
+
+
+def _printed(assignments: Iterable[Assignment], spelling: Language) -> list[Line]:
+    return inlined(Line((a.target.name,), printed(a.value, spelling), a.note) for a in assignments)
+
+
+def _lines(body: Body, *, vector: bool) -> list[str]:
+    """The lines of a function, which returns a tuple if it is a vector."""
+    lines = []
+    for k, line in enumerate(body.lines):
+        lines += [f"# {part}" for part in textwrap.wrap(line.note, 100)]
+        read = names_in(later.text for later in body.lines[k + 1 :]) | {*body.results}
+        lines += _assigned(line, read)
+    if body.lines and body.lines[-1].targets == body.results and vector == (len(body.results) > 1):
+        last = body.lines[-1].text
+        return [*lines[:-1], f"return {last}"]
+    return [*lines, *_returned(body.results, vector)]
+
+
+def _assigned(line: Line, read: set[str]) -> list[str]:
+    """An assignment; what nobody reads of several values is left out."""
+    if len(line.targets) == 1:
+        return [f"{line.targets[0]} = {line.text}"]
+    if not read.intersection(line.targets[1:]):
+        return [f"{line.targets[0]} = {line.text}[0]"]
+    return [f"{', '.join(name if name in read else '_' for name in line.targets)} = {line.text}"]
+
+
+def _returned(results: Sequence[str], vector: bool) -> list[str]:
+    text = f"return {', '.join(results)}" if len(results) > 1 or not vector else f"return ({results[0]},)"
+    if len(text) <= _WIDTH - 4:
+        return [text]
+    return ["return (", *(f"    {name}," for name in results), ")"]
+
+
+def _helper(helper: Helper, spelling: Language) -> dict[str, Any]:
+    result = helper.assignments[-1].target.name
+    body = Body(
+        helper.name, (helper.argument.name,), tuple(_printed(helper.assignments, spelling)), (result,)
+    )
+    return {
+        "name": f"_{helper.name}",
+        "inputs": ["c", helper.argument.name],
+        "doc": sentence(helper.meaning),
+        "lines": _lines(body, vector=False),
+    }
+
+
+def _shared(body: Body) -> dict[str, Any]:
+    last = body.lines[-1]
+    whole = f"the values of {body.name[1:]}"
+    meaning = (last.note or last.targets[-1]) if body.name == f"_{last.targets[-1]}" else whole
+    return {
+        "name": body.name,
+        "inputs": ["c", *body.inputs],
+        "doc": f"{sentence(meaning)[:-1]}, and what is computed on the way; {body.callers} functions call this.",
+        "lines": _lines(body, vector=len(body.results) > 1),
+    }
+
+
+def _routine(r: Routine, body: Body) -> dict[str, Any]:
+    names = [x.quantity.name for x in r.inputs]
+    defaults = ["=0.0" if r.requires and x is r.inputs[-1] else "" for x in r.inputs]
+    vectors = {x.quantity.name: x.length for x in r.inputs if x.length is not None}
+    unpacked = [f"{', '.join(s.name for s in x.symbols)} = {x.quantity.name}" for x in r.inputs if x.length]
+    options = [f"needs={quoted(r.requires)}"] if r.requires else []
+    options += [f"vectors={vectors}"] if vectors else []
+    return {
+        "name": r.name,
+        "options": f"({', '.join(options)})" if options else "",
+        "inputs": ["c", *(name + default for name, default in zip(names, defaults, strict=True))],
+        "doc": _documentation(r),
+        "lines": [*unpacked, *_lines(body, vector=bool(r.labels))],
+    }
+
+
+def _documentation(r: Routine) -> str:
+    arguments = [f"{x.quantity.name} [{x.quantity.unit}]: {x.quantity.meaning}" for x in r.inputs]
+    shape = f"last axis ({', '.join(r.labels)})" if r.labels else "shape of the broadcast inputs"
+    doc = f"{sentence(r.meaning).removesuffix('.')} [{r.unit}]; {shape}."
+    if len(doc) > 98:
+        doc = f"{sentence(r.meaning)}\n\n" + "\n".join(textwrap.wrap(f"In {r.unit}; {shape}.", 100))
+    if arguments:
+        doc += "\n\n" + "\n".join(arguments)
+    return doc.replace("\n", "\n    ").replace("\n    \n", "\n\n") + ("\n    " if "\n" in doc else "")
+
+
+def sentence(text: str) -> str:
+    """The text as a sentence."""
+    return f"{text[0].upper()}{text[1:]}."
+
+
+def quoted(items: Sequence[str], before: str = "") -> str:
+    """A tuple of strings as formatters spell it behind what is `before` it on its line."""
+    strings = [f'"{item}"' for item in items]
+    line = f"({', '.join(strings)}{',' * (len(strings) == 1)})"
+    return (
+        line
+        if len(before + line) <= _WIDTH
+        else "".join(["(\n", *(f"    {string},\n" for string in strings), ")"])
+    )

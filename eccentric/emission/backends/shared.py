@@ -1,0 +1,158 @@
+"""What several routines compute alike becomes a function that they call: every formula is written once.
+
+This works on printed lines. Two are alike where the same operations are done in the same order on operands
+that are alike; their names may differ from routine to routine.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Collection, Iterable, Sequence
+from dataclasses import dataclass, replace
+
+_HEAD = 5  # lines of a function besides its body
+_NAMELESS = re.compile(r"part_|result")
+_NAME = re.compile(r"(?<![\w.])[A-Za-z_]\w*")
+
+
+@dataclass(frozen=True)
+class Line:
+    """`targets = text`, with a comment before it; there are several targets where a function is called."""
+
+    targets: tuple[str, ...]
+    text: str
+    note: str = ""
+
+
+@dataclass(frozen=True)
+class Body:
+    """A function.
+
+    Attributes:
+        name: of the routine, or of a shared function.
+        inputs: names.
+        lines: in order.
+        results: names of what it returns.
+        callers: how many functions call it, where it is shared.
+    """
+
+    name: str
+    inputs: tuple[str, ...]
+    lines: tuple[Line, ...]
+    results: tuple[str, ...]
+    callers: int = 0
+
+
+def with_shared(bodies: Sequence[Body], taken: Collection[str]) -> tuple[list[Body], list[Body]]:
+    """The functions that bodies share, what is called before its callers, and the bodies that call them.
+
+    Args:
+        bodies: the routines; their lines have one target.
+        taken: names that no shared function may have.
+    """
+    shared, rest = list[Body](), list(bodies)
+    numbering = dict[str, str]()
+    while (alike := _most_alike([*shared, *rest], numbering)) is not None:
+        callers = [body for body in [*shared, *rest] if alike <= {*_keys(body, numbering)}]
+        block = _block(callers, alike, numbering, {*taken, *(body.name for body in shared)})
+        shared = [block, *(_calling(body, block, numbering) if body in callers else body for body in shared)]
+        rest = [_calling(body, block, numbering) if body in callers else body for body in rest]
+    return shared, rest
+
+
+def names_in(texts: Iterable[str]) -> set[str]:
+    """The names in formulas, without those of attributes."""
+    return {name[0] for text in texts for name in _NAME.finditer(text)}
+
+
+def _keys(body: Body, numbering: dict[str, str]) -> list[str]:
+    """What each line computes of the inputs: a number, the same for lines that are alike."""
+    known = {name: name for name in body.inputs}
+    keys = []
+    for line in body.lines:
+        meant = _NAME.sub(lambda name: known.get(name[0], name[0]), line.text)  # noqa: B023 - used at once
+        keys.append(numbering.setdefault(meant, f"#{len(numbering)}"))
+        known |= {name: _result(keys[-1], line, k) for k, name in enumerate(line.targets)}
+    return keys
+
+
+def _result(key: str, line: Line, k: int) -> str:
+    return f"{key}[{k}]" if len(line.targets) > 1 else key
+
+
+def _most_alike(bodies: Sequence[Body], numbering: dict[str, str]) -> set[str] | None:
+    """The lines, by their keys, that save most where they become a function; None if none saves anything.
+
+    They are a value that has a name, with all that it follows from, or all of a routine.
+    """
+    keys = [_keys(body, numbering) for body in bodies]
+    candidates = [set(own) for own in keys]
+    for body, own in zip(bodies, keys, strict=True):
+        follows = dict[str, set[str]]()
+        for key, line in zip(own, body.lines, strict=True):
+            follows |= {
+                name: {key}.union(*(follows.get(x, ()) for x in names_in([line.text])))
+                for name in line.targets
+            }
+            if not _NAMELESS.match(line.targets[0]):
+                candidates.append(follows[line.targets[0]])
+
+    def saved(alike: set[str]) -> tuple[int, int]:
+        """Lines, less one for each value that is handed back, which has to be read, too; and callers."""
+        callers = [body for body, own in zip(bodies, keys, strict=True) if alike <= {*own}]
+        given = set().union(*(_read_outside(body, alike, numbering) for body in callers))
+        return len(callers) * (len(alike) - 1) - len(alike) - len(given) - _HEAD, len(callers)
+
+    best = max(candidates, key=saved, default=set[str]())
+    return best if best and saved(best)[0] > 0 else None
+
+
+def _block(callers: Sequence[Body], alike: set[str], numbering: dict[str, str], taken: set[str]) -> Body:
+    """The function of the lines, with the names that its first caller has for them."""
+    first = callers[0]
+    keys = _keys(first, numbering)
+    lines = [line for key, line in zip(keys, first.lines, strict=True) if key in alike]
+    made = {name for line in lines for name in line.targets}
+    names = {name: key for key, name in _named(first, numbering) if name in made}
+    reads = [_read_outside(body, alike, numbering) for body in callers]
+    count = {name: sum(key in read for read in reads) for name, key in names.items()}
+    results = sorted((name for name in names if count[name]), key=lambda name: -count[name])
+    whole = next((body for body in callers if {*_keys(body, numbering)} == alike), None)
+    name = f"_{whole.name.lstrip('_') if whole else lines[-1].targets[-1]}"
+    while name in taken:
+        name += "_2"
+    used = names_in(line.text for line in lines)
+    inputs = tuple(x for x in first.inputs if x in used)
+    return Body(name, inputs, tuple(lines), tuple(results), len(callers))
+
+
+def _read_outside(body: Body, alike: set[str], numbering: dict[str, str]) -> set[str]:
+    """What a caller reads of the lines besides themselves, by key."""
+    keys = _keys(body, numbering)
+    others = [line for key, line in zip(keys, body.lines, strict=True) if key not in alike]
+    read = names_in(line.text for line in others) | {*body.results}
+    made = {name for key, line in zip(keys, body.lines, strict=True) if key in alike for name in line.targets}
+    return {key for key, name in _named(body, numbering) if name in read & made}
+
+
+def _calling(body: Body, block: Body, numbering: dict[str, str]) -> Body:
+    """The body with a call in the place of the lines that the block computes."""
+    made = {*_keys(block, numbering)}
+    keys = {name: key for key, name in _named(block, numbering)}
+    names = dict(_named(body, numbering))
+    call = Line(
+        tuple(names[keys[name]] for name in block.results), f"{block.name}({', '.join(('c', *block.inputs))})"
+    )
+    own = _keys(body, numbering)
+    at = min(k for k, key in enumerate(own) if key in made)
+    rest = [line for key, line in zip(own, body.lines, strict=True) if key not in made]
+    return replace(body, lines=(*rest[:at], call, *rest[at:]))
+
+
+def _named(body: Body, numbering: dict[str, str]) -> list[tuple[str, str]]:
+    """Key and name of all that the lines give."""
+    return [
+        (_result(key, line, k), name)
+        for key, line in zip(_keys(body, numbering), body.lines, strict=True)
+        for k, name in enumerate(line.targets)
+    ]
