@@ -7,10 +7,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from eccentric.fitting import Drive, Refit, drive_of, loaded_model, refit
+from eccentric.fitting import Drive, Refit, drive_of, fit_data_of, loaded_model, refit
 from eccentric.model import load_model
 from eccentric.rigs import read_rig
-from eccentric.search import fit_data_of
 from eccentric.signals import read_channels
 from tests.identified import DIFFERENCES, inertia, is_found
 from tests.swing import HELD_OUT, VOLTAGE, Run, Swing, log_of, write_rig, write_runs

@@ -24,7 +24,7 @@ LAYERS = (
     {"places", "output", "scripts"},
     {"model"},
     {"effects", "derivations"},
-    {"emission", "logs"},
+    {"emission", "logs", "estimation"},
     {"rigs", "audit", "figures", "compiled"},
     {"signals"},
     {"fitting"},

@@ -9,11 +9,10 @@ import numpy as np
 import pytest
 
 from eccentric.errors import InputError
-from eccentric.fitting import drive_of
+from eccentric.fitting import drive_of, fit_data_of
 from eccentric.fitting.problem import pose
 from eccentric.model import load_model
 from eccentric.rigs import Rig, read_rig
-from eccentric.search import fit_data_of
 from eccentric.signals import Channels, read_channels, rows_of
 from tests import screw
 from tests.planted import FRICTION, K_I, KNOWN, MASS, MOTOR, RATE, TORQUE, T, fitted, motion, torque, written

@@ -8,10 +8,9 @@ import numpy as np
 import pytest
 
 from eccentric.diagnosis import leave_runs_out
-from eccentric.fitting import FitData, drive_of, refit
+from eccentric.fitting import FitData, drive_of, fit_data_of, refit
 from eccentric.model import Model, load_model
 from eccentric.rigs import read_rig
-from eccentric.search import fit_data_of
 from eccentric.signals import read_channels
 from tests.swing import Array, Swing, driven, write_rig, write_runs
 

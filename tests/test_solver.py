@@ -10,9 +10,8 @@ import numpy as np
 import pytest
 from scipy.optimize import curve_fit, lsq_linear
 
-from eccentric.fitting.design import Coefficient, Design, Nonlinear
+from eccentric.estimation import Coefficient, Design, Nonlinear, iterate, profile, search, slopes_between
 from eccentric.fitting.machine import Machine
-from eccentric.fitting.solver import iterate, profile, search, slopes_between
 from eccentric.model import load_model
 
 RNG = np.random.default_rng(11)

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 from scipy.stats import binom
 
-from eccentric.fitting import bounded
-from eccentric.fitting.uncertainty import (
+from eccentric.estimation import bounded
+from eccentric.estimation.uncertainty import (
     FRACTION,
     TWO_SIDED,
     covariance,

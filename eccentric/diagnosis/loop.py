@@ -3,7 +3,7 @@
 The stages, each with what it hands on:
 
     drive       channels, rig -> drive torque, known and identified parameters   (`drive.drive_of`)
-    signals     smooth inputs of expressions                                     (`balances.fit_data_of`)
+    signals     smooth inputs of expressions                                     (`fit_data.fit_data_of`)
     balances    both residuals as linear designs on the training part            (`balances.balances_of`)
     attribute   verdict and adopted effects                                      (`verdict.attribute`)
     extend      Model', its coefficients fitted on its own emitted module        (`trial.trial`)
@@ -25,7 +25,15 @@ from eccentric.diagnosis.models import fitted_models
 from eccentric.diagnosis.orders import orders_of
 from eccentric.diagnosis.outcome import Asked, Diagnosis
 from eccentric.errors import InputError
-from eccentric.fitting import bounded, drive_of, loaded_model, residual_samples
+from eccentric.estimation import bounded
+from eccentric.fitting import (
+    drive_noise,
+    drive_of,
+    fit_data_of,
+    loaded_model,
+    residual_samples,
+    with_model_current,
+)
 from eccentric.logs import LogSource, read_log
 from eccentric.model import Model, load_model
 from eccentric.rigs import Rig, read_rig
@@ -33,12 +41,9 @@ from eccentric.search import (
     attribute,
     balances_of,
     candidate_of,
-    drive_noise,
-    fit_data_of,
     offered,
     setting_of,
     variables_of,
-    with_model_current,
 )
 from eccentric.signals import LEAST_HELD_OUT, BalanceDesign, read_channels, require_rows
 

@@ -9,7 +9,8 @@ import numpy as np
 
 from eccentric.diagnosis.limits import FEWEST_RUNS
 from eccentric.effects import Effect
-from eccentric.fitting import FitData, Refit, improvement, improvement_over_runs, refit
+from eccentric.estimation import improvement, improvement_over_runs
+from eccentric.fitting import FitData, Refit, refit
 from eccentric.model import Model
 
 __all__ = ["OverRuns", "Score", "leave_runs_out", "score"]

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import sympy as sp
 
 from eccentric.errors import InputError
-from eccentric.fitting.design import Coefficient, Nonlinear
+from eccentric.estimation import Coefficient, Nonlinear
 from eccentric.model import Column, Model, Role, regressor
 from eccentric.rigs import KNOWNS
 

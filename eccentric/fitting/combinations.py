@@ -16,8 +16,8 @@ from numpy.typing import NDArray
 from eccentric.fitting.columns import as_text
 
 if TYPE_CHECKING:
+    from eccentric.estimation import Estimate, Spread
     from eccentric.fitting.problem import Problem
-    from eccentric.fitting.uncertainty import Estimate, Spread
 
 Array = NDArray[np.float64]
 

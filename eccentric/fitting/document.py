@@ -32,8 +32,8 @@ from eccentric.rigs import ALIGNMENT
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
+    from eccentric.estimation import Estimate
     from eccentric.fitting.identify import Fit
-    from eccentric.fitting.uncertainty import Estimate
 
 __all__ = ["fit_document"]
 

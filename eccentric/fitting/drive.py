@@ -5,38 +5,28 @@
     voltage, or current without k_i    torque = (x - x_0 - k_e w)/s,  s = R/k_i [V/(N m)] or 1/k_i [A/(N m)]
     motor switched off                 torque = 0
 
-Delay, zero angle, offset, inertia and the scale s come from a first fit of the paper's model.  Inertia,
-scale (through gravity), back-EMF (where free motion tells it from viscous friction), offset and a constant
-load then stay free beside every model that is tried: columns that each of them gets, so that no effect is
+Inertia, scale (through gravity), back-EMF (where free motion tells it from viscous friction), offset and a
+constant load stay free beside every model that is tried: columns that each of them gets, so that no effect is
 adopted for making up a bench that was described a little wrong.  Without a scale in the log s is 1, and the
 result is in the unit of the drive.
 """
 
 from __future__ import annotations
 
-import dataclasses
 from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
-import sympy as sp
 from numpy.typing import NDArray
 
 from eccentric.errors import InputError
 from eccentric.fitting.constant_load import load_gain
-from eccentric.fitting.design import Solution
 from eccentric.fitting.machine import Machine
-from eccentric.fitting.problem import Problem, own_letters, pose, require_case
-from eccentric.fitting.solver import search
-from eccentric.model import Model
-from eccentric.rigs import Rig
 from eccentric.signals import Channels
 
-__all__ = ["Drive", "drive_of"]
+__all__ = ["Drive"]
 
 Array = NDArray[np.float64]
-
-_UNITS = {"voltage": "V", "current": "A", "torque": "N m"}
 
 
 @dataclass(frozen=True)
@@ -123,147 +113,3 @@ class Drive:
             "zero_angle": -slope,
         }
         return {name: made[name] for name in self.open}
-
-
-def drive_of(channels: Channels, rig: Rig, base: Model) -> Drive:
-    """Return the drive of a log; `base` is the paper's model, without load.
-
-    Raises InputError for what `problem.pose` refuses, and for a drive whose sign contradicts the motion.
-    """
-    require_case(rig, base)
-    open_inertia = not {"J_m", "J_l"} <= set(rig.known)
-    measured = channels.drive == "torque" or (channels.drive == "current" and "k_i" in rig.known)
-    complete = measured and not open_inertia and not rig.unknown and not rig.estimate
-    if complete:
-        known = _needed(channels, rig, base) | {k: v for k, v in rig.known.items() if k == "T_load"}
-        return Drive(Machine(base), channels, known, None, "N m", (), "", ())
-    problem = pose(channels.driven, rig, base)
-    first = search(problem, problem.every)
-    found = {c.role: float(v) for c, v in zip(problem.coefficients, first.values, strict=True)}
-    _require_sign(found, problem)
-    letters = {k: v for k, v in first.at.items() if k not in ("input_delay_s", "theta_zero_rad")}
-    aligned = {k: v for k, v in first.at.items() if k not in letters}
-    if "offset" in found:
-        aligned["voltage_offset_V"] = found["offset"]
-    channels = channels.realigned(rig, **aligned)
-    rig = dataclasses.replace(rig, known={**rig.known, **letters})
-    scale = None if measured else _scale(problem, found)
-    unit = "N m" if measured or _has_scale(problem) else _UNITS[channels.drive]
-    known = _needed(channels, rig, base)
-    if open_inertia:
-        total = found["inertia"] / (found.get("scale", 1.0) if scale else 1.0)
-        known |= _inertias(rig, problem.machine, total)
-    if "T_load" in rig.known:
-        known["T_load"] = rig.known["T_load"]
-    elif "T_load" in rig.unknown:
-        known["T_load"] = 0.0  # free, a column
-    return Drive(
-        problem.machine,
-        channels,
-        known,
-        scale,
-        unit,
-        *_open(channels, rig, problem, open_inertia),
-        _identified(first, scale, open_inertia, rig),
-        tuple(w for w in problem.warnings if w not in channels.warnings),
-        rig.known.get("J_m") if open_inertia else None,
-    )
-
-
-def _identified(first: Solution, scale: float | None, open_inertia: bool, rig: Rig) -> tuple[str, ...]:
-    """Parameters that the log had to give."""
-    scaled = {"R", "k_i"} if scale is not None else set()
-    inertia = {"J_m", "J_l"} - set(rig.known) if open_inertia else set()
-    load = {"T_load"} & set(rig.unknown)
-    return tuple(sorted({*first.at, *scaled, *inertia, *load}))
-
-
-def _needed(channels: Channels, rig: Rig, base: Model) -> dict[str, float]:
-    """Values of the parameters of the model that are no friction coefficients, as far as they are known.
-
-    A torque signal is a current with k_i = 1 N m/A; of a scale only R/k_i counts.
-    """
-    needed = {q.name for q in base.parameters if q not in base.friction_parameters} - {"T_load"}
-    # What the log has to give, and what only the armature of a rig with voltage and current needs.
-    given = {"k_i", "R", "k_e", "J_m", "J_l", "F_T"}
-    if rig.case == "C1":
-        # There it is only in F_T, whose friction no log tells from the motor's.
-        given |= {"M_l"}
-    if channels.drive == "current" and channels.voltage is not None:
-        given -= {"R", "k_e"}
-        if missing := sorted({"R", "k_e"} - set(rig.known)):
-            raise InputError(
-                f"{rig.path}: [known] {' and '.join(missing)} required, since current and voltage are mapped,"
-                " received none: give it, or leave the voltage out of [columns]"
-            )
-    own = own_letters(base) & needed
-    known = {q.name: float(sp.Float(q.default)) for q in base.parameters if q.name in own}
-    known |= {name: rig.value(name) for name in sorted(needed - given - own)}
-    known |= {name: rig.known[name] for name in sorted(needed & given) if name in rig.known}
-    if "M_l" in needed:
-        known.setdefault("M_l", 0.0)
-    if "F_T" in needed:
-        known.setdefault("F_T", known.get("M_l", 0.0) * known["g"])
-    if channels.drive == "torque" or "k_i" not in known:
-        known["k_i"] = 1.0
-    return known
-
-
-def _scale(problem: Problem, found: Mapping[str, float]) -> float:
-    """What a newton metre is in the unit of the drive."""
-    if problem.channels.drive == "voltage" and problem.scale is None:
-        return 1.0 / problem.per_volt
-    return found.get("scale", 1.0)
-
-
-def _has_scale(problem: Problem) -> bool:
-    return problem.scale is None or any(c.role == "scale" for c in problem.coefficients)
-
-
-def _inertias(rig: Rig, machine: Machine, total: float) -> dict[str, float]:
-    """J_m and J_l that give the identified inertia; a link of unknown inertia is taken as its mass alone."""
-    mu = {"mu": rig.value("mu")}
-
-    def link_of(rotor: float) -> float:
-        rest = total - machine.inertia({**mu, "J_m": rotor, "J_l": 0.0})
-        return max(rest, 0.0) / machine.inertia_per("J_l", mu)
-
-    if "J_m" in rig.known:
-        return {"J_l": link_of(rig.known["J_m"])}
-    link = rig.known.get("J_l", rig.known["M"] * rig.known["L"] ** 2)
-    rotor = max(total - machine.inertia({**mu, "J_m": 0.0, "J_l": link}), 0.0)
-    return {"J_m": rotor, "J_l": link if rotor else link_of(0.0)}
-
-
-def _open(channels: Channels, rig: Rig, problem: Problem, open_inertia: bool) -> tuple[tuple[str, ...], str]:
-    """Names of the columns that stay free, and the letter that the one of gravity changes."""
-    names, adjusts = [], ""
-    turning = problem.model.balance("mechanical").sum_of("gravity") != 0
-    if open_inertia:
-        names.append("J_m")
-    if "T_load" in rig.unknown:
-        names.append("T_load")
-    if any(c.role == "scale" for c in problem.coefficients):
-        adjusts = "scale"
-    else:
-        adjusts = next((letter for letter in ("L", "M") if letter in rig.unknown), "")
-    if turning and adjusts:
-        names.append("gravity")
-    scaled = problem.scale is not None
-    if channels.drive == "voltage" and scaled and "k_e" not in rig.known and np.any(channels.off):
-        names.append("back_emf")
-    if "voltage_offset_V" in rig.estimate and channels.drive == "voltage":
-        names.append("offset")
-    if "theta_zero_rad" in rig.estimate and turning:
-        names.append("zero_angle")
-    return tuple(names), adjusts if "gravity" in names else ""
-
-
-def _require_sign(found: Mapping[str, float], problem: Problem) -> None:
-    for role in ("scale", "inertia"):
-        if found.get(role, 1.0) <= 0.0:
-            raise InputError(
-                f"{problem.rig.path}: {'scale' if role == 'scale' else 'inertia'} of the drive above 0 is"
-                f" required, received {found[role]:.3g} from the log: do the signs of"
-                f" {problem.channels.drive} and angle agree?"
-            )

@@ -9,10 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from eccentric.effects import Shape
-from eccentric.fitting.design import Nonlinear
+from eccentric.estimation import Estimate, Nonlinear, slopes_between
 from eccentric.fitting.extended import Extended, Step
-from eccentric.fitting.solver import slopes_between
-from eccentric.fitting.uncertainty import Estimate
 from eccentric.model import Model
 
 __all__ = ["estimates", "shares"]

@@ -17,7 +17,7 @@ import sympy as sp
 from eccentric.model import Column, Model, regressor
 from eccentric.model.steps import meaning
 
-__all__ = ["Signals", "base_columns", "compiled", "evaluated", "lambdified"]
+__all__ = ["Signals", "base_columns", "compiled", "evaluated", "lambdified", "seen_columns"]
 
 Array = np.ndarray
 
@@ -129,6 +129,16 @@ def evaluated(expression: sp.Expr, given: Mapping[str, Any]) -> Any:
     """
     function, arguments = _function_of(meaning(expression))
     return function(*(given[name] for name in arguments))
+
+
+def seen_columns(model: Model, known: Mapping[str, float]) -> tuple[int, ...]:
+    """Columns of the regressor that are not zero throughout: without a mass, in case C1, those of F_N are."""
+    absent = {q.symbol: 0 for q in model.parameters if known.get(q.name) == 0.0 and q.name in ("M", "L")}
+    return tuple(
+        k
+        for k, column in enumerate(regressor(model))
+        if not absent or meaning(model.expand(column.basis)).subs(absent) != 0
+    )
 
 
 @lru_cache(maxsize=2000)

@@ -18,10 +18,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from eccentric.effects import Effect
-from eccentric.fitting.design import Coefficient, Design, Role, Solution
+from eccentric.estimation import Coefficient, Design, Role, Solution, iterate
+from eccentric.fitting.fit_data import FitData
 from eccentric.fitting.limits import USABLE_PART
-from eccentric.fitting.residuals import FitData, Residuals, Values
-from eccentric.fitting.solver import iterate
+from eccentric.fitting.residuals import Residuals, Values
 from eccentric.model import Model
 
 __all__ = ["Extended", "Step", "extended"]

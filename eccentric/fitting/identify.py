@@ -16,12 +16,18 @@ import numpy as np
 from numpy.typing import NDArray
 
 from eccentric.errors import InputError
+from eccentric.estimation import (
+    Estimate,
+    Profile,
+    Solution,
+    Spread,
+    improvement,
+    profile,
+    require_rank,
+    search,
+)
 from eccentric.fitting.combinations import combinations, identified_letters
-from eccentric.fitting.design import Solution
-from eccentric.fitting.least_squares import require_rank
 from eccentric.fitting.problem import Problem, pose
-from eccentric.fitting.solver import Profile, profile, search
-from eccentric.fitting.uncertainty import Estimate, Spread, improvement
 from eccentric.signals import LEAST_HELD_OUT, require_rows
 
 if TYPE_CHECKING:

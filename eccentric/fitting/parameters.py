@@ -5,8 +5,8 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
+    from eccentric.estimation import Estimate
     from eccentric.fitting.identify import Fit
-    from eccentric.fitting.uncertainty import Estimate
 
 __all__ = ["emitted_parameters"]
 

@@ -22,13 +22,13 @@ import sympy as sp
 from numpy.typing import NDArray
 
 from eccentric.errors import InputError
+from eccentric.estimation import Design, Nonlinear
 from eccentric.fitting.columns import Combination, combinations_of, known_inertia, nonlinear_of, scale_of
 from eccentric.fitting.constant_load import load_gain
-from eccentric.fitting.design import Design, Nonlinear
 from eccentric.fitting.emitted import Emitted
+from eccentric.fitting.expressions import seen_columns
 from eccentric.fitting.machine import Machine
 from eccentric.model import Model, regressor
-from eccentric.model.steps import meaning
 from eccentric.rigs import KNOWNS
 from eccentric.signals import Rows, fit_rows
 
@@ -190,16 +190,6 @@ def own_letters(model: Model) -> set[str]:
 
 def _is_number(default: sp.Expr | None) -> bool:
     return default is not None and default.is_number
-
-
-def seen_columns(model: Model, known: Mapping[str, float]) -> tuple[int, ...]:
-    """Columns of the regressor that are not zero throughout: without a mass, in case C1, those of F_N are."""
-    absent = {q.symbol: 0 for q in model.parameters if known.get(q.name) == 0.0 and q.name in ("M", "L")}
-    return tuple(
-        k
-        for k, column in enumerate(regressor(model))
-        if not absent or meaning(model.expand(column.basis)).subs(absent) != 0
-    )
 
 
 def require_case(rig: Rig, model: Model) -> None:

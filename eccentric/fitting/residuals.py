@@ -3,33 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from eccentric.fitting.drive import Drive
 from eccentric.fitting.emitted import Emitted
-from eccentric.fitting.expressions import Signals
+from eccentric.fitting.fit_data import FitData
 from eccentric.fitting.machine import Machine
 from eccentric.fitting.states import state_series
 from eccentric.model import Model
-from eccentric.signals import Rows
 
-__all__ = ["FitData", "Residuals", "Values"]
+__all__ = ["Residuals", "Values"]
 
 Array = NDArray[np.float64]
 Values = dict[str, float]
-
-
-@dataclass(frozen=True)
-class FitData:
-    """A log as models are fitted on it: drive, smooth signals, rows; gravity torque (samples,) [N m]."""
-
-    drive: Drive
-    signals: Signals
-    rows: Rows
-    gravity: Array
 
 
 class Residuals:

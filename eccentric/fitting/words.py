@@ -13,8 +13,8 @@ from eccentric.model import model_names
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
+    from eccentric.estimation import Estimate
     from eccentric.fitting.identify import Fit
-    from eccentric.fitting.uncertainty import Estimate
 
 __all__ = ["fit_lines", "fit_sentence"]
 

@@ -7,7 +7,6 @@ import numpy as np
 from eccentric.diagnosis import Diagnosis
 from eccentric.fitting import Refit
 from eccentric.report.data import BalanceResiduals, Channel, Rows
-from eccentric.search import elapsed
 from eccentric.signals import Rows as LogRows
 
 __all__ = ["balance_of"]
@@ -61,7 +60,7 @@ def _rows(found: Diagnosis) -> Rows:
         ("current", "current", "A", channels.current, None),
         ("voltage", "voltage", "V", channels.voltage, None),
         ("temperature", "temperature", "°C", channels.temperature, None),
-        ("time", "time in the run", "s", elapsed(channels), None),
+        ("time", "time in the run", "s", channels.elapsed, None),
     ]  # fmt: skip
     made = [
         Channel(k, label, u, _mean(rows, x, period), period)

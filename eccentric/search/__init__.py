@@ -12,15 +12,7 @@ In: `FitData`, a `Model`, a `Rig`. Out: an `Attribution`.
 May import: `fitting`, `signals`, `rigs`, `effects`, `model`.
 """
 
-from eccentric.search.balances import (
-    balances_of,
-    drive_noise,
-    elapsed,
-    fit_data_of,
-    setting_of,
-    variables_of,
-    with_model_current,
-)
+from eccentric.search.balances import balances_of, setting_of, variables_of
 from eccentric.search.from_effect import candidate_of
 from eccentric.search.offer import offered
 from eccentric.search.verdict import Adopted, Attribution, Ranked, attribute, unconfirmed
@@ -32,12 +24,8 @@ __all__ = [
     "attribute",
     "balances_of",
     "candidate_of",
-    "drive_noise",
-    "elapsed",
-    "fit_data_of",
     "offered",
     "setting_of",
     "unconfirmed",
     "variables_of",
-    "with_model_current",
 ]

@@ -3,90 +3,26 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
 from dataclasses import replace
 
 import numpy as np
-import sympy as sp
 
 from eccentric.effects import Setting
-from eccentric.fitting import Drive, FitData, Signals, base_columns, compiled, seen_columns
+from eccentric.fitting import FitData, base_columns, compiled
 from eccentric.model import Model
-from eccentric.model import vocabulary as v
-from eccentric.model.steps import meaning
 from eccentric.rigs import Rig
 from eccentric.search.smooth import Variables
 from eccentric.signals import (
     BalanceDesign,
-    Channels,
     Rows,
     balance_design,
-    rows_of,
     search_rows,
-    smoothed,
     white_noise,
 )
 
-__all__ = [
-    "balances_of",
-    "drive_current",
-    "drive_noise",
-    "elapsed",
-    "fit_data_of",
-    "setting_of",
-    "variables_of",
-    "with_model_current",
-]
+__all__ = ["balances_of", "setting_of", "variables_of"]
 
 Array = np.ndarray
-
-
-def fit_data_of(drive: Drive, rig: Rig, model: Model) -> FitData:
-    """Smooth signals that expressions are evaluated on, and the rows that models are compared on.
-
-    The current that effects depend on is (u - k_e omega_m)/R where there is a voltage: measured current on
-    both sides of the balance would explain its own noise.
-    """
-    channels, known = drive.channels, dict(drive.known)
-    values = {
-        "theta_m": channels.theta_m,
-        "omega_m": channels.omega_m,
-        "alpha_m": channels.alpha_m,
-        "t": elapsed(channels),
-    }
-    if drive.measured_twice and channels.voltage is not None:
-        values["u"] = _smooth(channels, channels.voltage)
-        values["i"] = (values["u"] - known["k_e"] * channels.omega_m) / known["R"]
-    else:
-        values["i"] = _smooth(channels, drive.torque()) / known["k_i"]
-    if drive.scale is not None:
-        known |= {"k_e": known.get("k_e", 0.0), "R": drive.scale if drive.by_voltage else 1.0}
-        known |= {} if drive.by_voltage else {"k_i": 1.0 / drive.scale}
-    if drive.by_voltage:
-        values["u"] = _smooth(channels, drive.signal())
-    if channels.temperature is not None:
-        values["temperature"] = channels.temperature
-    starts = tuple(int(k) for k in np.flatnonzero(np.r_[True, np.diff(channels.segment) != 0]))
-    dt = np.diff(channels.t, append=channels.t[-1] + np.median(np.diff(channels.t)))
-    dt[[start - 1 for start in starts if start > 0]] = float(np.median(dt))
-    signals = Signals(values, dt, starts, known, friction=seen_columns(model, known), base=model)
-    gravity, slope = gravity_of(model, signals)
-    signals = replace(signals, open=drive.columns(gravity, slope))
-    return FitData(drive, signals, rows_of(channels, rig), gravity)
-
-
-def with_model_current(data: FitData, model: Model, friction: Array) -> FitData:
-    """The data with the current that the first fit asks for.
-
-    Where one signal alone measures the drive, the current from it is that signal: an effect on it would
-    explain the drive by the drive, noise and all.
-    """
-    signals = data.signals
-    load = compiled(model, model.balance("mechanical").sum_of("inertial", "gravity", "conservative"), signals)
-    torque = load({}, {}) + base_columns(model, signals) @ friction
-    return replace(
-        data, signals=replace(signals, values={**signals.values, "i": torque / signals.known["k_i"]})
-    )
 
 
 def balances_of(data: FitData, rig: Rig, model: Model) -> tuple[list[BalanceDesign], dict[str, float]]:
@@ -103,12 +39,13 @@ def balances_of(data: FitData, rig: Rig, model: Model) -> tuple[list[BalanceDesi
     mechanical = balance_design(
         "mechanical", rows, target, base_columns(model, signals), names, lower, target
     )
-    balances = [_once_filtered(mechanical, channels.alpha_m, known)]
+    balances = [_once_filtered(mechanical, channels.alpha_m, drive.machine.inertia(known))]
     unseen = np.where(channels.held_out, np.nan, 1.0)
     noise = {"mechanical": _row_noise(unseen * torque, rows)}
     if drive.measured_twice and channels.voltage is not None:
         every = search_rows(channels, rig, moving=False)
-        residual = known["k_i"] / known["R"] * (channels.voltage - known["k_e"] * channels.omega_m) - torque
+        by_voltage = drive.machine.current(known, channels.voltage, channels.omega_m)
+        residual = drive.machine.torque(known, by_voltage) - torque
         empty = np.empty((len(torque), 0))
         balances.append(balance_design("electrical", every, residual, empty, (), np.empty(0), target))
         # What the drive really does as quickly as noise is in the torque, and cancels in the residual.
@@ -121,24 +58,16 @@ def _row_noise(signal: Array, rows: Rows) -> float:
     return white_noise(signal) * float(rows.noise_gain()[0])
 
 
-def _once_filtered(balance: BalanceDesign, alpha: Array, known: Mapping[str, float]) -> BalanceDesign:
+def _once_filtered(balance: BalanceDesign, alpha: Array, inertia: float) -> BalanceDesign:
     """The balance with the acceleration as it is: it comes from the low-passed angle."""
     rows = balance.rows
     if rows.smooth is None:
         return balance
     own = rows.plain_mean(alpha)
-    inertia = known["J_m"] + known["mu"] ** 2 * known["J_l"]
     base = balance.base.copy()
     if "J_m" in balance.base_names:
         base[:, balance.base_names.index("J_m")] = own
     return replace(balance, target=balance.target + inertia * (rows.mean(alpha) - own), base=base)
-
-
-def gravity_of(model: Model, signals: Signals) -> tuple[Array, Array]:
-    """Gravity torque of the model on the motor side (samples,) [N m], its slope over the link angle."""
-    torque = meaning(model.expand(model.balance("mechanical").sum_of("gravity")))
-    slope = sp.diff(torque, v.theta_m.symbol) / v.mu.symbol
-    return compiled(model, torque, signals)({}, {}), compiled(model, slope, signals)({}, {})
 
 
 def setting_of(data: FitData, model: Model, friction: Array) -> Setting:
@@ -167,7 +96,7 @@ def setting_of(data: FitData, model: Model, friction: Array) -> Setting:
         w_min=max(0.5 * float(np.quantile(speed, 0.002)), highest / 400),
         w_max=highest,
         current_max=float(np.quantile(np.abs(current[rows]), 0.995)),
-        duration_s=float(np.max(elapsed(channels))),
+        duration_s=float(np.max(channels.elapsed)),
         mean_loss_W=max(float(loss), 1e-12),
         temperature_mid=None if warm is None else float(np.median(warm[rows])),
         channels=frozenset(present),
@@ -189,35 +118,16 @@ def variables_of(data: FitData) -> Variables:
         alpha_m=channels.alpha_m,
         gravity=data.gravity,
         mu=data.signals.known["mu"],
-        current=drive_current(data),
+        current=_drive_current(data),
         voltage=data.signals.values.get("u"),
         temperature=channels.temperature,
         averaged=math.isinf(channels.rig.average_over),
     )
 
 
-def drive_current(data: FitData) -> Array:
+def _drive_current(data: FitData) -> Array:
     """The current (samples,) [A] that what is smooth may depend on: measured where a voltage tells it too."""
     drive = data.drive
     if drive.measured_twice:
-        return _smooth(drive.channels, drive.signal())
+        return drive.channels.smooth(drive.signal())
     return data.signals.values["i"]
-
-
-def _smooth(channels: Channels, x: Array) -> Array:
-    """A channel (samples,) after the low pass that the angle has passed."""
-    return smoothed(channels.t, channels.segment, x, channels.rig.low_pass_hz)
-
-
-def elapsed(channels: Channels) -> Array:
-    """Time since the start of each row's run [s]."""
-    start = np.array([channels.t[channels.run == run][0] for run in range(int(channels.run.max()) + 1)])
-    return channels.t - start[channels.run]
-
-
-def drive_noise(data: FitData) -> float:
-    """RMS that the white noise of the measured drive leaves in a row, from its fourth differences."""
-    drive = data.drive
-    sigma = white_noise(drive.torque(), drive.channels.segment)
-    # An average of rows has less of it; the one in the middle stands for all.
-    return sigma * float(np.sqrt(np.median(data.rows.noise_gain() ** 2)))

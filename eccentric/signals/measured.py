@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from eccentric.signals.filters import smoothed
 from eccentric.signals.stretches import joined
 
 if TYPE_CHECKING:
@@ -84,6 +85,16 @@ class Channels:
     def score_rows(self) -> Mask:
         """Rows (n,) of the reported held-out error: usable and held out."""
         return self.usable & self.held_out
+
+    @property
+    def elapsed(self) -> Array:
+        """Time since the start of each row's run [s] (n,)."""
+        start = np.array([self.t[self.run == run][0] for run in range(int(self.run.max()) + 1)])
+        return self.t - start[self.run]
+
+    def smooth(self, x: Array) -> Array:
+        """A signal (n,) after the low pass that the angle has passed."""
+        return smoothed(self.t, self.segment, x, self.rig.low_pass_hz)
 
     @property
     def phased(self) -> bool:

@@ -24,7 +24,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.special import log_ndtr, ndtri, ndtri_exp, stdtrit
 
-from eccentric.fitting.limits import LITTLE
+from eccentric.estimation.limits import LITTLE
 
 Array = NDArray[np.float64]
 

@@ -15,8 +15,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import least_squares
 
-from eccentric.fitting.design import Design, Nonlinear, Solution
-from eccentric.fitting.limits import NEAR_END
+from eccentric.estimation.design import Design, Nonlinear, Solution
+from eccentric.estimation.limits import NEAR_END
 
 __all__ = ["Profile", "Searched", "iterate", "profile", "search", "slopes_between"]
 

@@ -16,8 +16,8 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from eccentric.fitting.least_squares import bounded
-from eccentric.fitting.uncertainty import Spread, spread
+from eccentric.estimation.least_squares import bounded
+from eccentric.estimation.uncertainty import Spread, spread
 
 __all__ = ["Coefficient", "Design", "Nonlinear", "Role", "Solution"]
 

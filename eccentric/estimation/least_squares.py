@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from scipy.optimize import lsq_linear
 
 from eccentric.errors import InputError
-from eccentric.fitting.limits import LEAST_PART, MEMBER_PART
+from eccentric.estimation.limits import LEAST_PART, MEMBER_PART
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

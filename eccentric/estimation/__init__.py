@@ -1,0 +1,31 @@
+"""Designs in, estimates with intervals out: bounded linear least squares, and what goes on around it.
+
+In: a `Design` (target, columns, named coefficients with bounds and roles), or a function that makes one of
+values that enter nonlinearly.  Out: a `Solution`, by `search` over those values or by `iterate`; its `Spread`
+and an `Estimate` of each value; what one model gains on another (`improvement`).
+May import: `errors`; no log, no model.
+"""
+
+from eccentric.estimation.design import Coefficient, Design, Nonlinear, Role, Solution
+from eccentric.estimation.least_squares import bounded, require_rank
+from eccentric.estimation.solver import Profile, iterate, profile, search, slopes_between
+from eccentric.estimation.uncertainty import Estimate, Spread, improvement, improvement_over_runs
+
+__all__ = [
+    "Coefficient",
+    "Design",
+    "Estimate",
+    "Nonlinear",
+    "Profile",
+    "Role",
+    "Solution",
+    "Spread",
+    "bounded",
+    "improvement",
+    "improvement_over_runs",
+    "iterate",
+    "profile",
+    "require_rank",
+    "search",
+    "slopes_between",
+]
