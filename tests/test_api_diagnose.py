@@ -98,7 +98,7 @@ def test_the_live_model_can_be_called_and_compiled(
 
 def test_the_live_model_can_be_derived_further(result: DiagnosisResult) -> None:
     """Another effect of the library extends it, and its torque is added to the rest."""
-    setting = Setting("C2", 0.2, {}, 1.0, 60.0, 15.0, 60.0, 70.0, 25.0, frozenset())
+    setting = Setting(result.model, 0.2, {}, 1.0, 60.0, 15.0, 60.0, 70.0, 25.0, frozenset())
     drag = next(effect for effect in library(setting) if effect.family == "quadratic_drag")
     (letter,) = (q.name for q in drag.parameters)
     further = drag.extend(result.model, {letter: 1e-4})
