@@ -65,7 +65,18 @@ def _title(family: str) -> str:
 
 def _family(family: str, images: Path) -> str:
     members = _of(family)
-    lines = [f"({family})=", f"## {_title(family)}", "", f"`{family}`", "", members[0][0].words.meaning, ""]
+    # Sphinx makes hyphens of underscores in a label: the family's own spelling is an anchor too.
+    anchor = [f'<span id="{family}"></span>', ""] if "_" in family else []
+    lines = [
+        *anchor,
+        f"({family})=",
+        f"## {_title(family)}",
+        "",
+        f"`{family}`",
+        "",
+        members[0][0].words.meaning,
+        "",
+    ]
     for case in ("C1", "C2"):
         if held := base_aliases(case).get(family):
             lines += [f"Not offered in case {case}: there it is {held}.", ""]

@@ -141,7 +141,7 @@ class Typesetter:
             cases = "".join(f"<mtr><mtd>{x}</mtd><mtd>{condition}</mtd></mtr>" for x, condition in cells)
             return row(operator("{"), f"<mtable>{cases}</mtable>")
         if isinstance(e, Relational):
-            return row(self(e.lhs), operator("=" if isinstance(e, sp.Eq) else e.rel_op), self(e.rhs))
+            return row(self(e.lhs), operator("=" if isinstance(e, sp.Eq) else str(e.rel_op)), self(e.rhs))
         if not isinstance(e, Application):
             return name(str(e))
         called = name(_NAMES.get(e.func, e.func.__name__))
