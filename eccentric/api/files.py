@@ -22,6 +22,7 @@ _WRITTEN = (
 )
 _EMITTED = {
     ".py": "the extended model in NumPy",
+    "eccentric_runtime.py": "what every emitted NumPy module runs on",
     ".h": "its C99 header",
     ".c": "its C99 source",
     "_selftest.c": "a self-test of the source, for your board",
