@@ -15,9 +15,9 @@ from eccentric.api.result import Result, new_axes, paragraphs
 from eccentric.api.tables import Correlation, ResultTable
 from eccentric.emission import checked_name, load_module, read_parameters, with_fitted
 from eccentric.errors import InputError
+from eccentric.estimation import Estimate
 from eccentric.fitting import (
     Comparison,
-    Estimate,
     compare,
     draw_fit,
     fit_document,
