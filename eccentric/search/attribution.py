@@ -56,13 +56,13 @@ class Search:
                 break
             ranked = self.screen.rank(self.best.variants)
             self.ranked = self.ranked or ranked
-            tried = [self._swapped(self.screen.refine(fitted)) for fitted in ranked[: limits.TRIED]]
+            tried = [self.swapped(self.screen.refine(fitted)) for fitted in ranked[: limits.TRIED]]
             if len(self.best.variants) == 1:
-                tried += self._pairs()
-            tried = [f for f in tried if self.worth_it(self.best, f) and self._clears(self.best, f)]
+                tried += self.pairs()
+            tried = [f for f in tried if self.worth_it(self.best, f) and self.clears(self.best, f)]
             if not tried:
                 break
-            self.best = self._pruned(min(tried, key=lambda f: f.score))
+            self.best = self.pruned(min(tried, key=lambda f: f.score))
         self._compare()
         self.smoothed = self.smooth.rank(self.best.variants)
 
@@ -86,13 +86,14 @@ class Search:
     def _effective(self, fitted: Fitted, screen: Screen) -> float:
         return screen.rows / correlated(screen, screen.residual(fitted))
 
-    def _clears(self, before: Fitted, after: Fitted) -> bool:
+    def clears(self, before: Fitted, after: Fitted) -> bool:
+        """Whether a further effect takes out enough of what the first ones leave above the floor."""
         if not before.variants:
             return True
         floor = min(self.screen.floor, after.score)
         return before.score - after.score > limits.CLEARS * (before.score - floor)
 
-    def _pairs(self) -> list[Fitted]:
+    def pairs(self) -> list[Fitted]:
         """Best partner of the leading other families of the first step."""
         seen, found = {self.best.variants[0].candidate.family}, []
         for fitted in self.ranked:
@@ -101,10 +102,10 @@ class Search:
                 continue
             seen.add(family)
             partners = self.screen.rank(fitted.variants, leaders=limits.LEADERS_OF_A_PARTNER)
-            found += [self._swapped(self.screen.refine(partner)) for partner in partners[:1]]
+            found += [self.swapped(self.screen.refine(partner)) for partner in partners[:1]]
         return found
 
-    def _swapped(self, fitted: Fitted) -> Fitted:
+    def swapped(self, fitted: Fitted) -> Fitted:
         """Each variant against all others in its place, twice over."""
         if len(fitted.variants) == 1:
             return fitted
@@ -114,12 +115,12 @@ class Search:
                 fitted = self.screen.refine(found[0])
         return fitted
 
-    def _pruned(self, fitted: Fitted) -> Fitted:
+    def pruned(self, fitted: Fitted) -> Fitted:
         """Without the variants that the others have made superfluous."""
         for place in range(len(fitted.variants)):
             without = self.screen.fit(_without(fitted, place))
             if len(fitted.variants) > 1 and not self.worth_it(without, fitted):
-                return self._pruned(self.screen.refine(without))
+                return self.pruned(self.screen.refine(without))
         return fitted
 
     def _compare(self, changes: int = limits.CHANGES) -> None:

@@ -22,7 +22,7 @@ from eccentric.search.screen import Fitted
 from eccentric.search.smooth import Variables
 from eccentric.signals import MANY_RUNS, BalanceDesign
 
-__all__ = ["Adopted", "Attribution", "Ranked", "attribute", "next_measurement", "unconfirmed"]
+__all__ = ["Adopted", "Attribution", "Ranked", "attribute", "decided", "next_measurement", "unconfirmed"]
 
 
 @dataclass(frozen=True)
@@ -90,7 +90,11 @@ def attribute(
     per balance (`balances.balances_of`); runs: number of those that were fitted; progress: called with one
     line before and after each balance.
     """
-    searches = search_all(balances, candidates, variables, noise or {}, progress)
+    return decided(search_all(balances, candidates, variables, noise or {}, progress), runs)
+
+
+def decided(searches: dict[str, Search], runs: int = 1) -> Attribution:
+    """The verdict on searches that have run, by balance; `runs`: number of those that were fitted."""
     adopted, leading, tied = _adopted(searches)
     unexplained = limits.UNEXPLAINED if runs < MANY_RUNS else limits.UNEXPLAINED_OVER_RUNS
     left, depends = _variables(searches, unexplained)

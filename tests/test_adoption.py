@@ -1,0 +1,248 @@
+"""What the search adopts, and how sure it is, where every score is known in closed form.
+
+With the noise at 1, a fit that lacks amplitudes b, c, ... leaves N (1 + b^2 + c^2 + ...), N = 2048. Rows count
+as independent, so the deviance of an addition is N log(before/after).
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import pytest
+
+from eccentric.effects import Shape
+from eccentric.model import quantity
+from eccentric.search import limits
+from eccentric.search.attribution import Search, search_all
+from eccentric.search.candidate import Candidate, grid
+from eccentric.search.smooth import Variables
+from tests.searched import COLUMNS, N, adopted, candidate, design, mixed, search
+
+A, B, C = candidate("a", {2: 1.0}), candidate("b", {3: 1.0}), candidate("c", {4: 1.0})
+
+
+def amplitude(deviance: float, left: float = 1.0) -> float:
+    """The amplitude of a column that gains this deviance where `left` squared stays behind."""
+    return math.sqrt(left * math.expm1(deviance / N))
+
+
+def test_the_effect_that_is_there_is_adopted() -> None:
+    """One planted column is taken out, the other candidates are left alone."""
+    found = search({3: 1.0}, A, B, C)
+
+    assert ["b"] == adopted(found)
+    assert found.best.score == pytest.approx(N, rel=1e-9)
+
+
+def test_nothing_is_adopted_where_nothing_is_missing() -> None:
+    """Without a planted column there is the base alone, and no alternatives."""
+    found = search({0: 3.0}, A, B, C)
+
+    assert ([], []) == (adopted(found), found.alternatives)
+
+
+@pytest.mark.parametrize(("above", "expected"), [(0.97, []), (1.03, ["a"])])
+def test_an_addition_must_gain_the_least_deviance(above: float, expected: list[str]) -> None:
+    """Just below `LEAST_DEVIANCE` it may be chance."""
+    found = search({2: amplitude(above * limits.LEAST_DEVIANCE)}, A)
+
+    assert found.deviance(found.base, found.ranked[0]) == pytest.approx(
+        above * limits.LEAST_DEVIANCE, rel=1e-6
+    )
+    assert expected == adopted(found)
+
+
+@pytest.mark.parametrize(("above", "expected"), [(0.99, []), (1.01, ["a"])])
+def test_an_addition_must_take_out_the_least_share(above: float, expected: list[str]) -> None:
+    """Its RMS is held against `LEAST_SHARE` of the balance's scale."""
+    assert expected == adopted(search({2: above * 0.5}, A, scale=0.5 / limits.LEAST_SHARE))
+
+
+@pytest.mark.parametrize(("above", "expected"), [(0.97, ["a"]), (1.03, ["a", "b"])])
+def test_a_second_effect_must_be_a_part_of_the_structure(above: float, expected: list[str]) -> None:
+    """Beside a large effect its square is held against `LEAST_PART` of all that was found."""
+    large = 100.0
+    small = math.sqrt(above * limits.LEAST_PART) * large
+
+    assert expected == adopted(search({2: large, 3: small}, A, B, floor=1.0))
+
+
+@pytest.mark.parametrize(("unknown", "expected"), [(0.95, ["a", "b"]), (1.05, ["a"])])
+def test_a_second_effect_must_clear_what_is_left(unknown: float, expected: list[str]) -> None:
+    """It takes out `CLEARS`, half, of what is left above the floor: more than what nobody holds."""
+    assert limits.CLEARS == 0.5
+    assert expected == adopted(search({2: 9.0, 3: 2.0, 7: 2.0 * unknown}, A, B, floor=1.0))
+
+
+def test_the_first_effect_need_not_clear_it() -> None:
+    """The first effect is adopted also where more is left than it takes out."""
+    assert ["a"] == adopted(search({2: 1.0, 7: 3.0}, A, floor=1.0))
+
+
+@pytest.mark.parametrize(("above", "expected"), [(0.999, ["a"]), (1.001, ["a", "b"])])
+def test_nothing_further_is_looked_for_at_the_floor(above: float, expected: list[str]) -> None:
+    """What is left after the first effect is held against `AT_FLOOR` of the sensors' floor."""
+    small = amplitude(1.5 * limits.LEAST_DEVIANCE)
+    floor = math.sqrt((1.0 + small**2) / (above * limits.AT_FLOOR))
+
+    assert expected == adopted(search({2: 3.0, 3: small}, A, B, floor=floor))
+
+
+def test_at_most_three_effects_are_adopted() -> None:
+    """Of four planted columns the three largest are taken out."""
+    candidates = [candidate(name, {k: 1.0}) for k, name in enumerate("abcd", 2)]
+
+    assert ["a", "b", "c"] == adopted(search({2: 32.0, 3: 16.0, 4: 8.0, 5: 4.0}, *candidates))
+
+
+def test_the_order_of_harmonics_is_free_and_others_are_alone_in_their_family() -> None:
+    """Of a family whose members repeat two are adopted, of another one alone."""
+    for repeats, expected in ((True, ["a[1]", "a[2]"]), (False, ["a[1]"])):
+        members = [candidate("a", {k: 1.0}, member=str(k - 1), repeats=repeats) for k in (2, 3)]
+
+        assert expected == adopted(search({2: 8.0, 3: 4.0}, *members))
+
+
+MIX = candidate("mix", {2: 1.0, 3: 1.0, 4: 0.3})
+
+
+def test_what_looks_best_alone_is_swapped_for_the_pair() -> None:
+    """A mixture of two effects is the best single one, and leaves when both are there."""
+    found = search({2: 4.0, 3: 4.0}, MIX, A, B)
+
+    assert "mix" == found.ranked[0].last.id
+    assert {"a", "b"} == set(adopted(found))
+    assert found.best.score == pytest.approx(N, rel=1e-9)
+
+
+def test_a_swap_that_gains_nothing_is_not_made() -> None:
+    """Two candidates with the same column do not take turns: the one that was there stays."""
+    found = search({2: 4.0, 3: 2.0}, A, B, candidate("twin", {2: 1.0}))
+    start = found.screen.fit([variant for one in (A, B) for variant in grid(one)])
+
+    assert found.swapped(start) is start
+
+
+def test_pairs_are_sought_beside_the_runners_up() -> None:
+    """The pair of two runners-up is found though neither is among the best partners of the leader.
+
+    Beside the mixture, `d` and `e` fit best, and from there no swap of one leads to `a` and `b`.
+    """
+    partners = [candidate(name, {2: -0.97, 3: -0.97, 4: 6.5, k: 0.3}) for name, k in (("d", 5), ("e", 6))]
+    found = search({2: 4.0, 3: 4.0}, MIX, A, B, *partners)
+
+    beside_the_leader = [fitted.last.id for fitted in found.screen.rank(found.ranked[0].variants)]
+    assert ["d", "e"] == sorted(beside_the_leader[:2])
+    assert {"a", "b"} == set(adopted(found))
+
+
+def test_what_the_others_make_superfluous_leaves() -> None:
+    """Beside both of its parts the mixture no longer earns its place; what does stays."""
+    found = search({2: 4.0, 3: 4.0}, MIX, A, B)
+    three = found.screen.fit([variant for one in (MIX, A, B) for variant in grid(one)])
+    two = found.screen.fit([variant for one in (A, B) for variant in grid(one)])
+
+    assert ["a", "b"] == [v.candidate.id for v in found.pruned(three).variants]
+    assert found.pruned(two) is two
+
+
+def near(family: str, log_odds: float, **fields: object) -> Candidate:
+    """A candidate that falls short of column 2 with amplitude 3 by these log-odds."""
+    short = math.expm1(2.0 * log_odds / N)  # squared, of what it leaves beside the noise
+    angle = math.asin(math.sqrt(short) / 3.0)
+    return replace(candidate(family, {2: math.cos(angle), 9: math.sin(angle)}), **fields)
+
+
+def chances(found: Search) -> dict[str, float]:
+    """Family -> probability in the place of the only adopted effect."""
+    (options,) = found.alternatives
+    return {family: chance for family, (chance, _) in options.items()}
+
+
+def test_probabilities_are_those_of_the_scores() -> None:
+    """N/2 log of the ratio of scores are the log-odds of two families, and of three."""
+    two = chances(search({2: 3.0}, A, near("b", 1.0)))
+    three = chances(search({2: 3.0}, A, near("b", 1.0), near("c", 2.0)))
+
+    assert two == pytest.approx({"a": 1 / (1 + math.exp(-1)), "b": 1 / (1 + math.e)}, rel=1e-6)
+    whole = 1 + math.exp(-1) + math.exp(-2)
+    assert three == pytest.approx({"a": 1 / whole, "b": math.exp(-1) / whole, "c": math.exp(-2) / whole})
+
+
+def test_members_of_a_family_are_one_alternative() -> None:
+    """The best member stands for its family."""
+    members = [replace(near("b", odds), id=f"b[{odds}]") for odds in (4.0, 1.0)]
+    found = chances(search({2: 3.0}, A, *members))
+
+    assert found == pytest.approx({"a": 1 / (1 + math.exp(-1)), "b": 1 / (1 + math.e)}, rel=1e-6)
+
+
+def test_rows_that_overlap_count_half() -> None:
+    """Rows that share samples are two for one at least: deviance and log-odds are half as large."""
+    found = search({2: 3.0}, A, near("b", 1.0), independent=False)
+
+    assert chances(found)["b"] == pytest.approx(1 / (1 + math.exp(0.5)), rel=1e-6)
+    assert found.deviance(found.base, found.best) == pytest.approx(N / 2 * math.log(10.0), rel=1e-9)
+
+
+def test_a_shape_costs_half_a_unit() -> None:
+    """Of two families with the same score the one with a shape has log-odds of -1/2."""
+    shape = Shape(quantity("x", "1", "of no effect"), 0.0, 1.0, "linear", 2)
+    shaped = candidate("b", shapes=(shape,), of=lambda _: COLUMNS[:, [2]])
+    found = search({2: 3.0}, A, shaped)
+
+    assert ["a"] == adopted(found)
+    assert chances(found)["b"] == pytest.approx(1 / (1 + math.exp(0.5)), rel=1e-6)
+
+
+@pytest.mark.parametrize(("behind", "expected"), [(1.5, "special"), (2.5, "a")])
+def test_a_special_case_wins_a_tie(behind: float, expected: str) -> None:
+    """It takes the place of the family that contains it where it is less than `SPECIAL` behind."""
+    assert limits.SPECIAL == 2.0
+    special = candidate("special", special_of=("a",))
+    special = replace(special, columns=near("special", behind).columns)
+    found = search({2: 3.0}, A, special)
+
+    assert [expected] == adopted(found)
+    odds = math.exp(-abs(behind - limits.SPECIAL))
+    assert chances(found)[expected] == pytest.approx(1 / (1 + odds), rel=1e-6)
+
+
+def test_a_special_case_has_its_odds_only_beside_its_family() -> None:
+    """Where the general family is not in the race, a special case has no more than its score."""
+    special = replace(near("special", 1.5), evidence=candidate("s", special_of=("other",)).evidence)
+
+    assert ["a"] == adopted(search({2: 3.0}, A, special))
+
+
+def test_smooth_terms_try_what_is_left() -> None:
+    """They are fitted beside the adopted effects, and never adopted."""
+    found = search({2: 3.0, 7: 2.0}, A, smooth=(candidate("smooth:x", {7: 1.0}),))
+
+    assert ["a"] == adopted(found)
+    assert [["a", "smooth:x"]] == [[v.candidate.id for v in f.variants] for f in found.smoothed]
+    assert found.smoothed[0].score == pytest.approx(N, rel=1e-9)
+
+
+def test_what_the_electrical_balance_shows_leaves_the_mechanical_target() -> None:
+    """An effect found there is taken out here with the coefficient that it has there; others are not."""
+    bias = replace(candidate("bias", {2: 1.0}, balance="electrical"), also=lambda _: mixed({5: 2.0})[:, None])
+    plain = candidate("plain", {3: 1.0}, balance="electrical")
+    mechanical = design({5: 7.0})
+    electrical = replace(design({2: 3.0, 3: 2.0}), name="electrical")
+    t = mixed({0: 1.0})
+    lines: list[str] = []
+
+    found = search_all(
+        [mechanical, electrical],
+        [bias, plain, A],
+        Variables(t=t, theta_m=None, omega_m=t, alpha_m=0.0 * t, gravity=0.0 * t, mu=1.0, averaged=True),
+        {},
+        lines.append,
+    )
+
+    assert ["bias", "plain"] == adopted(found["electrical"])
+    left = found["mechanical"].screen.balance.target
+    assert left == pytest.approx(mixed({1: 1.0, 5: 7.0 - 2.0 * 3.0}), abs=1e-6)
+    assert ["electrical balance: bias, plain", "mechanical balance: nothing adopted"] == lines[1::2]

@@ -1,0 +1,206 @@
+"""Scores of candidates where every fit is known in closed form."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from eccentric.effects import Shape
+from eccentric.model import quantity
+from eccentric.search.candidate import Candidate, Values, Variant, grid
+from eccentric.search.limits import BELOW_NOISE
+from eccentric.search.screen import Screen
+from tests.searched import BLOCKS, COLUMNS, SIZE, Array, N, candidate, design, mixed
+
+ANGLE = Shape(quantity("angle", "rad", "direction of a column"), 0.1, 1.5, "linear", 5)
+
+
+def only(one: Candidate) -> Variant:
+    """The one variant of a candidate without shapes."""
+    (variant,) = grid(one)
+    return variant
+
+
+def test_a_fit_leaves_the_columns_that_it_lacks() -> None:
+    """Score and loss are N times the squares of what is not fitted; the coefficient is the amplitude."""
+    one = candidate("a", {2: 1.0})
+    screen = Screen(design({0: 5.0, 2: 3.0, 3: 2.0}), [one])
+    fitted = screen.fit([only(one)])
+
+    assert fitted.score == pytest.approx(N * (1.0 + 2.0**2), rel=1e-9)
+    assert fitted.loss.sum() == pytest.approx(N * (1.0 + 2.0**2), rel=1e-9)
+    assert fitted.coefficients == pytest.approx([5.0, 3.0], rel=1e-9)
+    assert [pytest.approx([3.0], rel=1e-9)] == screen.own(fitted)
+
+
+def test_the_ridge_of_a_smooth_term_shrinks_its_coefficient() -> None:
+    """With a penalty r in units of the diagonal the coefficient is a/(1 + r); the base goes free."""
+    one = candidate("a", {2: 1.0}, ridge=0.5)
+    screen = Screen(design({0: 5.0, 2: 3.0}), [one])
+    fitted = screen.fit([only(one)])
+
+    assert fitted.coefficients == pytest.approx([5.0, 3.0 / 1.5], rel=1e-9)
+    assert fitted.loss.sum() == pytest.approx(N * (1.0 + (3.0 - 3.0 / 1.5) ** 2), rel=1e-9)
+    assert fitted.score == pytest.approx(N * (1.0 + (3.0 - 3.0 / 1.5) ** 2), rel=1e-9)
+
+
+def test_each_ridge_is_that_of_its_own_term() -> None:
+    """Beside a free term of two columns, a smooth one alone is shrunk, in whichever order."""
+    free, smooth = candidate("a", {2: 1.0}, {3: 1.0}), candidate("b", {4: 1.0}, ridge=1.0)
+    screen = Screen(design({2: 1.0, 3: 2.0, 4: 4.0}), [free, smooth])
+    for order in ([free, smooth], [smooth, free]):
+        fitted = screen.fit([only(one) for one in order])
+        own = dict(zip((one.family for one in order), screen.own(fitted), strict=True))
+
+        assert own["a"] == pytest.approx([1.0, 2.0], rel=1e-9)
+        assert own["b"] == pytest.approx([2.0], rel=1e-9)
+
+
+@pytest.mark.parametrize(("ridge", "counts"), [(1e-6, False), (0.0, True)], ids=["smooth", "physical"])
+def test_a_smooth_term_says_nothing_where_it_extrapolates(ridge: float, counts: bool) -> None:
+    """Where it predicts far more than is there, a smooth term has the loss of the fit without it."""
+    reach = np.where(np.arange(N) < SIZE, 20.0, 1.0)
+    one = replace(candidate("a", ridge=ridge), columns=lambda _: (reach * COLUMNS[:, 2])[:, None])
+    balance = design({})
+    target = balance.target + np.where(np.arange(N) < SIZE, 0.0, 2.0) * COLUMNS[:, 2]
+    screen = Screen(replace(balance, target=target), [one])
+
+    first, without = (screen.fit(variants).cross[0] for variants in ([only(one)], []))
+
+    assert without == pytest.approx(SIZE * 1.0, rel=1e-6)
+    assert counts == (first > 100.0 * without)
+    if not counts:
+        assert first == pytest.approx(without, rel=1e-9)
+
+
+def test_a_fit_below_the_noise_of_the_sensors_is_dropped() -> None:
+    """A candidate that holds the noise itself explains too much and is not ranked; an honest one is."""
+    copy, honest = candidate("copy", {1: 1.0, 2: 0.1}), candidate("honest", {2: 1.0})
+    for floor, expected in ((0.0, ["copy", "honest"]), (1.0, ["honest"])):
+        ranked = Screen(design({2: 0.1}), [copy, honest], floor).rank([])
+
+        assert expected == [fitted.last.id for fitted in ranked]
+
+
+@pytest.mark.parametrize(("part", "kept"), [(1.01, True), (0.99, False)])
+def test_the_floor_of_an_honest_fit_is_known_to_a_fifth(part: float, kept: bool) -> None:
+    """What remains is held against `BELOW_NOISE` of the floor."""
+    floor = np.sqrt(1.0 / (part * BELOW_NOISE))
+    ranked = Screen(design({2: 1.0}), [candidate("a", {2: 1.0})], floor).rank([])
+
+    assert kept == bool(ranked)
+
+
+@pytest.mark.parametrize(("lower", "kept"), [((0.0, 0.0), False), ((-np.inf, -np.inf), True)])
+def test_an_effect_without_its_first_column_is_another(lower: tuple[float, float], kept: bool) -> None:
+    """Of a bounded effect the first coefficient is not to be 0: what is left is another family's."""
+    one = candidate("a", {2: 1.0}, {3: 1.0}, lower=lower)
+    ranked = Screen(design({2: -1.0, 3: 2.0}), [one]).rank([])
+
+    assert kept == bool(ranked)
+
+
+@pytest.mark.parametrize(("amplitude", "expected"), [(3.0, 1.0), (-3.0, 1.0 + 3.0**2)])
+def test_a_coefficient_keeps_to_its_bound(amplitude: float, expected: float) -> None:
+    """One that must not be negative explains nothing of a negative amplitude."""
+    one = candidate("a", {2: 1.0}, lower=(0.0,))
+    fitted = Screen(design({2: amplitude}), [one]).fit([only(one)])
+
+    assert fitted.score == pytest.approx(N * expected, rel=1e-9)
+
+
+def turned(values: Values) -> Array:
+    """Column 2 turned towards column 3."""
+    return mixed({2: np.cos(values["angle"]), 3: np.sin(values["angle"])})[:, None]
+
+
+def test_a_shape_is_refined_between_its_grid_points() -> None:
+    """The direction of a column, planted off the grid, is found, and its amplitude."""
+    one = candidate("a", shapes=(ANGLE,), of=turned)
+    planted = 0.731
+    screen = Screen(design({2: 4.0 * np.cos(planted), 3: 4.0 * np.sin(planted)}), [one])
+    (best,) = screen.rank([])
+
+    assert best.variants[0].values["angle"] == pytest.approx(planted, abs=2e-3)
+    assert screen.own(best)[0] == pytest.approx([4.0], rel=1e-5)
+    assert best.score == pytest.approx(N, rel=1e-4)
+
+
+def test_a_logarithmic_shape_is_refined_on_its_scale() -> None:
+    """The same where the range is spaced by factors."""
+    log = replace(ANGLE, low=0.05, high=1.5, scale="log", points=5)
+    one = candidate("a", shapes=(log,), of=turned)
+    screen = Screen(design({2: 4.0 * np.cos(0.3), 3: 4.0 * np.sin(0.3)}), [one])
+    (best,) = screen.rank([])
+
+    assert best.variants[0].values["angle"] == pytest.approx(0.3, abs=2e-3)
+
+
+def test_the_first_look_takes_the_best_grid_point_of_every_candidate() -> None:
+    """In-sample losses, best first, one point each; what is taken and closed families are left out."""
+    shaped = candidate("a", shapes=(ANGLE,), of=turned)
+    orders = [candidate("b", {k: 1.0}, member=str(k), repeats=True) for k in (4, 5)]
+    closed = [candidate("c", {k: 1.0}, member=str(k)) for k in (6, 7)]
+    screen = Screen(design({3: 3.0, 4: 2.0, 5: 1.0, 6: 0.5, 7: 0.25}), [shaped, *orders, *closed])
+
+    look = screen.first_look([])
+    beside = screen.first_look([only(orders[0]), only(closed[0])])
+
+    assert ["a", "b[4]", "b[5]", "c[6]", "c[7]"] == [screen.points[k].candidate.id for _, k in look]
+    assert 1.5 == screen.points[look[0][1]].values["angle"]
+    rest = 1.0 + 3.0**2 + 2.0**2 + 1.0 + 0.5**2 + 0.25**2
+    assert [loss for loss, _ in look] == pytest.approx(
+        [N * (rest - taken) for taken in ((3.0 * np.sin(1.5)) ** 2, 4.0, 1.0, 0.25, 0.0625)], rel=1e-9
+    )
+    assert ["a", "b[5]"] == [screen.points[k].candidate.id for _, k in beside]
+
+
+def changing(family: str, known: int, column: int) -> Candidate:
+    """A candidate that adds a known column and turns the base by another: both grow with its shape."""
+    size = Shape(quantity(family, "1", "size of the change"), 0.0, 1.0, "linear", 3)
+
+    def changes(values: Values) -> tuple[Array, Array]:
+        x = values[family]
+        return x * COLUMNS[:, known], mixed({0: 1.0, column: x})[:, None]
+
+    return replace(candidate(family, {column: 1.0}, shapes=(size,)), changes=changes)
+
+
+def test_what_changes_the_base_brings_its_own() -> None:
+    """Known parts leave the target, the base is the changed one, and there are no columns beside it."""
+    one = changing("a", 2, 3)
+    screen = Screen(design({0: 2.0, 2: 0.5, 3: 1.0}), [one])
+    variant = Variant(one, {"a": 0.5})
+    target, matrix, lower = screen.design([variant])
+
+    assert target == pytest.approx(mixed({0: 2.0, 1: 1.0, 3: 1.0}), abs=1e-12)
+    assert matrix == pytest.approx(mixed({0: 1.0, 3: 0.5})[:, None], abs=1e-12)
+    assert [-np.inf] == lower.tolist()
+    assert screen.fit([variant]).score == pytest.approx(N, rel=1e-9)
+
+
+def test_two_changes_of_the_base_are_the_same_in_either_order() -> None:
+    """Changes add up: what was adopted first makes no difference."""
+    one, other = changing("a", 2, 3), changing("b", 4, 5)
+    screen = Screen(design({0: 2.0, 2: 0.5, 3: 1.0, 4: 1.0, 5: 2.0}), [one, other])
+    variants = [Variant(one, {"a": 0.5}), Variant(other, {"b": 1.0})]
+
+    for order in (variants, variants[::-1]):
+        target, matrix, _ = screen.design(order)
+        assert target == pytest.approx(mixed({0: 2.0, 1: 1.0, 3: 1.0, 5: 2.0}), abs=1e-12)
+        assert matrix == pytest.approx(mixed({0: 1.0, 3: 0.5, 5: 1.0})[:, None], abs=1e-12)
+
+
+def test_blocks_are_predicted_from_the_others() -> None:
+    """What only one block has is not predicted there: its cross-validated loss is that of no fit, or more."""
+    inside = np.arange(N) < SIZE
+    one = replace(candidate("a"), columns=lambda _: (inside * COLUMNS[:, 2])[:, None])
+    balance = design({})
+    screen = Screen(replace(balance, target=balance.target + 3.0 * inside * COLUMNS[:, 2]), [one])
+    fitted = screen.fit([only(one)])
+
+    assert fitted.loss[0] == pytest.approx(SIZE * 1.0, rel=1e-6)
+    assert fitted.cross[0] == pytest.approx(SIZE * (1.0 + 3.0**2), rel=1e-6)
+    assert (BLOCKS - 1) * SIZE == pytest.approx(fitted.cross[1:].sum(), rel=1e-6)

@@ -1,0 +1,236 @@
+"""One verdict from searches whose every score is known in closed form; see `searched`."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import pytest
+
+from eccentric.effects import Evidence, Kin, Words
+from eccentric.search import Attribution, limits, unconfirmed
+from eccentric.search.candidate import Candidate
+from eccentric.search.verdict import decided, next_measurement
+from eccentric.signals import MANY_RUNS
+from tests.searched import N, candidate, search
+
+A, B = candidate("a", {2: 1.0}), candidate("b", {3: 1.0})
+
+
+def verdict(amplitudes: dict[int, float], *candidates: Candidate, smooth: Candidate | None = None,
+            scale: float = 1e-3, runs: int = 1) -> Attribution:  # fmt: skip
+    """The verdict on one mechanical balance; the smooth term, if any, comes without a penalty."""
+    given = () if smooth is None else (smooth,)
+    return decided({"mechanical": search(amplitudes, *candidates, smooth=given, scale=scale)}, runs)
+
+
+def rival(family: str, odds: float) -> Candidate:
+    """A candidate whose probability is `odds` times that of `a`, which fits column 2 with amplitude 3."""
+    angle = math.asin(math.sqrt(math.expm1(-2.0 * math.log(odds) / N)) / 3.0)
+    return candidate(family, {2: math.cos(angle), 9: math.sin(angle)})
+
+
+def test_one_clear_effect_is_named() -> None:
+    """It has its coefficient, its share of the scale, and the probability of being alone."""
+    found = verdict({2: 3.0}, A, B, scale=20.0)
+    (only,) = found.adopted
+
+    assert ("named", (), "") == (found.verdict, found.tied, found.next_measurement)
+    assert ("mechanical", "a") == (only.balance, only.variant.candidate.id)
+    assert only.coefficients == pytest.approx([3.0], rel=1e-9)
+    assert only.share == pytest.approx(3.0 / 20.0, rel=1e-9)
+    assert found.candidates[0].probability == pytest.approx(1.0, abs=1e-9)
+
+
+def test_errors_of_candidates_are_root_mean_squares() -> None:
+    """What a candidate leaves is sqrt(1 + what it lacks squared), in the unit of the target."""
+    found = verdict({2: 3.0, 3: 0.2}, A, B)
+
+    assert [("a", pytest.approx(math.sqrt(1.0 + 0.2**2), rel=1e-6))] == [
+        (c.id, c.rmse) for c in found.candidates if c.id == "a"
+    ]
+    (b,) = [c for c in found.candidates if c.id == "b"]
+    assert b.rmse == pytest.approx(math.sqrt(1.0 + 3.0**2), rel=1e-6)
+
+
+def test_effects_are_listed_by_share_and_before_all_others() -> None:
+    """The largest first, whatever the order of adoption or of the library."""
+    found = verdict({2: 2.0, 3: 8.0}, candidate("c", {4: 1.0}), A, B)
+
+    assert ["b", "a"] == [one.variant.candidate.id for one in found.adopted]
+    assert [8.0, 2.0] == [pytest.approx(one.coefficients[0], rel=1e-6) for one in found.adopted]
+    assert ["b", "a", "c"] == [c.id for c in found.candidates]
+
+
+def test_nothing_missing_is_said_where_nothing_is_worth_it() -> None:
+    """There is no effect, no variable, no measurement; what was considered is listed all the same."""
+    found = verdict({0: 4.0}, A, B)
+
+    assert ("nothing_missing", (), (), "") == (
+        found.verdict, found.adopted, found.depends_on, found.next_measurement
+    )  # fmt: skip
+    assert {"a", "b"} == {c.id for c in found.candidates}
+
+
+@pytest.mark.parametrize(("odds", "expected"), [(0.24, "named"), (0.26, "not_identifiable")])
+def test_an_effect_is_named_from_the_probability_of_being_sure(odds: float, expected: str) -> None:
+    """1/(1 + odds) is held against `SURE`, four to one."""
+    assert limits.SURE == 0.8
+    found = verdict({2: 3.0}, A, rival("b", odds))
+
+    assert expected == found.verdict
+    assert (() if expected == "named" else ("a", "b")) == found.tied
+
+
+def test_all_families_that_explain_the_log_alike_are_tied() -> None:
+    """Three in a tie are named, most probable first; a fourth below `POSSIBLE` is not."""
+    found = verdict({2: 3.0}, rival("d", 0.06), rival("c", 0.4), A, rival("b", 0.7))
+    chances = {c.family: c.probability for c in found.candidates}
+
+    assert ("not_identifiable", ("a", "b", "c")) == (found.verdict, found.tied)
+    assert chances == pytest.approx(
+        {name: odds / 2.16 for name, odds in (("a", 1.0), ("b", 0.7), ("c", 0.4), ("d", 0.06))}, rel=1e-4
+    )
+    assert ["a", "b", "c", "d"] == [c.family for c in found.candidates]
+
+
+def test_one_family_is_never_tied_with_nothing() -> None:
+    """Where every other is improbable by itself, the best of them is tied all the same."""
+    others = [rival(f"r{k}", 0.05 + 0.001 * k) for k in range(7)]
+    found = verdict({2: 3.0}, A, *others)
+
+    assert max(c.probability for c in found.candidates[1:]) < limits.POSSIBLE
+    assert ("a", "r6") == found.tied
+
+
+@pytest.mark.parametrize(
+    ("part", "runs", "expected"),
+    [
+        (0.9 * limits.UNEXPLAINED, 1, "named"),
+        (1.1 * limits.UNEXPLAINED, 1, "unexplained"),
+        (1.1 * limits.UNEXPLAINED, MANY_RUNS - 1, "unexplained"),
+        (0.95 * limits.UNEXPLAINED_OVER_RUNS, MANY_RUNS, "named"),
+        (1.05 * limits.UNEXPLAINED_OVER_RUNS, MANY_RUNS, "unexplained"),
+    ],
+)
+def test_what_a_smooth_term_still_takes_out_refuses_a_name(part: float, runs: int, expected: str) -> None:
+    """Its part of all the structure is held against the limit, a wider one over many runs."""
+    left = math.sqrt(part / (1.0 - part)) * 3.0
+    found = verdict({2: 3.0, 7: left}, A, smooth=candidate("smooth:x", {7: 1.0}), runs=runs)
+
+    assert expected == found.verdict
+    if expected == "unexplained":
+        assert (("of_smooth:x",), ()) == (found.depends_on, found.tied)
+        assert found.next_measurement.startswith("Repeat the log with everything held constant but the of s")
+
+
+def test_a_smooth_term_alone_leaves_the_log_unexplained() -> None:
+    """Structure without any effect: no name, and the variable that it follows."""
+    found = verdict({7: 2.0}, A, smooth=candidate("smooth:x", {7: 1.0}))
+
+    assert ("unexplained", (), ("of_smooth:x",)) == (found.verdict, found.adopted, found.depends_on)
+
+
+def test_a_smooth_term_that_gains_by_chance_is_no_structure() -> None:
+    """It must be worth it like an effect: its part of a trace does not count."""
+    small = math.sqrt(math.expm1(0.9 * limits.LEAST_DEVIANCE / N))
+    found = verdict({7: small}, A, smooth=candidate("smooth:x", {7: 1.0}))
+
+    assert ("nothing_missing", ()) == (found.verdict, found.depends_on)
+
+
+def test_the_residual_follows_the_stronger_variable_first() -> None:
+    """Of the paper's residual, effects aside."""
+    terms = [candidate(f"smooth:{name}", {k: 1.0}) for name, k in (("x", 2), ("y", 3))]
+    found = decided({"mechanical": search({2: 2.0, 3: 5.0}, A, B, smooth=tuple(terms))})
+
+    assert ("named", ("of_smooth:y", "of_smooth:x")) == (found.verdict, found.depends_on)
+
+
+@pytest.mark.parametrize(("members", "expected"), [(2, "named"), (3, "unexplained")])
+def test_three_members_of_a_family_are_a_patch(members: int, expected: str) -> None:
+    """One order or two are an effect, three trace a shape that none of them is; its variable comes first."""
+    orders = [candidate("a", {2 + k: 1.0}, member=str(k), repeats=True) for k in range(members)]
+    found = verdict({2 + k: 9.0 / (k + 1) for k in range(members)}, *orders)
+
+    assert members == len(found.adopted)
+    assert expected == found.verdict
+    assert (("of_a",) if expected == "unexplained" else ()) == found.depends_on
+
+
+def test_the_gain_of_the_best_candidate_is_held_against_chance() -> None:
+    """Per balance: N log of the ratio of scores, and what the library reaches by chance.
+
+    A column that shares a part x of its square with the noise gains x (16 S)^2/N where the signs of 128 blocks
+    add up to S: 16 x times a chi^2 of one degree, of which 99 % lie below 6.63.
+    """
+    shared = 0.005
+    gained, by_chance = verdict({2: 3.0}, A, candidate("b", {3: 1.0, 1: math.sqrt(shared)})).deviance[
+        "mechanical"
+    ]
+
+    assert gained == pytest.approx(N * math.log(10.0), rel=1e-6)
+    assert by_chance == pytest.approx(16.0 * shared / (1.0 + shared) * 6.63, rel=0.3)
+
+
+def test_candidates_of_the_balance_that_the_verdict_is_about_come_first() -> None:
+    """Errors of different balances do not compare."""
+    quiet = search({}, candidate("quiet", {5: 1.0}))
+    loud = search({2: 3.0, 3: 1.0}, A, candidate("loud", {4: 1.0}))
+    found = decided({"electrical": quiet, "mechanical": loud})
+
+    assert [("a", "mechanical"), ("loud", "mechanical"), ("quiet", "electrical")] == [
+        (c.id, c.balance) for c in found.candidates
+    ]
+    assert found.candidates[1].rmse > found.candidates[2].rmse
+
+
+def test_a_name_is_taken_back() -> None:
+    """What did not predict the held-out part is unexplained, follows its own variable first, and is kept."""
+    given = replace(verdict({2: 3.0}, A, rival("b", 0.5)), depends_on=("time",))
+    found = unconfirmed(given)
+
+    assert ("unexplained", (), ("of_a", "time"), ("a",)) == (
+        found.verdict, found.tied, found.depends_on, found.unconfirmed
+    )  # fmt: skip
+    assert "everything held constant but the of a" in found.next_measurement
+
+
+SPEED = Kin("speed", {"speed": "More speeds."})
+
+
+def test_the_measurement_between_tied_families_is_theirs() -> None:
+    """Tied families of one kin have the sentence of the kin, from the words of the candidates."""
+    one, other = (replace(c, words=Words(kin=SPEED)) for c in (A, rival("b", 0.5)))
+
+    assert "More speeds." == verdict({2: 3.0}, one, other).next_measurement
+
+
+@pytest.mark.parametrize(
+    ("case", "tied", "variables", "expected"),
+    [
+        ("unexplained", ["a"], ["link_angle", "time"], "constant but the link angle, swept"),
+        ("unexplained", [], [], "constant but the time, swept"),
+        ("unexplained", [], ["acceleration"], "Leave J_m and J_l out"),
+        ("not_identifiable", ["a", "b"], [], "separates what a is from b: other speeds"),
+        ("not_identifiable", [], [], ""),
+        ("named", ["a"], ["time"], ""),
+        ("nothing_missing", [], [], ""),
+    ],
+)
+def test_the_next_measurement_is_that_of_the_verdict(
+    case: str, tied: list[str], variables: list[str], expected: str
+) -> None:
+    """Hold all but one variable constant; tell two families apart, by headline or id; or nothing."""
+    words = {"a": Words(headline="what a is"), "b": Words()}
+    said = next_measurement(case, [(name, words[name]) for name in tied], variables)
+
+    assert expected in said
+    assert bool(expected) == bool(said)
+
+
+def test_a_variable_is_the_leading_one() -> None:
+    """What a candidate depends on first is what it is reported by."""
+    two = replace(A, evidence=Evidence(("velocity", "direction")))
+
+    assert "velocity" == two.variable
