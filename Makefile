@@ -19,7 +19,7 @@ LINT := $(VENV)/.stamp-lint
 DOCS := $(VENV)/.stamp-docs
 DERIVED := $(VENV)/.stamp-derived
 
-.PHONY: run test derive figures docs lint check bench clean
+.PHONY: run test test-slow derive figures docs lint check bench clean
 .NOTPARALLEL:
 
 run: $(DERIVED)
@@ -32,7 +32,11 @@ run: $(DERIVED)
 # One process per processor: threads of a linear algebra library would only wait for each other. In the order of
 # their names: the files with the fewest tests, which would come last, take the longest.
 test: $(TEST)
-	@OMP_NUM_THREADS=1 $(BIN)/python -m pytest -n auto --dist loadfile --no-loadscope-reorder
+	@OMP_NUM_THREADS=1 $(BIN)/python -m pytest -n auto --dist loadfile --no-loadscope-reorder -m "not slow"
+
+# What `make test` samples, in full.
+test-slow: $(TEST)
+	@OMP_NUM_THREADS=1 $(BIN)/python -m pytest -n auto -m slow
 
 derive: $(RUN)
 	@$(BIN)/eccentric derive

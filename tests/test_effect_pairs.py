@@ -1,0 +1,349 @@
+"""Effects in pairs: the order of adoption changes nothing; what scales friction reaches it by its role."""
+
+import hashlib
+import inspect
+import itertools
+from collections.abc import Iterable
+from dataclasses import replace
+from functools import cache
+from typing import Any
+
+import numpy as np
+import pytest
+
+from eccentric.effects import Effect, library
+from eccentric.emission import load_module
+from eccentric.errors import InputError
+from eccentric.model import Model, load_model
+from eccentric.model import vocabulary as v
+from eccentric.model.steps import meaning
+from tests.extended import M_L, MU, L, M, effects, setting
+
+MODELS = {
+    "c1_perpendicular": "C1",
+    "c1_asymmetric": "C1",
+    "c2_parallel": "C2",
+    "c2_asymmetric": "C2",
+    "rotating_link": "C2",
+}
+every_model = pytest.mark.parametrize("name", MODELS)
+
+
+@cache
+def whole_library(name: str) -> tuple[Effect, ...]:
+    """Return every effect for a base model, with and without a logged temperature."""
+    base = load_model(name)
+    made = {
+        effect.id: effect
+        for warm in (True, False)
+        for effect in library(replace(setting(MODELS[name], warm=warm), base=base))
+    }
+    return tuple(made.values())
+
+
+def few_orders(name: str) -> tuple[Effect, ...]:
+    """Return the library with two orders of each harmonic: others differ in a number only."""
+    shown: dict[str, int] = {}
+    found = []
+    for effect in whole_library(name):
+        shown[effect.family] = shown.get(effect.family, 0) + 1
+        if not effect.evidence.repeats or shown[effect.family] <= 2:
+            found.append(effect)
+    return tuple(found)
+
+
+def content(model: Model) -> dict[str, Any]:
+    """Return what a model is, whatever the order in which it lists its parts."""
+    return {
+        "inputs": [q.name for q in model.inputs],
+        "parameters": {q.name: q for q in model.parameters},
+        "definitions": {d.quantity: d.value for d in model.definitions},
+        "balances": {(b.name, b.unit): set(b.terms) for b in model.balances},
+        "states": {s.quantity: (s.initial, s.update) for s in model.states},
+        "replaced": model.replaced,
+    }
+
+
+def joined(base: Model, pair: Iterable[Effect]) -> dict[str, Any] | str:
+    """Return the content of the base model with the effects, or the line that refuses them."""
+    model = base
+    try:
+        for effect in pair:
+            model = effect.extend(model)
+    except InputError as error:
+        return str(error)
+    return content(model)
+
+
+Pair = tuple[Effect, Effect]
+
+
+def every_nth(pairs: Iterable[Pair], step: int) -> list[Pair]:
+    """Return one pair in `step`, always the same ones, and every pair of two that replace or scale."""
+
+    def rules(effect: Effect) -> bool:
+        return bool(effect.change.replaces or effect.change.scales)
+
+    def turn(pair: Pair) -> int:
+        return hashlib.sha256(" ".join(effect.id for effect in pair).encode()).digest()[0]
+
+    return [pair for pair in pairs if all(map(rules, pair)) or turn(pair) % step == 0]
+
+
+def differ_by_order(name: str, pairs: Iterable[Pair]) -> list[tuple[str, str]]:
+    """Return the pairs of effects whose order changes the model, or the line that refuses them."""
+    base = load_model(name)
+    found = []
+    for one, other in pairs:
+        there, back = joined(base, (one, other)), joined(base, (other, one))
+        if there != back or (isinstance(there, str) and "\n" in there):
+            found.append((one.id, other.id))
+    return found
+
+
+@every_model
+def test_the_order_of_two_effects_changes_nothing(name: str) -> None:
+    """A pair of the library gives one model in both orders, or one refusal in one line; a third of them."""
+    assert [] == differ_by_order(name, every_nth(itertools.combinations(few_orders(name), 2), 3))
+
+
+@pytest.mark.slow
+@every_model
+def test_the_order_of_two_effects_changes_nothing_whatever_the_harmonic(name: str) -> None:
+    """The same for every pair, with all orders of all harmonics."""
+    assert [] == differ_by_order(name, itertools.combinations(whole_library(name), 2))
+
+
+def test_the_order_of_four_effects_changes_nothing() -> None:
+    """Two that replace, one that scales and one that adds friction in states: one model in all 24 orders."""
+    chosen = [
+        effects("C2")[e] for e in ("mass_mismatch", "angle_offset", "time_drift[all]", "presliding[lugre]")
+    ]
+    base = load_model("c2_parallel")
+    first, *others = (joined(base, order) for order in itertools.permutations(chosen))
+
+    assert not isinstance(first, str)
+    assert all(first == other for other in others)
+
+
+def test_what_cannot_be_joined_is_refused_by_names_alone() -> None:
+    """Two that replace the mass, and two variants that bring the same names: one line, the same both ways."""
+    base, known = load_model("c2_parallel"), effects("C2")
+    mass, inertia = known["mass_mismatch"], known["mass_mismatch[inertia]"]
+    cold, warm = known["viscosity_temperature"], known["viscosity_temperature[bearing]"]
+
+    said = "mass_mismatch and mass_mismatch[inertia]: both bring M_true, mass_ratio"
+    assert {said} == {joined(base, (mass, inertia)), joined(base, (inertia, mass))}
+    said = "viscosity_temperature and viscosity_temperature[bearing]: both bring viscosity_T0, viscosity_b"
+    assert {said} == {joined(base, (cold, warm)), joined(base, (warm, cold))}
+
+
+# --- The same numbers from what is emitted ------------------------------------------------------------------
+
+AT = {
+    v.theta_m.name: 2.5,
+    v.omega_m.name: 30.0,
+    v.i.name: 3.0,
+    v.u.name: 9.0,
+    v.t.name: 20.0,
+    v.temperature.name: 45.0,
+    v.alpha_m.name: 12.0,
+    v.dt.name: 0.004,
+}
+CALLED = ("mechanical_friction_torque", "mechanical_residual", "electrical_residual", "voltage")
+
+
+def emitted(base: Model, pair: Iterable[Effect]) -> list[float]:
+    """Return what the emitted functions of the extended model give at one point, coefficients at 0.1."""
+    model = base
+    for effect in pair:
+        model = effect.extend(model, {q.name: 0.1 for q in effect.coefficients})
+    module = load_module(model)
+    parameters = module.Parameters(J_m=2e-4, J_l=0.04)
+    states = {state.quantity.name: 0.3 for state in model.states}
+    found = []
+    for function in (getattr(module, name) for name in CALLED):
+        names = [n for n in inspect.signature(function).parameters if n not in {"parameters", "out"}]
+        found.append(float(function(*((AT | states)[n] for n in names), parameters)))
+    return found
+
+
+def sampled(name: str, count: int) -> list[tuple[Effect, Effect]]:
+    """Return some of the pairs that can be joined, always the same ones."""
+    base = load_model(name)
+    pairs = sorted(
+        itertools.combinations(few_orders(name), 2),
+        key=lambda pair: hashlib.sha256(" ".join(e.id for e in pair).encode()).digest(),
+    )
+    return list(itertools.islice((p for p in pairs if isinstance(joined(base, p), dict)), count))
+
+
+def emitted_apart(name: str, count: int) -> list[tuple[str, str]]:
+    """Return the sampled pairs whose emitted numbers differ by more than rounding between the orders."""
+    base = load_model(name)
+    return [
+        (one.id, other.id)
+        for one, other in sampled(name, count)
+        if not np.allclose(emitted(base, (one, other)), emitted(base, (other, one)), rtol=1e-12, atol=0.0)
+    ]
+
+
+@pytest.mark.parametrize("name", ["c1_perpendicular", "c2_parallel"])
+def test_emitted_numbers_are_those_of_either_order(name: str) -> None:
+    """What is emitted for a pair gives the same numbers whichever effect came first."""
+    assert [] == emitted_apart(name, 3)
+
+
+@pytest.mark.slow
+@every_model
+def test_emitted_numbers_are_those_of_either_order_for_many_pairs(name: str) -> None:
+    """The same for some forty pairs of every base model."""
+    assert [] == emitted_apart(name, 40)
+
+
+# --- What a factor on friction reaches ----------------------------------------------------------------------
+
+VISCOUS = {
+    "viscous_asymmetry",
+    "viscosity_temperature[bearing]",
+    "hidden_thermal_drift[bearing]",
+}
+COULOMB = {
+    "coulomb_asymmetry",
+    "coulomb_temperature[bearing]",
+    "hidden_thermal_drift[coulomb]",
+    "link_harmonic_friction[n=1]",
+    "link_harmonic_friction[n=2]",
+    "load_dependent[transmitted]",
+    "load_dependent[progressive]",
+    "load_dependent[gravity]",
+    "gear_efficiency[transmitted]",
+    "gear_efficiency[gravity]",
+    "local_defect",
+    "time_drift",
+    "wear_runin",
+    "wear_runin[travel]",
+    "presliding",
+}
+STRIBECK = {"stribeck[d=0.5]", "stribeck[d=1]", "stribeck[d=1.5]", "stribeck[d=2]"}
+MIXED = {"presliding[lugre]", "backlash"}
+NEITHER = {
+    "quadratic_drag",
+    "cubic_drag",
+    "sqrt_speed",
+    "oneway_windage[+]",
+    "oneway_windage[-]",
+    "eddy_current",
+}
+REACHED = {
+    "viscosity_temperature": VISCOUS,
+    "viscosity_temperature[arrhenius]": VISCOUS,
+    "hidden_thermal_drift[viscous]": VISCOUS,
+    "coulomb_temperature": COULOMB,
+    "hidden_thermal_drift": VISCOUS | COULOMB | STRIBECK | MIXED,
+    "time_drift[all]": VISCOUS | COULOMB | STRIBECK | MIXED,
+}
+
+
+def test_every_friction_of_the_library_has_its_place_in_the_table() -> None:
+    """The sets above are disjoint and hold each effect that adds friction, as its physics says."""
+    adding = {
+        effect.id
+        for effect in few_orders("c2_parallel")
+        if any(term.kind == "friction" for terms in effect.change.terms.values() for term in terms)
+    }
+    sets = (VISCOUS, COULOMB, STRIBECK, MIXED, NEITHER)
+
+    assert adding == set().union(*sets)
+    assert len(adding) == sum(map(len, sets))
+
+
+@pytest.mark.parametrize("scaling", REACHED)
+def test_a_factor_reaches_the_friction_of_its_role_and_no_other(scaling: str) -> None:
+    """Of what another effect adds, viscosity scales what is viscous, and no drag, windage or eddy current."""
+    known, base = effects("C2"), load_model("c2_parallel")
+    (factor,) = set(known[scaling].change.scales.values())
+    reached = set()
+    for other in few_orders("c2_parallel"):
+        if other.id in MIXED or other.id not in set().union(*REACHED.values(), STRIBECK, NEITHER):
+            continue
+        model = base
+        try:
+            for effect in (known[scaling], other):
+                model = effect.extend(model)
+        except InputError:
+            # Two variants of a family are not joined; either is an expression of the same role.
+            reached |= {other.id} & REACHED[scaling]
+            continue
+        own = {q.symbol for q in other.coefficients}
+        terms = [t for t in model.balance("mechanical").terms if t.coefficient in own]
+        if all(factor in t.basis.free_symbols for t in terms):
+            reached.add(other.id)
+        else:
+            assert not any(factor in t.basis.free_symbols for t in terms), other.id
+
+    assert REACHED[scaling] - MIXED == reached
+
+
+@pytest.mark.parametrize(("scaling", "parts"), [("viscosity_temperature", "B"), ("coulomb_temperature", "C")])
+def test_the_two_parts_of_backlash_are_scaled_each_by_its_own(scaling: str, parts: str) -> None:
+    """In the gap the friction of the link is not felt: viscous and dry part are those of the same bearing."""
+    known = effects("C2")
+    model = known[scaling].extend(known["backlash"].extend(load_model("c2_parallel")))
+    (factor,) = set(known[scaling].change.scales.values())
+    scaled = {str(t.coefficient) for t in model.balance("mechanical").terms if t.basis.has(factor)}
+
+    assert {f"backlash_{parts}"} == {name for name in scaled if name.startswith("backlash")}
+
+
+def test_bristles_are_scaled_as_coulomb_friction_and_the_rest_of_lugre_is_not() -> None:
+    """Warm bristles carry what warm sliding carries; the excess near rest follows a law of its own."""
+    known = effects("C2")
+    model = known["coulomb_temperature"].extend(known["presliding[lugre]"].extend(load_model("c2_parallel")))
+    (factor,) = set(known["coulomb_temperature"].change.scales.values())
+    scaled = {str(t.coefficient) for t in model.balance("mechanical").terms if t.basis.has(factor)}
+
+    assert {"C_m", "C_lN", "presliding_A"} == scaled
+
+
+W, TEMPERATURE, THETA = 30.0, 45.0, 0.7 / MU
+ASYMMETRIES = (
+    ("viscous_asymmetry", "viscosity_temperature", {"viscous_asym": 2e-4, "viscosity_b": 0.04}),
+    ("coulomb_asymmetry", "coulomb_temperature", {"coulomb_asym": 3e-3, "coulomb_b": -0.01}),
+)
+
+
+@pytest.mark.parametrize("order", [(0, 1), (1, 0)], ids=["asymmetry first", "temperature first"])
+@pytest.mark.parametrize(("asymmetry", "temperature", "values"), ASYMMETRIES, ids=["viscous", "coulomb"])
+def test_a_warm_asymmetric_bearing_follows_the_closed_form(
+    asymmetry: str, temperature: str, values: dict[str, float], order: tuple[int, int]
+) -> None:
+    """Forwards its coefficient is the sum of mean and asymmetry, times one factor of the temperature."""
+    pair = [effects("C2")[asymmetry], effects("C2")[temperature]]
+    model = load_model("c2_parallel")
+    for k in order:
+        model = pair[k].extend(model, values)
+    actual = load_module(model).mechanical_friction_torque(THETA, W, TEMPERATURE)
+
+    radial = M * L * (MU * W) ** 2
+    weight = (M + M_L) * 9.81
+    force = np.sqrt(radial**2 + weight**2 + 2 * radial * weight * np.cos(MU * THETA))
+    warmer = TEMPERATURE - 25.0
+    viscous = 0.0004 + values.get("viscous_asym", 0.0) + MU**2 * 0.004 * force
+    dry = 0.008 + values.get("coulomb_asym", 0.0) + MU * 0.08 * force
+    expected = viscous * W * np.exp(-values.get("viscosity_b", 0.0) * warmer) + dry * (
+        1.0 + values.get("coulomb_b", 0.0) * warmer
+    )
+    assert actual == pytest.approx(expected, rel=1e-12)
+
+
+def test_what_is_replaced_is_replaced_in_what_comes_later_too() -> None:
+    """A harmonic adopted after an offset of the angle turns with the true angle, as one adopted before."""
+    known = effects("C2")
+    model = known["link_harmonic_friction[n=1]"].extend(
+        known["angle_offset"].extend(load_model("c2_parallel"), {"offset_angle": 0.3})
+    )
+    values = {"link_harmonic_c1": 1.0, "mu": MU, "theta_m": THETA, "offset_angle": 0.3, "omega_m": W}
+    (term,) = [t for t in model.balance("mechanical").terms if t.name == "link_harmonic_c1"]
+
+    assert model.value(meaning(term.value), values) == pytest.approx(np.cos(MU * THETA + 0.3), rel=1e-12)
