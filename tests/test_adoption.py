@@ -1,7 +1,7 @@
 """What the search adopts, and how sure it is, where every score is known in closed form.
 
-With the noise at 1, a fit that lacks amplitudes b, c, ... leaves N (1 + b^2 + c^2 + ...), N = 2048. Rows count
-as independent, so the deviance of an addition is N log(before/after).
+With the noise at 1, a fit that lacks amplitudes b, c, ... leaves N (1 + b^2 + c^2 + ...), N = 2048. Rows
+count as independent, so the deviance of an addition is N log(before/after).
 """
 
 from __future__ import annotations
