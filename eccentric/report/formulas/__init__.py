@@ -1,19 +1,19 @@
 """Formulas as MathML, which browsers set by themselves: for the report and the manual.
 
     letters      eta_2, B_lN^+, Delta k_e -> letters with Greek, indices and exponents
-    plain        stable forms of a model -> the functions they stand for, common factors taken out
+    reading      stable forms of a model -> the functions they stand for, common factors taken out
     expression   an expression on one line
-    equation     an equation as a block, a long sum in aligned lines
+    blocks       an equation as a block, a long sum in aligned lines
     short        a formula as a person types it, within a sentence
 
 In: SymPy expressions, quantities with their letters, typed formulas. Out: MathML. It imports only
 `eccentric.model`.
 """
 
-from eccentric.report.formulas.equation import Line, aligned, block, equation
+from eccentric.report.formulas.blocks import Line, aligned, block, equation
 from eccentric.report.formulas.expression import Typesetter
 from eccentric.report.formulas.letters import letter
-from eccentric.report.formulas.plain import plain
+from eccentric.report.formulas.reading import plain
 from eccentric.report.formulas.short import short_formula
 
 __all__ = ["Line", "Typesetter", "aligned", "block", "equation", "letter", "plain", "short_formula"]

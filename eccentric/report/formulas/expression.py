@@ -11,7 +11,7 @@ from sympy.core.relational import Relational
 from eccentric.model import Quantity
 from eccentric.model import vocabulary as v
 from eccentric.report.formulas.letters import SPACE, letter, name, number, operator, raised, row
-from eccentric.report.formulas.plain import factors, grouped
+from eccentric.report.formulas.reading import factors, grouped
 
 __all__ = ["Typesetter"]
 
@@ -144,7 +144,7 @@ class Typesetter:
             return row(self(e.lhs), operator("=" if isinstance(e, sp.Eq) else str(e.rel_op)), self(e.rhs))
         if not isinstance(e, Application):
             return name(str(e))
-        called = name(_NAMES.get(e.func, e.func.__name__))
+        called = name(_NAMES.get(e.func) or str(e.func))
         called = f"<msup>{called}{power}</msup>" if power else called
         inside = operator(",").join(self(x) for x in e.args)
         if isinstance(e, _BARE) and e.args[0].as_coeff_Mul()[1].is_Symbol:

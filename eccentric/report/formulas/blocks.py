@@ -9,7 +9,7 @@ import sympy as sp
 
 from eccentric.report.formulas.expression import Typesetter
 from eccentric.report.formulas.letters import SPACE, operator, raised
-from eccentric.report.formulas.plain import factors, grouped
+from eccentric.report.formulas.reading import factors, grouped
 
 __all__ = ["Line", "aligned", "block", "equation"]
 
