@@ -594,14 +594,19 @@ class _Floats:
         return x if condition else y
 
 
-def _on_floats(kernel: Callable[..., Any]) -> Callable[..., Any]:
+def _on_floats(kernel: Any) -> Callable[..., Any]:
     """The kernel with `_Floats` for `np`, in itself and in the functions of its module that it calls."""
-    names: dict[str, Any] = {}
-    for name, value in kernel.__globals__.items():
-        own = isinstance(value, FunctionType) and value.__globals__ is kernel.__globals__
-        names[name] = FunctionType(value.__code__, names, name) if own else value
-    names["np"] = _Floats
-    return FunctionType(kernel.__code__, names, kernel.__name__)
+    names = {**kernel.__globals__, "np": _Floats}
+
+    def copied(function: Any) -> FunctionType:
+        for name in function.__code__.co_names:
+            value = names.get(name)
+            # A function that is copied already has other globals; one with a closure is no formula.
+            if isinstance(value, FunctionType) and value.__globals__ is kernel.__globals__:
+                names[name] = value if value.__closure__ else copied(value)
+        return FunctionType(function.__code__, names, function.__name__)
+
+    return copied(kernel)
 
 
 class _Function:

@@ -1,5 +1,5 @@
 # Generated: do not edit. Written by `make derive` from derivations/rotating_link.py
-# (eccentric 0.1.0, program f5237b70).
+# (eccentric 0.1.0, program 86eef090).
 # Rotating link with an unbalanced mass, plane tilted by phi, angular acceleration kept.
 """Rotating link with an unbalanced mass, plane tilted by phi, angular acceleration kept.
 
@@ -188,7 +188,7 @@ def _half_sine(c, from_top):
 
 
 def _load(c, theta_m, omega_m, alpha_m):
-    """Normal force over scale_N [rad^2/s^2], and what is computed on the way; 10 functions call this."""
+    """Normal force over scale_N [rad^2/s^2], with what it takes; 10 functions call this."""
     size = abs(omega_m)
     # magnitude of the motor velocity, at most 2^30, 0 if M L = 0 [rad/s]
     speed = np.minimum(size, c.fastest)

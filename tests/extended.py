@@ -2,7 +2,6 @@
 
 import dataclasses
 import inspect
-import sys
 from functools import cache
 from pathlib import Path
 from types import ModuleType
@@ -11,7 +10,7 @@ import numpy as np
 import pytest
 
 from eccentric.effects import Effect, Setting, library
-from eccentric.emission import render, render_check
+from eccentric.emission import executed, render, render_check
 from eccentric.model import Model, load_model
 
 BASE = {"C1": "c1_perpendicular", "C2": "c2_parallel"}
@@ -119,7 +118,7 @@ def with_group(case: str, number: int) -> Extended:
     """Return the base model with one of the groups, at values where it changes nothing."""
     model = joined(case, number, dict.fromkeys(NEUTRAL, 0.0))
     texts = render(model)
-    return Extended(model, groups(case)[number], texts, loaded(model.name, texts))
+    return Extended(model, groups(case)[number], texts, executed(texts, model.name))
 
 
 def extended(case: str) -> tuple[Extended, ...]:
@@ -148,14 +147,6 @@ def written(model: Model, folder: Path) -> Path:
         (folder / file).parent.mkdir(parents=True, exist_ok=True)
         (folder / file).write_text(text, encoding="utf-8")
     return folder
-
-
-def loaded(name: str, texts: dict[str, str]) -> ModuleType:
-    """Return the emitted NumPy module, executed."""
-    module = ModuleType(f"extended_{name}")
-    sys.modules[module.__name__] = module  # dataclasses look their module up
-    exec(compile(texts[f"{name}.py"], f"{name}.py", "exec"), module.__dict__)  # noqa: S102
-    return module
 
 
 def with_effect(case: str, effect_id: str) -> Extended:

@@ -11,7 +11,7 @@ import pytest
 from mpmath import mpf
 
 from eccentric.effects import Effect
-from eccentric.emission import render
+from eccentric.emission import executed, render
 from eccentric.emission.program.accuracy import (
     FRICTION_TORQUE,
     GRADIENT,
@@ -111,7 +111,7 @@ def models(case: str) -> tuple[extended.Extended, ...]:
 def emitted(model: Model, found: tuple[Effect, ...]) -> extended.Extended:
     """Return a model as the tests call it."""
     texts = render(model)
-    return extended.Extended(model, found, texts, extended.loaded(model.name, texts))
+    return extended.Extended(model, found, texts, executed(texts, model.name))
 
 
 def of_drive(one: extended.Extended, drive: str, offset: float) -> tuple[Parameters, Parameters, mpf]:

@@ -1,7 +1,6 @@
 """What `eccentric diagnose` writes: its figures, and code that gives the error it reports."""
 
 import ast
-import importlib.util
 import inspect
 import json
 import os
@@ -17,6 +16,7 @@ import numpy as np
 import pytest
 
 from eccentric.cli import main
+from eccentric.emission import executed
 from eccentric.rigs import read_rig
 from eccentric.signals import read_channels
 from tests.compiled import FLAGS
@@ -80,13 +80,8 @@ def test_json_has_the_documented_keys(said: dict[str, Any]) -> None:
 def module_of(folder: Path) -> ModuleType:
     """The emitted NumPy module of a diagnosis."""
     path = next(p for p in folder.glob("*_extended.py"))
-    spec = importlib.util.spec_from_file_location(path.stem, path)
-    assert spec is not None
-    assert spec.loader is not None
-    module = importlib.util.module_from_spec(spec)
-    sys.modules[path.stem] = module
-    spec.loader.exec_module(module)
-    return module
+    files = {p.name: p.read_text(encoding="utf-8") for p in (path, folder / "eccentric_runtime.py")}
+    return executed(files, path.stem)
 
 
 def held_out_inputs(log: Path, rig: Path) -> tuple[dict[str, np.ndarray], np.ndarray]:

@@ -60,14 +60,13 @@ def _prepare(entry: Entry, source: ModuleType) -> Callable[[Any, Any], tuple[np.
     @lru_cache(maxsize=64)
     def prepared(parameters: Any, real: Any) -> tuple[np.ndarray, bool]:
         """The coefficients as C holds them, and whether there are inertias for an acceleration."""
-        numbers = source._prepare(parameters, real).numbers
-        given = source._DEFAULT if parameters is None else parameters
+        numbers = source._model.prepared(parameters, real).numbers
+        given = source._model.default if parameters is None else parameters
         complete = all(getattr(given, name) is not None for name in inertias)
         return np.array([getattr(numbers, name) for name in held[real]] or [0.0], real), complete
 
     def prepare(parameters: Any, real: Any) -> tuple[np.ndarray, bool]:
-        if parameters is not None:
-            source._check_kind(type(parameters))
+        source._model.check(parameters)
         return prepared(parameters, real)
 
     return prepare
@@ -82,14 +81,13 @@ def _general(
         bound = signature.bind(*given, **named)
         bound.apply_defaults()
         *inputs, parameters, out = bound.arguments.values()
-        if parameters is not None:
-            source._check_kind(type(parameters))
+        source._model.check(parameters)
         if called.requires:
-            source._require(called.requires, inputs[-1], parameters)
-        arrays, real = source._arrays(inputs, called.inputs) if inputs else ([], np.float64)
+            source._model.require(called.requires, inputs[-1], parameters)
+        arrays, real = source.runtime.arrays(inputs, called.inputs) if inputs else ([], np.float64)
         shape = np.broadcast_shapes(*(x.shape for x in arrays))
         if out is not None:
-            source._check_out(out, (*shape, called.width) if called.width else shape, real)
+            source.runtime.check_out(out, (*shape, called.width) if called.width else shape, real)
         whole = [_whole(x, shape) for x in arrays]
         if out is None:
             result = plain(*whole, parameters)

@@ -70,7 +70,7 @@ def _built(model: Model, compiler: Compiler) -> tuple[ModuleType, str, str]:
     from eccentric.compiled.view import view
     from eccentric.emission import build_program, render, template
 
-    program, files = build_program(model), render(model)
+    program, files = build_program(model), render(model, single_file=True)
     module = files[f"{program.name}.py"]
     sources = {name: text for name, text in files.items() if name.endswith((".c", ".h"))}
     sources[_UNIT] = template("compiled/python.c").render(view(program))
@@ -104,8 +104,9 @@ def _served(entry: Entry | None) -> ModuleType | None:
         entry.module, f"eccentric_compiled_{entry.name}_{next(_numbers)}", f"<{entry.name}.py as emitted>"
     )
     module = ModuleType(f"eccentric_compiled_{entry.name}", source.__doc__)
-    for name in (name for name in dir(source) if not name.startswith("_")):
-        setattr(module, name, getattr(source, name))
+    for name in (*source.__all__, "STATES", "follow_states"):
+        if hasattr(source, name):
+            setattr(module, name, getattr(source, name))
     try:
         made = functions(entry, cache_folder() / entry.library, source)
     except OSError:

@@ -12,7 +12,7 @@ In: a `Model`. Out: files, or the module that they make. It imports `eccentric.m
 from eccentric.emission.backends import BACKENDS, DEFAULT, plain
 from eccentric.emission.check import render_check
 from eccentric.emission.defaults import read_parameters, with_fitted
-from eccentric.emission.hot import load_module
+from eccentric.emission.hot import executed, load_module
 from eccentric.emission.names import checked_name
 from eccentric.emission.program import Program, Routine, build_program
 from eccentric.emission.render import render, render_program
@@ -28,6 +28,7 @@ __all__ = [
     "checked_name",
     "complete",
     "differences",
+    "executed",
     "load_module",
     "plain",
     "read_parameters",

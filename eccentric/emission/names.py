@@ -18,7 +18,7 @@ _HEADERS = """
     wchar wctype
 """.split()  # noqa: SIM905 - words read better than a list of them
 # What the emitted module imports, and the toolkit itself.
-_PACKAGES = ("numpy", "eccentric")
+_PACKAGES = ("numpy", "eccentric", "eccentric_runtime")
 # Windows has no files of these names, whatever their ending.
 _DEVICES = ("aux", "con", "nul", "prn", *(f"{port}{k}" for port in ("com", "lpt") for k in range(10)))
 _TAKEN = {

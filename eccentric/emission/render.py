@@ -80,13 +80,13 @@ def render_program(
         f"{program.title}.",
     )
     common = (f"{written} (eccentric {__version__}).",)
-    return {
-        file: (
-            BACKENDS[name].banner(common if file in BACKENDS[name].files.values() else own) + text
-        ).replace(_DIGEST, digest)
-        for name in backends
-        for file, text in code[name].items()
-    }
+    files = {}
+    for name in backends:
+        backend = BACKENDS[name]
+        for file, text in code[name].items():
+            banner = backend.banner(common if file in backend.files.values() else own)
+            files[file] = (banner + text).replace(_DIGEST, digest)
+    return files
 
 
 def _code(program: Program, backend: Backend, *, single_file: bool = False) -> dict[str, str]:

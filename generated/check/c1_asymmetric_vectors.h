@@ -1,5 +1,5 @@
 /*
- * Generated: do not edit. Written beside c1_asymmetric.c (program af40957c).
+ * Generated: do not edit. Written beside c1_asymmetric.c (program c16f77ee).
  * What the self-test expects; computed by the emitted NumPy module.
  */
 #define INPUTS 4u

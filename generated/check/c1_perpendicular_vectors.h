@@ -1,5 +1,5 @@
 /*
- * Generated: do not edit. Written beside c1_perpendicular.c (program 98575159).
+ * Generated: do not edit. Written beside c1_perpendicular.c (program 7d971443).
  * What the self-test expects; computed by the emitted NumPy module.
  */
 #define INPUTS 4u

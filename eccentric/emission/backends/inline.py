@@ -36,9 +36,7 @@ def inlined(lines: Iterable[Line]) -> list[Line]:
 
 def _put(outer: str, place: re.Pattern[str], text: str) -> str:
     """The text in its place, in brackets if it would come apart there."""
-    found = place.search(outer)
-    assert found is not None
-    before, after = outer[: found.start()], outer[found.end() :]
+    before, after = place.split(outer)
     needed = _SUM
     if before.endswith(("* ", "/ ", "-")):
         needed = _ATOM

@@ -13,7 +13,6 @@ from eccentric.emission.program import (
     BITS,
     COSINE,
     LEADING_BITS,
-    ROUNDER,
     SINE_RATIO,
     Assignment,
     Input,
@@ -67,22 +66,6 @@ def default_text(q: Quantity) -> str:
     return repr(float(sp.Rational(q.default)))
 
 
-# In words, lowest and highest value; infinity and NaN are never valid.
-_DOMAINS = {
-    "positive": ("a positive number", "math.ulp(0.0)", "_LARGEST"),
-    "nonnegative": ("a number that is not negative", "0.0", "_LARGEST"),
-    "real": ("a finite number", "-_LARGEST", "_LARGEST"),
-    # A right angle rounded up to single precision is still one.
-    "tilt": ("a number from 0 to pi/2", "0.0", "1.5707964"),
-}
-
-
-def domain(q: Quantity) -> tuple[str, str, str]:
-    """What is required of a parameter: in words, and its lowest and highest value as spelled in Python."""
-    words, lowest, highest = _DOMAINS[q.domain]
-    return f"{words} [{q.unit}]", lowest, highest
-
-
 def splitting(program: Program) -> dict[str, str] | None:
     """The factors of the split into leading digits, in double arithmetic; None where no angle is reduced."""
     if not any(a.value.has(Leading) for a in program.prepare):
@@ -105,8 +88,3 @@ def assigned(
     for a in assignments:
         lines += [*map(comment, textwrap.wrap(a.note, 100)), line(a.target.name, a.value)]
     return lines
-
-
-def rounds(program: Program) -> bool:
-    """Whether a routine rounds to whole numbers."""
-    return any(ROUNDER in a.value.free_symbols for a in program.hot())

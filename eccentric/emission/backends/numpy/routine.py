@@ -32,15 +32,11 @@ def functions(program: Program) -> dict[str, list[dict[str, Any]]]:
 def _body(r: Routine, spelling: Language) -> Body:
     """The routine as lines; a result that is but a name needs none."""
     lines = _printed(r.assignments, spelling)
-    results = {s.name: s.name for s in r.results}
-    renamed = {
-        line.targets[0]: line.text
-        for line in lines
-        if line.targets[0] in results and line.text.removeprefix("c.").isidentifier()
-    }
-    kept = [line for line in lines if line.targets[0] not in renamed]
+    results = [str(s) for s in r.results]
+    named = {line.targets[0]: line.text for line in lines if line.text.removeprefix("c.").isidentifier()}
+    kept = [line for line in lines if line.targets[0] not in results or line.targets[0] not in named]
     inputs = [s.name for x in r.inputs for s in x.symbols]
-    return Body(r.name, tuple(inputs), tuple(kept), tuple(renamed.get(name, name) for name in results))
+    return Body(r.name, tuple(inputs), tuple(kept), tuple(named.get(name, name) for name in results))
 
 
 def _printed(assignments: Iterable[Assignment], spelling: Language) -> list[Line]:
@@ -96,7 +92,7 @@ def _shared(body: Body) -> dict[str, Any]:
     return {
         "name": body.name,
         "inputs": ["c", *body.inputs],
-        "doc": f"{sentence(meaning)[:-1]}, and what is computed on the way; {body.callers} functions call this.",
+        "doc": f"{sentence(meaning)[:-1]}, with what it takes; {body.callers} functions call this.",
         "lines": _lines(body, vector=len(body.results) > 1),
     }
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any
 
 from eccentric.emission.backends.numpy.prepare import prepare
@@ -59,10 +60,14 @@ def _follow(program: Program) -> dict[str, Any]:
     inputs = [x.quantity.name for x in stepped.inputs if x.quantity.name not in initial]
     return {
         "inputs": inputs,
-        "initial": f"{{{', '.join(f'{chr(34)}{name}{chr(34)}: {value}' for name, value in initial.items())}}}",
-        "given": f"{{{', '.join(f'{chr(34)}{name}{chr(34)}: {name}' for name in inputs)}}}",
+        "initial": _mapping(initial),
+        "given": _mapping(dict(zip(inputs, inputs, strict=True))),
         "width": len(initial),
     }
+
+
+def _mapping(items: Mapping[str, str]) -> str:
+    return "{" + ", ".join(f'"{name}": {text}' for name, text in items.items()) + "}"
 
 
 def _polynomial(name: str) -> dict[str, Any]:
@@ -73,6 +78,6 @@ def _polynomial(name: str) -> dict[str, Any]:
         "rest": " + 1.0" if name == "cosine" else "",
         "single": ", ".join(single.coefficients),
         "double": double.coefficients,
-        "doc": f"{function}, |h| within a quarter turn, by a minimax polynomial in h^2: errors {single.error} and"
-        f" {double.error}.",
+        "doc": f"{function}, |h| within a quarter turn, by a minimax polynomial in h^2:"
+        f" errors {single.error} and {double.error}.",
     }
