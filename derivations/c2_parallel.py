@@ -32,7 +32,9 @@ weight_plain = (M + M_l) * g
 # Extremal values along a revolution: where the slope vanishes. The curvature tells minimum from maximum.
 slope = sp.diff(F_N_squared, theta_l)
 curvature = sp.diff(slope, theta_l)
-stationary = sp.solveset(slope, theta_l, sp.Interval.Ropen(0, 2 * sp.pi))
+sine = sp.Symbol("sine")
+(zero,) = sp.roots(slope.subs(sp.sin(theta_l), sine), sine)
+stationary = (sp.asin(zero), sp.pi - sp.asin(zero))  # both angles of a revolution that have this sine
 (top_angle,) = (angle for angle in stationary if curvature.subs(theta_l, angle).is_nonnegative)
 (bottom_angle,) = (angle for angle in stationary if curvature.subs(theta_l, angle).is_nonpositive)
 at_bottom = sp.factor(F_N_squared.subs(theta_l, bottom_angle))
