@@ -7,18 +7,16 @@ from typing import Any
 
 import numpy as np
 
+from eccentric.report.arrays import BalanceResiduals, Channel, Rows
 from eccentric.report.data import (
     AddedEffect,
-    BalanceResiduals,
     Candidate,
-    Channel,
     Equation,
     Fact,
     Finding,
     Gain,
     Parameter,
     ReportData,
-    Rows,
 )
 
 HOSTILE = "</script><script>alert(1)</script><img src=x onerror=alert(2)>&\"'$$x$$"
@@ -80,12 +78,21 @@ def sample(n: int = 5000, runs: int = 1, text: str = "", unit: str = "N m", **ch
         further=(),
         holdout=f"two of ten{text}",
         depends_on=("link_angle", "direction"),
-        candidates=(replace(ADOPTED, formula=ADOPTED.formula + text), replace(RIVAL, hint=f"turns{text}")),
+        candidates=(
+            replace(ADOPTED, formula=ADOPTED.formula + text),
+            replace(RIVAL, hint=f"turns{text}", headline=f"a dent{text}"),
+        ),
         tied=(),
         chance={"mechanical": (900.0, 16.0)},
         effects=(
             AddedEffect(
-                "wobble[n=2]", "mechanical", f"A bent shaft{text}.", f"s sin{text}", f"someone{text}", 0.12
+                "wobble[n=2]",
+                "mechanical",
+                f"A bent shaft{text}.",
+                f"s sin{text}",
+                f"someone{text}",
+                0.12,
+                f"a shaft that wobbles{text}",
             ),
         ),
         parameters=(

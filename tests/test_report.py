@@ -108,7 +108,7 @@ def test_every_verdict_has_a_report(verdict: str, n: int) -> None:
     }
 
     assert [verdict] == [v for v, word in words.items() if word in text]
-    assert ("Undecided between wobble[n=2] and dent" in text) == (verdict == "not_identifiable")
+    assert ("Undecided between wobble[n=2] and a dent (dent)" in text) == (verdict == "not_identifiable")
     assert ("extended model" in text) == (verdict != "nothing_missing")
 
 
@@ -146,6 +146,16 @@ def test_further_errors_have_their_bars() -> None:
     assert "every run left out once [N m]" in text
     assert "0.008 to 0.012 N m" in text
     assert "9 of 10." in text
+
+
+@pytest.mark.usefixtures("undrawn")
+def test_what_an_effect_is_comes_before_its_id() -> None:
+    """In the list of candidates, at the equation and at the hint a person reads words first."""
+    text = " ".join(Reader(page(sample(500, tied=("dent",)))).text.split())
+
+    assert "a dentdent" in text  # two lines of one cell
+    assert "a shaft that wobbles (wobble[n=2]): s sin" in text
+    assert "To separate a dent (dent) from other effects: turns." in text
 
 
 def test_why_the_runner_up_lost() -> None:

@@ -6,7 +6,7 @@ import numpy as np
 
 from eccentric.diagnosis import Diagnosis
 from eccentric.fitting import Refit
-from eccentric.report.data import BalanceResiduals, Channel, Rows
+from eccentric.report.arrays import BalanceResiduals, Channel, Rows
 from eccentric.signals import Rows as LogRows
 
 __all__ = ["balance_of"]

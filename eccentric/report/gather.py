@@ -13,15 +13,7 @@ from pathlib import Path
 from eccentric.diagnosis import Diagnosis, diagnosis_sentence
 from eccentric.effects import Effect
 from eccentric.report.balance import balance_of
-from eccentric.report.data import (
-    AddedEffect,
-    Candidate,
-    Errors,
-    Finding,
-    Gain,
-    Parameter,
-    ReportData,
-)
+from eccentric.report.data import AddedEffect, Candidate, Errors, Finding, Gain, Parameter, ReportData
 from eccentric.report.equation import friction_equations
 from eccentric.report.facts import facts_of
 from eccentric.report.text import number, range_of
@@ -68,6 +60,7 @@ def report_data(found: Diagnosis, files: Sequence[tuple[str, str]] = ()) -> Repo
                 formula=e.formula,
                 reference=e.reference,
                 share=found.models.extended.shares.get(e.id, 0.0),
+                headline=e.words.headline,
             )
             for e in effects
         ),
@@ -83,9 +76,11 @@ def report_data(found: Diagnosis, files: Sequence[tuple[str, str]] = ()) -> Repo
     )
 
 
-def _words(about: dict[str, Effect], name: str) -> tuple[str, tuple[str, ...], str]:
+def _words(about: dict[str, Effect], name: str) -> tuple[str, tuple[str, ...], str, str]:
     effect = about.get(name)
-    return ("", (), "") if effect is None else (effect.formula, effect.evidence.aliases, effect.words.hint)
+    if effect is None:
+        return "", (), "", ""
+    return effect.formula, effect.evidence.aliases, effect.words.hint, effect.words.headline
 
 
 def _further(found: Diagnosis) -> list[Errors]:

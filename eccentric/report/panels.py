@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from eccentric.report.data import BalanceResiduals, Channel, Rows
+from eccentric.report.arrays import BalanceResiduals, Channel, Rows
 
 __all__ = ["Curve", "Panel", "Trace", "friction_panel", "residual_panel", "shown_rows", "trace"]
 

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from typing import Any
 
-from eccentric.report.data import BalanceResiduals, Channel, ReportData
+from eccentric.report.arrays import BalanceResiduals, Channel
+from eccentric.report.data import ReportData
 from eccentric.report.panels import Panel, friction_panel, residual_panel
 
 __all__ = ["plot_report"]

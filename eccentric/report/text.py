@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from eccentric.report.data import BalanceResiduals, Candidate, ReportData
+from eccentric.report.arrays import BalanceResiduals
+from eccentric.report.data import Candidate, ReportData
 from eccentric.report.panels import Panel, Trace
 
 __all__ = ["VERDICTS", "figure_words", "number", "plain_words", "range_of", "trace_words", "why"]
@@ -106,25 +107,24 @@ def why(data: ReportData) -> list[str]:
 
 def _against(winner: Candidate, runner: Candidate, unit: str, tied: bool) -> str:
     times = runner.rmse / winner.rmse if winner.rmse else 1.0
-    chances = f"probabilities {runner.probability:.2f} and {winner.probability:.2f}"
-    first = f"{runner.id} leaves an error of {number(runner.rmse)} {unit}"
-    second = f"{number(winner.rmse)} {unit}"
+    chances = f"probabilities {winner.probability:.2f} and {runner.probability:.2f}"
+    error, least = f"{number(runner.rmse)} {unit}", f"{number(winner.rmse)} {unit}"
     if tied:
         return (
-            f"Undecided between {winner.id} and {runner.id}: {first}, {winner.id} {second} ({chances})."
-            f" {_WINDOWS}"
+            f"Undecided between {winner.called} and {runner.called}: they leave errors of {least} and {error}"
+            f" ({chances}). {_WINDOWS}"
         )
     return (
-        f"Why the runner-up lost: {first}, {number(times, 3)} times the {second} of what was adopted"
-        f" ({chances}). {_WINDOWS}"
+        f"Why the runner-up lost: {runner.called} leaves an error of {error}, {number(times, 3)} times the"
+        f" {least} of what was adopted ({chances}). {_WINDOWS}"
     )
 
 
 def _chance(best: Candidate, chance: tuple[float, float], verdict: str) -> str:
     gained, level = chance
     sentence = (
-        f"The best candidate of the {best.balance} balance is {best.id}; how much better the log fits with it"
-        f" is {number(gained, 3)} in deviance, and one log of a hundred without any effect has"
+        f"The best candidate of the {best.balance} balance is {best.called}; how much better the log fits"
+        f" with it is {number(gained, 3)} in deviance, and one log of a hundred without any effect has"
         f" {number(level, 3)} or more by chance"
     )
     if gained <= level:

@@ -6,7 +6,8 @@ from collections.abc import Callable
 from types import ModuleType
 from typing import Any
 
-from eccentric.report.data import BalanceResiduals, Candidate, Errors, Parameter, ReportData
+from eccentric.report.arrays import BalanceResiduals
+from eccentric.report.data import Candidate, Errors, Parameter, ReportData
 from eccentric.report.panels import friction_panel, residual_panel, trace
 from eccentric.report.text import (
     VERDICTS,
@@ -54,7 +55,7 @@ def view(data: ReportData, figures: ModuleType | None) -> dict[str, Any]:
         "why": why(data),
         "parameters": [_parameter(p) for p in data.parameters],
         "effects": [(e, number(100.0 * e.share, 3)) for e in data.effects],
-        "hints": [(c.id, c.hint) for c in data.candidates if c.hint and (c.adopted or c.family in data.tied)],
+        "hints": [c for c in data.candidates if c.hint and (c.adopted or c.family in data.tied)],
         "figures_json": drawn.json(),
         "bokeh": figures.library() if figures else "",
     }
@@ -173,6 +174,7 @@ def _candidate(c: Candidate, data: ReportData) -> dict[str, Any]:
     return {
         "standing": standing,
         "id": c.id,
+        "headline": c.headline,
         "formula": c.formula,
         "balance": c.balance,
         "rmse": f"{number(c.rmse)} {units.get(c.balance, '')}",
