@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import shutil
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -10,7 +12,8 @@ import pytest
 import eccentric
 from eccentric import InputError, cli
 
-TRIO = ["arm.py", "arm.h", "arm.c", "check/arm_selftest.c", "check/arm_vectors.h", "check/arm_proof.c"]
+CHECKS = ["check/arm_selftest.c", "check/arm_vectors.h", "check/arm_proof.c"]
+FILES = {"arm.py", "eccentric_runtime.py", "arm.h", "arm.c", *CHECKS}
 
 
 def test_the_command_writes_the_same(tmp_path: Path) -> None:
@@ -18,18 +21,20 @@ def test_the_command_writes_the_same(tmp_path: Path) -> None:
     paths = eccentric.emit("c1_perpendicular", tmp_path / "function", prefix="arm")
     assert 0 == cli.main(["emit", "c1_perpendicular", "--prefix", "arm", "--out", str(tmp_path / "command")])
 
-    assert TRIO == [path.relative_to(tmp_path / "function").as_posix() for path in paths]
-    for name in TRIO:
+    assert FILES == {path.relative_to(tmp_path / "function").as_posix() for path in paths}
+    for name in FILES:
         assert (tmp_path / "function" / name).read_bytes() == (tmp_path / "command" / name).read_bytes()
 
 
 def test_values_by_letter_are_the_defaults_of_the_code(tmp_path: Path) -> None:
     """Those given, and the model's own for the rest."""
     eccentric.emit("c1_perpendicular", tmp_path / "out", parameters={"B_m": 0.25}, prefix="arm")
-    text = (tmp_path / "out" / "arm.py").read_text(encoding="utf-8")
+    program = "import arm; print(arm.Parameters().B_m, arm.Parameters().mu)"
+    done = subprocess.run(
+        [sys.executable, "-c", program], cwd=tmp_path / "out", capture_output=True, text=True, check=True
+    )
 
-    assert "B_m: float = 0.25" in text
-    assert "mu: float = 0.2\n" in text
+    assert "0.25 0.2\n" == done.stdout
 
 
 def test_a_model_names_itself_in_the_banner(tmp_path: Path) -> None:
