@@ -28,6 +28,7 @@ class Combination(Coefficient):
 
     `expression` is what it is called by, `meaning` what that is in parameters, `letter` the coefficient
     without the scale, `mechanical_unit` its unit. `linear`: it belongs to the linear model as well.
+    `parameter` is the parameter of the model that stands for it when the fit is emitted, "" for none.
     """
 
     expression: sp.Expr
@@ -35,6 +36,7 @@ class Combination(Coefficient):
     letter: str
     mechanical_unit: str
     linear: bool = True
+    parameter: str = ""
 
 
 def as_text(expression: sp.Expr) -> str:
@@ -84,7 +86,7 @@ def combinations_of(
         low, high = _inertia_range(rig, machine)
         bounds = {"lower": s_low * low, "upper": s_high * high}
         own = _scaled("kg m^2", unit)
-        add(s * J, role="inertia", unit=own, **bounds, letter="J", mechanical_unit="kg m^2")
+        add(s * J, role="inertia", unit=own, **bounds, letter="J", mechanical_unit="kg m^2", parameter="J_m")
     gravity = model.balance("mechanical").sum_of("gravity", "conservative")
     if scale is not None and (gravity != 0 or inertia is not None):
         bounds = {"lower": s_low, "upper": s_high}
@@ -116,6 +118,7 @@ def _friction(column: Column, model: Model, s: sp.Expr, damping: sp.Expr, unit: 
         letter=column.name,
         mechanical_unit=column.unit,
         linear=column.linear,
+        parameter=column.parameter.name,
     )
 
 

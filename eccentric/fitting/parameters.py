@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from eccentric.fitting.columns import k_e
+
 if TYPE_CHECKING:
     from eccentric.estimation import Estimate
     from eccentric.fitting.identify import Fit
@@ -28,11 +30,10 @@ def emitted_parameters(fit: Fit) -> tuple[dict[str, float | None], dict[str, str
         if c.role not in ("friction", "inertia"):
             continue
         e = _mechanical(fit, c.name)
-        letter = {"B": "B_m", "C": "C_m", "J": "J_m"}.get(c.letter, c.letter)
-        values[letter], notes[letter] = e.value, _words(e)
-        if letter != c.letter or "k_e" in c.name:
+        values[c.parameter], notes[c.parameter] = e.value, _words(e)
+        if c.parameter != c.letter or k_e in c.expression.free_symbols:
             shown = _mechanical_name(fit, c.name)
-            notes[letter] += "" if shown in (letter, "J") else f"; holds all of {shown}"
+            notes[c.parameter] += "" if shown in (c.parameter, "J") else f"; holds all of {shown}"
     if any(c.role == "inertia" for c in problem.coefficients):
         values["J_l"], notes["J_l"] = 0.0, "convention: J_m holds all of the inertia J_m + mu^2 J_l"
     fields = problem.emitted.letters

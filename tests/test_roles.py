@@ -1,0 +1,138 @@
+"""Roles: what a term does is declared with it, so that names are free."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+import sympy as sp
+
+from eccentric.fitting import drive_of, emitted_parameters, fit, fit_data_of, refit
+from eccentric.model import Load, Model, Role, Term, load_model, model_names, quantity, regressor
+from eccentric.model import vocabulary as v
+from eccentric.model.steps import Sgn
+from eccentric.rigs import read_rig
+from eccentric.signals import read_channels
+from tests.virtual import log_of
+
+w = v.omega_m.symbol
+
+
+def with_friction(coefficient: str) -> Model:
+    """Return case C2 with a drag by w|w|, its coefficient of this name."""
+    base = load_model("c2_parallel")
+    drag = quantity(coefficient, "N m s^2/rad^2", "drag of a fan", "", "nonnegative")
+    term = Term("fan", "friction", drag.symbol, w**2 * Sgn(w), "own", role=Role.DRAG)
+    mechanical, electrical = base.balance("mechanical"), base.balance("electrical")
+    return replace(
+        base,
+        name="with_fan",
+        parameters=(*base.parameters, drag),
+        balances=(replace(mechanical, terms=(*mechanical.terms, term)), electrical),
+    )
+
+
+@pytest.fixture(scope="module")
+def fan(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Path]:
+    """Return a log of a drive with quadratic drag, and its rig."""
+    return log_of(tmp_path_factory.mktemp("fan"), 11, ("quadratic_drag", 0.2))
+
+
+@pytest.mark.parametrize("coefficient", ["D_m", "B_fan", "eta_lN", "x"])
+def test_a_friction_parameter_of_ones_own_is_fitted_whatever_its_name(
+    coefficient: str, fan: tuple[Path, Path]
+) -> None:
+    """The model that is diagnosed has the held-out error of the fit, and far less than without the term."""
+    rig = read_rig(fan[1])
+    channels, paper = read_channels([fan[0]], rig), load_model("c2_parallel")
+    model = with_friction(coefficient)
+    fitted = fit(channels, rig, model)
+    again = refit(model, (), fit_data_of(drive_of(channels, rig, model), rig, model))
+
+    assert again.held_out("mechanical") == pytest.approx(fitted.rmse["paper"], rel=1e-9)
+    assert again.values[coefficient] == pytest.approx(fitted.coefficients[coefficient].value, rel=1e-9)
+    assert again.held_out("mechanical") < 0.6 * fit(channels, rig, paper).rmse["paper"]
+
+
+def test_the_linear_model_is_coulomb_and_viscous_friction_that_follow_no_load(
+    fan: tuple[Path, Path],
+) -> None:
+    """Fit and diagnosis take the same two columns for it; drag is none of them, whatever its name."""
+    rig = read_rig(fan[1])
+    channels, model = read_channels([fan[0]], rig), with_friction("B_fan")
+    data = fit_data_of(drive_of(channels, rig, model), rig, model)
+    linear = refit(model, (), data, linear=True)
+
+    assert {"B_m", "C_m"} == {c.name for c in regressor(model) if c.linear}
+    assert {0.0} == {linear.values[name] for name in ("B_fan", "B_lN", "C_lN")}
+    assert linear.held_out("mechanical") == pytest.approx(fit(channels, rig, model).rmse["linear"], rel=1e-9)
+
+
+@pytest.mark.parametrize("name", ["c1_perpendicular", "c1_asymmetric"])
+def test_what_is_emitted_of_a_fit_has_all_its_friction(name: str, tmp_path: Path) -> None:
+    """Each fitted column goes into the parameter that stands for it: B into B_m, B_pos into B_m_pos."""
+    log, file = log_of(tmp_path, 11, case="C1", seconds=20.0)
+    rig = read_rig(file)
+    fitted = fit(read_channels([log], rig), rig, load_model(name))
+    values, _ = emitted_parameters(fitted)
+    expected = {c.parameter.name: fitted.coefficients[c.name].value for c in regressor(load_model(name))}
+
+    assert all(expected[parameter] > 0.0 for parameter in expected if parameter.startswith(("B_m", "C_m")))
+    assert expected == {parameter: values[parameter] for parameter in expected}
+
+
+@pytest.mark.parametrize("name", model_names())
+def test_with_the_others_at_zero_a_column_is_its_parameter(name: str) -> None:
+    """B is B_m + mu^2 beta_T: with B_lT at zero it is B_m, which stands for it."""
+    model = load_model(name)
+    friction = {q.symbol for q in model.friction_parameters}
+    for column in regressor(model):
+        others = dict.fromkeys(friction - {column.parameter.symbol}, sp.Integer(0))
+
+        assert column.parameter.symbol == model.expand(column.coefficient).subs(others)
+
+
+def test_the_papers_terms_have_their_roles_and_loads() -> None:
+    """Eqs (9) and (10): both bearings viscous and dry, the link's by F_N and F_T, the motor's by no load."""
+    terms = load_model("rotating_link").balance("mechanical").terms
+    expected = {
+        str(coefficient): (role, load, 0)
+        for role, letters in (
+            (Role.VISCOUS, (v.B_lN, v.B_lT, v.B_m)),
+            (Role.COULOMB, (v.C_lN, v.C_lT, v.C_m)),
+        )
+        for coefficient, load in zip(
+            (q.symbol for q in letters), (Load.NORMAL, Load.TRANSVERSAL, Load.NONE), strict=True
+        )
+    }
+
+    assert expected == {str(t.coefficient): (t.role, t.load, t.joint) for t in terms if t.kind == "friction"}
+
+
+@pytest.mark.parametrize(
+    ("given", "said"),
+    [
+        ({}, "term x: friction requires a role, one of Role.VISCOUS"),
+        ({"role": "viscous"}, "term x: role must be one of Role.NONE, .* received 'viscous'"),
+        ({"role": Role.DRAG, "load": "F_N"}, "term x: load must be one of Load.NONE, .* received 'F_N'"),
+        ({"role": Role.DRAG, "joint": -1}, "term x: joint must be 0 or above, received -1"),
+        ({"role": Role.DRAG, "kind": "actuator"}, "only friction has a role, received drag of kind actuator"),
+    ],
+    ids=["none", "a string", "load a string", "joint", "no friction"],
+)
+def test_a_role_that_makes_no_sense_is_refused(given: dict[str, object], said: str) -> None:
+    """Friction has a role, nothing else has one, and both are words of the closed sets."""
+    kind = str(given.pop("kind", "friction"))
+    with pytest.raises((TypeError, ValueError), match=said):
+        Term("x", kind, v.B_m.symbol, w, "own", **given)  # pyright: ignore[reportArgumentType]
+
+
+def test_the_model_gives_its_own_inertia_and_the_current_of_its_armature() -> None:
+    """J is J_m + mu^2 J_l, and Kirchhoff's law gives i = (u - k_e w)/R: numbers by hand."""
+    model = load_model("c2_parallel")
+    known = {"J_m": 2e-4, "J_l": 0.04, "mu": 0.2, "u": 9.0, "k_e": 0.05, "R": 1.5, "omega_m": 30.0}
+    current = model.balance("electrical").solved_for(v.i.symbol)
+
+    assert model.value(model.inertia, known) == pytest.approx(2e-4 + 0.04 * 0.04, rel=1e-15)
+    assert model.value(current, known) == pytest.approx((9.0 - 0.05 * 30.0) / 1.5, rel=1e-15)
+    with pytest.raises(ValueError, match="balance electrical: required to be linear in theta_m"):
+        model.balance("electrical").solved_for(v.theta_m.symbol)
