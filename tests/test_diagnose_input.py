@@ -159,7 +159,7 @@ def test_a_model_with_a_hidden_state_is_refused(tmp_path: Path, capsys: pytest.C
     error = [line for line in capsys.readouterr().err.splitlines() if "warning" not in line]
 
     assert (2, 1) == (status, len(error))
-    assert "required a model without hidden states for diagnose, got one with presliding_z" in error[0]
+    assert "required a model without hidden states for diagnose, received one with presliding_z" in error[0]
 
 
 @pytest.mark.parametrize("command", ["fit", "diagnose"])

@@ -67,7 +67,7 @@ def diagnosis_document(found: Diagnosis) -> dict[str, Any]:
 
 
 def _unconfirmed(found: Diagnosis) -> dict[str, Any]:
-    """Effects that the training part asked for and the held-out part did not confirm, with what it said."""
+    """Effects that fitted the training part and that the held-out part did not confirm, with its figures."""
     if found.refused is None:
         return {"effects": list(found.attribution.unconfirmed)}
     percent, interval = found.refused.percent, list(found.refused.interval)

@@ -6,7 +6,7 @@ The stages, each with what it hands on:
     signals     smooth inputs of expressions                                     (`fit_data.fit_data_of`)
     balances    both residuals as linear designs on the training part            (`balances.balances_of`)
     attribute   verdict and adopted effects                                      (`verdict.attribute`)
-    extend      Model', its coefficients fitted on its own emitted module        (`trial.trial`)
+    extend      Model', its coefficients fitted on its own emitted module        (`models.fitted_models`)
     score       held-out RMSE before and after; the held-out part is opened there and nowhere else
                 (the zero-phase low pass carries some 20 ms across its borders)
     orders      what is left inside runs and periodic in the angle               (`orders.orders_of`)
@@ -66,7 +66,7 @@ def diagnose(
         rig: the rig, as `read_rig` takes it.
         model: name or path of the base model; by the rig's case if None.
         effects: a file with effects of the user's own.
-        tell: told one line per stage.
+        tell: called with one line per stage.
 
     Raises:
         InputError: bad input, a model with a tilt or hidden states, or fewer than two rows to hold out.
@@ -114,11 +114,13 @@ def diagnose(
 
 def _supported(model: Model) -> Model:
     if "phi" in {q.name for q in model.parameters}:
-        raise InputError(f"{model.name}: required a model of case C1 or C2 for diagnose, got one with a tilt")
+        raise InputError(
+            f"{model.name}: required a model of case C1 or C2 for diagnose, received one with a tilt"
+        )
     if model.states:
         names = ", ".join(state.quantity.name for state in model.states)
         raise InputError(
-            f"{model.name}: required a model without hidden states for diagnose, got one with {names}"
+            f"{model.name}: required a model without hidden states for diagnose, received one with {names}"
             " (diagnose adds the effect that has them itself)"
         )
     return model

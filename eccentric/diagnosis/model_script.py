@@ -47,7 +47,9 @@ def _fitted(found: Diagnosis) -> _Fitted:
         letters_of = "R/k_i, with k_i = 1 N m/A" if drive.by_voltage else "k_i"
         notes["R" if drive.by_voltage else "k_i"] = f"{letters_of}: identified through gravity or inertia"
         if drive.by_voltage and "k_e" not in found.rig.known and "back_emf" not in drive.open:
-            notes["B_m"] = f"{notes.get('B_m', '')}; contains k_e k_i/R, which this log cannot tell from it"
+            notes["B_m"] = (
+                f"{notes.get('B_m', '')}; contains k_e k_i/R, which this log cannot separate from it"
+            )
     names = ", ".join(effect.id for effect, _ in found.models.shipped.effects) or "no effect"
     return _Fitted(values, notes, f"{found.models.base.title}, extended by {names}")
 

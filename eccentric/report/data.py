@@ -117,7 +117,7 @@ class Parameter:
 
     Attributes:
         name, meaning, unit, value: as the emitted code has them.
-        origin: "effect" (fitted, of an adopted effect), "friction" (fitted), "bench" (identified along) or
+        origin: "effect" (fitted, of an adopted effect), "friction" (fitted), "bench" (estimated jointly) or
             "rig" (known beforehand).
         std_error, interval: None where it was not estimated.
         bound: "lower" or "upper" where that bound is active; "" else.

@@ -1,6 +1,6 @@
 """The report's figures: Bokeh models of panels and traces, and the JSON that draws them offline.
 
-Colours are Okabe and Ito's, told apart by the colour-blind; marks and dashes differ too. Texts follow the
+Colours are Okabe and Ito's, distinct for the colour-blind; marks and dashes differ too. Texts follow the
 page: `report.js.jinja` sets their colours for the light and the dark scheme.
 """
 

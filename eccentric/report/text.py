@@ -131,4 +131,4 @@ def _chance(best: Candidate, chance: tuple[float, float], verdict: str) -> str:
         return f"{sentence}: it may be chance."
     if verdict == "unexplained":
         return f"{sentence}. What it leaves still follows a variable: it has not the right shape."
-    return f"{sentence}. It is too little to be told from the errors of filters and of sampling."
+    return f"{sentence}. That is too little to be distinguished from the errors of filters and of sampling."

@@ -25,7 +25,7 @@ _MODELS = {"linear": "Coulomb + viscous", "paper": "paper's model", "extended": 
 _ORIGINS = {
     "effect": "fitted, new",
     "friction": "fitted",
-    "bench": "identified along",
+    "bench": "estimated jointly",
     "unseen": "a placeholder: nothing in this log depends on it",
     "rig": "known from the rig",
 }
