@@ -46,6 +46,7 @@ class Language:
 
     Attributes:
         symbol: spelling of a symbol.
+        low: spelling of the digits of a pair that its double does not hold.
         number: spelling of a decimal number.
         call: spelling of a named operation with printed arguments; KeyError if the language lacks it.
         pick: spelling of a choice, from (a, relation, b, x, y).
@@ -53,6 +54,7 @@ class Language:
     """
 
     symbol: Callable[[str], str]
+    low: Callable[[str], str]
     number: Callable[[str], str]
     call: Callable[[str, list[str]], str]
     pick: Callable[[str, str, str, str, str], str]
@@ -106,7 +108,7 @@ def _print(e: sp.Expr, language: Language) -> tuple[str, int]:
     if isinstance(e, Over):
         return f"{at(_PRODUCT, e.args[0])} / {at(_ATOM, e.args[1])}", _PRODUCT
     if isinstance(e, Low):
-        return f"{e.args[0].name}.low", _ATOM
+        return language.low(e.args[0].name), _ATOM
     if isinstance(e, Call):
         return language.call(e.args[0].name, [plain(e.args[1])]), _ATOM
     if isinstance(e, Pick):

@@ -21,7 +21,7 @@ def pair_functions(program: Program) -> frozenset[str]:
         return name
 
     pairs = paired(program)
-    silent = Language(str, str, lambda *_: "", lambda *_: "", lambda _: "")
+    silent = Language(str, str, str, lambda *_: "", lambda *_: "", lambda _: "")
     for a in program.prepare:
         if a.target in pairs:
             pair_text(a.value, pairs, silent, noted)

@@ -44,6 +44,7 @@ def language(program: Program, calls: dict[str, str], symbol: Callable[[str], st
 
     return Language(
         symbol=symbol,
+        low="{}.low".format,
         number=lambda decimal: literal.format(number(decimal)),
         call=lambda name, arguments: calls[name].replace("MODEL", program.name).format(*arguments),
         pick=lambda a, relation, b, x, y: f"(({a} {relation} {b}) ? {x} : {y})",

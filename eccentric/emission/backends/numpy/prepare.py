@@ -26,7 +26,7 @@ def prepare(program: Program) -> list[str]:
     def value_of(name: str) -> str:
         return f"{held(name)}.high" if name in {s.name for s in pairs} else held(name)
 
-    spelling = language(PREPARE, value_of)
+    spelling = language(PREPARE, value_of, held)
     given = [q for q in program.parameters if q.name in coefficients]
 
     def line(a: Assignment) -> list[str]:

@@ -32,8 +32,10 @@ PREPARE = {
 }
 
 
-def language(calls: Mapping[str, str], symbol: Callable[[str], str]) -> Language:
-    """NumPy with `calls` as above and `symbol` the spelling of names."""
+def language(
+    calls: Mapping[str, str], symbol: Callable[[str], str], pair: Callable[[str], str] = str
+) -> Language:
+    """NumPy with `calls` as above, `symbol` the spelling of names and `pair` of those that are Pairs."""
 
     def branches(pairs: list[tuple[str, str]]) -> str:
         text = pairs[-1][0]
@@ -43,6 +45,7 @@ def language(calls: Mapping[str, str], symbol: Callable[[str], str]) -> Language
 
     return Language(
         symbol=symbol,
+        low=lambda name: f"{pair(name)}.low",
         number=number,
         call=lambda name, arguments: calls[name].format(*arguments),
         pick=lambda a, relation, b, x, y: f"np.where({a} {relation} {b}, {x}, {y})",
