@@ -26,12 +26,16 @@ def test_a_prefix_that_hides_another_name_is_refused(
     assert [] == list(tmp_path.iterdir())
 
 
+NUMPY = {"c1_perpendicular.py", "eccentric_runtime.py"}
+C99 = {"c1_perpendicular.h", "c1_perpendicular.c", "check"}
+
+
 @pytest.mark.parametrize(
     ("given", "expected"),
     [
-        ([], {"c1_perpendicular.py", "c1_perpendicular.h", "c1_perpendicular.c", "check"}),
-        (["--backend", "numpy"], {"c1_perpendicular.py"}),
-        (["--backend", "c99"], {"c1_perpendicular.h", "c1_perpendicular.c", "check"}),
+        ([], {*NUMPY, *C99}),
+        (["--backend", "numpy"], NUMPY),
+        (["--backend", "c99"], C99),
     ],
     ids=["default", "numpy", "c99"],
 )
