@@ -116,6 +116,17 @@ def test_what_looks_best_alone_is_swapped_for_the_pair() -> None:
     assert found.best.score == pytest.approx(N, rel=1e-9)
 
 
+def test_a_mixture_is_swapped_for_what_belongs_in_its_place() -> None:
+    """Beside one of its parts the mixture gives way to the other, in whichever place it is."""
+    found = search({2: 4.0, 3: 4.0}, MIX, A, B)
+    for order in ((MIX, A), (A, MIX)):
+        start = found.screen.fit([variant for one in order for variant in grid(one)])
+
+        swapped = found.swapped(start)
+        assert {"a", "b"} == {v.candidate.id for v in swapped.variants}
+        assert swapped.score == pytest.approx(N, rel=1e-9)
+
+
 def test_a_swap_that_gains_nothing_is_not_made() -> None:
     """Two candidates with the same column do not take turns: the one that was there stays."""
     found = search({2: 4.0, 3: 2.0}, A, B, candidate("twin", {2: 1.0}))
