@@ -730,7 +730,8 @@ class Model:
     def check(self, parameters: Any) -> None:
         """Ask for Parameters of this model, or None; a module that was loaded twice has them twice."""
         fields = self.default.__dataclass_fields__.keys()
-        if parameters is not None and getattr(parameters, "__dataclass_fields__", {}).keys() != fields:
+        own = getattr(parameters, "__dataclass_fields__", {}).keys() == fields
+        if parameters is not None and (isinstance(parameters, type) or not own):
             received = f"{type(parameters).__module__}.{type(parameters).__qualname__}"
             raise TypeError(f"parameters: required Parameters of this model, received {received}")
 

@@ -111,7 +111,7 @@ def test_out_is_filled_and_returned(name: str, function: str, dtype: type[np.flo
     assert np.array_equal(expected, strided, equal_nan=True)
     if not width(name, function):
         assert np.array_equal(expected, f(*states, p, out=states[0]), equal_nan=True)
-    with pytest.raises(ValueError, match=r"^out: required shape .* got \(2, 2\)"):
+    with pytest.raises(ValueError, match=r"^out: required shape .* received \(2, 2\)"):
         f(*states, p, out=np.empty((2, 2), dtype))
 
 

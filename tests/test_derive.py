@@ -41,7 +41,7 @@ def test_functions_are_told_once_and_before_they_stand_in_a_formula(printed: str
 
 def test_the_last_line_says_what_was_written(printed: str, tmp_path: Path) -> None:
     """Where, how many models and how many files; as a comment where the rest is LaTeX."""
-    assert "out/: 5 models, 30 files" == printed.splitlines()[-1]
+    assert "out/: 5 models, 31 files" == printed.splitlines()[-1]
 
     latex = subprocess.run(
         [sys.executable, "-m", "eccentric", "derive", "c1_perpendicular", "--latex", "--out", "out"],

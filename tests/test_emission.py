@@ -256,7 +256,7 @@ def test_emit_takes_a_path_and_a_prefix(tmp_path: Path, capsys: pytest.CaptureFi
 
     assert {"arm.py", "arm.h", "arm.c"} <= {p.name for p in (tmp_path / "out").iterdir()}
     assert "arm_friction_torque" in (tmp_path / "out" / "arm.c").read_text(encoding="utf-8")
-    assert "arm.py, arm.h, arm.c" in capsys.readouterr().out
+    assert "arm.py, eccentric_runtime.py, arm.h, arm.c" in capsys.readouterr().out
 
 
 def test_emit_takes_fitted_parameters(tmp_path: Path) -> None:
@@ -270,9 +270,9 @@ def test_emit_takes_fitted_parameters(tmp_path: Path) -> None:
     main(["emit", "c2_parallel", "--parameters", str(fit), "--out", str(tmp_path / "out")])
     text = (tmp_path / "out" / "c2_parallel.py").read_text(encoding="utf-8")
 
-    assert "B_m: float = 0.00123" in text
+    assert 'B_m: float = runtime.nonnegative(0.00123, "N m s/rad")' in text
     assert "0.0012 to 0.0013 (95 %)" in text
-    assert "J_m: float = 2e-05" in text
+    assert 'J_m: float = runtime.nonnegative(2e-05, "kg m^2")' in text
 
 
 NASTY = """Arm */ 3 /* of "two" \\N{x} ''' \"\"\" \n\x00 \u2028 ends in a \\"""

@@ -31,7 +31,7 @@ def out(found: Diagnosis, tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The folder that the command writes."""
     folder = tmp_path_factory.mktemp("diagnosed") / "out"
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(command, "diagnose", lambda *_: found)
+        patch.setattr("eccentric.api.diagnosed.diagnose_logs", lambda *_: found)
         assert 0 == main(["diagnose", str(LOG), "--rig", str(RIG), "--out", str(folder)])
     return folder
 
@@ -100,7 +100,7 @@ def test_open_opens_the_report(
 ) -> None:
     """`--open` hands the written file to the browser; without a browser it says so and ends well."""
     opened: list[str] = []
-    monkeypatch.setattr(command, "diagnose", lambda *_: found)
+    monkeypatch.setattr("eccentric.api.diagnosed.diagnose_logs", lambda *_: found)
     monkeypatch.setattr(command.webbrowser, "open", lambda address: not opened.append(address))
     arguments = ["diagnose", str(LOG), "--rig", str(RIG), "--out", str(tmp_path / "out")]
     assert 0 == main(arguments)

@@ -1,5 +1,5 @@
 /*
- * Generated: do not edit. Written beside c1_perpendicular.c (program 7d971443).
+ * Generated: do not edit. Written beside c1_perpendicular.c (program aa8b460a).
  * What the self-test expects; computed by the emitted NumPy module.
  */
 #define INPUTS 4u

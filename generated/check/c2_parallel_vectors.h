@@ -1,5 +1,5 @@
 /*
- * Generated: do not edit. Written beside c2_parallel.c (program 122b9eb1).
+ * Generated: do not edit. Written beside c2_parallel.c (program 9dc394af).
  * What the self-test expects; computed by the emitted NumPy module.
  */
 #define INPUTS 5u

@@ -1,5 +1,5 @@
 /*
- * Generated: do not edit. Written beside rotating_link.c (program 86eef090).
+ * Generated: do not edit. Written beside rotating_link.c (program 6786fb6e).
  * What the self-test expects; computed by the emitted NumPy module.
  */
 #define INPUTS 5u

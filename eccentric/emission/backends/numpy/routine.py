@@ -101,7 +101,9 @@ def _routine(r: Routine, body: Body) -> dict[str, Any]:
     names = [x.quantity.name for x in r.inputs]
     defaults = ["=0.0" if r.requires and x is r.inputs[-1] else "" for x in r.inputs]
     vectors = {x.quantity.name: x.length for x in r.inputs if x.length is not None}
-    unpacked = [f"{', '.join(s.name for s in x.symbols)} = {x.quantity.name}" for x in r.inputs if x.length]
+    unpacked = [
+        f"({', '.join(s.name for s in x.symbols)},) = {x.quantity.name}" for x in r.inputs if x.length
+    ]
     options = [f"needs={quoted(r.requires)}"] if r.requires else []
     options += [f"vectors={vectors}"] if vectors else []
     return {
