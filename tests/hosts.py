@@ -51,11 +51,16 @@ def need(*compiler: str) -> None:
 
 
 def on_host(
-    folder: Path, name: str, compiler: tuple[str, ...], real: str, source: Path | None = None
+    folder: Path,
+    name: str,
+    compiler: tuple[str, ...],
+    real: str,
+    source: Path | None = None,
+    check: Path = CHECK,
 ) -> Path:
     """Compile the self-test of a model, of which the strict warnings have nothing to say."""
     program = folder / f"{name}_{real}"
-    sources = [CHECK / f"{name}_selftest.c", source or GENERATED / f"{name}.c"]
+    sources = [check / f"{name}_selftest.c", source or GENERATED / f"{name}.c"]
     options = [*FLAGS, *compiler[1:], f"-DECCENTRIC_REAL={real}", f"-I{GENERATED}"]
     run(compiler[0], *options, "-o", program, *sources, "-lm")
     return program

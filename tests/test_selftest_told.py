@@ -14,6 +14,7 @@ from tests import accuracy, oracle, paper
 from tests.hosts import CHECK, REALS, both_reals, need, on_host
 
 DTYPE = {"float": np.float32, "double": np.float64}
+WORD = {"float": np.uint32, "double": np.uint64}
 GRAVITY = "return (-c->L_M_g_mu2) * chord * half_sine"
 TRIPLED = GRAVITY.replace("chord", "chord * REAL(-3.0)")
 
@@ -26,9 +27,11 @@ def changed(folder: Path, old: str, new: str) -> Path:
     return folder / "changed.c"
 
 
-def failed(folder: Path, real: str, source: Path | None, *compiler: str) -> tuple[str, dict[str, float]]:
+def failed(
+    folder: Path, real: str, source: Path | None, *compiler: str, check: Path = CHECK
+) -> tuple[str, dict[str, float]]:
     """Return what the self-test, which must fail, says of a source: what deviates, and values by name."""
-    program = on_host(folder, "c2_parallel", compiler or ("gcc",), real, source)
+    program = on_host(folder, "c2_parallel", compiler or ("gcc",), real, source, check)
     done = subprocess.run([program], capture_output=True, text=True, check=False)
     assert 1 == done.returncode
     return told(done.stdout)
@@ -100,6 +103,30 @@ def test_a_changed_digit(tmp_path: Path, real: str) -> None:
     said, _ = failed(tmp_path, real, changed(tmp_path, digits, digits[:-2] + "00"))
 
     assert re.fullmatch(r"c2_parallel: \w+, value \d", said)
+
+
+@both_reals
+@pytest.mark.parametrize("row", [0, -1], ids=["first", "last"])
+@pytest.mark.parametrize(("place", "function"), [(5, "coulomb_torque"), (-1, "voltage")])
+def test_a_changed_vector(tmp_path: Path, place: int, function: str, row: int, real: str) -> None:
+    """The first and the last vector count, from the value of the first function to that of the last."""
+    text = (CHECK / "c2_parallel_vectors.h").read_text(encoding="utf-8")
+    table = re.findall(r"(?<=vectors\[VECTORS\]\[NUMBERS\] = \{\n).*?(?=\n\};)", text, re.DOTALL)[
+        REALS.index(real)
+    ]
+    line = table.splitlines()[row]
+    words = np.array([int(word, 16) for word in line.strip(" {},").split(", ")], WORD[real])
+    values = words.view(DTYPE[real])
+    values[place] *= -1
+    changed = line.replace(line.strip(), f"{{{', '.join(map(hex, words.tolist()))}}},")
+    (tmp_path / "c2_parallel_vectors.h").write_text(
+        text.replace(table, table.replace(line, changed)), encoding="utf-8"
+    )
+    (tmp_path / "c2_parallel_selftest.c").write_bytes((CHECK / "c2_parallel_selftest.c").read_bytes())
+
+    said, named = failed(tmp_path, real, None, check=tmp_path)
+
+    assert (f"c2_parallel: {function}, value 0", values[place]) == (said, named["required"])
 
 
 def test_contraction(tmp_path: Path) -> None:
