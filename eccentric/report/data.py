@@ -122,6 +122,7 @@ class Parameter:
         std_error, interval: None where it was not estimated.
         bound: "lower" or "upper" where that bound is active; "" else.
         widened: whether an active bound enters the interval.
+        letter: MathML of its letter in the equations.
     """
 
     name: str
@@ -133,11 +134,12 @@ class Parameter:
     interval: tuple[float, float] | None = None
     bound: str = ""
     widened: bool = False
+    letter: str = ""
 
 
 @dataclass(frozen=True)
 class Equation:
-    """A formula to be typeset: MathML (made by SymPy, so it is trusted), and what it is, in a few words."""
+    """A formula to be typeset: MathML (made by `formulas`, so it is trusted), and what it is, in a few words."""
 
     mathml: str
     note: str

@@ -14,7 +14,7 @@ from eccentric.diagnosis import Diagnosis, diagnosis_sentence
 from eccentric.effects import Effect
 from eccentric.report.balance import balance_of
 from eccentric.report.data import AddedEffect, Candidate, Errors, Finding, Gain, Parameter, ReportData
-from eccentric.report.equation import friction_equations
+from eccentric.report.equation import friction_equations, typesetter_of
 from eccentric.report.facts import facts_of
 from eccentric.report.text import number, range_of
 from eccentric.version import __version__
@@ -123,7 +123,7 @@ def _parameters(found: Diagnosis) -> list[Parameter]:
     friction = {str(term.coefficient) for term in terms if term.kind == "friction"}
     estimates = found.models.shipped.estimates
     given = {*found.data.drive.identified, *estimates}
-    rows = []
+    typeset, rows = typesetter_of(found.models.shipped.model), []
     for q in found.models.shipped.model.parameters:
         value = found.models.shipped.values.get(q.name)
         kinds = (("effect", own), ("friction", friction), ("bench", given))
@@ -132,7 +132,7 @@ def _parameters(found: Diagnosis) -> list[Parameter]:
         # A coefficient that is one with another is not fitted: the other stands for their sum.
         if value is None or (origin == "friction" and estimates and q.name not in estimates):
             continue
-        row = Parameter(q.name, q.meaning, q.unit, value, origin)
+        row = Parameter(q.name, q.meaning, q.unit, value, origin, letter=typeset(q.symbol))
         if e := estimates.get(q.name):
             row = replace(
                 row, std_error=e.std_error, interval=e.interval, bound=e.bound_active or "", widened=e.widened

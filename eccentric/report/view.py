@@ -8,6 +8,7 @@ from typing import Any
 
 from eccentric.report.arrays import BalanceResiduals
 from eccentric.report.data import Candidate, Errors, Parameter, ReportData
+from eccentric.report.formulas import short_formula
 from eccentric.report.panels import friction_panel, residual_panel, trace
 from eccentric.report.text import (
     VERDICTS,
@@ -54,7 +55,7 @@ def view(data: ReportData, figures: ModuleType | None) -> dict[str, Any]:
         "candidates": [_candidate(c, data) for c in data.candidates],
         "why": why(data),
         "parameters": [_parameter(p) for p in data.parameters],
-        "effects": [(e, number(100.0 * e.share, 3)) for e in data.effects],
+        "effects": [(e, short_formula(e.formula), number(100.0 * e.share, 3)) for e in data.effects],
         "hints": [c for c in data.candidates if c.hint and (c.adopted or c.family in data.tied)],
         "figures_json": drawn.json(),
         "bokeh": figures.library() if figures else "",
@@ -175,7 +176,7 @@ def _candidate(c: Candidate, data: ReportData) -> dict[str, Any]:
         "standing": standing,
         "id": c.id,
         "headline": c.headline,
-        "formula": c.formula,
+        "formula": short_formula(c.formula),
         "balance": c.balance,
         "rmse": f"{number(c.rmse)} {units.get(c.balance, '')}",
         "probability": f"{c.probability:.2f}",
@@ -190,6 +191,7 @@ def _parameter(p: Parameter) -> dict[str, str]:
         notes.append("widened by a bound")
     return {
         "name": p.name,
+        "letter": p.letter,
         "meaning": p.meaning,
         "value": number(p.value),
         "error": "" if p.std_error is None else number(p.std_error, 2),

@@ -34,6 +34,7 @@ def short_formula(text: str) -> str:
         if piece:
             before = marks[inside[0] - 1 - bool(space)] if html else ","
             binary = marks[inside[0]] in _BREAKS and (before[-1].isalnum() or before in {")", "|"})
+            space = "<wbr/>" if binary else space  # the sign brings its own space
             html += f"{space}<math>{row(*_set([marks[k] for k in inside], binary=binary))}</math>"
         else:
             html += space + escape("".join(marks[inside[0] : inside[-1] + 1]))
