@@ -8,7 +8,21 @@ from eccentric.report import page
 from tests.page_reader import Reader, figures_of
 from tests.reported import HOSTILE, sample
 
-MATHML = {"math", "mrow", "mi", "mn", "mo", "msup", "msub", "msubsup", "mfrac", "mspace", "mtable", "mtr", "mtd"}
+MATHML = {
+    "math",
+    "mrow",
+    "mi",
+    "mn",
+    "mo",
+    "msup",
+    "msub",
+    "msubsup",
+    "mfrac",
+    "mspace",
+    "mtable",
+    "mtr",
+    "mtd",
+}
 """What a formula, which a user's own effect may bring along, is set in."""
 
 
