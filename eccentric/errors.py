@@ -1,4 +1,4 @@
-"""The one error a user sees: a single line that names what was wrong, what was required and what came."""
+"""The one error a user sees: one line that names what was wrong, what was required, what was received."""
 
 from collections.abc import Iterable
 
@@ -6,7 +6,7 @@ from collections.abc import Iterable
 class InputError(ValueError):
     """Bad input from outside: a log, a rig, a parameter, a command line.
 
-    The message is one line and names the file, row, column or quantity, what was required and what came.
+    The message is one line: the file, row, column or quantity, what was required and what was received.
     The command line prints it after `eccentric: error:` and exits with status 2; nothing is written.
     """
 

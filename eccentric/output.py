@@ -72,7 +72,7 @@ def own_folder(path: str | os.PathLike[str]) -> Path:
     if Path.cwd().is_relative_to(target):
         what = "the working directory" if Path.cwd() == target else "one with the working directory in it"
         raise InputError(f"{Path(path)}: required a folder of its own for the output; received {what}")
-    # What a run that was killed has left of its own is in nobody's way.
+    # Leftovers of a killed run do no harm.
     there = target.is_dir() and any(not f.name.startswith(f"{MARKER}-") for f in target.iterdir())
     if there and not (target / MARKER).is_file():
         raise InputError(
@@ -112,7 +112,7 @@ def whole_folder(path: str | os.PathLike[str], command: str) -> Iterator[Path]:
 
     Raises:
         InputError: `own_folder` refuses the path; or a file of another command, or anything of someone else,
-            stands where a new file or its folder has to; or it cannot be written.
+            is where a new file or its folder has to be; or it cannot be written.
     """
     target = own_folder(path)
     if not target.exists():

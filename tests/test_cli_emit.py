@@ -21,7 +21,7 @@ def test_a_prefix_that_hides_another_name_is_refused(
 
     error = capsys.readouterr().err
     required = "required a lower-case C identifier that C and Python leave free"
-    start = f"eccentric: error: --prefix: {required}, got '{taken}', a "
+    start = f"eccentric: error: --prefix: {required}, received '{taken}', a "
     assert (1, True) == (error.count("\n"), error.startswith(start))
     assert [] == list(tmp_path.iterdir())
 

@@ -191,9 +191,12 @@ def test_a_users_file_loads(tail: str, tmp_path: Path) -> None:
     ("source", "expected"),
     [
         (None, "no such script of effects"),
-        ("x = 1", "required a function `effects\\(setting\\)` or an `effect` of type Effect, got NoneType"),
-        ("effect = 3", "got int"),
-        ("def effects(setting):\n    return [3]", "required effects of type Effect, got int"),
+        (
+            "x = 1",
+            "required a function `effects\\(setting\\)` or an `effect` of type Effect, received NoneType",
+        ),
+        ("effect = 3", "received int"),
+        ("def effects(setting):\n    return [3]", "required effects of type Effect, received int"),
         ("1 / 0", "stopped with ZeroDivisionError: division by zero"),
         ("def effects(setting):\n    return setting.nothing", "stopped with AttributeError"),
     ],

@@ -304,8 +304,8 @@ def test_free_text_stays_in_comments(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("content", "said"),
     [
-        ('{"parameters": {"B_m": -1}}', "B_m: required a nonnegative number, got -1"),
-        ('{"parameters": {"mu": 0}}', "mu: required a positive number, got 0"),
+        ('{"parameters": {"B_m": -1}}', "B_m: required a nonnegative number, received -1"),
+        ('{"parameters": {"mu": 0}}', "mu: required a positive number, received 0"),
         ('{"model": "c2_asymmetric", "parameters": {"M": 1}}', "required a fit of c2_parallel, received"),
         ('{"parameters": {"B_x": 1}}', "B_x: c2_parallel has no such parameter"),
         ('{"parameters": {"B_m": "a"}}', "B_m: required a finite number, received 'a'"),

@@ -81,7 +81,7 @@ class Effect:
 
     Attributes:
         family: what it is called in a diagnosis, a key of `eccentric.effects.FAMILIES` or a user's own.
-        variant: what tells it from others of the family, e.g. "n=3"; "" for the plain one.
+        variant: what distinguishes it within the family, e.g. "n=3"; "" for the plain one.
         balance: the balance that shows it, "mechanical" or "electrical".
         formula: what it adds, as a person would write it.
         reference: where the form comes from.

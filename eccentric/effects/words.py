@@ -24,7 +24,7 @@ class Kin:
 
     Attributes:
         name: of the variable.
-        tell_apart: what tells a family of this kin from one of the named kin, its own included: one sentence.
+        tell_apart: what separates a family of this kin from one of the named kin, or its own: one sentence.
     """
 
     name: str
@@ -62,7 +62,7 @@ class Words:
             twice per turn of the link"; "" for an effect that is known by its id only.
         title: a heading for the family, where its effects have headlines of their own.
         meaning: what the family is and where it comes from, one sentence.
-        hint: what to measure to tell it from others, as a noun phrase or an instruction.
+        hint: what to measure to separate it from others, as a noun phrase or an instruction.
         kin: families that follow the same variable; None for one that has no kin.
         tell_apart: family, or name of a kin -> the measurement that tells the effect from it, one sentence;
             it precedes what the kins say.

@@ -99,7 +99,7 @@ class States:
     ) -> Array:
         """x[k + 1] = step(x[k], parts[k]), `step` for one sample and for arrays.
 
-        A state that is where it began stays there until a sample moves it: over those in between one leaps.
+        A state at its initial value stays there until a sample moves it; the samples in between are skipped.
         """
         one, all_at_once = step
         moving = np.flatnonzero(all_at_once(initial, parts) != initial).tolist()

@@ -2,7 +2,7 @@
 
 Python's own parser reads the text, and a whitelist of its nodes is computed with NumPy here. Nothing is run
 as code; there are no calls, attributes, indices or powers, and length and depth are bounded. A column whose
-name is no plain word stands in backquotes: `` `speed (rpm)` / 60 ``.
+name is not a plain word is put in backticks: `` `speed (rpm)` / 60 ``.
 """
 
 from __future__ import annotations

@@ -63,7 +63,7 @@ class _Bytes:
         """Return the next element, which must be of one of these types."""
         found, content = self.element()
         if found not in kinds:
-            raise DamagedError(f"an element of type {found} stands where none can")
+            raise DamagedError(f"an element of type {found} is where none may be")
         return found, content
 
 
@@ -84,12 +84,12 @@ def check(data: bytes) -> None:
                 raise DamagedError("it breaks off")
             kind, content = _Bytes(content, order).element()
         if kind != MATRIX:
-            raise DamagedError(f"a variable of type {kind} stands where a matrix is required")
+            raise DamagedError(f"a variable of type {kind} is where a matrix is required")
         _matrix(_Bytes(content, order), 0)
 
 
 def _matrix(rest: _Bytes, depth: int) -> None:
-    """Check what stands in a matrix element; it may be empty below the top."""
+    """Check the content of a matrix element; it may be empty below the top."""
     if depth > DEEPEST:
         raise DamagedError(f"it is nested deeper than {DEEPEST}")
     if not len(rest.data) and depth:

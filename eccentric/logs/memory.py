@@ -45,7 +45,7 @@ TableLike: TypeAlias = Mapping[str, Any] | np.ndarray | ArrowStream | Interchang
 def read_memory(table: object, name: str) -> Read:
     """Return the columns of a table in memory: float64 with NaN for a missing value, or str.
 
-    Dates and durations become seconds, as in a Parquet file. A single number or text stands for a column that
+    Dates and durations become seconds, as in a Parquet file. A single number or text is a column that
     has it in every row. Columns that are neither numbers nor text are left out with a note.
 
     Raises InputError, which begins with `name`, for what is no table, and for columns of different lengths or
@@ -85,7 +85,7 @@ def _by_arrow(table: ArrowStream | Interchange, name: str) -> Read | None:
         read = arrow.table if isinstance(table, ArrowStream) else interchange.from_dataframe
         return arrow_columns(read(table), name)
     except (arrow.ArrowException, TypeError, ImportError):
-        # A column of Python objects, as pandas has them: what needs it is told by its name.
+        # A column of Python objects, as pandas has them: whoever needs it sees its name.
         return None
 
 

@@ -1,4 +1,4 @@
-"""The words of a derivation: quantity, equation, balance, term, model, and the numerically careful steps."""
+"""The words of a derivation: quantity, equation, balance, term, model, and the numerically stable steps."""
 
 from eccentric.model.balance import KINDS, Balance, Term
 from eccentric.model.change import Change, Extension

@@ -44,7 +44,7 @@ def with_values(
             value = values[q.name]
             if (q.domain == "positive" and value <= 0) or (q.domain in {"nonnegative", "tilt"} and value < 0):
                 raise InputError(
-                    f"{source}: parameters.{q.name}: required a {q.domain} number, got {value!r}"
+                    f"{source}: parameters.{q.name}: required a {q.domain} number, received {value!r}"
                 )
             q = replace(q, default=sp.Rational(repr(float(value))))  # noqa: PLW2901 - the same letter
         note = (notes or {}).get(q.name)

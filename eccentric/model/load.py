@@ -47,7 +47,9 @@ def load_model(name_or_path: str | Path) -> Model:
         _loading.pop()
     model = getattr(module, "model", None)
     if not isinstance(model, Model):
-        raise InputError(f"{path}: required a module-level `model` of type Model, got {type(model).__name__}")
+        raise InputError(
+            f"{path}: required a module-level `model` of type Model, received {type(model).__name__}"
+        )
     _loaded[path] = model
     return model
 

@@ -19,12 +19,12 @@ class Column:
     """A column of the regressor: one identifiable coefficient of friction and what it multiplies.
 
     Attributes:
-        name: of the coefficient, e.g. "B_lN", or "B" for B_m + mu^2 beta_T, which one log cannot tell apart.
+        name: of the coefficient, e.g. "B_lN", or "B" for B_m + mu^2 beta_T, which one log cannot separate.
         coefficient: its value in the model's parameters.
         basis: the column.
         unit: of the coefficient.
         bounds: of the coefficient.
-        parameter: the parameter of the model that stands for the coefficient: with the others of a
+        parameter: the parameter of the model that represents the coefficient: with the others of a
             combination at zero it is the coefficient (B_m for B).
         role, load, joint: those of the term on whose basis the column is; terms of one column have one role.
     """

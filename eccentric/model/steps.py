@@ -1,11 +1,11 @@
-"""Numerically careful steps: opaque SymPy functions with a derivative and a `rewrite` to what they mean.
+"""Numerically stable steps: opaque SymPy functions with a derivative and a `rewrite` to their meaning.
 
-SymPy may not re-associate their insides, so the back ends evaluate them in the fixed order that
-`eccentric.emission.program.lower` writes down; `meaning(expression)` puts the plain formula back for proofs.
+SymPy cannot re-associate what is inside them, so the back ends evaluate them in the fixed order given in
+`eccentric.emission.program.lower`; `meaning(expression)` restores the plain formula for proofs.
 
 Why they are needed: F_N^2 = (a - b)^2 + 4 a b cos^2(theta_l/2) with a = M L omega_l^2, b the weight, is the
-paper's (16) without its cancellation. Near the hollow (theta_l = pi, a = b) every digit hangs on two
-differences, a - b and theta_l - pi; each is taken once, exactly, before anything is rounded.
+paper's (16) without its cancellation. Near the zero of F_N (theta_l = pi, a = b) every digit depends on two
+differences, a - b and theta_l - pi; each is formed once, exactly, before anything is rounded.
 """
 
 from __future__ import annotations
@@ -157,7 +157,7 @@ class Bounded(Step):
 
 
 class SquareDifference(Step):
-    """v^2 - w^2 as (v - w)(v + w); w is a parameter held as two numbers: v - w is exact near the hollow."""
+    """v^2 - w^2 as (v - w)(v + w); w is a parameter held as two numbers: v - w is exact near v = w."""
 
     nargs = 2
 
@@ -244,7 +244,7 @@ STEPS = (
 
 
 def meaning(expression: sp.Expr) -> sp.Expr:
-    """The expression with every step replaced by the formula it stands for."""
+    """The expression with every step replaced by its plain formula."""
     previous = None
     while previous != expression:
         previous = expression

@@ -139,7 +139,7 @@ class Parameter:
 
 @dataclass(frozen=True)
 class Equation:
-    """A formula to be typeset: MathML (made by `formulas`, so it is trusted), and what it is in a few words."""
+    """A formula: MathML (made by `formulas`, so it is trusted), and what it is in a few words."""
 
     mathml: str
     note: str

@@ -31,15 +31,15 @@ KEYS = (
     *("runs", "average_over"),
     *ALIGNMENT,
 )
-"""What may stand in a rig file at its top level."""
+"""Keys at the top level of a rig file."""
 
 
 @dataclass(frozen=True)
 class Rig:
     """The test bench as the user describes it; numbers in SI, by the paper's letters.
 
-    `known` holds values, `unknown` ranges [lower, upper]; what is in neither is identified along where it
-    can be. `case` is "C1", "C2" or None for a tilted plane; then `phi` [rad] is in `known` or `unknown`.
+    `known` holds values, `unknown` ranges [lower, upper]; what is in neither is estimated jointly where
+    possible. `case` is "C1", "C2" or None for a tilted plane; then `phi` [rad] is in `known` or `unknown`.
     `columns` is None where the standard column names hold. `drive` says what measures the drive torque
     ("current", "voltage", "torque"; None: what the log has). `estimate` names those of input_delay_s,
     theta_zero_rad, voltage_offset_V that the fit has to find. `theta_zero_rad` is the logged link angle at
@@ -83,7 +83,7 @@ class Rig:
 
     @property
     def model(self) -> str:
-        """The name of the model that the case or the tilt asks for."""
+        """The name of the model for the case or the tilt."""
         return {"C1": "c1_perpendicular", "C2": "c2_parallel"}.get(self.case or "", "rotating_link")
 
 

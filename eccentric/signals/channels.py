@@ -116,7 +116,9 @@ def _suited(rig: Rig, points: _Points) -> tuple[Rig, list[str]]:
     if math.isinf(rig.average_over) and not {"J_m", "J_l"} <= set(rig.known):
         # What little acceleration a constant speed has would take up anything that the friction lacks.
         rig = dataclasses.replace(rig, known={"J_m": 0.0, "J_l": 0.0, **rig.known})
-        warnings.append("means of runs do not tell an inertia: J_m and J_l count as 0 where the rig has none")
+        warnings.append(
+            "means of runs cannot identify an inertia: J_m and J_l are taken as 0 unless the rig gives them"
+        )
     return rig, warnings
 
 

@@ -1,7 +1,7 @@
 """What is promised of the emitted arithmetic: bounds that `tests/test_accuracy*.py` measure.
 
-They hold against 50 digits, inputs and parameters taken as exact, over the whole plane, in the hollow, and
-for angles of the motor up to 1e4 rad. Where Gappa proves one, the line says so. The others were found by
+They hold against 50 digits, inputs and parameters taken as exact, over the whole plane, zero of F_N included,
+and for angles of the motor up to 1e4 rad. Where Gappa proves one, the line says so. The others were found by
 search, over states and parameters at once, and are stated one to two units above the worst that it found.
 """
 

@@ -57,7 +57,7 @@ def _note(model: Model, definition: Definition) -> str:
 
 
 def solve_current(model: Model) -> sp.Expr:
-    """The armature current that the mechanical balance asks for, eq (4) without the armature.
+    """The armature current that the mechanical balance requires, eq (4) without the armature.
 
     Where an effect depends on the current itself (torque ripple, saturation), the current without that effect
     is put into it: exact to first order in the effect.

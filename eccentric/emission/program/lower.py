@@ -1,6 +1,6 @@
-"""Lowering: each careful step becomes assignments in a fixed order, the same for every back end.
+"""Lowering: each stable step becomes assignments in a fixed order, the same for every back end.
 
-What the half-turn steps become stands in `eccentric.emission.program.half_turn`.
+`eccentric.emission.program.half_turn` lowers the half-turn steps.
 """
 
 from __future__ import annotations
@@ -69,7 +69,7 @@ class Lowering:
         }
 
     def __call__(self, expression: sp.Expr) -> sp.Expr:
-        """The expression in primitive operations; what must be computed before it stands in `assignments`."""
+        """The expression in primitive operations; `assignments` holds what must be computed first."""
         if isinstance(expression, steps.Chord | steps.HalfSine):
             return self._half_turn(expression)
         if isinstance(expression, steps.SquareDifference):

@@ -1,8 +1,8 @@
 """Parameters beyond double precision: which prepared values are computed as pairs of doubles, and how.
 
 A pair is an unevaluated sum, high + low, good for some 104 bits. What ends in a low part (the critical
-velocity, the period of the motor angle) is computed so from the parameters on: near the hollow the leading
-digits of speed and angle cancel against it, and what is left hangs on the digits after them.
+velocity, the period of the motor angle) is computed this way from the parameters on: near the zero of F_N the
+leading digits of speed and angle cancel against it, and the rest depends on the digits after them.
 """
 
 from __future__ import annotations
@@ -16,8 +16,8 @@ from eccentric.emission.program.program import Program
 def paired(program: Program) -> frozenset[sp.Symbol]:
     """The prepared values computed as pairs.
 
-    Those whose low part is asked for, what they follow from, and where F_N takes one, what it is multiplied
-    with: each rounding of a product of five parameters would show in the last place of every normal force.
+    Those whose low part is used, what they follow from, and where F_N uses one, what it is multiplied
+    by: each rounding of a product of five parameters would show in the last place of every normal force.
     """
     values = {a.target: a.value for a in program.prepare}
     waiting = {e.args[0] for value in values.values() for e in value.atoms(Low)}

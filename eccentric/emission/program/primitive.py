@@ -67,7 +67,7 @@ class Pick(Step):
     """Pick(a, relation, b, x, y): x where `a relation b` holds, else y; a relation is >, <, <= or ==."""
 
 
-# 3/2 times the number from which on all are whole: x + ROUNDER - ROUNDER is x, rounded to a whole number.
+# 3/2 times the number above which all floats are integers: x + ROUNDER - ROUNDER is x, rounded to an integer.
 ROUNDER = sp.Symbol("rounder")
 SINE_RATIO, COSINE = sp.Symbol("sine_ratio"), sp.Symbol("cosine")
 HALF = sp.Rational(1, 2)

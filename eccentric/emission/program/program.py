@@ -56,7 +56,7 @@ class Routine:
         labels: one name per result for a vector result, () for a scalar one.
         unit: of the result.
         meaning: one line for the docstring.
-        requires: parameters without a default that are asked for where the last input is not zero.
+        requires: parameters without a default that are needed where the last input is not zero.
     """
 
     name: str
@@ -73,7 +73,7 @@ class Routine:
 class Helper:
     """A function of one number that routines call; its result is the last target.
 
-    It is private to the emitted file. With it the code of the angle stands there once.
+    It is private to the emitted file, so that the code of the angle appears there once.
     """
 
     name: str

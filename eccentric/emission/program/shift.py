@@ -1,6 +1,6 @@
-"""An angle that is shifted by a parameter: theta_m and the shift are reduced apart, never added first.
+"""An angle shifted by a parameter: theta_m and the shift are reduced separately, never added first.
 
-Their sum would be rounded to the digits of theta_m, and near the hollow F_N hangs on those that follow.
+Their sum would be rounded to the digits of theta_m, and near its zero F_N depends on those that follow.
 """
 
 from __future__ import annotations
@@ -47,7 +47,7 @@ def split(angle: sp.Expr, fixed: Collection[sp.Symbol]) -> tuple[sp.Expr, sp.Exp
 
 
 def parts(shift: sp.Symbol, first: sp.Symbol, prepare: Prepare) -> list[sp.Symbol]:
-    """The shift in parts of few digits, to go off behind those of the period, each after its own.
+    """The shift in parts of few digits, subtracted after those of the period, each after its own.
 
     The first is a multiple of the last digit of the period's first part: a number of half turns of that, less
     the shift's, is exact, and so is the little that both leave of theta_m at the top.

@@ -1,4 +1,4 @@
-"""The hidden states one time step later, for any time step: a clock that stands still steps nothing.
+"""The hidden states one time step later, for any time step: without elapsed time, nothing changes.
 
 A model says what a state becomes over a time step, which is positive. Firmware also passes 0 (the first
 sample, a time stamp twice) and less (a counter that ran over). Then the states stay, and nothing that is
