@@ -154,7 +154,7 @@ def test_what_an_effect_is_comes_before_its_id() -> None:
     text = " ".join(Reader(page(sample(500, tied=("dent",)))).text.split())
 
     assert "a dentdent" in text  # two lines of one cell
-    assert "a shaft that wobbles (wobble[n=2]): s sin" in text
+    assert "a shaft that wobbles (wobble[n=2]): ssin" in text  # the space is MathML's
     assert "To separate a dent (dent) from other effects: turns." in text
 
 
