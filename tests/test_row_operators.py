@@ -13,7 +13,8 @@ from scipy.integrate import quad
 from eccentric.errors import InputError
 from eccentric.signals import Rows, hann_windows, white_noise
 from eccentric.signals.by_parts import windows_by_parts
-from eccentric.signals.rows import BLOCK_S, in_order
+from eccentric.signals.limits import BLOCK_S
+from eccentric.signals.rows import in_order
 
 RNG = np.random.default_rng(3)
 EVEN = np.arange(0.0, 4.0, 0.004)

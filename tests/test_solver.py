@@ -10,7 +10,16 @@ import numpy as np
 import pytest
 from scipy.optimize import curve_fit, lsq_linear
 
-from eccentric.estimation import Coefficient, Design, Nonlinear, iterate, profile, search, slopes_between
+from eccentric.estimation import (
+    Coefficient,
+    Design,
+    Nonlinear,
+    iterate,
+    profile,
+    r_squared,
+    search,
+    slopes_between,
+)
 from eccentric.fitting.machine import Machine
 from eccentric.model import load_model
 
@@ -180,3 +189,12 @@ def test_the_machine_of_a_model_is_the_motor_of_the_paper() -> None:
     assert 1e-4 + 0.2**2 * 3e-3 == pytest.approx(machine.inertia(LETTERS), rel=1e-14)
     assert (1.0, 0.2**2) == pytest.approx([machine.inertia_per(letter, LETTERS) for letter in ("J_m", "J_l")])
     assert str(machine.back_emf_damping) == "k_e*k_i/R"
+
+
+def test_r_squared_is_about_zero_torque_not_about_the_mean() -> None:
+    """Nothing predicted is 0, all of it 1, a constant predicted to a tenth 0.99: its variance is none."""
+    whole = np.full(10, 3.0)
+
+    assert r_squared(whole, whole) == 0.0
+    assert r_squared(0.0 * whole, whole) == 1.0
+    assert r_squared(0.1 * whole, whole) == pytest.approx(0.99, rel=1e-12)

@@ -6,15 +6,12 @@ __all__ = [
     "ABOVE",
     "FEWEST_RUNS",
     "HIGHEST_ORDER",
-    "LEAST_R2",
     "LEAST_SHARE",
     "LEAST_STRETCHES",
     "LEAST_TURNS",
     "PROVABLE",
 ]
 
-LEAST_R2 = 0.5
-"""R^2 of the drive torque under which a log is not of this rig, or not in its units: nothing is named."""
 FEWEST_RUNS = 5
 """Runs from which the gain is also taken over whole runs: the interval draws runs, of four it says little."""
 PROVABLE = 3.0

@@ -5,12 +5,10 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
-import numpy as np
-
-from eccentric.diagnosis.limits import LEAST_R2
 from eccentric.diagnosis.score import Score, leave_runs_out, score
 from eccentric.effects import Effect
-from eccentric.fitting import FitData, Refit, refit
+from eccentric.estimation import r_squared
+from eccentric.fitting import LEAST_R_SQUARED, FitData, Refit, refit
 from eccentric.model import Model
 from eccentric.search import Attribution, unconfirmed
 
@@ -43,16 +41,15 @@ class Models:
 
     @property
     def r_squared(self) -> float:
-        """Of the drive torque on the training rows, by friction, inertia and gravity of the paper's model."""
+        """Of the drive torque on the held-out rows, by friction, inertia and gravity of the paper's model."""
         rows = self.paper.data.rows
-        drive = rows.mean(self.paper.data.drive.torque())[rows.train]
-        left = self.paper.residuals["mechanical"][rows.train]
-        return 1.0 - float(np.mean(left**2) / np.mean(drive**2))
+        drive = rows.mean(self.paper.data.drive.torque())
+        return r_squared(self.paper.residuals["mechanical"][rows.score], drive[rows.score])
 
     @property
     def fits_the_rig(self) -> bool:
         """Whether the log can be of this rig, in these units."""
-        return self.r_squared >= LEAST_R2
+        return self.r_squared >= LEAST_R_SQUARED
 
     @property
     def unsettled(self) -> tuple[str, ...]:

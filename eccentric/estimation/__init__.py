@@ -9,7 +9,7 @@ May import: `errors`; no log, no model.
 from eccentric.estimation.design import Coefficient, Design, Nonlinear, Role, Solution
 from eccentric.estimation.least_squares import bounded, require_rank
 from eccentric.estimation.solver import Profile, iterate, profile, search, slopes_between
-from eccentric.estimation.uncertainty import Estimate, Spread, improvement, improvement_over_runs
+from eccentric.estimation.uncertainty import Estimate, Spread, improvement, improvement_over_runs, r_squared
 
 __all__ = [
     "Coefficient",
@@ -25,6 +25,7 @@ __all__ = [
     "improvement_over_runs",
     "iterate",
     "profile",
+    "r_squared",
     "require_rank",
     "search",
     "slopes_between",

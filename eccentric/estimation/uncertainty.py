@@ -150,6 +150,16 @@ def covariance(design: Array, residual: Array) -> Array:
     return bread @ omega @ bread / np.outer(size, size)
 
 
+def r_squared(left: Array, whole: Array) -> float:
+    """Return 1 - mean square of what is left over that of the whole, for rows (m,) that were not fitted.
+
+    Not about the mean: what no model predicts is no torque at all, and a log of one steady speed has hardly
+    any variance about its mean, however well its friction is predicted.  On held-out rows, since on those
+    that are fitted it grows with every coefficient.
+    """
+    return 1.0 - float(np.mean(left**2) / np.mean(whole**2))
+
+
 def improvement(worse: Array, better: Array) -> tuple[float, tuple[float, float]]:
     """Return 100 (1 - RMS(better)/RMS(worse)) and its 95 % interval, for residuals (m,) of the same rows.
 

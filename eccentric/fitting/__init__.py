@@ -14,12 +14,14 @@ from eccentric.fitting.figure import NEEDS_MATPLOTLIB, Comparison, compare, draw
 from eccentric.fitting.first_fit import drive_of
 from eccentric.fitting.fit_data import FitData, drive_noise, fit_data_of, with_model_current
 from eccentric.fitting.identify import Fit, fit
+from eccentric.fitting.limits import LEAST_R_SQUARED
 from eccentric.fitting.parameters import emitted_parameters
 from eccentric.fitting.refitting import Refit, refit, residual_samples
 from eccentric.fitting.states import States
 from eccentric.fitting.words import fit_lines, fit_sentence
 
 __all__ = [
+    "LEAST_R_SQUARED",
     "NEEDS_MATPLOTLIB",
     "Comparison",
     "Drive",

@@ -23,6 +23,7 @@ from eccentric.estimation import (
     Spread,
     improvement,
     profile,
+    r_squared,
     require_rank,
     search,
 )
@@ -94,9 +95,8 @@ def fit(channels: Channels, rig: Rig, model: Model, where: str = "log") -> Fit:
     score = problem.rows.score
     errors = {name: solution.residual[score] for name, solution in solutions.items()}
     percent, interval = improvement(errors["linear"], errors["paper"])
-    r_squared = {
-        name: 1.0 - float(np.mean(e**2) / np.var(problem.drive_signal(solutions[name].at)[score]))
-        for name, e in errors.items()
+    explained = {
+        name: r_squared(e, problem.drive_signal(solutions[name].at)[score]) for name, e in errors.items()
     }
     warnings = [*problem.warnings, *_warnings(problem, paper, profiles)]
     return Fit(
@@ -111,7 +111,7 @@ def fit(channels: Channels, rig: Rig, model: Model, where: str = "log") -> Fit:
         {name: float(np.sqrt(np.mean(e**2))) for name, e in errors.items()},
         percent,
         interval,
-        r_squared,
+        explained,
         tuple(warnings),
     )
 

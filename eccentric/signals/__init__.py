@@ -10,10 +10,11 @@ from eccentric.signals.designs import BalanceDesign, balance_design
 from eccentric.signals.filters import smoothed
 from eccentric.signals.finding import Finding
 from eccentric.signals.hann import hann_windows
+from eccentric.signals.limits import LEAST_HELD_OUT, MANY_RUNS
 from eccentric.signals.measured import Channels
 from eccentric.signals.noise import white_noise
 from eccentric.signals.rows import Rows, require_rows
-from eccentric.signals.sampling import LEAST_HELD_OUT, MANY_RUNS, fit_rows, rows_of, search_rows
+from eccentric.signals.sampling import fit_rows, rows_of, search_rows
 from eccentric.signals.stretches import rows_of_each
 
 __all__ = [

@@ -21,22 +21,13 @@ from numpy.typing import NDArray
 
 from eccentric.rigs import Rig
 from eccentric.signals import filters
+from eccentric.signals.limits import COARSE, LOWEST_HZ, MAP_RANGE, MAP_RUNS, MAP_STEADY, QUIET, TOO_NOISY
 from eccentric.signals.stretches import rows_of_each
 
 __all__ = ["suited"]
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
-
-TOO_NOISY = 0.1
-"""Noise in the acceleration, as a part of it, from which the default low pass does not serve."""
-QUIET = 0.02
-"""The part that the chosen cut-off leaves: with it, a term in the acceleration is known to 2 %."""
-LOWEST_HZ = 3.0
-RUNS = 8
-"""Runs of constant speed from which they are a map of friction over speed."""
-STEADY = 0.3
-"""Standard deviation of the speed inside a run over its mean, at most, in the middle one of all runs."""
 
 
 def suited(rig: Rig, t: Array, theta: Array, segment: NDArray[np.int64], moving: Mask) -> tuple[Rig, str]:
@@ -49,7 +40,7 @@ def suited(rig: Rig, t: Array, theta: Array, segment: NDArray[np.int64], moving:
     stretches = rows_of_each(segment)
     if _is_map(t, theta, stretches):
         steps = [float(np.median(np.diff(t[rows]))) for rows in stretches if len(rows) > 1]
-        cut = min(rig.low_pass_hz, 0.4 / max(steps))
+        cut = min(rig.low_pass_hz, COARSE / max(steps))
         said = f"the log is {len(stretches)} runs of constant speed: one mean of each is compared"
         return dataclasses.replace(rig, low_pass_hz=cut, average_over=math.inf), said
     parts = [_noise_and_size(t[r], theta[r], moving[r], rig.low_pass_hz) for r in stretches if len(r) > 40]
@@ -71,7 +62,7 @@ def suited(rig: Rig, t: Array, theta: Array, segment: NDArray[np.int64], moving:
 
 def _is_map(t: Array, theta: Array, stretches: list[NDArray[np.int64]]) -> bool:
     """Whether the stretches hold one speed each, and not all the same."""
-    if len(stretches) < RUNS:
+    if len(stretches) < MAP_RUNS:
         return False
     means, spreads = [], []
     for rows in stretches:
@@ -82,7 +73,7 @@ def _is_map(t: Array, theta: Array, stretches: list[NDArray[np.int64]]) -> bool:
         speed = (theta[rows[reach:]] - theta[rows[:-reach]]) / (t[rows[reach:]] - t[rows[:-reach]])
         means.append(float(np.mean(speed)))
         spreads.append(float(np.std(speed)) / max(abs(means[-1]), 1e-12))
-    return float(np.median(spreads)) < STEADY and np.ptp(means) > 0.5 * float(np.max(np.abs(means)))
+    return float(np.median(spreads)) < MAP_STEADY and np.ptp(means) > MAP_RANGE * float(np.max(np.abs(means)))
 
 
 def _noise_and_size(t: Array, theta: Array, moving: Mask, cut_hz: float) -> tuple[float, float] | None:

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from scipy.sparse import csr_array
 
 from eccentric.errors import InputError
+from eccentric.signals.limits import LEAST_WINDOW_ROWS
 from eccentric.signals.rows import Rows, blocks_of
 from eccentric.signals.stretches import rows_of_each
 
@@ -25,7 +26,6 @@ Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
 
 _POWER = 4
-_LEAST_ROWS = 7
 
 
 def windows_by_parts(t: Array, segment: Integers, run: Integers, window_s: float) -> Rows:
@@ -53,9 +53,9 @@ def windows_by_parts(t: Array, segment: Integers, run: Integers, window_s: float
     sizes = stop - first
     if not len(middle):
         raise InputError(f"windows: a stretch of {window_s:g} s without gap is required, the log has none")
-    if sizes.min() < _LEAST_ROWS:
+    if sizes.min() < LEAST_WINDOW_ROWS:
         raise InputError(
-            f"windows: {_LEAST_ROWS} rows in {window_s:g} s are required, received {sizes.min()}"
+            f"windows: {LEAST_WINDOW_ROWS} rows in {window_s:g} s are required, received {sizes.min()}"
         )
     pointer = np.concatenate([[0], np.cumsum(sizes)])
     columns = np.empty(pointer[-1], dtype=np.int64)

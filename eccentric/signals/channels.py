@@ -18,8 +18,8 @@ from numpy.typing import NDArray
 from eccentric.errors import InputError, few
 from eccentric.logs import read_log
 from eccentric.signals.bandwidth import suited
-from eccentric.signals.filters import END_S
 from eccentric.signals.holdout import Holdout, hold_out
+from eccentric.signals.limits import END_S
 from eccentric.signals.measured import Channels
 from eccentric.signals.motion import motion_of, motor_side, of_the_motor, quantum_of, uneven
 from eccentric.signals.moving import clear_of_ends, moving_rows, near_switching

@@ -13,17 +13,11 @@ from numpy.typing import NDArray
 from scipy.interpolate import make_interp_spline
 from scipy.signal import butter, sosfiltfilt
 
+from eccentric.signals.limits import COARSE, END_S, HALF_SPAN_S, JITTER, REVERSAL_S
+
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 
-HALF_SPAN_S = 0.02
-"""Half the span of the central difference that decides whether a row moves, s."""
-REVERSAL_S = 0.06
-"""No reversal within this time of a moving row, s."""
-END_S = 0.5
-"""Rows closer than this to either end of a stretch are not used: filters have not settled there, s."""
-JITTER = 0.1
-"""Time stamps within this fraction of a step of an even grid count as even (stamps are often rounded)."""
 _PADDING = 9
 """SciPy's own padding at either end of a second-order section, rows."""
 
@@ -33,7 +27,7 @@ def low_pass(x: Array, rate_hz: float, cut_hz: float) -> Array | None:
 
     That is where the cut-off frequency is above 0.4 of the sampling rate, or the stretch is too short.
     """
-    if cut_hz > 0.4 * rate_hz or len(x) <= _PADDING:
+    if cut_hz > COARSE * rate_hz or len(x) <= _PADDING:
         return None
     return np.asarray(sosfiltfilt(_sections(cut_hz, rate_hz), x, axis=0))
 

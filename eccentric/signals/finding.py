@@ -7,9 +7,6 @@ from typing import Literal
 
 Severity = Literal["note", "warning"]
 
-MUCH = 0.05
-"""A loss of this part of the log is a warning: above it, what is left may no longer be like the whole."""
-
 
 @dataclass(frozen=True)
 class Finding:

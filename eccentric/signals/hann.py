@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from scipy.sparse import csr_array
 
 from eccentric.errors import InputError
+from eccentric.signals.limits import MOST_WINDOWS
 from eccentric.signals.rows import Rows, blocks_of
 from eccentric.signals.stretches import rows_of_each
 
@@ -20,9 +21,6 @@ __all__ = ["hann_windows"]
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
 Mask = NDArray[np.bool_]
-
-MOST_ROWS = 8000
-"""Windows of a long log are spaced wider, so that about so many remain."""
 
 
 def hann_windows(
@@ -35,7 +33,7 @@ def hann_windows(
     Raises InputError if fewer than `least` windows remain.
     """
     label = np.unique(segment, return_inverse=True)[1]
-    thinning = int(np.ceil(np.count_nonzero(valid) / MOST_ROWS))
+    thinning = int(np.ceil(np.count_nonzero(valid) / MOST_WINDOWS))
     data, index, sizes = [np.empty(0)], [np.empty(0, int)], [np.empty(0, int)]
     for rows in rows_of_each(label):
         step = float(np.median(np.diff(time[rows]))) if len(rows) > 1 else length_s

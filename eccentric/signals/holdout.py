@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from eccentric.errors import InputError, few
+from eccentric.signals.limits import HELD_OUT_BLOCKS, HELD_OUT_PART
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -18,9 +19,6 @@ if TYPE_CHECKING:
     from eccentric.rigs import Rig
 
 Array = NDArray[np.float64]
-
-BLOCKS = 5
-FRACTION = 0.2
 
 
 @dataclass(frozen=True)
@@ -50,14 +48,14 @@ def hold_out(t: Array, run: NDArray[np.int64], run_names: tuple[str, ...], rig: 
         if not rig.holdout_runs and len(run_names) == 1:
             return Holdout(rows, rule, rig.holdout_intervals_s)
     elif len(run_names) >= 3:
-        chosen = range(2, len(run_names), round(1.0 / FRACTION))
+        chosen = range(2, len(run_names), round(1.0 / HELD_OUT_PART))
         rows = np.isin(run, list(chosen))
         names = ", ".join(run_names[k] for k in chosen)
         rule = f"whole runs, every fifth from the third on: {names}"
     else:
-        position = (np.arange(len(t)) / len(t) * BLOCKS) % 1.0
-        rows = np.abs(position - 0.5) < FRACTION / 2.0
-        rule = f"{BLOCKS} contiguous blocks, {FRACTION:.0%} of the rows, evenly spread"
+        position = (np.arange(len(t)) / len(t) * HELD_OUT_BLOCKS) % 1.0
+        rows = np.abs(position - 0.5) < HELD_OUT_PART / 2.0
+        rule = f"{HELD_OUT_BLOCKS} contiguous blocks, {HELD_OUT_PART:.0%} of the rows, evenly spread"
     return Holdout(rows, rule, _intervals(t, run, rows))
 
 

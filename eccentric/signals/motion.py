@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from scipy.integrate import cumulative_trapezoid
 
 from eccentric.signals import filters
+from eccentric.signals.limits import UNEVEN_STEP
 from eccentric.signals.plausible import unwrapped
 from eccentric.signals.stretches import joined, rows_of_each, stretches
 
@@ -22,9 +23,6 @@ __all__ = ["motion_of", "motor_side", "of_the_motor", "quantum_of", "uneven"]
 
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
-
-UNEVEN = 0.2
-"""A time step this far from the median, as a fraction of it, is counted as uneven."""
 
 
 def motor_side(table: Table, rig: Rig, motor: str, link: str) -> Array | None:
@@ -99,9 +97,9 @@ def uneven(table: Table) -> list[str]:
         return []
     steps = np.diff(t)[np.diff(piece) == 0]
     usual = float(np.median(steps))
-    odd = int(np.count_nonzero(np.abs(steps / usual - 1.0) > UNEVEN))
+    odd = int(np.count_nonzero(np.abs(steps / usual - 1.0) > UNEVEN_STEP))
     text = (
-        f"time steps are uneven ({odd} of {len(steps)} differ by more than {UNEVEN:.0%} from the usual "
+        f"time steps are uneven ({odd} of {len(steps)} differ by more than {UNEVEN_STEP:.0%} from the usual "
         f"{usual:.4g} s): for filtering, the angle is interpolated linearly"
     )
     return [text]

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from eccentric.signals import filters
+from eccentric.signals.limits import HALF_SPAN_S, QUANTA, SLOW, SWITCHING_S
 from eccentric.signals.stretches import joined
 
 if TYPE_CHECKING:
@@ -18,13 +19,6 @@ __all__ = ["clear_of_ends", "moving_rows", "near_switching"]
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
 Mask = NDArray[np.bool_]
-
-QUANTA = 10.0
-"""Default moving threshold: this many encoder steps within the 40 ms of the central difference ..."""
-SLOW = 0.03
-"""... and at least this fraction of the 95th percentile of the speed, outside the held-out part."""
-SWITCHING_S = 0.1
-"""Rows this near to a switching of the motor are not used, s."""
 
 
 def moving_rows(
@@ -42,7 +36,7 @@ def moving_rows(
 def _default_threshold(velocity: Array, quantum: float) -> float:
     speeds = np.abs(velocity[np.isfinite(velocity)])
     slow = SLOW * float(np.percentile(speeds, 95.0)) if len(speeds) else 0.0
-    return max(QUANTA * quantum / (2.0 * filters.HALF_SPAN_S), slow)
+    return max(QUANTA * quantum / (2.0 * HALF_SPAN_S), slow)
 
 
 def clear_of_ends(t: Array, segment: Integers) -> Mask:

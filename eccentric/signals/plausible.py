@@ -13,22 +13,22 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.integrate import cumulative_trapezoid
 
+from eccentric.signals.limits import (
+    COMPARED_ROWS,
+    COMPARED_S,
+    LARGEST_SPEED_FACTOR,
+    LEAST_CORRELATION,
+    LEAST_SPEED_FACTOR,
+    NEAR_CAUSE,
+    WRAP_FULL,
+    WRAP_HOLE,
+)
 from eccentric.signals.stretches import rows_of_each
 
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
 
 TURN = 2.0 * math.pi
-HOLE, FULL = 0.25, 0.75
-"""A wrapped angle steps by about a period, 0.75 to 1.25 of it, and never by something like half of one."""
-LEAST_FACTOR, LARGEST_FACTOR = 0.9, 1.1
-"""A logged speed over the slope of its angle: the scales of drives and tachometers are better than this."""
-CORRELATION = 0.9
-"""Least correlation of the two: below, a fifth of the speed's square is something else."""
-SPAN_S, SPAN_ROWS = 0.2, 5
-"""Speed and angle are compared over this time: longer than encoder steps and filters of drives matter."""
-NEAR = 0.03
-"""A cause is named where its factor is met this closely; rpm (9.55) and a gear of 10 are 0.046 apart."""
 
 _UNITS = {
     60.0 / TURN: "the speed is in rpm",
@@ -63,7 +63,7 @@ def unwrapped(
         return theta, ""
     largest, turns, smooth, count = min(found, key=lambda one: one[0])
     text = f"the angle is wrapped at one turn of the {turns}, {count} times: it is unwrapped"
-    if largest > HOLE * periods[turns]:
+    if largest > WRAP_HOLE * periods[turns]:
         text += f", uncertain at up to {largest / periods[turns]:.2g} turns from row to row"
     if turns == "motor" and "link" in periods:
         text += "; the turn that a run starts in is not in the log (theta_zero_rad sets it)"
@@ -76,8 +76,10 @@ def _unwrap(t: Array, theta: Array, segment: Integers, run: Integers, period: fl
     steps[np.diff(segment) != 0] = 0.0
     sizes = np.abs(steps)
     narrow = all(np.ptp(theta[run == k]) <= 1.02 * period for k in np.unique(run))
-    whole = not np.any((sizes > HOLE) & (sizes < FULL)) and np.max(sizes, initial=0.0) < 2.0 - FULL
-    if not np.any(sizes > FULL) or not (narrow or whole):
+    whole = (
+        not np.any((sizes > WRAP_HOLE) & (sizes < WRAP_FULL)) and np.max(sizes, initial=0.0) < 2.0 - WRAP_FULL
+    )
+    if not np.any(sizes > WRAP_FULL) or not (narrow or whole):
         return theta, 0
     turns = np.concatenate([[0.0], np.cumsum(-np.round(steps))])
     starts = np.flatnonzero(np.diff(segment, prepend=-1))
@@ -86,8 +88,8 @@ def _unwrap(t: Array, theta: Array, segment: Integers, run: Integers, period: fl
             turns[first:] -= turns[first]
             continue
         smooth = theta + period * turns
-        ahead = _speed(t, smooth, np.flatnonzero(segment == segment[first])[:SPAN_ROWS])
-        behind = _speed(t, smooth, np.flatnonzero(segment == segment[last])[-SPAN_ROWS:])
+        ahead = _speed(t, smooth, np.flatnonzero(segment == segment[first])[:COMPARED_ROWS])
+        behind = _speed(t, smooth, np.flatnonzero(segment == segment[last])[-COMPARED_ROWS:])
         expected = smooth[last] + 0.5 * (ahead + behind) * (t[first] - t[last])
         turns[first:] += np.round((expected - smooth[first]) / period)
     return theta + period * turns, int(np.count_nonzero(np.round(steps)))
@@ -109,8 +111,8 @@ def speed_factor(t: Array, theta: Array, omega: Array, segment: Integers) -> tup
     rise: list[Array] = []
     told: list[Array] = []
     for rows in rows_of_each(segment):
-        if len(rows) > SPAN_ROWS:
-            span = max(SPAN_ROWS, round(SPAN_S / float(np.median(np.diff(t[rows])))))
+        if len(rows) > COMPARED_ROWS:
+            span = max(COMPARED_ROWS, round(COMPARED_S / float(np.median(np.diff(t[rows])))))
             integral = cumulative_trapezoid(omega[rows], t[rows], initial=0.0)
             rise.append(theta[rows][span:] - theta[rows][:-span])
             told.append(integral[span:] - integral[:-span])
@@ -127,12 +129,12 @@ def speed_doubt(t: Array, theta: Array, omega: Array, segment: Integers, mu: flo
     if found is None:
         return ""
     factor, correlation = found
-    if abs(correlation) < CORRELATION:
+    if abs(correlation) < LEAST_CORRELATION:
         return (
             f"the logged speed does not follow the slope of the angle (correlation {correlation:.2f}): "
             "are both of one shaft?"
         )
-    if LEAST_FACTOR <= factor <= LARGEST_FACTOR:
+    if LEAST_SPEED_FACTOR <= factor <= LARGEST_SPEED_FACTOR:
         return ""
     cause = _cause(factor, mu)
     return f"the logged speed is {factor:.4g} times the slope of the angle" + (f": {cause}?" if cause else "")
@@ -146,6 +148,6 @@ def _cause(factor: float, mu: float | None) -> str:
         words = [_UNITS.get(unit), gears.get(gear), "their signs differ" if factor < 0.0 else None]
         said = [word for word in words if word]
         off = abs(math.log(abs(factor) / (unit * gear)))
-        if off <= NEAR:
+        if off <= NEAR_CAUSE:
             found.append((len(said), off, " and ".join(said)))
     return min(found, default=(0, 0.0, ""))[2]

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from scipy.interpolate import make_interp_spline
 
 from eccentric.rigs import Rig
+from eccentric.signals.limits import COARSE
 from eccentric.signals.stretches import rows_of_each, stretches
 from eccentric.signals.table import Table
 
@@ -35,7 +36,7 @@ def logged_step(table: Table) -> float:
 
 def is_coarse(table: Table, rig: Rig) -> bool:
     """Whether most of the log is sampled too slowly for the low pass of the rig, and not averaged by it."""
-    return rig.low_pass_hz * logged_step(table) > 0.4 and not rig.average_over
+    return rig.low_pass_hz * logged_step(table) > COARSE and not rig.average_over
 
 
 def refined(table: Table) -> Table:

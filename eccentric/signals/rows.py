@@ -17,18 +17,16 @@ from numpy.typing import NDArray
 from scipy.sparse import csr_array, vstack
 
 from eccentric.errors import InputError
+from eccentric.signals.limits import BLOCK_S, PER_COEFFICIENT, PER_COEFFICIENT_OF_RUNS
 
 if TYPE_CHECKING:
     from eccentric.signals.measured import Channels
 
-__all__ = ["BLOCK_S", "Rows", "blocks_of", "in_order", "require_rows"]
+__all__ = ["Rows", "blocks_of", "in_order", "require_rows"]
 
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
 Mask = NDArray[np.bool_]
-
-BLOCK_S = 1.0
-"""Rows this far apart count as independent, s."""
 
 
 @dataclass(frozen=True)
@@ -67,8 +65,8 @@ class Rows:
 
     @property
     def per_coefficient(self) -> int:
-        """Least rows for each coefficient of a fit: means over a time overlap and share what is slow."""
-        return 3 if self.independent else 10
+        """Least rows for each coefficient of a fit."""
+        return PER_COEFFICIENT_OF_RUNS if self.independent else PER_COEFFICIENT
 
     def mean(self, x: Array) -> Array:
         """Samples (n,) or (n, k) to rows (m,) or (m, k), in the unit of x."""

@@ -25,31 +25,23 @@ from eccentric.rigs import Rig
 from eccentric.signals.by_parts import windows_by_parts
 from eccentric.signals.filters import smoothed
 from eccentric.signals.hann import hann_windows
+from eccentric.signals.limits import (
+    LEAST_RUN_PART,
+    LEAST_WINDOWS,
+    MANY_RUNS,
+    MOVING_PART,
+    STEPS,
+    WINDOW_S,
+)
 from eccentric.signals.measured import Channels
 from eccentric.signals.moving import clear_of_ends
 from eccentric.signals.rows import Rows, blocks_of, in_order
 
-__all__ = ["LEAST_HELD_OUT", "MANY_RUNS", "fit_rows", "rows_of", "search_rows"]
+__all__ = ["fit_rows", "rows_of", "search_rows"]
 
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
 Mask = NDArray[np.bool_]
-
-MANY_RUNS = 5
-"""Runs in the training part from which each is left out as a whole in cross-validation."""
-LEAST_HELD_OUT = 2
-"""Rows that an error on what is held out has an interval from."""
-LEAST_PART = 1 / 3
-"""Part of a run that has to be usable for a mean of it; the ends of a short run take a third themselves."""
-WINDOW_S = 0.064
-"""Length of the search's windows for a low pass of 25 Hz, s; in proportion to its period for others."""
-LEAST_WINDOWS = 50
-"""Fewer windows leave the search nothing to cross-validate on."""
-STEPS = 12
-"""Steps in a window of a coarse log: 0.3 s at 40 rows per second, where a second difference is mostly
-rounding."""
-MOVING_PART = 0.5
-"""Least part of a window's weight on moving rows, in a log too coarse for windows that only move."""
 
 
 def fit_rows(channels: Channels, rig: Rig) -> Rows:
@@ -166,7 +158,7 @@ def _run_means(channels: Channels, usable: Mask) -> Rows:
     """Means of runs; one that is usable only in pieces says little of its speed and is left out."""
     every = np.bincount(channels.run)
     used = np.bincount(channels.run[usable], minlength=len(every))
-    runs = np.flatnonzero(used > LEAST_PART * every)
+    runs = np.flatnonzero(used > LEAST_RUN_PART * every)
     columns = [np.flatnonzero(usable & (channels.run == run)) for run in runs]
     sizes = np.array([len(c) for c in columns], dtype=int)
     index, pointer = np.concatenate([np.empty(0, int), *columns]), np.concatenate([[0], np.cumsum(sizes)])

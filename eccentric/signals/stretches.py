@@ -7,14 +7,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from eccentric.signals.limits import GAP_STEPS
+
 if TYPE_CHECKING:
     from collections.abc import Callable
 
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
-
-GAP_STEPS = 5.0
-"""A step longer than this many median steps is a gap."""
 
 
 def stretches(t: Array, run: Integers) -> Integers:

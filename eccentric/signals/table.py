@@ -13,8 +13,9 @@ from numpy.typing import NDArray
 from eccentric.errors import InputError, few
 from eccentric.logs import Log, LogSource, evaluate, read_log
 from eccentric.rigs import CHANNELS, ColumnSource, Rig
-from eccentric.signals.finding import MUCH, Finding
+from eccentric.signals.finding import Finding
 from eccentric.signals.holdout import matching
+from eccentric.signals.limits import MOST_REJECTED, MUCH_LOST
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -22,9 +23,6 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 
 _LABELS = ("run", "use", "motor_off")
-
-MAX_REJECTED = 0.2
-"""A log of which more than this fraction of the rows is not numbers is refused."""
 
 
 @dataclass(frozen=True)
@@ -119,9 +117,9 @@ def _one(log: Log, rig: Rig, name: str, alone: bool) -> Table:
         worst = min(numbers, key=lambda c: np.count_nonzero(numbers[c]))
         first = log.place(int(np.flatnonzero(~kept)[0]))
         what = f"no number in {rejected} of {log.rows} rows (first: {first}; most: {sources[worst].text!r})"
-        if rejected > MAX_REJECTED * log.rows:
-            raise InputError(f"{log.path}: {what}; at most {MAX_REJECTED:.0%} may be missing")
-        severity = "warning" if rejected > MUCH * log.rows else "note"
+        if rejected > MOST_REJECTED * log.rows:
+            raise InputError(f"{log.path}: {what}; at most {MOST_REJECTED:.0%} may be missing")
+        severity = "warning" if rejected > MUCH_LOST * log.rows else "note"
         findings.append(
             Finding("missing", worst, f"{log.path}: {what}: such rows are dropped", rejected, severity)
         )

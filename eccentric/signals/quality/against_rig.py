@@ -14,8 +14,6 @@ from numpy.typing import NDArray
 
 from eccentric.signals.finding import Finding
 from eccentric.signals.quality.body import (
-    EXPLAINED,
-    SIGMAS,
     Body,
     Means,
     body_of,
@@ -25,6 +23,7 @@ from eccentric.signals.quality.body import (
     regressed,
 )
 from eccentric.signals.quality.causes import ANGLES, SPEEDS, Ratio, common_cause, single_cause
+from eccentric.signals.quality.limits import BETTER, EXPLAINED, FACTOR, FACTOR_MOTOR, NOTICED, SIGMAS, TURNED
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -33,19 +32,6 @@ if TYPE_CHECKING:
     from eccentric.signals.measured import Channels
 
 Array = NDArray[np.float64]
-
-FACTOR = 2.0
-"""Inertia and gravity of a rig are known better than to this factor, and no effect of the library hides so
-much of them in a mean."""
-FACTOR_MOTOR = 1.5
-"""The same for R and k_e, which are simply measured; a hot winding adds 0.4 to R."""
-NOTICED = 0.1
-"""Least part of the drive that accelerates, by log or rig, for the inertia to be judged: below, the lag of a
-drive that averages its signals looks like inertia."""
-TURNED = math.radians(45.0)
-"""An unbalance of another part turns gravity by some degrees, a wrong zero angle by any."""
-BETTER = 0.5
-"""Another unit of the angle has to leave less than this part of the variance."""
 
 
 def rig_findings(channels: Channels, rig: Rig) -> Iterator[Finding]:

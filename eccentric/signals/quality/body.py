@@ -12,21 +12,13 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from eccentric.signals.quality.limits import LEAST_MEANS, MEAN_ROWS, MEAN_S, SIGMAS
+
 if TYPE_CHECKING:
     from eccentric.rigs import Rig
     from eccentric.signals.measured import Channels
 
 Array = NDArray[np.float64]
-
-BLOCK_S, BLOCK_ROWS = 0.15, 5
-"""Means are taken over this: longer than delays and noise, shorter than a swing."""
-LEAST_BLOCKS = 30
-"""Fewer blocks leave six coefficients to chance."""
-SIGMAS = 9.0
-"""Least distance from zero in standard errors. They count blocks as independent and the friction as Coulomb
-and viscous; an error that goes on over ten blocks makes them three times too small, and three are wanted."""
-EXPLAINED = 0.5
-"""Least part of the drive's variance that the rigid body explains before its coefficients are believed."""
 
 
 @dataclass(frozen=True)
@@ -64,10 +56,10 @@ def means_of(c: Channels, rig: Rig) -> Means | None:
     steps = np.diff(c.t)[np.diff(c.segment) == 0]
     if not len(rows) or not len(steps):
         return None
-    size = max(BLOCK_ROWS, math.ceil(BLOCK_S / float(np.median(steps))))
+    size = max(MEAN_ROWS, math.ceil(MEAN_S / float(np.median(steps))))
     pieces = np.split(rows, np.flatnonzero((np.diff(rows) != 1) | (np.diff(c.segment[rows]) != 0)) + 1)
     blocks = [piece[k : k + size] for piece in pieces for k in range(0, len(piece) - size + 1, size)]
-    if len(blocks) < LEAST_BLOCKS:
+    if len(blocks) < LEAST_MEANS:
         return None
     index = np.array(blocks)
     found = {"current": c.current, "torque": c.torque, "voltage": c.voltage}

@@ -6,15 +6,12 @@ import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+from eccentric.signals.quality.limits import LEVEL_PLANE, NEAR
+
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
 TURN = 2.0 * math.pi
-NEAR = math.log(1.2)
-"""A cause is named where its factor is met this closely; friction that is not Coulomb and viscous, and a warm
-winding, move what the log gives by less, and units differ by more."""
-LEVEL = 0.2
-"""Less gravity than this part of the rig's is that of a plane which is all but level."""
 UNITS = {
     "J": "kg m^2", "M g L": "N m at the motor", "k_e": "V s/rad", "R": "ohm",
 }  # fmt: skip
@@ -131,7 +128,7 @@ def single_cause(ratio: Ratio, drive: str, mu: float | None) -> str:
     causes = dict(_SINGLE[ratio.name])
     if ratio.name == "J" and mu is not None and mu < 0.7:
         causes |= {mu**2: "the rig's J_m is at the link", 1.0 / mu**2: "the rig's J_l is at the motor"}
-    if ratio.name == "M g L" and ratio.high < LEVEL:
+    if ratio.name == "M g L" and ratio.high < LEVEL_PLANE:
         return " (is the plane of motion level, case C1?)"
     near = {math.inf: ""}
     if ratio.value > 0.0:

@@ -12,7 +12,8 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from eccentric.signals.finding import Finding
-from eccentric.signals.plausible import CORRELATION, speed_doubt, speed_factor, unwrapped
+from eccentric.signals.limits import LEAST_CORRELATION
+from eccentric.signals.plausible import speed_doubt, speed_factor, unwrapped
 from eccentric.signals.quality.against_rig import rig_findings
 from eccentric.signals.quality.record import record_findings, record_of
 
@@ -59,7 +60,7 @@ def _speed(table: Table, channels: Channels, rig: Rig) -> Iterator[Finding]:
     told = speed_factor(c.t, c.theta, c.omega_logged, c.segment)
     if doubt and told:
         factor, correlation = told
-        follows = abs(correlation) >= CORRELATION
+        follows = abs(correlation) >= LEAST_CORRELATION
         kind = ("wrong_sign" if factor < 0.0 else "wrong_unit") if follows else "mismatch"
         name = "omega_m" if "omega_m" in table.channels else "omega_l"
         yield Finding(kind, name, f"{doubt}; correct the rig's [columns]", len(c.t), "warning")

@@ -8,7 +8,19 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from eccentric.signals.finding import MUCH, Finding
+from eccentric.signals.finding import Finding
+from eccentric.signals.limits import MUCH_LOST
+from eccentric.signals.quality.limits import (
+    CHANCE,
+    CLIPPED,
+    FROZEN_ROWS,
+    FROZEN_S,
+    JUMP,
+    MOST_EQUAL,
+    ONE_SPEED,
+    SHORT_RUN,
+    STEADY,
+)
 from eccentric.signals.stretches import stretches
 
 if TYPE_CHECKING:
@@ -24,23 +36,6 @@ UNITS = {
     "omega_m": "rad/s", "omega_l": "rad/s", "voltage": "V", "current": "A", "torque": "N m",
     "torque_l": "N m", "theta_m": "rad", "theta_l": "rad",
 }  # fmt: skip
-SHORT_RUN = 3
-"""Equal values from row to row that clipping is counted from: noise gives two of them now and then."""
-CLIPPED = 0.01
-"""Least part of the rows at the limit: below, clipping changes a least-squares fit by less than its noise."""
-FROZEN_ROWS, FROZEN_S = 25, 0.5
-"""Least length of a frozen stretch; a slow speed that is held can be as steady as that for half as long."""
-CHANCE = 1e-6
-"""Chance that a log of honest noise has so many equal values in a row; smaller is a frozen channel."""
-MOST_EQUAL = 0.5
-"""A channel that repeats itself more often than this is too coarse to be told from a frozen one."""
-STEADY = 0.01
-"""Change of the speed over a frozen stretch, as a part of the top speed, that counts as none."""
-JUMP = 3.0
-"""An angle that was frozen catches up in one step of this many of its largest usual ones."""
-ONE_SPEED = 1.25
-"""Speeds within this factor are one level: Coulomb and viscous friction differ by a ninth over it, which the
-friction's own scatter from turn to turn hides."""
 
 
 @dataclass(frozen=True)
@@ -100,7 +95,7 @@ def _gaps(c: Record) -> Iterator[Finding]:
         f"{len(ends)} gap{'s' if len(ends) > 1 else ''} in time, {part:.2g} of the log, the longest of "
         f"{steps[longest]:.3g} s after {c.t[ends[longest]]:.6g} s: no filter crosses them"
     )
-    yield Finding("gap", "time", text, len(ends), "warning" if part > MUCH else "note")
+    yield Finding("gap", "time", text, len(ends), "warning" if part > MUCH_LOST else "note")
 
 
 def _runs(x: Array, segment: Integers) -> tuple[Integers, Integers]:
