@@ -1,6 +1,6 @@
 /*
  * Generated: do not edit. Written by `make derive` from derivations/c1_asymmetric.py
- * (eccentric 0.1.0, program 8cb97e19).
+ * (eccentric 0.1.0, program eea5babf).
  * Case C1 with friction that differs between the directions of motion.
  */
 #include "c1_asymmetric.h"
@@ -8,7 +8,7 @@
 #include <float.h>
 #include <math.h>
 
-#if C1_ASYMMETRIC_PROGRAM != 0x8cb97e19UL
+#if C1_ASYMMETRIC_PROGRAM != 0xeea5babfUL
 #error "c1_asymmetric.c and c1_asymmetric.h are of different derivations: write both again"
 #endif
 
@@ -47,128 +47,128 @@ REAL_INLINE real c1_asymmetric_forward(const real x)
 }
 
 const c1_asymmetric_parameters c1_asymmetric_default_parameters = {
-    0.5, /* M [kg] */
-    0.2, /* M_l [kg] */
-    0.25, /* L [m] */
-    0.2, /* mu [1] */
-    1.0, /* R [Ohm] */
-    0.02, /* k_i [N m/A] */
-    0.2, /* k_e [V s/rad] */
-    9.81, /* g [m/s^2] */
-    0.004, /* B_lN_pos [m s/rad] */
-    0.004, /* B_lN_neg [m s/rad] */
-    0.08, /* C_lN_pos [m] */
-    0.08, /* C_lN_neg [m] */
-    0.004, /* B_lT_pos [m s/rad] */
-    0.004, /* B_lT_neg [m s/rad] */
-    0.08, /* C_lT_pos [m] */
-    0.08, /* C_lT_neg [m] */
-    4.0e-4, /* B_m_pos [N m s/rad] */
-    4.0e-4, /* B_m_neg [N m s/rad] */
-    0.008, /* C_m_pos [N m] */
-    0.008, /* C_m_neg [N m] */
-    1.962, /* F_T [N] */
-    (double)NAN, /* J_m [kg m^2] */
-    (double)NAN, /* J_l [kg m^2] */
+    .M = 0.5, /* [kg] */
+    .M_l = 0.2, /* [kg] */
+    .L = 0.25, /* [m] */
+    .mu = 0.2, /* [1] */
+    .R = 1.0, /* [Ohm] */
+    .k_i = 0.02, /* [N m/A] */
+    .k_e = 0.2, /* [V s/rad] */
+    .g = 9.81, /* [m/s^2] */
+    .B_lN_pos = 0.004, /* [m s/rad] */
+    .B_lN_neg = 0.004, /* [m s/rad] */
+    .C_lN_pos = 0.08, /* [m] */
+    .C_lN_neg = 0.08, /* [m] */
+    .B_lT_pos = 0.004, /* [m s/rad] */
+    .B_lT_neg = 0.004, /* [m s/rad] */
+    .C_lT_pos = 0.08, /* [m] */
+    .C_lT_neg = 0.08, /* [m] */
+    .B_m_pos = 4.0e-4, /* [N m s/rad] */
+    .B_m_neg = 4.0e-4, /* [N m s/rad] */
+    .C_m_pos = 0.008, /* [N m] */
+    .C_m_neg = 0.008, /* [N m] */
+    .F_T = 1.962, /* [N] */
+    .J_m = (double)NAN, /* [kg m^2] */
+    .J_l = (double)NAN, /* [kg m^2] */
 };
 
 const c1_asymmetric_coefficients c1_asymmetric_default = {
 #if ECCENTRIC_PRECISION == 1
-    (real)(0.004), /* B_lN_neg */
-    (real)(0.004), /* B_lN_pos */
-    (real)(0.08), /* C_lN_neg */
-    (real)(0.08), /* C_lN_pos */
-    (real)(0.2), /* k_e */
-    (real)(0.02), /* k_i */
-    (real)(0.2), /* mu */
-    (real)(0.005), /* L_M_mu2 */
-    (real)(1.6e-4), /* B_lN_pos_mu2 */
-    (real)(1.6e-4), /* B_lN_neg_mu2 */
-    (real)(7.1392e-4), /* B_pos */
-    (real)(7.1392e-4), /* B_neg */
-    (real)(0.004), /* k_e_k_i_per_R */
-    (real)(0.016), /* C_lN_pos_mu */
-    (real)(0.016), /* C_lN_neg_mu */
-    (real)(0.039392), /* C_pos */
-    (real)(0.039392), /* C_neg */
-    (real)(0.01), /* twice_L_M_mu2 */
-    (real)(0.04), /* mu2 */
-    (real)(0.07848), /* F_T_mu2 */
-    (real)(0.3924), /* F_T_mu */
-    (real)(NAN), /* J */
-    (real)(0.008), /* B_lN_pos_R_mu2_per_k_i */
-    (real)(0.008), /* B_lN_neg_R_mu2_per_k_i */
-    (real)(0.035696), /* B_pos_R_per_k_i */
-    (real)(0.035696), /* B_neg_R_per_k_i */
-    (real)(0.8), /* C_lN_pos_R_mu_per_k_i */
-    (real)(0.8), /* C_lN_neg_R_mu_per_k_i */
-    (real)(1.9696), /* C_pos_R_per_k_i */
-    (real)(1.9696), /* C_neg_R_per_k_i */
-    (real)(50.0), /* R_per_k_i */
-    (real)(0.008), /* B_lN_pos_mu2_per_k_i */
-    (real)(0.008), /* B_lN_neg_mu2_per_k_i */
-    (real)(0.035696), /* B_pos_per_k_i */
-    (real)(0.035696), /* B_neg_per_k_i */
-    (real)(50.0), /* per_k_i */
-    (real)(0.8), /* C_lN_pos_mu_per_k_i */
-    (real)(0.8), /* C_lN_neg_mu_per_k_i */
-    (real)(1.9696), /* C_pos_per_k_i */
-    (real)(1.9696), /* C_neg_per_k_i */
-    (real)(0.02), /* k_i_per_R */
-    (real)(8.0e-7), /* B_lN_pos_L_M_mu4 */
-    (real)(8.0e-5), /* C_lN_pos_L_M_mu3 */
-    (real)(0.00471392), /* B_pos_plus_k_e_k_i_per_R */
-    (real)(8.0e-7), /* B_lN_neg_L_M_mu4 */
-    (real)(8.0e-5), /* C_lN_neg_L_M_mu3 */
-    (real)(0.00471392), /* B_neg_plus_k_e_k_i_per_R */
+    .B_lN_neg = (real)(0.004),
+    .B_lN_pos = (real)(0.004),
+    .C_lN_neg = (real)(0.08),
+    .C_lN_pos = (real)(0.08),
+    .k_e = (real)(0.2),
+    .k_i = (real)(0.02),
+    .mu = (real)(0.2),
+    .L_M_mu2 = (real)(0.005),
+    .B_lN_pos_mu2 = (real)(1.6e-4),
+    .B_lN_neg_mu2 = (real)(1.6e-4),
+    .B_pos = (real)(7.1392e-4),
+    .B_neg = (real)(7.1392e-4),
+    .k_e_k_i_per_R = (real)(0.004),
+    .C_lN_pos_mu = (real)(0.016),
+    .C_lN_neg_mu = (real)(0.016),
+    .C_pos = (real)(0.039392),
+    .C_neg = (real)(0.039392),
+    .twice_L_M_mu2 = (real)(0.01),
+    .mu2 = (real)(0.04),
+    .F_T_mu2 = (real)(0.07848),
+    .F_T_mu = (real)(0.3924),
+    .J = (real)(NAN),
+    .B_lN_pos_R_mu2_per_k_i = (real)(0.008),
+    .B_lN_neg_R_mu2_per_k_i = (real)(0.008),
+    .B_pos_R_per_k_i = (real)(0.035696),
+    .B_neg_R_per_k_i = (real)(0.035696),
+    .C_lN_pos_R_mu_per_k_i = (real)(0.8),
+    .C_lN_neg_R_mu_per_k_i = (real)(0.8),
+    .C_pos_R_per_k_i = (real)(1.9696),
+    .C_neg_R_per_k_i = (real)(1.9696),
+    .R_per_k_i = (real)(50.0),
+    .B_lN_pos_mu2_per_k_i = (real)(0.008),
+    .B_lN_neg_mu2_per_k_i = (real)(0.008),
+    .B_pos_per_k_i = (real)(0.035696),
+    .B_neg_per_k_i = (real)(0.035696),
+    .per_k_i = (real)(50.0),
+    .C_lN_pos_mu_per_k_i = (real)(0.8),
+    .C_lN_neg_mu_per_k_i = (real)(0.8),
+    .C_pos_per_k_i = (real)(1.9696),
+    .C_neg_per_k_i = (real)(1.9696),
+    .k_i_per_R = (real)(0.02),
+    .B_lN_pos_L_M_mu4 = (real)(8.0e-7),
+    .C_lN_pos_L_M_mu3 = (real)(8.0e-5),
+    .B_pos_plus_k_e_k_i_per_R = (real)(0.00471392),
+    .B_lN_neg_L_M_mu4 = (real)(8.0e-7),
+    .C_lN_neg_L_M_mu3 = (real)(8.0e-5),
+    .B_neg_plus_k_e_k_i_per_R = (real)(0.00471392),
 #else
-    0.004, /* B_lN_neg */
-    0.004, /* B_lN_pos */
-    0.08, /* C_lN_neg */
-    0.08, /* C_lN_pos */
-    0.2, /* k_e */
-    0.02, /* k_i */
-    0.2, /* mu */
-    0.005, /* L_M_mu2 */
-    1.6e-4, /* B_lN_pos_mu2 */
-    1.6e-4, /* B_lN_neg_mu2 */
-    7.1392e-4, /* B_pos */
-    7.1392e-4, /* B_neg */
-    0.004, /* k_e_k_i_per_R */
-    0.016, /* C_lN_pos_mu */
-    0.016, /* C_lN_neg_mu */
-    0.039392, /* C_pos */
-    0.039392, /* C_neg */
-    0.01, /* twice_L_M_mu2 */
-    0.04, /* mu2 */
-    0.07848, /* F_T_mu2 */
-    0.3924, /* F_T_mu */
-    (real)NAN, /* J */
-    0.008, /* B_lN_pos_R_mu2_per_k_i */
-    0.008, /* B_lN_neg_R_mu2_per_k_i */
-    0.035696, /* B_pos_R_per_k_i */
-    0.035696, /* B_neg_R_per_k_i */
-    0.8, /* C_lN_pos_R_mu_per_k_i */
-    0.8, /* C_lN_neg_R_mu_per_k_i */
-    1.9696, /* C_pos_R_per_k_i */
-    1.9696, /* C_neg_R_per_k_i */
-    50.0, /* R_per_k_i */
-    0.008, /* B_lN_pos_mu2_per_k_i */
-    0.008, /* B_lN_neg_mu2_per_k_i */
-    0.035696, /* B_pos_per_k_i */
-    0.035696, /* B_neg_per_k_i */
-    50.0, /* per_k_i */
-    0.8, /* C_lN_pos_mu_per_k_i */
-    0.8, /* C_lN_neg_mu_per_k_i */
-    1.9696, /* C_pos_per_k_i */
-    1.9696, /* C_neg_per_k_i */
-    0.02, /* k_i_per_R */
-    8.0e-7, /* B_lN_pos_L_M_mu4 */
-    8.0e-5, /* C_lN_pos_L_M_mu3 */
-    0.00471392, /* B_pos_plus_k_e_k_i_per_R */
-    8.0e-7, /* B_lN_neg_L_M_mu4 */
-    8.0e-5, /* C_lN_neg_L_M_mu3 */
-    0.00471392, /* B_neg_plus_k_e_k_i_per_R */
+    .B_lN_neg = 0.004,
+    .B_lN_pos = 0.004,
+    .C_lN_neg = 0.08,
+    .C_lN_pos = 0.08,
+    .k_e = 0.2,
+    .k_i = 0.02,
+    .mu = 0.2,
+    .L_M_mu2 = 0.005,
+    .B_lN_pos_mu2 = 1.6e-4,
+    .B_lN_neg_mu2 = 1.6e-4,
+    .B_pos = 7.1392e-4,
+    .B_neg = 7.1392e-4,
+    .k_e_k_i_per_R = 0.004,
+    .C_lN_pos_mu = 0.016,
+    .C_lN_neg_mu = 0.016,
+    .C_pos = 0.039392,
+    .C_neg = 0.039392,
+    .twice_L_M_mu2 = 0.01,
+    .mu2 = 0.04,
+    .F_T_mu2 = 0.07848,
+    .F_T_mu = 0.3924,
+    .J = (real)NAN,
+    .B_lN_pos_R_mu2_per_k_i = 0.008,
+    .B_lN_neg_R_mu2_per_k_i = 0.008,
+    .B_pos_R_per_k_i = 0.035696,
+    .B_neg_R_per_k_i = 0.035696,
+    .C_lN_pos_R_mu_per_k_i = 0.8,
+    .C_lN_neg_R_mu_per_k_i = 0.8,
+    .C_pos_R_per_k_i = 1.9696,
+    .C_neg_R_per_k_i = 1.9696,
+    .R_per_k_i = 50.0,
+    .B_lN_pos_mu2_per_k_i = 0.008,
+    .B_lN_neg_mu2_per_k_i = 0.008,
+    .B_pos_per_k_i = 0.035696,
+    .B_neg_per_k_i = 0.035696,
+    .per_k_i = 50.0,
+    .C_lN_pos_mu_per_k_i = 0.8,
+    .C_lN_neg_mu_per_k_i = 0.8,
+    .C_pos_per_k_i = 1.9696,
+    .C_neg_per_k_i = 1.9696,
+    .k_i_per_R = 0.02,
+    .B_lN_pos_L_M_mu4 = 8.0e-7,
+    .C_lN_pos_L_M_mu3 = 8.0e-5,
+    .B_pos_plus_k_e_k_i_per_R = 0.00471392,
+    .B_lN_neg_L_M_mu4 = 8.0e-7,
+    .C_lN_neg_L_M_mu3 = 8.0e-5,
+    .B_neg_plus_k_e_k_i_per_R = 0.00471392,
 #endif
 };
 

@@ -1,6 +1,6 @@
 /*
  * Generated: do not edit. Written by `make derive` from derivations/c1_perpendicular.py
- * (eccentric 0.1.0, program aa8b460a).
+ * (eccentric 0.1.0, program 341aa1d0).
  * Case C1: gravity perpendicular to the motion plane, steady motion.
  */
 #include "c1_perpendicular.h"
@@ -8,7 +8,7 @@
 #include <float.h>
 #include <math.h>
 
-#if C1_PERPENDICULAR_PROGRAM != 0xaa8b460aUL
+#if C1_PERPENDICULAR_PROGRAM != 0x341aa1d0UL
 #error "c1_perpendicular.c and c1_perpendicular.h are of different derivations: write both again"
 #endif
 
@@ -42,86 +42,86 @@ REAL_INLINE real c1_perpendicular_sgn(const real x)
 }
 
 const c1_perpendicular_parameters c1_perpendicular_default_parameters = {
-    0.5, /* M [kg] */
-    0.2, /* M_l [kg] */
-    0.25, /* L [m] */
-    0.2, /* mu [1] */
-    1.0, /* R [Ohm] */
-    0.02, /* k_i [N m/A] */
-    0.2, /* k_e [V s/rad] */
-    9.81, /* g [m/s^2] */
-    0.004, /* B_lN [m s/rad] */
-    0.08, /* C_lN [m] */
-    0.004, /* B_lT [m s/rad] */
-    0.08, /* C_lT [m] */
-    4.0e-4, /* B_m [N m s/rad] */
-    0.008, /* C_m [N m] */
-    1.962, /* F_T [N] */
-    (double)NAN, /* J_m [kg m^2] */
-    (double)NAN, /* J_l [kg m^2] */
+    .M = 0.5, /* [kg] */
+    .M_l = 0.2, /* [kg] */
+    .L = 0.25, /* [m] */
+    .mu = 0.2, /* [1] */
+    .R = 1.0, /* [Ohm] */
+    .k_i = 0.02, /* [N m/A] */
+    .k_e = 0.2, /* [V s/rad] */
+    .g = 9.81, /* [m/s^2] */
+    .B_lN = 0.004, /* [m s/rad] */
+    .C_lN = 0.08, /* [m] */
+    .B_lT = 0.004, /* [m s/rad] */
+    .C_lT = 0.08, /* [m] */
+    .B_m = 4.0e-4, /* [N m s/rad] */
+    .C_m = 0.008, /* [N m] */
+    .F_T = 1.962, /* [N] */
+    .J_m = (double)NAN, /* [kg m^2] */
+    .J_l = (double)NAN, /* [kg m^2] */
 };
 
 const c1_perpendicular_coefficients c1_perpendicular_default = {
 #if ECCENTRIC_PRECISION == 1
-    (real)(0.004), /* B_lN */
-    (real)(0.08), /* C_lN */
-    (real)(0.02), /* k_i */
-    (real)(0.2), /* mu */
-    (real)(0.005), /* L_M_mu2 */
-    (real)(1.6e-4), /* B_lN_mu2 */
-    (real)(7.1392e-4), /* B */
-    (real)(0.00471392), /* B_plus_k_e_k_i_per_R */
-    (real)(0.016), /* C_lN_mu */
-    (real)(0.039392), /* C */
-    (real)(0.01), /* twice_L_M_mu2 */
-    (real)(0.04), /* mu2 */
-    (real)(0.07848), /* F_T_mu2 */
-    (real)(0.3924), /* F_T_mu */
-    (real)(NAN), /* J */
-    (real)(0.008), /* B_lN_R_mu2_per_k_i */
-    (real)(0.235696), /* B_R_per_k_i_plus_k_e */
-    (real)(0.8), /* C_lN_R_mu_per_k_i */
-    (real)(1.9696), /* C_R_per_k_i */
-    (real)(50.0), /* R_per_k_i */
-    (real)(0.008), /* B_lN_mu2_per_k_i */
-    (real)(0.035696), /* B_per_k_i */
-    (real)(50.0), /* per_k_i */
-    (real)(0.8), /* C_lN_mu_per_k_i */
-    (real)(1.9696), /* C_per_k_i */
-    (real)(0.02), /* k_i_per_R */
-    (real)(0.004), /* k_e_k_i_per_R */
-    (real)(8.0e-7), /* B_lN_L_M_mu4 */
-    (real)(8.0e-5), /* C_lN_L_M_mu3 */
+    .B_lN = (real)(0.004),
+    .C_lN = (real)(0.08),
+    .k_i = (real)(0.02),
+    .mu = (real)(0.2),
+    .L_M_mu2 = (real)(0.005),
+    .B_lN_mu2 = (real)(1.6e-4),
+    .B = (real)(7.1392e-4),
+    .B_plus_k_e_k_i_per_R = (real)(0.00471392),
+    .C_lN_mu = (real)(0.016),
+    .C = (real)(0.039392),
+    .twice_L_M_mu2 = (real)(0.01),
+    .mu2 = (real)(0.04),
+    .F_T_mu2 = (real)(0.07848),
+    .F_T_mu = (real)(0.3924),
+    .J = (real)(NAN),
+    .B_lN_R_mu2_per_k_i = (real)(0.008),
+    .B_R_per_k_i_plus_k_e = (real)(0.235696),
+    .C_lN_R_mu_per_k_i = (real)(0.8),
+    .C_R_per_k_i = (real)(1.9696),
+    .R_per_k_i = (real)(50.0),
+    .B_lN_mu2_per_k_i = (real)(0.008),
+    .B_per_k_i = (real)(0.035696),
+    .per_k_i = (real)(50.0),
+    .C_lN_mu_per_k_i = (real)(0.8),
+    .C_per_k_i = (real)(1.9696),
+    .k_i_per_R = (real)(0.02),
+    .k_e_k_i_per_R = (real)(0.004),
+    .B_lN_L_M_mu4 = (real)(8.0e-7),
+    .C_lN_L_M_mu3 = (real)(8.0e-5),
 #else
-    0.004, /* B_lN */
-    0.08, /* C_lN */
-    0.02, /* k_i */
-    0.2, /* mu */
-    0.005, /* L_M_mu2 */
-    1.6e-4, /* B_lN_mu2 */
-    7.1392e-4, /* B */
-    0.00471392, /* B_plus_k_e_k_i_per_R */
-    0.016, /* C_lN_mu */
-    0.039392, /* C */
-    0.01, /* twice_L_M_mu2 */
-    0.04, /* mu2 */
-    0.07848, /* F_T_mu2 */
-    0.3924, /* F_T_mu */
-    (real)NAN, /* J */
-    0.008, /* B_lN_R_mu2_per_k_i */
-    0.235696, /* B_R_per_k_i_plus_k_e */
-    0.8, /* C_lN_R_mu_per_k_i */
-    1.9696, /* C_R_per_k_i */
-    50.0, /* R_per_k_i */
-    0.008, /* B_lN_mu2_per_k_i */
-    0.035696, /* B_per_k_i */
-    50.0, /* per_k_i */
-    0.8, /* C_lN_mu_per_k_i */
-    1.9696, /* C_per_k_i */
-    0.02, /* k_i_per_R */
-    0.004, /* k_e_k_i_per_R */
-    8.0e-7, /* B_lN_L_M_mu4 */
-    8.0e-5, /* C_lN_L_M_mu3 */
+    .B_lN = 0.004,
+    .C_lN = 0.08,
+    .k_i = 0.02,
+    .mu = 0.2,
+    .L_M_mu2 = 0.005,
+    .B_lN_mu2 = 1.6e-4,
+    .B = 7.1392e-4,
+    .B_plus_k_e_k_i_per_R = 0.00471392,
+    .C_lN_mu = 0.016,
+    .C = 0.039392,
+    .twice_L_M_mu2 = 0.01,
+    .mu2 = 0.04,
+    .F_T_mu2 = 0.07848,
+    .F_T_mu = 0.3924,
+    .J = (real)NAN,
+    .B_lN_R_mu2_per_k_i = 0.008,
+    .B_R_per_k_i_plus_k_e = 0.235696,
+    .C_lN_R_mu_per_k_i = 0.8,
+    .C_R_per_k_i = 1.9696,
+    .R_per_k_i = 50.0,
+    .B_lN_mu2_per_k_i = 0.008,
+    .B_per_k_i = 0.035696,
+    .per_k_i = 50.0,
+    .C_lN_mu_per_k_i = 0.8,
+    .C_per_k_i = 1.9696,
+    .k_i_per_R = 0.02,
+    .k_e_k_i_per_R = 0.004,
+    .B_lN_L_M_mu4 = 8.0e-7,
+    .C_lN_L_M_mu3 = 8.0e-5,
 #endif
 };
 

@@ -1,6 +1,6 @@
 /*
  * Generated: do not edit. Written by `make derive` from derivations/c2_asymmetric.py
- * (eccentric 0.1.0, program ca7821a9).
+ * (eccentric 0.1.0, program 8dd1074a).
  * Case C2 with friction that differs between the directions of motion.
  */
 #include "c2_asymmetric.h"
@@ -8,7 +8,7 @@
 #include <float.h>
 #include <math.h>
 
-#if C2_ASYMMETRIC_PROGRAM != 0xca7821a9UL
+#if C2_ASYMMETRIC_PROGRAM != 0x8dd1074aUL
 #error "c2_asymmetric.c and c2_asymmetric.h are of different derivations: write both again"
 #endif
 
@@ -163,7 +163,7 @@ typedef struct {
 
 static c2_asymmetric_pair c2_asymmetric_exact(const double x)
 {
-    const c2_asymmetric_pair result = {x, 0.0};
+    const c2_asymmetric_pair result = {.high = x, .low = 0.0};
     return result;
 }
 
@@ -172,7 +172,7 @@ static c2_asymmetric_pair c2_asymmetric_sum(const double a, const double b)
 {
     const double high = a + b;
     const double part = high - a;
-    const c2_asymmetric_pair result = {high, (a - (high - part)) + (b - part)};
+    const c2_asymmetric_pair result = {.high = high, .low = (a - (high - part)) + (b - part)};
     return result;
 }
 
@@ -186,7 +186,10 @@ static c2_asymmetric_pair c2_asymmetric_product(const double a, const double b)
     const double b_1 = b_scaled - (b_scaled - b);
     const double a_2 = a - a_1;
     const double b_2 = b - b_1;
-    const c2_asymmetric_pair result = {high, (((a_1 * b_1 - high) + a_1 * b_2) + a_2 * b_1) + a_2 * b_2};
+    const c2_asymmetric_pair result = {
+        .high = high,
+        .low = (((a_1 * b_1 - high) + a_1 * b_2) + a_2 * b_1) + a_2 * b_2,
+    };
     return result;
 }
 
@@ -228,135 +231,135 @@ static c2_asymmetric_pair c2_asymmetric_turn_left(const double a, const double b
 }
 
 const c2_asymmetric_parameters c2_asymmetric_default_parameters = {
-    0.5, /* M [kg] */
-    0.2, /* M_l [kg] */
-    0.25, /* L [m] */
-    0.2, /* mu [1] */
-    1.0, /* R [Ohm] */
-    0.02, /* k_i [N m/A] */
-    0.2, /* k_e [V s/rad] */
-    9.81, /* g [m/s^2] */
-    0.004, /* B_lN_pos [m s/rad] */
-    0.004, /* B_lN_neg [m s/rad] */
-    0.08, /* C_lN_pos [m] */
-    0.08, /* C_lN_neg [m] */
-    4.0e-4, /* B_m_pos [N m s/rad] */
-    4.0e-4, /* B_m_neg [N m s/rad] */
-    0.008, /* C_m_pos [N m] */
-    0.008, /* C_m_neg [N m] */
-    (double)NAN, /* J_m [kg m^2] */
-    (double)NAN, /* J_l [kg m^2] */
+    .M = 0.5, /* [kg] */
+    .M_l = 0.2, /* [kg] */
+    .L = 0.25, /* [m] */
+    .mu = 0.2, /* [1] */
+    .R = 1.0, /* [Ohm] */
+    .k_i = 0.02, /* [N m/A] */
+    .k_e = 0.2, /* [V s/rad] */
+    .g = 9.81, /* [m/s^2] */
+    .B_lN_pos = 0.004, /* [m s/rad] */
+    .B_lN_neg = 0.004, /* [m s/rad] */
+    .C_lN_pos = 0.08, /* [m] */
+    .C_lN_neg = 0.08, /* [m] */
+    .B_m_pos = 4.0e-4, /* [N m s/rad] */
+    .B_m_neg = 4.0e-4, /* [N m s/rad] */
+    .C_m_pos = 0.008, /* [N m] */
+    .C_m_neg = 0.008, /* [N m] */
+    .J_m = (double)NAN, /* [kg m^2] */
+    .J_l = (double)NAN, /* [kg m^2] */
 };
 
 const c2_asymmetric_coefficients c2_asymmetric_default = {
 #if ECCENTRIC_PRECISION == 1
-    (real)(0.004), /* B_lN_neg */
-    (real)(0.004), /* B_lN_pos */
-    (real)(4.0e-4), /* B_m_neg */
-    (real)(4.0e-4), /* B_m_pos */
-    (real)(0.08), /* C_lN_neg */
-    (real)(0.08), /* C_lN_pos */
-    (real)(0.008), /* C_m_neg */
-    (real)(0.008), /* C_m_pos */
-    (real)(0.2), /* k_e */
-    (real)(0.02), /* k_i */
-    (real)(0.005), /* scale_N */
-    (real)(1.07374182e+9), /* fastest */
-    (real)(7.41188235), /* mu_omega_star */
-    (real)(37.0594101), /* omega_star_1 */
-    (real)(1.66482255e-6), /* omega_star_2 */
-    (real)(0.0318309886), /* turns_per_rad */
-    (real)(31.40625), /* period_1 */
-    (real)(0.00967407227), /* period_2 */
-    (real)(2.46241689e-6), /* period_3 */
-    (real)(0.1), /* half_mu */
-    (real)(8.0e-7), /* B_lN_pos_mu2_scale_N */
-    (real)(8.0e-7), /* B_lN_neg_mu2_scale_N */
-    (real)(0.004), /* k_e_k_i_per_R */
-    (real)(8.0e-5), /* C_lN_pos_mu_scale_N */
-    (real)(8.0e-5), /* C_lN_neg_mu_scale_N */
-    (real)(2.0e-4), /* mu2_scale_N */
-    (real)(0.001), /* mu_scale_N */
-    (real)(0.117872), /* C_lN_pos_mu_weight_plus_C_m_pos */
-    (real)(0.117872), /* C_lN_neg_mu_weight_plus_C_m_neg */
-    (real)(0.04905), /* L_M_g_mu2 */
-    (real)(NAN), /* J */
-    (real)(4.0e-5), /* B_lN_pos_R_mu2_scale_N_per_k_i */
-    (real)(4.0e-5), /* B_lN_neg_R_mu2_scale_N_per_k_i */
-    (real)(0.02), /* B_m_pos_R_per_k_i */
-    (real)(0.02), /* B_m_neg_R_per_k_i */
-    (real)(0.004), /* C_lN_pos_R_mu_scale_N_per_k_i */
-    (real)(0.004), /* C_lN_neg_R_mu_scale_N_per_k_i */
-    (real)(0.4), /* C_m_pos_R_per_k_i */
-    (real)(0.4), /* C_m_neg_R_per_k_i */
-    (real)(50.0), /* R_per_k_i */
-    (real)(2.4525), /* L_M_R_g_mu2_per_k_i */
-    (real)(4.0e-5), /* B_lN_pos_mu2_scale_N_per_k_i */
-    (real)(4.0e-5), /* B_lN_neg_mu2_scale_N_per_k_i */
-    (real)(0.02), /* B_m_pos_per_k_i */
-    (real)(0.02), /* B_m_neg_per_k_i */
-    (real)(50.0), /* per_k_i */
-    (real)(0.004), /* C_lN_pos_mu_scale_N_per_k_i */
-    (real)(0.004), /* C_lN_neg_mu_scale_N_per_k_i */
-    (real)(0.4), /* C_m_pos_per_k_i */
-    (real)(0.4), /* C_m_neg_per_k_i */
-    (real)(2.4525), /* L_M_g_mu2_per_k_i */
-    (real)(0.02), /* k_i_per_R */
-    (real)(1.21508492e-9), /* period_4 */
-    (real)(3.35179719e-13), /* period_5 */
+    .B_lN_neg = (real)(0.004),
+    .B_lN_pos = (real)(0.004),
+    .B_m_neg = (real)(4.0e-4),
+    .B_m_pos = (real)(4.0e-4),
+    .C_lN_neg = (real)(0.08),
+    .C_lN_pos = (real)(0.08),
+    .C_m_neg = (real)(0.008),
+    .C_m_pos = (real)(0.008),
+    .k_e = (real)(0.2),
+    .k_i = (real)(0.02),
+    .scale_N = (real)(0.005),
+    .fastest = (real)(1.07374182e+9),
+    .mu_omega_star = (real)(7.41188235),
+    .omega_star_1 = (real)(37.0594101),
+    .omega_star_2 = (real)(1.66482255e-6),
+    .turns_per_rad = (real)(0.0318309886),
+    .period_1 = (real)(31.40625),
+    .period_2 = (real)(0.00967407227),
+    .period_3 = (real)(2.46241689e-6),
+    .half_mu = (real)(0.1),
+    .B_lN_pos_mu2_scale_N = (real)(8.0e-7),
+    .B_lN_neg_mu2_scale_N = (real)(8.0e-7),
+    .k_e_k_i_per_R = (real)(0.004),
+    .C_lN_pos_mu_scale_N = (real)(8.0e-5),
+    .C_lN_neg_mu_scale_N = (real)(8.0e-5),
+    .mu2_scale_N = (real)(2.0e-4),
+    .mu_scale_N = (real)(0.001),
+    .C_lN_pos_mu_weight_plus_C_m_pos = (real)(0.117872),
+    .C_lN_neg_mu_weight_plus_C_m_neg = (real)(0.117872),
+    .L_M_g_mu2 = (real)(0.04905),
+    .J = (real)(NAN),
+    .B_lN_pos_R_mu2_scale_N_per_k_i = (real)(4.0e-5),
+    .B_lN_neg_R_mu2_scale_N_per_k_i = (real)(4.0e-5),
+    .B_m_pos_R_per_k_i = (real)(0.02),
+    .B_m_neg_R_per_k_i = (real)(0.02),
+    .C_lN_pos_R_mu_scale_N_per_k_i = (real)(0.004),
+    .C_lN_neg_R_mu_scale_N_per_k_i = (real)(0.004),
+    .C_m_pos_R_per_k_i = (real)(0.4),
+    .C_m_neg_R_per_k_i = (real)(0.4),
+    .R_per_k_i = (real)(50.0),
+    .L_M_R_g_mu2_per_k_i = (real)(2.4525),
+    .B_lN_pos_mu2_scale_N_per_k_i = (real)(4.0e-5),
+    .B_lN_neg_mu2_scale_N_per_k_i = (real)(4.0e-5),
+    .B_m_pos_per_k_i = (real)(0.02),
+    .B_m_neg_per_k_i = (real)(0.02),
+    .per_k_i = (real)(50.0),
+    .C_lN_pos_mu_scale_N_per_k_i = (real)(0.004),
+    .C_lN_neg_mu_scale_N_per_k_i = (real)(0.004),
+    .C_m_pos_per_k_i = (real)(0.4),
+    .C_m_neg_per_k_i = (real)(0.4),
+    .L_M_g_mu2_per_k_i = (real)(2.4525),
+    .k_i_per_R = (real)(0.02),
+    .period_4 = (real)(1.21508492e-9),
+    .period_5 = (real)(3.35179719e-13),
 #else
-    0.004, /* B_lN_neg */
-    0.004, /* B_lN_pos */
-    4.0e-4, /* B_m_neg */
-    4.0e-4, /* B_m_pos */
-    0.08, /* C_lN_neg */
-    0.08, /* C_lN_pos */
-    0.008, /* C_m_neg */
-    0.008, /* C_m_pos */
-    0.2, /* k_e */
-    0.02, /* k_i */
-    0.005, /* scale_N */
-    1.073741824e+9, /* fastest */
-    7.4118823520074845, /* mu_omega_star */
-    37.05941176003742, /* omega_star_1 */
-    1.9391227281942644e-15, /* omega_star_2 */
-    0.031830988618379067, /* turns_per_rad */
-    31.415926534682512, /* period_1 */
-    1.2154201013692134e-9, /* period_2 */
-    -6.7974892272631429e-20, /* period_3 */
-    0.1, /* half_mu */
-    8.0e-7, /* B_lN_pos_mu2_scale_N */
-    8.0e-7, /* B_lN_neg_mu2_scale_N */
-    0.004, /* k_e_k_i_per_R */
-    8.0e-5, /* C_lN_pos_mu_scale_N */
-    8.0e-5, /* C_lN_neg_mu_scale_N */
-    2.0e-4, /* mu2_scale_N */
-    0.001, /* mu_scale_N */
-    0.117872, /* C_lN_pos_mu_weight_plus_C_m_pos */
-    0.117872, /* C_lN_neg_mu_weight_plus_C_m_neg */
-    0.04905, /* L_M_g_mu2 */
-    (real)NAN, /* J */
-    4.0e-5, /* B_lN_pos_R_mu2_scale_N_per_k_i */
-    4.0e-5, /* B_lN_neg_R_mu2_scale_N_per_k_i */
-    0.02, /* B_m_pos_R_per_k_i */
-    0.02, /* B_m_neg_R_per_k_i */
-    0.004, /* C_lN_pos_R_mu_scale_N_per_k_i */
-    0.004, /* C_lN_neg_R_mu_scale_N_per_k_i */
-    0.4, /* C_m_pos_R_per_k_i */
-    0.4, /* C_m_neg_R_per_k_i */
-    50.0, /* R_per_k_i */
-    2.4525, /* L_M_R_g_mu2_per_k_i */
-    4.0e-5, /* B_lN_pos_mu2_scale_N_per_k_i */
-    4.0e-5, /* B_lN_neg_mu2_scale_N_per_k_i */
-    0.02, /* B_m_pos_per_k_i */
-    0.02, /* B_m_neg_per_k_i */
-    50.0, /* per_k_i */
-    0.004, /* C_lN_pos_mu_scale_N_per_k_i */
-    0.004, /* C_lN_neg_mu_scale_N_per_k_i */
-    0.4, /* C_m_pos_per_k_i */
-    0.4, /* C_m_neg_per_k_i */
-    2.4525, /* L_M_g_mu2_per_k_i */
-    0.02, /* k_i_per_R */
+    .B_lN_neg = 0.004,
+    .B_lN_pos = 0.004,
+    .B_m_neg = 4.0e-4,
+    .B_m_pos = 4.0e-4,
+    .C_lN_neg = 0.08,
+    .C_lN_pos = 0.08,
+    .C_m_neg = 0.008,
+    .C_m_pos = 0.008,
+    .k_e = 0.2,
+    .k_i = 0.02,
+    .scale_N = 0.005,
+    .fastest = 1.073741824e+9,
+    .mu_omega_star = 7.4118823520074845,
+    .omega_star_1 = 37.05941176003742,
+    .omega_star_2 = 1.9391227281942644e-15,
+    .turns_per_rad = 0.031830988618379067,
+    .period_1 = 31.415926534682512,
+    .period_2 = 1.2154201013692134e-9,
+    .period_3 = -6.7974892272631429e-20,
+    .half_mu = 0.1,
+    .B_lN_pos_mu2_scale_N = 8.0e-7,
+    .B_lN_neg_mu2_scale_N = 8.0e-7,
+    .k_e_k_i_per_R = 0.004,
+    .C_lN_pos_mu_scale_N = 8.0e-5,
+    .C_lN_neg_mu_scale_N = 8.0e-5,
+    .mu2_scale_N = 2.0e-4,
+    .mu_scale_N = 0.001,
+    .C_lN_pos_mu_weight_plus_C_m_pos = 0.117872,
+    .C_lN_neg_mu_weight_plus_C_m_neg = 0.117872,
+    .L_M_g_mu2 = 0.04905,
+    .J = (real)NAN,
+    .B_lN_pos_R_mu2_scale_N_per_k_i = 4.0e-5,
+    .B_lN_neg_R_mu2_scale_N_per_k_i = 4.0e-5,
+    .B_m_pos_R_per_k_i = 0.02,
+    .B_m_neg_R_per_k_i = 0.02,
+    .C_lN_pos_R_mu_scale_N_per_k_i = 0.004,
+    .C_lN_neg_R_mu_scale_N_per_k_i = 0.004,
+    .C_m_pos_R_per_k_i = 0.4,
+    .C_m_neg_R_per_k_i = 0.4,
+    .R_per_k_i = 50.0,
+    .L_M_R_g_mu2_per_k_i = 2.4525,
+    .B_lN_pos_mu2_scale_N_per_k_i = 4.0e-5,
+    .B_lN_neg_mu2_scale_N_per_k_i = 4.0e-5,
+    .B_m_pos_per_k_i = 0.02,
+    .B_m_neg_per_k_i = 0.02,
+    .per_k_i = 50.0,
+    .C_lN_pos_mu_scale_N_per_k_i = 0.004,
+    .C_lN_neg_mu_scale_N_per_k_i = 0.004,
+    .C_m_pos_per_k_i = 0.4,
+    .C_m_neg_per_k_i = 0.4,
+    .L_M_g_mu2_per_k_i = 2.4525,
+    .k_i_per_R = 0.02,
 #endif
 };
 
@@ -863,44 +866,13 @@ void c2_asymmetric_friction_torque_jacobian_n(
     }
 }
 
-REAL_INLINE void c2_asymmetric_regressor_at(
-    real omega_m,
-    real chord,
-    real *out,
-    const c2_asymmetric_coefficients *c)
-{
-    const real size = REAL_FABS(omega_m);
-    /* magnitude of the motor velocity, at most 2^30, 0 if M L = 0 [rad/s] */
-    const real speed = ((size > c->fastest) ? c->fastest : size);
-    /* speed^2 - omega_star^2; the difference is taken once, before anything is rounded */
-    const real square_difference = (speed - c->omega_star_1 - c->omega_star_2) * (speed + c->omega_star_1);
-    const real q = c->mu_omega_star * speed * chord;
-    /* normal force over scale_N [rad^2/s^2] */
-    const real load = REAL_SQRT(square_difference * square_difference + q * q);
-    const real is_forward = c2_asymmetric_forward(omega_m);
-    const real ungated = load * c->mu2_scale_N * omega_m;
-    out[0] = ((is_forward == REAL(0.0)) ? c2_asymmetric_sgn(ungated) : ungated) * is_forward;
-    const real is_backward = c2_asymmetric_forward(-(omega_m));
-    out[1] = ((is_backward == REAL(0.0)) ? c2_asymmetric_sgn(ungated) : ungated) * is_backward;
-    const real direction_of_motion = c2_asymmetric_sgn(omega_m);
-    const real ungated_2 = direction_of_motion * load * c->mu_scale_N;
-    out[2] = ((is_forward == REAL(0.0)) ? c2_asymmetric_sgn(ungated_2) : ungated_2) * is_forward;
-    out[3] = ((is_backward == REAL(0.0)) ? c2_asymmetric_sgn(ungated_2) : ungated_2) * is_backward;
-    out[4] = ((is_forward == REAL(0.0)) ? c2_asymmetric_sgn(omega_m) : omega_m) * is_forward;
-    out[5] = ((is_backward == REAL(0.0)) ? c2_asymmetric_sgn(omega_m) : omega_m) * is_backward;
-    out[6] = direction_of_motion * is_forward;
-    out[7] = direction_of_motion * is_backward;
-}
-
 void c2_asymmetric_regressor(
     ECCENTRIC_REAL theta_m,
     ECCENTRIC_REAL omega_m,
     ECCENTRIC_REAL *out,
     const c2_asymmetric_coefficients *c)
 {
-    const real from_top = c2_asymmetric_from_top(theta_m, c);
-    const real chord = c2_asymmetric_chord(from_top, c);
-    c2_asymmetric_regressor_at(omega_m, chord, out, c);
+    c2_asymmetric_friction_torque_jacobian(theta_m, omega_m, out, c);
 }
 
 void c2_asymmetric_regressor_n(
@@ -910,21 +882,7 @@ void c2_asymmetric_regressor_n(
     ECCENTRIC_REAL *out,
     const c2_asymmetric_coefficients *c)
 {
-    const c2_asymmetric_coefficients own = *c; /* that no store to `out` can change */
-    real from_top[REAL_BLOCK];
-    real chord[REAL_BLOCK];
-    for (size_t first = 0; first < n; first += REAL_BLOCK) {
-        const size_t count = (n - first < REAL_BLOCK) ? (n - first) : REAL_BLOCK;
-        for (size_t k = 0; k < count; ++k) {
-            from_top[k] = c2_asymmetric_from_top(theta_m[first + k], &own);
-        }
-        for (size_t k = 0; k < count; ++k) {
-            chord[k] = c2_asymmetric_chord(from_top[k], &own);
-        }
-        for (size_t k = 0; k < count; ++k) {
-            c2_asymmetric_regressor_at(omega_m[first + k], chord[k], &out[8u * (first + k)], &own);
-        }
-    }
+    c2_asymmetric_friction_torque_jacobian_n(n, theta_m, omega_m, out, c);
 }
 
 void c2_asymmetric_friction_coefficients(ECCENTRIC_REAL *out, const c2_asymmetric_coefficients *c)

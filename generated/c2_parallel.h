@@ -1,6 +1,6 @@
 /*
  * Generated: do not edit. Written by `make derive` from derivations/c2_parallel.py
- * (eccentric 0.1.0, program 9dc394af).
+ * (eccentric 0.1.0, program 0f7f7a39).
  * Case C2: gravity parallel to the motion plane, steady motion.
  */
 /* Begin with c2_parallel_mechanical_friction_torque, the friction that a drive must compensate, or
@@ -11,7 +11,7 @@
 #include <stddef.h>
 
 /* C2_PARALLEL_PROGRAM names the derivation that header and source come from; the source checks it. */
-#define C2_PARALLEL_PROGRAM 0x9dc394afUL
+#define C2_PARALLEL_PROGRAM 0x0f7f7a39UL
 
 /* The working precision: double, or float by -DECCENTRIC_REAL=float. Files that differ in it do not link:
  * all functions carry it in their names, as c2_parallel_prepare_double. */
@@ -77,6 +77,7 @@
  */
 /* MISRA C:2012 by cppcheck: no required rule is violated; advisory ones deviated from:
  *  Rule 2.5: macros of the working precision that is not chosen stay unused.
+ *  Rule 8.7: friction_torque_jacobian, which regressor calls, is there for other callers, too.
  *  Rule 12.1: products in a sum stand without parentheses, as formulas do.
  *  Rule 20.5: short names are taken back at the source's end, so that models may share a translation unit.
  *  Rule 20.10: the suffix of constants, and the precision in names, are pasted on.

@@ -1,6 +1,6 @@
 /*
  * Generated: do not edit. Written by `make derive` from derivations/rotating_link.py
- * (eccentric 0.1.0, program 6786fb6e).
+ * (eccentric 0.1.0, program e0f79c52).
  * Rotating link with an unbalanced mass, plane tilted by phi, angular acceleration kept.
  */
 #include "rotating_link.h"
@@ -8,7 +8,7 @@
 #include <float.h>
 #include <math.h>
 
-#if ROTATING_LINK_PROGRAM != 0x6786fb6eUL
+#if ROTATING_LINK_PROGRAM != 0xe0f79c52UL
 #error "rotating_link.c and rotating_link.h are of different derivations: write both again"
 #endif
 
@@ -158,7 +158,7 @@ typedef struct {
 
 static rotating_link_pair rotating_link_exact(const double x)
 {
-    const rotating_link_pair result = {x, 0.0};
+    const rotating_link_pair result = {.high = x, .low = 0.0};
     return result;
 }
 
@@ -167,7 +167,7 @@ static rotating_link_pair rotating_link_sum(const double a, const double b)
 {
     const double high = a + b;
     const double part = high - a;
-    const rotating_link_pair result = {high, (a - (high - part)) + (b - part)};
+    const rotating_link_pair result = {.high = high, .low = (a - (high - part)) + (b - part)};
     return result;
 }
 
@@ -181,7 +181,10 @@ static rotating_link_pair rotating_link_product(const double a, const double b)
     const double b_1 = b_scaled - (b_scaled - b);
     const double a_2 = a - a_1;
     const double b_2 = b - b_1;
-    const rotating_link_pair result = {high, (((a_1 * b_1 - high) + a_1 * b_2) + a_2 * b_1) + a_2 * b_2};
+    const rotating_link_pair result = {
+        .high = high,
+        .low = (((a_1 * b_1 - high) + a_1 * b_2) + a_2 * b_1) + a_2 * b_2,
+    };
     return result;
 }
 
@@ -223,119 +226,119 @@ static rotating_link_pair rotating_link_turn_left(const double a, const double b
 }
 
 const rotating_link_parameters rotating_link_default_parameters = {
-    0.5, /* M [kg] */
-    0.2, /* M_l [kg] */
-    0.25, /* L [m] */
-    0.2, /* mu [1] */
-    1.0, /* R [Ohm] */
-    0.02, /* k_i [N m/A] */
-    0.2, /* k_e [V s/rad] */
-    9.81, /* g [m/s^2] */
-    0.0, /* phi [rad] */
-    0.004, /* B_lN [m s/rad] */
-    0.08, /* C_lN [m] */
-    0.004, /* B_lT [m s/rad] */
-    0.08, /* C_lT [m] */
-    4.0e-4, /* B_m [N m s/rad] */
-    0.008, /* C_m [N m] */
-    1.962, /* F_T [N] */
-    (double)NAN, /* J_m [kg m^2] */
-    (double)NAN, /* J_l [kg m^2] */
+    .M = 0.5, /* [kg] */
+    .M_l = 0.2, /* [kg] */
+    .L = 0.25, /* [m] */
+    .mu = 0.2, /* [1] */
+    .R = 1.0, /* [Ohm] */
+    .k_i = 0.02, /* [N m/A] */
+    .k_e = 0.2, /* [V s/rad] */
+    .g = 9.81, /* [m/s^2] */
+    .phi = 0.0, /* [rad] */
+    .B_lN = 0.004, /* [m s/rad] */
+    .C_lN = 0.08, /* [m] */
+    .B_lT = 0.004, /* [m s/rad] */
+    .C_lT = 0.08, /* [m] */
+    .B_m = 4.0e-4, /* [N m s/rad] */
+    .C_m = 0.008, /* [N m] */
+    .F_T = 1.962, /* [N] */
+    .J_m = (double)NAN, /* [kg m^2] */
+    .J_l = (double)NAN, /* [kg m^2] */
 };
 
 const rotating_link_coefficients rotating_link_default = {
 #if ECCENTRIC_PRECISION == 1
-    (real)(0.004), /* B_lN */
-    (real)(0.08), /* C_lN */
-    (real)(0.02), /* k_i */
-    (real)(0.005), /* scale_N */
-    (real)(1.07374182e+9), /* fastest */
-    (real)(27.468), /* half_mu2_omega_star2 */
-    (real)(274.68), /* mu_omega_star2 */
-    (real)(5.0), /* per_mu */
-    (real)(1.1529215e+18), /* fastest2 */
-    (real)(0.0318309886), /* turns_per_rad */
-    (real)(31.40625), /* period_1 */
-    (real)(0.00967407227), /* period_2 */
-    (real)(2.46241689e-6), /* period_3 */
-    (real)(0.1), /* half_mu */
-    (real)(37.0594101), /* omega_star_1 */
-    (real)(1.66482255e-6), /* omega_star_2 */
-    (real)(8.0e-7), /* B_lN_mu2_scale_N */
-    (real)(4.0e-4), /* B */
-    (real)(0.0044), /* B_plus_k_e_k_i_per_R */
-    (real)(8.0e-5), /* C_lN_mu_scale_N */
-    (real)(0.008), /* C */
-    (real)(2.7468), /* quarter_mu3_omega_star2 */
-    (real)(54.936), /* mu2_omega_star2 */
-    (real)(2.0e-4), /* mu2_scale_N */
-    (real)(0.001), /* mu_scale_N */
-    (real)(0.0), /* F_T_mu2_sin_phi */
-    (real)(0.0), /* F_T_mu_sin_phi */
-    (real)(1373.4), /* omega_star2 */
-    (real)(0.04905), /* L_M_g_p_mu2 */
-    (real)(NAN), /* J */
-    (real)(4.0e-5), /* B_lN_R_mu2_scale_N_per_k_i */
-    (real)(0.22), /* B_R_per_k_i_plus_k_e */
-    (real)(0.004), /* C_lN_R_mu_scale_N_per_k_i */
-    (real)(0.4), /* C_R_per_k_i */
-    (real)(50.0), /* R_per_k_i */
-    (real)(2.4525), /* L_M_R_g_p_mu2_per_k_i */
-    (real)(4.0e-5), /* B_lN_mu2_scale_N_per_k_i */
-    (real)(0.02), /* B_per_k_i */
-    (real)(50.0), /* per_k_i */
-    (real)(0.004), /* C_lN_mu_scale_N_per_k_i */
-    (real)(0.4), /* C_per_k_i */
-    (real)(2.4525), /* L_M_g_p_mu2_per_k_i */
-    (real)(0.02), /* k_i_per_R */
-    (real)(0.004), /* k_e_k_i_per_R */
-    (real)(1.21508492e-9), /* period_4 */
-    (real)(3.35179719e-13), /* period_5 */
+    .B_lN = (real)(0.004),
+    .C_lN = (real)(0.08),
+    .k_i = (real)(0.02),
+    .scale_N = (real)(0.005),
+    .fastest = (real)(1.07374182e+9),
+    .half_mu2_omega_star2 = (real)(27.468),
+    .mu_omega_star2 = (real)(274.68),
+    .per_mu = (real)(5.0),
+    .fastest2 = (real)(1.1529215e+18),
+    .turns_per_rad = (real)(0.0318309886),
+    .period_1 = (real)(31.40625),
+    .period_2 = (real)(0.00967407227),
+    .period_3 = (real)(2.46241689e-6),
+    .half_mu = (real)(0.1),
+    .omega_star_1 = (real)(37.0594101),
+    .omega_star_2 = (real)(1.66482255e-6),
+    .B_lN_mu2_scale_N = (real)(8.0e-7),
+    .B = (real)(4.0e-4),
+    .B_plus_k_e_k_i_per_R = (real)(0.0044),
+    .C_lN_mu_scale_N = (real)(8.0e-5),
+    .C = (real)(0.008),
+    .quarter_mu3_omega_star2 = (real)(2.7468),
+    .mu2_omega_star2 = (real)(54.936),
+    .mu2_scale_N = (real)(2.0e-4),
+    .mu_scale_N = (real)(0.001),
+    .F_T_mu2_sin_phi = (real)(0.0),
+    .F_T_mu_sin_phi = (real)(0.0),
+    .omega_star2 = (real)(1373.4),
+    .L_M_g_p_mu2 = (real)(0.04905),
+    .J = (real)(NAN),
+    .B_lN_R_mu2_scale_N_per_k_i = (real)(4.0e-5),
+    .B_R_per_k_i_plus_k_e = (real)(0.22),
+    .C_lN_R_mu_scale_N_per_k_i = (real)(0.004),
+    .C_R_per_k_i = (real)(0.4),
+    .R_per_k_i = (real)(50.0),
+    .L_M_R_g_p_mu2_per_k_i = (real)(2.4525),
+    .B_lN_mu2_scale_N_per_k_i = (real)(4.0e-5),
+    .B_per_k_i = (real)(0.02),
+    .per_k_i = (real)(50.0),
+    .C_lN_mu_scale_N_per_k_i = (real)(0.004),
+    .C_per_k_i = (real)(0.4),
+    .L_M_g_p_mu2_per_k_i = (real)(2.4525),
+    .k_i_per_R = (real)(0.02),
+    .k_e_k_i_per_R = (real)(0.004),
+    .period_4 = (real)(1.21508492e-9),
+    .period_5 = (real)(3.35179719e-13),
 #else
-    0.004, /* B_lN */
-    0.08, /* C_lN */
-    0.02, /* k_i */
-    0.005, /* scale_N */
-    1.073741824e+9, /* fastest */
-    27.468, /* half_mu2_omega_star2 */
-    274.68, /* mu_omega_star2 */
-    5.0, /* per_mu */
-    1.152921504606847e+18, /* fastest2 */
-    0.031830988618379067, /* turns_per_rad */
-    31.415926534682512, /* period_1 */
-    1.2154201013692134e-9, /* period_2 */
-    -6.7974892272631429e-20, /* period_3 */
-    0.1, /* half_mu */
-    37.05941176003742, /* omega_star_1 */
-    1.9391227281942644e-15, /* omega_star_2 */
-    8.0e-7, /* B_lN_mu2_scale_N */
-    4.0e-4, /* B */
-    0.0044, /* B_plus_k_e_k_i_per_R */
-    8.0e-5, /* C_lN_mu_scale_N */
-    0.008, /* C */
-    2.7468, /* quarter_mu3_omega_star2 */
-    54.936, /* mu2_omega_star2 */
-    2.0e-4, /* mu2_scale_N */
-    0.001, /* mu_scale_N */
-    0.0, /* F_T_mu2_sin_phi */
-    0.0, /* F_T_mu_sin_phi */
-    1373.4, /* omega_star2 */
-    0.04905, /* L_M_g_p_mu2 */
-    (real)NAN, /* J */
-    4.0e-5, /* B_lN_R_mu2_scale_N_per_k_i */
-    0.22, /* B_R_per_k_i_plus_k_e */
-    0.004, /* C_lN_R_mu_scale_N_per_k_i */
-    0.4, /* C_R_per_k_i */
-    50.0, /* R_per_k_i */
-    2.4525, /* L_M_R_g_p_mu2_per_k_i */
-    4.0e-5, /* B_lN_mu2_scale_N_per_k_i */
-    0.02, /* B_per_k_i */
-    50.0, /* per_k_i */
-    0.004, /* C_lN_mu_scale_N_per_k_i */
-    0.4, /* C_per_k_i */
-    2.4525, /* L_M_g_p_mu2_per_k_i */
-    0.02, /* k_i_per_R */
-    0.004, /* k_e_k_i_per_R */
+    .B_lN = 0.004,
+    .C_lN = 0.08,
+    .k_i = 0.02,
+    .scale_N = 0.005,
+    .fastest = 1.073741824e+9,
+    .half_mu2_omega_star2 = 27.468,
+    .mu_omega_star2 = 274.68,
+    .per_mu = 5.0,
+    .fastest2 = 1.152921504606847e+18,
+    .turns_per_rad = 0.031830988618379067,
+    .period_1 = 31.415926534682512,
+    .period_2 = 1.2154201013692134e-9,
+    .period_3 = -6.7974892272631429e-20,
+    .half_mu = 0.1,
+    .omega_star_1 = 37.05941176003742,
+    .omega_star_2 = 1.9391227281942644e-15,
+    .B_lN_mu2_scale_N = 8.0e-7,
+    .B = 4.0e-4,
+    .B_plus_k_e_k_i_per_R = 0.0044,
+    .C_lN_mu_scale_N = 8.0e-5,
+    .C = 0.008,
+    .quarter_mu3_omega_star2 = 2.7468,
+    .mu2_omega_star2 = 54.936,
+    .mu2_scale_N = 2.0e-4,
+    .mu_scale_N = 0.001,
+    .F_T_mu2_sin_phi = 0.0,
+    .F_T_mu_sin_phi = 0.0,
+    .omega_star2 = 1373.4,
+    .L_M_g_p_mu2 = 0.04905,
+    .J = (real)NAN,
+    .B_lN_R_mu2_scale_N_per_k_i = 4.0e-5,
+    .B_R_per_k_i_plus_k_e = 0.22,
+    .C_lN_R_mu_scale_N_per_k_i = 0.004,
+    .C_R_per_k_i = 0.4,
+    .R_per_k_i = 50.0,
+    .L_M_R_g_p_mu2_per_k_i = 2.4525,
+    .B_lN_mu2_scale_N_per_k_i = 4.0e-5,
+    .B_per_k_i = 0.02,
+    .per_k_i = 50.0,
+    .C_lN_mu_scale_N_per_k_i = 0.004,
+    .C_per_k_i = 0.4,
+    .L_M_g_p_mu2_per_k_i = 2.4525,
+    .k_i_per_R = 0.02,
+    .k_e_k_i_per_R = 0.004,
 #endif
 };
 

@@ -184,3 +184,15 @@ def test_same_functions_as_numpy(libraries: Libraries, name: str) -> None:
 
     assert set(oracle.functions(name)) == public
     assert public | with_arrays | {"prepare"} == libraries[name, np.float64].names()
+
+
+@every_model
+def test_no_body_is_emitted_twice(name: str) -> None:
+    """Routines that compute the same, as regressor and Jacobian of case C2, share their code."""
+    text = (GENERATED / f"{name}.c").read_text(encoding="utf-8")
+    bodies = re.findall(
+        rf"^REAL_INLINE \w+ {name}_\w+_at\([^)]*\)\n(\{{\n.*?^\}})", text, re.DOTALL | re.MULTILINE
+    )
+
+    assert bodies
+    assert sorted(set(bodies)) == sorted(bodies)

@@ -72,8 +72,8 @@ def test_products_are_proved(real: str) -> None:
 def hollow(real: str) -> tuple[float, float, mpmath.mpf]:
     """Return both parts of the default critical velocity as emitted, and what the first leaves of it."""
     _, _, dtype = UNITS[real]
-    number = r"\(real\)\(([^)]+)\)" if real == "float" else r"\n    ([^(),]+)"
-    first, second = (float(dtype(emitted(C2, rf"{number}, /\* omega_star_{k} \*/"))) for k in (1, 2))
+    number = r"\(real\)\(([^)]+)\)" if real == "float" else r"([^(),]+)"
+    first, second = (float(dtype(emitted(C2, rf"\.omega_star_{k} = {number},"))) for k in (1, 2))
     p = accuracy.decimals()
     return first, second, paper.critical_velocity(p) / p.mu - mpmath.mpf(first)
 

@@ -83,8 +83,8 @@ def test_an_array_function_that_writes_beside(tmp_path: Path, real: str) -> None
 def test_a_changed_constant(tmp_path: Path, coefficient: str, real: str) -> None:
     """A constant of the default set that is off in its last digit fails, and is named."""
     text = (GENERATED / "c2_parallel.c").read_text(encoding="utf-8")
-    line = re.findall(rf"^    \S+, /\* {coefficient} \*/$", text, re.MULTILINE)[REALS.index(real)]
-    (decimal,) = re.findall(r"\d[-+.e\d]+", line.split("/*")[0])
+    line = re.findall(rf"^    \.{coefficient} = .*$", text, re.MULTILINE)[REALS.index(real)]
+    (decimal,) = re.findall(r"\d[-+.e\d]+", line.partition("=")[2])
     value = DTYPE[real](decimal)
     above = float(np.nextafter(value, DTYPE[real](np.inf)))
 

@@ -1,5 +1,5 @@
 /*
- * Generated: do not edit. Written beside c1_perpendicular.c (program aa8b460a).
+ * Generated: do not edit. Written beside c1_perpendicular.c (program 341aa1d0).
  * What the self-test expects; computed by the emitted NumPy module.
  */
 #define INPUTS 4u

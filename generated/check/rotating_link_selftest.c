@@ -1,5 +1,5 @@
 /*
- * Generated: do not edit. Written beside rotating_link.c (program 6786fb6e).
+ * Generated: do not edit. Written beside rotating_link.c (program e0f79c52).
  * Self-test of rotating_link.c: the bits that the emitted NumPy module gives, on any compiler and board.
  *
  *   cc -std=c99 -O2 -I.. rotating_link_selftest.c ../rotating_link.c -lm     single precision: -DECCENTRIC_REAL=float

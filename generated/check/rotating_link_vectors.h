@@ -1,5 +1,5 @@
 /*
- * Generated: do not edit. Written beside rotating_link.c (program 6786fb6e).
+ * Generated: do not edit. Written beside rotating_link.c (program e0f79c52).
  * What the self-test expects; computed by the emitted NumPy module.
  */
 #define INPUTS 5u

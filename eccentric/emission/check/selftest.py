@@ -79,7 +79,10 @@ def _default(source: str) -> list[dict[str, float]]:
     """The constant coefficients by name, in single and in double precision: the decimals in the C source."""
     (block,) = re.findall(r"_coefficients \w+_default = {(.*?)};", source, re.DOTALL)
     return [
-        {name: float(decimal) for decimal, name in re.findall(r"([-+.\w]+)\)?, /\* (\w+) \*/", part)}
+        {
+            name: float(decimal)
+            for name, decimal in re.findall(r"\.(\w+) = (?:\(real\)\()?([-+.\w]+)\)?,", part)
+        }
         for part in block.replace("(real)NAN", "NAN").split("#else")
     ]
 

@@ -20,15 +20,37 @@ _EXACT = "2^{double} half turns of the link (float: 2^{single})".format_map(TURN
 def routine(program: Program, r: Routine, coefficients: set[str]) -> dict[str, Any]:
     """What the templates take of a routine; `coefficients` are the names of what is prepared."""
     parts = staged(r)
+    twin = twin_of(program, r)
     return {
         "name": r.name,
         "unit": r.unit,
         "requires": " and ".join(r.requires),
         "width": len(r.labels),
+        "twin": _twin(program, twin) if twin else {},
         **_documentation(r, parts),
         **_signatures(program, r, parts),
         **_calls(program, r, parts, coefficients),
         "lines": _body(program, r, parts, coefficients),
+    }
+
+
+def twin_of(program: Program, r: Routine) -> Routine | None:
+    """The first routine that computes the same as this one; None if that is this one."""
+
+    def body(x: Routine) -> tuple[Any, ...]:
+        return x.inputs, x.assignments, x.results, bool(x.labels)
+
+    twin = next(x for x in program.routines if body(x) == body(r))
+    return None if twin is r else twin
+
+
+def _twin(program: Program, r: Routine) -> dict[str, str]:
+    """The calls of a routine by one that computes the same."""
+    own, passed = f"{program.name}_{r.name}", [x.quantity.name for x in r.inputs]
+    one = f"{own}({', '.join([*passed, *(['out'] if r.labels else []), 'c'])});"
+    return {
+        "call": one if r.labels else f"return {one}",
+        "array_call": f"{own}_n({', '.join(['n', *passed, 'out', 'c'])});",
     }
 
 

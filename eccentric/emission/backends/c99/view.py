@@ -10,7 +10,7 @@ from eccentric.emission.backends.c99.constants import evaluate_prepare
 from eccentric.emission.backends.c99.lines import code, wrapped
 from eccentric.emission.backends.c99.pairs import pair_functions, pair_text
 from eccentric.emission.backends.c99.printer import DOUBLE, language
-from eccentric.emission.backends.c99.routine import argument, helper, routine
+from eccentric.emission.backends.c99.routine import argument, helper, routine, twin_of
 from eccentric.emission.backends.c99.staged import staged
 from eccentric.emission.backends.expression import Language, printed
 from eccentric.emission.backends.text import number, plain, splitting, used_series
@@ -116,6 +116,10 @@ def view(program: Program, digest: str) -> dict[str, Any]:
             for q, initial in program.states
         ],
         "step": _step(program),
+        "calls": [
+            *([("next_state", "step")] if program.states else []),
+            *((twin.name, r.name) for r in program.routines if (twin := twin_of(program, r))),
+        ],
     }
 
 
