@@ -1,6 +1,9 @@
 """`eccentric emit`: names of one's own, and the folder that is written."""
 
 import re
+import shutil
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -30,24 +33,49 @@ NUMPY = {"c1_perpendicular.py", "eccentric_runtime.py"}
 C99 = {"c1_perpendicular.h", "c1_perpendicular.c", "check"}
 
 
+def files_in(folder: Path) -> set[str]:
+    """Names of the files and folders that were written."""
+    return {path.name for path in folder.iterdir()} - {".eccentric"}
+
+
 @pytest.mark.parametrize(
     ("given", "expected"),
     [
         ([], {*NUMPY, *C99}),
         (["--backend", "numpy"], NUMPY),
         (["--backend", "c99"], C99),
+        (["--backend", "c99", "--single-file"], C99),
     ],
-    ids=["default", "numpy", "c99"],
+    ids=["default", "numpy", "c99", "c99 with a flag for numpy"],
 )
 def test_only_the_named_back_ends_are_written(given: list[str], expected: set[str], tmp_path: Path) -> None:
     """Each back end writes its files, C its checks, too; texts and digest are those of the default."""
     assert 0 == main(["emit", "c1_perpendicular", *given, "--out", str(tmp_path / "out")])
 
-    found = {path.name for path in (tmp_path / "out").iterdir()} - {".eccentric"}
-    assert expected == found
+    assert expected == files_in(tmp_path / "out")
     whole = render(load_model("c1_perpendicular"), "eccentric emit")
     for path in (tmp_path / "out").glob("c1_*"):
         assert whole[path.name] == path.read_text(encoding="utf-8")
+
+
+def test_a_single_file_runs_alone(tmp_path: Path) -> None:
+    """The NumPy module of `--single-file` is one file, and in an empty folder has the bits of the pair."""
+    given = ["emit", "c1_perpendicular", "--backend", "numpy", "--out"]
+    assert 0 == main([*given, str(tmp_path / "single"), "--single-file"])
+    assert 0 == main([*given, str(tmp_path / "pair")])
+    assert {"c1_perpendicular.py"} == files_in(tmp_path / "single")
+    (tmp_path / "empty").mkdir()
+    shutil.copy(tmp_path / "single" / "c1_perpendicular.py", tmp_path / "empty")
+
+    program = "import c1_perpendicular as m; print([x.hex() for x in m.friction_torque([0.3, -7.0, 250.0])])"
+    single, pair = (
+        subprocess.run(
+            [sys.executable, "-c", program], cwd=tmp_path / name, capture_output=True, text=True, check=True
+        ).stdout
+        for name in ("empty", "pair")
+    )
+
+    assert pair == single
 
 
 def test_an_unknown_back_end_is_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

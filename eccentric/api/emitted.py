@@ -23,6 +23,7 @@ def emit(
     parameters: str | os.PathLike[str] | FitResult | Mapping[str, Any] | None = None,
     prefix: str | None = None,
     backend: str | Sequence[str] | None = None,
+    single_file: bool = False,
 ) -> list[Path]:
     """Write a model as a NumPy module and C99, and what checks the C, into a folder; return the paths.
 
@@ -33,6 +34,7 @@ def emit(
             values in SI by the paper's letters; by default those of the model.
         prefix: name of the files and prefix of the C functions; by default the model's name.
         backend: a target, "numpy" or "c99", or several; by default both.
+        single_file: whether the NumPy module contains its runtime, which is otherwise a file beside it.
 
     Raises:
         InputError: there is no such model or target, or it cannot be emitted; the parameters are those of
@@ -47,7 +49,7 @@ def emit(
         chosen = replace(loaded, name=name)
     else:
         chosen = with_fitted(loaded, read_parameters(_content(parameters)), name)
-    return write_emitted(chosen, origin_of(model), out, backend)
+    return write_emitted(chosen, origin_of(model), out, backend, single_file=single_file)
 
 
 def _content(

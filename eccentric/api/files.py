@@ -32,19 +32,25 @@ _EMITTED = {
 
 
 def write_emitted(
-    model: Model, origin: str, out: str | os.PathLike[str], backend: str | Sequence[str] | None = None
+    model: Model,
+    origin: str,
+    out: str | os.PathLike[str],
+    backend: str | Sequence[str] | None = None,
+    *,
+    single_file: bool = False,
 ) -> list[Path]:
     """Write the files of a model for its targets, and what checks the C, into a folder of their own.
 
     Files that the same model left there before are replaced, all others stay. `origin` names in the banner
-    where the physics is from; `backend` is a target or several, NumPy and C99 by default. Returns the paths.
+    where the physics is from; `backend` is a target or several, NumPy and C99 by default. With `single_file`
+    the NumPy module contains its runtime. Returns the paths.
     Raises InputError where there is no such target, and where the folder cannot be written.
     """
     names = DEFAULT if backend is None else dict.fromkeys([backend] if isinstance(backend, str) else backend)
     for name in names:
         if name not in BACKENDS:
             raise InputError(f"backend: required one of {', '.join(BACKENDS)}, received {name!r}")
-    files = complete(model, "eccentric emit", origin, names)
+    files = complete(model, "eccentric emit", origin, names, single_file=single_file)
     with whole_folder(out, f"emit {model.name}") as folder:
         write(files, folder)
     return [Path(out) / name for name in files]

@@ -10,7 +10,7 @@ NAME = "emit"
 HELP = "write the NumPy module, C header and C source of a model, and the files that check the C"
 EXAMPLE = """eccentric emit c2_parallel --out build/firmware
 eccentric emit my_derivation.py --out build/mine
-eccentric emit c2_parallel --backend numpy --out build/python
+eccentric emit c2_parallel --backend numpy --single-file --out build/python
 eccentric emit c2_parallel --parameters build/fit/fit.json --prefix arm --out build/firmware"""
 
 
@@ -30,6 +30,11 @@ def configure(parser: argparse.ArgumentParser) -> None:
         metavar="NAME",
         help="a target, numpy or c99; may be repeated; default: both",
     )
+    parser.add_argument(
+        "--single-file",
+        action="store_true",
+        help="put what the NumPy module runs on into it, not into eccentric_runtime.py beside it",
+    )
 
 
 def run(arguments: argparse.Namespace) -> int:
@@ -41,6 +46,7 @@ def run(arguments: argparse.Namespace) -> int:
             parameters=arguments.parameters,
             prefix=arguments.prefix,
             backend=arguments.backend,
+            single_file=arguments.single_file,
         )
     names = ", ".join(path.relative_to(arguments.out).as_posix() for path in written)
     print(f"{arguments.out}: {names}")
