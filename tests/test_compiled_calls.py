@@ -120,7 +120,7 @@ def _outcome(function: Callable[..., Any], call: Call) -> tuple[Any, ...]:
         return type(error), next((own for own in ("broadcast", "read-only") if own in words), words)
     returned = np.asarray(result)
     bits = np.where(np.isnan(returned), np.float32("nan"), returned).tobytes()
-    found = bits, returned.shape, returned.dtype, isinstance(result, float), result is out
+    found = bits, returned.shape, returned.dtype, type(result), result is out
     if written:
         out[...] = before
     return found
@@ -227,6 +227,8 @@ def test_calls_keep_nothing() -> None:
         f(x[::2], y[:3])
         g(x, omega_m=y)
         g(x, y[:, None])
+        f(12345.5, 2.0)
+        f(12345.5, 2.0, p)
         for wrong in ((x, y, p, out, x), (x, y[:3]), (x, "1"), (x, y, 3), (x,)):
             with pytest.raises((TypeError, ValueError)):
                 f(*wrong)
@@ -238,4 +240,5 @@ def test_calls_keep_nothing() -> None:
     after = [sys.getrefcount(one) for one in kept]
 
     assert all(abs(late - early) < 25 for early, late in zip(before, after, strict=True))
+    assert sys.getrefcount(np.float64(1.0)) == sys.getrefcount(f(1.0, 2.0)) == sys.getrefcount(f(1.0, 2.0, p))
     assert sys.getrefcount(np.empty(5)) == sys.getrefcount(f(x, y)) == sys.getrefcount(g(x, y))

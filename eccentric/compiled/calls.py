@@ -29,11 +29,12 @@ def functions(entry: Entry, library: Path, source: ModuleType) -> dict[str, Call
         OSError: the library is none, or not one for this process.
     """
     loaded = ctypes.PyDLL(str(library))
-    loaded.python_set.argtypes = [*[ctypes.py_object] * 5, ctypes.c_int]
+    loaded.python_set.argtypes = [*[ctypes.py_object] * 5, ctypes.c_ssize_t, ctypes.c_int]
     # Without its global lock Python runs threads side by side, which may not share what came last.
     alone = getattr(sys, "_is_gil_enabled", lambda: True)()
     prepare = _prepare(entry, source)
-    loaded.python_set(np.ndarray, np.empty, np.float32, np.float64, prepare, alone)
+    number_at = float.__basicsize__ - ctypes.sizeof(ctypes.c_double)  # behind the head of the object
+    loaded.python_set(np.ndarray, np.empty, np.float32, np.float64, prepare, number_at, alone)
     loaded.python_function.argtypes = [ctypes.c_int, ctypes.c_char_p, ctypes.py_object]
     loaded.python_function.restype = ctypes.py_object
     made = {}

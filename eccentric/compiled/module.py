@@ -38,7 +38,7 @@ def compile(model: Model | str | Path) -> ModuleType:  # noqa: A001 - it is call
     or the compiler.
 
     Arguments, broadcasting, precision, `out` and bits are those of the NumPy module; where an exponential
-    stands, the bits of the two libraries may differ. Floats give a float. The library is kept in the user's
+    stands, the bits of the two libraries may differ. Floats give a float64. The library is kept in the user's
     cache under what it was built from: $XDG_CACHE_HOME or ~/.cache, folder eccentric.
 
     Raises:
