@@ -177,7 +177,7 @@ LOGS = {
     ),
     "decimal comma": (
         lambda rows: [row.replace(",", ";").replace(".", ",") for row in rows],
-        "line 2, column 'time_s': a number is required, received '0,000'; decimals are required with a point",
+        "line 2, column 'time_s': a number is required, received '0,000'; a decimal point is required",
     ),
     "two hundred columns": (
         lambda rows: [",".join(f"signal_{k}" for k in range(200)), *[",".join(["1"] * 200)] * len(rows)],

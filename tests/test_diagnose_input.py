@@ -109,7 +109,11 @@ def test_logs_may_begin_at_any_time(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("changes", "effects", "said"),
     [
-        ([('case = "C2"                #', 'phi = "0.3 rad"  #')], None, "required a model of case C1 or C2"),
+        (
+            [('case = "C2"                #', 'phi = "0.3 rad"  #')],
+            None,
+            "diagnose requires a model of case C1 or C2",
+        ),
         ([], "model.py", "required another name"),
         ([], "missing.py", "missing.py"),
     ],
@@ -159,7 +163,7 @@ def test_a_model_with_a_hidden_state_is_refused(tmp_path: Path, capsys: pytest.C
     error = [line for line in capsys.readouterr().err.splitlines() if "warning" not in line]
 
     assert (2, 1) == (status, len(error))
-    assert "required a model without hidden states for diagnose, received one with presliding_z" in error[0]
+    assert "diagnose requires a model without hidden states, received one with presliding_z" in error[0]
 
 
 @pytest.mark.parametrize("command", ["fit", "diagnose"])

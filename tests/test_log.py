@@ -43,7 +43,7 @@ def test_delimiter_and_compression_do_not_change_a_log(tmp_path: Path, delimiter
 
 CUT_OFF = gzip.compress(TEXT.encode() * 100)[:-20]
 BAD = {
-    "empty.csv": (b"", "empty.csv: a header row with column names is required, the file is empty"),
+    "empty.csv": (b"", "empty.csv: a header row with column names is required, received an empty file"),
     "header.csv": (b"time_s,current_A\n", "header.csv: a log with rows is required, received none"),
     "numbers.csv": (
         b"0.0,1.0\n0.1,1.0\n",
@@ -52,20 +52,20 @@ BAD = {
     "ragged.csv": (b"a,b\n1,2\n3\n", "ragged.csv: line 3: 2 values are required, received 1"),
     "commas.csv": (
         b"a,b\n1,2,3,4\n",
-        "commas.csv: line 2: 2 values are required, received 4; decimals are required with a point",
+        "commas.csv: line 2: 2 values are required, received 4; a decimal point is required",
     ),
     "comments.csv": (b"# made by hand\n\n", "comments.csv: a header row with column names is required"),
-    "twice.csv": (b"a,b,a\n1,2,3\n", "twice.csv: column names must differ, 'a' comes 2 times"),
+    "twice.csv": (b"a,b,a\n1,2,3\n", "twice.csv: unique column names are required, received 'a' 2x"),
     "latin.csv": (b"t,\xe4\n1,2\n", "latin.csv: UTF-8 text is required, byte 2 is not"),
     "cut.csv.gz": (CUT_OFF, "cut.csv.gz: the compressed file is damaged or cut off"),
     "plain.csv.gz": (TEXT.encode(), "plain.csv.gz: the compressed file is damaged or cut off"),
     "log.xlsx": (b"PK", "log.xlsx: a log of .csv, .csv.gz, .mat, .parquet, .json, .json.gz is required"),
-    "noise.mat": (b"x" * 200, "noise.mat: no MAT file"),
-    "noise.parquet": (b"x" * 200, "noise.parquet: no Parquet file"),
-    "noise.json": (b"x" * 200, "noise.json: no JSON file"),
+    "noise.mat": (b"x" * 200, "noise.mat: not a valid MAT file"),
+    "noise.parquet": (b"x" * 200, "noise.parquet: not a valid Parquet file"),
+    "noise.json": (b"x" * 200, "noise.json: not a valid JSON file"),
     "field.csv": (
         b"a,b\n1," + b"2" * 200_000 + b"\n",
-        "field.csv: no CSV file (field larger than field limit",
+        "field.csv: not a valid CSV file (field larger than field limit",
     ),
 }
 
@@ -126,7 +126,7 @@ def test_decimal_commas_are_named(tmp_path: Path) -> None:
     """A number with a decimal comma is refused with what is required instead; other text is without."""
     path = tmp_path / "log.csv"
     path.write_text("time_s;current_A\n0,0;1,5\n0,1;x,5\n")
-    with pytest.raises(InputError, match=r"line 2, column 'time_s': .* '0,0'; decimals .* with a point"):
+    with pytest.raises(InputError, match=r"line 2, column 'time_s': .* '0,0'; a decimal point is required"):
         read_log(path).numbers("time_s")
 
 

@@ -212,8 +212,11 @@ def test_a_log_is_its_own_log() -> None:
             {"t": [[1], [1, 2]]},
             f"{COLUMN}: an array of numbers (n,) is required (setting an array element with a sequence)",
         ),
-        ({0: [1.0]}, "table: names of columns as text are required, received 0"),
-        (pa.table([[1.0], [2.0]], names=["t", "t"]), "table: column names must differ, 't' comes 2 times"),
+        ({0: [1.0]}, "table: column names of type str are required, received 0"),
+        (
+            pa.table([[1.0], [2.0]], names=["t", "t"]),
+            "table: unique column names are required, received 't' 2x",
+        ),
     ],
     ids=[
         *(

@@ -1,4 +1,4 @@
-"""Every format gives the same columns; what a file holds besides is named, never dropped in silence."""
+"""Every format gives the same columns; whatever else a file holds is named, never dropped silently."""
 
 from __future__ import annotations
 
@@ -81,9 +81,9 @@ BAD_JSON = {
     ),
     "empty": ('{"entries": []}', "a list of entries is required, received keys 'entries'"),
     "number": ("3", "a list of entries is required, received 3"),
-    "cut": ('{"entries": [{"t": 1', "no JSON file (Expecting"),
-    "deep": ("[" * 100_000, "no JSON file ("),
-    "digits": ('{"entries": [{"t": ' + "1" * 5000 + "}]}", "no JSON file (Exceeds the limit"),
+    "cut": ('{"entries": [{"t": 1', "not a valid JSON file (Expecting"),
+    "deep": ("[" * 100_000, "not a valid JSON file ("),
+    "digits": ('{"entries": [{"t": ' + "1" * 5000 + "}]}", "not a valid JSON file (Exceeds the limit"),
 }
 
 

@@ -164,11 +164,11 @@ BAD_MAT = {
     ),
     "sparse": (
         lambda path: savemat(path, {"t": csc_array(np.eye(4))}),
-        r"a sparse array is no signal; save with full",
+        r"a sparse array is not a signal; save with full",
     ),
     "too large": (
         lambda path: path.write_bytes(b"MATLAB 5.0".ljust(124) + b"\x00\x01IM" + huge()),
-        "an array has no size that can be",
+        "an array has an impossible size",
     ),
     "cut": (
         lambda path: path.write_bytes(b"MATLAB 5.0".ljust(124) + b"\x00\x01IM" + huge()[:20]),
@@ -188,7 +188,7 @@ def test_a_mat_file_that_cannot_be_a_log_is_refused(tmp_path: Path, name: str) -
     """One line says why, before any memory is asked for."""
     write, expected = BAD_MAT[name]
     write(tmp_path / "log.mat")
-    with pytest.raises(InputError, match=rf"log\.mat: no MAT file \(.*{expected}"):
+    with pytest.raises(InputError, match=rf"log\.mat: not a valid MAT file \(.*{expected}"):
         read_log(tmp_path / "log.mat")
 
 
@@ -281,5 +281,5 @@ def test_damaged_mat_7_3_is_refused(hdf5: Any) -> None:
     matlab(hdf5, "t", T)
     path = finished(hdf5)
     path.write_bytes(path.read_bytes()[:700])
-    with pytest.raises(InputError, match=r"no MAT file of version 7\.3 \("):
+    with pytest.raises(InputError, match=r"not a valid MAT file of version 7\.3 \("):
         read_log(path)

@@ -37,7 +37,8 @@ def test_the_verdict_comes_first(plain: str) -> None:
     """The sentence stands before every section, and the sections come in the order of the questions."""
     text = Reader(plain).text
     headings = [
-        "The model lacks wobble[n=2].", "Error before and after", "What is left", "Friction torque",
+        "The model lacks wobble[n=2].", "Error before and after", "Residual over every channel",
+        "Friction torque",
         "The held-out part in time", "What was considered", "Parameters", "The model as an equation",
         "Quality of the data", "What to measure next", "How to reproduce",
     ]  # fmt: skip
@@ -164,7 +165,7 @@ def test_why_the_runner_up_lost() -> None:
     (sentence,) = why(sample(50, candidates=(ADOPTED, elsewhere, RIVAL)))
 
     assert "dent leaves an error of 0.004 N m" in sentence
-    assert "2 times the 0.002 N m of what was adopted" in sentence
+    assert "2 times the 0.002 N m of the adopted effect" in sentence
 
 
 @pytest.mark.parametrize(

@@ -1,7 +1,7 @@
 """The loop: fit, search, extend, refit, score; and the result in words, as JSON and as a script.
 
     loop          logs, rig -> Diagnosis: every stage in order
-    models        the models after the search; what the held-out part does not confirm loses its name
+    models        the models after the search; effects that the held-out part does not confirm lose their name
     score         held-out errors before and after, run by run where there are enough
     orders        what is left inside runs and periodic in the motor angle
     words         a Diagnosis for a person

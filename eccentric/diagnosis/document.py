@@ -82,7 +82,7 @@ def _suffix(found: Diagnosis) -> str:
 
 
 def _errors(found: Diagnosis) -> dict[str, Any]:
-    """Held-out errors; where the torque is not measured also in the unit of the drive, and of free motion."""
+    """Held-out errors; also in the drive's unit if the torque is not measured, and those of free motion."""
     score, drive = found.score, found.data.drive
     said: dict[str, Any] = {f"rmse_holdout_{_suffix(found)}": {k: dict(v) for k, v in score.rmse.items()}}
     if score.per_drive and found.unit == "N m":
@@ -103,7 +103,7 @@ def _errors(found: Diagnosis) -> dict[str, Any]:
 
 
 def _identified(found: Diagnosis) -> dict[str, Any]:
-    """What the rig left to the log: alignment, and quantities with their uncertainty.
+    """What the rig leaves to be identified: alignment, and quantities with their uncertainty.
 
     A zero angle or an offset that the refit has moved replaces that of the first fit.
     """

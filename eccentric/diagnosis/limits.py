@@ -13,19 +13,19 @@ __all__ = [
 ]
 
 FEWEST_RUNS = 5
-"""Runs from which the gain is also taken over whole runs: the interval draws runs, of four it says little."""
+"""Least number of runs for a gain over whole runs: its interval draws runs, and four say little."""
 PROVABLE = 3.0
-"""Times the noise of the sensors from which a residual has a cause, found or not."""
+"""A residual above this multiple of the sensors' noise has a cause, found or not."""
 
-# What is periodic inside runs.
+# Periodic residuals within runs.
 
 LEAST_TURNS = 2.0
-"""A stretch of fewer turns does not separate one order from the next."""
+"""A stretch of fewer turns does not separate neighbouring orders."""
 HIGHEST_ORDER = 12.0
-"""Orders per motor turn that are looked at, in steps of a twentieth."""
+"""Orders per motor turn that are examined, in steps of a twentieth."""
 LEAST_SHARE = 0.04
-"""Of the variance inside the stretches; less is not worth a line."""
+"""Least fraction of the variance within the stretches; less is not worth a line."""
 ABOVE = 4.0
-"""A peak over the median of the spectrum around it: what wanders is high at low orders, and not periodic."""
+"""A peak over the median of the spectrum around it: slow drift is high at low orders, but not periodic."""
 LEAST_STRETCHES = 6
-"""Chance makes a peak of the same order in one stretch, or in three; not in most of six."""
+"""Chance can give a peak of the same order in one stretch, or in three, but not in most of six."""

@@ -1,6 +1,6 @@
-"""Close the loop: fit the paper's model, attribute what is left, extend the model, measure the error again.
+"""Close the loop: fit the paper's model, attribute the residual, extend the model, measure the error again.
 
-The stages, each with what it hands on:
+The stages, each with its result:
 
     drive       channels, rig -> drive torque, known and identified parameters   (`drive.drive_of`)
     signals     smooth inputs of expressions                                     (`fit_data.fit_data_of`)
@@ -62,10 +62,10 @@ def diagnose(
     """Diagnose one rig's logs.
 
     Args:
-        logs: those of one rig, as `read_log` takes them.
-        rig: the rig, as `read_rig` takes it.
+        logs: those of one rig, as `read_log` accepts them.
+        rig: the rig, as `read_rig` accepts it.
         model: name or path of the base model; by the rig's case if None.
-        effects: a file with effects of the user's own.
+        effects: a file with the user's own effects.
         tell: called with one line per stage.
 
     Raises:
@@ -115,12 +115,12 @@ def diagnose(
 def _supported(model: Model) -> Model:
     if "phi" in {q.name for q in model.parameters}:
         raise InputError(
-            f"{model.name}: required a model of case C1 or C2 for diagnose, received one with a tilt"
+            f"{model.name}: diagnose requires a model of case C1 or C2, received one with a tilt"
         )
     if model.states:
         names = ", ".join(state.quantity.name for state in model.states)
         raise InputError(
-            f"{model.name}: required a model without hidden states for diagnose, received one with {names}"
+            f"{model.name}: diagnose requires a model without hidden states, received one with {names}"
             " (diagnose adds the effect that has them itself)"
         )
     return model

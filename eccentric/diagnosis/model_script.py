@@ -1,4 +1,4 @@
-"""The extended model with its fitted values: live, and as a derivation script to be read, run and edited."""
+"""The extended model with its fitted values, as an object and as a derivation script to run and edit."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ def extended_name(found: Diagnosis) -> str:
 
 
 def extended_model(found: Diagnosis) -> Model:
-    """The extended model with the fitted values as its defaults: the one that the script makes."""
+    """The extended model with the fitted values as its defaults: the one that the script builds."""
     fitted = _fitted(found)
     model, name = found.models.shipped.model, extended_name(found)
     return with_values(model, fitted.values, name, fitted.notes, fitted.title, "diagnosis")
@@ -55,7 +55,7 @@ def _fitted(found: Diagnosis) -> _Fitted:
 
 
 def _base(found: Diagnosis) -> str:
-    """How the script loads the base model: by name, or the script of the user's own that lies beside it."""
+    """How the script loads the base model: by name, or from the user's own script in the same folder."""
     own = Path(found.asked.model)
     return f"Path(__file__).with_name({own.name!r})" if own.suffix == ".py" else repr(found.models.base.name)
 
@@ -63,12 +63,12 @@ def _base(found: Diagnosis) -> str:
 def script(found: Diagnosis) -> str:
     """The text of model.py: the base model, the effects with their values, the fitted coefficients.
 
-    It is a derivation like any other: `python model.py` prints it, `eccentric emit model.py` emits it.
+    It is an ordinary derivation: `python model.py` prints it, `eccentric emit model.py` emits it.
     """
     adopted, fitted = found.models.shipped.effects, _fitted(found)
     origin = plain(", ".join(found.asked.logs))
     setting = pprint.pformat(found.setting, width=100, compact=True)
-    # A set prints in another order in every run.
+    # A set prints in a different order in every run.
     channels = found.setting.channels
     setting = setting.replace(repr(channels), f"frozenset({sorted(channels)})")
     setting = setting.replace("Setting(", "Setting(base=model,\n        ", 1)
@@ -85,7 +85,7 @@ def script(found: Diagnosis) -> str:
     return f'''"""{plain(fitted.title)}.
 
 Written by `eccentric diagnose` from {origin}.
-A derivation like any other: run it to read it, edit it, emit it with `eccentric emit model.py --out DIR`.
+An ordinary derivation: run it to print it, edit it, emit it with `eccentric emit model.py --out DIR`.
 """
 
 from pathlib import Path
@@ -98,7 +98,7 @@ from eccentric.output import show
 # The paper's model.
 model = load_model({_base(found)})
 {load[1]}
-# What the log spans; the ranges of the library of effects follow from it.
+# The span of the log, from which the ranges of the library of effects follow.
 setting = {setting}
 offered = [*library(setting)]{own}
 effects = {{effect.id: effect for effect in offered}}

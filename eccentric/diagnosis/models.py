@@ -1,4 +1,4 @@
-"""The models after the search: fitted on their own emitted modules, and held against what was held out."""
+"""The models after the search: fitted on their own emitted modules, then checked on the held-out part."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ __all__ = ["Models", "fitted_models"]
 class Models:
     """What was fitted on the training part.
 
-    linear: Coulomb and viscous friction; paper: the paper's model, its coefficients free to go below zero;
+    linear: Coulomb and viscous friction; paper: the paper's model, its coefficients free to become negative;
     extended: with the adopted effects, `paper` itself if there are none; shipped: what is emitted, `extended`
     or without an effect the paper's model within its bounds.
     """
@@ -41,19 +41,19 @@ class Models:
 
     @property
     def r_squared(self) -> float:
-        """Of the drive torque on the held-out rows, by friction, inertia and gravity of the paper's model."""
+        """R^2 of the drive torque on the held-out rows, from the paper's friction, inertia and gravity."""
         rows = self.paper.data.rows
         drive = rows.mean(self.paper.data.drive.torque())
         return r_squared(self.paper.residuals["mechanical"][rows.score], drive[rows.score])
 
     @property
     def fits_the_rig(self) -> bool:
-        """Whether the log can be of this rig, in these units."""
+        """Whether the log can be from this rig, in these units."""
         return self.r_squared >= LEAST_R_SQUARED
 
     @property
     def unsettled(self) -> tuple[str, ...]:
-        """Those whose fit was stopped before it had converged."""
+        """Models whose fit was stopped before it had converged."""
         return tuple(name for name, fit in vars(self).items() if not fit.settled)
 
 
@@ -62,8 +62,8 @@ def fitted_models(
 ) -> tuple[Attribution, Models, Score, Score | None]:
     """Fit the models and open the held-out part.
 
-    Effects that it does not confirm lose their name: then the attribution says so, the models are without
-    them, and their score comes last. `tell` is called with one line per stage.
+    Effects that it does not confirm lose their name: the attribution then says so, the models omit them, and
+    their score is the last result. `tell` is called with one line per stage.
     """
     tell("refitting on the emitted module")
     by_id = {effect.id: effect for effect in offered}
@@ -75,13 +75,13 @@ def fitted_models(
     linear = refit(base, (), data, bounds=False, linear=True)
     models = Models(linear, paper, extended, extended)
     if not models.fits_the_rig:
-        found = replace(unconfirmed(found), next_measurement="Mend the rig file or the log first.")
+        found = replace(unconfirmed(found), next_measurement="Correct the rig file or the log first.")
         models = replace(models, extended=paper)
     balance = found.adopted[0].balance if models.adopted else "mechanical"
     scored = _scored(models, balance, data)
     refused = None
-    # Voltage and current show an effect twice, and row by row a ripple above the low pass is worse for being
-    # in the model. One signal alone has nothing but the held-out part to be checked by.
+    # Voltage and current show an effect twice, and row by row the model of a ripple above the low pass only
+    # adds error. With one signal alone, the held-out part is the only check.
     if models.adopted and not data.drive.measured_twice and not scored.confirms:
         tell("the held-out part does not confirm it")
         refused, found, models = scored, unconfirmed(found), replace(models, extended=paper)

@@ -1,9 +1,9 @@
-"""What the torque is periodic in while the motor turns one way: its spectrum over the angle, run by run.
+"""Periods of the torque while the motor turns one way: its spectrum over the angle, run by run.
 
-A harmonic of the motor or the link is one order per turn at every speed; something periodic in time is one
+A harmonic of the motor or the link has one order per turn at every speed; something periodic in time has one
 frequency, and its order changes from speed to speed.  Each stretch of several turns has its own spectrum
-(Lomb and Scargle, over the angle in place of time), so that no common zero of the angle is needed, as it is
-for an effect: an angle that was integrated from the speed of each run will do.
+(Lomb-Scargle, over the angle instead of time), so that no common zero of the angle is needed, as it is
+for an effect: an angle integrated from the speed of each run is enough.
 """
 
 from __future__ import annotations
@@ -24,11 +24,11 @@ Array = np.ndarray
 
 TURN = 2.0 * np.pi
 STEP = 0.05
-"""Between the orders of a spectrum."""
+"""Spacing of the orders of a spectrum."""
 AROUND = 41
-"""Steps that are around a peak: two orders."""
+"""Steps that count as around a peak: two orders."""
 ALONE = 8
-"""Steps to either side within which an order is the highest of its stretch."""
+"""Steps to either side within which a peak is the highest order of its stretch."""
 
 
 @dataclass(frozen=True)
@@ -36,8 +36,8 @@ class Order:
     """A periodic part of the torque.
 
     per_turn: cycles per turn of the motor; amplitude: RMS over the stretches of its amplitude [N m]; share:
-    of the variance inside the stretches, on average; seen: in how many of `stretches` it is a peak, `ABOVE`
-    times the median of their own spectrum.
+    of the variance within the stretches, on average; seen: in how many of the `stretches` it is a peak,
+    `ABOVE` times the median of their own spectrum.
     """
 
     per_turn: float
@@ -60,7 +60,7 @@ def orders_of(data: FitData, target: Array) -> tuple[Order, ...]:
         turns = abs(angle[-1] - angle[0]) / TURN
         if turns < LEAST_TURNS or len(rows) < 4.0 * HIGHEST_ORDER * turns:
             continue
-        # What is smooth over the stretch, and what follows the speed, is no ripple.
+        # What is smooth over the stretch or follows the speed is not a ripple.
         t = np.linspace(-1.0, 1.0, len(rows))
         slow = np.column_stack([np.ones_like(t), t, t**2, channels.omega_m[rows]])
         rest = y - slow @ np.linalg.lstsq(slow, y, rcond=None)[0]
@@ -77,10 +77,10 @@ def orders_of(data: FitData, target: Array) -> tuple[Order, ...]:
     peaks, _ = find_peaks(mean, height=np.maximum(LEAST_SHARE, ABOVE * around), distance=ALONE)
     found = []
     for k in peaks:
-        # An order is known to the inverse of the turns only: the best of the neighbours counts.
+        # An order is known only to the inverse of the turns: the best of the neighbours counts.
         near = every[:, max(k - 2, 0) : k + 3].max(axis=1)
         share = float(near.mean())
-        # What leaks from one frequency in time into its neighbours is no peak of its own there.
+        # Leakage from one frequency in time is not a peak in the neighbouring orders.
         peak = near >= every[:, max(k - ALONE, 0) : k + ALONE + 1].max(axis=1)
         seen = int(np.count_nonzero(peak & (near > ABOVE * local[:, k])))
         amplitude = float(np.sqrt(np.mean(2.0 * near * np.array(variances))))
@@ -89,7 +89,7 @@ def orders_of(data: FitData, target: Array) -> tuple[Order, ...]:
 
 
 def _centre(grid: Array, power: Array, k: int) -> float:
-    """The peak between its neighbours, by a parabola."""
+    """The peak between the orders, by a parabola through its neighbours."""
     if not 0 < k < len(grid) - 1:
         return float(grid[k])
     left, top, right = power[k - 1 : k + 2]
@@ -98,6 +98,6 @@ def _centre(grid: Array, power: Array, k: int) -> float:
 
 
 def _stretches(usable: Array, segment: Array, omega: Array) -> list[Array]:
-    """Rows of each stretch that is used without a break, in one direction."""
+    """Rows of each stretch in one direction without an unused row in between."""
     key = np.where(usable, 2 * segment + (omega > 0.0), -1)
     return [rows for rows in rows_of_each(key) if key[rows[0]] >= 0]

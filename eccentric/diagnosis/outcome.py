@@ -19,7 +19,7 @@ __all__ = ["Asked", "Diagnosis"]
 
 @dataclass(frozen=True)
 class Asked:
-    """What a diagnosis was asked: file names of logs and rig, name or path of the base model, own effects."""
+    """The inputs of a diagnosis: file names of logs and rig, name or path of the base model, own effects."""
 
     logs: tuple[str, ...]
     rig: str
@@ -33,15 +33,15 @@ class Diagnosis:
 
     Attributes:
         asked: logs, rig, model and effects, by name.
-        data: drive, signals and rows that models were fitted on.
-        setting: what the library of effects was made for.
+        data: drive, signals and rows that the models were fitted on.
+        setting: what the library of effects was built for.
         offered: the effects that the search chose from.
         attribution: verdict, candidates, dependence.
         models: what was fitted.
         score: held-out errors and the improvement.
-        refused: those of effects that the held-out part did not confirm, if any were adopted before.
+        refused: score of the effects that the held-out part did not confirm, if any had been adopted.
         noise_floor: RMS of the sensors' noise in the mechanical balance, in its unit.
-        orders: what the residual of the shipped model is periodic in while the motor turns one way.
+        orders: periods of the residual of the shipped model while the motor turns one way.
     """
 
     asked: Asked
@@ -57,7 +57,7 @@ class Diagnosis:
 
     @property
     def effects(self) -> tuple[tuple[Effect, dict[str, float]], ...]:
-        """Named effects with the values of their parameters, in order of adoption; empty without a name."""
+        """Named effects with the values of their parameters, in order of adoption; empty if none is named."""
         return self.models.extended.effects if self.attribution.verdict == "named" else ()
 
     @property
@@ -67,7 +67,7 @@ class Diagnosis:
 
     @property
     def rig(self) -> Rig:
-        """The rig, with what suits the log where it says nothing."""
+        """The rig, completed with what suits the log where the file is silent."""
         return self.channels.rig
 
     @property
@@ -77,12 +77,12 @@ class Diagnosis:
 
     @property
     def unit(self) -> str:
-        """Unit of torques: "N m", or that of the drive where nothing tells the scale."""
+        """Unit of torques: "N m", or that of the drive where the scale is not identifiable."""
         return self.data.drive.unit
 
     @property
     def warnings(self) -> tuple[str, ...]:
-        """Of the reader, of the first fit, and of fits that have not converged."""
+        """Warnings of the reader, of the first fit, and of fits that have not converged."""
         said = (*self.channels.warnings, *self.data.drive.warnings)
         names = self.models.unsettled
         if not names:

@@ -1,4 +1,4 @@
-"""Held-out errors of the three models, before and after, and how sure the difference is."""
+"""Held-out errors of the three models, before and after, and the confidence in the difference."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ Array = np.ndarray
 
 @dataclass(frozen=True)
 class OverRuns:
-    """Every run left out of the fit once and predicted; effects and their shapes stay as they were found.
+    """Every run left out of the fit once and predicted; effects and their shapes stay fixed.
 
     rmse: model -> RMSE over all runs, as in `Score.rmse`; gains: "paper" over linear, "extended" over paper
     -> percent, 95 % interval by drawing whole runs, and how many of the `runs` improve.
@@ -36,7 +36,7 @@ class Score:
     """What the held-out part says.
 
     rmse: balance -> model -> held-out RMSE [N m, or the unit of the drive]; per_drive: the same of the
-    mechanical balance in the unit of the drive, where the torque is not measured; free: held-out RMSE [N m]
+    mechanical balance in the unit of the drive, if the torque is not measured; free: held-out RMSE [N m]
     while the motor is switched off; `percent` and `interval` are those of `balance`.
     """
 
@@ -59,8 +59,8 @@ class Score:
 def score(linear: Refit, paper: Refit, extended: Refit, balance: str, over_runs: OverRuns | None) -> Score:
     """Open the held-out part.
 
-    Models that identify different scales are compared at that of the extended one: their errors are in volts
-    (or amperes) first.
+    Models that identify different scales are compared at the scale of the extended one: their errors are
+    first in volts (or amperes).
     """
     models = {"linear": linear, "paper": paper, "extended": extended}
     common = extended.scale or 1.0
@@ -86,7 +86,7 @@ def score(linear: Refit, paper: Refit, extended: Refit, balance: str, over_runs:
 
 
 def leave_runs_out(base: Model, extended: Refit, data: FitData) -> OverRuns | None:
-    """Predict each run from all others; None with fewer than five runs, or where two balances are fitted."""
+    """Predict each run from all others; None with fewer than five runs, or if two balances are fitted."""
     rows = data.rows
     used = rows.train | rows.score
     runs = np.unique(rows.run[used])

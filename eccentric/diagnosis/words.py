@@ -1,6 +1,6 @@
 """A diagnosis in words: one sentence that can be sent to a colleague, and a few lines for a terminal.
 
-What an effect is comes first, its id second; both from the effect's own record.
+The description of an effect comes first, its id second; both come from the effect's own record.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ def diagnosis_sentence(found: Diagnosis) -> str:
         return f"The model lacks {lacks}; with {these} {_gain(found)}.{_alike(found)}{_grave(found)}"
     if a.verdict == "not_identifiable":
         return (
-            f"An effect is missing, but this log cannot tell {_tied(found)} apart;"
+            f"An effect is missing, but this log does not distinguish {_tied(found)};"
             f" with the first {_gain(found)}."
         )
     if not found.models.fits_the_rig:
@@ -55,18 +55,18 @@ def diagnosis_sentence(found: Diagnosis) -> str:
     left = found.score.rmse[found.score.balance]["paper"]
     if left > PROVABLE * found.noise_floor:
         return (
-            f"Nothing further can be proved from this log: {left:.4g} {unit} are left, well above the"
-            f" {found.noise_floor:.2g} {unit} of the sensors' noise, but no effect takes out more of"
-            " them than chance would."
+            f"Nothing further can be proved from this log: {left:.4g} {unit} remain, well above the"
+            f" {found.noise_floor:.2g} {unit} of the sensors' noise, but no effect explains more of"
+            " it than chance would."
         )
     return (
-        f"Nothing is missing: no effect takes out more of the residual ({left:.4g} {unit} held out;"
-        f" noise of the sensors alone {found.noise_floor:.4g} {unit}) than chance would."
+        f"Nothing is missing: no effect explains more of the residual ({left:.4g} {unit} held out;"
+        f" the sensors' noise alone is {found.noise_floor:.4g} {unit}) than chance would."
     )
 
 
 def _headline(words: Words, effect_id: str) -> str:
-    """What an effect is, its id second."""
+    """The description of an effect, its id second."""
     return f"{words.headline} ({effect_id})" if words.headline else effect_id
 
 
@@ -88,7 +88,7 @@ def _gain(found: Diagnosis) -> str:
 
 
 def _named(found: Diagnosis, effect: Effect) -> str:
-    """A named effect with its probability; of a wrong declaration, which value the quantity should have."""
+    """A named effect with its probability; for a wrong declaration, the value it should have."""
     ranked = [c.probability for c in found.attribution.candidates if c.family == effect.family]
     sure = f"probability {max(ranked, default=0.0):.2f}"
     values = effect.corrects and _values(found, effect, effect.corrects)
@@ -103,7 +103,7 @@ def _named(found: Diagnosis, effect: Effect) -> str:
 
 
 def _values(found: Diagnosis, effect: Effect, correction: Correction) -> tuple[float, float] | None:
-    """True and declared value of a quantity; None where the rig does not declare all that it takes."""
+    """True and declared value of a quantity; None if the rig does not declare all that this takes."""
     fitted = {q.symbol: found.models.extended.values[q.name] for q in effect.parameters}
     letters = {s.name: s for s in correction.value.free_symbols - set(fitted)}
     if not set(letters) <= set(found.rig.known):
@@ -114,7 +114,7 @@ def _values(found: Diagnosis, effect: Effect, correction: Correction) -> tuple[f
 
 
 def _tied(found: Diagnosis) -> str:
-    """The families that explain the log alike, each by its best member."""
+    """The families that explain the log equally well, each by its best member."""
     best = {c.family: c for c in reversed(found.attribution.candidates)}
     families = (
         found.attribution.tied or tuple(dict.fromkeys(c.family for c in found.attribution.candidates))[:2]
@@ -123,7 +123,7 @@ def _tied(found: Diagnosis) -> str:
 
 
 def _alike(found: Diagnosis) -> str:
-    """What no log of this rig, as it is declared, tells from the named effects."""
+    """What no log of this rig, as declared, distinguishes from the named effects."""
     aliases = {effect.id: effect.evidence.aliases for effect, _ in found.effects}
     alike = {name: " or ".join(others) for name, others in aliases.items() if others}
     return "".join(
@@ -132,7 +132,7 @@ def _alike(found: Diagnosis) -> str:
 
 
 def _grave(found: Diagnosis) -> str:
-    """What the record itself says is wrong, if anything that the named effects do not say."""
+    """What the check of the log found wrong, unless the named effects already say so."""
     corrections = [effect.corrects for effect, _ in found.effects if effect.corrects]
     said = {name for c in corrections for name in (c.quantity.name, *c.looks_wrong)}
     warnings = [f for f in found.channels.findings if f.severity == "warning" and f.kind in _GRAVE]
@@ -152,14 +152,14 @@ def diagnosis_lines(found: Diagnosis) -> list[str]:
     if found.score.over_runs is not None:
         out += _over_runs(found.score.over_runs, found.unit)
     if a.verdict == "unexplained" and found.models.fits_the_rig:
-        out.append("nearest, and not enough:")
+        out.append("closest candidates, none sufficient:")
         out += [f"  {_headline(c.words, c.id)}" for c in a.candidates[:4]]
     elif a.verdict in {"named", "not_identifiable"}:
         out.append("candidates, with their probability:")
         out += [f"  {c.probability:.2f} {_headline(c.words, c.id)}" for c in a.candidates[:4]]
     if found.orders:
         parts = ", ".join(f"{o.per_turn:.2f} ({100 * o.share:.0f} % of its variance)" for o in found.orders)
-        out.append(f"what is left inside runs is periodic in the motor angle, per turn: {parts}")
+        out.append(f"the residual within runs is periodic in the motor angle; cycles per turn: {parts}")
     shipped, name = found.models.shipped, extended_name(found)
     function = load_module(shipped.model).mechanical_friction_torque
     arguments = list(inspect.signature(function).parameters)[:-2]

@@ -1,9 +1,9 @@
-"""Readers: a log in, named columns out, nothing converted and nothing dropped; no physics.
+"""Readers: a log in, named columns out; nothing is converted or dropped, and no physics is applied.
 
 In: the path of a CSV, JSON, MAT or Parquet file, or a table in memory.  Out: a `Log` of columns of one
-length; arithmetic on its columns (`evaluate`) and the units that a rig may give them (`require_unit`,
+length; arithmetic on its columns (`evaluate`) and the units that a rig may assign to them (`require_unit`,
 `parse_value`).
-May import: `errors`.  A further format is a file beside `csv_file.py` and a line in `log.READERS`.
+May import: `errors`.  A new format is one more file beside `csv_file.py` and one more line in `log.READERS`.
 """
 
 from eccentric.logs.arithmetic import evaluate

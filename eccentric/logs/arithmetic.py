@@ -1,7 +1,7 @@
 """Arithmetic on the columns of a log: `pwm_counts / 885 * supply_V`, `torque_enable == 1 and speed > 0`.
 
-Python's own parser reads the text, and a whitelist of its nodes is computed with NumPy here. Nothing is run
-as code; there are no calls, attributes, indices or powers, and length and depth are bounded. A column whose
+Python's own parser reads the text; the nodes on a whitelist are evaluated with NumPy here. Nothing is run as
+code: there are no calls, attributes, indices or powers, and length and depth are bounded. A column whose
 name is not a plain word is put in backticks: `` `speed (rpm)` / 60 ``.
 """
 
@@ -44,11 +44,11 @@ _ALLOWED = "+ - * / ( ), numbers, column names, comparisons, and, or, not"
 
 
 def evaluate(text: str, column: Callable[[str], NDArray[np.float64]], where: str) -> NDArray[Any]:
-    """Return the value of an arithmetic text on columns: float64 (n,), or bool (n,) for a condition.
+    """Return the value of an arithmetic expression on columns: float64 (n,), or bool (n,) for a condition.
 
-    `column` returns the numbers of a named column and raises InputError for a name that the log has not.
-    `where` opens the error message. A division by zero gives inf or NaN, which is counted as missing later.
-    Raises InputError for anything that is not in the whitelist.
+    `column` returns the numbers of a named column and raises InputError for a name that is not in the log.
+    `where` opens the error message. A division by zero gives inf or NaN, later counted as missing.
+    Raises InputError for anything that is not on the whitelist.
     """
     tree, quoted = _parse(text, where)
 
@@ -77,7 +77,7 @@ def evaluate(text: str, column: Callable[[str], NDArray[np.float64]], where: str
                 both = np.logical_and if isinstance(op, ast.And) else np.logical_or
                 return functools.reduce(both, [condition_of(side, depth) for side in values])
         part = ast.unparse(node)
-        raise InputError(f"{where}: {part!r} in {text!r} is not allowed; allowed are {_ALLOWED}")
+        raise InputError(f"{where}: {part!r} in {text!r} is not allowed; required: {_ALLOWED}")
 
     def number_of(node: ast.AST, depth: int) -> Value:
         inner = value(node, depth + 1)
@@ -99,7 +99,7 @@ def evaluate(text: str, column: Callable[[str], NDArray[np.float64]], where: str
 
 
 def _parse(text: str, where: str) -> tuple[ast.AST, dict[str, str]]:
-    """Return the syntax tree, and the column names that stood in backquotes by their placeholder."""
+    """Return the syntax tree, and for each placeholder the column name that was in backticks."""
     if len(text) > MAX_LENGTH:
         raise InputError(
             f"{where}: arithmetic of at most {MAX_LENGTH} characters is required, received {len(text)}"

@@ -1,4 +1,4 @@
-"""Tables of Arrow, from a Parquet file or from memory, as columns of numbers and text."""
+"""Arrow tables, from a Parquet file or from memory, as columns of numbers and text."""
 
 from __future__ import annotations
 
@@ -16,16 +16,18 @@ _PER_SECOND = {"s": 1.0, "ms": 1e3, "us": 1e6, "ns": 1e9}
 
 
 def arrow_columns(table: Any, where: str) -> Read:
-    """Return the columns of a pyarrow Table: numbers, texts, dates and durations in seconds (from 1970, UTC).
+    """Return the columns of a pyarrow Table: numbers, text, dates and durations in seconds (from 1970, UTC).
 
-    Other columns are left out with a note. Raises InputError, which begins with `where`, for a name that
-    comes twice.
+    Other columns are left out with a note. Raises InputError, which begins with `where`, for a repeated
+    column name.
     """
     arrow = importlib.import_module("pyarrow")
     names: list[str] = table.column_names
     twice = next((name for name in names if names.count(name) > 1), None)
     if twice is not None:
-        raise InputError(f"{where}: column names must differ, {twice!r} comes {names.count(twice)} times")
+        raise InputError(
+            f"{where}: unique column names are required, received {twice!r} {names.count(twice)}x"
+        )
     columns: dict[str, Column] = {}
     left_out: list[str] = []
     for name in names:
@@ -44,7 +46,7 @@ def _column(chunks: Any, arrow: Any) -> Column | None:
         chunks = chunks.cast(chunks.type.value_type)
     kind = chunks.type
     if kinds.is_timestamp(kind) or kinds.is_duration(kind):
-        # Through integers: NumPy's stamps have no NaN.
+        # Through integers: NumPy's time stamps have no NaN.
         return _floats(chunks.cast(arrow.int64()), arrow) / _PER_SECOND[kind.unit]
     if kinds.is_boolean(kind) or kinds.is_integer(kind) or kinds.is_floating(kind) or kinds.is_decimal(kind):
         return _floats(chunks, arrow)

@@ -1,6 +1,6 @@
-"""From what a file holds to columns of one length: numbers and text, nested or not.
+"""The content of a file as columns of one length: numbers and text, nested or not.
 
-Shared by the readers of formats that hold variables of any shape, and not one table.
+Shared by the readers of formats that hold variables of any shape instead of one table.
 """
 
 from __future__ import annotations
@@ -23,16 +23,16 @@ MISSING = frozenset({"", "na", "n/a", "#n/a", "null", "none", "-"})
 DEEPEST = 20
 """Structures nested deeper than this are left out: logs have two or three levels."""
 MOST_PARTS = 100
-"""Most columns of a matrix, and elements of a structure array with vectors, that are named one by one."""
+"""At most this many columns of a matrix, or elements of a structure array with vectors, are named singly."""
 
 
 SHORTEST = 10
-"""Vectors shorter than this are parameters of the rig where there are longer ones."""
+"""Vectors shorter than this are taken for parameters of the rig if there are longer ones."""
 
 
 @dataclass(frozen=True)
 class Read:
-    """What a reader gives: columns, the lines of their rows in a text file, what it left out and why."""
+    """What a reader returns: columns, the line of each row in a text file, what was left out and why."""
 
     columns: Mapping[str, Column]
     lines: NDArray[np.int64] | None = None
@@ -40,13 +40,13 @@ class Read:
 
 
 class LeftOut(str):
-    """In place of a variable that has no columns: the reason."""
+    """The reason why a variable has no columns, in place of them."""
 
     __slots__ = ()
 
 
 def number_of(text: str) -> float | None:
-    """Return the number that a text is, NaN where it says that there is none, None for other text."""
+    """Return the number in a text, NaN if the text marks a missing value, None for any other text."""
     try:
         return float(text)
     except ValueError:
@@ -54,7 +54,7 @@ def number_of(text: str) -> float | None:
 
 
 def column_of(values: Sequence[Any]) -> Column:
-    """Return texts, numbers, truth values and None as float64 (n,) if all are numbers, else as str (n,)."""
+    """Return text, numbers, booleans and None as float64 (n,) if all are numbers, else as str (n,)."""
     try:
         return np.array(list(map(float, values)))
     except (ValueError, TypeError, OverflowError):
@@ -65,11 +65,11 @@ def column_of(values: Sequence[Any]) -> Column:
 
 
 def assemble(content: Mapping[str, Any]) -> Read:
-    """Return the columns of nested variables: mappings, sequences, arrays, numbers, texts, `LeftOut`.
+    """Return the columns of nested variables: mappings, sequences, arrays, numbers, text, `LeftOut`.
 
-    A variable goes by the last part of its name where no other ends so, else by its full name, as in
-    `out.signals(2).values`. Rows are as many as most vectors have (of equally many, the most rows); others
-    are left out with a note. A single number or text is a column that says it in every row.
+    A variable is called by the last part of its name if that is unique, else by its full name, as in
+    `out.signals(2).values`. The number of rows is the commonest length among the vectors (of equally common
+    ones, the largest); others are left out with a note. A single number or text is repeated in every row.
     """
     found = dict(_flat(content, "", 0))
     vectors = {name: value for name, value in found.items() if isinstance(value, np.ndarray)}
@@ -135,7 +135,7 @@ def _flat(value: Any, name: str, depth: int) -> Iterator[tuple[str, Any]]:
 
 
 def _of_array(value: Column, name: str) -> Iterator[tuple[str, Any]]:
-    """Name the columns of a matrix as MATLAB does, the longer side being time."""
+    """Name the columns of a matrix as MATLAB does; time runs along the longer side."""
     if value.ndim == 1:
         yield name, value if value.dtype.kind == "f" else column_of(value.tolist())
         return
@@ -148,7 +148,7 @@ def _of_array(value: Column, name: str) -> Iterator[tuple[str, Any]]:
 
 
 def _of_records(items: Sequence[Mapping[str, Any]], name: str, depth: int) -> Iterator[tuple[str, Any]]:
-    """Yield a column for each key of the records; where they hold more than scalars, one name for each."""
+    """Yield a column for each key of the records, or one for each record if they hold more than scalars."""
     for key in dict.fromkeys(key for item in items for key in item):
         values = [item.get(key) for item in items]
         if all(map(_is_scalar, values)):

@@ -12,26 +12,26 @@ import numpy as np
 from eccentric.errors import InputError
 from eccentric.logs.assemble import Read, column_of, number_of
 
-POINT = "; decimals are required with a point, as in 1.5"
+POINT = "; a decimal point is required, as in 1.5"
 LARGEST = 1_000_000_000
-"""Most characters of a log: a small gzip file can unfold to more than the memory holds."""
+"""Longest log, in characters: a small gzip file can unpack to more than fits in memory."""
 
 
 def read_csv(path: Path) -> Read:
     """Read a CSV file with one header row; the delimiter is a comma, a semicolon or a tab.
 
-    Lines at its head that are empty or begin with `#` are skipped, except that the last of those is the
+    Leading lines that are empty or begin with `#` are skipped, except that the last of those is the
     header if none follows.
     """
-    # Not `splitlines`, which also splits at form feeds and other separators, inside of cells.
+    # Not `splitlines`, which also splits at form feeds and other separators inside cells.
     text = io.StringIO(text_of(path), newline="").readlines()
     skipped = next((k for k, line in enumerate(text) if _is_content(line)), len(text))
     if skipped == len(text):
-        raise InputError(f"{path}: a header row with column names is required, the file is empty")
+        raise InputError(f"{path}: a header row with column names is required, received an empty file")
     try:
         return _read(path, text, skipped)
     except csv.Error as error:
-        raise InputError(f"{path}: no CSV file ({error})") from None
+        raise InputError(f"{path}: not a valid CSV file ({error})") from None
 
 
 def text_of(path: Path) -> str:
@@ -87,5 +87,7 @@ def _header(cells: list[str], path: Path) -> list[str]:
         raise InputError(f"{path}: a header row with column names is required, received numbers")
     twice = next((name for name in names if names.count(name) > 1), None)
     if twice is not None:
-        raise InputError(f"{path}: column names must differ, {twice!r} comes {names.count(twice)} times")
+        raise InputError(
+            f"{path}: unique column names are required, received {twice!r} {names.count(twice)}x"
+        )
     return names

@@ -18,14 +18,14 @@ from eccentric.logs.csv_file import text_of
 def read_json(path: Path) -> Read:
     """Read a JSON log: columns by the entries' keys, NaN for a missing key, 1 and 0 for true and false.
 
-    Numbers and texts beside the rows become columns that say them in every row, so that arithmetic in the
+    Numbers and text beside the rows become columns that repeat them in every row, so that arithmetic in the
     rig can use them.
     """
     text = text_of(path)
     try:
         content = json.loads(text)
     except (ValueError, RecursionError) as error:
-        raise InputError(f"{path}: no JSON file ({error})") from None
+        raise InputError(f"{path}: not a valid JSON file ({error})") from None
     if isinstance(content, list):
         content = {"": content}
     if not isinstance(content, dict):

@@ -1,6 +1,6 @@
 """A measured log as it was recorded: named columns, nothing converted, nothing dropped.
 
-`read_log` knows the formats; a further format is one function in `READERS`. Tables in memory are logs too.
+`read_log` knows the formats; a new format is one more function in `READERS`. Tables in memory are logs too.
 """
 
 from __future__ import annotations
@@ -29,11 +29,11 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Log:
-    """Columns of one log, all of one length: float64 with NaN for a missing value, or str where text came.
+    """Columns of one log, all of one length: float64 with NaN for a missing value, or str for text.
 
-    `path` is that of its file; a table in memory has the name that messages call it by. `lines` (rows,) are
-    the numbers of the rows' lines in a text file, from 1; None for other formats. `notes` say what was left
-    out, and why.
+    `path` is that of its file; for a table in memory, the name that messages use. `lines` (rows,) are the
+    line numbers of the rows in a text file, from 1; None for other formats. `notes` say what was left out,
+    and why.
     """
 
     path: str
@@ -43,14 +43,14 @@ class Log:
     notes: tuple[str, ...] = ()
 
     def place(self, row: int) -> str:
-        """Return where the row (counted from 0) stands: its line as an editor shows it, else its number."""
+        """Return the place of a row (counted from 0): its line as an editor shows it, else its number."""
         return f"row {row + 1}" if self.lines is None else f"line {self.lines[row]}"
 
     def numbers(self, name: str) -> NDArray[np.float64]:
         """Return the column `name` as float64 (rows,).
 
-        Raises InputError where the log has no such column (naming those that it has), or where it holds text
-        (naming its first line).
+        Raises InputError if the log has no such column (naming those that it has), or if the column holds
+        text (naming the first line that does).
         """
         values = self.text(name)
         if values.dtype.kind == "f":
@@ -66,7 +66,7 @@ class Log:
         return np.array(numbers, dtype=float)
 
     def text(self, name: str) -> Column:
-        """Return the column `name` as it came, float64 or str; InputError where there is none."""
+        """Return the column `name` as it was read, float64 or str; InputError if there is none."""
         if name not in self.columns:
             raise InputError(f"{self.path}: column {name!r} is required, the log has {few(self.columns)}")
         return self.columns[name]
@@ -92,11 +92,11 @@ def read_log(source: LogSource, name: str = "table") -> Log:
         source: a path: `.csv`, `.json`, both also as `.gz`, `.mat` (7.3: extra `mat73`), `.parquet` (extra);
             or a table: a mapping of names to arrays (n,), a structured array, or a table of pandas, polars,
             pyarrow or any library with the Arrow PyCapsule or the dataframe interchange protocol; or a Log,
-            which is returned as it is.
+            which is returned unchanged.
         name: what messages and results call a table in memory.
 
     Raises:
-        InputError: it cannot be read: one line with file, line and column.
+        InputError: the log cannot be read; one line that names file, line and column.
     """
     if isinstance(source, Log):
         return source

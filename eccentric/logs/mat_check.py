@@ -1,7 +1,7 @@
-"""Whether the elements of a MAT file of version 5 or 7 fit into each other, before SciPy reads it.
+"""Check that the elements of a MAT file of version 5 or 7 are consistent, before SciPy reads it.
 
-SciPy's reader takes type codes and sizes on trust: a single wrong byte can end the whole process, or ask for
-more memory than there is. So what it relies on is walked through here first.
+SciPy's reader trusts type codes and sizes: a single wrong byte can crash the process or exhaust the memory.
+So whatever it relies on is checked here first.
 """
 
 from __future__ import annotations
@@ -14,19 +14,19 @@ from math import prod
 
 MATRIX, COMPRESSED = 14, 15
 BYTES = {1: 1, 2: 1, 3: 2, 4: 2, 5: 4, 6: 4, 7: 4, 9: 8, 12: 8, 13: 8}
-"""Bytes of a number by its type code."""
+"""Bytes per number, by type code."""
 LETTERS = {1: 1, 2: 1, 4: 2, 16: 1, 17: 2, 18: 4}
-"""The same for letters; UTF-8 (16) can take more."""
+"""The same for characters; in UTF-8 (16) they can take more."""
 CELL, STRUCTURE, OBJECT, CHAR, SPARSE = 1, 2, 3, 4, 5
 NUMBERS = range(6, 16)
 FUNCTION, OPAQUE = 16, 17
 DEEPEST = 50
 LARGEST = 1_000_000_000
-"""Most bytes of a variable, unpacked."""
+"""Largest variable, in bytes, unpacked."""
 
 
 class DamagedError(ValueError):
-    """The file cannot be what it says."""
+    """The content of the file contradicts itself."""
 
 
 @dataclass
@@ -37,7 +37,7 @@ class _Bytes:
     order: str
 
     def element(self, padded: bool = True) -> tuple[int, memoryview]:
-        """Return type code and content of the next element, and go past it."""
+        """Return type code and content of the next element, and advance past it."""
         if len(self.data) < 8:
             raise DamagedError("it breaks off")
         (first,) = struct.unpack(f"{self.order}I", self.data[:4])
@@ -63,7 +63,7 @@ class _Bytes:
         """Return the next element, which must be of one of these types."""
         found, content = self.element()
         if found not in kinds:
-            raise DamagedError(f"an element of type {found} is where none may be")
+            raise DamagedError(f"an element of type {found} is not allowed here")
         return found, content
 
 
@@ -71,7 +71,7 @@ def check(data: bytes) -> None:
     """Go through a file of version 5 or 7; raise DamagedError with a reason if SciPy must not read it."""
     order = {b"IM": "<", b"MI": ">"}.get(data[126:128])
     if order is None:
-        raise DamagedError("its head is not that of version 5 or later; save with -v7")
+        raise DamagedError("its header is not that of version 5 or later; save with -v7")
     rest = _Bytes(memoryview(data)[128:], order)
     while len(rest.data):
         kind, content = rest.element(padded=False)
@@ -106,17 +106,17 @@ def _matrix(rest: _Bytes, depth: int) -> None:
     shape = rest.numbers()
     count = prod(shape)
     if not 2 <= len(shape) <= 32 or min(shape) < 0 or count > LARGEST:
-        raise DamagedError("an array has no size that can be")
+        raise DamagedError("an array has an impossible size")
     _word(rest)
     if kind in NUMBERS:
         for _ in range(1 + is_complex):
             code, content = rest.require(BYTES)
             if len(content) != count * BYTES[code]:
-                raise DamagedError("an array is not of the size that it says")
+                raise DamagedError("an array does not have its declared size")
     elif kind == CHAR:
         code, content = rest.require(LETTERS)
         if len(content) % LETTERS[code] or not (len(content) >= count * LETTERS[code] or not len(content)):
-            raise DamagedError("a text is not of the length that it says")
+            raise DamagedError("a text does not have its declared length")
         if len(content) == 0 and count > 8 * DEEPEST:
             raise DamagedError("a long text is empty")
     elif kind == CELL:
@@ -131,18 +131,18 @@ def _matrix(rest: _Bytes, depth: int) -> None:
             or len(names) % length
             or any(0 not in names[k : k + length] for k in range(0, len(names), length))
         ):
-            raise DamagedError("field names are not of the length that they say")
+            raise DamagedError("field names do not have their declared length")
         _inner(rest, depth, count * (len(names) // length))
     elif kind == FUNCTION:
         _inner(rest, depth)
     elif kind == SPARSE:
-        raise DamagedError("a sparse array is no signal; save with full(...)")
+        raise DamagedError("a sparse array is not a signal; save with full(...)")
     else:
         raise DamagedError(f"an array of class {kind} is unknown")
 
 
 def _inner(rest: _Bytes, depth: int, count: int = 1) -> None:
-    """Check as many matrices as a cell array or structure has."""
+    """Check the matrices of a cell array or structure, as many as it has."""
     if count * 8 > len(rest.data):
         raise DamagedError("it breaks off")
     for _ in range(count):

@@ -31,18 +31,18 @@ def read_mat(path: Path) -> Read:
 
     try:
         check(data)
-        # A variable that comes twice is a warning to SciPy, and a note here.
+        # SciPy warns of a repeated variable; here it becomes a note.
         with warnings.catch_warnings(record=True) as said:
             warnings.simplefilter("always")
             content: dict[str, Any] = loadmat(io.BytesIO(data), simplify_cells=True)
     except Exception as error:  # noqa: BLE001 - SciPy raises whatever a damaged file leads it into
-        raise InputError(f"{path}: no MAT file ({_line(error)})") from None
+        raise InputError(f"{path}: not a valid MAT file ({_line(error)})") from None
     read = assemble(dict(_plain(name, value) for name, value in content.items() if not name.startswith("__")))
     return Read(read.columns, notes=(*read.notes, *dict.fromkeys(_line(one.message) for one in said)))
 
 
 def _plain(name: str, value: Any) -> tuple[str, Any]:
-    """Mark a MATLAB object, which SciPy gives as a record with the variable's own name in it."""
+    """Mark a MATLAB object, which SciPy returns as a record that holds the variable's own name."""
     if isinstance(value, np.ndarray) and value.dtype.names is not None:
         if "s0" in value.dtype.names:
             name = np.ravel(value)[0]["s0"].decode(errors="replace")
@@ -61,7 +61,7 @@ def _read_7_3(path: Path) -> dict[str, Any]:
         with h5py.File(path) as file:
             return {name: _value(item, h5py, 0) for name, item in file.items() if not name.startswith("#")}
     except Exception as error:  # noqa: BLE001 - HDF5 raises whatever a damaged file leads it into
-        raise InputError(f"{path}: no MAT file of version 7.3 ({_line(error)})") from None
+        raise InputError(f"{path}: not a valid MAT file of version 7.3 ({_line(error)})") from None
 
 
 def _value(item: Any, h5py: Any, depth: int) -> Any:
@@ -87,7 +87,7 @@ def _value(item: Any, h5py: Any, depth: int) -> Any:
 
 
 def _records(fields: dict[str, Any]) -> Any:
-    """Return a structure; where every field is a list of one length, a structure array: a list of them."""
+    """Return a structure; if every field is a list of one length, a structure array: a list of structures."""
     lengths = {len(field) if isinstance(field, list) else 0 for field in fields.values()}
     if len(lengths) == 1 and (count := lengths.pop()) > 1:
         return [{name: field[k] for name, field in fields.items()} for k in range(count)]

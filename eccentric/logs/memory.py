@@ -1,8 +1,8 @@
-"""Logs that are tables in memory: arrays by name, or whatever speaks Arrow or has named columns.
+"""Logs that are tables in memory: arrays by name, or any table that supports Arrow or has named columns.
 
-pandas, polars, pyarrow and others hand their columns over through the Arrow PyCapsule interface or the
-dataframe interchange protocol, both read by pyarrow where it is installed. Without it, a table that gives its
-columns by name, as those of pandas and polars do, is read column by column.
+pandas, polars, pyarrow and others export their columns through the Arrow PyCapsule interface or the
+dataframe interchange protocol; pyarrow reads both, if installed. Without it, a table with access to its
+columns by name, such as those of pandas and polars, is read column by column.
 """
 
 from __future__ import annotations
@@ -45,11 +45,11 @@ TableLike: TypeAlias = Mapping[str, Any] | np.ndarray | ArrowStream | Interchang
 def read_memory(table: object, name: str) -> Read:
     """Return the columns of a table in memory: float64 with NaN for a missing value, or str.
 
-    Dates and durations become seconds, as in a Parquet file. A single number or text is a column that
-    has it in every row. Columns that are neither numbers nor text are left out with a note.
+    Dates and durations become seconds, as in a Parquet file. A single number or text is repeated in every
+    row. Columns that are neither numbers nor text are left out with a note.
 
-    Raises InputError, which begins with `name`, for what is no table, and for columns of different lengths or
-    of more than one dimension.
+    Raises InputError, which begins with `name`, for anything but a table, and for columns of different
+    lengths or of more than one dimension.
     """
     if isinstance(table, Mapping):
         return _by_name(table, name)
@@ -75,7 +75,7 @@ def read_memory(table: object, name: str) -> Read:
 
 
 def _by_arrow(table: ArrowStream | Interchange, name: str) -> Read | None:
-    """The columns as pyarrow reads them; None where it is not installed, or cannot."""
+    """The columns as pyarrow reads them; None if it is not installed, or cannot read them."""
     try:
         arrow = importlib.import_module("pyarrow")
         interchange = importlib.import_module("pyarrow.interchange")
@@ -85,12 +85,12 @@ def _by_arrow(table: ArrowStream | Interchange, name: str) -> Read | None:
         read = arrow.table if isinstance(table, ArrowStream) else interchange.from_dataframe
         return arrow_columns(read(table), name)
     except (arrow.ArrowException, TypeError, ImportError):
-        # A column of Python objects, as pandas has them: whoever needs it sees its name.
+        # A column of Python objects, as pandas has them: the message appears only if the column is used.
         return None
 
 
 def _named(table: Any) -> dict[Any, Any] | None:
-    """The columns of a table that gives them by name, None for what is no such table."""
+    """The columns of a table that offers them by name, None for anything else."""
     try:
         return {column: table[column] for column in table.columns}
     except (AttributeError, TypeError, KeyError):
@@ -117,9 +117,9 @@ def _by_name(table: Mapping[Any, Any], name: str) -> Read:
 
 
 def _values(values: object, column: object, name: str) -> Column | None:
-    """One column (n,) as float64 or str, or a single value (); None for what is neither."""
+    """One column (n,) as float64 or str, or a single value (); None for other types."""
     if not isinstance(column, str):
-        raise InputError(f"{name}: names of columns as text are required, received {column!r}")
+        raise InputError(f"{name}: column names of type str are required, received {column!r}")
     where = f"{name}: column {column!r}"
     try:
         array = np.ma.asarray(values) if isinstance(values, np.ma.MaskedArray) else np.asarray(values)
@@ -148,5 +148,5 @@ def _seconds(array: np.ndarray) -> Column:
 
 
 def _is_missing(entry: object) -> bool:
-    """Whether an entry is None or one of pandas' marks for a missing value; pandas need not be there."""
+    """Whether an entry is None or one of pandas' marks for a missing value; works without pandas."""
     return entry is None or type(entry).__name__ in {"NAType", "NaTType"}

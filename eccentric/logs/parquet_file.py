@@ -11,7 +11,7 @@ from eccentric.logs.assemble import Read
 
 
 def read_parquet(path: Path) -> Read:
-    """Read a Parquet table: numbers, texts, and stamps and durations in seconds (from 1970, UTC)."""
+    """Read a Parquet table: numbers, text, time stamps and durations in seconds (from 1970, UTC)."""
     try:
         parquet = importlib.import_module("pyarrow.parquet")
         arrow = importlib.import_module("pyarrow")
@@ -20,11 +20,11 @@ def read_parquet(path: Path) -> Read:
             f'{path}: pyarrow is required for .parquet: pip install "eccentric[parquet]"'
         ) from None
     try:
-        # Not `read_table`, which takes folders named like run=3 above the file for columns.
+        # Not `read_table`, which makes columns of parent folders with names like run=3.
         with parquet.ParquetFile(path) as file:
             table = file.read()
     except (arrow.ArrowException, OSError) as error:
         if isinstance(error, PermissionError):
             raise
-        raise InputError(f"{path}: no Parquet file ({str(error).splitlines()[0]})") from None
+        raise InputError(f"{path}: not a valid Parquet file ({str(error).splitlines()[0]})") from None
     return arrow_columns(table, str(path))

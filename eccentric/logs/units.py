@@ -1,7 +1,7 @@
 """Units that users write, as factors to SI: `rpm`, `V s/rev`, `mNm/A`, `g cm^2`, `counts`, ...
 
 A unit is a product of names from one table, with powers, `/` and parentheses.
-Angles have no dimension (rad = 1), so `V s/rad` and `N m/A` are the same dimension, as in SI.
+Angles have no dimension (rad = 1), so `V s/rad` and `N m/A` have the same dimension, as in SI.
 Hertz is left out on purpose: it is 2 pi rad/s for a speed of rotation and 1/s for everything else.
 """
 
@@ -102,7 +102,7 @@ class Unit:
 
 
 class _UnknownNameError(Exception):
-    """A name that is in no table."""
+    """A name that is not in the table."""
 
 
 def parse_unit(
@@ -110,9 +110,9 @@ def parse_unit(
 ) -> Unit:
     """Return the unit that a text names.
 
-    `where` opens the error message (file and key); `counts_per_rev` gives `counts` a meaning; the units that
-    a message proposes are those like `required`.
-    Raises InputError for a name that is in no table, and for `counts` without counts per revolution.
+    `where` opens the error message (file and key); `counts_per_rev` defines `counts`; a message proposes
+    units of the same dimension as `required`.
+    Raises InputError for an unknown name, and for `counts` without counts per revolution.
     """
     # The ohm sign and the Greek letter look alike.
     stripped = unicodedata.normalize("NFC", " ".join(text.split()))
@@ -134,9 +134,9 @@ def parse_unit(
 
 
 def parse_value(text: str, required: str, where: str, counts_per_rev: float | None = None) -> float:
-    """Return the SI value of a text such as `0.2 V s/rev` or `1/30`, where a unit like `required` is due.
+    """Return the SI value of a text such as `0.2 V s/rev` or `1/30`; `required` is a unit of its dimension.
 
-    Raises InputError where there is no number, no unit, an unknown unit, or one of another dimension.
+    Raises InputError if there is no number, no unit, an unknown unit, or one of another dimension.
     """
     match = _VALUE.fullmatch(text)
     if match is None:
@@ -160,7 +160,7 @@ def parse_value(text: str, required: str, where: str, counts_per_rev: float | No
 
 
 def require_unit(text: str, required: str, where: str, counts_per_rev: float | None = None) -> Unit:
-    """Return the unit that a text names; InputError where it has not the dimension of the unit `required`."""
+    """Return the unit that a text names; InputError if it does not have the dimension of `required`."""
     unit = parse_unit(text, where, counts_per_rev, required)
     if unit.dimension != parse_unit(required, where).dimension:
         choices = ", ".join(_choices(required, where))
@@ -170,7 +170,7 @@ def require_unit(text: str, required: str, where: str, counts_per_rev: float | N
 
 def _choices(required: str, where: str) -> list[str]:
     if required == "1":
-        return ["1", "%"]  # as a quantity without unit is written, not as an angle
+        return ["1", "%"]  # not the units of an angle, which has no dimension either
     dimension = parse_unit(required, where).dimension
     return [s for s in _SHOWN if parse_unit(s, where, 1.0).dimension == dimension] or [required]
 
@@ -197,7 +197,7 @@ def _tokens(text: str, where: str) -> list[str]:
 def _product(
     tokens: list[str], text: str, where: str, counts_per_rev: float | None
 ) -> tuple[float, Dimension, list[str]]:
-    """Read factors up to the end or a closing parenthesis: factor, dimension, tokens left."""
+    """Read factors up to the end or a closing parenthesis: factor, dimension, remaining tokens."""
     factor, dimension, divide, after_slash = 1.0, _ONE, False, False
     previous = ""
     while tokens and tokens[0] != ")":

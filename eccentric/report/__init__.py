@@ -1,13 +1,13 @@
 """`report.html`: the diagnosis for a person, one file that opens offline.
 
-    gather    Diagnosis -> ReportData: plain numbers, arrays and strings, the seam        (`report_data`)
-    panels    rows -> means over a channel, time traces: few enough to be drawn
-    figures   -> Bokeh models and their JSON; without Bokeh the report has its words and tables
+    gather    Diagnosis -> ReportData: plain numbers, arrays and strings, the interface   (`report_data`)
+    panels    rows -> means over a channel and time traces, few enough points to draw
+    figures   -> Bokeh models and their JSON; without Bokeh the report consists of text and tables
     plot      -> two of them on matplotlib axes
     view      -> the strings that the templates see (`templates/report/`)
 
-All text from logs and rigs is escaped; only what is made here goes in as it is: formulas, BokehJS, the JSON
-of the figures. The page's own policy forbids it to fetch anything.
+All text from logs and rigs is escaped; only what is made here is inserted verbatim: formulas, BokehJS, the
+JSON of the figures. The page's own content policy forbids it to fetch anything.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ __all__ = ["Parameter", "ReportData", "page", "plot_report", "report", "report_d
 
 
 def report(found: Diagnosis, files: Sequence[tuple[str, str]] = ()) -> str:
-    """The page of a diagnosis; `files` are (name, what it is) of everything that is written beside it."""
+    """The page of a diagnosis; `files` are (name, description) of everything written beside it."""
     return page(report_data(found, files))
 
 
@@ -45,7 +45,7 @@ def page(data: ReportData) -> str:
 
 
 def _figures() -> ModuleType | None:
-    """The drawing half, None where Bokeh is not installed."""
+    """The module that draws; None if Bokeh is not installed."""
     try:
         from eccentric.report import figures
     except ModuleNotFoundError as error:

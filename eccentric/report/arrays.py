@@ -1,6 +1,6 @@
-"""What the figures are drawn from: residuals of a balance on its rows, and channels beside them.
+"""The data of the figures: residuals of a balance on its rows, and the channels they are drawn over.
 
-An array may hold NaN; where a log has no such signal, the field is None or the channel is not in the list.
+An array may hold NaN; if a log has no such signal, the field is None or the channel is not in the list.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ Array = np.ndarray
 
 @dataclass(frozen=True)
 class Channel:
-    """A signal that residuals are drawn over.
+    """A signal on the horizontal axis of a residual plot.
 
     Attributes:
         key: as in `residual_depends_on`: velocity, link_angle, motor_angle, acceleration, gravity_load,
@@ -25,7 +25,7 @@ class Channel:
         label: for an axis, without unit: "motor velocity".
         unit: of the values.
         values: (n,), an angle unwrapped or not.
-        period: what an angle is wrapped to (2 pi for one turn); None for anything else.
+        period: of an angle that is wrapped (2 pi for one turn); None for anything else.
     """
 
     key: str
@@ -37,15 +37,15 @@ class Channel:
 
 @dataclass(frozen=True)
 class Rows:
-    """What the n rows (or windows) of a balance have in common.
+    """The n rows (or windows) that all arrays of a balance share.
 
     Attributes:
-        t: (n,) logged time [s]; starts anew with each run.
+        t: (n,) logged time [s]; restarts with each run.
         run: (n,) number of the run, an index of `run_names`.
         run_names: names of the runs (or logs).
         train: (n,) bool, rows that were fitted.
-        held_out: (n,) bool, rows that the held-out error is taken on. What is in neither is not drawn.
-        channels: the signals that are there.
+        held_out: (n,) bool, rows of the held-out error. Rows that are in neither are not drawn.
+        channels: the available signals.
         description: what a row is: "rows of the log", "averages over 0.2 s", "whole runs".
     """
 
@@ -58,26 +58,26 @@ class Rows:
     description: str = "rows of the log"
 
     def channel(self, key: str) -> Channel | None:
-        """The channel of that key, None if it is not there."""
+        """The channel with this key, None if there is none."""
         return next((channel for channel in self.channels if channel.key == key), None)
 
 
 @dataclass(frozen=True)
 class BalanceResiduals:
-    """A balance and how well each model holds it.
+    """A balance and how well each model satisfies it.
 
     Attributes:
         name: "mechanical" or "electrical".
-        quantity: what `measured` is, for an axis, without unit: "friction".
+        quantity: name of `measured` for an axis, without unit: "friction".
         unit: of all arrays and errors here: "N m" or "V".
-        rows: what the arrays are over.
+        rows: those of the arrays.
         paper: (n,) residual of the paper's model.
         extended: (n,) residual of the extended model; None if nothing was adopted.
         linear: (n,) residual of Coulomb and viscous friction; None if there is no such comparison.
         measured: (n,) the measured friction, so that a model's prediction is `measured` - its residual; None
-            where the balance has no friction in it.
+            if the balance contains no friction.
         rmse: model ("linear", "paper", "extended") -> held-out RMSE, as in diagnosis.json.
-        noise_floor: RMS of the sensors' own noise in it; None if unknown.
+        noise_floor: RMS of the sensors' noise in this balance; None if unknown.
     """
 
     name: str

@@ -1,4 +1,4 @@
-"""The balances of the report: residuals of the models on the rows, and the channels they are drawn over."""
+"""The balances of the report: residuals of the models on the rows, and the channels on the axes."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ _QUANTITIES = {"mechanical": "friction", "electrical": "torque of the voltage"}
 
 
 def balance_of(found: Diagnosis, name: str) -> BalanceResiduals:
-    """Residuals at one scale of the drive, the extended model's, as the score has them."""
+    """Residuals at one scale of the drive, that of the extended model, as in the score."""
     mechanical = name == "mechanical"
     models = found.models
     fits = {"linear": models.linear, "paper": models.paper, "extended": models.extended}
@@ -79,7 +79,7 @@ def _rows(found: Diagnosis) -> Rows:
 
 
 def _mean(rows: LogRows, x: Array, period: float | None) -> Array:
-    """A channel on the rows; NaN where an average goes over more than a quarter of a turn."""
+    """A channel on the rows; NaN where an average covers more than a quarter of a turn."""
     mean = rows.mean(x)
     if rows.operator is None or period is None:
         return mean

@@ -1,7 +1,7 @@
-"""What the report is made of: plain numbers, arrays and strings, nothing of fits, models or plots.
+"""The content of the report: plain numbers, arrays and strings, without fits, models or plots.
 
-This is the seam: `gather.report_data` fills these records from a Diagnosis, everything else of the report
-reads them and nothing else. Strings may come from logs and rigs; whoever prints them escapes them.
+This is the interface: `gather.report_data` fills these records from a Diagnosis, and the rest of the report
+reads nothing else. Strings may come from logs and rigs; whoever prints them escapes them.
 """
 
 from __future__ import annotations
@@ -25,13 +25,13 @@ __all__ = [
 
 
 def called(headline: str, effect_id: str) -> str:
-    """What an effect is, its id second; the id alone where nothing else is known."""
+    """The headline of an effect, then its id; the id alone if there is no headline."""
     return f"{headline} ({effect_id})" if headline else effect_id
 
 
 @dataclass(frozen=True)
 class Errors:
-    """Further errors of the models, beside those of the balances.
+    """Errors of the models other than those of the balances.
 
     Attributes:
         name: what was predicted: "with the motor switched off", "every run left out once".
@@ -51,7 +51,7 @@ class Errors:
 
 @dataclass(frozen=True)
 class Gain:
-    """How much smaller the held-out error of `balance` gets, in percent, and the 95 % interval of that."""
+    """Reduction of the held-out error of `balance`, in percent, with its 95 % interval."""
 
     balance: str
     percent: float
@@ -60,7 +60,7 @@ class Gain:
 
 @dataclass(frozen=True)
 class Candidate:
-    """A candidate, considered on one balance.
+    """A candidate that was considered on one balance.
 
     Attributes:
         id, family, balance: as in diagnosis.json.
@@ -69,8 +69,8 @@ class Candidate:
         adopted: whether it is in the extended model.
         formula: what it would add; "" if unknown.
         aliases: ids that are exactly the same within the base model.
-        hint: what to measure to tell it from others; "" if unknown.
-        headline: what it is, for a person; "" if unknown.
+        hint: what to measure to distinguish it from others; "" if unknown.
+        headline: a description for a person; "" if unknown.
     """
 
     id: str
@@ -92,9 +92,9 @@ class Candidate:
 
 @dataclass(frozen=True)
 class AddedEffect:
-    """An effect of the extended model: what it is, formula, source, its part of the friction (0 to 1).
+    """An effect of the extended model: description, formula, source, its share of the friction (0 to 1).
 
-    meaning: what it is and where it comes from, a sentence; headline: the same in a few words, "" if unknown.
+    meaning: what it is and where it comes from, one sentence; headline: the same in a few words, or "".
     """
 
     id: str
@@ -120,8 +120,8 @@ class Parameter:
         origin: "effect" (fitted, of an adopted effect), "friction" (fitted), "bench" (estimated jointly) or
             "rig" (known beforehand).
         std_error, interval: None where it was not estimated.
-        bound: "lower" or "upper" where that bound is active; "" else.
-        widened: whether an active bound enters the interval.
+        bound: "lower" or "upper" if that bound is active; "" otherwise.
+        widened: whether an active bound widens the interval.
         letter: MathML of its letter in the equations.
     """
 
@@ -139,7 +139,7 @@ class Parameter:
 
 @dataclass(frozen=True)
 class Equation:
-    """A formula: MathML (made by `formulas`, so it is trusted), and what it is in a few words."""
+    """A formula: MathML (made by `formulas`, so it is trusted), and a short description."""
 
     mathml: str
     note: str
@@ -147,7 +147,7 @@ class Equation:
 
 @dataclass(frozen=True)
 class Fact:
-    """A line of the data-quality table: what, its value with unit, and a remark ("" for none)."""
+    """A line of the data-quality table: name, value with unit, and a remark ("" for none)."""
 
     name: str
     value: str
@@ -156,7 +156,7 @@ class Fact:
 
 @dataclass(frozen=True)
 class Finding:
-    """Something odd in the log: its kind, the channel, a sentence, rows it concerns, "note" or "warning"."""
+    """Something unusual in the log: its kind, channel, a sentence, its rows, "note" or "warning"."""
 
     kind: str
     channel: str
@@ -167,7 +167,7 @@ class Finding:
 
 @dataclass(frozen=True)
 class ReportData:
-    """All that the report says.
+    """Everything that the report says.
 
     Attributes:
         logs, rig: file names.
@@ -181,17 +181,17 @@ class ReportData:
         holdout: the rule of the held-out part, in words.
         depends_on: variables that the residual of the paper's model follows, strongest first.
         candidates: best first.
-        tied: families that explain the log alike.
-        chance: balance -> (deviance gained by its best candidate, what chance reaches in 99 of 100 logs).
+        tied: families that explain the log equally well.
+        chance: balance -> (deviance gained by its best candidate, level that chance exceeds in 1 log of 100).
         effects: of the extended model, in order of adoption.
         parameters: in order of printing.
-        equations: the friction of the extended model, then what its letters stand for.
+        equations: the friction of the extended model, then the definitions of its letters.
         facts: of the log: rows, sampling, gaps, delay, zero angle, offset.
         warnings: of the reader and of the fits.
         findings: of the check of the data.
         next_measurement: one sentence; "" if nothing is open.
-        command: shell command that does it again.
-        files: (name, what it is) of everything beside the report.
+        command: shell command that repeats the diagnosis.
+        files: (name, description) of everything beside the report.
         version: of eccentric.
     """
 

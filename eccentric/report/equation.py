@@ -1,4 +1,4 @@
-"""The friction of a model as MathML, one term to a line, and what its letters stand for."""
+"""The friction of a model as MathML, one term to a line, and the definitions of its letters."""
 
 from __future__ import annotations
 
@@ -17,8 +17,8 @@ from eccentric.report.formulas import Typesetter, aligned, equation, letter, pla
 __all__ = ["friction_equations", "typesetter_of"]
 
 _ADDED = {
-    "mechanical": ("Delta tau", "what the drive has to bring up besides friction [N m, motor side]"),
-    "electrical": ("Delta u", "what the voltage has to bring up besides the armature [V]"),
+    "mechanical": ("Delta tau", "torque of the drive in addition to friction [N m, motor side]"),
+    "electrical": ("Delta u", "voltage in addition to that of the armature [V]"),
 }
 _MOTOR_SIDE = {
     link.symbol: v.mu.symbol * motor.symbol
@@ -27,13 +27,13 @@ _MOTOR_SIDE = {
 
 
 def typesetter_of(model: Model) -> Typesetter:
-    """Prints what a model is written in, in its letters."""
+    """A printer of the expressions of a model, in its letters."""
     followed = [*(d.quantity for d in model.definitions), *(s.quantity for s in model.states)]
     return Typesetter([*model.inputs, *model.parameters, *followed])
 
 
 def friction_equations(model: Model, effects: Sequence[Any]) -> list[Equation]:
-    """Friction torque of a model, what effects add besides friction, and the definitions both use.
+    """Friction torque of a model, what effects add to other terms, and the definitions both use.
 
     Args:
         model: with the effects in it.
@@ -71,7 +71,7 @@ def _sum(
 def _definitions(
     typeset: Typesetter, model: Model, used: Sequence[sp.Expr], replaced: Mapping[sp.Symbol, sp.Symbol]
 ) -> list[Equation]:
-    """What the letters in expressions stand for, followed down to inputs and parameters."""
+    """The definitions of the letters in expressions, down to inputs and parameters."""
     known = {d.symbol: d for d in model.definitions}
     waiting = sorted(set().union(*(e.free_symbols for e in used)) & set(known), key=str)
     theta_l, theta_m = v.theta_l.symbol, v.mu.symbol * v.theta_m.symbol
@@ -110,7 +110,7 @@ def _unit(definition: Definition) -> str:
 def _own_form(
     model: Model, symbol: sp.Symbol, replaced: Mapping[sp.Symbol, sp.Symbol]
 ) -> tuple[sp.Expr, sp.Expr] | None:
-    """The derivation's own formula of a quantity or its square, in the quantities that effects put in."""
+    """The derivation's own formula of a quantity or its square, with the quantities that effects replace."""
     inputs = {q.symbol for q in (*model.inputs, *model.parameters)}
     for step in model.equations:
         left, right = step.left, step.right

@@ -12,7 +12,7 @@ __all__ = ["facts_of"]
 
 
 def facts_of(found: Diagnosis) -> list[Fact]:
-    """Lines on the log, in the order of the table."""
+    """Facts about the log, in the order of the table."""
     channels, counts = found.channels, found.channels.counts
     step = np.diff(channels.t)[np.diff(channels.segment) == 0]
     usual, points = channels.logged_step_s, channels.points_per_row
@@ -39,7 +39,7 @@ def facts_of(found: Diagnosis) -> list[Fact]:
         Fact("rows held out", f"{counts['held_out']}", held),
         Fact("models are compared on", found.rows.description),
         Fact("sampling", f"{1.0 / usual:.4g} Hz", f"{usual:.4g} s a row{uneven}"),
-        Fact("gaps in time", f"{gaps}", "nothing is filtered across one" if gaps else ""),
+        Fact("gaps in time", f"{gaps}", "no filter runs across a gap" if gaps else ""),
         Fact("drive measured by", channels.drive),
         Fact("step of the motor angle", f"{channels.quantum_rad:.3g} rad"),
         aligned("input delay", "input_delay_s", "ms", 1e3),
@@ -51,7 +51,7 @@ def facts_of(found: Diagnosis) -> list[Fact]:
         Fact(
             "periodic inside runs",
             f"{o.per_turn:.2f} per motor turn",
-            f"amplitude {o.amplitude:.3g} {found.unit}, {100 * o.share:.0f} % of the variance that is left,"
+            f"amplitude {o.amplitude:.3g} {found.unit}, {100 * o.share:.0f} % of the residual variance,"
             f" in {o.seen} of {o.stretches} stretches",
         )
         for o in found.orders

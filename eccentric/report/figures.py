@@ -1,7 +1,7 @@
 """The report's figures: Bokeh models of panels and traces, and the JSON that draws them offline.
 
-Colours are Okabe and Ito's, distinct for the colour-blind; marks and dashes differ too. Texts follow the
-page: `report.js.jinja` sets their colours for the light and the dark scheme.
+Colours are those of Okabe and Ito, distinct for the colour-blind; marks and dashes differ as well. Text
+follows the page: `report.js.jinja` sets its colour for the light and the dark scheme.
 """
 
 from __future__ import annotations
@@ -41,22 +41,22 @@ STYLES: dict[str, tuple[str, str, str, float]] = {
 }
 _WITH_BARS = {"measured", "before", "after"}
 _FEW = 100
-"""Up to so many points of a trace are marked."""
+"""Points of a trace are marked up to this number."""
 _TURN = 2.0 * np.pi
 
 
 def library() -> str:
-    """BokehJS as one script: the part that draws, without widgets and without what loads fonts or TeX."""
+    """BokehJS as one script: the part that draws, without widgets and without loaders of fonts or TeX."""
     return "\n".join(Resources(mode="inline", components=["bokeh"], log_level="warn").js_raw)
 
 
 def document_json(roots: Sequence[tuple[str, Any]]) -> str:
     """All figures as JSON for `Bokeh.embed.embed_items`; roots are (id of the page's element, figure).
 
-    "<" is written as an escape, so no text in it can end the script element that it stands in.
+    "<" is escaped, so that no text can end the enclosing script element.
     """
     document = Document()
-    # Frozen, since Bokeh would go through all models again for every root.
+    # Frozen, since Bokeh would otherwise traverse all models again for every root.
     with document.models.freeze():
         for _, root in roots:
             document.add_root(root)
@@ -141,7 +141,7 @@ def _figure(x_label: str, y_label: str, height: int) -> Any:
     )
     made.toolbar.logo = None
     made.toolbar.autohide = True
-    # Plain text: a string between $$ would be taken for TeX, and its renderer fetched.
+    # Plain text: Bokeh would take a string between $$ for TeX and fetch a renderer.
     made.xaxis.axis_label = PlainText(text=x_label)
     made.yaxis.axis_label = PlainText(text=y_label)
     made.yaxis.formatter = BasicTickFormatter(power_limit_low=-6)
@@ -155,7 +155,7 @@ def _figure(x_label: str, y_label: str, height: int) -> Any:
 
 
 def _said(name: str, names: Collection[str]) -> str:
-    """A curve's name in the legend; there is no before without an after."""
+    """A curve's name in the legend; without an extended model there is no "before"."""
     alone = name == "before" and "after" not in names
     return "paper" if alone else "fitted effect" if name == "effect" else name
 
@@ -177,7 +177,7 @@ def _curve(made: Any, source: ColumnDataSource, name: str, said: str) -> Any:
 def _trace_line(made: Any, source: ColumnDataSource, name: str, said: str, band: bool, few: bool) -> Any:
     colour, dash, mark, width = STYLES[name]
     if few:
-        # A row that stands alone makes no line.
+        # A single row makes no line.
         made.scatter("at", name, source=source, marker=mark, size=7, color=colour, legend_label=said)
     if band:
         made.segment("at", f"{name}_low", "at", f"{name}_high", source=source, color=colour, alpha=0.3,
@@ -201,6 +201,6 @@ def _finish(made: Any) -> None:
 
 
 def _compact(x: Any) -> np.ndarray:
-    """Seven digits are more than a screen shows, at half the size."""
+    """Single precision: seven digits are more than a screen resolves, at half the size."""
     array = np.asarray(x)
     return array.astype(np.float32) if array.dtype.kind == "f" else array.astype(np.int32)

@@ -1,6 +1,6 @@
-"""From a Diagnosis to the records of the report.
+"""A Diagnosis as the records of the report.
 
-Beside `balance` and `facts`, which this file calls, no other file of the report knows what a fit is.
+Apart from `balance` and `facts`, which this file calls, no other file of the report knows about fits.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ _ORIGINS = ("effect", "friction", "bench", "rig", "unseen")
 
 
 def report_data(found: Diagnosis, files: Sequence[tuple[str, str]] = ()) -> ReportData:
-    """The records of a diagnosis; `files` are (name, what it is) of everything written beside the report."""
+    """The records of a diagnosis; `files` are (name, description) of everything written beside the report."""
     attribution, score, findings = found.attribution, found.score, found.channels.findings
     effects = [effect for effect, _ in found.models.extended.effects]
     named = {effect.family for effect in effects}
@@ -84,7 +84,7 @@ def _words(about: dict[str, Effect], name: str) -> tuple[str, tuple[str, ...], s
 
 
 def _further(found: Diagnosis) -> list[Errors]:
-    """Errors that are there for some logs: in the drive's unit, of free motion, over whole runs."""
+    """Errors that only some logs have: in the drive's unit, of free motion, over whole runs."""
     score = found.score
     models = {"linear", "paper"} | ({"extended"} if found.models.adopted else set())
 
@@ -96,7 +96,7 @@ def _further(found: Diagnosis) -> list[Errors]:
         unit = {"voltage": "V", "current": "A", "torque": "N m"}[found.channels.drive]
         further.append(Errors("mechanical balance, as measured", unit, of(score.per_drive)))
     if score.free:
-        note = "No electrical effect is in these rows: what predicts them is mechanical."
+        note = "These rows contain no electrical effect: only mechanical terms predict them."
         further.append(Errors("with the motor switched off", found.unit, of(score.free), note=note))
     if over := score.over_runs:
         gains = [
@@ -117,7 +117,7 @@ def _further(found: Diagnosis) -> list[Errors]:
 
 
 def _parameters(found: Diagnosis) -> list[Parameter]:
-    """Those of the effects, fitted friction, what the log had to give of the bench, what the rig knew."""
+    """Parameters of the effects, fitted friction, those of the bench that were estimated, and known ones."""
     own = {q.name for effect, _ in found.models.shipped.effects for q in effect.parameters}
     terms = found.models.shipped.model.balance("mechanical").terms
     friction = {str(term.coefficient) for term in terms if term.kind == "friction"}
@@ -129,7 +129,7 @@ def _parameters(found: Diagnosis) -> list[Parameter]:
         kinds = (("effect", own), ("friction", friction), ("bench", given))
         last = "rig" if q.name in found.rig.known else "unseen"
         origin = next((name for name, letters in kinds if q.name in letters), last)
-        # A coefficient that is one with another is not fitted: the other stands for their sum.
+        # A coefficient that is inseparable from another is not fitted: the other represents their sum.
         if value is None or (origin == "friction" and estimates and q.name not in estimates):
             continue
         row = Parameter(q.name, q.meaning, q.unit, value, origin, letter=typeset(q.symbol))

@@ -1,7 +1,7 @@
-"""Rows to points that can be drawn: means over a channel with the spread of their rows, and time traces.
+"""Rows reduced to points for drawing: means over a channel with the spread of their rows, and time traces.
 
-Means, since they add up: before is after plus effect in every bin, also where a bin mixes two branches.
-Nothing is smoothed or left out in silence: every point knows how many rows it stands for.
+Means, since they are additive: before is after plus effect in every bin, even where a bin mixes two branches.
+Nothing is smoothed or silently left out: every point records how many rows it represents.
 """
 
 from __future__ import annotations
@@ -18,11 +18,11 @@ __all__ = ["Curve", "Panel", "Trace", "friction_panel", "residual_panel", "shown
 Array = np.ndarray
 
 BINS = 60
-"""Most bins of a panel; so few rows are drawn as they are."""
+"""Most bins of a panel; up to this many rows are drawn singly."""
 POINTS = 1200
 """Most points of a time trace."""
 CUT_S = 0.5
-"""A longer pause between held-out rows is cut out of the time axis."""
+"""Longer pauses between held-out rows are cut out of the time axis."""
 
 
 @dataclass(frozen=True)
@@ -35,7 +35,7 @@ class Curve:
 
     @property
     def swing(self) -> float:
-        """From the lowest to the highest mean."""
+        """The range from the lowest to the highest mean."""
         return float(np.nanmax(self.middle) - np.nanmin(self.middle))
 
 
@@ -48,7 +48,7 @@ class Panel:
         against_motion: whether values are counted positive against the motion, as friction is.
         at: (k,) mean of the channel in each bin, increasing; NaN where a bin is empty.
         rows: (k,) rows in each bin.
-        left_out: rows in bins too thin to say anything.
+        left_out: rows in bins with too few of them to draw.
         curves: name -> curve, spread from the 10 % to the 90 % quantile.
     """
 
@@ -65,12 +65,12 @@ class Trace:
     """The held-out part along time, long pauses cut out.
 
     Attributes:
-        at: (k,) time on the axis [s]; a NaN stands between stretches.
+        at: (k,) time on the axis [s]; a NaN separates stretches.
         t: (k,) logged time [s]; run: (k,) number of the run.
         cuts: (c,) axis times where something was cut out.
-        rows_per_point: most rows that a point stands for; 1 where nothing was decimated.
+        rows_per_point: most rows that a point represents; 1 if nothing was decimated.
         rows: all rows drawn.
-        curves: name -> curve, spread from the least to the greatest row.
+        curves: name -> curve, spread from the smallest to the largest row.
     """
 
     at: Array
@@ -90,8 +90,8 @@ def shown_rows(rows: Rows) -> Array:
 def residual_panel(balance: BalanceResiduals, channel: Channel) -> Panel | None:
     """Residual before and after, and the fitted effect; None without enough rows.
 
-    Over anything but the velocity the two directions of motion would cancel where friction is missing. There
-    the residual is counted against the motion if that shows more structure.
+    Over any channel but the velocity, missing friction would cancel between the two directions of motion.
+    There the residual is counted against the motion if that shows more structure.
     """
     curves = {"before": balance.paper}
     if balance.extended is not None:
@@ -106,7 +106,7 @@ def residual_panel(balance: BalanceResiduals, channel: Channel) -> Panel | None:
 
 
 def friction_panel(balance: BalanceResiduals, channel: Channel) -> Panel | None:
-    """Measured and predicted friction; over anything but the velocity counted against the motion."""
+    """Measured and predicted friction; over any channel but the velocity, counted against the motion."""
     if balance.measured is None:
         return None
     residuals = {"linear": balance.linear, "paper": balance.paper, "extended": balance.extended}
@@ -138,7 +138,7 @@ def _binned(
         rows_drawn = {name: y[use][order] for name, y in curves.items()}
         made = {name: Curve(y, y, y) for name, y in rows_drawn.items()}
         return Panel(channel, against_motion, x[order], np.ones(count, int), 0, made)
-    # The rare extremes of a channel would stretch the axis: they join the outermost bins.
+    # Rare extremes of a channel would stretch the axis: they are put into the outermost bins.
     low, high = (0.0, channel.period) if channel.period else np.quantile(x, [0.002, 0.998])
     bins = int(np.clip(count // 10, 12, BINS)) if high > low else 1
     least = 5 if count >= 20 * bins else 2
@@ -164,7 +164,7 @@ def _binned(
 def trace(balance: BalanceResiduals) -> Trace | None:
     """Measured and predicted friction, and residuals, on the held-out rows; None if there are none.
 
-    Consecutive rows of a stretch are put together so that at most some 1200 points remain.
+    Consecutive rows of a stretch are averaged so that at most some 1200 points remain.
     """
     given = {
         "measured": balance.measured,

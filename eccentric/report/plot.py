@@ -1,4 +1,4 @@
-"""Two figures of the report in matplotlib: what is left of the balance, and friction over the velocity."""
+"""Two figures of the report in matplotlib: the residual of the balance, and friction over the velocity."""
 
 from __future__ import annotations
 
@@ -24,11 +24,11 @@ _WITH_BARS = {"measured", "before", "after"}
 
 
 def plot_report(data: ReportData, left: Any, right: Any) -> None:
-    """Draw on two matplotlib axes what the report shows first.
+    """Draw the first figures of the report on two matplotlib axes.
 
     On the left the residual before and after, over the signal that it depends on most; on the right measured
-    and predicted friction over the motor velocity, or the residual where the balance has no friction in it.
-    Points are means over bins, bars reach from the 10 % to the 90 % quantile of their rows.
+    and predicted friction over the motor velocity, or the residual if the balance contains no friction.
+    Points are means over bins; bars extend from the 10 % to the 90 % quantile of their rows.
     """
     balance = data.balances[0]
     order = {key: k for k, key in enumerate(data.depends_on)}

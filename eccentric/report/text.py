@@ -1,4 +1,4 @@
-"""Numbers as they are read, and the sentences of the report."""
+"""Numbers as text, and the sentences of the report."""
 
 from __future__ import annotations
 
@@ -17,14 +17,14 @@ VERDICTS = {
     "nothing_missing": "nothing missing",
 }
 _WINDOWS = (
-    "These errors are of smoothed windows, each predicted by a fit to the others; those of the held-out part"
-    " are of single rows."
+    "These errors are for smoothed windows, each predicted by a fit to the others; those of the held-out part"
+    " are for single rows."
 )
 _SUPERSCRIPT = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 
 
 def number(value: float, digits: int = 4) -> str:
-    """A number with so many significant digits, a real minus sign, and powers of ten set as such."""
+    """A number with this many significant digits, a true minus sign, and powers of ten as superscripts."""
     text = f"{value:.{digits}g}"
     mantissa, e, exponent = text.partition("e")
     power = f" × 10{str(int(exponent)).translate(_SUPERSCRIPT)}" if e else ""
@@ -46,7 +46,7 @@ def figure_words(panel: Panel, unit: str) -> tuple[str, str]:
     label, curves = panel.channel.label, panel.curves
     facing = ", counted against the motion" if panel.against_motion else ""
     if "before" in curves:
-        swing = f"Over the {label} the means swing by {number(curves['before'].swing, 3)} {unit}"
+        swing = f"Over the {label} the means vary by {number(curves['before'].swing, 3)} {unit}"
         if "after" in curves:
             swing += f" before and by {number(curves['after'].swing, 3)} {unit} after"
         what = "Residual" if "after" in curves else "Residual of the paper's model"
@@ -61,14 +61,12 @@ def figure_words(panel: Panel, unit: str) -> tuple[str, str]:
             f"{number(value, 3)} {unit} ({'paper' if name == 'paper' else 'extended'})"
             for name, value in missed.items()
         ]
-        swing = (
-            f"Over the {label} the predicted means miss the measured ones by at most {' and '.join(parts)}"
-        )
+        swing = f"Over the {label} the predicted means are off by at most {' and '.join(parts)}"
         what = "Measured and predicted friction"
     rows = panel.rows[panel.rows > 0]
-    stands = "a mark is a row" if rows.max() == 1 else f"a mark stands for {rows.min()} to {rows.max()} rows"
+    stands = "marks are rows" if rows.max() == 1 else f"marks average {rows.min()} to {rows.max()} rows"
     if panel.left_out:
-        stands += f", {panel.left_out} rows in bins too thin are not drawn"
+        stands += f", {panel.left_out} rows in sparse bins are not drawn"
     at = panel.at[np.isfinite(panel.at)]
     extent = f"from {number(float(at[0]), 3)} to {number(float(at[-1]), 3)} {panel.channel.unit}"
     return f"{swing}{facing}; {stands}.", f"{what} over the {label} {extent}. {swing}{facing}."
@@ -80,7 +78,7 @@ def trace_words(found: Trace, balance: BalanceResiduals) -> tuple[str, str]:
         "every row is drawn"
         if found.rows_per_point == 1
         else f"a point is the mean of up to {found.rows_per_point} consecutive rows, the shaded band their"
-        " least and greatest"
+        " minimum and maximum"
     )
     cuts = f" The {len(found.cuts)} dotted lines mark where time was cut out." if len(found.cuts) else ""
     errors = ", ".join(f"{name} {number(value, 3)} {balance.unit}" for name, value in balance.rmse.items())
@@ -116,19 +114,19 @@ def _against(winner: Candidate, runner: Candidate, unit: str, tied: bool) -> str
         )
     return (
         f"Why the runner-up lost: {runner.called} leaves an error of {error}, {number(times, 3)} times the"
-        f" {least} of what was adopted ({chances}). {_WINDOWS}"
+        f" {least} of the adopted effect ({chances}). {_WINDOWS}"
     )
 
 
 def _chance(best: Candidate, chance: tuple[float, float], verdict: str) -> str:
     gained, level = chance
     sentence = (
-        f"The best candidate of the {best.balance} balance is {best.called}; how much better the log fits"
-        f" with it is {number(gained, 3)} in deviance, and one log of a hundred without any effect has"
+        f"The best candidate of the {best.balance} balance is {best.called}; it improves the fit"
+        f" by {number(gained, 3)} in deviance, and one log in a hundred without any effect reaches"
         f" {number(level, 3)} or more by chance"
     )
     if gained <= level:
         return f"{sentence}: it may be chance."
     if verdict == "unexplained":
-        return f"{sentence}. What it leaves still follows a variable: it has not the right shape."
-    return f"{sentence}. That is too little to be distinguished from the errors of filters and of sampling."
+        return f"{sentence}. Its residual still follows a variable: its shape is not the right one."
+    return f"{sentence}. That is too little to distinguish from errors of the filters and of sampling."

@@ -1,4 +1,4 @@
-"""What the report's templates may see: strings, and lists of them; arithmetic and choices end here."""
+"""What the report's templates see: strings and lists of strings; all arithmetic and choices are made here."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ _MARKS = {"named": "✓", "not_identifiable": "≈", "unexplained": "?", "nothin
 
 
 def view(data: ReportData, figures: ModuleType | None) -> dict[str, Any]:
-    """The names that the templates use; without `figures` (no Bokeh) captions and tables remain."""
+    """The variables of the templates; without `figures` (no Bokeh) captions and tables remain."""
     shown = [b for k, b in enumerate(data.balances) if k == 0 or b.extended is not None]
     drawn = _Figures(figures)
     residuals = [(b, _residuals(drawn, b, data)) for b in shown]
@@ -63,14 +63,14 @@ def view(data: ReportData, figures: ModuleType | None) -> dict[str, Any]:
 
 
 class _Figures:
-    """Collects what is drawn; each figure gets the id of its element in the page."""
+    """Collects the plots; each figure receives the id of its element in the page."""
 
     def __init__(self, module: ModuleType | None) -> None:
         self.module = module
         self.roots: list[tuple[str, Any]] = []
 
     def add(self, caption: tuple[str, str], make: Callable[[ModuleType], list[Any]]) -> dict[str, Any]:
-        """The template's view of a figure, of one plot or several that belong together."""
+        """The template's view of a figure, with one plot or several that belong together."""
         made = make(self.module) if self.module else []
         ids = [f"plot-{len(self.roots) + k + 1}" for k in range(len(made))]
         self.roots += zip(ids, made, strict=True)
@@ -82,7 +82,7 @@ class _Figures:
 
 
 def _residuals(drawn: _Figures, balance: BalanceResiduals, data: ReportData) -> list[dict[str, Any]]:
-    """One figure per channel, those that the residual depends on first."""
+    """One figure per channel; those that the residual depends on come first."""
     order = {key: k for k, key in enumerate(data.depends_on)}
     found = []
     for channel in sorted(balance.rows.channels, key=lambda c: order.get(c.key, len(order))):
@@ -148,7 +148,7 @@ def _errors(data: ReportData) -> list[dict[str, Any]]:
 
 
 def _bars(errors: Errors, noise: float | None) -> dict[str, Any]:
-    """The longest bar is full width; the interval of the improvement is a whisker on the extended model's."""
+    """The longest bar has full width; the interval of the improvement is a whisker on the bar "extended"."""
     ends: list[float] = []
     if errors.interval:
         ends = [errors.rmse["paper"] * (1.0 - percent / 100.0) for percent in reversed(errors.interval)]

@@ -1,10 +1,10 @@
-"""What is missing from a model: residuals of a log and a library of effects in, one verdict out.
+"""What a model lacks: residuals of a log and a library of effects in, one verdict out.
 
     balances      FitData -> both balances as linear designs, the setting of the library
     offer         which effects of the library a log can show
     from_effect   an effect becomes a candidate: columns of torque with a few shapes
     screen        candidates on one balance: scored, refined, cross-validated
-    attribution   the search on each balance: adopt, compare, let smooth terms try
+    attribution   the search on each balance: adopt, compare, try smooth terms on the rest
     verdict       one verdict, a ranked list, the measurement that would decide
     limits        every threshold, with its reason
 

@@ -1,16 +1,16 @@
-"""Residual attribution on the balances: which effects, in which order, and how sure.
+"""Residual attribution on the balances: which effects, in which order, with what probability.
 
-The electrical balance comes first: what a current sensor's bias or delay does to the mechanical balance is
-taken out of it. On each:
+The electrical balance comes first, so that what a current sensor's bias or delay adds to the mechanical
+balance can be subtracted there. On each balance:
 
-1. forward: the candidate with the best cross-validated score is adopted while it is worth it;
+1. forward: the candidate with the best cross-validated score is adopted as long as it gains enough;
 2. each step also tries the best partners of the first search's runners-up and every swap of one variant for
-   another (what looks best alone need not be in the best pair); what no longer earns its place leaves;
+   another (the best single effect need not be in the best pair); what has become superfluous is removed;
 3. each adopted variant is compared with its alternatives, the others kept: their scores give probabilities;
-4. smooth terms try what is left. If they still take out a part of the structure, no candidate explains it.
+4. smooth terms are fitted to what is left. If they explain part of the structure, no candidate explains it.
 
 Scores are n_eff/2 log(cross-validated sum of squares), n_eff from the autocorrelation of the best residual: a
-residual that still has structure counts as few samples and decides little.
+residual that still has structure counts as few samples and carries little weight.
 """
 
 from __future__ import annotations
@@ -50,7 +50,7 @@ class Search:
     alternatives: list[dict[str, tuple[float, Fitted]]] = field(default_factory=list)
 
     def run(self) -> None:
-        """Adopt, compare, and let the smooth terms try."""
+        """Adopt, compare, then fit the smooth terms to what is left."""
         while len(self.best.variants) < limits.MOST_EFFECTS:
             if self.best.variants and self.best.score < limits.AT_FLOOR * self.screen.floor:
                 break
@@ -80,14 +80,14 @@ class Search:
         )
 
     def null_level(self) -> float:
-        """The deviance that the best of the library reaches by chance on this log, 99 % quantile."""
+        """The deviance that the best effect of the library reaches by chance on this log, 99 % quantile."""
         return null_quantile(self.screen, self.best)
 
     def _effective(self, fitted: Fitted, screen: Screen) -> float:
         return screen.rows / correlated(screen, screen.residual(fitted))
 
     def clears(self, before: Fitted, after: Fitted) -> bool:
-        """Whether a further effect takes out enough of what the first ones leave above the floor."""
+        """Whether a further effect explains enough of what the first ones leave above the noise floor."""
         if not before.variants:
             return True
         floor = min(self.screen.floor, after.score)
@@ -106,7 +106,7 @@ class Search:
         return found
 
     def swapped(self, fitted: Fitted) -> Fitted:
-        """Each variant against all others in its place, twice over."""
+        """Each variant against all others in its place, in two passes."""
         if len(fitted.variants) == 1:
             return fitted
         for place in [*range(len(fitted.variants))] * 2:

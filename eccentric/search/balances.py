@@ -1,4 +1,4 @@
-"""A log as it enters the search: signals and rows, both balances, and what the library is made for."""
+"""A log as the search sees it: signals and rows, both balances, and the setting of the library."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ Array = np.ndarray
 
 
 def balances_of(data: FitData, rig: Rig, model: Model) -> tuple[list[BalanceDesign], dict[str, float]]:
-    """The balances of the training part, and what white noise leaves in a row of each [N m]."""
+    """The balances of the training part, and the white noise that remains in a row of each [N m]."""
     drive, signals, channels = data.drive, data.signals, data.drive.channels
     known, torque = signals.known, drive.torque()
     load = compiled(model, model.balance("mechanical").sum_of("inertial", "gravity", "conservative"), signals)
@@ -48,13 +48,13 @@ def balances_of(data: FitData, rig: Rig, model: Model) -> tuple[list[BalanceDesi
         residual = drive.machine.torque(known, by_voltage) - torque
         empty = np.empty((len(torque), 0))
         balances.append(balance_design("electrical", every, residual, empty, (), np.empty(0), target))
-        # What the drive really does as quickly as noise is in the torque, and cancels in the residual.
+        # Real torque as fast as noise is in the target, but cancels in the residual.
         noise["electrical"] = min(_row_noise(unseen * x, every) for x in (torque, residual))
     return balances, noise
 
 
 def _row_noise(signal: Array, rows: Rows) -> float:
-    """RMS that the white noise of a signal (samples,) leaves in a row; the first stands for all."""
+    """RMS of the white noise of a signal (samples,) that remains in a row; the first row represents all."""
     return white_noise(signal) * float(rows.noise_gain()[0])
 
 
@@ -85,7 +85,7 @@ def setting_of(data: FitData, model: Model, friction: Array) -> Setting:
     warm = channels.temperature
     present = {"current"} if channels.drive != "voltage" else set()
     present |= {"voltage"} if data.drive.measured_twice else set()
-    # What the armature does, a voltage shows in the torque that it makes.
+    # With a voltage alone, effects of the armature show in the torque computed from it.
     present |= {"current", "voltage"} if data.drive.by_voltage else set()
     present |= {"temperature"} if warm is not None else set()
     highest = float(np.quantile(speed, 0.99))
@@ -112,7 +112,7 @@ def variables_of(data: FitData) -> Variables:
     channels = data.drive.channels
     return Variables(
         t=channels.t,
-        # Angles of several runs that were integrated from the speed have no common zero.
+        # Angles integrated from the speed have no zero common to several runs.
         theta_m=channels.theta_m if channels.phased else None,
         omega_m=channels.omega_m,
         alpha_m=channels.alpha_m,
@@ -126,7 +126,7 @@ def variables_of(data: FitData) -> Variables:
 
 
 def _drive_current(data: FitData) -> Array:
-    """The current (samples,) [A] that what is smooth may depend on: measured where a voltage tells it too."""
+    """The current (samples,) [A] that smooth terms may depend on: measured if there is a voltage as well."""
     drive = data.drive
     if drive.measured_twice:
         return drive.channels.smooth(drive.signal())

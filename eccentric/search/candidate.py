@@ -1,8 +1,8 @@
 """What the search knows of an effect: columns of torque with a few shape parameters.
 
-Method and physics are kept apart here: a candidate computes columns [N m, motor side], the search decides
-about columns. `from_effect` turns a record of `eccentric.effects` into a candidate, `smooth` makes those that
-no effect is behind.
+Method and physics are separated here: a candidate computes columns [N m, motor side], the search compares
+columns. `from_effect` turns a record of `eccentric.effects` into a candidate, `smooth` makes those without an
+effect behind them.
 """
 
 from __future__ import annotations
@@ -30,14 +30,14 @@ class Candidate:
     evidence: how it shows in a log.
     columns: values of the shapes -> (samples, k); hidden states run from the start of the log.
     shapes: nonlinear parameters with their ranges.
-    lower: least coefficient of each column, 0 or -inf; a single one holds for all.
+    lower: lower bound of each column's coefficient, 0 or -inf; a single one holds for all.
     changes: values of the shapes -> (what is known to be missing (samples,), base (samples, p)), of an effect
         that changes a quantity inside the base (an angle, a factor on friction). Its parameters are all in
-        `shapes`; `columns` then only serve the first look.
+        `shapes`; `columns` are then used in the first screening only.
     also: values of the shapes -> what an electrical effect adds to the mechanical target (samples, k), for
         the same coefficients.
     ridge: penalty on the coefficients, relative to their scaled diagonal (smooth terms only).
-    words: what a person reads of it.
+    words: what a person reads about it.
     """
 
     id: str
@@ -67,7 +67,7 @@ class Variant:
 
     @property
     def key(self) -> tuple[object, ...]:
-        """What tells it from other variants."""
+        """What distinguishes it from other variants."""
         return (self.candidate.id, *self.values.values())
 
 
@@ -85,6 +85,6 @@ def grid(candidate: Candidate) -> list[Variant]:
 
 
 def bounds_of(candidate: Candidate, width: int) -> Array:
-    """Least coefficients of a candidate's columns, (width,)."""
+    """Lower bounds of the coefficients of a candidate's columns, (width,)."""
     own = np.asarray(candidate.lower, float)
     return own if len(own) == width else np.full(width, own[0])

@@ -2,8 +2,8 @@
 
 Everything a selection needs is in the normal equations summed per block: a fold is fitted on the sum of the
 other folds' blocks and judged on its own, so no row is visited twice.  Rows of one block are correlated (they
-share filter, motion and drift), blocks are taken as exchangeable; standard errors and intervals come from
-blocks.
+share filter, motion and drift); blocks are taken as exchangeable, and standard errors and intervals come from
+them.
 """
 
 from __future__ import annotations
@@ -48,10 +48,10 @@ class Gram:
 
 
 def bounded_solve(matrix: Array, vector: Array, lower: Array, ridge: Array | float = 0.0) -> Array:
-    """Least squares from normal equations with coefficients that are free (lower -inf) or not negative (0).
+    """Least squares from normal equations with coefficients that are free (lower -inf) or nonnegative (0).
 
-    A relative ridge of 1e-10 keeps exact aliases solvable: the shortest of the equivalent solutions is as
-    good. `ridge` is a further penalty in units of the scaled diagonal (smooth terms).
+    A relative ridge of 1e-10 keeps exact aliases solvable and picks the shortest of the equivalent solutions.
+    `ridge` is a further penalty in units of the scaled diagonal (smooth terms).
     """
     scale = np.sqrt(np.maximum(matrix.diagonal(), 1e-300))
     scaled = matrix / (scale[:, None] * scale)
@@ -66,7 +66,7 @@ def bounded_solve(matrix: Array, vector: Array, lower: Array, ridge: Array | flo
     except np.linalg.LinAlgError:
         return np.zeros(len(vector))
     free = ~bounded
-    # a free coefficient is the difference of two that are not negative
+    # a free coefficient is the difference of two nonnegative ones
     design = np.hstack([factor.T, -factor.T[:, free]])
     doubled, _ = nnls(design, solve_triangular(factor, right, lower=True, check_finite=False))
     solution = doubled[: len(vector)].copy()

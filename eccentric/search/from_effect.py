@@ -33,8 +33,8 @@ def candidate_of(
         signals: smooth signals.
         friction: (columns,) coefficients of a first fit of the base model, for the first look at effects that
             scale or replace something.
-        balance: the one that shows it, None for the effect's own: a rig driven by voltage alone shows what
-            the armature does in the mechanical balance.
+        balance: the one that shows it, None for the effect's own: with a voltage alone, effects of the
+            armature show in the mechanical balance.
     """
     extended = effect.extend(model)
     names = tuple(shape.quantity.name for shape in effect.shapes)
@@ -50,7 +50,7 @@ def candidate_of(
         ]
         for balance, terms in effect.change.terms.items()
     }
-    # The search knows 0 as a bound, no other; the fit on the emitted module keeps them all.
+    # The search knows no bound but 0; the fit on the emitted module respects them all.
     lower = tuple(0.0 if low == 0.0 else -np.inf for low, _ in effect.bounds) or (-np.inf,)
     changes = _changes(effect, model, extended, signals, names, states)
 
@@ -61,13 +61,13 @@ def candidate_of(
 
         return columns
 
-    # Compiled for those few that need it.
+    # Compiled only for the few that need it.
     plain = np.empty(0) if changes is None else base_columns(model, signals) @ friction
 
     def first_look(values: Values) -> Array:
-        """The change at these values, friction as first fitted: a direction for the search."""
+        """The change at these values with the friction of the first fit: a direction for the search."""
         if changes is None:
-            raise ValueError(f"effect {effect.id} changes nothing of the base model")
+            raise ValueError(f"effect {effect.id} changes nothing in the base model")
         known, base = changes(values)
         return (known + base @ friction - plain)[:, None]
 
@@ -87,7 +87,7 @@ def candidate_of(
 
 
 def _collected(terms: Sequence[Any], coefficient: sp.Symbol) -> sp.Expr:
-    """What the coefficient multiplies in the terms of one balance."""
+    """The factor of the coefficient in the terms of one balance."""
     return sp.Add(*(sp.expand(term.value).coeff(coefficient) for term in terms))
 
 

@@ -1,7 +1,7 @@
 """Every threshold of the search, each with its reason.
 
-Those of the decision were calibrated on the development seeds of the virtual bench, of which the published
-benchmark uses none.
+Those of the decision were calibrated on development seeds of the virtual bench; the published benchmark uses
+none of them.
 """
 
 from __future__ import annotations
@@ -39,87 +39,88 @@ __all__ = [
     "UNEXPLAINED_OVER_RUNS",
 ]
 
-# What an effect must gain to be adopted.
+# The gain that adopting an effect requires.
 
 LEAST_DEVIANCE = 20.0
-"""Twice the log-likelihood that an addition must gain: below it may be chance.
+"""Twice the log-likelihood that an addition must gain: less may be chance.
 
-Controls of the bench stay below 16; `nulltest.null_quantile` gives a log's own level beside it.
+Controls of the bench stay below 16; `nulltest.null_quantile` gives the level of each log as well.
 """
 LEAST_SHARE = 0.002
-"""RMS that an addition must take out of the residual, as a fraction of the balance's scale: below it lie the
-errors of filters and of the sampling of voltage and current."""
+"""RMS that an addition must remove from the residual, as a fraction of the balance's scale: filters and the
+sampling of voltage and current cause errors of that size."""
 LEAST_PART = 0.0003
-"""The same squared, as a fraction of all the structure found so far: a trace beside a large effect is an
-error of that effect's form."""
+"""The same squared, as a fraction of all the structure found so far: a small remainder beside a large effect
+is an error in that effect's form."""
 CLEARS = 0.5
-"""Part of what is left above the sensors' floor that a second or third effect must take out: less is a patch
-on the form of the first."""
+"""Fraction of what is left above the sensors' noise floor that a second or third effect must explain: less
+only corrects the form of the first."""
 AT_FLOOR = 1.02
-"""Sum of squares, in units of the sensors' floor, at which nothing further is looked for: 2 % is what the
-estimate of the noise is uncertain by."""
+"""Sum of squares, in units of the sensors' noise floor, below which the search stops: the estimate of the
+noise is uncertain by 2 %."""
 BELOW_NOISE = 0.8
-"""Part of the sensors' floor below which a fit has noise on both sides of its equation (the measured current
-as a regressor of itself): the floor is known to some 10 %, no honest fit comes out a fifth below it."""
+"""Fraction of the sensors' noise floor below which a fit must have noise on both sides of its equation (the
+measured current as its own regressor): the floor is known to some 10 %, so no valid fit is a fifth below
+it."""
 MOST_EFFECTS = 3
-"""Adopted at most per balance: a log of a minute has not shown more."""
+"""Most effects adopted per balance: no log of a minute has shown more."""
 
 # How alternatives are weighed.
 
 SURE = 0.8
-"""Probability from which an effect is named: a special case tied with its general form has 0.88, a third
-family tied with both takes it below."""
+"""Least probability of a named effect: a special case tied with its general form has 0.88, a third family
+tied with both reduces it to less."""
 SPECIAL = 2.0
-"""Log-odds that a special case has over the family that contains it: it says as much with less."""
+"""Log-odds of a special case over the family that contains it: it explains as much with fewer parameters."""
 POSSIBLE = 0.05
-"""Probability from which a family is among those that explain the log alike."""
+"""Least probability of a family that counts as explaining the log equally well."""
 FORMS_OF_A_PATCH = 3
-"""Members of one family that no longer are an effect: one order or two is one, three trace a shape that none
-of them is."""
+"""Number of members of one family that no longer count as an effect: one or two orders do, three approximate
+a shape that none of them has."""
 
-# What no effect explains.
+# Structure that no effect explains.
 
 UNEXPLAINED = 0.04
-"""Part of the structure that a smooth term must take out beyond the effects to refuse a name."""
+"""Fraction of the structure that a smooth term must explain beyond the effects for the name to be refused."""
 UNEXPLAINED_OVER_RUNS = 0.15
-"""The same where every run is predicted from the others: no two runs are quite alike, and what is named has
-yet to predict those that were not seen."""
+"""The same where every run is predicted from the others: no two runs are quite the same, and a named effect
+has yet to predict those held out."""
 EXTRAPOLATED = 4.0
-"""Times the loss without it from which a smooth term says nothing of a block: it had to extrapolate there."""
+"""A block counts for nothing if a smooth term multiplies its loss by this: it had to extrapolate there."""
 
-# What chance reaches.
+# The level that chance reaches.
 
 LEVEL = 0.99
-"""Quantile: what chance reaches in one log of a hundred."""
+"""Quantile: the level that chance reaches in one log out of a hundred."""
 DRAWS = 200
-"""Random signs of the blocks: two of them lie above the 99 % quantile."""
+"""Draws of random signs for the blocks: two of them lie above the 99 % quantile."""
 MOST_LAGS = 60
-"""Rows over which a residual is correlated with itself, at most: a second of windows that overlap."""
+"""Longest autocorrelation of a residual, in rows: a second of overlapping windows."""
 ROWS_FOR_ONE = 2.0
-"""Rows that count as one, at least: windows overlap by half."""
+"""Fewest rows that count as one: windows overlap by half."""
 
 # How far the search looks.
 
 FOLDS = 8
-"""Of the cross-validation: an eighth of the blocks is predicted from seven."""
+"""Folds of the cross-validation: one eighth of the blocks is predicted from the other seven."""
 LEADERS = 8
 """Candidates whose shapes are refined; four times as many are cross-validated at their grid point."""
 EVALUATIONS = 30
-"""Of a simplex search, for each shape: a hundredth of the range is reached by then."""
+"""Evaluations of a simplex search per shape: enough for a hundredth of the range."""
 FIRST_EVALUATIONS = 10
-"""The same before the comparison, of what changes the base: its grid is coarse."""
+"""The same before the comparison, for what changes the base: its grid is coarse."""
 TRIED = 2
 """Leaders of a step that are refined in all their shapes and compared."""
 PARTNERS = 3
-"""Families, the first one included, beyond which no further one is tried as half of a pair."""
+"""Families tried as half of a pair, the first one included."""
 LEADERS_OF_A_PARTNER = 3
 LEADERS_OF_A_SWAP = 4
-"""Candidates refined beside a variant that is kept: the place is given, the best few decide it."""
+"""Candidates refined beside a variant that is kept: only the best few can take the place."""
 SWAPPED = 0.995
-"""Part of a score that a swap must come below, so that two effects do not take turns."""
+"""A swap must bring the score below this fraction, so that two effects do not alternate."""
 CHANGES = 3
-"""Times that the comparison with alternatives may change what is adopted: it ends, whatever the log."""
+"""Most changes that the comparison with alternatives may make, so that it ends for any log."""
 TINY_COLUMN = 1e-4
-"""Part of its length that a column keeps beside base and variants, below which it is one of theirs."""
+"""A column is linearly dependent if base and variants leave less than this fraction of its length."""
 MOST_KEPT = 400
-"""Columns and changed bases kept in memory: a simplex search comes back to a few."""
+"""Columns and changed bases kept in memory: a simplex search returns to a few."""

@@ -1,9 +1,9 @@
 """Is anything missing? What noise and chance leave in a residual.
 
-- `inflation`: by how much correlated rows overstate their number (a HAC sum of the autocorrelation).
-- `flipped_null`: the largest gain that any column of the library reaches by chance, from residuals whose
-  blocks have their signs flipped at random: correlation within blocks, heteroscedasticity and the search are
-  kept.
+- `inflation`: the factor by which correlated rows overstate their number (HAC sum of the autocorrelation).
+- `flipped_null`: the largest gain that any column of the library reaches by chance, from residuals with the
+  signs of their blocks flipped at random: this preserves correlation within blocks, heteroscedasticity and
+  the search.
 """
 
 from __future__ import annotations
@@ -64,6 +64,6 @@ def null_quantile(screen: Screen, fitted: Fitted) -> float:
 
 
 def correlated(screen: Screen, residual: Array) -> float:
-    """How many rows count as one: at least two, since windows overlap by half; one where they are runs."""
+    """How many rows count as one: at least two, since windows overlap by half; one if each row is a run."""
     independent = screen.balance.rows.independent
     return 1.0 if independent else max(ROWS_FOR_ONE, inflation(residual, screen.block))

@@ -1,7 +1,7 @@
-"""Which effects a log is offered: of the library and the user's own, those that it can show.
+"""Which effects are offered to the search: those of the library and the user's own that the log can show.
 
-An effect itself says by the `Setting` whether it makes sense for a rig; here stands what follows from the
-record of any effect: channels, balances, variables and parameters that this log has.
+An effect itself decides from the `Setting` whether it makes sense for a rig. What follows from the record of
+any effect is checked here: channels, balances, variables and parameters that this log has.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ __all__ = ["offered"]
 def offered(
     setting: Setting, own: Path | None, data: FitData, rig: Rig, base: Model, balances: set[str]
 ) -> tuple[Effect, ...]:
-    """The library for a setting and the effects of the user's own file, as far as the log shows them.
+    """The effects of the library for a setting, and of the user's own file, that the log can show.
 
     balances: names of those that the log has.
     """
@@ -37,18 +37,18 @@ def offered(
 
 def _in_a_balance(effect: Effect, data: FitData, balances: set[str]) -> bool:
     """Whether a balance of the log shows the effect."""
-    # What the armature does, a voltage alone shows in its torque.
+    # With a voltage alone, effects of the armature show in the torque computed from it.
     if data.drive.by_voltage:
         return effect.balance != "electrical" or set(effect.change.terms) == {"electrical"}
     return effect.balance in balances
 
 
 def _varies(effect: Effect, data: FitData, rig: Rig) -> bool:
-    """Whether the variables of the effect compare from row to row and from run to run."""
+    """Whether the variables of the effect are comparable from row to row and from run to run."""
     variables = set(effect.evidence.depends_on)
     if math.isinf(rig.average_over) and {"time", "acceleration", "history"} & variables:
         return False
-    # Without a common zero of the angle, phases of different runs do not compare.
+    # Without a common zero of the angle, phases of different runs are not comparable.
     return data.drive.channels.phased or not {"link_angle", "motor_angle", "gravity_load"} & variables
 
 

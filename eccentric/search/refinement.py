@@ -16,7 +16,7 @@ Array = np.ndarray
 STEP = 0.6
 """First step of the simplex in spacings of the grid: it stays within the cell of the best point."""
 X_TOLERANCE, LOSS_TOLERANCE = 1e-3, 1e-12
-"""A thousandth of the range of a shape is finer than any log tells it; the loss decides nothing."""
+"""A thousandth of the range of a shape: no log resolves it better; the loss is no stopping criterion."""
 
 
 def refined(variant: Variant, loss: Callable[[Variant], float], evaluations: int) -> Variant:
@@ -45,7 +45,7 @@ def refined(variant: Variant, loss: Callable[[Variant], float], evaluations: int
 
 
 def _value(shape: Shape, x: float) -> float:
-    """A place in the range, 0 to 1, as a value."""
+    """The value at a position in the range, 0 to 1."""
     if shape.scale == "log":
         return float(shape.low * (shape.high / shape.low) ** x)
     return float(shape.low + (shape.high - shape.low) * x)

@@ -49,9 +49,9 @@ class Fitted:
 class Screen:
     """One balance and the candidates for it, with their windowed columns kept.
 
-    noise: RMS of a window that the sensors' white noise explains. A fit clearly below it is dropped, see
+    noise: RMS of a window that the sensors' white noise explains. A fit clearly below it is rejected, see
     `limits.BELOW_NOISE`.
-    Columns of all grids lie side by side (rows, total), so that one matrix product scores them all.
+    The columns of all grids form one matrix (rows, total), so that one product scores them all.
     """
 
     def __init__(self, balance: BalanceDesign, candidates: Sequence[Candidate], noise: float = 0.0) -> None:
@@ -91,7 +91,7 @@ class Screen:
         return self._kept[key]
 
     def design(self, variants: Sequence[Variant]) -> tuple[Array, Array, Array]:
-        """Target (rows,), base and columns (rows, q), and their least coefficients (q,)."""
+        """Target (rows,), base and columns (rows, q), and the lower bounds of their coefficients (q,)."""
         known, base = self._base(variants)
         parts = [self.columns(variant) for variant in variants]
         lower = [bounds_of(v.candidate, part.shape[1]) for v, part in zip(variants, parts, strict=True)]
@@ -102,7 +102,7 @@ class Screen:
         )
 
     def _base(self, variants: Sequence[Variant]) -> tuple[Array | float, Array]:
-        """What the variants that change the base are known to add, and the base with their changes."""
+        """The known contribution of the variants that change the base, and the base with their changes."""
         changing = [v for v in variants if v.candidate.changes is not None]
         if not changing:
             return 0.0, self.balance.base
@@ -115,7 +115,7 @@ class Screen:
                 if variant.candidate.changes is not None:
                     more, changed = variant.candidate.changes(variant.values)
                     known = known + more
-                    # To first order changes add up, in whichever order they were adopted.
+                    # To first order changes add up, whatever the order of adoption.
                     samples = changed if variant is changing[0] else samples + changed - self.balance.samples
             self._changed[key] = (self.balance.rows.mean(known), self.balance.rows.mean(samples))
         return self._changed[key]
@@ -139,7 +139,7 @@ class Screen:
         return target - design @ fitted.coefficients
 
     def own(self, fitted: Fitted) -> list[Array]:
-        """The coefficients of each variant's columns, none of one whose parameters are all in its shapes."""
+        """The coefficients of each variant's columns, none for one whose parameters are all shapes."""
         widths = [self.columns(variant).shape[1] for variant in fitted.variants]
         ends = self.balance.base.shape[1] + np.cumsum(widths)
         return [fitted.coefficients[end - width : end] for end, width in zip(ends, widths, strict=True)]
@@ -147,8 +147,8 @@ class Screen:
     def first_look(self, variants: Sequence[Variant]) -> list[tuple[float, int]]:
         """(in-sample loss of the bounded fit, number) of every candidate's best grid point beside `variants`.
 
-        Best first. All points share one matrix product. What changes the base is fitted anew at each of its
-        points, and has the loss of its derivative if that is better: its grid may be coarse.
+        Best first. All points share one matrix product. What changes the base is fitted at each of its
+        points, or takes the loss of its derivative if that is better: its grid may be coarse.
         """
         target, design, lower = self.design(variants)
         taken = {v.candidate.id for v in variants}
@@ -187,9 +187,9 @@ class Screen:
         return sorted(honest, key=lambda f: f.score)
 
     def itself(self, fitted: Fitted) -> bool:
-        """Whether the last variant holds what its effect is named for: its first coefficient is not at 0.
+        """Whether the last variant keeps the term that names its effect: its first coefficient is not 0.
 
-        Without it the rest is another family: a bristle model whose bristles do nothing is a Stribeck curve.
+        Without it the rest is another family: a bristle model without bristle stiffness is a Stribeck curve.
         """
         own = self.own(fitted)[-1]
         if len(own) < 2 or not np.isfinite(bounds_of(fitted.last, len(own))[0]):

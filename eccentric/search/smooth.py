@@ -1,7 +1,7 @@
 """Smooth terms: splines and Fourier sums in each variable of the diagnosis.
 
-They compete with the physical candidates in the same cross-validation: what they still take out of a
-residual, no physical effect explains.
+They compete with the physical candidates in the same cross-validation: no physical effect explains what they
+still remove from a residual.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ __all__ = ["Variables", "smooth_terms"]
 
 Array = np.ndarray
 RIDGE = 1e-2
-"""Penalty of their coefficients: a piece of a spline that no row falls into stays at zero."""
+"""Penalty on their coefficients: a piece of a spline without rows stays at zero."""
 
 
 @dataclass(frozen=True)
@@ -28,8 +28,8 @@ class Variables:
 
     t: time in the run [s]; theta_m, omega_m, alpha_m: of the motor, theta_m None where the angles of several
     runs have no common zero; current [A]; voltage [V]; temperature [degC]; gravity: its torque on the motor
-    side [N m]; mu: gear ratio; averaged: whether a row is the mean of a whole run, which has no time, and the
-    acceleration of its ends.
+    side [N m]; mu: gear ratio; averaged: whether a row is the mean of a whole run, which has no time, and
+    only the acceleration between its ends.
     """
 
     t: Array
@@ -47,8 +47,8 @@ class Variables:
 def smooth_terms(variables: Variables, balance: str, valid: Array) -> list[Candidate]:
     """Empirical terms of a balance, one family "smooth:<variable>" each.
 
-    valid (samples,): those that any window uses. Even and odd parts are both there: a term times sgn w is one
-    of friction.
+    valid (samples,): those that any window uses. Even and odd parts are both included: a term times sgn w is
+    friction.
     """
     omega = variables.omega_m
     sign = np.sign(omega)[:, None]
@@ -96,8 +96,8 @@ def smooth_terms(variables: Variables, balance: str, valid: Array) -> list[Candi
 def _spline(x: Array, pieces: int, valid: Array) -> Array:
     """Cubic B-splines of x, (samples, pieces + 2): the constant is left out.
 
-    Knots lie half by quantiles, half evenly within the 0.2 to 99.8 % range of the valid samples: a log dwells
-    at few speeds, and what happens between them counts too.
+    Half of the knots are at quantiles, half are evenly spaced within the 0.2 to 99.8 % range of the valid
+    samples: a log dwells at few speeds, and what happens between them counts as well.
     """
     low, high = np.quantile(x[valid], [0.002, 0.998])
     share = np.linspace(0.0, 1.0, pieces + 1)

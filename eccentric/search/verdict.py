@@ -1,9 +1,9 @@
-"""From the searches on the balances to one verdict, a ranked list and the measurement that would decide.
+"""The searches on the balances become one verdict, a ranked list and the measurement that would decide.
 
 named             adopted effects, each clearly ahead of its alternatives
-not_identifiable  adopted, but another family explains the log alike
-unexplained       a smooth term takes out a part of the structure that no candidate does: no name is given
-nothing_missing   no candidate and no smooth term is worth it
+not_identifiable  adopted, but another family explains the log equally well
+unexplained       a smooth term explains a part of the structure that no candidate does: no name is given
+nothing_missing   no candidate and no smooth term gains enough
 """
 
 from __future__ import annotations
@@ -29,8 +29,8 @@ __all__ = ["Adopted", "Attribution", "Ranked", "attribute", "decided", "next_mea
 class Adopted:
     """An adopted variant with its balance.
 
-    coefficients: of its columns, none if its parameters are all in its shapes; share: RMS that it takes out
-        of the residual beside the others, as a fraction of the balance's scale.
+    coefficients: of its columns, none if its parameters are all shapes; share: RMS that it removes from the
+        residual beside the others, as a fraction of the balance's scale.
     """
 
     balance: str
@@ -56,12 +56,12 @@ class Attribution:
     """What was decided.
 
     verdict: as in the module's table; adopted: effects by share, the largest first (for `unexplained` the
-    best approximation, not to be reported as a name); tied: families that explain the log alike; candidates:
-    best first, those of the balance that the verdict is about before all others; depends_on:
+    best approximation, not to be reported as a name); tied: families that explain the log equally well;
+    candidates: best first, those of the balance that the verdict is about before all others; depends_on:
     variables that the residual of the paper's model follows, strongest first;
     next_measurement: one sentence, empty if nothing is open; searches: per balance;
-    deviance: per balance, what the best addition gained and what chance reaches (99 %);
-    unconfirmed: effects that were adopted and did not predict the held-out part.
+    deviance: per balance, the gain of the best addition and the level that chance reaches (99 %);
+    unconfirmed: adopted effects that did not predict the held-out part.
     """
 
     verdict: str
@@ -122,7 +122,7 @@ def decided(searches: dict[str, Search], runs: int = 1) -> Attribution:
 
 
 def unconfirmed(found: Attribution) -> Attribution:
-    """The same search, its names taken back: what fitted the training part did not predict the rest."""
+    """The same search with its names withdrawn: what fitted the training part did not predict the rest."""
     first = [a.variant.candidate.variable for a in found.adopted]
     follows = tuple(dict.fromkeys([*first, *found.depends_on]))
     return replace(
@@ -136,7 +136,7 @@ def unconfirmed(found: Attribution) -> Attribution:
 
 
 def _patched(adopted: Sequence[Adopted]) -> list[str]:
-    """The variables of families of which so many members were needed that none of them is the effect."""
+    """The variables of families that needed so many members that none of them is the effect."""
     candidates = [entry.variant.candidate for entry in adopted]
     members = Counter(candidate.family for candidate in candidates)
     return [c.variable for c in candidates if members[c.family] >= limits.FORMS_OF_A_PATCH]
@@ -168,7 +168,7 @@ def _ranked(candidate: Candidate, balance: str, search: Search, fitted: Fitted, 
 
 
 def _alike(probabilities: Mapping[str, float]) -> list[str]:
-    """The families that explain the log alike, best first: at least two, for one is tied with nothing."""
+    """The families that explain the log equally well, best first: two or more, or none."""
     ordered = sorted(probabilities, key=lambda family: -probabilities[family])
     return [f for k, f in enumerate(ordered) if probabilities[f] > limits.POSSIBLE or k < 2]
 
@@ -176,7 +176,7 @@ def _alike(probabilities: Mapping[str, float]) -> list[str]:
 def _runners_up(searches: dict[str, Search], named: set[str], about: set[str]) -> list[Ranked]:
     """The best of every other family: alternatives of the adopted variants, then the first step's candidates.
 
-    Errors of different balances do not compare: those that the verdict is about come first.
+    Errors of different balances are not comparable: those that the verdict is about come first.
     """
     best: dict[str, Ranked] = {}
     for name, search in searches.items():
@@ -193,9 +193,9 @@ def _runners_up(searches: dict[str, Search], named: set[str], about: set[str]) -
 
 
 def _variables(searches: dict[str, Search], unexplained: float) -> tuple[list[tuple[str, str]], list[str]]:
-    """Variables of what the adopted effects leave, each with its balance, and of the paper's residual.
+    """Variables that the residual depends on after the adopted effects, each with its balance, and before.
 
-    The larger part first.
+    The larger part comes first.
     """
     left: list[tuple[float, str, str]] = []
     depends: list[tuple[float, str]] = []
@@ -218,13 +218,13 @@ def _variables(searches: dict[str, Search], unexplained: float) -> tuple[list[tu
 def next_measurement(verdict: str, tied: Sequence[tuple[str, Words]], variables: Sequence[str]) -> str:
     """The measurement that would decide, in one sentence; empty where nothing is open.
 
-    tied: families that explain the log alike, each with the words of its best member.
+    tied: families that explain the log equally well, each with the words of its best member.
     """
     if verdict == "unexplained":
         what = variables[0].replace("_", " ") if variables else "time"
         if what == "acceleration":
             return (
-                "Leave J_m and J_l out of the rig file: the log then gives the inertia, and shows"
+                "Leave J_m and J_l out of the rig file: the log then identifies the inertia and shows"
                 " what else is left."
             )
         return (

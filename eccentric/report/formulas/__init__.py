@@ -1,10 +1,10 @@
-"""Formulas as MathML, which browsers set by themselves: for the report and the manual.
+"""Formulas as MathML, which browsers typeset themselves: for the report and the manual.
 
     letters      eta_2, B_lN^+, Delta k_e -> letters with Greek, indices and exponents
-    reading      stable forms of a model -> the functions they stand for, common factors taken out
+    reading      stable forms of a model -> the functions that they evaluate, common factors extracted
     expression   an expression on one line
     blocks       an equation as a block, a long sum in aligned lines
-    short        a formula as a person types it, within a sentence
+    short        a formula typed as text, within a sentence
 
 In: SymPy expressions, quantities with their letters, typed formulas. Out: MathML. It imports only
 `eccentric.model`.

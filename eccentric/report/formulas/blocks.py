@@ -14,10 +14,10 @@ from eccentric.report.formulas.reading import factors, grouped
 __all__ = ["Line", "aligned", "block", "equation"]
 
 WIDEST = 36
-"""Glyphs of a line that fit on a phone."""
+"""Glyphs per line that fit on a phone."""
 
 Line = tuple[str, str, str]
-"""Left side, sign, and what follows it."""
+"""Left side, relation sign, and the rest."""
 _ADDED = ' class="added"'
 
 
@@ -40,7 +40,7 @@ def equation(typeset: Typesetter, left: str, right: sp.Expr, relation: str = "="
     Args:
         typeset: prints the right side.
         left: left side, MathML.
-        right: the expression; of a root that is too long the square is shown, on both sides.
+        right: the expression; a root that is too long is squared on both sides.
         relation: the sign between them.
     """
     start, whole = f"{left}{operator(relation)}", typeset(right)
@@ -53,7 +53,7 @@ def equation(typeset: Typesetter, left: str, right: sp.Expr, relation: str = "="
 
 
 def _lines(typeset: Typesetter, right: sp.Expr) -> list[tuple[str, str]]:
-    """Sign and body of each line: terms of a sum, or of the sum within a product."""
+    """Sign and body of each line: the terms of a sum, or of the sum within a product."""
     sums = [f for f in factors(right) if isinstance(f, sp.Add)]
     if isinstance(right, sp.Add) or len(sums) != 1:
         return typeset.terms(right)
@@ -71,7 +71,7 @@ def _lines(typeset: Typesetter, right: sp.Expr) -> list[tuple[str, str]]:
 
 
 def _width(mathml: str) -> float:
-    """Roughly how many glyphs wide it is."""
+    """Approximate width in glyphs."""
     return _glyphs(ET.fromstring(f"<math>{mathml}</math>"))  # noqa: S314 - written here, by `letters`
 
 

@@ -1,4 +1,4 @@
-"""An expression on one line, with its factors and terms in the order in which a person writes them."""
+"""An expression on one line, with factors and terms in the order that a person would choose."""
 
 from __future__ import annotations
 
@@ -15,7 +15,8 @@ from eccentric.report.formulas.reading import factors, grouped
 
 __all__ = ["Typesetter"]
 
-# Factors of a product: gains of the drive, coefficients and what a model brings along, these, the rest.
+# Order of the factors of a product: gains of the drive, coefficients and a model's own quantities, these,
+# others.
 _GAINS = (v.R, v.k_i, v.k_e)
 _BODIES = (v.mu, v.M, v.M_l, v.g, v.L, v.J, v.J_m, v.J_l, v.F_N, v.F_T)
 _SIGNALS = (v.i, v.u, v.t, v.dt, v.theta_m, v.theta_l, v.omega_m, v.omega_l, v.alpha_m, v.alpha_l)
@@ -31,11 +32,11 @@ _VOCABULARY = {q.symbol: q for q in vars(v).values() if isinstance(q, Quantity)}
 class Typesetter:
     """Prints expressions in the letters of their quantities.
 
-    Where quantities share a letter, the paper's keeps it and the others are printed by their names in code.
+    If quantities share a letter, the paper's keeps it and the others are printed by their names in code.
     """
 
     def __init__(self, quantities: Iterable[Quantity] = ()) -> None:
-        """All quantities of the formulas; those besides the vocabulary's in the order of a product."""
+        """All quantities of the formulas; those outside the vocabulary in their order within a product."""
         given = {q.symbol: q for q in quantities}
         own = {symbol: q for symbol, q in given.items() if symbol not in _VOCABULARY}
         taken = [_mark(q) for q in given.values()]
@@ -49,7 +50,7 @@ class Typesetter:
         self._order = {q.symbol: (k, n) for k, group in enumerate(groups) for n, q in enumerate(group)}
 
     def __call__(self, e: sp.Basic) -> str:
-        """An expression."""
+        """Print an expression."""
         e = grouped(e) if isinstance(e, sp.Add) else e
         if isinstance(e, sp.Add):
             return row(*(f"{sign}{body}" for sign, body in self.terms(e)))
@@ -64,7 +65,7 @@ class Typesetter:
         return self._function(e)
 
     def terms(self, total: sp.Expr) -> list[tuple[str, str]]:
-        """Sign and size of each term of a sum, those that are added first; the first has no plus."""
+        """Sign and magnitude of each term of a sum, positive ones first; the first term has no plus sign."""
         signed = [(term.could_extract_minus_sign(), term) for term in sp.Add.make_args(total)]
         powers = max(_degree(term) for _, term in signed) > 1
         signed.sort(key=lambda found: (found[0], *_place(found[1], powers=powers)))
@@ -74,7 +75,7 @@ class Typesetter:
         return [(sign, self(-t if minus else t)) for sign, (minus, t) in zip(signs, signed, strict=True)]
 
     def product(self, parts: Sequence[sp.Expr]) -> str:
-        """Factors side by side, functions set off by some space."""
+        """Factors side by side, functions separated by a thin space."""
         ordered = sorted(parts, key=self.rank)
         found = [self._parenthesised(f) if isinstance(f, sp.Add) else self(f) for f in ordered]
         for k in range(1, len(found)):
@@ -84,7 +85,7 @@ class Typesetter:
         return row(*found)
 
     def rank(self, factor: sp.Expr) -> tuple[int, int]:
-        """Where a factor stands in its product."""
+        """The position of a factor in its product."""
         base = _base(factor)
         if base in self._order:
             return self._order[base]
@@ -115,7 +116,7 @@ class Typesetter:
         return row(*sign, fraction, *([SPACE, self.product(beside)] if beside else []))
 
     def _side(self, parts: Sequence[sp.Expr]) -> list[str]:
-        """What stands above or below a fraction line; a single sum needs no parentheses there."""
+        """Numerator or denominator of a fraction; a single sum needs no parentheses there."""
         return [self(parts[0]) if len(parts) == 1 else self.product(parts)] if parts else []
 
     def _power(self, e: sp.Pow) -> str:
@@ -160,7 +161,7 @@ def _mark(q: Quantity) -> str:
 
 
 def _base(factor: sp.Expr) -> sp.Expr:
-    """The base of a power; a root is none."""
+    """The base of a power; a root does not count as one."""
     power = isinstance(factor, sp.Pow) and factor.exp.is_Integer
     return factor.base if power else factor
 
@@ -172,7 +173,7 @@ def _degree(term: sp.Expr) -> int:
 
 
 def _place(term: sp.Expr, *, powers: bool) -> tuple[int, int, int, str]:
-    """One and more, powers of the speed, letters, gravity, inertia, the rest; of these a bare sign last."""
+    """Order of terms: 1 +, powers of the speed, letters, gravity, inertia, the rest; a bare sign last."""
     one = term.is_number and term >= 1
     kinds = (one, powers, term.is_Symbol, term.has(v.g.symbol), term.has(v.alpha_m.symbol), True)
     return (kinds.index(True), -_degree(term) if powers else 0, int(term.has(sp.sign)), str(term))

@@ -10,7 +10,7 @@ from sympy.printing.pretty.pretty_symbology import greek_unicode
 __all__ = ["SPACE", "is_letter", "letter", "name", "number", "operator", "raised", "row"]
 
 SPACE = '<mspace width="0.17em"></mspace>'
-"""Between a function and what stands beside it."""
+"""Space between a function and its neighbours."""
 
 _SHOWN = {"-": "−", "'": "′", "''": "″"}
 
@@ -21,18 +21,18 @@ def row(*parts: str) -> str:
 
 
 def operator(sign: str, *, grows: bool = True) -> str:
-    """A sign or a bracket; one that grows is as high as what it encloses."""
+    """A sign or a bracket; one that grows is as high as its content."""
     attribute = "" if grows else ' stretchy="false"'
     return f"<mo{attribute}>{escape(_SHOWN.get(sign, sign))}</mo>"
 
 
 def name(text: str) -> str:
-    """A name as it is spelled; MathML sets names of several letters upright."""
+    """A name as spelled; MathML sets names of several letters upright."""
     return f"<mi>{escape(text)}</mi>"
 
 
 def number(x: sp.Number) -> str:
-    """A number that is not negative: whole, a simple fraction, a power of ten, or four digits."""
+    """A nonnegative number: an integer, a simple fraction, a power of ten, or four digits."""
     if x.is_Integer:
         return f"<mn>{x}</mn>"
     if x.is_Rational and x.p == 1 and x.q >= 10**4 and str(x.q).rstrip("0") == "1":
@@ -48,13 +48,13 @@ def number(x: sp.Number) -> str:
 
 
 def is_letter(text: str) -> bool:
-    """Whether a name reads as a letter, with an index or without: x, omega_m, B_lN, but not load_torque."""
+    """Whether a name is a letter, with or without an index: x, omega_m, B_lN, but not load_torque."""
     head = text.split("_", 1)[0]
     return len(head) == 1 or head in greek_unicode
 
 
 def letter(notation: str) -> str:
-    """A letter, noted like a name in code: `eta_2`, `B_lN^+`, `Delta k_e`, `i^'`; other names as spelled."""
+    """A letter from its name in code: `eta_2`, `B_lN^+`, `Delta k_e`, `i^'`; other names as spelled."""
     before, _, rest = notation.rpartition(" ")
     if before:
         return row(letter(before), letter(rest))

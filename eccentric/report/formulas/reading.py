@@ -1,4 +1,4 @@
-"""Expressions as a person writes them: plain functions for stable forms, common factors taken out."""
+"""Expressions as a person writes them: plain functions for stable forms, common factors extracted."""
 
 from __future__ import annotations
 
@@ -15,11 +15,11 @@ __all__ = ["factors", "grouped", "plain"]
 _X = sp.Wild("x")
 _TANH = 2 / (1 + sp.exp(-2 * _X)) - 1
 _EVERYWHERE = {q.symbol for q in (v.mu, v.omega_m, v.dt)}
-"""In so many terms that to take them out hides what belongs together."""
+"""Factors of this many terms stay inside: extracting them would hide what belongs together."""
 
 
 def plain(expression: sp.Expr) -> sp.Expr:
-    """The formula that an expression of a model stands for; mu theta_m by its letter theta_l."""
+    """The formula that an expression of a model evaluates; mu theta_m is written as theta_l."""
     expression = expression.replace(_pair, _whole_angle)
     expression = expression.replace(Magnitude, lambda p, q: sp.sqrt(p**2 + q**2, evaluate=False))
     expression = meaning(expression)
@@ -52,7 +52,7 @@ def _whole_angle(pair: sp.Basic) -> sp.Expr:
 
 
 def grouped(total: sp.Expr) -> sp.Expr:
-    """A sum with the factors of all its terms in front; failing that, those of each group of terms."""
+    """A sum with the common factors of its terms in front; failing that, those of each group of terms."""
     if not isinstance(total, sp.Add):
         return total
     terms = list(total.args)
@@ -72,12 +72,12 @@ def grouped(total: sp.Expr) -> sp.Expr:
 
 
 def factors(product: sp.Expr) -> tuple[sp.Expr, ...]:
-    """Factors with their powers, those of products within the product too."""
+    """Factors with their powers, including those of nested products."""
     return tuple(f for part in sp.Mul.make_args(product) for f in (factors(part) if part.is_Mul else (part,)))
 
 
 def _shared(terms: Sequence[sp.Expr]) -> list[sp.Expr]:
-    """Factors of every one of the terms; of numbers a sign or a denominator."""
+    """Factors common to all terms; of numbers, a sign or a denominator."""
     first, *rest = (factors(term.as_coeff_Mul()[1]) for term in terms)
     found = [f for f in first if not f.is_Number and all(f in other for other in rest)]
     numbers = [term.as_coeff_Mul()[0] for term in terms]

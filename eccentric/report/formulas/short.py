@@ -1,4 +1,4 @@
-"""A formula as a person types it, within a sentence: its letters set, its words left, lines free to break."""
+"""A formula typed as text within a sentence: letters are typeset, words are kept, and lines may break."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ def short_formula(text: str) -> str:
     """HTML of a formula such as "eta |T| sgn w driving, T = G + mu^2 J_l alpha".
 
     Letters, numbers, functions and signs become MathML, in pieces between which a line may break; w is omega.
-    What is none of these is a word, or the name of a quantity if a sign stands beside it.
+    Anything else is a word, or the name of a quantity if a sign is next to it anywhere in the formula.
     """
     marks = _TOKEN.findall(text)
     solid = [k for k, mark in enumerate(marks) if not mark.isspace()]
@@ -34,7 +34,7 @@ def short_formula(text: str) -> str:
         if piece:
             before = marks[inside[0] - 1 - bool(space)] if html else ","
             binary = marks[inside[0]] in _BREAKS and (before[-1].isalnum() or before in {")", "|"})
-            space = "<wbr/>" if binary else space  # the sign brings its own space
+            space = "<wbr/>" if binary else space  # the sign has its own space
             html += f"{space}<math>{row(*_set([marks[k] for k in inside], binary=binary))}</math>"
         else:
             html += space + escape("".join(marks[inside[0] : inside[-1] + 1]))
@@ -42,20 +42,29 @@ def short_formula(text: str) -> str:
 
 
 def _pieces(marks: Sequence[str]) -> Iterator[int]:
-    """The number of the piece of formula that each mark belongs to, 0 for words and stops."""
+    """The number of the piece of formula that each mark belongs to, 0 for words and punctuation."""
+    names = set(_names(marks))
     depth = piece = 0
     opened, last = False, 0
-    for before, mark, after in zip(["", *marks], marks, [*marks[1:], ""], strict=False):
+    for mark in marks:
         depth += (mark == "(") - (mark == ")")
         opened ^= mark == "|"
         word = mark[0].isalpha() and not is_letter(mark) and mark not in _FUNCTIONS
-        beside = before in set("+-/^(=") or (before == "|" and opened) or after in set("+-/^)=")
-        if (word and not beside) or (mark in _STOPS and depth == 0):
+        if (word and mark not in names) or (mark in _STOPS and depth == 0):
             last = 0
         elif last == 0 or (mark in _BREAKS and depth == 0 and not opened):
             piece += 1
             last = piece
         yield last
+
+
+def _names(marks: Sequence[str]) -> Iterator[str]:
+    """Marks next to a sign or within brackets or bars: a word among them is the name of a quantity."""
+    opened = False
+    for before, mark, after in zip(["", *marks], marks, [*marks[1:], ""], strict=False):
+        opened ^= mark == "|"
+        if before in set("+-/^(=") or (before == "|" and opened) or after in set("+-/^)="):
+            yield mark
 
 
 def _set(marks: Sequence[str], *, binary: bool = False) -> Iterator[str]:
