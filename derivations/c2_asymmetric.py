@@ -5,10 +5,9 @@ Run it to read the derivation: python derivations/c2_asymmetric.py
 
 import sympy as sp
 
-from eccentric.model import Equation, Identity, load_model, symbols
+from eccentric.model import Backward, Equation, Forward, Identity, load_model, symbols
 from eccentric.model import vocabulary as v
 from eccentric.model.limit import directed
-from eccentric.model.steps import Backward, Forward
 from eccentric.output import show
 
 omega_m, F = symbols(v.omega_m, v.F)

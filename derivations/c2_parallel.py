@@ -5,10 +5,18 @@ Run it to read the derivation: python derivations/c2_parallel.py
 
 import sympy as sp
 
-from eccentric.model import Equation, Identity, load_model, symbols
+from eccentric.model import (
+    Equation,
+    HalfCosine,
+    Identity,
+    Magnitude,
+    SquareDifference,
+    load_model,
+    meaning,
+    symbols,
+)
 from eccentric.model import vocabulary as v
 from eccentric.model.limit import limit
-from eccentric.model.steps import HalfCosine, Magnitude, SquareDifference, meaning
 from eccentric.output import show
 
 theta_m, omega_m, theta_l, omega_l, alpha_l = symbols(v.theta_m, v.omega_m, v.theta_l, v.omega_l, v.alpha_l)

@@ -6,18 +6,26 @@ Run it to read the derivation: python derivations/rotating_link.py
 
 import sympy as sp
 
-from eccentric.model import Balance, Definition, Equation, Identity, Load, Model, Role, Term, symbols
-from eccentric.model import vocabulary as v
-from eccentric.model.steps import (
+from eccentric.model import (
+    Balance,
     Bounded,
+    Definition,
+    Equation,
     Gated,
     HalfCosine,
     HalfSine,
+    Identity,
+    Load,
     Magnitude,
+    Model,
+    Role,
     Sgn,
     SquareDifference,
+    Term,
     meaning,
+    symbols,
 )
+from eccentric.model import vocabulary as v
 from eccentric.output import show
 
 t, theta_m, omega_m, alpha_m = symbols(v.t, v.theta_m, v.omega_m, v.alpha_m)

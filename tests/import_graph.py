@@ -37,15 +37,30 @@ def files_of(folder: str) -> dict[str, Path]:
 
 
 def graph_of(files: Mapping[str, Path]) -> dict[str, set[str]]:
-    """File -> those of the files that it imports."""
-    return {module: set(_found(module, path, files)) - {module} for module, path in files.items()}
+    """File -> those of the files that it imports; of a name that a door exports, the door."""
+    exported = {f"{door}.{name}" for door, path in files.items() for name in exports_of(path)}
+    return {module: set(_found(module, path, files, exported)) - {module} for module, path in files.items()}
 
 
-def _found(module: str, path: Path, files: Mapping[str, Path]) -> Iterator[str]:
+def exports_of(path: Path) -> set[str]:
+    """The names in the `__all__` of a package, empty where there is none."""
+    if path.name != "__init__.py":
+        return set()
+    body = ast.parse(path.read_text(encoding="utf-8")).body
+    values = (
+        node.value
+        for node in body
+        if isinstance(node, ast.Assign) and ast.unparse(node.targets[0]) == "__all__"
+    )
+    return {name for value in values for name in ast.literal_eval(value)}
+
+
+def _found(module: str, path: Path, files: Mapping[str, Path], exported: set[str]) -> Iterator[str]:
     package = module if path.name == "__init__.py" else module.rpartition(".")[0]
     for name in names_imported(path, tuple(package.split("."))):
         parts = name.split(".")
-        outward = (".".join(parts[:k]) for k in range(len(parts), 0, -1))
+        through_door = name in exported and not module.startswith(f"{'.'.join(parts[:-1])}.")
+        outward = (".".join(parts[:k]) for k in range(len(parts) - through_door, 0, -1))
         if found := next((candidate for candidate in outward if candidate in files), None):
             yield found
 

@@ -14,7 +14,7 @@ import pytest
 
 import eccentric
 from eccentric.errors import InputError
-from eccentric.model.load import load_model
+from eccentric.model import load_model
 from eccentric.places import folder
 from tests import oracle
 from tests.emitted import (

@@ -28,7 +28,7 @@ print(torque, "derived" if "sympy" in sys.modules else "found")
 OWN = """
 from pathlib import Path
 from eccentric.model import load_model
-from eccentric.model.defaults import with_values
+from eccentric.model import with_values
 model = with_values(load_model("c1_perpendicular"), {{"C_m": {C_m}}}, {name!r})
 """
 LOADS = """

@@ -9,10 +9,9 @@ from types import SimpleNamespace
 import pytest
 import sympy as sp
 
-from eccentric.model import Equation, Model, load_model, model_names, regressor
+from eccentric.model import Equation, Model, load_model, meaning, model_names, regressor
 from eccentric.model import vocabulary as v
 from eccentric.model.dimension import of_expression, of_unit
-from eccentric.model.steps import meaning
 from tests import paper
 
 ROOT = Path(__file__).resolve().parent.parent

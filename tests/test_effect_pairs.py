@@ -14,9 +14,8 @@ import pytest
 from eccentric.effects import Effect, library
 from eccentric.emission import load_module
 from eccentric.errors import InputError
-from eccentric.model import Model, load_model
+from eccentric.model import Model, load_model, meaning
 from eccentric.model import vocabulary as v
-from eccentric.model.steps import meaning
 from tests.extended import M_L, MU, L, M, effects, setting
 
 MODELS = {

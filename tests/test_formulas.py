@@ -11,9 +11,8 @@ import pytest
 import sympy as sp
 
 from eccentric.effects import Effect, Setting, library
-from eccentric.model import load_model, model_names, quantity
+from eccentric.model import load_model, meaning, model_names, quantity
 from eccentric.model import vocabulary as v
-from eccentric.model.steps import meaning
 from eccentric.report.equation import typesetter_of
 from eccentric.report.formulas import Typesetter, equation, letter, plain, short_formula
 from tests.mathml import read, value

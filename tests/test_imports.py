@@ -1,11 +1,9 @@
 """Rooms open one way and through their doors; what is emitted stands by itself. Read from the sources."""
 
 import sys
-from collections.abc import Iterable
 from pathlib import Path
 
 import pytest
-from _pytest.mark.structures import ParameterSet
 
 from tests.import_graph import (
     ROOT,
@@ -46,26 +44,12 @@ FROM_LOG_TO_REPORT = {"logs", "rigs", "signals", "fitting", "search", "diagnosis
 MOST_FLOORS = 8
 MOST_LEVELS = 8
 
-# What is known to fail; who mends it takes the name from here, since a test that passes is refused as well.
-PAST_THE_DOOR = {"effects", "emission", "model"}
-IN_CIRCLES: set[str] = set()
-TOO_DEEP = {"emission"}
-
 FILES = files_of("eccentric")
 GRAPH = graph_of(FILES)
 PACKAGES = {module for module, path in FILES.items() if path.name == "__init__.py"} - {"eccentric"}
 ROOMS = {package for package in PACKAGES if package.count(".") == 1}
 # A folder inside a room has a door where its `__init__` says what it exports.
 DOORS = ROOMS | {p for p in PACKAGES if "__all__" in FILES[p].read_text(encoding="utf-8")}
-
-
-def _each(names: Iterable[str], failing: set[str]) -> list[ParameterSet]:
-    """Parameters of a test; those of what is known to fail are expected to."""
-    known = pytest.mark.xfail(strict=True, reason="known to fail")
-    return [
-        pytest.param(name, marks=[known] if name.removeprefix("eccentric.") in failing else [])
-        for name in sorted(names)
-    ]
 
 
 def _parts(path: Path) -> set[str]:
@@ -126,7 +110,7 @@ def test_rooms_stand_on_eight_floors_from_the_log_to_the_report() -> None:
     assert len(floors) <= MOST_FLOORS, drawn(floors, rooms)
 
 
-@pytest.mark.parametrize("room", _each(DOORS, PAST_THE_DOOR))
+@pytest.mark.parametrize("room", sorted(DOORS))
 def test_a_room_is_entered_by_its_door(room: str) -> None:
     """Files of other rooms import what a room's `__init__` exports, never one of its files."""
     past = {
@@ -139,17 +123,28 @@ def test_a_room_is_entered_by_its_door(room: str) -> None:
     assert past == set()
 
 
-@pytest.mark.parametrize("folder", _each({"eccentric", "benchmarks", "tests"}, IN_CIRCLES))
+@pytest.mark.parametrize("folder", ["eccentric", "benchmarks", "tests"])
 def test_no_files_import_each_other_in_a_circle(folder: str) -> None:
     """No file imports, by way of others, itself."""
     assert circle_in(graph_of(files_of(folder))) == []
 
 
-@pytest.mark.parametrize("room", _each(ROOMS, TOO_DEEP))
-def test_a_room_is_eight_levels_of_files_at_most(room: str) -> None:
-    """Inside a room, too, what one has to read to understand a file is not deep."""
-    inside = {m: {o for o in others if o.startswith(f"{room}.")} for m, others in GRAPH.items()}
-    inside = {m: others for m, others in inside.items() if m.startswith(f"{room}.")}
+def _place_in(room: str, module: str) -> str:
+    """Where a file lies in a room: the folder with a door that it belongs to, else itself."""
+    names = module.split(".")
+    around = (".".join(names[:k]) for k in range(room.count(".") + 2, len(names) + 1))
+    return next((p for p in around if p in DOORS), module)
+
+
+@pytest.mark.parametrize("room", sorted(DOORS))
+def test_a_room_is_eight_levels_at_most(room: str) -> None:
+    """What one has to read in a room to understand a file is not deep; of a folder it is the door."""
+    inside: dict[str, set[str]] = {}
+    for module, others in GRAPH.items():
+        if module.startswith(f"{room}."):
+            place = _place_in(room, module)
+            read = {_place_in(room, other) for other in others if other.startswith(f"{room}.")}
+            inside[place] = inside.get(place, set()) | read - {place}
     levels = levels_of(inside)
 
     assert len(levels) <= MOST_LEVELS, drawn(levels, inside)
@@ -207,6 +202,23 @@ def test_a_circle_and_a_floor_are_found() -> None:
 def test_a_door_is_known(module: str, other: str, expected: bool) -> None:
     """A door is where a package is entered from outside; inside, and from its own folders, files are open."""
     assert expected == _past_the_door(module, other)
+
+
+def test_a_name_that_a_door_exports_is_read_there() -> None:
+    """The function of a file of the same name is taken at the door, from outside; the file itself is not."""
+    files = {
+        f"eccentric.{name}": ROOT / "eccentric" / file
+        for name, file in {
+            "model": "model/__init__.py",
+            "model.quantity": "model/quantity.py",
+            "model.vocabulary": "model/vocabulary.py",
+            "effects.cogging": "effects/cogging.py",
+        }.items()
+    }
+    graph = graph_of(files)
+
+    assert {"eccentric.model"} == graph["eccentric.effects.cogging"]
+    assert {"eccentric.model.quantity"} == graph["eccentric.model.vocabulary"]
 
 
 def test_a_file_has_the_name_that_imports_it() -> None:

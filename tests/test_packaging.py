@@ -12,7 +12,7 @@ from pathlib import Path
 
 import pytest
 
-from eccentric.model.load import load_model
+from eccentric.model import load_model
 
 ROOT = Path(__file__).resolve().parents[1]
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))

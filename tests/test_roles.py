@@ -7,9 +7,8 @@ import pytest
 import sympy as sp
 
 from eccentric.fitting import drive_of, emitted_parameters, fit, fit_data_of, refit
-from eccentric.model import Load, Model, Role, Term, load_model, model_names, quantity, regressor
+from eccentric.model import Load, Model, Role, Sgn, Term, load_model, model_names, quantity, regressor
 from eccentric.model import vocabulary as v
-from eccentric.model.steps import Sgn
 from eccentric.rigs import read_rig
 from eccentric.signals import read_channels
 from tests.virtual import log_of

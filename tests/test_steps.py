@@ -4,8 +4,7 @@ import pytest
 import sympy as sp
 from sympy.core.function import ArgumentIndexError
 
-from eccentric.model import steps
-from eccentric.model.steps import STEPS, Along, Chord, HalfCosine, HalfSine, Magnitude, Step, meaning
+from eccentric.model import STEPS, Along, Chord, HalfCosine, HalfSine, Magnitude, Step, meaning, steps
 
 x, y, z = sp.symbols("x y z", real=True)
 positive = sp.Symbol("positive", positive=True)

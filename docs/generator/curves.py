@@ -9,9 +9,8 @@ import numpy as np
 import sympy as sp
 
 from eccentric.effects import Effect
-from eccentric.model import Model
+from eccentric.model import Model, meaning
 from eccentric.model import vocabulary as v
-from eccentric.model.steps import meaning
 from generator.setting import CURRENT, FRICTION, KNOWN, SPEED, WARM
 
 Array = np.ndarray

@@ -73,7 +73,7 @@ def _legend(models: list[eccentric.Model]) -> str:
     """The careful steps in the equations of the models, each with the formula that it stands for."""
     import sympy as sp
 
-    from eccentric.model.steps import STEPS, meaning
+    from eccentric.model import STEPS, meaning
 
     sides = [equation.right for model in models for equation in model.equations]
     used = {type(call): len(call.args) for side in sides for call in side.atoms(*STEPS)}

@@ -8,8 +8,7 @@ from pathlib import Path
 
 from eccentric.diagnosis.outcome import Diagnosis
 from eccentric.emission import plain
-from eccentric.model import Model
-from eccentric.model.defaults import with_values
+from eccentric.model import Model, with_values
 
 __all__ = ["extended_model", "extended_name", "script"]
 
@@ -76,7 +75,7 @@ def script(found: Diagnosis) -> str:
     load = ("", "")
     if "T_load" in {q.name for q in found.models.base.parameters}:
         load = (
-            "from eccentric.effects.constant_load import effect as constant_load\n",
+            "constant_load, ",
             "model = constant_load.extend(model)\n",
         )
     own = ""
@@ -90,9 +89,8 @@ An ordinary derivation: run it to print it, edit it, emit it with `eccentric emi
 
 from pathlib import Path
 
-from eccentric.effects import Setting, library, load_effects
-{load[0]}from eccentric.model import load_model
-from eccentric.model.defaults import with_values
+from eccentric.effects import Setting, {load[0]}library, load_effects
+from eccentric.model import load_model, with_values
 from eccentric.output import show
 
 # The paper's model.

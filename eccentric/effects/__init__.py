@@ -36,6 +36,7 @@ from eccentric.effects import (
     viscosity_temperature,
     wear_runin,
 )
+from eccentric.effects.constant_load import effect as constant_load
 from eccentric.effects.effect import Correction, Effect, Evidence, Shape
 from eccentric.effects.load import load_effects
 from eccentric.effects.setting import Setting
@@ -51,6 +52,7 @@ __all__ = [
     "Shape",
     "Words",
     "base_aliases",
+    "constant_load",
     "library",
     "load_effects",
     "measurement_between",

@@ -6,8 +6,7 @@ from eccentric.effects.effect import Effect
 from eccentric.effects.forms import addition, omega_m
 from eccentric.effects.setting import Setting
 from eccentric.effects.words import Words
-from eccentric.model import Role, quantity
-from eccentric.model.steps import Backward, Forward
+from eccentric.model import Backward, Forward, Role, quantity
 
 C = quantity(
     "coulomb_asym", "N m", "half the difference of the Coulomb friction of the two directions", letter="C"

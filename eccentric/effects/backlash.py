@@ -20,9 +20,8 @@ from eccentric.effects.forms import (
 )
 from eccentric.effects.setting import Setting
 from eccentric.effects.words import Words
-from eccentric.model import Load, Role, State, quantity
+from eccentric.model import Load, Role, Sgn, State, quantity
 from eccentric.model import vocabulary as v
-from eccentric.model.steps import Sgn
 
 gap = quantity("backlash_gap", "rad", "gap, motor side", "", "positive", letter="delta")
 arm = quantity(

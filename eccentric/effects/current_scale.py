@@ -6,9 +6,8 @@ from eccentric.effects.effect import Correction, Effect
 from eccentric.effects.forms import addition, alpha_m, gravity
 from eccentric.effects.setting import Setting
 from eccentric.effects.words import LOAD, Words
-from eccentric.model import quantity
+from eccentric.model import Gated, quantity
 from eccentric.model import vocabulary as v
-from eccentric.model.steps import Gated
 
 ratio = quantity("current_scale", "1", "declared torque constant over the true one, less 1", letter="r")
 WORDS = Words(

@@ -10,8 +10,7 @@ from eccentric.effects.effect import Effect
 from eccentric.effects.forms import addition, constant, direction, omega_m, root
 from eccentric.effects.setting import Setting
 from eccentric.effects.words import SPEED, Words
-from eccentric.model import Role, quantity
-from eccentric.model.steps import Backward, Forward
+from eccentric.model import Backward, Forward, Role, quantity
 
 quadratic = quantity(
     "drag_2", "N m s^2/rad^2", "drag torque per squared motor velocity", "", "nonnegative", letter="D"

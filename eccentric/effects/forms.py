@@ -13,9 +13,23 @@ import sympy as sp
 from eccentric.effects.effect import Correction, Effect, Evidence, Shape
 from eccentric.effects.setting import Setting
 from eccentric.effects.words import Words
-from eccentric.model import Change, Definition, Load, Quantity, Role, State, Term, quantity, regressor
+from eccentric.model import (
+    Change,
+    Definition,
+    Gated,
+    HalfCosine,
+    HalfSine,
+    Load,
+    Magnitude,
+    Quantity,
+    Role,
+    Sgn,
+    State,
+    Term,
+    quantity,
+    regressor,
+)
 from eccentric.model import vocabulary as v
-from eccentric.model.steps import Gated, HalfCosine, HalfSine, Magnitude, Sgn
 
 omega_m, theta_m, alpha_m, dt = v.omega_m.symbol, v.theta_m.symbol, v.alpha_m.symbol, v.dt.symbol
 speed = sp.Abs(omega_m)

@@ -10,9 +10,8 @@ from eccentric.effects.effect import Effect, Evidence, Shape
 from eccentric.effects.forms import addition, harmonic, omega_m, theta_m
 from eccentric.effects.setting import Setting
 from eccentric.effects.words import GRAVITY, Words
-from eccentric.model import Change, Definition, Term, quantity
+from eccentric.model import Change, Definition, Magnitude, Term, quantity
 from eccentric.model import vocabulary as v
-from eccentric.model.steps import Magnitude
 
 M, M_l, L, g, mu = (q.symbol for q in (v.M, v.M_l, v.L, v.g, v.mu))
 tilt = quantity(

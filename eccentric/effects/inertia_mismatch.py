@@ -6,9 +6,8 @@ from eccentric.effects.effect import Correction, Effect
 from eccentric.effects.forms import addition, alpha_m
 from eccentric.effects.setting import Setting
 from eccentric.effects.words import LOAD, Words
-from eccentric.model import quantity
+from eccentric.model import Gated, quantity
 from eccentric.model import vocabulary as v
-from eccentric.model.steps import Gated
 
 ratio = quantity(
     "inertia_ratio", "1", "true inertia on the motor side over the declared one, less 1", letter="r"

@@ -8,9 +8,8 @@ from eccentric.effects.effect import Effect, Shape
 from eccentric.effects.forms import addition
 from eccentric.effects.setting import Setting
 from eccentric.effects.words import Words
-from eccentric.model import quantity
+from eccentric.model import Sgn, quantity
 from eccentric.model import vocabulary as v
-from eccentric.model.steps import Sgn
 
 V = quantity("deadtime_u", "V", "voltage lost at high current", "", "nonnegative", letter="V")
 i_0 = quantity("deadtime_i", "A", "current within which it changes its sign", "", "positive", letter="i_0")

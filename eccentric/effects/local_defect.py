@@ -8,9 +8,8 @@ from eccentric.effects.effect import Effect, Shape
 from eccentric.effects.forms import addition, direction, theta_m
 from eccentric.effects.setting import Setting
 from eccentric.effects.words import Words
-from eccentric.model import Role, quantity
+from eccentric.model import HalfSine, Role, quantity
 from eccentric.model import vocabulary as v
-from eccentric.model.steps import HalfSine
 
 A = quantity("defect_A", "N m", "friction torque of the tight spot", "", "nonnegative", letter="A")
 angle = quantity("defect_angle", "rad", "link angle of the tight spot", letter="theta_0")

@@ -10,8 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from eccentric.errors import InputError
-from eccentric.model import Model
-from eccentric.model.defaults import with_values
+from eccentric.model import Model, with_values
 
 
 @dataclass(frozen=True)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from eccentric.effects.constant_load import effect as constant_load
+from eccentric.effects import constant_load
 from eccentric.fitting.expressions import evaluated
 from eccentric.model import Model
 from eccentric.rigs import Rig

@@ -14,8 +14,7 @@ from typing import Any
 import numpy as np
 import sympy as sp
 
-from eccentric.model import Column, Model, regressor
-from eccentric.model.steps import meaning
+from eccentric.model import Column, Model, meaning, regressor
 
 __all__ = ["Signals", "base_columns", "compiled", "evaluated", "lambdified", "seen_columns"]
 

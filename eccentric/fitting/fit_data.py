@@ -10,9 +10,8 @@ from numpy.typing import NDArray
 
 from eccentric.fitting.drive import Drive
 from eccentric.fitting.expressions import Signals, base_columns, compiled, seen_columns
-from eccentric.model import Model
+from eccentric.model import Model, meaning
 from eccentric.model import vocabulary as v
-from eccentric.model.steps import meaning
 from eccentric.rigs import Rig
 from eccentric.signals import Rows, rows_of, white_noise
 

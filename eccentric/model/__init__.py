@@ -1,7 +1,9 @@
 """The words of a derivation: quantity, equation, balance, term, model, and the numerically stable steps."""
 
+from eccentric.model import steps, vocabulary
 from eccentric.model.balance import KINDS, Balance, Term
 from eccentric.model.change import Change, Extension
+from eccentric.model.defaults import with_values
 from eccentric.model.definition import Definition, State
 from eccentric.model.equation import Equation, Identity
 from eccentric.model.extension import extended
@@ -10,27 +12,66 @@ from eccentric.model.model import Model
 from eccentric.model.quantity import Quantity, quantity, symbols
 from eccentric.model.regressor import Column, regressor
 from eccentric.model.role import CONTACT, Load, Role
+from eccentric.model.steps import (
+    STEPS,
+    Across,
+    Along,
+    Backward,
+    Bounded,
+    ByDirection,
+    Chord,
+    Forward,
+    Gated,
+    HalfCosine,
+    HalfSine,
+    Leading,
+    Magnitude,
+    Sgn,
+    SquareDifference,
+    Step,
+    meaning,
+)
 
 __all__ = [
     "CONTACT",
     "KINDS",
+    "STEPS",
+    "Across",
+    "Along",
+    "Backward",
     "Balance",
+    "Bounded",
+    "ByDirection",
     "Change",
+    "Chord",
     "Column",
     "Definition",
     "Equation",
     "Extension",
+    "Forward",
+    "Gated",
+    "HalfCosine",
+    "HalfSine",
     "Identity",
+    "Leading",
     "Load",
+    "Magnitude",
     "Model",
     "Quantity",
     "Role",
+    "Sgn",
+    "SquareDifference",
     "State",
+    "Step",
     "Term",
     "extended",
     "load_model",
+    "meaning",
     "model_names",
     "quantity",
     "regressor",
+    "steps",
     "symbols",
+    "vocabulary",
+    "with_values",
 ]

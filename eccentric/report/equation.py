@@ -8,9 +8,8 @@ from typing import Any
 
 import sympy as sp
 
-from eccentric.model import KINDS, Definition, Model, Term
+from eccentric.model import KINDS, Definition, Model, Step, Term
 from eccentric.model import vocabulary as v
-from eccentric.model.steps import Step
 from eccentric.report.data import Equation
 from eccentric.report.formulas import Typesetter, aligned, equation, letter, plain
 

@@ -18,8 +18,7 @@ from eccentric.emission.program import (
     Input,
     Program,
 )
-from eccentric.model.quantity import Quantity
-from eccentric.model.steps import Leading
+from eccentric.model import Leading, Quantity
 
 
 def plain(text: str) -> str:

@@ -16,15 +16,16 @@ from eccentric.emission.program.digits import TURN_BITS
 from eccentric.emission.program.functions import normal_force
 from eccentric.emission.program.one_sided import moving
 from eccentric.emission.program.shift import split
-from eccentric.model import Model, Quantity
-from eccentric.model import vocabulary as v
-from eccentric.model.steps import (
+from eccentric.model import (
     Gated,
     HalfCosine,
     HalfSine,
     Magnitude,
+    Model,
+    Quantity,
     SquareDifference,
 )
+from eccentric.model import vocabulary as v
 
 
 class Bound(NamedTuple):

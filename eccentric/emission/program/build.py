@@ -24,9 +24,8 @@ from eccentric.emission.program.program import (
 )
 from eccentric.emission.program.shift import written_out
 from eccentric.emission.program.shorten import shortened, without_copies
-from eccentric.model import Model, Quantity
+from eccentric.model import Magnitude, Model, Quantity
 from eccentric.model import vocabulary as v
-from eccentric.model.steps import Magnitude
 
 
 def build_program(model: Model) -> Program:

@@ -9,9 +9,8 @@ import sympy as sp
 from eccentric.emission.program import one_sided, stepping
 from eccentric.emission.program.program import Assignment
 from eccentric.errors import InputError
-from eccentric.model import KINDS, Definition, Model, regressor, symbols
+from eccentric.model import KINDS, Definition, Forward, Model, regressor, symbols
 from eccentric.model import vocabulary as v
-from eccentric.model.steps import Forward
 
 
 @dataclass(frozen=True)

@@ -6,7 +6,7 @@ from functools import cache
 
 import sympy as sp
 
-from eccentric.model.steps import Backward, ByDirection, Forward, Gated, Sgn
+from eccentric.model import Backward, ByDirection, Forward, Gated, Sgn
 
 
 @cache

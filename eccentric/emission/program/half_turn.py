@@ -14,7 +14,6 @@ from dataclasses import dataclass
 
 import sympy as sp
 
-from eccentric.emission.program.digits import last_parts
 from eccentric.emission.program.prepare import Prepare
 from eccentric.emission.program.primitive import (
     COSINE,
@@ -31,8 +30,8 @@ from eccentric.emission.program.primitive import (
     Within,
 )
 from eccentric.emission.program.program import Assignment, Helper
-from eccentric.emission.program.shift import parts
-from eccentric.model.steps import Leading
+from eccentric.emission.program.shift import last_parts, parts
+from eccentric.model import Leading
 
 _THETA, _FROM_TOP = sp.symbols("theta_m from_top", real=True)
 

@@ -6,8 +6,7 @@ from collections.abc import Iterable
 
 import sympy as sp
 
-from eccentric.model import Model
-from eccentric.model.steps import Backward, Bounded, Forward, Gated, Magnitude, Sgn, SquareDifference, Step
+from eccentric.model import Backward, Bounded, Forward, Gated, Magnitude, Model, Sgn, SquareDifference, Step
 
 _DIRECTED = Sgn | Forward | Backward | Gated
 

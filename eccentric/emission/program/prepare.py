@@ -8,9 +8,8 @@ import sympy as sp
 
 from eccentric.emission.program.primitive import InSingle, Low, Rounded, TurnLeft, exact
 from eccentric.emission.program.program import Assignment
-from eccentric.model import Model
+from eccentric.model import ByDirection, Chord, HalfCosine, HalfSine, Leading, Model, Sgn, SquareDifference
 from eccentric.model import vocabulary as v
-from eccentric.model.steps import ByDirection, Chord, HalfCosine, HalfSine, Leading, Sgn, SquareDifference
 
 
 class Prepare:

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import sympy as sp
 
-from eccentric.model.steps import Step
+from eccentric.model import Step
 
 
 class Plus(Step):

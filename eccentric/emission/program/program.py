@@ -13,8 +13,7 @@ from functools import cache, cached_property
 import sympy as sp
 
 from eccentric.emission.program.primitive import InSingle
-from eccentric.model.quantity import Quantity
-from eccentric.model.steps import Sgn
+from eccentric.model import Quantity, Sgn
 
 
 @dataclass(frozen=True)

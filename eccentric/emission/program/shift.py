@@ -9,11 +9,10 @@ from collections.abc import Collection, Sequence
 
 import sympy as sp
 
-from eccentric.emission.program.digits import last_parts
 from eccentric.emission.program.prepare import Prepare
-from eccentric.emission.program.primitive import Low, Minus, Plus
+from eccentric.emission.program.primitive import InSingle, Low, Minus, Plus, Rounded
 from eccentric.emission.program.program import Assignment, needed
-from eccentric.model.steps import HalfCosine, HalfSine, Leading
+from eccentric.model import HalfCosine, HalfSine, Leading
 
 _Results = Sequence[tuple[str, sp.Expr]]
 
@@ -57,3 +56,11 @@ def parts(shift: sp.Symbol, first: sp.Symbol, prepare: Prepare) -> list[sp.Symbo
     two = prepare(f"{shift.name}_2", Leading(Minus(shift, one)))
     left = prepare(f"{shift.name}_left", Plus(Minus(Minus(shift, one), two), Low(shift)))
     return [one, two, *last_parts(shift.name, left, prepare)]
+
+
+def last_parts(name: str, left: sp.Symbol, prepare: Prepare) -> list[sp.Symbol]:
+    """The third part and those after it, of what the first two leave."""
+    third = prepare(f"{name}_3", InSingle(Leading(left), Rounded(left)))
+    fourth = prepare(f"{name}_4", Leading(Minus(left, third)))
+    last = prepare(f"{name}_last", Minus(Minus(left, third), fourth))
+    return [third, fourth, prepare(f"{name}_5", Rounded(last))]

@@ -7,8 +7,8 @@ from itertools import combinations
 
 import sympy as sp
 
+from eccentric.model import HalfCosine, HalfSine, Magnitude, meaning
 from eccentric.model import vocabulary as v
-from eccentric.model.steps import HalfCosine, HalfSine, Magnitude, meaning
 
 __all__ = ["factors", "grouped", "plain"]
 

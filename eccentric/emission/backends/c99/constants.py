@@ -19,7 +19,7 @@ from eccentric.emission.program import (
     Rounded,
     TurnLeft,
 )
-from eccentric.model.steps import Leading
+from eccentric.model import Leading
 
 
 def evaluate_prepare(program: Program, single: bool) -> dict[str, str]:

@@ -27,8 +27,7 @@ from eccentric.emission.program import (
     paired,
     polynomial,
 )
-from eccentric.model.quantity import Quantity
-from eccentric.model.steps import Backward, Forward, Sgn
+from eccentric.model import Backward, Forward, Quantity, Sgn
 
 # Written so that NaN goes in and NaN comes out; one comparison a line is one instruction of a vector unit.
 _HELPERS = {

@@ -6,7 +6,7 @@ from eccentric.emission.backends.expression import printed
 from eccentric.emission.backends.numpy.pairs import pair_text
 from eccentric.emission.backends.numpy.printer import PREPARE, language
 from eccentric.emission.program import Assignment, Program, paired
-from eccentric.model.quantity import Quantity
+from eccentric.model import Quantity
 
 _WIDTH = 106
 

@@ -9,7 +9,7 @@ from eccentric.emission.backends.numpy.prepare import prepare
 from eccentric.emission.backends.numpy.routine import functions, quoted
 from eccentric.emission.backends.text import default_text
 from eccentric.emission.program import BITS, COSINE, LEADING_BITS, SINE_RATIO, Program, polynomial
-from eccentric.model.quantity import Quantity
+from eccentric.model import Quantity
 
 
 def view(program: Program, _: str) -> dict[str, Any]:
