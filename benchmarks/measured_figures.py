@@ -33,9 +33,9 @@ def servo_residual(found: Diagnosis) -> Figure:
     figure = Figure((7.2, 3.0), layout="constrained")
     left, right = figure.subplots(1, 2)
     rows, c = found.rows, found.channels
-    speed = rows.mean(c.omega_m)
+    speed = rows.mean(c.motion.omega_m)
     j_l = found.models.extended.values["J_l"]
-    load = np.abs(rows.mean(found.data.gravity + j_l * c.alpha_m))
+    load = np.abs(rows.mean(found.data.gravity + j_l * c.motion.alpha_m))
     edges = np.linspace(0.0, np.quantile(load, 0.995), 13)
     for fit, label, colour, line in pair(found):
         against = 1e3 * fit.residuals["mechanical"] * _factor(fit, found) * np.sign(speed)
@@ -58,13 +58,13 @@ def _factor(fit: Refit, found: Diagnosis) -> float:
 def _resistance(axes: Axes, found: Diagnosis, fit: Refit) -> None:
     """By how much each run's residual wants another resistance, over its temperature, marked by gain."""
     rows, c = found.rows, found.channels
-    off = rows.mean(c.off.astype(float)) > 0.0
+    off = rows.mean(c.motor.off.astype(float)) > 0.0
     torque, warm = (
         rows.mean(fit.data.drive.torque(fit.values, fit.scale)),
         rows.mean(np.asarray(c.temperature)),
     )
     rises, temperatures, weights = [], [], []
-    for run, name in enumerate(c.run_names):
+    for run, name in enumerate(c.time.run_names):
         own = (rows.run == run) & ~off
         if not own.any():
             continue
@@ -98,15 +98,15 @@ MARKERS = {"100": "o", "200": "s", "400": "^", "800": "D"}
 def servo_free(found: Diagnosis) -> Figure:
     """The held-out free swing: angle, and the friction that slows it."""
     rows, c = found.rows, found.channels
-    off = rows.mean(c.off.astype(float)) > 0.0
+    off = rows.mean(c.motor.off.astype(float)) > 0.0
     shown = off & rows.score
     run = int(rows.run[shown][0])
-    start = float(c.t[c.off & (c.run == run)][0])
+    start = float(c.time.t[c.motor.off & (c.time.run == run)][0])
     figure = Figure((7.2, 3.6), layout="constrained")
     top, bottom = figure.subplots(2, 1, sharex=True, height_ratios=(1, 1.6))
-    samples = (c.run == run) & c.off
-    top.plot(c.t[samples] - start, np.degrees(c.theta_m[samples]), color=INK)
-    top.set(ylabel="angle [deg]", title=f"{c.run_names[run]}, motor switched off at 0 s")
+    samples = (c.time.run == run) & c.motor.off
+    top.plot(c.time.t[samples] - start, np.degrees(c.motion.theta_m[samples]), color=INK)
+    top.set(ylabel="angle [deg]", title=f"{c.time.run_names[run]}, motor switched off at 0 s")
     t = rows.t[shown] - start
     bottom.plot(
         t, 1e3 * friction(found.models.extended)[shown], ".", color=INK, label="measured: -J dw/dt - G"
@@ -125,7 +125,7 @@ def servo_free(found: Diagnosis) -> Figure:
 def screw_speed(found: Diagnosis) -> Figure:
     """Mean torque of each run against the motion, over the speed, for both directions; what is left below."""
     rows = found.rows
-    speed = rows.mean(found.channels.omega_m)
+    speed = rows.mean(found.channels.motion.omega_m)
     torque = 1e3 * rows.mean(found.data.drive.signal())
     figure = Figure((7.2, 4.0), layout="constrained")
     grid = figure.subplots(2, 2, sharex=True, sharey="row", height_ratios=(1.6, 1))
@@ -164,18 +164,18 @@ def screw_orders(found: Diagnosis) -> Figure:
     c, residual = found.channels, residual_samples(found.models.shipped)
     order = np.arange(0.5, 6.0, 0.02)
     speeds, spectra = [], []
-    for run in range(len(c.run_names)):
-        own = np.flatnonzero(c.usable & (c.run == run))
-        if len(own) < 100 or abs(np.ptp(c.theta_m[own])) < 4.0 * np.pi:
+    for run in range(len(c.time.run_names)):
+        own = np.flatnonzero(c.selection.usable & (c.time.run == run))
+        if len(own) < 100 or abs(np.ptp(c.motion.theta_m[own])) < 4.0 * np.pi:
             continue
         t = np.linspace(-1.0, 1.0, len(own))
-        slow = np.column_stack([np.ones_like(t), t, t**2, c.omega_m[own]])
+        slow = np.column_stack([np.ones_like(t), t, t**2, c.motion.omega_m[own]])
         rest = residual[own] - slow @ np.linalg.lstsq(slow, residual[own], rcond=None)[0]
         # Beyond half the samples per turn, a spectrum shows only aliases.
-        per_turn = len(own) / (np.ptp(c.theta_m[own]) / (2.0 * np.pi))
-        power = lombscargle(c.theta_m[own], rest, order, normalize=True)
+        per_turn = len(own) / (np.ptp(c.motion.theta_m[own]) / (2.0 * np.pi))
+        power = lombscargle(c.motion.theta_m[own], rest, order, normalize=True)
         spectra.append(np.where(order < 0.5 * per_turn, power, np.nan))
-        speeds.append(float(c.omega_m[own].mean()) * RPM)
+        speeds.append(float(c.motion.omega_m[own].mean()) * RPM)
     place = np.argsort(speeds)
     stack, rpm = np.array(spectra)[place], np.array(speeds)[place]
     figure = Figure((7.2, 4.4), layout="constrained")
@@ -201,7 +201,7 @@ def disc(found: Diagnosis) -> Figure:
     """Left: friction in volts over the speed. Right: what is left over the link angle, both directions."""
     rows, fit = found.rows, found.models.linear
     volts = fit.scale or 1.0
-    speed, angle = rows.mean(found.channels.omega_m), rows.mean(found.channels.theta_m)
+    speed, angle = rows.mean(found.channels.motion.omega_m), rows.mean(found.channels.motion.theta_m)
     left = fit.residuals["mechanical"] * volts
     figure = Figure((7.2, 3.0), layout="constrained")
     one, two = figure.subplots(1, 2)
@@ -221,7 +221,7 @@ def disc(found: Diagnosis) -> Figure:
 def direct(found: Diagnosis) -> Figure:
     """Left: friction over the speed. Right: what is left over the speed, and the noise of the sensor."""
     rows, fit = found.rows, found.models.linear
-    speed, left = rows.mean(found.channels.omega_m), fit.residuals["mechanical"]
+    speed, left = rows.mean(found.channels.motion.omega_m), fit.residuals["mechanical"]
     figure = Figure((7.2, 3.0), layout="constrained")
     one, two = figure.subplots(1, 2)
     over_speed(one, speed, friction(fit), left, np.linspace(-10, 10, 21))

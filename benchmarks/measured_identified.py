@@ -61,7 +61,7 @@ def _disc(found: Diagnosis) -> Table:
     scale, values, channels = found.models.linear.scale or 1.0, found.models.linear.values, found.channels
     estimates = found.models.linear.estimates
     rows: dict[str, list[Cell]] = {
-        "input delay [ms]": [1e3 * channels.input_delay_s, None, None],
+        "input delay [ms]": [1e3 * channels.alignment.input_delay_s, None, None],
         "zero angle [rad]": [
             estimates["theta_zero_rad"].value,
             list(estimates["theta_zero_rad"].interval),

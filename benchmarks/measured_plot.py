@@ -36,16 +36,16 @@ def friction(fit: Refit) -> Array:
     drive, c = data.drive, data.drive.channels
     torque = drive.torque(values, fit.scale)
     if "voltage_offset_V" in fit.estimates:
-        shift = fit.estimates["voltage_offset_V"].value - c.voltage_offset_V
-        torque = torque - np.where(c.off, 0.0, shift / (fit.scale or 1.0))
+        shift = fit.estimates["voltage_offset_V"].value - c.alignment.voltage_offset_V
+        torque = torque - np.where(c.motor.off, 0.0, shift / (fit.scale or 1.0))
     gravity = data.gravity
     if drive.adjusts in drive.known:
         gravity = gravity * values[drive.adjusts] / drive.known[drive.adjusts]
     if "theta_zero_rad" in fit.estimates:
-        shift = fit.estimates["theta_zero_rad"].value - c.theta_zero_rad
+        shift = fit.estimates["theta_zero_rad"].value - c.alignment.theta_zero_rad
         gravity = gravity + shift * data.signals.open["zero_angle"]
     inertia = values["J_m"] + values["mu"] ** 2 * values["J_l"]
-    return data.rows.mean(torque - inertia * c.alpha_m - gravity)
+    return data.rows.mean(torque - inertia * c.motion.alpha_m - gravity)
 
 
 def pair(found: Diagnosis, before: str = "paper") -> list[tuple[Refit, str, str, str]]:

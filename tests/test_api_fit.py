@@ -126,8 +126,8 @@ def test_estimates_are_named_with_unit_and_interval(result: FitResult) -> None:
 def test_the_correlation_is_that_of_least_squares(result: FitResult) -> None:
     """Its axes are the coefficients; it is about that of the normal equations, which take noise for white."""
     channels = read_channels([LOG], eccentric.read_rig(RIG))
-    rows = channels.fit_rows
-    design = result.module.regressor(channels.theta_m[rows], channels.omega_m[rows])
+    rows = channels.selection.fit_rows
+    design = result.module.regressor(channels.motion.theta_m[rows], channels.motion.omega_m[rows])
     covariance = np.linalg.inv(design.T @ design)
     error = np.sqrt(np.diag(covariance))
     expected = covariance / np.outer(error, error)
@@ -141,9 +141,14 @@ def test_the_correlation_is_that_of_least_squares(result: FitResult) -> None:
 def test_the_fitted_model_predicts_the_reported_error(result: FitResult) -> None:
     """The residual of the fitted module on the held-out rows has the RMSE that the result names."""
     channels = read_channels([LOG], eccentric.read_rig(RIG))
-    rows = channels.score_rows
-    assert channels.current is not None
-    signals = (channels.theta_m, channels.omega_m, channels.current, channels.alpha_m)
+    rows = channels.selection.score_rows
+    assert channels.motor.current is not None
+    signals = (
+        channels.motion.theta_m,
+        channels.motion.omega_m,
+        channels.motor.current,
+        channels.motion.alpha_m,
+    )
     residual = result.module.mechanical_residual(*(x[rows] for x in signals))
 
     assert result.rmse["paper"] == pytest.approx(np.sqrt(np.mean(residual**2)), rel=1e-9)

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import math
+from operator import attrgetter
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-from eccentric.rigs import read_rig
+from eccentric.rigs import Alignment, read_rig
 from eccentric.signals import read_channels
 from tests.logged import (
     MAPPED,
@@ -27,14 +28,14 @@ from tests.logged import (
 def test_sinusoid_passes_with_the_gain_of_the_filter_and_without_phase(tmp_path: Path) -> None:
     """A slow sine and its derivatives are scaled by |H|^2 and the central difference, and nothing else."""
     c = channels_of(tmp_path, STANDARD)
-    middle = (c.t > 2.0) & (c.t < 10.0)
+    middle = (c.time.t > 2.0) & (c.time.t < 10.0)
     warped = math.tan(math.pi * 0.5 / RATE) / math.tan(math.pi * 25.0 / RATE)
     amplitude = 8.0 / (1.0 + warped**4)
     slope = math.sin(SWING / RATE) * RATE
     sine, cosine = np.sin(SWING * T + PHASE), np.cos(SWING * T + PHASE)
-    np.testing.assert_allclose(c.theta_m[middle], amplitude * sine[middle], atol=1e-9)
-    np.testing.assert_allclose(c.omega_m[middle], amplitude * slope * cosine[middle], atol=1e-7)
-    np.testing.assert_allclose(c.alpha_m[middle], -amplitude * slope**2 * sine[middle], atol=1e-5)
+    np.testing.assert_allclose(c.motion.theta_m[middle], amplitude * sine[middle], atol=1e-9)
+    np.testing.assert_allclose(c.motion.omega_m[middle], amplitude * slope * cosine[middle], atol=1e-7)
+    np.testing.assert_allclose(c.motion.alpha_m[middle], -amplitude * slope**2 * sine[middle], atol=1e-5)
 
 
 def test_units_sides_and_arithmetic_do_not_matter(tmp_path: Path) -> None:
@@ -58,24 +59,25 @@ current = { column = "I", unit = "mA" }
 temperature = { column = "T", unit = "K" }
 """
     actual = read_channels([log_file(tmp_path / "other.csv", other)], rig_file(tmp_path, RIG + columns))
-    for name in ("t", "theta_m", "omega_m", "voltage", "current"):
-        np.testing.assert_allclose(getattr(actual, name), getattr(expected, name), rtol=1e-9, atol=1e-7)
+    for name in ("time.t", "motion.theta_m", "motion.omega_m", "motor.voltage", "motor.current"):
+        signal = attrgetter(name)
+        np.testing.assert_allclose(signal(actual), signal(expected), rtol=1e-9, atol=1e-7)
     assert actual.temperature == pytest.approx(26.85)
-    np.testing.assert_array_equal(actual.usable, expected.usable)
+    np.testing.assert_array_equal(actual.selection.usable, expected.selection.usable)
 
 
 def test_link_torque_and_speed_come_to_the_motor_side(tmp_path: Path) -> None:
     """A torque at the link counts mu times at the motor, a speed at the link 1/mu times."""
     log = {"time_s": T, "omega_l_rad_s": 2.0 + np.sin(T), "torque_l_Nm": np.cos(T)}
     c = channels_of(tmp_path, log)
-    assert c.torque is not None
-    np.testing.assert_allclose(c.torque, 0.2 * np.cos(T), rtol=1e-12)
-    middle = (c.t > 1.0) & (c.t < 11.0)
-    np.testing.assert_allclose(c.omega_m[middle], 5.0 * (2.0 + np.sin(T[middle])), rtol=1e-4)
+    assert c.motor.torque is not None
+    np.testing.assert_allclose(c.motor.torque, 0.2 * np.cos(T), rtol=1e-12)
+    middle = (c.time.t > 1.0) & (c.time.t < 11.0)
+    np.testing.assert_allclose(c.motion.omega_m[middle], 5.0 * (2.0 + np.sin(T[middle])), rtol=1e-4)
     # The angle is the integral of the speed from 0: 5 (2 t + 1 - cos t).
-    np.testing.assert_allclose(c.theta_logged, 5.0 * (2.0 * T + 1.0 - np.cos(T)), atol=1e-4)
-    assert any("integral of the speed" in warning for warning in c.warnings)
-    assert c.drive == "torque"
+    np.testing.assert_allclose(c.motion.theta_logged, 5.0 * (2.0 * T + 1.0 - np.cos(T)), atol=1e-4)
+    assert any("integral of the speed" in warning for warning in c.intake.warnings)
+    assert c.motor.measured_by == "torque"
 
 
 def test_masks_follow_the_reference_definition_row_by_row(tmp_path: Path) -> None:
@@ -92,12 +94,12 @@ def test_masks_follow_the_reference_definition_row_by_row(tmp_path: Path) -> Non
         and all(np.sign(v[j]) == np.sign(v[k]) for j in range(k - 15, k + 16))
         for k in range(n)
     ]
-    np.testing.assert_array_equal(c.usable, expected)
+    np.testing.assert_array_equal(c.selection.usable, expected)
     held_out = ((T >= 0.2) & (T <= 3.0)) | ((T >= 6.0) & (T <= 7.5))
-    np.testing.assert_array_equal(c.held_out, held_out)
-    np.testing.assert_array_equal(c.score_rows, expected & held_out)
-    np.testing.assert_array_equal(c.fit_rows, expected & ~held_out)
-    assert c.holdout.intervals_s == ((0.2, 3.0), (6.0, 7.5))
+    np.testing.assert_array_equal(c.selection.held_out, held_out)
+    np.testing.assert_array_equal(c.selection.score_rows, expected & held_out)
+    np.testing.assert_array_equal(c.selection.fit_rows, expected & ~held_out)
+    assert c.selection.holdout.intervals_s == ((0.2, 3.0), (6.0, 7.5))
     assert c.counts == {
         "read": n,
         "used": sum(expected),
@@ -113,12 +115,12 @@ def test_a_gap_and_a_run_end_what_a_filter_sees(tmp_path: Path) -> None:
     twice = {name: np.concatenate([x, x]) for name, x in STANDARD.items()} | jump
     gap = channels_of(tmp_path, twice | {"time_s": np.concatenate([T, T + 20.0])})
     runs = channels_of(tmp_path, twice | {"run": np.repeat([7.0, 8.0], len(T))})
-    assert runs.run_names == ("7", "8")
+    assert runs.time.run_names == ("7", "8")
     for c in (gap, runs):
-        second = c.segment == 1
+        second = c.time.segment == 1
         assert np.count_nonzero(second) == len(T)
-        np.testing.assert_allclose(c.omega_m[second], alone.omega_m, atol=1e-7)
-        np.testing.assert_array_equal(c.moving[second], alone.moving)
+        np.testing.assert_allclose(c.motion.omega_m[second], alone.motion.omega_m, atol=1e-7)
+        np.testing.assert_array_equal(c.selection.moving[second], alone.selection.moving)
 
 
 def test_uneven_sampling_is_resampled_and_said(tmp_path: Path) -> None:
@@ -126,8 +128,10 @@ def test_uneven_sampling_is_resampled_and_said(tmp_path: Path) -> None:
     t = np.cumsum(np.random.default_rng(1).uniform(0.003, 0.007, 3000))
     log = {"time_s": t, "theta_m_rad": 8.0 * np.sin(SWING * t), "current_A": np.ones_like(t)}
     c = channels_of(tmp_path, log)
-    np.testing.assert_allclose(c.omega_m[c.usable], 8.0 * SWING * np.cos(SWING * t[c.usable]), atol=0.025)
-    assert any("time steps are uneven" in warning for warning in c.warnings)
+    usable = c.selection.usable
+    expected = 8.0 * SWING * np.cos(SWING * t[usable])
+    np.testing.assert_allclose(c.motion.omega_m[usable], expected, atol=0.025)
+    assert any("time steps are uneven" in warning for warning in c.intake.warnings)
 
 
 def test_a_row_that_is_missing_is_an_uneven_step_and_a_blank_one_is_told_as_that(tmp_path: Path) -> None:
@@ -146,7 +150,7 @@ def test_a_row_that_is_missing_is_an_uneven_step_and_a_blank_one_is_told_as_that
         (blank, [dropped]),
         (both, [dropped, uneven.format("1 of 2996")]),
     ):
-        said = [w for w in channels_of(tmp_path, log).warnings if "uneven" in w or "no number" in w]
+        said = [w for w in channels_of(tmp_path, log).intake.warnings if "uneven" in w or "no number" in w]
         assert len(expected) == len(said)
         assert all(words in line for words, line in zip(expected, said, strict=True))
 
@@ -154,10 +158,10 @@ def test_a_row_that_is_missing_is_an_uneven_step_and_a_blank_one_is_told_as_that
 def test_the_default_moving_threshold_is_no_warning(tmp_path: Path) -> None:
     """A good log under a good rig has no warnings, and the threshold is 3 % of the speed's upper end."""
     c = channels_of(tmp_path, STANDARD)
-    assert c.warnings == ()
+    assert c.intake.warnings == ()
     # The 95th percentile of |cos| is sin(0.95 pi/2).
     expected = 0.03 * 8.0 * SWING * math.sin(0.95 * math.pi / 2.0)
-    assert c.moving_threshold_rad_s == pytest.approx(expected, rel=1e-2)
+    assert c.selection.moving_threshold_rad_s == pytest.approx(expected, rel=1e-2)
 
 
 def test_motor_that_is_switched_off_is_told_from_the_driven_rows(tmp_path: Path) -> None:
@@ -166,12 +170,12 @@ def test_motor_that_is_switched_off_is_told_from_the_driven_rows(tmp_path: Path)
     columns = MAPPED + 'current = "current_A"\nmotor_off = "torque == 0"\n'
     c = channels_of(tmp_path, STANDARD | {"torque": np.where(off, 0.0, 1.0)}, RIG + columns)
     everything = channels_of(tmp_path, STANDARD)
-    np.testing.assert_array_equal(c.off, off)
+    np.testing.assert_array_equal(c.motor.off, off)
     near = (np.abs(T - 4.0) < 0.099) | (np.abs(T - 8.0) < 0.099)
     clear = (np.abs(T - 4.0) > 0.105) & (np.abs(T - 8.0) > 0.105)
-    assert not np.any(c.usable & near)
-    np.testing.assert_array_equal(c.usable[clear], everything.usable[clear])
-    np.testing.assert_array_equal(c.driven.usable, c.usable & ~off)
+    assert not np.any(c.selection.usable & near)
+    np.testing.assert_array_equal(c.selection.usable[clear], everything.selection.usable[clear])
+    np.testing.assert_array_equal(c.driven.selection.usable, c.selection.usable & ~off)
 
 
 def test_delay_zero_angle_and_offset(tmp_path: Path) -> None:
@@ -179,14 +183,12 @@ def test_delay_zero_angle_and_offset(tmp_path: Path) -> None:
     rig_text = "input_delay_s = 0.1\ntheta_zero_rad = 0.05\nvoltage_offset_V = 0.5\n" + RIG
     plain = channels_of(tmp_path, STANDARD)
     c = channels_of(tmp_path, STANDARD, rig_text)
-    assert c.voltage is not None
+    assert c.motor.voltage is not None
     late = T >= 0.1
-    np.testing.assert_allclose(c.voltage[late], 3.0 * (T[late] - 0.1) - 0.5, atol=1e-9)
-    np.testing.assert_allclose(c.theta_m, plain.theta_m - 0.05 / 0.2, atol=1e-12)
-    np.testing.assert_array_equal(c.omega_m, plain.omega_m)
-    back = c.realigned(
-        read_rig(tmp_path / "rig.toml"), input_delay_s=0.0, theta_zero_rad=0.0, voltage_offset_V=0.0
-    )
-    assert back.voltage is not None
-    np.testing.assert_array_equal(back.voltage, STANDARD["voltage_V"])
-    np.testing.assert_allclose(back.theta_m, plain.theta_m, atol=1e-12)
+    np.testing.assert_allclose(c.motor.voltage[late], 3.0 * (T[late] - 0.1) - 0.5, atol=1e-9)
+    np.testing.assert_allclose(c.motion.theta_m, plain.motion.theta_m - 0.05 / 0.2, atol=1e-12)
+    np.testing.assert_array_equal(c.motion.omega_m, plain.motion.omega_m)
+    back = c.realigned(read_rig(tmp_path / "rig.toml"), Alignment())
+    assert back.motor.voltage is not None
+    np.testing.assert_array_equal(back.motor.voltage, STANDARD["voltage_V"])
+    np.testing.assert_allclose(back.motion.theta_m, plain.motion.theta_m, atol=1e-12)

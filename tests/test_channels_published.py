@@ -25,7 +25,7 @@ def test_published_held_out_errors_are_reproduced(number: int) -> None:
     rig = read_rig(SHARED / "examples" / f"example{number}.json")
     c = read_channels([SHARED / "examples" / f"example{number}.csv.gz"], rig)
     k = rig.known
-    mu, w, link = k["mu"], c.omega_m, k["mu"] * c.theta_m
+    mu, w, link = k["mu"], c.motion.omega_m, k["mu"] * c.motion.theta_m
     sign, weight = np.sign(w), k["g"] * (k["M"] + k["M_l"])
     load = k["M"] * k["g"] * k["L"] * np.sin(link) if rig.case == "C2" else np.zeros_like(w)
     pull = k["M"] * k["L"] * (mu * w) ** 2
@@ -37,12 +37,12 @@ def test_published_held_out_errors_are_reproduced(number: int) -> None:
         3: [],
         4: [np.cos(3.0 * link) * sign, np.sin(3.0 * link) * sign, w / (1.0 + (w / 4.0) ** 2)],
     }[number]
-    assert c.current is not None
-    torque = k["k_i"] * c.current - (k["J_m"] + mu**2 * k["J_l"]) * c.alpha_m - mu * load
+    assert c.motor.current is not None
+    torque = k["k_i"] * c.motor.current - (k["J_m"] + mu**2 * k["J_l"]) * c.motion.alpha_m - mu * load
     actual = []
     for columns in (paper, paper + effects):
         bases = np.stack(columns, axis=1)
-        solution = np.linalg.lstsq(bases[c.fit_rows], torque[c.fit_rows], rcond=None)[0]
-        residual = (torque - bases @ solution)[c.score_rows]
+        solution = np.linalg.lstsq(bases[c.selection.fit_rows], torque[c.selection.fit_rows], rcond=None)[0]
+        residual = (torque - bases @ solution)[c.selection.score_rows]
         actual.append(float(np.sqrt(np.mean(residual**2))))
     assert actual == pytest.approx(PUBLISHED[number], rel=0.003)

@@ -28,14 +28,16 @@ def test_rows_that_are_not_numbers_are_dropped_counted_and_warned_of(tmp_path: P
     c = channels_of(tmp_path, STANDARD | {"current_A": current})
     assert c.counts["read"] == len(T)
     assert c.counts["rejected"] == np.count_nonzero(missing)
-    np.testing.assert_array_equal(c.t, T[~missing])
-    assert any("no number in 300 of 3000 rows (first: line 5; most: 'current_A')" in w for w in c.warnings)
+    np.testing.assert_array_equal(c.time.t, T[~missing])
+    assert any(
+        "no number in 300 of 3000 rows (first: line 5; most: 'current_A')" in w for w in c.intake.warnings
+    )
 
 
 def test_drive_is_what_is_logged_or_what_the_rig_says(tmp_path: Path) -> None:
     """Current goes before torque and voltage, unless the rig says otherwise."""
-    assert channels_of(tmp_path, STANDARD).drive == "current"
-    assert channels_of(tmp_path, STANDARD, 'drive = "voltage"\n' + RIG).drive == "voltage"
+    assert channels_of(tmp_path, STANDARD).motor.measured_by == "current"
+    assert channels_of(tmp_path, STANDARD, 'drive = "voltage"\n' + RIG).motor.measured_by == "voltage"
     with pytest.raises(InputError, match=r"drive: one that .* \(current, voltage\), received 'torque'"):
         channels_of(tmp_path, STANDARD, 'drive = "torque"\n' + RIG)
 

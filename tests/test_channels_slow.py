@@ -31,22 +31,22 @@ def slow(tmp_path: Path, rig: str = RIG) -> Channels:
 def test_slow_sampling_is_refined_by_a_spline_and_said(tmp_path: Path) -> None:
     """At 40 Hz there is no 25 Hz low pass: two points a row, on the sine and its derivatives; it is said."""
     c = slow(tmp_path)
-    assert (c.points_per_row, c.logged_step_s) == (2, pytest.approx(0.025))
-    np.testing.assert_allclose(c.t, np.arange(2 * len(SLOW_T) - 1) * 0.0125, atol=1e-12)
-    middle = (c.t > 0.5) & (c.t < 19.0)
-    sine, cosine = 8.0 * np.sin(SWING * c.t[middle]), 8.0 * np.cos(SWING * c.t[middle])
-    np.testing.assert_allclose(c.theta_m[middle], sine, atol=1e-7)
-    np.testing.assert_allclose(c.omega_m[middle], SWING * cosine, atol=1e-5)
-    np.testing.assert_allclose(c.alpha_m[middle], -(SWING**2) * sine, atol=1e-3)
-    assert any("sampled too slowly for the low pass" in warning for warning in c.warnings)
+    assert (c.time.points_per_row, c.time.logged_step_s) == (2, pytest.approx(0.025))
+    np.testing.assert_allclose(c.time.t, np.arange(2 * len(SLOW_T) - 1) * 0.0125, atol=1e-12)
+    middle = (c.time.t > 0.5) & (c.time.t < 19.0)
+    sine, cosine = 8.0 * np.sin(SWING * c.time.t[middle]), 8.0 * np.cos(SWING * c.time.t[middle])
+    np.testing.assert_allclose(c.motion.theta_m[middle], sine, atol=1e-7)
+    np.testing.assert_allclose(c.motion.omega_m[middle], SWING * cosine, atol=1e-5)
+    np.testing.assert_allclose(c.motion.alpha_m[middle], -(SWING**2) * sine, atol=1e-3)
+    assert any("sampled too slowly for the low pass" in warning for warning in c.intake.warnings)
 
 
 def test_slow_voltage_is_held_and_rows_are_counted_as_logged(tmp_path: Path) -> None:
     """Between two rows a commanded voltage is that of the first; counts are of the log, not of its points."""
     c = slow(tmp_path, "holdout_intervals_s = [[4.0, 8.0]]\n" + RIG)
-    assert c.voltage is not None
-    np.testing.assert_array_equal(c.voltage[::2], 3.0 * SLOW_T)
-    np.testing.assert_array_equal(c.voltage[1::2], 3.0 * SLOW_T[:-1])
+    assert c.motor.voltage is not None
+    np.testing.assert_array_equal(c.motor.voltage[::2], 3.0 * SLOW_T)
+    np.testing.assert_array_equal(c.motor.voltage[1::2], 3.0 * SLOW_T[:-1])
     assert c.counts["read"] == len(SLOW_T)
     # 19 s are clear of the ends; of each second with its reversal, 60 ms and some rows are lost either side.
     assert 19 * 40 * (1.0 - 2.0 * 0.1) < c.counts["used"] < 19 * 40 * (1.0 - 2.0 * 0.05)
@@ -57,7 +57,7 @@ def test_slow_sampling_under_a_slower_low_pass_or_average_is_left_alone(tmp_path
     """A low pass that 40 Hz allows, or averages that the rig asks for, need no points between the rows."""
     for wish in ("low_pass_hz = 8\n", 'average_over = "0.3 s"\n'):
         c = slow(tmp_path, wish + RIG)
-        assert (c.points_per_row, len(c.t)) == (1, len(SLOW_T))
+        assert (c.time.points_per_row, len(c.time.t)) == (1, len(SLOW_T))
 
 
 @needs_shared
@@ -68,11 +68,11 @@ def test_real_rig_is_read_as_its_readme_says() -> None:
     counts = np.loadtxt(path, delimiter=",", skiprows=1, usecols=3)
     c = read_channels([path], rig)
     assert c.counts["read"] == 24500
-    assert (c.points_per_row, c.logged_step_s) == (2, pytest.approx(0.025))
-    assert c.run_names == ("2024",)
-    assert c.quantum_rad == pytest.approx(math.pi / 1000.0)
-    assert c.drive == "voltage"
-    assert float(np.max(np.abs(c.omega_m))) == pytest.approx(19.0, abs=0.5)
+    assert (c.time.points_per_row, c.time.logged_step_s) == (2, pytest.approx(0.025))
+    assert c.time.run_names == ("2024",)
+    assert c.motion.quantum_rad == pytest.approx(math.pi / 1000.0)
+    assert c.motor.measured_by == "voltage"
+    assert float(np.max(np.abs(c.motion.omega_m))) == pytest.approx(19.0, abs=0.5)
     # Every other point is a row of the log.
-    np.testing.assert_allclose(c.theta_logged[::2], counts * math.pi / 1000.0, atol=1e-9)
+    np.testing.assert_allclose(c.motion.theta_logged[::2], counts * math.pi / 1000.0, atol=1e-9)
     assert rig.estimate == {"input_delay_s", "theta_zero_rad", "voltage_offset_V"}

@@ -66,7 +66,7 @@ def test_mu_the_wrong_way_round_is_told(tmp_path: Path) -> None:
     log, rig = log_of(tmp_path, 9004, log_type="traj")
     channels = read_channels([log], read_rig(declared(rig, mu=25.0)))
 
-    (finding,) = [f for f in channels.findings if f.severity == "warning"]
+    (finding,) = [f for f in channels.intake.findings if f.severity == "warning"]
     assert ("contradiction", "mu") == (finding.kind, finding.channel)
     assert "0.2 fits" in finding.text
 
@@ -77,5 +77,5 @@ def test_a_k_i_in_another_unit_is_told_before_any_unit_of_torque(tmp_path: Path)
     channels = read_channels([log], read_rig(declared(rig, k_i_Nm_per_A=1000.0)))
 
     assert [("contradiction", "k_i")] == [
-        (f.kind, f.channel) for f in channels.findings if f.severity == "warning"
+        (f.kind, f.channel) for f in channels.intake.findings if f.severity == "warning"
     ]

@@ -87,19 +87,19 @@ def module_of(folder: Path) -> ModuleType:
 def held_out_inputs(log: Path, rig: Path) -> tuple[dict[str, np.ndarray], np.ndarray]:
     """All rows by the names of the emitted inputs, and which of them are held out."""
     channels = read_channels([log], read_rig(rig))
-    assert channels.current is not None
+    assert channels.motor.current is not None
     inputs = {
-        "theta_m": channels.theta_m,
-        "omega_m": channels.omega_m,
-        "i": channels.current,
-        "t": channels.t - channels.t[0],
-        "alpha_m": channels.alpha_m,
+        "theta_m": channels.motion.theta_m,
+        "omega_m": channels.motion.omega_m,
+        "i": channels.motor.current,
+        "t": channels.time.t - channels.time.t[0],
+        "alpha_m": channels.motion.alpha_m,
     }
     if channels.temperature is not None:
         inputs["temperature"] = channels.temperature
-    if channels.voltage is not None:
-        inputs["u"] = channels.voltage
-    return inputs, channels.score_rows
+    if channels.motor.voltage is not None:
+        inputs["u"] = channels.motor.voltage
+    return inputs, channels.selection.score_rows
 
 
 def rmse(values: np.ndarray) -> float:

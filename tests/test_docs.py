@@ -201,18 +201,18 @@ def test_the_first_page_shows_the_errors_of_least_squares_by_hand(site: Path) ->
     """Its picture has those of the paper's columns alone before, and with the planted harmonic after."""
     rig = read_rig(ROOT / "examples" / "bench" / "bench.toml")
     c, k = read_channels([ROOT / "examples" / "bench" / "bench.csv.gz"], rig), rig.known
-    link, sign = k["mu"] * c.theta_m, np.sign(c.omega_m)
-    pull, weight = k["M"] * k["L"] * (k["mu"] * c.omega_m) ** 2, (k["M"] + k["M_l"]) * 9.81
+    link, sign = k["mu"] * c.motion.theta_m, np.sign(c.motion.omega_m)
+    pull, weight = k["M"] * k["L"] * (k["mu"] * c.motion.omega_m) ** 2, (k["M"] + k["M_l"]) * 9.81
     normal = np.hypot(pull * np.sin(link), pull * np.cos(link) + weight)
-    assert c.current is not None
+    assert c.motor.current is not None
     inertia = k["J_m"] + k["mu"] ** 2 * k["J_l"]
     gravity = k["mu"] * k["M"] * 9.81 * k["L"] * np.sin(link)
-    target = k["k_i"] * c.current - inertia * c.alpha_m - gravity
-    paper = [sign, c.omega_m, normal * sign, normal * c.omega_m]
-    shown, expected = c.score_rows & (c.omega_m > 0.0), []
+    target = k["k_i"] * c.motor.current - inertia * c.motion.alpha_m - gravity
+    paper = [sign, c.motion.omega_m, normal * sign, normal * c.motion.omega_m]
+    shown, expected = c.selection.score_rows & (c.motion.omega_m > 0.0), []
     for columns in (paper, [*paper, np.cos(2.0 * link) * sign, np.sin(2.0 * link) * sign]):
         design = np.column_stack(columns)
-        found = np.linalg.lstsq(design[c.fit_rows], target[c.fit_rows], rcond=None)[0]
+        found = np.linalg.lstsq(design[c.selection.fit_rows], target[c.selection.fit_rows], rcond=None)[0]
         expected.append(f"{1e3 * np.sqrt(np.mean((target - design @ found)[shown] ** 2)):.0f}")
     picture = (site / "_images" / "bench.svg").read_text(encoding="utf-8")
 

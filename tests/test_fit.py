@@ -100,7 +100,9 @@ def test_voltage_of_an_unknown_motor_gives_newton_metres_by_gravity(tmp_path: Pa
     early = np.interp(T + delay, T, voltage("C2")) + offset
     estimate = "\n".join(f'{k} = "estimate"' for k in ("input_delay_s", "theta_zero_rad", "voltage_offset_V"))
     channels, rig = written(tmp_path, 'case = "C2"\n' + KNOWN, {"voltage_V": early}, estimate)
-    channels = dataclasses.replace(channels, theta_m=channels.theta_m + zero / MU)
+    channels = dataclasses.replace(
+        channels, motion=dataclasses.replace(channels.motion, theta_m=channels.motion.theta_m + zero / MU)
+    )
     found = fit(channels, rig, load_model(rig.model))
     expected = {
         "B_lN": FRICTION["B_lN"],
@@ -139,12 +141,15 @@ def test_emitted_parameters_predict_what_the_fit_predicts(tmp_path: Path) -> Non
     parameters, notes = emitted_parameters(found)
     module = load_module(load_model("c2_parallel"))
     channels, paper = found.problem.channels, found.solutions["paper"]
-    assert channels.voltage is not None
+    assert channels.motor.voltage is not None
     predicted = module.voltage(
-        channels.theta_m, channels.omega_m, channels.alpha_m, module.Parameters(**parameters)
+        channels.motion.theta_m,
+        channels.motion.omega_m,
+        channels.motion.alpha_m,
+        module.Parameters(**parameters),
     )
-    rows = channels.usable
-    np.testing.assert_allclose(predicted[rows], (channels.voltage - paper.residual)[rows], atol=1e-9)
+    rows = channels.selection.usable
+    np.testing.assert_allclose(predicted[rows], (channels.motor.voltage - paper.residual)[rows], atol=1e-9)
     assert set(parameters) == {field.name for field in dataclasses.fields(module.Parameters)} == set(notes)
     assert "convention" in notes["k_i"]
 

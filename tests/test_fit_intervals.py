@@ -32,15 +32,20 @@ def plain(tmp_path_factory: pytest.TempPathFactory) -> tuple[Channels, Rig]:
     return written(tmp_path_factory.mktemp("plain"), 'case = "C2"\n' + KNOWN + TORQUE + MASS, current)
 
 
+def with_current(channels: Channels, current: np.ndarray) -> Channels:
+    """The same channels with another current [A] (n,)."""
+    return dataclasses.replace(channels, motor=dataclasses.replace(channels.motor, current=current))
+
+
 def test_intervals_cover_the_truth_under_coloured_noise(plain: tuple[Channels, Rig]) -> None:
     """Of 100 intervals under noise of 0.1 s memory, at least as many hold the truth as 95 % ones would."""
     channels, rig = plain
-    assert channels.current is not None
+    assert channels.motor.current is not None
     rng, model, draws = np.random.default_rng(5), load_model("c2_parallel"), 100
     exact = fit(channels, rig, model).coefficients
     hits = dict.fromkeys(FRICTION, 0)
     for _ in range(draws):
-        noisy = dataclasses.replace(channels, current=channels.current + coloured(rng, 0.1, 0.96))
+        noisy = with_current(channels, channels.motor.current + coloured(rng, 0.1, 0.96))
         for name, e in fit(noisy, rig, model).coefficients.items():
             # The truth that the filtered angle allows, so that only the noise is judged.
             hits[name] += e.interval[0] <= exact[name].value <= e.interval[1]
@@ -52,12 +57,12 @@ def test_intervals_cover_the_truth_under_coloured_noise(plain: tuple[Channels, R
 def test_interval_at_a_bound_is_one_sided_and_holds_the_truth(plain: tuple[Channels, Rig]) -> None:
     """With no motor friction planted, half of the draws end at a bound; their intervals begin there."""
     channels, rig = plain
-    assert channels.current is not None
-    exact = channels.current - FRICTION["C_m"] * np.sign(channels.omega_m) / K_I
+    assert channels.motor.current is not None
+    exact = channels.motor.current - FRICTION["C_m"] * np.sign(channels.motion.omega_m) / K_I
     rng, model, draws = np.random.default_rng(6), load_model("c2_parallel"), 60
     held, hits = 0, 0
     for _ in range(draws):
-        noisy = dataclasses.replace(channels, current=exact + coloured(rng, 0.1, 0.96))
+        noisy = with_current(channels, exact + coloured(rng, 0.1, 0.96))
         e = fit(noisy, rig, model).coefficients["C_m"]
         hits += e.interval[0] <= 0.0
         held += e.bound_active == "lower"
@@ -71,12 +76,10 @@ def test_interval_at_a_bound_is_one_sided_and_holds_the_truth(plain: tuple[Chann
 def test_an_undeclared_effect_shows_beside_the_bounds(plain: tuple[Channels, Rig]) -> None:
     """Friction that falls with speed meets the bounds: the free fit does better, and it is said."""
     channels, rig = plain
-    assert channels.current is not None
-    speed = channels.omega_m
+    assert channels.motor.current is not None
+    speed = channels.motion.omega_m
     more = 0.08 * np.exp(-((speed / 15.0) ** 2)) * np.sign(speed) / K_I
-    found = fit(
-        dataclasses.replace(channels, current=channels.current + more), rig, load_model("c2_parallel")
-    )
+    found = fit(with_current(channels, channels.motor.current + more), rig, load_model("c2_parallel"))
     assert found.bounds_active != []
     assert found.rmse["paper_unbounded"] < found.rmse["paper"]
     assert "a sign of an effect that the model lacks" in "\n".join(fit_lines(found, ["log"]))
@@ -85,13 +88,11 @@ def test_an_undeclared_effect_shows_beside_the_bounds(plain: tuple[Channels, Rig
 def test_unknown_mass_is_found_within_its_range(plain: tuple[Channels, Rig]) -> None:
     """A link mass known by a range comes out within its interval, with the friction that belongs to it."""
     channels, rig = plain
-    assert channels.current is not None
+    assert channels.motor.current is not None
     known = {k: v for k, v in rig.known.items() if k != "M_l"}
     rig = dataclasses.replace(rig, known=known, unknown={"M_l": (0.0, 1.0)})
     noise = coloured(np.random.default_rng(8), 0.02, 0.9)
-    found = fit(
-        dataclasses.replace(channels, current=channels.current + noise), rig, load_model("c2_parallel")
-    )
+    found = fit(with_current(channels, channels.motor.current + noise), rig, load_model("c2_parallel"))
     low, high = found.searched["M_l"].interval
     assert low <= M_L <= high
     assert high - low < 0.5

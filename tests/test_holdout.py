@@ -26,19 +26,19 @@ from tests.logged import (
 def test_default_held_out_part_of_one_run(tmp_path: Path) -> None:
     """One run: five contiguous blocks of equal length, 20 % of the rows."""
     c = channels_of(tmp_path, STANDARD)
-    begins = np.count_nonzero(np.diff(c.held_out.astype(int)) == 1)
-    assert (begins, len(c.holdout.intervals_s)) == (5, 5)
-    assert np.mean(c.held_out) == pytest.approx(0.2, abs=5.0 / len(T))
-    assert "five contiguous blocks" in c.holdout.rule.replace("5 ", "five ")
+    begins = np.count_nonzero(np.diff(c.selection.held_out.astype(int)) == 1)
+    assert (begins, len(c.selection.holdout.intervals_s)) == (5, 5)
+    assert np.mean(c.selection.held_out) == pytest.approx(0.2, abs=5.0 / len(T))
+    assert "five contiguous blocks" in c.selection.holdout.rule.replace("5 ", "five ")
 
 
 def test_default_held_out_part_of_several_logs(tmp_path: Path) -> None:
     """Three runs or more: whole runs, the third of three; the rule names it."""
     paths = [log_file(tmp_path / f"log{k}.csv", STANDARD) for k in range(3)]
     c = read_channels(paths, rig_file(tmp_path))
-    assert c.run_names == ("log0", "log1", "log2")
-    np.testing.assert_array_equal(c.held_out, c.run == 2)
-    assert c.holdout.rule.endswith("log2")
+    assert c.time.run_names == ("log0", "log1", "log2")
+    np.testing.assert_array_equal(c.selection.held_out, c.time.run == 2)
+    assert c.selection.holdout.rule.endswith("log2")
 
 
 def test_named_runs_are_held_out(tmp_path: Path) -> None:
@@ -47,7 +47,7 @@ def test_named_runs_are_held_out(tmp_path: Path) -> None:
         "run": np.repeat([1.0, 2.0], len(T))
     }
     c = channels_of(tmp_path, log, 'holdout_runs = ["1"]\n' + RIG)
-    np.testing.assert_array_equal(c.held_out, c.run == 0)
+    np.testing.assert_array_equal(c.selection.held_out, c.time.run == 0)
     with pytest.raises(InputError, match="holdout_runs: one of 1, 2 is required, received '3'"):
         channels_of(tmp_path, log, 'holdout_runs = ["3"]\n' + RIG)
 
@@ -59,7 +59,7 @@ def test_the_default_moving_threshold_does_not_look_at_the_held_out_part(tmp_pat
     c = channels_of(tmp_path, STANDARD | {"theta_m_rad": angle}, "holdout_intervals_s = [[4.0, 8.0]]\n" + RIG)
     # The 95th percentile of |cos| is sin(0.95 pi/2).
     expected = 0.03 * 8.0 * SWING * math.sin(0.95 * math.pi / 2.0)
-    assert c.moving_threshold_rad_s == pytest.approx(expected, rel=1e-2)
+    assert c.selection.moving_threshold_rad_s == pytest.approx(expected, rel=1e-2)
 
 
 def three_runs() -> dict[str, Sequence[object]]:
@@ -72,12 +72,12 @@ def test_patterns_choose_the_runs_that_are_read_and_held_out(tmp_path: Path) -> 
     """`runs` leaves out what no pattern means, `holdout_runs` holds out what one means."""
     log = log_file(tmp_path / "log.csv", three_runs())
     some = read_channels([log], rig_file(tmp_path, 'runs = ["slow_*"]\nholdout_runs = ["*_2"]\n' + RIG))
-    assert some.run_names == ("slow_1", "slow_2")
-    np.testing.assert_array_equal(some.held_out, some.run == 1)
+    assert some.time.run_names == ("slow_1", "slow_2")
+    np.testing.assert_array_equal(some.selection.held_out, some.time.run == 1)
     assert some.counts["read"] == 2 * len(T)
     two = read_channels([log], rig_file(tmp_path, 'holdout_runs = ["?low_1", "fast_1"]\n' + RIG))
-    np.testing.assert_array_equal(two.held_out, two.run != 1)
-    assert two.holdout.rule == "runs named by the rig: slow_1, fast_1"
+    np.testing.assert_array_equal(two.selection.held_out, two.time.run != 1)
+    assert two.selection.holdout.rule == "runs named by the rig: slow_1, fast_1"
 
 
 @pytest.mark.parametrize("key", ["runs", "holdout_runs"])
@@ -100,7 +100,7 @@ def test_rows_by_condition(tmp_path: Path) -> None:
         'current = "current_A"\nuse = "time_s < 3 or time_s >= 5"\n',
     )
     everything = channels_of(tmp_path, STANDARD)
-    np.testing.assert_array_equal(c.usable, everything.usable & ((T < 3.0) | (T >= 5.0)))
+    np.testing.assert_array_equal(c.selection.usable, everything.selection.usable & ((T < 3.0) | (T >= 5.0)))
     assert c.counts["rejected"] == 0
 
 

@@ -65,7 +65,7 @@ def test_orders_of_a_log_are_those_of_its_ripple(found: Diagnosis) -> None:
 
 def noise(found: Diagnosis, seed: int) -> Array:
     """White noise on the samples."""
-    return screw.NOISE * np.random.default_rng(seed).standard_normal(len(found.channels.t))
+    return screw.NOISE * np.random.default_rng(seed).standard_normal(len(found.channels.time.t))
 
 
 @pytest.mark.parametrize("seed", range(5))
@@ -77,12 +77,12 @@ def test_noise_has_no_order(found: Diagnosis, seed: int) -> None:
 @pytest.mark.parametrize("hertz", [0.3, 1.0, 3.0])
 def test_what_is_periodic_in_time_is_no_order(found: Diagnosis, hertz: float) -> None:
     """A hum of one frequency has another order at every speed, and is not called one."""
-    hum = 0.5e-3 * np.sin(2.0 * np.pi * hertz * found.channels.t)
+    hum = 0.5e-3 * np.sin(2.0 * np.pi * hertz * found.channels.time.t)
     assert () == orders_of(found.data, hum + noise(found, 1))
 
 
 def test_a_fraction_of_the_turn_is_found_as_such(found: Diagnosis) -> None:
     """A gear that turns 2.5 times per turn of the motor shows as 2.5, not as its neighbours."""
-    (order,) = orders_of(found.data, 0.2e-3 * np.cos(2.5 * found.channels.theta_m) + noise(found, 2))
+    (order,) = orders_of(found.data, 0.2e-3 * np.cos(2.5 * found.channels.motion.theta_m) + noise(found, 2))
     assert order.per_turn == pytest.approx(2.5, abs=0.02)
     assert order.amplitude == pytest.approx(0.2e-3, rel=0.05)

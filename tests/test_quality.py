@@ -237,9 +237,9 @@ def test_a_row_that_repeats_is_dropped_and_counted(tmp_path: Path) -> None:
     assert ("repeated", "time", 2, "note") == (found.kind, found.channel, found.rows, found.severity)
     assert "2 of 6252 rows repeat the one before (first: line 10)" in found.text
     channels = read_channels([log], read_rig(sidecar))
-    np.testing.assert_array_equal(channels.t, run.columns["time_s"])
-    assert channels.findings == (found,)
-    assert found.text in channels.warnings
+    np.testing.assert_array_equal(channels.time.t, run.columns["time_s"])
+    assert channels.intake.findings == (found,)
+    assert found.text in channels.intake.warnings
 
 
 TIMES = {

@@ -110,8 +110,8 @@ def test_disc_is_aligned_and_nothing_unsupported_is_named() -> None:
     """One to one and a half steps late, zero angle off by 0.05 rad; held-out data backs whatever is named."""
     diagnosis = found("tue_unbalanced_disc")
     channels = diagnosis.channels
-    assert 0.02 < channels.input_delay_s < 0.045
-    assert 0.04 < channels.theta_zero_rad < 0.06
+    assert 0.02 < channels.alignment.input_delay_s < 0.045
+    assert 0.04 < channels.alignment.theta_zero_rad < 0.06
     assert not diagnosis.effects or diagnosis.score.interval[0] > 0.0
     # README: rigid body, back-EMF and Coulomb leave 0.035 V on windows of 0.3 s.
     assert diagnosis.score.per_drive["linear"] < 0.035

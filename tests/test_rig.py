@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from eccentric.errors import InputError
-from eccentric.rigs import read_rig
+from eccentric.rigs import Alignment, read_rig
 
 SHARED = Path(__file__).parents[1] / ".." / "shared" / "data" / "examples"
 RIGS = Path(__file__).parents[1] / "examples" / "rigs"
@@ -67,7 +67,7 @@ def test_toml_and_json_say_the_same(tmp_path: Path) -> None:
     toml = read_rig(written(tmp_path, MINIMAL))
     content = {"known": {"case": "C2", "mu": 0.2}}
     other = read_rig(written(tmp_path, json.dumps(content), "rig.json"))
-    assert (toml.known, toml.case, toml.columns) == (other.known, other.case, other.columns)
+    assert (toml.known, toml.case, toml.log.columns) == (other.known, other.case, other.log.columns)
 
 
 @pytest.mark.parametrize(
@@ -91,10 +91,10 @@ def test_defaults(tmp_path: Path) -> None:
     """Without more: the paper's gravity, 25 Hz, no delay, zero angle or offset, nothing to estimate."""
     rig = read_rig(written(tmp_path, MINIMAL))
     assert rig.known["g"] == 9.81
-    assert rig.low_pass_hz == 25.0
-    assert (rig.input_delay_s, rig.theta_zero_rad, rig.voltage_offset_V) == (0.0, 0.0, 0.0)
+    assert rig.sampling.low_pass_hz == 25.0
+    assert rig.alignment == Alignment(0.0, 0.0, 0.0)
     assert rig.estimate == frozenset()
-    assert rig.columns is rig.drive is rig.moving_threshold_rad_s is None
+    assert rig.log.columns is rig.log.drive is rig.sampling.moving_threshold_rad_s is None
     assert rig.warnings == ()
 
 
@@ -135,8 +135,8 @@ def test_inertia_less_than_that_of_the_mass_is_warned_of(tmp_path: Path) -> None
 def test_average_is_a_time_or_a_run(tmp_path: Path, wish: str, length_s: float) -> None:
     """A time in seconds or with its unit, a whole run, or none; only a time low-passes the drive as well."""
     rig = read_rig(written(tmp_path, f"{wish}\n{MINIMAL}"))
-    assert rig.average_over == pytest.approx(length_s)
-    assert rig.drive_low_pass_hz == (25.0 if 0.0 < length_s < math.inf else None)
+    assert rig.sampling.average_over == pytest.approx(length_s)
+    assert rig.sampling.drive_low_pass_hz == (25.0 if 0.0 < length_s < math.inf else None)
 
 
 def test_constant_load_may_have_either_sign(tmp_path: Path) -> None:
@@ -150,14 +150,14 @@ def test_constant_load_may_have_either_sign(tmp_path: Path) -> None:
 
 def test_runs_to_read_are_named(tmp_path: Path) -> None:
     """Names and patterns are kept for the log; none means all."""
-    assert read_rig(written(tmp_path, 'runs = ["a", "b_*"]\n' + MINIMAL)).runs == ("a", "b_*")
-    assert read_rig(written(tmp_path, MINIMAL)).runs == ()
+    assert read_rig(written(tmp_path, 'runs = ["a", "b_*"]\n' + MINIMAL)).log.runs == ("a", "b_*")
+    assert read_rig(written(tmp_path, MINIMAL)).log.runs == ()
 
 
 def test_estimate_is_kept_for_the_fit(tmp_path: Path) -> None:
     """What is to be estimated starts from 0 and is named."""
     rig = read_rig(written(tmp_path, 'input_delay_s = 0.025\ntheta_zero_rad = "estimate"\n' + MINIMAL))
-    assert (rig.input_delay_s, rig.theta_zero_rad) == (0.025, 0.0)
+    assert (rig.alignment.input_delay_s, rig.alignment.theta_zero_rad) == (0.025, 0.0)
     assert rig.estimate == {"theta_zero_rad"}
 
 
@@ -259,10 +259,10 @@ def test_sidecars_are_rigs_as_they_stand(number: int) -> None:
     assert rig.case == content["known"]["case"]
     assert rig.known["k_i"] == content["known"]["k_i_Nm_per_A"]
     assert rig.known["J_l"] == content["known"]["J_l_kgm2"]
-    assert rig.moving_threshold_rad_s == content["moving_threshold_rad_s"]
-    assert [list(pair) for pair in rig.holdout_intervals_s] == content["holdout_intervals_s"]
-    assert rig.columns is not None
-    assert [source.text for source in rig.columns.values()] == content["columns"]
+    assert rig.sampling.moving_threshold_rad_s == content["moving_threshold_rad_s"]
+    assert [list(pair) for pair in rig.holdout.intervals_s] == content["holdout_intervals_s"]
+    assert rig.log.columns is not None
+    assert [source.text for source in rig.log.columns.values()] == content["columns"]
     assert rig.warnings == ()
 
 

@@ -41,12 +41,15 @@ def test_averages_are_those_of_a_hann_window(tmp_path: Path) -> None:
     """A slope stays, a parabola rises by the window's variance, and two periods per window vanish."""
     channels, rig = planted(tmp_path, f'average_over = "{AVERAGE_S} s"')
     rows = rows_of(channels, rig)
-    np.testing.assert_allclose(rows.mean(channels.t), rows.t, atol=1e-9)
+    np.testing.assert_allclose(rows.mean(channels.time.t), rows.t, atol=1e-9)
     variance = AVERAGE_S**2 * (1.0 / 12.0 - 1.0 / (2.0 * math.pi**2))
-    np.testing.assert_allclose(rows.mean(channels.t**2) - rows.t**2, variance, rtol=0.02)
-    np.testing.assert_allclose(rows.mean(np.sin(4.0 * math.pi / AVERAGE_S * channels.t)), 0.0, atol=0.01)
+    np.testing.assert_allclose(rows.mean(channels.time.t**2) - rows.t**2, variance, rtol=0.02)
+    np.testing.assert_allclose(rows.mean(np.sin(4.0 * math.pi / AVERAGE_S * channels.time.t)), 0.0, atol=0.01)
     # Every sample that is averaged is one to fit on, or one held out, as the row is.
-    for part, samples in ((rows.train, channels.fit_rows), (rows.score, channels.score_rows)):
+    for part, samples in (
+        (rows.train, channels.selection.fit_rows),
+        (rows.score, channels.selection.score_rows),
+    ):
         np.testing.assert_allclose(rows.plain_mean(samples.astype(float))[part], 1.0)
     assert not np.any(rows.train & rows.score)
     assert np.all(np.diff(rows.t) > 0.0)
@@ -58,7 +61,7 @@ def test_rows_of_the_log_stay_as_they_are(tmp_path: Path) -> None:
     rows = rows_of(channels, rig)
     assert rows.operator is None
     np.testing.assert_allclose(rows.t, T, rtol=1e-12)
-    np.testing.assert_array_equal(rows.train, channels.fit_rows)
+    np.testing.assert_array_equal(rows.train, channels.selection.fit_rows)
     np.testing.assert_array_equal(rows.mean(motion()[0]), motion()[0])
 
 
@@ -78,8 +81,8 @@ def test_whole_runs_are_means_of_their_used_rows(tmp_path: Path) -> None:
     """`average_over = "run"`: one row a run, in the order of the log, the plain mean of what is used."""
     channels, rig = several(tmp_path, 'average_over = "run"\nholdout_runs = ["run_2"]')
     rows = rows_of(channels, rig)
-    x = np.random.default_rng(0).standard_normal(len(channels.t))
-    expected = [x[channels.usable & (channels.run == run)].mean() for run in range(5)]
+    x = np.random.default_rng(0).standard_normal(len(channels.time.t))
+    expected = [x[channels.selection.usable & (channels.time.run == run)].mean() for run in range(5)]
     np.testing.assert_allclose(rows.mean(x), expected, rtol=1e-12)
     np.testing.assert_array_equal(rows.run, range(5))
     np.testing.assert_array_equal(rows.score, np.arange(5) == 2)
@@ -98,24 +101,25 @@ def chosen(tmp_path: Path, counts: int, jitter: float, above: str = "") -> Chann
 def test_fine_encoder_keeps_the_low_pass_of_25_hz(tmp_path: Path) -> None:
     """Nothing is averaged where the angle is fine and the stamps even."""
     channels = chosen(tmp_path, 65536, 0.0)
-    assert (channels.rig.low_pass_hz, channels.rig.average_over, channels.warnings) == (25.0, 0.0, ())
+    sampling = channels.rig.sampling
+    assert (sampling.low_pass_hz, sampling.average_over, channels.intake.warnings) == (25.0, 0.0, ())
 
 
 def test_coarse_encoder_gets_a_lower_cut_off_and_averages_and_says_so(tmp_path: Path) -> None:
     """Of 60 counts a turn, the acceleration is noise at 25 Hz: cut-off and averages follow, unless given."""
     channels = chosen(tmp_path, 60, 0.3)
-    cut = channels.rig.low_pass_hz
+    cut = channels.rig.sampling.low_pass_hz
     assert 3.0 <= cut < 25.0
-    assert channels.rig.average_over == pytest.approx(1.0 / cut)
-    assert any("the low pass is set to" in warning for warning in channels.warnings)
+    assert channels.rig.sampling.average_over == pytest.approx(1.0 / cut)
+    assert any("the low pass is set to" in warning for warning in channels.intake.warnings)
     _, omega, alpha = motion()
     # What is left of the acceleration's error is a small part of it.
-    rows = channels.usable
-    assert np.std((channels.alpha_m - alpha)[rows]) < 0.1 * np.std(alpha[rows])
+    rows = channels.selection.usable
+    assert np.std((channels.motion.alpha_m - alpha)[rows]) < 0.1 * np.std(alpha[rows])
     given = chosen(tmp_path, 60, 0.3, "low_pass_hz = 25")
-    assert (given.rig.low_pass_hz, given.rig.average_over) == (25.0, 0.0)
-    assert np.std((given.alpha_m - alpha)[rows]) > 0.1 * np.std(alpha[rows])
-    np.testing.assert_allclose(channels.omega_m[rows], omega[rows], atol=0.02 * np.max(np.abs(omega)))
+    assert (given.rig.sampling.low_pass_hz, given.rig.sampling.average_over) == (25.0, 0.0)
+    assert np.std((given.motion.alpha_m - alpha)[rows]) > 0.1 * np.std(alpha[rows])
+    np.testing.assert_allclose(channels.motion.omega_m[rows], omega[rows], atol=0.02 * np.max(np.abs(omega)))
 
 
 def test_runs_of_constant_speed_are_means_without_being_asked(tmp_path: Path) -> None:
@@ -126,8 +130,8 @@ def test_runs_of_constant_speed_are_means_without_being_asked(tmp_path: Path) ->
     channels = read_channels(
         [screw.write_log(tmp_path / "log.csv", {}, rows=4000)], read_rig(tmp_path / "rig.toml")
     )
-    assert math.isinf(channels.rig.average_over)
-    assert any("runs of constant speed: one mean of each" in warning for warning in channels.warnings)
+    assert math.isinf(channels.rig.sampling.average_over)
+    assert any("runs of constant speed: one mean of each" in warning for warning in channels.intake.warnings)
 
 
 def test_an_average_longer_than_what_moves_is_refused_in_one_line(tmp_path: Path) -> None:

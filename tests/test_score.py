@@ -32,12 +32,12 @@ def data(tmp_path: Path, runs: int) -> tuple[FitData, Model]:
 def columns(one: FitData) -> tuple[Array, Array]:
     """Friction torque (n,) and the columns of its coefficients (n, 4), by hand; Coulomb and viscous first."""
     c = one.drive.channels
-    assert c.torque is not None
-    link, pull = RIG.mu * c.theta_m, RIG.M * RIG.L * (RIG.mu * c.omega_m) ** 2
+    assert c.motor.torque is not None
+    link, pull = RIG.mu * c.motion.theta_m, RIG.M * RIG.L * (RIG.mu * c.motion.omega_m) ** 2
     weight = RIG.M * RIG.g
     normal = np.sqrt(pull**2 + 2.0 * weight * pull * np.cos(link) + weight**2)
-    sign, speed = np.sign(c.omega_m), c.omega_m
-    target = c.torque - RIG.J * c.alpha_m - RIG.load(c.theta_m)
+    sign, speed = np.sign(c.motion.omega_m), c.motion.omega_m
+    target = c.motor.torque - RIG.J * c.motion.alpha_m - RIG.load(c.motion.theta_m)
     return target, np.column_stack([sign, speed, normal * sign, normal * speed])
 
 
@@ -49,8 +49,8 @@ def test_left_out_runs_have_the_error_of_plain_least_squares(tmp_path: Path, mod
     target, design = columns(one)
     squares, rows = 0.0, 0
     for run in range(6):
-        own = channels.usable & (channels.run == run)
-        others = channels.usable & (channels.run != run)
+        own = channels.selection.usable & (channels.time.run == run)
+        others = channels.selection.usable & (channels.time.run != run)
         found = np.linalg.lstsq(design[others, :count], target[others], rcond=None)[0]
         squares += float(np.sum((target[own] - design[own, :count] @ found) ** 2))
         rows += np.count_nonzero(own)

@@ -21,8 +21,8 @@ def picture(path: Path) -> str:
     """Diagnose the bundled log, draw path.svg and path-dark.svg; return the sentence of the diagnosis."""
     found = diagnose([LOG], RIG)
     rows = found.rows
-    shown = rows.score & (rows.mean(found.channels.omega_m) > 0.0)
-    angle = np.degrees(found.setting.mu * rows.mean(found.channels.theta_m)[shown]) % 360.0
+    shown = rows.score & (rows.mean(found.channels.motion.omega_m) > 0.0)
+    angle = np.degrees(found.setting.mu * rows.mean(found.channels.motion.theta_m)[shown]) % 360.0
     before, after = (fit.residuals["mechanical"][shown] for fit in (found.models.paper, found.models.shipped))
     with mpl.rc_context(STYLE):
         figure = Figure((7.0, 2.7), layout="constrained")

@@ -49,7 +49,7 @@ def diagnosis_document(found: Diagnosis) -> dict[str, Any]:
         "unconfirmed": _unconfirmed(found),
         "data_quality": [
             {"kind": f.kind, "channel": f.channel, "text": f.text, "rows": f.rows, "severity": f.severity}
-            for f in found.channels.findings
+            for f in found.channels.intake.findings
         ],
         "periodic_per_motor_turn": [
             {"order": o.per_turn, "amplitude": o.amplitude, "share": o.share, "seen": [o.seen, o.stretches]}
@@ -57,8 +57,8 @@ def diagnosis_document(found: Diagnosis) -> dict[str, Any]:
         ],
         "rig_identified": _identified(found),
         "holdout": {
-            "rule": found.channels.holdout.rule,
-            "intervals_s": [list(map(float, pair)) for pair in found.channels.holdout.intervals_s],
+            "rule": found.channels.selection.holdout.rule,
+            "intervals_s": [list(map(float, pair)) for pair in found.channels.selection.holdout.intervals_s],
         },
         "rows": found.channels.counts,
         "settled": not found.models.unsettled,
@@ -108,7 +108,8 @@ def _identified(found: Diagnosis) -> dict[str, Any]:
     A zero angle or an offset that the refit has moved replaces that of the first fit.
     """
     letters = {"J_m", "J_l", "T_load", "R/k_i", "1/k_i", "k_e", "L", "M"} | found.rig.estimate
-    said: dict[str, Any] = {name: getattr(found.channels, name) for name in sorted(found.rig.estimate)}
+    aligned = found.channels.alignment
+    said: dict[str, Any] = {name: getattr(aligned, name) for name in sorted(found.rig.estimate)}
     for name, e in found.models.shipped.estimates.items():
         if name in letters:
             interval = list(e.interval)

@@ -76,7 +76,7 @@ def diagnose(
     channels = read_channels(read, read_rig(rig))
     rig, names = channels.rig, tuple(Path(log.path).name for log in read)
     plain = _supported(load_model(model or rig.model))
-    tell(f"{channels.counts['used']} rows used of {channels.rows_read}")
+    tell(f"{channels.counts['used']} rows used of {channels.intake.read}")
     drive = drive_of(channels, rig, plain)
     base, channels = loaded_model(plain, rig), drive.channels
     data = fit_data_of(drive, rig, base)
@@ -94,7 +94,7 @@ def diagnose(
         [candidate_of(effect, base, data.signals, friction, only) for effect in chosen],
         variables_of(data),
         noise,
-        len(np.unique(channels.run[channels.fit_rows])),
+        len(np.unique(channels.time.run[channels.selection.fit_rows])),
         tell,
     )
     found, models, score, refused = fitted_models(found, chosen, base, data, tell)

@@ -55,14 +55,14 @@ def orders_of(data: FitData, target: Array) -> tuple[Order, ...]:
     channels = data.drive.channels
     grid = np.arange(0.5, HIGHEST_ORDER, STEP)
     spectra, variances = [], []
-    for rows in _stretches(channels.usable, channels.segment, channels.omega_m):
-        angle, y = channels.theta_m[rows], target[rows]
+    for rows in _stretches(channels.selection.usable, channels.time.segment, channels.motion.omega_m):
+        angle, y = channels.motion.theta_m[rows], target[rows]
         turns = abs(angle[-1] - angle[0]) / TURN
         if turns < LEAST_TURNS or len(rows) < 4.0 * HIGHEST_ORDER * turns:
             continue
         # What is smooth over the stretch or follows the speed is not a ripple.
         t = np.linspace(-1.0, 1.0, len(rows))
-        slow = np.column_stack([np.ones_like(t), t, t**2, channels.omega_m[rows]])
+        slow = np.column_stack([np.ones_like(t), t, t**2, channels.motion.omega_m[rows]])
         rest = y - slow @ np.linalg.lstsq(slow, y, rcond=None)[0]
         if np.std(rest) <= 1e-12 * max(np.std(y), 1e-300):
             continue

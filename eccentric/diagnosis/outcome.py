@@ -83,7 +83,7 @@ class Diagnosis:
     @property
     def warnings(self) -> tuple[str, ...]:
         """Warnings of the reader, of the first fit, and of fits that have not converged."""
-        said = (*self.channels.warnings, *self.data.drive.warnings)
+        said = (*self.channels.intake.warnings, *self.data.drive.warnings)
         names = self.models.unsettled
         if not names:
             return said

@@ -135,7 +135,7 @@ def _grave(found: Diagnosis) -> str:
     """What the check of the log found wrong, unless the named effects already say so."""
     corrections = [effect.corrects for effect, _ in found.effects if effect.corrects]
     said = {name for c in corrections for name in (c.quantity.name, *c.looks_wrong)}
-    warnings = [f for f in found.channels.findings if f.severity == "warning" and f.kind in _GRAVE]
+    warnings = [f for f in found.channels.intake.findings if f.severity == "warning" and f.kind in _GRAVE]
     grave = [f.text for f in warnings if f.channel not in said]
     return f" {grave[0][0].upper()}{grave[0][1:]}." if grave else ""
 

@@ -73,7 +73,7 @@ def combinations_of(
     unit = {None: "N m", R / k_i: "V", 1 / k_i: "A"}[scale]
     s = sp.Integer(1) if scale is None else scale
     # The back-EMF has the same column as viscous friction, w: without k_e only the sum can be seen.
-    hidden = channels.drive == "voltage" and "k_e" not in rig.known
+    hidden = channels.motor.measured_by == "voltage" and "k_e" not in rig.known
     damping = s * _plain(machine.back_emf_damping) if hidden else sp.Integer(0)
     found = [_friction(column, model, s, damping, unit) for column in regressor(model)]
 
@@ -93,7 +93,7 @@ def combinations_of(
         add(scale, role="scale", unit=f"{unit}/(N m)", **bounds, letter=str(scale), mechanical_unit="1")
     if "T_load" in rig.unknown:
         add(s * T_load, role="load", unit=unit, letter="T_load", mechanical_unit="N m")
-    if "voltage_offset_V" in rig.estimate and channels.drive == "voltage":
+    if "voltage_offset_V" in rig.estimate and channels.motor.measured_by == "voltage":
         name = "voltage_offset_V"
         offset = Combination(
             name, "offset", "V", expression=u_0, meaning=u_0, letter=name, mechanical_unit="V"
@@ -164,13 +164,13 @@ def _inertia_range(rig: Rig, machine: Machine) -> tuple[float, float]:
 
 def nonlinear_of(channels: Channels, rig: Rig, model: Model, needed: set[str]) -> list[Nonlinear]:
     """Return what does not enter linearly: delay and zero angle to estimate, `needed` letters with ranges."""
-    step = channels.logged_step_s
+    step = channels.time.logged_step_s
     turning = any(
         "theta_m" in {x.name for x in model.expand(e).free_symbols}
         for e in (*(c.basis for c in regressor(model)), model.balance("mechanical").sum_of("gravity"))
     )
     found: list[Nonlinear] = []
-    if "input_delay_s" in rig.estimate and channels.drive == "voltage":
+    if "input_delay_s" in rig.estimate and channels.motor.measured_by == "voltage":
         starts = tuple(k * step for k in (1.0, 0.0, 2.0, 4.0))
         found.append(Nonlinear("input_delay_s", "s", 0.0, max(0.1, 6.0 * step), starts, step))
     if "theta_zero_rad" in rig.estimate and turning:

@@ -54,7 +54,7 @@ def fit_document(fit: Fit, logs: Sequence[str]) -> dict[str, Any]:
         "model": problem.model.name,
         "rig": rig.name,
         "logs": list(logs),
-        "drive": channels.drive,
+        "drive": channels.motor.measured_by,
         "unit": problem.unit,
         "known": dict(rig.known),
         "coefficients": {name: _entry(e) for name, e in fit.coefficients.items() if name not in ALIGNMENT},
@@ -79,15 +79,15 @@ def fit_document(fit: Fit, logs: Sequence[str]) -> dict[str, Any]:
         "improvement": {"percent": fit.percent, "interval_95": list(fit.percent_interval)},
         "r_squared_holdout": dict(fit.r_squared),
         "rows": channels.counts,
-        "moving_threshold_rad_s": channels.moving_threshold_rad_s,
+        "moving_threshold_rad_s": channels.selection.moving_threshold_rad_s,
         "fitted_on": {
             "what": counted.description,
             "training": int(np.count_nonzero(counted.train)),
             "held_out": int(np.count_nonzero(counted.score)),
         },
         "holdout": {
-            "rule": channels.holdout.rule,
-            "intervals_s": [list(x) for x in channels.holdout.intervals_s],
+            "rule": channels.selection.holdout.rule,
+            "intervals_s": [list(x) for x in channels.selection.holdout.intervals_s],
         },
         "warnings": list(fit.warnings),
     }
@@ -109,7 +109,7 @@ def _alignment(fit: Fit) -> dict[str, Any]:
     return {
         name: {**_entry(found[name]), "estimated": True}
         if name in found
-        else {"value": getattr(rig, name), "estimated": False}
+        else {"value": getattr(rig.alignment, name), "estimated": False}
         for name in ALIGNMENT
     }
 
@@ -117,8 +117,8 @@ def _alignment(fit: Fit) -> dict[str, Any]:
 def ranges(fit: Fit) -> dict[str, list[float] | None]:
     """Return the ranges of motor velocity and speed [rad/s] and temperature [degC] of the training rows."""
     channels = fit.problem.channels
-    rows = channels.fit_rows if np.any(channels.fit_rows) else channels.usable
-    omega = channels.omega_m[rows]
+    rows = channels.selection.fit_rows if np.any(channels.selection.fit_rows) else channels.selection.usable
+    omega = channels.motion.omega_m[rows]
     temperature = None if channels.temperature is None else channels.temperature[rows]
     return {
         "omega_m_rad_s": _ends(omega),

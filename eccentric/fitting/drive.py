@@ -19,7 +19,6 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from eccentric.errors import InputError
 from eccentric.fitting.constant_load import load_gain
 from eccentric.fitting.machine import Machine
 from eccentric.signals import Channels
@@ -62,24 +61,22 @@ class Drive:
     @property
     def by_voltage(self) -> bool:
         """Whether the voltage alone tells the torque."""
-        return self.scale is not None and self.channels.drive == "voltage"
+        return self.scale is not None and self.channels.motor.measured_by == "voltage"
 
     @property
     def off(self) -> NDArray[np.bool_]:
         """Rows (n,) with the motor switched off."""
-        return self.channels.off
+        return self.channels.motor.off
 
     @property
     def measured_twice(self) -> bool:
         """Whether voltage and current are both logged: then one tells the current for the other's balance."""
-        return self.scale is None and self.channels.drive == "current" and self.channels.voltage is not None
+        motor = self.channels.motor
+        return self.scale is None and motor.measured_by == "current" and motor.voltage is not None
 
     def signal(self) -> Array:
         """The measured drive (n,): volts, amperes or newton metres."""
-        measured = getattr(self.channels, self.channels.drive)
-        if measured is None:
-            raise InputError(f"diagnose: a {self.channels.drive} channel is required, the log has none")
-        return np.where(self.off, 0.0, measured)
+        return np.where(self.off, 0.0, self.channels.motor.measured)
 
     def scaled(self, scale: float | None = None) -> dict[str, float]:
         """The letters that the scale of the drive stands for, at another scale if given."""
@@ -91,11 +88,11 @@ class Drive:
     def torque(self, known: Mapping[str, float] | None = None, scale: float | None = None) -> Array:
         """The drive torque (n,) [N m], for other values of k_e and scale if given."""
         signal = self.signal()
-        if self.channels.drive == "torque":
+        if self.channels.motor.measured_by == "torque":
             return signal
         letters = {"k_e": 0.0, **(self.known if known is None else known), **self.scaled(scale)}
         if self.by_voltage:
-            signal = self.machine.current(letters, signal, self.channels.omega_m)
+            signal = self.machine.current(letters, signal, self.channels.motion.omega_m)
         return np.where(self.off, 0.0, self.machine.torque(letters, signal))
 
     def columns(self, gravity: Array, slope: Array) -> dict[str, Array]:
@@ -105,10 +102,10 @@ class Drive:
         """
         driven = np.where(self.off, 0.0, 1.0)
         made = {
-            "J_m": self.channels.alpha_m,
+            "J_m": self.channels.motion.alpha_m,
             "T_load": np.full_like(driven, load_gain(self.known)),
             "gravity": gravity,
-            "back_emf": self.channels.omega_m * driven,
+            "back_emf": self.channels.motion.omega_m * driven,
             "offset": driven,
             "zero_angle": -slope,
         }

@@ -93,8 +93,8 @@ def _outside(name: str, fit: Extended, step: Step) -> tuple[str, float, float, s
     if name == "back_emf":
         return "k_e", point.values["k_e"], scale, "V s/rad"
     if name == "zero_angle":
-        return "theta_zero_rad", drive.channels.theta_zero_rad + point.zero, 1.0, "rad"
-    offset = drive.channels.voltage_offset_V + point.offset
+        return "theta_zero_rad", drive.channels.alignment.theta_zero_rad + point.zero, 1.0, "rad"
+    offset = drive.channels.alignment.voltage_offset_V + point.offset
     return "voltage_offset_V", offset, scale, "V"
 
 

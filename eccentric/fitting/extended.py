@@ -117,7 +117,7 @@ class Extended:
         point, moved = self._followed(point, residuals) if self.follows else (point, 0.0)
         solutions: dict[str, Solution] = {}
         if drive.measured_twice and (own := self._own("electrical", "effect")):
-            usable = self.data.rows.mean(drive.channels.usable.astype(float)) > USABLE_PART
+            usable = self.data.rows.mean(drive.channels.selection.usable.astype(float)) > USABLE_PART
             design = self._design(residuals, "electrical", own, point, self.data.rows.train & usable)
             solutions["electrical"] = design.solve()
             point, _ = self._moved(point, solutions["electrical"])

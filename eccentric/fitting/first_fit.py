@@ -29,7 +29,8 @@ def drive_of(channels: Channels, rig: Rig, base: Model) -> Drive:
     """
     require_case(rig, base)
     open_inertia = not {"J_m", "J_l"} <= set(rig.known)
-    measured = channels.drive == "torque" or (channels.drive == "current" and "k_i" in rig.known)
+    by = channels.motor.measured_by
+    measured = by == "torque" or (by == "current" and "k_i" in rig.known)
     complete = measured and not open_inertia and not rig.unknown and not rig.estimate
     if complete:
         known = _needed(channels, rig, base) | {k: v for k, v in rig.known.items() if k == "T_load"}
@@ -42,10 +43,10 @@ def drive_of(channels: Channels, rig: Rig, base: Model) -> Drive:
     aligned = {k: v for k, v in first.at.items() if k not in letters}
     if "offset" in found:
         aligned["voltage_offset_V"] = found["offset"]
-    channels = channels.realigned(rig, **aligned)
+    channels = channels.realigned(rig, dataclasses.replace(channels.alignment, **aligned))
     rig = dataclasses.replace(rig, known={**rig.known, **letters})
     scale = None if measured else _scale(problem, found)
-    unit = "N m" if measured or _has_scale(problem) else _UNITS[channels.drive]
+    unit = "N m" if measured or _has_scale(problem) else _UNITS[by]
     known = _needed(channels, rig, base)
     if open_inertia:
         total = found["inertia"] / (found.get("scale", 1.0) if scale else 1.0)
@@ -62,7 +63,7 @@ def drive_of(channels: Channels, rig: Rig, base: Model) -> Drive:
         unit,
         *_open(channels, rig, problem, open_inertia),
         _identified(first, scale, open_inertia, rig),
-        tuple(w for w in problem.warnings if w not in channels.warnings),
+        tuple(w for w in problem.warnings if w not in channels.intake.warnings),
         rig.known.get("J_m") if open_inertia else None,
     )
 
@@ -86,7 +87,7 @@ def _needed(channels: Channels, rig: Rig, base: Model) -> dict[str, float]:
     if rig.case == "C1":
         # There it is only in F_T, whose friction no log tells from the motor's.
         given |= {"M_l"}
-    if channels.drive == "current" and channels.voltage is not None:
+    if channels.motor.measured_by == "current" and channels.motor.voltage is not None:
         given -= {"R", "k_e"}
         if missing := sorted({"R", "k_e"} - set(rig.known)):
             raise InputError(
@@ -101,14 +102,14 @@ def _needed(channels: Channels, rig: Rig, base: Model) -> dict[str, float]:
         known.setdefault("M_l", 0.0)
     if "F_T" in needed:
         known.setdefault("F_T", known.get("M_l", 0.0) * known["g"])
-    if channels.drive == "torque" or "k_i" not in known:
+    if channels.motor.measured_by == "torque" or "k_i" not in known:
         known["k_i"] = 1.0
     return known
 
 
 def _scale(problem: Problem, found: Mapping[str, float]) -> float:
     """What a newton metre is in the unit of the drive."""
-    if problem.channels.drive == "voltage" and problem.scale is None:
+    if problem.channels.motor.measured_by == "voltage" and problem.scale is None:
         return 1.0 / problem.per_volt
     return found.get("scale", 1.0)
 
@@ -147,9 +148,10 @@ def _open(channels: Channels, rig: Rig, problem: Problem, open_inertia: bool) ->
     if turning and adjusts:
         names.append("gravity")
     scaled = problem.scale is not None
-    if channels.drive == "voltage" and scaled and "k_e" not in rig.known and np.any(channels.off):
+    by_voltage = channels.motor.measured_by == "voltage"
+    if by_voltage and scaled and "k_e" not in rig.known and np.any(channels.motor.off):
         names.append("back_emf")
-    if "voltage_offset_V" in rig.estimate and channels.drive == "voltage":
+    if "voltage_offset_V" in rig.estimate and by_voltage:
         names.append("offset")
     if "theta_zero_rad" in rig.estimate and turning:
         names.append("zero_angle")
@@ -162,5 +164,5 @@ def _require_sign(found: Mapping[str, float], problem: Problem) -> None:
             raise InputError(
                 f"{problem.rig.path}: {'scale' if role == 'scale' else 'inertia'} of the drive above 0 is"
                 f" required, received {found[role]:.3g} from the log: do the signs of"
-                f" {problem.channels.drive} and angle agree?"
+                f" {problem.channels.motor.measured_by} and angle agree?"
             )

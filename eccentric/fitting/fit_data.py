@@ -38,14 +38,14 @@ def fit_data_of(drive: Drive, rig: Rig, model: Model) -> FitData:
     """
     channels, known = drive.channels, dict(drive.known)
     values = {
-        "theta_m": channels.theta_m,
-        "omega_m": channels.omega_m,
-        "alpha_m": channels.alpha_m,
-        "t": channels.elapsed,
+        "theta_m": channels.motion.theta_m,
+        "omega_m": channels.motion.omega_m,
+        "alpha_m": channels.motion.alpha_m,
+        "t": channels.time.elapsed,
     }
-    if drive.measured_twice and channels.voltage is not None:
-        values["u"] = channels.smooth(channels.voltage)
-        values["i"] = drive.machine.current(known, values["u"], channels.omega_m)
+    if drive.measured_twice and channels.motor.voltage is not None:
+        values["u"] = channels.smooth(channels.motor.voltage)
+        values["i"] = drive.machine.current(known, values["u"], channels.motion.omega_m)
     else:
         values["i"] = drive.machine.current_of_torque(known, channels.smooth(drive.torque()))
     if drive.scale is not None:
@@ -55,8 +55,8 @@ def fit_data_of(drive: Drive, rig: Rig, model: Model) -> FitData:
         values["u"] = channels.smooth(drive.signal())
     if channels.temperature is not None:
         values["temperature"] = channels.temperature
-    starts = tuple(int(k) for k in np.flatnonzero(np.r_[True, np.diff(channels.segment) != 0]))
-    dt = np.diff(channels.t, append=channels.t[-1] + np.median(np.diff(channels.t)))
+    starts = tuple(int(k) for k in np.flatnonzero(np.r_[True, np.diff(channels.time.segment) != 0]))
+    dt = np.diff(channels.time.t, append=channels.time.t[-1] + np.median(np.diff(channels.time.t)))
     dt[[start - 1 for start in starts if start > 0]] = float(np.median(dt))
     signals = Signals(values, dt, starts, known, friction=seen_columns(model, known), base=model)
     gravity, slope = _gravity(model, signals)
@@ -87,6 +87,6 @@ def _gravity(model: Model, signals: Signals) -> tuple[Array, Array]:
 def drive_noise(data: FitData) -> float:
     """RMS that the white noise of the measured drive leaves in a row, from its fourth differences."""
     drive = data.drive
-    sigma = white_noise(drive.torque(), drive.channels.segment)
+    sigma = white_noise(drive.torque(), drive.channels.time.segment)
     # An average of rows has less of it; the one in the middle stands for all.
     return sigma * float(np.sqrt(np.median(data.rows.noise_gain() ** 2)))

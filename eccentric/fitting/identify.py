@@ -128,7 +128,7 @@ def _require_scale(problem: Problem, paper: Solution, where: str) -> None:
         if c.role == "scale" and value <= 0.0:
             raise InputError(
                 f"{where}: {c.name} above 0 is required, received {value:.3g}: do the signs of "
-                f"{problem.channels.drive} and angle agree?"
+                f"{problem.channels.motor.measured_by} and angle agree?"
             )
 
 
@@ -156,7 +156,9 @@ def _warnings(problem: Problem, paper: Solution, profiles: Mapping[str, Profile]
     found = []
     friction = [a for c, a in zip(problem.coefficients, paper.active, strict=True) if c.role == "friction"]
     if all(a == -1 for a in friction):
-        found.append(f"no friction is left: do the signs of {problem.channels.drive} and angle agree?")
+        found.append(
+            f"no friction is left: do the signs of {problem.channels.motor.measured_by} and angle agree?"
+        )
     for s in problem.nonlinear:
         value = paper.at[s.name]
         if s.end_at(value):

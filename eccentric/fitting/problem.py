@@ -13,6 +13,7 @@ with s come out.
 
 from __future__ import annotations
 
+import dataclasses
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
@@ -60,7 +61,8 @@ class Problem:
     def design(self, at: Mapping[str, float]) -> Design:
         """Return the design under values that do not enter linearly."""
         channels, parameters = self._aligned(at), self._parameters(at)
-        signals = {"theta_m": channels.theta_m, "omega_m": channels.omega_m, "alpha_m": channels.alpha_m}
+        motion = channels.motion
+        signals = {"theta_m": motion.theta_m, "omega_m": motion.omega_m, "alpha_m": motion.alpha_m}
         friction = self.rows.mean(self.emitted("regressor", signals, parameters))[:, self.kept]
         inertia = self.rows.acceleration(channels)
         known = self._load(signals, inertia, parameters)
@@ -96,7 +98,9 @@ class Problem:
 
     def _aligned(self, at: Mapping[str, float]) -> Channels:
         aligned = {name: value for name, value in at.items() if name in _ALIGNED}
-        return self.channels.realigned(self.rig, **aligned) if aligned else self.channels
+        if not aligned:
+            return self.channels
+        return self.channels.realigned(self.rig, dataclasses.replace(self.channels.alignment, **aligned))
 
     def _parameters(self, at: Mapping[str, float]) -> Any:
         try:
@@ -106,21 +110,22 @@ class Problem:
 
     def _drive(self, channels: Channels) -> Array:
         """The measured drive (n,) in `unit`, what the back-EMF takes of a voltage taken off."""
-        known, signal = self.rig.known, getattr(channels, channels.drive)
-        if channels.drive == "torque" or (channels.drive == "current" and self.scale is not None):
+        known, signal = self.rig.known, channels.motor.measured
+        by = channels.motor.measured_by
+        if by == "torque" or (by == "current" and self.scale is not None):
             return signal
-        if channels.drive == "current":
+        if by == "current":
             return self.machine.torque(known, signal)
         # Without k_e the back-EMF is in the column of viscous friction.
         known = {"k_e": 0.0, **known}
         if self.scale is not None:
-            return signal - self.machine.back_emf(known, channels.omega_m)
-        return self.machine.torque(known, self.machine.current(known, signal, channels.omega_m))
+            return signal - self.machine.back_emf(known, channels.motion.omega_m)
+        return self.machine.torque(known, self.machine.current(known, signal, channels.motion.omega_m))
 
     @property
     def per_volt(self) -> float:
         """What a volt is in `unit`."""
-        if self.channels.drive != "voltage" or self.scale is not None:
+        if self.channels.motor.measured_by != "voltage" or self.scale is not None:
             return 1.0
         known = {"k_e": 0.0, **self.rig.known}
         return float(self.machine.torque(known, self.machine.current(known, 1.0, 0.0)))
@@ -150,9 +155,10 @@ def pose(channels: Channels, rig: Rig, model: Model) -> Problem:
                 f"{rig.path}: [known] {letter} is required by {model.name}, or its range in [unknown]; "
                 "received neither"
             )
-    scale = scale_of(channels.drive, rig)
+    by = channels.motor.measured_by
+    scale = scale_of(by, rig)
     rows, machine = fit_rows(channels, rig), Machine(model)
-    warnings = list(channels.warnings)
+    warnings = list(channels.intake.warnings)
     if rows.operator is not None:
         warnings.append(f"the log is fitted, and its error taken, on {rows.description}")
     coefficients = combinations_of(channels, rig, model, machine, scale)
@@ -165,7 +171,7 @@ def pose(channels: Channels, rig: Rig, model: Model) -> Problem:
     searched = {s.name for s in nonlinear}
     idle = set(rig.unknown) - searched - {"J_m", "J_l", "k_i", "k_e", "R", "T_load"}
     idle |= rig.estimate - searched - {c.letter for c in coefficients}
-    warnings += [f"{name} has no effect on {model.name} driven by {channels.drive}" for name in sorted(idle)]
+    warnings += [f"{name} has no effect on {model.name} driven by {by}" for name in sorted(idle)]
     return Problem(
         channels,
         rig,
@@ -173,7 +179,7 @@ def pose(channels: Channels, rig: Rig, model: Model) -> Problem:
         Emitted(model),
         machine,
         rows,
-        "N m" if scale is None else {"current": "A", "voltage": "V"}[channels.drive],
+        "N m" if scale is None else {"current": "A", "voltage": "V"}[by],
         scale,
         tuple(coefficients),
         tuple(nonlinear),

@@ -34,11 +34,11 @@ class Residuals:
         self._drive, signals, channels = data.drive, data.signals, data.drive.channels
         torque = self._drive.torque(values, scale)
         given: dict[str, Array | None] = {
-            "theta_m": channels.theta_m,
-            "omega_m": channels.omega_m,
-            "alpha_m": channels.alpha_m,
+            "theta_m": channels.motion.theta_m,
+            "omega_m": channels.motion.omega_m,
+            "alpha_m": channels.motion.alpha_m,
             "i": self._drive.machine.current_of_torque(values, torque),
-            "u": self._drive.signal() if self._drive.by_voltage else channels.voltage,
+            "u": self._drive.signal() if self._drive.by_voltage else channels.motor.voltage,
             "temperature": channels.temperature,
             "t": signals.values["t"],
         }
@@ -52,7 +52,7 @@ class Residuals:
         if balance != "mechanical" or rows.smooth is None:
             return rows.mean(found)
         # The acceleration comes from the low-passed angle: it is not to pass the filter twice.
-        alpha = self._drive.channels.alpha_m
+        alpha = self._drive.channels.motion.alpha_m
         inertia = self._machine.inertia({**self.data.signals.known, **values})
         return rows.mean(found) + inertia * (rows.mean(alpha) - rows.plain_mean(alpha))
 

@@ -74,15 +74,15 @@ def fit_lines(fit: Fit, logs: Sequence[str]) -> list[str]:
     problem = fit.problem
     rows = problem.rows
     what = f"{np.count_nonzero(rows.train)} {rows.description} fitted"
-    head = f"{few(logs)}: {problem.model.name}, driven by {problem.channels.drive}; {what}, "
-    head += f"{np.count_nonzero(rows.score)} held out ({problem.channels.holdout.brief})"
+    head = f"{few(logs)}: {problem.model.name}, driven by {problem.channels.motor.measured_by}; {what}, "
+    head += f"{np.count_nonzero(rows.score)} held out ({problem.channels.selection.holdout.brief})"
     out = [head, *_table({**fit.coefficients, **fit.searched}), *_scale_line(fit)]
     shown = {"linear": "linear", "paper": _called(fit)}
     errors = ", ".join(f"{name} {fit.rmse[which]:.4g}" for which, name in shown.items())
     parts = ", ".join(f"{name} {fit.r_squared[which]:.4f}" for which, name in shown.items())
     out.append(f"held-out RMSE [{problem.unit}]: {errors}; R^2 of the drive {_DRIVES[problem.unit]}: {parts}")
-    if problem.rig.moving_threshold_rad_s is None:
-        threshold = problem.channels.moving_threshold_rad_s
+    if problem.rig.sampling.moving_threshold_rad_s is None:
+        threshold = problem.channels.selection.moving_threshold_rad_s
         out.append(f"rows count as moving above {threshold:.4g} rad/s (moving_threshold_rad_s sets it)")
     if _fits(fit):
         out += _bounds_line(fit)

@@ -49,18 +49,18 @@ def _scaled(found: Diagnosis, fit: Refit, x: Array) -> Array:
 def _rows(found: Diagnosis) -> Rows:
     channels, mu, rows = found.channels, found.setting.mu, found.rows
     gravity = found.data.gravity if np.any(found.data.gravity) else None
-    theta = channels.theta_m if channels.phased else None
+    theta = channels.motion.theta_m if channels.phased else None
     given = [
-        ("velocity", "motor velocity", "rad/s", channels.omega_m, None),
+        ("velocity", "motor velocity", "rad/s", channels.motion.omega_m, None),
         ("link_angle", "link angle", "rad", None if theta is None else mu * theta, TURN),
         # Without a gear the motor turns with the link.
         ("motor_angle", "motor angle", "rad", theta if abs(mu) != 1.0 else None, TURN),
-        ("acceleration", "motor acceleration", "rad/s²", channels.alpha_m, None),
+        ("acceleration", "motor acceleration", "rad/s²", channels.motion.alpha_m, None),
         ("gravity_load", "gravity torque on the motor", found.unit, gravity, None),
-        ("current", "current", "A", channels.current, None),
-        ("voltage", "voltage", "V", channels.voltage, None),
+        ("current", "current", "A", channels.motor.current, None),
+        ("voltage", "voltage", "V", channels.motor.voltage, None),
         ("temperature", "temperature", "°C", channels.temperature, None),
-        ("time", "time in the run", "s", channels.elapsed, None),
+        ("time", "time in the run", "s", channels.time.elapsed, None),
     ]  # fmt: skip
     made = [
         Channel(k, label, u, _mean(rows, x, period), period)
@@ -70,7 +70,7 @@ def _rows(found: Diagnosis) -> Rows:
     return Rows(
         t=rows.t,
         run=rows.run,
-        run_names=channels.run_names,
+        run_names=channels.time.run_names,
         train=rows.train,
         held_out=rows.score,
         channels=tuple(made),

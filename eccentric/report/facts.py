@@ -14,17 +14,17 @@ __all__ = ["facts_of"]
 def facts_of(found: Diagnosis) -> list[Fact]:
     """Facts about the log, in the order of the table."""
     channels, counts = found.channels, found.channels.counts
-    step = np.diff(channels.t)[np.diff(channels.segment) == 0]
-    usual, points = channels.logged_step_s, channels.points_per_row
+    step = np.diff(channels.time.t)[np.diff(channels.time.segment) == 0]
+    usual, points = channels.time.logged_step_s, channels.time.points_per_row
     spread = (points * step.min(), points * step.max())
     uneven = f"; steps of {spread[0]:.4g} to {spread[1]:.4g} s" if np.ptp(spread) > 0.01 * usual else ""
-    runs = len(channels.run_names)
-    gaps = int(channels.segment[-1]) + 1 - runs
-    moving = f"faster than {channels.moving_threshold_rad_s:.3g} rad/s, clear of reversals and ends"
-    held = "; ".join(f"{a:.4g} to {b:.4g} s" for a, b in channels.holdout.intervals_s[:8])
+    runs = len(channels.time.run_names)
+    gaps = int(channels.time.segment[-1]) + 1 - runs
+    moving = f"faster than {channels.selection.moving_threshold_rad_s:.3g} rad/s, clear of reversals and ends"
+    held = "; ".join(f"{a:.4g} to {b:.4g} s" for a, b in channels.selection.holdout.intervals_s[:8])
 
     def aligned(name: str, field: str, unit: str, factor: float = 1.0) -> Fact:
-        value = getattr(channels, field)
+        value = getattr(channels.alignment, field)
         if e := found.models.shipped.estimates.get(field):
             return Fact(
                 name, f"{e.value:.4g} {unit}", f"estimated, 95 % interval {range_of(e.interval)} {unit}"
@@ -40,12 +40,12 @@ def facts_of(found: Diagnosis) -> list[Fact]:
         Fact("models are compared on", found.rows.description),
         Fact("sampling", f"{1.0 / usual:.4g} Hz", f"{usual:.4g} s a row{uneven}"),
         Fact("gaps in time", f"{gaps}", "no filter runs across a gap" if gaps else ""),
-        Fact("drive measured by", channels.drive),
-        Fact("step of the motor angle", f"{channels.quantum_rad:.3g} rad"),
+        Fact("drive measured by", channels.motor.measured_by),
+        Fact("step of the motor angle", f"{channels.motion.quantum_rad:.3g} rad"),
         aligned("input delay", "input_delay_s", "ms", 1e3),
         aligned("zero angle", "theta_zero_rad", "rad"),
     ]
-    if channels.voltage is not None:
+    if channels.motor.voltage is not None:
         facts.append(aligned("voltage offset", "voltage_offset_V", "V"))
     facts += [
         Fact(

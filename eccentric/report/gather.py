@@ -27,7 +27,7 @@ _ORIGINS = ("effect", "friction", "bench", "rig", "unseen")
 
 def report_data(found: Diagnosis, files: Sequence[tuple[str, str]] = ()) -> ReportData:
     """The records of a diagnosis; `files` are (name, description) of everything written beside the report."""
-    attribution, score, findings = found.attribution, found.score, found.channels.findings
+    attribution, score, findings = found.attribution, found.score, found.channels.intake.findings
     effects = [effect for effect, _ in found.models.extended.effects]
     named = {effect.family for effect in effects}
     about = {effect.id: effect for effect in found.offered}
@@ -42,7 +42,7 @@ def report_data(found: Diagnosis, files: Sequence[tuple[str, str]] = ()) -> Repo
         balances=tuple(balance_of(found, name) for name in names),
         gain=Gain(score.balance, score.percent, score.interval) if found.models.adopted else None,
         further=tuple(_further(found)),
-        holdout=found.channels.holdout.rule,
+        holdout=found.channels.selection.holdout.rule,
         depends_on=attribution.depends_on,
         candidates=tuple(
             Candidate(
@@ -93,7 +93,7 @@ def _further(found: Diagnosis) -> list[Errors]:
 
     further = []
     if score.per_drive:
-        unit = {"voltage": "V", "current": "A", "torque": "N m"}[found.channels.drive]
+        unit = {"voltage": "V", "current": "A", "torque": "N m"}[found.channels.motor.measured_by]
         further.append(Errors("mechanical balance, as measured", unit, of(score.per_drive)))
     if score.free:
         note = "These rows contain no electrical effect: only mechanical terms predict them."

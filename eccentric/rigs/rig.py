@@ -16,7 +16,8 @@ from eccentric.logs import parse_value
 from eccentric.rigs.entries import plain_entries, read_intervals, read_names, read_number, refuse_unknown
 from eccentric.rigs.file import read_file
 from eccentric.rigs.known import read_knowns
-from eccentric.rigs.sources import ColumnSource, read_columns
+from eccentric.rigs.parts import ALIGNMENT, Alignment, LogMap, NamedHoldout, Sampling
+from eccentric.rigs.sources import read_columns
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -24,7 +25,6 @@ if TYPE_CHECKING:
 __all__ = ["Rig", "read_rig"]
 
 DRIVES = ("current", "voltage", "torque")
-ALIGNMENT = ("input_delay_s", "theta_zero_rad", "voltage_offset_V")
 KEYS = (
     *("format", "name", "log_type", "known", "unknown", "columns", "drive", "encoder_counts_per_rev"),
     *("sample_rate_hz", "low_pass_hz", "moving_threshold_rad_s", "holdout_intervals_s", "holdout_runs"),
@@ -38,35 +38,29 @@ KEYS = (
 class Rig:
     """The test bench as the user describes it; numbers in SI, by the paper's letters.
 
-    `known` holds values, `unknown` ranges [lower, upper]; what is in neither is estimated jointly where
-    possible. `case` is "C1", "C2" or None for a tilted plane; then `phi` [rad] is in `known` or `unknown`.
-    `columns` is None where the standard column names hold. `drive` says what measures the drive torque
-    ("current", "voltage", "torque"; None: what the log has). `estimate` names those of input_delay_s,
-    theta_zero_rad, voltage_offset_V that the fit has to find. `theta_zero_rad` is the logged link angle at
-    which the mass hangs straight down. `runs` and `holdout_runs` are names or patterns of runs, `runs` empty
-    for all. `average_over` is a time [s] that both sides of the balance are averaged over before they are
-    compared, 0 for the rows of the log, infinite for whole runs.
+    Attributes:
+        path: of the file, for messages.
+        name: of the rig.
+        case: "C1", "C2" or None for a tilted plane; then `phi` [rad] is in `known` or `unknown`.
+        known: values of motor, gear and link by letter.
+        unknown: ranges [lower, upper] by letter; what is in neither is identified where it can be.
+        log: what the log holds.
+        sampling: how its samples become rows.
+        holdout: the held-out part, where the rig names it.
+        alignment: delay, zero angle and offset, 0 where the fit has to find them.
+        estimate: names of those that the fit has to find.
+        warnings: what is unusual about the rig.
     """
 
     path: str
     name: str
+    case: str | None
     known: Mapping[str, float]
     unknown: Mapping[str, tuple[float, float]]
-    case: str | None
-    columns: Mapping[str, ColumnSource] | None
-    drive: str | None
-    counts_per_rev: float | None
-    sample_rate_hz: float | None
-    low_pass_hz: float
-    low_pass_given: bool
-    moving_threshold_rad_s: float | None
-    holdout_intervals_s: tuple[tuple[float, float], ...]
-    holdout_runs: tuple[str, ...]
-    runs: tuple[str, ...]
-    average_over: float
-    input_delay_s: float
-    theta_zero_rad: float
-    voltage_offset_V: float
+    log: LogMap
+    sampling: Sampling
+    holdout: NamedHoldout
+    alignment: Alignment
     estimate: frozenset[str]
     warnings: tuple[str, ...]
 
@@ -75,11 +69,6 @@ class Rig:
         if name not in self.known:
             raise InputError(f"{self.path}: [known] {name} is required here and is not given")
         return self.known[name]
-
-    @property
-    def drive_low_pass_hz(self) -> float | None:
-        """Cut-off for the measured drive where rows are averages over a time: both sides pass one filter."""
-        return self.low_pass_hz if self.average_over and math.isfinite(self.average_over) else None
 
     @property
     def model(self) -> str:
@@ -111,29 +100,33 @@ def _rig(content: Mapping[str, Any], where: str, name: str) -> Rig:
     drive = content.get("drive")
     if drive is not None and drive not in DRIVES:
         raise InputError(f"{where}: drive: one of {', '.join(DRIVES)} is required, received {drive!r}")
-    aligned, estimate = _alignment(content, where)
+    alignment, estimate = _alignment(content, where)
+    intervals = read_intervals(content.get("holdout_intervals_s", []), f"{where}: holdout_intervals_s")
     return Rig(
         path=where,
         name=str(content.get("name", name)),
+        case=case,
         known=known,
         unknown=unknown,
-        case=case,
-        columns=columns,
-        drive=drive,
-        counts_per_rev=counts,
-        sample_rate_hz=_optional(content, "sample_rate_hz", where),
-        low_pass_hz=_optional(content, "low_pass_hz", where) or 25.0,
-        low_pass_given="low_pass_hz" in content,
-        moving_threshold_rad_s=_optional(content, "moving_threshold_rad_s", where, open_below=False),
-        holdout_intervals_s=read_intervals(
-            content.get("holdout_intervals_s", []), f"{where}: holdout_intervals_s"
+        log=LogMap(
+            columns=columns,
+            drive=drive,
+            counts_per_rev=counts,
+            sample_rate_hz=_optional(content, "sample_rate_hz", where),
+            runs=read_names(content.get("runs", []), f"{where}: runs"),
         ),
-        holdout_runs=read_names(content.get("holdout_runs", []), f"{where}: holdout_runs"),
-        runs=read_names(content.get("runs", []), f"{where}: runs"),
-        average_over=_average(content.get("average_over"), f"{where}: average_over"),
+        sampling=Sampling(
+            low_pass_hz=_optional(content, "low_pass_hz", where) or 25.0,
+            low_pass_given="low_pass_hz" in content,
+            moving_threshold_rad_s=_optional(content, "moving_threshold_rad_s", where, open_below=False),
+            average_over=_average(content.get("average_over"), f"{where}: average_over"),
+        ),
+        holdout=NamedHoldout(
+            intervals, read_names(content.get("holdout_runs", []), f"{where}: holdout_runs")
+        ),
+        alignment=alignment,
         estimate=estimate,
         warnings=(*warnings, *_doubts(known)),
-        **aligned,
     )
 
 
@@ -157,8 +150,8 @@ def _optional(content: Mapping[str, Any], key: str, where: str, *, open_below: b
     return None if key not in content else read_number(content[key], f"{where}: {key}", 0.0, open_below)
 
 
-def _alignment(content: Mapping[str, Any], where: str) -> tuple[dict[str, float], frozenset[str]]:
-    """Return delay, zero angle and offset by key, 0 where the fit estimates them, and which those are."""
+def _alignment(content: Mapping[str, Any], where: str) -> tuple[Alignment, frozenset[str]]:
+    """Return delay, zero angle and offset, 0 where the fit estimates them, and which those are."""
     given = {key: content.get(key, 0.0) for key in ALIGNMENT}
     estimate = frozenset(key for key, value in given.items() if value == "estimate")
     values: dict[str, float] = {}
@@ -167,7 +160,7 @@ def _alignment(content: Mapping[str, Any], where: str) -> tuple[dict[str, float]
             raise InputError(f'{where}: {key}: a number or "estimate" is required, received {value!r}')
         lower = 0.0 if key == "input_delay_s" else -math.inf
         values[key] = 0.0 if key in estimate else read_number(value, f"{where}: {key}", lower)
-    return values, estimate
+    return Alignment(**values), estimate
 
 
 def _average(value: object, where: str) -> float:

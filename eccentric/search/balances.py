@@ -39,12 +39,12 @@ def balances_of(data: FitData, rig: Rig, model: Model) -> tuple[list[BalanceDesi
     mechanical = balance_design(
         "mechanical", rows, target, base_columns(model, signals), names, lower, target
     )
-    balances = [_once_filtered(mechanical, channels.alpha_m, drive.machine.inertia(known))]
-    unseen = np.where(channels.held_out, np.nan, 1.0)
+    balances = [_once_filtered(mechanical, channels.motion.alpha_m, drive.machine.inertia(known))]
+    unseen = np.where(channels.selection.held_out, np.nan, 1.0)
     noise = {"mechanical": _row_noise(unseen * torque, rows)}
-    if drive.measured_twice and channels.voltage is not None:
+    if drive.measured_twice and channels.motor.voltage is not None:
         every = search_rows(channels, rig, moving=False)
-        by_voltage = drive.machine.current(known, channels.voltage, channels.omega_m)
+        by_voltage = drive.machine.current(known, channels.motor.voltage, channels.motion.omega_m)
         residual = drive.machine.torque(known, by_voltage) - torque
         empty = np.empty((len(torque), 0))
         balances.append(balance_design("electrical", every, residual, empty, (), np.empty(0), target))
@@ -73,17 +73,17 @@ def _once_filtered(balance: BalanceDesign, alpha: Array, inertia: float) -> Bala
 def setting_of(data: FitData, model: Model, friction: Array) -> Setting:
     """What the ranges of the library depend on, from the moving training rows."""
     signals, channels = data.signals, data.drive.channels
-    rows = channels.fit_rows
-    speed = np.abs(channels.omega_m[rows])
+    rows = channels.selection.fit_rows
+    speed = np.abs(channels.motion.omega_m[rows])
     current = signals.values["i"]
     columns = signals.columns(model)
     own = friction[: len(columns)]
     torque = base_columns(model, signals)[:, : len(columns)] @ own
-    loss = np.mean((torque * channels.omega_m)[rows])
-    if "R" in signals.known and channels.drive != "torque":
+    loss = np.mean((torque * channels.motion.omega_m)[rows])
+    if "R" in signals.known and channels.motor.measured_by != "torque":
         loss += np.mean(signals.known["R"] * current[rows] ** 2)
     warm = channels.temperature
-    present = {"current"} if channels.drive != "voltage" else set()
+    present = {"current"} if channels.motor.measured_by != "voltage" else set()
     present |= {"voltage"} if data.drive.measured_twice else set()
     # With a voltage alone, effects of the armature show in the torque computed from it.
     present |= {"current", "voltage"} if data.drive.by_voltage else set()
@@ -96,13 +96,13 @@ def setting_of(data: FitData, model: Model, friction: Array) -> Setting:
         w_min=max(0.5 * float(np.quantile(speed, 0.002)), highest / 400),
         w_max=highest,
         current_max=float(np.quantile(np.abs(current[rows]), 0.995)),
-        duration_s=float(np.max(channels.elapsed)),
+        duration_s=float(np.max(channels.time.elapsed)),
         mean_loss_W=max(float(loss), 1e-12),
         temperature_mid=None if warm is None else float(np.median(warm[rows])),
         channels=frozenset(present),
         friction={c.name: float(x) for c, x in zip(columns, own, strict=True)},
         by_voltage=data.drive.by_voltage,
-        scaled=data.drive.scale is None and channels.drive in {"current", "voltage"},
+        scaled=data.drive.scale is None and channels.motor.measured_by in {"current", "voltage"},
         left_open=tuple(sorted({*data.drive.open, *channels.rig.estimate})),
     )
 
@@ -111,17 +111,17 @@ def variables_of(data: FitData) -> Variables:
     """What a residual of the log may depend on."""
     channels = data.drive.channels
     return Variables(
-        t=channels.t,
+        t=channels.time.t,
         # Angles integrated from the speed have no zero common to several runs.
-        theta_m=channels.theta_m if channels.phased else None,
-        omega_m=channels.omega_m,
-        alpha_m=channels.alpha_m,
+        theta_m=channels.motion.theta_m if channels.phased else None,
+        omega_m=channels.motion.omega_m,
+        alpha_m=channels.motion.alpha_m,
         gravity=data.gravity,
         mu=data.signals.known["mu"],
         current=_drive_current(data),
         voltage=data.signals.values.get("u"),
         temperature=channels.temperature,
-        averaged=math.isinf(channels.rig.average_over),
+        averaged=math.isinf(channels.rig.sampling.average_over),
     )
 
 

@@ -35,15 +35,16 @@ def suited(rig: Rig, t: Array, theta: Array, segment: NDArray[np.int64], moving:
 
     t [s], theta [rad] at the motor, number of the stretch and whether it moves, each (n,).
     """
-    if rig.low_pass_given or rig.average_over:
+    if rig.sampling.low_pass_given or rig.sampling.average_over:
         return rig, ""
     stretches = rows_of_each(segment)
     if _is_map(t, theta, stretches):
         steps = [float(np.median(np.diff(t[rows]))) for rows in stretches if len(rows) > 1]
-        cut = min(rig.low_pass_hz, COARSE / max(steps))
+        cut = min(rig.sampling.low_pass_hz, COARSE / max(steps))
         said = f"the log is {len(stretches)} runs of constant speed: one mean of each is compared"
-        return dataclasses.replace(rig, low_pass_hz=cut, average_over=math.inf), said
-    parts = [_noise_and_size(t[r], theta[r], moving[r], rig.low_pass_hz) for r in stretches if len(r) > 40]
+        return _averaged(rig, cut, math.inf), said
+    low_pass_hz = rig.sampling.low_pass_hz
+    parts = [_noise_and_size(t[r], theta[r], moving[r], low_pass_hz) for r in stretches if len(r) > 40]
     parts = [part for part in parts if part is not None]
     if not parts:
         return rig, ""
@@ -51,13 +52,18 @@ def suited(rig: Rig, t: Array, theta: Array, segment: NDArray[np.int64], moving:
     if noise <= TOO_NOISY * size:
         return rig, ""
     signal = math.sqrt(max(size**2 - noise**2, (TOO_NOISY * size) ** 2))
-    cut = max(LOWEST_HZ, rig.low_pass_hz * (QUIET * signal / noise) ** 0.4)
+    cut = max(LOWEST_HZ, low_pass_hz * (QUIET * signal / noise) ** 0.4)
     said = (
-        f"at {rig.low_pass_hz:g} Hz the steps and stamps of the angle make {noise / size:.0%} of the"
+        f"at {low_pass_hz:g} Hz the steps and stamps of the angle make {noise / size:.0%} of the"
         f" acceleration: the low pass is set to {cut:.2g} Hz, and both sides are averaged over"
         f" {1.0 / cut:.2g} s (low_pass_hz and average_over of the rig override this)"
     )
-    return dataclasses.replace(rig, low_pass_hz=cut, average_over=1.0 / cut), said
+    return _averaged(rig, cut, 1.0 / cut), said
+
+
+def _averaged(rig: Rig, cut_hz: float, over: float) -> Rig:
+    sampling = dataclasses.replace(rig.sampling, low_pass_hz=cut_hz, average_over=over)
+    return dataclasses.replace(rig, sampling=sampling)
 
 
 def _is_map(t: Array, theta: Array, stretches: list[NDArray[np.int64]]) -> bool:

@@ -17,10 +17,11 @@ from numpy.typing import NDArray
 
 from eccentric.errors import InputError, few
 from eccentric.logs import read_log
+from eccentric.rigs import Alignment
 from eccentric.signals.bandwidth import suited
 from eccentric.signals.holdout import Holdout, hold_out
 from eccentric.signals.limits import END_S
-from eccentric.signals.measured import Channels
+from eccentric.signals.measured import Channels, Intake, Motion, Motor, Selection, TimeBase
 from eccentric.signals.motion import motion_of, motor_side, of_the_motor, quantum_of, uneven
 from eccentric.signals.moving import clear_of_ends, moving_rows, near_switching
 from eccentric.signals.quality import assess
@@ -79,7 +80,7 @@ def read_channels(logs: Sequence[LogSource], rig: Rig) -> Channels:
     points = _points(table, rig, quantum, 1)
     rig, said = _suited(rig, points)
     warnings += said
-    cut, doubts = rig.low_pass_hz, uneven(logged)
+    cut, doubts = rig.sampling.low_pass_hz, uneven(logged)
     if is_coarse(logged, rig):
         # Between the rows lies the unwrapped angle, not the one that jumps; a spline needs no even steps.
         points, cut, doubts = _points(refined(table), rig, quantum, FACTOR), math.inf, []
@@ -88,16 +89,12 @@ def read_channels(logs: Sequence[LogSource], rig: Rig) -> Channels:
     doubts = [*said, *doubts, *_rate_doubt(step, rig)]
     channels = _channels(points, motion, rig, step)
     _require_rows(channels, [log.path for log in read], rig)
-    channels = channels.realigned(
-        rig,
-        input_delay_s=rig.input_delay_s,
-        theta_zero_rad=rig.theta_zero_rad,
-        voltage_offset_V=rig.voltage_offset_V,
-    )
+    channels = channels.realigned(rig, rig.alignment)
     findings = assess(logged, channels, rig)
     # What the log lacks comes before what that does to its filters.
     warnings += [*(finding.text for finding in findings), *doubts]
-    return dataclasses.replace(channels, warnings=tuple(warnings), findings=findings)
+    intake = dataclasses.replace(channels.intake, warnings=tuple(warnings), findings=findings)
+    return dataclasses.replace(channels, intake=intake)
 
 
 def _points(table: Table, rig: Rig, quantum: float, per_row: int) -> _Points:
@@ -113,7 +110,7 @@ def _suited(rig: Rig, points: _Points) -> tuple[Rig, list[str]]:
     fitted = points.moving & ~points.holdout.rows
     rig, said = suited(rig, points.t, points.theta, points.segment, fitted)
     warnings = [said] if said else []
-    if math.isinf(rig.average_over) and not {"J_m", "J_l"} <= set(rig.known):
+    if math.isinf(rig.sampling.average_over) and not {"J_m", "J_l"} <= set(rig.known):
         # What little acceleration a constant speed has would take up anything that the friction lacks.
         rig = dataclasses.replace(rig, known={"J_m": 0.0, "J_l": 0.0, **rig.known})
         warnings.append(
@@ -127,36 +124,39 @@ def _channels(points: _Points, motion: Array, rig: Rig, step: float) -> Channels
     table, t, segment = points.table, points.t, points.segment
     clear = clear_of_ends(t, segment) & ~near_switching(t, segment, table.motor_off)
     return Channels(
-        t=t,
-        theta_m=motion[0],
-        omega_m=motion[1],
-        alpha_m=motion[2],
-        theta_logged=points.theta,
-        omega_logged=table.channels.get("omega_m"),
-        voltage=table.channels.get("voltage"),
-        voltage_logged=table.channels.get("voltage"),
-        current=table.channels.get("current"),
-        torque=motor_side(table, rig, "torque", "torque_l"),
+        time=TimeBase(
+            t=t,
+            run=table.run,
+            run_names=table.run_names,
+            segment=segment,
+            logged_step_s=step,
+            points_per_row=points.per_row,
+        ),
+        motion=Motion(
+            theta_m=motion[0],
+            omega_m=motion[1],
+            alpha_m=motion[2],
+            theta_logged=points.theta,
+            omega_logged=table.channels.get("omega_m"),
+            quantum_rad=points.quantum,
+        ),
+        motor=Motor(
+            voltage=table.channels.get("voltage"),
+            voltage_logged=table.channels.get("voltage"),
+            current=table.channels.get("current"),
+            torque=motor_side(table, rig, "torque", "torque_l"),
+            off=table.motor_off,
+            measured_by=_drive(table.channels, rig),
+        ),
         temperature=table.channels.get("temperature"),
-        run=table.run,
-        run_names=table.run_names,
-        segment=segment,
-        moving=points.moving,
-        usable=points.moving & table.use & clear,
-        off=table.motor_off,
-        holdout=points.holdout,
-        drive=_drive(table.channels, rig),
-        moving_threshold_rad_s=points.threshold,
-        quantum_rad=points.quantum,
-        input_delay_s=0.0,
-        theta_zero_rad=0.0,
-        voltage_offset_V=0.0,
-        logged_step_s=step,
-        points_per_row=points.per_row,
-        rows_read=table.rows_read,
-        rows_rejected=table.rows_rejected,
-        warnings=(),
-        findings=(),
+        selection=Selection(
+            moving=points.moving,
+            usable=points.moving & table.use & clear,
+            holdout=points.holdout,
+            moving_threshold_rad_s=points.threshold,
+        ),
+        alignment=Alignment(),
+        intake=Intake(table.rows_read, table.rows_rejected),
         rig=rig,
     )
 
@@ -169,31 +169,30 @@ def _drive(channels: Mapping[str, Array], rig: Rig) -> str:
         "voltage": "voltage" in channels,
     }
     there = [drive for drive, is_there in logged.items() if is_there]
-    if rig.drive is None:
+    if rig.log.drive is None:
         return there[0]
-    if rig.drive not in there:
+    if rig.log.drive not in there:
         raise InputError(
             f"{rig.path}: drive: one that the log has a column for is required ({', '.join(there)}), "
-            f"received {rig.drive!r}"
+            f"received {rig.log.drive!r}"
         )
-    return rig.drive
+    return rig.log.drive
 
 
 def _rate_doubt(step: float, rig: Rig) -> list[str]:
-    if rig.sample_rate_hz is None or not step or 0.9 < 1.0 / step / rig.sample_rate_hz < 1.1:
+    declared = rig.log.sample_rate_hz
+    if declared is None or not step or 0.9 < 1.0 / step / declared < 1.1:
         return []
-    return [
-        f"the rig says {rig.sample_rate_hz:g} rows per second, the log has {1.0 / step:.4g}: is time in s?"
-    ]
+    return [f"the rig says {declared:g} rows per second, the log has {1.0 / step:.4g}: is time in s?"]
 
 
 def _require_rows(channels: Channels, paths: Sequence[str], rig: Rig) -> None:
-    where = few(paths)
-    fitted, scored = np.count_nonzero(channels.fit_rows), np.count_nonzero(channels.score_rows)
+    where, rows = few(paths), channels.selection
+    fitted, scored = np.count_nonzero(rows.fit_rows), np.count_nonzero(rows.score_rows)
     if not fitted or not scored:
         raise InputError(
-            f"{where}: moving rows (above {channels.moving_threshold_rad_s:.4g} rad/s at the motor, "
+            f"{where}: moving rows (above {rows.moving_threshold_rad_s:.4g} rad/s at the motor, "
             f"{END_S:g} s from the ends) are required to fit and to hold out "
-            f"({channels.holdout.brief}); received {fitted} and {scored} under {rig.path}: are the units of "
+            f"({rows.holdout.brief}); received {fitted} and {scored} under {rig.path}: are the units of "
             "time and angle right?"
         )

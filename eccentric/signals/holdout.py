@@ -43,10 +43,10 @@ def hold_out(t: Array, run: NDArray[np.int64], run_names: tuple[str, ...], rig: 
     rows.
     Raises InputError for a run that the log has not, and for intervals in which it has no row.
     """
-    if rig.holdout_intervals_s or rig.holdout_runs:
+    if rig.holdout.intervals_s or rig.holdout.runs:
         rows, rule = _named(t, run, run_names, rig)
-        if not rig.holdout_runs and len(run_names) == 1:
-            return Holdout(rows, rule, rig.holdout_intervals_s)
+        if not rig.holdout.runs and len(run_names) == 1:
+            return Holdout(rows, rule, rig.holdout.intervals_s)
     elif len(run_names) >= 3:
         chosen = range(2, len(run_names), round(1.0 / HELD_OUT_PART))
         rows = np.isin(run, list(chosen))
@@ -64,18 +64,18 @@ def _named(
 ) -> tuple[NDArray[np.bool_], str]:
     rows = np.zeros(len(t), dtype=bool)
     parts: list[str] = []
-    for start, end in rig.holdout_intervals_s:
+    for start, end in rig.holdout.intervals_s:
         rows |= (t >= start) & (t <= end)
-    if rig.holdout_intervals_s and not np.any(rows):
-        given = few(f"[{start:g}, {end:g}]" for start, end in rig.holdout_intervals_s)
+    if rig.holdout.intervals_s and not np.any(rows):
+        given = few(f"[{start:g}, {end:g}]" for start, end in rig.holdout.intervals_s)
         ends = f"which goes from {np.min(t):.6g} to {np.max(t):.6g} s"
         raise InputError(
             f"{rig.path}: holdout_intervals_s: a part of the log is required, {ends}, received {given}: "
             "is time in s?"
         )
-    if rig.holdout_intervals_s:
-        parts.append(f"{len(rig.holdout_intervals_s)} intervals named by the rig")
-    chosen = matching(rig.holdout_runs, run_names, f"{rig.path}: holdout_runs")
+    if rig.holdout.intervals_s:
+        parts.append(f"{len(rig.holdout.intervals_s)} intervals named by the rig")
+    chosen = matching(rig.holdout.runs, run_names, f"{rig.path}: holdout_runs")
     rows |= np.isin(run, [run_names.index(name) for name in chosen])
     if chosen:
         parts.append(f"runs named by the rig: {', '.join(chosen)}")

@@ -9,15 +9,16 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from eccentric.errors import InputError
 from eccentric.signals.filters import smoothed
 from eccentric.signals.stretches import joined
 
 if TYPE_CHECKING:
-    from eccentric.rigs import Rig
+    from eccentric.rigs import Alignment, Rig
     from eccentric.signals.finding import Finding
     from eccentric.signals.holdout import Holdout
 
-__all__ = ["Channels"]
+__all__ = ["Channels", "Intake", "Motion", "Motor", "Selection", "TimeBase"]
 
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
@@ -25,51 +26,81 @@ Mask = NDArray[np.bool_]
 
 
 @dataclass(frozen=True)
-class Channels:
-    """Signals of all kept rows, each (n,), None where the logs have none; n counts rows, moving or not.
+class TimeBase:
+    """When the rows were taken: `t` [s] (n,), and the run and the stretch without gap of each, numbered (n,).
 
-    `theta_m` [rad], `omega_m` [rad/s], `alpha_m` [rad/s^2] come from the low-passed angle, without phase
-    lag, the zero angle taken out; `theta_logged` [rad], `omega_logged` [rad/s] are the sensors' own. All
-    are on the motor side, `torque` [N m] too. `voltage` [V] has delay and offset taken out. `temperature`
-    is in degC. `rig` is the one that was asked for, with what suits the log where it says nothing. A log too
-    coarse for the low pass has `points_per_row` points for each of its rows, which are `logged_step_s` apart.
-    `segment` numbers the stretches without gap. `moving` is `filters.moves`; `usable` is moving, away from
-    the ends, and wanted by the rig's `use`; `off` is where the motor is switched off: no drive torque, no
-    back-EMF. `drive` is the channel that measures the drive torque. `quantum_rad` is the step of the motor
-    angle, 0 where there is none to see.
+    A log too coarse for the low pass has `points_per_row` points for each of its rows, which are
+    `logged_step_s` apart.
     """
 
     t: Array
+    run: Integers
+    run_names: tuple[str, ...]
+    segment: Integers
+    logged_step_s: float
+    points_per_row: int
+
+    @property
+    def elapsed(self) -> Array:
+        """Time since the start of each row's run [s] (n,)."""
+        start = np.array([self.t[self.run == run][0] for run in range(int(self.run.max()) + 1)])
+        return self.t - start[self.run]
+
+
+@dataclass(frozen=True)
+class Motion:
+    """The motion at the motor, each (n,).
+
+    `theta_m` [rad], `omega_m` [rad/s], `alpha_m` [rad/s^2] come from the low-passed angle, without phase
+    lag, the zero angle taken out; `theta_logged` [rad], `omega_logged` [rad/s] are the sensors' own.
+    `quantum_rad` is the step of the motor angle, 0 where there is none to see.
+    """
+
     theta_m: Array
     omega_m: Array
     alpha_m: Array
     theta_logged: Array
     omega_logged: Array | None
+    quantum_rad: float
+
+
+@dataclass(frozen=True)
+class Motor:
+    """What drives the motor, each (n,), None where the log has none.
+
+    `voltage` [V] has delay and offset taken out, `voltage_logged` has not; `current` [A]; `torque` [N m], on
+    the motor side. `off` is where the motor is switched off: no drive torque, no back-EMF. `measured_by` says
+    which of "current", "torque" and "voltage" measures the drive torque.
+    """
+
     voltage: Array | None
     voltage_logged: Array | None
     current: Array | None
     torque: Array | None
-    temperature: Array | None
-    run: Integers
-    run_names: tuple[str, ...]
-    segment: Integers
+    off: Mask
+    measured_by: str
+
+    @property
+    def measured(self) -> Array:
+        """The signal (n,) that measures the drive torque, in its own unit. InputError if there is none."""
+        found = {"current": self.current, "torque": self.torque, "voltage": self.voltage}[self.measured_by]
+        if found is None:
+            raise InputError(f"a {self.measured_by} channel is required, the log has none")
+        return found
+
+
+@dataclass(frozen=True)
+class Selection:
+    """Which rows serve for what, each (n,).
+
+    `moving` is `moving.moving_rows`, faster than the threshold; `usable` is moving, away from the ends, and
+    wanted by the rig's `use`.
+    """
+
     moving: Mask
     usable: Mask
-    off: Mask
     holdout: Holdout
-    drive: str
     moving_threshold_rad_s: float
-    quantum_rad: float
-    input_delay_s: float
-    theta_zero_rad: float
-    voltage_offset_V: float
-    logged_step_s: float
-    points_per_row: int
-    rows_read: int
-    rows_rejected: int
-    warnings: tuple[str, ...]
-    findings: tuple[Finding, ...]
-    rig: Rig
 
     @property
     def held_out(self) -> Mask:
@@ -86,65 +117,81 @@ class Channels:
         """Rows (n,) of the reported held-out error: usable and held out."""
         return self.usable & self.held_out
 
-    @property
-    def elapsed(self) -> Array:
-        """Time since the start of each row's run [s] (n,)."""
-        start = np.array([self.t[self.run == run][0] for run in range(int(self.run.max()) + 1)])
-        return self.t - start[self.run]
+
+@dataclass(frozen=True)
+class Intake:
+    """How many rows were read, how many rejected because they are not numbers, and what is odd about them."""
+
+    read: int
+    rejected: int
+    warnings: tuple[str, ...] = ()
+    findings: tuple[Finding, ...] = ()
+
+
+@dataclass(frozen=True)
+class Channels:
+    """Signals of all kept rows, each (n,); n counts rows, moving or not.
+
+    `temperature` is in degC, None where the log has none. `alignment` is what has been taken out of voltage
+    and angle. `rig` is the one that was asked for, with what suits the log where it says nothing.
+    """
+
+    time: TimeBase
+    motion: Motion
+    motor: Motor
+    temperature: Array | None
+    selection: Selection
+    alignment: Alignment
+    intake: Intake
+    rig: Rig
 
     def smooth(self, x: Array) -> Array:
         """A signal (n,) after the low pass that the angle has passed."""
-        return smoothed(self.t, self.segment, x, self.rig.low_pass_hz)
+        return smoothed(self.time.t, self.time.segment, x, self.rig.sampling.low_pass_hz)
 
     @property
     def phased(self) -> bool:
         """Whether the angles of all rows compare: an integrated one begins at zero in every run."""
-        return len(self.run_names) == 1 or self.quantum_rad > 0.0
+        return len(self.time.run_names) == 1 or self.motion.quantum_rad > 0.0
 
     @property
     def driven(self) -> Channels:
         """The same channels, the rows with the motor switched off not usable."""
-        return dataclasses.replace(self, usable=self.usable & ~self.off) if np.any(self.off) else self
+        if not np.any(self.motor.off):
+            return self
+        usable = self.selection.usable & ~self.motor.off
+        return dataclasses.replace(self, selection=dataclasses.replace(self.selection, usable=usable))
 
     @property
     def counts(self) -> dict[str, int]:
         """Rows read, used (fitted or scored), held out (scored), rejected (not numbers)."""
+        points, chosen = self.time.points_per_row, self.selection
         return {
-            "read": self.rows_read,
-            "used": round(np.count_nonzero(self.usable) / self.points_per_row),
-            "held_out": round(np.count_nonzero(self.score_rows) / self.points_per_row),
-            "rejected": self.rows_rejected,
+            "read": self.intake.read,
+            "used": round(np.count_nonzero(chosen.usable) / points),
+            "held_out": round(np.count_nonzero(chosen.score_rows) / points),
+            "rejected": self.intake.rejected,
         }
 
-    def realigned(
-        self,
-        rig: Rig,
-        *,
-        input_delay_s: float | None = None,
-        theta_zero_rad: float | None = None,
-        voltage_offset_V: float | None = None,
-    ) -> Channels:
-        """Return the same channels with another delay, zero angle or offset (None: as it is).
+    def realigned(self, rig: Rig, alignment: Alignment) -> Channels:
+        """Return the same channels with another delay, zero angle and offset.
 
         This is the seam for a fit that estimates them. The voltage that acts at t is the logged one at t -
         delay, interpolated within a stretch (its first value before that); for a command that is held over
         a step, the delay so contains half a step. The zero angle is on the link side: without mu in the
         rig, InputError.
         """
-        delay = self.input_delay_s if input_delay_s is None else input_delay_s
-        offset = self.voltage_offset_V if voltage_offset_V is None else voltage_offset_V
-        zero = self.theta_zero_rad if theta_zero_rad is None else theta_zero_rad
-        moved = zero - self.theta_zero_rad
-        voltage = self.voltage_logged
+        moved = alignment.theta_zero_rad - self.alignment.theta_zero_rad
+        voltage = self.motor.voltage_logged
         if voltage is not None:
-            voltage = _delayed(self.t, voltage, self.segment, delay) - offset
+            voltage = _delayed(self.time.t, voltage, self.time.segment, alignment.input_delay_s)
+            voltage = voltage - alignment.voltage_offset_V
+        theta_m = self.motion.theta_m - (moved / rig.value("mu") if moved else 0.0)
         return dataclasses.replace(
             self,
-            theta_m=self.theta_m - (moved / rig.value("mu") if moved else 0.0),
-            voltage=voltage,
-            input_delay_s=delay,
-            theta_zero_rad=zero,
-            voltage_offset_V=offset,
+            motion=dataclasses.replace(self.motion, theta_m=theta_m),
+            motor=dataclasses.replace(self.motor, voltage=voltage),
+            alignment=alignment,
         )
 
 

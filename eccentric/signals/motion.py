@@ -109,9 +109,9 @@ def quantum_of(logged: Table, rig: Rig, theta: Array) -> float:
     """Return the step of the motor angle [rad], by the counts or the smallest seen; 0 if integrated."""
     if "theta_m" not in logged.channels and "theta_l" not in logged.channels:
         return 0.0
-    if rig.counts_per_rev is not None:
+    if rig.log.counts_per_rev is not None:
         gear = 1.0 if "theta_m" in logged.channels else rig.value("mu")
-        return 2.0 * np.pi / rig.counts_per_rev / gear
+        return 2.0 * np.pi / rig.log.counts_per_rev / gear
     segment = stretches(logged.channels["time"], logged.run)
     changes = np.abs(np.diff(theta))[np.diff(segment) == 0]
     changes = changes[changes > 1e-9 * max(1.0, float(np.max(np.abs(theta))))]

@@ -26,7 +26,7 @@ def moving_rows(
 ) -> tuple[Mask, float]:
     """Return the rows that move (n,), and the threshold [rad/s] that tells: by the rig or by `fitted`."""
     velocity = joined(segment, lambda rows: filters.span_velocity(t[rows], theta[rows]))
-    threshold = rig.moving_threshold_rad_s
+    threshold = rig.sampling.moving_threshold_rad_s
     if threshold is None:
         threshold = _default_threshold(velocity[fitted], quantum)
     moves = joined(segment, lambda rows: filters.moves(t[rows], velocity[rows], threshold))

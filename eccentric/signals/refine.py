@@ -36,7 +36,7 @@ def logged_step(table: Table) -> float:
 
 def is_coarse(table: Table, rig: Rig) -> bool:
     """Whether most of the log is sampled too slowly for the low pass of the rig, and not averaged by it."""
-    return rig.low_pass_hz * logged_step(table) > COARSE and not rig.average_over
+    return rig.sampling.low_pass_hz * logged_step(table) > COARSE and not rig.sampling.average_over
 
 
 def refined(table: Table) -> Table:

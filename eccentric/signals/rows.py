@@ -79,8 +79,8 @@ class Rows:
     def acceleration(self, channels: Channels) -> Array:
         """Motor acceleration [rad/s^2] (m,): integrated by parts from the logged angle, or the mean of it."""
         if self.rate_operator is not None:
-            return self.rate_operator @ channels.theta_logged
-        return self.plain_mean(channels.alpha_m)
+            return self.rate_operator @ channels.motion.theta_logged
+        return self.plain_mean(channels.motion.alpha_m)
 
     def inside(self, samples: Mask) -> Mask:
         """Rows (m,) all of whose samples are in the mask (n,)."""

@@ -31,6 +31,7 @@ from eccentric.signals.limits import (
     MANY_RUNS,
     MOVING_PART,
     STEPS,
+    UNEVEN_STEP,
     WINDOW_S,
 )
 from eccentric.signals.measured import Channels
@@ -51,26 +52,27 @@ def fit_rows(channels: Channels, rig: Rig) -> Rows:
     serve the noise of the sensors, but what dominates is usually what the model leaves out, and a fit should
     then be best where the log has been.
     """
-    if rig.average_over:
+    if rig.sampling.average_over:
         return rows_of(channels, rig)
-    if channels.points_per_row > 1:
+    if channels.time.points_per_row > 1:
         return _by_parts(channels)
-    weights = _durations(channels.t, channels.segment, channels.logged_step_s)
+    weights = _durations(channels.time.t, channels.time.segment, channels.time.logged_step_s)
     return dataclasses.replace(_samples(channels), weights=weights, description="rows")
 
 
 def rows_of(channels: Channels, rig: Rig) -> Rows:
     """The rows that models are compared on. Raises InputError if none is left to fit on or to hold out."""
-    if not rig.average_over and channels.points_per_row == 1:
+    if not rig.sampling.average_over and channels.time.points_per_row == 1:
         return _samples(channels)
-    parts = {"train": ~channels.held_out, "score": channels.held_out}
+    parts = {"train": ~channels.selection.held_out, "score": channels.selection.held_out}
     found = {name: _averages(channels, rig, part).for_part(name) for name, part in parts.items()}
     for name, words in (("train", "to fit"), ("score", "to hold out")):
         if not len(found[name]):
             raise InputError(
                 f"{rig.path}: average_over: at least one average {words} is required, found none"
             )
-    what = "whole runs" if math.isinf(rig.average_over) else f"averages over {_length(channels, rig):.3g} s"
+    whole = math.isinf(rig.sampling.average_over)
+    what = "whole runs" if whole else f"averages over {_length(channels, rig):.3g} s"
     return dataclasses.replace(
         in_order(list(found.values())), description=what, smooth=_smoothing(channels, rig)
     )
@@ -82,12 +84,12 @@ def search_rows(channels: Channels, rig: Rig, moving: bool = True) -> Rows:
     With five runs or more, a block is a whole run: what differs from run to run, a temperature or a gain, is
     to be predicted for a run that was not seen.
     """
-    if moving and (rig.average_over or channels.points_per_row > 1):
-        found = _averages(channels, rig, ~channels.held_out)
+    if moving and (rig.sampling.average_over or channels.time.points_per_row > 1):
+        found = _averages(channels, rig, ~channels.selection.held_out)
     else:
-        clear = channels.fit_rows if moving else _clear(channels)
-        length = WINDOW_S * 25.0 / rig.low_pass_hz
-        found = hann_windows(channels.t, clear, channels.segment, channels.run, length, LEAST_WINDOWS)
+        time, clear = channels.time, channels.selection.fit_rows if moving else _clear(channels)
+        length = WINDOW_S * 25.0 / rig.sampling.low_pass_hz
+        found = hann_windows(time.t, clear, time.segment, time.run, length, LEAST_WINDOWS)
     found = dataclasses.replace(found, smooth=_smoothing(channels, rig))
     if found.independent:
         return found
@@ -96,7 +98,7 @@ def search_rows(channels: Channels, rig: Rig, moving: bool = True) -> Rows:
 
 
 def _clear(channels: Channels) -> Mask:
-    return ~channels.held_out & clear_of_ends(channels.t, channels.segment)
+    return ~channels.selection.held_out & clear_of_ends(channels.time.t, channels.time.segment)
 
 
 def _smoothing(channels: Channels, rig: Rig) -> Callable[[Array], Array] | None:
@@ -104,19 +106,21 @@ def _smoothing(channels: Channels, rig: Rig) -> Callable[[Array], Array] | None:
 
     Friction jumps where the drive and the acceleration of a filtered angle do not.
     """
-    cut = rig.drive_low_pass_hz
-    return None if cut is None else partial(smoothed, channels.t, channels.segment, cut_hz=cut)
+    cut = rig.sampling.drive_low_pass_hz
+    return None if cut is None else partial(smoothed, channels.time.t, channels.time.segment, cut_hz=cut)
 
 
 def _length(channels: Channels, rig: Rig) -> float:
-    return rig.average_over or STEPS * channels.logged_step_s
+    return rig.sampling.average_over or STEPS * channels.time.logged_step_s
 
 
 def _samples(channels: Channels) -> Rows:
     """The rows of the log."""
-    c = channels
-    blocks = blocks_of(c.t, c.segment, c.t)
-    return Rows(c.t, c.run, blocks, c.fit_rows, c.score_rows, np.ones_like(c.t), "rows of the log")
+    t, rows = channels.time.t, channels.selection
+    blocks = blocks_of(t, channels.time.segment, t)
+    return Rows(
+        t, channels.time.run, blocks, rows.fit_rows, rows.score_rows, np.ones_like(t), "rows of the log"
+    )
 
 
 def _durations(t: Array, segment: Integers, step: float) -> Array:
@@ -124,7 +128,8 @@ def _durations(t: Array, segment: Integers, step: float) -> Array:
     same = np.diff(segment) == 0
     gaps = np.where(same, np.diff(t), step)
     durations = (np.concatenate([[step], gaps]) + np.concatenate([gaps, [step]])) / (2.0 * step)
-    even = bool(np.all(np.abs(gaps / step - 1.0) < 0.2))  # rounded stamps are not uneven sampling
+    # Rounded stamps are not uneven sampling.
+    even = bool(np.all(np.abs(gaps / step - 1.0) < UNEVEN_STEP))
     return np.ones_like(t) if even else durations
 
 
@@ -133,40 +138,41 @@ def _by_parts(channels: Channels) -> Rows:
 
     An integral passes a reversal, where a row does not; only standstill leaves friction open.
     """
-    length = STEPS * channels.logged_step_s
-    found = windows_by_parts(channels.t, channels.segment, channels.run, length)
-    kept = found.mean(channels.usable.astype(float)) >= MOVING_PART
-    kept &= found.inside(channels.usable | ~channels.moving)
-    train, score = (kept & found.inside(part) for part in (~channels.held_out, channels.held_out))
+    time, rows = channels.time, channels.selection
+    found = windows_by_parts(time.t, time.segment, time.run, STEPS * time.logged_step_s)
+    kept = found.mean(rows.usable.astype(float)) >= MOVING_PART
+    kept &= found.inside(rows.usable | ~rows.moving)
+    train, score = (kept & found.inside(part) for part in (~rows.held_out, rows.held_out))
     return dataclasses.replace(found, train=train, score=score)
 
 
 def _averages(channels: Channels, rig: Rig, part: Mask) -> Rows:
     """Averages over samples of one part of the log (n,)."""
-    c, usable = channels, channels.usable & part
-    if math.isinf(rig.average_over):
-        return _run_means(c, usable)
-    if rig.average_over:
-        return hann_windows(c.t, usable, c.segment, c.run, rig.average_over)
+    time, rows, over = channels.time, channels.selection, rig.sampling.average_over
+    usable = rows.usable & part
+    if math.isinf(over):
+        return _run_means(channels, usable)
+    if over:
+        return hann_windows(time.t, usable, time.segment, time.run, over)
     # As in `_by_parts`: an average passes a reversal.
-    allowed = part & (c.usable | ~c.moving)
-    found = hann_windows(c.t, allowed, c.segment, c.run, _length(c, rig))
+    allowed = part & (rows.usable | ~rows.moving)
+    found = hann_windows(time.t, allowed, time.segment, time.run, _length(channels, rig))
     return found.chosen(np.flatnonzero(found.mean(usable.astype(float)) >= MOVING_PART))
 
 
 def _run_means(channels: Channels, usable: Mask) -> Rows:
     """Means of runs; one that is usable only in pieces says little of its speed and is left out."""
-    every = np.bincount(channels.run)
-    used = np.bincount(channels.run[usable], minlength=len(every))
+    every = np.bincount(channels.time.run)
+    used = np.bincount(channels.time.run[usable], minlength=len(every))
     runs = np.flatnonzero(used > LEAST_RUN_PART * every)
-    columns = [np.flatnonzero(usable & (channels.run == run)) for run in runs]
+    columns = [np.flatnonzero(usable & (channels.time.run == run)) for run in runs]
     sizes = np.array([len(c) for c in columns], dtype=int)
     index, pointer = np.concatenate([np.empty(0, int), *columns]), np.concatenate([[0], np.cumsum(sizes)])
     weights = np.repeat(1.0 / sizes, sizes)
-    operator = csr_array((weights, index, pointer), shape=(len(runs), len(channels.t)))
+    operator = csr_array((weights, index, pointer), shape=(len(runs), len(channels.time.t)))
     all_of_them = np.ones(len(runs), dtype=bool)
     return Rows(
-        t=operator @ channels.t,
+        t=operator @ channels.time.t,
         run=runs,
         block=np.arange(len(runs)),
         train=all_of_them,

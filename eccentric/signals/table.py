@@ -83,12 +83,12 @@ def read_table(logs: Sequence[LogSource], rig: Rig) -> Table:
         rows_rejected=sum(table.rows_rejected for table in tables),
         findings=tuple(finding for table in tables for finding in table.findings),
     )
-    return _chosen(joined, rig) if rig.runs else joined
+    return _chosen(joined, rig) if rig.log.runs else joined
 
 
 def _chosen(table: Table, rig: Rig) -> Table:
     """The runs that the rig names, numbered anew."""
-    names = matching(rig.runs, table.run_names, f"{rig.path}: runs")
+    names = matching(rig.log.runs, table.run_names, f"{rig.path}: runs")
     kept = np.isin(table.run, [table.run_names.index(name) for name in names])
     number = np.cumsum([name in names for name in table.run_names]) - 1
     return dataclasses.replace(
@@ -156,7 +156,7 @@ def _repeated(columns: Sequence[NDArray[Any]], kept: NDArray[np.bool_]) -> NDArr
 def _sources(log: Log, rig: Rig) -> Mapping[str, ColumnSource]:
     """Return the mapped columns, or the standard ones that are there; ask for the least that a fit needs."""
     standard = {c: ColumnSource(column) for c, (column, _) in CHANNELS.items() if column in log.columns}
-    sources = standard if rig.columns is None else rig.columns
+    sources = standard if rig.log.columns is None else rig.log.columns
     for choice in (
         ("time",),
         ("theta_m", "theta_l", "omega_m", "omega_l"),

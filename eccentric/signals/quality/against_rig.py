@@ -39,7 +39,8 @@ def rig_findings(channels: Channels, rig: Rig) -> Iterator[Finding]:
     means = means_of(channels, rig)
     if means is None:
         return
-    if inverted := _inverted(means, channels.drive, rig):
+    drive = channels.motor.measured_by
+    if inverted := _inverted(means, drive, rig):
         yield inverted
         return
     bodies = {name: body_of(means, x, means.link) for name, x in means.drives.items()}
@@ -49,17 +50,17 @@ def rig_findings(channels: Channels, rig: Rig) -> Iterator[Finding]:
         yield _sign(against, bodies, means)
         return
     # In case C1 a slow sine would explain any drift.
-    angle = channels.quantum_rad > 0.0
-    unit = "" if _known_gravity(rig) == 0.0 else _angle_unit(means, channels.drive, angle)
+    angle = channels.motion.quantum_rad > 0.0
+    unit = "" if _known_gravity(rig) == 0.0 else _angle_unit(means, drive, angle)
     if unit:
         name, channel = ("angle", "theta_m") if angle else ("speed", "omega_m")
-        text = f"the {channels.drive} follows gravity if the {name} {unit}: correct the rig's [columns]"
+        text = f"the {drive} follows gravity if the {name} {unit}: correct the rig's [columns]"
         yield Finding("wrong_unit", channel, text, means.rows, "warning")
         return
     ratios = [*_electrical(means, rig)]
-    if channels.drive in bodies:
-        body = bodies[channels.drive]
-        ratios += _mechanical(body, channels.drive, rig)
+    if drive in bodies:
+        body = bodies[drive]
+        ratios += _mechanical(body, drive, rig)
         yield from _gravity(body, channels, rig, means)
     yield from _contradictions(ratios, rig, channels, means.rows)
 
@@ -179,12 +180,13 @@ def _known_gravity(rig: Rig) -> float | None:
 def _gravity(body: Body, c: Channels, rig: Rig, m: Means) -> Iterator[Finding]:
     """Yield gravity where the rig's case has none, and gravity that pulls another way than down."""
     (value, error), k = body.gravity, rig.known
-    scale = _scale(c.drive, rig)
+    drive = c.motor.measured_by
+    scale = _scale(drive, rig)
     if _known_gravity(rig) == 0.0 and scale is not None:
         upright = k["mu"] * k["M"] * k["L"] * k["g"]
         if is_clear(value, error) and scale * value > upright / FACTOR:
             text = (
-                f"{c.drive} shows gravity of {scale * value:.3g} N m at the motor, the rig has none (C1): is "
+                f"{drive} shows gravity of {scale * value:.3g} N m at the motor, the rig has none (C1): is "
                 f"the plane of motion upright, case C2 ({upright:.3g} N m)?"
             )
             yield Finding("contradiction", "case", text, m.rows, "warning")
@@ -192,9 +194,9 @@ def _gravity(body: Body, c: Channels, rig: Rig, m: Means) -> Iterator[Finding]:
         is_clear(value, error)
         and abs(body.turned) > TURNED
         and "theta_zero_rad" not in rig.estimate
-        and c.quantum_rad > 0.0
+        and c.motion.quantum_rad > 0.0
     ):
-        zero = math.remainder(rig.theta_zero_rad - body.turned, math.tau)
+        zero = math.remainder(rig.alignment.theta_zero_rad - body.turned, math.tau)
         text = (
             f"gravity pulls towards {math.degrees(body.turned):.0f} deg off the zero angle of the log: set "
             f"theta_zero_rad = {zero:.3g} in the rig (the link angle that is logged when the mass hangs down)"
@@ -208,15 +210,15 @@ def _contradictions(ratios: list[Ratio], rig: Rig, c: Channels, rows: int) -> It
     off = [ratio for ratio in ratios if ratio.off(limits.get(ratio.name, FACTOR))]
     if not off:
         return
-    cause = common_cause(ratios, c.drive, rig.known.get("mu"), c.quantum_rad > 0.0)
+    cause = common_cause(ratios, c.motor.measured_by, rig.known.get("mu"), c.motion.quantum_rad > 0.0)
     if cause:
         said = ", ".join(ratio.text for ratio in off)
         yield Finding(cause.kind, cause.channel, f"{cause.text}: {said}", rows, "warning")
         return
     for ratio in off:
-        why = single_cause(ratio, c.drive, rig.known.get("mu"))
+        why = single_cause(ratio, c.motor.measured_by, rig.known.get("mu"))
         text = f"{ratio.text}{why}; correct the rig, or give it in [unknown] to identify it along"
         yield Finding("contradiction", ratio.name, text, rows, "warning")
     if {"J", "M g L"} <= {ratio.name for ratio in off}:
         text = "neither inertia nor gravity of the rig is that of the log: is it a log of another rig?"
-        yield Finding("another_rig", c.drive, text, rows, "warning")
+        yield Finding("another_rig", c.motor.measured_by, text, rows, "warning")

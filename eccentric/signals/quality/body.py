@@ -52,22 +52,24 @@ class Body:
 
 def means_of(c: Channels, rig: Rig) -> Means | None:
     """Take the means of blocks of rows that follow each other; None if there are too few."""
-    rows = np.flatnonzero(c.fit_rows & ~c.off & np.isfinite(c.alpha_m) & np.isfinite(c.omega_m))
-    steps = np.diff(c.t)[np.diff(c.segment) == 0]
+    motion, motor = c.motion, c.motor
+    known = np.isfinite(motion.alpha_m) & np.isfinite(motion.omega_m)
+    rows = np.flatnonzero(c.selection.fit_rows & ~motor.off & known)
+    steps = np.diff(c.time.t)[np.diff(c.time.segment) == 0]
     if not len(rows) or not len(steps):
         return None
     size = max(MEAN_ROWS, math.ceil(MEAN_S / float(np.median(steps))))
-    pieces = np.split(rows, np.flatnonzero((np.diff(rows) != 1) | (np.diff(c.segment[rows]) != 0)) + 1)
+    pieces = np.split(rows, np.flatnonzero((np.diff(rows) != 1) | (np.diff(c.time.segment[rows]) != 0)) + 1)
     blocks = [piece[k : k + size] for piece in pieces for k in range(0, len(piece) - size + 1, size)]
     if len(blocks) < LEAST_MEANS:
         return None
     index = np.array(blocks)
-    found = {"current": c.current, "torque": c.torque, "voltage": c.voltage}
+    found = {"current": motor.current, "torque": motor.torque, "voltage": motor.voltage}
     mu = rig.known.get("mu")
     return Means(
-        np.mean(c.alpha_m[index], axis=1),
-        np.mean(c.omega_m[index], axis=1),
-        None if mu is None else mu * np.mean(c.theta_m[index], axis=1),
+        np.mean(motion.alpha_m[index], axis=1),
+        np.mean(motion.omega_m[index], axis=1),
+        None if mu is None else mu * np.mean(motion.theta_m[index], axis=1),
         {name: np.mean(x[index], axis=1) for name, x in found.items() if x is not None},
         index.size,
     )

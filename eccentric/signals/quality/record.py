@@ -57,14 +57,16 @@ class Record:
 def record_of(table: Table, c: Channels) -> Record:
     """Return what the channels say at the rows of the table; the motor moves where it is not switched off."""
     t, at = table.channels["time"], np.arange(len(table.run))
-    if len(t) != len(c.t):
+    if len(t) != len(c.time.t):
         for run in np.unique(table.run):
-            points, rows = np.flatnonzero(c.run == run), table.run == run
-            middles = 0.5 * (c.t[points][1:] + c.t[points][:-1])
+            points, rows = np.flatnonzero(c.time.run == run), table.run == run
+            middles = 0.5 * (c.time.t[points][1:] + c.time.t[points][:-1])
             at[rows] = points[np.searchsorted(middles, t[rows])]
-    omega = None if c.omega_logged is None else c.omega_logged[at]
-    moving = (c.moving & ~c.off)[at]
-    return Record(t, table.run, stretches(t, table.run), moving, c.omega_m[at], c.theta_logged[at], omega)
+    omega = None if c.motion.omega_logged is None else c.motion.omega_logged[at]
+    moving = (c.selection.moving & ~c.motor.off)[at]
+    return Record(
+        t, table.run, stretches(t, table.run), moving, c.motion.omega_m[at], c.motion.theta_logged[at], omega
+    )
 
 
 def record_findings(table: Table, channels: Channels) -> Iterator[Finding]:
@@ -212,8 +214,8 @@ def _frozen_angle(table: Table, c: Record) -> Iterator[Finding]:
 
 
 def _speeds(c: Channels) -> Iterator[Finding]:
-    rows = c.fit_rows & ~c.off
-    speed = np.abs(c.omega_m[rows])
+    rows = c.selection.fit_rows & ~c.motor.off
+    speed = np.abs(c.motion.omega_m[rows])
     if not len(speed):
         return
     low, high = np.quantile(speed, [0.1, 0.9])
