@@ -33,7 +33,7 @@ def effects(setting: Setting) -> tuple[Effect, ...]:
         bounds=((-0.95, None),),
         depends_on=("acceleration",),
         formula="J (1 + r) for J",
-        corrects=Correction(v.J, (v.J_m.symbol + v.mu.symbol**2 * v.J_l.symbol) * (1 + ratio.symbol)),
+        corrects=Correction(v.J, setting.base.inertia * (1 + ratio.symbol)),
         reference="C. G. Atkeson, C. H. An and J. M. Hollerbach, Int. J. Robotics Research 5(3), 1986",
         aliases=aliases,
         words=WORDS,
