@@ -3,6 +3,7 @@
 import hashlib
 import inspect
 import itertools
+import math
 from collections.abc import Iterable
 from dataclasses import replace
 from functools import cache
@@ -198,6 +199,29 @@ def test_emitted_numbers_are_those_of_either_order(name: str) -> None:
 def test_emitted_numbers_are_those_of_either_order_for_many_pairs(name: str) -> None:
     """The same for some forty pairs of every base model."""
     assert [] == emitted_apart(name, 40)
+
+
+def test_a_temperature_scales_viscous_asymmetry_whichever_effect_came_first() -> None:
+    """At 45 degC, b = 0.04/K, B = 2e-4 and 30 rad/s the paper's friction is 0.2215 N m in both orders."""
+    known, model = effects("C2"), load_model("c2_parallel")
+    chosen = (known["viscous_asymmetry"], known["viscosity_temperature"])
+    values = {"viscous_asym": 2e-4, "viscosity_b": 0.04}
+    found = []
+    for order in (chosen, chosen[::-1]):
+        extended = model
+        for effect in order:
+            own = (*effect.coefficients, *(shape.quantity for shape in effect.shapes))
+            extended = effect.extend(extended, {q.name: values[q.name] for q in own})
+        found.append(float(load_module(extended).mechanical_friction_torque(1.0, 30.0, 45.0)))
+
+    # By hand: eqs (9), (10) and (17) with Table 1's values, everything viscous times exp(-b (T - 25)).
+    pull, weight = M * L * (MU * 30.0) ** 2, (M + M_L) * 9.81
+    F_N = math.sqrt(pull**2 + 2.0 * pull * weight * math.cos(MU * 1.0) + weight**2)
+    viscous = (4e-4 + 2e-4 + MU**2 * 0.004 * F_N) * 30.0
+    expected = math.exp(-0.04 * 20.0) * viscous + 0.008 + MU * 0.08 * F_N
+
+    assert [expected, expected] == pytest.approx(found, rel=1e-12)
+    assert expected == pytest.approx(0.2215, abs=5e-5)
 
 
 # --- What a factor on friction reaches ----------------------------------------------------------------------

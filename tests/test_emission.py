@@ -184,8 +184,9 @@ def chain(n: int) -> Program:
         assignments.append(Assignment(sp.Symbol(f"angle_{k}", real=True), before + theta))
     total = sp.Symbol("total", real=True)
     assignments.append(Assignment(total, weight * sp.Add(*(a.target**2 for a in assignments))))
-    slopes = [sp.Symbol(f"total_d_{theta.name}", real=True) for theta in angles.symbols]
-    steps = needed(differentiate(assignments, angles.symbols), slopes)
+    derived, names = differentiate(assignments, angles.symbols)
+    slopes = [names[total, theta] for theta in angles.symbols]
+    steps = needed(derived, slopes)
     labels = tuple(theta.name for theta in angles.symbols)
     value = Routine("total", (angles,), tuple(assignments), (total,), (), "N rad^2", "weighted sum")
     gradient = Routine(

@@ -6,14 +6,18 @@ from pathlib import Path
 import pytest
 import sympy as sp
 
+from eccentric.effects import library
+from eccentric.emission import build_program
 from eccentric.fitting import drive_of, emitted_parameters, fit, fit_data_of, refit
 from eccentric.model import Load, Model, Role, Sgn, Term, load_model, model_names, quantity, regressor
 from eccentric.model import vocabulary as v
 from eccentric.rigs import read_rig
 from eccentric.signals import read_channels
+from tests.extended import setting
 from tests.virtual import log_of
 
 w = v.omega_m.symbol
+FAMILY = "inertia_mismatch"
 
 
 def with_friction(coefficient: str) -> Model:
@@ -50,6 +54,36 @@ def test_a_friction_parameter_of_ones_own_is_fitted_whatever_its_name(
     assert again.held_out("mechanical") == pytest.approx(fitted.rmse["paper"], rel=1e-9)
     assert again.values[coefficient] == pytest.approx(fitted.coefficients[coefficient].value, rel=1e-9)
     assert again.held_out("mechanical") < 0.6 * fit(channels, rig, paper).rmse["paper"]
+
+
+def test_a_name_like_that_of_a_derivative_changes_no_emitted_operation() -> None:
+    """A drag named B_d_fan is emitted as one named B_a_fan is, name by name."""
+
+    def text(coefficient: str) -> list[str]:
+        routines = build_program(with_friction(coefficient)).routines
+        return [str(a.value).replace(coefficient, "B_fan") for r in routines for a in r.assignments]
+
+    assert text("B_a_fan") == text("B_d_fan")
+
+
+def test_the_declared_inertia_is_the_models_own() -> None:
+    """With a flywheel J_f on the motor in J, a correction of the inertia begins at all three of them."""
+    base = load_model("c2_parallel")
+    flywheel = quantity("J_f", "kg m^2", "inertia of a flywheel on the motor", "", "nonnegative", "3e-4")
+    inertia = replace(base.definition("J"), value=base.definition("J").value + flywheel.symbol)
+    model = replace(
+        base,
+        name="with_flywheel",
+        parameters=(*base.parameters, flywheel),
+        definitions=tuple(inertia if d.symbol == v.J.symbol else d for d in base.definitions),
+    )
+    (effect,) = (e for e in library(replace(setting("C2", warm=True), base=model)) if e.family == FAMILY)
+    values = {"J_m": 2e-4, "J_l": 0.04, "mu": 0.2, "J_f": 3e-4, "inertia_ratio": 0.1}
+
+    assert effect.corrects is not None
+    assert model.value(effect.corrects.value, values) == pytest.approx(
+        1.1 * (2e-4 + 0.0016 + 3e-4), rel=1e-14
+    )
 
 
 def test_the_linear_model_is_coulomb_and_viscous_friction_that_follow_no_load(

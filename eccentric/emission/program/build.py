@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 import sympy as sp
@@ -65,28 +65,30 @@ def _routine(model: Model, function: Function, shared: Prepare, half_turns: Half
     needs = closure(model, function.results, function.definitions)
     F_N = model.definition("F_N").symbol
     assignments, results = _unscaled(*written_out(needs, function.results, fixed), F_N)
+    slopes: Mapping[tuple[sp.Symbol, sp.Symbol], sp.Symbol] = {}
     if function.by:
         y = sp.Symbol("torque", real=True)
         torque = results[0][1]
         if not fixed.intersection(function.by):
-            torque = grouped(fixed, torque)
-        steps = differentiate((*assignments, Assignment(y, torque)), function.by)
-        slopes = {f"torque_d_{x.name}": x.name for x in function.by}
-        found = {slopes[a.target.name]: a.value for a in steps if a.target.name in slopes}
+            torque = grouped(fixed, frozenset(), torque)
+        steps, slopes = differentiate((*assignments, Assignment(y, torque)), function.by)
+        gradient = {slopes[y, x]: x.name for x in function.by if (y, x) in slopes}
+        found = {gradient[a.target]: a.value for a in steps if a.target in gradient}
         value = [(label, torque) for label, _ in results if label]
         results = value + [(x.name, found[x.name]) for x in function.by if x.name in found]
-        assignments = needed([a for a in steps if a.target.name not in slopes], [e for _, e in results])
+        assignments = needed([a for a in steps if a.target not in gradient], [e for _, e in results])
+    chained = frozenset(slopes.values())
     # What depends on parameters only is moved to `prepare`; the rest keeps its order.
     lowering = Lowering(shared, half_turns)
     for assignment in assignments:
         if assignment.target in shared.symbols or assignment.value.free_symbols <= shared.symbols:
             shared.define(assignment.target, assignment.value)
         else:
-            value = lowering(shared.hoist(grouped(fixed, assignment.value)))
+            value = lowering(shared.hoist(grouped(fixed, chained, assignment.value)))
             lowering.assignments.append(replace(assignment, value=value))
     targets = []
     for label, expression in results:
-        value = lowering(shared.hoist(grouped(fixed, expression)))
+        value = lowering(shared.hoist(grouped(fixed, chained, expression)))
         name = f"result_{label}" if label else "result"
         targets.append(sp.Symbol(name, real=True))
         lowering.assignments.append(Assignment(targets[-1], value))

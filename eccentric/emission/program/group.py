@@ -7,19 +7,25 @@ from functools import cache
 import sympy as sp
 
 from eccentric.model import Backward, ByDirection, Forward, Gated, Sgn
+from eccentric.model import vocabulary as v
 
 
 @cache
-def grouped(fixed: frozenset[sp.Symbol], expression: sp.Expr) -> sp.Expr:
-    """Friction as (... F_N + ...) omega_m + (... F_N + ...) sgn: fewest operations per call, (18)-(20)."""
+def grouped(fixed: frozenset[sp.Symbol], slopes: frozenset[sp.Symbol], expression: sp.Expr) -> sp.Expr:
+    """Friction as (... F_N + ...) omega_m + (... F_N + ...) sgn: fewest operations per call, (18)-(20).
+
+    Args:
+        fixed: what depends on parameters only.
+        slopes: derivatives of values before it, by the chain rule in proportion to them.
+        expression: the friction torque, or a derivative of it.
+    """
     if not isinstance(expression, sp.Add):
         return expression
-    slopes = sorted((s for s in expression.free_symbols if "_d_" in s.name), key=str)
-    if slopes:
-        parts = sp.collect(sp.expand_mul(expression), slopes, evaluate=False)
-        return sp.Add(*(slope * grouped(fixed, factor) for slope, factor in parts.items()))
+    if inner := sorted(expression.free_symbols & slopes, key=str):
+        parts = sp.collect(sp.expand_mul(expression), inner, evaluate=False)
+        return sp.Add(*(slope * grouped(fixed, slopes, factor) for slope, factor in parts.items()))
     expression = _by_direction(fixed, sp.expand_mul(expression))
-    factors = [symbol for symbol in expression.free_symbols if symbol.name == "omega_m"]
+    factors: list[sp.Expr] = [v.omega_m.symbol] if expression.has(v.omega_m.symbol) else []
     factors += sorted(expression.atoms(Sgn), key=str)
     if any(isinstance(term, sp.Mul) and term.has(*factors) for term in expression.args if factors):
         return _collected(expression, factors)

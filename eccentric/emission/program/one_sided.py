@@ -6,19 +6,28 @@ from collections.abc import Iterable
 
 import sympy as sp
 
-from eccentric.model import Backward, Bounded, Forward, Gated, Magnitude, Model, Sgn, SquareDifference, Step
+from eccentric.model import (
+    Backward,
+    Bounded,
+    Forward,
+    Gated,
+    Magnitude,
+    Model,
+    Sgn,
+    SquareDifference,
+    Step,
+    symbols,
+)
+from eccentric.model import vocabulary as v
 
 _DIRECTED = Sgn | Forward | Backward | Gated
 
 
 def standstill(model: Model, friction: sp.Expr, direction: int) -> sp.Expr:
     """The limit of the friction torque for velocity to 0 from above (1) or below (-1)."""
-    omega_m = next(q.symbol for q in model.inputs if q.name == "omega_m")
-    defined = {
-        d.symbol: d.value
-        for d in model.definitions
-        if d.value.has(omega_m) or d.quantity.name in ("F_N", "speed")
-    }
+    omega_m = v.omega_m.symbol
+    moved = _moved(model)
+    defined = {d.symbol: d.value for d in model.definitions if d.symbol in moved}
     for symbol in reversed(list(defined)):
         friction = friction.xreplace({symbol: defined[symbol]})
     friction = friction.xreplace(moving(omega_m, direction)).xreplace({omega_m: sp.Integer(0)})
@@ -33,10 +42,9 @@ def standstill(model: Model, friction: sp.Expr, direction: int) -> sp.Expr:
     friction = friction.replace(
         lambda e: isinstance(e, Magnitude) and e.args[1] == 0, lambda e: sp.Abs(e.args[0])
     )
-    if any(d.quantity.name == "omega_star" for d in model.definitions):
-        omega_star, scale = model.definition("omega_star").symbol, model.definition("scale_N").symbol
-        friction = friction.subs(scale * omega_star**2, model.definition("weight").symbol)
-    return friction
+    # By their definitions, which the stable form of F_N brings along.
+    scale_N, omega_star, weight = symbols(v.scale_N, v.omega_star, v.weight)
+    return friction.subs(scale_N * omega_star**2, weight)
 
 
 def polynomials(
@@ -47,8 +55,8 @@ def polynomials(
     `values` are the resultant and the definitions that it needs. Where friction is symmetric, -1 says nothing
     new and is left out.
     """
-    omega_m = next(q.symbol for q in model.inputs if q.name == "omega_m")
-    if _is_curved(model, values, omega_m):
+    omega_m = v.omega_m.symbol
+    if _is_curved(model, values):
         return {}
     plain = model.expand(resultant).replace(Gated, sp.Mul)
     sides = {direction: sp.expand(plain.xreplace(moving(omega_m, direction))) for direction in (1, -1)}
@@ -61,12 +69,18 @@ def polynomials(
     }
 
 
-def _is_curved(model: Model, values: Iterable[sp.Expr], omega_m: sp.Symbol) -> bool:
-    """Whether a careful step of the velocity is in them, besides those that tell its direction."""
-    moved = {omega_m}
+def _moved(model: Model) -> set[sp.Symbol]:
+    """The velocity, and what is defined by it, also by way of other definitions."""
+    moved = {v.omega_m.symbol}
     for definition in model.definitions:
         if definition.value.free_symbols & moved:
             moved.add(definition.symbol)
+    return moved
+
+
+def _is_curved(model: Model, values: Iterable[sp.Expr]) -> bool:
+    """Whether a stable step of the velocity is in them, besides those that tell its direction."""
+    moved = _moved(model)
     steps = {step for value in values for step in value.atoms(Step)}
     return any(step.free_symbols & moved for step in steps if not isinstance(step, _DIRECTED))
 

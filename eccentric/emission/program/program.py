@@ -6,7 +6,7 @@ differentiated one by one (never one expanded expression), so that a chain of n 
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cache, cached_property
 
@@ -136,24 +136,28 @@ class Program:
         return frozenset(prepared(0) - prepared(1))
 
 
-def differentiate(assignments: Iterable[Assignment], by: Sequence[sp.Symbol]) -> tuple[Assignment, ...]:
+def differentiate(
+    assignments: Iterable[Assignment], by: Sequence[sp.Symbol]
+) -> tuple[tuple[Assignment, ...], Mapping[tuple[sp.Symbol, sp.Symbol], sp.Symbol]]:
     """The assignments, each followed by its derivatives by the symbols in `by` where they are not zero.
 
-    The derivative of `target` by x is named target_d_x. Each value is differentiated by the symbols it
-    contains, and the chain rule is carried from one assignment to the next (forward mode).
+    Returned with them: (target, x) -> the symbol of that derivative, named target_d_x. Each value is
+    differentiated by the symbols it contains, and the chain rule is carried from one assignment to the next
+    (forward mode).
     """
-    slopes: dict[tuple[sp.Symbol, sp.Symbol], sp.Expr] = {(x, x): sp.Integer(1) for x in by}
+    known: dict[tuple[sp.Symbol, sp.Symbol], sp.Expr] = {(x, x): sp.Integer(1) for x in by}
+    slopes: dict[tuple[sp.Symbol, sp.Symbol], sp.Symbol] = {}
     out: list[Assignment] = []
     for assignment in assignments:
         out.append(assignment)
         for x in by:
-            inner = [s for s in sorted(assignment.value.free_symbols, key=str) if slopes.get((s, x), 0) != 0]
-            slope = sp.Add(*(_partial(assignment.value, s) * slopes[s, x] for s in inner))
+            inner = [s for s in sorted(assignment.value.free_symbols, key=str) if (s, x) in known]
+            slope = sp.Add(*(_partial(assignment.value, s) * known[s, x] for s in inner))
             if slope != 0:
                 target = sp.Symbol(f"{assignment.target.name}_d_{x.name}", real=True)
                 out.append(Assignment(target, slope))
-                slopes[assignment.target, x] = target
-    return tuple(out)
+                known[assignment.target, x] = slopes[assignment.target, x] = target
+    return tuple(out), slopes
 
 
 def needed(assignments: Iterable[Assignment], results: Iterable[sp.Expr]) -> tuple[Assignment, ...]:
