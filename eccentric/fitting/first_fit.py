@@ -14,7 +14,7 @@ from eccentric.fitting.drive import Drive
 from eccentric.fitting.machine import Machine
 from eccentric.fitting.problem import Problem, own_letters, pose, require_case
 from eccentric.model import Model
-from eccentric.rigs import Rig
+from eccentric.rigs import Rig, mass_alone
 from eccentric.signals import Channels
 
 __all__ = ["drive_of"]
@@ -128,7 +128,7 @@ def _inertias(rig: Rig, machine: Machine, total: float) -> dict[str, float]:
 
     if "J_m" in rig.known:
         return {"J_l": link_of(rig.known["J_m"])}
-    link = rig.known.get("J_l", rig.known["M"] * rig.known["L"] ** 2)
+    link = rig.known.get("J_l", mass_alone(rig.known))
     rotor = max(total - machine.inertia({**mu, "J_m": 0.0, "J_l": link}), 0.0)
     return {"J_m": rotor, "J_l": link if rotor else link_of(0.0)}
 

@@ -6,7 +6,7 @@ of what a rig file may hold (`KEYS`, `KNOWNS`, `CHANNELS`, `ALIGNMENT`).
 May import: `logs` for units, `model` for the vocabulary.
 """
 
-from eccentric.rigs.known import KNOWNS, Known
+from eccentric.rigs.known import KNOWNS, Known, mass_alone
 from eccentric.rigs.parts import ALIGNMENT, Alignment, LogMap, NamedHoldout, Sampling
 from eccentric.rigs.rig import KEYS, Rig, read_rig
 from eccentric.rigs.sources import CHANNELS, ColumnSource
@@ -23,5 +23,6 @@ __all__ = [
     "NamedHoldout",
     "Rig",
     "Sampling",
+    "mass_alone",
     "read_rig",
 ]

@@ -127,6 +127,14 @@ def read_knowns(
     return known, unknown, case
 
 
+def mass_alone(known: Mapping[str, float]) -> float:
+    """Return the J_l of a link without inertia besides its unbalanced mass [kg m^2]; KeyError without M or L.
+
+    J_l is about the axis and includes this, as `derivations/rotating_link.py` defines it.
+    """
+    return known["M"] * known["L"] ** 2
+
+
 def _refuse_twice(name: str, given: Mapping[str, Any], where: str) -> None:
     if name in given:
         raise InputError(f"{where}: {name} is given twice")

@@ -15,7 +15,7 @@ from eccentric.errors import InputError
 from eccentric.logs import parse_value
 from eccentric.rigs.entries import plain_entries, read_intervals, read_names, read_number, refuse_unknown
 from eccentric.rigs.file import read_file
-from eccentric.rigs.known import read_knowns
+from eccentric.rigs.known import mass_alone, read_knowns
 from eccentric.rigs.parts import ALIGNMENT, Alignment, LogMap, NamedHoldout, Sampling
 from eccentric.rigs.sources import read_columns
 
@@ -137,7 +137,7 @@ def _doubts(known: Mapping[str, float]) -> list[str]:
         doubts.append(
             f"mu = {known['mu']:g} is above 1: the link turns faster than the motor (step-up drive)"
         )
-    if {"J_l", "M", "L"} <= set(known) and known["J_l"] < (mass := known["M"] * known["L"] ** 2) * (1 - 1e-9):
+    if {"J_l", "M", "L"} <= set(known) and known["J_l"] < (mass := mass_alone(known)) * (1 - 1e-9):
         doubts.append(
             f"J_l = {known['J_l']:.6g} kg m^2 is less than M L^2 = {mass:.6g} kg m^2, which it includes:"
             " it is the inertia of the whole link about its axis"

@@ -2,7 +2,7 @@
 
 In: logs and a `Rig`.  Out: `Channels`; the rows that models are fitted, compared and searched on (`Rows`,
 `BalanceDesign`); what is odd about the record (`Finding`).
-May import: `logs`, `rigs`; no model.
+May import: `logs`, `rigs`; `model` for what a rig declares, by the general derivation. Nothing is fitted.
 """
 
 from eccentric.signals.channels import read_channels

@@ -1,7 +1,7 @@
 """Whether the record can be trusted: clipped, frozen and missing data, and what contradicts the rig.
 
 In: the logged table, the channels made of it, the rig.  Out: findings (`assess`), warnings first.
-May import: `rigs`, and of `signals` the files below `channels.py`, which asks for the findings.
+May import: `rigs`, `model`, and of `signals` the files below `channels.py`, which asks for the findings.
 """
 
 from eccentric.signals.quality.findings import assess

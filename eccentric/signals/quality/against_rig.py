@@ -23,6 +23,7 @@ from eccentric.signals.quality.body import (
     regressed,
 )
 from eccentric.signals.quality.causes import ANGLES, SPEEDS, Ratio, common_cause, single_cause
+from eccentric.signals.quality.declared import gravity_of, inertia_of, torque_per_unit, upright_gravity_of
 from eccentric.signals.quality.limits import BETTER, EXPLAINED, FACTOR, FACTOR_MOTOR, NOTICED, SIGMAS, TURNED
 
 if TYPE_CHECKING:
@@ -51,7 +52,7 @@ def rig_findings(channels: Channels, rig: Rig) -> Iterator[Finding]:
         return
     # In case C1 a slow sine would explain any drift.
     angle = channels.motion.quantum_rad > 0.0
-    unit = "" if _known_gravity(rig) == 0.0 else _angle_unit(means, drive, angle)
+    unit = "" if gravity_of(rig) == 0.0 else _angle_unit(means, drive, angle)
     if unit:
         name, channel = ("angle", "theta_m") if angle else ("speed", "omega_m")
         text = f"the {drive} follows gravity if the {name} {unit}: correct the rig's [columns]"
@@ -143,47 +144,26 @@ def _electrical(m: Means, rig: Rig) -> Iterator[Ratio]:
         yield Ratio.of("k_e", a[1], math.sqrt(covariance[1, 1]) * SIGMAS, rig.known["k_e"])
 
 
-def _scale(drive: str, rig: Rig) -> float | None:
-    """Return newton metres per unit of the drive, None where the rig does not say."""
-    k = rig.known
-    if drive == "torque":
-        return 1.0
-    if drive == "current":
-        return k.get("k_i")
-    return k["k_i"] / k["R"] if {"k_i", "R"} <= set(k) else None
-
-
 def _mechanical(body: Body, drive: str, rig: Rig) -> Iterator[Ratio]:
     """Yield inertia and gravity of the drive over those of the rig."""
-    scale, k = _scale(drive, rig), rig.known
+    scale = torque_per_unit(drive, rig)
     if scale is None:
         return
-    if {"J_m", "J_l", "mu"} <= set(k) and (inertia := k["J_m"] + k["mu"] ** 2 * k["J_l"]) > 0.0:
+    if inertia := inertia_of(rig):
         value, error = body.inertia
         if max(abs(value), inertia / scale) * body.alpha >= NOTICED * body.drive:
             yield Ratio.of("J", scale * value, scale * error * SIGMAS, inertia)
-    gravity = _known_gravity(rig)
-    if gravity is not None and gravity > 0.0:
+    if gravity := gravity_of(rig):
         value, error = body.gravity
         yield Ratio.of("M g L", scale * value, scale * error * SIGMAS, gravity)
 
 
-def _known_gravity(rig: Rig) -> float | None:
-    """Return the amplitude of gravity at the motor [N m], None where the rig does not say."""
-    k = rig.known
-    if not {"M", "L", "mu", "phi"} <= set(k):
-        return None
-    in_plane = k["g"] * math.cos(k["phi"])
-    return k["mu"] * k["M"] * k["L"] * in_plane if in_plane > 1e-9 * k["g"] else 0.0
-
-
 def _gravity(body: Body, c: Channels, rig: Rig, m: Means) -> Iterator[Finding]:
     """Yield gravity where the rig's case has none, and gravity that pulls another way than down."""
-    (value, error), k = body.gravity, rig.known
+    value, error = body.gravity
     drive = c.motor.measured_by
-    scale = _scale(drive, rig)
-    if _known_gravity(rig) == 0.0 and scale is not None:
-        upright = k["mu"] * k["M"] * k["L"] * k["g"]
+    scale, upright = torque_per_unit(drive, rig), upright_gravity_of(rig)
+    if gravity_of(rig) == 0.0 and scale is not None and upright is not None:
         if is_clear(value, error) and scale * value > upright / FACTOR:
             text = (
                 f"{drive} shows gravity of {scale * value:.3g} N m at the motor, the rig has none (C1): is "

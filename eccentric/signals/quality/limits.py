@@ -51,5 +51,7 @@ BETTER = 0.5
 NEAR = math.log(1.2)
 """A cause is named where its factor is met this closely; friction that is not Coulomb and viscous, and a warm
 winding, move what the log gives by less, and units differ by more."""
+LEVEL = 1e-9
+"""Part of the upright gravity that rounding leaves of it in a level plane, at most."""
 LEVEL_PLANE = 0.2
 """Less gravity than this part of the rig's is that of a plane which is all but level."""
