@@ -4,12 +4,17 @@ from __future__ import annotations
 
 __all__ = [
     "ABOVE",
+    "ALONE",
+    "AROUND",
     "FEWEST_RUNS",
     "HIGHEST_ORDER",
     "LEAST_SHARE",
     "LEAST_STRETCHES",
     "LEAST_TURNS",
+    "LOWEST_ORDER",
+    "ORDER_STEP",
     "PROVABLE",
+    "ROWS_PER_CYCLE",
 ]
 
 FEWEST_RUNS = 5
@@ -21,8 +26,14 @@ PROVABLE = 3.0
 
 LEAST_TURNS = 2.0
 """A stretch of fewer turns does not separate neighbouring orders."""
-HIGHEST_ORDER = 12.0
-"""Orders per motor turn that are examined, in steps of a twentieth."""
+LOWEST_ORDER, HIGHEST_ORDER, ORDER_STEP = 0.5, 12.0, 0.05
+"""Orders per motor turn that are examined, and the step from one to the next."""
+AROUND = 41
+"""Steps that count as around a peak: two orders."""
+ALONE = 8
+"""Steps to either side within which a peak is the highest order of its stretch."""
+ROWS_PER_CYCLE = 4.0
+"""Of the highest order, at least: two resolve it, and the margin keeps it from being aliased."""
 LEAST_SHARE = 0.04
 """Least fraction of the variance within the stretches; less is not worth a line."""
 ABOVE = 4.0

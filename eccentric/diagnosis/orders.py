@@ -14,7 +14,18 @@ import numpy as np
 from scipy.ndimage import median_filter
 from scipy.signal import find_peaks, lombscargle
 
-from eccentric.diagnosis.limits import ABOVE, HIGHEST_ORDER, LEAST_SHARE, LEAST_STRETCHES, LEAST_TURNS
+from eccentric.diagnosis.limits import (
+    ABOVE,
+    ALONE,
+    AROUND,
+    HIGHEST_ORDER,
+    LEAST_SHARE,
+    LEAST_STRETCHES,
+    LEAST_TURNS,
+    LOWEST_ORDER,
+    ORDER_STEP,
+    ROWS_PER_CYCLE,
+)
 from eccentric.fitting import FitData
 from eccentric.signals import rows_of_each
 
@@ -23,12 +34,6 @@ __all__ = ["Order", "orders_of"]
 Array = np.ndarray
 
 TURN = 2.0 * np.pi
-STEP = 0.05
-"""Spacing of the orders of a spectrum."""
-AROUND = 41
-"""Steps that count as around a peak: two orders."""
-ALONE = 8
-"""Steps to either side within which a peak is the highest order of its stretch."""
 
 
 @dataclass(frozen=True)
@@ -53,12 +58,12 @@ def orders_of(data: FitData, target: Array) -> tuple[Order, ...]:
     Empty with fewer than `LEAST_STRETCHES` stretches of usable rows in one direction of `LEAST_TURNS` turns.
     """
     channels = data.drive.channels
-    grid = np.arange(0.5, HIGHEST_ORDER, STEP)
+    grid = np.arange(LOWEST_ORDER, HIGHEST_ORDER, ORDER_STEP)
     spectra, variances = [], []
     for rows in _stretches(channels.selection.usable, channels.time.segment, channels.motion.omega_m):
         angle, y = channels.motion.theta_m[rows], target[rows]
         turns = abs(angle[-1] - angle[0]) / TURN
-        if turns < LEAST_TURNS or len(rows) < 4.0 * HIGHEST_ORDER * turns:
+        if turns < LEAST_TURNS or len(rows) < ROWS_PER_CYCLE * HIGHEST_ORDER * turns:
             continue
         # What is smooth over the stretch or follows the speed is not a ripple.
         t = np.linspace(-1.0, 1.0, len(rows))

@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 from eccentric.effects import Effect
 from eccentric.estimation import Coefficient, Design, Role, Solution, iterate
 from eccentric.fitting.fit_data import FitData
-from eccentric.fitting.limits import USABLE_PART
+from eccentric.fitting.limits import LAST_STEP, MOST_STEPS, USABLE_PART
 from eccentric.fitting.residuals import Residuals, Values
 from eccentric.model import Model
 
@@ -37,8 +37,6 @@ _OUTSIDE: dict[str, Role] = {
     "zero_angle": "zero_angle",
 }
 """Columns of the drive that no parameter of the emitted module has, and what they are."""
-MOST_STEPS = 8
-CONVERGED = 1e-9
 
 
 @dataclass(frozen=True)
@@ -108,7 +106,7 @@ class Extended:
     def fitted(self, base: Model) -> tuple[Step, float]:
         """Iterate until scale and current have converged, or the limit is reached; return the last change."""
         most = MOST_STEPS if "gravity" in self.data.drive.open or self.follows else 1
-        return iterate(self.advance, Step(self.start(base)), most, CONVERGED)
+        return iterate(self.advance, Step(self.start(base)), most, LAST_STEP)
 
     def advance(self, last: Step) -> tuple[Step, float]:
         """One step: solve at a point, move there; return the relative change of scale and current."""

@@ -13,3 +13,5 @@ CONVERGED = 1e-4
 """Relative change by a further step under which a fit has converged: results are shown with four digits."""
 USABLE_PART = 0.5
 """Least part of a row's samples that is usable for an effect of the armature to be fitted on it."""
+MOST_STEPS, LAST_STEP = 8, 1e-9
+"""Steps of the refit at most, and the relative change that ends it earlier: far below the digits shown."""

@@ -14,6 +14,8 @@ import numpy as np
 from scipy.linalg import solve_triangular
 from scipy.optimize import nnls
 
+from eccentric.search.limits import ALIASED, ORDER_OF_FOLDS
+
 __all__ = ["Gram", "bounded_solve", "cross_validate", "fold_of_block"]
 
 Array = np.ndarray
@@ -50,12 +52,12 @@ class Gram:
 def bounded_solve(matrix: Array, vector: Array, lower: Array, ridge: Array | float = 0.0) -> Array:
     """Least squares from normal equations with coefficients that are free (lower -inf) or nonnegative (0).
 
-    A relative ridge of 1e-10 keeps exact aliases solvable and picks the shortest of the equivalent solutions.
+    A small relative ridge keeps exact aliases solvable and picks the shortest of the equivalent solutions.
     `ridge` is a further penalty in units of the scaled diagonal (smooth terms).
     """
     scale = np.sqrt(np.maximum(matrix.diagonal(), 1e-300))
     scaled = matrix / (scale[:, None] * scale)
-    scaled[np.diag_indices_from(scaled)] += 1e-10 + ridge
+    scaled[np.diag_indices_from(scaled)] += ALIASED + ridge
     right = vector / scale
     bounded = np.isfinite(lower)
     try:
@@ -76,7 +78,7 @@ def bounded_solve(matrix: Array, vector: Array, lower: Array, ridge: Array | flo
 
 def fold_of_block(blocks: int, folds: int) -> Array:
     """Fold number of each block: every run of `folds` neighbours holds each fold once, in shuffled order."""
-    rng = np.random.default_rng(7)
+    rng = np.random.default_rng(ORDER_OF_FOLDS)
     turns = [rng.permutation(folds) for _ in range(-(-blocks // folds))]
     return np.concatenate(turns)[:blocks]
 

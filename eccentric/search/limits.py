@@ -7,6 +7,7 @@ none of them.
 from __future__ import annotations
 
 __all__ = [
+    "ALIASED",
     "AT_FLOOR",
     "BELOW_NOISE",
     "CHANGES",
@@ -15,6 +16,7 @@ __all__ = [
     "EVALUATIONS",
     "EXTRAPOLATED",
     "FIRST_EVALUATIONS",
+    "FIRST_STEP",
     "FOLDS",
     "FORMS_OF_A_PATCH",
     "LEADERS",
@@ -24,12 +26,18 @@ __all__ = [
     "LEAST_PART",
     "LEAST_SHARE",
     "LEVEL",
+    "LOSS_TOLERANCE",
     "MOST_EFFECTS",
     "MOST_KEPT",
     "MOST_LAGS",
+    "NOTHING",
+    "NO_RANGE",
+    "ORDER_OF_FOLDS",
     "PARTNERS",
     "POSSIBLE",
+    "RIDGE",
     "ROWS_FOR_ONE",
+    "SHAPE_TOLERANCE",
     "SPECIAL",
     "SURE",
     "SWAPPED",
@@ -98,6 +106,23 @@ MOST_LAGS = 60
 """Longest autocorrelation of a residual, in rows: a second of overlapping windows."""
 ROWS_FOR_ONE = 2.0
 """Fewest rows that count as one: windows overlap by half."""
+
+# How it is computed.
+
+FIRST_STEP = 0.6
+"""Of the simplex, in spacings of the grid: it stays within the cell of the best point."""
+SHAPE_TOLERANCE, LOSS_TOLERANCE = 1e-3, 1e-12
+"""A thousandth of the range of a shape: no log resolves it better; the loss is no stopping criterion."""
+RIDGE = 1e-2
+"""Penalty of smooth terms: a piece of a spline without rows stays at zero."""
+ALIASED = 1e-10
+"""Relative ridge of every fit: far below what a log resolves, and far above the rounding of its sums."""
+NO_RANGE = 1e-9
+"""Part of its size below which the range of a signal is rounding: nothing depends on it smoothly."""
+NOTHING = 1e-12
+"""RMS of a column, in its own unit, below which it is rounding and explains nothing."""
+ORDER_OF_FOLDS = 7
+"""Seed of the order of the folds: the same log is always divided alike."""
 
 # How far the search looks.
 

@@ -9,14 +9,11 @@ from scipy.optimize import minimize
 
 from eccentric.effects import Shape
 from eccentric.search.candidate import Values, Variant
+from eccentric.search.limits import FIRST_STEP, LOSS_TOLERANCE, SHAPE_TOLERANCE
 
 __all__ = ["refined"]
 
 Array = np.ndarray
-STEP = 0.6
-"""First step of the simplex in spacings of the grid: it stays within the cell of the best point."""
-X_TOLERANCE, LOSS_TOLERANCE = 1e-3, 1e-12
-"""A thousandth of the range of a shape: no log resolves it better; the loss is no stopping criterion."""
 
 
 def refined(variant: Variant, loss: Callable[[Variant], float], evaluations: int) -> Variant:
@@ -28,7 +25,7 @@ def refined(variant: Variant, loss: Callable[[Variant], float], evaluations: int
         return Variant(variant.candidate, {s.quantity.name: _value(s, float(x)) for s, x in values})
 
     start = np.array([_place(s, variant.values) for s in shapes])
-    steps = np.array([STEP / max(s.points - 1, 2) for s in shapes])
+    steps = np.array([FIRST_STEP / max(s.points - 1, 2) for s in shapes])
     simplex = np.vstack([start, start + np.diag(np.where(start + steps <= 1.0, steps, -steps))])
     found = minimize(
         lambda point: loss(at(point)),
@@ -37,7 +34,7 @@ def refined(variant: Variant, loss: Callable[[Variant], float], evaluations: int
         options={
             "initial_simplex": simplex,
             "maxfev": evaluations * len(steps),
-            "xatol": X_TOLERANCE,
+            "xatol": SHAPE_TOLERANCE,
             "fatol": LOSS_TOLERANCE,
         },
     )

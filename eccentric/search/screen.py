@@ -17,6 +17,7 @@ from eccentric.search.limits import (
     FOLDS,
     LEADERS,
     MOST_KEPT,
+    NOTHING,
 )
 from eccentric.search.refinement import refined
 from eccentric.signals import BalanceDesign
@@ -67,7 +68,7 @@ class Screen:
         columns, at = [], 0
         for variant in (point for candidate in candidates for point in grid(candidate)):
             z = balance.rows.mean(variant.candidate.columns(variant.values))
-            if not np.all(np.isfinite(z)) or np.any(np.sum(z**2, axis=0) < 1e-24 * self.rows):
+            if not np.all(np.isfinite(z)) or np.any(np.sum(z**2, axis=0) < NOTHING**2 * self.rows):
                 continue
             self.points.append(variant)
             columns.append(z)

@@ -14,12 +14,11 @@ from scipy.interpolate import BSpline
 
 from eccentric.effects import Evidence
 from eccentric.search.candidate import Candidate
+from eccentric.search.limits import NO_RANGE, RIDGE
 
 __all__ = ["Variables", "smooth_terms"]
 
 Array = np.ndarray
-RIDGE = 1e-2
-"""Penalty on their coefficients: a piece of a spline without rows stays at zero."""
 
 
 @dataclass(frozen=True)
@@ -102,7 +101,7 @@ def _spline(x: Array, pieces: int, valid: Array) -> Array:
     low, high = np.quantile(x[valid], [0.002, 0.998])
     share = np.linspace(0.0, 1.0, pieces + 1)
     knots = 0.5 * (np.clip(np.quantile(x[valid], share), low, high) + low + (high - low) * share)
-    if high - low <= 1e-9 * max(1.0, abs(low), abs(high)):
+    if high - low <= NO_RANGE * max(1.0, abs(low), abs(high)):
         return np.empty((len(x), 0))
     full = np.r_[[knots[0]] * 3, knots, [knots[-1]] * 3]
     return BSpline.design_matrix(np.clip(x, knots[0], knots[-1]), full, 3).toarray()[:, 1:]

@@ -20,12 +20,12 @@ from eccentric.logs import read_log
 from eccentric.rigs import Alignment
 from eccentric.signals.bandwidth import suited
 from eccentric.signals.holdout import Holdout, hold_out
-from eccentric.signals.limits import END_S
+from eccentric.signals.limits import END_S, POINTS_PER_ROW, RATE_HIGH, RATE_LOW
 from eccentric.signals.measured import Channels, Intake, Motion, Motor, Selection, TimeBase
 from eccentric.signals.motion import motion_of, motor_side, of_the_motor, quantum_of, uneven
 from eccentric.signals.moving import clear_of_ends, moving_rows, near_switching
 from eccentric.signals.quality import assess
-from eccentric.signals.refine import FACTOR, is_coarse, logged_step, refined
+from eccentric.signals.refine import is_coarse, logged_step, refined
 from eccentric.signals.stretches import stretches
 from eccentric.signals.table import Table, read_table
 
@@ -83,7 +83,7 @@ def read_channels(logs: Sequence[LogSource], rig: Rig) -> Channels:
     cut, doubts = rig.sampling.low_pass_hz, uneven(logged)
     if is_coarse(logged, rig):
         # Between the rows lies the unwrapped angle, not the one that jumps; a spline needs no even steps.
-        points, cut, doubts = _points(refined(table), rig, quantum, FACTOR), math.inf, []
+        points, cut, doubts = _points(refined(table), rig, quantum, POINTS_PER_ROW), math.inf, []
     motion, said = motion_of(points.t, points.theta, points.segment, cut)
     step = logged_step(logged)
     doubts = [*said, *doubts, *_rate_doubt(step, rig)]
@@ -181,7 +181,7 @@ def _drive(channels: Mapping[str, Array], rig: Rig) -> str:
 
 def _rate_doubt(step: float, rig: Rig) -> list[str]:
     declared = rig.log.sample_rate_hz
-    if declared is None or not step or 0.9 < 1.0 / step / declared < 1.1:
+    if declared is None or not step or RATE_LOW < 1.0 / step / declared < RATE_HIGH:
         return []
     return [f"the rig says {declared:g} rows per second, the log has {1.0 / step:.4g}: is time in s?"]
 

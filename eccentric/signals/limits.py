@@ -10,6 +10,8 @@ GAP_STEPS = 5.0
 """A time step longer than this many median steps is a gap."""
 JITTER = 0.1
 """Time stamps within this fraction of a step of an even grid count as even (stamps are often rounded)."""
+RATE_LOW, RATE_HIGH = 0.9, 1.1
+"""The rate of a log over the declared one: outside, time is in another unit."""
 UNEVEN_STEP = 0.2
 """A time step this far from the median, as a fraction of it, is counted as uneven."""
 
@@ -45,6 +47,8 @@ LOWEST_HZ = 3.0
 """Cut-off below which the swing of the link itself would be filtered away."""
 COARSE = 0.4
 """Cut-off over sampling rate above which a log is too coarse to be filtered: Nyquist's half, and a margin."""
+POINTS_PER_ROW = 2
+"""Of a log that is too coarse: a reversal is then known to 4 % of a window."""
 MAP_RUNS = 8
 """Runs of constant speed from which they are a map of friction over speed."""
 MAP_STEADY = 0.3

@@ -15,16 +15,13 @@ from numpy.typing import NDArray
 from scipy.interpolate import make_interp_spline
 
 from eccentric.rigs import Rig
-from eccentric.signals.limits import COARSE
+from eccentric.signals.limits import COARSE, POINTS_PER_ROW
 from eccentric.signals.stretches import rows_of_each, stretches
 from eccentric.signals.table import Table
 
-__all__ = ["FACTOR", "is_coarse", "logged_step", "refined"]
+__all__ = ["is_coarse", "logged_step", "refined"]
 
 Array = NDArray[np.float64]
-
-FACTOR = 2
-"""Points for one row: a reversal is then known to 4 % of a window."""
 
 
 def logged_step(table: Table) -> float:
@@ -40,12 +37,12 @@ def is_coarse(table: Table, rig: Rig) -> bool:
 
 
 def refined(table: Table) -> Table:
-    """The table, angle unwrapped on the motor side, on `FACTOR` points a row; a stretch ends as it did."""
+    """The table, angle unwrapped on the motor side, with more points a row; a stretch ends as it did."""
     t = table.channels["time"]
     parts: list[dict[str, Array]] = []
     source: list[NDArray[np.int64]] = []
     for rows in rows_of_each(stretches(t, table.run)):
-        where = np.arange((len(rows) - 1) * FACTOR + 1) / FACTOR
+        where = np.arange((len(rows) - 1) * POINTS_PER_ROW + 1) / POINTS_PER_ROW
         fine = np.interp(where, np.arange(len(rows)), t[rows])
         before = rows[np.minimum(where.astype(int), len(rows) - 1)]
         source.append(before)
