@@ -318,45 +318,20 @@ _CALLS: dict[Any, Any] = {np.minimum: _minimum, np.clip: np.zeros(1).view(_Probe
 _MASKS = {np.greater, np.less, np.less_equal, np.equal, np.logical_not}  # what gives true or false
 
 
-class _Plan:
-    """The steps of a kernel in one precision: operations, with the places of operands and results.
+class _Layout:
+    """Where the operands and results of steps lie.
 
     Places are x0, x1, ... for inputs, y0, ... for results, w0, ... for buffers, m0, ... for masks; what has
     another name is constant.
     """
 
-    def __init__(self, kernel: Callable[..., Any], lengths: Sequence[int | None], precision: _Real) -> None:
-        tape = _Tape()
-        inputs = [_Value(tape, f"x{k}") for k in range(sum(n or 1 for n in lengths))]
-        found = kernel(_Symbols(precision, tape), *_grouped(inputs, lengths))
-        self.precision = precision
-        self.vector = isinstance(found, tuple)
-        self._results = [tape.name(x) for x in (found if self.vector else (found,))]
-        self.width = len(self._results)
-        self.outside = [x.name for x in inputs] + [f"y{k}" for k in range(self.width)]
-        self.numbers: dict[str, Any] = {}
-        for x, name in tape.literals.items():
-            several = isinstance(x, tuple)
-            self.numbers[name] = [np.array(k, precision) for k in x] if several else np.array(x, precision)
-        self.ahead: list[tuple[str, Any, list[str]]] = []
+    def __init__(self, results: Sequence[str], numbers: Mapping[str, Any]) -> None:
+        self._results, self._numbers = results, numbers
         self.steps: list[tuple[Any, list[str]]] = []
         self.made = {"w": 0, "m": 0}
         self._free: dict[str, list[str]] = {"w": [], "m": []}
-        self._place(self._split(tape))
-        self.spare: dict[tuple[int, ...], _Run] = {}
 
-    def _split(self, tape: _Tape) -> list[tuple[Any, list[str], str]]:
-        """The steps, without those of constants alone, which are taken once for all samples."""
-        constant, steps = set(self.numbers), []
-        for (operation, *names), value in tape.steps.items():
-            if operation is not _put and all(name in constant or name.startswith("c.") for name in names):
-                self.ahead.append((value.name, operation, names))
-                constant.add(value.name)
-            else:
-                steps.append((operation, names, value.name))
-        return steps
-
-    def _place(self, steps: list[tuple[Any, list[str], str]]) -> None:
+    def place(self, steps: list[tuple[Any, list[str], str]]) -> None:
         """Give every value a place; one that is read no more is taken again."""
         last = {name: k for k, (_, names, _) in enumerate(steps) for name in names}
         last |= dict.fromkeys(self._results, len(steps))
@@ -383,12 +358,12 @@ class _Plan:
         """A choice is put into its last operand, or into a copy of it where it is read further on."""
         *others, y = read
         # A single result may lie where an input lies: it is written last, and by one step.
-        target = self._result(value) if self.width > 1 else ""
+        target = self._result(value) if len(self._results) > 1 else ""
         target = target or (y if y in ending and y not in others else self._take("w"))
         if target != y:
             self.steps.append((np.positive, [y, target]))
         x, condition = others
-        if x in self.numbers or x.startswith("c."):
+        if x in self._numbers or x.startswith("c."):
             self.steps.append((np.putmask, [target, condition, x]))  # takes two thirds of the time
         else:
             self.steps.append((operation, [x, condition, target]))
@@ -407,6 +382,40 @@ class _Plan:
     def _give(self, places: set[str]) -> None:
         for place in sorted(places):
             self._free[place[0]].append(place)
+
+
+class _Plan:
+    """The steps of a kernel in one precision: operations, with the places of operands and results."""
+
+    def __init__(self, kernel: Callable[..., Any], lengths: Sequence[int | None], precision: _Real) -> None:
+        tape = _Tape()
+        inputs = [_Value(tape, f"x{k}") for k in range(sum(n or 1 for n in lengths))]
+        found = kernel(_Symbols(precision, tape), *_grouped(inputs, lengths))
+        self.precision = precision
+        self.vector = isinstance(found, tuple)
+        results = [tape.name(x) for x in (found if self.vector else (found,))]
+        self.width = len(results)
+        self.outside = [x.name for x in inputs] + [f"y{k}" for k in range(self.width)]
+        self.numbers: dict[str, Any] = {}
+        for x, name in tape.literals.items():
+            several = isinstance(x, tuple)
+            self.numbers[name] = [np.array(k, precision) for k in x] if several else np.array(x, precision)
+        self.ahead: list[tuple[str, Any, list[str]]] = []
+        layout = _Layout(results, self.numbers)
+        layout.place(self._split(tape))
+        self.steps, self.made = layout.steps, layout.made
+        self.spare: dict[tuple[int, ...], _Run] = {}
+
+    def _split(self, tape: _Tape) -> list[tuple[Any, list[str], str]]:
+        """The steps, without those of constants alone, which are taken once for all samples."""
+        constant, steps = set(self.numbers), []
+        for (operation, *names), value in tape.steps.items():
+            if operation is not _put and all(name in constant or name.startswith("c.") for name in names):
+                self.ahead.append((value.name, operation, names))
+                constant.add(value.name)
+            else:
+                steps.append((operation, names, value.name))
+        return steps
 
 
 def _grouped(values: Sequence[Any], lengths: Sequence[int | None]) -> list[Any]:
@@ -609,53 +618,16 @@ def _on_floats(kernel: Any) -> Callable[..., Any]:
     return copied(kernel)
 
 
-class _Function:
-    """A kernel f(c, inputs), and how it is called on floats and on arrays."""
+class _Kernel:
+    """A kernel f(c, inputs), evaluated on floats and on arrays."""
 
-    def __init__(
-        self, model: Model, kernel: Callable[..., Any], needs: Sequence[str], vectors: Mapping[str, int]
-    ) -> None:
-        self._model, self._kernel, self._needs = model, kernel, needs
-        inputs = list(inspect.signature(kernel).parameters.values())[1:]
-        self.names = [x.name for x in inputs]
-        self._vectors, self._lengths = vectors, [vectors.get(name) for name in self.names]
-        either = inspect.Parameter.POSITIONAL_OR_KEYWORD
-        optional = [inspect.Parameter(name, either, default=None) for name in ("parameters", "out")]
-        self._signature = inspect.Signature([*inputs, *optional])
+    def __init__(self, model: Model, kernel: Callable[..., Any], vectors: Mapping[str, int]) -> None:
+        self._model, self._kernel, self._vectors = model, kernel, vectors
+        self.inputs = list(inspect.signature(kernel).parameters.values())[1:]
+        self.names = [x.name for x in self.inputs]
+        self._lengths = [vectors.get(name) for name in self.names]
         self._on_floats: Callable[..., Any] | None = None  # what the kernel calls may not be defined yet
         self._plans: dict[_Real, _Plan] = {}
-
-    def public(self) -> Callable[..., Any]:
-        """The function f(inputs, parameters=None, out=None), with the name and the text of the kernel."""
-        count, needs = len(self.names), self._needs
-
-        @wraps(self._kernel)
-        def function(*given: Any, parameters: Any = None, out: Any = None, **named: Any) -> Any:
-            if len(given) == count + 1 and parameters is None and not named:
-                given, parameters = given[:-1], given[-1]
-            elif len(given) != count or named:
-                given, parameters, out = self._ordered(given, parameters, out, named)
-            if needs:
-                self._model.require(needs, given[-1], parameters)
-            on_floats = not given or type(given[0]) in _NUMBERS
-            if on_floats and out is None and _NUMBERS.issuperset(map(type, given)):
-                found = self.at(given, parameters)
-                return np.array(found) if type(found) is tuple else np.float64(found)
-            return self._on_arrays(given, parameters, out)
-
-        vars(function)["__signature__"] = self._signature
-        return function
-
-    def _ordered(
-        self, given: Sequence[Any], parameters: Any, out: Any, named: dict[str, Any]
-    ) -> tuple[tuple[Any, ...], Any, Any]:
-        """Inputs, parameters and `out` of any call, in order."""
-        named |= {"parameters": parameters} if parameters is not None else {}
-        named |= {"out": out} if out is not None else {}
-        bound = self._signature.bind(*given, **named)
-        bound.apply_defaults()
-        *inputs, parameters, out = bound.arguments.values()
-        return tuple(inputs), parameters, out
 
     def at(self, inputs: Sequence[Any], parameters: Any) -> Any:
         """The kernel at one sample, on Python's own numbers: they are doubles, too, and need no arrays."""
@@ -675,7 +647,8 @@ class _Function:
             self._plans[precision] = _Plan(self._kernel, self._lengths, precision)
         return self._plans[precision]
 
-    def _on_arrays(self, given: Sequence[Any], parameters: Any, out: Any) -> Any:
+    def on_arrays(self, given: Sequence[Any], parameters: Any, out: Any) -> Any:
+        """The kernel at all samples of arrays that broadcast, in `out` where there is one."""
         inputs, precision, shape = _broadcast(given, self.names, self._vectors)
         plan = self._plans.get(precision) or self._plan(precision)
         full = (*shape, plan.width) if plan.vector else shape
@@ -700,6 +673,43 @@ class _Function:
 _NUMBERS = {float, int, np.float64}
 
 
+def _function(model: Model, kernel: Callable[..., Any], evaluated: _Kernel, needs: Sequence[str]) -> Any:
+    """The function f(inputs, parameters=None, out=None), with the name and the text of the kernel."""
+    either = inspect.Parameter.POSITIONAL_OR_KEYWORD
+    optional = [inspect.Parameter(name, either, default=None) for name in ("parameters", "out")]
+    signature = inspect.Signature([*evaluated.inputs, *optional])
+    count, at, on_arrays = len(evaluated.names), evaluated.at, evaluated.on_arrays
+
+    @wraps(kernel)
+    def function(*given: Any, parameters: Any = None, out: Any = None, **named: Any) -> Any:
+        if len(given) == count + 1 and parameters is None and not named:
+            given, parameters = given[:-1], given[-1]
+        elif len(given) != count or named:
+            given, parameters, out = _ordered(signature, given, parameters, out, named)
+        if needs:
+            model.require(needs, given[-1], parameters)
+        on_floats = not given or type(given[0]) in _NUMBERS
+        if on_floats and out is None and _NUMBERS.issuperset(map(type, given)):
+            found = at(given, parameters)
+            return np.array(found) if type(found) is tuple else np.float64(found)
+        return on_arrays(given, parameters, out)
+
+    vars(function)["__signature__"] = signature
+    return function
+
+
+def _ordered(
+    signature: inspect.Signature, given: Sequence[Any], parameters: Any, out: Any, named: dict[str, Any]
+) -> tuple[tuple[Any, ...], Any, Any]:
+    """Inputs, parameters and `out` of any call, in order."""
+    named |= {"parameters": parameters} if parameters is not None else {}
+    named |= {"out": out} if out is not None else {}
+    bound = signature.bind(*given, **named)
+    bound.apply_defaults()
+    *inputs, parameters, out = bound.arguments.values()
+    return tuple(inputs), parameters, out
+
+
 class Model:
     """What the functions of one model have in common: the coefficients of its parameters."""
 
@@ -707,7 +717,7 @@ class Model:
         self.default = parameters()
         self._prepare = prepare
         self._by_value = lru_cache(maxsize=64)(self._computed)
-        self._functions: dict[str, _Function] = {}
+        self._kernels: dict[str, _Kernel] = {}
         self._latest: dict[_Real, tuple[Any, _Prepared]] = {}
 
     def prepared(self, parameters: Any, precision: _Real) -> _Prepared:
@@ -760,8 +770,8 @@ class Model:
         """
         if kernel is None:
             return partial(self.function, needs=needs, vectors=vectors)
-        function = self._functions[kernel.__name__] = _Function(self, kernel, needs, vectors or {})
-        return function.public()
+        evaluated = self._kernels[kernel.__name__] = _Kernel(self, kernel, vectors or {})
+        return _function(self, kernel, evaluated, needs)
 
     def follow(
         self, step: str, initial: Mapping[str, float], inputs: Mapping[str, ArrayLike], parameters: Any
@@ -769,12 +779,12 @@ class Model:
         """The hidden states along time, before each sample is used; `step` names their function."""
         numbers = [np.asarray(_number(name, x), np.float64) for name, x in inputs.items()]
         columns = np.broadcast_arrays(*numbers, np.zeros(1))[:-1]
-        function, places = self._functions[step], {name: k for k, name in enumerate((*initial, *inputs))}
-        order = [places[name] for name in function.names]
+        kernel, places = self._kernels[step], {name: k for k, name in enumerate((*initial, *inputs))}
+        order = [places[name] for name in kernel.names]
         out = np.empty((len(columns[0]), len(initial)))
         state = tuple(initial.values())
         for k, row in enumerate(zip(*(column.tolist() for column in columns), strict=True)):
             out[k] = state
             sample = (*state, *row)
-            state = function.at([sample[place] for place in order], parameters)
+            state = kernel.at([sample[place] for place in order], parameters)
         return out

@@ -1,6 +1,6 @@
 /*
  * Generated: do not edit. Written by `make derive` from derivations/rotating_link.py
- * (eccentric 0.1.0, program e0f79c52).
+ * (eccentric 0.1.0, program 7b9443ef).
  * Rotating link with an unbalanced mass, plane tilted by phi, angular acceleration kept.
  */
 #include "rotating_link.h"
@@ -8,7 +8,7 @@
 #include <float.h>
 #include <math.h>
 
-#if ROTATING_LINK_PROGRAM != 0xe0f79c52UL
+#if ROTATING_LINK_PROGRAM != 0x7b9443efUL
 #error "rotating_link.c and rotating_link.h are of different derivations: write both again"
 #endif
 

@@ -1,5 +1,5 @@
 /*
- * Generated: do not edit. Written beside c1_asymmetric.c (program eea5babf).
+ * Generated: do not edit. Written beside c1_asymmetric.c (program 45e772a8).
  * What the self-test expects; computed by the emitted NumPy module.
  */
 #define INPUTS 4u

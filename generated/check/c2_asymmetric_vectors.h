@@ -1,5 +1,5 @@
 /*
- * Generated: do not edit. Written beside c2_asymmetric.c (program 8dd1074a).
+ * Generated: do not edit. Written beside c2_asymmetric.c (program ca787e10).
  * What the self-test expects; computed by the emitted NumPy module.
  */
 #define INPUTS 5u

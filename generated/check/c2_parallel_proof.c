@@ -1,5 +1,5 @@
 /*
- * Generated: do not edit. Written beside c2_parallel.c (program 0f7f7a39).
+ * Generated: do not edit. Written beside c2_parallel.c (program eaf17539).
  * Driver of a proof: over all inputs within the ranges below no function of c2_parallel.c has undefined
  * behaviour, overflows or makes a NaN or an infinity, for the parameters set in main. For yours, set them there.
  * Frama-C's Eva does it; 0 alarms and 100 % of the logical properties are the proof, and the intervals that it

@@ -1,5 +1,5 @@
 /*
- * Generated: do not edit. Written beside c2_parallel.c (program 0f7f7a39).
+ * Generated: do not edit. Written beside c2_parallel.c (program eaf17539).
  * What the self-test expects; computed by the emitted NumPy module.
  */
 #define INPUTS 5u

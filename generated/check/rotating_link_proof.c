@@ -1,5 +1,5 @@
 /*
- * Generated: do not edit. Written beside rotating_link.c (program e0f79c52).
+ * Generated: do not edit. Written beside rotating_link.c (program 7b9443ef).
  * Driver of a proof: over all inputs within the ranges below no function of rotating_link.c has undefined
  * behaviour, overflows or makes a NaN or an infinity, for the parameters set in main. For yours, set them there.
  * Frama-C's Eva does it; 0 alarms and 100 % of the logical properties are the proof, and the intervals that it

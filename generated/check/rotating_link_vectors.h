@@ -1,5 +1,5 @@
 /*
- * Generated: do not edit. Written beside rotating_link.c (program e0f79c52).
+ * Generated: do not edit. Written beside rotating_link.c (program 7b9443ef).
  * What the self-test expects; computed by the emitted NumPy module.
  */
 #define INPUTS 5u
