@@ -7,9 +7,20 @@ import pytest
 import sympy as sp
 
 from eccentric.effects import library
-from eccentric.emission import build_program
+from eccentric.emission import build_program, load_module
 from eccentric.fitting import drive_of, emitted_parameters, fit, fit_data_of, refit
-from eccentric.model import Load, Model, Role, Sgn, Term, load_model, model_names, quantity, regressor
+from eccentric.model import (
+    Definition,
+    Load,
+    Model,
+    Role,
+    Sgn,
+    Term,
+    load_model,
+    model_names,
+    quantity,
+    regressor,
+)
 from eccentric.model import vocabulary as v
 from eccentric.rigs import read_rig
 from eccentric.signals import read_channels
@@ -64,6 +75,26 @@ def test_a_name_like_that_of_a_derivative_changes_no_emitted_operation() -> None
         return [str(a.value).replace(coefficient, "B_fan") for r in routines for a in r.assignments]
 
     assert text("B_a_fan") == text("B_d_fan")
+
+
+def test_what_follows_from_the_velocity_by_way_of_a_definition_is_none_at_standstill() -> None:
+    """Dry friction in proportion to a defined cube of `speed` leaves the Coulomb torque as it is."""
+    model, speed = with_friction("C_fan"), v.speed.symbol
+    cube = Definition(quantity("cube", "rad^3/s^3", "cubed speed", "", "nonnegative"), speed**3)
+    mechanical, electrical = model.balance("mechanical"), model.balance("electrical")
+    (fan,) = (term for term in mechanical.terms if term.name == "fan")
+    terms = [t for t in mechanical.terms if t is not fan] + [replace(fan, basis=cube.symbol * Sgn(w))]
+    model = replace(
+        model,
+        definitions=(*model.definitions, cube),
+        balances=(replace(mechanical, terms=tuple(terms)), electrical),
+    )
+    module, paper = load_module(model), load_module(load_model("c2_parallel"))
+
+    assert module.coulomb_torque(module.Parameters(C_fan=0.3)) == paper.coulomb_torque()
+    assert module.mechanical_friction_torque(1.0, 2.0, module.Parameters(C_fan=0.3)) == pytest.approx(
+        paper.mechanical_friction_torque(1.0, 2.0) + 0.3 * 8.0, rel=1e-14
+    )
 
 
 def test_the_declared_inertia_is_the_models_own() -> None:
