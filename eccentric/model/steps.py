@@ -225,22 +225,8 @@ class Leading(Step):
         return x
 
 
-STEPS = (
-    Sgn,
-    Forward,
-    Backward,
-    ByDirection,
-    HalfCosine,
-    HalfSine,
-    Chord,
-    Bounded,
-    SquareDifference,
-    Magnitude,
-    Along,
-    Across,
-    Gated,
-    Leading,
-)
+STEPS: tuple[type[Step], ...] = tuple(Step.__subclasses__())
+"""All of the steps above, in this order."""
 
 
 def meaning(expression: sp.Expr) -> sp.Expr:
