@@ -15,10 +15,11 @@ import pytest
 from matplotlib import pyplot as plt
 
 import eccentric
-from eccentric import DiagnosisResult, InputError, cli
+from eccentric import DiagnosisResult, InputError, Model, cli
 from eccentric.effects import Setting, library
 from eccentric.emission import complete, load_module
 from generated import c2_parallel
+from tests.extended import effects
 
 BENCH = Path(__file__).parents[1] / "examples" / "bench"
 LOG, RIG = BENCH / "bench.csv.gz", BENCH / "bench.json"
@@ -36,6 +37,12 @@ def result(stages: list[str]) -> DiagnosisResult:
     rig = json.loads(RIG.read_text(encoding="utf-8"))
     table: Mapping[str, Any] = eccentric.read_log(LOG).columns
     return eccentric.diagnose(table, rig, progress=stages.append)
+
+
+def extended(family: str) -> Model:
+    """The model of case C2 with an effect of the library, its parameters at their defaults."""
+    effect = next(effect for effect in effects("C2").values() if effect.family == family)
+    return effect.extend(eccentric.load_model("c2_parallel"))
 
 
 @pytest.fixture(scope="module")
@@ -121,6 +128,76 @@ def test_tables_have_parameters_and_candidates(result: DiagnosisResult) -> None:
     assert [True] == candidates["adopted"][:1]
 
 
+def test_the_errors_of_the_estimates_are_correlated(result: DiagnosisResult) -> None:
+    """As those of a fit of the extended model to the same rows, which solves the same least squares."""
+    table: Mapping[str, Any] = eccentric.read_log(LOG).columns
+    fitted = eccentric.fit(table, RIG, result.model)
+    names = result.correlation.names
+
+    assert tuple(result.estimates) == names
+    assert set(fitted.correlation.names) == set(names)
+    for one in names:
+        assert 1.0 == pytest.approx(result.correlation[one, one])
+        for other in names:
+            assert fitted.correlation[one, other] == pytest.approx(result.correlation[one, other], abs=1e-6)
+
+
+@pytest.fixture(scope="module")
+def again(result: DiagnosisResult) -> DiagnosisResult:
+    """The same log with the extended model, alive, as the base model."""
+    return eccentric.diagnose(LOG, RIG, result.model)
+
+
+def test_a_live_model_is_diagnosed(result: DiagnosisResult, again: DiagnosisResult) -> None:
+    """What the first diagnosis has added is no longer missing, and is estimated as before."""
+    assert ("nothing_missing", ()) == (again.verdict, again.effects)
+    assert result.rmse["mechanical"]["extended"] == pytest.approx(again.rmse["mechanical"]["paper"])
+    assert result.rmse["mechanical"]["linear"] == pytest.approx(again.rmse["mechanical"]["linear"])
+    assert set(result.estimates) == set(again.estimates)
+    for name, estimate in result.estimates.items():
+        assert estimate.value == pytest.approx(again.estimates[name].value, rel=1e-6), name
+
+
+def test_a_live_model_travels_as_a_script(again: DiagnosisResult, tmp_path: Path) -> None:
+    """model.py loads base.py beside it, and is emitted as the files of the live model."""
+    paths = again.write(tmp_path / "out")
+    loaded = eccentric.load_model(tmp_path / "out" / "model.py")
+
+    assert tmp_path / "out" / "base.py" in paths
+    assert complete(again.model) == complete(loaded)
+
+
+def test_a_live_model_that_ships_is_known_by_its_name() -> None:
+    """The script loads it by name, as if the name had been given."""
+    bench = eccentric.bench(seconds=15, seed=3)
+
+    found = eccentric.diagnose(bench.log, bench.rig, eccentric.load_model("c2_parallel"))
+
+    assert "model = load_model('c2_parallel')" in found.script
+    assert {} == found.own
+
+
+@pytest.mark.parametrize(
+    ("family", "line"),
+    [
+        (
+            "presliding",
+            "c2_parallel: diagnose requires a model without hidden states, received one with",
+        ),
+        (
+            "inverter_deadtime",
+            "diagnose requires a model with the paper's armature, received one extended",
+        ),
+        ("kt_saturation", "diagnose requires a model without effects of current or voltage, received"),
+        ("coulomb_temperature", "c2_parallel: diagnose requires a temperature in the log, received none"),
+    ],
+)
+def test_a_model_that_a_diagnosis_cannot_start_from_is_refused(family: str, line: str) -> None:
+    """One line says what it has that a base model must not have."""
+    with pytest.raises(InputError, match=line):
+        eccentric.diagnose(LOG, RIG, extended(family))
+
+
 def test_it_is_drawn_over_what_it_depends_on(result: DiagnosisResult) -> None:
     """Left the residual over the link angle, before and after; right friction over the velocity."""
     left, right = result.plot()
@@ -169,3 +246,17 @@ def test_scripts_that_would_hide_a_file_of_the_result_are_refused(tmp_path: Path
         InputError, match=r"effects and model: required files of different names, received a\.py"
     ):
         eccentric.diagnose("no.csv", RIG, tmp_path / "one" / "a.py", tmp_path / "two" / "a.py")
+
+
+def test_scripts_of_ones_own_travel_with_a_pickled_result(tmp_path: Path) -> None:
+    """Their text is in the result: where it is written, the files themselves need not be."""
+    own = tmp_path / "mine.py"
+    own.write_text("from eccentric.model import load_model\n\nmodel = load_model('c2_parallel')\n")
+    bench = eccentric.bench(seconds=15, seed=3)
+    found = pickle.loads(pickle.dumps(eccentric.diagnose(bench.log, bench.rig, own)))  # noqa: S301
+    text = own.read_text()
+    own.unlink()
+
+    found.write(tmp_path / "out")
+
+    assert text == (tmp_path / "out" / "mine.py").read_text()

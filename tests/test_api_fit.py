@@ -16,8 +16,10 @@ from matplotlib import pyplot as plt
 from matplotlib.axes import Axes
 
 import eccentric
-from eccentric import FitResult, InputError, Log, cli
+from eccentric import FitResult, InputError, Log, Model, cli
+from eccentric.effects import constant_load
 from eccentric.signals import read_channels
+from tests.extended import effects
 
 BENCH = Path(__file__).parents[1] / "examples" / "bench"
 LOG, RIG = BENCH / "bench.csv.gz", BENCH / "bench.json"
@@ -222,3 +224,47 @@ def test_a_model_may_be_given_in_every_form(result: FitResult, log: Log) -> None
     """By its name and as a Model: the fit is the one by default."""
     for model in ("c2_parallel", eccentric.load_model("c2_parallel")):
         assert content(result) == content(eccentric.fit(log, RIG, model))
+
+
+def with_effect(family: str, **values: float) -> Model:
+    """The model of case C2 with an effect of the library."""
+    effect = next(effect for name, effect in effects("C2").items() if name.startswith(family))
+    return effect.extend(eccentric.load_model("c2_parallel"), values)
+
+
+def test_what_is_not_fitted_of_an_effect_keeps_its_value() -> None:
+    """The Stribeck velocity of the model stays its own, in the result and in the emitted code."""
+    found = eccentric.fit(LOG, RIG, with_effect("stribeck[d=1]", stribeck_v=3.25))
+
+    assert 3.25 == found.parameters["stribeck_v"] == found.module.Parameters().stribeck_v
+    assert "the model's own, not fitted" == found.document["parameter_notes"]["stribeck_v"]
+
+
+def test_effects_are_no_part_of_the_linear_model(result: FitResult) -> None:
+    """Against Coulomb and viscous friction a model with an effect is measured as the paper's is."""
+    found = eccentric.fit(LOG, RIG, with_effect("link_harmonic_friction"))
+
+    assert result.rmse["linear"] == pytest.approx(found.rmse["linear"], rel=1e-9)
+
+
+def test_a_constant_load_in_the_model_is_that_of_the_rig(result: FitResult) -> None:
+    """A model that has T_load is fitted as one that has none: what the rig declares counts, and once."""
+    declared = json.loads(RIG.read_text(encoding="utf-8"))
+    declared["known"] |= {"T_load": "0.05 N m"}
+    model = constant_load.extend(eccentric.load_model("c2_parallel"), {"T_load": 0.3})
+
+    plain, loaded = (eccentric.fit(LOG, declared, one) for one in (None, model))
+
+    assert plain.rmse == pytest.approx(loaded.rmse)
+    assert plain.rmse["paper"] > 1.01 * result.rmse["paper"]
+    assert 0.05 == loaded.parameters["T_load"]
+
+
+@pytest.mark.parametrize(
+    ("family", "received"),
+    [("presliding", "presliding_z"), ("kt_saturation", "i"), ("coulomb_temperature", "temperature")],
+)
+def test_friction_that_no_log_of_this_kind_shows_is_refused(family: str, received: str) -> None:
+    """One line says which input the fit cannot provide."""
+    with pytest.raises(InputError, match=f"fit requires .*, received some that depend on .*{received}"):
+        eccentric.fit(LOG, RIG, with_effect(family))

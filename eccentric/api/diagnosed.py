@@ -4,20 +4,18 @@ from __future__ import annotations
 
 import dataclasses
 import os
-import shutil
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
-from eccentric.api.files import described, write_emitted
-from eccentric.api.inputs import LogSources, RigSource, read_logs
+from eccentric.api.files import described
+from eccentric.api.inputs import LogSources, ModelSource, RigSource, by_name, read_logs
 from eccentric.api.result import Result, new_axes, paragraphs
-from eccentric.api.tables import ResultTable
+from eccentric.api.tables import Correlation, ResultTable
+from eccentric.diagnosis import BASE, base_source, diagnosis_document, diagnosis_lines, extended_model, script
 from eccentric.diagnosis import diagnose as diagnose_logs
-from eccentric.diagnosis import diagnosis_document, diagnosis_lines, extended_model, script
-from eccentric.emission import checked_name, complete, load_module, write
+from eccentric.emission import complete, write
 from eccentric.errors import InputError
 from eccentric.model import Model
 from eccentric.output import whole_file, whole_folder
@@ -32,7 +30,7 @@ __all__ = ["DiagnosisResult", "diagnose"]
 def diagnose(
     logs: LogSources,
     rig: RigSource,
-    model: str | os.PathLike[str] | None = None,
+    model: ModelSource | None = None,
     effects: str | os.PathLike[str] | None = None,
     progress: Callable[[str], None] | None = None,
 ) -> DiagnosisResult:
@@ -43,22 +41,28 @@ def diagnose(
             polars or pyarrow) or what `read_log` returned.
         rig: what is known of the rig: the path of a rig file, its content as a mapping, or what `read_rig`
             returned.
-        model: the base model's name, or the path of a derivation; by default that of the rig's case. It is no
-            Model, since the extended model is written as a script, too, which loads its base model.
+        model: the base model: a Model, its name, or the path of a derivation; by default that of the rig's
+            case. It may be extended already, such as the `model` of an earlier result: its effects are fitted
+            with the rest, at the values that it has for what does not enter linearly.
         effects: the path of a Python file with effects of your own.
         progress: called with one line for each stage.
 
     Raises:
-        InputError: a log, the rig, the model or the effects cannot be read, or do not belong together; or the
-            log has too few rows.
+        InputError: a log, the rig, the model or the effects cannot be read, or do not belong together; the
+            model has a tilt, hidden states, or an effect of the current; or the log has too few rows.
     """
-    own = _scripts(effects, model)
-    base = None if model is None else str(model)
+    base = by_name(model)
+    paths = _scripts(effects, base)
     found = diagnose_logs(read_logs(logs), rig, base, None if effects is None else Path(effects), progress)
+    own = {path.name: path.read_text(encoding="utf-8") for path in paths}
+    shipped = found.models.shipped
     return DiagnosisResult(
         model=extended_model(found),
+        origin="model.py",
+        estimates=shipped.estimates,
+        correlation=Correlation.of(list(shipped.estimates), shipped.covariance),
         script=script(found),
-        own=own,
+        own=own | ({BASE: base_source(base)} if isinstance(base, Model) else {}),
         warnings=found.warnings,
         lines=tuple(diagnosis_lines(found)),
         data=report_data(found),
@@ -66,13 +70,13 @@ def diagnose(
     )
 
 
-def _scripts(
-    effects: str | os.PathLike[str] | None, model: str | os.PathLike[str] | None
-) -> tuple[Path, ...]:
+def _scripts(effects: str | os.PathLike[str] | None, model: str | Model | None) -> tuple[Path, ...]:
     """Scripts of the user's own, which travel with the result; InputError where their names clash with it."""
-    own = tuple(Path(one) for one in (effects, model) if one is not None and Path(one).suffix == ".py")
+    taken = {"model.py"} | ({BASE} if isinstance(model, Model) else set())
+    given = (effects, None if isinstance(model, Model) else model)
+    own = tuple(Path(one) for one in given if one is not None and Path(one).suffix == ".py")
     for one in own:
-        if one.name == "model.py" or one.stem.endswith("_extended"):
+        if one.name in taken or one.stem.endswith("_extended"):
             raise InputError(f"{one}: required another name: the result has a file of this one")
     if len({one.resolve() for one in own}) > len(called := {one.name for one in own}):
         raise InputError(
@@ -86,17 +90,17 @@ class DiagnosisResult(Result):
     """What a diagnosis found. It prints as `summary()`, shows as tables in a notebook, and can be pickled.
 
     Attributes:
-        model: the extended model with its fitted values as defaults: a Model to derive further, to emit, or
-            to `eccentric.compile`; without an adopted effect the paper's model, fitted.
-        script: its derivation, the text of model.py.
-        own: scripts of the user's own that the derivation loads.
+        script: the derivation of the extended model, the text of model.py.
+        own: name -> text of the scripts that it loads: those of your own, and base.py where the base model
+            was given as a Model.
         data: everything that the report shows.
-        lines, warnings, document: as in Result; the document is the content of diagnosis.json.
+        model, origin, estimates, correlation, lines, warnings, document: as in Result; the model is the
+            extended one, without an adopted effect the base model, fitted; the document is the content of
+            diagnosis.json.
     """
 
-    model: Model
     script: str
-    own: tuple[Path, ...]
+    own: Mapping[str, str]
     data: ReportData
 
     @property
@@ -145,30 +149,14 @@ class DiagnosisResult(Result):
         """What to measure next; "" if nothing is open."""
         return self.data.next_measurement
 
-    @property
-    def module(self) -> ModuleType:
-        """The extended model as a NumPy module, the one that `emit` writes."""
-        return load_module(self.model)
-
     def table(self) -> ResultTable:
         """The parameters of the extended model: value, standard error, 95 % interval, unit and origin.
 
-        The origin is "effect" or "friction" (fitted), "bench" (estimated jointly with them), "rig" (known) or
-        "unseen" (nothing in the log depends on it).
+        The origin is "effect" or "friction" (fitted), "bench" (estimated jointly with them), "rig" (known),
+        "model" (the base model's own value, not fitted) or "unseen" (nothing in the log depends on it).
         """
         names = ("name", "value", "std_error", "lower", "upper", "unit", "origin")
-        rows = (
-            (
-                p.name,
-                p.value,
-                None if p.widened else p.std_error,
-                *(p.interval or (None, None)),
-                p.unit,
-                p.origin,
-            )
-            for p in self.data.parameters
-        )
-        return ResultTable(names, tuple(rows))
+        return ResultTable(names, tuple(map(_row, self.data.parameters)))
 
     def candidates(self) -> ResultTable:
         """The effects that were considered, best first: cross-validated RMSE, probability among families."""
@@ -199,26 +187,6 @@ class DiagnosisResult(Result):
             new.write_text(page(self.data), encoding="utf-8")
         return Path(path)
 
-    def emit(
-        self,
-        out: str | os.PathLike[str],
-        prefix: str | None = None,
-        backend: str | Sequence[str] | None = None,
-    ) -> list[Path]:
-        """Write the extended model as a NumPy module and C99 into a folder; return the paths.
-
-        Args:
-            out: a folder of its own, new or written by eccentric before.
-            prefix: name of the files and prefix of the C functions; by default the model's name.
-            backend: a target, "numpy" or "c99", or several; by default both.
-
-        Raises:
-            InputError: the prefix is no name that C and Python leave free, there is no such target, or the
-                folder cannot be written.
-        """
-        name = self.model.name if prefix is None else checked_name(prefix, "prefix")
-        return write_emitted(dataclasses.replace(self.model, name=name), "model.py", out, backend)
-
     def write(self, out: str | os.PathLike[str]) -> list[Path]:
         """Write what the command `eccentric diagnose` writes: report, JSON, script and the emitted model.
 
@@ -232,13 +200,13 @@ class DiagnosisResult(Result):
     def _write(self, folder: Path) -> Sequence[str]:
         (folder / "diagnosis.json").write_text(self.to_json(), encoding="utf-8")
         (folder / "model.py").write_text(self.script, encoding="utf-8")
-        for path in self.own:
-            shutil.copyfile(path, folder / path.name)
+        for name, text in self.own.items():
+            (folder / name).write_text(text, encoding="utf-8")
         emitted = complete(self.model, "eccentric diagnose", "model.py")
         write(emitted, folder)
         text = page(dataclasses.replace(self.data, files=described(self.own, emitted, self.model.name)))
         (folder / "report.html").write_text(text, encoding="utf-8")
-        return ["report.html", "diagnosis.json", "model.py", *emitted]
+        return ["report.html", "diagnosis.json", "model.py", *self.own, *emitted]
 
     def __repr__(self) -> str:
         return f"<DiagnosisResult: {self.verdict}{': ' if self.effects else ''}{', '.join(self.effects)}>"

@@ -6,6 +6,7 @@ import os
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 
+from eccentric.diagnosis import BASE
 from eccentric.emission import BACKENDS, DEFAULT, complete, write
 from eccentric.errors import InputError
 from eccentric.model import Model
@@ -20,6 +21,7 @@ _WRITTEN = (
         "the extended model as a derivation: python model.py prints it, eccentric emit model.py emits it",
     ),
 )
+_BASE = "the base model, as it was given"
 _EMITTED = {
     ".py": "the extended model in NumPy",
     "eccentric_runtime.py": "what every emitted NumPy module runs on",
@@ -56,10 +58,10 @@ def write_emitted(
     return [Path(out) / name for name in files]
 
 
-def described(own: Iterable[Path], emitted: Iterable[str], model: str) -> tuple[tuple[str, str], ...]:
-    """(name, what it is) of the files beside a report; `own` are scripts of the user's own."""
+def described(own: Iterable[str], emitted: Iterable[str], model: str) -> tuple[tuple[str, str], ...]:
+    """(name, what it is) of the files beside a report; `own` are the scripts that the model loads."""
     return (
         *_WRITTEN,
-        *((path.name, "a script of your own") for path in own),
+        *((name, _BASE if name == BASE else "a script of your own") for name in own),
         *((name, _EMITTED[name.rpartition(model)[2]]) for name in emitted),
     )

@@ -3,17 +3,15 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
-from eccentric.api.files import write_emitted
-from eccentric.api.inputs import LogSources, ModelSource, RigSource, names_of, origin_of, read_logs
+from eccentric.api.inputs import LogSources, ModelSource, RigSource, model_of, names_of, origin_of, read_logs
 from eccentric.api.result import Result, new_axes, paragraphs
 from eccentric.api.tables import Correlation, ResultTable
-from eccentric.emission import checked_name, load_module, read_parameters, with_fitted
+from eccentric.emission import read_parameters, with_fitted
 from eccentric.errors import InputError
 from eccentric.estimation import Estimate
 from eccentric.fitting import (
@@ -25,7 +23,7 @@ from eccentric.fitting import (
     plot_fit,
 )
 from eccentric.fitting import fit as fit_channels
-from eccentric.model import Model, load_model
+from eccentric.model import Model
 from eccentric.output import whole_folder
 from eccentric.rigs import read_rig
 from eccentric.signals import read_channels
@@ -53,12 +51,14 @@ def fit(logs: LogSources, rig: RigSource, model: ModelSource | None = None) -> F
     read = read_logs(logs)
     channels = read_channels(read, read_rig(rig))
     chosen = channels.rig.model if model is None else model
-    base = chosen if isinstance(chosen, Model) else load_model(chosen)
+    base = model_of(chosen)
     names = names_of(read)
     found = fit_channels(channels, channels.rig, base, ", ".join(names))
     estimates = {**found.coefficients, **found.searched}
+    document = fit_document(found, names)
     return FitResult(
         base=base,
+        model=with_fitted(base, read_parameters(document), base.name),
         origin=origin_of(chosen),
         estimates=estimates,
         combinations=found.combinations,
@@ -71,7 +71,7 @@ def fit(logs: LogSources, rig: RigSource, model: ModelSource | None = None) -> F
         warnings=found.warnings,
         lines=tuple(fit_lines(found, names)),
         comparison=compare(found),
-        document=fit_document(found, names),
+        document=document,
     )
 
 
@@ -80,12 +80,8 @@ class FitResult(Result):
     """What a fit found. It prints as `summary()`, shows as a table in a notebook, and can be pickled.
 
     Attributes:
-        base: the model that was fitted, with the paper's parameters; `model` is the fitted one.
-        origin: where its physics is from, for the banner of emitted files.
-        estimates: name -> Estimate (value, std_error, interval, unit), of the coefficients and of what was
-            searched beside them, such as a zero angle or a delay.
-        combinations: the same for what the log shows only in combination.
-        correlation: of the errors of the estimates, by name.
+        base: the model that was fitted, with its own defaults; `model` is the fitted one.
+        combinations: name -> Estimate, of what the log shows only in combination.
         rmse: error on the held-out rows in `unit`, by model: "paper" (the fitted one), "linear" (Coulomb and
             viscous friction), "paper_unbounded".
         r_squared: of the drive signal on the held-out rows, by model.
@@ -93,15 +89,13 @@ class FitResult(Result):
         improvement: of the held-out error over Coulomb and viscous friction, in percent, with its 95 %
             interval `improvement_interval`.
         comparison: measured and predicted friction on the held-out rows.
-        lines, warnings, document: as in Result; the document is the content of fit.json, which
+        model, origin, estimates, correlation, lines, warnings, document: as in Result; the remark of each
+            parameter of the model has its interval, and the document is the content of fit.json, which
             `eccentric emit --parameters` takes.
     """
 
     base: Model
-    origin: str
-    estimates: Mapping[str, Estimate]
     combinations: Mapping[str, Estimate]
-    correlation: Correlation
     rmse: Mapping[str, float]
     r_squared: Mapping[str, float]
     unit: str
@@ -113,16 +107,6 @@ class FitResult(Result):
     def parameters(self) -> dict[str, float]:
         """All parameters of the fitted model by the paper's letters, in SI."""
         return read_parameters(self.document).values
-
-    @property
-    def model(self) -> Model:
-        """The fitted model: its defaults are the fitted values, each with its interval as a remark."""
-        return self._named(self.base.name)
-
-    @property
-    def module(self) -> ModuleType:
-        """The fitted model as a NumPy module, the one that `emit` writes."""
-        return load_module(self.model)
 
     @property
     def sentence(self) -> str:
@@ -147,26 +131,6 @@ class FitResult(Result):
         plot_fit(self.comparison, left, right)
         return left, right
 
-    def emit(
-        self,
-        out: str | os.PathLike[str],
-        prefix: str | None = None,
-        backend: str | Sequence[str] | None = None,
-    ) -> list[Path]:
-        """Write the fitted model as a NumPy module and C99 into a folder; return the paths.
-
-        Args:
-            out: a folder of its own, new or written by eccentric before.
-            prefix: name of the files and prefix of the C functions; by default the model's name.
-            backend: a target, "numpy" or "c99", or several; by default both.
-
-        Raises:
-            InputError: the prefix is no name that C and Python leave free, there is no such target, or the
-                folder cannot be written.
-        """
-        name = self.base.name if prefix is None else checked_name(prefix, "prefix")
-        return write_emitted(self._named(name), self.origin, out, backend)
-
     def write(self, out: str | os.PathLike[str]) -> list[Path]:
         """Write what the command `eccentric fit` writes: fit.json and, with matplotlib, fit.png and fit.svg.
 
@@ -182,9 +146,6 @@ class FitResult(Result):
             except InputError:  # without matplotlib, the figures are left out
                 pass
         return [Path(out) / name for name in names]
-
-    def _named(self, name: str) -> Model:
-        return with_fitted(self.base, read_parameters(self.document), name)
 
     def __repr__(self) -> str:
         errors = ", ".join(f"{name} {self.rmse[name]:.4g}" for name in ("linear", "paper"))

@@ -9,14 +9,23 @@ from typing import Any, TypeAlias
 
 from eccentric.errors import InputError
 from eccentric.logs import Log, LogSource, read_log
-from eccentric.model import Model, load_model
+from eccentric.model import Model, load_model, model_names
 from eccentric.rigs import Rig
 
-__all__ = ["LogSources", "ModelSource", "RigSource", "model_of", "names_of", "origin_of", "read_logs"]
+__all__ = [
+    "LogSources",
+    "ModelSource",
+    "RigSource",
+    "by_name",
+    "model_of",
+    "names_of",
+    "origin_of",
+    "read_logs",
+]
 
 LogSources: TypeAlias = LogSource | Sequence[LogSource]
 RigSource: TypeAlias = str | os.PathLike[str] | Mapping[str, Any] | Rig
-ModelSource: TypeAlias = str | Path | Model
+ModelSource: TypeAlias = str | os.PathLike[str] | Model
 
 
 def read_logs(logs: LogSources) -> list[Log]:
@@ -43,7 +52,16 @@ def names_of(logs: Sequence[Log]) -> list[str]:
 
 def model_of(model: ModelSource) -> Model:
     """A model by its name, by the path of its derivation, or as it is."""
-    return model if isinstance(model, Model) else load_model(model)
+    return model if isinstance(model, Model) else load_model(os.fspath(model))
+
+
+def by_name(model: ModelSource | None) -> str | Model | None:
+    """A model by name or path wherever one leads to it: a Model that ships is as well known by its name."""
+    if model is None:
+        return None
+    if not isinstance(model, Model):
+        return os.fspath(model)
+    return model.name if model.name in model_names() and load_model(model.name) is model else model
 
 
 def origin_of(model: ModelSource) -> str:

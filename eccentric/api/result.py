@@ -1,15 +1,24 @@
-"""What the results of a fit and of a diagnosis have in common."""
+"""What the results of a fit and of a diagnosis have in common: a fitted model, its estimates, and words."""
 
 from __future__ import annotations
 
+import dataclasses
 import json
-from collections.abc import Mapping
+import os
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from html import escape
+from pathlib import Path
+from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
+from eccentric.api.files import write_emitted
+from eccentric.api.tables import Correlation
+from eccentric.emission import checked_name, load_module
 from eccentric.errors import InputError
+from eccentric.estimation import Estimate
 from eccentric.fitting import NEEDS_MATPLOTLIB
+from eccentric.model import Model
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -19,17 +28,32 @@ __all__ = ["Result", "new_axes", "paragraphs"]
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Result:
-    """A result that prints as its summary and is a JSON document.
+    """A fitted model and what is said of it: it prints as its summary and is a JSON document.
 
     Attributes:
+        model: the fitted model, its defaults being the fitted values: a Model to extend, to emit, or to
+            `eccentric.compile`.
+        origin: where its physics is from, for the banner of emitted files.
+        estimates: name -> Estimate (value, std_error, interval, unit), of all that was fitted: coefficients,
+            parameters that do not enter linearly, and what the rig left open, such as a zero angle.
+        correlation: of the errors of the estimates, by name.
         lines: the summary, line by line.
         warnings: what is odd about logs, rig or fit.
         document: the content of the JSON file that the command of this result writes.
     """
 
+    model: Model
+    origin: str
+    estimates: Mapping[str, Estimate]
+    correlation: Correlation
     lines: tuple[str, ...]
     warnings: tuple[str, ...]
     document: Mapping[str, Any]
+
+    @property
+    def module(self) -> ModuleType:
+        """The model as a NumPy module, the one that `emit` writes."""
+        return load_module(self.model)
 
     def summary(self) -> str:
         """What the command prints."""
@@ -42,6 +66,26 @@ class Result:
     def to_dict(self) -> dict[str, Any]:
         """The content of the JSON file as its reader gets it: numbers, texts, lists and dictionaries."""
         return json.loads(self.to_json())
+
+    def emit(
+        self,
+        out: str | os.PathLike[str],
+        prefix: str | None = None,
+        backend: str | Sequence[str] | None = None,
+    ) -> list[Path]:
+        """Write the model as a NumPy module and C99 into a folder; return the paths.
+
+        Args:
+            out: a folder of its own, new or written by eccentric before.
+            prefix: name of the files and prefix of the C functions; by default the model's name.
+            backend: a target, "numpy" or "c99", or several; by default both.
+
+        Raises:
+            InputError: the prefix is no name that C and Python leave free, there is no such target, or the
+                folder cannot be written.
+        """
+        name = self.model.name if prefix is None else checked_name(prefix, "prefix")
+        return write_emitted(dataclasses.replace(self.model, name=name), self.origin, out, backend)
 
     def __str__(self) -> str:
         return self.summary()

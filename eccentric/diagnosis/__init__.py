@@ -7,12 +7,14 @@
     words         a Diagnosis for a person
     document      a Diagnosis as diagnosis.json
     model_script  the extended model as a derivation
+    base_script   the base model as a derivation, where it was given as an object
     limits        every threshold, with its reason
 
 In: logs and a rig. Out: a `Diagnosis`.
 May import: `search` and all rooms below it.
 """
 
+from eccentric.diagnosis.base_script import BASE, base_source
 from eccentric.diagnosis.document import diagnosis_document
 from eccentric.diagnosis.loop import diagnose
 from eccentric.diagnosis.model_script import extended_model, extended_name, script
@@ -22,11 +24,13 @@ from eccentric.diagnosis.score import OverRuns, Score, leave_runs_out
 from eccentric.diagnosis.words import diagnosis_lines, diagnosis_sentence
 
 __all__ = [
+    "BASE",
     "Asked",
     "Diagnosis",
     "Order",
     "OverRuns",
     "Score",
+    "base_source",
     "diagnose",
     "diagnosis_document",
     "diagnosis_lines",

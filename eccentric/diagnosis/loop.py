@@ -21,6 +21,7 @@ from typing import Any
 
 import numpy as np
 
+from eccentric.diagnosis.base_script import BASE
 from eccentric.diagnosis.models import fitted_models
 from eccentric.diagnosis.orders import orders_of
 from eccentric.diagnosis.outcome import Asked, Diagnosis
@@ -36,6 +37,7 @@ from eccentric.fitting import (
 )
 from eccentric.logs import LogSource, read_log
 from eccentric.model import Model, load_model
+from eccentric.model import vocabulary as v
 from eccentric.rigs import Rig, read_rig
 from eccentric.search import (
     attribute,
@@ -45,7 +47,7 @@ from eccentric.search import (
     setting_of,
     variables_of,
 )
-from eccentric.signals import LEAST_HELD_OUT, BalanceDesign, read_channels, require_rows
+from eccentric.signals import LEAST_HELD_OUT, BalanceDesign, Channels, read_channels, require_rows
 
 __all__ = ["diagnose"]
 
@@ -55,7 +57,7 @@ Array = np.ndarray
 def diagnose(
     logs: Sequence[LogSource],
     rig: str | os.PathLike[str] | Mapping[str, Any] | Rig,
-    model: str | None = None,
+    model: str | Model | None = None,
     effects: Path | None = None,
     tell: Callable[[str], None] | None = None,
 ) -> Diagnosis:
@@ -64,18 +66,21 @@ def diagnose(
     Args:
         logs: those of one rig, as `read_log` accepts them.
         rig: the rig, as `read_rig` accepts it.
-        model: name or path of the base model; by the rig's case if None.
+        model: the base model, its name or the path of its derivation; by the rig's case if None.
         effects: a file with the user's own effects.
         tell: called with one line per stage.
 
     Raises:
-        InputError: bad input, a model with a tilt or hidden states, or fewer than two rows to hold out.
+        InputError: bad input; a model with a tilt, with hidden states or with what is found from the current;
+            or fewer than two rows to hold out.
     """
     tell = tell or (lambda _: None)
     read = [read_log(log) for log in logs]
     channels = read_channels(read, read_rig(rig))
     rig, names = channels.rig, tuple(Path(log.path).name for log in read)
-    plain = _supported(load_model(model or rig.model))
+    given = rig.model if model is None else model
+    plain = given if isinstance(given, Model) else load_model(given)
+    _require_supported(plain, channels)
     tell(f"{channels.counts['used']} rows used of {channels.intake.read}")
     drive = drive_of(channels, rig, plain)
     base, channels = loaded_model(plain, rig), drive.channels
@@ -99,7 +104,7 @@ def diagnose(
     )
     found, models, score, refused = fitted_models(found, chosen, base, data, tell)
     return Diagnosis(
-        asked=Asked(names, Path(rig.path).name, model or rig.model, effects),
+        asked=Asked(names, Path(rig.path).name, given if isinstance(given, str) else BASE, effects),
         data=data,
         setting=setting,
         offered=chosen,
@@ -112,7 +117,7 @@ def diagnose(
     )
 
 
-def _supported(model: Model) -> Model:
+def _require_supported(model: Model, channels: Channels) -> None:
     if "phi" in {q.name for q in model.parameters}:
         raise InputError(
             f"{model.name}: diagnose requires a model of case C1 or C2, received one with a tilt"
@@ -123,7 +128,20 @@ def _supported(model: Model) -> Model:
             f"{model.name}: diagnose requires a model without hidden states, received one with {names}"
             " (diagnose adds the effect that has them itself)"
         )
-    return model
+    if any("electrical" in extension.change.terms for extension in model.extensions):
+        raise InputError(
+            f"{model.name}: diagnose requires a model with the paper's armature, received one extended by an"
+            " electrical effect (diagnose adds it itself)"
+        )
+    mechanical = model.balance("mechanical")
+    used = model.expand(mechanical.sum_of("friction", "conservative", "actuator")).free_symbols
+    if {v.i.symbol, v.u.symbol} & used:
+        raise InputError(
+            f"{model.name}: diagnose requires a model without effects of current or voltage, received one"
+            " with some (diagnose adds them itself)"
+        )
+    if v.temperature.symbol in used and channels.temperature is None:
+        raise InputError(f"{model.name}: diagnose requires a temperature in the log, received none")
 
 
 def _first_friction(balances: Sequence[BalanceDesign]) -> Array:

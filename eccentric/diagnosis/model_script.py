@@ -56,7 +56,7 @@ def _fitted(found: Diagnosis) -> _Fitted:
 
 
 def _base(found: Diagnosis) -> str:
-    """How the script loads the base model: by name, or from the user's own script in the same folder."""
+    """How the script loads the base model: by name, or from the script in the same folder."""
     own = Path(found.asked.model)
     return f"Path(__file__).with_name({own.name!r})" if own.suffix == ".py" else repr(found.models.base.name)
 
@@ -76,10 +76,7 @@ def script(found: Diagnosis) -> str:
     chosen = pprint.pformat([(effect.id, own) for effect, own in adopted], width=100)
     load = ("", "")
     if "T_load" in {q.name for q in found.models.base.parameters}:
-        load = (
-            "constant_load, ",
-            "model = constant_load.extend(model)\n",
-        )
+        load = (", with_constant_load", "model = with_constant_load(model)\n")
     own = ""
     if found.asked.effects is not None:
         own = f"\noffered += load_effects(Path(__file__).with_name({found.asked.effects.name!r}), setting)"
@@ -91,7 +88,7 @@ An ordinary derivation: run it to print it, edit it, emit it with `eccentric emi
 
 from pathlib import Path
 
-from eccentric.effects import Setting, {load[0]}library, load_effects
+from eccentric.effects import Setting, library, load_effects{load[0]}
 from eccentric.model import load_model, with_values
 from eccentric.output import show
 

@@ -19,7 +19,7 @@ __all__ = ["Asked", "Diagnosis"]
 
 @dataclass(frozen=True)
 class Asked:
-    """The inputs of a diagnosis: file names of logs and rig, name or path of the base model, own effects."""
+    """The inputs of a diagnosis: names of logs and rig, name or script of the base model, own effects."""
 
     logs: tuple[str, ...]
     rig: str

@@ -37,6 +37,7 @@ from eccentric.effects import (
     wear_runin,
 )
 from eccentric.effects.constant_load import effect as constant_load
+from eccentric.effects.constant_load import with_constant_load
 from eccentric.effects.effect import Correction, Effect, Evidence, Shape
 from eccentric.effects.load import load_effects
 from eccentric.effects.setting import Setting
@@ -56,6 +57,7 @@ __all__ = [
     "library",
     "load_effects",
     "measurement_between",
+    "with_constant_load",
 ]
 
 FAMILIES = MappingProxyType(

@@ -11,7 +11,7 @@ import sympy as sp
 from eccentric.effects.effect import Effect
 from eccentric.effects.forms import addition
 from eccentric.effects.words import Words
-from eccentric.model import quantity
+from eccentric.model import Model, quantity
 from eccentric.model import vocabulary as v
 
 T_load = quantity("T_load", "N m", "constant torque of the load on the link, against positive motion")
@@ -26,3 +26,10 @@ effect: Effect = addition(
     words=Words(headline="a constant load on the link", hint="another weight"),
 )
 """The record that extends a model by the load."""
+
+
+def with_constant_load(model: Model, value: float = 0.0) -> Model:
+    """The model, extended by the load with this default [N m]; as it is where it has one already."""
+    if effect.id in {extension.name for extension in model.extensions}:
+        return model
+    return effect.extend(model, {T_load.name: value})

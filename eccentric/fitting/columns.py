@@ -92,7 +92,7 @@ def combinations_of(
         bounds = {"lower": s_low, "upper": s_high}
         add(scale, role="scale", unit=f"{unit}/(N m)", **bounds, letter=str(scale), mechanical_unit="1")
     if "T_load" in rig.unknown:
-        add(s * T_load, role="load", unit=unit, letter="T_load", mechanical_unit="N m")
+        add(s * T_load, role="load", unit=unit, letter="T_load", mechanical_unit="N m", parameter="T_load")
     if "voltage_offset_V" in rig.estimate and channels.motor.measured_by == "voltage":
         name = "voltage_offset_V"
         offset = Combination(

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from eccentric.effects import constant_load
+from eccentric.effects import constant_load, with_constant_load
 from eccentric.fitting.expressions import evaluated
 from eccentric.model import Model
 from eccentric.rigs import Rig
@@ -14,8 +14,8 @@ __all__ = ["load_gain", "loaded_model"]
 
 def loaded_model(base: Model, rig: Rig) -> Model:
     """The model, extended by a constant load where the rig has one."""
-    loaded = "T_load" in rig.known or "T_load" in rig.unknown
-    return constant_load.extend(base, {"T_load": rig.known.get("T_load", 0.0)}) if loaded else base
+    declared = "T_load" in rig.known or "T_load" in rig.unknown
+    return with_constant_load(base, rig.known.get("T_load", 0.0)) if declared else base
 
 
 def load_gain(known: Mapping[str, float]) -> float:

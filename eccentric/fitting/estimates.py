@@ -18,8 +18,29 @@ __all__ = ["estimates", "shares"]
 Array = NDArray[np.float64]
 
 
-def estimates(fit: Extended, step: Step, balance: str) -> dict[str, Estimate]:
-    """Values with standard errors from one balance; shapes enter by the slope of the residual."""
+def estimates(fit: Extended, step: Step) -> tuple[dict[str, Estimate], Array]:
+    """Values with standard errors, by name, and the covariance (n, n) of their errors in the same order.
+
+    Each is estimated from one balance; NaN is the covariance of two that are from different ones, and zero
+    that of a value that a bound holds.
+    """
+    found: dict[str, Estimate] = {}
+    blocks: list[Array] = []
+    for balance in step.solutions:
+        own, covariance = _of_balance(fit, step, balance)
+        found |= own
+        blocks.append(covariance)
+    whole = np.full((len(found), len(found)), np.nan)
+    first = 0
+    for block in blocks:
+        last = first + len(block)
+        whole[first:last, first:last] = block
+        first = last
+    return found, whole
+
+
+def _of_balance(fit: Extended, step: Step, balance: str) -> tuple[dict[str, Estimate], Array]:
+    """The estimates from one balance and their covariance; shapes enter by the slope of the residual."""
     drive, point, solution = fit.data.drive, step.point, step.solutions[balance]
     own = {balance} | ({"electrical"} if drive.by_voltage else set())
     shapes = {s.quantity.name: s for e, _ in fit.effects if e.balance in own for s in e.shapes}
@@ -37,6 +58,7 @@ def estimates(fit: Extended, step: Step, balance: str) -> dict[str, Estimate]:
     scaled = drive.adjusts == "scale" and "gravity" in names
     shared = unit[names.index("gravity")] if scaled else np.zeros(len(unit))
     found: dict[str, Estimate] = {}
+    slopes: list[Array] = []
     for k, c in enumerate(solution.design.coefficients):
         value = point.values.get(c.name, 0.0)
         if c.name == "J_m" and drive.rotor is not None:
@@ -44,17 +66,22 @@ def estimates(fit: Extended, step: Step, balance: str) -> dict[str, Estimate]:
             gear = drive.machine.inertia_per("J_l", letters)
             slope = (unit[k] - drive.machine.inertia({**letters, "J_m": drive.rotor}) * shared) / gear
             found["J_l"] = error.estimate(link, slope, "kg m^2", (0.0, np.inf))
+            slopes.append(slope)
         elif c.name in units:
             slope = unit[k] - value * shared
             ends = (c.lower, c.upper)
             found[c.name] = error.estimate(value, slope, units[c.name], ends, int(solution.active[k]))
+            slopes.append(slope)
         else:
             shown, value, factor, of = _outside(c.name, fit, step)
             found[shown] = error.estimate(value, factor * unit[k], of)
+            slopes.append(factor * unit[k])
     for k, (name, shape) in enumerate(shapes.items(), start=len(names)):
         ends = (shape.low, shape.high)
         found[name] = error.estimate(point.values[name], unit[k], units[name], ends)
-    return found
+        slopes.append(unit[k])
+    gradient = np.array(slopes)
+    return found, gradient @ error.matrix @ gradient.T
 
 
 def _slopes(fit: Extended, step: Step, balance: str, shapes: Mapping[str, Shape]) -> Array:

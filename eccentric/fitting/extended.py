@@ -22,7 +22,7 @@ from eccentric.estimation import Coefficient, Design, Role, Solution, iterate
 from eccentric.fitting.fit_data import FitData
 from eccentric.fitting.limits import LAST_STEP, MOST_STEPS, USABLE_PART
 from eccentric.fitting.residuals import Residuals, Values
-from eccentric.model import Model
+from eccentric.model import Column, Model
 
 __all__ = ["Extended", "Step", "extended"]
 
@@ -71,15 +71,15 @@ class Step:
 class Extended:
     """A base model with effects on a log, ready to be fitted.
 
-    friction: names of the fitted friction coefficients, `every` with those that stay zero in the linear
-    model; `bounds` whether they are held to be not negative; train (rows,): what is fitted.
+    friction: the fitted friction coefficients, `every` with those that stay zero in the linear model;
+    `bounds` whether they are held within theirs; train (rows,): what is fitted.
     """
 
     model: Model
     effects: tuple[tuple[Effect, Values], ...]
     data: FitData
-    friction: tuple[str, ...]
-    every: tuple[str, ...]
+    friction: tuple[Coefficient, ...]
+    every: tuple[Coefficient, ...]
     bounds: bool
     train: Mask
 
@@ -126,7 +126,8 @@ class Extended:
         roles = np.array([c.role in {"friction", "effect"} for c in solution.design.coefficients])
         target = found["mechanical"] + solution.design.columns[:, roles] @ solution.values[roles]
         if drive.measured_twice:
-            allowed = {n: max(x, 0.0) if n in self.every else x for n, x in point.values.items()}
+            lowest = {c.name: c.lower for c in self.every}
+            allowed = {n: max(x, lowest.get(n, x)) for n, x in point.values.items()}
             found["electrical"] = residuals.rows("electrical", allowed)
         return Step(point, solutions, found, target), max(abs(change), moved)
 
@@ -139,8 +140,7 @@ class Extended:
 
     def _mechanical(self, residuals: Residuals, point: Point) -> Design:
         drive = self.data.drive
-        friction = [Coefficient(name, "friction", "", lower=0.0) for name in self.friction]
-        found = [*friction, *self._own("mechanical", "effect")]
+        found = [*self.friction, *self._own("mechanical", "effect")]
         if drive.by_voltage:
             found += self._own("electrical", "armature")
         if "J_m" in drive.open:
@@ -244,12 +244,19 @@ def extended(
     for effect, own in effects:
         model = effect.extend(model, own)
     columns, rows = data.signals.columns(base), data.rows
+    friction = tuple(_friction(column) for column in columns)
     return Extended(
         model,
         tuple(effects),
         data,
-        tuple(column.parameter.name for column in columns if column.linear or not linear),
-        tuple(column.parameter.name for column in columns),
+        tuple(c for c, column in zip(friction, columns, strict=True) if column.linear or not linear),
+        friction,
         bounds,
         rows.train if without is None else (rows.train | rows.score) & (rows.run != without),
     )
+
+
+def _friction(column: Column) -> Coefficient:
+    low, high = column.bounds
+    low, high = -np.inf if low is None else float(low), np.inf if high is None else float(high)
+    return Coefficient(column.parameter.name, "friction", column.parameter.unit, low, high)

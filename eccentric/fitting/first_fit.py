@@ -6,7 +6,6 @@ import dataclasses
 from collections.abc import Mapping
 
 import numpy as np
-import sympy as sp
 
 from eccentric.errors import InputError
 from eccentric.estimation import Solution, search
@@ -94,9 +93,8 @@ def _needed(channels: Channels, rig: Rig, base: Model) -> dict[str, float]:
                 f"{rig.path}: [known] {' and '.join(missing)} required, since current and voltage are mapped,"
                 " received none: give it, or leave the voltage out of [columns]"
             )
-    own = own_letters(base) & needed
-    known = {q.name: float(sp.Float(q.default)) for q in base.parameters if q.name in own}
-    known |= {name: rig.value(name) for name in sorted(needed - given - own)}
+    known = {name: value for name, value in own_letters(base).items() if name in needed}
+    known |= {name: rig.value(name) for name in sorted(needed - given - set(known))}
     known |= {name: rig.known[name] for name in sorted(needed & given) if name in rig.known}
     if "M_l" in needed:
         known.setdefault("M_l", 0.0)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from eccentric.fitting.columns import k_e
+from eccentric.fitting.problem import own_letters
 
 if TYPE_CHECKING:
     from eccentric.estimation import Estimate
@@ -27,7 +28,7 @@ def emitted_parameters(fit: Fit) -> tuple[dict[str, float | None], dict[str, str
         values[name], notes[name] = e.value, _words(e)
     _put_scale(fit, values, notes)
     for c in problem.coefficients:
-        if c.role not in ("friction", "inertia"):
+        if c.role not in ("friction", "inertia", "load"):
             continue
         e = _mechanical(fit, c.name)
         values[c.parameter], notes[c.parameter] = e.value, _words(e)
@@ -37,10 +38,14 @@ def emitted_parameters(fit: Fit) -> tuple[dict[str, float | None], dict[str, str
     if any(c.role == "inertia" for c in problem.coefficients):
         values["J_l"], notes["J_l"] = 0.0, "convention: J_m holds all of the inertia J_m + mu^2 J_l"
     fields = problem.emitted.letters
+    fitted = {q.name for q in problem.model.friction_parameters}
+    own = {name: value for name, value in own_letters(problem.model).items() if name not in fitted}
     for name in fields:
         if name in values:
             continue
-        if name in ("F_T", "J_m", "J_l"):
+        if name in own:
+            values[name], notes[name] = own[name], "the model's own, not fitted"
+        elif name in ("F_T", "J_m", "J_l"):
             values[name], notes[name] = None, "not known, not needed"
         else:
             values[name], notes[name] = (1.0 if name in ("R", "k_i") else 0.0), "convention: not identified"

@@ -61,8 +61,7 @@ class Problem:
     def design(self, at: Mapping[str, float]) -> Design:
         """Return the design under values that do not enter linearly."""
         channels, parameters = self._aligned(at), self._parameters(at)
-        motion = channels.motion
-        signals = {"theta_m": motion.theta_m, "omega_m": motion.omega_m, "alpha_m": motion.alpha_m}
+        signals = _signals(channels)
         friction = self.rows.mean(self.emitted("regressor", signals, parameters))[:, self.kept]
         inertia = self.rows.acceleration(channels)
         known = self._load(signals, inertia, parameters)
@@ -104,7 +103,8 @@ class Problem:
 
     def _parameters(self, at: Mapping[str, float]) -> Any:
         try:
-            return self.emitted.parameters({**self.rig.known, **at})
+            # What the rig says of a constant load is added beside the model, whether the model has it or not.
+            return self.emitted.parameters({**self.rig.known, **at, "T_load": 0.0})
         except ValueError as error:
             raise InputError(f"{self.rig.path}: {error}") from None
 
@@ -144,17 +144,27 @@ def pose(channels: Channels, rig: Rig, model: Model) -> Problem:
     """Return the problem of a log under a rig and a model.
 
     Raises InputError for a model of another case than the rig's, a letter that the model needs and the rig
-    gives neither as a value nor as a range, and a current without k_i.
+    gives neither as a value nor as a range, a current without k_i, and friction that depends on what the log
+    does not have, on the current or on hidden states.
     """
     require_case(rig, model)
     channels = channels.driven
     needed = _letters(model)
-    for letter in sorted(needed - own_letters(model)):
+    for letter in sorted(needed - set(own_letters(model))):
         if letter not in rig.known and letter not in rig.unknown:
             raise InputError(
                 f"{rig.path}: [known] {letter} is required by {model.name}, or its range in [unknown]; "
                 "received neither"
             )
+    emitted = Emitted(model)
+    used = {*emitted.inputs_of("regressor"), *emitted.inputs_of("gravity_torque")}
+    used |= {"i"} if model.balance("mechanical").sum_of("actuator") != 0 else set()
+    if missing := used - set(_signals(channels)):
+        # What follows the current would explain the drive by the drive; hidden states need a past.
+        raise InputError(
+            f"{model.name}: fit requires friction and load that depend on motion, time and logged temperature"
+            f", received some that depend on {', '.join(sorted(missing))}"
+        )
     by = channels.motor.measured_by
     scale = scale_of(by, rig)
     rows, machine = fit_rows(channels, rig), Machine(model)
@@ -176,7 +186,7 @@ def pose(channels: Channels, rig: Rig, model: Model) -> Problem:
         channels,
         rig,
         model,
-        Emitted(model),
+        emitted,
         machine,
         rows,
         "N m" if scale is None else {"current": "A", "voltage": "V"}[by],
@@ -188,14 +198,26 @@ def pose(channels: Channels, rig: Rig, model: Model) -> Problem:
     )
 
 
-def own_letters(model: Model) -> set[str]:
-    """Parameters of a user's own derivation that no rig knows; their defaults hold."""
+def _signals(channels: Channels) -> dict[str, Array]:
+    """What friction may depend on (n,), by the names of a model's inputs."""
+    motion = channels.motion
+    found = {
+        "theta_m": motion.theta_m,
+        "omega_m": motion.omega_m,
+        "alpha_m": motion.alpha_m,
+        "t": channels.time.elapsed,
+    }
+    return found if channels.temperature is None else found | {"temperature": channels.temperature}
+
+
+def own_letters(model: Model) -> dict[str, float]:
+    """Parameters of a derivation or an effect that no rig knows, with their defaults, which hold."""
     of_rigs = {known.name for known in KNOWNS}
-    return {q.name for q in model.parameters if q.name not in of_rigs and _is_number(q.default)}
-
-
-def _is_number(default: sp.Expr | None) -> bool:
-    return default is not None and default.is_number
+    return {
+        q.name: float(sp.Float(q.default))
+        for q in model.parameters
+        if q.name not in of_rigs and q.default is not None and q.default.is_number
+    }
 
 
 def require_case(rig: Rig, model: Model) -> None:

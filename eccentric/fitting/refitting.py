@@ -31,6 +31,8 @@ class Refit:
         values: every parameter of the model by name, as the emitted Parameters take it.
         scale: of the drive, V/(N m) or A/(N m); None where the torque is measured.
         estimates: fitted parameters with uncertainty, by name.
+        covariance: of their errors (n, n), in the same order; zero where a bound holds one, NaN between two
+            that are estimated from different balances.
         residuals: balance -> (rows,) [N m at this fit's own scale].
         shares: effect id -> RMS of its torque as a fraction of that of the friction, on training rows.
         target: (rows,) what the mechanical friction, effects included, has to be [N m].
@@ -43,6 +45,7 @@ class Refit:
     values: Values
     scale: float | None
     estimates: dict[str, Estimate]
+    covariance: Array
     residuals: dict[str, Array]
     shares: dict[str, float]
     target: Array
@@ -81,10 +84,7 @@ def refit(
     """
     fitted = extended(base, effects, data, bounds, linear, without)
     step, change = fitted.fitted(base)
-    found: dict[str, Estimate] = {}
-    if without is None:
-        for balance in step.solutions:
-            found |= estimates(fitted, step, balance)
+    found, covariance = ({}, np.empty((0, 0))) if without is not None else estimates(fitted, step)
     values = step.point.values
     return Refit(
         fitted.model,
@@ -92,6 +92,7 @@ def refit(
         values,
         step.point.scale,
         found,
+        covariance,
         dict(step.residuals),
         shares(fitted, step, base) if effects and without is None else {},
         step.target,

@@ -27,6 +27,7 @@ class Column:
         parameter: the parameter of the model that represents the coefficient: with the others of a
             combination at zero it is the coefficient (B_m for B).
         role, load, joint: those of the term on whose basis the column is; terms of one column have one role.
+        added: whether an extension brought all of its terms.
     """
 
     name: str
@@ -38,11 +39,15 @@ class Column:
     role: Role
     load: Load
     joint: int
+    added: bool
 
     @property
     def linear(self) -> bool:
-        """Whether it belongs to the linear model: viscous or Coulomb friction that follows no load."""
-        return self.role in {Role.VISCOUS, Role.COULOMB} and self.load is Load.NONE
+        """Whether it belongs to the linear model: viscous or Coulomb friction that follows no load.
+
+        What an effect adds does not, whatever its role.
+        """
+        return self.role in {Role.VISCOUS, Role.COULOMB} and self.load is Load.NONE and not self.added
 
 
 def regressor(model: Model) -> tuple[Column, ...]:
@@ -90,7 +95,9 @@ def _column(model: Model, group: list[Term]) -> Column:
         )
     plainest = min(group, key=lambda term: sp.count_ops(term.basis))
     basis, parameter = plainest.basis, known[plainest.coefficient]
-    follows = (parameter, plainest.role, plainest.load, plainest.joint)
+    added = {t.name for e in model.extensions for terms in e.change.terms.values() for t in terms}
+    extra = all(term.name in added for term in group)
+    follows = (parameter, plainest.role, plainest.load, plainest.joint, extra)
     if len(group) == 1:
         return Column(parameter.name, parameter.symbol, basis, parameter.unit, plainest.bounds, *follows)
     coefficient = sp.Add(*(term.coefficient * _ratio(term.basis, basis) for term in group))

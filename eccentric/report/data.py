@@ -117,8 +117,8 @@ class Parameter:
 
     Attributes:
         name, meaning, unit, value: as the emitted code has them.
-        origin: "effect" (fitted, of an adopted effect), "friction" (fitted), "bench" (estimated jointly) or
-            "rig" (known beforehand).
+        origin: "effect" (fitted, of an adopted effect), "friction" (fitted), "bench" (estimated jointly),
+            "rig" (known beforehand), "model" (its own value) or "unseen" (nothing in the log depends on it).
         std_error, interval: None where it was not estimated.
         bound: "lower" or "upper" if that bound is active; "" otherwise.
         widened: whether an active bound widens the interval.

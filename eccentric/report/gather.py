@@ -17,12 +17,13 @@ from eccentric.report.data import AddedEffect, Candidate, Errors, Finding, Gain,
 from eccentric.report.equation import friction_equations, typesetter_of
 from eccentric.report.facts import facts_of
 from eccentric.report.text import number, range_of
+from eccentric.rigs import KNOWNS
 from eccentric.version import __version__
 
 __all__ = ["report_data"]
 
 _WORSE = {"paper": "Coulomb and viscous friction", "extended": "the paper's"}
-_ORIGINS = ("effect", "friction", "bench", "rig", "unseen")
+_ORIGINS = ("effect", "friction", "bench", "rig", "model", "unseen")
 
 
 def report_data(found: Diagnosis, files: Sequence[tuple[str, str]] = ()) -> ReportData:
@@ -126,9 +127,14 @@ def _parameters(found: Diagnosis) -> list[Parameter]:
     typeset, rows = typesetter_of(found.models.shipped.model), []
     for q in found.models.shipped.model.parameters:
         value = found.models.shipped.values.get(q.name)
-        kinds = (("effect", own), ("friction", friction), ("bench", given))
-        last = "rig" if q.name in found.rig.known else "unseen"
-        origin = next((name for name, letters in kinds if q.name in letters), last)
+        kinds = (
+            ("effect", own),
+            ("friction", friction),
+            ("bench", given),
+            ("rig", found.rig.known),
+            ("model", found.data.drive.known.keys() - {known.name for known in KNOWNS}),
+        )
+        origin = next((name for name, letters in kinds if q.name in letters), "unseen")
         # A coefficient that is inseparable from another is not fitted: the other represents their sum.
         if value is None or (origin == "friction" and estimates and q.name not in estimates):
             continue

@@ -27,6 +27,7 @@ _ORIGINS = {
     "effect": "fitted, new",
     "friction": "fitted",
     "bench": "estimated jointly",
+    "model": "of the model, not fitted",
     "unseen": "a placeholder: nothing in this log depends on it",
     "rig": "known from the rig",
 }

@@ -11,7 +11,7 @@ from pathlib import Path
 
 from eccentric.effects import Effect, Setting, library, load_effects
 from eccentric.fitting import FitData, Signals
-from eccentric.model import Model
+from eccentric.model import Extension, Model
 from eccentric.rigs import Rig
 
 __all__ = ["offered"]
@@ -32,6 +32,16 @@ def offered(
         and _in_a_balance(effect, data, balances)
         and _varies(effect, data, rig)
         and _known(effect, base, data.signals)
+        and _absent(effect, base)
+    )
+
+
+def _absent(effect: Effect, base: Model) -> bool:
+    """Whether the base model is not extended by the effect, or by one in its place, already."""
+    new = Extension(effect.id, effect.change, effect.parameters)
+    return not any(
+        there.names & new.names or set(there.change.replaces) & set(new.change.replaces)
+        for there in base.extensions
     )
 
 
