@@ -31,6 +31,7 @@ def test_a_prefix_that_hides_another_name_is_refused(
 
 NUMPY = {"c1_perpendicular.py", "eccentric_runtime.py"}
 C99 = {"c1_perpendicular.h", "c1_perpendicular.c", "check"}
+JAX = {"c1_perpendicular_jax.py"}
 
 
 def files_in(folder: Path) -> set[str]:
@@ -45,15 +46,16 @@ def files_in(folder: Path) -> set[str]:
         (["--backend", "numpy"], NUMPY),
         (["--backend", "c99"], C99),
         (["--backend", "c99", "--single-file"], C99),
+        (["--backend", "jax"], JAX),
     ],
-    ids=["default", "numpy", "c99", "c99 with a flag for numpy"],
+    ids=["default", "numpy", "c99", "c99 with a flag for numpy", "jax"],
 )
 def test_only_the_named_back_ends_are_written(given: list[str], expected: set[str], tmp_path: Path) -> None:
     """Each back end writes its files, C its checks, too; texts and digest are those of the default."""
     assert 0 == main(["emit", "c1_perpendicular", *given, "--out", str(tmp_path / "out")])
 
     assert expected == files_in(tmp_path / "out")
-    whole = render(load_model("c1_perpendicular"), "eccentric emit")
+    whole = render(load_model("c1_perpendicular"), "eccentric emit", backends=BACKENDS)
     for path in (tmp_path / "out").glob("c1_*"):
         assert whole[path.name] == path.read_text(encoding="utf-8")
 
@@ -82,7 +84,7 @@ def test_an_unknown_back_end_is_refused(tmp_path: Path, capsys: pytest.CaptureFi
     """One line with the names that there are."""
     assert 2 == main(["emit", "c2_parallel", "--backend", "fortran", "--out", str(tmp_path / "out")])
 
-    expected = "eccentric: error: --backend: required one of numpy, c99, received 'fortran'\n"
+    expected = "eccentric: error: --backend: required one of numpy, c99, jax, received 'fortran'\n"
     assert expected == capsys.readouterr().err
 
 

@@ -33,7 +33,7 @@ def emit(
         parameters: defaults of the emitted code: a FitResult, the path or the content of a fit.json, or
             values in SI by the paper's letters; by default those of the model.
         prefix: name of the files and prefix of the C functions; by default the model's name.
-        backend: a target, "numpy" or "c99", or several; by default both.
+        backend: a target, "numpy", "c99" or "jax", or several; by default the first two.
         single_file: whether the NumPy module contains its runtime, which is otherwise a file beside it.
 
     Raises:

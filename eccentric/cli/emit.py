@@ -28,7 +28,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
         "--backend",
         action="append",
         metavar="NAME",
-        help="a target, numpy or c99; may be repeated; default: both",
+        help="a target: numpy, c99 or jax; may be repeated; default: numpy and c99",
     )
     parser.add_argument(
         "--single-file",

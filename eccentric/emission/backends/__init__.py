@@ -2,13 +2,13 @@
 
 In: a `Program`. Out: the view that the templates of a target are filled with, all in strings. The folders
 have the same names of files: `view` is what the templates see, `printer` the target as a language of
-expressions, `routine` a routine in it. They share `expression` (an expression in a language), `pairs` (pairs
-of doubles) and `text` (free text). A back end imports `eccentric.emission.program` and these, and no other.
+expressions. They share `expression` (an expression in a language), `python` (routines as functions of
+Python) and `text` (free text). A back end imports `eccentric.emission.program` and these, and no other.
 """
 
 from collections.abc import Mapping
 
-from eccentric.emission.backends import c99, numpy
+from eccentric.emission.backends import c99, jax, numpy
 from eccentric.emission.backends.backend import Backend
 from eccentric.emission.backends.expression import UnprintableError
 from eccentric.emission.backends.text import plain, with_plain_text
@@ -18,6 +18,7 @@ __all__ = ["BACKENDS", "DEFAULT", "Backend", "UnprintableError", "plain", "with_
 BACKENDS: Mapping[str, Backend] = {
     "numpy": numpy.BACKEND,
     "c99": c99.BACKEND,
+    "jax": jax.BACKEND,
 }
 DEFAULT = ("numpy", "c99")
 """What is emitted where nobody names a back end; the digest is of their code."""

@@ -6,7 +6,8 @@ from collections.abc import Mapping
 from typing import Any
 
 from eccentric.emission.backends.numpy.prepare import prepare
-from eccentric.emission.backends.numpy.routine import functions, quoted
+from eccentric.emission.backends.numpy.printer import KERNEL, language
+from eccentric.emission.backends.python import functions, quoted
 from eccentric.emission.backends.text import default_text
 from eccentric.emission.program import BITS, COSINE, LEADING_BITS, SINE_RATIO, Program, polynomial
 from eccentric.model import Quantity
@@ -27,7 +28,7 @@ def view(program: Program, _: str) -> dict[str, Any]:
         "parameters": [_parameter(q) for q in program.parameters],
         "prepare": lines,
         "needs_math": any("math." in line for line in lines),
-        **functions(program),
+        **functions(program, KERNEL, language),
         "states": quoted([q.name for q, _ in program.states]) if program.states else "",
         "follow": _follow(program),
         "polynomials": [_polynomial(s.name) for s in (SINE_RATIO, COSINE)],

@@ -1,24 +1,33 @@
-"""Routines and helpers of the Program as functions of Python: formulas in plain NumPy."""
+"""Routines and helpers of the Program as functions of Python, for NumPy and for what is spelled like it."""
 
 from __future__ import annotations
 
 import textwrap
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any
 
 from eccentric.emission.backends.expression import Language, printed
 from eccentric.emission.backends.inline import inlined
-from eccentric.emission.backends.numpy.printer import KERNEL, language
 from eccentric.emission.backends.shared import Body, Line, names_in, with_shared
 from eccentric.emission.program import Assignment, Helper, Program, Routine
 
 _WIDTH = 110
 
 
-def functions(program: Program) -> dict[str, list[dict[str, Any]]]:
-    """What the template takes of helpers, of what routines share, and of routines."""
+def functions(
+    program: Program,
+    calls: Mapping[str, str],
+    language: Callable[[Mapping[str, str], Callable[[str], str]], Language],
+) -> dict[str, list[dict[str, Any]]]:
+    """What the template takes of helpers, of what routines share, and of routines.
+
+    Args:
+        program: what to print.
+        calls: spelling of operations, with {0}, {1} for what they take.
+        language: the language of expressions, from such calls and the spelling of names.
+    """
     coefficients = {s.name for s in program.coefficients} | {"rounder"}
-    calls = KERNEL | {helper.name: f"_{helper.name}(c, {{0}})" for helper in program.helpers}
+    calls = {**calls, **{helper.name: f"_{helper.name}(c, {{0}})" for helper in program.helpers}}
     spelling = language(calls, lambda name: f"c.{name}" if name in coefficients else name)
     taken = {f"_{helper.name}" for helper in program.helpers}
     shared, bodies = with_shared([_body(r, spelling) for r in program.routines], taken)
