@@ -142,9 +142,19 @@ def test_at_the_apex_the_slopes_of_the_load_are_taken_as_0() -> None:
     cosines = by_theta / (0.2 * 0.7 * 9.81), by_omega / (2 * 0.125 * 0.2**2 * top[1])
     assert 1.0 == pytest.approx(np.hypot(*cosines), rel=1e-12)
     second = jax.hessian(m.friction_torque, (0, 1))
+    of_emitted = jax.jacrev(m.friction_torque_gradient, (0, 1))
     for state in (top, (1.0, 0.0)):
         for parameters in (m.Parameters(), m.Parameters(g=0.0), m.Parameters(M=0.0)):
             assert np.all(np.isfinite(second(*state, parameters)))
+            assert np.all(np.isfinite(of_emitted(*state, parameters)))
+
+
+def test_by_an_acceleration_of_0_the_voltage_has_its_slope() -> None:
+    """The voltage is linear in alpha_m: its slope is (R/k_i) (J_m + mu^2 J_l), also at 0."""
+    m = jaxed("c1_perpendicular")
+    slope = jax.grad(m.voltage, 1)(10.0, 0.0, m.Parameters(J_m=2e-4, J_l=0.04))
+
+    assert 1.0 / 0.02 * (2e-4 + 0.2**2 * 0.04) == pytest.approx(float(slope))
 
 
 def test_hidden_states() -> None:
