@@ -40,7 +40,7 @@ def standstill(model: Model, friction: sp.Expr, direction: int) -> sp.Expr:
         lambda e: isinstance(e, SquareDifference) and e.args[0] == 0, lambda e: -(e.args[1] ** 2)
     )
     friction = friction.replace(
-        lambda e: isinstance(e, Magnitude) and e.args[1] == 0, lambda e: sp.Abs(e.args[0])
+        lambda e: isinstance(e, Magnitude) and sp.S.Zero in e.args, lambda e: sp.Abs(sp.Add(*e.args))
     )
     # By their definitions, which the stable form of F_N brings along.
     scale_N, omega_star, weight = symbols(v.scale_N, v.omega_star, v.weight)
