@@ -14,7 +14,7 @@ omega_m, F = symbols(v.omega_m, v.F)
 symmetric = load_model("c1_perpendicular")
 resultant = sp.expand(symmetric.equation("resultant").right)
 
-# One direction: the sign is known there, and every friction coefficient has a value of its own.
+# One direction: the sign is known, and each friction coefficient has its own value.
 split = (v.B_lN, v.C_lN, v.beta_T, v.gamma_T, v.B_m, v.C_m)
 
 
@@ -53,7 +53,7 @@ equations = (
         negative,
         POLYNOMIAL,
         "Coefficients for omega_m < 0. The paper prints F_0^- = -mu gamma^- + C_m^-; the derivation gives the"
-        " sign that (13) and (21) have too.",
+        " same sign as in (13) and (21).",
         (
             Identity(
                 "with equal coefficients F is the symmetric one for omega_m < 0",

@@ -21,7 +21,7 @@ general = load_model("rotating_link")
 perpendicular = {phi: sp.pi / 2}
 steady = {alpha_l: 0}
 
-# --- The normal force: only the centrifugal force is left in the plane --------------------------------------
+# --- The normal force: only the centrifugal force remains in the plane --------------------------------------
 
 F_N_squared = general.equation("normal_force").right.subs(perpendicular).subs(steady)
 F_N_link = sp.sqrt(F_N_squared)
@@ -33,11 +33,11 @@ transversal = {F_T * B_lT: beta_T, F_T * C_lT: gamma_T}
 motor_friction = general.equation("motor_friction").right
 link_friction = sp.expand(general.equation("link_friction").right.subs(perpendicular)).subs(transversal)
 friction = sp.expand(motor_friction + mu * link_friction)
-# (6) is the same in every plane.
+# (6) holds in every plane.
 torques = {f_m: motor_friction, f_l: link_friction}
 resultant = sp.expand(general.equation("resultant").right.subs(torques).subs(F_N, F_N_motor))
 resultant = sp.collect(resultant, [omega_m, sp.sign(omega_m)])
-sgn = sp.Symbol("sgn")  # stands for the sign, so that it does not count as a power of the velocity
+sgn = sp.Symbol("sgn")  # a symbol for the sign, so that it does not count as a power of the velocity
 signed = sp.expand(resultant).subs(sp.sign(omega_m), sgn)
 coefficients = [
     sp.collect(signed.coeff(omega_m, power), sgn).subs(sgn, sp.sign(omega_m)) for power in (3, 2, 1, 0)
@@ -56,7 +56,7 @@ equations = (
         F_N,
         F_N_link,
         "N",
-        "Normal force: of (16) only the centrifugal force is left, gravity lies along the axis.",
+        "Normal force: of (16) only the centrifugal force remains, gravity acts along the axis.",
     ),
     Equation("normal_force_motor", "(8)", F_N, F_N_motor, "N", "The same on the motor side."),
     Equation(
@@ -76,7 +76,7 @@ equations = (
                 - gamma_T * sp.sign(omega_m),
             ),
             Identity(
-                "a balanced mass (M = 0) leaves the friction of the transversal force",
+                "for a balanced mass (M = 0) only the friction of the transversal force remains",
                 link_friction.subs(F_N, F_N_motor).subs(M, 0)
                 - beta_T * mu * omega_m
                 - gamma_T * sp.sign(omega_m),
@@ -98,7 +98,7 @@ equations = (
         f,
         sp.collect(friction, [omega_m, sp.sign(omega_m)]),
         "N m",
-        "Mechanical friction on the motor side, f_m + mu f_l of (9) and (10), F_N by its own equation (8).",
+        "Mechanical friction on the motor side, f_m + mu f_l of (9) and (10), with F_N from (8).",
     ),
     Equation(
         "resultant",
@@ -109,7 +109,7 @@ equations = (
         "Resultant friction torque, back-EMF damping included.",
         (
             Identity(
-                "it is f_m + mu f_l of (9) and (10) and the damping by the back-EMF, as (6) has it",
+                "it is f_m + mu f_l of (9) and (10) plus the damping by the back-EMF, as in (6)",
                 sp.expand(resultant - friction.subs(F_N, F_N_motor) - k_i * k_e / R * omega_m),
             ),
             Identity(

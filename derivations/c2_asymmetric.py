@@ -17,7 +17,7 @@ split = (v.B_lN, v.C_lN, v.B_m, v.C_m)
 
 
 def one_direction(direction: str) -> sp.Expr:
-    """F for one direction of motion: the sign is known, each friction coefficient has a value of its own."""
+    """F for one direction of motion: the sign is known, each friction coefficient has its own value."""
     own = {quantity.symbol: v.directed(quantity, direction).symbol for quantity in split}
     torque = resultant.subs(sp.sign(omega_m), {"pos": 1, "neg": -1}[direction]).subs(own)
     return sp.collect(torque, omega_m)

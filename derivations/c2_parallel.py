@@ -37,22 +37,22 @@ on_motor_side = {theta_l: mu * theta_m, omega_l: mu * omega_m}
 
 weight_plain = (M + M_l) * g
 
-# Extremal values along a revolution: where the slope vanishes. The curvature tells minimum from maximum.
+# Extrema over a revolution: where the slope vanishes. The curvature distinguishes minimum from maximum.
 slope = sp.diff(F_N_squared, theta_l)
 curvature = sp.diff(slope, theta_l)
 sine = sp.Symbol("sine")
 (zero,) = sp.roots(slope.subs(sp.sin(theta_l), sine), sine)
-stationary = (sp.asin(zero), sp.pi - sp.asin(zero))  # both angles of a revolution that have this sine
+stationary = (sp.asin(zero), sp.pi - sp.asin(zero))  # both angles of a revolution with this sine
 (top_angle,) = (angle for angle in stationary if curvature.subs(theta_l, angle).is_nonnegative)
 (bottom_angle,) = (angle for angle in stationary if curvature.subs(theta_l, angle).is_nonpositive)
 at_bottom = sp.factor(F_N_squared.subs(theta_l, bottom_angle))
 at_top = sp.factor(F_N_squared.subs(theta_l, top_angle))
 F_N_max, F_N_min = sp.sqrt(at_bottom), sp.sqrt(at_top)
-# That they are so on the whole turn: what F_N^2 is more than at the top and less than at the bottom.
+# They are global over the turn: the excess of F_N^2 over the top, and its deficit from the bottom.
 over_top = 4 * weight_plain * M * L * omega_l**2 * sp.cos(theta_l / 2) ** 2
 under_bottom = 4 * weight_plain * M * L * omega_l**2 * sp.sin(theta_l / 2) ** 2
 
-# F_Nmin is the magnitude of what the centrifugal force leaves of the weight: s times it, s being its sign.
+# F_Nmin is the magnitude of the weight minus the centrifugal force: s times the difference, s its sign.
 (net_weight,) = F_N_min.args
 switch = sp.sign(net_weight)
 square = sp.Symbol("omega_l^2", positive=True)
@@ -83,7 +83,7 @@ F_0 = sp.expand(resultant) - sp.expand(F_1 * omega_m)
 F_0 = sp.collect(F_0, sp.sign(omega_m))
 
 # At the bottom and at the top F_N is a polynomial in the velocity, by (23) and (22), and so is F.
-s, sgn = sp.symbols("s sgn")  # of (25); the sign of omega_m, so that it does not count as a power of it
+s, sgn = sp.symbols("s sgn")  # of (25); the sign of omega_m, a symbol so that it does not count as a power
 
 
 def polynomial(normal_force: sp.Expr) -> sp.Matrix:
@@ -110,7 +110,7 @@ equations = (
         sp.Matrix(sp.symbols("F_x F_y")),
         sp.Matrix(load[:2]),
         "N",
-        "The load on the bearing: weight of the link and of M, and the centrifugal force of M.",
+        "The load on the bearing: weight of the link and of M, plus the centrifugal force of M.",
     ),
     Equation(
         "normal_force",
@@ -150,7 +150,7 @@ equations = (
         F_N,
         stable,
         "N",
-        "As the code computes it: a difference of squares and the half angle from the top, divided by"
+        "As computed in the code: a difference of squares and the half angle from the top, divided by"
         " scale_N = M L mu^2 (omega_star is the critical velocity on the motor side).",
         (
             Identity(
@@ -182,7 +182,7 @@ equations = (
         sp.Derivative(F_N**2, theta_l, evaluate=False),
         slope,
         "N^2/rad",
-        "Slope of F_N^2 along the link angle, at constant velocity: where it vanishes F_N is extremal.",
+        "Slope of F_N^2 over the link angle, at constant velocity: where it vanishes, F_N is extremal.",
         (
             Identity(
                 "it is proportional to sin(theta_l): within a revolution it vanishes at 0 and at pi only",
@@ -199,11 +199,11 @@ equations = (
         "Its curvature distinguishes the minimum from the maximum.",
         (
             Identity(
-                "at theta_l = pi it is nowhere negative",
+                "at theta_l = pi it is never negative",
                 curvature.subs(theta_l, sp.pi) - sp.Abs(curvature.subs(theta_l, sp.pi)),
             ),
             Identity(
-                "at theta_l = 0 it is nowhere positive",
+                "at theta_l = 0 it is never positive",
                 curvature.subs(theta_l, 0) + sp.Abs(curvature.subs(theta_l, 0)),
             ),
         ),
@@ -214,7 +214,7 @@ equations = (
         sp.Symbol("F_Nmin"),
         F_N_min,
         "N",
-        "Least normal force of a revolution, theta_l = pi.",
+        "Minimum normal force of a revolution, theta_l = pi.",
         (
             Identity("it is at theta_l = pi", top_angle - sp.pi),
             Identity(
@@ -222,10 +222,10 @@ equations = (
                 F_N_min - sp.Abs(sp.expand(weight_plain - M * L * omega_l**2)),
             ),
             Identity(
-                "F_N^2 is greater by 4 weight M L omega_l^2 cos^2(theta_l/2)",
+                "F_N^2 exceeds it by 4 weight M L omega_l^2 cos^2(theta_l/2)",
                 F_N_squared - F_N_min**2 - over_top,
             ),
-            Identity("that is nowhere negative: no angle has a smaller F_N", over_top - sp.Abs(over_top)),
+            Identity("that is never negative: no angle has a smaller F_N", over_top - sp.Abs(over_top)),
         ),
     ),
     Equation(
@@ -234,7 +234,7 @@ equations = (
         sp.Symbol("F_Nmax"),
         F_N_max,
         "N",
-        "Greatest normal force, theta_l = 0.",
+        "Maximum normal force, theta_l = 0.",
         (
             Identity("it is at theta_l = 0", bottom_angle),
             Identity("it is weight + M L omega_l^2", F_N_max - (weight_plain + M * L * omega_l**2)),
@@ -243,7 +243,7 @@ equations = (
                 F_N_max**2 - F_N_squared - under_bottom,
             ),
             Identity(
-                "that is nowhere negative: no angle has a greater F_N", under_bottom - sp.Abs(under_bottom)
+                "that is never negative: no angle has a larger F_N", under_bottom - sp.Abs(under_bottom)
             ),
         ),
     ),
@@ -265,7 +265,7 @@ equations = (
         sp.Matrix(sp.symbols("F_30 F_20 F_10 F_00")),
         bottom,
         POLYNOMIAL,
-        "At the bottom F is a polynomial in omega_m, F_N being (23).",
+        "At the bottom F is a polynomial in omega_m, with F_N from (23).",
         (
             Identity(
                 "it is what the paper prints",
@@ -283,7 +283,7 @@ equations = (
         s,
         switch.subs(omega_l, mu * omega_m),
         "1",
-        "At the top F_N is (22); s is the sign of the weight less the centrifugal force: 1 below the critical"
+        "At the top F_N is (22); s is the sign of weight minus centrifugal force: 1 below the critical"
         " velocity and -1 above it.",
         (
             Identity(
@@ -291,9 +291,7 @@ equations = (
                 F_N_min - switch * (weight_plain - M * L * omega_l**2),
             ),
             Identity("at rest it is the sign of the weight", switch.subs(omega_l, 0) - sp.sign(weight_plain)),
-            Identity(
-                "it is 0 at the critical velocity, where it changes", switch.subs(omega_l, omega_critical)
-            ),
+            Identity("it is 0 at the critical velocity", switch.subs(omega_l, omega_critical)),
         ),
     ),
     Equation(
@@ -302,7 +300,7 @@ equations = (
         sp.Matrix(sp.symbols("F_3pi F_2pi F_1pi F_0pi")),
         top,
         POLYNOMIAL,
-        "So F is a polynomial in omega_m at the top too, one below the critical velocity and one above.",
+        "So F is a polynomial in omega_m at the top as well, one below the critical velocity and one above.",
         (
             Identity(
                 "it is what the paper prints",

@@ -1,4 +1,4 @@
-"""The rotating link with an unbalanced mass, plane tilted by phi against gravity, angular acceleration kept.
+"""The rotating link with an unbalanced mass, in a plane tilted by phi, with angular acceleration.
 
 Everything else is a limit of this: phi = pi/2 and alpha = 0 is case C1, phi = 0 and alpha = 0 is case C2.
 Run it to read the derivation: python derivations/rotating_link.py
@@ -49,15 +49,15 @@ acceleration = acceleration.subs({theta.diff(t, 2): alpha_l}).subs({theta.diff(t
 position, acceleration = position.subs(theta, theta_l), acceleration.subs(theta, theta_l)
 gravity = sp.Matrix([0, -g * sp.cos(phi), -g * sp.sin(phi)])
 
-# Newton for both masses (M_l is balanced: its centre rests on the axis). The load on the bearing is minus the
-# reaction by which the bearing holds them.
+# Newton for both masses (M_l is balanced: its centre is on the axis). The load on the bearing is minus the
+# reaction of the bearing on them.
 reaction = M * acceleration - (M + M_l) * gravity
 load = -reaction
 in_plane = sp.Matrix(load[:2])
 pythagoras = {sp.sin(theta_l) ** 2: 1 - sp.cos(theta_l) ** 2}
 squared = sp.expand(sp.expand(in_plane.dot(in_plane)).subs(pythagoras))
 F_N_squared = sp.Add(*(g**power * sp.factor(squared.coeff(g, power)) for power in range(3)))
-transversal = -load[2]  # along minus z: what the bearing carries of the weight
+transversal = -load[2]  # along minus z: the part of the weight that the bearing carries
 
 # Euler about the axis: inertia of the link without M, and M at its distance.
 J_0 = J_l - M * L**2
@@ -71,14 +71,14 @@ armature = sp.Eq(u, R * i + k_e * omega_m)  # Kirchhoff, armature inductance neg
 current = sp.solve(armature, i, simplify=False)[0]
 motor_torque = k_i * current
 gear = {theta_l: mu * theta_m, omega_l: mu * omega_m, alpha_l: mu * alpha_m}
-# An ideal gear passes power on: what the link takes at omega_l, the motor gives at omega_m.
+# An ideal gear transmits power: the motor supplies at omega_m what the link takes at omega_l.
 gear_torque = tau_l * gear[omega_l] / omega_m
 newton_motor = sp.Eq(J_m * alpha_m, tau_m - f_m - gear_torque)
 
 drive = newton_motor.subs({tau_m: motor_torque}).subs({tau_l: torque_on_link}).subs(gear)
 gravity_torque = mu * gravity_on_link.subs(gear)
 inertia = sp.expand(drive.lhs - drive.rhs).coeff(alpha_m)
-# (4) is (k_i/R) u = inertial + gravity + all the rest, and the rest is called F.
+# (4) is (k_i/R) u = inertial + gravity + rest, and the rest is called F.
 resultant = sp.expand(sp.solve(drive, u, simplify=False)[0] * k_i / R - inertia * alpha_m - gravity_torque)
 
 # --- Friction: the postulate (7) for both bearings ----------------------------------------------------------
@@ -94,7 +94,7 @@ mechanical = motor_friction + mu * link_friction
 # --- The numerically stable form of F_N ---------------------------------------------------------------------
 
 # With the half angle, a = M L omega_l^2 and b the weight: the radial part a + b cos(theta_l) becomes
-# (a - b) + 2 b cos^2(theta_l/2) and loses nothing near the top. All of it is divided by scale_N = M L mu^2,
+# (a - b) + 2 b cos^2(theta_l/2), without cancellation near the top. All is divided by scale_N = M L mu^2,
 # so that a becomes omega_m^2 and b becomes omega_star^2. A balanced mass (M L = 0) has F_N = b: then
 # omega_star = 1 rad/s, scale_N = b/omega_star^2, and speed and acceleration are bounded by 0.
 half_cosine, half_sine = HalfCosine(theta_m, mu), HalfSine(theta_m, mu)
@@ -107,7 +107,7 @@ stable_gravity = -2 * mu * M * g_p * L * half_cosine * half_sine
 balanced = sp.Eq(M * L, 0)
 definitions = (
     Definition(v.J, inertia),
-    Definition(v.g_p, g * sp.Abs(sp.cos(phi))),  # phi <= pi/2; its rounding must not make the weight negative
+    Definition(v.g_p, g * sp.Abs(sp.cos(phi))),  # phi <= pi/2; rounding must not make the weight negative
     Definition(v.weight, (M + M_l) * g_p),
     Definition(v.critical_squared, sp.Piecewise((1, balanced), (weight / (M * L), True))),
     Definition(v.omega_star, sp.Piecewise((1, balanced), (sp.sqrt(critical_squared) / mu, True))),
@@ -123,7 +123,7 @@ sgn = Sgn(omega_m)
 
 
 def link_bearing(name: str, coefficient: sp.Symbol, basis: sp.Expr, role: Role, load: Load) -> Term:
-    """A term of (9): the bearing of the link, in proportion to one of the forces that it carries."""
+    """A term of (9): friction of the link's bearing in proportion to one of the forces that it carries."""
     return Term(name, "friction", coefficient, basis, "(7), (9)", role=role, load=load)
 
 
@@ -156,7 +156,7 @@ electrical = Balance(
     ),
 )
 
-# For M L > 0 the definitions say:
+# For M L > 0 the definitions become:
 plain = {
     scale_N: M * L * mu**2,
     omega_star: sp.sqrt((M + M_l) * g * sp.cos(phi) / (M * L)) / mu,
@@ -173,24 +173,24 @@ equations = (
         sp.Symbol("r"),
         position,
         "m",
-        "Position of the mass M, link angle counted from where it hangs lowest"
+        "Position of the mass M; the link angle is 0 where the mass hangs lowest"
         " (x level and y up in the plane of motion, z along the axis).",
     ),
-    Equation("acceleration", "", sp.Symbol("r''"), acceleration, "m/s^2", "Differentiated twice in time."),
+    Equation("acceleration", "", sp.Symbol("r''"), acceleration, "m/s^2", "Its second derivative in time."),
     Equation(
         "load",
         "",
         sp.Symbol("P"),
         load,
         "N",
-        "Newton for both masses: the load P on the bearing; gravity is tilted by phi against the plane.",
+        "Newton for both masses: the load P on the bearing; the plane is tilted by phi.",
         (
             Identity(
-                "its level part is that of (15) for phi = 0, alpha_l = 0",
+                "its horizontal part is that of (15) for phi = 0, alpha_l = 0",
                 load[0].subs(as_in_C2) - M * L * omega_l**2 * sp.sin(theta_l),
             ),
             Identity(
-                "its upright part is that of (15) for phi = 0, alpha_l = 0",
+                "its vertical part is that of (15) for phi = 0, alpha_l = 0",
                 load[1].subs(as_in_C2) + M * L * omega_l**2 * sp.cos(theta_l) + (M + M_l) * g,
             ),
         ),
@@ -238,7 +238,7 @@ equations = (
         tau_l,
         torque_on_link,
         "N m",
-        "Euler about the axis, J_l including M L^2: the torque that the drive must put on the link.",
+        "Euler about the axis, J_l including M L^2: the torque that the drive must exert on the link.",
     ),
     Equation(
         "gear",
@@ -246,7 +246,7 @@ equations = (
         sp.Matrix([theta_l, omega_l, alpha_l]),
         sp.Matrix(list(gear.values())),
         ("rad", "rad/s", "rad/s^2"),
-        "The gear fixes the link to the motor.",
+        "The gear couples the link to the motor.",
     ),
     Equation(
         "motor",
@@ -254,7 +254,7 @@ equations = (
         newton_motor.lhs,
         newton_motor.rhs,
         "N m",
-        "Newton for the rotor; an ideal gear passes the power of the link on.",
+        "Newton for the rotor; an ideal gear transmits the power of the link.",
     ),
     Equation(
         "motor_torque",
@@ -284,17 +284,17 @@ equations = (
             ),
         ),
     ),
-    Equation("inertia", "(4)", J, inertia, "kg m^2", "What multiplies alpha_m, on the motor side."),
+    Equation("inertia", "(4)", J, inertia, "kg m^2", "The factor of alpha_m, on the motor side."),
     Equation(
         "resultant",
         "(6)",
         F,
         resultant,
         "N m",
-        "What is left of (k_i/R) u = J alpha_m + G + F is the resultant friction torque.",
+        "The remaining term of (k_i/R) u = J alpha_m + G + F is the resultant friction torque.",
         (
             Identity(
-                "it is the friction of motor and link and the damping by the back-EMF",
+                "it is the friction of motor and link plus the damping by the back-EMF",
                 sp.expand(resultant - f_m - mu * f_l - k_i * k_e / R * omega_m),
             ),
         ),
@@ -343,7 +343,7 @@ equations = (
         F_N,
         stable,
         "N",
-        "F_N as the code computes it: half angle from the top and a difference of squares, for M L > 0"
+        "F_N as computed in the code: half angle from the top and a difference of squares, for M L > 0"
         " divided by scale_N = M L mu^2; HalfCosine, HalfSine, SquareDifference and Magnitude keep their"
         " order of evaluation.",
         (
@@ -357,7 +357,7 @@ equations = (
 
 model = Model(
     name="rotating_link",
-    title="Rotating link with an unbalanced mass, plane tilted by phi, angular acceleration kept",
+    title="Rotating link with an unbalanced mass, in a plane tilted by phi, with angular acceleration",
     inputs=(v.theta_m, v.omega_m, v.i, v.u, v.alpha_m),
     parameters=(
         v.M,

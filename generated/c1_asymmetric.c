@@ -1,6 +1,6 @@
 /*
  * Generated: do not edit. Written by `make derive` from derivations/c1_asymmetric.py
- * (eccentric 0.1.0, program 45e772a8).
+ * (eccentric 0.1.0, program 08d5d2ab).
  * Case C1 with friction that differs between the directions of motion.
  */
 #include "c1_asymmetric.h"
@@ -8,7 +8,7 @@
 #include <float.h>
 #include <math.h>
 
-#if C1_ASYMMETRIC_PROGRAM != 0x45e772a8UL
+#if C1_ASYMMETRIC_PROGRAM != 0x08d5d2abUL
 #error "c1_asymmetric.c and c1_asymmetric.h are of different derivations: write both again"
 #endif
 
@@ -23,7 +23,7 @@
 #pragma STDC FP_CONTRACT OFF
 #endif
 
-/* Short names for this file alone, taken back at its end: several models may share a translation unit. */
+/* Short names for this file only, undefined at its end: several models may share a translation unit. */
 #define real ECCENTRIC_REAL
 #if defined(__GNUC__)
 #define REAL_INLINE static inline __attribute__((always_inline))

@@ -1,5 +1,5 @@
 # Generated: do not edit. Written by `make derive` from derivations/c1_asymmetric.py
-# (eccentric 0.1.0, program 45e772a8).
+# (eccentric 0.1.0, program 08d5d2ab).
 # Case C1 with friction that differs between the directions of motion.
 """Case C1 with friction that differs between the directions of motion.
 
@@ -351,7 +351,7 @@ def regressor(c, omega_m):
 
 @_model.function
 def friction_coefficients(c):
-    """What the columns of the regressor multiply.
+    """Coefficients of the columns of the regressor.
 
     In m s/rad, m s/rad, m, m, N m s/rad, N m s/rad, N m, N m; last axis (B_lN_pos, B_lN_neg, C_lN_pos,
     C_lN_neg, B_pos, B_neg, C_pos, C_neg).
@@ -411,7 +411,7 @@ def current(c, omega_m, alpha_m=0.0):
 
 @_model.function(needs=("J_m", "J_l"))
 def mechanical_residual(c, omega_m, i, alpha_m=0.0):
-    """What the mechanical balance leaves: k_i i - J alpha_m - G - f.
+    """Residual of the mechanical balance: k_i i - J alpha_m - G - f.
 
     In N m; shape of the broadcast inputs.
 
@@ -431,7 +431,7 @@ def mechanical_residual(c, omega_m, i, alpha_m=0.0):
 
 @_model.function
 def electrical_residual(c, omega_m, i, u):
-    """What the electrical balance leaves, as a torque: (k_i/R)(u - k_e omega_m) - k_i i.
+    """Residual of the electrical balance, as a torque: (k_i/R)(u - k_e omega_m) - k_i i.
 
     In N m; shape of the broadcast inputs.
 

@@ -1,6 +1,6 @@
 /*
  * Generated: do not edit. Written by `make derive` from derivations/c1_perpendicular.py
- * (eccentric 0.1.0, program 411af752).
+ * (eccentric 0.1.0, program 14811196).
  * Case C1: gravity perpendicular to the motion plane, steady motion.
  */
 #include "c1_perpendicular.h"
@@ -8,7 +8,7 @@
 #include <float.h>
 #include <math.h>
 
-#if C1_PERPENDICULAR_PROGRAM != 0x411af752UL
+#if C1_PERPENDICULAR_PROGRAM != 0x14811196UL
 #error "c1_perpendicular.c and c1_perpendicular.h are of different derivations: write both again"
 #endif
 
@@ -23,7 +23,7 @@
 #pragma STDC FP_CONTRACT OFF
 #endif
 
-/* Short names for this file alone, taken back at its end: several models may share a translation unit. */
+/* Short names for this file only, undefined at its end: several models may share a translation unit. */
 #define real ECCENTRIC_REAL
 #if defined(__GNUC__)
 #define REAL_INLINE static inline __attribute__((always_inline))

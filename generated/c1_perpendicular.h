@@ -1,26 +1,26 @@
 /*
  * Generated: do not edit. Written by `make derive` from derivations/c1_perpendicular.py
- * (eccentric 0.1.0, program 411af752).
+ * (eccentric 0.1.0, program 14811196).
  * Case C1: gravity perpendicular to the motion plane, steady motion.
  */
 /* Begin with c1_perpendicular_mechanical_friction_torque, the friction that a drive must compensate, or
- * c1_perpendicular_normal_force; `c` is &c1_perpendicular_default, or what c1_perpendicular_prepare makes of your own parameters. */
+ * c1_perpendicular_normal_force; `c` is &c1_perpendicular_default, or the output of c1_perpendicular_prepare for your own parameters. */
 #ifndef C1_PERPENDICULAR_H
 #define C1_PERPENDICULAR_H
 
 #include <stddef.h>
 
-/* C1_PERPENDICULAR_PROGRAM names the derivation that header and source come from; the source checks it. */
-#define C1_PERPENDICULAR_PROGRAM 0x411af752UL
+/* C1_PERPENDICULAR_PROGRAM identifies the derivation of header and source; the source checks it. */
+#define C1_PERPENDICULAR_PROGRAM 0x14811196UL
 
-/* The working precision: double, or float by -DECCENTRIC_REAL=float. Files that differ in it do not link:
- * all functions carry it in their names, as c1_perpendicular_prepare_double. */
+/* The working precision: double, or float with -DECCENTRIC_REAL=float. Files that differ do not link:
+ * all functions have it in their names, as in c1_perpendicular_prepare_double. */
 #ifndef ECCENTRIC_REAL
 #define ECCENTRIC_REAL double
 #endif
 #define ECCENTRIC_PRECISION_float 1
 #define ECCENTRIC_PRECISION_double 2
-#define ECCENTRIC_PRECISION_long 0 * /* so that "long double" is a number to the preprocessor, and refused */
+#define ECCENTRIC_PRECISION_long 0 * /* makes "long double" a number, which is refused */
 #define ECCENTRIC_JOIN_(a, b) a##b
 #define ECCENTRIC_JOIN(a, b) ECCENTRIC_JOIN_(a, b)
 #define ECCENTRIC_PRECISION ECCENTRIC_JOIN(ECCENTRIC_PRECISION_, ECCENTRIC_REAL)
@@ -58,21 +58,21 @@
 #define c1_perpendicular_electrical_residual_n ECCENTRIC_JOIN(c1_perpendicular_electrical_residual_n_, ECCENTRIC_REAL)
 #define c1_perpendicular_polynomial ECCENTRIC_JOIN(c1_perpendicular_polynomial_, ECCENTRIC_REAL)
 
-/* Rounding to nearest, and no product and sum in one step: -std=c99, or -ffp-contract=off, and no -ffast-math.
- * Then every platform whose arithmetic rounds correctly gives the same bits, and no bits of the inputs are undefined behaviour.
- * A NaN gives NaN; finite inputs give none, unless a sum overflows or an inertia is wanted that was not given;
- * an infinity gives NaN, infinity or what is said next.
- * Bounds of the rounding error in float and double, found by search where it does not say "proved",
- * eps being 2^-23 and 2^-52; inputs and parameters as exact:
+/* Round to nearest and do not contract a * b + c: -std=c99, or -ffp-contract=off, and no -ffast-math.
+ * Then every platform with correctly rounded arithmetic gives the same bits, and no input causes undefined behaviour.
+ * A NaN gives NaN; finite inputs give none, unless a sum overflows or a required inertia was not given;
+ * an infinity gives NaN, infinity or what follows.
+ * Bounds of the rounding error in float and double, found by search unless marked "proved", with eps = 2^-23
+ * and 2^-52; inputs and parameters count as exact:
  *   normal_force within 5 units in the last place (proved for parameters and speeds of 1e-6 to 1e6)
  *   friction_torque, mechanical_friction_torque, friction_torque_jacobian within 6 units in the last place
  *   friction_torque_gradient within 6 units in the last place
  */
-/* MISRA C:2012 by cppcheck: no required rule is violated; advisory ones deviated from:
- *  Rule 2.5: macros of the working precision that is not chosen stay unused.
- *  Rule 12.1: products in a sum stand without parentheses, as formulas do.
- *  Rule 20.5: short names are taken back at the source's end, so that models may share a translation unit.
- *  Rule 20.10: the suffix of constants, and the precision in names, are pasted on.
+/* MISRA C:2012 by cppcheck: no required rule is violated; deviations from advisory rules:
+ *  Rule 2.5: macros of the other working precision are unused.
+ *  Rule 12.1: products in a sum have no parentheses, as in formulas.
+ *  Rule 20.5: short names are undefined at the end of the source, so that models may share a translation unit.
+ *  Rule 20.10: the suffix of constants, and the precision in names, are pasted with ##.
  */
 
 #ifdef __cplusplus
@@ -100,7 +100,7 @@ typedef struct {
     double J_l; /**< inertia of the link about its axis, M L^2 included [kg m^2], eq. (3), no default */
 } c1_perpendicular_parameters;
 
-/** What depends on parameters only; filled by c1_perpendicular_prepare. */
+/** Values that depend on parameters only; filled by c1_perpendicular_prepare. */
 typedef struct {
     ECCENTRIC_REAL B_lN; /**< viscous friction of the link per normal force [m s/rad] */
     ECCENTRIC_REAL C_lN; /**< Coulomb friction of the link per normal force [m] */
@@ -141,7 +141,7 @@ extern const c1_perpendicular_coefficients c1_perpendicular_default;
 
 /** Compute the coefficients of a set of parameters; run it once, or when a parameter changes.
  *  Valid parameters: mu, R, k_i positive; the others not negative.
- *  Others give coefficients that mean nothing.
+ *  Others give meaningless coefficients.
  *  @param[in]  p  parameters
  *  @param[out] c  coefficients
  */
@@ -261,7 +261,7 @@ void c1_perpendicular_regressor_n(
     ECCENTRIC_REAL *out,
     const c1_perpendicular_coefficients *c);
 
-/** What the columns of the regressor multiply.
+/** Coefficients of the columns of the regressor.
  *  @param[out] out  4 values: B_lN, C_lN, B, C [m s/rad, m, N m s/rad, N m]
  *  @param[in]  c  coefficients
  */
@@ -319,7 +319,7 @@ void c1_perpendicular_current_n(
     ECCENTRIC_REAL *out,
     const c1_perpendicular_coefficients *c);
 
-/** What the mechanical balance leaves: k_i i - J alpha_m - G - f.
+/** Residual of the mechanical balance: k_i i - J alpha_m - G - f.
  *  NaN with an acceleration, unless the parameters give J_m and J_l.
  *  @param[in]  omega_m  motor velocity [rad/s]
  *  @param[in]  i  armature current [A]
@@ -342,7 +342,7 @@ void c1_perpendicular_mechanical_residual_n(
     ECCENTRIC_REAL *out,
     const c1_perpendicular_coefficients *c);
 
-/** What the electrical balance leaves, as a torque: (k_i/R)(u - k_e omega_m) - k_i i.
+/** Residual of the electrical balance, as a torque: (k_i/R)(u - k_e omega_m) - k_i i.
  *  @param[in]  omega_m  motor velocity [rad/s]
  *  @param[in]  i  armature current [A]
  *  @param[in]  u  armature voltage [V]

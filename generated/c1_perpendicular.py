@@ -1,5 +1,5 @@
 # Generated: do not edit. Written by `make derive` from derivations/c1_perpendicular.py
-# (eccentric 0.1.0, program 411af752).
+# (eccentric 0.1.0, program 14811196).
 # Case C1: gravity perpendicular to the motion plane, steady motion.
 """Case C1: gravity perpendicular to the motion plane, steady motion.
 
@@ -246,7 +246,7 @@ def regressor(c, omega_m):
 
 @_model.function
 def friction_coefficients(c):
-    """What the columns of the regressor multiply.
+    """Coefficients of the columns of the regressor.
 
     In m s/rad, m, N m s/rad, N m; last axis (B_lN, C_lN, B, C).
     """
@@ -300,7 +300,7 @@ def current(c, omega_m, alpha_m=0.0):
 
 @_model.function(needs=("J_m", "J_l"))
 def mechanical_residual(c, omega_m, i, alpha_m=0.0):
-    """What the mechanical balance leaves: k_i i - J alpha_m - G - f.
+    """Residual of the mechanical balance: k_i i - J alpha_m - G - f.
 
     In N m; shape of the broadcast inputs.
 
@@ -318,7 +318,7 @@ def mechanical_residual(c, omega_m, i, alpha_m=0.0):
 
 @_model.function
 def electrical_residual(c, omega_m, i, u):
-    """What the electrical balance leaves, as a torque: (k_i/R)(u - k_e omega_m) - k_i i.
+    """Residual of the electrical balance, as a torque: (k_i/R)(u - k_e omega_m) - k_i i.
 
     In N m; shape of the broadcast inputs.
 

@@ -1,6 +1,6 @@
 /*
  * Generated: do not edit. Written by `make derive` from derivations/c2_asymmetric.py
- * (eccentric 0.1.0, program ca787e10).
+ * (eccentric 0.1.0, program 14d81d6e).
  * Case C2 with friction that differs between the directions of motion.
  */
 #include "c2_asymmetric.h"
@@ -8,7 +8,7 @@
 #include <float.h>
 #include <math.h>
 
-#if C2_ASYMMETRIC_PROGRAM != 0xca787e10UL
+#if C2_ASYMMETRIC_PROGRAM != 0x14d81d6eUL
 #error "c2_asymmetric.c and c2_asymmetric.h are of different derivations: write both again"
 #endif
 
@@ -23,14 +23,14 @@
 #pragma STDC FP_CONTRACT OFF
 #endif
 
-/* Short names for this file alone, taken back at its end: several models may share a translation unit. */
+/* Short names for this file only, undefined at its end: several models may share a translation unit. */
 #define real ECCENTRIC_REAL
 #if defined(__GNUC__)
 #define REAL_INLINE static inline __attribute__((always_inline))
 #else
 #define REAL_INLINE static inline
 #endif
-/* Samples that the array functions hold back, stage by stage: they keep the arithmetic units busy. */
+/* Samples per block: array functions work on it stage by stage, to keep the arithmetic units busy. */
 #define REAL_BLOCK 32u
 #if ECCENTRIC_PRECISION == 1
 #define REAL(x) x##f
@@ -121,7 +121,7 @@ REAL_INLINE real c2_asymmetric_cosine(const real h)
 #endif
 }
 
-/* The leading digits of x, so few that a number of turns and a half times them is exact. */
+/* The leading digits of x, few enough that their product with a number of half turns is exact. */
 static double c2_asymmetric_leading(const double x)
 {
     const double scaled = x * REAL_IN_SINGLE(8796093022209.0, 1048577.0);
@@ -131,13 +131,13 @@ static double c2_asymmetric_leading(const double x)
 /* Motor angle from the nearest top of the link [rad]. */
 REAL_INLINE real c2_asymmetric_from_top(real theta_m, const c2_asymmetric_coefficients *c)
 {
-    /* whole turns of the link and a half, up to the top that is nearest */
+    /* whole turns of the link plus a half, up to the nearest top */
     const real turns = theta_m * c->turns_per_rad - REAL(0.5) + REAL_ROUNDER - REAL_ROUNDER + REAL(0.5);
-    /* the turns go off in parts of few digits: all products but the last are exact */
+    /* the turns are subtracted in parts of few digits: all products but the last are exact */
     const real rest = theta_m - turns * c->period_1;
     const real left = rest - turns * c->period_2 - turns * c->period_3;
     const real reduced = REAL_IN_SINGLE(left - turns * c->period_4 - turns * c->period_5, left);
-    /* bounded for angles so large that nothing is left of their phase; infinity gives NaN */
+    /* bounded for angles too large to have any phase; infinity gives NaN */
     return c2_asymmetric_within(reduced, c->period_1);
 }
 
@@ -155,7 +155,7 @@ REAL_INLINE real c2_asymmetric_half_sine(real from_top, const c2_asymmetric_coef
     return c2_asymmetric_cosine(half_angle);
 }
 
-/* Parameters beyond double precision: high + low, unevaluated, each result right to some 104 bits. */
+/* Parameters beyond double precision: unevaluated sums high + low, each result correct to some 104 bits. */
 typedef struct {
     double high;
     double low;
@@ -176,7 +176,7 @@ static c2_asymmetric_pair c2_asymmetric_sum(const double a, const double b)
     return result;
 }
 
-/* a b without error: both factors are split into halves, whose products are exact. */
+/* a b without error: both factors are split into halves with exact products. */
 static c2_asymmetric_pair c2_asymmetric_product(const double a, const double b)
 {
     const double high = a * b;
@@ -221,7 +221,7 @@ static c2_asymmetric_pair c2_asymmetric_root(const c2_asymmetric_pair x)
     return c2_asymmetric_sum(root, (root > 0.0) ? (left / (2.0 * root)) : 0.0);
 }
 
-/* 2 pi - a b, where a b is nearly 2 pi. */
+/* 2 pi - a b, for a b close to 2 pi. */
 static c2_asymmetric_pair c2_asymmetric_turn_left(const double a, const double b)
 {
     const c2_asymmetric_pair taken = c2_asymmetric_product(a, b);

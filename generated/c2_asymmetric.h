@@ -1,26 +1,26 @@
 /*
  * Generated: do not edit. Written by `make derive` from derivations/c2_asymmetric.py
- * (eccentric 0.1.0, program ca787e10).
+ * (eccentric 0.1.0, program 14d81d6e).
  * Case C2 with friction that differs between the directions of motion.
  */
 /* Begin with c2_asymmetric_mechanical_friction_torque, the friction that a drive must compensate, or
- * c2_asymmetric_normal_force; `c` is &c2_asymmetric_default, or what c2_asymmetric_prepare makes of your own parameters. */
+ * c2_asymmetric_normal_force; `c` is &c2_asymmetric_default, or the output of c2_asymmetric_prepare for your own parameters. */
 #ifndef C2_ASYMMETRIC_H
 #define C2_ASYMMETRIC_H
 
 #include <stddef.h>
 
-/* C2_ASYMMETRIC_PROGRAM names the derivation that header and source come from; the source checks it. */
-#define C2_ASYMMETRIC_PROGRAM 0xca787e10UL
+/* C2_ASYMMETRIC_PROGRAM identifies the derivation of header and source; the source checks it. */
+#define C2_ASYMMETRIC_PROGRAM 0x14d81d6eUL
 
-/* The working precision: double, or float by -DECCENTRIC_REAL=float. Files that differ in it do not link:
- * all functions carry it in their names, as c2_asymmetric_prepare_double. */
+/* The working precision: double, or float with -DECCENTRIC_REAL=float. Files that differ do not link:
+ * all functions have it in their names, as in c2_asymmetric_prepare_double. */
 #ifndef ECCENTRIC_REAL
 #define ECCENTRIC_REAL double
 #endif
 #define ECCENTRIC_PRECISION_float 1
 #define ECCENTRIC_PRECISION_double 2
-#define ECCENTRIC_PRECISION_long 0 * /* so that "long double" is a number to the preprocessor, and refused */
+#define ECCENTRIC_PRECISION_long 0 * /* makes "long double" a number, which is refused */
 #define ECCENTRIC_JOIN_(a, b) a##b
 #define ECCENTRIC_JOIN(a, b) ECCENTRIC_JOIN_(a, b)
 #define ECCENTRIC_PRECISION ECCENTRIC_JOIN(ECCENTRIC_PRECISION_, ECCENTRIC_REAL)
@@ -58,29 +58,29 @@
 #define c2_asymmetric_electrical_residual ECCENTRIC_JOIN(c2_asymmetric_electrical_residual_, ECCENTRIC_REAL)
 #define c2_asymmetric_electrical_residual_n ECCENTRIC_JOIN(c2_asymmetric_electrical_residual_n_, ECCENTRIC_REAL)
 
-/* Rounding to nearest, and no product and sum in one step: -std=c99, or -ffp-contract=off, and no -ffast-math.
- * Then every platform whose arithmetic rounds correctly gives the same bits, and no bits of the inputs are undefined behaviour.
- * A NaN gives NaN; finite inputs give none, unless a sum overflows or an inertia is wanted that was not given;
- * an infinity gives NaN, infinity or what is said next.
+/* Round to nearest and do not contract a * b + c: -std=c99, or -ffp-contract=off, and no -ffast-math.
+ * Then every platform with correctly rounded arithmetic gives the same bits, and no input causes undefined behaviour.
+ * A NaN gives NaN; finite inputs give none, unless a sum overflows or a required inertia was not given;
+ * an infinity gives NaN, infinity or what follows.
  * In F_N a speed above 2^30 rad/s counts as 2^30 rad/s.
- * An angle so large that its digits hold no phase gives finite values that mean nothing.
- * ECCENTRIC_LIBM takes sine and cosine from libm instead of from the polynomials here, whose errors are, in
- * float and double, h being half the link angle, the rounding proved by Gappa:
+ * An angle too large to have any digits of the phase gives finite but meaningless values.
+ * ECCENTRIC_LIBM takes sine and cosine from libm instead of the polynomials here. Their errors in float and
+ * double, where h is half the link angle and the rounding is proved by Gappa:
  *   sin(h)/h: method 1.4e-8 and 4.3e-18, rounding 6.2e-8 and 1.2e-16
  *   cos(h): method 4.1e-9 and 1.4e-17, rounding 2.3e-7 and 4.2e-16
- * Bounds of the rounding error in float and double, found by search where it does not say "proved",
- * eps being 2^-23 and 2^-52; inputs and parameters as exact, |theta_m| to 10000 rad, mu to 5:
+ * Bounds of the rounding error in float and double, found by search unless marked "proved", with eps = 2^-23
+ * and 2^-52; inputs and parameters count as exact, |theta_m| to 10000 rad, mu to 5:
  *   normal_force within 8 (Table 1: 7) units in the last place
  *   friction_torque, mechanical_friction_torque, friction_torque_jacobian within 9 (Table 1: 8) units in the last place
  *   friction_torque_gradient within 15 (Table 1: 7) eps of its greatest value at that speed, any angle
  *     Table 1: with its parameters, mu 1/5 or 1/30
  */
-/* MISRA C:2012 by cppcheck: no required rule is violated; advisory ones deviated from:
- *  Rule 2.5: macros of the working precision that is not chosen stay unused.
- *  Rule 8.7: friction_torque_jacobian, which regressor calls, is there for other callers, too.
- *  Rule 12.1: products in a sum stand without parentheses, as formulas do.
- *  Rule 20.5: short names are taken back at the source's end, so that models may share a translation unit.
- *  Rule 20.10: the suffix of constants, and the precision in names, are pasted on.
+/* MISRA C:2012 by cppcheck: no required rule is violated; deviations from advisory rules:
+ *  Rule 2.5: macros of the other working precision are unused.
+ *  Rule 8.7: friction_torque_jacobian, which regressor calls, is public for other callers as well.
+ *  Rule 12.1: products in a sum have no parentheses, as in formulas.
+ *  Rule 20.5: short names are undefined at the end of the source, so that models may share a translation unit.
+ *  Rule 20.10: the suffix of constants, and the precision in names, are pasted with ##.
  */
 
 #ifdef __cplusplus
@@ -109,7 +109,7 @@ typedef struct {
     double J_l; /**< inertia of the link about its axis, M L^2 included [kg m^2], eq. (3), no default */
 } c2_asymmetric_parameters;
 
-/** What depends on parameters only; filled by c2_asymmetric_prepare. */
+/** Values that depend on parameters only; filled by c2_asymmetric_prepare. */
 typedef struct {
     ECCENTRIC_REAL B_lN_neg; /**< viscous friction of the link per normal force, omega_m < 0 [m s/rad] */
     ECCENTRIC_REAL B_lN_pos; /**< viscous friction of the link per normal force, omega_m > 0 [m s/rad] */
@@ -128,8 +128,8 @@ typedef struct {
     ECCENTRIC_REAL omega_star_2; /**< omega_star - omega_star_1, in the working precision */
     ECCENTRIC_REAL turns_per_rad; /**< mu/(2 pi) */
     ECCENTRIC_REAL period_1; /**< 2 pi/mu, leading digits */
-    ECCENTRIC_REAL period_2; /**< what the parts before it leave, leading digits */
-    ECCENTRIC_REAL period_3; /**< what the parts before it leave, leading digits, in double all */
+    ECCENTRIC_REAL period_2; /**< remainder after the previous parts, leading digits */
+    ECCENTRIC_REAL period_3; /**< remainder after the previous parts, leading digits, in double all */
     ECCENTRIC_REAL half_mu; /**< mu/2 */
     ECCENTRIC_REAL B_lN_pos_mu2_scale_N; /**< B_lN_pos mu^2 scale_N */
     ECCENTRIC_REAL B_lN_neg_mu2_scale_N; /**< B_lN_neg mu^2 scale_N */
@@ -164,8 +164,8 @@ typedef struct {
     ECCENTRIC_REAL L_M_g_mu2_per_k_i; /**< L M g mu^2/k_i */
     ECCENTRIC_REAL k_i_per_R; /**< k_i/R */
 #if ECCENTRIC_PRECISION == 1
-    ECCENTRIC_REAL period_4; /**< what the parts before it leave, leading digits */
-    ECCENTRIC_REAL period_5; /**< what the parts before it leave, in the working precision */
+    ECCENTRIC_REAL period_4; /**< remainder after the previous parts, leading digits */
+    ECCENTRIC_REAL period_5; /**< remainder after the previous parts, in the working precision */
 #endif
 } c2_asymmetric_coefficients;
 
@@ -177,7 +177,7 @@ extern const c2_asymmetric_coefficients c2_asymmetric_default;
 
 /** Compute the coefficients of a set of parameters; run it once, or when a parameter changes.
  *  Valid parameters: mu, R, k_i positive; the others not negative.
- *  Others give coefficients that mean nothing.
+ *  Others give meaningless coefficients.
  *  @param[in]  p  parameters
  *  @param[out] c  coefficients
  */
@@ -322,7 +322,7 @@ void c2_asymmetric_regressor_n(
     ECCENTRIC_REAL *out,
     const c2_asymmetric_coefficients *c);
 
-/** What the columns of the regressor multiply.
+/** Coefficients of the columns of the regressor.
  *  @param[out] out  8 values: B_lN_pos, B_lN_neg, C_lN_pos, C_lN_neg, B_m_pos, B_m_neg, C_m_pos, C_m_neg [m
  *      s/rad, m s/rad, m, m, N m s/rad, N m s/rad, N m, N m]
  *  @param[in]  c  coefficients
@@ -395,7 +395,7 @@ void c2_asymmetric_current_n(
     ECCENTRIC_REAL *out,
     const c2_asymmetric_coefficients *c);
 
-/** What the mechanical balance leaves: k_i i - J alpha_m - G - f.
+/** Residual of the mechanical balance: k_i i - J alpha_m - G - f.
  *  NaN with an acceleration, unless the parameters give J_m and J_l.
  *  @param[in]  theta_m  motor angle [rad], reduced exactly up to 2^20 half turns of the link (float: 2^14)
  *  @param[in]  omega_m  motor velocity [rad/s]
@@ -421,7 +421,7 @@ void c2_asymmetric_mechanical_residual_n(
     ECCENTRIC_REAL *out,
     const c2_asymmetric_coefficients *c);
 
-/** What the electrical balance leaves, as a torque: (k_i/R)(u - k_e omega_m) - k_i i.
+/** Residual of the electrical balance, as a torque: (k_i/R)(u - k_e omega_m) - k_i i.
  *  @param[in]  omega_m  motor velocity [rad/s]
  *  @param[in]  i  armature current [A]
  *  @param[in]  u  armature voltage [V]

@@ -1,5 +1,5 @@
 # Generated: do not edit. Written by `make derive` from derivations/c2_parallel.py
-# (eccentric 0.1.0, program eaf17539).
+# (eccentric 0.1.0, program b273c862).
 # Case C2: gravity parallel to the motion plane, steady motion.
 """Case C2: gravity parallel to the motion plane, steady motion.
 
@@ -150,13 +150,13 @@ _model = runtime.Model(Parameters, _prepare)
 
 def _from_top(c, theta_m):
     """Motor angle from the nearest top of the link [rad]."""
-    # whole turns of the link and a half, up to the top that is nearest
+    # whole turns of the link plus a half, up to the nearest top
     turns = theta_m * c.turns_per_rad - 0.5 + c.rounder - c.rounder + 0.5
-    # the turns go off in parts of few digits: all products but the last are exact
+    # the turns are subtracted in parts of few digits: all products but the last are exact
     rest = theta_m - turns * c.period_1
     left = rest - turns * c.period_2 - turns * c.period_3
     reduced = left - turns * c.period_4 - turns * c.period_5 if c.single else left
-    # bounded for angles so large that nothing is left of their phase; infinity gives NaN
+    # bounded for angles too large to have any phase; infinity gives NaN
     return np.clip(reduced, -c.period_1, c.period_1)
 
 
@@ -310,7 +310,7 @@ def regressor(c, theta_m, omega_m):
 
 @_model.function
 def friction_coefficients(c):
-    """What the columns of the regressor multiply.
+    """Coefficients of the columns of the regressor.
 
     In m s/rad, m, N m s/rad, N m; last axis (B_lN, C_lN, B_m, C_m).
     """
@@ -374,7 +374,7 @@ def current(c, theta_m, omega_m, alpha_m=0.0):
 
 @_model.function(needs=("J_m", "J_l"))
 def mechanical_residual(c, theta_m, omega_m, i, alpha_m=0.0):
-    """What the mechanical balance leaves: k_i i - J alpha_m - G - f.
+    """Residual of the mechanical balance: k_i i - J alpha_m - G - f.
 
     In N m; shape of the broadcast inputs.
 
@@ -394,7 +394,7 @@ def mechanical_residual(c, theta_m, omega_m, i, alpha_m=0.0):
 
 @_model.function
 def electrical_residual(c, omega_m, i, u):
-    """What the electrical balance leaves, as a torque: (k_i/R)(u - k_e omega_m) - k_i i.
+    """Residual of the electrical balance, as a torque: (k_i/R)(u - k_e omega_m) - k_i i.
 
     In N m; shape of the broadcast inputs.
 

@@ -1,7 +1,7 @@
 # Generated: do not edit. Written by `make derive` from derivations/rotating_link.py
-# (eccentric 0.1.0, program 7b9443ef).
-# Rotating link with an unbalanced mass, plane tilted by phi, angular acceleration kept.
-"""Rotating link with an unbalanced mass, plane tilted by phi, angular acceleration kept.
+# (eccentric 0.1.0, program 943123e5).
+# Rotating link with an unbalanced mass, in a plane tilted by phi, with angular acceleration.
+"""Rotating link with an unbalanced mass, in a plane tilted by phi, with angular acceleration.
 
 Inputs are on the motor side, in SI units; they broadcast, float32 stays float32, and `out` is honoured.
 Every function takes inputs, parameters=None, out=None; without parameters the defaults of `Parameters` hold.
@@ -165,13 +165,13 @@ _model = runtime.Model(Parameters, _prepare)
 
 def _from_top(c, theta_m):
     """Motor angle from the nearest top of the link [rad]."""
-    # whole turns of the link and a half, up to the top that is nearest
+    # whole turns of the link plus a half, up to the nearest top
     turns = theta_m * c.turns_per_rad - 0.5 + c.rounder - c.rounder + 0.5
-    # the turns go off in parts of few digits: all products but the last are exact
+    # the turns are subtracted in parts of few digits: all products but the last are exact
     rest = theta_m - turns * c.period_1
     left = rest - turns * c.period_2 - turns * c.period_3
     reduced = left - turns * c.period_4 - turns * c.period_5 if c.single else left
-    # bounded for angles so large that nothing is left of their phase; infinity gives NaN
+    # bounded for angles too large to have any phase; infinity gives NaN
     return np.clip(reduced, -c.period_1, c.period_1)
 
 
@@ -342,7 +342,7 @@ def regressor(c, theta_m, omega_m, alpha_m):
 
 @_model.function
 def friction_coefficients(c):
-    """What the columns of the regressor multiply.
+    """Coefficients of the columns of the regressor.
 
     In m s/rad, m, N m s/rad, N m; last axis (B_lN, C_lN, B, C).
     """
@@ -415,7 +415,7 @@ def current(c, theta_m, omega_m, alpha_m=0.0):
 
 @_model.function(needs=("J_m", "J_l"))
 def mechanical_residual(c, theta_m, omega_m, i, alpha_m=0.0):
-    """What the mechanical balance leaves: k_i i - J alpha_m - G - f.
+    """Residual of the mechanical balance: k_i i - J alpha_m - G - f.
 
     In N m; shape of the broadcast inputs.
 
@@ -434,7 +434,7 @@ def mechanical_residual(c, theta_m, omega_m, i, alpha_m=0.0):
 
 @_model.function
 def electrical_residual(c, omega_m, i, u):
-    """What the electrical balance leaves, as a torque: (k_i/R)(u - k_e omega_m) - k_i i.
+    """Residual of the electrical balance, as a torque: (k_i/R)(u - k_e omega_m) - k_i i.
 
     In N m; shape of the broadcast inputs.
 

@@ -132,9 +132,11 @@ def test_what_cannot_be_joined_is_refused_by_names_alone() -> None:
     mass, inertia = known["mass_mismatch"], known["mass_mismatch[inertia]"]
     cold, warm = known["viscosity_temperature"], known["viscosity_temperature[bearing]"]
 
-    said = "mass_mismatch and mass_mismatch[inertia]: both bring M_true, mass_ratio"
+    said = "mass_mismatch and mass_mismatch[inertia]: both introduce M_true, mass_ratio"
     assert [said, said] == [joined(base, (mass, inertia)), joined(base, (inertia, mass))]
-    said = "viscosity_temperature and viscosity_temperature[bearing]: both bring viscosity_T0, viscosity_b"
+    said = (
+        "viscosity_temperature and viscosity_temperature[bearing]: both introduce viscosity_T0, viscosity_b"
+    )
     assert [said, said] == [joined(base, (cold, warm)), joined(base, (warm, cold))]
 
 

@@ -145,7 +145,7 @@ def test_an_effect_is_refused_twice_and_where_it_has_nothing_to_replace() -> Non
     """Its names are taken the second time; case C1 has no angle to shift."""
     once = effects("C1")["eddy_current"].extend(load_model(BASE["C1"]))
 
-    with pytest.raises(ValueError, match=r"^eddy_current: is in c1_perpendicular already$"):
+    with pytest.raises(ValueError, match=r"^eddy_current: is already in c1_perpendicular$"):
         effects("C1")["eddy_current"].extend(once)
     with pytest.raises(ValueError, match="theta_m does not occur in c1_perpendicular"):
         effects("C2")["angle_offset"].extend(load_model(BASE["C1"]))
@@ -217,5 +217,5 @@ def test_a_bad_file_gets_one_clear_line(source: str | None, expected: str, tmp_p
 
 def test_a_setting_without_range_is_refused() -> None:
     """A range that is not positive is named."""
-    with pytest.raises(ValueError, match="w_max must be positive"):
+    with pytest.raises(ValueError, match="w_max: required above 0"):
         dataclasses.replace(setting("C1", warm=False), w_max=0.0)

@@ -372,7 +372,10 @@ model = """
         ),
         (MINE + "with_term(sp.Integer(1), w * sp.Abs(w))", "model mine: term mine: required a parameter"),
         (MINE + "with_term(v.B_lT.symbol, w)", "model mine: term mine uses B_lT, which nothing defines"),
-        (MINE + "with_term(v.M.symbol, w)", "model mine: terms motor_viscous, mine: no log tells them apart"),
+        (
+            MINE + "with_term(v.M.symbol, w)",
+            "model mine: terms motor_viscous, mine: no log distinguishes them",
+        ),
         (MINE + "replace(base, name='mine', balances=())", "model mine: required a balance `mechanical`"),
         (MINE + "replace(base, name='My arm')", "its name: required a lower-case C identifier"),
         (MINE + "replace(base, name='lambda')", "its name: required a lower-case C identifier"),

@@ -5,7 +5,7 @@
     check      emitted C -> a self-test and a driver for its proof
     render     the emitted files of a model, name -> text; `write` writes them, `hot` loads the module
 
-In: a `Model`. Out: files, or the module that they make. It imports `eccentric.model`, `eccentric.places` and
+In: a `Model`. Out: files, or the loaded module. It imports `eccentric.model`, `eccentric.places` and
 `eccentric.output`; it knows no data, and its templates know no physics.
 """
 

@@ -1,4 +1,4 @@
-"""Load the emitted NumPy module of a model without writing it: the fit runs what is shipped."""
+"""Load the emitted NumPy module of a model without writing it: the fit runs the code that is shipped."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from eccentric.model import Model
 _KEPT = 32
 _PACKAGE, _RUNTIME = "eccentric_emitted", "eccentric_runtime"
 _numbers = count()
-# By identity: a model is immutable, and rendering takes half a second. It is kept, so its id stays its own.
+# By identity: a model is immutable, and rendering takes half a second. It is kept, so its id stays unique.
 _by_model: dict[int, tuple[Model, ModuleType]] = {}
 
 
@@ -34,14 +34,14 @@ def load_module(model: Model) -> ModuleType:
 
 
 def executed(files: Mapping[str, str], name: str) -> ModuleType:
-    """A new module of the emitted file of that name, with the runtime that is emitted beside it."""
+    """A new module from the emitted file of that name, with the runtime emitted beside it."""
     _package(files[f"{_RUNTIME}.py"])
     return _run(f"{_PACKAGE}.{name}_{next(_numbers)}", files[f"{name}.py"])
 
 
 @cache
 def _package(runtime: str) -> None:
-    """Make the package that the modules are in, for the one runtime that this toolkit emits."""
+    """Make the package of the modules, with the one runtime that this toolkit emits."""
     package = ModuleType(_PACKAGE)
     package.__path__ = []
     sys.modules[_PACKAGE] = package
@@ -51,7 +51,7 @@ def _package(runtime: str) -> None:
 def _run(name: str, source: str) -> ModuleType:
     module = ModuleType(name)
     module.__package__ = _PACKAGE
-    # A dataclass under postponed annotations looks its module up while it is made.
+    # A dataclass with postponed annotations looks its module up during its definition.
     sys.modules[name] = module
     exec(compile(source, f"<{name}.py as emitted>", "exec"), module.__dict__)  # noqa: S102
     return module

@@ -14,7 +14,7 @@ from eccentric.errors import InputError
 from eccentric.model import Model
 from eccentric.version import __version__
 
-_DIGEST = "{digest}"  # stands in the files for what is known only when they are rendered
+_DIGEST = "{digest}"  # a placeholder in the files until the digest is known
 
 
 def render(
@@ -29,10 +29,10 @@ def render(
 
     Args:
         model: what to emit.
-        command: by which command the files were written; it stands in their banner.
-        origin: where the physics stands, for the banner; by default the derivation of the model's name.
+        command: the command that writes the files, for their banner.
+        origin: source of the physics, for the banner; by default the derivation of the model's name.
         backends: names of `BACKENDS`.
-        single_file: whether each file carries all that it needs, also what is the same for all models.
+        single_file: whether each file contains all that it needs, including the parts common to all models.
 
     Raises:
         InputError: the model lacks a balance, a term or a definition that is emitted, or has one with an
@@ -46,7 +46,7 @@ def render(
 
 
 def _place(model: Model, operation: sp.Basic) -> str:
-    """The term or definition that brings an operation along, for a message; "" if it cannot be told."""
+    """The term or definition that contains an operation, for a message; "" if unknown."""
     terms = [(f"term {term.name}", term.value) for balance in model.balances for term in balance.terms]
     definitions = [(d.quantity.name, d.value) for d in model.definitions]
     updates = [(state.quantity.name, state.update) for state in model.states]
@@ -62,10 +62,10 @@ def render_program(
     *,
     single_file: bool = False,
 ) -> dict[str, str]:
-    """The emitted files of a program; `origin` names where its physics stands.
+    """The emitted files of a program; `origin` is the source of its physics.
 
-    The digest that they carry is of all that stands below the banners of the default back ends, whichever are
-    asked for: what changes the code changes it, and files of one program carry one number.
+    Their digest is that of everything below the banners of the default back ends, whichever are requested:
+    any change of the code changes it, and files of one program have the same number.
     """
     program, backends = with_plain_text(program), tuple(backends)
     code = {name: _code(program, BACKENDS[name]) for name in {*DEFAULT, *backends}}

@@ -1,4 +1,4 @@
-"""The templates: the output with holes. Every hole needs a value, and no template computes."""
+"""The templates: the output with placeholders. Each requires a value, and no template computes."""
 
 from __future__ import annotations
 

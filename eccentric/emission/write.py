@@ -1,4 +1,4 @@
-"""Write the emitted files of a model, and tell whether what is written is fresh."""
+"""Write the emitted files of a model, and check whether written files are fresh."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ def complete(
     *,
     single_file: bool = False,
 ) -> dict[str, str]:
-    """The emitted files of a model and, in the folder `check`, what checks its C: name -> text.
+    """The emitted files of a model and, in the folder `check`, those that check its C: name -> text.
 
     Raises:
         InputError: the model cannot be emitted.
@@ -34,7 +34,7 @@ def complete(
 
 
 def write(files: Mapping[str, str], out: Path) -> list[Path]:
-    """Write rendered files, name -> text, each as a whole; those that are fresh already are left alone.
+    """Write rendered files, name -> text, each atomically; those that are already fresh are not touched.
 
     Returns:
         The paths, written or fresh.
@@ -50,7 +50,7 @@ def write(files: Mapping[str, str], out: Path) -> list[Path]:
 
 
 def differences(files: Mapping[str, str], out: Path) -> str:
-    """The unified diff from what stands in the folder to the rendered files; "" if they are the same."""
+    """The unified diff from the files in the folder to the rendered ones; "" if they are the same."""
     diffs = []
     for name, text in files.items():
         diffs += difflib.unified_diff(

@@ -1,4 +1,4 @@
-"""Balances: a scalar equation of the rig, a sum of terms that is zero; data is held against its residual."""
+"""Balances: a scalar equation of the rig, a sum of terms that is zero; its residual is compared with data."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ import sympy as sp
 
 from eccentric.model.role import Load, Role
 
-# The sign with which a kind of term enters its balance: what drives is positive, what is driven is negative.
+# The sign of a kind of term in its balance: driving terms are positive, driven ones negative.
 KINDS = {
     "drive": 1,
     "inertial": -1,
@@ -28,12 +28,12 @@ class Term:
     Attributes:
         name: in code, e.g. "link_viscous_normal".
         kind: one of KINDS.
-        coefficient: a parameter, or 1 where the term has nothing to be identified.
-        basis: what the coefficient multiplies, in inputs, parameters and defined quantities.
+        coefficient: a parameter, or 1 if the term has nothing to identify.
+        basis: the factor of the coefficient, in inputs, parameters and defined quantities.
         reference: paper equation or other source.
         bounds: of the coefficient; None for a side that is open.
-        role: what it does; required of friction, and of friction only.
-        load: the load that it is in proportion to.
+        role: what it does; required for friction, and only for friction.
+        load: the load that it is proportional to.
         joint: the joint that it belongs to, counted from the base; a single link has joint 0.
     """
 
@@ -93,7 +93,7 @@ class Balance:
         return sp.Add(*(KINDS[term.kind] * term.value for term in self.terms))
 
     def solved_for(self, symbol: sp.Symbol) -> sp.Expr:
-        """The value of a symbol that makes the residual zero: the current that the armature leaves, say.
+        """The value of a symbol that makes the residual zero, such as the current in the armature.
 
         Raises:
             ValueError: the balance does not depend on the symbol, or not linearly.

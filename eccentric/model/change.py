@@ -1,4 +1,4 @@
-"""What a model is changed by: terms that are added, quantities that are replaced, friction that is scaled."""
+"""Changes of a model: terms to add, quantities to replace, friction to scale."""
 
 from __future__ import annotations
 
@@ -16,13 +16,13 @@ from eccentric.model.role import Role
 
 @dataclass(frozen=True)
 class Change:
-    """What is changed in a model.
+    """A change of a model.
 
     Attributes:
         terms: name of balance -> terms added to it; a coefficient may enter both balances.
-        definitions: quantities that it brings along, each after those it uses.
-        states: hidden states that it brings along.
-        inputs: inputs that it takes, of the vocabulary; those that the model has already may be among them.
+        definitions: quantities that it introduces, each after those it uses.
+        states: hidden states that it introduces.
+        inputs: inputs that it uses, from the vocabulary; the model may already have some of them.
         replaces: symbol of the model -> symbol of one of `definitions`, to be used in its place.
         scales: role -> symbol of one of `definitions` that multiplies the friction terms of that role.
     """
@@ -35,29 +35,29 @@ class Change:
     scales: Mapping[Role, sp.Symbol] = field(default_factory=dict)
 
     def reach_term(self, term: Term) -> Term:
-        """A term of somebody else under the rules of this change."""
+        """A term from elsewhere under the rules of this change."""
         basis = term.basis * self.scales[term.role] if term.role in self.scales else term.basis
         coefficient, basis = (part.xreplace(dict(self.replaces)) for part in (term.coefficient, basis))
         return replace(term, coefficient=coefficient, basis=basis)
 
     def reach_definition(self, definition: Definition) -> Definition:
-        """A definition of somebody else under the rules of this change."""
+        """A definition from elsewhere under the rules of this change."""
         return replace(definition, value=definition.value.xreplace(dict(self.replaces)))
 
     def reach_state(self, state: State) -> State:
-        """A hidden state of somebody else under the rules of this change."""
+        """A hidden state from elsewhere under the rules of this change."""
         return replace(state, update=state.update.xreplace(dict(self.replaces)))
 
 
 @dataclass(frozen=True)
 class Extension:
-    """A change with its name, its parameters and its steps of the derivation.
+    """A change with its name, its parameters and its steps in the derivation.
 
     Attributes:
         name: in messages.
         change: what it changes.
-        parameters: that it brings along, with their defaults.
-        equations: its steps of the derivation.
+        parameters: those that it introduces, with their defaults.
+        equations: its steps in the derivation.
     """
 
     name: str
@@ -67,6 +67,6 @@ class Extension:
 
     @property
     def names(self) -> frozenset[str]:
-        """Names of the parameters, definitions and states that it brings along."""
+        """Names of the parameters, definitions and states that it introduces."""
         own = (*self.change.definitions, *self.change.states)
         return frozenset(q.name for q in (*self.parameters, *(x.quantity for x in own)))

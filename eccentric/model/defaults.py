@@ -1,4 +1,4 @@
-"""A model with other defaults: fitted values in place of the paper's, with remarks for their comments."""
+"""A model with different defaults: fitted values in place of the paper's, with remarks for their comments."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ def with_values(
         source: where the values come from, for error messages.
 
     Raises:
-        InputError: a value is of no parameter of the model, or of a sign that it cannot have.
+        InputError: a value does not belong to a parameter of the model, or has an invalid sign.
     """
     known = {q.name: q for q in model.parameters}
     if unknown := sorted(set(values) - set(known)):

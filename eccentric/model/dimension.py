@@ -61,7 +61,7 @@ def of_expression(expression: sp.Basic, units: Mapping[sp.Symbol, str]) -> Dimen
         _same(expression, parts)
         return tuple(2 * exponent for exponent in parts[0])
     if isinstance(expression, sp.Piecewise):
-        # A bare number is used where there is no physical value (the critical velocity of a balanced mass).
+        # A bare number is used if there is no physical value (the critical velocity of a balanced mass).
         return _same(
             expression,
             [p for p, value in zip(parts, _values(expression), strict=True) if not value.is_number],
@@ -71,7 +71,7 @@ def of_expression(expression: sp.Basic, units: Mapping[sp.Symbol, str]) -> Dimen
     if isinstance(expression, steps.Along | steps.Across):
         _same(expression, parts)
         return PURE
-    # What is left are functions of a number: trigonometric ones, the sign, the half-turn cosine, exp.
+    # The rest are functions of a number: trigonometric ones, the sign, the half-turn cosine, exp.
     for part, value in zip(parts, _values(expression), strict=True):
         if part != PURE and not isinstance(
             expression, sp.sign | sp.Heaviside | steps.Sgn | steps.Forward | steps.Backward

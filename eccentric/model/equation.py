@@ -10,7 +10,7 @@ from sympy.printing.pretty.pretty import PrettyPrinter
 from sympy.printing.pretty.pretty_symbology import greek_unicode
 from sympy.printing.pretty.stringpict import prettyForm
 
-# Where number and unit stand; a wider formula has them on a line of their own.
+# Column of number and unit; after a wider formula they are on a separate line.
 _COLUMN = 84
 
 
@@ -22,7 +22,7 @@ class _Letters(PrettyPrinter):
         return prettyForm("_".join([greek_unicode.get(head, head), *tail]))
 
     def _print_Mul(self, e: sp.Mul) -> prettyForm:
-        # SymPy's own imports its physical units for this, which takes longer than all equations.
+        # SymPy's own printer imports its physical units for this, which takes longer than all equations.
         above, below = [], []
         for factor in e.as_ordered_factors():
             if factor.is_Rational:
@@ -52,7 +52,7 @@ class Equation:
     """One step of a derivation.
 
     Attributes:
-        name: by which other scripts ask for it, e.g. "normal_force".
+        name: by which other scripts look it up, e.g. "normal_force".
         number: the paper's equation number, "" if the paper has none.
         left, right: both sides; a matrix on the right is a vector in the frame of the derivation.
         unit: SI unit of both sides; for a vector of different quantities one unit per row.
@@ -69,11 +69,11 @@ class Equation:
     identities: tuple[Identity, ...] = ()
 
     def units(self) -> tuple[str, ...]:
-        """The unit of each row where they differ, else the one unit of all."""
+        """The unit of each row if they differ, else the common unit."""
         return (self.unit,) if isinstance(self.unit, str) else self.unit
 
     def text(self) -> str:
-        """The equation for a terminal: its origin, then the formula with number and unit at its right."""
+        """The equation for a terminal: its origin, then the formula with number and unit to its right."""
         formula = _Letters({"use_unicode": True, "wrap_line": False})
         lines = formula.doprint(sp.Eq(self.left, self.right, evaluate=False)).split("\n")
         middle = len(lines) // 2
@@ -98,7 +98,7 @@ def equation_named(equations: Iterable[Equation], name: str) -> Equation:
     """The equation of that name.
 
     Raises:
-        KeyError: there is none; the message lists the names there are.
+        KeyError: there is none; the message lists the existing names.
     """
     known = {equation.name: equation for equation in equations}
     if name not in known:

@@ -1,14 +1,14 @@
-"""Extensions: how a model is changed by something that it leaves out, whatever the order of several.
+"""Extensions: how a model is changed by something that it omits, independently of the order of several.
 
-A change has three parts: what it adds, what it replaces, and what it scales. Adding commutes. Replacing and
-scaling are rules, not acts: the model remembers them, so that they reach what later extensions add just as
-they reach what is there. Hence the order of extensions makes no difference:
+A change has three parts: what it adds, what it replaces, and what it scales. Addition commutes. Replacing and
+scaling are rules rather than single operations: the model remembers them and applies them to what later
+extensions add as well. Hence the order of extensions makes no difference:
 
-- a scale factor multiplies every friction term of its role, also those of other extensions;
-- what is replaced is replaced everywhere, also in the terms, definitions and states of other extensions;
+- a scale factor multiplies every friction term of its role, including those of other extensions;
+- a quantity is replaced everywhere, including in the terms, definitions and states of other extensions;
 - an extension's own parts are taken as written: M_true = M (1 + r) keeps its M.
 
-Two extensions that bring the same name, or replace the same quantity, are refused.
+Two extensions that introduce the same name, or replace the same quantity, are refused.
 """
 
 from __future__ import annotations
@@ -31,9 +31,9 @@ def extended(model: Model, new: Extension) -> Model:
     """The model with one more extension; several give the same model in any order.
 
     Raises:
-        InputError: the model has this extension already, one that brings the same name or replaces the same
-            quantity, no quantity that is to be replaced, no balance that terms are added to, or definitions
-            would use each other in a circle.
+        InputError: the model already has this extension, or one that introduces the same name or replaces the
+            same quantity; it lacks a quantity to replace or a balance to add terms to; or definitions would
+            use each other in a circle.
     """
     _require_free_names(model, new)
     _require_replaceable(model, new)
@@ -69,14 +69,14 @@ def _balance(balance: Balance, change: Change, added: Iterable[Term]) -> Balance
 def _require_free_names(model: Model, new: Extension) -> None:
     for other in model.extensions:
         if other.name == new.name:
-            raise InputError(f"{new.name}: is in {model.name} already")
+            raise InputError(f"{new.name}: is already in {model.name}")
         if both := sorted(other.names & new.names):
             first, second = sorted((other.name, new.name))
-            raise InputError(f"{first} and {second}: both bring {', '.join(both)}")
+            raise InputError(f"{first} and {second}: both introduce {', '.join(both)}")
     own = (*model.definitions, *model.states)
     taken = {q.name for q in (*model.parameters, *model.inputs, *(x.quantity for x in own))}
     if clash := sorted(new.names & taken):
-        raise InputError(f"{new.name}: {', '.join(clash)}: {model.name} has a quantity of that name already")
+        raise InputError(f"{new.name}: {', '.join(clash)}: {model.name} already has a quantity of that name")
 
 
 def _require_replaceable(model: Model, new: Extension) -> None:

@@ -1,4 +1,4 @@
-"""Limits of a model: substitute parameters, replace definitions, drop what vanishes. C1 and C2 are limits."""
+"""Limits of a model: substitute parameters, replace definitions, drop vanishing parts. Such are C1 and C2."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from eccentric.model.steps import Gated
 from eccentric.model.vocabulary import directed as directed_quantity
 
 _KEPT = ("F_N", "B", "C")
-"""Definitions that are emitted whether a term needs them or not."""
+"""Definitions that are always emitted, even if no term needs them."""
 
 
 def limit(
@@ -27,7 +27,7 @@ def limit(
     definitions: Mapping[Quantity, sp.Expr],
     equations: tuple[Equation, ...],
 ) -> Model:
-    """The model with parameters set to values, definitions replaced, and what vanishes or is unused dropped.
+    """The model with parameters set to values, definitions replaced, and vanishing or unused parts dropped.
 
     Args:
         model: the general model.
@@ -41,7 +41,7 @@ def limit(
     """
     known = {definition.quantity: definition.value for definition in model.definitions} | dict(definitions)
     values = [Definition(q, sp.sympify(v).subs(substitutions)) for q, v in known.items()]
-    # What became 0 or another name for a symbol is written out: terms and code do not carry it on.
+    # What became 0, or a second name for a symbol, is substituted: terms and code do not keep it.
     plain = {d.symbol: d.value for d in values if d.value.is_number or d.value.is_Symbol}
     values = [Definition(d.quantity, d.value.subs(plain)) for d in values if d.symbol not in plain]
     balances = []
@@ -89,7 +89,7 @@ def directed(
     Args:
         model: the symmetric model.
         name, title, equations: of the result.
-        gates: direction ("pos", "neg") -> expression that is 1 in that direction and else 0.
+        gates: direction ("pos", "neg") -> expression that is 1 in that direction and 0 otherwise.
     """
     renamed = {q.symbol: {d: directed_quantity(q, d) for d in gates} for q in model.friction_parameters}
     terms: list[Term] = []

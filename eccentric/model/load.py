@@ -1,4 +1,4 @@
-"""Load a derivation by name or path: a script whose module-level `model` is what the toolkit takes."""
+"""Load a derivation by name or path: a script with a module-level `model`."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ _loading: list[Path] = []
 
 
 def model_names() -> tuple[str, ...]:
-    """Names of the derivations that ship, in alphabetical order."""
+    """Names of the bundled derivations, in alphabetical order."""
     return tuple(
         sorted(path.stem for path in folder("derivations").glob("*.py") if not path.stem.startswith("_"))
     )
@@ -23,11 +23,11 @@ def model_names() -> tuple[str, ...]:
 def load_model(name_or_path: str | Path) -> Model:
     """The model of a derivation: a name such as "c2_parallel", or the path of a script.
 
-    A script is executed once; asking again gives the same object.
+    A script is executed once; further calls return the same object.
 
     Raises:
-        InputError: no such derivation, a circle of scripts that load each other, an error in the script, or a
-            script without a Model named `model`.
+        InputError: there is no such derivation, scripts load each other in a circle, the script raises an
+            error or has no Model named `model`.
     """
     path = _find(name_or_path)
     asks(str(name_or_path), path)

@@ -1,4 +1,4 @@
-"""Models: inputs, parameters, definitions, balances and the equations that led there. Immutable."""
+"""Models: inputs, parameters, definitions, balances and the equations of their derivation. Immutable."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from eccentric.model.vocabulary import alpha_m
 
 @dataclass(frozen=True)
 class Model:
-    """What a derivation ends in and what is emitted.
+    """The result of a derivation, and the input of emission.
 
     Attributes:
         name: in code; equals the stem of the derivation.
@@ -30,12 +30,13 @@ class Model:
         definitions: quantities that follow from others, each after those it uses.
         balances: mechanical and electrical.
         equations: the derivation, in reading order.
-        states: hidden states that effects brought along; the paper's models have none.
-        defaults: where the parameters' defaults come from, in words; "" for the quantities' own.
-        extensions: what the model was extended by; their rules reach whatever else it is extended by.
+        states: hidden states that effects introduced; the paper's models have none.
+        defaults: origin of the parameters' defaults, in words; "" for the quantities' own.
+        extensions: those of the model; their rules apply to all further extensions.
 
     Raises:
-        InputError: a definition or term uses what is neither an input nor a parameter nor defined before it.
+        InputError: a definition or term uses a symbol that is neither an input nor a parameter nor defined
+            before.
     """
 
     name: str
@@ -69,7 +70,7 @@ class Model:
 
     @cached_property
     def parameter_symbols(self) -> frozenset[sp.Symbol]:
-        """Symbols that depend on parameters only, definitions among them included."""
+        """Symbols that depend on parameters only, including definitions."""
         found = {quantity.symbol for quantity in self.parameters}
         for definition in self.definitions:
             if definition.value.free_symbols <= found:
@@ -78,7 +79,7 @@ class Model:
 
     @property
     def replaced(self) -> dict[sp.Symbol, sp.Symbol]:
-        """Symbol -> what an extension has put in its place."""
+        """Symbol -> its replacement by an extension."""
         return {old: now for e in self.extensions for old, now in e.change.replaces.items()}
 
     @cached_property
@@ -89,7 +90,7 @@ class Model:
 
     @cached_property
     def inertia(self) -> sp.Expr:
-        """What multiplies alpha_m in the inertial terms, in parameters: J_m + mu^2 J_l [kg m^2]."""
+        """The factor of alpha_m in the inertial terms, in parameters: J_m + mu^2 J_l [kg m^2]."""
         return self.expand(sp.diff(self.balance("mechanical").sum_of("inertial"), alpha_m.symbol))
 
     def balance(self, name: str) -> Balance:
@@ -105,20 +106,20 @@ class Model:
         return equation_named(self.equations, name)
 
     def expand(self, expression: sp.Expr) -> sp.Expr:
-        """The expression with definitions put in for defined quantities, down to inputs and parameters."""
+        """The expression with all definitions substituted, in inputs and parameters only."""
         for definition in reversed(self.definitions):
             expression = expression.xreplace({definition.symbol: definition.value})
         return expression
 
     def value(self, expression: sp.Expr, values: Mapping[str, float]) -> float:
-        """The number that an expression in parameters and what they define has.
+        """The number that an expression evaluates to.
 
         Args:
             expression: in parameters, definitions and inputs.
             values: parameter or input by name -> value in SI units.
 
         Raises:
-            KeyError: a value that it needs is not among them.
+            KeyError: a value that it needs is missing.
         """
         plain = meaning(self.expand(expression))
         return float(plain.xreplace({symbol: sp.Float(values[symbol.name]) for symbol in plain.free_symbols}))

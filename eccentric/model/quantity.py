@@ -23,9 +23,9 @@ class Quantity:
         unit: SI unit, e.g. "N m s/rad"; "1" for a pure number.
         meaning: what it is, in a few words.
         equation: the paper's equation number, "" where the paper has none.
-        domain: "positive", "nonnegative", "real" or "tilt" (0 to a right angle); what a valid value is.
+        domain: of valid values: "positive", "nonnegative", "real" or "tilt" (0 to a right angle).
         default: the paper's value as a decimal, or an expression in other parameters; None if there is none.
-        letter: how a formula shows it, where that is not its name: "eta_2", "B_m^+", "Delta t", "i^'".
+        letter: its form in a formula, if different from its name: "eta_2", "B_m^+", "Delta t", "i^'".
     """
 
     symbol: sp.Symbol
@@ -57,7 +57,7 @@ def quantity(
         ValueError: the domain is unknown.
     """
     if domain not in _ASSUMPTIONS:
-        raise ValueError(f"{name}: domain must be one of {', '.join(_ASSUMPTIONS)}, not {domain!r}")
+        raise ValueError(f"{name}: domain must be one of {', '.join(_ASSUMPTIONS)}; received {domain!r}")
     value = sp.Rational(default) if isinstance(default, str) else default
     return Quantity(sp.Symbol(name, **_ASSUMPTIONS[domain]), unit, meaning, equation, domain, value, letter)
 

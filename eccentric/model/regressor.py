@@ -16,7 +16,7 @@ from eccentric.model.steps import Gated
 
 @dataclass(frozen=True)
 class Column:
-    """A column of the regressor: one identifiable coefficient of friction and what it multiplies.
+    """A column of the regressor: one identifiable coefficient of friction and its basis.
 
     Attributes:
         name: of the coefficient, e.g. "B_lN", or "B" for B_m + mu^2 beta_T, which one log cannot separate.
@@ -26,7 +26,8 @@ class Column:
         bounds: of the coefficient.
         parameter: the parameter of the model that represents the coefficient: with the others of a
             combination at zero it is the coefficient (B_m for B).
-        role, load, joint: those of the term on whose basis the column is; terms of one column have one role.
+        role, load, joint: those of the term whose basis the column has; terms of one column have the same
+        role.
         added: whether an extension brought all of its terms.
     """
 
@@ -53,12 +54,12 @@ class Column:
 def regressor(model: Model) -> tuple[Column, ...]:
     """The columns that span the mechanical friction torque.
 
-    No log can tell terms apart whose bases differ by a factor of parameters only; they are one column, on the
-    plainest of their bases. Which ones those are is computed from the expressions, never declared.
+    No log can distinguish terms whose bases differ only by a factor in parameters; they are one column, with
+    the simplest of their bases. Which terms these are is computed from the expressions, never declared.
 
     Raises:
-        InputError: the coefficient of a friction term is no parameter, a combination has no name, or terms of
-            one column differ in role or joint.
+        InputError: the coefficient of a friction term is not a parameter, a combination has no name, or terms
+            of one column differ in role or joint.
     """
     groups: list[list[Term]] = []
     for term in model.balance("mechanical").terms:
@@ -74,7 +75,7 @@ def regressor(model: Model) -> tuple[Column, ...]:
 
 
 def _ratio(one: sp.Expr, other: sp.Expr) -> sp.Expr:
-    """One basis by the other; a gate that both have cancels."""
+    """The ratio of two bases; a gate in both cancels."""
     return one.replace(Gated, sp.Mul) / other.replace(Gated, sp.Mul)
 
 
@@ -90,7 +91,7 @@ def _column(model: Model, group: list[Term]) -> Column:
     if len({(term.role, term.joint) for term in group}) > 1:
         received = ", ".join(f"{term.role} at joint {term.joint}" for term in group)
         raise InputError(
-            f"model {model.name}: terms {names}: no log tells them apart; required one role and one joint,"
+            f"model {model.name}: terms {names}: no log distinguishes them; required one role and one joint,"
             f" received {received}"
         )
     plainest = min(group, key=lambda term: sp.count_ops(term.basis))
@@ -108,5 +109,5 @@ def _column(model: Model, group: list[Term]) -> Column:
             quantity = definition.quantity
             return Column(quantity.name, definition.symbol, basis, quantity.unit, (low, None), *follows)
     raise InputError(
-        f"model {model.name}: terms {names}: no log tells them apart; define a quantity for {coefficient}"
+        f"model {model.name}: terms {names}: no log distinguishes them; define a quantity for {coefficient}"
     )

@@ -1,7 +1,7 @@
-"""What a friction term does and which load it follows: declared where the term is made, not read off a name.
+"""What a friction term does and which load it follows: declared with the term, not deduced from a name.
 
-Roles decide what else belongs to a term: a temperature of the lubricant scales what is viscous, whatever the
-term is called; Coulomb and viscous friction that follow no load are the linear model that every other is
+Roles decide what applies to a term: the temperature of the lubricant scales viscous friction, whatever the
+term is called; Coulomb and viscous friction without a load are the linear model that every other model is
 compared with.
 """
 
@@ -11,37 +11,37 @@ from enum import StrEnum
 
 
 class Role(StrEnum):
-    """What a term of friction does; terms of any other kind have none."""
+    """What a friction term does; terms of any other kind have no role."""
 
     NONE = "none"
-    """No friction: the kind of the term says what it is."""
+    """Not friction: the kind of the term says what it is."""
     VISCOUS = "viscous"
-    """A lubricant film is sheared: in proportion to its viscosity, whatever the load or the direction."""
+    """Shear of a lubricant film: in proportion to its viscosity, whatever the load or the direction."""
     COULOMB = "coulomb"
-    """Surfaces slide on each other: opposes the motion, whatever its speed."""
+    """Sliding surfaces: opposes the motion, whatever its speed."""
     STRIBECK = "stribeck"
-    """By how much dry friction is higher near rest, before a film of lubricant carries the load."""
+    """Increase of dry friction near rest, before a film of lubricant carries the load."""
     PRESLIDING = "presliding"
-    """Coulomb friction that builds up with the travelled angle: what is missing of it after a reversal."""
+    """Coulomb friction that builds up over the travelled angle: its deficit after a reversal."""
     DRAG = "drag"
-    """A fluid is displaced: air around a fan, churned oil; a power of the speed."""
+    """Displacement of a fluid: air around a fan, churned oil; a power of the speed."""
     EDDY_CURRENT = "eddy_current"
-    """Induced currents brake: no contact and no fluid."""
+    """Braking by induced currents, without contact or fluid."""
 
 
 class Load(StrEnum):
-    """The load that a term is in proportion to."""
+    """The load that a term is proportional to."""
 
     NONE = "none"
-    """None, or one that does not change: a preload, a weight along the axis."""
+    """No load, or a constant one: a preload, a weight along the axis."""
     NORMAL = "F_N"
     """The normal force F_N: the bearing's load in the plane of motion, eq (8) and (16)."""
     TRANSVERSAL = "F_T"
     """The transversal force F_T: the bearing's load along its axis."""
     BENDING = "bending_moment"
-    """The moment that tilts the bearing's axis."""
+    """The bending moment on the bearing."""
     TRANSMITTED = "transmitted_torque"
-    """The torque that the gear passes on."""
+    """The torque that the gear transmits."""
 
 
 CONTACT = frozenset({Role.VISCOUS, Role.COULOMB, Role.STRIBECK, Role.PRESLIDING})

@@ -23,7 +23,7 @@ class Step(sp.Function):
 
     @classmethod
     def eval(cls, *args: Any) -> None:
-        """Stay as written, also for numbers."""
+        """Remain as written, even for numbers."""
 
 
 class Sgn(Step):
@@ -32,7 +32,7 @@ class Sgn(Step):
     nargs = 1
 
     def fdiff(self, argindex: int = 1) -> sp.Expr:
-        """0: away from x = 0 it is constant, and at x = 0 the one-sided slope is meant."""
+        """0: it is constant except at x = 0, and there the one-sided slope is used."""
         return sp.Integer(0)
 
     def _eval_rewrite_as_meaning(self, x: sp.Expr, **_: Any) -> sp.Expr:
@@ -71,7 +71,7 @@ class ByDirection(Step):
     nargs = 3
 
     def fdiff(self, argindex: int = 1) -> sp.Expr:
-        """0 by x on both sides; by a and b the gates."""
+        """0 by x on both sides; the gates by a and b."""
         x = self.args[0]
         return {1: sp.Integer(0), 2: Forward(x), 3: Backward(x)}[argindex]
 
@@ -83,8 +83,8 @@ class HalfCosine(Step):
     """Half-turn cosine: sin of the half angle from the top, of size |cos(mu theta_m/2)|.
 
     The half angle from the top is x = (theta_m - n H) mu/2 with H = pi/mu and n the odd number that brings x
-    into [-pi/2, pi/2]. Its sign changes at theta_l = 0 like that of HalfSine, so only even products have a
-    meaning.
+    into [-pi/2, pi/2]. Its sign changes at theta_l = 0 like that of HalfSine, so only even products are
+    meaningful.
     """
 
     nargs = 2
@@ -120,11 +120,11 @@ class HalfSine(Step):
 
 
 class Chord(Step):
-    """(2/mu) HalfCosine, free of mu near the top: there it is the motor angle from the top itself.
+    """(2/mu) HalfCosine, independent of mu near the top: there it is the motor angle from the top itself.
 
-    Two directions an angle x apart are a chord 2 sin(x/2) apart on the unit circle; this is the chord between
-    the link and the top, on the motor side. Emission writes HalfCosine as mu/2 Chord, so that mu/2 goes into
-    a coefficient and is not rounded once more in every call.
+    Two directions an angle x apart are separated by a chord 2 sin(x/2) on the unit circle; this is the chord
+    between the link and the top, on the motor side. Emission writes HalfCosine as mu/2 Chord, so that mu/2 is
+    part of a coefficient and not rounded again in every call.
     """
 
     nargs = 2
@@ -140,10 +140,10 @@ class Chord(Step):
 
 
 class Bounded(Step):
-    """Bounded(x, b): x, kept within -b and b; b is so large that nothing physical reaches it, or 0.
+    """Bounded(x, b): x, limited to -b and b; b is beyond any physical value, or 0.
 
-    Of what is bounded the square does not overflow, so that no result is inf - inf or 0 inf. With b = 0 it
-    is 0: a bound also switches off. The bound is a pure number, in the unit of x.
+    The square of a bounded value does not overflow, so that no result is inf - inf or 0 inf. With b = 0 it
+    is 0: a bound can also switch x off. The bound is a pure number, in the unit of x.
     """
 
     nargs = 2
@@ -203,12 +203,12 @@ class Across(Step):
 
 
 class Gated(Step):
-    """a b, and 0 where b is 0 though the parameter a is not given (NaN): an inertia without acceleration."""
+    """a b, and 0 if b is 0 even if the parameter a is not given (NaN): an inertia without acceleration."""
 
     nargs = 2
 
     def fdiff(self, argindex: int = 1) -> sp.Expr:
-        """By a it is b, by b it is a."""
+        """Derivative b by a, and a by b."""
         a, b = self.args
         return b if argindex == 1 else a
 
@@ -217,7 +217,7 @@ class Gated(Step):
 
 
 class Leading(Step):
-    """The leading digits of a parameter, so few that n times them is exact; its derivative never matters."""
+    """The leading digits of a parameter, few enough that n times them is exact; never differentiated."""
 
     nargs = 1
 

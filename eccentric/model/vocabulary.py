@@ -51,7 +51,7 @@ C_lT = quantity(
 )
 B_m = quantity("B_m", "N m s/rad", "viscous friction of the motor", "(10)", "nonnegative", "0.0004")
 C_m = quantity("C_m", "N m", "Coulomb friction of the motor", "(10)", "nonnegative", "0.0080")
-# Table 1 takes the weight of the link alone; the derivation gives the whole weight (audit, finding 1).
+# Table 1 uses the weight of the link alone; the derivation gives the whole weight (audit, finding 1).
 F_T = quantity("F_T", "N", "transversal force of a level plane", "(9)", "nonnegative", M_l.symbol * g.symbol)
 beta_T = quantity(
     "beta_T", "N m s/rad", "viscous friction of the link by the transversal force", "(9)", "nonnegative"
@@ -74,7 +74,7 @@ F = quantity("F", "N m", "resultant friction torque, back-EMF damping included, 
 G = quantity("G", "N m", "gravity torque, motor side", "(5)")
 F_N = quantity("F_N", "N", "normal force on the axis of rotation", "(8)", "nonnegative")
 
-# What follows from the parameters.
+# Quantities that follow from the parameters.
 g_p = quantity("g_p", "m/s^2", "gravity in the motion plane, g cos(phi)")
 weight = quantity(
     "weight", "N", "weight in the motion plane, (M + M_l) g_p", "(22)", "nonnegative", letter="W"

@@ -1,16 +1,16 @@
 /*
- * Generated: do not edit. Written beside c1_asymmetric.c (program 45e772a8).
- * Driver of a proof: over all inputs within the ranges below no function of c1_asymmetric.c has undefined
- * behaviour, overflows or makes a NaN or an infinity, for the parameters set in main. For yours, set them there.
- * Frama-C's Eva does it; 0 alarms and 100 % of the logical properties are the proof, and the intervals that it
- * shows hold the results:
+ * Generated: do not edit. Written beside c1_asymmetric.c (program 08d5d2ab).
+ * Driver of a proof: for all inputs within the ranges below, no function of c1_asymmetric.c has undefined
+ * behaviour, overflows or returns a NaN or an infinity, for the parameters set in main. Set your own there.
+ * Run Frama-C's Eva: 0 alarms and 100 % of the logical properties are the proof, and the intervals that it
+ * prints contain the results:
  *
  *   frama-c -eva -eva-slevel 30 -eva-split-return full -eva-subdivide-non-linear 20 \
  *     -warn-special-float non-finite -kernel-warn-key annot:missing-spec=abort \
  *     -cpp-extra-args="-DECCENTRIC_REAL=float -I.." c1_asymmetric_proof.c
  *
- * and the same with -DECCENTRIC_REAL=double. Ranges of your own stand beside -I.. within the quotes, with a
- * backslash, since Frama-C splits at a comma: -DRANGE_omega_m=-50\,50
+ * and the same with -DECCENTRIC_REAL=double. Put your own ranges after -I.. within the quotes, with a backslash,
+ * since Frama-C splits at commas: -DRANGE_omega_m=-50\,50
  */
 #include <float.h>
 #include <math.h>
@@ -31,12 +31,12 @@
 #define RANGE_alpha_m -10000, 10000 /* motor acceleration [rad/s^2] */
 #endif
 
-/* A parameter without default is NaN until it is set; Eva takes any NaN for an error. */
+/* A parameter without default is NaN until it is set; Eva reports any NaN as an error. */
 #undef NAN
 #define NAN 0.0
 
-/* Eva's specification of fabs forgets that result and argument are related, and an interval that starts at the
- * smallest number forgets that a square root does not. Written as cases, it keeps both. */
+/* Eva's specification of fabs loses the relation between argument and result, and an interval that starts at
+ * the smallest number loses that of a square root. Written as cases, fabs keeps both. */
 static double proof_root(double x) { return (x == 0.0) ? 0.0 : sqrt(x); }
 static float proof_rootf(float x) { return (x == 0.0f) ? 0.0f : sqrtf(x); }
 static double proof_size(double x) { return (x < 0.0) ? -x : x; }
@@ -59,7 +59,7 @@ static ECCENTRIC_REAL within(double low, double high)
 #endif
 }
 
-/* Function by function, each from the same start. */
+/* Function by function, each from the same initial state. */
 static void called(int function, const c1_asymmetric_coefficients *c)
 {
     const ECCENTRIC_REAL omega_m = within(RANGE_omega_m);

@@ -1,11 +1,11 @@
 /*
- * Generated: do not edit. Written beside c1_perpendicular.c (program 411af752).
- * Self-test of c1_perpendicular.c: the bits that the emitted NumPy module gives, on any compiler and board.
+ * Generated: do not edit. Written beside c1_perpendicular.c (program 14811196).
+ * Self-test of c1_perpendicular.c: the same bits as the emitted NumPy module, with any compiler and on any board.
  *
  *   cc -std=c99 -O2 -I.. c1_perpendicular_selftest.c ../c1_perpendicular.c -lm     single precision: -DECCENTRIC_REAL=float
  *
  * Prints "ok" and returns 0, or prints the first deviation and returns 1. -DSECTIONS=1 is for slow boards.
- * Where last digits differ, the compiler takes product and sum in one step: -std=c99 or -ffp-contract=off.
+ * If last digits differ, the compiler fuses product and sum: use -std=c99 or -ffp-contract=off.
  */
 #include "c1_perpendicular.h"
 
@@ -20,7 +20,7 @@
 typedef ECCENTRIC_REAL real;
 #include "c1_perpendicular_vectors.h"
 
-/* The bits of a value; a NaN has one pattern, since its sign and payload are the processor's own. */
+/* The bits of a value; all NaN have one pattern, since their sign and payload depend on the processor. */
 static bits bits_of(real value)
 {
     bits word = NOT_A_NUMBER;
@@ -28,7 +28,7 @@ static bits bits_of(real value)
     return word;
 }
 
-/* A line with a value: its bits, and six digits that integers print: small C libraries leave %g out. */
+/* A line with a value: its bits, and six digits, printed as integers since small C libraries lack %g. */
 static void print_value(const char *what, real value)
 {
     const uint64_t word = bits_of(value);
@@ -53,7 +53,7 @@ static void print_value(const char *what, real value)
     }
 }
 
-/* What deviates: value j of a function, at its own inputs. */
+/* The deviation: value j of a function, at its inputs. */
 static void print_deviation(const char *ending, unsigned function, unsigned j, const real *x, real came, real required)
 {
     printf("c1_perpendicular: %s%s, value %u\n", functions[function], ending, j);
@@ -129,7 +129,7 @@ static int vectors_hold(void)
     return 1;
 }
 
-/* Counter to pseudo-random word: integers only, so that every platform sees the same inputs. */
+/* Counter to pseudo-random word: integers only, so that every platform has the same inputs. */
 static uint32_t scrambled(uint32_t x)
 {
     x = (x ^ (x >> 16)) * 0x7feb352du;
@@ -137,7 +137,7 @@ static uint32_t scrambled(uint32_t x)
     return x ^ (x >> 16);
 }
 
-/* Input k of sample n: around a centre, or (span 0) any bits. A span is a power of two: its product is exact. */
+/* Input k of sample n: around a centre, or (span 0) arbitrary bits. A span is a power of two: products are exact. */
 static real generated(uint32_t n, unsigned k)
 {
     const uint32_t high = scrambled(n * 16u + 2u * k), low = scrambled(n * 16u + 2u * k + 1u);
@@ -152,7 +152,7 @@ static real generated(uint32_t n, unsigned k)
     return centres[kind][k] + (sum - SCALE_HALF) * spans[kind][k];
 }
 
-/* Digest of section s of each function against the expected one. */
+/* Compare the digest of section s of each function with the expected one. */
 static int stream_holds(void)
 {
     for (uint32_t section = 0; section < SECTIONS; ++section) {
@@ -201,7 +201,7 @@ static void evaluate_array(unsigned function)
     }
 }
 
-/* The functions over arrays have the bits of those of one sample: the vectors first, then generated samples. */
+/* The array functions give the bits of those for one sample: on the vectors first, then on generated samples. */
 static int arrays_hold(void)
 {
     for (uint32_t first = 0; first < SECTIONS * ARRAYS * ARRAY; first += ARRAY) {

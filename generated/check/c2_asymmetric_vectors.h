@@ -1,6 +1,6 @@
 /*
- * Generated: do not edit. Written beside c2_asymmetric.c (program ca787e10).
- * What the self-test expects; computed by the emitted NumPy module.
+ * Generated: do not edit. Written beside c2_asymmetric.c (program 14d81d6e).
+ * Expected results of the self-test, computed by the emitted NumPy module.
  */
 #define INPUTS 5u
 #define FUNCTIONS 14u
@@ -8,7 +8,7 @@
 #define NUMBERS 44u /* of a vector */
 #define KINDS 8u
 #define LARGEST_WIDTH 8u
-#define ARRAY 51u /* samples of an array: more than the array functions take at a time, and no multiple */
+#define ARRAY 51u /* samples of an array: more than a block of the array functions, and not a multiple of it */
 #define ARRAYS 10u /* of a section */
 
 static const char *const inputs[INPUTS] = {
@@ -36,7 +36,7 @@ static const char *const functions[FUNCTIONS] = {
     "voltage",
 };
 
-/* Those that single precision alone has stand last. */
+/* Those that only single precision has come last. */
 #define COEFFICIENTS (sizeof default_bits / sizeof default_bits[0])
 static const char *const coefficients[] = {
     "B_lN_neg",
@@ -95,7 +95,7 @@ static const char *const coefficients[] = {
     "period_5",
 };
 
-/* How many values each function gives, and which inputs it takes, one bit for each. */
+/* The number of values of each function, and its inputs, one bit for each. */
 static const unsigned widths[FUNCTIONS] = {2, 1, 1, 8, 1, 2, 8, 3, 1, 1, 1, 1, 8, 1};
 static const unsigned taken[FUNCTIONS] = {0x0u, 0x13u, 0xeu, 0x0u, 0x3u, 0x3u, 0x3u, 0x3u, 0x1u, 0x3u, 0x17u, 0x3u, 0x3u, 0x13u};
 
@@ -127,7 +127,7 @@ static const real spans[KINDS][INPUTS] = {
     {0x0.0p+0f, 0x1.0000000000000p+8f, 0x1.0000000000000p+6f, 0x1.0000000000000p+7f, 0x1.0000000000000p+10f},
 };
 
-/* A row is one state and what the functions give there: bits. */
+/* A row is one state and the results of the functions there, as bits. */
 static const bits vectors[VECTORS][NUMBERS] = {
     {0x0, 0x0, 0x0, 0x0, 0x0, 0x3df166e0, 0x3df166e0, 0xb6443333, 0x0, 0x3b83126f, 0x3b83126f, 0x3da3d70a, 0x3da3d70a, 0x39d1b717, 0x39d1b717, 0x3c03126f, 0x3c03126f, 0x0, 0x0, 0x3bb42e9b, 0x0, 0x0, 0x0, 0x0, 0x0, 0x0, 0x0, 0x0, 0x0, 0x0, 0x3bb42e9b, 0xb37b22cf, 0x0, 0x337b22cf, 0x40dbbe75, 0x0, 0x0, 0x0, 0x0, 0x0, 0x0, 0x0, 0x0, 0xb6443333},
     {0x80000000, 0xc0200000, 0x40400001, 0xc0400000, 0x3fc00000, 0x3df166e0, 0x3df166e0, 0xc0bf1715, 0xbde147ae, 0x3b83126f, 0x3b83126f, 0x3da3d70a, 0x3da3d70a, 0x39d1b717, 0x39d1b717, 0x3c03126f, 0x3c03126f, 0xbe074d6d, 0xadd5fbf9, 0x3bc1c7e1, 0x80000000, 0xbf30985e, 0x80000000, 0xbfb0985f, 0x80000000, 0xc0200000, 0x80000000, 0xbf800000, 0xbe074d6d, 0xadd5fbf9, 0x3bc1c7e1, 0xb37b22cf, 0xbdfa1ff9, 0x3e37bcda, 0x40dcbe75, 0x80000000, 0xbf30985e, 0x80000000, 0xbfb0985f, 0x80000000, 0xc0200000, 0x80000000, 0xbf800000, 0xc0cf1715},
@@ -205,7 +205,7 @@ static const real spans[KINDS][INPUTS] = {
     {0x0.0p+0, 0x1.0000000000000p+8, 0x1.0000000000000p+6, 0x1.0000000000000p+7, 0x1.0000000000000p+10},
 };
 
-/* A row is one state and what the functions give there: bits. */
+/* A row is one state and the results of the functions there, as bits. */
 static const bits vectors[VECTORS][NUMBERS] = {
     {0x0, 0x0, 0x0, 0x0, 0x0, 0x3fbe2cdc011d3672, 0x3fbe2cdc011d3672, 0x0, 0x0, 0x3f70624dd2f1a9fc, 0x3f70624dd2f1a9fc, 0x3fb47ae147ae147b, 0x3fb47ae147ae147b, 0x3f3a36e2eb1c432d, 0x3f3a36e2eb1c432d, 0x3f80624dd2f1a9fc, 0x3f80624dd2f1a9fc, 0x0, 0x8000000000000000, 0x3f7685d3691e26b2, 0x0, 0x0, 0x0, 0x0, 0x0, 0x0, 0x0, 0x0, 0x0, 0x8000000000000000, 0x3f7685d3691e26b2, 0x0, 0x0, 0x0, 0x401b77ced916872c, 0x0, 0x0, 0x0, 0x0, 0x0, 0x0, 0x0, 0x0, 0x0},
     {0x8000000000000000, 0xc004000000000000, 0x4008000000000001, 0xc008000000000000, 0x3ff8000000000000, 0x3fbe2cdc011d3672, 0x3fbe2cdc011d3672, 0xc017e2e1ef73c0c4, 0xbfbc28f5c28f5c2a, 0x3f70624dd2f1a9fc, 0x3f70624dd2f1a9fc, 0x3fb47ae147ae147b, 0x3fb47ae147ae147b, 0x3f3a36e2eb1c432d, 0x3f3a36e2eb1c432d, 0x3f80624dd2f1a9fc, 0x3f80624dd2f1a9fc, 0xbfc0e9adae23945a, 0x0, 0x3f7838fc1ff69573, 0x8000000000000000, 0xbfe6130be0ded28c, 0x8000000000000000, 0xbff6130be0ded28a, 0x8000000000000000, 0xc004000000000000, 0x8000000000000000, 0xbff0000000000000, 0xbfc0e9adae23945a, 0x0, 0x3f7838fc1ff69573, 0x0, 0xbfbf43ff33516624, 0x3fc6f79ad6b07b5e, 0x401b97ced916872c, 0x8000000000000000, 0xbfe6130be0ded28c, 0x8000000000000000, 0xbff6130be0ded28a, 0x8000000000000000, 0xc004000000000000, 0x8000000000000000, 0xbff0000000000000, 0xc019e2e1ef73c0c4},

@@ -1,6 +1,6 @@
 /*
- * Generated: do not edit. Written beside rotating_link.c (program 7b9443ef).
- * What the self-test expects; computed by the emitted NumPy module.
+ * Generated: do not edit. Written beside rotating_link.c (program 943123e5).
+ * Expected results of the self-test, computed by the emitted NumPy module.
  */
 #define INPUTS 5u
 #define FUNCTIONS 14u
@@ -8,7 +8,7 @@
 #define NUMBERS 35u /* of a vector */
 #define KINDS 8u
 #define LARGEST_WIDTH 6u
-#define ARRAY 51u /* samples of an array: more than the array functions take at a time, and no multiple */
+#define ARRAY 51u /* samples of an array: more than a block of the array functions, and not a multiple of it */
 #define ARRAYS 10u /* of a section */
 
 static const char *const inputs[INPUTS] = {
@@ -36,7 +36,7 @@ static const char *const functions[FUNCTIONS] = {
     "voltage",
 };
 
-/* Those that single precision alone has stand last. */
+/* Those that only single precision has come last. */
 #define COEFFICIENTS (sizeof default_bits / sizeof default_bits[0])
 static const char *const coefficients[] = {
     "B_lN",
@@ -87,7 +87,7 @@ static const char *const coefficients[] = {
     "period_5",
 };
 
-/* How many values each function gives, and which inputs it takes, one bit for each. */
+/* The number of values of each function, and its inputs, one bit for each. */
 static const unsigned widths[FUNCTIONS] = {1, 1, 1, 4, 1, 3, 6, 4, 1, 1, 1, 1, 4, 1};
 static const unsigned taken[FUNCTIONS] = {0x11u, 0x13u, 0xeu, 0x0u, 0x13u, 0x13u, 0x13u, 0x13u, 0x1u, 0x13u, 0x17u, 0x13u, 0x13u, 0x13u};
 
@@ -119,7 +119,7 @@ static const real spans[KINDS][INPUTS] = {
     {0x0.0p+0f, 0x1.0000000000000p+8f, 0x1.0000000000000p+6f, 0x1.0000000000000p+7f, 0x1.0000000000000p+10f},
 };
 
-/* A row is one state and what the functions give there: bits. */
+/* A row is one state and the results of the functions there, as bits. */
 static const bits vectors[VECTORS][NUMBERS] = {
     {0x0, 0x0, 0x0, 0x0, 0x0, 0x3dee6688, 0xb621ee4b, 0x0, 0x3b83126f, 0x3da3d70a, 0x3a1752c4, 0x3cd2bdc6, 0x0, 0x80000000, 0x3bb3b3ac, 0x80000000, 0x0, 0x0, 0x0, 0x0, 0x0, 0x0, 0x0, 0x80000000, 0x3bb3b3ac, 0x80000000, 0xb34f457e, 0x0, 0x334f457e, 0x40b55ccb, 0x0, 0x0, 0x0, 0x0, 0xb621ee4b},
     {0x80000000, 0xc0200000, 0x40400001, 0xc0400000, 0x3fc00000, 0x3dee6792, 0xc0bcb0a2, 0xbde147ae, 0x3b83126f, 0x3da3d70a, 0x3a1752c4, 0x3cd2bdc6, 0xbe05c42e, 0xb90043ce, 0x3bc14d09, 0xb6350b4c, 0xbf11e4a4, 0xbf91e4a5, 0xbde2e21e, 0xbe62e21f, 0xc0200000, 0xbf800000, 0xbe05c42e, 0xb90043ce, 0x3bc14d09, 0xb6350b4c, 0xb34f457e, 0xbdf70d7a, 0x3e36339a, 0x40b65dce, 0xbf11e4a4, 0xbf91e4a5, 0xc0200000, 0xbf800000, 0xc0ccb0a2},
@@ -206,7 +206,7 @@ static const real spans[KINDS][INPUTS] = {
     {0x0.0p+0, 0x1.0000000000000p+8, 0x1.0000000000000p+6, 0x1.0000000000000p+7, 0x1.0000000000000p+10},
 };
 
-/* A row is one state and what the functions give there: bits. */
+/* A row is one state and the results of the functions there, as bits. */
 static const bits vectors[VECTORS][NUMBERS] = {
     {0x0, 0x0, 0x0, 0x0, 0x0, 0x3fbdccd1849241da, 0x0, 0x0, 0x3f70624dd2f1a9fc, 0x3fb47ae147ae147b, 0x3f42ea5871d3b28e, 0x3f9a57b8bdd23a02, 0x0, 0x0, 0x3f76767592a184ae, 0x0, 0x0, 0x0, 0x0, 0x0, 0x0, 0x0, 0x0, 0x0, 0x3f76767592a184ae, 0x0, 0x0, 0x0, 0x0, 0x4016ab9a011f0125, 0x0, 0x0, 0x0, 0x0, 0x0},
     {0x8000000000000000, 0xc004000000000000, 0x4008000000000001, 0xc008000000000000, 0x3ff8000000000000, 0x3fbdccf2d1e0b29a, 0xc01796140f30e988, 0xbfbc28f5c28f5c2a, 0x3f70624dd2f1a9fc, 0x3fb47ae147ae147b, 0x3f42ea5871d3b28e, 0x3f9a57b8bdd23a02, 0xbfc0b886145f3390, 0xbf200879764bc99c, 0x3f7829a134128b8f, 0xbec6a19e64cb83e7, 0xbfe23c9513f871db, 0xbff23c9513f871da, 0xbfbc5c43dbcbadd8, 0xbfcc5c43dbcbadd8, 0xc004000000000000, 0xbff0000000000000, 0xbfc0b886145f3390, 0xbf200879764bc99c, 0x3f7829a134128b8f, 0xbec6a19e64cb83e7, 0x0, 0xbfbee1afffc8a492, 0x3fc6c6733cec1a94, 0x4016cbba58f68e51, 0xbfe23c9513f871db, 0xbff23c9513f871da, 0xc004000000000000, 0xbff0000000000000, 0xc01996140f30e988},

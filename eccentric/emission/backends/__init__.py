@@ -1,4 +1,4 @@
-"""What a Program is printed as: one line for each target, a folder for its code, one for its templates.
+"""The targets of a Program: one line for each, a folder for its code, one for its templates.
 
 In: a `Program`. Out: the view that the templates of a target are filled with, all in strings. The folders
 have the same names of files: `view` is what the templates see, `printer` the target as a language of
@@ -21,4 +21,4 @@ BACKENDS: Mapping[str, Backend] = {
     "jax": jax.BACKEND,
 }
 DEFAULT = ("numpy", "c99")
-"""What is emitted where nobody names a back end; the digest is of their code."""
+"""The default back ends; the digest is that of their code."""

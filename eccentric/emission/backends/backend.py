@@ -1,4 +1,4 @@
-"""What a back end is: a record of what it writes and how, and one line in the registry."""
+"""A back end: a record of what it writes and how, and one line in the registry."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ class Backend:
     """A target that programs are printed for.
 
     Attributes:
-        meaning: what it writes, in words for a list of back ends.
+        meaning: what it writes, for a list of back ends.
         files: template -> file, such as "numpy/module.py" -> "{name}.py" with the program's name. A file
             without it is the same for all programs.
         view: what the templates are filled with, from a program and the digest of the code as it is spelled

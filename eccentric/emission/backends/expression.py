@@ -46,7 +46,7 @@ class Language:
 
     Attributes:
         symbol: spelling of a symbol.
-        low: spelling of the digits of a pair that its double does not hold.
+        low: spelling of the low part of a pair.
         number: spelling of a decimal number.
         call: spelling of a named operation with printed arguments; KeyError if the language lacks it.
         pick: spelling of a choice, from (a, relation, b, x, y).

@@ -1,6 +1,6 @@
-"""Formulas put together again: a part of a formula that is read once stands where it is read.
+"""Formulas reassembled: a part of a formula that is used once is written where it is used.
 
-Parts were cut off for lines of C. Brackets keep the order of the operations, and with it every bit.
+The parts were split for lines of C. Brackets keep the order of operations, and with it every bit.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ _PART = re.compile(r"part_\d+")
 
 
 def inlined(lines: Iterable[Line]) -> list[Line]:
-    """The lines, each part that is read once put into the line that reads it, where that stays readable."""
+    """The lines, with each part that is used once put into the line that uses it, if that stays readable."""
     kept = list(lines)
     for line in [line for line in kept if _PART.fullmatch(line.targets[0])]:
         (name,) = line.targets
@@ -35,7 +35,7 @@ def inlined(lines: Iterable[Line]) -> list[Line]:
 
 
 def _put(outer: str, place: re.Pattern[str], text: str) -> str:
-    """The text in its place, in brackets if it would come apart there."""
+    """The text in its place, in brackets if precedence requires them."""
     before, after = place.split(outer)
     needed = _SUM
     if before.endswith(("* ", "/ ", "-")):
@@ -46,7 +46,7 @@ def _put(outer: str, place: re.Pattern[str], text: str) -> str:
 
 
 def _level(text: str) -> int:
-    """How tightly a formula holds together: by its loosest operation outside of brackets."""
+    """The precedence of a formula: that of its loosest operation outside brackets."""
     flat, before = text, ""
     while flat != before:
         flat, before = re.sub(r"\([^()]*\)", "", flat), flat

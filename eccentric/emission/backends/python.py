@@ -39,7 +39,7 @@ def functions(
 
 
 def _body(r: Routine, spelling: Language) -> Body:
-    """The routine as lines; a result that is but a name needs none."""
+    """The routine as lines; a result that is just a name needs none."""
     lines = _printed(r.assignments, spelling)
     results = [str(s) for s in r.results]
     named = {line.targets[0]: line.text for line in lines if line.text.removeprefix("c.").isidentifier()}
@@ -66,7 +66,7 @@ def _lines(body: Body, *, vector: bool) -> list[str]:
 
 
 def _assigned(line: Line, read: set[str]) -> list[str]:
-    """An assignment; what nobody reads of several values is left out."""
+    """An assignment; unused ones of several values are left out."""
     if len(line.targets) == 1:
         return [f"{line.targets[0]} = {line.text}"]
     if not read.intersection(line.targets[1:]):
@@ -141,7 +141,7 @@ def sentence(text: str) -> str:
 
 
 def quoted(items: Sequence[str], before: str = "") -> str:
-    """A tuple of strings as formatters spell it behind what is `before` it on its line."""
+    """A tuple of strings in formatter style, after `before` on its line."""
     strings = [f'"{item}"' for item in items]
     line = f"({', '.join(strings)}{',' * (len(strings) == 1)})"
     return (

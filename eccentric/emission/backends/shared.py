@@ -1,7 +1,7 @@
-"""What several routines compute alike becomes a function that they call: every formula is written once.
+"""Computations common to several routines become a function that they call: every formula is written once.
 
-This works on printed lines. Two are alike where the same operations are done in the same order on operands
-that are alike; their names may differ from routine to routine.
+This works on printed lines. Two are equivalent if they do the same operations in the same order on equivalent
+operands; names may differ from routine to routine.
 """
 
 from __future__ import annotations
@@ -32,8 +32,8 @@ class Body:
         name: of the routine, or of a shared function.
         inputs: names.
         lines: in order.
-        results: names of what it returns.
-        callers: how many functions call it, where it is shared.
+        results: names of the returned values.
+        callers: how many functions call it, if it is shared.
     """
 
     name: str
@@ -44,7 +44,7 @@ class Body:
 
 
 def with_shared(bodies: Sequence[Body], taken: Collection[str]) -> tuple[list[Body], list[Body]]:
-    """The functions that bodies share, what is called before its callers, and the bodies that call them.
+    """The functions that bodies share, callees before callers, and the bodies that call them.
 
     Args:
         bodies: the routines; their lines have one target.
@@ -66,7 +66,7 @@ def names_in(texts: Iterable[str]) -> set[str]:
 
 
 def _keys(body: Body, numbering: dict[str, str]) -> list[str]:
-    """What each line computes of the inputs: a number, the same for lines that are alike."""
+    """The value of each line as a number, the same for equivalent lines."""
     known = {name: name for name in body.inputs}
     keys = []
     for line in body.lines:
@@ -81,9 +81,9 @@ def _result(key: str, line: Line, k: int) -> str:
 
 
 def _most_alike(bodies: Sequence[Body], numbering: dict[str, str]) -> set[str] | None:
-    """The lines, by their keys, that save most where they become a function; None if none saves anything.
+    """The lines, by their keys, that save most as a function; None if none saves anything.
 
-    They are a value that has a name, with all that it follows from, or all of a routine.
+    They are a named value with everything that it depends on, or a whole routine.
     """
     keys = [_keys(body, numbering) for body in bodies]
     candidates = [set(own) for own in keys]
@@ -98,7 +98,7 @@ def _most_alike(bodies: Sequence[Body], numbering: dict[str, str]) -> set[str] |
                 candidates.append(follows[line.targets[0]])
 
     def saved(alike: set[str]) -> tuple[int, int]:
-        """Lines, less one for each value that is handed back, which has to be read, too; and callers."""
+        """Lines, minus one for each returned value, which has to be read as well; and callers."""
         callers = [body for body, own in zip(bodies, keys, strict=True) if alike <= {*own}]
         given = set().union(*(_read_outside(body, alike, numbering) for body in callers))
         return len(callers) * (len(alike) - 1) - len(alike) - len(given) - _HEAD, len(callers)
@@ -108,7 +108,7 @@ def _most_alike(bodies: Sequence[Body], numbering: dict[str, str]) -> set[str] |
 
 
 def _block(callers: Sequence[Body], alike: set[str], numbering: dict[str, str], taken: set[str]) -> Body:
-    """The function of the lines, with the names that its first caller has for them."""
+    """The function of the lines, with the names that its first caller uses."""
     first = callers[0]
     keys = _keys(first, numbering)
     lines = [line for key, line in zip(keys, first.lines, strict=True) if key in alike]
@@ -127,7 +127,7 @@ def _block(callers: Sequence[Body], alike: set[str], numbering: dict[str, str], 
 
 
 def _read_outside(body: Body, alike: set[str], numbering: dict[str, str]) -> set[str]:
-    """What a caller reads of the lines besides themselves, by key."""
+    """The values of the lines that a caller uses outside them, by key."""
     keys = _keys(body, numbering)
     others = [line for key, line in zip(keys, body.lines, strict=True) if key not in alike]
     read = names_in(line.text for line in others) | {*body.results}
@@ -136,7 +136,7 @@ def _read_outside(body: Body, alike: set[str], numbering: dict[str, str]) -> set
 
 
 def _calling(body: Body, block: Body, numbering: dict[str, str]) -> Body:
-    """The body with a call in the place of the lines that the block computes."""
+    """The body with a call in place of the lines that the block computes."""
     made = {*_keys(block, numbering)}
     keys = {name: key for key, name in _named(block, numbering)}
     names = dict(_named(body, numbering))
@@ -150,7 +150,7 @@ def _calling(body: Body, block: Body, numbering: dict[str, str]) -> Body:
 
 
 def _named(body: Body, numbering: dict[str, str]) -> list[tuple[str, str]]:
-    """Key and name of all that the lines give."""
+    """Key and name of every value of the lines."""
     return [
         (_result(key, line, k), name)
         for key, line in zip(_keys(body, numbering), body.lines, strict=True)

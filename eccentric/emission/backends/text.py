@@ -22,14 +22,14 @@ from eccentric.model import Leading, Quantity
 
 
 def plain(text: str) -> str:
-    """Free text that ends no comment and no docstring: one line, no escape, no delimiter of C or Python."""
+    """Free text that is safe in comments and docstrings: one line, no escape, no delimiter of C or Python."""
     line = "".join(c for c in " ".join(text.split()) if c.isprintable())
     line = line.replace("\\", "\\\\").replace('"', "'")
     return re.sub(r"(?<=\*)(?=/)|(?<=/)(?=\*)", " ", line)
 
 
 def with_plain_text(program: Program) -> Program:
-    """The program, all that people have written in it as `plain` spells it."""
+    """The program, with all free text as returned by `plain`."""
 
     def of(q: Quantity) -> Quantity:
         return replace(q, unit=plain(q.unit), meaning=plain(q.meaning), equation=plain(q.equation))
@@ -66,10 +66,10 @@ def default_text(q: Quantity) -> str:
 
 
 def splitting(program: Program) -> dict[str, str] | None:
-    """The factors of the split into leading digits, in double arithmetic; None where no angle is reduced."""
+    """The factors of the split into leading digits, in double arithmetic; None if no angle is reduced."""
     if not any(a.value.has(Leading) for a in program.prepare):
         return None
-    # Veltkamp's split, in double also where the working precision is single.
+    # Veltkamp's split, in double even if the working precision is single.
     return {precision: f"{2 ** (BITS['double'] - bits) + 1}.0" for precision, bits in LEADING_BITS.items()}
 
 

@@ -1,4 +1,4 @@
-"""What checks an emitted C source on its user's side: a self-test, and a driver for its proof.
+"""Checks of an emitted C source for its user: a self-test, and a driver for a proof.
 
 In: a Model and its emitted files. Out: `render_check`, file name -> text.
 """

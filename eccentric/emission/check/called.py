@@ -1,4 +1,4 @@
-"""An emitted function as those who check it call it."""
+"""An emitted function as called by the checks."""
 
 from __future__ import annotations
 
@@ -12,8 +12,8 @@ class Called:
     Attributes:
         name: in NumPy and, behind the model's prefix, in C.
         inputs: names, in order.
-        width: number of values it gives.
-        scalar: whether C returns the one value; else it writes to an array.
+        width: number of its values.
+        scalar: whether C returns the single value; otherwise it writes to an array.
         call: in C, from x[] to out[].
         array_call: of its array function, from ARRAY samples in each of x_n[] to out_n[]; "" without inputs.
     """

@@ -1,7 +1,7 @@
-"""The Program of a model: ordered assignments in primitive operations, which every back end prints alike.
+"""The Program of a model: ordered assignments in primitive operations, printed alike by all back ends.
 
 In: a `Model`. Out: `build_program(model)`, a `Program` of routines, private helpers and parameter-only work,
-with the bounds of its rounding. It knows how numbers are kept, no target and no spelling.
+with bounds of its rounding errors. It knows how numbers are represented, but no target and no spelling.
 Imports `eccentric.model`.
 """
 

@@ -1,8 +1,8 @@
 """What is promised of the emitted arithmetic: bounds that `tests/test_accuracy*.py` measure.
 
-They hold against 50 digits, inputs and parameters taken as exact, over the whole plane, zero of F_N included,
-and for angles of the motor up to 1e4 rad. Where Gappa proves one, the line says so. The others were found by
-search, over states and parameters at once, and are stated one to two units above the worst that it found.
+They are relative to 50 digits, with inputs and parameters taken as exact, over the whole plane, including the
+zero of F_N, for motor angles up to 1e4 rad. Bounds proved by Gappa are marked. The others were found by a
+search over states and parameters, and are stated one to two units above the worst case found.
 """
 
 from __future__ import annotations
@@ -29,18 +29,18 @@ from eccentric.model import vocabulary as v
 
 
 class Bound(NamedTuple):
-    """How many units an error has at most, with any parameters and with those of Table 1."""
+    """The largest error in units, with any parameters and with those of Table 1."""
 
     anywhere: int
     table_1: int
 
     def within(self, unit: str, table_1: bool) -> str:
-        """Word it; a tighter one stands beside it where the defaults of the model are Table 1."""
+        """The bound in words, with a tighter one if the defaults of the model are Table 1."""
         tighter = f" (Table 1: {self.table_1})" if table_1 and self.table_1 < self.anywhere else ""
         return f"within {self.anywhere}{tighter} {unit}"
 
 
-# In units in the last place of the exact value; without an angle the slopes are as exact as the friction.
+# In units in the last place of the exact value; without an angle the slopes are as accurate as the friction.
 PROVED_FORCE = Bound(5, 5)
 NORMAL_FORCE = Bound(8, 7)
 FRICTION_TORQUE = Bound(9, 8)
@@ -53,15 +53,15 @@ ACCELERATED_GRADIENT = Bound(12, 7)
 # Of the link angle, in rad; the parts of a shift by half a turn are not exact where theta_m is nearly 0.
 LARGEST_SHIFT = 3
 LARGEST_ANGLE = 10_000  # of the motor, in rad
-# A link that turns more than this would pass more half turns within that angle than are taken off exactly.
+# A link that turns further would pass more half turns within that angle than are subtracted exactly.
 LARGEST_RATIO = int(2 ** min(TURN_BITS.values()) * math.pi / LARGEST_ANGLE)
 
-# F_N of case C1, eq (8): what Gappa is given, as it is emitted.
+# F_N of case C1, eq (8), as emitted: the input of Gappa.
 _CENTRIFUGAL = v.M.symbol * v.L.symbol * (v.mu.symbol * v.omega_m.symbol) ** 2
 
 
 def promises(model: Model) -> tuple[str, ...]:
-    """One line for each bound that the model has; none where an effect bends the angle or adds to F_N."""
+    """One line for each bound that the model has; none if an effect changes the angle or adds to F_N."""
     inputs = {q.symbol for q in model.inputs}
     F_N = model.expand(normal_force(model))
     angles = {
@@ -75,7 +75,7 @@ def promises(model: Model) -> tuple[str, ...]:
     shifted = any(shift for _, shift in angles.values())
     tabled = _of_table_1(model)
     lines = _steady(model, bool(angles), tabled) if steady else _accelerated(model, tabled)
-    # The paper's own tilt is a parameter like any other; an effect's enters the critical velocity.
+    # The paper's own tilt is an ordinary parameter; that of an effect enters the critical velocity.
     rounded = sorted(map(str, F_N.atoms(sp.sin, sp.cos))) if steady else []
     given = [f"{', '.join(rounded)} in double precision as exact, too"] if rounded else []
     given += [f"the link angle shifted by {LARGEST_SHIFT} rad at most"] if shifted else []
@@ -86,7 +86,7 @@ def promises(model: Model) -> tuple[str, ...]:
 
 
 def _steady(model: Model, angle: bool, tabled: bool) -> list[str]:
-    """The bounds of a model without acceleration; its slopes are relative, too, where no angle is taken."""
+    """The bounds of a model without acceleration; its slopes are relative as well if there is no angle."""
     last = "units in the last place"
     if angle:
         force, friction = NORMAL_FORCE.within(last, tabled), FRICTION_TORQUE.within(last, tabled)
@@ -126,7 +126,7 @@ def _of_table_1(model: Model) -> bool:
 
 
 def _as_derived(F_N: sp.Expr, steady: bool) -> bool:
-    """Whether it is one product of parameters, speed and the careful steps, no effect added to it."""
+    """Whether it is one product of parameters, speed and stable steps, without an effect added to it."""
     magnitude = next((f for f in sp.Mul.make_args(F_N) if isinstance(f, Magnitude)), None)
     if magnitude is None:
         return not F_N.has(sp.Add)
@@ -135,7 +135,7 @@ def _as_derived(F_N: sp.Expr, steady: bool) -> bool:
 
 
 def _of_one_sign(model: Model) -> bool:
-    """Whether friction sums powers of load and speed that all oppose the motion; then its slopes do, too."""
+    """Whether friction sums powers of load and speed that all oppose the motion, as its slopes then do."""
     F_N, omega_m = normal_force(model), next(q.symbol for q in model.inputs if q.name == "omega_m")
     size = sp.Symbol("size", positive=True)
     tilts = [q.symbol for q in model.parameters if q.domain == "tilt"]  # from 0 to pi/2

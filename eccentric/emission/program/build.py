@@ -78,7 +78,7 @@ def _routine(model: Model, function: Function, shared: Prepare, half_turns: Half
         results = value + [(x.name, found[x.name]) for x in function.by if x.name in found]
         assignments = needed([a for a in steps if a.target not in gradient], [e for _, e in results])
     chained = frozenset(slopes.values())
-    # What depends on parameters only is moved to `prepare`; the rest keeps its order.
+    # Parts that depend on parameters only are moved to `prepare`; the rest keeps its order.
     lowering = Lowering(shared, half_turns)
     for assignment in assignments:
         if assignment.target in shared.symbols or assignment.value.free_symbols <= shared.symbols:

@@ -1,4 +1,4 @@
-"""From a Model to its emitted functions: which there are, what they depend on, what they return."""
+"""The emitted functions of a Model: which there are, what they depend on, what they return."""
 
 from __future__ import annotations
 
@@ -21,8 +21,8 @@ class Function:
         name, unit, meaning: as in Routine.
         results: label -> expression; the label is "" for a scalar function.
         by: symbols by which the one entry of `results` is differentiated; the function returns those slopes,
-            after the entry itself where that has a label.
-        definitions: of its own, beyond those of the model.
+            after the entry itself if that has a label.
+        definitions: its own, in addition to those of the model.
     """
 
     name: str
@@ -37,7 +37,7 @@ class Function:
 def closure(
     model: Model, results: tuple[tuple[str, sp.Expr], ...], own: tuple[Definition, ...] = ()
 ) -> tuple[Assignment, ...]:
-    """The definitions, the model's and those of a function's own, that the results need, in order."""
+    """The definitions, of the model and of the function itself, that the results need, in order."""
     needed = set().union(*(expression.free_symbols for _, expression in results))
     chosen: list[Assignment] = []
     for definition in reversed((*model.definitions, *own)):
@@ -48,7 +48,7 @@ def closure(
 
 
 def _note(model: Model, definition: Definition) -> str:
-    """Meaning and unit of a definition, and the number that the derivation gives it, else the paper."""
+    """Meaning, unit and equation number of a definition, from the derivation, else from the paper."""
     quantity = definition.quantity
     stated = [e.number for e in model.equations if e.left in (quantity.symbol, quantity.symbol**2)]
     number = next(filter(None, reversed(stated)), "") if stated else quantity.equation
@@ -58,8 +58,8 @@ def _note(model: Model, definition: Definition) -> str:
 def solve_current(model: Model) -> sp.Expr:
     """The armature current that the mechanical balance requires, eq (4) without the armature.
 
-    Where an effect depends on the current itself (torque ripple, saturation), the current without that effect
-    is put into it: exact to first order in the effect.
+    If an effect depends on the current itself (torque ripple, saturation), the current without that effect is
+    substituted: exact to first order in the effect.
     """
     mechanical = model.balance("mechanical")
     drive = next(term for term in mechanical.terms if term.kind == "drive")
@@ -73,7 +73,7 @@ def functions(model: Model) -> tuple[Function, ...]:
     """Every function that is emitted for the model, in the order of the module.
 
     Raises:
-        InputError: the model lacks something that they are made of.
+        InputError: the model lacks something that they require.
     """
     _require(model)
     mechanical, electrical = model.balance("mechanical"), model.balance("electrical")
@@ -84,9 +84,9 @@ def functions(model: Model) -> tuple[Function, ...]:
     current = solve_current(model)
     armature = electrical.sum_of("back_emf", "actuator").subs(v.i.symbol, current)
     voltage = resistance * current + armature
-    # (4) with alpha_m = 0 and without gravity: what is left of (k_i/R) u.
+    # (4) with alpha_m = 0 and without gravity: the rest of (k_i/R) u.
     resultant = friction + torque_constant / resistance * electrical.sum_of("back_emf")
-    # Held against measured data, both in N m; the electrical one as (k_i/R)(u - k_e omega_m) - k_i i.
+    # For comparison with measured data, both in N m; the electrical one as (k_i/R)(u - k_e omega_m) - k_i i.
     residual = mechanical.residual()
     electrical_residual = sp.expand_mul(torque_constant / resistance * electrical.residual())
     columns = regressor(model)
@@ -143,7 +143,7 @@ def functions(model: Model) -> tuple[Function, ...]:
         Function(
             "friction_coefficients",
             ", ".join(column.unit for column in columns),
-            "what the columns of the regressor multiply",
+            "coefficients of the columns of the regressor",
             coefficients,
         ),
         Function(
@@ -168,14 +168,14 @@ def functions(model: Model) -> tuple[Function, ...]:
         Function(
             "mechanical_residual",
             "N m",
-            "what the mechanical balance leaves: k_i i - J alpha_m - G - f",
+            "residual of the mechanical balance: k_i i - J alpha_m - G - f",
             (("", residual),),
             requires=inertia,
         ),
         Function(
             "electrical_residual",
             "N m",
-            "what the electrical balance leaves, as a torque: (k_i/R)(u - k_e omega_m) - k_i i",
+            "residual of the electrical balance, as a torque: (k_i/R)(u - k_e omega_m) - k_i i",
             (("", electrical_residual),),
         ),
     ]
@@ -201,7 +201,7 @@ def _require(model: Model) -> None:
 
 
 def normal_force(model: Model) -> sp.Symbol:
-    """The symbol of F_N, or of what an effect has put in its place."""
+    """The symbol of F_N, or of its replacement by an effect."""
     F_N = model.definition("F_N").symbol
     return model.replaced.get(F_N, F_N)
 
@@ -214,7 +214,7 @@ def _inputs(model: Model, expression: sp.Expr) -> tuple[sp.Symbol, ...]:
 
 
 def _polynomials(model: Model, resultant: sp.Expr) -> tuple[Function, ...]:
-    """F_3 ... F_0 for each direction where friction is a polynomial in the motor velocity (C1), else none."""
+    """F_3 ... F_0 for each direction if friction is a polynomial in the motor velocity (C1), else none."""
     values = [resultant, *(a.value for a in closure(model, (("", resultant),)))]
     names = {1: ("polynomial", "omega_m > 0"), -1: ("polynomial_neg", "omega_m < 0")}
     return tuple(

@@ -1,4 +1,4 @@
-"""Friction as few operations: terms that share a factor, or differ in direction only, become one."""
+"""Friction in few operations: terms that share a factor, or differ only in direction, become one."""
 
 from __future__ import annotations
 
@@ -15,8 +15,8 @@ def grouped(fixed: frozenset[sp.Symbol], slopes: frozenset[sp.Symbol], expressio
     """Friction as (... F_N + ...) omega_m + (... F_N + ...) sgn: fewest operations per call, (18)-(20).
 
     Args:
-        fixed: what depends on parameters only.
-        slopes: derivatives of values before it, by the chain rule in proportion to them.
+        fixed: symbols that depend on parameters only.
+        slopes: derivatives of earlier values, which enter proportionally by the chain rule.
         expression: the friction torque, or a derivative of it.
     """
     if not isinstance(expression, sp.Add):
@@ -33,7 +33,7 @@ def grouped(fixed: frozenset[sp.Symbol], slopes: frozenset[sp.Symbol], expressio
 
 
 def _collected(expression: sp.Expr, factors: list[sp.Expr]) -> sp.Expr:
-    """The sum with each of the factors written once, before all that it multiplies."""
+    """The sum with each of the factors written once, in front of its terms."""
     parts: dict[sp.Expr, list[sp.Expr]] = {}
     for term in expression.args:
         own = sp.Mul.make_args(term)
@@ -43,7 +43,7 @@ def _collected(expression: sp.Expr, factors: list[sp.Expr]) -> sp.Expr:
 
 
 def _by_direction(parameters: frozenset[sp.Symbol], expression: sp.Expr) -> sp.Expr:
-    """Addends that differ in gate and parameters only become one, its coefficient chosen by direction."""
+    """Addends that differ only in gate and parameters become one, with a coefficient chosen by direction."""
     pairs: dict[tuple[sp.Expr, sp.Expr], dict[type, sp.Expr]] = {}
     rest = []
     for term in sp.Add.make_args(expression):

@@ -1,11 +1,11 @@
-"""The angle of the link, counted from the top: functions of the emitted code's own that all routines share.
+"""The angle of the link from the top: private functions of the emitted code that all routines share.
 
-theta_m less the nearest k + 1/2 periods 2 pi/mu is the motor angle from the top. The period is held in parts,
-five in single precision, three in double; k + 1/2 times each but the last is exact, and so is what they leave
-of theta_m near the top. The last makes the angle right to its own last place, wherever the top is: what it is
-rounded by is 2^-64 of the period, in double 2^-119, and up to 1e4 rad no number comes so near to a top that
-this would show. Where the angle is shifted by a parameter, so is the top; `shift` holds the shift in parts,
-too.
+theta_m minus the nearest k + 1/2 periods 2 pi/mu is the motor angle from the top. The period is stored in
+parts, five in single precision, three in double; k + 1/2 times each but the last is exact, and so is the
+remainder of theta_m near the top. The last part makes the angle correct to its last place, wherever the top
+is: its rounding is 2^-64 of the period, in double 2^-119, and up to 1e4 rad no number is close enough to a
+top for this to matter. If the angle is shifted by a parameter, so is the top; `shift` stores the shift in
+parts as well.
 """
 
 from __future__ import annotations
@@ -75,23 +75,23 @@ class HalfTurns:
         first = Minus(first, shifts[0]) if shift else first
         second, third, fourth, fifth = zip(others, shifts[1:], strict=True)
         angle = (
-            Assignment(turns, nearest, "whole turns of the link and a half, up to the top that is nearest"),
+            Assignment(turns, nearest, "whole turns of the link plus a half, up to the nearest top"),
             Assignment(
                 rest,
                 Minus(_THETA, first),
-                "the turns go off in parts of few digits: all products but the last are exact",
+                "the turns are subtracted in parts of few digits: all products but the last are exact",
             ),
             Assignment(left, _reduced(_reduced(rest, second), third)),
             Assignment(reduced, InSingle(_reduced(_reduced(left, fourth), fifth), left)),
             Assignment(
                 _FROM_TOP,
                 Within(reduced, periods[0]),
-                "bounded for angles so large that nothing is left of their phase; infinity gives NaN",
+                "bounded for angles too large to have any phase; infinity gives NaN",
             ),
         )
         half, chord, half_sine = sp.symbols("half_angle chord half_sine", real=True)
         halved = Assignment(half, Times(_FROM_TOP, self._prepare("half_mu", mu / 2)))
-        # The sum last: what comes before it is small where digits count, and so are its roundings.
+        # The sum is last: the terms before it are small where digits matter, and so are their roundings.
         bent = Assignment(chord, Plus(_FROM_TOP, Times(_FROM_TOP, Call(SINE_RATIO, half))))
         level = Assignment(half_sine, Call(COSINE, half))
         self.helpers += [
@@ -103,7 +103,7 @@ class HalfTurns:
         ]
 
     def _period_parts(self, mu: sp.Expr) -> list[sp.Symbol]:
-        """Long division of 2 pi by mu: a digit, and what it leaves of 2 pi, which gives the next ones."""
+        """Long division of 2 pi by mu: a digit, and the remainder of 2 pi, which gives the next ones."""
         first = self._prepare("period_1", Leading(2 * sp.pi / mu))
         left = self._prepare("period_left", TurnLeft(first, mu) / mu)
         second = self._prepare("period_2", Leading(left))
@@ -112,6 +112,6 @@ class HalfTurns:
 
 
 def _reduced(left: sp.Expr, part: tuple[sp.Expr, sp.Expr]) -> sp.Expr:
-    """What is left of the angle behind the next part of the turns, and of the shift."""
+    """The angle minus the next part of the turns, and of the shift."""
     turned, shift = part
     return Plus(Minus(left, turned), shift) if shift else Minus(left, turned)

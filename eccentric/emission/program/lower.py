@@ -33,7 +33,7 @@ from eccentric.emission.program.program import Assignment
 from eccentric.emission.program.shift import split
 from eccentric.model import steps
 
-# What a reader of the emitted code must know of the steps, by the names that they get there.
+# Notes on the steps for readers of the emitted code, by their names there.
 _NOTES = {
     "square_difference": "speed^2 - omega_star^2; the difference is taken once, before anything is rounded",
     "inverse": "1 at the apex, where F_N is 0 and its derivatives are taken as 0",
@@ -98,7 +98,7 @@ class Lowering:
         return symbol
 
     def _late(self, product: sp.Expr) -> sp.Expr:
-        """Chord and half sine take longest: what is ready before them is multiplied first."""
+        """Chord and half sine take longest: values that are ready before them are multiplied first."""
         late = [self(a) for a in product.args if isinstance(a, _LATE)]
         others = sp.Mul(*(self(a) for a in product.args if not isinstance(a, _LATE)))
         for factor in late:
@@ -106,7 +106,7 @@ class Lowering:
         return others
 
     def _half_turn(self, step: sp.Expr) -> sp.Expr:
-        """A call of the program's own functions of the angle, which all routines share."""
+        """A call of the program's private functions of the angle, which all routines share."""
         angle, mu = step.args
         theta_m, shift = split(angle, self._prepare.symbols)
         if not theta_m:
@@ -153,7 +153,7 @@ class Lowering:
             return Pick(b, EQUAL, zero, zero, Times(a, b))
         if a in (symbol for value, symbol in self._done.items() if isinstance(value, steps.Sgn)):
             return Times(a, b)
-        # Where the gate is shut, the sign alone goes through it: a NaN stays, an infinity makes none.
+        # A closed gate passes only the sign: a NaN stays, an infinity gives none.
         return Times(Pick(b, EQUAL, zero, steps.Sgn(a), a), b)
 
     def _either(self, a: sp.Expr, taken: sp.Symbol, left: sp.Symbol, b: sp.Expr) -> sp.Expr:

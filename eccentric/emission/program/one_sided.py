@@ -24,14 +24,14 @@ _DIRECTED = Sgn | Forward | Backward | Gated
 
 
 def standstill(model: Model, friction: sp.Expr, direction: int) -> sp.Expr:
-    """The limit of the friction torque for velocity to 0 from above (1) or below (-1)."""
+    """The limit of the friction torque as the velocity tends to 0 from above (1) or below (-1)."""
     omega_m = v.omega_m.symbol
     moved = _moved(model)
     defined = {d.symbol: d.value for d in model.definitions if d.symbol in moved}
     for symbol in reversed(list(defined)):
         friction = friction.xreplace({symbol: defined[symbol]})
     friction = friction.xreplace(moving(omega_m, direction)).xreplace({omega_m: sp.Integer(0)})
-    # With zero speed the steps fold to plain numbers or to their other argument.
+    # At zero speed the steps reduce to plain numbers or to their other argument.
     friction = friction.replace(
         lambda e: isinstance(e, Gated) and e.args[1].is_number, lambda e: sp.Mul(*e.args)
     )
@@ -42,7 +42,7 @@ def standstill(model: Model, friction: sp.Expr, direction: int) -> sp.Expr:
     friction = friction.replace(
         lambda e: isinstance(e, Magnitude) and sp.S.Zero in e.args, lambda e: sp.Abs(sp.Add(*e.args))
     )
-    # By their definitions, which the stable form of F_N brings along.
+    # By their definitions, which are those of the stable form of F_N.
     scale_N, omega_star, weight = symbols(v.scale_N, v.omega_star, v.weight)
     return friction.subs(scale_N * omega_star**2, weight)
 
@@ -50,10 +50,10 @@ def standstill(model: Model, friction: sp.Expr, direction: int) -> sp.Expr:
 def polynomials(
     model: Model, resultant: sp.Expr, values: Iterable[sp.Expr]
 ) -> dict[int, tuple[sp.Expr, ...]]:
-    """F_3, F_2, F_1, F_0 by direction, 1 or -1, where friction is a polynomial in the velocity, else none.
+    """F_3, F_2, F_1, F_0 by direction, 1 or -1, if friction is a polynomial in the velocity, else none.
 
-    `values` are the resultant and the definitions that it needs. Where friction is symmetric, -1 says nothing
-    new and is left out.
+    `values` are the resultant and the definitions that it needs. If friction is symmetric, -1 gives nothing
+    new and is omitted.
     """
     omega_m = v.omega_m.symbol
     if _is_curved(model, values):
@@ -70,7 +70,7 @@ def polynomials(
 
 
 def _moved(model: Model) -> set[sp.Symbol]:
-    """The velocity, and what is defined by it, also by way of other definitions."""
+    """The velocity, and everything defined by it, directly or through other definitions."""
     moved = {v.omega_m.symbol}
     for definition in model.definitions:
         if definition.value.free_symbols & moved:
@@ -79,14 +79,14 @@ def _moved(model: Model) -> set[sp.Symbol]:
 
 
 def _is_curved(model: Model, values: Iterable[sp.Expr]) -> bool:
-    """Whether a stable step of the velocity is in them, besides those that tell its direction."""
+    """Whether they contain a stable step of the velocity, other than those of its direction."""
     moved = _moved(model)
     steps = {step for value in values for step in value.atoms(Step)}
     return any(step.free_symbols & moved for step in steps if not isinstance(step, _DIRECTED))
 
 
 def moving(omega_m: sp.Symbol, direction: int) -> dict[sp.Expr, sp.Expr]:
-    """What is known of the steps by direction for velocities above (1) or below (-1) zero."""
+    """The values of the steps by direction for velocities above (1) or below (-1) zero."""
     return {
         Sgn(omega_m): sp.Integer(direction),
         Forward(omega_m): sp.Integer(direction > 0),

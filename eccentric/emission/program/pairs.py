@@ -1,8 +1,8 @@
 """Parameters beyond double precision: which prepared values are computed as pairs of doubles, and how.
 
-A pair is an unevaluated sum, high + low, good for some 104 bits. What ends in a low part (the critical
-velocity, the period of the motor angle) is computed this way from the parameters on: near the zero of F_N the
-leading digits of speed and angle cancel against it, and the rest depends on the digits after them.
+A pair is an unevaluated sum, high + low, with some 104 bits. Values with a low part (the critical velocity,
+the period of the motor angle) are computed this way from the parameters on: near the zero of F_N the leading
+digits of speed and angle cancel against them, and the rest depends on the digits that follow.
 """
 
 from __future__ import annotations

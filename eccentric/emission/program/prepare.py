@@ -21,12 +21,12 @@ class Prepare:
         self._values: dict[sp.Expr, sp.Symbol] = {}
         self._names: dict[str, sp.Expr] = {}
         self._hoisted: dict[tuple[sp.Expr, str], sp.Expr] = {}
-        # A value that the model has a name for is called by it.
+        # A value that has a name in the model keeps it.
         self._defined = {d.value: d.symbol for d in model.definitions if d.value.free_symbols <= self.symbols}
         self._sums = [(symbol, value.args) for value, symbol in self._defined.items() if value.is_Add]
 
     def __call__(self, name: str, value: sp.Expr) -> sp.Symbol:
-        """The symbol of the value, by this or, where that is taken, another name."""
+        """The symbol of the value, with this name or, if that is taken, another one."""
         if value in self._values:
             return self._values[value]
         if value in self._defined:
@@ -39,7 +39,7 @@ class Prepare:
         return symbol
 
     def define(self, symbol: sp.Symbol, value: sp.Expr) -> None:
-        """Take `symbol = value` over, once."""
+        """Add `symbol = value`, once."""
         if symbol in self.symbols:
             return
         self.symbols.add(symbol)
@@ -50,8 +50,8 @@ class Prepare:
     def hoist(self, expression: sp.Expr, role: str = "coefficient") -> sp.Expr:
         """The expression with its parameter-only parts replaced by coefficients that `prepare` computes.
 
-        A sign stays in the expression: no coefficient is another one's negative. `role` is the name of what
-        has a formula too long for a name.
+        A sign stays in the expression: no coefficient is the negative of another. `role` names values whose
+        formula is too long for a name.
         """
         if (expression, role) not in self._hoisted:
             self._hoisted[expression, role] = self._hoist(expression, role)
@@ -88,7 +88,7 @@ class Prepare:
         return expression.func(*(self.hoist(argument, role) for argument in expression.args))
 
     def _folded(self, value: sp.Expr) -> sp.Expr:
-        """A sum with what the model has a name for called by it: B_m + mu^2 B_lT F_T is B."""
+        """A sum with the model's names for its parts: B_m + mu^2 B_lT F_T is B."""
         named = [
             (symbol, parts)
             for symbol, parts in self._sums
@@ -107,7 +107,7 @@ class Prepare:
 
 
 def notes(model: Model, shared: Prepare) -> tuple[tuple[str, str], ...]:
-    """What each coefficient is: its meaning and unit, or its formula."""
+    """The description of each coefficient: its meaning and unit, or its formula."""
     known = {q.symbol.name: f"{q.meaning} [{q.unit}]" for q in model.parameters}
     known |= {d.quantity.name: f"{d.quantity.meaning} [{d.quantity.unit}]" for d in model.definitions}
     values = {a.target: a.value for a in shared.assignments}
@@ -116,27 +116,27 @@ def notes(model: Model, shared: Prepare) -> tuple[tuple[str, str], ...]:
 
 
 def _formula(value: sp.Expr, values: dict[sp.Symbol, sp.Expr]) -> str:
-    """The formula of a coefficient as a person writes it."""
+    """The formula of a coefficient as a person would write it."""
     if isinstance(value, InSingle):
         return f"{_formula(value.args[0], values)}, in double all"
     if isinstance(value, Leading | Rounded):
         kind = "leading digits" if isinstance(value, Leading) else "in the working precision"
         if any(_is_left(values[s], values) for s in value.free_symbols if s in values):
-            return f"what the parts before it leave, {kind}"
+            return f"remainder after the previous parts, {kind}"
         return f"{_formula(exact(value.args[0]), values)}, {kind}"
-    # What is subtracted stands last.
+    # Subtracted terms come last.
     terms = sorted(exact(value).as_ordered_terms(), key=_is_negative)
     text = " + ".join(map(str, terms)).replace("+ -", "- ").replace("Leading(", "leading digits of (")
     return text.replace("**", "^").replace("*", " ")
 
 
 def _is_left(value: sp.Expr, values: dict[sp.Symbol, sp.Expr]) -> bool:
-    """Whether it follows from what a part leaves of a number."""
+    """Whether it depends on the remainder after a part of a number."""
     known = [values[s] for s in value.free_symbols if s in values]
     return value.has(TurnLeft, Low) or any(_is_left(v, values) for v in known)
 
 
-# Names differ within their first 31 characters, which every C compiler tells apart.
+# Names differ within their first 31 characters, which every C compiler distinguishes.
 _LONGEST = 31
 _NUMBERS = {
     2: "twice",
@@ -149,7 +149,7 @@ _NUMBERS = {
 
 
 def _is_negative(expression: sp.Expr) -> bool:
-    """Whether it is written with a minus sign before everything."""
+    """Whether it is written with a leading minus sign."""
     if expression.is_Add:
         return all(map(_is_negative, expression.args))
     return expression.as_coeff_Mul()[0].is_negative is True
@@ -164,7 +164,7 @@ _MULTIPLIES = {
 
 
 def _role(moving: list[sp.Expr], role: str) -> str:
-    """What a factor of these is in the friction model; `role` if that cannot be told."""
+    """The meaning of such a factor in the friction model; `role` if unknown."""
     if any(isinstance(factor, Sgn) for factor in moving):
         return "coulomb"
     named = [_MULTIPLIES[factor] for factor in moving if factor in _MULTIPLIES]

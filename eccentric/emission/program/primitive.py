@@ -1,7 +1,7 @@
-"""Primitive operations: what lowered expressions are made of, printed one to one by every back end.
+"""Primitive operations: the elements of lowered expressions, printed one to one by every back end.
 
-They take their arguments as they stand; SymPy neither re-orders nor simplifies them. So NumPy and C compute
-the same bits.
+They keep their arguments unchanged; SymPy neither reorders nor simplifies them. So NumPy and C compute the
+same bits.
 """
 
 from __future__ import annotations
@@ -40,19 +40,19 @@ class Rounded(Step):
 
 
 class Low(Step):
-    """The digits of a parameter-only number that its double does not hold; 0 in exact arithmetic."""
+    """The digits of a parameter-only number beyond those of its double; 0 in exact arithmetic."""
 
 
 class TurnLeft(Step):
-    """2 pi - a b, its digits kept where a b is nearly 2 pi (prepare only)."""
+    """2 pi - a b, without losing digits if a b is close to 2 pi (prepare only)."""
 
 
 class AtMost(Step):
-    """AtMost(a, b): the lesser of both; NaN stays."""
+    """AtMost(a, b): the smaller of both; NaN stays."""
 
 
 class Within(Step):
-    """Within(a, b): a, but at least -b and at most b, which is positive; NaN stays."""
+    """Within(a, b): a limited to -b and b, for positive b; NaN stays."""
 
 
 class InSingle(Step):
@@ -60,7 +60,7 @@ class InSingle(Step):
 
 
 class Call(Step):
-    """A function of emission's own, by its name."""
+    """A private function of the emitted code, by its name."""
 
 
 class Pick(Step):
@@ -75,7 +75,7 @@ ABOVE, BELOW, AT_MOST, EQUAL = sp.symbols("> < <= ==")  # relations of Pick
 
 
 def exact(value: sp.Expr) -> sp.Expr:
-    """The parameter-only value with the primitive operations in SymPy's; rounding stays what it is."""
+    """The parameter-only value with SymPy's operations for the primitive ones; rounding is unchanged."""
     plain = {
         Low: lambda _: sp.Integer(0),
         TurnLeft: lambda a, b: 2 * sp.pi - a * b,

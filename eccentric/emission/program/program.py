@@ -1,7 +1,7 @@
 """The Program: ordered named assignments, split into parameter-only and per-sample work.
 
-It is what emission prints. It knows nothing of friction: inputs may be vectors, and assignments are
-differentiated one by one (never one expanded expression), so that a chain of n links needs no rewrite.
+It is what emission prints. It knows nothing about friction: inputs may be vectors, and assignments are
+differentiated one by one (never as one expanded expression), so that a chain of n links needs no rewrite.
 """
 
 from __future__ import annotations
@@ -36,7 +36,7 @@ class Input:
 
 @dataclass(frozen=True)
 class Assignment:
-    """`target = value`; `note` is a comment for it, where its name does not tell."""
+    """`target = value`; `note` is a comment, if the name is not enough."""
 
     target: sp.Symbol
     value: sp.Expr
@@ -93,8 +93,8 @@ class Program:
         coefficients: the targets of `prepare` that the routines use.
         routines: the emitted functions.
         constants: names that the module carries, such as the columns of its regressor.
-        notes: what each coefficient is: meaning and unit, or its formula.
-        defaults: where the default parameters come from, in words.
+        notes: description of each coefficient: meaning and unit, or its formula.
+        defaults: origin of the default parameters, in words.
         helpers: private functions that the routines call.
         promises: bounds of the rounding error, one line each.
     """
@@ -117,13 +117,13 @@ class Program:
         return tuple(a for part in (*self.helpers, *self.routines) for a in part.assignments)
 
     def held(self, *, single: bool) -> tuple[sp.Symbol, ...]:
-        """The coefficients of one precision as C holds them: what only single precision takes stands last."""
+        """The coefficients of one precision in the order of C: those for single precision only come last."""
         shared = tuple(s for s in self.coefficients if s not in self.single_only)
         return shared + tuple(s for s in self.coefficients if single and s in self.single_only)
 
     @cached_property
     def single_only(self) -> frozenset[sp.Symbol]:
-        """What is prepared for single precision alone."""
+        """Coefficients that are prepared for single precision only."""
 
         def prepared(choice: int) -> set[sp.Symbol]:
             def chosen(a: Assignment) -> Assignment:

@@ -1,9 +1,9 @@
-"""Minimax polynomials of emission's own for the half angle: no back end needs a sine from its library.
+"""Minimax polynomials for the half angle: no back end needs a sine from its library.
 
-sin(h)/h = 1 + x S(x) and cos(h) = 1 + x C(x), x = h^2, for |h| up to a quarter turn. S and C come from Remez'
-exchange at 40 digits, for the least greatest error: relative for the sine, which the normal force takes its
-last digits from, absolute for the cosine. The degree is the least that keeps it below a fifth of a unit of
-the working precision. The error that is stated is that of the coefficients rounded to the working precision.
+sin(h)/h = 1 + x S(x) and cos(h) = 1 + x C(x), x = h^2, for |h| up to a quarter turn. S and C come from the
+Remez exchange at 40 digits, with the least maximum error: relative for the sine, which determines the last
+digits of the normal force, absolute for the cosine. The degree is the lowest with an error below a fifth of a
+unit of the working precision. The stated error is that of the coefficients rounded to the working precision.
 """
 
 from __future__ import annotations
@@ -17,29 +17,29 @@ import mpmath
 
 from eccentric.emission.program.digits import BITS
 
-_DIGITS = 40  # of which the solution of the equations loses ten
-# The half angle lies within a quarter turn; a little more for its own rounding, which in single precision is
-# 2^-10 of half a turn at most (tests/test_polynomials.py): the error is that up to the latter edge.
+_DIGITS = 40  # ten of which are lost in solving the equations
+# The half angle is within a quarter turn, plus its own rounding, which in single precision is at most 2^-10
+# of half a turn (tests/test_polynomials.py): the error is that up to the latter edge.
 _FITTED, _EDGE = "1.001", "1.002"
-_GRID = 160  # points among which the extrema of the error are looked for
+_GRID = 160  # points for the search of the extrema of the error
 _EXCHANGES = 4
-# Between points like these a polynomial of degree n is at most 1/cos(n pi/2 _GRID) times what it is at them
-# (Ehlich and Zeller, Mathematische Zeitschrift 86, 1964): 1 % more for a degree of 14, by which all digits
-# that matter here are there.
+# Between such points a polynomial of degree n is at most 1/cos(n pi/2 _GRID) times its maximum at them
+# (Ehlich and Zeller, Mathematische Zeitschrift 86, 1964): 1 % more for degree 14, at which all relevant
+# digits are reached.
 _BETWEEN = Decimal("1.01")
-# How far rounding takes them from what the same coefficients give exactly, in single and in double precision:
-# Gappa proves it, asked by tests/test_polynomials.py.
+# Rounding errors of the polynomials relative to exact evaluation with the same coefficients, in single and in
+# double precision: proved by Gappa in tests/test_polynomials.py.
 _ROUNDING = {"sine_ratio": ("6.2e-8", "1.2e-16"), "cosine": ("2.3e-7", "4.2e-16")}
 
 
 @dataclass(frozen=True)
 class Polynomial:
-    """Coefficients of S or C from the highest power down, as decimals, and what is known of their errors.
+    """Coefficients of S or C from the highest power down, as decimals, and bounds of their errors.
 
     Attributes:
         coefficients: as they are printed.
-        error: at most that of the method, of 1 + x S(x) relative to sin(h)/h, of 1 + x C(x) absolute.
-        rounding: at most what rounding adds to x S(x) or 1 + x C(x), absolute.
+        error: bound of the method's error, of 1 + x S(x) relative to sin(h)/h, of 1 + x C(x) absolute.
+        rounding: bound of the rounding error of x S(x) or 1 + x C(x), absolute.
     """
 
     coefficients: tuple[str, ...]
@@ -62,7 +62,7 @@ def _samples(name: str, edge: str) -> tuple[list[Decimal], list[tuple[Decimal, D
 
 
 def _decimal(x: mpmath.mpf | int) -> Decimal:
-    # Python's decimals are a tenth of the work: the exchange is nothing but sums and products.
+    # Python's decimals take a tenth of the time: the exchange consists of sums and products only.
     return Decimal(mpmath.nstr(mpmath.mpf(x), _DIGITS))
 
 
@@ -93,14 +93,14 @@ def _rounded(decimals: Iterable[str], bits: int) -> list[Decimal]:
 def _remez(
     grid: list[Decimal], exact: list[tuple[Decimal, Decimal]], count: int, allowed: Decimal
 ) -> tuple[list[Decimal], Decimal]:
-    """The coefficients, highest first, whose greatest weighted error is least, and that error.
+    """The coefficients, highest first, with the least maximum weighted error, and that error.
 
-    Where so few coefficients cannot come down to the allowed error, what they leave at least.
+    If so few coefficients cannot reach the allowed error, a lower bound of their error.
     """
     at = [(2 * k + 1) * _GRID // (2 * count + 2) for k in range(count + 1)]
     coefficients, error = [], Decimal(0)
     for _ in range(_EXCHANGES):
-        # The weighted error is the same at all these points, its sign in turn.
+        # The weighted error is the same at all these points, with alternating sign.
         rows = [
             [*(grid[k] ** (j + 1) for j in range(count)), (-1) ** n / exact[k][1], exact[k][0] - 1]
             for n, k in enumerate(at)
@@ -118,7 +118,7 @@ def _remez(
 
 
 def _solved(rows: list[list[Decimal]]) -> list[Decimal]:
-    """The solution of linear equations, each its coefficients and its right side: Gauss and Jordan."""
+    """The solution of linear equations, each given by coefficients and right side: Gauss-Jordan."""
     for k in range(len(rows)):
         pivot = max(range(k, len(rows)), key=lambda n: abs(rows[n][k]))
         rows[k], rows[pivot] = rows[pivot], rows[k]
@@ -144,7 +144,7 @@ def _errors(
 
 
 def _extrema(errors: list[Decimal]) -> list[int]:
-    """Where the error is greatest within each stretch of one sign."""
+    """The points of largest error within each stretch of one sign."""
     found: list[int] = []
     for k, error in enumerate(errors):
         if found and error * errors[found[-1]] > 0:

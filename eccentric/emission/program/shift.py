@@ -20,7 +20,7 @@ _Results = Sequence[tuple[str, sp.Expr]]
 def written_out(
     assignments: Sequence[Assignment], results: _Results, fixed: Collection[sp.Symbol]
 ) -> tuple[list[Assignment], list[tuple[str, sp.Expr]]]:
-    """Half-turn steps of a defined angle as those of what it is defined as, where that is only shifted.
+    """Half-turn steps of a defined angle, replaced by those of the angle that it shifts.
 
     Args:
         assignments: the definitions, in order.
@@ -39,7 +39,7 @@ def written_out(
 
 
 def split(angle: sp.Expr, fixed: Collection[sp.Symbol]) -> tuple[sp.Expr, sp.Expr]:
-    """A symbol and what is added to it, both 0 where the angle is anything else."""
+    """A symbol and its shift, both 0 if the angle is anything else."""
     shift = sp.Add(*(a for a in sp.Add.make_args(angle) if a.free_symbols <= set(fixed)))
     moving = angle - shift
     return (moving, shift) if moving.is_Symbol else (sp.Integer(0), sp.Integer(0))
@@ -48,8 +48,8 @@ def split(angle: sp.Expr, fixed: Collection[sp.Symbol]) -> tuple[sp.Expr, sp.Exp
 def parts(shift: sp.Symbol, first: sp.Symbol, prepare: Prepare) -> list[sp.Symbol]:
     """The shift in parts of few digits, subtracted after those of the period, each after its own.
 
-    The first is a multiple of the last digit of the period's first part: a number of half turns of that, less
-    the shift's, is exact, and so is the little that both leave of theta_m at the top.
+    The first is a multiple of the last digit of the period's first part: a number of half turns of that,
+    minus the shift's, is exact, and so is the small remainder of theta_m at the top.
     """
     twice = 2 * first  # so that the sum is not small, whatever the sign of the shift
     one = prepare(f"{shift.name}_1", Minus(Leading(Plus(twice, shift)), twice))
@@ -59,7 +59,7 @@ def parts(shift: sp.Symbol, first: sp.Symbol, prepare: Prepare) -> list[sp.Symbo
 
 
 def last_parts(name: str, left: sp.Symbol, prepare: Prepare) -> list[sp.Symbol]:
-    """The third part and those after it, of what the first two leave."""
+    """The third part and those after it, from the remainder after the first two."""
     third = prepare(f"{name}_3", InSingle(Leading(left), Rounded(left)))
     fourth = prepare(f"{name}_4", Leading(Minus(left, third)))
     last = prepare(f"{name}_last", Minus(Minus(left, third), fourth))

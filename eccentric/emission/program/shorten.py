@@ -1,4 +1,4 @@
-"""Long assignments cut into parts, so that every emitted line can be read (and formatters leave it alone)."""
+"""Long assignments split into parts, so that every emitted line is readable (and formatters keep it)."""
 
 from __future__ import annotations
 
@@ -33,9 +33,9 @@ def shortened(assignments: Iterable[Assignment]) -> tuple[Assignment, ...]:
 
 
 def without_copies(assignments: Iterable[Assignment], results: Iterable[sp.Symbol]) -> tuple[Assignment, ...]:
-    """The assignments, each value computed once and under one name; results stay.
+    """The assignments, with each value computed once and under one name; results are kept.
 
-    Of two names the one that comes with a note stays.
+    Of two names the one with a note is kept.
     """
     kept: list[Assignment] = []
     names: dict[sp.Expr, sp.Symbol] = {}
@@ -66,7 +66,7 @@ def _length(target: sp.Symbol, value: sp.Expr) -> int:
 
 @cache
 def _spelled(value: sp.Expr) -> str:
-    """As SymPy spells it: what differs between two functions of a model is little."""
+    """As SymPy spells it, cached: two functions of a model differ little."""
     return str(value)
 
 

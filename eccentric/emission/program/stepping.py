@@ -1,8 +1,8 @@
 """The hidden states one time step later, for any time step: without elapsed time, nothing changes.
 
-A model says what a state becomes over a time step, which is positive. Firmware also passes 0 (the first
-sample, a time stamp twice) and less (a counter that ran over). Then the states stay, and nothing that is
-computed on the way divides by less than the shortest time step.
+A model defines the update of a state over a positive time step. Firmware also passes 0 (the first sample, a
+repeated time stamp) and negative ones (a counter overflow). Then the states stay unchanged, and nothing in
+the computation divides by less than the shortest time step.
 """
 
 from __future__ import annotations
@@ -13,20 +13,20 @@ from eccentric.emission.program.primitive import BELOW, Pick
 from eccentric.model import Definition, Model, quantity
 from eccentric.model import vocabulary as v
 
-# In seconds: less than any loop takes, and second differences of a current over it are no overflow in float.
+# In seconds: shorter than any loop, and second differences of a current over it do not overflow in float.
 SHORTEST = "1e-9"
 _DT, _LEAST = v.dt.symbol, sp.Rational(SHORTEST)
 _ELAPSED = Definition(quantity("elapsed", "s", "time step, at least the shortest"), sp.Max(_DT, _LEAST))
 
 
 def meaning(model: Model) -> str:
-    """What `next_state` gives, in words."""
-    kept = f", unchanged where dt is less than {SHORTEST} s" if _is_timed(model) else ""
+    """The result of `next_state`, in words."""
+    kept = f", unchanged if dt is less than {SHORTEST} s" if _is_timed(model) else ""
     return f"the hidden states one time step later{kept}"
 
 
 def updates(model: Model) -> tuple[tuple[str, sp.Expr], ...]:
-    """Name and value one time step later of each hidden state; without a time step every call is one."""
+    """Name and value one time step later of each hidden state; without dt, every call is one time step."""
     if not _is_timed(model):
         return tuple((state.quantity.name, state.update) for state in model.states)
     return tuple(
@@ -39,7 +39,7 @@ def updates(model: Model) -> tuple[tuple[str, sp.Expr], ...]:
 
 
 def definitions(model: Model) -> tuple[Definition, ...]:
-    """What the updates need beyond the model's own definitions."""
+    """Definitions that the updates need in addition to the model's."""
     return (_ELAPSED,) if _is_timed(model) else ()
 
 

@@ -1,4 +1,4 @@
-"""The coefficients of the default parameters, computed in mpmath: the target has nothing left to compute."""
+"""The coefficients of the default parameters, computed in mpmath, so that the target need not."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ from eccentric.model import Leading
 def evaluate_prepare(program: Program, single: bool) -> dict[str, str]:
     """Every parameter and prepared value at the default parameters, as decimals of the working precision.
 
-    Parameters count as the exact decimals they are written as. Without a default a value is "NAN".
+    Parameters count as exact decimals, as written. A value without a default is "NAN".
 
     Raises:
         UnprintableError: an operation that no back end computes.
@@ -69,7 +69,7 @@ def _value(e: sp.Expr, values: Mapping[sp.Symbol, mpmath.mpf], single: bool) -> 
         return mpmath.mpf(e.evalf(mpmath.mp.dps))
     if isinstance(e, sp.Piecewise):
         return next(_value(x, values, single) for x, condition in e.args if _holds(condition, values, single))
-    if isinstance(e, Low):  # what is evaluated here is not rounded
+    if isinstance(e, Low):  # nothing is rounded here
         return mpmath.mpf(0)
     if isinstance(e, InSingle):
         return _value(e.args[0 if single else 1], values, single)

@@ -1,4 +1,4 @@
-"""Lines of C: long ones are broken."""
+"""Lines of C, with long ones broken."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ _WIDTH = 110
 
 
 def filled(text: str, indent: int = 4) -> list[str]:
-    """The lines of a text that is set in, those after the first a little more."""
+    """The lines of an indented text, with a further indent after the first."""
     return textwrap.wrap(
         text, _WIDTH - indent, subsequent_indent="    ", break_long_words=False, break_on_hyphens=False
     )
@@ -21,7 +21,7 @@ def code(lines: Iterable[str], indent: int = 4) -> list[str]:
 
 
 def wrapped(result: str, name: str, arguments: list[str]) -> str:
-    """The head of a function, an argument a line where it is long."""
+    """The head of a function, with one argument per line if it is long."""
     line = f"{result} {name}({', '.join(arguments)})"
     if len(line) < _WIDTH:
         return line

@@ -1,4 +1,4 @@
-"""Printing of what is computed as pairs of doubles: nested calls of the pair functions."""
+"""Printing of expressions in pairs of doubles: nested calls of the pair functions."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ def pair_text(e: sp.Expr, pairs: frozenset[sp.Symbol], plain: Language, call: Ca
     Args:
         e: what to print.
         pairs: symbols that are pairs themselves.
-        plain: how to print what is a double and counts as exact.
+        plain: how to print a double, which counts as exact.
         call: the spelling of a pair function: `exact`, `plus`, `times`, `over`, `root` or `turn_left`.
     """
 

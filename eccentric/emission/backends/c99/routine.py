@@ -18,7 +18,7 @@ _EXACT = "2^{double} half turns of the link (float: 2^{single})".format_map(TURN
 
 
 def routine(program: Program, r: Routine, coefficients: set[str]) -> dict[str, Any]:
-    """What the templates take of a routine; `coefficients` are the names of what is prepared."""
+    """What the templates need of a routine; `coefficients` are the names of the prepared values."""
     parts = staged(r)
     twin = twin_of(program, r)
     return {
@@ -55,7 +55,7 @@ def _twin(program: Program, r: Routine) -> dict[str, str]:
 
 
 def helper(program: Program, h: Helper, coefficients: set[str]) -> dict[str, Any]:
-    """What the templates take of a helper."""
+    """What the templates need of a helper."""
     result = h.assignments[-1].target.name
 
     def line(target: str, text: str) -> str:
@@ -117,7 +117,7 @@ def _signatures(program: Program, r: Routine, parts: Staged) -> dict[str, str]:
 
 
 def _calls(program: Program, r: Routine, parts: Staged, coefficients: set[str]) -> dict[str, Any]:
-    """How the kernel is called, for one sample and stage by stage for arrays."""
+    """Calls of the kernel, for one sample and stage by stage for arrays."""
     own, ready, width = f"{program.name}_{r.name}", _ready(parts), len(r.labels)
     early = (*parts.angles, *parts.bent)
     passed = [*(x.quantity.name for x in parts.inputs), *ready, *(["out"] if r.labels else []), "c"]
@@ -171,7 +171,7 @@ def _line_of(r: Routine) -> Callable[[str, str], str]:
 
 
 def _ready(parts: Staged) -> list[str]:
-    """Names of what the kernel is given beside the inputs."""
+    """Names of the kernel's arguments other than the inputs."""
     return [a.target.name for a in parts.bent]
 
 

@@ -1,7 +1,7 @@
 """A routine in stages: the angle, what follows from it, the rest.
 
-Every operation on a sample waits for the one before it, some 150 cycles in all, and a processor looks ahead
-only so far. In stages of a third of the length, a block of samples at a time, it works on several at once.
+Every operation on a sample waits for the one before it, some 150 cycles in all, and a processor's look-ahead
+is limited. In stages of a third of the length, on a block of samples, it processes several at once.
 """
 
 from __future__ import annotations
@@ -20,8 +20,8 @@ class Staged:
     Attributes:
         angles: calls of helpers with an input.
         bent: calls of helpers with one of `angles`.
-        rest: what is left.
-        inputs: those that the rest takes.
+        rest: the remaining part.
+        inputs: those that the rest uses.
     """
 
     angles: tuple[Assignment, ...]
@@ -31,7 +31,7 @@ class Staged:
 
 
 def staged(routine: Routine) -> Staged:
-    """The routine in stages; the first two are empty where it takes no angle straight from its inputs."""
+    """The routine in stages; the first two are empty if it takes no angle directly from its inputs."""
     given = {s for x in routine.inputs if x.length is None for s in x.symbols}
     angles = tuple(a for a in routine.assignments if _calls(a, given))
     bent = tuple(a for a in routine.assignments if _calls(a, {a.target for a in angles}))

@@ -1,4 +1,4 @@
-"""What `header.h.jinja` and `source.c.jinja` may see: the Program as lines of C, nothing symbolic left."""
+"""The variables of `header.h.jinja` and `source.c.jinja`: the Program as lines of C, nothing symbolic."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ from eccentric.emission.program import (
 )
 from eccentric.model import Backward, Forward, Quantity, Sgn
 
-# Written so that NaN goes in and NaN comes out; one comparison a line is one instruction of a vector unit.
+# Written so that NaN in gives NaN out; one comparison per line is one instruction of a vector unit.
 _HELPERS = {
     "sgn": (
         "const real x",
@@ -45,7 +45,7 @@ _NEEDS = {"sgn": (Sgn,), "forward": (Forward, Backward), "within": (Within,)}
 
 
 def view(program: Program, digest: str) -> dict[str, Any]:
-    """All that the templates of header and source are filled with; `digest` is that of the code."""
+    """All variables of the templates of header and source; `digest` is that of the code."""
     prepared = {a.target.name for a in program.prepare}
     paired_symbols = paired(program)
     pairs = {s.name for s in paired_symbols}

@@ -1,4 +1,4 @@
-"""What is computed as pairs of doubles, as formulas of `runtime.Pair`."""
+"""Expressions in pairs of doubles, as formulas of `runtime.Pair`."""
 
 from __future__ import annotations
 
@@ -20,14 +20,14 @@ def pair_text(e: sp.Expr, pairs: frozenset[sp.Symbol], plain: Language, name: Ca
     Args:
         e: what to print.
         pairs: symbols that are Pairs.
-        plain: how to print what is a float and counts as exact.
+        plain: how to print a float, which counts as exact.
         name: the spelling of a Pair.
     """
     return _Formulas(pairs, plain, name).pair(e)[0]
 
 
 class _Formulas:
-    """A formula is its text and how tightly that holds together."""
+    """A formula is its text and its precedence."""
 
     def __init__(self, pairs: frozenset[sp.Symbol], plain: Language, name: Callable[[str], str]) -> None:
         self._pairs, self._plain, self._name = pairs, plain, name
@@ -38,7 +38,7 @@ class _Formulas:
         return (text, level) if is_pair else (f"runtime.Pair({text})", _ATOM)
 
     def _term(self, e: sp.Expr) -> tuple[str, int, bool]:
-        """The expression as a Pair, or as a float where that is exact."""
+        """The expression as a Pair, or as a float if that is exact."""
         if e in self._pairs:
             return self._name(e.name), _ATOM, True
         if isinstance(e, sp.Piecewise):

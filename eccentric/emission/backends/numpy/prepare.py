@@ -1,4 +1,4 @@
-"""`_prepare` of the module: what depends on parameters only, as lines of Python."""
+"""`_prepare` of the module: values that depend on parameters only, as lines of Python."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ _WIDTH = 106
 
 
 def prepare(program: Program) -> list[str]:
-    """The lines; a coefficient is an attribute of c, a parameter one of p, and all else a local name."""
+    """The lines; a coefficient is an attribute of c, a parameter one of p, anything else a local name."""
     coefficients = {s.name for s in program.coefficients}
     prepared = {a.target.name for a in program.prepare}
     optional = [q for q in program.parameters if q.default is None or q.default.free_symbols]
@@ -49,7 +49,7 @@ def _default(q: Quantity) -> str:
 
 
 def _broken(target: str, value: str) -> list[str]:
-    """An assignment as formatters spell it: a choice that is too long takes a line for each part."""
+    """An assignment in formatter style: a choice that is too long has a line for each part."""
     if len(f"{target} = {value}") <= _WIDTH or " if " not in value:
         return [f"{target} = {value}"]
     first, _, rest = value.partition(" if ")

@@ -1,4 +1,4 @@
-"""What the templates of module and runtime may see: the Program as lines of Python, nothing symbolic left."""
+"""The variables of the templates of module and runtime: the Program as lines of Python, nothing symbolic."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from eccentric.model import Quantity
 
 
 def view(program: Program, _: str) -> dict[str, Any]:
-    """All that the templates of the NumPy module are filled with; it carries no digest."""
+    """All variables of the templates of the NumPy module; it contains no digest."""
     lines = prepare(program)
     return {
         "title": program.title,
@@ -32,7 +32,7 @@ def view(program: Program, _: str) -> dict[str, Any]:
         "states": quoted([q.name for q, _ in program.states]) if program.states else "",
         "follow": _follow(program),
         "polynomials": [_polynomial(s.name) for s in (SINE_RATIO, COSINE)],
-        # Veltkamp's split, in double also where the working precision is single.
+        # Veltkamp's split, in double even if the working precision is single.
         "leading": {name: f"{2 ** (BITS['double'] - bits) + 1}.0" for name, bits in LEADING_BITS.items()},
     }
 
@@ -53,7 +53,7 @@ def _parameter(q: Quantity) -> dict[str, str]:
 
 
 def _follow(program: Program) -> dict[str, Any]:
-    """The pass of the hidden states along a log; nothing for a model without."""
+    """The pass of the hidden states along a log; nothing for a model without states."""
     if not program.states:
         return {}
     stepped = next(r for r in program.routines if r.name == "next_state")
