@@ -41,7 +41,7 @@ def servo_residual(found: Diagnosis) -> Figure:
         against = 1e3 * fit.residuals["mechanical"] * _factor(fit, found) * np.sign(speed)
         band(left, load[rows.score], against[rows.score], edges, label, colour, line)
     left.axhline(0.0, color=PALE, linewidth=0.8, zorder=0)
-    left.set(xlabel="torque that the gear passes on [N m]", ylabel="held-out residual [mN m]")
+    left.set(xlabel="torque that the gear transmits [N m]", ylabel="held-out residual [mN m]")
     left.legend(loc="upper left")
     effect, own = next((e, v) for e, v in found.models.extended.effects if e.balance == "mechanical")
     shape = {s.quantity.name: own[s.quantity.name] for s in effect.shapes}

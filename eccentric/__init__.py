@@ -1,26 +1,26 @@
-"""Friction models of drives that swing an unbalanced mass: derived, emitted, held against measured data.
+"""Friction models of drives that swing an unbalanced mass: derived, emitted, compared with measured data.
 
     read_log, read_rig    a file or a table in memory; a file or a mapping     -> Log, Rig
-    fit                   logs, rig -> FitResult: estimates with uncertainty, error on what was held out
-    diagnose              logs, rig -> DiagnosisResult: what the model lacks, and the model that has it
+    fit                   logs, rig -> FitResult: estimates with uncertainty, held-out error
+    diagnose              logs, rig -> DiagnosisResult: what the model lacks, and the extended model
     load_model, emit      a derivation -> Model; a Model -> NumPy module and C99 files
     compile               a Model -> a Python module whose functions are the emitted C
     bench                 a virtual test bench: log, rig and truth             -> BenchResult
 
-Bad input raises InputError, one line. Everything is imported when it is first used.
+Bad input raises InputError, with a message of one line. Everything is imported when it is first used.
 
-Inside, each stage has a room of its name, and imports run one way, each room through the doors of those
-before it:
+Inside, each stage has its own packages, called rooms. Imports run one way: a room imports those before it,
+through their `__init__`:
 
     derive    derivations/*.py         first principles -> Model        (model, effects)
     emit      Model -> Program         -> NumPy module, C99             (emission, templates/)
     read      log + rig                -> signals                       (logs, rigs, signals)
     fit       signals + Model          -> coefficients, residual        (fitting)
     diagnose  residual + effects       -> verdict, extended Model       (search, diagnosis, report)
-    run       Model -> its C           -> a module of Python            (compiled)
+    run       Model -> its C           -> a Python module               (compiled)
     use       all of it                from Python and from a shell     (api, cli)
 
-`virtual_bench` simulates a test bench with code of its own.
+`virtual_bench` simulates a test bench with its own code.
 """
 
 import eccentric.started  # noqa: F401 - before anything else
@@ -39,7 +39,7 @@ if TYPE_CHECKING:  # as in `typing`, which takes longer to import than this file
         emit,
         fit,
     )
-    from eccentric.compiled import compile  # noqa: A004 - it is called as eccentric.compile
+    from eccentric.compiled import compile  # noqa: A004 - called as eccentric.compile
     from eccentric.errors import InputError
     from eccentric.logs import Log, read_log
     from eccentric.model import Model, load_model
@@ -85,7 +85,7 @@ _ROOMS = {
     "read_log": "logs",
     "read_rig": "rigs",
 }
-"""Whose door has each name: SymPy and SciPy take seconds to import, and only who needs them waits."""
+"""The room that defines each name: SymPy and SciPy take seconds to import, so only their users wait."""
 
 
 def __getattr__(name: str) -> object:

@@ -1,4 +1,4 @@
-"""What a careful reading of the paper finds: each point computed from the derivation, with our reading."""
+"""Findings of a careful reading of the paper: each computed from the derivation, with our interpretation."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from eccentric.emission import load_module
 from eccentric.model import Quantity, load_model
 from eccentric.model import vocabulary as v
 
-# Printed in Table 1, digit by digit: held against the derivation; nothing is ever computed from it.
+# Printed in Table 1, digit by digit: compared with the derivation; nothing is computed from it.
 PRINTED = {
     sp.Rational(1, 5): ("8.0000e-7", "8.0000e-5", "4.7139e-3", "3.9392e-2"),
     sp.Rational(1, 30): ("6.1728e-10", "3.7037e-7", "4.4087e-3", "1.3232e-2"),
@@ -52,13 +52,13 @@ def _listed(quantity: Quantity) -> sp.Expr:
 
 
 def agrees(printed: str, value: sp.Expr) -> bool:
-    """Whether a printed decimal is the value rounded to as many digits."""
+    """Whether a printed decimal is the value rounded to that many digits."""
     digits = len(printed.split("e", maxsplit=1)[0].replace(".", ""))
     return math.isclose(float(f"{float(value):.{digits - 1}e}"), float(printed), rel_tol=1e-12)
 
 
 def table_1() -> str:
-    """Table 1's coefficients for both gear ratios beside the derivation's, as text."""
+    """Table 1's coefficients for both gear ratios next to the derivation's, as text."""
     lines = [
         (
             "Table 1, coefficients of (11) for omega_m > 0:"
@@ -90,7 +90,7 @@ def _transversal_force() -> str:
     lines = [
         (
             "F_T in Table 1 is the weight of the link alone, M_l g;"
-            " the derivation gives (M + M_l) g, as case C2 has it."
+            " the derivation gives (M + M_l) g, as in case C2."
         )
     ]
     for mu in PRINTED:
@@ -112,7 +112,7 @@ def _back_emf_unit() -> str:
         f"   mu = {mu}: F_1 = {float(taken):.4e} as printed;"
         f" with k_e = {float(per_revolution):.5f} V s/rad it would be {float(converted):.4e}.\n"
         f"   Reading: the default is {listed}/rad, which reproduces Table 1;"
-        " figure 4 needs the other (finding 3)."
+        " figure 4 requires the other (finding 3)."
     )
 
 
@@ -125,7 +125,7 @@ def _global_minimum() -> str:
     link_angle, link_velocity = np.meshgrid(
         np.linspace(0, 2 * np.pi, 721), np.linspace(0, 8 * np.pi, 1601)[1:]
     )
-    lines = ["Figure 4's global minimum at (7.41 rad/s, pi) is one only with k_e converted from V s/rev."]
+    lines = ["Figure 4's global minimum at (7.41 rad/s, pi) exists only with k_e converted from V s/rev."]
     listed = f"{k_e_listed:.2f} V s"
     for text, k_e in (
         (f"Table 1's {listed}/rad", k_e_listed),
@@ -138,10 +138,10 @@ def _global_minimum() -> str:
         where = f"{link_velocity[lowest]:.2f} rad/s, {link_angle[lowest]:.2f} rad"
         lines.append(
             f"   {text}: {at_zero:.4f} N m at ({omega_l:.6f} rad/s, pi),"
-            f" {module.coulomb_torque(parameters):.4f} N m for velocity to 0;"
-            f" least on a grid over the figure: {torque[lowest]:.4f} N m at ({where})."
+            f" {module.coulomb_torque(parameters):.4f} N m as the velocity tends to 0;"
+            f" minimum on a grid over the figure: {torque[lowest]:.4f} N m at ({where})."
         )
-    return "\n".join([*lines, "   Reading: figure 4 is drawn with k_e converted, as its caption needs."])
+    return "\n".join([*lines, "   Reading: figure 4 is drawn with k_e converted, as its caption requires."])
 
 
 def _ideal_motor() -> str:
@@ -150,7 +150,7 @@ def _ideal_motor() -> str:
         "An ideal DC motor has k_e = k_i in SI units (its electrical power is its mechanical power).\n"
         f"   Table 1: k_i = {float(k_i):.4f} N m/A, k_e = {float(k_e):.4f} V s/rad as used,"
         f" {float(k_e / (2 * sp.pi)):.4f} V s/rad converted: neither is equal.\n"
-        "   Reading: k_i and k_e are two parameters; nothing is assumed of their ratio."
+        "   Reading: k_i and k_e are two parameters; nothing is assumed about their ratio."
     )
 
 
@@ -167,17 +167,17 @@ def _sign_in_14() -> str:
         "   With equal coefficients, Table 1, mu = 1/5, F_0 for omega_m < 0 must be"
         f" {float(symmetric):.5f} N m, eq (13): printed form {float(printed.subs(table)):.5f},"
         f" derived form {float(derived.subs(table)):.5f}.\n"
-        "   Reading: -(mu gamma^- + C_m^-), as (13) and (21) have it."
+        "   Reading: -(mu gamma^- + C_m^-), as in (13) and (21)."
     )
 
 
 def _gear_ratio() -> str:
     omega_m = v.omega_m.symbol
-    same = sp.sign(v.mu.symbol * omega_m) == sp.sign(omega_m)  # the symbol mu is positive, and no more
+    same = sp.sign(v.mu.symbol * omega_m) == sp.sign(omega_m)  # the symbol mu is only positive
     verdict = "= sgn(omega_m) for every positive mu" if same else "DIFFERS from sgn(omega_m)"
     return (
         "(3) requires mu < 1, while section 3 speaks of direct drives with mu = 1.\n"
-        "   Nothing in the derivation needs mu < 1: it only divides by mu, and, by SymPy,"
+        "   Nothing in the derivation requires mu < 1: it only divides by mu, and, by SymPy,"
         f" sgn(mu omega_m) {verdict}.\n"
         "   Reading: any mu > 0 is valid."
     )

@@ -12,7 +12,7 @@ class InputError(ValueError):
 
 
 def few(names: Iterable[object], most: int = 12) -> str:
-    """Join the names for a message: the first ones, and how many more there are."""
+    """Join the names for a message: the first few, and how many more there are."""
     shown = [str(name) for name in names]
     rest = f" and {len(shown) - most} more" if len(shown) > most else ""
     return ", ".join(shown[:most]) + rest

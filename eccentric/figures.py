@@ -1,4 +1,4 @@
-"""The paper's figures 2, 4 and 5 from the emitted modules: what they show as arrays, and the drawings."""
+"""The paper's figures 2, 4 and 5 from the emitted modules: their data as arrays, and the plots."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from eccentric.model import vocabulary as v
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-# Table 1's; figure 4's minimum needs k_e in V s/rev (see `eccentric audit`, finding 3).
+# Table 1's; figure 4's minimum requires k_e in V s/rev (see `eccentric audit`, finding 3).
 K_E_CONVERTED = float(sp.Rational(v.k_e.default)) / (2 * math.pi)
 MU = float(sp.Rational(v.mu.default))
 # Okabe and Ito's colours, which colour-blind readers can distinguish.
@@ -122,7 +122,7 @@ def draw(out: Path) -> list[Path]:
     except ModuleNotFoundError:
         raise InputError("figures: required matplotlib; install it with: pip install matplotlib") from None
     paths = []
-    # The same bytes each time: SVG ids from a fixed salt, no date.
+    # Reproducible bytes: SVG ids from a fixed salt, no date.
     with mpl.rc_context({"svg.hashsalt": "eccentric", "font.size": 10, "axes.grid": True, "grid.alpha": 0.3}):
         for name, figure in (("figure_2", figure_2()), ("figure_4", figure_4()), ("figure_5", figure_5())):
             for suffix, metadata in ((".png", {}), (".svg", {"Date": None})):
@@ -139,7 +139,7 @@ def _new(width: float, height: float) -> Figure:
 
 
 def figure_2() -> Figure:
-    """Draw case C1: steady-state motor velocity over armature voltage for two gear ratios."""
+    """Plot case C1: steady-state motor velocity over armature voltage for two gear ratios."""
     figure = _new(7, 4.5)
     axes = figure.subplots()
     for curve, colour in zip(steady_curves(), (_BLUE, _ORANGE), strict=True):
@@ -159,7 +159,7 @@ def figure_2() -> Figure:
 
 
 def figure_4() -> Figure:
-    """Draw case C2: the friction torque over link angle and velocity, its minimum marked."""
+    """Plot case C2: the friction torque over link angle and velocity, its minimum marked."""
     shown = friction_surface()
     theta_l, omega_l, torque = shown.theta_l, shown.omega_l, shown.torque
     top, critical, least = shown.minimum
@@ -173,7 +173,7 @@ def figure_4() -> Figure:
     surface.set_box_aspect(None, zoom=0.85)
     surface.view_init(elev=28, azim=-128)
     level = figure.add_subplot(1, 2, 2)
-    # Levels crowd towards the minimum, or it would lie in one flat patch.
+    # Levels are denser near the minimum, which would otherwise lie in one flat area.
     levels = least + (torque.max() - least) * np.linspace(0, 1, 25) ** 2
     contours = level.contourf(theta_l, omega_l, torque, levels=levels, norm="log", cmap="viridis")
     figure.colorbar(contours, ax=level, label="friction torque F [N m]", format="%.2f")
@@ -187,7 +187,7 @@ def figure_4() -> Figure:
 
 
 def figure_5() -> Figure:
-    """Draw case C2: friction torque and normal force over the link velocity at three link angles."""
+    """Plot case C2: friction torque and normal force over the link velocity at three link angles."""
     figure = _new(10, 4.2)
     left, right = figure.subplots(1, 2)
     for shown, colour, angle in zip(sections(), (_BLUE, _ORANGE, _GREEN), ("0", "π/2", "π"), strict=True):

@@ -1,6 +1,6 @@
-"""Output appears whole or not at all: it is written aside, on its file system, and moved there on success.
+"""Output is atomic: it is written to a temporary place on the same file system and moved on success.
 
-What is printed may be read in part: a reader that leaves is no error.
+Printed output may be read in part: a reader that closes the pipe is not an error.
 """
 
 import os
@@ -27,12 +27,12 @@ __all__ = [
 
 MARKER = ".eccentric"
 UNREAD = 141
-"""Exit status of a program whose reader has left: that of one that SIGPIPE ends, 128 + 13."""
-_NOTICE = "Written by eccentric. The command beside a file replaces it when it runs again; all others stay."
+"""Exit status of a program whose reader has closed the pipe, as if ended by SIGPIPE: 128 + 13."""
+_NOTICE = "Written by eccentric. The command beside a file replaces it on its next run; other files stay."
 
 
 def show(what: object) -> None:
-    """Print; if the reader of a pipe has left, end the program quietly with status 141."""
+    """Print; if the reader of a pipe has closed it, exit quietly with status 141."""
     try:
         print(what, flush=True)
     except BrokenPipeError:
@@ -41,15 +41,15 @@ def show(what: object) -> None:
 
 
 def nobody_reads() -> None:
-    """Let stdout go nowhere: the interpreter flushes it once more at exit."""
+    """Discard stdout: the interpreter flushes it again at exit."""
     os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
 
 
 def folder_to_write(path: str | os.PathLike[str]) -> Path:
-    """Return the absolute path of a folder that is there, or that can be made.
+    """Return the absolute path of a folder that exists or can be created.
 
     Raises:
-        InputError: it is a file, or lies below one, or its place cannot be written.
+        InputError: it is a file, or is below one, or its parent cannot be written.
     """
     target = Path(path).resolve()
     if target.exists() and not target.is_dir():
@@ -62,7 +62,7 @@ def folder_to_write(path: str | os.PathLike[str]) -> Path:
 
 
 def own_folder(path: str | os.PathLike[str]) -> Path:
-    """Return the absolute path of a folder that `whole_folder` may write: for asking before a long run.
+    """Return the absolute path of a folder that `whole_folder` may write: a check before a long run.
 
     Raises:
         InputError: as `folder_to_write`; or it holds files and no `.eccentric`, or one that cannot be read;
@@ -72,7 +72,7 @@ def own_folder(path: str | os.PathLike[str]) -> Path:
     if Path.cwd().is_relative_to(target):
         what = "the working directory" if Path.cwd() == target else "one with the working directory in it"
         raise InputError(f"{Path(path)}: required a folder of its own for the output; received {what}")
-    # Leftovers of a killed run do no harm.
+    # Leftovers of a killed run are harmless.
     there = target.is_dir() and any(not f.name.startswith(f"{MARKER}-") for f in target.iterdir())
     if there and not (target / MARKER).is_file():
         raise InputError(
@@ -87,11 +87,11 @@ def own_folder(path: str | os.PathLike[str]) -> Path:
 def whole_file(path: str | os.PathLike[str]) -> Iterator[Path]:
     """Yield a path to write to; the file replaces `path` when the block ends without an exception.
 
-    The temporary file has the target's own name, so that a suffix (`.csv.gz`, `.svg`) means what it says.
-    Missing parent folders are made. After any exception, an interrupt included, `path` is what it was.
+    The temporary file has the target's own name, so that its suffix (`.csv.gz`, `.svg`) takes effect.
+    Missing parent folders are created. After any exception, including an interrupt, `path` is unchanged.
 
     Raises:
-        InputError: `path` is there and is not a regular file, or its folder cannot be written.
+        InputError: `path` exists and is not a regular file, or its folder cannot be written.
     """
     target = Path(path).resolve()
     if target.exists() and not target.is_file():
@@ -106,13 +106,13 @@ def whole_file(path: str | os.PathLike[str]) -> Iterator[Path]:
 def whole_folder(path: str | os.PathLike[str], command: str) -> Iterator[Path]:
     """Yield an empty folder to write to; its files appear in `path` when the block ends without an exception.
 
-    A hidden file `.eccentric` lists there what was written by which command. When the same command writes
-    again, its new files take the place of all that it wrote before; whatever else is there is not touched.
-    After any exception, an interrupt included, `path` is what it was.
+    A hidden file `.eccentric` lists there which command wrote what. When the same command writes again, its
+    new files replace everything it wrote before; anything else there is not touched. After any exception,
+    including an interrupt, `path` is unchanged.
 
     Raises:
-        InputError: `own_folder` refuses the path; or a file of another command, or anything of someone else,
-            is where a new file or its folder has to be; or it cannot be written.
+        InputError: `own_folder` refuses the path; or a file of another command, or one that eccentric did not
+            write, is in the place of a new file or its folder; or it cannot be written.
     """
     target = own_folder(path)
     if not target.exists():
@@ -123,7 +123,7 @@ def whole_folder(path: str | os.PathLike[str], command: str) -> Iterator[Path]:
             _mark(new, dict.fromkeys(_files(new), command))
             new.rename(target)
         return
-    # In the folder itself: the same file system, and a place that can be written, whatever is above it.
+    # In the folder itself: the same file system, and writable even if its parent is not.
     with workshop(target) as place:
         new, old = place / "new", place / "old"
         new.mkdir()
@@ -139,7 +139,7 @@ def whole_folder(path: str | os.PathLike[str], command: str) -> Iterator[Path]:
 
 
 def _require_free(folder: Path, name: str, listed: dict[str, str], command: str) -> None:
-    """Raise InputError if a file cannot be written by this name without a loss to another one."""
+    """Raise InputError if writing a file with this name would destroy another one."""
     *above, _ = Path(name).parents
     blocked = next((f for f in reversed(above) if _stands(folder / f) and not _is_folder(folder / f)), None)
     place = Path(name) if blocked is None else blocked
@@ -154,8 +154,8 @@ def _require_free(folder: Path, name: str, listed: dict[str, str], command: str)
 def _replace(target: Path, new: Path, old: Path, gone: list[str]) -> None:
     """Move the files of `new` to `target`, remove those that are `gone`; if that fails, undo it.
 
-    What they replace is copied to `old` first. The marker goes first: if the process is killed between two
-    files, each of them is whole, and those that this run writes are listed.
+    What they replace is copied to `old` first. The marker is moved first: if the process is killed between
+    two files, each of them is complete, and those that this run writes are listed.
     """
     names = [MARKER, *sorted(_files(new))]
     folders = {folder for name in names for folder in Path(name).parents}
@@ -189,12 +189,12 @@ def _replace(target: Path, new: Path, old: Path, gone: list[str]) -> None:
 
 @contextmanager
 def workshop(place: Path) -> Iterator[Path]:
-    """Yield a temporary folder in a folder, which is made if need be, and remove it afterwards.
+    """Yield a temporary folder in a folder, which is created if necessary, and remove it afterwards.
 
-    Its name is known before it is made: an interrupt at the very moment finds what it has to remove.
+    Its name is known before it is created, so that even an interrupt in between can remove it.
 
     Raises:
-        InputError: the folder cannot be made, or not written.
+        InputError: the folder cannot be created or written.
     """
     own = place / f"{MARKER}-{secrets.token_hex(8)}"
     try:
@@ -215,12 +215,12 @@ def _files(folder: Path) -> set[str]:
 
 
 def _stands(path: Path) -> bool:
-    """Whether there is anything of this name, a link to nothing included."""
+    """Whether there is anything with this name, including a dangling link."""
     return os.path.lexists(path)
 
 
 def _is_folder(path: Path) -> bool:
-    """Whether it is a folder itself: behind a link lies what is not ours."""
+    """Whether it is a folder itself: a link leads outside our folder."""
     return path.is_dir() and not path.is_symlink()
 
 
@@ -234,7 +234,7 @@ def _listed(folder: Path) -> dict[str, str]:
     """What the marker lists, name -> command that wrote it; nothing without a marker.
 
     Raises:
-        InputError: it is no text of UTF-8, or cannot be read.
+        InputError: it is not UTF-8 text, or cannot be read.
     """
     marker = folder / MARKER
     try:

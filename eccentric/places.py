@@ -1,4 +1,4 @@
-"""Where the derivations and the templates are: inside an installed package, or beside it in a clone."""
+"""Locations of the derivations and the templates: inside an installed package, or beside it in a clone."""
 
 from pathlib import Path
 
@@ -17,22 +17,22 @@ def folder(name: str) -> Path:
         The folder in the package (an installed wheel), else the one beside it (a clone).
 
     Raises:
-        InputError: neither is there, the installation is incomplete.
+        InputError: neither exists, the installation is incomplete.
     """
     package = Path(__file__).resolve().parent
     inside, beside = package / name, package.parent / name
     if inside.is_dir():
         return inside
-    # Beside an installed package is site-packages, where a `templates` folder would be someone else's.
+    # An installed package is in site-packages, where a `templates` folder would belong to another project.
     if beside.is_dir() and (package.parent / "pyproject.toml").is_file():
         return beside
     raise InputError(f"{name}: required a folder {inside} or, in a clone, {beside}; received neither")
 
 
 def derivation(name_or_path: str | Path) -> Path:
-    """Return the script that is meant: by its path, which ends in `.py`, or by the name of one that ships.
+    """Return the path of a script: given by its path, which ends in `.py`, or by the name of a bundled one.
 
-    It need not be there.
+    The file need not exist.
     """
     path = Path(name_or_path)
     return (path if path.suffix == ".py" else folder("derivations") / f"{name_or_path}.py").resolve()

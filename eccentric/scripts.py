@@ -1,4 +1,4 @@
-"""Scripts that are loaded by path, and texts that are run as modules; what a script loaded is on record."""
+"""Scripts loaded by path, and source text run as modules; what a script loads is recorded."""
 
 from __future__ import annotations
 
@@ -15,9 +15,9 @@ class Script:
     """A script as it was executed.
 
     Attributes:
-        asked: the name or path by which it was asked for.
-        path: the file that this meant.
-        text: what was executed, which the file may no longer hold.
+        asked: the name or path that was requested.
+        path: the file that this resolved to.
+        text: the source that was executed; the file may have changed since.
     """
 
     asked: str
@@ -31,16 +31,16 @@ _running: list[Path] = []
 
 
 def asks(asked: str, path: Path) -> None:
-    """Put on record that the script that is running, if one is, loads another."""
+    """Record that the running script, if any, loads another."""
     if _running:
         _loads[_running[-1]][asked] = path
 
 
 def run_script(path: Path, name: str) -> ModuleType:
-    """The module of that name that a script makes. It is compiled from its text, never from older bytecode.
+    """The module of that name from a script. It is compiled from its source, never from older bytecode.
 
-    The module stays in `sys.modules` unless the script fails: a dataclass under postponed annotations looks
-    its module up there. Whatever the script raises is raised.
+    The module stays in `sys.modules` unless the script fails: a dataclass with postponed annotations looks
+    its module up there. Exceptions of the script propagate.
     """
     text = path.read_bytes()
     _executed.setdefault(path, set()).add(text)
@@ -53,7 +53,7 @@ def run_script(path: Path, name: str) -> ModuleType:
 
 
 def run_text(text: str | bytes, name: str, origin: str) -> ModuleType:
-    """The module of that name that a text makes; `origin` is what tracebacks call it."""
+    """The module of that name from source text; `origin` is its name in tracebacks."""
     module = ModuleType(name)
     module.__file__ = origin
     sys.modules[name] = module
@@ -66,9 +66,9 @@ def run_text(text: str | bytes, name: str, origin: str) -> ModuleType:
 
 
 def scripts_behind(asked: str, path: Path) -> tuple[Script, ...] | None:
-    """A script that was executed, and all that it loaded, and they in turn.
+    """A script that was executed, and all that it loaded, recursively.
 
-    None if one of them was edited while this process ran, and executed before and after.
+    None if one of them was edited while this process ran, and executed both before and after.
     """
     found: list[Script] = []
     left = [(asked, path)]

@@ -1,4 +1,4 @@
-"""When this process imported the toolkit: sources that were changed later may not be what it runs."""
+"""When this process imported the toolkit: it may not run sources that were changed later."""
 
 from time import time
 

@@ -85,7 +85,7 @@ def test_several_logs_are_one_fit(log: Log) -> None:
 def test_a_log_that_comes_twice_is_refused(log: Log) -> None:
     """Rows that count twice would make errors look smaller than they are."""
     for logs, name in (([LOG, str(LOG)], str(LOG)), ([log, log], "table 2")):
-        with pytest.raises(InputError, match="required every log once, received it twice") as error:
+        with pytest.raises(InputError, match="each log is required only once, received it twice") as error:
             eccentric.fit(logs, RIG)
         assert str(error.value).startswith(name)
 

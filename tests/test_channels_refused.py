@@ -38,7 +38,7 @@ def test_drive_is_what_is_logged_or_what_the_rig_says(tmp_path: Path) -> None:
     """Current goes before torque and voltage, unless the rig says otherwise."""
     assert channels_of(tmp_path, STANDARD).motor.measured_by == "current"
     assert channels_of(tmp_path, STANDARD, 'drive = "voltage"\n' + RIG).motor.measured_by == "voltage"
-    with pytest.raises(InputError, match=r"drive: one that .* \(current, voltage\), received 'torque'"):
+    with pytest.raises(InputError, match=r"drive: a channel with .* \(current, voltage\), received 'torque'"):
         channels_of(tmp_path, STANDARD, 'drive = "torque"\n' + RIG)
 
 
@@ -80,7 +80,7 @@ BAD = {
     "third": (changed(current_A=THIRD), RIG, "no number in 1000 of 3000 rows"),
     "back": (changed(time_s=BACK), RIG, "line 9: time stamps must increase, received 0 s after 0.024 s"),
     "twice": (changed(time_s=TWICE), RIG, "line 9: time stamps must increase, received 0.024 s after 0.024"),
-    "split": (changed(run=SPLIT), RIG, "the rows of a run must stand together, '0' comes back"),
+    "split": (changed(run=SPLIT), RIG, "contiguous runs are required, received '0' again"),
     "still": (changed(theta_m_rad=0.0 * T), RIG, "moving rows (above"),
     "at the end": (
         changed(),
@@ -109,5 +109,5 @@ def test_logs_with_different_channels_are_refused(tmp_path: Path) -> None:
     """Logs read together have the same channels."""
     first = log_file(tmp_path / "a.csv", STANDARD)
     second = log_file(tmp_path / "b.csv", STANDARD | {"temperature_C": T})
-    with pytest.raises(InputError, match=r"b\.csv: the same channels in every log are required, temperature"):
+    with pytest.raises(InputError, match=r"b\.csv: the same channels are required in every log, temperature"):
         read_channels([first, second], rig_file(tmp_path))

@@ -1,4 +1,4 @@
-"""Logs that are sampled too slowly for the low pass: points between their rows."""
+"""Logs that are too coarse for the low pass: points between their rows."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ def test_slow_sampling_is_refined_by_a_spline_and_said(tmp_path: Path) -> None:
     np.testing.assert_allclose(c.motion.theta_m[middle], sine, atol=1e-7)
     np.testing.assert_allclose(c.motion.omega_m[middle], SWING * cosine, atol=1e-5)
     np.testing.assert_allclose(c.motion.alpha_m[middle], -(SWING**2) * sine, atol=1e-3)
-    assert any("sampled too slowly for the low pass" in warning for warning in c.intake.warnings)
+    assert any("too coarse for the low pass" in warning for warning in c.intake.warnings)
 
 
 def test_slow_voltage_is_held_and_rows_are_counted_as_logged(tmp_path: Path) -> None:

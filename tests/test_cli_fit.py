@@ -66,7 +66,7 @@ RIGS = {
     "unknown unit": (changed() | {"columns": {"time": {"column": "time_s", "unit": "parsec"}}}, "parsec"),
     "unknown drive": (
         changed() | {"drive": "torque"},
-        "drive: one that the log has a column for is required (current, voltage), received 'torque'",
+        "drive: a channel with a column in the log is required (current, voltage), received 'torque'",
     ),
     "unit of another quantity": (
         changed() | {"columns": {"time": "time_s", "omega_m": {"column": "omega_m_rad_s", "unit": "RPM"}}},
@@ -108,7 +108,7 @@ def test_a_log_that_does_not_fit_its_rig_says_so(
         f"This log does not fit the rig (R^2 {explained['paper']:.2f}): check units and signs of the "
         'columns, mu, and the zero angle (theta_zero_rad = "estimate" estimates it).'
     )
-    assert not any("a sign of an effect" in line for line in table)
+    assert not any("a sign that the model lacks" in line for line in table)
 
 
 def test_one_blank_cell_and_a_default_threshold_are_told_shortly(
@@ -126,7 +126,7 @@ def test_one_blank_cell_and_a_default_threshold_are_told_shortly(
     shown = capsys.readouterr()
     (dropped,) = shown.err.splitlines()
     assert "log.csv: no number in 1 of 15000 rows (first: line 7001; most: 'current_A')" in dropped
-    assert "(moving_threshold_rad_s sets it)" in shown.out
+    assert "(set by moving_threshold_rad_s)" in shown.out
 
 
 def test_a_stretch_of_blank_cells_is_told_before_the_gap_that_it_leaves(

@@ -113,7 +113,7 @@ def test_a_log_that_is_given_twice_is_refused(
     log, out = tmp_path / "a.csv", tmp_path / "out"
     again = tmp_path / "x" / ".." / "a.csv"
     assert cli.main([command, str(log), str(again), "--rig", "no.toml", "--out", str(out)]) == 2
-    said = f"eccentric: error: {again}: required every log once, received it twice\n"
+    said = f"eccentric: error: {again}: each log is required only once, received it twice\n"
     assert capsys.readouterr() == ("", said)
 
 

@@ -114,7 +114,7 @@ def test_logs_may_begin_at_any_time(tmp_path: Path) -> None:
             None,
             "diagnose requires a model of case C1 or C2",
         ),
-        ([], "model.py", "required another name"),
+        ([], "model.py", "required a name that no file"),
         ([], "missing.py", "missing.py"),
     ],
     ids=["tilt", "name taken", "missing effects"],

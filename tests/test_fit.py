@@ -1,4 +1,4 @@
-"""The fit finds planted friction, and refuses what it cannot tell."""
+"""The fit finds planted friction, and refuses what it cannot identify."""
 
 from __future__ import annotations
 
@@ -164,11 +164,11 @@ def test_balanced_rig_has_the_friction_of_the_motor_alone(tmp_path: Path) -> Non
     assert {"B": 0.0006, "C": 0.02} == pytest.approx(
         {name: e.value for name, e in found.coefficients.items()}, rel=1e-3
     )
-    assert "no unbalanced mass: B_lN, C_lN have no effect and are left out" in found.warnings
+    assert "no unbalanced mass: B_lN, C_lN have no effect and are omitted" in found.warnings
 
 
 BAD = {
-    "one speed": ("cannot be told apart on this log", 'case = "C2"\n' + KNOWN + TORQUE + MASS, "steady"),
+    "one speed": ("cannot be separated on this log", 'case = "C2"\n' + KNOWN + TORQUE + MASS, "steady"),
     "no k_i": (r"\[known\] k_i is required", 'case = "C2"\n' + KNOWN + MASS, "plain"),
     "no mass": (
         r"\[known\] M is required by c2_parallel",

@@ -179,10 +179,10 @@ DAMAGE: dict[str, Damage] = {
         C2,
         same,
         {"M_kg": 2.0, "J_l_kgm2": 0.4, "J_m_kgm2": 9e-4},
-        *("another_rig", "current", "is it a log of another rig?"),
+        *("another_rig", "current", "is the log from another rig?"),
     ),
-    "no gravity in the log": (C1, same, {"case": "C2"}, "contradiction", "M g L", "level, case C1?"),
-    "no gravity in the rig": (C2, same, {"case": "C1"}, "contradiction", "case", "upright, case C2"),
+    "no gravity in the log": (C1, same, {"case": "C2"}, "contradiction", "M g L", "horizontal, case C1?"),
+    "no gravity in the rig": (C2, same, {"case": "C1"}, "contradiction", "case", "vertical, case C2"),
     "angle upside down": (
         C2,
         lambda columns: columns | {THETA: columns[THETA] + math.pi / 0.2},

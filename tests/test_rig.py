@@ -179,8 +179,8 @@ BAD = {
     '[known]\ncase = "C2"\nk_e = "0.2 V"': "k_e: a unit like",
     '[known]\ncase = "C2"\nk_e = "0.2 V s/furlong"': "is unknown at 'furlong'",
     '[known]\ncase = "C2"\nM_g = 500': "[known]: unknown key 'M_g'; did you mean 'M_kg'?",
-    '[known]\ncase = "C2"\nM_kg = 0.5\nM = "0.5 kg"': "M is given twice",
-    '[known]\ncase = "C2"\nM_kg = 0.5\n[unknown]\nM_kg = [0.0, 1.0]': "M is given twice",
+    '[known]\ncase = "C2"\nM_kg = 0.5\nM = "0.5 kg"': "M is required only once, received twice",
+    '[known]\ncase = "C2"\nM_kg = 0.5\n[unknown]\nM_kg = [0.0, 1.0]': "M is required only once",
     '[known]\ncase = "C2"\n[unknown]\nM_l_kg = 0.2': "a range of two values, [lower, upper], is required",
     '[known]\ncase = "C2"\n[unknown]\nM_l_kg = [0.2, 0.1]': "a range with lower below upper is required",
     '[known]\ncase = "C2"\n[unknown]\nM_l_kg = [-0.2, 0.1]': "at least 0 kg is required, received -0.2",
@@ -231,7 +231,10 @@ def test_bad_json_is_refused(tmp_path: Path) -> None:
     for text, expected in (
         ('{"known": ', r"not valid JSON: Expecting value: line 1 column 11"),
         ("[1]", r"a table is required, received \[1\]"),
-        ('{"drive": "current", "drive": "voltage"}', "key 'drive' comes twice"),
+        (
+            '{"drive": "current", "drive": "voltage"}',
+            "each key is required only once, received 'drive' twice",
+        ),
     ):
         with pytest.raises(InputError, match=expected):
             read_rig(written(tmp_path, text, "rig.json"))

@@ -54,7 +54,7 @@ def test_a_rig_is_its_own_rig() -> None:
         (3, "rig: a path, a mapping or a Rig is required, received int"),
         (
             {"known": {"case": "C2", "M": object()}},
-            "rig: what a JSON file can hold is required (received object)",
+            "rig: the content of a JSON file is required (received object)",
         ),
         ({"known": {"case": "C3"}}, "rig: [known] case: C1 or C2 is required, received 'C3'"),
         ({"knwon": {}}, "rig: unknown key 'knwon'; did you mean 'known'?"),

@@ -1,14 +1,14 @@
-"""What `import eccentric` offers beside the rooms' own readers: fit, diagnose, emit and bench, with results.
+"""What `import eccentric` offers besides the rooms' own readers: fit, diagnose, emit and bench, with results.
 
-    inputs      logs, rigs and models as a person has them    -> those of the rooms
+    inputs      logs, rigs and models as a user has them      -> those of the rooms
     fitted      fit        -> FitResult
     diagnosed   diagnose   -> DiagnosisResult
     emitted     emit       -> files
     simulated   bench      -> BenchResult
-    tables      ResultTable, Correlation: what prints in a terminal and shows in a notebook
+    tables      ResultTable, Correlation: for a terminal and a notebook
 
 In: paths, tables in memory, mappings. Out: results with named fields, `summary()`, `table()`, `plot()`,
-`to_json()`. It may import every room; it decides nothing and computes nothing that a room could. A file is
+`to_json()`. It may import every room; it decides and computes nothing that belongs to a room. A file is
 imported when one of its names is first used.
 """
 

@@ -1,4 +1,4 @@
-"""`eccentric.diagnose`: what the model lacks on logs, and the model that has it."""
+"""`eccentric.diagnose`: what the model lacks on logs, and the extended model."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ def diagnose(
     Args:
         logs: one log or a list of them: paths, tables in memory (a dict of arrays, or a table of pandas,
             polars or pyarrow) or what `read_log` returned.
-        rig: what is known of the rig: the path of a rig file, its content as a mapping, or what `read_rig`
+        rig: what is known about the rig: the path of a rig file, its content as a mapping, or what `read_rig`
             returned.
         model: the base model: a Model, its name, or the path of a derivation; by default that of the rig's
             case. It may be extended already, such as the `model` of an earlier result: its effects are fitted
@@ -71,13 +71,13 @@ def diagnose(
 
 
 def _scripts(effects: str | os.PathLike[str] | None, model: str | Model | None) -> tuple[Path, ...]:
-    """Scripts of the user's own, which travel with the result; InputError where their names clash with it."""
+    """The user's own scripts, copied with the result; InputError if a name clashes with its files."""
     taken = {"model.py"} | ({BASE} if isinstance(model, Model) else set())
     given = (effects, None if isinstance(model, Model) else model)
     own = tuple(Path(one) for one in given if one is not None and Path(one).suffix == ".py")
     for one in own:
         if one.name in taken or one.stem.endswith("_extended"):
-            raise InputError(f"{one}: required another name: the result has a file of this one")
+            raise InputError(f"{one}: required a name that no file of the result has")
     if len({one.resolve() for one in own}) > len(called := {one.name for one in own}):
         raise InputError(
             f"effects and model: required files of different names, received {called.pop()} twice"
@@ -115,7 +115,7 @@ class DiagnosisResult(Result):
 
     @property
     def effects(self) -> tuple[str, ...]:
-        """Ids of the effects that the model lacked, in order of adoption; empty without a name."""
+        """Ids of the effects that the model lacked, in order of adoption; empty if none is named."""
         return tuple(effect["id"] for effect in self.document["effects"])
 
     @property
@@ -125,12 +125,12 @@ class DiagnosisResult(Result):
 
     @property
     def unit(self) -> str:
-        """Unit of the errors: "N m"; that of the drive where the log tells no torque."""
+        """Unit of the errors: "N m"; that of the drive if the log does not determine a torque."""
         return self.data.balances[0].unit
 
     @property
     def improvement(self) -> float:
-        """Of the held-out error by the effects, in percent."""
+        """Reduction of the held-out error by the effects, in percent."""
         return self.document["improvement"]["percent"]
 
     @property
@@ -159,13 +159,13 @@ class DiagnosisResult(Result):
         return ResultTable(names, tuple(map(_row, self.data.parameters)))
 
     def candidates(self) -> ResultTable:
-        """The effects that were considered, best first: cross-validated RMSE, probability among families."""
+        """The effects considered, best first: cross-validated RMSE, probability among families."""
         names = ("id", "family", "balance", "rmse", "probability", "adopted")
         rows = ((c.id, c.family, c.balance, c.rmse, c.probability, c.adopted) for c in self.data.candidates)
         return ResultTable(names, tuple(rows))
 
     def plot(self, axes: tuple[Axes, Axes] | None = None) -> tuple[Axes, Axes]:
-        """Draw the residual before and after over what it depends on, and friction over the motor velocity.
+        """Plot the residual before and after over what it depends on, and friction over the motor velocity.
 
         Args:
             axes: where to draw; by default a new figure of two.

@@ -38,8 +38,8 @@ def emit(
 
     Raises:
         InputError: there is no such model or target, or it cannot be emitted; the parameters are those of
-            another model, or of a sign that they cannot have; the prefix is no name that C and Python leave
-            free; the folder cannot be written.
+            another model, or have an invalid sign; the prefix is not a free name in C and Python; the folder
+            cannot be written.
     """
     loaded = model_of(model)
     name = checked_name(

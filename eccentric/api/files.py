@@ -1,4 +1,4 @@
-"""Files that are written whole: the emitted files of a model, and what a report says of those beside it."""
+"""Files that are written atomically: the emitted files of a model, and the report's list of files."""
 
 from __future__ import annotations
 
@@ -24,12 +24,12 @@ _WRITTEN = (
 _BASE = "the base model, as it was given"
 _EMITTED = {
     ".py": "the extended model in NumPy",
-    "eccentric_runtime.py": "what every emitted NumPy module runs on",
+    "eccentric_runtime.py": "the runtime of every emitted NumPy module",
     ".h": "its C99 header",
     ".c": "its C99 source",
     "_selftest.c": "a self-test of the source, for your board",
-    "_vectors.h": "what the self-test compares with",
-    "_proof.c": "the driver of a proof that the source is free of undefined behaviour",
+    "_vectors.h": "the reference values of the self-test",
+    "_proof.c": "a driver to prove that the source is free of undefined behaviour",
 }
 
 
@@ -41,12 +41,12 @@ def write_emitted(
     *,
     single_file: bool = False,
 ) -> list[Path]:
-    """Write the files of a model for its targets, and what checks the C, into a folder of their own.
+    """Write the files of a model for its targets, and those that check the C, into a folder of their own.
 
-    Files that the same model left there before are replaced, all others stay. `origin` names in the banner
-    where the physics is from; `backend` is a target or several, NumPy and C99 by default. With `single_file`
+    Files that the same model wrote there before are replaced, all others stay. `origin` is the source of the
+    physics, for the banner; `backend` is a target or several, NumPy and C99 by default. With `single_file`
     the NumPy module contains its runtime. Returns the paths.
-    Raises InputError where there is no such target, and where the folder cannot be written.
+    Raises InputError if there is no such target, or the folder cannot be written.
     """
     names = DEFAULT if backend is None else dict.fromkeys([backend] if isinstance(backend, str) else backend)
     for name in names:
@@ -62,6 +62,6 @@ def described(own: Iterable[str], emitted: Iterable[str], model: str) -> tuple[t
     """(name, what it is) of the files beside a report; `own` are the scripts that the model loads."""
     return (
         *_WRITTEN,
-        *((name, _BASE if name == BASE else "a script of your own") for name in own),
+        *((name, _BASE if name == BASE else "your own script") for name in own),
         *((name, _EMITTED[name.rpartition(model)[2]]) for name in emitted),
     )

@@ -1,4 +1,4 @@
-"""`eccentric.fit`: a model fitted to logs, and what came out."""
+"""`eccentric.fit`: a model fitted to logs, and the result."""
 
 from __future__ import annotations
 
@@ -40,13 +40,13 @@ def fit(logs: LogSources, rig: RigSource, model: ModelSource | None = None) -> F
     Args:
         logs: one log or a list of them: paths, tables in memory (a dict of arrays, or a table of pandas,
             polars or pyarrow) or what `read_log` returned.
-        rig: what is known of the rig: the path of a rig file, its content as a mapping, or what `read_rig`
+        rig: what is known about the rig: the path of a rig file, its content as a mapping, or what `read_rig`
             returned.
         model: a Model, its name, or the path of a derivation; by default that of the rig's case or tilt.
 
     Raises:
-        InputError: a log or the rig cannot be read, they do not belong together, or the log has too few rows
-            or too little motion for the model.
+        InputError: a log or the rig cannot be read, they do not match, or the log has too few rows or too
+            little motion for the model.
     """
     read = read_logs(logs)
     channels = read_channels(read, read_rig(rig))
@@ -85,9 +85,9 @@ class FitResult(Result):
         rmse: error on the held-out rows in `unit`, by model: "paper" (the fitted one), "linear" (Coulomb and
             viscous friction), "paper_unbounded".
         r_squared: of the drive signal on the held-out rows, by model.
-        unit: "N m"; "V" or "A" where the log tells no torque.
-        improvement: of the held-out error over Coulomb and viscous friction, in percent, with its 95 %
-            interval `improvement_interval`.
+        unit: "N m"; "V" or "A" if the log does not determine a torque.
+        improvement: reduction of the held-out error from that of Coulomb and viscous friction, in percent,
+            with its 95 % interval `improvement_interval`.
         comparison: measured and predicted friction on the held-out rows.
         model, origin, estimates, correlation, lines, warnings, document: as in Result; the remark of each
             parameter of the model has its interval, and the document is the content of fit.json, which
@@ -114,12 +114,12 @@ class FitResult(Result):
         return self.lines[-1]
 
     def table(self) -> ResultTable:
-        """The estimates: value, standard error, 95 % interval, unit, and which bound holds one."""
+        """The estimates: value, standard error, 95 % interval, unit, and the active bound, if any."""
         names = ("name", "value", "std_error", "lower", "upper", "unit", "bound")
         return ResultTable(names, tuple(_row(name, e) for name, e in self.estimates.items()))
 
     def plot(self, axes: tuple[Axes, Axes] | None = None) -> tuple[Axes, Axes]:
-        """Draw measured against predicted friction, and both over the speed, on the held-out rows.
+        """Plot measured against predicted friction, and both over the speed, on the held-out rows.
 
         Args:
             axes: where to draw; by default a new figure of two.

@@ -1,4 +1,4 @@
-"""Logs, rigs and models as a person has them, and as the rooms take them."""
+"""Logs, rigs and models as a user has them, converted to what the rooms accept."""
 
 from __future__ import annotations
 
@@ -29,18 +29,18 @@ ModelSource: TypeAlias = str | os.PathLike[str] | Model
 
 
 def read_logs(logs: LogSources) -> list[Log]:
-    """Return one log or several, as `read_log` takes each; tables in memory are "table 1", "table 2".
+    """Return one log or several, each as `read_log` accepts it; tables in memory are "table 1", "table 2".
 
     Raises:
-        InputError: one cannot be read; or two are one and the same: rows that count twice make errors look
-            smaller than they are.
+        InputError: one cannot be read; or two are the same: duplicate rows make errors look smaller than they
+            are.
     """
     sources: list[Any] = list(logs) if isinstance(logs, list | tuple) else [logs]
     places = [Path(x).resolve() if isinstance(x, str | os.PathLike) else id(x) for x in sources]
     for k, source in enumerate(sources):
         if places[k] in places[:k]:
             what = source if isinstance(source, str | os.PathLike) else f"table {k + 1}"
-            raise InputError(f"{what}: required every log once, received it twice")
+            raise InputError(f"{what}: each log is required only once, received it twice")
     names = [f"table {k}" for k in range(1, len(sources) + 1)] if len(sources) > 1 else ["table"]
     return [read_log(source, name) for source, name in zip(sources, names, strict=True)]
 
@@ -51,7 +51,7 @@ def names_of(logs: Sequence[Log]) -> list[str]:
 
 
 def model_of(model: ModelSource) -> Model:
-    """A model by its name, by the path of its derivation, or as it is."""
+    """A model by its name or by the path of its derivation; a Model is returned unchanged."""
     return model if isinstance(model, Model) else load_model(os.fspath(model))
 
 
@@ -65,7 +65,7 @@ def by_name(model: ModelSource | None) -> str | Model | None:
 
 
 def origin_of(model: ModelSource) -> str:
-    """Where the physics of a model is from, for the banner of what is emitted."""
+    """The source of a model's physics, for the banner of emitted files."""
     if isinstance(model, Model):
         return f"model {model.name}"
     own = Path(model).suffix == ".py"

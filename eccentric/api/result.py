@@ -38,7 +38,7 @@ class Result:
             parameters that do not enter linearly, and what the rig left open, such as a zero angle.
         correlation: of the errors of the estimates, by name.
         lines: the summary, line by line.
-        warnings: what is odd about logs, rig or fit.
+        warnings: what is unusual about logs, rig or fit.
         document: the content of the JSON file that the command of this result writes.
     """
 
@@ -64,7 +64,7 @@ class Result:
         return json.dumps(self.document, indent=1, ensure_ascii=False, allow_nan=False) + "\n"
 
     def to_dict(self) -> dict[str, Any]:
-        """The content of the JSON file as its reader gets it: numbers, texts, lists and dictionaries."""
+        """The content of the JSON file as a reader receives it: numbers, strings, lists and dictionaries."""
         return json.loads(self.to_json())
 
     def emit(
@@ -92,7 +92,7 @@ class Result:
 
 
 def new_axes(rows: int, columns: int, size: tuple[float, float]) -> list[Axes]:
-    """Axes of a new figure, row by row; InputError where matplotlib is not installed."""
+    """Axes of a new figure, row by row; InputError if matplotlib is not installed."""
     try:
         from matplotlib import pyplot as plt
     except ImportError:
@@ -102,5 +102,5 @@ def new_axes(rows: int, columns: int, size: tuple[float, float]) -> list[Axes]:
 
 
 def paragraphs(*texts: str) -> str:
-    """The texts as paragraphs of HTML, escaped."""
+    """The texts as HTML paragraphs, escaped."""
     return "".join(f"<p>{escape(text)}</p>" for text in texts)

@@ -27,7 +27,7 @@ _SIGNALS = {
     "omega_m_rad_s": "motor velocity [rad/s]",
     "current_A": "current [A]",
 }
-"""What is drawn over time: column -> label."""
+"""The columns to plot over time, with their labels."""
 
 
 def bench(
@@ -52,15 +52,15 @@ def bench(
         mu: gear ratio, link speed over motor speed, 0.001 to 2.
         log_type: "runs", constant speeds, or "traj", a sum of sines.
         seconds: length of the log, 15 to 3600.
-        noise: of the current over its largest size, at most 0.5.
+        noise: of the current over its largest value, at most 0.5.
         temperature: whether a temperature is logged.
         seed: of rig, course, shapes of the effects and noise, 0 or more.
         out: where to write the log, NAME.csv.gz, with the rig NAME.json and the truth NAME.truth.json beside
-            it; nothing is written without.
+            it; by default nothing is written.
 
     Raises:
-        InputError: a value is out of range, an effect is unknown or one that the case cannot show, or a file
-            of that name is there.
+        InputError: a value is out of range, an effect is unknown or invisible in this case, or a file of that
+            name exists.
     """
     if seed < 0:
         raise InputError(f"seed: required 0 or more; received {seed}")
@@ -89,9 +89,9 @@ class BenchResult:
 
     Attributes:
         log: the columns as a drive would write them: quantised, noisy, rounded.
-        rig: what the rig declares; it knows nothing of the effects.
+        rig: what the rig declares; the effects are not in it.
         truth: the sealed truth: friction, and each effect with its amplitude.
-        run: the same as the bench hands it over.
+        run: the same as the bench's own record.
     """
 
     log: Log
@@ -101,13 +101,13 @@ class BenchResult:
 
     @property
     def effects(self) -> tuple[str, ...]:
-        """What the bench has beside the paper's friction, each with its share."""
+        """The effects that the bench has in addition to the paper's friction, each with its share."""
         return tuple(
             f"{e['id']} at {e['rms_fraction_of_friction']:.1%} of friction" for e in self.truth["effects"]
         )
 
     def summary(self) -> str:
-        """Rows, length, case and effects, in one line."""
+        """Rows, duration, case and effects, in one line."""
         t, known = self.log.numbers("time_s"), self.rig.known
         head = f"{self.log.rows} rows of {t[-1] - t[0]:.0f} s, case {self.rig.case}, mu {known['mu']:g}"
         return f"{head}: {', '.join(self.effects) or 'no effect'}"
@@ -121,7 +121,7 @@ class BenchResult:
         )
 
     def plot(self, axes: Sequence[Axes] | None = None) -> Sequence[Axes]:
-        """Draw angle, velocity and current over time.
+        """Plot angle, velocity and current over time.
 
         Args:
             axes: three, from top to bottom; by default those of a new figure.
@@ -141,7 +141,7 @@ class BenchResult:
         """Write the log NAME.csv.gz, its rig NAME.json and its truth NAME.truth.json; return the paths.
 
         Raises:
-            InputError: the name does not end in .csv.gz, one of the files is there, or cannot be written.
+            InputError: the name does not end in .csv.gz, one of the files exists, or cannot be written.
         """
         return write(self.run, Path(out))
 

@@ -1,4 +1,4 @@
-"""Tables of results: they print in a terminal, show in a notebook, and go into any other library."""
+"""Tables of results: for a terminal, a notebook, and any other library."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ class ResultTable:
     """A small table of results.
 
     `table["value"]` is a column; iterating gives the rows as dictionaries, so that `list(table)` is plain
-    data, and `pandas.DataFrame(list(table))` a data frame. None stands for what is not known.
+    data, and `pandas.DataFrame(list(table))` a data frame. None means unknown.
 
     Attributes:
         names: of the columns.
@@ -58,9 +58,9 @@ class ResultTable:
 
 @dataclass(frozen=True, eq=False)
 class Correlation:
-    """How much the errors of estimates go together: `correlation["B_m", "C_m"]`, from -1 to 1.
+    """Correlation of the errors of estimates: `correlation["B_m", "C_m"]`, from -1 to 1.
 
-    NaN where an estimate has no standard error: a bound holds it, or the log says nothing of it.
+    NaN if an estimate has no standard error: it is at a bound, or the log says nothing about it.
 
     Attributes:
         names: of the estimates, in the order of both axes.
@@ -106,7 +106,7 @@ class Correlation:
 
 
 def _text(names: Sequence[str], rows: Sequence[Sequence[str]], right: Sequence[bool]) -> str:
-    """The table for a terminal, columns aligned, those that are `right` at their right ends."""
+    """The table for a terminal with aligned columns; those in `right` are right-aligned."""
     widths = [max(map(len, column)) for column in zip(names, *rows, strict=True)]
     lines = (
         "  ".join(x.rjust(w) if r else x.ljust(w) for x, w, r in zip(row, widths, right, strict=True))

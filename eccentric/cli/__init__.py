@@ -2,10 +2,10 @@
 
 A command's module has NAME, HELP (one line), EXAMPLE (command lines to copy), `configure(parser)`, which
 adds its arguments, and `run(arguments)`, which returns the exit status. It is imported only when its command
-is given: help and version cost no SymPy.
+is given, so help and version do not import SymPy.
 
 Exit status: 0, or what `run` returns; 2 with one line on stderr for bad input; 130 after an interrupt;
-141 when the reader of a pipe has gone.
+141 if the reader of a pipe has closed it.
 """
 
 import argparse
@@ -43,7 +43,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     try:
         parsed = _parser(arguments).parse_args(arguments)
         status = parsed.run(parsed)
-        if sys.stdout is not None:  # as where a service has none
+        if sys.stdout is not None:  # as in a service without one
             sys.stdout.flush()
     except InputError as error:
         return _complain(str(error), 2)
@@ -64,12 +64,12 @@ class _Parser(argparse.ArgumentParser):
     """An argument parser whose errors are one line."""
 
     def error(self, message: str) -> NoReturn:
-        """Raise instead of printing the usage and leaving."""
+        """Raise instead of printing the usage and exiting."""
         raise InputError(f"{message} (see {self.prog} --help)")
 
 
 def _parser(arguments: Sequence[str]) -> _Parser:
-    """Return the parser: with the one command that `arguments` name, else with a line for each command."""
+    """Return the parser: for the command that `arguments` name, else with one line per command."""
     layout = argparse.RawDescriptionHelpFormatter
     parser = _Parser(prog="eccentric", description=_DESCRIPTION, allow_abbrev=False, formatter_class=layout)
     parser.add_argument("--version", action="version", version=f"eccentric {__version__}")
@@ -90,7 +90,7 @@ def _parser(arguments: Sequence[str]) -> _Parser:
 
 
 def _help(command: str) -> str:
-    """Return the HELP of a command's module, read from the source: importing it would cost its imports."""
+    """Return the HELP of a command's module, read from the source to avoid its imports."""
     source = Path(__file__).with_name(f"{command}.py").read_text(encoding="utf-8")
     assignments = (node for node in ast.parse(source).body if isinstance(node, ast.Assign))
     (value,) = (node.value for node in assignments if ast.unparse(node.targets[0]) == "HELP")

@@ -1,4 +1,4 @@
-"""Arguments that several commands take."""
+"""Arguments shared by several commands."""
 
 import argparse
 import sys
@@ -12,32 +12,32 @@ __all__ = ["add_folder", "add_logs", "options", "print_warnings"]
 
 
 def add_logs(parser: argparse.ArgumentParser) -> None:
-    """Add what a fit is made from: logs, their rig, and the model."""
+    """Add the inputs of a fit: logs, their rig, and the model."""
     add = parser.add_argument
     add("logs", metavar="LOG", nargs="+", help="logs of one rig: .csv[.gz], .parquet, .mat, .json[.gz]")
     add(
         "--rig",
         metavar="RIG",
         required=True,
-        help="what is known of the rig: .toml or .json, as docs/rig.md explains",
+        help="what is known about the rig: .toml or .json, see docs/rig.md",
     )
     add("--model", metavar="MODEL", help="a model or the path of a derivation (by the rig's case)")
 
 
 def add_folder(parser: argparse.ArgumentParser, files: str) -> None:
-    """Add the folder that is written, for these files."""
+    """Add the output folder for these files."""
     parser.add_argument(
         "--out",
         metavar="DIR",
         type=Path,
         required=True,
-        help=f"folder for {files}; those of an earlier run are replaced, all else in it stays",
+        help=f"folder for {files}; those of an earlier run are replaced, everything else in it stays",
     )
 
 
 @contextmanager
 def options(names: Mapping[str, str]) -> Iterator[None]:
-    """Let messages of bad input begin with the option that is meant: beginning of a message -> option."""
+    """Let messages about bad input begin with the option concerned: beginning of a message -> option."""
     try:
         yield
     except InputError as error:

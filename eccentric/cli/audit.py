@@ -3,12 +3,12 @@
 import argparse
 
 NAME = "audit"
-HELP = "hold the paper's Table 1 and its claims against the derivation"
+HELP = "check the paper's Table 1 and its claims against the derivation"
 EXAMPLE = "eccentric audit"
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
-    """There is nothing to choose."""
+    """Add no arguments."""
 
 
 def run(arguments: argparse.Namespace) -> int:

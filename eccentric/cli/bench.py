@@ -22,7 +22,7 @@ _OPTIONS = {
     "unknown effect": "--effect",
     "effect": "--effect",
 }
-"""What a message of the bench begins with: the option that says it."""
+"""Beginning of a message of the bench -> the option concerned."""
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
@@ -31,7 +31,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
     add(
         "--out",
         metavar="LOG.csv.gz",
-        help="the log, with the rig LOG.json and the sealed LOG.truth.json beside it; none of them may exist",
+        help="the log, with the rig LOG.json and the sealed LOG.truth.json beside it; no file is overwritten",
     )
     add(
         "--effect",
@@ -39,14 +39,14 @@ def configure(parser: argparse.ArgumentParser) -> None:
         action="append",
         default=[],
         help="an effect, with its rms as a fraction of the friction's, above 0 and at most 1 (0.15); FAMILY "
-        "may name a variant, as in cogging[n=4], which is drawn otherwise; may be repeated",
+        "may name a variant, as in cogging[n=4], otherwise drawn at random; may be repeated",
     )
     add("--list-effects", action="store_true", help="list the families of effects, with variants")
     add("--case", default="C2", metavar="C1|C2", help="gravity perpendicular or parallel to the plane (C2)")
     add("--mu", type=float, default=0.2, help="gear ratio, link speed over motor speed, 0.001 to 2 (0.2)")
     add("--log-type", default="runs", metavar="runs|traj", help="constant speeds, or a sum of sines (runs)")
     add("--seconds", type=float, default=60.0, help="length of the log, 15 to 3600 (60)")
-    add("--noise", type=float, default=0.01, help="noise of the current over its largest size, to 0.5 (0.01)")
+    add("--noise", type=float, default=0.01, help="noise of the current over its maximum, up to 0.5 (0.01)")
     add("--temperature", action="store_true", help="log a temperature")
     add("--seed", type=int, default=1, help="seed of rig, course, shapes and noise (1)")
 
@@ -88,7 +88,7 @@ def _list_effects() -> None:
 
 
 def _effect(text: str) -> str | tuple[str, float]:
-    """Read FAMILY, FAMILY[VARIANT] or either with =STRENGTH; the variant may hold an equals sign itself."""
+    """Read FAMILY, FAMILY[VARIANT] or either with =STRENGTH; the variant may contain an equals sign."""
     from eccentric.virtual_bench import known_effect
 
     closed = text.rfind("]") + 1
@@ -100,4 +100,4 @@ def _effect(text: str) -> str | tuple[str, float]:
     try:
         return name, float(size)
     except ValueError:
-        raise InputError(f"--effect {text}: required a number as the strength; received {size}") from None
+        raise InputError(f"--effect {text}: required a number for the strength; received {size}") from None

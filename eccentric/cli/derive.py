@@ -1,4 +1,4 @@
-"""`eccentric derive`: print the derivations and write what follows from them."""
+"""`eccentric derive`: print the derivations and write the files generated from them."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ import eccentric
 from eccentric.errors import InputError
 from eccentric.output import folder_to_write
 
-# The others hang on these, or contain them.
+# The others depend on these, or contain them.
 _FIRST = ("c1_perpendicular", "c2_parallel")
 
 NAME = "derive"
@@ -33,7 +33,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Write the trios of the derivations, then print these; with --check compare instead."""
+    """Write the files of the derivations, then print the derivations; with --check compare instead."""
     from eccentric.emission import checked_name, complete, differences, write
     from eccentric.model import load_model, model_names
 
@@ -45,12 +45,12 @@ def run(arguments: argparse.Namespace) -> int:
         diffs = [differences(complete(model), out) for model in models]
         print("".join(diffs), end="")
         if any(diffs):
-            print("generated files are stale: write them again with `make derive`")
+            print("generated files are stale: regenerate them with `make derive`")
             return 1
         print(f"generated files are fresh: {len(models)} models")
         return 0
     folder_to_write(out)
-    # All are rendered before the first is written: one that cannot be leaves the folder as it was.
+    # All are rendered before the first is written: if one fails, the folder is unchanged.
     files = {name: text for model in models for name, text in complete(model).items()}
     write(files, out)
     if not arguments.latex:
@@ -70,7 +70,7 @@ def _in_reading_order(names: Iterable[str]) -> list[str]:
 
 
 def _legend(models: list[eccentric.Model]) -> str:
-    """The careful steps in the equations of the models, each with the formula that it stands for."""
+    """The numerically stable steps in the equations of the models, each with its formula."""
     import sympy as sp
 
     from eccentric.model import STEPS, meaning
@@ -80,7 +80,7 @@ def _legend(models: list[eccentric.Model]) -> str:
     letters = sp.symbols("x y z", real=True)
     calls = [step(*letters[: used[step]]) for step in STEPS if step in used]
     lines = [f"    {call} = {meaning(call)}" for call in calls]
-    head = "Functions in these formulas; their order of evaluation is the code's, so that no digits are lost:"
+    head = "Functions in these formulas; the code evaluates them in this order, so that no digits are lost:"
     return "\n".join([head, "", *lines, "", ""]) if lines else ""
 
 

@@ -10,7 +10,7 @@ from eccentric.cli.arguments import add_folder, add_logs, options, print_warning
 from eccentric.output import own_folder
 
 NAME = "diagnose"
-HELP = "find what the model lacks on a log, add it, emit it, report the error before and after"
+HELP = "find what the model lacks on a log, add it, emit the model, report the error before and after"
 EXAMPLE = """eccentric diagnose examples/bench/bench.csv.gz --rig examples/bench/bench.json --out build/bench
 eccentric diagnose my.csv --rig my.toml --effects my_effects.py --out build/mine"""
 
@@ -18,7 +18,7 @@ eccentric diagnose my.csv --rig my.toml --effects my_effects.py --out build/mine
 def configure(parser: argparse.ArgumentParser) -> None:
     """Add the arguments."""
     add_logs(parser)
-    parser.add_argument("--effects", metavar="FILE", type=Path, help="a Python file with effects of your own")
+    parser.add_argument("--effects", metavar="FILE", type=Path, help="a Python file with your own effects")
     add_folder(parser, "the report and the extended model")
     parser.add_argument("--open", action="store_true", help="open the report in the browser")
 
@@ -38,7 +38,7 @@ def run(args: argparse.Namespace) -> int:
 
 
 def _progress():  # noqa: ANN202 - a function or None
-    """Stage by stage on a terminal, silent elsewhere."""
+    """Progress by stage on a terminal, nothing elsewhere."""
     if not sys.stderr.isatty():
         return None
     return lambda line: print(f"  {line}", file=sys.stderr)

@@ -1,4 +1,4 @@
-"""`eccentric emit`: the files of any model for chosen targets, with the parameters of a fit if wanted."""
+"""`eccentric emit`: the files of any model for the chosen targets, optionally with fitted parameters."""
 
 import argparse
 from pathlib import Path
@@ -19,7 +19,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("model", metavar="MODEL", help="a model's name, or the path of a derivation")
     add_folder(parser, "the files of the model")
     parser.add_argument(
-        "--parameters", type=Path, metavar="FIT.json", help="fitted values, which become the defaults"
+        "--parameters", type=Path, metavar="FIT.json", help="fitted values, to become the defaults"
     )
     parser.add_argument(
         "--prefix", metavar="NAME", help="name of the files and prefix in C; default: the model's name"
@@ -38,7 +38,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Write the files and name them."""
+    """Write the files and print their names."""
     with options({"prefix": "--prefix", "backend": "--backend"}):
         written = eccentric.emit(
             arguments.model,

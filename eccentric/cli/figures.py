@@ -16,7 +16,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Draw and name the files."""
+    """Draw the figures and print the names of the files."""
     from eccentric.figures import draw
 
     with whole_folder(arguments.out, NAME) as folder:

@@ -1,4 +1,4 @@
-"""`eccentric fit`: identify a model on logs, with uncertainty and the error on what was held out."""
+"""`eccentric fit`: identify a model on logs, with uncertainty and the held-out error."""
 
 import argparse
 

@@ -1,7 +1,7 @@
-"""Arguments as NumPy takes them, made what the C takes.
+"""Arguments as NumPy accepts them, converted to what the C accepts.
 
-The library takes numbers, and arrays of one shape and precision in one piece, by itself. What comes here is
-all else: lists, shapes that broadcast, precisions that differ, strides, and what is wrong.
+The library itself accepts numbers, and contiguous arrays of one shape and precision. All else is handled
+here: lists, shapes to broadcast, mixed precisions, strides, and bad input.
 """
 
 # ruff: noqa: SLF001 - the module is emission's own
@@ -23,17 +23,17 @@ from eccentric.compiled.entry import Called, Entry
 
 
 def functions(entry: Entry, library: Path, source: ModuleType) -> dict[str, Callable[..., Any]]:
-    """The functions of a library that the NumPy module `source` has, by name; they take what those take.
+    """The functions that the NumPy module `source` has, from a library, by name, with the same arguments.
 
     Raises:
-        OSError: the library is none, or not one for this process.
+        OSError: this is not a library, or not one for this process.
     """
     loaded = ctypes.PyDLL(str(library))
     loaded.python_set.argtypes = [*[ctypes.py_object] * 5, ctypes.c_ssize_t, ctypes.c_int]
-    # Without its global lock Python runs threads side by side, which may not share what came last.
+    # Without the global lock, Python threads run in parallel and must not share the last arguments.
     alone = getattr(sys, "_is_gil_enabled", lambda: True)()
     prepare = _prepare(entry, source)
-    number_at = float.__basicsize__ - ctypes.sizeof(ctypes.c_double)  # behind the head of the object
+    number_at = float.__basicsize__ - ctypes.sizeof(ctypes.c_double)  # behind the object's header
     loaded.python_set(np.ndarray, np.empty, np.float32, np.float64, prepare, number_at, alone)
     loaded.python_function.argtypes = [ctypes.c_int, ctypes.c_char_p, ctypes.py_object]
     loaded.python_function.restype = ctypes.py_object
@@ -49,7 +49,7 @@ def functions(entry: Entry, library: Path, source: ModuleType) -> dict[str, Call
 
 
 def _text(signature: inspect.Signature) -> str:
-    """A signature as `inspect` reads it from the functions of C: without types."""
+    """A signature as `inspect` reads it from C functions: without types."""
     plain = (p.replace(annotation=p.empty) for p in signature.parameters.values())
     return str(signature.replace(parameters=list(plain), return_annotation=signature.empty))
 
@@ -60,7 +60,7 @@ def _prepare(entry: Entry, source: ModuleType) -> Callable[[Any, Any], tuple[np.
 
     @lru_cache(maxsize=64)
     def prepared(parameters: Any, real: Any) -> tuple[np.ndarray, bool]:
-        """The coefficients as C holds them, and whether there are inertias for an acceleration."""
+        """The coefficients as stored in C, and whether there are inertias for an acceleration."""
         numbers = source._model.prepared(parameters, real).numbers
         given = source._model.default if parameters is None else parameters
         complete = all(getattr(given, name) is not None for name in inertias)
@@ -76,7 +76,7 @@ def _prepare(entry: Entry, source: ModuleType) -> Callable[[Any, Any], tuple[np.
 def _general(
     called: Called, source: ModuleType, signature: inspect.Signature, plain: Callable[..., Any]
 ) -> Callable[..., Any]:
-    """A function that hands on to `plain` what that takes."""
+    """A function that passes on to `plain` whatever that accepts."""
 
     def general(*given: Any, **named: Any) -> Any:
         bound = signature.bind(*given, **named)
@@ -102,5 +102,5 @@ def _general(
 
 
 def _whole(x: np.ndarray, shape: Sequence[int]) -> np.ndarray:
-    """The array in one piece, of that shape, where numbers of its kind may lie."""
+    """The array, contiguous and aligned, with that shape."""
     return np.require(np.broadcast_to(x, shape), requirements=["C", "A"])

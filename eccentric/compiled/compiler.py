@@ -1,4 +1,4 @@
-"""The local C compiler: what it is, and shared libraries built by it."""
+"""The local C compiler: its identity, and shared libraries built by it."""
 
 from __future__ import annotations
 
@@ -13,12 +13,12 @@ from pathlib import Path
 
 from eccentric.errors import InputError
 
-# None of these changes a bit: no product is fused with a sum, nothing is re-associated.
+# None of these changes a bit of the results: no product is fused with a sum, nothing is re-associated.
 _FLAGS = (
     *("-std=c99", "-O3", "-ffp-contract=off", "-fno-math-errno", "-fno-trapping-math", "-march=native"),
     "-fPIC",
 )
-# What the library calls of Python is there when it is loaded; only this linker wants to be told.
+# The symbols of Python exist when the library is loaded; only this linker has to allow that.
 _LINK = ("-shared", *(("-undefined", "dynamic_lookup") if sys.platform == "darwin" else ()))
 
 
@@ -28,14 +28,14 @@ class Compiler:
 
     Attributes:
         command: its path, and options that CC has.
-        identity: what a library follows from besides its sources: the compiler, its options, the processor.
+        identity: what determines a library besides its sources: the compiler, its options, the processor.
     """
 
     command: tuple[str, ...]
     identity: str
 
     def build(self, sources: Mapping[str, str], unit: str, folder: Path) -> Path:
-        """The shared library of one of the C sources, name -> text, in both precisions; made in the folder.
+        """The shared library of one of the C sources, name -> text, in both precisions; built in the folder.
 
         Raises:
             InputError: it does not compile.
@@ -55,13 +55,13 @@ class Compiler:
 
 
 def local_compiler() -> Compiler:
-    """The command that CC is, options included, as make takes it; else the first of cc, gcc and clang.
+    """The command in CC, options included, as in make; else the first of cc, gcc and clang.
 
     Raises:
-        InputError: there is none, or not the one that CC names, or it does not work.
+        InputError: there is no compiler, CC names a missing one, or it does not work.
     """
     command = _command()
-    # What it predefines tells its version and the processor that it builds for.
+    # Its predefined macros identify its version and the target processor.
     macros = _finish(_start([*command, *_FLAGS, "-dM", "-E", "-x", "c", os.devnull]))
     file = Path(command[0]).resolve().stat()
     stamp = f"{file.st_mtime_ns} {file.st_size}"

@@ -1,7 +1,7 @@
-"""What the cache keeps of a model: its shared library, and all that is needed to serve it from Python.
+"""What the cache stores for a model: its shared library, and all that is needed to call it from Python.
 
-A file of the cache is moved there as a whole, under a name that follows from what it was made of or from
-what it holds. So processes that write at the same time write the same, and what was damaged is made again.
+A file is moved into the cache atomically, under a name derived from its sources or from its content. So
+processes that write at the same time write the same, and a damaged file is built again.
 """
 
 from __future__ import annotations
@@ -19,12 +19,12 @@ from eccentric.output import folder_to_write, workshop
 
 @dataclass(frozen=True)
 class Called:
-    """A function as Python calls it.
+    """A function as called from Python.
 
     Attributes:
         name: in the module.
         inputs: their names.
-        width: numbers a sample, 0 where that is one number and no row.
+        width: numbers per sample; 0 for a single number that is not a row.
         requires: parameters without a default that are needed where the last input is not zero.
     """
 
@@ -36,14 +36,14 @@ class Called:
 
 @dataclass(frozen=True)
 class Entry:
-    """A model that is built.
+    """A model that has been built.
 
     Attributes:
         name: of the model.
         module: text of its emitted NumPy module.
         functions: in the order of the library.
-        single, double: names of the coefficients in each precision, in the order in which C holds them.
-        library: file name of the library, which carries the digest of what it holds.
+        single, double: names of the coefficients in each precision, in the order of the C struct.
+        library: file name of the library, which contains the digest of its content.
     """
 
     name: str
@@ -55,7 +55,7 @@ class Entry:
 
 
 def digest(parts: Iterable[str | bytes]) -> str:
-    """The digest of texts, each of which counts where it ends."""
+    """The digest of texts, which depends on where each of them ends."""
     code = hashlib.sha256()
     for part in parts:
         data = part.encode() if isinstance(part, str) else part
@@ -64,12 +64,12 @@ def digest(parts: Iterable[str | bytes]) -> str:
 
 
 def cache_folder() -> Path:
-    """The folder of the user's cache that is ours; it need not be there."""
+    """Our folder in the user's cache; it need not exist."""
     return Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "eccentric"
 
 
 def read_entry(name: str, key: str) -> Entry | None:
-    """The entry of a model under that key, its library checked; None if there is none, or a damaged one."""
+    """The entry of a model for that key, its library verified; None if there is none, or it is damaged."""
     found = read_record(f"{name}_{key}")
     if found is None:
         return None
@@ -86,12 +86,12 @@ def read_entry(name: str, key: str) -> Entry | None:
 
 
 def write_entry(key: str, entry: Entry) -> None:
-    """Keep an entry under that key; its library is in the cache already."""
+    """Store an entry for that key; its library is already in the cache."""
     write_record(f"{entry.name}_{key}", asdict(entry))
 
 
 def keep_library(name: str, build: Callable[[Path], Path]) -> str:
-    """Put the library that `build` makes in a folder into the cache; its file name there.
+    """Move the library that `build` makes in a folder into the cache; return its file name there.
 
     Raises:
         InputError: the cache cannot be written, or what `build` raises.
@@ -104,7 +104,7 @@ def keep_library(name: str, build: Callable[[Path], Path]) -> str:
 
 
 def read_record(name: str) -> dict[str, Any] | None:
-    """What the cache holds under a name; None if that is nothing, or damaged."""
+    """The content of the cache for a name; None if there is none, or it is damaged."""
     try:
         code, _, text = (cache_folder() / f"{name}.json").read_text(encoding="utf-8").partition("\n")
     except (OSError, UnicodeDecodeError):
@@ -113,7 +113,7 @@ def read_record(name: str) -> dict[str, Any] | None:
 
 
 def write_record(name: str, content: dict[str, Any]) -> None:
-    """Keep what JSON can hold under a name.
+    """Store a JSON document for a name.
 
     Raises:
         InputError: the cache cannot be written.

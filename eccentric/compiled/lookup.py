@@ -1,11 +1,11 @@
-"""Look before deriving: which entry of the cache a derivation stands for, by the texts that it was made of.
+"""Look up before deriving: find the cache entry of a derivation from the sources that determine it.
 
-A derivation takes a second, and SymPy half of one to import. So the cache keeps, for each derivation that was
-compiled, the scripts that it loaded, and the toolkit, the libraries and the compiler that it went through.
-If none of them has changed, what it was built into is what it would be built into.
+A derivation takes a second, and importing SymPy half a second. So the cache records, for each compiled
+derivation, the scripts that it loaded, and the toolkit, the libraries and the compiler that were used.
+If none of them has changed, the library would be built the same way again.
 
-That holds for a script whose text decides what model it is. One that opens files, or imports what is neither
-ours nor known to compute only, may give another model tomorrow: it is derived every time.
+That holds for a script whose source alone determines the model. One that opens files, or imports a module
+that is neither ours nor known to compute only, may give a different model next time: it is always derived.
 """
 
 from __future__ import annotations
@@ -33,13 +33,13 @@ _COMPUTES = (
     *("sympy", "typing"),
 )
 _READS = {"open", "exec", "eval", "compile", "__import__", "input"} | (
-    # What a path does beyond putting names together. Models are `replace`d, too.
+    # Methods of a path that touch the file system. `replace` is omitted, since models have it as well.
     set(dir(Path)) - set(dir(PurePath)) - {"absolute", "resolve", "replace"}
 )
 
 
 def look_up(asked: str | Path, compiler: Compiler) -> Entry | None:
-    """The entry that a derivation, by name or path, was built into; None if it has to be derived."""
+    """The entry of a derivation, given by name or path; None if it has to be derived."""
     record = read_record(_name(asked, compiler))
     if record is None or not all(_is_same(*script) for script in record["scripts"]):
         return None
@@ -47,15 +47,15 @@ def look_up(asked: str | Path, compiler: Compiler) -> Entry | None:
 
 
 def remember(asked: str | Path, compiler: Compiler, entry: tuple[str, str]) -> None:
-    """Keep which entry, by name and key, a derivation that was just loaded was built into.
+    """Record the entry, by name and key, of a derivation that was just loaded.
 
-    Nothing is kept that may be wrong: where a script's text does not decide, or where a source was changed
-    while this process ran, which then holds other code than the files do.
+    Nothing is recorded that may be wrong: if a script's source does not determine the model, or if a source
+    was changed while this process ran, so that it runs different code than the files contain.
     """
     scripts = scripts_behind(str(asked), derivation(asked))
     if scripts is None or not all(_decides(script.text) for script in scripts):
         return
-    # A file's time stamp comes from a clock that may be some milliseconds late.
+    # A file's time stamp comes from a clock that may lag by some milliseconds.
     if max(path.stat().st_ctime for path in _toolkit()) > started.imported_at - 0.05:
         return
     behind = [(script.asked, str(script.path), _contents(script.text)) for script in scripts]
@@ -63,7 +63,7 @@ def remember(asked: str | Path, compiler: Compiler, entry: tuple[str, str]) -> N
 
 
 def _name(asked: str | Path, compiler: Compiler) -> str:
-    """Under which name a derivation is looked up: its place, and all that every derivation goes through."""
+    """The name for looking up a derivation: its path, and everything that all derivations depend on."""
     path = derivation(asked)
     parts = [str(path), str(Path.cwd()), sys.version, compiler.identity]
     parts += [_stamp(spec.origin) for spec in map(find_spec, _LIBRARIES) if spec and spec.origin]
@@ -72,7 +72,7 @@ def _name(asked: str | Path, compiler: Compiler) -> str:
 
 
 def _toolkit() -> Iterator[Path]:
-    """The sources of all that a derivation goes through."""
+    """The sources of everything that a derivation depends on."""
     package = Path(__file__).parents[1]
     yield from sorted(package.glob("*.py"))
     for room in _ROOMS:
@@ -98,7 +98,7 @@ def _is_same(asked: str, path: str, contents: str) -> bool:
 
 
 def _decides(text: bytes) -> bool:
-    """Whether a script brings in nothing that its text does not tell, but for what it loads on record."""
+    """Whether a script depends on nothing but its source and the scripts that it is recorded to load."""
     for node in ast.walk(ast.parse(text)):
         match node:
             case ast.Import(names=names):

@@ -1,4 +1,4 @@
-"""A derivation or Model as a module of Python whose functions are those of the emitted C."""
+"""A derivation or Model as a Python module whose functions are those of the emitted C."""
 
 from __future__ import annotations
 
@@ -26,20 +26,21 @@ if TYPE_CHECKING:
     from eccentric.model import Model
 
 _UNIT = "python-calls.c"
-"""What is compiled, and includes the rest: a name that no model has, whose names are identifiers of C."""
+"""The file that is compiled and includes the rest; no model can have this name, since it is no C
+identifier."""
 _numbers = count()
 
 
-def compile(model: Model | str | Path) -> ModuleType:  # noqa: A001 - it is called as eccentric.compile
-    """A module like the emitted NumPy module of the model, its functions being those of the emitted C.
+def compile(model: Model | str | Path) -> ModuleType:  # noqa: A001 - called as eccentric.compile
+    """A module like the emitted NumPy module of the model, with the functions of the emitted C.
 
-    The model may be given as `load_model` takes it: its name ("c2_parallel"), or the path of a derivation.
-    Given so, it is derived only if something has changed since it was compiled last: its scripts, the toolkit
-    or the compiler.
+    The model may be given as for `load_model`: its name ("c2_parallel"), or the path of a derivation. It is
+    then derived only if something has changed since it was last compiled: its scripts, the toolkit or the
+    compiler.
 
-    Arguments, broadcasting, precision, `out` and bits are those of the NumPy module; where an exponential
-    stands, the bits of the two libraries may differ. Floats give a float64. The library is kept in the user's
-    cache under what it was built from: $XDG_CACHE_HOME or ~/.cache, folder eccentric.
+    Arguments, broadcasting, precision, `out` and bits are those of the NumPy module; only exponentials may
+    differ in their last bits between the two libraries. Floats give a float64. The library is stored in the
+    user's cache, named after its sources: $XDG_CACHE_HOME or ~/.cache, folder eccentric.
 
     Raises:
         TypeError: this is neither a model nor a name or path.
@@ -97,7 +98,7 @@ def _built(model: Model, compiler: Compiler) -> tuple[ModuleType, str, str]:
 
 
 def _served(entry: Entry | None) -> ModuleType | None:
-    """The module of an entry; None if there is none, or if its library cannot be loaded."""
+    """The module of an entry; None if there is no entry, or its library cannot be loaded."""
     if entry is None:
         return None
     source = run_text(

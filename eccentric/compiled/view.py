@@ -1,4 +1,4 @@
-"""What `templates/compiled/` is filled with: C that makes the functions of a program callable from Python."""
+"""The variables of `templates/compiled/`: C that makes the functions of a program callable from Python."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from eccentric.emission import Program, Routine
 
 
 def view(program: Program) -> dict[str, Any]:
-    """All that the template is filled with."""
+    """All variables of the template."""
     functions = [_function(routine) for routine in program.routines]
     return {
         "name": program.name,
@@ -23,7 +23,7 @@ def _function(r: Routine) -> dict[str, Any]:
         "inputs": [x.quantity.name for x in r.inputs],
         "width": len(r.labels),
         "inertia": int(bool(r.requires)),
-        # As in the emitted NumPy: where an inertia may be missing, the acceleration may be left out.
+        # As in the emitted NumPy: if an inertia may be missing, the acceleration may be omitted.
         "optional": int(bool(r.requires)),
         "plain": bool(r.inputs) and not r.labels and not r.requires,
     }

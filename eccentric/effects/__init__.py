@@ -115,14 +115,14 @@ _BASE_ALIASES = {
 
 
 def library(setting: Setting) -> tuple[Effect, ...]:
-    """Every effect that makes sense for the case and whose channels are logged, in the order of FAMILIES."""
+    """Every effect that applies to the case and whose channels are logged, in the order of FAMILIES."""
     made = [effect for module in dict.fromkeys(FAMILIES.values()) for effect in module.effects(setting)]
     return tuple(effect for effect in made if setting.has(*effect.evidence.needs))
 
 
 def base_aliases(case: str) -> dict[str, str]:
-    """Families that the base model of a case ("C1", "C2") holds already, with the column that they are.
+    """Families that the base model of a case ("C1", "C2") already contains, with the column that they equal.
 
-    No log of the case can show them beside the model; they are left out of `library`.
+    No log of the case can show them in addition to the model, so `library` omits them.
     """
     return dict(_BASE_ALIASES[case])

@@ -11,7 +11,7 @@ from eccentric.effects.words import GRAVITY, Words
 from eccentric.model import Change, Definition, quantity
 from eccentric.model import vocabulary as v
 
-offset = quantity("offset_angle", "rad", "true link angle less the one logged", letter="theta_0")
+offset = quantity("offset_angle", "rad", "true link angle minus the logged one", letter="theta_0")
 torque = quantity("offset_torque", "N m", "gravity torque where the logged link angle is 0", letter="T_0")
 theta_true = quantity("theta_true", "rad", "true motor angle", letter="theta_m^*")
 REFERENCE = "B. W. Mooring, Z. S. Roth and M. R. Driels, Fundamentals of Manipulator Calibration, Wiley, 1991"
@@ -24,9 +24,9 @@ WORDS = Words(
 
 
 def effects(setting: Setting) -> tuple[Effect, ...]:
-    """A shifted angle, and the torque alone, as a link out of balance sideways gives; case C2 only.
+    """A shifted angle, or its torque alone, which a link with lateral imbalance has as well; case C2 only.
 
-    None where the rig leaves the zero angle to the log: the fit has it already.
+    None if the rig leaves the zero angle to be identified: the fit then includes it already.
     """
     if setting.case == "C1" or "theta_zero_rad" in setting.left_open:
         return ()

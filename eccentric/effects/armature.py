@@ -9,32 +9,32 @@ from eccentric.effects.words import Words
 from eccentric.model import quantity
 from eccentric.model import vocabulary as v
 
-resistance = quantity("armature_R", "Ohm", "true resistance less the declared one", letter="Delta R")
+resistance = quantity("armature_R", "Ohm", "true resistance minus the declared one", letter="Delta R")
 back_emf = quantity(
-    "armature_k", "V s/rad", "true back-EMF constant less the declared one", letter="Delta k_e"
+    "armature_k", "V s/rad", "true back-EMF constant minus the declared one", letter="Delta k_e"
 )
 inductance = quantity("armature_L", "V s/A", "inductance of the armature", "", "nonnegative", letter="L_a")
 BACK_EMF = Words(
     headline="a correction of the declared back-EMF constant",
-    meaning="The back-EMF constant is not the declared one: another winding, or weak magnets.",
-    hint="turn the motor from outside with its terminals open and read the voltage",
+    meaning="The back-EMF constant differs from the declared one: a different winding, or weakened magnets.",
+    hint="drive the motor externally with its terminals open and read the voltage",
 )
 RESISTANCE = Words(
     headline="a correction of the declared resistance",
-    meaning="The resistance is not the declared one: cable, brushes, a warm winding.",
-    hint="the rotor held at several currents",
+    meaning="The resistance differs from the declared one: cable, brushes, a warm winding.",
+    hint="the locked rotor at several currents",
 )
 INDUCTANCE = Words(
     headline="the inductance of the armature",
-    meaning="The winding's inductance, which the paper neglects: voltage as current changes.",
-    hint="steps of voltage, the rotor held, finely sampled; a sensor's delay shows in the torque too",
+    meaning="The winding's inductance, which the paper neglects: a voltage by the rate of the current.",
+    hint="voltage steps with a locked rotor, finely sampled; a sensor's delay shows in the torque as well",
 )
 NEEDS = ("current", "voltage")
 REFERENCE = "standard form; armature circuit: W. Leonhard, Control of Electrical Drives, Springer"
 
 
 def effects(setting: Setting) -> tuple[Effect, ...]:
-    """Back-EMF constant, resistance and inductance; the first two are open where voltage alone drives."""
+    """Back-EMF constant, resistance and inductance; the first two are not known if only voltage is logged."""
     return (_inductance(),) if setting.by_voltage else (*_constants(), _inductance())
 
 

@@ -9,37 +9,37 @@ from eccentric.effects.words import Words
 from eccentric.model import Backward, Forward, Role, quantity
 
 C = quantity(
-    "coulomb_asym", "N m", "half the difference of the Coulomb friction of the two directions", letter="C"
+    "coulomb_asym", "N m", "half the difference in Coulomb friction between the directions", letter="C"
 )
 B = quantity(
     "viscous_asym",
     "N m s/rad",
-    "half the difference of the viscous friction of the two directions",
+    "half the difference in viscous friction between the directions",
     letter="B",
 )
 REFERENCE = "B. Armstrong-Hélouvry, P. Dupont and C. Canudas de Wit, Automatica 30(7), 1994; eq (14)"
 HINT = (
-    "the same speeds in both directions, the current sensor's zero checked with the drive switched off; a"
+    "the same speeds in both directions, with the current sensor's zero checked while the drive is off; a"
     " constant load on the link looks the same, and is T_load in the rig"
 )
 DRY = Words(
     headline="Coulomb friction that differs between the directions",
-    meaning="Dry friction that differs by direction: a bearing, seal or brush that leans.",
+    meaning="Dry friction that differs by direction: a tilted bearing, seal or brush.",
     hint=HINT,
     tell_apart={
-        "current_bias": "Log the voltage too, or the current at rest.",
-        "cable_spring": "Turn the link ten times further in one direction.",
+        "current_bias": "Log the voltage as well, or the current at rest.",
+        "cable_spring": "Turn the link ten times as far in one direction.",
     },
 )
 VISCOUS = Words(
     headline="viscous friction that differs between the directions",
-    meaning="Viscous friction that differs by direction: a seal lip, or grease pumped one way.",
+    meaning="Viscous friction that differs by direction: a seal lip, or grease pumped in one direction.",
     hint=HINT,
 )
 
 
 def effects(setting: Setting) -> tuple[Effect, ...]:
-    """Coulomb and viscous asymmetry, written with gates: at rest they add nothing, as the sign at 0 does."""
+    """Coulomb and viscous asymmetry, written with gates: at rest they add nothing, like the sign of 0."""
     forward, backward = Forward(omega_m), Backward(omega_m)
     dry = addition(
         "coulomb_asymmetry",

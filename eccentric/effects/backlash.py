@@ -32,36 +32,35 @@ arm = quantity(
     "nonnegative",
     letter="a",
 )
-left = quantity("backlash_left", "1", "share of the gap that is left", "", "nonnegative", letter="r")
-side = quantity("backlash_side", "1", "side that the load was on, 1 or -1", letter="z")
+left = quantity("backlash_left", "1", "remaining share of the gap", "", "nonnegative", letter="r")
+side = quantity("backlash_side", "1", "previous side of the load, 1 or -1", letter="z")
 GRAVITY = quantity(
     "backlash_G",
     "1",
-    "gravity torque not felt in the gap, 1 for all of it",
+    "share of the gravity torque decoupled in the gap",
     "",
     "nonnegative",
     letter="gamma",
 )
 TORQUE = quantity(
-    "backlash_T", "N m", "gravity torque by the link's lag, per full gap", "", "nonnegative", letter="T"
+    "backlash_T", "N m", "gravity torque due to the link's lag, per full gap", "", "nonnegative", letter="T"
 )
 REFERENCE = "form of our own, no impact; backlash: M. Nordin and P.-O. Gutman, Automatica 38(10), 2002"
 WORDS = Words(
     title="Backlash",
     meaning=(
-        "Backlash: when the load on the gear changes its side, the motor turns free until the teeth "
+        "Backlash: when the load on the gear changes sides, the motor turns freely until the teeth "
         "meet again."
     ),
-    hint=(
-        "slow swings that change the side of the load often, with an encoder on the link if there can be one"
-    ),
+    hint=("slow swings in which the load changes sides often, with an encoder on the link if possible"),
 )
 
 
 def effects(setting: Setting) -> tuple[Effect, ...]:
-    """The link not felt in the gap; in case C2 also the link that lags by the gap.
+    """The link decoupled in the gap; in case C2 also the link that lags by the gap.
 
-    The gap closes where the motor has turned it: an exponential closing would be a bristle of `presliding`.
+    The gap closes in proportion to the motor's travel: if exponentially, it would be a bristle of
+    `presliding`.
     """
     return (_freed(setting),) if setting.case == "C1" else (_freed(setting), _lag(setting))
 
@@ -70,8 +69,8 @@ def _freed(setting: Setting) -> Effect:
     dry = v.mu.symbol * link_force(setting) * arm.symbol * direction
     load = gravity(setting) + dry if setting.case == "C2" else direction
     now = Sgn(load)
-    changed = now * (now * side.symbol**2 - side.symbol) / 2  # 1 where both are known and differ
-    # A load that comes back inside the gap finds open what the motor has turned so far.
+    changed = now * (now * side.symbol**2 - side.symbol) / 2  # 1 if both are known and differ
+    # A load that changes back within the gap has to close what the motor has travelled so far.
     rest = sp.Abs(changed - left.symbol) - speed * dt / gap.symbol
     states = (
         State(side, sp.Integer(0), now + (1 - now**2) * side.symbol),

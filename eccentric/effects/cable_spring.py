@@ -23,7 +23,7 @@ zero = quantity("cable_0", "N m", "torque of the cable at link angle 0, motor si
 WORDS = Words(
     headline="a cable that twists with the link",
     meaning="A cable or hose that twists with the link: a torque in proportion to the link angle.",
-    hint="several turns of the link one way and back; or take the cable off",
+    hint="several turns of the link in one direction and back; or remove the cable",
     kin=GRAVITY,
 )
 

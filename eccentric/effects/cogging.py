@@ -15,12 +15,12 @@ ORDERS = range(1, 25)
 WORDS = Words(
     title="Cogging",
     meaning=(
-        "Cogging: the torque by which magnets seek the teeth; it needs no current and takes no energy"
-        " in a turn."
+        "Cogging: magnets attract the teeth; the torque needs no current and dissipates no energy over"
+        " a turn."
     ),
     hint="slow turns of the motor in both directions, at low and at high current: cogging stays the same",
     tell_apart={
-        "gravity": "Turn the motor slowly with the link taken off.",
+        "gravity": "Turn the motor slowly with the link removed.",
     },
 )
 

@@ -1,7 +1,7 @@
 """A constant load on the link: the weight on a screw drive, a spring at its working point.
 
-No family of the library: what the rig declares belongs to the base model, and undeclared it cannot be told
-from friction that differs between the directions.
+Not a family of the library: a declared load belongs to the base model, and an undeclared one is
+indistinguishable from friction that differs between the directions.
 """
 
 from __future__ import annotations

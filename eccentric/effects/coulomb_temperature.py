@@ -21,7 +21,7 @@ WORDS = Words(
     title="Coulomb friction that changes with temperature",
     meaning=(
         "Dry friction that changes with temperature: fits and preloads grow or shrink, boundary films"
-        " thin out."
+        " become thinner."
     ),
     hint="low speeds, where viscous friction is small, at several temperatures",
     kin=TEMPERATURE,
@@ -29,7 +29,7 @@ WORDS = Words(
 
 
 def effects(setting: Setting) -> tuple[Effect, ...]:
-    """All Coulomb friction, and that of one bearing; none where no temperature is logged."""
+    """All Coulomb friction, or that of one bearing; none if no temperature is logged."""
     if setting.temperature_mid is None:
         return ()
     zero = constant("coulomb_T0", "K", "reference temperature in degC", setting.temperature_mid, letter="T_0")

@@ -10,11 +10,11 @@ from eccentric.effects.words import Words
 from eccentric.model import Change, Term, quantity
 from eccentric.model import vocabulary as v
 
-bias = quantity("bias_i", "A", "measured current less the true one", letter="i_0")
+bias = quantity("bias_i", "A", "measured current minus the true one", letter="i_0")
 REFERENCE = "D.-W. Chung and S.-K. Sul, IEEE Trans. Industry Applications 34(2), 1998"
 WORDS = Words(
     headline="an offset of the current sensor",
-    meaning="The current sensor has an offset: it shows in both balances.",
+    meaning="The current sensor has an offset, which shows in both balances.",
     hint="read the current with the drive switched off",
 )
 

@@ -12,7 +12,7 @@ from eccentric.model import vocabulary as v
 ratio = quantity("current_scale", "1", "declared torque constant over the true one, less 1", letter="r")
 WORDS = Words(
     headline="a correction of the declared torque constant",
-    meaning="The torque constant, or the scale of the current sensor, is not the declared one.",
+    meaning="The torque constant, or the scale of the current sensor, differs from the declared one.",
     hint=(
         "hold a known weight on a lever and read the current in both directions of approach; in SI units"
         " k_i of a DC motor equals its k_e"
@@ -25,12 +25,11 @@ WORDS = Words(
 
 
 def effects(setting: Setting) -> tuple[Effect, ...]:
-    """The one effect of the family, where a declared k_i makes the torque.
+    """The one effect of the family, for torque computed with a declared k_i.
 
     Declared inertia and gravity together show it; in case C1 it is a factor on the inertia alone.
-
-    k_i (1 + r) where k_i belongs makes every torque 1 + r times too large: friction, which is fitted, takes
-    that up; inertia and gravity, which are declared, both fall short by r.
+    k_i (1 + r) instead of k_i makes every torque too large by 1 + r: friction, which is fitted, absorbs this;
+    inertia and gravity, which are declared, are both too small by r.
     """
     if setting.case == "C1" or not setting.scaled or {"J_m", "gravity"} & set(setting.left_open):
         return ()

@@ -1,4 +1,4 @@
-"""Drag: torque in proportion to a power of the speed, both ways (air, oil, a seal) or one way (a fan)."""
+"""Drag: torque by a power of the speed, in both directions (air, oil, a seal) or one (a fan)."""
 
 from __future__ import annotations
 
@@ -13,19 +13,19 @@ from eccentric.effects.words import SPEED, Words
 from eccentric.model import Backward, Forward, Role, quantity
 
 quadratic = quantity(
-    "drag_2", "N m s^2/rad^2", "drag torque per squared motor velocity", "", "nonnegative", letter="D"
+    "drag_2", "N m s^2/rad^2", "drag torque per motor velocity squared", "", "nonnegative", letter="D"
 )
 cubic = quantity(
     "drag_3",
     "N m s^3/rad^3",
-    "drag torque per third power of the motor velocity",
+    "drag torque per motor velocity cubed",
     "",
     "nonnegative",
     letter="D",
 )
 degressive = quantity("drag_half", "N m", "drag torque at the reference speed", "", "nonnegative", letter="D")
 WINDAGE = "J. E. Vrancik, NASA TN D-4849, 1968 (windage grows with the square of the speed)"
-BY_SPEED = "steady runs over a speed range of 1 to 5 or more: powers of the speed fit alike over a short one"
+BY_SPEED = "steady runs over a speed range of 1 to 5 or more: over a narrow one, all powers fit equally well"
 QUADRATIC = Words(
     headline="drag that grows with the square of the speed",
     meaning="Drag of air or oil in turbulent flow: it grows with the square of the speed.",
@@ -34,27 +34,27 @@ QUADRATIC = Words(
 )
 CUBIC = Words(
     headline="drag that grows with the cube of the speed",
-    meaning="Drag by the third power of the speed: a bearing whose load grows with its square.",
+    meaning="Drag with the cube of the speed: a bearing whose load grows with the square of the speed.",
     hint=BY_SPEED,
     kin=SPEED,
 )
 DEGRESSIVE = Words(
     headline="drag that grows with the square root of the speed",
-    meaning="Degressive drag: a lubricated seal whose resistance grows ever less with speed.",
+    meaning="Degressive drag: a lubricated seal whose resistance grows more slowly as speed rises.",
     hint=BY_SPEED,
 )
 ONE_WAY = Words(
     title="Windage in one direction only",
-    meaning="Windage of one direction only: a fan, or blades that are bent to one side.",
+    meaning="Windage in one direction only: a fan, or blades bent to one side.",
     hint="the same high speeds in both directions",
     kin=SPEED,
 )
 
 
 def effects(setting: Setting) -> tuple[Effect, ...]:
-    """Quadratic, cubic, degressive drag, and windage of either direction.
+    """Quadratic, cubic and degressive drag, and windage in either direction.
 
-    In case C1 the first two are columns of the model already, see `eccentric.effects.base_aliases`, unless
+    In case C1 the first two are already columns of the model, see `eccentric.effects.base_aliases`, unless
     there is no mass.
     """
     found = [_sqrt_speed(setting), *_oneway()]
@@ -106,7 +106,7 @@ def _oneway() -> tuple[Effect, ...]:
         (1, "pos", "positive", Forward(omega_m)),
         (-1, "neg", "negative", Backward(omega_m)),
     ):
-        meaning = f"windage torque per squared motor velocity, omega_m {'>' if sign > 0 else '<'} 0"
+        meaning = f"windage torque per motor velocity squared, omega_m {'>' if sign > 0 else '<'} 0"
         q = quantity(f"windage_{name}", "N m s^2/rad^2", meaning, "", "nonnegative", letter="D")
         found.append(
             addition(

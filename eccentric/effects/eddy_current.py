@@ -8,7 +8,7 @@ from eccentric.effects.setting import Setting
 from eccentric.effects.words import SPEED, Words
 from eccentric.model import Role, quantity
 
-D = quantity("eddy_D", "N m s/rad", "eddy-current damping near rest", "", "nonnegative", letter="D")
+D = quantity("eddy_D", "N m s/rad", "eddy-current damping at low speed", "", "nonnegative", letter="D")
 w_c = quantity(
     "eddy_w",
     "rad/s",
@@ -19,8 +19,8 @@ w_c = quantity(
 )
 WORDS = Words(
     headline="an eddy-current brake",
-    meaning="Eddy currents: a brake that is viscous at low speed and fades above its critical speed.",
-    hint="steady runs below, at and far above the critical speed; with the magnet moved away it is gone",
+    meaning="Eddy currents: a brake that is viscous at low speed and weakens above its critical speed.",
+    hint="steady runs below, at and far above the critical speed; removing the magnet removes the effect",
     kin=SPEED,
 )
 

@@ -1,8 +1,8 @@
 """An effect: a record that extends a Model by something physical that the paper leaves out.
 
-It may add terms to a balance, replace a quantity, scale friction by its role, and bring hidden states along.
-Nothing of it is a flag in the model: what comes out of `extend` is a Model like any other, derived further
-and emitted by the same code.
+It may add terms to a balance, replace a quantity, scale friction by its role, and introduce hidden states.
+No part of it is a flag in the model: `extend` returns an ordinary Model, which can be extended further and is
+emitted by the same code.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ class Shape:
         quantity: the parameter.
         low, high: range of the search, in its unit.
         scale: "log" or "linear".
-        points: of the grid.
+        points: number of grid points.
     """
 
     quantity: Quantity
@@ -47,7 +47,7 @@ class Evidence:
         depends_on: variables it depends on, the leading one first: velocity, direction, link_angle,
             motor_angle, gravity_load, transmitted_torque, acceleration, current, voltage, temperature, time,
             history.
-        needs: channels of the log without which it cannot be seen: "current", "voltage", "temperature".
+        needs: channels that the log must have to show it: "current", "voltage", "temperature".
         aliases: families that are exactly the same within the base model.
         special_of: families of which this one is a special case.
         repeats: whether another effect of the family may join it (harmonics of other orders).
@@ -62,12 +62,12 @@ class Evidence:
 
 @dataclass(frozen=True)
 class Correction:
-    """A quantity that the rig declares wrongly.
+    """A quantity whose declared value is wrong.
 
     Attributes:
         quantity: the quantity.
         value: its true value; with the effect's parameters at 0 it is the declared one.
-        looks_wrong: what else a check of the record finds wrong for it: "J", "M g L".
+        looks_wrong: what else a check of the record finds wrong because of it: "J", "M g L".
     """
 
     quantity: Quantity
@@ -80,17 +80,17 @@ class Effect:
     """One way in which the world differs from the model.
 
     Attributes:
-        family: what it is called in a diagnosis, a key of `eccentric.effects.FAMILIES` or a user's own.
+        family: its name in a diagnosis, a key of `eccentric.effects.FAMILIES` or a user's own.
         variant: what distinguishes it within the family, e.g. "n=3"; "" for the plain one.
         balance: the balance that shows it, "mechanical" or "electrical".
         formula: what it adds, as a person would write it.
-        reference: where the form comes from.
+        reference: source of the form.
         change: what it changes in a model.
         evidence: how it shows in a log.
         coefficients: its linear parameters, in the order of their terms; a default of None counts as 0.
         shapes: its nonlinear parameters.
-        words: what a person reads of it.
-        corrects: what of the rig is wrong, for an effect that is nothing but a wrong declaration.
+        words: what a person reads about it.
+        corrects: what the rig declares wrongly, for an effect that is only a wrong declaration.
     """
 
     family: str
@@ -117,21 +117,22 @@ class Effect:
 
     @property
     def bounds(self) -> tuple[tuple[float | None, float | None], ...]:
-        """Bounds of each coefficient, those of its terms; None for a side that is open."""
+        """Bounds of each coefficient, from its terms; None for an open side."""
         terms = [term for terms in self.change.terms.values() for term in terms]
         of = {term.coefficient: term.bounds for term in terms}
         return tuple(of[q.symbol] for q in self.coefficients)
 
     def extend(self, model: Model, values: Mapping[str, float] | None = None) -> Model:
-        """The model with this effect in it; with several, their order makes no difference.
+        """The model extended by this effect; the order of several effects makes no difference.
 
         Args:
-            model: any model, also one that is extended already.
+            model: any model, including one that is already extended.
             values: default of each parameter of the effect, by name; 0 for a coefficient and the middle of
                 its range for a shape if not given.
 
         Raises:
-            InputError: the model cannot be extended by it, or by it beside an effect that is in it already.
+            InputError: the model cannot be extended by it, or not in addition to an effect that it already
+                has.
         """
         given = {q.name: 0.0 for q in self.coefficients}
         given |= {shape.quantity.name: shape.middle for shape in self.shapes}
@@ -142,7 +143,7 @@ class Effect:
         return extended(model, Extension(self.id, self.change, parameters, self.equations()))
 
     def equations(self) -> tuple[Equation, ...]:
-        """Its steps of the derivation: one for each quantity it replaces, then what it adds or scales."""
+        """Its steps in the derivation: one for each quantity it replaces, then what it adds or scales."""
         values = {definition.symbol: definition for definition in self.change.definitions}
         replacing = tuple(
             Equation(
@@ -151,14 +152,14 @@ class Effect:
                 new,
                 values[new].value,
                 values[new].quantity.unit,
-                f"Effect {self.id}: stands for {old}. {self.reference}.",
+                f"Effect {self.id}: replaces {old}. {self.reference}.",
             )
             for old, new in self.change.replaces.items()
         )
         return replacing if replacing and not self.change.terms else (*replacing, self.equation())
 
     def equation(self) -> Equation:
-        """The effect as a step of the derivation: the torque (or voltage) it adds, or what it replaces."""
+        """The effect as a step in the derivation: the torque (or voltage) it adds, or what it replaces."""
         added = self.change.terms.get(self.balance, ())
         unit = {"mechanical": "N m", "electrical": "V"}[self.balance]
         if added:

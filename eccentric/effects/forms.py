@@ -1,6 +1,6 @@
-"""What several families are written with: columns, harmonics, constants, loads, losses and hidden states.
+"""Building blocks of several families: columns, harmonics, constants, loads, losses and hidden states.
 
-Angles enter through the half-turn steps only, so that what is emitted needs no sine of a library:
+Angles enter through the half-turn steps only, so that emitted code needs no library sine:
 cos(x) = 2 HalfCosine^2 - 1 and sin(x) = -2 HalfCosine HalfSine for x = rate theta_m.
 """
 
@@ -68,10 +68,10 @@ def addition(
     Args:
         family, variant, balance, formula, reference, shapes, words, corrects: as in `Effect`.
         columns: coefficient and basis of each term.
-        role: of the terms, or of each of them; what has one is friction.
-        load: the load that the friction is in proportion to.
+        role: of the terms, or of each of them; a term with a role is friction.
+        load: the load that the friction is proportional to.
         kind: of the terms without a role, see `eccentric.model.KINDS`.
-        bounds: of each coefficient; at least 0 for one whose domain says so, else open, if not given.
+        bounds: of each coefficient; by default at least 0 if its domain says so, else open.
         depends_on, needs, aliases, special_of, repeats: as in `Evidence`.
         definitions, states, inputs: as in `eccentric.model.Change`.
     """
@@ -110,9 +110,9 @@ def harmonic(rate: sp.Expr | int, angle: sp.Expr = theta_m) -> tuple[sp.Expr, sp
 
 
 def root(name: str, x: sp.Expr, meaning: str) -> tuple[sp.Expr, tuple[Definition, ...]]:
-    """sqrt(|x|), off by 1e-6 at most so that its slope at 0 is finite; and the definitions that it needs."""
+    """sqrt(|x|), off by at most 1e-6 so that its slope at 0 is finite; and the definitions that it needs."""
     size = Definition(
-        quantity(f"{name}_x", "1", f"{meaning}, kept off 0", letter="x"), Magnitude(x, sp.Rational(1, 10**12))
+        quantity(f"{name}_x", "1", f"{meaning}, never 0", letter="x"), Magnitude(x, sp.Rational(1, 10**12))
     )
     value = quantity(f"{name}_root", "1", f"square root of the {meaning}", letter="r")
     return value.symbol, (size, Definition(value, sp.sqrt(size.symbol) - sp.Rational(1, 10**6)))
@@ -126,24 +126,24 @@ def gravity(setting: Setting) -> sp.Expr:
 
 
 def link_force(setting: Setting) -> sp.Expr:
-    """Size of the forces that the bearing of the link carries [N]; in C1 the weight, along its axis."""
+    """Magnitude of the forces that the link's bearing carries [N]; in C1 the weight, along its axis."""
     weight = (v.M.symbol + v.M_l.symbol) * v.g.symbol if setting.case == "C1" else 0
     return v.F_N.symbol + weight
 
 
 def transmitted(name: str, setting: Setting, share: sp.Symbol) -> tuple[sp.Expr, tuple[Definition, ...]]:
-    """Torque that the gear passes on to the link, as the motor sees it [N m]; and the constants it needs.
+    """Torque that the gear transmits to the link, on the motor side [N m]; and the constants it needs.
 
-    Gravity, inertia, the friction that follows a force on the link, and the link's share of the rest: to the
-    motor the dry and viscous parts of both look alike. That friction is the one of a first fit: with the
-    model's own coefficients in its load, friction would no longer be linear in them.
+    Gravity, inertia, the friction that follows a force on the link, and the link's share of the rest: the
+    motor cannot distinguish the dry and viscous parts of the two. That friction is taken from a first fit:
+    with the model's own coefficients in its load, friction would no longer be linear in them.
     """
     columns = [column for column in regressor(setting.base) if column.name in setting.friction]
     constants = [
         constant(
             f"{name}_{column.name}",
             column.unit,
-            f"{column.name} of the fit without the effect",
+            f"{column.name} from the fit without the effect",
             setting.friction[column.name],
             f"{column.name}^0",
         )
@@ -159,7 +159,7 @@ def transmitted(name: str, setting: Setting, share: sp.Symbol) -> tuple[sp.Expr,
 
 
 def loss(setting: Setting) -> sp.Expr:
-    """Heat set free in drive and bearings [W], from measured inputs and known parameters only."""
+    """Heat dissipated in drive and bearings [W], from measured inputs and known parameters only."""
     friction = v.k_i.symbol * v.i.symbol - Gated(v.J.symbol, alpha_m) - gravity(setting)
     return friction * omega_m + v.R.symbol * v.i.symbol**2
 
@@ -174,17 +174,17 @@ def heating(
 ) -> tuple[sp.Expr, tuple[Definition, ...], State]:
     """First-order heating: its rise, about 1 at the end of the log, the definitions it needs, and its state.
 
-    The state is the power as a body of time constant tau has averaged it. The step is the implicit one,
-    stable for any time step and free of 1 - exp(-dt/tau), which single precision cannot hold.
+    The state is the power, averaged by a body of time constant tau. The step is implicit, stable for any time
+    step and free of 1 - exp(-dt/tau), which loses its digits in single precision.
     """
     state = quantity(f"{name}_P", "W", "heating power, averaged over the thermal time constant", letter="P")
     scale = quantity(
-        f"{name}_full", "W", "averaged power at the end of the log it was identified on", letter="P_end"
+        f"{name}_full", "W", "averaged power at the end of the identification log", letter="P_end"
     )
     mean = constant(
-        f"{name}_mean", "W", "mean losses of the log it was identified on", setting.mean_loss_W, "P_0"
+        f"{name}_mean", "W", "mean losses over the identification log", setting.mean_loss_W, "P_0"
     )
-    end = constant(f"{name}_end", "s", "length of the log it was identified on", setting.duration_s, "t_end")
+    end = constant(f"{name}_end", "s", "length of the identification log", setting.duration_s, "t_end")
     full = Definition(scale, mean.symbol * (1 - sp.exp(-end.symbol / tau)))
     update = state.symbol + dt / (tau + dt) * (power - state.symbol)
     return state.symbol / scale.symbol, (mean, end, full), State(state, sp.Integer(0), update)
@@ -193,7 +193,7 @@ def heating(
 def relaxation(
     name: str, meaning: str, path: sp.Expr, length: sp.Symbol, way: sp.Expr, letter: str = ""
 ) -> State:
-    """A state that follows the sign of `way`, exponentially in the path travelled, exact over a time step."""
+    """A state that follows the sign of `way`, exponentially in the distance, exact over a time step."""
     state = quantity(name, "1", meaning, letter=letter)
     end = Sgn(way)
     return State(state, sp.Integer(0), end + (state.symbol - end) * sp.exp(-path / length))
@@ -202,7 +202,7 @@ def relaxation(
 def current_slope(name: str) -> tuple[sp.Symbol, tuple[State, State]]:
     """Rate of change of the current [A/s] as a state, and the states it needs: the last difference quotient.
 
-    It lags by one and a half time steps, and the current is best low-passed before it is passed in.
+    It lags by one and a half time steps, and the current should be low-passed first.
     """
     last = quantity(f"{name}_last", "A", "current one time step ago", letter="i_old")
     slope = quantity(f"{name}_slope", "A/s", "rate of change of the current", letter="i^'")

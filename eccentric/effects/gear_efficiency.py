@@ -16,16 +16,19 @@ from eccentric.model import vocabulary as v
 
 eta = quantity("gear_eta", "1", "loss of the gear per torque, driving", "", "nonnegative", letter="eta")
 rho = quantity(
-    "gear_rho", "1", "loss of the gear back-driven over that driving", "", "nonnegative", letter="rho"
+    "gear_rho",
+    "1",
+    "loss of the gear, back-driven over driving",
+    "",
+    "nonnegative",
+    letter="rho",
 )
-share = quantity(
-    "gear_share", "1", "share of the friction without F_N that is the link's", "", "nonnegative", letter="s"
-)
-load = quantity("gear_torque", "N m", "torque that the gear passes on, motor side", letter="T")
+share = quantity("gear_share", "1", "link's share of the friction without F_N", "", "nonnegative", letter="s")
+load = quantity("gear_torque", "N m", "torque that the gear transmits, motor side", letter="T")
 WORDS = Words(
     title="Gear losses that differ between driving and being driven",
     meaning="A gear whose losses differ between driving the load and being driven by it.",
-    hint="raise and lower the mass slowly at the same speeds: the losses must differ",
+    hint="raise and lower the mass slowly at the same speeds: the losses should differ",
     kin=LOAD,
 )
 
@@ -33,8 +36,8 @@ WORDS = Words(
 def effects(setting: Setting) -> tuple[Effect, ...]:
     """By the transmitted torque, inertia included, and in case C2 by the gravity load alone.
 
-    |load| sgn w where the load resists and rho |load| sgn w where it drives is, without a case distinction,
-    the mean of both factors times |load| sgn w plus half their difference times the load.
+    |load| sgn w where the load resists and rho |load| sgn w where it drives equals, without a case
+    distinction, the mean of both factors times |load| sgn w plus half their difference times the load.
     """
     inputs = () if setting.case == "C1" else (v.theta_m,)
     both, differ = (1 + rho.symbol) / 2, (1 - rho.symbol) / 2

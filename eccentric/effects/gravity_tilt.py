@@ -17,14 +17,14 @@ M, M_l, L, g, mu = (q.symbol for q in (v.M, v.M_l, v.L, v.g, v.mu))
 tilt = quantity(
     "tilt_angle",
     "rad",
-    "tilt of the plane against level (C1) or upright (C2)",
+    "tilt of the plane from horizontal (C1) or vertical (C2)",
     "",
     "nonnegative",
     letter="delta",
 )
 phase = quantity("tilt_phase", "rad", "link angle from the lowest point of the tilted plane", letter="beta")
-cosine = quantity("tilt_c", "N m", "gravity torque of the tilt by cos(theta_l)", letter="c")
-sine = quantity("tilt_s", "N m", "gravity torque of the tilt by sin(theta_l)", letter="s")
+cosine = quantity("tilt_c", "N m", "gravity torque due to the tilt with cos(theta_l)", letter="c")
+sine = quantity("tilt_s", "N m", "gravity torque due to the tilt with sin(theta_l)", letter="s")
 g_tilted = quantity("tilt_g", "m/s^2", "gravity in the tilted plane", "", "nonnegative", letter="g^*")
 F_N_tilted = quantity(
     "tilt_F_N", "N", "normal force with the gravity of the tilted plane", "", "nonnegative", letter="F_N^*"
@@ -32,14 +32,14 @@ F_N_tilted = quantity(
 REFERENCE = "derivations/rotating_link.py: the general link, phi near pi/2 or near 0"
 WORDS = Words(
     title="A tilted plane of motion",
-    meaning="The plane of motion is not quite level (C1) or not quite upright (C2).",
+    meaning="The plane of motion is not quite horizontal (C1) or not quite vertical (C2).",
     hint="a spirit level; or slow full turns with and without the mass",
     kin=GRAVITY,
 )
 
 
 def effects(setting: Setting) -> tuple[Effect, ...]:
-    """C1: the torque alone, linear in its two parameters, and with its normal force. C2: less gravity."""
+    """C1: the torque alone, linear in its two parameters, or with its normal force. C2: reduced gravity."""
     return _level() if setting.case == "C1" else (_upright(),)
 
 
@@ -52,12 +52,12 @@ def _level() -> tuple[Effect, Effect]:
         formula="c cos(theta_l) + s sin(theta_l)",
         reference=REFERENCE,
         inputs=(v.theta_m,),
-        words=replace(WORDS, headline="a plane of motion that is not level"),
+        words=replace(WORDS, headline="a plane of motion that is not horizontal"),
     )
     turned = theta_m + phase.symbol / mu
     along, across = harmonic(mu, turned)
     weight = (M + M_l) * g * sp.sin(tilt.symbol)
-    # The weight along the axis falls by 1 - cos(tilt) only: B_lT and C_lT take that up.
+    # The weight along the axis falls by 1 - cos(tilt) only: B_lT and C_lT absorb that.
     force = Magnitude(M * L * mu**2 * omega_m**2 + weight * along, weight * across)
     gravity = mu * M * g * sp.sin(tilt.symbol) * L * across
     load = Effect(
@@ -74,7 +74,7 @@ def _level() -> tuple[Effect, Effect]:
         ),
         evidence=Evidence(depends_on=("link_angle",)),
         shapes=(Shape(tilt, 0.01, 0.7, "log", 3), Shape(phase, -3.6, 3.6, "linear", 13)),
-        words=replace(WORDS, headline="a plane of motion that is not level, normal force included"),
+        words=replace(WORDS, headline="a plane of motion that is not horizontal, normal force included"),
     )
     return torque, load
 
@@ -90,5 +90,5 @@ def _upright() -> Effect:
         ),
         evidence=Evidence(depends_on=("gravity_load",)),
         shapes=(Shape(tilt, 0.05, 1.0, "log", 4),),
-        words=replace(WORDS, headline="a plane of motion that is not upright"),
+        words=replace(WORDS, headline="a plane of motion that is not vertical"),
     )

@@ -14,14 +14,12 @@ from eccentric.model import CONTACT, Change, Definition, Role, quantity
 
 tau = quantity("heat_tau", "s", "thermal time constant", "", "positive", letter="tau")
 fall = quantity(
-    "heat_b", "1", "fall of the logarithm of friction until the end of the log", "", "nonnegative", letter="b"
+    "heat_b", "1", "fall of the logarithm of friction over the log", "", "nonnegative", letter="b"
 )
 B = quantity(
     "heat_B", "N m s/rad", "viscous friction of the bearing that warms up", "", "nonnegative", letter="B"
 )
-C = quantity(
-    "heat_C", "N m", "fall of the Coulomb friction until the end of the log", "", "nonnegative", letter="C"
-)
+C = quantity("heat_C", "N m", "fall of the Coulomb friction over the log", "", "nonnegative", letter="C")
 factor = quantity("heat_factor", "1", "friction over that of the cold drive", "", "positive", letter="kappa")
 REFERENCE = "L. Simoni, M. Beschi, G. Legnani and A. Visioli, Robotica 37(5), 2019 (temperature not measured)"
 WORDS = Words(
@@ -30,15 +28,15 @@ WORDS = Words(
         "Friction falls as the drive warms up, and no temperature is logged: first-order heating by "
         "the losses."
     ),
-    hint="start cold, hold one speed until friction settles, rest, repeat; or log a temperature",
+    hint="start cold, hold one speed until friction is steady, rest, repeat; or log a temperature",
     kin=TEMPERATURE,
 )
 
 
 def effects(setting: Setting) -> tuple[Effect, ...]:
-    """All friction, all viscous friction, and viscous or Coulomb friction of one bearing.
+    """All friction, all viscous friction, or viscous or Coulomb friction of one bearing.
 
-    None where a temperature is logged: then `viscosity_temperature` and `coulomb_temperature` say it better.
+    None if a temperature is logged: `viscosity_temperature` and `coulomb_temperature` then use it.
     """
     if setting.temperature_mid is not None:
         return ()

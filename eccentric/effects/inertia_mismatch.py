@@ -10,21 +10,21 @@ from eccentric.model import Gated, quantity
 from eccentric.model import vocabulary as v
 
 ratio = quantity(
-    "inertia_ratio", "1", "true inertia on the motor side over the declared one, less 1", letter="r"
+    "inertia_ratio", "1", "true inertia on the motor side over the declared one, minus 1", letter="r"
 )
 WORDS = Words(
     headline="a correction of the declared inertia",
-    meaning="The inertia is not the declared one.",
-    hint="strong accelerations, up and down through the same speeds",
+    meaning="The inertia differs from the declared one.",
+    hint="strong accelerations and decelerations through the same speeds",
     kin=LOAD,
 )
 
 
 def effects(setting: Setting) -> tuple[Effect, ...]:
-    """The one effect of the family; linear, since the inertia is used nowhere but in J alpha."""
+    """The one effect of the family; linear, since the inertia appears only in J alpha."""
     aliases = ("mass_mismatch",) if setting.case == "C1" else ()
     if setting.scaled and (setting.case == "C1" or "gravity" in setting.left_open):
-        # A wrong k_i scales inertia and gravity: here the inertia alone would show it.
+        # A wrong k_i scales inertia and gravity: here only the inertia would show it.
         aliases += ("ki_mismatch",)
     effect = addition(
         "inertia_mismatch",

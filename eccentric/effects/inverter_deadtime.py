@@ -12,20 +12,21 @@ from eccentric.model import Sgn, quantity
 from eccentric.model import vocabulary as v
 
 V = quantity("deadtime_u", "V", "voltage lost at high current", "", "nonnegative", letter="V")
-i_0 = quantity("deadtime_i", "A", "current within which it changes its sign", "", "positive", letter="i_0")
+i_0 = quantity("deadtime_i", "A", "current within which it changes sign", "", "positive", letter="i_0")
 WORDS = Words(
     headline="the voltage lost to the dead time of the inverter",
     meaning=(
-        "Dead time of the inverter, drop of valves or brushes: a voltage lost with the sign of the current."
+        "Dead time of the inverter, drop across switches or brushes: a voltage lost with the current's sign."
     ),
-    hint="currents slowly through zero, of both signs, the rotor held",
+    hint="currents that pass slowly through zero in both directions, with a locked rotor",
 )
 
 
 def effects(setting: Setting) -> tuple[Effect, ...]:
     """The one effect of the family; tanh is written with exp(-2|x|), which never overflows.
 
-    With it in the numerator too, expanding would turn exp(-2|x|)/(1 + exp(-2|x|)) into 1/(exp(2|x|) + 1).
+    With exp in the numerator as well, expanding would turn exp(-2|x|)/(1 + exp(-2|x|)) into 1/(exp(2|x|) +
+    1).
     """
     i, largest = v.i.symbol, setting.current_max
     small = sp.exp(-2 * sp.Abs(i) / i_0.symbol)

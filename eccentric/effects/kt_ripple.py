@@ -15,10 +15,10 @@ ORDERS = range(1, 25)
 WORDS = Words(
     title="Ripple of the torque constant",
     meaning=(
-        "Torque ripple: the torque constant varies over a turn of the motor, the ripple grows with "
+        "Torque ripple: the torque constant varies over a turn of the motor, so the ripple grows with "
         "the current."
     ),
-    hint="slow turns of the motor at low and at high current: the ripple grows with it, cogging does not",
+    hint="slow turns of the motor at low and high current: ripple grows with the current, cogging does not",
 )
 
 

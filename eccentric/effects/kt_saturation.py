@@ -9,12 +9,12 @@ from eccentric.effects.words import LOAD, Words
 from eccentric.model import quantity
 from eccentric.model import vocabulary as v
 
-part = quantity("ktsat_A", "1", "part of the torque constant that saturates", "", "nonnegative", letter="A")
-i_s = quantity("ktsat_i", "A", "current at which half of that part is lost", "", "positive", letter="i_s")
+part = quantity("ktsat_A", "1", "saturating fraction of the torque constant", "", "nonnegative", letter="A")
+i_s = quantity("ktsat_i", "A", "current at which half of that fraction is lost", "", "positive", letter="i_s")
 WORDS = Words(
     headline="a torque constant that falls at high current",
-    meaning="Iron saturates: the torque constant falls at high current.",
-    hint="high currents at low speed: hold the mass level, or accelerate hard",
+    meaning="Saturation of the iron: the torque constant falls at high current.",
+    hint="high currents at low speed: hold the link horizontal, or accelerate hard",
     kin=LOAD,
 )
 

@@ -15,7 +15,7 @@ ORDERS = range(1, 13)
 WORDS = Words(
     title="Friction that varies over a turn of the link",
     meaning=(
-        "Friction that varies with the link angle: an eccentric wheel, a bent shaft, a bearing under strain."
+        "Friction that varies with the link angle: an eccentric wheel, a bent shaft, a distorted bearing."
     ),
     hint="slow full turns of the link in both directions: friction changes its sign with the direction",
     kin=GRAVITY,

@@ -1,4 +1,4 @@
-"""Load a user's own effects: a file of theirs, given by path."""
+"""Load a user's own effects from a file, given by path."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ def load_effects(path: str | Path, setting: Setting) -> tuple[Effect, ...]:
     """The effects of a script: what its `effects(setting)` returns, or its module-level `effect`.
 
     Raises:
-        InputError: no such script, an error in it, or neither of the two names of the right type in it.
+        InputError: there is no such script, it raises an error, or it has neither name with the right type.
     """
     path = Path(path)
     if path.suffix != ".py" or not path.is_file():

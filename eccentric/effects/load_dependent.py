@@ -1,4 +1,4 @@
-"""Friction of the gear by the load."""
+"""Load-dependent friction of the gear."""
 
 from __future__ import annotations
 
@@ -14,21 +14,19 @@ from eccentric.model import Definition, Load, Role, quantity
 from eccentric.model import vocabulary as v
 
 eta = quantity(
-    "load_eta", "1", "friction of the gear per torque that it passes on", "", "nonnegative", letter="eta"
+    "load_eta", "1", "friction of the gear per transmitted torque", "", "nonnegative", letter="eta"
 )
 eta_2 = quantity(
-    "load_eta_2", "1/(N m)", "its growth with the torque that it passes on", "", "nonnegative", letter="eta_2"
+    "load_eta_2", "1/(N m)", "its growth with the transmitted torque", "", "nonnegative", letter="eta_2"
 )
-share = quantity(
-    "load_share", "1", "share of the friction without F_N that is the link's", "", "nonnegative", letter="s"
-)
-load = quantity("load_torque", "N m", "torque that the gear passes on, motor side", letter="T")
+share = quantity("load_share", "1", "link's share of the friction without F_N", "", "nonnegative", letter="s")
+load = quantity("load_torque", "N m", "torque that the gear transmits, motor side", letter="T")
 REFERENCE = "A. Gogoussis and M. Donath, IEEE ICRA 1987; P. Hamon, M. Gautier and P. Garrec, IROS 2010"
 SERVO = "M. Duclusaud, G. Passault, V. Padois and O. Ly, arXiv:2410.08650, 2024 (quadratic in the load)"
 WORDS = Words(
     title="Gear friction that follows the load",
-    meaning="Friction of the gear in proportion to the load it passes on.",
-    hint="another mass or arm at the same speeds; back-driving tells it from a gear efficiency",
+    meaning="Friction of the gear in proportion to the load that it transmits.",
+    hint="a different mass or arm at the same speeds; back-driving separates it from a gear efficiency",
     kin=LOAD,
     tell_apart={
         "gear_efficiency": (
@@ -39,7 +37,7 @@ WORDS = Words(
 
 
 def effects(setting: Setting) -> tuple[Effect, ...]:
-    """By the transmitted torque, inertia included, in proportion or progressively; in C2 by gravity alone."""
+    """By the transmitted torque, inertia included, linear or progressive; in C2 also by gravity alone."""
     inputs = () if setting.case == "C1" else (v.theta_m,)
     found = []
     for variant, variable, torque, constants, shapes in loads("load", setting, share.symbol):
@@ -88,9 +86,9 @@ Variant = tuple[str, str, sp.Expr, tuple[Definition, ...], list[tuple[float, flo
 
 
 def loads(name: str, setting: Setting, share: sp.Symbol) -> list[Variant]:
-    """(variant, variable, torque, its constants, range of the share) of what counts as load.
+    """(variant, variable, torque, its constants, range of the share) of each definition of the load.
 
-    Names begin with `name`. `gear_efficiency` has the same loads.
+    Names begin with `name`. `gear_efficiency` uses the same loads.
     """
     torque, constants = transmitted(name, setting, share)
     found: list[Variant] = [

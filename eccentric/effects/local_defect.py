@@ -12,14 +12,14 @@ from eccentric.model import HalfSine, Role, quantity
 from eccentric.model import vocabulary as v
 
 A = quantity("defect_A", "N m", "friction torque of the tight spot", "", "nonnegative", letter="A")
-angle = quantity("defect_angle", "rad", "link angle of the tight spot", letter="theta_0")
+angle = quantity("defect_angle", "rad", "link angle at the tight spot", letter="theta_0")
 width = quantity(
     "defect_width", "rad", "its width as a standard deviation, link side", "", "positive", letter="sigma"
 )
 WORDS = Words(
     headline="a tight spot at one angle of the link",
-    meaning="A tight spot at one link angle: a dent in a race, a rubbing seal, dirt in a tooth.",
-    hint="slow full turns of the link in both directions, friction drawn over the link angle",
+    meaning="A tight spot at one link angle: a dent in a race, a rubbing seal, dirt between teeth.",
+    hint="slow full turns of the link in both directions, with friction plotted over the link angle",
 )
 
 

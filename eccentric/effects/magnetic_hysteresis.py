@@ -13,7 +13,9 @@ from eccentric.effects.words import Words
 from eccentric.model import State, quantity
 from eccentric.model import vocabulary as v
 
-A = quantity("hysteresis_A", "N m", "torque by which rising and falling current differ, halved", letter="A")
+A = quantity(
+    "hysteresis_A", "N m", "half the difference in torque between rising and falling current", letter="A"
+)
 width = quantity(
     "hysteresis_i", "A", "change of current within which the branches meet", "", "positive", letter="i_h"
 )
@@ -22,12 +24,12 @@ play = quantity("hysteresis_p", "1", "play of the current, in half widths", lett
 WORDS = Words(
     title="Magnetic hysteresis",
     meaning="Magnetic hysteresis: the torque lags behind the current, whatever the rate.",
-    hint="rising and falling currents through the same value, at rest against a stop or at one speed",
+    hint="rising and falling current through the same value, at rest against a stop or at constant speed",
 )
 
 
 def effects(setting: Setting) -> tuple[Effect, ...]:
-    """Duhem's model, branches that meet exponentially, and the play operator, branches that are parallel."""
+    """Duhem's model, with branches that meet exponentially, and the play operator, with parallel ones."""
     i, largest = v.i.symbol, setting.current_max
     step = i - last.symbol
     branch = relaxation(

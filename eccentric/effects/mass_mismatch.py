@@ -12,8 +12,8 @@ from eccentric.model import Change, Definition, quantity
 from eccentric.model import vocabulary as v
 
 M, L, J_l = v.M.symbol, v.L.symbol, v.J_l.symbol
-ratio = quantity("mass_ratio", "1", "true mass over the declared one, less 1", letter="r")
-more = quantity("mass_torque", "1", "gravity torque beyond the declared one, relative", letter="r")
+ratio = quantity("mass_ratio", "1", "true mass over the declared one, minus 1", letter="r")
+more = quantity("mass_torque", "1", "true gravity torque over the declared one, minus 1", letter="r")
 M_true = quantity("M_true", "kg", "true unbalanced mass", "", "nonnegative", letter="M^*")
 J_l_true = quantity(
     "J_l_true", "kg m^2", "inertia of the link with the true mass", "", "nonnegative", letter="J_l^*"
@@ -21,22 +21,22 @@ J_l_true = quantity(
 REFERENCE = "C. G. Atkeson, C. H. An and J. M. Hollerbach, Int. J. Robotics Research 5(3), 1986"
 WORDS = Words(
     title="A correction of the declared mass",
-    meaning="The mass on the link is not the declared one.",
-    hint="weigh the mass; or hold the link level and read the current in both directions of approach",
+    meaning="The mass on the link differs from the declared one.",
+    hint="weigh the mass; or hold the link horizontal and read the current in both directions of approach",
     kin=GRAVITY,
 )
 
 
 def effects(setting: Setting) -> tuple[Effect, ...]:
-    """Three readings, case C2 only: a log of C1 has the mass in friction coefficients and inertia alone.
+    """Three variants, case C2 only: in a log of C1 the mass affects only friction coefficients and inertia.
 
-    `mass_mismatch` puts the true mass into gravity and normal force and leaves the inertia as declared, as
-    measured; `[inertia]` puts it into the inertia too (J_l holds M L^2); `[torque]` scales the gravity torque
-    alone, as a link that is itself out of balance does.
+    `mass_mismatch` uses the true mass in gravity and normal force and keeps the inertia as declared, since it
+    may have been measured; `[inertia]` uses it in the inertia as well (J_l includes M L^2); `[torque]` scales
+    the gravity torque alone, as an imbalance of the link itself does.
     """
     if setting.case == "C1":
         return ()
-    # A wrong k_i scales inertia and gravity: where the inertia is open, gravity alone would show it.
+    # A wrong k_i scales inertia and gravity: if the inertia is not declared, only gravity would show it.
     aliases = ("ki_mismatch",) if setting.scaled and "J_m" in setting.left_open else ()
     true_mass = Definition(M_true, M * (1 + ratio.symbol))
     true_inertia = Definition(J_l_true, J_l + M * L**2 * ratio.symbol)
@@ -63,7 +63,7 @@ def effects(setting: Setting) -> tuple[Effect, ...]:
             ),
             (
                 "inertia",
-                "a correction of the declared mass, in the inertia too",
+                "a correction of the declared mass, inertia included",
                 "M (1 + r) for M in gravity, normal force and inertia",
                 (true_inertia, true_mass),
                 {M: M_true.symbol, J_l: J_l_true.symbol},

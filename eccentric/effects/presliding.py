@@ -20,23 +20,21 @@ A = quantity(
     "nonnegative",
     letter="A",
 )
-S = quantity("presliding_S", "N m", "by how much it is higher near rest", "", "nonnegative", letter="S")
+S = quantity("presliding_S", "N m", "its increase near rest", "", "nonnegative", letter="S")
 reach = quantity("presliding_x", "rad", "motor angle over which it builds up", "", "positive", letter="x")
 w_s = quantity("presliding_v", "rad/s", "Stribeck velocity, motor side", "", "positive", letter="v")
 WORDS = Words(
     title="Presliding",
     meaning=(
-        "Pre-sliding: after a reversal bristles bend before surfaces slide (Dahl), more so at low "
+        "Presliding: after a reversal, bristles bend before the surfaces slide (Dahl), more so at low "
         "speed (LuGre)."
     ),
-    hint=(
-        "many reversals with strokes from a tenth of the bending angle up to ten times of it, finely resolved"
-    ),
+    hint=("many reversals with strokes from a tenth to ten times the bending angle, finely resolved"),
 )
 
 
 def effects(setting: Setting) -> tuple[Effect, ...]:
-    """Dahl's and LuGre's model, their state stepped exactly for the direction of motion of a time step."""
+    """Dahl's and LuGre's models; the state is stepped exactly for the direction of motion of the step."""
     state = relaxation(
         "presliding_z", "deflection of the bristles", speed * dt, reach.symbol, omega_m, letter="z"
     )

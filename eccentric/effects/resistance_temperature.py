@@ -1,4 +1,4 @@
-"""Resistance of the winding by temperature."""
+"""Temperature-dependent resistance of the winding."""
 
 from __future__ import annotations
 
@@ -14,12 +14,12 @@ from eccentric.model import vocabulary as v
 alpha = quantity(
     "resistance_alpha", "1/K", "relative rise of the winding's resistance per kelvin", letter="alpha"
 )
-# The declared R holds at a temperature that the rig file does not tell: it is free.
+# The temperature of the declared R is not in the rig file, so this is free.
 cold = quantity("resistance_r0", "1", "relative error of the declared resistance at T_0", letter="r_0")
 rise = quantity(
     "resistance_rise",
     "1",
-    "relative rise of the resistance until the end of the log",
+    "relative rise of the resistance over the log",
     "",
     "nonnegative",
     letter="r",
@@ -30,14 +30,14 @@ REFERENCE = (
 )
 WORDS = Words(
     title="A winding resistance that rises with temperature",
-    meaning="The winding's resistance rises with temperature, logged or by the heat of the current itself.",
-    hint="the rotor held at a constant current: the voltage shows the resistance alone",
+    meaning="The winding's resistance rises with its temperature, logged or computed from R i^2.",
+    hint="the locked rotor at a constant current: the voltage then shows only the resistance",
     kin=TEMPERATURE,
 )
 
 
 def effects(setting: Setting) -> tuple[Effect, ...]:
-    """By the logged temperature where there is one, and by the winding's own heat R i^2."""
+    """By the logged temperature, if there is one, or by the winding's own heat R i^2."""
     drop = v.R.symbol * v.i.symbol
     found = []
     if setting.temperature_mid is not None:

@@ -11,27 +11,26 @@ from eccentric.effects.words import Words
 from eccentric.model import Change, Quantity, State, Term, quantity
 from eccentric.model import vocabulary as v
 
-delay = quantity("delay_d", "s", "delay of the measured current behind angle and voltage", letter="d")
+delay = quantity("delay_d", "s", "delay of the measured current relative to angle and voltage", letter="d")
 square = quantity(
-    "delay_q", "s^2", "half the squared delay, less what the difference quotient lags", letter="q"
+    "delay_q", "s^2", "half the squared delay, minus the lag of the difference quotient", letter="q"
 )
 BOUNDS = (-0.02, 0.07)
 REFERENCE = "standard form: second order of the Taylor series i(t + d) = i + d di/dt + q d2i/dt2"
 WORDS = Words(
     headline="a delay of the current sensor",
     meaning=(
-        "The current is measured late: it shows in both balances, in proportion to how fast the "
-        "current changes."
+        "The current is measured late, which shows in both balances in proportion to the rate of the current."
     ),
-    hint="a step of voltage with the rotor held: voltage and current must move together",
+    hint="a voltage step with a locked rotor: voltage and current should change together",
 )
 
 
 def effects(setting: Setting) -> tuple[Effect, ...]:
-    """The one effect of the family, its derivatives states.
+    """The one effect of the family; its derivatives are states.
 
-    It takes a voltage beside the current: without, the current of the balance would be the model's, whose
-    noise is that of the acceleration.
+    It requires a voltage as well as the current: otherwise the current in the balance would be the model's,
+    with the noise of the acceleration.
     """
     if setting.by_voltage:
         return ()

@@ -1,4 +1,4 @@
-"""What the library of effects is made for: a case, known parameters, and the ranges that a log covers."""
+"""What the library of effects depends on: a case, known parameters, and the ranges that a log covers."""
 
 from __future__ import annotations
 
@@ -17,19 +17,19 @@ class Setting:
         base: the model that the effects extend.
         mu: gear ratio.
         known: value of every known parameter by name, SI units.
-        w_min: least speed of the motor worth telling from rest [rad/s], positive.
+        w_min: lowest motor speed that counts as motion [rad/s], positive.
         w_max: highest speed seen [rad/s].
         current_max: largest current seen [A].
         duration_s: length of the log [s].
         mean_loss_W: mean of friction power and R i^2 [W], positive.
         temperature_mid: median of the logged temperature [degC]; None if it is not logged.
-        channels: names of those logged: "current", "voltage", "temperature".
-        friction: coefficients of a first fit of that model, by column of its regressor: how much of the load
-            on a gear is friction of the link follows from it.
-        by_voltage: whether voltage alone measures the torque: resistance and back-EMF constant are open then,
-            and no current sensor shows.
-        scaled: whether a declared constant makes the torque, k_i from a current or R/k_i from a voltage.
-        left_open: what the rig leaves to the log, among others "J_m", "gravity", "theta_zero_rad".
+        channels: those logged, among "current", "voltage", "temperature".
+        friction: coefficients of a first fit of that model, by column of its regressor; they determine how
+            much of the load on a gear is friction of the link.
+        by_voltage: whether voltage alone measures the torque: then resistance and back-EMF constant are not
+            separately known, and no current sensor has an effect.
+        scaled: whether a declared constant converts to torque: k_i from a current, or R/k_i from a voltage.
+        left_open: what the rig leaves to be identified, among others "J_m", "gravity", "theta_zero_rad".
 
     Raises:
         ValueError: a range is not positive.
@@ -53,11 +53,11 @@ class Setting:
     def __post_init__(self) -> None:
         for name in ("mu", "w_min", "w_max", "current_max", "duration_s", "mean_loss_W"):
             if not getattr(self, name) > 0.0:
-                raise ValueError(f"setting: {name} must be positive, not {getattr(self, name)}")
+                raise ValueError(f"setting: {name}: required above 0, received {getattr(self, name)}")
 
     @property
     def case(self) -> str:
-        """The case of the base model: "C1" where nothing depends on the angle, else "C2"."""
+        """The case of the base model: "C1" if nothing depends on the angle, else "C2"."""
         return "C2" if v.theta_m.symbol in {q.symbol for q in self.base.inputs} else "C1"
 
     def has(self, *channels: str) -> bool:

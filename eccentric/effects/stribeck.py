@@ -15,7 +15,7 @@ from eccentric.model import Role, quantity
 A = quantity(
     "stribeck_A",
     "N m",
-    "Stribeck torque: by how much friction is higher near rest",
+    "Stribeck torque: increase of the friction near rest",
     "",
     "nonnegative",
     letter="A",
@@ -23,15 +23,15 @@ A = quantity(
 w_s = quantity("stribeck_v", "rad/s", "Stribeck velocity, motor side", "", "positive", letter="v")
 ratio = speed / w_s.symbol
 half, definitions = root("stribeck", omega_m / w_s.symbol, "speed over the Stribeck velocity")
-# A general exponent would need `pow`; these are the four in use.
+# A general exponent would require `pow`; these are the four in use.
 POWERS = {"0.5": half, "1": ratio, "1.5": ratio * half, "2": ratio**2}
 WORDS = Words(
     title="Stribeck friction",
-    meaning="Dry friction is higher at low speed, until a film of lubricant carries the load.",
+    meaning="Dry friction that is higher at low speed, until a film of lubricant carries the load.",
     hint="steady runs at several speeds below and around the Stribeck velocity, in both directions",
     kin=SPEED,
     tell_apart={
-        "presliding": "Creep below the Stribeck velocity, far from reversals.",
+        "presliding": "Move slowly below the Stribeck velocity, far from reversals.",
     },
 )
 

@@ -17,8 +17,8 @@ factor = quantity("drift_factor", "1", "friction over that at the start of the l
 REFERENCE = "standard form; parameters that drift: R. Isermann, Fault-Diagnosis Systems, Springer, 2006"
 WORDS = Words(
     title="Friction that drifts over time",
-    meaning="Friction drifts linearly over the log, for whatever reason.",
-    hint="repeat the first run at the end, and once more after a rest",
+    meaning="Friction that drifts linearly over the log, whatever the cause.",
+    hint="repeat the first run at the end, and again after a rest",
     kin=TIME,
 )
 

@@ -1,4 +1,4 @@
-"""Viscosity by temperature."""
+"""Temperature-dependent viscosity."""
 
 from __future__ import annotations
 
@@ -39,19 +39,18 @@ ROBOT = "A. C. Bittencourt, E. Wernholt, S. Sander-Tavallaey and T. Brogårdh, I
 WORDS = Words(
     title="Viscous friction that falls with temperature",
     meaning=(
-        "The viscosity of a lubricant falls with temperature: exponentially (Reynolds), or as "
-        "Arrhenius has it."
+        "The viscosity of a lubricant falls with temperature: exponentially (Reynolds), or by Arrhenius' law."
     ),
     hint=(
-        "one speed held while the temperature rises and falls, so that temperature is not the order of "
-        "the runs"
+        "one speed held while the temperature rises and falls, so that temperature does not simply follow "
+        "the order of the runs"
     ),
     kin=TEMPERATURE,
 )
 
 
 def effects(setting: Setting) -> tuple[Effect, ...]:
-    """All viscous friction by either law, and that of one bearing; none where no temperature is logged."""
+    """All viscous friction by either law, or that of one bearing; none if no temperature is logged."""
     if setting.temperature_mid is None:
         return ()
     zero = constant(

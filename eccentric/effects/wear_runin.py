@@ -20,8 +20,8 @@ reach = quantity("wear_x", "rad", "travelled motor angle over which it settles",
 REFERENCE = "standard form; running-in: P. J. Blau, Tribology International 38(11-12), 2005"
 WORDS = Words(
     title="Coulomb friction that settles as surfaces run in",
-    meaning="Running-in: dry friction settles as surfaces wear smooth, over time or over the way travelled.",
-    hint="repeat the same run at the end: friction stays low after a rest, which heat does not",
+    meaning="Running-in: dry friction settles as surfaces wear smooth, over time or over distance.",
+    hint="repeat the same run at the end: friction stays low after a rest; after heating it does not",
     kin=TIME,
 )
 
@@ -29,7 +29,7 @@ WORDS = Words(
 def effects(setting: Setting) -> tuple[Effect, ...]:
     """Over time, and over the angle travelled."""
     end = setting.duration_s
-    # Half the greatest speed stands for the mean.
+    # Half the greatest speed approximates the mean.
     travelled = 0.5 * setting.w_max * end
     in_time = addition(
         "wear_runin",

@@ -1,4 +1,4 @@
-"""What a person reads of an effect; written once, in the file of its family."""
+"""What a person reads about an effect; written once, in the file of its family."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ __all__ = [
 
 @dataclass(frozen=True)
 class Kin:
-    """Families that follow the same variable, so that one log may not tell them apart.
+    """Families that follow the same variable, so that one log may not distinguish them.
 
     Attributes:
         name: of the variable.
@@ -31,17 +31,17 @@ class Kin:
     tell_apart: Mapping[str, str]
 
 
-TIME = Kin("time", {"time": "Log three times as long, with rests, so that time and distance travelled part."})
+TIME = Kin("time", {"time": "Log three times as long, with rests, to separate time from distance travelled."})
 TEMPERATURE = Kin(
     "temperature",
     {
         "temperature": "Alternate slow and fast speeds over a ramp of 20 K or more.",
-        "time": "Repeat the same speeds warm and cooled, temperature logged.",
+        "time": "Repeat the same speeds warm and cooled down, with the temperature logged.",
     },
 )
 SPEED = Kin(
     "speed",
-    {"speed": "Add constant speeds at twice the present range and at its lower end, both ways."},
+    {"speed": "Add constant speeds at twice the present range and at its lower end, in both directions."},
 )
 LOAD = Kin(
     "load",
@@ -49,23 +49,23 @@ LOAD = Kin(
 )
 GRAVITY = Kin(
     "gravity",
-    {"gravity": "Hold slow speeds over whole turns both ways, with two masses."},
+    {"gravity": "Hold slow speeds over whole turns in both directions, with two masses."},
 )
 
 
 @dataclass(frozen=True)
 class Words:
-    """What a person reads of an effect.
+    """What a person reads about an effect.
 
     Attributes:
-        headline: what it is, as a noun phrase that continues "the model lacks ...": "friction that varies
+        headline: a noun phrase that continues "the model lacks ...": "friction that varies
             twice per turn of the link"; "" for an effect that is known by its id only.
         title: a heading for the family, where its effects have headlines of their own.
         meaning: what the family is and where it comes from, one sentence.
         hint: what to measure to separate it from others, as a noun phrase or an instruction.
         kin: families that follow the same variable; None for one that has no kin.
-        tell_apart: family, or name of a kin -> the measurement that tells the effect from it, one sentence;
-            it precedes what the kins say.
+        tell_apart: family, or name of a kin -> the measurement that separates the effect from it, one
+            sentence; it takes precedence over the kin's.
     """
 
     headline: str = ""
@@ -77,10 +77,10 @@ class Words:
 
 
 def measurement_between(first: tuple[str, Words], second: tuple[str, Words]) -> str:
-    """The measurement that tells two families, each with its words, apart; "" if neither knows one.
+    """The measurement that separates two families, each with its words; "" if neither knows one.
 
-    What a family says of the other family precedes what it says of the other's kin, and that what the kins
-    say of each other.
+    What a family says of the other family takes precedence over what it says of the other's kin, and that
+    over what the kins say of each other.
     """
     pairs = ((first, second), (second, first))
     own = [own.tell_apart.get(other) for (_, own), (other, _) in pairs]
@@ -90,5 +90,5 @@ def measurement_between(first: tuple[str, Words], second: tuple[str, Words]) -> 
 
 
 def how_often(n: int) -> str:
-    """A number of times, as a person says it."""
+    """A number of times, in words."""
     return {1: "once", 2: "twice"}.get(n, f"{n} times")

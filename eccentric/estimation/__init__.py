@@ -1,8 +1,8 @@
-"""Designs in, estimates with intervals out: bounded linear least squares, and what goes on around it.
+"""Designs in, estimates with intervals out: bounded linear least squares, and iterations around it.
 
-In: a `Design` (target, columns, named coefficients with bounds and roles), or a function that makes one of
-values that enter nonlinearly.  Out: a `Solution`, by `search` over those values or by `iterate`; its `Spread`
-and an `Estimate` of each value; what one model gains on another (`improvement`).
+In: a `Design` (target, columns, named coefficients with bounds and roles), or a function that makes one from
+nonlinear values.  Out: a `Solution`, by `search` over those values or by `iterate`; its `Spread` and an
+`Estimate` of each value; the gain of one model over another (`improvement`).
 May import: `errors`; no log, no model.
 """
 

@@ -1,8 +1,8 @@
-"""What a fit minimises: a linear design, its solution, and how far the solution can be off.
+"""What a fit minimises: a linear design, its solution, and the uncertainty of the solution.
 
     target = columns @ values + residual        on m rows, `train` of them fitted
 
-A value that does not enter linearly is held while the design is made; `solver` moves it.
+A nonlinear value is fixed while the design is made; `solver` changes it.
 """
 
 from __future__ import annotations
@@ -43,7 +43,7 @@ mechanical balance, or something of the bench that the rig leaves open."""
 
 @dataclass(frozen=True)
 class Coefficient:
-    """A linear unknown: what multiplies a column, its unit and bounds."""
+    """A linear unknown: the coefficient of a column, its unit and bounds."""
 
     name: str
     role: Role
@@ -54,7 +54,7 @@ class Coefficient:
 
 @dataclass(frozen=True)
 class Nonlinear:
-    """A value that does not enter linearly: its unit, its range, where to start looking, a usual step."""
+    """A nonlinear value: its unit, its range, where to start the search, a typical step."""
 
     name: str
     unit: str
@@ -64,13 +64,13 @@ class Nonlinear:
     step: float
 
     def end_at(self, value: float) -> int:
-        """Return -1 at the lower end of the range, 1 at the upper, 0 between."""
+        """Return -1 at the lower end of the range, 1 at the upper end, 0 in between."""
         return -1 if value <= self.lower else 1 if value >= self.upper else 0
 
 
 @dataclass(frozen=True)
 class Design:
-    """Target (m,) and columns (m, k) in one unit; which rows are fitted, and what they count (m,)."""
+    """Target (m,) and columns (m, k) in one unit; which rows are fitted, and their weights (m,)."""
 
     coefficients: tuple[Coefficient, ...]
     target: Array
@@ -89,7 +89,7 @@ class Design:
         return np.array([c.upper for c in self.coefficients])
 
     def without_bounds(self, but: Collection[Role] = ()) -> Design:
-        """The same, coefficients free, those of some roles excepted."""
+        """The same with free coefficients, except for those of some roles."""
         freed = tuple(
             c if c.role in but else dataclasses.replace(c, lower=-math.inf, upper=math.inf)
             for c in self.coefficients
@@ -106,7 +106,7 @@ class Design:
         found = bounded(rows, target, low, high)
         count = len(self.coefficients)
         values, active = np.zeros(count), np.zeros(count, dtype=np.int64)
-        # What a bound holds is the bound, free of rounding.
+        # A value with an active bound is the bound, free of rounding.
         values[every] = np.where(found.active < 0, low, np.where(found.active > 0, high, found.coefficients))
         active[every] = found.active
         return Solution(self, values, active, target - rows @ found.coefficients)
@@ -116,8 +116,8 @@ class Design:
 class Solution:
     """A solved design: values (k,), and for each whether its lower (-1), upper (1) or no (0) bound is active.
 
-    `weighted` is what is left on the fitted rows, times the root of their weights. `at` are the values that
-    do not enter linearly, by name, and `slopes` (m, q) those of the prediction, less the target, by each.
+    `weighted` is the residual on the fitted rows, times the root of their weights. `at` are the nonlinear
+    values, by name, and `slopes` (m, q) those of the prediction minus the target, by each.
     """
 
     design: Design
@@ -129,7 +129,7 @@ class Solution:
 
     @property
     def residual(self) -> Array:
-        """What is left of the target on all rows (m,)."""
+        """The residual on all rows (m,)."""
         return self.design.target - self.design.columns @ self.values
 
     @property
@@ -142,7 +142,7 @@ class Solution:
         return {c.name: float(x) for c, x in zip(self.design.coefficients, self.values, strict=True)}
 
     def spread(self, nonlinear: Sequence[Nonlinear] = ()) -> Spread:
-        """Return how far coefficients and then nonlinear values can be off, together."""
+        """Return the joint spread of the coefficients and then the nonlinear values."""
         design, train = self.design, self.design.train
         slopes = np.zeros((len(train), 0)) if self.slopes is None else self.slopes
         ends = [n.end_at(self.at[n.name]) for n in nonlinear]

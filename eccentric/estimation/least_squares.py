@@ -49,8 +49,8 @@ def bounded(design: Array, target: Array, lower: Array, upper: Array) -> Linear:
 def _triangle(rows: Array) -> Array:
     """Return R (k, k) of the QR decomposition of rows (m, k): it has the same least squares as all of them.
 
-    By blocks, then once more of the blocks' triangles: a tall decomposition at once goes through threads that
-    cost more than they give, and a search asks for hundreds.
+    By blocks, then once more for the blocks' triangles: a single tall decomposition uses threads that cost
+    more than they gain, and a search needs hundreds.
     """
     count = rows.shape[1]
     blocks = -(-len(rows) // _BLOCK)
@@ -61,9 +61,9 @@ def _triangle(rows: Array) -> Array:
 
 
 def require_rank(design: Array, names: Sequence[str], where: str) -> None:
-    """Raise InputError, naming the coefficients that cannot be told apart, if columns are dependent.
+    """Raise InputError, naming the coefficients that cannot be separated, if columns are dependent.
 
-    `where` begins the message: the log.
+    `where` opens the message: the log.
     """
     zero = [name for name, column in zip(names, design.T, strict=True) if not np.any(column)]
     if zero:
@@ -78,6 +78,6 @@ def require_rank(design: Array, names: Sequence[str], where: str) -> None:
             n for n, part in zip(names, np.max(np.abs(weak), axis=0), strict=True) if part > MEMBER_PART
         ]
         raise InputError(
-            f"{where}: {', '.join(members)} cannot be told apart on this log; required more different speeds"
+            f"{where}: {', '.join(members)} cannot be separated on this log; required more different speeds"
             " (or angles, in both directions)"
         )

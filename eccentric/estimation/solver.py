@@ -1,7 +1,7 @@
-"""Outside of linear least squares: a search over the few values that enter otherwise, or an iteration.
+"""Around linear least squares: a search over the few nonlinear values, or an iteration.
 
-Variable projection: for given values of those the rest is linear, and its best solution is what the search
-sees.  An iteration takes the solution of one design to make the next, until nothing changes.
+Variable projection: for given nonlinear values the rest is linear, and the search minimises its best
+solution.  An iteration makes the next design from the solution of the last, until nothing changes.
 """
 
 from __future__ import annotations
@@ -27,21 +27,21 @@ PROFILE_POINTS = 9
 
 
 class Searched(Protocol):
-    """A design that depends on values which do not enter linearly."""
+    """A design that depends on nonlinear values."""
 
     @property
     def nonlinear(self) -> tuple[Nonlinear, ...]:
-        """What it depends on."""
+        """The nonlinear values."""
         ...
 
     def design(self, at: Mapping[str, float]) -> Design:
-        """The design at values of those, by name."""
+        """The design for given nonlinear values, by name."""
         ...
 
 
 @dataclass(frozen=True)
 class Profile:
-    """Training RMSE over the range of one value, all else fitted at each; `best` of its solutions."""
+    """Training RMSE over the range of one value, with all others fitted at each; `best` of its solutions."""
 
     values: tuple[float, ...]
     rmse: tuple[float, ...]
@@ -56,10 +56,10 @@ def search(
     start: Mapping[str, float] | None = None,
     fixed: Mapping[str, float] | None = None,
 ) -> Solution:
-    """Minimise over coefficients and the values that do not enter linearly.
+    """Minimise over coefficients and nonlinear values.
 
-    Coefficients that are not `used` (k,) are zero; `bounds=False` leaves out the bounds of all (those of the
-    searched values stay); `start` is where to look for those first; `fixed` holds some of them.
+    Coefficients that are not `used` (k,) are zero; `bounds=False` removes the bounds of all of them (those of
+    the searched values stay); `start` is where their search starts; `fixed` fixes some of them.
     """
     held = dict(fixed or {})
     searched = [s for s in problem.nonlinear if s.name not in held]
@@ -80,10 +80,10 @@ def search(
             x_scale=[s.step for s in searched],
             xtol=1e-6,
             ftol=1e-9,
-            gtol=1e-14,  # without it, a value that nothing depends on would be divided by zero
+            gtol=1e-14,  # without it, a value without any influence would cause a division by zero
             max_nfev=30,
         ).x
-        # The algorithm stays inside the range; what it comes this near to is its end.
+        # The algorithm stays inside the range; this close to an end counts as the end.
         ends = np.array([[s.lower, s.upper] for s in searched])
         near = NEAR_END * (ends[:, 1] - ends[:, 0])
         best = np.where(best <= ends[:, 0] + near, ends[:, 0], best)
@@ -113,7 +113,7 @@ def slopes_between(
     at: Mapping[str, float],
     ends: Mapping[str, tuple[float, float]],
 ) -> Array:
-    """Slopes (m, q) of a function of values by name, each from its rise between two ends of one of them."""
+    """Slopes (m, q) of a function of values by name, each from its difference between two ends of one."""
     slopes = [
         (misfit({**at, name: high}) - misfit({**at, name: low})) / (high - low)
         for name, (low, high) in ends.items()
@@ -139,7 +139,7 @@ def iterate(
 def _around(nonlinear: Sequence[Nonlinear], at: Mapping[str, float]) -> dict[str, tuple[float, float]]:
     """Ends of central differences, inside the ranges.
 
-    A delay moves between rows: a step well below a row would see one side of its kinks only.
+    A delay moves between rows: a step well below a row would see only one side of its kinks.
     """
     ends: dict[str, tuple[float, float]] = {}
     for s in nonlinear:
@@ -152,7 +152,7 @@ def _around(nonlinear: Sequence[Nonlinear], at: Mapping[str, float]) -> dict[str
 def _start(
     searched: Sequence[Nonlinear], cost: Callable[[Array], float], start: Mapping[str, float] | None
 ) -> Array:
-    """The best of all combinations of starting values; the given one where there is one."""
+    """The best of all combinations of starting values; the given one if there is one."""
     if start is not None:
         return np.array([np.clip(start[s.name], s.lower, s.upper) for s in searched])
     choices = [np.array(x) for x in itertools.product(*(s.starts for s in searched))]

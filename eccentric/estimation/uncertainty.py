@@ -1,18 +1,18 @@
-"""Standard errors and intervals where neighbouring rows share their noise.
+"""Standard errors and intervals for rows with correlated noise.
 
 Filters, quantisation and whatever a model leaves unexplained make the residual of a log sampled at hundreds
 of rows per second strongly correlated; the textbook standard error would be several times too small.  Here
 
     cov = (X'X)^-1 Omega (X'X)^-1,  Omega = sum over lags of (1 - |lag|/S) sum of (x e)_t (x e)_(t+lag)',
 
-the estimate of Newey and West (Econometrica 55, 1987), which asks for no model of the noise and also allows
-its size to vary.  Its usual weakness is the choice of S: short ones are too optimistic by an amount nobody
-sees.  So S is a tenth of all rows, much longer than any filter and comparable to a stretch of constant speed,
-and the quantiles are those of Kiefer and Vogelsang (Econometric Theory 21, 2005), which hold for S in
-proportion to the rows: 2.26 standard errors take the place of 1.96.  (Clusters of blocks were the
-alternative: they want every block to look alike, which blocks of a log of constant speeds do not.)
-On simulated logs of 30 s with noise of up to 0.4 s memory, these intervals held the truth 93 to 95 times in
-100, those of half and of twice the S about the same.
+the estimate of Newey and West (Econometrica 55, 1987), which requires no model of the noise and allows its
+size to vary.  Its usual weakness is the choice of S: if too short, the errors are too optimistic by an
+unknown amount.  So S is a tenth of all rows, much longer than any filter and comparable to a stretch of
+constant speed, and the quantiles are those of Kiefer and Vogelsang (Econometric Theory 21, 2005), which hold
+for S in proportion to the rows: 2.26 standard errors replace 1.96.  (Clusters of blocks were the alternative:
+they require similar blocks, which a log of constant speeds does not have.)
+On simulated logs of 30 s with noise correlated over up to 0.4 s, these intervals contained the truth 93 to 95
+times in 100, and those with half and with twice the S about as often.
 """
 
 from __future__ import annotations
@@ -31,9 +31,9 @@ Array = NDArray[np.float64]
 FRACTION = 0.1
 """S over the number of rows."""
 TWO_SIDED = 1.9600 + 2.9694 * FRACTION + 0.4160 * FRACTION**2 - 0.5324 * FRACTION**3
-"""Standard errors to either end of a 95 % interval: Kiefer and Vogelsang's 97.5 % quantile."""
+"""Standard errors from the value to either end of a 95 % interval: Kiefer and Vogelsang's 97.5 % quantile."""
 ONE_SIDED = 1.6449 + 2.1859 * FRACTION + 0.3142 * FRACTION**2 - 0.3427 * FRACTION**3
-"""Standard errors to the one end of a one-sided 95 % interval: their 95 % quantile."""
+"""Standard errors to the end of a one-sided 95 % interval: their 95 % quantile."""
 DRAWS = 2000
 
 
@@ -41,8 +41,8 @@ DRAWS = 2000
 class Estimate:
     """Value, standard error and 95 % interval in `unit`; which bound is active ("lower", "upper"), if one is.
 
-    An interval ends where the bounds do; at an active bound it is one-sided. `widened` tells that an active
-    bound, its own or another value's, enters the interval: then the standard error does not describe it.
+    An interval is cut off at the bounds; at an active bound it is one-sided. `widened`: an active bound, its
+    own or another value's, enters the interval, so that the standard error does not describe it.
     """
 
     value: float
@@ -55,12 +55,12 @@ class Estimate:
 
 @dataclass(frozen=True)
 class Spread:
-    """How far p least-squares values can be off, some of which a bound holds.
+    """The uncertainty of p least-squares values, some of which have an active bound.
 
-    `matrix` (p, p) is the covariance of the free ones, zero where held. `alone` (p,) is the standard error
-    that a held one has when it is set free, else zero. A row of `moves` (a, p) is the change of all values
-    while a held one goes from its bound to the end of its one-sided interval: at the optimum the bound holds
-    it, but the truth may lie beside, and the others with it.
+    `matrix` (p, p) is the covariance of the free ones, zero for those at a bound. `alone` (p,) is the
+    standard error that a value at a bound has when it is set free, else zero. A row of `moves` (a, p) is the
+    change of all values while one at a bound moves to the end of its one-sided interval: at the optimum it is
+    at the bound, but the true value may be off it, and the others with it.
     """
 
     matrix: Array
@@ -95,13 +95,13 @@ class Spread:
 
 
 def spread(design: Array, residual: Array, active: NDArray[np.int64], lower: Array, upper: Array) -> Spread:
-    """Return the spread of p values with columns (m, p) that left a residual (m,), both times root weights.
+    """Return the spread of p values with columns (m, p) and residual (m,), both times root weights.
 
-    `active` (p,) is -1 or 1 for a value held by its bound. A column of zeros is a value that nothing depends
-    on: it is left out, and its standard error is zero here.
+    `active` (p,) is -1 or 1 for a value at its bound. A column of zeros is a value without any influence: it
+    is omitted, and its standard error is zero here.
     """
     size = np.linalg.norm(design, axis=0)
-    # Units differ, and so may the sizes by many orders: only a column of zeros is unseen.
+    # Units differ, and sizes may differ by orders of magnitude: only a column of zeros has no influence.
     seen = size > 1e-200
     free, held = np.flatnonzero((active == 0) & seen), np.flatnonzero((active != 0) & seen)
     count = len(active)
@@ -121,9 +121,8 @@ def spread(design: Array, residual: Array, active: NDArray[np.int64], lower: Arr
 def _one_sided(free: float, error: float) -> float:
     """Return the 95 % limit of a value that is not negative and whose free estimate is `free` < 0.
 
-    `free` + 1.87 errors would be negative, an empty interval, where the model misses something; this is the
-    limit of Read (Journal of Physics G 28, 2002), which shrinks the further the bound holds and never to
-    nothing.
+    `free` + 1.87 errors would be negative, an empty interval, if the model lacks something; this is the limit
+    of Read (Journal of Physics G 28, 2002), which shrinks as `free` becomes more negative, but never to zero.
     """
     unit = error * ONE_SIDED / 1.6449
     z = min(free, 0.0) / unit
@@ -133,15 +132,15 @@ def _one_sided(free: float, error: float) -> float:
 def covariance(design: Array, residual: Array) -> Array:
     """Return the covariance (k, k) of least-squares coefficients; design (m, k), residual (m,) in row order.
 
-    Both carry the square root of the weights. Rows follow each other in time; what lies between two of them
-    (a held-out stretch, the end of a run) is short against S.
+    Both contain the square root of the weights. Rows are in order of time; what separates two of them (a
+    held-out stretch, the end of a run) is short compared with S.
     """
     rows, count = design.shape
     size = np.linalg.norm(design, axis=0)
     scaled = design / size
     scores = scaled * residual[:, None]
     span = max(1, round(FRACTION * rows))
-    # Sums over every window of `span` rows, the overhanging ones included, have exactly Bartlett's weights.
+    # Sums over all windows of `span` rows, including those over the ends, give exactly Bartlett's weights.
     padding = np.zeros((span, count))
     totals = np.cumsum(np.concatenate([padding, scores, padding]), axis=0)
     sums = totals[span:] - totals[:-span]
@@ -151,11 +150,11 @@ def covariance(design: Array, residual: Array) -> Array:
 
 
 def r_squared(left: Array, whole: Array) -> float:
-    """Return 1 - mean square of what is left over that of the whole, for rows (m,) that were not fitted.
+    """Return 1 - mean square of the residual over that of the whole, for rows (m,) that were not fitted.
 
-    Not about the mean: what no model predicts is no torque at all, and a log of one steady speed has hardly
-    any variance about its mean, however well its friction is predicted.  On held-out rows, since on those
-    that are fitted it grows with every coefficient.
+    Not about the mean: without a model the prediction is zero torque, and a log at one steady speed has
+    hardly any variance about its mean, however well its friction is predicted.  On held-out rows, since on
+    fitted rows it grows with every coefficient.
     """
     return 1.0 - float(np.mean(left**2) / np.mean(whole**2))
 
@@ -164,7 +163,7 @@ def improvement(worse: Array, better: Array) -> tuple[float, tuple[float, float]
     """Return 100 (1 - RMS(better)/RMS(worse)) and its 95 % interval, for residuals (m,) of the same rows.
 
     Circular block bootstrap (Politis and Romano, 1992) in blocks of a twentieth of the rows: both residuals
-    are drawn together, since what is hard to predict is so for both.
+    are drawn together, since they are correlated.
     """
     rows = len(worse)
     squares = np.column_stack([worse**2, better**2])
@@ -185,10 +184,10 @@ def improvement_over_runs(worse: Array, better: Array) -> tuple[float, tuple[flo
 def _stretched(whole: Array, drawn: Array, count: int) -> tuple[float, tuple[float, float]]:
     """Return percent and interval from sums of squares: `whole` (2,), and `drawn` (draws, 2) from n blocks.
 
-    Between the plain quantiles of what was drawn the truth lies too rarely: with five blocks in 83 of 100
-    cases.  What is drawn scatters by sqrt((n-1)/n) too little, and knows its own size as badly as n blocks
-    do: Student's t with n - 1 degrees of freedom.  These are Hesterberg's corrections (The American
-    Statistician 69, 2015); here they stretch the logarithm of the ratio, so that no end passes 100 %.
+    The plain quantiles of the draws contain the truth too rarely: with five blocks in 83 of 100 cases.  The
+    draws scatter too little by sqrt((n-1)/n), and n blocks know that scatter poorly: Student's t with n - 1
+    degrees of freedom.  These are Hesterberg's corrections (The American Statistician 69, 2015); here they
+    stretch the logarithm of the ratio, so that no end exceeds 100 %.
     """
     ratio = math.sqrt(whole[1] / whole[0])
     if ratio == 0.0:

@@ -26,9 +26,9 @@ _UNITS = {known.name: known.unit for known in KNOWNS}
 class Combination(Coefficient):
     """A coefficient of a fit in the paper's letters: what the rig leaves open of the scaled balance.
 
-    `expression` is what it is called by, `meaning` what that is in parameters, `letter` the coefficient
-    without the scale, `mechanical_unit` its unit. `linear`: it belongs to the linear model as well.
-    `parameter` is the parameter of the model that stands for it when the fit is emitted, "" for none.
+    `expression` is its name, `meaning` its value in parameters, `letter` the coefficient without the scale,
+    `mechanical_unit` its unit. `linear`: it belongs to the linear model as well. `parameter` is the parameter
+    of the model that represents it when the fit is emitted, "" for none.
     """
 
     expression: sp.Expr
@@ -40,19 +40,19 @@ class Combination(Coefficient):
 
 
 def as_text(expression: sp.Expr) -> str:
-    """Return an expression as a reader writes it."""
+    """Return an expression as a person would write it."""
     return str(expression).replace("**", "^")
 
 
 def known_inertia(rig: Rig, machine: Machine) -> float | None:
-    """Return all of the inertia [kg m^2] where the rig has all that it is made of, else None."""
+    """Return the total inertia [kg m^2] if the rig has all its parts, else None."""
     return machine.inertia(rig.known) if machine.inertia_letters <= set(rig.known) else None
 
 
 def scale_of(drive: str, rig: Rig) -> sp.Expr | None:
-    """Return what the mechanical balance is multiplied by, None for one.
+    """Return the factor of the mechanical balance, None for one.
 
-    Raises InputError for a current whose k_i is neither known nor known by a range.
+    Raises InputError for a current whose k_i has neither a known value nor a range.
     """
     if drive == "voltage":
         return None if "R" in rig.known and "k_i" in rig.known else R / k_i
@@ -60,8 +60,8 @@ def scale_of(drive: str, rig: Rig) -> sp.Expr | None:
         if "k_i" in rig.unknown:
             return 1 / k_i
         raise InputError(
-            f"{rig.path}: [known] k_i is required to make a torque of the current "
-            "(or its range in [unknown], to identify it along); received neither"
+            f"{rig.path}: [known] k_i is required to convert the current to torque "
+            "(or its range in [unknown], to estimate it jointly); received neither"
         )
     return None
 
@@ -72,7 +72,7 @@ def combinations_of(
     """Return the coefficients in the order of their columns: friction, inertia, scale, load, offset."""
     unit = {None: "N m", R / k_i: "V", 1 / k_i: "A"}[scale]
     s = sp.Integer(1) if scale is None else scale
-    # The back-EMF has the same column as viscous friction, w: without k_e only the sum can be seen.
+    # The back-EMF has the same column as viscous friction, w: without k_e only the sum is identifiable.
     hidden = channels.motor.measured_by == "voltage" and "k_e" not in rig.known
     damping = s * _plain(machine.back_emf_damping) if hidden else sp.Integer(0)
     found = [_friction(column, model, s, damping, unit) for column in regressor(model)]
@@ -103,7 +103,7 @@ def combinations_of(
 
 
 def _friction(column: Column, model: Model, s: sp.Expr, damping: sp.Expr, unit: str) -> Combination:
-    """A column of the regressor, times the scale; the back-EMF is in that of plain viscous friction."""
+    """A column of the regressor, times the scale; that of plain viscous friction includes the back-EMF."""
     damped = damping if column.linear and column.role is Role.VISCOUS else sp.Integer(0)
     shown = _plain(s * column.coefficient + damped)
     low, high = column.bounds
@@ -123,7 +123,7 @@ def _friction(column: Column, model: Model, s: sp.Expr, damping: sp.Expr, unit: 
 
 
 def _plain(expression: sp.Expr) -> sp.Expr:
-    """Symbols by name alone: the model's carry assumptions, so that those that print alike differ."""
+    """Symbols by name only: the model's have assumptions, so that symbols that print the same may differ."""
     named = {symbol: sp.Symbol(symbol.name) for symbol in expression.free_symbols}
     return sp.expand(expression.xreplace(named))
 
@@ -156,14 +156,14 @@ def _scale_range(rig: Rig, scale: sp.Expr | None) -> tuple[float, float]:
 
 
 def _inertia_range(rig: Rig, machine: Machine) -> tuple[float, float]:
-    """The inertia with all that it is made of at the lower, and at the upper end of its range."""
+    """The inertia with all its parts at the lower, and at the upper ends of their ranges."""
     ranges = {letter: _range(rig, letter) for letter in machine.inertia_letters}
     low, high = ({letter: ends[side] for letter, ends in ranges.items()} for side in (0, 1))
     return machine.inertia(low), machine.inertia(high)
 
 
 def nonlinear_of(channels: Channels, rig: Rig, model: Model, needed: set[str]) -> list[Nonlinear]:
-    """Return what does not enter linearly: delay and zero angle to estimate, `needed` letters with ranges."""
+    """Return the nonlinear values: delay and zero angle to estimate, `needed` letters with ranges."""
     step = channels.time.logged_step_s
     turning = any(
         "theta_m" in {x.name for x in model.expand(e).free_symbols}

@@ -1,8 +1,8 @@
 """Which letters of the paper a log identifies, and which it shows only in combination.
 
-Every column of the problem has a coefficient that is an expression in the letters.  A letter can be told
-where its own direction lies in the row space of the Jacobian of those expressions: then no change of the
-other letters makes up for a change of it.
+Every column of the problem has a coefficient that is an expression in the letters.  A letter is identifiable
+if its direction is in the row space of the Jacobian of those expressions: then no change of the other letters
+compensates for a change of it.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ Array = NDArray[np.float64]
 def identified_letters(problem: Problem) -> tuple[list[str], list[str]]:
     """Return the letters among the unknown ones that are identified, and those that are not."""
     expressions = [c.meaning for c in problem.coefficients if c.role != "offset"]
-    # A default of the model (F_T) counts as known: what is left of it is a parameter by itself.
+    # A default of the model (F_T) counts as known: the remaining factor is a parameter by itself.
     fixed = {*problem.rig.known, *(s.name for s in problem.nonlinear), "F_T"}
     plain = [e.xreplace({x: sp.Symbol(x.name, positive=True) for x in e.free_symbols}) for e in expressions]
     letters = sorted({x for e in plain for x in e.free_symbols if x.name not in fixed}, key=str)
@@ -46,12 +46,11 @@ def identified_letters(problem: Problem) -> tuple[list[str], list[str]]:
 def combinations(
     problem: Problem, values: Array, active: NDArray[np.int64], error: Spread
 ) -> dict[str, Estimate]:
-    """Return combinations by name: what the columns hold that is no single letter.
+    """Return combinations by name: coefficients of columns that are not a single letter.
 
-    In newton metres where the scale is identified.
-
+    In newton metres if the scale is identified.
     `values` (k,) and `active` (k,) belong to the problem's coefficients, the spread to them and all that
-    follows.
+    follow.
     """
     found: dict[str, Estimate] = {}
     where = next((k for k, c in enumerate(problem.coefficients) if c.role == "scale"), None)

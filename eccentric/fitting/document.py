@@ -1,12 +1,13 @@
 """A fit as a document: fit.json, format eccentric-fit/1.
 
 Keys of the document; an estimate is {value, std_error, interval_95, unit, bound_active (or null)}, its
-std_error null where an active bound, its own or another value's, makes the interval:
+std_error null if an active bound, its own or another value's, determines the interval:
 
     format, model, rig, logs, drive (current, voltage, torque), unit (of target and error: N m, V or A)
     known             letter: value in SI, from the rig
     coefficients      name: estimate, the columns of the fit as they were fitted
-    combinations      name: estimate, what the columns hold that is no single letter; in newton metres where
+    combinations      name: estimate, coefficients of columns that are not a single letter; in newton metres
+    if
                       the scale is identified
     identified, not_identified  letters
     unknown           letter: estimate with range, range_end_hit, profile {values, rmse_training}
@@ -41,7 +42,7 @@ FORMAT = "eccentric-fit/1"
 
 
 def fit_document(fit: Fit, logs: Sequence[str]) -> dict[str, Any]:
-    """Return the fit as strict JSON: numbers, texts, lists and tables; null for what is not there.
+    """Return the fit as strict JSON: numbers, strings, lists and tables; null for missing values.
 
     `logs` are the names of the logs.
     """

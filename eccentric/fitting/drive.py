@@ -1,14 +1,14 @@
-"""The drive torque of a log, and what of its bench the rig leaves open.
+"""The drive torque of a log, and what the rig leaves open about the bench.
 
     current, k_i known                 torque = k_i i
     torque signal                      torque = tau
     voltage, or current without k_i    torque = (x - x_0 - k_e w)/s,  s = R/k_i [V/(N m)] or 1/k_i [A/(N m)]
     motor switched off                 torque = 0
 
-Inertia, scale (through gravity), back-EMF (where free motion tells it from viscous friction), offset and a
-constant load stay free beside every model that is tried: columns that each of them gets, so that no effect is
-adopted for making up a bench that was described a little wrong.  Without a scale in the log s is 1, and the
-result is in the unit of the drive.
+Inertia, scale (through gravity), back-EMF (if free motion separates it from viscous friction), offset and a
+constant load stay free in every model that is tried: each of them has these columns, so that no effect is
+adopted for compensating a slightly wrong description of the bench.  Without a scale in the log s is 1, and
+the result is in the unit of the drive.
 """
 
 from __future__ import annotations
@@ -30,21 +30,21 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Drive:
-    """What drives the rig.
+    """The drive of the rig.
 
     Attributes:
         machine: motor, armature and inertia of the base model.
         channels: with delay, zero angle and offset as identified.
         known: value of every parameter that is no friction coefficient, known or identified, SI units; with a
             scale, k_i is 1 N m/A and R stands for R/k_i, which is all that a voltage tells.
-        scale: s, None where the torque is measured.
-        unit: of torques: "N m", or "V" or "A" where nothing in the log gives the scale.
-        open: names of what stays free: J_m, T_load (parameters of the model), gravity, back_emf, offset,
+        scale: s, None if the torque is measured.
+        unit: of torques: "N m", or "V" or "A" if nothing in the log determines the scale.
+        open: names of the free columns: J_m, T_load (parameters of the model), gravity, back_emf, offset,
             zero_angle.
         adjusts: the letter that a free gravity column changes: the scale, or M or L known by a range.
-        identified: letters that the log had to give, for the report.
+        identified: letters that were estimated from the log, for the report.
         warnings: of the first fit.
-        rotor: J_m where the rig knows it and J_l is what the log has to give [kg m^2].
+        rotor: J_m if the rig knows it and J_l has to be estimated [kg m^2].
     """
 
     machine: Machine
@@ -60,7 +60,7 @@ class Drive:
 
     @property
     def by_voltage(self) -> bool:
-        """Whether the voltage alone tells the torque."""
+        """Whether the torque comes from the voltage alone."""
         return self.scale is not None and self.channels.motor.measured_by == "voltage"
 
     @property
@@ -70,7 +70,7 @@ class Drive:
 
     @property
     def measured_twice(self) -> bool:
-        """Whether voltage and current are both logged: then one tells the current for the other's balance."""
+        """Whether voltage and current are both logged: then one gives the current for the other's balance."""
         motor = self.channels.motor
         return self.scale is None and motor.measured_by == "current" and motor.voltage is not None
 
@@ -79,14 +79,14 @@ class Drive:
         return np.where(self.off, 0.0, self.channels.motor.measured)
 
     def scaled(self, scale: float | None = None) -> dict[str, float]:
-        """The letters that the scale of the drive stands for, at another scale if given."""
+        """The letters that the scale of the drive represents, optionally at a different scale."""
         scale = self.scale if scale is None else scale
         if scale is None:
             return {}
         return {"k_i": 1.0, "R": scale} if self.by_voltage else {"k_i": 1.0 / scale}
 
     def torque(self, known: Mapping[str, float] | None = None, scale: float | None = None) -> Array:
-        """The drive torque (n,) [N m], for other values of k_e and scale if given."""
+        """The drive torque (n,) [N m], optionally for different values of k_e and scale."""
         signal = self.signal()
         if self.channels.motor.measured_by == "torque":
             return signal
@@ -96,7 +96,7 @@ class Drive:
         return np.where(self.off, 0.0, self.machine.torque(letters, signal))
 
     def columns(self, gravity: Array, slope: Array) -> dict[str, Array]:
-        """What stays free, as columns (n,) of the balance J alpha + G + f = torque.
+        """The free columns (n,) of the balance J alpha + G + f = torque.
 
         gravity (n,) [N m] and its slope over the link angle (n,) [N m/rad].
         """

@@ -19,16 +19,16 @@ Array = NDArray[np.float64]
 
 
 class Emitted:
-    """The functions of an emitted module, called with the inputs that they take."""
+    """The functions of an emitted module, called with the inputs that they require."""
 
     def __init__(self, model: Model) -> None:
         self._module = load_module(model)
         self.letters = tuple(field.name for field in dataclasses.fields(self._module.Parameters))
 
     def parameters(self, values: Mapping[str, float]) -> Any:
-        """Return the emitted `Parameters` of those values that the model has; the others are left out.
+        """Return the emitted `Parameters` with those values that the model has; others are ignored.
 
-        Raises ValueError where the emitted class refuses a value.
+        Raises ValueError if the emitted class refuses a value.
         """
         return self._module.Parameters(**{k: x for k, x in values.items() if k in self.letters})
 
@@ -38,5 +38,5 @@ class Emitted:
         return tuple(name for name in names if name not in {"parameters", "out"})
 
     def __call__(self, function: str, inputs: Mapping[str, Array], parameters: Any) -> Array:
-        """Evaluate a function on those of the inputs (n,) that it takes."""
+        """Evaluate a function on the inputs (n,) that it takes."""
         return getattr(self._module, function)(*(inputs[n] for n in self.inputs_of(function)), parameters)

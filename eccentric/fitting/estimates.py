@@ -1,4 +1,4 @@
-"""What the fit of an extended model found, with its uncertainty, and the share of each effect in it."""
+"""The estimates of an extended model's fit, with uncertainty, and the share of each effect."""
 
 from __future__ import annotations
 
@@ -49,12 +49,12 @@ def _of_balance(fit: Extended, step: Step, balance: str) -> tuple[dict[str, Esti
         at={name: point.values[name] for name in shapes},
         slopes=_slopes(fit, step, balance, shapes),
     )
-    # No bound holds a shape: the search ends inside its range, or tells what it is at the end of.
+    # A shape has no active bound: the search ends inside its range, or warns that it is at its end.
     error = solution.spread([Nonlinear(n, "", -np.inf, np.inf, (), 0.0) for n in shapes])
     names = [c.name for c in solution.design.coefficients]
     units = {q.name: q.unit for q in fit.model.parameters}
     unit = np.eye(len(names) + len(shapes))
-    # All torques are divided by the scale, so that its error is theirs too.
+    # All torques are divided by the scale, so that its error is theirs as well.
     scaled = drive.adjusts == "scale" and "gravity" in names
     shared = unit[names.index("gravity")] if scaled else np.zeros(len(unit))
     found: dict[str, Estimate] = {}
@@ -85,7 +85,7 @@ def _of_balance(fit: Extended, step: Step, balance: str) -> tuple[dict[str, Esti
 
 
 def _slopes(fit: Extended, step: Step, balance: str, shapes: Mapping[str, Shape]) -> Array:
-    """Slopes (rows, q) of prediction less target by each shape, by forward differences."""
+    """Slopes (rows, q) of prediction minus target by each shape, by forward differences."""
     point = step.point
     every = {s.quantity.name for e, _ in fit.effects for s in e.shapes}
     as_it_is = fit.residuals(point)
@@ -108,7 +108,7 @@ def _slopes(fit: Extended, step: Step, balance: str, shapes: Mapping[str, Shape]
 
 
 def _outside(name: str, fit: Extended, step: Step) -> tuple[str, float, float, str]:
-    """Name, value, factor on the coefficient's error, unit of what the drive is described by."""
+    """Name, value, factor on the coefficient's error, and unit of each quantity of the drive."""
     drive, point = fit.data.drive, step.point
     scale = point.scale or 1.0
     if name == "gravity" and drive.adjusts == "scale":
@@ -126,7 +126,7 @@ def _outside(name: str, fit: Extended, step: Step) -> tuple[str, float, float, s
 
 
 def shares(fit: Extended, step: Step, base: Model) -> dict[str, float]:
-    """RMS of what each effect adds beside the others, over that of the friction, on training rows."""
+    """RMS of the contribution of each effect, over that of the friction, on training rows."""
     data, point = fit.data, step.point
     rows = data.rows.train
     friction = float(np.sqrt(np.mean(step.target[rows] ** 2)))

@@ -1,7 +1,7 @@
-"""What expressions are evaluated on, and how: smooth signals of one log, and an expression compiled for them.
+"""Evaluation of expressions: smooth signals of one log, and expressions compiled for them.
 
-What the base model defines is a signal too, computed once. Other definitions are expanded, careful steps
-replaced by what they mean, and what is left is compiled to NumPy.
+Definitions of the base model are signals as well, computed once. Other definitions are expanded, numerically
+stable steps are replaced by their plain formulas, and the rest is compiled to NumPy.
 """
 
 from __future__ import annotations
@@ -23,15 +23,15 @@ Array = np.ndarray
 
 @dataclass(frozen=True)
 class Signals:
-    """What expressions are evaluated on: smooth signals of one log, all of shape (samples,), in SI units.
+    """The smooth signals of one log that expressions are evaluated on, all of shape (samples,), in SI units.
 
     Attributes:
-        values: input name -> signal: theta_m, omega_m, alpha_m, t, and where there is one i, u, temperature.
+        values: input name -> signal: theta_m, omega_m, alpha_m, t, and if available i, u, temperature.
         dt: step to the next sample [s].
-        starts: index of the first sample of each run; hidden states start anew there.
-        known: value of every parameter that is no friction coefficient.
+        starts: index of the first sample of each run; hidden states restart there.
+        known: value of every parameter that is not a friction coefficient.
         open: what the rig leaves open, name -> column of torque [N m]; part of every base.
-        friction: positions of the columns of the regressor that are not zero throughout.
+        friction: positions of the columns of the regressor that are not identically zero.
         base: the model whose definitions are signals.
     """
 
@@ -55,9 +55,9 @@ class Signals:
 
     @cached_property
     def defined(self) -> dict[sp.Symbol, tuple[sp.Expr, Array]]:
-        """What the base model defines, as far as the log tells it: symbol -> (its formula, its values).
+        """The definitions of the base model that the log determines: symbol -> (its formula, its values).
 
-        What bears the name of something else that expressions use is left out: it is expanded.
+        A definition with the name of something else that expressions use is omitted, and so expanded.
         """
         found: dict[sp.Symbol, tuple[sp.Expr, Array]] = {}
         given = {**self.known, **self.values}
@@ -77,11 +77,11 @@ class Signals:
         return {**self.known, **defined, **self.values, "dt": self.dt}
 
     def given(self, shape: Mapping[str, float], series: Mapping[str, Array]) -> dict[str, Any]:
-        """All that an expression may use, by name."""
+        """Everything that an expression may use, by name."""
         return {**self._own, **series, **shape}
 
     def expanded(self, model: Model, expression: sp.Expr, names: Collection[str]) -> sp.Expr:
-        """The expression in signals, states and shapes of these names, careful steps as what they mean."""
+        """The expression in signals, states and shapes of these names, with plain formulas for steps."""
         put_in: dict[sp.Symbol, sp.Expr] = {}
         for definition in model.definitions:
             symbol, value = definition.symbol, definition.value
@@ -93,7 +93,7 @@ class Signals:
 
 
 def base_columns(model: Model, signals: Signals) -> Array:
-    """The regressor of the model on the signals and what the rig leaves open, (samples, columns)."""
+    """The regressor of the model and the columns that the rig leaves open, (samples, columns)."""
     columns = [compiled(model, column.basis, signals, ()) for column in signals.columns(model)]
     return np.column_stack([*(column({}, {}) for column in columns), *signals.open.values()])
 
@@ -124,14 +124,14 @@ def lambdified(
 def evaluated(expression: sp.Expr, given: Mapping[str, Any]) -> Any:
     """An expression at values or arrays (n,) of its inputs and parameters, by name.
 
-    Raises KeyError where one is missing.
+    Raises KeyError if one is missing.
     """
     function, arguments = _function_of(meaning(expression))
     return function(*(given[name] for name in arguments))
 
 
 def seen_columns(model: Model, known: Mapping[str, float]) -> tuple[int, ...]:
-    """Columns of the regressor that are not zero throughout: without a mass, in case C1, those of F_N are."""
+    """Columns of the regressor that are not identically zero: in C1 without a mass, those of F_N are."""
     absent = {q.symbol: 0 for q in model.parameters if known.get(q.name) == 0.0 and q.name in ("M", "L")}
     return tuple(
         k
@@ -142,6 +142,6 @@ def seen_columns(model: Model, known: Mapping[str, float]) -> tuple[int, ...]:
 
 @lru_cache(maxsize=2000)
 def _function_of(expression: sp.Expr) -> tuple[Callable[..., Any], tuple[str, ...]]:
-    """An expression as a function of its symbols, and their names; made once for all logs of a process."""
+    """An expression as a function of its symbols, and their names; compiled once per process."""
     symbols = sorted(expression.free_symbols, key=str)
     return sp.lambdify(symbols, expression, modules="numpy", cse=True), tuple(s.name for s in symbols)

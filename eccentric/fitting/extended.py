@@ -1,12 +1,12 @@
 """Fit a model, extended or not, on its own emitted module: what is scored is what is shipped.
 
 The residual of the mechanical balance is linear in friction, in the coefficients of effects and in what the
-rig leaves open; only the scale of the drive is not.  A free column of gravity finds it: where the fit wants
+rig leaves open; only the scale of the drive is not.  A free column of gravity finds it: if the fit requires
 1 + g times the gravity torque, the scale (or the unknown arm) was too small by that factor, and the fit is
-repeated with the better one until g vanishes.
+repeated with the corrected one until g vanishes.
 
-Where one signal alone measures the drive, effects on the current take the one that the model asks for,
-(torque - residual)/k_i of the step before: with the measured one the drive would explain itself.
+If only one signal measures the drive, effects of the current use the one that the model predicts,
+(torque - residual)/k_i of the previous step: with the measured one the drive would explain itself.
 """
 
 from __future__ import annotations
@@ -36,14 +36,14 @@ _OUTSIDE: dict[str, Role] = {
     "offset": "offset",
     "zero_angle": "zero_angle",
 }
-"""Columns of the drive that no parameter of the emitted module has, and what they are."""
+"""Columns of the drive without a parameter in the emitted module, with their meaning."""
 
 
 @dataclass(frozen=True)
 class Point:
-    """Where an iteration is: every parameter of the model, scale and offset of the drive, zero angle.
+    """The state of an iteration: every parameter of the model, scale and offset of the drive, zero angle.
 
-    `current` (samples,) [A at the scale] is what effects on the current take; None for the measured one.
+    `current` (samples,) [A at the scale] is the one that effects use; None for the measured one.
     """
 
     values: Values
@@ -55,10 +55,10 @@ class Point:
 
 @dataclass(frozen=True)
 class Step:
-    """What a step of the iteration found, and the point that it leads to.
+    """The result of a step of the iteration, and the point that it leads to.
 
-    solutions and residuals (rows,) [N m] by balance; target (rows,): what the mechanical friction, effects
-    included, has to be [N m].
+    solutions and residuals (rows,) [N m] by balance; target (rows,): the required mechanical friction,
+    effects included [N m].
     """
 
     point: Point
@@ -85,18 +85,18 @@ class Extended:
 
     @property
     def shapes(self) -> Values:
-        """The values of the effects that do not enter linearly, and of their coefficients before the fit."""
+        """The nonlinear values of the effects, and their coefficients before the fit."""
         return {name: value for _, own in self.effects for name, value in own.items()}
 
     @property
     def follows(self) -> bool:
-        """Whether effects take the current that the model asks for."""
+        """Whether effects use the current that the model predicts."""
         return bool(self.effects) and not self.data.drive.measured_twice
 
     def start(self, base: Model) -> Point:
-        """Where the iteration begins: what is known, all that is fitted at zero."""
+        """The start of the iteration: known values, and zero for all that is fitted."""
         drive, letters = self.data.drive, {q.name for q in self.model.parameters}
-        # What the log cannot show has no effect on it, but the module wants a number.
+        # A value that has no effect on this log is still required as a number by the module.
         absent = {"R": 1.0, "k_e": 0.0, "J_m": 0.0, "J_l": 0.0}
         values = {n: x for n, x in {**absent, **drive.known}.items() if n in letters}
         values |= drive.scaled()
@@ -109,7 +109,7 @@ class Extended:
         return iterate(self.advance, Step(self.start(base)), most, LAST_STEP)
 
     def advance(self, last: Step) -> tuple[Step, float]:
-        """One step: solve at a point, move there; return the relative change of scale and current."""
+        """One step: solve at a point and move on; return the relative change of scale and current."""
         drive, point = self.data.drive, last.point
         residuals = self.residuals(point)
         point, moved = self._followed(point, residuals) if self.follows else (point, 0.0)
@@ -121,7 +121,7 @@ class Extended:
             point, _ = self._moved(point, solutions["electrical"])
         solutions["mechanical"] = solution = self._mechanical(residuals, point).solve()
         point, change = self._moved(point, solution)
-        # By its columns, since Parameters refuse what is negative without bounds.
+        # By its columns, since Parameters refuse the negative values of a fit without bounds.
         found = {"mechanical": solution.residual}
         roles = np.array([c.role in {"friction", "effect"} for c in solution.design.coefficients])
         target = found["mechanical"] + solution.design.columns[:, roles] @ solution.values[roles]
@@ -134,7 +134,7 @@ class Extended:
     def residuals(
         self, point: Point, model: Model | None = None, shapes: Mapping[str, float] | None = None
     ) -> Residuals:
-        """The residuals of the model, or of another, at a point."""
+        """The residuals of this model, or of another one, at a point."""
         given = self.shapes if shapes is None else shapes
         return Residuals(model or self.model, self.data, given, point.values, point.scale)
 
@@ -163,14 +163,14 @@ class Extended:
     def _design(
         self, residuals: Residuals, balance: str, own: Sequence[Coefficient], point: Point, train: Mask
     ) -> Design:
-        """A balance in its unknowns. It is linear in them: unit steps of the emitted function are columns."""
+        """A balance, linear in its unknowns: unit steps of the emitted function are columns."""
         start = point.values | {c.name: 0.0 for c in own}
         rest = residuals.rows(balance, start)
         there = rest if point.current is None else residuals.rows(balance, start, point.current)
         steps = [there - residuals.rows(balance, {**start, c.name: 1.0}, point.current) for c in own]
         outside: dict[str, Array] = {}
         if balance == "mechanical":
-            # What is outside the module: gravity, back-EMF, offset and zero angle, against the drive.
+            # Columns outside the module: gravity, back-EMF, offset and zero angle, against the drive.
             names = {c.name for c in own}
             left_open = self.data.signals.open.items()
             outside = {n: self.data.rows.mean(x) for n, x in left_open if n not in names}
@@ -185,9 +185,9 @@ class Extended:
         return design if self.bounds else design.without_bounds(but=("inertia",))
 
     def _moved(self, point: Point, solution: Solution) -> tuple[Point, float]:
-        """Put a solution into the values; return what the free gravity column still wants.
+        """Put a solution into the values; return the remaining coefficient of the free gravity column.
 
-        What is outside the module changes scale, back-EMF, offset and zero angle.
+        Columns outside the module change scale, back-EMF, offset and zero angle.
         """
         found = solution.by_name()
         gravity, emf = found.pop("gravity", 0.0), found.pop("back_emf", 0.0)
@@ -209,13 +209,13 @@ class Extended:
         return Point(values, scale, offset, zero, point.current), gravity
 
     def _shared(self, values: Values, rotor: float) -> Values:
-        """J_m and J_l: the column is that of all inertia; what the known rotor has not is the link's."""
+        """J_m and J_l: from the column of the total inertia, with the known rotor subtracted."""
         machine = self.data.drive.machine
         beyond = machine.inertia(values) - machine.inertia({**values, "J_m": rotor, "J_l": 0.0})
         return {"J_m": rotor, "J_l": max(beyond / machine.inertia_per("J_l", values), 0.0)}
 
     def _followed(self, point: Point, residuals: Residuals) -> tuple[Point, float]:
-        """Take the current that the last step asks for; return the RMS of what it changed by, relative."""
+        """Use the current that the last step predicts; return the relative RMS of its change."""
         if point.current is None:
             return replace(point, current=self.data.signals.values["i"]), np.inf
         current = self._model_current(point, residuals)
@@ -223,7 +223,7 @@ class Extended:
         return replace(point, current=current), float(change)
 
     def _model_current(self, point: Point, residuals: Residuals) -> Array:
-        """The current (samples,) that the model of the last step asks for [A at the scale of the fit]."""
+        """The current (samples,) that the model of the last step predicts [A at the scale of the fit]."""
         quiet = point.values | dict.fromkeys(self._of_effects(), 0.0)
         effect = residuals.samples("mechanical", point.values, point.current)
         effect = effect - residuals.samples("mechanical", quiet, point.current)

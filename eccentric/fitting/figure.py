@@ -1,4 +1,4 @@
-"""The figure of a fit: measured friction against predicted, and over speed, on the held-out rows."""
+"""The figure of a fit: measured against predicted friction, and both over speed, on the held-out rows."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ class Comparison:
     Attributes:
         speed: of the motor [rad/s] (n,).
         measured: (n,) in `unit`.
-        paper, linear: as the fitted model and Coulomb + viscous friction predict it, (n,) in `unit`.
+        paper, linear: predicted by the fitted model and by Coulomb + viscous friction, (n,) in `unit`.
         rmse: model ("paper", "linear") -> held-out RMSE in `unit`.
         model: name of the fitted model.
         quantity: what is compared, for an axis.
@@ -50,7 +50,7 @@ class Comparison:
 
 
 def compare(fit: Fit) -> Comparison:
-    """Return what the figure of a fit shows."""
+    """Return the data of the figure of a fit."""
     problem = fit.problem
     paper, linear = fit.solutions["paper"], fit.solutions["linear"]
     rows = np.flatnonzero(problem.rows.score)
@@ -94,7 +94,7 @@ def plot_fit(shown: Comparison, left: Any, right: Any) -> None:
     both = np.concatenate([shown.measured, shown.paper, shown.linear])
     ends = [float(both.min()), float(both.max())]
     style = {"linestyle": "none", "marker": ".", "rasterized": True}
-    # The linear model goes on top, in smaller dots: its few values would vanish under the paper's.
+    # The linear model is drawn on top, in smaller dots: its few values would be hidden by the paper's.
     models = (
         (shown.paper, _PAPER, "paper", shown.model, 3.0),
         (shown.linear, _LINEAR, "linear", "Coulomb + viscous", 1.5),
@@ -109,7 +109,7 @@ def plot_fit(shown: Comparison, left: Any, right: Any) -> None:
     right.set(xlabel="motor velocity [rad/s]", ylabel=f"{name} [{unit}]")
     for axes in (left, right):
         axes.grid(linewidth=0.3)
-        # Above the axes, where there is never a dot below it.
+        # Above the axes, where it never covers a dot.
         axes.legend(loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=3, frameon=False, handletextpad=0.2)
         for handle in axes.get_legend().legend_handles:
             handle.set_markersize(10.0)

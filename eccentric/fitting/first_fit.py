@@ -1,4 +1,4 @@
-"""The drive of a log by a first fit of the paper's model: delay, zero angle, offset, inertia and scale."""
+"""The drive of a log from a first fit of the paper's model: delay, zero angle, offset, inertia and scale."""
 
 from __future__ import annotations
 
@@ -68,7 +68,7 @@ def drive_of(channels: Channels, rig: Rig, base: Model) -> Drive:
 
 
 def _identified(first: Solution, scale: float | None, open_inertia: bool, rig: Rig) -> tuple[str, ...]:
-    """Parameters that the log had to give."""
+    """Parameters that were estimated from the log."""
     scaled = {"R", "k_i"} if scale is not None else set()
     inertia = {"J_m", "J_l"} - set(rig.known) if open_inertia else set()
     load = {"T_load"} & set(rig.unknown)
@@ -76,22 +76,22 @@ def _identified(first: Solution, scale: float | None, open_inertia: bool, rig: R
 
 
 def _needed(channels: Channels, rig: Rig, base: Model) -> dict[str, float]:
-    """Values of the parameters of the model that are no friction coefficients, as far as they are known.
+    """Values of the model's parameters other than friction coefficients, as far as they are known.
 
-    A torque signal is a current with k_i = 1 N m/A; of a scale only R/k_i counts.
+    A torque signal is a current with k_i = 1 N m/A; of a scale only R/k_i matters.
     """
     needed = {q.name for q in base.parameters if q not in base.friction_parameters} - {"T_load"}
-    # What the log has to give, and what only the armature of a rig with voltage and current needs.
+    # Parameters to be estimated, and those that only a rig with both voltage and current requires.
     given = {"k_i", "R", "k_e", "J_m", "J_l", "F_T"}
     if rig.case == "C1":
-        # There it is only in F_T, whose friction no log tells from the motor's.
+        # There it is only in F_T, whose friction no log separates from the motor's.
         given |= {"M_l"}
     if channels.motor.measured_by == "current" and channels.motor.voltage is not None:
         given -= {"R", "k_e"}
         if missing := sorted({"R", "k_e"} - set(rig.known)):
             raise InputError(
                 f"{rig.path}: [known] {' and '.join(missing)} required, since current and voltage are mapped,"
-                " received none: give it, or leave the voltage out of [columns]"
+                " received none: add it, or remove the voltage from [columns]"
             )
     known = {name: value for name, value in own_letters(base).items() if name in needed}
     known |= {name: rig.value(name) for name in sorted(needed - given - set(known))}
@@ -106,7 +106,7 @@ def _needed(channels: Channels, rig: Rig, base: Model) -> dict[str, float]:
 
 
 def _scale(problem: Problem, found: Mapping[str, float]) -> float:
-    """What a newton metre is in the unit of the drive."""
+    """One newton metre in the unit of the drive."""
     if problem.channels.motor.measured_by == "voltage" and problem.scale is None:
         return 1.0 / problem.per_volt
     return found.get("scale", 1.0)
@@ -117,7 +117,7 @@ def _has_scale(problem: Problem) -> bool:
 
 
 def _inertias(rig: Rig, machine: Machine, total: float) -> dict[str, float]:
-    """J_m and J_l that give the identified inertia; a link of unknown inertia is taken as its mass alone."""
+    """J_m and J_l for the identified inertia; a link of unknown inertia is taken as a point mass."""
     mu = {"mu": rig.value("mu")}
 
     def link_of(rotor: float) -> float:
@@ -132,7 +132,7 @@ def _inertias(rig: Rig, machine: Machine, total: float) -> dict[str, float]:
 
 
 def _open(channels: Channels, rig: Rig, problem: Problem, open_inertia: bool) -> tuple[tuple[str, ...], str]:
-    """Names of the columns that stay free, and the letter that the one of gravity changes."""
+    """Names of the free columns, and the letter that the gravity column changes."""
     names, adjusts = [], ""
     turning = problem.model.balance("mechanical").sum_of("gravity") != 0
     if open_inertia:

@@ -1,4 +1,4 @@
-"""A log as models are fitted on it: the drive, smooth signals that expressions are evaluated on, rows."""
+"""A log prepared for fitting: the drive, smooth signals that expressions are evaluated on, and rows."""
 
 from __future__ import annotations
 
@@ -33,8 +33,8 @@ class FitData:
 def fit_data_of(drive: Drive, rig: Rig, model: Model) -> FitData:
     """Smooth signals that expressions are evaluated on, and the rows that models are compared on.
 
-    The current that effects depend on is (u - k_e omega_m)/R where there is a voltage: measured current on
-    both sides of the balance would explain its own noise.
+    The current that effects depend on is (u - k_e omega_m)/R if there is a voltage: measured current on both
+    sides of the balance would explain its own noise.
     """
     channels, known = drive.channels, dict(drive.known)
     values = {
@@ -65,10 +65,10 @@ def fit_data_of(drive: Drive, rig: Rig, model: Model) -> FitData:
 
 
 def with_model_current(data: FitData, model: Model, friction: Array) -> FitData:
-    """The data with the current that the first fit asks for.
+    """The data with the current that the first fit predicts.
 
-    Where one signal alone measures the drive, the current from it is that signal: an effect on it would
-    explain the drive by the drive, noise and all.
+    If only one signal measures the drive, its current is that signal: an effect of it would explain the drive
+    by itself, including its noise.
     """
     signals = data.signals
     load = compiled(model, model.balance("mechanical").sum_of("inertial", "gravity", "conservative"), signals)
@@ -88,5 +88,5 @@ def drive_noise(data: FitData) -> float:
     """RMS that the white noise of the measured drive leaves in a row, from its fourth differences."""
     drive = data.drive
     sigma = white_noise(drive.torque(), drive.channels.time.segment)
-    # An average of rows has less of it; the one in the middle stands for all.
+    # An average of rows has less of it; the median one represents all.
     return sigma * float(np.sqrt(np.median(data.rows.noise_gain() ** 2)))

@@ -1,9 +1,9 @@
 """Identify a model on a log: coefficients with uncertainty, alignment, and the error on the held-out part.
 
-Three models are fitted on the same training rows: the paper's with the bounds of physics, the same without
-bounds (where it does better, a bound is in the way of something that the model lacks), and Coulomb + viscous
-friction. Delay, zero angle and masses known by a range only are searched for each of them (variable
-projection: for given values of those the rest is linear). The held-out rows are looked at once, at the end.
+Three models are fitted on the same training rows: the paper's with physical bounds, the same without bounds
+(if it does better, a bound hides something that the model lacks), and Coulomb + viscous friction. Delay, zero
+angle and masses known only by a range are searched for each of them (variable projection: for given values of
+those the rest is linear). The held-out rows are used once, at the end.
 """
 
 from __future__ import annotations
@@ -41,11 +41,11 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Fit:
-    """What came out; `solutions` and held-out `rmse` by model: linear, paper, paper_unbounded.
+    """The result of a fit; `solutions` and held-out `rmse` by model: linear, paper, paper_unbounded.
 
-    `coefficients` are those of the columns, `searched` what was found beside them (with `profiles` over the
-    ranges of unknown quantities), `combinations` what the columns hold that is no single letter; `identified`
-    the letters that the log tells, and those it does not. `spread` is that of coefficients and searched
+    `coefficients` are those of the columns, `searched` the nonlinear values (with `profiles` over the ranges
+    of unknown quantities), `combinations` coefficients that are not a single letter; `identified` the letters
+    that the log identifies, and those that it does not. `spread` is that of coefficients and searched
     values, in this order. `percent` is 100 (1 - paper/linear). `r_squared`
     by model is that of the drive signal on the held-out rows.
     """
@@ -66,14 +66,14 @@ class Fit:
 
     @property
     def bounds_active(self) -> list[str]:
-        """Names of the coefficients that are held by a bound."""
+        """Names of the coefficients with an active bound."""
         return [name for name, e in self.coefficients.items() if e.bound_active]
 
 
 def fit(channels: Channels, rig: Rig, model: Model, where: str = "log") -> Fit:
     """Fit a model; `where` names the log in messages.
 
-    Raises InputError for what `pose` refuses, too few rows, and columns that this log cannot tell apart.
+    Raises InputError for whatever `pose` refuses, too few rows, and columns that are dependent on this log.
     """
     problem = pose(channels, rig, model)
     _require_rows(problem, where)
@@ -146,7 +146,7 @@ def _estimates(
         value, ends = paper.at[s.name], (s.lower, s.upper)
         found = error.estimate(value, unit[k], s.unit, ends, s.end_at(value))
         if found.std_error == 0.0:
-            # The friction terms that it enters are all zero: nothing in the log depends on it.
+            # All friction terms that contain it are zero: nothing in the log depends on it.
             found = Estimate(value, s.upper - s.lower, ends, s.unit)
         searched[s.name] = found
     return coefficients, searched
@@ -157,17 +157,17 @@ def _warnings(problem: Problem, paper: Solution, profiles: Mapping[str, Profile]
     friction = [a for c, a in zip(problem.coefficients, paper.active, strict=True) if c.role == "friction"]
     if all(a == -1 for a in friction):
         found.append(
-            f"no friction is left: do the signs of {problem.channels.motor.measured_by} and angle agree?"
+            f"no friction remains: do the signs of {problem.channels.motor.measured_by} and angle agree?"
         )
     for s in problem.nonlinear:
         value = paper.at[s.name]
         if s.end_at(value):
             found.append(
-                f"{s.name} = {value:.4g} {s.unit} lies at the end of its range {s.lower:g} to {s.upper:g}"
+                f"{s.name} = {value:.4g} {s.unit} is at the end of its range {s.lower:g} to {s.upper:g}"
             )
     for name, p in profiles.items():
         change = 100.0 * (max(p.rmse) / min(p.rmse) - 1.0)
         found.append(
-            f"{name} is known by a range only: over it, the training error changes by {change:.1f} %"
+            f"{name} is known only by a range: over it, the training error changes by {change:.1f} %"
         )
     return found

@@ -18,7 +18,7 @@ Values = Mapping[str, float]
 
 
 class Machine:
-    """What the balances of a model say of its motor, armature and inertia.
+    """What the balances of a model say about its motor, armature and inertia.
 
     `values` are parameters by the paper's letters, in SI units; signals are arrays (n,) or numbers. A letter
     that an expression needs and that is not among them is a KeyError.
@@ -32,11 +32,11 @@ class Machine:
         return evaluated(self._drive, {**values, "i": current})
 
     def current_of_torque(self, values: Values, torque: Any) -> Any:
-        """The current [A] that makes a motor torque [N m]."""
+        """The current [A] for a motor torque [N m]."""
         return torque / evaluated(self._torque_constant, values)
 
     def current(self, values: Values, voltage: Any, omega_m: Any) -> Any:
-        """The current [A] that the electrical balance leaves, (u - k_e omega_m)/R."""
+        """The current [A] from the electrical balance, (u - k_e omega_m)/R."""
         return evaluated(self._armature, {**values, "u": voltage, "omega_m": omega_m})
 
     def back_emf(self, values: Values, omega_m: Any) -> Any:
@@ -45,20 +45,20 @@ class Machine:
 
     @cached_property
     def back_emf_damping(self) -> sp.Expr:
-        """Torque that the back-EMF takes per speed, in parameters [N m s/rad]: k_i k_e/R."""
+        """Damping by the back-EMF, in parameters [N m s/rad]: k_i k_e/R."""
         return -sp.diff(self._drive.xreplace({v.i.symbol: self._armature}), v.omega_m.symbol)
 
     @property
     def inertia_letters(self) -> frozenset[str]:
-        """The parameters that the inertia is made of: J_m, J_l, mu."""
+        """The parameters of the inertia: J_m, J_l, mu."""
         return frozenset(symbol.name for symbol in self._model.inertia.free_symbols)
 
     def inertia(self, values: Values) -> float:
-        """All of the inertia, seen at the motor [kg m^2]: J_m + mu^2 J_l."""
+        """The total inertia at the motor [kg m^2]: J_m + mu^2 J_l."""
         return float(evaluated(self._model.inertia, values))
 
     def inertia_per(self, letter: str, values: Values) -> float:
-        """What a kilogram square metre of J_m or J_l adds to that: 1, mu^2."""
+        """Its derivative by J_m or J_l: 1, mu^2."""
         return float(evaluated(self._inertia_slopes[letter], values))
 
     @cached_property

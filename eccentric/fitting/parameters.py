@@ -1,4 +1,4 @@
-"""A fit as parameters to emit: a value for every letter of the model, and where each is from."""
+"""A fit as parameters to emit: a value for every letter of the model, and the origin of each."""
 
 from __future__ import annotations
 
@@ -15,11 +15,10 @@ __all__ = ["emitted_parameters"]
 
 
 def emitted_parameters(fit: Fit) -> tuple[dict[str, float | None], dict[str, str]]:
-    """Return values for every parameter of the model, known and fitted, and in words where each is from.
+    """Return values for every parameter of the model, known and fitted, and the origin of each in words.
 
-    What the log shows only in combination goes into one letter and the others take a value that leaves the
-    combination alone (B_lT = C_lT = 0; k_e = 0 with the back-EMF damping in B_m; k_i = 1 N m/A): the notes
-    say so.
+    A combination is assigned to one letter, and the others have a value that does not change it (B_lT = C_lT
+    = 0; k_e = 0 with the back-EMF damping in B_m; k_i = 1 N m/A): the notes say so.
     """
     problem = fit.problem
     values: dict[str, float | None] = dict(problem.rig.known)
@@ -34,9 +33,9 @@ def emitted_parameters(fit: Fit) -> tuple[dict[str, float | None], dict[str, str
         values[c.parameter], notes[c.parameter] = e.value, _words(e)
         if c.parameter != c.letter or k_e in c.expression.free_symbols:
             shown = _mechanical_name(fit, c.name)
-            notes[c.parameter] += "" if shown in (c.parameter, "J") else f"; holds all of {shown}"
+            notes[c.parameter] += "" if shown in (c.parameter, "J") else f"; contains all of {shown}"
     if any(c.role == "inertia" for c in problem.coefficients):
-        values["J_l"], notes["J_l"] = 0.0, "convention: J_m holds all of the inertia J_m + mu^2 J_l"
+        values["J_l"], notes["J_l"] = 0.0, "convention: J_m contains all of the inertia J_m + mu^2 J_l"
     fields = problem.emitted.letters
     fitted = {q.name for q in problem.model.friction_parameters}
     own = {name: value for name, value in own_letters(problem.model).items() if name not in fitted}
@@ -53,7 +52,7 @@ def emitted_parameters(fit: Fit) -> tuple[dict[str, float | None], dict[str, str
 
 
 def _put_scale(fit: Fit, values: dict[str, float | None], notes: dict[str, str]) -> None:
-    """Put k_i and R so that their ratio is the identified scale; without one, 1 N m stands for 1 V or 1 A."""
+    """Set k_i and R so that their ratio is the identified scale; without one, 1 N m represents 1 V or 1 A."""
     problem = fit.problem
     if problem.scale is None:
         return
@@ -62,7 +61,7 @@ def _put_scale(fit: Fit, values: dict[str, float | None], notes: dict[str, str])
     text = (
         _words(fit.coefficients[column.name])
         if column
-        else f"no scale identified: N m stands for {problem.unit}"
+        else f"no scale identified: N m represents {problem.unit}"
     )
     if problem.unit == "A":
         values["k_i"], notes["k_i"] = 1.0 / s, f"from 1/k_i {text}"
@@ -77,7 +76,7 @@ def _put_scale(fit: Fit, values: dict[str, float | None], notes: dict[str, str])
 
 
 def _mechanical_name(fit: Fit, name: str) -> str:
-    """The combination in newton metres that belongs to a coefficient: they come in the same order."""
+    """The combination in newton metres for a coefficient: they have the same order."""
     if not any(c.role == "scale" for c in fit.problem.coefficients):
         return name
     names = [c.name for c in fit.problem.coefficients if c.role != "offset"]

@@ -1,4 +1,4 @@
-"""A rig and a model as a linear problem: target = columns @ coefficients, a few values given.
+"""A rig and a model as a linear problem: target = columns @ coefficients, for given nonlinear values.
 
     torque:  tau                = J alpha + G + f                       [N m]
     current: k_i i              = J alpha + G + f                       [N m]
@@ -6,9 +6,9 @@
     voltage: u                  = (R/k_i) (J alpha + G + f) + k_e w     [V]     else
     current: i                  = (1/k_i) (J alpha + G + f)             [A]     k_i known by a range only
 
-f is the emitted regressor times its coefficients.  What is known moves to the left; with an unknown scale s
-(R/k_i or 1/k_i) what is known of J alpha + G becomes the column of s, and without any of it only products
-with s come out.
+f is the emitted regressor times its coefficients.  Known parts move to the left; with an unknown scale s
+(R/k_i or 1/k_i) the known part of J alpha + G becomes the column of s, and without it only products with s
+are identifiable.
 """
 
 from __future__ import annotations
@@ -59,7 +59,7 @@ class Problem:
     warnings: tuple[str, ...]
 
     def design(self, at: Mapping[str, float]) -> Design:
-        """Return the design under values that do not enter linearly."""
+        """Return the design for given nonlinear values."""
         channels, parameters = self._aligned(at), self._parameters(at)
         signals = _signals(channels)
         friction = self.rows.mean(self.emitted("regressor", signals, parameters))[:, self.kept]
@@ -82,12 +82,12 @@ class Problem:
         )
 
     def drive_signal(self, at: Mapping[str, float]) -> Array:
-        """Return what is explained as a whole, in `unit`, at the rows (m,)."""
+        """Return the whole signal to be explained, in `unit`, at the rows (m,)."""
         return self.rows.mean(self._drive(self._aligned(at)))
 
     @property
     def every(self) -> NDArray[np.bool_]:
-        """All of the coefficients (k,)."""
+        """All coefficients (k,)."""
         return np.ones(len(self.coefficients), dtype=bool)
 
     @property
@@ -109,14 +109,14 @@ class Problem:
             raise InputError(f"{self.rig.path}: {error}") from None
 
     def _drive(self, channels: Channels) -> Array:
-        """The measured drive (n,) in `unit`, what the back-EMF takes of a voltage taken off."""
+        """The measured drive (n,) in `unit`, with the back-EMF subtracted from a voltage."""
         known, signal = self.rig.known, channels.motor.measured
         by = channels.motor.measured_by
         if by == "torque" or (by == "current" and self.scale is not None):
             return signal
         if by == "current":
             return self.machine.torque(known, signal)
-        # Without k_e the back-EMF is in the column of viscous friction.
+        # Without k_e the column of viscous friction includes the back-EMF.
         known = {"k_e": 0.0, **known}
         if self.scale is not None:
             return signal - self.machine.back_emf(known, channels.motion.omega_m)
@@ -124,14 +124,14 @@ class Problem:
 
     @property
     def per_volt(self) -> float:
-        """What a volt is in `unit`."""
+        """One volt in `unit`."""
         if self.channels.motor.measured_by != "voltage" or self.scale is not None:
             return 1.0
         known = {"k_e": 0.0, **self.rig.known}
         return float(self.machine.torque(known, self.machine.current(known, 1.0, 0.0)))
 
     def _load(self, signals: Mapping[str, Array], acceleration: Array, parameters: Any) -> Array:
-        """Return what is known of J alpha + G (m,) [N m]."""
+        """Return the known part of J alpha + G (m,) [N m]."""
         gravity = np.zeros_like(acceleration)
         if "theta_m" in self.emitted.inputs_of("gravity_torque"):
             gravity = self.rows.mean(self.emitted("gravity_torque", signals, parameters))
@@ -175,7 +175,7 @@ def pose(channels: Channels, rig: Rig, model: Model) -> Problem:
     kept = seen_columns(model, rig.known)
     gone = [c.letter for k, c in enumerate(coefficients) if c.role == "friction" and k not in kept]
     if gone:
-        warnings.append(f"no unbalanced mass: {', '.join(gone)} have no effect and are left out")
+        warnings.append(f"no unbalanced mass: {', '.join(gone)} have no effect and are omitted")
     coefficients = [c for c in coefficients if c.letter not in gone]
     nonlinear = nonlinear_of(channels, rig, model, needed)
     searched = {s.name for s in nonlinear}
@@ -221,7 +221,7 @@ def own_letters(model: Model) -> dict[str, float]:
 
 
 def require_case(rig: Rig, model: Model) -> None:
-    """Raise InputError for a model of another case than the rig's; one with a tilt is of every case."""
+    """Raise InputError for a model of a different case than the rig's; one with a tilt fits every case."""
     if any(quantity.name == "phi" for quantity in model.parameters):
         return
     case = "C1" if model.balance("mechanical").sum_of("gravity") == 0 else "C2"

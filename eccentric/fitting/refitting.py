@@ -35,9 +35,9 @@ class Refit:
             that are estimated from different balances.
         residuals: balance -> (rows,) [N m at this fit's own scale].
         shares: effect id -> RMS of its torque as a fraction of that of the friction, on training rows.
-        target: (rows,) what the mechanical friction, effects included, has to be [N m].
+        target: (rows,) required mechanical friction, effects included [N m].
         data: what it was fitted on.
-        change: relative, of the scale or of the current that the model asks for, by the last step of the fit.
+        change: relative, of the scale or of the predicted current, by the last step of the fit.
     """
 
     model: Model
@@ -54,7 +54,7 @@ class Refit:
 
     @property
     def settled(self) -> bool:
-        """Whether another step would leave the digits that are shown."""
+        """Whether another step would not change the digits that are shown."""
         return self.change < CONVERGED
 
     def held_out(self, balance: str) -> float:
@@ -77,8 +77,8 @@ def refit(
         base: the paper's model.
         effects: adopted effects, each with the values of its shapes.
         data: the log.
-        bounds: whether friction coefficients are kept from being negative. Without, the paper's model may use
-            them to imitate what it lacks: its best case.
+        bounds: whether friction coefficients are constrained to be nonnegative. Otherwise the paper's model
+            may use them to imitate what it lacks: its best case.
         linear: Coulomb and viscous friction only.
         without: number of a run to leave out; then all other runs are fitted on, held out or not.
     """
@@ -102,7 +102,7 @@ def refit(
 
 
 def residual_samples(fitted: Refit) -> Array:
-    """The mechanical residual on the samples (n,) [N m], up to a constant; for fits within the bounds."""
+    """The mechanical residual on the samples (n,) [N m], up to a constant; for fits with bounds."""
     shapes = {s.quantity.name: fitted.values[s.quantity.name] for e, _ in fitted.effects for s in e.shapes}
     residuals = Residuals(fitted.model, fitted.data, shapes, fitted.values, fitted.scale)
     return residuals.samples("mechanical", fitted.values)

@@ -1,4 +1,4 @@
-"""The residuals of a model on a log, by its emitted module."""
+"""The residuals of a model on a log, from its emitted module."""
 
 from __future__ import annotations
 
@@ -22,8 +22,8 @@ Values = dict[str, float]
 class Residuals:
     """The residuals of a model on the samples and rows of a log.
 
-    `values` are those that the drive torque is taken at, `scale` is that of the drive, `shapes` those that
-    hidden states are taken at.
+    `values` are those for the drive torque, `scale` is that of the drive, `shapes` are those for the hidden
+    states.
     """
 
     def __init__(
@@ -47,11 +47,11 @@ class Residuals:
             self.inputs |= state_series(model, signals, dict(shapes))
 
     def rows(self, balance: str, values: Mapping[str, float], current: Array | None = None) -> Array:
-        """The residual of a balance on the rows [N m], with another current if given."""
+        """The residual of a balance on the rows [N m], optionally with a different current."""
         rows, found = self.data.rows, self.samples(balance, values, current)
         if balance != "mechanical" or rows.smooth is None:
             return rows.mean(found)
-        # The acceleration comes from the low-passed angle: it is not to pass the filter twice.
+        # The acceleration comes from the low-passed angle and must not be filtered twice.
         alpha = self._drive.channels.motion.alpha_m
         inertia = self._machine.inertia({**self.data.signals.known, **values})
         return rows.mean(found) + inertia * (rows.mean(alpha) - rows.plain_mean(alpha))
@@ -59,8 +59,8 @@ class Residuals:
     def samples(self, balance: str, values: Mapping[str, float], current: Array | None = None) -> Array:
         """The same on the samples.
 
-        Where voltage alone drives, the two balances are one: i is the torque that the voltage leaves, so that
-        the electrical residual holds nothing but the effects of the armature.
+        With voltage alone, the two balances are one: i is the torque from the voltage, so that the electrical
+        residual contains only the effects of the armature.
         """
         inputs = self.inputs if current is None else self.inputs | {"i": current}
         parameters = self._emitted.parameters(values)

@@ -17,14 +17,14 @@ from eccentric.model import Model, State
 __all__ = ["States", "state_series"]
 
 Array = np.ndarray
-# Shapes whose states are kept: a search comes back to the points of its grid.
+# Shapes whose states are kept: a search returns to the points of its grid.
 _MOST_KEPT = 40
 
 
 def state_series(model: Model, signals: Signals, shape: Mapping[str, float]) -> dict[str, Array]:
     """Hidden states of a model along the log, from its start: name -> (samples,).
 
-    `shape` gives the values of the parameters of the effects that brought the states along.
+    `shape` gives the values of the parameters of the effects that introduced the states.
     """
     return States(model, model.states, signals, tuple(shape))(dict(shape))
 
@@ -53,7 +53,7 @@ class States:
             step = None
             if parts is None:
                 rest, parts = _apart(update, state.symbol)
-                # Python's own numbers are several times faster than NumPy's where samples go one by one.
+                # Python's own numbers are several times faster than NumPy's for one sample at a time.
                 step = tuple(
                     sp.lambdify([state.symbol, tuple(parts)], rest, modules=modules, cse=True)
                     for modules in ("math", "numpy")

@@ -22,9 +22,9 @@ _DRIVES = {"N m": "torque", "V": "voltage", "A": "current"}
 
 
 def fit_sentence(fit: Fit) -> str:
-    """Return in one sentence what the model gains on the held-out part over Coulomb + viscous.
+    """Return one sentence on the gain of the model over Coulomb + viscous friction on the held-out part.
 
-    Where the log does not fit the rig at all, the sentence says that instead.
+    If the log does not fit the rig at all, the sentence says that instead.
     """
     if not _fits(fit):
         return (
@@ -56,7 +56,7 @@ def fit_sentence(fit: Fit) -> str:
 
 
 def _called(fit: Fit) -> str:
-    """Return "paper" for the models that come along, else the model's own name."""
+    """Return "paper" for the bundled models, else the model's own name."""
     name = fit.problem.model.name
     return "paper" if name in model_names() else name
 
@@ -83,7 +83,7 @@ def fit_lines(fit: Fit, logs: Sequence[str]) -> list[str]:
     out.append(f"held-out RMSE [{problem.unit}]: {errors}; R^2 of the drive {_DRIVES[problem.unit]}: {parts}")
     if problem.rig.sampling.moving_threshold_rad_s is None:
         threshold = problem.channels.selection.moving_threshold_rad_s
-        out.append(f"rows count as moving above {threshold:.4g} rad/s (moving_threshold_rad_s sets it)")
+        out.append(f"rows count as moving above {threshold:.4g} rad/s (set by moving_threshold_rad_s)")
     if _fits(fit):
         out += _bounds_line(fit)
     return [*out, fit_sentence(fit)]
@@ -132,5 +132,5 @@ def _bounds_line(fit: Fit) -> list[str]:
         text += ", which widens the intervals that have no std error"
     text += f"; without bounds the held-out RMSE is {free:.4g}"
     if gain >= LEAST_GAIN_PERCENT:
-        text += f", {gain:.2g} % less: a sign of an effect that the model lacks"
+        text += f", {gain:.2g} % less: a sign that the model lacks an effect"
     return [text]

@@ -1,8 +1,8 @@
-"""What the user knows of the test bench: a rig in, checked values in SI units out.
+"""What the user knows about the test bench: a rig in, checked values in SI units out.
 
 In: the path of a TOML or JSON file, or its content.  Out: a `Rig`, composed of what the log holds (`LogMap`,
 with a `ColumnSource` for each channel that it maps), `Sampling`, `NamedHoldout` and `Alignment`; the tables
-of what a rig file may hold (`KEYS`, `KNOWNS`, `CHANNELS`, `ALIGNMENT`).
+of what a rig file may contain (`KEYS`, `KNOWNS`, `CHANNELS`, `ALIGNMENT`).
 May import: `logs` for units, `model` for the vocabulary.
 """
 

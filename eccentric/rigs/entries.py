@@ -1,4 +1,4 @@
-"""Entries of a rig file by their kind: numbers, ranges, intervals, names, tables, and keys that are allowed.
+"""Entries of a rig file by kind: numbers, ranges, intervals, names, tables, and the allowed keys.
 
 `where` opens the message of every InputError: file and key.
 """
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 
 def read_number(value: object, where: str, lower: float = -math.inf, open_below: bool = False) -> float:
-    """Return a finite number, at least (or above) `lower`; InputError for anything else, also true."""
+    """Return a finite number, at least (or above) `lower`; InputError for anything else, including true."""
     if isinstance(value, bool) or not isinstance(value, int | float):
         raise InputError(f"{where}: a number is required, received {value!r}")
     number = float(value) if abs(value) < 1e300 else math.inf
@@ -29,7 +29,7 @@ def read_number(value: object, where: str, lower: float = -math.inf, open_below:
 
 
 def read_pair(value: object, where: str) -> tuple[Any, Any]:
-    """Return the two ends of a range, as they came; InputError for anything but a list of two."""
+    """Return the two ends of a range, unchanged; InputError for anything but a list of two."""
     if not isinstance(value, list) or len(value) != 2:
         raise InputError(f"{where}: a range of two values, [lower, upper], is required, received {value!r}")
     return value[0], value[1]
@@ -56,16 +56,16 @@ def read_names(value: object, where: str) -> tuple[str, ...]:
 
 
 def plain_entries(value: object, where: str) -> Mapping[str, Any]:
-    """Return a rig in memory as a file would have it: lists for tuples, numbers of Python for those of NumPy.
+    """Return a rig in memory as a file would have it: lists for tuples, Python numbers for NumPy ones.
 
-    Raises InputError for what no file can hold.
+    Raises InputError for anything that a file cannot contain.
     """
     if not isinstance(value, Mapping):
         raise InputError(f"{where}: a path, a mapping or a Rig is required, received {type(value).__name__}")
     try:
         return json.loads(json.dumps(dict(value), default=_plain))
     except (TypeError, ValueError, RecursionError) as error:
-        raise InputError(f"{where}: what a JSON file can hold is required ({error})") from None
+        raise InputError(f"{where}: the content of a JSON file is required ({error})") from None
 
 
 def _plain(value: Any) -> Any:

@@ -19,7 +19,7 @@ __all__ = ["read_file"]
 def read_file(path: Path) -> Mapping[str, Any]:
     """Return the content of a TOML or JSON file.
 
-    Raises InputError for another suffix, a file that is missing or damaged, and a key that comes twice.
+    Raises InputError for any other suffix, a file that is missing or damaged, and a repeated key.
     """
     parsers: dict[str, Callable[[str], Any]] = {
         ".toml": tomllib.loads,
@@ -39,7 +39,7 @@ def read_file(path: Path) -> Mapping[str, Any]:
         raise InputError(f"{path}: UTF-8 text is required, byte {error.start} is not") from None
     except InputError:
         raise
-    except (ValueError, RecursionError) as error:  # ValueError: also a number of thousands of digits
+    except (ValueError, RecursionError) as error:  # ValueError: for example a number with thousands of digits
         raise InputError(f"{path}: not valid {path.suffix[1:].upper()}: {error}") from None
     return read_table(content, str(path))
 
@@ -48,5 +48,5 @@ def _no_repeats(pairs: list[tuple[str, Any]], path: Path) -> dict[str, Any]:
     keys = [key for key, _ in pairs]
     twice = next((key for key in keys if keys.count(key) > 1), None)
     if twice is not None:
-        raise InputError(f"{path}: key {twice!r} comes twice")
+        raise InputError(f"{path}: each key is required only once, received {twice!r} twice")
     return dict(pairs)

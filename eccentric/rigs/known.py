@@ -1,4 +1,4 @@
-"""What can be known of a rig: the paper's letters, their keys in a rig file, units and physical bounds."""
+"""What can be known about a rig: the paper's letters, their keys in a rig file, units and physical bounds."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Known:
-    """A quantity of the rig: letter, key with the unit as its suffix, SI unit, range that physics allows."""
+    """A quantity of the rig: letter, key with the unit as its suffix, SI unit, physical range."""
 
     name: str
     key: str
@@ -38,7 +38,7 @@ class Known:
         return above + unit if math.isinf(self.upper) else f"{above} and at most {self.upper:.6g}{unit}"
 
     def allows(self, value: float) -> bool:
-        """Tell whether a value is finite and physically possible."""
+        """Return whether a value is finite and physically possible."""
         low = value > self.lower if self.open_below else value >= self.lower
         return math.isfinite(value) and low and value <= self.upper
 
@@ -58,7 +58,7 @@ KNOWNS = (
     Known("phi", "phi_rad", "rad", upper=math.pi / 2.0),
     Known("T_load", "T_load_Nm", "N m", lower=-math.inf),
 )
-"""`k_i_Nm_per_A = 0.02` and `k_i = "20 mNm/A"` say the same; J_l is about the axis, M L^2 included."""
+"""`k_i_Nm_per_A = 0.02` and `k_i = "20 mNm/A"` are equivalent; J_l is about the axis, M L^2 included."""
 
 _BY_KEY = {key: known for known in KNOWNS for key in (known.key, known.name)}
 
@@ -66,8 +66,8 @@ _BY_KEY = {key: known for known in KNOWNS for key in (known.key, known.name)}
 def find_known(key: str, value: object, where: str, others: Iterable[str] = ()) -> Known:
     """Return the quantity that a key of the rig file names.
 
-    Raises InputError if there is none, with the closest of the keys that such a `value` can have: letters
-    for texts with units, keys with a suffix for numbers.
+    Raises InputError if there is none, with the closest of the keys for such a `value`: letters for text with
+    a unit, keys with a suffix for numbers.
     """
     if key not in _BY_KEY:
         first = value[0] if isinstance(value, list) and value else value
@@ -99,8 +99,8 @@ def read_knowns(
 ) -> tuple[dict[str, float], dict[str, tuple[float, float]], str | None]:
     """Return known values and unknown ranges in SI, by letter, and the case: C1, C2, None for a tilted plane.
 
-    Raises InputError for what no rig can be: an unknown key or unit, an impossible value, a quantity that is
-    given twice, a tilt that contradicts the case.
+    Raises InputError for an unknown key or unit, an impossible value, a quantity that is given twice, and a
+    tilt that contradicts the case.
     """
     table = dict(read_table(content.get("known", {}), f"{where}: [known]"))
     given = table.pop("case", None)
@@ -137,21 +137,21 @@ def mass_alone(known: Mapping[str, float]) -> float:
 
 def _refuse_twice(name: str, given: Mapping[str, Any], where: str) -> None:
     if name in given:
-        raise InputError(f"{where}: {name} is given twice")
+        raise InputError(f"{where}: {name} is required only once, received twice")
 
 
 def _case(case: str | None, known: dict[str, float], unknown: Mapping[str, Any], where: str) -> str | None:
-    """Return the case that case and tilt agree on; write the tilt of a case into `known`."""
+    """Return the case, which a given tilt must agree with; write the tilt of the case into `known`."""
     tilt = {"C1": math.pi / 2.0, "C2": 0.0}
     if case is None:
         if "phi" not in known and "phi" not in unknown:
             raise InputError(
-                f"{where}: [known] case (C1 or C2) or the tilt phi is required, neither is given"
+                f"{where}: [known] case (C1 or C2) or the tilt phi is required, received neither"
             )
         return next((name for name, phi in tilt.items() if math.isclose(known.get("phi", -1.0), phi)), None)
     if "phi" in unknown or not math.isclose(known.get("phi", tilt[case]), tilt[case], abs_tol=1e-6):
         raise InputError(
-            f"{where}: [known] case {case} means phi = {math.degrees(tilt[case]):g} deg; leave one out"
+            f"{where}: [known] case {case} means phi = {math.degrees(tilt[case]):g} deg; remove one"
         )
     known["phi"] = tilt[case]
     return case

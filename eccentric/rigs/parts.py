@@ -49,7 +49,7 @@ class Sampling:
 
     @property
     def drive_low_pass_hz(self) -> float | None:
-        """Cut-off for the measured drive where rows are averages over a time: both sides pass one filter."""
+        """Cut-off for the measured drive if rows are averages over a time: both pass the same filter."""
         return self.low_pass_hz if self.average_over and math.isfinite(self.average_over) else None
 
 

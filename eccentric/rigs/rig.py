@@ -1,6 +1,6 @@
-"""What the user knows of the test bench: a TOML or JSON file or a mapping like it, checked and in SI.
+"""What the user knows about the test bench: a TOML or JSON file or a mapping like it, checked and in SI.
 
-The sidecars `rotlink-log/1` are rigs as they stand. A file by hand looks like `examples/rigs/*.toml`.
+The sidecars `rotlink-log/1` are valid rigs. For a handwritten file see `examples/rigs/*.toml`.
 """
 
 from __future__ import annotations
@@ -65,9 +65,9 @@ class Rig:
     warnings: tuple[str, ...]
 
     def value(self, name: str) -> float:
-        """Return a known quantity by the paper's letter; InputError, naming the rig, where it is unknown."""
+        """Return a known quantity by the paper's letter; InputError, naming the rig, if it is unknown."""
         if name not in self.known:
-            raise InputError(f"{self.path}: [known] {name} is required here and is not given")
+            raise InputError(f"{self.path}: [known] {name} is required here, received none")
         return self.known[name]
 
     @property
@@ -79,7 +79,7 @@ class Rig:
 def read_rig(source: str | os.PathLike[str] | Mapping[str, Any] | Rig) -> Rig:
     """Read a rig: a file `.toml` or `.json`, or a mapping with the keys of such a file.
 
-    A Rig is returned as it is. Messages call a mapping "rig".
+    A Rig is returned unchanged. Messages call a mapping "rig".
 
     Raises InputError, one line with file, key, what is required and what was received: a missing or damaged
     file, an unknown key or unit, a value that is physically impossible, a contradiction.
@@ -131,7 +131,7 @@ def _rig(content: Mapping[str, Any], where: str, name: str) -> Rig:
 
 
 def _doubts(known: Mapping[str, float]) -> list[str]:
-    """Return warnings of what a rig can be and seldom is."""
+    """Return warnings about values that are possible but unusual."""
     doubts = []
     if known.get("mu", 0.0) > 1.0:
         doubts.append(
@@ -146,12 +146,12 @@ def _doubts(known: Mapping[str, float]) -> list[str]:
 
 
 def _optional(content: Mapping[str, Any], key: str, where: str, *, open_below: bool = True) -> float | None:
-    """Return a number above 0 (or at least 0), None where the key is not there."""
+    """Return a number above 0 (or at least 0), None without the key."""
     return None if key not in content else read_number(content[key], f"{where}: {key}", 0.0, open_below)
 
 
 def _alignment(content: Mapping[str, Any], where: str) -> tuple[Alignment, frozenset[str]]:
-    """Return delay, zero angle and offset, 0 where the fit estimates them, and which those are."""
+    """Return delay, zero angle and offset, 0 for those that the fit estimates, and the names of these."""
     given = {key: content.get(key, 0.0) for key in ALIGNMENT}
     estimate = frozenset(key for key, value in given.items() if value == "estimate")
     values: dict[str, float] = {}

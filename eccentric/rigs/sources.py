@@ -1,4 +1,4 @@
-"""Where the channels of a log come from: its columns, under the standard names or as [columns] maps them."""
+"""The source of each channel of a log: its columns, by standard names or as mapped in [columns]."""
 
 from __future__ import annotations
 
@@ -25,12 +25,12 @@ CHANNELS = {
     "use": ("use", ""),
     "motor_off": ("motor_off", ""),
 }
-"""Channel: (its column where the rig maps none, its unit). _m is on the motor side, _l on the link side."""
+"""Channel: (its standard column, its unit). _m is on the motor side, _l on the link side."""
 
 
 @dataclass(frozen=True)
 class ColumnSource:
-    """Where a channel comes from: a column name or arithmetic on columns, and its unit (None: SI)."""
+    """The source of a channel: a column name or arithmetic on columns, and its unit (None: SI)."""
 
     text: str
     unit: Unit | None = None
@@ -45,7 +45,7 @@ def read_columns(
     if isinstance(value, list):
         standard = {column: channel for channel, (column, _) in CHANNELS.items()}
         names = read_names(value, where)
-        ignored = [f"column {name!r} is no channel and is ignored" for name in names if name not in standard]
+        ignored = [f"column {name!r} is not a channel, ignored" for name in names if name not in standard]
         return {standard[name]: ColumnSource(name) for name in names if name in standard}, ignored
     columns: dict[str, ColumnSource] = {}
     table = read_table(value, where)
@@ -57,12 +57,12 @@ def read_columns(
         if not isinstance(text, str) or not text.strip():
             raise InputError(f"{where} {channel}: a column name or arithmetic is required, received {text!r}")
         if unit is not None and (not isinstance(unit, str) or not CHANNELS[channel][1]):
-            raise InputError(f"{where} {channel}: no unit or a unit as text is required, received {unit!r}")
+            raise InputError(f"{where} {channel}: no unit, or a unit as text, is required, received {unit!r}")
         parsed = (
             None if unit is None else require_unit(unit, CHANNELS[channel][1], f"{where} {channel}", counts)
         )
         columns[channel] = ColumnSource(text.strip(), parsed)
     for left, right in (("theta_m", "theta_l"), ("omega_m", "omega_l"), ("torque", "torque_l")):
         if left in columns and right in columns:
-            raise InputError(f"{where}: one of {left} and {right} is required, both are given")
+            raise InputError(f"{where}: only one of {left} and {right} is required, received both")
     return columns, []

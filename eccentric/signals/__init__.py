@@ -1,7 +1,7 @@
 """Logs and a rig in, motor-side signals in SI units out: masks, hold-out, the rows of a comparison.
 
 In: logs and a `Rig`.  Out: `Channels`; the rows that models are fitted, compared and searched on (`Rows`,
-`BalanceDesign`); what is odd about the record (`Finding`).
+`BalanceDesign`); what is unusual about the record (`Finding`).
 May import: `logs`, `rigs`; `model` for what a rig declares, by the general derivation. Nothing is fitted.
 """
 

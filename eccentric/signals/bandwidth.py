@@ -1,14 +1,14 @@
-"""What a log can resolve, where the rig does not say: cut-off, averages, or one mean a run.
+"""What a log can resolve, unless the rig says so: cut-off, averages, or one mean per run.
 
-The default low pass of 25 Hz is right for an encoder of many counts on even stamps.  A coarse or jittery
-angle has more noise than signal in its second derivative there, and what the inertia makes of that noise
-looks like friction that depends on anything.  Its size is known beforehand: white noise of the angle, seen in
-its fourth differences, leaves after the zero-phase low pass of second order and two derivatives
+The default low pass of 25 Hz suits a fine encoder on evenly spaced time stamps.  A coarse or jittery angle
+has more noise than signal in its second derivative there, and that noise, times the inertia, looks like
+friction that depends on anything.  Its size is known in advance: white noise of the angle, measured by its
+fourth differences, gives after the zero-phase second-order low pass and two derivatives
 
     noise(alpha)^2 = noise(theta)^2 2 dt (2 pi)^4 f_c^5 I,   I = integral of x^4/(1 + x^4)^2 = pi/(8 sqrt 2)
 
-so that the cut-off at which it is a given part of the acceleration follows.  A bench that holds a speed and
-logs it has no acceleration to speak of: its runs are points, one mean each.
+and from this follows the cut-off at which the noise is a given fraction of the acceleration.  A bench that
+logs constant speeds has hardly any acceleration: its runs are points, one mean each.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ Mask = NDArray[np.bool_]
 
 
 def suited(rig: Rig, t: Array, theta: Array, segment: NDArray[np.int64], moving: Mask) -> tuple[Rig, str]:
-    """Return the rig with what suits its log, and a sentence that says so; as it is where it names a filter.
+    """Return the rig with settings that suit its log, and a sentence on them; unchanged if it names a filter.
 
     t [s], theta [rad] at the motor, number of the stretch and whether it moves, each (n,).
     """
@@ -67,14 +67,14 @@ def _averaged(rig: Rig, cut_hz: float, over: float) -> Rig:
 
 
 def _is_map(t: Array, theta: Array, stretches: list[NDArray[np.int64]]) -> bool:
-    """Whether the stretches hold one speed each, and not all the same."""
+    """Whether each stretch has a constant speed, and not all have the same."""
     if len(stretches) < MAP_RUNS:
         return False
     means, spreads = [], []
     for rows in stretches:
         if len(rows) < 8:
             return False
-        # Over an eighth of the stretch: what encoder or firmware make of a steady speed is no motion.
+        # Over an eighth of the stretch: ripple of a steady speed from encoder or firmware is not motion.
         reach = len(rows) // 8
         speed = (theta[rows[reach:]] - theta[rows[:-reach]]) / (t[rows[reach:]] - t[rows[:-reach]])
         means.append(float(np.mean(speed)))
@@ -83,7 +83,7 @@ def _is_map(t: Array, theta: Array, stretches: list[NDArray[np.int64]]) -> bool:
 
 
 def _noise_and_size(t: Array, theta: Array, moving: Mask, cut_hz: float) -> tuple[float, float] | None:
-    """RMS of noise and of everything in the acceleration of a stretch [rad/s^2], over its moving rows."""
+    """RMS of the noise in the acceleration of a stretch, and of the whole [rad/s^2], over its moving rows."""
     step = float(np.median(np.diff(t)))
     grid = np.arange(t[0], t[-1], step)
     inside = np.interp(grid, t, moving.astype(float)) > 0.5

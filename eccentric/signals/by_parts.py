@@ -31,9 +31,10 @@ _POWER = 4
 def windows_by_parts(t: Array, segment: Integers, run: Integers, window_s: float) -> Rows:
     """Return a row for each window of `window_s`, centres half a window apart, none across a gap.
 
-    t [s] (n,) may be uneven; weights are corrected so that constants, slopes and parabolas come out exactly.
-    All rows are to fit on.
-    Raises InputError where a window holds fewer than 7 rows, or no window fits into the log.
+    t [s] (n,) may be uneven; weights are corrected so that constants, slopes and parabolas are exact. All
+    rows belong to the training part.
+
+    Raises InputError if a window holds fewer than 7 rows, or no window fits into the log.
     """
     if not window_s > 0.0:
         raise InputError(f"windows: a length above 0 s is required, received {window_s:g}")
@@ -44,7 +45,7 @@ def windows_by_parts(t: Array, segment: Integers, run: Integers, window_s: float
         stretch = t[rows]
         count = int(np.floor((stretch[-1] - stretch[0] - window_s) / half + 1e-9)) + 1
         centre = stretch[0] + half + half * np.arange(max(count, 0))
-        # The tolerance keeps rows that lie on the edge up to rounding; their weight is next to nothing.
+        # The tolerance keeps rows that are on the edge up to rounding; their weight is negligible.
         ends = [np.searchsorted(stretch, centre + side * (half + 1e-9)) for side in (-1.0, 1.0)]
         centres.append(centre)
         bounds.append(rows[0] + np.stack(ends))
@@ -52,7 +53,7 @@ def windows_by_parts(t: Array, segment: Integers, run: Integers, window_s: float
     first, stop = np.concatenate(bounds, axis=1)
     sizes = stop - first
     if not len(middle):
-        raise InputError(f"windows: a stretch of {window_s:g} s without gap is required, the log has none")
+        raise InputError(f"windows: a stretch of {window_s:g} s without a gap is required, received none")
     if sizes.min() < LEAST_WINDOW_ROWS:
         raise InputError(
             f"windows: {LEAST_WINDOW_ROWS} rows in {window_s:g} s are required, received {sizes.min()}"
@@ -94,7 +95,7 @@ def _weights(t: Array, half: float) -> Array:
     )
     area = np.gradient(t, axis=-1)
     curves *= area / np.sum(bump**p * area, axis=-1, keepdims=True)
-    # Left alone, the quadrature error of psi'' would multiply the large constant part of an angle.
+    # Uncorrected, the quadrature error of psi'' would multiply the large constant part of an angle.
     powers = np.stack([np.ones_like(s), s, s * s / 2.0])
     moments = np.einsum("cmn,pmn->mcp", curves, powers)
     exact = np.zeros_like(moments)

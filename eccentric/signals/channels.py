@@ -1,8 +1,8 @@
-"""From logs and a rig to the signals that a model is fitted on: SI units, motor side, masks, held-out part.
+"""Logs and a rig become the signals that a model is fitted on: SI units, motor side, masks, held-out part.
 
     logs, rig -> table (columns in SI) -> stretches without gap -> theta, w, dw/dt -> masks -> Channels
 
-The reference residual takes w and dw/dt from the low-passed angle, current and voltage as they were logged.
+The reference residual takes w and dw/dt from the low-passed angle, current and voltage as logged.
 """
 
 from __future__ import annotations
@@ -43,7 +43,7 @@ Mask = NDArray[np.bool_]
 
 @dataclass(frozen=True)
 class _Points:
-    """The motor's motion on a grid of n points, and what is told of each; the last three as in Channels."""
+    """The motor's motion on a grid of n points; the last three fields as in Channels."""
 
     table: Table
     per_row: int
@@ -70,7 +70,7 @@ def read_channels(logs: Sequence[LogSource], rig: Rig) -> Channels:
     Each log is a path, a table in memory or a Log.
 
     Raises InputError for whatever `read_log` and `table.read_table` refuse, a drive that no channel
-    measures, and a log in which no row is left to fit on or to hold out.
+    measures, and a log without rows to fit on or to hold out.
     """
     read = [read_log(log) for log in logs]
     logged = read_table(read, rig)
@@ -82,7 +82,7 @@ def read_channels(logs: Sequence[LogSource], rig: Rig) -> Channels:
     warnings += said
     cut, doubts = rig.sampling.low_pass_hz, uneven(logged)
     if is_coarse(logged, rig):
-        # Between the rows lies the unwrapped angle, not the one that jumps; a spline needs no even steps.
+        # The unwrapped angle is interpolated, since the wrapped one jumps; a spline needs no even steps.
         points, cut, doubts = _points(refined(table), rig, quantum, POINTS_PER_ROW), math.inf, []
     motion, said = motion_of(points.t, points.theta, points.segment, cut)
     step = logged_step(logged)
@@ -91,7 +91,7 @@ def read_channels(logs: Sequence[LogSource], rig: Rig) -> Channels:
     _require_rows(channels, [log.path for log in read], rig)
     channels = channels.realigned(rig, rig.alignment)
     findings = assess(logged, channels, rig)
-    # What the log lacks comes before what that does to its filters.
+    # Missing rows come before their consequences for the filters.
     warnings += [*(finding.text for finding in findings), *doubts]
     intake = dataclasses.replace(channels.intake, warnings=tuple(warnings), findings=findings)
     return dataclasses.replace(channels, intake=intake)
@@ -106,12 +106,12 @@ def _points(table: Table, rig: Rig, quantum: float, per_row: int) -> _Points:
 
 
 def _suited(rig: Rig, points: _Points) -> tuple[Rig, list[str]]:
-    """Return the rig with what suits the log where it says nothing, and what there is to say of it."""
+    """Return the rig, completed with settings that suit the log, and warnings about them."""
     fitted = points.moving & ~points.holdout.rows
     rig, said = suited(rig, points.t, points.theta, points.segment, fitted)
     warnings = [said] if said else []
     if math.isinf(rig.sampling.average_over) and not {"J_m", "J_l"} <= set(rig.known):
-        # What little acceleration a constant speed has would take up anything that the friction lacks.
+        # The small acceleration of a constant speed would absorb anything that the friction lacks.
         rig = dataclasses.replace(rig, known={"J_m": 0.0, "J_l": 0.0, **rig.known})
         warnings.append(
             "means of runs cannot identify an inertia: J_m and J_l are taken as 0 unless the rig gives them"
@@ -120,7 +120,7 @@ def _suited(rig: Rig, points: _Points) -> tuple[Rig, list[str]]:
 
 
 def _channels(points: _Points, motion: Array, rig: Rig, step: float) -> Channels:
-    """The channels before anything is realigned; warnings and findings are to come."""
+    """The channels before alignment, still without warnings and findings."""
     table, t, segment = points.table, points.t, points.segment
     clear = clear_of_ends(t, segment) & ~near_switching(t, segment, table.motor_off)
     return Channels(
@@ -162,7 +162,7 @@ def _channels(points: _Points, motion: Array, rig: Rig, step: float) -> Channels
 
 
 def _drive(channels: Mapping[str, Array], rig: Rig) -> str:
-    """Return what measures the drive torque: as the rig says, else the first of those below that is there."""
+    """Return the channel that measures the drive torque: by the rig, else the first one available below."""
     logged = {
         "current": "current" in channels,
         "torque": "torque" in channels or "torque_l" in channels,
@@ -173,7 +173,7 @@ def _drive(channels: Mapping[str, Array], rig: Rig) -> str:
         return there[0]
     if rig.log.drive not in there:
         raise InputError(
-            f"{rig.path}: drive: one that the log has a column for is required ({', '.join(there)}), "
+            f"{rig.path}: drive: a channel with a column in the log is required ({', '.join(there)}), "
             f"received {rig.log.drive!r}"
         )
     return rig.log.drive

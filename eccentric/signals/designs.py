@@ -1,4 +1,4 @@
-"""A balance of a log as a linear design: target = base @ coefficients + what the model lacks."""
+"""A balance of a log as a linear design: target = base @ coefficients + missing part of the model."""
 
 from __future__ import annotations
 
@@ -19,8 +19,8 @@ class BalanceDesign:
     """One scalar balance on the rows of the search.
 
     name: 'mechanical' or 'electrical'; target (m,) and base (m, p) in N m on the motor side;
-    lower (p,): least values of the base coefficients; scale: what shares are taken of (RMS of the friction or
-    of the drive torque, N m); samples (n, p): the base before it is averaged, for effects that change it.
+    lower (p,): lower bounds of the base coefficients; scale: reference of shares (RMS of the friction or of
+    the drive torque, N m); samples (n, p): the base before averaging, for effects that change it.
     """
 
     name: str
@@ -42,7 +42,7 @@ def balance_design(
     lower: Array,
     share_of: Array,
 ) -> BalanceDesign:
-    """Return the design of a target (n,) and base (n, p) of samples; shares are of the RMS of `share_of`."""
+    """Return the design of a target (n,) and base (n, p) of samples; shares are of `share_of`'s RMS."""
     scale = float(np.sqrt(np.mean(rows.mean(share_of) ** 2)))
     return BalanceDesign(
         name, rows, rows.mean(target), rows.mean(base), base_names, np.asarray(lower, float), scale, base

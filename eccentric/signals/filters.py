@@ -1,4 +1,4 @@
-"""From a sampled angle to angle, velocity and acceleration without phase lag, and to the rows that move.
+"""A sampled angle becomes angle, velocity and acceleration without phase lag, and a mask of moving rows.
 
 The definitions are those of the reference residual: a second-order Butterworth low pass run forwards and
 backwards over the angle, central differences after it, and a motion mask from the raw angle.
@@ -19,13 +19,13 @@ Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 
 _PADDING = 9
-"""SciPy's own padding at either end of a second-order section, rows."""
+"""SciPy's default padding at either end of a second-order section, in rows."""
 
 
 def low_pass(x: Array, rate_hz: float, cut_hz: float) -> Array | None:
-    """Return evenly sampled x (n,) after a zero-phase second-order Butterworth low pass, None where it fails.
+    """Return evenly sampled x (n,) after a zero-phase second-order Butterworth low pass, None if it fails.
 
-    That is where the cut-off frequency is above 0.4 of the sampling rate, or the stretch is too short.
+    It fails if the cut-off frequency is above 0.4 of the sampling rate, or the stretch is too short.
     """
     if cut_hz > COARSE * rate_hz or len(x) <= _PADDING:
         return None
@@ -34,12 +34,12 @@ def low_pass(x: Array, rate_hz: float, cut_hz: float) -> Array | None:
 
 @functools.lru_cache(maxsize=256)
 def _sections(cut_hz: float, rate_hz: float) -> Array:
-    """The low pass as second-order sections: a fit asks for that of the same log hundreds of times."""
+    """The low pass as second-order sections, cached: a fit uses that of one log hundreds of times."""
     return butter(2, cut_hz, fs=rate_hz, output="sos")
 
 
 def smoothed(t: Array, segment: NDArray[np.int64], x: Array, cut_hz: float) -> Array:
-    """Return x (n,) or (n, k) after the low pass, stretch by stretch; as it is where one is too coarse."""
+    """Return x (n,) or (n, k) after the low pass, stretch by stretch; unchanged where one is too coarse."""
     out = np.array(x, float)
     for number in np.unique(segment):
         rows = segment == number
@@ -50,7 +50,7 @@ def smoothed(t: Array, segment: NDArray[np.int64], x: Array, cut_hz: float) -> A
 
 
 def is_even(t: Array) -> bool:
-    """Tell whether the time stamps t [s] (n,) lie on an even grid, rounding allowed."""
+    """Return whether the time stamps t [s] (n,) are on an even grid, up to rounding."""
     grid = np.linspace(t[0], t[-1], len(t))
     return len(t) < 3 or float(np.max(np.abs(t - grid))) <= JITTER * (t[-1] - t[0]) / (len(t) - 1)
 
@@ -59,9 +59,9 @@ def motion(t: Array, theta: Array, cut_hz: float) -> tuple[Array, Array, Array, 
     """Return angle [rad], velocity [rad/s], acceleration [rad/s^2] of one stretch (n,), and if low-passed.
 
     Unevenly sampled angles are interpolated linearly on a grid of the median step, filtered and
-    differentiated there, and interpolated back to the rows. Where a log is too coarse for the low pass, a
-    quintic spline through the raw angle is differentiated: differences over steps that coarse would lose a
-    part of the acceleration, and what the spline adds in noise is averaged out by the windows of such a log.
+    differentiated there, and interpolated back to the rows. If a log is too coarse for the low pass, a
+    quintic spline through the raw angle is differentiated: differences over such coarse steps would lose part
+    of the acceleration, and the additional noise of the spline is averaged out by the windows of such a log.
     """
     if len(t) < 3:
         return theta, np.full_like(t, np.nan), np.full_like(t, np.nan), False
@@ -87,7 +87,7 @@ def span_velocity(t: Array, theta: Array) -> Array:
     if len(t) < 3:
         return np.full_like(t, np.nan)
     half = max(HALF_SPAN_S, float(np.median(np.diff(t))))
-    # The tolerance keeps rows whose span ends on the first or the last stamp, up to rounding.
+    # The tolerance keeps rows whose span ends at the first or the last time stamp, up to rounding.
     inside = (t - half >= t[0] - 1e-9) & (t + half <= t[-1] + 1e-9)
     rise = np.interp(t + half, t, theta) - np.interp(t - half, t, theta)
     return np.where(inside, rise / (2.0 * half), np.nan)
@@ -99,7 +99,7 @@ def moves(t: Array, velocity: Array, threshold: float) -> Mask:
     changes = np.concatenate([[0], np.cumsum(sign[1:] != sign[:-1])])
     first = np.searchsorted(t, t - REVERSAL_S - 1e-9)
     last = np.searchsorted(t, t + REVERSAL_S + 1e-9) - 1
-    # NaN at the ends differs from itself, so rows near the ends do not count as moving either.
+    # NaN at the ends differs from itself, so rows near the ends do not count as moving.
     return (np.abs(velocity) > threshold) & (changes[first] == changes[last])
 
 

@@ -1,4 +1,4 @@
-"""What is odd about a log: one record for each oddity."""
+"""Findings about a log: one record for each anomaly."""
 
 from __future__ import annotations
 
@@ -10,10 +10,10 @@ Severity = Literal["note", "warning"]
 
 @dataclass(frozen=True)
 class Finding:
-    """One line on the data: `kind` (a word for tests and tables), the channel or letter, the text.
+    """One line about the data: `kind` (a word for tests and tables), the channel or letter, the text.
 
-    `rows` counts the rows concerned. A "warning" makes results wrong unless it is dealt with; a "note" is
-    dealt with already, or harms little.
+    `rows` counts the rows concerned. A "warning" makes results wrong unless it is corrected; a "note" has
+    already been handled, or does little harm.
     """
 
     kind: str

@@ -1,7 +1,7 @@
 """Means with a Hann window, for logs that are sampled finely enough to be filtered and differentiated.
 
 A balance is integrated against a smooth window in the sense of the weak form.  Target and columns pass the
-same window, so its low pass cancels out; what it does not see is noise and quantisation above its band.
+same window, so its low pass cancels out, except that noise and quantisation above its band are removed.
 Windows are spaced by a quarter of their length.
 """
 
@@ -26,10 +26,10 @@ Mask = NDArray[np.bool_]
 def hann_windows(
     time: Array, valid: Mask, segment: Integers, run: Integers, length_s: float, least: int = 1
 ) -> Rows:
-    """Return a row for each Hann window whose samples are all valid, all of them to fit on.
+    """Return a row for each Hann window whose samples are all valid, all of them for training.
 
     time (n,) [s], valid (n,), segment (n,) number of the stretch without gap, run (n,); stretches may differ
-    in their sampling. Blocks do not reach over gaps.
+    in their sampling. Blocks do not extend across gaps.
     Raises InputError if fewer than `least` windows remain.
     """
     label = np.unique(segment, return_inverse=True)[1]
@@ -52,7 +52,7 @@ def hann_windows(
     if len(width) < least:
         raise InputError(
             f"moving training samples: at least {least} windows of {length_s:.3g} s required,"
-            f" {len(width)} found"
+            f" received {len(width)}"
         )
     pointer = np.r_[0, np.cumsum(width)]
     columns = np.concatenate(index)

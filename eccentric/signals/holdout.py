@@ -31,17 +31,18 @@ class Holdout:
 
     @property
     def brief(self) -> str:
-        """The rule for one line of print: a log may have hundreds of runs."""
+        """The rule shortened to one line: a log may have hundreds of runs."""
         return shorten(self.rule, 100, placeholder=" ...")
 
 
 def hold_out(t: Array, run: NDArray[np.int64], run_names: tuple[str, ...], rig: Rig) -> Holdout:
     """Return the held-out part of rows with times t [s] (n,) and run numbers (n,).
 
-    What the rig names goes first: intervals (in every run) and runs. Without, it is every fifth run from the
-    third on where there are three or more, else five contiguous blocks, the middle fifth of each fifth of the
-    rows.
-    Raises InputError for a run that the log has not, and for intervals in which it has no row.
+    If the rig names intervals (in every run) or runs, those are held out. Otherwise it is every fifth run
+    from the third on if there are three or more, else five contiguous blocks, the middle fifth of each fifth
+    of the rows.
+
+    Raises InputError for a run that is not in the log, and for intervals without rows.
     """
     if rig.holdout.intervals_s or rig.holdout.runs:
         rows, rule = _named(t, run, run_names, rig)
@@ -83,9 +84,9 @@ def _named(
 
 
 def matching(patterns: Sequence[str], run_names: Sequence[str], where: str) -> list[str]:
-    """Return the runs that any of the names or patterns (`*`, `?`) means, in the order of the log.
+    """Return the runs that match any of the names or patterns (`*`, `?`), in the order of the log.
 
-    Raises InputError for a name or pattern that no run has.
+    Raises InputError for a name or pattern that matches no run.
     """
     for pattern in patterns:
         if not fnmatch.filter(run_names, pattern):

@@ -1,11 +1,11 @@
-"""Every threshold of this room, each with its reason; those of the record's quality are in its own folder."""
+"""Every threshold of this room, each with its reason; those of data quality are in `quality`."""
 
 # Which rows of a file count.
 
 MOST_REJECTED = 0.2
-"""A log of which more than this part of the rows is not numbers is refused."""
+"""A log with more than this fraction of rows that are not numbers is refused."""
 MUCH_LOST = 0.05
-"""A loss of this part of the log is a warning: above it, what is left may no longer be like the whole."""
+"""Losing this fraction of the log is a warning: beyond it, the rest may not represent the whole."""
 GAP_STEPS = 5.0
 """A time step longer than this many median steps is a gap."""
 JITTER = 0.1
@@ -20,78 +20,78 @@ UNEVEN_STEP = 0.2
 HALF_SPAN_S = 0.02
 """Half the span of the central difference that decides whether a row moves, s."""
 REVERSAL_S = 0.06
-"""No reversal within this time of a moving row, s."""
+"""A moving row has no reversal within this time, s."""
 END_S = 0.5
-"""Rows closer than this to either end of a stretch are not used: filters have not settled there, s."""
+"""Rows closer than this to either end of a stretch are not used, since filters have transients there, s."""
 SWITCHING_S = 0.1
-"""Rows this near to a switching of the motor are not used, s: a filter mixes driven and free motion."""
+"""Rows this close to switching the motor are not used, s: a filter mixes driven and free motion."""
 QUANTA = 10.0
 """Default moving threshold: this many encoder steps within the 40 ms of the central difference ..."""
 SLOW = 0.03
 """... and at least this fraction of the 95th percentile of the speed, outside the held-out part."""
 
-# What is held out where the rig does not say.
+# What is held out by default.
 
 HELD_OUT_PART = 0.2
-"""A fifth: an error on less is uncertain, and more is missing from the fit."""
+"""A fifth: an error on less is uncertain, and holding out more takes too much from the fit."""
 HELD_OUT_BLOCKS = 5
-"""Contiguous blocks of one run: a single one might lie where the rig does something special."""
+"""Contiguous blocks of one run: a single one might fall where the rig does something special."""
 
 # What the angle can resolve.
 
 TOO_NOISY = 0.1
-"""Noise in the acceleration, as a part of it, from which the default low pass does not serve."""
+"""Noise in the acceleration, as a fraction of it, above which the default low pass is unsuitable."""
 QUIET = 0.02
-"""The part that the chosen cut-off leaves: with it, a term in the acceleration is known to 2 %."""
+"""The fraction that the chosen cut-off leaves: a term in the acceleration is then known to 2 %."""
 LOWEST_HZ = 3.0
-"""Cut-off below which the swing of the link itself would be filtered away."""
+"""Lowest cut-off: below it, the swing of the link itself would be filtered out."""
 COARSE = 0.4
-"""Cut-off over sampling rate above which a log is too coarse to be filtered: Nyquist's half, and a margin."""
+"""Largest ratio of cut-off to sampling rate, else a log is too coarse to filter: Nyquist, with a margin."""
 POINTS_PER_ROW = 2
 """Of a log that is too coarse: a reversal is then known to 4 % of a window."""
 MAP_RUNS = 8
-"""Runs of constant speed from which they are a map of friction over speed."""
+"""Least number of constant-speed runs for a map of friction over speed."""
 MAP_STEADY = 0.3
-"""Standard deviation of the speed inside a run over its mean, at most, in the middle one of all runs."""
+"""Largest standard deviation of the speed within a run over its mean, for the median run."""
 MAP_RANGE = 0.5
-"""Least range of the runs' speeds, over the largest: runs of one speed are no map."""
+"""Least range of the runs' speeds, over the largest: runs at one speed are not a map."""
 
 # Whether angle and speed belong together.
 
 WRAP_HOLE, WRAP_FULL = 0.25, 0.75
-"""A wrapped angle steps by about a period, 0.75 to 1.25 of it, and never by something like half of one."""
+"""A wrapped angle steps by about a period, 0.75 to 1.25 of it, and never by about half of one."""
 LEAST_SPEED_FACTOR, LARGEST_SPEED_FACTOR = 0.9, 1.1
 """A logged speed over the slope of its angle: the scales of drives and tachometers are better than this."""
 LEAST_CORRELATION = 0.9
-"""Least correlation of the two: below, a fifth of the speed's square is something else."""
+"""Least correlation of the two: below it, a fifth of the speed's square is something else."""
 COMPARED_S, COMPARED_ROWS = 0.2, 5
-"""Speed and angle are compared over this time: longer than encoder steps and filters of drives matter."""
+"""Speed and angle are compared over this time: long enough that encoder steps and filters do not matter."""
 NEAR_CAUSE = 0.03
-"""A cause is named where its factor is met this closely; rpm (9.55) and a gear of 10 are 0.046 apart."""
+"""A cause is named if its factor matches this closely; rpm (9.55) and a gear of 10 differ by 0.046."""
 
 # How samples become rows.
 
 BLOCK_S = 1.0
 """Rows this far apart count as independent, s."""
 MANY_RUNS = 5
-"""Runs in the training part from which each is left out as a whole in cross-validation."""
+"""Least number of training runs for cross-validation to leave out whole runs."""
 LEAST_HELD_OUT = 2
-"""Rows that an error on what is held out has an interval from."""
+"""Least number of held-out rows for an error with an interval."""
 LEAST_RUN_PART = 1 / 3
-"""Part of a run that has to be usable for a mean of it; the ends of a short run take a third themselves."""
+"""Fraction of a run that has to be usable for its mean; the ends of a short run alone take a third."""
 LEAST_WINDOWS = 50
-"""Fewer windows leave the search nothing to cross-validate on."""
+"""Fewer windows are not enough for the search to cross-validate on."""
 MOST_WINDOWS = 8000
-"""Windows of a long log are spaced wider, so that about so many remain."""
+"""Windows of a long log are spaced more widely, so that about this many remain."""
 WINDOW_S = 0.064
 """Length of the search's windows for a low pass of 25 Hz, s; in proportion to its period for others."""
 STEPS = 12
 """Steps in a window of a coarse log: 0.3 s at 40 rows per second, where a second difference is mostly
 rounding."""
 LEAST_WINDOW_ROWS = 7
-"""Rows that a window integrated by parts has to hold: with fewer, its weights are those of a difference."""
+"""Least rows of a window integrated by parts: with fewer, its weights are those of a difference."""
 MOVING_PART = 0.5
-"""Least part of a window's weight on moving rows, in a log too coarse for windows that only move."""
+"""Least fraction of a window's weight on moving rows, in a log too coarse for windows of moving rows only."""
 PER_COEFFICIENT, PER_COEFFICIENT_OF_RUNS = 10, 3
-"""Least rows for each coefficient of a fit: means over a time overlap and share what is slow, means of whole
+"""Least rows per coefficient of a fit: means over a time overlap and share slow disturbances, means of whole
 runs do not."""

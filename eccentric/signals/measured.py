@@ -1,4 +1,4 @@
-"""The measured signals that models are fitted on, and which of their rows serve for what."""
+"""The measured signals that models are fitted on, and the purpose of each row."""
 
 from __future__ import annotations
 
@@ -109,7 +109,7 @@ class Selection:
 
     @property
     def fit_rows(self) -> Mask:
-        """Rows (n,) that a fit may look at: usable and not held out."""
+        """Rows (n,) that a fit may use: usable and not held out."""
         return self.usable & ~self.held_out
 
     @property
@@ -151,12 +151,12 @@ class Channels:
 
     @property
     def phased(self) -> bool:
-        """Whether the angles of all rows compare: an integrated one begins at zero in every run."""
+        """Whether the angles of all rows are comparable: an integrated one starts at zero in every run."""
         return len(self.time.run_names) == 1 or self.motion.quantum_rad > 0.0
 
     @property
     def driven(self) -> Channels:
-        """The same channels, the rows with the motor switched off not usable."""
+        """The same channels with the rows with the motor switched off marked unusable."""
         if not np.any(self.motor.off):
             return self
         usable = self.selection.usable & ~self.motor.off
@@ -176,10 +176,10 @@ class Channels:
     def realigned(self, rig: Rig, alignment: Alignment) -> Channels:
         """Return the same channels with another delay, zero angle and offset.
 
-        This is the seam for a fit that estimates them. The voltage that acts at t is the logged one at t -
-        delay, interpolated within a stretch (its first value before that); for a command that is held over
-        a step, the delay so contains half a step. The zero angle is on the link side: without mu in the
-        rig, InputError.
+        A fit that estimates them uses this. The voltage that acts at t is the logged one at t - delay,
+        interpolated within a stretch (its first value before that); for a command that is held over a step,
+        the delay therefore contains half a step. The zero angle is on the link side: without mu in the rig,
+        InputError.
         """
         moved = alignment.theta_zero_rad - self.alignment.theta_zero_rad
         voltage = self.motor.voltage_logged

@@ -26,7 +26,7 @@ Integers = NDArray[np.int64]
 
 
 def motor_side(table: Table, rig: Rig, motor: str, link: str) -> Array | None:
-    """Bring a channel to the motor side: angles and speeds divide by mu, torques multiply."""
+    """Convert a channel to the motor side: angles and speeds are divided by mu, torques multiplied."""
     if motor in table.channels:
         return table.channels[motor]
     if link not in table.channels:
@@ -36,7 +36,7 @@ def motor_side(table: Table, rig: Rig, motor: str, link: str) -> Array | None:
 
 
 def of_the_motor(table: Table, rig: Rig) -> tuple[Table, list[str]]:
-    """Return the table with angle and speed as those of the motor, and warnings.
+    """Return the table with angle and speed of the motor, and warnings.
 
     The angle is the logged one, unwrapped, or the integral of the logged speed.
     """
@@ -55,7 +55,7 @@ def _smooth(table: Table, rig: Rig, theta: Array) -> Array:
 
 def _integral(table: Table, omega: Array | None) -> tuple[Array, list[str]]:
     if omega is None:
-        raise AssertionError("read_table asks for an angle or a speed")
+        raise AssertionError("read_table requires an angle or a speed")
     t = table.channels["time"]
     theta = joined(table.run, lambda rows: cumulative_trapezoid(omega[rows], t[rows], initial=0.0))
     warnings = ["no angle is logged: it is the integral of the speed, from 0 at the start of each run"]
@@ -78,19 +78,19 @@ def motion_of(t: Array, theta: Array, segment: Integers, cut_hz: float) -> tuple
     warnings: list[str] = []
     if plain and math.isinf(cut_hz):
         warnings.append(
-            "the log is sampled too slowly for the low pass: velocity and acceleration are those of a spline "
+            "the log is too coarse for the low pass: velocity and acceleration are those of a spline "
             "through the angle, averaged over windows of twelve steps"
         )
     elif plain:
         warnings.append(
-            f"{sum(plain)} of {len(t)} rows are sampled too slowly, or in stretches too short, for the "
+            f"{sum(plain)} of {len(t)} rows are too coarse, or in stretches too short, for the "
             f"{cut_hz:g} Hz low pass: their velocity and acceleration are those of a spline"
         )
     return signals.T, warnings
 
 
 def uneven(table: Table) -> list[str]:
-    """Return what there is to say of uneven time steps; one over rows that were dropped is no step."""
+    """Return warnings about uneven time steps; one across dropped rows does not count."""
     t = table.channels["time"]
     piece = stretches(t, table.run) + np.cumsum(table.after_dropped)
     if all(filters.is_even(t[rows]) for rows in rows_of_each(piece)):
@@ -106,7 +106,7 @@ def uneven(table: Table) -> list[str]:
 
 
 def quantum_of(logged: Table, rig: Rig, theta: Array) -> float:
-    """Return the step of the motor angle [rad], by the counts or the smallest seen; 0 if integrated."""
+    """Return the step of the motor angle [rad], from the counts or the smallest one seen; 0 if integrated."""
     if "theta_m" not in logged.channels and "theta_l" not in logged.channels:
         return 0.0
     if rig.log.counts_per_rev is not None:

@@ -1,4 +1,4 @@
-"""Which rows move, and which are clear of what a filter mixes: the ends of a stretch, a switching motor."""
+"""Which rows move, and which are unaffected by filters at the ends of a stretch or at a switched motor."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ Mask = NDArray[np.bool_]
 def moving_rows(
     t: Array, theta: Array, segment: Integers, rig: Rig, quantum: float, fitted: Mask
 ) -> tuple[Mask, float]:
-    """Return the rows that move (n,), and the threshold [rad/s] that tells: by the rig or by `fitted`."""
+    """Return the moving rows (n,), and the threshold [rad/s]: from the rig or from the rows `fitted`."""
     velocity = joined(segment, lambda rows: filters.span_velocity(t[rows], theta[rows]))
     threshold = rig.sampling.moving_threshold_rad_s
     if threshold is None:
@@ -40,12 +40,12 @@ def _default_threshold(velocity: Array, quantum: float) -> float:
 
 
 def clear_of_ends(t: Array, segment: Integers) -> Mask:
-    """Rows (n,) half a second clear of the ends of every stretch: filters settle there."""
+    """Rows (n,) at least half a second from the ends of every stretch, where filters have transients."""
     return joined(segment, lambda rows: filters.away_from_ends(t[rows]))
 
 
 def near_switching(t: Array, segment: Integers, off: Mask) -> Mask:
-    """Rows (n,) near a switching of the motor: what is filtered there mixes driven and free motion."""
+    """Rows (n,) near switching the motor, where filters mix driven and free motion."""
     near = np.zeros(len(t), dtype=bool)
     for row in np.flatnonzero(np.diff(off.astype(int)) & (np.diff(segment) == 0)):
         near |= (np.abs(t - t[row]) < SWITCHING_S) & (segment == segment[row])

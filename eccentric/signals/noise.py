@@ -1,4 +1,4 @@
-"""The white noise of a sensor, from the signal itself: no model, no filter."""
+"""The white noise of a sensor, from the signal itself, without model or filter."""
 
 from __future__ import annotations
 
@@ -14,8 +14,8 @@ Mask = NDArray[np.bool_]
 def white_noise(signal: Array, segment: NDArray[np.int64] | None = None) -> float:
     """Return the RMS of the white noise in a sampled signal (n,), in its unit.
 
-    The fourth difference of a smooth signal vanishes; of white noise it has 70 times the variance. NaN marks
-    samples that are not to be looked at; differences across the ends of a `segment` (n,) are left out.
+    The fourth difference of a smooth signal vanishes; that of white noise has 70 times the variance. NaN
+    marks samples to ignore; differences across the ends of a `segment` (n,) are omitted.
     """
     difference = np.diff(signal, 4)
     seen = np.isfinite(difference)

@@ -1,7 +1,7 @@
-"""Whether angle and speed of a log can belong together: wrapped angles are unwrapped, the rest is told.
+"""Whether angle and speed of a log are consistent: wrapped angles are unwrapped, the rest is reported.
 
-An angle that restarts at every turn, a speed in revolutions per minute and a sign the wrong way round all
-pass for numbers, and a fit on them is nonsense that looks like a comparison of models.
+An angle that restarts at every turn, a speed in revolutions per minute and a wrong sign are all valid
+numbers, and a fit to them is nonsense that looks like a comparison of models.
 """
 
 from __future__ import annotations
@@ -46,8 +46,8 @@ def unwrapped(
 ) -> tuple[Array, str]:
     """Return the motor angle [rad] (n,) without wraps, and a warning, empty where there are none.
 
-    An angle wraps at one turn of the motor or, with the gear ratio known, of the link. Over a gap in time it
-    is continued at the speed before and after; each run starts at the angle that it was logged with.
+    An angle wraps at one turn of the motor or, with the gear ratio known, of the link. Across a gap in time
+    it is continued at the speed before and after; each run starts at its logged angle.
     """
     periods = {"motor": TURN} | ({} if mu in (None, 1.0) else {"link": TURN / mu})
     found = [
@@ -66,7 +66,7 @@ def unwrapped(
     if largest > WRAP_HOLE * periods[turns]:
         text += f", uncertain at up to {largest / periods[turns]:.2g} turns from row to row"
     if turns == "motor" and "link" in periods:
-        text += "; the turn that a run starts in is not in the log (theta_zero_rad sets it)"
+        text += "; the log does not show in which turn a run starts (theta_zero_rad sets it)"
     return smooth, text
 
 
@@ -106,7 +106,7 @@ def _largest_step(theta: Array, segment: Integers) -> float:
 def speed_factor(t: Array, theta: Array, omega: Array, segment: Integers) -> tuple[float, float] | None:
     """Return a logged speed [rad/s] (n,) over the slope of the angle, and their correlation; None at rest.
 
-    Compared are the turns that both tell for the same 0.2 s, or five rows.
+    The turns of both over the same 0.2 s, or five rows, are compared.
     """
     rise: list[Array] = []
     told: list[Array] = []
@@ -124,7 +124,7 @@ def speed_factor(t: Array, theta: Array, omega: Array, segment: Integers) -> tup
 
 
 def speed_doubt(t: Array, theta: Array, omega: Array, segment: Integers, mu: float | None) -> str:
-    """Return what is odd about a logged speed [rad/s] (n,) beside the slope of the angle; empty if fine."""
+    """Return what is wrong with a logged speed [rad/s] (n,), by the slope of the angle; empty if nothing."""
     found = speed_factor(t, theta, omega, segment)
     if found is None:
         return ""
@@ -132,7 +132,7 @@ def speed_doubt(t: Array, theta: Array, omega: Array, segment: Integers, mu: flo
     if abs(correlation) < LEAST_CORRELATION:
         return (
             f"the logged speed does not follow the slope of the angle (correlation {correlation:.2f}): "
-            "are both of one shaft?"
+            "do both belong to one shaft?"
         )
     if LEAST_SPEED_FACTOR <= factor <= LARGEST_SPEED_FACTOR:
         return ""
@@ -141,8 +141,8 @@ def speed_doubt(t: Array, theta: Array, omega: Array, segment: Integers, mu: flo
 
 
 def _cause(factor: float, mu: float | None) -> str:
-    """Return what explains the factor, in the fewest words and most closely; empty if nothing does."""
-    gears = {} if mu in (None, 1.0) else dict.fromkeys((mu, 1.0 / mu), "they are of two sides of the gear")
+    """Return the simplest and closest explanation of the factor; empty if there is none."""
+    gears = {} if mu in (None, 1.0) else dict.fromkeys((mu, 1.0 / mu), "they are on two sides of the gear")
     found = []
     for unit, gear in itertools.product((1.0, *_UNITS), (1.0, *gears)):
         words = [_UNITS.get(unit), gears.get(gear), "their signs differ" if factor < 0.0 else None]

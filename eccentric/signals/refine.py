@@ -1,9 +1,10 @@
-"""A coarse log between its rows: what a window of twelve steps integrates, on a finer grid.
+"""A coarse log between its rows: the integrands of a window of twelve steps, on a finer grid.
 
 At 40 rows per second a reversal falls between two rows, and the sign of the velocity, summed over rows, is
-off by a part of a step; so is a load that follows the angle.  The angle between the rows is that of a quintic
-spline, as in `filters.motion`; a commanded voltage is held from row to row; other signals are interpolated
-linearly.  Nothing is added to the log: windows weigh the same time as before, and rows are counted as logged.
+off by a fraction of a step; so is a load that follows the angle.  The angle between the rows is that of a
+quintic spline, as in `filters.motion`; a commanded voltage is held from row to row; other signals are
+interpolated linearly.  Nothing is added to the log: windows cover the same time as before, and rows are
+counted as logged.
 """
 
 from __future__ import annotations
@@ -32,7 +33,7 @@ def logged_step(table: Table) -> float:
 
 
 def is_coarse(table: Table, rig: Rig) -> bool:
-    """Whether most of the log is sampled too slowly for the low pass of the rig, and not averaged by it."""
+    """Whether most of the log is too coarse for the rig's low pass, and the rig does not average."""
     return rig.sampling.low_pass_hz * logged_step(table) > COARSE and not rig.sampling.average_over
 
 

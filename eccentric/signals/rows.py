@@ -1,8 +1,8 @@
-"""The rows of a design: what samples of a log become before a model is fitted on them or compared.
+"""The rows of a design: samples of a log, converted for fitting and comparing models.
 
-Target and columns of a design pass the same rows.  A row is a sample of the log, or a weighted mean of
-samples; then both sides of the balance are averaged with the same weights, and what the average takes away is
-noise and quantisation above its band.  How rows come about: `sampling`.
+Target and columns of a design use the same rows.  A row is a sample of the log, or a weighted mean of
+samples; then both sides of the balance are averaged with the same weights, and the average removes only noise
+and quantisation above its band.  `sampling` makes the rows.
 """
 
 from __future__ import annotations
@@ -38,13 +38,13 @@ class Rows:
         run: number of the run (m,).
         block: (m,); rows of one number are not independent of each other.
         train, score: masks (m,), rows to fit on and rows held out; a row can be neither.
-        weights: (m,), what a row counts in a sum of squares.
+        weights: (m,), weight of a row in a sum of squares.
         description: what a row is, in words.
         operator: sparse weights (m, n) of the means; None where the rows are the samples.
         rate_operator: sparse weights (m, n) that give the mean second rate of a signal from the signal alone;
             None where the acceleration is averaged like any other signal.
-        smooth: a filter over the samples, (n,) or (n, k), that comes before the mean.
-        independent: rows share neither samples nor what happens between them, as means of whole runs.
+        smooth: a filter over the samples, (n,) or (n, k), applied before the mean.
+        independent: rows share neither samples nor disturbances, like means of whole runs.
     """
 
     t: Array
@@ -65,19 +65,19 @@ class Rows:
 
     @property
     def per_coefficient(self) -> int:
-        """Least rows for each coefficient of a fit."""
+        """Least number of rows per coefficient of a fit."""
         return PER_COEFFICIENT_OF_RUNS if self.independent else PER_COEFFICIENT
 
     def mean(self, x: Array) -> Array:
-        """Samples (n,) or (n, k) to rows (m,) or (m, k), in the unit of x."""
+        """Samples (n,) or (n, k) converted to rows (m,) or (m, k), in the unit of x."""
         return self.plain_mean(x if self.smooth is None else self.smooth(x))
 
     def plain_mean(self, x: Array) -> Array:
-        """The same without `smooth`, for what has passed that low pass already, as the acceleration has."""
+        """The same without `smooth`, for signals that have passed that low pass, such as the acceleration."""
         return np.asarray(x, float) if self.operator is None else self.operator @ x
 
     def acceleration(self, channels: Channels) -> Array:
-        """Motor acceleration [rad/s^2] (m,): integrated by parts from the logged angle, or the mean of it."""
+        """Motor acceleration [rad/s^2] (m,): integrated by parts from the logged angle, or its mean."""
         if self.rate_operator is not None:
             return self.rate_operator @ channels.motion.theta_logged
         return self.plain_mean(channels.motion.alpha_m)
@@ -91,19 +91,19 @@ class Rows:
         return ends[1:] == ends[:-1]
 
     def noise_gain(self) -> Array:
-        """RMS (m,) that white noise of RMS one in the samples has in each row, `smooth` left aside."""
+        """RMS (m,) in each row of white noise with RMS one in the samples, ignoring `smooth`."""
         if self.operator is None:
             return np.ones(len(self))
         return np.sqrt(np.asarray(self.operator.multiply(self.operator).sum(axis=1)).ravel())
 
     def used_samples(self) -> Mask:
-        """Samples (n,) that any row has a positive weight on."""
+        """Samples (n,) with a positive weight in any row."""
         if self.operator is None:
             return np.ones(len(self), dtype=bool)
         return np.asarray(self.operator.sum(axis=0)).ravel() > 0.0
 
     def chosen(self, kept: Integers | Mask) -> Rows:
-        """Some of the rows, in the order of their numbers (or of the mask)."""
+        """A subset of the rows, in the order of their numbers (or of the mask)."""
         return dataclasses.replace(
             self,
             t=self.t[kept],
@@ -117,7 +117,7 @@ class Rows:
         )
 
     def for_part(self, part: str) -> Rows:
-        """The same rows, all to fit on ("train") or all held out ("score")."""
+        """The same rows, all for training ("train") or all held out ("score")."""
         every, none = np.ones(len(self), dtype=bool), np.zeros(len(self), dtype=bool)
         masks = {"train": (every, none), "score": (none, every)}[part]
         return dataclasses.replace(self, train=masks[0], score=masks[1])
@@ -151,6 +151,6 @@ def blocks_of(t: Array, label: Integers, samples: Array) -> Integers:
 
 
 def require_rows(part: Mask, least: int, what: str, where: str) -> None:
-    """Raise InputError where a part (m,) of the rows has fewer than `least`; `where` names the log."""
+    """Raise InputError if a part (m,) of the rows has fewer than `least`; `where` names the log."""
     if (count := int(np.count_nonzero(part))) < least:
         raise InputError(f"{where}: at least {least} moving {what} are required, received {count}")

@@ -1,10 +1,10 @@
-"""How the rows of a log come about, under a rig: for a fit, for the comparison of models, for the search.
+"""The rows of a log under a rig: for a fit, for the comparison of models, for the search.
 
-    samples        of the log, where it is sampled finely and the rig asks for nothing else
-    windows        integrated by parts, where the log is too coarse to be differentiated (`by_parts`)
+    samples        of the log, if it is sampled finely and the rig requires nothing else
+    windows        integrated by parts, if the log is too coarse to be differentiated (`by_parts`)
     averages       over the time that the rig names (`average_over`), or twelve steps of a coarse log (`hann`)
-    means of runs  for benches that hold a speed and log it (`average_over = "run"`)
-    windows        of the search: short ones, over the rows to fit on alone (`hann`)
+    means of runs  for benches that log constant speeds (`average_over = "run"`)
+    windows        of the search: short ones, over training rows only (`hann`)
 
 A fit minimises over `fit_rows`; models are compared on `rows_of`; effects are searched on `search_rows`.
 """
@@ -48,9 +48,9 @@ Mask = NDArray[np.bool_]
 def fit_rows(channels: Channels, rig: Rig) -> Rows:
     """The rows that `eccentric fit` minimises over. Raises InputError if an average has none.
 
-    Rows of the log count as long as they stand for. Weighting by what the noise is estimated to be would
-    serve the noise of the sensors, but what dominates is usually what the model leaves out, and a fit should
-    then be best where the log has been.
+    Rows of the log are weighted by the time that they represent. Weights from an estimate of the noise would
+    suit sensor noise, but usually what the model omits dominates, and a fit should then be best where the log
+    has most of its time.
     """
     if rig.sampling.average_over:
         return rows_of(channels, rig)
@@ -61,7 +61,7 @@ def fit_rows(channels: Channels, rig: Rig) -> Rows:
 
 
 def rows_of(channels: Channels, rig: Rig) -> Rows:
-    """The rows that models are compared on. Raises InputError if none is left to fit on or to hold out."""
+    """The rows that models are compared on. Raises InputError if there is none to fit on or to hold out."""
     if not rig.sampling.average_over and channels.time.points_per_row == 1:
         return _samples(channels)
     parts = {"train": ~channels.selection.held_out, "score": channels.selection.held_out}
@@ -79,10 +79,10 @@ def rows_of(channels: Channels, rig: Rig) -> Rows:
 
 
 def search_rows(channels: Channels, rig: Rig, moving: bool = True) -> Rows:
-    """The rows of the training part that effects are searched on; all rows, moving or not, if asked.
+    """The rows of the training part that effects are searched on; optionally all rows, moving or not.
 
-    With five runs or more, a block is a whole run: what differs from run to run, a temperature or a gain, is
-    to be predicted for a run that was not seen.
+    With five runs or more, a block is a whole run: whatever differs from run to run, such as a temperature or
+    a gain, has to be predicted for an unseen run.
     """
     if moving and (rig.sampling.average_over or channels.time.points_per_row > 1):
         found = _averages(channels, rig, ~channels.selection.held_out)
@@ -102,9 +102,9 @@ def _clear(channels: Channels) -> Mask:
 
 
 def _smoothing(channels: Channels, rig: Rig) -> Callable[[Array], Array] | None:
-    """The low pass of the angle, for all that is compared with its acceleration over a time.
+    """The low pass of the angle, for all signals that are compared with its acceleration over a time.
 
-    Friction jumps where the drive and the acceleration of a filtered angle do not.
+    Friction jumps, but the drive and the acceleration of a filtered angle do not.
     """
     cut = rig.sampling.drive_low_pass_hz
     return None if cut is None else partial(smoothed, channels.time.t, channels.time.segment, cut_hz=cut)
@@ -124,7 +124,7 @@ def _samples(channels: Channels) -> Rows:
 
 
 def _durations(t: Array, segment: Integers, step: float) -> Array:
-    """Return the time from half-way to the last to half-way to the next row, in median steps."""
+    """Return the time between the midpoints to the previous and the next row, in median steps."""
     same = np.diff(segment) == 0
     gaps = np.where(same, np.diff(t), step)
     durations = (np.concatenate([[step], gaps]) + np.concatenate([gaps, [step]])) / (2.0 * step)
@@ -134,9 +134,9 @@ def _durations(t: Array, segment: Integers, step: float) -> Array:
 
 
 def _by_parts(channels: Channels) -> Rows:
-    """Windows of twelve steps that weigh mostly moving rows, integrated by parts.
+    """Windows of twelve steps with most of their weight on moving rows, integrated by parts.
 
-    An integral passes a reversal, where a row does not; only standstill leaves friction open.
+    An integral may contain a reversal, a row may not; only at standstill is friction undetermined.
     """
     time, rows = channels.time, channels.selection
     found = windows_by_parts(time.t, time.segment, time.run, STEPS * time.logged_step_s)
@@ -154,14 +154,14 @@ def _averages(channels: Channels, rig: Rig, part: Mask) -> Rows:
         return _run_means(channels, usable)
     if over:
         return hann_windows(time.t, usable, time.segment, time.run, over)
-    # As in `_by_parts`: an average passes a reversal.
+    # As in `_by_parts`: an average may contain a reversal.
     allowed = part & (rows.usable | ~rows.moving)
     found = hann_windows(time.t, allowed, time.segment, time.run, _length(channels, rig))
     return found.chosen(np.flatnonzero(found.mean(usable.astype(float)) >= MOVING_PART))
 
 
 def _run_means(channels: Channels, usable: Mask) -> Rows:
-    """Means of runs; one that is usable only in pieces says little of its speed and is left out."""
+    """Means of runs; one that is usable only in pieces says little about its speed and is left out."""
     every = np.bincount(channels.time.run)
     used = np.bincount(channels.time.run[usable], minlength=len(every))
     runs = np.flatnonzero(used > LEAST_RUN_PART * every)

@@ -1,4 +1,4 @@
-"""What runs and gaps cut a log into: nothing is filtered, interpolated or integrated across their ends."""
+"""Stretches between gaps and ends of runs: nothing is filtered, interpolated or integrated across them."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ Integers = NDArray[np.int64]
 
 
 def stretches(t: Array, run: Integers) -> Integers:
-    """Return the number of the stretch of each row (n,): one begins with a run or after a gap in t [s]."""
+    """Return the number of the stretch of each row (n,): one starts with a run or after a gap in t [s]."""
     begins = np.ones(len(t), dtype=bool)
     begins[1:] = run[1:] != run[:-1]
     for k in np.unique(run):
@@ -29,10 +29,10 @@ def stretches(t: Array, run: Integers) -> Integers:
 
 
 def rows_of_each(number: NDArray[Any]) -> list[Integers]:
-    """Return the rows of each stretch, in order; `number` (n,) tells stretches (or runs) apart."""
+    """Return the rows of each stretch, in order; `number` (n,) is that of the stretch (or run)."""
     return np.split(np.arange(len(number)), np.flatnonzero(np.diff(number)) + 1)
 
 
 def joined(number: NDArray[Any], function: Callable[[Integers], NDArray[Any]]) -> NDArray[Any]:
-    """Join what a function gives for the rows of each stretch."""
+    """Concatenate the results of a function for the rows of each stretch."""
     return np.concatenate([function(rows) for rows in rows_of_each(number)])

@@ -29,8 +29,8 @@ _LABELS = ("run", "use", "motor_off")
 class Table:
     """Kept rows of all logs: channels by name in SI (temperature in degC), run number, masks; all (n,).
 
-    `use` is what the rig wants used, `motor_off` where the motor is switched off and the link swings freely.
-    `after_dropped` is where the row before in the log was dropped.
+    `use` are the rows selected by the rig, `motor_off` those with the motor switched off and the link
+    swinging freely. `after_dropped` are those whose previous row in the log was dropped.
     """
 
     channels: Mapping[str, Array]
@@ -47,13 +47,13 @@ class Table:
 def read_table(logs: Sequence[LogSource], rig: Rig) -> Table:
     """Read and join logs, each a path, a table in memory or a Log.
 
-    A row that says again what the one before it says is dropped, as one that is not numbers is.
+    A row that repeats the one before it is dropped, like one that is not numbers.
     Raises InputError for what `read_log` refuses, a missing or non-numeric column, more than 20 % of rows
     that are not numbers, time stamps that do not increase within a run, a run in two pieces, and logs with
     different channels.
     """
     if not logs:
-        raise InputError("a log is required, none is given")
+        raise InputError("a log is required, received none")
     tables: list[Table] = []
     stems: list[str] = []
     read = [read_log(log) for log in logs]
@@ -67,7 +67,7 @@ def read_table(logs: Sequence[LogSource], rig: Rig) -> Table:
         if set(table.channels) != names:
             differ = few(sorted(names ^ set(table.channels)))
             raise InputError(
-                f"{log.path}: the same channels in every log are required, {differ} is not in all of them"
+                f"{log.path}: the same channels are required in every log, {differ} is not in all of them"
             )
     offsets = np.cumsum([0, *(len(table.run_names) for table in tables)])
     joined = Table(
@@ -87,7 +87,7 @@ def read_table(logs: Sequence[LogSource], rig: Rig) -> Table:
 
 
 def _chosen(table: Table, rig: Rig) -> Table:
-    """The runs that the rig names, numbered anew."""
+    """The runs that the rig names, renumbered."""
     names = matching(rig.log.runs, table.run_names, f"{rig.path}: runs")
     kept = np.isin(table.run, [table.run_names.index(name) for name in names])
     number = np.cumsum([name in names for name in table.run_names]) - 1
@@ -145,7 +145,7 @@ def _one(log: Log, rig: Rig, name: str, alone: bool) -> Table:
 
 
 def _repeated(columns: Sequence[NDArray[Any]], kept: NDArray[np.bool_]) -> NDArray[np.bool_]:
-    """Rows (n,) that are in every column what the kept row before them is: a logger that wrote them twice."""
+    """Rows (n,) equal in every column to the kept row before them: the logger wrote them twice."""
     rows = np.flatnonzero(kept)
     same = np.logical_and.reduce([x[rows[1:]] == x[rows[:-1]] for x in columns])
     again = np.zeros(len(kept), dtype=bool)
@@ -154,7 +154,7 @@ def _repeated(columns: Sequence[NDArray[Any]], kept: NDArray[np.bool_]) -> NDArr
 
 
 def _sources(log: Log, rig: Rig) -> Mapping[str, ColumnSource]:
-    """Return the mapped columns, or the standard ones that are there; ask for the least that a fit needs."""
+    """Return the mapped columns, or the available standard ones; require the minimum for a fit."""
     standard = {c: ColumnSource(column) for c, (column, _) in CHANNELS.items() if column in log.columns}
     sources = standard if rig.log.columns is None else rig.log.columns
     for choice in (
@@ -186,7 +186,7 @@ def _values(log: Log, rig: Rig, channel: str, source: ColumnSource) -> Array:
 def _condition(
     log: Log, rig: Rig, sources: Mapping[str, ColumnSource], channel: str, otherwise: float
 ) -> Array:
-    """A column of 0 and 1, or a condition on columns; one number for all rows where neither is mapped."""
+    """A column of 0 and 1, or a condition on columns; one number for all rows if neither is mapped."""
     if channel not in sources:
         return np.full(log.rows, otherwise)
     text = sources[channel].text
@@ -196,7 +196,7 @@ def _condition(
 
 
 def _labels(log: Log, source: ColumnSource | None, name: str, alone: bool) -> NDArray[np.str_]:
-    """Name the run of each row: by the log, by the run column, or by both where there are several logs."""
+    """Name the run of each row: by the log, by the run column, or by both if there are several logs."""
     if source is None:
         return np.full(log.rows, name)
     values = log.text(source.text)
@@ -215,7 +215,7 @@ def _runs(
     if again is not None:
         place = log.place(int(rows[np.flatnonzero(begins)[again]]))
         raise InputError(
-            f"{log.path}: {place}: the rows of a run must stand together, {names[again]!r} comes back"
+            f"{log.path}: {place}: contiguous runs are required, received {names[again]!r} again"
         )
     stuck = np.flatnonzero((np.diff(t) <= 0.0) & ~begins[1:])
     if len(stuck):

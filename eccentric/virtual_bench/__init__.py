@@ -1,10 +1,10 @@
-"""The virtual test bench: realistic logs of a drive that swings an unbalanced mass, effects of your choice.
+"""The virtual test bench: realistic logs of a drive that swings an unbalanced mass, with chosen effects.
 
     random_scenario -> Scenario (plant, controller, course, effects) -> simulate -> BenchRun -> write -> files
 
 In: the arguments of `random_scenario`. Out: a log, its rig and the sealed truth, in memory (`BenchRun`) or
-as files. It imports nothing of the toolkit but its error, so that it can serve as an oracle: physics written
-twice, by different means, must agree.
+as files. It imports nothing from the toolkit but its error, so that it can serve as an oracle: the same
+physics, written twice by different means, must agree.
 """
 
 from .effects import EFFECTS, VARIANTS, Law, PlantedEffect, simply

@@ -29,8 +29,8 @@ def servo(
 ) -> Callable[[float, float], tuple[float, float]]:
     """Return `control(theta, reference)` -> (commanded voltage [V], measured velocity [rad/s]), every `dt`.
 
-    The velocity is the filtered difference of encoder counts, so it is late and grainy, and it is what the
-    controller acts on. The integrator stops while the bus saturates.
+    The velocity is the filtered difference of encoder counts, so it is delayed and quantised, and it is what
+    the controller acts on. The integrator stops while the bus saturates.
     """
     per_rad, quantum = controller.counts / (2.0 * pi), 2.0 * pi / controller.counts
     pole = 1.0 - exp(-2.0 * pi * controller.filter_hz * dt)
@@ -60,7 +60,7 @@ def servo(
 
 
 def bus_ripple(controller: MotorController) -> Callable[[float, float], float]:
-    """Return `applied(u, t)`: the voltage at the motor when the rectified bus, and so the pulses, ripple."""
+    """Return `applied(u, t)`: the voltage at the motor with the ripple of the rectified bus."""
     if not controller.ripple:
         return lambda u, _: u
     depth, rate = controller.ripple, 2.0 * pi * controller.ripple_hz

@@ -1,4 +1,4 @@
-"""The reference speed of the drive, speed runs or a sum of sines, and which part of the log is held out."""
+"""The reference speed of the drive, constant speeds or a sum of sines, and the held-out part of the log."""
 
 from dataclasses import dataclass
 
@@ -44,8 +44,8 @@ def _smooth(x: np.ndarray) -> np.ndarray:
 def speed_runs(rng: np.random.Generator, seconds: float, top_speed: float) -> Course:
     """Draw constant speeds in both directions, each for 2 to 3.5 s, with one held out in each fifth.
 
-    Sizes are spread evenly over 8 to 100 % of `top_speed` [rad/s], in random order; the fastest of either
-    direction are never held out, so that held-out speeds lie within those trained on.
+    Magnitudes are spread evenly over 8 to 100 % of `top_speed` [rad/s], in random order; the fastest run in
+    either direction is never held out, so that held-out speeds lie within those trained on.
     """
     count = max(10, round(seconds / 2.75))
     lengths = rng.uniform(2.0, 3.5, count)

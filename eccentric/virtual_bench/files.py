@@ -28,9 +28,9 @@ _ENDING = ".csv.gz"
 def write(run: BenchRun, path: str | Path) -> tuple[Path, Path, Path]:
     """Write the log to `path`, NAME.csv.gz, beside it NAME.json and NAME.truth.json; return the three paths.
 
-    NAME goes into rig and truth. The same run gives the same bytes: the archive carries no time and no name.
-    Nothing is left behind if writing fails. Raises InputError if the path is no .csv.gz, one of the three is
-    there, or they cannot be written.
+    NAME is written into rig and truth. The same run gives the same bytes: the archive stores no time and no
+    name. Nothing is left behind if writing fails. Raises InputError if the path does not end in .csv.gz, one
+    of the three files exists, or they cannot be written.
     """
     log, rig, truth = free_paths(path)
     stem = log.name.removesuffix(_ENDING)
@@ -47,14 +47,14 @@ def write(run: BenchRun, path: str | Path) -> tuple[Path, Path, Path]:
             for target in contents:
                 shutil.move(Path(folder) / target.name, target)
     except OSError as error:
-        raise InputError(f"{path}: cannot be written: {error.strerror or error}") from error
+        raise InputError(f"{path}: required a file that can be written; {error.strerror or error}") from error
     return log, rig, truth
 
 
 def free_paths(path: str | Path) -> tuple[Path, Path, Path]:
-    """Return the paths of log, rig and truth, none of which is there: what was measured may have that name.
+    """Return the paths of log, rig and truth, none of which exists: a measured log may have that name.
 
-    Raises InputError if the path is no .csv.gz or one of the three is there.
+    Raises InputError if the path does not end in .csv.gz or one of the three files exists.
     """
     log = Path(path)
     if not log.name.endswith(_ENDING) or log.name == _ENDING:
@@ -62,7 +62,7 @@ def free_paths(path: str | Path) -> tuple[Path, Path, Path]:
     stem = log.name.removesuffix(_ENDING)
     paths = log, log.with_name(f"{stem}.json"), log.with_name(f"{stem}.truth.json")
     for one in paths:
-        if os.path.lexists(one):  # a link to nowhere too
+        if os.path.lexists(one):  # including a dangling link
             raise InputError(f"{one}: required a new file to write; received one that exists")
     return paths
 

@@ -1,10 +1,10 @@
-"""What the rig does at one step of the simulation, as the laws of the effects read it."""
+"""The motion of the rig at one step of the simulation, as seen by the laws of the effects."""
 
 from .plant import Plant
 
 
 class Motion:
-    """What the rig does at this step, as the effects read it; torques in N m on the motor side."""
+    """The motion of the rig at this step, as seen by the effects; torques in N m on the motor side."""
 
     __slots__ = (
         "acting",
@@ -39,12 +39,12 @@ class Motion:
         self.w_link = plant.mu * w  # link speed [rad/s]
         self.i = 0.0  # armature current, mean over the step [A]
         self.v = 0.0  # voltage less the declared back EMF [V]
-        self.temperature = plant.Tamb  # lubricant and winding alike [deg C]
+        self.temperature = plant.Tamb  # of both lubricant and winding [deg C]
         self.travel = 0.0  # distance travelled by the motor [rad]
         self.normal = 0.0  # normal force in the link joint [N]
         self.gravity = 0.0  # gravity torque of eq. (5)
-        self.link_dry = 0.0  # dry level of the link joint
+        self.link_dry = 0.0  # Coulomb level of the link joint
         self.link_viscous = 0.0  # viscous coefficient of the link joint [N m s/rad]
-        self.dry = 0.0  # dry level of the paper's friction, motor and link
+        self.dry = 0.0  # Coulomb level of the paper's friction, motor and link
         self.viscous = 0.0  # viscous coefficient of the paper's friction
-        self.acting = [0.0] * effects  # what each law of the effects gave at this step
+        self.acting = [0.0] * effects  # value of each effect's law at this step

@@ -1,6 +1,6 @@
-"""The rig that the bench simulates: its true parameters and the paper's friction, written out by hand.
+"""The rig that the bench simulates: its true parameters and the paper's friction, written out explicitly.
 
-Nothing here is taken from the derivations: the bench is an oracle for the toolkit, so the two share no code.
+Nothing here comes from the derivations: the bench is an oracle for the toolkit, so the two share no code.
 All torques are on the motor side [N m]; angles and speeds of the link are mu times those of the motor.
 """
 
@@ -14,7 +14,7 @@ class Plant:
     """True parameters of the drive and the link, in SI units with the paper's letters.
 
     `case` is "C1" (gravity perpendicular to the plane of motion) or "C2" (parallel to it).
-    `Rth` [K/W], `tau` [s] and `Tamb` [deg C] describe first-order heating by the losses; 0 K/W keeps it cold.
+    `Rth` [K/W], `tau` [s] and `Tamb` [deg C] describe first-order heating by the losses; 0 K/W means none.
     """
 
     case: str
@@ -40,7 +40,7 @@ class Plant:
 
     @property
     def in_plane_gravity(self) -> float:
-        """Gravity projected on the plane of motion [m/s^2]: none in C1, all of it in C2."""
+        """Gravity projected onto the plane of motion [m/s^2]: none in C1, all of it in C2."""
         return 0.0 if self.case == "C1" else self.g
 
     @property
@@ -51,8 +51,8 @@ class Plant:
     def normal_force(self, link_angle: float, link_speed: float, gravity: float | None = None) -> float:
         """Return the norm of the bearing reaction [N] at constant speed, eqs (8) and (15).
 
-        `gravity` [m/s^2] is that in the plane, by default that of the case. The norm is taken of the
-        vector (15): unlike the root (16), it does not cancel at the top position.
+        `gravity` [m/s^2] is that in the plane, by default that of the case. The norm is computed from the
+        vector (15): unlike the root (16), it does not suffer from cancellation at the top position.
         """
         weight = (self.M + self.M_l) * (self.in_plane_gravity if gravity is None else gravity)
         centrifugal = self.M * self.L * link_speed**2
@@ -64,9 +64,9 @@ class Plant:
         return self.mu * self.M * in_plane * self.L * sin(link_angle)
 
     def link_friction(self, normal: float) -> tuple[float, float]:
-        """Return dry level [N m] and viscous coefficient [N m s/rad] of mu f_l, eqs (9), (19), (20).
+        """Return Coulomb level [N m] and viscous coefficient [N m s/rad] of mu f_l, eqs (9), (19), (20).
 
-        `normal` [N] is the normal force. The transversal force counts in C1 only, as in the paper.
+        `normal` [N] is the normal force. The transversal force acts in C1 only, as in the paper.
         """
         transversal = self.case == "C1"
         dry = self.mu * (self.C_lN * normal + (self.gamma_T if transversal else 0.0))
@@ -80,7 +80,7 @@ class Plant:
         return (self.C_m + dry) * direction + (self.B_m + viscous) * link_speed / self.mu
 
     def known(self) -> dict[str, Any]:
-        """Return what a rig file declares of this plant; friction and heating stay sealed."""
+        """Return what a rig file declares of this plant; friction and heating remain sealed."""
         return {
             "case": self.case,
             "M_kg": self.M,

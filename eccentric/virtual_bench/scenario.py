@@ -1,4 +1,4 @@
-"""What is to be simulated: a plant, its drive, its course, its effects and the seed of its noise."""
+"""What to simulate: a plant, its drive, its course, its effects and the seed of its noise."""
 
 import re
 from collections.abc import Sequence
@@ -17,12 +17,12 @@ from .plant import Plant
 CASES = ("C1", "C2")
 LOG_TYPES = ("runs", "traj")
 _SHORTEST_S, _LONGEST_S = 15.0, 3600.0
-_FINAL_RISE_K = 60.0  # what the losses would heat the drive by in the end
+_FINAL_RISE_K = 60.0  # final temperature rise from the losses
 
 
 @dataclass(frozen=True)
 class Scenario:
-    """A whole test, which `simulate` turns into a log. `noise` is the current's, over its largest size."""
+    """A complete test, input of `simulate`. `noise` is that of the current over its largest value."""
 
     plant: Plant
     controller: MotorController
@@ -49,12 +49,12 @@ def random_scenario(
     temperature: bool = False,
     seconds: float = 60.0,
 ) -> Scenario:
-    """Draw a plausible rig of that gear ratio about the paper's Table 1, a course and the shapes of effects.
+    """Draw a plausible rig with that gear ratio around the paper's Table 1, a course and shapes of effects.
 
-    `effects` are family ids, with a variant in brackets if need be (`load_dependent[gravity]`), each alone or
+    `effects` are family ids, optionally with a variant in brackets (`load_dependent[gravity]`), each alone or
     with its strength (fraction of the friction rms; otherwise `strength`). `noise` is the current's, over its
-    largest size. A temperature is logged if requested or if an effect needs it. The same state of `rng` gives
-    the same plant and course, whatever the effects.
+    largest value. A temperature is logged if requested or if an effect needs it. The same state of `rng`
+    gives the same plant and course, whatever the effects.
 
     Raises InputError for values out of range, an unknown effect, or one that the case cannot show.
     """
@@ -74,7 +74,7 @@ def random_scenario(
     built = []
     for name, size in requested:
         family, variant = known_effect(name)
-        drawn = _drawn_variant(family, rng)  # also where one is given: the shapes are the same then
+        drawn = _drawn_variant(family, rng)  # also if one is given, for the same shapes
         request = Request(size, variant or drawn, variant is not None, setting, rng)
         built.append(replace(EFFECTS[family](request), strength=size))
     logged = temperature or any(effect.needs_temperature for effect in built)
@@ -121,7 +121,7 @@ def _check(case: str, mu: float, log_type: str, strength: float, noise: float, s
 
 
 def _plant(rng: np.random.Generator, case: str, mu: float) -> Plant:
-    """Motors grow with the torque that the gear leaves them: three of a catalogue lie on these power laws."""
+    """Motor size grows with the torque left by the gear: three catalogue motors lie on these power laws."""
     k = float(f"{0.02 * (30.0 * mu) ** 0.64:.2g}")
     M, M_l, L = (
         round(float(rng.uniform(low, high)), 3) for low, high in ((0.45, 0.6), (0.16, 0.23), (0.23, 0.29))
@@ -138,9 +138,9 @@ def _plant(rng: np.random.Generator, case: str, mu: float) -> Plant:
 
 
 def _controller(rng: np.random.Generator, plant: Plant) -> MotorController:
-    """Return a controller: a loop of 4 to 6 Hz, which the velocity filter's lag leaves stable.
+    """Return a controller: a loop of 4 to 6 Hz, stable in spite of the velocity filter's lag.
 
-    The encoder is finer at low reductions, since the resolution at the link is what counts.
+    The encoder is finer at low reductions, since the resolution at the link matters.
     """
     finer = 2 ** max(0, floor(log2(30.0 * plant.mu)))
     bandwidth = 2.0 * pi * float(rng.uniform(4.0, 6.0))
@@ -156,7 +156,7 @@ def _controller(rng: np.random.Generator, plant: Plant) -> MotorController:
 
 
 def _setting(plant: Plant, course: Course, top_speed: float) -> PlantSetting:
-    """Return rough sizes along the course, as if a drive without inertia followed it."""
+    """Return approximate magnitudes along the course, as if a drive without inertia followed it."""
     time = np.arange(0.0, course.seconds, 0.02)
     speed = course.reference(time)
     link = plant.mu * np.cumsum(speed) * 0.02

@@ -1,4 +1,4 @@
-"""Scenario -> log, rig and sealed truth; the amplitudes of the effects are measured and set on the way."""
+"""Scenario -> log, rig and sealed truth; the amplitudes of the effects are measured and adjusted."""
 
 from dataclasses import dataclass, replace
 from math import log, pi
@@ -28,7 +28,7 @@ def simulate(scenario: Scenario) -> BenchRun:
     """Run the bench; the same scenario gives the same run.
 
     Each effect's amplitude is corrected until its rms, over rows in motion, is the requested strength times
-    the rms of the paper's friction there: to 0.2 %, or as near as its physical bound lets it.
+    the rms of the paper's friction there: to 0.2 %, or as close as its physical bound allows.
     """
     raw = _run(scenario)
     powers = [1.0] * len(scenario.effects)
@@ -45,7 +45,7 @@ def simulate(scenario: Scenario) -> BenchRun:
 
 @dataclass(frozen=True)
 class _Raw:
-    """What really happened, one row per sample, torques in N m on the motor side."""
+    """The true motion, one row per sample, torques in N m on the motor side."""
 
     theta: np.ndarray
     w: np.ndarray
@@ -71,7 +71,7 @@ def _run(scenario: Scenario) -> _Raw:
     applied = bus_ripple(scenario.controller)
     reference = scenario.course.reference(np.arange(rows * steps) * dt).tolist()
 
-    # The drive averages voltage and current over the two pulses about the sample instant: neither is ahead.
+    # The drive averages voltage and current over the two pulses around the sample instant: neither leads.
     samples, acting, fine_current = [], [], []
     voltage, n = 0.0, 0
     for _ in range(rows):
@@ -133,7 +133,7 @@ def _fractions(raw: _Raw) -> list[float]:
 def _corrected(
     effects: tuple[PlantedEffect, ...], fractions: list[float], powers: list[float]
 ) -> tuple[PlantedEffect, ...]:
-    """Return the effects with amplitudes for their strengths, which go with amplitude to `powers`."""
+    """Return the effects with amplitudes for their strengths, which scale with the amplitude to `powers`."""
     scales = [
         (effect.strength / max(fraction, 1e-3 * effect.strength)) ** (1.0 / power)
         for effect, fraction, power in zip(effects, fractions, powers, strict=True)
@@ -147,7 +147,7 @@ def _corrected(
 
 
 def _powers(before: tuple[Scenario, _Raw], after: tuple[Scenario, _Raw], powers: list[float]) -> list[float]:
-    """Return the power by which strengths grew with amplitudes between two runs; the old one at rest."""
+    """Return the power by which strengths grew with amplitudes between two runs; the old one if none did."""
     found = []
     for k, power in enumerate(powers):
         step = log(after[0].effects[k].amplitude / before[0].effects[k].amplitude)
@@ -158,7 +158,7 @@ def _powers(before: tuple[Scenario, _Raw], after: tuple[Scenario, _Raw], powers:
 
 
 def _log(scenario: Scenario, raw: _Raw) -> dict[str, np.ndarray]:
-    """Return the columns as a drive writes them: quantised, noisy, rounded to the digits of the file."""
+    """Return the columns as a drive records them: quantised, noisy, rounded to the digits of the file."""
     rng = np.random.default_rng(scenario.seed)
     peak = float(np.max(np.abs(raw.i))) or 1.0
     quantum, bit = 2.0 * pi / scenario.controller.counts, 1.5 * peak / 2048

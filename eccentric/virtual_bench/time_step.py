@@ -3,12 +3,12 @@
     (J_m + mu^2 J_l) dw/dt + G(theta) + (b + k_i k_e / R) w + c Sgn(w) + effects = k_i u / R
 
 Angles drift half a step, the speed is kicked, angles drift the other half. In the kick the linear damping is
-taken at the mean of old and new speed and the dry level c is set-valued: the new speed solves
+evaluated at the mean of old and new speed, and the Coulomb level c is set-valued: the new speed solves
 
     (J + b dt/2) w' + dt c Sgn(w') contains (J - b dt/2) w + dt T,
 
-whose only solution is a soft threshold. A link below its Coulomb level is therefore at rest to the last
-bit, with no tanh, no creep and no event search.
+whose only solution is a soft threshold. A link below its Coulomb level is therefore exactly at rest, without
+tanh, creep or event search.
 """
 
 from collections.abc import Callable, Sequence
@@ -19,11 +19,11 @@ from .motion import Motion
 from .plant import Plant
 
 BoundLaw = tuple[str, PlantedEffect, Law]
-"""A port, the effect that acts there, and its law, freshly started."""
+"""A port, the effect that acts there, and its law with fresh memory."""
 
 
 def laws(effects: Sequence[PlantedEffect]) -> list[BoundLaw]:
-    """All laws of the effects with their ports, freshly started, in the order of `Motion.acting`."""
+    """All laws of the effects with their ports, with fresh memory, in the order of `Motion.acting`."""
     return [(port, effect, law) for effect in effects for port, law in effect.start().items()]
 
 
@@ -33,9 +33,9 @@ def mover(
     dt: float,
     bound: Sequence[BoundLaw] = (),
 ) -> Callable[[float], None]:
-    """Return `advance(u)`, which moves `motion` on by `dt` seconds under the armature voltage u [V].
+    """Return `advance(u)`, which advances `motion` by `dt` seconds under the armature voltage u [V].
 
-    `bound` is what `laws` returned; `motion` must have been made with that many places.
+    `bound` is what `laws` returned; `motion` must have as many places.
     """
     s = motion
     mu, k_i, k_e, R = plant.mu, plant.k_i, plant.k_e, plant.R

@@ -1,4 +1,4 @@
-"""Whether the record can be trusted: clipped, frozen and missing data, and what contradicts the rig.
+"""Data quality: clipped, frozen and missing data, and contradictions with the rig.
 
 In: the logged table, the channels made of it, the rig.  Out: findings (`assess`), warnings first.
 May import: `rigs`, `model`, and of `signals` the files below `channels.py`, which asks for the findings.

@@ -1,6 +1,6 @@
-"""Whether drive, motion and rig can belong together: signs, units by a factor, a log of another rig.
+"""Whether drive, motion and rig are consistent: signs, units by a factor, a log from another rig.
 
-The questions are those whose answers differ by factors: they need no model of the friction.
+Only questions whose answers differ by factors are asked: they need no model of the friction.
 """
 
 from __future__ import annotations
@@ -36,7 +36,7 @@ Array = NDArray[np.float64]
 
 
 def rig_findings(channels: Channels, rig: Rig) -> Iterator[Finding]:
-    """Yield wrong signs, and what of rig and log contradict each other by a factor."""
+    """Yield wrong signs, and contradictions between rig and log by a factor."""
     means = means_of(channels, rig)
     if means is None:
         return
@@ -67,7 +67,7 @@ def rig_findings(channels: Channels, rig: Rig) -> Iterator[Finding]:
 
 
 def _inverted(m: Means, drive: str, rig: Rig) -> Finding | None:
-    """Blame mu where its inverse makes gravity, and inertia if it shows, those of the rig."""
+    """Blame mu if its inverse makes gravity, and inertia if visible, agree with the rig."""
     x, mu = m.drives.get(drive), rig.known.get("mu")
     if x is None or m.link is None or mu is None:
         return None
@@ -84,14 +84,12 @@ def _inverted(m: Means, drive: str, rig: Rig) -> Finding | None:
     if not off or "M g L" not in {r.name for r in mended} or not all(r.near(1.0) for r in mended):
         return None
     said = ", ".join(ratio.text for ratio in off)
-    text = (
-        f"mu is the wrong way round ({1.0 / mu:.4g} fits, link speed over motor speed): with {mu:.4g}, {said}"
-    )
+    text = f"mu is inverted ({1.0 / mu:.4g} fits, link speed over motor speed): with {mu:.4g}, {said}"
     return Finding("contradiction", "mu", text, m.rows, "warning")
 
 
 def _reversed(body: Body) -> bool:
-    """Tell whether the drive brakes what it should move: inertia and friction would both be negative."""
+    """Return whether the drive opposes the motion: inertia and friction would both be negative."""
     (inertia, i_error), (loss, l_error) = body.inertia, body.loss
     if is_clear(loss, l_error) and loss < 0.0:
         return inertia < 0.0 or not is_clear(inertia, i_error)
@@ -99,13 +97,13 @@ def _reversed(body: Body) -> bool:
 
 
 def _sign(against: list[str], bodies: dict[str, Body], m: Means) -> Finding:
-    """Blame the drive that runs against the motion, or the angle if all do."""
+    """Blame the drive that opposes the motion, or the angle if all do."""
     if len(against) == len(bodies) > 1:
         channel, text = "theta_m", f"the angle runs against {' and '.join(against)}"
     else:
         channel, text = against[0], f"{against[0]} runs against the motion"
     text += (
-        ": with these signs inertia and friction come out negative; put a minus before its column in the rig"
+        ": with these signs inertia and friction are negative; put a minus before its column in the rig"
         f"{'' if channel == 'theta_m' else ' (or before that of the angle)'}"
     )
     return Finding("wrong_sign", channel, text, m.rows, "warning")
@@ -137,7 +135,7 @@ def _electrical(m: Means, rig: Rig) -> Iterator[Ratio]:
     resistance = Ratio.of("R", a[0], math.sqrt(covariance[0, 0]) * SIGMAS, rig.known["R"])
     yield resistance
     if not resistance.off(FACTOR_MOTOR):
-        # With R as the rig has it, k_e is known where current and speed go together as well.
+        # With the rig's R, k_e is also known where current and speed are correlated.
         a, covariance, _ = regressed(rest, u - rig.known["R"] * i)
         yield Ratio.of("k_e", a[0], math.sqrt(covariance[0, 0]) * SIGMAS, rig.known["k_e"])
     else:
@@ -159,7 +157,7 @@ def _mechanical(body: Body, drive: str, rig: Rig) -> Iterator[Ratio]:
 
 
 def _gravity(body: Body, c: Channels, rig: Rig, m: Means) -> Iterator[Finding]:
-    """Yield gravity where the rig's case has none, and gravity that pulls another way than down."""
+    """Yield gravity where the rig's case has none, and gravity in the wrong direction."""
     value, error = body.gravity
     drive = c.motor.measured_by
     scale, upright = torque_per_unit(drive, rig), upright_gravity_of(rig)
@@ -167,7 +165,7 @@ def _gravity(body: Body, c: Channels, rig: Rig, m: Means) -> Iterator[Finding]:
         if is_clear(value, error) and scale * value > upright / FACTOR:
             text = (
                 f"{drive} shows gravity of {scale * value:.3g} N m at the motor, the rig has none (C1): is "
-                f"the plane of motion upright, case C2 ({upright:.3g} N m)?"
+                f"the plane of motion vertical, case C2 ({upright:.3g} N m)?"
             )
             yield Finding("contradiction", "case", text, m.rows, "warning")
     elif (
@@ -185,7 +183,7 @@ def _gravity(body: Body, c: Channels, rig: Rig, m: Means) -> Iterator[Finding]:
 
 
 def _contradictions(ratios: list[Ratio], rig: Rig, c: Channels, rows: int) -> Iterator[Finding]:
-    """Yield one wrong unit that explains all that is off, else each quantity that is off by itself."""
+    """Yield one wrong unit that explains all deviations, else each deviation by itself."""
     limits = {"R": FACTOR_MOTOR, "k_e": FACTOR_MOTOR}
     off = [ratio for ratio in ratios if ratio.off(limits.get(ratio.name, FACTOR))]
     if not off:
@@ -197,8 +195,8 @@ def _contradictions(ratios: list[Ratio], rig: Rig, c: Channels, rows: int) -> It
         return
     for ratio in off:
         why = single_cause(ratio, c.motor.measured_by, rig.known.get("mu"))
-        text = f"{ratio.text}{why}; correct the rig, or give it in [unknown] to identify it along"
+        text = f"{ratio.text}{why}; correct the rig, or give it in [unknown] to estimate it jointly"
         yield Finding("contradiction", ratio.name, text, rows, "warning")
     if {"J", "M g L"} <= {ratio.name for ratio in off}:
-        text = "neither inertia nor gravity of the rig is that of the log: is it a log of another rig?"
+        text = "neither inertia nor gravity of the rig agrees with the log: is the log from another rig?"
         yield Finding("another_rig", c.motor.measured_by, text, rows, "warning")

@@ -1,6 +1,7 @@
-"""What the drive of a log says of its rig: a rigid body with Coulomb and viscous friction, on block means.
+"""What the drive signal of a log says about its rig: a rigid body with Coulomb and viscous friction.
 
-That is no model of the friction: it tells signs, and sizes to some per cent, whatever delay and noise.
+On block means, this is not a model of the friction: it gives signs, and sizes to some per cent, whatever
+the delay and the noise.
 """
 
 from __future__ import annotations
@@ -34,11 +35,12 @@ class Means:
 
 @dataclass(frozen=True)
 class Body:
-    """What a drive says of the rig, in its own unit: value and standard error; `explained` of its variance.
+    """What a drive says about the rig, in its own unit: value and standard error.
 
+    `explained` is the explained part of the drive's variance.
     `alpha` and `drive` are their rms about the mean.
-    `inertia` multiplies alpha; `gravity` is the amplitude of gravity, `turned` the angle [rad] by which it is
-    off; `loss` is the mean power of friction [unit rad/s].
+    `inertia` multiplies alpha; `gravity` is the amplitude of gravity, `turned` the angle [rad] of its
+    direction from down; `loss` is the mean power of friction [unit rad/s].
     """
 
     inertia: tuple[float, float]
@@ -51,7 +53,7 @@ class Body:
 
 
 def means_of(c: Channels, rig: Rig) -> Means | None:
-    """Take the means of blocks of rows that follow each other; None if there are too few."""
+    """Return the means of blocks of consecutive rows; None if there are too few."""
     motion, motor = c.motion, c.motor
     known = np.isfinite(motion.alpha_m) & np.isfinite(motion.omega_m)
     rows = np.flatnonzero(c.selection.fit_rows & ~motor.off & known)
@@ -84,7 +86,7 @@ def regressed(columns: list[Array], x: Array) -> tuple[Array, Array, float]:
     solution = inverse @ x
     rest = x - design / scale @ solution
     variance = float(rest @ rest) / max(len(x) - design.shape[1], 1)
-    # A column that the others span has no coefficient of its own, whatever the pseudoinverse gives it.
+    # A column in the span of the others has no coefficient, whatever the pseudoinverse returns.
     lost = np.linalg.matrix_rank(design / scale, tol=1e-6) < design.shape[1]
     covariance = variance * (inverse @ inverse.T) + (np.inf if lost else 0.0)
     total = float(np.sum((x - np.mean(x)) ** 2))
@@ -96,14 +98,14 @@ def regressed(columns: list[Array], x: Array) -> tuple[Array, Array, float]:
 
 
 def friction_of(m: Means) -> list[Array]:
-    """Return w, sgn(w), and a constant where both directions tell it from the second; each (m,)."""
+    """Return w, sgn(w), and a constant if both directions separate it from sgn(w); each (m,)."""
     sign = np.sign(m.omega)
     both = bool(np.any(sign > 0.0) and np.any(sign < 0.0))
     return [m.omega, sign, *([np.ones_like(sign)] if both else [])]
 
 
 def body_of(m: Means, x: Array, link: Array | None) -> Body:
-    """Return what a drive x (m,) says, with the link angle (m,) [rad] if it is known."""
+    """Return what a drive x (m,) says about the rig, with the link angle (m,) [rad] if it is known."""
     gravity = [] if link is None else [np.sin(link), np.cos(link)]
     columns = [m.alpha, *friction_of(m), *gravity]
     a, covariance, explained = regressed(columns, x)
@@ -119,5 +121,5 @@ def body_of(m: Means, x: Array, link: Array | None) -> Body:
 
 
 def is_clear(value: float, error: float) -> bool:
-    """Tell whether a coefficient is surely not zero."""
+    """Return whether a coefficient is significantly different from zero."""
     return abs(value) > SIGMAS * error

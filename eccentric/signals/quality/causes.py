@@ -1,4 +1,4 @@
-"""What explains a quantity that comes out of a log by another factor than the rig says: units, mostly."""
+"""Explanations of a quantity that differs by a factor between log and rig: mostly units."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ UNITS = {
 
 @dataclass(frozen=True)
 class Ratio:
-    """A quantity by the log over the rig's; `low` to `high` is where it can be."""
+    """A quantity from the log over that from the rig; `low` to `high` is its uncertainty."""
 
     name: str
     value: float
@@ -29,23 +29,23 @@ class Ratio:
 
     @classmethod
     def of(cls, name: str, found: float, error: float, given: float) -> Ratio:
-        """Make one from what the log gives, its uncertainty, and what the rig gives, in SI."""
+        """Make one from the value in the log, its uncertainty, and the value in the rig, in SI."""
         text = f"{name} is {found:.3g} {UNITS[name]} by the log and {given:.3g} by the rig"
         return cls(name, found / given, (found - error) / given, (found + error) / given, text)
 
     def off(self, factor: float) -> bool:
-        """Tell whether log and rig differ by more than this factor, whatever the uncertainty."""
+        """Return whether log and rig differ by more than this factor, whatever the uncertainty."""
         return self.low > factor or self.high < 1.0 / factor
 
     def near(self, factor: float) -> bool:
-        """Tell whether the factor explains the ratio, or is within its uncertainty."""
+        """Return whether the factor explains the ratio, or is within its uncertainty."""
         close = self.value > 0.0 and abs(math.log(self.value / factor)) <= NEAR
         return close or self.low <= factor <= self.high
 
 
 @dataclass(frozen=True)
 class Cause:
-    """A wrong unit: kind and channel of its finding, what it is, and the ratios that it makes (others: 1)."""
+    """A wrong unit: kind and channel of its finding, its text, and the ratios that it causes (others: 1)."""
 
     kind: str
     channel: str
@@ -55,13 +55,13 @@ class Cause:
 
 ANGLES = {"is in deg": 360.0 / TURN, "is in rev": 1.0 / TURN}
 SPEEDS = {"is in rpm": 60.0 / TURN, "is in deg/s": 360.0 / TURN, "is in rev/s": 1.0 / TURN}
-"""Units that the angle, or the speed where no angle is logged, can be in, and their factors to SI."""
+"""Possible units of the angle, or of the speed if no angle is logged, with their factors to SI."""
 
 
 def common_cause(ratios: Sequence[Ratio], drive: str, mu: float | None, angle: bool) -> Cause | None:
-    """Return the one wrong unit or scale that makes all ratios what they are; None if none does.
+    """Return the one wrong unit or scale that explains all ratios; None if there is none.
 
-    One ratio alone has many causes: two, at least, must be off alike. `angle` tells whether one is logged.
+    One ratio alone has many causes: at least two must be off consistently. `angle`: whether one is logged.
     """
     for cause in _causes(drive, mu, angle):
         made = [ratio for ratio in ratios if ratio.name in cause.ratios]
@@ -124,17 +124,17 @@ _SINGLE = {
 
 
 def single_cause(ratio: Ratio, drive: str, mu: float | None) -> str:
-    """Return what explains one ratio, in brackets, empty if nothing does."""
+    """Return the explanation of one ratio, in brackets, empty if there is none."""
     causes = dict(_SINGLE[ratio.name])
     if ratio.name == "J" and mu is not None and mu < 0.7:
         causes |= {mu**2: "the rig's J_m is at the link", 1.0 / mu**2: "the rig's J_l is at the motor"}
     if ratio.name == "M g L" and ratio.high < LEVEL_PLANE:
-        return " (is the plane of motion level, case C1?)"
+        return " (is the plane of motion horizontal, case C1?)"
     near = {math.inf: ""}
     if ratio.value > 0.0:
         near |= {abs(math.log(ratio.value / factor)): words for factor, words in causes.items()}
     best = min(near)
     if best <= NEAR:
         return f" ({near[best]}?)"
-    # Gravity is the larger part of a torque; an inertia that is off alike may not show.
+    # Gravity is the larger part of a torque; an inertia off by the same factor may not show.
     return " (or is k_i off by this factor?)" if ratio.name == "M g L" and drive == "current" else ""

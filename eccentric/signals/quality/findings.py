@@ -1,4 +1,4 @@
-"""The quality of a log under its rig, told before anything is fitted.
+"""The quality of a log under its rig, reported before anything is fitted.
 
     table, channels, rig -> each signal alone (`quality_record`)
                          -> angle against speed (`plausible`)
@@ -28,23 +28,23 @@ __all__ = ["Finding", "assess"]
 
 
 def assess(table: Table, channels: Channels, rig: Rig) -> tuple[Finding, ...]:
-    """Return what is odd about the logs, warnings first.
+    """Return the findings about the logs, warnings first.
 
     Args:
         table: the kept rows in SI as they were logged.
-        channels: the same rows as signals on the motor side; what compares with the rig looks at the rows
-            that a fit may look at, nothing at the held-out ones.
+        channels: the same rows as signals on the motor side; comparisons with the rig use only the rows that
+            a fit may use, never the held-out ones.
         rig: what is known.
     """
     found = list(record_findings(table, channels))
-    # What follows from a channel that failed is not told twice.
+    # Consequences of a failed channel are not reported again.
     if not any(finding.kind == "frozen" for finding in found):
         found += [*_speed(table, channels, rig), *rig_findings(channels, rig)]
     return tuple(sorted(found, key=lambda finding: finding.severity == "note"))
 
 
 def _speed(table: Table, channels: Channels, rig: Rig) -> Iterator[Finding]:
-    """Angle and speed of one shaft tell the same motion."""
+    """Angle and speed of one shaft describe the same motion."""
     c, mu = record_of(table, channels), rig.known.get("mu")
     name = next((name for name in ("theta_m", "theta_l") if name in table.channels), None)
     if name is None:

@@ -1,4 +1,4 @@
-"""What the record of each signal shows by itself: gaps, missing rows, clipped and frozen channels, speeds."""
+"""Findings on single signals: gaps, missing rows, clipped and frozen channels, speeds."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ UNITS = {
 
 @dataclass(frozen=True)
 class Record:
-    """The rows of the log (n,), as logged: the channels of a coarse log have points between them.
+    """The rows of the log (n,), as logged; the channels of a coarse log have additional points.
 
     `speed` [rad/s] is the slope of the angle at the motor, `theta` [rad] the angle there, unwrapped.
     """
@@ -55,7 +55,7 @@ class Record:
 
 
 def record_of(table: Table, c: Channels) -> Record:
-    """Return what the channels say at the rows of the table; the motor moves where it is not switched off."""
+    """Return the channels at the rows of the table; the motor moves unless it is switched off."""
     t, at = table.channels["time"], np.arange(len(table.run))
     if len(t) != len(c.time.t):
         for run in np.unique(table.run):
@@ -85,7 +85,7 @@ def record_findings(table: Table, channels: Channels) -> Iterator[Finding]:
 
 
 def _gaps(c: Record) -> Iterator[Finding]:
-    """Yield what filters treat as gaps: steps of more than five times the usual one within a run."""
+    """Yield gaps, as the filters define them: steps of more than five times the usual one within a run."""
     ends = np.flatnonzero((np.diff(c.segment) != 0) & (np.diff(c.run) == 0))
     if not len(ends):
         return
@@ -107,9 +107,9 @@ def _runs(x: Array, segment: Integers) -> tuple[Integers, Integers]:
 
 
 def _clipped(name: str, x: Array, c: Record) -> Iterator[Finding]:
-    """Yield a limit that the channel keeps hitting: equal values in a row there, and only there.
+    """Yield a limit that the channel keeps reaching: equal values in a row there, and only there.
 
-    A coarse or stepped channel has as long runs of equal values elsewhere, a switched-off one at zero.
+    A coarse or stepped channel has equally long runs of equal values elsewhere, a switched-off one at zero.
     """
     begins, lengths = _runs(x, c.segment)
     values = x[begins]
@@ -122,18 +122,18 @@ def _clipped(name: str, x: Array, c: Record) -> Iterator[Finding]:
             text = (
                 f"{name} stays at its {word} value, {limit:.6g} {UNITS[name]}, in {rows} of {len(x)} rows "
                 f"({np.count_nonzero(at)} times): it is clipped there; measure with a wider range or less "
-                "drive, or leave these rows out by `use`"
+                "drive, or exclude these rows with `use`"
             )
             yield Finding("saturated", name, text, rows, "warning")
 
 
 def _frozen(name: str, x: Array, c: Record) -> Iterator[Finding]:
-    """Yield a channel that keeps one value while the drive moves, where its own noise cannot."""
+    """Yield a channel that keeps one value while the drive moves, which its own noise excludes."""
     moving = c.moving
     if np.any(moving) and np.ptp(x[moving]) == 0.0:
         text = (
-            f"{name} is {x[moving][0]:.6g} {UNITS[name]} in all moving rows: it is not recorded, or another "
-            "column is meant"
+            f"{name} is {x[moving][0]:.6g} {UNITS[name]} in all moving rows: it is not recorded, or a wrong "
+            "column is mapped"
         )
         yield Finding("frozen", name, text, int(np.count_nonzero(moving)), "warning")
         return
@@ -149,13 +149,13 @@ def _frozen(name: str, x: Array, c: Record) -> Iterator[Finding]:
 
     def is_frozen(k: int) -> bool:
         stretch = slice(begins[k], ends[k] + 1)
-        # A run of its own can be sampled, or averaged by the drive, in its own way.
+        # Each run may be sampled, or averaged by the drive, differently.
         rest = (c.run == c.run[begins[k]]) & others
         rest[stretch] = False
         equal = max(everywhere, _part(again, rest))
         if equal > MOST_EQUAL:
             return False
-        # Equal pairs come by chance, one in `equal`: so many of them in a row, anywhere in the log.
+        # Equal pairs occur by chance, a fraction `equal`: that many of them in a row, anywhere in the log.
         needed = 1.0 + np.log(CHANCE / len(x)) / np.log(max(equal, 1e-3))
         return lengths[k] >= needed and float(np.mean(moving[stretch])) > 0.5
 
@@ -182,15 +182,15 @@ def _stretch(name: str, x: Array, c: Record, begins: Integers, lengths: Integers
     text = (
         f"{name} keeps one value {why}, {times} {c.t[last] - c.t[first]:.3g} s at {x[first]:.6g} "
         f"{UNITS[name]} from {c.t[first]:.6g} s: the sensor or its connection failed; "
-        "leave these rows out by `use`"
+        "exclude these rows with `use`"
     )
     return Finding("frozen", name, text, int(np.sum(lengths)), "warning")
 
 
 def _frozen_angle(table: Table, c: Record) -> Iterator[Finding]:
-    """Yield an angle that stands still and then catches up in one step, or while a logged speed goes on.
+    """Yield an angle that freezes and then catches up in one step, or freezes while a logged speed continues.
 
-    A link that sticks stands still as well, but it starts again without a jump.
+    A sticking link is at rest as well, but starts again without a jump.
     """
     name = next((name for name in ("theta_m", "theta_l") if name in table.channels), None)
     if name is None:
@@ -206,7 +206,7 @@ def _frozen_angle(table: Table, c: Record) -> Iterator[Finding]:
     goes_on = np.zeros(len(begins), dtype=bool)
     if c.omega_logged is not None:
         moved = np.concatenate([[0.0], np.cumsum(c.omega_logged[1:] * np.diff(c.t))])
-        # A turn of the drive of twenty usual steps: no lag of a speed filter is as long.
+        # Motion of twenty usual steps: no lag of a speed filter is that long.
         goes_on = np.abs(moved[ends] - moved[begins]) > 20.0 * usual
     found = long & (jumps | goes_on) & (usual > 0.0)
     if np.any(found):
@@ -222,6 +222,6 @@ def _speeds(c: Channels) -> Iterator[Finding]:
     if high < ONE_SPEED * low:
         text = (
             f"nearly all moving rows are at one speed, {low:.4g} to {high:.4g} rad/s at the motor: Coulomb "
-            "and viscous friction cannot be told apart; measure at several speeds, a factor of five apart"
+            "and viscous friction cannot be distinguished; measure at several speeds, a factor of five apart"
         )
         yield Finding("one_speed", "omega_m", text, len(speed), "warning")

@@ -1,8 +1,8 @@
-"""What a rig may do that the paper's model lacks: one builder per family, with code of the bench's own.
+"""Effects that the paper's model lacks: one builder per family, in the bench's own code.
 
-`EFFECTS` maps a family to its builder, `builder(request) -> PlantedEffect`, and `VARIANTS` to its variants
-where it has any. A builder draws the shape; the amplitude is a first guess for the strength requested, which
-the simulation then measures and corrects.
+`EFFECTS` maps a family to its builder, `builder(request) -> PlantedEffect`, and `VARIANTS` to its variants,
+if any. A builder draws the shape; the amplitude is a first guess for the requested strength, which the
+simulation then measures and corrects.
 """
 
 from . import circuit, geometry, history, loads, speed, warmth

@@ -6,7 +6,7 @@ from .record import Builder, PlantedEffect, Request, simply
 
 
 def kt_saturation(request: Request) -> PlantedEffect:
-    """Iron that saturates: the torque constant falls with the current."""
+    """Saturation of the iron: the torque constant falls with the current."""
     k_i, size = request.plant.k_i, request.setting.current
 
     def torque(s: Motion, a: float) -> float:
@@ -25,7 +25,7 @@ def kt_saturation(request: Request) -> PlantedEffect:
 
 
 def current_bias(request: Request) -> PlantedEffect:
-    """Sensor of the current whose zero is off by A."""
+    """Current sensor with an offset A."""
     return PlantedEffect(
         "current_bias",
         "i_logged = i + A",
@@ -39,7 +39,7 @@ def current_bias(request: Request) -> PlantedEffect:
 def inverter_deadtime(request: Request) -> PlantedEffect:
     """Voltage lost to the dead time of the bridge, against the current (Munoz and Lipo 1999).
 
-    It is linear within i0 about zero current, where the drop and the current are solved for together.
+    It is linear within i0 about zero current, where drop and current are solved for simultaneously.
     """
     plant = request.plant
     i0 = request.draw(0.02, 0.06) * request.setting.current
@@ -60,7 +60,7 @@ def inverter_deadtime(request: Request) -> PlantedEffect:
 
 
 def resistance_temperature(request: Request) -> PlantedEffect:
-    """Winding whose resistance rises with its temperature."""
+    """Winding resistance that rises with the temperature."""
     cold = request.plant.Tamb
 
     def drop(s: Motion, a: float) -> float:
@@ -82,7 +82,7 @@ def resistance_temperature(request: Request) -> PlantedEffect:
 
 
 def ke_mismatch(request: Request) -> PlantedEffect:
-    """Back-EMF constant A times more than declared."""
+    """Back-EMF constant larger than declared by the fraction A."""
     plant = request.plant
     size = request.torque() * plant.R / (plant.k_i * plant.k_e * request.setting.speed)
     return PlantedEffect(
@@ -96,8 +96,8 @@ def ke_mismatch(request: Request) -> PlantedEffect:
     )
 
 
-def sensor_delay(request: Request) -> PlantedEffect:  # noqa: ARG001 - every builder takes one
-    """Sensor of the current that is late by A against angle and voltage."""
+def sensor_delay(request: Request) -> PlantedEffect:  # noqa: ARG001 - every builder has this argument
+    """Current sensor with a delay A relative to angle and voltage."""
     return PlantedEffect(
         "sensor_delay",
         "i_logged(t) = i(t - A)",

@@ -1,4 +1,4 @@
-"""Effects of the angle of the link or the motor, and of a rig that is not quite as declared."""
+"""Effects of the link or motor angle, and of a rig that differs from its declaration."""
 
 from math import cos, exp, pi, sin
 
@@ -23,7 +23,7 @@ def link_harmonic_friction(request: Request) -> PlantedEffect:
 
 
 def cogging(request: Request) -> PlantedEffect:
-    """Torque of the slots against the magnets, n times per turn of the motor (Hanselman 2003)."""
+    """Cogging torque of slots and magnets, n times per turn of the motor (Hanselman 2003)."""
     order, shift = int(request.variant[2:]), request.phase()
     return PlantedEffect(
         "cogging",
@@ -84,7 +84,7 @@ def cable_spring(request: Request) -> PlantedEffect:
 
 
 def _other_gravity(plant: Plant, gravity: Law, turn: Law) -> dict[str, Law]:
-    """Return what changes with `gravity` [m/s^2] in the plane and the vertical turned by `turn` [rad]."""
+    """Return the changes due to `gravity` [m/s^2] in the plane, with the vertical turned by `turn` [rad]."""
 
     def friction(s: Motion, a: float) -> tuple[float, float]:
         return plant.link_friction(plant.normal_force(s.link + turn(s, a), s.w_link, gravity(s, a)))
@@ -97,7 +97,7 @@ def _other_gravity(plant: Plant, gravity: Law, turn: Law) -> dict[str, Law]:
 
 
 def gravity_tilt(request: Request) -> PlantedEffect:
-    """Plane of motion tilted by A against the declared one, in gravity torque and normal force."""
+    """Plane of motion tilted by A from the declared one, in gravity torque and normal force."""
     g, load = request.plant.g, _gravity_size(request.plant)
     if request.plant.case == "C1":
         shift = request.phase()
@@ -114,7 +114,7 @@ def gravity_tilt(request: Request) -> PlantedEffect:
 
 
 def angle_offset(request: Request) -> PlantedEffect:
-    """Zero angle of the link off by A, so that gravity pulls elsewhere than the log says."""
+    """Zero of the link angle off by A, so that gravity acts at a different logged angle."""
     request.require_case("C2", "angle_offset", "without gravity in the plane no angle is special")
     g = request.plant.g
     return PlantedEffect(
@@ -128,7 +128,7 @@ def angle_offset(request: Request) -> PlantedEffect:
 
 
 def mass_mismatch(request: Request) -> PlantedEffect:
-    """Unbalanced mass A times more than declared, in gravity and normal force; J_l is as declared."""
+    """Unbalanced mass larger than declared by the fraction A, in gravity and normal force, not in J_l."""
     request.require_case(
         "C2", "mass_mismatch", "without gravity in the plane it is an alias of B_lN and C_lN"
     )
@@ -151,7 +151,7 @@ def mass_mismatch(request: Request) -> PlantedEffect:
 
 
 def inertia_mismatch(request: Request) -> PlantedEffect:
-    """Inertia on the motor side A times more than declared."""
+    """Inertia on the motor side larger than declared by the fraction A."""
     inertia = request.plant.inertia
     return PlantedEffect(
         "inertia_mismatch",

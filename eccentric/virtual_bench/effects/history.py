@@ -1,4 +1,4 @@
-"""Effects that remember: states that the log does not show."""
+"""Effects with memory: states that the log does not show."""
 
 from math import exp
 
@@ -8,7 +8,7 @@ from .record import Builder, Law, PlantedEffect, Request, sign
 
 
 def presliding(request: Request) -> PlantedEffect:
-    """Soft contact (seal, grease, wave gear) that builds its torque up over x0 after each reversal.
+    """Compliant contact (seal, grease, strain-wave gear) that builds up torque over x0 after each reversal.
 
     Dahl 1968: dz = dx/x0 (1 - z sgn dx), solved exactly over each step. LuGre (Canudas de Wit 1995) adds a
     level that falls with the speed, here towards 0.6 of its value at rest.
@@ -46,10 +46,10 @@ def presliding(request: Request) -> PlantedEffect:
 
 
 def magnetic_hysteresis(request: Request) -> PlantedEffect:
-    """Iron that keeps some magnetisation: the torque lags the current by a loop of half-width A in torque.
+    """Remanent magnetisation: the torque lags the current in a loop of half-width A in torque.
 
     An elastic-plastic element of the current, dz = di/i0 within [-1, 1]. Duhem's smooth form was tried: the
-    drive's dither at each pulse pulls its loop to the middle; iron does not follow changes that small.
+    drive's ripple at each pulse pulls its loop to the centre, but iron does not follow changes that small.
     """
     i0 = request.draw(0.3, 0.6) * request.setting.current
 

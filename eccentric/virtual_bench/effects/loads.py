@@ -8,12 +8,12 @@ from eccentric.virtual_bench.plant import Plant
 
 from .record import Builder, Law, PlantedEffect, Request, sign, simply
 
-# The meshing of a gear follows the load within about this time; it also keeps the step explicit.
+# Gear meshing follows the load within about this time; the lag also keeps the step explicit.
 _SETTLING_S = 0.002
 
 
 def _transmitted(plant: Plant) -> Callable[[Motion], float]:
-    """Return the law of mu tau_l, eq. (3): torque through the gear, settled within `_SETTLING_S` [N m]."""
+    """Return the law of mu tau_l, eq. (3): torque through the gear, with the lag `_SETTLING_S` [N m]."""
     inertia = plant.mu**2 * plant.J_l
     load, before = 0.0, 0.0
 
@@ -30,7 +30,7 @@ def _transmitted(plant: Plant) -> Callable[[Motion], float]:
 def load_dependent(request: Request) -> PlantedEffect:
     """Dry friction in proportion to the load: gravity alone, or all torque transmitted (Gogoussis 1987)."""
     if request.variant == "gravity" and request.chosen:
-        request.require_case("C2", "load_dependent[gravity]", "there is no gravity load otherwise")
+        request.require_case("C2", "load_dependent[gravity]", "there is no gravity load in the other case")
     if request.variant == "gravity" and request.plant.case == "C2":
         return PlantedEffect(
             "load_dependent",
@@ -87,11 +87,11 @@ def gear_efficiency(request: Request) -> PlantedEffect:
 
 
 def backlash(request: Request) -> PlantedEffect:
-    """Gap of A at the motor, which it crosses free of the link's torques after the load has reversed.
+    """Gap of A at the motor, which crosses it without the link's torques after the load has reversed.
 
-    An approximation: the link's friction and gravity are let go while the motor turns through the gap, but
-    its inertia stays coupled. A true two-mass contact would need steps of microseconds. It acts reversal by
-    reversal, so a short log meets the requested strength only roughly; the truth holds the one reached.
+    An approximation: the link's friction and gravity are decoupled while the motor turns through the gap, but
+    its inertia stays coupled. A true two-mass contact would need steps of microseconds. It acts only at
+    reversals, so a short log meets the requested strength approximately; the truth holds the actual one.
     """
     bound = 0.25 / request.plant.mu
 
@@ -111,7 +111,7 @@ def backlash(request: Request) -> PlantedEffect:
 
         state = False
 
-        def dry(s: Motion, a: float) -> float:  # the dry port is evaluated first, and the others follow it
+        def dry(s: Motion, a: float) -> float:  # the dry port is evaluated first, and the others depend on it
             nonlocal state
             state = free(s, a)
             return -s.link_dry if state else 0.0

@@ -1,4 +1,4 @@
-"""The record of a planted effect (where it acts, its law), and what the builder of one is given."""
+"""The record of a planted effect (where it acts, its law), and the inputs of its builder."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -11,22 +11,22 @@ from eccentric.virtual_bench.motion import Motion
 from eccentric.virtual_bench.plant import Plant
 
 Law = Callable[[Motion, float], float]
-"""(motion, amplitude) -> what the port takes."""
+"""(motion, amplitude) -> value at the port."""
 
 PORTS = {
-    "dry": "level added to the Coulomb friction, which stays set-valued [N m]",
+    "dry": "level added to the Coulomb friction, which remains set-valued [N m]",
     "viscous": "coefficient added to the viscous friction [N m s/rad]",
     "torque": "torque against the motor [N m]",
     "inertia": "inertia beyond the declared one, constant over a log [kg m^2]",
     "drop": "voltage lost in the armature circuit beyond R i + k_e w [V]",
     "current": "added to the logged current only [A]",
-    "delay": "time by which the logged current is late [s]",
+    "delay": "delay of the logged current [s]",
 }
 
 
 @dataclass(frozen=True)
 class PlantSetting:
-    """What a builder may scale by: the plant and rough sizes of what the log will contain (motor side)."""
+    """Scales for a builder: the plant and approximate magnitudes of the log's signals (motor side)."""
 
     plant: Plant
     friction: float  # rms friction torque [N m]
@@ -35,7 +35,7 @@ class PlantSetting:
     current: float  # rms current [A]
     warming: float  # expected rise of the temperature [K], at least 1
     seconds: float  # length of the log
-    loss: float  # mean of what the drive turns into heat [W]
+    loss: float  # mean heat dissipated in the drive [W]
 
 
 @dataclass(frozen=True)
@@ -77,9 +77,9 @@ class Request:
 class PlantedEffect:
     """One effect beyond the paper's model.
 
-    `start()` returns {port: law} with fresh memory; a law takes the motion and the amplitude and returns what
-    its port takes (`PORTS`). `bound` limits the amplitude to what is physical. `form` says it in symbols,
-    `shape` holds its constants, `depends_on` the quantities that its residual follows.
+    `start()` returns {port: law} with fresh memory; a law takes the motion and the amplitude and returns the
+    value at its port (`PORTS`). `bound` limits the amplitude to what is physical. `form` is the law in
+    symbols, `shape` holds its constants, `depends_on` the quantities that its residual follows.
     """
 
     family: str

@@ -30,7 +30,7 @@ def quadratic_drag(request: Request) -> PlantedEffect:
 
 
 def cubic_drag(request: Request) -> PlantedEffect:
-    """Drag with the third power of the speed, as fans have about their design point."""
+    """Drag with the cube of the speed, as for fans near their design point."""
     return PlantedEffect(
         "cubic_drag",
         "A w^3",
@@ -41,7 +41,7 @@ def cubic_drag(request: Request) -> PlantedEffect:
 
 
 def oneway_windage(request: Request) -> PlantedEffect:
-    """Quadratic drag in one direction only, as a one-sided scoop makes it."""
+    """Quadratic drag in one direction only, as from a one-sided scoop."""
     way = float(request.rng.choice([-1.0, 1.0]))
     return PlantedEffect(
         "oneway_windage",

@@ -8,7 +8,7 @@ _KELVIN = 273.15
 
 
 def viscosity_temperature(request: Request) -> PlantedEffect:
-    """Oil that thins as it warms: exponentially (Reynolds 1886), or by Arrhenius' law."""
+    """Oil that becomes thinner as it warms: exponentially (Reynolds 1886), or by Arrhenius' law."""
     cold = request.plant.Tamb
     if request.variant == "exponential":
         form, size, bound = (
@@ -58,7 +58,7 @@ def coulomb_temperature(request: Request) -> PlantedEffect:
 
 
 def hidden_thermal_drift(request: Request) -> PlantedEffect:
-    """All friction falls as the drive warms, and no column of the log holds the temperature."""
+    """All friction falls as the drive warms, and the log has no temperature column."""
     cold = request.plant.Tamb
     return PlantedEffect(
         "hidden_thermal_drift",
