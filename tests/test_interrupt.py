@@ -87,17 +87,23 @@ def test_an_interrupted_process_leaves_no_folder(inputs: tuple[Path, Path], tmp_
     log, rig = inputs
     there = {path.name for path in inputs}
     command = [sys.executable, "-m", "eccentric", "fit", str(log), "--rig", str(rig)]
-    process = subprocess.Popen(
-        [*command, "--out", str(tmp_path / "out")],
-        stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True, cwd=ROOT,
-    )  # fmt: skip
-    deadline = time.monotonic() + 120.0
-    while process.poll() is None and time.monotonic() < deadline:
-        if {path.name for path in tmp_path.iterdir()} - there:
-            process.send_signal(signal.SIGINT)
+    for attempt in range(5):
+        out = tmp_path / f"out{attempt}"
+        process = subprocess.Popen(
+            [*command, "--out", str(out)],
+            stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True, cwd=ROOT,
+        )  # fmt: skip
+        deadline = time.monotonic() + 120.0
+        while process.poll() is None and time.monotonic() < deadline:
+            if {path.name for path in tmp_path.iterdir()} - there:
+                process.send_signal(signal.SIGINT)
+                break
+            time.sleep(0.005)
+        _, error = process.communicate(timeout=60)
+        if process.returncode:
             break
-        time.sleep(0.005)
-    _, error = process.communicate(timeout=60)
+        # On a busy machine the result may be whole before the signal is seen.
+        there.add(out.name)
     # Where the interrupt met an exec(), CPython ends by the signal itself; a shell calls both 130.
     assert process.returncode in (130, -signal.SIGINT)
     assert error == "eccentric: interrupted\n"
