@@ -8,7 +8,7 @@ from eccentric.emission.backends.expression import printed
 from eccentric.emission.backends.jax.printer import KERNEL, PREPARE, differentiable, language, pair
 from eccentric.emission.backends.python import functions, quoted
 from eccentric.emission.backends.text import default_text, used_series
-from eccentric.emission.program import LEADING_BITS, Program, paired, polynomial
+from eccentric.emission.program import COSINE, LEADING_BITS, SINE_RATIO, Program, paired, polynomial
 from eccentric.model import Quantity
 
 _WIDTH = 106
@@ -29,7 +29,8 @@ def view(program: Program, _: str) -> dict[str, Any]:
         "parameters": [_parameter(q) for q in program.parameters],
         "prepare": _prepare(program),
         "leading": LEADING_BITS,
-        "polynomials": [_polynomial(name) for name in used_series(program)],
+        # Each is in the derivative of the other.
+        "polynomials": [_polynomial(s.name) for s in (SINE_RATIO, COSINE)] if used_series(program) else [],
         **functions(differentiable(program), KERNEL, language),
         **_states(program),
     }
