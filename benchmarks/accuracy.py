@@ -1,4 +1,4 @@
-"""How exact the emitted code is: full sets of states against 50 digits, in C and NumPy, float and double.
+"""Accuracy of the emitted code: full sets of states against 50 digits, in C and NumPy, float and double.
 
 The peers are other forms of the same quantities (`benchmarks/forms.py`), on the same inputs.
 """
@@ -143,7 +143,7 @@ def _over(
     one: Callable[[np.ndarray], float],
     all_of: Callable[[list[float]], float],
 ) -> dict[str, float]:
-    """Who -> what there is of their errors, over all sets and these figures."""
+    """Who -> their available errors, over all sets and these figures."""
     there = [(who, one(e)) for errors in sets for (figure, who), e in errors.items() if figure in figures]
     return {who: all_of([x for other, x in there if other == who]) for who, _ in there}
 

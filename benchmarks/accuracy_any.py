@@ -1,6 +1,6 @@
-"""How exact the emitted code is with any parameters: random drives and states, not only those of Table 1.
+"""Accuracy of the emitted code with any parameters: random drives and states, not only those of Table 1.
 
-Single precision is held against the emitted double, double precision against 50 digits at fewer states.
+Single precision is compared with the emitted double, double precision with 50 digits at fewer states.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ _STATES = {"float": 200, "double": 5}  # of each drive, in each of the ways to d
 
 
 def figures(real: str, drives: int) -> dict[str, Measured]:
-    """Return the worst errors over so many drives, by required figure."""
+    """Return the worst errors over that many drives, by required figure."""
     random = np.random.default_rng(30)
     worst: dict[str, float] = {}
     for _ in range(drives):

@@ -13,7 +13,7 @@ _FORCE = 5  # units in the last place
 # Of a call: instructions and bytes on a Cortex-M4F in single precision, instructions on x86-64 on average.
 _COST = {"torque": (95, 550, 85), "torque and gradient": (165, 750, 150)}
 SURE = 0.9
-"""From this probability on a name counts as a sure one."""
+"""Least probability of a name that counts as certain."""
 
 
 def _accuracy(real: str) -> dict[str, Asked]:

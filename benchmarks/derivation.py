@@ -17,7 +17,7 @@ _IMPORT = [sys.executable, "-c", "import sympy"]
 
 
 def measured(quick: bool) -> Part:
-    """Measure seven rounds, or three if quick, after one that nobody times."""
+    """Measure seven rounds, or three if quick, after one that is not timed."""
     times = []
     for turn in range(4 if quick else 8):
         progress(f"derivation: round {turn}")

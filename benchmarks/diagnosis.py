@@ -1,6 +1,6 @@
 """How good is `eccentric diagnose`? Every family, controls, pairs and effects outside the library, on the virtual bench.
 
-The pipeline is given log and rig only; the sealed truth is read afterwards. Seeds here are never developed on.
+The pipeline is given log and rig only; the sealed truth is read afterwards. The method was never developed on these seeds.
 Run, with seeds to develop on: python benchmarks/diagnosis.py SEED
 """
 
@@ -29,12 +29,12 @@ from eccentric.diagnosis import diagnose, diagnosis_document
 from eccentric.errors import InputError
 from eccentric.virtual_bench import EFFECTS, PlantedEffect, random_scenario, simply, simulate, write
 
-# Seeds below this one were looked at while the method was developed, so they no longer judge it.
+# Seeds below this one were used while the method was developed, so they can no longer judge it.
 FIRST_SEED = 70000
 RATIOS = (1 / 30, 1 / 5, 1 / 2, 1.0)
 NEEDS_TEMPERATURE = {"viscosity_temperature", "coulomb_temperature", "resistance_temperature"}
 HIDES_TEMPERATURE = {"hidden_thermal_drift"}
-# Of a log with a temperature no family is left out.
+# A log with a temperature leaves out no family.
 LONG = ("stribeck", "viscosity_temperature", "link_harmonic_friction")
 
 
@@ -110,7 +110,7 @@ def run(job: Job, folder: Path) -> Result:
 
 
 def measured(quick: bool, first: int = FIRST_SEED) -> Part:
-    """Run all jobs, one a processor, and the long one by itself."""
+    """Run all jobs, one per processor, and the long one by itself."""
     listed, results, left_out = list(jobs(quick, first)), [], []
     long = [job for job in listed if job.kind == "long"]
     with tempfile.TemporaryDirectory() as folder:

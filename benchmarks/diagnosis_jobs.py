@@ -1,4 +1,4 @@
-"""A log of the diagnosis benchmark, and what came of it."""
+"""A log of the diagnosis benchmark, and its result."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ class Job:
 
 @dataclass
 class Result:
-    """What came of one job."""
+    """The result of one job."""
 
     job: Job
     verdict: str = "failed"

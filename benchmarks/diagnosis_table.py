@@ -47,7 +47,7 @@ def figures(results: Sequence[Result], slow: Sequence[Result]) -> dict[str, Meas
             pair, lambda r: set(r.truth) <= set(r.named), lambda ranked, r: set(r.truth) <= set(ranked[:2])
         ),
         "sure": _fraction(sure, lambda r: r.named[0] in r.truth),
-        # Of one that failed there is no figure.
+        # There is no figure for one that failed.
         "seconds": Measured(float(np.max([r.seconds or np.nan for r in slow]))),
         "memory": Measured(max(r.memory for r in [*results, *slow]) or float("nan")),
     }
@@ -113,7 +113,7 @@ def _fraction(
 
 
 def _excess(results: Sequence[Result], rmse: Callable[[Result, str], float | None]) -> list[float]:
-    """By how many per cent the held-out RMSE is above the oracle's, where there is one."""
+    """The excess of the held-out RMSE over the oracle's in per cent, if there is one."""
     found = [(rmse(r, r.oracle[0]), r.oracle[1]) for r in results if r.oracle is not None]
     return [100 * (own / least - 1) for own, least in found if own is not None]
 

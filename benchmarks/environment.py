@@ -1,4 +1,4 @@
-"""The environment that peers are installed in: build/bench-env, apart from the project's own."""
+"""The environment of the peers: build/bench-env, separate from the project's own."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ _VERSIONS = (
 
 
 def absent(*packages: str) -> dict[str, str]:
-    """Install what is missing of the packages; package -> reason, of those that cannot be."""
+    """Install the missing packages; package -> reason, for those that cannot be installed."""
     if not PYTHON.exists():
         venv.create(FOLDER, with_pip=True)
     reasons = {}

@@ -18,7 +18,7 @@ from tests import accuracy, oracle
 from tests.emitted import module
 
 Curves = Mapping[str, tuple[list[float], list[float]]]
-# Text stays text: outlines of letters are most of the file otherwise.
+# Text stays text: otherwise outlines of letters would be most of the file.
 _STYLE: dict[Any, str] = {"svg.hashsalt": "eccentric", "svg.fonttype": "none", "font.family": "sans-serif"}
 
 

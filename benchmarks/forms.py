@@ -1,4 +1,4 @@
-"""Other forms of what is emitted, on the same states: the closed forms as printed, and what SymPy makes of them."""
+"""Other forms of the emitted quantities, on the same states: the closed forms as printed, and SymPy's output for them."""
 
 from __future__ import annotations
 

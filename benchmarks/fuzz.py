@@ -24,7 +24,7 @@ def measured(quick: bool) -> Part:
     lines = ["| input | tried | accepted | refused | other | slowest |", "|---" * 6 + "|"]
     findings, tried, odd = 0, 0, []
     with warnings.catch_warnings():
-        # What Python's parser has to say about odd text is nobody's traceback.
+        # Warnings of Python's parser about odd text are irrelevant here.
         warnings.simplefilter("ignore")
         for name in TARGETS:
             progress(f"fuzzed readers: {name}")
@@ -64,7 +64,7 @@ def _fuzz(name: str, inputs: int) -> tuple[collections.Counter[str], float]:
         start = time.perf_counter()
         try:
             said = target.take(content)
-        except Exception as error:  # noqa: BLE001 - this is what is looked for
+        except Exception as error:  # noqa: BLE001 - this is what fuzzing looks for
             frame = traceback.extract_tb(error.__traceback__)[-1]
             said = f"{type(error).__name__}: {str(error)[:80]} ({Path(frame.filename).name}:{frame.lineno})"
         slowest = max(slowest, time.perf_counter() - start)

@@ -44,7 +44,7 @@ class Generated:
 
     @property
     def arguments(self) -> str:
-        """The arguments: what is emitted writes torque and slopes to `out`, CasADi by its own convention."""
+        """The arguments: emitted code writes torque and slopes to `out`, CasADi by its own convention."""
         casadi = f"((const {self.real} *[]){{&x, &y}}, ({self.real} *[]){{out, out + 1, out + 2}}, 0, 0, 0)"
         return casadi if self.casadi else "(x, y, out)"
 
@@ -69,7 +69,7 @@ def _options(real: str) -> list[tuple[str, ...]]:
 def measured(
     folder: Path, real: str, measure: Callable[[Generated, tuple[str, ...]], T]
 ) -> tuple[dict[str, list[T]], list[str]]:
-    """Generator -> what `measure` finds with each of the options; and who is left out, with the reason."""
+    """Generator -> what `measure` finds with each of the options; and those left out, with the reason."""
     found, left_out = {}, []
     reasons = environment.absent(*_PACKAGES.values())
     for name, package in _PACKAGES.items():

@@ -56,7 +56,7 @@ def _factor(fit: Refit, found: Diagnosis) -> float:
 
 
 def _resistance(axes: Axes, found: Diagnosis, fit: Refit) -> None:
-    """By how much each run's residual wants another resistance, over its temperature, marked by gain."""
+    """The change of resistance that each run's residual indicates, over its temperature, marked by gain."""
     rows, c = found.rows, found.channels
     off = rows.mean(c.motor.off.astype(float)) > 0.0
     torque, warm = (

@@ -1,10 +1,10 @@
-"""Numbers and pictures of docs/measured-rigs.md, from logs that are not bundled.
+"""Numbers and figures of docs/measured-rigs.md, from logs that are not bundled.
 
     python benchmarks/measured_rigs.py DATA [NAME ...]
 
 DATA has one folder for each set of logs, with its data.csv.gz; NAME is one of `measured_logs.SETS`, by default all.
 Writes docs/measured/results.json and the pictures beside it, and puts its tables and what the commands printed
-into the page.  The prose there is by hand: read it again when results.json has changed.
+into the page.  The prose there is handwritten: read it again when results.json has changed.
 """
 
 from __future__ import annotations
@@ -75,7 +75,7 @@ def changed(log: Path, rig: Path, change: tuple[str, str]) -> Diagnosis:
 
 
 def page(name: str, found: Diagnosis) -> dict[str, Any]:
-    """What the page says of one rig: lines of the terminal, and tables in their order."""
+    """The page's content for one rig: lines of the terminal, and tables in their order."""
     tables = [errors(found), *([gains(found)] if len(models(found)) > 1 else []), IDENTIFIED[name](found)]
     if found.orders:
         tables.append(orders(found))
@@ -147,7 +147,7 @@ def free(found: Diagnosis, driven: Diagnosis) -> Table:
 
 
 def orders(found: Diagnosis) -> Table:
-    """What the torque inside runs is periodic in."""
+    """Periods of the torque within runs."""
     rows: dict[str, list[Cell]] = {
         str(round(o.per_turn)): [o.per_turn, 1e3 * o.amplitude, 100 * o.share, o.seen, o.stretches]
         for o in found.orders

@@ -1,4 +1,4 @@
-"""What could have been reached on a log: the true structure, fitted on the same rows by the same means."""
+"""The best achievable result on a log: the true structure, fitted on the same rows by the same methods."""
 
 from __future__ import annotations
 

@@ -48,7 +48,7 @@ def main() -> int:
     for name in wanted.parts or PARTS:
         try:
             found[name] = PARTS[name][1](wanted.quick)
-        except Exception as error:  # noqa: BLE001 - an hour of other figures is not lost to one part
+        except Exception as error:  # noqa: BLE001 - one failed part must not lose an hour of other figures
             traceback.print_exc()
             failed, reason = True, (str(error).strip().splitlines() or [""])[-1]
             found[name] = Part({}, [f"Not measured: {type(error).__name__}: {reason}"])

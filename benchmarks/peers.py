@@ -1,6 +1,6 @@
 """The C that other generators emit for the friction torque of case C2 and its derivatives, in a folder.
 
-Run by benchmarks/generators.py in an environment of its own: python benchmarks/peers.py GENERATOR FOLDER REAL
+Run by benchmarks/generators.py in a separate environment: python benchmarks/peers.py GENERATOR FOLDER REAL
 Each is given the paper's (15)-(25) with the numbers of Table 1, as its manual shows, and writes torque.c and
 gradient.c (torque with both first derivatives), in the precision REAL: float or double.
 """

@@ -1,4 +1,4 @@
-"""What a benchmark hands to the page, and how a figure is judged."""
+"""What a benchmark passes to the page, and how a figure is judged."""
 
 from __future__ import annotations
 
@@ -54,7 +54,7 @@ def table(asked: Mapping[str, Asked], figures: Mapping[str, Measured]) -> list[s
 
 
 def progress(text: str) -> None:
-    """Show progress in one line of the terminal, where it is one."""
+    """Show progress in one line, if the output is a terminal."""
     if sys.stderr.isatty():
         print(f"\r\x1b[K{text}", end="", file=sys.stderr, flush=True)
 

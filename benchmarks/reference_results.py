@@ -1,4 +1,4 @@
-"""What `eccentric diagnose` and `eccentric fit` say of the reference logs, in a folder, to be compared with another.
+"""Results of `eccentric diagnose` and `eccentric fit` on the reference logs, in a folder, to compare with another.
 
     python benchmarks/reference_results.py OUT --data DATA [NAME ...]
     python benchmarks/compare_results.py BEFORE OUT

@@ -36,7 +36,7 @@ def balance(log: Any, name: str) -> tuple[float, dict[str, float]]:
     """Held-out RMSE of the residual after the fit [N m], and family -> what its loss costs [(N m)^2]."""
     train, score = log["train"], log["score"]
     columns, base, target = log[f"{name}_columns"], log[f"{name}_base"], log[f"{name}_residual"]
-    # What the paper's own columns take of a column is theirs: as if they were fitted along.
+    # The part of a column in the span of the paper's own is theirs, as if they were fitted jointly.
     joined = np.column_stack([columns, target])
     joined = joined - base @ np.linalg.lstsq(base[train], joined[train], rcond=None)[0]
     columns, target = joined[:, :-1], joined[:, -1]

@@ -53,9 +53,9 @@ def decimals(**changes: str) -> Parameters:
 
 
 def sets(p: Parameters, dtype: Real, size: int, shift: mpf = _UNSHIFTED) -> tuple[Set, ...]:
-    """Return the states to measure at: the whole plane, the hollow from afar and near, large angles.
+    """Return the states to measure at: the whole plane, far from and near the zero of F_N, large angles.
 
-    The hollow is where the link stands upright at the critical velocity; distances from it are in rad of the
+    F_N is zero where the link is upright at the critical velocity; distances from it are in rad of the
     link and relative to that velocity.
     """
     return _sets(_letters(p), dtype, size, shift)
@@ -109,7 +109,7 @@ def _sets(letters: tuple[tuple[str, mpf], ...], dtype: Real, size: int, shift: m
 def beside_the_tops(p: Parameters, dtype: Real) -> Set:
     """Return the angles nearest to every top of the link up to 1e4 rad, at the nearest to critical velocity.
 
-    Nowhere else does F_N hang on more digits of the period.
+    Nowhere else does F_N depend on more digits of the period.
     """
     tops = [(k + mpf(0.5)) * 2 * mpmath.pi / p.mu for k in range(int(FAR[-1] * p.mu / (2 * mpmath.pi)))]
     at = np.array([float(x) for x in tops]).astype(dtype)
@@ -127,7 +127,7 @@ def units(actual: np.ndarray, exact: list[mpf]) -> np.ndarray:
     return np.abs(errors) / spacing
 
 
-# Friction and its derivatives, of one model or of several, ask for the same forces.
+# Friction and its derivatives, of one model or of several, need the same forces.
 @lru_cache(maxsize=64)
 def _values(
     law: Callable[[Point, Parameters], mpf], at: Set, letters: tuple[tuple[str, mpf], ...]

@@ -173,14 +173,14 @@ def inputs(size: int = 40) -> Signals:
 
 
 def arguments(module: ModuleType, function: str) -> list[str]:
-    """Return the names of the inputs that an emitted function asks for, in its order."""
+    """Return the names of the inputs of an emitted function, in its order."""
     return [
         n for n in inspect.signature(getattr(module, function)).parameters if n not in {"parameters", "out"}
     ]
 
 
 def call(module: ModuleType, function: str, given: Signals, **values: float) -> np.ndarray:
-    """Call an emitted function with the inputs it asks for, the rig's values, and a few parameters set."""
+    """Call an emitted function with its inputs, the rig's values, and a few parameters set."""
     known = {f.name: KNOWN[f.name] for f in dataclasses.fields(module.Parameters) if f.name in KNOWN}
     asked = [given[name] for name in arguments(module, function)]
     return getattr(module, function)(*asked, module.Parameters(**{**known, **values}))

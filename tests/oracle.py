@@ -207,7 +207,7 @@ def columns(N: Number, omega_m: Number, p: Parameters) -> dict[str, Number]:
 
 
 def coefficient(name: str, label: str, p: Parameters) -> Number:
-    """Return what a column of the regressor multiplies; B and C are the sums that C1 cannot tell apart."""
+    """Return the coefficient of a column of the regressor; B and C are the sums that C1 cannot separate."""
     ending = label[-4:] if CASES[name].asymmetric else ""
     own, F_T = vars(p), CASES[name].transversal(p) * p.F_T
     if label == "B" + ending:

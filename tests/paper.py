@@ -1,4 +1,4 @@
-"""The closed forms of Dutkiewicz, Herman and Michałek, transcribed by hand and shared with nothing.
+"""The closed forms of Dutkiewicz, Herman and Michałek, transcribed from the paper and shared with nothing.
 
 Every function takes the paper's variables, then `p`, anything with the paper's letters as attributes, and
 where it needs functions `m`, the namespace to take `sqrt`, `sin`, `cos` and `sign` from: `mpmath`, `sympy` or
@@ -100,7 +100,7 @@ def one_direction(p: Parameters, direction: str) -> Parameters:
 def polynomial_c1_asymmetric(direction: str, p: Parameters) -> tuple[Number, Number, Number, Number]:
     """Eq. (14): F_3, F_2, F_1, F_0 for one direction of motion, `pos` or `neg`.
 
-    The paper prints F_0^- = -mu gamma^- + C_m^-; (13), (21) and the symmetric limit ask for the bracket here.
+    The paper prints F_0^- = -mu gamma^- + C_m^-; (13), (21) and the symmetric limit require the bracket here.
     """
     q = one_direction(p, direction)
     sign = 1 if direction == "pos" else -1
@@ -212,7 +212,7 @@ def steady_state_voltage_c1(w_m: Functions, p: Parameters, m: Functions = mpmath
 def normal_force_rotating_link(
     theta_m: Functions, w_m: Functions, alpha_m: Functions, p: Parameters, m: Functions = mpmath
 ) -> Number:
-    """Not in the paper: the normal force in a plane tilted by phi, angular acceleration kept."""
+    """Not in the paper: the normal force in a plane tilted by phi, with angular acceleration."""
     ML, weight = p.M * p.L, (p.M + p.M_l) * p.g * m.cos(p.phi)
     theta, w, alpha = p.mu * theta_m, p.mu * w_m, p.mu * alpha_m
     pull = w**2 * m.cos(theta) + alpha * m.sin(theta)

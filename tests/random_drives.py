@@ -49,7 +49,7 @@ def directed(values: Values, ratio: float) -> Values:
 
 
 def states(name: str, values: Values, random: np.random.Generator, size: int) -> list[np.ndarray]:
-    """Return the inputs of a model's friction: anywhere, by orders of magnitude, and beside no load."""
+    """Return the inputs of a model's friction: anywhere, by orders of magnitude, and near zero load."""
     v, gravity = SimpleNamespace(**values), _gravity(name, values)
     # Case C1 has no weight to compare with: any speeds will do.
     ratio = (v.M + v.M_l) * (gravity or v.g) / (v.M * v.L)

@@ -42,7 +42,7 @@ T_load = ["-0.1 N m", "0.1 N m"]
 
 
 def mean_torque(omega: float) -> float:
-    """Torque that a constant speed asks for [N m]."""
+    """Torque that a constant speed requires [N m]."""
     friction = COULOMB + STRIBECK * np.exp(-((omega / VELOCITY) ** 2))
     return float(LOAD + friction * np.sign(omega) + VISCOUS * omega)
 

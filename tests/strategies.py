@@ -1,4 +1,4 @@
-"""Hypothesis strategies: physical parameters, states of the drive with the hollow among them, any numbers."""
+"""Hypothesis strategies: physical parameters, states of the drive including the zero of F_N, any numbers."""
 
 import mpmath
 import numpy as np
@@ -39,7 +39,7 @@ def signed(low: float, high: float) -> st.SearchStrategy[float]:
 
 @st.composite
 def hollows(draw: st.DrawFn, p: dict[str, float]) -> tuple[float, float, float, float, float]:
-    """Draw a state in the hollow: link upright at the critical velocity, up to 1e-3 off, down to rounding."""
+    """Draw a state near the zero of F_N: link upright at the critical velocity, within 1e-3."""
     off = st.just(0.0) | st.sampled_from([s * 10.0**-k for k in range(3, 8) for s in (-1, 1)])
     turns, sign = draw(st.integers(-2, 1)), draw(st.sampled_from((-1, 1)))
     exact = oracle.exact(p)
@@ -51,7 +51,7 @@ def hollows(draw: st.DrawFn, p: dict[str, float]) -> tuple[float, float, float, 
 
 @st.composite
 def quarter_turns(draw: st.DrawFn, p: dict[str, float]) -> float:
-    """Draw a motor angle of up to 1e4 rad, rounded, at which the link hangs, stands or is level."""
+    """Draw a motor angle of up to 1e4 rad, rounded, at which the link hangs, is upright or is horizontal."""
     quarter = HALF_TURN / 2 / mpf(p["mu"])
     limit = int(mpf(10000) / quarter)
     return float(draw(st.integers(-limit, limit)) * quarter)
@@ -60,7 +60,7 @@ def quarter_turns(draw: st.DrawFn, p: dict[str, float]) -> float:
 def states(
     p: dict[str, float], dtype: type[np.floating], moving: bool = False, size: int = 6
 ) -> st.SearchStrategy[list[Point]]:
-    """Draw up to `size` states, some in the hollow, as mpmath numbers that `dtype` holds exactly.
+    """Draw up to `size` states, some near the zero of F_N, as mpmath numbers that `dtype` holds exactly.
 
     Velocities are zero or at least 1e-3 rad/s: below, w^4 underflows in single precision, which
     is a matter of `finite` and not of accuracy.

@@ -1,7 +1,7 @@
 """Logs of simulated rigs: Newton's law and closed-form motions, written out here without the package.
 
 A motor of constants R, k_i, k_e turns a link by the gear mu; the link carries M at the distance L, gravity in
-the plane of motion.  Motions are sums of sines, so that the drive they ask for is known in closed form; with
+the plane of motion.  Motions are sums of sines, so that the drive they require is known in closed form; with
 the motor switched off the link swings freely, integrated by SciPy from one reversal to the next.
 """
 
@@ -62,11 +62,11 @@ class Swing:
         return self.C * np.sign(omega) + self.B * omega + self.more(theta, omega)
 
     def torque(self, theta: Array, omega: Array, alpha: Array) -> Array:
-        """Drive torque that the motion asks for."""
+        """Drive torque that the motion requires."""
         return self.J * alpha + self.load(theta) + self.friction(theta, omega)
 
     def voltage(self, theta: Array, omega: Array, alpha: Array) -> Array:
-        """Armature voltage that the motion asks for, inductance neglected."""
+        """Armature voltage that the motion requires, inductance neglected."""
         return self.R / self.k_i * self.torque(theta, omega, alpha) + self.k_e * omega
 
 

@@ -28,7 +28,7 @@ DRIVES: dict[str, dict[str, str]] = {
     "mu = 5": {"mu": "5"},
     "much unbalance": {"mu": "0.37", "M": "3.3", "L": "0.11", "g": "1.62"},
     "little unbalance": {"M": "0.013", "M_l": "7.1", "L": "1.7", "mu": "0.83"},
-    # Both precisions have this one's critical velocity, 4 rad/s: in the hollow nothing but the angle is left.
+    # Both precisions have this one's critical velocity, 4 rad/s: at the zero of F_N only the angle remains.
     "exact velocity": {"M": "0.5", "M_l": "0.5", "L": "0.5", "mu": "1.25", "g": "6.25"},
 }
 TABLE_1 = ("mu = 1/5", "mu = 1/30")
@@ -56,10 +56,10 @@ def drive_parameters(name: str, drive: str) -> tuple[Any, Parameters]:
 @every_drive
 @pytest.mark.parametrize("case", STEADY)
 def test_steady(case: str, drive: str, dtype: Real) -> None:
-    """F_N, friction and derivatives keep their bounds in the plane, in the hollow and at large angles."""
+    """F_N, friction and derivatives keep their bounds in the plane, near F_N = 0 and at large angles."""
     chosen = accuracy.sets(oracle.exact(letters(drive)), dtype, FEW[dtype])
     for name in STEADY[case]:
-        # Nothing hangs on the angle in case C1: the sets that differ in it are one.
+        # Nothing depends on the angle in case C1: the sets that differ in it are one.
         for at in chosen if case == "C2" else chosen[:2]:
             for function, worst in errors(name, at, letters(drive)).items():
                 assert worst <= bound(name, function, drive), (name, function, at.name)

@@ -205,7 +205,7 @@ def test_normal_force(case: str, dtype: Real) -> None:
 @every_drive
 @pytest.mark.parametrize("offset", [-LARGEST_SHIFT, -0.7, 1e-3, 1.5, LARGEST_SHIFT])
 def test_shifted_angle(offset: float, drive: str, dtype: Real) -> None:
-    """A shifted angle costs F_N nothing, next to the shifted hollow and far from theta_m = 0 either."""
+    """A shifted angle costs F_N nothing, even near the shifted zero of F_N and far from theta_m = 0."""
     one = extended.with_effect("C2", "angle_offset")
     given, p, shift = of_drive(one, drive, offset)
     for at in accuracy.sets(p, dtype, FEW[dtype], shift):

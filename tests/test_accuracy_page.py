@@ -13,7 +13,7 @@ NEAR_THE_HOLLOW = 2  # of the sets of states; here the closed form of F_N loses 
 @pytest.mark.parametrize("real", accuracy.PRECISIONS)
 @pytest.mark.parametrize("case", accuracy.CASES)
 def test_a_set_is_measured_and_within_what_is_asked(case: str, real: str) -> None:
-    """Every figure of the case is measured at as many states as told, none is NaN, and its bound holds."""
+    """Every figure of the case is measured at the requested states, none is NaN, and its bound holds."""
     name, errors = accuracy._set(case, real, NEAR_THE_HOLLOW, MANY, FEW)
 
     assert "1e-7 to 1e-3 from it" == name
@@ -41,14 +41,14 @@ def test_the_peers_are_measured_at_the_same_states(real: str, figure: str) -> No
 
 @pytest.mark.parametrize("real", accuracy.PRECISIONS)
 def test_the_peers_are_right_elsewhere(real: str) -> None:
-    """Far from the hollow no form is far off: what they miss near it is rounding, not a mistake."""
+    """Far from the zero of F_N all forms agree: their errors near it are rounding, not mistakes."""
     _, errors = accuracy._set("c2_parallel", real, 0, MANY, FEW)
 
     assert dict.fromkeys(errors, True) == {one: bool(np.max(e) < 1000) for one, e in errors.items()}
 
 
 def test_an_asked_for_figure_has_its_peers() -> None:
-    """Beside each figure of accuracy stand its peers, NaN included."""
+    """Each figure of accuracy is printed with its peers, NaN included."""
     _, errors = accuracy._set("c2_parallel", "float", NEAR_THE_HOLLOW, MANY, FEW)
 
     figures = accuracy._figures("float", [errors])

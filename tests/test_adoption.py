@@ -70,7 +70,7 @@ def test_a_second_effect_must_be_a_part_of_the_structure(above: float, expected:
 
 @pytest.mark.parametrize(("unknown", "expected"), [(0.95, ["a", "b"]), (1.05, ["a"])])
 def test_a_second_effect_must_clear_what_is_left(unknown: float, expected: list[str]) -> None:
-    """It takes out `CLEARS`, half, of what is left above the floor: more than what nobody holds."""
+    """It takes out `CLEARS`, half, of what is left above the floor."""
     assert limits.CLEARS == 0.5
     assert expected == adopted(search({2: 9.0, 3: 2.0, 7: 2.0 * unknown}, A, B, floor=1.0))
 
@@ -182,7 +182,7 @@ def test_probabilities_are_those_of_the_scores() -> None:
 
 
 def test_members_of_a_family_are_one_alternative() -> None:
-    """The best member stands for its family."""
+    """The best member represents its family."""
     members = [replace(near("b", odds), id=f"b[{odds}]") for odds in (4.0, 1.0)]
     found = chances(search({2: 3.0}, A, *members))
 
@@ -221,7 +221,7 @@ def test_a_special_case_wins_a_tie(behind: float, expected: str) -> None:
 
 
 def test_a_special_case_has_its_odds_only_beside_its_family() -> None:
-    """Where the general family is not in the race, a special case has no more than its score."""
+    """Without the general family as a candidate, a special case has only its own score."""
     special = replace(near("special", 1.5), evidence=candidate("s", special_of=("other",)).evidence)
 
     assert ["a"] == adopted(search({2: 3.0}, A, special))

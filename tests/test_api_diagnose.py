@@ -211,7 +211,7 @@ def test_it_is_drawn_over_what_it_depends_on(result: DiagnosisResult) -> None:
 
 
 def test_the_report_is_one_file(result: DiagnosisResult, tmp_path: Path) -> None:
-    """It goes where it is wanted, and names no files that are not beside it."""
+    """It is written where requested, and names no files that are not beside it."""
     path = result.report(tmp_path / "reports" / "arm.html")
     text = path.read_text(encoding="utf-8")
 

@@ -48,7 +48,7 @@ def test_help_imports_nothing_heavy(command: str) -> None:
 
 
 def test_a_package_lists_what_it_offers() -> None:
-    """`dir` shows the public names, no more and no less, before and after they are used."""
+    """`dir` shows exactly the public names, before and after they are used."""
     assert sorted(OFFERED) == dir(eccentric)
     assert callable(eccentric.read_log)
     assert sorted(OFFERED) == dir(eccentric)

@@ -37,7 +37,7 @@ VALUES = {
 
 @pytest.mark.parametrize("text", VALUES)
 def test_value(text: str) -> None:
-    """Sums, products, comparisons and conditions have the values worked out by hand."""
+    """Sums, products, comparisons and conditions have the values calculated manually."""
     actual = evaluate(text, column, "rig")
     assert actual.tolist() == VALUES[text]
 

@@ -1,4 +1,4 @@
-"""The audit: Table 1 to all printed digits, and the findings as numbers worked out by hand."""
+"""The audit: Table 1 to all printed digits, and the findings as numbers calculated manually."""
 
 from fractions import Fraction
 

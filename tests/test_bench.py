@@ -1,4 +1,4 @@
-"""Logs of the virtual bench hold what was asked for, and its rigs what a user may say."""
+"""Logs of the virtual bench contain what was requested, and its rigs what a user may declare."""
 
 import ast
 import json
@@ -71,7 +71,7 @@ def test_the_strength_stated_is_found_in_the_log(
 # Backlash acts reversal by reversal: on a short log its strength comes in steps. It has a test of its own.
 @pytest.mark.parametrize("family", [family for family in EFFECTS if family != "backlash"])
 def test_every_family_reaches_the_strength_asked_for(family: str) -> None:
-    """Each family alone, at 5 % of the friction on a short trajectory, is there as asked for."""
+    """Each family alone, at 5 % of the friction on a short trajectory, is present as requested."""
     run = simulate(drawn_scenario(effects=[family], strength=0.05, log_type="traj"))
 
     (effect,) = run.truth["effects"]

@@ -120,7 +120,7 @@ WITH_MEMORY = {"presliding", "magnetic_hysteresis", "backlash"}
 
 
 def transmitted(s: Motion, plant: Plant) -> float:
-    """Eq. (3): the torque through the gear on the motor side, once the mesh has settled."""
+    """Eq. (3): the torque through the gear on the motor side, after the transient of the mesh."""
     friction = copysign(s.link_dry, s.w) + s.link_viscous * s.w
     return plant.mu**2 * plant.J_l * s.alpha + s.gravity + friction
 

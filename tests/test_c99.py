@@ -37,7 +37,7 @@ Libraries = dict[tuple[str, Real], Library]
 @both_precisions
 @every_call
 def test_agrees_with_the_paper(libraries: Libraries, name: str, function: str, dtype: Real) -> None:
-    """Every function is the paper's closed form to rounding, for any drive, in the hollow as elsewhere."""
+    """Every function is the paper's closed form to rounding, for any drive, even near F_N = 0."""
     library = libraries[name, dtype]
     derivative = function in oracle.DERIVATIVES
 

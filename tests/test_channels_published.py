@@ -20,7 +20,7 @@ PUBLISHED = {1: (0.00720, 0.00165), 2: (0.01768, 0.00598), 3: (0.00198, 0.00198)
 def test_published_held_out_errors_are_reproduced(number: int) -> None:
     """Least squares on these channels gives the RMSE in the README of the shared examples, to 0.3 %.
 
-    The paper's model is written out here by hand, once alone and once with the effects of truth.json.
+    The paper's model is written out here explicitly, once alone and once with the effects of truth.json.
     """
     rig = read_rig(SHARED / "examples" / f"example{number}.json")
     c = read_channels([SHARED / "examples" / f"example{number}.csv.gz"], rig)

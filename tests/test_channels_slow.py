@@ -54,7 +54,7 @@ def test_slow_voltage_is_held_and_rows_are_counted_as_logged(tmp_path: Path) -> 
 
 
 def test_slow_sampling_under_a_slower_low_pass_or_average_is_left_alone(tmp_path: Path) -> None:
-    """A low pass that 40 Hz allows, or averages that the rig asks for, need no points between the rows."""
+    """A low pass that 40 Hz allows, or averages that the rig requires, need no points between the rows."""
     for wish in ("low_pass_hz = 8\n", 'average_over = "0.3 s"\n'):
         c = slow(tmp_path, wish + RIG)
         assert (c.time.points_per_row, len(c.time.t)) == (1, len(SLOW_T))

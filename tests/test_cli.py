@@ -1,4 +1,4 @@
-"""The command line: one line on bad input, quiet where nobody reads."""
+"""The command line: one line on bad input, quiet if nobody reads its output."""
 
 import os
 import subprocess
@@ -19,7 +19,7 @@ ROOT = Path(__file__).resolve().parents[1]
 
 @pytest.fixture
 def command(monkeypatch: pytest.MonkeyPatch) -> Callable[[Callable[[], int]], int]:
-    """Return a function that runs the command line with a command `fit` that does what it is told."""
+    """Return a function that runs the command line with a command `fit` that does as instructed."""
 
     def run(action: Callable[[], int]) -> int:
         module = types.ModuleType("eccentric.cli.fit")

@@ -150,7 +150,7 @@ def test_a_stretch_of_blank_cells_is_told_before_the_gap_that_it_leaves(
 def test_a_refusal_names_a_few_of_many_runs(
     rows: list[str], tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    """Of 150 runs one line tells the first, and how many more there are or that there are more."""
+    """Of 150 runs one line names the first, and how many more there are or that there are more."""
     columns = {"time": "time_s", "theta_m": "theta_m_rad", "current": "current_A", "run": "run"}
     rig = {k: v for k, v in changed().items() if k != "holdout_intervals_s"} | {"columns": columns}
     log, path = tmp_path / "log.csv", tmp_path / "rig.json"

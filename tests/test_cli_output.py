@@ -25,7 +25,7 @@ def test_a_folder_is_replaced_as_a_whole(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("error", [ValueError(), KeyboardInterrupt()], ids=["error", "interrupt"])
 def test_nothing_half_written_stays(error: BaseException, tmp_path: Path) -> None:
-    """After an exception, an interrupt included, folder and file are what they were and nothing is beside."""
+    """After an exception, an interrupt included, folder and file are unchanged and nothing else is left."""
     out, log = tmp_path / "out", tmp_path / "log.csv"
     with whole_folder(out, "fit") as new, whole_file(log) as file:
         (new / "a").write_text("first")

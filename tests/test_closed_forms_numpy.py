@@ -17,7 +17,7 @@ from tests.emitted import both_precisions, every_call, every_model, labels, modu
 @both_precisions
 @every_call
 def test_agrees_with_the_paper(name: str, function: str, dtype: type[np.floating]) -> None:
-    """Every function is the paper's closed form to rounding, for any drive, in the hollow as elsewhere."""
+    """Every function is the paper's closed form to rounding, for any drive, even near F_N = 0."""
     derivative = function in oracle.DERIVATIVES
 
     @given(st.data())

@@ -239,7 +239,7 @@ def test_a_name_or_a_path_will_do() -> None:
 def test_what_cannot_be_compiled_or_kept_is_one_clear_line(
     monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
-    """A number in place of a model, an unknown name and a cache that is a file are told as what they are."""
+    """A number in place of a model, an unknown name and a cache that is a file are reported as such."""
     with pytest.raises(TypeError, match=r"^compile: required a Model, its name or path, received int$"):
         eccentric.compile(2)  # type: ignore[arg-type]
     with pytest.raises(InputError, match=r"^model 'c2_paralel' is unknown; known are "):

@@ -183,7 +183,7 @@ def test_a_changed_toolkit_derives_again(tmp_path: Path) -> None:
 
 
 def test_another_compiler_builds_again(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """What one compiler built is not served where another, or other options, are asked for."""
+    """What one compiler built is not served if another one, or other options, are requested."""
     own = _own(tmp_path, "0.016")
     eccentric.compile(own)
     assert _is_found(own)
@@ -257,7 +257,7 @@ def test_a_library_that_cannot_be_loaded_is_built_again(
 
 
 def test_processes_at_the_same_time_do_not_clash(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Each gets its module, and what they leave is whole: found, with nothing half-written beside it."""
+    """Each receives its module, and the cache they leave is complete, with nothing half-written in it."""
     own = _own(tmp_path, "0.02")
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))
     processes = [_start(own) for _ in range(2)]

@@ -138,7 +138,7 @@ def test_any_call_is_answered_as_the_numpy_module_answers_it(call: Call) -> None
 
 
 def _python_calls(call: Callable[[], Any]) -> list[str]:
-    """Return the names of the Python functions that run during a call, beside the call itself."""
+    """Return the names of the Python functions that run during a call, apart from the call itself."""
     seen: list[str] = []
 
     def profile(frame: Any, event: str, _: Any) -> None:

@@ -96,7 +96,7 @@ def test_fast_arithmetic_is_refused(option: str) -> None:
 
 @pytest.fixture(scope="module")
 def model(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Return a model as it compiles where nobody names a precision: in double."""
+    """Return a model as it compiles without a named precision: in double."""
     made = tmp_path_factory.mktemp("default") / "c2_parallel.o"
     run("gcc", *FLAGS, "-c", GENERATED / "c2_parallel.c", "-o", made)
     return made

@@ -214,7 +214,7 @@ def test_parameters_are_checked(name: str) -> None:
 @every_model
 @pytest.mark.parametrize("function", ["voltage", "current"])
 def test_acceleration_asks_for_inertia(name: str, function: str) -> None:
-    """An acceleration without J_m and J_l is refused by their names; without one nobody asks for them."""
+    """An acceleration without J_m and J_l is refused by their names; without one they are not required."""
     f, Parameters = getattr(module(name), function), module(name).Parameters
     states = [1.0 for _ in oracle.inputs(name, function)[:-1]]
 

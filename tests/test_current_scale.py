@@ -1,4 +1,4 @@
-"""A wrong k_i scales gravity and inertia alike; a wrong mass, or inertia, is told from it."""
+"""A wrong k_i scales gravity and inertia by the same factor; a wrong mass, or inertia, does not."""
 
 import json
 from pathlib import Path

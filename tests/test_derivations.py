@@ -82,7 +82,7 @@ def units(model: Model) -> dict[sp.Symbol, str]:
 
 @pytest.mark.parametrize(("name", "equation"), every_equation())
 def test_every_equation_has_its_unit(name: str, equation: Equation) -> None:
-    """The right side of every equation has the dimension that is printed beside it."""
+    """The right side of every equation has the dimension that is printed with it."""
     if isinstance(equation.right, sp.MatrixBase):
         rows = list(equation.right)
         units_of_rows = equation.units() if len(equation.units()) > 1 else equation.units() * len(rows)
@@ -132,7 +132,7 @@ def _plain(model: Model, name: str) -> sp.Expr:
 
 
 def test_reaction_with_acceleration_and_tilt() -> None:
-    """The general in-plane reaction, with acceleration and tilt, is the closed form worked out by hand."""
+    """The general in-plane reaction, with acceleration and tilt, is the closed form derived manually."""
     general = load_model("rotating_link").equation("normal_force").right
     p = LETTERS
     a, b, c = p.M * p.L, p.M + p.M_l, p.g * sp.cos(p.phi)

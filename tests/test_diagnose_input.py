@@ -52,7 +52,7 @@ def test_voltage_alone_names_the_same_effect(tmp_path: Path) -> None:
 
 
 def test_zero_angle_to_be_found_does_not_hide_behind_an_effect(tmp_path: Path) -> None:
-    """A zero angle that the rig leaves to the log is identified beside the effect, not named as another."""
+    """A zero angle that the rig leaves open is estimated with the effect, not named as another one."""
     rig = rig_with(
         tmp_path,
         ('drive = "current"', 'drive = "current"\ntheta_zero_rad = "estimate"'),
@@ -183,7 +183,7 @@ def test_a_model_of_another_case_is_refused(
 def test_one_run_is_too_little_to_hold_out(
     command: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    """The error on one whole run has no interval: both commands ask for a second in the same line."""
+    """The error on one whole run has no interval: both commands require a second one with the same line."""
     rig, log = tmp_path / "rig.toml", screw.write_log(tmp_path / "log.csv", {})
     rig.write_text('holdout_runs = ["speed_6"]\n' + screw.RIG, encoding="utf-8")
     status = main([command, str(log), "--rig", str(rig), "--out", str(tmp_path / "out")])

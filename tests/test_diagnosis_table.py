@@ -1,4 +1,4 @@
-"""The benchmark of the diagnosis counts what it is told: hits, false alarms, honest and dishonest answers."""
+"""The benchmark of the diagnosis counts hits, false alarms, honest and dishonest answers."""
 
 from benchmarks.diagnosis_jobs import Job, Result
 from benchmarks.diagnosis_table import details, figures

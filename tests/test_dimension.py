@@ -1,4 +1,4 @@
-"""Dimensions of units and of expressions, against exponents of kg, m, s, A and K written down by hand."""
+"""Dimensions of units and of expressions, against exponents of kg, m, s, A and K written out explicitly."""
 
 import pytest
 import sympy as sp

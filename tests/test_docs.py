@@ -153,7 +153,7 @@ def test_formulas_stand_whole_in_their_tables(site: Path) -> None:
 
 
 def test_every_command_is_told(site: Path) -> None:
-    """The help of each command stands in the page of the command line."""
+    """The help of each command is on the page of the command line."""
     text = (site / "commands.html").read_text(encoding="utf-8")
     for command in COMMANDS:
         assert f"usage: eccentric {command}" in text

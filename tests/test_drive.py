@@ -1,4 +1,4 @@
-"""What the rig leaves open, voltage, current or torque tells; free swings tell k_e from friction."""
+"""Voltage, current or torque identify what the rig leaves open; free swings separate k_e from friction."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ def test_voltage_alone_tells_scale_inertia_friction_and_by_free_swings_the_back_
 
 
 def test_without_free_swings_back_emf_and_viscous_friction_are_one(tmp_path: Path) -> None:
-    """All rows driven: no k_e is told, and B_m is the sum that a voltage shows."""
+    """All rows driven: k_e is not identifiable, and B_m is the sum that a voltage shows."""
     rig = Swing()
     fitted = refitted(tmp_path, log_of(rig, swings=False), VOLTAGE, rig.known, ONE_RUN)
     assert "k_e" not in fitted.estimates
@@ -75,7 +75,7 @@ def test_offset_of_the_voltage_is_found(tmp_path: Path) -> None:
 
 
 def test_current_with_k_i_known_by_a_range_gives_newton_metres_by_gravity(tmp_path: Path) -> None:
-    """Of k_i only a range is known: gravity tells 1/k_i, with it inertia and friction."""
+    """Only a range of k_i is known: gravity identifies 1/k_i, with it inertia and friction."""
     rig = Swing()
     known = rig.known + '[unknown]\nk_i = ["0.05 Nm/A", "1 Nm/A"]\n'
     names = ("time_s", "theta_m_rad", "current_A", "motor_off")
@@ -87,7 +87,7 @@ def test_current_with_k_i_known_by_a_range_gives_newton_metres_by_gravity(tmp_pa
 
 
 def test_torque_with_an_arm_known_by_a_range_and_no_inertia(tmp_path: Path) -> None:
-    """A torque signal tells the gravity arm within its range and the inertia."""
+    """A torque signal identifies the gravity arm within its range and the inertia."""
     rig = Swing()
     known = rig.known.replace(f"L_m = {rig.L}\n", "") + '[unknown]\nL = ["5 cm", "30 cm"]\n'
     names = ("time_s", "theta_m_rad", "torque_Nm", "motor_off")

@@ -1,4 +1,4 @@
-"""What a person reads of an effect: complete, distinct, and decisive between families that look alike."""
+"""What a person reads about an effect: complete, distinct, and decisive between similar families."""
 
 from __future__ import annotations
 
@@ -53,7 +53,7 @@ def test_a_family_has_one_meaning_and_one_hint() -> None:
 
 @every_case
 def test_words_name_families_and_kins_that_exist(case: str) -> None:
-    """What tells an effect apart is keyed by a family of the library or by a kin of one."""
+    """What distinguishes an effect is keyed by a family of the library or by a kin of one."""
     words = {effect.family: effect.words for effect in effects(case).values()}
     kins = {own.kin.name for own in words.values() if own.kin}
     known = kins | {e.family for c in CASES for e in effects(c).values()}

@@ -18,7 +18,7 @@ from tests.extended import BASE, CASES, effects, every_case, setting
 
 @every_case
 def test_every_family_of_the_table_is_offered_or_an_alias(case: str) -> None:
-    """FAMILIES lists what the modules make, no more and no less, but for what a case holds already."""
+    """FAMILIES lists exactly what the modules make, except for what a case already contains."""
     made = {effect.family for effect in effects(case).values()}
 
     assert set(FAMILIES) - set(base_aliases(case)) == made

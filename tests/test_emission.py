@@ -120,7 +120,7 @@ def _holes(environment: jinja2.Environment, name: str, seen: set[str]) -> set[st
 
 @pytest.mark.parametrize("name", model_names())
 def test_every_coefficient_says_what_it_is(name: str) -> None:
-    """Coefficients have names that all compilers tell apart, and a comment; none is another's negative."""
+    """Coefficients have names that all compilers distinguish, and a comment; none is another's negative."""
     program = build_program(load_model(name))
     notes = dict(program.notes)
     names = [symbol.name for symbol in program.coefficients]
@@ -280,7 +280,7 @@ NASTY = """Arm */ 3 /* of "two" \\N{x} ''' \"\"\" \n\x00 \u2028 ends in a \\"""
 
 
 def test_free_text_stays_in_comments(tmp_path: Path) -> None:
-    """No title, meaning, unit or remark ends a comment or a docstring, whatever stands in it."""
+    """No title, meaning, unit or remark ends a comment or a docstring, whatever it contains."""
     base = load_model("c2_parallel")
     meant = {q.symbol.name: replace(q, meaning=NASTY, unit=NASTY, equation=NASTY) for q in base.parameters}
     speed = replace(base.definition("speed").quantity, meaning=NASTY)

@@ -19,7 +19,7 @@ DAMPING = Equation(
 
 
 def test_text_has_the_origin_the_formula_its_number_its_unit_and_what_follows() -> None:
-    """Letters stand as in code, Greek ones in Greek; number and unit are in the line of the equals sign."""
+    """Letters are as in code, Greek ones in Greek; number and unit are in the line of the equals sign."""
     assert [
         "Damping by the back-EMF.",
         "",
@@ -71,7 +71,7 @@ def test_latex_has_the_number_as_tag() -> None:
 
 
 def test_a_vector_of_different_quantities_has_a_unit_for_each() -> None:
-    """One unit stands for all rows, or one for each."""
+    """There is one unit for all rows, or one for each."""
     column = sp.Matrix([R, mu])
     several = Equation("several", "", sp.Matrix(sp.symbols("a b")), column, ("Ohm", "1"), "Two.")
 

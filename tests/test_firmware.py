@@ -87,7 +87,7 @@ def test_the_arm_of_a_fit(own: Path, renamed: bool) -> None:
 
 
 def test_a_failure_says_why(own: Path) -> None:
-    """A drive with twice the friction of what the model was emitted for is told so, and where to look."""
+    """A drive with twice the friction of the emitted model is reported, with a hint where to look."""
     drive = (own / "drive.c").read_text(encoding="utf-8")
     (own / "drive.c").write_text(drive.replace("TRUE_C_lN 0.95f", "TRUE_C_lN 1.9f"), encoding="utf-8")
 

@@ -218,7 +218,7 @@ def test_shared_examples_have_the_error_of_their_readme(name: str, expected: flo
 
 @needs_shared
 def test_disc_of_eindhoven_shows_no_gain() -> None:
-    """On the measured disc the alignment is what its README tells, and the paper's model gains nothing."""
+    """On the measured disc the alignment is that of its README, and the paper's model gains nothing."""
     log = SHARED / "measured" / "tue_unbalanced_disc" / "data.csv.gz"
     found = shared_fit(log, ROOT / "examples" / "rigs" / "tue_unbalanced_disc.toml")
     # One step of 25 ms late, and held for another: one and a half.

@@ -185,7 +185,7 @@ def test_a_root_too_long_for_a_line_is_shown_squared() -> None:
     ],
 )
 def test_a_typed_formula_keeps_its_words(typed: str, shown: str) -> None:
-    """Letters become Greek, words stay words, names beside a sign belong to the formula, text is text."""
+    """Letters become Greek, words stay words, names next to a sign belong to the formula, text is text."""
     html = short_formula(typed)
 
     assert shown == "".join(ET.fromstring(f"<p>{html}</p>").itertext())  # noqa: S314 - made here

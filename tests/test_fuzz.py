@@ -1,4 +1,4 @@
-"""Whatever stands in a file of the user's, it is read or refused in one line: no other exception, no hang."""
+"""Whatever a user's file contains, it is read or refused in one line: no other exception, no hang."""
 
 from __future__ import annotations
 

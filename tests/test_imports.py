@@ -1,4 +1,4 @@
-"""Rooms open one way and through their doors; what is emitted stands by itself. Read from the sources."""
+"""Rooms import one way and through their doors; emitted code is self-contained. Read from the sources."""
 
 import sys
 from pathlib import Path
@@ -87,7 +87,7 @@ def _past_the_door(module: str, other: str) -> bool:
     ("part", "path"), [pytest.param(*source, id=str(source[1].relative_to(ROOT))) for source in _sources()]
 )
 def test_imports_run_one_way(part: str, path: Path) -> None:
-    """No file imports a part of eccentric that stands higher than its own; a new part is given its place."""
+    """No file imports a part of eccentric above its own; a new part must be given its place."""
     assert part in MAY_IMPORT, f"{part} has no place in the layers of {Path(__file__).name}"
 
     assert _parts(path) - MAY_IMPORT[part] == set()
@@ -178,7 +178,7 @@ def test_every_form_of_import_is_seen(source: str, expected: set[str], tmp_path:
 
 
 def test_a_circle_and_a_floor_are_found() -> None:
-    """Three files in a ring are a circle; without the last import they stand on three levels."""
+    """Three files in a ring are a circle; without the last import they are on three levels."""
     ring = {"a": {"b"}, "b": {"c"}, "c": {"a"}}
     row = {**ring, "c": set[str]()}
 

@@ -18,7 +18,7 @@ TEXT = "time_s,run,current_A\n0.0,a,1.5\n0.1,a,\n0.2,b,nan\n"
 
 
 def test_csv_keeps_numbers_text_and_missing_values(tmp_path: Path) -> None:
-    """Numbers come as float64 with NaN where nothing stands, text as text, in the order of the header."""
+    """Numbers become float64 with NaN for empty cells, text stays text, in the order of the header."""
     path = tmp_path / "log.csv"
     path.write_text(TEXT)
     log = read_log(path)
@@ -91,7 +91,7 @@ def test_missing_file_and_directory_are_refused(tmp_path: Path) -> None:
 
 
 def test_text_in_a_numeric_column_is_named_with_row_and_column(tmp_path: Path) -> None:
-    """Text is refused only where numbers are asked for, with its first row."""
+    """Text is refused only where numbers are required, with its first row."""
     path = tmp_path / "log.csv"
     path.write_text("time_s,current_A\n0.0,1.0\n0.1,oops\n0.2,1.0\n")
     log = read_log(path)

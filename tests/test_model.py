@@ -41,7 +41,7 @@ def test_definitions_are_put_in_down_to_inputs_and_parameters() -> None:
 
 
 def test_what_nothing_defines_is_refused_by_name() -> None:
-    """A definition may use what stands before it, a term what stands anywhere; else the name is told."""
+    """A definition may use what is defined before it, a term anything; otherwise the name is reported."""
     with pytest.raises(InputError, match="model own: twice uses unknown before its definition"):
         model(Definition(twice, unknown))
     with pytest.raises(InputError, match="model own: term viscous uses unknown, which nothing defines"):

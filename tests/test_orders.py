@@ -31,7 +31,7 @@ def test_stribeck_friction_is_named_from_the_means_of_runs(found: Diagnosis) -> 
 
 
 def test_constant_load_is_identified_and_no_friction_by_a_mass_that_is_not_there(found: Diagnosis) -> None:
-    """T_load comes back with its sign beside Coulomb and viscous friction; F_N has no coefficients."""
+    """T_load is recovered with its sign with Coulomb and viscous friction; F_N has no coefficients."""
     estimates = found.models.extended.estimates
     truths = {"T_load": screw.LOAD, "C_m": screw.COULOMB, "B_m": screw.VISCOUS}
     # A second is cut off each run: of the ripple, a part of one turn is left in the nine of the fastest.

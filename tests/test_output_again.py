@@ -161,7 +161,7 @@ def test_only_the_folder_itself_is_written(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("ask", [own_folder, lambda out: written(out, "a")], ids=["asked", "written"])
 def test_a_marker_that_is_no_text_is_one_clear_line(ask, tmp_path: Path) -> None:  # noqa: ANN001
-    """It is told when the folder is asked for, before the work, and the folder is left alone."""
+    """It is reported when the folder is requested, before the work, and the folder is not touched."""
     (tmp_path / "out").mkdir()
     (tmp_path / "out" / MARKER).write_bytes(b"notice\n\xfffit: a\n")
 

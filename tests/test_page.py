@@ -24,7 +24,7 @@ LIMITS = {"most": Asked("time", "at most", 2.0, "ns"), "least": Asked("gain", "a
     ],
 )
 def test_a_missed_figure_is_not_reached(key: str, value: float, judged: str) -> None:
-    """A value beyond its limit is told beside it and its peer as not reached, and so is none."""
+    """A value beyond its limit is marked as not reached, and so is a missing one."""
     row = table({key: LIMITS[key]}, {key: Measured(value, "so much", "a peer")})[-1]
 
     limit = {"most": "at most 2 ns", "least": "at least 7"}[key]
@@ -32,7 +32,7 @@ def test_a_missed_figure_is_not_reached(key: str, value: float, judged: str) -> 
 
 
 def test_every_figure_stands_once() -> None:
-    """Figures that nobody measured have their rows, too, each once."""
+    """Figures that were not measured have their rows as well, each once."""
     text = page.page({"speed": Part({"numba": Measured(1.2)}, ["Told."])}, quick=False)
 
     rows = [line.split("|") for line in text.splitlines() if re.match(r"\| .* \| at (most|least) ", line)]
@@ -51,7 +51,7 @@ def test_no_two_figures_share_a_key() -> None:
 def test_a_part_that_fails_does_not_end_the_run(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    """Its reason is told, the others are measured, and the exit status is 1."""
+    """Its reason is reported, the others are measured, and the exit status is 1."""
 
     def fails(_: bool) -> Part:
         raise RuntimeError("not installed: valgrind")

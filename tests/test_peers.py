@@ -26,7 +26,7 @@ def emitted(folder: Path, real: str) -> Generated:
 @pytest.mark.parametrize("state", STATES)
 @both_reals
 def test_it_is_the_paper(tmp_path: Path, real: str, state: tuple[float, float]) -> None:
-    """Away from the hollow the emitted C gives eq. (18) and its derivatives, but for some rounding."""
+    """Away from the zero of F_N the emitted C gives eq. (18) and its derivatives, up to rounding."""
     one, library = emitted(tmp_path, real), tmp_path / "peer.so"
     run("gcc", "-shared", "-fPIC", "-o", library, one.source("gradient"), "-lm")
     number = {"float": ctypes.c_float, "double": ctypes.c_double}[real]
@@ -56,7 +56,7 @@ def test_its_calls_are_counted(tmp_path: Path, real: str) -> None:
 
 
 def test_how_they_are_told() -> None:
-    """Each number stands with the generator, as generated and with -ffast-math, in line and table."""
+    """Each number is printed with its generator, as generated and with -ffast-math, in line and table."""
     found = {"A": [[1.0, 2.0], [3.0, 4.0]], "B": [[5.0, 6.0], [7.0, 8.4]]}
 
     assert "as generated / -ffast-math: A 2 / 4; B 6 / 8" == generators.as_text(found, 1)

@@ -1,4 +1,4 @@
-"""Angles that restart at every turn are unwrapped; a speed that is not the slope of its angle is told."""
+"""Angles that restart at every turn are unwrapped; a speed that is not the slope of its angle is reported."""
 
 from __future__ import annotations
 
@@ -87,7 +87,7 @@ def test_a_wrap_that_is_sampled_too_slowly_is_uncertain() -> None:
 
 
 def test_jumps_of_360_are_degrees() -> None:
-    """An angle in degrees that is taken for radians jumps by 360: left alone, the unit is asked for."""
+    """An angle in degrees that is taken for radians jumps by 360: it stays, and the unit is questioned."""
     degrees = np.degrees(wrapped(ANGLE, 0.0, TURN))
     found, said = unwrapped(T, degrees, ONE, ONE, MU)
     np.testing.assert_array_equal(found, degrees)

@@ -12,7 +12,7 @@ from tests.gappa import proved
 
 GENERATED = Path(__file__).resolve().parent.parent / "generated"
 FORMATS = {"float": ("ieee_32", np.float32), "double": ("ieee_64", np.float64)}
-# Half a turn of the link from the top, and a little: which top is nearest is told by theta_m mu/2pi, and in
+# Half a turn of the link from the top, and a little: the nearest top is determined by theta_m mu/2pi, and in
 # single precision a rounded factor, product and sum leave of 2^13 turns all but 2^-10.
 LARGEST_HALF_ANGLE = math.pi / 2 + math.pi * 2**-10
 FUNCTIONS = {"sine_ratio": "sin(h)/h", "cosine": "cos(h)"}

@@ -218,7 +218,7 @@ def test_the_shared_examples_have_no_finding(number: int) -> None:
 
 
 def test_one_speed_is_told(tmp_path: Path) -> None:
-    """A log at one speed cannot tell Coulomb from viscous friction; with a second speed it can."""
+    """A log at one speed cannot separate Coulomb from viscous friction; with a second speed it can."""
     t = np.arange(0.0, 40.0, 0.004)
     noise = 0.01 * np.random.default_rng(1).standard_normal(len(t))
     rig = {"known": {"case": "C1", "mu": 0.2, "k_i_Nm_per_A": 0.05}}
@@ -257,7 +257,7 @@ TIMES = {
 
 @pytest.mark.parametrize("name", TIMES)
 def test_bad_time_stamps_are_refused(name: str, tmp_path: Path) -> None:
-    """Stamps that go back or stand still, and those of another unit, end the run with file and line."""
+    """Time stamps that go back or repeat, and those in another unit, end the run with file and line."""
     change, expected = TIMES[name]
     run = bench(*C2)
     log, sidecar = written(tmp_path, run.columns | {"time_s": change(run.columns["time_s"])}, run.rig)

@@ -185,7 +185,7 @@ def huge() -> bytes:
 
 @pytest.mark.parametrize("name", BAD_MAT)
 def test_a_mat_file_that_cannot_be_a_log_is_refused(tmp_path: Path, name: str) -> None:
-    """One line says why, before any memory is asked for."""
+    """One line says why, before any memory is allocated."""
     write, expected = BAD_MAT[name]
     write(tmp_path / "log.mat")
     with pytest.raises(InputError, match=rf"log\.mat: not a valid MAT file \(.*{expected}"):

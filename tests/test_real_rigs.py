@@ -47,7 +47,7 @@ def test_servo_lacks_friction_that_follows_the_load_of_its_gear() -> None:
 
 
 def test_normal_force_of_the_bearing_is_not_the_load_of_the_servo() -> None:
-    """Friction by F_N does not help on unseen runs, and beside the load of the gear nothing of it is left."""
+    """Friction by F_N does not help on unseen runs, and with the load of the gear nothing of it is left."""
     diagnosis = servo()
     over = diagnosis.score.over_runs
     assert over is not None

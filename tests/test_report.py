@@ -34,7 +34,7 @@ def undrawn(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 def test_the_verdict_comes_first(plain: str) -> None:
-    """The sentence stands before every section, and the sections come in the order of the questions."""
+    """The sentence precedes every section, and the sections follow the order of the questions."""
     text = Reader(plain).text
     headings = [
         "The model lacks wobble[n=2].", "Error before and after", "Residual over every channel",
@@ -114,7 +114,7 @@ def test_every_verdict_has_a_report(verdict: str, n: int) -> None:
 
 
 def test_a_log_with_few_signals_has_fewer_figures() -> None:
-    """No channel but time: its residual and the traces are drawn, nothing else is asked for."""
+    """No channel but time: its residual and the traces are drawn, nothing else is required."""
     data = sample()
     (balance,) = data.balances
     rows = replace(balance.rows, channels=balance.rows.channels[-1:])

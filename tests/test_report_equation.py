@@ -1,4 +1,4 @@
-"""The equation of the report: every term of the friction, what is added marked, what is replaced told."""
+"""The equation of the report: every term of the friction, with additions marked and replacements defined."""
 
 from dataclasses import replace
 
@@ -25,7 +25,7 @@ def test_the_equation_has_every_friction_term() -> None:
 
 
 def test_the_equation_tells_what_is_replaced() -> None:
-    """A mass that is another one than the rig says stands beside the friction, as what it has become."""
+    """A mass other than the declared one is printed with the friction, with its definition."""
     setting = Setting(load_model("c2_parallel"), 0.2, {"M": 0.5, "L": 0.2}, 0.5, 40.0, 10.0, 60.0, 5.0)
     effect = next(e for e in library(setting) if e.id == "mass_mismatch")
     notes = [

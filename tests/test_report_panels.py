@@ -1,4 +1,4 @@
-"""What is drawn: bins and traces hold all rows, add up, and say how many rows a point stands for."""
+"""What is drawn: bins and traces hold all rows, add up, and say how many rows a point represents."""
 
 from dataclasses import replace
 

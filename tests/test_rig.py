@@ -82,7 +82,7 @@ def test_toml_and_json_say_the_same(tmp_path: Path) -> None:
     ],
 )
 def test_case_and_tilt(tmp_path: Path, known: str, case: str | None, phi: float, model: str) -> None:
-    """C1 is a tilt of 90 deg, C2 one of 0; each asks for its model, any other tilt for the general one."""
+    """C1 is a tilt of 90 deg, C2 one of 0; each selects its model, any other tilt the general one."""
     rig = read_rig(written(tmp_path, f"[known]\n{known}\nmu = 0.2\n"))
     assert (rig.case, rig.known["phi"], rig.model) == (case, pytest.approx(phi), model)
 
@@ -255,7 +255,7 @@ def test_missing_file_directory_and_suffix_are_refused(tmp_path: Path) -> None:
 @pytest.mark.skipif(not SHARED.exists(), reason="the shared example logs are not beside this clone")
 @pytest.mark.parametrize("number", [1, 2, 3, 4])
 def test_sidecars_are_rigs_as_they_stand(number: int) -> None:
-    """Every sidecar of the shared examples is read, with the values that stand in it."""
+    """Every sidecar of the shared examples is read, with its values."""
     path = SHARED / f"example{number}.json"
     content = json.loads(path.read_text())
     rig = read_rig(path)

@@ -30,7 +30,7 @@ def test_the_content_of_a_file_is_the_same_rig(path: Path) -> None:
 
 
 def test_tuples_and_numbers_of_numpy_are_those_of_a_file() -> None:
-    """What Python has beside lists and floats means the same."""
+    """Python types other than lists and floats mean the same."""
     plain = {"known": {"case": "C2", "mu": 0.2}, "holdout_intervals_s": [[1.0, 2.0]], "runs": ["a", "b"]}
     rich = {
         "known": {"case": "C2", "mu": np.float32(0.5) * np.float64(0.4)},

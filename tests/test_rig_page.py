@@ -1,4 +1,4 @@
-"""docs/rig.md tells the truth: its rig runs, its keys are all keys, its units are units."""
+"""docs/rig.md is correct: its rig runs, its keys are all keys, its units are units."""
 
 from __future__ import annotations
 
@@ -73,7 +73,7 @@ def test_the_rig_by_hand_of_the_bundled_log_says_what_the_sidecar_says() -> None
 
 
 def test_every_key_stands_in_the_page() -> None:
-    """Keys of the file, quantities in both ways of writing, channels and standard columns: all are told."""
+    """Keys of the file, quantities in both ways of writing, channels and standard columns: all are listed."""
     told = set(_code(PAGE.split("```")[2]))
     keys = {*KEYS, *CHANNELS, *(column for column, _ in CHANNELS.values()), "case"}
     keys |= {known.name for known in KNOWNS} | {known.key for known in KNOWNS}

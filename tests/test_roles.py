@@ -133,7 +133,7 @@ def test_the_linear_model_is_coulomb_and_viscous_friction_that_follow_no_load(
 
 @pytest.mark.parametrize("name", ["c1_perpendicular", "c1_asymmetric"])
 def test_what_is_emitted_of_a_fit_has_all_its_friction(name: str, tmp_path: Path) -> None:
-    """Each fitted column goes into the parameter that stands for it: B into B_m, B_pos into B_m_pos."""
+    """Each fitted column goes into the parameter that represents it: B into B_m, B_pos into B_m_pos."""
     log, file = log_of(tmp_path, 11, case="C1", seconds=20.0)
     rig = read_rig(file)
     fitted = fit(read_channels([log], rig), rig, load_model(name))
@@ -146,7 +146,7 @@ def test_what_is_emitted_of_a_fit_has_all_its_friction(name: str, tmp_path: Path
 
 @pytest.mark.parametrize("name", model_names())
 def test_with_the_others_at_zero_a_column_is_its_parameter(name: str) -> None:
-    """B is B_m + mu^2 beta_T: with B_lT at zero it is B_m, which stands for it."""
+    """B is B_m + mu^2 beta_T: with B_lT at zero it is B_m, which represents it."""
     model = load_model(name)
     friction = {q.symbol for q in model.friction_parameters}
     for column in regressor(model):
@@ -191,7 +191,7 @@ def test_a_role_that_makes_no_sense_is_refused(given: dict[str, object], said: s
 
 
 def test_the_model_gives_its_own_inertia_and_the_current_of_its_armature() -> None:
-    """J is J_m + mu^2 J_l, and Kirchhoff's law gives i = (u - k_e w)/R: numbers by hand."""
+    """J is J_m + mu^2 J_l, and Kirchhoff's law gives i = (u - k_e w)/R: numbers calculated manually."""
     model = load_model("c2_parallel")
     known = {"J_m": 2e-4, "J_l": 0.04, "mu": 0.2, "u": 9.0, "k_e": 0.05, "R": 1.5, "omega_m": 30.0}
     current = model.balance("electrical").solved_for(v.i.symbol)

@@ -1,4 +1,4 @@
-"""Averages weigh both sides of the balance alike: what is fitted stays, what is noise goes."""
+"""Averages weigh both sides of the balance equally: the fit is kept, noise is removed."""
 
 from __future__ import annotations
 
@@ -152,7 +152,7 @@ def test_nothing_driven_to_hold_out_is_refused_in_one_line(tmp_path: Path) -> No
 
 
 def test_the_voltage_of_expressions_passes_the_low_pass_of_the_rig(tmp_path: Path) -> None:
-    """A sine of 6 Hz keeps the gain |H|^2 of a Butterworth low pass at the 8 Hz that the rig asks for."""
+    """A sine of 6 Hz keeps the gain |H|^2 of a Butterworth low pass at the 8 Hz that the rig requires."""
     u = np.sin(2.0 * math.pi * 6.0 * T)
     known = 'case = "C2"\n' + KNOWN + MOTOR + MASS
     columns = {"voltage_V": u, "current_A": torque("C2", FRICTION) / K_I}

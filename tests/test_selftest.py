@@ -90,7 +90,7 @@ def test_models_with_an_exponential(tmp_path: Path, case: str, effect_id: str, r
 
 
 def test_a_bad_exponential_is_seen(tmp_path: Path) -> None:
-    """A library whose exponential is off by three units is told so."""
+    """A library whose exponential is off by three units is reported."""
     bad = tmp_path / "bad.h"
     bad.write_text(
         "#include <math.h>\n"

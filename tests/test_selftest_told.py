@@ -1,4 +1,4 @@
-"""What the self-test of the emitted C sees, and how it tells: the function, its inputs, both values."""
+"""What the self-test of the emitted C detects and reports: the function, its inputs, both values."""
 
 import re
 import struct
@@ -20,7 +20,7 @@ TRIPLED = GRAVITY.replace("chord", "chord * REAL(-3.0)")
 
 
 def changed(folder: Path, old: str, new: str) -> Path:
-    """Write the source of case C2 with one text replaced, which stands there once."""
+    """Write the source of case C2 with one text replaced, which occurs there once."""
     text = (GENERATED / "c2_parallel.c").read_text(encoding="utf-8")
     assert 1 == text.count(old), old
     (folder / "changed.c").write_text(text.replace(old, new), encoding="utf-8")

@@ -1,4 +1,4 @@
-"""Hidden states along a log: leaps over samples that change nothing lose none that do."""
+"""Hidden states along a log: skipping samples that change nothing loses none that do."""
 
 import numpy as np
 import pytest

@@ -118,7 +118,7 @@ def test_at_standstill_neither_direction_is_on() -> None:
 
 
 def test_a_step_stays_as_written_also_for_numbers() -> None:
-    """SymPy evaluates no step: SquareDifference(3, 2) is not 5 until its meaning is asked for."""
+    """SymPy evaluates no step: SquareDifference(3, 2) is not 5 until its meaning is requested."""
     difference = steps.SquareDifference(sp.Integer(3), sp.Integer(2))
 
     assert isinstance(difference, steps.SquareDifference)

@@ -1,4 +1,4 @@
-"""The pages that teach tell the truth: their files are written, their commands run, their output compared."""
+"""The teaching pages are correct: their files are written, their commands run, their output compared."""
 
 from __future__ import annotations
 
@@ -65,7 +65,7 @@ def agree(shown: str, real: str) -> bool:
 
 
 def first_difference(shown: str, real: str) -> str | None:
-    """The first line of the page that the output does not have in its place; "..." stands for any lines."""
+    """The first line of the page that the output does not have in its place; "..." means any lines."""
     left, skipped = real.splitlines(), False
     for line in shown.splitlines():
         if line == "...":

@@ -224,7 +224,7 @@ def test_the_measurement_between_tied_families_is_theirs() -> None:
 def test_the_next_measurement_is_that_of_the_verdict(
     case: str, tied: list[str], variables: list[str], expected: str
 ) -> None:
-    """Hold all but one variable constant; tell two families apart, by headline or id; or nothing."""
+    """Hold all but one variable constant; separate two families, by headline or id; or nothing."""
     words = {"a": Words(headline="what a is"), "b": Words()}
     said = next_measurement(case, [(name, words[name]) for name in tied], variables)
 

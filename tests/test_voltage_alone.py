@@ -1,4 +1,4 @@
-"""A rig that logs a voltage and no current: effects are named, the rig is identified beside them."""
+"""A rig that logs a voltage and no current: effects are named, the rig is estimated jointly with them."""
 
 from __future__ import annotations
 
@@ -64,7 +64,7 @@ def test_a_gear_that_loses_unlike_amounts_gives_the_same_voltage() -> None:
     """Losses of eta driving and rho eta back-driven are those of `by_load` on a rig of another scale.
 
     (1 + rho)/2 eta |G| sgn w + (1 - rho)/2 eta G: the second part is gravity, and with the voltage alone the
-    scale R/k_i is told by gravity.  Every other torque is the smaller for it.
+    scale R/k_i is identified by gravity.  Every other torque is smaller by that factor.
     """
     rho = 0.5
     eta = 0.15 / ((1.0 + rho) / 2.0 - 0.15 * (1.0 - rho) / 2.0)
@@ -79,13 +79,13 @@ def test_a_gear_that_loses_unlike_amounts_gives_the_same_voltage() -> None:
     _, theta, omega, alpha = sines(np.random.default_rng(5))
     voltage = rig.voltage(theta, omega, alpha)
     assert other.voltage(theta, omega, alpha) == pytest.approx(voltage, rel=1e-12, abs=1e-12)
-    # Free swings ask for no voltage and have no scale: every torque times the same factor.
+    # Free swings need no voltage and have no scale: every torque times the same factor.
     torque = rig.torque(theta, omega, alpha)
     assert other.torque(theta, omega, alpha) == pytest.approx(by * torque, rel=1e-12, abs=1e-14)
 
 
 def test_load_dependent_friction_is_told_with_its_equal(with_load: Diagnosis) -> None:
-    """Both families that give this log are listed and no other; the log that would part them is asked for."""
+    """Both families that give this log are listed and no other; one that separates them is proposed."""
     assert "not_identifiable" == with_load.attribution.verdict
     assert {"load_dependent", "gear_efficiency"} == set(with_load.attribution.tied)
     assert "current" in with_load.attribution.next_measurement
@@ -137,7 +137,7 @@ def test_rig_is_identified_beside_the_effect(name: str, request: pytest.FixtureR
 
 
 def test_errors_in_volts_are_those_in_newton_metres_by_the_scale(with_drag: Diagnosis) -> None:
-    """Both are told, and differ by R/k_i; the error after is that of the voltage's noise."""
+    """Both are reported, and differ by R/k_i; the error after is that of the voltage's noise."""
     said = diagnosis_document(with_drag)
     volts, torques = said["rmse_holdout_V"]["mechanical"], said["rmse_holdout_Nm"]["mechanical"]
     scale = said["rig_identified"]["R/k_i"]["value"]
