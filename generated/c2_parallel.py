@@ -1,5 +1,5 @@
 # Generated: do not edit. Written by `make derive` from derivations/c2_parallel.py
-# (eccentric 0.1.0, program b273c862).
+# (eccentric 0.1.0, program 5158d6b0).
 # Case C2: gravity parallel to the motion plane, steady motion.
 """Case C2: gravity parallel to the motion plane, steady motion.
 
@@ -90,7 +90,7 @@ class Parameters(runtime.Checked):
 
 
 def _prepare(p, c):
-    """Compute what depends on parameters only; what needs more digits than a double has is a Pair."""
+    """Compute values that depend on parameters only; those beyond double precision are Pairs."""
     J_m = math.nan if p.J_m is None else p.J_m
     J_l = math.nan if p.J_l is None else p.J_l
     c.k_i = p.k_i

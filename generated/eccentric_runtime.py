@@ -1,5 +1,5 @@
 # Generated: do not edit. Written by `make derive` (eccentric 0.1.0).
-"""What the emitted NumPy modules of eccentric run on; it knows no model.
+"""The runtime of the NumPy modules emitted by eccentric; it knows no model.
 
 A kernel is a formula in plain NumPy that takes coefficients and inputs. For arrays it is called once, with
 symbols that record what it does. The record is then played on blocks of samples that fit in the cache, in
@@ -31,7 +31,7 @@ def positive(default: float | None, unit: str) -> Any:
 
 
 def nonnegative(default: float | None, unit: str) -> Any:
-    """A field of parameters from zero on."""
+    """A field of nonnegative parameters."""
     return _field(default, "a number that is not negative", unit, 0.0, _LARGEST)
 
 
@@ -41,7 +41,7 @@ def real(default: float | None, unit: str) -> Any:
 
 
 def tilt(default: float | None, unit: str) -> Any:
-    """A field of angles up to a right one; rounded up to single precision it still is one."""
+    """A field of angles up to a right angle; rounded up to single precision it is still valid."""
     return _field(default, "a number from 0 to pi/2", unit, 0.0, 1.5707964)
 
 
@@ -51,7 +51,7 @@ def _field(default: float | None, required: str, unit: str, lowest: float, highe
 
 
 class Checked:
-    """Parameters, which are checked when they are made, and kept as floats."""
+    """Parameters, checked when they are made, and stored as floats."""
 
     def __post_init__(self) -> None:
         for name, (optional, required, lowest, highest) in _domains(type(self)):
@@ -61,7 +61,7 @@ class Checked:
             if type(value) is not float and not isinstance(value, Real):
                 raise TypeError(f"{name}: required {required}, received {type(value).__name__}")
             try:
-                number = float(value) + 0.0  # minus zero is zero, too
+                number = float(value) + 0.0  # minus zero becomes zero
             except OverflowError:
                 received = "received one beyond double precision"
                 raise ValueError(f"{name}: required {required}, {received}") from None
@@ -77,7 +77,7 @@ def _domains(kind: Any) -> list[tuple[str, tuple[bool, str, float, float]]]:
 
 
 class Pair:
-    """A number beyond double precision: high + low, unevaluated, good for some 104 bits."""
+    """A number beyond double precision: high + low, unevaluated, with some 104 bits."""
 
     __slots__ = ("high", "low")
 
@@ -119,7 +119,7 @@ class Pair:
 
 
 def turn_less(a: float, b: float) -> Pair:
-    """2 pi - a b, where a b is nearly 2 pi."""
+    """2 pi - a b, for a b close to 2 pi."""
     taken = _product(a, b)
     first = _sum(6.283185307179586 - taken.high, -taken.low)
     second = _sum(first.high, 2.4492935982947064e-16)
@@ -138,7 +138,7 @@ def _sum(a: float, b: float) -> Pair:
 
 
 def _product(a: float, b: float) -> Pair:
-    """Multiply without error: both factors are split into halves, whose products are exact."""
+    """Multiply without error: both factors are split into halves with exact products."""
     high = a * b
     a_scaled, b_scaled = a * 134217729.0, b * 134217729.0
     a_1, b_1 = a_scaled - (a_scaled - a), b_scaled - (b_scaled - b)
@@ -150,7 +150,7 @@ _Real = type[np.float32] | type[np.float64]
 
 
 class Coefficients:
-    """What a kernel takes of the parameters; the module's `_prepare` computes it, in double precision."""
+    """What a kernel needs of the parameters; the module's `_prepare` computes it in double precision."""
 
     def __init__(self, precision: _Real) -> None:
         self.real: _Real = precision
@@ -163,7 +163,7 @@ class Coefficients:
         return float(self.real(x))
 
     def leading(self, x: float) -> float:
-        """The leading digits of x, so few that their product with a number of half turns is exact."""
+        """The leading digits of x, few enough that their product with a number of half turns is exact."""
         scaled = x * (8796093022209.0 if self.single else 1048577.0)
         return scaled - (scaled - x)
 
@@ -183,7 +183,7 @@ class _Prepared:
         vars(c).update({name[2:]: float(x) for name, x in self.arrays.items()})
 
     def constants(self, plan: _Plan) -> dict[str, Any]:
-        """All that the steps of a plan read and no sample changes, by its name there."""
+        """Everything that the steps of a plan read and that no sample changes, by its name there."""
         if plan not in self.known:
             known = self.arrays | plan.numbers
             with np.errstate(all="ignore"):
@@ -250,7 +250,7 @@ def _horner_on_arrays(coefficients: Sequence[np.ndarray], x: np.ndarray, out: np
 
 
 class _Value(NDArrayOperatorsMixin):
-    """Stands for an array while a kernel is recorded."""
+    """A placeholder for an array while a kernel is recorded."""
 
     def __init__(self, tape: _Tape, name: str, *, computed: bool = False) -> None:
         self.tape, self.name, self.computed = tape, name, computed
@@ -262,7 +262,7 @@ class _Value(NDArrayOperatorsMixin):
         if function is not np.where:
             return self.tape.step(function, *operands)
         condition, x, y = operands
-        # What is computed stays where it is; only the other is moved.
+        # The computed operand keeps its place; only the other is moved.
         if isinstance(x, _Value) and x.computed:
             return self.tape.step(_put, y, np.logical_not(condition), x)
         return self.tape.step(_put, x, condition, y)
@@ -279,7 +279,7 @@ class _Symbols(Coefficients):
 
 
 class _Tape:
-    """What a kernel does, step by step; what is computed already is not computed again."""
+    """The steps of a kernel; a value that is already computed is not computed again."""
 
     def __init__(self) -> None:
         self.literals: dict[Any, str] = {}
@@ -293,7 +293,7 @@ class _Tape:
         """The value of an operation."""
         key = (operation, *map(self.name, operands))
         if operation is np.multiply and key[1] == key[2]:
-            key = (np.square, key[1])  # the same bits, and less to read
+            key = (np.square, key[1])  # the same bits, with one operand less
         if key not in self.steps:
             self.steps[key] = _Value(self, f"v{len(self.steps)}", computed=True)
         return self.steps[key]
@@ -304,7 +304,7 @@ def _put(x: np.ndarray, where: np.ndarray, out: np.ndarray) -> None:
 
 
 def _minimum(x: np.ndarray, y: np.ndarray, out: np.ndarray) -> None:
-    np.minimum(x, y, out=out)  # by position it is deprecated
+    np.minimum(x, y, out=out)  # a positional `out` is deprecated
 
 
 class _Probe(np.ndarray):
@@ -319,7 +319,7 @@ _MASKS = {np.greater, np.less, np.less_equal, np.equal, np.logical_not}  # what 
 
 
 class _Layout:
-    """Where the operands and results of steps lie.
+    """Places of the operands and results of steps.
 
     Places are x0, x1, ... for inputs, y0, ... for results, w0, ... for buffers, m0, ... for masks; what has
     another name is constant.
@@ -332,7 +332,7 @@ class _Layout:
         self._free: dict[str, list[str]] = {"w": [], "m": []}
 
     def place(self, steps: list[tuple[Any, list[str], str]]) -> None:
-        """Give every value a place; one that is read no more is taken again."""
+        """Give every value a place; that of a value which is no longer read is used again."""
         last = {name: k for k, (_, names, _) in enumerate(steps) for name in names}
         last |= dict.fromkeys(self._results, len(steps))
         place: dict[str, str] = {}
@@ -346,7 +346,7 @@ class _Layout:
                 self.steps.append((np.positive, [place.get(name, name), f"y{k}"]))
 
     def _operation(self, operation: Any, read: list[str], ending: set[str], value: str) -> str:
-        """A result may lie where an operand lies that is read no more, unless it is read to the end."""
+        """A result may take the place of an operand that is no longer read, unless it is read to the end."""
         kept = ending if operation is _horner_on_arrays else set[str]()
         self._give(ending - kept)
         target = self._result(value) or self._take("m" if operation in _MASKS else "w")
@@ -357,7 +357,7 @@ class _Layout:
     def _choice(self, operation: Any, read: list[str], ending: set[str], value: str) -> str:
         """A choice is put into its last operand, or into a copy of it where it is read further on."""
         *others, y = read
-        # A single result may lie where an input lies: it is written last, and by one step.
+        # A single result may share the place of an input: it is written last, and by one step.
         target = self._result(value) if len(self._results) > 1 else ""
         target = target or (y if y in ending and y not in others else self._take("w"))
         if target != y:
@@ -407,7 +407,7 @@ class _Plan:
         self.spare: dict[tuple[int, ...], _Run] = {}
 
     def _split(self, tape: _Tape) -> list[tuple[Any, list[str], str]]:
-        """The steps, without those of constants alone, which are taken once for all samples."""
+        """The steps, without those of constants only, which are done once for all samples."""
         constant, steps = set(self.numbers), []
         for (operation, *names), value in tape.steps.items():
             if operation is not _put and all(name in constant or name.startswith("c.") for name in names):
@@ -424,23 +424,23 @@ def _grouped(values: Sequence[Any], lengths: Sequence[int | None]) -> list[Any]:
     return [next(rest) if n is None else tuple(next(rest) for _ in range(n)) for n in lengths]
 
 
-_BLOCK = 16384  # elements: few enough to stay in the cache, so many that a call costs little for each
+_BLOCK = 16384  # elements: few enough to stay in the cache, enough for a low cost per element
 
 
 class _Run:
-    """The calls that a plan makes on arrays of one shape, with buffers of its own."""
+    """The calls that a plan makes on arrays of one shape, with its own buffers."""
 
     def __init__(self, plan: _Plan, shape: tuple[int, ...]) -> None:
         self.plan, self.constants = plan, None
         buffers = _aligned(plan.made["w"], math.prod(shape), np.dtype(plan.precision))
         self.places: dict[str, np.ndarray] = {f"w{k}": b.reshape(shape) for k, b in enumerate(buffers)}
         self.places |= {f"m{k}": np.empty(shape, bool) for k in range(plan.made["m"])}
-        # To enter a context takes a tenth of the time of np.errstate.
+        # Entering a context takes a tenth of the time of np.errstate.
         self.quiet = contextvars.copy_context()
         self.quiet.run(np.seterr, all="ignore")
 
     def bind(self, constants: dict[str, Any]) -> None:
-        """Put these constants into the calls, and leave holes where inputs and results belong."""
+        """Put these constants into the calls, and leave places for inputs and results."""
         self.constants = constants
         places = self.places | constants
         outside = {place: k for k, place in enumerate(self.plan.outside)}
@@ -459,11 +459,11 @@ class _Run:
         for operation, arguments in self.calls:
             operation(*arguments)
         for arguments, at, _ in self.holes:
-            arguments[at] = None  # or a run that is kept would keep them
+            arguments[at] = None  # otherwise a cached run would keep them alive
 
 
 def _aligned(count: int, size: int, real: np.dtype[Any]) -> np.ndarray:
-    """Buffers that start at the lines of the cache, which saves a tenth of the time."""
+    """Buffers aligned with cache lines, which saves a tenth of the time."""
     line = 64 // real.itemsize
     pitch = -(-size // line) * line
     memory = np.empty(count * pitch + line, real)
@@ -474,7 +474,7 @@ def _aligned(count: int, size: int, real: np.dtype[Any]) -> np.ndarray:
 def _fill(
     plan: _Plan, constants: dict[str, Any], inputs: Sequence[np.ndarray], parts: Sequence[np.ndarray]
 ) -> None:
-    """Fill the parts of the result, block by block where they are large."""
+    """Fill the parts of the result, block by block if they are large."""
     first = parts[0]
     if first.size <= _BLOCK:
         shape = first.shape
@@ -486,11 +486,11 @@ def _fill(
             run.bind(constants)
         run.quiet.run(run.play, (*inputs, *parts))
         spare[shape] = run
-        if len(spare) > 2:  # a block, and what is left behind the last whole one
+        if len(spare) > 2:  # a block, and the rest after the last whole one
             oldest, *_ = spare
             spare.pop(oldest, None)
         return
-    # One result is written last, element by element: it may lie where an input lies.
+    # A single result is written last, element by element: it may share the memory of an input.
     overlap = ["overlap_assume_elementwise"] if len(parts) == 1 else []
     flags: Any = [["readonly", *overlap]] * len(inputs) + [["writeonly", *overlap]] * len(parts)
     mode: Any = ["external_loop", "buffered", "copy_if_overlap"]
@@ -500,7 +500,7 @@ def _fill(
 
 
 _DOUBLE = np.dtype(np.float64)
-# Numbers of Python's have no precision of their own: they leave a float32 beside them what it is.
+# Python numbers have no precision: they do not change that of a float32.
 _PYTHONS = (float, int)
 _KEPT = (np.ndarray, np.generic, *_PYTHONS)
 _LARGEST_SINGLE = float(np.finfo(np.float32).max)
@@ -516,7 +516,7 @@ def arrays(inputs: Sequence[Any], names: Sequence[str]) -> tuple[Sequence[np.nda
     given = [x if isinstance(x, _KEPT) else np.asarray(x) for x in inputs]
     try:
         common = np.result_type(*given)
-    except TypeError:  # dates, texts
+    except TypeError:  # dates, text
         common = None
     if common is None or common.kind not in "biuf":
         given = list(map(_number, names, inputs))
@@ -526,7 +526,7 @@ def arrays(inputs: Sequence[Any], names: Sequence[str]) -> tuple[Sequence[np.nda
 
 
 def check_out(out: Any, shape: tuple[int, ...], precision: _Real) -> None:
-    """Ask for an array that the result fits in."""
+    """Require an array that the result fits in."""
     if not isinstance(out, np.ndarray):
         raise TypeError(f"out: required an array, received {type(out).__name__}")
     if out.shape != shape or out.dtype != precision:
@@ -546,7 +546,7 @@ def _number(name: str, x: Any) -> Any:
 
 def _rounded(name: str, x: Any) -> np.ndarray:
     if isinstance(x, _PYTHONS):
-        if _LARGEST_SINGLE < abs(x) < math.inf:  # infinite, it would make a NaN of what is finite
+        if _LARGEST_SINGLE < abs(x) < math.inf:  # as infinity it would turn finite results into NaN
             raise ValueError(f"{name}: required a number that float32 can hold, received {x}")
         with np.errstate(all="ignore"):
             return np.asarray(x, np.float32)
@@ -556,9 +556,9 @@ def _rounded(name: str, x: Any) -> np.ndarray:
 def _broadcast(
     inputs: Sequence[Any], names: Sequence[str], vectors: Mapping[str, int]
 ) -> tuple[Sequence[np.ndarray], _Real, tuple[int, ...]]:
-    """The inputs as arrays of one precision, that precision, and the shape that they have together."""
+    """The inputs as arrays of one precision, that precision, and their broadcast shape."""
     shape = inputs[0].shape if inputs and type(inputs[0]) is np.ndarray else ()
-    for x in inputs:  # mostly these are arrays of doubles already, and of one shape
+    for x in inputs:  # mostly these are already arrays of doubles, and of one shape
         if type(x) is not np.ndarray or x.dtype is not _DOUBLE or x.shape != shape:
             break
     else:
@@ -573,7 +573,7 @@ def _broadcast(
 
 
 class _Floats:
-    """Python's mathematics by the names of NumPy's: the same bits, in a tenth of the time on one sample."""
+    """Python's mathematics under NumPy's names: the same bits, in a tenth of the time for one sample."""
 
     sqrt = math.sqrt
 
@@ -610,7 +610,7 @@ def _on_floats(kernel: Any) -> Callable[..., Any]:
     def copied(function: Any) -> FunctionType:
         for name in function.__code__.co_names:
             value = names.get(name)
-            # A function that is copied already has other globals; one with a closure is no formula.
+            # A function that is already copied has other globals; one with a closure is not a formula.
             if isinstance(value, FunctionType) and value.__globals__ is kernel.__globals__:
                 names[name] = value if value.__closure__ else copied(value)
         return FunctionType(function.__code__, names, function.__name__)
@@ -626,11 +626,11 @@ class _Kernel:
         self.inputs = list(inspect.signature(kernel).parameters.values())[1:]
         self.names = [x.name for x in self.inputs]
         self._lengths = [vectors.get(name) for name in self.names]
-        self._on_floats: Callable[..., Any] | None = None  # what the kernel calls may not be defined yet
+        self._on_floats: Callable[..., Any] | None = None  # its callees may not be defined yet
         self._plans: dict[_Real, _Plan] = {}
 
     def at(self, inputs: Sequence[Any], parameters: Any) -> Any:
-        """The kernel at one sample, on Python's own numbers: they are doubles, too, and need no arrays."""
+        """The kernel at one sample, on Python's own numbers: they are doubles as well, and need no arrays."""
         if self._on_floats is None:
             self._on_floats = _on_floats(self._kernel)
         prepared = self._model.prepared(parameters, np.float64)
@@ -648,7 +648,7 @@ class _Kernel:
         return self._plans[precision]
 
     def on_arrays(self, given: Sequence[Any], parameters: Any, out: Any) -> Any:
-        """The kernel at all samples of arrays that broadcast, in `out` where there is one."""
+        """The kernel at all samples of arrays that broadcast, in `out` if there is one."""
         inputs, precision, shape = _broadcast(given, self.names, self._vectors)
         plan = self._plans.get(precision) or self._plan(precision)
         full = (*shape, plan.width) if plan.vector else shape
@@ -674,7 +674,7 @@ _NUMBERS = {float, int, np.float64}
 
 
 def _function(model: Model, kernel: Callable[..., Any], evaluated: _Kernel, needs: Sequence[str]) -> Any:
-    """The function f(inputs, parameters=None, out=None), with the name and the text of the kernel."""
+    """The function f(inputs, parameters=None, out=None), with the name and docstring of the kernel."""
     either = inspect.Parameter.POSITIONAL_OR_KEYWORD
     optional = [inspect.Parameter(name, either, default=None) for name in ("parameters", "out")]
     signature = inspect.Signature([*evaluated.inputs, *optional])
@@ -711,7 +711,7 @@ def _ordered(
 
 
 class Model:
-    """What the functions of one model have in common: the coefficients of its parameters."""
+    """What the functions of one model share: the coefficients of its parameters."""
 
     def __init__(self, parameters: Callable[[], Any], prepare: Callable[[Any, Coefficients], None]) -> None:
         self.default = parameters()
@@ -738,7 +738,7 @@ class Model:
         return _Prepared(c)
 
     def check(self, parameters: Any) -> None:
-        """Ask for Parameters of this model, or None; a module that was loaded twice has them twice."""
+        """Require Parameters of this model, or None; a module that was loaded twice has two such classes."""
         fields = self.default.__dataclass_fields__.keys()
         own = getattr(parameters, "__dataclass_fields__", {}).keys() == fields
         if parameters is not None and (isinstance(parameters, type) or not own):
@@ -746,7 +746,7 @@ class Model:
             raise TypeError(f"parameters: required Parameters of this model, received {received}")
 
     def require(self, names: Sequence[str], value: ArrayLike, parameters: Any) -> None:
-        """Ask for the inertia, which has no default, where there is an acceleration."""
+        """Require the inertia, which has no default, if there is an acceleration."""
         self.check(parameters)
         missing = [name for name in names if getattr(parameters or self.default, name) is None]
         if missing and np.any(np.asarray(value) != 0):

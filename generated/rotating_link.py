@@ -1,5 +1,5 @@
 # Generated: do not edit. Written by `make derive` from derivations/rotating_link.py
-# (eccentric 0.1.0, program 943123e5).
+# (eccentric 0.1.0, program 57231a22).
 # Rotating link with an unbalanced mass, in a plane tilted by phi, with angular acceleration.
 """Rotating link with an unbalanced mass, in a plane tilted by phi, with angular acceleration.
 
@@ -98,7 +98,7 @@ class Parameters(runtime.Checked):
 
 
 def _prepare(p, c):
-    """Compute what depends on parameters only; what needs more digits than a double has is a Pair."""
+    """Compute values that depend on parameters only; those beyond double precision are Pairs."""
     F_T = p.M_l * p.g if p.F_T is None else p.F_T
     J_m = math.nan if p.J_m is None else p.J_m
     J_l = math.nan if p.J_l is None else p.J_l

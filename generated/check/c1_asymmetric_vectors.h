@@ -1,5 +1,5 @@
 /*
- * Generated: do not edit. Written beside c1_asymmetric.c (program 08d5d2ab).
+ * Generated: do not edit. Written beside c1_asymmetric.c (program 1ecd4404).
  * Expected results of the self-test, computed by the emitted NumPy module.
  */
 #define INPUTS 4u

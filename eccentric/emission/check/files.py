@@ -1,6 +1,6 @@
-"""What checks an emitted C source on its user's side: a self-test with vectors, and a driver for its proof.
+"""Checks of an emitted C source for its user: a self-test with vectors, and a driver for a proof.
 
-All is told from the emitted NumPy module by its public names, so that nothing here knows how a model is
+Everything comes from the emitted NumPy module by its public names, so that nothing here knows how a model is
 evaluated.
 """
 
@@ -20,8 +20,8 @@ from eccentric.emission.hot import executed
 from eccentric.emission.templates import template
 from eccentric.model import Model
 
-# Where the parameters have no default, or one that leaves functions at zero. Sine and cosine of this tilt are
-# far from halfway between two numbers, so that every libm rounds them alike.
+# For parameters without a default, or with one that makes functions zero. Sine and cosine of this tilt are
+# far from halfway between two numbers, so that every libm rounds them the same way.
 _ASSUMED = {"J_m": 2e-4, "J_l": 0.04, "phi": 0.6}
 _ELSE_ASSUMED = 0.25
 
@@ -31,7 +31,7 @@ def render_check(model: Model, files: Mapping[str, str]) -> dict[str, str]:
 
     Args:
         model: what was emitted.
-        files: what `render` made of it.
+        files: the output of `render`.
     """
     return {
         f"check/{model.name}_{kind}": template(f"check/{kind}").render(view)
@@ -40,7 +40,7 @@ def render_check(model: Model, files: Mapping[str, str]) -> dict[str, str]:
 
 
 def views(model: Model, files: Mapping[str, str]) -> dict[str, dict[str, Any]]:
-    """What the templates are filled with: kind of file -> view."""
+    """The variables of the templates: kind of file -> view."""
     source = files[f"{model.name}.py"]
     module = executed(files, model.name)
     public = {name: getattr(module, name) for name in module.__all__ if name.islower()}
@@ -72,7 +72,7 @@ def _taken(function: Any) -> tuple[str, ...]:
 
 
 def _inputs(model: Model, functions: Iterable[Any]) -> list[str]:
-    """The inputs of the model, and behind them hidden states and what else a function takes."""
+    """The inputs of the model, then hidden states and any other inputs of a function."""
     taken = [q.name for q in model.inputs] + [x for function in functions for x in _taken(function)]
     return list(dict.fromkeys(taken))
 

@@ -1,4 +1,4 @@
-"""The driver by which Frama-C's Eva proves that an emitted C source neither overflows nor makes a NaN."""
+"""The driver with which Frama-C's Eva proves that an emitted C source gives no overflow and no NaN."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from eccentric.model import vocabulary as v
 
 # Arrays are proved for this many samples: the loop's body is the same for all.
 _SAMPLES = 2
-# Lowest and highest value of an input, in SI units. A time step is positive, but none does harm.
+# Lowest and highest value of an input, in SI units. A time step is positive, but any other is harmless.
 _CURRENT = 1e3
 _RANGES = {
     "theta_m": (-1e4, 1e4),
@@ -26,8 +26,8 @@ _RANGES = {
     "temperature": (-60.0, 3e2),
     "dt": (-1e2, 1e2),
 }
-# Of a hidden state, by its unit; that the inputs bring it no further is not proved. Averaged losses are
-# negative by noise only.
+# Those of a hidden state, by its unit; it is not proved that the state stays within them. Averaged losses are
+# negative only by noise.
 _SLOPE = 2 * _CURRENT / float(SHORTEST)
 _BEND = 2 * _SLOPE / float(SHORTEST)
 _RANGES_BY_UNIT = {
@@ -39,16 +39,16 @@ _RANGES_BY_UNIT = {
     "A/s^2": (-_BEND, _BEND),
 }
 _OTHER_RANGE = (-1e2, 1e2)
-# Cases stay apart, each keeps what its condition says, and squares are squares.
+# Cases are kept separate, each with its condition, and squares are known to be squares.
 _OPTIONS = "-eva-slevel 30 -eva-split-return full -eva-subdivide-non-linear 20"
 # Any NaN or infinity is an alarm, and no result is taken on trust.
 _STRICT = "-warn-special-float non-finite -kernel-warn-key annot:missing-spec=abort"
-# Where an angle minus itself stands for what is lost, only narrow intervals of the angle show that it is 0.
+# Only narrow intervals of the angle show that an angle minus itself, which represents lost digits, is 0.
 _NARROW = 500
 
 
 def view(model: Model, functions: Sequence[Called], inputs: Sequence[str], source: str) -> dict[str, Any]:
-    """What the template of the proof driver is filled with; `source` is the emitted C."""
+    """The variables of the template of the proof driver; `source` is the emitted C."""
     states = [state.quantity for state in model.states]
     known = {q.name: q for q in (*model.inputs, *states, v.dt)}
     reductions = sorted(set(re.findall(rf"\b{model.name}_from_top\w*(?=\()", source)))
@@ -76,7 +76,7 @@ def _input(q: Quantity) -> dict[str, str]:
 
 
 def _calls(prefix: str, f: Called) -> list[dict[str, Any]]:
-    """The call of a function and, where it has inputs, of that over arrays."""
+    """The call of a function and, if it has inputs, of its array function."""
     own = f"{prefix}_{f.name}"
     one = [*f.inputs, *([] if f.scalar else ["out"]), "c"]
     line = f"{'out[0] = ' if f.scalar else ''}{own}({', '.join(one)});"
@@ -90,7 +90,7 @@ def _calls(prefix: str, f: Called) -> list[dict[str, Any]]:
 
 
 def _step(model: Model, f: Called) -> list[dict[str, Any]]:
-    """Beside `next_state` the call of `step`, which writes to the state that the caller owns."""
+    """In addition to `next_state`, the call of `step`, which writes to the caller's state."""
     if f.name != "next_state":
         return []
     states = [state.quantity.name for state in model.states]

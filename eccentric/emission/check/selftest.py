@@ -1,4 +1,4 @@
-"""The self-test of an emitted C source: inputs, and the bits that the emitted NumPy module gives there."""
+"""The self-test of an emitted C source: inputs, and the bits of the emitted NumPy module's results."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ def view(
     values: Mapping[str, float],
     source: str,
 ) -> dict[str, Any]:
-    """What the templates of self-test and vectors are filled with.
+    """The variables of the templates of self-test and vectors.
 
     Args:
         module: the emitted NumPy module; the exponential, which no two libraries round alike, is taken out
@@ -121,7 +121,7 @@ def _precision(
     parameters = module.Parameters(**values)
 
     def evaluated(f: Called, states: Sequence[np.ndarray]) -> np.ndarray:
-        """The bits of what a function gives: value, sample."""
+        """The bits of a function's results: value, sample."""
         columns = dict(zip(inputs, states, strict=True))
         values = np.empty((f.width, len(states[0])), real)
         out = values[0] if f.scalar else values.T
@@ -176,7 +176,7 @@ def _spans(inputs: list[str]) -> list[list[float]]:
 
 
 def _special(k: int, at: float, real: Any) -> np.ndarray:
-    """The values of input k in the vectors: what arithmetic finds hard, each input in another order."""
+    """The values of input k in the vectors: hard cases of arithmetic, each input in a different order."""
     limits, centre = np.finfo(real), real(at)
     above, below = np.nextafter(centre, real(np.inf)), np.nextafter(centre, real(0))
     values = np.array([
@@ -201,7 +201,7 @@ def _stream(centres: np.ndarray, spans: np.ndarray) -> list[np.ndarray]:
 
 @cache
 def _drawn(k: int, real: np.dtype) -> tuple[np.ndarray, np.ndarray]:
-    """What input k of every sample is made of: a number from -1/2 to 1/2, and any bits as a number."""
+    """The sources of input k of every sample: a number from -1/2 to 1/2, and arbitrary bits as a number."""
     high, low = _words(2 * k), _words(2 * k + 1)
     scale = real.type(2.0**-32)
     unit = high.astype(real) * scale + low.astype(real) * scale * scale
@@ -219,7 +219,7 @@ def _words(k: int) -> np.ndarray:
 
 
 def _bits(values: np.ndarray) -> np.ndarray:
-    """The bits of the values, in place; a NaN gets one pattern: sign and payload are the processor's own."""
+    """The bits of the values, in place; a NaN has one pattern: sign and payload depend on the processor."""
     single = values.dtype == np.float32
     bits = values.view(np.uint32 if single else np.uint64)
     bits[np.isnan(values)] = 0x7FC00000 if single else 0x7FF8000000000000
@@ -238,7 +238,7 @@ def _digests(values: np.ndarray) -> np.ndarray:
 
 @cache
 def _factors(j: int, parts: int) -> np.ndarray:
-    """What the words of value j are multiplied by, section by section."""
+    """The factors of the words of value j, section by section."""
     first = _words(j) | np.uint32(1)
     return np.stack([first + np.uint32(2 * part) for part in range(parts)], axis=-1).reshape(SECTIONS, -1)
 

@@ -63,8 +63,8 @@ def language(
 def differentiable(program: Program) -> Program:
     """The program with kernels that JAX compiles and differentiates; their values are the same.
 
-    What rounds by adding and subtracting one number, which XLA would cancel, is a call. No branch that is not
-    taken divides by 0, since derivatives carry what it gives. And a parameter that is not given needs no
+    Rounding by adding and subtracting one number, which XLA would cancel, is a call. A branch that is not
+    taken never divides by 0, since derivatives would propagate the result. And a missing parameter needs no
     gate: no function that reads it is called without it.
     """
 

@@ -1,4 +1,4 @@
-"""What the templates of the JAX module see: the Program as lines of Python, nothing symbolic left."""
+"""The variables of the templates of the JAX module: the Program as lines of Python, nothing symbolic."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ _WIDTH = 106
 
 
 def view(program: Program, _: str) -> dict[str, Any]:
-    """All that the templates of the JAX module are filled with."""
+    """All variables of the templates of the JAX module."""
     return {
         "title": program.title,
         "public": [
