@@ -3,6 +3,7 @@
 Printed output may be read in part: a reader that closes the pipe is not an error.
 """
 
+import io
 import os
 import secrets
 import shutil
@@ -12,10 +13,12 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from eccentric.errors import InputError
+from eccentric.places import given_path
 
 __all__ = [
     "MARKER",
     "UNREAD",
+    "escape_unprintable",
     "folder_to_write",
     "nobody_reads",
     "own_folder",
@@ -31,8 +34,15 @@ UNREAD = 141
 _NOTICE = "Written by eccentric. The command beside a file replaces it on its next run; other files stay."
 
 
+def escape_unprintable() -> None:
+    """Let stdout print characters that its encoding lacks as escapes, as stderr does: an ASCII terminal."""
+    if isinstance(sys.stdout, io.TextIOWrapper):
+        sys.stdout.reconfigure(errors="backslashreplace")
+
+
 def show(what: object) -> None:
     """Print; if the reader of a pipe has closed it, exit quietly with status 141."""
+    escape_unprintable()
     try:
         print(what, flush=True)
     except BrokenPipeError:
@@ -51,7 +61,7 @@ def folder_to_write(path: str | os.PathLike[str]) -> Path:
     Raises:
         InputError: it is a file, or is below one, or its parent cannot be written.
     """
-    target = Path(path).resolve()
+    target = given_path(path, "output").resolve()
     if target.exists() and not target.is_dir():
         raise InputError(f"{Path(path)}: required a folder to write; received a file")
     there = next(place for place in (target, *target.parents) if place.exists())
@@ -93,7 +103,7 @@ def whole_file(path: str | os.PathLike[str]) -> Iterator[Path]:
     Raises:
         InputError: `path` exists and is not a regular file, or its folder cannot be written.
     """
-    target = Path(path).resolve()
+    target = given_path(path, "output").resolve()
     if target.exists() and not target.is_file():
         raise InputError(f"{path}: required a file to write; received something that is not a regular file")
     with workshop(target.parent) as place:

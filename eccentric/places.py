@@ -1,10 +1,41 @@
-"""Locations of the derivations and the templates: inside an installed package, or beside it in a clone."""
+"""Paths: those that a user gives, and those of the derivations and templates.
 
+Derivations and templates are inside an installed package, or beside it in a clone.
+"""
+
+import os
 from pathlib import Path
 
 from eccentric.errors import InputError
 
-__all__ = ["derivation", "folder"]
+__all__ = ["derivation", "folder", "given_path", "readable", "shown"]
+
+
+def given_path(value: object, what: str) -> Path:
+    """Return a path that a user gives; InputError for anything that cannot be one, with `what` it is of."""
+    if not isinstance(value, str | os.PathLike) or isinstance(os.fspath(value), bytes):
+        raise InputError(f"{what}: a path is required, received {type(value).__name__}")
+    if "\0" in os.fspath(value):
+        raise InputError(f"{what}: a path without null characters is required, received {str(value)!r}")
+    return Path(value)
+
+
+def shown(path: Path) -> str:
+    """Return a path as messages and results show it: bytes of its name that are not UTF-8 are replaced."""
+    return os.fsencode(path).decode("utf-8", "replace")
+
+
+def readable(path: Path) -> Path:
+    """Return the path of a file to read; InputError if there is none, or it is a directory, pipe or device.
+
+    Reading a pipe would wait for a writer.
+    """
+    if not path.exists():
+        raise InputError(f"{shown(path)}: no such file")
+    if not path.is_file():
+        received = "a directory" if path.is_dir() else "a pipe or a device"
+        raise InputError(f"{shown(path)}: a regular file is required, received {received}")
+    return path
 
 
 def folder(name: str) -> Path:
@@ -29,10 +60,10 @@ def folder(name: str) -> Path:
     raise InputError(f"{name}: required a folder {inside} or, in a clone, {beside}; received neither")
 
 
-def derivation(name_or_path: str | Path) -> Path:
+def derivation(name_or_path: str | os.PathLike[str]) -> Path:
     """Return the path of a script: given by its path, which ends in `.py`, or by the name of a bundled one.
 
     The file need not exist.
     """
-    path = Path(name_or_path)
+    path = given_path(name_or_path, "model")
     return (path if path.suffix == ".py" else folder("derivations") / f"{name_or_path}.py").resolve()

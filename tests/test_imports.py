@@ -19,7 +19,8 @@ from tests.import_graph import (
 # From the bottom to the top: each part may import those above it in this list, and itself.
 LAYERS = (
     {"errors", "started", "version"},
-    {"places", "output", "scripts"},
+    {"places"},
+    {"output", "scripts"},
     {"model"},
     {"effects", "derivations"},
     {"emission", "logs", "estimation"},

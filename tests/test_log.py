@@ -86,7 +86,7 @@ def test_missing_file_and_directory_are_refused(tmp_path: Path) -> None:
     """A path without file and a directory are named as what they are."""
     with pytest.raises(InputError, match=r"none\.csv: no such file"):
         read_log(tmp_path / "none.csv")
-    with pytest.raises(InputError, match="a log file is required, received a directory"):
+    with pytest.raises(InputError, match="a regular file is required, received a directory"):
         read_log(tmp_path)
 
 

@@ -245,7 +245,7 @@ def test_missing_file_directory_and_suffix_are_refused(tmp_path: Path) -> None:
     (tmp_path / "folder.toml").mkdir()
     for name, expected in (
         ("none.toml", "no such file"),
-        ("folder.toml", "cannot be read"),
+        ("folder.toml", "a regular file is required, received a directory"),
         ("rig.yaml", "required"),
     ):
         with pytest.raises(InputError, match=expected):

@@ -19,6 +19,7 @@ from eccentric.emission import complete, write
 from eccentric.errors import InputError
 from eccentric.model import Model
 from eccentric.output import whole_file, whole_folder
+from eccentric.places import given_path
 from eccentric.report import Parameter, ReportData, page, plot_report, report_data
 
 if TYPE_CHECKING:
@@ -51,9 +52,9 @@ def diagnose(
         InputError: a log, the rig, the model or the effects cannot be read, or do not belong together; the
             model has a tilt, hidden states, or an effect of the current; or the log has too few rows.
     """
-    base = by_name(model)
-    paths = _scripts(effects, base)
-    found = diagnose_logs(read_logs(logs), rig, base, None if effects is None else Path(effects), progress)
+    base, offered = by_name(model), None if effects is None else given_path(effects, "effects")
+    paths = _scripts(offered, base)
+    found = diagnose_logs(read_logs(logs), rig, base, offered, progress)
     own = {path.name: path.read_text(encoding="utf-8") for path in paths}
     shipped = found.models.shipped
     return DiagnosisResult(
@@ -70,7 +71,7 @@ def diagnose(
     )
 
 
-def _scripts(effects: str | os.PathLike[str] | None, model: str | Model | None) -> tuple[Path, ...]:
+def _scripts(effects: Path | None, model: str | Model | None) -> tuple[Path, ...]:
     """The user's own scripts, copied with the result; InputError if a name clashes with its files."""
     taken = {"model.py"} | ({BASE} if isinstance(model, Model) else set())
     given = (effects, None if isinstance(model, Model) else model)

@@ -12,6 +12,7 @@ from eccentric.api.files import write_emitted
 from eccentric.api.fitted import FitResult
 from eccentric.api.inputs import ModelSource, model_of, origin_of
 from eccentric.emission import checked_name, read_parameters, with_fitted
+from eccentric.places import given_path
 
 __all__ = ["emit"]
 
@@ -59,4 +60,4 @@ def _content(
         return parameters.document
     if isinstance(parameters, Mapping):
         return parameters if "parameters" in parameters else {"parameters": parameters}
-    return Path(parameters)
+    return given_path(parameters, "parameters")

@@ -48,11 +48,12 @@ def write_emitted(
     the NumPy module contains its runtime. Returns the paths.
     Raises InputError if there is no such target, or the folder cannot be written.
     """
-    names = DEFAULT if backend is None else dict.fromkeys([backend] if isinstance(backend, str) else backend)
-    for name in names:
-        if name not in BACKENDS:
+    several = isinstance(backend, Sequence) and not isinstance(backend, str | bytes)
+    names = DEFAULT if backend is None else list(backend if several else [backend])
+    for name in names or ["none"]:
+        if not isinstance(name, str) or name not in BACKENDS:
             raise InputError(f"backend: required one of {', '.join(BACKENDS)}, received {name!r}")
-    files = complete(model, "eccentric emit", origin, names, single_file=single_file)
+    files = complete(model, "eccentric emit", origin, dict.fromkeys(names), single_file=single_file)
     with whole_folder(out, f"emit {model.name}") as folder:
         write(files, folder)
     return [Path(out) / name for name in files]

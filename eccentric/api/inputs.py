@@ -10,6 +10,7 @@ from typing import Any, TypeAlias
 from eccentric.errors import InputError
 from eccentric.logs import Log, LogSource, read_log
 from eccentric.model import Model, load_model, model_names
+from eccentric.places import given_path
 from eccentric.rigs import Rig
 
 __all__ = [
@@ -36,7 +37,9 @@ def read_logs(logs: LogSources) -> list[Log]:
             are.
     """
     sources: list[Any] = list(logs) if isinstance(logs, list | tuple) else [logs]
-    places = [Path(x).resolve() if isinstance(x, str | os.PathLike) else id(x) for x in sources]
+    if not sources:
+        raise InputError("a log is required, received none")
+    places = [given_path(x, "log").resolve() if isinstance(x, str | os.PathLike) else id(x) for x in sources]
     for k, source in enumerate(sources):
         if places[k] in places[:k]:
             what = source if isinstance(source, str | os.PathLike) else f"table {k + 1}"
@@ -52,7 +55,7 @@ def names_of(logs: Sequence[Log]) -> list[str]:
 
 def model_of(model: ModelSource) -> Model:
     """A model by its name or by the path of its derivation; a Model is returned unchanged."""
-    return model if isinstance(model, Model) else load_model(os.fspath(model))
+    return model if isinstance(model, Model) else load_model(model)
 
 
 def by_name(model: ModelSource | None) -> str | Model | None:
@@ -60,7 +63,7 @@ def by_name(model: ModelSource | None) -> str | Model | None:
     if model is None:
         return None
     if not isinstance(model, Model):
-        return os.fspath(model)
+        return str(given_path(model, "model"))
     return model.name if model.name in model_names() and load_model(model.name) is model else model
 
 

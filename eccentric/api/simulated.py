@@ -14,6 +14,7 @@ from eccentric.api.result import new_axes, paragraphs
 from eccentric.api.tables import ResultTable
 from eccentric.errors import InputError
 from eccentric.logs import Log, read_log
+from eccentric.places import given_path
 from eccentric.rigs import Rig, read_rig
 from eccentric.virtual_bench import BenchRun, free_paths, random_scenario, simulate, write
 
@@ -62,8 +63,9 @@ def bench(
         InputError: a value is out of range, an effect is unknown or invisible in this case, or a file of that
             name exists.
     """
-    if seed < 0:
-        raise InputError(f"seed: required 0 or more; received {seed}")
+    if not isinstance(seed, int | np.integer) or seed < 0:
+        raise InputError(f"seed: required an integer of 0 or more; received {seed!r}")
+    path = None if out is None else given_path(out, "out")
     scenario = random_scenario(
         np.random.default_rng(seed),
         case=case,
@@ -74,12 +76,12 @@ def bench(
         temperature=temperature,
         seconds=seconds,
     )
-    if out is not None:
-        free_paths(Path(out))
+    if path is not None:
+        free_paths(path)
     run = simulate(scenario)
-    if out is not None:
-        write(run, Path(out))
-    name = "bench" if out is None else Path(out).name
+    if path is not None:
+        write(run, path)
+    name = "bench" if path is None else path.name
     return BenchResult(read_log(run.columns, name), read_rig(run.rig), run.truth, run)
 
 

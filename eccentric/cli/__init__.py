@@ -19,7 +19,7 @@ from pathlib import Path
 from typing import NoReturn
 
 from eccentric.errors import InputError
-from eccentric.output import UNREAD, nobody_reads
+from eccentric.output import UNREAD, escape_unprintable, nobody_reads
 from eccentric.version import __version__
 
 __all__ = ["COMMANDS", "main"]
@@ -39,6 +39,7 @@ def main(argv: Sequence[str] | None = None) -> int:
         SystemExit: with status 0, after `--help` and `--version`.
     """
     arguments = list(sys.argv[1:] if argv is None else argv)
+    escape_unprintable()
     formatwarning, warnings.formatwarning = warnings.formatwarning, _one_line_warning
     try:
         parsed = _parser(arguments).parse_args(arguments)
@@ -52,6 +53,8 @@ def main(argv: Sequence[str] | None = None) -> int:
     except BrokenPipeError:
         nobody_reads()
         return UNREAD
+    except MemoryError:
+        return _complain("not enough memory: a shorter log, or a higher limit, is required", 2)
     except OSError as error:
         place = f"{error.filename}: " if error.filename else ""
         return _complain(f"{place}{error.strerror or error}", 2)

@@ -11,6 +11,7 @@ from typing import Any
 
 from eccentric.errors import InputError
 from eccentric.model import Model, with_values
+from eccentric.places import readable
 
 
 @dataclass(frozen=True)
@@ -41,10 +42,10 @@ def read_parameters(source: Path | Mapping[str, Any]) -> Fitted:
     if isinstance(source, Mapping):
         return _fitted(source, "parameters", "parameters")
     try:
-        content = json.loads(source.read_text(encoding="utf-8"))
-    except FileNotFoundError:
-        raise InputError(f"{source}: no such file; required the fit.json of `eccentric fit`") from None
-    except (json.JSONDecodeError, UnicodeDecodeError) as error:
+        content = json.loads(readable(source).read_text(encoding="utf-8"))
+    except InputError:
+        raise
+    except (ValueError, RecursionError) as error:  # ValueError: for example a number of thousands of digits
         what = "required the fit.json of `eccentric fit`, or JSON with `parameters` like it"
         raise InputError(f"{source}: {what}; received a file that is not JSON ({error})") from None
     return _fitted(content, str(source), source.name)
@@ -57,10 +58,12 @@ def _fitted(content: object, where: str, name: str) -> Fitted:
         raise InputError(f"{where}: required an object `parameters` of numbers by the paper's letters")
     values = {letter: value for letter, value in values.items() if value is not None}
     for letter, value in values.items():
-        if isinstance(value, bool) or not isinstance(value, int | float) or not math.isfinite(value):
+        if isinstance(value, bool) or not isinstance(value, int | float) or not abs(value) < math.inf:
             raise InputError(f"{where}: parameters.{letter}: required a finite number, received {value!r}")
-    notes, identified_on = dict(content.get("parameter_notes", {})), str(content.get("identified_range", ""))
-    return Fitted(name, content.get("model"), values, notes, identified_on)
+    notes, identified_on = content.get("parameter_notes", {}), content.get("identified_range", "")
+    if not isinstance(notes, Mapping) or not isinstance(identified_on, str):
+        raise InputError(f"{where}: required `parameter_notes` by letter and `identified_range` as text")
+    return Fitted(name, content.get("model"), values, dict(notes), identified_on)
 
 
 def with_fitted(model: Model, fitted: Fitted, name: str) -> Model:

@@ -37,7 +37,7 @@ def checked_name(name: str, where: str) -> str:
     Raises:
         InputError: it is not, or would hide another name; `where` is the source of the name.
     """
-    if not re.fullmatch(r"[a-z][a-z0-9_]{0,30}", name):
+    if not isinstance(name, str) or not re.fullmatch(r"[a-z][a-z0-9_]{0,30}", name):
         raise InputError(
             f"{where}: required a lower-case C identifier of at most 31 characters, received {name!r}"
         )

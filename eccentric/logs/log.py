@@ -22,6 +22,7 @@ from eccentric.logs.json_file import read_json
 from eccentric.logs.mat_file import read_mat
 from eccentric.logs.memory import TableLike, read_memory
 from eccentric.logs.parquet_file import read_parquet
+from eccentric.places import given_path, readable, shown
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
@@ -41,6 +42,9 @@ class Log:
     rows: int
     lines: NDArray[np.int64] | None = None
     notes: tuple[str, ...] = ()
+
+    def __repr__(self) -> str:
+        return f"<Log {self.path}: {self.rows} rows of {few(self.columns)}>"
 
     def place(self, row: int) -> str:
         """Return the place of a row (counted from 0): its line as an editor shows it, else its number."""
@@ -101,8 +105,8 @@ def read_log(source: LogSource, name: str = "table") -> Log:
     if isinstance(source, Log):
         return source
     if isinstance(source, str | os.PathLike):
-        path = Path(source)
-        where, read = str(path), _read_file(path)
+        path = given_path(source, "log")
+        where, read = shown(path), _read_file(path)
     else:
         where, read = name, read_memory(source, name)
     rows = len(next(iter(read.columns.values()))) if read.columns else 0
@@ -113,10 +117,7 @@ def read_log(source: LogSource, name: str = "table") -> Log:
 
 def _read_file(path: Path) -> Read:
     suffix = next((s for s in READERS if path.name.lower().endswith(s)), None)
-    if path.is_dir():
-        raise InputError(f"{path}: a log file is required, received a directory")
-    if not path.exists():
-        raise InputError(f"{path}: no such file")
+    readable(path)
     if suffix is None:
         raise InputError(
             f"{path}: a log of {', '.join(READERS)} is required, received {path.suffix or 'no suffix'!r}"

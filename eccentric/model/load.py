@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from pathlib import Path
 
 from eccentric.errors import InputError
@@ -20,7 +21,7 @@ def model_names() -> tuple[str, ...]:
     )
 
 
-def load_model(name_or_path: str | Path) -> Model:
+def load_model(name_or_path: str | os.PathLike[str]) -> Model:
     """The model of a derivation: a name such as "c2_parallel", or the path of a script.
 
     A script is executed once; further calls return the same object.
@@ -54,7 +55,7 @@ def load_model(name_or_path: str | Path) -> Model:
     return model
 
 
-def _find(name_or_path: str | Path) -> Path:
+def _find(name_or_path: str | os.PathLike[str]) -> Path:
     path = derivation(name_or_path)
     if not path.is_file():
         if Path(name_or_path).suffix == ".py":

@@ -7,6 +7,7 @@ import tomllib
 from typing import TYPE_CHECKING, Any
 
 from eccentric.errors import InputError
+from eccentric.places import readable
 from eccentric.rigs.entries import read_table
 
 if TYPE_CHECKING:
@@ -30,9 +31,7 @@ def read_file(path: Path) -> Mapping[str, Any]:
             f"{path}: a rig file .toml or .json is required, received {path.suffix or 'no suffix'!r}"
         )
     try:
-        content = parsers[path.suffix.lower()](path.read_text(encoding="utf-8-sig"))
-    except FileNotFoundError:
-        raise InputError(f"{path}: no such file") from None
+        content = parsers[path.suffix.lower()](readable(path).read_text(encoding="utf-8-sig"))
     except OSError as error:
         raise InputError(f"{path}: cannot be read ({error.strerror or error})") from None
     except UnicodeDecodeError as error:

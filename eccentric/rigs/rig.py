@@ -11,8 +11,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from eccentric.errors import InputError
+from eccentric.errors import InputError, few
 from eccentric.logs import parse_value
+from eccentric.places import given_path, shown
 from eccentric.rigs.entries import plain_entries, read_intervals, read_names, read_number, refuse_unknown
 from eccentric.rigs.file import read_file
 from eccentric.rigs.known import mass_alone, read_knowns
@@ -64,6 +65,10 @@ class Rig:
     estimate: frozenset[str]
     warnings: tuple[str, ...]
 
+    def __repr__(self) -> str:
+        plane = f"case {self.case}" if self.case else "a tilted plane"
+        return f"<Rig {self.name}: {plane}; known {few(self.known)}; unknown {few(self.unknown) or 'none'}>"
+
     def value(self, name: str) -> float:
         """Return a known quantity by the paper's letter; InputError, naming the rig, if it is unknown."""
         if name not in self.known:
@@ -87,8 +92,8 @@ def read_rig(source: str | os.PathLike[str] | Mapping[str, Any] | Rig) -> Rig:
     if isinstance(source, Rig):
         return source
     if isinstance(source, str | os.PathLike):
-        path = Path(source)
-        return _rig(read_file(path), str(path), path.stem)
+        path = given_path(source, "rig")
+        return _rig(read_file(path), shown(path), Path(shown(path)).stem)
     return _rig(plain_entries(source, "rig"), "rig", "rig")
 
 

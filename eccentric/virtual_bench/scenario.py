@@ -3,7 +3,7 @@
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from math import floor, isfinite, log2, pi
+from math import floor, log2, pi
 
 import numpy as np
 
@@ -59,11 +59,16 @@ def random_scenario(
     Raises InputError for values out of range, an unknown effect, or one that the case cannot show.
     """
     _check(case, mu, log_type, strength, noise, seconds)
+    if isinstance(effects, str) or not isinstance(effects, Sequence):
+        raise InputError(f"effects: required a list of names, or of (name, strength); received {effects!r}")
     requested = [(one, strength) if isinstance(one, str) else one for one in effects]
-    for name, size in requested:
+    for one in requested:
+        if not isinstance(one, tuple | list) or len(one) != 2:
+            raise InputError(f"effects: required names, or (name, strength); received {one!r}")
+        name, size = one
         known_effect(name)
-        if not (isfinite(size) and 0.0 < size <= 1.0):
-            raise InputError(f"effect {name}: required a strength above 0 and at most 1; received {size}")
+        if not _within(size, 0.0, 1.0) or size == 0.0:
+            raise InputError(f"effect {name}: required a strength above 0 and at most 1; received {size!r}")
     plant = _plant(rng, case, mu)
     top_speed = float(rng.uniform(6.5, 8.5)) / mu if log_type == "runs" else float(rng.uniform(5.5, 7.0)) / mu
     course = (speed_runs if log_type == "runs" else sum_of_sines)(rng, seconds, top_speed)
@@ -90,7 +95,7 @@ def random_scenario(
 
 def known_effect(name: str) -> tuple[str, str | None]:
     """Split `family[variant]`; InputError, listing what there is, if the bench has no such effect."""
-    match = re.fullmatch(r"(\w+)(?:\[(.+)\])?", name)
+    match = re.fullmatch(r"(\w+)(?:\[(.+)\])?", str(name))
     if match is None or match[1] not in EFFECTS:
         raise InputError(f"unknown effect {name}: required one of {', '.join(EFFECTS)}")
     family, variant = match[1], match[2]
@@ -116,8 +121,14 @@ def _check(case: str, mu: float, log_type: str, strength: float, noise: float, s
         ("noise (fraction of the largest current)", noise, 0.0, 0.5),
         ("seconds", seconds, _SHORTEST_S, _LONGEST_S),
     ):
-        if not low <= value <= high:  # also refuses NaN
-            raise InputError(f"{quantity}: required {low:g} to {high:g}; received {value}")
+        if not _within(value, low, high):
+            raise InputError(f"{quantity}: required {low:g} to {high:g}; received {value!r}")
+
+
+def _within(value: object, low: float, high: float) -> bool:
+    """Whether it is a number of the range, which NaN and true are not."""
+    is_number = isinstance(value, int | float | np.integer | np.floating) and not isinstance(value, bool)
+    return is_number and low <= value <= high
 
 
 def _plant(rng: np.random.Generator, case: str, mu: float) -> Plant:

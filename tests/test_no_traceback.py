@@ -1,0 +1,108 @@
+"""Whatever a user gives, bad input is one line: from Python, from a shell, from the file system."""
+
+from __future__ import annotations
+
+import io
+import os
+import sys
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+import eccentric
+from eccentric.cli import main
+from eccentric.errors import InputError
+from eccentric.output import show
+
+BENCH = Path(__file__).parents[1] / "examples" / "bench"
+LOG, RIG = BENCH / "bench.csv.gz", BENCH / "bench.json"
+
+NO_INPUT: dict[str, tuple[Callable[..., object], tuple[object, ...], dict[str, object], str]] = {
+    "fit without logs": (eccentric.fit, ([], RIG), {}, "a log is required, received none"),
+    "diagnose without logs": (eccentric.diagnose, ([], RIG), {}, "a log is required, received none"),
+    "log with a null": (eccentric.read_log, ("a\0.csv",), {}, "log: a path without null"),
+    "rig with a null": (eccentric.read_rig, ("a\0.toml",), {}, "rig: a path without null"),
+    "load_model, a number": (eccentric.load_model, (1,), {}, "model: a path is required, received int"),
+    "emit, a number": (eccentric.emit, (1.5, "out"), {}, "model: a path is required, received float"),
+    "fit, model of bytes": (eccentric.fit, (LOG, RIG, b"x"), {}, "model: a path is required, received bytes"),
+    "diagnose, a number": (eccentric.diagnose, (LOG, RIG, 1), {}, "model: a path is required, received int"),
+    "diagnose, effects": (eccentric.diagnose, (LOG, RIG, None, 1), {}, "effects: a path is required"),
+    "emit, parameters": (eccentric.emit, ("c2_parallel", "out"), {"parameters": 1}, "parameters: a path is"),
+    "emit, prefix": (eccentric.emit, ("c2_parallel", "out"), {"prefix": 1}, "prefix: required a lower-case"),
+    "emit, backend": (eccentric.emit, ("c2_parallel", "out"), {"backend": 1}, "backend: required one of"),
+    "emit, no backend": (eccentric.emit, ("c2_parallel", "out"), {"backend": []}, "received 'none'"),
+    "emit, out": (eccentric.emit, ("c2_parallel", None), {}, "output: a path is required, received NoneType"),
+    "bench, seconds": (eccentric.bench, (), {"seconds": "a"}, "seconds: required 15 to 3600; received 'a'"),
+    "bench, mu": (eccentric.bench, (), {"mu": None}, "gear ratio mu: required 0.001 to 2; received None"),
+    "bench, noise": (eccentric.bench, (), {"noise": 1j}, "noise .* required 0 to 0.5; received 1j"),
+    "bench, seed": (eccentric.bench, (), {"seed": 1.5}, "seed: required an integer of 0 or more"),
+    "bench, out": (eccentric.bench, (), {"out": 1}, "out: a path is required, received int"),
+    "bench, effects": (eccentric.bench, ("stribeck",), {}, "effects: required a list of names"),
+    "bench, an effect": (eccentric.bench, ([1],), {}, r"effects: required names, or \(name, strength\)"),
+    "bench, a strength": (
+        eccentric.bench,
+        ([("stribeck", "a")],),
+        {},
+        "effect stribeck: required a strength",
+    ),
+}
+
+
+@pytest.mark.parametrize("case", NO_INPUT)
+def test_python_arguments_of_a_wrong_type_are_refused_by_name(case: str) -> None:
+    """The message names the argument, what is required, and what was received."""
+    call, arguments, options, said = NO_INPUT[case]
+    with pytest.raises(InputError, match=said):
+        call(*arguments, **options)
+
+
+def test_logs_and_rigs_print_without_their_arrays() -> None:
+    """A log of 15,000 rows and a rig are each a line that says what they are."""
+    assert repr(eccentric.read_log(LOG)).startswith(f"<Log {LOG}: 15000 rows of time_s, ")
+    assert repr(eccentric.read_rig(RIG)).startswith("<Rig bench: case C2; known M, M_l, L, mu, ")
+
+
+@pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="this system has no named pipes")
+@pytest.mark.parametrize("name", ["log.csv", "rig.toml", "rig.json"])
+def test_a_pipe_is_refused_and_not_waited_for(tmp_path: Path, name: str) -> None:
+    """Reading a named pipe without a writer would never return."""
+    os.mkfifo(tmp_path / name)
+    read = eccentric.read_log if name.startswith("log") else eccentric.read_rig
+    with pytest.raises(InputError, match="a regular file is required, received a pipe or a device"):
+        read(tmp_path / name)
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="names of files are text on this system")
+def test_a_name_that_is_not_utf8_is_shown_with_replacements(tmp_path: Path) -> None:
+    """Results are UTF-8: a byte of a file's name that is not becomes the replacement character."""
+    log, rig = (Path(os.fsdecode(os.fsencode(tmp_path / "a") + b"\xff" + end)) for end in (b".csv", b".json"))
+    log.write_text("time_s\n0\n", encoding="utf-8")
+    rig.write_text('{"known": {"case": "C2"}}', encoding="utf-8")
+
+    assert f"{tmp_path}/a\ufffd.csv" == eccentric.read_log(log).path
+    assert "a\ufffd" == eccentric.read_rig(rig).name
+
+
+def test_a_character_that_the_terminal_lacks_is_printed_as_an_escape(monkeypatch: pytest.MonkeyPatch) -> None:
+    """An ASCII terminal shows the letter omega by its number."""
+    printed = io.BytesIO()
+    monkeypatch.setattr(sys, "stdout", io.TextIOWrapper(printed, encoding="ascii", newline="\n"))
+    show("ω")
+
+    assert b"\\u03c9\n" == printed.getvalue()
+
+
+def test_too_little_memory_is_one_line(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture
+) -> None:
+    """As under a limit of the shell: NumPy raises MemoryError."""
+    import eccentric.audit
+
+    def full() -> str:
+        raise MemoryError
+
+    monkeypatch.setattr(eccentric.audit, "table_1", full)
+
+    assert 2 == main(["audit"])
+    assert capsys.readouterr().err.startswith("eccentric: error: not enough memory: ")
