@@ -105,6 +105,7 @@ def sample(n: int = 5000, runs: int = 1, text: str = "", unit: str = "N m", **ch
         warnings=(f"a column is odd{text}",),
         findings=(Finding("saturation", f"current{text}", f"It is cut off.{text}", 12, "warning"),),
         next_measurement=f"Turn slowly.{text}",
+        closest="",
         command=f"eccentric diagnose made.csv{text}",
         files=((f"model{text}.py", f"the model{text}"),),
         version="0",

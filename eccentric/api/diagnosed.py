@@ -10,10 +10,18 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from eccentric.api.files import described
-from eccentric.api.inputs import LogSources, ModelSource, RigSource, by_name, read_logs
+from eccentric.api.inputs import LogSources, ModelSource, RigSource, by_name, names_given, read_logs
 from eccentric.api.result import Result, new_axes, paragraphs
 from eccentric.api.tables import Correlation, ResultTable
-from eccentric.diagnosis import BASE, base_source, diagnosis_document, diagnosis_lines, extended_model, script
+from eccentric.diagnosis import (
+    BASE,
+    Request,
+    base_source,
+    diagnosis_document,
+    diagnosis_lines,
+    extended_model,
+    script,
+)
 from eccentric.diagnosis import diagnose as diagnose_logs
 from eccentric.emission import complete, write
 from eccentric.errors import InputError
@@ -34,6 +42,10 @@ def diagnose(
     model: ModelSource | None = None,
     effects: str | os.PathLike[str] | None = None,
     progress: Callable[[str], None] | None = None,
+    *,
+    including: str | Sequence[str] = (),
+    without: str | Sequence[str] = (),
+    only: str | Sequence[str] = (),
 ) -> DiagnosisResult:
     """Find what a friction model lacks on logs of a rig, add it, and measure the error again.
 
@@ -47,14 +59,22 @@ def diagnose(
             with the rest, at the values that it has for what does not enter linearly.
         effects: the path of a Python file with effects of your own.
         progress: called with one line for each stage.
+        including: effects that the model has from the start, so that the verdict is about the rest: families
+            or ids of the library, or of your own; one or several. Their shapes are those that suit the
+            training part; coefficients of friction are fitted with the rest.
+        without: effects that the search may not offer.
+        only: the only effects that the search may offer; all, if empty.
 
     Raises:
         InputError: a log, the rig, the model or the effects cannot be read, or do not belong together; the
-            model has a tilt, hidden states, or an effect of the current; or the log has too few rows.
+            model has a tilt, hidden states, or an effect of the current; the log has too few rows; or an
+            effect is unknown.
     """
     base, offered = by_name(model), None if effects is None else given_path(effects, "effects")
     paths = _scripts(offered, base)
-    found = diagnose_logs(read_logs(logs), rig, base, offered, progress)
+    request = Request(*(names_given(names) for names in (including, without, only)))
+    found = diagnose_logs(read_logs(logs), rig, base, offered, request, progress)
+    given = found.asked.base
     own = {path.name: path.read_text(encoding="utf-8") for path in paths}
     shipped = found.models.shipped
     return DiagnosisResult(
@@ -63,7 +83,7 @@ def diagnose(
         estimates=shipped.estimates,
         correlation=Correlation.of(list(shipped.estimates), shipped.covariance),
         script=script(found),
-        own=own | ({BASE: base_source(base)} if isinstance(base, Model) else {}),
+        own=own | ({BASE: base_source(given)} if isinstance(given, Model) else {}),
         warnings=found.warnings,
         lines=tuple(diagnosis_lines(found)),
         data=report_data(found),

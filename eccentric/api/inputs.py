@@ -19,6 +19,7 @@ __all__ = [
     "RigSource",
     "by_name",
     "model_of",
+    "names_given",
     "names_of",
     "origin_of",
     "read_logs",
@@ -56,6 +57,11 @@ def names_of(logs: Sequence[Log]) -> list[str]:
 def model_of(model: ModelSource) -> Model:
     """A model by its name or by the path of its derivation; a Model is returned unchanged."""
     return model if isinstance(model, Model) else load_model(model)
+
+
+def names_given(names: str | Sequence[str]) -> tuple[str, ...]:
+    """One name or several, each as often as it is given."""
+    return (names,) if isinstance(names, str) else tuple(names)
 
 
 def by_name(model: ModelSource | None) -> str | Model | None:

@@ -1,6 +1,7 @@
 """Arguments shared by several commands."""
 
 import argparse
+import re
 import sys
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
@@ -8,7 +9,7 @@ from pathlib import Path
 
 from eccentric.errors import InputError
 
-__all__ = ["add_folder", "add_logs", "options", "print_warnings"]
+__all__ = ["add_folder", "add_logs", "names_in", "options", "print_warnings"]
 
 
 def add_logs(parser: argparse.ArgumentParser) -> None:
@@ -33,6 +34,12 @@ def add_folder(parser: argparse.ArgumentParser, files: str) -> None:
         required=True,
         help=f"folder for {files}; those of an earlier run are replaced, everything else in it stays",
     )
+
+
+def names_in(given: Iterable[str]) -> list[str]:
+    """The names in options that take several, separated by commas; those inside brackets do not separate."""
+    parts = (re.split(r",(?![^\[]*\])", text) for text in given)
+    return [name.strip() for names in parts for name in names if name.strip()]
 
 
 @contextmanager

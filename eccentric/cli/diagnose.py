@@ -6,18 +6,28 @@ import webbrowser
 from pathlib import Path
 
 import eccentric
-from eccentric.cli.arguments import add_folder, add_logs, options, print_warnings
+from eccentric.cli.arguments import add_folder, add_logs, names_in, options, print_warnings
 from eccentric.output import own_folder
 
 NAME = "diagnose"
 HELP = "find what the model lacks on a log, add it, emit the model, report the error before and after"
 EXAMPLE = """eccentric diagnose examples/bench/bench.csv.gz --rig examples/bench/bench.json --out build/bench
-eccentric diagnose my.csv --rig my.toml --effects my_effects.py --out build/mine"""
+eccentric diagnose my.csv --rig my.toml --effects my_effects.py --out build/mine
+eccentric diagnose my.csv --rig my.toml --with stribeck --without cogging,backlash --out build/mine"""
+_OPTIONS = {"effects and model": "--effects and --model", "including": "--with"} | {
+    name: f"--{name}" for name in ("without", "only")
+}
+"""Beginning of a message -> the option concerned."""
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
     """Add the arguments."""
     add_logs(parser)
+    add = parser.add_argument
+    several = {"metavar": "EFFECT,...", "action": "append", "default": []}
+    add("--with", dest="including", help="effects that the model has from the start", **several)
+    add("--without", help="effects that the search may not offer", **several)
+    add("--only", help="the only effects or families that the search may offer", **several)
     parser.add_argument("--effects", metavar="FILE", type=Path, help="a Python file with your own effects")
     add_folder(parser, "the report and the extended model")
     parser.add_argument("--open", action="store_true", help="open the report in the browser")
@@ -26,8 +36,17 @@ def configure(parser: argparse.ArgumentParser) -> None:
 def run(args: argparse.Namespace) -> int:
     """Diagnose, write the folder, print the result; return 0."""
     own_folder(args.out)
-    with options({"effects and model": "--effects and --model"}):
-        found = eccentric.diagnose(args.logs, args.rig, args.model, args.effects, _progress())
+    with options(_OPTIONS):
+        found = eccentric.diagnose(
+            args.logs,
+            args.rig,
+            args.model,
+            args.effects,
+            _progress(),
+            including=names_in(args.including),
+            without=names_in(args.without),
+            only=names_in(args.only),
+        )
     names = [path.relative_to(args.out).as_posix() for path in found.write(args.out)]
     print_warnings(found.warnings)
     print(found.summary())

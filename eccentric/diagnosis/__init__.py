@@ -1,8 +1,11 @@
 """The loop: fit, search, extend, refit, score; and the result in words, as JSON and as a script.
 
     loop          logs, rig -> Diagnosis: every stage in order
+    request       effects to begin with, and what the search may offer
+    stage         what a log offers to a base model before the search
     models        the models after the search; effects that the held-out part does not confirm lose their name
     score         held-out errors before and after, run by run where there are enough
+    closest       the best effect, where none is adopted
     orders        what is left inside runs and periodic in the motor angle
     words         a Diagnosis for a person
     document      a Diagnosis as diagnosis.json
@@ -15,22 +18,27 @@ May import: `search` and all rooms below it.
 """
 
 from eccentric.diagnosis.base_script import BASE, base_source
+from eccentric.diagnosis.closest import Closest
 from eccentric.diagnosis.document import diagnosis_document
 from eccentric.diagnosis.loop import diagnose
 from eccentric.diagnosis.model_script import extended_model, extended_name, script
 from eccentric.diagnosis.orders import Order, orders_of
 from eccentric.diagnosis.outcome import Asked, Diagnosis
+from eccentric.diagnosis.request import Request
 from eccentric.diagnosis.score import OverRuns, Score, leave_runs_out
-from eccentric.diagnosis.words import diagnosis_lines, diagnosis_sentence
+from eccentric.diagnosis.words import closest_sentence, diagnosis_lines, diagnosis_sentence
 
 __all__ = [
     "BASE",
     "Asked",
+    "Closest",
     "Diagnosis",
     "Order",
     "OverRuns",
+    "Request",
     "Score",
     "base_source",
+    "closest_sentence",
     "diagnose",
     "diagnosis_document",
     "diagnosis_lines",

@@ -20,6 +20,11 @@ def diagnosis_document(found: Diagnosis) -> dict[str, Any]:
         "format": "eccentric-diagnosis/1",
         "logs": list(found.asked.logs),
         "model": found.models.base.name,
+        "asked": {
+            "with": list(found.asked.request.including),
+            "without": list(found.asked.request.without),
+            "only": list(found.asked.request.only),
+        },
         "verdict": a.verdict,
         "sentence": diagnosis_sentence(found),
         "effects": [_effect(found, effect) for effect, _ in found.effects],
@@ -42,6 +47,7 @@ def diagnosis_document(found: Diagnosis) -> dict[str, Any]:
             "percent": found.score.percent,
             "interval_95": list(found.score.interval),
         },
+        "closest_effect": _closest(found),
         f"noise_floor_{_suffix(found)}": found.noise_floor,
         "null_test": {
             name: {"gain": gain, "by_chance_99": level} for name, (gain, level) in a.deviance.items()
@@ -74,6 +80,19 @@ def _unconfirmed(found: Diagnosis) -> dict[str, Any]:
     return {
         "effects": list(found.attribution.unconfirmed),
         "improvement": {"percent": percent, "interval_95": interval},
+    }
+
+
+def _closest(found: Diagnosis) -> dict[str, Any] | None:
+    """The best effect where none is adopted, with what it gains on the held-out part."""
+    if (best := found.closest) is None:
+        return None
+    return {
+        "id": best.effect.id,
+        "family": best.effect.family,
+        "balance": best.balance,
+        f"rmse_holdout_{_suffix(found)}": {"paper": best.before, "extended": best.after},
+        "improvement": {"percent": best.percent, "interval_95": list(best.interval)},
     }
 
 

@@ -5,11 +5,15 @@ from __future__ import annotations
 from dataclasses import dataclass
 from pathlib import Path
 
+from eccentric.diagnosis.base_script import BASE
+from eccentric.diagnosis.closest import Closest
 from eccentric.diagnosis.models import Models
 from eccentric.diagnosis.orders import Order
+from eccentric.diagnosis.request import Request
 from eccentric.diagnosis.score import Score
 from eccentric.effects import Effect, Setting
 from eccentric.fitting import FitData
+from eccentric.model import Model
 from eccentric.rigs import Rig
 from eccentric.search import Attribution
 from eccentric.signals import Channels, Rows
@@ -19,12 +23,26 @@ __all__ = ["Asked", "Diagnosis"]
 
 @dataclass(frozen=True)
 class Asked:
-    """The inputs of a diagnosis: names of logs and rig, name or script of the base model, own effects."""
+    """The inputs of a diagnosis.
+
+    Attributes:
+        logs, rig: their names.
+        base: the base model: its name, the path of its derivation, or the model itself if it was given as an
+            object or has effects from the start.
+        effects: file of the user's own effects.
+        request: effects that the model has from the start, and what the search may offer.
+    """
 
     logs: tuple[str, ...]
     rig: str
-    model: str
+    base: str | Model
     effects: Path | None
+    request: Request
+
+    @property
+    def model(self) -> str:
+        """Name or script of the base model."""
+        return self.base if isinstance(self.base, str) else BASE
 
 
 @dataclass(frozen=True)
@@ -40,6 +58,7 @@ class Diagnosis:
         models: what was fitted.
         score: held-out errors and the improvement.
         refused: score of the effects that the held-out part did not confirm, if any had been adopted.
+        closest: the best effect and its gain, where none is adopted.
         noise_floor: RMS of the sensors' noise in the mechanical balance, in its unit.
         orders: periods of the residual of the shipped model while the motor turns one way.
     """
@@ -52,6 +71,7 @@ class Diagnosis:
     models: Models
     score: Score
     refused: Score | None
+    closest: Closest | None
     noise_floor: float
     orders: tuple[Order, ...]
 

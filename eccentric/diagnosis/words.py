@@ -16,7 +16,7 @@ from eccentric.effects import Correction, Effect, Words
 from eccentric.emission import load_module
 from eccentric.errors import few
 
-__all__ = ["diagnosis_lines", "diagnosis_sentence"]
+__all__ = ["closest_sentence", "diagnosis_lines", "diagnosis_sentence"]
 
 _GRAVE = {"wrong_sign", "wrong_unit", "contradiction", "another_rig", "mismatch", "zero_angle"}
 
@@ -62,6 +62,21 @@ def diagnosis_sentence(found: Diagnosis) -> str:
     return (
         f"Nothing is missing: no effect explains more of the residual ({left:.4g} {unit} held out;"
         f" the sensors' noise alone is {found.noise_floor:.4g} {unit}) than chance would."
+    )
+
+
+def closest_sentence(found: Diagnosis) -> str:
+    """What the best effect takes out of the held-out error, where none is adopted; "" without one."""
+    if (best := found.closest) is None:
+        return ""
+    what = _headline(best.effect.words, best.effect.id)
+    low, high = best.interval
+    interval = f"95 % interval {low:.1f} to {high:.1f} %"
+    if best.percent <= 0.0:
+        return f"Best effect: {what}; it does not predict the held-out part better ({interval} of gain)."
+    rest = "is not the whole story" if found.attribution.verdict == "unexplained" else "is not proved"
+    return (
+        f"Best effect: {what} takes out {best.percent:.1f} % of the held-out error ({interval}) and {rest}."
     )
 
 
@@ -141,9 +156,11 @@ def _grave(found: Diagnosis) -> str:
 
 
 def diagnosis_lines(found: Diagnosis) -> list[str]:
-    """At most eighteen lines for a terminal."""
+    """At most twenty lines for a terminal."""
     a, adopted = found.attribution, found.models.adopted
     out = [f"{few(found.asked.logs)}: {found.models.base.name}, verdict {a.verdict}"]
+    if words := found.asked.request.words:
+        out.append(f"as asked: {words}")
     out.append(diagnosis_sentence(found))
     out += [_effect(found, effect, own) for effect, own in found.effects[:3]]
     for balance, models in found.score.rmse.items():
@@ -151,6 +168,8 @@ def diagnosis_lines(found: Diagnosis) -> list[str]:
         out.append(f"held-out RMSE, {balance} [{found.unit}]: {_errors(shown)}")
     if found.score.over_runs is not None:
         out += _over_runs(found.score.over_runs, found.unit)
+    if sentence := closest_sentence(found):
+        out.append(sentence)
     if a.verdict == "unexplained" and found.models.fits_the_rig:
         out.append("closest candidates, none sufficient:")
         out += [f"  {_headline(c.words, c.id)}" for c in a.candidates[:4]]

@@ -190,6 +190,7 @@ class ReportData:
         warnings: of the reader and of the fits.
         findings: of the check of the data.
         next_measurement: one sentence; "" if nothing is open.
+        closest: the best effect and its gain in a sentence, where none is adopted; "" otherwise.
         command: shell command that repeats the diagnosis.
         files: (name, description) of everything beside the report.
         version: of eccentric.
@@ -216,6 +217,7 @@ class ReportData:
     warnings: tuple[str, ...]
     findings: tuple[Finding, ...]
     next_measurement: str
+    closest: str
     command: str
     files: tuple[tuple[str, str], ...]
     version: str

@@ -56,5 +56,10 @@ def facts_of(found: Diagnosis) -> list[Fact]:
         )
         for o in found.orders
     ]
-    noise = f"{found.noise_floor:.3g} {found.unit}"
-    return [*facts, Fact("noise of the sensors", noise, "RMS of a row; no model can be better")]
+    if words := found.asked.request.words:
+        facts.insert(0, Fact("effects, as asked", words))
+    noise, left = found.noise_floor, found.score.rmse["mechanical"]["extended"]
+    remark = (
+        f"RMS of a row; the held-out error is {left / noise:.3g} times that" if noise > 0.0 else "none seen"
+    )
+    return [*facts, Fact("noise of the sensors", f"{noise:.3g} {found.unit}", remark)]

@@ -10,7 +10,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 
-from eccentric.diagnosis import Diagnosis, diagnosis_sentence
+from eccentric.diagnosis import Diagnosis, closest_sentence, diagnosis_sentence
 from eccentric.effects import Effect
 from eccentric.report.balance import balance_of
 from eccentric.report.data import AddedEffect, Candidate, Errors, Finding, Gain, Parameter, ReportData
@@ -71,6 +71,7 @@ def report_data(found: Diagnosis, files: Sequence[tuple[str, str]] = ()) -> Repo
         warnings=tuple(text for text in found.warnings if text not in {f.text for f in findings}),
         findings=tuple(Finding(f.kind, f.channel, f.text, f.rows, f.severity) for f in findings),
         next_measurement=attribution.next_measurement,
+        closest=closest_sentence(found),
         command=_command(found),
         files=tuple(files),
         version=__version__,
@@ -149,8 +150,11 @@ def _parameters(found: Diagnosis) -> list[Parameter]:
 
 def _command(found: Diagnosis) -> str:
     words = ["eccentric", "diagnose", *found.asked.logs, "--rig", found.asked.rig]
-    if found.asked.model != found.rig.model:
+    if found.asked.model != found.rig.model and not found.asked.request.including:
         words += ["--model", Path(found.asked.model).name]
     if found.asked.effects is not None:
         words += ["--effects", found.asked.effects.name]
+    request = found.asked.request
+    for flag, names in (("with", request.including), ("without", request.without), ("only", request.only)):
+        words += [word for name in names for word in (f"--{flag}", name)]
     return shlex.join([*words, "--out", "DIR"])

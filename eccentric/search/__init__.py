@@ -4,6 +4,7 @@
     offer         which effects of the library a log can show
     from_effect   an effect becomes a candidate: columns of torque with a few shapes
     screen        candidates on one balance: scored, refined, cross-validated
+    fitted_variants  effects that a person names, fitted without a search
     attribution   the search on each balance: adopt, compare, try smooth terms on the rest
     verdict       one verdict, a ranked list, the measurement that would decide
     limits        every threshold, with its reason
@@ -13,6 +14,8 @@ May import: `fitting`, `signals`, `rigs`, `effects`, `model`.
 """
 
 from eccentric.search.balances import balances_of, setting_of, variables_of
+from eccentric.search.candidate import Candidate
+from eccentric.search.fitted_variants import fitted_variants
 from eccentric.search.from_effect import candidate_of
 from eccentric.search.offer import offered
 from eccentric.search.verdict import Adopted, Attribution, Ranked, attribute, unconfirmed
@@ -20,10 +23,12 @@ from eccentric.search.verdict import Adopted, Attribution, Ranked, attribute, un
 __all__ = [
     "Adopted",
     "Attribution",
+    "Candidate",
     "Ranked",
     "attribute",
     "balances_of",
     "candidate_of",
+    "fitted_variants",
     "offered",
     "setting_of",
     "unconfirmed",

@@ -1,0 +1,127 @@
+"""What a log offers to a base model before the search: the drive, both balances, effects and candidates."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from eccentric.diagnosis.request import members
+from eccentric.effects import Effect, Setting
+from eccentric.errors import InputError
+from eccentric.estimation import bounded
+from eccentric.fitting import FitData, drive_of, fit_data_of, loaded_model, with_model_current
+from eccentric.model import Model
+from eccentric.model import vocabulary as v
+from eccentric.search import Candidate, balances_of, candidate_of, fitted_variants, offered, setting_of
+from eccentric.signals import LEAST_HELD_OUT, BalanceDesign, Channels, require_rows
+
+__all__ = ["Stage", "stage_of"]
+
+Array = np.ndarray
+
+
+@dataclass(frozen=True)
+class Stage:
+    """A log with a base model, ready for a search or a fit.
+
+    plain: the base model as given; base: with the constant load of the rig; balances: residuals of the
+    training part, with the noise of a window; friction: coefficients of a first fit; offered: the effects of
+    the library that the log can show.
+    """
+
+    plain: Model
+    base: Model
+    data: FitData
+    balances: Sequence[BalanceDesign]
+    noise: dict[str, float]
+    friction: Array
+    setting: Setting
+    offered: tuple[Effect, ...]
+
+    def candidates(self, effects: Sequence[Effect]) -> list[Candidate]:
+        """The effects as the search compares them."""
+        # With a voltage alone, effects of the armature show in the mechanical balance.
+        only = "mechanical" if self.data.drive.by_voltage else None
+        return [candidate_of(effect, self.base, self.data.signals, self.friction, only) for effect in effects]
+
+    def chosen(
+        self, word: str, names: Sequence[str]
+    ) -> list[tuple[Effect, dict[str, float], dict[str, float]]]:
+        """For each name its best effect on the training part: values of its shapes, and its coefficients.
+
+        Raises:
+            InputError: a name is unknown, given twice, or nothing in the log determines it.
+        """
+        if twice := [name for k, name in enumerate(names) if name in names[:k]]:
+            raise InputError(f"{word}: required each effect only once, received {twice[0]} twice")
+        pools = [members(word, name, self.offered) for name in names]
+        found = fitted_variants(self.balances, [self.candidates(pool) for pool in pools], self.noise)
+        chosen = []
+        for name, pool, one in zip(names, pools, found, strict=True):
+            if one is None:
+                raise InputError(f"{word}: required an effect that this log determines, received {name}")
+            variant, coefficients = one
+            effect = next(e for e in pool if e.id == variant.candidate.id)
+            own = dict(zip((q.name for q in effect.coefficients), coefficients, strict=False))
+            chosen.append((effect, dict(variant.values), own))
+        return chosen
+
+
+def stage_of(channels: Channels, plain: Model, effects: Path | None, where: str) -> Stage:
+    """The stage of a log; `effects` is a file of the user's own, `where` names the log in messages.
+
+    Raises:
+        InputError: the model has a tilt, hidden states, or what is found from the current; the rig lacks what
+            it needs; or there are too few rows to hold out.
+    """
+    _require_supported(plain, channels)
+    rig = channels.rig
+    drive = drive_of(channels, rig, plain)
+    base = loaded_model(plain, rig)
+    data = fit_data_of(drive, rig, base)
+    require_rows(data.rows.score, LEAST_HELD_OUT, f"{data.rows.description} to hold out", where)
+    balances, noise = balances_of(data, rig, base)
+    friction = _first_friction(balances)
+    if not drive.measured_twice:
+        data = with_model_current(data, base, friction)
+    setting = setting_of(data, base, friction)
+    names = {balance.name for balance in balances}
+    every = offered(setting, effects, data, rig, base, names)
+    return Stage(plain, base, data, balances, noise, friction, setting, every)
+
+
+def _require_supported(model: Model, channels: Channels) -> None:
+    if "phi" in {q.name for q in model.parameters}:
+        raise InputError(
+            f"{model.name}: diagnose requires a model of case C1 or C2, received one with a tilt"
+        )
+    if model.states:
+        names = ", ".join(state.quantity.name for state in model.states)
+        raise InputError(
+            f"{model.name}: diagnose requires a model without hidden states, received one with {names}"
+            " (diagnose adds the effect that has them itself)"
+        )
+    if any("electrical" in extension.change.terms for extension in model.extensions):
+        raise InputError(
+            f"{model.name}: diagnose requires a model with the paper's armature, received one extended by an"
+            " electrical effect (diagnose adds it itself)"
+        )
+    mechanical = model.balance("mechanical")
+    used = model.expand(mechanical.sum_of("friction", "conservative", "actuator")).free_symbols
+    if {v.i.symbol, v.u.symbol} & used:
+        raise InputError(
+            f"{model.name}: diagnose requires a model without effects of current or voltage, received one"
+            " with some (diagnose adds them itself)"
+        )
+    if v.temperature.symbol in used and channels.temperature is None:
+        raise InputError(f"{model.name}: diagnose requires a temperature in the log, received none")
+
+
+def _first_friction(balances: Sequence[BalanceDesign]) -> Array:
+    """Coefficients of the mechanical balance's base, friction within its bounds: (columns,)."""
+    mechanical = next(b for b in balances if b.name == "mechanical")
+    none = np.full(len(mechanical.lower), np.inf)
+    return bounded(mechanical.base, mechanical.target, mechanical.lower, none).coefficients
