@@ -90,7 +90,7 @@ FORMULAS: dict[str, Formula] = {
     "time_drift": lambda s, a, p, e: {"dry": a * s.t / 15.0},  # seconds of the scenario
     "link_harmonic_friction[n=3]": lambda s, a, p, e: {"dry": a * cos(3 * s.link + e.shape[1])},
     "cogging[n=4]": lambda s, a, p, e: {"torque": a * cos(4 * s.theta + e.shape[1])},
-    "kt_ripple[n=6]": lambda s, a, p, e: {"torque": -a * cos(6 * s.theta + e.shape[1]) * p.k_i * s.i},
+    "kt_ripple[n=6]": lambda s, a, p, e: {"flux": a * cos(6 * s.theta + e.shape[1])},
     "local_defect": lambda s, a, p, e: {"dry": a * bump(s, e)},
     "cable_spring": lambda s, a, p, e: {"torque": a * (s.link - e.shape[0])},
     "gravity_tilt": lambda s, a, p, e: other_gravity(s, p, gravity=p.g * cos(a)),
@@ -104,9 +104,7 @@ FORMULAS: dict[str, Formula] = {
     "gear_efficiency, C1": lambda s, a, p, e: {
         "dry": a * abs(transmitted(s, p)) * driven(transmitted(s, p), s, e)
     },
-    "kt_saturation": lambda s, a, p, e: {
-        "torque": p.k_i * s.i - p.k_i / (1.0 + a * (s.i / e.shape[0]) ** 2) * s.i
-    },
+    "kt_saturation": lambda s, a, p, e: {"flux": 1.0 / (1.0 + a * (s.i / e.shape[0]) ** 2) - 1.0},
     "current_bias": lambda s, a, p, e: {"current": a},
     "inverter_deadtime": lambda s, a, p, e: {"drop": dead_time(s.v, a, p.R, e.shape[0])},
     "resistance_temperature": lambda s, a, p, e: {

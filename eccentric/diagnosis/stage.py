@@ -44,8 +44,11 @@ class Stage:
     def candidates(self, effects: Sequence[Effect]) -> list[Candidate]:
         """The effects as the search compares them."""
         # With a voltage alone, effects of the armature show in the mechanical balance.
-        only = "mechanical" if self.data.drive.by_voltage else None
-        return [candidate_of(effect, self.base, self.data.signals, self.friction, only) for effect in effects]
+        drive = self.data.drive
+        only = "mechanical" if drive.by_voltage else None
+        current = drive.signal() if drive.measured_twice else None
+        given = self.base, self.data.signals, self.friction, only, current
+        return [candidate_of(effect, *given) for effect in effects]
 
     def chosen(
         self, word: str, names: Sequence[str]

@@ -7,6 +7,8 @@ cos(x) = 2 HalfCosine^2 - 1 and sin(x) = -2 HalfCosine HalfSine for x = rate the
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
+from typing import Any
 
 import sympy as sp
 
@@ -95,6 +97,43 @@ def addition(
         shapes=shapes,
         words=words or Words(),
         corrects=corrects,
+    )
+
+
+def of_flux(
+    family: str, columns: Sequence[Column], setting: Setting, *, bounds: Sequence[Bounds] | None = None, **given: Any
+) -> Effect:
+    """An effect on the motor's flux: columns of the relative change of its torque constant.
+
+    The back-EMF constant changes by the same factor: k_i i w is the electrical power that becomes mechanical,
+    whatever the flux. With current and voltage logged the electrical balance shows it first: it measures the
+    constant without friction.
+
+    Args:
+        family, given: as in `addition`.
+        columns: coefficient and basis of each part of the relative change.
+        setting: which channels are logged.
+        bounds: of each coefficient; open by default.
+    """
+    torque, emf = v.k_i.symbol * v.i.symbol, v.k_e.symbol * omega_m
+    effect = addition(
+        family,
+        [(q, -torque * basis) for q, basis in columns],
+        kind="actuator",
+        bounds=bounds or [(None, None)] * len(columns),
+        needs=("current",),
+        **given,
+    )
+    terms = effect.change.terms["mechanical"]
+    circuit = tuple(
+        replace(term, name=f"{term.name}_emf", basis=emf * basis)
+        for term, (_, basis) in zip(terms, columns, strict=True)
+    )
+    twice = setting.has("current", "voltage") and not setting.by_voltage
+    return replace(
+        effect,
+        balance="electrical" if twice else "mechanical",
+        change=replace(effect.change, terms={"mechanical": terms, "electrical": circuit}),
     )
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from eccentric.effects.effect import Effect, Shape
-from eccentric.effects.forms import addition
+from eccentric.effects.forms import of_flux
 from eccentric.effects.setting import Setting
 from eccentric.effects.words import LOAD, Words
 from eccentric.model import quantity
@@ -13,7 +13,7 @@ part = quantity("ktsat_A", "1", "saturating fraction of the torque constant", ""
 i_s = quantity("ktsat_i", "A", "current at which half of that fraction is lost", "", "positive", letter="i_s")
 WORDS = Words(
     headline="a torque constant that falls at high current",
-    meaning="Saturation of the iron: the torque constant falls at high current.",
+    meaning="Saturation of the iron: torque constant and back-EMF constant fall at high current.",
     hint="high currents at low speed: hold the link horizontal, or accelerate hard",
     kin=LOAD,
 )
@@ -21,20 +21,18 @@ WORDS = Words(
 
 def effects(setting: Setting) -> tuple[Effect, ...]:
     """The one effect of the family; for A = 1 it is k_t = k_i/(1 + (i/i_s)^2)."""
-    i = v.i.symbol
-    square = (i / i_s.symbol) ** 2
+    square = (v.i.symbol / i_s.symbol) ** 2
     largest = setting.current_max
-    effect = addition(
+    effect = of_flux(
         "kt_saturation",
-        [(part, v.k_i.symbol * i * square / (1 + square))],
-        kind="actuator",
+        [(part, -square / (1 + square))],
+        setting,
         bounds=((0.0, 1.0),),
         depends_on=("current",),
-        formula="k_t = k_i (1 - A x/(1 + x)), x = (i/i_s)^2",
+        formula="k_i and k_e times 1 - A x/(1 + x), x = (i/i_s)^2",
         reference="form of our own; armature reaction: A. E. Fitzgerald, C. Kingsley and S. D. Umans,"
         " Electric Machinery",
         shapes=(Shape(i_s, 0.7 * largest, 20.0 * largest, "log", 10),),
-        needs=("current",),
         words=WORDS,
     )
     return (effect,)

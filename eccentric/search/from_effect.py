@@ -6,6 +6,7 @@ Everything a candidate computes comes from the Effect's expressions and the Mode
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -23,7 +24,12 @@ Array = np.ndarray
 
 
 def candidate_of(
-    effect: Effect, model: Model, signals: Signals, friction: Array, balance: str | None
+    effect: Effect,
+    model: Model,
+    signals: Signals,
+    friction: Array,
+    balance: str | None,
+    current: Array | None = None,
 ) -> Candidate:
     """The effect as columns of torque.
 
@@ -35,17 +41,22 @@ def candidate_of(
             scale or replace something.
         balance: the one that shows it, None for the effect's own: with a voltage alone, effects of the
             armature show in the mechanical balance.
+        current: the measured one (samples,) [A] if there is a voltage as well. An effect on the back-EMF
+            depends on it: the current of `signals` follows from the voltage with the declared back-EMF.
     """
     extended = effect.extend(model)
     names = tuple(shape.quantity.name for shape in effect.shapes)
     states = States(extended, effect.change.states, signals, names)
+    seen = signals
+    if current is not None and _in_back_emf(effect):
+        seen = replace(signals, values={**signals.values, "i": current})
     load = {
         "mechanical": sp.Integer(1),
         "electrical": v.k_i.symbol / v.R.symbol,
     }
     own = {
         balance: [
-            compiled(extended, load[balance] * _collected(terms, q.symbol), signals, names)
+            compiled(extended, load[balance] * _collected(terms, q.symbol), seen, names)
             for q in effect.coefficients
         ]
         for balance, terms in effect.change.terms.items()
@@ -54,10 +65,10 @@ def candidate_of(
     lower = tuple(0.0 if low == 0.0 else -np.inf for low, _ in effect.bounds) or (-np.inf,)
     changes = _changes(effect, model, extended, signals, names, states)
 
-    def columns_of(balance: str) -> Callable[[Values], Array]:
+    def columns_of(*balances: str) -> Callable[[Values], Array]:
         def columns(values: Values) -> Array:
             series = states(values)
-            return np.column_stack([column(values, series) for column in own[balance]])
+            return sum(np.column_stack([column(values, series) for column in own[b]]) for b in balances)
 
         return columns
 
@@ -71,19 +82,27 @@ def candidate_of(
         known, base = changes(values)
         return (known + base @ friction - plain)[:, None]
 
+    # With a voltage alone both balances are one.
+    shown = tuple(own) if balance == "mechanical" else (effect.balance,)
     other = "mechanical" if effect.balance == "electrical" and balance is None else None
     return Candidate(
         id=effect.id,
         family=effect.family,
         balance=balance or effect.balance,
         evidence=effect.evidence,
-        columns=columns_of(effect.balance) if changes is None else first_look,
+        columns=columns_of(*shown) if changes is None else first_look,
         shapes=effect.shapes,
         lower=lower if changes is None else (0.0,),
         words=effect.words,
         also=None if other is None or other not in own else columns_of(other),
         changes=changes,
     )
+
+
+def _in_back_emf(effect: Effect) -> bool:
+    """Whether the effect adds a voltage that depends on the speed."""
+    terms = effect.change.terms.get("electrical", ())
+    return any(v.omega_m.symbol in term.basis.free_symbols for term in terms)
 
 
 def _collected(terms: Sequence[Any], coefficient: sp.Symbol) -> sp.Expr:

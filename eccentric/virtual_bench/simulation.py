@@ -105,6 +105,8 @@ def _run(scenario: Scenario) -> _Raw:
             value = value * w_mid
         elif port == "inertia":
             value = value * alpha
+        elif port == "flux":  # in torque and back-EMF alike, each as a torque
+            value = value * np.hypot(plant.k_i * i, plant.k_i * plant.k_e * w_mid / plant.R)
         elif port == "drop":
             value = value * plant.k_i / plant.R
         elif port == "current":

@@ -50,6 +50,7 @@ def mover(
         return [(n, law, e.amplitude) for n, (where, e, law) in enumerate(bound) if where == port]
 
     dry_laws, viscous_laws, torque_laws, drop_laws = of("dry"), of("viscous"), of("torque"), of("drop")
+    flux_laws = of("flux")
     inertia = plant.inertia
     for n, law, amplitude in of("inertia"):
         acting[n] = law(s, amplitude)
@@ -73,7 +74,11 @@ def mover(
         s.link_viscous = B_N * normal + B_T
         s.dry = dry = C_m + s.link_dry
         s.viscous = viscous = B_m + s.link_viscous
-        s.v = u - k_e * w_mid
+        flux = 1.0
+        for n, law, amplitude in flux_laws:
+            acting[n] = value = law(s, amplitude)
+            flux += value
+        s.v = u - k_e * flux * w_mid
         torque, drop = gravity, 0.0
         for n, law, amplitude in dry_laws:
             acting[n] = value = law(s, amplitude)
@@ -88,8 +93,8 @@ def mover(
             acting[n] = value = law(s, amplitude)
             drop += value
 
-        loss = half * (viscous + damping)
-        push = (inertia - loss) * w + dt * (k_i * (u - drop) / R - torque)
+        loss = half * (viscous + damping * flux * flux)
+        push = (inertia - loss) * w + dt * (k_i * flux * (u - drop) / R - torque)
         hold = dt * dry if dry > 0.0 else 0.0
         if push > hold:
             after = (push - hold) / (inertia + loss)
@@ -98,7 +103,7 @@ def mover(
         else:
             after = 0.0
         mean = 0.5 * (w + after)
-        s.i = current = (u - drop - k_e * mean) / R
+        s.i = current = (u - drop - k_e * flux * mean) / R
         s.alpha = (after - w) / dt
         s.w_before, s.w = w, after
         s.theta = theta + half * after

@@ -6,21 +6,22 @@ from .record import Builder, PlantedEffect, Request, simply
 
 
 def kt_saturation(request: Request) -> PlantedEffect:
-    """Saturation of the iron: the torque constant falls with the current."""
-    k_i, size = request.plant.k_i, request.setting.current
+    """Saturation of the iron: torque and back-EMF constant fall with the current."""
+    size = request.setting.current
 
-    def torque(s: Motion, a: float) -> float:
+    def flux(s: Motion, a: float) -> float:
         share = a * (s.i / size) ** 2
-        return k_i * s.i * share / (1.0 + share)
+        return -share / (1.0 + share)
 
     return PlantedEffect(
         "kt_saturation",
-        "k_i -> k_i/(1 + A (i/i0)^2)",
-        request.torque(0.5) / (k_i * size),
-        simply(torque=torque),
+        "k_i, k_e -> k_i, k_e over 1 + A (i/i0)^2",
+        request.torque(0.5) / request.motor_torque,
+        simply(flux=flux),
         ("current",),
         (size,),
         bound=1.0,
+        channel="electrical",
     )
 
 

@@ -37,18 +37,18 @@ def cogging(request: Request) -> PlantedEffect:
 
 
 def kt_ripple(request: Request) -> PlantedEffect:
-    """Torque constant that varies n times per turn of the motor (commutation)."""
-    drawn = request.variant
-    order, shift, k_i = int(drawn[2:]), request.phase(), request.plant.k_i
+    """Torque and back-EMF constant that vary n times per turn of the motor (commutation)."""
+    order, shift = int(request.variant[2:]), request.phase()
     return PlantedEffect(
         "kt_ripple",
-        f"-A cos({order} thm + phi) k_i i",
-        request.torque(1.4) / (k_i * request.setting.current),
-        simply(torque=lambda s, a: -a * cos(order * s.theta + shift) * k_i * s.i),
+        f"k_i, k_e -> k_i, k_e times 1 + A cos({order} thm + phi)",
+        request.torque(1.4) / request.motor_torque,
+        simply(flux=lambda s, a: a * cos(order * s.theta + shift)),
         ("motor_angle", "current"),
         (float(order), shift),
         variant=request.variant,
         bound=0.6,
+        channel="electrical",
     )
 
 

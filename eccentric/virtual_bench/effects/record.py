@@ -2,7 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from math import inf, pi
+from math import hypot, inf, pi
 
 import numpy as np
 
@@ -17,6 +17,7 @@ PORTS = {
     "dry": "level added to the Coulomb friction, which remains set-valued [N m]",
     "viscous": "coefficient added to the viscous friction [N m s/rad]",
     "torque": "torque against the motor [N m]",
+    "flux": "relative change of the torque constant, and of the back-EMF constant: power is conserved",
     "inertia": "inertia beyond the declared one, constant over a log [kg m^2]",
     "drop": "voltage lost in the armature circuit beyond R i + k_e w [V]",
     "current": "added to the logged current only [A]",
@@ -56,6 +57,12 @@ class Request:
     def torque(self, factor: float = 1.0) -> float:
         """Return `factor` times the strength times the rms friction torque [N m]."""
         return factor * self.strength * self.setting.friction
+
+    @property
+    def motor_torque(self) -> float:
+        """Rms of k_i i and of the back-EMF's k_i k_e w/R, added in squares [N m]."""
+        plant = self.plant
+        return plant.k_i * hypot(self.setting.current, plant.k_e * self.setting.speed / plant.R)
 
     def draw(self, low: float, high: float) -> float:
         """Return a random number between `low` and `high` to three significant digits."""
