@@ -140,3 +140,18 @@ def test_backlash_lets_go_of_the_link_for_the_gap() -> None:
 
     assert motion.w < 0.0
     assert free == pytest.approx(0.5, abs=1e-3)
+
+
+@pytest.mark.parametrize("family", ["kt_ripple[n=2]", "kt_saturation"])
+def test_what_the_circuit_gives_the_flux_turns_into_work(family: str) -> None:
+    """Without friction or gravity, the sum of u i - R i^2 over a start is the kinetic energy, flux ripple or not."""
+    scenario = drawn_scenario(case="C1", effects=[family])
+    plant = replace(scenario.plant, C_m=0.0, B_m=0.0, C_lN=0.0, B_lN=0.0, gamma_T=0.0, beta_T=0.0)
+    bound = laws([replace(scenario.effects[0], amplitude=0.3)])
+    motion, dt, given = Motion(plant, effects=len(bound)), 5e-4, 0.0
+    advance = mover(plant, motion, dt, bound)
+    for _ in range(2000):
+        advance(8.0)
+        given += dt * (8.0 * motion.i - plant.R * motion.i**2)
+
+    assert given == pytest.approx(0.5 * plant.inertia * motion.w**2, rel=1e-9)

@@ -268,3 +268,24 @@ def test_scales_compose() -> None:
     actual = call(load_module(model), "mechanical_friction_torque", x)
 
     np.testing.assert_allclose(actual, friction(x, "C2", viscous=falls) * (1 + 0.005 * x["t"]), rtol=1e-12)
+
+
+FLUX = {
+    "kt_ripple[n=7]": {"kt_ripple_c7": 0.1, "kt_ripple_s7": -0.2},
+    "kt_saturation": {"ktsat_A": 0.8, "ktsat_i": 10.0},
+}
+
+
+@pytest.mark.parametrize("effect_id", FLUX)
+def test_power_into_the_back_emf_is_the_power_of_the_torque(effect_id: str) -> None:
+    """With k_e = k_i in SI units, u i - R i^2 = tau w at every angle, speed and current; tau is not k_i i."""
+    values = FLUX[effect_id] | {"k_e": K_I}
+    module, given = with_effect("C1", effect_id).module, inputs() | {"u": np.zeros(40)}
+    friction_and_inertia = call(module, "mechanical_friction_torque", given) + J * given["alpha_m"]
+    torque = call(module, "mechanical_residual", given, **values) + friction_and_inertia
+    voltage = -call(module, "electrical_residual", given, **values) * R / K_I
+
+    np.testing.assert_allclose(
+        voltage * given["i"] - R * given["i"] ** 2, torque * given["omega_m"], rtol=1e-10, atol=1e-12
+    )
+    assert np.max(np.abs(torque / (K_I * given["i"]) - 1.0)) > 0.1

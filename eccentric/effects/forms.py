@@ -101,7 +101,12 @@ def addition(
 
 
 def of_flux(
-    family: str, columns: Sequence[Column], setting: Setting, *, bounds: Sequence[Bounds] | None = None, **given: Any
+    family: str,
+    columns: Sequence[Column],
+    setting: Setting,
+    *,
+    bounds: Sequence[Bounds] | None = None,
+    **given: Any,
 ) -> Effect:
     """An effect on the motor's flux: columns of the relative change of its torque constant.
 

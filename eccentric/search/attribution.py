@@ -22,6 +22,7 @@ import numpy as np
 
 from eccentric.search import limits
 from eccentric.search.candidate import Candidate, Variant
+from eccentric.search.joint import Joint
 from eccentric.search.nulltest import correlated, null_quantile
 from eccentric.search.screen import Fitted, Screen
 from eccentric.search.smooth import Variables, smooth_terms
@@ -181,9 +182,17 @@ def _without(fitted: Fitted, place: int) -> list[Variant]:
 
 
 def _corrected(balance: BalanceDesign, electrical: Search) -> BalanceDesign:
-    """The mechanical target without what effects found in the electrical balance add to it."""
+    """The mechanical target without what effects found in the electrical balance add to it.
+
+    An effect that both balances measure is estimated from both.
+    """
     target, best = balance.target, electrical.best
-    for variant, own in zip(best.variants, electrical.screen.own(best), strict=True):
+    found = electrical.screen.own(best)
+    if any(variant.candidate.joint for variant in best.variants):
+        joint = Joint(electrical.screen, best, balance)
+        found = joint.run()
+        electrical.best = best = electrical.screen.fit(joint.variants)
+    for variant, own in zip(best.variants, found, strict=True):
         if variant.candidate.also is not None:
             target = target - balance.rows.mean(variant.candidate.also(variant.values)) @ own
     return replace(balance, target=target)

@@ -36,6 +36,7 @@ class Candidate:
         `shapes`; `columns` are then used in the first screening only.
     also: values of the shapes -> what an electrical effect adds to the mechanical target (samples, k), for
         the same coefficients.
+    joint: whether both balances measure it: the flux of the motor shows in torque and voltage.
     ridge: penalty on the coefficients, relative to their scaled diagonal (smooth terms only).
     words: what a person reads about it.
     """
@@ -49,6 +50,7 @@ class Candidate:
     lower: tuple[float, ...] = (-np.inf,)
     changes: Callable[[Values], tuple[Array, Array]] | None = None
     also: Callable[[Values], Array] | None = None
+    joint: bool = False
     ridge: float = 0.0
     words: Words = field(default_factory=Words)
 

@@ -41,14 +41,14 @@ def candidate_of(
             scale or replace something.
         balance: the one that shows it, None for the effect's own: with a voltage alone, effects of the
             armature show in the mechanical balance.
-        current: the measured one (samples,) [A] if there is a voltage as well. An effect on the back-EMF
+        current: the measured one (samples,) [A] if there is a voltage as well. An effect on the flux
             depends on it: the current of `signals` follows from the voltage with the declared back-EMF.
     """
     extended = effect.extend(model)
     names = tuple(shape.quantity.name for shape in effect.shapes)
     states = States(extended, effect.change.states, signals, names)
-    seen = signals
-    if current is not None and _in_back_emf(effect):
+    seen, flux = signals, _on_flux(effect)
+    if current is not None and flux:
         seen = replace(signals, values={**signals.values, "i": current})
     load = {
         "mechanical": sp.Integer(1),
@@ -95,14 +95,16 @@ def candidate_of(
         lower=lower if changes is None else (0.0,),
         words=effect.words,
         also=None if other is None or other not in own else columns_of(other),
+        joint=flux,
         changes=changes,
     )
 
 
-def _in_back_emf(effect: Effect) -> bool:
-    """Whether the effect adds a voltage that depends on the speed."""
-    terms = effect.change.terms.get("electrical", ())
-    return any(v.omega_m.symbol in term.basis.free_symbols for term in terms)
+def _on_flux(effect: Effect) -> bool:
+    """Whether the effect adds a torque, and a voltage that depends on the speed."""
+    circuit = effect.change.terms.get("electrical", ())
+    emf = any(v.omega_m.symbol in term.basis.free_symbols for term in circuit)
+    return emf and "mechanical" in effect.change.terms
 
 
 def _collected(terms: Sequence[Any], coefficient: sp.Symbol) -> sp.Expr:

@@ -1,0 +1,73 @@
+"""An effect that both balances show, estimated from both: one may leave open what the other determines."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from eccentric.search.candidate import Variant
+from eccentric.search.crossval import bounded_solve
+from eccentric.search.limits import EVALUATIONS
+from eccentric.search.refinement import refined
+from eccentric.search.screen import Fitted, Screen
+from eccentric.signals import BalanceDesign
+
+__all__ = ["Joint"]
+
+Array = np.ndarray
+
+
+class Joint:
+    """The variants of the electrical balance on both balances, each weighted by what a fit leaves in it.
+
+    The mechanical base is free, and what it lacks counts as noise.
+    """
+
+    def __init__(self, screen: Screen, found: Fitted, mechanical: BalanceDesign) -> None:
+        self._screen, self._mechanical = screen, mechanical
+        self.variants = list(found.variants)
+        # Coefficients of its own in each balance: the weights do not depend on how well the shapes agree.
+        design, target = np.hstack([self._also(self.variants), mechanical.base]), mechanical.target
+        rest = target - design @ np.linalg.lstsq(design, target, rcond=None)[0]
+        self._weights = screen.rows / found.loss.sum(), len(rest) / float(rest @ rest)
+
+    def run(self) -> list[Array]:
+        """Refine the shapes in turn; return the coefficients of each variant."""
+        for turn, variant in enumerate(self.variants):
+            if variant.candidate.joint and variant.candidate.shapes:
+                before, after = self.variants[:turn], self.variants[turn + 1 :]
+                self.variants[turn] = refined(
+                    variant,
+                    lambda v, before=before, after=after: self._solved([*before, v, *after])[0],
+                    EVALUATIONS,
+                )
+        ends = np.cumsum([self._screen.columns(variant).shape[1] for variant in self.variants])
+        return np.split(self._solved(self.variants)[1], ends)[:-1]
+
+    def _solved(self, variants: Sequence[Variant]) -> tuple[float, Array]:
+        """Weighted loss and coefficients: of the variants, then of the mechanical base."""
+        target, own, lower = self._screen.design(variants)
+        here = np.hstack([own, np.zeros((len(target), self._mechanical.base.shape[1]))])
+        there = np.hstack([self._also(variants), self._mechanical.base])
+        matrix, vector, square = 0.0, 0.0, 0.0
+        for weight, x, y in zip(self._weights, (here, there), (target, self._mechanical.target), strict=True):
+            matrix, vector, square = (
+                matrix + weight * x.T @ x,
+                vector + weight * x.T @ y,
+                square + weight * y @ y,
+            )
+        c = bounded_solve(matrix, vector, np.r_[lower, self._mechanical.lower])
+        return float(square + c @ matrix @ c - 2.0 * c @ vector), c
+
+    def _also(self, variants: Sequence[Variant]) -> Array:
+        """What the variants add to the mechanical target, (rows, k)."""
+        rows = self._mechanical.rows
+        return np.hstack(
+            [
+                np.zeros((len(self._mechanical.target), self._screen.columns(variant).shape[1]))
+                if variant.candidate.also is None
+                else rows.mean(variant.candidate.also(variant.values))
+                for variant in variants
+            ]
+        )
