@@ -100,6 +100,11 @@ bottom, top = polynomial(F_N_max), polynomial(s * net_weight)
 powers = sp.Matrix([omega_m**3, omega_m**2, omega_m, 1])
 
 
+def bend(column: sp.Matrix) -> sp.Expr:
+    """d^2F/d(omega_m)^2 for omega_m > 0: a friction torque is progressive where it is positive."""
+    return sp.diff((column.T * powers)[0].subs(sp.sign(omega_m), 1), omega_m, 2)
+
+
 gravity_torque = general.equation("gravity_torque").right.subs(parallel)
 
 POLYNOMIAL = ("N m s^3/rad^3", "N m s^2/rad^2", "N m s/rad", "N m")
@@ -275,6 +280,10 @@ equations = (
                 - (mu**2 * B_lN * weight_plain + B_m + k_i * k_e / R) * omega_m
                 - (mu * C_lN * weight_plain + C_m) * sp.sign(omega_m),
             ),
+            Identity(
+                "it is progressive: over omega_m > 0 it bends up",
+                bend(bottom) - 2 * mu**3 * M * L * (3 * B_lN * mu * omega_m + C_lN),
+            ),
         ),
     ),
     Equation(
@@ -309,6 +318,10 @@ equations = (
                 + s * mu**3 * C_lN * M * L * sp.sign(omega_m) * omega_m**2
                 - (s * mu**2 * B_lN * weight_plain + B_m + k_i * k_e / R) * omega_m
                 - (s * mu * C_lN * weight_plain + C_m) * sp.sign(omega_m),
+            ),
+            Identity(
+                "over omega_m > 0 it bends -s times as at the bottom: down below the critical velocity",
+                bend(top) + s * bend(bottom),
             ),
             Identity(
                 "it is (18) with s (weight - M L omega_l^2) as F_N",

@@ -1,5 +1,6 @@
 """The audit: Table 1 to all printed digits, and the findings as numbers calculated manually."""
 
+import math
 from fractions import Fraction
 
 import pytest
@@ -47,6 +48,10 @@ def test_agreement_sees_one_unit_in_the_last_digit() -> None:
         (3, ["0.0200", "0.0318"]),
         (4, ["-0.03939", "-0.02339"]),
         (5, ["mu > 0", "sgn(mu omega_m) = sgn(omega_m) for every positive mu"]),
+        (6, ["F_N = M_l*g", "1.962 N", "0.0314 N m"]),
+        (7, ["0.0228 N m", "F = 0.1711 N m, of which 0.1482", "F = 0.0464 N m, of which 0.0236"]),
+        (8, ["u from 5.45 V at theta_l = 4.14 rad to 32.41 V at 1.21 rad"]),
+        (9, ["2*L*M*mu^3*(3*B_lN*mu*omega_m + C_lN) at the bottom", "at the top it is -s times that"]),
     ],
 )
 def test_findings_give_the_figures_worked_out_by_hand(finding: int, figures: list[str]) -> None:
@@ -64,3 +69,17 @@ def test_audit_prints_table_and_findings(capsys: pytest.CaptureFixture[str]) -> 
     assert table_1() in printed
     assert 8 == printed.count("agrees\n")
     assert "DIFFERS" not in printed
+
+
+@pytest.mark.parametrize("speed", [3.0, 7.0, 8.0, 20.0])
+def test_friction_at_the_top_bends_down_below_the_critical_velocity_and_up_above(speed: float) -> None:
+    """By the closed forms: at the bottom it bends up at every speed."""
+    p = paper.table_1(float)
+
+    def bend(angle: float) -> float:
+        before, here, after = (
+            paper.friction_torque_c2(angle / p.mu, w / p.mu, p) for w in (speed - 0.01, speed, speed + 0.01)
+        )
+        return after - 2.0 * here + before
+
+    assert (True, speed > 7.411882) == (bend(0.0) > 0.0, bend(math.pi) > 0.0)

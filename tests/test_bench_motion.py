@@ -144,7 +144,7 @@ def test_backlash_lets_go_of_the_link_for_the_gap() -> None:
 
 @pytest.mark.parametrize("family", ["kt_ripple[n=2]", "kt_saturation"])
 def test_what_the_circuit_gives_the_flux_turns_into_work(family: str) -> None:
-    """Without friction or gravity, the sum of u i - R i^2 over a start is the kinetic energy, flux ripple or not."""
+    """Without friction or gravity, u i - R i^2 summed over a start is the kinetic energy."""
     scenario = drawn_scenario(case="C1", effects=[family])
     plant = replace(scenario.plant, C_m=0.0, B_m=0.0, C_lN=0.0, B_lN=0.0, gamma_T=0.0, beta_T=0.0)
     bound = laws([replace(scenario.effects[0], amplitude=0.3)])

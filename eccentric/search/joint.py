@@ -50,15 +50,10 @@ class Joint:
         target, own, lower = self._screen.design(variants)
         here = np.hstack([own, np.zeros((len(target), self._mechanical.base.shape[1]))])
         there = np.hstack([self._also(variants), self._mechanical.base])
-        matrix, vector, square = 0.0, 0.0, 0.0
-        for weight, x, y in zip(self._weights, (here, there), (target, self._mechanical.target), strict=True):
-            matrix, vector, square = (
-                matrix + weight * x.T @ x,
-                vector + weight * x.T @ y,
-                square + weight * y @ y,
-            )
-        c = bounded_solve(matrix, vector, np.r_[lower, self._mechanical.lower])
-        return float(square + c @ matrix @ c - 2.0 * c @ vector), c
+        one, other = np.sqrt(self._weights)
+        x, y = np.vstack([one * here, other * there]), np.r_[one * target, other * self._mechanical.target]
+        c = bounded_solve(x.T @ x, x.T @ y, np.r_[lower, self._mechanical.lower])
+        return float(np.sum((y - x @ c) ** 2)), c
 
     def _also(self, variants: Sequence[Variant]) -> Array:
         """What the variants add to the mechanical target, (rows, k)."""
