@@ -8,7 +8,8 @@ from pathlib import Path
 
 from eccentric.diagnosis.outcome import Diagnosis
 from eccentric.emission import plain
-from eccentric.model import Model, Role, regressor, with_values
+from eccentric.fitting import back_emf_columns
+from eccentric.model import Model, regressor, with_values
 
 __all__ = ["extended_model", "extended_name", "script"]
 
@@ -46,9 +47,9 @@ def _fitted(found: Diagnosis) -> _Fitted:
         letters_of = "R/k_i, with k_i = 1 N m/A" if drive.by_voltage else "k_i"
         notes["R" if drive.by_voltage else "k_i"] = f"{letters_of}: identified through gravity or inertia"
         if drive.by_voltage and "k_e" not in found.rig.known and "back_emf" not in drive.open:
-            # The back-EMF has the column of the viscous friction that follows no load.
+            shared = back_emf_columns(found.models.base)
             for c in regressor(found.models.base):
-                if c.linear and c.role is Role.VISCOUS:
+                if c.name in shared:
                     name, emf = c.parameter.name, "contains k_e k_i/R, which this log cannot separate from it"
                     notes[name] = f"{notes.get(name, '')}; {emf}"
     names = ", ".join(effect.id for effect, _ in found.models.shipped.effects) or "no effect"

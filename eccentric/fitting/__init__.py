@@ -3,9 +3,10 @@
 In: `Channels`, a `Rig`, a `Model`, for an extended model its effects.  Out: `fit` -> `Fit` (one model against
 Coulomb + viscous friction, as `eccentric fit` shows it); `drive_of` -> `Drive`, `FitData`, `refit` -> `Refit`
 (any model on its own emitted module, as `eccentric diagnose` needs it).
-May import: `signals`, `rigs`, `model`, `effects`, `emission`.
+May import: `signals`, `rigs`, `model`, `effects`, `emission`, `estimation`.
 """
 
+from eccentric.fitting.columns import back_emf_columns
 from eccentric.fitting.constant_load import loaded_model
 from eccentric.fitting.document import fit_document
 from eccentric.fitting.drive import Drive
@@ -30,6 +31,7 @@ __all__ = [
     "Refit",
     "Signals",
     "States",
+    "back_emf_columns",
     "base_columns",
     "compare",
     "compiled",

@@ -10,15 +10,19 @@ import sympy as sp
 
 from eccentric.errors import InputError
 from eccentric.estimation import Coefficient, Nonlinear
-from eccentric.model import Column, Model, Role, regressor
+from eccentric.model import Column, Model, Role, meaning, regressor
+from eccentric.model import vocabulary as v
 from eccentric.rigs import KNOWNS
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping
+
     from eccentric.fitting.machine import Machine
     from eccentric.rigs import Rig
     from eccentric.signals import Channels
 
 R, k_i, k_e, J, u_0, T_load = sp.symbols("R k_i k_e J u_0 T_load")
+omega_m, _speed = v.omega_m.symbol, sp.Symbol("speed", positive=True)
 _UNITS = {known.name: known.unit for known in KNOWNS}
 
 
@@ -73,9 +77,19 @@ def combinations_of(
     unit = {None: "N m", R / k_i: "V", 1 / k_i: "A"}[scale]
     s = sp.Integer(1) if scale is None else scale
     # The back-EMF has the same column as viscous friction, w: without k_e only the sum is identifiable.
-    hidden = channels.motor.measured_by == "voltage" and "k_e" not in rig.known
-    damping = s * _plain(machine.back_emf_damping) if hidden else sp.Integer(0)
-    found = [_friction(column, model, s, damping, unit) for column in regressor(model)]
+    shared: Mapping[str, sp.Expr] = {}
+    if channels.motor.measured_by == "voltage" and "k_e" not in rig.known:
+        shared = back_emf_columns(model)
+        if not shared:
+            raise InputError(
+                f"{rig.path}: [known] k_e is required by {model.name}, which has no viscous friction in"
+                " proportion to the motor velocity that would include the back-EMF; received none"
+            )
+    damping = s * _plain(machine.back_emf_damping)
+    found = [
+        _friction(column, model, s, damping * shared.get(column.name, sp.Integer(0)), unit)
+        for column in regressor(model)
+    ]
 
     def add(value: sp.Expr, **fields: Any) -> None:
         found.append(Combination(name=as_text(value), expression=value, meaning=value, **fields))
@@ -102,10 +116,34 @@ def combinations_of(
     return found
 
 
+def back_emf_columns(model: Model) -> dict[str, sp.Expr]:
+    """Return the columns that a voltage without k_e shows together with the back-EMF, with its share in each.
+
+    Those are the column of omega_m, or one for each direction; empty if the model has neither. The share is
+    omega_m over the basis: the part of each newton metre second of damping in the coefficient.
+    """
+    both, forward, backward = {}, {}, {}
+    for column in regressor(model):
+        if not (column.linear and column.role is Role.VISCOUS):
+            continue
+        basis = meaning(model.expand(column.basis))
+        ahead, back = (sp.simplify(basis.subs(omega_m, sign * _speed) / (sign * _speed)) for sign in (1, -1))
+        if not (ahead.free_symbols | back.free_symbols) <= model.parameter_symbols:
+            continue
+        if ahead == back:
+            both[column.name] = 1 / _plain(ahead)
+        elif back == 0:
+            forward[column.name] = 1 / _plain(ahead)
+        elif ahead == 0:
+            backward[column.name] = 1 / _plain(back)
+    if both or not (forward and backward):
+        return both
+    return forward | backward
+
+
 def _friction(column: Column, model: Model, s: sp.Expr, damping: sp.Expr, unit: str) -> Combination:
-    """A column of the regressor, times the scale; that of plain viscous friction includes the back-EMF."""
-    damped = damping if column.linear and column.role is Role.VISCOUS else sp.Integer(0)
-    shown = _plain(s * column.coefficient + damped)
+    """A column of the regressor, times the scale, with the damping by the back-EMF that it includes."""
+    shown = _plain(s * column.coefficient + damping)
     low, high = column.bounds
     return Combination(
         as_text(shown),
@@ -114,7 +152,7 @@ def _friction(column: Column, model: Model, s: sp.Expr, damping: sp.Expr, unit: 
         -math.inf if low is None else float(low),
         math.inf if high is None else float(high),
         expression=shown,
-        meaning=_plain(s * model.expand(column.coefficient) + damped),
+        meaning=_plain(s * model.expand(column.coefficient) + damping),
         letter=column.name,
         mechanical_unit=column.unit,
         linear=column.linear,
