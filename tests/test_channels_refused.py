@@ -81,7 +81,19 @@ BAD = {
     "back": (changed(time_s=BACK), RIG, "line 9: time stamps must increase, received 0 s after 0.024 s"),
     "twice": (changed(time_s=TWICE), RIG, "line 9: time stamps must increase, received 0.024 s after 0.024"),
     "split": (changed(run=SPLIT), RIG, "contiguous runs are required, received '0' again"),
-    "still": (changed(theta_m_rad=0.0 * T), RIG, "moving rows (above"),
+    "stuck": (changed(theta_m_rad=0.0 * T + 1.5), RIG, "an angle that changes is required, received 1.5 rad"),
+    "slow": (changed(theta_m_rad=1e-9 * T), "moving_threshold_rad_s = 1\n" + RIG, "moving rows (above"),
+    "nothing": (changed(current_A=np.nan * T), RIG, "log.csv: column 'current_A' (current) has no numbers"),
+    "no current": (
+        changed(current_A=0.0 * T),
+        RIG,
+        "a current that drives the motor is required, received 0 in all moving rows: it is not recorded",
+    ),
+    "no current held out": (
+        changed(current_A=np.where(T < 4.0, 0.0, 1.0)),
+        "holdout_intervals_s = [[1, 3]]\n" + RIG,
+        "received 0 in all moving held-out rows (1 intervals named by the rig): hold out others",
+    ),
     "at the end": (
         changed(),
         "holdout_intervals_s = [[0.0, 0.1]]\n" + RIG,

@@ -108,6 +108,8 @@ def test_intervals_outside_of_the_log_are_refused_with_its_ends(tmp_path: Path) 
     """What is held out has to be in the log: the line says where that begins and ends."""
     with pytest.raises(InputError) as caught:
         channels_of(tmp_path, STANDARD, "holdout_intervals_s = [[100, 120.5]]\n" + RIG)
-    ends = f"a part of the log is required, which goes from {T[0]:g} to {T[-1]:g} s"
-    said = f"rig.toml: holdout_intervals_s: {ends}, received [100, 120.5]: is time in s?"
+    ends = f"an interval with rows of the log is required; the log goes from {T[0]:g} to {T[-1]:g} s"
+    said = (
+        f"rig.toml: holdout_intervals_s: {ends}, received [100, 120.5]: is time in s, and the log complete?"
+    )
     assert str(caught.value).endswith(said)

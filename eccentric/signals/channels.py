@@ -70,7 +70,7 @@ def read_channels(logs: Sequence[LogSource], rig: Rig) -> Channels:
     Each log is a path, a table in memory or a Log.
 
     Raises InputError for whatever `read_log` and `table.read_table` refuse, a drive that no channel
-    measures, and a log without rows to fit on or to hold out.
+    measures or that is 0 throughout, and a log without rows to fit on or to hold out.
     """
     read = [read_log(log) for log in logs]
     logged = read_table(read, rig)
@@ -88,7 +88,9 @@ def read_channels(logs: Sequence[LogSource], rig: Rig) -> Channels:
     step = logged_step(logged)
     doubts = [*said, *doubts, *_rate_doubt(step, rig)]
     channels = _channels(points, motion, rig, step)
-    _require_rows(channels, [log.path for log in read], rig)
+    paths = [log.path for log in read]
+    _require_rows(channels, paths, rig)
+    _require_drive(channels, paths)
     channels = channels.realigned(rig, rig.alignment)
     findings = assess(logged, channels, rig)
     # Missing rows come before their consequences for the filters.
@@ -190,9 +192,32 @@ def _require_rows(channels: Channels, paths: Sequence[str], rig: Rig) -> None:
     where, rows = few(paths), channels.selection
     fitted, scored = np.count_nonzero(rows.fit_rows), np.count_nonzero(rows.score_rows)
     if not fitted or not scored:
+        theta = channels.motion.theta_logged
+        if np.ptp(theta) == 0.0:
+            raise InputError(
+                f"{where}: an angle that changes is required, received {theta[0]:.6g} rad at the motor in all "
+                "rows: the encoder is stuck, or a wrong column is mapped"
+            )
         raise InputError(
             f"{where}: moving rows (above {rows.moving_threshold_rad_s:.4g} rad/s at the motor, "
             f"{END_S:g} s from the ends) are required to fit and to hold out "
             f"({rows.holdout.brief}); received {fitted} and {scored} under {rig.path}: are the units of "
             "time and angle right?"
         )
+
+
+def _require_drive(channels: Channels, paths: Sequence[str]) -> None:
+    """Raise InputError for a drive that is 0 in all rows to fit, or in all held out: R^2 divides by it."""
+    by, rows = channels.motor.measured_by, channels.selection
+    hint = "it is not recorded, or a wrong column is mapped"
+    held = f"held-out rows ({rows.holdout.brief})"
+    for part, what, then in (
+        (rows.usable, "rows", hint),
+        (rows.fit_rows, "rows to fit", "hold out others"),
+        (rows.score_rows, held, "hold out others"),
+    ):
+        if not np.any(channels.motor.measured[part] ** 2):
+            raise InputError(
+                f"{few(paths)}: a {by} that drives the motor is required, received 0 in all "
+                f"moving {what}: {then}"
+            )

@@ -115,6 +115,8 @@ def _one(log: Log, rig: Rig, name: str, alone: bool) -> Table:
     findings = [Finding("left_out", "", f"{log.path}: {note}", 0, "note") for note in log.notes]
     if rejected:
         worst = min(numbers, key=lambda c: np.count_nonzero(numbers[c]))
+        if not np.any(numbers[worst]):
+            raise InputError(f"{log.path}: column {sources[worst].text!r} ({worst}) has no numbers")
         first = log.place(int(np.flatnonzero(~kept)[0]))
         what = f"no number in {rejected} of {log.rows} rows (first: {first}; most: {sources[worst].text!r})"
         if rejected > MOST_REJECTED * log.rows:
