@@ -41,6 +41,21 @@ def test_default_held_out_part_of_several_logs(tmp_path: Path) -> None:
     assert c.selection.holdout.rule.endswith("log2")
 
 
+@pytest.mark.parametrize(("off", "first"), [({2}, "fourth"), ({2, 7}, "fourth"), ({2, 5}, "third")])
+def test_the_default_holds_out_neither_all_nor_only_rows_with_the_motor_off(
+    off: set[int], first: str, tmp_path: Path
+) -> None:
+    """Only rows with the motor off separate back-EMF and viscous friction; only driven ones are scored."""
+    paths = [
+        log_file(tmp_path / f"log{k}.csv", STANDARD | {"motor_off": np.full(len(T), float(k in off))})
+        for k in range(8)
+    ]
+    c = read_channels(paths, rig_file(tmp_path))
+
+    assert f"every fifth from the {first} on" in c.selection.holdout.rule
+    assert np.any(c.motor.off & ~c.selection.held_out)
+
+
 def test_named_runs_are_held_out(tmp_path: Path) -> None:
     """Runs that the rig names are held out; a name that the log has not is refused with those that it has."""
     log = {name: np.concatenate([x, x]) for name, x in STANDARD.items()} | {

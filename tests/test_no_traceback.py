@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import io
 import os
 import sys
@@ -106,3 +107,39 @@ def test_too_little_memory_is_one_line(
 
     assert 2 == main(["audit"])
     assert capsys.readouterr().err.startswith("eccentric: error: not enough memory: ")
+
+
+@pytest.fixture(scope="module")
+def swings() -> eccentric.BenchResult:
+    """A log in a horizontal plane."""
+    return eccentric.bench(seconds=15, case="C1", seed=3)
+
+
+def test_a_load_that_no_log_separates_is_refused_by_fit_and_diagnose(swings: eccentric.BenchResult) -> None:
+    """With Coulomb friction of its own in each direction, a constant load is half their difference."""
+    unknown = {"T_load": (-0.1, 0.1)}
+    rig = dataclasses.replace(swings.rig, unknown=unknown)
+    for command in (eccentric.fit, eccentric.diagnose):
+        with pytest.raises(InputError, match="C_pos, C_neg, T_load cannot be separated on this log"):
+            command(swings.log, rig, "c1_asymmetric")
+
+
+def test_a_range_of_the_back_emf_bounds_its_sum_with_friction(swings: eccentric.BenchResult) -> None:
+    """Friction is not negative: k_e plus its share is at least the lower end of the range."""
+    known = {name: x for name, x in swings.rig.known.items() if name not in {"k_e", "R", "k_i"}}
+    rig = dataclasses.replace(swings.rig, known=known, unknown={"k_e": (0.5, 0.6)})
+    rig = dataclasses.replace(rig, log=dataclasses.replace(rig.log, drive="voltage"))
+    found = eccentric.fit(swings.log, rig).estimates
+    (name,) = (name for name in found if "k_e" in name)
+
+    assert 0.5 == found[name].value
+    assert "lower" == found[name].bound_active
+
+
+def test_a_range_without_effect_is_said(swings: eccentric.BenchResult) -> None:
+    """A current measures the torque whatever the back-EMF is."""
+    known = {name: x for name, x in swings.rig.known.items() if name != "k_e"}
+    rig = dataclasses.replace(swings.rig, known=known, unknown={"k_e": (0.05, 0.06)})
+
+    said = "k_e has no effect on c1_perpendicular driven by current"
+    assert said in eccentric.fit(swings.log, rig).warnings

@@ -15,7 +15,7 @@ from eccentric.model import vocabulary as v
 from eccentric.rigs import KNOWNS
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Mapping, Sequence
 
     from eccentric.fitting.machine import Machine
     from eccentric.rigs import Rig
@@ -87,7 +87,7 @@ def combinations_of(
             )
     damping = s * _plain(machine.back_emf_damping)
     found = [
-        _friction(column, model, s, damping * shared.get(column.name, sp.Integer(0)), unit)
+        _friction(column, model, s, damping * shared.get(column.name, sp.Integer(0)), unit, rig)
         for column in regressor(model)
     ]
 
@@ -141,10 +141,14 @@ def back_emf_columns(model: Model) -> dict[str, sp.Expr]:
     return forward | backward
 
 
-def _friction(column: Column, model: Model, s: sp.Expr, damping: sp.Expr, unit: str) -> Combination:
+def _friction(column: Column, model: Model, s: sp.Expr, damping: sp.Expr, unit: str, rig: Rig) -> Combination:
     """A column of the regressor, times the scale, with the damping by the back-EMF that it includes."""
     shown = _plain(s * column.coefficient + damping)
     low, high = column.bounds
+    if low is not None and "k_e" in rig.unknown:
+        given = {sp.Symbol(letter): sp.Float(value) for letter, value in rig.known.items()}
+        least = damping.xreplace(given | {k_e: sp.Float(rig.unknown["k_e"][0])})
+        low = float(low) + (0.0 if least.free_symbols else float(least))
     return Combination(
         as_text(shown),
         "friction",
@@ -177,6 +181,12 @@ def _scaled(unit: str, drive: str) -> str:
         "m s/rad": f"{drive} s/(N rad)",
         "kg m^2": f"{drive} s^2/rad",
     }.get(unit, f"{unit} {drive}/(N m)")
+
+
+def bounded_letters(coefficients: Sequence[Combination]) -> set[str]:
+    """The letters of the rig whose ranges bound these coefficients."""
+    letters = {symbol.name for c in coefficients for symbol in c.expression.free_symbols}
+    return (letters & {"k_i", "k_e", "R", "T_load"}) | ({"J_m", "J_l"} if "J" in letters else set())
 
 
 def _range(rig: Rig, letter: str) -> tuple[float, float]:

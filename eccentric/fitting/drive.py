@@ -13,6 +13,7 @@ the result is in the unit of the drive.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 
@@ -44,6 +45,7 @@ class Drive:
         adjusts: the letter that a free gravity column changes: the scale, or M or L known by a range.
         identified: letters that were estimated from the log, for the report.
         warnings: of the first fit.
+        k_e_range: of a free back-EMF constant [V s/rad].
         rotor: J_m if the rig knows it and J_l has to be estimated [kg m^2].
     """
 
@@ -57,6 +59,7 @@ class Drive:
     identified: tuple[str, ...]
     warnings: tuple[str, ...] = ()
     rotor: float | None = None
+    k_e_range: tuple[float, float] = (0.0, math.inf)
 
     @property
     def by_voltage(self) -> bool:

@@ -13,6 +13,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from typing import cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -29,14 +30,6 @@ __all__ = ["Extended", "Step", "extended"]
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 Adopted = Sequence[tuple[Effect, Values]]
-
-_OUTSIDE: dict[str, Role] = {
-    "gravity": "gravity",
-    "back_emf": "back_emf",
-    "offset": "offset",
-    "zero_angle": "zero_angle",
-}
-"""Columns of the drive without a parameter in the emitted module, with their meaning."""
 
 
 @dataclass(frozen=True)
@@ -171,18 +164,30 @@ class Extended:
         outside: dict[str, Array] = {}
         if balance == "mechanical":
             # Columns outside the module: gravity, back-EMF, offset and zero angle, against the drive.
-            names = {c.name for c in own}
+            names = {c.name for c in own} | (set() if self._motor_off(train) else {"back_emf"})
             left_open = self.data.signals.open.items()
             outside = {n: self.data.rows.mean(x) for n, x in left_open if n not in names}
         design = Design(
-            (*own, *(Coefficient(name, _OUTSIDE[name], "") for name in outside)),
+            (*own, *(self._outside(name, point) for name in outside)),
             rest,
             np.column_stack([*steps, *outside.values()]),
             train,
             self.data.rows.weights,
         )
-        # An inertia is never negative, whatever a friction coefficient has to imitate.
-        return design if self.bounds else design.without_bounds(but=("inertia",))
+        # Neither is ever negative, whatever a friction coefficient has to imitate.
+        return design if self.bounds else design.without_bounds(but=("inertia", "back_emf"))
+
+    def _motor_off(self, rows: Mask) -> bool:
+        """Whether the motor is off in some of these rows: they separate back-EMF and viscous friction."""
+        off = self.data.drive.off
+        return bool(np.any(off) and np.any(self.data.rows.mean(off.astype(float))[rows]))
+
+    def _outside(self, name: str, point: Point) -> Coefficient:
+        """The coefficient of a column without a parameter in the module; only the back-EMF's has bounds."""
+        if name != "back_emf":
+            return Coefficient(name, cast("Role", name), "")
+        low, high = ((end - point.values["k_e"]) / (point.scale or 1.0) for end in self.data.drive.k_e_range)
+        return Coefficient(name, "back_emf", "", low, high)
 
     def _moved(self, point: Point, solution: Solution) -> tuple[Point, float]:
         """Put a solution into the values; return the remaining coefficient of the free gravity column.

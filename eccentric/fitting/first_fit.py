@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import dataclasses
+import math
 from collections.abc import Mapping
 
 import numpy as np
 
 from eccentric.errors import InputError
-from eccentric.estimation import Solution, search
+from eccentric.estimation import Solution, require_rank, search
 from eccentric.fitting.drive import Drive
 from eccentric.fitting.machine import Machine
 from eccentric.fitting.problem import Problem, own_letters, pose, require_case
@@ -36,6 +37,8 @@ def drive_of(channels: Channels, rig: Rig, base: Model) -> Drive:
         return Drive(Machine(base), channels, known, None, "N m", (), "", ())
     problem = pose(channels.driven, rig, base)
     first = search(problem, problem.every)
+    names = [c.name for c in problem.coefficients]
+    require_rank(first.design.columns[problem.rows.train], names, rig.path)
     found = {c.role: float(v) for c, v in zip(problem.coefficients, first.values, strict=True)}
     _require_sign(found, problem)
     letters = {k: v for k, v in first.at.items() if k not in ("input_delay_s", "theta_zero_rad")}
@@ -64,6 +67,7 @@ def drive_of(channels: Channels, rig: Rig, base: Model) -> Drive:
         _identified(first, scale, open_inertia, rig),
         tuple(w for w in problem.warnings if w not in channels.intake.warnings),
         rig.known.get("J_m") if open_inertia else None,
+        rig.unknown.get("k_e", (0.0, math.inf)),
     )
 
 
@@ -89,9 +93,10 @@ def _needed(channels: Channels, rig: Rig, base: Model) -> dict[str, float]:
     if channels.motor.measured_by == "current" and channels.motor.voltage is not None:
         given -= {"R", "k_e"}
         if missing := sorted({"R", "k_e"} - set(rig.known)):
+            received = "a range" if set(missing) & set(rig.unknown) else "none"
             raise InputError(
                 f"{rig.path}: [known] {' and '.join(missing)} required, since current and voltage are mapped,"
-                " received none: add it, or remove the voltage from [columns]"
+                f" received {received}: add it, or remove the voltage from [columns]"
             )
     known = {name: value for name, value in own_letters(base).items() if name in needed}
     known |= {name: rig.value(name) for name in sorted(needed - given - set(known))}
@@ -133,7 +138,7 @@ def _inertias(rig: Rig, machine: Machine, total: float) -> dict[str, float]:
 
 def _open(channels: Channels, rig: Rig, problem: Problem, open_inertia: bool) -> tuple[tuple[str, ...], str]:
     """Names of the free columns, and the letter that the gravity column changes."""
-    names, adjusts = [], ""
+    names, adjusts, rows = [], "", channels.selection
     turning = problem.model.balance("mechanical").sum_of("gravity") != 0
     if open_inertia:
         names.append("J_m")
@@ -147,7 +152,7 @@ def _open(channels: Channels, rig: Rig, problem: Problem, open_inertia: bool) ->
         names.append("gravity")
     scaled = problem.scale is not None
     by_voltage = channels.motor.measured_by == "voltage"
-    if by_voltage and scaled and "k_e" not in rig.known and np.any(channels.motor.off):
+    if by_voltage and scaled and "k_e" not in rig.known and np.any(channels.motor.off & rows.fit_rows):
         names.append("back_emf")
     if "voltage_offset_V" in rig.estimate and by_voltage:
         names.append("offset")

@@ -24,7 +24,14 @@ from numpy.typing import NDArray
 
 from eccentric.errors import InputError
 from eccentric.estimation import Design, Nonlinear
-from eccentric.fitting.columns import Combination, combinations_of, known_inertia, nonlinear_of, scale_of
+from eccentric.fitting.columns import (
+    Combination,
+    bounded_letters,
+    combinations_of,
+    known_inertia,
+    nonlinear_of,
+    scale_of,
+)
 from eccentric.fitting.constant_load import load_gain
 from eccentric.fitting.emitted import Emitted
 from eccentric.fitting.expressions import seen_columns
@@ -179,7 +186,7 @@ def pose(channels: Channels, rig: Rig, model: Model) -> Problem:
     coefficients = [c for c in coefficients if c.letter not in gone]
     nonlinear = nonlinear_of(channels, rig, model, needed)
     searched = {s.name for s in nonlinear}
-    idle = set(rig.unknown) - searched - {"J_m", "J_l", "k_i", "k_e", "R", "T_load"}
+    idle = set(rig.unknown) - searched - bounded_letters(coefficients)
     idle |= rig.estimate - searched - {c.letter for c in coefficients}
     warnings += [f"{name} has no effect on {model.name} driven by {by}" for name in sorted(idle)]
     return Problem(

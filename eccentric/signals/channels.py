@@ -102,7 +102,7 @@ def read_channels(logs: Sequence[LogSource], rig: Rig) -> Channels:
 def _points(table: Table, rig: Rig, quantum: float, per_row: int) -> _Points:
     t = table.channels["time"]
     segment = stretches(t, table.run)
-    holdout = hold_out(t, table.run, table.run_names, rig)
+    holdout = hold_out(t, table.run, table.run_names, table.motor_off, rig)
     moving, threshold = moving_rows(t, table.channels["theta_m"], segment, rig, quantum, ~holdout.rows)
     return _Points(table, per_row, segment, holdout, moving, quantum, threshold)
 

@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from eccentric.rigs import Rig
 
 Array = NDArray[np.float64]
+_ORDINALS = ("first", "second", "third", "fourth", "fifth")
 
 
 @dataclass(frozen=True)
@@ -35,12 +36,15 @@ class Holdout:
         return shorten(self.rule, 100, placeholder=" ...")
 
 
-def hold_out(t: Array, run: NDArray[np.int64], run_names: tuple[str, ...], rig: Rig) -> Holdout:
-    """Return the held-out part of rows with times t [s] (n,) and run numbers (n,).
+def hold_out(
+    t: Array, run: NDArray[np.int64], run_names: tuple[str, ...], off: NDArray[np.bool_], rig: Rig
+) -> Holdout:
+    """Return the held-out part of rows with times t [s], run numbers and the motor switched off, each (n,).
 
     If the rig names intervals (in every run) or runs, those are held out. Otherwise it is every fifth run
     from the third on if there are three or more, else five contiguous blocks, the middle fifth of each fifth
-    of the rows.
+    of the rows. If that would take all rows with the motor off, or all with it on, to one side, every fifth
+    run is counted from another one.
 
     Raises InputError for a run that is not in the log, and for intervals without rows.
     """
@@ -49,15 +53,33 @@ def hold_out(t: Array, run: NDArray[np.int64], run_names: tuple[str, ...], rig: 
         if not rig.holdout.runs and len(run_names) == 1:
             return Holdout(rows, rule, rig.holdout.intervals_s)
     elif len(run_names) >= 3:
-        chosen = range(2, len(run_names), round(1.0 / HELD_OUT_PART))
-        rows = np.isin(run, list(chosen))
-        names = ", ".join(run_names[k] for k in chosen)
-        rule = f"whole runs, every fifth from the third on: {names}"
+        first, rows = _every_fifth(run, len(run_names), off)
+        names = ", ".join(run_names[k] for k in np.unique(run[rows]))
+        rule = f"whole runs, every fifth from the {_ORDINALS[first]} on: {names}"
     else:
         position = (np.arange(len(t)) / len(t) * HELD_OUT_BLOCKS) % 1.0
         rows = np.abs(position - 0.5) < HELD_OUT_PART / 2.0
         rule = f"{HELD_OUT_BLOCKS} contiguous blocks, {HELD_OUT_PART:.0%} of the rows, evenly spread"
     return Holdout(rows, rule, _intervals(t, run, rows))
+
+
+def _every_fifth(run: NDArray[np.int64], count: int, off: NDArray[np.bool_]) -> tuple[int, NDArray[np.bool_]]:
+    """The first of every fifth of `count` runs, and their rows: the third, unless that splits `off` badly.
+
+    Only rows with the motor off separate back-EMF from viscous friction, and only driven ones are scored.
+    """
+    every = {
+        first: np.isin(run, range(first, count, round(1.0 / HELD_OUT_PART)))
+        for first in (2, 3, 4, 0, 1)
+        if first < count
+    }
+    suited = (
+        first
+        for first, rows in every.items()
+        if not np.any(off) or (np.any(off & ~rows) and np.any(rows & ~off) and np.any(~off & ~rows))
+    )
+    chosen = next(suited, 2)
+    return chosen, every[chosen]
 
 
 def _named(
