@@ -100,7 +100,7 @@ def test_a_log_that_does_not_fit_its_rig_says_so(
     log.write_text("\n".join(rows) + "\n")
     (tmp_path / "rig.json").write_text(json.dumps(rig))
     arguments = ["fit", str(log), "--rig", str(tmp_path / "rig.json"), "--out", str(tmp_path / "out")]
-    assert cli.main(arguments) == 0
+    assert cli.main(arguments) == 1
     *table, sentence, _ = capsys.readouterr().out.splitlines()
     explained = json.loads((tmp_path / "out" / "fit.json").read_text())["r_squared_holdout"]
     assert explained["paper"] < 0.0
@@ -109,6 +109,14 @@ def test_a_log_that_does_not_fit_its_rig_says_so(
         'columns, mu, and the zero angle (theta_zero_rad = "estimate" estimates it).'
     )
     assert not any("a sign that the model lacks" in line for line in table)
+
+    emit = ["emit", "c2_parallel", "--parameters", str(tmp_path / "out" / "fit.json"), "--backend", "jax"]
+    emit += ["--out", str(tmp_path / "emitted")]
+    assert cli.main(emit) == 2
+    required = "--accept-misfit: required to emit fit.json, since its log does not fit the rig"
+    assert capsys.readouterr().err == f"eccentric: error: {required}\n"
+    assert not (tmp_path / "emitted").exists()
+    assert cli.main([*emit, "--accept-misfit"]) == 0
 
 
 def test_one_blank_cell_and_a_default_threshold_are_told_shortly(

@@ -8,7 +8,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from eccentric.api.files import write_emitted
+from eccentric.api.files import require_fit, write_emitted
 from eccentric.api.fitted import FitResult
 from eccentric.api.inputs import ModelSource, model_of, origin_of
 from eccentric.emission import checked_name, read_parameters, with_fitted
@@ -25,6 +25,7 @@ def emit(
     prefix: str | None = None,
     backend: str | Sequence[str] | None = None,
     single_file: bool = False,
+    accept_misfit: bool = False,
 ) -> list[Path]:
     """Write a model as a NumPy module and C99, and what checks the C, into a folder; return the paths.
 
@@ -36,11 +37,12 @@ def emit(
         prefix: name of the files and prefix of the C functions; by default the model's name.
         backend: a target, "numpy", "c99" or "jax", or several; by default the first two.
         single_file: whether the NumPy module contains its runtime, which is otherwise a file beside it.
+        accept_misfit: emit parameters of a fit although its log does not fit the rig.
 
     Raises:
         InputError: there is no such model or target, or it cannot be emitted; the parameters are those of
-            another model, or have an invalid sign; the prefix is not a free name in C and Python; the folder
-            cannot be written.
+            another model or of a log that does not fit its rig, or have an invalid sign; the prefix is not a
+            free name in C and Python; the folder cannot be written.
     """
     loaded = model_of(model)
     name = checked_name(
@@ -49,7 +51,9 @@ def emit(
     if parameters is None:
         chosen = replace(loaded, name=name)
     else:
-        chosen = with_fitted(loaded, read_parameters(_content(parameters)), name)
+        fitted = read_parameters(_content(parameters))
+        require_fit(fitted.fits_the_rig, fitted.source, accept_misfit)
+        chosen = with_fitted(loaded, fitted, name)
     return write_emitted(chosen, origin_of(model), out, backend, single_file=single_file)
 
 

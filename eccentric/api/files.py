@@ -12,7 +12,7 @@ from eccentric.errors import InputError
 from eccentric.model import Model
 from eccentric.output import whole_folder
 
-__all__ = ["described", "write_emitted"]
+__all__ = ["described", "require_fit", "write_emitted"]
 
 _WRITTEN = (
     ("diagnosis.json", "the figures of this page, for programs"),
@@ -57,6 +57,12 @@ def write_emitted(
     with whole_folder(out, f"emit {model.name}") as folder:
         write(files, folder)
     return [Path(out) / name for name in files]
+
+
+def require_fit(fits_the_rig: bool, source: str, accept_misfit: bool) -> None:
+    """Raise InputError for parameters of a log that does not fit its rig, unless they are accepted."""
+    if not fits_the_rig and not accept_misfit:
+        raise InputError(f"accept_misfit: required to emit {source}, since its log does not fit the rig")
 
 
 def described(own: Iterable[str], emitted: Iterable[str], model: str) -> tuple[tuple[str, str], ...]:

@@ -12,7 +12,7 @@ from pathlib import Path
 from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
-from eccentric.api.files import write_emitted
+from eccentric.api.files import require_fit, write_emitted
 from eccentric.api.tables import Correlation
 from eccentric.emission import checked_name, load_module
 from eccentric.errors import InputError
@@ -55,6 +55,11 @@ class Result:
         """The model as a NumPy module, the one that `emit` writes."""
         return load_module(self.model)
 
+    @property
+    def fits_the_rig(self) -> bool:
+        """Whether the log can be from this rig, in these units; if not, nothing follows from the result."""
+        return self.document["fits_the_rig"]
+
     def summary(self) -> str:
         """What the command prints."""
         return "\n".join(self.lines)
@@ -72,18 +77,22 @@ class Result:
         out: str | os.PathLike[str],
         prefix: str | None = None,
         backend: str | Sequence[str] | None = None,
+        *,
+        accept_misfit: bool = False,
     ) -> list[Path]:
         """Write the model as a NumPy module and C99 into a folder; return the paths.
 
         Args:
             out: a folder of its own, new or written by eccentric before.
             prefix: name of the files and prefix of the C functions; by default the model's name.
-            backend: a target, "numpy" or "c99", or several; by default both.
+            backend: a target, "numpy", "c99" or "jax", or several; by default the first two.
+            accept_misfit: emit although the log does not fit the rig.
 
         Raises:
-            InputError: the prefix is no name that C and Python leave free, there is no such target, or the
-                folder cannot be written.
+            InputError: the log does not fit the rig, the prefix is no name that C and Python leave free,
+                there is no such target, or the folder cannot be written.
         """
+        require_fit(self.fits_the_rig, "this result", accept_misfit)
         name = self.model.name if prefix is None else checked_name(prefix, "prefix")
         return write_emitted(dataclasses.replace(self.model, name=name), self.origin, out, backend)
 

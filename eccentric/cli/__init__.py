@@ -4,7 +4,8 @@ A command's module has NAME, HELP (one line), EXAMPLE (command lines to copy), `
 adds its arguments, and `run(arguments)`, which returns the exit status. It is imported only when its command
 is given, so help and version do not import SymPy.
 
-Exit status: 0, or what `run` returns; 2 with one line on stderr for bad input; 130 after an interrupt;
+Exit status: 0, or what `run` returns: 1 if `fit` or `diagnose` has written its result and the log does not
+fit the rig, or a check failed; 2 with one line on stderr for bad input; 130 after an interrupt;
 141 if the reader of a pipe has closed it.
 """
 

@@ -9,7 +9,13 @@ from pathlib import Path
 
 from eccentric.errors import InputError
 
-__all__ = ["add_folder", "add_logs", "names_in", "options", "print_warnings"]
+__all__ = ["MISFIT", "add_folder", "add_logs", "names_in", "options", "print_warnings"]
+
+MISFIT = 1
+"""Exit status of a fit or diagnosis that has written its result, and whose log does not fit the rig."""
+_STATUS = (
+    f"exit status: 0; {MISFIT} if the result is written but the log does not fit the rig; 2 on bad input"
+)
 
 
 def add_logs(parser: argparse.ArgumentParser) -> None:
@@ -22,6 +28,7 @@ def add_logs(parser: argparse.ArgumentParser) -> None:
         required=True,
         help="what is known about the rig: .toml or .json, see docs/rig.md",
     )
+    parser.description = f"{parser.description}\n\n{_STATUS}"
     add("--model", metavar="MODEL", help="a model or the path of a derivation (by the rig's case)")
 
 

@@ -6,7 +6,7 @@ import webbrowser
 from pathlib import Path
 
 import eccentric
-from eccentric.cli.arguments import add_folder, add_logs, names_in, options, print_warnings
+from eccentric.cli.arguments import MISFIT, add_folder, add_logs, names_in, options, print_warnings
 from eccentric.output import own_folder
 
 NAME = "diagnose"
@@ -34,7 +34,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 
 def run(args: argparse.Namespace) -> int:
-    """Diagnose, write the folder, print the result; return 0."""
+    """Diagnose, write the folder, print the result; return 1 if the log does not fit the rig."""
     own_folder(args.out)
     with options(_OPTIONS):
         found = eccentric.diagnose(
@@ -53,7 +53,7 @@ def run(args: argparse.Namespace) -> int:
     print(f"{args.out}: {', '.join(name for name in names if '/' not in name)}, check/")
     if args.open and not webbrowser.open((Path(args.out).resolve() / "report.html").as_uri()):
         print_warnings(["no browser was found to open the report"])
-    return 0
+    return 0 if found.fits_the_rig else MISFIT
 
 
 def _progress():  # noqa: ANN202 - a function or None

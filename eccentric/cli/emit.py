@@ -13,6 +13,9 @@ eccentric emit my_derivation.py --out build/mine
 eccentric emit c2_parallel --backend numpy --single-file --out build/python
 eccentric emit c2_parallel --parameters build/fit/fit.json --prefix arm --out build/firmware"""
 
+_OPTIONS = {"prefix": "--prefix", "backend": "--backend", "accept_misfit": "--accept-misfit"}
+"""Beginning of a message -> the option concerned."""
+
 
 def configure(parser: argparse.ArgumentParser) -> None:
     """Add the arguments."""
@@ -20,6 +23,11 @@ def configure(parser: argparse.ArgumentParser) -> None:
     add_folder(parser, "the files of the model")
     parser.add_argument(
         "--parameters", type=Path, metavar="FIT.json", help="fitted values, to become the defaults"
+    )
+    parser.add_argument(
+        "--accept-misfit",
+        action="store_true",
+        help="emit the parameters of a fit although its log does not fit the rig",
     )
     parser.add_argument(
         "--prefix", metavar="NAME", help="name of the files and prefix in C; default: the model's name"
@@ -39,7 +47,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Write the files and print their names."""
-    with options({"prefix": "--prefix", "backend": "--backend"}):
+    with options(_OPTIONS):
         written = eccentric.emit(
             arguments.model,
             arguments.out,
@@ -47,6 +55,7 @@ def run(arguments: argparse.Namespace) -> int:
             prefix=arguments.prefix,
             backend=arguments.backend,
             single_file=arguments.single_file,
+            accept_misfit=arguments.accept_misfit,
         )
     names = ", ".join(path.relative_to(arguments.out).as_posix() for path in written)
     print(f"{arguments.out}: {names}")

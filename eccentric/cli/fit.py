@@ -3,7 +3,7 @@
 import argparse
 
 import eccentric
-from eccentric.cli.arguments import add_folder, add_logs, print_warnings
+from eccentric.cli.arguments import MISFIT, add_folder, add_logs, print_warnings
 from eccentric.output import own_folder
 
 NAME = "fit"
@@ -19,7 +19,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 
 def run(args: argparse.Namespace) -> int:
-    """Fit, write the folder, print the table; return 0. Raises InputError on bad input."""
+    """Fit, write the folder, print the table; return 1 if the log does not fit the rig."""
     from eccentric.fitting import NEEDS_MATPLOTLIB
 
     own_folder(args.out)
@@ -28,4 +28,4 @@ def run(args: argparse.Namespace) -> int:
     print_warnings(found.warnings)
     print(found.summary())
     print(f"{args.out}: {first}, {', '.join(figures) or f'no figure: {NEEDS_MATPLOTLIB}'}")
-    return 0
+    return 0 if found.fits_the_rig else MISFIT

@@ -26,6 +26,7 @@ def diagnosis_document(found: Diagnosis) -> dict[str, Any]:
             "only": list(found.asked.request.only),
         },
         "verdict": a.verdict,
+        "fits_the_rig": found.models.fits_the_rig,
         "sentence": diagnosis_sentence(found),
         "effects": [_effect(found, effect) for effect, _ in found.effects],
         "candidates": [

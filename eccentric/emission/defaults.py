@@ -24,6 +24,7 @@ class Fitted:
         values: parameter by the paper's letter, in SI units.
         notes: parameter -> remark for its comment, such as its interval.
         identified_on: range of speeds and temperatures, for the head of the files.
+        fits_the_rig: false if the fit says that its log does not fit the rig.
     """
 
     source: str
@@ -31,6 +32,7 @@ class Fitted:
     values: dict[str, float]
     notes: dict[str, str]
     identified_on: str
+    fits_the_rig: bool
 
 
 def read_parameters(source: Path | Mapping[str, Any]) -> Fitted:
@@ -63,7 +65,8 @@ def _fitted(content: object, where: str, name: str) -> Fitted:
     notes, identified_on = content.get("parameter_notes", {}), content.get("identified_range", "")
     if not isinstance(notes, Mapping) or not isinstance(identified_on, str):
         raise InputError(f"{where}: required `parameter_notes` by letter and `identified_range` as text")
-    return Fitted(name, content.get("model"), values, dict(notes), identified_on)
+    fits = content.get("fits_the_rig") is not False
+    return Fitted(name, content.get("model"), values, dict(notes), identified_on, fits)
 
 
 def with_fitted(model: Model, fitted: Fitted, name: str) -> Model:

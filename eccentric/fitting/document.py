@@ -16,6 +16,7 @@ std_error null if an active bound, its own or another value's, determines the in
     parameter_notes   letter: known, fitted (with uncertainty) or convention, in words
     identified_range  ranges in words;  ranges  {omega_m_rad_s, speed_m_rad_s, temperature_C}
     rmse_holdout_Nm (_V, _A), r_squared_holdout (of the drive signal)  linear, paper, paper_unbounded
+    fits_the_rig      false if the log cannot be from this rig: nothing follows from the fit
     improvement       percent 100 (1 - paper/linear), interval_95
     rows, moving_threshold_rad_s, fitted_on, holdout {rule, intervals_s}, warnings
 """
@@ -79,6 +80,7 @@ def fit_document(fit: Fit, logs: Sequence[str]) -> dict[str, Any]:
         f"rmse_holdout_{problem.unit.replace(' ', '')}": dict(fit.rmse),
         "improvement": {"percent": fit.percent, "interval_95": list(fit.percent_interval)},
         "r_squared_holdout": dict(fit.r_squared),
+        "fits_the_rig": fit.fits_the_rig,
         "rows": channels.counts,
         "moving_threshold_rad_s": channels.selection.moving_threshold_rad_s,
         "fitted_on": {

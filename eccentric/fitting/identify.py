@@ -28,6 +28,7 @@ from eccentric.estimation import (
     search,
 )
 from eccentric.fitting.combinations import combinations, identified_letters
+from eccentric.fitting.limits import LEAST_R_SQUARED
 from eccentric.fitting.problem import Problem, pose
 from eccentric.signals import LEAST_HELD_OUT, require_rows
 
@@ -63,6 +64,11 @@ class Fit:
     percent_interval: tuple[float, float]
     r_squared: Mapping[str, float]
     warnings: tuple[str, ...]
+
+    @property
+    def fits_the_rig(self) -> bool:
+        """Whether the log can be from this rig, in these units."""
+        return self.r_squared["paper"] >= LEAST_R_SQUARED
 
     @property
     def bounds_active(self) -> list[str]:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from eccentric.errors import few
-from eccentric.fitting.limits import LEAST_GAIN_PERCENT, LEAST_R_SQUARED
+from eccentric.fitting.limits import LEAST_GAIN_PERCENT
 from eccentric.model import model_names
 
 if TYPE_CHECKING:
@@ -26,7 +26,7 @@ def fit_sentence(fit: Fit) -> str:
 
     If the log does not fit the rig at all, the sentence says that instead.
     """
-    if not _fits(fit):
+    if not fit.fits_the_rig:
         return (
             f"This log does not fit the rig (R^2 {fit.r_squared['paper']:.2f}): check units and signs of the "
             'columns, mu, and the zero angle (theta_zero_rad = "estimate" estimates it).'
@@ -61,10 +61,6 @@ def _called(fit: Fit) -> str:
     return "paper" if name in model_names() else name
 
 
-def _fits(fit: Fit) -> bool:
-    return fit.r_squared["paper"] >= LEAST_R_SQUARED
-
-
 def _percent(x: float) -> str:
     return f"{round(x, 1) + 0.0:.1f}"  # + 0.0 takes the sign from a zero
 
@@ -84,7 +80,7 @@ def fit_lines(fit: Fit, logs: Sequence[str]) -> list[str]:
     if problem.rig.sampling.moving_threshold_rad_s is None:
         threshold = problem.channels.selection.moving_threshold_rad_s
         out.append(f"rows count as moving above {threshold:.4g} rad/s (set by moving_threshold_rad_s)")
-    if _fits(fit):
+    if fit.fits_the_rig:
         out += _bounds_line(fit)
     return [*out, fit_sentence(fit)]
 

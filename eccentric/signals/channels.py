@@ -195,8 +195,8 @@ def _require_rows(channels: Channels, paths: Sequence[str], rig: Rig) -> None:
         theta = channels.motion.theta_logged
         if np.ptp(theta) == 0.0:
             raise InputError(
-                f"{where}: an angle that changes is required, received {theta[0]:.6g} rad at the motor in all "
-                "rows: the encoder is stuck, or a wrong column is mapped"
+                f"{where}: an angle that changes is required, received {theta[0]:.6g} rad at the motor "
+                "in all rows: the encoder is stuck, or a wrong column is mapped"
             )
         raise InputError(
             f"{where}: moving rows (above {rows.moving_threshold_rad_s:.4g} rad/s at the motor, "

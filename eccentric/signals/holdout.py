@@ -92,8 +92,9 @@ def _named(
     if rig.holdout.intervals_s and not np.any(rows):
         given = few(f"[{start:g}, {end:g}]" for start, end in rig.holdout.intervals_s)
         raise InputError(
-            f"{rig.path}: holdout_intervals_s: an interval with rows of the log is required; the log goes from "
-            f"{np.min(t):.6g} to {np.max(t):.6g} s, received {given}: is time in s, and the log complete?"
+            f"{rig.path}: holdout_intervals_s: an interval with rows of the log is required; the log goes "
+            f"from {np.min(t):.6g} to {np.max(t):.6g} s, received {given}: "
+            "is time in s, and the log complete?"
         )
     if rig.holdout.intervals_s:
         parts.append(f"{len(rig.holdout.intervals_s)} intervals named by the rig")
