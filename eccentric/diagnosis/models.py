@@ -20,14 +20,19 @@ class Models:
     """What was fitted on the training part.
 
     linear: Coulomb and viscous friction; paper: the paper's model, its coefficients free to become negative;
-    extended: with the adopted effects, `paper` itself if there are none; shipped: what is emitted, `extended`
-    or without an effect the paper's model within its bounds.
+    bounded: the paper's model within its bounds; extended: with the adopted effects, `paper` itself if there
+    are none.
     """
 
     linear: Refit
     paper: Refit
+    bounded: Refit
     extended: Refit
-    shipped: Refit
+
+    @property
+    def shipped(self) -> Refit:
+        """What is emitted: `extended`, or without an effect the paper's model within its bounds."""
+        return self.extended if self.adopted else self.bounded
 
     @property
     def base(self) -> Model:
@@ -41,10 +46,14 @@ class Models:
 
     @property
     def r_squared(self) -> float:
-        """R^2 of the drive torque on the held-out rows, from the paper's friction, inertia and gravity."""
-        rows = self.paper.data.rows
-        drive = rows.mean(self.paper.data.drive.torque())
-        return r_squared(self.paper.residuals["mechanical"][rows.score], drive[rows.score])
+        """R^2 of the drive torque on the held-out rows, of the paper's model within its bounds.
+
+        Without them, negative friction and inertia follow a drive of the wrong sign.
+        """
+        fitted = self.bounded
+        rows = fitted.data.rows
+        drive = rows.mean(fitted.data.drive.torque(fitted.values, fitted.scale))
+        return r_squared(fitted.residuals["mechanical"][rows.score], drive[rows.score])
 
     @property
     def fits_the_rig(self) -> bool:
@@ -71,9 +80,10 @@ def fitted_models(
     if found.verdict in {"unexplained", "nothing_missing"}:
         adopted = ()
     paper = refit(base, (), data, bounds=False)
+    bounded = refit(base, (), data)
     extended = refit(base, adopted, data) if adopted else paper
     linear = refit(base, (), data, bounds=False, linear=True)
-    models = Models(linear, paper, extended, extended)
+    models = Models(linear, paper, bounded, extended)
     if not models.fits_the_rig:
         found = replace(unconfirmed(found), next_measurement="Correct the rig file or the log first.")
         models = replace(models, extended=paper)
@@ -86,8 +96,6 @@ def fitted_models(
         tell("the held-out part does not confirm it")
         refused, found, models = scored, unconfirmed(found), replace(models, extended=paper)
         scored = _scored(models, "mechanical", data)
-    if not models.adopted:
-        models = replace(models, shipped=refit(base, (), data))
     return found, models, scored, refused
 
 

@@ -1,0 +1,44 @@
+"""Whether a log is from its rig at all is one question with one answer, in `fit` and in `diagnose`."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from eccentric.diagnosis import diagnose, diagnosis_document
+from eccentric.fitting import fit, fit_sentence
+from eccentric.model import load_model
+from eccentric.rigs import read_rig
+from eccentric.signals import read_channels
+from tests.planted import FRICTION, INERTIA, K_I, KNOWN, TORQUE, T, motion, torque, written
+
+ROTOR = 1e-4
+"""An inertia whose torque is small beside friction [kg m^2]."""
+
+
+def test_friction_that_drives_does_not_fit_the_rig(tmp_path: Path) -> None:
+    """With a current of the wrong sign friction would drive: negative coefficients would explain all of it.
+
+    Within their bounds they are zero. The model is then J alpha, the drive -(J alpha + f), and what remains
+    2 J alpha + f: the R^2 of both commands.
+    """
+    alpha = motion()[2]
+    drive = torque("C1", FRICTION) + (ROTOR - INERTIA) * alpha
+    noise = np.random.default_rng(5).normal(0.0, 1e-3, len(T))
+    known = 'case = "C1"\n' + KNOWN + TORQUE + f"J_m_kgm2 = {ROTOR}\nJ_l_kgm2 = 0.0\n"
+    written(tmp_path, known, {"current_A": (noise - drive) / K_I})
+    log, rig = tmp_path / "log.csv", read_rig(tmp_path / "rig.toml")
+    found = diagnose([log], rig)
+    fitted = fit(read_channels([log], rig), rig, load_model(rig.model))
+    rows = found.rows
+    left, whole = (rows.mean(x)[rows.score] for x in (drive + ROTOR * alpha, drive))
+    expected = 1.0 - np.sum(left**2) / np.sum(whole**2)
+    assert expected < 0.0
+    assert (expected, expected) == pytest.approx(
+        (fitted.r_squared["paper"], found.models.r_squared), abs=2e-2
+    )
+    assert "does not fit the rig" in fit_sentence(fitted)
+    assert "does not fit the rig" in diagnosis_document(found)["sentence"]
+    assert () == found.effects
