@@ -3,6 +3,7 @@
     read_log, read_rig    a file or a table in memory; a file or a mapping     -> Log, Rig
     fit                   logs, rig -> FitResult: estimates with uncertainty, held-out error
     diagnose              logs, rig -> DiagnosisResult: what the model lacks, and the extended model
+    compare               logs, rig, models -> CompareResult: their errors on the same rows
     load_model, emit      a derivation -> Model; a Model -> NumPy module and C99 files
     compile               a Model -> a Python module whose functions are the emitted C
     bench                 a virtual test bench: log, rig and truth             -> BenchResult
@@ -30,11 +31,13 @@ TYPE_CHECKING = False
 if TYPE_CHECKING:  # as in `typing`, which takes longer to import than this file
     from eccentric.api import (
         BenchResult,
+        CompareResult,
         Correlation,
         DiagnosisResult,
         FitResult,
         ResultTable,
         bench,
+        compare,
         diagnose,
         emit,
         fit,
@@ -47,6 +50,7 @@ if TYPE_CHECKING:  # as in `typing`, which takes longer to import than this file
 
 __all__ = [
     "BenchResult",
+    "CompareResult",
     "Correlation",
     "DiagnosisResult",
     "FitResult",
@@ -57,6 +61,7 @@ __all__ = [
     "Rig",
     "__version__",
     "bench",
+    "compare",
     "compile",
     "diagnose",
     "emit",
@@ -68,6 +73,7 @@ __all__ = [
 
 _ROOMS = {
     "BenchResult": "api",
+    "CompareResult": "api",
     "Correlation": "api",
     "DiagnosisResult": "api",
     "FitResult": "api",
@@ -77,6 +83,7 @@ _ROOMS = {
     "ResultTable": "api",
     "Rig": "rigs",
     "bench": "api",
+    "compare": "api",
     "compile": "compiled",
     "diagnose": "api",
     "emit": "api",

@@ -15,8 +15,18 @@ from eccentric import api, cli
 ROOT = Path(__file__).resolve().parents[1]
 HEAVY = {"numpy", "sympy", "mpmath", "scipy", "matplotlib", "jinja2", "bokeh", "pandas", "pyarrow", "typing"}
 OFFERED = {
-    *("bench", "compile", "diagnose", "emit", "fit", "load_model", "read_log", "read_rig"),
-    *("BenchResult", "Correlation", "DiagnosisResult", "FitResult", "Log", "Model", "ResultTable", "Rig"),
+    *("bench", "compare", "compile", "diagnose", "emit", "fit", "load_model", "read_log", "read_rig"),
+    *(
+        "BenchResult",
+        "CompareResult",
+        "Correlation",
+        "DiagnosisResult",
+        "FitResult",
+        "Log",
+        "Model",
+        "ResultTable",
+        "Rig",
+    ),
     *("InputError", "__version__"),
 }
 

@@ -3,6 +3,7 @@
     inputs      logs, rigs and models as a user has them      -> those of the rooms
     fitted      fit        -> FitResult
     diagnosed   diagnose   -> DiagnosisResult
+    compared    compare    -> CompareResult
     emitted     emit       -> files
     simulated   bench      -> BenchResult
     tables      ResultTable, Correlation: for a terminal and a notebook
@@ -14,6 +15,7 @@ imported when one of its names is first used.
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:  # as in `typing`, which takes longer to import than this file
+    from eccentric.api.compared import CompareResult, compare
     from eccentric.api.diagnosed import DiagnosisResult, diagnose
     from eccentric.api.emitted import emit
     from eccentric.api.fitted import FitResult, fit
@@ -22,11 +24,13 @@ if TYPE_CHECKING:  # as in `typing`, which takes longer to import than this file
 
 __all__ = [
     "BenchResult",
+    "CompareResult",
     "Correlation",
     "DiagnosisResult",
     "FitResult",
     "ResultTable",
     "bench",
+    "compare",
     "diagnose",
     "emit",
     "fit",
@@ -34,11 +38,13 @@ __all__ = [
 
 _FILES = {
     "BenchResult": "simulated",
+    "CompareResult": "compared",
     "Correlation": "tables",
     "DiagnosisResult": "diagnosed",
     "FitResult": "fitted",
     "ResultTable": "tables",
     "bench": "simulated",
+    "compare": "compared",
     "diagnose": "diagnosed",
     "emit": "emitted",
     "fit": "fitted",

@@ -6,7 +6,9 @@
     models        the models after the search; effects that the held-out part does not confirm lose their name
     score         held-out errors before and after, run by run where there are enough
     closest       the best effect, where none is adopted
+    siblings      a shipped model of the same case that predicts better as it stands
     orders        what is left inside runs and periodic in the motor angle
+    contest       models on the same rows, extended by effects or not
     words         a Diagnosis for a person
     document      a Diagnosis as diagnosis.json
     model_script  the extended model as a derivation
@@ -19,6 +21,7 @@ May import: `search` and all rooms below it.
 
 from eccentric.diagnosis.base_script import BASE, base_source
 from eccentric.diagnosis.closest import Closest
+from eccentric.diagnosis.contest import BASELINE, Contest, Entry, contest, contest_document, contest_lines
 from eccentric.diagnosis.document import diagnosis_document
 from eccentric.diagnosis.loop import diagnose
 from eccentric.diagnosis.model_script import extended_model, extended_name, script
@@ -26,19 +29,25 @@ from eccentric.diagnosis.orders import Order, orders_of
 from eccentric.diagnosis.outcome import Asked, Diagnosis
 from eccentric.diagnosis.request import Request
 from eccentric.diagnosis.score import OverRuns, Score, leave_runs_out
-from eccentric.diagnosis.words import closest_sentence, diagnosis_lines, diagnosis_sentence
+from eccentric.diagnosis.words import closest_sentence, diagnosis_lines, diagnosis_sentence, sibling_sentence
 
 __all__ = [
     "BASE",
+    "BASELINE",
     "Asked",
     "Closest",
+    "Contest",
     "Diagnosis",
+    "Entry",
     "Order",
     "OverRuns",
     "Request",
     "Score",
     "base_source",
     "closest_sentence",
+    "contest",
+    "contest_document",
+    "contest_lines",
     "diagnose",
     "diagnosis_document",
     "diagnosis_lines",
@@ -48,4 +57,5 @@ __all__ = [
     "leave_runs_out",
     "orders_of",
     "script",
+    "sibling_sentence",
 ]

@@ -49,6 +49,7 @@ def diagnosis_document(found: Diagnosis) -> dict[str, Any]:
             "interval_95": list(found.score.interval),
         },
         "closest_effect": _closest(found),
+        "better_model": _sibling(found),
         f"noise_floor_{_suffix(found)}": found.noise_floor,
         "null_test": {
             name: {"gain": gain, "by_chance_99": level} for name, (gain, level) in a.deviance.items()
@@ -94,6 +95,17 @@ def _closest(found: Diagnosis) -> dict[str, Any] | None:
         "balance": best.balance,
         f"rmse_holdout_{_suffix(found)}": {"paper": best.before, "extended": best.after},
         "improvement": {"percent": best.percent, "interval_95": list(best.interval)},
+    }
+
+
+def _sibling(found: Diagnosis) -> dict[str, Any] | None:
+    """The shipped model that predicts the held-out part better than what was found."""
+    if (better := found.sibling) is None:
+        return None
+    return {
+        "model": better.name,
+        f"rmse_holdout_{_suffix(found)}": better.rmse,
+        "improvement": {"percent": better.percent, "interval_95": list(better.interval)},
     }
 
 

@@ -8,6 +8,7 @@ The stages, each with its result:
     score       held-out RMSE before and after; the held-out part is opened there and nowhere else
                 (the zero-phase low pass carries some 20 ms across its borders)
     closest     the best effect, where none is adopted                           (`closest.closest_effect`)
+    sibling     a shipped model that predicts better as it stands                (`siblings.better_sibling`)
     orders      what is left inside runs and periodic in the angle               (`orders.orders_of`)
 """
 
@@ -25,6 +26,7 @@ from eccentric.diagnosis.models import fitted_models
 from eccentric.diagnosis.orders import orders_of
 from eccentric.diagnosis.outcome import Asked, Diagnosis
 from eccentric.diagnosis.request import Request
+from eccentric.diagnosis.siblings import better_sibling
 from eccentric.diagnosis.stage import Stage, stage_of
 from eccentric.errors import InputError
 from eccentric.fitting import drive_noise, residual_samples
@@ -95,6 +97,7 @@ def diagnose(
         score=score,
         refused=refused,
         closest=closest_effect(found, chosen, models),
+        sibling=better_sibling(stage.plain, models),
         noise_floor=drive_noise(data),
         orders=orders_of(data, residual_samples(models.shipped)),
     )

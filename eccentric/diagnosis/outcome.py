@@ -11,6 +11,7 @@ from eccentric.diagnosis.models import Models
 from eccentric.diagnosis.orders import Order
 from eccentric.diagnosis.request import Request
 from eccentric.diagnosis.score import Score
+from eccentric.diagnosis.siblings import Sibling
 from eccentric.effects import Effect, Setting
 from eccentric.fitting import FitData
 from eccentric.model import Model
@@ -59,6 +60,7 @@ class Diagnosis:
         score: held-out errors and the improvement.
         refused: score of the effects that the held-out part did not confirm, if any had been adopted.
         closest: the best effect and its gain, where none is adopted.
+        sibling: a shipped model of the same case that predicts better as it stands.
         noise_floor: RMS of the sensors' noise in the mechanical balance, in its unit.
         orders: periods of the residual of the shipped model while the motor turns one way.
     """
@@ -72,6 +74,7 @@ class Diagnosis:
     score: Score
     refused: Score | None
     closest: Closest | None
+    sibling: Sibling | None
     noise_floor: float
     orders: tuple[Order, ...]
 

@@ -16,7 +16,7 @@ from eccentric.effects import Correction, Effect, Words
 from eccentric.emission import load_module
 from eccentric.errors import few
 
-__all__ = ["closest_sentence", "diagnosis_lines", "diagnosis_sentence"]
+__all__ = ["closest_sentence", "diagnosis_lines", "diagnosis_sentence", "sibling_sentence"]
 
 _GRAVE = {"wrong_sign", "wrong_unit", "contradiction", "another_rig", "mismatch", "zero_angle"}
 
@@ -77,6 +77,18 @@ def closest_sentence(found: Diagnosis) -> str:
     rest = "is not the whole story" if found.attribution.verdict == "unexplained" else "is not proved"
     return (
         f"Best effect: {what} takes out {best.percent:.1f} % of the held-out error ({interval}) and {rest}."
+    )
+
+
+def sibling_sentence(found: Diagnosis) -> str:
+    """Which shipped model predicts better as it stands; "" for none."""
+    if (better := found.sibling) is None:
+        return ""
+    low, high = better.interval
+    ours = found.models.base.name + (" with what was found" if found.models.adopted else "")
+    return (
+        f"{better.name} as it stands predicts the held-out part {better.percent:.1f} % better than {ours}"
+        f" (95 % interval {low:.1f} to {high:.1f} %)."
     )
 
 
@@ -156,7 +168,7 @@ def _grave(found: Diagnosis) -> str:
 
 
 def diagnosis_lines(found: Diagnosis) -> list[str]:
-    """At most twenty lines for a terminal."""
+    """At most twenty-one lines for a terminal."""
     a, adopted = found.attribution, found.models.adopted
     out = [f"{few(found.asked.logs)}: {found.models.base.name}, verdict {a.verdict}"]
     if words := found.asked.request.words:
@@ -168,8 +180,7 @@ def diagnosis_lines(found: Diagnosis) -> list[str]:
         out.append(f"held-out RMSE, {balance} [{found.unit}]: {_errors(shown)}")
     if found.score.over_runs is not None:
         out += _over_runs(found.score.over_runs, found.unit)
-    if sentence := closest_sentence(found):
-        out.append(sentence)
+    out += filter(None, [closest_sentence(found), sibling_sentence(found)])
     if a.verdict == "unexplained" and found.models.fits_the_rig:
         out.append("closest candidates, none sufficient:")
         out += [f"  {_headline(c.words, c.id)}" for c in a.candidates[:4]]

@@ -190,7 +190,8 @@ class ReportData:
         warnings: of the reader and of the fits.
         findings: of the check of the data.
         next_measurement: one sentence; "" if nothing is open.
-        closest: the best effect and its gain in a sentence, where none is adopted; "" otherwise.
+        closest: the best effect and its gain, where none is adopted, and a model that predicts better;
+            "" otherwise.
         command: shell command that repeats the diagnosis.
         files: (name, description) of everything beside the report.
         version: of eccentric.

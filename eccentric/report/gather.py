@@ -10,7 +10,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 
-from eccentric.diagnosis import Diagnosis, closest_sentence, diagnosis_sentence
+from eccentric.diagnosis import Diagnosis, closest_sentence, diagnosis_sentence, sibling_sentence
 from eccentric.effects import Effect
 from eccentric.report.balance import balance_of
 from eccentric.report.data import AddedEffect, Candidate, Errors, Finding, Gain, Parameter, ReportData
@@ -71,7 +71,7 @@ def report_data(found: Diagnosis, files: Sequence[tuple[str, str]] = ()) -> Repo
         warnings=tuple(text for text in found.warnings if text not in {f.text for f in findings}),
         findings=tuple(Finding(f.kind, f.channel, f.text, f.rows, f.severity) for f in findings),
         next_measurement=attribution.next_measurement,
-        closest=closest_sentence(found),
+        closest=" ".join(filter(None, [closest_sentence(found), sibling_sentence(found)])),
         command=_command(found),
         files=tuple(files),
         version=__version__,

@@ -1,0 +1,161 @@
+"""`eccentric.compare`: models on the same rows and the same split."""
+
+from __future__ import annotations
+
+import json
+import os
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from eccentric.api.inputs import LogSources, ModelSource, RigSource, by_name, given_path, read_logs
+from eccentric.api.result import new_axes, paragraphs
+from eccentric.api.tables import ResultTable
+from eccentric.diagnosis import BASELINE, Contest, contest, contest_document, contest_lines
+from eccentric.output import whole_folder
+from eccentric.rigs import read_rig
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+__all__ = ["CompareResult", "compare"]
+
+_BAR, _BASELINE_BAR = "#0072b2", "#8a8a8a"
+
+
+def compare(
+    logs: LogSources,
+    rig: RigSource,
+    models: ModelSource | Sequence[ModelSource],
+    effects: str | os.PathLike[str] | None = None,
+) -> CompareResult:
+    """Fit models to logs of a rig, on the same rows, and compare their errors on the held-out rows.
+
+    Args:
+        logs: one log or a list of them, as `fit` takes them.
+        rig: what is known about the rig, as `fit` takes it.
+        models: one model or several: a Model, its name, or the path of a derivation. A name or path may be
+            extended by effects, each a family or an id: "c2_parallel+stribeck[d=1]+cogging". A family stands
+            for its member that suits the training part best.
+        effects: the path of a Python file with effects of your own.
+
+    Raises:
+        InputError: bad input; a model twice; one with a tilt, hidden states of its own, or an effect of the
+            current from the start; an effect that is unknown or that the mechanical balance does not show.
+    """
+    several = models if isinstance(models, list | tuple) else [models]
+    own = None if effects is None else given_path(effects, "effects")
+    named = [name for model in several if (name := by_name(model)) is not None]
+    return CompareResult(contest(read_logs(logs), read_rig(rig), named, own))
+
+
+@dataclass(frozen=True, eq=False)
+class CompareResult:
+    """Models on the same rows. It prints as `summary()` and shows as a table in a notebook.
+
+    Attributes:
+        contest: entries, best first, with the row of Coulomb + viscous friction.
+    """
+
+    contest: Contest
+
+    @property
+    def rmse(self) -> dict[str, float]:
+        """Model -> held-out RMSE in `unit`, best first."""
+        return {entry.name: entry.rmse for entry in self.contest.entries}
+
+    @property
+    def unit(self) -> str:
+        """Unit of the errors: "N m", or that of the drive where the models find its scale."""
+        return self.contest.unit
+
+    @property
+    def warnings(self) -> tuple[str, ...]:
+        """What is unusual about logs or rig."""
+        return self.contest.warnings
+
+    @property
+    def document(self) -> dict[str, Any]:
+        """The content of compare.json."""
+        return contest_document(self.contest)
+
+    def summary(self) -> str:
+        """What the command prints."""
+        return "\n".join(contest_lines(self.contest))
+
+    def to_json(self) -> str:
+        """The text of compare.json, strict: no NaN, no infinity."""
+        return json.dumps(self.document, indent=1, ensure_ascii=False, allow_nan=False) + "\n"
+
+    def table(self) -> ResultTable:
+        """A row for each model: error, R^2, number of parameters, gain and its 95 % interval in percent."""
+        names = ("model", "rmse", "r_squared", "parameters", "percent", "lower", "upper")
+        rows = (
+            (e.name, e.rmse, e.r_squared, e.parameters, e.percent, *e.interval) for e in self.contest.entries
+        )
+        return ResultTable(names, tuple(rows))
+
+    def plot(self, axes: Axes | None = None) -> Axes:
+        """Plot the held-out errors as bars, each with the 95 % interval that its gain gives.
+
+        Args:
+            axes: where to draw; by default a new figure.
+
+        Raises:
+            InputError: matplotlib is not installed.
+        """
+        found = self.contest
+        if axes is None:
+            (axes,) = new_axes(1, 1, (8.0, 1.2 + 0.45 * len(found.entries)))
+        base = self.rmse[BASELINE]
+        for place, e in enumerate(found.entries):
+            color = _BASELINE_BAR if e.name == BASELINE else _BAR
+            low, high = (base * (1.0 - percent / 100.0) for percent in reversed(e.interval))
+            whisker = None if e.name == BASELINE else [[max(e.rmse - low, 0.0)], [max(high - e.rmse, 0.0)]]
+            axes.barh(place, e.rmse, xerr=whisker, color=color, height=0.6, capsize=3.0)
+        axes.axvline(found.noise_floor, color="black", linestyle=":", label="noise of the sensors")
+        axes.set_yticks(range(len(found.entries)), [e.name for e in found.entries])
+        axes.invert_yaxis()
+        axes.set_xlim(left=0.0)
+        axes.set_xlabel(f"held-out RMSE [{found.unit}], with the 95 % interval of the gain over {BASELINE}")
+        axes.legend(loc="lower center", bbox_to_anchor=(0.5, 1.0), frameon=False)
+        return axes
+
+    def write(self, out: str | os.PathLike[str]) -> list[Path]:
+        """Write compare.json and, with matplotlib, compare.png and compare.svg into a folder of their own.
+
+        Raises:
+            InputError: the folder cannot be written.
+        """
+        with whole_folder(out, "compare") as folder:
+            (folder / "compare.json").write_text(self.to_json(), encoding="utf-8")
+            names = ["compare.json"]
+            try:
+                from matplotlib import rc_context
+                from matplotlib.figure import Figure
+            except ImportError:  # without matplotlib, the figures are left out
+                pass
+            else:
+                # A fixed salt and no date: the same comparison gives the same file.
+                with rc_context({"svg.hashsalt": "eccentric", "font.size": 9.0}):
+                    size = (8.0, 1.2 + 0.45 * len(self.contest.entries))
+                    figure = Figure(figsize=size, layout="constrained")
+                    self.plot(figure.subplots())
+                    figure.savefig(folder / "compare.png", dpi=150)
+                    figure.savefig(folder / "compare.svg", metadata={"Date": None})
+                names += ["compare.png", "compare.svg"]
+        return [Path(out) / name for name in names]
+
+    def __str__(self) -> str:
+        return self.summary()
+
+    def __repr__(self) -> str:
+        best = self.contest.entries[0]
+        return (
+            f"<CompareResult: {best.name} first of {len(self.contest.entries)}, {best.rmse:.4g} {self.unit}>"
+        )
+
+    def _repr_html_(self) -> str:
+        warned = (f"Warning: {text}" for text in self.warnings)
+        return f"<div>{self.table()._repr_html_()}{paragraphs(*warned)}</div>"

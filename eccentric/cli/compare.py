@@ -1,0 +1,42 @@
+"""`eccentric compare`: models on the same rows of a log."""
+
+import argparse
+from pathlib import Path
+
+import eccentric
+from eccentric.cli.arguments import print_warnings
+from eccentric.output import own_folder
+
+NAME = "compare"
+HELP = "fit models on the same rows of a log, extended by effects or not, and compare their held-out errors"
+EXAMPLE = """eccentric compare LOG --rig RIG c2_parallel c2_asymmetric 'c2_parallel+stribeck[d=1]+cogging'
+eccentric compare LOG --rig RIG c2_parallel my_derivation.py --out build/compared"""
+
+
+def configure(parser: argparse.ArgumentParser) -> None:
+    """Add the arguments of `compare` to `parser`."""
+    add = parser.add_argument
+    add("log", metavar="LOG", help="a log of the rig: .csv[.gz], .parquet, .mat, .json[.gz]")
+    add(
+        "models",
+        metavar="MODEL[+EFFECT...]",
+        nargs="+",
+        help="a model, or the path of a derivation, with effects",
+    )
+    add("--rig", metavar="RIG", required=True, help="what is known about the rig: .toml or .json")
+    add("--effects", metavar="FILE", type=Path, help="a Python file with your own effects")
+    add("--json", action="store_true", help="print the result as JSON")
+    add("--out", metavar="DIR", type=Path, help="folder for compare.json, compare.png and compare.svg")
+
+
+def run(args: argparse.Namespace) -> int:
+    """Compare, print the table or JSON, write the folder if there is one; return 0."""
+    if args.out is not None:
+        own_folder(args.out)
+    found = eccentric.compare(args.log, args.rig, args.models, args.effects)
+    names = [] if args.out is None else [path.name for path in found.write(args.out)]
+    print_warnings(found.warnings)
+    print(found.to_json() if args.json else found.summary(), end="" if args.json else "\n")
+    if names and not args.json:
+        print(f"{args.out}: {', '.join(names)}")
+    return 0

@@ -1,0 +1,227 @@
+"""Models on the same rows and the same split, each fitted on the training part: their held-out errors.
+
+A model is a derivation, extended or not by effects of the library: "c2_parallel+stribeck[d=1]".
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from eccentric.diagnosis.stage import Stage, stage_of
+from eccentric.errors import InputError, few
+from eccentric.estimation import improvement, r_squared
+from eccentric.fitting import Refit, drive_noise, refit
+from eccentric.logs import Log
+from eccentric.model import Model, load_model
+from eccentric.rigs import Rig
+from eccentric.signals import read_channels
+
+__all__ = ["BASELINE", "Contest", "Entry", "contest", "contest_document", "contest_lines"]
+
+BASELINE = "Coulomb + viscous"
+
+
+@dataclass(frozen=True)
+class Entry:
+    """A model on the held-out rows.
+
+    Attributes:
+        name: as it was given.
+        effects: ids of the effects that extend it.
+        rmse: held-out RMSE in the unit of the contest.
+        r_squared: of the drive on the held-out rows.
+        parameters: number of values that were estimated from the log.
+        percent, interval: gain over Coulomb + viscous friction, with its 95 % interval.
+    """
+
+    name: str
+    effects: tuple[str, ...]
+    rmse: float
+    r_squared: float
+    parameters: int
+    percent: float
+    interval: tuple[float, float]
+
+
+@dataclass(frozen=True)
+class Contest:
+    """Entries, best first; `rows` held-out rows; `noise_floor` of the sensors; errors are in `unit`."""
+
+    logs: tuple[str, ...]
+    rig: str
+    unit: str
+    rows: int
+    holdout: str
+    noise_floor: float
+    entries: tuple[Entry, ...]
+    warnings: tuple[str, ...]
+
+
+@dataclass
+class _Field:
+    """The log as each base model sees it; every base model is prepared once."""
+
+    logs: Sequence[Log]
+    rig: Rig
+    effects: Path | None
+    stages: dict[int, Stage] = field(default_factory=dict)
+
+    def stage(self, model: Model) -> Stage:
+        if id(model) not in self.stages:
+            where = ", ".join(Path(log.path).name for log in self.logs)
+            channels = read_channels(self.logs, self.rig)
+            self.stages[id(model)] = stage_of(channels, model, self.effects, where)
+        return self.stages[id(model)]
+
+
+def contest(
+    logs: Sequence[Log], rig: Rig, models: Sequence[str | Model], effects: Path | None = None
+) -> Contest:
+    """Fit models on the training rows of logs and compare them on the held-out rows.
+
+    Raises:
+        InputError: bad input; no model, or one twice; a model that `diagnose` does not take; an effect that
+            this log does not show, or only in the electrical balance.
+    """
+    names = [model if isinstance(model, str) else model.name for model in models]
+    if not names:
+        raise InputError("models: required at least one, received none")
+    if twice := [name for k, name in enumerate(names) if name in names[:k]]:
+        raise InputError(f"models: required each only once, received {twice[0]} twice")
+    given = _Field(logs, rig, effects)
+    channels = read_channels(logs, rig)
+    own = given.stage(load_model(channels.rig.model))
+    linear = refit(own.base, (), own.data, linear=True)
+    fits = [_fitted(given, model) for model in models]
+    scored = _scored_rows(linear)
+    target = _in_drive_unit(linear, own.data.rows.mean(own.data.drive.torque()))[scored]
+    before = _residual(linear)[scored]
+    entries = [
+        Entry(BASELINE, (), _rms(before), r_squared(before, target), len(linear.estimates), 0.0, (0.0, 0.0))
+    ]
+    for name, fit in zip(names, fits, strict=True):
+        after = _residual(fit)[scored]
+        effects_of = tuple(effect.id for effect, _ in fit.effects)
+        entries.append(
+            Entry(
+                name,
+                effects_of,
+                _rms(after),
+                r_squared(after, target),
+                len(fit.estimates),
+                *improvement(before, after),
+            )
+        )
+    drive = own.data.drive
+    return Contest(
+        tuple(Path(log.path).name for log in logs),
+        Path(rig.path).name,
+        {"voltage": "V", "current": "A"}[channels.motor.measured_by] if linear.scale else drive.unit,
+        int(np.count_nonzero(scored)),
+        channels.selection.holdout.rule,
+        float(_in_drive_unit(linear, np.array([drive_noise(own.data)]))[0]),
+        tuple(sorted(entries, key=lambda entry: entry.rmse)),
+        (*channels.intake.warnings, *drive.warnings),
+    )
+
+
+def _fitted(given: _Field, model: str | Model) -> Refit:
+    """A model, extended by the effects that its name has after a plus sign."""
+    name, *effects = _parts(model) if isinstance(model, str) else [model]
+    stage = given.stage(load_model(name) if isinstance(name, str) else name)
+    chosen = stage.chosen(f"model {model}", effects) if effects else []
+    for effect, _, _ in chosen:
+        if effect.balance == "electrical" and stage.data.drive.measured_twice:
+            raise InputError(
+                f"model {model}: required effects that the mechanical balance shows, received {effect.id},"
+                " which shows in the electrical one"
+            )
+    return refit(stage.base, tuple((effect, shapes) for effect, shapes, _ in chosen), stage.data)
+
+
+def _parts(name: str) -> list[str]:
+    """The model and the effects of a name; a plus sign in brackets or in a script's path separates none."""
+    script, dot, rest = name.partition(".py")
+    head, *effects = re.split(r"\+(?![^\[]*\])", rest if dot else name)
+    return [f"{script}{dot}{head}" if dot else head, *effects]
+
+
+def _scored_rows(fit: Refit) -> np.ndarray:
+    """The held-out rows (rows,) of the contest: in volts or amperes, only those with the motor on."""
+    rows, drive = fit.data.rows, fit.data.drive
+    if fit.scale is None:
+        return rows.score
+    return rows.score & (rows.mean(drive.off.astype(float)) <= 0.5)
+
+
+def _residual(fit: Refit) -> np.ndarray:
+    return _in_drive_unit(fit, fit.residuals["mechanical"])
+
+
+def _in_drive_unit(fit: Refit, torque: np.ndarray) -> np.ndarray:
+    """Models that identify different scales are compared in the unit of the drive."""
+    return torque * (fit.scale or 1.0)
+
+
+def _rms(x: np.ndarray) -> float:
+    return float(np.sqrt(np.mean(x**2)))
+
+
+def contest_document(found: Contest) -> dict[str, Any]:
+    """The contest as JSON, format eccentric-compare/1; the keys of an entry are those of `Entry`."""
+    unit = found.unit.replace(" ", "")
+    return {
+        "format": "eccentric-compare/1",
+        "logs": list(found.logs),
+        "rig": found.rig,
+        "baseline": BASELINE,
+        "holdout": {"rule": found.holdout, "rows": found.rows},
+        f"noise_floor_{unit}": found.noise_floor,
+        "models": [
+            {
+                "name": e.name,
+                "effects": list(e.effects),
+                f"rmse_holdout_{unit}": e.rmse,
+                "r_squared_holdout": e.r_squared,
+                "parameters": e.parameters,
+                "improvement": {"percent": e.percent, "interval_95": list(e.interval)},
+            }
+            for e in found.entries
+        ],
+        "warnings": list(found.warnings),
+    }
+
+
+def contest_lines(found: Contest) -> list[str]:
+    """The table for a terminal."""
+    rows = [("model", f"held-out RMSE [{found.unit}]", "R^2", "parameters", f"gain over {BASELINE}")]
+    rows += [
+        (_called(e), f"{e.rmse:.4g}", f"{e.r_squared:.4f}", f"{e.parameters}", _gain(e))
+        for e in found.entries
+    ]
+    widths = [max(len(row[k]) for row in rows) for k in range(5)]
+    head = f"{few(found.logs)}: {found.rows} held-out rows ({found.holdout})"
+    table = [
+        "  ".join([row[0].ljust(widths[0]), *(x.rjust(w) for x, w in zip(row[1:], widths[1:], strict=True))])
+        for row in rows
+    ]
+    return [head, *table, f"noise of the sensors: {found.noise_floor:.3g} {found.unit}"]
+
+
+def _called(entry: Entry) -> str:
+    """The name, with the members that the families in it stand for."""
+    chosen = [effect for effect in entry.effects if f"+{effect}" not in entry.name]
+    return f"{entry.name} ({', '.join(chosen)})" if chosen else entry.name
+
+
+def _gain(entry: Entry) -> str:
+    if entry.name == BASELINE:
+        return "-"
+    low, high = entry.interval
+    return f"{entry.percent:.1f} % ({low:.1f} to {high:.1f} %)"

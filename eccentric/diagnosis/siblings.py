@@ -1,0 +1,57 @@
+"""Models that ship for the same case: whether one predicts better as it stands than what was found."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from eccentric.diagnosis.models import Models
+from eccentric.estimation import improvement
+from eccentric.fitting import fit_data_of, loaded_model, refit
+from eccentric.model import Model, load_model, model_names
+
+__all__ = ["Sibling", "better_sibling"]
+
+
+@dataclass(frozen=True)
+class Sibling:
+    """A shipped model that predicts the held-out part better.
+
+    rmse: of its mechanical balance in the unit of the extended model's; percent: less error than the model
+    that was found, with its 95 % `interval`.
+    """
+
+    name: str
+    rmse: float
+    percent: float
+    interval: tuple[float, float]
+
+
+def better_sibling(plain: Model, models: Models) -> Sibling | None:
+    """The best of them, fitted on the same rows with the same drive; None if none is surely better.
+
+    `plain` is the base model without the rig's load. A model of one's own has no siblings.
+    """
+    if not models.fits_the_rig or plain.extensions or plain.name not in model_names():
+        return None
+    data, found, better = models.paper.data, models.extended, []
+    rows, rig = data.rows.score, data.drive.channels.rig
+    before = found.residuals["mechanical"][rows]
+    for name in model_names():
+        model = load_model(name)
+        if name == plain.name or _case(model) != _case(plain):
+            continue
+        model = loaded_model(model, rig)
+        fit = refit(model, (), fit_data_of(data.drive, rig, model))
+        after = fit.residuals["mechanical"][rows] * ((fit.scale or 1.0) / (found.scale or 1.0))
+        percent, interval = improvement(before, after)
+        if interval[0] > 0.0:
+            better.append(Sibling(name, float(np.sqrt(np.mean(after**2))), percent, interval))
+    return min(better, key=lambda sibling: sibling.rmse, default=None)
+
+
+def _case(model: Model) -> tuple[bool, bool]:
+    """Whether gravity acts in the plane, and whether the plane is tilted: the same for models of one case."""
+    tilted = any(quantity.name == "phi" for quantity in model.parameters)
+    return model.balance("mechanical").sum_of("gravity") != 0, tilted

@@ -1,0 +1,109 @@
+"""Models compared on the same rows: the planted one wins, and every figure is what the commands say alone."""
+
+import json
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import eccentric
+from eccentric.cli import main
+
+ROOT = Path(__file__).resolve().parent.parent
+LOG, RIG = (str(ROOT / "examples" / "bench" / name) for name in ("bench.csv.gz", "bench.json"))
+BASELINE, PLANTED = "Coulomb + viscous", "c2_parallel+link_harmonic_friction[n=2]"
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The folder of a comparison of the bundled log."""
+    out = tmp_path_factory.mktemp("compare") / "out"
+    models = ["c2_parallel", PLANTED, "c2_asymmetric", "c2_parallel+presliding"]
+    assert 0 == main(["compare", LOG, "--rig", RIG, *models, "--out", str(out)])
+    return out
+
+
+@pytest.fixture(scope="module")
+def said(folder: Path) -> dict[str, Any]:
+    """Its models by name."""
+    found = json.loads((folder / "compare.json").read_text(encoding="utf-8"))
+    return {one["name"]: one for one in found["models"]}
+
+
+def test_the_model_that_the_log_was_made_with_is_the_best(said: dict[str, Any]) -> None:
+    """Its error is that of the sensors, and the entries are in the order of their errors."""
+    errors = [one["rmse_holdout_Nm"] for one in said.values()]
+
+    assert PLANTED == next(iter(said))
+    assert sorted(errors) == errors
+    assert errors[0] == pytest.approx(0.0063, rel=0.02)
+
+
+def test_errors_are_those_of_a_fit(said: dict[str, Any]) -> None:
+    """The paper's model and Coulomb + viscous friction have the errors and R^2 that `eccentric fit` gives."""
+    found = eccentric.fit(LOG, RIG)
+
+    for name, own in (("c2_parallel", "paper"), (BASELINE, "linear")):
+        assert said[name]["rmse_holdout_Nm"] == pytest.approx(found.rmse[own], rel=1e-6)
+        assert said[name]["r_squared_holdout"] == pytest.approx(found.r_squared[own], abs=1e-4)
+    assert said["c2_parallel"]["improvement"]["percent"] == pytest.approx(found.improvement, rel=1e-6)
+
+
+def test_an_asymmetric_model_has_the_same_baseline(said: dict[str, Any]) -> None:
+    """A gain is over Coulomb + viscous friction of two coefficients, whatever the model."""
+    base = said[BASELINE]
+
+    assert 2 == base["parameters"]
+    for one in said.values():
+        ratio = one["rmse_holdout_Nm"] / base["rmse_holdout_Nm"]
+        assert one["improvement"]["percent"] == pytest.approx(100.0 * (1.0 - ratio), abs=1e-9)
+
+
+def test_a_family_stands_for_its_best_member() -> None:
+    """The harmonic of the truth is found among its family, by its amplitude and no other."""
+    found = eccentric.compare(LOG, RIG, "c2_parallel+link_harmonic_friction")
+    best = found.contest.entries[0]
+
+    assert ("link_harmonic_friction[n=2]",) == best.effects
+    assert "(link_harmonic_friction[n=2])" in found.summary()
+
+
+def test_the_figure_has_a_bar_for_each_model(folder: Path) -> None:
+    """As long as the errors of the table, and the files are written."""
+    found = eccentric.compare(LOG, RIG, ["c2_parallel", "c2_asymmetric"])
+    lengths = [bar.get_width() for bar in found.plot().patches]
+
+    assert np.allclose(list(found.rmse.values()), lengths)
+    assert {"compare.json", "compare.png", "compare.svg"} == {path.name for path in folder.glob("compare.*")}
+
+
+@pytest.mark.parametrize(
+    ("models", "words"),
+    [
+        (["c3"], "model 'c3' is unknown"),
+        (["c2_parallel", "c2_parallel"], "only once, received c2_parallel twice"),
+        (["c2_parallel+stribek"], "did you mean stribeck?"),
+        (["c2_parallel+current_bias"], "electrical"),
+        (["c1_perpendicular"], "requires case C1"),
+    ],
+    ids=["model", "twice", "effect", "electrical", "case"],
+)
+def test_what_cannot_be_compared_is_refused_in_one_line(
+    models: list[str], words: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """The name and the reason."""
+    status = main(["compare", LOG, "--rig", RIG, *models])
+    error = capsys.readouterr().err
+
+    assert (2, 1) == (status, error.count("\n"))
+    assert words in error
+
+
+def test_json_is_printed_for_programs(capsys: pytest.CaptureFixture[str]) -> None:
+    """Nothing else is on the standard output."""
+    assert 0 == main(["compare", LOG, "--rig", RIG, "c2_parallel", "--json"])
+    found = json.loads(capsys.readouterr().out)
+
+    assert ("eccentric-compare/1", BASELINE) == (found["format"], found["baseline"])
+    assert {"c2_parallel", BASELINE} == {one["name"] for one in found["models"]}
