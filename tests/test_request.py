@@ -11,6 +11,7 @@ import pytest
 import eccentric
 from eccentric.cli import main
 from eccentric.cli.arguments import names_in
+from tests.virtual import log_of
 
 ROOT = Path(__file__).resolve().parent.parent
 LOG, RIG = (str(ROOT / "examples" / "bench" / name) for name in ("bench.csv.gz", "bench.json"))
@@ -111,6 +112,20 @@ def test_a_name_that_cannot_be_served_is_refused_in_one_line(
 
     assert (2, 1, False) == (status, said.count("\n"), (tmp_path / "out").exists())
     assert re.search(message, said)
+
+
+def test_a_shipped_model_that_predicts_better_as_it_stands_is_named(tmp_path: Path) -> None:
+    """Friction of another size per direction: with the effects of it left out, the asymmetric model is."""
+    log, rig = log_of(tmp_path, 4, ("viscous_asymmetry", 0.3))
+    left_out = ["viscous_asymmetry", "coulomb_asymmetry", "oneway_windage", "current_bias", "gravity_tilt"]
+    found = eccentric.diagnose(log, rig, without=left_out)
+    better = found.document["better_model"]
+    rmse = eccentric.compare(log, rig, "c2_asymmetric").rmse["c2_asymmetric"]
+
+    assert "c2_asymmetric" == better["model"]
+    assert better["improvement"]["interval_95"][0] > 0.0
+    assert better["rmse_holdout_Nm"] == pytest.approx(rmse, rel=1e-6)
+    assert any(line.startswith("c2_asymmetric as it stands predicts") for line in found.lines)
 
 
 def test_a_comma_inside_brackets_does_not_separate_names() -> None:
