@@ -9,6 +9,7 @@ import sys
 from collections.abc import Callable
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 import eccentric
@@ -143,3 +144,56 @@ def test_a_range_without_effect_is_said(swings: eccentric.BenchResult) -> None:
 
     said = "k_e has no effect on c1_perpendicular driven by current"
     assert said in eccentric.fit(swings.log, rig).warnings
+
+
+SIZES: dict[str, tuple[str, float, str]] = {
+    "a current of 1e308": (
+        "current_A",
+        1e308,
+        r"column .*: at most 1e.12 A is required",
+    ),
+    "a current of 1e-310": ("current_A", 1e-310, "a value of at least 1e-12 A is required, received at most"),
+    "an angle of 1e300": (
+        "theta_m_rad",
+        1e300,
+        "line 3, column 'theta_m_rad'.*: at most 1e.12 rad",
+    ),
+}
+
+
+@pytest.mark.parametrize("case", SIZES)
+def test_a_value_that_no_sensor_gives_is_refused_where_it_is_read(tmp_path: Path, case: str) -> None:
+    """The message names the file, the line, the column, what is required and what was received."""
+    column, size, said = SIZES[case]
+    t = np.arange(100) / 100.0
+    values = dict.fromkeys(("time_s", "theta_m_rad", "omega_m_rad_s", "voltage_V", "current_A"), t)
+    values[column] = np.where(t > 0, size, 0.0)
+    lines = [",".join(values), *(",".join(map(str, row)) for row in zip(*values.values(), strict=True))]
+    (tmp_path / "log.csv").write_text("\n".join(lines), encoding="utf-8")
+    with pytest.raises(InputError, match=said):
+        eccentric.fit(tmp_path / "log.csv", RIG)
+
+
+PARAMETERS = {
+    "phi": (2.0, "phi: required an angle from 0 to pi/2, received 2.0"),
+    "mu": (1e-300, "mu: required a number of size 1e-12 to 1e.12, received 1e-300"),
+    "L": (5e-324, "within single precision is required, received L = 5.0e-324"),
+    "M": (1e300, "M: required a number of size up to 1e.12, received 1e.300"),
+}
+
+
+@pytest.mark.parametrize("letter", PARAMETERS)
+def test_a_parameter_beyond_what_the_c_can_hold_is_refused(letter: str, tmp_path: Path) -> None:
+    """Its coefficients would be infinite in single precision."""
+    value, said = PARAMETERS[letter]
+    with pytest.raises(InputError, match=said):
+        eccentric.emit("rotating_link", tmp_path / "out", parameters={letter: value})
+    assert [] == list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize("key", ["M_kg", "L_m", "mu", "R_ohm", "k_i_Nm_per_A", "J_m_kgm2", "g_m_s2"])
+@pytest.mark.parametrize("size", [1e-300, 1e299], ids=str)
+def test_a_rig_of_impossible_size_is_refused(key: str, size: float) -> None:
+    """No drive has such a mass, arm, gear, winding or inertia."""
+    with pytest.raises(InputError, match=rf"\[known\] {key}: a value of size .* is required"):
+        eccentric.read_rig({"known": {"case": "C2", key: size}})

@@ -9,6 +9,23 @@ import sympy as sp
 
 from eccentric.errors import InputError
 from eccentric.model.model import Model
+from eccentric.model.quantity import Quantity
+
+_RIGHT_ANGLE = 1.5707964  # also one that was rounded up to single precision
+_SMALLEST, _LARGEST = 1e-12, 1e12
+"""Least positive parameter, and the largest of any: beyond them, products would leave single precision."""
+
+
+def _require_valid(q: Quantity, value: float, source: str) -> None:
+    """Raise InputError for a value outside the domain of a parameter, or of a size that the C cannot hold."""
+    where = f"{source}: parameters.{q.name}"
+    if (q.domain == "positive" and value <= 0) or (q.domain in {"nonnegative", "tilt"} and value < 0):
+        raise InputError(f"{where}: required a {q.domain} number, received {value!r}")
+    if q.domain == "tilt" and value > _RIGHT_ANGLE:
+        raise InputError(f"{where}: required an angle from 0 to pi/2, received {value!r}")
+    if abs(value) > _LARGEST or (q.domain == "positive" and value < _SMALLEST):
+        sizes = f"of size {_SMALLEST:g} to" if q.domain == "positive" else "of size up to"
+        raise InputError(f"{where}: required a number {sizes} {_LARGEST:g}, received {value!r}")
 
 
 def with_values(
@@ -42,10 +59,7 @@ def with_values(
     for q in model.parameters:
         if q.name in values:
             value = values[q.name]
-            if (q.domain == "positive" and value <= 0) or (q.domain in {"nonnegative", "tilt"} and value < 0):
-                raise InputError(
-                    f"{source}: parameters.{q.name}: required a {q.domain} number, received {value!r}"
-                )
+            _require_valid(q, value, source)
             q = replace(q, default=sp.Rational(repr(float(value))))  # noqa: PLW2901 - the same letter
         note = (notes or {}).get(q.name)
         parameters.append(replace(q, meaning=f"{q.meaning}; {note}") if note else q)

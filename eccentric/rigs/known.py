@@ -17,6 +17,10 @@ if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
 
 
+_SMALLEST, _LARGEST = 1e-15, 1e9
+"""Sizes that a quantity can have besides zero, in SI: from the inertia of a watch's wheel to a ship's."""
+
+
 @dataclass(frozen=True)
 class Known:
     """A quantity of the rig: letter, key with the unit as its suffix, SI unit, physical range."""
@@ -41,6 +45,11 @@ class Known:
         """Return whether a value is finite and physically possible."""
         low = value > self.lower if self.open_below else value >= self.lower
         return math.isfinite(value) and low and value <= self.upper
+
+    def has_size(self, value: float) -> bool:
+        """Return whether a drive can have such a size; a tilt and a load may be zero but for rounding."""
+        rounded = math.isfinite(self.upper) or math.isinf(self.lower)
+        return abs(value) <= _LARGEST and (abs(value) >= _SMALLEST or value == 0.0 or rounded)
 
 
 KNOWNS = (
@@ -91,6 +100,9 @@ def read_value(value: object, known: Known, key: str, where: str) -> float:
         )
     if not known.allows(number):
         raise InputError(f"{where}: a value {known.required} is required, received {value!r}")
+    if not known.has_size(number):
+        sizes = f"{_SMALLEST:g} to {_LARGEST:g}{'' if known.unit == '1' else ' ' + known.unit}"
+        raise InputError(f"{where}: a value of size {sizes} is required, received {value!r}")
     return number
 
 

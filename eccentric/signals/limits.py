@@ -4,6 +4,9 @@
 
 MOST_REJECTED = 0.2
 """A log with more than this fraction of rows that are not numbers is refused."""
+LARGEST, SMALLEST = 1e12, 1e-12
+"""Size of a value in SI: no clock or sensor gives a larger one, and the largest of a drive that works is not
+smaller. Fourth powers of both are numbers."""
 MUCH_LOST = 0.05
 """Losing this fraction of the log is a warning: beyond it, the rest may not represent the whole."""
 GAP_STEPS = 5.0

@@ -15,7 +15,7 @@ from eccentric.logs import Log, LogSource, evaluate, read_log
 from eccentric.rigs import CHANNELS, ColumnSource, Rig
 from eccentric.signals.finding import Finding
 from eccentric.signals.holdout import matching
-from eccentric.signals.limits import MOST_REJECTED, MUCH_LOST
+from eccentric.signals.limits import LARGEST, MOST_REJECTED, MUCH_LOST, SMALLEST
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -23,6 +23,7 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 
 _LABELS = ("run", "use", "motor_off")
+_DRIVES = ("voltage", "current", "torque", "torque_l")
 
 
 @dataclass(frozen=True)
@@ -182,7 +183,26 @@ def _values(log: Log, rig: Rig, channel: str, source: ColumnSource) -> Array:
             raise InputError(
                 f"{rig.path}: [columns] {channel}: a number is required, received {source.text!r}"
             )
-    return raw if source.unit is None else source.unit.to_si(raw)
+    with np.errstate(over="ignore"):
+        values = raw if source.unit is None else source.unit.to_si(raw)
+    _require_size(log, channel, source, np.where(np.isfinite(raw), values, 0.0))
+    return values
+
+
+def _require_size(log: Log, channel: str, source: ColumnSource, values: Array) -> None:
+    size = np.abs(values)
+    largest = int(np.argmax(size))
+    where, unit = f"column {source.text!r} ({channel})", CHANNELS[channel][1]
+    if size[largest] > LARGEST:
+        raise InputError(
+            f"{log.path}: {log.place(largest)}, {where}: at most {LARGEST:g} {unit} is required, "
+            f"received {values[largest]:.6g} {unit}: are its units right?"
+        )
+    if channel in _DRIVES and 0.0 < size[largest] < SMALLEST:
+        raise InputError(
+            f"{log.path}: {where}: a value of at least {SMALLEST:g} {unit} is required, "
+            f"received at most {size[largest]:.6g} {unit}: are its units right?"
+        )
 
 
 def _condition(

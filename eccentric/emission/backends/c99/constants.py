@@ -19,7 +19,10 @@ from eccentric.emission.program import (
     Rounded,
     TurnLeft,
 )
+from eccentric.errors import InputError
 from eccentric.model import Leading
+
+LARGEST_SINGLE = mpmath.mpf(2) ** 128
 
 
 def evaluate_prepare(program: Program, single: bool) -> dict[str, str]:
@@ -29,16 +32,32 @@ def evaluate_prepare(program: Program, single: bool) -> dict[str, str]:
 
     Raises:
         UnprintableError: an operation that no back end computes.
+        InputError: a coefficient is beyond single precision.
     """
     digits = 9 if single else 17
     with mpmath.workdps(50):
         values = {q.symbol: _default(q.default, program) for q in program.parameters}
         for a in program.prepare:
             values[a.target] = mpmath.mpf(_value(a.value, values, single))
+        if single:
+            _require_single(program, values)
         return {
             symbol.name: "NAN" if mpmath.isnan(value) else _decimal(value, digits)
             for symbol, value in values.items()
         }
+
+
+def _require_single(program: Program, values: Mapping[sp.Symbol, mpmath.mpf]) -> None:
+    """Raise InputError, with the parameter of the oddest size, for a coefficient beyond single precision."""
+    far = next((s.name for s in program.coefficients if abs(values[s]) > LARGEST_SINGLE), None)
+    if far is None:
+        return
+    given = {q.name: values[q.symbol] for q in program.parameters if abs(values[q.symbol]) > 0}
+    odd = max(given, key=lambda name: abs(mpmath.log(given[name])))
+    raise InputError(
+        f"{program.name}: {far} within single precision is required, received {odd} = "
+        f"{mpmath.nstr(given[odd], 6)}, with which it is beyond"
+    )
 
 
 _OPERATIONS: Mapping[type, Callable[..., mpmath.mpf]] = {
