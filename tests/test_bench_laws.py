@@ -179,21 +179,25 @@ def test_a_dead_time_is_solved_on_both_sides_of_its_corner() -> None:
 
 @pytest.mark.parametrize("variant", ["dahl", "lugre"])
 def test_presliding_builds_up_over_its_length_and_turns_round(variant: str) -> None:
-    """At constant speed z = level (1 - exp(-x/x0)) from rest; after a reversal it starts from there."""
+    """At constant speed z = g (1 - exp(-travel/(g x0))) from rest, and from there after a reversal."""
     effect, plant = planted(f"presliding[{variant}]")
     reach, speed = effect.shape[0] / plant.mu, 0.7 * plant.mu
     level = 1.0 if variant == "dahl" else 0.6 + 0.4 * exp(-((speed / effect.shape[1]) ** 2))
+    damping = 0.0 if variant == "dahl" else 0.01 * speed / reach
     s, (law,) = Motion(plant), effect.start().values()
     s.w_mid = speed
-    forth = []
+    bent, felt = [], []
     for share in (0.5, 1.0, 3.0):
-        s.travel = share * reach
-        forth.append(law(s, 2.0))
-    s.w_mid, s.travel = -speed, 4.0 * reach
-    back = law(s, 2.0)
+        s.travel = share * reach * level
+        felt.append(law(s, 2.0))
+        bent.append(level * (1.0 - exp(-share)))
+    s.w_mid, s.travel = -speed, 4.0 * reach * level
+    felt.append(law(s, 2.0))
+    bent.append(-level + (bent[-1] + level) * exp(-1.0))
 
-    assert [2.0 * level * (1.0 - exp(-share)) for share in (0.5, 1.0, 3.0)] == pytest.approx(forth)
-    assert 2.0 * (-level + (forth[-1] / 2.0 + level) * exp(-1.0)) == pytest.approx(back)
+    ways = (1.0, 1.0, 1.0, -1.0)
+    expected = [2.0 * (z + damping * (way - z / level)) for z, way in zip(bent, ways, strict=True)]
+    assert expected == pytest.approx(felt)
 
 
 def test_hysteresis_follows_the_current_within_its_play() -> None:

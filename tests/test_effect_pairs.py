@@ -249,9 +249,10 @@ COULOMB = {
     "wear_runin",
     "wear_runin[travel]",
     "presliding",
+    "presliding[lugre]",
 }
 STRIBECK = {"stribeck[d=0.5]", "stribeck[d=1]", "stribeck[d=1.5]", "stribeck[d=2]"}
-MIXED = {"presliding[lugre]", "backlash"}
+MIXED = {"backlash"}
 NEITHER = {
     "quadratic_drag",
     "cubic_drag",
@@ -321,14 +322,14 @@ def test_the_two_parts_of_backlash_are_scaled_each_by_its_own(scaling: str, part
     assert {f"backlash_{parts}"} == {name for name in scaled if name.startswith("backlash")}
 
 
-def test_bristles_are_scaled_as_coulomb_friction_and_the_rest_of_lugre_is_not() -> None:
-    """Warm bristles carry what warm sliding carries; the excess near rest follows a law of its own."""
+def test_bristles_are_scaled_as_coulomb_friction() -> None:
+    """Warm bristles carry what warm sliding carries, and their damping with it."""
     known = effects("C2")
     model = known["coulomb_temperature"].extend(known["presliding[lugre]"].extend(load_model("c2_parallel")))
     (factor,) = set(known["coulomb_temperature"].change.scales.values())
     scaled = {str(t.coefficient) for t in model.balance("mechanical").terms if t.basis.has(factor)}
 
-    assert {"C_m", "C_lN", "presliding_A"} == scaled
+    assert {"C_m", "C_lN", "presliding_A", "presliding_D"} == scaled
 
 
 W, TEMPERATURE, THETA = 30.0, 45.0, 0.7 / MU

@@ -153,8 +153,10 @@ MECHANICAL: list[tuple[str, str, dict[str, float], Torque]] = [
     ("C2", "gear_efficiency[gravity]", {"gear_eta": 0.2, "gear_rho": 0.3},
      lambda x: 0.2 * efficient(sine_load(x), x["omega_m"], 0.3)),
     ("C1", "presliding", {"presliding_A": 0.1}, lambda x: 0.1 * (x["presliding_z"] - np.sign(x["omega_m"]))),
-    ("C1", "presliding[lugre]", {"presliding_S": 0.1, "presliding_v": 9.0},
-     lambda x: 0.1 * x["presliding_z"] * np.exp(-((x["omega_m"] / 9) ** 2))),
+    ("C1", "presliding[lugre]",
+     {"presliding_A": 0.1, "presliding_D": 0.02, "presliding_v": 9.0, "presliding_r": 0.5},
+     lambda x: 0.1 * (x["presliding_z"] - np.sign(x["omega_m"])) + 0.02 * (x["omega_m"]
+     - np.abs(x["omega_m"]) * x["presliding_z"] / (1 + 0.5 * np.exp(-((x["omega_m"] / 9) ** 2))))),
     ("C1", "backlash", {"backlash_B": 0.01, "backlash_C": 0.2},
      lambda x: -np.sign(x["backlash_left"])
      * (MU**2 * 0.01 * x["omega_m"] + MU * 0.2 * np.sign(x["omega_m"]))),
@@ -289,3 +291,46 @@ def test_power_into_the_back_emf_is_the_power_of_the_torque(effect_id: str) -> N
         voltage * given["i"] - R * given["i"] ** 2, torque * given["omega_m"], rtol=1e-10, atol=1e-12
     )
     assert np.max(np.abs(torque / (K_I * given["i"]) - 1.0)) > 0.1
+
+
+@pytest.mark.parametrize("effect_id", ["time_drift[all]", "coulomb_temperature"])
+def test_friction_never_drives(effect_id: str) -> None:
+    """At both ends of the search, from -60 to 120 degC and up to ten times the log, it opposes the motion."""
+    given, module = inputs(), with_effect("C1", effect_id).module
+    (shape,) = effects("C1")[effect_id].shapes
+    for value in (shape.low, shape.high):
+        for part in np.linspace(0.0, 1.0, 11):
+            at = given | {"t": np.full(40, 10 * END * part), "temperature": np.full(40, 180 * part - 60)}
+            torque = call(module, "mechanical_friction_torque", at, **{shape.quantity.name: value})
+
+            assert np.min(torque * given["omega_m"]) >= 0.0
+
+
+@pytest.mark.parametrize("effect_id", ["magnetic_hysteresis", "magnetic_hysteresis[play]"])
+def test_hysteresis_takes_energy(effect_id: str) -> None:
+    """A motor that turns against a spring as its current cycles loses work, for every allowed coefficient."""
+    (low, high), *_ = effects("C1")[effect_id].bounds
+    assert (0.0, None) == (low, high)
+
+    one, rng = with_effect("C1", effect_id), np.random.default_rng(3)
+    names = [state.quantity.name for state in one.model.states]
+    time = np.linspace(0.0, 2.0 * np.pi, 201)[1:]
+    for _ in range(5):
+        waves = rng.normal(size=(4, 2))
+        current = 6.0 * sum(a * np.sin(k * time + b) for k, (a, b) in enumerate(waves, 1))
+        now, work = dict.fromkeys(names, 0.0), [0.0, 0.0]
+        for turn in range(2):  # the first one ends on the loop
+            for before, i in zip(np.roll(current, 1), current, strict=True):
+                x = (
+                    inputs(1)
+                    | {name: np.array([value]) for name, value in now.items()}
+                    | {"i": np.array([i])}
+                )
+                now = dict(zip(names, np.ravel(call(one.module, "next_state", x)).tolist(), strict=True))
+                x |= {name: np.array([value]) for name, value in now.items()}
+                with_it, without = (
+                    call(one.module, "mechanical_residual", x, hysteresis_A=a).item() for a in (0.03, 0.0)
+                )
+                work[turn] += (with_it - without) * (i - before)
+
+        assert work[1] < 0.0

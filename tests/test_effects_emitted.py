@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from scipy.integrate import solve_ivp
 
 from eccentric.emission import load_module
 from eccentric.model import load_model
@@ -214,6 +215,35 @@ def test_bristles_follow_the_travelled_angle() -> None:
     actual = stepped("C1", "presliding", motion(omega_m=speed), presliding_x=0.5)["presliding_z"]
 
     np.testing.assert_allclose(actual, 1 - np.exp(-angle / 0.5), rtol=1e-12, atol=1e-15)
+
+
+def test_lugre_is_that_of_its_paper() -> None:
+    """Along swings with reversals, torque and bristles are those of its equations by SciPy, to 1 %."""
+    C, S, sigma_0, sigma_1, v_s = 0.02, 0.012, 0.05, 0.003, 4.0
+
+    def speed(t: np.ndarray | float) -> np.ndarray:
+        return 6.0 * np.sin(9.0 * np.asarray(t)) + 4.0 * np.sin(23.0 * np.asarray(t) + 0.4)
+
+    def rate(t: np.ndarray | float, z: np.ndarray) -> np.ndarray:
+        w = speed(t)
+        return w - sigma_0 * np.abs(w) * z / (C + S * np.exp(-((w / v_s) ** 2)))
+
+    time = 1e-3 * np.arange(1001)
+    z = solve_ivp(rate, (0.0, 1.0), [0.0], t_eval=time, rtol=1e-9, atol=1e-12, max_step=1e-3).y[0]
+    expected = sigma_0 * z + sigma_1 * rate(time, z)
+
+    given = {name: np.zeros(1001) for name in motion()} | {"omega_m": speed(time), "dt": np.full(1001, 1e-3)}
+    values = {"presliding_x": C / sigma_0, "presliding_v": v_s, "presliding_r": S / C}
+    bristles = stepped("C1", "presliding[lugre]", given, **values)["presliding_z"][:-1]
+    module = with_effect("C1", "presliding[lugre]").module
+    with_it, without = (
+        call(module, "mechanical_friction_torque", given | {"presliding_z": bristles}, **values, **own)
+        for own in ({"presliding_A": C, "presliding_D": sigma_1}, {})
+    )
+    actual = with_it - without + C * np.sign(speed(time))
+
+    for found, wanted in ((actual, expected), (bristles * C / sigma_0, z)):
+        assert np.sqrt(np.mean((found - wanted) ** 2)) < 0.01 * np.sqrt(np.mean(wanted**2))
 
 
 def test_play_follows_with_a_gap() -> None:

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+import sympy as sp
+
 from eccentric.effects.effect import Effect, Evidence, Shape
 from eccentric.effects.forms import addition, constant, direction
 from eccentric.effects.setting import Setting
@@ -14,7 +16,12 @@ from eccentric.model import vocabulary as v
 b = quantity("coulomb_b", "1/K", "relative change of the Coulomb friction per kelvin", letter="b")
 C = quantity("coulomb_C", "N m/K", "change of the Coulomb friction of one bearing per kelvin", letter="C")
 factor = quantity(
-    "coulomb_factor", "1", "Coulomb friction over that at the reference temperature", letter="kappa"
+    "coulomb_factor",
+    "1",
+    "Coulomb friction over that at the reference temperature",
+    "",
+    "nonnegative",
+    letter="kappa",
 )
 REFERENCE = "A. C. Bittencourt and S. Gunnarsson, J. Dynamic Systems, Measurement and Control 134(5), 2012"
 WORDS = Words(
@@ -37,10 +44,10 @@ def effects(setting: Setting) -> tuple[Effect, ...]:
     scaling = Effect(
         family="coulomb_temperature",
         balance="mechanical",
-        formula="Coulomb friction times 1 + b (T - T_0)",
+        formula="Coulomb friction times 1 + b (T - T_0), never below 0",
         reference=REFERENCE,
         change=Change(
-            definitions=(zero, Definition(factor, 1 + b.symbol * warmer)),
+            definitions=(zero, Definition(factor, sp.Max(0, 1 + b.symbol * warmer))),
             scales=dict.fromkeys((Role.COULOMB, Role.PRESLIDING), factor.symbol),
             inputs=(v.temperature,),
         ),

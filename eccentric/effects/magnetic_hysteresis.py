@@ -13,8 +13,14 @@ from eccentric.effects.words import Words
 from eccentric.model import State, quantity
 from eccentric.model import vocabulary as v
 
+# Of this sign the torque lags behind the current: of the other, every cycle of the current would give energy.
 A = quantity(
-    "hysteresis_A", "N m", "half the difference in torque between rising and falling current", letter="A"
+    "hysteresis_A",
+    "N m",
+    "half the difference in torque between falling and rising current",
+    "",
+    "nonnegative",
+    letter="A",
 )
 width = quantity(
     "hysteresis_i", "A", "change of current within which the branches meet", "", "positive", letter="i_h"

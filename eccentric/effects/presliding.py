@@ -10,7 +10,7 @@ from eccentric.effects.effect import Effect, Shape
 from eccentric.effects.forms import addition, direction, dt, omega_m, relaxation, speed
 from eccentric.effects.setting import Setting
 from eccentric.effects.words import Words
-from eccentric.model import Role, quantity
+from eccentric.model import Definition, Role, State, quantity
 
 A = quantity(
     "presliding_A",
@@ -20,7 +20,16 @@ A = quantity(
     "nonnegative",
     letter="A",
 )
-S = quantity("presliding_S", "N m", "its increase near rest", "", "nonnegative", letter="S")
+r = quantity("presliding_r", "1", "its relative increase near rest", "", "nonnegative", letter="r")
+D = quantity(
+    "presliding_D",
+    "N m s/rad",
+    "micro-damping: torque per rate of bending of the bristles",
+    "",
+    "nonnegative",
+    letter="sigma_1",
+)
+level = quantity("presliding_g", "1", "level of sliding over that at high speed", "", "positive", letter="g")
 reach = quantity("presliding_x", "rad", "motor angle over which it builds up", "", "positive", letter="x")
 w_s = quantity("presliding_v", "rad/s", "Stribeck velocity, motor side", "", "positive", letter="v")
 WORDS = Words(
@@ -34,7 +43,11 @@ WORDS = Words(
 
 
 def effects(setting: Setting) -> tuple[Effect, ...]:
-    """Dahl's and LuGre's models; the state is stepped exactly for the direction of motion of the step."""
+    """Dahl's and LuGre's models; the state is stepped exactly for the speed of the step.
+
+    LuGre's bristles z, in units of their bend at high speed x = A/sigma_0, give A z + sigma_1 x dz/dt instead
+    of A sgn w, with x dz/dt = w - |w| z/g; so they bend over the angle x g(w).
+    """
     state = relaxation(
         "presliding_z", "deflection of the bristles", speed * dt, reach.symbol, omega_m, letter="z"
     )
@@ -51,20 +64,30 @@ def effects(setting: Setting) -> tuple[Effect, ...]:
         states=(state,),
         words=replace(WORDS, headline="presliding after each reversal by Dahl's model"),
     )
+    bristle = quantity("presliding_z", "1", "deflection of the bristles", letter="z")
+    end = direction * level.symbol
+    bent = State(
+        bristle,
+        sp.Integer(0),
+        end + (bristle.symbol - end) * sp.exp(-speed * dt / (reach.symbol * level.symbol)),
+    )
+    falling = Definition(level, 1 + r.symbol * sp.exp(-((omega_m / w_s.symbol) ** 2)))
     lugre = addition(
         "presliding",
-        [(A, late), (S, state.symbol * sp.exp(-((omega_m / w_s.symbol) ** 2)))],
+        [(A, late), (D, omega_m - speed * bristle.symbol / level.symbol)],
         variant="lugre",
-        role=(Role.PRESLIDING, Role.STRIBECK),
+        role=Role.PRESLIDING,
         depends_on=("history",),
-        formula="A (z - sgn w) + S z exp(-(w/v)^2), dz/dt = (w - |w| z)/x",
+        formula="A (z - sgn w) + D x dz/dt, x dz/dt = w - |w| z/g, g = 1 + r exp(-(w/v)^2)",
         reference="C. Canudas de Wit, H. Olsson, K. J. Åström and P. Lischinsky, IEEE Trans. Automatic"
         " Control 40(3), 1995",
         shapes=(
             Shape(reach, low, high, "log", 5),
             Shape(w_s, setting.w_min, 0.4 * setting.w_max, "log", 4),
+            Shape(r, 0.1, 2.0, "log", 2),
         ),
-        states=(state,),
+        definitions=(falling,),
+        states=(bent,),
         words=replace(WORDS, headline="presliding after each reversal by the LuGre model"),
     )
     return dahl, lugre

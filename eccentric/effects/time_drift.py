@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+import sympy as sp
+
 from eccentric.effects.effect import Effect, Evidence, Shape
 from eccentric.effects.forms import addition, direction
 from eccentric.effects.setting import Setting
@@ -13,7 +15,9 @@ from eccentric.model import vocabulary as v
 
 C = quantity("drift_C", "N m/s", "change of the Coulomb torque per second", letter="C")
 rate = quantity("drift_rate", "1/s", "relative change of friction per second", letter="r")
-factor = quantity("drift_factor", "1", "friction over that at the start of the log", letter="kappa")
+factor = quantity(
+    "drift_factor", "1", "friction over that at the start of the log", "", "nonnegative", letter="kappa"
+)
 REFERENCE = "standard form; parameters that drift: R. Isermann, Fault-Diagnosis Systems, Springer, 2006"
 WORDS = Words(
     title="Friction that drifts over time",
@@ -40,10 +44,10 @@ def effects(setting: Setting) -> tuple[Effect, ...]:
         family="time_drift",
         variant="all",
         balance="mechanical",
-        formula="friction times 1 + rate t",
+        formula="friction times 1 + rate t, never below 0",
         reference=REFERENCE,
         change=Change(
-            definitions=(Definition(factor, 1 + rate.symbol * v.t.symbol),),
+            definitions=(Definition(factor, sp.Max(0, 1 + rate.symbol * v.t.symbol)),),
             scales=dict.fromkeys(CONTACT, factor.symbol),
             inputs=(v.t,),
         ),

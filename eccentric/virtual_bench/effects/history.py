@@ -6,12 +6,15 @@ from eccentric.virtual_bench.motion import Motion
 
 from .record import Builder, Law, PlantedEffect, Request, sign
 
+_MICRO_DAMPING_S = 0.01  # sigma_1/sigma_0 of the bristles
+
 
 def presliding(request: Request) -> PlantedEffect:
     """Compliant contact (seal, grease, strain-wave gear) that builds up torque over x0 after each reversal.
 
-    Dahl 1968: dz = dx/x0 (1 - z sgn dx), solved exactly over each step. LuGre (Canudas de Wit 1995) adds a
-    level that falls with the speed, here towards 0.6 of its value at rest.
+    Dahl 1968: dz = dx/x0 (1 - z sgn dx), solved exactly over each step. LuGre (Canudas de Wit 1995) has a
+    level g that falls with the speed, here towards 0.6 of its value at rest, over which the bristles bend as
+    well, dz = dx/x0 (1 - z sgn(dx)/g), and a torque in proportion to dz/dt.
     """
     x0 = request.draw(0.08, 0.3)
     reach, vs = x0 / request.plant.mu, 0.1 * request.setting.top_speed
@@ -24,14 +27,17 @@ def presliding(request: Request) -> PlantedEffect:
             nonlocal z, travel
             way = sign(s.w_mid)
             level = 0.6 + 0.4 * exp(-((s.w_mid / vs) ** 2)) if falls else 1.0
-            z = way * level + (z - way * level) * exp(-(s.travel - travel) / reach)
+            z = way * level + (z - way * level) * exp(-(s.travel - travel) / (reach * level))
             travel = s.travel
-            return a * z
+            rate = (s.w_mid - abs(s.w_mid) * z / level) / reach if falls else 0.0
+            return a * (z + _MICRO_DAMPING_S * rate)
 
         return {"torque": torque}
 
-    form = "A z, dz/dx = (level - z sgn w)/x0" + (
-        ", level = 0.6 + 0.4 exp(-(w/vs)^2)" if falls else ", level = 1"
+    form = (
+        f"A (z + {_MICRO_DAMPING_S} dz/dt), dz/dx = (1 - z sgn(w)/g)/x0, g = 0.6 + 0.4 exp(-(w/vs)^2)"
+        if falls
+        else "A z, dz/dx = (1 - z sgn w)/x0"
     )
     shape = (x0, vs) if falls else (x0,)
     return PlantedEffect(
