@@ -36,8 +36,8 @@ from pathlib import Path
 from eccentric.effects import Setting, load_effects
 from eccentric.model import load_model
 beside = Path(__file__).parent
-load_effects(beside / "effects.py", Setting("C1", 0.2, {}, 1.0, 90.0, 30.0, 10.0, 1.0))
 model = load_model(beside / "own.py")
+load_effects(beside / "effects.py", Setting(model, 0.2, {}, 1.0, 90.0, 30.0, 10.0, 1.0))
 """
 
 

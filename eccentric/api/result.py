@@ -80,7 +80,7 @@ class Result:
         *,
         accept_misfit: bool = False,
     ) -> list[Path]:
-        """Write the model as a NumPy module and C99 into a folder; return the paths.
+        """Write the model for its targets into a folder; return the paths.
 
         Args:
             out: a folder of its own, new or written by eccentric before.

@@ -97,7 +97,7 @@ def stage_of(channels: Channels, plain: Model, effects: Path | None, where: str)
 
 
 def _require_supported(model: Model, channels: Channels) -> None:
-    if "phi" in {q.name for q in model.parameters}:
+    if model.tilted:
         raise InputError(
             f"{model.name}: diagnose requires a model of case C1 or C2, received one with a tilt"
         )

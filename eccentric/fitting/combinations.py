@@ -25,8 +25,9 @@ Array = NDArray[np.float64]
 def identified_letters(problem: Problem) -> tuple[list[str], list[str]]:
     """Return the letters among the unknown ones that are identified, and those that are not."""
     expressions = [c.meaning for c in problem.coefficients if c.role != "offset"]
-    # A default of the model (F_T) counts as known: the remaining factor is a parameter by itself.
-    fixed = {*problem.rig.known, *(s.name for s in problem.nonlinear), "F_T"}
+    # What follows from others by default (F_T) counts as known: the other factor is a parameter by itself.
+    follows = {q.name for q in problem.model.parameters if q.default is not None and q.default.free_symbols}
+    fixed = {*problem.rig.known, *(s.name for s in problem.nonlinear), *follows}
     plain = [e.xreplace({x: sp.Symbol(x.name, positive=True) for x in e.free_symbols}) for e in expressions]
     letters = sorted({x for e in plain for x in e.free_symbols if x.name not in fixed}, key=str)
     # Distinct primes are a generic point: no accidental cancellation in these few products.

@@ -15,6 +15,7 @@ import numpy as np
 import sympy as sp
 
 from eccentric.model import Column, Model, meaning, regressor
+from eccentric.model import vocabulary as v
 
 __all__ = ["Signals", "base_columns", "compiled", "evaluated", "lambdified", "seen_columns"]
 
@@ -132,7 +133,7 @@ def evaluated(expression: sp.Expr, given: Mapping[str, Any]) -> Any:
 
 def seen_columns(model: Model, known: Mapping[str, float]) -> tuple[int, ...]:
     """Columns of the regressor that are not identically zero: in C1 without a mass, those of F_N are."""
-    absent = {q.symbol: 0 for q in model.parameters if known.get(q.name) == 0.0 and q.name in ("M", "L")}
+    absent = {symbol: 0 for symbol in (v.M.symbol, v.L.symbol) if known.get(symbol.name) == 0.0}
     return tuple(
         k
         for k, column in enumerate(regressor(model))

@@ -21,7 +21,9 @@ def emitted_parameters(fit: Fit) -> tuple[dict[str, float | None], dict[str, str
     = 0; k_e = 0 with the back-EMF damping in B_m; k_i = 1 N m/A): the notes say so.
     """
     problem = fit.problem
-    values: dict[str, float | None] = dict(problem.rig.known)
+    fitted = {q.name for q in problem.model.friction_parameters}
+    own = {name: value for name, value in own_letters(problem.model).items() if name not in fitted}
+    values: dict[str, float | None] = {n: x for n, x in problem.rig.known.items() if n not in own}
     notes = dict.fromkeys(values, "known, from the rig")
     for name, e in fit.searched.items():
         values[name], notes[name] = e.value, _words(e)
@@ -37,8 +39,6 @@ def emitted_parameters(fit: Fit) -> tuple[dict[str, float | None], dict[str, str
     if any(c.role == "inertia" for c in problem.coefficients):
         values["J_l"], notes["J_l"] = 0.0, "convention: J_m contains all of the inertia J_m + mu^2 J_l"
     fields = problem.emitted.letters
-    fitted = {q.name for q in problem.model.friction_parameters}
-    own = {name: value for name, value in own_letters(problem.model).items() if name not in fitted}
     for name in fields:
         if name in values:
             continue

@@ -37,6 +37,7 @@ from eccentric.fitting.emitted import Emitted
 from eccentric.fitting.expressions import seen_columns
 from eccentric.fitting.machine import Machine
 from eccentric.model import Model, regressor
+from eccentric.model import vocabulary as v
 from eccentric.rigs import KNOWNS
 from eccentric.signals import Rows, fit_rows
 
@@ -111,7 +112,7 @@ class Problem:
     def _parameters(self, at: Mapping[str, float]) -> Any:
         try:
             # What the rig says of a constant load is added beside the model, whether the model has it or not.
-            return self.emitted.parameters({**self.rig.known, **at, "T_load": 0.0})
+            return self.emitted.parameters({**self.rig.known, **own_letters(self.model), **at, "T_load": 0.0})
         except ValueError as error:
             raise InputError(f"{self.rig.path}: {error}") from None
 
@@ -219,7 +220,8 @@ def _signals(channels: Channels) -> dict[str, Array]:
 
 def own_letters(model: Model) -> dict[str, float]:
     """Parameters of a derivation or an effect that no rig knows, with their defaults, which hold."""
-    of_rigs = {known.name for known in KNOWNS}
+    # Every rig with a case has a tilt; a model without one may have another quantity of that name.
+    of_rigs = {known.name for known in KNOWNS} - (set() if model.tilted else {v.phi.name})
     return {
         q.name: float(sp.Float(q.default))
         for q in model.parameters
@@ -229,7 +231,7 @@ def own_letters(model: Model) -> dict[str, float]:
 
 def require_case(rig: Rig, model: Model) -> None:
     """Raise InputError for a model of a different case than the rig's; one with a tilt fits every case."""
-    if any(quantity.name == "phi" for quantity in model.parameters):
+    if model.tilted:
         return
     case = "C1" if model.balance("mechanical").sum_of("gravity") == 0 else "C2"
     if rig.case != case:

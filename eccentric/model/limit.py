@@ -7,15 +7,15 @@ from dataclasses import replace
 
 import sympy as sp
 
+from eccentric.model import vocabulary as v
 from eccentric.model.balance import Balance, Term
 from eccentric.model.definition import Definition
 from eccentric.model.equation import Equation
 from eccentric.model.model import Model
 from eccentric.model.quantity import Quantity
 from eccentric.model.steps import Gated
-from eccentric.model.vocabulary import directed as directed_quantity
 
-_KEPT = ("F_N", "B", "C")
+_KEPT = frozenset({v.F_N.symbol, v.B.symbol, v.C.symbol})
 """Definitions that are always emitted, even if no term needs them."""
 
 
@@ -40,7 +40,7 @@ def limit(
         InputError: by Model, if a definition refers to something unknown.
     """
     known = {definition.quantity: definition.value for definition in model.definitions} | dict(definitions)
-    values = [Definition(q, sp.sympify(v).subs(substitutions)) for q, v in known.items()]
+    values = [Definition(q, sp.sympify(value).subs(substitutions)) for q, value in known.items()]
     # What became 0, or a second name for a symbol, is substituted: terms and code do not keep it.
     plain = {d.symbol: d.value for d in values if d.value.is_number or d.value.is_Symbol}
     values = [Definition(d.quantity, d.value.subs(plain)) for d in values if d.symbol not in plain]
@@ -66,7 +66,7 @@ def prune(model: Model) -> Model:
     for balance in model.balances:
         for term in balance.terms:
             needed |= term.value.free_symbols
-    needed |= {d.symbol for d in model.definitions if d.quantity.name in _KEPT}
+    needed |= {d.symbol for d in model.definitions if d.symbol in _KEPT}
     for definition in reversed(model.definitions):
         if definition.symbol in needed:
             needed |= definition.value.free_symbols
@@ -91,7 +91,7 @@ def directed(
         name, title, equations: of the result.
         gates: direction ("pos", "neg") -> expression that is 1 in that direction and 0 otherwise.
     """
-    renamed = {q.symbol: {d: directed_quantity(q, d) for d in gates} for q in model.friction_parameters}
+    renamed = {q.symbol: {d: v.directed(q, d) for d in gates} for q in model.friction_parameters}
     terms: list[Term] = []
     for term in model.balance("mechanical").terms:
         if term.kind != "friction":
@@ -115,7 +115,7 @@ def directed(
             for direction in gates:
                 swap = {old: new[direction].symbol for old, new in renamed.items()}
                 definitions.append(
-                    Definition(directed_quantity(definition.quantity, direction), definition.value.subs(swap))
+                    Definition(v.directed(definition.quantity, direction), definition.value.subs(swap))
                 )
         else:
             definitions.append(definition)

@@ -15,7 +15,7 @@ from eccentric.model.definition import Definition, State
 from eccentric.model.equation import Equation, equation_named
 from eccentric.model.quantity import Quantity
 from eccentric.model.steps import meaning
-from eccentric.model.vocabulary import alpha_m
+from eccentric.model.vocabulary import alpha_m, phi
 
 
 @dataclass(frozen=True)
@@ -67,6 +67,11 @@ class Model:
                     raise InputError(
                         f"model {self.name}: term {term.name} uses {names}, which nothing defines"
                     )
+
+    @property
+    def tilted(self) -> bool:
+        """Whether the tilt of its motion plane is a parameter."""
+        return phi.symbol in {q.symbol for q in self.parameters}
 
     @cached_property
     def parameter_symbols(self) -> frozenset[sp.Symbol]:
