@@ -1,4 +1,9 @@
-"""The words of a derivation: quantity, equation, balance, term, model, and the numerically stable steps."""
+"""The words of a derivation: quantity, equation, balance, term, model, and the numerically stable steps.
+
+In: the scripts of `derivations/`, by `load_model`.  Out: `Model`, `regressor` (what of its friction a log can
+show), `extended` (a model with further terms), `meaning` (an expression without the stable steps).
+May import: no other room; it knows no data and no templates.
+"""
 
 from eccentric.model import steps, vocabulary
 from eccentric.model.balance import KINDS, Balance, Term
