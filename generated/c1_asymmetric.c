@@ -1,6 +1,6 @@
 /*
  * Generated: do not edit. Written by `make derive` from derivations/c1_asymmetric.py
- * (eccentric 0.1.0, program 1ecd4404).
+ * (eccentric 0.1.0, program d7057236).
  * Case C1 with friction that differs between the directions of motion.
  */
 #include "c1_asymmetric.h"
@@ -8,7 +8,7 @@
 #include <float.h>
 #include <math.h>
 
-#if C1_ASYMMETRIC_PROGRAM != 0x1ecd4404UL
+#if C1_ASYMMETRIC_PROGRAM != 0xd7057236UL
 #error "c1_asymmetric.c and c1_asymmetric.h are of different derivations: write both again"
 #endif
 
@@ -172,7 +172,7 @@ const c1_asymmetric_coefficients c1_asymmetric_default = {
 #endif
 };
 
-void c1_asymmetric_prepare(const c1_asymmetric_parameters *p, c1_asymmetric_coefficients *c)
+int c1_asymmetric_prepare(const c1_asymmetric_parameters *p, c1_asymmetric_coefficients *c)
 {
     const double L_M_mu2 = p->L * p->M * p->mu * p->mu;
     const double B_lN_pos_mu2 = p->B_lN_pos * p->mu * p->mu;
@@ -261,6 +261,31 @@ void c1_asymmetric_prepare(const c1_asymmetric_parameters *p, c1_asymmetric_coef
     c->B_lN_neg_L_M_mu4 = (real)(B_lN_neg_L_M_mu4);
     c->C_lN_neg_L_M_mu3 = (real)(C_lN_neg_L_M_mu3);
     c->B_neg_plus_k_e_k_i_per_R = (real)(B_neg_plus_k_e_k_i_per_R);
+    int invalid = 0;
+    invalid = ((p->J_l < 0.0) || (p->J_l > DBL_MAX)) ? 23 : invalid;
+    invalid = ((p->J_m < 0.0) || (p->J_m > DBL_MAX)) ? 22 : invalid;
+    invalid = (!((p->F_T >= 0.0) && (p->F_T <= DBL_MAX))) ? 21 : invalid;
+    invalid = (!((p->C_m_neg >= 0.0) && (p->C_m_neg <= DBL_MAX))) ? 20 : invalid;
+    invalid = (!((p->C_m_pos >= 0.0) && (p->C_m_pos <= DBL_MAX))) ? 19 : invalid;
+    invalid = (!((p->B_m_neg >= 0.0) && (p->B_m_neg <= DBL_MAX))) ? 18 : invalid;
+    invalid = (!((p->B_m_pos >= 0.0) && (p->B_m_pos <= DBL_MAX))) ? 17 : invalid;
+    invalid = (!((p->C_lT_neg >= 0.0) && (p->C_lT_neg <= DBL_MAX))) ? 16 : invalid;
+    invalid = (!((p->C_lT_pos >= 0.0) && (p->C_lT_pos <= DBL_MAX))) ? 15 : invalid;
+    invalid = (!((p->B_lT_neg >= 0.0) && (p->B_lT_neg <= DBL_MAX))) ? 14 : invalid;
+    invalid = (!((p->B_lT_pos >= 0.0) && (p->B_lT_pos <= DBL_MAX))) ? 13 : invalid;
+    invalid = (!((p->C_lN_neg >= 0.0) && (p->C_lN_neg <= DBL_MAX))) ? 12 : invalid;
+    invalid = (!((p->C_lN_pos >= 0.0) && (p->C_lN_pos <= DBL_MAX))) ? 11 : invalid;
+    invalid = (!((p->B_lN_neg >= 0.0) && (p->B_lN_neg <= DBL_MAX))) ? 10 : invalid;
+    invalid = (!((p->B_lN_pos >= 0.0) && (p->B_lN_pos <= DBL_MAX))) ? 9 : invalid;
+    invalid = (!((p->g >= 0.0) && (p->g <= DBL_MAX))) ? 8 : invalid;
+    invalid = (!((p->k_e >= 0.0) && (p->k_e <= DBL_MAX))) ? 7 : invalid;
+    invalid = (!((p->k_i > 0.0) && (p->k_i <= DBL_MAX))) ? 6 : invalid;
+    invalid = (!((p->R > 0.0) && (p->R <= DBL_MAX))) ? 5 : invalid;
+    invalid = (!((p->mu > 0.0) && (p->mu <= DBL_MAX))) ? 4 : invalid;
+    invalid = (!((p->L >= 0.0) && (p->L <= DBL_MAX))) ? 3 : invalid;
+    invalid = (!((p->M_l >= 0.0) && (p->M_l <= DBL_MAX))) ? 2 : invalid;
+    invalid = (!((p->M >= 0.0) && (p->M <= DBL_MAX))) ? 1 : invalid;
+    return invalid;
 }
 
 REAL_INLINE real c1_asymmetric_normal_force_at(real omega_m, const c1_asymmetric_coefficients *c)

@@ -1,6 +1,6 @@
 /*
  * Generated: do not edit. Written by `make derive` from derivations/c1_perpendicular.py
- * (eccentric 0.1.0, program 9b81cc75).
+ * (eccentric 0.1.0, program c03b2212).
  * Case C1: gravity perpendicular to the motion plane, steady motion.
  */
 #include "c1_perpendicular.h"
@@ -8,7 +8,7 @@
 #include <float.h>
 #include <math.h>
 
-#if C1_PERPENDICULAR_PROGRAM != 0x9b81cc75UL
+#if C1_PERPENDICULAR_PROGRAM != 0xc03b2212UL
 #error "c1_perpendicular.c and c1_perpendicular.h are of different derivations: write both again"
 #endif
 
@@ -125,7 +125,7 @@ const c1_perpendicular_coefficients c1_perpendicular_default = {
 #endif
 };
 
-void c1_perpendicular_prepare(const c1_perpendicular_parameters *p, c1_perpendicular_coefficients *c)
+int c1_perpendicular_prepare(const c1_perpendicular_parameters *p, c1_perpendicular_coefficients *c)
 {
     const double L_M_mu2 = p->L * p->M * p->mu * p->mu;
     const double B_lN_mu2 = p->B_lN * p->mu * p->mu;
@@ -181,6 +181,25 @@ void c1_perpendicular_prepare(const c1_perpendicular_parameters *p, c1_perpendic
     c->k_e_k_i_per_R = (real)(k_e_k_i_per_R);
     c->B_lN_L_M_mu4 = (real)(B_lN_L_M_mu4);
     c->C_lN_L_M_mu3 = (real)(C_lN_L_M_mu3);
+    int invalid = 0;
+    invalid = ((p->J_l < 0.0) || (p->J_l > DBL_MAX)) ? 17 : invalid;
+    invalid = ((p->J_m < 0.0) || (p->J_m > DBL_MAX)) ? 16 : invalid;
+    invalid = (!((p->F_T >= 0.0) && (p->F_T <= DBL_MAX))) ? 15 : invalid;
+    invalid = (!((p->C_m >= 0.0) && (p->C_m <= DBL_MAX))) ? 14 : invalid;
+    invalid = (!((p->B_m >= 0.0) && (p->B_m <= DBL_MAX))) ? 13 : invalid;
+    invalid = (!((p->C_lT >= 0.0) && (p->C_lT <= DBL_MAX))) ? 12 : invalid;
+    invalid = (!((p->B_lT >= 0.0) && (p->B_lT <= DBL_MAX))) ? 11 : invalid;
+    invalid = (!((p->C_lN >= 0.0) && (p->C_lN <= DBL_MAX))) ? 10 : invalid;
+    invalid = (!((p->B_lN >= 0.0) && (p->B_lN <= DBL_MAX))) ? 9 : invalid;
+    invalid = (!((p->g >= 0.0) && (p->g <= DBL_MAX))) ? 8 : invalid;
+    invalid = (!((p->k_e >= 0.0) && (p->k_e <= DBL_MAX))) ? 7 : invalid;
+    invalid = (!((p->k_i > 0.0) && (p->k_i <= DBL_MAX))) ? 6 : invalid;
+    invalid = (!((p->R > 0.0) && (p->R <= DBL_MAX))) ? 5 : invalid;
+    invalid = (!((p->mu > 0.0) && (p->mu <= DBL_MAX))) ? 4 : invalid;
+    invalid = (!((p->L >= 0.0) && (p->L <= DBL_MAX))) ? 3 : invalid;
+    invalid = (!((p->M_l >= 0.0) && (p->M_l <= DBL_MAX))) ? 2 : invalid;
+    invalid = (!((p->M >= 0.0) && (p->M <= DBL_MAX))) ? 1 : invalid;
+    return invalid;
 }
 
 REAL_INLINE real c1_perpendicular_normal_force_at(real omega_m, const c1_perpendicular_coefficients *c)

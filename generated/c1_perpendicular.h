@@ -1,6 +1,6 @@
 /*
  * Generated: do not edit. Written by `make derive` from derivations/c1_perpendicular.py
- * (eccentric 0.1.0, program 9b81cc75).
+ * (eccentric 0.1.0, program c03b2212).
  * Case C1: gravity perpendicular to the motion plane, steady motion.
  */
 /* Begin with c1_perpendicular_mechanical_friction_torque, the friction that a drive must compensate, or
@@ -11,7 +11,7 @@
 #include <stddef.h>
 
 /* C1_PERPENDICULAR_PROGRAM identifies the derivation of header and source; the source checks it. */
-#define C1_PERPENDICULAR_PROGRAM 0x9b81cc75UL
+#define C1_PERPENDICULAR_PROGRAM 0xc03b2212UL
 
 /* The working precision: double, or float with -DECCENTRIC_REAL=float. Files that differ do not link:
  * all functions have it in their names, as in c1_perpendicular_prepare_double. */
@@ -141,11 +141,11 @@ extern const c1_perpendicular_coefficients c1_perpendicular_default;
 
 /** Compute the coefficients of a set of parameters; run it once, or when a parameter changes.
  *  Valid parameters: mu, R, k_i positive; the others not negative.
- *  Others give meaningless coefficients.
  *  @param[in]  p  parameters
- *  @param[out] c  coefficients
+ *  @param[out] c  coefficients, meaningless if a parameter is invalid
+ *  @return 0, or the number of the first invalid parameter: 1 for M, in the order of the structure
  */
-void c1_perpendicular_prepare(const c1_perpendicular_parameters *p, c1_perpendicular_coefficients *c);
+int c1_perpendicular_prepare(const c1_perpendicular_parameters *p, c1_perpendicular_coefficients *c);
 
 /** Normal force F_N on the axis of rotation.
  *  @param[in]  omega_m  motor velocity [rad/s]

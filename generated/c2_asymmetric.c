@@ -1,6 +1,6 @@
 /*
  * Generated: do not edit. Written by `make derive` from derivations/c2_asymmetric.py
- * (eccentric 0.1.0, program 07a5b676).
+ * (eccentric 0.1.0, program 790c56d3).
  * Case C2 with friction that differs between the directions of motion.
  */
 #include "c2_asymmetric.h"
@@ -8,7 +8,7 @@
 #include <float.h>
 #include <math.h>
 
-#if C2_ASYMMETRIC_PROGRAM != 0x07a5b676UL
+#if C2_ASYMMETRIC_PROGRAM != 0x790c56d3UL
 #error "c2_asymmetric.c and c2_asymmetric.h are of different derivations: write both again"
 #endif
 
@@ -363,7 +363,7 @@ const c2_asymmetric_coefficients c2_asymmetric_default = {
 #endif
 };
 
-void c2_asymmetric_prepare(const c2_asymmetric_parameters *p, c2_asymmetric_coefficients *c)
+int c2_asymmetric_prepare(const c2_asymmetric_parameters *p, c2_asymmetric_coefficients *c)
 {
     const c2_asymmetric_pair weight = c2_asymmetric_times(c2_asymmetric_exact(p->g),
         c2_asymmetric_plus(c2_asymmetric_exact(p->M), c2_asymmetric_exact(p->M_l)));
@@ -479,6 +479,26 @@ void c2_asymmetric_prepare(const c2_asymmetric_parameters *p, c2_asymmetric_coef
     c->period_4 = (real)(period_4);
     c->period_5 = (real)(period_5);
 #endif
+    int invalid = 0;
+    invalid = ((p->J_l < 0.0) || (p->J_l > DBL_MAX)) ? 18 : invalid;
+    invalid = ((p->J_m < 0.0) || (p->J_m > DBL_MAX)) ? 17 : invalid;
+    invalid = (!((p->C_m_neg >= 0.0) && (p->C_m_neg <= DBL_MAX))) ? 16 : invalid;
+    invalid = (!((p->C_m_pos >= 0.0) && (p->C_m_pos <= DBL_MAX))) ? 15 : invalid;
+    invalid = (!((p->B_m_neg >= 0.0) && (p->B_m_neg <= DBL_MAX))) ? 14 : invalid;
+    invalid = (!((p->B_m_pos >= 0.0) && (p->B_m_pos <= DBL_MAX))) ? 13 : invalid;
+    invalid = (!((p->C_lN_neg >= 0.0) && (p->C_lN_neg <= DBL_MAX))) ? 12 : invalid;
+    invalid = (!((p->C_lN_pos >= 0.0) && (p->C_lN_pos <= DBL_MAX))) ? 11 : invalid;
+    invalid = (!((p->B_lN_neg >= 0.0) && (p->B_lN_neg <= DBL_MAX))) ? 10 : invalid;
+    invalid = (!((p->B_lN_pos >= 0.0) && (p->B_lN_pos <= DBL_MAX))) ? 9 : invalid;
+    invalid = (!((p->g >= 0.0) && (p->g <= DBL_MAX))) ? 8 : invalid;
+    invalid = (!((p->k_e >= 0.0) && (p->k_e <= DBL_MAX))) ? 7 : invalid;
+    invalid = (!((p->k_i > 0.0) && (p->k_i <= DBL_MAX))) ? 6 : invalid;
+    invalid = (!((p->R > 0.0) && (p->R <= DBL_MAX))) ? 5 : invalid;
+    invalid = (!((p->mu > 0.0) && (p->mu <= DBL_MAX))) ? 4 : invalid;
+    invalid = (!((p->L >= 0.0) && (p->L <= DBL_MAX))) ? 3 : invalid;
+    invalid = (!((p->M_l >= 0.0) && (p->M_l <= DBL_MAX))) ? 2 : invalid;
+    invalid = (!((p->M >= 0.0) && (p->M <= DBL_MAX))) ? 1 : invalid;
+    return invalid;
 }
 
 REAL_INLINE real c2_asymmetric_normal_force_at(real omega_m, real chord, const c2_asymmetric_coefficients *c)

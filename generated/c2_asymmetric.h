@@ -1,6 +1,6 @@
 /*
  * Generated: do not edit. Written by `make derive` from derivations/c2_asymmetric.py
- * (eccentric 0.1.0, program 07a5b676).
+ * (eccentric 0.1.0, program 790c56d3).
  * Case C2 with friction that differs between the directions of motion.
  */
 /* Begin with c2_asymmetric_mechanical_friction_torque, the friction that a drive must compensate, or
@@ -11,7 +11,7 @@
 #include <stddef.h>
 
 /* C2_ASYMMETRIC_PROGRAM identifies the derivation of header and source; the source checks it. */
-#define C2_ASYMMETRIC_PROGRAM 0x07a5b676UL
+#define C2_ASYMMETRIC_PROGRAM 0x790c56d3UL
 
 /* The working precision: double, or float with -DECCENTRIC_REAL=float. Files that differ do not link:
  * all functions have it in their names, as in c2_asymmetric_prepare_double. */
@@ -177,11 +177,11 @@ extern const c2_asymmetric_coefficients c2_asymmetric_default;
 
 /** Compute the coefficients of a set of parameters; run it once, or when a parameter changes.
  *  Valid parameters: mu, R, k_i positive; the others not negative.
- *  Others give meaningless coefficients.
  *  @param[in]  p  parameters
- *  @param[out] c  coefficients
+ *  @param[out] c  coefficients, meaningless if a parameter is invalid
+ *  @return 0, or the number of the first invalid parameter: 1 for M, in the order of the structure
  */
-void c2_asymmetric_prepare(const c2_asymmetric_parameters *p, c2_asymmetric_coefficients *c);
+int c2_asymmetric_prepare(const c2_asymmetric_parameters *p, c2_asymmetric_coefficients *c);
 
 /** Normal force F_N on the axis of rotation.
  *  @param[in]  theta_m  motor angle [rad], reduced exactly up to 2^20 half turns of the link (float: 2^14)

@@ -1,6 +1,6 @@
 /*
  * Generated: do not edit. Written by `make derive` from derivations/c2_parallel.py
- * (eccentric 0.1.0, program 5158d6b0).
+ * (eccentric 0.1.0, program f12b85f2).
  * Case C2: gravity parallel to the motion plane, steady motion.
  */
 #include "c2_parallel.h"
@@ -8,7 +8,7 @@
 #include <float.h>
 #include <math.h>
 
-#if C2_PARALLEL_PROGRAM != 0x5158d6b0UL
+#if C2_PARALLEL_PROGRAM != 0xf12b85f2UL
 #error "c2_parallel.c and c2_parallel.h are of different derivations: write both again"
 #endif
 
@@ -324,7 +324,7 @@ const c2_parallel_coefficients c2_parallel_default = {
 #endif
 };
 
-void c2_parallel_prepare(const c2_parallel_parameters *p, c2_parallel_coefficients *c)
+int c2_parallel_prepare(const c2_parallel_parameters *p, c2_parallel_coefficients *c)
 {
     const c2_parallel_pair weight = c2_parallel_times(c2_parallel_exact(p->g),
         c2_parallel_plus(c2_parallel_exact(p->M), c2_parallel_exact(p->M_l)));
@@ -414,6 +414,22 @@ void c2_parallel_prepare(const c2_parallel_parameters *p, c2_parallel_coefficien
     c->period_4 = (real)(period_4);
     c->period_5 = (real)(period_5);
 #endif
+    int invalid = 0;
+    invalid = ((p->J_l < 0.0) || (p->J_l > DBL_MAX)) ? 14 : invalid;
+    invalid = ((p->J_m < 0.0) || (p->J_m > DBL_MAX)) ? 13 : invalid;
+    invalid = (!((p->C_m >= 0.0) && (p->C_m <= DBL_MAX))) ? 12 : invalid;
+    invalid = (!((p->B_m >= 0.0) && (p->B_m <= DBL_MAX))) ? 11 : invalid;
+    invalid = (!((p->C_lN >= 0.0) && (p->C_lN <= DBL_MAX))) ? 10 : invalid;
+    invalid = (!((p->B_lN >= 0.0) && (p->B_lN <= DBL_MAX))) ? 9 : invalid;
+    invalid = (!((p->g >= 0.0) && (p->g <= DBL_MAX))) ? 8 : invalid;
+    invalid = (!((p->k_e >= 0.0) && (p->k_e <= DBL_MAX))) ? 7 : invalid;
+    invalid = (!((p->k_i > 0.0) && (p->k_i <= DBL_MAX))) ? 6 : invalid;
+    invalid = (!((p->R > 0.0) && (p->R <= DBL_MAX))) ? 5 : invalid;
+    invalid = (!((p->mu > 0.0) && (p->mu <= DBL_MAX))) ? 4 : invalid;
+    invalid = (!((p->L >= 0.0) && (p->L <= DBL_MAX))) ? 3 : invalid;
+    invalid = (!((p->M_l >= 0.0) && (p->M_l <= DBL_MAX))) ? 2 : invalid;
+    invalid = (!((p->M >= 0.0) && (p->M <= DBL_MAX))) ? 1 : invalid;
+    return invalid;
 }
 
 REAL_INLINE real c2_parallel_normal_force_at(real omega_m, real chord, const c2_parallel_coefficients *c)

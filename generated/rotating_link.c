@@ -1,6 +1,6 @@
 /*
  * Generated: do not edit. Written by `make derive` from derivations/rotating_link.py
- * (eccentric 0.1.0, program 57231a22).
+ * (eccentric 0.1.0, program 6e757e48).
  * Rotating link with an unbalanced mass, in a plane tilted by phi, with angular acceleration.
  */
 #include "rotating_link.h"
@@ -8,7 +8,7 @@
 #include <float.h>
 #include <math.h>
 
-#if ROTATING_LINK_PROGRAM != 0x57231a22UL
+#if ROTATING_LINK_PROGRAM != 0x6e757e48UL
 #error "rotating_link.c and rotating_link.h are of different derivations: write both again"
 #endif
 
@@ -342,7 +342,7 @@ const rotating_link_coefficients rotating_link_default = {
 #endif
 };
 
-void rotating_link_prepare(const rotating_link_parameters *p, rotating_link_coefficients *c)
+int rotating_link_prepare(const rotating_link_parameters *p, rotating_link_coefficients *c)
 {
     const rotating_link_pair g_p = rotating_link_times(rotating_link_exact(p->g),
         rotating_link_exact(fabs(cos(p->phi))));
@@ -449,6 +449,26 @@ void rotating_link_prepare(const rotating_link_parameters *p, rotating_link_coef
     c->period_4 = (real)(period_4);
     c->period_5 = (real)(period_5);
 #endif
+    int invalid = 0;
+    invalid = ((p->J_l < 0.0) || (p->J_l > DBL_MAX)) ? 18 : invalid;
+    invalid = ((p->J_m < 0.0) || (p->J_m > DBL_MAX)) ? 17 : invalid;
+    invalid = (!((p->F_T >= 0.0) && (p->F_T <= DBL_MAX))) ? 16 : invalid;
+    invalid = (!((p->C_m >= 0.0) && (p->C_m <= DBL_MAX))) ? 15 : invalid;
+    invalid = (!((p->B_m >= 0.0) && (p->B_m <= DBL_MAX))) ? 14 : invalid;
+    invalid = (!((p->C_lT >= 0.0) && (p->C_lT <= DBL_MAX))) ? 13 : invalid;
+    invalid = (!((p->B_lT >= 0.0) && (p->B_lT <= DBL_MAX))) ? 12 : invalid;
+    invalid = (!((p->C_lN >= 0.0) && (p->C_lN <= DBL_MAX))) ? 11 : invalid;
+    invalid = (!((p->B_lN >= 0.0) && (p->B_lN <= DBL_MAX))) ? 10 : invalid;
+    invalid = (!((p->phi >= 0.0) && (p->phi <= 1.5707964))) ? 9 : invalid;
+    invalid = (!((p->g >= 0.0) && (p->g <= DBL_MAX))) ? 8 : invalid;
+    invalid = (!((p->k_e >= 0.0) && (p->k_e <= DBL_MAX))) ? 7 : invalid;
+    invalid = (!((p->k_i > 0.0) && (p->k_i <= DBL_MAX))) ? 6 : invalid;
+    invalid = (!((p->R > 0.0) && (p->R <= DBL_MAX))) ? 5 : invalid;
+    invalid = (!((p->mu > 0.0) && (p->mu <= DBL_MAX))) ? 4 : invalid;
+    invalid = (!((p->L >= 0.0) && (p->L <= DBL_MAX))) ? 3 : invalid;
+    invalid = (!((p->M_l >= 0.0) && (p->M_l <= DBL_MAX))) ? 2 : invalid;
+    invalid = (!((p->M >= 0.0) && (p->M <= DBL_MAX))) ? 1 : invalid;
+    return invalid;
 }
 
 REAL_INLINE real rotating_link_normal_force_at(

@@ -1,6 +1,6 @@
 /*
  * Generated: do not edit. Written by `make derive` from derivations/rotating_link.py
- * (eccentric 0.1.0, program 57231a22).
+ * (eccentric 0.1.0, program 6e757e48).
  * Rotating link with an unbalanced mass, in a plane tilted by phi, with angular acceleration.
  */
 /* Begin with rotating_link_mechanical_friction_torque, the friction that a drive must compensate, or
@@ -11,7 +11,7 @@
 #include <stddef.h>
 
 /* ROTATING_LINK_PROGRAM identifies the derivation of header and source; the source checks it. */
-#define ROTATING_LINK_PROGRAM 0x57231a22UL
+#define ROTATING_LINK_PROGRAM 0x6e757e48UL
 
 /* The working precision: double, or float with -DECCENTRIC_REAL=float. Files that differ do not link:
  * all functions have it in their names, as in rotating_link_prepare_double. */
@@ -169,11 +169,11 @@ extern const rotating_link_coefficients rotating_link_default;
 
 /** Compute the coefficients of a set of parameters; run it once, or when a parameter changes.
  *  Valid parameters: mu, R, k_i positive; phi from 0 to pi/2; the others not negative.
- *  Others give meaningless coefficients.
  *  @param[in]  p  parameters
- *  @param[out] c  coefficients
+ *  @param[out] c  coefficients, meaningless if a parameter is invalid
+ *  @return 0, or the number of the first invalid parameter: 1 for M, in the order of the structure
  */
-void rotating_link_prepare(const rotating_link_parameters *p, rotating_link_coefficients *c);
+int rotating_link_prepare(const rotating_link_parameters *p, rotating_link_coefficients *c);
 
 /** Normal force F_N on the axis of rotation.
  *  @param[in]  theta_m  motor angle [rad], reduced exactly up to 2^20 half turns of the link (float: 2^14)

@@ -1,5 +1,7 @@
 """The emitted C99, compiled in both precisions and called through cffi, against the paper and NumPy."""
 
+import dataclasses
+import math
 import re
 
 import numpy as np
@@ -196,3 +198,33 @@ def test_no_body_is_emitted_twice(name: str) -> None:
 
     assert bodies
     assert sorted(set(bodies)) == sorted(bodies)
+
+
+@both_precisions
+@every_model
+def test_prepare_numbers_the_first_invalid_parameter(libraries: Libraries, name: str, dtype: Real) -> None:
+    """In the order of the structure, from 1; what NumPy's Parameters accept is 0, what they refuse is not."""
+    library = libraries[name, dtype]
+    valid = with_inertia(name)
+    fields = dataclasses.asdict(valid)
+    fields |= {"F_T": valid.M_l * valid.g} if "F_T" in fields else {}
+    given_values = library.ffi.new(f"{name}_parameters *", fields)
+    prepared = library.ffi.new(f"{name}_coefficients *")
+    letters = [letter for letter, _ in library.ffi.typeof(given_values).item.fields]
+
+    assert 0 == library["prepare"](given_values, prepared)
+    for number, letter in reversed(list(enumerate(letters, start=1))):
+        good = getattr(given_values, letter)
+        for value in (-1.0, 0.0, 2.0, math.inf, -math.inf):
+            setattr(given_values, letter, value)
+            try:
+                dataclasses.replace(valid, **{letter: value})
+            except ValueError:
+                expected = number
+            else:
+                expected = 0
+
+            assert expected == library["prepare"](given_values, prepared)
+        setattr(given_values, letter, good)
+    given_values.mu = math.nan
+    assert letters.index("mu") + 1 == library["prepare"](given_values, prepared)

@@ -15,7 +15,7 @@ def test_every_coefficient_is_used(name: str, real: str) -> None:
     struct = re.findall(r"typedef struct \{([^}]*)\} \w+_coefficients;", declarations(name, real))[0]
     held = set(re.findall(r"(\w+);", struct))
     source = run("gcc", "-E", "-P", f"-DECCENTRIC_REAL={real}", GENERATED / f"{name}.c")
-    filled = re.findall(rf"void {name}_prepare_{real}\([^)]*\)\n\{{.*?\n\}}", source, re.DOTALL)[0]
+    filled = re.findall(rf"int {name}_prepare_{real}\([^)]*\)\n\{{.*?\n\}}", source, re.DOTALL)[0]
 
     assert held == set(re.findall(r"c->(\w+) = ", filled))
     assert held == set(re.findall(r"c->(\w+)", source.replace(filled, "")))

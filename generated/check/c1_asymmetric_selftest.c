@@ -1,5 +1,5 @@
 /*
- * Generated: do not edit. Written beside c1_asymmetric.c (program 1ecd4404).
+ * Generated: do not edit. Written beside c1_asymmetric.c (program d7057236).
  * Self-test of c1_asymmetric.c: the same bits as the emitted NumPy module, with any compiler and on any board.
  *
  *   cc -std=c99 -O2 -I.. c1_asymmetric_selftest.c ../c1_asymmetric.c -lm     single precision: -DECCENTRIC_REAL=float
@@ -236,7 +236,9 @@ int main(void)
     c1_asymmetric_parameters p = c1_asymmetric_default_parameters;
     p.J_m = 0.0002;
     p.J_l = 0.04;
-    c1_asymmetric_prepare(&p, &c);
+    if (c1_asymmetric_prepare(&p, &c) != 0) {
+        return 1;
+    }
     if (!default_holds() || !vectors_hold() || !stream_holds() || !arrays_hold()) {
         return 1;
     }

@@ -1,5 +1,5 @@
 /*
- * Generated: do not edit. Written beside c1_perpendicular.c (program 9b81cc75).
+ * Generated: do not edit. Written beside c1_perpendicular.c (program c03b2212).
  * Self-test of c1_perpendicular.c: the same bits as the emitted NumPy module, with any compiler and on any board.
  *
  *   cc -std=c99 -O2 -I.. c1_perpendicular_selftest.c ../c1_perpendicular.c -lm     single precision: -DECCENTRIC_REAL=float
@@ -235,7 +235,9 @@ int main(void)
     c1_perpendicular_parameters p = c1_perpendicular_default_parameters;
     p.J_m = 0.0002;
     p.J_l = 0.04;
-    c1_perpendicular_prepare(&p, &c);
+    if (c1_perpendicular_prepare(&p, &c) != 0) {
+        return 1;
+    }
     if (!default_holds() || !vectors_hold() || !stream_holds() || !arrays_hold()) {
         return 1;
     }

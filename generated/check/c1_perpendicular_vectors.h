@@ -1,5 +1,5 @@
 /*
- * Generated: do not edit. Written beside c1_perpendicular.c (program 9b81cc75).
+ * Generated: do not edit. Written beside c1_perpendicular.c (program c03b2212).
  * Expected results of the self-test, computed by the emitted NumPy module.
  */
 #define INPUTS 4u

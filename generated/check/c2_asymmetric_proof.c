@@ -1,5 +1,5 @@
 /*
- * Generated: do not edit. Written beside c2_asymmetric.c (program 07a5b676).
+ * Generated: do not edit. Written beside c2_asymmetric.c (program 790c56d3).
  * Driver of a proof: for all inputs within the ranges below, no function of c2_asymmetric.c has undefined
  * behaviour, overflows or returns a NaN or an infinity, for the parameters set in main. Set your own there.
  * Run Frama-C's Eva: 0 alarms and 100 % of the logical properties are the proof, and the intervals that it
@@ -367,7 +367,9 @@ int main(void)
     p.J_m = 0.0002;
     p.J_l = 0.04;
     c2_asymmetric_coefficients c;
-    c2_asymmetric_prepare(&p, &c);
+    if (c2_asymmetric_prepare(&p, &c) != 0) {
+        return 1;
+    }
     called(Frama_C_interval(0, 25), &c);
     return 0;
 }

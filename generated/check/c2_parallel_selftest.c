@@ -1,5 +1,5 @@
 /*
- * Generated: do not edit. Written beside c2_parallel.c (program 5158d6b0).
+ * Generated: do not edit. Written beside c2_parallel.c (program f12b85f2).
  * Self-test of c2_parallel.c: the same bits as the emitted NumPy module, with any compiler and on any board.
  *
  *   cc -std=c99 -O2 -I.. c2_parallel_selftest.c ../c2_parallel.c -lm     single precision: -DECCENTRIC_REAL=float
@@ -235,7 +235,9 @@ int main(void)
     c2_parallel_parameters p = c2_parallel_default_parameters;
     p.J_m = 0.0002;
     p.J_l = 0.04;
-    c2_parallel_prepare(&p, &c);
+    if (c2_parallel_prepare(&p, &c) != 0) {
+        return 1;
+    }
     if (!default_holds() || !vectors_hold() || !stream_holds() || !arrays_hold()) {
         return 1;
     }

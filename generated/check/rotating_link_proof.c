@@ -1,5 +1,5 @@
 /*
- * Generated: do not edit. Written beside rotating_link.c (program 57231a22).
+ * Generated: do not edit. Written beside rotating_link.c (program 6e757e48).
  * Driver of a proof: for all inputs within the ranges below, no function of rotating_link.c has undefined
  * behaviour, overflows or returns a NaN or an infinity, for the parameters set in main. Set your own there.
  * Run Frama-C's Eva: 0 alarms and 100 % of the logical properties are the proof, and the intervals that it
@@ -341,7 +341,9 @@ int main(void)
     p.J_l = 0.04;
     p.phi = 0.6;
     rotating_link_coefficients c;
-    rotating_link_prepare(&p, &c);
+    if (rotating_link_prepare(&p, &c) != 0) {
+        return 1;
+    }
     called(Frama_C_interval(0, 26), &c);
     return 0;
 }

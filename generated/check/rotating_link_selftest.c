@@ -1,5 +1,5 @@
 /*
- * Generated: do not edit. Written beside rotating_link.c (program 57231a22).
+ * Generated: do not edit. Written beside rotating_link.c (program 6e757e48).
  * Self-test of rotating_link.c: the same bits as the emitted NumPy module, with any compiler and on any board.
  *
  *   cc -std=c99 -O2 -I.. rotating_link_selftest.c ../rotating_link.c -lm     single precision: -DECCENTRIC_REAL=float
@@ -237,7 +237,9 @@ int main(void)
     p.J_m = 0.0002;
     p.J_l = 0.04;
     p.phi = 0.6;
-    rotating_link_prepare(&p, &c);
+    if (rotating_link_prepare(&p, &c) != 0) {
+        return 1;
+    }
     if (!default_holds() || !vectors_hold() || !stream_holds() || !arrays_hold()) {
         return 1;
     }

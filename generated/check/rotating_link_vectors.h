@@ -1,5 +1,5 @@
 /*
- * Generated: do not edit. Written beside rotating_link.c (program 57231a22).
+ * Generated: do not edit. Written beside rotating_link.c (program 6e757e48).
  * Expected results of the self-test, computed by the emitted NumPy module.
  */
 #define INPUTS 5u

@@ -187,7 +187,17 @@ def _parameter(q: Quantity, value: str) -> dict[str, str]:
         "unit": q.unit,
         "default": value,
         "doc": f"{q.meaning} [{q.unit}]{equation}{note}",
+        "invalid": _invalid(q),
     }
+
+
+def _invalid(q: Quantity) -> str:
+    """The condition in C that a parameter is invalid; NaN is valid where it means that none is given."""
+    x, most = f"p->{q.name}", "1.5707964" if q.domain == "tilt" else "DBL_MAX"
+    low, below = {"positive": ("> 0.0", "<= 0.0"), "real": (">= -DBL_MAX", "< -DBL_MAX")}.get(
+        q.domain, (">= 0.0", "< 0.0")
+    )
+    return f"({x} {below}) || ({x} > {most})" if q.default is None else f"!(({x} {low}) && ({x} <= {most}))"
 
 
 def _valid(program: Program) -> str:
