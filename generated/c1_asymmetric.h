@@ -1,17 +1,19 @@
 /*
  * Generated: do not edit. Written by `make derive` from derivations/c1_asymmetric.py
- * (eccentric 0.1.0, program d7057236).
+ * (eccentric 0.1.0, program 882c58a4).
  * Case C1 with friction that differs between the directions of motion.
  */
 /* Begin with c1_asymmetric_mechanical_friction_torque, the friction that a drive must compensate, or
- * c1_asymmetric_normal_force; `c` is &c1_asymmetric_default, or the output of c1_asymmetric_prepare for your own parameters. */
+ * c1_asymmetric_normal_force; `c` is &c1_asymmetric_default, or the output of c1_asymmetric_prepare for your own parameters.
+ * c1_asymmetric_prepare checks nothing: parameters that it does not call valid, such as a negative mass, give meaningless
+ * results, not NaN. Coefficients that it has not filled, all 0 in a static variable, give friction of 0. */
 #ifndef C1_ASYMMETRIC_H
 #define C1_ASYMMETRIC_H
 
 #include <stddef.h>
 
 /* C1_ASYMMETRIC_PROGRAM identifies the derivation of header and source; the source checks it. */
-#define C1_ASYMMETRIC_PROGRAM 0xd7057236UL
+#define C1_ASYMMETRIC_PROGRAM 0x882c58a4UL
 
 /* The working precision: double, or float with -DECCENTRIC_REAL=float. Files that differ do not link:
  * all functions have it in their names, as in c1_asymmetric_prepare_double. */
@@ -107,7 +109,8 @@ typedef struct {
     double J_l; /**< inertia of the link about its axis, M L^2 included [kg m^2], eq. (3), no default */
 } c1_asymmetric_parameters;
 
-/** Values that depend on parameters only; filled by c1_asymmetric_prepare. */
+/** Values that depend on parameters only; c1_asymmetric_prepare fills them and must run first: all 0, as in a
+ *  static variable, they give friction of 0. */
 typedef struct {
     ECCENTRIC_REAL B_lN_neg; /**< viscous friction of the link per normal force, omega_m < 0 [m s/rad] */
     ECCENTRIC_REAL B_lN_pos; /**< viscous friction of the link per normal force, omega_m > 0 [m s/rad] */

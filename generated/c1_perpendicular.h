@@ -1,17 +1,19 @@
 /*
  * Generated: do not edit. Written by `make derive` from derivations/c1_perpendicular.py
- * (eccentric 0.1.0, program c03b2212).
+ * (eccentric 0.1.0, program 4382722c).
  * Case C1: gravity perpendicular to the motion plane, steady motion.
  */
 /* Begin with c1_perpendicular_mechanical_friction_torque, the friction that a drive must compensate, or
- * c1_perpendicular_normal_force; `c` is &c1_perpendicular_default, or the output of c1_perpendicular_prepare for your own parameters. */
+ * c1_perpendicular_normal_force; `c` is &c1_perpendicular_default, or the output of c1_perpendicular_prepare for your own parameters.
+ * c1_perpendicular_prepare checks nothing: parameters that it does not call valid, such as a negative mass, give meaningless
+ * results, not NaN. Coefficients that it has not filled, all 0 in a static variable, give friction of 0. */
 #ifndef C1_PERPENDICULAR_H
 #define C1_PERPENDICULAR_H
 
 #include <stddef.h>
 
 /* C1_PERPENDICULAR_PROGRAM identifies the derivation of header and source; the source checks it. */
-#define C1_PERPENDICULAR_PROGRAM 0xc03b2212UL
+#define C1_PERPENDICULAR_PROGRAM 0x4382722cUL
 
 /* The working precision: double, or float with -DECCENTRIC_REAL=float. Files that differ do not link:
  * all functions have it in their names, as in c1_perpendicular_prepare_double. */
@@ -100,7 +102,8 @@ typedef struct {
     double J_l; /**< inertia of the link about its axis, M L^2 included [kg m^2], eq. (3), no default */
 } c1_perpendicular_parameters;
 
-/** Values that depend on parameters only; filled by c1_perpendicular_prepare. */
+/** Values that depend on parameters only; c1_perpendicular_prepare fills them and must run first: all 0, as in a
+ *  static variable, they give friction of 0. */
 typedef struct {
     ECCENTRIC_REAL B_lN; /**< viscous friction of the link per normal force [m s/rad] */
     ECCENTRIC_REAL C_lN; /**< Coulomb friction of the link per normal force [m] */

@@ -1,17 +1,19 @@
 /*
  * Generated: do not edit. Written by `make derive` from derivations/c2_asymmetric.py
- * (eccentric 0.1.0, program 790c56d3).
+ * (eccentric 0.1.0, program 244b1f2b).
  * Case C2 with friction that differs between the directions of motion.
  */
 /* Begin with c2_asymmetric_mechanical_friction_torque, the friction that a drive must compensate, or
- * c2_asymmetric_normal_force; `c` is &c2_asymmetric_default, or the output of c2_asymmetric_prepare for your own parameters. */
+ * c2_asymmetric_normal_force; `c` is &c2_asymmetric_default, or the output of c2_asymmetric_prepare for your own parameters.
+ * c2_asymmetric_prepare checks nothing: parameters that it does not call valid, such as a negative mass, give meaningless
+ * results, not NaN. Coefficients that it has not filled, all 0 in a static variable, give friction of 0. */
 #ifndef C2_ASYMMETRIC_H
 #define C2_ASYMMETRIC_H
 
 #include <stddef.h>
 
 /* C2_ASYMMETRIC_PROGRAM identifies the derivation of header and source; the source checks it. */
-#define C2_ASYMMETRIC_PROGRAM 0x790c56d3UL
+#define C2_ASYMMETRIC_PROGRAM 0x244b1f2bUL
 
 /* The working precision: double, or float with -DECCENTRIC_REAL=float. Files that differ do not link:
  * all functions have it in their names, as in c2_asymmetric_prepare_double. */
@@ -109,7 +111,8 @@ typedef struct {
     double J_l; /**< inertia of the link about its axis, M L^2 included [kg m^2], eq. (3), no default */
 } c2_asymmetric_parameters;
 
-/** Values that depend on parameters only; filled by c2_asymmetric_prepare. */
+/** Values that depend on parameters only; c2_asymmetric_prepare fills them and must run first: all 0, as in a
+ *  static variable, they give friction of 0. */
 typedef struct {
     ECCENTRIC_REAL B_lN_neg; /**< viscous friction of the link per normal force, omega_m < 0 [m s/rad] */
     ECCENTRIC_REAL B_lN_pos; /**< viscous friction of the link per normal force, omega_m > 0 [m s/rad] */

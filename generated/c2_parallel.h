@@ -1,17 +1,19 @@
 /*
  * Generated: do not edit. Written by `make derive` from derivations/c2_parallel.py
- * (eccentric 0.1.0, program f12b85f2).
+ * (eccentric 0.1.0, program 556c4369).
  * Case C2: gravity parallel to the motion plane, steady motion.
  */
 /* Begin with c2_parallel_mechanical_friction_torque, the friction that a drive must compensate, or
- * c2_parallel_normal_force; `c` is &c2_parallel_default, or the output of c2_parallel_prepare for your own parameters. */
+ * c2_parallel_normal_force; `c` is &c2_parallel_default, or the output of c2_parallel_prepare for your own parameters.
+ * c2_parallel_prepare checks nothing: parameters that it does not call valid, such as a negative mass, give meaningless
+ * results, not NaN. Coefficients that it has not filled, all 0 in a static variable, give friction of 0. */
 #ifndef C2_PARALLEL_H
 #define C2_PARALLEL_H
 
 #include <stddef.h>
 
 /* C2_PARALLEL_PROGRAM identifies the derivation of header and source; the source checks it. */
-#define C2_PARALLEL_PROGRAM 0xf12b85f2UL
+#define C2_PARALLEL_PROGRAM 0x556c4369UL
 
 /* The working precision: double, or float with -DECCENTRIC_REAL=float. Files that differ do not link:
  * all functions have it in their names, as in c2_parallel_prepare_double. */
@@ -105,7 +107,8 @@ typedef struct {
     double J_l; /**< inertia of the link about its axis, M L^2 included [kg m^2], eq. (3), no default */
 } c2_parallel_parameters;
 
-/** Values that depend on parameters only; filled by c2_parallel_prepare. */
+/** Values that depend on parameters only; c2_parallel_prepare fills them and must run first: all 0, as in a
+ *  static variable, they give friction of 0. */
 typedef struct {
     ECCENTRIC_REAL B_lN; /**< viscous friction of the link per normal force [m s/rad] */
     ECCENTRIC_REAL B_m; /**< viscous friction of the motor [N m s/rad] */

@@ -1,17 +1,19 @@
 /*
  * Generated: do not edit. Written by `make derive` from derivations/rotating_link.py
- * (eccentric 0.1.0, program 6e757e48).
+ * (eccentric 0.1.0, program 5c2468e6).
  * Rotating link with an unbalanced mass, in a plane tilted by phi, with angular acceleration.
  */
 /* Begin with rotating_link_mechanical_friction_torque, the friction that a drive must compensate, or
- * rotating_link_normal_force; `c` is &rotating_link_default, or the output of rotating_link_prepare for your own parameters. */
+ * rotating_link_normal_force; `c` is &rotating_link_default, or the output of rotating_link_prepare for your own parameters.
+ * rotating_link_prepare checks nothing: parameters that it does not call valid, such as a negative mass, give meaningless
+ * results, not NaN. Coefficients that it has not filled, all 0 in a static variable, give friction of 0. */
 #ifndef ROTATING_LINK_H
 #define ROTATING_LINK_H
 
 #include <stddef.h>
 
 /* ROTATING_LINK_PROGRAM identifies the derivation of header and source; the source checks it. */
-#define ROTATING_LINK_PROGRAM 0x6e757e48UL
+#define ROTATING_LINK_PROGRAM 0x5c2468e6UL
 
 /* The working precision: double, or float with -DECCENTRIC_REAL=float. Files that differ do not link:
  * all functions have it in their names, as in rotating_link_prepare_double. */
@@ -109,7 +111,8 @@ typedef struct {
     double J_l; /**< inertia of the link about its axis, M L^2 included [kg m^2], eq. (3), no default */
 } rotating_link_parameters;
 
-/** Values that depend on parameters only; filled by rotating_link_prepare. */
+/** Values that depend on parameters only; rotating_link_prepare fills them and must run first: all 0, as in a
+ *  static variable, they give friction of 0. */
 typedef struct {
     ECCENTRIC_REAL B_lN; /**< viscous friction of the link per normal force [m s/rad] */
     ECCENTRIC_REAL C_lN; /**< Coulomb friction of the link per normal force [m] */

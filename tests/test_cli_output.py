@@ -91,9 +91,10 @@ def test_a_folder_that_cannot_be_is_told_before_the_work(
     (tmp_path / "full/thesis.tex").write_text("")
     (tmp_path / "here").mkdir()
     monkeypatch.chdir(tmp_path / "here")
+    own = "required a folder of its own for the output, such as build/out; received"
     wrong = {
-        "/": "/: required a folder of its own for the output; received one with the working directory in it",
-        "": ".: required a folder of its own for the output; received the working directory",
+        "/": f"/: {own} one with the working directory in it",
+        "": f".: {own} the working directory",
         "../file": "../file: required a folder to write; received a file",
         "../file/a/b": f"../file/a/b: required a place that can be written; {tmp_path}/file is a file",
         "../full": "../full: required a new or empty folder, or one that eccentric wrote"

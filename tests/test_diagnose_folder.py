@@ -170,13 +170,25 @@ def test_model_script_lists_its_channels_in_order(bundled: Path) -> None:
     assert ["current", "voltage"] == ast.literal_eval(channels)
 
 
-def test_hidden_state_is_emitted_as_a_step(tmp_path: Path) -> None:
-    """Unlogged heating is named; its state, stepped by the emitted code, gives the error after."""
+def test_hidden_state_is_emitted_as_a_step(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """Unlogged heating is named; its state, stepped by the emitted code, gives the error after.
+
+    The summary and the header name the step and what it advances.
+    """
     log, rig = log_of(tmp_path, 9007, ("hidden_thermal_drift", 0.2), seconds=60.0)
     out = tmp_path / "out"
     assert 0 == main(["diagnose", str(log), "--rig", str(rig), "--out", str(out)])
     said = json.loads((out / "diagnosis.json").read_text(encoding="utf-8"))
     module = module_of(out)
+    shown = capsys.readouterr().out
+    ((torque, step),) = re.findall(r"to call in every cycle.*\n(.*)\n(.*)", shown)
+    (state,) = module.STATES
+    name = next(out.glob("*_extended.c")).stem
+    assert torque.startswith(f"  {name}_mechanical_friction_torque(theta_m, omega_m, state.{state}")
+    assert step.startswith(f"  {name}_step(&state, ")
+    header = (out / f"{name}.h").read_text(encoding="utf-8")
+    assert f"in every cycle, call {name}_step: it advances" in header.split("#ifndef")[0]
+    assert re.search(rf"@param\[in\]  {state}  .*, a hidden state, which {name}_step advances", header)
     inputs, rows = held_out_inputs(log, rig)
     inputs["dt"] = np.diff(inputs["t"], append=inputs["t"][-1] + 0.004)
     states = module.follow_states(*(inputs[n] for n in names_of(module.follow_states)))
@@ -186,7 +198,6 @@ def test_hidden_state_is_emitted_as_a_step(tmp_path: Path) -> None:
     assert ["hidden_thermal_drift"] == [e["family"] for e in said["effects"]]
     # The diagnosis ran the state on the smoothed current, firmware runs it on the measured one.
     assert np.isclose(rmse(residual), said["rmse_holdout_Nm"]["mechanical"]["extended"], rtol=0.01)
-    name = next(out.glob("*_extended.c")).stem
     ffi = cffi.FFI()
     given = names_of(module.follow_states)
     ffi.cdef(f"typedef struct {{ {' '.join(f'double {s};' for s in module.STATES)} }} {name}_state;"

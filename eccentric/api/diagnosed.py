@@ -20,6 +20,7 @@ from eccentric.diagnosis import (
     diagnosis_document,
     diagnosis_lines,
     extended_model,
+    is_result_name,
     script,
 )
 from eccentric.diagnosis import diagnose as diagnose_logs
@@ -98,7 +99,7 @@ def _scripts(effects: Path | None, model: str | Model | None) -> tuple[Path, ...
     given = (effects, None if isinstance(model, Model) else model)
     own = tuple(Path(one) for one in given if one is not None and Path(one).suffix == ".py")
     for one in own:
-        if one.name in taken or one.stem.endswith("_extended"):
+        if one.name in taken or is_result_name(one.stem):
             raise InputError(f"{one}: required a name that no file of the result has")
     if len({one.resolve() for one in own}) > len(called := {one.name for one in own}):
         raise InputError(

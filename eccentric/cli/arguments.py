@@ -39,7 +39,8 @@ def add_folder(parser: argparse.ArgumentParser, files: str) -> None:
         metavar="DIR",
         type=Path,
         required=True,
-        help=f"folder for {files}; those of an earlier run are replaced, everything else in it stays",
+        help=f"folder of its own for {files}: new, empty, or one that eccentric wrote, and not the working "
+        "directory; those of an earlier run are replaced, everything else in it stays",
     )
 
 

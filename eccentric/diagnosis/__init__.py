@@ -24,7 +24,7 @@ from eccentric.diagnosis.closest import Closest
 from eccentric.diagnosis.contest import BASELINE, Contest, Entry, contest, contest_document, contest_lines
 from eccentric.diagnosis.document import diagnosis_document
 from eccentric.diagnosis.loop import diagnose
-from eccentric.diagnosis.model_script import extended_model, extended_name, script
+from eccentric.diagnosis.model_script import extended_model, is_result_name, result_name, script
 from eccentric.diagnosis.orders import Order, orders_of
 from eccentric.diagnosis.outcome import Asked, Diagnosis
 from eccentric.diagnosis.request import Request
@@ -53,9 +53,10 @@ __all__ = [
     "diagnosis_lines",
     "diagnosis_sentence",
     "extended_model",
-    "extended_name",
+    "is_result_name",
     "leave_runs_out",
     "orders_of",
+    "result_name",
     "script",
     "sibling_sentence",
 ]

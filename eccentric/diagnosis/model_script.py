@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import pprint
+import re
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -11,18 +12,33 @@ from eccentric.emission import plain
 from eccentric.fitting import back_emf_columns
 from eccentric.model import Model, regressor, with_values
 
-__all__ = ["extended_model", "extended_name", "script"]
+__all__ = ["extended_model", "is_result_name", "result_name", "script"]
+
+_NAME = re.compile(r"(.+?)(?:(_extended)(?:_(\d+))?|_fitted)?")
+"""Stem, suffix and number of a model's name."""
 
 
-def extended_name(found: Diagnosis) -> str:
-    """Name of the extended model, and of its emitted trio."""
-    return f"{found.models.base.name}_extended"
+def result_name(found: Diagnosis) -> str:
+    """Name of the resulting model, and of its emitted trio: `_extended`, numbered from the second on.
+
+    Where nothing was added it is `_fitted`, or the base model's own name if that says what it is.
+    """
+    base = found.models.base.name
+    stem, extended, number = _NAME.fullmatch(base).groups()  # pyright: ignore[reportOptionalMemberAccess]
+    if not found.models.shipped.effects and not found.asked.request.including:
+        return base if is_result_name(base) else f"{base}_fitted"
+    return f"{stem}_extended" + (f"_{int(number or 1) + 1}" if extended else "")
+
+
+def is_result_name(name: str) -> bool:
+    """Whether a diagnosis gives models such a name."""
+    return _NAME.fullmatch(name)[1] != name  # pyright: ignore[reportOptionalSubscript]
 
 
 def extended_model(found: Diagnosis) -> Model:
     """The extended model with the fitted values as its defaults: the one that the script builds."""
     fitted = _fitted(found)
-    model, name = found.models.shipped.model, extended_name(found)
+    model, name = found.models.shipped.model, result_name(found)
     return with_values(model, fitted.values, name, fitted.notes, fitted.title, "diagnosis")
 
 
@@ -52,8 +68,9 @@ def _fitted(found: Diagnosis) -> _Fitted:
                 if c.name in shared:
                     name, emf = c.parameter.name, "contains k_e k_i/R, which this log cannot separate from it"
                     notes[name] = f"{notes.get(name, '')}; {emf}"
-    names = ", ".join(effect.id for effect, _ in found.models.shipped.effects) or "no effect"
-    return _Fitted(values, notes, f"{found.models.base.title}, extended by {names}")
+    names = ", ".join(effect.id for effect, _ in found.models.shipped.effects)
+    done = f"extended by {names}" if names else "fitted"
+    return _Fitted(values, notes, f"{found.models.base.title}, {done}")
 
 
 def _base(found: Diagnosis) -> str:
@@ -108,7 +125,7 @@ for name, values in {chosen}:
 model = with_values(
     model,
     {pprint.pformat(fitted.values, width=96, indent=1)},
-    name={extended_name(found)!r},
+    name={result_name(found)!r},
     notes={pprint.pformat(fitted.notes, width=96)},
     title={fitted.title!r},
 )

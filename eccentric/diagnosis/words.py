@@ -6,10 +6,10 @@ The description of an effect comes first, its id second; both come from the effe
 from __future__ import annotations
 
 import inspect
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 
 from eccentric.diagnosis.limits import PROVABLE
-from eccentric.diagnosis.model_script import extended_name
+from eccentric.diagnosis.model_script import is_result_name, result_name
 from eccentric.diagnosis.outcome import Diagnosis
 from eccentric.diagnosis.score import OverRuns
 from eccentric.effects import Correction, Effect, Words
@@ -190,14 +190,37 @@ def diagnosis_lines(found: Diagnosis) -> list[str]:
     if found.orders:
         parts = ", ".join(f"{o.per_turn:.2f} ({100 * o.share:.0f} % of its variance)" for o in found.orders)
         out.append(f"the residual within runs is periodic in the motor angle; cycles per turn: {parts}")
-    shipped, name = found.models.shipped, extended_name(found)
-    function = load_module(shipped.model).mechanical_friction_torque
-    arguments = list(inspect.signature(function).parameters)[:-2]
-    what = "to call" if shipped.effects else "nothing was added; to call the paper's model, fitted"
-    out.append(f"{what}: {name}_mechanical_friction_torque({', '.join([*arguments, f'&{name}_default'])})")
+    out += _calls(found)
     if a.next_measurement:
         out.append(f"next: {a.next_measurement}")
     return out
+
+
+def _calls(found: Diagnosis) -> list[str]:
+    """How firmware calls the friction torque and, with hidden states, steps them."""
+    shipped, name = found.models.shipped, result_name(found)
+    module, states = load_module(shipped.model), [s.quantity.name for s in shipped.model.states]
+
+    def arguments(function: Callable[..., object]) -> list[str]:
+        return list(inspect.signature(function).parameters)[:-2]
+
+    def call(function: str, given: Sequence[str]) -> str:
+        return f"{name}_{function}({', '.join([*given, f'&{name}_default'])})"
+
+    given = [f"state.{a}" if a in states else a for a in arguments(module.mechanical_friction_torque)]
+    torque = call("mechanical_friction_torque", given)
+    if not states:
+        if shipped.effects or found.asked.request.including:
+            return [f"to call: {torque}"]
+        base = found.models.base.name
+        whose = f"{base}, fitted anew" if is_result_name(base) else "the paper's model, fitted"
+        return [f"nothing was added; to call {whose}: {torque}"]
+    stepped = [a for a in arguments(module.next_state) if a not in states]
+    return [
+        f"to call in every cycle, in this order, from {name}_state state = {name}_initial_state on:",
+        f"  {torque}",
+        f"  {call('step', ['&state', *stepped])}",
+    ]
 
 
 def _effect(found: Diagnosis, effect: Effect, own: Mapping[str, float]) -> str:

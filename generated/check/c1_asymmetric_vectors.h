@@ -1,5 +1,5 @@
 /*
- * Generated: do not edit. Written beside c1_asymmetric.c (program d7057236).
+ * Generated: do not edit. Written beside c1_asymmetric.c (program 882c58a4).
  * Expected results of the self-test, computed by the emitted NumPy module.
  */
 #define INPUTS 4u

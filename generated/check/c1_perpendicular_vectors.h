@@ -1,5 +1,5 @@
 /*
- * Generated: do not edit. Written beside c1_perpendicular.c (program c03b2212).
+ * Generated: do not edit. Written beside c1_perpendicular.c (program 4382722c).
  * Expected results of the self-test, computed by the emitted NumPy module.
  */
 #define INPUTS 4u

@@ -1,5 +1,5 @@
 /*
- * Generated: do not edit. Written beside c2_asymmetric.c (program 790c56d3).
+ * Generated: do not edit. Written beside c2_asymmetric.c (program 244b1f2b).
  * Expected results of the self-test, computed by the emitted NumPy module.
  */
 #define INPUTS 5u

@@ -27,7 +27,7 @@ def routine(program: Program, r: Routine, coefficients: set[str]) -> dict[str, A
         "requires": " and ".join(r.requires),
         "width": len(r.labels),
         "twin": _twin(program, twin) if twin else {},
-        **_documentation(r, parts),
+        **_documentation(program, r, parts),
         **_signatures(program, r, parts),
         **_calls(program, r, parts, coefficients),
         "lines": _body(program, r, parts, coefficients),
@@ -79,7 +79,8 @@ def _prepared(program: Program) -> str:
     return f"const {program.name}_coefficients *c"
 
 
-def _documentation(r: Routine, parts: Staged) -> dict[str, Any]:
+def _documentation(program: Program, r: Routine, parts: Staged) -> dict[str, Any]:
+    states = [q for q, _ in program.states]
     width, reduced = len(r.labels), f", reduced exactly up to {_EXACT}" if parts.angles else ""
     out = f"@param[out] out  {width} value{'s' * (width > 1)}: {', '.join(r.labels)} [{r.unit}]"
     return {
@@ -88,7 +89,8 @@ def _documentation(r: Routine, parts: Staged) -> dict[str, Any]:
             {
                 "name": x.quantity.name,
                 "doc": f"{x.quantity.meaning} [{x.quantity.unit}]"
-                + (reduced if x.quantity.name == "theta_m" else ""),
+                + (reduced if x.quantity.name == "theta_m" else "")
+                + (f", a hidden state, which {program.name}_step advances" if x.quantity in states else ""),
             }
             for x in r.inputs
         ],
