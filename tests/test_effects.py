@@ -105,7 +105,8 @@ def test_hidden_states_but_those_with_a_gap_are_affine_in_themselves(case: str) 
         if sp.diff(state.update, state.symbol).has(state.symbol)
     }
 
-    assert {"magnetic_hysteresis[play]", "backlash"} == curved
+    lag = {"backlash[lag]"} if case == "C2" else set()
+    assert {"magnetic_hysteresis[play]", "backlash"} | lag == curved
 
 
 def test_effects_need_the_channels_they_are_seen_in() -> None:

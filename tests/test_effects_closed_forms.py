@@ -163,7 +163,7 @@ MECHANICAL: list[tuple[str, str, dict[str, float], Torque]] = [
     ("C2", "backlash", {"backlash_G": 0.9, "backlash_C": 0.02}, lambda x: -np.sign(x["backlash_left"])
      * (0.9 * sine_load(x) + MU * 0.02 * normal_force(x) * np.sign(x["omega_m"]))),
     ("C2", "backlash[lag]", {"backlash_T": 0.1},
-     lambda x: -0.1 * x["backlash_z"] * np.cos(MU * x["theta_m"])),
+     lambda x: -0.1 * x["backlash_side"] * (1 - 2 * x["backlash_left"]) * np.cos(MU * x["theta_m"])),
     ("C1", "cable_spring", {"cable_k": 0.01, "cable_0": 0.02}, lambda x: 0.01 * MU * x["theta_m"] + 0.02),
     ("C1", "gravity_tilt", {"tilt_c": 0.01, "tilt_s": 0.02},
      lambda x: 0.01 * np.cos(MU * x["theta_m"]) + 0.02 * np.sin(MU * x["theta_m"])),

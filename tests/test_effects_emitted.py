@@ -217,6 +217,39 @@ def test_bristles_follow_the_travelled_angle() -> None:
     np.testing.assert_allclose(actual, 1 - np.exp(-angle / 0.5), rtol=1e-12, atol=1e-15)
 
 
+@pytest.mark.parametrize("middle", [0.0, 0.9])
+def test_the_link_lags_on_the_side_of_its_load(middle: float) -> None:
+    """Two masses with a dead zone, by SciPy: about 0 the link changes sides, about 0.9 rad it does not."""
+    gap, stiff, damping, dry = 0.02, 4e3, 4.0, 0.02  # rad, N m/rad, N m s/rad, N m at the link
+    rate = 2.0 * np.pi * 0.5
+
+    def contact(t: float, angle: float, speed: float) -> float:
+        bent = middle + 0.6 * np.sin(rate * t) - angle
+        past = bent - np.clip(bent, -gap / 2, gap / 2)
+        return stiff * past + (damping * (0.6 * rate * np.cos(rate * t) - speed) if past else 0.0)
+
+    def motion_of(t: float, x: np.ndarray) -> list[float]:
+        friction = dry * np.tanh(x[1] / 1e-2) + 0.02 * x[1]
+        return [x[1], (contact(t, *x) - M * G * L * np.sin(x[0]) - friction) / J_L]
+
+    time = 2e-3 * np.arange(2001)
+    start = [middle - (gap / 2 + M * G * L * np.sin(middle) / stiff), 0.6 * rate]
+    angle = solve_ivp(motion_of, (0.0, 4.0), start, "LSODA", time, max_step=1e-3, rtol=1e-7).y[0]
+    link = middle + 0.6 * np.sin(rate * time)
+    expected = np.sign(np.where(np.abs(link - angle) > 0.4 * gap, link - angle, 0.0))
+
+    given = {name: np.zeros(2001) for name in motion()} | {"dt": np.full(2001, 2e-3)}
+    given |= {"theta_m": link / MU, "omega_m": 0.6 * rate * np.cos(rate * time) / MU}
+    at = {"backlash_gap": gap / MU, "backlash_arm": dry / ((M + M_L) * G)}
+    states = stepped("C2", "backlash[lag]", given, **at)
+    actual = (states["backlash_side"] * (1 - 2 * states["backlash_left"]))[:-1]
+
+    known = (expected != 0.0) & (time > 0.5)
+    assert np.mean(known[time > 0.5]) > 0.8
+    assert np.mean(np.sign(actual[known]) == expected[known]) > 0.95
+    assert (middle == 0.0) == (np.min(expected[known]) < 0.0)
+
+
 def test_lugre_is_that_of_its_paper() -> None:
     """Along swings with reversals, torque and bristles are those of its equations by SciPy, to 1 %."""
     C, S, sigma_0, sigma_1, v_s = 0.02, 0.012, 0.05, 0.003, 4.0

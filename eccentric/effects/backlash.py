@@ -15,7 +15,6 @@ from eccentric.effects.forms import (
     harmonic,
     link_force,
     omega_m,
-    relaxation,
     speed,
 )
 from eccentric.effects.setting import Setting
@@ -43,7 +42,7 @@ GRAVITY = quantity(
     letter="gamma",
 )
 TORQUE = quantity(
-    "backlash_T", "N m", "gravity torque due to the link's lag, per full gap", "", "nonnegative", letter="T"
+    "backlash_T", "N m", "gravity torque due to the link's lag, per half gap", "", "nonnegative", letter="T"
 )
 REFERENCE = "form of our own, no impact; backlash: M. Nordin and P.-O. Gutman, Automatica 38(10), 2002"
 WORDS = Words(
@@ -65,17 +64,25 @@ def effects(setting: Setting) -> tuple[Effect, ...]:
     return (_freed(setting),) if setting.case == "C1" else (_freed(setting), _lag(setting))
 
 
-def _freed(setting: Setting) -> Effect:
+def _states(setting: Setting) -> tuple[State, State]:
+    """The side of the load, and what remains of the gap since it changed."""
     dry = v.mu.symbol * link_force(setting) * arm.symbol * direction
     load = gravity(setting) + dry if setting.case == "C2" else direction
     now = Sgn(load)
     changed = now * (now * side.symbol**2 - side.symbol) / 2  # 1 if both are known and differ
     # A load that changes back within the gap has to close what the motor has travelled so far.
     rest = sp.Abs(changed - left.symbol) - speed * dt / gap.symbol
-    states = (
+    return (
         State(side, sp.Integer(0), now + (1 - now**2) * side.symbol),
         State(left, sp.Integer(0), sp.Max(0, rest)),
     )
+
+
+def _arm(setting: Setting) -> Shape:
+    return Shape(arm, 0.0, 0.4 * setting.known.get("L", 0.25), "linear", 3)
+
+
+def _freed(setting: Setting) -> Effect:
     free = Sgn(left.symbol)
     force = v.F_N.symbol if setting.case == "C2" else sp.Integer(1)
     per_force = setting.case == "C2"
@@ -103,7 +110,7 @@ def _freed(setting: Setting) -> Effect:
     roles, inputs = [Role.VISCOUS, Role.COULOMB], ()
     if setting.case == "C2":
         columns.insert(0, (GRAVITY, -free * gravity(setting)))
-        shapes.append(Shape(arm, 0.0, 0.4 * setting.known.get("L", 0.25), "linear", 3))
+        shapes.append(_arm(setting))
         roles.insert(0, Role.NONE)
         inputs = (v.theta_m,)
     return addition(
@@ -117,24 +124,25 @@ def _freed(setting: Setting) -> Effect:
         " has changed its side",
         reference=REFERENCE,
         shapes=tuple(shapes),
-        states=states,
+        states=_states(setting),
         words=replace(WORDS, headline="backlash in the gear"),
         inputs=inputs,
     )
 
 
 def _lag(setting: Setting) -> Effect:
-    state = relaxation("backlash_z", "lag of the link, in gaps", speed * dt, gap.symbol, omega_m, letter="z")
+    # The link hangs on the flank that its load presses against, whatever the direction of motion.
+    place = side.symbol * (1 - 2 * left.symbol)
     return addition(
         "backlash",
-        [(TORQUE, -harmonic(v.mu.symbol)[0] * state.symbol)],
+        [(TORQUE, -harmonic(v.mu.symbol)[0] * place)],
         variant="lag",
         kind="conservative",
         depends_on=("history",),
-        formula="-T z cos(theta_l), z the side of the gap, following the direction of motion",
+        formula="-T z cos(theta_l), z from -1 to 1 the place in the gap, on the side of the load",
         reference=REFERENCE,
-        shapes=(Shape(gap, 2e-3 / setting.mu, 0.5 / setting.mu, "log", 6),),
+        shapes=(Shape(gap, 2e-3 / setting.mu, 0.5 / setting.mu, "log", 6), _arm(setting)),
         inputs=(v.theta_m,),
-        states=(state,),
+        states=_states(setting),
         words=replace(WORDS, headline="a link that lags by the backlash in the gear"),
     )
