@@ -1,19 +1,19 @@
 /*
  * Generated: do not edit. Written by `make derive` from derivations/c1_perpendicular.py
- * (eccentric 0.1.0, program 4382722c).
+ * (eccentric 0.1.0, program 9985c878).
  * Case C1: gravity perpendicular to the motion plane, steady motion.
  */
 /* Begin with c1_perpendicular_mechanical_friction_torque, the friction that a drive must compensate, or
  * c1_perpendicular_normal_force; `c` is &c1_perpendicular_default, or the output of c1_perpendicular_prepare for your own parameters.
- * c1_perpendicular_prepare checks nothing: parameters that it does not call valid, such as a negative mass, give meaningless
- * results, not NaN. Coefficients that it has not filled, all 0 in a static variable, give friction of 0. */
+ * c1_perpendicular_prepare returns 0, or the number of the first invalid parameter, such as a negative mass: its coefficients are
+ * then meaningless, and no function checks them. Coefficients that it has not filled, all 0 in a static variable, give 0. */
 #ifndef C1_PERPENDICULAR_H
 #define C1_PERPENDICULAR_H
 
 #include <stddef.h>
 
 /* C1_PERPENDICULAR_PROGRAM identifies the derivation of header and source; the source checks it. */
-#define C1_PERPENDICULAR_PROGRAM 0x4382722cUL
+#define C1_PERPENDICULAR_PROGRAM 0x9985c878UL
 
 /* The working precision: double, or float with -DECCENTRIC_REAL=float. Files that differ do not link:
  * all functions have it in their names, as in c1_perpendicular_prepare_double. */

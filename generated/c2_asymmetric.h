@@ -1,19 +1,19 @@
 /*
  * Generated: do not edit. Written by `make derive` from derivations/c2_asymmetric.py
- * (eccentric 0.1.0, program 244b1f2b).
+ * (eccentric 0.1.0, program a7f6ba98).
  * Case C2 with friction that differs between the directions of motion.
  */
 /* Begin with c2_asymmetric_mechanical_friction_torque, the friction that a drive must compensate, or
  * c2_asymmetric_normal_force; `c` is &c2_asymmetric_default, or the output of c2_asymmetric_prepare for your own parameters.
- * c2_asymmetric_prepare checks nothing: parameters that it does not call valid, such as a negative mass, give meaningless
- * results, not NaN. Coefficients that it has not filled, all 0 in a static variable, give friction of 0. */
+ * c2_asymmetric_prepare returns 0, or the number of the first invalid parameter, such as a negative mass: its coefficients are
+ * then meaningless, and no function checks them. Coefficients that it has not filled, all 0 in a static variable, give 0. */
 #ifndef C2_ASYMMETRIC_H
 #define C2_ASYMMETRIC_H
 
 #include <stddef.h>
 
 /* C2_ASYMMETRIC_PROGRAM identifies the derivation of header and source; the source checks it. */
-#define C2_ASYMMETRIC_PROGRAM 0x244b1f2bUL
+#define C2_ASYMMETRIC_PROGRAM 0xa7f6ba98UL
 
 /* The working precision: double, or float with -DECCENTRIC_REAL=float. Files that differ do not link:
  * all functions have it in their names, as in c2_asymmetric_prepare_double. */

@@ -1,19 +1,19 @@
 /*
  * Generated: do not edit. Written by `make derive` from derivations/c2_parallel.py
- * (eccentric 0.1.0, program 556c4369).
+ * (eccentric 0.1.0, program ef386056).
  * Case C2: gravity parallel to the motion plane, steady motion.
  */
 /* Begin with c2_parallel_mechanical_friction_torque, the friction that a drive must compensate, or
  * c2_parallel_normal_force; `c` is &c2_parallel_default, or the output of c2_parallel_prepare for your own parameters.
- * c2_parallel_prepare checks nothing: parameters that it does not call valid, such as a negative mass, give meaningless
- * results, not NaN. Coefficients that it has not filled, all 0 in a static variable, give friction of 0. */
+ * c2_parallel_prepare returns 0, or the number of the first invalid parameter, such as a negative mass: its coefficients are
+ * then meaningless, and no function checks them. Coefficients that it has not filled, all 0 in a static variable, give 0. */
 #ifndef C2_PARALLEL_H
 #define C2_PARALLEL_H
 
 #include <stddef.h>
 
 /* C2_PARALLEL_PROGRAM identifies the derivation of header and source; the source checks it. */
-#define C2_PARALLEL_PROGRAM 0x556c4369UL
+#define C2_PARALLEL_PROGRAM 0xef386056UL
 
 /* The working precision: double, or float with -DECCENTRIC_REAL=float. Files that differ do not link:
  * all functions have it in their names, as in c2_parallel_prepare_double. */

@@ -1,6 +1,6 @@
 /*
  * Generated: do not edit. Written by `make derive` from derivations/rotating_link.py
- * (eccentric 0.1.0, program 5c2468e6).
+ * (eccentric 0.1.0, program 7612edce).
  * Rotating link with an unbalanced mass, in a plane tilted by phi, with angular acceleration.
  */
 #include "rotating_link.h"
@@ -8,7 +8,7 @@
 #include <float.h>
 #include <math.h>
 
-#if ROTATING_LINK_PROGRAM != 0x5c2468e6UL
+#if ROTATING_LINK_PROGRAM != 0x7612edceUL
 #error "rotating_link.c and rotating_link.h are of different derivations: write both again"
 #endif
 
