@@ -134,6 +134,13 @@ def test_uneven_sampling_is_resampled_and_said(tmp_path: Path) -> None:
     assert any("time steps are uneven" in warning for warning in c.intake.warnings)
 
 
+def test_a_clock_that_drifts_has_no_uneven_steps(tmp_path: Path) -> None:
+    """Over the log its stamps leave the even grid by many steps, but no step differs from the next."""
+    t = T * (1.0 + 1e-3 * T / T[-1])
+    c = channels_of(tmp_path, STANDARD | {"time_s": t})
+    assert [] == [warning for warning in c.intake.warnings if "uneven" in warning]
+
+
 def test_a_row_that_is_missing_is_an_uneven_step_and_a_blank_one_is_told_as_that(tmp_path: Path) -> None:
     """A row that the logger left out is one step of two; of a row without a number it is said, and first."""
     left_out = {name: np.delete(x, 1000) for name, x in STANDARD.items()}

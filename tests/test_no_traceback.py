@@ -16,6 +16,8 @@ import eccentric
 from eccentric.cli import main
 from eccentric.errors import InputError
 from eccentric.output import show
+from eccentric.rigs import ColumnSource
+from eccentric.signals import read_channels
 
 BENCH = Path(__file__).parents[1] / "examples" / "bench"
 LOG, RIG = BENCH / "bench.csv.gz", BENCH / "bench.json"
@@ -197,3 +199,19 @@ def test_a_rig_of_impossible_size_is_refused(key: str, size: float) -> None:
     """No drive has such a mass, arm, gear, winding or inertia."""
     with pytest.raises(InputError, match=rf"\[known\] {key}: a value of size .* is required"):
         eccentric.read_rig({"known": {"case": "C2", key: size}})
+
+
+COLUMNS = {"time": "time_s", "theta_m": "theta_m_rad", "current": "current_A"}
+
+
+def test_a_horizontal_axis_is_not_told_where_gravity_pulls(swings: eccentric.BenchResult) -> None:
+    """A current that follows the sine of the link angle is cogging or friction there."""
+    columns = {name: swings.log.numbers(name) for name in swings.log.columns}
+    columns["current_A"] = columns["current_A"] + 2.0 * np.sin(0.2 * columns["theta_m_rad"] + 2.0)
+    known = {name: x for name, x in swings.rig.known.items() if name in {"mu", "k_i", "g", "phi"}}
+    log = dataclasses.replace(
+        swings.rig.log, columns={name: ColumnSource(column) for name, column in COLUMNS.items()}
+    )
+    rig = dataclasses.replace(swings.rig, known=known, log=log)
+
+    assert [] == [w for w in read_channels([columns], rig).intake.warnings if "gravity" in w]

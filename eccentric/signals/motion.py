@@ -98,6 +98,8 @@ def uneven(table: Table) -> list[str]:
     steps = np.diff(t)[np.diff(piece) == 0]
     usual = float(np.median(steps))
     odd = int(np.count_nonzero(np.abs(steps / usual - 1.0) > UNEVEN_STEP))
+    if not odd:  # a clock that drifts against the grid
+        return []
     text = (
         f"time steps are uneven ({odd} of {len(steps)} differ by more than {UNEVEN_STEP:.0%} from the usual "
         f"{usual:.4g} s): for filtering, the angle is interpolated linearly"

@@ -52,7 +52,7 @@ def rig_findings(channels: Channels, rig: Rig) -> Iterator[Finding]:
         return
     # In case C1 a slow sine would explain any drift.
     angle = channels.motion.quantum_rad > 0.0
-    unit = "" if gravity_of(rig) == 0.0 else _angle_unit(means, drive, angle)
+    unit = "" if rig.case == "C1" else _angle_unit(means, drive, angle)
     if unit:
         name, channel = ("angle", "theta_m") if angle else ("speed", "omega_m")
         text = f"the {drive} follows gravity if the {name} {unit}: correct the rig's [columns]"
@@ -161,8 +161,9 @@ def _gravity(body: Body, c: Channels, rig: Rig, m: Means) -> Iterator[Finding]:
     value, error = body.gravity
     drive = c.motor.measured_by
     scale, upright = torque_per_unit(drive, rig), upright_gravity_of(rig)
-    if gravity_of(rig) == 0.0 and scale is not None and upright is not None:
-        if is_clear(value, error) and scale * value > upright / FACTOR:
+    if rig.case == "C1":
+        known = scale is not None and upright is not None
+        if known and is_clear(value, error) and scale * value > upright / FACTOR:
             text = (
                 f"{drive} shows gravity of {scale * value:.3g} N m at the motor, the rig has none (C1): is "
                 f"the plane of motion vertical, case C2 ({upright:.3g} N m)?"
