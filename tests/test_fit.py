@@ -226,7 +226,7 @@ def test_disc_of_eindhoven_shows_no_gain() -> None:
     assert found.searched["theta_zero_rad"].value == pytest.approx(0.05, abs=0.01)
     assert found.r_squared["paper"] > 0.998
     assert found.percent_interval[0] <= 0.0 <= found.percent_interval[1]
-    assert "gains nothing" in fit_sentence(found)
+    assert "no better than Coulomb + viscous" in fit_sentence(found)
     unknown = fit_document(found, ["data"])["unknown"]["M_l"]
     assert unknown["range"] == [0.0, 0.2]
     assert max(unknown["profile"]["rmse_training"]) < 1.01 * min(unknown["profile"]["rmse_training"])

@@ -92,7 +92,7 @@ def test_patterns_choose_the_runs_that_are_read_and_held_out(tmp_path: Path) -> 
     assert some.counts["read"] == 2 * len(T)
     two = read_channels([log], rig_file(tmp_path, 'holdout_runs = ["?low_1", "fast_1"]\n' + RIG))
     np.testing.assert_array_equal(two.selection.held_out, two.time.run != 1)
-    assert two.selection.holdout.rule == "runs named by the rig: slow_1, fast_1"
+    assert two.selection.holdout.rule == "runs from the rig file: slow_1, fast_1"
 
 
 @pytest.mark.parametrize("key", ["runs", "holdout_runs"])

@@ -18,8 +18,6 @@ from eccentric.errors import few
 
 __all__ = ["closest_sentence", "diagnosis_lines", "diagnosis_sentence", "sibling_sentence"]
 
-_GRAVE = {"wrong_sign", "wrong_unit", "contradiction", "another_rig", "mismatch", "zero_angle"}
-
 
 def diagnosis_sentence(found: Diagnosis) -> str:
     """One sentence that can be sent to a colleague."""
@@ -162,7 +160,7 @@ def _grave(found: Diagnosis) -> str:
     """What the check of the log found wrong, unless the named effects already say so."""
     corrections = [effect.corrects for effect, _ in found.effects if effect.corrects]
     said = {name for c in corrections for name in (c.quantity.name, *c.looks_wrong)}
-    warnings = [f for f in found.channels.intake.findings if f.severity == "warning" and f.kind in _GRAVE]
+    warnings = [f for f in found.channels.intake.findings if f.doubts_the_rig]
     grave = [f.text for f in warnings if f.channel not in said]
     return f" {grave[0][0].upper()}{grave[0][1:]}." if grave else ""
 
@@ -227,8 +225,8 @@ def _effect(found: Diagnosis, effect: Effect, own: Mapping[str, float]) -> str:
     shown = []
     for q in effect.parameters:
         estimate = found.models.extended.estimates.get(q.name)
-        error = "" if estimate is None else f" +- {estimate.std_error:.2g}"
-        shown.append(f"{q.name} = {own[q.name]:.4g}{error}{'' if q.unit == '1' else ' ' + q.unit}")
+        error = "" if estimate is None else f" (std error {estimate.std_error:.2g})"
+        shown.append(f"{q.name} = {own[q.name]:.4g}{'' if q.unit == '1' else ' ' + q.unit}{error}")
     share = 100 * found.models.extended.shares.get(effect.id, 0.0)
     return f"  {effect.id}, {share:.1f} % of the friction: {', '.join(shown)}"
 

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from eccentric.errors import InputError
+from eccentric.model import model_names
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -20,7 +21,8 @@ Array = NDArray[np.float64]
 
 MOST_POINTS = 4000
 NEEDS_MATPLOTLIB = "matplotlib is required for the figure (extra `figures`): pip install matplotlib"
-_MEASURED, _LINEAR, _PAPER = "0.55", "tab:orange", "tab:blue"
+# As in the report of a diagnosis: the colours of Okabe and Ito.
+_MEASURED, _LINEAR, _PAPER = "#8a8a8a", "#cc79a7", "#d55e00"
 
 
 @dataclass(frozen=True)
@@ -32,7 +34,7 @@ class Comparison:
         measured: (n,) in `unit`.
         paper, linear: predicted by the fitted model and by Coulomb + viscous friction, (n,) in `unit`.
         rmse: model ("paper", "linear") -> held-out RMSE in `unit`.
-        model: name of the fitted model.
+        model: what the fitted model is called in a legend.
         quantity: what is compared, for an axis.
         unit: "N m", "V" or "A".
         title: rig, and what a row is.
@@ -64,7 +66,7 @@ def compare(fit: Fit) -> Comparison:
         paper=predicted,
         linear=measured - linear.residual[rows],
         rmse={name: fit.rmse[name] for name in ("paper", "linear")},
-        model=problem.model.name,
+        model="paper's model" if problem.model.name in model_names() else problem.model.name,
         quantity="friction" if problem.unit == "N m" else "friction (and back-EMF)",
         unit=problem.unit,
         title=f"{problem.rig.name}: held-out {problem.rows.description}",
@@ -101,7 +103,7 @@ def plot_fit(shown: Comparison, left: Any, right: Any) -> None:
     )
     right.plot(shown.speed, shown.measured, color=_MEASURED, label="measured", markersize=3.0, **style)
     for values, color, which, called, size in models:
-        label = f"{which}: RMSE {shown.rmse[which]:.3g} {unit}"
+        label = f"{called}: RMSE {shown.rmse[which]:.3g} {unit}"
         left.plot(values, shown.measured, color=color, label=label, markersize=size, **style)
         right.plot(shown.speed, values, color=color, label=called, markersize=size, **style)
     left.plot(ends, ends, color="black", linewidth=0.8)
@@ -110,7 +112,7 @@ def plot_fit(shown: Comparison, left: Any, right: Any) -> None:
     for axes in (left, right):
         axes.grid(linewidth=0.3)
         # Above the axes, where it never covers a dot.
-        axes.legend(loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=3, frameon=False, handletextpad=0.2)
+        axes.legend(loc="lower center", bbox_to_anchor=(0.5, 1.0), frameon=False, handletextpad=0.2)
         for handle in axes.get_legend().legend_handles:
             handle.set_markersize(10.0)
     left.figure.suptitle(shown.title, fontsize=9.0)

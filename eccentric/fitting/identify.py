@@ -161,9 +161,11 @@ def _estimates(
 def _warnings(problem: Problem, paper: Solution, profiles: Mapping[str, Profile]) -> list[str]:
     found = []
     friction = [a for c, a in zip(problem.coefficients, paper.active, strict=True) if c.role == "friction"]
-    if all(a == -1 for a in friction):
+    contradicted = any(f.doubts_the_rig for f in problem.channels.intake.findings)
+    if all(a == -1 for a in friction) and not contradicted:
         found.append(
-            f"no friction remains: do the signs of {problem.channels.motor.measured_by} and angle agree?"
+            "the fit leaves no friction: do the signs of"
+            f" {problem.channels.motor.measured_by} and angle agree?"
         )
     for s in problem.nonlinear:
         value = paper.at[s.name]

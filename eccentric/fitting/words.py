@@ -49,9 +49,14 @@ def fit_sentence(fit: Fit) -> str:
             f"{subject} has no certain gain over Coulomb + viscous friction on the held-out part "
             f"({gain} %, {interval})."
         )
+    if low > 0.0 or high < 0.0:
+        return (
+            f"{subject} predicts the held-out part only slightly {'better' if low > 0.0 else 'worse'} than "
+            f"Coulomb + viscous friction ({_percent(abs(fit.percent))} %, {interval} of gain)."
+        )
     return (
-        f"{subject} gains nothing over Coulomb + viscous friction here "
-        f"({gain} % of the held-out error, {interval})."
+        f"{subject} predicts the held-out part no better than Coulomb + viscous friction "
+        f"({gain} % less error, {interval})."
     )
 
 
@@ -123,10 +128,11 @@ def _bounds_line(fit: Fit) -> list[str]:
     if not fit.bounds_active:
         return []
     gain = 100.0 * (1.0 - free / held)
-    text = f"bound active on {', '.join(fit.bounds_active)}"
+    out = [f"{', '.join(fit.bounds_active)}: the estimate is at its bound"]
     if any(e.widened for e in fit.coefficients.values()):
-        text += ", which widens the intervals that have no std error"
-    text += f"; without bounds the held-out RMSE is {free:.4g}"
-    if gain >= LEAST_GAIN_PERCENT:
+        out[0] += "; this widens the intervals of the estimates without a std error"
+    text = f"without bounds the held-out RMSE is {free:.4g}"
+    contradicted = any(f.doubts_the_rig for f in fit.problem.channels.intake.findings)
+    if gain >= LEAST_GAIN_PERCENT and not contradicted:
         text += f", {gain:.2g} % less: a sign that the model lacks an effect"
-    return [text]
+    return [*out, text]

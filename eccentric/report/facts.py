@@ -34,10 +34,10 @@ def facts_of(found: Diagnosis) -> list[Fact]:
 
     facts = [
         Fact("rows read", f"{counts['read']}", f"{runs} run{'s' * (runs > 1)}"),
-        Fact("rows rejected", f"{counts['rejected']}", "not numbers"),
+        Fact("rows rejected", f"{counts['rejected']}", "with a value that is not a number"),
         Fact("rows used", f"{counts['used']}", moving),
         Fact("rows held out", f"{counts['held_out']}", held),
-        Fact("models are compared on", found.rows.description),
+        Fact("errors are computed on", found.rows.description),
         Fact("sampling", f"{1.0 / usual:.4g} Hz", f"{usual:.4g} s a row{uneven}"),
         Fact("gaps in time", f"{gaps}", "no filter runs across a gap" if gaps else ""),
         Fact("drive measured by", channels.motor.measured_by),

@@ -7,7 +7,7 @@ follows the page: `report.js.jinja` sets its colour for the light and the dark s
 from __future__ import annotations
 
 import json
-from collections.abc import Collection, Sequence
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -25,6 +25,7 @@ from bokeh.plotting import figure
 from bokeh.resources import Resources
 
 from eccentric.report.panels import Panel, Trace
+from eccentric.report.text import curve_name
 
 __all__ = ["document_json", "library", "panel_figure", "trace_figures"]
 
@@ -71,14 +72,14 @@ def document_json(roots: Sequence[tuple[str, Any]]) -> str:
 def panel_figure(panel: Panel, quantity: str, unit: str) -> Any:
     """Means over a channel with bars from the 10 % to the 90 % quantile of their rows."""
     label = f"{panel.channel.label} [{panel.channel.unit}]"
-    against = ", against motion" if panel.against_motion else ""
+    against = " × sgn ω" if panel.against_motion else ""
     made = _figure(label, f"{quantity}{against} [{unit}]", 290)
     columns: dict[str, Any] = {"at": panel.at, "rows": panel.rows}
     for name, curve in panel.curves.items():
         columns |= {name: curve.middle, f"{name}_low": curve.low, f"{name}_high": curve.high}
     source = ColumnDataSource(data={name: _compact(x) for name, x in columns.items()})
-    marks = [_curve(made, source, name, _said(name, panel.curves)) for name in panel.curves]
-    names = [(_said(name, panel.curves), f"@{name}{{0.0000}} {unit}") for name in panel.curves]
+    marks = [_curve(made, source, name, curve_name(name)) for name in panel.curves]
+    names = [(curve_name(name), f"@{name}{{0.0000}} {unit}") for name in panel.curves]
     hover = HoverTool(
         renderers=marks[:1], mode="vline", tooltips=[("at", "@at{0.000}"), *names, ("rows", "@rows")]
     )
@@ -115,8 +116,8 @@ def trace_figures(trace: Trace, run_names: Sequence[str], quantity: str, unit: s
             one.add_layout(Span(location=float(at), dimension="height", line_color=_GREY, line_dash="dotted"))
         spread = names[:1] if names is upper else names
         bands = spread if trace.rows_per_point > 1 else []
-        lines = [_trace_line(one, source, name, _said(name, names), name in bands, few) for name in names]
-        tips = [(_said(name, names), f"@{name}{{0.0000}} {unit}") for name in names]
+        lines = [_trace_line(one, source, name, curve_name(name), name in bands, few) for name in names]
+        tips = [(curve_name(name), f"@{name}{{0.0000}} {unit}") for name in names]
         hover = HoverTool(
             renderers=lines[:1], mode="vline", tooltips=[("t", "@t{0.000} s"), ("run", "@run"), *tips]
         )
@@ -152,12 +153,6 @@ def _figure(x_label: str, y_label: str, height: int) -> Any:
             setattr(axis, f"{part}_font", "system-ui, sans-serif")
             setattr(axis, f"{part}_font_size", "12px")
     return made
-
-
-def _said(name: str, names: Collection[str]) -> str:
-    """A curve's name in the legend; without an extended model there is no "before"."""
-    alone = name == "before" and "after" not in names
-    return "paper" if alone else "fitted effect" if name == "effect" else name
 
 
 def _curve(made: Any, source: ColumnDataSource, name: str, said: str) -> Any:

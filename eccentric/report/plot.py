@@ -7,6 +7,7 @@ from typing import Any
 from eccentric.report.arrays import BalanceResiduals, Channel
 from eccentric.report.data import ReportData
 from eccentric.report.panels import Panel, friction_panel, residual_panel
+from eccentric.report.text import curve_name
 
 __all__ = ["plot_report"]
 
@@ -57,10 +58,9 @@ def _draw(axes: Any, panel: Panel | None, balance: BalanceResiduals, quantity: s
         color, line, mark = _STYLES[name]
         if name in _WITH_BARS:
             axes.vlines(panel.at, curve.low, curve.high, color=color, alpha=0.35, linewidth=2.0)
-        axes.plot(
-            panel.at, curve.middle, color=color, linestyle=line, marker=mark, markersize=3.0, label=name
-        )
-    against = ", against motion" if panel.against_motion else ""
+        style = {"color": color, "linestyle": line, "marker": mark, "markersize": 3.0}
+        axes.plot(panel.at, curve.middle, label=curve_name(name), **style)
+    against = " × sgn ω" if panel.against_motion else ""
     axes.set_xlabel(f"{panel.channel.label} [{panel.channel.unit}]")
     axes.set_ylabel(f"{quantity}{against} [{balance.unit}]")
     axes.grid(linewidth=0.3)

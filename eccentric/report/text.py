@@ -2,14 +2,33 @@
 
 from __future__ import annotations
 
+import re
+from html import escape
+
 import numpy as np
 
 from eccentric.report.arrays import BalanceResiduals
 from eccentric.report.data import Candidate, ReportData
+from eccentric.report.formulas import short_formula
 from eccentric.report.panels import Panel, Trace
+from eccentric.search import LEAST_DEVIANCE, LEAST_SHARE
 
-__all__ = ["VERDICTS", "figure_words", "number", "plain_words", "range_of", "trace_words", "why"]
+__all__ = [
+    "MODELS",
+    "VERDICTS",
+    "curve_name",
+    "figure_words",
+    "meaning_html",
+    "number",
+    "plain_words",
+    "range_of",
+    "trace_words",
+    "unit_text",
+    "why",
+]
 
+MODELS = {"linear": "Coulomb + viscous", "paper": "paper's model", "extended": "extended model"}
+_CURVES = MODELS | {"before": MODELS["paper"], "after": MODELS["extended"], "effect": "fitted effect"}
 VERDICTS = {
     "named": "effect named",
     "not_identifiable": "not identifiable on this log",
@@ -31,6 +50,11 @@ def number(value: float, digits: int = 4) -> str:
     return mantissa.replace("-", "−") + power
 
 
+def curve_name(curve: str) -> str:
+    """The name of a curve in a legend; the residual before is that of the paper's model."""
+    return _CURVES.get(curve, curve)
+
+
 def range_of(interval: tuple[float, float], digits: int = 4) -> str:
     """An interval in words."""
     return f"{number(interval[0], digits)} to {number(interval[1], digits)}"
@@ -41,14 +65,32 @@ def plain_words(name: str) -> str:
     return name.replace("_", " ")
 
 
+def unit_text(unit: str) -> str:
+    """A unit with superscripts: kg m^2 is kg m²; that of a pure number is empty."""
+    shown = "" if unit == "1" else unit.replace("Ohm", "Ω")
+    return re.sub(r"\^(-?\d+)", lambda found: found[1].translate(_SUPERSCRIPT), shown)
+
+
+def meaning_html(meaning: str) -> str:
+    """HTML of the meaning of a parameter, its letters typeset; an article would be taken for a letter."""
+    article = {"a", "A"} & set(meaning.split())
+    return escape(meaning) if article else short_formula(meaning)
+
+
 def figure_words(panel: Panel, unit: str) -> tuple[str, str]:
     """Caption and text alternative of a panel, by its numbers."""
     label, curves = panel.channel.label, panel.curves
-    facing = ", counted against the motion" if panel.against_motion else ""
+    times = " × sgn ω" if panel.against_motion else ""
     if "before" in curves:
-        swing = f"Over the {label} the means vary by {number(curves['before'].swing, 3)} {unit}"
+        swing = (
+            f"Over the {label} the means of the residual{times} vary by"
+            f" {number(curves['before'].swing, 3)} {unit}"
+        )
         if "after" in curves:
-            swing += f" before and by {number(curves['after'].swing, 3)} {unit} after"
+            swing += (
+                " with the paper's model and by"
+                f" {number(curves['after'].swing, 3)} {unit} with the extended one"
+            )
         what = "Residual" if "after" in curves else "Residual of the paper's model"
     else:
         middle = curves["measured"].middle
@@ -57,11 +99,8 @@ def figure_words(panel: Panel, unit: str) -> tuple[str, str]:
             for name in ("paper", "extended")
             if name in curves
         }
-        parts = [
-            f"{number(value, 3)} {unit} ({'paper' if name == 'paper' else 'extended'})"
-            for name, value in missed.items()
-        ]
-        swing = f"Over the {label} the predicted means are off by at most {' and '.join(parts)}"
+        parts = [f"{number(value, 3)} {unit} ({MODELS[name]})" for name, value in missed.items()]
+        swing = f"Over the {label} the predicted means{times} are off by at most {' and '.join(parts)}"
         what = "Measured and predicted friction"
     rows = panel.rows[panel.rows > 0]
     stands = "marks are rows" if rows.max() == 1 else f"marks average {rows.min()} to {rows.max()} rows"
@@ -69,7 +108,7 @@ def figure_words(panel: Panel, unit: str) -> tuple[str, str]:
         stands += f", {panel.left_out} rows in sparse bins are not drawn"
     at = panel.at[np.isfinite(panel.at)]
     extent = f"from {number(float(at[0]), 3)} to {number(float(at[-1]), 3)} {panel.channel.unit}"
-    return f"{swing}{facing}; {stands}.", f"{what} over the {label} {extent}. {swing}{facing}."
+    return f"{swing}; {stands}.", f"{what} over the {label} {extent}. {swing}."
 
 
 def trace_words(found: Trace, balance: BalanceResiduals) -> tuple[str, str]:
@@ -81,7 +120,9 @@ def trace_words(found: Trace, balance: BalanceResiduals) -> tuple[str, str]:
         " minimum and maximum"
     )
     cuts = f" The {len(found.cuts)} dotted lines mark where time was cut out." if len(found.cuts) else ""
-    errors = ", ".join(f"{name} {number(value, 3)} {balance.unit}" for name, value in balance.rmse.items())
+    errors = ", ".join(
+        f"{MODELS[name]} {number(value, 3)} {balance.unit}" for name, value in balance.rmse.items()
+    )
     caption = f"The {found.rows} held-out rows; {stands}.{cuts}"
     return caption, f"Measured and predicted {balance.quantity} along time. Held-out RMSE: {errors}."
 
@@ -105,16 +146,17 @@ def why(data: ReportData) -> list[str]:
 
 def _against(winner: Candidate, runner: Candidate, unit: str, tied: bool) -> str:
     times = runner.rmse / winner.rmse if winner.rmse else 1.0
-    chances = f"probabilities {winner.probability:.2f} and {runner.probability:.2f}"
     error, least = f"{number(runner.rmse)} {unit}", f"{number(winner.rmse)} {unit}"
     if tied:
+        chances = f"probabilities {winner.probability:.2f} and {runner.probability:.2f}"
         return (
             f"Undecided between {winner.called} and {runner.called}: they leave errors of {least} and {error}"
             f" ({chances}). {_WINDOWS}"
         )
     return (
         f"Why the runner-up lost: {runner.called} leaves an error of {error}, {number(times, 3)} times the"
-        f" {least} of the adopted effect ({chances}). {_WINDOWS}"
+        f" {least} of the adopted effect (probability {runner.probability:.2f} against"
+        f" {winner.probability:.2f}). {_WINDOWS}"
     )
 
 
@@ -122,11 +164,21 @@ def _chance(best: Candidate, chance: tuple[float, float], verdict: str) -> str:
     gained, level = chance
     sentence = (
         f"The best candidate of the {best.balance} balance is {best.called}; it improves the fit"
-        f" by {number(gained, 3)} in deviance, and one log in a hundred without any effect reaches"
-        f" {number(level, 3)} or more by chance"
+        f" by {number(gained, 3)} in deviance"
     )
     if gained <= level:
-        return f"{sentence}: it may be chance."
+        return f"{sentence}. One log in a hundred reaches {number(level, 3)} by chance: this may be chance."
     if verdict == "unexplained":
-        return f"{sentence}. Its residual still follows a variable: its shape is not the right one."
-    return f"{sentence}. That is too little to distinguish from errors of the filters and of sampling."
+        return (
+            f"{sentence}, more than the {number(level, 3)} that one log in a hundred reaches by chance."
+            " Its residual still follows a variable: its shape is not the right one."
+        )
+    if gained <= LEAST_DEVIANCE:
+        return (
+            f"{sentence}, and {LEAST_DEVIANCE:g} is required. Chance alone reaches {number(level, 3)} in one"
+            " log in a hundred; the margin allows for errors of the filters and of sampling."
+        )
+    return (
+        f"{sentence}, more than chance ({number(level, 3)} in one log in a hundred), but removes less than"
+        f" {100.0 * LEAST_SHARE:g} % of the RMS torque: errors of the filters and of sampling have that size."
+    )

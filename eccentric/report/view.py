@@ -11,18 +11,20 @@ from eccentric.report.data import Candidate, Errors, Parameter, ReportData
 from eccentric.report.formulas import short_formula
 from eccentric.report.panels import friction_panel, residual_panel, trace
 from eccentric.report.text import (
+    MODELS,
     VERDICTS,
     figure_words,
+    meaning_html,
     number,
     plain_words,
     range_of,
     trace_words,
+    unit_text,
     why,
 )
 
 __all__ = ["view"]
 
-_MODELS = {"linear": "Coulomb + viscous", "paper": "paper's model", "extended": "extended model"}
 _ORIGINS = {
     "effect": "fitted, new",
     "friction": "fitted",
@@ -31,6 +33,8 @@ _ORIGINS = {
     "unseen": "a placeholder: nothing in this log depends on it",
     "rig": "known from the rig",
 }
+_LEADING = 5
+"""Candidates shown at first: those that lead the list, and all that are adopted or tied."""
 _MARKS = {"named": "✓", "not_identifiable": "≈", "unexplained": "?", "nothing_missing": "○"}
 
 
@@ -53,11 +57,11 @@ def view(data: ReportData, figures: ModuleType | None) -> dict[str, Any]:
         "traces": traces,
         "rows": data.balances[0].rows.description,
         "depends": ", ".join(map(plain_words, data.depends_on)),
-        "candidates": [_candidate(c, data) for c in data.candidates],
+        "candidates": _candidates(data),
         "why": why(data),
         "parameters": [_parameter(p) for p in data.parameters],
         "effects": [(e, short_formula(e.formula), number(100.0 * e.share, 3)) for e in data.effects],
-        "hints": [c for c in data.candidates if c.hint and (c.adopted or c.family in data.tied)],
+        "hints": _hints(data),
         "figures_json": drawn.json(),
         "bokeh": figures.library() if figures else "",
     }
@@ -125,9 +129,8 @@ def _key_figures(data: ReportData) -> list[tuple[str, str]]:
     found = []
     if data.gain:
         found.append(("held-out error", f"{number(paper, 3)} → {number(after, 3)} {first.unit}"))
-        found.append(
-            (f"smaller by ({range_of(data.gain.interval, 3)} %)", f"{number(data.gain.percent, 3)} %")
-        )
+        interval = range_of(data.gain.interval, 3)
+        found.append((f"reduction (95 % interval {interval} %)", f"{number(data.gain.percent, 3)} %"))
     else:
         found.append(("held-out error", f"{number(paper, 3)} {first.unit}"))
     adopted = [c.probability for c in data.candidates if c.adopted]
@@ -139,24 +142,33 @@ def _key_figures(data: ReportData) -> list[tuple[str, str]]:
 
 
 def _errors(data: ReportData) -> list[dict[str, Any]]:
-    """Bars of the errors of every balance, then of the further ones."""
-    found = []
+    """Bars of the errors of every balance, then of the further ones; bars in one unit have one scale."""
+    given: list[tuple[Errors, float | None]] = []
     for b in data.balances:
         interval = data.gain.interval if data.gain and data.gain.balance == b.name else None
-        rmse = {m: x for m, x in b.rmse.items() if m != "extended" or b.extended is not None}
-        found.append(_bars(Errors(f"{b.name} balance", b.unit, rmse, interval), b.noise_floor))
-    return [*found, *(_bars(errors, None) for errors in data.further)]
+        rmse = {m: x for m, x in b.rmse.items() if m != "extended" or data.gain}
+        given.append((Errors(f"{b.name} balance", b.unit, rmse, interval), b.noise_floor))
+    given += [(errors, None) for errors in data.further]
+    tops: dict[str, float] = {}
+    for errors, noise in given:
+        own = max([*errors.rmse.values(), noise or 0.0, *_ends(errors)])
+        tops[errors.unit] = max(tops.get(errors.unit, 0.0), own)
+    return [_bars(errors, noise, 1.02 * tops[errors.unit]) for errors, noise in given]
 
 
-def _bars(errors: Errors, noise: float | None) -> dict[str, Any]:
-    """The longest bar has full width; the interval of the improvement is a whisker on the bar "extended"."""
-    ends: list[float] = []
-    if errors.interval:
-        ends = [errors.rmse["paper"] * (1.0 - percent / 100.0) for percent in reversed(errors.interval)]
-    top = 1.02 * max([*errors.rmse.values(), noise or 0.0, *ends])
+def _ends(errors: Errors) -> list[float]:
+    """The interval of the extended model's error; none without an interval of the improvement."""
+    if not errors.interval:
+        return []
+    return [errors.rmse["paper"] * (1.0 - percent / 100.0) for percent in reversed(errors.interval)]
+
+
+def _bars(errors: Errors, noise: float | None, top: float) -> dict[str, Any]:
+    """A bar as long as `top` has full width; the interval of the improvement is a whisker on "extended"."""
+    ends = _ends(errors)
     part = 100.0 / top if top > 0.0 else 0.0
     bars = [
-        {"model": model, "name": _MODELS[model], "value": number(value), "width": f"{value * part:.2f}"}
+        {"model": model, "name": MODELS[model], "value": number(value), "width": f"{value * part:.2f}"}
         for model, value in errors.rmse.items()
     ]
     return {
@@ -168,6 +180,25 @@ def _bars(errors: Errors, noise: float | None) -> dict[str, Any]:
         "noise": None if noise is None else (number(noise, 3), f"{noise * part:.2f}"),
         "note": errors.note,
     }
+
+
+def _candidates(data: ReportData) -> list[tuple[str, list[dict[str, Any]]]]:
+    """The table of the leading candidates and, folded below its heading, that of all others."""
+    made = [_candidate(c, data) for c in data.candidates]
+    shown = max([_LEADING, *(k + 1 for k, c in enumerate(made) if c["standing"])])
+    heading = f"{len(made) - shown} further candidates"
+    return [part for part in (("", made[:shown]), (heading, made[shown:])) if part[1]]
+
+
+def _hints(data: ReportData) -> list[tuple[str, Candidate, str]]:
+    """Candidates whose hint is worth a further log, between the words that say what for."""
+    found = []
+    for c in data.candidates:
+        if c.hint and c.family in data.tied:
+            found.append(("separate", c, " from other effects"))
+        elif c.hint and c.adopted:
+            found.append(("confirm", c, ""))
+    return found
 
 
 def _candidate(c: Candidate, data: ReportData) -> dict[str, Any]:
@@ -193,11 +224,11 @@ def _parameter(p: Parameter) -> dict[str, str]:
     return {
         "name": p.name,
         "letter": p.letter,
-        "meaning": p.meaning,
+        "meaning": meaning_html(p.meaning),
         "value": number(p.value),
         "error": "" if p.std_error is None else number(p.std_error, 2),
         "interval": "" if p.interval is None else range_of(p.interval),
-        "unit": p.unit,
+        "unit": unit_text(p.unit),
         "note": "; ".join([_ORIGINS[p.origin], *notes]),
         "origin": p.origin,
     }

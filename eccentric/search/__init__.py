@@ -17,10 +17,13 @@ from eccentric.search.balances import balances_of, setting_of, variables_of
 from eccentric.search.candidate import Candidate
 from eccentric.search.fitted_variants import fitted_variants
 from eccentric.search.from_effect import candidate_of
+from eccentric.search.limits import LEAST_DEVIANCE, LEAST_SHARE
 from eccentric.search.offer import offered
 from eccentric.search.verdict import Adopted, Attribution, Ranked, attribute, unconfirmed
 
 __all__ = [
+    "LEAST_DEVIANCE",
+    "LEAST_SHARE",
     "Adopted",
     "Attribution",
     "Candidate",

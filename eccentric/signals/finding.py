@@ -8,6 +8,9 @@ from typing import Literal
 Severity = Literal["note", "warning"]
 
 
+_DOUBTFUL = {"wrong_sign", "wrong_unit", "contradiction", "another_rig", "mismatch", "zero_angle"}
+
+
 @dataclass(frozen=True)
 class Finding:
     """One line about the data: `kind` (a word for tests and tables), the channel or letter, the text.
@@ -21,3 +24,8 @@ class Finding:
     text: str
     rows: int
     severity: Severity
+
+    @property
+    def doubts_the_rig(self) -> bool:
+        """Whether log and rig file contradict each other: then no other conclusion is safe."""
+        return self.severity == "warning" and self.kind in _DOUBTFUL

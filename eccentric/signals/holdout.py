@@ -97,11 +97,11 @@ def _named(
             "is time in s, and the log complete?"
         )
     if rig.holdout.intervals_s:
-        parts.append(f"{len(rig.holdout.intervals_s)} intervals named by the rig")
+        parts.append(f"{len(rig.holdout.intervals_s)} intervals from the rig file")
     chosen = matching(rig.holdout.runs, run_names, f"{rig.path}: holdout_runs")
     rows |= np.isin(run, [run_names.index(name) for name in chosen])
     if chosen:
-        parts.append(f"runs named by the rig: {', '.join(chosen)}")
+        parts.append(f"runs from the rig file: {', '.join(chosen)}")
     return rows, "; ".join(parts)
 
 

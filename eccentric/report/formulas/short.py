@@ -14,6 +14,7 @@ __all__ = ["short_formula"]
 _FUNCTIONS = frozenset({"exp", "sin", "cos", "tanh", "sqrt", "sgn", "max", "min"})
 _TOKEN = re.compile(r"[A-Za-z]{2,}(?:-[A-Za-z]{2,})+|[A-Za-z]\w*|\d+(?:\.\d+)?|\s+|.")
 _RATE = re.compile(r"d(2?)([A-Za-z])(2?)")
+_ONE_TIMES = re.compile(r"(?<![\w.])1 (?=[A-Za-z])")
 _BREAKS = frozenset("+-=")
 _STOPS = frozenset(",:;.")
 
@@ -22,9 +23,10 @@ def short_formula(text: str) -> str:
     """HTML of a formula such as "eta |T| sgn w driving, T = G + mu^2 J_l alpha".
 
     Letters, numbers, functions and signs become MathML, in pieces between which a line may break; w is omega.
-    Anything else is a word, or the name of a quantity if a sign is next to it anywhere in the formula.
+    Anything else is a word, or the name of a quantity if a sign is next to it anywhere in the formula. A
+    factor of 1 is left out.
     """
-    marks = _TOKEN.findall(text)
+    marks = _TOKEN.findall(_ONE_TIMES.sub("", text))
     solid = [k for k, mark in enumerate(marks) if not mark.isspace()]
     pieces = dict(zip(solid, _pieces([marks[k] for k in solid]), strict=True))
     html = ""

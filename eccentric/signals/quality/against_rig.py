@@ -165,8 +165,8 @@ def _gravity(body: Body, c: Channels, rig: Rig, m: Means) -> Iterator[Finding]:
         known = scale is not None and upright is not None
         if known and is_clear(value, error) and scale * value > upright / FACTOR:
             text = (
-                f"{drive} shows gravity of {scale * value:.3g} N m at the motor, the rig has none (C1): is "
-                f"the plane of motion vertical, case C2 ({upright:.3g} N m)?"
+                f"{drive} shows a gravity torque of {scale * value:.3g} N m at the motor, but the rig"
+                f" declares none (C1): is the plane of motion vertical, case C2 ({upright:.3g} N m)?"
             )
             yield Finding("contradiction", "case", text, m.rows, "warning")
     elif (
