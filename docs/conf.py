@@ -29,21 +29,26 @@ html_use_index = False
 pygments_style, pygments_dark_style = "friendly", "github-dark"
 
 GENERATED = ("index", "commands")
-"""Pages that are templates, besides those below effects/: a name in double braces calls the generator."""
+"""Pages that are completed by the generator, besides those below effects/."""
+MARKS = {
+    "variable_start_string": "<!-- insert:",
+    "variable_end_string": "-->",
+    "comment_start_string": "<!-- source -->",
+    "comment_end_string": "<!-- end -->",
+}
+"""Marks that Markdown does not show. Text between the last two is for readers of the source alone."""
 
 
 def setup(app):  # noqa: ANN001, ANN201 - Sphinx's hook
-    """Fill the pages that are templates."""
+    """Complete the pages that the generator adds to."""
     app.connect("source-read", _fill)
 
 
 def _fill(app, name: str, content: list[str]) -> None:  # noqa: ANN001
-    """Fill a template; a page that is none stays as it is."""
+    """Insert what the marks of a page call for; other pages stay as they are."""
     if name not in GENERATED and not name.startswith("effects/"):
         return
     images = Path(app.outdir) / "_images"
-    page = jinja2.Environment(undefined=jinja2.StrictUndefined, autoescape=False).from_string(content[0])  # noqa: S701 - Markdown
-    measured = (DOCS / "measured-rigs.md").is_file()
-    content[0] = page.render(
-        images=images, commands=commands, reference=reference, bench=bench, measured=measured
-    )
+    markdown = jinja2.Environment(undefined=jinja2.StrictUndefined, autoescape=False, **MARKS)  # noqa: S701
+    page = markdown.from_string(content[0])
+    content[0] = page.render(images=images, commands=commands, reference=reference, bench=bench)

@@ -17,6 +17,19 @@ STRIDE = 6
 """Of the held-out rows every so many are drawn; the mean is of all."""
 
 
+_HTML = """<p class="picture">
+<img class="only-light" src="_images/bench.svg" alt="{alt}">
+<img class="only-dark" src="_images/bench-dark.svg" alt="{alt}">
+</p>"""
+_ALT = "Residual of the bundled log over the link angle, before and after the diagnosis"
+
+
+def figure(images: Path) -> str:
+    """The picture below `images`, as HTML, with the sentence of the diagnosis below it."""
+    sentence = picture(images / "bench")
+    return f"{_HTML.format(alt=_ALT)}\n\nThe held-out part of the bundled log: {sentence}"
+
+
 def picture(path: Path) -> str:
     """Diagnose the bundled log, draw path.svg and path-dark.svg; return the sentence of the diagnosis."""
     found = diagnose([LOG], RIG)
