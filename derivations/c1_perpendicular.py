@@ -138,7 +138,7 @@ equations = (
         sp.Matrix(sp.symbols("F_3 F_2")),
         sp.Matrix(coefficients[:2]),
         ("N m s^3/rad^3", "N m s^2/rad^2"),
-        "Its coefficients of omega_m^3 and omega_m^2 ...",
+        "The coefficients of omega_m^3 and omega_m^2.",
     ),
     Equation(
         "polynomial_low",
@@ -146,7 +146,7 @@ equations = (
         sp.Matrix(sp.symbols("F_1 F_0")),
         sp.Matrix(coefficients[2:]),
         ("N m s/rad", "N m"),
-        "... and of omega_m and 1.",
+        "The coefficients of omega_m and 1.",
     ),
     Equation("gravity_torque", "(5)", v.G.symbol, gravity_torque, "N m", "There is no gravity torque."),
     Equation(

@@ -305,7 +305,7 @@ equations = (
         f_m,
         motor_friction,
         "N m",
-        "The postulate (7), viscous and Coulomb friction, for the motor bearing, whose load is constant ...",
+        "The postulate (7), viscous and Coulomb friction, for the motor bearing, whose load is constant.",
     ),
     Equation(
         "link_friction",
@@ -313,7 +313,7 @@ equations = (
         f_l,
         link_friction,
         "N m",
-        "... and for the link joint, where both are proportional to the forces that it carries (link side).",
+        "The same for the link joint, where both are proportional to the forces that it carries (link side).",
     ),
     Equation(
         "friction",

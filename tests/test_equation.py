@@ -27,7 +27,7 @@ def test_text_has_the_origin_the_formula_its_number_its_unit_and_what_follows() 
         f"    F = {'───────────':80}(6)  [N m]",
         "             R",
         "",
-        "    It follows: it is zero at rest.",
+        "    Check: it is zero at rest.",
     ] == DAMPING.text().split("\n")
 
 
@@ -66,7 +66,7 @@ def test_latex_has_the_number_as_tag() -> None:
     unnumbered = Equation("one", "", sp.Symbol("F"), R, "Ohm", "One.").latex()
 
     assert ["Damping by the back-EMF.", r"\[ F = \frac{k_{e} k_{i} \omega_{m}}{R} \tag{6} \]"] == said[:2]
-    assert "It follows: it is zero at rest." in said
+    assert "Check: it is zero at rest." in said
     assert "tag" not in unnumbered
 
 

@@ -82,7 +82,7 @@ class Equation:
             lines[middle] = f"{lines[middle]:<{_COLUMN}}{tag}"
         else:
             lines.append(f"{'':<{_COLUMN}}{tag}")
-        facts = [f"    It follows: {fact.statement}." for fact in self.identities]
+        facts = [f"    Check: {fact.statement}." for fact in self.identities]
         return "\n".join(
             [f"{self.origin}", "", *(f"    {line}".rstrip() for line in lines), "", *facts]
         ).rstrip()
@@ -90,7 +90,7 @@ class Equation:
     def latex(self) -> str:
         """The equation in LaTeX, with its number as tag."""
         tag = rf" \tag{{{self.number.strip('()')}}}" if self.number else ""
-        facts = "".join(f"\nIt follows: {fact.statement}.\n" for fact in self.identities)
+        facts = "".join(f"\nCheck: {fact.statement}.\n" for fact in self.identities)
         return f"{self.origin}\n\\[ {sp.latex(self.left)} = {sp.latex(self.right)}{tag} \\]{facts}"
 
 
