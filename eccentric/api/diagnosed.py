@@ -56,9 +56,9 @@ def diagnose(
         rig: what is known about the rig: the path of a rig file, its content as a mapping, or what `read_rig`
             returned.
         model: the base model: a Model, its name, or the path of a derivation; by default that of the rig's
-            case. It may be extended already, such as the `model` of an earlier result: coefficients of friction
-            are fitted, those that its effects added included; other values of effects, such as the amplitude
-            of cogging, are kept.
+            case. It may be extended already, such as the `model` of an earlier result: coefficients of
+            friction are fitted, those that its effects added included; other values of effects, such as the
+            amplitude of cogging, are kept.
         effects: the path of a Python file with effects of your own.
         progress: called with one line for each stage.
         including: effects that the model has from the start, so that the verdict is about the rest: families

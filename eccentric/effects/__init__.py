@@ -1,7 +1,7 @@
 """Effects: what a model may lack, each a record that extends it; one file for each family or formula.
 
-In: a `Setting`, the base model and the ranges that a log covers.  Out: `library` (every effect of the toolkit),
-`load_effects` (those of a person's file); `Effect.extend` -> a `Model` with the effect.
+In: a `Setting`, the base model and the ranges that a log covers.  Out: `library` (every effect of the
+toolkit), `load_effects` (those of a person's file); `Effect.extend` -> a `Model` with the effect.
 May import: `model`.
 """
 

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from eccentric.effects.effect import Correction, Effect
-from eccentric.effects.forms import addition, alpha_m, gravity
+from eccentric.effects.forms import addition, gravity, inertia_torque
 from eccentric.effects.setting import Setting
 from eccentric.effects.words import LOAD, Words
-from eccentric.model import Gated, quantity
+from eccentric.model import quantity
 from eccentric.model import vocabulary as v
 
 ratio = quantity("current_scale", "1", "declared torque constant over the true one, less 1", letter="r")
@@ -35,7 +35,7 @@ def effects(setting: Setting) -> tuple[Effect, ...]:
         return ()
     effect = addition(
         "ki_mismatch",
-        [(ratio, Gated(v.J.symbol, alpha_m) + gravity(setting))],
+        [(ratio, inertia_torque(setting) + gravity(setting))],
         kind="conservative",
         bounds=((-1.0, None),),
         depends_on=("gravity_load", "acceleration"),

@@ -163,10 +163,20 @@ def root(name: str, x: sp.Expr, meaning: str) -> tuple[sp.Expr, tuple[Definition
 
 
 def gravity(setting: Setting) -> sp.Expr:
-    """Gravity torque on the motor side [N m], eq (5); none in case C1."""
-    if setting.case == "C1":
-        return sp.Integer(0)
-    return v.mu.symbol * v.M.symbol * v.g.symbol * v.L.symbol * harmonic(v.mu.symbol)[1]
+    """Gravity torque of the base model on the motor side [N m], eq (5); none in case C1."""
+    return setting.base.balance("mechanical").sum_of("gravity")
+
+
+def inertia_torque(setting: Setting) -> sp.Expr:
+    """Inertia torque of the base model on the motor side [N m], J alpha_m."""
+    return setting.base.balance("mechanical").sum_of("inertial")
+
+
+def _link_inertia_torque(setting: Setting) -> sp.Expr:
+    """The same of the link alone: without the rotor. Without acceleration J_l need not be known."""
+    link = setting.base.inertia.subs(v.J_m.symbol, 0)
+    beside = link.subs(v.J_l.symbol, 0)
+    return Gated(v.J_l.symbol, alpha_m) * sp.diff(link, v.J_l.symbol) + beside * alpha_m
 
 
 def link_force(setting: Setting) -> sp.Expr:
@@ -198,13 +208,12 @@ def transmitted(name: str, setting: Setting, share: sp.Symbol) -> tuple[sp.Expr,
         for column, known in zip(columns, constants, strict=True)
     ]
     friction = sp.Add(*parts)
-    inertia = Gated(v.J_l.symbol, alpha_m) * v.mu.symbol**2
-    return gravity(setting) + inertia + friction, tuple(constants)
+    return gravity(setting) + _link_inertia_torque(setting) + friction, tuple(constants)
 
 
 def loss(setting: Setting) -> sp.Expr:
     """Heat dissipated in drive and bearings [W], from measured inputs and known parameters only."""
-    friction = v.k_i.symbol * v.i.symbol - Gated(v.J.symbol, alpha_m) - gravity(setting)
+    friction = v.k_i.symbol * v.i.symbol - inertia_torque(setting) - gravity(setting)
     return friction * omega_m + v.R.symbol * v.i.symbol**2
 
 

@@ -6,7 +6,6 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 from eccentric.model import Model
-from eccentric.model import vocabulary as v
 
 
 @dataclass(frozen=True)
@@ -57,8 +56,8 @@ class Setting:
 
     @property
     def case(self) -> str:
-        """The case of the base model: "C1" if nothing depends on the angle, else "C2"."""
-        return "C2" if v.theta_m.symbol in {q.symbol for q in self.base.inputs} else "C1"
+        """The case of the base model: "C1" if gravity does not drive it, else "C2"."""
+        return "C1" if self.base.balance("mechanical").sum_of("gravity") == 0 else "C2"
 
     def has(self, *channels: str) -> bool:
         """Whether all of these channels are logged."""
