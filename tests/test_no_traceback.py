@@ -215,3 +215,16 @@ def test_a_horizontal_axis_is_not_told_where_gravity_pulls(swings: eccentric.Ben
     rig = dataclasses.replace(swings.rig, known=known, log=log)
 
     assert [] == [w for w in read_channels([columns], rig).intake.warnings if "gravity" in w]
+
+
+@pytest.mark.parametrize("value", [1e-300, 1e-12, 0.0, -1.0], ids=str)
+def test_a_low_pass_that_leaves_no_motion_is_refused(value: float) -> None:
+    """Its poles are all 1 in double precision."""
+    with pytest.raises(InputError, match=r"low_pass_hz: a finite number of at least 0\.001 is required"):
+        eccentric.read_rig({"known": {"case": "C2"}, "low_pass_hz": value})
+
+
+def test_half_a_character_in_a_name_is_replaced(tmp_path: Path) -> None:
+    """JSON can spell a lone surrogate, which no UTF-8 file can contain."""
+    (tmp_path / "rig.json").write_text('{"known": {"case": "C2"}, "name": "\\ud800"}', encoding="utf-8")
+    assert "?" == eccentric.read_rig(tmp_path / "rig.json").name

@@ -25,6 +25,8 @@ if TYPE_CHECKING:
 
 __all__ = ["Rig", "read_rig"]
 
+_LEAST_LOW_PASS_HZ = 1e-3
+"""Below, the filter is singular in double precision at usual rates, and nothing of the motion remains."""
 DRIVES = ("current", "voltage", "torque")
 KEYS = (
     *("format", "name", "log_type", "known", "unknown", "columns", "drive", "encoder_counts_per_rev"),
@@ -109,7 +111,7 @@ def _rig(content: Mapping[str, Any], where: str, name: str) -> Rig:
     intervals = read_intervals(content.get("holdout_intervals_s", []), f"{where}: holdout_intervals_s")
     return Rig(
         path=where,
-        name=str(content.get("name", name)),
+        name=str(content.get("name", name)).encode("utf-8", "replace").decode(),
         case=case,
         known=known,
         unknown=unknown,
@@ -121,7 +123,9 @@ def _rig(content: Mapping[str, Any], where: str, name: str) -> Rig:
             runs=read_names(content.get("runs", []), f"{where}: runs"),
         ),
         sampling=Sampling(
-            low_pass_hz=_optional(content, "low_pass_hz", where) or 25.0,
+            low_pass_hz=read_number(
+                content.get("low_pass_hz", 25.0), f"{where}: low_pass_hz", _LEAST_LOW_PASS_HZ
+            ),
             low_pass_given="low_pass_hz" in content,
             moving_threshold_rad_s=_optional(content, "moving_threshold_rad_s", where, open_below=False),
             average_over=_average(content.get("average_over"), f"{where}: average_over"),
