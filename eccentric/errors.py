@@ -1,5 +1,6 @@
 """The one error a user sees: one line that names what was wrong, what was required, what was received."""
 
+import difflib
 from collections.abc import Iterable
 
 
@@ -9,6 +10,12 @@ class InputError(ValueError):
     The message is one line: the file, row, column or quantity, what was required and what was received.
     The command line prints it after `eccentric: error:` and exits with status 2; nothing is written.
     """
+
+
+def meant(name: object, known: Iterable[str]) -> str:
+    """Return a hint at the known name closest to an unknown one; empty if none is close."""
+    close = difflib.get_close_matches(str(name), list(known), 1)
+    return f"; did you mean {close[0]!r}?" if close else ""
 
 
 def few(names: Iterable[object], most: int = 12) -> str:

@@ -121,7 +121,7 @@ def test_help_lists_every_command_without_importing_sympy() -> None:
     ("arguments", "complaint"),
     [
         ([], "the following arguments are required: COMMAND"),
-        (["fitt"], "invalid choice: 'fitt'"),
+        (["fitt"], "unknown command 'fitt'; did you mean 'fit'?"),
         (["--versio"], "required: COMMAND"),
         (["fit"], "required"),
     ],
@@ -201,3 +201,19 @@ def _python(*arguments: str) -> subprocess.CompletedProcess[str]:
     return subprocess.run(
         [sys.executable, *arguments], cwd=ROOT, capture_output=True, text=True, check=False, timeout=120
     )
+
+
+@pytest.mark.parametrize(
+    ("given", "close"),
+    [
+        (["fitt"], "fit"),
+        (["emit", "c2_paralel", "--out", "out"], "c2_parallel"),
+        (["bench", "--out", "a.csv.gz", "--effect", "stribek"], "stribeck"),
+    ],
+)
+def test_a_misspelt_name_is_answered_with_the_closest_one(
+    given: list[str], close: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Commands, models and effects: one letter off is enough of a hint."""
+    assert 2 == cli.main(given)
+    assert f"; did you mean '{close}'?" in capsys.readouterr().err

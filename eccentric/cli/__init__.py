@@ -19,7 +19,7 @@ from importlib import import_module
 from pathlib import Path
 from typing import NoReturn
 
-from eccentric.errors import InputError
+from eccentric.errors import InputError, meant
 from eccentric.output import UNREAD, escape_unprintable, nobody_reads
 from eccentric.version import __version__
 
@@ -82,6 +82,8 @@ def _parser(arguments: Sequence[str]) -> _Parser:
     if given not in COMMANDS:
         for name in COMMANDS:
             commands.add_parser(name, help=_help(name))
+        if given is not None and (hint := meant(given, COMMANDS)):
+            parser.error(f"unknown command {given!r}{hint}")
         return parser
     module = import_module(f"eccentric.cli.{given}")
     epilog = "example:\n" + textwrap.indent(module.EXAMPLE.strip(), "  ")

@@ -41,7 +41,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--single-file",
         action="store_true",
-        help="put what the NumPy module runs on into it, not into eccentric_runtime.py beside it",
+        help="with numpy only: put what the module runs on into it, not into eccentric_runtime.py beside it",
     )
 
 

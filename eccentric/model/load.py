@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 from pathlib import Path
 
-from eccentric.errors import InputError
+from eccentric.errors import InputError, meant
 from eccentric.model.model import Model
 from eccentric.places import derivation, folder
 from eccentric.scripts import asks, run_script
@@ -62,5 +62,6 @@ def _find(name_or_path: str | os.PathLike[str]) -> Path:
             raise InputError(f"{name_or_path}: no such derivation script")
         raise InputError(
             f"model {str(name_or_path)!r} is unknown; known are {', '.join(model_names())}, or a path.py"
+            + meant(name_or_path, model_names())
         )
     return path

@@ -5,13 +5,12 @@
 
 from __future__ import annotations
 
-import difflib
 import json
 import math
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
-from eccentric.errors import InputError
+from eccentric.errors import InputError, meant
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -88,6 +87,5 @@ def refuse_unknown(keys: Iterable[str], allowed: Iterable[str], where: str) -> N
     allowed = list(allowed)
     for key in keys:
         if key not in allowed:
-            close = difflib.get_close_matches(key, allowed, 1)
-            hint = f"did you mean {close[0]!r}?" if close else f"known are {', '.join(allowed)}"
-            raise InputError(f"{where}: unknown key {key!r}; {hint}")
+            hint = meant(key, allowed) or f"; known are {', '.join(allowed)}"
+            raise InputError(f"{where}: unknown key {key!r}{hint}")

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from eccentric.errors import InputError, few
+from eccentric.errors import InputError, few, meant
 from eccentric.logs import parse_value
 from eccentric.places import given_path, shown
 from eccentric.rigs.entries import plain_entries, read_intervals, read_names, read_number, refuse_unknown
@@ -106,7 +106,10 @@ def _rig(content: Mapping[str, Any], where: str, name: str) -> Rig:
     columns, warnings = read_columns(content.get("columns"), f"{where}: [columns]", counts)
     drive = content.get("drive")
     if drive is not None and drive not in DRIVES:
-        raise InputError(f"{where}: drive: one of {', '.join(DRIVES)} is required, received {drive!r}")
+        raise InputError(
+            f"{where}: drive: one of {', '.join(DRIVES)} is required, received {drive!r}"
+            + (meant(drive, DRIVES) if isinstance(drive, str) else "")
+        )
     alignment, estimate = _alignment(content, where)
     intervals = read_intervals(content.get("holdout_intervals_s", []), f"{where}: holdout_intervals_s")
     return Rig(

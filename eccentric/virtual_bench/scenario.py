@@ -7,7 +7,7 @@ from math import floor, log2, pi
 
 import numpy as np
 
-from eccentric.errors import InputError
+from eccentric.errors import InputError, meant
 
 from .controller import MotorController
 from .course import Course, speed_runs, sum_of_sines
@@ -97,7 +97,9 @@ def known_effect(name: str) -> tuple[str, str | None]:
     """Split `family[variant]`; InputError, listing what there is, if the bench has no such effect."""
     match = re.fullmatch(r"(\w+)(?:\[(.+)\])?", str(name))
     if match is None or match[1] not in EFFECTS:
-        raise InputError(f"unknown effect {name}: required one of {', '.join(EFFECTS)}")
+        raise InputError(
+            f"unknown effect {name}: required one of {', '.join(EFFECTS)}" + meant(name, EFFECTS)
+        )
     family, variant = match[1], match[2]
     variants = VARIANTS.get(family, ())
     if variant is not None and not variants:
