@@ -84,6 +84,7 @@ DIAGNOSIS: dict[str, Asked] = {
     "three": Asked("right family among the first three", "at least", 0.97),
     "wrong": Asked("wrong name given", "at most", 0.03),
     "false alarms": Asked("false alarms on controls", "at most", 1 / 60),
+    "ordinary alarms": Asked("false alarms on controls with ordinary drives", "at most", 1 / 60),
     "outside": Asked("`unexplained` with the right variable, outside the library", "at least", 1),
     "both": Asked("both of two effects named", "at least", 1),
     "oracle median": Asked("held-out RMSE above the oracle's, median", "at most", 1, "%"),

@@ -14,6 +14,7 @@ class Job:
     effects: tuple[tuple[str, float], ...]
     outside: str | None = None
     minutes: float = 1.0
+    drive: str = "fine"
 
 
 @dataclass

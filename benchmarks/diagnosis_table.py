@@ -23,7 +23,7 @@ def figures(results: Sequence[Result], slow: Sequence[Result]) -> dict[str, Meas
         results: of all logs but the long ones.
         slow: of those.
     """
-    single, control, pair, outside = (_of(results, kind) for kind in ("single", "control", "pair", "outside"))
+    single, pair, outside = (_of(results, kind) for kind in ("single", "pair", "outside"))
     sure = [r for r in [*single, *pair] if r.verdict == "named" and r.probability >= SURE]
     excess = _excess(single, lambda r, balance: r.rmse[balance])
     peers = _excess(single, lambda r, balance: r.peer["rmse"][balance] if r.peer else None)
@@ -39,9 +39,12 @@ def figures(results: Sequence[Result], slow: Sequence[Result]) -> dict[str, Meas
             lambda r: r.named != [] and r.named[0] not in r.truth,
             lambda ranked, r: ranked != [] and ranked[0] not in r.truth,
         ),
-        "false alarms": _fraction(
-            control, lambda r: r.verdict != "nothing_missing", lambda ranked, _: ranked != []
-        ),
+        **{
+            key: _fraction(
+                _of(results, kind), lambda r: r.verdict != "nothing_missing", lambda ranked, _: ranked != []
+            )
+            for key, kind in (("false alarms", "control"), ("ordinary alarms", "ordinary"))
+        },
         "outside": _fraction(outside, _honest),
         "both": _fraction(
             pair, lambda r: set(r.truth) <= set(r.named), lambda ranked, r: set(r.truth) <= set(ranked[:2])
@@ -123,7 +126,7 @@ def _honest(r: Result) -> bool:
 
 
 def _good(r: Result) -> bool:
-    if r.job.kind == "control":
+    if r.job.kind in {"control", "ordinary"}:
         return r.verdict == "nothing_missing"
     if r.job.kind == "outside":
         return _honest(r)

@@ -109,6 +109,29 @@ def test_a_rippling_bus_shows_in_the_current_but_not_in_the_command() -> None:
     assert np.sum(found * expected) / np.sum(expected**2) == pytest.approx(1.0, rel=0.02)
 
 
+def test_a_wandering_bus_shows_in_the_current_but_not_in_the_command() -> None:
+    """It leaves (k_i/R) g u in the electrical residual, g with the given RMS and correlation over time."""
+    scenario = drawn_scenario(noise=0.0, seconds=120.0)
+    wandering = simulate(
+        replace(scenario, controller=replace(scenario.controller, wander=0.03, wander_s=0.1))
+    )
+    known, voltage = wandering.rig["known"], wandering.columns["voltage_V"]
+    found = -_circuit(wandering) * known["R_ohm"] / known["k_i_Nm_per_A"]
+
+    gain = found[np.abs(voltage) > 2.0] / voltage[np.abs(voltage) > 2.0]
+    assert np.std(gain) == pytest.approx(0.03, rel=0.15)
+    later = np.mean(gain[5:] * gain[:-5]) / np.mean(gain**2)
+    assert later == pytest.approx(np.exp(-0.02 / 0.1), abs=0.07)
+
+
+def test_an_ordinary_drive_keeps_plant_and_course() -> None:
+    """The same seed has the same rig, course and start on a poorer drive: only the controller differs."""
+    fine, ordinary = (drawn_scenario(drive=drive) for drive in ("fine", "ordinary"))
+
+    assert replace(ordinary, controller=fine.controller) == fine
+    assert ordinary.controller.wander > 0.0 < fine.controller.kp
+
+
 def test_noise_is_what_was_asked_for() -> None:
     """Two logs that differ in noise only differ in the current only, by noise times its largest size."""
     quiet, noisy = (simulate(drawn_scenario(noise=noise)) for noise in (0.0, 0.02))

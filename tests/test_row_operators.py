@@ -11,7 +11,7 @@ import pytest
 from scipy.integrate import quad
 
 from eccentric.errors import InputError
-from eccentric.signals import Rows, hann_windows, white_noise
+from eccentric.signals import Rows, hann_windows, smoothed, white_noise
 from eccentric.signals.by_parts import windows_by_parts
 from eccentric.signals.limits import BLOCK_S
 from eccentric.signals.rows import in_order
@@ -155,6 +155,20 @@ def test_white_noise_is_reduced_by_the_gain_of_the_row() -> None:
 
     np.testing.assert_allclose(rows.mean(noise).std(), rows.noise_gain()[0], rtol=0.02)
     np.testing.assert_array_equal(np.ones(len(rows)), as_they_are.noise_gain())
+
+
+def test_a_low_pass_before_the_mean_reduces_white_noise_further() -> None:
+    """The gain of filtered rows is the RMS that noise has after filter and mean, with and without windows."""
+    noise = np.random.default_rng(1).standard_normal(200_000)
+    t, one = 0.004 * np.arange(len(noise)), np.zeros(len(noise), dtype=int)
+
+    def low_pass(x: np.ndarray) -> np.ndarray:
+        return smoothed(t, one, x, 15.0)
+
+    for rows in (hann(t, 0.064), dataclasses.replace(hann(t, 0.064), operator=None, t=t)):
+        filtered = dataclasses.replace(rows, smooth=low_pass)
+
+        np.testing.assert_allclose(filtered.mean(noise).std(), filtered.noise_gain()[0], rtol=0.02)
 
 
 def test_the_noise_of_a_sensor_is_found_under_a_smooth_signal() -> None:

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from eccentric.effects import Shape
-from eccentric.model import quantity
-from eccentric.search.candidate import Candidate, Values, Variant, grid
+from eccentric.model import Role, quantity
+from eccentric.search.candidate import Candidate, Scaling, Values, Variant, grid
 from eccentric.search.limits import BELOW_NOISE
 from eccentric.search.screen import Screen
 from tests.searched import BLOCKS, COLUMNS, SIZE, Array, N, candidate, design, mixed
@@ -191,6 +191,46 @@ def test_two_changes_of_the_base_are_the_same_in_either_order() -> None:
         target, matrix, _ = screen.design(order)
         assert target == pytest.approx(mixed({0: 2.0, 1: 1.0, 3: 1.0, 5: 2.0}), abs=1e-12)
         assert matrix == pytest.approx(mixed({0: 1.0, 3: 0.5, 5: 1.0})[:, None], abs=1e-12)
+
+
+def scaling(family: str, role: Role, column: int) -> Candidate:
+    """A candidate that multiplies friction of a role, and the base, by 1 + its shape times a column."""
+    size = Shape(quantity(family, "1", "size of the change"), 0.0, 1.0, "linear", 3)
+
+    def factor(values: Values) -> Array:
+        return 1.0 + values[family] * COLUMNS[:, column]
+
+    return replace(
+        candidate(family, {column: 1.0}, shapes=(size,)),
+        changes=lambda values: (np.zeros(N), (COLUMNS[:, 0] * factor(values))[:, None]),
+        scales=lambda values: Scaling(factor(values)[:, None], {role: factor(values)}),
+    )
+
+
+def test_factors_multiply_the_base_in_either_order() -> None:
+    """Two effects that scale give the product of their factors, as in the extended model."""
+    one, other = scaling("a", Role.COULOMB, 2), scaling("b", Role.COULOMB, 4)
+    screen = Screen(design({0: 2.0}), [one, other])
+    variants = [Variant(one, {"a": 0.5}), Variant(other, {"b": 0.25})]
+    expected = COLUMNS[:, 0] * (1.0 + 0.5 * COLUMNS[:, 2]) * (1.0 + 0.25 * COLUMNS[:, 4])
+
+    for order in (variants, variants[::-1]):
+        assert screen.design(order)[1] == pytest.approx(expected[:, None], abs=1e-12)
+
+
+def test_a_factor_reaches_friction_of_its_role_in_other_effects() -> None:
+    """Dry friction of another effect is scaled, its viscous friction and what is no friction are not."""
+    warm = Variant(scaling("a", Role.COULOMB, 2), {"a": 0.5})
+    three = replace(
+        candidate("b", {3: 1.0}, {5: 1.0}, {6: 1.0}), roles=(Role.COULOMB, Role.VISCOUS, Role.NONE)
+    )
+    screen = Screen(design({0: 2.0}), [warm.candidate, three])
+    scaled = COLUMNS[:, 3] * (1.0 + 0.5 * COLUMNS[:, 2])
+    expected = np.column_stack([scaled, COLUMNS[:, 5], COLUMNS[:, 6]])
+
+    for order in ([warm, only(three)], [only(three), warm]):
+        assert screen.columns(only(three), order) == pytest.approx(expected, abs=1e-12)
+    assert screen.columns(only(three)) == pytest.approx(COLUMNS[:, [3, 5, 6]], abs=1e-12)
 
 
 def test_blocks_are_predicted_from_the_others() -> None:

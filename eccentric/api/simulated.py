@@ -40,6 +40,7 @@ def bench(
     seconds: float = 60.0,
     noise: float = 0.01,
     temperature: bool = False,
+    drive: str = "fine",
     seed: int = 1,
     out: str | os.PathLike[str] | None = None,
 ) -> BenchResult:
@@ -55,6 +56,8 @@ def bench(
         seconds: length of the log, 15 to 3600.
         noise: of the current over its largest value, at most 0.5.
         temperature: whether a temperature is logged.
+        drive: "fine", a well damped loop, fine encoder and steady bus, or "ordinary", a loop that may ring, a
+            bus that varies and a coarse encoder.
         seed: of rig, course, shapes of the effects and noise, 0 or more.
         out: where to write the log, NAME.csv.gz, with the rig NAME.json and the truth NAME.truth.json beside
             it; by default nothing is written.
@@ -74,6 +77,7 @@ def bench(
         effects=list(effects.items()) if isinstance(effects, Mapping) else effects,
         noise=noise,
         temperature=temperature,
+        drive=drive,
         seconds=seconds,
     )
     if path is not None:

@@ -18,6 +18,7 @@ _OPTIONS = {
     "gear ratio mu": "--mu",
     "noise": "--noise",
     "seconds": "--seconds",
+    "drive": "--drive",
     "seed": "--seed",
     "unknown effect": "--effect",
     "effect": "--effect",
@@ -47,6 +48,13 @@ def configure(parser: argparse.ArgumentParser) -> None:
     add("--log-type", default="runs", metavar="runs|traj", help="constant speeds, or a sum of sines (runs)")
     add("--seconds", type=float, default=60.0, help="length of the log, 15 to 3600 (60)")
     add("--noise", type=float, default=0.01, help="noise of the current over its maximum, up to 0.5 (0.01)")
+    add(
+        "--drive",
+        default="fine",
+        metavar="fine|ordinary",
+        help="quality of the drive: ordinary has a loop that may ring, a bus that varies by up to 2 %% and a "
+        "coarse encoder (fine)",
+    )
     add("--temperature", action="store_true", help="log a temperature")
     add("--seed", type=int, default=1, help="seed of rig, course, shapes and noise (1)")
 
@@ -69,6 +77,7 @@ def run(args: argparse.Namespace) -> int:
             seconds=args.seconds,
             noise=args.noise,
             temperature=args.temperature,
+            drive=args.drive,
             seed=args.seed,
             out=args.out,
         )

@@ -81,7 +81,7 @@ def diagnose(
     found = attribute(
         stage.balances,
         stage.candidates(chosen),
-        variables_of(data),
+        variables_of(data, stage.instruments),
         stage.noise,
         len(np.unique(data.drive.channels.time.run[data.drive.channels.selection.fit_rows])),
         tell,

@@ -12,10 +12,18 @@ from eccentric.diagnosis.request import members
 from eccentric.effects import Effect, Setting
 from eccentric.errors import InputError
 from eccentric.estimation import bounded
-from eccentric.fitting import FitData, drive_of, fit_data_of, loaded_model, with_model_current
+from eccentric.fitting import FitData, Signals, drive_of, fit_data_of, loaded_model, with_model_current
 from eccentric.model import Model
 from eccentric.model import vocabulary as v
-from eccentric.search import Candidate, balances_of, candidate_of, fitted_variants, offered, setting_of
+from eccentric.search import (
+    Candidate,
+    balances_of,
+    candidate_of,
+    fitted_variants,
+    instruments_of,
+    offered,
+    setting_of,
+)
 from eccentric.signals import LEAST_HELD_OUT, BalanceDesign, Channels, require_rows
 
 __all__ = ["Stage", "stage_of"]
@@ -28,7 +36,8 @@ class Stage:
     """A log with a base model, ready for a search or a fit.
 
     plain: the base model as given; base: with the constant load of the rig; balances: residuals of the
-    training part, with the noise of a window; friction: coefficients of a first fit; offered: the effects of
+    training part, with the noise of a window; friction: coefficients of a first fit; instruments: signals
+    without the noise of the target, None where there are none; offered: the effects of
     the library that the log can show.
     """
 
@@ -38,6 +47,7 @@ class Stage:
     balances: Sequence[BalanceDesign]
     noise: dict[str, float]
     friction: Array
+    instruments: Signals | None
     setting: Setting
     offered: tuple[Effect, ...]
 
@@ -47,7 +57,7 @@ class Stage:
         drive = self.data.drive
         only = "mechanical" if drive.by_voltage else None
         current = drive.signal() if drive.measured_twice else None
-        given = self.base, self.data.signals, self.friction, only, current
+        given = self.base, self.data.signals, self.friction, only, current, self.instruments
         return [candidate_of(effect, *given) for effect in effects]
 
     def chosen(
@@ -93,7 +103,8 @@ def stage_of(channels: Channels, plain: Model, effects: Path | None, where: str)
     setting = setting_of(data, base, friction)
     names = {balance.name for balance in balances}
     every = offered(setting, effects, data, rig, base, names)
-    return Stage(plain, base, data, balances, noise, friction, setting, every)
+    instruments = instruments_of(data, base, friction)
+    return Stage(plain, base, data, balances, noise, friction, instruments, setting, every)
 
 
 def _require_supported(model: Model, channels: Channels) -> None:

@@ -48,6 +48,10 @@ class Machine:
         """Damping by the back-EMF, in parameters [N m s/rad]: k_i k_e/R."""
         return -sp.diff(self._drive.xreplace({v.i.symbol: self._armature}), v.omega_m.symbol)
 
+    def damping(self, values: Values) -> float:
+        """Torque that the back-EMF takes per speed [N m s/rad]: k_i k_e/R."""
+        return float(evaluated(self.back_emf_damping, values))
+
     @property
     def inertia_letters(self) -> frozenset[str]:
         """The parameters of the inertia: J_m, J_l, mu."""

@@ -2,6 +2,7 @@
 
     balances      FitData -> both balances as linear designs, the setting of the library
     offer         which effects of the library a log can show
+    instruments   signals without the noise of the target, for what a candidate gains by chance
     from_effect   an effect becomes a candidate: columns of torque with a few shapes
     screen        candidates on one balance: scored, refined, cross-validated
     fitted_variants  effects that a person names, fitted without a search
@@ -17,6 +18,7 @@ from eccentric.search.balances import balances_of, setting_of, variables_of
 from eccentric.search.candidate import Candidate
 from eccentric.search.fitted_variants import fitted_variants
 from eccentric.search.from_effect import candidate_of
+from eccentric.search.instruments import instruments_of
 from eccentric.search.limits import LEAST_DEVIANCE, LEAST_SHARE
 from eccentric.search.offer import offered
 from eccentric.search.verdict import Adopted, Attribution, Ranked, attribute, unconfirmed
@@ -32,6 +34,7 @@ __all__ = [
     "balances_of",
     "candidate_of",
     "fitted_variants",
+    "instruments_of",
     "offered",
     "setting_of",
     "unconfirmed",

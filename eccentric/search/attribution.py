@@ -21,7 +21,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from eccentric.search import limits
-from eccentric.search.candidate import Candidate, Variant
+from eccentric.search.candidate import Candidate, Variant, instrument_of
 from eccentric.search.joint import Joint
 from eccentric.search.nulltest import correlated, null_quantile
 from eccentric.search.screen import Fitted, Screen
@@ -57,10 +57,12 @@ class Search:
                 break
             ranked = self.screen.rank(self.best.variants)
             self.ranked = self.ranked or ranked
-            tried = [self.swapped(self.screen.refine(fitted)) for fitted in ranked[: limits.TRIED]]
+            leaders = self._leaders(ranked)
+            tried = [self.swapped(self.screen.refine(fitted)) for fitted in leaders]
             if len(self.best.variants) == 1:
                 tried += self.pairs()
             tried = [f for f in tried if self.worth_it(self.best, f) and self.clears(self.best, f)]
+            tried = [f for f in tried if self.confirmed(f)]
             if not tried:
                 break
             self.best = self.pruned(min(tried, key=lambda f: f.score))
@@ -79,6 +81,39 @@ class Search:
             and gain > self.screen.rows * (limits.LEAST_SHARE * self.screen.balance.scale) ** 2
             and self.deviance(before, after, screen) > limits.LEAST_DEVIANCE
         )
+
+    def confirmed(self, fitted: Fitted) -> bool:
+        """Whether every variant gains on its instrument what it gains on its own signals, or a good part."""
+        return all(
+            self._gained(_without(fitted, place), variant, fitted, self.screen)
+            for place, variant in enumerate(fitted.variants)
+        )
+
+    def explains(self, before: Fitted, after: Fitted) -> bool:
+        """Whether a smooth term takes something out that is there without the noise of its signals too."""
+        if not self.worth_it(before, after, self.smooth):
+            return False
+        return self._gained(list(before.variants), after.variants[-1], after, self.smooth)
+
+    def _gained(self, others: list[Variant], variant: Variant, fitted: Fitted, screen: Screen) -> bool:
+        twin = instrument_of(variant)
+        if twin is None:
+            return True
+        without = screen.fit(others)
+        least = max(limits.CONFIRMED, limits.CONFIRMED_PART * self.deviance(without, fitted, screen))
+        return self.deviance(without, screen.fit([*others, twin]), screen) > least
+
+    def _leaders(self, ranked: Sequence[Fitted]) -> list[Fitted]:
+        """The candidates to try: the first that gain by more than the noise of their own signals."""
+        found: list[Fitted] = []
+        for fitted in ranked:
+            gains = self.worth_it(self.best, fitted)
+            others = _without(fitted, len(fitted.variants) - 1)
+            if not gains or self._gained(others, fitted.variants[-1], fitted, self.screen):
+                found.append(fitted)
+            if len(found) == limits.TRIED:
+                break
+        return found
 
     def null_level(self) -> float:
         """The deviance that the best effect of the library reaches by chance on this log, 99 % quantile."""
@@ -135,7 +170,8 @@ class Search:
             rivals = {variant.candidate.family: (variant, self.best)}
             for fitted in self.screen.rank(_without(self.best, place)):
                 family = fitted.last.family
-                if family not in rivals or fitted.score < rivals[family][1].score:
+                better = family not in rivals or fitted.score < rivals[family][1].score
+                if better and (fitted.score > self.best.score or self.confirmed(fitted)):
                     rivals[family] = (fitted.variants[-1], fitted)
             log = {
                 family: -0.5 * effective * float(np.log(fitted.score))

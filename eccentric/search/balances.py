@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from eccentric.effects import Setting
-from eccentric.fitting import FitData, base_columns, compiled
+from eccentric.fitting import FitData, Signals, base_columns, compiled
 from eccentric.model import Model
 from eccentric.rigs import Rig
 from eccentric.search.smooth import Variables
@@ -39,7 +39,12 @@ def balances_of(data: FitData, rig: Rig, model: Model) -> tuple[list[BalanceDesi
     mechanical = balance_design(
         "mechanical", rows, target, base_columns(model, signals), names, lower, target
     )
-    balances = [_once_filtered(mechanical, channels.motion.alpha_m, drive.machine.inertia(known))]
+    mechanical = _once_filtered(mechanical, channels.motion.alpha_m, drive.machine.inertia(known), "J_m")
+    if drive.by_voltage:
+        turning = np.where(drive.off, 0.0, channels.motion.omega_m)
+        damping = drive.machine.damping({"k_e": 0.0, **known, **drive.scaled()})
+        mechanical = _once_filtered(mechanical, turning, damping, "back_emf")
+    balances = [mechanical]
     unseen = np.where(channels.selection.held_out, np.nan, 1.0)
     noise = {"mechanical": _row_noise(unseen * torque, rows)}
     if drive.measured_twice and channels.motor.voltage is not None:
@@ -47,7 +52,9 @@ def balances_of(data: FitData, rig: Rig, model: Model) -> tuple[list[BalanceDesi
         by_voltage = drive.machine.current(known, channels.motor.voltage, channels.motion.omega_m)
         residual = drive.machine.torque(known, by_voltage) - torque
         empty = np.empty((len(torque), 0))
-        balances.append(balance_design("electrical", every, residual, empty, (), np.empty(0), target))
+        electrical = balance_design("electrical", every, residual, empty, (), np.empty(0), target)
+        damping = drive.machine.damping(known)
+        balances.append(_once_filtered(electrical, channels.motion.omega_m, damping))
         # Real torque as fast as noise is in the target, but cancels in the residual.
         noise["electrical"] = min(_row_noise(unseen * x, every) for x in (torque, residual))
     return balances, noise
@@ -58,16 +65,19 @@ def _row_noise(signal: Array, rows: Rows) -> float:
     return white_noise(signal) * float(rows.noise_gain()[0])
 
 
-def _once_filtered(balance: BalanceDesign, alpha: Array, inertia: float) -> BalanceDesign:
-    """The balance with the acceleration as it is: it comes from the low-passed angle."""
+def _once_filtered(balance: BalanceDesign, signal: Array, factor: float, column: str = "") -> BalanceDesign:
+    """The balance with a signal (samples,) that has passed the low pass already, and is not to pass it twice.
+
+    The target holds minus `factor` times the signal, a column of the base the signal itself.
+    """
     rows = balance.rows
     if rows.smooth is None:
         return balance
-    own = rows.plain_mean(alpha)
+    own = rows.plain_mean(signal)
     base = balance.base.copy()
-    if "J_m" in balance.base_names:
-        base[:, balance.base_names.index("J_m")] = own
-    return replace(balance, target=balance.target + inertia * (rows.mean(alpha) - own), base=base)
+    if column in balance.base_names:
+        base[:, balance.base_names.index(column)] = own
+    return replace(balance, target=balance.target + factor * (rows.mean(signal) - own), base=base)
 
 
 def setting_of(data: FitData, model: Model, friction: Array) -> Setting:
@@ -107,10 +117,10 @@ def setting_of(data: FitData, model: Model, friction: Array) -> Setting:
     )
 
 
-def variables_of(data: FitData) -> Variables:
-    """What a residual of the log may depend on."""
+def variables_of(data: FitData, instruments: Signals | None = None) -> Variables:
+    """What a residual of the log may depend on; with the instruments of the same, where there are any."""
     channels = data.drive.channels
-    return Variables(
+    own = Variables(
         t=channels.time.t,
         # Angles integrated from the speed have no zero common to several runs.
         theta_m=channels.motion.theta_m if channels.phased else None,
@@ -123,6 +133,18 @@ def variables_of(data: FitData) -> Variables:
         temperature=channels.temperature,
         averaged=math.isinf(channels.rig.sampling.average_over),
     )
+    if instruments is None:
+        return own
+    slow = instruments.values
+    clean = replace(
+        own,
+        theta_m=None if own.theta_m is None else slow["theta_m"],
+        omega_m=slow["omega_m"],
+        alpha_m=slow["alpha_m"],
+        current=None if own.current is None else slow["i"],
+        voltage=slow.get("u"),
+    )
+    return replace(own, instruments=clean)
 
 
 def _drive_current(data: FitData) -> Array:

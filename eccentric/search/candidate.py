@@ -8,17 +8,34 @@ effect behind them.
 from __future__ import annotations
 
 import itertools
-from collections.abc import Callable
-from dataclasses import dataclass, field
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
 from eccentric.effects import Evidence, Shape, Words
+from eccentric.model import Role
 
-__all__ = ["Candidate", "Values", "Variant", "bounds_of", "grid"]
+__all__ = ["Candidate", "Scaling", "Values", "Variant", "bounds_of", "grid", "instrument_of"]
 
 Array = np.ndarray
 Values = dict[str, float]
+
+
+@dataclass(frozen=True)
+class Scaling:
+    """What an effect multiplies.
+
+    base: factors on the columns of the base (samples, p); by_role: role of friction -> factor (samples,).
+    """
+
+    base: Array
+    by_role: Mapping[Role, Array]
+
+    def on(self, roles: Sequence[Role]) -> Array:
+        """The factors on columns of these roles (samples, k)."""
+        one = np.ones(len(self.base))
+        return np.column_stack([self.by_role.get(role, one) for role in roles])
 
 
 @dataclass(frozen=True)
@@ -34,9 +51,12 @@ class Candidate:
     changes: values of the shapes -> (what is known to be missing (samples,), base (samples, p)), of an effect
         that changes a quantity inside the base (an angle, a factor on friction). Its parameters are all in
         `shapes`; `columns` are then used in the first screening only.
+    scales: values of the shapes -> what an effect multiplies that does so; it has `changes` too.
+    roles: of the friction in each column, which such an effect goes by; empty where there is none.
     also: values of the shapes -> what an electrical effect adds to the mechanical target (samples, k), for
         the same coefficients.
     joint: whether both balances measure it: the flux of the motor shows in torque and voltage.
+    instrument: the same columns on signals whose noise is not the target's, None where there are none.
     ridge: penalty on the coefficients, relative to their scaled diagonal (smooth terms only).
     words: what a person reads about it.
     """
@@ -49,8 +69,11 @@ class Candidate:
     shapes: tuple[Shape, ...] = ()
     lower: tuple[float, ...] = (-np.inf,)
     changes: Callable[[Values], tuple[Array, Array]] | None = None
+    scales: Callable[[Values], Scaling] | None = None
+    roles: tuple[Role, ...] = ()
     also: Callable[[Values], Array] | None = None
     joint: bool = False
+    instrument: Callable[[Values], Array] | None = None
     ridge: float = 0.0
     words: Words = field(default_factory=Words)
 
@@ -71,6 +94,22 @@ class Variant:
     def key(self) -> tuple[object, ...]:
         """What distinguishes it from other variants."""
         return (self.candidate.id, *self.values.values())
+
+
+def instrument_of(variant: Variant) -> Variant | None:
+    """The same variant on its instruments, None if it has none."""
+    candidate = variant.candidate
+    if candidate.instrument is None:
+        return None
+    twin = replace(
+        candidate,
+        id=f"{candidate.id} (instrument)",
+        columns=candidate.instrument,
+        changes=None,
+        scales=None,
+        instrument=None,
+    )
+    return Variant(twin, variant.values)
 
 
 def grid(candidate: Candidate) -> list[Variant]:

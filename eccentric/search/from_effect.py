@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -14,9 +15,9 @@ import sympy as sp
 
 from eccentric.effects import Effect
 from eccentric.fitting import Signals, States, base_columns, compiled
-from eccentric.model import Model
+from eccentric.model import Model, Role
 from eccentric.model import vocabulary as v
-from eccentric.search.candidate import Candidate, Values
+from eccentric.search.candidate import Candidate, Scaling, Values
 
 __all__ = ["candidate_of"]
 
@@ -30,6 +31,7 @@ def candidate_of(
     friction: Array,
     balance: str | None,
     current: Array | None = None,
+    instruments: Signals | None = None,
 ) -> Candidate:
     """The effect as columns of torque.
 
@@ -43,6 +45,7 @@ def candidate_of(
             armature show in the mechanical balance.
         current: the measured one (samples,) [A] if there is a voltage as well. An effect on the flux
             depends on it: the current of `signals` follows from the voltage with the declared back-EMF.
+        instruments: the same signals without the noise of the target, None where there are none.
     """
     extended = effect.extend(model)
     names = tuple(shape.quantity.name for shape in effect.shapes)
@@ -82,6 +85,12 @@ def candidate_of(
         known, base = changes(values)
         return (known + base @ friction - plain)[:, None]
 
+    @cache
+    def twin() -> Candidate:
+        slow = signals if instruments is None else instruments
+        own_current = None if current is None else slow.values["i"]
+        return candidate_of(effect, model, slow, friction, balance, own_current)
+
     # With a voltage alone both balances are one.
     shown = tuple(own) if balance == "mechanical" else (effect.balance,)
     other = "mechanical" if effect.balance == "electrical" and balance is None else None
@@ -94,9 +103,12 @@ def candidate_of(
         shapes=effect.shapes,
         lower=lower if changes is None else (0.0,),
         words=effect.words,
+        instrument=None if instruments is None else lambda values: twin().columns(values),
         also=None if other is None or other not in own else columns_of(other),
         joint=flux,
         changes=changes,
+        scales=_scales(effect, model, extended, signals, names, states),
+        roles=tuple(_role(effect, q.symbol) for q in effect.coefficients) if changes is None else (),
     )
 
 
@@ -110,6 +122,34 @@ def _on_flux(effect: Effect) -> bool:
 def _collected(terms: Sequence[Any], coefficient: sp.Symbol) -> sp.Expr:
     """The factor of the coefficient in the terms of one balance."""
     return sp.Add(*(sp.expand(term.value).coeff(coefficient) for term in terms))
+
+
+def _role(effect: Effect, coefficient: sp.Symbol) -> Role:
+    """The role of the friction that a coefficient belongs to."""
+    terms = effect.change.terms.get(effect.balance, ())
+    roles = {term.role for term in terms if term.value.has(coefficient)}
+    return roles.pop() if len(roles) == 1 else Role.NONE
+
+
+def _scales(
+    effect: Effect, model: Model, extended: Model, signals: Signals, names: tuple[str, ...], states: States
+) -> Callable[[Values], Scaling] | None:
+    """For an effect that scales: values -> its factors, on the base and by role."""
+    if not effect.change.scales:
+        return None
+    factors = {
+        role: compiled(extended, factor, signals, names) for role, factor in effect.change.scales.items()
+    }
+    roles = [column.role for column in signals.columns(model)]
+
+    def scaling(values: Values) -> Scaling:
+        series = states(values)
+        by_role = {role: factor(values, series) for role, factor in factors.items()}
+        one = np.ones(signals.size)
+        own = [by_role.get(role, one) for role in roles] + [one] * len(signals.open)
+        return Scaling(np.column_stack(own), by_role)
+
+    return scaling
 
 
 def _changes(

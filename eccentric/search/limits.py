@@ -12,6 +12,8 @@ __all__ = [
     "BELOW_NOISE",
     "CHANGES",
     "CLEARS",
+    "CONFIRMED",
+    "CONFIRMED_PART",
     "DRAWS",
     "EVALUATIONS",
     "EXTRAPOLATED",
@@ -23,10 +25,12 @@ __all__ = [
     "LEADERS_OF_A_PARTNER",
     "LEADERS_OF_A_SWAP",
     "LEAST_DEVIANCE",
+    "LEAST_MOTION",
     "LEAST_PART",
     "LEAST_SHARE",
     "LEVEL",
     "LOSS_TOLERANCE",
+    "LOWEST_BAND_HZ",
     "MOST_EFFECTS",
     "MOST_KEPT",
     "MOST_LAGS",
@@ -49,10 +53,10 @@ __all__ = [
 
 # The gain that adopting an effect requires.
 
-LEAST_DEVIANCE = 20.0
+LEAST_DEVIANCE = 24.0
 """Twice the log-likelihood that an addition must gain: less may be chance.
 
-Controls of the bench stay below 16; `nulltest.null_quantile` gives the level of each log as well.
+Controls of the bench stay below 22; `nulltest.null_quantile` gives the level of each log as well.
 """
 LEAST_SHARE = 0.002
 """RMS that an addition must remove from the residual, as a fraction of the balance's scale: filters and the
@@ -72,6 +76,17 @@ measured current as its own regressor): the floor is known to some 10 %, so no v
 it."""
 MOST_EFFECTS = 3
 """Most effects adopted per balance: no log of a minute has shown more."""
+
+LEAST_MOTION = 0.995
+"""Part of the squared speed that lies in the band of the instruments: below it ends the motion, and the noise
+that the speed loop makes of ripple and quantisation begins."""
+LOWEST_BAND_HZ = 2.0
+"""The lowest such band, doubled until it holds the motion."""
+CONFIRMED = 8.0
+"""Deviance that a candidate has to gain on its instrument: it was not chosen there, so that one column gains
+more than 6.6 by chance in one log of a hundred."""
+CONFIRMED_PART = 0.1
+"""Part of its own gain that it has to gain there: less is the noise of its own signals, and a remainder."""
 
 # How alternatives are weighed.
 

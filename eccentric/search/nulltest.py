@@ -50,7 +50,7 @@ def flipped_null(residual: Array, columns: Array, block: Array) -> Array:
 def null_quantile(screen: Screen, fitted: Fitted) -> float:
     """Quantile of the deviance that the best single column of a screen reaches by chance beside a fit."""
     residual = screen.residual(fitted)
-    design = np.hstack([screen.balance.base, *map(screen.columns, fitted.variants)])
+    _, design, _ = screen.design(fitted.variants)
     library = screen.library
     if design.shape[1]:
         q, _ = np.linalg.qr(design)

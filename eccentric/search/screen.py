@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from eccentric.model import Role
 from eccentric.search.candidate import Candidate, Variant, bounds_of, grid
 from eccentric.search.crossval import Gram, bounded_solve, cross_validate, fold_of_block
 from eccentric.search.limits import (
@@ -78,23 +79,29 @@ class Screen:
         self.inner = [self.library[:, w].T @ self.library[:, w] for w in self.where]
         self._index = {variant.key: number for number, variant in enumerate(self.points)}
 
-    def columns(self, variant: Variant) -> Array:
-        """Windowed columns (rows, k) of a variant; none if it changes the base."""
-        if variant.candidate.changes is not None:
+    def columns(self, variant: Variant, beside: Sequence[Variant] = ()) -> Array:
+        """Windowed columns (rows, k) of a variant, scaled by those beside it; none if it changes the base."""
+        candidate = variant.candidate
+        if candidate.changes is not None:
             return np.empty((self.rows, 0))
-        key = variant.key
+        scaling = [v for v in beside if v.candidate.scales is not None and set(candidate.roles) - {Role.NONE}]
+        key = (*variant.key, *(v.key for v in scaling))
         if key in self._index:
             return self.library[:, self.where[self._index[key]]]
         if key not in self._kept:
             if len(self._kept) > MOST_KEPT:
                 self._kept.clear()
-            self._kept[key] = self.balance.rows.mean(variant.candidate.columns(variant.values))
+            samples = candidate.columns(variant.values)
+            for other in scaling:
+                if other.candidate.scales is not None:
+                    samples = samples * other.candidate.scales(other.values).on(candidate.roles)
+            self._kept[key] = self.balance.rows.mean(samples)
         return self._kept[key]
 
     def design(self, variants: Sequence[Variant]) -> tuple[Array, Array, Array]:
         """Target (rows,), base and columns (rows, q), and the lower bounds of their coefficients (q,)."""
         known, base = self._base(variants)
-        parts = [self.columns(variant) for variant in variants]
+        parts = [self.columns(variant, variants) for variant in variants]
         lower = [bounds_of(v.candidate, part.shape[1]) for v, part in zip(variants, parts, strict=True)]
         return (
             self.balance.target - known,
@@ -112,12 +119,16 @@ class Screen:
             if len(self._changed) > MOST_KEPT:
                 self._changed.clear()
             known, samples = np.zeros(len(self.balance.samples)), self.balance.samples
-            for variant in changing:
+            replacing = [v for v in changing if v.candidate.scales is None]
+            for variant in replacing:
                 if variant.candidate.changes is not None:
                     more, changed = variant.candidate.changes(variant.values)
                     known = known + more
                     # To first order changes add up, whatever the order of adoption.
-                    samples = changed if variant is changing[0] else samples + changed - self.balance.samples
+                    samples = changed if variant is replacing[0] else samples + changed - self.balance.samples
+            for variant in changing:
+                if variant.candidate.scales is not None:
+                    samples = samples * variant.candidate.scales(variant.values).base
             self._changed[key] = (self.balance.rows.mean(known), self.balance.rows.mean(samples))
         return self._changed[key]
 

@@ -28,7 +28,7 @@ class Variables:
     t: time in the run [s]; theta_m, omega_m, alpha_m: of the motor, theta_m None where the angles of several
     runs have no common zero; current [A]; voltage [V]; temperature [degC]; gravity: its torque on the motor
     side [N m]; mu: gear ratio; averaged: whether a row is the mean of a whole run, which has no time, and
-    only the acceleration between its ends.
+    only the acceleration between its ends; instruments: the same without the noise of the target.
     """
 
     t: Array
@@ -41,14 +41,33 @@ class Variables:
     voltage: Array | None = None
     temperature: Array | None = None
     averaged: bool = False
+    instruments: Variables | None = None
 
 
 def smooth_terms(variables: Variables, balance: str, valid: Array) -> list[Candidate]:
     """Empirical terms of a balance, one family "smooth:<variable>" each.
 
-    valid (samples,): those that any window uses. Even and odd parts are both included: a term times sgn w is
-    friction.
+    valid (samples,): those that any window uses.
     """
+    clean = variables.instruments
+    instruments = {} if clean is None else _terms(clean, balance, valid)
+    return [
+        Candidate(
+            id=f"smooth:{name}",
+            family=f"smooth:{name}",
+            balance=balance,
+            evidence=Evidence((name,)),
+            columns=lambda _, columns=columns: columns,
+            instrument=None if clean is None else lambda _, columns=instruments[name]: columns,
+            ridge=RIDGE,
+        )
+        for name, columns in _terms(variables, balance, valid).items()
+        if columns.shape[1]
+    ]
+
+
+def _terms(variables: Variables, balance: str, valid: Array) -> dict[str, Array]:
+    """Columns (samples, k) by variable. Even and odd parts are both there: times sgn w, one is friction."""
     omega = variables.omega_m
     sign = np.sign(omega)[:, None]
 
@@ -78,18 +97,7 @@ def smooth_terms(variables: Variables, balance: str, valid: Array) -> list[Candi
     if variables.temperature is not None:
         warm = _spline(variables.temperature, 5, valid)
         terms["temperature"] = np.hstack([warm, warm * sign, warm * omega[:, None]])
-    return [
-        Candidate(
-            id=f"smooth:{name}",
-            family=f"smooth:{name}",
-            balance=balance,
-            evidence=Evidence((name,)),
-            columns=lambda _, columns=columns: columns,
-            ridge=RIDGE,
-        )
-        for name, columns in terms.items()
-        if columns.shape[1]
-    ]
+    return terms
 
 
 def _spline(x: Array, pieces: int, valid: Array) -> Array:

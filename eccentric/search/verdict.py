@@ -202,12 +202,12 @@ def _variables(searches: dict[str, Search], unexplained: float) -> tuple[list[tu
     for name, search in searches.items():
         for fitted in search.smoothed:
             part = (search.best.score - fitted.score) / max(search.base.score - fitted.score, 1e-300)
-            if part > unexplained and search.worth_it(search.best, fitted, search.smooth):
+            if part > unexplained and search.explains(search.best, fitted):
                 left.append((part, fitted.last.variable, name))
         least = min([search.best.score, *(fitted.score for fitted in search.smoothed)])
         structure = max(search.base.score - least, 1e-300)
         for fitted in search.smooth.rank([]):
-            if search.worth_it(search.base, fitted, search.smooth):
+            if search.explains(search.base, fitted):
                 share = (search.base.score - fitted.score) / structure
                 depends.append((share, fitted.last.variable))
     return [(v, name) for _, v, name in sorted(left, reverse=True)], [

@@ -12,6 +12,7 @@ from eccentric.signals.finding import Finding
 from eccentric.signals.hann import hann_windows
 from eccentric.signals.limits import LEAST_HELD_OUT, MANY_RUNS
 from eccentric.signals.measured import Channels
+from eccentric.signals.motion import motion_of
 from eccentric.signals.noise import white_noise
 from eccentric.signals.rows import Rows, require_rows
 from eccentric.signals.sampling import fit_rows, rows_of, search_rows
@@ -27,6 +28,7 @@ __all__ = [
     "balance_design",
     "fit_rows",
     "hann_windows",
+    "motion_of",
     "read_channels",
     "require_rows",
     "rows_of",

@@ -91,10 +91,20 @@ class Rows:
         return ends[1:] == ends[:-1]
 
     def noise_gain(self) -> Array:
-        """RMS (m,) in each row of white noise with RMS one in the samples, ignoring `smooth`."""
+        """RMS (m,) in each row of white noise with RMS one in the samples.
+
+        `smooth` reduces it by the factor of a row in the middle of the log: it is the same everywhere.
+        """
+        middle = len(self) // 2
         if self.operator is None:
-            return np.ones(len(self))
-        return np.sqrt(np.asarray(self.operator.multiply(self.operator).sum(axis=1)).ravel())
+            gain, one = np.ones(len(self)), np.eye(1, len(self), middle)[0]
+        else:
+            gain = np.sqrt(np.asarray(self.operator.multiply(self.operator).sum(axis=1)).ravel())
+            one = self.operator[[middle]].toarray()[0]
+        if self.smooth is None:
+            return gain
+        # The low pass has no phase: what it makes of a row's weights are the weights of the filtered row.
+        return gain * float(np.linalg.norm(self.smooth(one)) / np.linalg.norm(one))
 
     def used_samples(self) -> Mask:
         """Samples (n,) with a positive weight in any row."""

@@ -90,9 +90,10 @@ def search_rows(channels: Channels, rig: Rig, moving: bool = True) -> Rows:
         time, clear = channels.time, channels.selection.fit_rows if moving else _clear(channels)
         length = WINDOW_S * 25.0 / rig.sampling.low_pass_hz
         found = hann_windows(time.t, clear, time.segment, time.run, length, LEAST_WINDOWS)
-    found = dataclasses.replace(found, smooth=_smoothing(channels, rig))
     if found.independent:
         return found
+    if channels.time.points_per_row == 1:
+        found = dataclasses.replace(found, smooth=_low_pass(channels, rig))
     runs = np.unique(found.run, return_inverse=True)[1]
     return dataclasses.replace(found, block=runs) if runs.max() + 1 >= MANY_RUNS else found
 
@@ -102,12 +103,16 @@ def _clear(channels: Channels) -> Mask:
 
 
 def _smoothing(channels: Channels, rig: Rig) -> Callable[[Array], Array] | None:
-    """The low pass of the angle, for all signals that are compared with its acceleration over a time.
+    return None if rig.sampling.drive_low_pass_hz is None else _low_pass(channels, rig)
 
-    Friction jumps, but the drive and the acceleration of a filtered angle do not.
+
+def _low_pass(channels: Channels, rig: Rig) -> Callable[[Array], Array]:
+    """The low pass of the angle, for all that is compared with its acceleration.
+
+    Friction jumps at a reversal, and the drive with it; the acceleration of a filtered angle does not.
+    Unfiltered, the difference looks like an effect some 60 ms about each reversal.
     """
-    cut = rig.sampling.drive_low_pass_hz
-    return None if cut is None else partial(smoothed, channels.time.t, channels.time.segment, cut_hz=cut)
+    return partial(smoothed, channels.time.t, channels.time.segment, cut_hz=rig.sampling.low_pass_hz)
 
 
 def _length(channels: Channels, rig: Rig) -> float:

@@ -2,7 +2,10 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from math import exp, floor, pi, sin
+from math import exp, floor, pi, sqrt
+
+import numpy as np
+from scipy.signal import lfilter
 
 from .plant import Plant
 
@@ -11,7 +14,8 @@ from .plant import Plant
 class MotorController:
     """How the servo drive measures and controls the motor.
 
-    Gains in V s/rad and V/rad; `ripple` is a fraction of the bus voltage.
+    Gains in V s/rad and V/rad. The voltage at the motor is the commanded one times 1 plus a sine of amplitude
+    `ripple` plus noise of RMS `wander`, correlated over `wander_s`.
     """
 
     counts: int  # encoder counts per motor turn
@@ -22,6 +26,8 @@ class MotorController:
     bus_V: float
     ripple: float = 0.0
     ripple_hz: float = 100.0
+    wander: float = 0.0
+    wander_s: float = 0.02
 
 
 def servo(
@@ -59,9 +65,16 @@ def servo(
     return control
 
 
-def bus_ripple(controller: MotorController) -> Callable[[float, float], float]:
-    """Return `applied(u, t)`: the voltage at the motor with the ripple of the rectified bus."""
-    if not controller.ripple:
+def supply(
+    controller: MotorController, dt: float, steps: int, rng: np.random.Generator
+) -> Callable[[float, int], float]:
+    """Return `applied(u, n)`: the voltage at the motor in step n, as the bus, and so the pulses, vary."""
+    if not controller.ripple and not controller.wander:
         return lambda u, _: u
-    depth, rate = controller.ripple, 2.0 * pi * controller.ripple_hz
-    return lambda u, t: u * (1.0 + depth * sin(rate * t))
+    gain = 1.0 + controller.ripple * np.sin(2.0 * pi * controller.ripple_hz * dt * np.arange(steps))
+    if controller.wander:
+        keeps = exp(-dt / controller.wander_s)
+        noise = rng.standard_normal(steps) * controller.wander * sqrt(1.0 - keeps**2)
+        gain += lfilter([1.0], [1.0, -keeps], noise)
+    gains = gain.tolist()
+    return lambda u, n: u * gains[n]

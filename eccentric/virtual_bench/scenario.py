@@ -3,9 +3,10 @@
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from math import floor, log2, pi
+from math import atan, floor, log2, pi
 
 import numpy as np
+from scipy.optimize import brentq
 
 from eccentric.errors import InputError, meant
 
@@ -16,6 +17,7 @@ from .plant import Plant
 
 CASES = ("C1", "C2")
 LOG_TYPES = ("runs", "traj")
+DRIVES = ("fine", "ordinary")
 _SHORTEST_S, _LONGEST_S = 15.0, 3600.0
 _FINAL_RISE_K = 60.0  # final temperature rise from the losses
 
@@ -48,6 +50,7 @@ def random_scenario(
     noise: float = 0.01,
     temperature: bool = False,
     seconds: float = 60.0,
+    drive: str = "fine",
 ) -> Scenario:
     """Draw a plausible rig with that gear ratio around the paper's Table 1, a course and shapes of effects.
 
@@ -55,10 +58,13 @@ def random_scenario(
     with its strength (fraction of the friction rms; otherwise `strength`). `noise` is the current's, over its
     largest value. A temperature is logged if requested or if an effect needs it. The same state of `rng`
     gives the same plant and course, whatever the effects.
+    `drive` is "fine" (a well damped loop, a fine encoder, a steady bus) or "ordinary": a loop of 3 to 12 Hz
+    on a speed filtered at 12 to 80 Hz, which may ring, a bus that varies by up to 2 % over 20 ms,
+    and an encoder as coarse at low gear ratios as at high ones.
 
     Raises InputError for values out of range, an unknown effect, or one that the case cannot show.
     """
-    _check(case, mu, log_type, strength, noise, seconds)
+    _check(case, mu, log_type, strength, noise, seconds, drive)
     if isinstance(effects, str) or not isinstance(effects, Sequence):
         raise InputError(f"effects: required a list of names, or of (name, strength); received {effects!r}")
     requested = [(one, strength) if isinstance(one, str) else one for one in effects]
@@ -74,6 +80,8 @@ def random_scenario(
     course = (speed_runs if log_type == "runs" else sum_of_sines)(rng, seconds, top_speed)
     controller, theta = _controller(rng, plant), float(rng.uniform(0.0, 2.0 * pi))
     seed = int(rng.integers(2**32))
+    if drive == "ordinary":
+        controller = _ordinary(np.random.default_rng(seed), plant)
 
     setting = _setting(plant, course, top_speed)
     built = []
@@ -113,8 +121,14 @@ def _drawn_variant(family: str, rng: np.random.Generator) -> str:
     return str(rng.choice(VARIANTS[family])) if family in VARIANTS else ""
 
 
-def _check(case: str, mu: float, log_type: str, strength: float, noise: float, seconds: float) -> None:
-    for quantity, value, allowed in (("case", case, CASES), ("log type", log_type, LOG_TYPES)):
+def _check(
+    case: str, mu: float, log_type: str, strength: float, noise: float, seconds: float, drive: str
+) -> None:
+    for quantity, value, allowed in (
+        ("case", case, CASES),
+        ("log type", log_type, LOG_TYPES),
+        ("drive", drive, DRIVES),
+    ):
         if value not in allowed:
             raise InputError(f"{quantity}: required {' or '.join(allowed)}; received {value}")
     for quantity, value, low, high in (
@@ -166,6 +180,39 @@ def _controller(rng: np.random.Generator, plant: Plant) -> MotorController:
         ki=kp * float(rng.uniform(3.0, 6.0)),
         bus_V=24.0 if plant.mu <= 1.0 else 48.0,
     )
+
+
+def _ordinary(rng: np.random.Generator, plant: Plant) -> MotorController:
+    """Return a controller as it is found in the field: its loop may ring, its bus and its encoder are poor.
+
+    The loop is as fast as drawn, or as 10 degrees of phase margin allow.
+    """
+    bandwidth = 2.0 * pi * float(rng.uniform(3.0, 12.0))
+    corner = float(rng.choice([12.0, 16.0, 24.0, 40.0, 80.0]))
+    integral = float(rng.uniform(3.0, 6.0))
+    while _phase_margin(bandwidth, 2.0 * pi * corner, integral) < pi / 18.0:
+        bandwidth *= 0.95
+    kp = bandwidth * plant.inertia * plant.R / plant.k_i
+    return MotorController(
+        counts=int(rng.choice([4096, 8192, 16384])),
+        filter_hz=corner,
+        filter_order=2,
+        kp=kp,
+        ki=kp * integral,
+        bus_V=24.0 if plant.mu <= 1.0 else 48.0,
+        wander=float(rng.uniform(0.0, 0.02)),
+    )
+
+
+def _phase_margin(bandwidth: float, corner: float, integral: float) -> float:
+    """Phase margin [rad] of an inertia under a PI controller behind two poles at `corner` [rad/s].
+
+    `bandwidth` [rad/s] is the crossover without the poles, `integral` [1/s] the integral over the
+    proportional gain.
+    """
+    # There the gain is one: bandwidth/w over 1 + (w/corner)^2.
+    crossover = float(brentq(lambda w: w * (1.0 + (w / corner) ** 2) - bandwidth, 0.0, bandwidth))
+    return pi / 2.0 - 2.0 * atan(crossover / corner) - atan(integral / crossover)
 
 
 def _setting(plant: Plant, course: Course, top_speed: float) -> PlantSetting:

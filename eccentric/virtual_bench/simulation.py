@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from .controller import bus_ripple, servo
+from .controller import servo, supply
 from .effects import PlantedEffect
 from .motion import Motion
 from .scenario import Scenario
@@ -68,7 +68,7 @@ def _run(scenario: Scenario) -> _Raw:
     motion = Motion(plant, scenario.start_angle, effects=len(bound))
     advance = mover(plant, motion, dt, bound)
     control = servo(scenario.controller, plant, motion.theta, dt)
-    applied = bus_ripple(scenario.controller)
+    applied = supply(scenario.controller, dt, rows * steps, np.random.default_rng(scenario.seed + 1))
     reference = scenario.course.reference(np.arange(rows * steps) * dt).tolist()
 
     # The drive averages voltage and current over the two pulses around the sample instant: neither leads.
@@ -77,7 +77,7 @@ def _run(scenario: Scenario) -> _Raw:
     for _ in range(rows):
         theta, w, u_before, i_before = motion.theta, motion.w, voltage, motion.i
         voltage, speed = control(theta, reference[n])
-        advance(applied(voltage, motion.t))
+        advance(applied(voltage, n))
         fine_current.append(motion.i)
         friction = motion.dry * ((motion.w_mid > 0.0) - (motion.w_mid < 0.0)) + motion.viscous * motion.w_mid
         u, i = 0.5 * (u_before + voltage), 0.5 * (i_before + motion.i)
@@ -88,7 +88,7 @@ def _run(scenario: Scenario) -> _Raw:
         acting.append(motion.acting.copy())
         for k in range(n + 1, n + steps):
             voltage, _ = control(motion.theta, reference[k])
-            advance(applied(voltage, motion.t))
+            advance(applied(voltage, k))
             fine_current.append(motion.i)
         n += steps
 
@@ -204,6 +204,7 @@ def _truth(scenario: Scenario, raw: _Raw) -> dict[str, Any]:
         "velocity_filter_hz": scenario.controller.filter_hz,
         "velocity_filter_order": scenario.controller.filter_order,
         "bus_ripple": scenario.controller.ripple,
+        "bus_wander": scenario.controller.wander,
         "rows": len(raw.theta),
         "mu": plant.mu,
         "case": plant.case,

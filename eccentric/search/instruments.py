@@ -1,0 +1,60 @@
+"""Signals whose noise is not that of the target: the motion alone, and what the model makes of it.
+
+The measured current stands on one side of a balance and inside candidates on the other; noise of the angle
+passes through the speed loop into voltage and current. What such a candidate gains in a search may be the
+noise of its own signals. Its instrument is the same candidate on signals that do not have that noise: the
+motion below the frequency where it ends, and the current and voltage that the fitted model needs for it. An
+effect that is there shows in both; noise that comes back through the loop in one.
+
+Reference: A. Janot, P.-O. Vandanjon, M. Gautier, "A generic instrumental variable approach for industrial
+robot identification", IEEE Trans. Control Systems Technology 22(1), 2014.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from eccentric.fitting import FitData, Signals, base_columns, compiled
+from eccentric.model import Model
+from eccentric.search.limits import LEAST_MOTION, LOWEST_BAND_HZ
+from eccentric.signals import motion_of
+
+__all__ = ["instruments_of"]
+
+Array = np.ndarray
+
+
+def instruments_of(data: FitData, model: Model, friction: Array) -> Signals | None:
+    """The signals of a log from its motion alone; None where its rows average all noise away.
+
+    friction: (columns,) coefficients of a first fit of the base model [paper's units].
+    """
+    channels, signals = data.drive.channels, data.signals
+    motion = None if data.rows.independent else _slow_motion(data)
+    if motion is None:
+        return None
+    values = {**signals.values, **motion}
+    slow = replace(signals, values=values)
+    load = compiled(model, model.balance("mechanical").sum_of("inertial", "gravity", "conservative"), slow)
+    torque = channels.smooth(load({}, {}) + base_columns(model, slow) @ friction)
+    values["i"] = data.drive.machine.current_of_torque(signals.known, torque)
+    if "u" in values:
+        given = {"k_e": 0.0, **signals.known}
+        values["u"] = given["R"] * values["i"] + data.drive.machine.back_emf(given, values["omega_m"])
+    return replace(signals, values=values)
+
+
+def _slow_motion(data: FitData) -> dict[str, Array] | None:
+    """Angle, speed and acceleration (samples,) below the least frequency that holds the motion."""
+    channels = data.drive.channels
+    rows, speed = channels.selection.fit_rows, channels.motion.omega_m
+    cut = LOWEST_BAND_HZ
+    while cut < channels.rig.sampling.low_pass_hz:
+        found, _ = motion_of(channels.time.t, channels.motion.theta_m, channels.time.segment, cut)
+        missed = np.sum((found[1] - speed)[rows] ** 2) / np.sum(speed[rows] ** 2)
+        if missed < 1.0 - LEAST_MOTION:
+            return dict(zip(("theta_m", "omega_m", "alpha_m"), found, strict=True))
+        cut *= 2.0
+    return None

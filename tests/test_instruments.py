@@ -1,0 +1,97 @@
+"""What a candidate gains must be there without the noise of its own signals: columns of known projection."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from eccentric.fitting import drive_of, fit_data_of
+from eccentric.logs import read_log
+from eccentric.model import load_model
+from eccentric.rigs import read_rig
+from eccentric.search import instruments_of, limits
+from eccentric.search.candidate import Candidate
+from eccentric.signals import read_channels
+from eccentric.virtual_bench import simulate
+from tests.searched import N, adopted, candidate, mixed, search
+from tests.virtual import drawn_scenario
+
+OWN, OTHER = 2, 5
+
+
+def seen_through(share: float) -> Candidate:
+    """A candidate whose instrument has this part of its squared length in the candidate's own column."""
+    instrument = mixed({OWN: math.sqrt(share), OTHER: math.sqrt(1.0 - share)})[:, None]
+    return replace(candidate("a", {OWN: 1.0}), instrument=lambda _: instrument)
+
+
+def gained(amplitude: float, share: float) -> float:
+    """The deviance of the instrument: it leaves 1 + b^2 (1 - share) of 1 + b^2."""
+    return N * math.log((1.0 + amplitude**2) / (1.0 + amplitude**2 * (1.0 - share)))
+
+
+def test_a_candidate_that_is_its_own_instrument_is_adopted() -> None:
+    """Where the noise of its signals is none of the target's, nothing changes."""
+    assert ["a"] == adopted(search({OWN: 1.0}, seen_through(1.0)))
+
+
+def test_what_gains_by_its_own_noise_alone_is_not_adopted() -> None:
+    """Its instrument is orthogonal to the target; the same candidate without one is adopted."""
+    assert ["a"] == adopted(search({OWN: 1.0}, candidate("a", {OWN: 1.0})))
+    assert [] == adopted(search({OWN: 1.0}, seen_through(0.0)))
+
+
+@pytest.mark.parametrize(("amplitude", "limit"), [
+    (math.sqrt(math.expm1(30.0 / N)), limits.CONFIRMED),  # own deviance 30: the level of chance decides
+    (1.0, limits.CONFIRMED_PART * N * math.log(2.0)),  # own deviance 1420: the part decides
+])  # fmt: skip
+@pytest.mark.parametrize(("above", "expected"), [(0.97, []), (1.03, ["a"])])
+def test_the_instrument_must_gain_a_part(
+    amplitude: float, limit: float, above: float, expected: list[str]
+) -> None:
+    """The share that just reaches the larger of both thresholds, by the closed form of the gain."""
+    share = -math.expm1(-above * limit / N) * (1.0 + amplitude**2) / amplitude**2
+
+    assert gained(amplitude, share) == pytest.approx(above * limit, rel=1e-9)
+    assert expected == adopted(search({OWN: amplitude}, seen_through(share)))
+
+
+def test_the_next_candidate_takes_the_place_of_one_that_is_not_confirmed() -> None:
+    """It is passed over, not the end of the search: the smaller effect behind it is adopted."""
+    false = [replace(seen_through(0.0), id=f"false{k}", family=f"false{k}") for k in range(3)]
+
+    assert ["b"] == adopted(search({OWN: 2.0, 3: 1.0}, *false, candidate("b", {3: 1.0})))
+
+
+def test_a_smooth_term_explains_what_its_instrument_shows() -> None:
+    """What follows the noise of a variable is no structure, and refuses no name."""
+    for share, expected in ((1.0, True), (0.0, False)):
+        found = search({OWN: 1.0}, smooth=(replace(seen_through(share), id="smooth:x"),))
+
+        assert expected == found.explains(found.base, found.smoothed[0])
+
+
+def test_the_instruments_are_the_signals_that_the_motion_needs() -> None:
+    """Current and voltage of a log without noise, from its motion at low frequency: noise changes neither."""
+    found = {}
+    for noise in (0.0, 0.03):
+        run = simulate(drawn_scenario(5, log_type="traj", seconds=40.0, noise=noise))
+        channels = read_channels([read_log(run.columns)], read_rig(run.rig))
+        model = load_model(channels.rig.model)
+        data = fit_data_of(drive_of(channels, channels.rig, model), channels.rig, model)
+        hidden = run.truth["hidden_parameters"]
+        friction = np.array([hidden[c.name] for c in data.signals.columns(model)])
+        signals = instruments_of(data, model, friction)
+        assert signals is not None
+        found[noise] = channels.selection.usable, signals.values, run.columns
+
+    rows, quiet, logged = found[0.0]
+    for name, column in (("i", "current_A"), ("u", "voltage_V")):
+        error = (quiet[name] - logged[column])[rows]
+        assert np.sqrt(np.mean(error**2)) < 0.1 * np.sqrt(np.mean(logged[column][rows] ** 2))
+    noisy = found[0.03][1]
+    assert np.array_equal(quiet["i"], noisy["i"])
+    assert np.array_equal(quiet["u"], noisy["u"])
