@@ -251,7 +251,10 @@ TIMES = {
         lambda t: np.where(np.arange(len(t)) == 7, t[6], t),
         r"log\.csv: line 9: time stamps must increase",
     ),
-    "in ms": (lambda t: 1e3 * t, r"goes from 0 to 24996 s, received .*: is time in s, and the log complete\?$"),
+    "in ms": (
+        lambda t: 1e3 * t,
+        r"goes from 0 to 24996 s, received .*: is time in s, and the log complete\?$",
+    ),
 }
 
 
