@@ -9,6 +9,9 @@ import pytest
 
 import eccentric
 from eccentric.cli import main
+from eccentric.diagnosis.stage import stage_of
+from eccentric.fitting import refit
+from eccentric.signals import read_channels
 
 ROOT = Path(__file__).resolve().parent.parent
 LOG, RIG = (str(ROOT / "examples" / "bench" / name) for name in ("bench.csv.gz", "bench.json"))
@@ -58,6 +61,19 @@ def test_an_asymmetric_model_has_the_same_baseline(said: dict[str, Any]) -> None
     for one in said.values():
         ratio = one["rmse_holdout_Nm"] / base["rmse_holdout_Nm"]
         assert one["improvement"]["percent"] == pytest.approx(100.0 * (1.0 - ratio), abs=1e-9)
+
+
+def test_coulomb_and_viscous_friction_is_the_same_model_in_every_command() -> None:
+    """Beside an asymmetric model, too, it has two coefficients and the same held-out error."""
+    plain, asymmetric = (eccentric.fit(LOG, RIG, name).rmse for name in ("c2_parallel", "c2_asymmetric"))
+    channels = read_channels([eccentric.read_log(LOG)], eccentric.read_rig(RIG))
+    stage = stage_of(channels, eccentric.load_model("c2_asymmetric"), None, "log")
+    linear = refit(stage.base, (), stage.data, linear=True)
+
+    assert 2 == len(linear.estimates)
+    assert plain["linear"] == pytest.approx(linear.held_out("mechanical"), rel=1e-9)
+    assert plain["linear"] == pytest.approx(asymmetric["linear"], rel=1e-9)
+    assert asymmetric["paper"] < plain["paper"]
 
 
 def test_a_family_stands_for_its_best_member() -> None:

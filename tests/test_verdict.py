@@ -11,10 +11,14 @@ from scipy.stats import chi2
 from eccentric.effects import Evidence, Kin, Words
 from eccentric.search import Attribution, limits, unconfirmed
 from eccentric.search.candidate import Candidate
+from eccentric.search.measurements import measurement_of
 from eccentric.search.verdict import decided, next_measurement
 from eccentric.signals import MANY_RUNS
 from tests.searched import N, candidate, search
 
+VARIABLES = ("velocity", "direction", "link_angle", "motor_angle", "gravity_load", "transmitted_torque",
+             "acceleration", "current", "voltage", "temperature", "time", "history")  # fmt: skip
+"""Those that an effect may depend on, as `Evidence` lists them."""
 A, B = candidate("a", {2: 1.0}), candidate("b", {3: 1.0})
 
 
@@ -122,7 +126,7 @@ def test_what_a_smooth_term_still_takes_out_refuses_a_name(part: float, runs: in
     assert expected == found.verdict
     if expected == "unexplained":
         assert (("of_smooth:x",), ()) == (found.depends_on, found.tied)
-        assert found.next_measurement.startswith("Repeat the log with everything held constant but the of s")
+        assert found.next_measurement.startswith("Change the of s")
 
 
 def test_a_smooth_term_alone_leaves_the_log_unexplained() -> None:
@@ -196,7 +200,7 @@ def test_a_name_is_taken_back() -> None:
     assert ("unexplained", (), ("of_a", "time"), ("a",)) == (
         found.verdict, found.tied, found.depends_on, found.unconfirmed
     )  # fmt: skip
-    assert "everything held constant but the of a" in found.next_measurement
+    assert "Change the of a alone, in five steps" in found.next_measurement
 
 
 SPEED = Kin("speed", {"speed": "More speeds."})
@@ -212,8 +216,8 @@ def test_the_measurement_between_tied_families_is_theirs() -> None:
 @pytest.mark.parametrize(
     ("case", "tied", "variables", "expected"),
     [
-        ("unexplained", ["a"], ["link_angle", "time"], "constant but the link angle, swept"),
-        ("unexplained", [], [], "constant but the time, swept"),
+        ("unexplained", ["a"], ["link_angle", "time"], "Turn the link slowly at one constant speed"),
+        ("unexplained", [], [], "after an hour at rest"),
         ("unexplained", [], ["acceleration"], "Leave J_m and J_l out"),
         ("not_identifiable", ["a", "b"], [], "separates what a is from b: other speeds"),
         ("not_identifiable", [], [], ""),
@@ -237,3 +241,13 @@ def test_a_variable_is_the_leading_one() -> None:
     two = replace(A, evidence=Evidence(("velocity", "direction")))
 
     assert "velocity" == two.variable
+
+
+@pytest.mark.parametrize("variable", VARIABLES)
+def test_every_variable_has_a_measurement_that_a_person_can_do(variable: str) -> None:
+    """It says what to do, in a sentence of its own: no two variables share one, none is a word in a frame."""
+    sentence = measurement_of(variable)
+
+    assert (True, ".") == (sentence[0].isupper(), sentence[-1])
+    assert "alone, in five steps" not in sentence
+    assert 1 == [measurement_of(other) for other in VARIABLES].count(sentence)

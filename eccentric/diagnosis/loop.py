@@ -97,6 +97,7 @@ def diagnose(
         score=score,
         refused=refused,
         closest=closest_effect(found, chosen, models),
+        differing=stage.differing,
         sibling=better_sibling(stage.plain, models),
         noise_floor=drive_noise(data),
         orders=orders_of(data, residual_samples(models.shipped)),

@@ -58,6 +58,7 @@ class Diagnosis:
         attribution: verdict, candidates, dependence.
         models: what was fitted.
         score: held-out errors and the improvement.
+        differing: warnings of runs unlike the others.
         refused: score of the effects that the held-out part did not confirm, if any had been adopted.
         closest: the best effect and its gain, where none is adopted.
         sibling: a shipped model of the same case that predicts better as it stands.
@@ -75,6 +76,7 @@ class Diagnosis:
     refused: Score | None
     closest: Closest | None
     sibling: Sibling | None
+    differing: tuple[str, ...]
     noise_floor: float
     orders: tuple[Order, ...]
 
@@ -106,7 +108,7 @@ class Diagnosis:
     @property
     def warnings(self) -> tuple[str, ...]:
         """Warnings of the reader, of the first fit, and of fits that have not converged."""
-        said = (*self.channels.intake.warnings, *self.data.drive.warnings)
+        said = (*self.channels.intake.warnings, *self.data.drive.warnings, *self.differing)
         names = self.models.unsettled
         if not names:
             return said

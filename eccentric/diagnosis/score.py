@@ -36,8 +36,8 @@ class Score:
     """What the held-out part says.
 
     rmse: balance -> model -> held-out RMSE [N m, or the unit of the drive]; per_drive: the same of the
-    mechanical balance in the unit of the drive, if the torque is not measured; free: held-out RMSE [N m]
-    while the motor is switched off; `percent` and `interval` are those of `balance`.
+    mechanical balance in the unit of the drive while the motor is on, if the torque is not measured;
+    free: held-out RMSE [N m] while the motor is off; `percent` and `interval` are those of `balance`.
     """
 
     rmse: Mapping[str, Mapping[str, float]]
@@ -81,7 +81,10 @@ def score(linear: Refit, paper: Refit, extended: Refit, balance: str, over_runs:
     )
     percent, interval = improvement(before, after) if extended is not paper else (0.0, (0.0, 0.0))
     scaled = paper.scale is not None
-    per_drive = {n: x * common for n, x in rmse["mechanical"].items()} if scaled else {}
+    # A motor that is off has no voltage or current to be predicted: these rows are in `free`.
+    on = rows.score & ~off
+    per_drive = {n: _rms(m.residuals["mechanical"][on]) * (m.scale or 1.0) for n, m in models.items()}
+    per_drive = per_drive if scaled and np.any(on) else {}
     return Score(rmse, per_drive, free, balance, percent, interval, over_runs)
 
 

@@ -22,6 +22,7 @@ from eccentric.search import (
     fitted_variants,
     instruments_of,
     offered,
+    runs_that_differ,
     setting_of,
 )
 from eccentric.signals import LEAST_HELD_OUT, BalanceDesign, Channels, require_rows
@@ -37,8 +38,8 @@ class Stage:
 
     plain: the base model as given; base: with the constant load of the rig; balances: residuals of the
     training part, with the noise of a window; friction: coefficients of a first fit; instruments: signals
-    without the noise of the target, None where there are none; offered: the effects of
-    the library that the log can show.
+    without the noise of the target, None where there are none; differing: warnings of runs unlike the
+    others; offered: the effects of the library that the log can show.
     """
 
     plain: Model
@@ -49,6 +50,7 @@ class Stage:
     friction: Array
     instruments: Signals | None
     setting: Setting
+    differing: tuple[str, ...]
     offered: tuple[Effect, ...]
 
     def candidates(self, effects: Sequence[Effect]) -> list[Candidate]:
@@ -104,7 +106,9 @@ def stage_of(channels: Channels, plain: Model, effects: Path | None, where: str)
     names = {balance.name for balance in balances}
     every = offered(setting, effects, data, rig, base, names)
     instruments = instruments_of(data, base, friction)
-    return Stage(plain, base, data, balances, noise, friction, instruments, setting, every)
+    mechanical = next(balance for balance in balances if balance.name == "mechanical")
+    differing = runs_that_differ(mechanical, drive.torque(), friction, drive.channels.time.run_names)
+    return Stage(plain, base, data, balances, noise, friction, instruments, setting, differing, every)
 
 
 def _require_supported(model: Model, channels: Channels) -> None:

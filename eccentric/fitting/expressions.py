@@ -6,7 +6,7 @@ stable steps are replaced by their plain formulas, and the rest is compiled to N
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Mapping
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property, lru_cache
 from typing import Any
@@ -139,6 +139,15 @@ def seen_columns(model: Model, known: Mapping[str, float]) -> tuple[int, ...]:
         for k, column in enumerate(regressor(model))
         if not absent or meaning(model.expand(column.basis)).subs(absent) != 0
     )
+
+
+def alike(columns: Sequence[Column]) -> list[tuple[int, ...]]:
+    """The columns of the linear model, grouped: those of one role and joint are one for each direction."""
+    groups: dict[tuple[object, int], list[int]] = {}
+    for k, column in enumerate(columns):
+        if column.linear:
+            groups.setdefault((column.role, column.joint), []).append(k)
+    return [tuple(group) for group in groups.values()]
 
 
 @lru_cache(maxsize=2000)

@@ -20,6 +20,7 @@ from numpy.typing import NDArray
 
 from eccentric.effects import Effect
 from eccentric.estimation import Coefficient, Design, Role, Solution, iterate
+from eccentric.fitting.expressions import alike
 from eccentric.fitting.fit_data import FitData
 from eccentric.fitting.limits import LAST_STEP, MOST_STEPS, USABLE_PART
 from eccentric.fitting.residuals import Residuals, Values
@@ -65,7 +66,8 @@ class Extended:
     """A base model with effects on a log, ready to be fitted.
 
     friction: the fitted friction coefficients, `every` with those that stay zero in the linear model;
-    `bounds` whether they are held within theirs; train (rows,): what is fitted.
+    `bounds` whether they are held within theirs; train (rows,): what is fitted; joined: names of further
+    coefficients that are the same number, by that which is fitted.
     """
 
     model: Model
@@ -75,6 +77,7 @@ class Extended:
     every: tuple[Coefficient, ...]
     bounds: bool
     train: Mask
+    joined: Mapping[str, tuple[str, ...]]
 
     @property
     def shapes(self) -> Values:
@@ -160,7 +163,7 @@ class Extended:
         start = point.values | {c.name: 0.0 for c in own}
         rest = residuals.rows(balance, start)
         there = rest if point.current is None else residuals.rows(balance, start, point.current)
-        steps = [there - residuals.rows(balance, {**start, c.name: 1.0}, point.current) for c in own]
+        steps = [there - residuals.rows(balance, start | self._all(c.name, 1.0), point.current) for c in own]
         outside: dict[str, Array] = {}
         if balance == "mechanical":
             # Columns outside the module: gravity, back-EMF, offset and zero angle, against the drive.
@@ -203,7 +206,8 @@ class Extended:
         offset *= scale or 1.0
         # All of a scaled solution is too large by the same factor.
         factor = 1.0 + gravity if drive.adjusts == "scale" else 1.0
-        values |= {n: x / factor for n, x in found.items()}
+        for name, x in found.items():
+            values |= self._all(name, x / factor)
         if drive.rotor is not None and "J_m" in found:
             values |= self._shared(values, drive.rotor)
         if drive.adjusts == "scale" and scale is not None:
@@ -237,6 +241,10 @@ class Extended:
         rest = residuals.samples("mechanical", quiet) + effect - offset
         return residuals.inputs["i"] - self.data.drive.machine.current_of_torque(point.values, rest)
 
+    def _all(self, name: str, value: float) -> Values:
+        """The value of a coefficient, and of those that are joined with it."""
+        return dict.fromkeys((name, *self.joined.get(name, ())), value)
+
     def _of_effects(self) -> list[str]:
         return [q.name for effect, _ in self.effects for q in effect.coefficients]
 
@@ -250,14 +258,16 @@ def extended(
         model = effect.extend(model, own)
     columns, rows = data.signals.columns(base), data.rows
     friction = tuple(_friction(column) for column in columns)
+    groups = alike(columns) if linear else [(k,) for k in range(len(columns))]
     return Extended(
         model,
         tuple(effects),
         data,
-        tuple(c for c, column in zip(friction, columns, strict=True) if column.linear or not linear),
+        tuple(friction[first] for first, *_ in groups),
         friction,
         bounds,
         rows.train if without is None else (rows.train | rows.score) & (rows.run != without),
+        {friction[first].name: tuple(friction[k].name for k in others) for first, *others in groups},
     )
 
 

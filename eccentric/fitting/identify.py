@@ -87,7 +87,7 @@ def fit(channels: Channels, rig: Rig, model: Model, where: str = "log") -> Fit:
     train = problem.rows.train
     require_rank(paper.design.columns[train], [c.name for c in problem.coefficients], where)
     solutions = {
-        "linear": search(problem, problem.linear),
+        "linear": search(baseline := problem.baseline, baseline.linear),
         "paper": paper,
         "paper_unbounded": search(problem, problem.every, bounds=False, start=paper.at),
     }
@@ -98,11 +98,13 @@ def fit(channels: Channels, rig: Rig, model: Model, where: str = "log") -> Fit:
         solutions["paper"] = paper = better.best
     error = paper.spread(problem.nonlinear)
     coefficients, searched = _estimates(problem, paper, error)
-    score = problem.rows.score
-    errors = {name: solution.residual[score] for name, solution in solutions.items()}
+    problems = {name: baseline if name == "linear" else problem for name in solutions}
+    errors = {name: _held_out(problems[name], solution) for name, solution in solutions.items()}
     percent, interval = improvement(errors["linear"], errors["paper"])
+    judged = problem.judged
     explained = {
-        name: r_squared(e, problem.drive_signal(solutions[name].at)[score]) for name, e in errors.items()
+        name: r_squared(e, judged.drive_signal(solutions[name].at)[judged.rows.score])
+        for name, e in errors.items()
     }
     warnings = [*problem.warnings, *_warnings(problem, paper, profiles)]
     return Fit(
@@ -120,6 +122,13 @@ def fit(channels: Channels, rig: Rig, model: Model, where: str = "log") -> Fit:
         explained,
         tuple(warnings),
     )
+
+
+def _held_out(problem: Problem, solution: Solution) -> Array:
+    """The residual of a solution on the held-out rows that every command compares models on."""
+    design = problem.judged.design(solution.at)
+    rows = problem.judged.rows.score
+    return (design.target - design.columns @ solution.values)[rows]
 
 
 def _require_rows(problem: Problem, where: str) -> None:

@@ -34,12 +34,12 @@ from eccentric.fitting.columns import (
 )
 from eccentric.fitting.constant_load import load_gain
 from eccentric.fitting.emitted import Emitted
-from eccentric.fitting.expressions import seen_columns
+from eccentric.fitting.expressions import alike, seen_columns
 from eccentric.fitting.machine import Machine
 from eccentric.model import Model, regressor
 from eccentric.model import vocabulary as v
 from eccentric.rigs import KNOWNS
-from eccentric.signals import Rows, fit_rows
+from eccentric.signals import Rows, fit_rows, rows_of
 
 if TYPE_CHECKING:
     from eccentric.rigs import Rig
@@ -51,7 +51,11 @@ _ALIGNED = ("input_delay_s", "theta_zero_rad")
 
 @dataclass(frozen=True)
 class Problem:
-    """What is minimised. `unit` is that of target and residual; `scale` is s, None where it is one."""
+    """What is minimised.
+
+    `unit` is that of target and residual; `scale` is s, None where it is one; `joined` are columns that have
+    one coefficient.
+    """
 
     channels: Channels
     rig: Rig
@@ -65,12 +69,15 @@ class Problem:
     nonlinear: tuple[Nonlinear, ...]
     kept: tuple[int, ...]
     warnings: tuple[str, ...]
+    joined: tuple[tuple[int, ...], ...] = ()
 
     def design(self, at: Mapping[str, float]) -> Design:
         """Return the design for given nonlinear values."""
         channels, parameters = self._aligned(at), self._parameters(at)
         signals = _signals(channels)
         friction = self.rows.mean(self.emitted("regressor", signals, parameters))[:, self.kept]
+        for first, *others in self.joined:
+            friction[:, first] += friction[:, others].sum(axis=1)
         inertia = self.rows.acceleration(channels)
         known = self._load(signals, inertia, parameters)
         by_role = {
@@ -99,9 +106,21 @@ class Problem:
         return np.ones(len(self.coefficients), dtype=bool)
 
     @property
+    def baseline(self) -> Problem:
+        """The problem of Coulomb + viscous friction: one coefficient of each, for both directions."""
+        columns = [regressor(self.model)[k] for k in self.kept]
+        return dataclasses.replace(self, joined=tuple(g for g in alike(columns) if len(g) > 1))
+
+    @property
     def linear(self) -> NDArray[np.bool_]:
         """The coefficients (k,) of the linear model: friction of Coulomb and viscous form, and the bench."""
-        return np.array([c.linear for c in self.coefficients])
+        joined = {k for _, *others in self.joined for k in others}
+        return np.array([c.linear and k not in joined for k, c in enumerate(self.coefficients)])
+
+    @property
+    def judged(self) -> Problem:
+        """The problem on the rows that every command compares models on."""
+        return dataclasses.replace(self, rows=rows_of(self.channels, self.rig))
 
     def _aligned(self, at: Mapping[str, float]) -> Channels:
         aligned = {name: value for name, value in at.items() if name in _ALIGNED}
@@ -178,7 +197,10 @@ def pose(channels: Channels, rig: Rig, model: Model) -> Problem:
     rows, machine = fit_rows(channels, rig), Machine(model)
     warnings = list(channels.intake.warnings)
     if rows.operator is not None:
-        warnings.append(f"the log is fitted, and its error taken, on {rows.description}")
+        compared = rows_of(channels, rig).description
+        on = f", and its error taken, on {compared}" if compared == rows.description else ""
+        on = on or f" on {rows.description}, and its error taken on {compared}"
+        warnings.append(f"the log is fitted{on}")
     coefficients = combinations_of(channels, rig, model, machine, scale)
     kept = seen_columns(model, rig.known)
     gone = [c.letter for k, c in enumerate(coefficients) if c.role == "friction" and k not in kept]

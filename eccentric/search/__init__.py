@@ -7,6 +7,8 @@
     screen        candidates on one balance: scored, refined, cross-validated
     fitted_variants  effects that a person names, fitted without a search
     attribution   the search on each balance: adopt, compare, try smooth terms on the rest
+    measurements  what to measure where no effect explains the structure
+    runs          recordings that differ, before they are pooled
     verdict       one verdict, a ranked list, the measurement that would decide
     limits        every threshold, with its reason
 
@@ -21,6 +23,7 @@ from eccentric.search.from_effect import candidate_of
 from eccentric.search.instruments import instruments_of
 from eccentric.search.limits import LEAST_DEVIANCE, LEAST_SHARE
 from eccentric.search.offer import offered
+from eccentric.search.runs import runs_that_differ
 from eccentric.search.verdict import Adopted, Attribution, Ranked, attribute, unconfirmed
 
 __all__ = [
@@ -36,6 +39,7 @@ __all__ = [
     "fitted_variants",
     "instruments_of",
     "offered",
+    "runs_that_differ",
     "setting_of",
     "unconfirmed",
     "variables_of",

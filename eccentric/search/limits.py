@@ -25,9 +25,12 @@ __all__ = [
     "LEADERS_OF_A_PARTNER",
     "LEADERS_OF_A_SWAP",
     "LEAST_DEVIANCE",
+    "LEAST_DIFFERENCE",
     "LEAST_MOTION",
+    "LEAST_OTHERS",
     "LEAST_PART",
     "LEAST_SHARE",
+    "LEAST_SHARE_OF_LOAD",
     "LEVEL",
     "LOSS_TOLERANCE",
     "LOWEST_BAND_HZ",
@@ -110,6 +113,16 @@ UNEXPLAINED_OVER_RUNS = 0.15
 has yet to predict those held out."""
 EXTRAPOLATED = 4.0
 """A block counts for nothing if a smooth term multiplies its loss by this: it had to extrapolate there."""
+
+# Recordings that differ.
+
+LEAST_DIFFERENCE = 0.1
+"""Least difference of a run's friction or gain from the nearest other run: two runs of one rig often differ
+by some percent."""
+LEAST_OTHERS = 3
+"""Fewest other runs: two do not show how much runs of one rig differ."""
+LEAST_SHARE_OF_LOAD = 0.05
+"""Least standard deviation of inertia and gravity torque, over that of the drive: less gives no gain."""
 
 # The level that chance reaches.
 

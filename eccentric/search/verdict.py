@@ -18,6 +18,7 @@ from eccentric.effects import Words, measurement_between
 from eccentric.search import limits
 from eccentric.search.attribution import Search, search_all
 from eccentric.search.candidate import Candidate, Variant
+from eccentric.search.measurements import measurement_of
 from eccentric.search.screen import Fitted
 from eccentric.search.smooth import Variables
 from eccentric.signals import MANY_RUNS, BalanceDesign
@@ -221,15 +222,7 @@ def next_measurement(verdict: str, tied: Sequence[tuple[str, Words]], variables:
     tied: families that explain the log equally well, each with the words of its best member.
     """
     if verdict == "unexplained":
-        what = variables[0].replace("_", " ") if variables else "time"
-        if what == "acceleration":
-            return (
-                "Leave J_m and J_l out of the rig file: the log then identifies the inertia and shows"
-                " what else is left."
-            )
-        return (
-            f"Repeat the log with everything held constant but the {what}, swept slowly in both directions."
-        )
+        return measurement_of(variables[0] if variables else "time")
     if verdict != "not_identifiable" or not tied:
         return ""
     first, second = tied[0], tied[1] if len(tied) > 1 else tied[0]
