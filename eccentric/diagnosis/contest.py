@@ -15,8 +15,8 @@ import numpy as np
 
 from eccentric.diagnosis.stage import Stage, stage_of
 from eccentric.errors import InputError, few
-from eccentric.estimation import improvement, r_squared
-from eccentric.fitting import Refit, drive_noise, refit
+from eccentric.estimation import improvement, r_squared, require_rank
+from eccentric.fitting import Refit, base_columns, drive_noise, refit
 from eccentric.logs import Log
 from eccentric.model import Model, load_model
 from eccentric.rigs import Rig
@@ -142,6 +142,9 @@ def _fitted(given: _Field, model: str | Model) -> Refit:
                 f"model {model}: required effects that the mechanical balance shows, received {effect.id},"
                 " which shows in the electrical one"
             )
+    rows, names = stage.data.rows, [column.name for column in stage.data.signals.columns(stage.base)]
+    columns = rows.mean(base_columns(stage.base, stage.data.signals))[rows.train]
+    require_rank(columns, [*names, *stage.data.signals.open], f"model {model}")
     return refit(stage.base, tuple((effect, shapes) for effect, shapes, _ in chosen), stage.data)
 
 

@@ -7,8 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from eccentric.diagnosis.models import Models
-from eccentric.estimation import improvement
-from eccentric.fitting import fit_data_of, loaded_model, refit
+from eccentric.errors import InputError
+from eccentric.estimation import improvement, require_rank
+from eccentric.fitting import FitData, base_columns, fit_data_of, loaded_model, refit
 from eccentric.model import Model, load_model, model_names
 
 __all__ = ["Sibling", "better_sibling"]
@@ -43,12 +44,25 @@ def better_sibling(plain: Model, models: Models) -> Sibling | None:
         if name == plain.name or _case(model) != _case(plain):
             continue
         model = loaded_model(model, rig)
-        fit = refit(model, (), fit_data_of(data.drive, rig, model))
+        own = fit_data_of(data.drive, rig, model)
+        if not _separable(model, own):
+            continue
+        fit = refit(model, (), own)
         after = fit.residuals["mechanical"][rows] * ((fit.scale or 1.0) / (found.scale or 1.0))
         percent, interval = improvement(before, after)
         if interval[0] > 0.0:
             better.append(Sibling(name, float(np.sqrt(np.mean(after**2))), percent, interval))
     return min(better, key=lambda sibling: sibling.rmse, default=None)
+
+
+def _separable(model: Model, data: FitData) -> bool:
+    """Whether the training rows separate all coefficients of a model: one direction alone may not."""
+    columns = data.rows.mean(base_columns(model, data.signals))[data.rows.train]
+    try:
+        require_rank(columns, [f"{k}" for k in range(columns.shape[1])], model.name)
+    except InputError:
+        return False
+    return True
 
 
 def _case(model: Model) -> tuple[bool, bool]:
