@@ -162,5 +162,5 @@ def test_the_header_states_the_bounds(name: str) -> None:
     steepest = max(Fraction(changed.get("mu", 0)) for changed in DRIVES.values())
     reach = "" if level else f", |theta_m| to {accuracy.FAR[-1]:.0f} rad, mu to {steepest}"
 
-    stated_reach, told = re.findall(r"parameters as exact(.*):\n((?: \*   .*\n)+)", header)[0]
+    stated_reach, told = re.findall(r"parameters count as exact(.*):\n((?: \*   .*\n)+)", header)[0]
     assert (reach, lines + given) == (stated_reach, [line.strip(" *") for line in told.splitlines()])

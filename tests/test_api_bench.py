@@ -73,7 +73,7 @@ def test_it_is_drawn_over_time(result: BenchResult) -> None:
 @pytest.mark.parametrize(
     ("arguments", "line"),
     [
-        ({"seed": -1}, "seed: required 0 or more; received -1"),
+        ({"seed": -1}, "seed: required an integer of 0 or more; received -1"),
         ({"case": "C3"}, "case: required C1 or C2; "),
         ({"effects": ["stribec"]}, "unknown effect stribec: required one of "),
     ],

@@ -188,7 +188,7 @@ def test_a_live_model_that_ships_is_known_by_its_name() -> None:
             "inverter_deadtime",
             "diagnose requires a model with the paper's armature, received one extended",
         ),
-        ("kt_saturation", "diagnose requires a model without effects of current or voltage, received"),
+        ("kt_saturation", "diagnose requires a model with the paper's armature, received one extended"),
         ("coulomb_temperature", "c2_parallel: diagnose requires a temperature in the log, received none"),
     ],
 )
@@ -203,7 +203,7 @@ def test_it_is_drawn_over_what_it_depends_on(result: DiagnosisResult) -> None:
     left, right = result.plot()
     names = [line.get_label() for line in left.lines]
 
-    assert ["before", "after", "effect"] == names
+    assert ["paper's model", "extended model", "fitted effect"] == names
     assert ("link angle [rad]", "motor velocity [rad/s]") == (left.get_xlabel(), right.get_xlabel())
     before, after = (np.asarray(line.get_ydata()) for line in left.lines[:2])
     assert np.nanstd(after) < 0.1 * np.nanstd(before)

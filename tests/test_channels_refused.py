@@ -92,7 +92,7 @@ BAD = {
     "no current held out": (
         changed(current_A=np.where(T < 4.0, 0.0, 1.0)),
         "holdout_intervals_s = [[1, 3]]\n" + RIG,
-        "received 0 in all moving held-out rows (1 intervals named by the rig): hold out others",
+        "received 0 in all moving held-out rows (1 intervals from the rig file): hold out others",
     ),
     "at the end": (
         changed(),

@@ -93,7 +93,7 @@ def pages(site: Path) -> dict[Path, Page]:
 
 def test_the_paths_on_the_first_page_exist() -> None:
     """Every folder and file that the first page sends a developer to is there."""
-    house = (ROOT / "docs" / "index.md").read_text(encoding="utf-8").split("## The house")[1]
+    house = (ROOT / "docs" / "index.md").read_text(encoding="utf-8").split("## Source layout")[1]
     paths = re.findall(r"`([a-z_]+/[\w./]*)`", house)
 
     assert len(paths) > 15
@@ -135,6 +135,7 @@ def typeset(formula: str) -> str:
     """The letters and signs that a page shows of a typed formula, without spaces."""
     for name, letter in GREEK.items():
         formula = re.sub(rf"\b{name}(?=_|\b)", letter, formula)
+    formula = re.sub(r"\b1 (?=θ)", "", formula)  # a factor of 1 before an angle is not written
     formula = re.sub(r"\bw(?=_|\b)", "ω", formula).replace("sqrt", "√").replace("-", "−")
     return re.sub(r"[\s_^]", "", re.sub(r"\^\(([^)]*)\)", r"\1", formula))
 

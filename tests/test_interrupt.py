@@ -51,7 +51,7 @@ def test_an_interrupt_while_writing_leaves_what_was_there(
         raise KeyboardInterrupt
 
     found = DiagnosisResult.__new__(DiagnosisResult)
-    monkeypatch.setattr("eccentric.diagnose", lambda *_: found)
+    monkeypatch.setattr("eccentric.diagnose", lambda *_, **__: found)
     monkeypatch.setattr(DiagnosisResult, "_write", interrupted)
     assert main(["diagnose", "log.csv", "--rig", "rig.json", "--out", str(out)]) == 130
     assert [path.name for path in tmp_path.iterdir()] == (["out"] if earlier else [])

@@ -26,7 +26,7 @@ _DIRECTED = Sgn | Forward | Backward | Gated
 def standstill(model: Model, friction: sp.Expr, direction: int) -> sp.Expr:
     """The limit of the friction torque as the velocity tends to 0 from above (1) or below (-1)."""
     omega_m = v.omega_m.symbol
-    moved = _moved(model)
+    moved = _following(model, {v.omega_m.symbol})
     defined = {d.symbol: d.value for d in model.definitions if d.symbol in moved}
     for symbol in reversed(list(defined)):
         friction = friction.xreplace({symbol: defined[symbol]})
@@ -44,7 +44,13 @@ def standstill(model: Model, friction: sp.Expr, direction: int) -> sp.Expr:
     )
     # By their definitions, which are those of the stable form of F_N.
     scale_N, omega_star, weight = symbols(v.scale_N, v.omega_star, v.weight)
-    return friction.subs(scale_N * omega_star**2, weight)
+    friction = friction.subs(scale_N * omega_star**2, weight)
+    # What depends on parameters only is prepared, in double precision: there the plain root serves.
+    varying = _following(model, {q.symbol for q in model.inputs})
+    return friction.replace(
+        lambda e: isinstance(e, Magnitude) and not e.free_symbols & varying,
+        lambda e: sp.sqrt(e.args[0] ** 2 + e.args[1] ** 2),
+    )
 
 
 def polynomials(
@@ -69,18 +75,18 @@ def polynomials(
     }
 
 
-def _moved(model: Model) -> set[sp.Symbol]:
-    """The velocity, and everything defined by it, directly or through other definitions."""
-    moved = {v.omega_m.symbol}
+def _following(model: Model, given: set[sp.Symbol]) -> set[sp.Symbol]:
+    """Symbols, and what is defined by them, also by way of other definitions."""
+    found = set(given)
     for definition in model.definitions:
-        if definition.value.free_symbols & moved:
-            moved.add(definition.symbol)
-    return moved
+        if definition.value.free_symbols & found:
+            found.add(definition.symbol)
+    return found
 
 
 def _is_curved(model: Model, values: Iterable[sp.Expr]) -> bool:
     """Whether they contain a stable step of the velocity, other than those of its direction."""
-    moved = _moved(model)
+    moved = _following(model, {v.omega_m.symbol})
     steps = {step for value in values for step in value.atoms(Step)}
     return any(step.free_symbols & moved for step in steps if not isinstance(step, _DIRECTED))
 
