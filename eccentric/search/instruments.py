@@ -29,21 +29,26 @@ Array = np.ndarray
 def instruments_of(data: FitData, model: Model, friction: Array) -> Signals | None:
     """The signals of a log from its motion alone; None where its rows average all noise away.
 
-    friction: (columns,) coefficients of a first fit of the base model [paper's units].
+    friction: (columns,) coefficients of a first fit of the base model, in SI units.
     """
     channels, signals = data.drive.channels, data.signals
     motion = None if data.rows.independent else _slow_motion(data)
     if motion is None:
         return None
-    values = {**signals.values, **motion}
-    slow = replace(signals, values=values)
+    values, free = {**signals.values, **motion}, dict(signals.open)
+    # What the rig leaves open follows the same motion: an open inertia would bring the noise back.
+    if "J_m" in free:
+        free["J_m"] = motion["alpha_m"]
+    if "back_emf" in free:
+        free["back_emf"] = np.where(data.drive.off, 0.0, motion["omega_m"])
+    slow = replace(signals, values=values, open=free)
     load = compiled(model, model.balance("mechanical").sum_of("inertial", "gravity", "conservative"), slow)
     torque = channels.smooth(load({}, {}) + base_columns(model, slow) @ friction)
     values["i"] = data.drive.machine.current_of_torque(signals.known, torque)
     if "u" in values:
         given = {"k_e": 0.0, **signals.known}
         values["u"] = given["R"] * values["i"] + data.drive.machine.back_emf(given, values["omega_m"])
-    return replace(signals, values=values)
+    return replace(signals, values=values, open=free)
 
 
 def _slow_motion(data: FitData) -> dict[str, Array] | None:
