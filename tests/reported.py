@@ -7,27 +7,27 @@ from typing import Any
 
 import numpy as np
 
-from eccentric.report.arrays import BalanceResiduals, Channel, Rows
+from eccentric.report.arrays import BalanceResiduals, Channel, ResidualRows
 from eccentric.report.data import (
     AddedEffect,
-    Candidate,
-    Equation,
+    CandidateRow,
     Fact,
-    Finding,
+    Formula,
     Gain,
     Parameter,
     ReportData,
 )
+from eccentric.signals import Finding
 
 HOSTILE = "</script><script>alert(1)</script><img src=x onerror=alert(2)>&\"'$$x$$"
 TURN = 2.0 * np.pi
-ADOPTED = Candidate(
+ADOPTED = CandidateRow(
     "wobble[n=2]", "wobble", "mechanical", 0.002, 0.97, True, "s sin(2 theta_l) sgn w", ("twin",)
 )
-RIVAL = Candidate("dent", "dent", "mechanical", 0.004, 0.03, False, "A exp(-x^2)", hint="whole turns")
+RIVAL = CandidateRow("dent", "dent", "mechanical", 0.004, 0.03, False, "A exp(-x^2)", hint="whole turns")
 
 
-def rows_of(n: int, runs: int = 1) -> Rows:
+def rows_of(n: int, runs: int = 1) -> ResidualRows:
     """Rows at 250 Hz whose speed changes sign every 2 s; two tenths of every run are held out."""
     per = n // runs
     t = np.concatenate([np.arange(per) / 250.0] * runs)
@@ -41,10 +41,10 @@ def rows_of(n: int, runs: int = 1) -> Rows:
         Channel("current", "current", "A", 2.0 * np.sign(omega) + 0.01 * omega),
         Channel("time", "time in the run", "s", t),
     )
-    return Rows(t, run, tuple(f"run {k + 1}" for k in range(runs)), ~held, held, channels)
+    return ResidualRows(t, run, tuple(f"run {k + 1}" for k in range(runs)), ~held, held, channels)
 
 
-def balance_of(rows: Rows, unit: str = "N m", effect: bool = True) -> BalanceResiduals:
+def balance_of(rows: ResidualRows, unit: str = "N m", effect: bool = True) -> BalanceResiduals:
     """The mechanical balance of such rows."""
     omega, angle = (rows.channels[k].values for k in (0, 1))
     noise = np.random.default_rng(5).normal(0.0, 0.004, len(omega))
@@ -100,7 +100,7 @@ def sample(n: int = 5000, runs: int = 1, text: str = "", unit: str = "N m", **ch
             Parameter("C_m", "Coulomb friction", unit, 0.0, "friction", 0.001, (0.0, 0.002), "lower"),
             Parameter("M", f"mass{text}", "kg", 0.5, "rig"),
         ),
-        equations=(Equation("<math display='block'><mi>f</mi></math>", f"friction{text}"),),
+        equations=(Formula("<math display='block'><mi>f</mi></math>", f"friction{text}"),),
         facts=(Fact(f"sampling{text}", f"250 Hz{text}", f"even{text}"),),
         warnings=(f"a column is odd{text}",),
         findings=(Finding("saturation", f"current{text}", f"It is cut off.{text}", 12, "warning"),),

@@ -4,7 +4,7 @@ import pytest
 import sympy as sp
 from sympy.core.function import ArgumentIndexError
 
-from eccentric.model import STEPS, Along, Chord, HalfCosine, HalfSine, Magnitude, Step, meaning, steps
+from eccentric.model import STEPS, Along, Chord, HalfCosine, HalfSine, Magnitude, OpaqueStep, meaning, steps
 
 x, y, z = sp.symbols("x y z", real=True)
 positive = sp.Symbol("positive", positive=True)
@@ -57,7 +57,7 @@ def test_every_step_is_tested_here() -> None:
 
 
 @pytest.mark.parametrize("step", FORMULA, ids=lambda step: step.__name__)
-def test_a_step_means_its_formula(step: type[Step]) -> None:
+def test_a_step_means_its_formula(step: type[OpaqueStep]) -> None:
     """At points of every sign the meaning is the formula, to 25 digits."""
     arguments, formula = FORMULA[step]
     for point in POINTS:
@@ -67,7 +67,7 @@ def test_a_step_means_its_formula(step: type[Step]) -> None:
 
 
 @pytest.mark.parametrize("step", FORMULA, ids=lambda step: step.__name__)
-def test_the_derivative_of_a_step_is_that_of_its_formula(step: type[Step]) -> None:
+def test_the_derivative_of_a_step_is_that_of_its_formula(step: type[OpaqueStep]) -> None:
     """By each argument, away from where the formula jumps, to 25 digits."""
     arguments, formula = FORMULA[step]
     for place, argument in enumerate(arguments, 1):
@@ -81,7 +81,7 @@ def test_the_derivative_of_a_step_is_that_of_its_formula(step: type[Step]) -> No
 
 
 @pytest.mark.parametrize("step", [HalfCosine, HalfSine, Chord], ids=lambda step: step.__name__)
-def test_nothing_is_differentiated_by_the_gear_ratio(step: type[Step]) -> None:
+def test_nothing_is_differentiated_by_the_gear_ratio(step: type[OpaqueStep]) -> None:
     """Where the second argument is a parameter, a derivative by it is refused, not made up."""
     with pytest.raises(ArgumentIndexError):
         step(x, positive).fdiff(2)

@@ -15,7 +15,7 @@ from eccentric.api.result import Result, new_axes, paragraphs
 from eccentric.api.tables import Correlation, ResultTable
 from eccentric.diagnosis import (
     BASE,
-    Request,
+    SearchRequest,
     base_source,
     diagnosis_document,
     diagnosis_lines,
@@ -74,7 +74,7 @@ def diagnose(
     """
     base, offered = by_name(model), None if effects is None else given_path(effects, "effects")
     paths = _scripts(offered, base)
-    request = Request(*(names_given(names) for names in (including, without, only)))
+    request = SearchRequest(*(names_given(names) for names in (including, without, only)))
     found = diagnose_logs(read_logs(logs), rig, base, offered, request, progress)
     given = found.asked.base
     own = {path.name: path.read_text(encoding="utf-8") for path in paths}

@@ -19,10 +19,10 @@ from typing import Any
 
 import numpy as np
 
-from eccentric.compiled.entry import Called, Entry
+from eccentric.compiled.entry import CacheEntry, Signature
 
 
-def functions(entry: Entry, library: Path, source: ModuleType) -> dict[str, Callable[..., Any]]:
+def functions(entry: CacheEntry, library: Path, source: ModuleType) -> dict[str, Callable[..., Any]]:
     """The functions that the NumPy module `source` has, from a library, by name, with the same arguments.
 
     Raises:
@@ -54,7 +54,7 @@ def _text(signature: inspect.Signature) -> str:
     return str(signature.replace(parameters=list(plain), return_annotation=signature.empty))
 
 
-def _prepare(entry: Entry, source: ModuleType) -> Callable[[Any, Any], tuple[np.ndarray, bool]]:
+def _prepare(entry: CacheEntry, source: ModuleType) -> Callable[[Any, Any], tuple[np.ndarray, bool]]:
     held = {np.float32: entry.single, np.float64: entry.double}
     inertias = {name for called in entry.functions for name in called.requires}
 
@@ -74,7 +74,7 @@ def _prepare(entry: Entry, source: ModuleType) -> Callable[[Any, Any], tuple[np.
 
 
 def _general(
-    called: Called, source: ModuleType, signature: inspect.Signature, plain: Callable[..., Any]
+    called: Signature, source: ModuleType, signature: inspect.Signature, plain: Callable[..., Any]
 ) -> Callable[..., Any]:
     """A function that passes on to `plain` whatever that accepts."""
 

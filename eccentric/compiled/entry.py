@@ -18,7 +18,7 @@ from eccentric.output import folder_to_write, workshop
 
 
 @dataclass(frozen=True)
-class Called:
+class Signature:
     """A function as called from Python.
 
     Attributes:
@@ -35,7 +35,7 @@ class Called:
 
 
 @dataclass(frozen=True)
-class Entry:
+class CacheEntry:
     """A model that has been built.
 
     Attributes:
@@ -48,7 +48,7 @@ class Entry:
 
     name: str
     module: str
-    functions: tuple[Called, ...]
+    functions: tuple[Signature, ...]
     single: tuple[str, ...]
     double: tuple[str, ...]
     library: str
@@ -68,16 +68,16 @@ def cache_folder() -> Path:
     return Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "eccentric"
 
 
-def read_entry(name: str, key: str) -> Entry | None:
+def read_entry(name: str, key: str) -> CacheEntry | None:
     """The entry of a model for that key, its library verified; None if there is none, or it is damaged."""
     found = read_record(f"{name}_{key}")
     if found is None:
         return None
     called = [
-        Called(f["name"], tuple(f["inputs"]), f["width"], tuple(f["requires"])) for f in found["functions"]
+        Signature(f["name"], tuple(f["inputs"]), f["width"], tuple(f["requires"])) for f in found["functions"]
     ]
     coefficients = tuple(found["single"]), tuple(found["double"])
-    entry = Entry(found["name"], found["module"], tuple(called), *coefficients, found["library"])
+    entry = CacheEntry(found["name"], found["module"], tuple(called), *coefficients, found["library"])
     try:
         held = (cache_folder() / entry.library).read_bytes()
     except OSError:
@@ -85,7 +85,7 @@ def read_entry(name: str, key: str) -> Entry | None:
     return entry if entry.library == _library_name(name, held) else None
 
 
-def write_entry(key: str, entry: Entry) -> None:
+def write_entry(key: str, entry: CacheEntry) -> None:
     """Store an entry for that key; its library is already in the cache."""
     write_record(f"{entry.name}_{key}", asdict(entry))
 

@@ -20,7 +20,7 @@ from pathlib import Path, PurePath
 
 from eccentric import started
 from eccentric.compiled.compiler import Compiler
-from eccentric.compiled.entry import Entry, digest, read_entry, read_record, write_record
+from eccentric.compiled.entry import CacheEntry, digest, read_entry, read_record, write_record
 from eccentric.places import derivation, folder
 from eccentric.scripts import scripts_behind
 
@@ -38,7 +38,7 @@ _READS = {"open", "exec", "eval", "compile", "__import__", "input"} | (
 )
 
 
-def look_up(asked: str | Path, compiler: Compiler) -> Entry | None:
+def look_up(asked: str | Path, compiler: Compiler) -> CacheEntry | None:
     """The entry of a derivation, given by name or path; None if it has to be derived."""
     record = read_record(_name(asked, compiler))
     if record is None or not all(_is_same(*script) for script in record["scripts"]):

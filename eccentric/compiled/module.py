@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING
 from eccentric.compiled.calls import functions
 from eccentric.compiled.compiler import Compiler, local_compiler
 from eccentric.compiled.entry import (
-    Called,
-    Entry,
+    CacheEntry,
+    Signature,
     cache_folder,
     digest,
     keep_library,
@@ -78,11 +78,11 @@ def _built(model: Model, compiler: Compiler) -> tuple[ModuleType, str, str]:
     key = digest([compiler.identity, module, *(part for source in sources.items() for part in source)])
     if served := _served(read_entry(program.name, key)):
         return served, program.name, key
-    entry = Entry(
+    entry = CacheEntry(
         program.name,
         module,
         tuple(
-            Called(r.name, tuple(x.quantity.name for x in r.inputs), len(r.labels), r.requires)
+            Signature(r.name, tuple(x.quantity.name for x in r.inputs), len(r.labels), r.requires)
             for r in program.routines
         ),
         tuple(s.name for s in program.held(single=True)),
@@ -97,7 +97,7 @@ def _built(model: Model, compiler: Compiler) -> tuple[ModuleType, str, str]:
     )
 
 
-def _served(entry: Entry | None) -> ModuleType | None:
+def _served(entry: CacheEntry | None) -> ModuleType | None:
     """The module of an entry; None if there is no entry, or its library cannot be loaded."""
     if entry is None:
         return None

@@ -27,7 +27,7 @@ from eccentric.diagnosis.loop import diagnose
 from eccentric.diagnosis.model_script import extended_model, is_result_name, result_name, script
 from eccentric.diagnosis.orders import Order, orders_of
 from eccentric.diagnosis.outcome import Asked, Diagnosis
-from eccentric.diagnosis.request import Request
+from eccentric.diagnosis.request import SearchRequest
 from eccentric.diagnosis.score import OverRuns, Score, leave_runs_out
 from eccentric.diagnosis.words import closest_sentence, diagnosis_lines, diagnosis_sentence, sibling_sentence
 
@@ -41,8 +41,8 @@ __all__ = [
     "Entry",
     "Order",
     "OverRuns",
-    "Request",
     "Score",
+    "SearchRequest",
     "base_source",
     "closest_sentence",
     "contest",

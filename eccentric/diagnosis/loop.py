@@ -25,7 +25,7 @@ from eccentric.diagnosis.closest import closest_effect
 from eccentric.diagnosis.models import fitted_models
 from eccentric.diagnosis.orders import orders_of
 from eccentric.diagnosis.outcome import Asked, Diagnosis
-from eccentric.diagnosis.request import Request
+from eccentric.diagnosis.request import SearchRequest
 from eccentric.diagnosis.siblings import better_sibling
 from eccentric.diagnosis.stage import Stage, stage_of
 from eccentric.errors import InputError
@@ -44,7 +44,7 @@ def diagnose(
     rig: str | os.PathLike[str] | Mapping[str, Any] | Rig,
     model: str | Model | None = None,
     effects: Path | None = None,
-    request: Request | None = None,
+    request: SearchRequest | None = None,
     tell: Callable[[str], None] | None = None,
 ) -> Diagnosis:
     """Diagnose one rig's logs.
@@ -61,7 +61,7 @@ def diagnose(
         InputError: bad input; a model with a tilt, with hidden states or with what is found from the current,
             or such an effect to begin with; or fewer than two rows to hold out.
     """
-    tell, request = tell or (lambda _: None), request or Request()
+    tell, request = tell or (lambda _: None), request or SearchRequest()
     read = [read_log(log) for log in logs]
     channels = read_channels(read, read_rig(rig))
     names = tuple(Path(log.path).name for log in read)

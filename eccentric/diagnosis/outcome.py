@@ -9,7 +9,7 @@ from eccentric.diagnosis.base_script import BASE
 from eccentric.diagnosis.closest import Closest
 from eccentric.diagnosis.models import Models
 from eccentric.diagnosis.orders import Order
-from eccentric.diagnosis.request import Request
+from eccentric.diagnosis.request import SearchRequest
 from eccentric.diagnosis.score import Score
 from eccentric.diagnosis.siblings import Sibling
 from eccentric.effects import Effect, Setting
@@ -38,7 +38,7 @@ class Asked:
     rig: str
     base: str | Model
     effects: Path | None
-    request: Request
+    request: SearchRequest
 
     @property
     def model(self) -> str:

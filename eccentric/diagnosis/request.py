@@ -9,11 +9,11 @@ from dataclasses import dataclass
 from eccentric.effects import FAMILIES, Effect
 from eccentric.errors import InputError
 
-__all__ = ["Request", "members"]
+__all__ = ["SearchRequest", "members"]
 
 
 @dataclass(frozen=True)
-class Request:
+class SearchRequest:
     """Restrictions of the search, each a list of families or ids of effects.
 
     including: part of the model from the start; without: not offered; only: nothing else is offered (all if

@@ -15,7 +15,7 @@ from eccentric.places import readable
 
 
 @dataclass(frozen=True)
-class Fitted:
+class FittedValues:
     """What a fit hands to emission.
 
     Attributes:
@@ -35,7 +35,7 @@ class Fitted:
     fits_the_rig: bool
 
 
-def read_parameters(source: Path | Mapping[str, Any]) -> Fitted:
+def read_parameters(source: Path | Mapping[str, Any]) -> FittedValues:
     """Read the parameters of a fit from its fit.json, or from the content of one.
 
     Raises:
@@ -53,7 +53,7 @@ def read_parameters(source: Path | Mapping[str, Any]) -> Fitted:
     return _fitted(content, str(source), source.name)
 
 
-def _fitted(content: object, where: str, name: str) -> Fitted:
+def _fitted(content: object, where: str, name: str) -> FittedValues:
     content = content if isinstance(content, Mapping) else {}
     values = content.get("parameters")
     if not isinstance(values, Mapping) or not values:
@@ -66,10 +66,10 @@ def _fitted(content: object, where: str, name: str) -> Fitted:
     if not isinstance(notes, Mapping) or not isinstance(identified_on, str):
         raise InputError(f"{where}: required `parameter_notes` by letter and `identified_range` as text")
     fits = content.get("fits_the_rig") is not False
-    return Fitted(name, content.get("model"), values, dict(notes), identified_on, fits)
+    return FittedValues(name, content.get("model"), values, dict(notes), identified_on, fits)
 
 
-def with_fitted(model: Model, fitted: Fitted, name: str) -> Model:
+def with_fitted(model: Model, fitted: FittedValues, name: str) -> Model:
     """Return the model under a new name, with fitted values as its defaults.
 
     Raises:

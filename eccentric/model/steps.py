@@ -16,7 +16,7 @@ import sympy as sp
 from sympy.core.function import ArgumentIndexError
 
 
-class Step(sp.Function):
+class OpaqueStep(sp.Function):
     """Base of the opaque steps: real, and never evaluated by SymPy."""
 
     is_extended_real = True
@@ -26,7 +26,7 @@ class Step(sp.Function):
         """Remain as written, even for numbers."""
 
 
-class Sgn(Step):
+class Sgn(OpaqueStep):
     """sgn(x): 1, 0 or -1; sgn(0) = 0 (friction at standstill is set-valued), derivative 0 on both sides."""
 
     nargs = 1
@@ -39,7 +39,7 @@ class Sgn(Step):
         return sp.sign(x)
 
 
-class Forward(Step):
+class Forward(OpaqueStep):
     """1 where x > 0, else 0: the gate of a coefficient that holds for one direction of motion."""
 
     nargs = 1
@@ -52,7 +52,7 @@ class Forward(Step):
         return sp.Heaviside(x, 0)
 
 
-class Backward(Step):
+class Backward(OpaqueStep):
     """1 where x < 0, else 0."""
 
     nargs = 1
@@ -65,7 +65,7 @@ class Backward(Step):
         return sp.Heaviside(-x, 0)
 
 
-class ByDirection(Step):
+class ByDirection(OpaqueStep):
     """ByDirection(x, a, b): a where x > 0, else b; a coefficient that differs between the directions."""
 
     nargs = 3
@@ -79,7 +79,7 @@ class ByDirection(Step):
         return sp.Piecewise((a, x > 0), (b, True))
 
 
-class HalfCosine(Step):
+class HalfCosine(OpaqueStep):
     """Half-turn cosine: sin of the half angle from the top, of size |cos(mu theta_m/2)|.
 
     The half angle from the top is x = (theta_m - n H) mu/2 with H = pi/mu and n the odd number that brings x
@@ -103,7 +103,7 @@ class HalfCosine(Step):
         return -sp.cos(mu * theta_m / 2)
 
 
-class HalfSine(Step):
+class HalfSine(OpaqueStep):
     """Half-turn sine: cos of the half angle from the top, of size |sin(mu theta_m/2)|; see HalfCosine."""
 
     nargs = 2
@@ -119,7 +119,7 @@ class HalfSine(Step):
         return sp.sin(mu * theta_m / 2)
 
 
-class Chord(Step):
+class Chord(OpaqueStep):
     """(2/mu) HalfCosine, independent of mu near the top: there it is the motor angle from the top itself.
 
     Two directions an angle x apart are separated by a chord 2 sin(x/2) on the unit circle; this is the chord
@@ -139,7 +139,7 @@ class Chord(Step):
         return -2 / mu * sp.cos(mu * theta_m / 2)
 
 
-class Bounded(Step):
+class Bounded(OpaqueStep):
     """Bounded(x, b): x, limited to -b and b; b is beyond any physical value, or 0.
 
     The square of a bounded value does not overflow, so that no result is inf - inf or 0 inf. With b = 0 it
@@ -156,7 +156,7 @@ class Bounded(Step):
         return sp.Piecewise((0, sp.Eq(b, 0)), (x, True))
 
 
-class SquareDifference(Step):
+class SquareDifference(OpaqueStep):
     """v^2 - w^2 as (v - w)(v + w); w is a parameter held as two numbers: v - w is exact near v = w."""
 
     nargs = 2
@@ -170,7 +170,7 @@ class SquareDifference(Step):
         return v**2 - w**2
 
 
-class Magnitude(Step):
+class Magnitude(OpaqueStep):
     """sqrt(p^2 + q^2); at p = q = 0 its gradient is taken as 0 (the apex of the cone F_N)."""
 
     nargs = 2
@@ -184,7 +184,7 @@ class Magnitude(Step):
         return sp.sqrt(p**2 + q**2)
 
 
-class Along(Step):
+class Along(OpaqueStep):
     """p/sqrt(p^2 + q^2), 0 at p = q = 0."""
 
     nargs = 2
@@ -193,7 +193,7 @@ class Along(Step):
         return p / sp.sqrt(p**2 + q**2)
 
 
-class Across(Step):
+class Across(OpaqueStep):
     """q/sqrt(p^2 + q^2), 0 at p = q = 0."""
 
     nargs = 2
@@ -202,7 +202,7 @@ class Across(Step):
         return q / sp.sqrt(p**2 + q**2)
 
 
-class Gated(Step):
+class Gated(OpaqueStep):
     """a b, and 0 if b is 0 even if the parameter a is not given (NaN): an inertia without acceleration."""
 
     nargs = 2
@@ -216,7 +216,7 @@ class Gated(Step):
         return a * b
 
 
-class Leading(Step):
+class Leading(OpaqueStep):
     """The leading digits of a parameter, few enough that n times them is exact; never differentiated."""
 
     nargs = 1
@@ -225,7 +225,7 @@ class Leading(Step):
         return x
 
 
-STEPS: tuple[type[Step], ...] = tuple(Step.__subclasses__())
+STEPS: tuple[type[OpaqueStep], ...] = tuple(OpaqueStep.__subclasses__())
 """All of the steps above, in this order."""
 
 

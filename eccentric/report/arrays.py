@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-__all__ = ["BalanceResiduals", "Channel", "Rows"]
+__all__ = ["BalanceResiduals", "Channel", "ResidualRows"]
 
 Array = np.ndarray
 
@@ -36,7 +36,7 @@ class Channel:
 
 
 @dataclass(frozen=True)
-class Rows:
+class ResidualRows:
     """The n rows (or windows) that all arrays of a balance share.
 
     Attributes:
@@ -83,7 +83,7 @@ class BalanceResiduals:
     name: str
     quantity: str
     unit: str
-    rows: Rows
+    rows: ResidualRows
     paper: Array
     extended: Array | None
     linear: Array | None

@@ -6,8 +6,8 @@ import numpy as np
 
 from eccentric.diagnosis import Diagnosis
 from eccentric.fitting import Refit
-from eccentric.report.arrays import BalanceResiduals, Channel, Rows
-from eccentric.signals import Rows as LogRows
+from eccentric.report.arrays import BalanceResiduals, Channel, ResidualRows
+from eccentric.signals import Rows
 
 __all__ = ["balance_of"]
 
@@ -46,7 +46,7 @@ def _scaled(found: Diagnosis, fit: Refit, x: Array) -> Array:
     return x * ((fit.scale or 1.0) / (found.models.extended.scale or 1.0))
 
 
-def _rows(found: Diagnosis) -> Rows:
+def _rows(found: Diagnosis) -> ResidualRows:
     channels, mu, rows = found.channels, found.setting.mu, found.rows
     gravity = found.data.gravity if np.any(found.data.gravity) else None
     theta = channels.motion.theta_m if channels.phased else None
@@ -67,7 +67,7 @@ def _rows(found: Diagnosis) -> Rows:
         for k, label, u, x, period in given
         if x is not None
     ]
-    return Rows(
+    return ResidualRows(
         t=rows.t,
         run=rows.run,
         run_names=channels.time.run_names,
@@ -78,7 +78,7 @@ def _rows(found: Diagnosis) -> Rows:
     )
 
 
-def _mean(rows: LogRows, x: Array, period: float | None) -> Array:
+def _mean(rows: Rows, x: Array, period: float | None) -> Array:
     """A channel on the rows; NaN where an average covers more than a quarter of a turn."""
     mean = rows.mean(x)
     if rows.operator is None or period is None:

@@ -10,14 +10,14 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from eccentric.report.arrays import BalanceResiduals
+from eccentric.signals import Finding
 
 __all__ = [
     "AddedEffect",
-    "Candidate",
-    "Equation",
+    "CandidateRow",
     "Errors",
     "Fact",
-    "Finding",
+    "Formula",
     "Gain",
     "Parameter",
     "ReportData",
@@ -59,7 +59,7 @@ class Gain:
 
 
 @dataclass(frozen=True)
-class Candidate:
+class CandidateRow:
     """A candidate that was considered on one balance.
 
     Attributes:
@@ -138,7 +138,7 @@ class Parameter:
 
 
 @dataclass(frozen=True)
-class Equation:
+class Formula:
     """A formula: MathML (made by `formulas`, so it is trusted), and a short description."""
 
     mathml: str
@@ -152,17 +152,6 @@ class Fact:
     name: str
     value: str
     remark: str = ""
-
-
-@dataclass(frozen=True)
-class Finding:
-    """Something unusual in the log: its kind, channel, a sentence, its rows, "note" or "warning"."""
-
-    kind: str
-    channel: str
-    text: str
-    rows: int
-    severity: str
 
 
 @dataclass(frozen=True)
@@ -208,12 +197,12 @@ class ReportData:
     further: tuple[Errors, ...]
     holdout: str
     depends_on: tuple[str, ...]
-    candidates: tuple[Candidate, ...]
+    candidates: tuple[CandidateRow, ...]
     tied: tuple[str, ...]
     chance: Mapping[str, tuple[float, float]]
     effects: tuple[AddedEffect, ...]
     parameters: tuple[Parameter, ...]
-    equations: tuple[Equation, ...]
+    equations: tuple[Formula, ...]
     facts: tuple[Fact, ...]
     warnings: tuple[str, ...]
     findings: tuple[Finding, ...]

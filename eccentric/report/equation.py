@@ -8,9 +8,9 @@ from typing import Any
 
 import sympy as sp
 
-from eccentric.model import KINDS, Definition, Model, Step, Term
+from eccentric.model import KINDS, Definition, Model, OpaqueStep, Term
 from eccentric.model import vocabulary as v
-from eccentric.report.data import Equation
+from eccentric.report.data import Formula
 from eccentric.report.formulas import Typesetter, aligned, equation, letter, plain
 
 __all__ = ["friction_equations", "typesetter_of"]
@@ -31,7 +31,7 @@ def typesetter_of(model: Model) -> Typesetter:
     return Typesetter([*model.inputs, *model.parameters, *followed])
 
 
-def friction_equations(model: Model, effects: Sequence[Any]) -> list[Equation]:
+def friction_equations(model: Model, effects: Sequence[Any]) -> list[Formula]:
     """Friction torque of a model, what effects add to other terms, and the definitions both use.
 
     Args:
@@ -56,7 +56,7 @@ def friction_equations(model: Model, effects: Sequence[Any]) -> list[Equation]:
 
 def _sum(
     typeset: Typesetter, left: str, terms: Iterable[tuple[Term, int]], own: set[str], note: str
-) -> Equation:
+) -> Formula:
     """One line for each term."""
     lines, marked = [], []
     for k, (term, sign) in enumerate(terms):
@@ -64,17 +64,17 @@ def _sum(
         start = "" if k else f"{letter(left)}<mo>=</mo>"
         lines.append((start, minus or ("<mo>+</mo>" if k else ""), body))
         marked += [k] if term.name in own else []
-    return Equation(aligned(lines, marked), note)
+    return Formula(aligned(lines, marked), note)
 
 
 def _definitions(
     typeset: Typesetter, model: Model, used: Sequence[sp.Expr], replaced: Mapping[sp.Symbol, sp.Symbol]
-) -> list[Equation]:
+) -> list[Formula]:
     """The definitions of the letters in expressions, down to inputs and parameters."""
     known = {d.symbol: d for d in model.definitions}
     waiting = sorted(set().union(*(e.free_symbols for e in used)) & set(known), key=str)
     theta_l, theta_m = v.theta_l.symbol, v.mu.symbol * v.theta_m.symbol
-    shown: list[Equation] = []
+    shown: list[Formula] = []
     expressions = [plain(e) for e in used]
     done: set[sp.Symbol] = set()
     numbers: list[Definition] = []
@@ -91,13 +91,13 @@ def _definitions(
         expressions.append(plain(right))
         quantity = known[symbol].quantity
         body = equation(typeset, typeset(left), expressions[-1])
-        shown.append(Equation(body, f"{quantity.meaning} [{quantity.unit}]"))
+        shown.append(Formula(body, f"{quantity.meaning} [{quantity.unit}]"))
     if numbers:
         rows = ((typeset(d.symbol), f"<mo>=</mo>{typeset(plain(d.value))}", _unit(d)) for d in numbers)
-        shown.append(Equation(aligned(rows), "; ".join(d.quantity.meaning for d in numbers)))
+        shown.append(Formula(aligned(rows), "; ".join(d.quantity.meaning for d in numbers)))
     if any(e.has(theta_l) for e in expressions):
         body = equation(typeset, typeset(theta_l), theta_m)
-        shown.append(Equation(body, f"{v.theta_l.meaning} [{v.theta_l.unit}]"))
+        shown.append(Formula(body, f"{v.theta_l.meaning} [{v.theta_l.unit}]"))
     return shown
 
 
@@ -113,7 +113,7 @@ def _own_form(
     inputs = {q.symbol for q in (*model.inputs, *model.parameters)}
     for step in model.equations:
         left, right = step.left, step.right
-        if left not in (symbol, symbol**2) or not isinstance(right, sp.Expr) or right.has(Step):
+        if left not in (symbol, symbol**2) or not isinstance(right, sp.Expr) or right.has(OpaqueStep):
             continue
         right = right.subs(_MOTOR_SIDE)
         if right.free_symbols <= inputs:

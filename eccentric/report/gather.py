@@ -13,7 +13,7 @@ from pathlib import Path
 from eccentric.diagnosis import Diagnosis, closest_sentence, diagnosis_sentence, sibling_sentence
 from eccentric.effects import Effect
 from eccentric.report.balance import balance_of
-from eccentric.report.data import AddedEffect, Candidate, Errors, Finding, Gain, Parameter, ReportData
+from eccentric.report.data import AddedEffect, CandidateRow, Errors, Gain, Parameter, ReportData
 from eccentric.report.equation import friction_equations, typesetter_of
 from eccentric.report.facts import facts_of
 from eccentric.report.text import number, range_of
@@ -46,7 +46,7 @@ def report_data(found: Diagnosis, files: Sequence[tuple[str, str]] = ()) -> Repo
         holdout=found.channels.selection.holdout.rule,
         depends_on=attribution.depends_on,
         candidates=tuple(
-            Candidate(
+            CandidateRow(
                 c.id, c.family, c.balance, c.rmse, c.probability, c.family in named, *_words(about, c.id)
             )
             for c in attribution.candidates
@@ -69,7 +69,7 @@ def report_data(found: Diagnosis, files: Sequence[tuple[str, str]] = ()) -> Repo
         equations=tuple(friction_equations(found.models.extended.model, effects)),
         facts=tuple(facts_of(found)),
         warnings=tuple(text for text in found.warnings if text not in {f.text for f in findings}),
-        findings=tuple(Finding(f.kind, f.channel, f.text, f.rows, f.severity) for f in findings),
+        findings=findings,
         next_measurement=attribution.next_measurement,
         closest=" ".join(filter(None, [closest_sentence(found), sibling_sentence(found)])),
         command=_command(found),

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from eccentric.report.arrays import BalanceResiduals, Channel, Rows
+from eccentric.report.arrays import BalanceResiduals, Channel, ResidualRows
 
 __all__ = ["Curve", "Panel", "Trace", "friction_panel", "residual_panel", "shown_rows", "trace"]
 
@@ -82,7 +82,7 @@ class Trace:
     curves: dict[str, Curve]
 
 
-def shown_rows(rows: Rows) -> Array:
+def shown_rows(rows: ResidualRows) -> Array:
     """(n,) rows that are drawn over channels: fitted or held out."""
     return np.asarray(rows.train, bool) | np.asarray(rows.held_out, bool)
 
@@ -126,7 +126,7 @@ def _structure(panel: Panel) -> float:
 
 
 def _binned(
-    rows: Rows, channel: Channel, curves: Mapping[str, Array], against_motion: bool = False
+    rows: ResidualRows, channel: Channel, curves: Mapping[str, Array], against_motion: bool = False
 ) -> Panel | None:
     x = channel.values if channel.period is None else np.mod(channel.values, channel.period)
     use = shown_rows(rows) & np.all([np.isfinite(y) for y in (x, *curves.values())], axis=0)

@@ -8,7 +8,7 @@ from html import escape
 import numpy as np
 
 from eccentric.report.arrays import BalanceResiduals
-from eccentric.report.data import Candidate, ReportData
+from eccentric.report.data import CandidateRow, ReportData
 from eccentric.report.formulas import short_formula
 from eccentric.report.panels import Panel, Trace
 from eccentric.search import LEAST_DEVIANCE, LEAST_SHARE
@@ -144,7 +144,7 @@ def why(data: ReportData) -> list[str]:
     return sentences
 
 
-def _against(winner: Candidate, runner: Candidate, unit: str, tied: bool) -> str:
+def _against(winner: CandidateRow, runner: CandidateRow, unit: str, tied: bool) -> str:
     times = runner.rmse / winner.rmse if winner.rmse else 1.0
     error, least = f"{number(runner.rmse)} {unit}", f"{number(winner.rmse)} {unit}"
     if tied:
@@ -160,7 +160,7 @@ def _against(winner: Candidate, runner: Candidate, unit: str, tied: bool) -> str
     )
 
 
-def _chance(best: Candidate, chance: tuple[float, float], verdict: str) -> str:
+def _chance(best: CandidateRow, chance: tuple[float, float], verdict: str) -> str:
     gained, level = chance
     sentence = (
         f"The best candidate of the {best.balance} balance is {best.called}; it improves the fit"

@@ -7,7 +7,7 @@ from types import ModuleType
 from typing import Any
 
 from eccentric.report.arrays import BalanceResiduals
-from eccentric.report.data import Candidate, Errors, Parameter, ReportData
+from eccentric.report.data import CandidateRow, Errors, Parameter, ReportData
 from eccentric.report.formulas import short_formula
 from eccentric.report.panels import friction_panel, residual_panel, trace
 from eccentric.report.text import (
@@ -190,7 +190,7 @@ def _candidates(data: ReportData) -> list[tuple[str, list[dict[str, Any]]]]:
     return [part for part in (("", made[:shown]), (heading, made[shown:])) if part[1]]
 
 
-def _hints(data: ReportData) -> list[tuple[str, Candidate, str]]:
+def _hints(data: ReportData) -> list[tuple[str, CandidateRow, str]]:
     """Candidates whose hint is worth a further log, between the words that say what for."""
     found = []
     for c in data.candidates:
@@ -201,7 +201,7 @@ def _hints(data: ReportData) -> list[tuple[str, Candidate, str]]:
     return found
 
 
-def _candidate(c: Candidate, data: ReportData) -> dict[str, Any]:
+def _candidate(c: CandidateRow, data: ReportData) -> dict[str, Any]:
     units = {balance.name: balance.unit for balance in data.balances}
     standing = "adopted" if c.adopted else "tied" if c.family in data.tied else ""
     return {

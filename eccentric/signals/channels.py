@@ -21,7 +21,7 @@ from eccentric.rigs import Alignment
 from eccentric.signals.bandwidth import suited
 from eccentric.signals.holdout import Holdout, hold_out
 from eccentric.signals.limits import END_S, POINTS_PER_ROW, RATE_HIGH, RATE_LOW
-from eccentric.signals.measured import Channels, Intake, Motion, Motor, Selection, TimeBase
+from eccentric.signals.measured import Channels, Intake, MeasuredMotion, Motor, Selection, TimeBase
 from eccentric.signals.motion import motion_of, motor_side, of_the_motor, quantum_of, uneven
 from eccentric.signals.moving import clear_of_ends, moving_rows, near_switching
 from eccentric.signals.quality import assess
@@ -134,7 +134,7 @@ def _channels(points: _Points, motion: Array, rig: Rig, step: float) -> Channels
             logged_step_s=step,
             points_per_row=points.per_row,
         ),
-        motion=Motion(
+        motion=MeasuredMotion(
             theta_m=motion[0],
             omega_m=motion[1],
             alpha_m=motion[2],

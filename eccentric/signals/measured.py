@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from eccentric.signals.finding import Finding
     from eccentric.signals.holdout import Holdout
 
-__all__ = ["Channels", "Intake", "Motion", "Motor", "Selection", "TimeBase"]
+__all__ = ["Channels", "Intake", "MeasuredMotion", "Motor", "Selection", "TimeBase"]
 
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
@@ -48,7 +48,7 @@ class TimeBase:
 
 
 @dataclass(frozen=True)
-class Motion:
+class MeasuredMotion:
     """The motion at the motor, each (n,).
 
     `theta_m` [rad], `omega_m` [rad/s], `alpha_m` [rad/s^2] come from the low-passed angle, without phase
@@ -137,7 +137,7 @@ class Channels:
     """
 
     time: TimeBase
-    motion: Motion
+    motion: MeasuredMotion
     motor: Motor
     temperature: Array | None
     selection: Selection

@@ -13,9 +13,9 @@ from eccentric.model import (
     Gated,
     Magnitude,
     Model,
+    OpaqueStep,
     Sgn,
     SquareDifference,
-    Step,
     symbols,
 )
 from eccentric.model import vocabulary as v
@@ -87,7 +87,7 @@ def _following(model: Model, given: set[sp.Symbol]) -> set[sp.Symbol]:
 def _is_curved(model: Model, values: Iterable[sp.Expr]) -> bool:
     """Whether they contain a stable step of the velocity, other than those of its direction."""
     moved = _following(model, {v.omega_m.symbol})
-    steps = {step for value in values for step in value.atoms(Step)}
+    steps = {step for value in values for step in value.atoms(OpaqueStep)}
     return any(step.free_symbols & moved for step in steps if not isinstance(step, _DIRECTED))
 
 

@@ -8,62 +8,62 @@ from __future__ import annotations
 
 import sympy as sp
 
-from eccentric.model import Step
+from eccentric.model import OpaqueStep
 
 
-class Plus(Step):
+class Plus(OpaqueStep):
     """a + b."""
 
 
-class Minus(Step):
+class Minus(OpaqueStep):
     """a - b."""
 
 
-class Times(Step):
+class Times(OpaqueStep):
     """a b."""
 
 
-class Over(Step):
+class Over(OpaqueStep):
     """a / b."""
 
 
-class Root(Step):
+class Root(OpaqueStep):
     """Square root."""
 
 
-class Size(Step):
+class Size(OpaqueStep):
     """Absolute value."""
 
 
-class Rounded(Step):
+class Rounded(OpaqueStep):
     """A parameter-only number in the working precision (prepare only)."""
 
 
-class Low(Step):
+class Low(OpaqueStep):
     """The digits of a parameter-only number beyond those of its double; 0 in exact arithmetic."""
 
 
-class TurnLeft(Step):
+class TurnLeft(OpaqueStep):
     """2 pi - a b, without losing digits if a b is close to 2 pi (prepare only)."""
 
 
-class AtMost(Step):
+class AtMost(OpaqueStep):
     """AtMost(a, b): the smaller of both; NaN stays."""
 
 
-class Within(Step):
+class Within(OpaqueStep):
     """Within(a, b): a limited to -b and b, for positive b; NaN stays."""
 
 
-class InSingle(Step):
+class InSingle(OpaqueStep):
     """InSingle(a, b): a in single precision, b in double; on a sample, b is a symbol."""
 
 
-class Call(Step):
+class Call(OpaqueStep):
     """A private function of the emitted code, by its name."""
 
 
-class Pick(Step):
+class Pick(OpaqueStep):
     """Pick(a, relation, b, x, y): x where `a relation b` holds, else y; a relation is >, <, <= or ==."""
 
 

@@ -14,8 +14,8 @@ from numpy.typing import NDArray
 
 from eccentric.signals.finding import Finding
 from eccentric.signals.quality.body import (
-    Body,
     Means,
+    RigidBody,
     body_of,
     friction_of,
     is_clear,
@@ -72,7 +72,7 @@ def _inverted(m: Means, drive: str, rig: Rig) -> Finding | None:
     if x is None or m.link is None or mu is None:
         return None
 
-    def ratios(body: Body, gear: float) -> list[Ratio]:
+    def ratios(body: RigidBody, gear: float) -> list[Ratio]:
         turned = dataclasses.replace(rig, known={**rig.known, "mu": gear})
         return list(_mechanical(body, drive, turned))
 
@@ -88,7 +88,7 @@ def _inverted(m: Means, drive: str, rig: Rig) -> Finding | None:
     return Finding("contradiction", "mu", text, m.rows, "warning")
 
 
-def _reversed(body: Body) -> bool:
+def _reversed(body: RigidBody) -> bool:
     """Return whether the drive opposes the motion: inertia and friction would both be negative."""
     (inertia, i_error), (loss, l_error) = body.inertia, body.loss
     if is_clear(loss, l_error) and loss < 0.0:
@@ -96,7 +96,7 @@ def _reversed(body: Body) -> bool:
     return is_clear(inertia, i_error) and inertia < 0.0 and loss < 0.0
 
 
-def _sign(against: list[str], bodies: dict[str, Body], m: Means) -> Finding:
+def _sign(against: list[str], bodies: dict[str, RigidBody], m: Means) -> Finding:
     """Blame the drive that opposes the motion, or the angle if all do."""
     if len(against) == len(bodies) > 1:
         channel, text = "theta_m", f"the angle runs against {' and '.join(against)}"
@@ -142,7 +142,7 @@ def _electrical(m: Means, rig: Rig) -> Iterator[Ratio]:
         yield Ratio.of("k_e", a[1], math.sqrt(covariance[1, 1]) * SIGMAS, rig.known["k_e"])
 
 
-def _mechanical(body: Body, drive: str, rig: Rig) -> Iterator[Ratio]:
+def _mechanical(body: RigidBody, drive: str, rig: Rig) -> Iterator[Ratio]:
     """Yield inertia and gravity of the drive over those of the rig."""
     scale = torque_per_unit(drive, rig)
     if scale is None:
@@ -156,7 +156,7 @@ def _mechanical(body: Body, drive: str, rig: Rig) -> Iterator[Ratio]:
         yield Ratio.of("M g L", scale * value, scale * error * SIGMAS, gravity)
 
 
-def _gravity(body: Body, c: Channels, rig: Rig, m: Means) -> Iterator[Finding]:
+def _gravity(body: RigidBody, c: Channels, rig: Rig, m: Means) -> Iterator[Finding]:
     """Yield gravity where the rig's case has none, and gravity in the wrong direction."""
     value, error = body.gravity
     drive = c.motor.measured_by

@@ -34,7 +34,7 @@ class Means:
 
 
 @dataclass(frozen=True)
-class Body:
+class RigidBody:
     """What a drive says about the rig, in its own unit: value and standard error.
 
     `explained` is the explained part of the drive's variance.
@@ -104,7 +104,7 @@ def friction_of(m: Means) -> list[Array]:
     return [m.omega, sign, *([np.ones_like(sign)] if both else [])]
 
 
-def body_of(m: Means, x: Array, link: Array | None) -> Body:
+def body_of(m: Means, x: Array, link: Array | None) -> RigidBody:
     """Return what a drive x (m,) says about the rig, with the link angle (m,) [rad] if it is known."""
     gravity = [] if link is None else [np.sin(link), np.cos(link)]
     columns = [m.alpha, *friction_of(m), *gravity]
@@ -117,7 +117,7 @@ def body_of(m: Means, x: Array, link: Array | None) -> Body:
         error = math.sqrt(max(covariance[-2, -2], covariance[-1, -1]))
     inertia = float(a[0]), math.sqrt(covariance[0, 0])
     sizes = float(np.std(m.alpha)), float(np.std(x))
-    return Body(inertia, (amplitude, error), turned, loss, explained, *sizes)
+    return RigidBody(inertia, (amplitude, error), turned, loss, explained, *sizes)
 
 
 def is_clear(value: float, error: float) -> bool:
