@@ -100,6 +100,13 @@ FORMULAS: dict[str, Formula] = {
     "inertia_mismatch": lambda s, a, p, e: {"inertia": a * (p.J_m + p.mu**2 * p.J_l)},
     "load_dependent[gravity]": lambda s, a, p, e: {"dry": a * abs(s.gravity)},
     "load_dependent[transmitted]": lambda s, a, p, e: {"dry": a * abs(transmitted(s, p))},
+    "stribeck_load[gravity]": lambda s, a, p, e: {"dry": a * abs(s.gravity) / exp(s.w**2 / e.shape[0] ** 2)},
+    "stribeck_load[transmitted]": lambda s, a, p, e: {
+        "dry": a * abs(transmitted(s, p)) / exp(s.w**2 / e.shape[0] ** 2)
+    },
+    "stribeck_load[Hersey]": lambda s, a, p, e: {
+        "dry": a * s.normal * exp(-abs(s.w) / e.shape[0]) ** ((p.M + p.M_l) * p.g / s.normal)
+    },
     "gear_efficiency": lambda s, a, p, e: {"dry": a * abs(s.gravity) * driven(s.gravity, s, e)},
     "gear_efficiency, C1": lambda s, a, p, e: {
         "dry": a * abs(transmitted(s, p)) * driven(transmitted(s, p), s, e)

@@ -251,7 +251,18 @@ COULOMB = {
     "presliding",
     "presliding[lugre]",
 }
-STRIBECK = {"stribeck[d=0.5]", "stribeck[d=1]", "stribeck[d=1.5]", "stribeck[d=2]"}
+STRIBECK = {
+    "stribeck[d=0.5]",
+    "stribeck[d=1]",
+    "stribeck[d=1.5]",
+    "stribeck[d=2]",
+    "stribeck_load[transmitted,d=1]",
+    "stribeck_load[transmitted,d=2]",
+    "stribeck_load[gravity,d=1]",
+    "stribeck_load[gravity,d=2]",
+    "stribeck_load[F_N]",
+    "stribeck_load[Hersey]",
+}
 MIXED = {"backlash"}
 NEITHER = {
     "quadratic_drag",

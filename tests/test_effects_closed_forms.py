@@ -148,6 +148,22 @@ MECHANICAL: list[tuple[str, str, dict[str, float], Torque]] = [
     ),
     ("C2", "load_dependent[gravity]", {"load_eta": 0.15},
      lambda x: 0.15 * np.abs(sine_load(x)) * np.sign(x["omega_m"])),
+    *(
+        (case, f"stribeck_load[{variant},d={d}]", {"loadrise_eta": 0.15, "loadrise_v": 12.0, **more},
+         lambda x, case=case, d=d, variant=variant: 0.15 * np.exp(-((np.abs(x["omega_m"]) / 12) ** d))
+         * np.abs(sine_load(x) if variant == "gravity" else load(x, case, 0.3)) * np.sign(x["omega_m"]))
+        for d in (1, 2)
+        for case, variant, more in (
+            ("C1", "transmitted", {"loadrise_share": 0.3}),
+            ("C2", "transmitted", {"loadrise_share": 0.3}),
+            ("C2", "gravity", {}),
+        )
+    ),
+    ("C2", "stribeck_load[F_N]", {"loadrise_C": 0.05, "loadrise_v": 30.0}, lambda x: MU * 0.05
+     * normal_force(x) * np.exp(-((x["omega_m"] / 30) ** 2)) * np.sign(x["omega_m"])),
+    ("C2", "stribeck_load[Hersey]", {"loadrise_C": 0.05, "loadrise_v": 30.0},
+     lambda x: MU * 0.05 * normal_force(x) * np.sign(x["omega_m"])
+     * np.exp(-np.abs(x["omega_m"]) / 30 * (M + M_L) * G / normal_force(x))),
     ("C1", "gear_efficiency[transmitted]", {"gear_eta": 0.2, "gear_share": 0.3, "gear_rho": 0.3},
      lambda x: 0.2 * efficient(load(x, "C1", 0.3), x["omega_m"], 0.3)),
     ("C2", "gear_efficiency[gravity]", {"gear_eta": 0.2, "gear_rho": 0.3},

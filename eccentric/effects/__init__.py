@@ -37,6 +37,7 @@ from eccentric.effects import (
     resistance_temperature,
     sensor_delay,
     stribeck,
+    stribeck_load,
     time_drift,
     viscosity_temperature,
     wear_runin,
@@ -68,6 +69,7 @@ __all__ = [
 FAMILIES = MappingProxyType(
     {
         "stribeck": stribeck,
+        "stribeck_load": stribeck_load,
         "quadratic_drag": drag,
         "cubic_drag": drag,
         "sqrt_speed": drag,

@@ -20,6 +20,7 @@ VARIANTS = {
     "kt_ripple": ("n=2", "n=4", "n=6"),
     "viscosity_temperature": ("exponential", "arrhenius"),
     "load_dependent": ("gravity", "transmitted"),
+    "stribeck_load": ("gravity", "transmitted", "Hersey"),
     "presliding": ("dahl", "lugre"),
 }
 """Variants of a family, by its id; a family without an entry has none."""

@@ -57,6 +57,50 @@ def load_dependent(request: Request) -> PlantedEffect:
     )
 
 
+def stribeck_load(request: Request) -> PlantedEffect:
+    """Rise of dry friction near rest that grows with a load: of the gear, or on the bearing (Hersey 1914).
+
+    On the bearing the speed at which a film carries the load grows with it, too.
+    """
+    if request.variant != "transmitted" and request.chosen:
+        request.require_case(
+            "C2", f"stribeck_load[{request.variant}]", "only gravity gives a load that varies at low speed"
+        )
+    top = request.setting.top_speed
+    if request.variant == "Hersey" and request.plant.case == "C2":
+        vs, weight = request.draw(0.5, 0.6) * top, (request.plant.M + request.plant.M_l) * request.plant.g
+
+        def dry(s: Motion, a: float) -> float:
+            return a * s.normal * exp(-abs(s.w_mid) * weight / (vs * s.normal)) if s.normal else 0.0
+
+        return PlantedEffect(
+            "stribeck_load",
+            "A F_N exp(-|w| (M + M_l) g/(vs F_N)) sgn w",
+            request.torque(2.0) / weight,
+            simply(dry=dry),
+            ("velocity", "link_angle"),
+            (vs,),
+            variant="Hersey",
+        )
+    vs = request.draw(0.06, 0.14) * top
+    gravity = request.variant == "gravity" and request.plant.case == "C2"
+
+    def start() -> dict[str, Law]:
+        load = (lambda s: s.gravity) if gravity else _transmitted(request.plant)
+        return {"dry": lambda s, a: a * abs(load(s)) * exp(-((s.w_mid / vs) ** 2))}
+
+    return PlantedEffect(
+        "stribeck_load",
+        f"A |{'G' if gravity else 'mu tau_l'}| exp(-(w/vs)^2) sgn w",
+        2.0 * request.strength,
+        start,
+        ("gravity_load" if gravity else "transmitted_torque", "velocity"),
+        (vs,),
+        bound=0.8,
+        variant="gravity" if gravity else "transmitted",
+    )
+
+
 def gear_efficiency(request: Request) -> PlantedEffect:
     """Loss in proportion to the load, smaller when the load drives the motor."""
     back = request.draw(0.25, 0.5)
@@ -134,6 +178,7 @@ def backlash(request: Request) -> PlantedEffect:
 
 BUILDERS: tuple[Builder, ...] = (
     load_dependent,
+    stribeck_load,
     gear_efficiency,
     backlash,
 )
