@@ -109,17 +109,6 @@ FAMILIES = MappingProxyType(
 )
 """Family -> the module whose `effects(setting)` makes its records."""
 
-_BASE_ALIASES = {
-    "C1": {
-        "quadratic_drag": "w|w|, the column of C_lN: F_N is M L omega_l^2",
-        "cubic_drag": "w^3, the column of B_lN: F_N is M L omega_l^2",
-        "mass_mismatch": "a factor on the columns of B_lN and C_lN; its inertia is inertia_mismatch",
-        "ki_mismatch": "a factor on the inertia: inertia_mismatch",
-        "angle_offset": "nothing at all: no term depends on the link angle",
-    },
-    "C2": {},
-}
-
 
 def library(setting: Setting) -> tuple[Effect, ...]:
     """Every effect that applies to the case and whose channels are logged, in the order of FAMILIES."""
@@ -130,6 +119,10 @@ def library(setting: Setting) -> tuple[Effect, ...]:
 def base_aliases(case: str) -> dict[str, str]:
     """Families that the base model of a case ("C1", "C2") already contains, with the column that they equal.
 
-    No log of the case can show them in addition to the model, so `library` omits them.
+    No log of the case can show them in addition to the model, so `library` omits them. The file of a family
+    names them in `IN_C1`; the base model of C2 contains none.
     """
-    return dict(_BASE_ALIASES[case])
+    if case != "C1":
+        return {}
+    declared = (getattr(module, "IN_C1", {}) for module in dict.fromkeys(FAMILIES.values()))
+    return {family: column for of_module in declared for family, column in of_module.items()}

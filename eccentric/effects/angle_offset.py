@@ -22,6 +22,9 @@ WORDS = Words(
     kin=GRAVITY,
 )
 
+# What the base model of case C1 already contains, and the column of it.
+IN_C1 = {"angle_offset": "nothing at all: no term depends on the link angle"}
+
 
 def effects(setting: Setting) -> tuple[Effect, ...]:
     """A shifted angle, or its torque alone, which a link with lateral imbalance has as well; case C2 only.

@@ -23,6 +23,9 @@ WORDS = Words(
     },
 )
 
+# What the base model of case C1 already contains, and the column of it.
+IN_C1 = {"ki_mismatch": "a factor on the inertia: inertia_mismatch"}
+
 
 def effects(setting: Setting) -> tuple[Effect, ...]:
     """The one effect of the family, for torque computed with a declared k_i.

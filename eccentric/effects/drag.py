@@ -50,11 +50,17 @@ ONE_WAY = Words(
     kin=SPEED,
 )
 
+# What the base model of case C1 already contains, and the column of it.
+IN_C1 = {
+    "quadratic_drag": "w|w|, the column of C_lN: F_N is M L omega_l^2",
+    "cubic_drag": "w^3, the column of B_lN: F_N is M L omega_l^2",
+}
+
 
 def effects(setting: Setting) -> tuple[Effect, ...]:
     """Quadratic, cubic and degressive drag, and windage in either direction.
 
-    In case C1 the first two are already columns of the model, see `eccentric.effects.base_aliases`, unless
+    In case C1 the first two are already columns of the model, see `IN_C1`, unless
     there is no mass.
     """
     found = [_sqrt_speed(setting), *_oneway()]

@@ -26,6 +26,9 @@ WORDS = Words(
     kin=GRAVITY,
 )
 
+# What the base model of case C1 already contains, and the column of it.
+IN_C1 = {"mass_mismatch": "a factor on the columns of B_lN and C_lN; its inertia is inertia_mismatch"}
+
 
 def effects(setting: Setting) -> tuple[Effect, ...]:
     """Three variants, case C2 only: in a log of C1 the mass affects only friction coefficients and inertia.
