@@ -63,11 +63,11 @@ def folder_to_write(path: str | os.PathLike[str]) -> Path:
     """
     target = given_path(path, "output").resolve()
     if target.exists() and not target.is_dir():
-        raise InputError(f"{Path(path)}: required a folder to write; received a file")
+        raise InputError(f"{Path(path)}: a folder to write is required, received a file")
     there = next(place for place in (target, *target.parents) if place.exists())
     if not there.is_dir() or not os.access(there, os.W_OK | os.X_OK):
         what = "is protected" if there.is_dir() else "is a file"
-        raise InputError(f"{Path(path)}: required a place that can be written; {there} {what}")
+        raise InputError(f"{Path(path)}: a place that can be written is required, {there} {what}")
     return target
 
 
@@ -82,14 +82,15 @@ def own_folder(path: str | os.PathLike[str]) -> Path:
     if Path.cwd().is_relative_to(target):
         what = "the working directory" if Path.cwd() == target else "one with the working directory in it"
         raise InputError(
-            f"{Path(path)}: required a folder of its own for the output, such as build/out; received {what}"
+            f"{Path(path)}: a folder of its own for the output is required, such as build/out,"
+            f" received {what}"
         )
     # Leftovers of a killed run are harmless.
     there = target.is_dir() and any(not f.name.startswith(f"{MARKER}-") for f in target.iterdir())
     if there and not (target / MARKER).is_file():
         raise InputError(
-            f"{Path(path)}: required a new or empty folder, or one that eccentric wrote (it holds {MARKER});"
-            " received a folder with other files"
+            f"{Path(path)}: a new or empty folder, or one that eccentric wrote (it holds {MARKER}), is"
+            " required, received a folder with other files"
         )
     _listed(target)
     return target
@@ -107,7 +108,7 @@ def whole_file(path: str | os.PathLike[str]) -> Iterator[Path]:
     """
     target = given_path(path, "output").resolve()
     if target.exists() and not target.is_file():
-        raise InputError(f"{path}: required a file to write; received something that is not a regular file")
+        raise InputError(f"{path}: a file to write is required, received one that is not a regular file")
     with workshop(target.parent) as place:
         new = place / target.name
         yield new
@@ -160,7 +161,7 @@ def _require_free(folder: Path, name: str, listed: dict[str, str], command: str)
         wrote = listed.get(place.as_posix())
         owner = f"`eccentric {wrote}` wrote" if wrote else "eccentric did not write"
         what = "a folder" if _is_folder(taken) else f"a file that {owner}"
-        raise InputError(f"{folder}: required to be free: {place.as_posix()}; received {what}")
+        raise InputError(f"{folder}: a free name {place.as_posix()} is required, received {what}")
 
 
 def _replace(target: Path, new: Path, old: Path, gone: list[str]) -> None:
@@ -214,7 +215,9 @@ def workshop(place: Path) -> Iterator[Path]:
             place.mkdir(parents=True, exist_ok=True)
             own.mkdir(mode=0o700)
         except OSError as error:
-            raise InputError(f"{place}: required a place that can be written; {error.strerror}") from error
+            raise InputError(
+                f"{place}: a place that can be written is required ({error.strerror})"
+            ) from error
         yield own
     finally:
         shutil.rmtree(own, ignore_errors=True)
@@ -253,7 +256,7 @@ def _listed(folder: Path) -> dict[str, str]:
         lines = marker.read_text(encoding="utf-8").splitlines()[1:] if marker.is_file() else []
     except UnicodeDecodeError as error:
         place = f"byte {error.start} is not"
-        raise InputError(f"{marker}: required UTF-8 text as eccentric wrote it; {place}") from None
+        raise InputError(f"{marker}: UTF-8 text as eccentric wrote it is required, {place}") from None
     except OSError as error:
-        raise InputError(f"{marker}: required a file that can be read; {error.strerror}") from None
+        raise InputError(f"{marker}: a file that can be read is required ({error.strerror})") from None
     return {name: command for command, _, name in (line.partition(": ") for line in lines)}

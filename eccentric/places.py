@@ -57,7 +57,7 @@ def folder(name: str) -> Path:
     # An installed package is in site-packages, where a `templates` folder would belong to another project.
     if beside.is_dir() and (package.parent / "pyproject.toml").is_file():
         return beside
-    raise InputError(f"{name}: required a folder {inside} or, in a clone, {beside}; received neither")
+    raise InputError(f"{name}: a folder {inside} or, in a clone, {beside}, is required, received neither")
 
 
 def derivation(name_or_path: str | os.PathLike[str]) -> Path:

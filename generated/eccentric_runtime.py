@@ -59,14 +59,14 @@ class Checked:
             if value is None and optional:
                 continue
             if type(value) is not float and not isinstance(value, Real):
-                raise TypeError(f"{name}: required {required}, received {type(value).__name__}")
+                raise TypeError(f"{name}: {required} is required, received {type(value).__name__}")
             try:
                 number = float(value) + 0.0  # minus zero becomes zero
             except OverflowError:
                 received = "received one beyond double precision"
-                raise ValueError(f"{name}: required {required}, {received}") from None
+                raise ValueError(f"{name}: {required} is required, {received}") from None
             if not lowest <= number <= highest:
-                raise ValueError(f"{name}: required {required}, received {number}")
+                raise ValueError(f"{name}: {required} is required, received {number}")
             # Equal parameters are then identical, as the caches assume.
             object.__setattr__(self, name, number)
 
@@ -528,10 +528,10 @@ def arrays(inputs: Sequence[Any], names: Sequence[str]) -> tuple[Sequence[np.nda
 def check_out(out: Any, shape: tuple[int, ...], precision: _Real) -> None:
     """Require an array that the result fits in."""
     if not isinstance(out, np.ndarray):
-        raise TypeError(f"out: required an array, received {type(out).__name__}")
+        raise TypeError(f"out: an array is required, received {type(out).__name__}")
     if out.shape != shape or out.dtype != precision:
         received = f"{out.shape} of {out.dtype}"
-        raise ValueError(f"out: required shape {shape} of {precision.__name__}, received {received}")
+        raise ValueError(f"out: shape {shape} of {precision.__name__} is required, received {received}")
 
 
 def _number(name: str, x: Any) -> Any:
@@ -540,14 +540,14 @@ def _number(name: str, x: Any) -> Any:
     kind = getattr(given, "dtype", _DOUBLE)
     if kind.kind not in "biuf":
         of = f" of {kind.type.__name__.rstrip('_')}" if np.shape(given) else ""
-        raise TypeError(f"{name}: required real numbers, received {type(x).__name__}{of}")
+        raise TypeError(f"{name}: real numbers are required, received {type(x).__name__}{of}")
     return given
 
 
 def _rounded(name: str, x: Any) -> np.ndarray:
     if isinstance(x, _PYTHONS):
         if _LARGEST_SINGLE < abs(x) < math.inf:  # as infinity it would turn finite results into NaN
-            raise ValueError(f"{name}: required a number that float32 can hold, received {x}")
+            raise ValueError(f"{name}: a number that float32 can hold is required, received {x}")
         with np.errstate(all="ignore"):
             return np.asarray(x, np.float32)
     return np.asarray(x, np.float32)
@@ -743,7 +743,7 @@ class Model:
         own = getattr(parameters, "__dataclass_fields__", {}).keys() == fields
         if parameters is not None and (isinstance(parameters, type) or not own):
             received = f"{type(parameters).__module__}.{type(parameters).__qualname__}"
-            raise TypeError(f"parameters: required Parameters of this model, received {received}")
+            raise TypeError(f"parameters: Parameters of this model are required, received {received}")
 
     def require(self, names: Sequence[str], value: ArrayLike, parameters: Any) -> None:
         """Require the inertia, which has no default, if there is an acceleration."""

@@ -240,10 +240,10 @@ def test_it_can_be_pickled(result: DiagnosisResult) -> None:
 def test_scripts_that_would_hide_a_file_of_the_result_are_refused(tmp_path: Path) -> None:
     """One line, before the logs are read."""
     for name in ("model.py", "my_extended.py"):
-        with pytest.raises(InputError, match="required a name that no file"):
+        with pytest.raises(InputError, match="a name that no file"):
             eccentric.diagnose("no.csv", RIG, effects=tmp_path / name)
     with pytest.raises(
-        InputError, match=r"effects and model: required files of different names, received a\.py"
+        InputError, match=r"effects and model: files of different names are required, received a\.py"
     ):
         eccentric.diagnose("no.csv", RIG, tmp_path / "one" / "a.py", tmp_path / "two" / "a.py")
 

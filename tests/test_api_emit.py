@@ -48,10 +48,13 @@ def test_a_model_names_itself_in_the_banner(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("arguments", "line"),
     [
-        ({"prefix": "int"}, "prefix: required a lower-case C identifier that C and Python leave free"),
+        ({"prefix": "int"}, "prefix: a lower-case C identifier that C and Python leave free"),
         ({"parameters": {"B": 1.0}}, "parameters: parameters.B: c1_perpendicular has no such parameter"),
-        ({"parameters": {"B_m": "a"}}, "parameters: parameters.B_m: required a finite number, received 'a'"),
-        ({"parameters": {"model": "c2_parallel", "parameters": {"B_m": 1.0}}}, "parameters: required a fit"),
+        (
+            {"parameters": {"B_m": "a"}},
+            "parameters: parameters.B_m: a finite number is required, received 'a'",
+        ),
+        ({"parameters": {"model": "c2_parallel", "parameters": {"B_m": 1.0}}}, "parameters: a fit"),
         ({"parameters": "no.json"}, "no.json: no such file"),
     ],
     ids=["prefix", "letter", "text", "another model", "no file"],

@@ -193,7 +193,7 @@ def test_places_are_found_beside_the_package() -> None:
 
 def test_a_place_that_is_not_there_is_named() -> None:
     """An incomplete installation says which folder is missing."""
-    with pytest.raises(InputError, match="nonsense: required a folder"):
+    with pytest.raises(InputError, match="nonsense: a folder"):
         folder("nonsense")
 
 

@@ -23,7 +23,7 @@ def test_a_prefix_that_hides_another_name_is_refused(
     assert 2 == main(["emit", "c2_parallel", "--prefix", taken, "--out", str(tmp_path / "out")])
 
     error = capsys.readouterr().err
-    required = "required a lower-case C identifier that C and Python leave free"
+    required = "a lower-case C identifier that C and Python leave free is required"
     start = f"eccentric: error: --prefix: {required}, received '{taken}', a "
     assert (1, True) == (error.count("\n"), error.startswith(start))
     assert [] == list(tmp_path.iterdir())
@@ -84,7 +84,7 @@ def test_an_unknown_back_end_is_refused(tmp_path: Path, capsys: pytest.CaptureFi
     """One line with the names that there are."""
     assert 2 == main(["emit", "c2_parallel", "--backend", "fortran", "--out", str(tmp_path / "out")])
 
-    expected = "eccentric: error: --backend: required one of numpy, c99, jax, received 'fortran'\n"
+    expected = "eccentric: error: --backend: one of numpy, c99, jax is required, received 'fortran'\n"
     assert expected == capsys.readouterr().err
 
 

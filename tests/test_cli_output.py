@@ -74,7 +74,7 @@ def test_files_of_another_command_are_not_overwritten(tmp_path: Path) -> None:
     with whole_folder(tmp_path / "out", "diagnose") as new:
         (new / "arm.c").write_text("first")
 
-    said = r"out: required to be free: arm\.c; received a file that `eccentric diagnose` wrote$"
+    said = r"out: a free name arm\.c is required, received a file that `eccentric diagnose` wrote$"
     with pytest.raises(InputError, match=said), whole_folder(tmp_path / "out", "emit arm") as new:
         (new / "arm.c").write_text("second")
 
@@ -91,14 +91,14 @@ def test_a_folder_that_cannot_be_is_told_before_the_work(
     (tmp_path / "full/thesis.tex").write_text("")
     (tmp_path / "here").mkdir()
     monkeypatch.chdir(tmp_path / "here")
-    own = "required a folder of its own for the output, such as build/out; received"
+    own = "a folder of its own for the output is required, such as build/out, received"
     wrong = {
         "/": f"/: {own} one with the working directory in it",
         "": f".: {own} the working directory",
-        "../file": "../file: required a folder to write; received a file",
-        "../file/a/b": f"../file/a/b: required a place that can be written; {tmp_path}/file is a file",
-        "../full": "../full: required a new or empty folder, or one that eccentric wrote"
-        " (it holds .eccentric); received a folder with other files",
+        "../file": "../file: a folder to write is required, received a file",
+        "../file/a/b": f"../file/a/b: a place that can be written is required, {tmp_path}/file is a file",
+        "../full": "../full: a new or empty folder, or one that eccentric wrote"
+        " (it holds .eccentric), is required, received a folder with other files",
     }
     for out, said in wrong.items():
         assert cli.main([command, "no.csv", "--rig", "no.toml", "--out", out]) == 2
@@ -125,7 +125,7 @@ def test_files_of_others_are_not_overwritten(tmp_path: Path) -> None:
     (tmp_path / "out/a").write_text("mine")
 
     with (
-        pytest.raises(InputError, match="out: required to be free: a;"),
+        pytest.raises(InputError, match="out: a free name a is required, "),
         whole_folder(tmp_path / "out", "fit") as new,
     ):
         (new / "a").write_text("ours")
@@ -152,11 +152,11 @@ def test_targets_of_the_wrong_kind_are_refused(tmp_path: Path, monkeypatch: pyte
     with pytest.raises(InputError, match="received a file"), whole_folder(tmp_path / "file", "fit"):
         pass
     with (
-        pytest.raises(InputError, match="received something that is not a regular file"),
+        pytest.raises(InputError, match="received one that is not a regular file"),
         whole_file(tmp_path),
     ):
         pass
     with pytest.raises(InputError, match="received the working directory"), whole_folder(".", "fit"):
         pass
-    with pytest.raises(InputError, match="required a place that can be written"), whole_file("../file/log"):
+    with pytest.raises(InputError, match="a place that can be written"), whole_file("../file/log"):
         pass

@@ -111,7 +111,7 @@ def test_out_is_filled_and_returned(name: str, function: str, dtype: type[np.flo
     assert np.array_equal(expected, strided, equal_nan=True)
     if not width(name, function):
         assert np.array_equal(expected, f(*states, p, out=states[0]), equal_nan=True)
-    with pytest.raises(ValueError, match=r"^out: required shape .* received \(2, 2\)"):
+    with pytest.raises(ValueError, match=r"^out: shape .* is required, received \(2, 2\)"):
         f(*states, p, out=np.empty((2, 2), dtype))
 
 
@@ -179,15 +179,13 @@ def test_no_compiler_is_one_clear_line(monkeypatch: pytest.MonkeyPatch, tmp_path
     """Without a compiler the error says what is required; with one that fails, what it said."""
     monkeypatch.setenv("PATH", str(tmp_path))
     monkeypatch.delenv("CC", raising=False)
-    with pytest.raises(InputError, match=r"^compile: required a C compiler .*, received none$"):
+    with pytest.raises(InputError, match=r"^compile: a C compiler .* is required, received none$"):
         eccentric.compile(load_model("c1_perpendicular"))
 
     broken = tmp_path / "cc"
     broken.write_text("#!/bin/sh\necho no such flag >&2\nexit 1\n")
     broken.chmod(0o755)
-    with pytest.raises(
-        InputError, match=r"^compile: .*/cc: required a C99 compiler .*received: no such flag$"
-    ):
+    with pytest.raises(InputError, match=r"^compile: .*/cc: .* is required, received no such flag$"):
         eccentric.compile(load_model("c1_perpendicular"))
 
 
@@ -199,15 +197,18 @@ def test_compiler_may_have_options(monkeypatch: pytest.MonkeyPatch, tmp_path: Pa
     assert expected == eccentric.compile(load_model("c1_perpendicular")).friction_torque(2.0)
 
     monkeypatch.setenv("CC", "cc -no-such-option")
-    with pytest.raises(InputError, match=r"^compile: .*/cc: required a C99 compiler .*no-such-option"):
+    with pytest.raises(InputError, match=r"^compile: .*/cc: a C99 compiler .*no-such-option"):
         eccentric.compile(load_model("c1_perpendicular"))
 
 
 @pytest.mark.parametrize(
     ("given", "said"),
     [
-        ("gcc '", r"required a command with its options, received \"gcc '\": No closing quotation"),
-        ("no-such-compiler -O1", r"required a C compiler that is installed, received 'no-such-compiler -O1'"),
+        ("gcc '", r"a command with its options is required, received \"gcc '\": No closing quotation"),
+        (
+            "no-such-compiler -O1",
+            r"a C compiler that is installed is required, received 'no-such-compiler -O1'",
+        ),
     ],
     ids=["open quotation", "absent"],
 )
@@ -240,12 +241,12 @@ def test_what_cannot_be_compiled_or_kept_is_one_clear_line(
     monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
     """A number in place of a model, an unknown name and a cache that is a file are reported as such."""
-    with pytest.raises(TypeError, match=r"^compile: required a Model, its name or path, received int$"):
+    with pytest.raises(TypeError, match=r"^compile: a Model, .* is required, received int$"):
         eccentric.compile(2)  # type: ignore[arg-type]
     with pytest.raises(InputError, match=r"^model 'c2_paralel' is unknown; known are "):
         eccentric.compile("c2_paralel")
 
     (tmp_path / "file").write_text("")
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "file"))
-    with pytest.raises(InputError, match=r"file/eccentric: required a place that can be written"):
+    with pytest.raises(InputError, match=r"file/eccentric: a place that can be written"):
         eccentric.compile(load_model("c1_perpendicular"))

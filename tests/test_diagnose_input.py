@@ -114,7 +114,7 @@ def test_logs_may_begin_at_any_time(tmp_path: Path) -> None:
             None,
             "diagnose requires a model of case C1 or C2",
         ),
-        ([], "model.py", "required a name that no file"),
+        ([], "model.py", "a name that no file"),
         ([], "missing.py", "missing.py"),
     ],
     ids=["tilt", "name taken", "missing effects"],
@@ -145,7 +145,7 @@ def test_two_scripts_of_one_name_are_refused_before_the_work(
     arguments = ["no.csv", "--rig", "no.toml", "--effects", scripts[0], "--model", scripts[1]]
     status = main(["diagnose", *arguments, "--out", str(tmp_path / "out")])
 
-    said = "--effects and --model: required files of different names, received x.py twice"
+    said = "--effects and --model: files of different names are required, received x.py twice"
     assert (2, f"eccentric: error: {said}\n") == (status, capsys.readouterr().err)
 
 

@@ -194,10 +194,10 @@ def test_a_users_file_loads(tail: str, tmp_path: Path) -> None:
         (None, "no such script of effects"),
         (
             "x = 1",
-            "required a function `effects\\(setting\\)` or an `effect` of type Effect, received NoneType",
+            "a function `effects\\(setting\\)` or an `effect` of type Effect is required, received NoneType",
         ),
         ("effect = 3", "received int"),
-        ("def effects(setting):\n    return [3]", "required effects of type Effect, received int"),
+        ("def effects(setting):\n    return [3]", "effects of type Effect are required, received int"),
         ("1 / 0", "stopped with ZeroDivisionError: division by zero"),
         ("def effects(setting):\n    return setting.nothing", "stopped with AttributeError"),
     ],
@@ -218,5 +218,5 @@ def test_a_bad_file_gets_one_clear_line(source: str | None, expected: str, tmp_p
 
 def test_a_setting_without_range_is_refused() -> None:
     """A range that is not positive is named."""
-    with pytest.raises(ValueError, match="w_max: required above 0"):
+    with pytest.raises(ValueError, match="w_max: a value above 0 is required"):
         dataclasses.replace(setting("C1", warm=False), w_max=0.0)

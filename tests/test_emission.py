@@ -305,16 +305,16 @@ def test_free_text_stays_in_comments(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("content", "said"),
     [
-        ('{"parameters": {"B_m": -1}}', "B_m: required a nonnegative number, received -1"),
-        ('{"parameters": {"mu": 0}}', "mu: required a positive number, received 0"),
-        ('{"model": "c2_asymmetric", "parameters": {"M": 1}}', "required a fit of c2_parallel, received"),
+        ('{"parameters": {"B_m": -1}}', "B_m: a nonnegative number is required, received -1"),
+        ('{"parameters": {"mu": 0}}', "mu: a positive number is required, received 0"),
+        ('{"model": "c2_asymmetric", "parameters": {"M": 1}}', "a fit of c2_parallel is required, received"),
         ('{"parameters": {"B_x": 1}}', "B_x: c2_parallel has no such parameter"),
-        ('{"parameters": {"B_m": "a"}}', "B_m: required a finite number, received 'a'"),
+        ('{"parameters": {"B_m": "a"}}', "B_m: a finite number is required, received 'a'"),
         (
             "{",
-            "fit.json: required the fit.json of `eccentric fit`, or JSON with `parameters` like it; received",
+            "fit.json: the fit.json of `eccentric fit`, or JSON with `parameters` like it, is required, re",
         ),
-        ("[]", "required an object `parameters`"),
+        ("[]", "an object `parameters`"),
     ],
 )
 def test_bad_fit_file_is_one_line(
@@ -362,23 +362,23 @@ model = """
     ("source", "said"),
     [
         ("raise RuntimeError('no')", "RuntimeError: no"),
-        ("x = 1", "required a module-level `model`"),
+        ("x = 1", "a module-level `model`"),
         ("from eccentric.model import load_model\nmodel = load_model(__file__)", "in a circle"),
-        (MINE + "with_term(v.B_m.symbol, sp.tanh(w))", "model mine: term mine: tanh(omega_m): required"),
-        (MINE + "with_term(v.B_m.symbol, sp.sin(w))", "model mine: term mine: sin(omega_m): required"),
+        (MINE + "with_term(v.B_m.symbol, sp.tanh(w))", "model mine: term mine: tanh(omega_m): +, -"),
+        (MINE + "with_term(v.B_m.symbol, sp.sin(w))", "model mine: term mine: sin(omega_m): +, -"),
         (
             MINE + "with_term(v.B_m.symbol, sp.Piecewise((w, w > 1), (0, True)))",
             "model mine: term mine: Piecewise",
         ),
-        (MINE + "with_term(sp.Integer(1), w * sp.Abs(w))", "model mine: term mine: required a parameter"),
+        (MINE + "with_term(sp.Integer(1), w * sp.Abs(w))", "model mine: term mine: a parameter"),
         (MINE + "with_term(v.B_lT.symbol, w)", "model mine: term mine uses B_lT, which nothing defines"),
         (
             MINE + "with_term(v.M.symbol, w)",
             "model mine: terms motor_viscous, mine: no log distinguishes them",
         ),
-        (MINE + "replace(base, name='mine', balances=())", "model mine: required a balance `mechanical`"),
-        (MINE + "replace(base, name='My arm')", "its name: required a lower-case C identifier"),
-        (MINE + "replace(base, name='lambda')", "its name: required a lower-case C identifier"),
+        (MINE + "replace(base, name='mine', balances=())", "model mine: a balance `mechanical`"),
+        (MINE + "replace(base, name='My arm')", "its name: a lower-case C identifier"),
+        (MINE + "replace(base, name='lambda')", "its name: a lower-case C identifier"),
     ],
     ids=[
         *("raises", "without model", "circle", "unknown function", "function of prepare only", "condition"),

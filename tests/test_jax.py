@@ -197,9 +197,11 @@ def test_what_is_refused() -> None:
     m = jaxed("c2_parallel")
     with pytest.raises(ValueError, match=r"^J_m, J_l: required in Parameters with alpha_m, received None$"):
         m.voltage(0.0, 1.0, 2.0)
-    with pytest.raises(TypeError, match=r"^parameters: required Parameters of this module, received dict$"):
+    with pytest.raises(
+        TypeError, match=r"^parameters: Parameters of this module are required, received dict$"
+    ):
         m.normal_force(0.0, 1.0, {"M": 1.0})
-    with pytest.raises(TypeError, match=r"^inputs: required real numbers, received complex"):
+    with pytest.raises(TypeError, match=r"^inputs: real numbers are required, received complex"):
         m.normal_force(0.0, 1j)
 
 

@@ -205,7 +205,7 @@ def test_a_log_is_its_own_log() -> None:
         (np.zeros(3), f"table: {WANTED} ndarray"),
         ({}, "table: a log with rows is required, received none"),
         ({"t": []}, "table: a log with rows is required, received none"),
-        ({"t": 1.0}, "table: columns are required, each an array of numbers; received single values"),
+        ({"t": 1.0}, "table: columns are required, each an array of numbers, received single values"),
         ({"t": [0, 1, 2], "i": [1, 2]}, "table: column 'i': 3 rows, as in 't', are required, received 2"),
         ({"t": np.zeros((4, 2))}, f"{COLUMN}: one dimension is required, received shape (4, 2)"),
         (

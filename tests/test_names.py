@@ -1,9 +1,10 @@
-"""One name for one thing: no two public classes of the toolkit share a name."""
+"""One name for one thing, and one grammar of errors, read from the sources."""
 
 import ast
+import re
 from collections import defaultdict
 
-from tests.import_graph import files_of
+from tests.import_graph import ROOT, files_of
 
 
 def test_no_two_public_classes_share_a_name() -> None:
@@ -17,3 +18,18 @@ def test_no_two_public_classes_share_a_name() -> None:
     shared = {name: modules for name, modules in places.items() if len(modules) > 1}
 
     assert {} == shared
+
+
+def test_errors_say_what_is_required_then_what_was_received() -> None:
+    """Every message has the form "place: X is required, received Y": X first, and a comma between them."""
+    other = re.compile(r"""[:;"'] required (?!in\b)|"required |; received|received:""")
+    sources = [*files_of("eccentric").values(), *sorted((ROOT / "templates").rglob("*.py.jinja"))]
+
+    raised = {
+        f"{path.relative_to(ROOT)}: {line.strip()}"
+        for path in sources
+        for line in path.read_text(encoding="utf-8").splitlines()
+        if '"' in line and other.search(line)
+    }
+
+    assert set() == raised

@@ -33,22 +33,27 @@ NO_INPUT: dict[str, tuple[Callable[..., object], tuple[object, ...], dict[str, o
     "diagnose, a number": (eccentric.diagnose, (LOG, RIG, 1), {}, "model: a path is required, received int"),
     "diagnose, effects": (eccentric.diagnose, (LOG, RIG, None, 1), {}, "effects: a path is required"),
     "emit, parameters": (eccentric.emit, ("c2_parallel", "out"), {"parameters": 1}, "parameters: a path is"),
-    "emit, prefix": (eccentric.emit, ("c2_parallel", "out"), {"prefix": 1}, "prefix: required a lower-case"),
-    "emit, backend": (eccentric.emit, ("c2_parallel", "out"), {"backend": 1}, "backend: required one of"),
+    "emit, prefix": (eccentric.emit, ("c2_parallel", "out"), {"prefix": 1}, "prefix: a lower-case"),
+    "emit, backend": (eccentric.emit, ("c2_parallel", "out"), {"backend": 1}, "backend: one of"),
     "emit, no backend": (eccentric.emit, ("c2_parallel", "out"), {"backend": []}, "received 'none'"),
     "emit, out": (eccentric.emit, ("c2_parallel", None), {}, "output: a path is required, received NoneType"),
-    "bench, seconds": (eccentric.bench, (), {"seconds": "a"}, "seconds: required 15 to 3600; received 'a'"),
-    "bench, mu": (eccentric.bench, (), {"mu": None}, "gear ratio mu: required 0.001 to 2; received None"),
-    "bench, noise": (eccentric.bench, (), {"noise": 1j}, "noise .* required 0 to 0.5; received 1j"),
-    "bench, seed": (eccentric.bench, (), {"seed": 1.5}, "seed: required an integer of 0 or more"),
+    "bench, seconds": (
+        eccentric.bench,
+        (),
+        {"seconds": "a"},
+        "seconds: 15 to 3600 is required, received 'a'",
+    ),
+    "bench, mu": (eccentric.bench, (), {"mu": None}, "gear ratio mu: 0.001 to 2 is required, received None"),
+    "bench, noise": (eccentric.bench, (), {"noise": 1j}, "noise .* 0 to 0.5 is required, received 1j"),
+    "bench, seed": (eccentric.bench, (), {"seed": 1.5}, "seed: an integer of 0 or more"),
     "bench, out": (eccentric.bench, (), {"out": 1}, "out: a path is required, received int"),
-    "bench, effects": (eccentric.bench, ("stribeck",), {}, "effects: required a list of names"),
-    "bench, an effect": (eccentric.bench, ([1],), {}, r"effects: required names, or \(name, strength\)"),
+    "bench, effects": (eccentric.bench, ("stribeck",), {}, "effects: a list of names or of "),
+    "bench, an effect": (eccentric.bench, ([1],), {}, r"effects: names or \(name, strength\) are required"),
     "bench, a strength": (
         eccentric.bench,
         ([("stribeck", "a")],),
         {},
-        "effect stribeck: required a strength",
+        "effect stribeck: a strength above 0 and at most 1 is required",
     ),
 }
 
@@ -177,10 +182,10 @@ def test_a_value_that_no_sensor_gives_is_refused_where_it_is_read(tmp_path: Path
 
 
 PARAMETERS = {
-    "phi": (2.0, "phi: required an angle from 0 to pi/2, received 2.0"),
-    "mu": (1e-300, "mu: required a number of size 1e-12 to 1e.12, received 1e-300"),
+    "phi": (2.0, "phi: an angle from 0 to pi/2 is required, received 2.0"),
+    "mu": (1e-300, "mu: a number of size 1e-12 to 1e.12 is required, received 1e-300"),
     "L": (5e-324, "within single precision is required, received L = 5.0e-324"),
-    "M": (1e300, "M: required a number of size up to 1e.12, received 1e.300"),
+    "M": (1e300, "M: a number of size up to 1e.12 is required, received 1e.300"),
 }
 
 

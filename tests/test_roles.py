@@ -175,10 +175,13 @@ def test_the_papers_terms_have_their_roles_and_loads() -> None:
 @pytest.mark.parametrize(
     ("given", "said"),
     [
-        ({}, "term x: friction requires a role, one of Role.VISCOUS"),
-        ({"role": "viscous"}, "term x: role must be one of Role.NONE, .* received 'viscous'"),
-        ({"role": Role.DRAG, "load": "F_N"}, "term x: load must be one of Load.NONE, .* received 'F_N'"),
-        ({"role": Role.DRAG, "joint": -1}, "term x: joint must be 0 or above, received -1"),
+        ({}, "term x: a role of friction is required, one of Role.VISCOUS"),
+        ({"role": "viscous"}, "term x: role: one of Role.NONE, .* is required, received 'viscous'"),
+        (
+            {"role": Role.DRAG, "load": "F_N"},
+            "term x: load: one of Load.NONE, .* required, received 'F_N'",
+        ),
+        ({"role": Role.DRAG, "joint": -1}, "term x: joint: 0 or above is required, received -1"),
         ({"role": Role.DRAG, "kind": "actuator"}, "only friction has a role, received drag of kind actuator"),
     ],
     ids=["none", "a string", "load a string", "joint", "no friction"],
@@ -198,5 +201,5 @@ def test_the_model_gives_its_own_inertia_and_the_current_of_its_armature() -> No
 
     assert model.value(model.inertia, known) == pytest.approx(2e-4 + 0.04 * 0.04, rel=1e-15)
     assert model.value(current, known) == pytest.approx((9.0 - 0.05 * 30.0) / 1.5, rel=1e-15)
-    with pytest.raises(ValueError, match="balance electrical: required to be linear in theta_m"):
+    with pytest.raises(ValueError, match="balance electrical: a sum that is linear in theta_m is required"):
         model.balance("electrical").solved_for(v.theta_m.symbol)

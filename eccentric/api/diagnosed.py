@@ -100,10 +100,10 @@ def _scripts(effects: Path | None, model: str | Model | None) -> tuple[Path, ...
     own = tuple(Path(one) for one in given if one is not None and Path(one).suffix == ".py")
     for one in own:
         if one.name in taken or is_result_name(one.stem):
-            raise InputError(f"{one}: required a name that no file of the result has")
+            raise InputError(f"{one}: a name that no file of the result has is required")
     if len({one.resolve() for one in own}) > len(called := {one.name for one in own}):
         raise InputError(
-            f"effects and model: required files of different names, received {called.pop()} twice"
+            f"effects and model: files of different names are required, received {called.pop()} twice"
         )
     return own
 

@@ -52,7 +52,7 @@ def write_emitted(
     names = DEFAULT if backend is None else list(backend if several else [backend])
     for name in names or ["none"]:
         if not isinstance(name, str) or name not in BACKENDS:
-            raise InputError(f"backend: required one of {', '.join(BACKENDS)}, received {name!r}")
+            raise InputError(f"backend: one of {', '.join(BACKENDS)} is required, received {name!r}")
     files = complete(model, "eccentric emit", origin, dict.fromkeys(names), single_file=single_file)
     with whole_folder(out, f"emit {model.name}") as folder:
         write(files, folder)
@@ -62,7 +62,9 @@ def write_emitted(
 def require_fit(fits_the_rig: bool, source: str, accept_misfit: bool) -> None:
     """Raise InputError for parameters of a log that does not fit its rig, unless they are accepted."""
     if not fits_the_rig and not accept_misfit:
-        raise InputError(f"accept_misfit: required to emit {source}, since its log does not fit the rig")
+        raise InputError(
+            f"accept_misfit: this is required to emit {source}, since its log does not fit the rig"
+        )
 
 
 def described(own: Iterable[str], emitted: Iterable[str], model: str) -> tuple[tuple[str, str], ...]:

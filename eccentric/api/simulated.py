@@ -67,7 +67,7 @@ def bench(
             name exists.
     """
     if not isinstance(seed, int | np.integer) or seed < 0:
-        raise InputError(f"seed: required an integer of 0 or more; received {seed!r}")
+        raise InputError(f"seed: an integer of 0 or more is required, received {seed!r}")
     path = None if out is None else given_path(out, "out")
     scenario = random_scenario(
         np.random.default_rng(seed),

@@ -20,7 +20,6 @@ _OPTIONS = {
     "seconds": "--seconds",
     "drive": "--drive",
     "seed": "--seed",
-    "unknown effect": "--effect",
     "effect": "--effect",
 }
 """Beginning of a message of the bench -> the option concerned."""
@@ -65,9 +64,9 @@ def run(args: argparse.Namespace) -> int:
         _list_effects()
         return 0
     if args.out is None:
-        raise InputError("--out: required the path of a log, LOG.csv.gz; received none")
+        raise InputError("--out: the path of a log (LOG.csv.gz) is required, received none")
     if not args.out.endswith(".csv.gz"):
-        raise InputError(f"--out: required a log name that ends in .csv.gz; received {args.out}")
+        raise InputError(f"--out: a log name that ends in .csv.gz is required, received {args.out}")
     with options(_OPTIONS):
         result = eccentric.bench(
             [_effect(text) for text in args.effect],
@@ -109,4 +108,4 @@ def _effect(text: str) -> str | tuple[str, float]:
     try:
         return name, float(size)
     except ValueError:
-        raise InputError(f"--effect {text}: required a number for the strength; received {size}") from None
+        raise InputError(f"--effect {text}: a number for the strength is required, received {size}") from None

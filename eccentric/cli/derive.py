@@ -88,6 +88,6 @@ def _generated() -> Path:
     clone = Path(eccentric.__file__).resolve().parent.parent
     if not (clone / "pyproject.toml").is_file():
         raise InputError(
-            "derive: required --out DIR, since this is an installed copy without a generated/ folder"
+            "derive: --out DIR is required, since this is an installed copy without a generated/ folder"
         )
     return clone / "generated"

@@ -74,14 +74,14 @@ def _command() -> list[str]:
         commands = [command] if (command := shlex.split(given)) else [["cc"], ["gcc"], ["clang"]]
     except ValueError as error:
         raise InputError(
-            f"compile: CC: required a command with its options, received {given!r}: {error}"
+            f"compile: CC: a command with its options is required, received {given!r}: {error}"
         ) from None
     for command in commands:
         if path := shutil.which(command[0]):
             return [path, *command[1:]]
     if given.strip():
-        raise InputError(f"compile: CC: required a C compiler that is installed, received {given!r}")
-    raise InputError("compile: required a C compiler (CC, cc, gcc or clang), received none")
+        raise InputError(f"compile: CC: a C compiler that is installed is required, received {given!r}")
+    raise InputError("compile: a C compiler (CC, cc, gcc or clang) is required, received none")
 
 
 def _start(command: Sequence[str], folder: Path | None = None) -> subprocess.Popen[str]:
@@ -97,6 +97,6 @@ def _finish(process: subprocess.Popen[str]) -> str:
         command = process.args[0] if isinstance(process.args, list) else process.args
         said = (complaint.strip() or f"exit status {process.returncode}").splitlines()[0]
         raise InputError(
-            f"compile: {command}: required a C99 compiler that takes {' '.join(_FLAGS)}, received: {said}"
+            f"compile: {command}: a C99 compiler that takes {' '.join(_FLAGS)} is required, received {said}"
         )
     return output

@@ -54,7 +54,9 @@ def compile(model: Model | str | Path) -> ModuleType:  # noqa: A001 - called as 
     from eccentric.model import Model
 
     if not isinstance(model, Model):
-        raise TypeError(f"compile: required a Model, its name or path, received {type(model).__name__}")
+        raise TypeError(
+            f"compile: a Model, its name or its path is required, received {type(model).__name__}"
+        )
     return _built(model, local_compiler())[0]
 
 
@@ -93,7 +95,8 @@ def _built(model: Model, compiler: Compiler) -> tuple[ModuleType, str, str]:
     if served := _served(entry):
         return served, program.name, key
     raise InputError(
-        f"compile: required a library that this process can load, received {cache_folder() / entry.library}"
+        f"compile: a library that this process can load is required,"
+        f" received {cache_folder() / entry.library}"
     )
 
 

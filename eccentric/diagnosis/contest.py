@@ -91,9 +91,9 @@ def contest(
     """
     names = [model if isinstance(model, str) else model.name for model in models]
     if not names:
-        raise InputError("models: required at least one, received none")
+        raise InputError("models: at least one model is required, received none")
     if twice := [name for k, name in enumerate(names) if name in names[:k]]:
-        raise InputError(f"models: required each only once, received {twice[0]} twice")
+        raise InputError(f"models: each model is required only once, received {twice[0]} twice")
     given = _Field(logs, rig, effects)
     channels = read_channels(logs, rig)
     own = given.stage(load_model(channels.rig.model))
@@ -139,7 +139,7 @@ def _fitted(given: _Field, model: str | Model) -> Refit:
     for effect, _, _ in chosen:
         if effect.balance == "electrical" and stage.data.drive.measured_twice:
             raise InputError(
-                f"model {model}: required effects that the mechanical balance shows, received {effect.id},"
+                f"model {model}: effects of the mechanical balance are required, received {effect.id},"
                 " which shows in the electrical one"
             )
     rows, names = stage.data.rows, [column.name for column in stage.data.signals.columns(stage.base)]

@@ -46,7 +46,7 @@ class SearchRequest:
         )
         if self.only and not left:
             raise InputError(
-                f"only: required a family that this log can show, received {', '.join(self.only)};"
+                f"only: a family that this log can show is required, received {', '.join(self.only)};"
                 f" it can show {', '.join(_families(offered))}"
             )
         return left
@@ -62,7 +62,7 @@ def members(word: str, name: str, offered: Sequence[Effect]) -> list[Effect]:
     found = [effect for effect in offered if _named(effect, (name,))]
     if not found:
         raise InputError(
-            f"{word}: required an effect that this log can show, received {name}; it can show"
+            f"{word}: an effect that this log can show is required, received {name}; it can show"
             f" {', '.join(_families(offered))}"
         )
     return found
@@ -85,10 +85,10 @@ def _require_known(word: str, name: str, offered: Sequence[Effect]) -> None:
     own = [effect_id for effect_id in ids if effect_id.partition("[")[0] == family]
     if own:
         raise InputError(
-            f"{word}: required an effect, received {name}; of {family} there are {', '.join(own)}"
+            f"{word}: an effect is required, received {name}; of {family} there are {', '.join(own)}"
         )
     if family in families:
         return
     near = difflib.get_close_matches(family, families, 1)
     hint = f" (did you mean {near[0]}?)" if near else ""
-    raise InputError(f"{word}: required an effect, received {name}{hint}; there are {', '.join(families)}")
+    raise InputError(f"{word}: an effect is required, received {name}{hint}; there are {', '.join(families)}")

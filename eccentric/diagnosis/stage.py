@@ -71,13 +71,13 @@ class Stage:
             InputError: a name is unknown, given twice, or nothing in the log determines it.
         """
         if twice := [name for k, name in enumerate(names) if name in names[:k]]:
-            raise InputError(f"{word}: required each effect only once, received {twice[0]} twice")
+            raise InputError(f"{word}: each effect is required only once, received {twice[0]} twice")
         pools = [members(word, name, self.offered) for name in names]
         found = fitted_variants(self.balances, [self.candidates(pool) for pool in pools], self.noise)
         chosen = []
         for name, pool, one in zip(names, pools, found, strict=True):
             if one is None:
-                raise InputError(f"{word}: required an effect that this log determines, received {name}")
+                raise InputError(f"{word}: an effect that this log determines is required, received {name}")
             variant, coefficients = one
             effect = next(e for e in pool if e.id == variant.candidate.id)
             own = dict(zip((q.name for q in effect.coefficients), coefficients, strict=False))

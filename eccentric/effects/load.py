@@ -36,10 +36,10 @@ def load_effects(path: str | Path, setting: Setting) -> tuple[Effect, ...]:
     found = (found,) if isinstance(found, Effect) else found
     if not isinstance(found, Iterable):
         raise InputError(
-            f"{path}: required a function `effects(setting)` or an `effect` of type Effect,"
+            f"{path}: a function `effects(setting)` or an `effect` of type Effect is required,"
             f" received {type(found).__name__}"
         )
     found = tuple(found)
     if wrong := [type(one).__name__ for one in found if not isinstance(one, Effect)]:
-        raise InputError(f"{path}: required effects of type Effect, received {wrong[0]}")
+        raise InputError(f"{path}: effects of type Effect are required, received {wrong[0]}")
     return found

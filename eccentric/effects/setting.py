@@ -52,7 +52,9 @@ class Setting:
     def __post_init__(self) -> None:
         for name in ("mu", "w_min", "w_max", "current_max", "duration_s", "mean_loss_W"):
             if not getattr(self, name) > 0.0:
-                raise ValueError(f"setting: {name}: required above 0, received {getattr(self, name)}")
+                raise ValueError(
+                    f"setting: {name}: a value above 0 is required, received {getattr(self, name)}"
+                )
 
     @property
     def case(self) -> str:

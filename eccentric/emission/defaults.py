@@ -48,8 +48,8 @@ def read_parameters(source: Path | Mapping[str, Any]) -> FittedValues:
     except InputError:
         raise
     except (ValueError, RecursionError) as error:  # ValueError: for example a number of thousands of digits
-        what = "required the fit.json of `eccentric fit`, or JSON with `parameters` like it"
-        raise InputError(f"{source}: {what}; received a file that is not JSON ({error})") from None
+        what = "the fit.json of `eccentric fit`, or JSON with `parameters` like it, is required"
+        raise InputError(f"{source}: {what}, received a file that is not JSON ({error})") from None
     return _fitted(content, str(source), source.name)
 
 
@@ -57,14 +57,14 @@ def _fitted(content: object, where: str, name: str) -> FittedValues:
     content = content if isinstance(content, Mapping) else {}
     values = content.get("parameters")
     if not isinstance(values, Mapping) or not values:
-        raise InputError(f"{where}: required an object `parameters` of numbers by the paper's letters")
+        raise InputError(f"{where}: an object `parameters` of numbers by the paper's letters is required")
     values = {letter: value for letter, value in values.items() if value is not None}
     for letter, value in values.items():
         if isinstance(value, bool) or not isinstance(value, int | float) or not abs(value) < math.inf:
-            raise InputError(f"{where}: parameters.{letter}: required a finite number, received {value!r}")
+            raise InputError(f"{where}: parameters.{letter}: a finite number is required, received {value!r}")
     notes, identified_on = content.get("parameter_notes", {}), content.get("identified_range", "")
     if not isinstance(notes, Mapping) or not isinstance(identified_on, str):
-        raise InputError(f"{where}: required `parameter_notes` by letter and `identified_range` as text")
+        raise InputError(f"{where}: `parameter_notes` by letter and `identified_range` as text are required")
     fits = content.get("fits_the_rig") is not False
     return FittedValues(name, content.get("model"), values, dict(notes), identified_on, fits)
 
@@ -77,6 +77,8 @@ def with_fitted(model: Model, fitted: FittedValues, name: str) -> Model:
             value is of no parameter of the model, or of a sign that it cannot have.
     """
     if fitted.model not in (None, model.name):
-        raise InputError(f"{fitted.source}: required a fit of {model.name}, received one of {fitted.model}")
+        raise InputError(
+            f"{fitted.source}: a fit of {model.name} is required, received one of {fitted.model}"
+        )
     title = f"{model.title}; {fitted.identified_on}" if fitted.identified_on else model.title
     return with_values(model, fitted.values, name, fitted.notes, title, fitted.source)

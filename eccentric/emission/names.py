@@ -39,10 +39,10 @@ def checked_name(name: str, where: str) -> str:
     """
     if not isinstance(name, str) or not re.fullmatch(r"[a-z][a-z0-9_]{0,30}", name):
         raise InputError(
-            f"{where}: required a lower-case C identifier of at most 31 characters, received {name!r}"
+            f"{where}: a lower-case C identifier of at most 31 characters is required, received {name!r}"
         )
     taken = next((what for what, names in _TAKEN.items() if name in names), None)
     if taken is not None:
         free = "a lower-case C identifier that C and Python leave free"
-        raise InputError(f"{where}: required {free}, received {name!r}, {taken}")
+        raise InputError(f"{where}: {free} is required, received {name!r}, {taken}")
     return name

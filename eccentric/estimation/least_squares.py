@@ -78,6 +78,6 @@ def require_rank(design: Array, names: Sequence[str], where: str) -> None:
             n for n, part in zip(names, np.max(np.abs(weak), axis=0), strict=True) if part > MEMBER_PART
         ]
         raise InputError(
-            f"{where}: {', '.join(members)} cannot be separated on this log; required more different speeds"
-            " (or angles, in both directions)"
+            f"{where}: {', '.join(members)} cannot be separated on this log: more different speeds"
+            " (or angles, in both directions) are required"
         )

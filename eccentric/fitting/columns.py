@@ -65,7 +65,7 @@ def scale_of(drive: str, rig: Rig) -> sp.Expr | None:
             return 1 / k_i
         raise InputError(
             f"{rig.path}: [known] k_i is required to convert the current to torque "
-            "(or its range in [unknown], to estimate it jointly); received neither"
+            "(or its range in [unknown], to estimate it jointly), received neither"
         )
     return None
 
@@ -83,7 +83,7 @@ def combinations_of(
         if not shared:
             raise InputError(
                 f"{rig.path}: [known] k_e is required by {model.name}, which has no viscous friction in"
-                " proportion to the motor velocity that would include the back-EMF; received none"
+                " proportion to the motor velocity that would include the back-EMF, received none"
             )
     damping = s * _plain(machine.back_emf_damping)
     found = [

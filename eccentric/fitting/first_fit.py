@@ -93,10 +93,11 @@ def _needed(channels: Channels, rig: Rig, base: Model) -> dict[str, float]:
     if channels.motor.measured_by == "current" and channels.motor.voltage is not None:
         given -= {"R", "k_e"}
         if missing := sorted({"R", "k_e"} - set(rig.known)):
+            verb = "are" if len(missing) > 1 else "is"
             received = "a range" if set(missing) & set(rig.unknown) else "none"
             raise InputError(
-                f"{rig.path}: [known] {' and '.join(missing)} required, since current and voltage are mapped,"
-                f" received {received}: add it, or remove the voltage from [columns]"
+                f"{rig.path}: [known] {' and '.join(missing)} {verb} required, since current and voltage"
+                f" are mapped, received {received}: add it, or remove the voltage from [columns]"
             )
     known = {name: value for name, value in own_letters(base).items() if name in needed}
     known |= {name: rig.value(name) for name in sorted(needed - given - set(known))}

@@ -91,6 +91,6 @@ def _mechanical(fit: Fit, name: str) -> Estimate:
 def _words(e: Estimate) -> str:
     low, high = e.interval
     bound = f", at its {e.bound_active} bound" if e.bound_active else ""
-    error = "" if e.widened else f" +- {e.std_error:.2g}"
+    error = "" if e.widened else f", std error {e.std_error:.2g}"
     unit = "" if e.unit == "1" else f" {e.unit}"
-    return f"fitted: {e.value:.4g}{error}{unit}, 95 % interval {low:.4g} to {high:.4g}{bound}"
+    return f"fitted: {e.value:.4g}{unit}{error}, 95 % interval {low:.4g} to {high:.4g}{bound}"

@@ -180,7 +180,7 @@ def pose(channels: Channels, rig: Rig, model: Model) -> Problem:
     for letter in sorted(needed - set(own_letters(model))):
         if letter not in rig.known and letter not in rig.unknown:
             raise InputError(
-                f"{rig.path}: [known] {letter} is required by {model.name}, or its range in [unknown]; "
+                f"{rig.path}: [known] {letter} is required by {model.name}, or its range in [unknown], "
                 "received neither"
             )
     emitted = Emitted(model)

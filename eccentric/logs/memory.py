@@ -102,7 +102,7 @@ def _by_name(table: Mapping[Any, Any], name: str) -> Read:
     found = {column: values for column, values in read.items() if values is not None}
     lengths = {column: len(values) for column, values in found.items() if values.ndim}
     if found and not lengths:
-        raise InputError(f"{name}: columns are required, each an array of numbers; received single values")
+        raise InputError(f"{name}: columns are required, each an array of numbers, received single values")
     first = next(iter(lengths), "")
     for column, length in lengths.items():
         if length != lengths[first]:

@@ -20,12 +20,12 @@ def _require_valid(q: Quantity, value: float, source: str) -> None:
     """Raise InputError for a value outside the domain of a parameter, or of a size that the C cannot hold."""
     where = f"{source}: parameters.{q.name}"
     if (q.domain == "positive" and value <= 0) or (q.domain in {"nonnegative", "tilt"} and value < 0):
-        raise InputError(f"{where}: required a {q.domain} number, received {value!r}")
+        raise InputError(f"{where}: a {q.domain} number is required, received {value!r}")
     if q.domain == "tilt" and value > _RIGHT_ANGLE:
-        raise InputError(f"{where}: required an angle from 0 to pi/2, received {value!r}")
+        raise InputError(f"{where}: an angle from 0 to pi/2 is required, received {value!r}")
     if abs(value) > _LARGEST or (q.domain == "positive" and value < _SMALLEST):
         sizes = f"of size {_SMALLEST:g} to" if q.domain == "positive" else "of size up to"
-        raise InputError(f"{where}: required a number {sizes} {_LARGEST:g}, received {value!r}")
+        raise InputError(f"{where}: a number {sizes} {_LARGEST:g} is required, received {value!r}")
 
 
 def with_values(

@@ -38,7 +38,7 @@ def extended(model: Model, new: Extension) -> Model:
     _require_free_names(model, new)
     _require_replaceable(model, new)
     if unknown := sorted(set(new.change.terms) - {balance.name for balance in model.balances}):
-        raise InputError(f"{new.name}: required a balance {unknown[0]!r} in {model.name}, which has none")
+        raise InputError(f"{new.name}: a balance {unknown[0]!r} is required, {model.name} has none")
     definitions, states, terms = new.change.definitions, new.change.states, dict(new.change.terms)
     for there in (extension.change for extension in model.extensions):
         definitions = tuple(map(there.reach_definition, definitions))

@@ -49,7 +49,7 @@ def load_model(name_or_path: str | os.PathLike[str]) -> Model:
     model = getattr(module, "model", None)
     if not isinstance(model, Model):
         raise InputError(
-            f"{path}: required a module-level `model` of type Model, received {type(model).__name__}"
+            f"{path}: a module-level `model` of type Model is required, received {type(model).__name__}"
         )
     _loaded[path] = model
     return model

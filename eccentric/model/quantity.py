@@ -57,7 +57,7 @@ def quantity(
         ValueError: the domain is unknown.
     """
     if domain not in _ASSUMPTIONS:
-        raise ValueError(f"{name}: domain must be one of {', '.join(_ASSUMPTIONS)}; received {domain!r}")
+        raise ValueError(f"{name}: domain: one of {', '.join(_ASSUMPTIONS)} is required, received {domain!r}")
     value = sp.Rational(default) if isinstance(default, str) else default
     return Quantity(sp.Symbol(name, **_ASSUMPTIONS[domain]), unit, meaning, equation, domain, value, letter)
 

@@ -85,14 +85,14 @@ def _column(model: Model, group: list[Term]) -> Column:
     for term in group:
         if term.coefficient not in known:
             raise InputError(
-                f"model {model.name}: term {term.name}: required a parameter as coefficient of friction,"
+                f"model {model.name}: term {term.name}: a parameter is required as coefficient of friction,"
                 f" received {term.coefficient}"
             )
     if len({(term.role, term.joint) for term in group}) > 1:
         received = ", ".join(f"{term.role} at joint {term.joint}" for term in group)
         raise InputError(
-            f"model {model.name}: terms {names}: no log distinguishes them; required one role and one joint,"
-            f" received {received}"
+            f"model {model.name}: terms {names}: no log distinguishes them: one role and one joint are"
+            f" required, received {received}"
         )
     plainest = min(group, key=lambda term: sp.count_ops(term.basis))
     basis, parameter = plainest.basis, known[plainest.coefficient]

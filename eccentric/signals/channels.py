@@ -201,7 +201,7 @@ def _require_rows(channels: Channels, paths: Sequence[str], rig: Rig) -> None:
         raise InputError(
             f"{where}: moving rows (above {rows.moving_threshold_rad_s:.4g} rad/s at the motor, "
             f"{END_S:g} s from the ends) are required to fit and to hold out "
-            f"({rows.holdout.brief}); received {fitted} and {scored} under {rig.path}: are the units of "
+            f"({rows.holdout.brief}), received {fitted} and {scored} under {rig.path}: are the units of "
             "time and angle right?"
         )
 

@@ -51,7 +51,7 @@ def hann_windows(
     width = np.concatenate(sizes)
     if len(width) < least:
         raise InputError(
-            f"moving training samples: at least {least} windows of {length_s:.3g} s required,"
+            f"moving training samples: at least {least} windows of {length_s:.3g} s are required,"
             f" received {len(width)}"
         )
     pointer = np.r_[0, np.cumsum(width)]

@@ -47,7 +47,9 @@ def write(run: BenchRun, path: str | Path) -> tuple[Path, Path, Path]:
             for target in contents:
                 shutil.move(Path(folder) / target.name, target)
     except OSError as error:
-        raise InputError(f"{path}: required a file that can be written; {error.strerror or error}") from error
+        raise InputError(
+            f"{path}: a file that can be written is required ({error.strerror or error})"
+        ) from error
     return log, rig, truth
 
 
@@ -58,12 +60,12 @@ def free_paths(path: str | Path) -> tuple[Path, Path, Path]:
     """
     log = Path(path)
     if not log.name.endswith(_ENDING) or log.name == _ENDING:
-        raise InputError(f"{log}: required a log name ending in {_ENDING}")
+        raise InputError(f"{log}: a log name that ends in {_ENDING} is required")
     stem = log.name.removesuffix(_ENDING)
     paths = log, log.with_name(f"{stem}.json"), log.with_name(f"{stem}.truth.json")
     for one in paths:
         if os.path.lexists(one):  # including a dangling link
-            raise InputError(f"{one}: required a new file to write; received one that exists")
+            raise InputError(f"{one}: a new file to write is required, received one that exists")
     return paths
 
 

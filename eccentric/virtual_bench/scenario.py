@@ -66,15 +66,17 @@ def random_scenario(
     """
     _check(case, mu, log_type, strength, noise, seconds, drive)
     if isinstance(effects, str) or not isinstance(effects, Sequence):
-        raise InputError(f"effects: required a list of names, or of (name, strength); received {effects!r}")
+        raise InputError(f"effects: a list of names or of (name, strength) is required, received {effects!r}")
     requested = [(one, strength) if isinstance(one, str) else one for one in effects]
     for one in requested:
         if not isinstance(one, tuple | list) or len(one) != 2:
-            raise InputError(f"effects: required names, or (name, strength); received {one!r}")
+            raise InputError(f"effects: names or (name, strength) are required, received {one!r}")
         name, size = one
         known_effect(name)
         if not _within(size, 0.0, 1.0) or size == 0.0:
-            raise InputError(f"effect {name}: required a strength above 0 and at most 1; received {size!r}")
+            raise InputError(
+                f"effect {name}: a strength above 0 and at most 1 is required, received {size!r}"
+            )
     plant = _plant(rng, case, mu)
     top_speed = float(rng.uniform(6.5, 8.5)) / mu if log_type == "runs" else float(rng.uniform(5.5, 7.0)) / mu
     course = (speed_runs if log_type == "runs" else sum_of_sines)(rng, seconds, top_speed)
@@ -94,7 +96,7 @@ def random_scenario(
     hiding = [effect.id for effect in built if effect.hides_temperature]
     if hiding and logged:
         raise InputError(
-            f"effect {hiding[0]}: required a log without a temperature column; received one with it"
+            f"effect {hiding[0]}: a log without a temperature column is required, received one with it"
         )
     if logged or hiding:
         plant = replace(plant, Rth=_thermal_resistance(setting))
@@ -105,15 +107,15 @@ def known_effect(name: str) -> tuple[str, str | None]:
     """Split `family[variant]`; InputError, listing what there is, if the bench has no such effect."""
     match = re.fullmatch(r"(\w+)(?:\[(.+)\])?", str(name))
     if match is None or match[1] not in EFFECTS:
-        raise InputError(
-            f"unknown effect {name}: required one of {', '.join(EFFECTS)}" + meant(name, EFFECTS)
-        )
+        raise InputError(f"effect {name}: one of {', '.join(EFFECTS)} is required" + meant(name, EFFECTS))
     family, variant = match[1], match[2]
     variants = VARIANTS.get(family, ())
     if variant is not None and not variants:
-        raise InputError(f"effect {family}: required no variant, since it has none; received {variant}")
+        raise InputError(f"effect {family}: no variant is required, since it has none, received {variant}")
     if variant is not None and variant not in variants:
-        raise InputError(f"effect {family}: required a variant of {', '.join(variants)}; received {variant}")
+        raise InputError(
+            f"effect {family}: a variant of {', '.join(variants)} is required, received {variant}"
+        )
     return family, variant
 
 
@@ -130,7 +132,7 @@ def _check(
         ("drive", drive, DRIVES),
     ):
         if value not in allowed:
-            raise InputError(f"{quantity}: required {' or '.join(allowed)}; received {value}")
+            raise InputError(f"{quantity}: {' or '.join(allowed)} is required, received {value}")
     for quantity, value, low, high in (
         ("gear ratio mu", mu, 1e-3, 2.0),
         ("strength", strength, 1e-6, 1.0),
@@ -138,7 +140,7 @@ def _check(
         ("seconds", seconds, _SHORTEST_S, _LONGEST_S),
     ):
         if not _within(value, low, high):
-            raise InputError(f"{quantity}: required {low:g} to {high:g}; received {value!r}")
+            raise InputError(f"{quantity}: {low:g} to {high:g} is required, received {value!r}")
 
 
 def _within(value: object, low: float, high: float) -> bool:

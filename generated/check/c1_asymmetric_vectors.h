@@ -1,5 +1,5 @@
 /*
- * Generated: do not edit. Written beside c1_asymmetric.c (program 23c8879a).
+ * Generated: do not edit. Written beside c1_asymmetric.c (program 051d7453).
  * Expected results of the self-test, computed by the emitted NumPy module.
  */
 #define INPUTS 4u

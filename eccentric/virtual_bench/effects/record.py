@@ -76,7 +76,7 @@ class Request:
         """Raise InputError unless the plant is of that case."""
         if self.plant.case != case:
             raise InputError(
-                f"effect {effect}: required case {case}, since {why}; received {self.plant.case}"
+                f"effect {effect}: case {case} is required, since {why}, received {self.plant.case}"
             )
 
 
