@@ -1,5 +1,5 @@
 # Generated: do not edit. Written by `make derive` from derivations/c1_asymmetric.py
-# (eccentric 0.1.0, program 051d7453).
+# (eccentric 0.1.0, program 707390bf).
 # Case C1 with friction that differs between the directions of motion.
 """Case C1 with friction that differs between the directions of motion.
 
@@ -176,27 +176,25 @@ def _prepare(p, c):
     c.B_neg_plus_k_e_k_i_per_R = c.B_neg + p.k_e * p.k_i / p.R
 
 
-_model = runtime.Model(Parameters, _prepare)
+_INPUTS = {
+    "omega_m": "motor velocity [rad/s]",
+    "alpha_m": "motor acceleration [rad/s^2]",
+    "i": "armature current [A]",
+    "u": "armature voltage [V]",
+}
+_model = runtime.Model(Parameters, _prepare, _INPUTS)
 
 
 @_model.function
 def normal_force(c, omega_m):
-    """Normal force F_N on the axis of rotation [N]; shape of the broadcast inputs.
-
-    omega_m [rad/s]: motor velocity
-    """
+    """Normal force F_N on the axis of rotation [N]."""
     # normal force on the axis of rotation [N], eq (8)
     return c.L_M_mu2 * omega_m * omega_m
 
 
 @_model.function
 def friction_torque(c, omega_m):
-    """Resultant friction torque F, back-EMF damping included, eq (6).
-
-    In N m; shape of the broadcast inputs.
-
-    omega_m [rad/s]: motor velocity
-    """
+    """Resultant friction torque F, back-EMF damping included, eq (6) [N m]."""
     # normal force on the axis of rotation [N], eq (8)
     F_N = c.L_M_mu2 * omega_m * omega_m
     direction_of_motion = np.sign(omega_m)
@@ -208,12 +206,7 @@ def friction_torque(c, omega_m):
 
 @_model.function
 def mechanical_friction_torque(c, omega_m):
-    """Mechanical friction torque f = f_m + mu f_l, without back-EMF.
-
-    In N m; shape of the broadcast inputs.
-
-    omega_m [rad/s]: motor velocity
-    """
+    """Mechanical friction torque f = f_m + mu f_l, without back-EMF [N m]."""
     # normal force on the axis of rotation [N], eq (8)
     F_N = c.L_M_mu2 * omega_m * omega_m
     direction_of_motion = np.sign(omega_m)
@@ -228,8 +221,6 @@ def friction_torque_gradient(c, omega_m):
     """Partial derivatives of friction_torque with respect to its inputs.
 
     In N m per rad/s; last axis (omega_m).
-
-    omega_m [rad/s]: motor velocity
     """
     # normal force on the axis of rotation [N], eq (8)
     F_N = c.L_M_mu2 * omega_m * omega_m
@@ -248,8 +239,6 @@ def friction_torque_with_gradient(c, omega_m):
     """Friction_torque and its partial derivatives, as a linearisation needs them.
 
     In N m, N m per rad/s; last axis (friction_torque, omega_m).
-
-    omega_m [rad/s]: motor velocity
     """
     # normal force on the axis of rotation [N], eq (8)
     F_N = c.L_M_mu2 * omega_m * omega_m
@@ -273,8 +262,6 @@ def friction_torque_jacobian(c, omega_m):
 
     In N m per unit coefficient; last axis (B_lN_pos, B_lN_neg, C_lN_pos, C_lN_neg, B_lT_pos, B_lT_neg,
     C_lT_pos, C_lT_neg, B_m_pos, B_m_neg, C_m_pos, C_m_neg).
-
-    omega_m [rad/s]: motor velocity
     """
     # normal force on the axis of rotation [N], eq (8)
     F_N = c.L_M_mu2 * omega_m * omega_m
@@ -319,8 +306,6 @@ def regressor(c, omega_m):
 
     In N m per unit coefficient; last axis (B_lN_pos, B_lN_neg, C_lN_pos, C_lN_neg, B_pos, B_neg, C_pos,
     C_neg).
-
-    omega_m [rad/s]: motor velocity
     """
     # normal force on the axis of rotation [N], eq (8)
     F_N = c.L_M_mu2 * omega_m * omega_m
@@ -361,26 +346,19 @@ def friction_coefficients(c):
 
 @_model.function
 def coulomb_torque(c):
-    """Magnitude of the friction torque at standstill, where it is set-valued.
-
-    In N m; last axis (pos, neg).
-    """
+    """Magnitude of the friction torque at standstill, where it is set-valued [N m]; last axis (pos, neg)."""
     return c.C_pos, c.C_neg
 
 
 @_model.function
 def gravity_torque(c):
-    """Gravity torque G, eq (5) [N m]; shape of the broadcast inputs."""
+    """Gravity torque G, eq (5) [N m]."""
     return 0.0
 
 
 @_model.function(needs=("J_m", "J_l"))
 def voltage(c, omega_m, alpha_m=0.0):
-    """Armature voltage u = (R/k_i) (J alpha_m + G + F), eq (4) [V]; shape of the broadcast inputs.
-
-    omega_m [rad/s]: motor velocity
-    alpha_m [rad/s^2]: motor acceleration
-    """
+    """Armature voltage u = (R/k_i) (J alpha_m + G + F), eq (4) [V]."""
     # normal force on the axis of rotation [N], eq (8)
     F_N = c.L_M_mu2 * omega_m * omega_m
     direction_of_motion = np.sign(omega_m)
@@ -394,11 +372,7 @@ def voltage(c, omega_m, alpha_m=0.0):
 
 @_model.function(needs=("J_m", "J_l"))
 def current(c, omega_m, alpha_m=0.0):
-    """Armature current i = (J alpha_m + G + f)/k_i [A]; shape of the broadcast inputs.
-
-    omega_m [rad/s]: motor velocity
-    alpha_m [rad/s^2]: motor acceleration
-    """
+    """Armature current i = (J alpha_m + G + f)/k_i [A]."""
     # normal force on the axis of rotation [N], eq (8)
     F_N = c.L_M_mu2 * omega_m * omega_m
     direction_of_motion = np.sign(omega_m)
@@ -411,14 +385,7 @@ def current(c, omega_m, alpha_m=0.0):
 
 @_model.function(needs=("J_m", "J_l"))
 def mechanical_residual(c, omega_m, i, alpha_m=0.0):
-    """Residual of the mechanical balance: k_i i - J alpha_m - G - f.
-
-    In N m; shape of the broadcast inputs.
-
-    omega_m [rad/s]: motor velocity
-    i [A]: armature current
-    alpha_m [rad/s^2]: motor acceleration
-    """
+    """Residual of the mechanical balance: k_i i - J alpha_m - G - f [N m]."""
     # normal force on the axis of rotation [N], eq (8)
     F_N = c.L_M_mu2 * omega_m * omega_m
     direction_of_motion = np.sign(omega_m)
@@ -431,14 +398,7 @@ def mechanical_residual(c, omega_m, i, alpha_m=0.0):
 
 @_model.function
 def electrical_residual(c, omega_m, i, u):
-    """Residual of the electrical balance, as a torque: (k_i/R)(u - k_e omega_m) - k_i i.
-
-    In N m; shape of the broadcast inputs.
-
-    omega_m [rad/s]: motor velocity
-    i [A]: armature current
-    u [V]: armature voltage
-    """
+    """Residual of the electrical balance, as a torque: (k_i/R)(u - k_e omega_m) - k_i i [N m]."""
     return -i * c.k_i - c.k_e_k_i_per_R * omega_m + c.k_i_per_R * u
 
 

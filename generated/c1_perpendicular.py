@@ -1,5 +1,5 @@
 # Generated: do not edit. Written by `make derive` from derivations/c1_perpendicular.py
-# (eccentric 0.1.0, program d49cc632).
+# (eccentric 0.1.0, program 00ddac67).
 # Case C1: gravity perpendicular to the motion plane, steady motion.
 """Case C1: gravity perpendicular to the motion plane, steady motion.
 
@@ -132,27 +132,25 @@ def _prepare(p, c):
     c.C_lN_L_M_mu3 = p.C_lN * p.L * p.M * p.mu * p.mu * p.mu
 
 
-_model = runtime.Model(Parameters, _prepare)
+_INPUTS = {
+    "omega_m": "motor velocity [rad/s]",
+    "alpha_m": "motor acceleration [rad/s^2]",
+    "i": "armature current [A]",
+    "u": "armature voltage [V]",
+}
+_model = runtime.Model(Parameters, _prepare, _INPUTS)
 
 
 @_model.function
 def normal_force(c, omega_m):
-    """Normal force F_N on the axis of rotation [N]; shape of the broadcast inputs.
-
-    omega_m [rad/s]: motor velocity
-    """
+    """Normal force F_N on the axis of rotation [N]."""
     # normal force on the axis of rotation [N], eq (8)
     return c.L_M_mu2 * omega_m * omega_m
 
 
 @_model.function
 def friction_torque(c, omega_m):
-    """Resultant friction torque F, back-EMF damping included, eq (6).
-
-    In N m; shape of the broadcast inputs.
-
-    omega_m [rad/s]: motor velocity
-    """
+    """Resultant friction torque F, back-EMF damping included, eq (6) [N m]."""
     # normal force on the axis of rotation [N], eq (8)
     F_N = c.L_M_mu2 * omega_m * omega_m
     direction_of_motion = np.sign(omega_m)
@@ -162,12 +160,7 @@ def friction_torque(c, omega_m):
 
 @_model.function
 def mechanical_friction_torque(c, omega_m):
-    """Mechanical friction torque f = f_m + mu f_l, without back-EMF.
-
-    In N m; shape of the broadcast inputs.
-
-    omega_m [rad/s]: motor velocity
-    """
+    """Mechanical friction torque f = f_m + mu f_l, without back-EMF [N m]."""
     # normal force on the axis of rotation [N], eq (8)
     F_N = c.L_M_mu2 * omega_m * omega_m
     direction_of_motion = np.sign(omega_m)
@@ -179,8 +172,6 @@ def friction_torque_gradient(c, omega_m):
     """Partial derivatives of friction_torque with respect to its inputs.
 
     In N m per rad/s; last axis (omega_m).
-
-    omega_m [rad/s]: motor velocity
     """
     # normal force on the axis of rotation [N], eq (8)
     F_N = c.L_M_mu2 * omega_m * omega_m
@@ -196,8 +187,6 @@ def friction_torque_with_gradient(c, omega_m):
     """Friction_torque and its partial derivatives, as a linearisation needs them.
 
     In N m, N m per rad/s; last axis (friction_torque, omega_m).
-
-    omega_m [rad/s]: motor velocity
     """
     # normal force on the axis of rotation [N], eq (8)
     F_N = c.L_M_mu2 * omega_m * omega_m
@@ -215,8 +204,6 @@ def friction_torque_jacobian(c, omega_m):
     """Partial derivatives of friction_torque with respect to all friction coefficients.
 
     In N m per unit coefficient; last axis (B_lN, C_lN, B_lT, C_lT, B_m, C_m).
-
-    omega_m [rad/s]: motor velocity
     """
     # normal force on the axis of rotation [N], eq (8)
     F_N = c.L_M_mu2 * omega_m * omega_m
@@ -233,8 +220,6 @@ def regressor(c, omega_m):
     """Columns: regressor times friction_coefficients is mechanical_friction_torque.
 
     In N m per unit coefficient; last axis (B_lN, C_lN, B, C).
-
-    omega_m [rad/s]: motor velocity
     """
     # normal force on the axis of rotation [N], eq (8)
     F_N = c.L_M_mu2 * omega_m * omega_m
@@ -255,26 +240,19 @@ def friction_coefficients(c):
 
 @_model.function
 def coulomb_torque(c):
-    """Magnitude of the friction torque at standstill, where it is set-valued.
-
-    In N m; shape of the broadcast inputs.
-    """
+    """Magnitude of the friction torque at standstill, where it is set-valued [N m]."""
     return c.C
 
 
 @_model.function
 def gravity_torque(c):
-    """Gravity torque G, eq (5) [N m]; shape of the broadcast inputs."""
+    """Gravity torque G, eq (5) [N m]."""
     return 0.0
 
 
 @_model.function(needs=("J_m", "J_l"))
 def voltage(c, omega_m, alpha_m=0.0):
-    """Armature voltage u = (R/k_i) (J alpha_m + G + F), eq (4) [V]; shape of the broadcast inputs.
-
-    omega_m [rad/s]: motor velocity
-    alpha_m [rad/s^2]: motor acceleration
-    """
+    """Armature voltage u = (R/k_i) (J alpha_m + G + F), eq (4) [V]."""
     # normal force on the axis of rotation [N], eq (8)
     F_N = c.L_M_mu2 * omega_m * omega_m
     direction_of_motion = np.sign(omega_m)
@@ -285,11 +263,7 @@ def voltage(c, omega_m, alpha_m=0.0):
 
 @_model.function(needs=("J_m", "J_l"))
 def current(c, omega_m, alpha_m=0.0):
-    """Armature current i = (J alpha_m + G + f)/k_i [A]; shape of the broadcast inputs.
-
-    omega_m [rad/s]: motor velocity
-    alpha_m [rad/s^2]: motor acceleration
-    """
+    """Armature current i = (J alpha_m + G + f)/k_i [A]."""
     # normal force on the axis of rotation [N], eq (8)
     F_N = c.L_M_mu2 * omega_m * omega_m
     direction_of_motion = np.sign(omega_m)
@@ -300,14 +274,7 @@ def current(c, omega_m, alpha_m=0.0):
 
 @_model.function(needs=("J_m", "J_l"))
 def mechanical_residual(c, omega_m, i, alpha_m=0.0):
-    """Residual of the mechanical balance: k_i i - J alpha_m - G - f.
-
-    In N m; shape of the broadcast inputs.
-
-    omega_m [rad/s]: motor velocity
-    i [A]: armature current
-    alpha_m [rad/s^2]: motor acceleration
-    """
+    """Residual of the mechanical balance: k_i i - J alpha_m - G - f [N m]."""
     # normal force on the axis of rotation [N], eq (8)
     F_N = c.L_M_mu2 * omega_m * omega_m
     direction_of_motion = np.sign(omega_m)
@@ -318,14 +285,7 @@ def mechanical_residual(c, omega_m, i, alpha_m=0.0):
 
 @_model.function
 def electrical_residual(c, omega_m, i, u):
-    """Residual of the electrical balance, as a torque: (k_i/R)(u - k_e omega_m) - k_i i.
-
-    In N m; shape of the broadcast inputs.
-
-    omega_m [rad/s]: motor velocity
-    i [A]: armature current
-    u [V]: armature voltage
-    """
+    """Residual of the electrical balance, as a torque: (k_i/R)(u - k_e omega_m) - k_i i [N m]."""
     return -i * c.k_i - c.k_e_k_i_per_R * omega_m + c.k_i_per_R * u
 
 

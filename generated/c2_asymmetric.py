@@ -1,5 +1,5 @@
 # Generated: do not edit. Written by `make derive` from derivations/c2_asymmetric.py
-# (eccentric 0.1.0, program 2ebd38a9).
+# (eccentric 0.1.0, program e71bbd48).
 # Case C2 with friction that differs between the directions of motion.
 """Case C2 with friction that differs between the directions of motion.
 
@@ -168,7 +168,14 @@ def _prepare(p, c):
         c.period_5 = c.rounded(period_last)
 
 
-_model = runtime.Model(Parameters, _prepare)
+_INPUTS = {
+    "theta_m": "motor angle [rad]",
+    "omega_m": "motor velocity [rad/s]",
+    "alpha_m": "motor acceleration [rad/s^2]",
+    "i": "armature current [A]",
+    "u": "armature voltage [V]",
+}
+_model = runtime.Model(Parameters, _prepare, _INPUTS)
 
 
 def _from_top(c, theta_m):
@@ -212,24 +219,14 @@ def _load(c, theta_m, omega_m):
 
 @_model.function
 def normal_force(c, theta_m, omega_m):
-    """Normal force F_N on the axis of rotation [N]; shape of the broadcast inputs.
-
-    theta_m [rad]: motor angle
-    omega_m [rad/s]: motor velocity
-    """
+    """Normal force F_N on the axis of rotation [N]."""
     load = _load(c, theta_m, omega_m)[0]
     return load * c.scale_N
 
 
 @_model.function
 def friction_torque(c, theta_m, omega_m):
-    """Resultant friction torque F, back-EMF damping included, eq (6).
-
-    In N m; shape of the broadcast inputs.
-
-    theta_m [rad]: motor angle
-    omega_m [rad/s]: motor velocity
-    """
+    """Resultant friction torque F, back-EMF damping included, eq (6) [N m]."""
     load = _load(c, theta_m, omega_m)[0]
     direction_of_motion = np.sign(omega_m)
     part_3 = load * np.where(omega_m > 0.0, c.B_lN_pos_mu2_scale_N, c.B_lN_neg_mu2_scale_N)
@@ -240,13 +237,7 @@ def friction_torque(c, theta_m, omega_m):
 
 @_model.function
 def mechanical_friction_torque(c, theta_m, omega_m):
-    """Mechanical friction torque f = f_m + mu f_l, without back-EMF.
-
-    In N m; shape of the broadcast inputs.
-
-    theta_m [rad]: motor angle
-    omega_m [rad/s]: motor velocity
-    """
+    """Mechanical friction torque f = f_m + mu f_l, without back-EMF [N m]."""
     load = _load(c, theta_m, omega_m)[0]
     direction_of_motion = np.sign(omega_m)
     part_3 = load * np.where(omega_m > 0.0, c.C_lN_pos_mu_scale_N, c.C_lN_neg_mu_scale_N)
@@ -260,9 +251,6 @@ def friction_torque_gradient(c, theta_m, omega_m):
     """Partial derivatives of friction_torque with respect to its inputs.
 
     In N m per rad, rad/s; last axis (theta_m, omega_m).
-
-    theta_m [rad]: motor angle
-    omega_m [rad/s]: motor velocity
     """
     load, from_top, chord, speed, square_difference, q = _load(c, theta_m, omega_m)
     direction_of_motion = np.sign(omega_m)
@@ -286,9 +274,6 @@ def friction_torque_with_gradient(c, theta_m, omega_m):
     """Friction_torque and its partial derivatives, as a linearisation needs them.
 
     In N m, N m per rad, rad/s; last axis (friction_torque, theta_m, omega_m).
-
-    theta_m [rad]: motor angle
-    omega_m [rad/s]: motor velocity
     """
     load, from_top, chord, speed, square_difference, q = _load(c, theta_m, omega_m)
     direction_of_motion = np.sign(omega_m)
@@ -316,9 +301,6 @@ def friction_torque_jacobian(c, theta_m, omega_m):
 
     In N m per unit coefficient; last axis (B_lN_pos, B_lN_neg, C_lN_pos, C_lN_neg, B_m_pos, B_m_neg,
     C_m_pos, C_m_neg).
-
-    theta_m [rad]: motor angle
-    omega_m [rad/s]: motor velocity
     """
     load = _load(c, theta_m, omega_m)[0]
     is_forward = np.heaviside(omega_m, 0.0)
@@ -352,9 +334,6 @@ def regressor(c, theta_m, omega_m):
 
     In N m per unit coefficient; last axis (B_lN_pos, B_lN_neg, C_lN_pos, C_lN_neg, B_m_pos, B_m_neg,
     C_m_pos, C_m_neg).
-
-    theta_m [rad]: motor angle
-    omega_m [rad/s]: motor velocity
     """
     load = _load(c, theta_m, omega_m)[0]
     is_forward = np.heaviside(omega_m, 0.0)
@@ -394,19 +373,13 @@ def friction_coefficients(c):
 
 @_model.function
 def coulomb_torque(c):
-    """Magnitude of the friction torque at standstill, where it is set-valued.
-
-    In N m; last axis (pos, neg).
-    """
+    """Magnitude of the friction torque at standstill, where it is set-valued [N m]; last axis (pos, neg)."""
     return c.C_lN_pos_mu_weight_plus_C_m_pos, c.C_lN_neg_mu_weight_plus_C_m_neg
 
 
 @_model.function
 def gravity_torque(c, theta_m):
-    """Gravity torque G, eq (5) [N m]; shape of the broadcast inputs.
-
-    theta_m [rad]: motor angle
-    """
+    """Gravity torque G, eq (5) [N m]."""
     from_top = _from_top(c, theta_m)
     chord = _chord(c, from_top)
     half_sine = _half_sine(c, from_top)
@@ -415,12 +388,7 @@ def gravity_torque(c, theta_m):
 
 @_model.function(needs=("J_m", "J_l"))
 def voltage(c, theta_m, omega_m, alpha_m=0.0):
-    """Armature voltage u = (R/k_i) (J alpha_m + G + F), eq (4) [V]; shape of the broadcast inputs.
-
-    theta_m [rad]: motor angle
-    omega_m [rad/s]: motor velocity
-    alpha_m [rad/s^2]: motor acceleration
-    """
+    """Armature voltage u = (R/k_i) (J alpha_m + G + F), eq (4) [V]."""
     load, from_top, chord, _, _, _ = _load(c, theta_m, omega_m)
     direction_of_motion = np.sign(omega_m)
     half_sine = _half_sine(c, from_top)
@@ -435,12 +403,7 @@ def voltage(c, theta_m, omega_m, alpha_m=0.0):
 
 @_model.function(needs=("J_m", "J_l"))
 def current(c, theta_m, omega_m, alpha_m=0.0):
-    """Armature current i = (J alpha_m + G + f)/k_i [A]; shape of the broadcast inputs.
-
-    theta_m [rad]: motor angle
-    omega_m [rad/s]: motor velocity
-    alpha_m [rad/s^2]: motor acceleration
-    """
+    """Armature current i = (J alpha_m + G + f)/k_i [A]."""
     load, from_top, chord, _, _, _ = _load(c, theta_m, omega_m)
     direction_of_motion = np.sign(omega_m)
     half_sine = _half_sine(c, from_top)
@@ -454,15 +417,7 @@ def current(c, theta_m, omega_m, alpha_m=0.0):
 
 @_model.function(needs=("J_m", "J_l"))
 def mechanical_residual(c, theta_m, omega_m, i, alpha_m=0.0):
-    """Residual of the mechanical balance: k_i i - J alpha_m - G - f.
-
-    In N m; shape of the broadcast inputs.
-
-    theta_m [rad]: motor angle
-    omega_m [rad/s]: motor velocity
-    i [A]: armature current
-    alpha_m [rad/s^2]: motor acceleration
-    """
+    """Residual of the mechanical balance: k_i i - J alpha_m - G - f [N m]."""
     load, from_top, chord, _, _, _ = _load(c, theta_m, omega_m)
     direction_of_motion = np.sign(omega_m)
     half_sine = _half_sine(c, from_top)
@@ -476,12 +431,5 @@ def mechanical_residual(c, theta_m, omega_m, i, alpha_m=0.0):
 
 @_model.function
 def electrical_residual(c, omega_m, i, u):
-    """Residual of the electrical balance, as a torque: (k_i/R)(u - k_e omega_m) - k_i i.
-
-    In N m; shape of the broadcast inputs.
-
-    omega_m [rad/s]: motor velocity
-    i [A]: armature current
-    u [V]: armature voltage
-    """
+    """Residual of the electrical balance, as a torque: (k_i/R)(u - k_e omega_m) - k_i i [N m]."""
     return -i * c.k_i - c.k_e_k_i_per_R * omega_m + c.k_i_per_R * u

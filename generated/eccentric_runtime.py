@@ -670,6 +670,16 @@ class _Kernel:
         return result if out is not None or full else result[()]
 
 
+def _described(kernel: Any, meanings: Any) -> str | None:
+    """The docstring of a function: that of its kernel, and the meanings of its inputs."""
+    _, *names = inspect.signature(kernel).parameters
+    if not names or not kernel.__doc__:
+        return kernel.__doc__
+    inputs = "".join(f"{name}: {meanings[name]}\n" for name in names)
+    shape = "The result has the shape of the inputs, broadcast, before any last axis named above."
+    return f"{inspect.getdoc(kernel)}\n\n{inputs}\n{shape}\n"
+
+
 _NUMBERS = {float, int, np.float64}
 
 
@@ -694,6 +704,7 @@ def _function(model: Model, kernel: Callable[..., Any], evaluated: _Kernel, need
             return np.array(found) if type(found) is tuple else np.float64(found)
         return on_arrays(given, parameters, out)
 
+    function.__doc__ = _described(kernel, model.inputs)
     vars(function)["__signature__"] = signature
     return function
 
@@ -713,8 +724,13 @@ def _ordered(
 class Model:
     """What the functions of one model share: the coefficients of its parameters."""
 
-    def __init__(self, parameters: Callable[[], Any], prepare: Callable[[Any, Coefficients], None]) -> None:
-        self.default = parameters()
+    def __init__(
+        self,
+        parameters: Callable[[], Any],
+        prepare: Callable[[Any, Coefficients], None],
+        inputs: Mapping[str, str],
+    ) -> None:
+        self.default, self.inputs = parameters(), inputs
         self._prepare = prepare
         self._by_value = lru_cache(maxsize=64)(self._computed)
         self._kernels: dict[str, _Kernel] = {}
@@ -774,12 +790,14 @@ class Model:
         return _function(self, kernel, evaluated, needs)
 
     def follow(
-        self, step: str, initial: Mapping[str, float], inputs: Mapping[str, ArrayLike], parameters: Any
+        self, step: str, initial: Mapping[str, float], inputs: Sequence[ArrayLike], parameters: Any
     ) -> np.ndarray:
         """The hidden states along time, before each sample is used; `step` names their function."""
-        numbers = [np.asarray(_number(name, x), np.float64) for name, x in inputs.items()]
+        kernel = self._kernels[step]
+        logged = [name for name in kernel.names if name not in initial]
+        numbers = [np.asarray(_number(name, x), np.float64) for name, x in zip(logged, inputs, strict=True)]
         columns = np.broadcast_arrays(*numbers, np.zeros(1))[:-1]
-        kernel, places = self._kernels[step], {name: k for k, name in enumerate((*initial, *inputs))}
+        places = {name: k for k, name in enumerate((*initial, *logged))}
         order = [places[name] for name in kernel.names]
         out = np.empty((len(columns[0]), len(initial)))
         state = tuple(initial.values())

@@ -1,5 +1,5 @@
 # Generated: do not edit. Written by `make derive` from derivations/rotating_link.py
-# (eccentric 0.1.0, program 743cca38).
+# (eccentric 0.1.0, program 1cb4a227).
 # Rotating link with an unbalanced mass, in a plane tilted by phi, with angular acceleration.
 """Rotating link with an unbalanced mass, in a plane tilted by phi, with angular acceleration.
 
@@ -160,7 +160,14 @@ def _prepare(p, c):
         c.period_5 = c.rounded(period_last)
 
 
-_model = runtime.Model(Parameters, _prepare)
+_INPUTS = {
+    "theta_m": "motor angle [rad]",
+    "omega_m": "motor velocity [rad/s]",
+    "alpha_m": "motor acceleration [rad/s^2]",
+    "i": "armature current [A]",
+    "u": "armature voltage [V]",
+}
+_model = runtime.Model(Parameters, _prepare, _INPUTS)
 
 
 def _from_top(c, theta_m):
@@ -208,26 +215,14 @@ def _load(c, theta_m, omega_m, alpha_m):
 
 @_model.function
 def normal_force(c, theta_m, omega_m, alpha_m):
-    """Normal force F_N on the axis of rotation [N]; shape of the broadcast inputs.
-
-    theta_m [rad]: motor angle
-    omega_m [rad/s]: motor velocity
-    alpha_m [rad/s^2]: motor acceleration
-    """
+    """Normal force F_N on the axis of rotation [N]."""
     load = _load(c, theta_m, omega_m, alpha_m)[0]
     return load * c.scale_N
 
 
 @_model.function
 def friction_torque(c, theta_m, omega_m, alpha_m):
-    """Resultant friction torque F, back-EMF damping included, eq (6).
-
-    In N m; shape of the broadcast inputs.
-
-    theta_m [rad]: motor angle
-    omega_m [rad/s]: motor velocity
-    alpha_m [rad/s^2]: motor acceleration
-    """
+    """Resultant friction torque F, back-EMF damping included, eq (6) [N m]."""
     load = _load(c, theta_m, omega_m, alpha_m)[0]
     direction_of_motion = np.sign(omega_m)
     part_2 = omega_m * (c.B_lN_mu2_scale_N * load + c.B_plus_k_e_k_i_per_R)
@@ -236,14 +231,7 @@ def friction_torque(c, theta_m, omega_m, alpha_m):
 
 @_model.function
 def mechanical_friction_torque(c, theta_m, omega_m, alpha_m):
-    """Mechanical friction torque f = f_m + mu f_l, without back-EMF.
-
-    In N m; shape of the broadcast inputs.
-
-    theta_m [rad]: motor angle
-    omega_m [rad/s]: motor velocity
-    alpha_m [rad/s^2]: motor acceleration
-    """
+    """Mechanical friction torque f = f_m + mu f_l, without back-EMF [N m]."""
     load = _load(c, theta_m, omega_m, alpha_m)[0]
     direction_of_motion = np.sign(omega_m)
     part_2 = direction_of_motion * (c.C + c.C_lN_mu_scale_N * load)
@@ -255,10 +243,6 @@ def friction_torque_gradient(c, theta_m, omega_m, alpha_m):
     """Partial derivatives of friction_torque with respect to its inputs.
 
     In N m per rad, rad/s, rad/s^2; last axis (theta_m, omega_m, alpha_m).
-
-    theta_m [rad]: motor angle
-    omega_m [rad/s]: motor velocity
-    alpha_m [rad/s^2]: motor acceleration
     """
     load, chord, half_sine, speed, p, q = _load(c, theta_m, omega_m, alpha_m)
     direction_of_motion = np.sign(omega_m)
@@ -281,10 +265,6 @@ def friction_torque_with_gradient(c, theta_m, omega_m, alpha_m):
     """Friction_torque and its partial derivatives, as a linearisation needs them.
 
     In N m, N m per rad, rad/s, rad/s^2; last axis (friction_torque, theta_m, omega_m, alpha_m).
-
-    theta_m [rad]: motor angle
-    omega_m [rad/s]: motor velocity
-    alpha_m [rad/s^2]: motor acceleration
     """
     load, chord, half_sine, speed, p, q = _load(c, theta_m, omega_m, alpha_m)
     direction_of_motion = np.sign(omega_m)
@@ -309,10 +289,6 @@ def friction_torque_jacobian(c, theta_m, omega_m, alpha_m):
     """Partial derivatives of friction_torque with respect to all friction coefficients.
 
     In N m per unit coefficient; last axis (B_lN, C_lN, B_lT, C_lT, B_m, C_m).
-
-    theta_m [rad]: motor angle
-    omega_m [rad/s]: motor velocity
-    alpha_m [rad/s^2]: motor acceleration
     """
     load = _load(c, theta_m, omega_m, alpha_m)[0]
     result_B_lN = load * c.mu2_scale_N * omega_m
@@ -328,10 +304,6 @@ def regressor(c, theta_m, omega_m, alpha_m):
     """Columns: regressor times friction_coefficients is mechanical_friction_torque.
 
     In N m per unit coefficient; last axis (B_lN, C_lN, B, C).
-
-    theta_m [rad]: motor angle
-    omega_m [rad/s]: motor velocity
-    alpha_m [rad/s^2]: motor acceleration
     """
     load = _load(c, theta_m, omega_m, alpha_m)[0]
     result_B_lN = load * c.mu2_scale_N * omega_m
@@ -351,13 +323,7 @@ def friction_coefficients(c):
 
 @_model.function
 def coulomb_torque(c, theta_m, alpha_m):
-    """Magnitude of the friction torque at standstill, where it is set-valued.
-
-    In N m; shape of the broadcast inputs.
-
-    theta_m [rad]: motor angle
-    alpha_m [rad/s^2]: motor acceleration
-    """
+    """Magnitude of the friction torque at standstill, where it is set-valued [N m]."""
     from_top = _from_top(c, theta_m)
     chord = _chord(c, from_top)
     half_sine = _half_sine(c, from_top)
@@ -371,10 +337,7 @@ def coulomb_torque(c, theta_m, alpha_m):
 
 @_model.function
 def gravity_torque(c, theta_m):
-    """Gravity torque G, eq (5) [N m]; shape of the broadcast inputs.
-
-    theta_m [rad]: motor angle
-    """
+    """Gravity torque G, eq (5) [N m]."""
     from_top = _from_top(c, theta_m)
     chord = _chord(c, from_top)
     half_sine = _half_sine(c, from_top)
@@ -383,12 +346,7 @@ def gravity_torque(c, theta_m):
 
 @_model.function(needs=("J_m", "J_l"))
 def voltage(c, theta_m, omega_m, alpha_m=0.0):
-    """Armature voltage u = (R/k_i) (J alpha_m + G + F), eq (4) [V]; shape of the broadcast inputs.
-
-    theta_m [rad]: motor angle
-    omega_m [rad/s]: motor velocity
-    alpha_m [rad/s^2]: motor acceleration
-    """
+    """Armature voltage u = (R/k_i) (J alpha_m + G + F), eq (4) [V]."""
     load, chord, half_sine, _, _, _ = _load(c, theta_m, omega_m, alpha_m)
     direction_of_motion = np.sign(omega_m)
     part_2 = direction_of_motion * (c.C_R_per_k_i + c.C_lN_R_mu_scale_N_per_k_i * load)
@@ -399,12 +357,7 @@ def voltage(c, theta_m, omega_m, alpha_m=0.0):
 
 @_model.function(needs=("J_m", "J_l"))
 def current(c, theta_m, omega_m, alpha_m=0.0):
-    """Armature current i = (J alpha_m + G + f)/k_i [A]; shape of the broadcast inputs.
-
-    theta_m [rad]: motor angle
-    omega_m [rad/s]: motor velocity
-    alpha_m [rad/s^2]: motor acceleration
-    """
+    """Armature current i = (J alpha_m + G + f)/k_i [A]."""
     load, chord, half_sine, _, _, _ = _load(c, theta_m, omega_m, alpha_m)
     direction_of_motion = np.sign(omega_m)
     part_2 = direction_of_motion * (c.C_lN_mu_scale_N_per_k_i * load + c.C_per_k_i)
@@ -415,15 +368,7 @@ def current(c, theta_m, omega_m, alpha_m=0.0):
 
 @_model.function(needs=("J_m", "J_l"))
 def mechanical_residual(c, theta_m, omega_m, i, alpha_m=0.0):
-    """Residual of the mechanical balance: k_i i - J alpha_m - G - f.
-
-    In N m; shape of the broadcast inputs.
-
-    theta_m [rad]: motor angle
-    omega_m [rad/s]: motor velocity
-    i [A]: armature current
-    alpha_m [rad/s^2]: motor acceleration
-    """
+    """Residual of the mechanical balance: k_i i - J alpha_m - G - f [N m]."""
     load, chord, half_sine, _, _, _ = _load(c, theta_m, omega_m, alpha_m)
     direction_of_motion = np.sign(omega_m)
     part_2 = -direction_of_motion * (c.C + c.C_lN_mu_scale_N * load)
@@ -434,12 +379,5 @@ def mechanical_residual(c, theta_m, omega_m, i, alpha_m=0.0):
 
 @_model.function
 def electrical_residual(c, omega_m, i, u):
-    """Residual of the electrical balance, as a torque: (k_i/R)(u - k_e omega_m) - k_i i.
-
-    In N m; shape of the broadcast inputs.
-
-    omega_m [rad/s]: motor velocity
-    i [A]: armature current
-    u [V]: armature voltage
-    """
+    """Residual of the electrical balance, as a torque: (k_i/R)(u - k_e omega_m) - k_i i [N m]."""
     return -i * c.k_i - c.k_e_k_i_per_R * omega_m + c.k_i_per_R * u

@@ -11,7 +11,7 @@ import sympy as sp
 
 from eccentric.emission import build_program, render_program
 from eccentric.emission.backends.c99 import view as c99
-from eccentric.emission.backends.numpy import view as numpy_module
+from eccentric.emission.backends.python import module as python_module
 from eccentric.emission.program import Helper, Program, Routine
 from eccentric.model import load_model
 from tests.extended import effects
@@ -98,7 +98,7 @@ def test_polynomials_change_the_digest(monkeypatch: pytest.MonkeyPatch, *, singl
         return replace(found, coefficients=(first.replace("e", "1e"), *rest))
 
     monkeypatch.setattr(c99, "polynomial", changed)
-    monkeypatch.setattr(numpy_module, "polynomial", changed)
+    monkeypatch.setattr(python_module, "polynomial", changed)
 
     assert before != digests(program())
 

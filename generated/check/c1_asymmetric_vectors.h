@@ -1,5 +1,5 @@
 /*
- * Generated: do not edit. Written beside c1_asymmetric.c (program 051d7453).
+ * Generated: do not edit. Written beside c1_asymmetric.c (program 707390bf).
  * Expected results of the self-test, computed by the emitted NumPy module.
  */
 #define INPUTS 4u

@@ -65,12 +65,13 @@ def default_text(q: Quantity) -> str:
     return repr(float(sp.Rational(q.default)))
 
 
+SPLITTING = {name: f"{2 ** (BITS['double'] - bits) + 1}.0" for name, bits in LEADING_BITS.items()}
+"""Veltkamp's factors of the split into leading digits, in double even if the working precision is single."""
+
+
 def splitting(program: Program) -> dict[str, str] | None:
-    """The factors of the split into leading digits, in double arithmetic; None if no angle is reduced."""
-    if not any(a.value.has(Leading) for a in program.prepare):
-        return None
-    # Veltkamp's split, in double even if the working precision is single.
-    return {precision: f"{2 ** (BITS['double'] - bits) + 1}.0" for precision, bits in LEADING_BITS.items()}
+    """These factors, or None if no angle is reduced."""
+    return SPLITTING if any(a.value.has(Leading) for a in program.prepare) else None
 
 
 def used_series(program: Program) -> list[str]:

@@ -1,13 +1,7 @@
 """The JAX module of a Program."""
 
-from collections.abc import Sequence
-
 from eccentric.emission.backends.backend import Backend
 from eccentric.emission.backends.jax import view
+from eccentric.emission.backends.python.module import banner
 
-
-def _banner(lines: Sequence[str]) -> str:
-    return "".join(f"# {line}\n" for line in lines)
-
-
-BACKEND = Backend("JAX module", {"jax/module.py": "{name}_jax.py"}, view.view, _banner)
+BACKEND = Backend("JAX module", {"jax/module.py": "{name}_jax.py"}, view.view, banner)

@@ -1,63 +1,18 @@
-"""JAX as a language of expressions: how operations are spelled in kernels, and in `_prepare`."""
+"""JAX as a dialect of Python, and programs that it differentiates."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable
 from dataclasses import replace
 from typing import Any
 
 import sympy as sp
 
 from eccentric.emission.backends.expression import Language, printed
+from eccentric.emission.backends.python.dialect import ON_PARAMETERS, Dialect, choice_of_pairs, on_samples
+from eccentric.emission.backends.python.lines import WIDTH, broken
 from eccentric.emission.backends.text import number
 from eccentric.emission.program import ROUNDER, Call, Minus, Over, Pick, Plus, Program, Times, TurnLeft
-
-KERNEL = {
-    "sqrt": "_sqrt({0})",
-    "fabs": "abs({0})",
-    "sgn": "jnp.sign({0})",
-    "forward": "jnp.heaviside({0}, 0.0)",
-    "backward": "jnp.heaviside(-({0}), 0.0)",
-    "exp": "jnp.exp({0})",
-    "at_most": "jnp.minimum({0}, {1})",
-    "within": "jnp.clip({0}, -{1}, {1})",
-    "in_single": "{0} if c.single else {1}",
-    "sine_ratio": "_sine_ratio({0})",
-    "cosine": "_cosine({0})",
-    "rounded_off": "jnp.round({0})",
-    "nonzero": "_nonzero({0})",
-}
-PREPARE = {
-    "sqrt": "_sqrt({0})",
-    "fabs": "abs({0})",
-    "sin": "_math({0}).sin({0})",
-    "cos": "_math({0}).cos({0})",
-    "exp": "_math({0}).exp({0})",
-    "rounded": "c.rounded({0})",
-    "leading": "c.leading({0})",
-    "in_single": "{0} if c.single else {1}",
-}
-
-
-def language(
-    calls: Mapping[str, str], symbol: Callable[[str], str], pair: Callable[[str], str] = str
-) -> Language:
-    """JAX with `calls` as above, `symbol` the spelling of names and `pair` of those that are pairs."""
-
-    def branches(pairs: list[tuple[str, str]]) -> str:
-        text = pairs[-1][0]
-        for value, condition in reversed(pairs[:-1]):
-            text = f"_choose({condition}, {value}, {text})"
-        return text
-
-    return Language(
-        symbol=symbol,
-        low=lambda name: f"{pair(name)}.low",
-        number=number,
-        call=lambda name, arguments: calls[name].format(*arguments),
-        pick=lambda a, relation, b, x, y: f"jnp.where({a} {relation} {b}, {x}, {y})",
-        branches=branches,
-    )
 
 
 def differentiable(program: Program) -> Program:
@@ -90,20 +45,10 @@ def _smooth(e: sp.Expr) -> sp.Expr:
     return e
 
 
-def pair(e: sp.Expr, pairs: frozenset[sp.Symbol], plain: Language, name: Callable[[str], str]) -> str:
-    """The expression as a formula of pairs.
-
-    Args:
-        e: what to print.
-        pairs: the symbols that are pairs.
-        plain: how to print what is a float and counts as exact.
-        name: the spelling of a pair.
-    """
+def _pair(e: sp.Expr, pairs: frozenset[sp.Symbol], plain: Language, name: Callable[[str], str]) -> str:
+    """The expression as a formula of pairs."""
     if isinstance(e, sp.Piecewise):
-        # Conditions are plain; only the values are pairs.
-        values = {f"value_{k}": pair(value, pairs, plain, name) for k, (value, _) in enumerate(e.args)}
-        choice = sp.Piecewise(*((sp.Symbol(s), c) for s, (_, c) in zip(values, e.args, strict=True)))
-        return printed(choice, replace(plain, symbol=lambda s: values.get(s) or plain.symbol(s)))
+        return choice_of_pairs(e, lambda value: _pair(value, pairs, plain, name), plain)
     inner = {
         part: f"_turn_less({', '.join(printed(a, plain) for a in part.args)})"
         if isinstance(part, TurnLeft)
@@ -117,3 +62,41 @@ def pair(e: sp.Expr, pairs: frozenset[sp.Symbol], plain: Language, name: Callabl
         number=lambda decimal: f"_pair({number(decimal)})",
     )
     return printed(e.xreplace({part: sp.Symbol(text) for part, text in inner.items()}), spelling)
+
+
+def _broken(line: str) -> list[str]:
+    """A choice that is too long takes a line for each of its arguments."""
+    head, call, arguments = line.partition("_choose(")
+    if len(line) <= WIDTH or not call:
+        target, _, value = line.partition(" = ")
+        return broken(f"{target} = ", value)
+    parts, depth = [""], 0
+    for c in arguments[:-1]:
+        depth += (c == "(") - (c == ")")
+        if c == "," and not depth:
+            parts.append("")
+        else:
+            parts[-1] += c
+    return [f"{head}{call}", *(f"    {part.strip()}," for part in parts), ")"]
+
+
+DIALECT = Dialect(
+    kernel=on_samples("jnp")
+    | {
+        "sqrt": "_sqrt({0})",
+        "sine_ratio": "_sine_ratio({0})",
+        "cosine": "_cosine({0})",
+        "rounded_off": "jnp.round({0})",
+        "nonzero": "_nonzero({0})",
+    },
+    prepare=ON_PARAMETERS
+    | {"sqrt": "_sqrt({0})"}
+    | {name: f"_math({{0}}).{name}({{0}})" for name in ("sin", "cos", "exp")},
+    where="jnp.where({0}, {1}, {2})",
+    choice="_choose({0}, {1}, {2})",
+    decorator="_function",
+    missing="0.0",  # derivatives of what is not computed are finite
+    pair=_pair,
+    broken=_broken,
+    single=False,  # coefficients have the same names in both precisions
+)

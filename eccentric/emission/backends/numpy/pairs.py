@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import replace
 from functools import reduce
 
 import sympy as sp
 
 from eccentric.emission.backends.expression import Language, printed
+from eccentric.emission.backends.python.dialect import choice_of_pairs
 from eccentric.emission.program import TurnLeft
 
 _SUM, _PRODUCT, _ATOM = range(3)
@@ -42,7 +42,7 @@ class _Formulas:
         if e in self._pairs:
             return self._name(e.name), _ATOM, True
         if isinstance(e, sp.Piecewise):
-            return self._choice(e), _SUM - 1, True
+            return choice_of_pairs(e, lambda x: self.pair(x)[0], self._plain), _SUM - 1, True
         if isinstance(e, TurnLeft):
             return f"runtime.turn_less({', '.join(printed(a, self._plain) for a in e.args)})", _ATOM, True
         if e.is_Add:
@@ -68,13 +68,6 @@ class _Formulas:
         first, *rest = terms
         held = [self._held(*first[:2], level), *(self._held(*term[:2], level + 1) for term in rest)]
         return reduce(lambda a, b: f"{a}{sign}{b}", held), level
-
-    def _choice(self, e: sp.Piecewise) -> str:
-        # Conditions are plain; only the values are pairs.
-        values = {f"value_{k}": self.pair(value)[0] for k, (value, _) in enumerate(e.args)}
-        stand_in = sp.Piecewise(*((sp.Symbol(s), c) for s, (_, c) in zip(values, e.args, strict=True)))
-        plain = self._plain.symbol
-        return printed(stand_in, replace(self._plain, symbol=lambda name: values.get(name) or plain(name)))
 
     @staticmethod
     def _held(text: str, own: int, level: int) -> str:

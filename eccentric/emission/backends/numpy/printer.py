@@ -1,53 +1,37 @@
-"""NumPy as a language of expressions: how operations are spelled in kernels, and in `_prepare`."""
+"""NumPy as a dialect of Python."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
-
-from eccentric.emission.backends.expression import Language
-from eccentric.emission.backends.text import number
-
-KERNEL = {
-    "sqrt": "np.sqrt({0})",
-    "fabs": "abs({0})",
-    "sgn": "np.sign({0})",
-    "forward": "np.heaviside({0}, 0.0)",
-    "backward": "np.heaviside(-({0}), 0.0)",
-    "exp": "np.exp({0})",
-    "at_most": "np.minimum({0}, {1})",
-    "within": "np.clip({0}, -{1}, {1})",
-    "in_single": "{0} if c.single else {1}",
-    "sine_ratio": "runtime.sine_ratio({0}, c)",
-    "cosine": "runtime.cosine({0}, c)",
-}
-PREPARE = {
-    "sqrt": "math.sqrt({0})",
-    "fabs": "abs({0})",
-    "sin": "math.sin({0})",
-    "cos": "math.cos({0})",
-    "exp": "math.exp({0})",
-    "rounded": "c.rounded({0})",
-    "leading": "c.leading({0})",
-    "in_single": "{0} if c.single else {1}",
-}
+from eccentric.emission.backends.numpy.pairs import pair_text
+from eccentric.emission.backends.python.dialect import ON_PARAMETERS, Dialect, on_samples
+from eccentric.emission.backends.python.lines import WIDTH, broken
 
 
-def language(
-    calls: Mapping[str, str], symbol: Callable[[str], str], pair: Callable[[str], str] = str
-) -> Language:
-    """NumPy with `calls` as above, `symbol` the spelling of names and `pair` of those that are Pairs."""
+def _broken(line: str) -> list[str]:
+    """The line in formatter style: a choice that is too long has a line for each part."""
+    target, _, value = line.partition(" = ")
+    if len(line) <= WIDTH or " if " not in value:
+        return broken(f"{target} = ", value)
+    first, _, rest = value.partition(" if ")
+    condition, _, other = rest.partition(" else ")
+    if len(value) <= WIDTH - 4:
+        return [f"{target} = (", f"    {value}", ")"]
+    return [f"{target} = (", f"    {first}", f"    if {condition}", f"    else {other}", ")"]
 
-    def branches(pairs: list[tuple[str, str]]) -> str:
-        text = pairs[-1][0]
-        for value, condition in reversed(pairs[:-1]):
-            text = f"{value} if {condition} else {text}"
-        return text
 
-    return Language(
-        symbol=symbol,
-        low=lambda name: f"{pair(name)}.low",
-        number=number,
-        call=lambda name, arguments: calls[name].format(*arguments),
-        pick=lambda a, relation, b, x, y: f"np.where({a} {relation} {b}, {x}, {y})",
-        branches=branches,
-    )
+DIALECT = Dialect(
+    kernel=on_samples("np")
+    | {
+        "sqrt": "np.sqrt({0})",
+        "sine_ratio": "runtime.sine_ratio({0}, c)",
+        "cosine": "runtime.cosine({0}, c)",
+    },
+    prepare=ON_PARAMETERS | {name: f"math.{name}({{0}})" for name in ("sqrt", "sin", "cos", "exp")},
+    where="np.where({0}, {1}, {2})",
+    choice="{1} if {0} else {2}",
+    decorator="_model.function",
+    missing="math.nan",
+    pair=pair_text,
+    broken=_broken,
+    single=True,
+)

@@ -8,7 +8,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable
 
-from eccentric.emission.backends.shared import Line
+from eccentric.emission.backends.python.shared import Line
 
 _WIDTH = 102  # of `target = text`
 _CHOICE, _SUM, _PRODUCT, _ATOM = range(4)

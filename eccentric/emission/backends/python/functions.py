@@ -1,34 +1,27 @@
-"""Routines and helpers of the Program as functions of Python, for NumPy and for what is spelled like it."""
+"""Routines and helpers of the Program as functions of Python."""
 
 from __future__ import annotations
 
 import textwrap
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Iterable, Sequence
 from typing import Any
 
 from eccentric.emission.backends.expression import Language, printed
-from eccentric.emission.backends.inline import inlined
-from eccentric.emission.backends.shared import Body, Line, names_in, with_shared
+from eccentric.emission.backends.python.dialect import Dialect
+from eccentric.emission.backends.python.inline import inlined
+from eccentric.emission.backends.python.lines import WIDTH, broken
+from eccentric.emission.backends.python.shared import Body, Line, names_in, with_shared
 from eccentric.emission.program import Assignment, Helper, Program, Routine
 
-_WIDTH = 110
+_MARGIN = 110
+_LONGEST = 100  # docstring on one line
 
 
-def functions(
-    program: Program,
-    calls: Mapping[str, str],
-    language: Callable[[Mapping[str, str], Callable[[str], str]], Language],
-) -> dict[str, list[dict[str, Any]]]:
-    """What the template takes of helpers, of what routines share, and of routines.
-
-    Args:
-        program: what to print.
-        calls: spelling of operations, with {0}, {1} for what they take.
-        language: the language of expressions, from such calls and the spelling of names.
-    """
+def functions(program: Program, dialect: Dialect) -> dict[str, list[dict[str, Any]]]:
+    """What the template takes of helpers, of what routines share, and of routines."""
     coefficients = {s.name for s in program.coefficients} | {"rounder"}
-    calls = {**calls, **{helper.name: f"_{helper.name}(c, {{0}})" for helper in program.helpers}}
-    spelling = language(calls, lambda name: f"c.{name}" if name in coefficients else name)
+    calls = {**dialect.kernel, **{helper.name: f"_{helper.name}(c, {{0}})" for helper in program.helpers}}
+    spelling = dialect.language(calls, lambda name: f"c.{name}" if name in coefficients else name)
     taken = {f"_{helper.name}" for helper in program.helpers}
     shared, bodies = with_shared([_body(r, spelling) for r in program.routines], taken)
     return {
@@ -60,23 +53,27 @@ def _lines(body: Body, *, vector: bool) -> list[str]:
         read = names_in(later.text for later in body.lines[k + 1 :]) | {*body.results}
         lines += _assigned(line, read)
     if body.lines and body.lines[-1].targets == body.results and vector == (len(body.results) > 1):
-        last = body.lines[-1].text
-        return [*lines[:-1], f"return {last}"]
+        own = len(_assigned(body.lines[-1], set()))
+        return [*lines[:-own], *broken("return ", body.lines[-1].text)]
     return [*lines, *_returned(body.results, vector)]
 
 
 def _assigned(line: Line, read: set[str]) -> list[str]:
     """An assignment; unused ones of several values are left out."""
     if len(line.targets) == 1:
-        return [f"{line.targets[0]} = {line.text}"]
+        return broken(f"{line.targets[0]} = ", line.text)
     if not read.intersection(line.targets[1:]):
         return [f"{line.targets[0]} = {line.text}[0]"]
-    return [f"{', '.join(name if name in read else '_' for name in line.targets)} = {line.text}"]
+    targets = ", ".join(name if name in read else "_" for name in line.targets)
+    if len(f"{targets} = {line.text}") <= WIDTH:
+        return [f"{targets} = {line.text}"]
+    function, _, inputs = line.text.partition("(")
+    return [f"{targets} = {function}(", f"    {inputs[:-1]}", ")"]
 
 
 def _returned(results: Sequence[str], vector: bool) -> list[str]:
     text = f"return {', '.join(results)}" if len(results) > 1 or not vector else f"return ({results[0]},)"
-    if len(text) <= _WIDTH - 4:
+    if len(text) <= WIDTH:
         return [text]
     return ["return (", *(f"    {name}," for name in results), ")"]
 
@@ -98,10 +95,11 @@ def _shared(body: Body) -> dict[str, Any]:
     last = body.lines[-1]
     whole = f"the values of {body.name[1:]}"
     meaning = (last.note or last.targets[-1]) if body.name == f"_{last.targets[-1]}" else whole
+    doc = f"{sentence(meaning)[:-1]}, with what it takes; {body.callers} functions call this."
     return {
         "name": body.name,
         "inputs": ["c", *body.inputs],
-        "doc": f"{sentence(meaning)[:-1]}, with what it takes; {body.callers} functions call this.",
+        "doc": doc if len(doc) <= _LONGEST else doc.replace("; ", ".\n\n    ") + "\n    ",
         "lines": _lines(body, vector=len(body.results) > 1),
     }
 
@@ -125,14 +123,12 @@ def _routine(r: Routine, body: Body) -> dict[str, Any]:
 
 
 def _documentation(r: Routine) -> str:
-    arguments = [f"{x.quantity.name} [{x.quantity.unit}]: {x.quantity.meaning}" for x in r.inputs]
-    shape = f"last axis ({', '.join(r.labels)})" if r.labels else "shape of the broadcast inputs"
-    doc = f"{sentence(r.meaning).removesuffix('.')} [{r.unit}]; {shape}."
-    if len(doc) > 98:
-        doc = f"{sentence(r.meaning)}\n\n" + "\n".join(textwrap.wrap(f"In {r.unit}; {shape}.", 100))
-    if arguments:
-        doc += "\n\n" + "\n".join(arguments)
-    return doc.replace("\n", "\n    ").replace("\n    \n", "\n\n") + ("\n    " if "\n" in doc else "")
+    """Meaning, unit and columns; the meaning of the inputs is added when the module is loaded."""
+    axis = f"; last axis ({', '.join(r.labels)})" if r.labels else ""
+    doc = f"{sentence(r.meaning).removesuffix('.')} [{r.unit}]{axis}."
+    if len(doc) <= _LONGEST:
+        return doc
+    return "\n    ".join([f"{sentence(r.meaning)}\n", *textwrap.wrap(f"In {r.unit}{axis}.", 100), ""])
 
 
 def sentence(text: str) -> str:
@@ -146,6 +142,6 @@ def quoted(items: Sequence[str], before: str = "") -> str:
     line = f"({', '.join(strings)}{',' * (len(strings) == 1)})"
     return (
         line
-        if len(before + line) <= _WIDTH
+        if len(before + line) <= _MARGIN
         else "".join(["(\n", *(f"    {string},\n" for string in strings), ")"])
     )

@@ -1,0 +1,80 @@
+"""The variables that the templates of modules in Python have in common: lines of Python, nothing symbolic."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+from eccentric.emission.backends.python.dialect import Dialect
+from eccentric.emission.backends.python.functions import functions, quoted
+from eccentric.emission.backends.python.prepare import prepare
+from eccentric.emission.backends.text import default_text
+from eccentric.emission.program import Program, Routine, polynomial
+from eccentric.model import Quantity
+
+_POLYNOMIALS = {"sine_ratio": ("sin(h)/h - 1", ""), "cosine": ("cos(h)", " + 1.0")}
+
+
+def banner(lines: Sequence[str]) -> str:
+    """The lines as comments."""
+    return "".join(f"# {line}\n" for line in lines)
+
+
+def module(program: Program, dialect: Dialect) -> dict[str, Any]:
+    """The common variables: names, parameters, the lines of `_prepare` and of the functions."""
+    own = [r.name for r in program.routines]
+    return {
+        "title": program.title,
+        "public": [
+            *sorted([name for name, _ in program.constants] + ["STATES"] * bool(program.states)),
+            "Parameters",
+            *sorted(own + ["follow_states"] * bool(program.states)),
+        ],
+        "constants": [(name, quoted(values, f"{name} = ")) for name, values in program.constants],
+        "defaults": program.defaults,
+        "parameters": [_parameter(q) for q in program.parameters],
+        "inputs": _inputs(program.routines),
+        "prepare": prepare(program, dialect),
+        "states": quoted([q.name for q, _ in program.states]) if program.states else "",
+        "decorator": dialect.decorator,
+        **functions(program, dialect),
+    }
+
+
+def _parameter(q: Quantity) -> dict[str, Any]:
+    symbolic = q.default is not None and q.default.free_symbols
+    note = f", {q.default} if None" if symbolic else ", needed with alpha_m" if q.default is None else ""
+    equation = f", eq. {q.equation}" if q.equation else ""
+    optional = q.default is None or symbolic
+    return {
+        "name": q.name,
+        "type": "float | None" if optional else "float",
+        "domain": q.domain,
+        "default": "None" if optional else default_text(q),
+        "unit": q.unit,
+        "doc": f"{q.meaning} [{q.unit}]{equation}{note}",
+    }
+
+
+def _inputs(routines: Sequence[Routine]) -> dict[str, str]:
+    """Name -> meaning and unit of every input."""
+    return {x.quantity.name: f"{x.quantity.meaning} [{x.quantity.unit}]" for r in routines for x in r.inputs}
+
+
+def stepped(program: Program) -> list[str]:
+    """The inputs of `next_state`, in order; none for a model without hidden states."""
+    return [x.quantity.name for r in program.routines if r.name == "next_state" for x in r.inputs]
+
+
+def series(name: str) -> dict[str, Any]:
+    """A polynomial of the runtime, for both precisions."""
+    single, double = polynomial(name, True), polynomial(name, False)
+    function, rest = _POLYNOMIALS[name]
+    return {
+        "name": name,
+        "rest": rest,
+        "single": ", ".join(single.coefficients),
+        "double": double.coefficients,
+        "doc": f"{function}, |h| within a quarter turn, by a minimax polynomial in h^2:"
+        f" errors {single.error} and {double.error}.",
+    }
