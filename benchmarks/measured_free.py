@@ -40,9 +40,9 @@ def free_errors(whole: Diagnosis, driven: Diagnosis) -> dict[str, list[float]]:
     }
     errors: dict[str, list[float]] = {name: [] for name in models}
     for k_e in K_E:
-        still_open = tuple(name for name in data.drive.open if name != "back_emf")
+        still_open = tuple(c for c in data.drive.open if c.role != "back_emf")
         drive = replace(data.drive, known={**data.drive.known, "k_e": k_e}, open=still_open)
-        signals = replace(data.signals, open={name: data.signals.open[name] for name in still_open})
+        signals = replace(data.signals, open={c: data.signals.open[c] for c in still_open})
         given = replace(data, drive=drive, rows=rows, signals=signals)
         for name, options in models.items():
             effects, how = options or (shapes, {})

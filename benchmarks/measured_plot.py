@@ -43,7 +43,7 @@ def friction(fit: Refit) -> Array:
         gravity = gravity * values[drive.adjusts] / drive.known[drive.adjusts]
     if "theta_zero_rad" in fit.estimates:
         shift = fit.estimates["theta_zero_rad"].value - c.alignment.theta_zero_rad
-        gravity = gravity + shift * data.signals.open["zero_angle"]
+        gravity = gravity + shift * next(x for c, x in data.signals.open.items() if c.role == "zero_angle")
     inertia = values["J_m"] + values["mu"] ** 2 * values["J_l"]
     return data.rows.mean(torque - inertia * c.motion.alpha_m - gravity)
 

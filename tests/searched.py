@@ -13,6 +13,7 @@ import numpy as np
 from scipy.linalg import hadamard
 
 from eccentric.effects import Evidence, Shape
+from eccentric.estimation import Coefficient
 from eccentric.search.attribution import Search
 from eccentric.search.candidate import Candidate
 from eccentric.search.screen import Screen
@@ -46,7 +47,17 @@ def design(amplitudes: Mapping[int, float], scale: float = 1e-3, independent: bo
     )
     base = COLUMNS[:, [BASE]]
     target = mixed({NOISE: 1.0, **amplitudes})
-    return BalanceDesign("mechanical", rows, target, base, ("C",), np.array([-np.inf]), scale, base)
+    return BalanceDesign(
+        (Coefficient("C", "friction", "N m"),),
+        target,
+        base,
+        every,
+        rows.weights,
+        name="mechanical",
+        rows=rows,
+        scale=scale,
+        samples=base,
+    )
 
 
 def candidate(

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from eccentric.effects import Evidence, Shape
+from eccentric.estimation import Coefficient
 from eccentric.model import quantity
 from eccentric.search import Attribution, attribute
 from eccentric.search.candidate import Candidate
@@ -68,7 +69,8 @@ def diagnose(missing: np.ndarray, seed: int = 3) -> Attribution:
     moving = np.convolve(slow, np.ones(31), mode="same") < 0.5
     one_run = np.zeros(len(S.t), dtype=int)
     rows = hann_windows(S.t, moving, one_run, one_run, length_s=0.064)
-    balance = balance_design("mechanical", rows, target, base, ("C", "B"), np.zeros(2), target)
+    friction = [Coefficient(name, "friction", "", 0.0) for name in ("C", "B")]
+    balance = balance_design("mechanical", rows, friction, target, base, target)
     noise = NOISE * float(rows.noise_gain()[0])
     return attribute([balance], LIBRARY, S, noise={"mechanical": noise})
 

@@ -140,7 +140,7 @@ def test_emitted_parameters_predict_what_the_fit_predicts(tmp_path: Path) -> Non
     found = fitted(tmp_path, 'case = "C2"\n' + KNOWN, {"voltage_V": voltage("C2")})
     parameters, notes = emitted_parameters(found)
     module = load_module(load_model("c2_parallel"))
-    channels, paper = found.problem.channels, found.solutions["paper"]
+    channels, paper = found.problem.drive.channels, found.solutions["paper"]
     assert channels.motor.voltage is not None
     predicted = module.voltage(
         channels.motion.theta_m,

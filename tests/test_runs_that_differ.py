@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from eccentric.estimation import Coefficient
 from eccentric.search import runs_that_differ
 from eccentric.signals import Rows, balance_design
 
@@ -27,7 +28,8 @@ def warned(
     torque = np.array([gain.get(name, 1.0) for name in NAMES])[run] * torque
     every, block = np.ones(len(t), dtype=bool), t.astype(int)
     rows = Rows(t, run, block, every, ~every, np.ones_like(t), "rows of the log")
-    balance = balance_design("mechanical", rows, torque - known, base, ("B", "C"), np.zeros(2), torque)
+    own = [Coefficient(name, "friction", "", 0.0) for name in ("B", "C")]
+    balance = balance_design("mechanical", rows, own, torque - known, base, torque)
     return runs_that_differ(balance, torque, friction, NAMES)
 
 

@@ -15,8 +15,8 @@ import numpy as np
 
 from eccentric.diagnosis.stage import Stage, stage_of
 from eccentric.errors import InputError, few
-from eccentric.estimation import improvement, r_squared, require_rank
-from eccentric.fitting import Refit, base_columns, drive_noise, refit
+from eccentric.estimation import improvement, r_squared
+from eccentric.fitting import DRIVE_UNITS, Refit, drive_noise, refit
 from eccentric.logs import Log
 from eccentric.model import Model, load_model
 from eccentric.rigs import Rig
@@ -122,7 +122,7 @@ def contest(
     return Contest(
         tuple(Path(log.path).name for log in logs),
         Path(rig.path).name,
-        {"voltage": "V", "current": "A"}[channels.motor.measured_by] if linear.scale else drive.unit,
+        DRIVE_UNITS[channels.motor.measured_by] if linear.scale else drive.unit,
         int(np.count_nonzero(scored)),
         channels.selection.holdout.rule,
         float(_in_drive_unit(linear, np.array([drive_noise(own.data)]))[0]),
@@ -133,7 +133,7 @@ def contest(
 
 def _fitted(given: _Field, model: str | Model) -> Refit:
     """A model, extended by the effects that its name has after a plus sign."""
-    name, *effects = _parts(model) if isinstance(model, str) else [model]
+    name, effects = _parts(model) if isinstance(model, str) else (model, [])
     stage = given.stage(load_model(name) if isinstance(name, str) else name)
     chosen = stage.chosen(f"model {model}", effects) if effects else []
     for effect, _, _ in chosen:
@@ -142,17 +142,15 @@ def _fitted(given: _Field, model: str | Model) -> Refit:
                 f"model {model}: effects of the mechanical balance are required, received {effect.id},"
                 " which shows in the electrical one"
             )
-    rows, names = stage.data.rows, [column.name for column in stage.data.signals.columns(stage.base)]
-    columns = rows.mean(base_columns(stage.base, stage.data.signals))[rows.train]
-    require_rank(columns, [*names, *stage.data.signals.open], f"model {model}")
+    stage.data.require_rank(stage.base, f"model {model}")
     return refit(stage.base, tuple((effect, shapes) for effect, shapes, _ in chosen), stage.data)
 
 
-def _parts(name: str) -> list[str]:
+def _parts(name: str) -> tuple[str, list[str]]:
     """The model and the effects of a name; a plus sign in brackets or in a script's path separates none."""
     script, dot, rest = name.partition(".py")
     head, *effects = re.split(r"\+(?![^\[]*\])", rest if dot else name)
-    return [f"{script}{dot}{head}" if dot else head, *effects]
+    return f"{script}{dot}{head}" if dot else head, effects
 
 
 def _scored_rows(fit: Refit) -> np.ndarray:

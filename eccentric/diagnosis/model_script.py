@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from eccentric.diagnosis.outcome import Diagnosis
+from eccentric.effects import constant_load
 from eccentric.emission import plain
 from eccentric.fitting import back_emf_columns
 from eccentric.model import Model, regressor, with_values
@@ -62,7 +63,7 @@ def _fitted(found: Diagnosis) -> _Fitted:
     if drive.scale is not None and found.unit == "N m":
         letters_of = "R/k_i, with k_i = 1 N m/A" if drive.by_voltage else "k_i"
         notes["R" if drive.by_voltage else "k_i"] = f"{letters_of}: identified through gravity or inertia"
-        if drive.by_voltage and "k_e" not in found.rig.known and "back_emf" not in drive.open:
+        if drive.by_voltage and "k_e" not in found.rig.known and not drive.opens("back_emf"):
             shared = back_emf_columns(found.models.base)
             for c in regressor(found.models.base):
                 if c.name in shared:
@@ -93,7 +94,7 @@ def script(found: Diagnosis) -> str:
     setting = setting.replace("Setting(", "Setting(base=model,\n        ", 1)
     chosen = pprint.pformat([(effect.id, own) for effect, own in adopted], width=100)
     load = ("", "")
-    if "T_load" in {q.name for q in found.models.base.parameters}:
+    if any(extension.name == constant_load.id for extension in found.models.base.extensions):
         load = (", with_constant_load", "model = with_constant_load(model)\n")
     own = ""
     if found.asked.effects is not None:

@@ -8,8 +8,8 @@ import numpy as np
 
 from eccentric.diagnosis.models import Models
 from eccentric.errors import InputError
-from eccentric.estimation import improvement, require_rank
-from eccentric.fitting import FitData, base_columns, fit_data_of, loaded_model, refit
+from eccentric.estimation import improvement
+from eccentric.fitting import FitData, fit_data_of, loaded_model, refit
 from eccentric.model import Model, load_model, model_names
 
 __all__ = ["Sibling", "better_sibling"]
@@ -57,9 +57,8 @@ def better_sibling(plain: Model, models: Models) -> Sibling | None:
 
 def _separable(model: Model, data: FitData) -> bool:
     """Whether the training rows separate all coefficients of a model: one direction alone may not."""
-    columns = data.rows.mean(base_columns(model, data.signals))[data.rows.train]
     try:
-        require_rank(columns, [f"{k}" for k in range(columns.shape[1])], model.name)
+        data.require_rank(model, model.name)
     except InputError:
         return False
     return True

@@ -11,7 +11,6 @@ import numpy as np
 from eccentric.diagnosis.request import members
 from eccentric.effects import Effect, Setting
 from eccentric.errors import InputError
-from eccentric.estimation import bounded
 from eccentric.fitting import FitData, Signals, drive_of, fit_data_of, loaded_model, with_model_current
 from eccentric.model import Model
 from eccentric.model import vocabulary as v
@@ -140,6 +139,4 @@ def _require_supported(model: Model, channels: Channels) -> None:
 
 def _first_friction(balances: Sequence[BalanceDesign]) -> Array:
     """Coefficients of the mechanical balance's base, friction within its bounds: (columns,)."""
-    mechanical = next(b for b in balances if b.name == "mechanical")
-    none = np.full(len(mechanical.lower), np.inf)
-    return bounded(mechanical.base, mechanical.target, mechanical.lower, none).coefficients
+    return next(b for b in balances if b.name == "mechanical").solve().values

@@ -6,18 +6,18 @@ nonlinear values.  Out: a `Solution`, by `search` over those values or by `itera
 May import: `errors`; no log, no model.
 """
 
-from eccentric.estimation.design import Coefficient, Design, Nonlinear, Role, Solution
+from eccentric.estimation.design import Coefficient, ColumnRole, Design, Nonlinear, Solution
 from eccentric.estimation.least_squares import bounded, require_rank
 from eccentric.estimation.solver import Profile, iterate, profile, search, slopes_between
 from eccentric.estimation.uncertainty import Estimate, Spread, improvement, improvement_over_runs, r_squared
 
 __all__ = [
     "Coefficient",
+    "ColumnRole",
     "Design",
     "Estimate",
     "Nonlinear",
     "Profile",
-    "Role",
     "Solution",
     "Spread",
     "bounded",

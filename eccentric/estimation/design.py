@@ -11,7 +11,7 @@ import dataclasses
 import math
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Literal
+from typing import Literal, Self, SupportsFloat
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,13 +19,13 @@ from numpy.typing import NDArray
 from eccentric.estimation.least_squares import bounded
 from eccentric.estimation.uncertainty import Spread, spread
 
-__all__ = ["Coefficient", "Design", "Nonlinear", "Role", "Solution"]
+__all__ = ["Coefficient", "ColumnRole", "Design", "Nonlinear", "Solution"]
 
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
 Mask = NDArray[np.bool_]
 
-Role = Literal[
+ColumnRole = Literal[
     "friction",
     "effect",
     "armature",
@@ -46,10 +46,18 @@ class Coefficient:
     """A linear unknown: the coefficient of a column, its unit and bounds."""
 
     name: str
-    role: Role
+    role: ColumnRole
     unit: str
     lower: float = -math.inf
     upper: float = math.inf
+
+    @classmethod
+    def within(
+        cls, name: str, role: ColumnRole, unit: str, bounds: tuple[SupportsFloat | None, SupportsFloat | None]
+    ) -> Coefficient:
+        """A coefficient with bounds as a model has them: None for a side that is open."""
+        sides = zip(bounds, (-math.inf, math.inf), strict=True)
+        return cls(name, role, unit, *(end if bound is None else float(bound) for bound, end in sides))
 
 
 @dataclass(frozen=True)
@@ -88,7 +96,7 @@ class Design:
         """The upper bounds (k,)."""
         return np.array([c.upper for c in self.coefficients])
 
-    def without_bounds(self, but: Collection[Role] = ()) -> Design:
+    def without_bounds(self, but: Collection[ColumnRole] = ()) -> Self:
         """The same with free coefficients, except for those of some roles."""
         freed = tuple(
             c if c.role in but else dataclasses.replace(c, lower=-math.inf, upper=math.inf)

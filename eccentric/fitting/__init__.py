@@ -7,21 +7,20 @@ May import: `signals`, `rigs`, `model`, `effects`, `emission`, `estimation`.
 """
 
 from eccentric.fitting.columns import back_emf_columns
-from eccentric.fitting.constant_load import loaded_model
-from eccentric.fitting.document import fit_document
-from eccentric.fitting.drive import Drive
-from eccentric.fitting.expressions import Signals, base_columns, compiled
+from eccentric.fitting.document import emitted_parameters, fit_document
+from eccentric.fitting.drive import DRIVE_UNITS, Drive, loaded_model
+from eccentric.fitting.expressions import Signals, base_coefficients, base_columns, compiled
 from eccentric.fitting.figure import NEEDS_MATPLOTLIB, Comparison, compare, draw_fit, plot_fit
 from eccentric.fitting.first_fit import drive_of
 from eccentric.fitting.fit_data import FitData, drive_noise, fit_data_of, with_model_current
 from eccentric.fitting.identify import Fit, fit
 from eccentric.fitting.limits import LEAST_R_SQUARED
-from eccentric.fitting.parameters import emitted_parameters
 from eccentric.fitting.refitting import Refit, refit, residual_samples
 from eccentric.fitting.states import States
 from eccentric.fitting.words import fit_lines, fit_sentence
 
 __all__ = [
+    "DRIVE_UNITS",
     "LEAST_R_SQUARED",
     "NEEDS_MATPLOTLIB",
     "Comparison",
@@ -32,6 +31,7 @@ __all__ = [
     "Signals",
     "States",
     "back_emf_columns",
+    "base_coefficients",
     "base_columns",
     "compare",
     "compiled",

@@ -10,6 +10,7 @@ import sympy as sp
 
 from eccentric.errors import InputError
 from eccentric.estimation import Coefficient, Nonlinear
+from eccentric.fitting.drive import LOAD, Drive
 from eccentric.model import Column, Model, Role, meaning, regressor
 from eccentric.model import vocabulary as v
 from eccentric.rigs import KNOWNS
@@ -21,7 +22,7 @@ if TYPE_CHECKING:
     from eccentric.rigs import Rig
     from eccentric.signals import Channels
 
-R, k_i, k_e, J, u_0, T_load = sp.symbols("R k_i k_e J u_0 T_load")
+R, k_i, k_e, J, u_0 = sp.symbols("R k_i k_e J u_0")
 omega_m, _speed = v.omega_m.symbol, sp.Symbol("speed", positive=True)
 _UNITS = {known.name: known.unit for known in KNOWNS}
 
@@ -70,15 +71,13 @@ def scale_of(drive: str, rig: Rig) -> sp.Expr | None:
     return None
 
 
-def combinations_of(
-    channels: Channels, rig: Rig, model: Model, machine: Machine, scale: sp.Expr | None
-) -> list[Combination]:
+def combinations_of(drive: Drive, rig: Rig, model: Model, scale: sp.Expr | None) -> list[Combination]:
     """Return the coefficients in the order of their columns: friction, inertia, scale, load, offset."""
-    unit = {None: "N m", R / k_i: "V", 1 / k_i: "A"}[scale]
+    machine, unit, by = drive.machine, drive.unit, drive.channels.motor.measured_by
     s = sp.Integer(1) if scale is None else scale
     # The back-EMF has the same column as viscous friction, w: without k_e only the sum is identifiable.
     shared: Mapping[str, sp.Expr] = {}
-    if channels.motor.measured_by == "voltage" and "k_e" not in rig.known:
+    if by == "voltage" and "k_e" not in rig.known:
         shared = back_emf_columns(model)
         if not shared:
             raise InputError(
@@ -99,15 +98,15 @@ def combinations_of(
     if inertia is None:
         low, high = _inertia_range(rig, machine)
         bounds = {"lower": s_low * low, "upper": s_high * high}
-        own = _scaled("kg m^2", unit)
-        add(s * J, role="inertia", unit=own, **bounds, letter="J", mechanical_unit="kg m^2", parameter="J_m")
+        letters = {"letter": "J", "mechanical_unit": "kg m^2", "parameter": machine.rotor}
+        add(s * J, role="inertia", unit=_scaled("kg m^2", unit), **bounds, **letters)
     gravity = model.balance("mechanical").sum_of("gravity", "conservative")
     if scale is not None and (gravity != 0 or inertia is not None):
         bounds = {"lower": s_low, "upper": s_high}
         add(scale, role="scale", unit=f"{unit}/(N m)", **bounds, letter=str(scale), mechanical_unit="1")
-    if "T_load" in rig.unknown:
-        add(s * T_load, role="load", unit=unit, letter="T_load", mechanical_unit="N m", parameter="T_load")
-    if "voltage_offset_V" in rig.estimate and channels.motor.measured_by == "voltage":
+    if LOAD in rig.unknown:
+        add(s * sp.Symbol(LOAD), role="load", unit=unit, letter=LOAD, mechanical_unit="N m", parameter=LOAD)
+    if "voltage_offset_V" in rig.estimate and by == "voltage":
         name = "voltage_offset_V"
         offset = Combination(
             name, "offset", "V", expression=u_0, meaning=u_0, letter=name, mechanical_unit="V"
@@ -144,17 +143,17 @@ def back_emf_columns(model: Model) -> dict[str, sp.Expr]:
 def _friction(column: Column, model: Model, s: sp.Expr, damping: sp.Expr, unit: str, rig: Rig) -> Combination:
     """A column of the regressor, times the scale, with the damping by the back-EMF that it includes."""
     shown = _plain(s * column.coefficient + damping)
-    low, high = column.bounds
-    if low is not None and "k_e" in rig.unknown:
+    own = Coefficient.within(as_text(shown), "friction", _scaled(column.unit, unit), column.bounds)
+    least = sp.Integer(0)
+    if "k_e" in rig.unknown:
         given = {sp.Symbol(letter): sp.Float(value) for letter, value in rig.known.items()}
         least = damping.xreplace(given | {k_e: sp.Float(rig.unknown["k_e"][0])})
-        low = float(low) + (0.0 if least.free_symbols else float(least))
     return Combination(
-        as_text(shown),
-        "friction",
-        _scaled(column.unit, unit),
-        -math.inf if low is None else float(low),
-        math.inf if high is None else float(high),
+        own.name,
+        own.role,
+        own.unit,
+        own.lower + (0.0 if least.free_symbols else float(least)),
+        own.upper,
         expression=shown,
         meaning=_plain(s * model.expand(column.coefficient) + damping),
         letter=column.name,
@@ -183,10 +182,11 @@ def _scaled(unit: str, drive: str) -> str:
     }.get(unit, f"{unit} {drive}/(N m)")
 
 
-def bounded_letters(coefficients: Sequence[Combination]) -> set[str]:
+def bounded_letters(coefficients: Sequence[Combination], machine: Machine) -> set[str]:
     """The letters of the rig whose ranges bound these coefficients."""
     letters = {symbol.name for c in coefficients for symbol in c.expression.free_symbols}
-    return (letters & {"k_i", "k_e", "R", "T_load"}) | ({"J_m", "J_l"} if "J" in letters else set())
+    inertia = {machine.rotor, machine.link} if any(c.role == "inertia" for c in coefficients) else set()
+    return letters | inertia
 
 
 def _range(rig: Rig, letter: str) -> tuple[float, float]:

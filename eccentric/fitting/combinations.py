@@ -14,6 +14,7 @@ import sympy as sp
 from numpy.typing import NDArray
 
 from eccentric.fitting.columns import as_text
+from eccentric.fitting.problem import following_letters
 
 if TYPE_CHECKING:
     from eccentric.estimation import Estimate, Spread
@@ -26,8 +27,8 @@ def identified_letters(problem: Problem) -> tuple[list[str], list[str]]:
     """Return the letters among the unknown ones that are identified, and those that are not."""
     expressions = [c.meaning for c in problem.coefficients if c.role != "offset"]
     # What follows from others by default (F_T) counts as known: the other factor is a parameter by itself.
-    follows = {q.name for q in problem.model.parameters if q.default is not None and q.default.free_symbols}
-    fixed = {*problem.rig.known, *(s.name for s in problem.nonlinear), *follows}
+    searched = {s.name for s in problem.nonlinear}
+    fixed = {*problem.rig.known, *searched, *following_letters(problem.model)}
     plain = [e.xreplace({x: sp.Symbol(x.name, positive=True) for x in e.free_symbols}) for e in expressions]
     letters = sorted({x for e in plain for x in e.free_symbols if x.name not in fixed}, key=str)
     # Distinct primes are a generic point: no accidental cancellation in these few products.

@@ -28,7 +28,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from eccentric.fitting.parameters import emitted_parameters
+from eccentric.fitting.columns import k_e
+from eccentric.fitting.problem import following_letters, own_letters
 from eccentric.rigs import ALIGNMENT
 
 if TYPE_CHECKING:
@@ -37,7 +38,7 @@ if TYPE_CHECKING:
     from eccentric.estimation import Estimate
     from eccentric.fitting.identify import Fit
 
-__all__ = ["fit_document"]
+__all__ = ["emitted_parameters", "fit_document"]
 
 FORMAT = "eccentric-fit/1"
 
@@ -48,7 +49,7 @@ def fit_document(fit: Fit, logs: Sequence[str]) -> dict[str, Any]:
     `logs` are the names of the logs.
     """
     problem = fit.problem
-    channels, rig = problem.channels, problem.rig
+    channels, rig = problem.drive.channels, problem.rig
     parameters, texts = emitted_parameters(fit)
     counted = problem.rows
     return {
@@ -119,7 +120,7 @@ def _alignment(fit: Fit) -> dict[str, Any]:
 
 def ranges(fit: Fit) -> dict[str, list[float] | None]:
     """Return the ranges of motor velocity and speed [rad/s] and temperature [degC] of the training rows."""
-    channels = fit.problem.channels
+    channels = fit.problem.drive.channels
     rows = channels.selection.fit_rows if np.any(channels.selection.fit_rows) else channels.selection.usable
     omega = channels.motion.omega_m[rows]
     temperature = None if channels.temperature is None else channels.temperature[rows]
@@ -143,3 +144,88 @@ def identified_range(fit: Fit) -> str:
     text = f"motor speed {slow:.3g} to {fast:.3g} rad/s, {sides}"
     warm = found["temperature_C"]
     return f"{text}, temperature " + (f"{warm[0]:.3g} to {warm[1]:.3g} degC" if warm else "not logged")
+
+
+def emitted_parameters(fit: Fit) -> tuple[dict[str, float | None], dict[str, str]]:
+    """Return values for every parameter of the model, known and fitted, and the origin of each in words.
+
+    A combination is assigned to one letter, and the others have a value that does not change it (B_lT = C_lT
+    = 0; k_e = 0 with the back-EMF damping in B_m; k_i = 1 N m/A): the notes say so.
+    """
+    problem = fit.problem
+    fitted = {q.name for q in problem.model.friction_parameters}
+    own = {name: value for name, value in own_letters(problem.model).items() if name not in fitted}
+    values: dict[str, float | None] = {n: x for n, x in problem.rig.known.items() if n not in own}
+    notes = dict.fromkeys(values, "known, from the rig")
+    for name, e in fit.searched.items():
+        values[name], notes[name] = e.value, _words(e)
+    _put_scale(fit, values, notes)
+    for c in problem.coefficients:
+        if c.role not in ("friction", "inertia", "load"):
+            continue
+        e = _mechanical(fit, c.name)
+        values[c.parameter], notes[c.parameter] = e.value, _words(e)
+        if c.parameter != c.letter or k_e in c.expression.free_symbols:
+            shown = _mechanical_name(fit, c.name)
+            notes[c.parameter] += "" if shown in (c.parameter, "J") else f"; contains all of {shown}"
+    if problem.has("inertia"):
+        machine = problem.drive.machine
+        values[machine.link] = 0.0
+        notes[machine.link] = f"convention: {machine.rotor} contains all of the inertia J_m + mu^2 J_l"
+    fields, inertia = problem.emitted.letters, problem.drive.machine.inertia_letters
+    follows = following_letters(problem.model)
+    for name in fields:
+        if name in values:
+            continue
+        if name in own:
+            values[name], notes[name] = own[name], "the model's own, not fitted"
+        elif name in inertia or name in follows:
+            values[name], notes[name] = None, "not known, not needed"
+        else:
+            values[name], notes[name] = (1.0 if name in ("R", "k_i") else 0.0), "convention: not identified"
+    return {name: values[name] for name in fields}, {name: notes[name] for name in fields}
+
+
+def _put_scale(fit: Fit, values: dict[str, float | None], notes: dict[str, str]) -> None:
+    """Set k_i and R so that their ratio is the identified scale; without one, 1 N m represents 1 V or 1 A."""
+    problem = fit.problem
+    if problem.scale is None:
+        return
+    column = next((c for c in problem.coefficients if c.role == "scale"), None)
+    s = fit.coefficients[column.name].value if column else 1.0
+    text = (
+        _words(fit.coefficients[column.name])
+        if column
+        else f"no scale identified: N m represents {problem.unit}"
+    )
+    if problem.unit == "A":
+        values["k_i"], notes["k_i"] = 1.0 / s, f"from 1/k_i {text}"
+        return
+    known = problem.rig.known
+    if "k_i" not in known and "R" not in known:
+        values["k_i"], notes["k_i"] = 1.0, "convention: only R/k_i shows in a voltage"
+    if "R" in known:
+        values["k_i"], notes["k_i"] = known["R"] / s, f"from R/k_i {text}"
+    else:
+        values["R"], notes["R"] = s * (values["k_i"] or 1.0), f"from R/k_i {text}"
+
+
+def _mechanical_name(fit: Fit, name: str) -> str:
+    """The combination in newton metres for a coefficient: they have the same order."""
+    if not fit.problem.has("scale"):
+        return name
+    names = [c.name for c in fit.problem.coefficients if c.role != "offset"]
+    return list(fit.combinations)[names.index(name)]
+
+
+def _mechanical(fit: Fit, name: str) -> Estimate:
+    shown = _mechanical_name(fit, name)
+    return fit.coefficients[name] if shown == name else fit.combinations[shown]
+
+
+def _words(e: Estimate) -> str:
+    low, high = e.interval
+    bound = f", at its {e.bound_active} bound" if e.bound_active else ""
+    error = "" if e.widened else f", std error {e.std_error:.2g}"
+    unit = "" if e.unit == "1" else f" {e.unit}"
+    return f"fitted: {e.value:.4g}{unit}{error}, 95 % interval {low:.4g} to {high:.4g}{bound}"

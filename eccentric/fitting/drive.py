@@ -13,20 +13,28 @@ the result is in the unit of the drive.
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
-from eccentric.fitting.constant_load import load_gain
+from eccentric.effects import constant_load, with_constant_load
+from eccentric.estimation import Coefficient, ColumnRole
+from eccentric.fitting.expressions import evaluated
 from eccentric.fitting.machine import Machine
+from eccentric.model import Model
+from eccentric.rigs import Rig
 from eccentric.signals import Channels
 
-__all__ = ["Drive"]
+__all__ = ["DRIVE_UNITS", "LOAD", "Drive", "inputs_of", "load_gain", "loaded_model"]
 
 Array = NDArray[np.float64]
+
+DRIVE_UNITS = {"torque": "N m", "current": "A", "voltage": "V"}
+"""The unit of each signal that measures the drive."""
+LOAD = constant_load.coefficients[0].name
+"""The parameter of a constant load on the link: not an effect to be found, but part of the base model."""
 
 
 @dataclass(frozen=True)
@@ -40,13 +48,12 @@ class Drive:
             scale, k_i is 1 N m/A and R stands for R/k_i, which is all that a voltage tells.
         scale: s, None if the torque is measured.
         unit: of torques: "N m", or "V" or "A" if nothing in the log determines the scale.
-        open: names of the free columns: J_m, T_load (parameters of the model), gravity, back_emf, offset,
-            zero_angle.
+        open: the free columns, by their roles: those of a parameter of the model (inertia, load) and those
+            outside it (gravity, back_emf, offset, zero_angle).
         adjusts: the letter that a free gravity column changes: the scale, or M or L known by a range.
         identified: letters that were estimated from the log, for the report.
         warnings: of the first fit.
-        k_e_range: of a free back-EMF constant [V s/rad].
-        rotor: J_m if the rig knows it and J_l has to be estimated [kg m^2].
+        rotor: inertia of the motor if the rig knows it, and that of the link has to be estimated [kg m^2].
     """
 
     machine: Machine
@@ -54,12 +61,20 @@ class Drive:
     known: Mapping[str, float]
     scale: float | None
     unit: str
-    open: tuple[str, ...]
-    adjusts: str
-    identified: tuple[str, ...]
+    open: tuple[Coefficient, ...] = ()
+    adjusts: str = ""
+    identified: tuple[str, ...] = ()
     warnings: tuple[str, ...] = ()
     rotor: float | None = None
-    k_e_range: tuple[float, float] = (0.0, math.inf)
+
+    def opens(self, role: ColumnRole) -> bool:
+        """Whether a column of this role is free."""
+        return any(c.role == role for c in self.open)
+
+    def aligned(self, rig: Rig, values: Mapping[str, float]) -> Drive:
+        """The same with another delay, zero angle or offset, by the names of the rig."""
+        alignment = replace(self.channels.alignment, **values)
+        return replace(self, channels=self.channels.realigned(rig, alignment))
 
     @property
     def by_voltage(self) -> bool:
@@ -93,23 +108,48 @@ class Drive:
         signal = self.signal()
         if self.channels.motor.measured_by == "torque":
             return signal
+        # Without k_e, what is viscous includes the back-EMF.
         letters = {"k_e": 0.0, **(self.known if known is None else known), **self.scaled(scale)}
         if self.by_voltage:
             signal = self.machine.current(letters, signal, self.channels.motion.omega_m)
         return np.where(self.off, 0.0, self.machine.torque(letters, signal))
 
-    def columns(self, gravity: Array, slope: Array) -> dict[str, Array]:
+    def columns(self, gravity: Array, slope: Array) -> dict[Coefficient, Array]:
         """The free columns (n,) of the balance J alpha + G + f = torque.
 
         gravity (n,) [N m] and its slope over the link angle (n,) [N m/rad].
         """
-        driven = np.where(self.off, 0.0, 1.0)
-        made = {
-            "J_m": self.channels.motion.alpha_m,
-            "T_load": np.full_like(driven, load_gain(self.known)),
+        driven, motion = np.where(self.off, 0.0, 1.0), self.channels.motion
+        made: dict[ColumnRole, Array] = {
+            "inertia": motion.alpha_m,
+            "load": np.full_like(driven, load_gain(self.known)),
             "gravity": gravity,
-            "back_emf": self.channels.motion.omega_m * driven,
+            "back_emf": motion.omega_m * driven,
             "offset": driven,
             "zero_angle": -slope,
         }
-        return {name: made[name] for name in self.open}
+        return {c: made[c.role] for c in self.open}
+
+
+def inputs_of(channels: Channels) -> dict[str, Array]:
+    """Motion, time and temperature (n,) by the names of a model's inputs."""
+    motion = channels.motion
+    found = {
+        "theta_m": motion.theta_m,
+        "omega_m": motion.omega_m,
+        "alpha_m": motion.alpha_m,
+        "t": channels.time.elapsed,
+    }
+    return found if channels.temperature is None else found | {"temperature": channels.temperature}
+
+
+def loaded_model(base: Model, rig: Rig) -> Model:
+    """The model, extended by a constant load if the rig has one."""
+    declared = LOAD in rig.known or LOAD in rig.unknown
+    return with_constant_load(base, rig.known.get(LOAD, 0.0)) if declared else base
+
+
+def load_gain(known: Mapping[str, float]) -> float:
+    """The torque at the motor per newton metre of load: mu, if it is known."""
+    (term,) = constant_load.change.terms["mechanical"]
+    return float(evaluated(term.basis, {"mu": 1.0, **known}))

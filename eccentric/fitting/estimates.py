@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from eccentric.effects import Shape
-from eccentric.estimation import Estimate, Nonlinear, slopes_between
+from eccentric.estimation import Coefficient, Estimate, Nonlinear, slopes_between
 from eccentric.fitting.extended import Extended, Step
 from eccentric.model import Model
 
@@ -42,6 +42,7 @@ def estimates(fit: Extended, step: Step) -> tuple[dict[str, Estimate], Array]:
 def _of_balance(fit: Extended, step: Step, balance: str) -> tuple[dict[str, Estimate], Array]:
     """The estimates from one balance and their covariance; shapes enter by the slope of the residual."""
     drive, point, solution = fit.data.drive, step.point, step.solutions[balance]
+    machine = drive.machine
     own = {balance} | ({"electrical"} if drive.by_voltage else set())
     shapes = {s.quantity.name: s for e, _ in fit.effects if e.balance in own for s in e.shapes}
     solution = replace(
@@ -55,17 +56,18 @@ def _of_balance(fit: Extended, step: Step, balance: str) -> tuple[dict[str, Esti
     units = {q.name: q.unit for q in fit.model.parameters}
     unit = np.eye(len(names) + len(shapes))
     # All torques are divided by the scale, so that its error is theirs as well.
-    scaled = drive.adjusts == "scale" and "gravity" in names
-    shared = unit[names.index("gravity")] if scaled else np.zeros(len(unit))
+    roles = [c.role for c in solution.design.coefficients]
+    scaled = drive.adjusts == "scale" and "gravity" in roles
+    shared = unit[roles.index("gravity")] if scaled else np.zeros(len(unit))
     found: dict[str, Estimate] = {}
     slopes: list[Array] = []
     for k, c in enumerate(solution.design.coefficients):
         value = point.values.get(c.name, 0.0)
-        if c.name == "J_m" and drive.rotor is not None:
-            letters, link = point.values, point.values["J_l"]
-            gear = drive.machine.inertia_per("J_l", letters)
-            slope = (unit[k] - drive.machine.inertia({**letters, "J_m": drive.rotor}) * shared) / gear
-            found["J_l"] = error.estimate(link, slope, "kg m^2", (0.0, np.inf))
+        if c.role == "inertia" and drive.rotor is not None:
+            letters = point.values
+            gear = machine.inertia_per(machine.link, letters)
+            slope = (unit[k] - machine.inertia({**letters, machine.rotor: drive.rotor}) * shared) / gear
+            found[machine.link] = error.estimate(letters[machine.link], slope, c.unit, (c.lower, c.upper))
             slopes.append(slope)
         elif c.name in units:
             slope = unit[k] - value * shared
@@ -73,7 +75,7 @@ def _of_balance(fit: Extended, step: Step, balance: str) -> tuple[dict[str, Esti
             found[c.name] = error.estimate(value, slope, units[c.name], ends, int(solution.active[k]))
             slopes.append(slope)
         else:
-            shown, value, factor, of = _outside(c.name, fit, step)
+            shown, value, factor, of = _outside(c, fit, step)
             found[shown] = error.estimate(value, factor * unit[k], of)
             slopes.append(factor * unit[k])
     for k, (name, shape) in enumerate(shapes.items(), start=len(names)):
@@ -107,19 +109,19 @@ def _slopes(fit: Extended, step: Step, balance: str, shapes: Mapping[str, Shape]
     return slopes_between(misfit, {name: point.values[name] for name in shapes}, ends)
 
 
-def _outside(name: str, fit: Extended, step: Step) -> tuple[str, float, float, str]:
+def _outside(c: Coefficient, fit: Extended, step: Step) -> tuple[str, float, float, str]:
     """Name, value, factor on the coefficient's error, and unit of each quantity of the drive."""
     drive, point = fit.data.drive, step.point
     scale = point.scale or 1.0
-    if name == "gravity" and drive.adjusts == "scale":
+    if c.role == "gravity" and drive.adjusts == "scale":
         letters, unit = ("R/k_i", "V/(N m)") if drive.by_voltage else ("1/k_i", "A/(N m)")
         return letters, scale, scale, unit
-    if name == "gravity":
+    if c.role == "gravity":
         value = point.values[drive.adjusts]
         return drive.adjusts, value, value, {"L": "m", "M": "kg"}[drive.adjusts]
-    if name == "back_emf":
-        return "k_e", point.values["k_e"], scale, "V s/rad"
-    if name == "zero_angle":
+    if c.role == "back_emf":
+        return "k_e", point.values["k_e"], scale, c.unit
+    if c.role == "zero_angle":
         return "theta_zero_rad", drive.channels.alignment.theta_zero_rad + point.zero, 1.0, "rad"
     offset = drive.channels.alignment.voltage_offset_V + point.offset
     return "voltage_offset_V", offset, scale, "V"

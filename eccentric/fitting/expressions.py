@@ -14,10 +14,19 @@ from typing import Any
 import numpy as np
 import sympy as sp
 
+from eccentric.estimation import Coefficient
 from eccentric.model import Column, Model, meaning, regressor
 from eccentric.model import vocabulary as v
 
-__all__ = ["Signals", "base_columns", "compiled", "evaluated", "lambdified", "seen_columns"]
+__all__ = [
+    "Signals",
+    "base_coefficients",
+    "base_columns",
+    "compiled",
+    "evaluated",
+    "lambdified",
+    "seen_columns",
+]
 
 Array = np.ndarray
 
@@ -31,7 +40,7 @@ class Signals:
         dt: step to the next sample [s].
         starts: index of the first sample of each run; hidden states restart there.
         known: value of every parameter that is not a friction coefficient.
-        open: what the rig leaves open, name -> column of torque [N m]; part of every base.
+        open: what the rig leaves open, coefficient -> column of torque [N m]; part of every base.
         friction: positions of the columns of the regressor that are not identically zero.
         base: the model whose definitions are signals.
     """
@@ -40,7 +49,7 @@ class Signals:
     dt: Array
     starts: tuple[int, ...]
     known: Mapping[str, float]
-    open: Mapping[str, Array] = field(default_factory=dict)
+    open: Mapping[Coefficient, Array] = field(default_factory=dict)
     friction: tuple[int, ...] | None = None
     base: Model | None = None
 
@@ -91,6 +100,15 @@ class Signals:
             if own or symbol not in self.defined or self.defined[symbol][0] != value:
                 put_in[symbol] = value.xreplace(put_in)
         return meaning(expression.xreplace(put_in))
+
+
+def base_coefficients(model: Model, signals: Signals) -> tuple[Coefficient, ...]:
+    """The coefficients of `base_columns`, with their bounds; friction by the parameters of the model."""
+    friction = (
+        Coefficient.within(c.parameter.name, "friction", c.parameter.unit, c.bounds)
+        for c in signals.columns(model)
+    )
+    return (*friction, *signals.open)
 
 
 def base_columns(model: Model, signals: Signals) -> Array:

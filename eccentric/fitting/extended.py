@@ -13,24 +13,24 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import cast
 
 import numpy as np
 from numpy.typing import NDArray
 
 from eccentric.effects import Effect
-from eccentric.estimation import Coefficient, Design, Role, Solution, iterate
-from eccentric.fitting.expressions import alike
-from eccentric.fitting.fit_data import FitData
+from eccentric.estimation import Coefficient, ColumnRole, Design, Solution, iterate
+from eccentric.fitting.expressions import alike, base_coefficients
+from eccentric.fitting.fit_data import FitData, Residuals, Values
 from eccentric.fitting.limits import LAST_STEP, MOST_STEPS, USABLE_PART
-from eccentric.fitting.residuals import Residuals, Values
-from eccentric.model import Column, Model
+from eccentric.model import Model
 
 __all__ = ["Extended", "Step", "extended"]
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 Adopted = Sequence[tuple[Effect, Values]]
+_IN_THE_MODEL: set[ColumnRole] = {"inertia", "load"}
+"""What the rig leaves open of parameters of the model; the rest is outside its module."""
 
 
 @dataclass(frozen=True)
@@ -92,8 +92,9 @@ class Extended:
     def start(self, base: Model) -> Point:
         """The start of the iteration: known values, and zero for all that is fitted."""
         drive, letters = self.data.drive, {q.name for q in self.model.parameters}
+        machine = drive.machine
         # A value that has no effect on this log is still required as a number by the module.
-        absent = {"R": 1.0, "k_e": 0.0, "J_m": 0.0, "J_l": 0.0}
+        absent = {"R": 1.0, "k_e": 0.0, machine.rotor: 0.0, machine.link: 0.0}
         values = {n: x for n, x in {**absent, **drive.known}.items() if n in letters}
         values |= drive.scaled()
         values |= dict.fromkeys((q.name for q in base.friction_parameters), 0.0) | self.shapes
@@ -101,7 +102,7 @@ class Extended:
 
     def fitted(self, base: Model) -> tuple[Step, float]:
         """Iterate until scale and current have converged, or the limit is reached; return the last change."""
-        most = MOST_STEPS if "gravity" in self.data.drive.open or self.follows else 1
+        most = MOST_STEPS if self.data.drive.opens("gravity") or self.follows else 1
         return iterate(self.advance, Step(self.start(base)), most, LAST_STEP)
 
     def advance(self, last: Step) -> tuple[Step, float]:
@@ -139,21 +140,16 @@ class Extended:
         found = [*self.friction, *self._own("mechanical", "effect")]
         if drive.by_voltage:
             found += self._own("electrical", "armature")
-        if "J_m" in drive.open:
-            found.append(Coefficient("J_m", "inertia", "kg m^2", lower=0.0))
-        if "T_load" in drive.open:
-            found.append(Coefficient("T_load", "load", "N m"))
+        found += [c for c in drive.open if c.role in _IN_THE_MODEL]
         return self._design(residuals, "mechanical", found, point, self.train)
 
-    def _own(self, balance: str, role: Role) -> list[Coefficient]:
+    def _own(self, balance: str, role: ColumnRole) -> list[Coefficient]:
         """The coefficients of the effects that a balance shows."""
         return [
-            Coefficient(
-                q.name, role, q.unit, -np.inf if low is None else low, np.inf if high is None else high
-            )
+            Coefficient.within(q.name, role, q.unit, bounds)
             for effect, _ in self.effects
             if effect.balance == balance
-            for q, (low, high) in zip(effect.coefficients, effect.bounds, strict=True)
+            for q, bounds in zip(effect.coefficients, effect.bounds, strict=True)
         ]
 
     def _design(
@@ -164,14 +160,14 @@ class Extended:
         rest = residuals.rows(balance, start)
         there = rest if point.current is None else residuals.rows(balance, start, point.current)
         steps = [there - residuals.rows(balance, start | self._all(c.name, 1.0), point.current) for c in own]
-        outside: dict[str, Array] = {}
+        outside: dict[Coefficient, Array] = {}
         if balance == "mechanical":
             # Columns outside the module: gravity, back-EMF, offset and zero angle, against the drive.
-            names = {c.name for c in own} | (set() if self._motor_off(train) else {"back_emf"})
+            without = _IN_THE_MODEL | (set() if self._motor_off(train) else {"back_emf"})
             left_open = self.data.signals.open.items()
-            outside = {n: self.data.rows.mean(x) for n, x in left_open if n not in names}
+            outside = {c: self.data.rows.mean(x) for c, x in left_open if c.role not in without}
         design = Design(
-            (*own, *(self._outside(name, point) for name in outside)),
+            (*own, *(_left(c, point) for c in outside)),
             rest,
             np.column_stack([*steps, *outside.values()]),
             train,
@@ -184,13 +180,6 @@ class Extended:
         """Whether the motor is off in some of these rows: they separate back-EMF and viscous friction."""
         off = self.data.drive.off
         return bool(np.any(off) and np.any(self.data.rows.mean(off.astype(float))[rows]))
-
-    def _outside(self, name: str, point: Point) -> Coefficient:
-        """The coefficient of a column without a parameter in the module; only the back-EMF's has bounds."""
-        if name != "back_emf":
-            return Coefficient(name, cast("Role", name), "")
-        low, high = ((end - point.values["k_e"]) / (point.scale or 1.0) for end in self.data.drive.k_e_range)
-        return Coefficient(name, "back_emf", "", low, high)
 
     def _moved(self, point: Point, solution: Solution) -> tuple[Point, float]:
         """Put a solution into the values; return the remaining coefficient of the free gravity column.
@@ -208,7 +197,7 @@ class Extended:
         factor = 1.0 + gravity if drive.adjusts == "scale" else 1.0
         for name, x in found.items():
             values |= self._all(name, x / factor)
-        if drive.rotor is not None and "J_m" in found:
+        if drive.rotor is not None and drive.machine.rotor in found:
             values |= self._shared(values, drive.rotor)
         if drive.adjusts == "scale" and scale is not None:
             scale *= factor
@@ -218,10 +207,11 @@ class Extended:
         return Point(values, scale, offset, zero, point.current), gravity
 
     def _shared(self, values: Values, rotor: float) -> Values:
-        """J_m and J_l: from the column of the total inertia, with the known rotor subtracted."""
+        """The inertias, from the column of their total, with the known rotor subtracted."""
         machine = self.data.drive.machine
-        beyond = machine.inertia(values) - machine.inertia({**values, "J_m": rotor, "J_l": 0.0})
-        return {"J_m": rotor, "J_l": max(beyond / machine.inertia_per("J_l", values), 0.0)}
+        own, link = machine.rotor, machine.link
+        beyond = machine.inertia(values) - machine.inertia({**values, own: rotor, link: 0.0})
+        return {own: rotor, link: max(beyond / machine.inertia_per(link, values), 0.0)}
 
     def _followed(self, point: Point, residuals: Residuals) -> tuple[Point, float]:
         """Use the current that the last step predicts; return the relative RMS of its change."""
@@ -236,8 +226,8 @@ class Extended:
         quiet = point.values | dict.fromkeys(self._of_effects(), 0.0)
         effect = residuals.samples("mechanical", point.values, point.current)
         effect = effect - residuals.samples("mechanical", quiet, point.current)
-        columns = self.data.signals.open
-        offset = columns["offset"] * point.offset / (point.scale or 1.0) if "offset" in columns else 0.0
+        # The offset is zero where no column of it is free.
+        offset = np.where(self.data.drive.off, 0.0, point.offset / (point.scale or 1.0))
         rest = residuals.samples("mechanical", quiet) + effect - offset
         return residuals.inputs["i"] - self.data.drive.machine.current_of_torque(point.values, rest)
 
@@ -257,7 +247,7 @@ def extended(
     for effect, own in effects:
         model = effect.extend(model, own)
     columns, rows = data.signals.columns(base), data.rows
-    friction = tuple(_friction(column) for column in columns)
+    friction = tuple(c for c in base_coefficients(base, data.signals) if c.role == "friction")
     groups = alike(columns) if linear else [(k,) for k in range(len(columns))]
     return Extended(
         model,
@@ -271,7 +261,8 @@ def extended(
     )
 
 
-def _friction(column: Column) -> Coefficient:
-    low, high = column.bounds
-    low, high = -np.inf if low is None else float(low), np.inf if high is None else float(high)
-    return Coefficient(column.parameter.name, "friction", column.parameter.unit, low, high)
+def _left(outside: Coefficient, point: Point) -> Coefficient:
+    """What is left of a coefficient without a parameter in the module, at a point; as a torque."""
+    known = {"back_emf": point.values["k_e"]}.get(outside.role, 0.0)
+    lower, upper = ((end - known) / (point.scale or 1.0) for end in (outside.lower, outside.upper))
+    return replace(outside, lower=lower, upper=upper)

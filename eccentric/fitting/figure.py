@@ -61,7 +61,7 @@ def compare(fit: Fit) -> Comparison:
     predicted = paper.design.columns[rows][:, friction] @ paper.values[friction]
     measured = predicted + paper.residual[rows]
     return Comparison(
-        speed=problem.rows.mean(problem.channels.motion.omega_m)[rows],
+        speed=problem.rows.mean(problem.drive.channels.motion.omega_m)[rows],
         measured=measured,
         paper=predicted,
         linear=measured - linear.residual[rows],

@@ -143,7 +143,7 @@ def _require_scale(problem: Problem, paper: Solution, where: str) -> None:
         if c.role == "scale" and value <= 0.0:
             raise InputError(
                 f"{where}: {c.name} above 0 is required, received {value:.3g}: do the signs of "
-                f"{problem.channels.motor.measured_by} and angle agree?"
+                f"{problem.drive.channels.motor.measured_by} and angle agree?"
             )
 
 
@@ -170,11 +170,11 @@ def _estimates(
 def _warnings(problem: Problem, paper: Solution, profiles: Mapping[str, Profile]) -> list[str]:
     found = []
     friction = [a for c, a in zip(problem.coefficients, paper.active, strict=True) if c.role == "friction"]
-    contradicted = any(f.doubts_the_rig for f in problem.channels.intake.findings)
+    contradicted = any(f.doubts_the_rig for f in problem.drive.channels.intake.findings)
     if all(a == -1 for a in friction) and not contradicted:
         found.append(
             "the fit leaves no friction: do the signs of"
-            f" {problem.channels.motor.measured_by} and angle agree?"
+            f" {problem.drive.channels.motor.measured_by} and angle agree?"
         )
     for s in problem.nonlinear:
         value = paper.at[s.name]

@@ -57,12 +57,23 @@ class Machine:
         """The parameters of the inertia: J_m, J_l, mu."""
         return frozenset(symbol.name for symbol in self._model.inertia.free_symbols)
 
+    @cached_property
+    def rotor(self) -> str:
+        """The parameter of the inertia on the motor's side, J_m: one of it is one of the total."""
+        return next(name for name, slope in self._inertia_slopes.items() if slope == 1)
+
+    @cached_property
+    def link(self) -> str:
+        """The parameter of the inertia behind the gear, J_l: the total is linear in it as well."""
+        linear = (n for n, e in self._inertia_slopes.items() if n not in {s.name for s in e.free_symbols})
+        return next(name for name in sorted(linear) if name != self.rotor)
+
     def inertia(self, values: Values) -> float:
         """The total inertia at the motor [kg m^2]: J_m + mu^2 J_l."""
         return float(evaluated(self._model.inertia, values))
 
     def inertia_per(self, letter: str, values: Values) -> float:
-        """Its derivative by J_m or J_l: 1, mu^2."""
+        """Its derivative by one of them: 1, mu^2."""
         return float(evaluated(self._inertia_slopes[letter], values))
 
     @cached_property

@@ -23,7 +23,7 @@ import sympy as sp
 from numpy.typing import NDArray
 
 from eccentric.errors import InputError
-from eccentric.estimation import Design, Nonlinear
+from eccentric.estimation import ColumnRole, Design, Nonlinear
 from eccentric.fitting.columns import (
     Combination,
     bounded_letters,
@@ -32,7 +32,7 @@ from eccentric.fitting.columns import (
     nonlinear_of,
     scale_of,
 )
-from eccentric.fitting.constant_load import load_gain
+from eccentric.fitting.drive import DRIVE_UNITS, LOAD, Drive, inputs_of, load_gain
 from eccentric.fitting.emitted import Emitted
 from eccentric.fitting.expressions import alike, seen_columns
 from eccentric.fitting.machine import Machine
@@ -53,17 +53,15 @@ _ALIGNED = ("input_delay_s", "theta_zero_rad")
 class Problem:
     """What is minimised.
 
-    `unit` is that of target and residual; `scale` is s, None where it is one; `joined` are columns that have
-    one coefficient.
+    `drive` is as the rig describes it, its unit that of target and residual; `scale` is s if the log has to
+    determine it, else None; `joined` are columns that have one coefficient.
     """
 
-    channels: Channels
+    drive: Drive
     rig: Rig
     model: Model
     emitted: Emitted
-    machine: Machine
     rows: Rows
-    unit: str
     scale: sp.Expr | None
     coefficients: tuple[Combination, ...]
     nonlinear: tuple[Nonlinear, ...]
@@ -73,21 +71,21 @@ class Problem:
 
     def design(self, at: Mapping[str, float]) -> Design:
         """Return the design for given nonlinear values."""
-        channels, parameters = self._aligned(at), self._parameters(at)
-        signals = _signals(channels)
+        drive, parameters = self._aligned(at), self._parameters(at)
+        signals = inputs_of(drive.channels)
         friction = self.rows.mean(self.emitted("regressor", signals, parameters))[:, self.kept]
         for first, *others in self.joined:
             friction[:, first] += friction[:, others].sum(axis=1)
-        inertia = self.rows.acceleration(channels)
+        inertia = self.rows.acceleration(drive.channels)
         known = self._load(signals, inertia, parameters)
         by_role = {
             "inertia": inertia,
             "scale": known,
-            "offset": np.full(len(inertia), self.per_volt),
+            "offset": np.full(len(inertia), 1.0 / (drive.scale or 1.0)),
             "load": np.full(len(inertia), load_gain(self.rig.known)),
         }
         columns = [by_role[c.role] for c in self.coefficients if c.role != "friction"]
-        target = self.rows.mean(self._drive(channels)) - (known if self.scale is None else 0.0)
+        target = self.rows.mean(drive.torque()) - (known if self.scale is None else 0.0)
         return Design(
             self.coefficients,
             target,
@@ -98,7 +96,7 @@ class Problem:
 
     def drive_signal(self, at: Mapping[str, float]) -> Array:
         """Return the whole signal to be explained, in `unit`, at the rows (m,)."""
-        return self.rows.mean(self._drive(self._aligned(at)))
+        return self.rows.mean(self._aligned(at).torque())
 
     @property
     def every(self) -> NDArray[np.bool_]:
@@ -120,50 +118,35 @@ class Problem:
     @property
     def judged(self) -> Problem:
         """The problem on the rows that every command compares models on."""
-        return dataclasses.replace(self, rows=rows_of(self.channels, self.rig))
+        return dataclasses.replace(self, rows=rows_of(self.drive.channels, self.rig))
 
-    def _aligned(self, at: Mapping[str, float]) -> Channels:
+    @property
+    def unit(self) -> str:
+        """Unit of target and residual."""
+        return self.drive.unit
+
+    def has(self, role: ColumnRole) -> bool:
+        """Whether a coefficient has this role."""
+        return any(c.role == role for c in self.coefficients)
+
+    def _aligned(self, at: Mapping[str, float]) -> Drive:
         aligned = {name: value for name, value in at.items() if name in _ALIGNED}
-        if not aligned:
-            return self.channels
-        return self.channels.realigned(self.rig, dataclasses.replace(self.channels.alignment, **aligned))
+        return self.drive.aligned(self.rig, aligned) if aligned else self.drive
 
     def _parameters(self, at: Mapping[str, float]) -> Any:
         try:
             # What the rig says of a constant load is added beside the model, whether the model has it or not.
-            return self.emitted.parameters({**self.rig.known, **own_letters(self.model), **at, "T_load": 0.0})
+            return self.emitted.parameters({**self.rig.known, **own_letters(self.model), **at, LOAD: 0.0})
         except ValueError as error:
             raise InputError(f"{self.rig.path}: {error}") from None
-
-    def _drive(self, channels: Channels) -> Array:
-        """The measured drive (n,) in `unit`, with the back-EMF subtracted from a voltage."""
-        known, signal = self.rig.known, channels.motor.measured
-        by = channels.motor.measured_by
-        if by == "torque" or (by == "current" and self.scale is not None):
-            return signal
-        if by == "current":
-            return self.machine.torque(known, signal)
-        # Without k_e the column of viscous friction includes the back-EMF.
-        known = {"k_e": 0.0, **known}
-        if self.scale is not None:
-            return signal - self.machine.back_emf(known, channels.motion.omega_m)
-        return self.machine.torque(known, self.machine.current(known, signal, channels.motion.omega_m))
-
-    @property
-    def per_volt(self) -> float:
-        """One volt in `unit`."""
-        if self.channels.motor.measured_by != "voltage" or self.scale is not None:
-            return 1.0
-        known = {"k_e": 0.0, **self.rig.known}
-        return float(self.machine.torque(known, self.machine.current(known, 1.0, 0.0)))
 
     def _load(self, signals: Mapping[str, Array], acceleration: Array, parameters: Any) -> Array:
         """Return the known part of J alpha + G (m,) [N m]."""
         gravity = np.zeros_like(acceleration)
         if "theta_m" in self.emitted.inputs_of("gravity_torque"):
             gravity = self.rows.mean(self.emitted("gravity_torque", signals, parameters))
-        gravity = gravity + self.rig.known.get("T_load", 0.0) * load_gain(self.rig.known)
-        inertia = known_inertia(self.rig, self.machine)
+        gravity = gravity + self.rig.known.get(LOAD, 0.0) * load_gain(self.rig.known)
+        inertia = known_inertia(self.rig, self.drive.machine)
         return gravity + (0.0 if inertia is None else inertia * acceleration)
 
 
@@ -186,7 +169,7 @@ def pose(channels: Channels, rig: Rig, model: Model) -> Problem:
     emitted = Emitted(model)
     used = {*emitted.inputs_of("regressor"), *emitted.inputs_of("gravity_torque")}
     used |= {"i"} if model.balance("mechanical").sum_of("actuator") != 0 else set()
-    if missing := used - set(_signals(channels)):
+    if missing := used - set(inputs_of(channels)):
         # What follows the current would explain the drive by the drive; hidden states need a past.
         raise InputError(
             f"{model.name}: fit requires friction and load that depend on motion, time and logged temperature"
@@ -194,14 +177,14 @@ def pose(channels: Channels, rig: Rig, model: Model) -> Problem:
         )
     by = channels.motor.measured_by
     scale = scale_of(by, rig)
-    rows, machine = fit_rows(channels, rig), Machine(model)
+    rows, drive = fit_rows(channels, rig), _posed(channels, rig, Machine(model), scale)
     warnings = list(channels.intake.warnings)
     if rows.operator is not None:
         compared = rows_of(channels, rig).description
         on = f", and its error taken, on {compared}" if compared == rows.description else ""
         on = on or f" on {rows.description}, and its error taken on {compared}"
         warnings.append(f"the log is fitted{on}")
-    coefficients = combinations_of(channels, rig, model, machine, scale)
+    coefficients = combinations_of(drive, rig, model, scale)
     kept = seen_columns(model, rig.known)
     gone = [c.letter for k, c in enumerate(coefficients) if c.role == "friction" and k not in kept]
     if gone:
@@ -209,17 +192,15 @@ def pose(channels: Channels, rig: Rig, model: Model) -> Problem:
     coefficients = [c for c in coefficients if c.letter not in gone]
     nonlinear = nonlinear_of(channels, rig, model, needed)
     searched = {s.name for s in nonlinear}
-    idle = set(rig.unknown) - searched - bounded_letters(coefficients)
+    idle = set(rig.unknown) - searched - bounded_letters(coefficients, drive.machine)
     idle |= rig.estimate - searched - {c.letter for c in coefficients}
     warnings += [f"{name} has no effect on {model.name} driven by {by}" for name in sorted(idle)]
     return Problem(
-        channels,
+        drive,
         rig,
         model,
         emitted,
-        machine,
         rows,
-        "N m" if scale is None else {"current": "A", "voltage": "V"}[by],
         scale,
         tuple(coefficients),
         tuple(nonlinear),
@@ -228,16 +209,15 @@ def pose(channels: Channels, rig: Rig, model: Model) -> Problem:
     )
 
 
-def _signals(channels: Channels) -> dict[str, Array]:
-    """What friction may depend on (n,), by the names of a model's inputs."""
-    motion = channels.motion
-    found = {
-        "theta_m": motion.theta_m,
-        "omega_m": motion.omega_m,
-        "alpha_m": motion.alpha_m,
-        "t": channels.time.elapsed,
-    }
-    return found if channels.temperature is None else found | {"temperature": channels.temperature}
+def _posed(channels: Channels, rig: Rig, machine: Machine, scale: sp.Expr | None) -> Drive:
+    """The drive as the rig describes it: with a scale for the log to determine, in its own unit."""
+    by = channels.motor.measured_by
+    if scale is not None:
+        return Drive(machine, channels, rig.known, 1.0, DRIVE_UNITS[by])
+    if by != "voltage":
+        return Drive(machine, channels, rig.known, None, "N m")
+    per_volt = machine.torque(rig.known, machine.current({"k_e": 0.0, **rig.known}, 1.0, 0.0))
+    return Drive(machine, channels, rig.known, 1.0 / float(per_volt), "N m")
 
 
 def own_letters(model: Model) -> dict[str, float]:
@@ -249,6 +229,12 @@ def own_letters(model: Model) -> dict[str, float]:
         for q in model.parameters
         if q.name not in of_rigs and q.default is not None and q.default.is_number
     }
+
+
+def following_letters(model: Model) -> dict[str, sp.Expr]:
+    """Parameters that follow from others by default, such as F_T = M_l g, with these defaults."""
+    given = {q.name: q.default for q in model.parameters}
+    return {name: x for name, x in given.items() if x is not None and x.free_symbols}
 
 
 def require_case(rig: Rig, model: Model) -> None:

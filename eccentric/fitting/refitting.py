@@ -11,9 +11,8 @@ from eccentric.effects import Effect
 from eccentric.estimation import Estimate
 from eccentric.fitting.estimates import estimates, shares
 from eccentric.fitting.extended import extended
-from eccentric.fitting.fit_data import FitData
+from eccentric.fitting.fit_data import FitData, Residuals, Values
 from eccentric.fitting.limits import CONVERGED
-from eccentric.fitting.residuals import Residuals, Values
 from eccentric.model import Model
 
 __all__ = ["Refit", "refit", "residual_samples"]

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from eccentric.errors import few
+from eccentric.fitting.drive import DRIVE_UNITS
 from eccentric.fitting.limits import LEAST_GAIN_PERCENT
 from eccentric.model import model_names
 
@@ -18,7 +19,7 @@ if TYPE_CHECKING:
 
 __all__ = ["fit_lines", "fit_sentence"]
 
-_DRIVES = {"N m": "torque", "V": "voltage", "A": "current"}
+_DRIVES = {unit: drive for drive, unit in DRIVE_UNITS.items()}
 
 
 def fit_sentence(fit: Fit) -> str:
@@ -72,18 +73,18 @@ def _percent(x: float) -> str:
 
 def fit_lines(fit: Fit, logs: Sequence[str]) -> list[str]:
     """Return the fit for a terminal."""
-    problem = fit.problem
+    problem, channels = fit.problem, fit.problem.drive.channels
     rows = problem.rows
     what = f"{np.count_nonzero(rows.train)} {rows.description} fitted"
-    head = f"{few(logs)}: {problem.model.name}, driven by {problem.channels.motor.measured_by}; {what}, "
-    head += f"{np.count_nonzero(rows.score)} held out ({problem.channels.selection.holdout.brief})"
+    head = f"{few(logs)}: {problem.model.name}, driven by {channels.motor.measured_by}; {what}, "
+    head += f"{np.count_nonzero(rows.score)} held out ({channels.selection.holdout.brief})"
     out = [head, *_table({**fit.coefficients, **fit.searched}), *_scale_line(fit)]
     shown = {"linear": "linear", "paper": _called(fit)}
     errors = ", ".join(f"{name} {fit.rmse[which]:.4g}" for which, name in shown.items())
     parts = ", ".join(f"{name} {fit.r_squared[which]:.4f}" for which, name in shown.items())
     out.append(f"held-out RMSE [{problem.unit}]: {errors}; R^2 of the drive {_DRIVES[problem.unit]}: {parts}")
     if problem.rig.sampling.moving_threshold_rad_s is None:
-        threshold = problem.channels.selection.moving_threshold_rad_s
+        threshold = channels.selection.moving_threshold_rad_s
         out.append(f"rows count as moving above {threshold:.4g} rad/s (set by moving_threshold_rad_s)")
     if fit.fits_the_rig:
         out += _bounds_line(fit)
@@ -106,7 +107,7 @@ def _table(shown: Mapping[str, Estimate]) -> list[str]:
 
 def _scale_line(fit: Fit) -> list[str]:
     problem = fit.problem
-    if any(c.role == "scale" for c in problem.coefficients):
+    if problem.has("scale"):
         names = [name for name in fit.combinations if name not in fit.coefficients]
         combined = (f"{name} = {fit.combinations[name].value:.4g}" for name in names)
         return [f"in newton metres: {', '.join(combined)}"]
@@ -132,7 +133,7 @@ def _bounds_line(fit: Fit) -> list[str]:
     if any(e.widened for e in fit.coefficients.values()):
         out[0] += "; this widens the intervals of the estimates without a std error"
     text = f"without bounds the held-out RMSE is {free:.4g}"
-    contradicted = any(f.doubts_the_rig for f in fit.problem.channels.intake.findings)
+    contradicted = any(f.doubts_the_rig for f in fit.problem.drive.channels.intake.findings)
     if gain >= LEAST_GAIN_PERCENT and not contradicted:
         text += f", {gain:.2g} % less: a sign that the model lacks an effect"
     return [*out, text]

@@ -8,7 +8,8 @@ from dataclasses import replace
 import numpy as np
 
 from eccentric.effects import Setting
-from eccentric.fitting import FitData, Signals, base_columns, compiled
+from eccentric.estimation import ColumnRole
+from eccentric.fitting import FitData, Signals, base_coefficients, base_columns, compiled
 from eccentric.model import Model
 from eccentric.rigs import Rig
 from eccentric.search.smooth import Variables
@@ -31,15 +32,12 @@ def balances_of(data: FitData, rig: Rig, model: Model) -> tuple[list[BalanceDesi
     known, torque = signals.known, drive.torque()
     load = compiled(model, model.balance("mechanical").sum_of("inertial", "gravity", "conservative"), signals)
     target = torque - load({}, {})
-    columns = signals.columns(model)
-    lower = np.array([-np.inf if c.bounds[0] is None else c.bounds[0] for c in columns])
-    lower = np.r_[lower, np.full(len(signals.open), -np.inf)]
-    names = (*(c.name for c in columns), *signals.open)
+    coefficients, columns = base_coefficients(model, signals), base_columns(model, signals)
     rows = search_rows(channels, rig)
-    mechanical = balance_design(
-        "mechanical", rows, target, base_columns(model, signals), names, lower, target
-    )
-    mechanical = _once_filtered(mechanical, channels.motion.alpha_m, drive.machine.inertia(known), "J_m")
+    mechanical = balance_design("mechanical", rows, coefficients, target, columns, target)
+    # What the rig leaves open is as good as known, whatever its sign.
+    mechanical = mechanical.without_bounds(but=("friction",))
+    mechanical = _once_filtered(mechanical, channels.motion.alpha_m, drive.machine.inertia(known), "inertia")
     if drive.by_voltage:
         turning = np.where(drive.off, 0.0, channels.motion.omega_m)
         damping = drive.machine.damping({"k_e": 0.0, **known, **drive.scaled()})
@@ -52,7 +50,7 @@ def balances_of(data: FitData, rig: Rig, model: Model) -> tuple[list[BalanceDesi
         by_voltage = drive.machine.current(known, channels.motor.voltage, channels.motion.omega_m)
         residual = drive.machine.torque(known, by_voltage) - torque
         empty = np.empty((len(torque), 0))
-        electrical = balance_design("electrical", every, residual, empty, (), np.empty(0), target)
+        electrical = balance_design("electrical", every, (), residual, empty, target)
         damping = drive.machine.damping(known)
         balances.append(_once_filtered(electrical, channels.motion.omega_m, damping))
         # Real torque as fast as noise is in the target, but cancels in the residual.
@@ -65,19 +63,20 @@ def _row_noise(signal: Array, rows: Rows) -> float:
     return white_noise(signal) * float(rows.noise_gain()[0])
 
 
-def _once_filtered(balance: BalanceDesign, signal: Array, factor: float, column: str = "") -> BalanceDesign:
+def _once_filtered(
+    balance: BalanceDesign, signal: Array, factor: float, role: ColumnRole | None = None
+) -> BalanceDesign:
     """The balance with a signal (samples,) that has passed the low pass already, and is not to pass it twice.
 
-    The target holds minus `factor` times the signal, a column of the base the signal itself.
+    The target holds minus `factor` times the signal, the column of this role the signal itself.
     """
     rows = balance.rows
     if rows.smooth is None:
         return balance
     own = rows.plain_mean(signal)
-    base = balance.base.copy()
-    if column in balance.base_names:
-        base[:, balance.base_names.index(column)] = own
-    return replace(balance, target=balance.target + factor * (rows.mean(signal) - own), base=base)
+    columns = balance.columns.copy()
+    columns[:, [c.role == role for c in balance.coefficients]] = own[:, None]
+    return replace(balance, target=balance.target + factor * (rows.mean(signal) - own), columns=columns)
 
 
 def setting_of(data: FitData, model: Model, friction: Array) -> Setting:
@@ -113,7 +112,7 @@ def setting_of(data: FitData, model: Model, friction: Array) -> Setting:
         friction={c.name: float(x) for c, x in zip(columns, own, strict=True)},
         by_voltage=data.drive.by_voltage,
         scaled=data.drive.scale is None and channels.motor.measured_by in {"current", "voltage"},
-        left_open=tuple(sorted({*data.drive.open, *channels.rig.estimate})),
+        left_open=tuple(sorted({*(c.name for c in data.drive.open), *channels.rig.estimate})),
     )
 
 

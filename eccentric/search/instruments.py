@@ -16,6 +16,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from eccentric.estimation import ColumnRole
 from eccentric.fitting import FitData, Signals, base_columns, compiled
 from eccentric.model import Model
 from eccentric.search.limits import LEAST_MOTION, LOWEST_BAND_HZ
@@ -35,12 +36,13 @@ def instruments_of(data: FitData, model: Model, friction: Array) -> Signals | No
     motion = None if data.rows.independent else _slow_motion(data)
     if motion is None:
         return None
-    values, free = {**signals.values, **motion}, dict(signals.open)
+    values = {**signals.values, **motion}
     # What the rig leaves open follows the same motion: an open inertia would bring the noise back.
-    if "J_m" in free:
-        free["J_m"] = motion["alpha_m"]
-    if "back_emf" in free:
-        free["back_emf"] = np.where(data.drive.off, 0.0, motion["omega_m"])
+    slowly: dict[ColumnRole, Array] = {
+        "inertia": motion["alpha_m"],
+        "back_emf": np.where(data.drive.off, 0.0, motion["omega_m"]),
+    }
+    free = {c: slowly.get(c.role, column) for c, column in signals.open.items()}
     slow = replace(signals, values=values, open=free)
     load = compiled(model, model.balance("mechanical").sum_of("inertial", "gravity", "conservative"), slow)
     torque = channels.smooth(load({}, {}) + base_columns(model, slow) @ friction)

@@ -28,7 +28,7 @@ class Joint:
         self._screen, self._mechanical = screen, mechanical
         self.variants = list(found.variants)
         # Coefficients of its own in each balance: the weights do not depend on how well the shapes agree.
-        design, target = np.hstack([self._also(self.variants), mechanical.base]), mechanical.target
+        design, target = np.hstack([self._also(self.variants), mechanical.columns]), mechanical.target
         rest = target - design @ np.linalg.lstsq(design, target, rcond=None)[0]
         self._weights = screen.rows / found.loss.sum(), len(rest) / float(rest @ rest)
 
@@ -48,8 +48,8 @@ class Joint:
     def _solved(self, variants: Sequence[Variant]) -> tuple[float, Array]:
         """Weighted loss and coefficients: of the variants, then of the mechanical base."""
         target, own, lower = self._screen.design(variants)
-        here = np.hstack([own, np.zeros((len(target), self._mechanical.base.shape[1]))])
-        there = np.hstack([self._also(variants), self._mechanical.base])
+        here = np.hstack([own, np.zeros((len(target), self._mechanical.columns.shape[1]))])
+        there = np.hstack([self._also(variants), self._mechanical.columns])
         one, other = np.sqrt(self._weights)
         x, y = np.vstack([one * here, other * there]), np.r_[one * target, other * self._mechanical.target]
         c = bounded_solve(x.T @ x, x.T @ y, np.r_[lower, self._mechanical.lower])

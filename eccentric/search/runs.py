@@ -30,7 +30,7 @@ def runs_that_differ(
         names: of the runs, by their numbers.
     """
     rows = balance.rows
-    own, pooled = rows.mean(torque), balance.base @ friction
+    own, pooled = rows.mean(torque), balance.columns @ friction
     load = own - balance.target
     loaded = np.std(load) > LEAST_SHARE_OF_LOAD * np.std(own)
     columns = np.column_stack([pooled, load] if loaded else [pooled])

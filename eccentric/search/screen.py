@@ -113,7 +113,7 @@ class Screen:
         """The known contribution of the variants that change the base, and the base with their changes."""
         changing = [v for v in variants if v.candidate.changes is not None]
         if not changing:
-            return 0.0, self.balance.base
+            return 0.0, self.balance.columns
         key = tuple(variant.key for variant in changing)
         if key not in self._changed:
             if len(self._changed) > MOST_KEPT:
@@ -137,7 +137,7 @@ class Screen:
         target, design, lower = self.design(variants)
         gram = Gram.of(design, target, self.block)
         ridges = [np.full(self.columns(v).shape[1], v.candidate.ridge) for v in variants]
-        ridge = np.concatenate([np.zeros(self.balance.base.shape[1]), *ridges])
+        ridge = np.concatenate([np.zeros(self.balance.columns.shape[1]), *ridges])
         coefficients = bounded_solve(gram.matrix.sum(axis=0), gram.vector.sum(axis=0), lower, ridge)
         cross = cross_validate(gram, lower, self.fold, ridge)
         if np.any(ridge):
@@ -153,7 +153,7 @@ class Screen:
     def own(self, fitted: Fitted) -> list[Array]:
         """The coefficients of each variant's columns, none for one whose parameters are all shapes."""
         widths = [self.columns(variant).shape[1] for variant in fitted.variants]
-        ends = self.balance.base.shape[1] + np.cumsum(widths)
+        ends = self.balance.columns.shape[1] + np.cumsum(widths)
         return [fitted.coefficients[end - width : end] for end, width in zip(ends, widths, strict=True)]
 
     def first_look(self, variants: Sequence[Variant]) -> list[tuple[float, int]]:
