@@ -94,7 +94,7 @@ def _sets(letters: tuple[tuple[str, mpf], ...], dtype: Real, size: int, shift: m
     many = random.integers(-last, last + 1, size)
     chosen = {
         "plane": (random.uniform(-3, 3, size) * float(turn), velocities()),
-        "within 1e-3 of the hollow": near(even, few),
+        "within 1e-3 of the zero of F_N": near(even, few),
         "1e-7 to 1e-3 from it": near(logarithmic, few),
         "the same, up to 1e4 rad": near(logarithmic, many),
     }

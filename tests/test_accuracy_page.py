@@ -7,14 +7,14 @@ from benchmarks import accuracy, accuracy_any
 from benchmarks.asked import CODE
 
 MANY, FEW = 12, 5
-NEAR_THE_HOLLOW = 2  # of the sets of states; here the closed form of F_N loses all of its digits
+NEAR_THE_ZERO = 2  # of the sets of states; here the closed form of F_N loses all of its digits
 
 
 @pytest.mark.parametrize("real", accuracy.PRECISIONS)
 @pytest.mark.parametrize("case", accuracy.CASES)
 def test_a_set_is_measured_and_within_what_is_asked(case: str, real: str) -> None:
     """Every figure of the case is measured at the requested states, none is NaN, and its bound holds."""
-    name, errors = accuracy._set(case, real, NEAR_THE_HOLLOW, MANY, FEW)
+    name, errors = accuracy._set(case, real, NEAR_THE_ZERO, MANY, FEW)
 
     assert "1e-7 to 1e-3 from it" == name
     emitted = {(figure, who) for figure in accuracy.MEASURED for who in accuracy.MEASURED[figure]}
@@ -31,7 +31,7 @@ def test_a_set_is_measured_and_within_what_is_asked(case: str, real: str) -> Non
 @pytest.mark.parametrize("real", accuracy.PRECISIONS)
 def test_the_peers_are_measured_at_the_same_states(real: str, figure: str) -> None:
     """Every peer has its errors, and the closed form misses the bound that the emitted code holds."""
-    _, errors = accuracy._set("c2_parallel", real, NEAR_THE_HOLLOW, MANY, FEW)
+    _, errors = accuracy._set("c2_parallel", real, NEAR_THE_ZERO, MANY, FEW)
 
     doubled = {"paper in double"} if real == "double" else set()
     assert set(accuracy.MEASURED[figure]) - doubled == {who for other, who in errors if other == figure}
@@ -49,7 +49,7 @@ def test_the_peers_are_right_elsewhere(real: str) -> None:
 
 def test_an_asked_for_figure_has_its_peers() -> None:
     """Each figure of accuracy is printed with its peers, NaN included."""
-    _, errors = accuracy._set("c2_parallel", "float", NEAR_THE_HOLLOW, MANY, FEW)
+    _, errors = accuracy._set("c2_parallel", "float", NEAR_THE_ZERO, MANY, FEW)
 
     figures = accuracy._figures("float", [errors])
 

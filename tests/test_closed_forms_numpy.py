@@ -126,7 +126,7 @@ def test_degenerate_loads_have_a_gradient(name: str, level: dict[str, float]) ->
 
 @both_precisions
 @pytest.mark.parametrize("name", ["c2_parallel", "c2_asymmetric", "rotating_link"])
-def test_hollow(name: str, dtype: type[np.floating]) -> None:
+def test_zero_of_the_force(name: str, dtype: type[np.floating]) -> None:
     """At (pi, w*) F_N is of rounding size, and the gradient no steeper than the cone F_N: nowhere a NaN."""
     emitted = module(name)
     p = paper.table_1(oracle.number)

@@ -69,7 +69,7 @@ def test_products_are_proved(real: str) -> None:
         assert proved(script) <= PROVED_FORCE.anywhere * unit * SLACK, (coefficient, force)
 
 
-def hollow(real: str) -> tuple[float, float, mpmath.mpf]:
+def omega_star_emitted(real: str) -> tuple[float, float, mpmath.mpf]:
     """Return both parts of the default critical velocity as emitted, and what the first leaves of it."""
     _, _, dtype = UNITS[real]
     number = r"\(real\)\(([^)]+)\)" if real == "float" else r"([^(),]+)"
@@ -93,7 +93,7 @@ def test_difference_of_squares_is_proved(where: str, real: str) -> None:
     more than the second part.
     """
     unit, format_, dtype = UNITS[real]
-    first, second, left = hollow(real)
+    first, second, left = omega_star_emitted(real)
     spacing = float(np.spacing(dtype(first)))
     low, high = {
         "slow": (0.0, first / 2),

@@ -9,10 +9,12 @@ In: a `Model`. Out: files, or the loaded module. It imports `eccentric.model`, `
 `eccentric.output`; it knows no data, and its templates know no physics.
 """
 
-from eccentric.emission.backends import BACKENDS, DEFAULT, plain
+from eccentric.emission.backends import BACKENDS, DEFAULT
 from eccentric.emission.check import render_check
 from eccentric.emission.defaults import read_parameters, with_fitted
-from eccentric.emission.hot import executed, load_module
+from eccentric.emission.executed import executed
+from eccentric.emission.free_text import plain
+from eccentric.emission.hot import load_module
 from eccentric.emission.names import checked_name
 from eccentric.emission.program import Program, Routine, build_program
 from eccentric.emission.render import render, render_program

@@ -7,7 +7,8 @@ from collections.abc import Iterable
 
 import sympy as sp
 
-from eccentric.emission.backends import BACKENDS, DEFAULT, Backend, UnprintableError, plain, with_plain_text
+from eccentric.emission.backends import BACKENDS, DEFAULT, Backend, UnprintableError, with_plain_text
+from eccentric.emission.free_text import plain
 from eccentric.emission.program import Program, build_program
 from eccentric.emission.templates import template
 from eccentric.errors import InputError

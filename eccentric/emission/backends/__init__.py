@@ -2,8 +2,8 @@
 
 In: a `Program`. Out: the view that the templates of a target are filled with, all in strings. The folders
 have the same names of files: `view` is what the templates see, `printer` the target as a language of
-expressions. They share `expression` (an expression in a language), `python` (routines as functions of
-Python) and `text` (free text). A back end imports `eccentric.emission.program` and these, and no other.
+expressions. They share `expression` (an expression in a language), `python` (what modules in Python have in
+common) and `text` (spellings). A back end imports `eccentric.emission.program` and these, and no other.
 """
 
 from collections.abc import Mapping
@@ -11,9 +11,9 @@ from collections.abc import Mapping
 from eccentric.emission.backends import c99, jax, numpy
 from eccentric.emission.backends.backend import Backend
 from eccentric.emission.backends.expression import UnprintableError
-from eccentric.emission.backends.text import plain, with_plain_text
+from eccentric.emission.backends.text import with_plain_text
 
-__all__ = ["BACKENDS", "DEFAULT", "Backend", "UnprintableError", "plain", "with_plain_text"]
+__all__ = ["BACKENDS", "DEFAULT", "Backend", "UnprintableError", "with_plain_text"]
 
 BACKENDS: Mapping[str, Backend] = {
     "numpy": numpy.BACKEND,

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import mpmath
 import sympy as sp
@@ -83,6 +83,13 @@ def printed(expression: sp.Expr, language: Language) -> str:
         UnprintableError: an operation that the language lacks.
     """
     return _print(expression, language)[0]
+
+
+def choice_of_pairs(e: sp.Piecewise, pair: Callable[[sp.Expr], str], plain: Language) -> str:
+    """A choice between pairs: its conditions are plain; only the values are pairs."""
+    values = {f"value_{k}": pair(value) for k, (value, _) in enumerate(e.args)}
+    stand_in = sp.Piecewise(*((sp.Symbol(s), c) for s, (_, c) in zip(values, e.args, strict=True)))
+    return printed(stand_in, replace(plain, symbol=lambda name: values.get(name) or plain.symbol(name)))
 
 
 def _print(e: sp.Expr, language: Language) -> tuple[str, int]:

@@ -1,14 +1,14 @@
-"""Spellings that both back ends share: free text, numbers, defaults, domains, assignments."""
+"""Spellings that back ends share: numbers, defaults, series, assignments; and programs with plain text."""
 
 from __future__ import annotations
 
-import re
 import textwrap
 from collections.abc import Callable, Iterable
 from dataclasses import replace
 
 import sympy as sp
 
+from eccentric.emission.free_text import plain
 from eccentric.emission.program import (
     BITS,
     COSINE,
@@ -19,13 +19,6 @@ from eccentric.emission.program import (
     Program,
 )
 from eccentric.model import Leading, Quantity
-
-
-def plain(text: str) -> str:
-    """Free text that is safe in comments and docstrings: one line, no escape, no delimiter of C or Python."""
-    line = "".join(c for c in " ".join(text.split()) if c.isprintable())
-    line = line.replace("\\", "\\\\").replace('"', "'")
-    return re.sub(r"(?<=\*)(?=/)|(?<=/)(?=\*)", " ", line)
 
 
 def with_plain_text(program: Program) -> Program:

@@ -16,7 +16,7 @@ import sympy as sp
 
 from eccentric.emission.check import proof, selftest
 from eccentric.emission.check.called import Called
-from eccentric.emission.hot import executed
+from eccentric.emission.executed import executed
 from eccentric.emission.templates import template
 from eccentric.model import Model
 

@@ -6,8 +6,8 @@ import re
 from collections.abc import Sequence
 from typing import Any
 
-from eccentric.emission.backends import plain
 from eccentric.emission.check.called import Called
+from eccentric.emission.free_text import plain
 from eccentric.emission.program import SHORTEST
 from eccentric.model import Model, Quantity
 from eccentric.model import vocabulary as v

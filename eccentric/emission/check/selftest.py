@@ -114,10 +114,10 @@ def _precision(
 ) -> dict[str, Any]:
     single = real is np.float32
     suffix = "f" if single else ""
-    hollow = _hollow(values)
+    zero = _zero_of_force(values)
     spans, centres = np.array(_spans(inputs), real), np.zeros((len(_spans(inputs)), len(inputs)), real)
     spans[5] = np.finfo(real).tiny * 4
-    centres[3:5] = [hollow.get(name, 0.0) for name in inputs]
+    centres[3:5] = [zero.get(name, 0.0) for name in inputs]
     parameters = module.Parameters(**values)
 
     def evaluated(f: Called, states: Sequence[np.ndarray]) -> np.ndarray:
@@ -131,7 +131,7 @@ def _precision(
             out[...] = getattr(module, f.name)(parameters=parameters)
         return _bits(values)
 
-    special = [_special(k, hollow.get(name, 3.0), real)[:rows] for k, name in enumerate(inputs)]
+    special = [_special(k, zero.get(name, 3.0), real)[:rows] for k, name in enumerate(inputs)]
     vectors = np.vstack([*map(_bits, special), *(evaluated(f, special) for f in functions)]).T
     stream = _stream(centres, spans)
     with ThreadPoolExecutor() as threads:  # NumPy works on long arrays beside other threads
@@ -152,8 +152,8 @@ def _precision(
     }
 
 
-def _hollow(values: Mapping[str, float]) -> dict[str, float]:
-    """The state where the normal force vanishes: at the top, the weight carried by the centrifugal force."""
+def _zero_of_force(values: Mapping[str, float]) -> dict[str, float]:
+    """The zero of F_N: at the top, with the weight carried by the centrifugal force."""
     try:
         M, M_l, L, mu, g = (values[name] for name in ("M", "M_l", "L", "mu", "g"))
     except KeyError:
@@ -171,8 +171,17 @@ def _spans(inputs: list[str]) -> list[list[float]]:
     def with_angle(span: float) -> list[float]:
         return [span if name == "theta_m" else size for name, size in zip(inputs, usual, strict=True)]
 
-    hollow, closer, tiny, any_bits = ([x] * len(inputs) for x in (2.0**-9, 2.0**-19, 1.0, 0.0))
-    return [usual, with_angle(2.0**11), with_angle(2.0**15), hollow, closer, tiny, any_bits, with_angle(0.0)]
+    nearby, closer, tiny, any_bits = ([x] * len(inputs) for x in (2.0**-9, 2.0**-19, 1.0, 0.0))
+    return [
+        usual,
+        with_angle(2.0**11),
+        with_angle(2.0**15),
+        nearby,
+        closer,
+        tiny,
+        any_bits,
+        with_angle(0.0),
+    ]
 
 
 def _special(k: int, at: float, real: Any) -> np.ndarray:

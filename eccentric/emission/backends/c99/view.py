@@ -13,7 +13,8 @@ from eccentric.emission.backends.c99.printer import DOUBLE, language
 from eccentric.emission.backends.c99.routine import argument, helper, routine, twin_of
 from eccentric.emission.backends.c99.staged import staged
 from eccentric.emission.backends.expression import Language, printed
-from eccentric.emission.backends.text import number, plain, splitting, used_series
+from eccentric.emission.backends.text import number, splitting, used_series
+from eccentric.emission.free_text import plain
 from eccentric.emission.program import (
     LARGEST_ANGLE,
     LARGEST_RATIO,

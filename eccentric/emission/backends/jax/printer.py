@@ -8,8 +8,8 @@ from typing import Any
 
 import sympy as sp
 
-from eccentric.emission.backends.expression import Language, printed
-from eccentric.emission.backends.python.dialect import ON_PARAMETERS, Dialect, choice_of_pairs, on_samples
+from eccentric.emission.backends.expression import Language, choice_of_pairs, printed
+from eccentric.emission.backends.python.dialect import ON_PARAMETERS, Dialect, on_samples
 from eccentric.emission.backends.python.lines import WIDTH, broken
 from eccentric.emission.backends.text import number
 from eccentric.emission.program import ROUNDER, Call, Minus, Over, Pick, Plus, Program, Times, TurnLeft

@@ -7,8 +7,7 @@ from functools import reduce
 
 import sympy as sp
 
-from eccentric.emission.backends.expression import Language, printed
-from eccentric.emission.backends.python.dialect import choice_of_pairs
+from eccentric.emission.backends.expression import Language, choice_of_pairs, printed
 from eccentric.emission.program import TurnLeft
 
 _SUM, _PRODUCT, _ATOM = range(3)

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import sympy as sp
 
-from eccentric.emission.backends.expression import Language, printed
+from eccentric.emission.backends.expression import Language
 from eccentric.emission.backends.text import number
 
 
@@ -81,10 +81,3 @@ ON_PARAMETERS = {
     "in_single": "{0} if c.single else {1}",
 }
 """The operations on parameters that all spell alike."""
-
-
-def choice_of_pairs(e: sp.Piecewise, pair: Callable[[sp.Expr], str], plain: Language) -> str:
-    """A choice between pairs: its conditions are plain; only the values are pairs."""
-    values = {f"value_{k}": pair(value) for k, (value, _) in enumerate(e.args)}
-    stand_in = sp.Piecewise(*((sp.Symbol(s), c) for s, (_, c) in zip(values, e.args, strict=True)))
-    return printed(stand_in, replace(plain, symbol=lambda name: values.get(name) or plain.symbol(name)))
