@@ -70,16 +70,6 @@ def test_a_bounded_design_has_the_solution_of_another_algorithm() -> None:
     np.testing.assert_array_equal([0.8, 0.0], solution.values[:2])
 
 
-def test_a_coefficient_that_is_not_used_is_zero() -> None:
-    """What is left is fitted as if the column were not there."""
-    used = np.array([True, False, True])
-    smaller = replace(design(FREE[::2]), columns=COLUMNS[:, used]).solve()
-
-    np.testing.assert_allclose(
-        [smaller.values[0], 0.0, smaller.values[1]], design().solve(used).values, rtol=1e-12
-    )
-
-
 def test_bounds_of_a_role_can_stay() -> None:
     """Freed of its bounds, a design keeps those of the roles that are excepted."""
     held = (Coefficient("a", "friction", "", 0.0), Coefficient("J_m", "inertia", "", 0.0))
@@ -91,7 +81,6 @@ def test_bounds_of_a_role_can_stay() -> None:
 
 T = np.linspace(0.0, 4.0, ROWS)
 DECAY = 3.0 * np.exp(-0.7 * T) + 0.4 + 0.01 * np.random.default_rng(1).standard_normal(ROWS)
-BOTH = np.ones(2, dtype=bool)
 RATE = Nonlinear("rate", "1/s", 0.05, 5.0, (4.0, 0.1), 0.1)
 
 
@@ -110,7 +99,7 @@ class Decay:
 
 def test_a_search_finds_what_a_nonlinear_fit_of_all_values_finds() -> None:
     """Variable projection and Levenberg-Marquardt on all three values have one minimum, and its errors."""
-    found = search(Decay(), BOTH)
+    found = search(Decay())
     expected, covariance = curve_fit(lambda t, a, c, r: a * np.exp(-r * t) + c, T, DECAY, p0=(1.0, 0.0, 1.0))
 
     np.testing.assert_allclose(expected, [*found.values, found.at["rate"]], rtol=1e-4)
@@ -123,16 +112,16 @@ def test_a_search_finds_what_a_nonlinear_fit_of_all_values_finds() -> None:
 
 def test_a_search_begins_at_the_better_start_and_stays_where_it_is_held() -> None:
     """Of two starts the search takes the one with the smaller cost; a fixed value is not searched."""
-    at = search(Decay(), BOTH).at["rate"]
+    at = search(Decay()).at["rate"]
 
-    assert at == pytest.approx(search(Decay(), BOTH, start={"rate": 1.0}).at["rate"], rel=1e-4)
-    assert search(Decay(), BOTH, fixed={"rate": 2.0}).at == {"rate": 2.0}
+    assert at == pytest.approx(search(Decay(), start={"rate": 1.0}).at["rate"], rel=1e-4)
+    assert search(Decay(), fixed={"rate": 2.0}).at == {"rate": 2.0}
 
 
 def test_what_comes_near_the_end_of_its_range_is_at_its_end() -> None:
     """With the truth outside of the range the value is the end itself, and that end is reported."""
     narrow = replace(RATE, lower=1.0, starts=(3.0,))
-    found = search(Decay((narrow,)), BOTH)
+    found = search(Decay((narrow,)))
 
     assert found.at == {"rate": 1.0}
     assert (-1, 0, 1) == tuple(narrow.end_at(value) for value in (1.0, 2.0, 5.0))
@@ -141,7 +130,7 @@ def test_what_comes_near_the_end_of_its_range_is_at_its_end() -> None:
 def test_a_profile_is_lowest_beside_the_minimum() -> None:
     """Over nine points of the range the error is smallest at the one nearest to the solution."""
     near = replace(RATE, lower=0.3, upper=1.1, starts=(0.5,))
-    solution = search(Decay((near,)), BOTH)
+    solution = search(Decay((near,)))
     found = profile(Decay((near,)), solution, near)
 
     assert len(found.values) == len(found.rmse) == 9

@@ -10,8 +10,8 @@ import pytest
 from scipy.stats import binom
 
 from eccentric.estimation import bounded
+from eccentric.estimation.limits import FRACTION
 from eccentric.estimation.uncertainty import (
-    FRACTION,
     TWO_SIDED,
     covariance,
     improvement,

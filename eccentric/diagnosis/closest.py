@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from eccentric.diagnosis.models import Models
 from eccentric.effects import Effect
-from eccentric.estimation import improvement
+from eccentric.estimation import improvement, rms
 from eccentric.fitting import refit
 from eccentric.search import Attribution
 
@@ -46,10 +46,5 @@ def closest_effect(found: Attribution, offered: Sequence[Effect], models: Models
     paper = models.paper
     with_it = refit(models.base, ((effect, dict(variant.values)),), paper.data)
     rows, balance = paper.data.rows.score, best.screen.balance.name
-    # Models that identify different scales are compared in the unit of the drive, as in `score`.
-    factor = (paper.scale or 1.0) / (with_it.scale or 1.0)
-    before, after = paper.residuals[balance][rows] * factor, with_it.residuals[balance][rows]
-    percent, interval = improvement(before, after)
-    return Closest(
-        effect, balance, paper.held_out(balance) * factor, with_it.held_out(balance), percent, interval
-    )
+    before, after = paper.residual_like(with_it, balance)[rows], with_it.residuals[balance][rows]
+    return Closest(effect, balance, rms(before), rms(after), *improvement(before, after))

@@ -15,7 +15,7 @@ import numpy as np
 
 from eccentric.diagnosis.stage import Stage, stage_of
 from eccentric.errors import InputError, few
-from eccentric.estimation import improvement, r_squared
+from eccentric.estimation import improvement, r_squared, rms
 from eccentric.fitting import DRIVE_UNITS, Refit, drive_noise, refit
 from eccentric.logs import Log
 from eccentric.model import Model, load_model
@@ -103,7 +103,7 @@ def contest(
     target = _in_drive_unit(linear, own.data.rows.mean(own.data.drive.torque()))[scored]
     before = _residual(linear)[scored]
     entries = [
-        Entry(BASELINE, (), _rms(before), r_squared(before, target), len(linear.estimates), 0.0, (0.0, 0.0))
+        Entry(BASELINE, (), rms(before), r_squared(before, target), len(linear.estimates), 0.0, (0.0, 0.0))
     ]
     for name, fit in zip(names, fits, strict=True):
         after = _residual(fit)[scored]
@@ -112,7 +112,7 @@ def contest(
             Entry(
                 name,
                 effects_of,
-                _rms(after),
+                rms(after),
                 r_squared(after, target),
                 len(fit.estimates),
                 *improvement(before, after),
@@ -155,10 +155,8 @@ def _parts(name: str) -> tuple[str, list[str]]:
 
 def _scored_rows(fit: Refit) -> np.ndarray:
     """The held-out rows (rows,) of the contest: in volts or amperes, only those with the motor on."""
-    rows, drive = fit.data.rows, fit.data.drive
-    if fit.scale is None:
-        return rows.score
-    return rows.score & (rows.mean(drive.off.astype(float)) <= 0.5)
+    rows = fit.data.rows
+    return rows.score if fit.scale is None else rows.score & ~fit.data.off
 
 
 def _residual(fit: Refit) -> np.ndarray:
@@ -168,10 +166,6 @@ def _residual(fit: Refit) -> np.ndarray:
 def _in_drive_unit(fit: Refit, torque: np.ndarray) -> np.ndarray:
     """Models that identify different scales are compared in the unit of the drive."""
     return torque * (fit.scale or 1.0)
-
-
-def _rms(x: np.ndarray) -> float:
-    return float(np.sqrt(np.mean(x**2)))
 
 
 def contest_document(found: Contest) -> dict[str, Any]:

@@ -9,7 +9,7 @@ import numpy as np
 
 from eccentric.diagnosis.limits import FEWEST_RUNS
 from eccentric.effects import Effect
-from eccentric.estimation import improvement, improvement_over_runs
+from eccentric.estimation import improvement, improvement_over_runs, rms
 from eccentric.fitting import FitData, Refit, refit
 from eccentric.model import Model
 
@@ -63,27 +63,21 @@ def score(linear: Refit, paper: Refit, extended: Refit, balance: str, over_runs:
     first in volts (or amperes).
     """
     models = {"linear": linear, "paper": paper, "extended": extended}
-    common = extended.scale or 1.0
-    factor = {name: (m.scale or 1.0) / common for name, m in models.items()}
-    rows = paper.data.rows
-    off = rows.mean(paper.data.drive.off.astype(float)) > 0.5
+    rows, off = paper.data.rows, paper.data.off
     rmse: dict[str, dict[str, float]] = {
-        "mechanical": {n: m.held_out("mechanical") * factor[n] for n, m in models.items()}
+        "mechanical": {n: rms(m.residual_like(extended)[rows.score]) for n, m in models.items()}
     }
     if "electrical" in paper.residuals:
         rmse["electrical"] = {n: m.held_out("electrical") for n, m in models.items() if n != "linear"}
     free: dict[str, float] = {}
     if np.any(off & rows.score):
-        free = {n: _rms(m.residuals["mechanical"][off & rows.score]) for n, m in models.items()}
-    before, after = (
-        m.residuals[balance][rows.score] * f
-        for m, f in ((paper, factor["paper"]), (extended, factor["extended"]))
-    )
+        free = {n: rms(m.residuals["mechanical"][off & rows.score]) for n, m in models.items()}
+    before, after = (m.residual_like(extended, balance)[rows.score] for m in (paper, extended))
     percent, interval = improvement(before, after) if extended is not paper else (0.0, (0.0, 0.0))
     scaled = paper.scale is not None
     # A motor that is off has no voltage or current to be predicted: these rows are in `free`.
     on = rows.score & ~off
-    per_drive = {n: _rms(m.residuals["mechanical"][on]) * (m.scale or 1.0) for n, m in models.items()}
+    per_drive = {n: rms(m.residuals["mechanical"][on]) * (m.scale or 1.0) for n, m in models.items()}
     per_drive = per_drive if scaled and np.any(on) else {}
     return Score(rmse, per_drive, free, balance, percent, interval, over_runs)
 
@@ -107,8 +101,7 @@ def leave_runs_out(base: Model, extended: Refit, data: FitData) -> OverRuns | No
         own = used & (rows.run == run)
         for name, (effects, options) in models.items():
             found = refit(base, effects, data, without=int(run), **options)
-            factor = (found.scale or 1.0) / (extended.scale or 1.0)
-            squares[name][k] = float(np.sum((found.residuals["mechanical"][own] * factor) ** 2))
+            squares[name][k] = float(np.sum(found.residual_like(extended)[own] ** 2))
     gains = {
         after: (
             *improvement_over_runs(squares[before], squares[after]),
@@ -119,7 +112,3 @@ def leave_runs_out(base: Model, extended: Refit, data: FitData) -> OverRuns | No
     }
     count = int(np.count_nonzero(used))
     return OverRuns({n: float(np.sqrt(s.sum() / count)) for n, s in squares.items()}, gains, len(runs))
-
-
-def _rms(x: Array) -> float:
-    return float(np.sqrt(np.mean(x**2)))

@@ -4,11 +4,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-import numpy as np
-
 from eccentric.diagnosis.models import Models
 from eccentric.errors import InputError
-from eccentric.estimation import improvement
+from eccentric.estimation import improvement, rms
 from eccentric.fitting import FitData, fit_data_of, loaded_model, refit
 from eccentric.model import Model, load_model, model_names
 
@@ -48,10 +46,10 @@ def better_sibling(plain: Model, models: Models) -> Sibling | None:
         if not _separable(model, own):
             continue
         fit = refit(model, (), own)
-        after = fit.residuals["mechanical"][rows] * ((fit.scale or 1.0) / (found.scale or 1.0))
+        after = fit.residual_like(found)[rows]
         percent, interval = improvement(before, after)
         if interval[0] > 0.0:
-            better.append(Sibling(name, float(np.sqrt(np.mean(after**2))), percent, interval))
+            better.append(Sibling(name, rms(after), percent, interval))
     return min(better, key=lambda sibling: sibling.rmse, default=None)
 
 

@@ -9,7 +9,14 @@ May import: `errors`; no log, no model.
 from eccentric.estimation.design import Coefficient, ColumnRole, Design, Nonlinear, Solution
 from eccentric.estimation.least_squares import bounded, require_rank
 from eccentric.estimation.solver import Profile, iterate, profile, search, slopes_between
-from eccentric.estimation.uncertainty import Estimate, Spread, improvement, improvement_over_runs, r_squared
+from eccentric.estimation.uncertainty import (
+    Estimate,
+    Spread,
+    improvement,
+    improvement_over_runs,
+    r_squared,
+    rms,
+)
 
 __all__ = [
     "Coefficient",
@@ -27,6 +34,7 @@ __all__ = [
     "profile",
     "r_squared",
     "require_rank",
+    "rms",
     "search",
     "slopes_between",
 ]

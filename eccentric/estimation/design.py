@@ -104,20 +104,15 @@ class Design:
         )
         return dataclasses.replace(self, coefficients=freed)
 
-    def solve(self, used: Mask | None = None) -> Solution:
-        """Minimise the weighted squares on the fitted rows; coefficients not `used` (k,) are zero."""
-        every = slice(None) if used is None else used
+    def solve(self) -> Solution:
+        """Minimise the weighted squares on the fitted rows."""
         root = np.sqrt(self.weights[self.train])
-        rows = self.columns[self.train][:, every] * root[:, None]
-        low, high = self.lower[every], self.upper[every]
-        target = self.target[self.train] * root
+        rows, target = self.columns[self.train] * root[:, None], self.target[self.train] * root
+        low, high = self.lower, self.upper
         found = bounded(rows, target, low, high)
-        count = len(self.coefficients)
-        values, active = np.zeros(count), np.zeros(count, dtype=np.int64)
         # A value with an active bound is the bound, free of rounding.
-        values[every] = np.where(found.active < 0, low, np.where(found.active > 0, high, found.coefficients))
-        active[every] = found.active
-        return Solution(self, values, active, target - rows @ found.coefficients)
+        values = np.where(found.active < 0, low, np.where(found.active > 0, high, found.coefficients))
+        return Solution(self, values, found.active, target - rows @ found.coefficients)
 
 
 @dataclass(frozen=True)

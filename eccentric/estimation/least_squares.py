@@ -10,14 +10,12 @@ from numpy.typing import NDArray
 from scipy.optimize import lsq_linear
 
 from eccentric.errors import InputError
-from eccentric.estimation.limits import LEAST_PART, MEMBER_PART
+from eccentric.estimation.limits import BLOCK_ROWS, LEAST_PART, MEMBER_PART, ROUNDING
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
 Array = NDArray[np.float64]
-
-_BLOCK = 256
 
 
 @dataclass(frozen=True)
@@ -41,7 +39,7 @@ def bounded(design: Array, target: Array, lower: Array, upper: Array) -> Linear:
         scaled = np.linalg.lstsq(triangle[:, :-1], triangle[:, -1], rcond=None)[0]
         return Linear(scaled / size, np.zeros(len(scaled), dtype=np.int64))
     found = lsq_linear(
-        triangle[:, :-1], triangle[:, -1], (lower * size, upper * size), method="bvls", tol=1e-14
+        triangle[:, :-1], triangle[:, -1], (lower * size, upper * size), method="bvls", tol=ROUNDING
     )
     return Linear(found.x / size, np.asarray(found.active_mask, dtype=np.int64))
 
@@ -53,10 +51,10 @@ def _triangle(rows: Array) -> Array:
     more than they gain, and a search needs hundreds.
     """
     count = rows.shape[1]
-    blocks = -(-len(rows) // _BLOCK)
-    padded = np.zeros((blocks * _BLOCK, count))
+    blocks = -(-len(rows) // BLOCK_ROWS)
+    padded = np.zeros((blocks * BLOCK_ROWS, count))
     padded[: len(rows)] = rows
-    stack = np.asarray(np.linalg.qr(padded.reshape(blocks, _BLOCK, count), mode="r"))
+    stack = np.asarray(np.linalg.qr(padded.reshape(blocks, BLOCK_ROWS, count), mode="r"))
     return np.asarray(np.linalg.qr(stack.reshape(-1, count), mode="r"))
 
 

@@ -16,14 +16,19 @@ from numpy.typing import NDArray
 from scipy.optimize import least_squares
 
 from eccentric.estimation.design import Design, Nonlinear, Solution
-from eccentric.estimation.limits import NEAR_END
+from eccentric.estimation.limits import (
+    COST_CHANGE,
+    LEAST_SLOPE,
+    MOST_EVALUATIONS,
+    NEAR_END,
+    PROFILE_POINTS,
+    SLOPE_STEP,
+    VALUE_CHANGE,
+)
 
 __all__ = ["Profile", "Searched", "iterate", "profile", "search", "slopes_between"]
 
 Array = NDArray[np.float64]
-Mask = NDArray[np.bool_]
-
-PROFILE_POINTS = 9
 
 
 class Searched(Protocol):
@@ -50,7 +55,6 @@ class Profile:
 
 def search(
     problem: Searched,
-    used: Mask,
     *,
     bounds: bool = True,
     start: Mapping[str, float] | None = None,
@@ -58,8 +62,8 @@ def search(
 ) -> Solution:
     """Minimise over coefficients and nonlinear values.
 
-    Coefficients that are not `used` (k,) are zero; `bounds=False` removes the bounds of all of them (those of
-    the searched values stay); `start` is where their search starts; `fixed` fixes some of them.
+    `bounds=False` removes the bounds of the coefficients, not those of the searched values; `start` is where
+    their search starts; `fixed` fixes some of them.
     """
     held = dict(fixed or {})
     searched = [s for s in problem.nonlinear if s.name not in held]
@@ -69,7 +73,7 @@ def search(
 
     def solved(x: Array) -> Solution:
         design = problem.design(named(x))
-        return (design if bounds else design.without_bounds()).solve(used)
+        return (design if bounds else design.without_bounds()).solve()
 
     best = _start(searched, lambda x: solved(x).cost, start)
     if searched:
@@ -78,10 +82,10 @@ def search(
             best,
             bounds=([s.lower for s in searched], [s.upper for s in searched]),
             x_scale=[s.step for s in searched],
-            xtol=1e-6,
-            ftol=1e-9,
-            gtol=1e-14,  # without it, a value without any influence would cause a division by zero
-            max_nfev=30,
+            xtol=VALUE_CHANGE,
+            ftol=COST_CHANGE,
+            gtol=LEAST_SLOPE,
+            max_nfev=MOST_EVALUATIONS,
         ).x
         # The algorithm stays inside the range; this close to an end counts as the end.
         ends = np.array([[s.lower, s.upper] for s in searched])
@@ -101,8 +105,7 @@ def profile(problem: Searched, solution: Solution, one: Nonlinear) -> Profile:
     """Fit at evenly spaced values of one searched value over its range."""
     points = np.linspace(one.lower, one.upper, PROFILE_POINTS)
     design = solution.design
-    every = np.ones(len(design.coefficients), dtype=bool)
-    found = [search(problem, every, fixed={one.name: float(v)}, start=solution.at) for v in points]
+    found = [search(problem, fixed={one.name: float(v)}, start=solution.at) for v in points]
     weight = float(np.sum(design.weights[design.train]))
     rmse = tuple(float(np.sqrt(s.cost / weight)) for s in found)
     return Profile(tuple(map(float, points)), rmse, min(found, key=lambda s: s.cost))
@@ -143,7 +146,7 @@ def _around(nonlinear: Sequence[Nonlinear], at: Mapping[str, float]) -> dict[str
     """
     ends: dict[str, tuple[float, float]] = {}
     for s in nonlinear:
-        half = 0.05 * s.step
+        half = SLOPE_STEP * s.step
         low, high = (min(max(at[s.name] + d, s.lower), s.upper) for d in (-half, half))
         ends[s.name] = low, high
     return ends

@@ -24,17 +24,14 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.special import log_ndtr, ndtri, ndtri_exp, stdtrit
 
-from eccentric.estimation.limits import LITTLE
+from eccentric.estimation.limits import BLOCKS, DRAWS, FRACTION, LITTLE, NO_INFLUENCE
 
 Array = NDArray[np.float64]
 
-FRACTION = 0.1
-"""S over the number of rows."""
 TWO_SIDED = 1.9600 + 2.9694 * FRACTION + 0.4160 * FRACTION**2 - 0.5324 * FRACTION**3
 """Standard errors from the value to either end of a 95 % interval: Kiefer and Vogelsang's 97.5 % quantile."""
 ONE_SIDED = 1.6449 + 2.1859 * FRACTION + 0.3142 * FRACTION**2 - 0.3427 * FRACTION**3
 """Standard errors to the end of a one-sided 95 % interval: their 95 % quantile."""
-DRAWS = 2000
 
 
 @dataclass(frozen=True)
@@ -101,8 +98,7 @@ def spread(design: Array, residual: Array, active: NDArray[np.int64], lower: Arr
     is omitted, and its standard error is zero here.
     """
     size = np.linalg.norm(design, axis=0)
-    # Units differ, and sizes may differ by orders of magnitude: only a column of zeros has no influence.
-    seen = size > 1e-200
+    seen = size > NO_INFLUENCE
     free, held = np.flatnonzero((active == 0) & seen), np.flatnonzero((active != 0) & seen)
     count = len(active)
     matrix, alone, moves = np.zeros((count, count)), np.zeros(count), np.zeros((len(held), count))
@@ -149,6 +145,11 @@ def covariance(design: Array, residual: Array) -> Array:
     return bread @ omega @ bread / np.outer(size, size)
 
 
+def rms(x: Array) -> float:
+    """The root of the mean square."""
+    return float(np.sqrt(np.mean(x**2)))
+
+
 def r_squared(left: Array, whole: Array) -> float:
     """Return 1 - mean square of the residual over that of the whole, for rows (m,) that were not fitted.
 
@@ -167,7 +168,7 @@ def improvement(worse: Array, better: Array) -> tuple[float, tuple[float, float]
     """
     rows = len(worse)
     squares = np.column_stack([worse**2, better**2])
-    length = max(1, rows // 20)
+    length = max(1, rows // BLOCKS)
     blocks = -(-rows // length)
     totals = np.concatenate([np.zeros((1, 2)), np.cumsum(np.concatenate([squares, squares]), axis=0)])
     starts = np.random.default_rng(1).integers(0, rows, (DRAWS, blocks))

@@ -11,6 +11,14 @@ import sympy as sp
 from eccentric.errors import InputError
 from eccentric.estimation import Coefficient, Nonlinear
 from eccentric.fitting.drive import LOAD, Drive
+from eccentric.fitting.limits import (
+    ANGLE_STEP,
+    DELAYS,
+    LONGEST_DELAY_S,
+    LONGEST_DELAY_STEPS,
+    STARTS,
+    STEPS_OF_A_RANGE,
+)
 from eccentric.model import Column, Model, Role, meaning, regressor
 from eccentric.model import vocabulary as v
 from eccentric.rigs import KNOWNS
@@ -32,15 +40,14 @@ class Combination(Coefficient):
     """A coefficient of a fit in the paper's letters: what the rig leaves open of the scaled balance.
 
     `expression` is its name, `meaning` its value in parameters, `letter` the coefficient without the scale,
-    `mechanical_unit` its unit. `linear`: it belongs to the linear model as well. `parameter` is the parameter
-    of the model that represents it when the fit is emitted, "" for none.
+    `mechanical_unit` its unit. `parameter` is the parameter of the model that represents it when the fit is
+    emitted, "" for none.
     """
 
     expression: sp.Expr
     meaning: sp.Expr
     letter: str
     mechanical_unit: str
-    linear: bool = True
     parameter: str = ""
 
 
@@ -158,7 +165,6 @@ def _friction(column: Column, model: Model, s: sp.Expr, damping: sp.Expr, unit: 
         meaning=_plain(s * model.expand(column.coefficient) + damping),
         letter=column.name,
         mechanical_unit=column.unit,
-        linear=column.linear,
         parameter=column.parameter.name,
     )
 
@@ -219,12 +225,15 @@ def nonlinear_of(channels: Channels, rig: Rig, model: Model, needed: set[str]) -
     )
     found: list[Nonlinear] = []
     if "input_delay_s" in rig.estimate and channels.motor.measured_by == "voltage":
-        starts = tuple(k * step for k in (1.0, 0.0, 2.0, 4.0))
-        found.append(Nonlinear("input_delay_s", "s", 0.0, max(0.1, 6.0 * step), starts, step))
+        starts, most = tuple(k * step for k in DELAYS), max(LONGEST_DELAY_S, LONGEST_DELAY_STEPS * step)
+        found.append(Nonlinear("input_delay_s", "s", 0.0, most, starts, step))
     if "theta_zero_rad" in rig.estimate and turning:
-        found.append(Nonlinear("theta_zero_rad", "rad", -math.pi, math.pi, (0.0,), 0.1))
+        found.append(Nonlinear("theta_zero_rad", "rad", -math.pi, math.pi, (0.0,), ANGLE_STEP))
     for letter, (low, high) in rig.unknown.items():
         if letter in needed:
-            starts = tuple(low + part * (high - low) for part in (0.5, 0.1, 0.9))
-            found.append(Nonlinear(letter, _UNITS[letter], low, high, starts, (high - low) / 4.0))
+            starts, step = (
+                tuple(low + part * (high - low) for part in STARTS),
+                (high - low) / STEPS_OF_A_RANGE,
+            )
+            found.append(Nonlinear(letter, _UNITS[letter], low, high, starts, step))
     return found

@@ -9,8 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from eccentric.effects import Shape
-from eccentric.estimation import Coefficient, Estimate, Nonlinear, slopes_between
+from eccentric.estimation import Coefficient, Estimate, Nonlinear, rms, slopes_between
 from eccentric.fitting.extended import Extended, Step
+from eccentric.fitting.limits import SHAPE_STEP
 from eccentric.model import Model
 
 __all__ = ["estimates", "shares"]
@@ -101,7 +102,7 @@ def _slopes(fit: Extended, step: Step, balance: str, shapes: Mapping[str, Shape]
         return -there.rows(balance, values, point.current)
 
     ends = {
-        name: (x := point.values[name], x + 1e-3 * (s.high - s.low if s.scale == "linear" else x))
+        name: (x := point.values[name], x + SHAPE_STEP * (s.high - s.low if s.scale == "linear" else x))
         for name, s in shapes.items()
     }
     if not ends:
@@ -131,7 +132,7 @@ def shares(fit: Extended, step: Step, base: Model) -> dict[str, float]:
     """RMS of the contribution of each effect, over that of the friction, on training rows."""
     data, point = fit.data, step.point
     rows = data.rows.train
-    friction = float(np.sqrt(np.mean(step.target[rows] ** 2)))
+    friction = rms(step.target[rows])
     found: dict[str, float] = {}
     whole = fit.residuals(point)
     for effect, _ in fit.effects:
@@ -144,6 +145,5 @@ def shares(fit: Extended, step: Step, base: Model) -> dict[str, float]:
         kept = {s.quantity.name: point.values[s.quantity.name] for e, _ in others for s in e.shapes}
         balance = "mechanical" if data.drive.by_voltage else effect.balance
         without = fit.residuals(point, model, kept).rows(balance, values)
-        torque = (without - whole.rows(balance, point.values))[rows]
-        found[effect.id] = float(np.sqrt(np.mean(torque**2))) / friction
+        found[effect.id] = rms((without - whole.rows(balance, point.values))[rows]) / friction
     return found

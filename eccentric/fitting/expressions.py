@@ -15,6 +15,7 @@ import numpy as np
 import sympy as sp
 
 from eccentric.estimation import Coefficient
+from eccentric.fitting.limits import MOST_EXPRESSIONS
 from eccentric.model import Column, Model, meaning, regressor
 from eccentric.model import vocabulary as v
 
@@ -168,7 +169,7 @@ def alike(columns: Sequence[Column]) -> list[tuple[int, ...]]:
     return [tuple(group) for group in groups.values()]
 
 
-@lru_cache(maxsize=2000)
+@lru_cache(maxsize=MOST_EXPRESSIONS)
 def _function_of(expression: sp.Expr) -> tuple[Callable[..., Any], tuple[str, ...]]:
     """An expression as a function of its symbols, and their names; compiled once per process."""
     symbols = sorted(expression.free_symbols, key=str)

@@ -19,12 +19,11 @@ from numpy.typing import NDArray
 
 from eccentric.effects import Effect
 from eccentric.estimation import Coefficient, ColumnRole, Design, Solution, iterate
-from eccentric.fitting.expressions import alike, base_coefficients
 from eccentric.fitting.fit_data import FitData, Residuals, Values
 from eccentric.fitting.limits import LAST_STEP, MOST_STEPS, USABLE_PART
 from eccentric.model import Model
 
-__all__ = ["Extended", "Step", "extended"]
+__all__ = ["Adopted", "Extended", "Step"]
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
@@ -237,28 +236,6 @@ class Extended:
 
     def _of_effects(self) -> list[str]:
         return [q.name for effect, _ in self.effects for q in effect.coefficients]
-
-
-def extended(
-    base: Model, effects: Adopted, data: FitData, bounds: bool, linear: bool, without: int | None
-) -> Extended:
-    """Extend a model by effects, each with the values of its shapes; see `refitting.refit`."""
-    model = base
-    for effect, own in effects:
-        model = effect.extend(model, own)
-    columns, rows = data.signals.columns(base), data.rows
-    friction = tuple(c for c in base_coefficients(base, data.signals) if c.role == "friction")
-    groups = alike(columns) if linear else [(k,) for k in range(len(columns))]
-    return Extended(
-        model,
-        tuple(effects),
-        data,
-        tuple(friction[first] for first, *_ in groups),
-        friction,
-        bounds,
-        rows.train if without is None else (rows.train | rows.score) & (rows.run != without),
-        {friction[first].name: tuple(friction[k].name for k in others) for first, *others in groups},
-    )
 
 
 def _left(outside: Coefficient, point: Point) -> Coefficient:

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from eccentric.errors import InputError
+from eccentric.fitting.limits import MOST_POINTS
 from eccentric.model import model_names
 
 if TYPE_CHECKING:
@@ -19,7 +20,6 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
-MOST_POINTS = 4000
 NEEDS_MATPLOTLIB = "matplotlib is required for the figure (extra `figures`): pip install matplotlib"
 # As in the report of a diagnosis: the colours of Okabe and Ito.
 _MEASURED, _LINEAR, _PAPER = "#8a8a8a", "#cc79a7", "#d55e00"

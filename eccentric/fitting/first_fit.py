@@ -34,7 +34,7 @@ def drive_of(channels: Channels, rig: Rig, base: Model) -> Drive:
     if measured and not open_inertia and not rig.unknown and not rig.estimate:
         return Drive(machine, channels, _needed(channels, rig, base, machine), None, "N m")
     problem = pose(channels.driven, rig, base)
-    first = search(problem, problem.every)
+    first = search(problem)
     names = [c.name for c in problem.coefficients]
     require_rank(first.design.columns[problem.rows.train], names, rig.path)
     found = {c.role: float(v) for c, v in zip(problem.coefficients, first.values, strict=True)}
@@ -55,7 +55,7 @@ def drive_of(channels: Channels, rig: Rig, base: Model) -> Drive:
         channels.realigned(rig, dataclasses.replace(channels.alignment, **aligned)),
         known,
         scale,
-        "N m" if problem.has("scale") else problem.unit,
+        "N m" if problem.has("scale") else problem.drive.unit,
         opened,
         adjusts,
         _identified(first, scale, machine if open_inertia else None, rig),

@@ -13,6 +13,7 @@ from eccentric.estimation import require_rank
 from eccentric.fitting.drive import Drive, inputs_of
 from eccentric.fitting.emitted import Emitted
 from eccentric.fitting.expressions import Signals, base_coefficients, base_columns, compiled, seen_columns
+from eccentric.fitting.limits import MOSTLY_OFF
 from eccentric.fitting.machine import Machine
 from eccentric.fitting.states import state_series
 from eccentric.model import Model, meaning
@@ -34,6 +35,11 @@ class FitData:
     signals: Signals
     rows: Rows
     gravity: Array
+
+    @property
+    def off(self) -> NDArray[np.bool_]:
+        """Rows (m,) with the motor off: they have no voltage or current to be compared in."""
+        return self.rows.mean(self.drive.off.astype(float)) > MOSTLY_OFF
 
     def require_rank(self, model: Model, where: str) -> None:
         """Raise InputError, `where` opening it, if the training rows leave coefficients of a model open."""

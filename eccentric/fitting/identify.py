@@ -25,6 +25,7 @@ from eccentric.estimation import (
     profile,
     r_squared,
     require_rank,
+    rms,
     search,
 )
 from eccentric.fitting.combinations import combinations, identified_letters
@@ -83,13 +84,13 @@ def fit(channels: Channels, rig: Rig, model: Model, where: str = "log") -> Fit:
     """
     problem = pose(channels, rig, model)
     _require_rows(problem, where)
-    paper = search(problem, problem.every)
+    paper, baseline = search(problem), problem.baseline
     train = problem.rows.train
     require_rank(paper.design.columns[train], [c.name for c in problem.coefficients], where)
     solutions = {
-        "linear": search(baseline := problem.baseline, baseline.linear),
+        "linear": search(baseline),
         "paper": paper,
-        "paper_unbounded": search(problem, problem.every, bounds=False, start=paper.at),
+        "paper_unbounded": search(problem, bounds=False, start=paper.at),
     }
     _require_scale(problem, paper, where)
     profiles = {s.name: profile(problem, paper, s) for s in problem.nonlinear if s.name in rig.unknown}
@@ -116,7 +117,7 @@ def fit(channels: Channels, rig: Rig, model: Model, where: str = "log") -> Fit:
         profiles,
         identified_letters(problem),
         error,
-        {name: float(np.sqrt(np.mean(e**2))) for name, e in errors.items()},
+        {name: rms(e) for name, e in errors.items()},
         percent,
         interval,
         explained,

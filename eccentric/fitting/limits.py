@@ -11,6 +11,24 @@ LEAST_GAIN_PERCENT = 1.0
 """A gain below this, in per cent of the held-out error, is not worth reporting."""
 CONVERGED = 1e-4
 """A fit has converged if a further step changes it by less than this, relative: results have four digits."""
+DELAYS = 1.0, 0.0, 2.0, 4.0
+"""Where the search for a delay starts, in steps of the log: its cost has a minimum between any two rows."""
+LONGEST_DELAY_S, LONGEST_DELAY_STEPS = 0.1, 6.0
+"""The range of a delay ends at the longer of these: drives answer in far less, coarse logs round to steps."""
+ANGLE_STEP = 0.1
+"""Typical step of a zero angle [rad]: the torque of gravity is a sine of it."""
+STARTS, STEPS_OF_A_RANGE = (0.5, 0.1, 0.9), 4.0
+"""Where the search for a quantity known by a range starts, as parts of it, and how many steps span it."""
+SHAPE_STEP = 1e-3
+"""Step of the slope by a shape, over its range: a state along the log is smooth over it, rounding is not."""
+MOST_KEPT = 40
+"""Shapes whose states are kept: a search returns to the points of its grid."""
+MOST_EXPRESSIONS = 2000
+"""Compiled expressions that are kept: those of all effects of the library on a few models."""
+MOST_POINTS = 4000
+"""Points of a figure: more cover each other, and make its file large."""
+MOSTLY_OFF = 0.5
+"""Part of a row with the motor off from which on the row has no drive to be compared in."""
 USABLE_PART = 0.5
 """Least fraction of usable samples in a row for effects of the armature to be fitted on it."""
 MOST_STEPS, LAST_STEP = 8, 1e-9

@@ -54,7 +54,8 @@ class Problem:
     """What is minimised.
 
     `drive` is as the rig describes it, its unit that of target and residual; `scale` is s if the log has to
-    determine it, else None; `joined` are columns that have one coefficient.
+    determine it, else None; `groups` are the columns of the regressor, those of one coefficient together: the
+    first coefficients, in this order.
     """
 
     drive: Drive
@@ -65,17 +66,15 @@ class Problem:
     scale: sp.Expr | None
     coefficients: tuple[Combination, ...]
     nonlinear: tuple[Nonlinear, ...]
-    kept: tuple[int, ...]
+    groups: tuple[tuple[int, ...], ...]
     warnings: tuple[str, ...]
-    joined: tuple[tuple[int, ...], ...] = ()
 
     def design(self, at: Mapping[str, float]) -> Design:
         """Return the design for given nonlinear values."""
         drive, parameters = self._aligned(at), self._parameters(at)
         signals = inputs_of(drive.channels)
-        friction = self.rows.mean(self.emitted("regressor", signals, parameters))[:, self.kept]
-        for first, *others in self.joined:
-            friction[:, first] += friction[:, others].sum(axis=1)
+        friction = self.rows.mean(self.emitted("regressor", signals, parameters))
+        friction = np.column_stack([friction[:, group].sum(axis=1) for group in self.groups])
         inertia = self.rows.acceleration(drive.channels)
         known = self._load(signals, inertia, parameters)
         by_role = {
@@ -99,21 +98,16 @@ class Problem:
         return self.rows.mean(self._aligned(at).torque())
 
     @property
-    def every(self) -> NDArray[np.bool_]:
-        """All coefficients (k,)."""
-        return np.ones(len(self.coefficients), dtype=bool)
-
-    @property
     def baseline(self) -> Problem:
         """The problem of Coulomb + viscous friction: one coefficient of each, for both directions."""
-        columns = [regressor(self.model)[k] for k in self.kept]
-        return dataclasses.replace(self, joined=tuple(g for g in alike(columns) if len(g) > 1))
-
-    @property
-    def linear(self) -> NDArray[np.bool_]:
-        """The coefficients (k,) of the linear model: friction of Coulomb and viscous form, and the bench."""
-        joined = {k for _, *others in self.joined for k in others}
-        return np.array([c.linear and k not in joined for k, c in enumerate(self.coefficients)])
+        alone = [k for k, *_ in self.groups]
+        groups = alike([regressor(self.model)[k] for k in alone])
+        friction, bench = self.coefficients[: len(alone)], self.coefficients[len(alone) :]
+        return dataclasses.replace(
+            self,
+            groups=tuple(tuple(alone[k] for k in group) for group in groups),
+            coefficients=(*(friction[first] for first, *_ in groups), *bench),
+        )
 
     @property
     def judged(self) -> Problem:
@@ -204,7 +198,7 @@ def pose(channels: Channels, rig: Rig, model: Model) -> Problem:
         scale,
         tuple(coefficients),
         tuple(nonlinear),
-        kept,
+        tuple((k,) for k in kept),
         tuple(warnings),
     )
 

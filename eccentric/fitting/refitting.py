@@ -8,9 +8,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from eccentric.effects import Effect
-from eccentric.estimation import Estimate
+from eccentric.estimation import Estimate, rms
 from eccentric.fitting.estimates import estimates, shares
-from eccentric.fitting.extended import extended
+from eccentric.fitting.expressions import alike, base_coefficients
+from eccentric.fitting.extended import Adopted, Extended
 from eccentric.fitting.fit_data import FitData, Residuals, Values
 from eccentric.fitting.limits import CONVERGED
 from eccentric.model import Model
@@ -58,8 +59,14 @@ class Refit:
 
     def held_out(self, balance: str) -> float:
         """Held-out RMSE of a balance [N m]."""
-        rows = self.data.rows.score
-        return float(np.sqrt(np.mean(self.residuals[balance][rows] ** 2)))
+        return rms(self.residuals[balance][self.data.rows.score])
+
+    def residual_like(self, other: Refit, balance: str = "mechanical") -> Array:
+        """The residual (rows,) at the scale of another fit.
+
+        Models that identify different scales are compared in the unit of the drive.
+        """
+        return self.residuals[balance] * ((self.scale or 1.0) / (other.scale or 1.0))
 
 
 def refit(
@@ -81,7 +88,7 @@ def refit(
         linear: Coulomb and viscous friction only.
         without: number of a run to leave out; then all other runs are fitted on, held out or not.
     """
-    fitted = extended(base, effects, data, bounds, linear, without)
+    fitted = _extended(base, effects, data, bounds, linear, without)
     step, change = fitted.fitted(base)
     found, covariance = ({}, np.empty((0, 0))) if without is not None else estimates(fitted, step)
     values = step.point.values
@@ -97,6 +104,28 @@ def refit(
         step.target,
         data,
         change,
+    )
+
+
+def _extended(
+    base: Model, effects: Adopted, data: FitData, bounds: bool, linear: bool, without: int | None
+) -> Extended:
+    """Extend a model by effects; arguments as in `refit`."""
+    model = base
+    for effect, own in effects:
+        model = effect.extend(model, own)
+    columns, rows = data.signals.columns(base), data.rows
+    friction = tuple(c for c in base_coefficients(base, data.signals) if c.role == "friction")
+    groups = alike(columns) if linear else [(k,) for k in range(len(columns))]
+    return Extended(
+        model,
+        tuple(effects),
+        data,
+        tuple(friction[first] for first, *_ in groups),
+        friction,
+        bounds,
+        rows.train if without is None else (rows.train | rows.score) & (rows.run != without),
+        {friction[first].name: tuple(friction[k].name for k in others) for first, *others in groups},
     )
 
 

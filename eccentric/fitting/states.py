@@ -12,13 +12,12 @@ import sympy as sp
 from scipy.linalg import solve_banded
 
 from eccentric.fitting.expressions import Signals, lambdified
+from eccentric.fitting.limits import MOST_KEPT
 from eccentric.model import Model, State
 
 __all__ = ["States", "state_series"]
 
 Array = np.ndarray
-# Shapes whose states are kept: a search returns to the points of its grid.
-_MOST_KEPT = 40
 
 
 def state_series(model: Model, signals: Signals, shape: Mapping[str, float]) -> dict[str, Array]:
@@ -79,7 +78,7 @@ class States:
             initial = float(state.initial)
             found = self._affine(initial, *parts) if step is None else self._loop(initial, step, parts)
             series[state.quantity.name] = found
-        if len(self._kept) >= _MOST_KEPT:
+        if len(self._kept) >= MOST_KEPT:
             del self._kept[next(iter(self._kept))]
         self._kept[key] = series
         return series

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from eccentric.estimation import Coefficient, Design
+from eccentric.estimation import Coefficient, Design, rms
 from eccentric.signals.rows import Rows
 
 __all__ = ["BalanceDesign", "balance_design"]
@@ -43,6 +43,6 @@ def balance_design(
         rows.weights,
         name=name,
         rows=rows,
-        scale=float(np.sqrt(np.mean(rows.mean(share_of) ** 2))),
+        scale=rms(rows.mean(share_of)),
         samples=base,
     )
