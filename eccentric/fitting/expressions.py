@@ -15,7 +15,6 @@ import numpy as np
 import sympy as sp
 
 from eccentric.estimation import Coefficient
-from eccentric.fitting.limits import MOST_EXPRESSIONS
 from eccentric.model import Column, Model, meaning, regressor
 from eccentric.model import vocabulary as v
 
@@ -169,7 +168,8 @@ def alike(columns: Sequence[Column]) -> list[tuple[int, ...]]:
     return [tuple(group) for group in groups.values()]
 
 
-@lru_cache(maxsize=MOST_EXPRESSIONS)
+# As many as all effects of the library have on a few models.
+@lru_cache(maxsize=2000)
 def _function_of(expression: sp.Expr) -> tuple[Callable[..., Any], tuple[str, ...]]:
     """An expression as a function of its symbols, and their names; compiled once per process."""
     symbols = sorted(expression.free_symbols, key=str)

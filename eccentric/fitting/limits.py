@@ -23,8 +23,6 @@ SHAPE_STEP = 1e-3
 """Step of the slope by a shape, over its range: a state along the log is smooth over it, rounding is not."""
 MOST_KEPT = 40
 """Shapes whose states are kept: a search returns to the points of its grid."""
-MOST_EXPRESSIONS = 2000
-"""Compiled expressions that are kept: those of all effects of the library on a few models."""
 MOST_POINTS = 4000
 """Points of a figure: more cover each other, and make its file large."""
 MOSTLY_OFF = 0.5
