@@ -2,18 +2,16 @@
 
 from __future__ import annotations
 
-import json
 import os
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from eccentric.api.inputs import LogSources, ModelSource, RigSource, by_name, given_path, read_logs
-from eccentric.api.result import new_axes, paragraphs
+from eccentric.api.result import Printed, new_axes, paragraphs
 from eccentric.api.tables import ResultTable
 from eccentric.diagnosis import BASELINE, Contest, contest, contest_document, contest_lines
-from eccentric.output import whole_folder
 from eccentric.rigs import read_rig
 
 if TYPE_CHECKING:
@@ -47,15 +45,22 @@ def compare(
     several = models if isinstance(models, list | tuple) else [models]
     own = None if effects is None else given_path(effects, "effects")
     named = [name for model in several if (name := by_name(model)) is not None]
-    return CompareResult(contest(read_logs(logs), read_rig(rig), named, own))
+    found = contest(read_logs(logs), read_rig(rig), named, own)
+    return CompareResult(
+        contest=found,
+        lines=tuple(contest_lines(found)),
+        warnings=found.warnings,
+        document=contest_document(found),
+    )
 
 
-@dataclass(frozen=True, eq=False)
-class CompareResult:
+@dataclass(frozen=True, eq=False, kw_only=True)
+class CompareResult(Printed):
     """Models on the same rows. It prints as `summary()` and shows as a table in a notebook.
 
     Attributes:
         contest: entries, best first, with the row of Coulomb + viscous friction.
+        lines, warnings, document: as in Printed; the document is the content of compare.json.
     """
 
     contest: Contest
@@ -69,24 +74,6 @@ class CompareResult:
     def unit(self) -> str:
         """Unit of the errors: "N m", or that of the drive where the models find its scale."""
         return self.contest.unit
-
-    @property
-    def warnings(self) -> tuple[str, ...]:
-        """What is unusual about logs or rig."""
-        return self.contest.warnings
-
-    @property
-    def document(self) -> dict[str, Any]:
-        """The content of compare.json."""
-        return contest_document(self.contest)
-
-    def summary(self) -> str:
-        """What the command prints."""
-        return "\n".join(contest_lines(self.contest))
-
-    def to_json(self) -> str:
-        """The text of compare.json, strict: no NaN, no infinity."""
-        return json.dumps(self.document, indent=1, ensure_ascii=False, allow_nan=False) + "\n"
 
     def table(self) -> ResultTable:
         """A row for each model: error, R^2, number of parameters, gain and its 95 % interval in percent."""
@@ -107,7 +94,7 @@ class CompareResult:
         """
         found = self.contest
         if axes is None:
-            (axes,) = new_axes(1, 1, (8.0, 1.2 + 0.45 * len(found.entries)))
+            (axes,) = new_axes(1, 1, self._size)
         base = self.rmse[BASELINE]
         for place, e in enumerate(found.entries):
             color = _BASELINE_BAR if e.name == BASELINE else _BAR
@@ -128,27 +115,11 @@ class CompareResult:
         Raises:
             InputError: the folder cannot be written.
         """
-        with whole_folder(out, "compare") as folder:
-            (folder / "compare.json").write_text(self.to_json(), encoding="utf-8")
-            names = ["compare.json"]
-            try:
-                from matplotlib import rc_context
-                from matplotlib.figure import Figure
-            except ImportError:  # without matplotlib, the figures are left out
-                pass
-            else:
-                # A fixed salt and no date: the same comparison gives the same file.
-                with rc_context({"svg.hashsalt": "eccentric", "font.size": 9.0}):
-                    size = (8.0, 1.2 + 0.45 * len(self.contest.entries))
-                    figure = Figure(figsize=size, layout="constrained")
-                    self.plot(figure.subplots())
-                    figure.savefig(folder / "compare.png", dpi=150)
-                    figure.savefig(folder / "compare.svg", metadata={"Date": None})
-                names += ["compare.png", "compare.svg"]
-        return [Path(out) / name for name in names]
+        return self._write(out, "compare", self._size, lambda figure: self.plot(figure.subplots()))
 
-    def __str__(self) -> str:
-        return self.summary()
+    @property
+    def _size(self) -> tuple[float, float]:
+        return 8.0, 1.2 + 0.45 * len(self.contest.entries)
 
     def __repr__(self) -> str:
         best = self.contest.entries[0]

@@ -12,19 +12,16 @@ from eccentric.api.inputs import LogSources, ModelSource, RigSource, model_of, n
 from eccentric.api.result import Result, new_axes, paragraphs
 from eccentric.api.tables import Correlation, ResultTable
 from eccentric.emission import read_parameters, with_fitted
-from eccentric.errors import InputError
 from eccentric.estimation import Estimate
 from eccentric.fitting import (
     Comparison,
     compare,
-    draw_fit,
     fit_document,
     fit_lines,
     plot_fit,
 )
 from eccentric.fitting import fit as fit_channels
 from eccentric.model import Model
-from eccentric.output import whole_folder
 from eccentric.rigs import read_rig
 from eccentric.signals import read_channels
 
@@ -32,6 +29,8 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 __all__ = ["FitResult", "fit"]
+
+_SIZE = 9.0, 4.2
 
 
 def fit(logs: LogSources, rig: RigSource, model: ModelSource | None = None) -> FitResult:
@@ -127,7 +126,7 @@ class FitResult(Result):
         Raises:
             InputError: matplotlib is not installed.
         """
-        left, right = new_axes(1, 2, (9.0, 4.2)) if axes is None else axes
+        left, right = new_axes(1, 2, _SIZE) if axes is None else axes
         plot_fit(self.comparison, left, right)
         return left, right
 
@@ -137,15 +136,9 @@ class FitResult(Result):
         Raises:
             InputError: the folder cannot be written.
         """
-        with whole_folder(out, "fit") as folder:
-            (folder / "fit.json").write_text(self.to_json(), encoding="utf-8")
-            names = ["fit.json"]
-            try:
-                draw_fit(self.comparison, folder / "fit")
-                names += ["fit.png", "fit.svg"]
-            except InputError:  # without matplotlib, the figures are left out
-                pass
-        return [Path(out) / name for name in names]
+        return self._write(
+            out, "fit", _SIZE, lambda figure: plot_fit(self.comparison, *figure.subplots(1, 2))
+        )
 
     def __repr__(self) -> str:
         errors = ", ".join(f"{name} {self.rmse[name]:.4g}" for name in ("linear", "paper"))

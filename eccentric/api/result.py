@@ -5,7 +5,8 @@ from __future__ import annotations
 import dataclasses
 import json
 import os
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from html import escape
 from pathlib import Path
@@ -19,46 +20,28 @@ from eccentric.errors import InputError
 from eccentric.estimation import Estimate
 from eccentric.fitting import NEEDS_MATPLOTLIB
 from eccentric.model import Model
+from eccentric.output import whole_folder
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
 
-__all__ = ["Result", "new_axes", "paragraphs"]
+__all__ = ["Printed", "Result", "new_axes", "paragraphs"]
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class Result:
-    """A fitted model and what is said of it: it prints as its summary and is a JSON document.
+class Printed:
+    """What is said of a fit, a comparison or a diagnosis: it prints as its summary and is a JSON document.
 
     Attributes:
-        model: the fitted model, its defaults being the fitted values: a Model to extend, to emit, or to
-            `eccentric.compile`.
-        origin: where its physics is from, for the banner of emitted files.
-        estimates: name -> Estimate (value, std_error, interval, unit), of all that was fitted: coefficients,
-            parameters that do not enter linearly, and what the rig left open, such as a zero angle.
-        correlation: of the errors of the estimates, by name.
         lines: the summary, line by line.
         warnings: what is unusual about logs, rig or fit.
         document: the content of the JSON file that the command of this result writes.
     """
 
-    model: Model
-    origin: str
-    estimates: Mapping[str, Estimate]
-    correlation: Correlation
     lines: tuple[str, ...]
     warnings: tuple[str, ...]
     document: Mapping[str, Any]
-
-    @property
-    def module(self) -> ModuleType:
-        """The model as a NumPy module, the one that `emit` writes."""
-        return load_module(self.model)
-
-    @property
-    def fits_the_rig(self) -> bool:
-        """Whether the log can be from this rig, in these units; if not, nothing follows from the result."""
-        return self.document["fits_the_rig"]
 
     def summary(self) -> str:
         """What the command prints."""
@@ -71,6 +54,63 @@ class Result:
     def to_dict(self) -> dict[str, Any]:
         """The content of the JSON file as a reader receives it: numbers, strings, lists and dictionaries."""
         return json.loads(self.to_json())
+
+    def __str__(self) -> str:
+        return self.summary()
+
+    def _write(
+        self,
+        out: str | os.PathLike[str],
+        command: str,
+        size: tuple[float, float],
+        draw: Callable[[Figure], object],
+    ) -> list[Path]:
+        """Write COMMAND.json and, with matplotlib, COMMAND.png and COMMAND.svg into a folder of their own."""
+        with whole_folder(out, command) as folder:
+            (folder / f"{command}.json").write_text(self.to_json(), encoding="utf-8")
+            suffixes = ["json"]
+            # Without matplotlib, the figures are left out.
+            with suppress(ImportError):
+                from matplotlib import rc_context
+                from matplotlib.figure import Figure
+
+                # A fixed salt and no date: the same result gives the same file.
+                with rc_context({"svg.hashsalt": "eccentric", "font.size": 9.0}):
+                    draw(figure := Figure(figsize=size, layout="constrained"))
+                    figure.savefig(folder / f"{command}.png", dpi=150)
+                    figure.savefig(folder / f"{command}.svg", dpi=150, metadata={"Date": None})
+                suffixes += ["png", "svg"]
+        return [Path(out) / f"{command}.{suffix}" for suffix in suffixes]
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Result(Printed):
+    """A fitted model and what is said of it.
+
+    Attributes:
+        model: the fitted model, its defaults being the fitted values: a Model to extend, to emit, or to
+            `eccentric.compile`.
+        origin: where its physics is from, for the banner of emitted files.
+        estimates: name -> Estimate (value, std_error, interval, unit), of all that was fitted: coefficients,
+            parameters that do not enter linearly, and what the rig left open, such as a zero angle.
+        correlation: of the errors of the estimates, by name.
+        lines, warnings, document: as in Printed.
+    """
+
+    model: Model
+    origin: str
+    estimates: Mapping[str, Estimate]
+    correlation: Correlation
+
+    @property
+    def module(self) -> ModuleType:
+        """The model as a NumPy module, the one that `emit` writes."""
+        return load_module(self.model)
+
+    @property
+    def fits_the_rig(self) -> bool:
+        """Whether the log can be from this rig, in these units; if not, nothing follows from the result."""
+        return self.document["fits_the_rig"]
 
     def emit(
         self,
@@ -95,9 +135,6 @@ class Result:
         require_fit(self.fits_the_rig, "this result", accept_misfit)
         name = self.model.name if prefix is None else checked_name(prefix, "prefix")
         return write_emitted(dataclasses.replace(self.model, name=name), self.origin, out, backend)
-
-    def __str__(self) -> str:
-        return self.summary()
 
 
 def new_axes(rows: int, columns: int, size: tuple[float, float]) -> list[Axes]:

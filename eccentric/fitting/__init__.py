@@ -10,7 +10,7 @@ from eccentric.fitting.columns import back_emf_columns
 from eccentric.fitting.document import emitted_parameters, fit_document
 from eccentric.fitting.drive import DRIVE_UNITS, Drive, loaded_model
 from eccentric.fitting.expressions import Signals, base_coefficients, base_columns, compiled
-from eccentric.fitting.figure import NEEDS_MATPLOTLIB, Comparison, compare, draw_fit, plot_fit
+from eccentric.fitting.figure import NEEDS_MATPLOTLIB, Comparison, compare, plot_fit
 from eccentric.fitting.first_fit import drive_of
 from eccentric.fitting.fit_data import FitData, drive_noise, fit_data_of, with_model_current
 from eccentric.fitting.identify import Fit, fit
@@ -35,7 +35,6 @@ __all__ = [
     "base_columns",
     "compare",
     "compiled",
-    "draw_fit",
     "drive_noise",
     "drive_of",
     "emitted_parameters",

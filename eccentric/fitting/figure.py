@@ -9,13 +9,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from eccentric.errors import InputError
 from eccentric.fitting.limits import MOST_POINTS
 from eccentric.model import model_names
 
 if TYPE_CHECKING:
-    from pathlib import Path
-
     from eccentric.fitting.identify import Fit
 
 Array = NDArray[np.float64]
@@ -71,23 +68,6 @@ def compare(fit: Fit) -> Comparison:
         unit=problem.unit,
         title=f"{problem.rig.name}: held-out {problem.rows.description}",
     )
-
-
-def draw_fit(shown: Comparison, stem: Path) -> None:
-    """Write `stem`.png and `stem`.svg. Raises InputError without matplotlib (extra `figures`)."""
-    try:
-        from matplotlib import rc_context
-        from matplotlib.figure import Figure
-    except ImportError:
-        raise InputError(NEEDS_MATPLOTLIB) from None
-    # A fixed salt and no date: the same fit gives the same file.
-    with rc_context({"svg.hashsalt": "eccentric", "font.size": 9.0}):
-        figure = Figure(figsize=(9.0, 4.2), layout="constrained")
-        left, right = figure.subplots(1, 2)
-        plot_fit(shown, left, right)
-        for suffix in (".png", ".svg"):
-            metadata = {"Date": None} if suffix == ".svg" else {}
-            figure.savefig(stem.with_suffix(suffix), dpi=150, metadata=metadata)
 
 
 def plot_fit(shown: Comparison, left: Any, right: Any) -> None:
