@@ -33,7 +33,12 @@ from eccentric.virtual_bench import EFFECTS, PlantedEffect, random_scenario, sim
 FIRST_SEED = 70000
 RATIOS = (1 / 30, 1 / 5, 1 / 2, 1.0)
 NOISE = {"fine": [0.004, 0.008, 0.012], "ordinary": [0.002, 0.004, 0.01, 0.02, 0.03]}
-NEEDS_TEMPERATURE = {"viscosity_temperature", "coulomb_temperature", "resistance_temperature"}
+NEEDS_TEMPERATURE = {
+    "viscosity_temperature",
+    "coulomb_temperature",
+    "resistance_temperature",
+    "magnet_temperature",
+}
 HIDES_TEMPERATURE = {"hidden_thermal_drift"}
 # A log with a temperature leaves out no family.
 LONG = ("stribeck", "viscosity_temperature", "link_harmonic_friction")

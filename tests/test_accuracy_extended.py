@@ -35,8 +35,8 @@ FORCE, FRICTION = "normal force", "friction and its derivatives"
 KEPT = {
     (FORCE, FRICTION): {
         "the drive": (
-            "kt_ripple", "kt_saturation", "magnetic_hysteresis", "magnetic_hysteresis[play]",
-            "current_bias", "sensor_delay",
+            "kt_ripple", "kt_saturation", "magnet_temperature", "magnetic_hysteresis",
+            "magnetic_hysteresis[play]", "current_bias", "sensor_delay",
         ),
         "the voltage": (
             "inverter_deadtime", "resistance_mismatch", "resistance_temperature",
@@ -69,10 +69,13 @@ KEPT = {
         "by the load on the gear, which may cancel": (
             "load_dependent[transmitted]", "load_dependent[progressive]", "load_dependent[gravity]",
             "gear_efficiency[transmitted]", "gear_efficiency[gravity]",
+            "stribeck_load[transmitted,d=1]", "stribeck_load[transmitted,d=2]",
+            "stribeck_load[gravity,d=1]", "stribeck_load[gravity,d=2]",
         ),
         "an exponential, a root or a quotient, which have errors of their own": (
             "stribeck[d=0.5]", "stribeck[d=1]", "stribeck[d=1.5]", "stribeck[d=2]", "local_defect",
-            "sqrt_speed", "eddy_current",
+            "sqrt_speed", "eddy_current", "stribeck_load[F_N]", "stribeck_load[Hersey]",
+            "bearing_load[degressive]", "bearing_load[progressive]", "bearing_load[preload]",
         ),
     },
     (): {"weight and centrifugal force, added as vectors in F_N": ("gravity_tilt[load]",)},

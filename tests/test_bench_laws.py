@@ -66,6 +66,11 @@ def bump(s: Motion, e: PlantedEffect) -> float:
     return exp(-(min(away, 2.0 * pi - away) ** 2) / (2.0 * e.shape[1] ** 2))
 
 
+def weight(plant: Plant) -> float:
+    """Of mass and link [N]."""
+    return (plant.M + plant.M_l) * plant.g
+
+
 KELVIN = 273.15
 FORMULAS: dict[str, Formula] = {
     "stribeck": lambda s, a, p, e: {"dry": a * exp(-(abs(s.w / e.shape[0]) ** e.shape[1]))},
@@ -105,7 +110,16 @@ FORMULAS: dict[str, Formula] = {
         "dry": a * abs(transmitted(s, p)) / exp(s.w**2 / e.shape[0] ** 2)
     },
     "stribeck_load[Hersey]": lambda s, a, p, e: {
-        "dry": a * s.normal * exp(-abs(s.w) / e.shape[0]) ** ((p.M + p.M_l) * p.g / s.normal)
+        "dry": a * s.normal * exp(-abs(s.w) / e.shape[0]) ** (weight(p) / s.normal)
+    },
+    "bearing_load[Hertz]": lambda s, a, p, e: {
+        "dry": a * s.normal * ((weight(p) / s.normal) ** (1 / 3) - 1.0)
+    },
+    "bearing_load[Palmgren]": lambda s, a, p, e: {
+        "dry": a * s.normal * ((s.normal / weight(p)) ** 0.55 - 1.0)
+    },
+    "bearing_load[preload]": lambda s, a, p, e: {
+        "dry": a * s.normal * (sqrt(1.0 + (e.shape[0] / s.normal) ** 2) - 1.0)
     },
     "gear_efficiency": lambda s, a, p, e: {"dry": a * abs(s.gravity) * driven(s.gravity, s, e)},
     "gear_efficiency, C1": lambda s, a, p, e: {
@@ -117,6 +131,7 @@ FORMULAS: dict[str, Formula] = {
     "resistance_temperature": lambda s, a, p, e: {
         "drop": s.v - p.R * s.v / (p.R * (1.0 + a * (s.temperature - p.Tamb)))
     },
+    "magnet_temperature": lambda s, a, p, e: {"flux": a * (p.Tamb - s.temperature)},
     "ke_mismatch": lambda s, a, p, e: {"drop": a * p.k_e * s.w},
     "sensor_delay": lambda s, a, p, e: {"delay": a},
 }

@@ -164,6 +164,12 @@ MECHANICAL: list[tuple[str, str, dict[str, float], Torque]] = [
     ("C2", "stribeck_load[Hersey]", {"loadrise_C": 0.05, "loadrise_v": 30.0},
      lambda x: MU * 0.05 * normal_force(x) * np.sign(x["omega_m"])
      * np.exp(-np.abs(x["omega_m"]) / 30 * (M + M_L) * G / normal_force(x))),
+    ("C2", "bearing_load[degressive]", {"bearing_C": 0.05}, lambda x: MU * 0.05
+     * np.sqrt(normal_force(x) * (M + M_L) * G) * np.sign(x["omega_m"])),
+    ("C2", "bearing_load[progressive]", {"bearing_C": 0.05}, lambda x: MU * 0.05
+     * np.sqrt(normal_force(x) ** 3 / ((M + M_L) * G)) * np.sign(x["omega_m"])),
+    ("C2", "bearing_load[preload]", {"bearing_Cp": 0.05, "bearing_Fp": 3.0},
+     lambda x: MU * 0.05 * np.hypot(normal_force(x), 3.0) * np.sign(x["omega_m"])),
     ("C1", "gear_efficiency[transmitted]", {"gear_eta": 0.2, "gear_share": 0.3, "gear_rho": 0.3},
      lambda x: 0.2 * efficient(load(x, "C1", 0.3), x["omega_m"], 0.3)),
     ("C2", "gear_efficiency[gravity]", {"gear_eta": 0.2, "gear_rho": 0.3},
@@ -198,6 +204,8 @@ MECHANICAL: list[tuple[str, str, dict[str, float], Torque]] = [
     ("C2", "ki_mismatch", {"current_scale": 0.2}, lambda x: 0.2 * (J * x["alpha_m"] + sine_load(x))),
     ("C1", "kt_saturation", {"ktsat_A": 1.0, "ktsat_i": 10.0},
      lambda x: K_I * x["i"] - K_I * x["i"] / (1 + (x["i"] / 10) ** 2)),
+    ("C1", "magnet_temperature", {"magnet_a": 0.002, "magnet_0": 0.1},
+     lambda x: K_I * x["i"] * (0.002 * (x["temperature"] - WARM) - 0.1)),
     ("C1", "magnetic_hysteresis", {"hysteresis_A": 0.03}, lambda x: 0.03 * x["hysteresis_z"]),
     ("C1", "magnetic_hysteresis[play]", {"hysteresis_A": 0.03, "hysteresis_i": 2.0},
      lambda x: 0.03 * (x["i"] / 2 - x["hysteresis_p"])),
@@ -239,8 +247,8 @@ def test_torques_are_those_of_the_formulas(
     actual = without - call(module, "mechanical_residual", given, **values)
 
     # sqrt|w| is kept off its infinite slope at 0 by 1e-6 of its coefficient.
-    np.testing.assert_allclose(actual, torque(given), rtol=1e-10, atol=1e-6 if "0.5" in effect_id
-                               or "1.5" in effect_id or "sqrt" in effect_id else 1e-12)  # fmt: skip
+    rooted = any(part in effect_id for part in ("0.5", "1.5", "sqrt"))
+    np.testing.assert_allclose(actual, torque(given), rtol=1e-10, atol=1e-6 if rooted else 1e-11)
 
 
 @pytest.mark.parametrize(
@@ -291,6 +299,7 @@ def test_scales_compose() -> None:
 FLUX = {
     "kt_ripple[n=7]": {"kt_ripple_c7": 0.1, "kt_ripple_s7": -0.2},
     "kt_saturation": {"ktsat_A": 0.8, "ktsat_i": 10.0},
+    "magnet_temperature": {"magnet_a": 0.008, "magnet_0": -0.1},
 }
 
 

@@ -47,6 +47,7 @@ def _constants() -> tuple[Effect, Effect]:
         depends_on=("velocity",),
         formula="(k_e + dk) for k_e",
         corrects=Correction(v.k_e, v.k_e.symbol + back_emf.symbol),
+        special_of=("magnet_temperature",),
         reference=REFERENCE,
         needs=NEEDS,
         words=BACK_EMF,

@@ -106,6 +106,7 @@ def of_flux(
     setting: Setting,
     *,
     bounds: Sequence[Bounds] | None = None,
+    needs: tuple[str, ...] = (),
     **given: Any,
 ) -> Effect:
     """An effect on the motor's flux: columns of the relative change of its torque constant.
@@ -119,6 +120,7 @@ def of_flux(
         columns: coefficient and basis of each part of the relative change.
         setting: which channels are logged.
         bounds: of each coefficient; open by default.
+        needs: channels besides the current.
     """
     torque, emf = v.k_i.symbol * v.i.symbol, v.k_e.symbol * omega_m
     effect = addition(
@@ -126,7 +128,7 @@ def of_flux(
         [(q, -torque * basis) for q, basis in columns],
         kind="actuator",
         bounds=bounds or [(None, None)] * len(columns),
-        needs=("current",),
+        needs=("current", *needs),
         **given,
     )
     terms = effect.change.terms["mechanical"]

@@ -20,6 +20,7 @@ VARIANTS = {
     "kt_ripple": ("n=2", "n=4", "n=6"),
     "viscosity_temperature": ("exponential", "arrhenius"),
     "load_dependent": ("gravity", "transmitted"),
+    "bearing_load": ("Hertz", "Palmgren", "preload"),
     "stribeck_load": ("gravity", "transmitted", "Hersey"),
     "presliding": ("dahl", "lugre"),
 }

@@ -82,6 +82,22 @@ def resistance_temperature(request: Request) -> PlantedEffect:
     )
 
 
+def magnet_temperature(request: Request) -> PlantedEffect:
+    """Flux of the magnets, and with it torque and back-EMF constant, that falls with the temperature."""
+    cold = request.plant.Tamb
+    return PlantedEffect(
+        "magnet_temperature",
+        "k_i, k_e -> k_i, k_e times 1 - A (T - Tamb)",
+        1.5 * request.torque() / (request.motor_torque * request.setting.warming),
+        simply(flux=lambda s, a: -a * (s.temperature - cold)),
+        ("temperature", "current"),
+        (cold,),
+        bound=0.01,
+        channel="electrical",
+        needs_temperature=True,
+    )
+
+
 def ke_mismatch(request: Request) -> PlantedEffect:
     """Back-EMF constant larger than declared by the fraction A."""
     plant = request.plant
@@ -115,6 +131,7 @@ BUILDERS: tuple[Builder, ...] = (
     current_bias,
     inverter_deadtime,
     resistance_temperature,
+    magnet_temperature,
     ke_mismatch,
     sensor_delay,
 )

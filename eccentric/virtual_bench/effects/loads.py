@@ -1,7 +1,7 @@
 """Effects of the load that the transmission carries."""
 
 from collections.abc import Callable
-from math import exp
+from math import exp, hypot
 
 from eccentric.virtual_bench.motion import Motion
 from eccentric.virtual_bench.plant import Plant
@@ -101,6 +101,42 @@ def stribeck_load(request: Request) -> PlantedEffect:
     )
 
 
+def bearing_load(request: Request) -> PlantedEffect:
+    """Dry friction of the link by a power of F_N, or under a preload across it, instead of by F_N itself.
+
+    The powers are those of a Hertzian point contact, 2/3, and of a deep-groove ball bearing, 1.55 (Palmgren).
+    At the largest amplitude all of the paper's C_lN F_N is replaced.
+    """
+    plant, variant = request.plant, request.variant
+    request.require_case(
+        "C2", "bearing_load", "by any of its laws it is a polynomial of the speed in the other"
+    )
+    weight = (plant.M + plant.M_l) * plant.g
+    if variant == "preload":
+        force = request.draw(0.5, 1.5) * weight
+        form, shape = "A (sqrt(F_N^2 + F_p^2) - F_N) sgn w", force
+
+        def carried(normal: float) -> float:
+            return hypot(normal, force)
+    else:
+        power = 2.0 / 3.0 if variant == "Hertz" else 1.55
+        form, shape = f"A (F_0 (F_N/F_0)^{power:.3g} - F_N) sgn w, F_0 the weight", power
+
+        def carried(normal: float) -> float:
+            return weight * (normal / weight) ** power
+
+    return PlantedEffect(
+        "bearing_load",
+        form,
+        min(request.torque(3.0) / weight, plant.mu * plant.C_lN),
+        simply(dry=lambda s, a: a * (carried(s.normal) - s.normal)),
+        ("velocity", "link_angle"),
+        (shape,),
+        bound=plant.mu * plant.C_lN,
+        variant=variant,
+    )
+
+
 def gear_efficiency(request: Request) -> PlantedEffect:
     """Loss in proportion to the load, smaller when the load drives the motor."""
     back = request.draw(0.25, 0.5)
@@ -179,6 +215,7 @@ def backlash(request: Request) -> PlantedEffect:
 BUILDERS: tuple[Builder, ...] = (
     load_dependent,
     stribeck_load,
+    bearing_load,
     gear_efficiency,
     backlash,
 )

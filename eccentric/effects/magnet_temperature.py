@@ -1,0 +1,52 @@
+"""A torque constant and back-EMF constant that fall as the magnets warm up."""
+
+from __future__ import annotations
+
+import sympy as sp
+
+from eccentric.effects.effect import Effect
+from eccentric.effects.forms import constant, of_flux
+from eccentric.effects.setting import Setting
+from eccentric.effects.words import TEMPERATURE, Words
+from eccentric.model import quantity
+from eccentric.model import vocabulary as v
+
+fall = quantity(
+    "magnet_a", "1/K", "relative fall of the motor's flux per kelvin", "", "nonnegative", letter="a"
+)
+# The temperature of the declared constants is not in the rig file, so this is free.
+cold = quantity("magnet_0", "1", "relative error of the declared constants at T_0", letter="k_0")
+WORDS = Words(
+    headline="torque and back-EMF constants that fall as the magnets warm up",
+    meaning=(
+        "The flux of permanent magnets falls with temperature, reversibly: by 0.1 % per kelvin for neodymium,"
+        " 0.2 % for ferrite, 0.04 % for samarium-cobalt; torque constant and back-EMF constant fall with it."
+    ),
+    hint="drive the motor externally with its terminals open, cold and warm, and read the voltage",
+    kin=TEMPERATURE,
+    tell_apart={
+        "resistance_temperature": "Hold the rotor locked at a constant current while it warms: only R shows.",
+    },
+)
+
+
+def effects(setting: Setting) -> tuple[Effect, ...]:
+    """The one effect of the family; none if no temperature is logged."""
+    if setting.temperature_mid is None:
+        return ()
+    zero = constant("magnet_T0", "K", "reference temperature in degC", setting.temperature_mid, letter="T_0")
+    effect = of_flux(
+        "magnet_temperature",
+        [(fall, zero.symbol - v.temperature.symbol), (cold, sp.Integer(1))],
+        setting,
+        bounds=((0.0, 0.01), (None, None)),
+        depends_on=("temperature", "current"),
+        needs=("temperature",),
+        formula="k_i and k_e times 1 + k_0 - a (T - T_0)",
+        reference="T. J. E. Miller, Brushless Permanent-Magnet and Reluctance Motor Drives, Oxford"
+        " University Press, 1989",
+        definitions=(zero,),
+        inputs=(v.temperature,),
+        words=WORDS,
+    )
+    return (effect,)

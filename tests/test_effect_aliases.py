@@ -1,0 +1,61 @@
+"""Which effects no log can separate, by computation: what is left of a column beside others."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from eccentric.emission import load_module
+from eccentric.model import load_model
+from tests.extended import BASE, M_L, G, L, M
+
+Array = np.ndarray
+WEIGHT, PULL = (M + M_L) * G, M * L
+
+
+def swings(fastest: float) -> tuple[Array, Array]:
+    """Return link angles and link speeds up to `fastest` [rad/s], in both directions."""
+    rng = np.random.default_rng(7)
+    return rng.uniform(0.0, 2.0 * np.pi, 4000), rng.uniform(-fastest, fastest, 4000)
+
+
+def left(y: Array, *columns: Array) -> Array:
+    """Return what a fit of the columns leaves of y."""
+    design = np.column_stack(columns)
+    return y - design @ np.linalg.lstsq(design, y, rcond=None)[0]
+
+
+def alike(x: Array, y: Array) -> float:
+    """Return the size of the correlation of two remainders."""
+    return float(abs(x @ y) / np.sqrt((x @ x) * (y @ y)))
+
+
+def size(x: Array) -> float:
+    """Return the RMS."""
+    return float(np.sqrt(np.mean(x**2)))
+
+
+@pytest.mark.parametrize("fastest", [4.0, 8.0])
+def test_one_power_of_the_load_below_one_and_one_above_are_enough(fastest: float) -> None:
+    """Beside the model's columns in C2, powers 1/2 and 2/3 of F_N are alike to 0.001; so are 4/3 to 1.55."""
+    angle, speed = swings(fastest)
+    force = np.hypot(PULL * speed**2 + WEIGHT * np.cos(angle), WEIGHT * np.sin(angle)) / WEIGHT
+    way = np.sign(speed)
+    base = (way, speed, force * way, force * speed)
+    rest = {power: left(force**power * way, *base) for power in (1 / 2, 2 / 3, 4 / 3, 3 / 2, 1.55)}
+
+    assert min(alike(rest[1 / 2], rest[2 / 3]), alike(rest[3 / 2], rest[4 / 3])) > 0.998
+    assert alike(rest[3 / 2], rest[1.55]) > 0.999
+    assert size(rest[3 / 2]) > 1e-3
+
+
+def test_a_load_by_any_of_its_laws_is_a_polynomial_of_the_speed_in_c1() -> None:
+    """F_N^(1/2) and F_N^(3/2) are columns of the model; a preload of the weight leaves 3 % of its change."""
+    _, speed = swings(8.0)
+    columns = load_module(load_model(BASE["C1"])).regressor(5.0 * speed).T
+    force, way = PULL * speed**2, np.sign(speed)
+    change = np.hypot(force, WEIGHT) - WEIGHT
+
+    for power in (1 / 2, 3 / 2):
+        assert size(left(force**power * way, *columns)) < 1e-12 * size(force**power)
+    assert size(left(change * way, *columns)) < 0.03 * size(change)
