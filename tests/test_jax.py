@@ -149,6 +149,26 @@ def test_at_the_apex_the_slopes_of_the_load_are_taken_as_0() -> None:
             assert np.all(np.isfinite(of_emitted(*state, parameters)))
 
 
+@pytest.mark.parametrize("name", ["c2_parallel", "c2_asymmetric", "rotating_link"])
+def test_derivatives_by_parameters_without_gravity(name: str) -> None:
+    """Without gravity F_N is M L mu^2 sqrt(w^4 + (a/mu)^2); by g its derivative is taken as 0."""
+    m, at = jaxed(name), {"theta_m": 1.3, "omega_m": 20.0, "alpha_m": 3.0}
+    given = [at[x] for x in oracle.inputs(name, "normal_force")]
+    slopes = jax.grad(lambda p: m.normal_force(*given, p))(m.Parameters(g=0.0))
+    a = at["alpha_m"] if len(given) == 3 else 0.0
+    force = 0.125 * np.hypot(0.2**2 * 400, 0.2 * a)
+    expected = {
+        "M": force / 0.5,
+        "L": force / 0.25,
+        "M_l": 0.0,
+        "g": 0.0,
+        "mu": 0.125**2 * (4 * 0.2**3 * 400**2 + 2 * 0.2 * a**2) / (2 * force),
+    }
+
+    assert expected == pytest.approx({letter: float(getattr(slopes, letter)) for letter in expected})
+    assert all(np.isfinite(slope) for slope in jax.tree.leaves(slopes))
+
+
 def test_by_an_acceleration_of_0_the_voltage_has_its_slope() -> None:
     """The voltage is linear in alpha_m: its slope is (R/k_i) (J_m + mu^2 J_l), also at 0."""
     m = jaxed("c1_perpendicular")

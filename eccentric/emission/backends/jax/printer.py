@@ -12,7 +12,20 @@ from eccentric.emission.backends.expression import Language, choice_of_pairs, pr
 from eccentric.emission.backends.python.dialect import ON_PARAMETERS, Dialect, on_samples
 from eccentric.emission.backends.python.lines import WIDTH, broken
 from eccentric.emission.backends.text import number
-from eccentric.emission.program import ROUNDER, Call, Minus, Over, Pick, Plus, Program, Times, TurnLeft
+from eccentric.emission.program import (
+    ROUNDER,
+    Call,
+    Minus,
+    Over,
+    Pick,
+    Plus,
+    Program,
+    Times,
+    TurnLeft,
+    paired,
+)
+
+_NONZERO = sp.Symbol("nonzero")
 
 
 def differentiable(program: Program) -> Program:
@@ -29,7 +42,19 @@ def differentiable(program: Program) -> Program:
             for p in parts
         )
 
-    return replace(program, helpers=rewritten(program.helpers), routines=rewritten(program.routines))
+    pairs = paired(program)  # they are guarded where they are divided
+    prepare = tuple(a if a.target in pairs else replace(a, value=_guarded(a.value)) for a in program.prepare)
+    helpers, routines = rewritten(program.helpers), rewritten(program.routines)
+    return replace(program, prepare=prepare, helpers=helpers, routines=routines)
+
+
+def _guarded(e: sp.Expr) -> sp.Expr:
+    """A choice by parameters, without a division by 0 in the branch that is not taken."""
+    if not isinstance(e, sp.Piecewise):
+        return e
+    divisors = {p for value, _ in e.args for p in value.atoms(sp.Pow) if p.exp.is_negative}
+    guarded = {p: Call(_NONZERO, p.base) ** p.exp for p in divisors}
+    return sp.Piecewise(*((value.xreplace(guarded), condition) for value, condition in e.args))
 
 
 def _smooth(e: sp.Expr) -> sp.Expr:
@@ -39,7 +64,7 @@ def _smooth(e: sp.Expr) -> sp.Expr:
     if isinstance(e, Pick) and e.args[1].name == "==" and e.args[2] == 0:
         by, _, _, x, y = e.args
         if (x, y) == (1, Over(1, by)):
-            return Over(1, Call(sp.Symbol("nonzero"), by))
+            return Over(1, Call(_NONZERO, by))
         if x == 0 and isinstance(y, Times) and y.args[1] == by:
             return y
     return e
@@ -90,7 +115,7 @@ DIALECT = Dialect(
         "nonzero": "_nonzero({0})",
     },
     prepare=ON_PARAMETERS
-    | {"sqrt": "_sqrt({0})"}
+    | {"sqrt": "_sqrt({0})", "nonzero": "_nonzero({0})"}
     | {name: f"_math({{0}}).{name}({{0}})" for name in ("sin", "cos", "exp")},
     where="jnp.where({0}, {1}, {2})",
     choice="_choose({0}, {1}, {2})",
