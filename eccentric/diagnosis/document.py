@@ -139,11 +139,12 @@ def _identified(found: Diagnosis) -> dict[str, Any]:
 
     A zero angle or an offset that the refit has moved replaces that of the first fit.
     """
-    letters = {"J_m", "J_l", "T_load", "R/k_i", "1/k_i", "k_e", "L", "M"} | found.rig.estimate
-    aligned = found.channels.alignment
+    shipped, aligned = found.models.shipped, found.channels.alignment
+    of_the_model = {q.name for q in found.models.base.friction_parameters}
+    of_the_model |= {q.name for effect, _ in shipped.effects for q in effect.parameters}
     said: dict[str, Any] = {name: getattr(aligned, name) for name in sorted(found.rig.estimate)}
-    for name, e in found.models.shipped.estimates.items():
-        if name in letters:
+    for name, e in shipped.estimates.items():
+        if name not in of_the_model:
             interval = list(e.interval)
             said[name] = {"value": e.value, "std_error": e.std_error, "interval_95": interval, "unit": e.unit}
     return said

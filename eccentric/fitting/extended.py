@@ -240,6 +240,6 @@ class Extended:
 
 def _left(outside: Coefficient, point: Point) -> Coefficient:
     """What is left of a coefficient without a parameter in the module, at a point; as a torque."""
-    known = {"back_emf": point.values["k_e"]}.get(outside.role, 0.0)
+    known = point.values["k_e"] if outside.role == "back_emf" else 0.0
     lower, upper = ((end - known) / (point.scale or 1.0) for end in (outside.lower, outside.upper))
     return replace(outside, lower=lower, upper=upper)

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import dataclasses
 import math
-from collections.abc import Mapping
 
 import numpy as np
 
 from eccentric.errors import InputError
-from eccentric.estimation import Coefficient, Solution, require_rank, search
+from eccentric.estimation import Coefficient, Solution
 from eccentric.fitting.drive import LOAD, Drive
 from eccentric.fitting.expressions import evaluated
+from eccentric.fitting.identify import solved
 from eccentric.fitting.machine import Machine
 from eccentric.fitting.problem import Problem, following_letters, own_letters, pose, require_case
 from eccentric.model import Model
@@ -34,11 +34,8 @@ def drive_of(channels: Channels, rig: Rig, base: Model) -> Drive:
     if measured and not open_inertia and not rig.unknown and not rig.estimate:
         return Drive(machine, channels, _needed(channels, rig, base, machine), None, "N m")
     problem = pose(channels.driven, rig, base)
-    first = search(problem)
-    names = [c.name for c in problem.coefficients]
-    require_rank(first.design.columns[problem.rows.train], names, rig.path)
+    first = solved(problem, rig.path, positive={"scale", "inertia"})
     found = {c.role: float(v) for c, v in zip(problem.coefficients, first.values, strict=True)}
-    _require_sign(found, problem)
     aligned = {k: v for k, v in first.at.items() if k in ALIGNMENT}
     if "offset" in found:
         aligned["voltage_offset_V"] = found["offset"]
@@ -145,13 +142,3 @@ def _open(
     if turning and "theta_zero_rad" in rig.estimate:
         found.append(Coefficient("zero_angle", "zero_angle", ""))
     return tuple(found), adjusts if turning else ""
-
-
-def _require_sign(found: Mapping[str, float], problem: Problem) -> None:
-    for role in ("scale", "inertia"):
-        if found.get(role, 1.0) <= 0.0:
-            raise InputError(
-                f"{problem.rig.path}: {'scale' if role == 'scale' else 'inertia'} of the drive above 0 is"
-                f" required, received {found[role]:.3g} from the log: do the signs of"
-                f" {problem.drive.channels.motor.measured_by} and angle agree?"
-            )

@@ -8,7 +8,7 @@ those the rest is linear). The held-out rows are used once, at the end.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from eccentric.errors import InputError
 from eccentric.estimation import (
+    ColumnRole,
     Estimate,
     Profile,
     Solution,
@@ -84,15 +85,12 @@ def fit(channels: Channels, rig: Rig, model: Model, where: str = "log") -> Fit:
     """
     problem = pose(channels, rig, model)
     _require_rows(problem, where)
-    paper, baseline = search(problem), problem.baseline
-    train = problem.rows.train
-    require_rank(paper.design.columns[train], [c.name for c in problem.coefficients], where)
+    paper, baseline = solved(problem, where, positive={"scale"}), problem.baseline
     solutions = {
         "linear": search(baseline),
         "paper": paper,
         "paper_unbounded": search(problem, bounds=False, start=paper.at),
     }
-    _require_scale(problem, paper, where)
     profiles = {s.name: profile(problem, paper, s) for s in problem.nonlinear if s.name in rig.unknown}
     better = min(profiles.values(), key=lambda p: p.best.cost, default=None)
     if better is not None and better.best.cost < paper.cost:
@@ -100,13 +98,8 @@ def fit(channels: Channels, rig: Rig, model: Model, where: str = "log") -> Fit:
     error = paper.spread(problem.nonlinear)
     coefficients, searched = _estimates(problem, paper, error)
     problems = {name: baseline if name == "linear" else problem for name in solutions}
-    errors = {name: _held_out(problems[name], solution) for name, solution in solutions.items()}
-    percent, interval = improvement(errors["linear"], errors["paper"])
-    judged = problem.judged
-    explained = {
-        name: r_squared(e, judged.drive_signal(solutions[name].at)[judged.rows.score])
-        for name, e in errors.items()
-    }
+    held_out = {name: problems[name].held_out(solution) for name, solution in solutions.items()}
+    percent, interval = improvement(held_out["linear"][0], held_out["paper"][0])
     warnings = [*problem.warnings, *_warnings(problem, paper, profiles)]
     return Fit(
         problem,
@@ -117,19 +110,29 @@ def fit(channels: Channels, rig: Rig, model: Model, where: str = "log") -> Fit:
         profiles,
         identified_letters(problem),
         error,
-        {name: rms(e) for name, e in errors.items()},
+        {name: rms(error) for name, (error, _) in held_out.items()},
         percent,
         interval,
-        explained,
+        {name: r_squared(*pair) for name, pair in held_out.items()},
         tuple(warnings),
     )
 
 
-def _held_out(problem: Problem, solution: Solution) -> Array:
-    """The residual of a solution on the held-out rows that every command compares models on."""
-    design = problem.judged.design(solution.at)
-    rows = problem.judged.rows.score
-    return (design.target - design.columns @ solution.values)[rows]
+def solved(problem: Problem, where: str, positive: Collection[ColumnRole]) -> Solution:
+    """The best solution; `where` opens a message, coefficients of `positive` roles have to be above zero.
+
+    Raises InputError for columns that are dependent on this log, and for a drive that contradicts the motion.
+    """
+    found = search(problem)
+    names = [c.name for c in problem.coefficients]
+    require_rank(found.design.columns[problem.rows.train], names, where)
+    for c, value in zip(problem.coefficients, found.values, strict=True):
+        if c.role in positive and value <= 0.0:
+            raise InputError(
+                f"{where}: {c.name} ({c.role} of the drive) above 0 is required, received {value:.3g}: do the"
+                f" signs of {problem.drive.channels.motor.measured_by} and angle agree?"
+            )
+    return found
 
 
 def _require_rows(problem: Problem, where: str) -> None:
@@ -137,15 +140,6 @@ def _require_rows(problem: Problem, where: str) -> None:
     least = rows.per_coefficient * (len(problem.coefficients) + len(problem.nonlinear))
     require_rows(rows.train, least, f"{rows.description} to fit", where)
     require_rows(rows.score, LEAST_HELD_OUT, f"{rows.description} to hold out", where)
-
-
-def _require_scale(problem: Problem, paper: Solution, where: str) -> None:
-    for c, value in zip(problem.coefficients, paper.values, strict=True):
-        if c.role == "scale" and value <= 0.0:
-            raise InputError(
-                f"{where}: {c.name} above 0 is required, received {value:.3g}: do the signs of "
-                f"{problem.drive.channels.motor.measured_by} and angle agree?"
-            )
 
 
 def _estimates(

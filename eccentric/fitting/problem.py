@@ -23,7 +23,7 @@ import sympy as sp
 from numpy.typing import NDArray
 
 from eccentric.errors import InputError
-from eccentric.estimation import ColumnRole, Design, Nonlinear
+from eccentric.estimation import ColumnRole, Design, Nonlinear, Solution
 from eccentric.fitting.columns import (
     Combination,
     bounded_letters,
@@ -93,10 +93,6 @@ class Problem:
             self.rows.weights,
         )
 
-    def drive_signal(self, at: Mapping[str, float]) -> Array:
-        """Return the whole signal to be explained, in `unit`, at the rows (m,)."""
-        return self.rows.mean(self._aligned(at).torque())
-
     @property
     def baseline(self) -> Problem:
         """The problem of Coulomb + viscous friction: one coefficient of each, for both directions."""
@@ -109,10 +105,12 @@ class Problem:
             coefficients=(*(friction[first] for first, *_ in groups), *bench),
         )
 
-    @property
-    def judged(self) -> Problem:
-        """The problem on the rows that every command compares models on."""
-        return dataclasses.replace(self, rows=rows_of(self.drive.channels, self.rig))
+    def held_out(self, solution: Solution) -> tuple[Array, Array]:
+        """Residual and drive signal on the held-out rows that every command compares models on."""
+        judged = dataclasses.replace(self, rows=rows_of(self.drive.channels, self.rig))
+        design, rows = judged.design(solution.at), judged.rows
+        signal = rows.mean(self._aligned(solution.at).torque())
+        return (design.target - design.columns @ solution.values)[rows.score], signal[rows.score]
 
     @property
     def unit(self) -> str:
