@@ -1,6 +1,6 @@
 /*
  * Generated: do not edit. Written by `make derive` from derivations/c2_parallel.py
- * (eccentric 0.1.0, program 6ac25937).
+ * (eccentric 0.1.0, program 407455e0).
  * Case C2: gravity parallel to the motion plane, steady motion.
  */
 #include "c2_parallel.h"
@@ -8,7 +8,7 @@
 #include <float.h>
 #include <math.h>
 
-#if C2_PARALLEL_PROGRAM != 0x6ac25937UL
+#if C2_PARALLEL_PROGRAM != 0x407455e0UL
 #error "c2_parallel.c and c2_parallel.h are of different derivations: write both again"
 #endif
 

@@ -4,6 +4,17 @@
 A kernel is a formula in plain NumPy that takes coefficients and inputs. For arrays it is called once, with
 symbols that record what it does. The record is then played on blocks of samples that fit in the cache, in
 buffers that are used again. For floats it is called as it is, with Python's mathematics in NumPy's place.
+
+It is one file, so that it is copied with a module in one step. In its order:
+
+    Checked               parameters, their signs and units
+    Pair, Coefficients    what follows from them, beyond double precision where that matters
+    sine_ratio, cosine    polynomials
+    _Tape, _Layout        the record of a kernel, and places for its values
+    _Plan, _Run, _fill    its steps, played block by block
+    arrays                what a caller may pass
+    _Floats               one sample, in Python's numbers
+    _Kernel, Model        the functions of a module
 """
 
 from __future__ import annotations

@@ -1,5 +1,5 @@
 /*
- * Generated: do not edit. Written beside c1_asymmetric.c (program 707390bf).
+ * Generated: do not edit. Written beside c1_asymmetric.c (program 02773d90).
  * Expected results of the self-test, computed by the emitted NumPy module.
  */
 #define INPUTS 4u

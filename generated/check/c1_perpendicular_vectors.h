@@ -1,5 +1,5 @@
 /*
- * Generated: do not edit. Written beside c1_perpendicular.c (program 00ddac67).
+ * Generated: do not edit. Written beside c1_perpendicular.c (program 1c085d0f).
  * Expected results of the self-test, computed by the emitted NumPy module.
  */
 #define INPUTS 4u

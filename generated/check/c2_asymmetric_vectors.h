@@ -1,5 +1,5 @@
 /*
- * Generated: do not edit. Written beside c2_asymmetric.c (program e71bbd48).
+ * Generated: do not edit. Written beside c2_asymmetric.c (program db7b6573).
  * Expected results of the self-test, computed by the emitted NumPy module.
  */
 #define INPUTS 5u

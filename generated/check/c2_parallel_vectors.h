@@ -1,5 +1,5 @@
 /*
- * Generated: do not edit. Written beside c2_parallel.c (program 6ac25937).
+ * Generated: do not edit. Written beside c2_parallel.c (program 407455e0).
  * Expected results of the self-test, computed by the emitted NumPy module.
  */
 #define INPUTS 5u

@@ -1,5 +1,5 @@
 /*
- * Generated: do not edit. Written beside rotating_link.c (program 1cb4a227).
+ * Generated: do not edit. Written beside rotating_link.c (program b0aacf4d).
  * Expected results of the self-test, computed by the emitted NumPy module.
  */
 #define INPUTS 5u
