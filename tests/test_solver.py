@@ -22,6 +22,7 @@ from eccentric.estimation import (
 )
 from eccentric.fitting.machine import Machine
 from eccentric.model import load_model
+from eccentric.model import vocabulary as v
 
 RNG = np.random.default_rng(11)
 ROWS = 200
@@ -178,6 +179,16 @@ def test_the_machine_of_a_model_is_the_motor_of_the_paper() -> None:
     assert 1e-4 + 0.2**2 * 3e-3 == pytest.approx(machine.inertia(LETTERS), rel=1e-14)
     assert (1.0, 0.2**2) == pytest.approx([machine.inertia_per(letter, LETTERS) for letter in ("J_m", "J_l")])
     assert str(machine.back_emf_damping) == "k_e*k_i/R"
+
+
+def test_the_parts_of_an_inertia_are_distinguished_by_what_they_do() -> None:
+    """The rotor counts as it is, the link by mu^2: with their letters exchanged, their roles are as well."""
+    base, exchanged = load_model("c2_parallel"), {v.J_m.symbol: v.J_l.symbol, v.J_l.symbol: v.J_m.symbol}
+    definitions = (replace(d, value=d.value.xreplace(exchanged)) for d in base.definitions)
+    other = Machine(replace(base, definitions=tuple(definitions)))
+
+    assert ("J_m", "J_l") == (Machine(base).rotor, Machine(base).link)
+    assert ("J_l", "J_m") == (other.rotor, other.link)
 
 
 def test_r_squared_is_about_zero_torque_not_about_the_mean() -> None:

@@ -34,7 +34,7 @@ def effects(setting: Setting) -> tuple[Effect, ...]:
     k_i (1 + r) instead of k_i makes every torque too large by 1 + r: friction, which is fitted, absorbs this;
     inertia and gravity, which are declared, are both too small by r.
     """
-    if setting.case == "C1" or not setting.scaled or {"J_m", "gravity"} & set(setting.left_open):
+    if setting.case == "C1" or not setting.scaled or {"inertia", "gravity"} & set(setting.left_open):
         return ()
     effect = addition(
         "ki_mismatch",

@@ -40,7 +40,7 @@ def effects(setting: Setting) -> tuple[Effect, ...]:
     if setting.case == "C1":
         return ()
     # A wrong k_i scales inertia and gravity: if the inertia is not declared, only gravity would show it.
-    aliases = ("ki_mismatch",) if setting.scaled and "J_m" in setting.left_open else ()
+    aliases = ("ki_mismatch",) if setting.scaled and "inertia" in setting.left_open else ()
     true_mass = Definition(M_true, M * (1 + ratio.symbol))
     true_inertia = Definition(J_l_true, J_l + M * L**2 * ratio.symbol)
     replacing = [

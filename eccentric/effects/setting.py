@@ -28,7 +28,8 @@ class Setting:
         by_voltage: whether voltage alone measures the torque: then resistance and back-EMF constant are not
             separately known, and no current sensor has an effect.
         scaled: whether a declared constant converts to torque: k_i from a current, or R/k_i from a voltage.
-        left_open: what the rig leaves to be identified, among others "J_m", "gravity", "theta_zero_rad".
+        left_open: what the rig leaves to be identified: roles of columns, among others "inertia" and
+            "gravity", and keys of the rig's alignment, such as "theta_zero_rad".
 
     Raises:
         ValueError: a range is not positive.

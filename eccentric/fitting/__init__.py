@@ -9,7 +9,7 @@ May import: `signals`, `rigs`, `model`, `effects`, `emission`, `estimation`.
 from eccentric.fitting.columns import back_emf_columns
 from eccentric.fitting.document import emitted_parameters, fit_document
 from eccentric.fitting.drive import DRIVE_UNITS, Drive, loaded_model
-from eccentric.fitting.expressions import Signals, base_coefficients, base_columns, compiled
+from eccentric.fitting.expressions import Signals, base_coefficients, base_columns, compiled, load_torque
 from eccentric.fitting.figure import NEEDS_MATPLOTLIB, Comparison, compare, plot_fit
 from eccentric.fitting.first_fit import drive_of
 from eccentric.fitting.fit_data import FitData, drive_noise, fit_data_of, with_model_current
@@ -43,6 +43,7 @@ __all__ = [
     "fit_document",
     "fit_lines",
     "fit_sentence",
+    "load_torque",
     "loaded_model",
     "plot_fit",
     "refit",

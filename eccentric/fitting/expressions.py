@@ -25,6 +25,7 @@ __all__ = [
     "compiled",
     "evaluated",
     "lambdified",
+    "load_torque",
     "seen_columns",
 ]
 
@@ -115,6 +116,12 @@ def base_columns(model: Model, signals: Signals) -> Array:
     """The regressor of the model and the columns that the rig leaves open, (samples, columns)."""
     columns = [compiled(model, column.basis, signals, ()) for column in signals.columns(model)]
     return np.column_stack([*(column({}, {}) for column in columns), *signals.open.values()])
+
+
+def load_torque(model: Model, signals: Signals) -> Array:
+    """What the model requires of the drive besides friction, at the motor (samples,) [N m]."""
+    load = model.balance("mechanical").sum_of("inertial", "gravity", "conservative")
+    return compiled(model, load, signals)({}, {})
 
 
 def compiled(

@@ -12,7 +12,14 @@ from numpy.typing import NDArray
 from eccentric.estimation import require_rank
 from eccentric.fitting.drive import Drive, inputs_of
 from eccentric.fitting.emitted import Emitted
-from eccentric.fitting.expressions import Signals, base_coefficients, base_columns, compiled, seen_columns
+from eccentric.fitting.expressions import (
+    Signals,
+    base_coefficients,
+    base_columns,
+    compiled,
+    load_torque,
+    seen_columns,
+)
 from eccentric.fitting.limits import MOSTLY_OFF
 from eccentric.fitting.machine import Machine
 from eccentric.fitting.states import state_series
@@ -81,8 +88,7 @@ def with_model_current(data: FitData, model: Model, friction: Array) -> FitData:
     by itself, including its noise.
     """
     signals = data.signals
-    load = compiled(model, model.balance("mechanical").sum_of("inertial", "gravity", "conservative"), signals)
-    torque = load({}, {}) + base_columns(model, signals) @ friction
+    torque = load_torque(model, signals) + base_columns(model, signals) @ friction
     current = data.drive.machine.current_of_torque(signals.known, torque)
     return replace(data, signals=replace(signals, values={**signals.values, "i": current}))
 

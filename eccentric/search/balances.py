@@ -9,7 +9,7 @@ import numpy as np
 
 from eccentric.effects import Setting
 from eccentric.estimation import ColumnRole
-from eccentric.fitting import FitData, Signals, base_coefficients, base_columns, compiled
+from eccentric.fitting import FitData, Signals, base_coefficients, base_columns, load_torque
 from eccentric.model import Model
 from eccentric.rigs import Rig
 from eccentric.search.smooth import Variables
@@ -30,8 +30,7 @@ def balances_of(data: FitData, rig: Rig, model: Model) -> tuple[list[BalanceDesi
     """The balances of the training part, and the white noise that remains in a row of each [N m]."""
     drive, signals, channels = data.drive, data.signals, data.drive.channels
     known, torque = signals.known, drive.torque()
-    load = compiled(model, model.balance("mechanical").sum_of("inertial", "gravity", "conservative"), signals)
-    target = torque - load({}, {})
+    target = torque - load_torque(model, signals)
     coefficients, columns = base_coefficients(model, signals), base_columns(model, signals)
     rows = search_rows(channels, rig)
     mechanical = balance_design("mechanical", rows, coefficients, target, columns, target)
@@ -112,7 +111,7 @@ def setting_of(data: FitData, model: Model, friction: Array) -> Setting:
         friction={c.name: float(x) for c, x in zip(columns, own, strict=True)},
         by_voltage=data.drive.by_voltage,
         scaled=data.drive.scale is None and channels.motor.measured_by in {"current", "voltage"},
-        left_open=tuple(sorted({*(c.name for c in data.drive.open), *channels.rig.estimate})),
+        left_open=tuple(sorted({*(c.role for c in data.drive.open), *channels.rig.estimate})),
     )
 
 

@@ -17,7 +17,7 @@ from dataclasses import replace
 import numpy as np
 
 from eccentric.estimation import ColumnRole
-from eccentric.fitting import FitData, Signals, base_columns, compiled
+from eccentric.fitting import FitData, Signals, base_columns, load_torque
 from eccentric.model import Model
 from eccentric.search.limits import LEAST_MOTION, LOWEST_BAND_HZ
 from eccentric.signals import motion_of
@@ -44,8 +44,7 @@ def instruments_of(data: FitData, model: Model, friction: Array) -> Signals | No
     }
     free = {c: slowly.get(c.role, column) for c, column in signals.open.items()}
     slow = replace(signals, values=values, open=free)
-    load = compiled(model, model.balance("mechanical").sum_of("inertial", "gravity", "conservative"), slow)
-    torque = channels.smooth(load({}, {}) + base_columns(model, slow) @ friction)
+    torque = channels.smooth(load_torque(model, slow) + base_columns(model, slow) @ friction)
     values["i"] = data.drive.machine.current_of_torque(signals.known, torque)
     if "u" in values:
         given = {"k_e": 0.0, **signals.known}
