@@ -18,7 +18,7 @@ from tests.import_graph import (
 
 # From the bottom to the top: each part may import those above it in this list, and itself.
 LAYERS = (
-    {"errors", "started", "version"},
+    {"errors", "lazy", "started", "version"},
     {"places"},
     {"output", "scripts"},
     {"model"},

@@ -100,7 +100,11 @@ def test_the_wheel_holds_one_import_package(built: tuple[Path, Path]) -> None:
 def test_the_wheel_holds_all_of_the_toolkit(built: tuple[Path, Path]) -> None:
     """Every module, derivation and template of the clone is in the wheel, also through the source archive."""
     expected = {
-        *(path.relative_to(ROOT).as_posix() for path in (ROOT / "eccentric").rglob("*.py")),
+        *(
+            path.relative_to(ROOT).as_posix()
+            for path in (ROOT / "eccentric").rglob("*.py*")
+            if path.suffix != ".pyc"
+        ),
         *(f"eccentric/derivations/{path.name}" for path in SCRIPTS),
         *(f"eccentric/{path.relative_to(ROOT)}" for path in (ROOT / "templates").rglob("*.jinja")),
         "eccentric/py.typed",

@@ -1,0 +1,13 @@
+# The names of the door, each from the file that defines it; `eccentric.api` reads this list.
+
+from eccentric.api.compared import CompareResult as CompareResult
+from eccentric.api.compared import compare as compare
+from eccentric.api.diagnosed import DiagnosisResult as DiagnosisResult
+from eccentric.api.diagnosed import diagnose as diagnose
+from eccentric.api.emitted import emit as emit
+from eccentric.api.fitted import FitResult as FitResult
+from eccentric.api.fitted import fit as fit
+from eccentric.api.simulated import BenchResult as BenchResult
+from eccentric.api.simulated import bench as bench
+from eccentric.api.tables import Correlation as Correlation
+from eccentric.api.tables import ResultTable as ResultTable
