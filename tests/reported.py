@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import fields, replace
 from typing import Any
 
 import numpy as np
@@ -11,11 +11,17 @@ from eccentric.report.arrays import BalanceResiduals, Channel, ResidualRows
 from eccentric.report.data import (
     AddedEffect,
     CandidateRow,
+    Conclusion,
+    ExtendedModel,
     Fact,
     Formula,
     Gain,
+    HeldOutErrors,
+    LogQuality,
     Parameter,
     ReportData,
+    SearchTable,
+    Source,
 )
 from eccentric.signals import Finding
 
@@ -67,58 +73,79 @@ def sample(n: int = 5000, runs: int = 1, text: str = "", unit: str = "N m", **ch
         channels = tuple(replace(c, label=c.label + text) for c in rows.channels)
         rows = replace(rows, run_names=tuple(name + text for name in rows.run_names), channels=channels)
     data = ReportData(
-        logs=(f"made{text}.csv",),
-        rig=f"rig{text}.toml",
-        model="c2_parallel",
-        model_title=f"Gravity parallel{text}",
-        verdict="named",
-        sentence=f"The model lacks wobble[n=2]{text}.",
-        balances=(balance_of(rows, unit),),
-        gain=Gain("mechanical", 85.0, (80.0, 90.0)),
-        further=(),
-        holdout=f"two of ten{text}",
-        depends_on=("link_angle", "direction"),
-        candidates=(
-            replace(ADOPTED, formula=ADOPTED.formula + text),
-            replace(RIVAL, hint=f"turns{text}", headline=f"a dent{text}"),
+        source=Source(
+            logs=(f"made{text}.csv",),
+            rig=f"rig{text}.toml",
+            model="c2_parallel",
+            model_title=f"Gravity parallel{text}",
+            command=f"eccentric diagnose made.csv{text}",
+            version="0",
         ),
-        tied=(),
-        chance={"mechanical": (900.0, 16.0)},
-        effects=(
-            AddedEffect(
-                "wobble[n=2]",
-                "mechanical",
-                f"A bent shaft{text}.",
-                f"s sin{text}",
-                f"someone{text}",
-                0.12,
-                f"a shaft that wobbles{text}",
+        conclusion=Conclusion(
+            verdict="named",
+            sentence=f"The model lacks wobble[n=2]{text}.",
+            depends_on=("link_angle", "direction"),
+            closest="",
+            next_measurement=f"Turn slowly.{text}",
+        ),
+        errors=HeldOutErrors(
+            holdout=f"two of ten{text}",
+            balances=(balance_of(rows, unit),),
+            gain=Gain("mechanical", 85.0, (80.0, 90.0)),
+            further=(),
+        ),
+        search=SearchTable(
+            candidates=(
+                replace(ADOPTED, formula=ADOPTED.formula + text),
+                replace(RIVAL, hint=f"turns{text}", headline=f"a dent{text}"),
             ),
+            tied=(),
+            chance={"mechanical": (900.0, 16.0)},
         ),
-        parameters=(
-            Parameter("wobble_s2", f"sine{text}", unit, 0.03, "effect", 2e-5, (0.0299, 0.0301)),
-            Parameter("C_m", "Coulomb friction", unit, 0.0, "friction", 0.001, (0.0, 0.002), "lower"),
-            Parameter("M", f"mass{text}", "kg", 0.5, "rig"),
+        extended=ExtendedModel(
+            effects=(
+                AddedEffect(
+                    "wobble[n=2]",
+                    "mechanical",
+                    f"A bent shaft{text}.",
+                    f"s sin{text}",
+                    f"someone{text}",
+                    0.12,
+                    f"a shaft that wobbles{text}",
+                ),
+            ),
+            parameters=(
+                Parameter("wobble_s2", f"sine{text}", unit, 0.03, "effect", 2e-5, (0.0299, 0.0301)),
+                Parameter("C_m", "Coulomb friction", unit, 0.0, "friction", 0.001, (0.0, 0.002), "lower"),
+                Parameter("M", f"mass{text}", "kg", 0.5, "rig"),
+            ),
+            equations=(Formula("<math display='block'><mi>f</mi></math>", f"friction{text}"),),
         ),
-        equations=(Formula("<math display='block'><mi>f</mi></math>", f"friction{text}"),),
-        facts=(Fact(f"sampling{text}", f"250 Hz{text}", f"even{text}"),),
-        warnings=(f"a column is odd{text}",),
-        findings=(Finding("saturation", f"current{text}", f"It is cut off.{text}", 12, "warning"),),
-        next_measurement=f"Turn slowly.{text}",
-        closest="",
-        command=f"eccentric diagnose made.csv{text}",
+        log=LogQuality(
+            facts=(Fact(f"sampling{text}", f"250 Hz{text}", f"even{text}"),),
+            findings=(Finding("saturation", f"current{text}", f"It is cut off.{text}", 12, "warning"),),
+            warnings=(f"a column is odd{text}",),
+        ),
         files=((f"model{text}.py", f"the model{text}"),),
-        version="0",
     )
-    return replace(data, **changes)
+    return changed(data, **changes)
+
+
+def changed(data: ReportData, **changes: Any) -> ReportData:
+    """The report with other fields, each given by its own name, whichever part of the report it is in."""
+    for part in (field.name for field in fields(data) if field.name != "files"):
+        old = getattr(data, part)
+        own = {name: value for name, value in changes.items() if hasattr(old, name)}
+        data = replace(data, **{part: replace(old, **own)})
+    return data
 
 
 def nothing_missing(data: ReportData) -> ReportData:
     """The same log with nothing adopted."""
-    (balance,) = data.balances
+    (balance,) = data.errors.balances
     plain = replace(balance, extended=None, rmse={**balance.rmse, "extended": balance.rmse["paper"]})
-    others = tuple(replace(c, adopted=False) for c in data.candidates)
-    return replace(
+    others = tuple(replace(c, adopted=False) for c in data.search.candidates)
+    return changed(
         data, verdict="nothing_missing", balances=(plain,), gain=None, effects=(), candidates=others,
         sentence="Nothing is missing.", next_measurement="",
     )  # fmt: skip

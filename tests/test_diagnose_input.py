@@ -76,7 +76,7 @@ def test_zero_angle_and_offset_are_told_once_as_they_were_planted(tmp_path: Path
     )
     found = diagnose([LOG], rig)
     said = diagnosis_document(found)["rig_identified"]
-    shown = {fact.name: fact.value for fact in report_data(found).facts}
+    shown = {fact.name: fact.value for fact in report_data(found).log.facts}
 
     assert {"theta_zero_rad", "voltage_offset_V"} == set(said)
     # 0.25 rad at the motor are a fifth of that at the link.

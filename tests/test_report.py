@@ -16,7 +16,7 @@ from eccentric.report.data import Errors
 from eccentric.report.text import number, why
 from eccentric.report.view import view
 from tests.page_reader import Reader, figures_of
-from tests.reported import ADOPTED, RIVAL, balance_of, nothing_missing, rows_of, sample
+from tests.reported import ADOPTED, RIVAL, balance_of, changed, nothing_missing, rows_of, sample
 
 VERDICTS = ("named", "not_identifiable", "unexplained", "nothing_missing")
 
@@ -116,9 +116,9 @@ def test_every_verdict_has_a_report(verdict: str, n: int) -> None:
 def test_a_log_with_few_signals_has_fewer_figures() -> None:
     """No channel but time: its residual and the traces are drawn, nothing else is required."""
     data = sample()
-    (balance,) = data.balances
+    (balance,) = data.errors.balances
     rows = replace(balance.rows, channels=balance.rows.channels[-1:])
-    reader = Reader(page(replace(data, balances=(replace(balance, rows=rows, measured=None, linear=None),))))
+    reader = Reader(page(changed(data, balances=(replace(balance, rows=rows, measured=None, linear=None),))))
 
     assert 2 == sum(attributes.get("class") == "plot" for _, attributes in reader.tags)
 

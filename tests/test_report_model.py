@@ -69,7 +69,7 @@ def test_no_name_of_a_log_is_run(found: Diagnosis) -> None:
 def test_the_record_says_what_the_diagnosis_found(found: Diagnosis) -> None:
     """Errors follow from the residuals of the held-out rows; parameters are those of the fit."""
     data = report_data(found)
-    mechanical = data.balances[0]
+    mechanical = data.errors.balances[0]
     assert mechanical.extended is not None
     held = mechanical.rows.held_out
     rmse = {
@@ -78,7 +78,7 @@ def test_the_record_says_what_the_diagnosis_found(found: Diagnosis) -> None:
             ("linear", mechanical.linear), ("paper", mechanical.paper), ("extended", mechanical.extended)
         )
     }  # fmt: skip
-    fitted = {p.name: p.value for p in data.parameters if p.origin in {"effect", "friction"}}
+    fitted = {p.name: p.value for p in data.extended.parameters if p.origin in {"effect", "friction"}}
 
     assert pytest.approx(dict(mechanical.rmse), rel=1e-9) == rmse
     assert {name: e.value for name, e in found.models.extended.estimates.items()}.items() >= fitted.items()
@@ -92,7 +92,7 @@ def test_the_record_says_what_the_diagnosis_found(found: Diagnosis) -> None:
         "voltage",
         "time",
     } == {channel.key for channel in mechanical.rows.channels}
-    assert shlex.split(data.command)[:4] == ["eccentric", "diagnose", "bench.csv.gz", "--rig"]
+    assert shlex.split(data.source.command)[:4] == ["eccentric", "diagnose", "bench.csv.gz", "--rig"]
 
 
 def test_open_opens_the_report(

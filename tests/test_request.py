@@ -58,7 +58,7 @@ def test_the_best_effect_is_shown_with_its_gain_where_none_is_named(
     (line,) = [line for line in without.lines if line.startswith("Best effect: ")]
     assert f"({best['id']}) takes out {gain['percent']:.1f} %" in line
     assert line.endswith("and is not the whole story.")
-    assert line == without.data.closest
+    assert line == without.data.conclusion.closest
 
 
 def test_with_the_effect_from_the_start_nothing_is_missing(

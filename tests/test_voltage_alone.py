@@ -117,7 +117,7 @@ def test_a_fit_that_is_stopped_too_early_says_so(
     assert early.change == pytest.approx(1.0 - 1.0 / 1.05, rel=1e-2)
     assert (True, False) == (with_load.models.paper.settled, early.settled)
     assert (True, False) == (diagnosis_document(with_load)["settled"], diagnosis_document(found)["settled"])
-    for said in (diagnosis_document(found)["warnings"], report_data(found).warnings, found.warnings):
+    for said in (diagnosis_document(found)["warnings"], report_data(found).log.warnings, found.warnings):
         assert any("fit of the model paper has not converged" in warning for warning in said)
     assert not any("converged" in warning for warning in with_load.warnings)
 

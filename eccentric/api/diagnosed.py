@@ -129,12 +129,12 @@ class DiagnosisResult(Result):
     @property
     def verdict(self) -> str:
         """named, not_identifiable, unexplained or nothing_missing."""
-        return self.data.verdict
+        return self.data.conclusion.verdict
 
     @property
     def sentence(self) -> str:
         """The result in one sentence."""
-        return self.data.sentence
+        return self.data.conclusion.sentence
 
     @property
     def effects(self) -> tuple[str, ...]:
@@ -144,12 +144,12 @@ class DiagnosisResult(Result):
     @property
     def rmse(self) -> dict[str, dict[str, float]]:
         """Balance -> model ("linear", "paper", "extended") -> error on the held-out rows in `unit`."""
-        return {balance.name: dict(balance.rmse) for balance in self.data.balances}
+        return {balance.name: dict(balance.rmse) for balance in self.data.errors.balances}
 
     @property
     def unit(self) -> str:
         """Unit of the errors: "N m"; that of the drive if the log does not determine a torque."""
-        return self.data.balances[0].unit
+        return self.data.errors.balances[0].unit
 
     @property
     def improvement(self) -> float:
@@ -165,12 +165,12 @@ class DiagnosisResult(Result):
     @property
     def depends_on(self) -> tuple[str, ...]:
         """What the residual of the paper's model depends on, strongest first."""
-        return self.data.depends_on
+        return self.data.conclusion.depends_on
 
     @property
     def next_measurement(self) -> str:
         """What to measure next; "" if nothing is open."""
-        return self.data.next_measurement
+        return self.data.conclusion.next_measurement
 
     def table(self) -> ResultTable:
         """The parameters of the extended model: value, standard error, 95 % interval, unit and origin.
@@ -179,12 +179,14 @@ class DiagnosisResult(Result):
         "model" (the base model's own value, not fitted) or "unseen" (nothing in the log depends on it).
         """
         names = ("name", "value", "std_error", "lower", "upper", "unit", "origin")
-        return ResultTable(names, tuple(map(_row, self.data.parameters)))
+        return ResultTable(names, tuple(map(_row, self.data.extended.parameters)))
 
     def candidates(self) -> ResultTable:
         """The effects considered, best first: cross-validated RMSE, probability among families."""
         names = ("id", "family", "balance", "rmse", "probability", "adopted")
-        rows = ((c.id, c.family, c.balance, c.rmse, c.probability, c.adopted) for c in self.data.candidates)
+        rows = (
+            (c.id, c.family, c.balance, c.rmse, c.probability, c.adopted) for c in self.data.search.candidates
+        )
         return ResultTable(names, tuple(rows))
 
     def plot(self, axes: tuple[Axes, Axes] | None = None) -> tuple[Axes, Axes]:

@@ -15,12 +15,18 @@ from eccentric.signals import Finding
 __all__ = [
     "AddedEffect",
     "CandidateRow",
+    "Conclusion",
     "Errors",
+    "ExtendedModel",
     "Fact",
     "Formula",
     "Gain",
+    "HeldOutErrors",
+    "LogQuality",
     "Parameter",
     "ReportData",
+    "SearchTable",
+    "Source",
 ]
 
 
@@ -155,34 +161,13 @@ class Fact:
 
 
 @dataclass(frozen=True)
-class ReportData:
-    """Everything that the report says.
+class Source:
+    """What was diagnosed.
 
     Attributes:
         logs, rig: file names.
         model, model_title: name and title of the base model.
-        verdict: named, not_identifiable, unexplained or nothing_missing.
-        sentence: the verdict in one sentence.
-        balances: the one that the verdict is about first; residuals are drawn for it and for every other
-            one with an extended model.
-        gain: None if nothing was adopted.
-        further: errors on other parts of the log, or in another unit.
-        holdout: the rule of the held-out part, in words.
-        depends_on: variables that the residual of the paper's model follows, strongest first.
-        candidates: best first.
-        tied: families that explain the log equally well.
-        chance: balance -> (deviance gained by its best candidate, level that chance exceeds in 1 log of 100).
-        effects: of the extended model, in order of adoption.
-        parameters: in order of printing.
-        equations: the friction of the extended model, then the definitions of its letters.
-        facts: of the log: rows, sampling, gaps, delay, zero angle, offset.
-        warnings: of the reader and of the fits.
-        findings: of the check of the data.
-        next_measurement: one sentence; "" if nothing is open.
-        closest: the best effect and its gain, where none is adopted, and a model that predicts better;
-            "" otherwise.
         command: shell command that repeats the diagnosis.
-        files: (name, description) of everything beside the report.
         version: of eccentric.
     """
 
@@ -190,24 +175,101 @@ class ReportData:
     rig: str
     model: str
     model_title: str
+    command: str
+    version: str
+
+
+@dataclass(frozen=True)
+class Conclusion:
+    """What the diagnosis says.
+
+    Attributes:
+        verdict: named, not_identifiable, unexplained or nothing_missing.
+        sentence: the verdict in one sentence.
+        depends_on: variables that the residual of the paper's model follows, strongest first.
+        closest: the best effect and its gain, where none is adopted, and a model that predicts better;
+            "" otherwise.
+        next_measurement: one sentence; "" if nothing is open.
+    """
+
     verdict: str
     sentence: str
+    depends_on: tuple[str, ...]
+    closest: str
+    next_measurement: str
+
+
+@dataclass(frozen=True)
+class HeldOutErrors:
+    """How well the models predict what they were not fitted on.
+
+    Attributes:
+        holdout: the rule of the held-out part, in words.
+        balances: the one that the verdict is about first; residuals are drawn for it and for every other
+            one with an extended model.
+        gain: None if nothing was adopted.
+        further: errors on other parts of the log, or in another unit.
+    """
+
+    holdout: str
     balances: tuple[BalanceResiduals, ...]
     gain: Gain | None
     further: tuple[Errors, ...]
-    holdout: str
-    depends_on: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class SearchTable:
+    """What was considered.
+
+    Attributes:
+        candidates: best first.
+        tied: families that explain the log equally well.
+        chance: balance -> (deviance gained by its best candidate, level that chance exceeds in 1 log of 100).
+    """
+
     candidates: tuple[CandidateRow, ...]
     tied: tuple[str, ...]
     chance: Mapping[str, tuple[float, float]]
+
+
+@dataclass(frozen=True)
+class ExtendedModel:
+    """The base model with the adopted effects, fitted.
+
+    Attributes:
+        effects: in order of adoption.
+        parameters: in order of printing.
+        equations: its friction, then the definitions of its letters.
+    """
+
     effects: tuple[AddedEffect, ...]
     parameters: tuple[Parameter, ...]
     equations: tuple[Formula, ...]
+
+
+@dataclass(frozen=True)
+class LogQuality:
+    """What the check of the log found.
+
+    Attributes:
+        facts: rows, sampling, gaps, delay, zero angle, offset.
+        findings: of the check of the data.
+        warnings: of the reader and of the fits.
+    """
+
     facts: tuple[Fact, ...]
-    warnings: tuple[str, ...]
     findings: tuple[Finding, ...]
-    next_measurement: str
-    closest: str
-    command: str
+    warnings: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class ReportData:
+    """Everything that the report says; `files` are (name, description) of everything beside it."""
+
+    source: Source
+    conclusion: Conclusion
+    errors: HeldOutErrors
+    search: SearchTable
+    extended: ExtendedModel
+    log: LogQuality
     files: tuple[tuple[str, str], ...]
-    version: str

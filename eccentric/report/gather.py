@@ -6,14 +6,27 @@ Apart from `balance` and `facts`, which this file calls, no other file of the re
 from __future__ import annotations
 
 import shlex
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 
 from eccentric.diagnosis import Diagnosis, closest_sentence, diagnosis_sentence, sibling_sentence
 from eccentric.effects import Effect
 from eccentric.report.balance import balance_of
-from eccentric.report.data import AddedEffect, CandidateRow, Errors, Gain, Parameter, ReportData
+from eccentric.report.data import (
+    AddedEffect,
+    CandidateRow,
+    Conclusion,
+    Errors,
+    ExtendedModel,
+    Gain,
+    HeldOutErrors,
+    LogQuality,
+    Parameter,
+    ReportData,
+    SearchTable,
+    Source,
+)
 from eccentric.report.equation import friction_equations, typesetter_of
 from eccentric.report.facts import facts_of
 from eccentric.report.text import number, range_of
@@ -30,59 +43,65 @@ def report_data(found: Diagnosis, files: Sequence[tuple[str, str]] = ()) -> Repo
     """The records of a diagnosis; `files` are (name, description) of everything written beside the report."""
     attribution, score, findings = found.attribution, found.score, found.channels.intake.findings
     effects = [effect for effect, _ in found.models.extended.effects]
-    named = {effect.family for effect in effects}
-    about = {effect.id: effect for effect in found.offered}
     names = sorted(score.rmse, key=lambda name: name != score.balance)
     return ReportData(
-        logs=found.asked.logs,
-        rig=found.asked.rig,
-        model=found.models.base.name,
-        model_title=found.models.base.title,
-        verdict=attribution.verdict,
-        sentence=diagnosis_sentence(found),
-        balances=tuple(balance_of(found, name) for name in names),
-        gain=Gain(score.balance, score.percent, score.interval) if found.models.adopted else None,
-        further=tuple(_further(found)),
-        holdout=found.channels.selection.holdout.rule,
-        depends_on=attribution.depends_on,
-        candidates=tuple(
-            CandidateRow(
-                c.id, c.family, c.balance, c.rmse, c.probability, c.family in named, *_words(about, c.id)
-            )
-            for c in attribution.candidates
+        source=Source(
+            logs=found.asked.logs,
+            rig=found.asked.rig,
+            model=found.models.base.name,
+            model_title=found.models.base.title,
+            command=_command(found),
+            version=__version__,
         ),
-        tied=attribution.tied,
-        chance=attribution.deviance,
-        effects=tuple(
-            AddedEffect(
-                id=e.id,
-                balance=e.balance,
-                meaning=e.words.meaning,
-                formula=e.formula,
-                reference=e.reference,
-                share=found.models.extended.shares.get(e.id, 0.0),
-                headline=e.words.headline,
-            )
-            for e in effects
+        conclusion=Conclusion(
+            verdict=attribution.verdict,
+            sentence=diagnosis_sentence(found),
+            depends_on=attribution.depends_on,
+            closest=" ".join(filter(None, [closest_sentence(found), sibling_sentence(found)])),
+            next_measurement=attribution.next_measurement,
         ),
-        parameters=tuple(_parameters(found)),
-        equations=tuple(friction_equations(found.models.extended.model, effects)),
-        facts=tuple(facts_of(found)),
-        warnings=tuple(text for text in found.warnings if text not in {f.text for f in findings}),
-        findings=findings,
-        next_measurement=attribution.next_measurement,
-        closest=" ".join(filter(None, [closest_sentence(found), sibling_sentence(found)])),
-        command=_command(found),
+        errors=HeldOutErrors(
+            holdout=found.channels.selection.holdout.rule,
+            balances=tuple(balance_of(found, name) for name in names),
+            gain=Gain(score.balance, score.percent, score.interval) if found.models.adopted else None,
+            further=tuple(_further(found)),
+        ),
+        search=SearchTable(tuple(_candidates(found)), attribution.tied, attribution.deviance),
+        extended=ExtendedModel(
+            effects=tuple(_added(effect, found) for effect in effects),
+            parameters=tuple(_parameters(found)),
+            equations=tuple(friction_equations(found.models.extended.model, effects)),
+        ),
+        log=LogQuality(
+            facts=tuple(facts_of(found)),
+            findings=findings,
+            warnings=tuple(text for text in found.warnings if text not in {f.text for f in findings}),
+        ),
         files=tuple(files),
-        version=__version__,
     )
 
 
-def _words(about: dict[str, Effect], name: str) -> tuple[str, tuple[str, ...], str, str]:
-    effect = about.get(name)
-    if effect is None:
-        return "", (), "", ""
-    return effect.formula, effect.evidence.aliases, effect.words.hint, effect.words.headline
+def _candidates(found: Diagnosis) -> Iterator[CandidateRow]:
+    adopted = {effect.family for effect, _ in found.models.extended.effects}
+    about = {effect.id: effect for effect in found.offered}
+    for c in found.attribution.candidates:
+        row = CandidateRow(c.id, c.family, c.balance, c.rmse, c.probability, c.family in adopted)
+        if e := about.get(c.id):
+            words = {"hint": e.words.hint, "headline": e.words.headline}
+            row = replace(row, formula=e.formula, aliases=e.evidence.aliases, **words)
+        yield row
+
+
+def _added(effect: Effect, found: Diagnosis) -> AddedEffect:
+    return AddedEffect(
+        id=effect.id,
+        balance=effect.balance,
+        meaning=effect.words.meaning,
+        formula=effect.formula,
+        reference=effect.reference,
+        share=found.models.extended.shares.get(effect.id, 0.0),
+        headline=effect.words.headline,
+    )
 
 
 def _further(found: Diagnosis) -> list[Errors]:

@@ -31,8 +31,8 @@ def plot_report(data: ReportData, left: Any, right: Any) -> None:
     and predicted friction over the motor velocity, or the residual if the balance contains no friction.
     Points are means over bins; bars extend from the 10 % to the 90 % quantile of their rows.
     """
-    balance = data.balances[0]
-    order = {key: k for k, key in enumerate(data.depends_on)}
+    balance = data.errors.balances[0]
+    order = {key: k for k, key in enumerate(data.conclusion.depends_on)}
     channels = sorted(balance.rows.channels, key=lambda c: order.get(c.key, len(order)))
     panels = (residual_panel(balance, channel) for channel in channels)
     _draw(left, next((panel for panel in panels if panel is not None), None), balance, "residual")
@@ -42,8 +42,10 @@ def plot_report(data: ReportData, left: Any, right: Any) -> None:
         _draw(right, friction, balance, balance.quantity)
     else:
         _draw(right, _residual(balance, velocity), balance, "residual")
-    added = ", ".join(effect.id for effect in data.effects) or data.verdict.replace("_", " ")
-    left.figure.suptitle(f"{', '.join(data.logs)}: {added}", fontsize=9.0)
+    added = ", ".join(effect.id for effect in data.extended.effects) or data.conclusion.verdict.replace(
+        "_", " "
+    )
+    left.figure.suptitle(f"{', '.join(data.source.logs)}: {added}", fontsize=9.0)
 
 
 def _residual(balance: BalanceResiduals, channel: Channel | None) -> Panel | None:

@@ -129,18 +129,18 @@ def trace_words(found: Trace, balance: BalanceResiduals) -> tuple[str, str]:
 
 def why(data: ReportData) -> list[str]:
     """Why the runner-up lost, or why nothing won; a sentence for each balance that was searched."""
-    units = {balance.name: balance.unit for balance in data.balances}
+    units = {balance.name: balance.unit for balance in data.errors.balances}
     sentences = []
-    for name in dict.fromkeys(c.balance for c in data.candidates):
-        own = [c for c in data.candidates if c.balance == name]
+    for name in dict.fromkeys(c.balance for c in data.search.candidates):
+        own = [c for c in data.search.candidates if c.balance == name]
         winners, others = [c for c in own if c.adopted], [c for c in own if not c.adopted]
-        if winners and data.verdict in {"named", "not_identifiable"}:
-            tied = [c for c in own if c.family in data.tied]
+        if winners and data.conclusion.verdict in {"named", "not_identifiable"}:
+            tied = [c for c in own if c.family in data.search.tied]
             pair = (tied or [winners[0], *others])[:2]
             if len(pair) == 2:
                 sentences.append(_against(pair[0], pair[1], units.get(name, ""), bool(tied)))
-        elif name in data.chance:
-            sentences.append(_chance(own[0], data.chance[name], data.verdict))
+        elif name in data.search.chance:
+            sentences.append(_chance(own[0], data.search.chance[name], data.conclusion.verdict))
     return sentences
 
 

@@ -40,27 +40,27 @@ _MARKS = {"named": "✓", "not_identifiable": "≈", "unexplained": "?", "nothin
 
 def view(data: ReportData, figures: ModuleType | None) -> dict[str, Any]:
     """The variables of the templates; without `figures` (no Bokeh) captions and tables remain."""
-    shown = [b for k, b in enumerate(data.balances) if k == 0 or b.extended is not None]
+    shown = [b for k, b in enumerate(data.errors.balances) if k == 0 or b.extended is not None]
     drawn = _Figures(figures)
     residuals = [(b, _residuals(drawn, b, data)) for b in shown]
     friction = [one for b in shown for one in _friction(drawn, b)]
     traces = [one for b in shown for one in _traces(drawn, b)]
     return {
-        "title": f"What does the model lack? {', '.join(data.logs)}",
+        "title": f"What does the model lack? {', '.join(data.source.logs)}",
         "data": data,
-        "verdict": VERDICTS[data.verdict],
-        "mark": _MARKS[data.verdict],
+        "verdict": VERDICTS[data.conclusion.verdict],
+        "mark": _MARKS[data.conclusion.verdict],
         "key_figures": _key_figures(data),
         "errors": _errors(data),
         "residuals": [(f"{b.name} balance", b.unit, panels) for b, panels in residuals],
         "friction": friction,
         "traces": traces,
-        "rows": data.balances[0].rows.description,
-        "depends": ", ".join(map(plain_words, data.depends_on)),
+        "rows": data.errors.balances[0].rows.description,
+        "depends": ", ".join(map(plain_words, data.conclusion.depends_on)),
         "candidates": _candidates(data),
         "why": why(data),
-        "parameters": [_parameter(p) for p in data.parameters],
-        "effects": [(e, short_formula(e.formula), number(100.0 * e.share, 3)) for e in data.effects],
+        "parameters": [_parameter(p) for p in data.extended.parameters],
+        "effects": [(e, short_formula(e.formula), number(100.0 * e.share, 3)) for e in data.extended.effects],
         "hints": _hints(data),
         "figures_json": drawn.json(),
         "bokeh": figures.library() if figures else "",
@@ -88,7 +88,7 @@ class _Figures:
 
 def _residuals(drawn: _Figures, balance: BalanceResiduals, data: ReportData) -> list[dict[str, Any]]:
     """One figure per channel; those that the residual depends on come first."""
-    order = {key: k for k, key in enumerate(data.depends_on)}
+    order = {key: k for k, key in enumerate(data.conclusion.depends_on)}
     found = []
     for channel in sorted(balance.rows.channels, key=lambda c: order.get(c.key, len(order))):
         panel = residual_panel(balance, channel)
@@ -124,16 +124,16 @@ def _traces(drawn: _Figures, balance: BalanceResiduals) -> list[dict[str, Any]]:
 
 
 def _key_figures(data: ReportData) -> list[tuple[str, str]]:
-    first = data.balances[0]
+    first = data.errors.balances[0]
     paper, after = first.rmse["paper"], first.rmse.get("extended", first.rmse["paper"])
     found = []
-    if data.gain:
+    if data.errors.gain:
         found.append(("held-out error", f"{number(paper, 3)} → {number(after, 3)} {first.unit}"))
-        interval = range_of(data.gain.interval, 3)
-        found.append((f"reduction (95 % interval {interval} %)", f"{number(data.gain.percent, 3)} %"))
+        interval = range_of(data.errors.gain.interval, 3)
+        found.append((f"reduction (95 % interval {interval} %)", f"{number(data.errors.gain.percent, 3)} %"))
     else:
         found.append(("held-out error", f"{number(paper, 3)} {first.unit}"))
-    adopted = [c.probability for c in data.candidates if c.adopted]
+    adopted = [c.probability for c in data.search.candidates if c.adopted]
     if adopted:
         found.append(("probability", f"{min(adopted):.2f}"))
     if first.noise_floor is not None:
@@ -144,11 +144,13 @@ def _key_figures(data: ReportData) -> list[tuple[str, str]]:
 def _errors(data: ReportData) -> list[dict[str, Any]]:
     """Bars of the errors of every balance, then of the further ones; bars in one unit have one scale."""
     given: list[tuple[Errors, float | None]] = []
-    for b in data.balances:
-        interval = data.gain.interval if data.gain and data.gain.balance == b.name else None
-        rmse = {m: x for m, x in b.rmse.items() if m != "extended" or data.gain}
+    for b in data.errors.balances:
+        interval = (
+            data.errors.gain.interval if data.errors.gain and data.errors.gain.balance == b.name else None
+        )
+        rmse = {m: x for m, x in b.rmse.items() if m != "extended" or data.errors.gain}
         given.append((Errors(f"{b.name} balance", b.unit, rmse, interval), b.noise_floor))
-    given += [(errors, None) for errors in data.further]
+    given += [(errors, None) for errors in data.errors.further]
     tops: dict[str, float] = {}
     for errors, noise in given:
         own = max([*errors.rmse.values(), noise or 0.0, *_ends(errors)])
@@ -184,7 +186,7 @@ def _bars(errors: Errors, noise: float | None, top: float) -> dict[str, Any]:
 
 def _candidates(data: ReportData) -> list[tuple[str, list[dict[str, Any]]]]:
     """The table of the leading candidates and, folded below its heading, that of all others."""
-    made = [_candidate(c, data) for c in data.candidates]
+    made = [_candidate(c, data) for c in data.search.candidates]
     shown = max([_LEADING, *(k + 1 for k, c in enumerate(made) if c["standing"])])
     heading = f"{len(made) - shown} further candidates"
     return [part for part in (("", made[:shown]), (heading, made[shown:])) if part[1]]
@@ -193,8 +195,8 @@ def _candidates(data: ReportData) -> list[tuple[str, list[dict[str, Any]]]]:
 def _hints(data: ReportData) -> list[tuple[str, CandidateRow, str]]:
     """Candidates whose hint is worth a further log, between the words that say what for."""
     found = []
-    for c in data.candidates:
-        if c.hint and c.family in data.tied:
+    for c in data.search.candidates:
+        if c.hint and c.family in data.search.tied:
             found.append(("separate", c, " from other effects"))
         elif c.hint and c.adopted:
             found.append(("confirm", c, ""))
@@ -202,8 +204,8 @@ def _hints(data: ReportData) -> list[tuple[str, CandidateRow, str]]:
 
 
 def _candidate(c: CandidateRow, data: ReportData) -> dict[str, Any]:
-    units = {balance.name: balance.unit for balance in data.balances}
-    standing = "adopted" if c.adopted else "tied" if c.family in data.tied else ""
+    units = {balance.name: balance.unit for balance in data.errors.balances}
+    standing = "adopted" if c.adopted else "tied" if c.family in data.search.tied else ""
     return {
         "standing": standing,
         "id": c.id,
