@@ -188,7 +188,10 @@ def test_one_run_is_too_little_to_hold_out(
     rig.write_text('holdout_runs = ["speed_6"]\n' + screw.RIG, encoding="utf-8")
     status = main([command, str(log), "--rig", str(rig), "--out", str(tmp_path / "out")])
 
-    said = "log.csv: at least 2 moving whole runs to hold out are required, received 1"
+    said = (
+        "log.csv: at least 2 moving whole runs to hold out are required, received 1:"
+        f' in {rig}, a time, such as "0.1 s" as average_over gives more'
+    )
     assert (2, f"eccentric: error: {said}\n") == (status, capsys.readouterr().err)
     assert not (tmp_path / "out").exists()
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gzip
 import math
 from pathlib import Path
 
@@ -11,9 +12,10 @@ import pytest
 from eccentric.errors import InputError
 from eccentric.fitting import drive_of, fit_data_of
 from eccentric.fitting.problem import pose
+from eccentric.logs import read_log
 from eccentric.model import load_model
 from eccentric.rigs import Rig, read_rig
-from eccentric.signals import Channels, read_channels, rows_of
+from eccentric.signals import Channels, Rows, read_channels, rows_of, search_rows
 from tests import screw
 from tests.planted import FRICTION, K_I, KNOWN, MASS, MOTOR, RATE, TORQUE, T, fitted, motion, torque, written
 from tests.swing import GARBAGE_V, Run, Swing, driven, write_rig, write_runs
@@ -139,14 +141,45 @@ def test_an_average_longer_than_what_moves_is_refused_in_one_line(tmp_path: Path
     channels, rig = planted(tmp_path, 'average_over = "20 s"')
     with pytest.raises(InputError) as refused:
         rows_of(channels, rig)
-    assert "20 s" in str(refused.value)
+    assert "20 s is required" in str(refused.value)
+    assert str(refused.value).endswith(f"in {rig.path}, a shorter time as average_over gives more")
     assert "\n" not in str(refused.value)
+
+
+EXAMPLE = Path(__file__).parents[1] / "examples" / "bench"
+
+
+@pytest.mark.parametrize(
+    ("left_out", "key", "remedy"),
+    [
+        ("voltage", "average_over below 0.064 s", 'average_over = "0.05 s"'),
+        ("", "low_pass_hz above 25", "low_pass_hz = 50"),
+    ],
+    ids=["one drive signal", "two"],
+)
+def test_a_short_log_is_refused_with_what_helps(tmp_path: Path, left_out: str, key: str, remedy: str) -> None:
+    """Two seconds are too short for 50 windows to search on; the key that is named gives rows enough."""
+    lines = gzip.decompress((EXAMPLE / "bench.csv.gz").read_bytes()).decode().splitlines()
+    (tmp_path / "log.csv").write_text("\n".join(lines[:501]), encoding="utf-8")
+    text = (EXAMPLE / "bench.toml").read_text(encoding="utf-8")
+    kept = [x for x in text.splitlines() if not x.startswith(("holdout", f"{left_out or None} = "))]
+
+    def search(*above: str) -> Rows:
+        (tmp_path / "rig.toml").write_text("\n".join([*above, *kept]), encoding="utf-8")
+        channels = read_channels([read_log(tmp_path / "log.csv")], read_rig(tmp_path / "rig.toml"))
+        return search_rows(channels, channels.rig, moving=bool(left_out))
+
+    with pytest.raises(InputError, match=rf"windows .* are required, received \d+: .*; {key} gives more$"):
+        search()
+    assert len(search(remedy)) > 20
 
 
 def test_nothing_driven_to_hold_out_is_refused_in_one_line(tmp_path: Path) -> None:
     """With the motor off in all that is held out, the first fit of a drive has nothing to be judged by."""
     channels, rig = several(tmp_path, 'average_over = "run"\nholdout_runs = ["run_4"]')
-    with pytest.raises(InputError, match="average_over: at least one average to hold out is required") as no:
+    with pytest.raises(
+        InputError, match="average_over: at least one of the whole runs is required to hold out"
+    ) as no:
         pose(channels, rig, load_model(rig.model))
     assert "\n" not in str(no.value)
 

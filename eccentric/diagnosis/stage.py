@@ -96,7 +96,7 @@ def stage_of(channels: Channels, plain: Model, effects: Path | None, where: str)
     drive = drive_of(channels, rig, plain)
     base = loaded_model(plain, rig)
     data = fit_data_of(drive, rig, base)
-    require_rows(data.rows.score, LEAST_HELD_OUT, f"{data.rows.description} to hold out", where)
+    require_rows(data.rows, "score", LEAST_HELD_OUT, where)
     balances, noise = balances_of(data, rig, base)
     friction = _first_friction(balances)
     if not drive.measured_twice:

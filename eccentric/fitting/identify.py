@@ -138,8 +138,8 @@ def solved(problem: Problem, where: str, positive: Collection[ColumnRole]) -> So
 def _require_rows(problem: Problem, where: str) -> None:
     rows = problem.rows
     least = rows.per_coefficient * (len(problem.coefficients) + len(problem.nonlinear))
-    require_rows(rows.train, least, f"{rows.description} to fit", where)
-    require_rows(rows.score, LEAST_HELD_OUT, f"{rows.description} to hold out", where)
+    require_rows(rows, "train", least, where)
+    require_rows(rows, "score", LEAST_HELD_OUT, where)
 
 
 def _estimates(

@@ -144,11 +144,10 @@ def _key_figures(data: ReportData) -> list[tuple[str, str]]:
 def _errors(data: ReportData) -> list[dict[str, Any]]:
     """Bars of the errors of every balance, then of the further ones; bars in one unit have one scale."""
     given: list[tuple[Errors, float | None]] = []
+    gain = data.errors.gain
     for b in data.errors.balances:
-        interval = (
-            data.errors.gain.interval if data.errors.gain and data.errors.gain.balance == b.name else None
-        )
-        rmse = {m: x for m, x in b.rmse.items() if m != "extended" or data.errors.gain}
+        interval = gain.interval if gain and gain.balance == b.name else None
+        rmse = {m: x for m, x in b.rmse.items() if m != "extended" or gain}
         given.append((Errors(f"{b.name} balance", b.unit, rmse, interval), b.noise_floor))
     given += [(errors, None) for errors in data.errors.further]
     tops: dict[str, float] = {}

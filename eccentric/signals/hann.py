@@ -11,7 +11,6 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import csr_array
 
-from eccentric.errors import InputError
 from eccentric.signals.limits import MOST_WINDOWS
 from eccentric.signals.rows import Rows, blocks_of
 from eccentric.signals.stretches import rows_of_each
@@ -23,14 +22,11 @@ Integers = NDArray[np.int64]
 Mask = NDArray[np.bool_]
 
 
-def hann_windows(
-    time: Array, valid: Mask, segment: Integers, run: Integers, length_s: float, least: int = 1
-) -> Rows:
+def hann_windows(time: Array, valid: Mask, segment: Integers, run: Integers, length_s: float) -> Rows:
     """Return a row for each Hann window whose samples are all valid, all of them for training.
 
     time (n,) [s], valid (n,), segment (n,) number of the stretch without gap, run (n,); stretches may differ
     in their sampling. Blocks do not extend across gaps.
-    Raises InputError if fewer than `least` windows remain.
     """
     label = np.unique(segment, return_inverse=True)[1]
     thinning = int(np.ceil(np.count_nonzero(valid) / MOST_WINDOWS))
@@ -49,11 +45,6 @@ def hann_windows(
         data.append(np.tile(kernel / kernel.sum(), len(centre)))
         sizes.append(np.full(len(centre), len(kernel)))
     width = np.concatenate(sizes)
-    if len(width) < least:
-        raise InputError(
-            f"moving training samples: at least {least} windows of {length_s:.3g} s are required,"
-            f" received {len(width)}"
-        )
     pointer = np.r_[0, np.cumsum(width)]
     columns = np.concatenate(index)
     centre = columns[pointer[:-1] + width // 2]

@@ -10,7 +10,7 @@ from __future__ import annotations
 import dataclasses
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -45,6 +45,7 @@ class Rows:
             None where the acceleration is averaged like any other signal.
         smooth: a filter over the samples, (n,) or (n, k), applied before the mean.
         independent: rows share neither samples nor disturbances, like means of whole runs.
+        remedy: what in the rig file gives more rows, in words; "" for nothing.
     """
 
     t: Array
@@ -58,6 +59,7 @@ class Rows:
     rate_operator: csr_array | None = None
     smooth: Callable[[Array], Array] | None = None
     independent: bool = False
+    remedy: str = ""
 
     def __len__(self) -> int:
         """The number of rows m."""
@@ -160,7 +162,13 @@ def blocks_of(t: Array, label: Integers, samples: Array) -> Integers:
     return np.cumsum(np.diff(key, prepend=key[:1]) != 0)
 
 
-def require_rows(part: Mask, least: int, what: str, where: str) -> None:
-    """Raise InputError if a part (m,) of the rows has fewer than `least`; `where` names the log."""
-    if (count := int(np.count_nonzero(part))) < least:
-        raise InputError(f"{where}: at least {least} moving {what} are required, received {count}")
+def require_rows(rows: Rows, part: Literal["train", "score"], least: int, where: str) -> None:
+    """Raise InputError if fewer than `least` rows are fitted ("train") or held out; `where` names the log."""
+    count = int(np.count_nonzero(rows.train if part == "train" else rows.score))
+    if count < least:
+        purpose = "to fit" if part == "train" else "to hold out"
+        remedy = f": {rows.remedy}" if rows.remedy else ""
+        raise InputError(
+            f"{where}: at least {least} moving {rows.description} {purpose} are required,"
+            f" received {count}{remedy}"
+        )

@@ -66,15 +66,18 @@ def rows_of(channels: Channels, rig: Rig) -> Rows:
         return _samples(channels)
     parts = {"train": ~channels.selection.held_out, "score": channels.selection.held_out}
     found = {name: _averages(channels, rig, part).for_part(name) for name, part in parts.items()}
+    whole = math.isinf(rig.sampling.average_over)
+    what = "whole runs" if whole else f"averages over {_length(channels, rig):.3g} s"
+    shorter = 'a time, such as "0.1 s"' if whole else "a shorter time"
+    remedy = f"in {rig.path}, {shorter} as average_over gives more"
     for name, words in (("train", "to fit"), ("score", "to hold out")):
         if not len(found[name]):
             raise InputError(
-                f"{rig.path}: average_over: at least one average {words} is required, found none"
+                f"{rig.path}: average_over: at least one of the {what} is required {words}, received none:"
+                f" {remedy}"
             )
-    whole = math.isinf(rig.sampling.average_over)
-    what = "whole runs" if whole else f"averages over {_length(channels, rig):.3g} s"
     return dataclasses.replace(
-        in_order(list(found.values())), description=what, smooth=_smoothing(channels, rig)
+        in_order(list(found.values())), description=what, smooth=_smoothing(channels, rig), remedy=remedy
     )
 
 
@@ -89,13 +92,26 @@ def search_rows(channels: Channels, rig: Rig, moving: bool = True) -> Rows:
     else:
         time, clear = channels.time, channels.selection.fit_rows if moving else _clear(channels)
         length = WINDOW_S * 25.0 / rig.sampling.low_pass_hz
-        found = hann_windows(time.t, clear, time.segment, time.run, length, LEAST_WINDOWS)
+        found = hann_windows(time.t, clear, time.segment, time.run, length)
+        _require_windows(found, length, channels, rig)
     if found.independent:
         return found
     if channels.time.points_per_row == 1:
         found = dataclasses.replace(found, smooth=_low_pass(channels, rig))
     runs = np.unique(found.run, return_inverse=True)[1]
     return dataclasses.replace(found, block=runs) if runs.max() + 1 >= MANY_RUNS else found
+
+
+def _require_windows(found: Rows, length: float, channels: Channels, rig: Rig) -> None:
+    if len(found) >= LEAST_WINDOWS:
+        return
+    # Averages replace the windows of the mechanical balance, not those of the electrical one.
+    both = channels.motor.current is not None and channels.motor.voltage is not None
+    key = f"low_pass_hz above {rig.sampling.low_pass_hz:g}" if both else f"average_over below {length:.3g} s"
+    raise InputError(
+        f"{rig.path}: at least {LEAST_WINDOWS} windows of {length:.3g} s in the training part are required,"
+        f" received {len(found)}: the log is short; {key} gives more"
+    )
 
 
 def _clear(channels: Channels) -> Mask:
