@@ -20,13 +20,13 @@ from eccentric.logs import read_log
 from eccentric.rigs import Alignment
 from eccentric.signals.bandwidth import suited
 from eccentric.signals.holdout import Holdout, hold_out
-from eccentric.signals.limits import END_S, POINTS_PER_ROW, RATE_HIGH, RATE_LOW
+from eccentric.signals.limits import END_S, HALF_SPAN_S, POINTS_PER_ROW, RATE_HIGH, RATE_LOW
 from eccentric.signals.measured import Channels, Intake, MeasuredMotion, Motor, Selection, TimeBase
 from eccentric.signals.motion import motion_of, motor_side, of_the_motor, quantum_of, uneven
 from eccentric.signals.moving import clear_of_ends, moving_rows, near_switching
 from eccentric.signals.quality import assess
 from eccentric.signals.refine import is_coarse, logged_step, refined
-from eccentric.signals.stretches import stretches
+from eccentric.signals.stretches import rows_of_each, stretches
 from eccentric.signals.table import Table, read_table
 
 if TYPE_CHECKING:
@@ -77,7 +77,8 @@ def read_channels(logs: Sequence[LogSource], rig: Rig) -> Channels:
     table, said = of_the_motor(logged, rig)
     warnings = [*rig.warnings, *said]
     quantum = quantum_of(logged, rig, table.channels["theta_m"])
-    points = _points(table, rig, quantum, 1)
+    points, paths = _points(table, rig, quantum, 1), [log.path for log in read]
+    _require_length(points, paths)
     rig, said = _suited(rig, points)
     warnings += said
     cut, doubts = rig.sampling.low_pass_hz, uneven(logged)
@@ -88,7 +89,6 @@ def read_channels(logs: Sequence[LogSource], rig: Rig) -> Channels:
     step = logged_step(logged)
     doubts = [*said, *doubts, *_rate_doubt(step, rig)]
     channels = _channels(points, motion, rig, step)
-    paths = [log.path for log in read]
     _require_rows(channels, paths, rig)
     _require_drive(channels, paths)
     channels = channels.realigned(rig, rig.alignment)
@@ -97,6 +97,16 @@ def read_channels(logs: Sequence[LogSource], rig: Rig) -> Channels:
     warnings += [*(finding.text for finding in findings), *doubts]
     intake = dataclasses.replace(channels.intake, warnings=tuple(warnings), findings=findings)
     return dataclasses.replace(channels, intake=intake)
+
+
+def _require_length(points: _Points, paths: Sequence[str]) -> None:
+    """No rows of a stretch shorter than the span of the central difference can move."""
+    longest = max(float(np.ptp(points.t[rows])) for rows in rows_of_each(points.segment))
+    if longest <= 2.0 * HALF_SPAN_S:
+        raise InputError(
+            f"{few(paths)}: more than {2.0 * HALF_SPAN_S:g} s without a gap in time are required, received"
+            f" {longest:.3g} s: is the unit of time right?"
+        )
 
 
 def _points(table: Table, rig: Rig, quantum: float, per_row: int) -> _Points:
