@@ -38,6 +38,7 @@ NEEDS_TEMPERATURE = {
     "coulomb_temperature",
     "resistance_temperature",
     "magnet_temperature",
+    "stribeck_temperature",
 }
 HIDES_TEMPERATURE = {"hidden_thermal_drift"}
 # A log with a temperature leaves out no family.

@@ -33,6 +33,7 @@ FIRST_FIT = {
 ORDERS = {
     "link_harmonic_friction[n=1]",
     "link_harmonic_friction[n=5]",
+    "motor_harmonic_friction[n=3]",
     "cogging[n=1]",
     "cogging[n=24]",
     "kt_ripple[n=1]",

@@ -56,7 +56,7 @@ KEPT = {
     (FORCE,): {
         "of either sign, so that friction may cancel": (
             "coulomb_asymmetry", "viscous_asymmetry", "link_harmonic_friction", "ke_mismatch", "wear_runin",
-            "wear_runin[travel]", "time_drift", "coulomb_temperature[bearing]",
+            "motor_harmonic_friction", "wear_runin[travel]", "time_drift", "coulomb_temperature[bearing]",
         ),
         "taken off friction": (
             "backlash", "presliding", "presliding[lugre]", "hidden_thermal_drift[bearing]",
@@ -69,12 +69,14 @@ KEPT = {
         "by the load on the gear, which may cancel": (
             "load_dependent[transmitted]", "load_dependent[progressive]", "load_dependent[gravity]",
             "gear_efficiency[transmitted]", "gear_efficiency[gravity]",
+            "gear_efficiency[transmitted,driven]", "gear_efficiency[gravity,driven]",
             "stribeck_load[transmitted,d=1]", "stribeck_load[transmitted,d=2]",
             "stribeck_load[gravity,d=1]", "stribeck_load[gravity,d=2]",
         ),
         "an exponential, a root or a quotient, which have errors of their own": (
             "stribeck[d=0.5]", "stribeck[d=1]", "stribeck[d=1.5]", "stribeck[d=2]", "local_defect",
             "sqrt_speed", "eddy_current", "stribeck_load[F_N]", "stribeck_load[Hersey]",
+            "stribeck_temperature",
             "bearing_load[degressive]", "bearing_load[progressive]", "bearing_load[preload]",
         ),
     },

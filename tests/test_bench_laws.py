@@ -87,6 +87,9 @@ FORMULAS: dict[str, Formula] = {
         "viscous": s.viscous * exp(a / (s.temperature + KELVIN) - a / (p.Tamb + KELVIN)) - s.viscous
     },
     "coulomb_temperature": lambda s, a, p, e: {"dry": a * (p.Tamb - s.temperature) * s.dry},
+    "stribeck_temperature": lambda s, a, p, e: {
+        "dry": a * exp(-abs(s.w) / (e.shape[0] * exp(e.shape[1] * (s.temperature - p.Tamb))))
+    },
     "hidden_thermal_drift": lambda s, a, p, e: {
         "dry": a * (p.Tamb - s.temperature) * s.dry,
         "viscous": a * (p.Tamb - s.temperature) * s.viscous,
@@ -94,6 +97,7 @@ FORMULAS: dict[str, Formula] = {
     "wear_runin": lambda s, a, p, e: {"dry": a * exp(-s.travel / e.shape[0])},
     "time_drift": lambda s, a, p, e: {"dry": a * s.t / 15.0},  # seconds of the scenario
     "link_harmonic_friction[n=3]": lambda s, a, p, e: {"dry": a * cos(3 * s.link + e.shape[1])},
+    "motor_harmonic_friction[n=2]": lambda s, a, p, e: {"dry": a * cos(2 * s.theta + e.shape[1])},
     "cogging[n=4]": lambda s, a, p, e: {"torque": a * cos(4 * s.theta + e.shape[1])},
     "kt_ripple[n=6]": lambda s, a, p, e: {"flux": a * cos(6 * s.theta + e.shape[1])},
     "local_defect": lambda s, a, p, e: {"dry": a * bump(s, e)},
@@ -121,8 +125,9 @@ FORMULAS: dict[str, Formula] = {
     "bearing_load[preload]": lambda s, a, p, e: {
         "dry": a * s.normal * (sqrt(1.0 + (e.shape[0] / s.normal) ** 2) - 1.0)
     },
-    "gear_efficiency": lambda s, a, p, e: {"dry": a * abs(s.gravity) * driven(s.gravity, s, e)},
-    "gear_efficiency, C1": lambda s, a, p, e: {
+    "gear_efficiency[easy]": lambda s, a, p, e: {"dry": a * abs(s.gravity) * driven(s.gravity, s, e)},
+    "gear_efficiency[hard]": lambda s, a, p, e: {"dry": a * abs(s.gravity) * driven(s.gravity, s, e)},
+    "gear_efficiency[hard], C1": lambda s, a, p, e: {
         "dry": a * abs(transmitted(s, p)) * driven(transmitted(s, p), s, e)
     },
     "kt_saturation": lambda s, a, p, e: {"flux": 1.0 / (1.0 + a * (s.i / e.shape[0]) ** 2) - 1.0},
@@ -146,7 +151,7 @@ def transmitted(s: Motion, plant: Plant) -> float:
 
 
 def driven(load: float, s: Motion, e: PlantedEffect) -> float:
-    """1 where the motor drives the load, and the smaller part where the load drives it."""
+    """1 where the motor drives the load, and the other factor where the load drives it."""
     return 1.0 if (load > 0.0) == (s.w > 0.0) else e.shape[0]
 
 

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
+from eccentric.effects import library
 from eccentric.emission import load_module
 from eccentric.model import load_model
-from tests.extended import BASE, M_L, G, L, M
+from tests.extended import BASE, M_L, G, L, M, setting
 
 Array = np.ndarray
 WEIGHT, PULL = (M + M_L) * G, M * L
@@ -59,3 +62,24 @@ def test_a_load_by_any_of_its_laws_is_a_polynomial_of_the_speed_in_c1() -> None:
     for power in (1 / 2, 3 / 2):
         assert size(left(force**power * way, *columns)) < 1e-12 * size(force**power)
     assert size(left(change * way, *columns)) < 0.03 * size(change)
+
+
+@pytest.mark.parametrize("mu", [0.2, 0.5, 1.0, 1.0 / 30.0, 0.21])
+def test_an_order_of_the_motor_is_offered_once(mu: float) -> None:
+    """Order k of the motor is order n of the link where k = n mu; the link's names it as its alias."""
+    angle, way = np.linspace(0.0, 50.0, 400), np.sign(np.sin(np.arange(400.0)))
+    given = replace(setting("C2", warm=False), mu=mu)
+    offered = {e.id: e for e in library(given) if "harmonic_friction" in e.family}
+
+    for k in range(1, 25):
+        own = [np.cos(k * angle) * way, np.sin(k * angle) * way]
+        same = [
+            n
+            for n in range(1, 13)
+            if size(left(own[0], np.cos(n * mu * angle) * way, np.sin(n * mu * angle) * way)) < 1e-9
+        ]
+        name = f"motor_harmonic_friction[n={k}]"
+        assert (name in offered) == (not same), (mu, k)
+        assert [f"link_harmonic_friction[n={n}]" for n in same] == [
+            other.id for other in offered.values() if name in other.evidence.aliases
+        ]

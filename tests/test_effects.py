@@ -59,7 +59,7 @@ def test_harmonics_of_all_orders_stand_side_by_side(case: str) -> None:
 
 
 def test_harmonics_begin_with_once_a_turn() -> None:
-    """Every order from 1 on is offered: 12 of the link, 24 of the motor for cogging and for torque ripple."""
+    """Every order is offered, 12 of the link and 24 of the motor, but what at mu = 1/5 is one of the link."""
     orders: dict[str, list[int]] = {}
     for effect in effects("C2").values():
         if effect.evidence.repeats:
@@ -67,6 +67,7 @@ def test_harmonics_begin_with_once_a_turn() -> None:
 
     assert {
         "link_harmonic_friction": list(range(1, 13)),
+        "motor_harmonic_friction": list(range(3, 25)),
         "cogging": list(range(1, 25)),
         "kt_ripple": list(range(1, 25)),
     } == orders

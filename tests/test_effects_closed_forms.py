@@ -129,6 +129,8 @@ MECHANICAL: list[tuple[str, str, dict[str, float], Torque]] = [
      lambda x: (0.02 * np.cos(x["theta_m"]) - 0.03 * np.sin(x["theta_m"])) * np.sign(x["omega_m"])),
     ("C1", "link_harmonic_friction[n=1]", {"link_harmonic_c1": 0.02, "link_harmonic_s1": -0.03},
      lambda x: (0.02 * np.cos(x["theta_m"] / 5) - 0.03 * np.sin(x["theta_m"] / 5)) * np.sign(x["omega_m"])),
+    ("C1", "motor_harmonic_friction[n=3]", {"motor_harmonic_c3": 0.02, "motor_harmonic_s3": -0.03},
+     lambda x: (0.02 * np.cos(3 * x["theta_m"]) - 0.03 * np.sin(3 * x["theta_m"])) * np.sign(x["omega_m"])),
     ("C1", "cogging[n=24]", {"cogging_c24": 0.02, "cogging_s24": 0.05},
      lambda x: 0.02 * np.cos(24 * x["theta_m"]) + 0.05 * np.sin(24 * x["theta_m"])),
     ("C1", "kt_ripple[n=7]", {"kt_ripple_c7": 0.1, "kt_ripple_s7": -0.2},
@@ -164,6 +166,9 @@ MECHANICAL: list[tuple[str, str, dict[str, float], Torque]] = [
     ("C2", "stribeck_load[Hersey]", {"loadrise_C": 0.05, "loadrise_v": 30.0},
      lambda x: MU * 0.05 * normal_force(x) * np.sign(x["omega_m"])
      * np.exp(-np.abs(x["omega_m"]) / 30 * (M + M_L) * G / normal_force(x))),
+    ("C1", "stribeck_temperature", {"filmrise_A": 0.3, "filmrise_v": 12.0, "filmrise_b": 0.03},
+     lambda x: 0.3 * np.sign(x["omega_m"])
+     * np.exp(-np.abs(x["omega_m"]) / (12.0 * np.exp(0.03 * (x["temperature"] - WARM))))),
     ("C2", "bearing_load[degressive]", {"bearing_C": 0.05}, lambda x: MU * 0.05
      * np.sqrt(normal_force(x) * (M + M_L) * G) * np.sign(x["omega_m"])),
     ("C2", "bearing_load[progressive]", {"bearing_C": 0.05}, lambda x: MU * 0.05
@@ -172,6 +177,16 @@ MECHANICAL: list[tuple[str, str, dict[str, float], Torque]] = [
      lambda x: MU * 0.05 * np.hypot(normal_force(x), 3.0) * np.sign(x["omega_m"])),
     ("C1", "gear_efficiency[transmitted]", {"gear_eta": 0.2, "gear_share": 0.3, "gear_rho": 0.3},
      lambda x: 0.2 * efficient(load(x, "C1", 0.3), x["omega_m"], 0.3)),
+    *(
+        (case, f"gear_efficiency[{variant},driven]", {"gear_eta": 0.2, "gear_rho": 2.5, **more},
+         lambda x, case=case, variant=variant: 0.2
+         * efficient(sine_load(x) if variant == "gravity" else load(x, case, 0.3), x["omega_m"], 2.5))
+        for case, variant, more in (
+            ("C1", "transmitted", {"gear_share": 0.3}),
+            ("C2", "transmitted", {"gear_share": 0.3}),
+            ("C2", "gravity", {}),
+        )
+    ),
     ("C2", "gear_efficiency[gravity]", {"gear_eta": 0.2, "gear_rho": 0.3},
      lambda x: 0.2 * efficient(sine_load(x), x["omega_m"], 0.3)),
     ("C1", "presliding", {"presliding_A": 0.1}, lambda x: 0.1 * (x["presliding_z"] - np.sign(x["omega_m"]))),

@@ -82,8 +82,10 @@ def _family(family: str, images: Path) -> str:
             lines += [f"Not offered in case {case}: there it is {held}.", ""]
     orders = [effect.id for effect, _ in members if effect.evidence.repeats]
     if orders:
-        shown = next((effect, model) for effect, model in members if effect.variant == SHOWN_ORDER)
-        lines += [f"Offered for every n from 1 to {len(orders)}; here n = 2.", ""]
+        last = members[-1][0].variant.removeprefix("n=")
+        shown = next((one for one in members if one[0].variant == SHOWN_ORDER), members[0])
+        here = shown[0].variant.replace("=", " = ")
+        lines += [f"Offered for every n up to {last}; here {here}.", ""]
         members = [shown]
     notes = [_notes(effect) for effect, _ in members]
     shared = [note for note in notes[0] if all(note in other for other in notes)]

@@ -40,7 +40,10 @@ CUBIC = Words(
 )
 DEGRESSIVE = Words(
     headline="drag that grows with the square root of the speed",
-    meaning="Degressive drag: a lubricated seal whose resistance grows more slowly as speed rises.",
+    meaning=(
+        "Degressive drag: a lubricated seal whose resistance grows more slowly as speed rises, or the excess"
+        " part of the motor's iron losses."
+    ),
     hint=BY_SPEED,
 )
 ONE_WAY = Words(
@@ -100,7 +103,7 @@ def _sqrt_speed(setting: Setting) -> Effect:
         depends_on=("velocity",),
         formula="D sqrt(|w|/w_ref) sgn w",
         reference="standard form; degressive friction of robots: M. Grotjahn, M. Daemi and B. Heimann, Int."
-        " J. Solids and Structures 38, 2001",
+        " J. Solids and Structures 38, 2001; iron: G. Bertotti, IEEE Trans. Magnetics 24(1), 1988",
         definitions=(reference, *definitions),
         words=DEGRESSIVE,
     )

@@ -19,7 +19,10 @@ w_c = quantity(
 )
 WORDS = Words(
     headline="an eddy-current brake",
-    meaning="Eddy currents: a brake that is viscous at low speed and weakens above its critical speed.",
+    meaning=(
+        "Eddy currents, in a brake or as iron losses of the motor: viscous at low speed, weaker above a"
+        " critical speed."
+    ),
     hint="steady runs below, at and far above the critical speed; removing the magnet removes the effect",
     kin=SPEED,
 )

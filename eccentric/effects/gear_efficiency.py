@@ -41,29 +41,36 @@ def effects(setting: Setting) -> tuple[Effect, ...]:
     """
     inputs = () if setting.case == "C1" else (v.theta_m,)
     both, differ = (1 + rho.symbol) / 2, (1 - rho.symbol) / 2
-    found = []
-    for variant, variable, torque, constants, shapes in loads("gear", setting, share.symbol):
-        # At rest the gear adds nothing, hence the squared direction.
-        basis = both * sp.Abs(load.symbol) * direction + differ * load.symbol * direction**2
-        found.append(
-            addition(
-                "gear_efficiency",
-                [(eta, basis)],
-                variant=variant,
-                role=Role.COULOMB,
-                load=Load.TRANSMITTED,
-                depends_on=(variable, "direction"),
-                formula=f"eta |T| sgn w driving, rho eta |T| sgn w back-driven, T = {FORMULAS[variant]}",
-                reference="A. Gogoussis and M. Donath, IEEE ICRA 1987; T. Verstraten et al., IEEE Robotics"
-                " and Automation Letters 1(1), 2016",
-                shapes=(*(Shape(share, *span) for span in shapes), Shape(rho, 0.0, 0.8, "linear", 5)),
-                definitions=(*constants, Definition(load, torque)),
-                inputs=inputs,
-                words=replace(
-                    WORDS,
-                    headline="gear losses that differ between driving and being driven, by the"
-                    f" {variant} torque",
-                ),
-            )
+    # At rest the gear adds nothing, hence the squared direction.
+    basis = both * sp.Abs(load.symbol) * direction + differ * load.symbol * direction**2
+    return tuple(
+        addition(
+            "gear_efficiency",
+            [(eta, basis)],
+            variant=variant + ending,
+            role=Role.COULOMB,
+            load=Load.TRANSMITTED,
+            depends_on=(variable, "direction"),
+            formula=f"eta |T| sgn w driving, rho eta |T| sgn w back-driven, T = {FORMULAS[variant]}",
+            reference="A. Gogoussis and M. Donath, IEEE ICRA 1987; T. Verstraten et al., IEEE Robotics"
+            " and Automation Letters 1(1), 2016",
+            shapes=(*(Shape(share, *span) for span in shapes), ratios),
+            definitions=(*constants, Definition(load, torque)),
+            inputs=inputs,
+            words=replace(WORDS, headline=headline + f", by the {variant} torque"),
         )
-    return tuple(found)
+        for variant, variable, torque, constants, shapes in loads("gear", setting, share.symbol)
+        for ending, headline, ratios in (
+            (
+                "",
+                "gear losses that differ between driving and being driven",
+                Shape(rho, 0.0, 0.8, "linear", 5),
+            ),
+            # A gear that is near to locking itself. Between the two it is `load_dependent`.
+            (
+                ",driven",
+                "gear losses that are larger when the load drives the motor",
+                Shape(rho, 1.25, 4.0, "log", 4),
+            ),
+        )
+    )

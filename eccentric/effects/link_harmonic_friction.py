@@ -22,12 +22,14 @@ WORDS = Words(
 )
 
 
-def effects(_: Setting) -> tuple[Effect, ...]:
-    """One effect for each order n."""
-    return tuple(_order(n) for n in ORDERS)
+def effects(setting: Setting) -> tuple[Effect, ...]:
+    """One effect for each order n; every 1/mu turns of the motor are one of the link."""
+    return tuple(_order(n, setting.mu) for n in ORDERS)
 
 
-def _order(n: int) -> Effect:
+def _order(n: int, mu: float) -> Effect:
+    of_motor = round(n * mu)
+    same = of_motor > 0 and abs(n * mu - of_motor) < 1e-3 * n * mu
     cosine, sine = harmonic(n * v.mu.symbol)
     C = quantity(f"link_harmonic_c{n}", "N m", f"friction torque by cos({n} theta_l)", letter=f"c_{n}")
     S = quantity(f"link_harmonic_s{n}", "N m", f"friction torque by sin({n} theta_l)", letter=f"s_{n}")
@@ -40,6 +42,7 @@ def _order(n: int) -> Effect:
         formula=f"(c cos({n} theta_l) + s sin({n} theta_l)) sgn w",
         reference="M. R. Popovic and A. A. Goldenberg, IEEE Trans. Robotics and Automation 14(1), 1998",
         inputs=(v.theta_m,),
+        aliases=(f"motor_harmonic_friction[n={of_motor}]",) if same else (),
         repeats=True,
         words=replace(WORDS, headline=f"friction that varies {how_often(n)} per turn of the link"),
     )

@@ -49,9 +49,9 @@ def effects(setting: Setting) -> tuple[Effect, ...]:
             reference="R. Stribeck, Zeitschrift des VDI 46, 1902; with an exponent L. C. Bo and D. Pavelescu,"
             " Wear 82(3), 1982",
             definitions=definitions if power.has(half) else (),
-            # Bristles that bend over no angle at all leave LuGre's g(w) alone; under a constant load
-            # Stribeck friction that follows it is this one.
-            special_of=("presliding", "stribeck_load"),
+            # Bristles that bend over no angle at all leave LuGre's g(w) alone; under a constant load, or at
+            # one temperature, Stribeck friction that follows it is this one.
+            special_of=("presliding", "stribeck_load", "stribeck_temperature"),
             shapes=(Shape(w_s, setting.w_min, 0.6 * setting.w_max, "log", 12),),
             words=replace(WORDS, headline=f"Stribeck friction with exponent {d}"),
         )

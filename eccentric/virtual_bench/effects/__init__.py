@@ -16,10 +16,12 @@ EFFECTS: dict[str, Builder] = {
 
 VARIANTS = {
     "link_harmonic_friction": ("n=1", "n=2", "n=3", "n=4"),
+    "motor_harmonic_friction": ("n=2", "n=13"),
     "cogging": ("n=2", "n=4", "n=6"),
     "kt_ripple": ("n=2", "n=4", "n=6"),
     "viscosity_temperature": ("exponential", "arrhenius"),
     "load_dependent": ("gravity", "transmitted"),
+    "gear_efficiency": ("easy", "hard"),
     "bearing_load": ("Hertz", "Palmgren", "preload"),
     "stribeck_load": ("gravity", "transmitted", "Hersey"),
     "presliding": ("dahl", "lugre"),

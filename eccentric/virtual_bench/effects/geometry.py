@@ -22,6 +22,25 @@ def link_harmonic_friction(request: Request) -> PlantedEffect:
     )
 
 
+def motor_harmonic_friction(request: Request) -> PlantedEffect:
+    """Dry friction that varies n times per turn of the motor: wave generator, teeth of the pinion.
+
+    Unless it is chosen, n is 2 where a turn of the link has more than 24 of them, and 13 elsewhere: a low
+    order of the link may be the same.
+    """
+    drawn = 2 if request.plant.mu < 1.0 / 12.0 else 13
+    order, shift = int(request.variant[2:]) if request.chosen else drawn, request.phase()
+    return PlantedEffect(
+        "motor_harmonic_friction",
+        f"A cos({order} thm + phi) sgn w",
+        request.torque(1.4),
+        simply(dry=lambda s, a: a * cos(order * s.theta + shift)),
+        ("motor_angle",),
+        (float(order), shift),
+        variant=f"n={order}",
+    )
+
+
 def cogging(request: Request) -> PlantedEffect:
     """Cogging torque of slots and magnets, n times per turn of the motor (Hanselman 2003)."""
     order, shift = int(request.variant[2:]), request.phase()
@@ -169,6 +188,7 @@ def _gravity_size(plant: Plant) -> float:
 
 BUILDERS: tuple[Builder, ...] = (
     link_harmonic_friction,
+    motor_harmonic_friction,
     cogging,
     kt_ripple,
     local_defect,

@@ -138,8 +138,8 @@ def bearing_load(request: Request) -> PlantedEffect:
 
 
 def gear_efficiency(request: Request) -> PlantedEffect:
-    """Loss in proportion to the load, smaller when the load drives the motor."""
-    back = request.draw(0.25, 0.5)
+    """Loss in proportion to the load, smaller or larger when the load drives the motor."""
+    back = request.draw(0.25, 0.5) if request.variant == "easy" else request.draw(1.8, 3.0)
     if request.plant.case == "C2":
         form, depends = (
             f"A |G| sgn w when driving, {back} A |G| sgn w when back-driven",
@@ -163,7 +163,16 @@ def gear_efficiency(request: Request) -> PlantedEffect:
 
             return {"dry": dry}
 
-    return PlantedEffect("gear_efficiency", form, 1.4 * request.strength, start, depends, (back,), bound=0.6)
+    return PlantedEffect(
+        "gear_efficiency",
+        form,
+        1.4 * request.strength,
+        start,
+        depends,
+        (back,),
+        bound=0.6,
+        variant=request.variant,
+    )
 
 
 def backlash(request: Request) -> PlantedEffect:

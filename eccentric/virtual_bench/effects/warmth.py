@@ -57,6 +57,21 @@ def coulomb_temperature(request: Request) -> PlantedEffect:
     )
 
 
+def stribeck_temperature(request: Request) -> PlantedEffect:
+    """Rise of dry friction near rest whose speed grows as the oil becomes thinner (Hersey 1914)."""
+    cold, vs = request.plant.Tamb, request.draw(0.05, 0.1) * request.setting.top_speed
+    thins = request.draw(0.03, 0.06)
+    return PlantedEffect(
+        "stribeck_temperature",
+        "A exp(-|w| exp(-b (T - Tamb))/vs) sgn w",
+        request.torque(1.5),
+        simply(dry=lambda s, a: a * exp(-abs(s.w_mid) * exp(-thins * (s.temperature - cold)) / vs)),
+        ("temperature", "velocity"),
+        (vs, thins),
+        needs_temperature=True,
+    )
+
+
 def hidden_thermal_drift(request: Request) -> PlantedEffect:
     """All friction falls as the drive warms, and the log has no temperature column."""
     cold = request.plant.Tamb
@@ -104,6 +119,7 @@ def time_drift(request: Request) -> PlantedEffect:
 BUILDERS: tuple[Builder, ...] = (
     viscosity_temperature,
     coulomb_temperature,
+    stribeck_temperature,
     hidden_thermal_drift,
     wear_runin,
     time_drift,
