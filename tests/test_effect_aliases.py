@@ -83,3 +83,18 @@ def test_an_order_of_the_motor_is_offered_once(mu: float) -> None:
         assert [f"link_harmonic_friction[n={n}]" for n in same] == [
             other.id for other in offered.values() if name in other.evidence.aliases
         ]
+
+
+def test_iron_losses_leave_their_excess_part_alone() -> None:
+    """Of Steinmetz' and Bertotti's torques 1, w and sqrt|w|, C_m and B_m are the first two in both cases."""
+    angle, speed = swings(8.0)
+    way, w = np.sign(speed), 5.0 * speed
+    for columns in (
+        load_module(load_model(BASE["C1"])).regressor(w),
+        load_module(load_model(BASE["C2"])).regressor(5.0 * angle, w),
+    ):
+        iron = {"hysteresis": way, "eddy currents": w, "excess": np.sqrt(np.abs(w)) * way}
+        rest = {part: size(left(torque, *columns.T)) / size(torque) for part, torque in iron.items()}
+
+        assert max(rest["hysteresis"], rest["eddy currents"]) < 1e-12
+        assert rest["excess"] > 0.01
