@@ -12,6 +12,7 @@ from eccentric.api.inputs import LogSources, ModelSource, RigSource, by_name, gi
 from eccentric.api.result import Printed, new_axes, paragraphs
 from eccentric.api.tables import ResultTable
 from eccentric.diagnosis import BASELINE, Contest, contest, contest_document, contest_lines
+from eccentric.model import Model
 from eccentric.rigs import read_rig
 
 if TYPE_CHECKING:
@@ -42,7 +43,7 @@ def compare(
         InputError: bad input; a model twice; one with a tilt, hidden states of its own, or an effect of the
             current from the start; an effect that is unknown or that the mechanical balance does not show.
     """
-    several = models if isinstance(models, list | tuple) else [models]
+    several = [models] if isinstance(models, str | os.PathLike | Model) else models
     own = None if effects is None else given_path(effects, "effects")
     named = [name for model in several if (name := by_name(model)) is not None]
     found = contest(read_logs(logs), read_rig(rig), named, own)

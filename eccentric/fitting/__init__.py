@@ -3,6 +3,20 @@
 In: `Channels`, a `Rig`, a `Model`, for an extended model its effects.  Out: `fit` -> `Fit` (one model against
 Coulomb + viscous friction, as `eccentric fit` shows it); `drive_of` -> `Drive`, `FitData`, `refit` -> `Refit`
 (any model on its own emitted module, as `eccentric diagnose` needs it).
+
+    expressions  smooth signals, compiled expressions, and the columns of a base with their coefficients
+    machine      motor, armature and inertia as numbers
+    drive        the drive torque of a log, and the columns that its rig leaves open, by their roles
+    columns      the coefficients of a fit: names, roles, units, bounds
+    problem      drive, rig and model as a linear problem for given nonlinear values
+    identify     its solution for `eccentric fit`; `combinations`, `document`, `words`, `figure` show it
+    first_fit    its solution as the drive of a log, for `eccentric diagnose`
+    fit_data     the log with this drive, prepared for any model, and the residuals of a model on it
+    extended     a model with effects as a linear problem at a point; `refitting`, `estimates`: its solution
+    emitted      the emitted module of a model
+    states       hidden states along a log
+    limits       every threshold, with its reason
+
 May import: `signals`, `rigs`, `model`, `effects`, `emission`, `estimation`.
 """
 
