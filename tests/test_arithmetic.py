@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from eccentric.errors import InputError
-from eccentric.logs.arithmetic import MAX_DEPTH, MAX_LENGTH, evaluate
+from eccentric.logs.arithmetic import evaluate
+from eccentric.logs.limits import DEEPEST_ARITHMETIC, LONGEST_ARITHMETIC
 
 COLUMNS = {
     "a": np.array([1.0, 2.0, 3.0]),
@@ -74,8 +75,8 @@ BAD = {
     "a and b > 0": "a condition is required, received the number 'a'",
     "a + 1e999": "a finite number is required",
     "9" * 400 + " * a": "a finite number is required",
-    "a" + " + a" * MAX_LENGTH: "at most 500 characters",
-    "-" * (MAX_DEPTH + 2) + "a": "nested deeper",
+    "a" + " + a" * LONGEST_ARITHMETIC: "at most 500 characters",
+    "-" * (DEEPEST_ARITHMETIC + 2) + "a": "nested deeper",
     "(" * 240 + "a" + ")" * 240: "neither a column of the log nor arithmetic",
 }
 

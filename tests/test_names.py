@@ -33,3 +33,35 @@ def test_errors_say_what_is_required_then_what_was_received() -> None:
     }
 
     assert set() == raised
+
+
+DECIDING = ("diagnosis", "estimation", "fitting", "logs", "rigs", "search", "signals")
+# Numbers that are no thresholds: a turn, the exponent and padding of a method, the width of a line.
+NO_THRESHOLDS = {"TURN", "_TURN", "_POWER", "_PADDING", "_WIDTH"}
+
+
+def test_thresholds_of_a_room_are_in_its_limits() -> None:
+    """Named numbers of a room that decides are in `limits.py`; literals in a formula are not seen."""
+    outside = {
+        f"{module}.{name}"
+        for room in DECIDING
+        for module, path in files_of(f"eccentric/{room}").items()
+        if path.name not in {"limits.py", "mat_check.py"}
+        for name in _numbers(path.read_text(encoding="utf-8"))
+    }
+
+    assert set() == {name for name in outside if name.rpartition(".")[2] not in NO_THRESHOLDS}
+
+
+def _numbers(source: str) -> set[str]:
+    """Names of a module that are made of numbers alone."""
+    found = set[str]()
+    for node in ast.parse(source).body:
+        if isinstance(node, ast.Assign) and any(
+            isinstance(part, ast.Constant) and type(part.value) in {int, float}
+            for part in (node.value, *getattr(node.value, "elts", ()))
+        ):
+            found |= {
+                part.id for target in node.targets for part in ast.walk(target) if isinstance(part, ast.Name)
+            }
+    return found

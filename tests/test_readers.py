@@ -169,7 +169,7 @@ def test_a_log_above_the_limit_is_refused_without_unpacking_all_of_it(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """A gzip file that unfolds to more than the limit is one line."""
-    monkeypatch.setattr(log_csv, "LARGEST", 1000)
+    monkeypatch.setattr(log_csv, "MOST_CHARACTERS", 1000)
     path = tmp_path / "log.csv.gz"
     path.write_bytes(gzip.compress(b"a,b\n" + b"1,2\n" * 1000))
     with pytest.raises(InputError, match="at most 1,000 characters are required, received more"):

@@ -17,12 +17,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from eccentric.errors import InputError
+from eccentric.logs.limits import DEEPEST_ARITHMETIC, LONGEST_ARITHMETIC
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-MAX_LENGTH = 500
-MAX_DEPTH = 40
 
 Value = NDArray[Any] | float
 
@@ -53,8 +52,8 @@ def evaluate(text: str, column: Callable[[str], NDArray[np.float64]], where: str
     tree, quoted = _parse(text, where)
 
     def value(node: ast.AST, depth: int) -> Value:
-        if depth > MAX_DEPTH:
-            raise InputError(f"{where}: {text!r} is nested deeper than {MAX_DEPTH}")
+        if depth > DEEPEST_ARITHMETIC:
+            raise InputError(f"{where}: {text!r} is nested deeper than {DEEPEST_ARITHMETIC}")
         match node:
             case ast.Constant(value=int() | float() as number) if not isinstance(number, bool):
                 return _finite(number, text, where)
@@ -100,9 +99,10 @@ def evaluate(text: str, column: Callable[[str], NDArray[np.float64]], where: str
 
 def _parse(text: str, where: str) -> tuple[ast.AST, dict[str, str]]:
     """Return the syntax tree, and for each placeholder the column name that was in backticks."""
-    if len(text) > MAX_LENGTH:
+    if len(text) > LONGEST_ARITHMETIC:
         raise InputError(
-            f"{where}: arithmetic of at most {MAX_LENGTH} characters is required, received {len(text)}"
+            f"{where}: arithmetic of at most {LONGEST_ARITHMETIC} characters is required,"
+            f" received {len(text)}"
         )
     quoted: dict[str, str] = {}
 

@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from eccentric.errors import few
+from eccentric.logs.limits import DEEPEST_STRUCTURE, MOST_PARTS, SHORTEST_VECTOR
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
@@ -20,14 +21,6 @@ if TYPE_CHECKING:
 Column = NDArray[Any]
 
 MISSING = frozenset({"", "na", "n/a", "#n/a", "null", "none", "-"})
-DEEPEST = 20
-"""Structures nested deeper than this are left out: logs have two or three levels."""
-MOST_PARTS = 100
-"""At most this many columns of a matrix, or elements of a structure array with vectors, are named singly."""
-
-
-SHORTEST = 10
-"""Vectors shorter than this are taken for parameters of the rig if there are longer ones."""
 
 
 @dataclass(frozen=True)
@@ -74,7 +67,7 @@ def assemble(content: Mapping[str, Any]) -> Read:
     found = dict(_flat(content, "", 0))
     vectors = {name: value for name, value in found.items() if isinstance(value, np.ndarray)}
     lengths = Counter(len(vector) for vector in vectors.values())
-    rows = max(lengths, key=lambda n: (n >= SHORTEST, lengths[n], n), default=0)
+    rows = max(lengths, key=lambda n: (n >= SHORTEST_VECTOR, lengths[n], n), default=0)
     endings = Counter(map(_last, found))
     columns: dict[str, Column] = {}
     others: list[str] = []
@@ -112,7 +105,7 @@ def _is_scalar(value: Any) -> bool:
 
 def _flat(value: Any, name: str, depth: int) -> Iterator[tuple[str, Any]]:
     """Yield full names with a column, a number, a text or a `LeftOut`."""
-    if isinstance(value, dict) and depth < DEEPEST:
+    if isinstance(value, dict) and depth < DEEPEST_STRUCTURE:
         for key, inner in value.items():
             yield from _flat(inner, f"{name}.{key}" if name else str(key), depth + 1)
     elif isinstance(value, LeftOut | str):

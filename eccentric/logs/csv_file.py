@@ -11,10 +11,9 @@ import numpy as np
 
 from eccentric.errors import InputError
 from eccentric.logs.assemble import Read, column_of, number_of
+from eccentric.logs.limits import MOST_CHARACTERS
 
 POINT = "; a decimal point is required, as in 1.5"
-LARGEST = 1_000_000_000
-"""Longest log, in characters: a small gzip file can unpack to more than fits in memory."""
 
 
 def read_csv(path: Path) -> Read:
@@ -38,9 +37,9 @@ def text_of(path: Path) -> str:
     """Return the UTF-8 text of a file, unpacked if its name ends in .gz; InputError above a gigabyte."""
     opened = gzip.open if path.name.lower().endswith(".gz") else open
     with opened(path, "rt", encoding="utf-8-sig", newline="") as file:
-        text = file.read(LARGEST + 1)
-    if len(text) > LARGEST:
-        raise InputError(f"{path}: at most {LARGEST:,} characters are required, received more")
+        text = file.read(MOST_CHARACTERS + 1)
+    if len(text) > MOST_CHARACTERS:
+        raise InputError(f"{path}: at most {MOST_CHARACTERS:,} characters are required, received more")
     return text
 
 

@@ -12,6 +12,8 @@ from collections.abc import Container
 from dataclasses import dataclass
 from math import prod
 
+from eccentric.logs.limits import DEEPEST_VARIABLE, MOST_BYTES
+
 MATRIX, COMPRESSED = 14, 15
 BYTES = {1: 1, 2: 1, 3: 2, 4: 2, 5: 4, 6: 4, 7: 4, 9: 8, 12: 8, 13: 8}
 """Bytes per number, by type code."""
@@ -20,9 +22,6 @@ LETTERS = {1: 1, 2: 1, 4: 2, 16: 1, 17: 2, 18: 4}
 CELL, STRUCTURE, OBJECT, CHAR, SPARSE = 1, 2, 3, 4, 5
 NUMBERS = range(6, 16)
 FUNCTION, OPAQUE = 16, 17
-DEEPEST = 50
-LARGEST = 1_000_000_000
-"""Largest variable, in bytes, unpacked."""
 
 
 class DamagedError(ValueError):
@@ -77,9 +76,9 @@ def check(data: bytes) -> None:
         kind, content = rest.element(padded=False)
         if kind == COMPRESSED:
             unpacker = zlib.decompressobj()
-            content = memoryview(unpacker.decompress(content, LARGEST))
+            content = memoryview(unpacker.decompress(content, MOST_BYTES))
             if unpacker.unconsumed_tail:
-                raise DamagedError(f"a variable has more than {LARGEST:,} bytes")
+                raise DamagedError(f"a variable has more than {MOST_BYTES:,} bytes")
             if not unpacker.eof:
                 raise DamagedError("it breaks off")
             kind, content = _Bytes(content, order).element()
@@ -90,8 +89,8 @@ def check(data: bytes) -> None:
 
 def _matrix(rest: _Bytes, depth: int) -> None:
     """Check the content of a matrix element; it may be empty below the top."""
-    if depth > DEEPEST:
-        raise DamagedError(f"it is nested deeper than {DEEPEST}")
+    if depth > DEEPEST_VARIABLE:
+        raise DamagedError(f"it is nested deeper than {DEEPEST_VARIABLE}")
     if not len(rest.data) and depth:
         return
     flags = rest.numbers()
@@ -105,7 +104,7 @@ def _matrix(rest: _Bytes, depth: int) -> None:
         return
     shape = rest.numbers()
     count = prod(shape)
-    if not 2 <= len(shape) <= 32 or min(shape) < 0 or count > LARGEST:
+    if not 2 <= len(shape) <= 32 or min(shape) < 0 or count > MOST_BYTES:
         raise DamagedError("an array has an impossible size")
     _word(rest)
     if kind in NUMBERS:
@@ -117,7 +116,7 @@ def _matrix(rest: _Bytes, depth: int) -> None:
         code, content = rest.require(LETTERS)
         if len(content) % LETTERS[code] or not (len(content) >= count * LETTERS[code] or not len(content)):
             raise DamagedError("a text does not have its declared length")
-        if len(content) == 0 and count > 8 * DEEPEST:
+        if len(content) == 0 and count > 8 * DEEPEST_VARIABLE:
             raise DamagedError("a long text is empty")
     elif kind == CELL:
         _inner(rest, depth, count)

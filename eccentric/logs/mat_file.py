@@ -12,14 +12,13 @@ import numpy as np
 
 from eccentric.errors import InputError
 from eccentric.logs.assemble import LeftOut, Read, assemble
+from eccentric.logs.limits import DEEPEST_REFERENCE
 from eccentric.logs.mat_check import check
 
 _OBJECT = LeftOut(
     "since only MATLAB reads its tables, strings and objects: save table2struct(T, 'ToScalar', true), "
     "char or numbers instead"
 )
-_DEEPEST = 20
-"""References in a file of version 7.3 can go in circles."""
 
 
 def read_mat(path: Path) -> Read:
@@ -68,7 +67,11 @@ def _value(item: Any, h5py: Any, depth: int) -> Any:
     """Return a variable of an HDF5 file as SciPy would: arrays are stored transposed, cells as references."""
     kind = item.attrs.get("MATLAB_class", b"")
     kind = kind.decode() if isinstance(kind, bytes) else str(kind)
-    if depth > _DEEPEST or "MATLAB_object_decode" in item.attrs or kind in ("table", "timetable", "string"):
+    if (
+        depth > DEEPEST_REFERENCE
+        or "MATLAB_object_decode" in item.attrs
+        or kind in ("table", "timetable", "string")
+    ):
         return _OBJECT
     if isinstance(item, h5py.Group):
         return _records({name: _value(inner, h5py, depth + 1) for name, inner in item.items()})

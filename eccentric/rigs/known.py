@@ -12,13 +12,10 @@ from eccentric.errors import InputError
 from eccentric.logs import parse_value
 from eccentric.model import vocabulary
 from eccentric.rigs.entries import read_number, read_pair, read_table, refuse_unknown
+from eccentric.rigs.limits import LARGEST, SMALLEST
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
-
-
-_SMALLEST, _LARGEST = 1e-15, 1e9
-"""Sizes that a quantity can have besides zero, in SI: from the inertia of a watch's wheel to a ship's."""
 
 
 @dataclass(frozen=True)
@@ -49,7 +46,7 @@ class Known:
     def has_size(self, value: float) -> bool:
         """Return whether a drive can have such a size; a tilt and a load may be zero but for rounding."""
         rounded = math.isfinite(self.upper) or math.isinf(self.lower)
-        return abs(value) <= _LARGEST and (abs(value) >= _SMALLEST or value == 0.0 or rounded)
+        return abs(value) <= LARGEST and (abs(value) >= SMALLEST or value == 0.0 or rounded)
 
 
 KNOWNS = (
@@ -101,7 +98,7 @@ def read_value(value: object, known: Known, key: str, where: str) -> float:
     if not known.allows(number):
         raise InputError(f"{where}: a value {known.required} is required, received {value!r}")
     if not known.has_size(number):
-        sizes = f"{_SMALLEST:g} to {_LARGEST:g}{'' if known.unit == '1' else ' ' + known.unit}"
+        sizes = f"{SMALLEST:g} to {LARGEST:g}{'' if known.unit == '1' else ' ' + known.unit}"
         raise InputError(f"{where}: a value of size {sizes} is required, received {value!r}")
     return number
 

@@ -17,6 +17,7 @@ from eccentric.places import given_path, shown
 from eccentric.rigs.entries import plain_entries, read_intervals, read_names, read_number, refuse_unknown
 from eccentric.rigs.file import read_file
 from eccentric.rigs.known import mass_alone, read_knowns
+from eccentric.rigs.limits import LEAST_LOW_PASS_HZ
 from eccentric.rigs.parts import ALIGNMENT, Alignment, LogMap, NamedHoldout, Sampling
 from eccentric.rigs.sources import read_columns
 
@@ -25,8 +26,6 @@ if TYPE_CHECKING:
 
 __all__ = ["Rig", "read_rig"]
 
-_LEAST_LOW_PASS_HZ = 1e-3
-"""Below, the filter is singular in double precision at usual rates, and nothing of the motion remains."""
 DRIVES = ("current", "voltage", "torque")
 KEYS = (
     *("format", "name", "log_type", "known", "unknown", "columns", "drive", "encoder_counts_per_rev"),
@@ -127,7 +126,7 @@ def _rig(content: Mapping[str, Any], where: str, name: str) -> Rig:
         ),
         sampling=Sampling(
             low_pass_hz=read_number(
-                content.get("low_pass_hz", 25.0), f"{where}: low_pass_hz", _LEAST_LOW_PASS_HZ
+                content.get("low_pass_hz", 25.0), f"{where}: low_pass_hz", LEAST_LOW_PASS_HZ
             ),
             low_pass_given="low_pass_hz" in content,
             moving_threshold_rad_s=_optional(content, "moving_threshold_rad_s", where, open_below=False),

@@ -1,0 +1,28 @@
+"""Every limit of what is read from a file, each with its reason."""
+
+# Which columns of a file are a log.
+
+SHORTEST_VECTOR = 10
+"""Vectors shorter than this are taken for parameters of the rig if there are longer ones."""
+MOST_PARTS = 100
+"""At most this many columns of a matrix, or elements of a structure array with vectors, are named singly."""
+DEEPEST_STRUCTURE = 20
+"""Structures nested deeper than this are left out: logs have two or three levels."""
+
+# What a damaged or hostile file may cost.
+
+MOST_CHARACTERS = 1_000_000_000
+"""Longest text of a log: a small gzip file can unpack to more than fits in memory."""
+MOST_BYTES = 1_000_000_000
+"""Largest variable of a MAT file, unpacked, for the same reason."""
+DEEPEST_VARIABLE = 50
+"""Nesting at which a MAT variable counts as damaged: each level is a call."""
+DEEPEST_REFERENCE = 20
+"""References in a file of version 7.3 can go in circles."""
+
+# Arithmetic on columns.
+
+LONGEST_ARITHMETIC = 500
+"""Characters; a longer text is no formula that a person wrote into a rig file."""
+DEEPEST_ARITHMETIC = 40
+"""Nesting; no formula that a person wrote is deeper, and each level is a call."""

@@ -1,0 +1,6 @@
+"""Every limit of what a rig file may say, each with its reason."""
+
+SMALLEST, LARGEST = 1e-15, 1e9
+"""Sizes that a quantity can have besides zero, in SI: from the inertia of a watch's wheel to a ship's."""
+LEAST_LOW_PASS_HZ = 1e-3
+"""Below, the filter is singular in double precision at usual rates, and nothing of the motion remains."""
