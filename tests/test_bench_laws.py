@@ -73,26 +73,27 @@ def weight(plant: Plant) -> float:
 
 KELVIN = 273.15
 FORMULAS: dict[str, Formula] = {
-    "stribeck": lambda s, a, p, e: {"dry": a * exp(-(abs(s.w / e.shape[0]) ** e.shape[1]))},
-    "quadratic_drag": lambda s, a, p, e: {"viscous": a * abs(s.w)},
-    "cubic_drag": lambda s, a, p, e: {"viscous": a * s.w * s.w},
-    "oneway_windage": lambda s, a, p, e: {"viscous": one_way(s, e, a * abs(s.w))},
+    "stribeck": lambda s, a, p, e: {"rise": a * exp(-(abs(s.w / e.shape[0]) ** e.shape[1]))},
+    "quadratic_drag": lambda s, a, p, e: {"drag": a * abs(s.w)},
+    "cubic_drag": lambda s, a, p, e: {"drag": a * s.w * s.w},
+    "oneway_windage": lambda s, a, p, e: {"drag": one_way(s, e, a * abs(s.w))},
     "coulomb_asymmetry": lambda s, a, p, e: {"dry": one_way(s, e, a)},
     "viscous_asymmetry": lambda s, a, p, e: {"viscous": one_way(s, e, a)},
-    "eddy_current": lambda s, a, p, e: {"viscous": a * e.shape[0] ** 2 / (e.shape[0] ** 2 + s.w**2)},
+    "eddy_current": lambda s, a, p, e: {"drag": a * e.shape[0] ** 2 / (e.shape[0] ** 2 + s.w**2)},
     "viscosity_temperature[exponential]": lambda s, a, p, e: {
-        "viscous": s.viscous * exp(-a * (s.temperature - p.Tamb)) - s.viscous
+        "warm viscous": exp(-a * (s.temperature - p.Tamb)) - 1.0
     },
     "viscosity_temperature[arrhenius]": lambda s, a, p, e: {
-        "viscous": s.viscous * exp(a / (s.temperature + KELVIN) - a / (p.Tamb + KELVIN)) - s.viscous
+        "warm viscous": exp(a / (s.temperature + KELVIN) - a / (p.Tamb + KELVIN)) - 1.0
     },
-    "coulomb_temperature": lambda s, a, p, e: {"dry": a * (p.Tamb - s.temperature) * s.dry},
+    "coulomb_temperature": lambda s, a, p, e: {"warm dry": a * (p.Tamb - s.temperature)},
     "stribeck_temperature": lambda s, a, p, e: {
-        "dry": a * exp(-abs(s.w) / (e.shape[0] * exp(e.shape[1] * (s.temperature - p.Tamb))))
+        "rise": a * exp(-abs(s.w) / (e.shape[0] * exp(e.shape[1] * (s.temperature - p.Tamb))))
     },
     "hidden_thermal_drift": lambda s, a, p, e: {
-        "dry": a * (p.Tamb - s.temperature) * s.dry,
-        "viscous": a * (p.Tamb - s.temperature) * s.viscous,
+        "warm dry": a * (p.Tamb - s.temperature),
+        "warm viscous": a * (p.Tamb - s.temperature),
+        "warm rise": a * (p.Tamb - s.temperature),
     },
     "wear_runin": lambda s, a, p, e: {"dry": a * exp(-s.travel / e.shape[0])},
     "time_drift": lambda s, a, p, e: {"dry": a * s.t / 15.0},  # seconds of the scenario
@@ -109,12 +110,12 @@ FORMULAS: dict[str, Formula] = {
     "inertia_mismatch": lambda s, a, p, e: {"inertia": a * (p.J_m + p.mu**2 * p.J_l)},
     "load_dependent[gravity]": lambda s, a, p, e: {"dry": a * abs(s.gravity)},
     "load_dependent[transmitted]": lambda s, a, p, e: {"dry": a * abs(transmitted(s, p))},
-    "stribeck_load[gravity]": lambda s, a, p, e: {"dry": a * abs(s.gravity) / exp(s.w**2 / e.shape[0] ** 2)},
+    "stribeck_load[gravity]": lambda s, a, p, e: {"rise": a * abs(s.gravity) / exp(s.w**2 / e.shape[0] ** 2)},
     "stribeck_load[transmitted]": lambda s, a, p, e: {
-        "dry": a * abs(transmitted(s, p)) / exp(s.w**2 / e.shape[0] ** 2)
+        "rise": a * abs(transmitted(s, p)) / exp(s.w**2 / e.shape[0] ** 2)
     },
     "stribeck_load[Hersey]": lambda s, a, p, e: {
-        "dry": a * s.normal * exp(-abs(s.w) / e.shape[0]) ** (weight(p) / s.normal)
+        "rise": a * s.normal * exp(-abs(s.w) / e.shape[0]) ** (weight(p) / s.normal)
     },
     "bearing_load[Hertz]": lambda s, a, p, e: {
         "dry": a * s.normal * ((weight(p) / s.normal) ** (1 / 3) - 1.0)

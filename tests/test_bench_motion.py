@@ -155,3 +155,33 @@ def test_what_the_circuit_gives_the_flux_turns_into_work(family: str) -> None:
         given += dt * (8.0 * motion.i - plant.R * motion.i**2)
 
     assert given == pytest.approx(0.5 * plant.inertia * motion.w**2, rel=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("warm", "other", "reached"),
+    [
+        ("coulomb_temperature", "link_harmonic_friction[n=2]", True),
+        ("coulomb_temperature", "local_defect", True),
+        ("coulomb_temperature", "stribeck", False),
+        ("viscosity_temperature[exponential]", "viscous_asymmetry", True),
+        ("viscosity_temperature[exponential]", "quadratic_drag", False),
+        ("hidden_thermal_drift", "stribeck", True),
+    ],
+)
+def test_warmth_changes_the_friction_of_other_effects(warm: str, other: str, reached: bool) -> None:
+    """One oil, one pair of surfaces: a law of temperature is a factor on friction of its kind, whoever adds it."""
+    given = {}
+    for names in ([warm, other], [warm]):
+        scenario = drawn_scenario(effects=names)
+        bound = laws(scenario.effects)
+        motion = Motion(scenario.plant, theta=-3.0, w=25.0, effects=len(bound))
+        motion.temperature = scenario.plant.Tamb + 20.0
+        mover(scenario.plant, motion, 1e-4, bound)(1.0)
+        given[len(names)] = dict(zip([(e.family, port) for port, e, _ in bound], motion.acting, strict=True))
+    family = warm.partition("[")[0]
+    (added,) = (value for (name, _), value in given[2].items() if name != family)
+    more = sum(given[2][key] - given[1][key] for key in given[1])
+    (falls,) = {round(law(motion, e.amplitude), 12) for _, e, law in bound}
+
+    assert added != 0.0
+    assert (falls * added if reached else 0.0) == pytest.approx(more, rel=1e-6, abs=1e-15)

@@ -99,9 +99,9 @@ def _run(scenario: Scenario) -> _Raw:
     for k, (port, effect, law) in enumerate(bound):
         place = next(n for n, one in enumerate(scenario.effects) if one is effect)
         value = np.array(acting)[:, k]
-        if port == "dry":
+        if port in {"dry", "rise", "warm dry", "warm rise"}:
             value = value * np.sign(w_mid)
-        elif port == "viscous":
+        elif port in {"viscous", "drag", "warm viscous"}:
             value = value * w_mid
         elif port == "inertia":
             value = value * alpha

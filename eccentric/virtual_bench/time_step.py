@@ -50,7 +50,8 @@ def mover(
         return [(n, law, e.amplitude) for n, (where, e, law) in enumerate(bound) if where == port]
 
     dry_laws, viscous_laws, torque_laws, drop_laws = of("dry"), of("viscous"), of("torque"), of("drop")
-    flux_laws = of("flux")
+    flux_laws, rise_laws, drag_laws = of("flux"), of("rise"), of("drag")
+    warm_dry, warm_viscous, warm_rise = of("warm dry"), of("warm viscous"), of("warm rise")
     inertia = plant.inertia
     for n, law, amplitude in of("inertia"):
         acting[n] = law(s, amplitude)
@@ -84,6 +85,24 @@ def mover(
             acting[n] = value = law(s, amplitude)
             dry += value
         for n, law, amplitude in viscous_laws:
+            acting[n] = value = law(s, amplitude)
+            viscous += value
+        level, coefficient = dry, viscous  # warmth changes all of them, whatever effect added to them
+        for n, law, amplitude in warm_dry:
+            acting[n] = value = law(s, amplitude) * level
+            dry += value
+        for n, law, amplitude in warm_viscous:
+            acting[n] = value = law(s, amplitude) * coefficient
+            viscous += value
+        near_rest = 0.0
+        for n, law, amplitude in rise_laws:
+            acting[n] = value = law(s, amplitude)
+            near_rest += value
+        dry += near_rest
+        for n, law, amplitude in warm_rise:
+            acting[n] = value = law(s, amplitude) * near_rest
+            dry += value
+        for n, law, amplitude in drag_laws:
             acting[n] = value = law(s, amplitude)
             viscous += value
         for n, law, amplitude in torque_laws:

@@ -70,14 +70,14 @@ def stribeck_load(request: Request) -> PlantedEffect:
     if request.variant == "Hersey" and request.plant.case == "C2":
         vs, weight = request.draw(0.5, 0.6) * top, (request.plant.M + request.plant.M_l) * request.plant.g
 
-        def dry(s: Motion, a: float) -> float:
+        def rise(s: Motion, a: float) -> float:
             return a * s.normal * exp(-abs(s.w_mid) * weight / (vs * s.normal)) if s.normal else 0.0
 
         return PlantedEffect(
             "stribeck_load",
             "A F_N exp(-|w| (M + M_l) g/(vs F_N)) sgn w",
             request.torque(2.0) / weight,
-            simply(dry=dry),
+            simply(rise=rise),
             ("velocity", "link_angle"),
             (vs,),
             variant="Hersey",
@@ -87,7 +87,7 @@ def stribeck_load(request: Request) -> PlantedEffect:
 
     def start() -> dict[str, Law]:
         load = (lambda s: s.gravity) if gravity else _transmitted(request.plant)
-        return {"dry": lambda s, a: a * abs(load(s)) * exp(-((s.w_mid / vs) ** 2))}
+        return {"rise": lambda s, a: a * abs(load(s)) * exp(-((s.w_mid / vs) ** 2))}
 
     return PlantedEffect(
         "stribeck_load",

@@ -16,6 +16,11 @@ Law = Callable[[Motion, float], float]
 PORTS = {
     "dry": "level added to the Coulomb friction, which remains set-valued [N m]",
     "viscous": "coefficient added to the viscous friction [N m s/rad]",
+    "rise": "level added to the Coulomb friction near rest, where no film carries [N m]",
+    "drag": "coefficient of a drag without contact: air, churned oil, eddy currents [N m s/rad]",
+    "warm dry": "relative change of all Coulomb friction, that of other effects included",
+    "warm viscous": "relative change of all viscous friction, that of other effects included",
+    "warm rise": "relative change of all that is added near rest",
     "torque": "torque against the motor [N m]",
     "flux": "relative change of the torque constant, and of the back-EMF constant: power is conserved",
     "inertia": "inertia beyond the declared one, constant over a log [kg m^2]",

@@ -12,7 +12,7 @@ def stribeck(request: Request) -> PlantedEffect:
         "stribeck",
         "A exp(-(|w|/vs)^d) sgn w",
         request.torque(2.0),
-        simply(dry=lambda s, a: a * exp(-((abs(s.w_mid) / vs) ** power))),
+        simply(rise=lambda s, a: a * exp(-((abs(s.w_mid) / vs) ** power))),
         ("velocity",),
         (vs, power),
     )
@@ -24,7 +24,7 @@ def quadratic_drag(request: Request) -> PlantedEffect:
         "quadratic_drag",
         "A w |w|",
         request.torque() / request.setting.speed**2,
-        simply(viscous=lambda s, a: a * abs(s.w_mid)),
+        simply(drag=lambda s, a: a * abs(s.w_mid)),
         ("velocity",),
     )
 
@@ -35,7 +35,7 @@ def cubic_drag(request: Request) -> PlantedEffect:
         "cubic_drag",
         "A w^3",
         request.torque() / request.setting.speed**3,
-        simply(viscous=lambda s, a: a * s.w_mid**2),
+        simply(drag=lambda s, a: a * s.w_mid**2),
         ("velocity",),
     )
 
@@ -47,7 +47,7 @@ def oneway_windage(request: Request) -> PlantedEffect:
         "oneway_windage",
         "A w |w| for w of one sign",
         request.torque(1.4) / request.setting.speed**2,
-        simply(viscous=lambda s, a: a * abs(s.w_mid) if s.w_mid * way > 0.0 else 0.0),
+        simply(drag=lambda s, a: a * abs(s.w_mid) if s.w_mid * way > 0.0 else 0.0),
         ("velocity", "direction"),
         (way,),
     )
@@ -86,7 +86,7 @@ def eddy_current(request: Request) -> PlantedEffect:
         "eddy_current",
         "A w/(1 + (w/wc)^2)",
         request.torque(2.5) / wc,
-        simply(viscous=lambda s, a: a / (1.0 + (s.w_mid / wc) ** 2)),
+        simply(drag=lambda s, a: a / (1.0 + (s.w_mid / wc) ** 2)),
         ("velocity",),
         (wc,),
     )

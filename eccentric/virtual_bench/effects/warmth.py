@@ -2,6 +2,8 @@
 
 from math import exp
 
+from eccentric.virtual_bench.motion import Motion
+
 from .record import Builder, PlantedEffect, Request, simply
 
 _KELVIN = 273.15
@@ -33,7 +35,7 @@ def viscosity_temperature(request: Request) -> PlantedEffect:
         "viscosity_temperature",
         form,
         size,
-        simply(viscous=lambda s, a: s.viscous * factor(s.temperature, a)),
+        simply(**{"warm viscous": lambda s, a: factor(s.temperature, a)}),
         ("temperature", "velocity"),
         (cold,),
         bound=bound,
@@ -49,7 +51,7 @@ def coulomb_temperature(request: Request) -> PlantedEffect:
         "coulomb_temperature",
         "-A (T - Tamb) c sgn w",
         1.5 * request.strength / request.setting.warming,
-        simply(dry=lambda s, a: -a * (s.temperature - cold) * s.dry),
+        simply(**{"warm dry": lambda s, a: -a * (s.temperature - cold)}),
         ("temperature",),
         (cold,),
         bound=0.8 / request.setting.warming,
@@ -65,7 +67,7 @@ def stribeck_temperature(request: Request) -> PlantedEffect:
         "stribeck_temperature",
         "A exp(-|w| exp(-b (T - Tamb))/vs) sgn w",
         request.torque(1.5),
-        simply(dry=lambda s, a: a * exp(-abs(s.w_mid) * exp(-thins * (s.temperature - cold)) / vs)),
+        simply(rise=lambda s, a: a * exp(-abs(s.w_mid) * exp(-thins * (s.temperature - cold)) / vs)),
         ("temperature", "velocity"),
         (vs, thins),
         needs_temperature=True,
@@ -75,14 +77,15 @@ def stribeck_temperature(request: Request) -> PlantedEffect:
 def hidden_thermal_drift(request: Request) -> PlantedEffect:
     """All friction falls as the drive warms, and the log has no temperature column."""
     cold = request.plant.Tamb
+
+    def falls(s: Motion, a: float) -> float:
+        return -a * (s.temperature - cold)
+
     return PlantedEffect(
         "hidden_thermal_drift",
         "-A (T - Tamb) f, T heated by the losses and not logged",
         1.5 * request.strength / request.setting.warming,
-        simply(
-            dry=lambda s, a: -a * (s.temperature - cold) * s.dry,
-            viscous=lambda s, a: -a * (s.temperature - cold) * s.viscous,
-        ),
+        simply(**dict.fromkeys(("warm dry", "warm viscous", "warm rise"), falls)),
         ("time", "history"),
         (cold,),
         bound=0.8 / request.setting.warming,
