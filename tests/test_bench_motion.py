@@ -169,7 +169,7 @@ def test_what_the_circuit_gives_the_flux_turns_into_work(family: str) -> None:
     ],
 )
 def test_warmth_changes_the_friction_of_other_effects(warm: str, other: str, reached: bool) -> None:
-    """One oil, one pair of surfaces: a law of temperature is a factor on friction of its kind, whoever adds it."""
+    """One oil, one pair of surfaces: temperature is a factor on all friction of its kind."""
     given = {}
     for names in ([warm, other], [warm]):
         scenario = drawn_scenario(effects=names)
