@@ -53,7 +53,7 @@ def _lines(body: Body, *, vector: bool) -> list[str]:
         read = names_in(later.text for later in body.lines[k + 1 :]) | {*body.results}
         lines += _assigned(line, read)
     if body.lines and body.lines[-1].targets == body.results and vector == (len(body.results) > 1):
-        own = len(_assigned(body.lines[-1], set()))
+        own = len(_assigned(body.lines[-1], {*body.results}))
         return [*lines[:-own], *broken("return ", body.lines[-1].text)]
     return [*lines, *_returned(body.results, vector)]
 
