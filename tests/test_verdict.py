@@ -36,7 +36,7 @@ def rival(family: str, odds: float) -> Candidate:
 
 
 def test_one_clear_effect_is_named() -> None:
-    """It has its coefficient, its share of the scale, and the probability of being alone."""
+    """It has its coefficient, its share of the scale, and a probability that no variant doubts."""
     found = verdict({2: 3.0}, A, B, scale=20.0)
     (only,) = found.adopted
 
@@ -44,7 +44,8 @@ def test_one_clear_effect_is_named() -> None:
     assert ("mechanical", "a") == (only.balance, only.variant.candidate.id)
     assert only.coefficients == pytest.approx([3.0], rel=1e-9)
     assert only.share == pytest.approx(3.0 / 20.0, rel=1e-9)
-    assert found.candidates[0].probability == pytest.approx(1.0, abs=1e-9)
+    assert found.candidates[0].probability == pytest.approx(101 / 102, rel=1e-9)
+    assert (100, 100, {}) == (only.found, only.variants, only.instead)
 
 
 def test_errors_of_candidates_are_root_mean_squares() -> None:
@@ -93,19 +94,21 @@ def test_all_families_that_explain_the_log_alike_are_tied() -> None:
     chances = {c.family: c.probability for c in found.candidates}
 
     assert ("not_identifiable", ("a", "b", "c")) == (found.verdict, found.tied)
-    assert chances == pytest.approx(
-        {name: odds / 2.16 for name, odds in (("a", 1.0), ("b", 0.7), ("c", 0.4), ("d", 0.06))}, rel=1e-4
-    )
+    expected = {name: odds / 2.16 for name, odds in (("a", 1.0), ("b", 0.7), ("c", 0.4), ("d", 0.06))}
+    expected["a"] = (100.0 * expected["a"] + 1.0) / 102.0
+    # Models of two effects explain as much; the second one costs them a factor of exp(-4).
+    assert chances == pytest.approx(expected, abs=math.exp(-4.0))
     assert ["a", "b", "c", "d"] == [c.family for c in found.candidates]
 
 
 def test_one_family_is_never_tied_with_nothing() -> None:
     """Where every other is improbable by itself, the best of them is tied all the same."""
-    others = [rival(f"r{k}", 0.05 + 0.001 * k) for k in range(7)]
-    found = verdict({2: 3.0}, A, *others)
+    odds = [0.04 + 0.001 * k for k in range(9)]
+    found = verdict({2: 3.0}, A, *(rival(f"r{k}", one) for k, one in enumerate(odds)))
 
-    assert max(c.probability for c in found.candidates[1:]) < limits.POSSIBLE
-    assert ("a", "r6") == found.tied
+    assert 1.0 / (1.0 + sum(odds)) < limits.SURE
+    assert max(odds) / (1.0 + sum(odds)) < limits.POSSIBLE
+    assert ("a", "r8") == found.tied
 
 
 @pytest.mark.parametrize(

@@ -29,7 +29,13 @@ from eccentric.diagnosis.orders import Order, orders_of
 from eccentric.diagnosis.outcome import Asked, Diagnosis
 from eccentric.diagnosis.request import SearchRequest
 from eccentric.diagnosis.score import OverRuns, Score, leave_runs_out
-from eccentric.diagnosis.words import closest_sentence, diagnosis_lines, diagnosis_sentence, sibling_sentence
+from eccentric.diagnosis.words import (
+    closest_sentence,
+    diagnosis_lines,
+    diagnosis_sentence,
+    sibling_sentence,
+    stability_words,
+)
 
 __all__ = [
     "BASE",
@@ -59,4 +65,5 @@ __all__ = [
     "result_name",
     "script",
     "sibling_sentence",
+    "stability_words",
 ]

@@ -150,6 +150,14 @@ def _identified(found: Diagnosis) -> dict[str, Any]:
     return said
 
 
+def _stability(found: Diagnosis, effect: Effect) -> dict[str, Any] | None:
+    """In how many variants of the log the search finds the effect, and what it finds instead."""
+    for own in found.attribution.adopted:
+        if own.variant.candidate.id == effect.id and own.variants:
+            return {"variants": own.variants, "found": own.found, "instead": dict(own.instead)}
+    return None
+
+
 def _effect(found: Diagnosis, effect: Effect) -> dict[str, Any]:
     values = dict(next(own for e, own in found.models.extended.effects if e is effect))
     parameters = {}
@@ -171,5 +179,6 @@ def _effect(found: Diagnosis, effect: Effect) -> dict[str, Any]:
         "reference": effect.reference,
         "parameters": parameters,
         "share_of_friction_rms": found.models.extended.shares.get(effect.id, 0.0),
+        "stability": _stability(found, effect),
         "aliases": list(effect.evidence.aliases),
     }

@@ -16,7 +16,7 @@ from eccentric.effects import Correction, Effect, Words
 from eccentric.emission import load_module
 from eccentric.errors import few
 
-__all__ = ["closest_sentence", "diagnosis_lines", "diagnosis_sentence", "sibling_sentence"]
+__all__ = ["closest_sentence", "diagnosis_lines", "diagnosis_sentence", "sibling_sentence", "stability_words"]
 
 
 def diagnosis_sentence(found: Diagnosis) -> str:
@@ -228,7 +228,18 @@ def _effect(found: Diagnosis, effect: Effect, own: Mapping[str, float]) -> str:
         error = "" if estimate is None else f" (std error {estimate.std_error:.2g})"
         shown.append(f"{q.name} = {own[q.name]:.4g}{'' if q.unit == '1' else ' ' + q.unit}{error}")
     share = 100 * found.models.extended.shares.get(effect.id, 0.0)
-    return f"  {effect.id}, {share:.1f} % of the friction: {', '.join(shown)}"
+    variants = stability_words(found, effect)
+    where = f", in {variants}" if variants else ""
+    return f"  {effect.id}, {share:.1f} % of the friction{where}: {', '.join(shown)}"
+
+
+def stability_words(found: Diagnosis, effect: Effect) -> str:
+    """In how many variants of the log an adopted effect is found, and what is found instead; or ""."""
+    own = next((a for a in found.attribution.adopted if a.variant.candidate.id == effect.id), None)
+    if own is None or not own.variants:
+        return ""
+    instead = ", ".join(f"{family} in {times}" for family, times in own.instead.items())
+    return f"{own.found} of {own.variants} variants of the log" + (f" ({instead})" if instead else "")
 
 
 def _errors(models: Mapping[str, float]) -> str:

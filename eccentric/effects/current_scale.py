@@ -43,7 +43,9 @@ def effects(setting: Setting) -> tuple[Effect, ...]:
         bounds=((-1.0, None),),
         depends_on=("gravity_load", "acceleration"),
         formula="k_i/(1 + r) for k_i: r (J alpha + G)",
-        corrects=Correction(v.k_i, v.k_i.symbol / (1 + ratio.symbol), looks_wrong=("J", "M g L")),
+        corrects=Correction(
+            v.k_i, v.k_i.symbol / (1 + ratio.symbol), looks_wrong=("J", "M g L"), tolerance=0.02
+        ),
         reference="standard form; torque constant: W. Leonhard, Control of Electrical Drives, Springer",
         aliases=("resistance_mismatch",) if setting.by_voltage else (),
         inputs=(v.theta_m,),

@@ -33,7 +33,7 @@ def effects(setting: Setting) -> tuple[Effect, ...]:
         bounds=((-0.95, None),),
         depends_on=("acceleration",),
         formula="J (1 + r) for J",
-        corrects=Correction(v.J, setting.base.inertia * (1 + ratio.symbol)),
+        corrects=Correction(v.J, setting.base.inertia * (1 + ratio.symbol), tolerance=0.05),
         reference="C. G. Atkeson, C. H. An and J. M. Hollerbach, Int. J. Robotics Research 5(3), 1986",
         aliases=aliases,
         words=WORDS,

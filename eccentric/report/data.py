@@ -100,7 +100,8 @@ class CandidateRow:
 class AddedEffect:
     """An effect of the extended model: description, formula, source, its share of the friction (0 to 1).
 
-    meaning: what it is and where it comes from, one sentence; headline: the same in a few words, or "".
+    meaning: what it is and where it comes from, one sentence; headline: the same in a few words, or "";
+    stability: in how many variants of the log it is found, and what is found instead, or "".
     """
 
     id: str
@@ -110,6 +111,7 @@ class AddedEffect:
     reference: str
     share: float
     headline: str = ""
+    stability: str = ""
 
     @property
     def called(self) -> str:

@@ -10,7 +10,13 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 
-from eccentric.diagnosis import Diagnosis, closest_sentence, diagnosis_sentence, sibling_sentence
+from eccentric.diagnosis import (
+    Diagnosis,
+    closest_sentence,
+    diagnosis_sentence,
+    sibling_sentence,
+    stability_words,
+)
 from eccentric.effects import Effect
 from eccentric.report.balance import balance_of
 from eccentric.report.data import (
@@ -101,6 +107,7 @@ def _added(effect: Effect, found: Diagnosis) -> AddedEffect:
         reference=effect.reference,
         share=found.models.extended.shares.get(effect.id, 0.0),
         headline=effect.words.headline,
+        stability=stability_words(found, effect),
     )
 
 

@@ -26,6 +26,7 @@ from eccentric.search.joint import Joint
 from eccentric.search.nulltest import correlated, null_quantile
 from eccentric.search.screen import Fitted, Screen
 from eccentric.search.smooth import Variables, smooth_terms
+from eccentric.search.stability import Stability, stability_of
 from eccentric.signals import BalanceDesign
 
 __all__ = ["Search", "search_all"]
@@ -39,7 +40,7 @@ class Search:
 
     base: the paper's model alone; best: with the adopted variants; ranked: the first step's candidates;
     smoothed: smooth terms beside the adopted ones; alternatives: per adopted variant, family -> (probability,
-        fit).
+        fit); tried: other models that were compared with the best; stability: of the adopted effects.
     """
 
     screen: Screen
@@ -49,6 +50,8 @@ class Search:
     ranked: list[Fitted] = field(default_factory=list)
     smoothed: list[Fitted] = field(default_factory=list)
     alternatives: list[dict[str, tuple[float, Fitted]]] = field(default_factory=list)
+    tried: list[Fitted] = field(default_factory=list)
+    stability: Stability = field(default_factory=Stability)
 
     def run(self) -> None:
         """Adopt, compare, then fit the smooth terms to what is left."""
@@ -61,12 +64,14 @@ class Search:
             tried = [self.swapped(self.screen.refine(fitted)) for fitted in leaders]
             if len(self.best.variants) == 1:
                 tried += self.pairs()
-            tried = [f for f in tried if self.worth_it(self.best, f) and self.clears(self.best, f)]
             tried = [f for f in tried if self.confirmed(f)]
+            self.tried += tried
+            tried = [f for f in tried if self.worth_it(self.best, f) and self.clears(self.best, f)]
             if not tried:
                 break
             self.best = self.pruned(min(tried, key=lambda f: f.score))
         self._compare()
+        self._examine()
         self.smoothed = self.smooth.rank(self.best.variants)
 
     def deviance(self, before: Fitted, after: Fitted, screen: Screen | None = None) -> float:
@@ -158,6 +163,36 @@ class Search:
             if len(fitted.variants) > 1 and not self.worth_it(without, fitted):
                 return self.pruned(self.screen.refine(without))
         return fitted
+
+    def instead(self, family: str) -> dict[str, int]:
+        """Families that variants of the log find in the place of an adopted one: in how many, most first."""
+        beside = {variant.candidate.family for variant in self.best.variants}
+        least = limits.POSSIBLE * self.stability.variants
+        found = self.stability.instead(family, beside).most_common(limits.IN_PLACE)
+        return {other: times for other, times in found if times >= least}
+
+    def _examine(self) -> None:
+        """Drop the effects that too few variants of the log find, even with what takes their place.
+
+        Those that stay keep their alternatives: what is dropped is still missing, and would confuse them.
+        """
+        self.stability = stability_of(self.screen, self._models())
+        families = [v.candidate.family for v in self.best.variants]
+        kept = [k for k, f in enumerate(families) if self.stability.nearly_all(f, *self.instead(f))]
+        if len(kept) < len(families):
+            self.best = self.screen.refine(self.screen.fit([self.best.variants[k] for k in kept]))
+            self.alternatives = [self.alternatives[k] for k in kept]
+
+    def _models(self) -> list[Fitted]:
+        """The best model first, then those that came close, each set of effects once."""
+        places = range(len(self.best.variants))
+        reduced = [self.screen.fit(_without(self.best, place)) for place in places]
+        rivals = [fitted for options in self.alternatives for _, fitted in options.values()]
+        close = sorted([*reduced, *rivals, *self.tried], key=lambda f: f.score)[: limits.CLOSE]
+        models: dict[frozenset[str], Fitted] = {}
+        for fitted in [self.best, *close]:
+            models.setdefault(frozenset(v.candidate.id for v in fitted.variants), fitted)
+        return list(models.values())
 
     def _compare(self, changes: int = limits.CHANGES) -> None:
         """Probabilities of the families in the place of each adopted variant, the others kept.

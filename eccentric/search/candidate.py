@@ -57,6 +57,7 @@ class Candidate:
         the same coefficients.
     joint: whether both balances measure it: the flux of the motor shows in torque and voltage.
     instrument: the same columns on signals whose noise is not the target's, None where there are none.
+    tolerance: of a declared value that it corrects, in units of its coefficient; 0 if it corrects none.
     ridge: penalty on the coefficients, relative to their scaled diagonal (smooth terms only).
     words: what a person reads about it.
     """
@@ -74,6 +75,7 @@ class Candidate:
     also: Callable[[Values], Array] | None = None
     joint: bool = False
     instrument: Callable[[Values], Array] | None = None
+    tolerance: float = 0.0
     ridge: float = 0.0
     words: Words = field(default_factory=Words)
 

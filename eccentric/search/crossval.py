@@ -42,11 +42,21 @@ class Gram:
             matrix[b], vector[b], square[b] = x.T @ x, x.T @ y, y @ y
         return cls(matrix, vector, square, np.bincount(block, minlength=count))
 
+    def drawn(self, times: Array) -> Gram:
+        """The same with each block counted several times, (b,)."""
+        return Gram(
+            self.matrix * times[:, None, None],
+            self.vector * times[:, None],
+            self.square * times,
+            self.rows * times,
+        )
+
     def loss(self, coefficients: Array) -> Array:
         """Sum of squared residuals of each block; coefficients (p,) or one set per block (b, p)."""
         c = np.broadcast_to(coefficients, self.vector.shape)
         quadratic = np.einsum("bi,bij,bj->b", c, self.matrix, c)
-        return self.square - 2.0 * np.einsum("bi,bi->b", c, self.vector) + quadratic
+        # Coefficients that extrapolate wildly leave the rounding of huge numbers, of either sign.
+        return np.abs(self.square - 2.0 * np.einsum("bi,bi->b", c, self.vector) + quadratic)
 
 
 def bounded_solve(matrix: Array, vector: Array, lower: Array, ridge: Array | float = 0.0) -> Array:

@@ -109,7 +109,19 @@ def candidate_of(
         changes=changes,
         scales=_scales(effect, model, extended, signals, names, states),
         roles=tuple(_role(effect, q.symbol) for q in effect.coefficients) if changes is None else (),
+        tolerance=_tolerance(effect, signals) if changes is None else 0.0,
     )
+
+
+def _tolerance(effect: Effect, signals: Signals) -> float:
+    """The coefficient at which the value that an effect corrects is off by its tolerance; 0 for none."""
+    wrong = effect.corrects
+    if wrong is None or not wrong.tolerance:
+        return 0.0
+    coefficient = effect.coefficients[0].symbol
+    per_unit = sp.diff(sp.log(wrong.value), coefficient)
+    at = {symbol: signals.known.get(symbol.name, 0.0) for symbol in per_unit.free_symbols}
+    return wrong.tolerance / abs(float(per_unit.subs(at)))
 
 
 def _on_flux(effect: Effect) -> bool:

@@ -12,6 +12,7 @@ __all__ = [
     "BELOW_NOISE",
     "CHANGES",
     "CLEARS",
+    "CLOSE",
     "CONFIRMED",
     "CONFIRMED_PART",
     "DRAWS",
@@ -21,9 +22,11 @@ __all__ = [
     "FIRST_STEP",
     "FOLDS",
     "FORMS_OF_A_PATCH",
+    "IN_PLACE",
     "LEADERS",
     "LEADERS_OF_A_PARTNER",
     "LEADERS_OF_A_SWAP",
+    "LEAST_BLOCKS",
     "LEAST_DEVIANCE",
     "LEAST_DIFFERENCE",
     "LEAST_MOTION",
@@ -46,12 +49,14 @@ __all__ = [
     "ROWS_FOR_ONE",
     "SHAPE_TOLERANCE",
     "SPECIAL",
+    "STABLE",
     "SURE",
     "SWAPPED",
     "TINY_COLUMN",
     "TRIED",
     "UNEXPLAINED",
     "UNEXPLAINED_OVER_RUNS",
+    "VARIANTS",
 ]
 
 # The gain that adopting an effect requires.
@@ -86,8 +91,8 @@ that the speed loop makes of ripple and quantisation begins."""
 LOWEST_BAND_HZ = 2.0
 """The lowest such band, doubled until it holds the motion."""
 CONFIRMED = 8.0
-"""Deviance that a candidate has to gain on its instrument: it was not chosen there, so that one column gains
-more than 6.6 by chance in one log of a hundred."""
+"""Deviance that a candidate has to gain on its instrument, or in a variant of the log: it was not chosen
+there, so that one column gains more than 6.6 by chance in one log of a hundred."""
 CONFIRMED_PART = 0.1
 """Part of its own gain that it has to gain there: less is the noise of its own signals, and a remainder."""
 
@@ -103,6 +108,19 @@ POSSIBLE = 0.05
 FORMS_OF_A_PATCH = 3
 """Number of members of one family that no longer count as an effect: one or two orders do, three approximate
 a shape that none of them has."""
+
+# How stable a name is.
+
+VARIANTS = 100
+"""Variants of a log: shares of them are known to some percent."""
+STABLE = 0.9
+"""Least share of the variants that find a named effect."""
+IN_PLACE = 2
+"""Families that may be tied with one that is not stable: if three take its place, nobody knows what it is."""
+LEAST_BLOCKS = 4
+"""Fewest blocks to draw from: of three, one draw in nine is a single block."""
+CLOSE = 24
+"""Models compared in every variant, best first: one that loses by more on the whole log wins no draw."""
 
 # Structure that no effect explains.
 

@@ -58,6 +58,7 @@ class Screen:
 
     def __init__(self, balance: BalanceDesign, candidates: Sequence[Candidate], noise: float = 0.0) -> None:
         self.balance = balance
+        self.candidates = candidates
         self.block = balance.rows.block
         self.rows = len(balance.target)
         self.floor = self.rows * noise**2

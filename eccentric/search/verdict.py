@@ -31,13 +31,17 @@ class Adopted:
     """An adopted variant with its balance.
 
     coefficients: of its columns, none if its parameters are all shapes; share: RMS that it removes from the
-        residual beside the others, as a fraction of the balance's scale.
+        residual beside the others, as a fraction of the balance's scale; found: in how many of the `variants`
+        of the log its family is part of the best model; instead: family -> in how many it takes the place.
     """
 
     balance: str
     variant: Variant
     coefficients: tuple[float, ...]
     share: float
+    found: int = 0
+    variants: int = 0
+    instead: Mapping[str, int] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
@@ -154,11 +158,16 @@ def _adopted(searches: dict[str, Search]) -> tuple[list[Adopted], list[Ranked], 
             share = np.sqrt(max(without.score - best.score, 0.0) / screen.rows) / screen.balance.scale
             options = search.alternatives[place]
             candidate = variant.candidate
-            probability = options[candidate.family][0]
-            entry = _ranked(candidate, name, search, best, probability)
-            found.append((Adopted(name, variant, tuple(map(float, own)), float(share)), entry))
-            if probability < limits.SURE:
-                tied += _alike({family: chance for family, (chance, _) in options.items()})
+            family, stability = candidate.family, search.stability
+            chances = {family: chance for family, (chance, _) in options.items()}
+            if stability.variants:
+                chances = {other: stability.weight(other, family) for other in options}
+                chances[family] = stability.probability(family)
+            entry = _ranked(candidate, name, search, best, chances[family])
+            counted = stability.found(family), stability.variants, search.instead(family)
+            found.append((Adopted(name, variant, tuple(map(float, own)), float(share), *counted), entry))
+            if chances[family] < limits.SURE or not stability.nearly_all(family):
+                tied += _alike(chances)
     found.sort(key=lambda pair: -pair[0].share)
     return [one for one, _ in found], [entry for _, entry in found], list(dict.fromkeys(tied))
 
@@ -182,7 +191,10 @@ def _runners_up(searches: dict[str, Search], named: set[str], about: set[str]) -
     best: dict[str, Ranked] = {}
     for name, search in searches.items():
         pool = [
-            (p, f) for options in search.alternatives for p, f in options.values() if f is not search.best
+            (search.stability.weight(family) if search.stability.variants else p, f)
+            for options in search.alternatives
+            for family, (p, f) in options.items()
+            if f is not search.best
         ]
         for probability, fitted in [*pool, *((0.0, fitted) for fitted in search.ranked)]:
             candidate = fitted.last

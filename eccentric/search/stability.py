@@ -1,0 +1,165 @@
+"""How stable a search is: which effects it would have found had an engineer chosen otherwise.
+
+A hundred variants of the log. In each, every model that came close is fitted and cross-validated on blocks
+drawn with replacement (on average 37 % of them are left out), in turn
+
+- on the rows as they are, or on means of two neighbouring rows (a lower bandwidth);
+- with the declared values as they are, or free within their usual tolerance (R, k_i, k_e: 2 %, J: 5 %).
+
+The best model of a variant is the one with the best score. A family is stable if it is part of the best
+model of nearly every variant, whatever is beside it.
+
+References: N. Meinshausen, P. Buehlmann, "Stability selection", J. Royal Statistical Society B 72(4), 2010
+(halves of the data; draws with replacement vary as much, and keep the size of the log);
+J. H. Huggins, J. W. Miller, "Reproducible model selection using bagged posteriors", Bayesian Analysis 18(1),
+2023 (the mean of the posterior over such draws).
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from eccentric.search import limits
+from eccentric.search.candidate import Candidate, Variant
+from eccentric.search.crossval import Gram, cross_validate
+from eccentric.search.nulltest import correlated
+from eccentric.search.screen import Fitted, Screen
+
+__all__ = ["Stability", "stability_of"]
+
+Array = np.ndarray
+
+
+@dataclass(frozen=True)
+class Stability:
+    """What the variants of a log found; nothing where it has too few blocks.
+
+    best: of each variant, the families of its best model; weights: families of a model -> its mean posterior
+    weight.
+    """
+
+    best: tuple[frozenset[str], ...] = ()
+    weights: Mapping[frozenset[str], float] = field(default_factory=dict)
+
+    @property
+    def variants(self) -> int:
+        """The number of variants."""
+        return len(self.best)
+
+    def found(self, *families: str) -> int:
+        """In how many variants one of the families is part of the best model."""
+        return sum(not own.isdisjoint(families) for own in self.best)
+
+    def nearly_all(self, *families: str) -> bool:
+        """Whether nearly every variant finds one of the families, or there are none to say otherwise."""
+        return self.found(*families) >= limits.STABLE * self.variants
+
+    def instead(self, family: str, beside: set[str]) -> Counter[str]:
+        """What the best model has where it lacks a family: the families that are not `beside` it."""
+        missing = (families - beside for families in self.best if family not in families)
+        return Counter(other for families in missing for other in families)
+
+    def weight(self, family: str, lacking: str = "") -> float:
+        """The mean weight of the models that have a family, or that have it and lack another."""
+        return sum(w for own, w in self.weights.items() if family in own and lacking not in own)
+
+    def probability(self, family: str) -> float:
+        """The weight of a family by the rule of succession: no number of variants proves a certainty."""
+        return (self.variants * self.weight(family) + 1.0) / (self.variants + 2.0)
+
+
+def stability_of(screen: Screen, models: Sequence[Fitted]) -> Stability:
+    """The best of some models in every variant of a log.
+
+    models: those that came close, each with its own effects, the adopted one first. A declared value that it
+    corrects is not free in any of them.
+    """
+    first, count = models[0], int(screen.block[-1]) + 1
+    # Where two predict alike, the one with fewer effects is the better.
+    models = sorted(models, key=lambda fitted: len(fitted.variants))
+    if count < limits.LEAST_BLOCKS:
+        return Stability()
+    adopted = {variant.candidate.id for variant in first.variants}
+    free = [c for c in screen.candidates if c.tolerance and c.id not in adopted]
+    as_one = correlated(screen, screen.residual(first))
+    noise = as_one * first.score / screen.rows
+    draws = _draws(count)
+    loss = np.stack([_scores(screen, fitted, free, noise, draws) for fitted in models], axis=1)
+    bonus = np.array([_bonus(fitted, models) for fitted in models])
+    # A log without noise leaves rounding.
+    least = np.finfo(float).eps * float(screen.balance.target @ screen.balance.target)
+    log = bonus - 0.5 * screen.rows / as_one * np.log(np.maximum(loss, least))
+    weight = np.exp(log - log.max(axis=1, keepdims=True))
+    mean = np.mean(weight / weight.sum(axis=1, keepdims=True), axis=0)
+    families = [_families(fitted) for fitted in models]
+    weights: dict[frozenset[str], float] = {}
+    for own, share in zip(families, mean, strict=True):
+        weights[own] = weights.get(own, 0.0) + float(share)
+    return Stability(tuple(families[k] for k in np.argmax(log, axis=1)), weights)
+
+
+def _families(fitted: Fitted) -> frozenset[str]:
+    return frozenset(variant.candidate.family for variant in fitted.variants)
+
+
+def _bonus(fitted: Fitted, models: Sequence[Fitted]) -> float:
+    """Log-odds of a model: for special cases of what another model has, against effects and their shapes."""
+    every = frozenset().union(*(_families(model) for model in models))
+    own = [variant.candidate.evidence.special_of for variant in fitted.variants]
+    special = sum(bool(every & set(general)) for general in own)
+    shapes = sum(len(variant.values) for variant in fitted.variants)
+    return limits.SPECIAL * special - 0.5 * (shapes + limits.CONFIRMED * len(own))
+
+
+def _draws(count: int) -> Array:
+    """How often each block is drawn (variants, blocks)."""
+    rng = np.random.default_rng(limits.ORDER_OF_FOLDS)
+    return rng.multinomial(count, np.full(count, 1.0 / count), limits.VARIANTS)
+
+
+def _scores(screen: Screen, fitted: Fitted, free: Sequence[Candidate], noise: float, draws: Array) -> Array:
+    """Cross-validated sum of squares of a model in every variant (variants,).
+
+    noise: variance of a row, times the rows that count as one: a free value is held to its tolerance by it.
+    """
+    target, design, lower = screen.design(fitted.variants)
+    extra = [screen.columns(Variant(c, {}), fitted.variants) for c in free]
+    stacked, p = np.column_stack([target, design, *extra]), design.shape[1]
+    bands = [(stacked, screen.block)]
+    if not screen.balance.rows.independent:
+        bands.append(_means_of_two(stacked, screen.block))
+    tolerance = np.array([candidate.tolerance for candidate in free])
+    settings = [(_others(rows[:, : 1 + p], block), lower, np.zeros(p)) for rows, block in bands] + [
+        (
+            _others(rows, block),
+            np.r_[lower, np.full(len(free), -np.inf)],
+            np.r_[np.zeros(p), _held(rows[:, 1 + p :], noise, tolerance)],
+        )
+        for rows, block in bands
+        if len(free)
+    ]
+    scores = np.empty(len(draws))
+    for number, times in enumerate(draws):
+        gram, bounds, prior = settings[number % len(settings)]
+        scores[number] = cross_validate(gram.drawn(times), bounds, screen.fold, prior).sum()
+    return scores
+
+
+def _held(columns: Array, noise: float, tolerance: Array) -> Array:
+    """Penalties (k,) on the coefficients of columns (rows, k), in units of the scaled diagonal."""
+    return noise / (tolerance**2 * np.maximum(np.sum(columns**2, axis=0), np.finfo(float).tiny))
+
+
+def _others(rows: Array, block: Array) -> Gram:
+    """The normal equations of the first column by the others, for each block."""
+    return Gram.of(rows[:, 1:], rows[:, 0], block)
+
+
+def _means_of_two(rows: Array, block: Array) -> tuple[Array, Array]:
+    """Means of neighbouring rows of one block, with their blocks."""
+    same = block[1:] == block[:-1]
+    return 0.5 * (rows[1:] + rows[:-1])[same], block[1:][same]

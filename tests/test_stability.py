@@ -1,0 +1,150 @@
+"""In how many variants of a log a search finds the same, where every loss is known in closed form.
+
+See `searched`: a fit that has a column takes its amplitude out, in every draw of the blocks alike.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from eccentric.search import limits
+from eccentric.search.attribution import Search
+from eccentric.search.candidate import Candidate, grid
+from eccentric.search.crossval import fold_of_block
+from eccentric.search.screen import Screen
+from eccentric.search.stability import Stability, stability_of
+from eccentric.search.verdict import decided
+from eccentric.signals import BalanceDesign
+from tests.searched import BLOCKS, COLUMNS, SIZE, N, adopted, candidate, design, search
+
+A, B, C = candidate("a", {2: 1.0}), candidate("b", {3: 1.0}), candidate("c", {4: 1.0})
+
+
+def stability(balance: BalanceDesign, models: Sequence[Sequence[Candidate]], *others: Candidate) -> Stability:
+    """The stability of the first model among some; `others` are on offer without a model that has them."""
+    screen = Screen(balance, [*{c.id: c for model in models for c in model}.values(), *others])
+    return stability_of(screen, [screen.fit([grid(c)[0] for c in model]) for model in models])
+
+
+def found_by(families: str) -> Stability:
+    """A stability whose hundred variants find one family each, a letter of the text, "-" for none."""
+    best = tuple(frozenset() if letter == "-" else frozenset(letter) for letter in families)
+    return Stability(best, {own: best.count(own) / len(best) for own in best})
+
+
+def test_an_effect_that_all_blocks_show_is_found_in_all_variants() -> None:
+    """Its probability is 101/102: a hundred variants do not prove a certainty."""
+    found = stability(design({2: 3.0}), [[A], [B], []])
+
+    assert (100, 100, {}) == (found.variants, found.found("a"), dict(found.instead("a", {"a"})))
+    assert found.probability("a") == pytest.approx(101 / 102, rel=1e-9)
+
+
+def deviance(times: np.ndarray, shown: np.ndarray, h: float) -> float:
+    """Of a column that the blocks `shown` hold with amplitude h, the noise being 1, under cross-validation.
+
+    A fold with weight w, v of it in those blocks, is predicted with the mean amplitude h c of all others,
+    which takes h^2 (2 c v - c^2 w) out of w + h^2 v.
+    """
+    fold = fold_of_block(BLOCKS, limits.FOLDS)
+    before, gain = 0.0, 0.0
+    for number in range(limits.FOLDS):
+        mine = fold == number
+        w, v = times[mine].sum(), times[mine & shown].sum()
+        c = times[~mine & shown].sum() / times[~mine].sum()
+        before += w + h**2 * v
+        gain += h**2 * (2.0 * c * v - c**2 * w)
+    return float(N * np.log(before / (before - gain)))
+
+
+@pytest.mark.parametrize("shown", [3, 4, 5])
+def test_an_effect_that_few_blocks_show_is_found_where_enough_of_them_are_drawn(shown: int) -> None:
+    """As often as in 2000 draws of our own, for which the deviance is known in closed form."""
+    chosen = np.arange(BLOCKS) < shown
+    balance = design({})
+    balance = replace(balance, target=balance.target + 3.0 * COLUMNS[:, 2] * np.repeat(chosen, SIZE))
+    rng = np.random.default_rng(20)
+    draws = [np.bincount(rng.integers(0, BLOCKS, BLOCKS), minlength=BLOCKS) for _ in range(2000)]
+    expected = limits.VARIANTS * np.mean([deviance(one, chosen, 3.0) > limits.CONFIRMED for one in draws])
+
+    found = stability(balance, [[A], []]).found("a")
+
+    assert abs(found - expected) < 4.0 * np.sqrt(expected * (1.0 - expected / limits.VARIANTS)) + 1.0
+
+
+def test_a_declared_value_is_free_within_its_tolerance_in_every_second_variant() -> None:
+    """A value that is off by one unit makes `b` the best; where it is free, the true effect is."""
+    off = replace(candidate("off", {5: 1.0}), tolerance=10.0)
+    mixture = candidate("b", {2: 3.0, 5: 1.0, 6: 0.5})
+    balance = design({2: 3.0, 5: 1.0})
+
+    assert (50, 50) == tuple(stability(balance, [[A], [mixture], []], off).found(name) for name in "ab")
+    assert 100 == stability(balance, [[A], [mixture], []]).found("b")
+
+
+def test_a_declared_value_is_not_free_beyond_its_tolerance() -> None:
+    """The same value off by far more than it is known to: its correction is not a matter of tolerance."""
+    off = replace(candidate("off", {5: 1.0}), tolerance=1e-4)
+    mixture = candidate("b", {2: 3.0, 5: 1.0, 6: 0.5})
+
+    assert 100 == stability(design({2: 3.0, 5: 1.0}), [[A], [mixture], []], off).found("b")
+
+
+def test_means_of_two_rows_lose_what_changes_from_row_to_row() -> None:
+    """Column 1 is + - + - in turn: every second variant sees nothing of it."""
+    fast = candidate("fast", {1: 1.0})
+    balance = design({1: 3.0, 7: 1.0}, independent=False)
+
+    assert 50 == stability(balance, [[fast], []]).found("fast")
+
+
+def test_a_log_of_three_blocks_has_no_variants() -> None:
+    """Draws of three blocks are no variants of a log; then the whole log decides alone."""
+    balance = design({2: 3.0})
+    rows = replace(balance.rows, block=np.arange(N) // (N // 3 + 1))
+    found = stability(replace(balance, rows=rows), [[A], []])
+
+    assert (0, True) == (found.variants, found.nearly_all("a"))
+
+
+@pytest.mark.parametrize(
+    ("variants", "expected", "tied"),
+    [
+        (90 * "a" + 10 * "b", "named", ()),
+        (89 * "a" + 11 * "b", "not_identifiable", ("a", "b")),
+        (70 * "a" + 26 * "b" + 4 * "c", "not_identifiable", ("a", "b")),
+        (30 * "a" + 20 * "b" + 50 * "c", "not_identifiable", ("c", "a", "b")),
+    ],
+)
+def test_named_is_what_nine_variants_of_ten_find(variants: str, expected: str, tied: tuple[str, ...]) -> None:
+    """Otherwise it is tied with the families that one variant in twenty or more finds instead."""
+    found = search({2: 3.0}, A, B, C)
+    found.stability = found_by(variants)
+    verdict = decided({"mechanical": found})
+    (only,) = verdict.adopted
+
+    assert (expected, tied) == (verdict.verdict, verdict.tied)
+    assert (variants.count("a"), 100) == (only.found, only.variants)
+
+
+def test_an_effect_that_nothing_replaces_is_dropped_where_few_variants_find_it() -> None:
+    """Three blocks show the second effect: the whole log proves it, two variants in three find it."""
+    fold = fold_of_block(BLOCKS, limits.FOLDS)
+    chosen = np.isin(np.arange(BLOCKS), [np.flatnonzero(fold == k)[0] for k in range(3)])
+    event = COLUMNS[:, [3]] * np.repeat(chosen, SIZE)[:, None]
+    balance = design({2: 3.0})
+    balance = replace(balance, target=balance.target + 5.0 * event[:, 0])
+    rare = candidate("rare", of=lambda _: event)
+    screen = Screen(balance, [A, rare])
+    base = screen.fit([])
+    found = Search(screen, Screen(balance, []), base, base)
+
+    found.run()
+
+    alone, both = (screen.fit([grid(c)[0] for c in effects]) for effects in ([A], [A, rare]))
+    assert found.worth_it(alone, both)
+    assert ["a"] == adopted(found)
