@@ -41,9 +41,11 @@ def render_check(model: Model, files: Mapping[str, str]) -> dict[str, str]:
 
 def views(model: Model, files: Mapping[str, str]) -> dict[str, dict[str, Any]]:
     """The variables of the templates: kind of file -> view."""
-    source = files[f"{model.name}.py"]
+    source, in_c = files[f"{model.name}.py"], files[f"{model.name}.c"]
     module = executed(files, model.name)
-    public = {name: getattr(module, name) for name in module.__all__ if name.islower()}
+    # Firmware steps hidden states itself; only Python follows them through a log.
+    names = [name for name in module.__all__ if f"{model.name}_{name}(" in in_c]
+    public = {name: getattr(module, name) for name in names}
     inputs = _inputs(model, public.values())
     functions = [_function(model.name, name, function, inputs) for name, function in public.items()]
     defaults = _defaults(model)
@@ -55,9 +57,8 @@ def views(model: Model, files: Mapping[str, str]) -> dict[str, dict[str, Any]]:
         "program": re.findall(r"program \w+", source)[0],
         "assumed": [(name, repr(value)) for name, value in assumed.items()],
     }
-    source = files[f"{model.name}.c"]
-    driver = {"proof.c": given | proof.view(model, functions, inputs, source)}
-    tested = given | selftest.view(module, functions, inputs, defaults | assumed, source)
+    driver = {"proof.c": given | proof.view(model, functions, inputs, in_c)}
+    tested = given | selftest.view(module, functions, inputs, defaults | assumed, in_c)
     return {"selftest.c": tested, "vectors.h": tested} | driver
 
 
