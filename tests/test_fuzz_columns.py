@@ -72,8 +72,6 @@ def outcomes(table: dict[str, Any], rig: dict[str, Any]) -> list[str]:
     return said
 
 
-# The search may compare scores of which one is no number; it then prefers neither.
-@pytest.mark.filterwarnings("ignore:invalid value encountered in log:RuntimeWarning")
 @pytest.mark.parametrize("damage", DAMAGES)
 @pytest.mark.parametrize("column", COLUMNS)
 def test_an_odd_column_ends_in_a_result_or_in_one_line(
