@@ -80,13 +80,18 @@ CODE: dict[str, Asked] = {
 }
 
 DIAGNOSIS: dict[str, Asked] = {
-    "first": Asked("right family first", "at least", 0.90),
+    "first": Asked("right family first", "at least", 0.95),
     "three": Asked("right family among the first three", "at least", 0.97),
     "wrong": Asked("wrong name given", "at most", 0.03),
     "false alarms": Asked("false alarms on controls", "at most", 1 / 60),
     "ordinary alarms": Asked("false alarms on controls with ordinary drives", "at most", 1 / 60),
     "outside": Asked("`unexplained` with the right variable, outside the library", "at least", 1),
-    "both": Asked("both of two effects named", "at least", 1),
+    "both": Asked("both of two effects named", "at least", 0.9),
+    "faint": Asked(
+        "faint effects named rightly where a fit that knows the truth predicts better by z > 3",
+        "at least",
+        0.85,
+    ),
     "oracle median": Asked("held-out RMSE above the oracle's, median", "at most", 1, "%"),
     "oracle 90": Asked("held-out RMSE above the oracle's, 90th percentile", "at most", 10, "%"),
     "sure": Asked(f"named with probability {SURE:g} or more, and right", "at least", 0.9),

@@ -30,7 +30,7 @@ class Result:
     depends: list[str] = field(default_factory=list)
     probability: float = 0.0
     rmse: dict[str, float] = field(default_factory=dict)  # balance -> held out, of what is shipped
-    oracle: tuple[str, float] | None = None
+    oracle: tuple[str, float, float] | None = None  # balance, held out, z
     peer: dict | None = None
     seconds: float = 0.0
     memory: float = 0.0

@@ -38,6 +38,24 @@ def test_fractions_are_those_of_the_logs() -> None:
     assert (2 / 3, 3.0, 0.5) == (found["sure"], found["seconds"], found["memory"])
 
 
+def test_faint_effects_count_where_the_truth_proves_them() -> None:
+    """Of two that a fit with the truth proves, one is named; a third, below z = 3, does not count."""
+    faint = [
+        result(
+            "faint",
+            ["stribeck"],
+            "named",
+            ["stribeck"],
+            oracle=("mechanical", 1.0, 9.0),
+            rmse={"mechanical": 1.0},
+        ),
+        result("faint", ["stribeck"], "nothing_missing", oracle=("mechanical", 1.0, 3.1)),
+        result("faint", ["stribeck"], "nothing_missing", oracle=("mechanical", 1.0, 2.9)),
+    ]
+
+    assert 0.5 == figures([*RESULTS, *faint], LONG)["faint"].value
+
+
 def test_every_miss_has_a_line_and_no_hit_has() -> None:
     """Three singles, the false alarm, and two outside the library."""
     lines = details(RESULTS)
