@@ -25,7 +25,7 @@ import numpy as np
 
 from eccentric.search import limits
 from eccentric.search.candidate import Candidate, Variant
-from eccentric.search.crossval import Gram, cross_validate
+from eccentric.search.crossval import Gram, bounded_solve, cross_validate
 from eccentric.search.nulltest import correlated
 from eccentric.search.screen import Fitted, Screen
 
@@ -85,14 +85,10 @@ def stability_of(screen: Screen, models: Sequence[Fitted]) -> Stability:
         return Stability()
     adopted = {variant.candidate.id for variant in first.variants}
     free = [c for c in screen.candidates if c.tolerance and c.id not in adopted]
-    as_one = correlated(screen, screen.residual(first))
-    noise = as_one * first.score / screen.rows
-    draws = _draws(count)
-    loss = np.stack([_scores(screen, fitted, free, noise, draws) for fitted in models], axis=1)
-    bonus = np.array([_bonus(fitted, models) for fitted in models])
-    # A log without noise leaves rounding.
-    least = np.finfo(float).eps * float(screen.balance.target @ screen.balance.target)
-    log = bonus - 0.5 * screen.rows / as_one * np.log(np.maximum(loss, least))
+    effective = screen.rows / correlated(screen, screen.residual(first))
+    given = free, first.score / effective, effective, _draws(count)
+    evidence = np.stack([_evidence(screen, fitted, *given) for fitted in models], axis=1)
+    log = evidence + np.array([_bonus(fitted, models) for fitted in models])
     weight = np.exp(log - log.max(axis=1, keepdims=True))
     mean = np.mean(weight / weight.sum(axis=1, keepdims=True), axis=0)
     families = [_families(fitted) for fitted in models]
@@ -121,10 +117,13 @@ def _draws(count: int) -> Array:
     return rng.multinomial(count, np.full(count, 1.0 / count), limits.VARIANTS)
 
 
-def _scores(screen: Screen, fitted: Fitted, free: Sequence[Candidate], noise: float, draws: Array) -> Array:
-    """Cross-validated sum of squares of a model in every variant (variants,).
+def _evidence(
+    screen: Screen, fitted: Fitted, free: Sequence[Candidate], noise: float, effective: float, draws: Array
+) -> Array:
+    """Log-likelihood of a model in every variant (variants,), but for what all models have in common.
 
-    noise: variance of a row, times the rows that count as one: a free value is held to its tolerance by it.
+    free: declared values that every second variant leaves free; noise: variance of one of the `effective`
+    number of independent rows, which weighs a log against a declared value and its tolerance.
     """
     target, design, lower = screen.design(fitted.variants)
     extra = [screen.columns(Variant(c, {}), fitted.variants) for c in free]
@@ -142,11 +141,17 @@ def _scores(screen: Screen, fitted: Fitted, free: Sequence[Candidate], noise: fl
         for rows, block in bands
         if len(free)
     ]
-    scores = np.empty(len(draws))
+    # A log without noise leaves rounding.
+    least = np.finfo(float).eps * float(screen.balance.target @ screen.balance.target)
+    found = np.empty(len(draws))
     for number, times in enumerate(draws):
         gram, bounds, prior = settings[number % len(settings)]
-        scores[number] = cross_validate(gram.drawn(times), bounds, screen.fold, prior).sum()
-    return scores
+        drawn = gram.drawn(times)
+        score = max(cross_validate(drawn, bounds, screen.fold, prior).sum(), least)
+        whole = bounded_solve(drawn.matrix.sum(axis=0), drawn.vector.sum(axis=0), bounds, prior)
+        off = whole[p:] / tolerance[: len(whole) - p]
+        found[number] = -0.5 * (effective * np.log(score) + off @ off)
+    return found
 
 
 def _held(columns: Array, noise: float, tolerance: Array) -> Array:
