@@ -1,0 +1,140 @@
+"""Does one log have one answer? Verdicts under some ten rig files that an engineer might have written instead.
+
+    python benchmarks/rig_variants.py DATA [NAME ...]
+
+DATA holds the folders `measured` and `examples` of logs; NAME is a measured rig or an example, by default all.
+Prints a table, and puts it into docs/measured-rigs.md where all of them were diagnosed.
+"""
+
+from __future__ import annotations
+
+import argparse
+import copy
+import json
+import re
+import sys
+import tomllib
+import warnings
+from collections import Counter
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
+from benchmarks.measured_logs import ROOT, SETS, measured_log
+from benchmarks.record import progress
+from eccentric.diagnosis import diagnose
+from eccentric.errors import InputError
+from eccentric.logs import read_log
+from eccentric.rigs import read_rig
+from eccentric.signals import read_channels
+
+PAGE = ROOT / "docs" / "measured-rigs.md"
+SECTION = "## Other rig files\n"
+EXAMPLES = ("example1", "example2", "example3", "example4")
+LOW_PASS_HZ = 25.0
+Rig = dict[str, Any]
+Answer = tuple[str, tuple[str, ...]]
+
+
+def paths(data: Path, name: str) -> tuple[Path, Path]:
+    """Log and rig file of a measured rig or an example."""
+    if name in SETS:
+        return measured_log(data / "measured", name)
+    folder = data / "examples"
+    return folder / f"{name}.csv.gz", folder / f"{name}.json"
+
+
+def content(path: Path) -> Rig:
+    """The keys of a rig file."""
+    text = path.read_text(encoding="utf-8")
+    return json.loads(text) if path.suffix == ".json" else tomllib.loads(text)
+
+
+def variants(rig: Rig, runs: list[str]) -> Iterator[tuple[str, Rig]]:
+    """Name and keys of the rig as it is, and with one choice made otherwise; `runs` are those of the log."""
+    yield "as it is", rig
+    for factor in (0.8, 1.25):
+        yield f"bandwidth x {factor}", rig | {"low_pass_hz": factor * rig.get("low_pass_hz", LOW_PASS_HZ)}
+    if threshold := rig.get("moving_threshold_rad_s"):
+        for factor in (0.7, 1.5):
+            yield f"threshold x {factor}", rig | {"moving_threshold_rad_s": factor * threshold}
+    if isinstance(rig.get("average_over"), str) and rig["average_over"] != "run":
+        for factor in (0.8, 1.25):
+            yield f"averages x {factor}", rig | {"average_over": scaled(rig["average_over"], factor)}
+    if intervals := rig.get("holdout_intervals_s"):
+        later = [[start + 2.0, end + 2.0] for start, end in intervals]
+        yield "held out 2 s later", rig | {"holdout_intervals_s": later}
+    if held_out := rig.get("holdout_runs"):
+        following = [runs[(runs.index(name) + 1) % len(runs)] for name in held_out if name in runs]
+        yield "the next runs held out", rig | {"holdout_runs": following}
+    for letters, part in ((("R",), 0.02), (("k_i", "k_e"), 0.02), (("J_m", "J_l"), 0.05)):
+        names = [n for n in rig.get("known", {}) if any(n == x or n.startswith(f"{x}_") for x in letters)]
+        for factor in (1.0 + part, 1.0 - part) if names else ():
+            changed = copy.deepcopy(rig)
+            changed["known"] |= {n: scaled(rig["known"][n], factor) for n in names}
+            yield f"{', '.join(letters)} {100 * (factor - 1):+.0f} %", changed
+
+
+def scaled(value: float | str, factor: float) -> float | str:
+    """A number, or a text that begins with one, times a factor."""
+    if not isinstance(value, str):
+        return factor * value
+    number, _, unit = value.partition(" ")
+    return f"{factor * float(number):.9g} {unit}".strip()
+
+
+def answers(log: Path, rig: Path) -> list[tuple[str, Answer]]:
+    """The verdict and the families behind it, for every variant of a rig file."""
+    plain, found = content(rig), []
+    runs = list(read_channels([read_log(log)], read_rig(plain)).time.run_names)
+    for label, one in variants(plain, runs):
+        try:
+            a = diagnose([log], one).attribution
+            named = [entry.variant.candidate.family for entry in a.adopted]
+            families = {"named": named, "not_identifiable": list(a.tied)}.get(a.verdict, [])
+            answer = a.verdict, tuple(families)
+        except InputError as error:
+            answer = "refused", (str(error),)
+        progress(f"{rig.stem}, {label}: {answer[0]} {', '.join(answer[1])}")
+        print(f"{rig.stem}, {label}: {answer[0]} {', '.join(answer[1])}", flush=True)
+        found.append((label, answer))
+    return found
+
+
+def row(name: str, found: list[tuple[str, Answer]]) -> str:
+    """A line of the table: the shipped answer, how many give the same verdict and leading family, and the others."""
+    (verdict, families), rest = found[0][1], [answer for _, answer in found]
+    same = sum(v == verdict and f[:1] == families[:1] for v, f in rest)
+    others = Counter(f"{v} {', '.join(f)}".strip() for v, f in rest if v != verdict or f[:1] != families[:1])
+    shown = "; ".join(f"{text} ({times})" for text, times in others.most_common()) or "-"
+    return f"| {name} | {verdict} {', '.join(families)} | {same} of {len(rest)} | {shown} |"
+
+
+def write(rows: list[str]) -> None:
+    """Put the table into its section of the page."""
+    text = PAGE.read_text(encoding="utf-8")
+    head, section, rest = text.partition(SECTION)
+    if not section:
+        raise SystemExit(f"{PAGE}: a section {SECTION.strip()} is required")
+    table = "\n".join(["| log | answer | same | otherwise |", "|---|---|--:|---|", *rows, ""])
+    PAGE.write_text(
+        head + section + re.sub(r"(?:^\|.*\n)+", table, rest, count=1, flags=re.MULTILINE), "utf-8"
+    )
+
+
+def main() -> None:
+    """Diagnose every variant, print the table."""
+    parser = argparse.ArgumentParser(description="Verdicts under other rig files.")
+    parser.add_argument("data", type=Path, help="folder of the logs")
+    parser.add_argument("names", nargs="*", default=[*SETS, *EXAMPLES], help="a measured rig or an example")
+    given = parser.parse_args()
+    warnings.simplefilter("ignore")
+    rows = [row(name, answers(*paths(given.data, name))) for name in given.names]
+    print("\n".join(rows))
+    if len(rows) == len(SETS) + len(EXAMPLES):
+        write(rows)
+
+
+if __name__ == "__main__":
+    main()
