@@ -21,7 +21,9 @@ WORDS = Words(
 
 
 def effects(setting: Setting) -> tuple[Effect, ...]:
-    """The one effect of the family; linear, since the inertia appears only in J alpha."""
+    """The one effect of the family, for a declared inertia; linear, since that appears only in J alpha."""
+    if "inertia" in setting.left_open:
+        return ()
     aliases = ("mass_mismatch",) if setting.case == "C1" else ()
     if setting.scaled and (setting.case == "C1" or "gravity" in setting.left_open):
         # A wrong k_i scales inertia and gravity: here only the inertia would show it.

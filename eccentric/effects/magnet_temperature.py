@@ -31,8 +31,11 @@ WORDS = Words(
 
 
 def effects(setting: Setting) -> tuple[Effect, ...]:
-    """The one effect of the family; none if no temperature is logged."""
-    if setting.temperature_mid is None:
+    """The one effect of the family; none if no temperature is logged.
+
+    The voltage alone identifies R/k_i, and does not tell which of both changes: `resistance_temperature`.
+    """
+    if setting.temperature_mid is None or setting.by_voltage:
         return ()
     zero = constant("magnet_T0", "K", "reference temperature in degC", setting.temperature_mid, letter="T_0")
     effect = of_flux(

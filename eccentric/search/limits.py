@@ -117,8 +117,9 @@ STABLE = 0.9
 """Least share of the variants that find a named effect."""
 IN_PLACE = 2
 """Families that may be tied with one that is not stable: if three take its place, nobody knows what it is."""
-LEAST_BLOCKS = 4
-"""Fewest blocks to draw from: of three, one draw in nine is a single block."""
+LEAST_BLOCKS = 32
+"""Fewest blocks to draw from: of a few whole runs, a draw often lacks the only ones that determine a
+coefficient (the back-EMF without a second run with the motor off)."""
 CLOSE = 24
 """Models compared in every variant, best first: one that loses by more on the whole log wins no draw."""
 

@@ -84,11 +84,11 @@ def stability_of(screen: Screen, models: Sequence[Fitted]) -> Stability:
     if count < limits.LEAST_BLOCKS:
         return Stability()
     adopted = {variant.candidate.id for variant in first.variants}
-    free = [c for c in screen.candidates if c.tolerance and c.id not in adopted]
+    free = [c for c in screen.candidates if c.tolerance and c.id not in adopted and not _open(screen, c)]
     effective = screen.rows / correlated(screen, screen.residual(first))
     given = free, first.score / effective, effective, _draws(count)
     evidence = np.stack([_evidence(screen, fitted, *given) for fitted in models], axis=1)
-    log = evidence + np.array([_bonus(fitted, models) for fitted in models])
+    log = evidence + np.array([_bonus(fitted, models, len(adopted)) for fitted in models])
     weight = np.exp(log - log.max(axis=1, keepdims=True))
     mean = np.mean(weight / weight.sum(axis=1, keepdims=True), axis=0)
     families = [_families(fitted) for fitted in models]
@@ -102,13 +102,26 @@ def _families(fitted: Fitted) -> frozenset[str]:
     return frozenset(variant.candidate.family for variant in fitted.variants)
 
 
-def _bonus(fitted: Fitted, models: Sequence[Fitted]) -> float:
-    """Log-odds of a model: for special cases of what another model has, against effects and their shapes."""
+def _open(screen: Screen, candidate: Candidate) -> bool:
+    """Whether the base has the column of a declared value already: the rig file leaves it to be estimated."""
+    _, base, _ = screen.design([])
+    column = screen.columns(Variant(candidate, {}))
+    left = column - base @ np.linalg.lstsq(base, column, rcond=None)[0] if base.shape[1] else column
+    return bool(np.linalg.norm(left) < limits.TINY_COLUMN * np.linalg.norm(column))
+
+
+def _bonus(fitted: Fitted, models: Sequence[Fitted], adopted: int) -> float:
+    """Log-odds of a model: for special cases of what another model has, against shapes and effects.
+
+    An effect more than were adopted has to gain what adoption requires.
+    """
     every = frozenset().union(*(_families(model) for model in models))
     own = [variant.candidate.evidence.special_of for variant in fitted.variants]
     special = sum(bool(every & set(general)) for general in own)
     shapes = sum(len(variant.values) for variant in fitted.variants)
-    return limits.SPECIAL * special - 0.5 * (shapes + limits.CONFIRMED * len(own))
+    further = max(len(own) - adopted, 0)
+    cost = limits.CONFIRMED * (len(own) - further) + limits.LEAST_DEVIANCE * further
+    return limits.SPECIAL * special - 0.5 * (shapes + cost)
 
 
 def _draws(count: int) -> Array:
