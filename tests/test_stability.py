@@ -105,7 +105,7 @@ def test_means_of_two_rows_lose_what_changes_from_row_to_row() -> None:
 def test_a_log_of_few_blocks_has_no_variants() -> None:
     """Draws of 31 whole runs may determine nothing; then the whole log decides alone."""
     balance = design({2: 3.0})
-    rows = replace(balance.rows, block=np.arange(N) // (N // 15 + 1))
+    rows = replace(balance.rows, block=np.arange(N) // (N // 31 + 1))
     found = stability(replace(balance, rows=rows), [[A], []])
 
     assert (0, True) == (found.variants, found.nearly_all("a"))
