@@ -114,9 +114,7 @@ FORMULAS: dict[str, Formula] = {
     "stribeck_load[transmitted]": lambda s, a, p, e: {
         "rise": a * abs(transmitted(s, p)) / exp(s.w**2 / e.shape[0] ** 2)
     },
-    "stribeck_load[Hersey]": lambda s, a, p, e: {
-        "rise": a * s.normal * exp(-abs(s.w) / e.shape[0]) ** (weight(p) / s.normal)
-    },
+    "stribeck_load[F_N]": lambda s, a, p, e: {"rise": a * s.normal / exp(s.w**2 / e.shape[0] ** 2)},
     "bearing_load[Hertz]": lambda s, a, p, e: {
         "dry": a * s.normal * ((weight(p) / s.normal) ** (1 / 3) - 1.0)
     },

@@ -269,7 +269,6 @@ STRIBECK = {
     "stribeck_load[gravity,d=2]",
     "stribeck_temperature",
     "stribeck_load[F_N]",
-    "stribeck_load[Hersey]",
 }
 MIXED = {"backlash"}
 NEITHER = {

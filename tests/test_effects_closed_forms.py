@@ -163,9 +163,6 @@ MECHANICAL: list[tuple[str, str, dict[str, float], Torque]] = [
     ),
     ("C2", "stribeck_load[F_N]", {"loadrise_C": 0.05, "loadrise_v": 30.0}, lambda x: MU * 0.05
      * normal_force(x) * np.exp(-((x["omega_m"] / 30) ** 2)) * np.sign(x["omega_m"])),
-    ("C2", "stribeck_load[Hersey]", {"loadrise_C": 0.05, "loadrise_v": 30.0},
-     lambda x: MU * 0.05 * normal_force(x) * np.sign(x["omega_m"])
-     * np.exp(-np.abs(x["omega_m"]) / 30 * (M + M_L) * G / normal_force(x))),
     ("C1", "stribeck_temperature", {"filmrise_A": 0.3, "filmrise_v": 12.0, "filmrise_b": 0.03},
      lambda x: 0.3 * np.sign(x["omega_m"])
      * np.exp(-np.abs(x["omega_m"]) / (12.0 * np.exp(0.03 * (x["temperature"] - WARM))))),

@@ -8,11 +8,11 @@ from dataclasses import replace
 import sympy as sp
 
 from eccentric.effects.effect import Effect, Shape
-from eccentric.effects.forms import addition, constant, direction, speed
+from eccentric.effects.forms import addition, direction, speed
 from eccentric.effects.load_dependent import FORMULAS, loads
 from eccentric.effects.setting import Setting
 from eccentric.effects.words import LOAD, Words
-from eccentric.model import Definition, Load, Magnitude, Role, quantity
+from eccentric.model import Definition, Load, Role, quantity
 from eccentric.model import vocabulary as v
 
 eta = quantity(
@@ -36,17 +36,13 @@ share = quantity(
     "loadrise_share", "1", "link's share of the friction without F_N", "", "nonnegative", letter="s"
 )
 load = quantity("loadrise_torque", "N m", "torque that the gear transmits, motor side", letter="T")
-relative = quantity("loadrise_F", "1", "normal force over the weight, never 0", "", "positive", letter="r")
 
 JOINT = "A. C. Bittencourt and S. Gunnarsson, J. Dynamic Systems, Measurement and Control 134(5), 2012"
 SERVO = "M. Duclusaud, G. Passault, V. Padois and O. Ly, arXiv:2410.08650, 2024"
 HERSEY = "R. Stribeck, Zeitschrift des VDI 46, 1902; M. D. Hersey, J. Washington Academy of Sciences 4, 1914"
 WORDS = Words(
     title="Stribeck friction that follows the load",
-    meaning=(
-        "The increase of friction near rest grows with the load, as dry friction does; under load a film of"
-        " lubricant also needs more speed to carry."
-    ),
+    meaning=("The increase of friction near rest grows with the load, as dry friction does."),
     hint="slow runs through whole turns, below the Stribeck velocity, with two masses",
     kin=LOAD,
     tell_apart={
@@ -92,7 +88,7 @@ def _gear(setting: Setting) -> list[Effect]:
 
 
 def _bearing(setting: Setting) -> list[Effect]:
-    """By F_N, with a constant Stribeck velocity or one that is proportional to F_N.
+    """By F_N, with a constant Stribeck velocity.
 
     None if the log has no speed at which F_N is much more than the weight.
     """
@@ -102,40 +98,18 @@ def _bearing(setting: Setting) -> list[Effect]:
     low, high = max(least, setting.w_min), 0.6 * setting.w_max
     if not weight or low >= high:
         return []
-    own = constant("loadrise_weight", "N", "weight of mass and link", weight, "F_0")
-    film = Definition(relative, Magnitude(v.F_N.symbol / own.symbol, sp.Rational(1, 10**6)))
-    rise, ratio = v.mu.symbol * v.F_N.symbol, speed / w_s.symbol
-    return [
-        addition(
-            "stribeck_load",
-            [(C, rise * sp.exp(-falls) * direction)],
-            variant=variant,
-            role=Role.STRIBECK,
-            load=Load.NORMAL,
-            depends_on=("velocity", "link_angle"),
-            formula=formula,
-            reference=reference,
-            shapes=(Shape(w_s, low, high, "log", 4),),
-            definitions=more,
-            inputs=(v.theta_m,),
-            words=replace(WORDS, headline=headline),
-        )
-        for variant, falls, formula, reference, headline, more in (
-            (
-                "F_N",
-                ratio**2,
-                "C mu F_N exp(-(|w|/v)^2) sgn w",
-                f"eq (9), its Coulomb part; {HERSEY}",
-                "Stribeck friction in proportion to the normal force",
-                (),
-            ),
-            (
-                "Hersey",
-                ratio / relative.symbol,
-                "C mu F_N exp(-|w|/(v r)) sgn w, r = F_N over the weight",
-                HERSEY,
-                "Stribeck friction whose velocity is proportional to the normal force",
-                (own, film),
-            ),
-        )
-    ]
+    fall = sp.exp(-((speed / w_s.symbol) ** 2))
+    effect = addition(
+        "stribeck_load",
+        [(C, v.mu.symbol * v.F_N.symbol * fall * direction)],
+        variant="F_N",
+        role=Role.STRIBECK,
+        load=Load.NORMAL,
+        depends_on=("velocity", "link_angle"),
+        formula="C mu F_N exp(-(|w|/v)^2) sgn w",
+        reference=f"eq (9), its Coulomb part; {HERSEY}",
+        shapes=(Shape(w_s, low, high, "log", 4),),
+        inputs=(v.theta_m,),
+        words=replace(WORDS, headline="Stribeck friction in proportion to the normal force"),
+    )
+    return [effect]

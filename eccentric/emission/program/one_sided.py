@@ -68,8 +68,9 @@ def polynomials(
     sides = {direction: sp.expand(plain.xreplace(moving(omega_m, direction))) for direction in (1, -1)}
     if not all(side.is_polynomial(omega_m) for side in sides.values()):
         return {}
+    # Poly would take a common exp(-t/tau) out of a sum and leave exp(t/tau) in it, which overflows.
     return {
-        direction: tuple(sp.Poly(side, omega_m).coeff_monomial(omega_m**k) for k in (3, 2, 1, 0))
+        direction: tuple(side.coeff(omega_m, k) for k in (3, 2, 1, 0))
         for direction, side in sides.items()
         if direction > 0 or resultant.has(Backward)
     }

@@ -23,7 +23,7 @@ VARIANTS = {
     "load_dependent": ("gravity", "transmitted"),
     "gear_efficiency": ("easy", "hard"),
     "bearing_load": ("Hertz", "Palmgren", "preload"),
-    "stribeck_load": ("gravity", "transmitted", "Hersey"),
+    "stribeck_load": ("gravity", "transmitted", "F_N"),
     "presliding": ("dahl", "lugre"),
 }
 """Variants of a family, by its id; a family without an entry has none."""

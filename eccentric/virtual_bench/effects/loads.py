@@ -58,29 +58,26 @@ def load_dependent(request: Request) -> PlantedEffect:
 
 
 def stribeck_load(request: Request) -> PlantedEffect:
-    """Rise of dry friction near rest that grows with a load: of the gear, or on the bearing (Hersey 1914).
-
-    On the bearing the speed at which a film carries the load grows with it, too.
-    """
+    """Rise of dry friction near rest that grows with a load: of the gear, or on the bearing."""
     if request.variant != "transmitted" and request.chosen:
         request.require_case(
             "C2", f"stribeck_load[{request.variant}]", "only gravity gives a load that varies at low speed"
         )
     top = request.setting.top_speed
-    if request.variant == "Hersey" and request.plant.case == "C2":
+    if request.variant == "F_N" and request.plant.case == "C2":
         vs, weight = request.draw(0.5, 0.6) * top, (request.plant.M + request.plant.M_l) * request.plant.g
 
         def rise(s: Motion, a: float) -> float:
-            return a * s.normal * exp(-abs(s.w_mid) * weight / (vs * s.normal)) if s.normal else 0.0
+            return a * s.normal * exp(-((s.w_mid / vs) ** 2))
 
         return PlantedEffect(
             "stribeck_load",
-            "A F_N exp(-|w| (M + M_l) g/(vs F_N)) sgn w",
+            "A F_N exp(-(w/vs)^2) sgn w",
             request.torque(2.0) / weight,
             simply(rise=rise),
             ("velocity", "link_angle"),
             (vs,),
-            variant="Hersey",
+            variant="F_N",
         )
     vs = request.draw(0.06, 0.14) * top
     gravity = request.variant == "gravity" and request.plant.case == "C2"
