@@ -77,7 +77,7 @@ def exponential(folder: Path, case: str, effect_id: str, *options: str) -> subpr
     [
         ("C2", "hidden_thermal_drift"),
         ("C2", "load_dependent[progressive]"),
-        ("C2", "angle_offset"),
+        ("C2", "stribeck_load[F_N]"),
         ("C1", "sensor_delay"),
         ("C1", "magnetic_hysteresis[play]"),
     ],
