@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+import pytest
 
 from eccentric.fitting import Signals
 from eccentric.model import load_model
@@ -10,6 +11,7 @@ from eccentric.search import candidate_of
 from tests.extended import KNOWN, effects
 
 DT, SLOPE = 0.004, 0.04
+MISMATCHES = {"R": "resistance_mismatch", "k_i": "ki_mismatch", "k_e": "ke_mismatch", "J": "inertia_mismatch"}
 T = DT * np.arange(500)
 MODEL = load_model("c2_parallel")
 
@@ -37,3 +39,38 @@ def test_a_temperature_scales_the_viscous_friction_of_another_effect() -> None:
     factor = scaling.on(asymmetry.roles)[:, 0]
     assert np.allclose(np.diff(np.log(factor)), -SLOPE * np.diff(warm), rtol=1e-9, atol=0.0)
     assert np.array_equal(scaling.on(cogging.roles), np.ones((len(T), len(cogging.roles))))
+
+
+def still(**known: float) -> Signals:
+    """Signals of a drive at rest, with other declared values."""
+    zero = dict.fromkeys(("theta_m", "omega_m", "alpha_m", "i", "u"), 0.0 * T)
+    return Signals({**zero, "t": T}, np.full_like(T, DT), (0,), KNOWN | known, base=MODEL)
+
+
+def tolerance(letter: str, signals: Signals) -> float:
+    """The tolerance of the effect that corrects a declared value."""
+    friction = np.ones(len(signals.columns(MODEL)))
+    return candidate_of(effects("C2")[MISMATCHES[letter]], MODEL, signals, friction, None).tolerance
+
+
+def test_a_declared_value_is_off_by_its_tolerance() -> None:
+    """R, k_i and k_e by 2 %, the inertia by 5 %: in ohm and V s/rad, or as a part of the value."""
+    signals = still()
+
+    assert tolerance("R", signals) == pytest.approx(0.02 * KNOWN["R"], rel=1e-12)
+    assert tolerance("k_e", signals) == pytest.approx(0.02 * KNOWN["k_e"], rel=1e-12)
+    assert tolerance("k_i", signals) == pytest.approx(0.02, rel=1e-12)
+    assert tolerance("J", signals) == pytest.approx(0.05, rel=1e-12)
+
+
+def test_a_value_declared_as_zero_has_no_tolerance() -> None:
+    """Two per cent of nothing."""
+    assert tolerance("k_e", still(k_e=0.0)) == 0.0
+
+
+def test_a_value_that_is_not_declared_has_no_tolerance() -> None:
+    """It is estimated, whatever it is."""
+    signals = still()
+    del signals.known["R"]
+
+    assert tolerance("R", signals) == 0.0

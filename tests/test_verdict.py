@@ -111,6 +111,19 @@ def test_one_family_is_never_tied_with_nothing() -> None:
     assert ("a", "r8") == found.tied
 
 
+@pytest.mark.parametrize(("first", "expected"), [(0.0, "not_identifiable"), (4.0, "named")])
+def test_which_declared_value_is_off_may_stay_open_beside_a_name(first: float, expected: str) -> None:
+    """A tie of corrections alone takes no name from an effect that nothing else explains."""
+    mass, inertia = (
+        replace(one, tolerance=1e-9) for one in (candidate("inertia", {2: 1.0}), rival("mass", 0.7))
+    )
+    found = verdict({2: 3.0, 3: first}, B, mass, inertia)
+
+    assert expected == found.verdict
+    assert (() if first else ("inertia", "mass")) == found.tied
+    assert {"inertia", "b"} >= {one.variant.candidate.family for one in found.adopted} >= {"inertia"}
+
+
 @pytest.mark.parametrize(
     ("part", "runs", "expected"),
     [

@@ -152,10 +152,9 @@ def _identified(found: Diagnosis) -> dict[str, Any]:
 
 def _stability(found: Diagnosis, effect: Effect) -> dict[str, Any] | None:
     """In how many variants of the log the search finds the effect, and what it finds instead."""
-    for own in found.attribution.adopted:
-        if own.variant.candidate.id == effect.id and own.variants:
-            return {"variants": own.variants, "found": own.found, "instead": dict(own.instead)}
-    return None
+    if (own := found.attribution.examined(effect.id)) is None:
+        return None
+    return {"variants": own.variants, "found": own.found, "instead": dict(own.instead)}
 
 
 def _effect(found: Diagnosis, effect: Effect) -> dict[str, Any]:

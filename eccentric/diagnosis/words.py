@@ -121,10 +121,17 @@ def _named(found: Diagnosis, effect: Effect) -> str:
         q, (true, declared) = effect.corrects.quantity, values
         return (
             f"the right value of {q.name}, {true:.4g} {q.unit} where the rig file has {declared:.4g}"
-            f" ({effect.id}, {sure})"
+            f" ({effect.id}, {sure}){_or_else(found, effect)}"
         )
     headline = effect.words.headline
     return f"{headline} ({effect.id}, {sure})" if headline else f"{effect.id} ({sure})"
+
+
+def _or_else(found: Diagnosis, effect: Effect) -> str:
+    """What variants of the log find wrong in the place of a declared value."""
+    own, best = found.attribution.examined(effect.id), {c.family: c for c in found.attribution.candidates}
+    others = [best[family] for family in own.instead if family in best] if own else []
+    return "".join(f" or {_headline(c.words, c.id)}" for c in others)
 
 
 def _values(found: Diagnosis, effect: Effect, correction: Correction) -> tuple[float, float] | None:
@@ -235,8 +242,7 @@ def _effect(found: Diagnosis, effect: Effect, own: Mapping[str, float]) -> str:
 
 def stability_words(found: Diagnosis, effect: Effect) -> str:
     """In how many variants of the log an adopted effect is found, and what is found instead; or ""."""
-    own = next((a for a in found.attribution.adopted if a.variant.candidate.id == effect.id), None)
-    if own is None or not own.variants:
+    if (own := found.attribution.examined(effect.id)) is None:
         return ""
     instead = ", ".join(f"{family} in {times}" for family, times in own.instead.items())
     return f"{own.found} of {own.variants} variants of the log" + (f" ({instead})" if instead else "")

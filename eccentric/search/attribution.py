@@ -176,6 +176,8 @@ class Search:
 
         Those that stay keep their alternatives: what is dropped is still missing, and would confuse them.
         """
+        if not self.best.variants:
+            return
         self.stability = stability_of(self.screen, self._models())
         families = [v.candidate.family for v in self.best.variants]
         kept = [k for k, f in enumerate(families) if self.stability.nearly_all(f, *self.instead(f))]

@@ -114,14 +114,20 @@ def candidate_of(
 
 
 def _tolerance(effect: Effect, signals: Signals) -> float:
-    """The coefficient at which the value that an effect corrects is off by its tolerance; 0 for none."""
+    """The coefficient at which the value that an effect corrects is off by its tolerance.
+
+    0 if it corrects none, or one that is 0 or that the rig does not declare.
+    """
     wrong = effect.corrects
     if wrong is None or not wrong.tolerance:
         return 0.0
     coefficient = effect.coefficients[0].symbol
-    per_unit = sp.diff(sp.log(wrong.value), coefficient)
-    at = {symbol: signals.known.get(symbol.name, 0.0) for symbol in per_unit.free_symbols}
-    return wrong.tolerance / abs(float(per_unit.subs(at)))
+    letters = wrong.value.free_symbols - {coefficient}
+    if not {letter.name for letter in letters} <= set(signals.known):
+        return 0.0
+    at = {coefficient: 0.0, **{letter: signals.known[letter.name] for letter in letters}}
+    declared, slope = (abs(float(x.subs(at))) for x in (wrong.value, sp.diff(wrong.value, coefficient)))
+    return wrong.tolerance * declared / slope if slope else 0.0
 
 
 def _on_flux(effect: Effect) -> bool:

@@ -1,6 +1,7 @@
 """The searches on the balances become one verdict, a ranked list and the measurement that would decide.
 
-named             adopted effects, each clearly ahead of its alternatives
+named             adopted effects, each clearly ahead of its alternatives; which declared value is off beside
+                  them may stay open
 not_identifiable  adopted, but another family explains the log equally well
 unexplained       a smooth term explains a part of the structure that no candidate does: no name is given
 nothing_missing   no candidate and no smooth term gains enough
@@ -79,6 +80,11 @@ class Attribution:
     deviance: dict[str, tuple[float, float]]
     unconfirmed: tuple[str, ...] = ()
 
+    def examined(self, effect_id: str) -> Adopted | None:
+        """The adopted effect of this id, if variants of the log say how stable it is."""
+        own = (one for one in self.adopted if one.variant.candidate.id == effect_id and one.variants)
+        return next(own, None)
+
 
 def attribute(
     balances: Sequence[BalanceDesign],
@@ -150,7 +156,8 @@ def _patched(adopted: Sequence[Adopted]) -> list[str]:
 def _adopted(searches: dict[str, Search]) -> tuple[list[Adopted], list[Ranked], list[str]]:
     """Adopted variants of all balances by share, their entries in the list, and families tied with them."""
     found: list[tuple[Adopted, Ranked]] = []
-    tied: list[str] = []
+    ties: list[list[str]] = []
+    declared = {c.family for search in searches.values() for c in search.screen.candidates if c.tolerance}
     for name, search in searches.items():
         screen, best = search.screen, search.best
         for place, (variant, own) in enumerate(zip(best.variants, screen.own(best), strict=True)):
@@ -167,9 +174,12 @@ def _adopted(searches: dict[str, Search]) -> tuple[list[Adopted], list[Ranked], 
             counted = stability.found(family), stability.variants, search.instead(family)
             found.append((Adopted(name, variant, tuple(map(float, own)), float(share), *counted), entry))
             if chances[family] < limits.SURE or not stability.nearly_all(family):
-                tied += _alike(chances)
+                ties.append(_alike(chances))
     found.sort(key=lambda pair: -pair[0].share)
-    return [one for one, _ in found], [entry for _, entry in found], list(dict.fromkeys(tied))
+    if any(entry.family not in declared for _, entry in found):
+        ties = [tie for tie in ties if not declared.issuperset(tie)]
+    tied = dict.fromkeys(family for tie in ties for family in tie)
+    return [one for one, _ in found], [entry for _, entry in found], list(tied)
 
 
 def _ranked(candidate: Candidate, balance: str, search: Search, fitted: Fitted, probability: float) -> Ranked:
