@@ -44,19 +44,32 @@ def test_what_gains_by_its_own_noise_alone_is_not_adopted() -> None:
     assert [] == adopted(search({OWN: 1.0}, seen_through(0.0)))
 
 
-@pytest.mark.parametrize(("amplitude", "limit"), [
-    (math.sqrt(math.expm1(30.0 / N)), limits.CONFIRMED),  # own deviance 30: the level of chance decides
-    (1.0, limits.CONFIRMED_PART * N * math.log(2.0)),  # own deviance 1420: the part decides
-])  # fmt: skip
-@pytest.mark.parametrize(("above", "expected"), [(0.97, []), (1.03, ["a"])])
-def test_the_instrument_must_gain_a_part(
-    amplitude: float, limit: float, above: float, expected: list[str]
-) -> None:
-    """The share that just reaches the larger of both thresholds, by the closed form of the gain."""
-    share = -math.expm1(-above * limit / N) * (1.0 + amplitude**2) / amplitude**2
+def test_the_instrument_must_gain_more_than_chance() -> None:
+    """The share that just reaches the threshold, by the closed form of the gain."""
+    amplitude = math.sqrt(math.expm1(30.0 / N))
+    for above, expected in ((0.97, []), (1.03, ["a"])):
+        share = -math.expm1(-above * limits.CONFIRMED / N) * (1.0 + amplitude**2) / amplitude**2
 
-    assert gained(amplitude, share) == pytest.approx(above * limit, rel=1e-9)
-    assert expected == adopted(search({OWN: amplitude}, seen_through(share)))
+        assert gained(amplitude, share) == pytest.approx(above * limits.CONFIRMED, rel=1e-9)
+        assert share > limits.CONFIRMED_PART
+        assert expected == adopted(search({OWN: amplitude}, seen_through(share)))
+
+
+def test_the_instrument_must_gain_a_part_of_the_squares() -> None:
+    """However little of the residual is left, and however far beyond chance both gains are."""
+    for above, expected in ((0.97, []), (1.03, ["a"])):
+        share = above * limits.CONFIRMED_PART
+
+        assert gained(5.0, share) > 10.0 * limits.CONFIRMED
+        assert expected == adopted(search({OWN: 5.0}, seen_through(share)))
+
+
+def test_what_is_far_above_the_noise_is_not_noise() -> None:
+    """A gain of many times the squares that the sensors explain needs no instrument."""
+    for above, expected in ((0.97, []), (1.03, ["a"])):
+        floor = math.sqrt(9.0 / limits.BEYOND_NOISE / above)
+
+        assert expected == adopted(search({OWN: 3.0}, seen_through(0.0), floor=floor))
 
 
 def test_the_next_candidate_takes_the_place_of_one_that_is_not_confirmed() -> None:

@@ -82,8 +82,22 @@ def test_a_declared_value_is_free_within_its_tolerance_in_every_second_variant()
     mixture = candidate("b", {2: 3.0, 5: 1.0, 6: 0.5})
     balance = design({2: 3.0, 5: 1.0})
 
-    assert (50, 50) == tuple(stability(balance, [[A], [mixture], []], off).found(name) for name in "ab")
+    found = stability(balance, [[A], [mixture], []], off)
+
+    assert (50, 50) == tuple(found.found(name) for name in "ab")
+    # Where it is free it is off by a tenth of its tolerance: not worth a word.
+    assert 0 == found.found("off")
     assert 100 == stability(balance, [[A], [mixture], []]).found("b")
+
+
+def test_a_declared_value_that_explains_an_effect_takes_its_place() -> None:
+    """Free within its tolerance, it leaves nothing to the effect: half of the variants find it instead."""
+    off = replace(candidate("off", {2: 1.0}), tolerance=3.0)
+    found = stability(design({2: 3.0}), [[A], []], off)
+
+    assert (50, 50) == (found.found("a"), found.found("off"))
+    assert {"off": 50} == dict(found.instead("a", {"a"}))
+    assert found.weight("off", "a") == pytest.approx(0.5, abs=0.02)
 
 
 def test_a_declared_value_is_not_free_beyond_its_tolerance() -> None:

@@ -51,6 +51,7 @@ def diagnosis_document(found: Diagnosis) -> dict[str, Any]:
         "closest_effect": _closest(found),
         "better_model": _sibling(found),
         f"noise_floor_{_suffix(found)}": found.noise_floor,
+        "error_band": None if found.band is None else vars(found.band),
         "null_test": {
             name: {"gain": gain, "by_chance_99": level} for name, (gain, level) in a.deviance.items()
         },

@@ -34,7 +34,7 @@ from eccentric.logs import LogSource, read_log
 from eccentric.model import Model, load_model
 from eccentric.rigs import Rig, read_rig
 from eccentric.search import attribute, variables_of
-from eccentric.signals import read_channels
+from eccentric.signals import band_of, read_channels
 
 __all__ = ["diagnose"]
 
@@ -87,6 +87,7 @@ def diagnose(
         tell,
     )
     found, models, score, refused = fitted_models(found, chosen, base, data, tell)
+    noise = drive_noise(data)
     return Diagnosis(
         asked=Asked(names, Path(channels.rig.path).name, given, effects, request),
         data=data,
@@ -99,7 +100,8 @@ def diagnose(
         closest=closest_effect(found, chosen, models),
         differing=stage.differing,
         sibling=better_sibling(stage.plain, models),
-        noise_floor=drive_noise(data),
+        noise_floor=noise,
+        band=band_of(models.shipped.residuals["mechanical"], data.rows, data.drive.channels, noise),
         orders=orders_of(data, residual_samples(models.shipped)),
     )
 

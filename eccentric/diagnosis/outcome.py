@@ -17,7 +17,7 @@ from eccentric.fitting import FitData
 from eccentric.model import Model
 from eccentric.rigs import Rig
 from eccentric.search import Attribution
-from eccentric.signals import Channels, Rows
+from eccentric.signals import Band, Channels, Rows
 
 __all__ = ["Asked", "Diagnosis"]
 
@@ -63,6 +63,7 @@ class Diagnosis:
         closest: the best effect and its gain, where none is adopted.
         sibling: a shipped model of the same case that predicts better as it stands.
         noise_floor: RMS of the sensors' noise in the mechanical balance, in its unit.
+        band: where the held-out error of the shipped model lies; None where rows are averages.
         orders: periods of the residual of the shipped model while the motor turns one way.
     """
 
@@ -78,6 +79,7 @@ class Diagnosis:
     sibling: Sibling | None
     differing: tuple[str, ...]
     noise_floor: float
+    band: Band | None
     orders: tuple[Order, ...]
 
     @property
@@ -109,6 +111,8 @@ class Diagnosis:
     def warnings(self) -> tuple[str, ...]:
         """Warnings of the reader, of the first fit, and of fits that have not converged."""
         said = (*self.channels.intake.warnings, *self.data.drive.warnings, *self.differing)
+        if self.band is not None and self.band.filtered:
+            said = (*said, self.band.warning)
         names = self.models.unsettled
         if not names:
             return said

@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from eccentric.estimation.least_squares import bounded
+from eccentric.estimation.limits import NO_INFLUENCE
 from eccentric.estimation.uncertainty import Spread, spread
 
 __all__ = ["Coefficient", "ColumnRole", "Design", "Nonlinear", "Solution"]
@@ -144,15 +145,39 @@ class Solution:
         """The values by the names of their coefficients."""
         return {c.name: float(x) for c, x in zip(self.design.coefficients, self.values, strict=True)}
 
-    def spread(self, nonlinear: Sequence[Nonlinear] = ()) -> Spread:
-        """Return the joint spread of the coefficients and then the nonlinear values."""
-        design, train = self.design, self.design.train
-        slopes = np.zeros((len(train), 0)) if self.slopes is None else self.slopes
+    def spread(self, nonlinear: Sequence[Nonlinear] = (), filtered: Design | None = None) -> Spread:
+        """Return the joint spread of the coefficients and then the nonlinear values.
+
+        `filtered` is the same design after another filter that would do as well: what it would change is an
+        error of unknown sign.
+        """
+        design = self.design
         ends = [n.end_at(self.at[n.name]) for n in nonlinear]
-        return spread(
-            np.column_stack([design.columns, slopes])[train] * np.sqrt(design.weights[train])[:, None],
+        active = np.concatenate([self.active, ends]).astype(np.int64)
+        found = spread(
+            self._tangents(design),
             self.weighted,
-            np.concatenate([self.active, ends]).astype(np.int64),
+            active,
             np.concatenate([design.lower, [n.lower for n in nonlinear]]),
             np.concatenate([design.upper, [n.upper for n in nonlinear]]),
         )
+        if filtered is None:
+            return found
+        # A nonlinear value need not be at the optimum of these rows: only the difference is the filter's.
+        moved = self._step(filtered, active == 0) - self._step(design, active == 0)
+        return dataclasses.replace(found, matrix=found.matrix + np.outer(moved, moved))
+
+    def _tangents(self, design: Design) -> Array:
+        """The columns of a design, then the slopes by the nonlinear values, on fitted rows, weighted."""
+        train = design.train
+        slopes = np.zeros((len(train), 0)) if self.slopes is None else self.slopes
+        return np.column_stack([design.columns, slopes])[train] * np.sqrt(design.weights[train])[:, None]
+
+    def _step(self, design: Design, free: Mask) -> Array:
+        """How a Gauss-Newton step on a design would move coefficients and nonlinear values (k + q,)."""
+        train, tangents = design.train, self._tangents(design)[:, free]
+        left = (design.columns @ self.values - design.target)[train] * np.sqrt(design.weights[train])
+        size = np.maximum(np.linalg.norm(tangents, axis=0), NO_INFLUENCE)
+        moved = np.zeros(len(free))
+        moved[free] = -np.linalg.lstsq(tangents / size, left, rcond=None)[0] / size
+        return moved

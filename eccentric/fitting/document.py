@@ -17,6 +17,8 @@ std_error null if an active bound, its own or another value's, determines the in
     identified_range  ranges in words;  ranges  {omega_m_rad_s, speed_m_rad_s, temperature_C}
     rmse_holdout_Nm (_V, _A), r_squared_holdout (of the drive signal)  linear, paper, paper_unbounded
     fits_the_rig      false if the log cannot be from this rig: nothing follows from the fit
+    error_band        of paper: cut_hz of the low pass, its error below and above, noise of the sensors above;
+                      null for averages
     improvement       percent 100 (1 - paper/linear), interval_95
     rows, moving_threshold_rad_s, fitted_on, holdout {rule, intervals_s}, warnings
 """
@@ -79,6 +81,7 @@ def fit_document(fit: Fit, logs: Sequence[str]) -> dict[str, Any]:
         "identified_range": identified_range(fit),
         "ranges": ranges(fit),
         f"rmse_holdout_{problem.unit.replace(' ', '')}": dict(fit.rmse),
+        "error_band": None if fit.band is None else vars(fit.band),
         "improvement": {"percent": fit.percent, "interval_95": list(fit.percent_interval)},
         "r_squared_holdout": dict(fit.r_squared),
         "fits_the_rig": fit.fits_the_rig,

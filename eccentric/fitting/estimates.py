@@ -27,8 +27,10 @@ def estimates(fit: Extended, step: Step) -> tuple[dict[str, Estimate], Array]:
     """
     found: dict[str, Estimate] = {}
     blocks: list[Array] = []
+    data = fit.data.narrowed
+    narrowed = None if data is None else replace(fit, data=data)
     for balance in step.solutions:
-        own, covariance = _of_balance(fit, step, balance)
+        own, covariance = _of_balance(fit, step, balance, narrowed)
         found |= own
         blocks.append(covariance)
     whole = np.full((len(found), len(found)), np.nan)
@@ -40,7 +42,9 @@ def estimates(fit: Extended, step: Step) -> tuple[dict[str, Estimate], Array]:
     return found, whole
 
 
-def _of_balance(fit: Extended, step: Step, balance: str) -> tuple[dict[str, Estimate], Array]:
+def _of_balance(
+    fit: Extended, step: Step, balance: str, narrowed: Extended | None
+) -> tuple[dict[str, Estimate], Array]:
     """The estimates from one balance and their covariance; shapes enter by the slope of the residual."""
     drive, point, solution = fit.data.drive, step.point, step.solutions[balance]
     machine = drive.machine
@@ -52,7 +56,10 @@ def _of_balance(fit: Extended, step: Step, balance: str) -> tuple[dict[str, Esti
         slopes=_slopes(fit, step, balance, shapes),
     )
     # A shape has no active bound: the search ends inside its range, or warns that it is at its end.
-    error = solution.spread([Nonlinear(n, "", -np.inf, np.inf, (), 0.0) for n in shapes])
+    error = solution.spread(
+        [Nonlinear(n, "", -np.inf, np.inf, (), 0.0) for n in shapes],
+        None if narrowed is None else narrowed.design(balance, point),
+    )
     names = [c.name for c in solution.design.coefficients]
     units = {q.name: q.unit for q in fit.model.parameters}
     unit = np.eye(len(names) + len(shapes))

@@ -110,10 +110,8 @@ class Extended:
         residuals = self.residuals(point)
         point, moved = self._followed(point, residuals) if self.follows else (point, 0.0)
         solutions: dict[str, Solution] = {}
-        if drive.measured_twice and (own := self._own("electrical", "effect")):
-            usable = self.data.rows.mean(drive.channels.selection.usable.astype(float)) > USABLE_PART
-            design = self._design(residuals, "electrical", own, point, self.data.rows.train & usable)
-            solutions["electrical"] = design.solve()
+        if drive.measured_twice and self._own("electrical", "effect"):
+            solutions["electrical"] = self._electrical(residuals, point).solve()
             point, _ = self._moved(point, solutions["electrical"])
         solutions["mechanical"] = solution = self._mechanical(residuals, point).solve()
         point, change = self._moved(point, solution)
@@ -133,6 +131,17 @@ class Extended:
         """The residuals of this model, or of another one, at a point."""
         given = self.shapes if shapes is None else shapes
         return Residuals(model or self.model, self.data, given, point.values, point.scale)
+
+    def design(self, balance: str, point: Point) -> Design:
+        """The design of a balance at a point."""
+        made = {"mechanical": self._mechanical, "electrical": self._electrical}[balance]
+        return made(self.residuals(point), point)
+
+    def _electrical(self, residuals: Residuals, point: Point) -> Design:
+        rows = self.data.rows
+        usable = rows.plain_mean(self.data.drive.channels.selection.usable.astype(float)) > USABLE_PART
+        own = self._own("electrical", "effect")
+        return self._design(residuals, "electrical", own, point, rows.train & usable)
 
     def _mechanical(self, residuals: Residuals, point: Point) -> Design:
         drive = self.data.drive
@@ -178,7 +187,7 @@ class Extended:
     def _motor_off(self, rows: Mask) -> bool:
         """Whether the motor is off in some of these rows: they separate back-EMF and viscous friction."""
         off = self.data.drive.off
-        return bool(np.any(off) and np.any(self.data.rows.mean(off.astype(float))[rows]))
+        return bool(np.any(off) and np.any(self.data.rows.plain_mean(off.astype(float))[rows]))
 
     def _moved(self, point: Point, solution: Solution) -> tuple[Point, float]:
         """Put a solution into the values; return the remaining coefficient of the free gravity column.

@@ -46,7 +46,17 @@ class FitData:
     @property
     def off(self) -> NDArray[np.bool_]:
         """Rows (m,) with the motor off: they have no voltage or current to be compared in."""
-        return self.rows.mean(self.drive.off.astype(float)) > MOSTLY_OFF
+        return self.rows.plain_mean(self.drive.off.astype(float)) > MOSTLY_OFF
+
+    @property
+    def narrowed(self) -> FitData | None:
+        """The same log below a lower cut-off, with the current that effects use; None without a low pass."""
+        if self.rows.smooth is None:
+            return None
+        channels = self.drive.channels.narrowed(self.drive.channels.rig)
+        found = fit_data_of(replace(self.drive, channels=channels), channels.rig, self.signals.base)
+        values = {**found.signals.values, "i": self.signals.values["i"]}
+        return replace(found, signals=replace(found.signals, values=values))
 
     def require_rank(self, model: Model, where: str) -> None:
         """Raise InputError, `where` opening it, if the training rows leave coefficients of a model open."""

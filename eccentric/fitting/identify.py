@@ -32,7 +32,8 @@ from eccentric.estimation import (
 from eccentric.fitting.combinations import combinations, identified_letters
 from eccentric.fitting.limits import LEAST_R_SQUARED
 from eccentric.fitting.problem import Problem, pose
-from eccentric.signals import LEAST_HELD_OUT, require_rows
+from eccentric.rigs import ALIGNMENT
+from eccentric.signals import LEAST_HELD_OUT, Band, band_of, require_rows, white_noise
 
 if TYPE_CHECKING:
     from eccentric.model import Model
@@ -50,7 +51,7 @@ class Fit:
     of unknown quantities), `combinations` coefficients that are not a single letter; `identified` the letters
     that the log identifies, and those that it does not. `spread` is that of coefficients and searched
     values, in this order. `percent` is 100 (1 - paper/linear). `r_squared`
-    by model is that of the drive signal on the held-out rows.
+    by model is that of the drive signal on the held-out rows; `band` is that of the error of `paper`.
     """
 
     problem: Problem
@@ -65,6 +66,7 @@ class Fit:
     percent: float
     percent_interval: tuple[float, float]
     r_squared: Mapping[str, float]
+    band: Band | None
     warnings: tuple[str, ...]
 
     @property
@@ -95,12 +97,15 @@ def fit(channels: Channels, rig: Rig, model: Model, where: str = "log") -> Fit:
     better = min(profiles.values(), key=lambda p: p.best.cost, default=None)
     if better is not None and better.best.cost < paper.cost:
         solutions["paper"] = paper = better.best
-    error = paper.spread(problem.nonlinear)
+    narrowed = problem.narrowed
+    error = paper.spread(problem.nonlinear, None if narrowed is None else narrowed.design(paper.at))
     coefficients, searched = _estimates(problem, paper, error)
     problems = {name: baseline if name == "linear" else problem for name in solutions}
     held_out = {name: problems[name].held_out(solution) for name, solution in solutions.items()}
     percent, interval = improvement(held_out["linear"][0], held_out["paper"][0])
-    warnings = [*problem.warnings, *_warnings(problem, paper, profiles)]
+    band = _band(problem, paper)
+    said = [] if band is None or not band.filtered else [band.warning]
+    warnings = [*problem.warnings, *_warnings(problem, paper, profiles), *said]
     return Fit(
         problem,
         solutions,
@@ -114,6 +119,7 @@ def fit(channels: Channels, rig: Rig, model: Model, where: str = "log") -> Fit:
         percent,
         interval,
         {name: r_squared(*pair) for name, pair in held_out.items()},
+        band,
         tuple(warnings),
     )
 
@@ -133,6 +139,12 @@ def solved(problem: Problem, where: str, positive: Collection[ColumnRole]) -> So
                 f" signs of {problem.drive.channels.motor.measured_by} and angle agree?"
             )
     return found
+
+
+def _band(problem: Problem, paper: Solution) -> Band | None:
+    drive = problem.drive.aligned(problem.rig, {n: x for n, x in paper.at.items() if n in ALIGNMENT})
+    noise = white_noise(drive.torque(), drive.channels.time.segment)
+    return band_of(*problem.compared(paper), drive.channels, noise)
 
 
 def _require_rows(problem: Problem, where: str) -> None:

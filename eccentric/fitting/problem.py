@@ -105,12 +105,27 @@ class Problem:
             coefficients=(*(friction[first] for first, *_ in groups), *bench),
         )
 
+    @property
+    def narrowed(self) -> Problem | None:
+        """The same problem below a lower cut-off; None where no low pass is used."""
+        if self.rows.smooth is None:
+            return None
+        channels = self.drive.channels.narrowed(self.rig)
+        drive = dataclasses.replace(self.drive, channels=channels)
+        rows = fit_rows(channels, channels.rig)
+        return dataclasses.replace(self, drive=drive, rig=channels.rig, rows=rows)
+
     def held_out(self, solution: Solution) -> tuple[Array, Array]:
         """Residual and drive signal on the held-out rows that every command compares models on."""
-        judged = dataclasses.replace(self, rows=rows_of(self.drive.channels, self.rig))
-        design, rows = judged.design(solution.at), judged.rows
+        residual, rows = self.compared(solution)
         signal = rows.mean(self._aligned(solution.at).torque())
-        return (design.target - design.columns @ solution.values)[rows.score], signal[rows.score]
+        return residual[rows.score], signal[rows.score]
+
+    def compared(self, solution: Solution) -> tuple[Array, Rows]:
+        """Residual (m,) on the rows that every command compares models on, and these rows."""
+        judged = dataclasses.replace(self, rows=rows_of(self.drive.channels, self.rig))
+        design = judged.design(solution.at)
+        return design.target - design.columns @ solution.values, judged.rows
 
     @property
     def unit(self) -> str:

@@ -83,6 +83,8 @@ def fit_lines(fit: Fit, logs: Sequence[str]) -> list[str]:
     errors = ", ".join(f"{name} {fit.rmse[which]:.4g}" for which, name in shown.items())
     parts = ", ".join(f"{name} {fit.r_squared[which]:.4f}" for which, name in shown.items())
     out.append(f"held-out RMSE [{problem.unit}]: {errors}; R^2 of the drive {_DRIVES[problem.unit]}: {parts}")
+    if fit.band is not None:
+        out.append(fit.band.words(shown["paper"]))
     if problem.rig.sampling.moving_threshold_rad_s is None:
         threshold = channels.selection.moving_threshold_rad_s
         out.append(f"rows count as moving above {threshold:.4g} rad/s (set by moving_threshold_rad_s)")

@@ -80,8 +80,10 @@ def _rows(found: Diagnosis) -> ResidualRows:
 
 def _mean(rows: Rows, x: Array, period: float | None) -> Array:
     """A channel on the rows; NaN where an average covers more than a quarter of a turn."""
+    if rows.operator is None:
+        return x
     mean = rows.mean(x)
-    if rows.operator is None or period is None:
+    if period is None:
         return mean
     spread = rows.mean((x - x[0]) ** 2) - (mean - x[0]) ** 2
     return np.where(spread < _QUARTER**2, mean, np.nan)

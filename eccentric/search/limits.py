@@ -10,6 +10,7 @@ __all__ = [
     "ALIASED",
     "AT_FLOOR",
     "BELOW_NOISE",
+    "BEYOND_NOISE",
     "CHANGES",
     "CLEARS",
     "CLOSE",
@@ -57,6 +58,7 @@ __all__ = [
     "UNEXPLAINED",
     "UNEXPLAINED_OVER_RUNS",
     "VARIANTS",
+    "WRONG",
 ]
 
 # The gain that adopting an effect requires.
@@ -93,8 +95,13 @@ LOWEST_BAND_HZ = 2.0
 CONFIRMED = 8.0
 """Deviance that a candidate has to gain on its instrument, or in a variant of the log: it was not chosen
 there, so that one column gains more than 6.6 by chance in one log of a hundred."""
-CONFIRMED_PART = 0.1
-"""Part of its own gain that it has to gain there: less is the noise of its own signals, and a remainder."""
+BEYOND_NOISE = 9.0
+"""Squares beyond which a gain is more than noise, in those of the sensors' noise: three times its RMS, for a
+loop that rings. Candidates that were their own noise took out half of it at most."""
+CONFIRMED_PART = 0.15
+"""Part of the squares that it takes out which its instrument has to take out: less is the noise of its own
+signals, and a remainder. Noise takes less than 0, and true effects that follow the current, which the
+instrument blurs, 0.4."""
 
 # How alternatives are weighed.
 
@@ -115,6 +122,8 @@ VARIANTS = 100
 """Variants of a log: shares of them are known to some percent."""
 STABLE = 0.9
 """Least share of the variants that find a named effect."""
+WRONG = 0.5
+"""A declared value that a variant finds off by more than this part of its tolerance is part of its model."""
 IN_PLACE = 2
 """Families that may be tied with one that is not stable: if three take its place, nobody knows what it is."""
 LEAST_BLOCKS = 32

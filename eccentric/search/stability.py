@@ -38,8 +38,8 @@ Array = np.ndarray
 class Stability:
     """What the variants of a log found; nothing where it has too few blocks.
 
-    best: of each variant, the families of its best model; weights: families of a model -> its mean posterior
-    weight.
+    best: of each variant, the families of its best model, and of the declared values that it found off;
+    weights: such a set -> its mean posterior weight.
     """
 
     best: tuple[frozenset[str], ...] = ()
@@ -87,15 +87,21 @@ def stability_of(screen: Screen, models: Sequence[Fitted]) -> Stability:
     free = [c for c in screen.candidates if c.tolerance and c.id not in adopted and not _open(screen, c)]
     effective = screen.rows / correlated(screen, screen.residual(first))
     given = free, first.score / effective, effective, _draws(count)
-    evidence = np.stack([_evidence(screen, fitted, *given) for fitted in models], axis=1)
-    log = evidence + np.array([_bonus(fitted, models, len(adopted)) for fitted in models])
+    found = [_evidence(screen, fitted, *given) for fitted in models]
+    log = np.stack([evidence for evidence, _ in found], axis=1)
+    log += np.array([_bonus(fitted, models, len(adopted)) for fitted in models])
     weight = np.exp(log - log.max(axis=1, keepdims=True))
-    mean = np.mean(weight / weight.sum(axis=1, keepdims=True), axis=0)
-    families = [_families(fitted) for fitted in models]
+    weight /= weight.sum(axis=1, keepdims=True)
+    # Model, then variant.
+    families = [
+        [_families(m) | moved for moved in every] for m, (_, every) in zip(models, found, strict=True)
+    ]
     weights: dict[frozenset[str], float] = {}
-    for own, share in zip(families, mean, strict=True):
-        weights[own] = weights.get(own, 0.0) + float(share)
-    return Stability(tuple(families[k] for k in np.argmax(log, axis=1)), weights)
+    for own, shares in zip(families, weight.T, strict=True):
+        for one, share in zip(own, shares, strict=True):
+            weights[one] = weights.get(one, 0.0) + float(share) / len(shares)
+    best = tuple(families[k][variant] for variant, k in enumerate(np.argmax(log, axis=1)))
+    return Stability(best, weights)
 
 
 def _families(fitted: Fitted) -> frozenset[str]:
@@ -132,8 +138,11 @@ def _draws(count: int) -> Array:
 
 def _evidence(
     screen: Screen, fitted: Fitted, free: Sequence[Candidate], noise: float, effective: float, draws: Array
-) -> Array:
+) -> tuple[Array, list[frozenset[str]]]:
     """Log-likelihood of a model in every variant (variants,), but for what all models have in common.
+
+    Also, for each variant, the families of declared values that it had to be off by a good part of their
+    tolerance.
 
     free: declared values that every second variant leaves free; noise: variance of one of the `effective`
     number of independent rows, which weighs a log against a declared value and its tolerance.
@@ -156,7 +165,7 @@ def _evidence(
     ]
     # A log without noise leaves rounding.
     least = np.finfo(float).eps * float(screen.balance.target @ screen.balance.target)
-    found = np.empty(len(draws))
+    found, moved = np.empty(len(draws)), list[frozenset[str]]()
     for number, times in enumerate(draws):
         gram, bounds, prior = settings[number % len(settings)]
         drawn = gram.drawn(times)
@@ -164,7 +173,9 @@ def _evidence(
         whole = bounded_solve(drawn.matrix.sum(axis=0), drawn.vector.sum(axis=0), bounds, prior)
         off = whole[p:] / tolerance[: len(whole) - p]
         found[number] = -0.5 * (effective * np.log(score) + off @ off)
-    return found
+        wrong = np.flatnonzero(np.abs(off) > limits.WRONG)
+        moved.append(frozenset(free[k].family for k in wrong))
+    return found, moved
 
 
 def _held(columns: Array, noise: float, tolerance: Array) -> Array:

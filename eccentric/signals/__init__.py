@@ -5,6 +5,7 @@ In: logs and a `Rig`.  Out: `Channels`; the rows that models are fitted, compare
 May import: `logs`, `rigs`; `model` for what a rig declares, by the general derivation. Nothing is fitted.
 """
 
+from eccentric.signals.band import Band, band_of
 from eccentric.signals.channels import read_channels
 from eccentric.signals.designs import BalanceDesign, balance_design
 from eccentric.signals.filters import smoothed
@@ -22,10 +23,12 @@ __all__ = [
     "LEAST_HELD_OUT",
     "MANY_RUNS",
     "BalanceDesign",
+    "Band",
     "Channels",
     "Finding",
     "Rows",
     "balance_design",
+    "band_of",
     "fit_rows",
     "hann_windows",
     "motion_of",

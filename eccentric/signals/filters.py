@@ -1,7 +1,7 @@
 """A sampled angle becomes angle, velocity and acceleration without phase lag, and a mask of moving rows.
 
-The definitions are those of the reference residual: a second-order Butterworth low pass run forwards and
-backwards over the angle, central differences after it, and a motion mask from the raw angle.
+A second-order Butterworth low pass runs forwards and backwards over the angle, a quintic spline through the
+result is differentiated, and the raw angle gives the mask.
 """
 
 from __future__ import annotations
@@ -75,8 +75,10 @@ def motion(t: Array, theta: Array, cut_hz: float) -> tuple[Array, Array, Array, 
     if angle is None:
         spline = make_interp_spline(t, theta, k=min(5, (len(t) - 2) // 2 * 2 + 1))
         return theta, spline(t, nu=1), spline(t, nu=2), False
-    velocity = np.gradient(angle, step)
-    acceleration = np.gradient(velocity, step)
+    # Central differences would take another 2 % from the acceleration at a fiftieth of the sampling rate, and
+    # 12 % at a tenth, where the other side of the balance keeps it; a quintic spline takes 0.01 %.
+    spline = make_interp_spline(grid, angle, k=5)
+    velocity, acceleration = spline(grid, nu=1), spline(grid, nu=2)
     if not even:
         angle, velocity, acceleration = (np.interp(t, grid, x) for x in (angle, velocity, acceleration))
     return angle, velocity, acceleration, True

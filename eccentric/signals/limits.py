@@ -46,8 +46,15 @@ TOO_NOISY = 0.1
 """Noise in the acceleration, as a fraction of it, above which the default low pass is unsuitable."""
 QUIET = 0.02
 """The fraction that the chosen cut-off leaves: a term in the acceleration is then known to 2 %."""
+FAST = 0.02
+"""The part of the square of the acceleration, above a cut-off, from which that is too low: a seventh of
+J alpha would be missing."""
+FILTERED = 3.0
+"""An error above the low pass of more than this multiple of the sensors' noise there is no noise."""
 LOWEST_HZ = 3.0
 """Lowest cut-off: below it, the swing of the link itself would be filtered out."""
+NARROWER = 0.6
+"""A low pass as good, as a fraction of the cut-off: noise in the acceleration is a quarter of what it was."""
 COARSE = 0.4
 """Largest ratio of cut-off to sampling rate, else a log is too coarse to filter: Nyquist, with a margin."""
 POINTS_PER_ROW = 2

@@ -10,11 +10,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from eccentric.errors import InputError
+from eccentric.rigs import Alignment
 from eccentric.signals.filters import smoothed
+from eccentric.signals.limits import NARROWER
+from eccentric.signals.motion import motion_of
 from eccentric.signals.stretches import joined
 
 if TYPE_CHECKING:
-    from eccentric.rigs import Alignment, Rig
+    from eccentric.rigs import Rig
     from eccentric.signals.finding import Finding
     from eccentric.signals.holdout import Holdout
 
@@ -193,6 +196,19 @@ class Channels:
             motor=dataclasses.replace(self.motor, voltage=voltage),
             alignment=alignment,
         )
+
+    def narrowed(self, rig: Rig) -> Channels:
+        """The same channels with the angle after a lower low pass than that of the rig.
+
+        What a fit to them finds otherwise comes from the filter, not from the drive.
+        """
+        cut = NARROWER * rig.sampling.low_pass_hz
+        rig = dataclasses.replace(rig, sampling=dataclasses.replace(rig.sampling, low_pass_hz=cut))
+        time, motion = self.time, self.motion
+        (theta_m, omega_m, alpha_m), _ = motion_of(time.t, motion.theta_logged, time.segment, cut)
+        found = dataclasses.replace(motion, theta_m=theta_m, omega_m=omega_m, alpha_m=alpha_m)
+        plain = dataclasses.replace(self, motion=found, alignment=Alignment(), rig=rig)
+        return plain.realigned(rig, self.alignment)
 
 
 def _delayed(t: Array, x: Array, segment: Integers, delay: float) -> Array:

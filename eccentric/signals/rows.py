@@ -93,11 +93,12 @@ class Rows:
         return ends[1:] == ends[:-1]
 
     def noise_gain(self) -> Array:
-        """RMS (m,) in each row of white noise with RMS one in the samples.
+        """RMS (m,) in each row of white noise with RMS one in the samples, as in a held-out error.
 
-        `smooth` reduces it by the factor of a row in the middle of the log: it is the same everywhere.
+        `smooth` reduces it by the factor of a held-out row, if there is one: it is the same for all of them.
         """
-        middle = len(self) // 2
+        among = np.flatnonzero(self.score) if np.any(self.score) else np.arange(len(self))
+        middle = int(among[len(among) // 2])
         if self.operator is None:
             gain, one = np.ones(len(self)), np.eye(1, len(self), middle)[0]
         else:

@@ -1,6 +1,7 @@
 """The rows of a log under a rig: for a fit, for the comparison of models, for the search.
 
-    samples        of the log, if it is sampled finely and the rig requires nothing else
+    samples        of the log, if it is sampled finely and the rig requires nothing else: a fit passes both
+                   sides through the low pass of the angle, a held-out error is that of the drive as logged
     windows        integrated by parts, if the log is too coarse to be differentiated (`by_parts`)
     averages       over the time that the rig names (`average_over`), or twelve steps of a coarse log (`hann`)
     means of runs  for benches that log constant speeds (`average_over = "run"`)
@@ -57,13 +58,13 @@ def fit_rows(channels: Channels, rig: Rig) -> Rows:
     if channels.time.points_per_row > 1:
         return _by_parts(channels)
     weights = _durations(channels.time.t, channels.time.segment, channels.time.logged_step_s)
-    return dataclasses.replace(_samples(channels), weights=weights, description="rows")
+    return dataclasses.replace(_samples(channels, rig), weights=weights, description="rows")
 
 
 def rows_of(channels: Channels, rig: Rig) -> Rows:
     """The rows that models are compared on. Raises InputError if there is none to fit on or to hold out."""
     if not rig.sampling.average_over and channels.time.points_per_row == 1:
-        return _samples(channels)
+        return _samples(channels, rig)
     parts = {"train": ~channels.selection.held_out, "score": channels.selection.held_out}
     found = {name: _averages(channels, rig, part).for_part(name) for name, part in parts.items()}
     whole = math.isinf(rig.sampling.average_over)
@@ -135,13 +136,26 @@ def _length(channels: Channels, rig: Rig) -> float:
     return rig.sampling.average_over or STEPS * channels.time.logged_step_s
 
 
-def _samples(channels: Channels) -> Rows:
+def _samples(channels: Channels, rig: Rig) -> Rows:
     """The rows of the log."""
     t, rows = channels.time.t, channels.selection
-    blocks = blocks_of(t, channels.time.segment, t)
     return Rows(
-        t, channels.time.run, blocks, rows.fit_rows, rows.score_rows, np.ones_like(t), "rows of the log"
+        t,
+        channels.time.run,
+        blocks_of(t, channels.time.segment, t),
+        rows.fit_rows,
+        rows.score_rows,
+        np.ones_like(t),
+        "rows of the log",
+        smooth=partial(_where, rows.fit_rows, _low_pass(channels, rig)),
     )
+
+
+def _where(chosen: Mask, changed: Callable[[Array], Array], x: Array) -> Array:
+    """Samples x (n,) or (n, k), changed where they are chosen (n,)."""
+    out = np.array(x, float)
+    out[chosen] = changed(out)[chosen]
+    return out
 
 
 def _durations(t: Array, segment: Integers, step: float) -> Array:
