@@ -97,5 +97,13 @@ DIAGNOSIS: dict[str, Asked] = {
     "sure": Asked(f"named with probability {SURE:g} or more, and right", "at least", 0.9),
     "seconds": Asked("50,000 rows, whole library", "at most", 20, "s"),
     "memory": Asked("memory of the process, up to 50,000 rows", "at most", 1, "GB"),
+    **{
+        f"coverage {kind}": Asked(f"95 % intervals that hold the truth: {what}", "at least", 0.92, up_to=0.97)
+        for kind, what in (
+            ("inertia", "inertia"),
+            ("friction", "friction coefficients"),
+            ("effect", "parameters of an effect"),
+        )
+    },
     "readers": Asked("fuzzed inputs neither taken nor refused in one line", "at most", 0),
 }

@@ -15,7 +15,19 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
-from benchmarks import accuracy, calls, checks, derivation, diagnosis, figure, fuzz, host, speed, target
+from benchmarks import (
+    accuracy,
+    calls,
+    checks,
+    coverage,
+    derivation,
+    diagnosis,
+    figure,
+    fuzz,
+    host,
+    speed,
+    target,
+)
 from benchmarks.asked import CODE, DIAGNOSIS
 from benchmarks.record import Part, progress, table
 
@@ -29,6 +41,7 @@ PARTS: dict[str, tuple[str, Callable[[bool], Part]]] = {
     "accuracy": ("Accuracy", accuracy.measured),
     "checks": ("Checks", checks.measured),
     "readers": ("Fuzzed readers", fuzz.measured),
+    "coverage": ("Intervals", coverage.measured),
     "diagnosis": ("Diagnosis", diagnosis.measured),
 }
 """What is timed comes first, each by itself."""

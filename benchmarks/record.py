@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import sys
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -12,16 +13,17 @@ HEAD = ("| what | required | measured | peer | |", "|---|---|---|---|---|")
 
 @dataclass(frozen=True)
 class Asked:
-    """A required figure."""
+    """A required figure; `up_to` is the other end of a range."""
 
     what: str
     bound: Literal["at most", "at least"]
     limit: float
     unit: str = ""
+    up_to: float = math.inf
 
     def reached(self, value: float) -> bool:
         """Whether a value is within the limit; NaN is not."""
-        return value <= self.limit if self.bound == "at most" else value >= self.limit
+        return value <= self.limit if self.bound == "at most" else self.limit <= value <= self.up_to
 
 
 @dataclass(frozen=True)
@@ -61,6 +63,7 @@ def progress(text: str) -> None:
 
 def _row(asked: Asked, measured: Measured | None) -> str:
     required = f"{asked.bound} {asked.limit:.3g} {asked.unit}".rstrip()
+    required += "" if math.isinf(asked.up_to) else f" and at most {asked.up_to:.3g}"
     if measured is None:
         return f"| {asked.what} | {required} | | | not measured |"
     text = measured.text or f"{measured.value:.3g} {asked.unit}".rstrip()

@@ -8,7 +8,11 @@ from benchmarks import page
 from benchmarks.asked import CODE, DIAGNOSIS
 from benchmarks.record import Asked, Measured, Part, table
 
-LIMITS = {"most": Asked("time", "at most", 2.0, "ns"), "least": Asked("gain", "at least", 7.0)}
+LIMITS = {
+    "most": Asked("time", "at most", 2.0, "ns"),
+    "least": Asked("gain", "at least", 7.0),
+    "range": Asked("part", "at least", 0.92, up_to=0.97),
+}
 
 
 @pytest.mark.parametrize(
@@ -21,13 +25,16 @@ LIMITS = {"most": Asked("time", "at most", 2.0, "ns"), "least": Asked("gain", "a
         ("least", 6.6, "not reached"),
         ("least", float("nan"), "not reached"),
         ("most", float("nan"), "not reached"),
+        ("range", 0.919, "not reached"),
+        ("range", 0.97, "reached"),
+        ("range", 0.98, "not reached"),
     ],
 )
 def test_a_missed_figure_is_not_reached(key: str, value: float, judged: str) -> None:
     """A value beyond its limit is marked as not reached, and so is a missing one."""
     row = table({key: LIMITS[key]}, {key: Measured(value, "so much", "a peer")})[-1]
 
-    limit = {"most": "at most 2 ns", "least": "at least 7"}[key]
+    limit = {"most": "at most 2 ns", "least": "at least 7", "range": "at least 0.92 and at most 0.97"}[key]
     assert [LIMITS[key].what, limit, "so much", "a peer", judged] == [c.strip() for c in row.split("|")[1:-1]]
 
 

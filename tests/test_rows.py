@@ -57,14 +57,20 @@ def test_averages_are_those_of_a_hann_window(tmp_path: Path) -> None:
     assert np.all(np.diff(rows.t) > 0.0)
 
 
-def test_rows_of_the_log_stay_as_they_are(tmp_path: Path) -> None:
-    """Without a wish for averages a row is a row."""
+def test_rows_of_the_log_are_its_samples(tmp_path: Path) -> None:
+    """Without a wish for averages a row is a row: after the low pass to fit on, as logged in an error."""
     channels, rig = planted(tmp_path, "")
     rows = rows_of(channels, rig)
     assert rows.operator is None
     np.testing.assert_allclose(rows.t, T, rtol=1e-12)
     np.testing.assert_array_equal(rows.train, channels.selection.fit_rows)
-    np.testing.assert_array_equal(rows.mean(motion()[0]), motion()[0])
+    noise = np.random.default_rng(3).standard_normal((len(rows), 2))
+    passed = np.where(rows.train[:, None], channels.smooth(noise), noise)
+    np.testing.assert_array_equal(rows.mean(noise), passed)
+    np.testing.assert_array_equal(rows.noise_gain(), 1.0)
+    other = rows.trained_on(rows.score)
+    np.testing.assert_array_equal(other.mean(noise)[rows.score], channels.smooth(noise)[rows.score])
+    np.testing.assert_array_equal(other.mean(noise)[rows.train], noise[rows.train])
 
 
 def several(tmp_path: Path, above: str) -> tuple[Channels, Rig]:

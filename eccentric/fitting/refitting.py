@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -115,16 +115,18 @@ def _extended(
     for effect, own in effects:
         model = effect.extend(model, own)
     columns, rows = data.signals.columns(base), data.rows
+    if without is not None:
+        rows = rows.trained_on((rows.train | rows.score) & (rows.run != without))
     friction = tuple(c for c in base_coefficients(base, data.signals) if c.role == "friction")
     groups = alike(columns) if linear else [(k,) for k in range(len(columns))]
     return Extended(
         model,
         tuple(effects),
-        data,
+        replace(data, rows=rows),
         tuple(friction[first] for first, *_ in groups),
         friction,
         bounds,
-        rows.train if without is None else (rows.train | rows.score) & (rows.run != without),
+        rows.train,
         {friction[first].name: tuple(friction[k].name for k in others) for first, *others in groups},
     )
 

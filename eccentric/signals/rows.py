@@ -44,6 +44,7 @@ class Rows:
         rate_operator: sparse weights (m, n) that give the mean second rate of a signal from the signal alone;
             None where the acceleration is averaged like any other signal.
         smooth: a filter over the samples, (n,) or (n, k), applied before the mean.
+        as_logged: samples (n,) that it leaves as they are, such as those of a held-out error; None for none.
         independent: rows share neither samples nor disturbances, like means of whole runs.
         remedy: what in the rig file gives more rows, in words; "" for nothing.
     """
@@ -58,6 +59,7 @@ class Rows:
     operator: csr_array | None = None
     rate_operator: csr_array | None = None
     smooth: Callable[[Array], Array] | None = None
+    as_logged: Mask | None = None
     independent: bool = False
     remedy: str = ""
 
@@ -72,7 +74,15 @@ class Rows:
 
     def mean(self, x: Array) -> Array:
         """Samples (n,) or (n, k) converted to rows (m,) or (m, k), in the unit of x."""
-        return self.plain_mean(x if self.smooth is None else self.smooth(x))
+        return self.plain_mean(self._smoothed(x))
+
+    def _smoothed(self, x: Array) -> Array:
+        if self.smooth is None:
+            return x
+        passed = self.smooth(x)
+        if self.as_logged is not None:
+            passed[self.as_logged] = np.asarray(x, float)[self.as_logged]
+        return passed
 
     def plain_mean(self, x: Array) -> Array:
         """The same without `smooth`, for signals that have passed that low pass, such as the acceleration."""
@@ -104,7 +114,7 @@ class Rows:
         else:
             gain = np.sqrt(np.asarray(self.operator.multiply(self.operator).sum(axis=1)).ravel())
             one = self.operator[[middle]].toarray()[0]
-        if self.smooth is None:
+        if self.smooth is None or (self.as_logged is not None and self.as_logged[middle]):
             return gain
         # The low pass has no phase: what it makes of a row's weights are the weights of the filtered row.
         return gain * float(np.linalg.norm(self.smooth(one)) / np.linalg.norm(one))
@@ -128,6 +138,11 @@ class Rows:
             operator=None if self.operator is None else self.operator[kept],
             rate_operator=None if self.rate_operator is None else self.rate_operator[kept],
         )
+
+    def trained_on(self, rows: Mask) -> Rows:
+        """The same rows with others to fit on (m,); all that are not stay as logged, if they are samples."""
+        logged = self.as_logged if self.operator is not None or self.smooth is None else ~rows
+        return dataclasses.replace(self, train=rows, as_logged=logged)
 
     def for_part(self, part: str) -> Rows:
         """The same rows, all for training ("train") or all held out ("score")."""

@@ -147,15 +147,9 @@ def _samples(channels: Channels, rig: Rig) -> Rows:
         rows.score_rows,
         np.ones_like(t),
         "rows of the log",
-        smooth=partial(_where, rows.fit_rows, _low_pass(channels, rig)),
+        smooth=_low_pass(channels, rig),
+        as_logged=~rows.fit_rows,
     )
-
-
-def _where(chosen: Mask, changed: Callable[[Array], Array], x: Array) -> Array:
-    """Samples x (n,) or (n, k), changed where they are chosen (n,)."""
-    out = np.array(x, float)
-    out[chosen] = changed(out)[chosen]
-    return out
 
 
 def _durations(t: Array, segment: Integers, step: float) -> Array:
