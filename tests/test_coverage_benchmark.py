@@ -1,4 +1,4 @@
-"""The benchmark of intervals compares like with like: the effect that is planted is the one that is fitted."""
+"""The benchmark of intervals compares like with like: what is planted is what is fitted."""
 
 from __future__ import annotations
 
