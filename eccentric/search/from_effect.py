@@ -71,7 +71,8 @@ def candidate_of(
     def columns_of(*balances: str) -> Callable[[Values], Array]:
         def columns(values: Values) -> Array:
             series = states(values)
-            return sum(np.column_stack([column(values, series) for column in own[b]]) for b in balances)
+            every = [np.column_stack([column(values, series) for column in own[b]]) for b in balances]
+            return np.sum(every, axis=0)
 
         return columns
 

@@ -100,7 +100,7 @@ def stability_of(screen: Screen, models: Sequence[Fitted]) -> Stability:
     for own, shares in zip(families, weight.T, strict=True):
         for one, share in zip(own, shares, strict=True):
             weights[one] = weights.get(one, 0.0) + float(share) / len(shares)
-    best = tuple(families[k][variant] for variant, k in enumerate(np.argmax(log, axis=1)))
+    best = tuple(families[int(k)][variant] for variant, k in enumerate(np.argmax(log, axis=1)))
     return Stability(best, weights)
 
 
@@ -173,8 +173,9 @@ def _evidence(
         whole = bounded_solve(drawn.matrix.sum(axis=0), drawn.vector.sum(axis=0), bounds, prior)
         off = whole[p:] / tolerance[: len(whole) - p]
         found[number] = -0.5 * (effective * np.log(score) + off @ off)
-        wrong = np.flatnonzero(np.abs(off) > limits.WRONG)
-        moved.append(frozenset(free[k].family for k in wrong))
+        # None of them is free in the first variants of every four.
+        wrong = (c.family for c, x in zip(free, off, strict=False) if abs(x) > limits.WRONG)
+        moved.append(frozenset(wrong))
     return found, moved
 
 

@@ -162,8 +162,9 @@ def _gravity(body: RigidBody, c: Channels, rig: Rig, m: Means) -> Iterator[Findi
     drive = c.motor.measured_by
     scale, upright = torque_per_unit(drive, rig), upright_gravity_of(rig)
     if rig.case == "C1":
-        known = scale is not None and upright is not None
-        if known and is_clear(value, error) and scale * value > upright / FACTOR:
+        if scale is None or upright is None:
+            return
+        if is_clear(value, error) and scale * value > upright / FACTOR:
             text = (
                 f"{drive} shows a gravity torque of {scale * value:.3g} N m at the motor, but the rig"
                 f" declares none (C1): is the plane of motion vertical, case C2 ({upright:.3g} N m)?"
