@@ -173,7 +173,7 @@ def _evidence(
         whole = bounded_solve(drawn.matrix.sum(axis=0), drawn.vector.sum(axis=0), bounds, prior)
         off = whole[p:] / tolerance[: len(whole) - p]
         found[number] = -0.5 * (effective * np.log(score) + off @ off)
-        # None of them is free in the first variants of every four.
+        # There are none where the declared values are not free.
         wrong = (c.family for c, x in zip(free, off, strict=False) if abs(x) > limits.WRONG)
         moved.append(frozenset(wrong))
     return found, moved
