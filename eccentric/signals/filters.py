@@ -75,8 +75,8 @@ def motion(t: Array, theta: Array, cut_hz: float) -> tuple[Array, Array, Array, 
     if angle is None:
         spline = make_interp_spline(t, theta, k=min(5, (len(t) - 2) // 2 * 2 + 1))
         return theta, spline(t, nu=1), spline(t, nu=2), False
-    # Central differences would take another 2 % from the acceleration at a fiftieth of the sampling rate, and
-    # 12 % at a tenth, where the other side of the balance keeps it; a quintic spline takes 0.01 %.
+    # Central differences would take 2 % from the acceleration at a twenty-fifth of the sampling rate, and
+    # 12 % at a tenth, where the other side of the balance keeps it; a quintic spline is right to 0.02 %.
     spline = make_interp_spline(grid, angle, k=5)
     velocity, acceleration = spline(grid, nu=1), spline(grid, nu=2)
     if not even:
