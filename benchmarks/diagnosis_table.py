@@ -110,7 +110,7 @@ def details(results: Sequence[Result]) -> list[str]:
 def _of(results: Sequence[Result], kind: str) -> list[Result]:
     """The logs of a kind, those with an exact alias left out."""
     own = [r for r in results if r.job.kind == kind]
-    return [r for r in own if min(r.beyond, default=0) > ALIAS] if kind in {"single", "pair"} else own
+    return [r for r in own if min(r.beyond, default=1.0) > ALIAS] if kind in {"single", "pair"} else own
 
 
 def _fraction(
@@ -138,7 +138,7 @@ def _good(r: Result) -> bool:
         return r.verdict == "nothing_missing"
     if r.job.kind == "outside":
         return _honest(r)
-    alias = r.job.kind in {"single", "pair"} and min(r.beyond, default=0) <= ALIAS
+    alias = r.job.kind in {"single", "pair"} and min(r.beyond, default=1.0) <= ALIAS
     return alias or set(r.named) == set(r.truth)
 
 

@@ -6,9 +6,15 @@ import numpy as np
 import pytest
 
 from benchmarks.coverage import Result, counted, effect_of, run
+from eccentric.fitting import FitData, drive_of, fit_data_of, refit
 from eccentric.fitting.emitted import Emitted
+from eccentric.logs import read_log
 from eccentric.model import load_model
+from eccentric.rigs import read_rig
+from eccentric.signals import read_channels
+from eccentric.virtual_bench import simulate
 from tests.extended import KNOWN, effects
+from tests.virtual import drawn_scenario
 
 FRICTION = {"C_m": 0.1, "B_m": 0.01, "C_lN": 0.02, "B_lN": 0.003}
 
@@ -42,10 +48,36 @@ def test_the_planted_effect_is_that_of_the_library(
     assert float((without - there)[0]) == pytest.approx(expected, rel=1e-9)
 
 
+def test_a_filter_that_changes_nothing_widens_no_interval(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Inertia and back-EMF move to their own parameters after a step; that is not the filter's doing."""
+    run = simulate(drawn_scenario(7, case="C1", log_type="traj", seconds=40.0))
+    known = {key: x for key, x in run.rig["known"].items() if key != "J_l_kgm2"}
+    rig = run.rig | {"known": known, "unknown": {"J_l": ["0 kg m^2", "1000 kg m^2"]}}
+    channels = read_channels([read_log(run.columns)], read_rig(rig))
+    model = load_model(channels.rig.model)
+    data = fit_data_of(drive_of(channels, channels.rig, model), channels.rig, model)
+
+    errors = []
+    for narrowed in (data, None):
+        monkeypatch.setattr(FitData, "narrowed", narrowed)
+        errors.append(
+            {name: e.std_error for name, e in refit(model, (), data, linear=True).estimates.items()}
+        )
+    assert "J_l" in errors[0]
+    assert errors[0] == pytest.approx(errors[1], rel=1e-6)
+
+
 def test_a_log_is_judged_by_all_three_kinds() -> None:
     """Inertia, four friction coefficients and the effect's own parameters."""
     result = run(97101)
 
     assert result.failed == ""
     assert {"inertia": 1, "friction": 4, "effect": 2} == {kind: len(own) for kind, own in result.held.items()}
-    assert counted([result, Result("other", {"inertia": {"J_l": False}})], "inertia")[1] == 2
+
+
+def test_intervals_are_counted_by_kind() -> None:
+    """Those that hold the truth, of all."""
+    one = Result("one", {"inertia": {"J_l": True}, "friction": {"C_m": True, "B_m": False}})
+    other = Result("other", {"inertia": {"J_l": False}})
+
+    assert (1, 2) == counted([one, other], "inertia") == counted([one, other], "friction")

@@ -32,7 +32,7 @@ def test_the_change_adds_to_the_covariance(log: tuple[np.ndarray, np.ndarray]) -
     other = design(target + columns @ MOVED, columns)
 
     assert other.solve().values - solution.values == pytest.approx(MOVED, rel=1e-9)
-    added = solution.spread(filtered=other).matrix - solution.spread().matrix
+    added = solution.spread(filtered=(solution.design, other)).matrix - solution.spread().matrix
     np.testing.assert_allclose(added, np.outer(MOVED, MOVED), rtol=1e-9, atol=1e-15)
 
 
@@ -41,7 +41,9 @@ def test_the_same_filter_adds_nothing(log: tuple[np.ndarray, np.ndarray]) -> Non
     one = design(*log)
     solution = one.solve()
 
-    np.testing.assert_allclose(solution.spread(filtered=one).matrix, solution.spread().matrix, rtol=1e-12)
+    np.testing.assert_allclose(
+        solution.spread(filtered=(one, one)).matrix, solution.spread().matrix, rtol=1e-12
+    )
 
 
 def test_a_coefficient_at_its_bound_does_not_move(log: tuple[np.ndarray, np.ndarray]) -> None:
@@ -53,5 +55,5 @@ def test_a_coefficient_at_its_bound_does_not_move(log: tuple[np.ndarray, np.ndar
     by_itself = alone @ (columns @ MOVED)[design(*log).train] / (alone @ alone)
 
     assert solution.active.tolist() == [0, -1]
-    added = solution.spread(filtered=other).matrix - solution.spread().matrix
+    added = solution.spread(filtered=(solution.design, other)).matrix - solution.spread().matrix
     np.testing.assert_allclose(added, [[by_itself**2, 0.0], [0.0, 0.0]], rtol=1e-9, atol=1e-15)

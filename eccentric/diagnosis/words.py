@@ -183,8 +183,8 @@ def diagnosis_lines(found: Diagnosis) -> list[str]:
     for balance, models in found.score.rmse.items():
         shown = {name: error for name, error in models.items() if name != "extended" or adopted}
         out.append(f"held-out RMSE, {balance} [{found.unit}]: {_errors(shown)}")
-    if found.band is not None:
-        out.append(found.band.words("extended" if adopted else "paper"))
+        if balance == "mechanical" and found.band is not None:
+            out.append(found.band.words("extended" if adopted else "paper"))
     if found.score.over_runs is not None:
         out += _over_runs(found.score.over_runs, found.unit)
     out += filter(None, [closest_sentence(found), sibling_sentence(found)])

@@ -145,11 +145,13 @@ class Solution:
         """The values by the names of their coefficients."""
         return {c.name: float(x) for c, x in zip(self.design.coefficients, self.values, strict=True)}
 
-    def spread(self, nonlinear: Sequence[Nonlinear] = (), filtered: Design | None = None) -> Spread:
+    def spread(
+        self, nonlinear: Sequence[Nonlinear] = (), filtered: tuple[Design, Design] | None = None
+    ) -> Spread:
         """Return the joint spread of the coefficients and then the nonlinear values.
 
-        `filtered` is the same design after another filter that would do as well: what it would change is an
-        error of unknown sign.
+        `filtered` is the design at one point, and the same after another filter that would do as well: what
+        that would change is an error of unknown sign.
         """
         design = self.design
         ends = [n.end_at(self.at[n.name]) for n in nonlinear]
@@ -163,8 +165,9 @@ class Solution:
         )
         if filtered is None:
             return found
-        # A nonlinear value need not be at the optimum of these rows: only the difference is the filter's.
-        moved = self._step(filtered, active == 0) - self._step(design, active == 0)
+        # The point need not be the optimum of the first: only the difference is the filter's.
+        before, after = (self._step(one, active == 0) for one in filtered)
+        moved = after - before
         return dataclasses.replace(found, matrix=found.matrix + np.outer(moved, moved))
 
     def _tangents(self, design: Design) -> Array:

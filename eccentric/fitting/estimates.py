@@ -58,7 +58,7 @@ def _of_balance(
     # A shape has no active bound: the search ends inside its range, or warns that it is at its end.
     error = solution.spread(
         [Nonlinear(n, "", -np.inf, np.inf, (), 0.0) for n in shapes],
-        None if narrowed is None else narrowed.design(balance, point),
+        None if narrowed is None else (fit.design(balance, point), narrowed.design(balance, point)),
     )
     names = [c.name for c in solution.design.coefficients]
     units = {q.name: q.unit for q in fit.model.parameters}

@@ -51,7 +51,8 @@ class FitData:
     @property
     def narrowed(self) -> FitData | None:
         """The same log below a lower cut-off, with the current that effects use; None without a low pass."""
-        if self.rows.smooth is None or self.signals.base is None:
+        coarse = self.drive.channels.time.points_per_row > 1
+        if self.rows.smooth is None or self.signals.base is None or coarse:
             return None
         channels = self.drive.channels.narrowed(self.drive.channels.rig)
         found = fit_data_of(replace(self.drive, channels=channels), channels.rig, self.signals.base)

@@ -98,7 +98,8 @@ def fit(channels: Channels, rig: Rig, model: Model, where: str = "log") -> Fit:
     if better is not None and better.best.cost < paper.cost:
         solutions["paper"] = paper = better.best
     narrowed = problem.narrowed
-    error = paper.spread(problem.nonlinear, None if narrowed is None else narrowed.design(paper.at))
+    filtered = None if narrowed is None else (paper.design, narrowed.design(paper.at))
+    error = paper.spread(problem.nonlinear, filtered)
     coefficients, searched = _estimates(problem, paper, error)
     problems = {name: baseline if name == "linear" else problem for name in solutions}
     held_out = {name: problems[name].held_out(solution) for name, solution in solutions.items()}

@@ -108,7 +108,7 @@ class Problem:
     @property
     def narrowed(self) -> Problem | None:
         """The same problem below a lower cut-off; None where no low pass is used."""
-        if self.rows.smooth is None:
+        if self.rows.smooth is None or self.drive.channels.time.points_per_row > 1:
             return None
         channels = self.drive.channels.narrowed(self.rig)
         drive = dataclasses.replace(self.drive, channels=channels)

@@ -105,12 +105,12 @@ class Search:
         if twin is None:
             return True
         without = screen.fit(others)
-        gain = max(without.score - fitted.score, np.finfo(float).tiny)
+        gain = without.score - fitted.score
         if gain > limits.BEYOND_NOISE * self.screen.floor > 0.0:
             return True
         there = screen.fit([*others, twin])
-        part = (without.score - there.score) / gain
-        return part > limits.CONFIRMED_PART and self.deviance(without, there, screen) > limits.CONFIRMED
+        part = without.score - there.score > limits.CONFIRMED_PART * gain
+        return part and self.deviance(without, there, screen) > limits.CONFIRMED
 
     def _leaders(self, ranked: Sequence[Fitted]) -> list[Fitted]:
         """The candidates to try: the first that gain by more than the noise of their own signals."""

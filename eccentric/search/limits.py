@@ -96,8 +96,8 @@ CONFIRMED = 8.0
 """Deviance that a candidate has to gain on its instrument, or in a variant of the log: it was not chosen
 there, so that one column gains more than 6.6 by chance in one log of a hundred."""
 BEYOND_NOISE = 9.0
-"""Squares beyond which a gain is more than noise, in those of the sensors' noise: three times its RMS, for a
-loop that rings. Candidates that were their own noise took out half of it at most."""
+"""A gain above this multiple of the sensors' noise, both in squares, cannot be noise, even of a loop that
+rings: it is three times its RMS. Candidates that were their own noise took out half of it at most."""
 CONFIRMED_PART = 0.15
 """Part of the squares that it takes out which its instrument has to take out: less is the noise of its own
 signals, and a remainder. Noise takes less than 0, and true effects that follow the current, which the

@@ -31,7 +31,7 @@ class Band:
 
     @property
     def filtered(self) -> bool:
-        """Whether the low pass and not the drive makes most of the error."""
+        """Whether most of the error lies above the low pass, and is not noise."""
         return self.above > max(self.below, FILTERED * self.noise)
 
     def words(self, model: str) -> str:
@@ -44,8 +44,9 @@ class Band:
         if not self.filtered:
             return ""
         return (
-            f"most of the held-out error lies above {self.cut_hz:g} Hz, where the low pass has taken the"
-            " motion from the model: a higher low_pass_hz, or average_over, compares both over one band"
+            f"most of the held-out error lies above {self.cut_hz:g} Hz, which the model cannot see: motion"
+            " that the low pass has removed (a higher low_pass_hz shows it), or ripple of the drive"
+            " (average_over takes it from both sides)"
         )
 
 

@@ -31,6 +31,7 @@ from eccentric.signals.limits import (
     MAP_RUNS,
     MAP_STEADY,
     QUIET,
+    RAISED,
     TOO_NOISY,
 )
 from eccentric.signals.stretches import rows_of_each
@@ -77,9 +78,10 @@ def _raised(
     default = chosen = rig.sampling.low_pass_hz
     noise, size = _over_all(t, theta, moving, stretches, default)
     seen = size**2 - noise**2
-    most = COARSE / max(float(np.median(np.diff(t[rows]))) for rows in stretches if len(rows) > 40)
+    most = RAISED / max(float(np.median(np.diff(t[rows]))) for rows in stretches if len(rows) > 40)
     missed, cut = 0.0, 2.0 * default
-    while cut <= most:
+    # Stamps are rounded: a fifth of the rate is a fifth.
+    while cut <= most * (1.0 + 1e-6):
         noise, size = _over_all(t, theta, moving, stretches, cut)
         if not size or noise > TOO_NOISY * size:
             break

@@ -76,7 +76,7 @@ def motion(t: Array, theta: Array, cut_hz: float) -> tuple[Array, Array, Array, 
         spline = make_interp_spline(t, theta, k=min(5, (len(t) - 2) // 2 * 2 + 1))
         return theta, spline(t, nu=1), spline(t, nu=2), False
     # Central differences would take 2 % from the acceleration at a twenty-fifth of the sampling rate, and
-    # 12 % at a tenth, where the other side of the balance keeps it; a quintic spline is right to 0.02 %.
+    # 12 % at a tenth, where the other side of the balance keeps it; a quintic spline takes 0.02 % there.
     spline = make_interp_spline(grid, angle, k=5)
     velocity, acceleration = spline(grid, nu=1), spline(grid, nu=2)
     if not even:

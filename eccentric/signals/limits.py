@@ -49,12 +49,14 @@ QUIET = 0.02
 FAST = 0.02
 """The part of the square of the acceleration, above a cut-off, from which that is too low: a seventh of
 J alpha would be missing."""
+RAISED = 0.2
+"""Largest ratio of a raised cut-off to the sampling rate: the derivative is right to 0.5 % there."""
 FILTERED = 3.0
-"""An error above the low pass of more than this multiple of the sensors' noise there is no noise."""
+"""An error above the low pass that exceeds this multiple of the sensors' noise there is not noise."""
 LOWEST_HZ = 3.0
 """Lowest cut-off: below it, the swing of the link itself would be filtered out."""
 NARROWER = 0.6
-"""A low pass as good, as a fraction of the cut-off: noise in the acceleration is a quarter of what it was."""
+"""Cut-off of a narrower low pass, in that of the first: a quarter of the noise in the acceleration."""
 COARSE = 0.4
 """Largest ratio of cut-off to sampling rate, else a log is too coarse to filter: Nyquist, with a margin."""
 POINTS_PER_ROW = 2
