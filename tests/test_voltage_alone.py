@@ -160,6 +160,7 @@ def test_free_swings_are_predicted_by_the_same_friction(name: str, request: pyte
     """With the motor off the extended friction is all there is: the error falls to that of the encoder."""
     found: Diagnosis = request.getfixturevalue(name)
     free_error = found.score.free
+    # 2.75 times; more is not to be had, since noise of the encoder is most of what is left.
     assert 2.0 * free_error["extended"] < min(free_error["paper"], free_error["linear"])
     # Rounding to an encoder step is noise of a twelfth of its square, of which differences see up to 25 Hz.
     step = 2.0 * np.pi / 65536 / np.sqrt(12.0)

@@ -173,7 +173,7 @@ def _grave(found: Diagnosis) -> str:
 
 
 def diagnosis_lines(found: Diagnosis) -> list[str]:
-    """At most twenty-one lines for a terminal."""
+    """At most twenty-two lines for a terminal."""
     a, adopted = found.attribution, found.models.adopted
     out = [f"{few(found.asked.logs)}: {found.models.base.name}, verdict {a.verdict}"]
     if words := found.asked.request.words:
