@@ -32,7 +32,6 @@ from eccentric.estimation import (
 from eccentric.fitting.combinations import combinations, identified_letters
 from eccentric.fitting.limits import LEAST_R_SQUARED
 from eccentric.fitting.problem import Problem, pose
-from eccentric.rigs import ALIGNMENT
 from eccentric.signals import LEAST_HELD_OUT, Band, band_of, require_rows, white_noise
 
 if TYPE_CHECKING:
@@ -143,7 +142,7 @@ def solved(problem: Problem, where: str, positive: Collection[ColumnRole]) -> So
 
 
 def _band(problem: Problem, paper: Solution) -> Band | None:
-    drive = problem.drive.aligned(problem.rig, {n: x for n, x in paper.at.items() if n in ALIGNMENT})
+    drive = problem.aligned(paper.at)
     noise = white_noise(drive.torque(), drive.channels.time.segment)
     return band_of(*problem.compared(paper), drive.channels, noise)
 

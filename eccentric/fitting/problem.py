@@ -71,7 +71,7 @@ class Problem:
 
     def design(self, at: Mapping[str, float]) -> Design:
         """Return the design for given nonlinear values."""
-        drive, parameters = self._aligned(at), self._parameters(at)
+        drive, parameters = self.aligned(at), self._parameters(at)
         signals = inputs_of(drive.channels)
         friction = self.rows.mean(self.emitted("regressor", signals, parameters))
         friction = np.column_stack([friction[:, group].sum(axis=1) for group in self.groups])
@@ -118,7 +118,7 @@ class Problem:
     def held_out(self, solution: Solution) -> tuple[Array, Array]:
         """Residual and drive signal on the held-out rows that every command compares models on."""
         residual, rows = self.compared(solution)
-        signal = rows.mean(self._aligned(solution.at).torque())
+        signal = rows.mean(self.aligned(solution.at).torque())
         return residual[rows.score], signal[rows.score]
 
     def compared(self, solution: Solution) -> tuple[Array, Rows]:
@@ -136,7 +136,8 @@ class Problem:
         """Whether a coefficient has this role."""
         return any(c.role == role for c in self.coefficients)
 
-    def _aligned(self, at: Mapping[str, float]) -> Drive:
+    def aligned(self, at: Mapping[str, float]) -> Drive:
+        """The drive with the delay and the zero angle of some nonlinear values."""
         aligned = {name: value for name, value in at.items() if name in _ALIGNED}
         return self.drive.aligned(self.rig, aligned) if aligned else self.drive
 
