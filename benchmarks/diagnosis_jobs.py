@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
+from benchmarks.oracle import Oracle
+
 
 @dataclass(frozen=True)
 class Job:
@@ -30,7 +32,7 @@ class Result:
     depends: list[str] = field(default_factory=list)
     probability: float = 0.0
     rmse: dict[str, float] = field(default_factory=dict)  # balance -> held out, of what is shipped
-    oracle: tuple[str, float, float] | None = None  # balance, held out, z
+    oracle: Oracle | None = None
     peer: dict | None = None
     seconds: float = 0.0
     memory: float = 0.0

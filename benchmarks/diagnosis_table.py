@@ -28,7 +28,7 @@ def figures(results: Sequence[Result], slow: Sequence[Result]) -> dict[str, Meas
     single, pair, outside = (_of(results, kind) for kind in ("single", "pair", "outside"))
     faint = _of(results, "faint")
     sure = [r for r in [*single, *pair, *faint] if r.verdict == "named" and r.probability >= SURE]
-    provable = [r for r in faint if r.oracle is not None and r.oracle[2] > PROVABLE]
+    provable = [r for r in faint if r.oracle is not None and r.oracle.over_paper > PROVABLE]
     excess = _excess(single, lambda r, balance: r.rmse[balance])
     peers = _excess(single, lambda r, balance: r.peer["rmse"][balance] if r.peer else None)
     found = {
@@ -74,7 +74,18 @@ def details(results: Sequence[Result]) -> list[str]:
     hidden = [r for r in results if r.job.kind == "single" and r not in single]
     seconds = sorted(r.seconds for r in results if r.seconds) or [float("nan")]
     named = _excess([r for r in single if r.named == r.truth], lambda r, balance: r.rmse[balance])
+    pair = _of(results, "pair")
+    missed = (
+        [r for r in single if r.ranked[:1] != r.truth],
+        [r for r in pair if not set(r.truth) <= set(r.named)],
+    )
     rows = {
+        **{
+            f"{what}, although a fit that knows the truth predicts better than the answer by z > {PROVABLE:g}": (
+                _share(sum(r.oracle is not None and r.oracle.over_answer > PROVABLE for r in own), len(own))
+            )
+            for what, own in zip(("not first", "not both of two"), missed, strict=True)
+        },
         "a wrong name, further names counted too": _share(
             sum(bool(set(r.named) - set(r.truth)) for r in single), len(single)
         ),
@@ -125,7 +136,7 @@ def _fraction(
 
 def _excess(results: Sequence[Result], rmse: Callable[[Result, str], float | None]) -> list[float]:
     """The excess of the held-out RMSE over the oracle's in per cent, if there is one."""
-    found = [(rmse(r, r.oracle[0]), r.oracle[1]) for r in results if r.oracle is not None]
+    found = [(rmse(r, r.oracle.balance), r.oracle.rmse) for r in results if r.oracle is not None]
     return [100 * (own / least - 1) for own, least in found if own is not None]
 
 

@@ -161,7 +161,7 @@ def screw_speed(found: Diagnosis) -> Figure:
 
 def screw_orders(found: Diagnosis) -> Figure:
     """Spectrum over the angle of every run, stacked by speed, and their mean."""
-    c, residual = found.channels, residual_samples(found.models.shipped)
+    c, residual = found.channels, residual_samples(found.models.extended)
     order = np.arange(0.5, 6.0, 0.02)
     speeds, spectra = [], []
     for run in range(len(c.time.run_names)):

@@ -8,7 +8,7 @@ from eccentric.diagnosis import Diagnosis
 
 def _identified(found: Diagnosis, shown: dict[str, tuple[str, float]]) -> dict[str, list[Cell]]:
     """Estimates of the shipped model: name -> label with the unit, factor to that unit."""
-    every = found.models.shipped.estimates
+    every = found.models.extended.estimates
     return {
         label: [factor * every[name].value, [factor * x for x in every[name].interval]]
         for name, (label, factor) in shown.items()
@@ -53,7 +53,7 @@ def _screw(found: Diagnosis) -> Table:
         "stribeck_A": ("A, Stribeck torque [mN m]", 1e3),
         "stribeck_v": ("v, Stribeck velocity [rad/s]", 1.0),
     }
-    shown = {name: how for name, how in shown.items() if name in found.models.shipped.estimates}
+    shown = {name: how for name, how in shown.items() if name in found.models.extended.estimates}
     return table(["quantity", "value", "95 % interval"], _identified(found, shown))
 
 
@@ -86,8 +86,8 @@ def _disc(found: Diagnosis) -> Table:
 
 
 def _direct(found: Diagnosis) -> Table:
-    values, g = found.models.shipped.values, 9.81
-    arm = found.models.shipped.estimates["L"]
+    values, g = found.models.extended.values, 9.81
+    arm = found.models.extended.estimates["L"]
     # 0.546 kg at 0.5 m; rod and mount, 0.13 kg, put the centre of the whole at 0.45 m: a rod of 0.48 m.
     inertia = 0.546 * 0.5**2 + 0.13 * 0.48**2 / 3 + 36 * 6.07e-5
     gravity = [values["M"] * g * length for length in (arm.value, *arm.interval)]

@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import argparse
 import json
+import math
 import sys
 import tempfile
 from itertools import pairwise
@@ -83,9 +84,10 @@ def page(name: str, found: Diagnosis) -> dict[str, Any]:
 
 
 def models(found: Diagnosis) -> dict[str, str]:
-    """Models that differ: without a mass the paper's is Coulomb + viscous, without an effect none extends it."""
+    """Models that differ: without a mass, or at its bounds, the paper's is Coulomb + viscous; without an effect none extends it."""
     kept = dict(MODELS)
-    if found.score.rmse["mechanical"]["paper"] == found.score.rmse["mechanical"]["linear"]:
+    rmse = found.score.rmse["mechanical"]
+    if math.isclose(rmse["paper"], rmse["linear"], rel_tol=1e-9):
         del kept["paper"]
     if not found.models.adopted:
         del kept["extended"]

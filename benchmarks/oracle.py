@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -13,10 +14,23 @@ from eccentric.fitting import refit
 STRETCHES = 20
 
 
-def oracle(found: Diagnosis, families: Collection[str]) -> tuple[str, float, float] | None:
-    """The balance that shows the first of the true families, its held-out RMSE with all of them [N m], and z.
+@dataclass(frozen=True)
+class Oracle:
+    """The result of a fit that knows the true families.
 
-    z: by how many standard errors the truth predicts the held-out part better than the paper's model.
+    balance: the one that shows the first of them; rmse: held out, with all of them [N m];
+    over_paper, over_answer: by how many standard errors the truth predicts the held-out part better than the
+    paper's model, and than the extended model of the diagnosis.
+    """
+
+    balance: str
+    rmse: float
+    over_paper: float
+    over_answer: float
+
+
+def oracle(found: Diagnosis, families: Collection[str]) -> Oracle | None:
+    """The best result on a log with these effects.
 
     Of each family the member and the shapes that fit the training part best. Where even so the paper's model
     predicts better (a state that the low pass blurs), its error counts. None where the library has no such
@@ -40,11 +54,15 @@ def oracle(found: Diagnosis, families: Collection[str]) -> tuple[str, float, flo
         return None
     balance, fitted = shown or "mechanical", refit(found.models.base, tuple(adopted), found.data)
     paper, score = found.models.paper, fitted.data.rows.score
-    gain = (paper.residuals[balance] ** 2 - fitted.residuals[balance] ** 2)[score]
-    return balance, min(fitted.held_out(balance), paper.held_out(balance)), _z(gain)
+    over = [
+        _z((other.residuals[balance] ** 2 - fitted.residuals[balance] ** 2)[score])
+        for other in (paper, found.models.extended)
+    ]
+    return Oracle(balance, min(fitted.held_out(balance), paper.held_out(balance)), *over)
 
 
 def _z(gain: np.ndarray) -> float:
     """Mean over its standard error, from means of stretches: neighbouring rows are correlated."""
     means = np.array([part.mean() for part in np.array_split(gain, STRETCHES)])
-    return float(means.mean() / (means.std(ddof=1) / np.sqrt(STRETCHES)))
+    error = float(means.std(ddof=1) / np.sqrt(STRETCHES))
+    return float(means.mean()) / error if error else 0.0

@@ -1,6 +1,6 @@
 """Every required figure beside what is measured and its peers: benchmarks/results.md and its figure.
 
-Run: python benchmarks/page.py [--quick] [PART ...]     (with parts named, their tables are printed, nothing is written)
+Run: python benchmarks/page.py [--quick] [PART ...]     (with parts named, theirs alone are printed and renewed)
 """
 
 from __future__ import annotations
@@ -8,6 +8,7 @@ from __future__ import annotations
 import argparse
 import os
 import platform
+import re
 import subprocess
 import sys
 import traceback
@@ -19,12 +20,12 @@ from benchmarks import (
     accuracy,
     calls,
     checks,
-    coverage,
     derivation,
     diagnosis,
     figure,
     fuzz,
     host,
+    intervals,
     speed,
     target,
 )
@@ -41,10 +42,11 @@ PARTS: dict[str, tuple[str, Callable[[bool], Part]]] = {
     "accuracy": ("Accuracy", accuracy.measured),
     "checks": ("Checks", checks.measured),
     "readers": ("Fuzzed readers", fuzz.measured),
-    "coverage": ("Intervals", coverage.measured),
+    "intervals": ("Intervals", intervals.measured),
     "diagnosis": ("Diagnosis", diagnosis.measured),
 }
 """What is timed comes first, each by itself."""
+PICTURE = "![speed against array size, error against distance from the zero of F_N](results.svg)"
 
 
 def main() -> int:
@@ -68,6 +70,9 @@ def main() -> int:
         progress("")
     if wanted.parts:
         print("\n".join([*details(found), *summary(found, whole=False)]))
+        if not (failed or wanted.quick):
+            path = HERE / "results.md"
+            path.write_text(renewed(path.read_text(encoding="utf-8"), found), encoding="utf-8")
     else:
         if curves := found["speed"].curves:
             figure.draw(curves, HERE / "results.svg")
@@ -91,7 +96,7 @@ def page(found: Mapping[str, Part], quick: bool) -> str:
             " sanitizers and warnings are silent.",
             "",
             *summary(found),
-            "![speed against array size, error against distance from the zero of F_N](results.svg)",
+            PICTURE,
             "",
             *details(found),
         ]
@@ -107,6 +112,22 @@ def summary(found: Mapping[str, Part], whole: bool = True) -> list[str]:
         if rows:
             lines += [f"## {title}", "", *table(rows, figures), ""]
     return lines
+
+
+def renewed(text: str, found: Mapping[str, Part]) -> str:
+    """The page with the rows and sections of some parts as they are now, and all others as they were."""
+    said = {line.split(" | ")[0]: line for line in text.splitlines() if line.startswith("| ")}
+    now = {line.split(" | ")[0]: line for line in summary(found, whole=False) if line.startswith("| ")}
+    tables = [now.get(line.split(" | ")[0], said.get(line.split(" | ")[0], line)) for line in summary({})]
+    titles = [title for title, _ in PARTS.values()]
+    kept = {
+        section.splitlines()[0].removeprefix("## "): section.rstrip()
+        for section in re.split(r"(?m)^(?=## )", text)[1:]
+    }
+    fresh = {PARTS[name][0]: "\n".join(details({name: part})).rstrip() for name, part in found.items()}
+    sections = [fresh.get(title) or kept.get(title, "") for title in titles]
+    head = text[: text.index("## ")]
+    return "\n".join([head.rstrip(), "", *tables, PICTURE, "", *(f"{one}\n" for one in sections if one)])
 
 
 def details(found: Mapping[str, Part]) -> list[str]:

@@ -38,6 +38,7 @@ KEPT = {
             "kt_ripple", "kt_saturation", "magnet_temperature", "magnetic_hysteresis",
             "magnetic_hysteresis[play]", "current_bias", "sensor_delay",
         ),
+        "the angle read": ("encoder_eccentricity[motor]", "encoder_eccentricity[link]"),
         "the voltage": (
             "inverter_deadtime", "resistance_mismatch", "resistance_temperature",
             "resistance_temperature[hidden]", "armature_inductance",

@@ -14,7 +14,8 @@ import pytest
 from eccentric.effects import Shape
 from eccentric.model import quantity
 from eccentric.search import limits
-from eccentric.search.attribution import Search, search_all
+from eccentric.search.attribution import Search
+from eccentric.search.both import search_all
 from eccentric.search.candidate import Candidate, grid
 from eccentric.search.smooth import Variables
 from tests.searched import COLUMNS, N, adopted, candidate, design, mixed, search

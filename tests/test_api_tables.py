@@ -25,6 +25,14 @@ def test_columns_and_rows_are_plain_data() -> None:
     assert 2 == len(TABLE) == len(list(TABLE))
 
 
+def test_a_row_and_a_part_are_taken_as_of_a_list() -> None:
+    """By number, from either end, and by a slice, which is a table again."""
+    table = ResultTable(("name", "value"), (("a", 1.0), ("b", 2.0), ("c", 3.0)))
+
+    assert {"name": "c", "value": 3.0} == table[-1]
+    assert [{"name": "a", "value": 1.0}, {"name": "b", "value": 2.0}] == list(table[:2])
+
+
 def test_an_unknown_column_is_named_with_those_that_there_are() -> None:
     """A KeyError says which columns the table has."""
     with pytest.raises(KeyError, match="'error'; the columns are name, value, unit"):

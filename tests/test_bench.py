@@ -68,8 +68,9 @@ def test_the_strength_stated_is_found_in_the_log(
     assert rms == pytest.approx(0.2 * run.truth["friction_rms_Nm"], rel=0.03)
 
 
-# Backlash acts reversal by reversal: on a short log its strength comes in steps. It has a test of its own.
-@pytest.mark.parametrize("family", [family for family in EFFECTS if family != "backlash"])
+# Backlash acts reversal by reversal: on a short log its strength comes in steps. It has a test of its own,
+# and so has an encoder, whose error is bounded.
+@pytest.mark.parametrize("family", sorted(EFFECTS.keys() - {"backlash", "encoder_eccentricity"}))
 def test_every_family_reaches_the_strength_asked_for(family: str) -> None:
     """Each family alone, at 5 % of the friction on a short trajectory, is present as requested."""
     run = simulate(drawn_scenario(effects=[family], strength=0.05, log_type="traj"))
@@ -78,6 +79,15 @@ def test_every_family_reaches_the_strength_asked_for(family: str) -> None:
     assert effect["family"] == family
     assert effect["rms_fraction_of_friction"] == pytest.approx(0.05, rel=5e-3)
     assert all(np.isfinite(column).all() for column in run.columns.values())
+
+
+def test_a_bounded_effect_is_as_strong_as_its_bound_allows() -> None:
+    """An encoder is not read wrongly by more than 0.02 rad, and the truth says how strong that is."""
+    run = simulate(drawn_scenario(effects=["encoder_eccentricity"], strength=0.5, log_type="traj"))
+
+    (effect,) = run.truth["effects"]
+    assert effect["amplitude"] == pytest.approx(0.02, rel=1e-9)
+    assert 0.0 < effect["rms_fraction_of_friction"] < 0.5
 
 
 def test_effects_combine() -> None:

@@ -138,6 +138,8 @@ FORMULAS: dict[str, Formula] = {
     "magnet_temperature": lambda s, a, p, e: {"flux": a * (p.Tamb - s.temperature)},
     "ke_mismatch": lambda s, a, p, e: {"drop": a * p.k_e * s.w},
     "sensor_delay": lambda s, a, p, e: {"delay": a},
+    "encoder_eccentricity[motor]": lambda s, a, p, e: {"angle": a * sin(s.theta + e.shape[1])},
+    "encoder_eccentricity[link]": lambda s, a, p, e: {"angle": a * sin(s.link + e.shape[1]) / p.mu},
 }
 """Family, with its variant and the case where it is not C2 -> what its ports take; the rest has memory."""
 WITH_MEMORY = {"presliding", "magnetic_hysteresis", "backlash"}

@@ -3,6 +3,7 @@
 import dataclasses
 import math
 import re
+from typing import Any
 
 import numpy as np
 import pytest
@@ -208,7 +209,7 @@ def test_prepare_numbers_the_first_invalid_parameter(libraries: Libraries, name:
     valid = with_inertia(name)
     fields = dataclasses.asdict(valid)
     fields |= {"F_T": valid.M_l * valid.g} if "F_T" in fields else {}
-    given_values = library.ffi.new(f"{name}_parameters *", fields)
+    given_values: Any = library.ffi.new(f"{name}_parameters *", fields)
     prepared = library.ffi.new(f"{name}_coefficients *")
     letters = [letter for letter, _ in library.ffi.typeof(given_values).item.fields]
 

@@ -134,7 +134,7 @@ def test_one_blank_cell_and_a_default_threshold_are_told_shortly(
     shown = capsys.readouterr()
     (dropped,) = shown.err.splitlines()
     assert "log.csv: no number in 1 of 15000 rows (first: line 7001; most: 'current_A')" in dropped
-    assert "(set by moving_threshold_rad_s)" in shown.out
+    assert "(default of moving_threshold_rad_s)" in shown.out
 
 
 def test_a_stretch_of_blank_cells_is_told_before_the_gap_that_it_leaves(

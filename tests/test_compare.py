@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from matplotlib.patches import Rectangle
 
 import eccentric
 from eccentric.cli import main
@@ -53,6 +54,21 @@ def test_errors_are_those_of_a_fit(said: dict[str, Any]) -> None:
     assert said["c2_parallel"]["improvement"]["percent"] == pytest.approx(found.improvement, rel=1e-6)
 
 
+def test_one_model_has_one_error_in_every_command() -> None:
+    """Fit, diagnose and compare print the same held-out error, also where a bound holds a coefficient."""
+    log, rig = (str(ROOT / "examples" / "tutorial" / name) for name in ("arm.csv.gz", "arm.toml"))
+    fitted = eccentric.fit(log, rig)
+    diagnosed = eccentric.diagnose(log, rig, only="stribeck").rmse["mechanical"]
+    compared = eccentric.compare(log, rig, "c2_parallel").document["models"]
+
+    assert any(e.bound_active for e in fitted.estimates.values())
+    assert fitted.rmse["paper"] == pytest.approx(diagnosed["paper"], rel=1e-9)
+    assert fitted.rmse["linear"] == pytest.approx(diagnosed["linear"], rel=1e-9)
+    assert [fitted.rmse["paper"], fitted.rmse["linear"]] == pytest.approx(
+        [one["rmse_holdout_Nm"] for one in compared], rel=1e-9
+    )
+
+
 def test_an_asymmetric_model_has_the_same_baseline(said: dict[str, Any]) -> None:
     """A gain is over Coulomb + viscous friction of two coefficients, whatever the model."""
     base = said[BASELINE]
@@ -88,7 +104,7 @@ def test_a_family_stands_for_its_best_member() -> None:
 def test_the_figure_has_a_bar_for_each_model(folder: Path) -> None:
     """As long as the errors of the table, and the files are written."""
     found = eccentric.compare(LOG, RIG, ["c2_parallel", "c2_asymmetric"])
-    lengths = [bar.get_width() for bar in found.plot().patches]
+    lengths = [bar.get_width() for bar in found.plot().patches if isinstance(bar, Rectangle)]
 
     assert np.allclose(list(found.rmse.values()), lengths)
     assert {"compare.json", "compare.png", "compare.svg"} == {path.name for path in folder.glob("compare.*")}

@@ -107,28 +107,16 @@ def test_logs_may_begin_at_any_time(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("changes", "effects", "said"),
-    [
-        (
-            [('case = "C2"                #', 'phi = "0.3 rad"  #')],
-            None,
-            "diagnose requires a model of case C1 or C2",
-        ),
-        ([], "model.py", "a name that no file"),
-        ([], "missing.py", "missing.py"),
-    ],
-    ids=["tilt", "name taken", "missing effects"],
+    ("effects", "said"),
+    [("model.py", "a name that no file"), ("missing.py", "missing.py")],
+    ids=["name taken", "missing effects"],
 )
 def test_what_cannot_be_diagnosed_is_one_line(
-    changes: list[tuple[str, str]],
-    effects: str | None,
-    said: str,
-    tmp_path: Path,
-    capsys: pytest.CaptureFixture[str],
+    effects: str, said: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     """What diagnose cannot take is named in one line, status 2, and nothing is written."""
-    rig = rig_with(tmp_path, *changes)
-    more = ["--effects", str(tmp_path / effects)] if effects else []
+    rig = rig_with(tmp_path)
+    more = ["--effects", str(tmp_path / effects)]
     status = main(["diagnose", str(LOG), "--rig", str(rig), *more, "--out", str(tmp_path / "out")])
     error = [line for line in capsys.readouterr().err.splitlines() if "warning" not in line]
 

@@ -2,6 +2,7 @@
 
 from benchmarks.diagnosis_jobs import Job, Result
 from benchmarks.diagnosis_table import details, figures
+from benchmarks.oracle import Oracle
 
 
 def result(
@@ -46,11 +47,11 @@ def test_faint_effects_count_where_the_truth_proves_them() -> None:
             ["stribeck"],
             "named",
             ["stribeck"],
-            oracle=("mechanical", 1.0, 9.0),
+            oracle=Oracle("mechanical", 1.0, 9.0, 0.0),
             rmse={"mechanical": 1.0},
         ),
-        result("faint", ["stribeck"], "nothing_missing", oracle=("mechanical", 1.0, 3.1)),
-        result("faint", ["stribeck"], "nothing_missing", oracle=("mechanical", 1.0, 2.9)),
+        result("faint", ["stribeck"], "nothing_missing", oracle=Oracle("mechanical", 1.0, 3.1, 0.0)),
+        result("faint", ["stribeck"], "nothing_missing", oracle=Oracle("mechanical", 1.0, 2.9, 0.0)),
     ]
 
     assert 0.5 == figures([*RESULTS, *faint], LONG)["faint"].value
@@ -64,3 +65,16 @@ def test_every_miss_has_a_line_and_no_hit_has() -> None:
     assert ["single", "single", "single", "control", "outside", "outside"] == [
         line.split("|")[1].strip() for line in misses
     ]
+
+
+def test_misses_that_data_could_have_decided_are_counted() -> None:
+    """Of two wrong singles, a fit that knows the truth predicts better than one of the answers."""
+
+    def single(named: str, z: float) -> Result:
+        known = Oracle("mechanical", 1.0, 9.0, z)
+        return result("single", ["stribeck"], "named", [named], oracle=known, rmse={"mechanical": 1.0})
+
+    lines = details([single("cogging", 3.1), single("cogging", 2.9), single("stribeck", 5.0)])
+    (line,) = (line for line in lines if line.startswith("| not first"))
+
+    assert "1/2" in line

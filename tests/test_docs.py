@@ -91,13 +91,39 @@ def pages(site: Path) -> dict[Path, Page]:
     return found
 
 
-def test_the_paths_on_the_first_page_exist() -> None:
-    """Every folder and file that the first page sends a developer to is there."""
-    house = (ROOT / "docs" / "index.md").read_text(encoding="utf-8").split("## Source layout")[1]
-    paths = re.findall(r"`([a-z_]+/[\w./]*)`", house)
+SOURCES = "benchmarks|derivations|docs|eccentric|examples|generated|templates|tests"
+DOCS = sorted(path.name for path in (ROOT / "docs").glob("*.md"))
+PAGES = ["README.md", "CONTRIBUTING.md", *(f"docs/{name}" for name in DOCS)]
 
-    assert len(paths) > 15
+
+@pytest.mark.parametrize("page", PAGES)
+def test_the_paths_that_a_page_names_exist(page: str) -> None:
+    """Every folder and file of the clone that a page names is there."""
+    text = (ROOT / page).read_text(encoding="utf-8")
+    paths = re.findall(rf"`((?:{SOURCES})/[\w./-]*)`", text)
+
     assert [] == [path for path in paths if not (ROOT / path).exists()]
+    # The page that says where things are names some: the pattern finds them.
+    assert page != "docs/index.md" or len(paths) > 30
+
+
+def test_the_first_page_says_where_a_change_goes() -> None:
+    """A format, the verdict, C, the words of an effect: each line names the file that has it."""
+    rows = (ROOT / "docs" / "index.md").read_text(encoding="utf-8").split("| you are looking for |")[1]
+    place = dict(row.strip("| ").split(" | ", 1) for row in rows.splitlines() if row.startswith("| "))
+    expected = {
+        "where a new log format goes": ("READERS", "eccentric/logs/log.py"),
+        "where the verdict is decided": ("def decided", "eccentric/search/verdict.py"),
+        "where C is printed": ("BACKEND = Backend(", "eccentric/emission/backends/c99/__init__.py"),
+        "where a new back end goes": ("BACKENDS", "eccentric/emission/backends/__init__.py"),
+        "an effect: its equation and its description": ("Words(", "eccentric/effects/stribeck.py"),
+        "where a new family of effects goes": ("FAMILIES", "eccentric/effects/__init__.py"),
+    }
+
+    assert expected.keys() <= place.keys()
+    for what, (has, path) in expected.items():
+        assert path.removesuffix("/__init__.py") in place[what]
+        assert has in (ROOT / path).read_text(encoding="utf-8")
 
 
 def test_every_family_has_its_section_and_its_pictures(pages: dict[Path, Page]) -> None:

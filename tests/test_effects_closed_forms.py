@@ -13,6 +13,7 @@ from tests.extended import (
     END,
     J_L,
     J_M,
+    K_E,
     K_I,
     M_L,
     MEAN,
@@ -86,6 +87,27 @@ def tilted(x: Signals, angle: float, phase: float) -> np.ndarray:
     at = MU * x["theta_m"] + phase
     force = np.hypot(centrifugal + weight * np.cos(at), weight * np.sin(at))
     return friction(x, "C1", force) - friction(x, "C1") + MU * M * G * np.sin(angle) * L * np.sin(at)
+
+
+def error_rate(x: Signals, rate: float, c: float, s: float) -> np.ndarray:
+    """Slope of the motor angle's error over that angle, of an encoder that turns `rate` times as fast."""
+    return s * np.cos(rate * x["theta_m"]) - c * np.sin(rate * x["theta_m"])
+
+
+def misread(x: Signals, case: str, rate: float, c: float, s: float) -> np.ndarray:
+    """Torque of inertia, gravity and friction at the error of the angle and its derivatives."""
+    error = (c * np.cos(rate * x["theta_m"]) + s * np.sin(rate * x["theta_m"])) / rate
+    slope, w = error_rate(x, rate, c, s), x["omega_m"]
+    if case == "C1":  # F_N = M L (mu w)^2
+        force = M * L * (MU * w) ** 2
+        slope_f = (
+            B_M + MU**2 * (3 * B_LN * force + B_LT * 0.2 * 9.81) + 2 * MU * C_LN * M * L * MU**2 * np.abs(w)
+        )
+    else:
+        slope_f = B_M + MU**2 * B_LN * normal_force(x)
+    gravity = 0.0 if case == "C1" else MU**2 * M * G * L * np.cos(MU * x["theta_m"])
+    inertial = J * (slope * x["alpha_m"] - rate**2 * error * w**2)
+    return inertial + slope_f * slope * w + gravity * error
 
 
 Torque = Callable[[Signals], np.ndarray]
@@ -229,6 +251,12 @@ MECHANICAL: list[tuple[str, str, dict[str, float], Torque]] = [
     ("C1", "time_drift", {"drift_C": 0.001}, lambda x: 0.001 * x["t"] * np.sign(x["omega_m"])),
     ("C1", "time_drift[all]", {"drift_rate": -0.004}, lambda x: -0.004 * x["t"] * friction(x, "C1")),
     ("C1", "sensor_delay", {"delay_d": 0.01}, lambda x: -0.01 * K_I * x["delay_slope"]),
+    *(
+        (case, f"encoder_eccentricity[{where}]", {"eccentric_c": 0.02, "eccentric_s": -0.03},
+         lambda x, case=case, rate=rate: misread(x, case, rate, 0.02, -0.03))
+        for where, rate in (("motor", 1.0), ("link", MU))
+        for case in CASES
+    ),
 ]  # fmt: skip
 # (id, parameters, voltage that the effect takes [V])
 ELECTRICAL: list[tuple[str, dict[str, float], Torque]] = [
@@ -242,6 +270,11 @@ ELECTRICAL: list[tuple[str, dict[str, float], Torque]] = [
     ("resistance_mismatch", {"armature_R": 0.1}, lambda x: 0.1 * x["i"]),
     ("armature_inductance", {"armature_L": 0.002}, lambda x: 0.002 * x["armature_slope"]),
     ("sensor_delay", {"delay_d": 0.01}, lambda x: 0.01 * R * x["delay_slope"]),
+    *(
+        (f"encoder_eccentricity[{where}]", {"eccentric_c": 0.02, "eccentric_s": -0.03},
+         lambda x, rate=rate: K_E * x["omega_m"] * error_rate(x, rate, 0.02, -0.03))
+        for where, rate in (("motor", 1.0), ("link", MU))
+    ),
 ]  # fmt: skip
 
 
@@ -306,68 +339,3 @@ def test_scales_compose() -> None:
     actual = call(load_module(model), "mechanical_friction_torque", x)
 
     np.testing.assert_allclose(actual, friction(x, "C2", viscous=falls) * (1 + 0.005 * x["t"]), rtol=1e-12)
-
-
-FLUX = {
-    "kt_ripple[n=7]": {"kt_ripple_c7": 0.1, "kt_ripple_s7": -0.2},
-    "kt_saturation": {"ktsat_A": 0.8, "ktsat_i": 10.0},
-    "magnet_temperature": {"magnet_a": 0.008, "magnet_0": -0.1},
-}
-
-
-@pytest.mark.parametrize("effect_id", FLUX)
-def test_power_into_the_back_emf_is_the_power_of_the_torque(effect_id: str) -> None:
-    """With k_e = k_i in SI units, u i - R i^2 = tau w at every angle, speed and current; tau is not k_i i."""
-    values = FLUX[effect_id] | {"k_e": K_I}
-    module, given = with_effect("C1", effect_id).module, inputs() | {"u": np.zeros(40)}
-    friction_and_inertia = call(module, "mechanical_friction_torque", given) + J * given["alpha_m"]
-    torque = call(module, "mechanical_residual", given, **values) + friction_and_inertia
-    voltage = -call(module, "electrical_residual", given, **values) * R / K_I
-
-    np.testing.assert_allclose(
-        voltage * given["i"] - R * given["i"] ** 2, torque * given["omega_m"], rtol=1e-10, atol=1e-12
-    )
-    assert np.max(np.abs(torque / (K_I * given["i"]) - 1.0)) > 0.1
-
-
-@pytest.mark.parametrize("effect_id", ["time_drift[all]", "coulomb_temperature"])
-def test_friction_never_drives(effect_id: str) -> None:
-    """At both ends of the search, from -60 to 120 degC and up to ten times the log, it opposes the motion."""
-    given, module = inputs(), with_effect("C1", effect_id).module
-    (shape,) = effects("C1")[effect_id].shapes
-    for value in (shape.low, shape.high):
-        for part in np.linspace(0.0, 1.0, 11):
-            at = given | {"t": np.full(40, 10 * END * part), "temperature": np.full(40, 180 * part - 60)}
-            torque = call(module, "mechanical_friction_torque", at, **{shape.quantity.name: value})
-
-            assert np.min(torque * given["omega_m"]) >= 0.0
-
-
-@pytest.mark.parametrize("effect_id", ["magnetic_hysteresis", "magnetic_hysteresis[play]"])
-def test_hysteresis_takes_energy(effect_id: str) -> None:
-    """A motor that turns against a spring as its current cycles loses work, for every allowed coefficient."""
-    (low, high), *_ = effects("C1")[effect_id].bounds
-    assert (0.0, None) == (low, high)
-
-    one, rng = with_effect("C1", effect_id), np.random.default_rng(3)
-    names = [state.quantity.name for state in one.model.states]
-    time = np.linspace(0.0, 2.0 * np.pi, 201)[1:]
-    for _ in range(5):
-        waves = rng.normal(size=(4, 2))
-        current = 6.0 * sum(a * np.sin(k * time + b) for k, (a, b) in enumerate(waves, 1))
-        now, work = dict.fromkeys(names, 0.0), [0.0, 0.0]
-        for turn in range(2):  # the first one ends on the loop
-            for before, i in zip(np.roll(current, 1), current, strict=True):
-                x = (
-                    inputs(1)
-                    | {name: np.array([value]) for name, value in now.items()}
-                    | {"i": np.array([i])}
-                )
-                now = dict(zip(names, np.ravel(call(one.module, "next_state", x)).tolist(), strict=True))
-                x |= {name: np.array([value]) for name, value in now.items()}
-                with_it, without = (
-                    call(one.module, "mechanical_residual", x, hysteresis_A=a).item() for a in (0.03, 0.0)
-                )
-                work[turn] += (with_it - without) * (i - before)
-
-        assert work[1] < 0.0

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import tomllib
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -62,9 +63,9 @@ def rig() -> dict[str, Any]:
 def outcomes(table: dict[str, Any], rig: dict[str, Any]) -> list[str]:
     """What both commands say of a table: "" for a result, else their one line."""
     said = []
-    for command, options in ((eccentric.fit, {}), (eccentric.diagnose, {"only": "cubic_drag"})):
+    for command in (eccentric.fit, partial(eccentric.diagnose, only="cubic_drag")):
         try:
-            command(table, rig, **options)
+            command(table, rig)
         except eccentric.InputError as error:
             said.append(str(error))
         else:

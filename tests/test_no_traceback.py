@@ -173,7 +173,9 @@ def test_a_value_that_no_sensor_gives_is_refused_where_it_is_read(tmp_path: Path
     """The message names the file, the line, the column, what is required and what was received."""
     column, size, said = SIZES[case]
     t = np.arange(100) / 100.0
-    values = dict.fromkeys(("time_s", "theta_m_rad", "omega_m_rad_s", "voltage_V", "current_A"), t)
+    values: dict[str, np.ndarray] = dict.fromkeys(
+        ("time_s", "theta_m_rad", "omega_m_rad_s", "voltage_V", "current_A"), t
+    )
     values[column] = np.where(t > 0, size, 0.0)
     lines = [",".join(values), *(",".join(map(str, row)) for row in zip(*values.values(), strict=True))]
     (tmp_path / "log.csv").write_text("\n".join(lines), encoding="utf-8")

@@ -50,7 +50,7 @@ def test_a_pitch_called_phi_is_no_tilt(tmp_path: Path) -> None:
     found = diagnose([log], rig, fan())
     fitted = fit(found.channels, read_rig(rig), fan())
     assert DRAG == pytest.approx(fitted.coefficients["D"].value, rel=2e-2)
-    assert DRAG == pytest.approx(found.models.shipped.estimates["D"].value, rel=2e-2)
+    assert DRAG == pytest.approx(found.models.extended.estimates["D"].value, rel=2e-2)
     assert PITCH == emitted_parameters(fitted)[0]["phi"]
     assert () == found.effects
 

@@ -50,6 +50,22 @@ def test_every_figure_stands_once() -> None:
     assert {"not measured"} == set(judged.values())
 
 
+def test_a_part_measured_anew_replaces_its_own_rows_and_section() -> None:
+    """The page is the one that a whole run with the new part would have written."""
+    calls = Part({"compiled": Measured(0.1)}, ["Of calls.", "", "| a | b |"])
+    old, new = (
+        Part({"first": Measured(x), **{k: Measured(x) for k in more}}, [f"At {x}."])
+        for x, more in ((0.5, ()), (0.99, ("three",)))
+    )
+    text = page.page({"calls": calls, "diagnosis": old}, quick=False)
+
+    expected = page.page({"calls": calls, "diagnosis": new}, quick=False)
+    assert expected == page.renewed(text, {"diagnosis": new})
+    fuzzed = Part({}, ["Fuzzed."])
+    expected = page.page({"calls": calls, "readers": fuzzed, "diagnosis": old}, quick=False)
+    assert expected == page.renewed(text, {"readers": fuzzed})
+
+
 def test_no_two_figures_share_a_key() -> None:
     """Parts of the benchmark name figures by keys that are the same nowhere."""
     assert set() == set(CODE) & set(DIAGNOSIS)

@@ -10,7 +10,7 @@ from eccentric.diagnosis import is_result_name, result_name
 
 def found(base: str, effects: list[str], including: list[str]) -> Any:
     """What a name depends on."""
-    models = SimpleNamespace(base=SimpleNamespace(name=base), shipped=SimpleNamespace(effects=effects))
+    models = SimpleNamespace(base=SimpleNamespace(name=base), extended=SimpleNamespace(effects=effects))
     return SimpleNamespace(models=models, asked=SimpleNamespace(request=SimpleNamespace(including=including)))
 
 

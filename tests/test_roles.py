@@ -1,5 +1,6 @@
 """Roles: what a term does is declared with it, so that names are free."""
 
+from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
 
@@ -8,6 +9,7 @@ import sympy as sp
 
 from eccentric.effects import library
 from eccentric.emission import build_program, load_module
+from eccentric.errors import InputError
 from eccentric.fitting import drive_of, emitted_parameters, fit, fit_data_of, refit
 from eccentric.model import (
     Definition,
@@ -24,6 +26,7 @@ from eccentric.model import (
 from eccentric.model import vocabulary as v
 from eccentric.rigs import read_rig
 from eccentric.signals import read_channels
+from tests import planted
 from tests.extended import setting
 from tests.virtual import log_of
 
@@ -67,6 +70,108 @@ def test_a_friction_parameter_of_ones_own_is_fitted_whatever_its_name(
     assert again.held_out("mechanical") < 0.6 * fit(channels, rig, paper).rmse["paper"]
 
 
+def renamed(names: dict[str, str], values: Mapping[str, float]) -> Model:
+    """Return case C2 with parameters of other names, and these values as their defaults."""
+    base = load_model("c2_parallel")
+    own = {
+        q.symbol: replace(
+            q, symbol=sp.Symbol(names[q.name], **q.symbol.assumptions0), default=sp.Float(values[q.name])
+        )
+        for q in base.parameters
+        if q.name in names
+    }
+    other = {symbol: q.symbol for symbol, q in own.items()}
+
+    def again(term: Term) -> Term:
+        return replace(term, coefficient=term.coefficient.xreplace(other), basis=term.basis.xreplace(other))
+
+    return replace(
+        base,
+        name="renamed",
+        parameters=tuple(own.get(q.symbol, q) for q in base.parameters),
+        definitions=tuple(replace(d, value=d.value.xreplace(other)) for d in base.definitions),
+        balances=tuple(replace(b, terms=tuple(map(again, b.terms))) for b in base.balances),
+        equations=(),
+    )
+
+
+@pytest.mark.parametrize(
+    "names",
+    [
+        {"k_i": "K_t"},
+        {"R": "R_a", "k_e": "K_b"},
+        {"J_m": "J_r", "J_l": "a"},
+        {"mu": "n"},
+        {"M": "m_1", "L": "l_1", "M_l": "m_2", "g": "g_0"},
+    ],
+    ids=" ".join,
+)
+def test_a_model_is_fitted_alike_whatever_its_parameters_are_called(
+    names: dict[str, str], fan: tuple[Path, Path]
+) -> None:
+    """With the rig's values as defaults, motor, inertia, gear and load of other names are the same drive."""
+    rig = read_rig(fan[1])
+    channels, paper = read_channels([fan[0]], rig), load_model("c2_parallel")
+    model = renamed(names, rig.known)
+    there, here = (fit(channels, rig, one) for one in (paper, model))
+    before, after = (
+        refit(one, (), fit_data_of(drive_of(channels, rig, one), rig, one)) for one in (paper, model)
+    )
+
+    assert set(here.coefficients) == set(there.coefficients)
+    assert here.rmse["paper"] == pytest.approx(there.rmse["paper"], rel=1e-9)
+    assert after.held_out("mechanical") == pytest.approx(before.held_out("mechanical"), rel=1e-9)
+    assert {n: after.values[n] for n in after.estimates} == pytest.approx(
+        {n: before.values[n] for n in before.estimates}, rel=1e-9
+    )
+
+
+@pytest.mark.parametrize(
+    "names", [{"k_i": "K_t"}, {"R": "R_a"}, {"k_e": "K_b"}, {"k_i": "K_t", "R": "R_a", "k_e": "K_b"}]
+)
+def test_the_torque_of_a_voltage_is_that_of_the_motor_whatever_its_parameters_are_called(
+    names: dict[str, str], tmp_path: Path
+) -> None:
+    """The planted friction comes back, in fit and diagnosis, with part of the motor or all of it renamed."""
+    known = f'case = "C2"\n{planted.KNOWN}{planted.MOTOR}{planted.MASS}'
+    channels, rig = planted.written(tmp_path, known, {"voltage_V": planted.voltage("C2")})
+    model = renamed(names, rig.known)
+    again = refit(model, (), fit_data_of(drive_of(channels, rig, model), rig, model))
+
+    for found in (fit(channels, rig, model).coefficients, again.estimates):
+        assert {n: e.value for n, e in found.items()} == pytest.approx(planted.FRICTION, rel=1e-5)
+
+
+def test_a_motor_of_ones_own_without_a_value_is_refused_in_one_line(fan: tuple[Path, Path]) -> None:
+    """No rig file has a name for K_t: without a default, a current has no torque."""
+    rig = read_rig(fan[1])
+    model = renamed({"k_i": "K_t"}, rig.known)
+    bare = tuple(replace(q, default=None) if q.name == "K_t" else q for q in model.parameters)
+
+    with pytest.raises(InputError, match="K_t") as refused:
+        fit(read_channels([fan[0]], rig), rig, replace(model, parameters=bare))
+    assert "since K_t is the model's own, received none" in str(refused.value)
+    assert "\n" not in str(refused.value)
+
+
+@pytest.mark.parametrize(
+    ("names", "gone"),
+    [({}, set[str]()), ({"k_i": "K_t"}, {"kt_ripple"}), ({"R": "R_a"}, {"resistance_temperature"})],
+)
+def test_effects_are_offered_where_the_model_has_what_they_change(
+    names: dict[str, str], gone: set[str]
+) -> None:
+    """Each that is offered extends the model; an effect on k_i is none of a motor with K_t."""
+    given = setting("C2", warm=True)
+    model = renamed(names, given.known)
+    offered = library(replace(given, base=model))
+    every = {effect.family for effect in library(given)}
+
+    assert every >= gone
+    assert not gone & {effect.family for effect in offered}
+    assert all(effect.extend(model).extensions for effect in offered)
+
+
 def test_a_name_like_that_of_a_derivative_changes_no_emitted_operation() -> None:
     """A drag named B_d_fan is emitted as one named B_a_fan is, name by name."""
 
@@ -97,17 +202,35 @@ def test_what_follows_from_the_velocity_by_way_of_a_definition_is_none_at_stands
     )
 
 
-def test_the_declared_inertia_is_the_models_own() -> None:
-    """With a flywheel J_f on the motor in J, a correction of the inertia begins at all three of them."""
+def with_flywheel() -> Model:
+    """Return case C2 with a flywheel J_f on the motor."""
     base = load_model("c2_parallel")
     flywheel = quantity("J_f", "kg m^2", "inertia of a flywheel on the motor", "", "nonnegative", "3e-4")
     inertia = replace(base.definition("J"), value=base.definition("J").value + flywheel.symbol)
-    model = replace(
+    return replace(
         base,
         name="with_flywheel",
         parameters=(*base.parameters, flywheel),
         definitions=tuple(inertia if d.symbol == v.J.symbol else d for d in base.definitions),
     )
+
+
+def test_a_known_inertia_is_not_fitted_for_a_flywheel_of_the_models_own(fan: tuple[Path, Path]) -> None:
+    """The flywheel has its value: the inertia is that of the rig and the flywheel, in fit and diagnosis."""
+    rig, model = read_rig(fan[1]), with_flywheel()
+    channels = read_channels([fan[0]], rig)
+    drive = drive_of(channels, rig, model)
+
+    assert drive.opens("inertia") is False
+    assert drive.machine.inertia(drive.known) == pytest.approx(
+        rig.known["J_m"] + rig.known["mu"] ** 2 * rig.known["J_l"] + 3e-4, rel=1e-14
+    )
+    assert set(fit(channels, rig, model).coefficients) == {"B_lN", "C_lN", "B_m", "C_m"}
+
+
+def test_the_declared_inertia_is_the_models_own() -> None:
+    """With a flywheel J_f on the motor in J, a correction of the inertia begins at all three of them."""
+    model = with_flywheel()
     (effect,) = (e for e in library(replace(setting("C2", warm=True), base=model)) if e.family == FAMILY)
     values = {"J_m": 2e-4, "J_l": 0.04, "mu": 0.2, "J_f": 3e-4, "inertia_ratio": 0.1}
 

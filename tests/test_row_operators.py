@@ -8,10 +8,11 @@ from collections.abc import Callable
 
 import numpy as np
 import pytest
+from scipy import signal
 from scipy.integrate import quad
 
 from eccentric.errors import InputError
-from eccentric.signals import Rows, hann_windows, smoothed, white_noise
+from eccentric.signals import Rows, hann_windows, low_pass_of, white_noise
 from eccentric.signals.by_parts import windows_by_parts
 from eccentric.signals.limits import BLOCK_S
 from eccentric.signals.rows import in_order
@@ -160,10 +161,8 @@ def test_white_noise_is_reduced_by_the_gain_of_the_row() -> None:
 def test_a_low_pass_before_the_mean_reduces_white_noise_further() -> None:
     """The gain of filtered rows is the RMS that noise has after filter and mean, with and without windows."""
     noise = np.random.default_rng(1).standard_normal(200_000)
-    t, one = 0.004 * np.arange(len(noise)), np.zeros(len(noise), dtype=int)
-
-    def low_pass(x: np.ndarray) -> np.ndarray:
-        return smoothed(t, one, x, 15.0)
+    t, one = np.arange(len(noise), dtype=float) * 0.004, np.zeros(len(noise), dtype=int)
+    low_pass = low_pass_of(t, one, 15.0)
 
     for rows in (hann(t, 0.064), dataclasses.replace(hann(t, 0.064), operator=None, t=t)):
         filtered = dataclasses.replace(rows, smooth=low_pass)
@@ -222,3 +221,21 @@ def test_chosen_rows_keep_their_means() -> None:
     for kept in (rows.chosen(mask), rows.chosen(np.flatnonzero(mask))):
         np.testing.assert_array_equal(rows.mean(x)[mask], kept.mean(x))
         np.testing.assert_array_equal(second_rate(rows, x)[mask], second_rate(kept, x))
+
+
+def test_a_low_pass_stops_at_gaps_and_leaves_short_stretches_alone() -> None:
+    """Each long stretch is what `filtfilt` makes of it by itself, at its own sampling rate."""
+    lengths, steps = (400, 20, 300), (0.004, 0.004, 0.002)
+    t = np.concatenate(
+        [np.arange(n, dtype=float) * h + 10.0 * k for k, n, h in zip(range(3), lengths, steps, strict=True)]
+    )
+    segment = np.repeat(np.arange(3), lengths)
+    x = np.random.default_rng(2).standard_normal((720, 2))
+
+    found = low_pass_of(t, segment, 15.0)(x)
+
+    for number, step in ((0, 0.004), (2, 0.002)):
+        rows = segment == number
+        expected = signal.filtfilt(*signal.butter(2, 15.0, fs=1.0 / step), x[rows], axis=0)
+        np.testing.assert_allclose(found[rows], expected, rtol=1e-9, atol=1e-9)
+    np.testing.assert_array_equal(x[segment == 1], found[segment == 1])

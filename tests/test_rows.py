@@ -152,6 +152,16 @@ def test_an_average_longer_than_what_moves_is_refused_in_one_line(tmp_path: Path
     assert "\n" not in str(refused.value)
 
 
+@pytest.mark.parametrize(
+    ("over", "remedy"), [("0.5 s", "a shorter time as average_over gives more"), ("0.03 s", "a longer log")]
+)
+def test_shorter_averages_are_advised_down_to_eight_rows(tmp_path: Path, over: str, remedy: str) -> None:
+    """At 250 rows per second those are 32 ms; with less, only a longer log has more to average."""
+    channels, rig = planted(tmp_path, f'average_over = "{over}"')
+
+    assert remedy in rows_of(channels, rig).remedy
+
+
 EXAMPLE = Path(__file__).parents[1] / "examples" / "bench"
 
 
@@ -178,6 +188,20 @@ def test_a_short_log_is_refused_with_what_helps(tmp_path: Path, left_out: str, k
     with pytest.raises(InputError, match=rf"windows .* are required, received \d+: .*; {key} gives more$"):
         search()
     assert len(search(remedy)) > 20
+
+
+@pytest.mark.parametrize("left_out", ["voltage", ""], ids=["one drive signal", "two"])
+def test_a_log_too_short_for_any_window_has_to_be_longer(tmp_path: Path, left_out: str) -> None:
+    """1.2 s have 50 rows away from the ends: 50 windows of eight do not fit, and no key is advised."""
+    lines = gzip.decompress((EXAMPLE / "bench.csv.gz").read_bytes()).decode().splitlines()
+    (tmp_path / "log.csv").write_text("\n".join(lines[:301]), encoding="utf-8")
+    text = (EXAMPLE / "bench.toml").read_text(encoding="utf-8")
+    kept = [x for x in text.splitlines() if not x.startswith(("holdout", f"{left_out or None} = "))]
+    (tmp_path / "rig.toml").write_text("\n".join(kept), encoding="utf-8")
+    channels = read_channels([read_log(tmp_path / "log.csv")], read_rig(tmp_path / "rig.toml"))
+
+    with pytest.raises(InputError, match=r"received \d+: no shorter window .* a longer log is required$"):
+        search_rows(channels, channels.rig, moving=bool(left_out))
 
 
 def test_nothing_driven_to_hold_out_is_refused_in_one_line(tmp_path: Path) -> None:

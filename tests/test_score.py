@@ -6,22 +6,37 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from scipy.optimize import nnls
 
 from eccentric.diagnosis import leave_runs_out
+from eccentric.diagnosis.models import Models, confirms
+from eccentric.diagnosis.score import score
 from eccentric.fitting import FitData, drive_of, fit_data_of, refit
 from eccentric.model import Model, load_model
 from eccentric.rigs import read_rig
 from eccentric.signals import read_channels
+from tests.extended import effects
 from tests.swing import Array, Swing, driven, write_rig, write_runs
 
 RIG = Swing()
+WEIGHT = RIG.M * RIG.g
+
+
+def less_with_load(theta: Array, omega: Array) -> Array:
+    """Dry friction at the motor (n,) [N m] that falls with F_N, of weight and centrifugal force."""
+    pull = RIG.M * RIG.L * (RIG.mu * omega) ** 2
+    normal = np.sqrt(pull**2 + 2.0 * WEIGHT * pull * np.cos(RIG.mu * theta) + WEIGHT**2)
+    return -0.01 * normal * np.sign(omega)
+
+
+FALLING = Swing(C=0.2, more=less_with_load)
 KNOWN = RIG.known + f"J_m_kgm2 = {RIG.J}\nJ_l_kgm2 = 0.0\n"
 
 
-def data(tmp_path: Path, runs: int) -> tuple[FitData, Model]:
+def data(tmp_path: Path, runs: int, real: Swing = RIG) -> tuple[FitData, Model]:
     """A known rig with a noisy torque signal and the third run held out."""
     rng = np.random.default_rng(9)
-    table = {f"run_{k}": driven(RIG, rng, noise_Nm=0.01) for k in range(runs)}
+    table = {f"run_{k}": driven(real, rng, noise_Nm=0.01) for k in range(runs)}
     log = write_runs(tmp_path / "log.csv", table, ("time_s", "theta_m_rad", "torque_Nm"))
     rig = write_rig(tmp_path / "rig.toml", KNOWN, 'holdout_runs = ["run_2"]')
     channels = read_channels([log], read_rig(rig))
@@ -61,10 +76,45 @@ def test_left_out_runs_have_the_error_of_plain_least_squares(tmp_path: Path, mod
         found = np.linalg.lstsq(filtered[others, :count], passed[others], rcond=None)[0]
         squares += float(np.sum((target[own] - design[own, :count] @ found) ** 2))
         rows += np.count_nonzero(own)
-    over = leave_runs_out(base, refit(base, (), one, bounds=False), one)
+    over = leave_runs_out(base, refit(base, (), one, bounds=False), one, bounds=False)
     assert over is not None
     assert over.runs == 6
     assert over.rmse[model] == pytest.approx(np.sqrt(squares / rows), rel=1e-6)
+
+
+def test_a_left_out_run_is_predicted_within_the_bounds(tmp_path: Path) -> None:
+    """Friction that falls with F_N has no coefficient within bounds: the error is that of SciPy's `nnls`."""
+    one, base = data(tmp_path, 6, FALLING)
+    usable, runs = one.drive.channels.selection.usable, one.drive.channels.time.run
+    (target, design), (passed, filtered) = columns(one), columns(one, smooth=True)
+    squares = 0.0
+    for run in range(6):
+        own, others = usable & (runs == run), usable & (runs != run)
+        found, _ = nnls(filtered[others], passed[others])
+        assert 0.0 in found
+        squares += float(np.sum((target[own] - design[own] @ found) ** 2))
+    over = leave_runs_out(base, refit(base, (), one), one)
+
+    assert over is not None
+    assert pytest.approx(np.sqrt(squares / np.count_nonzero(usable)), rel=1e-6) == over.rmse["paper"]
+
+
+def test_an_effect_has_to_beat_the_model_without_bounds(tmp_path: Path) -> None:
+    """One that imitates friction falling with F_N beats the bounded model, not the one that contains it."""
+    one, base = data(tmp_path, 4, FALLING)
+    imitation = (effects("C2")["link_harmonic_friction[n=1]"], {})
+    models = Models(
+        linear=refit(base, (), one, linear=True),
+        paper=refit(base, (), one),
+        paper_unbounded=refit(base, (), one, bounds=False),
+        extended=refit(base, (imitation,), one),
+    )
+    held_out = {name: fit.held_out("mechanical") for name, fit in vars(models).items()}
+    within = score(models.linear, models.paper, models.extended, "mechanical", None)
+
+    assert held_out["paper_unbounded"] < held_out["extended"] < held_out["paper"]
+    assert within.confirms
+    assert not confirms(within, models, one)
 
 
 def test_to_leave_out_the_held_out_run_is_the_fit_itself(tmp_path: Path) -> None:
@@ -77,7 +127,7 @@ def test_to_leave_out_the_held_out_run_is_the_fit_itself(tmp_path: Path) -> None
 def test_gain_over_runs_counts_the_better_ones(tmp_path: Path) -> None:
     """Where friction is Coulomb and viscous, that of F_N neither gains nor clearly loses."""
     one, base = data(tmp_path, 6)
-    over = leave_runs_out(base, refit(base, (), one, bounds=False), one)
+    over = leave_runs_out(base, refit(base, (), one, bounds=False), one, bounds=False)
     assert over is not None
     percent, (low, high), better = over.gains["paper"]
     assert set(over.gains) == {"paper"}

@@ -168,14 +168,14 @@ LETTERS = {"k_i": 0.05, "k_e": 0.04, "R": 2.0, "J_m": 1e-4, "J_l": 3e-3, "mu": 0
 
 
 def test_the_machine_of_a_model_is_the_motor_of_the_paper() -> None:
-    """Torque k_i i, current (u - k_e w)/R, back-EMF k_e w, damping k_i k_e/R, inertia J_m + mu^2 J_l."""
+    """Torque k_i i, current (u - k_e w)/R, voltage R i + k_e w, damping k_i k_e/R, inertia J_m + mu^2 J_l."""
     machine = Machine(load_model("c2_parallel"))
     omega, u = np.array([-3.0, 10.0]), np.array([1.0, 6.0])
 
     np.testing.assert_allclose((u - 0.04 * omega) / 2.0, machine.current(LETTERS, u, omega), rtol=1e-14)
     np.testing.assert_allclose(0.05 * u, machine.torque(LETTERS, u), rtol=1e-14)
     np.testing.assert_allclose(u, machine.current_of_torque(LETTERS, machine.torque(LETTERS, u)), rtol=1e-14)
-    np.testing.assert_allclose(0.04 * omega, machine.back_emf(LETTERS, omega), rtol=1e-14)
+    np.testing.assert_allclose(2.0 * u + 0.04 * omega, machine.voltage(LETTERS, u, omega), rtol=1e-14)
     assert 1e-4 + 0.2**2 * 3e-3 == pytest.approx(machine.inertia(LETTERS), rel=1e-14)
     assert (1.0, 0.2**2) == pytest.approx([machine.inertia_per(letter, LETTERS) for letter in ("J_m", "J_l")])
     assert str(machine.back_emf_damping) == "k_e*k_i/R"

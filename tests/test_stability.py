@@ -5,6 +5,7 @@ See `searched`: a fit that has a column takes its amplitude out, in every draw o
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Sequence
 from dataclasses import replace
 
@@ -40,7 +41,7 @@ def test_an_effect_that_all_blocks_show_is_found_in_all_variants() -> None:
     """Its probability is 101/102: a hundred variants do not prove a certainty."""
     found = stability(design({2: 3.0}), [[A], [B], []])
 
-    assert (100, 100, {}) == (found.variants, found.found("a"), dict(found.instead("a", {"a"})))
+    assert (100, 100, {}) == (found.variants, found.found("a"), found.instead("a", {"a"}, set(), 2))
     assert found.probability("a") == pytest.approx(101 / 102, rel=1e-9)
 
 
@@ -96,8 +97,44 @@ def test_a_declared_value_that_explains_an_effect_takes_its_place() -> None:
     found = stability(design({2: 3.0}), [[A], []], off)
 
     assert (50, 50) == (found.found("a"), found.found("off"))
-    assert {"off": 50} == dict(found.instead("a", {"a"}))
-    assert found.weight("off", "a") == pytest.approx(0.5, abs=0.02)
+    assert {"off": 50} == found.instead("a", {"a"}, {"off"}, 0)
+    assert found.weight("off", {"a"}) == pytest.approx(0.5, abs=0.02)
+
+
+def sets(counts: dict[str, int]) -> Stability:
+    """A stability whose variants find sets of families, each a letter, so many times."""
+    best = tuple(frozenset(letters) for letters, times in counts.items() for _ in range(times))
+    return Stability(best, {own: best.count(own) / len(best) for own in best})
+
+
+def test_what_accompanies_an_alternative_takes_nobodys_place() -> None:
+    """`d` has more variants than `c`, but never without `b`: b and c are the two that may be tied with a."""
+    found = sets({"a": 60, "bd": 20, "b": 10, "c": 10})
+
+    assert {"b": 30, "c": 10} == found.instead("a", {"a"}, set(), 2)
+    assert found.nearly_all("a", *found.instead("a", {"a"}, set(), 2))
+    assert found.chances("a", "bcd") == pytest.approx(
+        {"a": 61 / 102, "b": 0.3, "c": 0.1, "d": 0.0}, abs=1e-12
+    )
+
+
+def test_of_two_that_are_always_together_the_first_by_name_is_the_alternative() -> None:
+    """The order does not depend on that of a set: the same log has the same answer in every process."""
+    names = ("bearing_load", "drag", "cogging", "stribeck", "backlash")
+    for one, other in itertools.combinations(names, 2):
+        best = (frozenset({"a"}),) * 60 + (frozenset({one, other}),) * 40
+        found = Stability(best, {own: best.count(own) / len(best) for own in best})
+
+        assert {min(one, other): 40} == found.instead("a", {"a"}, set(), 2)
+        chances = found.chances("a", [one, other])
+        assert (chances[min(one, other)], chances[max(one, other)]) == (0.4, 0.0)
+
+
+def test_a_declared_value_comes_on_top_of_the_effects_that_may_be_tied() -> None:
+    """`j` is declared: it takes its variants first, and leaves room for two effects."""
+    found = sets({"a": 30, "j": 20, "jb": 10, "b": 20, "c": 15, "e": 5})
+
+    assert {"j": 30, "b": 20, "c": 15} == found.instead("a", {"a"}, {"j"}, 2)
 
 
 def test_a_declared_value_is_not_free_beyond_its_tolerance() -> None:

@@ -113,7 +113,7 @@ def test_one_family_is_never_tied_with_nothing() -> None:
 
 @pytest.mark.parametrize(("first", "expected"), [(0.0, "not_identifiable"), (4.0, "named")])
 def test_which_declared_value_is_off_may_stay_open_beside_a_name(first: float, expected: str) -> None:
-    """A tie of corrections alone takes no name from an effect that nothing else explains."""
+    """A tie of corrections alone takes no name from an effect that nothing else explains, and is reported."""
     mass, inertia = (
         replace(one, tolerance=1e-9) for one in (candidate("inertia", {2: 1.0}), rival("mass", 0.7))
     )
@@ -124,6 +124,9 @@ def test_which_declared_value_is_off_may_stay_open_beside_a_name(first: float, e
     assert (["b", "inertia"] if first else ["inertia"]) == [
         one.variant.candidate.family for one in found.adopted
     ]
+    corrected = found.adopted_as("inertia")
+    assert corrected is not None
+    assert ("inertia", "mass") == corrected.alike
 
 
 @pytest.mark.parametrize(

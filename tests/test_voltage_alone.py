@@ -11,7 +11,7 @@ import pytest
 from eccentric.diagnosis import Diagnosis, diagnose, diagnosis_document
 from eccentric.fitting import refit
 from eccentric.report.gather import report_data
-from tests.identified import DIFFERENCES, inertia, is_found
+from tests.identified import FILTERED, inertia, is_found
 from tests.swing import HELD_OUT, VOLTAGE, Array, Friction, Swing, log_of, sines, write_rig, write_runs
 
 DRAG = 2e-4
@@ -127,10 +127,10 @@ def test_rig_is_identified_beside_the_effect(name: str, request: pytest.FixtureR
     """Scale, back-EMF and inertia of the extended model are those of the rig, effect or not."""
     found: Diagnosis = request.getfixturevalue(name)
     rig = Swing()
-    fitted = found.models.shipped
+    fitted = found.models.extended
     assert is_found(fitted, "R/k_i", rig.R / rig.k_i, 1e-3)
     assert is_found(fitted, "k_e", rig.k_e, 1e-3)
-    assert inertia(fitted, rig.mu) == pytest.approx(rig.J, rel=DIFFERENCES)
+    assert inertia(fitted, rig.mu) == pytest.approx(rig.J, rel=FILTERED)
     said = diagnosis_document(found)["rig_identified"]
     assert {"R/k_i", "k_e", "J_m"} <= set(said)
     assert said["R/k_i"]["unit"] == "V/(N m)"

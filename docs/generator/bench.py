@@ -36,7 +36,9 @@ def picture(path: Path) -> str:
     rows = found.rows
     shown = rows.score & (rows.mean(found.channels.motion.omega_m) > 0.0)
     angle = np.degrees(found.setting.mu * rows.mean(found.channels.motion.theta_m)[shown]) % 360.0
-    before, after = (fit.residuals["mechanical"][shown] for fit in (found.models.paper, found.models.shipped))
+    before, after = (
+        fit.residuals["mechanical"][shown] for fit in (found.models.paper, found.models.extended)
+    )
     with mpl.rc_context(STYLE):
         figure = Figure((7.0, 2.7), layout="constrained")
         bins = np.linspace(0.0, 360.0, 37)

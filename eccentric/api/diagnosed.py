@@ -69,8 +69,8 @@ def diagnose(
 
     Raises:
         InputError: a log, the rig, the model or the effects cannot be read, or do not belong together; the
-            model has a tilt, hidden states, or an effect of the current; the log has too few rows; or an
-            effect is unknown.
+            model has a tilt in a level plane, hidden states, or an effect of the current; the log has too few
+            rows; or an effect is unknown.
     """
     base, offered = by_name(model), None if effects is None else given_path(effects, "effects")
     paths = _scripts(offered, base)
@@ -78,12 +78,12 @@ def diagnose(
     found = diagnose_logs(read_logs(logs), rig, base, offered, request, progress)
     given = found.asked.base
     own = {path.name: path.read_text(encoding="utf-8") for path in paths}
-    shipped = found.models.shipped
+    fitted = found.models.extended
     return DiagnosisResult(
         model=extended_model(found),
         origin="model.py",
-        estimates=shipped.estimates,
-        correlation=Correlation.of(list(shipped.estimates), shipped.covariance),
+        estimates=fitted.estimates,
+        correlation=Correlation.of(list(fitted.estimates), fitted.covariance),
         script=script(found),
         own=own | ({BASE: base_source(given)} if isinstance(given, Model) else {}),
         warnings=found.warnings,
@@ -219,10 +219,10 @@ class DiagnosisResult(Result):
             InputError: the folder cannot be written.
         """
         with whole_folder(out, "diagnose") as folder:
-            names = self._write(folder)
+            names = self._fill(folder)
         return [Path(out) / name for name in names]
 
-    def _write(self, folder: Path) -> Sequence[str]:
+    def _fill(self, folder: Path) -> Sequence[str]:
         (folder / "diagnosis.json").write_text(self.to_json(), encoding="utf-8")
         (folder / "model.py").write_text(self.script, encoding="utf-8")
         for name, text in self.own.items():

@@ -49,11 +49,13 @@ def write_emitted(
     Raises InputError if there is no such target, or the folder cannot be written.
     """
     several = isinstance(backend, Sequence) and not isinstance(backend, str | bytes)
-    names = DEFAULT if backend is None else list(backend if several else [backend])
-    for name in names or ["none"]:
+    given = DEFAULT if backend is None else list(backend if several else [backend])
+    names: dict[str, None] = {}
+    for name in given or ["none"]:
         if not isinstance(name, str) or name not in BACKENDS:
             raise InputError(f"backend: one of {', '.join(BACKENDS)} is required, received {name!r}")
-    files = complete(model, "eccentric emit", origin, dict.fromkeys(names), single_file=single_file)
+        names[name] = None
+    files = complete(model, "eccentric emit", origin, names, single_file=single_file)
     with whole_folder(out, f"emit {model.name}") as folder:
         write(files, folder)
     return [Path(out) / name for name in files]

@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from html import escape
-from typing import Any
+from typing import Any, overload
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,8 +18,9 @@ __all__ = ["Correlation", "ResultTable"]
 class ResultTable:
     """A small table of results.
 
-    `table["value"]` is a column; iterating gives the rows as dictionaries, so that `list(table)` is plain
-    data, and `pandas.DataFrame(list(table))` a data frame. None means unknown.
+    `table["value"]` is a column, `table[0]` a row, `table[:3]` a table of the first three; iterating gives
+    the rows as dictionaries, so that `list(table)` is plain data, and `pandas.DataFrame(list(table))` a data
+    frame. None means unknown.
 
     Attributes:
         names: of the columns.
@@ -35,7 +36,17 @@ class ResultTable:
     def __iter__(self) -> Iterator[dict[str, Any]]:
         return (dict(zip(self.names, row, strict=True)) for row in self.rows)
 
-    def __getitem__(self, name: str) -> list[Any]:
+    @overload
+    def __getitem__(self, name: str) -> list[Any]: ...
+    @overload
+    def __getitem__(self, name: int) -> dict[str, Any]: ...
+    @overload
+    def __getitem__(self, name: slice) -> ResultTable: ...
+    def __getitem__(self, name: str | int | slice) -> list[Any] | dict[str, Any] | ResultTable:
+        if isinstance(name, slice):
+            return ResultTable(self.names, self.rows[name])
+        if isinstance(name, int):
+            return dict(zip(self.names, self.rows[name], strict=True))
         if name not in self.names:
             raise KeyError(f"{name!r}; the columns are {', '.join(self.names)}")
         place = self.names.index(name)

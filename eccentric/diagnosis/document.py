@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
 import sympy as sp
@@ -140,20 +141,22 @@ def _identified(found: Diagnosis) -> dict[str, Any]:
 
     A zero angle or an offset that the refit has moved replaces that of the first fit.
     """
-    shipped, aligned = found.models.shipped, found.channels.alignment
+    fitted, aligned = found.models.extended, found.channels.alignment
     of_the_model = {q.name for q in found.models.base.friction_parameters}
-    of_the_model |= {q.name for effect, _ in shipped.effects for q in effect.parameters}
+    of_the_model |= {q.name for effect, _ in fitted.effects for q in effect.parameters}
     said: dict[str, Any] = {name: getattr(aligned, name) for name in sorted(found.rig.estimate)}
-    for name, e in shipped.estimates.items():
+    for name, e in fitted.estimates.items():
         if name not in of_the_model:
             interval = list(e.interval)
-            said[name] = {"value": e.value, "std_error": e.std_error, "interval_95": interval, "unit": e.unit}
+            error = e.std_error if math.isfinite(e.std_error) else None
+            said[name] = {"value": e.value, "std_error": error, "interval_95": interval, "unit": e.unit}
     return said
 
 
 def _stability(found: Diagnosis, effect: Effect) -> dict[str, Any] | None:
     """In how many variants of the log the search finds the effect, and what it finds instead."""
-    if (own := found.attribution.examined(effect.id)) is None:
+    own = found.attribution.adopted_as(effect.id)
+    if own is None or not own.variants:
         return None
     return {"variants": own.variants, "found": own.found, "instead": dict(own.instead)}
 

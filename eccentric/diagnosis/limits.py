@@ -12,8 +12,10 @@ __all__ = [
     "LEAST_STRETCHES",
     "LEAST_TURNS",
     "LOWEST_ORDER",
+    "NEIGHBOURS",
     "ORDER_STEP",
     "PROVABLE",
+    "ROUNDING",
     "ROWS_PER_CYCLE",
 ]
 
@@ -30,6 +32,8 @@ LOWEST_ORDER, HIGHEST_ORDER, ORDER_STEP = 0.5, 12.0, 0.05
 """Orders per motor turn that are examined, and the step from one to the next."""
 AROUND = 41
 """Steps that count as around a peak: two orders."""
+NEIGHBOURS = 2
+"""Steps to either side whose best counts for a peak: an order is known only to the inverse of the turns."""
 ALONE = 8
 """Steps to either side within which a peak is the highest order of its stretch."""
 ROWS_PER_CYCLE = 4.0
@@ -40,3 +44,5 @@ ABOVE = 4.0
 """A peak over the median of the spectrum around it: slow drift is high at low orders, but not periodic."""
 LEAST_STRETCHES = 6
 """Chance can give a peak of the same order in one stretch, or in three, but not in most of six."""
+ROUNDING = 1e-6
+"""Gains between two models that stay below this, in per cent, are rounding: the models are the same."""

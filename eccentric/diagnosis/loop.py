@@ -58,8 +58,8 @@ def diagnose(
         tell: called with one line per stage.
 
     Raises:
-        InputError: bad input; a model with a tilt, with hidden states or with what is found from the current,
-            or such an effect to begin with; or fewer than two rows to hold out.
+        InputError: bad input; a model with a tilt in a level plane, with hidden states or with what is found
+            from the current, or such an effect to begin with; or fewer than two rows to hold out.
     """
     tell, request = tell or (lambda _: None), request or SearchRequest()
     read = [read_log(log) for log in logs]
@@ -101,8 +101,8 @@ def diagnose(
         differing=stage.differing,
         sibling=better_sibling(stage.plain, models),
         noise_floor=noise,
-        band=band_of(models.shipped.residuals["mechanical"], data.rows, data.drive.channels, noise),
-        orders=orders_of(data, residual_samples(models.shipped)),
+        band=band_of(models.extended.residuals["mechanical"], data.rows, data.drive.channels, noise),
+        orders=orders_of(data, residual_samples(models.extended)),
     )
 
 

@@ -26,7 +26,7 @@ def result_name(found: Diagnosis) -> str:
     """
     base = found.models.base.name
     stem, extended, number = _NAME.fullmatch(base).groups()  # pyright: ignore[reportOptionalMemberAccess]
-    if not found.models.shipped.effects and not found.asked.request.including:
+    if not found.models.extended.effects and not found.asked.request.including:
         return base if is_result_name(base) else f"{base}_fitted"
     return f"{stem}_extended" + (f"_{int(number or 1) + 1}" if extended else "")
 
@@ -39,8 +39,19 @@ def is_result_name(name: str) -> bool:
 def extended_model(found: Diagnosis) -> Model:
     """The extended model with the fitted values as its defaults: the one that the script builds."""
     fitted = _fitted(found)
-    model, name = found.models.shipped.model, result_name(found)
-    return with_values(model, fitted.values, name, fitted.notes, fitted.title, "diagnosis")
+    model, name = found.models.extended.model, result_name(found)
+    drive = found.data.drive
+    return with_values(
+        model,
+        fitted.values,
+        name,
+        fitted.notes,
+        fitted.title,
+        "diagnosis",
+        drive.back_emf_in_friction,
+        drive.current_known,
+        found.unit,
+    )
 
 
 @dataclass(frozen=True)
@@ -53,23 +64,29 @@ class _Fitted:
 
 
 def _fitted(found: Diagnosis) -> _Fitted:
-    letters = {q.name for q in found.models.shipped.model.parameters}
-    values = {k: v for k, v in found.models.shipped.values.items() if k in letters and v is not None}
+    letters = {q.name for q in found.models.extended.model.parameters}
+    values = {k: v for k, v in found.models.extended.values.items() if k in letters and v is not None}
     notes = {
         name: f"fitted: {e.value:.4g}, 95 % interval {e.interval[0]:.4g} to {e.interval[1]:.4g}"
-        for name, e in found.models.shipped.estimates.items()
+        for name, e in found.models.extended.estimates.items()
     }
     drive = found.data.drive
-    if drive.scale is not None and found.unit == "N m":
-        letters_of = "R/k_i, with k_i = 1 N m/A" if drive.by_voltage else "k_i"
-        notes["R" if drive.by_voltage else "k_i"] = f"{letters_of}: identified through gravity or inertia"
-        if drive.by_voltage and "k_e" not in found.rig.known and not drive.opens("back_emf"):
-            shared = back_emf_columns(found.models.base)
-            for c in regressor(found.models.base):
-                if c.name in shared:
-                    name, emf = c.parameter.name, "contains k_e k_i/R, which this log cannot separate from it"
-                    notes[name] = f"{notes.get(name, '')}; {emf}"
-    names = ", ".join(effect.id for effect, _ in found.models.shipped.effects)
+    declared = set(found.rig.known)
+    if drive.scale is not None and not (drive.by_voltage and {"R", "k_i"} <= declared):
+        with_k_i = "k_i as declared" if "k_i" in declared else "k_i = 1 N m/A"
+        letters_of = f"R/k_i, with {with_k_i}" if drive.by_voltage else "k_i"
+        identified = "identified through gravity or inertia"
+        if found.unit != "N m":
+            identified = f"not identified: N m represents {found.unit}"
+        notes["R" if drive.by_voltage else "k_i"] = f"{letters_of}: {identified}"
+    if drive.back_emf_in_friction:
+        notes["k_e"] = "0 by convention: the back-EMF is in the viscous friction"
+        shared = back_emf_columns(found.models.base)
+        for c in regressor(found.models.base):
+            if c.name in shared:
+                name, emf = c.parameter.name, "contains k_e k_i/R, which this log cannot separate from it"
+                notes[name] = f"{notes.get(name, '')}; {emf}"
+    names = ", ".join(effect.id for effect, _ in found.models.extended.effects)
     done = f"extended by {names}" if names else "fitted"
     return _Fitted(values, notes, f"{found.models.base.title}, {done}")
 
@@ -85,7 +102,7 @@ def script(found: Diagnosis) -> str:
 
     It is an ordinary derivation: `python model.py` prints it, `eccentric emit model.py` emits it.
     """
-    adopted, fitted = found.models.shipped.effects, _fitted(found)
+    adopted, fitted = found.models.extended.effects, _fitted(found)
     origin = plain(", ".join(found.asked.logs))
     setting = pprint.pformat(found.setting, width=100, compact=True)
     # A set prints in a different order in every run.
@@ -96,6 +113,10 @@ def script(found: Diagnosis) -> str:
     load = ("", "")
     if any(extension.name == constant_load.id for extension in found.models.base.extensions):
         load = (", with_constant_load", "model = with_constant_load(model)\n")
+    drive = found.data.drive
+    log = "\n    back_emf_in_friction=True," if drive.back_emf_in_friction else ""
+    log += "" if drive.current_known else "\n    current_known=False,"
+    log += "" if found.unit == "N m" else f"\n    torque_unit={found.unit!r},"
     own = ""
     if found.asked.effects is not None:
         own = f"\noffered += load_effects(Path(__file__).with_name({found.asked.effects.name!r}), setting)"
@@ -128,7 +149,7 @@ model = with_values(
     {pprint.pformat(fitted.values, width=96, indent=1)},
     name={result_name(found)!r},
     notes={pprint.pformat(fitted.notes, width=96)},
-    title={fitted.title!r},
+    title={fitted.title!r},{log}
 )
 
 if __name__ == "__main__":

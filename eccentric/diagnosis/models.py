@@ -19,20 +19,14 @@ __all__ = ["Models", "fitted_models"]
 class Models:
     """What was fitted on the training part.
 
-    linear: Coulomb and viscous friction; paper: the paper's model, its coefficients free to become negative;
-    bounded: the paper's model within its bounds; extended: with the adopted effects, `paper` itself if there
-    are none.
+    linear: Coulomb and viscous friction; paper: the paper's model; paper_unbounded: the same with
+    coefficients that may become negative; extended: with the adopted effects, `paper` itself without any.
     """
 
     linear: Refit
     paper: Refit
-    bounded: Refit
+    paper_unbounded: Refit
     extended: Refit
-
-    @property
-    def shipped(self) -> Refit:
-        """What is emitted: `extended`, or without an effect the paper's model within its bounds."""
-        return self.extended if self.adopted else self.bounded
 
     @property
     def base(self) -> Model:
@@ -46,11 +40,11 @@ class Models:
 
     @property
     def r_squared(self) -> float:
-        """R^2 of the drive torque on the held-out rows, of the paper's model within its bounds.
+        """R^2 of the drive torque on the held-out rows, of the paper's model.
 
-        Without them, negative friction and inertia follow a drive of the wrong sign.
+        Without bounds, negative friction and inertia would follow a drive of the wrong sign.
         """
-        fitted = self.bounded
+        fitted = self.paper
         rows = fitted.data.rows
         drive = rows.mean(fitted.data.drive.torque(fitted.values, fitted.scale))
         return r_squared(fitted.residuals["mechanical"][rows.score], drive[rows.score])
@@ -79,11 +73,11 @@ def fitted_models(
     adopted = tuple((by_id[a.variant.candidate.id], dict(a.variant.values)) for a in found.adopted)
     if found.verdict in {"unexplained", "nothing_missing"}:
         adopted = ()
-    paper = refit(base, (), data, bounds=False)
-    bounded = refit(base, (), data)
+    paper = refit(base, (), data)
+    unbounded = refit(base, (), data, bounds=False)
     extended = refit(base, adopted, data) if adopted else paper
-    linear = refit(base, (), data, bounds=False, linear=True)
-    models = Models(linear, paper, bounded, extended)
+    linear = refit(base, (), data, linear=True)
+    models = Models(linear, paper, unbounded, extended)
     if not models.fits_the_rig:
         found = replace(unconfirmed(found), next_measurement="Correct the rig file or the log first.")
         models = replace(models, extended=paper)
@@ -91,8 +85,9 @@ def fitted_models(
     scored = _scored(models, balance, data)
     refused = None
     # Voltage and current show an effect twice, and row by row the model of a ripple above the low pass only
-    # adds error. With one signal alone, the held-out part is the only check.
-    if models.adopted and not data.drive.measured_twice and not scored.confirms:
+    # adds error. With one signal alone, the held-out part is the only check: an effect has to predict it
+    # better than the paper's model does at its best, its coefficients free to imitate what it lacks.
+    if models.adopted and not data.drive.measured_twice and not confirms(scored, models, data):
         tell("the held-out part does not confirm it")
         refused, found, models = scored, unconfirmed(found), replace(models, extended=paper)
         scored = _scored(models, "mechanical", data)
@@ -102,3 +97,11 @@ def fitted_models(
 def _scored(models: Models, balance: str, data: FitData) -> Score:
     over_runs = leave_runs_out(models.base, models.extended, data)
     return score(models.linear, models.paper, models.extended, balance, over_runs)
+
+
+def confirms(scored: Score, models: Models, data: FitData) -> bool:
+    """Whether the extended model predicts better than the paper's without bounds; `scored` is with them."""
+    if not any(estimate.bound_active for estimate in models.paper.estimates.values()):
+        return scored.confirms
+    over_runs = leave_runs_out(models.base, models.extended, data, bounds=False)
+    return score(models.linear, models.paper_unbounded, models.extended, scored.balance, over_runs).confirms

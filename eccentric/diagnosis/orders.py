@@ -23,6 +23,7 @@ from eccentric.diagnosis.limits import (
     LEAST_STRETCHES,
     LEAST_TURNS,
     LOWEST_ORDER,
+    NEIGHBOURS,
     ORDER_STEP,
     ROWS_PER_CYCLE,
 )
@@ -82,8 +83,7 @@ def orders_of(data: FitData, target: Array) -> tuple[Order, ...]:
     peaks, _ = find_peaks(mean, height=np.maximum(LEAST_SHARE, ABOVE * around), distance=ALONE)
     found = []
     for k in peaks:
-        # An order is known only to the inverse of the turns: the best of the neighbours counts.
-        near = every[:, max(k - 2, 0) : k + 3].max(axis=1)
+        near = every[:, max(k - NEIGHBOURS, 0) : k + NEIGHBOURS + 1].max(axis=1)
         share = float(near.mean())
         # Leakage from one frequency in time is not a peak in the neighbouring orders.
         peak = near >= every[:, max(k - ALONE, 0) : k + ALONE + 1].max(axis=1)

@@ -82,8 +82,11 @@ def score(linear: Refit, paper: Refit, extended: Refit, balance: str, over_runs:
     return Score(rmse, per_drive, free, balance, percent, interval, over_runs)
 
 
-def leave_runs_out(base: Model, extended: Refit, data: FitData) -> OverRuns | None:
-    """Predict each run from all others; None with fewer than five runs, or if two balances are fitted."""
+def leave_runs_out(base: Model, extended: Refit, data: FitData, bounds: bool = True) -> OverRuns | None:
+    """Predict each run from all others; None with fewer than five runs, or if two balances are fitted.
+
+    `bounds` are those of the models without effects.
+    """
     rows = data.rows
     used = rows.train | rows.score
     runs = np.unique(rows.run[used])
@@ -93,7 +96,7 @@ def leave_runs_out(base: Model, extended: Refit, data: FitData) -> OverRuns | No
         (e, {s.quantity.name: own[s.quantity.name] for s in e.shapes}) for e, own in extended.effects
     )
     models: dict[str, tuple[tuple[tuple[Effect, dict[str, float]], ...], dict[str, bool]]]
-    models = {"linear": ((), {"bounds": False, "linear": True}), "paper": ((), {"bounds": False})}
+    models = {"linear": ((), {"bounds": bounds, "linear": True}), "paper": ((), {"bounds": bounds})}
     if shapes:
         models["extended"] = (shapes, {})
     squares = {name: np.zeros(len(runs)) for name in models}

@@ -64,5 +64,4 @@ def _separable(model: Model, data: FitData) -> bool:
 
 def _case(model: Model) -> tuple[bool, bool]:
     """Whether gravity acts in the plane, and whether the plane is tilted: the same for models of one case."""
-    tilted = any(quantity.name == "phi" for quantity in model.parameters)
-    return model.balance("mechanical").sum_of("gravity") != 0, tilted
+    return model.balance("mechanical").sum_of("gravity") != 0, model.tilted

@@ -88,8 +88,8 @@ def stage_of(channels: Channels, plain: Model, effects: Path | None, where: str)
     """The stage of a log; `effects` is a file of the user's own, `where` names the log in messages.
 
     Raises:
-        InputError: the model has a tilt, hidden states, or what is found from the current; the rig lacks what
-            it needs; or there are too few rows to hold out.
+        InputError: the model has a tilt in a level plane, hidden states, or what is found from the current;
+            the rig lacks what it needs; or there are too few rows to hold out.
     """
     _require_supported(plain, channels)
     rig = channels.rig
@@ -111,9 +111,10 @@ def stage_of(channels: Channels, plain: Model, effects: Path | None, where: str)
 
 
 def _require_supported(model: Model, channels: Channels) -> None:
-    if model.tilted:
+    if model.tilted and channels.rig.case == "C1":
         raise InputError(
-            f"{model.name}: diagnose requires a model of case C1 or C2, received one with a tilt"
+            f"{model.name}: diagnose requires a plane of motion that is not level, received case C1;"
+            f" {channels.rig.model} is its model"
         )
     if model.states:
         names = ", ".join(state.quantity.name for state in model.states)

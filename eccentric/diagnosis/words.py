@@ -5,16 +5,15 @@ The description of an effect comes first, its id second; both come from the effe
 
 from __future__ import annotations
 
-import inspect
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 
-from eccentric.diagnosis.limits import PROVABLE
-from eccentric.diagnosis.model_script import is_result_name, result_name
+from eccentric.diagnosis.limits import PROVABLE, ROUNDING
+from eccentric.diagnosis.model_script import extended_model, is_result_name, result_name
 from eccentric.diagnosis.outcome import Diagnosis
 from eccentric.diagnosis.score import OverRuns
 from eccentric.effects import Correction, Effect, Words
-from eccentric.emission import load_module
 from eccentric.errors import few
+from eccentric.fitting import Emitted
 
 __all__ = ["closest_sentence", "diagnosis_lines", "diagnosis_sentence", "sibling_sentence", "stability_words"]
 
@@ -128,9 +127,9 @@ def _named(found: Diagnosis, effect: Effect) -> str:
 
 
 def _or_else(found: Diagnosis, effect: Effect) -> str:
-    """What variants of the log find wrong in the place of a declared value."""
-    own, best = found.attribution.examined(effect.id), {c.family: c for c in found.attribution.candidates}
-    others = [best[family] for family in own.instead if family in best] if own else []
+    """What explains the log as well as a wrong declared value does."""
+    own, best = found.attribution.adopted_as(effect.id), {c.family: c for c in found.attribution.candidates}
+    others = [best[f] for f in own.alike if f in best and f != effect.family] if own else []
     return "".join(f" or {_headline(c.words, c.id)}" for c in others)
 
 
@@ -204,25 +203,26 @@ def diagnosis_lines(found: Diagnosis) -> list[str]:
 
 
 def _calls(found: Diagnosis) -> list[str]:
-    """How firmware calls the friction torque and, with hidden states, steps them."""
-    shipped, name = found.models.shipped, result_name(found)
-    module, states = load_module(shipped.model), [s.quantity.name for s in shipped.model.states]
+    """How firmware calls the model and, with hidden states, steps them.
 
-    def arguments(function: Callable[..., object]) -> list[str]:
-        return list(inspect.signature(function).parameters)[:-2]
+    It calls the friction torque; without a scale, the drive that a motion requires, in its own unit.
+    """
+    fitted, name = found.models.extended, result_name(found)
+    emitted, states = Emitted(fitted.model), [s.quantity.name for s in fitted.model.states]
+    first = extended_model(found).first_function
 
     def call(function: str, given: Sequence[str]) -> str:
         return f"{name}_{function}({', '.join([*given, f'&{name}_default'])})"
 
-    given = [f"state.{a}" if a in states else a for a in arguments(module.mechanical_friction_torque)]
-    torque = call("mechanical_friction_torque", given)
+    given = [f"state.{a}" if a in states else a for a in emitted.inputs_of(first)]
+    torque = call(first, given)
     if not states:
-        if shipped.effects or found.asked.request.including:
+        if fitted.effects or found.asked.request.including:
             return [f"to call: {torque}"]
         base = found.models.base.name
         whose = f"{base}, fitted anew" if is_result_name(base) else "the paper's model, fitted"
         return [f"nothing was added; to call {whose}: {torque}"]
-    stepped = [a for a in arguments(module.next_state) if a not in states]
+    stepped = [a for a in emitted.inputs_of("next_state") if a not in states]
     return [
         f"to call in every cycle, in this order, from {name}_state state = {name}_initial_state on:",
         f"  {torque}",
@@ -238,16 +238,22 @@ def _effect(found: Diagnosis, effect: Effect, own: Mapping[str, float]) -> str:
         shown.append(f"{q.name} = {own[q.name]:.4g}{'' if q.unit == '1' else ' ' + q.unit}{error}")
     share = 100 * found.models.extended.shares.get(effect.id, 0.0)
     variants = stability_words(found, effect)
-    where = f", in {variants}" if variants else ""
+    where = f", {variants}" if variants else ""
     return f"  {effect.id}, {share:.1f} % of the friction{where}: {', '.join(shown)}"
 
 
 def stability_words(found: Diagnosis, effect: Effect) -> str:
-    """In how many variants of the log an adopted effect is found, and what is found instead; or ""."""
-    if (own := found.attribution.examined(effect.id)) is None:
+    """In how many variants of the log an adopted effect is found, and what is found instead.
+
+    "" for an effect that was not searched for; what a log with too few stretches for variants lacks.
+    """
+    own = found.attribution.adopted_as(effect.id)
+    if own is None:
         return ""
+    if not own.variants:
+        return "stability not checked (too few stretches)"
     instead = ", ".join(f"{family} in {times}" for family, times in own.instead.items())
-    return f"{own.found} of {own.variants} variants of the log" + (f" ({instead})" if instead else "")
+    return f"in {own.found} of {own.variants} variants of the log" + (f" ({instead})" if instead else "")
 
 
 def _errors(models: Mapping[str, float]) -> str:
@@ -257,7 +263,8 @@ def _errors(models: Mapping[str, float]) -> str:
 def _over_runs(over: OverRuns, unit: str) -> list[str]:
     out = [f"each of {over.runs} runs predicted from the others [{unit}]: {_errors(over.rmse)}"]
     for name, (percent, (low, high), better) in over.gains.items():
-        if low == high:  # without a mass, the paper's model is the linear one
+        # Without a mass, or at its bounds, the paper's model is the linear one.
+        if max(-low, high) < ROUNDING:
             continue
         than = {"paper": "linear", "extended": "paper"}[name]
         out.append(

@@ -22,6 +22,7 @@ from eccentric.effects import (
     current_scale,
     drag,
     eddy_current,
+    encoder_eccentricity,
     gear_efficiency,
     gravity_tilt,
     hidden_thermal_drift,
@@ -113,15 +114,16 @@ FAMILIES = MappingProxyType(
         "wear_runin": wear_runin,
         "time_drift": time_drift,
         "sensor_delay": sensor_delay,
+        "encoder_eccentricity": encoder_eccentricity,
     }
 )
 """Family -> the module whose `effects(setting)` makes its records."""
 
 
 def library(setting: Setting) -> tuple[Effect, ...]:
-    """Every effect that applies to the case and whose channels are logged, in the order of FAMILIES."""
+    """Every effect that applies to the model and whose channels are logged, in the order of FAMILIES."""
     made = [effect for module in dict.fromkeys(FAMILIES.values()) for effect in module.effects(setting)]
-    return tuple(effect for effect in made if setting.has(*effect.evidence.needs))
+    return tuple(e for e in made if setting.has(*e.evidence.needs) and e.applies_to(setting.base))
 
 
 def base_aliases(case: str) -> dict[str, str]:

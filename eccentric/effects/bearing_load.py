@@ -7,7 +7,7 @@ from dataclasses import replace
 import sympy as sp
 
 from eccentric.effects.effect import Effect, Shape
-from eccentric.effects.forms import addition, constant, direction
+from eccentric.effects.forms import addition, constant, direction, weight
 from eccentric.effects.setting import Setting
 from eccentric.effects.words import LOAD, Words
 from eccentric.model import Definition, Load, Magnitude, Quantity, Role, quantity
@@ -58,16 +58,16 @@ def effects(setting: Setting) -> tuple[Effect, ...]:
     constant part of the model. In case C1 the powers are w and w^3, and of what a preload changes
     a few hundredths are left.
     """
-    known = {name: setting.known.get(name, 0.0) for name in ("M", "M_l", "L", "g")}
-    weight = (known["M"] + known["M_l"]) * known["g"]
-    if setting.case == "C1" or not weight * known["M"] * known["L"]:
+    known = {name: setting.known.get(name, 0.0) for name in ("M", "L")}
+    still = weight(setting)
+    if setting.case == "C1" or not still * known["M"] * known["L"]:
         return ()
-    own = constant("bearing_weight", "N", "weight of mass and link", weight, "F_0")
+    own = constant("bearing_weight", "N", "weight of mass and link", still, "F_0")
     # Never 0, so that the slope of its root is finite.
     relative = Definition(ratio, v.F_N.symbol / own.symbol + sp.Rational(1, 10**12))
     half = sp.sqrt(ratio.symbol)
     across = Definition(total, Magnitude(v.F_N.symbol, preload.symbol))
-    shape = Shape(preload, 0.1 * weight, 3.0 * weight, "log", 5)
+    shape = Shape(preload, 0.1 * still, 3.0 * still, "log", 5)
     power = "C mu F_0 (F_N/F_0)^({}) sgn w, F_0 the weight"
     return (
         _by(

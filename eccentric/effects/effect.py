@@ -14,6 +14,7 @@ import sympy as sp
 
 from eccentric.effects.words import Words
 from eccentric.model import Change, Equation, Extension, Model, Quantity, extended
+from eccentric.model import vocabulary as v
 
 
 @dataclass(frozen=True)
@@ -123,6 +124,18 @@ class Effect:
         terms = [term for terms in self.change.terms.values() for term in terms]
         of = {term.coefficient: term.bounds for term in terms}
         return tuple(of[q.symbol] for q in self.coefficients)
+
+    def applies_to(self, model: Model) -> bool:
+        """Whether the model has every quantity that the effect uses, such as a torque constant k_i."""
+        change = self.change
+        own = {q.symbol for q in (*self.parameters, *change.inputs)}
+        own |= {x.symbol for x in (*change.definitions, *change.states)} | {v.dt.symbol}
+        used = set(change.replaces).union(
+            *(term.value.free_symbols for terms in change.terms.values() for term in terms),
+            *(definition.value.free_symbols for definition in change.definitions),
+            *(state.update.free_symbols for state in change.states),
+        )
+        return used - own <= set(model.units())
 
     def extend(self, model: Model, values: Mapping[str, float] | None = None) -> Model:
         """The model extended by this effect; the order of several effects makes no difference.

@@ -6,6 +6,7 @@ cos(x) = 2 HalfCosine^2 - 1 and sin(x) = -2 HalfCosine HalfSine for x = rate the
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any
@@ -182,9 +183,16 @@ def _link_inertia_torque(setting: Setting) -> sp.Expr:
 
 
 def link_force(setting: Setting) -> sp.Expr:
-    """Magnitude of the forces that the link's bearing carries [N]; in C1 the weight, along its axis."""
-    weight = (v.M.symbol + v.M_l.symbol) * v.g.symbol if setting.case == "C1" else 0
-    return v.F_N.symbol + weight
+    """Magnitude of the forces that the link's bearing carries [N]: F_N, and the weight along its axis."""
+    along = sp.sin(v.phi.symbol) if setting.base.tilted else int(setting.case == "C1")
+    return v.F_N.symbol + (v.M.symbol + v.M_l.symbol) * v.g.symbol * along
+
+
+def weight(setting: Setting) -> float:
+    """Weight of mass and link in the plane of motion [N]; 0 if the rig does not know it."""
+    known = {name: setting.known.get(name, 0.0) for name in ("M", "M_l", "g")}
+    inside = math.cos(setting.known.get("phi", 0.0)) if setting.base.tilted else 1.0
+    return (known["M"] + known["M_l"]) * known["g"] * inside
 
 
 def transmitted(name: str, setting: Setting, share: sp.Symbol) -> tuple[sp.Expr, tuple[Definition, ...]]:

@@ -1,12 +1,13 @@
-"""A plane of motion that is tilted."""
+"""A plane of motion whose tilt is not the declared one."""
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 
 import sympy as sp
 
-from eccentric.effects.effect import Effect, Evidence, Shape
+from eccentric.effects.effect import Correction, Effect, Evidence, Shape
 from eccentric.effects.forms import addition, harmonic, omega_m, theta_m
 from eccentric.effects.setting import Setting
 from eccentric.effects.words import GRAVITY, Words
@@ -29,6 +30,8 @@ g_tilted = quantity("tilt_g", "m/s^2", "gravity in the tilted plane", "", "nonne
 F_N_tilted = quantity(
     "tilt_F_N", "N", "normal force with the gravity of the tilted plane", "", "nonnegative", letter="F_N^*"
 )
+more = quantity("tilt_more", "rad", "true tilt of the plane minus the declared one", letter="delta")
+phi_true = quantity("tilt_phi", "rad", "true tilt of the plane of motion", "", "tilt", letter="phi^*")
 REFERENCE = "derivations/rotating_link.py: the general link, phi near pi/2 or near 0"
 WORDS = Words(
     title="A tilted plane of motion",
@@ -37,9 +40,17 @@ WORDS = Words(
     kin=GRAVITY,
 )
 
+MOST = 0.35
+"""Largest error of a declared tilt, in rad: more is no error of a spirit level."""
+
 
 def effects(setting: Setting) -> tuple[Effect, ...]:
-    """C1: the torque alone, linear in its two parameters, or with its normal force. C2: reduced gravity."""
+    """C1: the torque alone, linear in its two parameters, or with its normal force. C2: reduced gravity.
+
+    In a plane that is declared as tilted, another tilt; none if the log has to determine gravity.
+    """
+    if setting.base.tilted:
+        return () if "gravity" in setting.left_open else (_tilted(setting.known.get("phi", 0.0)),)
     return _level() if setting.case == "C1" else (_upright(),)
 
 
@@ -77,6 +88,24 @@ def _level() -> tuple[Effect, Effect]:
         words=replace(WORDS, headline="a plane of motion that is not horizontal, normal force included"),
     )
     return torque, load
+
+
+def _tilted(declared: float) -> Effect:
+    # Beyond these ends only the mirror image of a plane follows.
+    span = max(-MOST, -declared), min(MOST, math.pi / 2 - declared)
+    true = Definition(phi_true, v.phi.symbol + more.symbol)
+    return Effect(
+        family="gravity_tilt",
+        variant="declared",
+        balance="mechanical",
+        formula="phi + delta for phi",
+        reference=REFERENCE,
+        change=Change(definitions=(true,), replaces={v.phi.symbol: phi_true.symbol}),
+        evidence=Evidence(depends_on=("gravity_load",)),
+        shapes=(Shape(more, *span, "linear", 6),),
+        corrects=Correction(v.phi, true.value, looks_wrong=("M g L",)),
+        words=replace(WORDS, headline="a correction of the declared tilt"),
+    )
 
 
 def _upright() -> Effect:

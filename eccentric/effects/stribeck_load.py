@@ -8,7 +8,7 @@ from dataclasses import replace
 import sympy as sp
 
 from eccentric.effects.effect import Effect, Shape
-from eccentric.effects.forms import addition, direction, speed
+from eccentric.effects.forms import addition, direction, speed, weight
 from eccentric.effects.load_dependent import FORMULAS, loads
 from eccentric.effects.setting import Setting
 from eccentric.effects.words import LOAD, Words
@@ -92,11 +92,10 @@ def _bearing(setting: Setting) -> list[Effect]:
 
     None if the log has no speed at which F_N is much more than the weight.
     """
-    known = {name: setting.known.get(name, 0.0) for name in ("M", "M_l", "L", "g")}
-    weight, pull = (known["M"] + known["M_l"]) * known["g"], known["M"] * known["L"]
-    least = LEAST * math.sqrt(weight / pull) / setting.mu if pull > 0.0 else math.inf
+    still, pull = weight(setting), setting.known.get("M", 0.0) * setting.known.get("L", 0.0)
+    least = LEAST * math.sqrt(still / pull) / setting.mu if pull > 0.0 else math.inf
     low, high = max(least, setting.w_min), 0.6 * setting.w_max
-    if not weight or low >= high:
+    if not still or low >= high:
         return []
     fall = sp.exp(-((speed / w_s.symbol) ** 2))
     effect = addition(

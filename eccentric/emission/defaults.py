@@ -25,6 +25,9 @@ class FittedValues:
         notes: parameter -> remark for its comment, such as its interval.
         identified_on: range of speeds and temperatures, for the head of the files.
         fits_the_rig: false if the fit says that its log does not fit the rig.
+        back_emf_in_friction: whether the values of viscous friction contain the back-EMF.
+        current_known: whether the values give a current in amperes.
+        torque_unit: of the values: "N m", or "V" or "A" without a scale for a torque.
     """
 
     source: str
@@ -33,6 +36,9 @@ class FittedValues:
     notes: dict[str, str]
     identified_on: str
     fits_the_rig: bool
+    back_emf_in_friction: bool
+    current_known: bool
+    torque_unit: str
 
 
 def read_parameters(source: Path | Mapping[str, Any]) -> FittedValues:
@@ -66,7 +72,12 @@ def _fitted(content: object, where: str, name: str) -> FittedValues:
     if not isinstance(notes, Mapping) or not isinstance(identified_on, str):
         raise InputError(f"{where}: `parameter_notes` by letter and `identified_range` as text are required")
     fits = content.get("fits_the_rig") is not False
-    return FittedValues(name, content.get("model"), values, dict(notes), identified_on, fits)
+    contained = content.get("back_emf_in_friction") is True
+    known, unit = content.get("current_known") is not False, content.get("torque_unit", "N m")
+    if unit not in ("N m", "V", "A"):
+        raise InputError(f"{where}: torque_unit: N m, V or A is required, received {unit!r}")
+    of = content.get("model")
+    return FittedValues(name, of, values, dict(notes), identified_on, fits, contained, known, unit)
 
 
 def with_fitted(model: Model, fitted: FittedValues, name: str) -> Model:
@@ -81,4 +92,14 @@ def with_fitted(model: Model, fitted: FittedValues, name: str) -> Model:
             f"{fitted.source}: a fit of {model.name} is required, received one of {fitted.model}"
         )
     title = f"{model.title}; {fitted.identified_on}" if fitted.identified_on else model.title
-    return with_values(model, fitted.values, name, fitted.notes, title, fitted.source)
+    return with_values(
+        model,
+        fitted.values,
+        name,
+        fitted.notes,
+        title,
+        fitted.source,
+        fitted.back_emf_in_friction,
+        fitted.current_known,
+        fitted.torque_unit,
+    )

@@ -10,6 +10,7 @@ from eccentric.estimation.design import Coefficient, ColumnRole, Design, Nonline
 from eccentric.estimation.least_squares import bounded, require_rank
 from eccentric.estimation.solver import Profile, iterate, profile, search, slopes_between
 from eccentric.estimation.uncertainty import (
+    TWO_SIDED,
     Estimate,
     Spread,
     improvement,
@@ -19,6 +20,7 @@ from eccentric.estimation.uncertainty import (
 )
 
 __all__ = [
+    "TWO_SIDED",
     "Coefficient",
     "ColumnRole",
     "Design",

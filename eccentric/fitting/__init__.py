@@ -7,13 +7,15 @@ Coulomb + viscous friction, as `eccentric fit` shows it); `drive_of` -> `Drive`,
     expressions  smooth signals, compiled expressions, and the columns of a base with their coefficients
     machine      motor, armature and inertia as numbers
     drive        the drive torque of a log, and the columns that its rig leaves open, by their roles
-    columns      the coefficients of a fit: names, roles, units, bounds
+    letters      which parameters the rig gives, and which have a value without it
+    columns      the coefficients of a fit: names, roles, units, bounds; `searched`: the nonlinear values
     problem      drive, rig and model as a linear problem for given nonlinear values
     identify     its solution for `eccentric fit`; `combinations`, `document`, `words`, `figure` show it
     first_fit    its solution as the drive of a log, for `eccentric diagnose`
-    fit_data     the log with this drive, prepared for any model, and the residuals of a model on it
+    fit_data     the log with this drive, prepared for any model
     extended     a model with effects as a linear problem at a point; `refitting`, `estimates`: its solution
     emitted      the emitted module of a model
+    residuals    its residuals on a log, and their columns: the design of every fit, extended or not
     states       hidden states along a log
     limits       every threshold, with its reason
 
@@ -23,6 +25,7 @@ May import: `signals`, `rigs`, `model`, `effects`, `emission`, `estimation`.
 from eccentric.fitting.columns import back_emf_columns
 from eccentric.fitting.document import emitted_parameters, fit_document
 from eccentric.fitting.drive import DRIVE_UNITS, Drive, loaded_model
+from eccentric.fitting.emitted import Emitted
 from eccentric.fitting.expressions import Signals, base_coefficients, base_columns, compiled, load_torque
 from eccentric.fitting.figure import NEEDS_MATPLOTLIB, Comparison, compare, plot_fit
 from eccentric.fitting.first_fit import drive_of
@@ -39,6 +42,7 @@ __all__ = [
     "NEEDS_MATPLOTLIB",
     "Comparison",
     "Drive",
+    "Emitted",
     "Fit",
     "FitData",
     "Refit",

@@ -9,16 +9,8 @@ from typing import TYPE_CHECKING, Any
 import sympy as sp
 
 from eccentric.errors import InputError
-from eccentric.estimation import Coefficient, Nonlinear
+from eccentric.estimation import Coefficient
 from eccentric.fitting.drive import LOAD, Drive
-from eccentric.fitting.limits import (
-    ANGLE_STEP,
-    DELAYS,
-    LONGEST_DELAY_S,
-    LONGEST_DELAY_STEPS,
-    STARTS,
-    STEPS_OF_A_RANGE,
-)
 from eccentric.model import Column, Model, Role, meaning, regressor
 from eccentric.model import vocabulary as v
 from eccentric.rigs import KNOWNS
@@ -28,11 +20,10 @@ if TYPE_CHECKING:
 
     from eccentric.fitting.machine import Machine
     from eccentric.rigs import Rig
-    from eccentric.signals import Channels
 
 R, k_i, k_e, J, u_0 = sp.symbols("R k_i k_e J u_0")
 omega_m, _speed = v.omega_m.symbol, sp.Symbol("speed", positive=True)
-_UNITS = {known.name: known.unit for known in KNOWNS}
+_OF_RIGS = {known.name for known in KNOWNS}
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -61,14 +52,29 @@ def known_inertia(rig: Rig, machine: Machine) -> float | None:
     return machine.inertia(rig.known) if machine.inertia_letters <= set(rig.known) else None
 
 
-def scale_of(drive: str, rig: Rig) -> sp.Expr | None:
+def scale_of(drive: str, rig: Rig, machine: Machine) -> sp.Expr | None:
     """Return the factor of the mechanical balance, None for one.
 
-    Raises InputError for a current whose k_i has neither a known value nor a range.
+    Raises InputError for a current whose k_i has neither a known value nor a range, and for a motor with
+    parameters of the model's own that do not give its torque: a rig file has no name for them.
     """
+    motor = {
+        "torque": frozenset[str](),
+        "current": machine.torque_letters,
+        "voltage": machine.torque_letters | machine.resistance_letters,
+    }[drive]
+    emf = machine.back_emf_letters if drive == "voltage" else frozenset[str]()
+    own, known = (motor | emf) - _OF_RIGS, set(rig.known)
+    missing = motor - known
+    if lacking := sorted((own - known) | (missing if own & motor else set())):
+        raise InputError(
+            f"{rig.path}: a value of {' and '.join(lacking)} is required to convert the {drive} to torque,"
+            f" since {' and '.join(sorted(own))} {'is' if len(own) == 1 else 'are'} the model's own,"
+            " received none"
+        )
     if drive == "voltage":
-        return None if "R" in rig.known and "k_i" in rig.known else R / k_i
-    if drive == "current" and "k_i" not in rig.known:
+        return R / k_i if missing else None
+    if missing:
         if "k_i" in rig.unknown:
             return 1 / k_i
         raise InputError(
@@ -84,7 +90,7 @@ def combinations_of(drive: Drive, rig: Rig, model: Model, scale: sp.Expr | None)
     s = sp.Integer(1) if scale is None else scale
     # The back-EMF has the same column as viscous friction, w: without k_e only the sum is identifiable.
     shared: Mapping[str, sp.Expr] = {}
-    if by == "voltage" and "k_e" not in rig.known:
+    if by == "voltage" and not machine.back_emf_letters <= set(rig.known):
         shared = back_emf_columns(model)
         if not shared:
             raise InputError(
@@ -214,26 +220,3 @@ def _inertia_range(rig: Rig, machine: Machine) -> tuple[float, float]:
     ranges = {letter: _range(rig, letter) for letter in machine.inertia_letters}
     low, high = ({letter: ends[side] for letter, ends in ranges.items()} for side in (0, 1))
     return machine.inertia(low), machine.inertia(high)
-
-
-def nonlinear_of(channels: Channels, rig: Rig, model: Model, needed: set[str]) -> list[Nonlinear]:
-    """Return the nonlinear values: delay and zero angle to estimate, `needed` letters with ranges."""
-    step = channels.time.logged_step_s
-    turning = any(
-        "theta_m" in {x.name for x in model.expand(e).free_symbols}
-        for e in (*(c.basis for c in regressor(model)), model.balance("mechanical").sum_of("gravity"))
-    )
-    found: list[Nonlinear] = []
-    if "input_delay_s" in rig.estimate and channels.motor.measured_by == "voltage":
-        starts, most = tuple(k * step for k in DELAYS), max(LONGEST_DELAY_S, LONGEST_DELAY_STEPS * step)
-        found.append(Nonlinear("input_delay_s", "s", 0.0, most, starts, step))
-    if "theta_zero_rad" in rig.estimate and turning:
-        found.append(Nonlinear("theta_zero_rad", "rad", -math.pi, math.pi, (0.0,), ANGLE_STEP))
-    for letter, (low, high) in rig.unknown.items():
-        if letter in needed:
-            starts, step = (
-                tuple(low + part * (high - low) for part in STARTS),
-                (high - low) / STEPS_OF_A_RANGE,
-            )
-            found.append(Nonlinear(letter, _UNITS[letter], low, high, starts, step))
-    return found

@@ -14,7 +14,7 @@ import sympy as sp
 from numpy.typing import NDArray
 
 from eccentric.fitting.columns import as_text
-from eccentric.fitting.problem import following_letters
+from eccentric.fitting.letters import following_letters
 
 if TYPE_CHECKING:
     from eccentric.estimation import Estimate, Spread
@@ -28,7 +28,7 @@ def identified_letters(problem: Problem) -> tuple[list[str], list[str]]:
     expressions = [c.meaning for c in problem.coefficients if c.role != "offset"]
     # What follows from others by default (F_T) counts as known: the other factor is a parameter by itself.
     searched = {s.name for s in problem.nonlinear}
-    fixed = {*problem.rig.known, *searched, *following_letters(problem.model)}
+    fixed = {*problem.drive.known, *searched, *following_letters(problem.model)}
     plain = [e.xreplace({x: sp.Symbol(x.name, positive=True) for x in e.free_symbols}) for e in expressions]
     letters = sorted({x for e in plain for x in e.free_symbols if x.name not in fixed}, key=str)
     # Distinct primes are a generic point: no accidental cancellation in these few products.

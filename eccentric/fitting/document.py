@@ -7,13 +7,15 @@ std_error null if an active bound, its own or another value's, determines the in
     known             letter: value in SI, from the rig
     coefficients      name: estimate, the columns of the fit as they were fitted
     combinations      name: estimate, coefficients of columns that are not a single letter; in newton metres
-    if
-                      the scale is identified
+                      if the scale is identified
     identified, not_identified  letters
     unknown           letter: estimate with range, range_end_hit, profile {values, rmse_training}
     alignment         input_delay_s, theta_zero_rad, voltage_offset_V: value (estimate), estimated
     parameters        letter: value or null, complete for `Parameters` of the emitted module
     parameter_notes   letter: known, fitted (with uncertainty) or convention, in words
+    back_emf_in_friction  whether the viscous friction contains the back-EMF: a voltage alone, k_e unknown
+    torque_unit       of the parameters: N m, or V or A where the log has no scale for a torque
+    current_known     whether the parameters give a current in amperes: not where a voltage gives R/k_i alone
     identified_range  ranges in words;  ranges  {omega_m_rad_s, speed_m_rad_s, temperature_C}
     rmse_holdout_Nm (_V, _A), r_squared_holdout (of the drive signal)  linear, paper, paper_unbounded
     fits_the_rig      false if the log cannot be from this rig: nothing follows from the fit
@@ -31,7 +33,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from eccentric.fitting.columns import k_e
-from eccentric.fitting.problem import following_letters, own_letters
+from eccentric.fitting.letters import following_letters, own_letters
 from eccentric.rigs import ALIGNMENT
 
 if TYPE_CHECKING:
@@ -78,6 +80,9 @@ def fit_document(fit: Fit, logs: Sequence[str]) -> dict[str, Any]:
         "alignment": _alignment(fit),
         "parameters": parameters,
         "parameter_notes": texts,
+        "back_emf_in_friction": any(k_e in c.expression.free_symbols for c in problem.coefficients),
+        "current_known": _current_known(fit),
+        "torque_unit": _torque_unit(fit),
         "identified_range": identified_range(fit),
         "ranges": ranges(fit),
         f"rmse_holdout_{problem.unit.replace(' ', '')}": dict(fit.rmse),
@@ -211,6 +216,17 @@ def _put_scale(fit: Fit, values: dict[str, float | None], notes: dict[str, str])
         values["k_i"], notes["k_i"] = known["R"] / s, f"from R/k_i {text}"
     else:
         values["R"], notes["R"] = s * (values["k_i"] or 1.0), f"from R/k_i {text}"
+
+
+def _current_known(fit: Fit) -> bool:
+    """Whether the parameters give a current in amperes: by a voltage, k_i or R splits R/k_i."""
+    problem = fit.problem
+    by_ratio = problem.scale is not None and problem.drive.by_voltage
+    return not by_ratio or (_torque_unit(fit) == "N m" and bool({"R", "k_i"} & set(problem.rig.known)))
+
+
+def _torque_unit(fit: Fit) -> str:
+    return "N m" if fit.problem.has("scale") else fit.problem.unit
 
 
 def _mechanical_name(fit: Fit, name: str) -> str:

@@ -13,6 +13,7 @@ the result is in the unit of the drive.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
@@ -44,13 +45,14 @@ class Drive:
     Attributes:
         machine: motor, armature and inertia of the base model.
         channels: with delay, zero angle and offset as identified.
-        known: value of every parameter that is no friction coefficient, known or identified, SI units; with a
-            scale, k_i is 1 N m/A and R stands for R/k_i, which is all that a voltage tells.
+        known: value of every parameter that is no friction coefficient, known or identified, SI units; k_i is
+            1 N m/A where a voltage determines R/k_i alone.
         scale: s, None if the torque is measured.
         unit: of torques: "N m", or "V" or "A" if nothing in the log determines the scale.
         open: the free columns, by their roles: those of a parameter of the model (inertia, load) and those
             outside it (gravity, back_emf, offset, zero_angle).
-        adjusts: the letter that a free gravity column changes: the scale, or M or L known by a range.
+        adjusts: the letter that a free gravity column changes: the scale, or L, M or phi known by a range; of
+            phi the column is bounded, in cos(phi).
         identified: letters that were estimated from the log, for the report.
         warnings: of the first fit.
         rotor: inertia of the motor if the rig knows it, and that of the link has to be estimated [kg m^2].
@@ -71,6 +73,13 @@ class Drive:
         """Whether a column of this role is free."""
         return any(c.role == role for c in self.open)
 
+    def with_gravity(self, values: Mapping[str, float], factor: float) -> dict[str, float]:
+        """The letter that gravity adjusts, for a gravity torque that is larger by a factor."""
+        value = values[self.adjusts]
+        if self.adjusts != "phi":
+            return {self.adjusts: value * factor}
+        return {"phi": math.acos(min(max(math.cos(value) * factor, 0.0), 1.0))}
+
     def aligned(self, rig: Rig, values: Mapping[str, float]) -> Drive:
         """The same with another delay, zero angle or offset, by the names of the rig."""
         alignment = replace(self.channels.alignment, **values)
@@ -80,6 +89,18 @@ class Drive:
     def by_voltage(self) -> bool:
         """Whether the torque comes from the voltage alone."""
         return self.scale is not None and self.channels.motor.measured_by == "voltage"
+
+    @property
+    def back_emf_in_friction(self) -> bool:
+        """Whether the log does not separate the back-EMF from viscous friction."""
+        known = self.machine.back_emf_letters <= set(self.known)
+        return self.by_voltage and not known and not self.opens("back_emf")
+
+    @property
+    def current_known(self) -> bool:
+        """Whether a current of the model is in amperes: a voltage alone has to be given k_i, and a scale."""
+        declared = self.machine.torque_letters <= set(self.channels.rig.known)
+        return not self.by_voltage or (declared and self.unit == "N m")
 
     @property
     def off(self) -> NDArray[np.bool_]:
@@ -97,11 +118,15 @@ class Drive:
         return np.where(self.off, 0.0, self.channels.motor.measured)
 
     def scaled(self, scale: float | None = None) -> dict[str, float]:
-        """The letters that the scale of the drive represents, optionally at a different scale."""
+        """The motor that the scale represents, or another scale: by a voltage k_i as known, R = scale k_i."""
         scale = self.scale if scale is None else scale
         if scale is None:
             return {}
-        return {"k_i": 1.0, "R": scale} if self.by_voltage else {"k_i": 1.0 / scale}
+        if not self.by_voltage:
+            return dict.fromkeys(self.machine.torque_letters, 1.0 / scale)
+        constants = {name: self.known.get(name, 1.0) for name in self.machine.torque_letters}
+        resistance = scale * float(self.machine.torque(constants, 1.0))
+        return constants | dict.fromkeys(self.machine.resistance_letters, resistance)
 
     def torque(self, known: Mapping[str, float] | None = None, scale: float | None = None) -> Array:
         """The drive torque (n,) [N m], optionally for different values of k_e and scale."""
@@ -109,7 +134,8 @@ class Drive:
         if self.channels.motor.measured_by == "torque":
             return signal
         # Without k_e, what is viscous includes the back-EMF.
-        letters = {"k_e": 0.0, **(self.known if known is None else known), **self.scaled(scale)}
+        none = dict.fromkeys(self.machine.back_emf_letters, 0.0)
+        letters = {**none, **(self.known if known is None else known), **self.scaled(scale)}
         if self.by_voltage:
             signal = self.machine.current(letters, signal, self.channels.motion.omega_m)
         return np.where(self.off, 0.0, self.machine.torque(letters, signal))

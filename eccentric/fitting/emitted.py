@@ -22,7 +22,7 @@ class Emitted:
     """The functions of an emitted module, called with the inputs that they require."""
 
     def __init__(self, model: Model) -> None:
-        self._module = load_module(model)
+        self._module = load_module(model.with_other_values)
         self.letters = tuple(field.name for field in dataclasses.fields(self._module.Parameters))
 
     def parameters(self, values: Mapping[str, float]) -> Any:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import replace
 
@@ -9,9 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from eccentric.effects import Shape
-from eccentric.estimation import Coefficient, Estimate, Nonlinear, rms, slopes_between
+from eccentric.estimation import TWO_SIDED, Coefficient, Estimate, Nonlinear, rms, slopes_between
 from eccentric.fitting.extended import Extended, Step
-from eccentric.fitting.limits import SHAPE_STEP
+from eccentric.fitting.limits import LEAST_TILT, SHAPE_STEP
 from eccentric.model import Model
 
 __all__ = ["estimates", "shares"]
@@ -84,7 +85,13 @@ def _of_balance(
             slopes.append(slope)
         else:
             shown, value, factor, of = _outside(c, fit, step)
-            found[shown] = error.estimate(value, factor * unit[k], of)
+            if shown == "phi":
+                first, last = drive.channels.rig.unknown["phi"]
+                ends, cosine = (math.cos(last), math.cos(first)), math.cos(value)
+                estimate = error.estimate(cosine, cosine * unit[k], "", ends, int(solution.active[k]))
+                found[shown] = _tilt(estimate, (first, last))
+            else:
+                found[shown] = error.estimate(value, factor * unit[k], of)
             slopes.append(factor * unit[k])
     for k, (name, shape) in enumerate(shapes.items(), start=len(names)):
         ends = (shape.low, shape.high)
@@ -92,6 +99,26 @@ def _of_balance(
         slopes.append(unit[k])
     gradient = np.array(slopes)
     return found, gradient @ error.matrix @ gradient.T
+
+
+def _tilt(cosine: Estimate, ends: tuple[float, float]) -> Estimate:
+    """The tilt [rad] inside its range, from its cosine: the one is not linear in the other near upright.
+
+    At a bound it has no standard error.
+    """
+
+    def angle(x: float) -> float:
+        return math.acos(min(max(x, -1.0), 1.0))
+
+    def inside(x: float) -> float:
+        return min(max(angle(x), ends[0]), ends[1])
+
+    value, reach = cosine.value, TWO_SIDED * cosine.std_error
+    # More gravity is less tilt.
+    side = {"lower": "upper", "upper": "lower", None: None}[cosine.bound_active]
+    error = math.nan if side else (angle(value - reach) - angle(value + reach)) / (2.0 * TWO_SIDED)
+    (low, high), widened = cosine.interval, side is not None or cosine.widened
+    return Estimate(inside(value), error, (inside(high), inside(low)), "rad", side, widened)
 
 
 def _slopes(fit: Extended, step: Step, balance: str, shapes: Mapping[str, Shape]) -> Array:
@@ -126,7 +153,11 @@ def _outside(c: Coefficient, fit: Extended, step: Step) -> tuple[str, float, flo
         return letters, scale, scale, unit
     if c.role == "gravity":
         value = point.values[drive.adjusts]
-        return drive.adjusts, value, value, {"L": "m", "M": "kg"}[drive.adjusts]
+        if drive.adjusts == "phi":
+            # Of d cos(phi) = -sin(phi) d phi, for correlations; finite in an upright plane.
+            return "phi", value, -math.cos(value) / max(math.sin(value), LEAST_TILT), "rad"
+        units = {q.name: q.unit for q in fit.model.parameters}
+        return drive.adjusts, value, value, units[drive.adjusts]
     if c.role == "back_emf":
         return "k_e", point.values["k_e"], scale, c.unit
     if c.role == "zero_angle":

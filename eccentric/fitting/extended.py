@@ -11,6 +11,7 @@ If only one signal measures the drive, effects of the current use the one that t
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
@@ -19,8 +20,9 @@ from numpy.typing import NDArray
 
 from eccentric.effects import Effect
 from eccentric.estimation import Coefficient, ColumnRole, Design, Solution, iterate
-from eccentric.fitting.fit_data import FitData, Residuals, Values
+from eccentric.fitting.fit_data import FitData, Values
 from eccentric.fitting.limits import LAST_STEP, MOST_STEPS, USABLE_PART
+from eccentric.fitting.residuals import Residuals
 from eccentric.model import Model
 
 __all__ = ["Adopted", "Extended", "Step"]
@@ -91,10 +93,7 @@ class Extended:
     def start(self, base: Model) -> Point:
         """The start of the iteration: known values, and zero for all that is fitted."""
         drive, letters = self.data.drive, {q.name for q in self.model.parameters}
-        machine = drive.machine
-        # A value that has no effect on this log is still required as a number by the module.
-        absent = {"R": 1.0, "k_e": 0.0, machine.rotor: 0.0, machine.link: 0.0}
-        values = {n: x for n, x in {**absent, **drive.known}.items() if n in letters}
+        values = {n: x for n, x in {**drive.machine.absent, **drive.known}.items() if n in letters}
         values |= drive.scaled()
         values |= dict.fromkeys((q.name for q in base.friction_parameters), 0.0) | self.shapes
         return Point(values | dict.fromkeys(self._of_effects(), 0.0), drive.scale)
@@ -130,7 +129,7 @@ class Extended:
     ) -> Residuals:
         """The residuals of this model, or of another one, at a point."""
         given = self.shapes if shapes is None else shapes
-        return Residuals(model or self.model, self.data, given, point.values, point.scale)
+        return self.data.residuals(model or self.model, given, point.values, point.scale)
 
     def design(self, balance: str, point: Point) -> Design:
         """The design of a balance at a point."""
@@ -163,11 +162,9 @@ class Extended:
     def _design(
         self, residuals: Residuals, balance: str, own: Sequence[Coefficient], point: Point, train: Mask
     ) -> Design:
-        """A balance, linear in its unknowns: unit steps of the emitted function are columns."""
-        start = point.values | {c.name: 0.0 for c in own}
-        rest = residuals.rows(balance, start)
-        there = rest if point.current is None else residuals.rows(balance, start, point.current)
-        steps = [there - residuals.rows(balance, start | self._all(c.name, 1.0), point.current) for c in own]
+        """The design of a balance, with the columns outside the module."""
+        unknown = [tuple(self._all(c.name, 1.0)) for c in own]
+        rest, steps = residuals.design(balance, point.values, unknown, point.current)
         outside: dict[Coefficient, Array] = {}
         if balance == "mechanical":
             # Columns outside the module: gravity, back-EMF, offset and zero angle, against the drive.
@@ -175,14 +172,26 @@ class Extended:
             left_open = self.data.signals.open.items()
             outside = {c: self.data.rows.mean(x) for c, x in left_open if c.role not in without}
         design = Design(
-            (*own, *(_left(c, point) for c in outside)),
+            (*own, *(self._left(c, point) for c in outside)),
             rest,
-            np.column_stack([*steps, *outside.values()]),
+            np.column_stack([steps, *outside.values()]),
             train,
             self.data.rows.weights,
         )
-        # Neither is ever negative, whatever a friction coefficient has to imitate.
-        return design if self.bounds else design.without_bounds(but=("inertia", "back_emf"))
+        # None of these leaves its bounds, whatever a friction coefficient has to imitate.
+        return design if self.bounds else design.without_bounds(but=("inertia", "back_emf", "gravity"))
+
+    def _left(self, outside: Coefficient, point: Point) -> Coefficient:
+        """What is left of a coefficient without a parameter in the module, at a point; as a torque."""
+        ends, scale = (outside.lower, outside.upper), point.scale or 1.0
+        if outside.role == "gravity":
+            if self.data.drive.adjusts != "phi":
+                return outside
+            lower, upper = (end / math.cos(point.values["phi"]) - 1.0 for end in ends)
+        else:
+            known = point.values["k_e"] if outside.role == "back_emf" else 0.0
+            lower, upper = ((end - known) / scale for end in ends)
+        return replace(outside, lower=lower, upper=upper)
 
     def _motor_off(self, rows: Mask) -> bool:
         """Whether the motor is off in some of these rows: they separate back-EMF and viscous friction."""
@@ -206,20 +215,13 @@ class Extended:
         for name, x in found.items():
             values |= self._all(name, x / factor)
         if drive.rotor is not None and drive.machine.rotor in found:
-            values |= self._shared(values, drive.rotor)
+            values |= drive.machine.shared(values, drive.rotor)
         if drive.adjusts == "scale" and scale is not None:
             scale *= factor
             values |= drive.scaled(scale)
         elif gravity:
-            values[drive.adjusts] *= 1.0 + gravity
+            values |= drive.with_gravity(values, 1.0 + gravity)
         return Point(values, scale, offset, zero, point.current), gravity
-
-    def _shared(self, values: Values, rotor: float) -> Values:
-        """The inertias, from the column of their total, with the known rotor subtracted."""
-        machine = self.data.drive.machine
-        own, link = machine.rotor, machine.link
-        beyond = machine.inertia(values) - machine.inertia({**values, own: rotor, link: 0.0})
-        return {own: rotor, link: max(beyond / machine.inertia_per(link, values), 0.0)}
 
     def _followed(self, point: Point, residuals: Residuals) -> tuple[Point, float]:
         """Use the current that the last step predicts; return the relative RMS of its change."""
@@ -245,10 +247,3 @@ class Extended:
 
     def _of_effects(self) -> list[str]:
         return [q.name for effect, _ in self.effects for q in effect.coefficients]
-
-
-def _left(outside: Coefficient, point: Point) -> Coefficient:
-    """What is left of a coefficient without a parameter in the module, at a point; as a torque."""
-    known = point.values["k_e"] if outside.role == "back_emf" else 0.0
-    lower, upper = ((end - known) / (point.scale or 1.0) for end in (outside.lower, outside.upper))
-    return replace(outside, lower=lower, upper=upper)

@@ -6,15 +6,19 @@ import dataclasses
 import math
 
 import numpy as np
+import sympy as sp
 
 from eccentric.errors import InputError
 from eccentric.estimation import Coefficient, Solution
 from eccentric.fitting.drive import LOAD, Drive
 from eccentric.fitting.expressions import evaluated
 from eccentric.fitting.identify import solved
+from eccentric.fitting.letters import following_letters, require_case, with_own
+from eccentric.fitting.limits import LEAST_IN_PLANE
 from eccentric.fitting.machine import Machine
-from eccentric.fitting.problem import Problem, following_letters, own_letters, pose, require_case
+from eccentric.fitting.problem import Problem, pose
 from eccentric.model import Model
+from eccentric.model import vocabulary as v
 from eccentric.rigs import ALIGNMENT, Rig, mass_alone
 from eccentric.signals import Channels
 
@@ -24,22 +28,26 @@ __all__ = ["drive_of"]
 def drive_of(channels: Channels, rig: Rig, base: Model) -> Drive:
     """Return the drive of a log; `base` is the paper's model, without load.
 
-    Raises InputError for what `problem.pose` refuses, and for a drive whose sign contradicts the motion.
+    Raises InputError for what `problem.pose` refuses, for a drive whose sign contradicts the motion, and for
+    a plane of motion that is level for a model with a tilt.
     """
     require_case(rig, base)
-    machine = Machine(base)
-    open_inertia = not {machine.rotor, machine.link} <= set(rig.known)
+    if base.tilted:
+        _require_in_plane(rig, "known", rig.known.get("phi", 0.0))
+    machine, rig = Machine(base), with_own(rig, base)
+    open_inertia = not set(machine.inertias) <= set(rig.known)
     by = channels.motor.measured_by
-    measured = by == "torque" or (by == "current" and "k_i" in rig.known)
+    measured = by == "torque" or (by == "current" and machine.torque_letters <= set(rig.known))
     if measured and not open_inertia and not rig.unknown and not rig.estimate:
         return Drive(machine, channels, _needed(channels, rig, base, machine), None, "N m")
     problem = pose(channels.driven, rig, base)
     first = solved(problem, rig.path, positive={"scale", "inertia"})
-    found = {c.role: float(v) for c, v in zip(problem.coefficients, first.values, strict=True)}
-    aligned = {k: v for k, v in first.at.items() if k in ALIGNMENT}
+    found = {c.role: float(x) for c, x in zip(problem.coefficients, first.values, strict=True)}
+    aligned = {k: x for k, x in first.at.items() if k in ALIGNMENT}
     if "offset" in found:
         aligned["voltage_offset_V"] = found["offset"]
-    letters = {k: v for k, v in first.at.items() if k not in aligned}
+    letters = {k: x for k, x in first.at.items() if k not in aligned}
+    _require_in_plane(rig, "unknown", letters.get("phi", 0.0))
     rig = dataclasses.replace(rig, known={**rig.known, **letters})
     s = found.get("scale", 1.0)
     scale = None if problem.drive.scale is None else problem.drive.scale * s
@@ -61,9 +69,18 @@ def drive_of(channels: Channels, rig: Rig, base: Model) -> Drive:
     )
 
 
+def _require_in_plane(rig: Rig, table: str, phi: float) -> None:
+    if math.cos(phi) < LEAST_IN_PLANE:
+        raise InputError(
+            f"{rig.path}: [{table}] phi: gravity in the plane of motion is required, received none:"
+            ' case = "C1" in [known] is a level plane'
+        )
+
+
 def _identified(first: Solution, scale: float | None, inertia: Machine | None, rig: Rig) -> tuple[str, ...]:
     """Parameters that were estimated from the log."""
-    scaled = {"R", "k_i"} if scale is not None else set()
+    scaled = set[str]() if scale is None or {"R", "k_i"} <= set(rig.known) else {"R", "k_i"}
+    scaled -= {"k_i"} & set(rig.known)
     letters = set() if inertia is None else {inertia.rotor, inertia.link} - set(rig.known)
     return tuple(sorted({*first.at, *scaled, *letters, *({LOAD} & set(rig.unknown))}))
 
@@ -76,29 +93,32 @@ def _needed(channels: Channels, rig: Rig, base: Model, machine: Machine) -> dict
     needed = {q.name for q in base.parameters if q not in base.friction_parameters} - {LOAD}
     # Parameters to be estimated, and those that only a rig with both voltage and current requires.
     follows = following_letters(base)
-    given = {"k_i", "R", "k_e", machine.rotor, machine.link, *follows}
+    motor = machine.resistance_letters | machine.back_emf_letters
+    given = {*machine.torque_letters, *motor, *machine.inertias, *follows}
     if rig.case == "C1":
         # There it is only in F_T, whose friction no log separates from the motor's.
         given |= {"M_l"}
     if channels.motor.measured_by == "current" and channels.motor.voltage is not None:
-        given -= {"R", "k_e"}
-        if missing := sorted({"R", "k_e"} - set(rig.known)):
+        given -= motor
+        if missing := sorted(motor - set(rig.known)):
             verb = "are" if len(missing) > 1 else "is"
             received = "a range" if set(missing) & set(rig.unknown) else "none"
             raise InputError(
                 f"{rig.path}: [known] {' and '.join(missing)} {verb} required, since current and voltage"
                 f" are mapped, received {received}: add it, or remove the voltage from [columns]"
             )
-    known = {name: value for name, value in own_letters(base).items() if name in needed}
-    known |= {name: rig.value(name) for name in sorted(needed - given - set(known))}
+    known = {name: rig.value(name) for name in sorted(needed - given)}
     known |= {name: rig.known[name] for name in sorted(needed & given) if name in rig.known}
+    # The gear of the rig, also for a model with one of its own: signals of the link are converted by it.
+    if v.mu.name in rig.known:
+        known[v.mu.name] = rig.known[v.mu.name]
     if "M_l" in needed:
         known.setdefault("M_l", 0.0)
     for name, default in follows.items():
         if name in needed - set(known) and {s.name for s in default.free_symbols} <= {"M_l", *known}:
             known[name] = float(evaluated(default, {"M_l": 0.0, **known}))
-    if channels.motor.measured_by == "torque" or "k_i" not in known:
-        known["k_i"] = 1.0
+    if channels.motor.measured_by == "torque" or not machine.torque_letters <= set(known):
+        known |= dict.fromkeys(machine.torque_letters, 1.0)
     if LOAD in rig.known or LOAD in rig.unknown:
         known[LOAD] = rig.known.get(LOAD, 0.0)  # one known by a range is free, a column
     return known
@@ -106,17 +126,17 @@ def _needed(channels: Channels, rig: Rig, base: Model, machine: Machine) -> dict
 
 def _inertias(rig: Rig, machine: Machine, total: float) -> dict[str, float]:
     """J_m and J_l for the identified inertia; a link of unknown inertia is taken as a point mass."""
-    mu = {"mu": rig.value("mu")}
     rotor, link = machine.rotor, machine.link
+    others = {name: rig.value(name) for name in sorted(machine.inertia_letters - {rotor, link})}
 
     def beyond(inertia: float) -> float:
-        rest = total - machine.inertia({**mu, rotor: inertia, link: 0.0})
-        return max(rest, 0.0) / machine.inertia_per(link, mu)
+        rest = total - machine.inertia({**others, rotor: inertia, link: 0.0})
+        return max(rest, 0.0) / machine.inertia_per(link, others)
 
     if rotor in rig.known:
         return {link: beyond(rig.known[rotor])}
     own = rig.known.get(link, mass_alone(rig.known))
-    rest = max(total - machine.inertia({**mu, rotor: 0.0, link: own}), 0.0)
+    rest = max(total - machine.inertia({**others, rotor: 0.0, link: own}), 0.0)
     return {rotor: rest, link: own if rest else beyond(0.0)}
 
 
@@ -125,20 +145,32 @@ def _open(
 ) -> tuple[tuple[Coefficient, ...], str]:
     """The free columns, and the letter that the gravity column changes."""
     found: list[Coefficient] = []
-    turning = problem.model.balance("mechanical").sum_of("gravity") != 0
-    adjusts = "scale" if problem.has("scale") else next((x for x in ("L", "M") if x in rig.unknown), "")
+    gravity = problem.model.expand(problem.model.balance("mechanical").sum_of("gravity"))
+    turning = gravity != 0
+    factors = {v.L: v.L.symbol, v.M: v.M.symbol, v.phi: sp.Abs(sp.cos(v.phi.symbol))}
+    free = (q.name for q, x in factors.items() if q.name in rig.unknown and _proportional(gravity, x))
+    adjusts = "scale" if problem.has("scale") else next(free, "")
     by_voltage = channels.motor.measured_by == "voltage"
     if open_inertia:
         found.append(Coefficient(problem.drive.machine.rotor, "inertia", "kg m^2", 0.0))
     if LOAD in rig.unknown:
         found.append(Coefficient(LOAD, "load", "N m"))
     if turning and adjusts:
-        found.append(Coefficient("gravity", "gravity", ""))
+        low, high = (-math.inf, math.inf) if adjusts != "phi" else sorted(map(math.cos, rig.unknown["phi"]))
+        found.append(Coefficient("gravity", "gravity", "", low, high))
     swings = by_voltage and np.any(channels.motor.off & channels.selection.fit_rows)
-    if swings and problem.scale is not None and "k_e" not in rig.known:
+    emf_known = problem.drive.machine.back_emf_letters <= set(rig.known)
+    if swings and problem.scale is not None and not emf_known:
         found.append(Coefficient("back_emf", "back_emf", "V s/rad", *rig.unknown.get("k_e", (0.0, math.inf))))
     if by_voltage and "voltage_offset_V" in rig.estimate:
         found.append(Coefficient("offset", "offset", ""))
     if turning and "theta_zero_rad" in rig.estimate:
         found.append(Coefficient("zero_angle", "zero_angle", ""))
     return tuple(found), adjusts if turning else ""
+
+
+def _proportional(torque: sp.Expr, part: sp.Expr) -> bool:
+    """Whether a torque is a multiple of a part of it: then a factor on the one is a factor on the other."""
+    x = sp.Dummy()
+    rest = torque.xreplace({part: x})
+    return not rest.free_symbols & part.free_symbols and sp.expand(sp.diff(rest, x) * x - rest) == 0

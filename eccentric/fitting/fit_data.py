@@ -1,4 +1,4 @@
-"""A log prepared for fitting: drive, smooth signals, rows; and the residuals of a model on it."""
+"""A log prepared for fitting: drive, smooth signals, rows."""
 
 from __future__ import annotations
 
@@ -11,7 +11,6 @@ from numpy.typing import NDArray
 
 from eccentric.estimation import require_rank
 from eccentric.fitting.drive import Drive, inputs_of
-from eccentric.fitting.emitted import Emitted
 from eccentric.fitting.expressions import (
     Signals,
     base_coefficients,
@@ -21,14 +20,14 @@ from eccentric.fitting.expressions import (
     seen_columns,
 )
 from eccentric.fitting.limits import MOSTLY_OFF
-from eccentric.fitting.machine import Machine
+from eccentric.fitting.residuals import Residuals
 from eccentric.fitting.states import state_series
 from eccentric.model import Model, meaning
 from eccentric.model import vocabulary as v
 from eccentric.rigs import Rig
 from eccentric.signals import Rows, rows_of, white_noise
 
-__all__ = ["FitData", "Residuals", "Values", "drive_noise", "fit_data_of", "with_model_current"]
+__all__ = ["FitData", "Values", "drive_noise", "fit_data_of", "with_model_current"]
 
 Array = NDArray[np.float64]
 Values = dict[str, float]
@@ -59,6 +58,13 @@ class FitData:
         values = {**found.signals.values, "i": self.signals.values["i"]}
         return replace(found, signals=replace(found.signals, values=values))
 
+    def residuals(
+        self, model: Model, shapes: Mapping[str, float], values: Values, scale: float | None
+    ) -> Residuals:
+        """The residuals of a model; `shapes` are those for its hidden states, others as in `Residuals`."""
+        states = state_series(model, self.signals, shapes) if model.states else None
+        return Residuals(model, self.drive, self.rows, values, scale, states)
+
     def require_rank(self, model: Model, where: str) -> None:
         """Raise InputError, `where` opening it, if the training rows leave coefficients of a model open."""
         columns = self.rows.mean(base_columns(model, self.signals))[self.rows.train]
@@ -79,8 +85,9 @@ def fit_data_of(drive: Drive, rig: Rig, model: Model) -> FitData:
     else:
         values["i"] = drive.machine.current_of_torque(known, channels.smooth(drive.torque()))
     if drive.scale is not None:
-        known |= {"k_e": known.get("k_e", 0.0), "R": drive.scale if drive.by_voltage else 1.0}
-        known |= {} if drive.by_voltage else {"k_i": 1.0 / drive.scale}
+        machine = drive.machine
+        known = dict.fromkeys(machine.back_emf_letters, 0.0) | known
+        known |= dict.fromkeys(machine.resistance_letters, 1.0) | drive.scaled()
     if drive.by_voltage:
         values["u"] = channels.smooth(drive.signal())
     starts = tuple(int(k) for k in np.flatnonzero(np.r_[True, np.diff(channels.time.segment) != 0]))
@@ -117,48 +124,3 @@ def drive_noise(data: FitData) -> float:
     sigma = white_noise(drive.torque(), drive.channels.time.segment)
     # An average of rows has less of it; the median one represents all.
     return sigma * float(np.sqrt(np.median(data.rows.noise_gain() ** 2)))
-
-
-class Residuals:
-    """The residuals of a model on the samples and rows of a log.
-
-    `values` are those for the drive torque, `scale` is that of the drive, `shapes` are those for the hidden
-    states.
-    """
-
-    def __init__(
-        self, model: Model, data: FitData, shapes: Mapping[str, float], values: Values, scale: float | None
-    ) -> None:
-        self.data = data
-        self._emitted, self._machine = Emitted(model), Machine(model)
-        self._drive, signals, channels = data.drive, data.signals, data.drive.channels
-        torque = self._drive.torque(values, scale)
-        voltage = self._drive.signal() if self._drive.by_voltage else channels.motor.voltage
-        self.inputs = inputs_of(channels) | ({} if voltage is None else {"u": voltage})
-        self.inputs["i"] = self._drive.machine.current_of_torque(values, torque)
-        if model.states:
-            self.inputs |= state_series(model, signals, dict(shapes))
-
-    def rows(self, balance: str, values: Mapping[str, float], current: Array | None = None) -> Array:
-        """The residual of a balance on the rows [N m], optionally with a different current."""
-        rows, found = self.data.rows, self.samples(balance, values, current)
-        if balance != "mechanical" or rows.smooth is None:
-            return rows.mean(found)
-        # The acceleration comes from the low-passed angle and must not be filtered twice.
-        alpha = self._drive.channels.motion.alpha_m
-        inertia = self._machine.inertia({**self.data.signals.known, **values})
-        return rows.mean(found) + inertia * (rows.mean(alpha) - rows.plain_mean(alpha))
-
-    def samples(self, balance: str, values: Mapping[str, float], current: Array | None = None) -> Array:
-        """The same on the samples.
-
-        With voltage alone, the two balances are one: i is the torque from the voltage, so that the electrical
-        residual contains only the effects of the armature.
-        """
-        inputs = self.inputs if current is None else self.inputs | {"i": current}
-        parameters = self._emitted.parameters(values)
-        found = self._emitted(f"{balance}_residual", inputs, parameters)
-        if balance == "mechanical" and self._drive.by_voltage:
-            armature = self._emitted("electrical_residual", inputs, parameters)
-            found = found + np.where(self._drive.off, 0.0, armature)
-        return found

@@ -21,6 +21,10 @@ STARTS, STEPS_OF_A_RANGE = (0.5, 0.1, 0.9), 4.0
 """Where the search for a quantity known by a range starts, as parts of it, and how many steps span it."""
 SHAPE_STEP = 1e-3
 """Step of the slope by a shape, over its range: a state along the log is smooth over it, rounding is not."""
+LEAST_IN_PLANE = 1e-3
+"""Cosine of a tilt below which a plane counts as level: a thousandth of gravity acts in it."""
+LEAST_TILT = 1e-6
+"""Tilt [rad] below which gravity counts as independent of it to first order."""
 MOST_KEPT = 40
 """Shapes whose states are kept: a search returns to the points of its grid."""
 MOST_POINTS = 4000

@@ -39,9 +39,9 @@ class Machine:
         """The current [A] from the electrical balance, (u - k_e omega_m)/R."""
         return evaluated(self._armature, {**values, "u": voltage, "omega_m": omega_m})
 
-    def back_emf(self, values: Values, omega_m: Any) -> Any:
-        """Voltage of the turning motor [V], k_e omega_m."""
-        return evaluated(self._back_emf, {**values, "omega_m": omega_m})
+    def voltage(self, values: Values, current: Any, omega_m: Any) -> Any:
+        """The voltage [V] of a current, from the electrical balance, R i + k_e omega_m."""
+        return evaluated(self._voltage, {**values, "i": current, "omega_m": omega_m})
 
     @cached_property
     def back_emf_damping(self) -> sp.Expr:
@@ -52,21 +52,57 @@ class Machine:
         """Torque that the back-EMF takes per speed [N m s/rad]: k_i k_e/R."""
         return float(evaluated(self.back_emf_damping, values))
 
+    @cached_property
+    def torque_letters(self) -> frozenset[str]:
+        """The parameters that the torque of a current is proportional to: k_i."""
+        return self._factors("mechanical", "drive")
+
+    @cached_property
+    def resistance_letters(self) -> frozenset[str]:
+        """The parameters that the resistive voltage is proportional to: R."""
+        return self._factors("electrical", "resistive")
+
+    @cached_property
+    def back_emf_letters(self) -> frozenset[str]:
+        """The parameters that the back-EMF is proportional to: k_e."""
+        return self._factors("electrical", "back_emf")
+
+    def _factors(self, balance: str, kind: str) -> frozenset[str]:
+        """The parameters that the terms of a derivation are proportional to, and that are not of a body."""
+        model = self._model
+        added = {t.name for e in model.extensions for terms in e.change.terms.values() for t in terms}
+        terms = (t for t in model.balance(balance).terms if t.kind == kind and t.name not in added)
+        own = model.expand(sp.Add(*(term.value for term in terms)))
+        body = model.expand(model.balance("mechanical").sum_of("inertial", "gravity"))
+        letters = {q.symbol for q in model.parameters} & (own.free_symbols - body.free_symbols)
+        return frozenset(x.name for x in letters if sp.expand(sp.diff(own, x) * x - own) == 0)
+
+    @property
+    def absent(self) -> dict[str, float]:
+        """Values for parameters without effect on a log: the emitted functions require numbers."""
+        one = dict.fromkeys(self.torque_letters | self.resistance_letters, 1.0)
+        return one | dict.fromkeys((*self.back_emf_letters, self.rotor, self.link), 0.0)
+
     @property
     def inertia_letters(self) -> frozenset[str]:
         """The parameters of the inertia: J_m, J_l, mu."""
         return frozenset(symbol.name for symbol in self._model.inertia.free_symbols)
 
     @cached_property
+    def inertias(self) -> tuple[str, ...]:
+        """The inertias that the total is linear in, J_m, J_l; those without a default first."""
+        slopes = self._inertia_slopes.items()
+        return tuple(name for name, slope in slopes if name not in {s.name for s in slope.free_symbols})
+
+    @cached_property
     def rotor(self) -> str:
         """The parameter of the inertia on the motor's side, J_m: one of it is one of the total."""
-        return next(name for name, slope in self._inertia_slopes.items() if slope == 1)
+        return next(name for name in self.inertias if self._inertia_slopes[name] == 1)
 
     @cached_property
     def link(self) -> str:
         """The parameter of the inertia behind the gear, J_l: the total is linear in it as well."""
-        linear = (n for n, e in self._inertia_slopes.items() if n not in {s.name for s in e.free_symbols})
-        return next(name for name in sorted(linear) if name != self.rotor)
+        return next(name for name in self.inertias if name != self.rotor)
 
     def inertia(self, values: Values) -> float:
         """The total inertia at the motor [kg m^2]: J_m + mu^2 J_l."""
@@ -75,6 +111,11 @@ class Machine:
     def inertia_per(self, letter: str, values: Values) -> float:
         """Its derivative by one of them: 1, mu^2."""
         return float(evaluated(self._inertia_slopes[letter], values))
+
+    def shared(self, values: Values, rotor: float) -> dict[str, float]:
+        """The inertias of the same total with a known rotor: what is left of it is the link's, 0 at least."""
+        beyond = self.inertia(values) - self.inertia({**values, self.rotor: rotor, self.link: 0.0})
+        return {self.rotor: rotor, self.link: max(beyond / self.inertia_per(self.link, values), 0.0)}
 
     @cached_property
     def _drive(self) -> sp.Expr:
@@ -89,10 +130,12 @@ class Machine:
         return self._model.expand(self._model.balance("electrical").solved_for(v.i.symbol))
 
     @cached_property
-    def _back_emf(self) -> sp.Expr:
-        return self._model.expand(self._model.balance("electrical").sum_of("back_emf"))
+    def _voltage(self) -> sp.Expr:
+        return self._model.expand(self._model.balance("electrical").solved_for(v.u.symbol))
 
     @cached_property
     def _inertia_slopes(self) -> dict[str, sp.Expr]:
         inertia = self._model.inertia
-        return {symbol.name: sp.diff(inertia, symbol) for symbol in inertia.free_symbols}
+        own = [q for q in self._model.parameters if q.symbol in inertia.free_symbols]
+        own.sort(key=lambda q: q.default is not None)
+        return {q.name: sp.diff(inertia, q.symbol) for q in own}

@@ -6,9 +6,9 @@
     voltage: u                  = (R/k_i) (J alpha + G + f) + k_e w     [V]     else
     current: i                  = (1/k_i) (J alpha + G + f)             [A]     k_i known by a range only
 
-f is the emitted regressor times its coefficients.  Known parts move to the left; with an unknown scale s
-(R/k_i or 1/k_i) the known part of J alpha + G becomes the column of s, and without it only products with s
-are identifiable.
+Friction and inertia are unit steps of the emitted residual (`residuals`).  Known parts move to the left; with
+an unknown scale s (R/k_i or 1/k_i) the known part of J alpha + G becomes the column of s, and without it only
+products with s are identifiable.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from __future__ import annotations
 import dataclasses
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 import sympy as sp
@@ -28,17 +28,16 @@ from eccentric.fitting.columns import (
     Combination,
     bounded_letters,
     combinations_of,
-    known_inertia,
-    nonlinear_of,
     scale_of,
 )
 from eccentric.fitting.drive import DRIVE_UNITS, LOAD, Drive, inputs_of, load_gain
 from eccentric.fitting.emitted import Emitted
 from eccentric.fitting.expressions import alike, seen_columns
+from eccentric.fitting.letters import load_letters, require_case, with_own
 from eccentric.fitting.machine import Machine
-from eccentric.model import Model, regressor
-from eccentric.model import vocabulary as v
-from eccentric.rigs import KNOWNS
+from eccentric.fitting.residuals import Residuals
+from eccentric.fitting.searched import nonlinear_of
+from eccentric.model import Column, Model, regressor
 from eccentric.signals import Rows, fit_rows, rows_of
 
 if TYPE_CHECKING:
@@ -54,8 +53,8 @@ class Problem:
     """What is minimised.
 
     `drive` is as the rig describes it, its unit that of target and residual; `scale` is s if the log has to
-    determine it, else None; `groups` are the columns of the regressor, those of one coefficient together: the
-    first coefficients, in this order.
+    determine it, else None; `friction` are the columns of the regressor, those of one coefficient together:
+    the first coefficients, in this order.
     """
 
     drive: Drive
@@ -66,43 +65,45 @@ class Problem:
     scale: sp.Expr | None
     coefficients: tuple[Combination, ...]
     nonlinear: tuple[Nonlinear, ...]
-    groups: tuple[tuple[int, ...], ...]
+    friction: tuple[tuple[Column, ...], ...]
     warnings: tuple[str, ...]
 
     def design(self, at: Mapping[str, float]) -> Design:
         """Return the design for given nonlinear values."""
-        drive, parameters = self.aligned(at), self._parameters(at)
-        signals = inputs_of(drive.channels)
-        friction = self.rows.mean(self.emitted("regressor", signals, parameters))
-        friction = np.column_stack([friction[:, group].sum(axis=1) for group in self.groups])
-        inertia = self.rows.acceleration(drive.channels)
-        known = self._load(signals, inertia, parameters)
-        by_role = {
-            "inertia": inertia,
-            "scale": known,
-            "offset": np.full(len(inertia), 1.0 / (drive.scale or 1.0)),
-            "load": np.full(len(inertia), load_gain(self.rig.known)),
+        drive, values, rotor = self.aligned(at), self._values(at), self.drive.machine.rotor
+        residuals = Residuals(self.model, drive, self.rows, values)
+        unknown = [tuple(column.parameter.name for column in columns) for columns in self.friction]
+        unknown += [(rotor,)] if self.has("inertia") else []
+        try:
+            target, steps = residuals.design("mechanical", values, unknown)
+        except ValueError as error:
+            raise InputError(f"{self.rig.path}: {error}") from None
+        if self.has("inertia"):
+            # The column is that of the whole inertia: a part that the rig knows is in it, not in the target.
+            target = target + drive.machine.inertia({**values, rotor: 0.0}) * steps[:, -1]
+        one = np.ones(len(target))
+        # What the rig says of a constant load is added beside the model, whether the model has it or not.
+        target = target - self.rig.known.get(LOAD, 0.0) * load_gain(self.rig.known) * one
+        torque = target if self.scale is None else self.rows.mean(residuals.torque)
+        beside: dict[ColumnRole, Array] = {
+            "scale": torque - target,
+            "load": load_gain(self.rig.known) * one,
+            "offset": one / (drive.scale or 1.0),
         }
-        columns = [by_role[c.role] for c in self.coefficients if c.role != "friction"]
-        target = self.rows.mean(drive.torque()) - (known if self.scale is None else 0.0)
+        columns = [beside[c.role] for c in self.coefficients if c.role in beside]
         return Design(
-            self.coefficients,
-            target,
-            np.column_stack([friction, *columns]),
-            self.rows.train,
-            self.rows.weights,
+            self.coefficients, torque, np.column_stack([steps, *columns]), self.rows.train, self.rows.weights
         )
 
     @property
     def baseline(self) -> Problem:
         """The problem of Coulomb + viscous friction: one coefficient of each, for both directions."""
-        alone = [k for k, *_ in self.groups]
-        groups = alike([regressor(self.model)[k] for k in alone])
-        friction, bench = self.coefficients[: len(alone)], self.coefficients[len(alone) :]
+        alone = [column for column, *_ in self.friction]
+        groups, bench = alike(alone), self.coefficients[len(alone) :]
         return dataclasses.replace(
             self,
-            groups=tuple(tuple(alone[k] for k in group) for group in groups),
-            coefficients=(*(friction[first] for first, *_ in groups), *bench),
+            friction=tuple(tuple(alone[k] for k in group) for group in groups),
+            coefficients=(*(self.coefficients[first] for first, *_ in groups), *bench),
         )
 
     @property
@@ -141,21 +142,11 @@ class Problem:
         aligned = {name: value for name, value in at.items() if name in _ALIGNED}
         return self.drive.aligned(self.rig, aligned) if aligned else self.drive
 
-    def _parameters(self, at: Mapping[str, float]) -> Any:
-        try:
-            # What the rig says of a constant load is added beside the model, whether the model has it or not.
-            return self.emitted.parameters({**self.rig.known, **own_letters(self.model), **at, LOAD: 0.0})
-        except ValueError as error:
-            raise InputError(f"{self.rig.path}: {error}") from None
-
-    def _load(self, signals: Mapping[str, Array], acceleration: Array, parameters: Any) -> Array:
-        """Return the known part of J alpha + G (m,) [N m]."""
-        gravity = np.zeros_like(acceleration)
-        if "theta_m" in self.emitted.inputs_of("gravity_torque"):
-            gravity = self.rows.mean(self.emitted("gravity_torque", signals, parameters))
-        gravity = gravity + self.rig.known.get(LOAD, 0.0) * load_gain(self.rig.known)
-        inertia = known_inertia(self.rig, self.drive.machine)
-        return gravity + (0.0 if inertia is None else inertia * acceleration)
+    def _values(self, at: Mapping[str, float]) -> dict[str, float]:
+        """Every parameter of the model: as the rig has it, else as the model has it; none for friction."""
+        given = {**self.drive.machine.absent, **self.drive.known}
+        unfitted = dict.fromkeys((q.name for q in self.model.friction_parameters), 0.0)
+        return {**given, **self.drive.scaled(), **at, **unfitted, LOAD: 0.0}
 
 
 def pose(channels: Channels, rig: Rig, model: Model) -> Problem:
@@ -166,9 +157,9 @@ def pose(channels: Channels, rig: Rig, model: Model) -> Problem:
     does not have, on the current or on hidden states.
     """
     require_case(rig, model)
-    channels = channels.driven
-    needed = _letters(model)
-    for letter in sorted(needed - set(own_letters(model))):
+    channels, given, rig = channels.driven, rig, with_own(rig, model)
+    needed = load_letters(model)
+    for letter in sorted(needed):
         if letter not in rig.known and letter not in rig.unknown:
             raise InputError(
                 f"{rig.path}: [known] {letter} is required by {model.name}, or its range in [unknown], "
@@ -184,8 +175,9 @@ def pose(channels: Channels, rig: Rig, model: Model) -> Problem:
             f", received some that depend on {', '.join(sorted(missing))}"
         )
     by = channels.motor.measured_by
-    scale = scale_of(by, rig)
-    rows, drive = fit_rows(channels, rig), _posed(channels, rig, Machine(model), scale)
+    machine = Machine(model)
+    scale = scale_of(by, rig, machine)
+    rows, drive = fit_rows(channels, rig), _posed(channels, rig, machine, scale)
     warnings = list(channels.intake.warnings)
     if rows.operator is not None:
         compared = rows_of(channels, rig).description
@@ -205,14 +197,14 @@ def pose(channels: Channels, rig: Rig, model: Model) -> Problem:
     warnings += [f"{name} has no effect on {model.name} driven by {by}" for name in sorted(idle)]
     return Problem(
         drive,
-        rig,
+        given,
         model,
         emitted,
         rows,
         scale,
         tuple(coefficients),
         tuple(nonlinear),
-        tuple((k,) for k in kept),
+        tuple((regressor(model)[k],) for k in kept),
         tuple(warnings),
     )
 
@@ -224,42 +216,5 @@ def _posed(channels: Channels, rig: Rig, machine: Machine, scale: sp.Expr | None
         return Drive(machine, channels, rig.known, 1.0, DRIVE_UNITS[by])
     if by != "voltage":
         return Drive(machine, channels, rig.known, None, "N m")
-    per_volt = machine.torque(rig.known, machine.current({"k_e": 0.0, **rig.known}, 1.0, 0.0))
+    per_volt = machine.torque(rig.known, machine.current({**machine.absent, **rig.known}, 1.0, 0.0))
     return Drive(machine, channels, rig.known, 1.0 / float(per_volt), "N m")
-
-
-def own_letters(model: Model) -> dict[str, float]:
-    """Parameters of a derivation or an effect that no rig knows, with their defaults, which hold."""
-    # Every rig with a case has a tilt; a model without one may have another quantity of that name.
-    of_rigs = {known.name for known in KNOWNS} - (set() if model.tilted else {v.phi.name})
-    return {
-        q.name: float(sp.Float(q.default))
-        for q in model.parameters
-        if q.name not in of_rigs and q.default is not None and q.default.is_number
-    }
-
-
-def following_letters(model: Model) -> dict[str, sp.Expr]:
-    """Parameters that follow from others by default, such as F_T = M_l g, with these defaults."""
-    given = {q.name: q.default for q in model.parameters}
-    return {name: x for name, x in given.items() if x is not None and x.free_symbols}
-
-
-def require_case(rig: Rig, model: Model) -> None:
-    """Raise InputError for a model of a different case than the rig's; one with a tilt fits every case."""
-    if model.tilted:
-        return
-    case = "C1" if model.balance("mechanical").sum_of("gravity") == 0 else "C2"
-    if rig.case != case:
-        received = f"case {rig.case}" if rig.case else "a tilted plane (no case)"
-        raise InputError(
-            f"{rig.path}: model {model.name} requires case {case}, received {received}; {rig.model} fits it"
-        )
-
-
-def _letters(model: Model) -> set[str]:
-    """Parameters that the regressor and the gravity torque depend on."""
-    expressions = [column.basis for column in regressor(model)]
-    expressions.append(model.balance("mechanical").sum_of("gravity", "conservative"))
-    found = {symbol.name for e in expressions for symbol in model.expand(e).free_symbols}
-    return found & {quantity.name for quantity in model.parameters}

@@ -12,7 +12,7 @@ from eccentric.estimation import Estimate, rms
 from eccentric.fitting.estimates import estimates, shares
 from eccentric.fitting.expressions import alike, base_coefficients
 from eccentric.fitting.extended import Adopted, Extended
-from eccentric.fitting.fit_data import FitData, Residuals, Values
+from eccentric.fitting.fit_data import FitData, Values
 from eccentric.fitting.limits import CONVERGED
 from eccentric.model import Model
 
@@ -134,5 +134,5 @@ def _extended(
 def residual_samples(fitted: Refit) -> Array:
     """The mechanical residual on the samples (n,) [N m], up to a constant; for fits with bounds."""
     shapes = {s.quantity.name: fitted.values[s.quantity.name] for e, _ in fitted.effects for s in e.shapes}
-    residuals = Residuals(fitted.model, fitted.data, shapes, fitted.values, fitted.scale)
+    residuals = fitted.data.residuals(fitted.model, shapes, fitted.values, fitted.scale)
     return residuals.samples("mechanical", fitted.values)

@@ -87,7 +87,7 @@ def fit_lines(fit: Fit, logs: Sequence[str]) -> list[str]:
         out.append(fit.band.words(shown["paper"]))
     if problem.rig.sampling.moving_threshold_rad_s is None:
         threshold = channels.selection.moving_threshold_rad_s
-        out.append(f"rows count as moving above {threshold:.4g} rad/s (set by moving_threshold_rad_s)")
+        out.append(f"rows count as moving above {threshold:.4g} rad/s (default of moving_threshold_rad_s)")
     if fit.fits_the_rig:
         out += _bounds_line(fit)
     return [*out, fit_sentence(fit)]

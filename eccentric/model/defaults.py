@@ -35,6 +35,9 @@ def with_values(
     notes: Mapping[str, str] | None = None,
     title: str | None = None,
     source: str = "parameters",
+    back_emf_in_friction: bool = False,
+    current_known: bool = True,
+    torque_unit: str = "N m",
 ) -> Model:
     """Return the model under a new name, with these values as its defaults.
 
@@ -45,6 +48,9 @@ def with_values(
         notes: parameter -> remark for its comment, such as its interval.
         title: of the result, by default the model's.
         source: where the values come from, for error messages.
+        back_emf_in_friction: whether the values of viscous friction contain the back-EMF.
+        current_known: whether the values give a current in amperes; a voltage may determine R/k_i alone.
+        torque_unit: of the values: "N m", or "V" or "A" without a scale for a torque.
 
     Raises:
         InputError: a value does not belong to a parameter of the model, or has an invalid sign.
@@ -69,4 +75,7 @@ def with_values(
         title=title or model.title,
         parameters=tuple(parameters),
         defaults="fitted values, with the remark of each parameter",
+        back_emf_in_friction=back_emf_in_friction,
+        current_known=current_known,
+        torque_unit=torque_unit,
     )

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import sympy as sp
@@ -15,7 +15,7 @@ from eccentric.model.definition import Definition, State
 from eccentric.model.equation import Equation, equation_named
 from eccentric.model.quantity import Quantity
 from eccentric.model.steps import meaning
-from eccentric.model.vocabulary import alpha_m, phi
+from eccentric.model.vocabulary import alpha_m, i, phi
 
 
 @dataclass(frozen=True)
@@ -33,6 +33,10 @@ class Model:
         states: hidden states that effects introduced; the paper's models have none.
         defaults: origin of the parameters' defaults, in words; "" for the quantities' own.
         extensions: those of the model; their rules apply to all further extensions.
+        back_emf_in_friction: whether the defaults of viscous friction contain the back-EMF, as estimates from
+            a voltage alone do. What needs the friction without it is then not emitted.
+        current_known: whether the defaults give a current in amperes. What needs one is else not emitted.
+        torque_unit: of the defaults: "N m", or "V" or "A" where the log had no scale for a torque.
 
     Raises:
         InputError: a definition or term uses a symbol that is neither an input nor a parameter nor defined
@@ -49,6 +53,9 @@ class Model:
     states: tuple[State, ...] = ()
     defaults: str = ""
     extensions: tuple[Extension, ...] = ()
+    back_emf_in_friction: bool = False
+    current_known: bool = True
+    torque_unit: str = "N m"
 
     def __post_init__(self) -> None:
         states = (state.quantity for state in self.states)
@@ -74,6 +81,19 @@ class Model:
         return phi.symbol in {q.symbol for q in self.parameters}
 
     @cached_property
+    def with_other_values(self) -> Model:
+        """The same for values that are not its defaults, so that every function is emitted."""
+        if not self.back_emf_in_friction and self.current_known and self.torque_unit == "N m":
+            return self
+        return replace(self, back_emf_in_friction=False, current_known=True, torque_unit="N m")
+
+    @property
+    def first_function(self) -> str:
+        """The emitted function to begin with: the friction, or the drive where that alone has its unit."""
+        friction = "friction_torque" if self.back_emf_in_friction else "mechanical_friction_torque"
+        return {"V": "voltage", "A": "current"}.get(self.torque_unit, friction)
+
+    @cached_property
     def parameter_symbols(self) -> frozenset[sp.Symbol]:
         """Symbols that depend on parameters only, including definitions."""
         found = {quantity.symbol for quantity in self.parameters}
@@ -97,6 +117,12 @@ class Model:
     def inertia(self) -> sp.Expr:
         """The factor of alpha_m in the inertial terms, in parameters: J_m + mu^2 J_l [kg m^2]."""
         return self.expand(sp.diff(self.balance("mechanical").sum_of("inertial"), alpha_m.symbol))
+
+    @property
+    def torque_per_volt(self) -> sp.Expr:
+        """Torque of the motor at rest for a volt at its armature, k_i/R [N m/V]."""
+        drive, resistive = self.balance("mechanical"), self.balance("electrical")
+        return sp.diff(drive.sum_of("drive"), i.symbol) / sp.diff(resistive.sum_of("resistive"), i.symbol)
 
     def balance(self, name: str) -> Balance:
         """The balance of that name; KeyError if there is none."""

@@ -25,7 +25,7 @@ def facts_of(found: Diagnosis) -> list[Fact]:
 
     def aligned(name: str, field: str, unit: str, factor: float = 1.0) -> Fact:
         value = getattr(channels.alignment, field)
-        if e := found.models.shipped.estimates.get(field):
+        if e := found.models.extended.estimates.get(field):
             return Fact(
                 name, f"{e.value:.4g} {unit}", f"estimated, 95 % interval {range_of(e.interval)} {unit}"
             )

@@ -5,6 +5,7 @@ Apart from `balance` and `facts`, which this file calls, no other file of the re
 
 from __future__ import annotations
 
+import math
 import shlex
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
@@ -146,14 +147,14 @@ def _further(found: Diagnosis) -> list[Errors]:
 
 def _parameters(found: Diagnosis) -> list[Parameter]:
     """Parameters of the effects, fitted friction, those of the bench that were estimated, and known ones."""
-    own = {q.name for effect, _ in found.models.shipped.effects for q in effect.parameters}
-    terms = found.models.shipped.model.balance("mechanical").terms
+    own = {q.name for effect, _ in found.models.extended.effects for q in effect.parameters}
+    terms = found.models.extended.model.balance("mechanical").terms
     friction = {str(term.coefficient) for term in terms if term.kind == "friction"}
-    estimates = found.models.shipped.estimates
+    estimates = found.models.extended.estimates
     given = {*found.data.drive.identified, *estimates}
-    typeset, rows = typesetter_of(found.models.shipped.model), []
-    for q in found.models.shipped.model.parameters:
-        value = found.models.shipped.values.get(q.name)
+    typeset, rows = typesetter_of(found.models.extended.model), []
+    for q in found.models.extended.model.parameters:
+        value = found.models.extended.values.get(q.name)
         kinds = (
             ("effect", own),
             ("friction", friction),
@@ -167,8 +168,9 @@ def _parameters(found: Diagnosis) -> list[Parameter]:
             continue
         row = Parameter(q.name, q.meaning, q.unit, value, origin, letter=typeset(q.symbol))
         if e := estimates.get(q.name):
+            error = e.std_error if math.isfinite(e.std_error) else None
             row = replace(
-                row, std_error=e.std_error, interval=e.interval, bound=e.bound_active or "", widened=e.widened
+                row, std_error=error, interval=e.interval, bound=e.bound_active or "", widened=e.widened
             )
         rows.append(row)
     return sorted(rows, key=lambda row: _ORIGINS.index(row.origin))

@@ -6,7 +6,8 @@
     from_effect   an effect becomes a candidate: columns of torque with a few shapes
     screen        candidates on one balance: scored, refined, cross-validated
     fitted_variants  effects that a person names, fitted without a search
-    attribution   the search on each balance: adopt, compare, try smooth terms on the rest
+    attribution   the search on a balance: adopt, compare, try smooth terms on the rest
+    both          the search on both balances: what one of them shows is taken out of the other
     measurements  what to measure where no effect explains the structure
     runs          recordings that differ, before they are pooled
     verdict       one verdict, a ranked list, the measurement that would decide

@@ -1,7 +1,4 @@
-"""Residual attribution on the balances: which effects, in which order, with what probability.
-
-The electrical balance comes first, so that what a current sensor's bias or delay adds to the mechanical
-balance can be subtracted there. On each balance:
+"""Residual attribution on a balance: which effects, in which order, with what probability.
 
 1. forward: the candidate with the best cross-validated score is adopted as long as it gains enough;
 2. each step also tries the best partners of the first search's runners-up and every swap of one variant for
@@ -15,21 +12,18 @@ residual that still has structure counts as few samples and carries little weigh
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from collections.abc import Sequence
+from dataclasses import dataclass, field
 
 import numpy as np
 
 from eccentric.search import limits
-from eccentric.search.candidate import Candidate, Variant, instrument_of
-from eccentric.search.joint import Joint
+from eccentric.search.candidate import Variant, instrument_of
 from eccentric.search.nulltest import correlated, null_quantile
 from eccentric.search.screen import Fitted, Screen
-from eccentric.search.smooth import Variables, smooth_terms
 from eccentric.search.stability import Stability, stability_of
-from eccentric.signals import BalanceDesign
 
-__all__ = ["Search", "search_all"]
+__all__ = ["Search"]
 
 Array = np.ndarray
 
@@ -146,8 +140,9 @@ class Search:
             if family in seen or len(seen) > limits.PARTNERS or not self.worth_it(self.base, fitted):
                 continue
             seen.add(family)
-            partners = self.screen.rank(fitted.variants, leaders=limits.LEADERS_OF_A_PARTNER)
-            found += [self.swapped(self.screen.refine(partner)) for partner in partners[:1]]
+            partners = self.screen.rank(fitted.variants, leaders=limits.LEADERS_OF_A_PARTNER)[:1]
+            near = [pair for pair in partners if pair.score < limits.NEAR * self.best.score]
+            found += [self.swapped(self.screen.refine(pair)) for pair in near]
         return found
 
     def swapped(self, fitted: Fitted) -> Fitted:
@@ -169,11 +164,15 @@ class Search:
         return fitted
 
     def instead(self, family: str) -> dict[str, int]:
-        """Families that variants of the log find in the place of an adopted one: in how many, most first."""
+        """Families that variants of the log find in the place of an adopted one: in how many, most first.
+
+        A declared value counts on top of the few effects that may be tied: one measurement settles it.
+        """
         beside = {variant.candidate.family for variant in self.best.variants}
+        declared = {c.family for c in self.screen.candidates if c.tolerance}
         least = limits.POSSIBLE * self.stability.variants
-        found = self.stability.instead(family, beside).most_common(limits.IN_PLACE)
-        return {other: times for other, times in found if times >= least}
+        found = self.stability.instead(family, beside, declared, limits.IN_PLACE)
+        return {other: times for other, times in found.items() if times >= least}
 
     def _examine(self) -> None:
         """Drop the effects that too few variants of the log find, even with what takes their place.
@@ -230,46 +229,5 @@ class Search:
             self.alternatives.append({f: (weight[f] / total, fitted) for f, (_, fitted) in rivals.items()})
 
 
-def search_all(
-    balances: Sequence[BalanceDesign],
-    candidates: Sequence[Candidate],
-    variables: Variables,
-    noise: Mapping[str, float],
-    progress: Callable[[str], None],
-) -> dict[str, Search]:
-    """Run the search on every balance, by name; arguments as in `verdict.attribute`."""
-    found: dict[str, Search] = {}
-    for given in sorted(balances, key=lambda b: b.name):
-        own = [c for c in candidates if c.balance == given.name]
-        progress(f"{given.name} balance: {len(own)} candidates on {len(given.target)} windows")
-        electrical = found.get("electrical")
-        balance = given if electrical is None else _corrected(given, electrical)
-        screen = Screen(balance, own, noise.get(balance.name, 0.0))
-        smooth = Screen(balance, smooth_terms(variables, balance.name, balance.rows.used_samples()))
-        base = screen.fit([])
-        found[balance.name] = Search(screen, smooth, base, base)
-        found[balance.name].run()
-        names = ", ".join(v.candidate.id for v in found[balance.name].best.variants)
-        progress(f"{balance.name} balance: {names or 'nothing adopted'}")
-    return found
-
-
 def _without(fitted: Fitted, place: int) -> list[Variant]:
     return [variant for k, variant in enumerate(fitted.variants) if k != place]
-
-
-def _corrected(balance: BalanceDesign, electrical: Search) -> BalanceDesign:
-    """The mechanical target without what effects found in the electrical balance add to it.
-
-    An effect that both balances measure is estimated from both.
-    """
-    target, best = balance.target, electrical.best
-    found = electrical.screen.own(best)
-    if any(variant.candidate.joint for variant in best.variants):
-        joint = Joint(electrical.screen, best, balance)
-        found = joint.run()
-        electrical.best = best = electrical.screen.fit(joint.variants)
-    for variant, own in zip(best.variants, found, strict=True):
-        if variant.candidate.also is not None:
-            target = target - balance.rows.mean(variant.candidate.also(variant.values)) @ own
-    return replace(balance, target=target)

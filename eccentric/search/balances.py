@@ -12,6 +12,14 @@ from eccentric.estimation import ColumnRole
 from eccentric.fitting import FitData, Signals, base_coefficients, base_columns, load_torque
 from eccentric.model import Model
 from eccentric.rigs import Rig
+from eccentric.search.limits import (
+    LEAST_LOSS_W,
+    SLOWEST,
+    SLOWEST_PART,
+    SPEED_RANGE,
+    TOP_CURRENT,
+    TOP_SPEED,
+)
 from eccentric.search.smooth import Variables
 from eccentric.signals import (
     BalanceDesign,
@@ -96,16 +104,16 @@ def setting_of(data: FitData, model: Model, friction: Array) -> Setting:
     # With a voltage alone, effects of the armature show in the torque computed from it.
     present |= {"current", "voltage"} if data.drive.by_voltage else set()
     present |= {"temperature"} if warm is not None else set()
-    highest = float(np.quantile(speed, 0.99))
+    highest = float(np.quantile(speed, TOP_SPEED))
     return Setting(
         base=model,
         mu=signals.known["mu"],
         known=dict(signals.known),
-        w_min=max(0.5 * float(np.quantile(speed, 0.002)), highest / 400),
+        w_min=max(SLOWEST_PART * float(np.quantile(speed, SLOWEST)), highest / SPEED_RANGE),
         w_max=highest,
-        current_max=float(np.quantile(np.abs(current[rows]), 0.995)),
+        current_max=float(np.quantile(np.abs(current[rows]), TOP_CURRENT)),
         duration_s=float(np.max(channels.time.elapsed)),
-        mean_loss_W=max(float(loss), 1e-12),
+        mean_loss_W=max(float(loss), LEAST_LOSS_W),
         temperature_mid=None if warm is None else float(np.median(warm[rows])),
         channels=frozenset(present),
         friction={c.name: float(x) for c, x in zip(columns, own, strict=True)},

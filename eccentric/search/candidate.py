@@ -53,8 +53,8 @@ class Candidate:
         `shapes`; `columns` are then used in the first screening only.
     scales: values of the shapes -> what an effect multiplies that does so; it has `changes` too.
     roles: of the friction in each column, which such an effect goes by; empty where there is none.
-    also: values of the shapes -> what an electrical effect adds to the mechanical target (samples, k), for
-        the same coefficients.
+    also: values of the shapes -> what an effect of one balance adds to the target of the other
+        (samples, k), for the same coefficients.
     joint: whether both balances measure it: the flux of the motor shows in torque and voltage.
     instrument: the same columns on signals whose noise is not the target's, None where there are none.
     tolerance: of a declared value that it corrects, in units of its coefficient; 0 if it corrects none.

@@ -53,10 +53,7 @@ def candidate_of(
     seen, flux = signals, _on_flux(effect)
     if current is not None and flux:
         seen = replace(signals, values={**signals.values, "i": current})
-    load = {
-        "mechanical": sp.Integer(1),
-        "electrical": v.k_i.symbol / v.R.symbol,
-    }
+    load = {"mechanical": sp.Integer(1), "electrical": model.torque_per_volt}
     own = {
         balance: [
             compiled(extended, load[balance] * _collected(terms, q.symbol), seen, names)
@@ -94,7 +91,9 @@ def candidate_of(
 
     # With a voltage alone both balances are one.
     shown = tuple(own) if balance == "mechanical" else (effect.balance,)
-    other = "mechanical" if effect.balance == "electrical" and balance is None else None
+    other = (
+        {"electrical": "mechanical", "mechanical": "electrical"}[effect.balance] if balance is None else ""
+    )
     return Candidate(
         id=effect.id,
         family=effect.family,
@@ -105,7 +104,7 @@ def candidate_of(
         lower=lower if changes is None else (0.0,),
         words=effect.words,
         instrument=None if instruments is None else lambda values: twin().columns(values),
-        also=None if other is None or other not in own else columns_of(other),
+        also=columns_of(other) if other in own else None,
         joint=flux,
         changes=changes,
         scales=_scales(effect, model, extended, signals, names, states),

@@ -47,8 +47,7 @@ def instruments_of(data: FitData, model: Model, friction: Array) -> Signals | No
     torque = channels.smooth(load_torque(model, slow) + base_columns(model, slow) @ friction)
     values["i"] = data.drive.machine.current_of_torque(signals.known, torque)
     if "u" in values:
-        given = {"k_e": 0.0, **signals.known}
-        values["u"] = given["R"] * values["i"] + data.drive.machine.back_emf(given, values["omega_m"])
+        values["u"] = data.drive.machine.voltage(signals.known, values["i"], values["omega_m"])
     return replace(signals, values=values, open=free)
 
 

@@ -24,36 +24,47 @@ __all__ = [
     "FOLDS",
     "FORMS_OF_A_PATCH",
     "IN_PLACE",
+    "KNOTS",
     "LEADERS",
     "LEADERS_OF_A_PARTNER",
     "LEADERS_OF_A_SWAP",
     "LEAST_BLOCKS",
     "LEAST_DEVIANCE",
     "LEAST_DIFFERENCE",
+    "LEAST_LOSS_W",
     "LEAST_MOTION",
     "LEAST_OTHERS",
     "LEAST_PART",
     "LEAST_SHARE",
     "LEAST_SHARE_OF_LOAD",
     "LEVEL",
+    "LINK_ORDERS",
     "LOSS_TOLERANCE",
     "LOWEST_BAND_HZ",
     "MOST_EFFECTS",
     "MOST_KEPT",
     "MOST_LAGS",
+    "MOTOR_ORDERS",
+    "NEAR",
     "NOTHING",
     "NO_RANGE",
     "ORDER_OF_FOLDS",
     "PARTNERS",
+    "PIECES",
     "POSSIBLE",
     "RIDGE",
     "ROWS_FOR_ONE",
     "SHAPE_TOLERANCE",
+    "SLOWEST",
+    "SLOWEST_PART",
     "SPECIAL",
+    "SPEED_RANGE",
     "STABLE",
     "SURE",
     "SWAPPED",
     "TINY_COLUMN",
+    "TOP_CURRENT",
+    "TOP_SPEED",
     "TRIED",
     "UNEXPLAINED",
     "UNEXPLAINED_OVER_RUNS",
@@ -163,6 +174,35 @@ MOST_LAGS = 60
 ROWS_FOR_ONE = 2.0
 """Fewest rows that count as one: windows overlap by half."""
 
+# The ranges of the library on a log, and of smooth terms.
+
+TOP_SPEED, TOP_CURRENT = 0.99, 0.995
+"""Quantiles that count as the highest speed and current of a log: single rows are noise."""
+SLOWEST, SLOWEST_PART = 0.002, 0.5
+"""The lowest speed of shapes: half of this quantile, since a Stribeck velocity may lie below it ..."""
+SPEED_RANGE = 400.0
+"""... and the highest over this at least: below, nothing of a Stribeck curve is left in the log."""
+LEAST_LOSS_W = 1e-12
+"""Loss that counts as none, W: a thermal drift is in proportion to it, and zero has no scale."""
+PIECES = {
+    "velocity": 14,
+    "direction": 8,
+    "acceleration": 8,
+    "time": 12,
+    "slope": 5,
+    "gravity_load": 8,
+    "current": 12,
+    "voltage": 12,
+    "temperature": 5,
+}
+"""Pieces of the splines of smooth terms: what friction has over speed is steepest, what it has over a
+temperature is nearly a line; "direction" is what differs between the directions over speed, "slope" the
+viscous friction over time."""
+MOTOR_ORDERS, LINK_ORDERS = 8, 12
+"""Highest orders per turn of smooth terms: cogging has the number of poles, a gear and its link more."""
+KNOTS = 0.002, 0.998
+"""Quantiles between which a spline has its knots: single rows beyond have nothing to determine a piece."""
+
 # How it is computed.
 
 FIRST_STEP = 0.6
@@ -194,6 +234,9 @@ TRIED = 2
 """Leaders of a step that are refined in all their shapes and compared."""
 PARTNERS = 3
 """Families tried as half of a pair, the first one included."""
+NEAR = 2.0
+"""A pair is refined and swapped if its score is below this multiple of the best single effect's: from a worse
+one, swaps only lead to that effect and its partner, which are tried anyway."""
 LEADERS_OF_A_PARTNER = 3
 LEADERS_OF_A_SWAP = 4
 """Candidates refined beside a variant that is kept: only the best few can take the place."""

@@ -130,7 +130,8 @@ class Screen:
             for variant in changing:
                 if variant.candidate.scales is not None:
                     samples = samples * variant.candidate.scales(variant.values).base
-            self._changed[key] = (self.balance.rows.mean(known), self.balance.rows.mean(samples))
+            rows = self.balance.rows.mean(np.column_stack([known, samples]))
+            self._changed[key] = (rows[:, 0], rows[:, 1:])
         return self._changed[key]
 
     def fit(self, variants: Sequence[Variant]) -> Fitted:

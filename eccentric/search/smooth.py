@@ -14,7 +14,7 @@ from scipy.interpolate import BSpline
 
 from eccentric.effects import Evidence
 from eccentric.search.candidate import Candidate
-from eccentric.search.limits import NO_RANGE, RIDGE
+from eccentric.search.limits import KNOTS, LINK_ORDERS, MOTOR_ORDERS, NO_RANGE, PIECES, RIDGE
 
 __all__ = ["Variables", "smooth_terms"]
 
@@ -75,27 +75,27 @@ def _terms(variables: Variables, balance: str, valid: Array) -> dict[str, Array]
         return np.hstack([columns, columns * sign])
 
     terms: dict[str, Array] = {
-        "velocity": _spline(np.abs(omega), 14, valid) * sign,
-        "direction": np.hstack([np.ones_like(sign), _spline(np.abs(omega), 8, valid)]),
+        "velocity": _spline(np.abs(omega), PIECES["velocity"], valid) * sign,
+        "direction": np.hstack([np.ones_like(sign), _spline(np.abs(omega), PIECES["direction"], valid)]),
     }
     if not variables.averaged:
         elapsed = variables.t - variables.t[0]
-        slope = _spline(elapsed, 5, valid) * omega[:, None]
-        terms["acceleration"] = _spline(variables.alpha_m, 8, valid)
-        terms["time"] = np.hstack([both(_spline(elapsed, 12, valid)), slope])
+        slope = _spline(elapsed, PIECES["slope"], valid) * omega[:, None]
+        terms["acceleration"] = _spline(variables.alpha_m, PIECES["acceleration"], valid)
+        terms["time"] = np.hstack([both(_spline(elapsed, PIECES["time"], valid)), slope])
     if variables.theta_m is not None:
-        terms["motor_angle"] = _fourier(variables.theta_m, range(1, 9))
+        terms["motor_angle"] = _fourier(variables.theta_m, range(1, MOTOR_ORDERS + 1))
     if balance == "mechanical":
         if variables.theta_m is not None:
-            terms["link_angle"] = both(_fourier(variables.mu * variables.theta_m, range(1, 13)))
+            terms["link_angle"] = both(_fourier(variables.mu * variables.theta_m, range(1, LINK_ORDERS + 1)))
         if np.any(variables.gravity):
-            terms["gravity_load"] = both(_spline(variables.gravity, 8, valid))
+            terms["gravity_load"] = both(_spline(variables.gravity, PIECES["gravity_load"], valid))
     if variables.current is not None:
-        terms["current"] = _spline(variables.current, 12, valid)
+        terms["current"] = _spline(variables.current, PIECES["current"], valid)
     if variables.voltage is not None and balance == "electrical":
-        terms["voltage"] = _spline(variables.voltage, 12, valid)
+        terms["voltage"] = _spline(variables.voltage, PIECES["voltage"], valid)
     if variables.temperature is not None:
-        warm = _spline(variables.temperature, 5, valid)
+        warm = _spline(variables.temperature, PIECES["temperature"], valid)
         terms["temperature"] = np.hstack([warm, warm * sign, warm * omega[:, None]])
     return terms
 
@@ -106,7 +106,7 @@ def _spline(x: Array, pieces: int, valid: Array) -> Array:
     Half of the knots are at quantiles, half are evenly spaced within the 0.2 to 99.8 % range of the valid
     samples: a log dwells at few speeds, and what happens between them counts as well.
     """
-    low, high = np.quantile(x[valid], [0.002, 0.998])
+    low, high = np.quantile(x[valid], KNOTS)
     share = np.linspace(0.0, 1.0, pieces + 1)
     knots = 0.5 * (np.clip(np.quantile(x[valid], share), low, high) + low + (high - low) * share)
     if high - low <= NO_RANGE * max(1.0, abs(low), abs(high)):

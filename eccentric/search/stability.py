@@ -18,7 +18,8 @@ J. H. Huggins, J. W. Miller, "Reproducible model selection using bagged posterio
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Set as AbstractSet
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -58,14 +59,41 @@ class Stability:
         """Whether nearly every variant finds one of the families, or there are none to say otherwise."""
         return self.found(*families) >= limits.STABLE * self.variants
 
-    def instead(self, family: str, beside: set[str]) -> Counter[str]:
-        """What the best model has where it lacks a family: the families that are not `beside` it."""
-        missing = (families - beside for families in self.best if family not in families)
-        return Counter(other for families in missing for other in families)
+    def instead(
+        self, family: str, beside: AbstractSet[str], declared: AbstractSet[str], most: int
+    ) -> dict[str, int]:
+        """What the best model has where it lacks a family: the families that are not `beside` it.
 
-    def weight(self, family: str, lacking: str = "") -> float:
-        """The mean weight of the models that have a family, or that have it and lack another."""
-        return sum(w for own, w in self.weights.items() if family in own and lacking not in own)
+        First the `declared` values, then the effect that most of the remaining variants have, then that
+        of what it leaves, up to `most`: what only accompanies one of them is no alternative. Each with the
+        number of variants that it adds; of equals, the first by name.
+        """
+        missing = [families - beside for families in self.best if family not in families]
+        found: dict[str, int] = {}
+        for pool, number in ((declared, len(declared)), (None, most)):
+            for _ in range(number):
+                counts = Counter(f for families in missing for f in families if pool is None or f in pool)
+                if not counts:
+                    break
+                other = min(counts, key=lambda name: (-counts[name], name))
+                found[other] = counts[other]
+                missing = [families for families in missing if other not in families]
+        return found
+
+    def weight(self, family: str, lacking: AbstractSet[str] = frozenset()) -> float:
+        """The mean weight of the models that have a family, or that have it and lack all of some others."""
+        return sum(w for own, w in self.weights.items() if family in own and own.isdisjoint(lacking))
+
+    def chances(self, family: str, others: Iterable[str]) -> dict[str, float]:
+        """The weight of a family, and of others in its place, most first; of equals, the first by name.
+
+        One that only accompanies a likely other has what weight is left without that one.
+        """
+        found = {family: self.probability(family)}
+        for other in sorted(others, key=lambda other: (-self.weight(other, {family}), other)):
+            likely = {taken for taken, chance in found.items() if chance > limits.POSSIBLE}
+            found[other] = self.weight(other, {family} | likely)
+        return found
 
     def probability(self, family: str) -> float:
         """The weight of a family by the rule of succession: no number of variants proves a certainty."""

@@ -17,7 +17,8 @@ import numpy as np
 
 from eccentric.effects import Words, measurement_between
 from eccentric.search import limits
-from eccentric.search.attribution import Search, search_all
+from eccentric.search.attribution import Search
+from eccentric.search.both import search_all
 from eccentric.search.candidate import Candidate, Variant
 from eccentric.search.measurements import measurement_of
 from eccentric.search.screen import Fitted
@@ -33,7 +34,9 @@ class Adopted:
 
     coefficients: of its columns, none if its parameters are all shapes; share: RMS that it removes from the
         residual beside the others, as a fraction of the balance's scale; found: in how many of the `variants`
-        of the log its family is part of the best model; instead: family -> in how many it takes the place.
+        of the log its family is part of the best model; instead: family -> in how many it takes the place;
+        alike: families that explain the log equally well, its own among them, best first; none if it is
+        clearly ahead.
     """
 
     balance: str
@@ -43,6 +46,7 @@ class Adopted:
     found: int = 0
     variants: int = 0
     instead: Mapping[str, int] = field(default_factory=dict)
+    alike: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -80,10 +84,9 @@ class Attribution:
     deviance: dict[str, tuple[float, float]]
     unconfirmed: tuple[str, ...] = ()
 
-    def examined(self, effect_id: str) -> Adopted | None:
-        """The adopted effect of this id, if variants of the log say how stable it is."""
-        own = (one for one in self.adopted if one.variant.candidate.id == effect_id and one.variants)
-        return next(own, None)
+    def adopted_as(self, effect_id: str) -> Adopted | None:
+        """The adopted effect of this id."""
+        return next((one for one in self.adopted if one.variant.candidate.id == effect_id), None)
 
 
 def attribute(
@@ -156,7 +159,6 @@ def _patched(adopted: Sequence[Adopted]) -> list[str]:
 def _adopted(searches: dict[str, Search]) -> tuple[list[Adopted], list[Ranked], list[str]]:
     """Adopted variants of all balances by share, their entries in the list, and families tied with them."""
     found: list[tuple[Adopted, Ranked]] = []
-    ties: list[list[str]] = []
     declared = {c.family for search in searches.values() for c in search.screen.candidates if c.tolerance}
     for name, search in searches.items():
         screen, best = search.screen, search.best
@@ -168,13 +170,21 @@ def _adopted(searches: dict[str, Search]) -> tuple[list[Adopted], list[Ranked], 
             family, stability = candidate.family, search.stability
             chances = {family: chance for family, (chance, _) in options.items()}
             if stability.variants:
-                chances = {other: stability.weight(other, family) for other in options}
-                chances[family] = stability.probability(family)
+                chances = stability.chances(family, [other for other in options if other != family])
             entry = _ranked(candidate, name, search, best, chances[family])
-            counted = stability.found(family), stability.variants, search.instead(family)
-            found.append((Adopted(name, variant, tuple(map(float, own)), float(share), *counted), entry))
-            if chances[family] < limits.SURE or not stability.nearly_all(family):
-                ties.append(_alike(chances))
+            clear = chances[family] >= limits.SURE and stability.nearly_all(family)
+            one = Adopted(
+                name,
+                variant,
+                tuple(map(float, own)),
+                float(share),
+                stability.found(family),
+                stability.variants,
+                search.instead(family),
+                () if clear else _alike(chances),
+            )
+            found.append((one, entry))
+    ties = [one.alike for one, _ in found if one.alike]
     found.sort(key=lambda pair: -pair[0].share)
     if any(entry.family not in declared for _, entry in found):
         ties = [tie for tie in ties if not declared.issuperset(tie)]
@@ -187,10 +197,10 @@ def _ranked(candidate: Candidate, balance: str, search: Search, fitted: Fitted, 
     return Ranked(candidate.id, candidate.family, balance, rmse, probability, candidate.words)
 
 
-def _alike(probabilities: Mapping[str, float]) -> list[str]:
+def _alike(probabilities: Mapping[str, float]) -> tuple[str, ...]:
     """The families that explain the log equally well, best first: two or more, or none."""
     ordered = sorted(probabilities, key=lambda family: -probabilities[family])
-    return [f for k, f in enumerate(ordered) if probabilities[f] > limits.POSSIBLE or k < 2]
+    return tuple(f for k, f in enumerate(ordered) if probabilities[f] > limits.POSSIBLE or k < 2)
 
 
 def _runners_up(searches: dict[str, Search], named: set[str], about: set[str]) -> list[Ranked]:

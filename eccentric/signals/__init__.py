@@ -8,7 +8,7 @@ May import: `logs`, `rigs`; `model` for what a rig declares, by the general deri
 from eccentric.signals.band import Band, band_of
 from eccentric.signals.channels import read_channels
 from eccentric.signals.designs import BalanceDesign, balance_design
-from eccentric.signals.filters import smoothed
+from eccentric.signals.filters import low_pass_of
 from eccentric.signals.finding import Finding
 from eccentric.signals.hann import hann_windows
 from eccentric.signals.limits import LEAST_HELD_OUT, MANY_RUNS
@@ -31,12 +31,12 @@ __all__ = [
     "band_of",
     "fit_rows",
     "hann_windows",
+    "low_pass_of",
     "motion_of",
     "read_channels",
     "require_rows",
     "rows_of",
     "rows_of_each",
     "search_rows",
-    "smoothed",
     "white_noise",
 ]

@@ -26,7 +26,10 @@ from eccentric.signals import filters
 from eccentric.signals.limits import (
     COARSE,
     FAST,
+    LEAST_DIFFERENCES,
+    LEAST_STRETCH,
     LOWEST_HZ,
+    MAP_PARTS,
     MAP_RANGE,
     MAP_RUNS,
     MAP_STEADY,
@@ -62,7 +65,7 @@ def suited(rig: Rig, t: Array, theta: Array, segment: NDArray[np.int64], moving:
     if noise <= TOO_NOISY * size:
         return _raised(rig, t, theta, moving, stretches)
     signal = math.sqrt(max(size**2 - noise**2, (TOO_NOISY * size) ** 2))
-    cut = max(LOWEST_HZ, low_pass_hz * (QUIET * signal / noise) ** 0.4)
+    cut = max(LOWEST_HZ, low_pass_hz * (QUIET * signal / noise) ** (2.0 / 5.0))
     said = (
         f"at {low_pass_hz:g} Hz the steps and stamps of the angle make {noise / size:.0%} of the"
         f" acceleration: the low pass is set to {cut:.2g} Hz, and both sides are averaged over"
@@ -78,7 +81,7 @@ def _raised(
     default = chosen = rig.sampling.low_pass_hz
     noise, size = _over_all(t, theta, moving, stretches, default)
     seen = size**2 - noise**2
-    most = RAISED / max(float(np.median(np.diff(t[rows]))) for rows in stretches if len(rows) > 40)
+    most = RAISED / max(float(np.median(np.diff(t[rows]))) for rows in stretches if len(rows) > LEAST_STRETCH)
     missed, cut = 0.0, 2.0 * default
     # Stamps are rounded: a fifth of the rate is a fifth.
     while cut <= most * (1.0 + 1e-6):
@@ -108,10 +111,9 @@ def _is_map(t: Array, theta: Array, stretches: list[NDArray[np.int64]]) -> bool:
         return False
     means, spreads = [], []
     for rows in stretches:
-        if len(rows) < 8:
+        if len(rows) < MAP_PARTS:
             return False
-        # Over an eighth of the stretch: ripple of a steady speed from encoder or firmware is not motion.
-        reach = len(rows) // 8
+        reach = len(rows) // MAP_PARTS
         speed = (theta[rows[reach:]] - theta[rows[:-reach]]) / (t[rows[reach:]] - t[rows[:-reach]])
         means.append(float(np.mean(speed)))
         spreads.append(float(np.std(speed)) / max(abs(means[-1]), 1e-12))
@@ -122,7 +124,7 @@ def _over_all(
     t: Array, theta: Array, moving: Mask, stretches: list[NDArray[np.int64]], cut_hz: float
 ) -> tuple[float, float]:
     """RMS of the noise in the acceleration of all stretches, and of the whole [rad/s^2]; 0 if unknown."""
-    parts = [_noise_and_size(t[r], theta[r], moving[r], cut_hz) for r in stretches if len(r) > 40]
+    parts = [_noise_and_size(t[r], theta[r], moving[r], cut_hz) for r in stretches if len(r) > LEAST_STRETCH]
     known = np.array([part for part in parts if part is not None]).reshape(-1, 2)
     if not len(known):
         return 0.0, 0.0
@@ -137,7 +139,7 @@ def _noise_and_size(t: Array, theta: Array, moving: Mask, cut_hz: float) -> tupl
     inside = np.interp(grid, t, moving.astype(float)) > 0.5
     difference = np.diff(np.interp(grid, t, theta), 4)[inside[2:-2]] / math.sqrt(70.0)
     _, _, acceleration, smooth = filters.motion(t, theta, cut_hz)
-    if not smooth or len(difference) < 30 or not np.any(moving):
+    if not smooth or len(difference) < LEAST_DIFFERENCES or not np.any(moving):
         return None
     gain = math.sqrt(2.0 * step * (2.0 * math.pi) ** 4 * cut_hz**5 * math.pi / (8.0 * math.sqrt(2.0)))
     size = float(np.sqrt(np.mean(acceleration[moving] ** 2)))

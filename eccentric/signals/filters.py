@@ -7,13 +7,15 @@ result is differentiated, and the raw angle gives the mask.
 from __future__ import annotations
 
 import functools
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import make_interp_spline
 from scipy.signal import butter, sosfiltfilt
 
-from eccentric.signals.limits import COARSE, END_S, HALF_SPAN_S, JITTER, REVERSAL_S
+from eccentric.signals.limits import COARSE, END_S, HALF_SPAN_S, JITTER, LEAST_FILTERED, REVERSAL_S
+from eccentric.signals.stretches import rows_of_each
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
@@ -38,15 +40,34 @@ def _sections(cut_hz: float, rate_hz: float) -> Array:
     return butter(2, cut_hz, fs=rate_hz, output="sos")
 
 
-def smoothed(t: Array, segment: NDArray[np.int64], x: Array, cut_hz: float) -> Array:
-    """Return x (n,) or (n, k) after the low pass, stretch by stretch; unchanged where one is too coarse."""
-    out = np.array(x, float)
-    for number in np.unique(segment):
-        rows = segment == number
-        if np.count_nonzero(rows) > 30:
-            passed = low_pass(out[rows], 1.0 / float(np.median(np.diff(t[rows]))), cut_hz)
-            out[rows] = out[rows] if passed is None else passed
-    return out
+@dataclass(frozen=True)
+class LowPass:
+    """The low pass of a log, stretch by stretch: a search applies that of one log thousands of times.
+
+    Attributes:
+        stretches: the rows of each stretch that it filters, with their sampling rate [Hz]; rows of one that
+            is too coarse or too short stay as they are.
+        cut_hz: its cut-off frequency [Hz].
+    """
+
+    stretches: tuple[tuple[slice, float], ...]
+    cut_hz: float
+
+    def __call__(self, x: Array) -> Array:
+        """Return x (n,) or (n, k) after the low pass."""
+        out = np.array(x, float)
+        for rows, rate_hz in self.stretches:
+            passed = low_pass(out[rows], rate_hz, self.cut_hz)
+            if passed is not None:
+                out[rows] = passed
+        return out
+
+
+def low_pass_of(t: Array, segment: NDArray[np.int64], cut_hz: float) -> LowPass:
+    """Return the low pass for signals at t [s] (n,) in stretches of these numbers (n,)."""
+    every = [(rows[0], rows[-1] + 1) for rows in rows_of_each(segment) if len(rows) > LEAST_FILTERED]
+    rates = [1.0 / float(np.median(np.diff(t[first:end]))) for first, end in every]
+    return LowPass(tuple((slice(*ends), rate) for ends, rate in zip(every, rates, strict=True)), cut_hz)
 
 
 def is_even(t: Array) -> bool:

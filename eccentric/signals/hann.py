@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import csr_array
 
-from eccentric.signals.limits import MOST_WINDOWS
+from eccentric.signals.limits import MOST_WINDOWS, WINDOW_GAP
 from eccentric.signals.rows import Rows, blocks_of
 from eccentric.signals.stretches import rows_of_each
 
@@ -39,7 +39,8 @@ def hann_windows(time: Array, valid: Mask, segment: Integers, run: Integers, len
         centre = np.arange(reach, len(rows) - reach, max(1, half // 2, thinning))
         bad = np.r_[0, np.cumsum(~np.asarray(valid[rows], bool))]
         whole = bad[centre + reach + 1] == bad[centre - reach]
-        whole &= time[rows[centre + reach]] - time[rows[centre - reach]] < 1.5 * 2 * reach * step + step
+        lasts = time[rows[centre + reach]] - time[rows[centre - reach]]
+        whole &= lasts < WINDOW_GAP * 2 * reach * step + step
         centre = centre[whole]
         index.append((rows[centre, None] + np.arange(-reach, reach + 1)).ravel())
         data.append(np.tile(kernel / kernel.sum(), len(centre)))

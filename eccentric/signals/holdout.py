@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from eccentric.errors import InputError, few
-from eccentric.signals.limits import HELD_OUT_BLOCKS, HELD_OUT_PART
+from eccentric.signals.limits import FEWEST_RUNS_HELD_OUT, HELD_OUT_BLOCKS, HELD_OUT_PART
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -52,7 +52,7 @@ def hold_out(
         rows, rule = _named(t, run, run_names, rig)
         if not rig.holdout.runs and len(run_names) == 1:
             return Holdout(rows, rule, rig.holdout.intervals_s)
-    elif len(run_names) >= 3:
+    elif len(run_names) >= FEWEST_RUNS_HELD_OUT:
         first, rows = _every_fifth(run, len(run_names), off)
         names = ", ".join(run_names[k] for k in np.unique(run[rows]))
         rule = f"whole runs, every fifth from the {_ORDINALS[first]} on: {names}"

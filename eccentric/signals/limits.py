@@ -37,11 +37,19 @@ SLOW = 0.03
 
 HELD_OUT_PART = 0.2
 """A fifth: an error on less is uncertain, and holding out more takes too much from the fit."""
+FEWEST_RUNS_HELD_OUT = 3
+"""Fewest runs of which whole ones are held out: of two, the other half would be too little to fit on."""
 HELD_OUT_BLOCKS = 5
 """Contiguous blocks of one run: a single one might fall where the rig does something special."""
 
 # What the angle can resolve.
 
+LEAST_FILTERED = 30
+"""Shorter stretches, in rows, are not filtered: three paddings of the filter."""
+LEAST_STRETCH = 40
+"""Stretches of at most this many rows say little about noise: the filter's ends are most of them."""
+LEAST_DIFFERENCES = 30
+"""Fewest fourth differences for an RMS of the noise: it is then known to a fifth."""
 TOO_NOISY = 0.1
 """Noise in the acceleration, as a fraction of it, above which the default low pass is unsuitable."""
 QUIET = 0.02
@@ -63,6 +71,8 @@ POINTS_PER_ROW = 2
 """Of a log that is too coarse: a reversal is then known to 4 % of a window."""
 MAP_RUNS = 8
 """Least number of constant-speed runs for a map of friction over speed."""
+MAP_PARTS = 8
+"""The speed of such a run is taken over an eighth of it: ripple from encoder or firmware is not motion."""
 MAP_STEADY = 0.3
 """Largest standard deviation of the speed within a run over its mean, for the median run."""
 MAP_RANGE = 0.5
@@ -70,6 +80,8 @@ MAP_RANGE = 0.5
 
 # Whether angle and speed belong together.
 
+WRAP_SPAN = 1.02
+"""Largest range of a wrapped angle, in periods: offsets and rounding of an encoder add a percent."""
 WRAP_HOLE, WRAP_FULL = 0.25, 0.75
 """A wrapped angle steps by about a period, 0.75 to 1.25 of it, and never by about half of one."""
 LEAST_SPEED_FACTOR, LARGEST_SPEED_FACTOR = 0.9, 1.1
@@ -95,11 +107,15 @@ LEAST_WINDOWS = 50
 """Fewer windows are not enough for the search to cross-validate on."""
 MOST_WINDOWS = 8000
 """Windows of a long log are spaced more widely, so that about this many remain."""
-WINDOW_S = 0.064
-"""Length of the search's windows for a low pass of 25 Hz, s; in proportion to its period for others."""
+WINDOW_PERIODS = 1.6
+"""Length of the search's windows, in periods of the cut-off: 64 ms for 25 Hz."""
+WINDOW_GAP = 1.5
+"""A window may last this many times its usual length, for uneven stamps; longer ones contain a gap."""
 STEPS = 12
 """Steps in a window of a coarse log: 0.3 s at 40 rows per second, where a second difference is mostly
 rounding."""
+LEAST_STEPS = 8
+"""Steps in the shortest window that is advised: that of a low pass at a fifth of the rate."""
 LEAST_WINDOW_ROWS = 7
 """Least rows of a window integrated by parts: with fewer, its weights are those of a difference."""
 MOVING_PART = 0.5

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from eccentric.errors import InputError
 from eccentric.rigs import Alignment
-from eccentric.signals.filters import smoothed
+from eccentric.signals.filters import low_pass_of
 from eccentric.signals.limits import NARROWER
 from eccentric.signals.motion import motion_of
 from eccentric.signals.stretches import joined
@@ -150,7 +150,7 @@ class Channels:
 
     def smooth(self, x: Array) -> Array:
         """A signal (n,) after the low pass that the angle has passed."""
-        return smoothed(self.time.t, self.time.segment, x, self.rig.sampling.low_pass_hz)
+        return low_pass_of(self.time.t, self.time.segment, self.rig.sampling.low_pass_hz)(x)
 
     @property
     def phased(self) -> bool:

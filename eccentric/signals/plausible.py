@@ -22,6 +22,7 @@ from eccentric.signals.limits import (
     NEAR_CAUSE,
     WRAP_FULL,
     WRAP_HOLE,
+    WRAP_SPAN,
 )
 from eccentric.signals.stretches import rows_of_each
 
@@ -75,7 +76,7 @@ def _unwrap(t: Array, theta: Array, segment: Integers, run: Integers, period: fl
     steps = np.diff(theta) / period
     steps[np.diff(segment) != 0] = 0.0
     sizes = np.abs(steps)
-    narrow = all(np.ptp(theta[run == k]) <= 1.02 * period for k in np.unique(run))
+    narrow = all(np.ptp(theta[run == k]) <= WRAP_SPAN * period for k in np.unique(run))
     whole = (
         not np.any((sizes > WRAP_HOLE) & (sizes < WRAP_FULL)) and np.max(sizes, initial=0.0) < 2.0 - WRAP_FULL
     )

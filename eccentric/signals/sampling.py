@@ -14,8 +14,6 @@ from __future__ import annotations
 
 import dataclasses
 import math
-from collections.abc import Callable
-from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,16 +22,17 @@ from scipy.sparse import csr_array
 from eccentric.errors import InputError
 from eccentric.rigs import Rig
 from eccentric.signals.by_parts import windows_by_parts
-from eccentric.signals.filters import smoothed
+from eccentric.signals.filters import LowPass, low_pass_of
 from eccentric.signals.hann import hann_windows
 from eccentric.signals.limits import (
     LEAST_RUN_PART,
+    LEAST_STEPS,
     LEAST_WINDOWS,
     MANY_RUNS,
     MOVING_PART,
     STEPS,
     UNEVEN_STEP,
-    WINDOW_S,
+    WINDOW_PERIODS,
 )
 from eccentric.signals.measured import Channels
 from eccentric.signals.moving import clear_of_ends
@@ -44,6 +43,8 @@ __all__ = ["fit_rows", "rows_of", "search_rows"]
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
 Mask = NDArray[np.bool_]
+
+LONGER = "no shorter window gives enough; a longer log is required"
 
 
 def fit_rows(channels: Channels, rig: Rig) -> Rows:
@@ -71,6 +72,8 @@ def rows_of(channels: Channels, rig: Rig) -> Rows:
     what = "whole runs" if whole else f"averages over {_length(channels, rig):.3g} s"
     shorter = 'a time, such as "0.1 s"' if whole else "a shorter time"
     remedy = f"in {rig.path}, {shorter} as average_over gives more"
+    if not whole and _length(channels, rig) <= LEAST_STEPS * channels.time.logged_step_s:
+        remedy = LONGER
     for name, words in (("train", "to fit"), ("score", "to hold out")):
         if not len(found[name]):
             raise InputError(
@@ -92,9 +95,9 @@ def search_rows(channels: Channels, rig: Rig, moving: bool = True) -> Rows:
         found = _averages(channels, rig, ~channels.selection.held_out)
     else:
         time, clear = channels.time, channels.selection.fit_rows if moving else _clear(channels)
-        length = WINDOW_S * 25.0 / rig.sampling.low_pass_hz
+        length = WINDOW_PERIODS / rig.sampling.low_pass_hz
         found = hann_windows(time.t, clear, time.segment, time.run, length)
-        _require_windows(found, length, channels, rig)
+        _require_windows(found, length, channels, rig, moving)
     if found.independent:
         return found
     if channels.time.points_per_row == 1:
@@ -103,15 +106,22 @@ def search_rows(channels: Channels, rig: Rig, moving: bool = True) -> Rows:
     return dataclasses.replace(found, block=runs) if runs.max() + 1 >= MANY_RUNS else found
 
 
-def _require_windows(found: Rows, length: float, channels: Channels, rig: Rig) -> None:
+def _require_windows(found: Rows, length: float, channels: Channels, rig: Rig, moving: bool) -> None:
     if len(found) >= LEAST_WINDOWS:
         return
+    time, clear = channels.time, channels.selection.fit_rows if moving else _clear(channels)
+    shortest = hann_windows(time.t, clear, time.segment, time.run, LEAST_STEPS * time.logged_step_s)
     # Averages replace the windows of the mechanical balance, not those of the electrical one.
     both = channels.motor.current is not None and channels.motor.voltage is not None
     key = f"low_pass_hz above {rig.sampling.low_pass_hz:g}" if both else f"average_over below {length:.3g} s"
+    remedy = (
+        f"the log is short: a longer one is the remedy; {key} gives more"
+        if len(shortest) >= LEAST_WINDOWS
+        else LONGER
+    )
     raise InputError(
         f"{rig.path}: at least {LEAST_WINDOWS} windows of {length:.3g} s in the training part are required,"
-        f" received {len(found)}: the log is short; {key} gives more"
+        f" received {len(found)}: {remedy}"
     )
 
 
@@ -119,17 +129,17 @@ def _clear(channels: Channels) -> Mask:
     return ~channels.selection.held_out & clear_of_ends(channels.time.t, channels.time.segment)
 
 
-def _smoothing(channels: Channels, rig: Rig) -> Callable[[Array], Array] | None:
+def _smoothing(channels: Channels, rig: Rig) -> LowPass | None:
     return None if rig.sampling.drive_low_pass_hz is None else _low_pass(channels, rig)
 
 
-def _low_pass(channels: Channels, rig: Rig) -> Callable[[Array], Array]:
+def _low_pass(channels: Channels, rig: Rig) -> LowPass:
     """The low pass of the angle, for all that is compared with its acceleration.
 
     Friction jumps at a reversal, and the drive with it; the acceleration of a filtered angle does not.
     Unfiltered, the difference looks like an effect some 60 ms about each reversal.
     """
-    return partial(smoothed, channels.time.t, channels.time.segment, cut_hz=rig.sampling.low_pass_hz)
+    return low_pass_of(channels.time.t, channels.time.segment, rig.sampling.low_pass_hz)
 
 
 def _length(channels: Channels, rig: Rig) -> float:

@@ -145,8 +145,9 @@ def _check(
 
 def _within(value: object, low: float, high: float) -> bool:
     """Whether it is a number of the range, which NaN and true are not."""
-    is_number = isinstance(value, int | float | np.integer | np.floating) and not isinstance(value, bool)
-    return is_number and low <= value <= high
+    if isinstance(value, bool) or not isinstance(value, int | float | np.integer | np.floating):
+        return False
+    return bool(low <= value <= high)
 
 
 def _plant(rng: np.random.Generator, case: str, mu: float) -> Plant:

@@ -7,8 +7,9 @@ from typing import Any
 import numpy as np
 
 from .controller import servo, supply
-from .effects import PlantedEffect
+from .effects import Law, PlantedEffect
 from .motion import Motion
+from .plant import Plant
 from .scenario import Scenario
 from .time_step import laws, mover
 
@@ -67,7 +68,12 @@ def _run(scenario: Scenario) -> _Raw:
     bound = laws(scenario.effects)
     motion = Motion(plant, scenario.start_angle, effects=len(bound))
     advance = mover(plant, motion, dt, bound)
-    control = servo(scenario.controller, plant, motion.theta, dt)
+    angle_laws = [(law, effect.amplitude) for port, effect, law in bound if port == "angle"]
+
+    def read() -> float:
+        return motion.theta + sum(law(motion, amplitude) for law, amplitude in angle_laws)
+
+    control = servo(scenario.controller, plant, read(), dt)
     applied = supply(scenario.controller, dt, rows * steps, np.random.default_rng(scenario.seed + 1))
     reference = scenario.course.reference(np.arange(rows * steps) * dt).tolist()
 
@@ -75,7 +81,7 @@ def _run(scenario: Scenario) -> _Raw:
     samples, acting, fine_current = [], [], []
     voltage, n = 0.0, 0
     for _ in range(rows):
-        theta, w, u_before, i_before = motion.theta, motion.w, voltage, motion.i
+        theta, w, u_before, i_before = read(), motion.w, voltage, motion.i
         voltage, speed = control(theta, reference[n])
         advance(applied(voltage, n))
         fine_current.append(motion.i)
@@ -87,7 +93,7 @@ def _run(scenario: Scenario) -> _Raw:
         )  # fmt: skip
         acting.append(motion.acting.copy())
         for k in range(n + 1, n + steps):
-            voltage, _ = control(motion.theta, reference[k])
+            voltage, _ = control(read(), reference[k])
             advance(applied(voltage, k))
             fine_current.append(motion.i)
         n += steps
@@ -116,11 +122,34 @@ def _run(scenario: Scenario) -> _Raw:
             middles = (np.arange(rows * steps) + 0.5) * dt
             late = np.interp(time - law(motion, effect.amplitude), middles, fine_current)
             value, logged = plant.k_i * (late - i), logged + late - i
+        elif port == "angle":
+            value = _misread(plant, law, effect.amplitude, (theta, w_mid, alpha))
         torques[:, place] += value
     direction = np.sign(w_mid)
     base = np.stack([direction, w_mid, normal * direction, normal * w_mid], axis=1)
     moving = np.abs(w_mid) > threshold
     return _Raw(theta, w, speed, u, logged, temperature, friction, base, torques, moving, threshold)
+
+
+def _misread(
+    plant: Plant, law: Law, amplitude: float, motion: tuple[np.ndarray, np.ndarray, np.ndarray]
+) -> np.ndarray:
+    """Return the torque (rows,) that inertia, gravity and back-EMF lack if computed at the angle read."""
+    theta, w, alpha = motion
+    probe, step = Motion(plant), 1e-3
+
+    def error(angle: float) -> float:
+        probe.theta = angle
+        return law(probe, amplitude)
+
+    before, here, after = (np.array([error(x + h) for x in theta]) for h in (-step, 0.0, step))
+    slope, bend = (after - before) / (2.0 * step), (after - 2.0 * here + before) / step**2
+    gravity = [
+        plant.gravity_torque(plant.mu * (x + e)) - plant.gravity_torque(plant.mu * x)
+        for x, e in zip(theta, here, strict=True)
+    ]
+    torque = plant.inertia * (slope * alpha + bend * w**2) + np.array(gravity)
+    return np.hypot(torque, plant.k_i * plant.k_e / plant.R * slope * w)
 
 
 def _rms(x: np.ndarray) -> float:

@@ -114,7 +114,8 @@ def _lines(model: Model, force: str, friction: str, slope: str) -> list[str]:
     lines = [f"normal_force {force}"]
     if not _of_one_sign(model):
         return lines
-    torques = "friction_torque, mechanical_friction_torque, friction_torque_jacobian"
+    mechanical = "" if model.back_emf_in_friction else "mechanical_friction_torque, "
+    torques = f"friction_torque, {mechanical}friction_torque_jacobian"
     return [*lines, f"{torques} {friction}", f"friction_torque_gradient {slope}"]
 
 

@@ -57,6 +57,7 @@ def build_program(model: Model) -> Program:
         or ("Table 1 of the paper with mu = 1/5" if from_table else "those of the derivation"),
         helpers=helpers,
         promises=promises(model),
+        first=model.first_function,
     )
 
 

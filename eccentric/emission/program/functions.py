@@ -34,6 +34,12 @@ class Function:
     definitions: tuple[Definition, ...] = ()
 
 
+_OF_CURRENT = frozenset({"current", "mechanical_residual", "electrical_residual"})
+"""Functions that need k_i itself, R/k_i being known."""
+_WITHOUT_BACK_EMF = _OF_CURRENT | {"mechanical_friction_torque"}
+"""Functions that need the friction without the back-EMF, or its constant."""
+
+
 def closure(
     model: Model, results: tuple[tuple[str, sp.Expr], ...], own: tuple[Definition, ...] = ()
 ) -> tuple[Assignment, ...]:
@@ -97,6 +103,7 @@ def functions(model: Model) -> tuple[Function, ...]:
     sides = (("pos", 1), ("neg", -1)) if friction.has(Forward) else (("", 1),)
     standstill = tuple((side, sign * one_sided.standstill(model, friction, sign)) for side, sign in sides)
     units = {q.symbol: q.unit for q in model.inputs}
+    spanned = "friction_torque" if model.back_emf_in_friction else "mechanical_friction_torque"
     listed = [
         Function(
             "normal_force", "N", "normal force F_N on the axis of rotation", (("", normal_force(model)),)
@@ -137,7 +144,7 @@ def functions(model: Model) -> tuple[Function, ...]:
         Function(
             "regressor",
             "N m per unit coefficient",
-            "columns: regressor times friction_coefficients is mechanical_friction_torque",
+            f"columns: regressor times friction_coefficients is {spanned}",
             tuple((column.name, column.basis) for column in columns),
         ),
         Function(
@@ -185,7 +192,11 @@ def functions(model: Model) -> tuple[Function, ...]:
         listed.append(
             Function("next_state", units, stepping.meaning(model), stepping.updates(model), definitions=own)
         )
-    return (*listed, *_polynomials(model, resultant))
+    given = (*listed, *_polynomials(model, resultant))
+    withheld = frozenset[str]() if model.current_known else _OF_CURRENT
+    if model.back_emf_in_friction:
+        withheld = _WITHOUT_BACK_EMF
+    return tuple(f for f in given if f.name not in withheld)
 
 
 def _require(model: Model) -> None:

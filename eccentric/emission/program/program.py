@@ -97,6 +97,7 @@ class Program:
         defaults: origin of the default parameters, in words.
         helpers: private functions that the routines call.
         promises: bounds of the rounding error, one line each.
+        first: the routine to begin with.
     """
 
     name: str
@@ -111,6 +112,7 @@ class Program:
     defaults: str = "those of the derivation"
     helpers: tuple[Helper, ...] = ()
     promises: tuple[str, ...] = ()
+    first: str = "mechanical_friction_torque"
 
     def hot(self) -> tuple[Assignment, ...]:
         """Every assignment that is evaluated for each sample."""

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from eccentric.signals.quality.limits import LEAST_MEANS, MEAN_ROWS, MEAN_S, SIGMAS
+from eccentric.signals.quality.limits import DEPENDENT, LEAST_MEANS, MEAN_ROWS, MEAN_S, ROUNDING, SIGMAS
 
 if TYPE_CHECKING:
     from eccentric.rigs import Rig
@@ -82,12 +82,12 @@ def regressed(columns: list[Array], x: Array) -> tuple[Array, Array, float]:
     design = np.stack(columns, axis=1)
     scale = np.linalg.norm(design, axis=0)
     scale[scale == 0.0] = 1.0
-    inverse = np.linalg.pinv(design / scale, rcond=1e-8)
+    inverse = np.linalg.pinv(design / scale, rcond=ROUNDING)
     solution = inverse @ x
     rest = x - design / scale @ solution
     variance = float(rest @ rest) / max(len(x) - design.shape[1], 1)
     # A column in the span of the others has no coefficient, whatever the pseudoinverse returns.
-    lost = np.linalg.matrix_rank(design / scale, tol=1e-6) < design.shape[1]
+    lost = np.linalg.matrix_rank(design / scale, tol=DEPENDENT) < design.shape[1]
     covariance = variance * (inverse @ inverse.T) + (np.inf if lost else 0.0)
     total = float(np.sum((x - np.mean(x)) ** 2))
     return (

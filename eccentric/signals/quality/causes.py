@@ -6,7 +6,7 @@ import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from eccentric.signals.quality.limits import LEVEL_PLANE, NEAR
+from eccentric.signals.quality.limits import DIRECT, LEVEL_PLANE, NEAR, REDUCED
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -78,7 +78,7 @@ def common_cause(ratios: Sequence[Ratio], drive: str, mu: float | None, angle: b
 
 def _causes(drive: str, mu: float | None, angle: bool) -> list[Cause]:
     channel, name, units = ("theta_m", "angle", ANGLES) if angle else ("omega_m", "speed", SPEEDS)
-    if mu is not None and not 0.5 < mu < 2.0:
+    if mu is not None and not DIRECT[0] < mu < DIRECT[1]:
         sides = {"is the link's, mapped as the motor's": mu, "is the motor's, mapped as the link's": 1.0 / mu}
         units = units | sides
     causes = [
@@ -126,7 +126,7 @@ _SINGLE = {
 def single_cause(ratio: Ratio, drive: str, mu: float | None) -> str:
     """Return the explanation of one ratio, in brackets, empty if there is none."""
     causes = dict(_SINGLE[ratio.name])
-    if ratio.name == "J" and mu is not None and mu < 0.7:
+    if ratio.name == "J" and mu is not None and mu < REDUCED:
         causes |= {mu**2: "the rig's J_m is at the link", 1.0 / mu**2: "the rig's J_l is at the motor"}
     if ratio.name == "M g L" and ratio.high < LEVEL_PLANE:
         return " (is the plane of motion horizontal, case C1?)"

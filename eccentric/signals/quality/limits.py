@@ -6,6 +6,8 @@ import math
 
 SHORT_RUN = 3
 """Equal values in a row that count as clipping: noise occasionally gives two of them."""
+CLIPPED_RUN = 3
+"""The same over the longest run of equal values elsewhere: a coarse or stepped channel has some."""
 CLIPPED = 0.01
 """Least fraction of rows at the limit: below it, clipping changes a least-squares fit by less than its
 noise."""
@@ -15,10 +17,22 @@ CHANCE = 1e-6
 """Chance of that many equal values in a row by noise alone; if smaller, the channel is frozen."""
 MOST_EQUAL = 0.5
 """A channel that repeats itself more often than this is too coarse to be distinguished from a frozen one."""
+LEAST_EQUAL = 1e-3
+"""Least chance of two equal values that a log can show: it may have none by luck."""
+MOSTLY_MOVING = 0.5
+"""Least part of a frozen stretch in which the drive moves: at rest a channel may keep its value."""
+TOP_SPEED = 0.95
+"""Quantile of the speed that counts as the top one: single rows are noise."""
 STEADY = 0.01
 """Change of the speed over a frozen stretch, as a fraction of the top speed, that counts as none."""
 JUMP = 3.0
 """An angle that was frozen catches up in one step, this many times as large as its largest usual one."""
+LARGEST_STEP = 0.999
+"""Quantile of the steps of an angle that counts as the largest usual one, the jumps themselves not."""
+BEHIND = 20.0
+"""Motion by a logged speed while the angle is frozen, in such steps: no speed filter lags that long."""
+NEARLY_ALL = 0.1, 0.9
+"""Quantiles of the speed: "nearly all" rows are between them."""
 ONE_SPEED = 1.25
 """Speeds within this factor are one level: over it, Coulomb and viscous friction differ by a ninth, less than
 the friction's own scatter from turn to turn."""
@@ -52,6 +66,14 @@ BETTER = 0.5
 NEAR = math.log(1.2)
 """A cause is named if its factor matches this closely; friction other than Coulomb and viscous, and a warm
 winding, change the value from the log by less, and units differ by more."""
+DIRECT = 0.5, 2.0
+"""Gears between these are nearly direct: a channel on the wrong side looks like friction or a wrong scale."""
+REDUCED = 0.7
+"""Gears below this square to less than a half: an inertia on the wrong side differs from a right one."""
+DEPENDENT = 1e-6
+"""Relative singular value of a design below which coefficients cannot be separated; far above rounding."""
+ROUNDING = 1e-8
+"""The same of a design, below which a direction is left out of the solution."""
 LEVEL = 1e-9
 """Part of the upright gravity that rounding leaves of it in a level plane, at most."""
 LEVEL_PLANE = 0.2

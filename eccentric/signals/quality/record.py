@@ -11,15 +11,22 @@ from numpy.typing import NDArray
 from eccentric.signals.finding import Finding
 from eccentric.signals.limits import MUCH_LOST
 from eccentric.signals.quality.limits import (
+    BEHIND,
     CHANCE,
     CLIPPED,
+    CLIPPED_RUN,
     FROZEN_ROWS,
     FROZEN_S,
     JUMP,
+    LARGEST_STEP,
+    LEAST_EQUAL,
     MOST_EQUAL,
+    MOSTLY_MOVING,
+    NEARLY_ALL,
     ONE_SPEED,
     SHORT_RUN,
     STEADY,
+    TOP_SPEED,
 )
 from eccentric.signals.stretches import stretches
 
@@ -116,7 +123,7 @@ def _clipped(name: str, x: Array, c: Record) -> Iterator[Finding]:
     inside = (values != np.min(x)) & (values != np.max(x)) & (values != 0.0)
     usual = int(np.max(lengths[inside], initial=1))
     for limit, word in ((np.max(x), "largest"), (np.min(x), "smallest")):
-        at = (values == limit) & (lengths >= max(SHORT_RUN, 3 * usual))
+        at = (values == limit) & (lengths >= max(SHORT_RUN, CLIPPED_RUN * usual))
         rows = int(np.sum(lengths[at]))
         if limit != 0.0 and np.count_nonzero(at) > 1 and rows > CLIPPED * len(x):
             text = (
@@ -156,8 +163,8 @@ def _frozen(name: str, x: Array, c: Record) -> Iterator[Finding]:
         if equal > MOST_EQUAL:
             return False
         # Equal pairs occur by chance, a fraction `equal`: that many of them in a row, anywhere in the log.
-        needed = 1.0 + np.log(CHANCE / len(x)) / np.log(max(equal, 1e-3))
-        return lengths[k] >= needed and float(np.mean(moving[stretch])) > 0.5
+        needed = 1.0 + np.log(CHANCE / len(x)) / np.log(max(equal, LEAST_EQUAL))
+        return lengths[k] >= needed and float(np.mean(moving[stretch])) > MOSTLY_MOVING
 
     found = np.array([k for k in np.flatnonzero(long) if is_frozen(int(k))], dtype=np.int64)
     if len(found):
@@ -172,7 +179,7 @@ def _steady(c: Record) -> NDArray[np.bool_]:
     """Rows at a steady speed: a filtered speed and a command without noise repeat themselves there."""
     ahead = np.minimum(np.arange(len(c.t)) + FROZEN_ROWS, len(c.t) - 1)
     change = np.abs(c.speed[ahead] - c.speed)
-    return c.moving & (change < STEADY * np.nanquantile(np.abs(c.speed), 0.95))
+    return c.moving & (change < STEADY * np.nanquantile(np.abs(c.speed), TOP_SPEED))
 
 
 def _stretch(name: str, x: Array, c: Record, begins: Integers, lengths: Integers, why: str) -> Finding:
@@ -200,14 +207,13 @@ def _frozen_angle(table: Table, c: Record) -> Iterator[Finding]:
     ends = begins + lengths - 1
     steps = np.abs(np.diff(x, append=x[-1]))
     steps[np.flatnonzero(np.diff(c.segment))] = 0.0
-    usual = float(np.quantile(steps, 0.999)) if len(steps) else 0.0
+    usual = float(np.quantile(steps, LARGEST_STEP)) if len(steps) else 0.0
     long = (lengths >= FROZEN_ROWS) & (c.t[ends] - c.t[begins] >= FROZEN_S)
     jumps = steps[ends] > JUMP * usual
     goes_on = np.zeros(len(begins), dtype=bool)
     if c.omega_logged is not None:
         moved = np.concatenate([[0.0], np.cumsum(c.omega_logged[1:] * np.diff(c.t))])
-        # Motion of twenty usual steps: no lag of a speed filter is that long.
-        goes_on = np.abs(moved[ends] - moved[begins]) > 20.0 * usual
+        goes_on = np.abs(moved[ends] - moved[begins]) > BEHIND * usual
     found = long & (jumps | goes_on) & (usual > 0.0)
     if np.any(found):
         yield _stretch(name, x, c, begins[found], lengths[found], "and then jumps or falls behind")
@@ -218,7 +224,7 @@ def _speeds(c: Channels) -> Iterator[Finding]:
     speed = np.abs(c.motion.omega_m[rows])
     if not len(speed):
         return
-    low, high = np.quantile(speed, [0.1, 0.9])
+    low, high = np.quantile(speed, NEARLY_ALL)
     if high < ONE_SPEED * low:
         text = (
             f"nearly all moving rows are at one speed, {low:.4g} to {high:.4g} rad/s at the motor: Coulomb "

@@ -25,6 +25,7 @@ VARIANTS = {
     "bearing_load": ("Hertz", "Palmgren", "preload"),
     "stribeck_load": ("gravity", "transmitted", "F_N"),
     "presliding": ("dahl", "lugre"),
+    "encoder_eccentricity": ("motor", "link"),
 }
 """Variants of a family, by its id; a family without an entry has none."""
 

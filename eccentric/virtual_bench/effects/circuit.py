@@ -1,4 +1,6 @@
-"""Effects in the armature circuit, the torque constant and the current sensor."""
+"""Effects in the armature circuit, the torque constant and the sensors of current and angle."""
+
+from math import sin
 
 from eccentric.virtual_bench.motion import Motion
 
@@ -126,6 +128,23 @@ def sensor_delay(request: Request) -> PlantedEffect:  # noqa: ARG001 - every bui
     )
 
 
+def encoder_eccentricity(request: Request) -> PlantedEffect:
+    """Encoder of motor or link with its scale off centre; the drive controls by the angle that it reads."""
+    plant, speed = request.plant, request.setting.speed
+    rate, shift = (1.0 if request.variant == "motor" else plant.mu), request.phase()
+    angle = {"motor": "thm", "link": "thl"}[request.variant]
+    return PlantedEffect(
+        "encoder_eccentricity",
+        f"{angle}_logged = {angle} + A sin({angle} + phi)",
+        request.torque() / (plant.inertia * rate * speed**2),
+        simply(angle=lambda s, a: a * sin(rate * s.theta + shift) / rate),
+        ("motor_angle" if request.variant == "motor" else "link_angle", "velocity"),
+        (rate, shift),
+        variant=request.variant,
+        bound=0.02,
+    )
+
+
 BUILDERS: tuple[Builder, ...] = (
     kt_saturation,
     current_bias,
@@ -134,4 +153,5 @@ BUILDERS: tuple[Builder, ...] = (
     magnet_temperature,
     ke_mismatch,
     sensor_delay,
+    encoder_eccentricity,
 )

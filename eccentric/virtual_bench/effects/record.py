@@ -27,6 +27,7 @@ PORTS = {
     "drop": "voltage lost in the armature circuit beyond R i + k_e w [V]",
     "current": "added to the logged current only [A]",
     "delay": "delay of the logged current [s]",
+    "angle": "added to the motor angle that the drive reads [rad]",
 }
 
 

@@ -13,7 +13,7 @@ from eccentric.emission.program import Program, TurnLeft, paired
 
 
 def pair_functions(program: Program) -> frozenset[str]:
-    """The names of the pair functions that `pair_text` calls for the program, besides `exact`."""
+    """The names of the pair functions that `pair_text` calls for the program."""
     found: set[str] = set()
 
     def noted(name: str) -> str:

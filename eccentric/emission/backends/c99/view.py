@@ -43,6 +43,13 @@ _HELPERS = {
     ),
 }
 _NEEDS = {"sgn": (Sgn,), "forward": (Forward, Backward), "within": (Within,)}
+_FIRST = {
+    "mechanical_friction_torque": ("the friction that a drive must compensate", ","),
+    "friction_torque": ("which contains the back-EMF, as the voltage did not separate the two", ";"),
+    "voltage": ("the only one in its unit, as the log had no scale for a torque", ";"),
+    "current": ("the only one in its unit, as the log had no scale for a torque", ";"),
+}
+"""What the function to begin with is, and what separates it from the next."""
 
 
 def view(program: Program, digest: str) -> dict[str, Any]:
@@ -77,6 +84,7 @@ def view(program: Program, digest: str) -> dict[str, Any]:
         "exponential": any(e.has(sp.exp) for e in expressions),
         "name": program.name,
         "guard": program.name.upper(),
+        "first": dict(zip(("name", "doc", "end"), (program.first, *_FIRST[program.first]), strict=True)),
         "digest": f"0x{digest}UL",
         "parameters": [
             _parameter(q, values[False][q.name].replace("NAN", "(double)NAN")) for q in program.parameters

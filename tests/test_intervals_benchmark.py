@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from benchmarks.coverage import Result, counted, effect_of, run
+from benchmarks import intervals
+from benchmarks.intervals import Result, counted, effect_of, run
 from eccentric.fitting import FitData, drive_of, fit_data_of, refit
 from eccentric.fitting.emitted import Emitted
 from eccentric.logs import read_log
@@ -81,3 +82,18 @@ def test_intervals_are_counted_by_kind() -> None:
     other = Result("other", {"inertia": {"J_l": False}})
 
     assert (1, 2) == counted([one, other], "inertia") == counted([one, other], "friction")
+
+
+def test_a_log_that_could_not_be_fitted_holds_no_truth(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Its quantities count: a fit that fails where it is difficult would flatter the rest."""
+
+    def fails(*_: object, **__: object) -> None:
+        raise ValueError("no fit")
+
+    monkeypatch.setattr(intervals, "refit", fails)
+    result = run(97101)
+
+    assert "ValueError: no fit" == result.failed
+    assert {"inertia": (0, 1), "friction": (0, 4), "effect": (0, 2)} == {
+        kind: counted([result], kind) for kind in intervals.KINDS
+    }

@@ -1,7 +1,7 @@
 """Do 95 % intervals hold the truth? Inertia, friction and parameters of effects, on logs of the virtual bench.
 
 The fit knows which effect there is, not how large it is; filters, quantisation and the closed loop are those
-of the bench, which shares no code with the model. Run: python benchmarks/coverage.py SEED [LOGS]
+of the bench, which shares no code with the model. Run: python benchmarks/intervals.py SEED [LOGS]
 """
 
 from __future__ import annotations
@@ -90,13 +90,15 @@ def run(seed: int) -> Result:
     with tempfile.TemporaryDirectory() as folder:
         log, _, _ = write(simulated, Path(folder) / "log.csv.gz")
         channels = read_channels([read_log(log)], read_rig(rig))
+    truth = {"inertia": {"J_l": plant.J_l}, "friction": friction_of(plant), "effect": parameters}
     try:
         stage = stage_of(channels, load_model(channels.rig.model), None, "log")
         effects = tuple((effect, shapes) for effect, shapes, _ in stage.chosen("with", [name]))
         found = refit(stage.base, effects, stage.data).estimates
     except Exception as error:  # noqa: BLE001 - a failure is a result
-        return Result(note, failed=f"{type(error).__name__}: {error}")
-    truth = {"inertia": {"J_l": plant.J_l}, "friction": friction_of(plant), "effect": parameters}
+        # What gave no interval held no truth.
+        none = {kind: dict.fromkeys(own, False) for kind, own in truth.items()}
+        return Result(note, none, f"{type(error).__name__}: {error}")
     return Result(note, {
         kind: {q: found[q].interval[0] <= x <= found[q].interval[1] for q, x in own.items()}
         for kind, own in truth.items()
@@ -130,7 +132,7 @@ def measured(quick: bool, first: int = FIRST_SEED, logs: int = LOGS) -> Part:
     with ProcessPoolExecutor() as pool:
         for result in pool.map(run, range(first, first + (8 if quick else logs))):
             results.append(result)
-            progress(f"coverage: {len(results)} of {logs} logs")
+            progress(f"intervals: {len(results)} of {logs} logs")
     figures = {}
     for kind in KINDS:
         held, of = counted(results, kind)

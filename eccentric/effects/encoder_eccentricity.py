@@ -1,0 +1,129 @@
+"""An encoder that reads the angle with an error that repeats once per turn."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import sympy as sp
+
+from eccentric.effects.effect import Effect, Evidence
+from eccentric.effects.forms import alpha_m, constant, gravity, harmonic, omega_m, theta_m
+from eccentric.effects.setting import Setting
+from eccentric.effects.words import Words
+from eccentric.model import (
+    Change,
+    Definition,
+    Gated,
+    HalfCosine,
+    HalfSine,
+    Quantity,
+    Term,
+    quantity,
+    regressor,
+)
+from eccentric.model import vocabulary as v
+
+cosine_read = quantity("eccentric_cos", "1", "cosine of the angle that the encoder reads", letter="c_e")
+sine_read = quantity("eccentric_sin", "1", "sine of the angle that the encoder reads", letter="s_e")
+cosine_part = quantity("eccentric_c", "rad", "true angle minus the one read, by its cosine", letter="e_1")
+sine_part = quantity("eccentric_s", "rad", "true angle minus the one read, by its sine", letter="e_2")
+REFERENCE = "X.-D. Lu, R. Graetz, D. Amin-Shahidi and K. Smeds, CIRP Annals 59(1), 2010"
+WORDS = Words(
+    title="Encoder eccentricity",
+    meaning=(
+        "The scale of the encoder is not centred on its shaft: the angle has an error that repeats once per"
+        " turn, the velocity one that grows with the speed, the acceleration one that grows with its square."
+        " The friction torque has no term of it: correct what is read, or centre the scale."
+    ),
+    hint="constant speeds over a wide range: the error grows with the square of the speed",
+    tell_apart={
+        "cogging": "Turn at constant speeds over a wide range: cogging stays the same.",
+        "kt_ripple": "Drive the motor externally with its terminals open: voltage over speed shows both, and"
+        " beside a second encoder only the ripple.",
+        "link_harmonic_friction": "Turn slowly in both directions: only friction changes its sign.",
+        "motor_harmonic_friction": "Turn slowly in both directions: only friction changes its sign.",
+    },
+)
+
+
+def effects(setting: Setting) -> tuple[Effect, ...]:
+    """The encoder on the motor or on the link, which is the same at mu = 1; for a declared inertia.
+
+    To first order in the error d(theta) of the motor angle, inertia, gravity, friction and back-EMF act on
+    d and on its rates d' = d_theta w and d'' = d_theta alpha + d_thetatheta w^2: the mechanical balance has
+    J d'' + df/dw d' + dG/dtheta d, the electrical one k_e d'. The friction f is taken from a first fit: with
+    the model's own coefficients the balance would no longer be linear.
+    """
+    if "inertia" in setting.left_open:
+        return ()
+    motor = _of("motor", sp.Integer(1), "motor_angle", setting)
+    if abs(setting.mu - 1.0) < 1e-3:
+        return (motor,)
+    return motor, _of("link", v.mu.symbol, "link_angle", setting)
+
+
+def _of(where: str, rate: sp.Expr, variable: str, setting: Setting) -> Effect:
+    """The effect for an encoder whose angle is `rate` times the motor angle."""
+    # By half angles, cos^2 - sin^2 is 2 cos^2 - 1: one of them is enough.
+    turning = sp.diff(gravity(setting), theta_m).replace(
+        lambda e: e.is_Pow and isinstance(e.base, HalfSine) and e.exp == 2,
+        lambda e: 1 - HalfCosine(*e.base.args) ** 2,
+    )
+    stiffness = sp.factor(sp.expand(turning))
+    known, damping = _damping(setting)
+    read = [Definition(q, x) for q, x in zip((cosine_read, sine_read), harmonic(rate), strict=True)]
+    cosine, sine = cosine_read.symbol, sine_read.symbol
+    # By unit error of the encoder: the motor angle, and its first two derivatives by itself.
+    parts = (
+        (cosine_part, cosine / rate, -sine, -rate * cosine),
+        (sine_part, sine / rate, cosine, -rate * sine),
+    )
+    inertial = [
+        _term(
+            q,
+            Gated(v.J.symbol, slope * alpha_m + bend * omega_m**2)
+            + damping * slope * omega_m
+            + stiffness * error,
+        )
+        for q, error, slope, bend in parts
+    ]
+    circuit = [_term(q, v.k_e.symbol * slope * omega_m, "_emf") for q, _, slope, _ in parts]
+    letter = {"motor": "theta_m", "link": "theta_l"}[where]
+    return Effect(
+        family="encoder_eccentricity",
+        variant=where,
+        balance="mechanical",
+        formula=f"{letter} + c cos({letter}) + s sin({letter}) for {letter}, and its derivatives likewise",
+        reference=REFERENCE,
+        change=Change(
+            {"mechanical": tuple(inertial), "electrical": tuple(circuit)},
+            (*known, *read),
+            inputs=(v.theta_m,),
+        ),
+        evidence=Evidence(depends_on=(variable, "velocity", "acceleration")),
+        coefficients=(cosine_part, sine_part),
+        words=replace(WORDS, headline=f"an encoder whose error repeats once per turn of the {where}"),
+    )
+
+
+def _damping(setting: Setting) -> tuple[list[Definition], sp.Expr]:
+    """Change of the friction per change of the velocity, and the coefficients of a first fit that it uses.
+
+    In C1 the normal force follows the velocity; in C2, where its slope has no value at F_N = 0, it is held.
+    """
+    known: list[Definition] = []
+    slopes: list[sp.Expr] = []
+    for column in regressor(setting.base):
+        basis = setting.base.expand(column.basis) if setting.case == "C1" else column.basis
+        slope = sp.diff(basis, omega_m)
+        if slope == 0 or column.name not in setting.friction:
+            continue
+        meaning = f"{column.name} from the fit without the effect"
+        value, letter = setting.friction[column.name], f"{column.name}^0"
+        known.append(constant(f"eccentric_{column.name}", column.unit, meaning, value, letter))
+        slopes.append(known[-1].symbol * slope)
+    return known, sp.Add(*slopes)
+
+
+def _term(q: Quantity, basis: sp.Expr, ending: str = "") -> Term:
+    return Term(q.name + ending, "actuator", q.symbol, basis, REFERENCE, (None, None))

@@ -1,0 +1,96 @@
+"""The residuals of an emitted model on a log, and its design: the one way from a model to a fit's rows."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from eccentric.fitting.drive import Drive, inputs_of
+from eccentric.fitting.emitted import Emitted
+from eccentric.fitting.machine import Machine
+from eccentric.model import Model
+from eccentric.signals import Rows
+
+__all__ = ["Residuals"]
+
+Array = NDArray[np.float64]
+
+
+class Residuals:
+    """The residuals of a model on the samples (n,) and rows (m,) of a log.
+
+    `values` are those for the drive torque, `scale` is that of the drive, None for its own; `states` are the
+    hidden states (n,) by name.
+    """
+
+    def __init__(
+        self,
+        model: Model,
+        drive: Drive,
+        rows: Rows,
+        values: Mapping[str, float],
+        scale: float | None = None,
+        states: Mapping[str, Array] | None = None,
+    ) -> None:
+        self._emitted, self._machine, self._drive, self._rows = Emitted(model), Machine(model), drive, rows
+        voltage = drive.signal() if drive.by_voltage else drive.channels.motor.voltage
+        self.inputs = inputs_of(drive.channels) | ({} if voltage is None else {"u": voltage})
+        self.torque = drive.torque(values, scale)
+        self.inputs["i"] = drive.machine.current_of_torque(values, self.torque)
+        self.inputs |= {} if states is None else states
+
+    def design(
+        self,
+        balance: str,
+        values: Mapping[str, float],
+        unknown: Sequence[tuple[str, ...]],
+        current: Array | None = None,
+    ) -> tuple[Array, Array]:
+        """A balance that is linear in its unknowns: its residual without them (m,), a column for each (m, k).
+
+        A column is what a unit step of the emitted function changes: of a parameter, or of several that are
+        the same number. The columns may have a different current from the measured balance.
+        """
+        start = {**values, **{name: 0.0 for names in unknown for name in names}}
+        rest = self.rows(balance, start)
+        there = rest if current is None else self.rows(balance, start, current)
+        steps = [
+            there - self.rows(balance, {**start, **dict.fromkeys(names, 1.0)}, current) for names in unknown
+        ]
+        return rest, np.column_stack(steps) if steps else np.empty((len(rest), 0))
+
+    def rows(self, balance: str, values: Mapping[str, float], current: Array | None = None) -> Array:
+        """The residual of a balance on the rows [N m], optionally with a different current."""
+        found = self._rows.mean(self.samples(balance, values, current))
+        if balance != "mechanical" or self._once is None:
+            return found
+        return found + self._machine.inertia(values) * self._once
+
+    def samples(self, balance: str, values: Mapping[str, float], current: Array | None = None) -> Array:
+        """The same on the samples.
+
+        With voltage alone, the two balances are one: i is the torque from the voltage, so that the electrical
+        residual contains only the effects of the armature.
+        """
+        inputs = self.inputs if current is None else self.inputs | {"i": current}
+        parameters = self._emitted.parameters(values)
+        found = self._emitted(f"{balance}_residual", inputs, parameters)
+        if balance == "mechanical" and self._drive.by_voltage:
+            armature = self._emitted("electrical_residual", inputs, parameters)
+            found = found + np.where(self._drive.off, 0.0, armature)
+        return found
+
+    @cached_property
+    def _once(self) -> Array | None:
+        """What the mean of the acceleration (m,) has too much, None for nothing.
+
+        The acceleration comes from the low-passed angle and must not be filtered twice; that of windows
+        integrated by parts comes from the angle itself.
+        """
+        if self._rows.smooth is None and self._rows.rate_operator is None:
+            return None
+        channels = self._drive.channels
+        return self._rows.mean(channels.motion.alpha_m) - self._rows.acceleration(channels)

@@ -1,0 +1,147 @@
+"""The search on both balances: what one of them shows is taken out of the other.
+
+The electrical balance comes first, so that what a current sensor's bias or delay adds to the mechanical
+balance can be subtracted there. An angle that is read wrongly shows in both: its velocity is wrong, and the
+back-EMF varies over a turn as with a ripple of the flux. In the electrical balance both have the same
+columns, so the mechanical balance decides; the search then begins again without what the misread angle adds.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from eccentric.search.attribution import Search
+from eccentric.search.candidate import Candidate, Variant
+from eccentric.search.joint import Joint
+from eccentric.search.limits import CONFIRMED, TINY_COLUMN
+from eccentric.search.nulltest import correlated
+from eccentric.search.screen import Fitted, Screen
+from eccentric.search.smooth import Variables, smooth_terms
+from eccentric.signals import BalanceDesign
+
+__all__ = ["search_all"]
+
+Array = np.ndarray
+
+
+def search_all(
+    balances: Sequence[BalanceDesign],
+    candidates: Sequence[Candidate],
+    variables: Variables,
+    noise: Mapping[str, float],
+    progress: Callable[[str], None],
+) -> dict[str, Search]:
+    """Run the search on every balance, by name; arguments as in `verdict.attribute`."""
+
+    def searched(balance: BalanceDesign, but: str = "") -> Search:
+        own = [c for c in candidates if c.balance == balance.name and c.family != but]
+        progress(f"{balance.name} balance: {len(own)} candidates on {len(balance.target)} windows")
+        screen = Screen(balance, own, noise.get(balance.name, 0.0))
+        smooth = Screen(balance, smooth_terms(variables, balance.name, balance.rows.used_samples()))
+        base = screen.fit([])
+        search = Search(screen, smooth, base, base)
+        search.run()
+        names = ", ".join(v.candidate.id for v in search.best.variants)
+        progress(f"{balance.name} balance: {names or 'nothing adopted'}")
+        return search
+
+    by_name = {balance.name: balance for balance in balances}
+    mechanical, circuit = by_name["mechanical"], by_name.get("electrical")
+    if circuit is None:
+        return {"mechanical": searched(mechanical)}
+    electrical = searched(circuit)
+    misread = _misread(electrical.screen, electrical.best, mechanical, candidates)
+    if misread is None:
+        found = searched(_corrected(mechanical, electrical))
+        misread = _in_the_circuit(found, circuit)
+        if misread is None:
+            return {"electrical": electrical, "mechanical": found}
+    clean = searched(replace(circuit, target=circuit.target - misread.columns @ misread.coefficients))
+    # Beside what else was found there: a large effect would hide the difference.
+    screen = electrical.screen
+    others = [v for v in electrical.best.variants if not _spans(misread.columns, screen.columns(v))]
+    if electrical.deviance(clean.screen.fit(others), screen.fit(others)) < CONFIRMED:
+        found = searched(_corrected(mechanical, clean))
+        if _in_the_circuit(found, circuit) is not None:
+            return {"electrical": clean, "mechanical": found}
+    # The voltage does not have what such an angle would add.
+    return {
+        "electrical": electrical,
+        "mechanical": searched(_corrected(mechanical, electrical), but=misread.family),
+    }
+
+
+@dataclass(frozen=True)
+class _Misread:
+    """The family of a mechanical effect, and what it adds to the electrical target: columns (rows, k)."""
+
+    family: str
+    columns: Array
+    coefficients: Array
+
+
+def _in_the_circuit(mechanical: Search, circuit: BalanceDesign) -> _Misread | None:
+    """The mechanical effect found that adds to the electrical target; None if none does."""
+    best = mechanical.best
+    for variant, own in zip(best.variants, mechanical.screen.own(best), strict=True):
+        candidate = variant.candidate
+        if candidate.also is not None:
+            return _Misread(candidate.family, circuit.rows.mean(candidate.also(variant.values)), own)
+    return None
+
+
+def _misread(
+    electrical: Screen, best: Fitted, mechanical: BalanceDesign, candidates: Sequence[Candidate]
+) -> _Misread | None:
+    """A mechanical effect in whose place an electrical one was found.
+
+    None if nothing adopted there shows as a mechanical candidate does, or the mechanical balance does not
+    prefer that.
+
+    Args:
+        electrical, best: the electrical balance, and what was found there.
+        mechanical: the other balance.
+        candidates: of both balances.
+    """
+    screen, rows = Screen(mechanical, ()), electrical.balance.rows
+    linear = [c for c in candidates if c.balance == mechanical.name and not c.shapes]
+    for variant in best.variants:
+        torque = variant.candidate.also
+        for candidate in linear:
+            if torque is None or candidate.also is None:
+                continue
+            added = rows.mean(candidate.also({}))
+            if not _spans(added, electrical.columns(variant)):
+                continue
+            other = screen.fit([Variant(replace(variant.candidate, columns=torque), variant.values)])
+            own = screen.fit([Variant(candidate, {})])
+            effective = screen.rows / correlated(screen, screen.residual(own))
+            if effective * np.log(other.score / own.score) > CONFIRMED:
+                return _Misread(candidate.family, added, screen.own(own)[0])
+    return None
+
+
+def _spans(columns: Array, others: Array) -> bool:
+    """Whether the other columns are combinations of these."""
+    left = others - columns @ np.linalg.lstsq(columns, others, rcond=None)[0]
+    return bool(np.linalg.norm(left) < TINY_COLUMN * np.linalg.norm(others))
+
+
+def _corrected(balance: BalanceDesign, electrical: Search) -> BalanceDesign:
+    """The mechanical target without what effects found in the electrical balance add to it.
+
+    An effect that both balances measure is estimated from both.
+    """
+    target, best = balance.target, electrical.best
+    found = electrical.screen.own(best)
+    if any(variant.candidate.joint for variant in best.variants):
+        joint = Joint(electrical.screen, best, balance)
+        found = joint.run()
+        electrical.best = best = electrical.screen.fit(joint.variants)
+    for variant, own in zip(best.variants, found, strict=True):
+        if variant.candidate.also is not None:
+            target = target - balance.rows.mean(variant.candidate.also(variant.values)) @ own
+    return replace(balance, target=target)
