@@ -1,6 +1,7 @@
 """A second run into a folder touches its own files there and nothing else; one that fails touches nothing."""
 
 import subprocess
+from contextlib import nullcontext
 from pathlib import Path
 
 import pytest
@@ -106,13 +107,13 @@ def test_an_empty_folder_and_a_link_count_as_well(tmp_path: Path) -> None:
     assert before == tree(tmp_path)
 
 
-@pytest.mark.parametrize("moves", range(4))
+@pytest.mark.parametrize("moves", range(9))
 def test_a_failure_between_two_files_is_undone(
     moves: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Whenever an interrupt comes while the files are put in their place, the folder is what it was."""
     out = tmp_path / "out"
-    written(out, "a", "gone/b")
+    written(out, "a", "gone/b", "gone/c")
     (out / "mine").mkdir()
     before = tree(out)
     replace, left = Path.replace, [moves]
@@ -124,30 +125,12 @@ def test_a_failure_between_two_files_is_undone(
         return replace(self, target)
 
     monkeypatch.setattr(Path, "replace", interrupted)
-    with pytest.raises(KeyboardInterrupt):
+    # The plan, the marker, three old files that leave, three new ones; the ninth move there is not.
+    expected = pytest.raises(KeyboardInterrupt) if moves < 8 else nullcontext()
+    with expected:
         written(out, "a", "mine/c", "new/d")
 
-    assert before == tree(out)
-
-
-def test_a_failure_while_old_files_are_removed_is_undone(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """An interrupt before the last file of the earlier run is gone brings all of them back."""
-    out = tmp_path / "out"
-    written(out, "a", "gone/b", "gone/c")
-    before, unlink = tree(out), Path.unlink
-
-    def interrupted(self: Path) -> None:
-        if self.name == "c":
-            raise KeyboardInterrupt
-        unlink(self)
-
-    monkeypatch.setattr(Path, "unlink", interrupted)
-    with pytest.raises(KeyboardInterrupt):
-        written(out, "a")
-
-    assert before == tree(out)
+    assert (before == tree(out)) == (moves < 8)
 
 
 def test_only_the_folder_itself_is_written(tmp_path: Path) -> None:

@@ -5,8 +5,9 @@ adds its arguments, and `run(arguments)`, which returns the exit status. It is i
 is given, so help and version do not import SymPy.
 
 Exit status: 0, or what `run` returns: 1 if `fit` or `diagnose` has written its result and the log does not
-fit the rig, or a check failed; 2 with one line on stderr for bad input; 130 after an interrupt;
-141 if the reader of a pipe has closed it.
+fit the rig, or a check failed; 2 with one line on stderr for bad input; 130 after an interrupt,
+143 after SIGTERM, 129 after SIGHUP, none of which leaves anything half written; 141 if the reader of a pipe
+has closed it.
 """
 
 import argparse
@@ -15,12 +16,13 @@ import sys
 import textwrap
 import warnings
 from collections.abc import Sequence
+from contextlib import suppress
 from importlib import import_module
 from pathlib import Path
 from typing import NoReturn
 
 from eccentric.errors import InputError, meant
-from eccentric.output import UNREAD, escape_unprintable, nobody_reads
+from eccentric.output import UNREAD, Ended, ended_by_signals, escape_unprintable, nobody_reads
 from eccentric.version import __version__
 
 __all__ = ["COMMANDS", "main"]
@@ -43,12 +45,15 @@ def main(argv: Sequence[str] | None = None) -> int:
     escape_unprintable()
     formatwarning, warnings.formatwarning = warnings.formatwarning, _one_line_warning
     try:
-        parsed = _parser(arguments).parse_args(arguments)
-        status = parsed.run(parsed)
-        if sys.stdout is not None:  # as in a service without one
-            sys.stdout.flush()
+        with ended_by_signals():
+            parsed = _parser(arguments).parse_args(arguments)
+            status = parsed.run(parsed)
+            if sys.stdout is not None:  # as in a service without one
+                sys.stdout.flush()
     except InputError as error:
         return _complain(str(error), 2)
+    except Ended as ended:
+        return _complain(f"ended by {ended}", 128 + ended.number)
     except KeyboardInterrupt:
         return _complain("interrupted", 130)
     except BrokenPipeError:
@@ -109,7 +114,8 @@ def _one_line_warning(message: Warning | str, *_: object, **__: object) -> str:
 
 def _complain(message: str, status: int) -> int:
     """Print one line on stderr and return `status`."""
-    print(f"eccentric: {'error: ' if status == 2 else ''}{_line(message)}", file=sys.stderr)
+    with suppress(OSError):  # after SIGHUP there may be no terminal any more
+        print(f"eccentric: {'error: ' if status == 2 else ''}{_line(message)}", file=sys.stderr)
     return status
 
 

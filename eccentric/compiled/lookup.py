@@ -24,7 +24,7 @@ from eccentric.compiled.entry import CacheEntry, digest, read_entry, read_record
 from eccentric.places import derivation, folder
 from eccentric.scripts import scripts_behind
 
-_ROOMS = ("model", "effects", "emission", "compiled")
+_ROOMS = ("output", "model", "effects", "emission", "compiled")
 _LIBRARIES = ("sympy", "mpmath", "jinja2")
 _OURS = ("eccentric.model", "eccentric.effects", "eccentric.errors", "eccentric.output")
 _COMPUTES = (

@@ -10,7 +10,7 @@ from eccentric.emission.backends import DEFAULT
 from eccentric.emission.check import render_check
 from eccentric.emission.render import render
 from eccentric.model import Model
-from eccentric.output import whole_file
+from eccentric.output import whole_files
 
 
 def complete(
@@ -34,7 +34,7 @@ def complete(
 
 
 def write(files: Mapping[str, str], out: Path) -> list[Path]:
-    """Write rendered files, name -> text, each atomically; those that are already fresh are not touched.
+    """Write rendered files, name -> text, as one set; those that are already fresh are not touched.
 
     Returns:
         The paths, written or fresh.
@@ -42,10 +42,11 @@ def write(files: Mapping[str, str], out: Path) -> list[Path]:
     Raises:
         InputError: the folder cannot be written.
     """
-    for name, text in files.items():
-        if _found(out / name) != text:
-            with whole_file(out / name) as path:
-                path.write_text(text, encoding="utf-8", newline="\n")
+    if any(_found(out / name) != text for name, text in files.items()):
+        with whole_files(out) as new:
+            for name, text in files.items():
+                (new / name).parent.mkdir(parents=True, exist_ok=True)
+                (new / name).write_text(text, encoding="utf-8", newline="\n")
     return [out / name for name in files]
 
 

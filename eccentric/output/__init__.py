@@ -1,0 +1,43 @@
+"""Files appear whole or not at all, those of one set together, and what others wrote stays.
+
+    printed     what is printed; a reader that closes the pipe is not an error
+    interrupts  signals that end a run as exceptions, and held back while files are moved
+    locks       who writes where: advisory locks of files
+    workshop    a temporary folder beside the target; those of killed runs are removed
+    swap        a set of files in the place of another: all or none
+    folders     which folder may be written, and which command wrote what there
+    whole       one file, a set of files, or a folder of a command's files
+
+What holds, whenever a run is killed: a file is the old one or the new one. Files of one set that are there
+are all of one run; between the first move and the last (milliseconds, SIGKILL only: other signals wait) some
+may be missing. They are then in the folder `.eccentric-<hex>` beside them, with a journal, and the next run
+that writes there puts the old set back before it does anything else. A loss of power is not covered: nothing
+waits for the disk.
+
+Locks are those of `flock`, on a file in each temporary folder and, while a set is moved, on `.eccentric-lock`
+in the target; on NFS they hold between machines. Where there are none (Windows, some network file systems)
+a temporary folder is taken for abandoned after an hour, and two runs that move files into one folder within
+the same milliseconds are not kept apart.
+"""
+
+from eccentric.output.folders import MARKER, folder_to_write, own_folder
+from eccentric.output.interrupts import Ended, ended_by_signals
+from eccentric.output.printed import UNREAD, escape_unprintable, nobody_reads, show
+from eccentric.output.whole import whole_file, whole_files, whole_folder
+from eccentric.output.workshop import workshop
+
+__all__ = [
+    "MARKER",
+    "UNREAD",
+    "Ended",
+    "ended_by_signals",
+    "escape_unprintable",
+    "folder_to_write",
+    "nobody_reads",
+    "own_folder",
+    "show",
+    "whole_file",
+    "whole_files",
+    "whole_folder",
+    "workshop",
+]

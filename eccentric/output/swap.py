@@ -1,0 +1,110 @@
+"""A set of files in the place of another: all or none, also if the process is killed in the middle.
+
+A file system moves one file at a time. So a journal says first what will be moved; then the old files leave
+for the folder `old` of the workshop, and only when all are gone the new ones come in: at no time do files of
+two runs lie side by side. Removing the journal is what makes the new set final. If it is still there, because
+the process was killed or a move failed, `undo` puts the old set back; it may itself be killed and repeated.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import shutil
+from collections.abc import Collection
+from contextlib import suppress
+from pathlib import Path
+
+from eccentric.output.interrupts import held
+
+MARKER = ".eccentric"
+NEW, OLD, JOURNAL = "new", "old", "journal"
+"""In a workshop: the new files, the old ones, and which of them are being moved."""
+
+
+def swap(target: Path, own: Path, gone: Collection[str] = ()) -> None:
+    """Move the files of a workshop's `new` to the target, and out of it what they replace and what is `gone`.
+
+    The marker is replaced by the new one, if there is one, without a moment without it: it says whose folder
+    this is. Folders that are then empty are removed. Signals wait until the end.
+
+    Raises:
+        OSError: a file cannot be moved; the target is unchanged.
+    """
+    new, old = own / NEW, own / OLD
+    names = sorted(files(new))
+    leaving = [name for name in (*names, *sorted(gone)) if stands(target / name)]
+    folders = {folder for name in names for folder in Path(name).parents}
+    made = [str(folder) for folder in sorted(folders) if not stands(target / folder)]
+    marked = stands(new / MARKER)
+    fresh = marked and not stands(target / MARKER)
+    plan = {"names": names, "leaving": leaving, "made": made, "fresh": fresh}
+    for name in leaving:
+        (old / name).parent.mkdir(parents=True, exist_ok=True)
+    if marked and not fresh:
+        old.mkdir(exist_ok=True)
+        shutil.copy2(target / MARKER, old / MARKER)
+    (own / "plan").write_text(json.dumps(plan), encoding="utf-8")
+    with held():
+        try:
+            (own / "plan").replace(own / JOURNAL)
+            if marked:
+                (new / MARKER).replace(target / MARKER)
+            for name in leaving:
+                (target / name).replace(old / name)
+            for folder in made:
+                (target / folder).mkdir()
+            for name in names:
+                (new / name).replace(target / name)
+        except BaseException:
+            undo(target, own)
+            raise
+        (own / JOURNAL).unlink()
+        emptied = {folder for name in gone for folder in Path(name).parents} - {Path()}
+        for folder in sorted(emptied, reverse=True):
+            with suppress(OSError):  # not empty
+                (target / folder).rmdir()
+
+
+def undo(target: Path, own: Path) -> None:
+    """Put back what was in the target before a workshop's files were moved there; nothing without a journal.
+
+    Raises:
+        OSError: a file cannot be moved; the journal stays, for the next attempt.
+    """
+    new, old, journal = own / NEW, own / OLD, own / JOURNAL
+    if not journal.exists():
+        return
+    with held():
+        plan = json.loads(journal.read_text(encoding="utf-8"))
+        for name in plan["names"]:
+            if not stands(new / name) and stands(target / name):
+                (target / name).replace(new / name)
+        for folder in reversed(plan["made"]):
+            with suppress(OSError):  # somebody has put a file there
+                (target / folder).rmdir()
+        for name in plan["leaving"]:
+            if stands(old / name):
+                (target / name).parent.mkdir(parents=True, exist_ok=True)
+                (old / name).replace(target / name)
+        if stands(old / MARKER):
+            (old / MARKER).replace(target / MARKER)
+        elif plan["fresh"]:
+            (target / MARKER).unlink(missing_ok=True)
+        journal.unlink()
+
+
+def files(folder: Path) -> set[str]:
+    """Names of all files below `folder`, relative to it; the marker excluded."""
+    paths = (path for path in folder.rglob("*") if path.is_symlink() or not path.is_dir())
+    return {path.relative_to(folder).as_posix() for path in paths} - {MARKER}
+
+
+def stands(path: Path) -> bool:
+    """Whether there is anything with this name, including a dangling link."""
+    return os.path.lexists(path)
+
+
+def is_folder(path: Path) -> bool:
+    """Whether it is a folder itself: a link leads outside our folder."""
+    return path.is_dir() and not path.is_symlink()
