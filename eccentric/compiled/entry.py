@@ -2,6 +2,10 @@
 
 A file is moved into the cache atomically, under a name derived from its sources or from its content. So
 processes that write at the same time write the same, and a damaged file is built again.
+
+What the cache holds is run. So its folder is the user's alone (mode 700), and a file is used only if it
+belongs to the user, nobody else may write it, and its digest is right; otherwise it is built again. Where
+there are no owners and modes (Windows), the digest alone decides.
 """
 
 from __future__ import annotations
@@ -10,11 +14,16 @@ import hashlib
 import json
 import os
 from collections.abc import Callable, Iterable
+from contextlib import suppress
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
+from eccentric.errors import InputError
 from eccentric.output import folder_to_write, workshop
+
+_OURS_ALONE = 0o700
+"""Mode of what is in the cache, and of its folder."""
 
 
 @dataclass(frozen=True)
@@ -78,11 +87,8 @@ def read_entry(name: str, key: str) -> CacheEntry | None:
     ]
     coefficients = tuple(found["single"]), tuple(found["double"])
     entry = CacheEntry(found["name"], found["module"], tuple(called), *coefficients, found["library"])
-    try:
-        held = (cache_folder() / entry.library).read_bytes()
-    except OSError:
-        return None
-    return entry if entry.library == _library_name(name, held) else None
+    held = _own_bytes(cache_folder() / entry.library)
+    return entry if held is not None and entry.library == _library_name(name, held) else None
 
 
 def write_entry(key: str, entry: CacheEntry) -> None:
@@ -96,20 +102,21 @@ def keep_library(name: str, build: Callable[[Path], Path]) -> str:
     Raises:
         InputError: the cache cannot be written, or what `build` raises.
     """
-    with workshop(folder_to_write(cache_folder())) as place:
+    with workshop(_own_folder()) as place:
         made = build(place)
         file = _library_name(name, made.read_bytes())
+        made.chmod(_OURS_ALONE)
         made.replace(cache_folder() / file)
     return file
 
 
 def read_record(name: str) -> dict[str, Any] | None:
     """The content of the cache for a name; None if there is none, or it is damaged."""
-    try:
-        code, _, text = (cache_folder() / f"{name}.json").read_text(encoding="utf-8").partition("\n")
-    except (OSError, UnicodeDecodeError):
+    held = _own_bytes(cache_folder() / f"{name}.json")
+    if held is None:
         return None
-    return json.loads(text) if code == digest([text]) else None
+    code, _, text = held.partition(b"\n")
+    return json.loads(text) if code == digest([text]).encode() else None
 
 
 def write_record(name: str, content: dict[str, Any]) -> None:
@@ -119,10 +126,46 @@ def write_record(name: str, content: dict[str, Any]) -> None:
         InputError: the cache cannot be written.
     """
     text = json.dumps(content)
-    with workshop(folder_to_write(cache_folder())) as place:
+    with workshop(_own_folder()) as place:
         made = place / "record"
         made.write_text(f"{digest([text])}\n{text}", encoding="utf-8")
+        made.chmod(_OURS_ALONE)
         made.replace(cache_folder() / f"{name}.json")
+
+
+def _own_folder() -> Path:
+    """Our folder in the cache, created if necessary, which nobody else may enter.
+
+    Raises:
+        InputError: it cannot be written, or belongs to another user, who could replace what is run.
+    """
+    folder = folder_to_write(cache_folder())
+    folder.mkdir(mode=_OURS_ALONE, parents=True, exist_ok=True)
+    if not _is_ours(folder.stat()):
+        raise InputError(
+            f"compile: a cache of your own is required, {folder} belongs to another user: set XDG_CACHE_HOME"
+        )
+    if folder.stat().st_mode & 0o077:
+        with suppress(OSError):  # a disk without modes: what is read there is not used
+            folder.chmod(_OURS_ALONE)
+    return folder
+
+
+def _own_bytes(path: Path) -> bytes | None:
+    """The content of a file; None if there is none, or somebody else may have written it."""
+    try:
+        with path.open("rb") as file:
+            folder, found = path.parent.stat(), os.fstat(file.fileno())
+            for one in (folder, found):
+                if not _is_ours(one) or (os.name == "posix" and one.st_mode & 0o022):
+                    return None
+            return file.read()
+    except OSError:
+        return None
+
+
+def _is_ours(found: os.stat_result) -> bool:
+    return os.name != "posix" or found.st_uid == os.geteuid()
 
 
 def _library_name(name: str, held: bytes) -> str:

@@ -12,6 +12,7 @@ import numpy as np
 from eccentric.errors import InputError
 from eccentric.logs.assemble import Read, column_of, number_of
 from eccentric.logs.limits import MOST_CHARACTERS
+from eccentric.logs.room import require_room_for_text
 
 POINT = "; a decimal point is required, as in 1.5"
 
@@ -23,7 +24,10 @@ def read_csv(path: Path) -> Read:
     header if none follows.
     """
     # Not `splitlines`, which also splits at form feeds and other separators inside cells.
-    text = io.StringIO(text_of(path), newline="").readlines()
+    whole = text_of(path)
+    rows = 1 + max(whole.count("\n"), whole.count("\r"))
+    require_room_for_text(path, whole, rows, rows + sum(map(whole.count, ",;\t")))
+    text = io.StringIO(whole, newline="").readlines()
     skipped = next((k for k, line in enumerate(text) if _is_content(line)), len(text))
     if skipped == len(text):
         raise InputError(f"{path}: a header row with column names is required, received an empty file")

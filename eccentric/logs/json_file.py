@@ -13,6 +13,7 @@ from pathlib import Path
 from eccentric.errors import InputError
 from eccentric.logs.assemble import Read, assemble
 from eccentric.logs.csv_file import text_of
+from eccentric.logs.room import require_room_for_text
 
 
 def read_json(path: Path) -> Read:
@@ -22,6 +23,7 @@ def read_json(path: Path) -> Read:
     rig can use them.
     """
     text = text_of(path)
+    require_room_for_text(path, text, text.count("{") + text.count("["), 1 + text.count(","))
     try:
         content = json.loads(text)
     except (ValueError, RecursionError) as error:

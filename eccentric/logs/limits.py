@@ -15,6 +15,13 @@ MOST_CHARACTERS = 1_000_000_000
 """Longest text of a log: a small gzip file can unpack to more than fits in memory."""
 MOST_BYTES = 1_000_000_000
 """Largest variable of a MAT file, unpacked, for the same reason."""
+BYTES_PER_ROW, BYTES_PER_VALUE, BYTES_PER_CHARACTER = 350, 60, 6
+"""Memory that reading a text takes at its peak: 400 to 740 were measured per row of one to four values, and
+rounded up. A fit of the log takes no more than that afterwards."""
+BYTES_PER_NUMBER = 160
+"""The same for a value of a MAT or Parquet file: 20 to 60 for numbers, 160 for text."""
+MEMORY_IF_UNKNOWN = 8_000_000_000
+"""Where the system does not say how much memory there is."""
 DEEPEST_VARIABLE = 50
 """Nesting at which a MAT variable counts as damaged: each level is a call."""
 DEEPEST_REFERENCE = 20

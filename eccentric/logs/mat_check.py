@@ -66,8 +66,12 @@ class _Bytes:
         return found, content
 
 
-def check(data: bytes) -> None:
-    """Go through a file of version 5 or 7; raise DamagedError with a reason if SciPy must not read it."""
+def check(data: bytes) -> list[tuple[int, ...]]:
+    """Go through a file of version 5 or 7, and return the shapes of its arrays of numbers and characters.
+
+    Raises DamagedError with a reason if SciPy must not read it.
+    """
+    shapes: list[tuple[int, ...]] = []
     order = {b"IM": "<", b"MI": ">"}.get(data[126:128])
     if order is None:
         raise DamagedError("its header is not that of version 5 or later; save with -v7")
@@ -84,11 +88,12 @@ def check(data: bytes) -> None:
             kind, content = _Bytes(content, order).element()
         if kind != MATRIX:
             raise DamagedError(f"a variable of type {kind} is where a matrix is required")
-        _matrix(_Bytes(content, order), 0)
+        _matrix(_Bytes(content, order), 0, shapes)
+    return shapes
 
 
-def _matrix(rest: _Bytes, depth: int) -> None:
-    """Check the content of a matrix element; it may be empty below the top."""
+def _matrix(rest: _Bytes, depth: int, shapes: list[tuple[int, ...]]) -> None:
+    """Check the content of a matrix element, and note its shape; it may be empty below the top."""
     if depth > DEEPEST_VARIABLE:
         raise DamagedError(f"it is nested deeper than {DEEPEST_VARIABLE}")
     if not len(rest.data) and depth:
@@ -100,13 +105,15 @@ def _matrix(rest: _Bytes, depth: int) -> None:
     if kind == OPAQUE:
         for _ in ("name", "type system", "class"):
             _word(rest)
-        _inner(rest, depth)
+        _inner(rest, depth, shapes)
         return
     shape = rest.numbers()
     count = prod(shape)
     if not 2 <= len(shape) <= 32 or min(shape) < 0 or count > MOST_BYTES:
         raise DamagedError("an array has an impossible size")
     _word(rest)
+    if kind in NUMBERS or kind == CHAR:
+        shapes.append(shape)
     if kind in NUMBERS:
         for _ in range(1 + is_complex):
             code, content = rest.require(BYTES)
@@ -119,7 +126,7 @@ def _matrix(rest: _Bytes, depth: int) -> None:
         if len(content) == 0 and count > 8 * DEEPEST_VARIABLE:
             raise DamagedError("a long text is empty")
     elif kind == CELL:
-        _inner(rest, depth, count)
+        _inner(rest, depth, shapes, count)
     elif kind in (STRUCTURE, OBJECT):
         if kind == OBJECT:
             _word(rest)
@@ -131,22 +138,22 @@ def _matrix(rest: _Bytes, depth: int) -> None:
             or any(0 not in names[k : k + length] for k in range(0, len(names), length))
         ):
             raise DamagedError("field names do not have their declared length")
-        _inner(rest, depth, count * (len(names) // length))
+        _inner(rest, depth, shapes, count * (len(names) // length))
     elif kind == FUNCTION:
-        _inner(rest, depth)
+        _inner(rest, depth, shapes)
     elif kind == SPARSE:
         raise DamagedError("a sparse array is not a signal; save with full(...)")
     else:
         raise DamagedError(f"an array of class {kind} is unknown")
 
 
-def _inner(rest: _Bytes, depth: int, count: int = 1) -> None:
+def _inner(rest: _Bytes, depth: int, shapes: list[tuple[int, ...]], count: int = 1) -> None:
     """Check the matrices of a cell array or structure, as many as it has."""
     if count * 8 > len(rest.data):
         raise DamagedError("it breaks off")
     for _ in range(count):
         _, content = rest.require((MATRIX,))
-        _matrix(_Bytes(content, rest.order), depth + 1)
+        _matrix(_Bytes(content, rest.order), depth + 1, shapes)
 
 
 def _word(rest: _Bytes) -> bytes:

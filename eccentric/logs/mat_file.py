@@ -5,6 +5,8 @@ from __future__ import annotations
 import importlib
 import io
 import warnings
+from collections.abc import Iterable
+from math import prod
 from pathlib import Path
 from typing import Any
 
@@ -14,6 +16,7 @@ from eccentric.errors import InputError
 from eccentric.logs.assemble import LeftOut, Read, assemble
 from eccentric.logs.limits import DEEPEST_REFERENCE
 from eccentric.logs.mat_check import check
+from eccentric.logs.room import require_room_for_numbers
 
 _OBJECT = LeftOut(
     "since only MATLAB reads its tables, strings and objects: save table2struct(T, 'ToScalar', true), "
@@ -29,11 +32,13 @@ def read_mat(path: Path) -> Read:
     from scipy.io import loadmat
 
     try:
-        check(data)
+        _require_room(path, check(data))
         # SciPy warns of a repeated variable; here it becomes a note.
         with warnings.catch_warnings(record=True) as said:
             warnings.simplefilter("always")
             content: dict[str, Any] = loadmat(io.BytesIO(data), simplify_cells=True)
+    except InputError:
+        raise
     except Exception as error:  # noqa: BLE001 - SciPy raises whatever a damaged file leads it into
         raise InputError(f"{path}: not a valid MAT file ({_line(error)})") from None
     read = assemble(dict(_plain(name, value) for name, value in content.items() if not name.startswith("__")))
@@ -58,7 +63,12 @@ def _read_7_3(path: Path) -> dict[str, Any]:
         ) from None
     try:
         with h5py.File(path) as file:
+            shapes: list[tuple[int, ...]] = []
+            file.visititems(lambda _, item: shapes.append(getattr(item, "shape", None) or ()))
+            _require_room(path, shapes)
             return {name: _value(item, h5py, 0) for name, item in file.items() if not name.startswith("#")}
+    except InputError:
+        raise
     except Exception as error:  # noqa: BLE001 - HDF5 raises whatever a damaged file leads it into
         raise InputError(f"{path}: not a valid MAT file of version 7.3 ({_line(error)})") from None
 
@@ -95,6 +105,14 @@ def _records(fields: dict[str, Any]) -> Any:
     if len(lengths) == 1 and (count := lengths.pop()) > 1:
         return [{name: field[k] for name, field in fields.items()} for k in range(count)]
     return fields
+
+
+def _require_room(path: Path, shapes: Iterable[tuple[int, ...]]) -> None:
+    """Raise InputError if arrays of these shapes take more memory than there is."""
+    held = [(max(shape), prod(shape)) for shape in shapes if shape]
+    require_room_for_numbers(
+        path, max((long for long, _ in held), default=0), sum(count for _, count in held)
+    )
 
 
 def _line(error: object) -> str:

@@ -8,6 +8,7 @@ from pathlib import Path
 from eccentric.errors import InputError
 from eccentric.logs.arrow import arrow_columns
 from eccentric.logs.assemble import Read
+from eccentric.logs.room import require_room_for_numbers
 
 
 def read_parquet(path: Path) -> Read:
@@ -22,6 +23,8 @@ def read_parquet(path: Path) -> Read:
     try:
         # Not `read_table`, which makes columns of parent folders with names like run=3.
         with parquet.ParquetFile(path) as file:
+            held = file.metadata
+            require_room_for_numbers(path, held.num_rows, held.num_rows * held.num_columns)
             table = file.read()
     except (arrow.ArrowException, OSError) as error:
         if isinstance(error, PermissionError):

@@ -1,0 +1,98 @@
+"""Whether what a file holds fits into memory: known from its size, before it is read value by value.
+
+A small compressed file can hold more rows than any memory does. Without this, reading would take minutes
+before the system ends it.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator
+from contextlib import suppress
+from pathlib import Path
+
+from eccentric.errors import InputError
+from eccentric.logs.limits import (
+    BYTES_PER_CHARACTER,
+    BYTES_PER_NUMBER,
+    BYTES_PER_ROW,
+    BYTES_PER_VALUE,
+    MEMORY_IF_UNKNOWN,
+)
+
+try:
+    import resource
+except ImportError:  # Windows
+    resource = None
+
+
+def require_room_for_text(path: Path, text: str, rows: int, values: int) -> None:
+    """Raise InputError if a text of so many rows and values takes more memory than there is."""
+    need = BYTES_PER_ROW * rows + BYTES_PER_VALUE * values + BYTES_PER_CHARACTER * len(text)
+    _require(path, need, rows, values)
+
+
+def require_room_for_numbers(path: Path, rows: int, values: int) -> None:
+    """Raise InputError if so many values of a binary file take more memory than there is."""
+    _require(path, BYTES_PER_NUMBER * values, rows, values)
+
+
+def _require(path: Path, need: int, rows: int, values: int) -> None:
+    free = free_memory()
+    if need > free:
+        raise InputError(
+            f"{path}: at most {rows * free // need:,} rows of this kind are required, for which the"
+            f" {free / 1e9:.3g} GB of free memory suffice, received {rows:,} rows with {values:,} values, which"
+            f" take about {need / 1e9:.3g} GB"
+        )
+
+
+def free_memory(root: Path = Path("/")) -> int:
+    """Memory that this process may still take, bytes: of the machine, its control group and its own limit.
+
+    Args:
+        root: where the system's files are.
+    """
+    return max(0, min((*_of_machine(root), *_of_group(root), *_of_process(root))))
+
+
+def _of_machine(root: Path) -> Iterator[int]:
+    with suppress(OSError, StopIteration, ValueError):
+        lines = (root / "proc/meminfo").read_text().splitlines()
+        yield 1024 * int(next(line for line in lines if line.startswith("MemAvailable:")).split()[1])
+        return
+    try:
+        yield os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE")
+    except (AttributeError, OSError, ValueError):
+        yield MEMORY_IF_UNKNOWN
+
+
+def _of_group(root: Path) -> Iterator[int]:
+    """What each control group that the process is in leaves, as containers and batch systems use them."""
+    groups = root / "sys/fs/cgroup"
+    with suppress(OSError, ValueError):
+        names = (root / "proc/self/cgroup").read_text().splitlines()
+        own = next((name.removeprefix("0::/") for name in names if name.startswith("0::/")), "")
+        for place in (groups / own, *(groups / own).parents):
+            if place.is_relative_to(groups):
+                yield from _left_in(place, "memory.max", "memory.current")
+    yield from _left_in(groups / "memory", "memory.limit_in_bytes", "memory.usage_in_bytes")
+
+
+def _left_in(group: Path, limit: str, used: str) -> Iterator[int]:
+    with suppress(OSError, ValueError):  # none, or "max"
+        most, taken = int((group / limit).read_text()), int((group / used).read_text())
+        # Pages of files count as used, and make room when they are needed.
+        lines = (group / "memory.stat").read_text().splitlines()
+        cached = next((int(line.split()[1]) for line in lines if line.startswith("inactive_file ")), 0)
+        yield most - taken + cached
+
+
+def _of_process(root: Path) -> Iterator[int]:
+    """What `ulimit -v` leaves."""
+    if resource is not None:
+        most = resource.getrlimit(resource.RLIMIT_AS)[0]
+        if most != resource.RLIM_INFINITY:
+            with suppress(OSError, ValueError):
+                pages = int((root / "proc/self/statm").read_text().split()[0])
+                yield most - pages * resource.getpagesize()
