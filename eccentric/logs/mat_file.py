@@ -110,9 +110,9 @@ def _records(fields: dict[str, Any]) -> Any:
 def _require_room(path: Path, shapes: Iterable[tuple[int, ...]]) -> None:
     """Raise InputError if arrays of these shapes take more memory than there is."""
     held = [(max(shape), prod(shape)) for shape in shapes if shape]
-    require_room_for_numbers(
-        path, max((long for long, _ in held), default=0), sum(count for _, count in held)
-    )
+    if held:
+        longest, counts = zip(*held, strict=True)
+        require_room_for_numbers(path, max(longest), sum(counts))
 
 
 def _line(error: object) -> str:

@@ -42,8 +42,8 @@ def _require(path: Path, need: int, rows: int, values: int) -> None:
     if need > free:
         raise InputError(
             f"{path}: at most {rows * free // need:,} rows of this kind are required, for which the"
-            f" {free / 1e9:.3g} GB of free memory suffice, received {rows:,} rows with {values:,} values, which"
-            f" take about {need / 1e9:.3g} GB"
+            f" {free / 1e9:.3g} GB of free memory suffice, received {rows:,} rows with {values:,} values, for"
+            f" about {need / 1e9:.3g} GB"
         )
 
 
