@@ -2,16 +2,23 @@
 
 from __future__ import annotations
 
+import json
 import os
+import shutil
 import signal
 import subprocess
 import sys
+import threading
 from pathlib import Path
+from types import SimpleNamespace
 
+import numpy as np
 import pytest
 
 from eccentric import cli
+from eccentric.errors import InputError
 from eccentric.output import locks, whole_file, whole_folder, workshop
+from eccentric.virtual_bench import write
 from tests.kills import ROOT, left_by
 
 pytestmark = pytest.mark.skipif(os.name != "posix", reason="signals are those of POSIX")
@@ -159,29 +166,84 @@ def test_the_last_of_two_runs_into_a_new_folder_wins(tmp_path: Path) -> None:
     assert ["out"] == [path.name for path in tmp_path.iterdir()]
 
 
-def test_the_later_of_two_runs_waits_until_the_first_has_moved_its_files(tmp_path: Path) -> None:
-    """Two sets are moved one after the other, in whatever order: afterwards all files are of one run."""
-    script = """
-import os, sys, time
-from pathlib import Path
-from eccentric.output import whole_folder
-replace = os.replace
-def slowly(*names):
-    time.sleep(0.002)
-    replace(*names)
-os.replace = slowly
-for _ in range(8):
-    with whole_folder(sys.argv[1], "fit") as new:
-        for k in range(8):
-            (new / f"f{k}").write_text(sys.argv[2])
-"""
-    out = tmp_path / "out"
-    runs = [
-        subprocess.Popen(
-            [sys.executable, "-c", script, str(out), text], cwd=ROOT, stderr=subprocess.PIPE, text=True
-        )
-        for text in ("one", "two")
-    ]
-    assert ["", ""] == [run.communicate(timeout=60)[1] for run in runs]
-    assert 1 == len({path.read_text() for path in out.glob("f*")})
+def test_the_later_of_two_runs_waits_until_the_first_has_moved_its_files(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Two sets are moved one after the other: one that comes while another is in the middle does not mix."""
+    out, replace = tmp_path / "out", Path.replace
+    middle, go = threading.Event(), threading.Event()
+
+    def run(text: str) -> None:
+        with whole_folder(out, "fit") as new:
+            for name in ("fit.json", "fit.png", "fit.svg"):
+                (new / name).write_text(text)
+
+    def halting(self: Path, target: Path) -> Path:
+        if threading.current_thread() is first and self.name == "fit.png" and not go.is_set():
+            middle.set()
+            assert go.wait(60)
+        return replace(self, target)
+
+    run("before")
+    monkeypatch.setattr(Path, "replace", halting)
+    first, second = (threading.Thread(target=run, args=(text,)) for text in ("first", "second"))
+    first.start()
+    assert middle.wait(60)
+    second.start()
+    second.join(0.3)
+    assert second.is_alive()
+    go.set()
+    first.join()
+    second.join()
+    assert {"second"} == {path.read_text() for path in out.glob("fit.*")}
     assert [] == left_by(tmp_path)
+
+
+def test_without_locks_a_run_does_not_meddle_with_one_that_may_live(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A journal younger than an hour is in the way, with one line; an older one is undone."""
+    monkeypatch.setattr(locks, "fcntl", None)
+    out, other = tmp_path / "out", tmp_path / "out" / (".eccentric-" + 16 * "0")
+    with whole_folder(out, "fit") as new:
+        (new / "fit.json").write_text("first")
+    (other / "new").mkdir(parents=True)
+    (other / "old").mkdir()
+    (out / "fit.json").rename(other / "old" / "fit.json")
+    plan = {"names": ["fit.json"], "leaving": ["fit.json"], "made": [], "fresh": False}
+    (other / "journal").write_text(json.dumps(plan))
+
+    with pytest.raises(InputError, match=r"no other run is writing is required; .* again in an hour$"):
+        fill(out)
+    for path in (other, *other.rglob("*")):
+        past = path.stat().st_mtime - 3601.0
+        os.utime(path, (past, past))
+    fill(out)
+    assert {"fit.json": "first", "a": "a"} == {p.name: p.read_text() for p in out.glob("[!.]*")}
+    assert [] == left_by(tmp_path)
+
+
+def fill(out: Path) -> None:
+    """Write one file by a command of its own."""
+    with whole_folder(out, "emit arm") as new:
+        (new / "a").write_text("a")
+
+
+@pytest.mark.parametrize("moves", range(3))
+def test_an_interrupted_bench_leaves_no_log_without_its_rig(
+    moves: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The log, the rig and the truth are there, or none: a second run could not overwrite the log."""
+    run = SimpleNamespace(columns={"time_s": np.zeros(3)}, rig={}, truth={})
+    move, left = shutil.move, [moves]
+
+    def interrupted(source: Path, target: Path) -> None:
+        move(source, target)
+        left[0] -= 1
+        if left[0] < 0:
+            raise KeyboardInterrupt
+
+    monkeypatch.setattr("shutil.move", interrupted)
+    with pytest.raises(KeyboardInterrupt):
+        write(run, tmp_path / "log.csv.gz")  # pyright: ignore[reportArgumentType]
+    assert [] == list(tmp_path.iterdir())

@@ -44,13 +44,25 @@ def write(run: BenchRun, path: str | Path) -> tuple[Path, Path, Path]:
         with tempfile.TemporaryDirectory(dir=log.parent) as folder:
             for target, content in contents.items():
                 (Path(folder) / target.name).write_bytes(content)
-            for target in contents:
-                shutil.move(Path(folder) / target.name, target)
+            _move(Path(folder), list(contents))
     except OSError as error:
         raise InputError(
             f"{path}: a file that can be written is required ({error.strerror or error})"
         ) from error
     return log, rig, truth
+
+
+def _move(folder: Path, targets: list[Path]) -> None:
+    """Move the files of a folder to their places, none of which is taken; if one fails, remove the others."""
+    moved: list[Path] = []
+    try:
+        for target in targets:
+            moved.append(target)  # before it is there: an interrupt may come right after the move
+            shutil.move(folder / target.name, target)
+    except BaseException:
+        for target in moved:
+            target.unlink(missing_ok=True)
+        raise
 
 
 def free_paths(path: str | Path) -> tuple[Path, Path, Path]:
