@@ -16,8 +16,8 @@ waits for the disk.
 
 Locks are those of `flock`, on a file in each temporary folder and, while a set is moved, on `.eccentric-lock`
 in the target; on NFS they hold between machines. Where there are none (Windows, some network file systems)
-a temporary folder is taken for abandoned after an hour, and two runs that move files into one folder within
-the same milliseconds are not kept apart.
+a temporary folder is taken for abandoned after an hour; a run that finds a younger journal is refused with
+one line, and two that move files into one folder within the same milliseconds are not kept apart.
 """
 
 from eccentric.output.folders import MARKER, folder_to_write, own_folder
