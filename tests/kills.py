@@ -1,9 +1,7 @@
-"""Runs that are killed, stopped or interrupted before a chosen step of their writing: always the same one."""
+"""Runs that are killed or interrupted before a chosen step of their writing: always the same one."""
 
 from __future__ import annotations
 
-import os
-import signal
 import subprocess
 import sys
 from pathlib import Path
@@ -89,9 +87,3 @@ def left_by(folder: Path) -> list[str]:
     """Names of what a run has left beside its results: temporary folders and locks."""
     return sorted(path.name for path in folder.rglob(".eccentric-*"))
 
-
-def stop(process: subprocess.Popen[str], number: signal.Signals) -> tuple[int, str]:
-    """Send a signal; return the exit status and what was said on stderr."""
-    os.kill(process.pid, number)
-    _, said = process.communicate(timeout=60)
-    return process.returncode, said

@@ -9,10 +9,10 @@
     whole       one file, a set of files, or a folder of a command's files
 
 What holds, whenever a run is killed: a file is the old one or the new one. Files of one set that are there
-are all of one run; between the first move and the last (milliseconds, SIGKILL only: other signals wait) some
-may be missing. They are then in the folder `.eccentric-<hex>` beside them, with a journal, and the next run
-that writes there puts the old set back before it does anything else. A loss of power is not covered: nothing
-waits for the disk.
+are all of one run; between the first move and the last some may be missing. They are then in the folder
+`.eccentric-<hex>` beside them, with a journal, and the next run that writes there puts the old set back
+before it does anything else. That takes milliseconds, for which interrupts wait; SIGKILL does not, nor does
+SIGTERM in a program that leaves it to the system. A loss of power is not covered: nothing waits for the disk.
 
 Locks are those of `flock`, on a file in each temporary folder and, while a set is moved, on `.eccentric-lock`
 in the target; on NFS they hold between machines. Where there are none (Windows, some network file systems)
