@@ -86,4 +86,3 @@ def at_each_step(act: str, write: str, start: Path, text: str, *names: str) -> l
 def left_by(folder: Path) -> list[str]:
     """Names of what a run has left beside its results: temporary folders and locks."""
     return sorted(path.name for path in folder.rglob(".eccentric-*"))
-
