@@ -8,6 +8,7 @@ from types import ModuleType
 
 import numpy as np
 import pytest
+from _pytest.mark import ParameterSet
 
 from eccentric.effects import Effect, Setting, library
 from eccentric.emission import executed, render, render_check
@@ -16,6 +17,7 @@ from eccentric.model import Model, load_model
 BASE = {"C1": "c1_perpendicular", "C2": "c2_parallel"}
 CASES = tuple(BASE)
 every_case = pytest.mark.parametrize("case", CASES)
+slow = pytest.mark.slow
 M, M_L, L, MU, R, K_I, K_E, G, J_M, J_L = 0.5, 0.2, 0.25, 0.2, 1.0, 0.02, 0.05, 9.81, 2e-4, 0.04
 KNOWN = {"M": M, "M_l": M_L, "L": L, "mu": MU, "R": R, "k_i": K_I, "k_e": K_E, "g": G, "J_m": J_M, "J_l": J_L}
 MEAN, END, WARM, W_MAX = 20.0, 60.0, 25.0, 80.0
@@ -128,6 +130,19 @@ def extended(case: str) -> tuple[Extended, ...]:
 
 
 AT_WORK = {f"{BASE[case]}_{k}": (case, k) for case in CASES for k in range(len(groups(case)))}
+# What `make test` samples of them: states that follow the drive, or time, with an exponential; one without a state.
+SAMPLED = (("C1", "sensor_delay"), ("C2", "hidden_thermal_drift"), ("C1", "viscosity_temperature[arrhenius]"))
+
+
+def some_at_work() -> list[ParameterSet]:
+    """Return the names of the extended models as parameters of a test, most of them slow."""
+    return [
+        pytest.param(
+            name,
+            marks=() if any(c == case and e.id == i for c, i in SAMPLED for e in groups(case)[k]) else slow,
+        )
+        for name, (case, k) in AT_WORK.items()
+    ]
 
 
 def members(name: str) -> tuple[Effect, ...]:

@@ -1,16 +1,16 @@
 """Proved, not sampled: within its ranges no emitted function overflows, makes a NaN or is undefined."""
 
-import os
 import re
 import shutil
 import subprocess
-from concurrent.futures import Future, ThreadPoolExecutor
+from collections.abc import Callable
+from functools import cache
 from pathlib import Path
 
 import pytest
 
 from tests.emitted import MODELS
-from tests.extended import AT_WORK, at_work, members, written
+from tests.extended import AT_WORK, at_work, members, some_at_work, written
 
 CHECK = Path(__file__).resolve().parent.parent / "generated" / "check"
 # A result of which nothing is known reaches the largest finite number, which Eva prints to 12 digits.
@@ -52,32 +52,24 @@ def alarms(said: str) -> list[str]:
 
 
 @pytest.fixture(scope="module")
-def folders(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
-    """Return where the files of each model are: the paper's models, and every effect in some model."""
-    extended = {name: written(at_work(name), tmp_path_factory.mktemp(name)) for name in AT_WORK}
-    return dict.fromkeys(MODELS, CHECK.parent) | extended
+def folder_of(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str], Path]:
+    """Return what gives the folder of a model's files: one of the paper's, or an extended one, written once."""
 
+    @cache
+    def folder(name: str) -> Path:
+        return written(at_work(name), tmp_path_factory.mktemp(name)) if name in AT_WORK else CHECK.parent
 
-@pytest.fixture(scope="module")
-def proofs(folders: dict[str, Path]) -> dict[tuple[str, str], Future[str]]:
-    """Run all proofs, as many at a time as there are processors."""
-    pool = ThreadPoolExecutor(os.cpu_count())
-    return {
-        (name, real): pool.submit(proved, folder / "check" / f"{name}_proof.c", real)
-        for name, folder in folders.items()
-        for real in LARGEST
-    }
+    return folder
 
 
 @pytest.mark.parametrize("real", LARGEST)
-@pytest.mark.parametrize("name", [*MODELS, *AT_WORK])
-def test_proved(
-    folders: dict[str, Path], proofs: dict[tuple[str, str], Future[str]], name: str, real: str
-) -> None:
+@pytest.mark.parametrize("name", [*MODELS, *some_at_work()])
+def test_proved(folder_of: Callable[[str], Path], name: str, real: str) -> None:
     """Eva has no alarm, nothing is taken on trust, and every function of the header has finite results."""
-    said = proofs[name, real].result()
+    folder = folder_of(name)
+    said = proved(folder / "check" / f"{name}_proof.c", real)
 
-    header = (folders[name] / f"{name}.h").read_text(encoding="utf-8")
+    header = (folder / f"{name}.h").read_text(encoding="utf-8")
     functions = set(re.findall(rf"^\w+ {name}_(\w+)\(", header, re.MULTILINE)) - {"prepare"}
     ends = shown(said)
     assert [] == alarms(said)
