@@ -30,13 +30,13 @@ run: $(DERIVED)
 	@echo "build/c2_parallel_extended.o: the extended model, compiled with $(CC) $(STRICT)"
 
 # One process per processor: threads of a linear algebra library would only wait for each other. In the order of
-# their names: the files with the fewest tests, which would come last, take the longest.
+# tests/conftest.py: the files with the fewest tests, which would come last, take the longest.
 test: $(TEST)
 	@OMP_NUM_THREADS=1 $(BIN)/python -m pytest -n auto --dist loadfile --no-loadscope-reorder -m "not slow"
 
-# What `make test` samples, in full.
+# What `make test` samples, in full; tests that share something long name a group, which goes to one process.
 test-slow: $(TEST)
-	@OMP_NUM_THREADS=1 $(BIN)/python -m pytest -n auto -m slow
+	@OMP_NUM_THREADS=1 $(BIN)/python -m pytest -n auto --dist loadgroup -m slow
 
 derive: $(RUN)
 	@$(BIN)/eccentric derive

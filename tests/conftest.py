@@ -1,7 +1,17 @@
-"""One Hypothesis profile for all: the same examples everywhere, no deadline, few enough to stay quick."""
+"""What all tests share: a Hypothesis profile, the longest files first, and the bundled log's diagnosis."""
 
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import pytest
 from hypothesis import Phase, settings
 
+if TYPE_CHECKING:  # What most files do not need takes a second or two to import.
+    from eccentric.diagnosis import Diagnosis
+
+# One profile for all: the same examples everywhere, no deadline, few enough to stay quick.
 # No shrinking: an example is small as it is, and shrinking at 50 digits takes minutes.
 settings.register_profile(
     "eccentric",
@@ -12,3 +22,41 @@ settings.register_profile(
     phases=(Phase.explicit, Phase.generate),
 )
 settings.load_profile("eccentric")
+
+BENCH = Path(__file__).resolve().parent.parent / "examples" / "bench"
+LONGEST = (
+    "test_diagnose", "test_misra", "test_voltage_alone", "test_browser", "test_proof", "test_tutorial",
+    "test_compiled_cache", "test_closed_forms_numpy", "test_compiled_backend", "test_diagnose_input",
+    "test_tilted", "test_current_scale", "test_controls", "test_friction_of_a_voltage", "test_api_diagnose",
+    "test_request", "test_diagnose_folder", "test_target", "test_selftest", "test_from_python",
+)  # fmt: skip
+"""A file goes to one process as a whole: one of these, begun last, would leave the other processes idle."""
+
+
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Begin with the longest files; the others follow in the order of their names."""
+    place = {name: k for k, name in enumerate(LONGEST)}
+    items.sort(key=lambda item: place.get(item.path.stem, len(place)))
+
+
+@pytest.fixture(scope="session")
+def bundled(tmp_path_factory: pytest.TempPathFactory) -> tuple[Diagnosis, Path]:
+    """The diagnosis of the bundled log, and the folder that `eccentric diagnose` writes; to be read only.
+
+    One for all files that a process runs.
+    """
+    from eccentric.api import diagnosed
+    from eccentric.cli import main
+
+    out, found = tmp_path_factory.mktemp("bundled") / "out", []
+    diagnose_logs = diagnosed.diagnose_logs
+
+    def kept(*given: object) -> Diagnosis:
+        found.append(diagnose_logs(*given))  # pyright: ignore[reportArgumentType]
+        return found[-1]
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(diagnosed, "diagnose_logs", kept)
+        log, rig = (str(BENCH / name) for name in ("bench.csv.gz", "bench.json"))
+        assert 0 == main(["diagnose", log, "--rig", rig, "--out", str(out)])
+    return found[0], out

@@ -130,7 +130,7 @@ def extended(case: str) -> tuple[Extended, ...]:
 
 
 AT_WORK = {f"{BASE[case]}_{k}": (case, k) for case in CASES for k in range(len(groups(case)))}
-# What `make test` samples of them: states that follow the drive, or time, with an exponential; one without a state.
+# What `make test` samples of them: models with states and an exponential, and one without a state.
 SAMPLED = (("C1", "sensor_delay"), ("C2", "hidden_thermal_drift"), ("C1", "viscosity_temperature[arrhenius]"))
 
 

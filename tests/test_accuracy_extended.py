@@ -3,6 +3,7 @@
 import dataclasses
 import math
 import re
+from collections.abc import Callable
 from functools import cache
 
 import mpmath
@@ -194,10 +195,11 @@ def test_friction_keeps_its_bounds(case: str, drive: str, dtype: Real) -> None:
 
 
 @both_precisions
+@pytest.mark.parametrize("made", [models, pytest.param(extended.extended, marks=pytest.mark.slow)])
 @pytest.mark.parametrize("case", extended.CASES)
-def test_normal_force(case: str, dtype: Real) -> None:
+def test_normal_force(case: str, made: Callable[[str], tuple[extended.Extended, ...]], dtype: Real) -> None:
     """Whatever effects a header promises it of, F_N is right to its last places, the angle shifted or not."""
-    for one in (*extended.extended(case), *models(case)):
+    for one in made(case):
         if any(FORCE not in kept(effect) for effect in one.effects):
             continue
         given, p, shift = of_drive(one, "mu = 1/5", 0.3)

@@ -15,7 +15,8 @@ import pytest
 from matplotlib import pyplot as plt
 
 import eccentric
-from eccentric import DiagnosisResult, InputError, Model, cli
+from eccentric import DiagnosisResult, InputError, Model
+from eccentric.diagnosis import Diagnosis
 from eccentric.effects import Setting, library
 from eccentric.emission import complete, load_module
 from generated import c2_parallel
@@ -46,11 +47,9 @@ def extended(family: str) -> Model:
 
 
 @pytest.fixture(scope="module")
-def written(tmp_path_factory: pytest.TempPathFactory) -> Path:
+def written(bundled: tuple[Diagnosis, Path]) -> Path:
     """What the command writes for the same log."""
-    out = tmp_path_factory.mktemp("diagnosis") / "out"
-    assert 0 == cli.main(["diagnose", str(LOG), "--rig", str(RIG), "--out", str(out)])
-    return out
+    return bundled[1]
 
 
 def test_the_command_finds_the_same(result: DiagnosisResult, written: Path, tmp_path: Path) -> None:
@@ -171,7 +170,8 @@ def test_a_live_model_that_ships_is_known_by_its_name() -> None:
     """The script loads it by name, as if the name had been given."""
     bench = eccentric.bench(seconds=15, seed=3)
 
-    found = eccentric.diagnose(bench.log, bench.rig, eccentric.load_model("c2_parallel"))
+    model = eccentric.load_model("c2_parallel")
+    found = eccentric.diagnose(bench.log, bench.rig, model, only="stribeck")
 
     assert "model = load_model('c2_parallel')" in found.script
     assert {} == found.own
@@ -253,7 +253,8 @@ def test_scripts_of_ones_own_travel_with_a_pickled_result(tmp_path: Path) -> Non
     own = tmp_path / "mine.py"
     own.write_text("from eccentric.model import load_model\n\nmodel = load_model('c2_parallel')\n")
     bench = eccentric.bench(seconds=15, seed=3)
-    found = pickle.loads(pickle.dumps(eccentric.diagnose(bench.log, bench.rig, own)))  # noqa: S301
+    found = eccentric.diagnose(bench.log, bench.rig, own, only="stribeck")
+    found = pickle.loads(pickle.dumps(found))  # noqa: S301
     text = own.read_text()
     own.unlink()
 

@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 from reported import HOSTILE, nothing_missing, sample
 
-from eccentric.diagnosis import diagnose
+from eccentric.diagnosis import Diagnosis
 from eccentric.report import page, report
 
 playwright = pytest.importorskip("playwright.sync_api", reason="Playwright is not installed")
@@ -86,11 +86,11 @@ def browser() -> Iterator[Any]:
 
 
 @pytest.fixture(scope="module")
-def pages(tmp_path_factory: pytest.TempPathFactory) -> Path:
+def pages(tmp_path_factory: pytest.TempPathFactory, bundled: tuple[Diagnosis, Path]) -> Path:
     """Reports on disk: of the bundled log, of made-up ones, and of one whose names are attacks."""
     out = tmp_path_factory.mktemp("reports")
     texts = {
-        "bundled": report(diagnose([LOG], RIG)),
+        "bundled": report(bundled[0]),
         "long": page(sample(100_000, 4)),
         "short": page(nothing_missing(sample(50))),
         "hostile": page(sample(text=HOSTILE)),

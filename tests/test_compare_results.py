@@ -82,6 +82,7 @@ def test_the_reference_logs_are_those_of_the_issue() -> None:
     assert [] == [name for name, (_, rig) in every.items() if rig.suffix == ".toml" and not rig.is_file()]
 
 
+@pytest.mark.slow
 def test_reference_results_are_written_once_for_each_command(tmp_path: Path) -> None:
     """A log gives its two results; one that is not there gives a line for each command and stops nothing."""
     log, rig = log_of(tmp_path, 9004, seconds=20.0)

@@ -119,7 +119,9 @@ def effects(setting):
     assert (out / "model.py").is_file()
 
 
-@pytest.mark.parametrize("number", [1, 2, 3, 4])
+@pytest.mark.parametrize(
+    "number", [1, pytest.param(2, marks=pytest.mark.slow), 3, pytest.param(4, marks=pytest.mark.slow)]
+)
 def test_shared_examples_come_out_as_their_truth(number: int) -> None:
     """The development logs are diagnosed as their sealed truth says."""
     log = SHARED / f"example{number}.csv.gz"

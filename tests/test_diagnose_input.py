@@ -51,6 +51,7 @@ def test_voltage_alone_names_the_same_effect(tmp_path: Path) -> None:
     assert "N m" == found.unit
 
 
+@pytest.mark.slow
 def test_zero_angle_to_be_found_does_not_hide_behind_an_effect(tmp_path: Path) -> None:
     """A zero angle that the rig leaves open is estimated with the effect, not named as another one."""
     rig = rig_with(
@@ -64,7 +65,10 @@ def test_zero_angle_to_be_found_does_not_hide_behind_an_effect(tmp_path: Path) -
 
 
 def test_zero_angle_and_offset_are_told_once_as_they_were_planted(tmp_path: Path) -> None:
-    """Both are in the result once, under the rig's names; their intervals hold what was added to the log."""
+    """Both are in the result once, under the rig's names; their intervals hold what was added to the log.
+
+    The effect is named beside them.
+    """
     rig = rig_with(
         tmp_path,
         (
@@ -75,6 +79,7 @@ def test_zero_angle_and_offset_are_told_once_as_they_were_planted(tmp_path: Path
         ('voltage = "voltage_V"\ncurrent = "current_A"', 'voltage = "voltage_V + 0.3"'),
     )
     found = diagnose([LOG], rig)
+    assert ["link_harmonic_friction"] == [effect.family for effect, _ in found.effects]
     said = diagnosis_document(found)["rig_identified"]
     shown = {fact.name: fact.value for fact in report_data(found).log.facts}
 
@@ -184,7 +189,7 @@ def test_one_run_is_too_little_to_hold_out(
     assert not (tmp_path / "out").exists()
 
 
-@pytest.mark.parametrize("k_e", ["0.05", "0.03"])
+@pytest.mark.parametrize("k_e", ["0.05", pytest.param("0.03", marks=pytest.mark.slow)])
 def test_a_wrong_constant_of_the_rig_is_told_as_what_it_is(tmp_path: Path, k_e: str) -> None:
     """The sentence gives the quantity, its value by the log and that of the rig, and says it once."""
     rig = rig_with(tmp_path, ('k_e = "0.063 V s/rad"', f'k_e = "{k_e} V s/rad"'))

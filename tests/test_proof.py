@@ -53,7 +53,7 @@ def alarms(said: str) -> list[str]:
 
 @pytest.fixture(scope="module")
 def folder_of(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str], Path]:
-    """Return what gives the folder of a model's files: one of the paper's, or an extended one, written once."""
+    """Return what gives the folder of a model's files; those of an extended one are written once."""
 
     @cache
     def folder(name: str) -> Path:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import functools
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
@@ -27,6 +28,11 @@ def screw_drive(number: int) -> Diagnosis:
     return found(f"tro2021_drive{number}", "tro2021_screw_drives")
 
 
+def of_the_servo(test: Callable[[], None]) -> Callable[[], None]:
+    """Mark a slow test that shares the longest diagnosis: all of them go to one process."""
+    return pytest.mark.slow(pytest.mark.xdist_group("servo")(test))
+
+
 def servo() -> Diagnosis:
     """The hobby servo."""
     return found("bam_xl330_pendulum")
@@ -37,6 +43,7 @@ def order_near(diagnosis: Diagnosis, wanted: float) -> float:
     return max((o.share for o in diagnosis.orders if abs(o.per_turn - wanted) < 0.05), default=0.0)
 
 
+@of_the_servo
 def test_servo_lacks_friction_that_follows_the_load_of_its_gear() -> None:
     """The largest effect is load-dependent; the gain on held-out and on left-out runs is clear of none."""
     diagnosis = servo()
@@ -47,6 +54,7 @@ def test_servo_lacks_friction_that_follows_the_load_of_its_gear() -> None:
     assert over.gains["extended"][1][0] > 0.0
 
 
+@of_the_servo
 def test_normal_force_of_the_bearing_is_not_the_load_of_the_servo() -> None:
     """Friction by F_N does not help on unseen runs, and with the load of the gear nothing of it is left."""
     diagnosis = servo()
@@ -57,6 +65,7 @@ def test_normal_force_of_the_bearing_is_not_the_load_of_the_servo() -> None:
     assert held == {"B_lN": "lower", "C_lN": "lower"}
 
 
+@of_the_servo
 def test_motor_of_the_servo_is_that_of_other_logs() -> None:
     """R/k_i and k_e lie where R of 2.8 to 4.8 ohm and k_t = k_e of 0.32 to 0.39 N m/A put them."""
     estimates = servo().models.extended.estimates
@@ -64,6 +73,7 @@ def test_motor_of_the_servo_is_that_of_other_logs() -> None:
     assert 0.32 < estimates["k_e"].value < 0.39
 
 
+@of_the_servo
 def test_free_swings_of_the_servo_have_the_same_friction() -> None:
     """With the motor off, where nothing electrical is, the same friction predicts as well as with it on."""
     diagnosis = servo()
@@ -107,6 +117,7 @@ def test_nothing_is_invented_on_the_quasi_direct_drive() -> None:
     assert gravity == pytest.approx(3.68, rel=0.05)
 
 
+@pytest.mark.slow
 def test_disc_is_aligned_and_nothing_unsupported_is_named() -> None:
     """One to one and a half steps late, zero angle off by 0.05 rad; held-out data backs whatever is named."""
     diagnosis = found("tue_unbalanced_disc")

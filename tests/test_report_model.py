@@ -12,7 +12,7 @@ import pytest
 
 from eccentric.cli import diagnose as command
 from eccentric.cli import main
-from eccentric.diagnosis import Diagnosis, diagnose, script
+from eccentric.diagnosis import Diagnosis, script
 from eccentric.report import report_data
 from tests.page_reader import Reader
 
@@ -21,19 +21,15 @@ LOG, RIG = ROOT / "examples" / "bench" / "bench.csv.gz", ROOT / "examples" / "be
 
 
 @pytest.fixture(scope="module")
-def found() -> Diagnosis:
+def found(bundled: tuple[Diagnosis, Path]) -> Diagnosis:
     """The diagnosis of the bundled log."""
-    return diagnose([LOG], RIG)
+    return bundled[0]
 
 
 @pytest.fixture(scope="module")
-def out(found: Diagnosis, tmp_path_factory: pytest.TempPathFactory) -> Path:
+def out(bundled: tuple[Diagnosis, Path]) -> Path:
     """The folder that the command writes."""
-    folder = tmp_path_factory.mktemp("diagnosed") / "out"
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("eccentric.api.diagnosed.diagnose_logs", lambda *_: found)
-        assert 0 == main(["diagnose", str(LOG), "--rig", str(RIG), "--out", str(folder)])
-    return folder
+    return bundled[1]
 
 
 @pytest.mark.parametrize("real", ["float", "double"])

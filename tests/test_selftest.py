@@ -11,8 +11,13 @@ from eccentric.emission import render, render_check
 from eccentric.model import load_model
 from tests import extended
 from tests.compiled import FLAGS
-from tests.emitted import every_model
+from tests.emitted import MODELS, every_model
 from tests.hosts import CHECK, HOSTS, REALS, both_reals, need, on_host
+
+
+def few(name: str, host: str) -> bool:
+    """Whether `make test` compiles the model so: each model with one compiler, the largest with every one."""
+    return host == "gcc-O2-fma" or name == "rotating_link"
 
 
 @every_model
@@ -24,8 +29,14 @@ def test_check_files_are_fresh(name: str) -> None:
         assert text == (GENERATED / file).read_text(encoding="utf-8"), f"{file} is stale: make derive"
 
 
-@pytest.mark.parametrize("compiler", HOSTS.values(), ids=HOSTS)
-@every_model
+@pytest.mark.parametrize(
+    ("name", "compiler"),
+    [
+        pytest.param(name, compiler, id=f"{name}-{host}", marks=() if few(name, host) else pytest.mark.slow)
+        for name in MODELS
+        for host, compiler in HOSTS.items()
+    ],
+)
 def test_same_bits_on_hosts(tmp_path: Path, name: str, compiler: tuple[str, ...]) -> None:
     """NumPy's bits in both precisions, from every compiler, without a word of the sanitizers'."""
     need(*compiler)
@@ -76,10 +87,10 @@ def exponential(folder: Path, case: str, effect_id: str, *options: str) -> subpr
     ("case", "effect_id"),
     [
         ("C2", "hidden_thermal_drift"),
-        ("C2", "load_dependent[progressive]"),
-        ("C2", "stribeck_load[F_N]"),
+        pytest.param("C2", "load_dependent[progressive]", marks=pytest.mark.slow),
+        pytest.param("C2", "stribeck_load[F_N]", marks=pytest.mark.slow),
         ("C1", "sensor_delay"),
-        ("C1", "magnetic_hysteresis[play]"),
+        pytest.param("C1", "magnetic_hysteresis[play]", marks=pytest.mark.slow),
     ],
 )
 def test_models_with_an_exponential(tmp_path: Path, case: str, effect_id: str, real: str) -> None:

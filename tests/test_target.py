@@ -17,7 +17,7 @@ from benchmarks.asked import CODE
 from benchmarks.calls import host_counts
 from benchmarks.cortex_m4 import GENERATED, M4F, M7, OPTIMISED, build, emulate, missing, run
 from benchmarks.target import GRADIENT, TORQUE, grown, target_counts
-from tests.emitted import every_model
+from tests.emitted import MODELS, every_model
 
 CHECK = GENERATED / "check"
 TARGETS = {
@@ -37,6 +37,11 @@ def need(*tools: str) -> None:
         pytest.skip(f"not installed: {', '.join(lacking)}")
 
 
+def few(name: str, target: str) -> bool:
+    """Whether `make test` runs the model there: each on one target, the largest on every one."""
+    return target == "m4f-O2-float" or name == "rotating_link"
+
+
 @cache
 def counted_on_the_target() -> dict[str, list[int]]:
     """Return the instructions of all calls on a Cortex-M4F: one firmware counts them."""
@@ -51,8 +56,14 @@ def counted_on_the_host(real: str) -> dict[str, float]:
         return host_counts(Path(folder), real)
 
 
-@pytest.mark.parametrize(("target", "optimisation", "real"), TARGETS.values(), ids=TARGETS)
-@every_model
+@pytest.mark.parametrize(
+    ("name", "target", "optimisation", "real"),
+    [
+        pytest.param(name, *how, id=f"{name}-{target}", marks=() if few(name, target) else pytest.mark.slow)
+        for name in MODELS
+        for target, how in TARGETS.items()
+    ],
+)
 def test_same_bits_on_targets(
     tmp_path: Path, name: str, target: tuple[str, ...], optimisation: str, real: str
 ) -> None:

@@ -62,6 +62,11 @@ def twice_a_turn(theta: Array, omega: Array) -> Array:
 
 DECLARED = f"phi_rad = {TILT}\n"
 OPEN = "[unknown]\nphi_rad = [0.2, 1.3]\n"
+# Open is the harder one.
+declared_or_open = pytest.mark.parametrize(
+    "tilt",
+    [pytest.param(DECLARED, id="declared", marks=pytest.mark.slow), pytest.param(OPEN, id="open")],
+)
 
 
 def diagnosed(folder: Path, rig: Tilted, tilt: str, model: str | None = None) -> Diagnosis:
@@ -70,7 +75,7 @@ def diagnosed(folder: Path, rig: Tilted, tilt: str, model: str | None = None) ->
     return diagnose([log], write_rig(folder / "rig.toml", rig.rig(tilt), HELD_OUT), model)
 
 
-@pytest.mark.parametrize("tilt", [DECLARED, OPEN], ids=["declared", "open"])
+@declared_or_open
 def test_what_the_model_describes_lacks_nothing(tmp_path: Path, tilt: str) -> None:
     """Of friction by the paper's postulate nothing is missing; its coefficient is found, and an open tilt."""
     found = diagnosed(tmp_path, Tilted(), tilt)
@@ -82,7 +87,7 @@ def test_what_the_model_describes_lacks_nothing(tmp_path: Path, tilt: str) -> No
     assert ("phi" in fitted.estimates) == (tilt == OPEN)
 
 
-@pytest.mark.parametrize("tilt", [DECLARED, OPEN], ids=["declared", "open"])
+@declared_or_open
 def test_an_effect_is_named_alone(tmp_path: Path, tilt: str) -> None:
     """Friction that varies over the turn is named, and an open tilt estimated beside it."""
     found = diagnosed(tmp_path, Tilted(more=twice_a_turn), tilt)

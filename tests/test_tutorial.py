@@ -13,7 +13,11 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).resolve().parents[1]
-PAGES = ("tutorial", "own-effect", "own-derivation")
+PAGES = (
+    "tutorial",
+    pytest.param("own-effect", marks=pytest.mark.slow),
+    pytest.param("own-derivation", marks=pytest.mark.slow),
+)
 BLOCK = re.compile(r"^```(\S+)(?: (\S+))?\n(.*?)^```$", re.DOTALL | re.MULTILINE)
 NUMBER = re.compile(r"-?\d+(?:\.\d+)?(?:e[-+]\d+)?")
 MARK = "-- the next command --"

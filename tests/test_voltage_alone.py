@@ -97,6 +97,7 @@ def stribeck(_: Array, omega: Array) -> Array:
     return 0.02 * np.exp(-((omega / 2.0) ** 2)) * np.sign(omega)
 
 
+@pytest.mark.slow
 def test_stribeck_friction_is_not_named_presliding(tmp_path: Path) -> None:
     """Dry friction that falls with speed and has no memory is not named as one that has."""
     found = diagnosed(tmp_path, stribeck)
