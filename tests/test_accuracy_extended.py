@@ -27,8 +27,13 @@ from tests.compiled import Real
 from tests.emitted import both_precisions
 from tests.paper import Parameters
 from tests.promised import DERIVATIVES, gradient_error
-from tests.test_accuracy import drive_parameters, every_drive
+from tests.test_accuracy import DRIVES, drive_parameters
 
+# Every drive with the models of the paper: test_accuracy.py.
+SOME = {"mu = 1/5", "much unbalance", "exact velocity"}
+some_drives = pytest.mark.parametrize(
+    "drive", [pytest.param(drive, marks=() if drive in SOME else pytest.mark.slow) for drive in DRIVES]
+)
 FEW = {np.float64: 80, np.float32: 40}  # states of each set
 TILT, MORE = 0.3, 0.4  # rad; and the share by which the mass is greater
 FORCE, FRICTION = "normal force", "friction and its derivatives"
@@ -168,7 +173,7 @@ def columns(one: extended.Extended, name: str, at: accuracy.Set, p: Parameters) 
 
 
 @both_precisions
-@every_drive
+@some_drives
 @pytest.mark.parametrize("case", extended.CASES)
 def test_friction_keeps_its_bounds(case: str, drive: str, dtype: Real) -> None:
     """Effects that leave friction as it is, or add powers of the speed to it, leave it as exact as it was."""
@@ -210,7 +215,7 @@ def test_normal_force(case: str, made: Callable[[str], tuple[extended.Extended, 
 
 
 @both_precisions
-@every_drive
+@some_drives
 @pytest.mark.parametrize("offset", [-LARGEST_SHIFT, -0.7, 1e-3, 1.5, LARGEST_SHIFT])
 def test_shifted_angle(offset: float, drive: str, dtype: Real) -> None:
     """A shifted angle costs F_N nothing, even near the shifted zero of F_N and far from theta_m = 0."""

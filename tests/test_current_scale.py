@@ -34,6 +34,7 @@ def test_a_wrong_k_i_is_named_with_its_right_value(tmp_path: Path) -> None:
     assert "M g L" not in diagnosis_sentence(found)
 
 
+@pytest.mark.slow
 def test_a_wrong_mass_is_not_taken_for_a_wrong_k_i(tmp_path: Path) -> None:
     """With the inertia right, gravity alone is off: the mass."""
     log, rig = log_of(tmp_path, 9004, log_type="traj")
@@ -43,6 +44,7 @@ def test_a_wrong_mass_is_not_taken_for_a_wrong_k_i(tmp_path: Path) -> None:
     assert "k_i" not in diagnosis_sentence(found)
 
 
+@pytest.mark.slow
 def test_a_wrong_inertia_is_not_taken_for_a_wrong_k_i(tmp_path: Path) -> None:
     """With gravity right, the inertia alone is off."""
     log, rig = log_of(tmp_path, 9004, log_type="traj")

@@ -19,7 +19,7 @@ SHARED = ROOT.parent / "shared" / "data" / "examples"
 @pytest.mark.parametrize(
     ("seed", "effect", "options"),
     [
-        (9001, "stribeck", {}),
+        pytest.param(9001, "stribeck", {}, marks=pytest.mark.slow),
         (9002, "current_bias", {"case": "C1"}),
         (9003, "viscosity_temperature", {"temperature": True, "seconds": 60.0}),
     ],

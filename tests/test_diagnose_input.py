@@ -42,6 +42,7 @@ def test_torque_signal_needs_no_motor_constants(tmp_path: Path) -> None:
     assert {"mechanical"} == set(found.score.rmse)
 
 
+@pytest.mark.slow
 def test_voltage_alone_names_the_same_effect(tmp_path: Path) -> None:
     """With R and k_i known the voltage gives newton metres, and the effect is that of the current."""
     rig = rig_with(tmp_path, ('drive = "current"', 'drive = "voltage"'), ('\ncurrent = "current_A"', ""))

@@ -73,7 +73,10 @@ def shell(folder: Path, *commands: str) -> subprocess.CompletedProcess[str]:
     )  # fmt: skip
 
 
-@pytest.mark.parametrize("renamed", [False, True], ids=["as it is", "by another name"])
+@pytest.mark.parametrize(
+    "renamed",
+    [pytest.param(False, id="as it is", marks=pytest.mark.slow), pytest.param(True, id="by another name")],
+)
 def test_the_arm_of_a_fit(own: Path, renamed: bool) -> None:
     """By the README's commands the firmware runs with the parameters of a fit, under any name."""
     readme = (FIRMWARE / "README.md").read_text(encoding="utf-8")

@@ -161,7 +161,11 @@ def called(result: eccentric.DiagnosisResult) -> str:
 
 
 @pytest.mark.parametrize(
-    ("swings", "expected"), [(False, "friction_torque"), (True, "mechanical_friction_torque")]
+    ("swings", "expected"),
+    [
+        (False, "friction_torque"),
+        pytest.param(True, "mechanical_friction_torque", marks=pytest.mark.slow),
+    ],
 )
 def test_the_summary_calls_the_friction_that_was_found(tmp_path: Path, swings: bool, expected: str) -> None:
     """Free swings separate the back-EMF from friction, driven runs alone do not; the script says which."""

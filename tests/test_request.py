@@ -117,11 +117,20 @@ def test_a_name_that_cannot_be_served_is_refused_in_one_line(
     assert re.search(message, said)
 
 
-def test_a_shipped_model_that_predicts_better_as_it_stands_is_named(tmp_path: Path) -> None:
+ASYMMETRIC = ["viscous_asymmetry", "coulomb_asymmetry", "oneway_windage", "current_bias", "gravity_tilt"]
+
+
+@pytest.mark.parametrize(
+    "asked",
+    [{"only": "stribeck"}, pytest.param({"without": ASYMMETRIC}, marks=pytest.mark.slow)],
+    ids=["only", "without"],
+)
+def test_a_shipped_model_that_predicts_better_as_it_stands_is_named(
+    tmp_path: Path, asked: dict[str, Any]
+) -> None:
     """Friction of another size per direction: with the effects of it left out, the asymmetric model is."""
     log, rig = log_of(tmp_path, 4, ("viscous_asymmetry", 0.3))
-    left_out = ["viscous_asymmetry", "coulomb_asymmetry", "oneway_windage", "current_bias", "gravity_tilt"]
-    found = eccentric.diagnose(log, rig, without=left_out)
+    found = eccentric.diagnose(log, rig, **asked)
     better = found.document["better_model"]
     rmse = eccentric.compare(log, rig, "c2_asymmetric").rmse["c2_asymmetric"]
 

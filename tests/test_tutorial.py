@@ -14,9 +14,9 @@ import pytest
 
 ROOT = Path(__file__).resolve().parents[1]
 PAGES = (
-    "tutorial",
+    pytest.param("tutorial", marks=pytest.mark.slow),
     pytest.param("own-effect", marks=pytest.mark.slow),
-    pytest.param("own-derivation", marks=pytest.mark.slow),
+    "own-derivation",
 )
 BLOCK = re.compile(r"^```(\S+)(?: (\S+))?\n(.*?)^```$", re.DOTALL | re.MULTILINE)
 NUMBER = re.compile(r"-?\d+(?:\.\d+)?(?:e[-+]\d+)?")
