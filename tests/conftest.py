@@ -25,10 +25,11 @@ settings.load_profile("eccentric")
 
 BENCH = Path(__file__).resolve().parent.parent / "examples" / "bench"
 LONGEST = (
-    "test_diagnose", "test_misra", "test_voltage_alone", "test_browser", "test_proof", "test_tutorial",
-    "test_compiled_cache", "test_closed_forms_numpy", "test_compiled_backend", "test_diagnose_input",
-    "test_tilted", "test_current_scale", "test_controls", "test_friction_of_a_voltage", "test_api_diagnose",
-    "test_request", "test_diagnose_folder", "test_target", "test_selftest", "test_from_python",
+    "test_diagnose", "test_browser", "test_voltage_alone", "test_closed_forms_numpy", "test_compiled_backend",
+    "test_tilted", "test_diagnose_input", "test_api_diagnose", "test_jax", "test_compiled_cache",
+    "test_accuracy", "test_controls", "test_diagnose_folder", "test_misra", "test_target", "test_proof",
+    "test_current_scale", "test_friction_of_a_voltage", "test_from_python", "test_c99",
+    "test_docs", "test_real_rigs", "test_tutorial", "test_compare_results", "test_effect_pairs",
 )  # fmt: skip
 """A file goes to one process as a whole: one of these, begun last, would leave the other processes idle."""
 
