@@ -34,9 +34,9 @@ run: $(DERIVED)
 test: $(TEST)
 	@OMP_NUM_THREADS=1 $(BIN)/python -m pytest -n auto --dist loadfile --no-loadscope-reorder -m "not slow"
 
-# What `make test` samples, in full; tests that share something long name a group, which goes to one process.
+# What `make test` samples, in full.
 test-slow: $(TEST)
-	@OMP_NUM_THREADS=1 $(BIN)/python -m pytest -n auto --dist loadgroup -m slow
+	@OMP_NUM_THREADS=1 $(BIN)/python -m pytest -n auto --dist loadfile --no-loadscope-reorder -m slow
 
 derive: $(RUN)
 	@$(BIN)/eccentric derive

@@ -22,8 +22,8 @@ from eccentric.model import load_model
 from eccentric.rigs import read_rig
 from eccentric.signals import read_channels
 
-# The site takes most of a minute to build, for all tests in one process.
-pytestmark = [pytest.mark.slow, pytest.mark.xdist_group("site")]
+# The site takes most of a minute to build.
+pytestmark = pytest.mark.slow
 ROOT = Path(__file__).resolve().parents[1]
 GREEK = {"eta": "η", "mu": "μ", "rho": "ρ", "tau": "τ", "alpha": "α", "theta": "θ"}
 FETCHED = {"src", "srcset", "data", "poster", "action", "background"}

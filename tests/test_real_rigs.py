@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import functools
-from collections.abc import Callable
 from pathlib import Path
 
 import pytest
@@ -28,11 +27,6 @@ def screw_drive(number: int) -> Diagnosis:
     return found(f"tro2021_drive{number}", "tro2021_screw_drives")
 
 
-def of_the_servo(test: Callable[[], None]) -> Callable[[], None]:
-    """Mark a slow test that shares the longest diagnosis: all of them go to one process."""
-    return pytest.mark.slow(pytest.mark.xdist_group("servo")(test))
-
-
 def servo() -> Diagnosis:
     """The hobby servo."""
     return found("bam_xl330_pendulum")
@@ -43,7 +37,7 @@ def order_near(diagnosis: Diagnosis, wanted: float) -> float:
     return max((o.share for o in diagnosis.orders if abs(o.per_turn - wanted) < 0.05), default=0.0)
 
 
-@of_the_servo
+@pytest.mark.slow
 def test_servo_lacks_friction_that_follows_the_load_of_its_gear() -> None:
     """The largest effect is load-dependent; the gain on held-out and on left-out runs is clear of none."""
     diagnosis = servo()
@@ -54,7 +48,7 @@ def test_servo_lacks_friction_that_follows_the_load_of_its_gear() -> None:
     assert over.gains["extended"][1][0] > 0.0
 
 
-@of_the_servo
+@pytest.mark.slow
 def test_normal_force_of_the_bearing_is_not_the_load_of_the_servo() -> None:
     """Friction by F_N does not help on unseen runs, and with the load of the gear nothing of it is left."""
     diagnosis = servo()
@@ -65,7 +59,7 @@ def test_normal_force_of_the_bearing_is_not_the_load_of_the_servo() -> None:
     assert held == {"B_lN": "lower", "C_lN": "lower"}
 
 
-@of_the_servo
+@pytest.mark.slow
 def test_motor_of_the_servo_is_that_of_other_logs() -> None:
     """R/k_i and k_e lie where R of 2.8 to 4.8 ohm and k_t = k_e of 0.32 to 0.39 N m/A put them."""
     estimates = servo().models.extended.estimates
@@ -73,7 +67,7 @@ def test_motor_of_the_servo_is_that_of_other_logs() -> None:
     assert 0.32 < estimates["k_e"].value < 0.39
 
 
-@of_the_servo
+@pytest.mark.slow
 def test_free_swings_of_the_servo_have_the_same_friction() -> None:
     """With the motor off, where nothing electrical is, the same friction predicts as well as with it on."""
     diagnosis = servo()
