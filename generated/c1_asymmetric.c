@@ -1,6 +1,6 @@
 /*
  * Generated: do not edit. Written by `make derive` from derivations/c1_asymmetric.py
- * (eccentric 0.1.0, program 02773d90).
+ * (eccentric 0.1.0, program abab7497).
  * Case C1 with friction that differs between the directions of motion.
  */
 #include "c1_asymmetric.h"
@@ -8,10 +8,12 @@
 #include <float.h>
 #include <math.h>
 
-#if C1_ASYMMETRIC_PROGRAM != 0x02773d90UL
+#if C1_ASYMMETRIC_PROGRAM != 0xabab7497UL
 #error "c1_asymmetric.c and c1_asymmetric.h are of different derivations: write both again"
 #endif
 
+/* Whatever the flags: gcc and clang neither contract a * b + c nor re-associate below, and what would still change
+ * results is refused. Another compiler obeys the standard pragma. */
 #if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__) || \
     (defined(__FINITE_MATH_ONLY__) && __FINITE_MATH_ONLY__)
 #error "-ffast-math undoes the split of parameters into leading and further digits, and drops NaN"
@@ -19,9 +21,18 @@
 #if defined(FLT_EVAL_METHOD) && ((FLT_EVAL_METHOD < 0) || (FLT_EVAL_METHOD == 1) || (FLT_EVAL_METHOD == 2))
 #error "operations must round to their own type: on x86, compile with -msse2 -mfpmath=sse"
 #endif
-#if defined(__clang__)
+#if (FLT_MANT_DIG != 24) || (DBL_MANT_DIG != 53)
+#error "float and double must be the 32 and 64 bits of IEEE 754: prepare splits parameters in double"
+#endif
+#if defined(__clang__) && (__clang_major__ >= (defined(__apple_build_version__) ? 13 : 12))
+#pragma clang fp reassociate(off) contract(off)
+#elif defined(__GNUC__) && !defined(__clang__)
+#pragma GCC optimize("fp-contract=off", "no-associative-math", "no-reciprocal-math", "signed-zeros")
+#else
 #pragma STDC FP_CONTRACT OFF
 #endif
+/* A constant without suffix is a double, other than with -fsingle-precision-constant: else this is an error. */
+typedef char c1_asymmetric_constants_are_double[(sizeof(1.0) == sizeof(double)) ? 1 : -1];
 
 /* Short names for this file only, undefined at its end: several models may share a translation unit. */
 #define real ECCENTRIC_REAL
@@ -32,8 +43,10 @@
 #endif
 #if ECCENTRIC_PRECISION == 1
 #define REAL(x) x##f
+#define REAL_GIVEN(x) (((x) == (real)ECCENTRIC_NOT_GIVEN) ? (real)NAN : (x))
 #else
 #define REAL(x) x
+#define REAL_GIVEN(x) (((x) == (real)ECCENTRIC_NOT_GIVEN) ? (real)NAN : (x))
 #endif
 
 REAL_INLINE real c1_asymmetric_sgn(const real x)
@@ -68,8 +81,8 @@ const c1_asymmetric_parameters c1_asymmetric_default_parameters = {
     .C_m_pos = 0.008, /* [N m] */
     .C_m_neg = 0.008, /* [N m] */
     .F_T = 1.962, /* [N] */
-    .J_m = (double)NAN, /* [kg m^2] */
-    .J_l = (double)NAN, /* [kg m^2] */
+    .J_m = ECCENTRIC_NOT_GIVEN, /* [kg m^2] */
+    .J_l = ECCENTRIC_NOT_GIVEN, /* [kg m^2] */
 };
 
 const c1_asymmetric_coefficients c1_asymmetric_default = {
@@ -95,7 +108,7 @@ const c1_asymmetric_coefficients c1_asymmetric_default = {
     .mu2 = (real)(0.04),
     .F_T_mu2 = (real)(0.07848),
     .F_T_mu = (real)(0.3924),
-    .J = (real)(NAN),
+    .J = (real)(ECCENTRIC_NOT_GIVEN),
     .B_lN_pos_R_mu2_per_k_i = (real)(0.008),
     .B_lN_neg_R_mu2_per_k_i = (real)(0.008),
     .B_pos_R_per_k_i = (real)(0.035696),
@@ -143,7 +156,7 @@ const c1_asymmetric_coefficients c1_asymmetric_default = {
     .mu2 = 0.04,
     .F_T_mu2 = 0.07848,
     .F_T_mu = 0.3924,
-    .J = (real)NAN,
+    .J = ECCENTRIC_NOT_GIVEN,
     .B_lN_pos_R_mu2_per_k_i = 0.008,
     .B_lN_neg_R_mu2_per_k_i = 0.008,
     .B_pos_R_per_k_i = 0.035696,
@@ -188,7 +201,8 @@ int c1_asymmetric_prepare(const c1_asymmetric_parameters *p, c1_asymmetric_coeff
     const double mu2 = p->mu * p->mu;
     const double F_T_mu2 = p->F_T * p->mu * p->mu;
     const double F_T_mu = p->F_T * p->mu;
-    const double J = p->J_l * p->mu * p->mu + p->J_m;
+    const double J = ((p->J_l == ECCENTRIC_NOT_GIVEN) || (p->J_m == ECCENTRIC_NOT_GIVEN)) ?
+        ECCENTRIC_NOT_GIVEN : (p->J_l * p->mu * p->mu + p->J_m);
     const double B_lN_pos_R_mu2_per_k_i = p->B_lN_pos * p->R * p->mu * p->mu / p->k_i;
     const double B_lN_neg_R_mu2_per_k_i = p->B_lN_neg * p->R * p->mu * p->mu / p->k_i;
     const double B_pos_R_per_k_i = B_pos * p->R / p->k_i;
@@ -262,8 +276,8 @@ int c1_asymmetric_prepare(const c1_asymmetric_parameters *p, c1_asymmetric_coeff
     c->C_lN_neg_L_M_mu3 = (real)(C_lN_neg_L_M_mu3);
     c->B_neg_plus_k_e_k_i_per_R = (real)(B_neg_plus_k_e_k_i_per_R);
     int invalid = 0;
-    invalid = ((p->J_l < 0.0) || (p->J_l > DBL_MAX)) ? 23 : invalid;
-    invalid = ((p->J_m < 0.0) || (p->J_m > DBL_MAX)) ? 22 : invalid;
+    invalid = (((p->J_l < 0.0) && (p->J_l != ECCENTRIC_NOT_GIVEN)) || (p->J_l > DBL_MAX)) ? 23 : invalid;
+    invalid = (((p->J_m < 0.0) && (p->J_m != ECCENTRIC_NOT_GIVEN)) || (p->J_m > DBL_MAX)) ? 22 : invalid;
     invalid = (!((p->F_T >= 0.0) && (p->F_T <= DBL_MAX))) ? 21 : invalid;
     invalid = (!((p->C_m_neg >= 0.0) && (p->C_m_neg <= DBL_MAX))) ? 20 : invalid;
     invalid = (!((p->C_m_pos >= 0.0) && (p->C_m_pos <= DBL_MAX))) ? 19 : invalid;
@@ -587,7 +601,7 @@ REAL_INLINE real c1_asymmetric_voltage_at(real omega_m, real alpha_m, const c1_a
     const real part_9 = ((omega_m > REAL(0.0)) ? c->B_pos_R_per_k_i : c->B_neg_R_per_k_i);
     const real part_6 = c->k_e + part_7 + part_9;
     const real part_5 = omega_m * part_6;
-    const real part_10 = c->R_per_k_i * ((alpha_m == REAL(0.0)) ? REAL(0.0) : c->J * alpha_m);
+    const real part_10 = c->R_per_k_i * ((alpha_m == REAL(0.0)) ? REAL(0.0) : REAL_GIVEN(c->J) * alpha_m);
     return part_1 + part_10 + part_5;
 }
 
@@ -625,7 +639,7 @@ REAL_INLINE real c1_asymmetric_current_at(real omega_m, real alpha_m, const c1_a
     const real part_7 = F_N * part_8;
     const real part_6 = part_7 + ((omega_m > REAL(0.0)) ? c->B_pos_per_k_i : c->B_neg_per_k_i);
     const real part_5 = omega_m * part_6;
-    const real part_9 = c->per_k_i * ((alpha_m == REAL(0.0)) ? REAL(0.0) : c->J * alpha_m);
+    const real part_9 = c->per_k_i * ((alpha_m == REAL(0.0)) ? REAL(0.0) : REAL_GIVEN(c->J) * alpha_m);
     return part_1 + part_5 + part_9;
 }
 
@@ -665,7 +679,7 @@ REAL_INLINE real c1_asymmetric_mechanical_residual_at(
     const real part_6 = -F_N * ((omega_m > REAL(0.0)) ? c->B_lN_pos_mu2 : c->B_lN_neg_mu2);
     const real part_5 = part_6 - ((omega_m > REAL(0.0)) ? c->B_pos : c->B_neg);
     const real part_4 = omega_m * part_5;
-    const real part_7 = -((alpha_m == REAL(0.0)) ? REAL(0.0) : c->J * alpha_m);
+    const real part_7 = -((alpha_m == REAL(0.0)) ? REAL(0.0) : REAL_GIVEN(c->J) * alpha_m);
     return i * c->k_i + part_1 + part_4 + part_7;
 }
 
@@ -743,4 +757,5 @@ void c1_asymmetric_polynomial_neg(ECCENTRIC_REAL *out, const c1_asymmetric_coeff
 #undef real
 #undef REAL_INLINE
 #undef REAL
+#undef REAL_GIVEN
 

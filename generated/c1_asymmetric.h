@@ -1,6 +1,6 @@
 /*
  * Generated: do not edit. Written by `make derive` from derivations/c1_asymmetric.py
- * (eccentric 0.1.0, program 02773d90).
+ * (eccentric 0.1.0, program abab7497).
  * Case C1 with friction that differs between the directions of motion.
  */
 /* Begin with c1_asymmetric_mechanical_friction_torque, the friction that a drive must compensate, or
@@ -13,7 +13,7 @@
 #include <stddef.h>
 
 /* C1_ASYMMETRIC_PROGRAM identifies the derivation of header and source; the source checks it. */
-#define C1_ASYMMETRIC_PROGRAM 0x02773d90UL
+#define C1_ASYMMETRIC_PROGRAM 0xabab7497UL
 
 /* The working precision: double, or float with -DECCENTRIC_REAL=float. Files that differ do not link:
  * all functions have it in their names, as in c1_asymmetric_prepare_double. */
@@ -33,6 +33,7 @@
 #endif
 #define c1_asymmetric_prepare ECCENTRIC_JOIN(c1_asymmetric_prepare_, ECCENTRIC_REAL)
 #define c1_asymmetric_default ECCENTRIC_JOIN(c1_asymmetric_default_, ECCENTRIC_REAL)
+#define c1_asymmetric_default_parameters ECCENTRIC_JOIN(c1_asymmetric_default_parameters_, ECCENTRIC_REAL)
 #define c1_asymmetric_normal_force ECCENTRIC_JOIN(c1_asymmetric_normal_force_, ECCENTRIC_REAL)
 #define c1_asymmetric_normal_force_n ECCENTRIC_JOIN(c1_asymmetric_normal_force_n_, ECCENTRIC_REAL)
 #define c1_asymmetric_friction_torque ECCENTRIC_JOIN(c1_asymmetric_friction_torque_, ECCENTRIC_REAL)
@@ -81,6 +82,9 @@
 #ifdef __cplusplus
 extern "C" {
 #endif
+
+/** What a parameter without a default is until it is set: exact in both precisions, so that no initialiser is NaN. */
+#define ECCENTRIC_NOT_GIVEN (-170141183460469231731687303715884105728.0)
 
 /** Parameters, with the paper's letters, in SI units. */
 typedef struct {

@@ -1,6 +1,6 @@
 /*
  * Generated: do not edit. Written by `make derive` from derivations/c1_perpendicular.py
- * (eccentric 0.1.0, program 1c085d0f).
+ * (eccentric 0.1.0, program 23dfd5aa).
  * Case C1: gravity perpendicular to the motion plane, steady motion.
  */
 #include "c1_perpendicular.h"
@@ -8,10 +8,12 @@
 #include <float.h>
 #include <math.h>
 
-#if C1_PERPENDICULAR_PROGRAM != 0x1c085d0fUL
+#if C1_PERPENDICULAR_PROGRAM != 0x23dfd5aaUL
 #error "c1_perpendicular.c and c1_perpendicular.h are of different derivations: write both again"
 #endif
 
+/* Whatever the flags: gcc and clang neither contract a * b + c nor re-associate below, and what would still change
+ * results is refused. Another compiler obeys the standard pragma. */
 #if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__) || \
     (defined(__FINITE_MATH_ONLY__) && __FINITE_MATH_ONLY__)
 #error "-ffast-math undoes the split of parameters into leading and further digits, and drops NaN"
@@ -19,9 +21,18 @@
 #if defined(FLT_EVAL_METHOD) && ((FLT_EVAL_METHOD < 0) || (FLT_EVAL_METHOD == 1) || (FLT_EVAL_METHOD == 2))
 #error "operations must round to their own type: on x86, compile with -msse2 -mfpmath=sse"
 #endif
-#if defined(__clang__)
+#if (FLT_MANT_DIG != 24) || (DBL_MANT_DIG != 53)
+#error "float and double must be the 32 and 64 bits of IEEE 754: prepare splits parameters in double"
+#endif
+#if defined(__clang__) && (__clang_major__ >= (defined(__apple_build_version__) ? 13 : 12))
+#pragma clang fp reassociate(off) contract(off)
+#elif defined(__GNUC__) && !defined(__clang__)
+#pragma GCC optimize("fp-contract=off", "no-associative-math", "no-reciprocal-math", "signed-zeros")
+#else
 #pragma STDC FP_CONTRACT OFF
 #endif
+/* A constant without suffix is a double, other than with -fsingle-precision-constant: else this is an error. */
+typedef char c1_perpendicular_constants_are_double[(sizeof(1.0) == sizeof(double)) ? 1 : -1];
 
 /* Short names for this file only, undefined at its end: several models may share a translation unit. */
 #define real ECCENTRIC_REAL
@@ -32,8 +43,10 @@
 #endif
 #if ECCENTRIC_PRECISION == 1
 #define REAL(x) x##f
+#define REAL_GIVEN(x) (((x) == (real)ECCENTRIC_NOT_GIVEN) ? (real)NAN : (x))
 #else
 #define REAL(x) x
+#define REAL_GIVEN(x) (((x) == (real)ECCENTRIC_NOT_GIVEN) ? (real)NAN : (x))
 #endif
 
 REAL_INLINE real c1_perpendicular_sgn(const real x)
@@ -57,8 +70,8 @@ const c1_perpendicular_parameters c1_perpendicular_default_parameters = {
     .B_m = 4.0e-4, /* [N m s/rad] */
     .C_m = 0.008, /* [N m] */
     .F_T = 1.962, /* [N] */
-    .J_m = (double)NAN, /* [kg m^2] */
-    .J_l = (double)NAN, /* [kg m^2] */
+    .J_m = ECCENTRIC_NOT_GIVEN, /* [kg m^2] */
+    .J_l = ECCENTRIC_NOT_GIVEN, /* [kg m^2] */
 };
 
 const c1_perpendicular_coefficients c1_perpendicular_default = {
@@ -77,7 +90,7 @@ const c1_perpendicular_coefficients c1_perpendicular_default = {
     .mu2 = (real)(0.04),
     .F_T_mu2 = (real)(0.07848),
     .F_T_mu = (real)(0.3924),
-    .J = (real)(NAN),
+    .J = (real)(ECCENTRIC_NOT_GIVEN),
     .B_lN_R_mu2_per_k_i = (real)(0.008),
     .B_R_per_k_i_plus_k_e = (real)(0.235696),
     .C_lN_R_mu_per_k_i = (real)(0.8),
@@ -107,7 +120,7 @@ const c1_perpendicular_coefficients c1_perpendicular_default = {
     .mu2 = 0.04,
     .F_T_mu2 = 0.07848,
     .F_T_mu = 0.3924,
-    .J = (real)NAN,
+    .J = ECCENTRIC_NOT_GIVEN,
     .B_lN_R_mu2_per_k_i = 0.008,
     .B_R_per_k_i_plus_k_e = 0.235696,
     .C_lN_R_mu_per_k_i = 0.8,
@@ -137,7 +150,8 @@ int c1_perpendicular_prepare(const c1_perpendicular_parameters *p, c1_perpendicu
     const double mu2 = p->mu * p->mu;
     const double F_T_mu2 = p->F_T * p->mu * p->mu;
     const double F_T_mu = p->F_T * p->mu;
-    const double J = p->J_l * p->mu * p->mu + p->J_m;
+    const double J = ((p->J_l == ECCENTRIC_NOT_GIVEN) || (p->J_m == ECCENTRIC_NOT_GIVEN)) ?
+        ECCENTRIC_NOT_GIVEN : (p->J_l * p->mu * p->mu + p->J_m);
     const double B_lN_R_mu2_per_k_i = p->B_lN * p->R * p->mu * p->mu / p->k_i;
     const double B_R_per_k_i_plus_k_e = B * p->R / p->k_i + p->k_e;
     const double C_lN_R_mu_per_k_i = p->C_lN * p->R * p->mu / p->k_i;
@@ -182,8 +196,8 @@ int c1_perpendicular_prepare(const c1_perpendicular_parameters *p, c1_perpendicu
     c->B_lN_L_M_mu4 = (real)(B_lN_L_M_mu4);
     c->C_lN_L_M_mu3 = (real)(C_lN_L_M_mu3);
     int invalid = 0;
-    invalid = ((p->J_l < 0.0) || (p->J_l > DBL_MAX)) ? 17 : invalid;
-    invalid = ((p->J_m < 0.0) || (p->J_m > DBL_MAX)) ? 16 : invalid;
+    invalid = (((p->J_l < 0.0) && (p->J_l != ECCENTRIC_NOT_GIVEN)) || (p->J_l > DBL_MAX)) ? 17 : invalid;
+    invalid = (((p->J_m < 0.0) && (p->J_m != ECCENTRIC_NOT_GIVEN)) || (p->J_m > DBL_MAX)) ? 16 : invalid;
     invalid = (!((p->F_T >= 0.0) && (p->F_T <= DBL_MAX))) ? 15 : invalid;
     invalid = (!((p->C_m >= 0.0) && (p->C_m <= DBL_MAX))) ? 14 : invalid;
     invalid = (!((p->B_m >= 0.0) && (p->B_m <= DBL_MAX))) ? 13 : invalid;
@@ -451,7 +465,7 @@ REAL_INLINE real c1_perpendicular_voltage_at(
     const real direction_of_motion = c1_perpendicular_sgn(omega_m);
     const real part_1 = direction_of_motion * (c->C_R_per_k_i + c->C_lN_R_mu_per_k_i * F_N);
     const real part_2 = omega_m * (c->B_R_per_k_i_plus_k_e + c->B_lN_R_mu2_per_k_i * F_N);
-    const real part_3 = c->R_per_k_i * ((alpha_m == REAL(0.0)) ? REAL(0.0) : c->J * alpha_m);
+    const real part_3 = c->R_per_k_i * ((alpha_m == REAL(0.0)) ? REAL(0.0) : REAL_GIVEN(c->J) * alpha_m);
     return part_1 + part_2 + part_3;
 }
 
@@ -485,7 +499,7 @@ REAL_INLINE real c1_perpendicular_current_at(
     const real F_N = c->L_M_mu2 * omega_m * omega_m;
     const real direction_of_motion = c1_perpendicular_sgn(omega_m);
     const real part_1 = direction_of_motion * (c->C_lN_mu_per_k_i * F_N + c->C_per_k_i);
-    const real part_2 = c->per_k_i * ((alpha_m == REAL(0.0)) ? REAL(0.0) : c->J * alpha_m);
+    const real part_2 = c->per_k_i * ((alpha_m == REAL(0.0)) ? REAL(0.0) : REAL_GIVEN(c->J) * alpha_m);
     const real part_3 = omega_m * (c->B_lN_mu2_per_k_i * F_N + c->B_per_k_i);
     return part_1 + part_2 + part_3;
 }
@@ -520,7 +534,7 @@ REAL_INLINE real c1_perpendicular_mechanical_residual_at(
     /* normal force on the axis of rotation [N], eq (8) */
     const real F_N = c->L_M_mu2 * omega_m * omega_m;
     const real direction_of_motion = c1_perpendicular_sgn(omega_m);
-    const real part_1 = -((alpha_m == REAL(0.0)) ? REAL(0.0) : c->J * alpha_m);
+    const real part_1 = -((alpha_m == REAL(0.0)) ? REAL(0.0) : REAL_GIVEN(c->J) * alpha_m);
     const real part_2 = -direction_of_motion * (c->C + c->C_lN_mu * F_N);
     return i * c->k_i - omega_m * (c->B + c->B_lN_mu2 * F_N) + part_1 + part_2;
 }
@@ -591,4 +605,5 @@ void c1_perpendicular_polynomial(ECCENTRIC_REAL *out, const c1_perpendicular_coe
 #undef real
 #undef REAL_INLINE
 #undef REAL
+#undef REAL_GIVEN
 

@@ -1,6 +1,6 @@
 /*
  * Generated: do not edit. Written by `make derive` from derivations/c2_asymmetric.py
- * (eccentric 0.1.0, program db7b6573).
+ * (eccentric 0.1.0, program 788e1fb2).
  * Case C2 with friction that differs between the directions of motion.
  */
 #include "c2_asymmetric.h"
@@ -8,10 +8,12 @@
 #include <float.h>
 #include <math.h>
 
-#if C2_ASYMMETRIC_PROGRAM != 0xdb7b6573UL
+#if C2_ASYMMETRIC_PROGRAM != 0x788e1fb2UL
 #error "c2_asymmetric.c and c2_asymmetric.h are of different derivations: write both again"
 #endif
 
+/* Whatever the flags: gcc and clang neither contract a * b + c nor re-associate below, and what would still change
+ * results is refused. Another compiler obeys the standard pragma. */
 #if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__) || \
     (defined(__FINITE_MATH_ONLY__) && __FINITE_MATH_ONLY__)
 #error "-ffast-math undoes the split of parameters into leading and further digits, and drops NaN"
@@ -19,9 +21,18 @@
 #if defined(FLT_EVAL_METHOD) && ((FLT_EVAL_METHOD < 0) || (FLT_EVAL_METHOD == 1) || (FLT_EVAL_METHOD == 2))
 #error "operations must round to their own type: on x86, compile with -msse2 -mfpmath=sse"
 #endif
-#if defined(__clang__)
+#if (FLT_MANT_DIG != 24) || (DBL_MANT_DIG != 53)
+#error "float and double must be the 32 and 64 bits of IEEE 754: prepare splits parameters in double"
+#endif
+#if defined(__clang__) && (__clang_major__ >= (defined(__apple_build_version__) ? 13 : 12))
+#pragma clang fp reassociate(off) contract(off)
+#elif defined(__GNUC__) && !defined(__clang__)
+#pragma GCC optimize("fp-contract=off", "no-associative-math", "no-reciprocal-math", "signed-zeros")
+#else
 #pragma STDC FP_CONTRACT OFF
 #endif
+/* A constant without suffix is a double, other than with -fsingle-precision-constant: else this is an error. */
+typedef char c2_asymmetric_constants_are_double[(sizeof(1.0) == sizeof(double)) ? 1 : -1];
 
 /* Short names for this file only, undefined at its end: several models may share a translation unit. */
 #define real ECCENTRIC_REAL
@@ -34,6 +45,7 @@
 #define REAL_BLOCK 32u
 #if ECCENTRIC_PRECISION == 1
 #define REAL(x) x##f
+#define REAL_GIVEN(x) (((x) == (real)ECCENTRIC_NOT_GIVEN) ? (real)NAN : (x))
 #define REAL_SQRT(x) sqrtf(x)
 #define REAL_FABS(x) fabsf(x)
 #define REAL_IN_SINGLE(x, y) (x)
@@ -42,6 +54,7 @@
 #define REAL_COS(x) cosf(x)
 #else
 #define REAL(x) x
+#define REAL_GIVEN(x) (((x) == (real)ECCENTRIC_NOT_GIVEN) ? (real)NAN : (x))
 #define REAL_SQRT(x) sqrt(x)
 #define REAL_FABS(x) fabs(x)
 #define REAL_IN_SINGLE(x, y) (y)
@@ -49,6 +62,23 @@
 #define REAL_SIN(x) sin(x)
 #define REAL_COS(x) cos(x)
 #endif
+
+/* The square root of the unit where there is one: that of the library sets errno for a negative number, which costs
+ * a branch and a call. */
+REAL_INLINE real c2_asymmetric_square_root(const real x)
+{
+#if defined(__GNUC__) && defined(__arm__) && defined(__ARM_FP) && (ECCENTRIC_PRECISION == 1) && ((__ARM_FP & 4) != 0)
+    real y;
+    __asm__("vsqrt.f32 %0, %1" : "=t"(y) : "t"(x));
+    return y;
+#elif defined(__GNUC__) && defined(__arm__) && defined(__ARM_FP) && (ECCENTRIC_PRECISION == 2) && ((__ARM_FP & 8) != 0)
+    real y;
+    __asm__("vsqrt.f64 %P0, %P1" : "=w"(y) : "w"(x));
+    return y;
+#else
+    return REAL_SQRT(x);
+#endif
+}
 
 REAL_INLINE real c2_asymmetric_sgn(const real x)
 {
@@ -247,8 +277,8 @@ const c2_asymmetric_parameters c2_asymmetric_default_parameters = {
     .B_m_neg = 4.0e-4, /* [N m s/rad] */
     .C_m_pos = 0.008, /* [N m] */
     .C_m_neg = 0.008, /* [N m] */
-    .J_m = (double)NAN, /* [kg m^2] */
-    .J_l = (double)NAN, /* [kg m^2] */
+    .J_m = ECCENTRIC_NOT_GIVEN, /* [kg m^2] */
+    .J_l = ECCENTRIC_NOT_GIVEN, /* [kg m^2] */
 };
 
 const c2_asymmetric_coefficients c2_asymmetric_default = {
@@ -283,7 +313,7 @@ const c2_asymmetric_coefficients c2_asymmetric_default = {
     .C_lN_pos_mu_weight_plus_C_m_pos = (real)(0.117872),
     .C_lN_neg_mu_weight_plus_C_m_neg = (real)(0.117872),
     .L_M_g_mu2 = (real)(0.04905),
-    .J = (real)(NAN),
+    .J = (real)(ECCENTRIC_NOT_GIVEN),
     .B_lN_pos_R_mu2_scale_N_per_k_i = (real)(4.0e-5),
     .B_lN_neg_R_mu2_scale_N_per_k_i = (real)(4.0e-5),
     .B_m_pos_R_per_k_i = (real)(0.02),
@@ -338,7 +368,7 @@ const c2_asymmetric_coefficients c2_asymmetric_default = {
     .C_lN_pos_mu_weight_plus_C_m_pos = 0.117872,
     .C_lN_neg_mu_weight_plus_C_m_neg = 0.117872,
     .L_M_g_mu2 = 0.04905,
-    .J = (real)NAN,
+    .J = ECCENTRIC_NOT_GIVEN,
     .B_lN_pos_R_mu2_scale_N_per_k_i = 4.0e-5,
     .B_lN_neg_R_mu2_scale_N_per_k_i = 4.0e-5,
     .B_m_pos_R_per_k_i = 0.02,
@@ -398,7 +428,8 @@ int c2_asymmetric_prepare(const c2_asymmetric_parameters *p, c2_asymmetric_coeff
     const double C_lN_pos_mu_weight_plus_C_m_pos = p->C_lN_pos * p->mu * weight.high + p->C_m_pos;
     const double C_lN_neg_mu_weight_plus_C_m_neg = p->C_lN_neg * p->mu * weight.high + p->C_m_neg;
     const double L_M_g_mu2 = p->L * p->M * p->g * p->mu * p->mu;
-    const double J = p->J_l * p->mu * p->mu + p->J_m;
+    const double J = ((p->J_l == ECCENTRIC_NOT_GIVEN) || (p->J_m == ECCENTRIC_NOT_GIVEN)) ?
+        ECCENTRIC_NOT_GIVEN : (p->J_l * p->mu * p->mu + p->J_m);
     const double B_lN_pos_R_mu2_scale_N_per_k_i = p->B_lN_pos * p->R * p->mu * p->mu * scale_N.high / p->k_i;
     const double B_lN_neg_R_mu2_scale_N_per_k_i = p->B_lN_neg * p->R * p->mu * p->mu * scale_N.high / p->k_i;
     const double B_m_pos_R_per_k_i = p->B_m_pos * p->R / p->k_i;
@@ -480,8 +511,8 @@ int c2_asymmetric_prepare(const c2_asymmetric_parameters *p, c2_asymmetric_coeff
     c->period_5 = (real)(period_5);
 #endif
     int invalid = 0;
-    invalid = ((p->J_l < 0.0) || (p->J_l > DBL_MAX)) ? 18 : invalid;
-    invalid = ((p->J_m < 0.0) || (p->J_m > DBL_MAX)) ? 17 : invalid;
+    invalid = (((p->J_l < 0.0) && (p->J_l != ECCENTRIC_NOT_GIVEN)) || (p->J_l > DBL_MAX)) ? 18 : invalid;
+    invalid = (((p->J_m < 0.0) && (p->J_m != ECCENTRIC_NOT_GIVEN)) || (p->J_m > DBL_MAX)) ? 17 : invalid;
     invalid = (!((p->C_m_neg >= 0.0) && (p->C_m_neg <= DBL_MAX))) ? 16 : invalid;
     invalid = (!((p->C_m_pos >= 0.0) && (p->C_m_pos <= DBL_MAX))) ? 15 : invalid;
     invalid = (!((p->B_m_neg >= 0.0) && (p->B_m_neg <= DBL_MAX))) ? 14 : invalid;
@@ -510,7 +541,7 @@ REAL_INLINE real c2_asymmetric_normal_force_at(real omega_m, real chord, const c
     const real square_difference = (speed - c->omega_star_1 - c->omega_star_2) * (speed + c->omega_star_1);
     const real q = c->mu_omega_star * speed * chord;
     /* normal force over scale_N [rad^2/s^2] */
-    const real load = REAL_SQRT(square_difference * square_difference + q * q);
+    const real load = c2_asymmetric_square_root(square_difference * square_difference + q * q);
     return load * c->scale_N;
 }
 
@@ -560,7 +591,7 @@ REAL_INLINE real c2_asymmetric_friction_torque_at(
     const real square_difference = (speed - c->omega_star_1 - c->omega_star_2) * (speed + c->omega_star_1);
     const real q = c->mu_omega_star * speed * chord;
     /* normal force over scale_N [rad^2/s^2] */
-    const real load = REAL_SQRT(square_difference * square_difference + q * q);
+    const real load = c2_asymmetric_square_root(square_difference * square_difference + q * q);
     const real direction_of_motion = c2_asymmetric_sgn(omega_m);
     const real part_4 = ((omega_m > REAL(0.0)) ? c->B_lN_pos_mu2_scale_N : c->B_lN_neg_mu2_scale_N);
     const real part_3 = load * part_4;
@@ -620,7 +651,7 @@ REAL_INLINE real c2_asymmetric_mechanical_friction_torque_at(
     const real square_difference = (speed - c->omega_star_1 - c->omega_star_2) * (speed + c->omega_star_1);
     const real q = c->mu_omega_star * speed * chord;
     /* normal force over scale_N [rad^2/s^2] */
-    const real load = REAL_SQRT(square_difference * square_difference + q * q);
+    const real load = c2_asymmetric_square_root(square_difference * square_difference + q * q);
     const real direction_of_motion = c2_asymmetric_sgn(omega_m);
     const real part_4 = ((omega_m > REAL(0.0)) ? c->C_lN_pos_mu_scale_N : c->C_lN_neg_mu_scale_N);
     const real part_3 = load * part_4;
@@ -682,7 +713,7 @@ REAL_INLINE void c2_asymmetric_friction_torque_gradient_at(
     const real square_difference = (speed - c->omega_star_1 - c->omega_star_2) * (speed + c->omega_star_1);
     const real q = c->mu_omega_star * speed * chord;
     /* normal force over scale_N [rad^2/s^2] */
-    const real load = REAL_SQRT(square_difference * square_difference + q * q);
+    const real load = c2_asymmetric_square_root(square_difference * square_difference + q * q);
     /* 1 at the apex, where F_N is 0 and its derivatives are taken as 0 */
     const real inverse = ((load == REAL(0.0)) ? REAL(1.0) : REAL(1.0) / load);
     const real part_1 = c->mu_omega_star * speed * (q * inverse);
@@ -756,7 +787,7 @@ REAL_INLINE void c2_asymmetric_friction_torque_with_gradient_at(
     const real square_difference = (speed - c->omega_star_1 - c->omega_star_2) * (speed + c->omega_star_1);
     const real q = c->mu_omega_star * speed * chord;
     /* normal force over scale_N [rad^2/s^2] */
-    const real load = REAL_SQRT(square_difference * square_difference + q * q);
+    const real load = c2_asymmetric_square_root(square_difference * square_difference + q * q);
     /* 1 at the apex, where F_N is 0 and its derivatives are taken as 0 */
     const real inverse = ((load == REAL(0.0)) ? REAL(1.0) : REAL(1.0) / load);
     const real part_1 = c->mu_omega_star * speed * (q * inverse);
@@ -834,7 +865,7 @@ REAL_INLINE void c2_asymmetric_friction_torque_jacobian_at(
     const real square_difference = (speed - c->omega_star_1 - c->omega_star_2) * (speed + c->omega_star_1);
     const real q = c->mu_omega_star * speed * chord;
     /* normal force over scale_N [rad^2/s^2] */
-    const real load = REAL_SQRT(square_difference * square_difference + q * q);
+    const real load = c2_asymmetric_square_root(square_difference * square_difference + q * q);
     const real is_forward = c2_asymmetric_forward(omega_m);
     const real ungated = load * c->mu2_scale_N * omega_m;
     out[0] = ((is_forward == REAL(0.0)) ? c2_asymmetric_sgn(ungated) : ungated) * is_forward;
@@ -978,7 +1009,7 @@ REAL_INLINE real c2_asymmetric_voltage_at(
     const real square_difference = (speed - c->omega_star_1 - c->omega_star_2) * (speed + c->omega_star_1);
     const real q = c->mu_omega_star * speed * chord;
     /* normal force over scale_N [rad^2/s^2] */
-    const real load = REAL_SQRT(square_difference * square_difference + q * q);
+    const real load = c2_asymmetric_square_root(square_difference * square_difference + q * q);
     const real direction_of_motion = c2_asymmetric_sgn(omega_m);
     const real part_4 = ((omega_m > REAL(0.0)) ? c->C_lN_pos_R_mu_scale_N_per_k_i :
         c->C_lN_neg_R_mu_scale_N_per_k_i);
@@ -993,7 +1024,7 @@ REAL_INLINE real c2_asymmetric_voltage_at(
     const real part_7 = c->k_e + part_10 + part_8;
     const real part_6 = omega_m * part_7;
     const real part_11 = (-c->L_M_R_g_mu2_per_k_i) * chord * half_sine;
-    const real part_12 = c->R_per_k_i * ((alpha_m == REAL(0.0)) ? REAL(0.0) : c->J * alpha_m);
+    const real part_12 = c->R_per_k_i * ((alpha_m == REAL(0.0)) ? REAL(0.0) : REAL_GIVEN(c->J) * alpha_m);
     return part_1 + part_11 + part_12 + part_6;
 }
 
@@ -1051,7 +1082,7 @@ REAL_INLINE real c2_asymmetric_current_at(
     const real square_difference = (speed - c->omega_star_1 - c->omega_star_2) * (speed + c->omega_star_1);
     const real q = c->mu_omega_star * speed * chord;
     /* normal force over scale_N [rad^2/s^2] */
-    const real load = REAL_SQRT(square_difference * square_difference + q * q);
+    const real load = c2_asymmetric_square_root(square_difference * square_difference + q * q);
     const real direction_of_motion = c2_asymmetric_sgn(omega_m);
     const real part_4 = ((omega_m > REAL(0.0)) ? c->C_lN_pos_mu_scale_N_per_k_i :
         c->C_lN_neg_mu_scale_N_per_k_i);
@@ -1063,7 +1094,7 @@ REAL_INLINE real c2_asymmetric_current_at(
     const real part_7 = load * part_8;
     const real part_6 = part_7 + ((omega_m > REAL(0.0)) ? c->B_m_pos_per_k_i : c->B_m_neg_per_k_i);
     const real part_5 = omega_m * part_6;
-    const real part_9 = c->per_k_i * ((alpha_m == REAL(0.0)) ? REAL(0.0) : c->J * alpha_m);
+    const real part_9 = c->per_k_i * ((alpha_m == REAL(0.0)) ? REAL(0.0) : REAL_GIVEN(c->J) * alpha_m);
     const real part_10 = (-c->L_M_g_mu2_per_k_i) * chord * half_sine;
     return part_1 + part_10 + part_5 + part_9;
 }
@@ -1123,7 +1154,7 @@ REAL_INLINE real c2_asymmetric_mechanical_residual_at(
     const real square_difference = (speed - c->omega_star_1 - c->omega_star_2) * (speed + c->omega_star_1);
     const real q = c->mu_omega_star * speed * chord;
     /* normal force over scale_N [rad^2/s^2] */
-    const real load = REAL_SQRT(square_difference * square_difference + q * q);
+    const real load = c2_asymmetric_square_root(square_difference * square_difference + q * q);
     const real direction_of_motion = c2_asymmetric_sgn(omega_m);
     const real part_4 = ((omega_m > REAL(0.0)) ? c->C_lN_pos_mu_scale_N : c->C_lN_neg_mu_scale_N);
     const real part_3 = -load * part_4;
@@ -1133,7 +1164,7 @@ REAL_INLINE real c2_asymmetric_mechanical_residual_at(
     const real part_7 = -load * part_8;
     const real part_6 = part_7 - ((omega_m > REAL(0.0)) ? c->B_m_pos : c->B_m_neg);
     const real part_5 = omega_m * part_6;
-    const real part_9 = -((alpha_m == REAL(0.0)) ? REAL(0.0) : c->J * alpha_m);
+    const real part_9 = -((alpha_m == REAL(0.0)) ? REAL(0.0) : REAL_GIVEN(c->J) * alpha_m);
     const real part_10 = c->L_M_g_mu2 * chord * half_sine;
     return i * c->k_i + part_1 + part_10 + part_5 + part_9;
 }
@@ -1216,6 +1247,7 @@ void c2_asymmetric_electrical_residual_n(
 #undef REAL_INLINE
 #undef REAL_BLOCK
 #undef REAL
+#undef REAL_GIVEN
 #undef REAL_SQRT
 #undef REAL_FABS
 #undef REAL_IN_SINGLE

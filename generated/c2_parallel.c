@@ -1,6 +1,6 @@
 /*
  * Generated: do not edit. Written by `make derive` from derivations/c2_parallel.py
- * (eccentric 0.1.0, program 407455e0).
+ * (eccentric 0.1.0, program 60281da3).
  * Case C2: gravity parallel to the motion plane, steady motion.
  */
 #include "c2_parallel.h"
@@ -8,10 +8,12 @@
 #include <float.h>
 #include <math.h>
 
-#if C2_PARALLEL_PROGRAM != 0x407455e0UL
+#if C2_PARALLEL_PROGRAM != 0x60281da3UL
 #error "c2_parallel.c and c2_parallel.h are of different derivations: write both again"
 #endif
 
+/* Whatever the flags: gcc and clang neither contract a * b + c nor re-associate below, and what would still change
+ * results is refused. Another compiler obeys the standard pragma. */
 #if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__) || \
     (defined(__FINITE_MATH_ONLY__) && __FINITE_MATH_ONLY__)
 #error "-ffast-math undoes the split of parameters into leading and further digits, and drops NaN"
@@ -19,9 +21,18 @@
 #if defined(FLT_EVAL_METHOD) && ((FLT_EVAL_METHOD < 0) || (FLT_EVAL_METHOD == 1) || (FLT_EVAL_METHOD == 2))
 #error "operations must round to their own type: on x86, compile with -msse2 -mfpmath=sse"
 #endif
-#if defined(__clang__)
+#if (FLT_MANT_DIG != 24) || (DBL_MANT_DIG != 53)
+#error "float and double must be the 32 and 64 bits of IEEE 754: prepare splits parameters in double"
+#endif
+#if defined(__clang__) && (__clang_major__ >= (defined(__apple_build_version__) ? 13 : 12))
+#pragma clang fp reassociate(off) contract(off)
+#elif defined(__GNUC__) && !defined(__clang__)
+#pragma GCC optimize("fp-contract=off", "no-associative-math", "no-reciprocal-math", "signed-zeros")
+#else
 #pragma STDC FP_CONTRACT OFF
 #endif
+/* A constant without suffix is a double, other than with -fsingle-precision-constant: else this is an error. */
+typedef char c2_parallel_constants_are_double[(sizeof(1.0) == sizeof(double)) ? 1 : -1];
 
 /* Short names for this file only, undefined at its end: several models may share a translation unit. */
 #define real ECCENTRIC_REAL
@@ -34,6 +45,7 @@
 #define REAL_BLOCK 32u
 #if ECCENTRIC_PRECISION == 1
 #define REAL(x) x##f
+#define REAL_GIVEN(x) (((x) == (real)ECCENTRIC_NOT_GIVEN) ? (real)NAN : (x))
 #define REAL_SQRT(x) sqrtf(x)
 #define REAL_FABS(x) fabsf(x)
 #define REAL_IN_SINGLE(x, y) (x)
@@ -42,6 +54,7 @@
 #define REAL_COS(x) cosf(x)
 #else
 #define REAL(x) x
+#define REAL_GIVEN(x) (((x) == (real)ECCENTRIC_NOT_GIVEN) ? (real)NAN : (x))
 #define REAL_SQRT(x) sqrt(x)
 #define REAL_FABS(x) fabs(x)
 #define REAL_IN_SINGLE(x, y) (y)
@@ -49,6 +62,23 @@
 #define REAL_SIN(x) sin(x)
 #define REAL_COS(x) cos(x)
 #endif
+
+/* The square root of the unit where there is one: that of the library sets errno for a negative number, which costs
+ * a branch and a call. */
+REAL_INLINE real c2_parallel_square_root(const real x)
+{
+#if defined(__GNUC__) && defined(__arm__) && defined(__ARM_FP) && (ECCENTRIC_PRECISION == 1) && ((__ARM_FP & 4) != 0)
+    real y;
+    __asm__("vsqrt.f32 %0, %1" : "=t"(y) : "t"(x));
+    return y;
+#elif defined(__GNUC__) && defined(__arm__) && defined(__ARM_FP) && (ECCENTRIC_PRECISION == 2) && ((__ARM_FP & 8) != 0)
+    real y;
+    __asm__("vsqrt.f64 %P0, %P1" : "=w"(y) : "w"(x));
+    return y;
+#else
+    return REAL_SQRT(x);
+#endif
+}
 
 REAL_INLINE real c2_parallel_sgn(const real x)
 {
@@ -238,8 +268,8 @@ const c2_parallel_parameters c2_parallel_default_parameters = {
     .C_lN = 0.08, /* [m] */
     .B_m = 4.0e-4, /* [N m s/rad] */
     .C_m = 0.008, /* [N m] */
-    .J_m = (double)NAN, /* [kg m^2] */
-    .J_l = (double)NAN, /* [kg m^2] */
+    .J_m = ECCENTRIC_NOT_GIVEN, /* [kg m^2] */
+    .J_l = ECCENTRIC_NOT_GIVEN, /* [kg m^2] */
 };
 
 const c2_parallel_coefficients c2_parallel_default = {
@@ -266,7 +296,7 @@ const c2_parallel_coefficients c2_parallel_default = {
     .mu_scale_N = (real)(0.001),
     .C_lN_mu_weight_plus_C_m = (real)(0.117872),
     .L_M_g_mu2 = (real)(0.04905),
-    .J = (real)(NAN),
+    .J = (real)(ECCENTRIC_NOT_GIVEN),
     .B_lN_R_mu2_scale_N_per_k_i = (real)(4.0e-5),
     .B_m_R_per_k_i_plus_k_e = (real)(0.22),
     .C_lN_R_mu_scale_N_per_k_i = (real)(0.004),
@@ -306,7 +336,7 @@ const c2_parallel_coefficients c2_parallel_default = {
     .mu_scale_N = 0.001,
     .C_lN_mu_weight_plus_C_m = 0.117872,
     .L_M_g_mu2 = 0.04905,
-    .J = (real)NAN,
+    .J = ECCENTRIC_NOT_GIVEN,
     .B_lN_R_mu2_scale_N_per_k_i = 4.0e-5,
     .B_m_R_per_k_i_plus_k_e = 0.22,
     .C_lN_R_mu_scale_N_per_k_i = 0.004,
@@ -355,7 +385,8 @@ int c2_parallel_prepare(const c2_parallel_parameters *p, c2_parallel_coefficient
     const double mu_scale_N = p->mu * scale_N.high;
     const double C_lN_mu_weight_plus_C_m = p->C_lN * p->mu * weight.high + p->C_m;
     const double L_M_g_mu2 = p->L * p->M * p->g * p->mu * p->mu;
-    const double J = p->J_l * p->mu * p->mu + p->J_m;
+    const double J = ((p->J_l == ECCENTRIC_NOT_GIVEN) || (p->J_m == ECCENTRIC_NOT_GIVEN)) ?
+        ECCENTRIC_NOT_GIVEN : (p->J_l * p->mu * p->mu + p->J_m);
     const double B_lN_R_mu2_scale_N_per_k_i = p->B_lN * p->R * p->mu * p->mu * scale_N.high / p->k_i;
     const double B_m_R_per_k_i_plus_k_e = p->B_m * p->R / p->k_i + p->k_e;
     const double C_lN_R_mu_scale_N_per_k_i = p->C_lN * p->R * p->mu * scale_N.high / p->k_i;
@@ -415,8 +446,8 @@ int c2_parallel_prepare(const c2_parallel_parameters *p, c2_parallel_coefficient
     c->period_5 = (real)(period_5);
 #endif
     int invalid = 0;
-    invalid = ((p->J_l < 0.0) || (p->J_l > DBL_MAX)) ? 14 : invalid;
-    invalid = ((p->J_m < 0.0) || (p->J_m > DBL_MAX)) ? 13 : invalid;
+    invalid = (((p->J_l < 0.0) && (p->J_l != ECCENTRIC_NOT_GIVEN)) || (p->J_l > DBL_MAX)) ? 14 : invalid;
+    invalid = (((p->J_m < 0.0) && (p->J_m != ECCENTRIC_NOT_GIVEN)) || (p->J_m > DBL_MAX)) ? 13 : invalid;
     invalid = (!((p->C_m >= 0.0) && (p->C_m <= DBL_MAX))) ? 12 : invalid;
     invalid = (!((p->B_m >= 0.0) && (p->B_m <= DBL_MAX))) ? 11 : invalid;
     invalid = (!((p->C_lN >= 0.0) && (p->C_lN <= DBL_MAX))) ? 10 : invalid;
@@ -441,7 +472,7 @@ REAL_INLINE real c2_parallel_normal_force_at(real omega_m, real chord, const c2_
     const real square_difference = (speed - c->omega_star_1 - c->omega_star_2) * (speed + c->omega_star_1);
     const real q = c->mu_omega_star * speed * chord;
     /* normal force over scale_N [rad^2/s^2] */
-    const real load = REAL_SQRT(square_difference * square_difference + q * q);
+    const real load = c2_parallel_square_root(square_difference * square_difference + q * q);
     return load * c->scale_N;
 }
 
@@ -488,7 +519,7 @@ REAL_INLINE real c2_parallel_friction_torque_at(real omega_m, real chord, const 
     const real square_difference = (speed - c->omega_star_1 - c->omega_star_2) * (speed + c->omega_star_1);
     const real q = c->mu_omega_star * speed * chord;
     /* normal force over scale_N [rad^2/s^2] */
-    const real load = REAL_SQRT(square_difference * square_difference + q * q);
+    const real load = c2_parallel_square_root(square_difference * square_difference + q * q);
     const real direction_of_motion = c2_parallel_sgn(omega_m);
     const real part_1 = omega_m * (c->B_lN_mu2_scale_N * load + c->B_m_plus_k_e_k_i_per_R);
     return direction_of_motion * (c->C_lN_mu_scale_N * load + c->C_m) + part_1;
@@ -540,7 +571,7 @@ REAL_INLINE real c2_parallel_mechanical_friction_torque_at(
     const real square_difference = (speed - c->omega_star_1 - c->omega_star_2) * (speed + c->omega_star_1);
     const real q = c->mu_omega_star * speed * chord;
     /* normal force over scale_N [rad^2/s^2] */
-    const real load = REAL_SQRT(square_difference * square_difference + q * q);
+    const real load = c2_parallel_square_root(square_difference * square_difference + q * q);
     const real direction_of_motion = c2_parallel_sgn(omega_m);
     const real part_1 = direction_of_motion * (c->C_lN_mu_scale_N * load + c->C_m);
     return omega_m * (c->B_lN_mu2_scale_N * load + c->B_m) + part_1;
@@ -595,7 +626,7 @@ REAL_INLINE void c2_parallel_friction_torque_gradient_at(
     const real square_difference = (speed - c->omega_star_1 - c->omega_star_2) * (speed + c->omega_star_1);
     const real q = c->mu_omega_star * speed * chord;
     /* normal force over scale_N [rad^2/s^2] */
-    const real load = REAL_SQRT(square_difference * square_difference + q * q);
+    const real load = c2_parallel_square_root(square_difference * square_difference + q * q);
     /* 1 at the apex, where F_N is 0 and its derivatives are taken as 0 */
     const real inverse = ((load == REAL(0.0)) ? REAL(1.0) : REAL(1.0) / load);
     const real part_1 = c->mu_omega_star * speed * (q * inverse);
@@ -663,7 +694,7 @@ REAL_INLINE void c2_parallel_friction_torque_with_gradient_at(
     const real square_difference = (speed - c->omega_star_1 - c->omega_star_2) * (speed + c->omega_star_1);
     const real q = c->mu_omega_star * speed * chord;
     /* normal force over scale_N [rad^2/s^2] */
-    const real load = REAL_SQRT(square_difference * square_difference + q * q);
+    const real load = c2_parallel_square_root(square_difference * square_difference + q * q);
     /* 1 at the apex, where F_N is 0 and its derivatives are taken as 0 */
     const real inverse = ((load == REAL(0.0)) ? REAL(1.0) : REAL(1.0) / load);
     const real part_1 = c->mu_omega_star * speed * (q * inverse);
@@ -732,7 +763,7 @@ REAL_INLINE void c2_parallel_friction_torque_jacobian_at(
     const real square_difference = (speed - c->omega_star_1 - c->omega_star_2) * (speed + c->omega_star_1);
     const real q = c->mu_omega_star * speed * chord;
     /* normal force over scale_N [rad^2/s^2] */
-    const real load = REAL_SQRT(square_difference * square_difference + q * q);
+    const real load = c2_parallel_square_root(square_difference * square_difference + q * q);
     out[0] = load * c->mu2_scale_N * omega_m;
     const real direction_of_motion = c2_parallel_sgn(omega_m);
     out[1] = direction_of_motion * load * c->mu_scale_N;
@@ -860,14 +891,14 @@ REAL_INLINE real c2_parallel_voltage_at(
     const real square_difference = (speed - c->omega_star_1 - c->omega_star_2) * (speed + c->omega_star_1);
     const real q = c->mu_omega_star * speed * chord;
     /* normal force over scale_N [rad^2/s^2] */
-    const real load = REAL_SQRT(square_difference * square_difference + q * q);
+    const real load = c2_parallel_square_root(square_difference * square_difference + q * q);
     const real direction_of_motion = c2_parallel_sgn(omega_m);
     const real part_2 = c->C_lN_R_mu_scale_N_per_k_i * load + c->C_m_R_per_k_i;
     const real part_1 = direction_of_motion * part_2;
     const real part_4 = c->B_lN_R_mu2_scale_N_per_k_i * load + c->B_m_R_per_k_i_plus_k_e;
     const real part_3 = omega_m * part_4;
     const real part_5 = (-c->L_M_R_g_mu2_per_k_i) * chord * half_sine;
-    const real part_6 = c->R_per_k_i * ((alpha_m == REAL(0.0)) ? REAL(0.0) : c->J * alpha_m);
+    const real part_6 = c->R_per_k_i * ((alpha_m == REAL(0.0)) ? REAL(0.0) : REAL_GIVEN(c->J) * alpha_m);
     return part_1 + part_3 + part_5 + part_6;
 }
 
@@ -925,11 +956,11 @@ REAL_INLINE real c2_parallel_current_at(
     const real square_difference = (speed - c->omega_star_1 - c->omega_star_2) * (speed + c->omega_star_1);
     const real q = c->mu_omega_star * speed * chord;
     /* normal force over scale_N [rad^2/s^2] */
-    const real load = REAL_SQRT(square_difference * square_difference + q * q);
+    const real load = c2_parallel_square_root(square_difference * square_difference + q * q);
     const real direction_of_motion = c2_parallel_sgn(omega_m);
     const real part_1 = direction_of_motion * (c->C_lN_mu_scale_N_per_k_i * load + c->C_m_per_k_i);
     const real part_2 = omega_m * (c->B_lN_mu2_scale_N_per_k_i * load + c->B_m_per_k_i);
-    const real part_3 = c->per_k_i * ((alpha_m == REAL(0.0)) ? REAL(0.0) : c->J * alpha_m);
+    const real part_3 = c->per_k_i * ((alpha_m == REAL(0.0)) ? REAL(0.0) : REAL_GIVEN(c->J) * alpha_m);
     const real part_4 = (-c->L_M_g_mu2_per_k_i) * chord * half_sine;
     return part_1 + part_2 + part_3 + part_4;
 }
@@ -989,10 +1020,10 @@ REAL_INLINE real c2_parallel_mechanical_residual_at(
     const real square_difference = (speed - c->omega_star_1 - c->omega_star_2) * (speed + c->omega_star_1);
     const real q = c->mu_omega_star * speed * chord;
     /* normal force over scale_N [rad^2/s^2] */
-    const real load = REAL_SQRT(square_difference * square_difference + q * q);
+    const real load = c2_parallel_square_root(square_difference * square_difference + q * q);
     const real direction_of_motion = c2_parallel_sgn(omega_m);
     const real part_1 = -direction_of_motion * (c->C_lN_mu_scale_N * load + c->C_m);
-    const real part_2 = -((alpha_m == REAL(0.0)) ? REAL(0.0) : c->J * alpha_m);
+    const real part_2 = -((alpha_m == REAL(0.0)) ? REAL(0.0) : REAL_GIVEN(c->J) * alpha_m);
     const real part_3 = c->L_M_g_mu2 * chord * half_sine;
     const real part_4 = -omega_m * (c->B_lN_mu2_scale_N * load + c->B_m);
     return i * c->k_i + part_1 + part_2 + part_3 + part_4;
@@ -1076,6 +1107,7 @@ void c2_parallel_electrical_residual_n(
 #undef REAL_INLINE
 #undef REAL_BLOCK
 #undef REAL
+#undef REAL_GIVEN
 #undef REAL_SQRT
 #undef REAL_FABS
 #undef REAL_IN_SINGLE

@@ -1,6 +1,6 @@
 /*
  * Generated: do not edit. Written by `make derive` from derivations/rotating_link.py
- * (eccentric 0.1.0, program b0aacf4d).
+ * (eccentric 0.1.0, program ccfd9642).
  * Rotating link with an unbalanced mass, in a plane tilted by phi, with angular acceleration.
  */
 #include "rotating_link.h"
@@ -8,10 +8,12 @@
 #include <float.h>
 #include <math.h>
 
-#if ROTATING_LINK_PROGRAM != 0xb0aacf4dUL
+#if ROTATING_LINK_PROGRAM != 0xccfd9642UL
 #error "rotating_link.c and rotating_link.h are of different derivations: write both again"
 #endif
 
+/* Whatever the flags: gcc and clang neither contract a * b + c nor re-associate below, and what would still change
+ * results is refused. Another compiler obeys the standard pragma. */
 #if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__) || \
     (defined(__FINITE_MATH_ONLY__) && __FINITE_MATH_ONLY__)
 #error "-ffast-math undoes the split of parameters into leading and further digits, and drops NaN"
@@ -19,9 +21,18 @@
 #if defined(FLT_EVAL_METHOD) && ((FLT_EVAL_METHOD < 0) || (FLT_EVAL_METHOD == 1) || (FLT_EVAL_METHOD == 2))
 #error "operations must round to their own type: on x86, compile with -msse2 -mfpmath=sse"
 #endif
-#if defined(__clang__)
+#if (FLT_MANT_DIG != 24) || (DBL_MANT_DIG != 53)
+#error "float and double must be the 32 and 64 bits of IEEE 754: prepare splits parameters in double"
+#endif
+#if defined(__clang__) && (__clang_major__ >= (defined(__apple_build_version__) ? 13 : 12))
+#pragma clang fp reassociate(off) contract(off)
+#elif defined(__GNUC__) && !defined(__clang__)
+#pragma GCC optimize("fp-contract=off", "no-associative-math", "no-reciprocal-math", "signed-zeros")
+#else
 #pragma STDC FP_CONTRACT OFF
 #endif
+/* A constant without suffix is a double, other than with -fsingle-precision-constant: else this is an error. */
+typedef char rotating_link_constants_are_double[(sizeof(1.0) == sizeof(double)) ? 1 : -1];
 
 /* Short names for this file only, undefined at its end: several models may share a translation unit. */
 #define real ECCENTRIC_REAL
@@ -34,6 +45,7 @@
 #define REAL_BLOCK 32u
 #if ECCENTRIC_PRECISION == 1
 #define REAL(x) x##f
+#define REAL_GIVEN(x) (((x) == (real)ECCENTRIC_NOT_GIVEN) ? (real)NAN : (x))
 #define REAL_SQRT(x) sqrtf(x)
 #define REAL_FABS(x) fabsf(x)
 #define REAL_IN_SINGLE(x, y) (x)
@@ -42,6 +54,7 @@
 #define REAL_COS(x) cosf(x)
 #else
 #define REAL(x) x
+#define REAL_GIVEN(x) (((x) == (real)ECCENTRIC_NOT_GIVEN) ? (real)NAN : (x))
 #define REAL_SQRT(x) sqrt(x)
 #define REAL_FABS(x) fabs(x)
 #define REAL_IN_SINGLE(x, y) (y)
@@ -49,6 +62,23 @@
 #define REAL_SIN(x) sin(x)
 #define REAL_COS(x) cos(x)
 #endif
+
+/* The square root of the unit where there is one: that of the library sets errno for a negative number, which costs
+ * a branch and a call. */
+REAL_INLINE real rotating_link_square_root(const real x)
+{
+#if defined(__GNUC__) && defined(__arm__) && defined(__ARM_FP) && (ECCENTRIC_PRECISION == 1) && ((__ARM_FP & 4) != 0)
+    real y;
+    __asm__("vsqrt.f32 %0, %1" : "=t"(y) : "t"(x));
+    return y;
+#elif defined(__GNUC__) && defined(__arm__) && defined(__ARM_FP) && (ECCENTRIC_PRECISION == 2) && ((__ARM_FP & 8) != 0)
+    real y;
+    __asm__("vsqrt.f64 %P0, %P1" : "=w"(y) : "w"(x));
+    return y;
+#else
+    return REAL_SQRT(x);
+#endif
+}
 
 REAL_INLINE real rotating_link_sgn(const real x)
 {
@@ -242,8 +272,8 @@ const rotating_link_parameters rotating_link_default_parameters = {
     .B_m = 4.0e-4, /* [N m s/rad] */
     .C_m = 0.008, /* [N m] */
     .F_T = 1.962, /* [N] */
-    .J_m = (double)NAN, /* [kg m^2] */
-    .J_l = (double)NAN, /* [kg m^2] */
+    .J_m = ECCENTRIC_NOT_GIVEN, /* [kg m^2] */
+    .J_l = ECCENTRIC_NOT_GIVEN, /* [kg m^2] */
 };
 
 const rotating_link_coefficients rotating_link_default = {
@@ -277,7 +307,7 @@ const rotating_link_coefficients rotating_link_default = {
     .F_T_mu_sin_phi = (real)(0.0),
     .omega_star2 = (real)(1373.4),
     .L_M_g_p_mu2 = (real)(0.04905),
-    .J = (real)(NAN),
+    .J = (real)(ECCENTRIC_NOT_GIVEN),
     .B_lN_R_mu2_scale_N_per_k_i = (real)(4.0e-5),
     .B_R_per_k_i_plus_k_e = (real)(0.22),
     .C_lN_R_mu_scale_N_per_k_i = (real)(0.004),
@@ -324,7 +354,7 @@ const rotating_link_coefficients rotating_link_default = {
     .F_T_mu_sin_phi = 0.0,
     .omega_star2 = 1373.4,
     .L_M_g_p_mu2 = 0.04905,
-    .J = (real)NAN,
+    .J = ECCENTRIC_NOT_GIVEN,
     .B_lN_R_mu2_scale_N_per_k_i = 4.0e-5,
     .B_R_per_k_i_plus_k_e = 0.22,
     .C_lN_R_mu_scale_N_per_k_i = 0.004,
@@ -383,7 +413,8 @@ int rotating_link_prepare(const rotating_link_parameters *p, rotating_link_coeff
     const double F_T_mu_sin_phi = p->F_T * p->mu * sin(p->phi);
     const double omega_star2 = omega_star.high * omega_star.high;
     const double L_M_g_p_mu2 = p->L * p->M * g_p.high * p->mu * p->mu;
-    const double J = p->J_l * p->mu * p->mu + p->J_m;
+    const double J = ((p->J_l == ECCENTRIC_NOT_GIVEN) || (p->J_m == ECCENTRIC_NOT_GIVEN)) ?
+        ECCENTRIC_NOT_GIVEN : (p->J_l * p->mu * p->mu + p->J_m);
     const double B_lN_R_mu2_scale_N_per_k_i = p->B_lN * p->R * p->mu * p->mu * scale_N / p->k_i;
     const double B_R_per_k_i_plus_k_e = B * p->R / p->k_i + p->k_e;
     const double C_lN_R_mu_scale_N_per_k_i = p->C_lN * p->R * p->mu * scale_N / p->k_i;
@@ -450,8 +481,8 @@ int rotating_link_prepare(const rotating_link_parameters *p, rotating_link_coeff
     c->period_5 = (real)(period_5);
 #endif
     int invalid = 0;
-    invalid = ((p->J_l < 0.0) || (p->J_l > DBL_MAX)) ? 18 : invalid;
-    invalid = ((p->J_m < 0.0) || (p->J_m > DBL_MAX)) ? 17 : invalid;
+    invalid = (((p->J_l < 0.0) && (p->J_l != ECCENTRIC_NOT_GIVEN)) || (p->J_l > DBL_MAX)) ? 18 : invalid;
+    invalid = (((p->J_m < 0.0) && (p->J_m != ECCENTRIC_NOT_GIVEN)) || (p->J_m > DBL_MAX)) ? 17 : invalid;
     invalid = (!((p->F_T >= 0.0) && (p->F_T <= DBL_MAX))) ? 16 : invalid;
     invalid = (!((p->C_m >= 0.0) && (p->C_m <= DBL_MAX))) ? 15 : invalid;
     invalid = (!((p->B_m >= 0.0) && (p->B_m <= DBL_MAX))) ? 14 : invalid;
@@ -489,7 +520,7 @@ REAL_INLINE real rotating_link_normal_force_at(
         size_2));
     const real q = part_1 + (-c->mu_omega_star2) * chord * half_sine;
     /* normal force over scale_N [rad^2/s^2] */
-    const real load = REAL_SQRT(p * p + q * q);
+    const real load = rotating_link_square_root(p * p + q * q);
     return load * c->scale_N;
 }
 
@@ -551,7 +582,7 @@ REAL_INLINE real rotating_link_friction_torque_at(
         size_2));
     const real q = part_1 + (-c->mu_omega_star2) * chord * half_sine;
     /* normal force over scale_N [rad^2/s^2] */
-    const real load = REAL_SQRT(p * p + q * q);
+    const real load = rotating_link_square_root(p * p + q * q);
     const real direction_of_motion = rotating_link_sgn(omega_m);
     const real part_2 = omega_m * (c->B_lN_mu2_scale_N * load + c->B_plus_k_e_k_i_per_R);
     return direction_of_motion * (c->C + c->C_lN_mu_scale_N * load) + part_2;
@@ -615,7 +646,7 @@ REAL_INLINE real rotating_link_mechanical_friction_torque_at(
         size_2));
     const real q = part_1 + (-c->mu_omega_star2) * chord * half_sine;
     /* normal force over scale_N [rad^2/s^2] */
-    const real load = REAL_SQRT(p * p + q * q);
+    const real load = rotating_link_square_root(p * p + q * q);
     const real direction_of_motion = rotating_link_sgn(omega_m);
     const real part_2 = direction_of_motion * (c->C + c->C_lN_mu_scale_N * load);
     return omega_m * (c->B + c->B_lN_mu2_scale_N * load) + part_2;
@@ -681,7 +712,7 @@ REAL_INLINE void rotating_link_friction_torque_gradient_at(
         size_2));
     const real q = part_1 + (-c->mu_omega_star2) * chord * half_sine;
     /* normal force over scale_N [rad^2/s^2] */
-    const real load = REAL_SQRT(p * p + q * q);
+    const real load = rotating_link_square_root(p * p + q * q);
     /* 1 at the apex, where F_N is 0 and its derivatives are taken as 0 */
     const real inverse = ((load == REAL(0.0)) ? REAL(1.0) : REAL(1.0) / load);
     const real part_2 = c->mu2_omega_star2 * (p * inverse) * chord * half_sine;
@@ -758,7 +789,7 @@ REAL_INLINE void rotating_link_friction_torque_with_gradient_at(
         size_2));
     const real q = part_1 + (-c->mu_omega_star2) * chord * half_sine;
     /* normal force over scale_N [rad^2/s^2] */
-    const real load = REAL_SQRT(p * p + q * q);
+    const real load = rotating_link_square_root(p * p + q * q);
     /* 1 at the apex, where F_N is 0 and its derivatives are taken as 0 */
     const real inverse = ((load == REAL(0.0)) ? REAL(1.0) : REAL(1.0) / load);
     const real part_2 = c->mu2_omega_star2 * (p * inverse) * chord * half_sine;
@@ -837,7 +868,7 @@ REAL_INLINE void rotating_link_friction_torque_jacobian_at(
         size_2));
     const real q = part_1 + (-c->mu_omega_star2) * chord * half_sine;
     /* normal force over scale_N [rad^2/s^2] */
-    const real load = REAL_SQRT(p * p + q * q);
+    const real load = rotating_link_square_root(p * p + q * q);
     out[0] = load * c->mu2_scale_N * omega_m;
     const real direction_of_motion = rotating_link_sgn(omega_m);
     out[1] = direction_of_motion * load * c->mu_scale_N;
@@ -907,7 +938,7 @@ REAL_INLINE void rotating_link_regressor_at(
         size_2));
     const real q = part_1 + (-c->mu_omega_star2) * chord * half_sine;
     /* normal force over scale_N [rad^2/s^2] */
-    const real load = REAL_SQRT(p * p + q * q);
+    const real load = rotating_link_square_root(p * p + q * q);
     out[0] = load * c->mu2_scale_N * omega_m;
     const real direction_of_motion = rotating_link_sgn(omega_m);
     out[1] = direction_of_motion * load * c->mu_scale_N;
@@ -974,7 +1005,7 @@ REAL_INLINE real rotating_link_coulomb_torque_at(
     const real p = chord * chord * c->half_mu2_omega_star2 - c->omega_star2;
     const real part_1 = ((size > c->fastest2) ? c->fastest2 : ((size < -c->fastest2) ? -c->fastest2 : size));
     const real q = part_1 + (-c->mu_omega_star2) * chord * half_sine;
-    const real magnitude = REAL_SQRT(p * p + q * q);
+    const real magnitude = rotating_link_square_root(p * p + q * q);
     return c->C + c->C_lN_mu_scale_N * magnitude;
 }
 
@@ -1075,13 +1106,13 @@ REAL_INLINE real rotating_link_voltage_at(
         size_2));
     const real q = part_1 + (-c->mu_omega_star2) * chord * half_sine;
     /* normal force over scale_N [rad^2/s^2] */
-    const real load = REAL_SQRT(p * p + q * q);
+    const real load = rotating_link_square_root(p * p + q * q);
     const real direction_of_motion = rotating_link_sgn(omega_m);
     const real part_3 = c->C_R_per_k_i + c->C_lN_R_mu_scale_N_per_k_i * load;
     const real part_2 = direction_of_motion * part_3;
     const real part_4 = omega_m * (c->B_R_per_k_i_plus_k_e + c->B_lN_R_mu2_scale_N_per_k_i * load);
     const real part_5 = (-c->L_M_R_g_p_mu2_per_k_i) * chord * half_sine;
-    const real part_6 = c->R_per_k_i * ((alpha_m == REAL(0.0)) ? REAL(0.0) : c->J * alpha_m);
+    const real part_6 = c->R_per_k_i * ((alpha_m == REAL(0.0)) ? REAL(0.0) : REAL_GIVEN(c->J) * alpha_m);
     return part_2 + part_4 + part_5 + part_6;
 }
 
@@ -1143,12 +1174,12 @@ REAL_INLINE real rotating_link_current_at(
         size_2));
     const real q = part_1 + (-c->mu_omega_star2) * chord * half_sine;
     /* normal force over scale_N [rad^2/s^2] */
-    const real load = REAL_SQRT(p * p + q * q);
+    const real load = rotating_link_square_root(p * p + q * q);
     const real direction_of_motion = rotating_link_sgn(omega_m);
     const real part_2 = direction_of_motion * (c->C_lN_mu_scale_N_per_k_i * load + c->C_per_k_i);
     const real part_3 = (-c->L_M_g_p_mu2_per_k_i) * chord * half_sine;
     const real part_4 = omega_m * (c->B_lN_mu2_scale_N_per_k_i * load + c->B_per_k_i);
-    const real part_5 = c->per_k_i * ((alpha_m == REAL(0.0)) ? REAL(0.0) : c->J * alpha_m);
+    const real part_5 = c->per_k_i * ((alpha_m == REAL(0.0)) ? REAL(0.0) : REAL_GIVEN(c->J) * alpha_m);
     return part_2 + part_3 + part_4 + part_5;
 }
 
@@ -1211,11 +1242,11 @@ REAL_INLINE real rotating_link_mechanical_residual_at(
         size_2));
     const real q = part_1 + (-c->mu_omega_star2) * chord * half_sine;
     /* normal force over scale_N [rad^2/s^2] */
-    const real load = REAL_SQRT(p * p + q * q);
+    const real load = rotating_link_square_root(p * p + q * q);
     const real direction_of_motion = rotating_link_sgn(omega_m);
     const real part_2 = -direction_of_motion * (c->C + c->C_lN_mu_scale_N * load);
     const real part_3 = c->L_M_g_p_mu2 * chord * half_sine;
-    const real part_4 = -((alpha_m == REAL(0.0)) ? REAL(0.0) : c->J * alpha_m);
+    const real part_4 = -((alpha_m == REAL(0.0)) ? REAL(0.0) : REAL_GIVEN(c->J) * alpha_m);
     const real part_5 = -omega_m * (c->B + c->B_lN_mu2_scale_N * load);
     return i * c->k_i + part_2 + part_3 + part_4 + part_5;
 }
@@ -1298,6 +1329,7 @@ void rotating_link_electrical_residual_n(
 #undef REAL_INLINE
 #undef REAL_BLOCK
 #undef REAL
+#undef REAL_GIVEN
 #undef REAL_SQRT
 #undef REAL_FABS
 #undef REAL_IN_SINGLE

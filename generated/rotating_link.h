@@ -1,6 +1,6 @@
 /*
  * Generated: do not edit. Written by `make derive` from derivations/rotating_link.py
- * (eccentric 0.1.0, program b0aacf4d).
+ * (eccentric 0.1.0, program ccfd9642).
  * Rotating link with an unbalanced mass, in a plane tilted by phi, with angular acceleration.
  */
 /* Begin with rotating_link_mechanical_friction_torque, the friction that a drive must compensate, or
@@ -13,7 +13,7 @@
 #include <stddef.h>
 
 /* ROTATING_LINK_PROGRAM identifies the derivation of header and source; the source checks it. */
-#define ROTATING_LINK_PROGRAM 0xb0aacf4dUL
+#define ROTATING_LINK_PROGRAM 0xccfd9642UL
 
 /* The working precision: double, or float with -DECCENTRIC_REAL=float. Files that differ do not link:
  * all functions have it in their names, as in rotating_link_prepare_double. */
@@ -33,6 +33,7 @@
 #endif
 #define rotating_link_prepare ECCENTRIC_JOIN(rotating_link_prepare_, ECCENTRIC_REAL)
 #define rotating_link_default ECCENTRIC_JOIN(rotating_link_default_, ECCENTRIC_REAL)
+#define rotating_link_default_parameters ECCENTRIC_JOIN(rotating_link_default_parameters_, ECCENTRIC_REAL)
 #define rotating_link_normal_force ECCENTRIC_JOIN(rotating_link_normal_force_, ECCENTRIC_REAL)
 #define rotating_link_normal_force_n ECCENTRIC_JOIN(rotating_link_normal_force_n_, ECCENTRIC_REAL)
 #define rotating_link_friction_torque ECCENTRIC_JOIN(rotating_link_friction_torque_, ECCENTRIC_REAL)
@@ -88,6 +89,9 @@
 #ifdef __cplusplus
 extern "C" {
 #endif
+
+/** What a parameter without a default is until it is set: exact in both precisions, so that no initialiser is NaN. */
+#define ECCENTRIC_NOT_GIVEN (-170141183460469231731687303715884105728.0)
 
 /** Parameters, with the paper's letters, in SI units. */
 typedef struct {

@@ -10,6 +10,7 @@ from eccentric.emission.program import Bound
 from eccentric.emission.program import accuracy as stated
 from tests import accelerated, accuracy, oracle, random_drives
 from tests.emitted import module
+from tests.paper import Parameters
 
 DERIVATIVES = ("friction_torque_jacobian", "friction_torque_gradient")
 STEADY = {"C1": ("c1_perpendicular", "c1_asymmetric"), "C2": ("c2_parallel", "c2_asymmetric")}
@@ -39,15 +40,31 @@ def arguments(name: str, function: str, at: accuracy.Set) -> list[np.ndarray]:
     return [getattr(at, one) for one in oracle.inputs(name, function)]
 
 
+def emitted(name: str, at: accuracy.Set, values: dict[str, float]) -> dict[str, np.ndarray]:
+    """Return what each function of the emitted NumPy module of a steady model gives."""
+    force, states = (arguments(name, by, at) for by in ("normal_force", "friction_torque"))
+    return {
+        function: np.asarray(
+            getattr(module(name), function)(
+                *(force if function == "normal_force" else states), given(name, values)
+            )
+        )
+        for function in random_drives.FUNCTIONS
+    }
+
+
 def errors(name: str, at: accuracy.Set, values: dict[str, float]) -> dict[str, float]:
     """Return the worst error of each function of a steady model, in the units that its header words."""
-    p, found = oracle.exact(values), {}
+    return errors_of(emitted(name, at, values), name, at, oracle.exact(values))
+
+
+def errors_of(results: dict[str, np.ndarray], name: str, at: accuracy.Set, p: Parameters) -> dict[str, float]:
+    """Return the same of the results of any code for a steady model, with its exact parameters."""
+    found = {}
     for function in random_drives.FUNCTIONS[:3]:
-        by = "normal_force" if function == "normal_force" else "friction_torque"
-        actual = np.asarray(getattr(module(name), function)(*arguments(name, by, at), given(name, values)))
-        found[function] = np.max(accuracy.units(actual, getattr(accuracy, function)(name, at, p)))
-    states = (*arguments(name, "friction_torque", at), given(name, values))
-    jacobian, gradient = (getattr(module(name), function)(*states) for function in DERIVATIVES)
+        exact = getattr(accuracy, function)(name, at, p)
+        found[function] = np.max(accuracy.units(results[function], exact))
+    jacobian, gradient = (results[function] for function in DERIVATIVES)
     columns = accuracy.jacobian(name, at, p, module(name).JACOBIAN)
     pairs = zip(np.moveaxis(jacobian, -1, 0), columns, strict=True)
     found[DERIVATIVES[0]] = np.max([accuracy.units(*pair) for pair in pairs])

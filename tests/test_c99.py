@@ -128,7 +128,7 @@ def test_default_coefficients_are_the_prepared_ones(libraries: Libraries, name: 
     library = libraries[name, dtype]
     prepared = library.coefficients(module(name).Parameters())
     constant = library.coefficients()
-    default_parameters = getattr(library.lib, f"{name}_default_parameters")
+    default_parameters = library["default_parameters"]
 
     for field in dir(default_parameters):
         value = getattr(module(name).Parameters(), field)

@@ -13,6 +13,7 @@ from typing import Any
 import mpmath
 import numpy as np
 
+from eccentric.emission.backends.c99.constants import NOT_GIVEN, NOT_GIVEN_VALUE
 from eccentric.emission.check.called import Called
 
 SECTIONS, SECTION = 10, 20_000  # generated samples
@@ -83,7 +84,7 @@ def _default(source: str) -> list[dict[str, float]]:
             name: float(decimal)
             for name, decimal in re.findall(r"\.(\w+) = (?:\(real\)\()?([-+.\w]+)\)?,", part)
         }
-        for part in block.replace("(real)NAN", "NAN").split("#else")
+        for part in block.replace(NOT_GIVEN, str(NOT_GIVEN_VALUE)).split("#else")
     ]
 
 

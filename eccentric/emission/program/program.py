@@ -124,6 +124,15 @@ class Program:
         return shared + tuple(s for s in self.coefficients if single and s in self.single_only)
 
     @cached_property
+    def ungiven(self) -> frozenset[sp.Symbol]:
+        """Parameters without a default, and what `prepare` makes of them."""
+        found = {q.symbol for q in self.parameters if q.default is None}
+        for a in self.prepare:
+            if found & a.value.free_symbols:
+                found.add(a.target)
+        return frozenset(found)
+
+    @cached_property
     def single_only(self) -> frozenset[sp.Symbol]:
         """Coefficients that are prepared for single precision only."""
 

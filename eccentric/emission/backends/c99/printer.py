@@ -9,7 +9,7 @@ from eccentric.emission.backends.text import number
 from eccentric.emission.program import Program
 
 REAL = {
-    "sqrt": "REAL_SQRT({0})",
+    "sqrt": "MODEL_square_root({0})",
     "fabs": "REAL_FABS({0})",
     "sgn": "MODEL_sgn({0})",
     "forward": "MODEL_forward({0})",

@@ -180,8 +180,12 @@ def _ready(parts: Staged) -> list[str]:
 def _printer(
     program: Program, coefficients: set[str], line: Callable[[str, str], str]
 ) -> Callable[[str, sp.Expr], str]:
+    ungiven = {s.name for s in program.ungiven}
+
     def spelled(name: str) -> str:
-        return "REAL_ROUNDER" if name == "rounder" else f"c->{name}" if name in coefficients else name
+        if name not in coefficients:
+            return "REAL_ROUNDER" if name == "rounder" else name
+        return f"REAL_GIVEN(c->{name})" if name in ungiven else f"c->{name}"
 
     calls = REAL | {h.name: f"MODEL_{h.name}({{0}}, c)" for h in program.helpers}
     spelling = language(program, calls, spelled, "REAL({})")

@@ -6,7 +6,7 @@ from typing import Any
 
 import sympy as sp
 
-from eccentric.emission.backends.c99.constants import evaluate_prepare
+from eccentric.emission.backends.c99.constants import NOT_GIVEN, NOT_GIVEN_VALUE, evaluate_prepare
 from eccentric.emission.backends.c99.lines import code, wrapped
 from eccentric.emission.backends.c99.pairs import pair_functions, pair_text
 from eccentric.emission.backends.c99.printer import DOUBLE, language
@@ -62,15 +62,23 @@ def view(program: Program, digest: str) -> dict[str, Any]:
         return f"{name}.high" if name in pairs else name if name in prepared else f"p->{name}"
 
     def coefficient(s: sp.Symbol) -> dict[str, str]:
+        single, double = (values[one][s.name].replace("NAN", NOT_GIVEN) for one in (True, False))
         return {
             "name": s.name,
             "source": value_of(s.name),
-            "single": f"(real)({values[True][s.name]})",
-            "double": values[False][s.name].replace("NAN", "(real)NAN"),
+            "single": f"(real)({single})",
+            "double": double,
             "doc": notes.get(s.name, ""),
         }
 
     in_prepare = language(program, DOUBLE, value_of, "{}")
+    given = {q.name for q in program.parameters if q.symbol in program.ungiven}
+    in_pairs = language(
+        program,
+        DOUBLE,
+        lambda name: f"{program.name}_given(p->{name})" if name in given else value_of(name),
+        "{}",
+    )
     coefficients = {s.name for s in program.coefficients}
     values = {single: evaluate_prepare(program, single) for single in (True, False)}
     expressions = [a.value for a in program.hot()]
@@ -80,14 +88,20 @@ def view(program: Program, digest: str) -> dict[str, Any]:
     held, shared = program.held(single=True), len(program.held(single=False))
     called = [r.name + ending for r in program.routines for ending in ("", "_n")[: 2 if r.inputs else 1]]
     return {
-        "names": ["prepare", "default", *called, *(["initial_state", "step"] if program.states else [])],
+        "names": [
+            "prepare",
+            "default",
+            "default_parameters",
+            *called,
+            *(["initial_state", "step"] if program.states else []),
+        ],
         "exponential": any(e.has(sp.exp) for e in expressions),
         "name": program.name,
         "guard": program.name.upper(),
         "first": dict(zip(("name", "doc", "end"), (program.first, *_FIRST[program.first]), strict=True)),
         "digest": f"0x{digest}UL",
         "parameters": [
-            _parameter(q, values[False][q.name].replace("NAN", "(double)NAN")) for q in program.parameters
+            _parameter(q, values[False][q.name].replace("NAN", NOT_GIVEN)) for q in program.parameters
         ],
         "valid": _valid(program),
         "promises": program.promises,
@@ -98,6 +112,11 @@ def view(program: Program, digest: str) -> dict[str, Any]:
         "single_coefficients": list(map(coefficient, held[shared:])),
         "single": [(name, single) for name, single, _ in macros],
         "double": [(name, double) for name, _, double in macros],
+        "ungiven": f"{NOT_GIVEN} ({NOT_GIVEN_VALUE:.1f})" if program.ungiven else "",
+        "given": any(
+            program.ungiven & a.value.free_symbols for a in program.prepare if a.target in paired_symbols
+        ),
+        "root": any(e.has(Root) for e in expressions),
         "macros": [name.partition("(")[0] for name, _, _ in macros],
         "helpers": [
             dict(zip(("name", "arguments", "lines"), (name, *_HELPERS[name]), strict=True))
@@ -107,12 +126,12 @@ def view(program: Program, digest: str) -> dict[str, Any]:
         "leading": splitting(program),
         "pairs": pair_functions(program),
         "prepare": code(
-            _prepared(program, paired_symbols, a, in_prepare)
+            _prepared(program, a, in_pairs if a.target in paired_symbols else in_prepare)
             for a in program.prepare
             if a.target not in single_only
         ),
         "single_prepare": code(
-            _prepared(program, paired_symbols, a, in_prepare)
+            _prepared(program, a, in_pairs if a.target in paired_symbols else in_prepare)
             for a in program.prepare
             if a.target in single_only
         ),
@@ -131,9 +150,16 @@ def view(program: Program, digest: str) -> dict[str, Any]:
     }
 
 
-def _prepared(program: Program, pairs: frozenset[sp.Symbol], a: Assignment, language: Language) -> str:
+def _prepared(program: Program, a: Assignment, language: Language) -> str:
+    """An assignment of `prepare`: without a parameter that it needs, its result is not given either."""
+    pairs = paired(program)
     if a.target not in pairs:
-        return f"const double {a.target.name} = {printed(a.value, language)};"
+        value = printed(a.value, language)
+        absent = sorted(language.symbol(s.name) for s in (a.value.free_symbols & program.ungiven) - pairs)
+        if absent:
+            lacking = " || ".join(f"({name} == {NOT_GIVEN})" for name in absent)
+            value = f"({lacking}) ? {NOT_GIVEN} : ({value})"
+        return f"const double {a.target.name} = {value};"
     value = pair_text(a.value, pairs, language, lambda name: f"{program.name}_{name}")
     return f"const {program.name}_pair {a.target.name} = {value};"
 
@@ -171,6 +197,9 @@ def _macros(program: Program) -> list[tuple[str, str, str]]:
         ("REAL_EXP(x)", sp.exp, "exp"),
     ]
     found = [("REAL(x)", "x##f", "x")]
+    if any(program.ungiven & e.free_symbols for e in expressions):
+        given = f"(((x) == (real){NOT_GIVEN}) ? (real)NAN : (x))"
+        found.append(("REAL_GIVEN(x)", given, given))
     found += [
         (macro, f"{name}f(x)", f"{name}(x)")
         for macro, op, name in used
@@ -201,12 +230,14 @@ def _parameter(q: Quantity, value: str) -> dict[str, str]:
 
 
 def _invalid(q: Quantity) -> str:
-    """The condition in C that a parameter is invalid; NaN is valid where it means that none is given."""
+    """The condition in C that a parameter is invalid; one without a default may be absent or NaN."""
     x, most = f"p->{q.name}", "1.5707964" if q.domain == "tilt" else "DBL_MAX"
     low, below = {"positive": ("> 0.0", "<= 0.0"), "real": (">= -DBL_MAX", "< -DBL_MAX")}.get(
         q.domain, (">= 0.0", "< 0.0")
     )
-    return f"({x} {below}) || ({x} > {most})" if q.default is None else f"!(({x} {low}) && ({x} <= {most}))"
+    if q.default is None:
+        return f"(({x} {below}) && ({x} != {NOT_GIVEN})) || ({x} > {most})"
+    return f"!(({x} {low}) && ({x} <= {most}))"
 
 
 def _valid(program: Program) -> str:

@@ -1,0 +1,89 @@
+"""No flag turns the emitted C into garbage: each combination is refused, or keeps the header's bounds."""
+
+from pathlib import Path
+
+import pytest
+
+from tests import flags
+from tests.flags import TARGETS, missing, outcome
+
+LEVELS = (
+    ("-O0", "-std=c99"),
+    ("-O1", "-std=gnu11"),
+    ("-O2", "-std=gnu17"),
+    ("-O3", "-std=gnu2x"),
+    ("-Os", "-std=c99"),
+    ("-Ofast", "-std=gnu17"),
+    ("-O2", "-std=gnu11", "-flto"),
+)
+RE_ASSOCIATED = ("-fassociative-math", "-fno-signed-zeros", "-fno-trapping-math")
+SINGLE_FLAGS = (
+    ("-ffast-math",),
+    ("-funsafe-math-optimizations",),
+    RE_ASSOCIATED,
+    ("-freciprocal-math",),
+    ("-ffinite-math-only",),
+    ("-fno-signed-zeros",),
+    ("-fno-trapping-math",),
+    ("-fno-math-errno",),
+    ("-frounding-math",),
+    ("-ffp-contract=fast",),
+    ("-fsingle-precision-constant",),
+    ("-fshort-enums",),
+)
+OF_FAMILY = {
+    "gcc": (("-fexcess-precision=fast",), ("-ffloat-store",), ("-fcx-limited-range",)),
+    "clang": (("-ffp-model=fast",), ("-fno-honor-nans",), ("-fno-honor-infinities",), ("-fapprox-func",)),
+}
+PLACES = [(family, target) for target in TARGETS for family in OF_FAMILY]
+SAMPLE = [
+    ("gcc", "x86-64-fma", ("-O2",)),
+    ("gcc", "x86-64", ("-O2", "-fsingle-precision-constant")),
+    ("gcc", "aarch64", ("-O2",)),
+    ("gcc", "m4f", ("-O2",)),
+    ("clang", "x86-64", ("-O2", "-funsafe-math-optimizations")),
+    ("clang", "aarch64", ("-O2", *RE_ASSOCIATED)),
+]
+
+
+def kept_or_refused(folder: Path, family: str, target: str, options: tuple[str, ...], real: str) -> bool:
+    """Return whether a combination is refused in the source's own words, or keeps all bounds."""
+    found = outcome(folder, family, target, options, real)
+    if isinstance(found, str):
+        return f"{flags.NAME}.c" in found and "error" in found
+    return all(worst <= 1.0 for worst in found.values())
+
+
+def need(family: str, target: str) -> None:
+    """Skip the test where a tool is not installed, and say which."""
+    if lacking := missing(family, target):
+        pytest.skip(f"not installed: {', '.join(lacking)}")
+
+
+@pytest.mark.parametrize(
+    ("family", "target", "options"), SAMPLE, ids=lambda x: x if isinstance(x, str) else " ".join(x)
+)
+def test_what_used_to_be_wrong(tmp_path: Path, family: str, target: str, options: tuple[str, ...]) -> None:
+    """Contraction, re-association and constants in float each spoiled the split of the period in float."""
+    need(family, target)
+
+    assert kept_or_refused(tmp_path, family, target, options, "float")
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("family", "target"), PLACES)
+def test_every_flag(tmp_path: Path, family: str, target: str) -> None:
+    """Any level of optimisation in any dialect, and any unsafe flag alone: refused, or within the bounds."""
+    need(family, target)
+    cross_lto = family == "clang" and TARGETS[target].emulator
+    levels = [x for x in LEVELS if not ("-flto" in x and cross_lto)]  # its objects are for its own linker
+    combinations = [(x, real) for x in levels for real in flags.PRECISIONS]
+    combinations += [(("-O2", *x), "float") for x in (*SINGLE_FLAGS, *OF_FAMILY[family])]
+
+    spoiled = [
+        (" ".join(options), real)
+        for options, real in combinations
+        if not kept_or_refused(tmp_path, family, target, options, real)
+    ]
+
+    assert [] == spoiled
