@@ -1,6 +1,6 @@
 /*
  * Generated: do not edit. Written by `make derive` from derivations/c1_asymmetric.py
- * (eccentric 0.1.0, program abab7497).
+ * (eccentric 0.1.0, program 227dc299).
  * Case C1 with friction that differs between the directions of motion.
  */
 #include "c1_asymmetric.h"
@@ -8,12 +8,12 @@
 #include <float.h>
 #include <math.h>
 
-#if C1_ASYMMETRIC_PROGRAM != 0xabab7497UL
+#if C1_ASYMMETRIC_PROGRAM != 0x227dc299UL
 #error "c1_asymmetric.c and c1_asymmetric.h are of different derivations: write both again"
 #endif
 
-/* Whatever the flags: gcc and clang neither contract a * b + c nor re-associate below, and what would still change
- * results is refused. Another compiler obeys the standard pragma. */
+/* Whatever the flags: gcc and clang neither contract a * b + c nor re-associate below, and what would
+ * still change results is refused. Another compiler obeys the standard pragma. */
 #if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__) || \
     (defined(__FINITE_MATH_ONLY__) && __FINITE_MATH_ONLY__)
 #error "-ffast-math undoes the split of parameters into leading and further digits, and drops NaN"
@@ -31,7 +31,7 @@
 #else
 #pragma STDC FP_CONTRACT OFF
 #endif
-/* A constant without suffix is a double, other than with -fsingle-precision-constant: else this is an error. */
+/* An error with -fsingle-precision-constant, where a constant without suffix is no double. */
 typedef char c1_asymmetric_constants_are_double[(sizeof(1.0) == sizeof(double)) ? 1 : -1];
 
 /* Short names for this file only, undefined at its end: several models may share a translation unit. */

@@ -1,6 +1,6 @@
 /*
  * Generated: do not edit. Written by `make derive` from derivations/c1_perpendicular.py
- * (eccentric 0.1.0, program 23dfd5aa).
+ * (eccentric 0.1.0, program 0dd081d4).
  * Case C1: gravity perpendicular to the motion plane, steady motion.
  */
 #include "c1_perpendicular.h"
@@ -8,12 +8,12 @@
 #include <float.h>
 #include <math.h>
 
-#if C1_PERPENDICULAR_PROGRAM != 0x23dfd5aaUL
+#if C1_PERPENDICULAR_PROGRAM != 0x0dd081d4UL
 #error "c1_perpendicular.c and c1_perpendicular.h are of different derivations: write both again"
 #endif
 
-/* Whatever the flags: gcc and clang neither contract a * b + c nor re-associate below, and what would still change
- * results is refused. Another compiler obeys the standard pragma. */
+/* Whatever the flags: gcc and clang neither contract a * b + c nor re-associate below, and what would
+ * still change results is refused. Another compiler obeys the standard pragma. */
 #if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__) || \
     (defined(__FINITE_MATH_ONLY__) && __FINITE_MATH_ONLY__)
 #error "-ffast-math undoes the split of parameters into leading and further digits, and drops NaN"
@@ -31,7 +31,7 @@
 #else
 #pragma STDC FP_CONTRACT OFF
 #endif
-/* A constant without suffix is a double, other than with -fsingle-precision-constant: else this is an error. */
+/* An error with -fsingle-precision-constant, where a constant without suffix is no double. */
 typedef char c1_perpendicular_constants_are_double[(sizeof(1.0) == sizeof(double)) ? 1 : -1];
 
 /* Short names for this file only, undefined at its end: several models may share a translation unit. */

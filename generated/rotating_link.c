@@ -1,6 +1,6 @@
 /*
  * Generated: do not edit. Written by `make derive` from derivations/rotating_link.py
- * (eccentric 0.1.0, program ccfd9642).
+ * (eccentric 0.1.0, program 6690966b).
  * Rotating link with an unbalanced mass, in a plane tilted by phi, with angular acceleration.
  */
 #include "rotating_link.h"
@@ -8,12 +8,12 @@
 #include <float.h>
 #include <math.h>
 
-#if ROTATING_LINK_PROGRAM != 0xccfd9642UL
+#if ROTATING_LINK_PROGRAM != 0x6690966bUL
 #error "rotating_link.c and rotating_link.h are of different derivations: write both again"
 #endif
 
-/* Whatever the flags: gcc and clang neither contract a * b + c nor re-associate below, and what would still change
- * results is refused. Another compiler obeys the standard pragma. */
+/* Whatever the flags: gcc and clang neither contract a * b + c nor re-associate below, and what would
+ * still change results is refused. Another compiler obeys the standard pragma. */
 #if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__) || \
     (defined(__FINITE_MATH_ONLY__) && __FINITE_MATH_ONLY__)
 #error "-ffast-math undoes the split of parameters into leading and further digits, and drops NaN"
@@ -31,7 +31,7 @@
 #else
 #pragma STDC FP_CONTRACT OFF
 #endif
-/* A constant without suffix is a double, other than with -fsingle-precision-constant: else this is an error. */
+/* An error with -fsingle-precision-constant, where a constant without suffix is no double. */
 typedef char rotating_link_constants_are_double[(sizeof(1.0) == sizeof(double)) ? 1 : -1];
 
 /* Short names for this file only, undefined at its end: several models may share a translation unit. */
@@ -63,15 +63,19 @@ typedef char rotating_link_constants_are_double[(sizeof(1.0) == sizeof(double)) 
 #define REAL_COS(x) cos(x)
 #endif
 
-/* The square root of the unit where there is one: that of the library sets errno for a negative number, which costs
- * a branch and a call. */
+/* The square root of an Arm unit: that of the library sets errno, which costs a branch and a call. */
+#if defined(__GNUC__) && defined(__arm__) && defined(__ARM_FP)
+#define REAL_UNIT ((__ARM_FP & ((ECCENTRIC_PRECISION == 1) ? 4 : 8)) != 0)
+#else
+#define REAL_UNIT 0
+#endif
 REAL_INLINE real rotating_link_square_root(const real x)
 {
-#if defined(__GNUC__) && defined(__arm__) && defined(__ARM_FP) && (ECCENTRIC_PRECISION == 1) && ((__ARM_FP & 4) != 0)
+#if REAL_UNIT && (ECCENTRIC_PRECISION == 1)
     real y;
     __asm__("vsqrt.f32 %0, %1" : "=t"(y) : "t"(x));
     return y;
-#elif defined(__GNUC__) && defined(__arm__) && defined(__ARM_FP) && (ECCENTRIC_PRECISION == 2) && ((__ARM_FP & 8) != 0)
+#elif REAL_UNIT
     real y;
     __asm__("vsqrt.f64 %P0, %P1" : "=w"(y) : "w"(x));
     return y;
@@ -1327,6 +1331,7 @@ void rotating_link_electrical_residual_n(
 
 #undef real
 #undef REAL_INLINE
+#undef REAL_UNIT
 #undef REAL_BLOCK
 #undef REAL
 #undef REAL_GIVEN

@@ -40,7 +40,6 @@ SAMPLE = [
     ("gcc", "x86-64-fma", ("-O2",)),
     ("gcc", "x86-64", ("-O2", "-fsingle-precision-constant")),
     ("gcc", "aarch64", ("-O2",)),
-    ("gcc", "m4f", ("-O2",)),
     ("clang", "x86-64", ("-O2", "-funsafe-math-optimizations")),
     ("clang", "aarch64", ("-O2", *RE_ASSOCIATED)),
 ]

@@ -7,9 +7,8 @@ import keyword
 import re
 import sys
 
-from sympy.printing.c import reserved_words, reserved_words_c99
-
 from eccentric.errors import InputError
+from eccentric.model import C_KEYWORDS
 
 # The standard headers of C90 to C23 (ISO/IEC 9899, 7.1.2): a file with such a name would hide them.
 _HEADERS = """
@@ -22,7 +21,7 @@ _PACKAGES = ("numpy", "eccentric", "eccentric_runtime")
 # Windows allows no files with these names, whatever their suffix.
 _DEVICES = ("aux", "con", "nul", "prn", *(f"{port}{k}" for port in ("com", "lpt") for k in range(10)))
 _TAKEN = {
-    "a keyword of C": {*reserved_words, *reserved_words_c99},
+    "a keyword of C": C_KEYWORDS,
     "a header of C": set(_HEADERS),
     "a keyword of Python": set(keyword.kwlist),
     "a Python built-in": set(dir(builtins)),

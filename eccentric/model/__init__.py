@@ -16,6 +16,7 @@ from eccentric.model.load import load_model, model_names
 from eccentric.model.model import Model
 from eccentric.model.quantity import Quantity, quantity, symbols
 from eccentric.model.regressor import Column, regressor
+from eccentric.model.reserved import C_KEYWORDS
 from eccentric.model.role import CONTACT, Load, Role
 from eccentric.model.steps import (
     STEPS,
@@ -39,6 +40,7 @@ from eccentric.model.steps import (
 
 __all__ = [
     "CONTACT",
+    "C_KEYWORDS",
     "KINDS",
     "STEPS",
     "Across",

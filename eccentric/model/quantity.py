@@ -6,6 +6,8 @@ from dataclasses import dataclass
 
 import sympy as sp
 
+from eccentric.model.reserved import require_free
+
 _ASSUMPTIONS = {
     "positive": {"positive": True},
     "nonnegative": {"nonnegative": True},
@@ -54,8 +56,10 @@ def quantity(
     """Make a quantity; a decimal default such as "0.25" is kept exact (1/4).
 
     Raises:
+        InputError: the name is not an identifier, or one that C, C++ or Python has taken.
         ValueError: the domain is unknown.
     """
+    require_free(name)
     if domain not in _ASSUMPTIONS:
         raise ValueError(f"{name}: domain: one of {', '.join(_ASSUMPTIONS)} is required, received {domain!r}")
     value = sp.Rational(default) if isinstance(default, str) else default

@@ -1,5 +1,5 @@
 /*
- * Generated: do not edit. Written beside c1_perpendicular.c (program 23dfd5aa).
+ * Generated: do not edit. Written beside c1_perpendicular.c (program 0dd081d4).
  * Expected results of the self-test, computed by the emitted NumPy module.
  */
 #define INPUTS 4u

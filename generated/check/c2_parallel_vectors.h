@@ -1,5 +1,5 @@
 /*
- * Generated: do not edit. Written beside c2_parallel.c (program 60281da3).
+ * Generated: do not edit. Written beside c2_parallel.c (program 04744f2e).
  * Expected results of the self-test, computed by the emitted NumPy module.
  */
 #define INPUTS 5u

@@ -1,5 +1,5 @@
 /*
- * Generated: do not edit. Written beside rotating_link.c (program ccfd9642).
+ * Generated: do not edit. Written beside rotating_link.c (program 6690966b).
  * Driver of a proof: for all inputs within the ranges below, no function of rotating_link.c has undefined
  * behaviour, overflows or returns a NaN or an infinity, for the parameters set in main. Set your own there.
  * Run Frama-C's Eva: 0 alarms and 100 % of the logical properties are the proof, and the intervals that it
@@ -34,10 +34,6 @@
 #ifndef RANGE_alpha_m
 #define RANGE_alpha_m -10000, 10000 /* motor acceleration [rad/s^2] */
 #endif
-
-/* A parameter without default is NaN until it is set; Eva reports any NaN as an error. */
-#undef NAN
-#define NAN 0.0
 
 /* Eva's specification of fabs loses the relation between argument and result, and an interval that starts at
  * the smallest number loses that of a square root. Written as cases, fabs keeps both. */

@@ -1,5 +1,5 @@
 /*
- * Generated: do not edit. Written beside rotating_link.c (program ccfd9642).
+ * Generated: do not edit. Written beside rotating_link.c (program 6690966b).
  * Expected results of the self-test, computed by the emitted NumPy module.
  */
 #define INPUTS 5u

@@ -13,8 +13,8 @@ from typing import Any
 import mpmath
 import numpy as np
 
-from eccentric.emission.backends.c99.constants import NOT_GIVEN, NOT_GIVEN_VALUE
 from eccentric.emission.check.called import Called
+from eccentric.emission.program import ABSENT
 
 SECTIONS, SECTION = 10, 20_000  # generated samples
 # Arrays of a section, and samples in each: a block of an array function, and of the next an odd part, which
@@ -84,7 +84,7 @@ def _default(source: str) -> list[dict[str, float]]:
             name: float(decimal)
             for name, decimal in re.findall(r"\.(\w+) = (?:\(real\)\()?([-+.\w]+)\)?,", part)
         }
-        for part in block.replace(NOT_GIVEN, str(NOT_GIVEN_VALUE)).split("#else")
+        for part in block.replace("ECCENTRIC_NOT_GIVEN", str(ABSENT)).split("#else")
     ]
 
 

@@ -30,6 +30,7 @@ from eccentric.emission.program.primitive import (
     Within,
 )
 from eccentric.emission.program.program import (
+    ABSENT,
     Assignment,
     Helper,
     Input,
@@ -42,6 +43,7 @@ from eccentric.emission.program.series import polynomial
 from eccentric.emission.program.stepping import SHORTEST
 
 __all__ = [
+    "ABSENT",
     "BITS",
     "COSINE",
     "LARGEST_ANGLE",

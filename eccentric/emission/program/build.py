@@ -8,6 +8,7 @@ from dataclasses import replace
 import sympy as sp
 
 from eccentric.emission.program.accuracy import promises
+from eccentric.emission.program.distinct import require_distinct
 from eccentric.emission.program.functions import Function, closure, functions
 from eccentric.emission.program.group import grouped
 from eccentric.emission.program.half_turn import HalfTurns
@@ -29,7 +30,11 @@ from eccentric.model import vocabulary as v
 
 
 def build_program(model: Model) -> Program:
-    """The Program of a model: every function of `eccentric.emission.program.functions`, ready to print."""
+    """The Program of a model: every function of `eccentric.emission.program.functions`, ready to print.
+
+    Raises:
+        InputError: a quantity has the name of a value that the code computes.
+    """
     shared = Prepare(model)
     half_turns = HalfTurns(shared)
     known = {q.name: q for q in vars(v).values() if isinstance(q, Quantity)}
@@ -39,7 +44,7 @@ def build_program(model: Model) -> Program:
     called = {s for r in routines for a in r.assignments for s in a.value.free_symbols}
     helpers = tuple(h for h in half_turns.helpers if sp.Symbol(h.name) in called)
     labels = {r.name: r.labels for r in routines}
-    return Program(
+    program = Program(
         name=model.name,
         title=model.title,
         parameters=model.parameters,
@@ -59,6 +64,8 @@ def build_program(model: Model) -> Program:
         promises=promises(model),
         first=model.first_function,
     )
+    require_distinct(program)
+    return program
 
 
 def _routine(model: Model, function: Function, shared: Prepare, half_turns: HalfTurns) -> Routine:

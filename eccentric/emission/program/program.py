@@ -15,6 +15,9 @@ import sympy as sp
 from eccentric.emission.program.primitive import InSingle
 from eccentric.model import Quantity, Sgn
 
+ABSENT = -(2.0**127)
+"""Stands for a parameter that is not given where NaN cannot: exact in both precisions, and in no domain."""
+
 
 @dataclass(frozen=True)
 class Input:

@@ -23,9 +23,7 @@ from eccentric.errors import InputError
 from eccentric.model import Leading
 
 NOT_GIVEN = "ECCENTRIC_NOT_GIVEN"
-NOT_GIVEN_VALUE = -(2.0**127)
-"""What a parameter without a default is in C until it is set: exact in both precisions, and no NaN, which
-checkers of C take for an error wherever it arises."""
+"""What a parameter without a default is until it is set: no NaN, which checkers of C take for an error."""
 LARGEST_SINGLE = mpmath.mpf(2) ** 128
 
 

@@ -6,7 +6,7 @@ from typing import Any
 
 import sympy as sp
 
-from eccentric.emission.backends.c99.constants import NOT_GIVEN, NOT_GIVEN_VALUE, evaluate_prepare
+from eccentric.emission.backends.c99.constants import NOT_GIVEN, evaluate_prepare
 from eccentric.emission.backends.c99.lines import code, wrapped
 from eccentric.emission.backends.c99.pairs import pair_functions, pair_text
 from eccentric.emission.backends.c99.printer import DOUBLE, language
@@ -16,6 +16,7 @@ from eccentric.emission.backends.expression import Language, printed
 from eccentric.emission.backends.text import number, splitting, used_series
 from eccentric.emission.free_text import plain
 from eccentric.emission.program import (
+    ABSENT,
     LARGEST_ANGLE,
     LARGEST_RATIO,
     ROUNDER,
@@ -112,7 +113,7 @@ def view(program: Program, digest: str) -> dict[str, Any]:
         "single_coefficients": list(map(coefficient, held[shared:])),
         "single": [(name, single) for name, single, _ in macros],
         "double": [(name, double) for name, _, double in macros],
-        "ungiven": f"{NOT_GIVEN} ({NOT_GIVEN_VALUE:.1f})" if program.ungiven else "",
+        "ungiven": f"{NOT_GIVEN} ({ABSENT:.1f})" if program.ungiven else "",
         "given": any(
             program.ungiven & a.value.free_symbols for a in program.prepare if a.target in paired_symbols
         ),

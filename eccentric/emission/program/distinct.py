@@ -1,0 +1,46 @@
+"""One name, one value: what a routine computes on the way has no name of the model's own quantities."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterable
+
+from eccentric.emission.program.program import Assignment, Helper, Program, Routine
+from eccentric.errors import InputError
+
+# Arguments and local names of every emitted function.
+_LOCAL = frozenset({"c", "count", "first", "k", "n", "next", "out", "own", "state"})
+
+
+def require_distinct(program: Program) -> None:
+    """Raise InputError for a quantity that has the name of a value which the emitted code computes."""
+    given = {q.name for q in (*program.parameters, *(q for q, _ in program.states))}
+    inputs = {x.quantity.name for r in program.routines for x in r.inputs}
+    _require_free(program.name, inputs & _LOCAL)
+    prepared = _targets(program.prepare)
+    known = given | {s.name for s in program.coefficients}
+    _require_free(program.name, _repeated([*given, *prepared]))
+    for part in (*program.helpers, *program.routines):
+        arguments = (
+            [part.argument.name] if isinstance(part, Helper) else [x.quantity.name for x in part.inputs]
+        )
+        results = part.results if isinstance(part, Routine) else ()
+        inner = [a for a in part.assignments if a.target not in results]
+        _require_free(program.name, _repeated([*arguments, *_targets(inner)]))
+        _require_free(program.name, known.intersection(_targets(part.assignments)))
+
+
+def _targets(assignments: Iterable[Assignment]) -> list[str]:
+    return [a.target.name for a in assignments]
+
+
+def _repeated(names: Iterable[str]) -> set[str]:
+    return {name for name, count in Counter(names).items() if count > 1}
+
+
+def _require_free(model: str, taken: set[str]) -> None:
+    if taken:
+        raise InputError(
+            f"model {model}: a quantity with another name than the values that the emitted code computes is"
+            f" required, received {min(taken)!r}"
+        )
