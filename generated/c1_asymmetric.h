@@ -1,6 +1,6 @@
 /*
  * Generated: do not edit. Written by `make derive` from derivations/c1_asymmetric.py
- * (eccentric 0.1.0, program 227dc299).
+ * (eccentric 0.1.0, program 56e1fc0c).
  * Case C1 with friction that differs between the directions of motion.
  */
 /* Begin with c1_asymmetric_mechanical_friction_torque, the friction that a drive must compensate, or
@@ -13,10 +13,10 @@
 #include <stddef.h>
 
 /* C1_ASYMMETRIC_PROGRAM identifies the derivation of header and source; the source checks it. */
-#define C1_ASYMMETRIC_PROGRAM 0x227dc299UL
+#define C1_ASYMMETRIC_PROGRAM 0x56e1fc0cUL
 
 /* The working precision: double, or float with -DECCENTRIC_REAL=float. Files that differ do not link:
- * all functions have it in their names, as in c1_asymmetric_prepare_double. */
+ * all functions have it in their names, as in c1_asymmetric_mechanical_friction_torque_double. */
 #ifndef ECCENTRIC_REAL
 #define ECCENTRIC_REAL double
 #endif
@@ -62,7 +62,8 @@
 #define c1_asymmetric_polynomial ECCENTRIC_JOIN(c1_asymmetric_polynomial_, ECCENTRIC_REAL)
 #define c1_asymmetric_polynomial_neg ECCENTRIC_JOIN(c1_asymmetric_polynomial_neg_, ECCENTRIC_REAL)
 
-/* Round to nearest and do not contract a * b + c: -std=c99, or -ffp-contract=off, and no -ffast-math.
+/* With gcc, and clang from 12 on, whatever the flags: the source allows neither contraction nor re-association, and
+ * refuses what it cannot undo. Another compiler must round to nearest and obey the pragma FP_CONTRACT.
  * Then every platform with correctly rounded arithmetic gives the same bits, and no input causes undefined behaviour.
  * A NaN gives NaN; finite inputs give none, unless a sum overflows or a required inertia was not given;
  * an infinity gives NaN, infinity or what follows.

@@ -1,6 +1,6 @@
 /*
  * Generated: do not edit. Written by `make derive` from derivations/c1_perpendicular.py
- * (eccentric 0.1.0, program 0dd081d4).
+ * (eccentric 0.1.0, program 16605266).
  * Case C1: gravity perpendicular to the motion plane, steady motion.
  */
 /* Begin with c1_perpendicular_mechanical_friction_torque, the friction that a drive must compensate, or
@@ -13,10 +13,10 @@
 #include <stddef.h>
 
 /* C1_PERPENDICULAR_PROGRAM identifies the derivation of header and source; the source checks it. */
-#define C1_PERPENDICULAR_PROGRAM 0x0dd081d4UL
+#define C1_PERPENDICULAR_PROGRAM 0x16605266UL
 
 /* The working precision: double, or float with -DECCENTRIC_REAL=float. Files that differ do not link:
- * all functions have it in their names, as in c1_perpendicular_prepare_double. */
+ * all functions have it in their names, as in c1_perpendicular_mechanical_friction_torque_double. */
 #ifndef ECCENTRIC_REAL
 #define ECCENTRIC_REAL double
 #endif
@@ -61,7 +61,8 @@
 #define c1_perpendicular_electrical_residual_n ECCENTRIC_JOIN(c1_perpendicular_electrical_residual_n_, ECCENTRIC_REAL)
 #define c1_perpendicular_polynomial ECCENTRIC_JOIN(c1_perpendicular_polynomial_, ECCENTRIC_REAL)
 
-/* Round to nearest and do not contract a * b + c: -std=c99, or -ffp-contract=off, and no -ffast-math.
+/* With gcc, and clang from 12 on, whatever the flags: the source allows neither contraction nor re-association, and
+ * refuses what it cannot undo. Another compiler must round to nearest and obey the pragma FP_CONTRACT.
  * Then every platform with correctly rounded arithmetic gives the same bits, and no input causes undefined behaviour.
  * A NaN gives NaN; finite inputs give none, unless a sum overflows or a required inertia was not given;
  * an infinity gives NaN, infinity or what follows.

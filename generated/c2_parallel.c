@@ -1,6 +1,6 @@
 /*
  * Generated: do not edit. Written by `make derive` from derivations/c2_parallel.py
- * (eccentric 0.1.0, program 04744f2e).
+ * (eccentric 0.1.0, program e8081b67).
  * Case C2: gravity parallel to the motion plane, steady motion.
  */
 #include "c2_parallel.h"
@@ -8,7 +8,7 @@
 #include <float.h>
 #include <math.h>
 
-#if C2_PARALLEL_PROGRAM != 0x04744f2eUL
+#if C2_PARALLEL_PROGRAM != 0xe8081b67UL
 #error "c2_parallel.c and c2_parallel.h are of different derivations: write both again"
 #endif
 

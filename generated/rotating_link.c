@@ -1,6 +1,6 @@
 /*
  * Generated: do not edit. Written by `make derive` from derivations/rotating_link.py
- * (eccentric 0.1.0, program 6690966b).
+ * (eccentric 0.1.0, program 3c1a615e).
  * Rotating link with an unbalanced mass, in a plane tilted by phi, with angular acceleration.
  */
 #include "rotating_link.h"
@@ -8,7 +8,7 @@
 #include <float.h>
 #include <math.h>
 
-#if ROTATING_LINK_PROGRAM != 0x6690966bUL
+#if ROTATING_LINK_PROGRAM != 0x3c1a615eUL
 #error "rotating_link.c and rotating_link.h are of different derivations: write both again"
 #endif
 

@@ -1,6 +1,6 @@
 /*
  * Generated: do not edit. Written by `make derive` from derivations/rotating_link.py
- * (eccentric 0.1.0, program 6690966b).
+ * (eccentric 0.1.0, program 3c1a615e).
  * Rotating link with an unbalanced mass, in a plane tilted by phi, with angular acceleration.
  */
 /* Begin with rotating_link_mechanical_friction_torque, the friction that a drive must compensate, or
@@ -13,10 +13,10 @@
 #include <stddef.h>
 
 /* ROTATING_LINK_PROGRAM identifies the derivation of header and source; the source checks it. */
-#define ROTATING_LINK_PROGRAM 0x6690966bUL
+#define ROTATING_LINK_PROGRAM 0x3c1a615eUL
 
 /* The working precision: double, or float with -DECCENTRIC_REAL=float. Files that differ do not link:
- * all functions have it in their names, as in rotating_link_prepare_double. */
+ * all functions have it in their names, as in rotating_link_mechanical_friction_torque_double. */
 #ifndef ECCENTRIC_REAL
 #define ECCENTRIC_REAL double
 #endif
@@ -62,7 +62,8 @@
 #define rotating_link_electrical_residual ECCENTRIC_JOIN(rotating_link_electrical_residual_, ECCENTRIC_REAL)
 #define rotating_link_electrical_residual_n ECCENTRIC_JOIN(rotating_link_electrical_residual_n_, ECCENTRIC_REAL)
 
-/* Round to nearest and do not contract a * b + c: -std=c99, or -ffp-contract=off, and no -ffast-math.
+/* With gcc, and clang from 12 on, whatever the flags: the source allows neither contraction nor re-association, and
+ * refuses what it cannot undo. Another compiler must round to nearest and obey the pragma FP_CONTRACT.
  * Then every platform with correctly rounded arithmetic gives the same bits, and no input causes undefined behaviour.
  * A NaN gives NaN; finite inputs give none, unless a sum overflows or a required inertia was not given;
  * an infinity gives NaN, infinity or what follows.

@@ -11,7 +11,8 @@ from typing import Any
 from eccentric.api.files import require_fit, write_emitted
 from eccentric.api.fitted import FitResult
 from eccentric.api.inputs import ModelSource, model_of, origin_of
-from eccentric.emission import checked_name, read_parameters, with_fitted
+from eccentric.emission import Arrays, Selection, checked_name, read_parameters, with_fitted
+from eccentric.errors import InputError
 from eccentric.places import given_path
 
 __all__ = ["emit"]
@@ -25,6 +26,9 @@ def emit(
     prefix: str | None = None,
     backend: str | Sequence[str] | None = None,
     single_file: bool = False,
+    functions: Sequence[str] = (),
+    arrays: bool | None = None,
+    fixed: bool = False,
     accept_misfit: bool = False,
 ) -> list[Path]:
     """Write a model as a NumPy module and C99, and what checks the C, into a folder; return the paths.
@@ -37,12 +41,17 @@ def emit(
         prefix: name of the files and prefix of the C functions; by default the model's name.
         backend: a target, "numpy", "c99" or "jax", or several; by default the first two.
         single_file: whether the NumPy module contains its runtime, which is otherwise a file beside it.
+        functions: names of the functions that are emitted, with the coefficients that they need; by default
+            all. Hidden states keep their step.
+        arrays: whether C has array functions, in a header of their own where functions are chosen; by default
+            only where none are chosen.
+        fixed: whether C has the default parameters only: no `prepare`, and no files that check it.
         accept_misfit: emit parameters of a fit although its log does not fit the rig.
 
     Raises:
-        InputError: there is no such model or target, or it cannot be emitted; the parameters are those of
-            another model or of a log that does not fit its rig, or have an invalid sign; the prefix is not a
-            free name in C and Python; the folder cannot be written.
+        InputError: there is no such model, target or function, or it cannot be emitted; the parameters are
+            those of another model or of a log that does not fit its rig, or have an invalid sign; the prefix
+            is not a free name in C and Python; the folder cannot be written.
     """
     loaded = model_of(model)
     name = checked_name(
@@ -54,7 +63,12 @@ def emit(
         fitted = read_parameters(_content(parameters))
         require_fit(fitted.fits_the_rig, fitted.source, accept_misfit)
         chosen = with_fitted(loaded, fitted, name)
-    return write_emitted(chosen, origin_of(model), out, backend, single_file=single_file)
+    if isinstance(functions, str):
+        raise InputError(f"functions: a list of names is required, received {functions!r}")
+    with_arrays = not functions if arrays is None else arrays
+    where: Arrays = "none" if not with_arrays else "beside" if functions else "with"
+    selection = Selection(tuple(functions), where, fixed)
+    return write_emitted(chosen, origin_of(model), out, backend, single_file=single_file, selection=selection)
 
 
 def _content(

@@ -11,9 +11,15 @@ HELP = "write the NumPy module, C header and C source of a model, and the files 
 EXAMPLE = """eccentric emit c2_parallel --out build/firmware
 eccentric emit my_derivation.py --out build/mine
 eccentric emit c2_parallel --backend numpy --single-file --out build/python
+eccentric emit c2_parallel --functions mechanical_friction_torque --fixed --out build/small
 eccentric emit c2_parallel --parameters build/fit/fit.json --prefix arm --out build/firmware"""
 
-_OPTIONS = {"prefix": "--prefix", "backend": "--backend", "accept_misfit": "--accept-misfit"}
+_OPTIONS = {
+    "prefix": "--prefix",
+    "backend": "--backend",
+    "functions": "--functions",
+    "accept_misfit": "--accept-misfit",
+}
 """Beginning of a message -> the option concerned."""
 
 
@@ -39,6 +45,24 @@ def configure(parser: argparse.ArgumentParser) -> None:
         help="a target: numpy, c99 or jax; may be repeated; default: numpy and c99",
     )
     parser.add_argument(
+        "--functions",
+        type=lambda text: text.split(","),
+        default=[],
+        metavar="NAME,...",
+        help="emit these functions and the coefficients that they need; default: all",
+    )
+    parser.add_argument(
+        "--arrays",
+        action="store_true",
+        default=None,
+        help="with --functions: array functions in C as well, in a header of their own",
+    )
+    parser.add_argument(
+        "--fixed",
+        action="store_true",
+        help="C for the default parameters only: no structure of parameters, no prepare, no self-test",
+    )
+    parser.add_argument(
         "--single-file",
         action="store_true",
         help="with numpy only: put what the module runs on into it, not into eccentric_runtime.py beside it",
@@ -55,6 +79,9 @@ def run(arguments: argparse.Namespace) -> int:
             prefix=arguments.prefix,
             backend=arguments.backend,
             single_file=arguments.single_file,
+            functions=arguments.functions,
+            arrays=arguments.arrays,
+            fixed=arguments.fixed,
             accept_misfit=arguments.accept_misfit,
         )
     names = ", ".join(path.relative_to(arguments.out).as_posix() for path in written)

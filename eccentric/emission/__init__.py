@@ -16,7 +16,7 @@ from eccentric.emission.executed import executed
 from eccentric.emission.free_text import plain
 from eccentric.emission.hot import load_module
 from eccentric.emission.names import checked_name
-from eccentric.emission.program import Program, Routine, build_program
+from eccentric.emission.program import WHOLE, Arrays, Program, Routine, Selection, build_program
 from eccentric.emission.render import render, render_program
 from eccentric.emission.templates import template
 from eccentric.emission.write import complete, differences, write
@@ -24,8 +24,11 @@ from eccentric.emission.write import complete, differences, write
 __all__ = [
     "BACKENDS",
     "DEFAULT",
+    "WHOLE",
+    "Arrays",
     "Program",
     "Routine",
+    "Selection",
     "build_program",
     "checked_name",
     "complete",

@@ -9,7 +9,7 @@ import sympy as sp
 
 from eccentric.emission.backends import BACKENDS, DEFAULT, Backend, UnprintableError, with_plain_text
 from eccentric.emission.free_text import plain
-from eccentric.emission.program import Program, build_program
+from eccentric.emission.program import WHOLE, Program, Selection, build_program
 from eccentric.emission.templates import template
 from eccentric.errors import InputError
 from eccentric.model import Model
@@ -25,6 +25,7 @@ def render(
     backends: Iterable[str] = DEFAULT,
     *,
     single_file: bool = False,
+    selection: Selection = WHOLE,
 ) -> dict[str, str]:
     """The emitted files of a model: file name -> text.
 
@@ -34,14 +35,17 @@ def render(
         origin: source of the physics, for the banner; by default the derivation of the model's name.
         backends: names of `BACKENDS`.
         single_file: whether each file contains all that it needs, including the parts common to all models.
+        selection: what of the model is emitted; by default all of it.
 
     Raises:
-        InputError: the model lacks a balance, a term or a definition that is emitted, or has one with an
-            operation that no back end computes; the message names model and term.
+        InputError: there is no function of a chosen name; the model lacks a balance, a term or a definition
+            that is emitted, or has one with an operation that no back end computes; the message names model
+            and term.
     """
     try:
         origin = origin or f"derivations/{model.name}.py"
-        return render_program(build_program(model), origin, command, backends, single_file=single_file)
+        program = build_program(model, selection)
+        return render_program(program, origin, command, backends, single_file=single_file)
     except UnprintableError as error:
         raise InputError(f"model {model.name}: {_place(model, error.operation)}{error}") from None
 
@@ -94,4 +98,5 @@ def _code(program: Program, backend: Backend, *, single_file: bool = False) -> d
     """The files of a back end without their banners."""
     view = backend.view(program, _DIGEST)
     files = backend.written(program.name, single_file=single_file)
-    return {file: template(name).render(view) for name, file in files.items()}
+    texts = {file: template(name).render(view) for name, file in files.items()}
+    return {file: text for file, text in texts.items() if text}  # a template may have nothing to say

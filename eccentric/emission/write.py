@@ -8,6 +8,7 @@ from pathlib import Path
 
 from eccentric.emission.backends import DEFAULT
 from eccentric.emission.check import render_check
+from eccentric.emission.program import WHOLE, Selection
 from eccentric.emission.render import render
 from eccentric.model import Model
 from eccentric.output import whole_files
@@ -20,17 +21,22 @@ def complete(
     backends: Collection[str] = DEFAULT,
     *,
     single_file: bool = False,
+    selection: Selection = WHOLE,
 ) -> dict[str, str]:
     """The emitted files of a model and, in the folder `check`, those that check its C: name -> text.
+
+    With fixed parameters there is nothing to compare bits with: the coefficients come from 50 digits, those
+    that NumPy prepares from double precision. The self-test of the whole model calls the same functions.
 
     Raises:
         InputError: the model cannot be emitted.
     """
-    files = render(model, command, origin, backends, single_file=single_file)
-    if "c99" not in backends:
+    files = render(model, command, origin, backends, single_file=single_file, selection=selection)
+    if "c99" not in backends or selection.fixed:
         return files
     with_module = "numpy" in backends and not single_file
-    return files | render_check(model, files if with_module else render(model, command, origin))
+    whole = files if with_module else render(model, command, origin, selection=selection)
+    return files | render_check(model, whole, arrays=selection.arrays != "none")
 
 
 def write(files: Mapping[str, str], out: Path) -> list[Path]:

@@ -1,11 +1,11 @@
 /*
- * Generated: do not edit. Written beside c1_asymmetric.c (program 227dc299).
+ * Generated: do not edit. Written beside c1_asymmetric.c (program 56e1fc0c).
  * Self-test of c1_asymmetric.c: the same bits as the emitted NumPy module, with any compiler and on any board.
  *
  *   cc -std=c99 -O2 -I.. c1_asymmetric_selftest.c ../c1_asymmetric.c -lm     single precision: -DECCENTRIC_REAL=float
  *
  * Prints "ok" and returns 0, or prints the first deviation and returns 1. -DSECTIONS=1 is for slow boards.
- * If last digits differ, the compiler fuses product and sum: use -std=c99 or -ffp-contract=off.
+ * If last digits differ, the compiler ignores FP_CONTRACT and fuses product and sum: switch that off.
  */
 #include "c1_asymmetric.h"
 

@@ -1,5 +1,5 @@
 /*
- * Generated: do not edit. Written beside c1_asymmetric.c (program 227dc299).
+ * Generated: do not edit. Written beside c1_asymmetric.c (program 56e1fc0c).
  * Expected results of the self-test, computed by the emitted NumPy module.
  */
 #define INPUTS 4u

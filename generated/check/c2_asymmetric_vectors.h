@@ -1,5 +1,5 @@
 /*
- * Generated: do not edit. Written beside c2_asymmetric.c (program ab3998c4).
+ * Generated: do not edit. Written beside c2_asymmetric.c (program 4e98f072).
  * Expected results of the self-test, computed by the emitted NumPy module.
  */
 #define INPUTS 5u

@@ -1,11 +1,11 @@
 /*
- * Generated: do not edit. Written beside c2_parallel.c (program 04744f2e).
+ * Generated: do not edit. Written beside c2_parallel.c (program e8081b67).
  * Self-test of c2_parallel.c: the same bits as the emitted NumPy module, with any compiler and on any board.
  *
  *   cc -std=c99 -O2 -I.. c2_parallel_selftest.c ../c2_parallel.c -lm     single precision: -DECCENTRIC_REAL=float
  *
  * Prints "ok" and returns 0, or prints the first deviation and returns 1. -DSECTIONS=1 is for slow boards.
- * If last digits differ, the compiler fuses product and sum: use -std=c99 or -ffp-contract=off.
+ * If last digits differ, the compiler ignores FP_CONTRACT and fuses product and sum: switch that off.
  */
 #include "c2_parallel.h"
 

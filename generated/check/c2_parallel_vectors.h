@@ -1,5 +1,5 @@
 /*
- * Generated: do not edit. Written beside c2_parallel.c (program 04744f2e).
+ * Generated: do not edit. Written beside c2_parallel.c (program e8081b67).
  * Expected results of the self-test, computed by the emitted NumPy module.
  */
 #define INPUTS 5u

@@ -1,11 +1,11 @@
 /*
- * Generated: do not edit. Written beside rotating_link.c (program 6690966b).
+ * Generated: do not edit. Written beside rotating_link.c (program 3c1a615e).
  * Self-test of rotating_link.c: the same bits as the emitted NumPy module, with any compiler and on any board.
  *
  *   cc -std=c99 -O2 -I.. rotating_link_selftest.c ../rotating_link.c -lm     single precision: -DECCENTRIC_REAL=float
  *
  * Prints "ok" and returns 0, or prints the first deviation and returns 1. -DSECTIONS=1 is for slow boards.
- * If last digits differ, the compiler fuses product and sum: use -std=c99 or -ffp-contract=off.
+ * If last digits differ, the compiler ignores FP_CONTRACT and fuses product and sum: switch that off.
  */
 #include "rotating_link.h"
 

@@ -1,5 +1,5 @@
 /*
- * Generated: do not edit. Written beside rotating_link.c (program 6690966b).
+ * Generated: do not edit. Written beside rotating_link.c (program 3c1a615e).
  * Expected results of the self-test, computed by the emitted NumPy module.
  */
 #define INPUTS 5u

@@ -26,20 +26,21 @@ _ASSUMED = {"J_m": 2e-4, "J_l": 0.04, "phi": 0.6}
 _ELSE_ASSUMED = 0.25
 
 
-def render_check(model: Model, files: Mapping[str, str]) -> dict[str, str]:
+def render_check(model: Model, files: Mapping[str, str], *, arrays: bool = True) -> dict[str, str]:
     """The files that check a model's emitted C, file name -> text.
 
     Args:
         model: what was emitted.
         files: the output of `render`.
+        arrays: whether the C has array functions.
     """
     return {
         f"check/{model.name}_{kind}": template(f"check/{kind}").render(view)
-        for kind, view in views(model, files).items()
+        for kind, view in views(model, files, arrays=arrays).items()
     }
 
 
-def views(model: Model, files: Mapping[str, str]) -> dict[str, dict[str, Any]]:
+def views(model: Model, files: Mapping[str, str], *, arrays: bool = True) -> dict[str, dict[str, Any]]:
     """The variables of the templates: kind of file -> view."""
     source, in_c = files[f"{model.name}.py"], files[f"{model.name}.c"]
     module = executed(files, model.name)
@@ -47,13 +48,15 @@ def views(model: Model, files: Mapping[str, str]) -> dict[str, dict[str, Any]]:
     names = [name for name in module.__all__ if f"{model.name}_{name}(" in in_c]
     public = {name: getattr(module, name) for name in names}
     inputs = _inputs(model, public.values())
-    functions = [_function(model.name, name, function, inputs) for name, function in public.items()]
+    functions = [_function(model.name, name, function, inputs, arrays) for name, function in public.items()]
     defaults = _defaults(model)
     missing = [q.name for q in model.parameters if q.name not in defaults]
     assumed = {name: _ASSUMED.get(name, _ELSE_ASSUMED) for name in missing}
     assumed |= {name: value for name, value in _ASSUMED.items() if defaults.get(name) == 0}
     given = {
         "name": model.name,
+        "has_arrays": arrays,
+        "header": f"{model.name}_arrays.h" if f"{model.name}_arrays.h" in files else f"{model.name}.h",
         "program": re.findall(r"program \w+", source)[0],
         "assumed": [(name, repr(value)) for name, value in assumed.items()],
     }
@@ -78,7 +81,7 @@ def _inputs(model: Model, functions: Iterable[Any]) -> list[str]:
     return list(dict.fromkeys(taken))
 
 
-def _function(prefix: str, name: str, function: Any, inputs: list[str]) -> Called:
+def _function(prefix: str, name: str, function: Any, inputs: list[str], many: bool) -> Called:
     taken = _taken(function)
     shape = np.shape(function(*(1.0 if x != "alpha_m" else 0.0 for x in taken)))
     arguments = [f"x[{inputs.index(x)}]" for x in taken]
@@ -88,5 +91,5 @@ def _function(prefix: str, name: str, function: Any, inputs: list[str]) -> Calle
         else f"out[0] = {prefix}_{name}({', '.join([*arguments, '&c'])});"
     )
     arrays = ", ".join(f"x_n[{inputs.index(x)}]" for x in taken)
-    array_call = f"{prefix}_{name}_n(ARRAY, {arrays}, out_n, &c);" if taken else ""
+    array_call = f"{prefix}_{name}_n(ARRAY, {arrays}, out_n, &c);" if taken and many else ""
     return Called(name, taken, shape[0] if shape else 1, not shape, call, array_call)

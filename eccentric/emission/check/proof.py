@@ -81,7 +81,7 @@ def _calls(prefix: str, f: Called) -> list[dict[str, Any]]:
     one = [*f.inputs, *([] if f.scalar else ["out"]), "c"]
     line = f"{'out[0] = ' if f.scalar else ''}{own}({', '.join(one)});"
     calls = [{"name": f.name, "lines": [line], "width": f.width}]
-    if f.inputs:
+    if f.array_call:
         many = ["SAMPLES", *(f"{x}_n" for x in f.inputs), "out", "c"]
         calls.append({
             "name": f"{f.name}_n", "lines": [f"{own}_n({', '.join(many)});"], "width": _SAMPLES * f.width

@@ -39,6 +39,7 @@ from eccentric.emission.program.program import (
     differentiate,
     needed,
 )
+from eccentric.emission.program.selection import WHOLE, Arrays, Selection
 from eccentric.emission.program.series import polynomial
 from eccentric.emission.program.stepping import SHORTEST
 
@@ -53,6 +54,8 @@ __all__ = [
     "SHORTEST",
     "SINE_RATIO",
     "TURN_BITS",
+    "WHOLE",
+    "Arrays",
     "Assignment",
     "AtMost",
     "Bound",
@@ -69,6 +72,7 @@ __all__ = [
     "Root",
     "Rounded",
     "Routine",
+    "Selection",
     "Size",
     "Times",
     "TurnLeft",

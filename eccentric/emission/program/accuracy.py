@@ -8,6 +8,7 @@ search over states and parameters, and are stated one to two units above the wor
 from __future__ import annotations
 
 import math
+from collections.abc import Collection, Sequence
 from typing import NamedTuple
 
 import sympy as sp
@@ -83,6 +84,19 @@ def promises(model: Model) -> tuple[str, ...]:
         ["Table 1: with its parameters, mu 1/5 or 1/30"] if any("Table 1" in line for line in lines) else []
     )
     return (*lines, *(["  " + "; ".join(given)] if given else []))
+
+
+def of_functions(lines: Sequence[str], names: Collection[str]) -> tuple[str, ...]:
+    """The bounds of these functions only."""
+    found = []
+    for line in lines:
+        functions, within, bound = line.partition(" within")
+        kept = [name for name in functions.split(", ") if name in names]
+        if kept:
+            found.append(", ".join(kept) + within + bound)
+        elif not within and found:  # what holds for all of them
+            found.append(line)
+    return tuple(found)
 
 
 def _steady(model: Model, angle: bool, tabled: bool) -> list[str]:

@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import sympy as sp
 
-from eccentric.emission.program.accuracy import promises
+from eccentric.emission.program.accuracy import of_functions, promises
 from eccentric.emission.program.distinct import require_distinct
 from eccentric.emission.program.functions import Function, closure, functions
 from eccentric.emission.program.group import grouped
@@ -23,22 +23,33 @@ from eccentric.emission.program.program import (
     differentiate,
     needed,
 )
+from eccentric.emission.program.selection import WHOLE, Selection
 from eccentric.emission.program.shift import written_out
 from eccentric.emission.program.shorten import shortened, without_copies
 from eccentric.model import Magnitude, Model, Quantity
 from eccentric.model import vocabulary as v
 
+_LABELLED = {
+    "REGRESSOR": "regressor",
+    "GRADIENT": "friction_torque_gradient",
+    "JACOBIAN": "friction_torque_jacobian",
+}
+"""Constant of a module -> the function whose results it names."""
 
-def build_program(model: Model) -> Program:
-    """The Program of a model: every function of `eccentric.emission.program.functions`, ready to print.
+
+def build_program(model: Model, selection: Selection = WHOLE) -> Program:
+    """The Program of a model: the functions of `eccentric.emission.program.functions`, ready to print.
 
     Raises:
-        InputError: a quantity has the name of a value that the code computes.
+        InputError: a quantity has the name of a value that the code computes, or there is no function of a
+            chosen name.
     """
     shared = Prepare(model)
     half_turns = HalfTurns(shared)
     known = {q.name: q for q in vars(v).values() if isinstance(q, Quantity)}
-    chosen = functions(model)
+    given = functions(model)
+    names = selection.of([f.name for f in given])
+    chosen = [f for f in given if f.name in names]
     from_table = all(q.default == known.get(q.name, q).default for q in model.parameters)
     routines = tuple(_routine(model, f, shared, half_turns) for f in chosen)
     called = {s for r in routines for a in r.assignments for s in a.value.free_symbols}
@@ -51,18 +62,17 @@ def build_program(model: Model) -> Program:
         prepare=shortened(shared.assignments),
         coefficients=_used((*helpers, *routines), shared),
         routines=routines,
-        constants=(
-            ("REGRESSOR", labels["regressor"]),
-            ("GRADIENT", labels["friction_torque_gradient"]),
-            ("JACOBIAN", labels["friction_torque_jacobian"]),
-        ),
+        constants=tuple((name, labels[of]) for name, of in _LABELLED.items() if of in labels),
         notes=notes(model, shared),
         states=tuple((state.quantity, state.initial) for state in model.states),
         defaults=model.defaults
         or ("Table 1 of the paper with mu = 1/5" if from_table else "those of the derivation"),
         helpers=helpers,
-        promises=promises(model),
-        first=model.first_function,
+        promises=of_functions(promises(model), names),
+        first=model.first_function if model.first_function in names else names[0],
+        chosen=bool(selection.functions),
+        arrays=selection.arrays,
+        fixed=selection.fixed,
     )
     require_distinct(program)
     return program

@@ -101,6 +101,9 @@ class Program:
         helpers: private functions that the routines call.
         promises: bounds of the rounding error, one line each.
         first: the routine to begin with.
+        chosen: whether functions were chosen, and others of the model left out.
+        arrays: where C has its array functions: "with" the others, "beside" them, or "none".
+        fixed: whether C has the default parameters only.
     """
 
     name: str
@@ -116,6 +119,9 @@ class Program:
     helpers: tuple[Helper, ...] = ()
     promises: tuple[str, ...] = ()
     first: str = "mechanical_friction_torque"
+    chosen: bool = False
+    arrays: str = "with"
+    fixed: bool = False
 
     def hot(self) -> tuple[Assignment, ...]:
         """Every assignment that is evaluated for each sample."""

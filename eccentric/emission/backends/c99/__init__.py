@@ -10,5 +10,5 @@ def _banner(lines: Sequence[str]) -> str:
     return "".join(["/*\n", *(f" * {line}".rstrip() + "\n" for line in lines), " */\n"])
 
 
-_FILES = {"c99/header.h": "{name}.h", "c99/source.c": "{name}.c"}
+_FILES = {"c99/header.h": "{name}.h", "c99/arrays.h": "{name}_arrays.h", "c99/source.c": "{name}.c"}
 BACKEND = Backend("C99 header and source", _FILES, view.view, _banner)

@@ -87,19 +87,27 @@ def view(program: Program, digest: str) -> dict[str, Any]:
     macros = _macros(program)
     notes, single_only = dict(program.notes), program.single_only
     held, shared = program.held(single=True), len(program.held(single=False))
-    called = [r.name + ending for r in program.routines for ending in ("", "_n")[: 2 if r.inputs else 1]]
+    absent = program.ungiven.intersection(program.coefficients) if program.fixed else program.ungiven
+    array_names = [f"{r.name}_n" for r in program.routines if r.inputs]
+    called = [
+        name
+        for r in program.routines
+        for name in (r.name, f"{r.name}_n")
+        if name == r.name or (r.inputs and program.arrays == "with")
+    ]
     return {
+        "arrays": program.arrays,
+        "fixed": program.fixed,
+        "array_names": array_names,
         "names": [
-            "prepare",
-            "default",
-            "default_parameters",
+            *(["default"] if program.fixed else ["prepare", "default", "default_parameters"]),
             *called,
             *(["initial_state", "step"] if program.states else []),
         ],
         "exponential": any(e.has(sp.exp) for e in expressions),
         "name": program.name,
         "guard": program.name.upper(),
-        "first": dict(zip(("name", "doc", "end"), (program.first, *_FIRST[program.first]), strict=True)),
+        "first": _first(program),
         "digest": f"0x{digest}UL",
         "parameters": [
             _parameter(q, values[False][q.name].replace("NAN", NOT_GIVEN)) for q in program.parameters
@@ -113,7 +121,7 @@ def view(program: Program, digest: str) -> dict[str, Any]:
         "single_coefficients": list(map(coefficient, held[shared:])),
         "single": [(name, single) for name, single, _ in macros],
         "double": [(name, double) for name, _, double in macros],
-        "ungiven": f"{NOT_GIVEN} ({ABSENT:.1f})" if program.ungiven else "",
+        "ungiven": f"{NOT_GIVEN} ({ABSENT:.1f})" if absent else "",
         "given": any(
             program.ungiven & a.value.free_symbols for a in program.prepare if a.target in paired_symbols
         ),
@@ -137,7 +145,8 @@ def view(program: Program, digest: str) -> dict[str, Any]:
             if a.target in single_only
         ),
         "helpers_of_angle": [helper(program, h, coefficients) for h in program.helpers],
-        "staged": any(staged(r).angles for r in program.routines),
+        "angle": any(staged(r).angles for r in program.routines),
+        "staged": program.arrays != "none" and any(staged(r).angles for r in program.routines),
         "routines": [routine(program, r, coefficients) for r in program.routines],
         "states": [
             {"name": q.name, "doc": plain(f"{q.meaning} [{q.unit}]"), "initial": number(str(float(initial)))}
@@ -149,6 +158,14 @@ def view(program: Program, digest: str) -> dict[str, Any]:
             *((twin.name, r.name) for r in program.routines if (twin := twin_of(program, r))),
         ],
     }
+
+
+def _first(program: Program) -> dict[str, str]:
+    """The function to begin with: in a choice the first one, by its meaning."""
+    name = program.first
+    meaning = next(r.meaning for r in program.routines if r.name == name)
+    doc, end = (meaning, ";") if program.chosen else _FIRST[name]
+    return {"name": name, "doc": doc, "end": end}
 
 
 def _prepared(program: Program, a: Assignment, language: Language) -> str:
