@@ -61,6 +61,9 @@ CODE: dict[str, Asked] = {
         for real in ("float", "double")
         for what, cost in _COST.items()
     },
+    "text torque alone": Asked("Cortex-M4F, torque alone, fixed parameters, text", "at most", 700, "B"),
+    "constants torque alone": Asked("the same, constants", "at most", 64, "B"),
+    "stack torque alone": Asked("the same, stack", "at most", 64, "B"),
     "bits": Asked("self-tests of 200,000 inputs with other bits", "at most", 0),
     "alarms": Asked("alarms of Frama-C's Eva", "at most", 0),
     "misra": Asked("MISRA C:2012 deviations that no header declares", "at most", 0),

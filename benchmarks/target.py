@@ -18,6 +18,7 @@ from benchmarks.cortex_m4 import (
     linked_growth,
     missing,
 )
+from benchmarks.footprint import footprint
 from benchmarks.generators import FUNCTIONS, Generated
 from benchmarks.record import Measured, Part
 
@@ -86,9 +87,14 @@ def measured(_: bool) -> Part:
         folder = Path(name)
         counts = target_counts(folder)
         own = [*(max(counts[f]) for f in (TORQUE, GRADIENT)), *(grown(folder, f) for f in (TORQUE, GRADIENT))]
+        alone = footprint(folder, "mechanical_friction_torque", "Cortex-M4F")
         found, left_out = generators.measured(folder, "float", _peer)
     figures = {
         what: Measured(own[k], str(own[k]), generators.as_text(found, k)) for k, what in enumerate(_COUNTS)
+    }
+    figures |= {
+        f"{what} torque alone": Measured(value, str(value))
+        for what, value in (("text", alone.text), ("constants", alone.constants), ("stack", alone.stack))
     }
     says = (
         "Single precision, instructions of a call (the most of 64), bytes of growth of a linked firmware."

@@ -69,10 +69,7 @@ TARGETS = {
     ),
     "m4f": Target("arm-none-eabi-gcc", _M7EM, cortex_m4.M4F, "qemu-system-arm", board=True),
     "m7": Target("arm-none-eabi-gcc", _M7EM, cortex_m4.M7, "qemu-system-arm", board=True),
-    # Its instructions are a part of the M4F's, on which it runs.
-    "m0+": Target(
-        "arm-none-eabi-gcc", _M6, ("-mcpu=cortex-m0plus", "-mthumb"), "qemu-system-arm", board=True
-    ),
+    "m0+": Target("arm-none-eabi-gcc", _M6, cortex_m4.M0, "qemu-system-arm", board=True),
 }
 
 
@@ -194,8 +191,7 @@ def outcome(
     source.write_text(driver(PRECISIONS[real]), encoding="utf-8")
     if one.board:
         cortex_m4.build(program, [source, model], [*common, "-O1"], one.options)
-        board = one.options if one.options in cortex_m4.MACHINES else cortex_m4.M4F
-        status, said = cortex_m4.emulate(program, target=board)
+        status, said = cortex_m4.emulate(program, target=one.options)
         if status:
             raise RuntimeError(f"{one.emulator}: {status}: {said}")
     else:

@@ -1,0 +1,117 @@
+"""A choice of functions comes with the coefficients that they need, and with the bits of the whole model."""
+
+from pathlib import Path
+
+import pytest
+
+import eccentric
+from benchmarks import cortex_m4
+from benchmarks.asked import CODE
+from benchmarks.footprint import footprint
+from eccentric.errors import InputError
+from eccentric.model import model_names
+from tests.compiled import FLAGS, GENERATED, run
+from tests.hosts import REALS, both_reals, need
+from tests.oracle import functions
+
+TORQUE = "mechanical_friction_torque"
+BOTH = """#include <stdio.h>
+#include <string.h>
+#include "c2_parallel.h"
+#include "small.h"
+int main(void)
+{
+    unsigned differ = 0;
+    for (int k = 0; k < 20000; ++k) {
+        const ECCENTRIC_REAL theta = (ECCENTRIC_REAL)(k * 7919 % 20011 - 10000);
+        const ECCENTRIC_REAL omega = (ECCENTRIC_REAL)(k * 104729 % 6007 - 3003) / 32;
+        const ECCENTRIC_REAL a = c2_parallel_mechanical_friction_torque(theta, omega, &c2_parallel_default);
+        const ECCENTRIC_REAL b = small_mechanical_friction_torque(theta, omega, &small_default);
+        differ += memcmp(&a, &b, sizeof a) != 0;
+    }
+    printf("%u", differ);
+    return 0;
+}
+"""
+
+
+@both_reals
+def test_a_function_alone_has_its_bits(tmp_path: Path, real: str) -> None:
+    """With fixed parameters the torque alone gives the bits that it gives among all functions."""
+    eccentric.emit("c2_parallel", tmp_path / "c", functions=[TORQUE], fixed=True, prefix="small")
+    (tmp_path / "both.c").write_text(BOTH)
+
+    run(
+        *("gcc", *FLAGS, f"-DECCENTRIC_REAL={real}", f"-I{GENERATED}", f"-I{tmp_path / 'c'}"),
+        *(
+            "-o",
+            tmp_path / "both",
+            tmp_path / "both.c",
+            GENERATED / "c2_parallel.c",
+            tmp_path / "c" / "small.c",
+        ),
+        "-lm",
+    )
+
+    assert "0" == run(tmp_path / "both")
+
+
+@pytest.mark.parametrize("arrays", [False, True])
+def test_the_self_test_is_that_of_the_choice(tmp_path: Path, arrays: bool) -> None:
+    """The self-test finds NumPy's bits in what is there; array functions have a header of their own."""
+    eccentric.emit("rotating_link", tmp_path, functions=["friction_torque", "voltage"], arrays=arrays)
+    header = (tmp_path / "rotating_link.h").read_text()
+
+    assert arrays == (tmp_path / "rotating_link_arrays.h").is_file()
+    assert "_n(" not in header
+    assert "size_t" not in header
+    for real in REALS:
+        program = tmp_path / f"selftest_{real}"
+        sources = (tmp_path / "check" / "rotating_link_selftest.c", tmp_path / "rotating_link.c")
+        run("gcc", *FLAGS, f"-DECCENTRIC_REAL={real}", f"-I{tmp_path}", "-o", program, *sources, "-lm")
+        assert "samples of 2 functions" in run(program)
+
+
+def test_the_torque_alone_is_small(tmp_path: Path) -> None:
+    """On a Cortex-M4F it takes no more code, constants and stack than is required."""
+    if lacking := cortex_m4.missing():
+        pytest.skip(f"not installed: {', '.join(lacking)}")
+
+    found = footprint(tmp_path, TORQUE, "Cortex-M4F")
+
+    assert CODE["text torque alone"].reached(found.text)
+    assert CODE["constants torque alone"].reached(found.constants)
+    assert CODE["stack torque alone"].reached(found.stack)
+
+
+def compiles(folder: Path, model: str, function: str) -> None:
+    """Emit one function in every way; no compiler has a word about the source."""
+    for way in ({"fixed": True}, {"arrays": True}, {"arrays": False}):
+        out = folder / "-".join(way)
+        eccentric.emit(model, out, functions=[function], backend="c99", **way)
+        for real in REALS:
+            options = (f"-DECCENTRIC_REAL={real}", "-fsyntax-only")
+            run("gcc", *FLAGS, *options, out / f"{model}.c")
+
+
+def test_every_way_to_choose_compiles(tmp_path: Path) -> None:
+    """One function with fixed parameters, with array functions or without compiles without a warning."""
+    need("gcc")
+
+    compiles(tmp_path, "c2_asymmetric", "friction_torque_gradient")
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("model", "function"), [(m, f) for m in model_names() for f in functions(m)])
+def test_every_function_compiles_alone(tmp_path: Path, model: str, function: str) -> None:
+    """The same for every function of every model."""
+    compiles(tmp_path, model, function)
+
+
+@pytest.mark.parametrize("wrong", ["mechanical_friction", "friction_torque_n", ""])
+def test_unknown_functions_are_refused(tmp_path: Path, wrong: str) -> None:
+    """One line lists those that there are; nothing is written."""
+    with pytest.raises(InputError, match=rf"functions: one of normal_force, .* required, received '{wrong}'"):
+        eccentric.emit("c2_parallel", tmp_path / "out", functions=[wrong])
+
+    assert not (tmp_path / "out").exists()
