@@ -86,9 +86,9 @@ def test_the_torque_alone_is_small(tmp_path: Path) -> None:
 
 def compiles(folder: Path, model: str, function: str) -> None:
     """Emit one function in every way; no compiler has a word about the source."""
-    for way in ({"fixed": True}, {"arrays": True}, {"arrays": False}):
-        out = folder / "-".join(way)
-        eccentric.emit(model, out, functions=[function], backend="c99", **way)
+    for arrays, fixed in ((False, True), (True, False), (False, False)):
+        out = folder / f"{arrays}-{fixed}"
+        eccentric.emit(model, out, functions=[function], backend="c99", arrays=arrays, fixed=fixed)
         for real in REALS:
             options = (f"-DECCENTRIC_REAL={real}", "-fsyntax-only")
             run("gcc", *FLAGS, *options, out / f"{model}.c")
