@@ -1,6 +1,6 @@
 /*
  * Generated: do not edit. Written by `make derive` from derivations/c1_perpendicular.py
- * (eccentric 0.1.0, program 16605266).
+ * (eccentric 0.1.0, program 3bd24ec9).
  * Case C1: gravity perpendicular to the motion plane, steady motion.
  */
 #include "c1_perpendicular.h"
@@ -8,7 +8,7 @@
 #include <float.h>
 #include <math.h>
 
-#if C1_PERPENDICULAR_PROGRAM != 0x16605266UL
+#if C1_PERPENDICULAR_PROGRAM != 0x3bd24ec9UL
 #error "c1_perpendicular.c and c1_perpendicular.h are of different derivations: write both again"
 #endif
 
@@ -21,18 +21,24 @@
 #if defined(FLT_EVAL_METHOD) && ((FLT_EVAL_METHOD < 0) || (FLT_EVAL_METHOD == 1) || (FLT_EVAL_METHOD == 2))
 #error "operations must round to their own type: on x86, compile with -msse2 -mfpmath=sse"
 #endif
+#if defined(FLT_MANT_DIG) && defined(DBL_MANT_DIG)
 #if (FLT_MANT_DIG != 24) || (DBL_MANT_DIG != 53)
 #error "float and double must be the 32 and 64 bits of IEEE 754: prepare splits parameters in double"
 #endif
-#if defined(__clang__) && (__clang_major__ >= (defined(__apple_build_version__) ? 13 : 12))
+#endif
+#if defined(__clang__)
+#if __clang_major__ >= 13 /* 12 knows the pragma as well, but not Apple's 12 */
 #pragma clang fp reassociate(off) contract(off)
-#elif defined(__GNUC__) && !defined(__clang__)
+#else
+#pragma STDC FP_CONTRACT OFF
+#endif
+#elif defined(__GNUC__)
 #pragma GCC optimize("fp-contract=off", "no-associative-math", "no-reciprocal-math", "signed-zeros")
 #else
 #pragma STDC FP_CONTRACT OFF
 #endif
-/* An error with -fsingle-precision-constant, where a constant without suffix is no double. */
-typedef char c1_perpendicular_constants_are_double[(sizeof(1.0) == sizeof(double)) ? 1 : -1];
+/* An error with -fsingle-precision-constant: constants without suffix must be double. Never defined. */
+extern const char c1_perpendicular_double_constants[(sizeof(1.0) == sizeof(double)) ? 1 : -1];
 
 /* Short names for this file only, undefined at its end: several models may share a translation unit. */
 #define real ECCENTRIC_REAL

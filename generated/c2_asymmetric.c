@@ -1,6 +1,6 @@
 /*
  * Generated: do not edit. Written by `make derive` from derivations/c2_asymmetric.py
- * (eccentric 0.1.0, program 4e98f072).
+ * (eccentric 0.1.0, program b255ca01).
  * Case C2 with friction that differs between the directions of motion.
  */
 #include "c2_asymmetric.h"
@@ -8,7 +8,7 @@
 #include <float.h>
 #include <math.h>
 
-#if C2_ASYMMETRIC_PROGRAM != 0x4e98f072UL
+#if C2_ASYMMETRIC_PROGRAM != 0xb255ca01UL
 #error "c2_asymmetric.c and c2_asymmetric.h are of different derivations: write both again"
 #endif
 
@@ -21,18 +21,24 @@
 #if defined(FLT_EVAL_METHOD) && ((FLT_EVAL_METHOD < 0) || (FLT_EVAL_METHOD == 1) || (FLT_EVAL_METHOD == 2))
 #error "operations must round to their own type: on x86, compile with -msse2 -mfpmath=sse"
 #endif
+#if defined(FLT_MANT_DIG) && defined(DBL_MANT_DIG)
 #if (FLT_MANT_DIG != 24) || (DBL_MANT_DIG != 53)
 #error "float and double must be the 32 and 64 bits of IEEE 754: prepare splits parameters in double"
 #endif
-#if defined(__clang__) && (__clang_major__ >= (defined(__apple_build_version__) ? 13 : 12))
+#endif
+#if defined(__clang__)
+#if __clang_major__ >= 13 /* 12 knows the pragma as well, but not Apple's 12 */
 #pragma clang fp reassociate(off) contract(off)
-#elif defined(__GNUC__) && !defined(__clang__)
+#else
+#pragma STDC FP_CONTRACT OFF
+#endif
+#elif defined(__GNUC__)
 #pragma GCC optimize("fp-contract=off", "no-associative-math", "no-reciprocal-math", "signed-zeros")
 #else
 #pragma STDC FP_CONTRACT OFF
 #endif
-/* An error with -fsingle-precision-constant, where a constant without suffix is no double. */
-typedef char c2_asymmetric_constants_are_double[(sizeof(1.0) == sizeof(double)) ? 1 : -1];
+/* An error with -fsingle-precision-constant: constants without suffix must be double. Never defined. */
+extern const char c2_asymmetric_double_constants[(sizeof(1.0) == sizeof(double)) ? 1 : -1];
 
 /* Short names for this file only, undefined at its end: several models may share a translation unit. */
 #define real ECCENTRIC_REAL
@@ -64,21 +70,20 @@ typedef char c2_asymmetric_constants_are_double[(sizeof(1.0) == sizeof(double)) 
 #endif
 
 /* The square root of an Arm unit: that of the library sets errno, which costs a branch and a call. */
-#if defined(__GNUC__) && defined(__arm__) && defined(__ARM_FP)
-#define REAL_UNIT ((__ARM_FP & ((ECCENTRIC_PRECISION == 1) ? 4 : 8)) != 0)
-#else
-#define REAL_UNIT 0
-#endif
 REAL_INLINE real c2_asymmetric_square_root(const real x)
 {
-#if REAL_UNIT && (ECCENTRIC_PRECISION == 1)
+#if defined(__GNUC__) && defined(__arm__) && defined(__ARM_FP)
+#if (ECCENTRIC_PRECISION == 1) && ((__ARM_FP & 4) != 0)
     real y;
     __asm__("vsqrt.f32 %0, %1" : "=t"(y) : "t"(x));
     return y;
-#elif REAL_UNIT
+#elif (ECCENTRIC_PRECISION == 2) && ((__ARM_FP & 8) != 0)
     real y;
     __asm__("vsqrt.f64 %P0, %P1" : "=w"(y) : "w"(x));
     return y;
+#else
+    return REAL_SQRT(x);
+#endif
 #else
     return REAL_SQRT(x);
 #endif
@@ -1249,7 +1254,6 @@ void c2_asymmetric_electrical_residual_n(
 
 #undef real
 #undef REAL_INLINE
-#undef REAL_UNIT
 #undef REAL_BLOCK
 #undef REAL
 #undef REAL_GIVEN

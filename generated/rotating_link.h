@@ -1,6 +1,6 @@
 /*
  * Generated: do not edit. Written by `make derive` from derivations/rotating_link.py
- * (eccentric 0.1.0, program 3c1a615e).
+ * (eccentric 0.1.0, program b973c623).
  * Rotating link with an unbalanced mass, in a plane tilted by phi, with angular acceleration.
  */
 /* Begin with rotating_link_mechanical_friction_torque, the friction that a drive must compensate, or
@@ -13,7 +13,7 @@
 #include <stddef.h>
 
 /* ROTATING_LINK_PROGRAM identifies the derivation of header and source; the source checks it. */
-#define ROTATING_LINK_PROGRAM 0x3c1a615eUL
+#define ROTATING_LINK_PROGRAM 0xb973c623UL
 
 /* The working precision: double, or float with -DECCENTRIC_REAL=float. Files that differ do not link:
  * all functions have it in their names, as in rotating_link_mechanical_friction_torque_double. */
@@ -62,7 +62,7 @@
 #define rotating_link_electrical_residual ECCENTRIC_JOIN(rotating_link_electrical_residual_, ECCENTRIC_REAL)
 #define rotating_link_electrical_residual_n ECCENTRIC_JOIN(rotating_link_electrical_residual_n_, ECCENTRIC_REAL)
 
-/* With gcc, and clang from 12 on, whatever the flags: the source allows neither contraction nor re-association, and
+/* With gcc, and clang from 13 on, whatever the flags: the source allows neither contraction nor re-association, and
  * refuses what it cannot undo. Another compiler must round to nearest and obey the pragma FP_CONTRACT.
  * Then every platform with correctly rounded arithmetic gives the same bits, and no input causes undefined behaviour.
  * A NaN gives NaN; finite inputs give none, unless a sum overflows or a required inertia was not given;

@@ -52,7 +52,7 @@ def test_every_family_comes_back(case: str, tmp_path: Path) -> None:
 def test_letters_may_be_any(tmp_path: Path) -> None:
     """A letter that Python, SymPy or the script has taken is spelled differently there, and only there."""
     paper = load_model("c2_parallel")
-    names = ("lambda", "model", "sqrt", "Model", "S", "Sgn", "x y", "x_y")
+    names = ("print", "model", "pi", "Model", "S", "Sgn", "sp", "x_y")
     taken = tuple(
         Definition(quantity(name, "1", 'a "letter" \\ of its own'), sp.Integer(2)) for name in names
     )

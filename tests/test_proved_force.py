@@ -122,7 +122,9 @@ def test_difference_of_squares_is_proved(where: str, real: str) -> None:
 def test_what_is_left_adds_up(real: str) -> None:
     """With both its parts within 5 units F_N of case C2 is proved within 10, more than is ever measured."""
     unit, format_, _ = UNITS[real]
-    root = emitted(C2, r"const real load = REAL_SQRT\(([^;]+)\);").replace("square_difference", "p")
+    root = emitted(C2, r"const real load = c2_parallel_square_root\(([^;]+)\);").replace(
+        "square_difference", "p"
+    )
     near = f"[-{DIFFERENCE}b{int(np.log2(unit))}, {DIFFERENCE}b{int(np.log2(unit))}]"
     script = f"""
         @rnd = float<{format_}, ne>;

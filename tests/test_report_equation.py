@@ -39,9 +39,9 @@ def test_the_equation_tells_what_is_replaced() -> None:
 
 
 def test_a_letter_of_the_users_own_is_escaped() -> None:
-    """A parameter can be called anything: in the formula it is text."""
+    """A parameter can have any letter: in the formula it is text."""
     base = load_model("c1_perpendicular")
-    bad = quantity("<b>bold</b>", "N m", "a name with tags")
+    bad = quantity("bold", "N m", "a letter with tags", letter="<b>bold</b>")
     mechanical = base.balance("mechanical")
     term = replace(mechanical.terms[-1], name="own", coefficient=bad.symbol, basis=sp.Integer(2))
     balances = (replace(mechanical, terms=(*mechanical.terms, term)), *base.balances[1:])

@@ -11,7 +11,7 @@ from typing import Any
 from eccentric.api.files import require_fit, write_emitted
 from eccentric.api.fitted import FitResult
 from eccentric.api.inputs import ModelSource, model_of, origin_of
-from eccentric.emission import Arrays, Selection, checked_name, read_parameters, with_fitted
+from eccentric.emission import Arrays, Choice, checked_name, read_parameters, with_fitted
 from eccentric.errors import InputError
 from eccentric.places import given_path
 
@@ -67,8 +67,8 @@ def emit(
         raise InputError(f"functions: a list of names is required, received {functions!r}")
     with_arrays = not functions if arrays is None else arrays
     where: Arrays = "none" if not with_arrays else "beside" if functions else "with"
-    selection = Selection(tuple(functions), where, fixed)
-    return write_emitted(chosen, origin_of(model), out, backend, single_file=single_file, selection=selection)
+    choice = Choice(tuple(functions), where, fixed)
+    return write_emitted(chosen, origin_of(model), out, backend, single_file=single_file, choice=choice)
 
 
 def _content(

@@ -7,7 +7,7 @@ from collections.abc import Iterable, Sequence
 from pathlib import Path
 
 from eccentric.diagnosis import BASE
-from eccentric.emission import BACKENDS, DEFAULT, WHOLE, Selection, complete, write
+from eccentric.emission import BACKENDS, DEFAULT, WHOLE, Choice, complete, write
 from eccentric.errors import InputError
 from eccentric.model import Model
 from eccentric.output import whole_folder
@@ -40,13 +40,13 @@ def write_emitted(
     backend: str | Sequence[str] | None = None,
     *,
     single_file: bool = False,
-    selection: Selection = WHOLE,
+    choice: Choice = WHOLE,
 ) -> list[Path]:
     """Write the files of a model for its targets, and those that check the C, into a folder of their own.
 
     Files that the same model wrote there before are replaced, all others stay. `origin` is the source of the
     physics, for the banner; `backend` is a target or several, NumPy and C99 by default. With `single_file`
-    the NumPy module contains its runtime; `selection` is what of the model is emitted. Returns the paths.
+    the NumPy module contains its runtime; `choice` is what of the model is emitted. Returns the paths.
     Raises InputError if there is no such target, or the folder cannot be written.
     """
     several = isinstance(backend, Sequence) and not isinstance(backend, str | bytes)
@@ -56,7 +56,7 @@ def write_emitted(
         if not isinstance(name, str) or name not in BACKENDS:
             raise InputError(f"backend: one of {', '.join(BACKENDS)} is required, received {name!r}")
         names[name] = None
-    files = complete(model, "eccentric emit", origin, names, single_file=single_file, selection=selection)
+    files = complete(model, "eccentric emit", origin, names, single_file=single_file, choice=choice)
     with whole_folder(out, f"emit {model.name}") as folder:
         write(files, folder)
     return [Path(out) / name for name in files]

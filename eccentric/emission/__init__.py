@@ -16,7 +16,7 @@ from eccentric.emission.executed import executed
 from eccentric.emission.free_text import plain
 from eccentric.emission.hot import load_module
 from eccentric.emission.names import checked_name
-from eccentric.emission.program import WHOLE, Arrays, Program, Routine, Selection, build_program
+from eccentric.emission.program import WHOLE, Arrays, Choice, Program, Routine, build_program
 from eccentric.emission.render import render, render_program
 from eccentric.emission.templates import template
 from eccentric.emission.write import complete, differences, write
@@ -26,9 +26,9 @@ __all__ = [
     "DEFAULT",
     "WHOLE",
     "Arrays",
+    "Choice",
     "Program",
     "Routine",
-    "Selection",
     "build_program",
     "checked_name",
     "complete",

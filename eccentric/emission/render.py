@@ -9,7 +9,7 @@ import sympy as sp
 
 from eccentric.emission.backends import BACKENDS, DEFAULT, Backend, UnprintableError, with_plain_text
 from eccentric.emission.free_text import plain
-from eccentric.emission.program import WHOLE, Program, Selection, build_program
+from eccentric.emission.program import WHOLE, Choice, Program, build_program
 from eccentric.emission.templates import template
 from eccentric.errors import InputError
 from eccentric.model import Model
@@ -25,7 +25,7 @@ def render(
     backends: Iterable[str] = DEFAULT,
     *,
     single_file: bool = False,
-    selection: Selection = WHOLE,
+    choice: Choice = WHOLE,
 ) -> dict[str, str]:
     """The emitted files of a model: file name -> text.
 
@@ -35,7 +35,7 @@ def render(
         origin: source of the physics, for the banner; by default the derivation of the model's name.
         backends: names of `BACKENDS`.
         single_file: whether each file contains all that it needs, including the parts common to all models.
-        selection: what of the model is emitted; by default all of it.
+        choice: what of the model is emitted; by default all of it.
 
     Raises:
         InputError: there is no function of a chosen name; the model lacks a balance, a term or a definition
@@ -44,7 +44,7 @@ def render(
     """
     try:
         origin = origin or f"derivations/{model.name}.py"
-        program = build_program(model, selection)
+        program = build_program(model, choice)
         return render_program(program, origin, command, backends, single_file=single_file)
     except UnprintableError as error:
         raise InputError(f"model {model.name}: {_place(model, error.operation)}{error}") from None

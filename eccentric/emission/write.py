@@ -8,7 +8,7 @@ from pathlib import Path
 
 from eccentric.emission.backends import DEFAULT
 from eccentric.emission.check import render_check
-from eccentric.emission.program import WHOLE, Selection
+from eccentric.emission.program import WHOLE, Choice
 from eccentric.emission.render import render
 from eccentric.model import Model
 from eccentric.output import whole_files
@@ -21,7 +21,7 @@ def complete(
     backends: Collection[str] = DEFAULT,
     *,
     single_file: bool = False,
-    selection: Selection = WHOLE,
+    choice: Choice = WHOLE,
 ) -> dict[str, str]:
     """The emitted files of a model and, in the folder `check`, those that check its C: name -> text.
 
@@ -31,12 +31,12 @@ def complete(
     Raises:
         InputError: the model cannot be emitted.
     """
-    files = render(model, command, origin, backends, single_file=single_file, selection=selection)
-    if "c99" not in backends or selection.fixed:
+    files = render(model, command, origin, backends, single_file=single_file, choice=choice)
+    if "c99" not in backends or choice.fixed:
         return files
     with_module = "numpy" in backends and not single_file
-    whole = files if with_module else render(model, command, origin, selection=selection)
-    return files | render_check(model, whole, arrays=selection.arrays != "none")
+    whole = files if with_module else render(model, command, origin, choice=choice)
+    return files | render_check(model, whole, arrays=choice.arrays != "none")
 
 
 def write(files: Mapping[str, str], out: Path) -> list[Path]:

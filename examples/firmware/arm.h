@@ -4,8 +4,6 @@
 
 #include "c2_parallel.h"
 
-#include <math.h>
-
 /** Inertia where the model was emitted without J_m and J_l, as the paper's is: its Table 1 names none. */
 #define PAPERS_INERTIA 0.0018f
 
@@ -13,8 +11,10 @@
 static inline float arm_inertia(void)
 {
     const c2_parallel_parameters *const p = &c2_parallel_default_parameters;
-    const float inertia = (float)(p->J_m + p->mu * p->mu * p->J_l);
-    return isnan(inertia) ? PAPERS_INERTIA : inertia;
+    if (p->J_m == ECCENTRIC_NOT_GIVEN || p->J_l == ECCENTRIC_NOT_GIVEN) {
+        return PAPERS_INERTIA;
+    }
+    return (float)(p->J_m + p->mu * p->mu * p->J_l);
 }
 
 /** Torque constant [N m/A]. */

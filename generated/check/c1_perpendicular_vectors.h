@@ -1,5 +1,5 @@
 /*
- * Generated: do not edit. Written beside c1_perpendicular.c (program 16605266).
+ * Generated: do not edit. Written beside c1_perpendicular.c (program 3bd24ec9).
  * Expected results of the self-test, computed by the emitted NumPy module.
  */
 #define INPUTS 4u

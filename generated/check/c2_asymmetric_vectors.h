@@ -1,5 +1,5 @@
 /*
- * Generated: do not edit. Written beside c2_asymmetric.c (program 4e98f072).
+ * Generated: do not edit. Written beside c2_asymmetric.c (program b255ca01).
  * Expected results of the self-test, computed by the emitted NumPy module.
  */
 #define INPUTS 5u

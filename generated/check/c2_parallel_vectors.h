@@ -1,5 +1,5 @@
 /*
- * Generated: do not edit. Written beside c2_parallel.c (program e8081b67).
+ * Generated: do not edit. Written beside c2_parallel.c (program 4bf4c38c).
  * Expected results of the self-test, computed by the emitted NumPy module.
  */
 #define INPUTS 5u

@@ -55,13 +55,13 @@ def views(model: Model, files: Mapping[str, str], *, arrays: bool = True) -> dic
     assumed |= {name: value for name, value in _ASSUMED.items() if defaults.get(name) == 0}
     given = {
         "name": model.name,
-        "has_arrays": arrays,
-        "header": f"{model.name}_arrays.h" if f"{model.name}_arrays.h" in files else f"{model.name}.h",
         "program": re.findall(r"program \w+", source)[0],
         "assumed": [(name, repr(value)) for name, value in assumed.items()],
     }
     driver = {"proof.c": given | proof.view(model, functions, inputs, in_c)}
-    tested = given | selftest.view(module, functions, inputs, defaults | assumed, in_c)
+    beside = f"{model.name}_arrays.h"
+    header = {"has_arrays": arrays, "header": beside if beside in files else f"{model.name}.h"}
+    tested = given | header | selftest.view(module, functions, inputs, defaults | assumed, in_c)
     return {"selftest.c": tested, "vectors.h": tested} | driver
 
 

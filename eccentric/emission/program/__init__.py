@@ -8,6 +8,7 @@ Imports `eccentric.model`.
 from eccentric.emission.program import accuracy
 from eccentric.emission.program.accuracy import LARGEST_ANGLE, LARGEST_RATIO, Bound
 from eccentric.emission.program.build import build_program
+from eccentric.emission.program.choice import WHOLE, Arrays, Choice
 from eccentric.emission.program.digits import BITS, LEADING_BITS, TURN_BITS
 from eccentric.emission.program.pairs import paired
 from eccentric.emission.program.primitive import (
@@ -39,7 +40,6 @@ from eccentric.emission.program.program import (
     differentiate,
     needed,
 )
-from eccentric.emission.program.selection import WHOLE, Arrays, Selection
 from eccentric.emission.program.series import polynomial
 from eccentric.emission.program.stepping import SHORTEST
 
@@ -60,6 +60,7 @@ __all__ = [
     "AtMost",
     "Bound",
     "Call",
+    "Choice",
     "Helper",
     "InSingle",
     "Input",
@@ -72,7 +73,6 @@ __all__ = [
     "Root",
     "Rounded",
     "Routine",
-    "Selection",
     "Size",
     "Times",
     "TurnLeft",

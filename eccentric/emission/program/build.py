@@ -8,6 +8,7 @@ from dataclasses import replace
 import sympy as sp
 
 from eccentric.emission.program.accuracy import of_functions, promises
+from eccentric.emission.program.choice import WHOLE, Choice
 from eccentric.emission.program.distinct import require_distinct
 from eccentric.emission.program.functions import Function, closure, functions
 from eccentric.emission.program.group import grouped
@@ -23,7 +24,6 @@ from eccentric.emission.program.program import (
     differentiate,
     needed,
 )
-from eccentric.emission.program.selection import WHOLE, Selection
 from eccentric.emission.program.shift import written_out
 from eccentric.emission.program.shorten import shortened, without_copies
 from eccentric.model import Magnitude, Model, Quantity
@@ -37,7 +37,7 @@ _LABELLED = {
 """Constant of a module -> the function whose results it names."""
 
 
-def build_program(model: Model, selection: Selection = WHOLE) -> Program:
+def build_program(model: Model, choice: Choice = WHOLE) -> Program:
     """The Program of a model: the functions of `eccentric.emission.program.functions`, ready to print.
 
     Raises:
@@ -48,7 +48,7 @@ def build_program(model: Model, selection: Selection = WHOLE) -> Program:
     half_turns = HalfTurns(shared)
     known = {q.name: q for q in vars(v).values() if isinstance(q, Quantity)}
     given = functions(model)
-    names = selection.of([f.name for f in given])
+    names = choice.of([f.name for f in given])
     chosen = [f for f in given if f.name in names]
     from_table = all(q.default == known.get(q.name, q).default for q in model.parameters)
     routines = tuple(_routine(model, f, shared, half_turns) for f in chosen)
@@ -70,9 +70,9 @@ def build_program(model: Model, selection: Selection = WHOLE) -> Program:
         helpers=helpers,
         promises=of_functions(promises(model), names),
         first=model.first_function if model.first_function in names else names[0],
-        chosen=bool(selection.functions),
-        arrays=selection.arrays,
-        fixed=selection.fixed,
+        chosen=bool(choice.functions),
+        arrays=choice.arrays,
+        fixed=choice.fixed,
     )
     require_distinct(program)
     return program

@@ -163,8 +163,10 @@ def view(program: Program, digest: str) -> dict[str, Any]:
 def _first(program: Program) -> dict[str, str]:
     """The function to begin with: in a choice the first one, by its meaning."""
     name = program.first
-    meaning = next(r.meaning for r in program.routines if r.name == name)
-    doc, end = (meaning, ";") if program.chosen else _FIRST[name]
+    if program.chosen:
+        meaning = next(r.meaning for r in program.routines if r.name == name)
+        return {"name": name, "doc": meaning, "end": ";"}
+    doc, end = _FIRST[name]
     return {"name": name, "doc": doc, "end": end}
 
 

@@ -12,7 +12,7 @@ Arrays = Literal["with", "beside", "none"]
 
 
 @dataclass(frozen=True)
-class Selection:
+class Choice:
     """A choice of what to emit.
 
     Attributes:
@@ -40,4 +40,4 @@ class Selection:
         return tuple(name for name in names if name in (*(self.functions or names), *stepped))
 
 
-WHOLE = Selection()
+WHOLE = Choice()
