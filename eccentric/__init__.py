@@ -6,6 +6,7 @@
     compare               logs, rig, models -> CompareResult: their errors on the same rows
     load_model, emit      a derivation -> Model; a Model -> NumPy module and C99 files
     compile               a Model -> a Python module whose functions are the emitted C
+    adapt                 a log through the emitted estimator of friction      -> AdaptResult
     bench                 a virtual test bench: log, rig and truth             -> BenchResult
 
 Bad input raises InputError, with a message of one line. Everything is imported when it is first used.
@@ -18,6 +19,7 @@ through their `__init__`:
     read      log + rig                -> signals                       (logs, rigs, signals)
     fit       signals + Model          -> coefficients, residual        (fitting)
     diagnose  residual + effects       -> verdict, extended Model       (search, diagnosis, report)
+    follow    channels + fit           -> coefficients over time        (adapt)
     run       Model -> its C           -> a Python module               (compiled)
     use       all of it                from Python and from a shell     (api, cli)
 

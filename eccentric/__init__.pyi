@@ -1,11 +1,13 @@
 # The public names, each from the room that defines it; `import eccentric` reads this list.
 
+from eccentric.api import AdaptResult as AdaptResult
 from eccentric.api import BenchResult as BenchResult
 from eccentric.api import CompareResult as CompareResult
 from eccentric.api import Correlation as Correlation
 from eccentric.api import DiagnosisResult as DiagnosisResult
 from eccentric.api import FitResult as FitResult
 from eccentric.api import ResultTable as ResultTable
+from eccentric.api import adapt as adapt
 from eccentric.api import bench as bench
 from eccentric.api import compare as compare
 from eccentric.api import diagnose as diagnose

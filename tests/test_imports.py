@@ -28,7 +28,7 @@ LAYERS = (
     {"signals"},
     {"fitting"},
     {"search"},
-    {"diagnosis"},
+    {"diagnosis", "adapt"},
     {"report"},
     {"api"},
     {"__init__"},

@@ -5,6 +5,7 @@
     diagnosed   diagnose   -> DiagnosisResult
     compared    compare    -> CompareResult
     emitted     emit       -> files
+    adapted     adapt      -> AdaptResult
     simulated   bench      -> BenchResult
     tables      ResultTable, Correlation: for a terminal and a notebook
 

@@ -1,5 +1,7 @@
 # The names of the door, each from the file that defines it; `eccentric.api` reads this list.
 
+from eccentric.api.adapted import AdaptResult as AdaptResult
+from eccentric.api.adapted import adapt as adapt
 from eccentric.api.compared import CompareResult as CompareResult
 from eccentric.api.compared import compare as compare
 from eccentric.api.diagnosed import DiagnosisResult as DiagnosisResult

@@ -8,10 +8,19 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+from eccentric.api.adapted import asked_adaptation
 from eccentric.api.files import require_fit, write_emitted
 from eccentric.api.fitted import FitResult
 from eccentric.api.inputs import ModelSource, model_of, origin_of
-from eccentric.emission import Arrays, Choice, checked_name, read_parameters, with_fitted
+from eccentric.emission import (
+    WHOLE,
+    Arrays,
+    Choice,
+    checked_name,
+    document_of,
+    read_parameters,
+    with_fitted,
+)
 from eccentric.errors import InputError
 from eccentric.places import given_path
 
@@ -30,6 +39,10 @@ def emit(
     arrays: bool | None = None,
     fixed: bool = False,
     accept_misfit: bool = False,
+    adapt: bool = False,
+    forgetting: float | None = None,
+    false_alarms: float | None = None,
+    settle: int | None = None,
 ) -> list[Path]:
     """Write a model as a NumPy module and C99, and what checks the C, into a folder; return the paths.
 
@@ -47,6 +60,10 @@ def emit(
             only where none are chosen.
         fixed: whether C has the default parameters only: no `prepare`, and no files that check it.
         accept_misfit: emit parameters of a fit although its log does not fit the rig.
+        adapt: add an estimator of the friction coefficients, NAME_adapt.h, .c and .py; its prior is that of
+            the fit, where the parameters are one.
+        forgetting, false_alarms, settle: of this estimator: forgetting per row, the mean number of samples
+            between two false alarms, and the samples left out after a reversal; by default 0.999, 1e7, 20.
 
     Raises:
         InputError: there is no such model, target or function, or it cannot be emitted; the parameters are
@@ -68,7 +85,20 @@ def emit(
     with_arrays = not functions if arrays is None else arrays
     where: Arrays = "none" if not with_arrays else "beside" if functions else "with"
     choice = Choice(tuple(functions), where, fixed)
-    return write_emitted(chosen, origin_of(model), out, backend, single_file=single_file, choice=choice)
+    asked = asked_adaptation(adapt, forgetting, false_alarms, settle)
+    if asked is not None and choice != WHOLE:
+        raise InputError("adapt: the whole model is required with it, without a choice of functions, arrays or fixed")
+    given = None if parameters is None else document_of(_content(parameters))
+    return write_emitted(
+        chosen,
+        origin_of(model),
+        out,
+        backend,
+        single_file=single_file,
+        choice=choice,
+        adapt=asked,
+        fit=given,
+    )
 
 
 def _content(

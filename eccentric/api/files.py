@@ -3,11 +3,22 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
+from typing import Any
 
 from eccentric.diagnosis import BASE
-from eccentric.emission import BACKENDS, DEFAULT, WHOLE, Choice, complete, write
+from eccentric.emission import (
+    BACKENDS,
+    DEFAULT,
+    WHOLE,
+    Adaptation,
+    Choice,
+    complete,
+    prior_of,
+    render_adapt,
+    write,
+)
 from eccentric.errors import InputError
 from eccentric.model import Model
 from eccentric.output import whole_folder
@@ -41,12 +52,15 @@ def write_emitted(
     *,
     single_file: bool = False,
     choice: Choice = WHOLE,
+    adapt: Adaptation | None = None,
+    fit: Mapping[str, Any] | None = None,
 ) -> list[Path]:
     """Write the files of a model for its targets, and those that check the C, into a folder of their own.
 
     Files that the same model wrote there before are replaced, all others stay. `origin` is the source of the
     physics, for the banner; `backend` is a target or several, NumPy and C99 by default. With `single_file`
-    the NumPy module contains its runtime; `choice` is what of the model is emitted. Returns the paths.
+    the NumPy module contains its runtime; `choice` is what of the model is emitted. With `adapt` an
+    estimator of the friction is added, whose prior is that of the fit with this content. Returns the paths.
     Raises InputError if there is no such target, or the folder cannot be written.
     """
     several = isinstance(backend, Sequence) and not isinstance(backend, str | bytes)
@@ -57,6 +71,10 @@ def write_emitted(
             raise InputError(f"backend: one of {', '.join(BACKENDS)} is required, received {name!r}")
         names[name] = None
     files = complete(model, "eccentric emit", origin, names, single_file=single_file, choice=choice)
+    if adapt is not None:
+        if missing := [name for name in DEFAULT if name not in names]:
+            raise InputError(f"adapt: backend {' and '.join(missing)} is required as well")
+        files |= render_adapt(model, files, prior_of(model, fit), adapt)
     with whole_folder(out, f"emit {model.name}") as folder:
         write(files, folder)
     return [Path(out) / name for name in files]

@@ -12,13 +12,18 @@ EXAMPLE = """eccentric emit c2_parallel --out build/firmware
 eccentric emit my_derivation.py --out build/mine
 eccentric emit c2_parallel --backend numpy --single-file --out build/python
 eccentric emit c2_parallel --functions mechanical_friction_torque --fixed --out build/small
-eccentric emit c2_parallel --parameters build/fit/fit.json --prefix arm --out build/firmware"""
+eccentric emit c2_parallel --parameters build/fit/fit.json --prefix arm --out build/firmware
+eccentric emit c2_parallel --parameters build/fit/fit.json --adapt --out build/firmware"""
 
 _OPTIONS = {
     "prefix": "--prefix",
     "backend": "--backend",
     "functions": "--functions",
     "accept_misfit": "--accept-misfit",
+    "adapt": "--adapt",
+    "forgetting": "--forgetting",
+    "false_alarms": "--false-alarms",
+    "settle": "--settle",
 }
 """Beginning of a message -> the option concerned."""
 
@@ -67,6 +72,21 @@ def configure(parser: argparse.ArgumentParser) -> None:
         action="store_true",
         help="with numpy only: put what the module runs on into it, not into eccentric_runtime.py beside it",
     )
+    parser.add_argument(
+        "--adapt", action="store_true", help="add an estimator that follows the friction in the field"
+    )
+    parser.add_argument(
+        "--forgetting", type=float, metavar="L", help="with --adapt: forgetting per row; default: 0.999"
+    )
+    parser.add_argument(
+        "--false-alarms",
+        type=float,
+        metavar="N",
+        help="with --adapt: mean number of samples between two false alarms; default: 1e7",
+    )
+    parser.add_argument(
+        "--settle", type=int, metavar="N", help="with --adapt: samples left out after a reversal; default: 20"
+    )
 
 
 def run(arguments: argparse.Namespace) -> int:
@@ -83,6 +103,10 @@ def run(arguments: argparse.Namespace) -> int:
             arrays=arguments.arrays,
             fixed=arguments.fixed,
             accept_misfit=arguments.accept_misfit,
+            adapt=arguments.adapt,
+            forgetting=arguments.forgetting,
+            false_alarms=arguments.false_alarms,
+            settle=arguments.settle,
         )
     names = ", ".join(path.relative_to(arguments.out).as_posix() for path in written)
     print(f"{arguments.out}: {names}")

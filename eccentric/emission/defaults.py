@@ -49,6 +49,17 @@ def read_parameters(source: Path | Mapping[str, Any]) -> FittedValues:
     """
     if isinstance(source, Mapping):
         return _fitted(source, "parameters", "parameters")
+    return _fitted(document_of(source), str(source), source.name)
+
+
+def document_of(source: Path | Mapping[str, Any]) -> Mapping[str, Any]:
+    """The content of a fit.json, or what is given as such; empty if it is no object.
+
+    Raises:
+        InputError: the file is missing, or is not JSON.
+    """
+    if isinstance(source, Mapping):
+        return source
     try:
         content = json.loads(readable(source).read_text(encoding="utf-8"))
     except InputError:
@@ -56,11 +67,10 @@ def read_parameters(source: Path | Mapping[str, Any]) -> FittedValues:
     except (ValueError, RecursionError) as error:  # ValueError: for example a number of thousands of digits
         what = "the fit.json of `eccentric fit`, or JSON with `parameters` like it, is required"
         raise InputError(f"{source}: {what}, received a file that is not JSON ({error})") from None
-    return _fitted(content, str(source), source.name)
+    return content if isinstance(content, Mapping) else {}
 
 
-def _fitted(content: object, where: str, name: str) -> FittedValues:
-    content = content if isinstance(content, Mapping) else {}
+def _fitted(content: Mapping[str, Any], where: str, name: str) -> FittedValues:
     values = content.get("parameters")
     if not isinstance(values, Mapping) or not values:
         raise InputError(f"{where}: an object `parameters` of numbers by the paper's letters is required")

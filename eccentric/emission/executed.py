@@ -18,6 +18,16 @@ def executed(files: Mapping[str, str], name: str) -> ModuleType:
     return _run(f"{_PACKAGE}.{name}_{next(_numbers)}", files[f"{name}.py"])
 
 
+def executed_beside(module: ModuleType, name: str, source: str) -> ModuleType:
+    """A new module from emitted source that imports `name`, such an executed module, from beside it."""
+    package = sys.modules[_PACKAGE]
+    setattr(package, name, module)
+    try:
+        return _run(f"{_PACKAGE}.{name}_beside_{next(_numbers)}", source)
+    finally:
+        delattr(package, name)
+
+
 @cache
 def _package(runtime: str) -> None:
     """Make the package of the modules, with the one runtime that this toolkit emits."""

@@ -6,6 +6,7 @@ std_error null if an active bound, its own or another value's, determines the in
     format, model, rig, logs, drive (current, voltage, torque), unit (of target and error: N m, V or A)
     known             letter: value in SI, from the rig
     coefficients      name: estimate, the columns of the fit as they were fitted
+    correlation       names, matrix: of the errors of coefficients and unknown; null without a standard error
     combinations      name: estimate, coefficients of columns that are not a single letter; in newton metres
                       if the scale is identified
     identified, not_identified  letters
@@ -65,6 +66,7 @@ def fit_document(fit: Fit, logs: Sequence[str]) -> dict[str, Any]:
         "unit": problem.unit,
         "known": dict(rig.known),
         "coefficients": {name: _entry(e) for name, e in fit.coefficients.items() if name not in ALIGNMENT},
+        "correlation": _correlation(fit),
         "combinations": {name: _entry(e) for name, e in fit.combinations.items()},
         "identified": fit.identified[0],
         "not_identified": fit.identified[1],
@@ -102,6 +104,18 @@ def fit_document(fit: Fit, logs: Sequence[str]) -> dict[str, Any]:
             "intervals_s": [list(x) for x in channels.selection.holdout.intervals_s],
         },
         "warnings": list(fit.warnings),
+    }
+
+
+def _correlation(fit: Fit) -> dict[str, Any]:
+    """Correlation of the errors of coefficients and searched values."""
+    covariance = fit.spread.matrix
+    error = np.sqrt(np.diag(covariance))
+    error = np.where(error > 0.0, error, np.nan)
+    matrix = covariance / np.outer(error, error)
+    return {
+        "names": [*fit.coefficients, *fit.searched],
+        "matrix": [[float(x) if math.isfinite(x) else None for x in row] for row in matrix],
     }
 
 

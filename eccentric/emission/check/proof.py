@@ -40,7 +40,8 @@ _RANGES_BY_UNIT = {
 }
 _OTHER_RANGE = (-1e2, 1e2)
 # Cases are kept separate, each with its condition, and squares are known to be squares.
-_OPTIONS = "-eva-slevel 30 -eva-split-return full -eva-subdivide-non-linear 20"
+_SUBDIVIDED = "-eva-subdivide-non-linear 20"
+_OPTIONS = f"-eva-slevel 30 -eva-split-return full {_SUBDIVIDED}"
 # Any NaN or infinity is an alarm, and no result is taken on trust.
 _STRICT = "-warn-special-float non-finite -kernel-warn-key annot:missing-spec=abort"
 # Only narrow intervals of the angle show that an angle minus itself, which represents lost digits, is 0.
@@ -51,15 +52,8 @@ def view(model: Model, functions: Sequence[Called], inputs: Sequence[str], sourc
     """The variables of the template of the proof driver; `source` is the emitted C."""
     states = [state.quantity for state in model.states]
     known = {q.name: q for q in (*model.inputs, *states, v.dt)}
-    reductions = sorted(set(re.findall(rf"\b{model.name}_from_top\w*(?=\()", source)))
-    narrow = ",".join(f"{function}:{_NARROW}" for function in reductions)
     return {
-        "command": [
-            f"frama-c -eva {_OPTIONS} \\",
-            *([f"  -eva-subdivide-non-linear-function {narrow} \\"] if narrow else []),
-            f"  {_STRICT} \\",
-            f'  -cpp-extra-args="-DECCENTRIC_REAL=float -I.." {model.name}_proof.c',
-        ],
+        "command": proof_command(model.name, source),
         "inputs": [_input(known[x]) for x in inputs],
         "states": [q.name for q in states],
         "samples": _SAMPLES,
@@ -68,10 +62,30 @@ def view(model: Model, functions: Sequence[Called], inputs: Sequence[str], sourc
     }
 
 
+def proof_command(name: str, source: str, states: str = "") -> list[str]:
+    """The command that proves the driver of that name, for the head of the driver.
+
+    `source` is the model's C; `states` are other options, of which states of the analysis are kept apart.
+    """
+    reductions = sorted(set(re.findall(r"\b\w+_from_top\w*(?=\()", source)))
+    narrow = ",".join(f"{function}:{_NARROW}" for function in reductions)
+    return [
+        f"frama-c -eva {f'{states} {_SUBDIVIDED}' if states else _OPTIONS} \\",
+        *([f"  -eva-subdivide-non-linear-function {narrow} \\"] if narrow else []),
+        f"  {_STRICT} \\",
+        f'  -cpp-extra-args="-DECCENTRIC_REAL=float -I.." {name}_proof.c',
+    ]
+
+
+def limits(q: Quantity) -> tuple[float, float]:
+    """The lowest and highest value of an input or hidden state for which the C is proved, in SI units."""
+    low, high = _RANGES.get(q.name) or _RANGES_BY_UNIT.get(q.unit, _OTHER_RANGE)
+    return 0.0 if q.domain == "nonnegative" else low, high
+
+
 def _input(q: Quantity) -> dict[str, str]:
     """An input or hidden state, and the range that is proved."""
-    low, high = _RANGES.get(q.name) or _RANGES_BY_UNIT.get(q.unit, _OTHER_RANGE)
-    low = 0.0 if q.domain == "nonnegative" else low
+    low, high = limits(q)
     return {"name": q.name, "doc": plain(f"{q.meaning} [{q.unit}]"), "range": f"{low:g}, {high:g}"}
 
 

@@ -36,17 +36,28 @@ def evaluate_prepare(program: Program, single: bool) -> dict[str, str]:
         UnprintableError: an operation that no back end computes.
         InputError: a coefficient is beyond single precision.
     """
-    digits = 9 if single else 17
     with mpmath.workdps(50):
-        values = {q.symbol: _default(q.default, program) for q in program.parameters}
-        for a in program.prepare:
-            values[a.target] = mpmath.mpf(_value(a.value, values, single))
+        values = prepared_values(program, single)
         if single:
             _require_single(program, values)
-        return {
-            symbol.name: "NAN" if mpmath.isnan(value) else _decimal(value, digits)
-            for symbol, value in values.items()
-        }
+        return {symbol.name: decimal(value, single) for symbol, value in values.items()}
+
+
+def decimal(value: mpmath.mpf, single: bool) -> str:
+    """A number as a decimal of the working precision; "NAN" if it is none."""
+    return "NAN" if mpmath.isnan(value) else _decimal(value, 9 if single else 17)
+
+
+def prepared_values(program: Program, single: bool) -> dict[sp.Symbol, mpmath.mpf]:
+    """Every parameter and prepared value at the default parameters, to the digits of mpmath at this moment.
+
+    Raises:
+        UnprintableError: an operation that no back end computes.
+    """
+    values = {q.symbol: _default(q.default, program) for q in program.parameters}
+    for a in program.prepare:
+        values[a.target] = mpmath.mpf(_value(a.value, values, single))
+    return values
 
 
 def _require_single(program: Program, values: Mapping[sp.Symbol, mpmath.mpf]) -> None:

@@ -1,0 +1,133 @@
+"""The course of the friction coefficients along a log, by the emitted estimator."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from eccentric.emission import Adaptation, executed_beside, load_module, prior_of, render, render_adapt
+from eccentric.errors import InputError
+from eccentric.model import Model
+from eccentric.signals import Channels
+
+Array = NDArray[np.float64]
+_ENTRIES = 2000
+"""Entries of a course at most: more than a figure shows."""
+
+
+@dataclass(frozen=True)
+class Course:
+    """What the estimator learned along a log of m samples, at k instants.
+
+    Attributes:
+        names, units: of the n coefficients.
+        t: time [s] (k,).
+        values, deviations: of the coefficients (k, n).
+        unseen: seconds since each coefficient was last known to half of its prior (k, n).
+        start, prior: values and standard deviations that the estimator began with (n,).
+        alarms: time [s] and kind, "more" or "less" friction.
+        used, still, out_of_range: numbers of samples.
+        step: seconds between two samples.
+        noise: standard deviation of the innovations in motion over the assumed one.
+        correlation: of two innovations in a row.
+        assumed: standard deviation that the estimator assumes [N m].
+        asked: forgetting and false alarms.
+        alarm: what is known of the alarm, in rows.
+    """
+
+    names: tuple[str, ...]
+    units: tuple[str, ...]
+    t: Array
+    values: Array
+    deviations: Array
+    unseen: Array
+    start: Array
+    prior: Array
+    alarms: tuple[tuple[float, str], ...]
+    used: int
+    still: int
+    out_of_range: int
+    step: float
+    noise: float
+    correlation: float
+    assumed: float
+    asked: Adaptation
+    alarm: Mapping[str, float]
+
+    @property
+    def seen(self) -> NDArray[np.bool_]:
+        """Whether a coefficient is known to half of its prior by what was learned (k, n)."""
+        return self.deviations < 0.5 * self.prior
+
+
+def replayed(
+    channels: Channels, model: Model, fit: Mapping[str, Any], asked: Adaptation | None = None
+) -> Course:
+    """The course along a log.
+
+    Args:
+        channels: of the log, with delay, zero angle and offset as identified.
+        model: with the defaults that the estimator starts from.
+        fit: content of the fit.json of these, for the prior.
+        asked: forgetting and false alarms.
+
+    Raises:
+        InputError: the log has no current, or the model depends on a signal that it lacks.
+    """
+    asked = asked or Adaptation()
+    prior = prior_of(model, fit)
+    files = render(model)
+    source = render_adapt(model, files, prior, asked)[f"{model.name}_adapt.py"]
+    estimator = executed_beside(load_module(model), model.name, source)
+    inputs = _inputs(channels, estimator.INPUTS, model.name)
+    state = estimator.init()
+    t = channels.time.t
+    every = max(1, -(-len(t) // _ENTRIES))
+    found = estimator.replay(*inputs, state, every=every)
+    step = float(np.median(np.diff(t)))
+    flags = found["flags"]
+    at = np.flatnonzero(flags & (estimator.MORE | estimator.LESS))
+    return Course(
+        names=estimator.COEFFICIENTS,
+        units=estimator.UNITS,
+        t=t[every - 1 :: every],
+        values=found["coefficients"],
+        deviations=found["deviations"],
+        unseen=found["unseen"] * step,
+        start=prior.values,
+        prior=prior.deviations,
+        alarms=tuple((float(t[k]), "more" if flags[k] & estimator.MORE else "less") for k in at),
+        used=int(np.count_nonzero(flags & estimator.UPDATED)),
+        still=int(np.count_nonzero(flags & estimator.STILL)),
+        out_of_range=int(np.count_nonzero(flags & estimator.RANGE)),
+        step=step,
+        noise=float(state.square) ** 0.5,
+        correlation=float(state.rho),
+        assumed=prior.noise,
+        asked=asked,
+        alarm=estimator.ALARM,
+    )
+
+
+def _inputs(channels: Channels, names: tuple[str, ...], model: str) -> list[Array]:
+    """The signals of the log that the estimator takes; rows that are not usable are NaN, which it leaves out."""
+    motion, motor = channels.motion, channels.motor
+    known = {
+        "theta_m": motion.theta_m,
+        "omega_m": motion.omega_m,
+        "alpha_m": motion.alpha_m,
+        "i": motor.current,
+        "u": motor.voltage,
+        "t": channels.time.t,
+        "temperature": channels.temperature,
+    }
+    for name in names:
+        if known.get(name) is None:
+            raise InputError(f"{model}: a log with {name} is required to follow its friction")
+    given = [np.array(known[name], float) for name in names]
+    unusable = ~channels.selection.usable | motor.off
+    return [np.where(unusable, np.nan, x) for x in given]

@@ -1,0 +1,141 @@
+"""`eccentric.adapt`: a log through the estimator of the friction that `emit` adds; and what `emit` is asked of it."""
+
+from __future__ import annotations
+
+import os
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from eccentric.adapt import Course, course_document, course_lines, plot_course, replayed
+from eccentric.api.inputs import LogSources, ModelSource, RigSource, model_of, names_of, read_logs
+from eccentric.api.result import Printed, new_axes, paragraphs
+from eccentric.api.tables import ResultTable
+from eccentric.emission import Adaptation, document_of, read_parameters, with_fitted
+from eccentric.errors import InputError
+from eccentric.fitting import fit as fit_channels
+from eccentric.fitting import fit_document
+from eccentric.places import given_path
+from eccentric.rigs import read_rig
+from eccentric.signals import read_channels
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+__all__ = ["AdaptResult", "adapt"]
+
+
+def adapt(
+    log: LogSources,
+    rig: RigSource,
+    model: ModelSource | None = None,
+    *,
+    parameters: str | os.PathLike[str] | None = None,
+    forgetting: float | None = None,
+    false_alarms: float | None = None,
+    settle: int | None = None,
+) -> AdaptResult:
+    """Replay a log through the estimator that `emit(..., adapt=True)` writes.
+
+    Args:
+        log: one log or a list of them, as `fit` takes them.
+        rig: what is known about the rig, as `fit` takes it.
+        model: a Model, its name, or the path of a derivation; by default that of the rig.
+        parameters: the path of a fit.json to start from; by default a fit of this log.
+        forgetting, false_alarms, settle: as `emit` takes them.
+
+    Raises:
+        InputError: whatever `fit` refuses; a log without current; a model that cannot be followed.
+    """
+    asked = asked_adaptation(True, forgetting, false_alarms, settle)
+    read = read_logs(log)
+    channels = read_channels(read, read_rig(rig))
+    base = model_of(channels.rig.model if model is None else model)
+    names = ", ".join(names_of(read))
+    fitted = fit_channels(channels, channels.rig, base, names)
+    document: Any = fit_document(fitted, names_of(read))
+    if parameters is not None:
+        document = document_of(given_path(parameters, "parameters"))
+    start = with_fitted(base, read_parameters(document), base.name)
+    course = replayed(fitted.problem.drive.channels, start, document, asked)
+    return AdaptResult(
+        course=course,
+        lines=tuple(course_lines(course, names)),
+        warnings=fitted.warnings,
+        document=course_document(course, names),
+    )
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class AdaptResult(Printed):
+    """How friction went along a log. It prints as `summary()` and shows as a table in a notebook.
+
+    Attributes:
+        course: the coefficients over time, as arrays.
+        lines, warnings, document: as in Printed; the document is the content of adapt.json.
+    """
+
+    course: Course
+
+    def table(self) -> ResultTable:
+        """A row for each coefficient: start, end, its standard deviation, and seconds unseen."""
+        found = self.course
+        cells = zip(
+            found.names, found.start, found.values[-1], found.deviations[-1], found.unseen[-1], found.units,
+            strict=True,
+        )  # fmt: skip
+        rows = ((name, *map(float, numbers), unit) for name, *numbers, unit in cells)
+        return ResultTable(("coefficient", "start", "end", "std_error", "unseen_s", "unit"), tuple(rows))
+
+    def plot(self) -> list[Axes]:
+        """Plot the coefficients over time, one below the other; InputError if matplotlib is not installed."""
+        axes = new_axes(len(self.course.names), 1, self._size)
+        plot_course(self.course, axes)
+        return axes
+
+    def write(self, out: str | os.PathLike[str]) -> list[Path]:
+        """Write adapt.json and, with matplotlib, adapt.png and adapt.svg into a folder of their own.
+
+        Raises:
+            InputError: the folder cannot be written.
+        """
+        rows = len(self.course.names)
+        return self._write(
+            out,
+            "adapt",
+            self._size,
+            lambda figure: plot_course(
+                self.course, list(figure.subplots(rows, 1, sharex=True, squeeze=False).flat)
+            ),
+        )
+
+    @property
+    def _size(self) -> tuple[float, float]:
+        return 9.0, 0.8 + 1.5 * len(self.course.names)
+
+    def __repr__(self) -> str:
+        return f"<AdaptResult: {len(self.course.names)} coefficients, {len(self.course.alarms)} alarms>"
+
+    def _repr_html_(self) -> str:
+        warned = (f"Warning: {text}" for text in self.warnings)
+        return f"<div>{self.table()._repr_html_()}{paragraphs(*warned)}</div>"
+
+
+def asked_adaptation(
+    adapted: bool, forgetting: float | None, false_alarms: float | None, settle: int | None
+) -> Adaptation | None:
+    """What is asked of the estimator, None if none is.
+
+    Raises:
+        InputError: one of them is out of range, or given without the estimator.
+    """
+    given: dict[str, Any] = {
+        name: value
+        for name, value in (("forgetting", forgetting), ("false_alarms", false_alarms), ("settle", settle))
+        if value is not None
+    }
+    if not adapted:
+        if given:
+            raise InputError(f"{next(iter(given))}: adapt is required with it")
+        return None
+    return Adaptation(**given)

@@ -1,0 +1,48 @@
+"""`eccentric adapt`: a log through the estimator that `eccentric emit --adapt` writes."""
+
+import argparse
+from pathlib import Path
+
+import eccentric
+from eccentric.cli.arguments import add_folder, options, print_warnings
+from eccentric.output import own_folder
+
+NAME = "adapt"
+HELP = "replay a log through the emitted estimator of friction: coefficients over time, what was not seen, alarms"
+EXAMPLE = """eccentric adapt examples/bench/bench.csv.gz --rig examples/bench/bench.toml --out build/adapted
+eccentric adapt tuesday.csv --rig my_rig.toml --parameters build/monday/fit.json --out build/tuesday"""
+_OPTIONS = {"forgetting": "--forgetting", "false_alarms": "--false-alarms", "settle": "--settle"}
+"""Beginning of a message -> the option concerned."""
+
+
+def configure(parser: argparse.ArgumentParser) -> None:
+    """Add the arguments of `adapt` to `parser`."""
+    add = parser.add_argument
+    add("logs", metavar="LOG", nargs="+", help="logs of one rig: .csv[.gz], .parquet, .mat, .json[.gz]")
+    add("--rig", metavar="RIG", required=True, help="what is known about the rig: .toml or .json")
+    add("--model", metavar="MODEL", help="a model or the path of a derivation (by the rig's case)")
+    add("--parameters", type=Path, metavar="FIT.json", help="fit to start from; default: a fit of this log")
+    add("--forgetting", type=float, metavar="L", help="forgetting per row; default: 0.999")
+    add("--false-alarms", type=float, metavar="N", help="samples between two false alarms; default: 1e7")
+    add("--settle", type=int, metavar="N", help="samples left out after a reversal; default: 20")
+    add_folder(parser, "adapt.json, adapt.png and adapt.svg")
+
+
+def run(args: argparse.Namespace) -> int:
+    """Replay, write the folder, print what was learned; return 0."""
+    own_folder(args.out)
+    with options(_OPTIONS):
+        found = eccentric.adapt(
+            args.logs,
+            args.rig,
+            args.model,
+            parameters=args.parameters,
+            forgetting=args.forgetting,
+            false_alarms=args.false_alarms,
+            settle=args.settle,
+        )
+    names = [path.name for path in found.write(args.out)]
+    print_warnings(found.warnings)
+    print(found.summary())
+    print(f"{args.out}: {', '.join(names)}")
+    return 0

@@ -1,0 +1,19 @@
+"""An estimator of the friction coefficients beside the emitted model, in C99 and in Python with the same bits.
+
+    settings   what the user asks for: forgetting, mean time between false alarms
+    prior      a model, a fit.json -> where the estimator starts, and how sure it is
+    alarm      mean time between false alarms -> the threshold of the alarm and its delay
+    applied    a model -> how its coefficients in C follow from those of friction
+    update     the arithmetic of one row, as lines that C and Python share
+    view       all of it -> what the templates in `templates/adapt` see; `render_adapt`
+
+In: a `Model`, the content of a fit.json. Out: `render_adapt`, file name -> text. The model's own files are
+only read here.
+"""
+
+from eccentric.emission.adapt.alarm import Alarm, alarm_of, run_length
+from eccentric.emission.adapt.prior import Prior, prior_of
+from eccentric.emission.adapt.settings import Adaptation
+from eccentric.emission.adapt.view import render_adapt
+
+__all__ = ["Adaptation", "Alarm", "Prior", "alarm_of", "prior_of", "render_adapt", "run_length"]

@@ -1,0 +1,163 @@
+"""Where the estimator starts: the model's coefficients, and how far friction may move from them.
+
+A fit tells how well its log determines the coefficients; in the field friction itself changes. The covariance
+is the sum of both: that of the fit, where there is one, and a change of each coefficient by a share of its
+size. Without a fit the second alone remains, and the noise is a share of the friction.
+"""
+
+from __future__ import annotations
+
+import inspect
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from eccentric.emission.hot import load_module
+from eccentric.errors import InputError
+from eccentric.model import Column, Model, regressor
+
+CHANGE = 0.3
+"""Standard deviation of a coefficient's change in the field, as a share of its size."""
+_LEAST_SHARE = 0.1
+"""The least size of a coefficient: with it this share of the mean friction follows from its column."""
+_NOISE, _MOVING, _SPEED = 0.05, 1.0, 20.0
+"""Without a fit: noise as a share of the mean friction, the least speed, and a medium speed [rad/s]."""
+_LEAST_SPEED = 1e-3
+_FARTHEST = 20.0
+"""A coefficient stays within so many standard deviations of its start."""
+
+
+@dataclass(frozen=True)
+class Prior:
+    """Where the estimator starts; arrays have an entry for each of the n columns of the regressor.
+
+    Attributes:
+        columns: of the regressor.
+        values: of the coefficients, in SI units.
+        deviations: their standard deviations.
+        correlation: of their errors (n, n).
+        lowest, highest: their bounds.
+        noise: standard deviation of the measured friction torque [N m].
+        moving: least speed of the motor at which a row is used [rad/s].
+        friction: mean size of the friction at a medium speed [N m].
+        origin: where all this comes from, in words.
+    """
+
+    columns: tuple[Column, ...]
+    values: np.ndarray
+    deviations: np.ndarray
+    correlation: np.ndarray
+    lowest: np.ndarray
+    highest: np.ndarray
+    noise: float
+    moving: float
+    friction: float
+    origin: str
+
+    def factors(self) -> tuple[np.ndarray, np.ndarray]:
+        """U (n, n), unit upper triangular, and d (n,): U diag(d) U' is the correlation."""
+        n = len(self.values)
+        flipped = np.linalg.cholesky(self.correlation[::-1, ::-1])[::-1, ::-1]
+        roots = np.diag(flipped)
+        return np.triu(flipped / roots, 1) + np.eye(n), roots**2
+
+
+def prior_of(model: Model, fit: Mapping[str, Any] | None = None) -> Prior:
+    """The prior of a model with its defaults; `fit` is the content of the fit.json that they come from.
+
+    Raises:
+        InputError: the model has no mechanical residual in newton metres and amperes, or no inertia.
+    """
+    _require(model)
+    fit = fit or {}
+    columns = regressor(model)
+    speed = _speed(fit)
+    values, bases, friction = _seen(model, speed)
+    size = np.maximum(np.abs(values), _LEAST_SHARE * friction / bases)
+    covariance = np.diag((CHANGE * size) ** 2) + _of_fit(columns, fit)
+    deviations = np.sqrt(np.diag(covariance))
+    lows = [-math.inf if c.bounds[0] is None else c.bounds[0] for c in columns]
+    highs = [math.inf if c.bounds[1] is None else c.bounds[1] for c in columns]
+    noise, moving = _number(fit, "rmse_holdout_Nm", "paper"), _number(fit, "moving_threshold_rad_s")
+    from_fit = "the fit" if fit.get("coefficients") else "no fit"
+    return Prior(
+        columns=columns,
+        values=values,
+        deviations=deviations,
+        correlation=covariance / np.outer(deviations, deviations),
+        lowest=np.maximum(lows, values - _FARTHEST * deviations),
+        highest=np.minimum(highs, values + _FARTHEST * deviations),
+        noise=noise if noise else _NOISE * friction,
+        moving=max(moving, _LEAST_SPEED) if moving else _MOVING,
+        friction=friction,
+        origin=(
+            f"standard deviations: those of {from_fit}, and a change of {CHANGE:.0%} of each coefficient; "
+            f"noise: {'held-out error of the fit' if noise else f'{_NOISE:.0%} of the mean friction'}"
+        ),
+    )
+
+
+def _require(model: Model) -> None:
+    where = f"model {model.name}: an estimator of its friction"
+    if not model.current_known or model.back_emf_in_friction or model.torque_unit != "N m":
+        raise InputError(f"{where}: a fit with the current in amperes and torques in N m is required")
+    missing = [q.name for q in model.parameters if q.default is None]
+    if missing:
+        raise InputError(
+            f"{where}: a value of {' and of '.join(missing)} is required, since it learns from what inertia"
+            " leaves of the torque: give them with --parameters"
+        )
+
+
+def _number(fit: Mapping[str, Any], *keys: str) -> float:
+    """A positive number of a fit.json, 0 if it is not there."""
+    found: Any = fit
+    for key in keys:
+        found = found.get(key) if isinstance(found, Mapping) else None
+    usable = isinstance(found, int | float) and not isinstance(found, bool) and 0 < found < math.inf
+    return float(found) if usable else 0.0
+
+
+def _speed(fit: Mapping[str, Any]) -> float:
+    """A medium speed: half the fastest of the fit [rad/s]."""
+    ranges = fit.get("ranges")
+    found = ranges.get("speed_m_rad_s") if isinstance(ranges, Mapping) else None
+    fastest = found[1] if isinstance(found, list | tuple) and len(found) == 2 else None  # noqa: PLR2004
+    return fastest / 2 if isinstance(fastest, int | float) and 0 < fastest < math.inf else _SPEED
+
+
+def _seen(model: Model, speed: float) -> tuple[np.ndarray, np.ndarray, float]:
+    """Coefficients, mean size of their columns (n,) and of the friction, at that speed over both turns."""
+    module = load_module(model)
+    mu = next((float(q.default) for q in model.parameters if q.name == "mu" and q.default is not None), 1.0)
+    angle = np.linspace(0.0, 2 * math.pi / mu, 48, endpoint=False)
+    theta_m, omega_m = (x.ravel() for x in np.meshgrid(angle, [-speed, -speed / 2, speed / 2, speed]))
+    known = {"theta_m": theta_m, "omega_m": omega_m, "temperature": np.full_like(theta_m, 25.0)}
+    inputs = [known.get(name, np.zeros_like(theta_m)) for name in inputs_of(module.regressor)]
+    columns = np.asarray(module.regressor(*inputs))
+    values = np.asarray(module.friction_coefficients(), float)
+    return values, np.maximum(np.mean(np.abs(columns), 0), 1e-12), float(np.mean(np.abs(columns @ values)))
+
+
+def inputs_of(function: Any) -> list[str]:
+    """The names of the inputs of an emitted function."""
+    return [name for name in inspect.signature(function).parameters if name not in {"parameters", "out"}]
+
+
+def _of_fit(columns: tuple[Column, ...], fit: Mapping[str, Any]) -> np.ndarray:
+    """The covariance of a fit (n, n), 0 where it has none: a coefficient at a bound has no standard error."""
+    found = fit.get("coefficients")
+    found = found if isinstance(found, Mapping) else {}
+    errors = np.array([_number(found, column.name, "std_error") for column in columns])
+    correlation = np.eye(len(columns))
+    given = fit.get("correlation")
+    names = given.get("names", []) if isinstance(given, Mapping) else []
+    for row, one in enumerate(columns):
+        for column, other in enumerate(columns):
+            if one.name in names and other.name in names and row != column:
+                value = given["matrix"][names.index(one.name)][names.index(other.name)]
+                correlation[row, column] = 0.0 if value is None else value
+    return correlation * np.outer(errors, errors)

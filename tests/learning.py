@@ -1,0 +1,30 @@
+"""The learning firmware of the example, on a computer: every sample in motion of ten million."""
+
+import subprocess
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+import eccentric
+from tests.adapted import module
+from tests.compiled import run
+
+FIRMWARE = Path(__file__).resolve().parent.parent / "examples" / "firmware"
+SAMPLES = 10_000_000
+ROW = np.dtype([
+    ("sample", "u4"), ("flags", "u4"), ("inputs", "f4", 4), ("learned", "f4", 4), ("real", "f4", 4)
+])  # fmt: skip
+
+
+def learned(folder: Path) -> tuple[str, np.ndarray, Any]:
+    """Return what the firmware prints, its rows, and the emitted Python of its estimator."""
+    out = folder / "learning"
+    eccentric.emit("c2_parallel", out, parameters=FIRMWARE / "learn.json", adapt=True, settle=60)
+    program, rows = folder / "learn", folder / "rows"
+    sources = [FIRMWARE / "learn_on_a_computer.c", FIRMWARE / "learn.c"]
+    sources += [out / "c2_parallel.c", out / "c2_parallel_adapt.c"]
+    options = ["-std=c99", "-O2", "-Wall", "-Wextra", "-Werror", "-DLEARN_ON_A_COMPUTER", "-DECCENTRIC_REAL=float"]
+    run("gcc", *options, f"-I{FIRMWARE}", f"-I{out}", "-o", program, *sources, "-lm")
+    done = subprocess.run([program, rows], capture_output=True, text=True, check=True)
+    return done.stdout, np.fromfile(rows, ROW), module(out, "c2_parallel")

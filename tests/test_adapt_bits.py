@@ -1,0 +1,79 @@
+"""The emitted estimator computes the same in C and in Python, to the bit, whatever comes in."""
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from eccentric.api.inputs import model_of
+from eccentric.emission.adapt.prior import inputs_of
+from tests.adapted import Estimator, current, emitted, module, motion, python_bits
+
+MODELS = ("c1_perpendicular", "c2_parallel", "c2_asymmetric", "rotating_link")
+
+
+def log(python: Any, count: int, seed: int, dtype: Any) -> list[np.ndarray]:
+    """A log of the model's inputs with noise, with rows that no estimator may use, and with friction that jumps."""
+    generator = np.random.default_rng(seed)
+    moved = motion(count, seed)
+    taken = dict(zip(("theta_m", "omega_m", "alpha_m"), moved, strict=True))
+    friction = python.model.mechanical_friction_torque(
+        *(taken[name] for name in inputs_of(python.model.mechanical_friction_torque))
+    )
+    friction = np.abs(friction) + 0.08 * (np.arange(count) > 2 * count // 3)
+    driven = current(python.model, moved, friction, generator.normal(0, 0.01, count))
+    inputs = dict(zip(("theta_m", "omega_m", "alpha_m", "i"), [*moved, driven], strict=True))
+    for x in inputs.values():
+        x[generator.integers(0, count, 12)] = generator.choice([np.nan, np.inf, -np.inf, 1e30, -3e38], 12)
+    driven[generator.integers(0, count, 40)] *= -7.0
+    with np.errstate(over="ignore"):
+        return [inputs[name].astype(dtype) for name in python.INPUTS]
+
+
+@pytest.mark.parametrize("compiler", ["gcc", "clang"])
+@pytest.mark.parametrize("dtype", [np.float32, np.float64])
+@pytest.mark.parametrize("name", MODELS)
+def test_same_bits(tmp_path: Path, name: str, dtype: Any, compiler: str) -> None:
+    """Flags and every number of the state agree, over rests, reversals, outliers, NaN and infinities."""
+    folder = emitted(tmp_path, name)
+    python, c = module(folder, name), Estimator(folder, name, dtype, compiler)
+    state = python.init(dtype)
+    rows = log(python, 9000, 3, dtype)
+
+    with np.errstate(all="ignore"):
+        for start in range(0, 9000, 3000):
+            part = [x[start : start + 3000] for x in rows]
+            expected = python.replay(*part, state)["flags"].tolist()
+            assert expected == c.learn(part)
+            assert python_bits(state) == c.bits()
+    assert state.calls == 9000
+    assert np.all(np.isfinite(python_bits(state)))
+
+
+def test_every_flag_occurs(tmp_path: Path) -> None:
+    """The log of the comparison reaches every branch: each flag is set somewhere."""
+    folder = emitted(tmp_path)
+    python = module(folder, "c2_parallel")
+
+    with np.errstate(all="ignore"):
+        rows = log(python, 9000, 3, np.float64)
+        seen = np.bitwise_or.reduce(python.replay(*rows, python.init())["flags"])
+
+    flags = ("UPDATED", "STILL", "RANGE", "MORE", "BOUND")
+    assert [] == [flag for flag in flags if not seen & getattr(python, flag)]
+
+
+@pytest.mark.parametrize("name", MODELS)
+def test_the_models_own_files_stay(tmp_path: Path, name: str) -> None:
+    """With the estimator, the model's own files are those without, letter by letter."""
+    from eccentric.emission import complete, with_fitted
+    from eccentric.emission.defaults import read_parameters
+    from tests.adapted import DRIVE
+
+    model = model_of(name)
+    plain = complete(with_fitted(model, read_parameters({"parameters": DRIVE}), name), "eccentric emit")
+
+    folder = emitted(tmp_path, name)
+
+    assert plain == {file: (folder / file).read_text(encoding="utf-8") for file in plain}

@@ -1,0 +1,103 @@
+"""`eccentric adapt`: a log through the estimator, from the shell and from Python."""
+
+import json
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import eccentric
+from eccentric.cli import main
+from eccentric.errors import InputError
+
+KNOWN = {
+    "M": 0.5,
+    "M_l": 0.2,
+    "L": 0.25,
+    "mu": 0.2,
+    "R": 1.0,
+    "k_i": 0.05,
+    "k_e": 0.05,
+    "J_m": 2e-4,
+    "J_l": 0.04,
+}
+STEP = 2e-3
+
+
+@pytest.fixture(scope="module")
+def rig() -> dict[str, Any]:
+    """Return a rig of case C2 that is known but for its friction."""
+    units = {"R": "ohm", "k_i": "Nm_per_A", "k_e": "Vs_per_rad", "J_m": "kgm2", "J_l": "kgm2"}
+    units |= {"M": "kg", "M_l": "kg", "L": "m"}
+    known = {f"{x}_{units[x]}" if x in units else x: value for x, value in KNOWN.items()}
+    return {
+        "name": "arm",
+        "sample_rate_hz": 1 / STEP,
+        "known": {"case": "C2", **known},
+        "columns": ["time_s", "theta_m_rad", "current_A"],
+    }
+
+
+def log(warmer: float) -> dict[str, np.ndarray]:
+    """Return 60 s of a drive written out from the paper, its viscous friction changing by that factor half way."""
+    t = np.arange(0, 60, STEP)
+    peak = 30 + 10 * np.sin(0.13 * t)
+    omega = peak * np.sin(1.3 * t)
+    theta = np.cumsum(omega) * STEP
+    alpha = np.gradient(omega, STEP)
+    M, M_l, L, mu, g = 0.5, 0.2, 0.25, 0.2, 9.81
+    force = np.hypot(
+        M * L * (mu * omega) ** 2 + (M + M_l) * g * np.cos(mu * theta), (M + M_l) * g * np.sin(mu * theta)
+    )
+    B = np.where(t < 30, 1.0, warmer) * 4e-3
+    friction = B * omega + np.sign(omega) * (0.008 + 0.02 * mu * force) + 1e-4 * force * mu**2 * omega
+    torque = (KNOWN["J_m"] + mu**2 * KNOWN["J_l"]) * alpha + mu * M * g * L * np.sin(mu * theta) + friction
+    noise = np.random.default_rng(1).normal(0, 0.003, len(t))
+    return {"time_s": t, "theta_m_rad": theta, "current_A": (torque + noise) / KNOWN["k_i"]}
+
+
+def test_it_follows_the_friction(rig: Any) -> None:
+    """Viscous friction that falls to 60 % half way is followed from one value to the other."""
+    found = eccentric.adapt(log(0.6), rig, forgetting=0.998).course
+
+    def at(t: float) -> float:
+        return float(found.values[np.searchsorted(found.t, t), found.names.index("B_m")])
+
+    assert at(28.0) == pytest.approx(4e-3, rel=0.1)
+    assert at(58.0) == pytest.approx(2.4e-3, rel=0.15)
+    first = next((kind, at) for at, kind in found.alarms if at > 29.9)
+    assert first == ("less", pytest.approx(30.0, abs=1.0))
+
+
+def test_files_and_text(tmp_path: Path, rig: Any, capsys: pytest.CaptureFixture[str]) -> None:
+    """The command writes strict JSON and figures, and prints a row for each coefficient."""
+    table = log(1.0)
+    path = tmp_path / "log.csv"
+    rows, head = np.column_stack([*table.values()]), ",".join(table)
+    np.savetxt(path, rows, delimiter=",", header=head, comments="", fmt="%.9g")
+    (tmp_path / "rig.json").write_text(json.dumps(rig))
+
+    status = main(["adapt", str(path), "--rig", str(tmp_path / "rig.json"), "--out", str(tmp_path / "out")])
+
+    said = capsys.readouterr().out
+    document = json.loads((tmp_path / "out" / "adapt.json").read_text())
+    assert 0 == status
+    assert ["adapt.json", "adapt.png", "adapt.svg"] == sorted(
+        p.name for p in (tmp_path / "out").glob("adapt*")
+    )
+    assert {"B_lN", "C_lN", "B_m", "C_m"} == set(document["coefficients"])
+    assert all(f"  {name}" in said for name in document["coefficients"])
+    assert [] == document["alarms"]
+    assert document["innovation"]["over_assumed"] == pytest.approx(1.0, abs=0.3)
+
+
+def test_a_torque_is_no_current(rig: Any) -> None:
+    """Without a current the log is refused in one line, that names it."""
+    table = log(1.0)
+    torque = {"time_s": table["time_s"], "theta_m_rad": table["theta_m_rad"]}
+    torque["torque_Nm"] = table["current_A"] * KNOWN["k_i"]
+    other = rig | {"columns": [*torque]}
+
+    with pytest.raises(InputError, match="a log with i is required"):
+        eccentric.adapt(torque, other)

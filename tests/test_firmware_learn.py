@@ -1,0 +1,96 @@
+"""The learning firmware: a drive whose grease warms over ten million samples, 90 % of them at rest."""
+
+import re
+import subprocess
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from benchmarks.cortex_m4 import TOOLS, missing
+from tests.learning import FIRMWARE, SAMPLES, learned
+
+
+@pytest.fixture(scope="module")
+def on_a_computer(tmp_path_factory: pytest.TempPathFactory) -> tuple[str, np.ndarray, Any]:
+    """Return what the firmware says on a computer, its rows, and the emitted Python."""
+    return learned(tmp_path_factory.mktemp("learning"))
+
+
+def test_it_learns_as_well_as_a_fit(on_a_computer: Any) -> None:
+    """The coefficients' errors are at most twice those of weighted least squares over the same forgetting window."""
+    _, rows, python = on_a_computer
+    rows = rows[(rows["flags"] & python.UPDATED > 0) & (rows["sample"] < SAMPLES)]
+    theta, omega, alpha, i = (rows["inputs"][:, k].astype(float) for k in range(4))
+    columns = np.asarray(python.model.regressor(theta, omega))
+    own = np.asarray(python.model.friction_coefficients())
+    torque = np.asarray(python.model.mechanical_residual(theta, omega, i, alpha)) + columns @ own
+    weight = np.sqrt(0.999 ** np.arange(8000)[::-1])
+    fitted, found = [], []
+    for end in range(20_000, len(rows), 3163):
+        window = slice(end - 8000, end)
+        weighted = columns[window] * weight[:, None]
+        size = np.linalg.norm(weighted, axis=0)
+        best = np.linalg.lstsq(weighted / size, torque[window] * weight, rcond=None)[0] / size
+        true = rows["real"][end - 1]
+        fitted.append(best / true - 1)
+        found.append(rows["learned"][end - 1] / true - 1)
+
+    error, least = (np.sqrt(np.mean(np.square(x), axis=0)) for x in (found, fitted))
+    print("rms error of the coefficients, learned and fitted:", error, least)
+    assert len(found) > 200
+    assert np.all(error < 2 * least)
+
+
+def test_the_grease_warms(on_a_computer: Any) -> None:
+    """The drive is what is said of it: viscous friction falls by a fifth or more, and friction is fed forward."""
+    _, rows, _ = on_a_computer
+    viscous = rows["real"][:, 0]
+
+    assert np.min(viscous) < 0.4 * viscous[0]
+    assert np.count_nonzero(rows["sample"] < SAMPLES) < 0.1 * SAMPLES
+
+
+@pytest.fixture(scope="module")
+def under_qemu(tmp_path_factory: pytest.TempPathFactory) -> subprocess.CompletedProcess[str]:
+    """Build the firmware without a warning and run it on a Cortex-M4F."""
+    if absent := missing((*TOOLS, "make")):
+        pytest.skip(f"not installed: {', '.join(absent)}")
+    folder = tmp_path_factory.mktemp("firmware")
+    places = [f"BUILD={folder / 'build'}", f"LEARNING={folder / 'learning'}", f"ECCENTRIC={eccentric_command()}"]
+    command = ["make", "-s", "-C", str(FIRMWARE), *places, "learn"]
+    return subprocess.run(command, capture_output=True, text=True, check=False, timeout=300)
+
+
+def eccentric_command() -> str:
+    """Return the command beside this Python."""
+    import sys
+
+    return str(Path(sys.executable).with_name("eccentric"))
+
+
+def test_on_the_target(under_qemu: Any, on_a_computer: Any) -> None:
+    """No number breaks, one false alarm at most, the step is announced; it learns what it learns on a computer."""
+    said = under_qemu.stdout + under_qemu.stderr
+    assert 0 == under_qemu.returncode, said
+    ((alarms, broken),) = re.findall(r"(\d+) false alarms, (\d+) numbers that are not finite", said)
+    ((announced),) = re.findall(r"announced after (\d+) samples in motion", said)
+    assert int(alarms) <= 1
+    assert "0" == broken
+    assert 0 < int(announced) < 100
+
+    def at(text: str, sample: int) -> np.ndarray:
+        (line,) = re.findall(rf"^{sample}: (.*)$", text, re.MULTILINE)
+        return np.array([float(x.split("/")[0]) for x in line.split(", ")])
+
+    # Sine and cosine of the simulated drive are of another library: the same motion, not the same bits.
+    np.testing.assert_allclose(at(said, 1_000_000), at(on_a_computer[0], 1_000_000), rtol=0.1, atol=30)
+
+
+def test_readme_shows_what_it_prints(under_qemu: Any) -> None:
+    """The last lines are those of the README."""
+    readme = (FIRMWARE / "README.md").read_text(encoding="utf-8")
+    last = (under_qemu.stdout + under_qemu.stderr).splitlines()[-3:]
+
+    assert "\n".join(last) in readme
