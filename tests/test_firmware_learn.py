@@ -58,7 +58,11 @@ def under_qemu(tmp_path_factory: pytest.TempPathFactory) -> subprocess.Completed
     if absent := missing((*TOOLS, "make")):
         pytest.skip(f"not installed: {', '.join(absent)}")
     folder = tmp_path_factory.mktemp("firmware")
-    places = [f"BUILD={folder / 'build'}", f"LEARNING={folder / 'learning'}", f"ECCENTRIC={eccentric_command()}"]
+    places = [
+        f"BUILD={folder / 'build'}",
+        f"LEARNING={folder / 'learning'}",
+        f"ECCENTRIC={eccentric_command()}",
+    ]
     command = ["make", "-s", "-C", str(FIRMWARE), *places, "learn"]
     return subprocess.run(command, capture_output=True, text=True, check=False, timeout=300)
 

@@ -87,7 +87,9 @@ def emit(
     choice = Choice(tuple(functions), where, fixed)
     asked = asked_adaptation(adapt, forgetting, false_alarms, settle)
     if asked is not None and choice != WHOLE:
-        raise InputError("adapt: the whole model is required with it, without a choice of functions, arrays or fixed")
+        raise InputError(
+            "adapt: the whole model is required with it, without a choice of functions, arrays or fixed"
+        )
     given = None if parameters is None else document_of(_content(parameters))
     return write_emitted(
         chosen,

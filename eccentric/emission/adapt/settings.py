@@ -38,7 +38,11 @@ class Adaptation:
                 f"false_alarms: a number of samples from {LEAST_FALSE_ALARMS:.0f} to {MOST_FALSE_ALARMS:.0e}"
                 f" is required, received {asked!r}"
             )
-        if isinstance(self.settle, bool) or not isinstance(self.settle, int) or not 0 <= self.settle <= MOST_SETTLE:
+        if (
+            isinstance(self.settle, bool)
+            or not isinstance(self.settle, int)
+            or not 0 <= self.settle <= MOST_SETTLE
+        ):
             raise InputError(
                 f"settle: a number of samples from 0 to {MOST_SETTLE} is required, received {self.settle!r}"
             )

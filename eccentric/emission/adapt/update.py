@@ -90,7 +90,11 @@ def in_c(prefix: str, lines: Iterable[str]) -> list[str]:
 
     def spelled(text: str) -> str:
         text = re.sub(r"\b(within|limited|at_least|at_most)\(", rf"{prefix}_adapt_\1(", text)
-        return text.replace("sqrt(", "REAL_SQRT(").replace("size(", "REAL_FABS(").replace("s.", "s->")
+        return (
+            text.replace("sqrt(", f"{prefix}_adapt_square_root(")
+            .replace("size(", "REAL_FABS(")
+            .replace("s.", "s->")
+        )
 
     return _lines(
         lines,
