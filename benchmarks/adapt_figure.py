@@ -17,7 +17,6 @@ sys.path.insert(0, str(ROOT))
 from tests.learning import SAMPLES, learned  # noqa: E402 - the root of the clone comes first
 
 _TRUE, _LEARNED, _EMITTED, _STEP = "#d55e00", "#0072b2", "#8a8a8a", "#000000"
-_EVERY = 400
 
 
 def main() -> None:
@@ -58,7 +57,6 @@ def main() -> None:
         )  # fmt: skip
         axes[-1].set_xlabel("time [h], the drive at rest for nine tenths of it")
         figure.savefig(ROOT / "docs" / "adapted.svg", metadata={"Date": None})
-        figure.savefig("/tmp/adapted.png", dpi=110)
 
 
 if __name__ == "__main__":

@@ -19,7 +19,7 @@ through their `__init__`:
     read      log + rig                -> signals                       (logs, rigs, signals)
     fit       signals + Model          -> coefficients, residual        (fitting)
     diagnose  residual + effects       -> verdict, extended Model       (search, diagnosis, report)
-    follow    channels + fit           -> coefficients over time        (adapt)
+    follow    channels + fit           -> coefficients over time        (adaptation)
     run       Model -> its C           -> a Python module               (compiled)
     use       all of it                from Python and from a shell     (api, cli)
 

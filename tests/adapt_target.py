@@ -59,7 +59,7 @@ int main(void)
 def counted(
     folder: Path, name: str, rows: Sequence[Sequence[float]], *options: str, extra: Sequence[Path] = ()
 ) -> tuple[list[tuple[int, int]], dict[str, int], list[str]]:
-    """Return (flags, instructions) of each sample, instructions of `apply` and bytes of the state, and its words."""
+    """Return (flags, instructions) of each sample, those of `apply` and bytes of the state, its words."""
     width = len(rows[0])
     text = _MAIN
     for hole, value in {
@@ -84,7 +84,7 @@ def counted(
 
 
 def sizes(folder: Path, name: str) -> dict[str, int]:
-    """Return bytes of code and constants of the estimator, and of the deepest stack of a function of its own."""
+    """Return bytes of code and constants of the estimator, and of the deepest stack of its functions."""
     thing = folder.parent / f"{name}_adapt.o"
     run(
         "arm-none-eabi-gcc", "-std=c99", *M4F, *OPTIMISED, SINGLE, "-fstack-usage", "-c", "-o", thing,

@@ -64,9 +64,9 @@ class Estimator:
         declared = run("gcc", "-E", "-P", define, "-", source=plain).replace("extern const", "extern")
         self.ffi.cdef(declared)
         self.lib: Any = self.ffi.dlopen(str(library))
-        self.state = self.ffi.new(f"{name}_adapt_state *")
+        self.state: Any = self.ffi.new(f"{name}_adapt_state *")
         self["adapt_init"](self.state)
-        # As Python has them: those of the default are rounded from 50 digits, which may differ in the last bit.
+        # As Python has them: those of the default are rounded from 50 digits, and may differ in the last bit.
         self.default = self.ffi.new(f"{name}_coefficients *")
         parameters = self.ffi.new(
             f"{name}_parameters *", getattr(self.lib, f"{name}_default_parameters_{self.real}")

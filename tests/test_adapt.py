@@ -41,7 +41,7 @@ def driven(python: ModuleType, moved: Any, coefficients: np.ndarray, seed: int =
 
 
 def test_an_update_is_that_of_the_information(python: ModuleType) -> None:
-    """Rows change P and coefficients as forgetting by direction says, in the information matrix inverse of P."""
+    """Rows change P and coefficients as forgetting by direction says, in the information matrix."""
     moved = motion(3000, 2, still=0.0)
     inputs = [*moved, driven(python, moved, TRUE)]
     state = python.init()
@@ -106,14 +106,14 @@ STEPS, HALF = 400_000, 20_000
 @pytest.fixture(scope="module")
 def in_turns() -> tuple[np.ndarray, ...]:
     """Return 400 s at 1 kHz: 20 s of motion and 20 s of rest in turn, the encoder trembling at rest."""
-    angle, omega, alpha = motion(STEPS, 1, still=0.0)
+    _, omega, alpha = motion(STEPS, 1, still=0.0)
     moving = np.arange(STEPS) % (2 * HALF) < HALF
     tremble = np.random.default_rng(8).normal(0, 1e-3, STEPS) * ~moving
     return np.cumsum(omega * moving) * 1e-3, omega * moving + tremble, alpha * moving
 
 
 def plain_covariance(rows: np.ndarray, torque: np.ndarray, start: np.ndarray) -> int | None:
-    """Return the step at which a variance turns negative in least squares with forgetting, in single precision."""
+    """Return the step at which a variance turns negative in plain least squares, in single precision."""
     real = np.float32
     P, x, forgetting = np.eye(4, dtype=real), start.astype(real), real(FORGETTING)
     for k, (row, y) in enumerate(zip(rows.astype(real), torque.astype(real), strict=True)):
@@ -148,7 +148,7 @@ def plain_factors(rows: np.ndarray, torque: np.ndarray, start: np.ndarray) -> np
 
 
 def test_rest_does_not_wind_it_up(folder: Path, python: ModuleType, in_turns: Any) -> None:
-    """At rest no bit of the coefficients changes; in motion they stay within 6 of their standard deviations."""
+    """At rest no bit of the coefficients changes; in motion they stay within 6 standard deviations."""
     c = Estimator(folder, "c2_parallel", np.float32)
     inputs = [x.astype(np.float32) for x in [*in_turns, driven(python, in_turns, TRUE)]]
     previous = list(c.state.coefficient)
@@ -166,7 +166,7 @@ def test_rest_does_not_wind_it_up(folder: Path, python: ModuleType, in_turns: An
 
 
 def test_plain_least_squares_winds_up(python: ModuleType, in_turns: Any) -> None:
-    """On the same log the plain covariance turns negative after the first rest, and plain U-D drifts off."""
+    """On this log the plain covariance turns negative after the first rest, and plain U-D drifts off."""
     sigma, spread = 1 / python._DOUBLE.PER_NOISE, np.array(python._DOUBLE.step)
     first = slice(0, 5 * HALF)
     rows = columns(python.model, [x[first] for x in in_turns]) * spread / sigma

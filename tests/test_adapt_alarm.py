@@ -20,14 +20,14 @@ ASKED = 1e4
     [(4, 0.0, 168), (5, 0.0, 465), (4, 1.0, 8.38), (5, 1.0, 10.4), (4, 2.0, 3.34), (5, 3.0, 2.57)],
 )
 def test_run_lengths_are_those_of_the_tables(threshold: float, shift: float, printed: float) -> None:
-    """For k = 1/2 they are those printed by Montgomery (Statistical Quality Control, table 9.3), of both sums."""
+    """For k = 1/2 they are Montgomery's (Statistical Quality Control, table 9.3), of both sums."""
     up, down = run_length(0.5, threshold, shift), run_length(0.5, threshold, -shift)
 
     assert 1 / (1 / up + 1 / down) == pytest.approx(printed, rel=4e-3)
 
 
 def test_a_run_length_is_that_of_a_simulation() -> None:
-    """Sums of 20,000 simulated runs, from 0, take as long as the integral equation says, within 4 standard errors."""
+    """20,000 simulated runs take as long as the integral equation says, within 4 standard errors."""
     generator, runs = np.random.default_rng(2), 20_000
     total, length, alive = np.zeros(runs), np.zeros(runs), np.ones(runs, bool)
     while np.any(alive):
@@ -56,7 +56,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def learned(folder: Path, count: int, colour: float, size: float, step: float = 0.0) -> Any:
-    """Return flags of a drive with noise of that correlation and size; Coulomb friction steps at half time."""
+    """Return flags of a drive with such noise; Coulomb friction steps at half time."""
     python = module(folder, "c2_parallel")
     moved = motion(count, 1, still=0.0)
     friction = columns(python.model, moved) @ python.model.friction_coefficients()
@@ -70,7 +70,7 @@ def learned(folder: Path, count: int, colour: float, size: float, step: float = 
 
 @pytest.mark.parametrize(("colour", "size"), [(0.0, 1.0), (0.8, 1.0), (0.5, 2.0)])
 def test_false_alarms_are_as_rare_as_asked(folder: Path, colour: float, size: float) -> None:
-    """In the whole estimator, with noise that is coloured and not of the size assumed: within 3 standard errors."""
+    """In the whole estimator, with noise of other colour and size: within 3 standard errors."""
     python, flags = learned(folder, 1_500_000, colour, size * NOISE)
 
     rows = np.count_nonzero(~(flags & (python.STILL | python.RANGE)).astype(bool))
@@ -80,7 +80,7 @@ def test_false_alarms_are_as_rare_as_asked(folder: Path, colour: float, size: fl
 
 
 def test_a_step_of_friction_is_announced(folder: Path) -> None:
-    """More friction by 20 % of Coulomb's is announced as more, within some delays of the threshold's table."""
+    """More friction by 20 % of Coulomb's is announced as more, within five mean delays."""
     step = 0.2 * 0.118
     python, flags = learned(folder, 60_400, 0.0, NOISE, step)
 
@@ -95,11 +95,12 @@ def test_a_rate_out_of_range_is_refused() -> None:
     """False alarms in every sample, or none ever, cannot be asked for, and forgetting has its range too."""
     from eccentric.emission import Adaptation
 
-    for wrong in (
+    refused: list[dict[str, Any]] = [
         {"false_alarms": 1.0},
         {"false_alarms": float("inf")},
         {"forgetting": 1.0},
         {"forgetting": 0.1},
-    ):
+    ]
+    for wrong in refused:
         with pytest.raises(InputError, match="is required, received"):
             Adaptation(**wrong)

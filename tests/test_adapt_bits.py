@@ -14,10 +14,10 @@ MODELS = ("c1_perpendicular", "c2_parallel", "c2_asymmetric", "rotating_link")
 
 
 def log(python: Any, count: int, seed: int, dtype: Any) -> list[np.ndarray]:
-    """A log of the model's inputs with noise, with rows that no estimator may use, and with friction that jumps."""
+    """A log of the model's inputs with noise, rows that no estimator may use, friction that jumps."""
     generator = np.random.default_rng(seed)
     moved = motion(count, seed)
-    taken = dict(zip(("theta_m", "omega_m", "alpha_m"), moved, strict=True))
+    taken: dict[str, Any] = dict(zip(("theta_m", "omega_m", "alpha_m"), moved, strict=True))
     friction = python.model.mechanical_friction_torque(
         *(taken[name] for name in inputs_of(python.model.mechanical_friction_torque))
     )

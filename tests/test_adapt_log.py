@@ -40,7 +40,7 @@ def rig() -> dict[str, Any]:
 
 
 def log(warmer: float) -> dict[str, np.ndarray]:
-    """Return 60 s of a drive written out from the paper, its viscous friction changing by that factor half way."""
+    """Return 60 s of a drive from the paper, its viscous friction changing by that factor half way."""
     t = np.arange(0, 60, STEP)
     peak = 30 + 10 * np.sin(0.13 * t)
     omega = peak * np.sin(1.3 * t)

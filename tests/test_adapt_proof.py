@@ -1,4 +1,4 @@
-"""Proved: from any state that it can be in, and for any finite inputs, the estimator stays finite and within bounds."""
+"""Proved: from any state it can be in, and for any finite inputs, the estimator stays finite and bounded."""
 
 import re
 from pathlib import Path

@@ -15,14 +15,14 @@ from tests.adapt_target import SINGLE, counted, sizes
 from tests.adapted import DRIVE, current, emitted, module, motion, python_bits
 from tests.extended import effects
 
-# Instructions of one sample, the model's own functions left out, without and with the alarm: those asked are the first.
+# Instructions of one sample without the model's functions, and with the alarm: those asked are the first.
 MOST = {4: (420, 500), 6: (750, 800)}
 BYTES, STACK = {4: 128, 6: 188}, {4: 256, 6: 320}
 
 
 @pytest.fixture(scope="module", params=[4, 6])
 def case(request: Any, tmp_path_factory: pytest.TempPathFactory) -> tuple[int, str, Path, Any, np.ndarray]:
-    """Return number of coefficients, name, folder, Python and a log: case C2, and with two harmonics of the link."""
+    """Return number of coefficients, name, folder, Python and a log: case C2, and with two harmonics."""
     if absent := missing(TOOLS):
         pytest.skip(f"not installed: {', '.join(absent)}")
     folder = tmp_path_factory.mktemp("target")
@@ -34,7 +34,9 @@ def case(request: Any, tmp_path_factory: pytest.TempPathFactory) -> tuple[int, s
         extra = {q.name: 0.01 for q in wide.parameters if q.default is None and q.name not in DRIVE}
         out = emitted(folder, dataclasses.replace(wide, name=name), DRIVE | extra)
     python = module(out, name)
-    moved = dict(zip(("theta_m", "omega_m", "alpha_m"), motion(1200, 1, still=0.0), strict=True))
+    moved: dict[str, Any] = dict(
+        zip(("theta_m", "omega_m", "alpha_m"), motion(1200, 1, still=0.0), strict=True)
+    )
     torque = python.model.mechanical_friction_torque
     friction = np.abs(torque(*(moved[x] for x in inputs_of(torque))))
     noise = np.random.default_rng(0).normal(0, 0.007, 1200)

@@ -19,7 +19,7 @@ def on_a_computer(tmp_path_factory: pytest.TempPathFactory) -> tuple[str, np.nda
 
 
 def test_it_learns_as_well_as_a_fit(on_a_computer: Any) -> None:
-    """The coefficients' errors are at most twice those of weighted least squares over the same forgetting window."""
+    """Errors are at most twice those of weighted least squares over the same forgetting window."""
     _, rows, python = on_a_computer
     rows = rows[(rows["flags"] & python.UPDATED > 0) & (rows["sample"] < SAMPLES)]
     theta, omega, alpha, i = (rows["inputs"][:, k].astype(float) for k in range(4))
@@ -44,7 +44,7 @@ def test_it_learns_as_well_as_a_fit(on_a_computer: Any) -> None:
 
 
 def test_the_grease_warms(on_a_computer: Any) -> None:
-    """The drive is what is said of it: viscous friction falls by a fifth or more, and friction is fed forward."""
+    """The drive is what is said of it: viscous friction falls to less than 0.4, and it rests for 90 %."""
     _, rows, _ = on_a_computer
     viscous = rows["real"][:, 0]
 
@@ -75,7 +75,7 @@ def eccentric_command() -> str:
 
 
 def test_on_the_target(under_qemu: Any, on_a_computer: Any) -> None:
-    """No number breaks, one false alarm at most, the step is announced; it learns what it learns on a computer."""
+    """No number breaks, one false alarm at most, the step is announced; it learns as on a computer."""
     said = under_qemu.stdout + under_qemu.stderr
     assert 0 == under_qemu.returncode, said
     ((alarms, broken),) = re.findall(r"(\d+) false alarms, (\d+) numbers that are not finite", said)

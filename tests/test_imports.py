@@ -28,7 +28,7 @@ LAYERS = (
     {"signals"},
     {"fitting"},
     {"search"},
-    {"diagnosis", "adapt"},
+    {"diagnosis", "adaptation"},
     {"report"},
     {"api"},
     {"__init__"},

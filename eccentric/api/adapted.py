@@ -1,4 +1,4 @@
-"""`eccentric.adapt`: a log through the estimator of the friction that `emit` adds; and what `emit` is asked of it."""
+"""`eccentric.adapt`: a log through the estimator of friction that `emit` adds; what `emit` is asked of it."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from eccentric.adapt import Course, course_document, course_lines, plot_course, replayed
+from eccentric.adaptation import Course, course_document, course_lines, plot_course, replayed
 from eccentric.api.inputs import LogSources, ModelSource, RigSource, model_of, names_of, read_logs
 from eccentric.api.result import Printed, new_axes, paragraphs
 from eccentric.api.tables import ResultTable

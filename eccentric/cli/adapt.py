@@ -8,7 +8,7 @@ from eccentric.cli.arguments import add_folder, options, print_warnings
 from eccentric.output import own_folder
 
 NAME = "adapt"
-HELP = "replay a log through the emitted estimator of friction: coefficients over time, what was not seen, alarms"
+HELP = "replay a log through the emitted estimator of friction: coefficients over time, alarms"
 EXAMPLE = """eccentric adapt examples/bench/bench.csv.gz --rig examples/bench/bench.toml --out build/adapted
 eccentric adapt tuesday.csv --rig my_rig.toml --parameters build/monday/fit.json --out build/tuesday"""
 _OPTIONS = {"forgetting": "--forgetting", "false_alarms": "--false-alarms", "settle": "--settle"}

@@ -11,9 +11,11 @@
 static inline float arm_inertia(void)
 {
     const c2_parallel_parameters *const p = &c2_parallel_default_parameters;
-    if (p->J_m == ECCENTRIC_NOT_GIVEN || p->J_l == ECCENTRIC_NOT_GIVEN) {
+#ifdef ECCENTRIC_NOT_GIVEN /* absent where every parameter was given */
+    if ((p->J_m == ECCENTRIC_NOT_GIVEN) || (p->J_l == ECCENTRIC_NOT_GIVEN)) {
         return PAPERS_INERTIA;
     }
+#endif
     return (float)(p->J_m + p->mu * p->mu * p->J_l);
 }
 

@@ -1,4 +1,4 @@
-"""An estimator of the friction coefficients beside the emitted model, in C99 and in Python with the same bits.
+"""An estimator of the friction coefficients beside the emitted model, in C99 and Python with the same bits.
 
     settings   what the user asks for: forgetting, mean time between false alarms
     prior      a model, a fit.json -> where the estimator starts, and how sure it is

@@ -69,7 +69,7 @@ def alarm_of(shift: float, false_alarms: float) -> Alarm:
     def excess(threshold: float) -> float:
         return math.log(run_length(reference, threshold) / 2 / false_alarms)
 
-    # A run length grows as exp(shift h): this is beyond the root, and still far from where a solution loses digits.
+    # A run length grows as exp(shift h): this is beyond the root, and far from where a solution loses digits.
     highest = (math.log(4 * false_alarms) + 4) / shift
     threshold = float(brentq(excess, 1e-3, highest, xtol=1e-9))
     delay = run_length(reference, threshold, shift)

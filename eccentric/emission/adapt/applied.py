@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 import mpmath
 import sympy as sp
 
-from eccentric.emission.backends.c99.constants import decimal, prepared_values
+from eccentric.emission.backends import decimal, prepared_values
 from eccentric.emission.program import Program
 from eccentric.errors import InputError
 from eccentric.model import Column, Model
@@ -66,8 +66,8 @@ def followed(model: Model, program: Program, columns: Sequence[Column], single: 
             )
             if not abs(linear - probed[s]) <= _CLOSE * max(abs(linear), abs(probed[s])):
                 raise InputError(
-                    f"model {model.name}: an estimator of its friction: coefficients linear in those of friction"
-                    f" are required, received {s.name}"
+                    f"model {model.name}: an estimator of its friction: coefficients linear in those of"
+                    f" friction are required, received {s.name}"
                 )
             found.append(
                 Followed(

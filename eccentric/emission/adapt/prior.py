@@ -90,7 +90,7 @@ def prior_of(model: Model, fit: Mapping[str, Any] | None = None) -> Prior:
         correlation=covariance / np.outer(deviations, deviations),
         lowest=np.maximum(lows, values - _FARTHEST * deviations),
         highest=np.minimum(highs, values + _FARTHEST * deviations),
-        noise=noise if noise else _NOISE * friction,
+        noise=noise or _NOISE * friction,
         moving=max(moving, _LEAST_SPEED) if moving else _MOVING,
         friction=friction,
         origin=(
@@ -125,7 +125,7 @@ def _speed(fit: Mapping[str, Any]) -> float:
     """A medium speed: half the fastest of the fit [rad/s]."""
     ranges = fit.get("ranges")
     found = ranges.get("speed_m_rad_s") if isinstance(ranges, Mapping) else None
-    fastest = found[1] if isinstance(found, list | tuple) and len(found) == 2 else None  # noqa: PLR2004
+    fastest = found[1] if isinstance(found, list | tuple) and len(found) == 2 else None
     return fastest / 2 if isinstance(fastest, int | float) and 0 < fastest < math.inf else _SPEED
 
 

@@ -31,7 +31,8 @@ class Adaptation:
         forgetting, asked = self.forgetting, self.false_alarms
         if not _number(forgetting) or not LEAST_FORGETTING <= forgetting <= 1 - 1e-6:
             raise InputError(
-                f"forgetting: a number from {LEAST_FORGETTING} to 0.999999 is required, received {forgetting!r}"
+                f"forgetting: a number from {LEAST_FORGETTING} to 0.999999 is required,"
+                f" received {forgetting!r}"
             )
         if not _number(asked) or not LEAST_FALSE_ALARMS <= asked <= MOST_FALSE_ALARMS:
             raise InputError(

@@ -8,8 +8,8 @@ The covariance of the coefficients, over the squared noise, is P = U diag(d) U' 
 upper triangular: in these factors it cannot lose its sign. With p the row of the regressor, f = U'p and
 zeta = p'P p, a row adds eps p p' to the information, eps = lambda - (1 - lambda)/zeta (Kulhavy 1987; Kulhavy
 and Karny 1984): it brings its own, and the part 1 - lambda is forgotten in its direction alone. What no row
-excites is not forgotten, so that nothing winds up, and zeta tends to (1 - lambda)/lambda. All of it is one pass of
-Bierman's with 1/eps in place of the noise, of either sign: the sums b stay between 1 and
+excites is not forgotten, so that nothing winds up, and zeta tends to (1 - lambda)/lambda. All of it is one
+pass of Bierman's with 1/eps in place of the noise, of either sign: the sums b stay between 1 and
 lambda (1 + zeta).
 """
 

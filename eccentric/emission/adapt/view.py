@@ -14,10 +14,8 @@ from eccentric.emission.adapt.alarm import Alarm, alarm_of
 from eccentric.emission.adapt.applied import followed
 from eccentric.emission.adapt.prior import Prior
 from eccentric.emission.adapt.settings import Adaptation
-from eccentric.emission.backends import BACKENDS, with_plain_text
-from eccentric.emission.backends.c99.constants import decimal
-from eccentric.emission.backends.c99.lines import code, wrapped
-from eccentric.emission.check.proof import limits, proof_command
+from eccentric.emission.backends import BACKENDS, code, decimal, with_plain_text, wrapped
+from eccentric.emission.check import limits, proof_command
 from eccentric.emission.free_text import plain
 from eccentric.emission.program import Program, Routine, build_program
 from eccentric.emission.templates import template
@@ -109,8 +107,10 @@ def render_adapt(
 
 
 def view(model: Model, prior: Prior, asked: Adaptation, digest: str, source: str) -> dict[str, Any]:
-    """All variables of the templates; `digest` is that of the model's program, as its header
-    spells it, `source` its C."""
+    """All variables of the templates.
+
+    `digest` is that of the model's program, as its header spells it; `source` is its C.
+    """
     program = with_plain_text(build_program(model))
     routines = {r.name: r for r in program.routines}
     if missing := [name for name in _NEEDED if name not in routines]:

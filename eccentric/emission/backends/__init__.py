@@ -10,10 +10,22 @@ from collections.abc import Mapping
 
 from eccentric.emission.backends import c99, jax, numpy
 from eccentric.emission.backends.backend import Backend
+from eccentric.emission.backends.c99.constants import decimal, prepared_values
+from eccentric.emission.backends.c99.lines import code, wrapped
 from eccentric.emission.backends.expression import UnprintableError
 from eccentric.emission.backends.text import with_plain_text
 
-__all__ = ["BACKENDS", "DEFAULT", "Backend", "UnprintableError", "with_plain_text"]
+__all__ = [
+    "BACKENDS",
+    "DEFAULT",
+    "Backend",
+    "UnprintableError",
+    "code",
+    "decimal",
+    "prepared_values",
+    "with_plain_text",
+    "wrapped",
+]
 
 BACKENDS: Mapping[str, Backend] = {
     "numpy": numpy.BACKEND,

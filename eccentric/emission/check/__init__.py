@@ -4,5 +4,6 @@ In: a Model and its emitted files. Out: `render_check`, file name -> text.
 """
 
 from eccentric.emission.check.files import render_check, views
+from eccentric.emission.check.proof import limits, proof_command
 
-__all__ = ["render_check", "views"]
+__all__ = ["limits", "proof_command", "render_check", "views"]

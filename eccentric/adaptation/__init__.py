@@ -9,8 +9,8 @@ In: `Channels`, a `Model`, the content of a fit. Out: `replayed` -> `Course`; `c
 May import: `signals`, `model`, `emission`.
 """
 
-from eccentric.adapt.course import Course, replayed
-from eccentric.adapt.figure import plot_course
-from eccentric.adapt.told import course_document, course_lines
+from eccentric.adaptation.course import Course, replayed
+from eccentric.adaptation.figure import plot_course
+from eccentric.adaptation.told import course_document, course_lines
 
 __all__ = ["Course", "course_document", "course_lines", "plot_course", "replayed"]

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from eccentric.adapt.course import Course
+from eccentric.adaptation.course import Course
 
 # The colours of Okabe and Ito, as in the report of a diagnosis.
 _LINE, _START, _ALARM, _UNSEEN = "#0072b2", "#8a8a8a", "#d55e00", "#b5b5b5"

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from eccentric.adapt.course import Course
+from eccentric.adaptation.course import Course
 
 FORMAT = "eccentric-adapt/1"
 _LONG_S = 10.0

@@ -114,7 +114,7 @@ def replayed(
 
 
 def _inputs(channels: Channels, names: tuple[str, ...], model: str) -> list[Array]:
-    """The signals of the log that the estimator takes; rows that are not usable are NaN, which it leaves out."""
+    """The signals of the log that the estimator takes; unusable rows are NaN: it leaves them out."""
     motion, motor = channels.motion, channels.motor
     known = {
         "theta_m": motion.theta_m,
