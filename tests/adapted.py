@@ -68,7 +68,7 @@ class Estimator:
         self["adapt_init"](self.state)
         # As Python has them: those of the default are rounded from 50 digits, and may differ in the last bit.
         self.default = self.ffi.new(f"{name}_coefficients *")
-        parameters = self.ffi.new(
+        parameters: Any = self.ffi.new(
             f"{name}_parameters *", getattr(self.lib, f"{name}_default_parameters_{self.real}")
         )
         if hasattr(parameters, "F_T"):  # Python multiplies its default; C has it from 50 digits

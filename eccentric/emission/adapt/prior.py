@@ -154,10 +154,10 @@ def _of_fit(columns: tuple[Column, ...], fit: Mapping[str, Any]) -> np.ndarray:
     errors = np.array([_number(found, column.name, "std_error") for column in columns])
     correlation = np.eye(len(columns))
     given = fit.get("correlation")
-    names = given.get("names", []) if isinstance(given, Mapping) else []
+    names, matrix = (given["names"], given["matrix"]) if isinstance(given, Mapping) else ([], [])
     for row, one in enumerate(columns):
         for column, other in enumerate(columns):
             if one.name in names and other.name in names and row != column:
-                value = given["matrix"][names.index(one.name)][names.index(other.name)]
+                value = matrix[names.index(one.name)][names.index(other.name)]
                 correlation[row, column] = 0.0 if value is None else value
     return correlation * np.outer(errors, errors)
