@@ -16,8 +16,20 @@ from eccentric import api, cli
 ROOT = Path(__file__).resolve().parents[1]
 HEAVY = {"numpy", "sympy", "mpmath", "scipy", "matplotlib", "jinja2", "bokeh", "pandas", "pyarrow", "typing"}
 OFFERED = {
-    *("bench", "compare", "compile", "diagnose", "emit", "fit", "load_model", "read_log", "read_rig"),
     *(
+        "adapt",
+        "bench",
+        "compare",
+        "compile",
+        "diagnose",
+        "emit",
+        "fit",
+        "load_model",
+        "read_log",
+        "read_rig",
+    ),
+    *(
+        "AdaptResult",
         "BenchResult",
         "CompareResult",
         "Correlation",

@@ -176,7 +176,7 @@ def view(model: Model, prior: Prior, asked: Adaptation, digest: str, source: str
                 f"const {model.name}_coefficients *c",
             ],
         ),
-        "inside": code([f"const uint32_t inside = ({_inside(inputs)}) ? 1u : 0u;"]),
+        "inside": code([f"if ({_inside(inputs)}) {{"]),
         "residual": ", ".join(x.quantity.name for x in routines["mechanical_residual"].inputs),
         "regressor": ", ".join(x.quantity.name for x in routines["regressor"].inputs),
         "bounds": _bounds(n),
