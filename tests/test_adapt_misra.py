@@ -1,4 +1,4 @@
-"""MISRA C:2012 by cppcheck: the estimator violates no required rule, and its header lists the advisory ones."""
+"""MISRA C:2012 by cppcheck: the estimator violates no required rule; its header lists the advisory ones."""
 
 import re
 import shutil
