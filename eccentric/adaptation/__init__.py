@@ -1,16 +1,16 @@
 """A log through the estimator that `eccentric emit --adapt` writes: how friction went, and what was not seen.
 
-    course     channels, a fitted model, its prior -> `Course`: coefficients over time with their bands
+    course     channels, a fitted model, its prior -> `Replay`: coefficients over time with their bands
     told       the course as text and as a document
     figure     the course as a figure
 
-In: `Channels`, a `Model`, the content of a fit. Out: `replayed` -> `Course`; `course_lines`,
+In: `Channels`, a `Model`, the content of a fit. Out: `replayed` -> `Replay`; `course_lines`,
 `course_document`, `plot_course`. The estimator is the emitted Python, which has the bits of the emitted C.
 May import: `signals`, `model`, `emission`.
 """
 
-from eccentric.adaptation.course import Course, replayed
+from eccentric.adaptation.course import Replay, replayed
 from eccentric.adaptation.figure import plot_course
 from eccentric.adaptation.told import course_document, course_lines
 
-__all__ = ["Course", "course_document", "course_lines", "plot_course", "replayed"]
+__all__ = ["Replay", "course_document", "course_lines", "plot_course", "replayed"]

@@ -20,7 +20,7 @@ _ENTRIES = 2000
 
 
 @dataclass(frozen=True)
-class Course:
+class Replay:
     """What the estimator learned along a log of m samples, at k instants.
 
     Attributes:
@@ -66,7 +66,7 @@ class Course:
 
 def replayed(
     channels: Channels, model: Model, fit: Mapping[str, Any], asked: Adaptation | None = None
-) -> Course:
+) -> Replay:
     """The course along a log.
 
     Args:
@@ -91,7 +91,7 @@ def replayed(
     step = float(np.median(np.diff(t)))
     flags = found["flags"]
     at = np.flatnonzero(flags & (estimator.MORE | estimator.LESS))
-    return Course(
+    return Replay(
         names=estimator.COEFFICIENTS,
         units=estimator.UNITS,
         t=t[every - 1 :: every],

@@ -7,13 +7,13 @@ from typing import Any
 
 import numpy as np
 
-from eccentric.adaptation.course import Course
+from eccentric.adaptation.course import Replay
 
 # The colours of Okabe and Ito, as in the report of a diagnosis.
 _LINE, _START, _ALARM, _UNSEEN = "#0072b2", "#8a8a8a", "#d55e00", "#b5b5b5"
 
 
-def plot_course(course: Course, axes: Sequence[Any]) -> None:
+def plot_course(course: Replay, axes: Sequence[Any]) -> None:
     """Draw a coefficient on each of the axes, one below the other: band of 95 %, start, alarms."""
     for j, (name, unit, ax) in enumerate(zip(course.names, course.units, axes, strict=True)):
         value, half = course.values[:, j], 1.96 * course.deviations[:, j]

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from eccentric.adaptation.course import Course
+from eccentric.adaptation.course import Replay
 
 FORMAT = "eccentric-adapt/1"
 _LONG_S = 10.0
@@ -16,7 +16,7 @@ _MOST_ALARMS = 5
 _NOISIER, _QUIETER = 2.0, 0.5
 
 
-def course_lines(course: Course, log: str) -> list[str]:
+def course_lines(course: Replay, log: str) -> list[str]:
     """What was learned, what was not seen, and what was announced; `log` is the name of the log."""
     lines = [
         f"{log}: {course.used} samples learned from, {course.still} at rest or after a reversal"
@@ -47,7 +47,7 @@ def course_lines(course: Course, log: str) -> list[str]:
     return lines
 
 
-def course_document(course: Course, log: str) -> dict[str, Any]:
+def course_document(course: Replay, log: str) -> dict[str, Any]:
     """The content of adapt.json: strict JSON, format eccentric-adapt/1."""
     return {
         "format": FORMAT,

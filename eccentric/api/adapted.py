@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from eccentric.adaptation import Course, course_document, course_lines, plot_course, replayed
+from eccentric.adaptation import Replay, course_document, course_lines, plot_course, replayed
 from eccentric.api.inputs import LogSources, ModelSource, RigSource, model_of, names_of, read_logs
 from eccentric.api.result import Printed, new_axes, paragraphs
 from eccentric.api.tables import ResultTable
@@ -75,7 +75,7 @@ class AdaptResult(Printed):
         lines, warnings, document: as in Printed; the document is the content of adapt.json.
     """
 
-    course: Course
+    course: Replay
 
     def table(self) -> ResultTable:
         """A row for each coefficient: start, end, its standard deviation, and seconds unseen."""
