@@ -1,6 +1,6 @@
 /*
  * Generated: do not edit. Written by `make derive` from derivations/c1_asymmetric.py
- * (eccentric 0.1.0, program a4438feb).
+ * (eccentric 0.1.0, program b11dc7d7).
  * Case C1 with friction that differs between the directions of motion.
  */
 #include "c1_asymmetric.h"
@@ -8,12 +8,12 @@
 #include <float.h>
 #include <math.h>
 
-#if C1_ASYMMETRIC_PROGRAM != 0xa4438febUL
+#if C1_ASYMMETRIC_PROGRAM != 0xb11dc7d7UL
 #error "c1_asymmetric.c and c1_asymmetric.h are of different derivations: write both again"
 #endif
 
-/* Whatever the flags: gcc and clang neither contract a * b + c nor re-associate below, and what would
- * still change results is refused. Another compiler obeys the standard pragma. */
+/* Whatever the flags: gcc and clang do not re-associate below, gcc does not contract a * b + c, and what
+ * would still break the bounds is refused. Another compiler obeys the standard pragma. */
 #if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__) || \
     (defined(__FINITE_MATH_ONLY__) && __FINITE_MATH_ONLY__)
 #error "-ffast-math undoes the split of parameters into leading and further digits, and drops NaN"
@@ -33,7 +33,13 @@
 #pragma STDC FP_CONTRACT OFF
 #endif
 #elif defined(__GNUC__)
-#pragma GCC optimize("fp-contract=off", "no-associative-math", "no-reciprocal-math", "signed-zeros")
+#pragma GCC push_options
+#pragma GCC optimize("no-unsafe-math-optimizations", "no-associative-math", "no-reciprocal-math")
+#pragma GCC optimize("fp-contract=off", "signed-zeros")
+#pragma GCC diagnostic push
+#pragma GCC diagnostic ignored "-Wunknown-pragmas"
+#pragma STDC FP_CONTRACT OFF /* gcc has no such pragma, but others that define __GNUC__ */
+#pragma GCC diagnostic pop
 #else
 #pragma STDC FP_CONTRACT OFF
 #endif
@@ -765,3 +771,6 @@ void c1_asymmetric_polynomial_neg(ECCENTRIC_REAL *out, const c1_asymmetric_coeff
 #undef REAL
 #undef REAL_GIVEN
 
+#if defined(__GNUC__) && !defined(__clang__)
+#pragma GCC pop_options
+#endif

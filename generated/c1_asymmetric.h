@@ -1,6 +1,6 @@
 /*
  * Generated: do not edit. Written by `make derive` from derivations/c1_asymmetric.py
- * (eccentric 0.1.0, program a4438feb).
+ * (eccentric 0.1.0, program b11dc7d7).
  * Case C1 with friction that differs between the directions of motion.
  */
 /* Begin with c1_asymmetric_mechanical_friction_torque, the friction that a drive must compensate, or
@@ -13,7 +13,7 @@
 #include <stddef.h>
 
 /* C1_ASYMMETRIC_PROGRAM identifies the derivation of header and source; the source checks it. */
-#define C1_ASYMMETRIC_PROGRAM 0xa4438febUL
+#define C1_ASYMMETRIC_PROGRAM 0xb11dc7d7UL
 
 /* The working precision: double, or float with -DECCENTRIC_REAL=float. Files that differ do not link:
  * all functions have it in their names, as in c1_asymmetric_mechanical_friction_torque_double. */
@@ -62,9 +62,10 @@
 #define c1_asymmetric_polynomial ECCENTRIC_JOIN(c1_asymmetric_polynomial_, ECCENTRIC_REAL)
 #define c1_asymmetric_polynomial_neg ECCENTRIC_JOIN(c1_asymmetric_polynomial_neg_, ECCENTRIC_REAL)
 
-/* With gcc, and clang from 13 on, whatever the flags: the source allows neither contraction nor re-association, and
- * refuses what it cannot undo. Another compiler must round to nearest and obey the pragma FP_CONTRACT.
- * Then every platform with correctly rounded arithmetic gives the same bits, and no input causes undefined behaviour.
+/* With gcc, and clang from 13 on, the bounds below hold whatever the flags: the source undoes what would break them, or
+ * refuses it. Another compiler must round to nearest and obey the pragma FP_CONTRACT.
+ * Then every platform with correctly rounded arithmetic gives the same bits, and no input causes undefined
+ * behaviour; clang's -ffp-contract=fast, -freciprocal-math, -fno-signed-zeros, -fapprox-func change bits, -fno-honor-nans NaN.
  * A NaN gives NaN; finite inputs give none, unless a sum overflows or a required inertia was not given;
  * an infinity gives NaN, infinity or what follows.
  * Bounds of the rounding error in float and double, found by search unless marked "proved", with eps = 2^-23

@@ -1,6 +1,6 @@
 /*
  * Generated: do not edit. Written by `make derive` from derivations/c1_perpendicular.py
- * (eccentric 0.1.0, program 3bd24ec9).
+ * (eccentric 0.1.0, program 4f975569).
  * Case C1: gravity perpendicular to the motion plane, steady motion.
  */
 #include "c1_perpendicular.h"
@@ -8,12 +8,12 @@
 #include <float.h>
 #include <math.h>
 
-#if C1_PERPENDICULAR_PROGRAM != 0x3bd24ec9UL
+#if C1_PERPENDICULAR_PROGRAM != 0x4f975569UL
 #error "c1_perpendicular.c and c1_perpendicular.h are of different derivations: write both again"
 #endif
 
-/* Whatever the flags: gcc and clang neither contract a * b + c nor re-associate below, and what would
- * still change results is refused. Another compiler obeys the standard pragma. */
+/* Whatever the flags: gcc and clang do not re-associate below, gcc does not contract a * b + c, and what
+ * would still break the bounds is refused. Another compiler obeys the standard pragma. */
 #if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__) || \
     (defined(__FINITE_MATH_ONLY__) && __FINITE_MATH_ONLY__)
 #error "-ffast-math undoes the split of parameters into leading and further digits, and drops NaN"
@@ -33,7 +33,13 @@
 #pragma STDC FP_CONTRACT OFF
 #endif
 #elif defined(__GNUC__)
-#pragma GCC optimize("fp-contract=off", "no-associative-math", "no-reciprocal-math", "signed-zeros")
+#pragma GCC push_options
+#pragma GCC optimize("no-unsafe-math-optimizations", "no-associative-math", "no-reciprocal-math")
+#pragma GCC optimize("fp-contract=off", "signed-zeros")
+#pragma GCC diagnostic push
+#pragma GCC diagnostic ignored "-Wunknown-pragmas"
+#pragma STDC FP_CONTRACT OFF /* gcc has no such pragma, but others that define __GNUC__ */
+#pragma GCC diagnostic pop
 #else
 #pragma STDC FP_CONTRACT OFF
 #endif
@@ -613,3 +619,6 @@ void c1_perpendicular_polynomial(ECCENTRIC_REAL *out, const c1_perpendicular_coe
 #undef REAL
 #undef REAL_GIVEN
 
+#if defined(__GNUC__) && !defined(__clang__)
+#pragma GCC pop_options
+#endif

@@ -1,6 +1,6 @@
 /*
  * Generated: do not edit. Written by `make derive` from derivations/c1_perpendicular.py
- * (eccentric 0.1.0, program 3bd24ec9).
+ * (eccentric 0.1.0, program 4f975569).
  * Case C1: gravity perpendicular to the motion plane, steady motion.
  */
 /* Begin with c1_perpendicular_mechanical_friction_torque, the friction that a drive must compensate, or
@@ -13,7 +13,7 @@
 #include <stddef.h>
 
 /* C1_PERPENDICULAR_PROGRAM identifies the derivation of header and source; the source checks it. */
-#define C1_PERPENDICULAR_PROGRAM 0x3bd24ec9UL
+#define C1_PERPENDICULAR_PROGRAM 0x4f975569UL
 
 /* The working precision: double, or float with -DECCENTRIC_REAL=float. Files that differ do not link:
  * all functions have it in their names, as in c1_perpendicular_mechanical_friction_torque_double. */
@@ -61,9 +61,10 @@
 #define c1_perpendicular_electrical_residual_n ECCENTRIC_JOIN(c1_perpendicular_electrical_residual_n_, ECCENTRIC_REAL)
 #define c1_perpendicular_polynomial ECCENTRIC_JOIN(c1_perpendicular_polynomial_, ECCENTRIC_REAL)
 
-/* With gcc, and clang from 13 on, whatever the flags: the source allows neither contraction nor re-association, and
- * refuses what it cannot undo. Another compiler must round to nearest and obey the pragma FP_CONTRACT.
- * Then every platform with correctly rounded arithmetic gives the same bits, and no input causes undefined behaviour.
+/* With gcc, and clang from 13 on, the bounds below hold whatever the flags: the source undoes what would break them, or
+ * refuses it. Another compiler must round to nearest and obey the pragma FP_CONTRACT.
+ * Then every platform with correctly rounded arithmetic gives the same bits, and no input causes undefined
+ * behaviour; clang's -ffp-contract=fast, -freciprocal-math, -fno-signed-zeros, -fapprox-func change bits, -fno-honor-nans NaN.
  * A NaN gives NaN; finite inputs give none, unless a sum overflows or a required inertia was not given;
  * an infinity gives NaN, infinity or what follows.
  * Bounds of the rounding error in float and double, found by search unless marked "proved", with eps = 2^-23

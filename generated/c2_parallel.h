@@ -1,6 +1,6 @@
 /*
  * Generated: do not edit. Written by `make derive` from derivations/c2_parallel.py
- * (eccentric 0.1.0, program 4bf4c38c).
+ * (eccentric 0.1.0, program 2b442ff0).
  * Case C2: gravity parallel to the motion plane, steady motion.
  */
 /* Begin with c2_parallel_mechanical_friction_torque, the friction that a drive must compensate, or
@@ -13,7 +13,7 @@
 #include <stddef.h>
 
 /* C2_PARALLEL_PROGRAM identifies the derivation of header and source; the source checks it. */
-#define C2_PARALLEL_PROGRAM 0x4bf4c38cUL
+#define C2_PARALLEL_PROGRAM 0x2b442ff0UL
 
 /* The working precision: double, or float with -DECCENTRIC_REAL=float. Files that differ do not link:
  * all functions have it in their names, as in c2_parallel_mechanical_friction_torque_double. */
@@ -61,9 +61,10 @@
 #define c2_parallel_electrical_residual ECCENTRIC_JOIN(c2_parallel_electrical_residual_, ECCENTRIC_REAL)
 #define c2_parallel_electrical_residual_n ECCENTRIC_JOIN(c2_parallel_electrical_residual_n_, ECCENTRIC_REAL)
 
-/* With gcc, and clang from 13 on, whatever the flags: the source allows neither contraction nor re-association, and
- * refuses what it cannot undo. Another compiler must round to nearest and obey the pragma FP_CONTRACT.
- * Then every platform with correctly rounded arithmetic gives the same bits, and no input causes undefined behaviour.
+/* With gcc, and clang from 13 on, the bounds below hold whatever the flags: the source undoes what would break them, or
+ * refuses it. Another compiler must round to nearest and obey the pragma FP_CONTRACT.
+ * Then every platform with correctly rounded arithmetic gives the same bits, and no input causes undefined
+ * behaviour; clang's -ffp-contract=fast, -freciprocal-math, -fno-signed-zeros, -fapprox-func change bits, -fno-honor-nans NaN.
  * A NaN gives NaN; finite inputs give none, unless a sum overflows or a required inertia was not given;
  * an infinity gives NaN, infinity or what follows.
  * In F_N a speed above 2^30 rad/s counts as 2^30 rad/s.

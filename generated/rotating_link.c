@@ -1,6 +1,6 @@
 /*
  * Generated: do not edit. Written by `make derive` from derivations/rotating_link.py
- * (eccentric 0.1.0, program b973c623).
+ * (eccentric 0.1.0, program 6d897c46).
  * Rotating link with an unbalanced mass, in a plane tilted by phi, with angular acceleration.
  */
 #include "rotating_link.h"
@@ -8,12 +8,12 @@
 #include <float.h>
 #include <math.h>
 
-#if ROTATING_LINK_PROGRAM != 0xb973c623UL
+#if ROTATING_LINK_PROGRAM != 0x6d897c46UL
 #error "rotating_link.c and rotating_link.h are of different derivations: write both again"
 #endif
 
-/* Whatever the flags: gcc and clang neither contract a * b + c nor re-associate below, and what would
- * still change results is refused. Another compiler obeys the standard pragma. */
+/* Whatever the flags: gcc and clang do not re-associate below, gcc does not contract a * b + c, and what
+ * would still break the bounds is refused. Another compiler obeys the standard pragma. */
 #if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__) || \
     (defined(__FINITE_MATH_ONLY__) && __FINITE_MATH_ONLY__)
 #error "-ffast-math undoes the split of parameters into leading and further digits, and drops NaN"
@@ -33,7 +33,13 @@
 #pragma STDC FP_CONTRACT OFF
 #endif
 #elif defined(__GNUC__)
-#pragma GCC optimize("fp-contract=off", "no-associative-math", "no-reciprocal-math", "signed-zeros")
+#pragma GCC push_options
+#pragma GCC optimize("no-unsafe-math-optimizations", "no-associative-math", "no-reciprocal-math")
+#pragma GCC optimize("fp-contract=off", "signed-zeros")
+#pragma GCC diagnostic push
+#pragma GCC diagnostic ignored "-Wunknown-pragmas"
+#pragma STDC FP_CONTRACT OFF /* gcc has no such pragma, but others that define __GNUC__ */
+#pragma GCC diagnostic pop
 #else
 #pragma STDC FP_CONTRACT OFF
 #endif
@@ -72,7 +78,7 @@ extern const char rotating_link_double_constants[(sizeof(1.0) == sizeof(double))
 /* The square root of an Arm unit: that of the library sets errno, which costs a branch and a call. */
 REAL_INLINE real rotating_link_square_root(const real x)
 {
-#if defined(__GNUC__) && defined(__arm__) && defined(__ARM_FP)
+#if defined(__GNUC__) && defined(__arm__) && defined(__ARM_FP) && (!defined(__thumb__) || defined(__thumb2__))
 #if (ECCENTRIC_PRECISION == 1) && ((__ARM_FP & 4) != 0)
     real y;
     __asm__("vsqrt.f32 %0, %1" : "=t"(y) : "t"(x));
@@ -1346,3 +1352,6 @@ void rotating_link_electrical_residual_n(
 #undef REAL_SIN
 #undef REAL_COS
 
+#if defined(__GNUC__) && !defined(__clang__)
+#pragma GCC pop_options
+#endif

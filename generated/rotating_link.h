@@ -1,6 +1,6 @@
 /*
  * Generated: do not edit. Written by `make derive` from derivations/rotating_link.py
- * (eccentric 0.1.0, program b973c623).
+ * (eccentric 0.1.0, program 6d897c46).
  * Rotating link with an unbalanced mass, in a plane tilted by phi, with angular acceleration.
  */
 /* Begin with rotating_link_mechanical_friction_torque, the friction that a drive must compensate, or
@@ -13,7 +13,7 @@
 #include <stddef.h>
 
 /* ROTATING_LINK_PROGRAM identifies the derivation of header and source; the source checks it. */
-#define ROTATING_LINK_PROGRAM 0xb973c623UL
+#define ROTATING_LINK_PROGRAM 0x6d897c46UL
 
 /* The working precision: double, or float with -DECCENTRIC_REAL=float. Files that differ do not link:
  * all functions have it in their names, as in rotating_link_mechanical_friction_torque_double. */
@@ -62,9 +62,10 @@
 #define rotating_link_electrical_residual ECCENTRIC_JOIN(rotating_link_electrical_residual_, ECCENTRIC_REAL)
 #define rotating_link_electrical_residual_n ECCENTRIC_JOIN(rotating_link_electrical_residual_n_, ECCENTRIC_REAL)
 
-/* With gcc, and clang from 13 on, whatever the flags: the source allows neither contraction nor re-association, and
- * refuses what it cannot undo. Another compiler must round to nearest and obey the pragma FP_CONTRACT.
- * Then every platform with correctly rounded arithmetic gives the same bits, and no input causes undefined behaviour.
+/* With gcc, and clang from 13 on, the bounds below hold whatever the flags: the source undoes what would break them, or
+ * refuses it. Another compiler must round to nearest and obey the pragma FP_CONTRACT.
+ * Then every platform with correctly rounded arithmetic gives the same bits, and no input causes undefined
+ * behaviour; clang's -ffp-contract=fast, -freciprocal-math, -fno-signed-zeros, -fapprox-func change bits, -fno-honor-nans NaN.
  * A NaN gives NaN; finite inputs give none, unless a sum overflows or a required inertia was not given;
  * an infinity gives NaN, infinity or what follows.
  * In F_N a speed above 2^30 rad/s counts as 2^30 rad/s.

@@ -1,5 +1,6 @@
 """A choice of functions comes with the coefficients that they need, and with the bits of the whole model."""
 
+import itertools
 from pathlib import Path
 
 import pytest
@@ -86,19 +87,21 @@ def test_the_torque_alone_is_small(tmp_path: Path) -> None:
 
 def compiles(folder: Path, model: str, function: str) -> None:
     """Emit one function in every way; no compiler has a word about the source."""
-    for arrays, fixed in ((False, True), (True, False), (False, False)):
+    needs_inertia = function in {"voltage", "current", "mechanical_residual"}
+    for arrays, fixed in ((True, False), (False, False), *([] if needs_inertia else [(False, True)])):
         out = folder / f"{arrays}-{fixed}"
         eccentric.emit(model, out, functions=[function], backend="c99", arrays=arrays, fixed=fixed)
-        for real in REALS:
-            options = (f"-DECCENTRIC_REAL={real}", "-fsyntax-only")
-            run("gcc", *FLAGS, *options, out / f"{model}.c")
+        sources = [out / f"{model}.c", *out.glob("check/*_selftest.c")]
+        for real, source in itertools.product(REALS, sources):
+            run("gcc", *FLAGS, f"-DECCENTRIC_REAL={real}", f"-I{out}", "-fsyntax-only", source)
 
 
 def test_every_way_to_choose_compiles(tmp_path: Path) -> None:
     """One function with fixed parameters, with array functions or without compiles without a warning."""
     need("gcc")
 
-    compiles(tmp_path, "c2_asymmetric", "friction_torque_gradient")
+    compiles(tmp_path / "with", "c2_asymmetric", "friction_torque_gradient")
+    compiles(tmp_path / "without", "c1_perpendicular", "coulomb_torque")
 
 
 @pytest.mark.slow
@@ -106,6 +109,12 @@ def test_every_way_to_choose_compiles(tmp_path: Path) -> None:
 def test_every_function_compiles_alone(tmp_path: Path, model: str, function: str) -> None:
     """The same for every function of every model."""
     compiles(tmp_path, model, function)
+
+
+def test_fixed_parameters_must_be_given(tmp_path: Path) -> None:
+    """A voltage needs an inertia: without one, C that nobody can give one to is refused."""
+    with pytest.raises(InputError, match="fixed: a value of J_m and J_l is required"):
+        eccentric.emit("rotating_link", tmp_path / "out", functions=["voltage"], fixed=True)
 
 
 @pytest.mark.parametrize("wrong", ["mechanical_friction", "friction_torque_n", ""])

@@ -6,12 +6,15 @@ import subprocess
 from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from eccentric.emission import render
+from eccentric.emission.program.distinct import OF_COEFFICIENTS
 from eccentric.errors import InputError
 from eccentric.model import Change, Extension, Model, Role, Term, extended, load_model, quantity
 from eccentric.model import vocabulary as v
+from generated.eccentric_runtime import Coefficients
 from tests.hosts import need
 
 TRIED = (
@@ -130,11 +133,21 @@ def with_drag(name: str) -> Model:
     return replace(extended(load_model("c2_parallel"), change), name="tried")
 
 
-@pytest.mark.parametrize("name", ["rest", "turns", "load", "size", "q", "chord", "from_top", "part_1"])
+@pytest.mark.parametrize(
+    "name",
+    ["rest", "turns", "load", "size", "q", "chord", "from_top", "part_1", "rounder", "single", "leading"],
+)
 def test_values_of_the_code_are_not_confused_with_a_quantity(name: str) -> None:
     """A parameter with the name of an intermediate value took its place in C without a word."""
     with pytest.raises(InputError, match=f"model tried: a quantity with another name .*, received '{name}'$"):
         render(with_drag(name))
+
+
+def test_the_names_of_the_coefficients_object_are_known() -> None:
+    """What the runtime's object has beside the coefficients is refused as a name of one of them."""
+    own = vars(Coefficients(np.float32)).keys() | {x for x in vars(Coefficients) if not x.startswith("_")}
+
+    assert own == OF_COEFFICIENTS
 
 
 def test_another_name_is_emitted() -> None:

@@ -84,8 +84,11 @@ def _left_in(group: Path, limit: str, used: str) -> Iterator[int]:
         most, taken = int((group / limit).read_text()), int((group / used).read_text())
         # Pages of files count as used, and make room when they are needed.
         lines = (group / "memory.stat").read_text().splitlines()
-        cached = next((int(line.split()[1]) for line in lines if line.startswith("inactive_file ")), 0)
-        yield most - taken + cached
+        counted = {name: int(number) for name, number in (line.split() for line in lines)}
+        # Version 1 counts the groups below separately; its totals contain them.
+        prefix = "total_" if "total_active_file" in counted else ""
+        cached = (counted.get(f"{prefix}{name}_file", 0) for name in ("active", "inactive"))
+        yield most - taken + sum(cached) + counted.get("slab_reclaimable", 0)
 
 
 def _of_process(root: Path) -> Iterator[int]:

@@ -32,6 +32,7 @@ _MACROS = frozenset(
     FLT_EVAL_METHOD FLT_RADIX FLT_ROUNDS HUGE_VAL HUGE_VALF HUGE_VALL INFINITY NAN NULL offsetof
     MAXFLOAT M_1_PI M_2_PI M_2_SQRTPI M_E M_LN10 M_LN2 M_LOG10E M_LOG2E M_PI M_PI_2 M_PI_4 M_SQRT1_2
     M_SQRT2 i386 linux unix
+    FP_FAST_FMA FP_ILOGB0 FP_ILOGBNAN FP_INFINITE FP_NAN FP_NORMAL FP_SUBNORMAL FP_ZERO
     """.split()  # noqa: SIM905 - words are easier to read than a list
 )
 _CALLED = frozenset(
@@ -45,7 +46,7 @@ _TAKEN = {
     "a function of C": _CALLED,
     "the working precision of the emitted C": frozenset({"real"}),
 }
-_PREFIXES = re.compile(r"(DBL|FLT|LDBL|REAL|ECCENTRIC|FP)(_|$)")
+_PREFIXES = re.compile(r"(DBL|FLT|LDBL|REAL|ECCENTRIC)_|REAL$")
 
 
 def require_free(name: str) -> None:
@@ -57,7 +58,7 @@ def require_free(name: str) -> None:
         )
     taken = next((what for what, names in _TAKEN.items() if name in names), None)
     if taken is None and _PREFIXES.match(name):
-        taken = "which begins as a macro of C"
+        taken = "which begins as macros of C or of the emitted code"
     if taken is not None:
         raise InputError(
             f"quantity: a name that C, C++ and Python leave free is required, received {name!r}, {taken}"

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from io import FileIO
 from pathlib import Path
 
@@ -61,7 +61,7 @@ def locked(path: Path) -> Iterator[None]:
         try:
             yield
         finally:
-            with held():
+            with held(), suppress(OSError):  # another user's, in a folder where only they may remove it
                 path.unlink(missing_ok=True)
 
 

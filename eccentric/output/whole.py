@@ -38,7 +38,7 @@ def whole_files(path: str | os.PathLike[str]) -> Iterator[Path]:
     """Yield an empty folder to write to; its files replace those in `path` when the block ends, as one set.
 
     That holds as for `whole_folder`. A file that is there with the same content is not touched. There is no
-    marker, and nothing else is removed.
+    marker, and nothing else is removed. A link in the place of a file is replaced, not followed.
 
     Raises:
         InputError: the folder cannot be written, or a folder has the name of a new file.

@@ -76,7 +76,8 @@ def tidy(place: Path, own: Path) -> bool:
                 if _is_abandoned(other, own, holding):
                     undo(place, other)
                     _remove(other)
-                busy |= (other / JOURNAL).exists()
+                with suppress(PermissionError):  # another user's, whose files are not ours to move
+                    busy |= (other / JOURNAL).exists()
     return busy
 
 

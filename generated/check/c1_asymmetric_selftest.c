@@ -1,5 +1,5 @@
 /*
- * Generated: do not edit. Written beside c1_asymmetric.c (program a4438feb).
+ * Generated: do not edit. Written beside c1_asymmetric.c (program b11dc7d7).
  * Self-test of c1_asymmetric.c: the same bits as the emitted NumPy module, with any compiler and on any board.
  *
  *   cc -std=c99 -O2 -I.. c1_asymmetric_selftest.c ../c1_asymmetric.c -lm     single precision: -DECCENTRIC_REAL=float
@@ -72,6 +72,7 @@ static c1_asymmetric_coefficients c;
 
 static void evaluate(unsigned function, const real *x, real *out)
 {
+    (void)x; /* none of these functions may have an input */
     switch (function) {
     case 0: c1_asymmetric_coulomb_torque(out, &c); break;
     case 1: out[0] = c1_asymmetric_current(x[0], x[3], &c); break;

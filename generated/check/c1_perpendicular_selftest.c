@@ -1,5 +1,5 @@
 /*
- * Generated: do not edit. Written beside c1_perpendicular.c (program 3bd24ec9).
+ * Generated: do not edit. Written beside c1_perpendicular.c (program 4f975569).
  * Self-test of c1_perpendicular.c: the same bits as the emitted NumPy module, with any compiler and on any board.
  *
  *   cc -std=c99 -O2 -I.. c1_perpendicular_selftest.c ../c1_perpendicular.c -lm     single precision: -DECCENTRIC_REAL=float
@@ -72,6 +72,7 @@ static c1_perpendicular_coefficients c;
 
 static void evaluate(unsigned function, const real *x, real *out)
 {
+    (void)x; /* none of these functions may have an input */
     switch (function) {
     case 0: out[0] = c1_perpendicular_coulomb_torque(&c); break;
     case 1: out[0] = c1_perpendicular_current(x[0], x[3], &c); break;

@@ -1,5 +1,5 @@
 /*
- * Generated: do not edit. Written beside c2_asymmetric.c (program b255ca01).
+ * Generated: do not edit. Written beside c2_asymmetric.c (program ac8b14b9).
  * Self-test of c2_asymmetric.c: the same bits as the emitted NumPy module, with any compiler and on any board.
  *
  *   cc -std=c99 -O2 -I.. c2_asymmetric_selftest.c ../c2_asymmetric.c -lm     single precision: -DECCENTRIC_REAL=float
@@ -72,6 +72,7 @@ static c2_asymmetric_coefficients c;
 
 static void evaluate(unsigned function, const real *x, real *out)
 {
+    (void)x; /* none of these functions may have an input */
     switch (function) {
     case 0: c2_asymmetric_coulomb_torque(out, &c); break;
     case 1: out[0] = c2_asymmetric_current(x[0], x[1], x[4], &c); break;

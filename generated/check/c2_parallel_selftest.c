@@ -1,5 +1,5 @@
 /*
- * Generated: do not edit. Written beside c2_parallel.c (program 4bf4c38c).
+ * Generated: do not edit. Written beside c2_parallel.c (program 2b442ff0).
  * Self-test of c2_parallel.c: the same bits as the emitted NumPy module, with any compiler and on any board.
  *
  *   cc -std=c99 -O2 -I.. c2_parallel_selftest.c ../c2_parallel.c -lm     single precision: -DECCENTRIC_REAL=float
@@ -72,6 +72,7 @@ static c2_parallel_coefficients c;
 
 static void evaluate(unsigned function, const real *x, real *out)
 {
+    (void)x; /* none of these functions may have an input */
     switch (function) {
     case 0: out[0] = c2_parallel_coulomb_torque(&c); break;
     case 1: out[0] = c2_parallel_current(x[0], x[1], x[4], &c); break;

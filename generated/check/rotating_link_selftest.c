@@ -1,5 +1,5 @@
 /*
- * Generated: do not edit. Written beside rotating_link.c (program b973c623).
+ * Generated: do not edit. Written beside rotating_link.c (program 6d897c46).
  * Self-test of rotating_link.c: the same bits as the emitted NumPy module, with any compiler and on any board.
  *
  *   cc -std=c99 -O2 -I.. rotating_link_selftest.c ../rotating_link.c -lm     single precision: -DECCENTRIC_REAL=float
@@ -72,6 +72,7 @@ static rotating_link_coefficients c;
 
 static void evaluate(unsigned function, const real *x, real *out)
 {
+    (void)x; /* none of these functions may have an input */
     switch (function) {
     case 0: out[0] = rotating_link_coulomb_torque(x[0], x[4], &c); break;
     case 1: out[0] = rotating_link_current(x[0], x[1], x[4], &c); break;

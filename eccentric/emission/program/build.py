@@ -26,6 +26,7 @@ from eccentric.emission.program.program import (
 )
 from eccentric.emission.program.shift import written_out
 from eccentric.emission.program.shorten import shortened, without_copies
+from eccentric.errors import InputError
 from eccentric.model import Magnitude, Model, Quantity
 from eccentric.model import vocabulary as v
 
@@ -41,8 +42,8 @@ def build_program(model: Model, choice: Choice = WHOLE) -> Program:
     """The Program of a model: the functions of `eccentric.emission.program.functions`, ready to print.
 
     Raises:
-        InputError: a quantity has the name of a value that the code computes, or there is no function of a
-            chosen name.
+        InputError: a quantity has the name of a value that the code computes; there is no function of a
+            chosen name; or fixed parameters that the functions need are not given.
     """
     shared = Prepare(model)
     half_turns = HalfTurns(shared)
@@ -71,11 +72,21 @@ def build_program(model: Model, choice: Choice = WHOLE) -> Program:
         promises=of_functions(promises(model), names),
         first=model.first_function if model.first_function in names else names[0],
         chosen=bool(choice.functions),
-        arrays=choice.arrays,
+        arrays=choice.arrays if any(r.inputs for r in routines) else "none",
         fixed=choice.fixed,
     )
     require_distinct(program)
+    if absent := [q.name for q in model.parameters if q.default is None] if _lacks(program) else []:
+        raise InputError(
+            f"fixed: a value of {' and '.join(absent)} is required, which {program.name} has no default for:"
+            " emit it with parameters, or choose functions that need none of them"
+        )
     return program
+
+
+def _lacks(program: Program) -> bool:
+    """Whether coefficients that cannot be changed are not given."""
+    return program.fixed and not program.ungiven.isdisjoint(program.coefficients)
 
 
 def _routine(model: Model, function: Function, shared: Prepare, half_turns: HalfTurns) -> Routine:

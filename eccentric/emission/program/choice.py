@@ -8,6 +8,7 @@ from typing import Literal
 
 from eccentric.errors import InputError, meant
 
+_STEP = "next_state"  # of hidden states, which every function of a model with them follows
 Arrays = Literal["with", "beside", "none"]
 
 
@@ -31,13 +32,12 @@ class Choice:
         Raises:
             InputError: there is no function of a chosen name.
         """
+        offered = [name for name in names if name != _STEP]
         for name in self.functions:
-            if name not in names:
-                raise InputError(
-                    f"functions: one of {', '.join(names)} is required, received {name!r}{meant(name, names)}"
-                )
-        stepped = ("next_state",) if self.functions else names
-        return tuple(name for name in names if name in (*(self.functions or names), *stepped))
+            if name not in offered:
+                known = f"one of {', '.join(offered)} is required"
+                raise InputError(f"functions: {known}, received {name!r}{meant(name, offered)}")
+        return tuple(name for name in names if not self.functions or name in (*self.functions, _STEP))
 
 
 WHOLE = Choice()

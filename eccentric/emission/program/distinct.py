@@ -8,15 +8,18 @@ from collections.abc import Iterable
 from eccentric.emission.program.program import Assignment, Helper, Program, Routine
 from eccentric.errors import InputError
 
-# Arguments and local names of every emitted function.
-_LOCAL = frozenset({"c", "count", "first", "k", "n", "next", "out", "own", "state"})
+# Arguments and local names of every emitted function in C, and modules that those in Python use.
+_LOCAL = frozenset({"c", "count", "first", "k", "n", "next", "np", "out", "own", "parameters", "state"})
+# What the object that holds the coefficients in Python has beside them.
+OF_COEFFICIENTS = frozenset({"leading", "real", "rounded", "rounder", "single"})
 
 
 def require_distinct(program: Program) -> None:
     """Raise InputError for a quantity that has the name of a value which the emitted code computes."""
     given = {q.name for q in (*program.parameters, *(q for q, _ in program.states))}
     inputs = {x.quantity.name for r in program.routines for x in r.inputs}
-    _require_free(program.name, inputs & _LOCAL)
+    inputs |= {q.name for q, _ in program.states}
+    _require_free(program.name, (inputs & _LOCAL) | (given & OF_COEFFICIENTS))
     prepared = _targets(program.prepare)
     known = given | {s.name for s in program.coefficients}
     _require_free(program.name, _repeated([*given, *prepared]))

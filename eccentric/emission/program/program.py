@@ -16,7 +16,7 @@ from eccentric.emission.program.primitive import InSingle
 from eccentric.model import Quantity, Sgn
 
 ABSENT = -(2.0**127)
-"""Stands for a parameter that is not given where NaN cannot: exact in both precisions, and in no domain."""
+"""Stands for a parameter that is not given where NaN cannot: exact in both precisions."""
 
 
 @dataclass(frozen=True)
