@@ -7,6 +7,7 @@ May import: no other room; it knows no data and no templates.
 
 from eccentric.model import steps, vocabulary
 from eccentric.model.balance import KINDS, Balance, Term
+from eccentric.model.chain import Body, Chain, Joint, Placement, Recursion, recursion
 from eccentric.model.change import Change, Extension
 from eccentric.model.defaults import with_values
 from eccentric.model.definition import Definition, State
@@ -47,8 +48,10 @@ __all__ = [
     "Along",
     "Backward",
     "Balance",
+    "Body",
     "Bounded",
     "ByDirection",
+    "Chain",
     "Change",
     "Chord",
     "Column",
@@ -60,12 +63,15 @@ __all__ = [
     "HalfCosine",
     "HalfSine",
     "Identity",
+    "Joint",
     "Leading",
     "Load",
     "Magnitude",
     "Model",
     "OpaqueStep",
+    "Placement",
     "Quantity",
+    "Recursion",
     "Role",
     "Sgn",
     "SquareDifference",
@@ -76,6 +82,7 @@ __all__ = [
     "meaning",
     "model_names",
     "quantity",
+    "recursion",
     "regressor",
     "steps",
     "symbols",

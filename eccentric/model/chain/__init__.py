@@ -1,0 +1,22 @@
+"""Serial chains: joints in a row, each with its body and its drive; one joint is the paper's rotating link.
+
+In: `Chain` of `Joint` and `Body`, numbers or expressions.  Out: `recursion(chain)`, the motion, the wrenches and
+the loads of the bearings as ordered definitions of scalars.
+
+    exact      numbers kept exact, so that zeros and ones fold
+    body       mass, centre of mass, inertia, and their moments
+    joint      kind, axis, placement, gear ratio, rotor
+    chain      joints and bodies in a row, gravity, payload
+    motion     how a frame moves in another: position and rotation, differentiated in time
+    momentum   Newton and Euler: the mass points of a body, summed; the rotor of a drive
+    recursion  outwards and inwards along the chain
+    bearing    the loads that friction follows
+"""
+
+from eccentric.model.chain.bearing import Bearing
+from eccentric.model.chain.body import Body, Moments
+from eccentric.model.chain.chain import Chain
+from eccentric.model.chain.joint import Joint, Placement
+from eccentric.model.chain.recursion import Recursion, Wrench, recursion
+
+__all__ = ["Bearing", "Body", "Chain", "Joint", "Moments", "Placement", "Recursion", "Wrench", "recursion"]

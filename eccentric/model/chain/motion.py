@@ -1,0 +1,120 @@
+"""How a frame moves that moves in another: its position and rotation, differentiated in time with SymPy.
+
+A carrier has the rotation R(t) and the origin r(t). Its angular velocity is what R' = R S(w) defines, w in its
+own components; r'' = R a. In it a frame moves: its origin is at s(t), its rotation Q(t). All components below
+are those seen from the carrier: what stands behind R.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cache
+
+import sympy as sp
+
+from eccentric.model.chain.exact import skew
+
+t = sp.Symbol("t", real=True)
+AXES = "xyz"
+
+
+def letters(name: str) -> sp.ImmutableMatrix:
+    """Three symbols name_x, name_y, name_z, as a column."""
+    return sp.ImmutableMatrix(sp.symbols([f"{name}_{axis}" for axis in AXES], real=True))
+
+
+def _of_time(name: str) -> sp.Matrix:
+    return sp.Matrix([sp.Function(f"{name}_{axis}", real=True)(t) for axis in AXES])
+
+
+w, alpha, a, s = letters("w"), letters("alpha"), letters("a"), letters("s")
+s_dot, s_ddot = letters("s^'"), letters("s^''")
+U = sp.ImmutableMatrix(3, 3, lambda i, k: sp.Symbol(f"U_{AXES[i]}{AXES[k]}", real=True))
+cosine, sine, rate_l, acceleration_l = sp.symbols("cosine sine omega_l alpha_l", real=True)
+
+_R = sp.Matrix(3, 3, lambda i, k: sp.Function(f"R_{i}{k}", real=True)(t))
+_r, _w, _s = _of_time("r"), _of_time("w"), _of_time("s")
+_angle = sp.Function("theta_l", real=True)(t)
+_by_letters = [
+    *zip(_s.diff(t, 2), s_ddot, strict=True),
+    *zip(_s.diff(t), s_dot, strict=True),
+    *zip(_s, s, strict=True),
+    *zip(_w.diff(t), alpha, strict=True),
+    *zip(_w, w, strict=True),
+    (_angle.diff(t, 2), acceleration_l),
+    (_angle.diff(t), rate_l),
+    (sp.cos(_angle), cosine),
+    (sp.sin(_angle), sine),
+]
+
+
+def _rate(matrix: sp.Matrix) -> sp.Matrix:
+    """The derivative in time, with R' = R S(w) and r'' = R a."""
+    turned, moved = _R * skew(_w), _R * a
+    rules = {entry.diff(t): turned[k] for k, entry in enumerate(_R)}
+    rules |= {entry.diff(t, 2): moved[k] for k, entry in enumerate(_r)}
+    return matrix.diff(t).xreplace(rules)
+
+
+def _seen(matrix: sp.Matrix) -> sp.Matrix:
+    """What stands behind R: it is the same in every row of R (found here in the first)."""
+    columns = [sp.expand(matrix[0, k]) for k in range(matrix.cols)]
+    return sp.Matrix(3, matrix.cols, lambda i, k: columns[k].coeff(_R[0, i]))
+
+
+def _written(matrix: sp.Matrix) -> sp.ImmutableMatrix:
+    """The functions of time replaced by letters, derivatives first."""
+    for function, letter in _by_letters:
+        matrix = matrix.subs(function, letter)
+    return sp.ImmutableMatrix(matrix)
+
+
+@cache
+def turning() -> sp.ImmutableMatrix:
+    """U = R^T R'': the acceleration of a point of the carrier is a + U s, with w and alpha = w'."""
+    return _written(_seen(_rate(_rate(_R))))
+
+
+@cache
+def acceleration() -> sp.ImmutableMatrix:
+    """R^T (r + R s)'': the acceleration of a point at s(t) in the carrier, in a, U, w, s and its derivatives."""
+    found = _written(_seen(_rate(_rate(_r + _R * _s))))
+    by_position = found.jacobian(s)
+    rest = found.xreplace(dict.fromkeys(s, sp.Integer(0)))
+    if sp.expand(by_position - turning()) != sp.zeros(3):
+        raise AssertionError("the factor of s is R^T R''")
+    return sp.ImmutableMatrix(U * s + rest)
+
+
+@dataclass(frozen=True)
+class Turned:
+    """A frame that turns in its carrier by theta_l about one of the carrier's axes.
+
+    Attributes:
+        rotation: Q, its axes as columns.
+        velocity: its angular velocity in its own components, in w of the carrier.
+        acceleration: its derivative in time, in alpha of the carrier and the velocity just found (letters w).
+    """
+
+    rotation: sp.ImmutableMatrix
+    velocity: sp.ImmutableMatrix
+    acceleration: sp.ImmutableMatrix
+
+
+@cache
+def turned(axis: int) -> Turned:
+    """The frame that turns about x (0), y (1) or z (2)."""
+    following, last = (axis + 1) % 3, (axis + 2) % 3
+    Q = sp.eye(3)
+    Q[following, following] = Q[last, last] = sp.cos(_angle)
+    Q[last, following], Q[following, last] = sp.sin(_angle), -sp.sin(_angle)
+    # R Q is the rotation of the frame: (R Q)' = (R Q) S(velocity).
+    spin = (Q.T * _seen(_rate(_R * Q))).applyfunc(sp.trigsimp)
+    velocity = sp.Matrix([spin[2, 1], spin[0, 2], spin[1, 0]])
+    change = velocity.diff(t)
+    # In the velocity itself it is shorter: w of the carrier is solved for.
+    own = letters("own")
+    back = sp.solve(list(velocity - own), list(_w), dict=True)[0]
+    change = sp.expand(change.xreplace({f.diff(t): x for f, x in zip(_w, alpha, strict=True)}).subs(back))
+    change = change.applyfunc(sp.trigsimp).xreplace(dict(zip(own, w, strict=True)))
+    return Turned(_written(Q), _written(velocity), _written(change))

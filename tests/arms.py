@@ -1,0 +1,65 @@
+"""Arms for the tests: random chains, and the numbers of a recursion's definitions."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+import sympy as sp
+
+from eccentric.model import Body, Chain, Definition, Joint, Placement
+
+
+def evaluated(definitions: tuple[Definition, ...], values: Mapping[sp.Symbol, Any]) -> dict[sp.Symbol, Any]:
+    """Every definition in turn, in the arithmetic of the values; Fractions and floats alike stay what they are."""
+    known: dict[str, Any] = {symbol.name: value for symbol, value in values.items()}
+    functions = {
+        "Magnitude": math.hypot, "Abs": abs, "sin": math.sin, "cos": math.cos, "Sgn": np.sign, "sqrt": math.sqrt,
+    }  # fmt: skip
+    lines = "\n".join(f"{d.quantity.name} = {sp.sstr(d.value)}" for d in definitions)
+    exec(compile(lines, "definitions", "exec"), functions, known)
+    return {d.symbol: known[d.quantity.name] for d in definitions} | dict(values)
+
+
+def number(expression: sp.Expr, values: Mapping[sp.Symbol, Any]) -> float:
+    """The number that an expression in these symbols is."""
+    return float(expression.xreplace({symbol: sp.Float(float(values[symbol]), 17) for symbol in expression.free_symbols}))
+
+
+def random_inertia(rng: np.random.Generator) -> np.ndarray:
+    """The inertia of five mass points: that of a body that can exist."""
+    points = rng.normal(size=(5, 3)) * 0.2
+    return sum(
+        (np.dot(p, p) * np.eye(3) - np.outer(p, p)) * m for p, m in zip(points, rng.uniform(0.1, 1, 5), strict=True)
+    )
+
+
+def symmetric(inertia: np.ndarray) -> list[list[float]]:
+    """The tensor with its upper triangle mirrored, exactly symmetric."""
+    upper = np.triu(inertia)
+    return (upper + np.triu(inertia, 1).T).tolist()
+
+
+def random_chain(rng: np.random.Generator, n: int, *, aligned: bool = False, sliding: float = 0.3) -> Chain:
+    """A chain of n joints with random axes, placements, bodies, and gravity in any direction."""
+    joints, bodies = [], []
+    for j in range(n):
+        axis = rng.normal(size=3)
+        axis /= np.linalg.norm(axis)
+        if aligned or rng.uniform() < 0.5:
+            axis = np.eye(3)[rng.integers(3)] * rng.choice([-1, 1])
+        turn = rng.choice([0.0, np.pi / 2, -np.pi / 2, np.pi], 3) if aligned else rng.uniform(-3, 3, 3)
+        joints.append(
+            Joint(
+                "prismatic" if rng.uniform() < sliding else "revolute",
+                axis,
+                Placement.turned(rng.normal(size=3) * 0.3, *map(float, turn)),
+                name=f"joint {j}",
+            )
+        )
+        bodies.append(
+            Body(rng.uniform(0.5, 5), rng.normal(size=3) * 0.1, symmetric(random_inertia(rng)), f"body {j}")
+        )
+    return Chain("arm", joints, bodies, rng.normal(size=3) * 6)
