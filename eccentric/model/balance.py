@@ -13,6 +13,8 @@ KINDS = {
     "drive": 1,
     "inertial": -1,
     "gravity": -1,
+    # What moves the bodies of a chain: inertia, Coriolis and centrifugal forces and gravity in one recursion.
+    "bodies": -1,
     "friction": -1,
     "conservative": -1,
     "back_emf": -1,

@@ -11,12 +11,29 @@ the loads of the bearings as ordered definitions of scalars.
     momentum   Newton and Euler: the mass points of a body, summed; the rotor of a drive
     recursion  outwards and inwards along the chain
     bearing    the loads that friction follows
+    drive      motor, gear and friction of every joint: its balances
+    arm        all of it as a model
 """
 
+from eccentric.model.chain.arm import arm
 from eccentric.model.chain.bearing import Bearing
 from eccentric.model.chain.body import Body, Moments
 from eccentric.model.chain.chain import Chain
+from eccentric.model.chain.drive import Drive, drives
 from eccentric.model.chain.joint import Joint, Placement
 from eccentric.model.chain.recursion import Recursion, Wrench, recursion
 
-__all__ = ["Bearing", "Body", "Chain", "Joint", "Moments", "Placement", "Recursion", "Wrench", "recursion"]
+__all__ = [
+    "Bearing",
+    "Body",
+    "Chain",
+    "Drive",
+    "Joint",
+    "Moments",
+    "Placement",
+    "Recursion",
+    "Wrench",
+    "arm",
+    "drives",
+    "recursion",
+]

@@ -1,0 +1,136 @@
+"""The drive and the friction of every joint: the paper's motor, gear and armature, and its postulate (7).
+
+Friction of the link is viscous and Coulomb friction in proportion to each load of its joint: F_N, F_T, M_B and
+what the gear passes on, which is without the friction itself. What follows no load is that of the motor, B_m and
+C_m: behind the gear it would be the same.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import sympy as sp
+
+from eccentric.model.balance import Balance, Term
+from eccentric.model.chain.exact import is_zero
+from eccentric.model.chain.recursion import Recursion
+from eccentric.model.quantity import Quantity, quantity
+from eccentric.model.role import Load, Role
+from eccentric.model.steps import Sgn
+
+
+@dataclass(frozen=True)
+class _Followed:
+    """A load by which friction is scaled: its letter in coefficients, in words, and the unit of C by it.
+
+    The unit of a viscous coefficient is that of C by velocity.
+    """
+
+    load: Load
+    letter: str
+    word: str
+    meaning: str
+    turning: str
+    sliding: str
+
+
+_FOLLOWED = (
+    _Followed(Load.NORMAL, "lN", "normal", "normal force", "m", "1"),
+    _Followed(Load.TRANSVERSAL, "lT", "transversal", "transversal force", "m", "1"),
+    _Followed(Load.BENDING, "lM", "bending", "bending moment", "1", "1/m"),
+    _Followed(Load.TRANSMITTED, "lG", "transmitted", "what the gear passes on", "1", "1"),
+)
+_VISCOUS = {"m": "m s/rad", "1": "s/rad"}
+_VISCOUS_SLIDING = {"1": "s/m", "1/m": "s/m^2"}
+
+
+@dataclass(frozen=True)
+class Drive:
+    """The drive of one joint.
+
+    Attributes:
+        current, voltage: of its armature.
+        parameters: those that its balances bring along.
+        mechanical: [N m, motor side].
+        electrical: [V].
+    """
+
+    current: Quantity
+    voltage: Quantity
+    parameters: tuple[Quantity, ...]
+    mechanical: Balance
+    electrical: Balance
+
+
+def drives(found: Recursion) -> tuple[Drive, ...]:
+    """The drives of all joints, from the base outwards."""
+    return tuple(_drive(found, j) for j in range(len(found.chain.joints)))
+
+
+def _drive(found: Recursion, j: int) -> Drive:
+    joint, inputs = found.chain.joints[j], found.inputs[j]
+    velocity, sgn = inputs.omega_m.symbol, Sgn(inputs.omega_m.symbol)
+    current = quantity(f"i_{j}", "A", f"armature current of motor {j}", "(2)")
+    voltage = quantity(f"u_{j}", "V", f"armature voltage of motor {j}", "(2)")
+    R = quantity(f"R_{j}", "Ohm", f"armature resistance of motor {j}", "(2)", "positive")
+    k_i = quantity(f"k_i_{j}", "N m/A", f"torque constant of motor {j}", "(2)", "positive")
+    k_e = quantity(f"k_e_{j}", "V s/rad", f"back-EMF constant of motor {j}", "(2)", "nonnegative")
+    B_m = quantity(
+        f"B_m_{j}", "N m s/rad", f"viscous friction of motor {j}, and all that follows no load", "(10)",
+        "nonnegative", "0",
+    )  # fmt: skip
+    C_m = quantity(
+        f"C_m_{j}", "N m", f"Coulomb friction of motor {j}, and all that follows no load", "(10)",
+        "nonnegative", "0",
+    )  # fmt: skip
+    parameters, terms = [R, k_i, k_e, B_m, C_m], []
+    for followed in _FOLLOWED:
+        load = found.bearings[j].loads.get(followed.load, sp.Integer(0))
+        if is_zero(load):
+            continue
+        B, C = _coefficients(followed, j, turns=joint.turns)
+        parameters += [B, C]
+        # The gear takes mu f_l from the motor; the joint moves with mu omega_m.
+        for quantity_of, basis, role in (
+            (B, joint.mu**2 * load * velocity, Role.VISCOUS),
+            (C, joint.mu * load * sgn, Role.COULOMB),
+        ):
+            name = f"link_{role.value}_{followed.word}_{j}"
+            terms.append(
+                Term(
+                    name, "friction", quantity_of.symbol, basis, "(7), (9)",
+                    role=role, load=followed.load, joint=j,
+                )  # fmt: skip
+            )
+    mechanical = Balance(
+        f"mechanical_{j}",
+        "N m",
+        (
+            Term(f"motor_torque_{j}", "drive", k_i.symbol, current.symbol, "(2)", (None, None), joint=j),
+            Term(f"rotor_{j}", "inertial", sp.Integer(1), found.rotors[j], "(1)", joint=j),
+            Term(f"bodies_{j}", "bodies", sp.Integer(1), joint.mu * found.torques[j], "(3)", joint=j),
+            *terms,
+            Term(f"motor_viscous_{j}", "friction", B_m.symbol, velocity, "(10)", role=Role.VISCOUS, joint=j),
+            Term(f"motor_coulomb_{j}", "friction", C_m.symbol, sgn, "(10)", role=Role.COULOMB, joint=j),
+        ),
+    )
+    electrical = Balance(
+        f"electrical_{j}",
+        "V",
+        (
+            Term(f"voltage_{j}", "drive", sp.Integer(1), voltage.symbol, "(2)", (None, None), joint=j),
+            Term(f"resistance_{j}", "resistive", R.symbol, current.symbol, "(2)", (0.0, None), joint=j),
+            Term(f"back_emf_{j}", "back_emf", k_e.symbol, velocity, "(2)", (None, None), joint=j),
+        ),
+    )
+    return Drive(current, voltage, tuple(parameters), mechanical, electrical)
+
+
+def _coefficients(followed: _Followed, j: int, *, turns: bool) -> tuple[Quantity, Quantity]:
+    coulomb = followed.turning if turns else followed.sliding
+    viscous = (_VISCOUS if turns else _VISCOUS_SLIDING)[coulomb]
+    words = f"friction of joint {j} per {followed.meaning}"
+    return (
+        quantity(f"B_{followed.letter}_{j}", viscous, f"viscous {words}", "(9)", "nonnegative", "0"),
+        quantity(f"C_{followed.letter}_{j}", coulomb, f"Coulomb {words}", "(9)", "nonnegative", "0"),
+    )
