@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -12,15 +12,31 @@ import sympy as sp
 from eccentric.model import Body, Chain, Definition, Joint, Placement
 
 
-def evaluated(definitions: tuple[Definition, ...], values: Mapping[sp.Symbol, Any]) -> dict[sp.Symbol, Any]:
-    """Every definition in turn, in the arithmetic of the values; Fractions and floats alike stay what they are."""
+FUNCTIONS = {
+    "Magnitude": math.hypot, "Abs": abs, "sin": math.sin, "cos": math.cos, "Sgn": np.sign, "sqrt": math.sqrt,
+}  # fmt: skip
+
+
+def evaluated(
+    definitions: Sequence[Definition],
+    values: Mapping[sp.Symbol, Any],
+    functions: Mapping[str, Any] = FUNCTIONS,
+) -> dict[sp.Symbol, Any]:
+    """Every definition in turn, in the arithmetic of the values."""
     known: dict[str, Any] = {symbol.name: value for symbol, value in values.items()}
-    functions = {
-        "Magnitude": math.hypot, "Abs": abs, "sin": math.sin, "cos": math.cos, "Sgn": np.sign, "sqrt": math.sqrt,
-    }  # fmt: skip
     lines = "\n".join(f"{d.quantity.name} = {sp.sstr(d.value)}" for d in definitions)
-    exec(compile(lines, "definitions", "exec"), functions, known)
+    exec(compile(lines, "definitions", "exec"), dict(functions), known)
     return {d.symbol: known[d.quantity.name] for d in definitions} | dict(values)
+
+
+def behind(definitions: Sequence[Definition], results: Iterable[sp.Expr]) -> list[Definition]:
+    """The definitions that the results depend on, in order."""
+    wanted, kept = set().union(*(r.free_symbols for r in results)), []
+    for definition in reversed(definitions):
+        if definition.symbol in wanted:
+            wanted |= definition.value.free_symbols
+            kept.append(definition)
+    return kept[::-1]
 
 
 def number(expression: sp.Expr, values: Mapping[sp.Symbol, Any]) -> float:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Sequence
+from fractions import Fraction
 from typing import Any
 
 import sympy as sp
@@ -11,7 +12,7 @@ import sympy as sp
 from eccentric.errors import InputError
 
 Value = float | str | sp.Expr
-"""A number (a decimal is kept exact: 0.1 and "0.1" are 1/10), or an expression in parameters."""
+"""A number (a decimal is kept exact: 0.1, "0.1" and "1/10" are the same), or an expression in parameters."""
 
 
 def exact(value: Any, what: str) -> sp.Expr:
@@ -25,12 +26,12 @@ def exact(value: Any, what: str) -> sp.Expr:
             raise InputError(f"{what}: a finite number is required, received {value}")
         return value
     try:
-        number = float(value)
-    except (TypeError, ValueError):
+        number = Fraction(value) if isinstance(value, str) else float(value)
+    except (TypeError, ValueError, ZeroDivisionError):
         raise InputError(f"{what}: a number is required, received {value!r}") from None
     if not math.isfinite(number):
         raise InputError(f"{what}: a finite number is required, received {value!r}")
-    return sp.Rational(value.strip() if isinstance(value, str) else repr(number))
+    return sp.Rational(number if isinstance(number, Fraction) else repr(number))
 
 
 def vector(values: Iterable[Any], what: str) -> sp.ImmutableMatrix:
