@@ -58,8 +58,14 @@ def symmetric(inertia: np.ndarray) -> list[list[float]]:
     return (upper + np.triu(inertia, 1).T).tolist()
 
 
-def random_chain(rng: np.random.Generator, n: int, *, aligned: bool = False, sliding: float = 0.3) -> Chain:
-    """A chain of n joints with random axes, placements, bodies, and gravity in any direction."""
+def random_chain(
+    rng: np.random.Generator, n: int, *, aligned: bool = False, sliding: float = 0.3, geared: bool = False
+) -> Chain:
+    """A chain of n joints with random axes, placements, bodies, and gravity in any direction.
+
+    Aligned: axes and frames at right angles, as most arms have them. Geared: with gear ratios, rotors, and
+    bearings beside the origins of the frames.
+    """
     joints, bodies = [], []
     for j in range(n):
         axis = rng.normal(size=3)
@@ -67,12 +73,18 @@ def random_chain(rng: np.random.Generator, n: int, *, aligned: bool = False, sli
         if aligned or rng.uniform() < 0.5:
             axis = np.eye(3)[rng.integers(3)] * rng.choice([-1, 1])
         turn = rng.choice([0.0, np.pi / 2, -np.pi / 2, np.pi], 3) if aligned else rng.uniform(-3, 3, 3)
+        drive = (
+            {"mu": rng.uniform(0.05, 1), "J_m": rng.uniform(0.001, 0.1), "bearing": rng.normal() * 0.1}
+            if geared
+            else {}
+        )
         joints.append(
             Joint(
                 "prismatic" if rng.uniform() < sliding else "revolute",
                 axis,
                 Placement.turned(rng.normal(size=3) * 0.3, *map(float, turn)),
                 name=f"joint {j}",
+                **drive,
             )
         )
         bodies.append(

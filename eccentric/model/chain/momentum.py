@@ -19,6 +19,7 @@ from eccentric.model.chain.motion import (
     alpha,
     cosine,
     letters,
+    pythagoras,
     rate_l,
     s,
     s_ddot,
@@ -88,5 +89,5 @@ def rotor(axis: int) -> sp.ImmutableMatrix:
     beyond = (found - found.xreplace(locked)).xreplace({cosine: sp.cos(angle), sine: sp.sin(angle)})
     # The inertia about the axis is the sum of both second moments across it.
     return sp.ImmutableMatrix(
-        beyond.applyfunc(lambda entry: sp.factor(sp.trigsimp(sp.expand(entry))).subs(across, J_m / 2))
+        beyond.applyfunc(lambda entry: sp.factor(pythagoras(entry, angle)).subs(across, J_m / 2))
     )

@@ -69,6 +69,11 @@ def _written(matrix: sp.Matrix) -> sp.ImmutableMatrix:
     return sp.ImmutableMatrix(matrix)
 
 
+def pythagoras(entry: sp.Expr, angle: sp.Expr) -> sp.Expr:
+    """The entry expanded, with sin^2 = 1 - cos^2."""
+    return sp.expand(sp.expand(entry).subs(sp.sin(angle) ** 2, 1 - sp.cos(angle) ** 2))
+
+
 @cache
 def turning() -> sp.ImmutableMatrix:
     """U = R^T R'': the acceleration of a point of the carrier is a + U s, with w and alpha = w'."""
@@ -109,12 +114,12 @@ def turned(axis: int) -> Turned:
     Q[following, following] = Q[last, last] = sp.cos(_angle)
     Q[last, following], Q[following, last] = sp.sin(_angle), -sp.sin(_angle)
     # R Q is the rotation of the frame: (R Q)' = (R Q) S(velocity).
-    spin = (Q.T * _seen(_rate(_R * Q))).applyfunc(sp.trigsimp)
+    spin = (Q.T * _seen(_rate(_R * Q))).applyfunc(lambda entry: pythagoras(entry, _angle))
     velocity = sp.Matrix([spin[2, 1], spin[0, 2], spin[1, 0]])
     change = velocity.diff(t)
-    # In the velocity itself it is shorter: w of the carrier is solved for.
+    # In the velocity itself it is shorter: Q^T w = own - theta' e, solved for w of the carrier.
     own = letters("own")
-    back = sp.solve(list(velocity - own), list(_w), dict=True)[0]
-    change = sp.expand(change.xreplace({f.diff(t): x for f, x in zip(_w, alpha, strict=True)}).subs(back))
-    change = change.applyfunc(sp.trigsimp).xreplace(dict(zip(own, w, strict=True)))
+    back = dict(zip(_w, Q * (own - velocity.subs(dict.fromkeys(_w, 0))), strict=True))
+    change = change.xreplace({f.diff(t): x for f, x in zip(_w, alpha, strict=True)}).xreplace(back)
+    change = change.applyfunc(lambda entry: pythagoras(entry, _angle)).xreplace(dict(zip(own, w, strict=True)))
     return Turned(_written(Q), _written(velocity), _written(change))
