@@ -15,6 +15,7 @@ the loads of the bearings as ordered definitions of scalars.
     arm        all of it as a model
 """
 
+from eccentric.model.chain import momentum, motion
 from eccentric.model.chain.arm import arm
 from eccentric.model.chain.bearing import Bearing
 from eccentric.model.chain.body import Body, Moments
@@ -35,5 +36,7 @@ __all__ = [
     "Wrench",
     "arm",
     "drives",
+    "momentum",
+    "motion",
     "recursion",
 ]
