@@ -1,8 +1,8 @@
 """A serial chain of joints: the recursion along it, then the arm of two links written out.
 
-One joint is the rotating link. The recursion is derived once, for any joint: a frame moves in another one, the
-carrier, and its position and rotation are differentiated in time (`eccentric.model.chain`). A chain puts its
-numbers or letters in, joint by joint: outwards the motion, inwards force and moment.
+One joint is the rotating link. The recursion is derived once, for any joint: a frame moves in another one,
+the carrier, and its position and rotation are differentiated in time (`eccentric.model.chain`). A chain puts
+its numbers or letters in, joint by joint: outwards the motion, inwards force and moment.
 Run it to read the derivation: python derivations/serial_chain.py
 """
 
@@ -15,7 +15,7 @@ from eccentric.output import show
 
 # --- A frame in its carrier: positions, differentiated ------------------------------------------------------
 
-# The carrier has the rotation R(t) and the origin r(t), with R' = R S(w) and r'' = R a, all in its components.
+# The carrier has the rotation R(t) and the origin r(t), with R' = R S(w) and r'' = R a, in its components.
 w, alpha, a, s, U = motion.w, motion.alpha, motion.a, motion.s, motion.U
 S_w, S_alpha = motion.skew(w), motion.skew(alpha)
 turning = motion.turning()
@@ -128,7 +128,8 @@ equations = (
         sp.Symbol("U"),
         turning,
         "1/s^2",
-        "A carrier turns with R' = R S(w), S(w) v = w x v; all components are its own. Differentiated once more,"
+        "A carrier turns with R' = R S(w), S(w) v = w x v; all components are its own. Differentiated once"
+        " more,"
         " with alpha = w': U = R^T R''.",
         (Identity("it is S(alpha) + S(w)^2", all_zero(turning - S_alpha - S_w * S_w)),),
     ),
@@ -138,7 +139,8 @@ equations = (
         sp.Symbol("a_s"),
         point,
         "m/s^2",
-        "Acceleration of a point at s(t) in the carrier, R^T (r + R s)'', with r'' = R a. At the base a is minus"
+        "Acceleration of a point at s(t) in the carrier, R^T (r + R s)'', with r'' = R a. At the base a is"
+        " minus"
         " the gravity, which so acts on every body.",
         (
             Identity(
@@ -153,7 +155,8 @@ equations = (
         sp.Symbol("w_z"),
         frame.velocity,
         "rad/s",
-        "Outwards, a revolute joint: angular velocity of a frame that turns by theta_l about z of its carrier,"
+        "Outwards, a revolute joint: angular velocity of a frame that turns by theta_l about z of its"
+        " carrier,"
         " in its own components; for x and y alike. That of a sliding frame is the carrier's.",
         (
             Identity(
@@ -189,7 +192,8 @@ equations = (
         sp.Symbol("f_b"),
         force,
         "N",
-        "Newton for a body: the accelerations a + U rho of its mass points, summed over the mass; m is the mass,"
+        "Newton for a body: the accelerations a + U rho of its mass points, summed over the mass; m is the"
+        " mass,"
         " h the first moment, m times the centre of mass.",
     ),
     Equation(
@@ -213,7 +217,8 @@ equations = (
         sp.Symbol("n_p"),
         handed,
         "N m",
-        "Inwards: a joint at p in its parent hands on its force f, and its moment n and p x f; the joint of the"
+        "Inwards: a joint at p in its parent hands on its force f, and its moment n and p x f; the joint of"
+        " the"
         " parent exerts these and what moves its own body.",
     ),
     Equation(
@@ -222,7 +227,8 @@ equations = (
         sp.Symbol("n_r"),
         rotor,
         "N m",
-        "A rotor turns by theta_m about z of the parent that carries it, and is symmetrical about it. The same"
+        "A rotor turns by theta_m about z of the parent that carries it, and is symmetrical about it. The"
+        " same"
         " sum over its mass points, less that of a locked rotor, which is part of the parent: it is handed on"
         " to the parent. The gyroscopic torque across the axis is taken, not left out: beside the torque"
         " J_m/mu^2 alpha_l of the rotor on its own link it is small by mu only, a fifth for the paper's gear,"
@@ -234,7 +240,8 @@ equations = (
             ),
             Identity(
                 "across the axis it is mu times J_m/mu^2 alpha_l where omega_l w_y is as large as alpha_l",
-                rotor[0].subs(omega_m, omega_l / mu).subs(omega_l, alpha_l / w[1]) - mu * J_m / mu**2 * alpha_l,
+                rotor[0].subs(omega_m, omega_l / mu).subs(omega_l, alpha_l / w[1])
+                - mu * J_m / mu**2 * alpha_l,
             ),
         ),
     ),
@@ -253,7 +260,8 @@ equations = (
         sp.Symbol("n_c"),
         about_centre,
         "N m",
-        "The bearing of a revolute joint carries F_N = |(f_x, f_y)| and F_T = |f_z|, and M_B = |(n_x, n_y)| about"
+        "The bearing of a revolute joint carries F_N = |(f_x, f_y)| and F_T = |f_z|, and M_B = |(n_x, n_y)|"
+        " about"
         " its centre, at b along the axis. A guide carries F_N and the whole moment.",
     ),
     Equation(
@@ -262,7 +270,8 @@ equations = (
         v.f_l.symbol,
         f_l,
         "N m",
-        "The postulate (7) for every load of a joint: viscous and Coulomb friction by F_N, F_T, M_B and by what"
+        "The postulate (7) for every load of a joint: viscous and Coulomb friction by F_N, F_T, M_B and by"
+        " what"
         " the gear passes on. What follows no load is the motor's, f_m = B_m omega_m + C_m sgn(omega_m).",
     ),
     Equation(
@@ -271,7 +280,8 @@ equations = (
         sp.Symbol("f_1"),
         outer_force,
         "N",
-        "Two links in a vertical plane, 0 where they hang lowest: force on link 1 by its joint, in the frame of"
+        "Two links in a vertical plane, 0 where they hang lowest: force on link 1 by its joint, in the"
+        " frame of"
         " link 1. F_N_1 is its norm.",
         (
             Identity(
@@ -327,7 +337,8 @@ equations = (
         "Torque that gear 1 passes on.",
         (
             Identity(
-                "it is that of the textbook, with the inertia about the joint and the angle from the vertical",
+                "it is that of the textbook, with the inertia about the joint and the angle from the"
+                " vertical",
                 sp.expand(sp.expand_trig(textbook_1 - torque_1)),
             ),
         ),
@@ -375,7 +386,7 @@ model = arm(
 def with_recursion() -> str:
     """The derivation, and the recursion of the arm in the order in which it is evaluated."""
     lines = [
-        f"    {str(d.symbol):<14} = {str(d.value):<72} {d.quantity.meaning} [{d.quantity.unit}]"
+        f"    {d.symbol!s:<14} = {d.value!s:<72} {d.quantity.meaning} [{d.quantity.unit}]"
         for d in model.definitions
     ]
     head = "The recursion of this arm, as it is evaluated; what is zero or one has folded away:"

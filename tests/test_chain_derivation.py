@@ -73,7 +73,8 @@ def test_the_script_prints_the_recursion_and_the_arm() -> None:
     """Run by its path it prints equations, checks, and the recursion as it is evaluated."""
     printed = subprocess.run(
         [sys.executable, "derivations/serial_chain.py"],
-        capture_output=True, text=True, check=True, cwd=ROOT, env={"PYTHONPATH": str(ROOT), "PYTHONIOENCODING": "utf-8"},
+        capture_output=True, text=True, check=True, cwd=ROOT, env={"PYTHONPATH": str(ROOT),
+        "PYTHONIOENCODING": "utf-8"},
     ).stdout  # fmt: skip
 
     assert [] == [number for number in ("(1)", "(3)", "(7)") if number not in printed]

@@ -13,6 +13,8 @@ import sympy as sp
 from eccentric.model import Body, Chain, Joint, Load, Placement, arm, quantity, recursion
 from tests.arms import behind, evaluated
 
+ONE, ZERO = sp.Integer(1), sp.Integer(0)
+
 
 @dataclass(frozen=True)
 class Part:
@@ -28,12 +30,12 @@ class Part:
     motion: Callable[[Any, Any], sp.Matrix]
     axis: tuple[int, int, int]
     body: tuple[sp.Expr, tuple, sp.Matrix]
-    mu: sp.Expr = sp.Integer(1)
-    J_m: sp.Expr = sp.Integer(0)
+    mu: sp.Expr = ONE
+    J_m: sp.Expr = ZERO
 
 
 class Motion:
-    """The letters of n motors: cosine and sine of the joint's angle, velocity and acceleration of the motor."""
+    """The letters of n motors: cosine and sine of the joint, velocity and acceleration of the motor."""
 
     def __init__(self, parts: list[Part]) -> None:
         n = range(len(parts))
@@ -42,7 +44,9 @@ class Motion:
         )
         self.mu = [part.mu for part in parts]
         every = (*self.cos, *self.sin, *self.velocity, *self.acceleration, *self.angle)
-        own = set().union(*(sp.Matrix([*p.body[1], *p.body[2], p.body[0], p.mu, p.J_m]).free_symbols for p in parts))
+        own = set().union(
+            *(sp.Matrix([*p.body[1], *p.body[2], p.body[0], p.mu, p.J_m]).free_symbols for p in parts)
+        )
         self.others = sorted(own, key=str)
         self.every = every
 
@@ -121,7 +125,9 @@ def differences(chain: Chain, parts: list[Part]) -> list[Any]:
         {"sin": sin.__getitem__, "cos": cos.__getitem__},
     )
     values = {symbol.name: value for symbol, value in found.items()}
-    circles = [known[s.name] ** 2 + known[c.name] ** 2 - 1 for s, c in zip(motion.sin, motion.cos, strict=True)]
+    circles = [
+        known[s.name] ** 2 + known[c.name] ** 2 - 1 for s, c in zip(motion.sin, motion.cos, strict=True)
+    ]
     return [
         (evaluate(mine, values) - evaluate(other, known)).rem(circles)
         for mine, other in zip(ours, theirs, strict=True)
@@ -132,7 +138,7 @@ def evaluate(expression: sp.Expr, values: dict[str, Any]) -> Any:
     """An expression in ring elements."""
     text = sp.sstr(expression).replace("/2", "*half").replace("/3", "*third").replace("/7", "*seventh")
     fractions = {"half": sp.QQ(1, 2), "third": sp.QQ(1, 3), "seventh": sp.QQ(1, 7)}
-    return eval(text, {}, values | fractions)
+    return eval(text, {}, values | fractions)  # noqa: S307 - printed by SymPy
 
 
 def parameters(*names: str) -> tuple:
@@ -142,7 +148,11 @@ def parameters(*names: str) -> tuple:
 
 def body(k: int) -> tuple[tuple, Body, tuple]:
     """A body with all ten parameters as letters."""
-    names = [f"m{k}", *(f"c{k}{a}" for a in "xyz"), *(f"I{k}{a}" for a in ("xx", "xy", "xz", "yy", "yz", "zz"))]
+    names = [
+        f"m{k}",
+        *(f"c{k}{a}" for a in "xyz"),
+        *(f"I{k}{a}" for a in ("xx", "xy", "xz", "yy", "yz", "zz")),
+    ]
     given = parameters(*names)
     m, cx, cy, cz, xx, xy, xz, yy, yz, zz = (q.symbol for q in given)
     inertia = sp.Matrix([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
@@ -196,10 +206,9 @@ def test_an_arm_in_space_is_that_of_lagrange() -> None:
 
 
 def test_a_mass_on_a_slide_is_the_textbooks() -> None:
-    """A prismatic joint at an inclination beta: the drive passes on m (a + g sin beta), the guide m g cos beta."""
+    """Inclined by beta, the drive passes on m (a + g sin beta) and the guide carries m g cos beta."""
     given = parameters("m", "beta", "g")
     m, beta, g = (q.symbol for q in given)
-
 
     chain = Chain(
         "slide",
@@ -218,7 +227,7 @@ def test_a_mass_on_a_slide_is_the_textbooks() -> None:
 
 
 def test_a_pendulum_on_a_cart_is_the_textbooks() -> None:
-    """(M+m) x'' + m l (a cos - w^2 sin) and m l^2 a + m l x'' cos + m g l sin, the angle from the lowest point."""
+    """(M+m) x'' + m l (a cos - w^2 sin) and m l^2 a + m l x'' cos + m g l sin, from the lowest point."""
     given = parameters("M", "m", "l", "g")
     M, m, length, g = (q.symbol for q in given)
     chain = Chain(
@@ -228,7 +237,6 @@ def test_a_pendulum_on_a_cart_is_the_textbooks() -> None:
         (0, -g, 0),
         parameters=given,
     )
-
 
     found = recursion(chain)
     model = arm(chain, "cart", found=found)

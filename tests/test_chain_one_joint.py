@@ -96,7 +96,7 @@ def test_the_balances_are_those_of_the_rotating_link() -> None:
 
 
 def test_a_link_in_the_plane_of_its_bearing_bends_by_gravity_alone() -> None:
-    """The mass turns in the plane of the bearing: what bends is its weight along the axis, at the distance L."""
+    """The mass turns in the plane of the bearing; its weight along the axis bends at the distance L."""
     bending = plain(FOUND.bearings[0].loads[Load.BENDING])
 
     assert is_zero(bending**2 - (M * g * L * sp.sin(phi)) ** 2)

@@ -3,13 +3,16 @@
 import mpmath as mp
 import numpy as np
 import pytest
+import sympy as sp
 
-from eccentric.model import Chain, arm, recursion
+from eccentric.model import Chain, Load, Sgn, arm, recursion
 from tests.arms import evaluated, number, random_chain
 
 CLOSES = 1e-13
 """Of the sum of the powers' sizes: some hundred roundings of 1e-16 each."""
 STEP = mp.mpf(10) ** -20  # central differences in 80 digits: right to 40
+
+LETTERS = {Load.NORMAL: "lN", Load.TRANSVERSAL: "lT", Load.BENDING: "lM", Load.TRANSMITTED: "lG"}
 
 
 def rotation(axis: mp.matrix, angle: mp.mpf) -> mp.matrix:
@@ -74,12 +77,12 @@ def energy(chain: Chain, motion: list[tuple[float, float, float]], time: mp.mpf)
 def test_the_sum_of_powers_closes(n: int) -> None:
     """Motor power is the change of kinetic and potential energy, rotors included, plus that of friction."""
     rng = np.random.default_rng(n)
-    chain = random_chain(rng, n, geared=True)
+    chain = random_chain(rng, n, geared=True, rotors=True)
     found = recursion(chain)
     model = arm(chain, "arm", found=found)
     constants = {q.symbol: rng.uniform(0.01, 0.1) for q in model.parameters}
     for _ in range(2):
-        motion = [tuple(float(x) for x in rng.normal(size=3) * (2, 3, 5)) for _ in range(n)]
+        motion = [(float(q), float(v), float(a)) for q, v, a in rng.normal(size=(n, 3)) * (2, 3, 5)]
         given = {}
         for inputs, values in zip(found.inputs, motion, strict=True):
             letters = (inputs.theta_m.symbol, inputs.omega_m.symbol, inputs.alpha_m.symbol)
@@ -88,13 +91,11 @@ def test_the_sum_of_powers_closes(n: int) -> None:
         powers, lost = [], []
         for j, (joint, (_, v, _)) in enumerate(zip(chain.joints, motion, strict=True)):
             balance = model.balance(f"mechanical_{j}")
-            torque = balance.sum_of("inertial", "bodies", "friction").replace(
-                lambda e: type(e).__name__ == "Sgn", lambda e: np.sign(number(e.args[0], known))
-            )
+            torque = balance.sum_of("inertial", "bodies", "friction").replace(Sgn, sp.sign)
             powers.append(number(torque, known) * v)
             on_link = float(joint.mu) * abs(v)
             coefficients = {q.name: constants[q.symbol] for q in model.parameters}
-            for load, letter in (("F_N", "lN"), ("F_T", "lT"), ("bending_moment", "lM"), ("transmitted_torque", "lG")):
+            for load, letter in LETTERS.items():
                 size = found.bearings[j].loads.get(load)
                 if size is not None:
                     B, C = coefficients[f"B_{letter}_{j}"], coefficients[f"C_{letter}_{j}"]

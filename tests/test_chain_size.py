@@ -1,5 +1,7 @@
 """The recursion grows with the number of joints, no faster."""
 
+from itertools import pairwise
+
 import numpy as np
 import sympy as sp
 
@@ -34,9 +36,7 @@ def operations(chain: Chain) -> dict[str, int]:
 def test_the_number_of_operations_is_linear() -> None:
     """From 3 to 12 joints every further joint costs the same within 10 %."""
     counts = {n: sum(operations(robot(n)).values()) for n in COUNTED}
-    slopes = [
-        (counts[more] - counts[fewer]) / (more - fewer) for fewer, more in zip(COUNTED, COUNTED[1:], strict=False)
-    ]
+    slopes = [(counts[more] - counts[fewer]) / (more - fewer) for fewer, more in pairwise(COUNTED)]
 
     assert max(slopes) < 1.1 * min(slopes), counts
 

@@ -1,7 +1,7 @@
 """Serial chains: joints in a row, each with its body and its drive; one joint is the paper's rotating link.
 
-In: `Chain` of `Joint` and `Body`, numbers or expressions.  Out: `recursion(chain)`, the motion, the wrenches and
-the loads of the bearings as ordered definitions of scalars.
+In: `Chain` of `Joint` and `Body`, numbers or expressions.  Out: `recursion(chain)`, the motion, the wrenches
+and the loads of the bearings as ordered definitions of scalars.
 
     exact      numbers kept exact, so that zeros and ones fold
     body       mass, centre of mass, inertia, and their moments

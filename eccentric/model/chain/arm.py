@@ -1,4 +1,4 @@
-"""A chain as a model: its recursion as definitions, a mechanical and an electrical balance for every joint."""
+"""A chain as a model: its recursion as definitions, and two balances for every joint."""
 
 from __future__ import annotations
 

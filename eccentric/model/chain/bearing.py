@@ -18,11 +18,11 @@ from eccentric.model.steps import Magnitude
 class Bearing:
     """The loads of one joint.
 
-    A revolute joint: the radial force F_N across its axis, the axial force F_T along it, the bending moment M_B
-    across it, about the centre of the bearing, and the torque about it, which the gear passes on.
+    A revolute joint: the radial force F_N across its axis, the axial force F_T along it, the bending moment
+    M_B across it, about the centre of the bearing, and the torque about it, which the gear passes on.
 
-    A prismatic joint: its guide carries the force F_N across the axis and the whole moment M_B; the force along
-    the axis is what the drive passes on, so there is no axial load.
+    A prismatic joint: its guide carries the force F_N across the axis and the whole moment M_B; the force
+    along the axis is what the drive passes on, so there is no axial load.
 
     Attributes:
         loads: magnitudes by the load that they are.
@@ -33,7 +33,9 @@ class Bearing:
     transmitted: sp.Expr
 
 
-def bearing(steps: Steps, j: int, link: Link, force: sp.ImmutableMatrix, moment: sp.ImmutableMatrix) -> Bearing:
+def bearing(
+    steps: Steps, j: int, link: Link, force: sp.ImmutableMatrix, moment: sp.ImmutableMatrix
+) -> Bearing:
     """The loads of joint j from the force and moment on its body, in the frame of the link."""
     along = sp.ImmutableMatrix([int(k == link.axis) for k in range(3)])
     across = [k for k in range(3) if k != link.axis]

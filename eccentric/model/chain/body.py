@@ -92,5 +92,3 @@ def _require_possible(name: str, inertia: sp.MatrixBase) -> None:
             f"{name}: inertia: principal moments are required of which none exceeds the sum of the others,"
             f" received {shown} kg m^2"
         )
-
-

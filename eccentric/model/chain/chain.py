@@ -95,8 +95,8 @@ class Chain:
                 moments = moments.turned(tilt)
             rotation = outer.T * joint.placement.rotation * tilt
             position = outer.T * joint.placement.position
-            frame = (sp.ImmutableMatrix(x.applyfunc(_short)) for x in (rotation, position))
-            found.append(Link(joint, axis, sign, *frame, moments, sp.ImmutableMatrix(tilt)))
+            rotation, position = (sp.ImmutableMatrix(x.applyfunc(_short)) for x in (rotation, position))
+            found.append(Link(joint, axis, sign, rotation, position, moments, sp.ImmutableMatrix(tilt)))
             outer = tilt
         return tuple(found)
 

@@ -1,7 +1,8 @@
 """The drive and the friction of every joint: the paper's motor, gear and armature, and its postulate (7).
 
-Friction of the link is viscous and Coulomb friction in proportion to each load of its joint: F_N, F_T, M_B and
-what the gear passes on, which is without the friction itself. What follows no load is that of the motor, B_m and
+Friction of the link is viscous and Coulomb friction in proportion to each load of its joint: F_N, F_T, M_B
+and what the gear passes on, which is without the friction itself. What follows no load is that of the motor,
+B_m and
 C_m: behind the gear it would be the same.
 """
 
@@ -96,11 +97,9 @@ def _drive(found: Recursion, j: int) -> Drive:
             (C, joint.mu * load * sgn, Role.COULOMB),
         ):
             name = f"link_{role.value}_{followed.word}_{j}"
+            coefficient, load_of = quantity_of.symbol, followed.load
             terms.append(
-                Term(
-                    name, "friction", quantity_of.symbol, basis, "(7), (9)",
-                    role=role, load=followed.load, joint=j,
-                )  # fmt: skip
+                Term(name, "friction", coefficient, basis, "(7), (9)", role=role, load=load_of, joint=j)
             )
     mechanical = Balance(
         f"mechanical_{j}",

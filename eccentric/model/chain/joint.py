@@ -41,8 +41,10 @@ class Placement:
                 raise InputError(f"{name}: rotation: columns that are a right-handed frame are required")
 
     @classmethod
-    def turned(cls, position: Any, roll: float, pitch: float, yaw: float, name: str = "placement") -> Placement:
-        """Turned by roll about x, then pitch about y, then yaw about z of the parent [rad], as in URDF."""
+    def turned(
+        cls, position: Any, roll: float, pitch: float, yaw: float, name: str = "placement"
+    ) -> Placement:
+        """Turned by roll about x, then pitch about y, then yaw about z of the parent [rad]."""
         (sr, cr), (sp_, cp), (sy, cy) = ((math.sin(x), math.cos(x)) for x in (roll, pitch, yaw))
         rotation = [
             [cy * cp, cy * sp_ * sr - sy * cr, cy * sp_ * cr + sy * sr],
@@ -60,13 +62,15 @@ class Joint:
         axis: unit vector in the frame of the joint; numbers.
         placement: of the joint in the frame of its parent.
         mu: gear ratio, joint over motor: 1 for a revolute joint [1], for a prismatic one [m/rad].
-        J_m: inertia of the rotor about its axis, which is parallel to that of the joint [kg m^2]. The motor is
+        J_m: inertia of the rotor about its axis, which is parallel to that of the joint [kg m^2]. The motor
+            is
             mounted on the parent.
         bearing: the centre of the bearing along the axis, from the origin of the joint's frame [m].
         name: in messages.
 
     Raises:
-        InputError: an unknown kind, an axis of another length than 1, a gear ratio or an inertia out of range.
+        InputError: an unknown kind, an axis of another length than 1, a gear ratio or an inertia out of
+            range.
     """
 
     def __init__(
@@ -112,7 +116,9 @@ def _unit(axis: sp.ImmutableMatrix, name: str) -> sp.ImmutableMatrix:
     length = float(sp.sqrt(axis.dot(axis)).evalf())
     shown = ", ".join(f"{float(entry):g}" for entry in axis)
     if abs(length - 1) > _UNIT:
-        raise InputError(f"{name}: axis: a vector of length 1 is required, received ({shown}) of length {length:g}")
+        raise InputError(
+            f"{name}: axis: a vector of length 1 is required, received ({shown}) of length {length:g}"
+        )
     return axis if length == 1 else sp.ImmutableMatrix([exact(float(entry) / length, name) for entry in axis])
 
 

@@ -1,7 +1,8 @@
 """Newton and Euler for a body: the accelerations of its mass points, summed.
 
-A point at rho in the frame of the body is accelerated by a + U rho (`motion.acceleration`). The force is the sum
-of this over the mass, the moment about the origin that of rho x (a + U rho). Both are linear in the moments of
+A point at rho in the frame of the body is accelerated by a + U rho (`motion.acceleration`). The force is the
+sum of this over the mass, the moment about the origin that of rho x (a + U rho). Both are linear in the
+moments of
 mass: m, h (first) and Sigma (second).
 """
 

@@ -1,8 +1,8 @@
 """How a frame moves that moves in another: its position and rotation, differentiated in time with SymPy.
 
-A carrier has the rotation R(t) and the origin r(t). Its angular velocity is what R' = R S(w) defines, w in its
-own components; r'' = R a. In it a frame moves: its origin is at s(t), its rotation Q(t). All components below
-are those seen from the carrier: what stands behind R.
+A carrier has the rotation R(t) and the origin r(t). Its angular velocity is what R' = R S(w) defines, w in
+its own components; r'' = R a. In it a frame moves: its origin is at s(t), its rotation Q(t). All components
+below are those seen from the carrier: what stands behind R.
 """
 
 from __future__ import annotations
@@ -82,7 +82,7 @@ def turning() -> sp.ImmutableMatrix:
 
 @cache
 def acceleration() -> sp.ImmutableMatrix:
-    """R^T (r + R s)'': the acceleration of a point at s(t) in the carrier, in a, U, w, s and its derivatives."""
+    """R^T (r + R s)'': the acceleration of a point at s(t) in the carrier."""
     found = _written(_seen(_rate(_rate(_r + _R * _s))))
     by_position = found.jacobian(s)
     rest = found.xreplace(dict.fromkeys(s, sp.Integer(0)))
@@ -121,5 +121,7 @@ def turned(axis: int) -> Turned:
     own = letters("own")
     back = dict(zip(_w, Q * (own - velocity.subs(dict.fromkeys(_w, 0))), strict=True))
     change = change.xreplace({f.diff(t): x for f, x in zip(_w, alpha, strict=True)}).xreplace(back)
-    change = change.applyfunc(lambda entry: pythagoras(entry, _angle)).xreplace(dict(zip(own, w, strict=True)))
+    change = change.applyfunc(lambda entry: pythagoras(entry, _angle)).xreplace(
+        dict(zip(own, w, strict=True))
+    )
     return Turned(_written(Q), _written(velocity), _written(change))

@@ -1,7 +1,7 @@
 """The recursion along a chain: motion from the base outwards, force and moment from the end inwards.
 
-Each step is one of the formulas derived in `motion` and `momentum`, with the numbers and letters of the chain in
-place of its letters. The result is a list of scalar definitions, linear in the number of joints.
+Each step is one of the formulas derived in `motion` and `momentum`, with the numbers and letters of the
+chain in place of its letters. The result is a list of scalar definitions, linear in the number of joints.
 """
 
 from __future__ import annotations
@@ -138,9 +138,7 @@ def recursion(chain: Chain) -> Recursion:
         )
         for j, (link, parent) in enumerate(zip(links, inner, strict=True))
     )
-    return Recursion(
-        chain, inputs, tuple(steps.definitions), tuple(moving), wrenches, bearings, rotors
-    )
+    return Recursion(chain, inputs, tuple(steps.definitions), tuple(moving), wrenches, bearings, rotors)
 
 
 def _moments(steps: Steps, j: int, link: Link) -> dict[sp.Symbol, sp.Expr]:
@@ -212,9 +210,7 @@ def _outwards(steps: Steps, j: int, link: Link, parent: Moving, inputs: Inputs) 
     return Moving(velocity, change, a, _turning(steps, j, velocity, change), rotation, position, w)
 
 
-def _turning(
-    steps: Steps, j: int, w: sp.ImmutableMatrix, alpha: sp.ImmutableMatrix
-) -> sp.ImmutableMatrix:
+def _turning(steps: Steps, j: int, w: sp.ImmutableMatrix, alpha: sp.ImmutableMatrix) -> sp.ImmutableMatrix:
     """U = S(alpha) + S(w)^2 of a body, whose products of velocities are formed once."""
     values = {
         motion.w[i] * motion.w[k]: steps(
@@ -275,10 +271,16 @@ def _inwards(
         # Into the frame of the parent, about its origin.
         force = steps.vector(f"force_0_{j}", "N", f"force of joint {j}, at angle 0", here.turn * force)
         moment = here.turn * moment + _of_rotor(link, here, inputs[j])
-        moment = steps.vector(f"moment_0_{j}", "N m", f"moment of joint {j}, at angle 0, rotor included", moment)
-        force = steps.vector(f"force_p_{j}", "N", f"force of joint {j}, frame of its parent", link.rotation * force)
+        moment = steps.vector(
+            f"moment_0_{j}", "N m", f"moment of joint {j}, at angle 0, rotor included", moment
+        )
+        force = steps.vector(
+            f"force_p_{j}", "N", f"force of joint {j}, frame of its parent", link.rotation * force
+        )
         moment = link.rotation * moment + here.position.cross(force)
-        moment = steps.vector(f"moment_p_{j}", "N m", f"moment of joint {j}, about its parent's origin", moment)
+        moment = steps.vector(
+            f"moment_p_{j}", "N m", f"moment of joint {j}, about its parent's origin", moment
+        )
     return tuple(reversed(found))
 
 

@@ -32,7 +32,9 @@ class Steps:
         )
 
 
-def substituted(template: sp.MatrixBase, *pairs: tuple[Sequence[sp.Expr], Sequence[sp.Expr]]) -> sp.ImmutableMatrix:
+def substituted(
+    template: sp.MatrixBase, *pairs: tuple[Sequence[sp.Expr], Sequence[sp.Expr]]
+) -> sp.ImmutableMatrix:
     """A derived formula with values in place of its letters; zeros and ones fold."""
     values = {
         letter: value
