@@ -18,8 +18,16 @@ from eccentric.emission.executed import executed, executed_beside
 from eccentric.emission.free_text import plain
 from eccentric.emission.hot import load_module
 from eccentric.emission.names import checked_name
-from eccentric.emission.program import WHOLE, Arrays, Choice, Program, Routine, build_program
-from eccentric.emission.render import render, render_program
+from eccentric.emission.program import (
+    WHOLE,
+    Arrays,
+    Choice,
+    Program,
+    Routine,
+    build_arm_program,
+    build_program,
+)
+from eccentric.emission.render import render, render_arm, render_program
 from eccentric.emission.templates import template
 from eccentric.emission.write import complete, differences, write
 
@@ -32,6 +40,7 @@ __all__ = [
     "Choice",
     "Program",
     "Routine",
+    "build_arm_program",
     "build_program",
     "checked_name",
     "complete",
@@ -45,6 +54,7 @@ __all__ = [
     "read_parameters",
     "render",
     "render_adapt",
+    "render_arm",
     "render_check",
     "render_program",
     "template",

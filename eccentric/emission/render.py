@@ -9,10 +9,10 @@ import sympy as sp
 
 from eccentric.emission.backends import BACKENDS, DEFAULT, Backend, UnprintableError, with_plain_text
 from eccentric.emission.free_text import plain
-from eccentric.emission.program import WHOLE, Choice, Program, build_program
+from eccentric.emission.program import WHOLE, Choice, Program, build_arm_program, build_program
 from eccentric.emission.templates import template
 from eccentric.errors import InputError
-from eccentric.model import Model
+from eccentric.model import Model, Recursion
 from eccentric.version import __version__
 
 _DIGEST = "{digest}"  # a placeholder in the files until the digest is known
@@ -50,6 +50,19 @@ def render(
         raise InputError(f"model {model.name}: {_place(model, error.operation)}{error}") from None
 
 
+def render_arm(found: Recursion, title: str, origin: str, command: str) -> dict[str, str]:
+    """The NumPy module of a chain and its runtime: file name -> text; there is no C yet.
+
+    Args:
+        found: the recursion of the chain.
+        title: one line.
+        origin: source of the physics, for the banner.
+        command: the command that writes the files, for their banner.
+    """
+    program = build_arm_program(found, title)
+    return render_program(program, origin, command, ("numpy",), digested=("numpy",))
+
+
 def _place(model: Model, operation: sp.Basic) -> str:
     """The term or definition that contains an operation, for a message; "" if unknown."""
     terms = [(f"term {term.name}", term.value) for balance in model.balances for term in balance.terms]
@@ -66,15 +79,16 @@ def render_program(
     backends: Iterable[str] = DEFAULT,
     *,
     single_file: bool = False,
+    digested: Iterable[str] = DEFAULT,
 ) -> dict[str, str]:
     """The emitted files of a program; `origin` is the source of its physics.
 
-    Their digest is that of everything below the banners of the default back ends, whichever are requested:
+    Their digest is that of everything below the banners of the `digested` back ends, whichever are requested:
     any change of the code changes it, and files of one program have the same number.
     """
-    program, backends = with_plain_text(program), tuple(backends)
-    code = {name: _code(program, BACKENDS[name]) for name in {*DEFAULT, *backends}}
-    texts = [text for name in DEFAULT for text in code[name].values()]
+    program, backends, digested = with_plain_text(program), tuple(backends), tuple(digested)
+    code = {name: _code(program, BACKENDS[name]) for name in {*digested, *backends}}
+    texts = [text for name in digested for text in code[name].values()]
     digest = hashlib.sha256("".join(texts).encode()).hexdigest()[:8]
     if single_file:
         code = {name: _code(program, BACKENDS[name], single_file=True) for name in backends}

@@ -1,12 +1,14 @@
 """The Program of a model: ordered assignments in primitive operations, printed alike by all back ends.
 
 In: a `Model`. Out: `build_program(model)`, a `Program` of routines, private helpers and parameter-only work,
-with bounds of its rounding errors. It knows how numbers are represented, but no target and no spelling.
+with bounds of its rounding errors; `build_arm_program(recursion, title)`, that of a chain, without them yet.
+It knows how numbers are represented, but no target and no spelling.
 Imports `eccentric.model`.
 """
 
 from eccentric.emission.program import accuracy
 from eccentric.emission.program.accuracy import LARGEST_ANGLE, LARGEST_RATIO, Bound
+from eccentric.emission.program.arm import build_arm_program
 from eccentric.emission.program.build import build_program
 from eccentric.emission.program.choice import WHOLE, Arrays, Choice
 from eccentric.emission.program.digits import BITS, LEADING_BITS, TURN_BITS
@@ -78,6 +80,7 @@ __all__ = [
     "TurnLeft",
     "Within",
     "accuracy",
+    "build_arm_program",
     "build_program",
     "differentiate",
     "needed",

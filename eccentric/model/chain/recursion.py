@@ -150,7 +150,7 @@ def _moments(steps: Steps, j: int, link: Link) -> dict[sp.Symbol, sp.Expr]:
     for i in range(3):
         for k in range(i, 3):
             name = f"Sigma_{j}_{AXES[i]}{AXES[k]}"
-            meaning = f"second moment of body {j}, {AXES[i]}{AXES[k]}"
+            meaning = f"second moment of body {j}, component {AXES[i]}{AXES[k]}"
             found[momentum.Sigma[i, k]] = steps(name, "kg m^2", meaning, given.second[i, k])
     return found
 

@@ -28,7 +28,7 @@ class Steps:
     def vector(self, name: str, unit: str, meaning: str, values: sp.MatrixBase) -> sp.ImmutableMatrix:
         """The same for three components, name_x, name_y, name_z."""
         return sp.ImmutableMatrix(
-            [self(f"{name}_{AXES[k]}", unit, f"{meaning}, {AXES[k]}", values[k]) for k in range(3)]
+            [self(f"{name}_{AXES[k]}", unit, f"{meaning}, component {AXES[k]}", values[k]) for k in range(3)]
         )
 
 

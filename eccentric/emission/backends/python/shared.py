@@ -9,6 +9,7 @@ from __future__ import annotations
 import re
 from collections.abc import Collection, Iterable, Sequence
 from dataclasses import dataclass, replace
+from functools import cache
 
 _HEAD = 5  # lines of a function besides its body
 _NAMELESS = re.compile(r"part_|result")
@@ -62,7 +63,12 @@ def with_shared(bodies: Sequence[Body], taken: Collection[str]) -> tuple[list[Bo
 
 def names_in(texts: Iterable[str]) -> set[str]:
     """The names in formulas, without those of attributes."""
-    return {name[0] for text in texts for name in _NAME.finditer(text)}
+    return set().union(*map(_names, texts))
+
+
+@cache
+def _names(text: str) -> frozenset[str]:
+    return frozenset(name[0] for name in _NAME.finditer(text))
 
 
 def _keys(body: Body, numbering: dict[str, str]) -> list[str]:
@@ -97,14 +103,17 @@ def _most_alike(bodies: Sequence[Body], numbering: dict[str, str]) -> set[str] |
             if not _NAMELESS.match(line.targets[0]):
                 candidates.append(follows[line.targets[0]])
 
-    def saved(alike: set[str]) -> tuple[int, int]:
-        """Lines, minus one for each returned value, which has to be read as well; and callers."""
-        callers = [body for body, own in zip(bodies, keys, strict=True) if alike <= {*own}]
-        given = set().union(*(_read_outside(body, alike, numbering) for body in callers))
-        return len(callers) * (len(alike) - 1) - len(alike) - len(given) - _HEAD, len(callers)
-
-    best = max(candidates, key=saved, default=set[str]())
-    return best if best and saved(best)[0] > 0 else None
+    most, best = (0, 0), set[str]()
+    for alike in candidates:
+        callers = [k for k, own in enumerate(candidates[: len(keys)]) if alike <= own]
+        # Lines, minus one for each returned value, which has to be read as well; and callers. Values take
+        # longest to count: not where lines alone are too few.
+        lines = len(callers) * (len(alike) - 1) - len(alike) - _HEAD
+        if (lines, len(callers)) > most:
+            given = set().union(*(_read_outside(bodies[k], keys[k], alike) for k in callers))
+            if (lines - len(given), len(callers)) > most:
+                most, best = (lines - len(given), len(callers)), alike
+    return best if most[0] > 0 else None
 
 
 def _block(callers: Sequence[Body], alike: set[str], numbering: dict[str, str], taken: set[str]) -> Body:
@@ -113,8 +122,8 @@ def _block(callers: Sequence[Body], alike: set[str], numbering: dict[str, str], 
     keys = _keys(first, numbering)
     lines = [line for key, line in zip(keys, first.lines, strict=True) if key in alike]
     made = {name for line in lines for name in line.targets}
-    names = {name: key for key, name in _named(first, numbering) if name in made}
-    reads = [_read_outside(body, alike, numbering) for body in callers]
+    names = {name: key for key, name in _named(first, keys) if name in made}
+    reads = [_read_outside(body, _keys(body, numbering), alike) for body in callers]
     count = {name: sum(key in read for read in reads) for name, key in names.items()}
     results = sorted((name for name in names if count[name]), key=lambda name: -count[name])
     whole = next((body for body in callers if {*_keys(body, numbering)} == alike), None)
@@ -126,33 +135,32 @@ def _block(callers: Sequence[Body], alike: set[str], numbering: dict[str, str], 
     return Body(name, inputs, tuple(lines), tuple(results), len(callers))
 
 
-def _read_outside(body: Body, alike: set[str], numbering: dict[str, str]) -> set[str]:
-    """The values of the lines that a caller uses outside them, by key."""
-    keys = _keys(body, numbering)
+def _read_outside(body: Body, keys: Sequence[str], alike: set[str]) -> set[str]:
+    """The values of the lines that a caller uses outside them, by key; `keys` are those of the caller."""
     others = [line for key, line in zip(keys, body.lines, strict=True) if key not in alike]
     read = names_in(line.text for line in others) | {*body.results}
     made = {name for key, line in zip(keys, body.lines, strict=True) if key in alike for name in line.targets}
-    return {key for key, name in _named(body, numbering) if name in read & made}
+    return {key for key, name in _named(body, keys) if name in read & made}
 
 
 def _calling(body: Body, block: Body, numbering: dict[str, str]) -> Body:
     """The body with a call in place of the lines that the block computes."""
-    made = {*_keys(block, numbering)}
-    keys = {name: key for key, name in _named(block, numbering)}
-    names = dict(_named(body, numbering))
+    of_block, own = _keys(block, numbering), _keys(body, numbering)
+    made = {*of_block}
+    keys = {name: key for key, name in _named(block, of_block)}
+    names = dict(_named(body, own))
     call = Line(
         tuple(names[keys[name]] for name in block.results), f"{block.name}({', '.join(('c', *block.inputs))})"
     )
-    own = _keys(body, numbering)
     at = min(k for k, key in enumerate(own) if key in made)
     rest = [line for key, line in zip(own, body.lines, strict=True) if key not in made]
     return replace(body, lines=(*rest[:at], call, *rest[at:]))
 
 
-def _named(body: Body, numbering: dict[str, str]) -> list[tuple[str, str]]:
-    """Key and name of every value of the lines."""
+def _named(body: Body, keys: Sequence[str]) -> list[tuple[str, str]]:
+    """Key and name of every value of the lines, whose keys these are."""
     return [
         (_result(key, line, k), name)
-        for key, line in zip(_keys(body, numbering), body.lines, strict=True)
+        for key, line in zip(keys, body.lines, strict=True)
         for k, name in enumerate(line.targets)
     ]
