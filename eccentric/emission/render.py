@@ -50,17 +50,29 @@ def render(
         raise InputError(f"model {model.name}: {_place(model, error.operation)}{error}") from None
 
 
-def render_arm(found: Recursion, title: str, origin: str, command: str) -> dict[str, str]:
-    """The NumPy module of a chain and its runtime: file name -> text; there is no C yet.
+def render_arm(
+    found: Recursion, title: str, origin: str, command: str, backends: Iterable[str] = DEFAULT
+) -> dict[str, str]:
+    """The emitted files of a chain: file name -> text.
+
+    A chain of numbers has no parameters: its C has one set of coefficients, and nothing to prepare.
 
     Args:
         found: the recursion of the chain.
         title: one line.
         origin: source of the physics, for the banner.
         command: the command that writes the files, for their banner.
+        backends: names of `BACKENDS`.
+
+    Raises:
+        InputError: C is wanted of a chain without parameters of which no angle counts.
     """
-    program = build_arm_program(found, title)
-    return render_program(program, origin, command, ("numpy",), digested=("numpy",))
+    program, backends = build_arm_program(found, title), tuple(backends)
+    if "c99" in backends and not program.coefficients:
+        raise InputError(
+            f"{program.name}: a joint that turns, or a parameter, is required for C, received none"
+        )
+    return render_program(program, origin, command, backends)
 
 
 def _place(model: Model, operation: sp.Basic) -> str:
@@ -79,16 +91,15 @@ def render_program(
     backends: Iterable[str] = DEFAULT,
     *,
     single_file: bool = False,
-    digested: Iterable[str] = DEFAULT,
 ) -> dict[str, str]:
     """The emitted files of a program; `origin` is the source of its physics.
 
-    Their digest is that of everything below the banners of the `digested` back ends, whichever are requested:
+    Their digest is that of everything below the banners of the default back ends, whichever are requested:
     any change of the code changes it, and files of one program have the same number.
     """
-    program, backends, digested = with_plain_text(program), tuple(backends), tuple(digested)
-    code = {name: _code(program, BACKENDS[name]) for name in {*digested, *backends}}
-    texts = [text for name in digested for text in code[name].values()]
+    program, backends = with_plain_text(program), tuple(backends)
+    code = {name: _code(program, BACKENDS[name]) for name in {*DEFAULT, *backends}}
+    texts = [text for name in DEFAULT for text in code[name].values()]
     digest = hashlib.sha256("".join(texts).encode()).hexdigest()[:8]
     if single_file:
         code = {name: _code(program, BACKENDS[name], single_file=True) for name in backends}

@@ -61,6 +61,9 @@ def build_arm_program(found: Recursion, title: str) -> Program:
         notes=notes(model, shared),
         helpers=helpers,
         first=routines[0].name,
+        chosen=True,
+        # Without a parameter there is nothing to prepare.
+        fixed=not found.chain.parameters,
     )
     require_distinct(program)
     return program
@@ -120,7 +123,9 @@ def _by_half_turns(found: Recursion) -> tuple[Assignment, ...]:
     steps: dict[sp.Expr, sp.Expr] = {}
     for joint, inputs in zip(found.chain.joints, found.inputs, strict=True):
         theta = inputs.theta_m.symbol
-        half_cosine, half_sine = HalfCosine(theta, joint.mu), HalfSine(theta, joint.mu)
+        # The period of an angle is split into exact parts: of what a double holds, not of a decimal.
+        mu = sp.Rational(float(joint.mu)) if joint.mu.is_number else joint.mu
+        half_cosine, half_sine = HalfCosine(theta, mu), HalfSine(theta, mu)
         steps[sp.cos(joint.mu * theta)] = 1 - 2 * half_sine**2
         steps[sp.sin(joint.mu * theta)] = -2 * half_cosine * half_sine
     angles = {d.symbol: d.value for d in found.definitions if d.quantity.name.startswith("theta_l_")}
@@ -152,18 +157,15 @@ def _routine(
             note = assignment.note if assignment.note != told else ""
             told = assignment.note
             lowering.assignments.append(Assignment(assignment.target, value, note))
-    # What is the same, such as a 0, is one value that is returned several times.
-    targets: dict[sp.Expr, sp.Symbol] = {}
+    targets = []
     for label, expression in function.results:
-        if expression not in targets:
-            targets[expression] = sp.Symbol(f"result_{label}", real=True)
-            value = lowering(shared.hoist(expression))
-            lowering.assignments.append(Assignment(targets[expression], value))
+        targets.append(sp.Symbol(f"result_{label}", real=True))
+        lowering.assignments.append(Assignment(targets[-1], lowering(shared.hoist(expression))))
     return Routine(
         name=function.name,
         inputs=inputs,
-        assignments=without_copies(shortened(lowering.assignments), targets.values()),
-        results=tuple(targets[expression] for _, expression in function.results),
+        assignments=without_copies(shortened(lowering.assignments), targets),
+        results=tuple(targets),
         labels=tuple(label for label, _ in function.results),
         unit=function.unit,
         meaning=function.meaning,

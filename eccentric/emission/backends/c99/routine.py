@@ -147,12 +147,15 @@ def _calls(program: Program, r: Routine, parts: Staged, coefficients: set[str]) 
 
 def _body(program: Program, r: Routine, parts: Staged, coefficients: set[str]) -> list[str]:
     """The lines of the kernel."""
+    vectors = [x for x in r.inputs if x.length is not None]
+    used = set().union(*(a.value.free_symbols for a in parts.rest))
     unpack = [
         f"const real {symbol.name} = {x.quantity.name}[{k}];"
-        for x in r.inputs
-        if x.length is not None
+        for x in vectors
         for k, symbol in enumerate(x.symbols)
+        if symbol in used
     ]
+    unpack += [f"(void){x.quantity.name};" for x in vectors if not used.intersection(x.symbols)]
     return [
         *unpack,
         *_unused(parts.rest, coefficients),

@@ -37,7 +37,9 @@ def staged(routine: Routine) -> Staged:
     bent = tuple(a for a in routine.assignments if _calls(a, {a.target for a in angles}))
     rest = tuple(a for a in routine.assignments if a not in (*angles, *bent))
     used = set().union(*(a.value.free_symbols for a in rest))
-    return Staged(angles, bent, rest, tuple(x for x in routine.inputs if used & set(x.symbols)))
+    # A vector stays, whichever of its elements are used.
+    inputs = (x for x in routine.inputs if x.length is not None or used & set(x.symbols))
+    return Staged(angles, bent, rest, tuple(inputs))
 
 
 def _calls(assignment: Assignment, arguments: set[sp.Symbol]) -> bool:

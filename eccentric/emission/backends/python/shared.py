@@ -7,6 +7,7 @@ operands; names may differ from routine to routine.
 from __future__ import annotations
 
 import re
+from collections import Counter
 from collections.abc import Collection, Iterable, Sequence
 from dataclasses import dataclass, replace
 from functools import cache
@@ -72,11 +73,16 @@ def _names(text: str) -> frozenset[str]:
 
 
 def _keys(body: Body, numbering: dict[str, str]) -> list[str]:
-    """The value of each line as a number, the same for equivalent lines."""
+    """The value of each line as a number, the same for equivalent lines of different bodies.
+
+    Within a body a value is written once; where it is written again, it is a result of its own, such as a 0.
+    """
     known = {name: name for name in body.inputs}
-    keys = []
+    keys, times = [], Counter[str]()
     for line in body.lines:
         meant = _NAME.sub(lambda name: known.get(name[0], name[0]), line.text)  # noqa: B023 - used at once
+        times[meant] += 1
+        meant = f"{meant}, result {times[meant]}" if times[meant] > 1 else meant
         keys.append(numbering.setdefault(meant, f"#{len(numbering)}"))
         known |= {name: _result(keys[-1], line, k) for k, name in enumerate(line.targets)}
     return keys

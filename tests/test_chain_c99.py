@@ -1,0 +1,86 @@
+"""The C of a chain: silent under strict warnings in both precisions, with the bits of its NumPy module."""
+
+import ctypes
+import subprocess
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from eccentric.emission import executed, render_arm
+from eccentric.errors import InputError
+from eccentric.model import Body, Chain, Joint, recursion
+from eccentric.model import vocabulary as v
+from tests.arms import random_chain
+
+STRICT = (
+    *("-std=c99", "-O2", "-Wall", "-Wextra", "-Wpedantic", "-Wconversion", "-Wdouble-promotion"),
+    *("-Werror", "-shared", "-fPIC"),
+)
+REAL = {"double": np.float64, "float": np.float32}
+rng = np.random.default_rng(11)
+ARMS = {
+    "one joint": Chain("arm", [Joint()], [Body(1, (0.2, 0, 0))], (0, "-9.81", 0)),
+    "a turret, whose first angle is of no account": Chain(
+        "arm", [Joint(), Joint(axis=(0, 1, 0))], [Body(2), Body(1, (0.2, 0, 0))]
+    ),
+    "seven joints at right angles": random_chain(rng, 7, aligned=True, sliding=0, geared=True, rotors=True),
+    "five joints, oblique, some slide": random_chain(rng, 5, geared=True),
+}
+
+
+def chosen(precision: str, text: str) -> list[str]:
+    """The compiler's option of a precision."""
+    return [] if precision == "double" else [f"{text}=float"]
+
+
+@pytest.mark.parametrize("precision", REAL)
+@pytest.mark.parametrize("name", ARMS)
+def test_c_has_the_bits_of_numpy(name: str, precision: str, tmp_path: Path) -> None:
+    """Every result of every function, on motions over several turns."""
+    chain, real = ARMS[name], REAL[precision]
+    n, files = len(chain.joints), render_arm(recursion(chain), "An arm", "a test", "a test")
+    module = executed(files, "arm")
+    for file, text in files.items():
+        (tmp_path / file).write_text(text, encoding="utf-8")
+    option = chosen(precision, "-DECCENTRIC_REAL")
+    subprocess.run(["gcc", *STRICT, *option, "arm.c", "-o", "arm.so", "-lm"], check=True, cwd=tmp_path)
+    library = ctypes.CDLL(str(tmp_path / "arm.so"))
+    coefficients = ctypes.byref(ctypes.c_char.in_dll(library, f"arm_default_{precision}"))
+    motion = [rng.normal(size=(20, n)).astype(real) * real(scale) for scale in (6, 3, 5)]
+
+    for function, labels in (
+        ("inverse_dynamics", module.INVERSE_DYNAMICS),
+        ("joint_wrenches", module.JOINT_WRENCHES),
+        ("bearing_loads", module.BEARING_LOADS),
+    ):
+        found = np.full((20, len(labels)), np.nan, real)
+        for k in range(20):
+            rows = [np.ascontiguousarray(x[k]) for x in (*motion, found)]
+            getattr(library, f"arm_{function}_{precision}")(
+                *(row.ctypes.data_as(ctypes.c_void_p) for row in rows), coefficients
+            )
+            found[k] = rows[-1]
+
+        assert np.array_equal(getattr(module, function)(*motion), found), function
+
+
+def test_c_without_a_coefficient_is_refused() -> None:
+    """A slide of numbers has nothing that depends on parameters or on an angle: C has no empty structure."""
+    slide = Chain("slide", [Joint("prismatic")], [Body(1)])
+
+    with pytest.raises(InputError, match="slide: a joint that turns, or a parameter, is required for C"):
+        render_arm(recursion(slide), "A slide", "a test", "a test")
+    assert "slide.py" in render_arm(recursion(slide), "A slide", "a test", "a test", ("numpy",))
+
+
+def test_a_payload_is_prepared(tmp_path: Path) -> None:
+    """A chain with a letter has parameters and `prepare`, and is as silent."""
+    base = random_chain(np.random.default_rng(12), 3, aligned=True)
+    chain = Chain("arm", base.joints, base.bodies, payload=Body(v.M.symbol, (0, 0, "0.1")), parameters=(v.M,))
+    for file, text in render_arm(recursion(chain), "An arm", "a test", "a test").items():
+        (tmp_path / file).write_text(text, encoding="utf-8")
+
+    subprocess.run(["gcc", *STRICT, "arm.c", "-o", "arm.so", "-lm"], check=True, cwd=tmp_path)
+
+    assert "arm_prepare" in (tmp_path / "arm.h").read_text(encoding="utf-8")
