@@ -232,7 +232,7 @@ equations = (
         " sum over its mass points, less that of a locked rotor, which is part of the parent: it is handed on"
         " to the parent. The gyroscopic torque across the axis is taken, not left out: beside the torque"
         " J_m/mu^2 alpha_l of the rotor on its own link it is small by mu only, a fifth for the paper's gear,"
-        " and it costs two products a joint. An arm without rotors has none of it.",
+        " and it costs less than a tenth of the recursion. An arm without rotors has none of it.",
         (
             Identity(
                 "it is J_m alpha_m along the axis and the gyroscopic torque w x J_m omega_m",

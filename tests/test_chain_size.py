@@ -41,6 +41,17 @@ def test_the_number_of_operations_is_linear() -> None:
     assert max(slopes) < 1.1 * min(slopes), counts
 
 
+def test_rotors_cost_less_than_a_tenth() -> None:
+    """Gyroscopic torque and all, what rotors add to seven geared joints."""
+
+    def geared(J_m: str) -> int:
+        plain = robot(7)
+        joints = [Joint(placement=joint.placement, mu="1/100", J_m=J_m) for joint in plain.joints]
+        return sum(operations(Chain("robot", joints, plain.bodies)).values())
+
+    assert geared("0") < geared("1/1000") < 1.1 * geared("0")
+
+
 def test_no_definition_is_an_expanded_expression() -> None:
     """The longest formula of twelve joints is no longer than that of three."""
     longest = {n: max(sp.count_ops(d.value) for d in recursion(robot(n)).definitions) for n in (3, 12)}

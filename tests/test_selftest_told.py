@@ -134,7 +134,12 @@ def test_contraction(tmp_path: Path) -> None:
     fusing = ("gcc", "-O2", "-mfma", "-ffp-contract=fast", "-Wno-unknown-pragmas")
     need(*fusing)
 
-    failed(tmp_path, "float", changed(tmp_path, '#pragma GCC optimize("fp-contract=off"', '#pragma unknown(""'), *fusing)
+    failed(
+        tmp_path,
+        "float",
+        changed(tmp_path, '#pragma GCC optimize("fp-contract=off"', '#pragma unknown(""'),
+        *fusing,
+    )
 
 
 @pytest.mark.parametrize(
