@@ -9,7 +9,9 @@ and the loads of the bearings as ordered definitions of scalars.
     chain      joints and bodies in a row, gravity, payload
     motion     how a frame moves in another: position and rotation, differentiated in time
     momentum   Newton and Euler: the mass points of a body, summed; the rotor of a drive
-    recursion  outwards and inwards along the chain
+    outwards   the motion of a body from that of its parent
+    inwards    the force and moment of every joint
+    recursion  both along the chain, as a list of definitions
     bearing    the loads that friction follows
     drive      motor, gear and friction of every joint: its balances
     arm        all of it as a model
@@ -21,8 +23,9 @@ from eccentric.model.chain.bearing import Bearing
 from eccentric.model.chain.body import Body, Moments
 from eccentric.model.chain.chain import Chain
 from eccentric.model.chain.drive import Drive, drives
+from eccentric.model.chain.inwards import Wrench
 from eccentric.model.chain.joint import Joint, Placement
-from eccentric.model.chain.recursion import Recursion, Wrench, recursion
+from eccentric.model.chain.recursion import Recursion, recursion
 
 __all__ = [
     "Bearing",

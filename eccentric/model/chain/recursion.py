@@ -11,60 +11,12 @@ from functools import cached_property
 
 import sympy as sp
 
-from eccentric.model.chain import momentum, motion
 from eccentric.model.chain.bearing import Bearing, bearing
-from eccentric.model.chain.chain import Chain, Link
-from eccentric.model.chain.exact import is_zero
-from eccentric.model.chain.motion import AXES
-from eccentric.model.chain.steps import Steps, substituted
+from eccentric.model.chain.chain import Chain
+from eccentric.model.chain.inwards import ZERO, Wrench, inwards, moments_of
+from eccentric.model.chain.outwards import Inputs, Moving, along, motor_inputs, outwards
+from eccentric.model.chain.steps import Steps
 from eccentric.model.definition import Definition
-from eccentric.model.quantity import Quantity, quantity
-
-ZERO = sp.ImmutableMatrix([0, 0, 0])
-
-
-@dataclass(frozen=True)
-class Inputs:
-    """The motion of one motor, as the paper has it: angle, velocity, acceleration."""
-
-    theta_m: Quantity
-    omega_m: Quantity
-    alpha_m: Quantity
-
-
-@dataclass(frozen=True)
-class Moving:
-    """A body on the way outwards, in the components of its own frame.
-
-    Attributes:
-        w, alpha: angular velocity and acceleration.
-        a: acceleration of the origin, gravity subtracted.
-        U: a + U rho is the acceleration of a point at rho.
-        turn: what the joint turns: axes of the frame, as columns, in the joint's frame at angle 0.
-        position: of its origin in the frame of the parent.
-        carried: angular velocity of the parent in the joint's frame at angle 0.
-    """
-
-    w: sp.ImmutableMatrix
-    alpha: sp.ImmutableMatrix
-    a: sp.ImmutableMatrix
-    U: sp.ImmutableMatrix
-    turn: sp.ImmutableMatrix
-    position: sp.ImmutableMatrix
-    carried: sp.ImmutableMatrix
-
-
-@dataclass(frozen=True)
-class Wrench:
-    """What a joint exerts on the body that it moves; the load on the joint is the opposite.
-
-    Attributes:
-        force: in the frame of the body [N].
-        moment: about the origin of that frame [N m].
-    """
-
-    force: sp.ImmutableMatrix
-    moment: sp.ImmutableMatrix
 
 
 @dataclass(frozen=True)
@@ -95,21 +47,12 @@ class Recursion:
         return tuple(bearing.transmitted for bearing in self.bearings)
 
 
-def motor_inputs(joint: int) -> Inputs:
-    """The inputs of one motor; those of all joints are a vector with one entry a joint."""
-    return Inputs(
-        quantity(f"theta_m_{joint}", "rad", f"angle of motor {joint}", "(3)"),
-        quantity(f"omega_m_{joint}", "rad/s", f"velocity of motor {joint}", "(3)"),
-        quantity(f"alpha_m_{joint}", "rad/s^2", f"acceleration of motor {joint}", "(1)"),
-    )
-
-
 def recursion(chain: Chain) -> Recursion:
     """The recursion of a chain: Newton and Euler for every body, from positions differentiated."""
     steps = Steps()
     inputs = tuple(motor_inputs(j) for j in range(len(chain.joints)))
     links = chain.links
-    bodies = [_moments(steps, j, link) for j, link in enumerate(links)]
+    bodies = [moments_of(steps, j, link) for j, link in enumerate(links)]
     at_base = Moving(
         ZERO,
         ZERO,
@@ -121,10 +64,10 @@ def recursion(chain: Chain) -> Recursion:
     )
     moving, before = [], at_base
     for j, link in enumerate(links):
-        before = _outwards(steps, j, link, before, inputs[j])
+        before = outwards(steps, j, link, before, inputs[j])
         moving.append(before)
     inner = [at_base, *moving[:-1]]
-    wrenches = _inwards(steps, links, bodies, moving, inputs)
+    wrenches = inwards(steps, links, bodies, moving, inputs)
     bearings = tuple(
         bearing(steps, j, link, wrench.force, wrench.moment)
         for j, (link, wrench) in enumerate(zip(links, wrenches, strict=True))
@@ -134,163 +77,8 @@ def recursion(chain: Chain) -> Recursion:
             f"rotor_{j}",
             "N m",
             f"torque that accelerates rotor {j}, carried by its parent",
-            link.joint.J_m * (inputs[j].alpha_m.symbol + link.sign * _along(link, parent.alpha)),
+            link.joint.J_m * (inputs[j].alpha_m.symbol + link.sign * along(link, parent.alpha)),
         )
         for j, (link, parent) in enumerate(zip(links, inner, strict=True))
     )
     return Recursion(chain, inputs, tuple(steps.definitions), tuple(moving), wrenches, bearings, rotors)
-
-
-def _moments(steps: Steps, j: int, link: Link) -> dict[sp.Symbol, sp.Expr]:
-    """The moments of mass of a body by the letters of `momentum`."""
-    given, found = link.moments, {}
-    found[momentum.m] = steps(f"mass_{j}", "kg", f"mass of body {j}", given.mass)
-    first = steps.vector(f"h_{j}", "kg m", f"first moment of body {j}", given.first)
-    found |= dict(zip(momentum.h, first, strict=True))
-    for i in range(3):
-        for k in range(i, 3):
-            name = f"Sigma_{j}_{AXES[i]}{AXES[k]}"
-            meaning = f"second moment of body {j}, component {AXES[i]}{AXES[k]}"
-            found[momentum.Sigma[i, k]] = steps(name, "kg m^2", meaning, given.second[i, k])
-    return found
-
-
-def _along(link: Link, given: sp.MatrixBase) -> sp.Expr:
-    """The component of a vector of the parent along the axis of the joint's frame."""
-    return (link.rotation[:, link.axis].T * given)[0]
-
-
-def _outwards(steps: Steps, j: int, link: Link, parent: Moving, inputs: Inputs) -> Moving:
-    """The motion of a body from that of its parent."""
-    joint, mu, axis = link.joint, link.joint.mu, link.axis
-    unit, name = ("rad", "angle") if joint.turns else ("m", "position")
-    theta = steps(f"theta_l_{j}", unit, f"{name} of joint {j}", mu * inputs.theta_m.symbol)
-    omega = steps(f"omega_l_{j}", f"{unit}/s", f"velocity of joint {j}", mu * inputs.omega_m.symbol)
-    alpha = steps(f"alpha_l_{j}", f"{unit}/s^2", f"acceleration of joint {j}", mu * inputs.alpha_m.symbol)
-    zero = sp.Integer(0)
-    theta, omega, alpha = (link.sign * x for x in (theta, omega, alpha))
-    # The origin of the joint's frame, still in the components of the parent.
-    direction = link.rotation[:, axis]
-    slide = [zero * direction] * 3 if joint.turns else [x * direction for x in (theta, omega, alpha)]
-    position = steps.vector(f"p_{j}", "m", f"joint {j} in the frame of its parent", link.position + slide[0])
-    origin = substituted(
-        motion.acceleration(),
-        (motion.a, parent.a),
-        (motion.w, parent.w),
-        (motion.U, parent.U),
-        (motion.s, position),
-        (motion.s_dot, slide[1]),
-        (motion.s_ddot, slide[2]),
-    )
-    origin = steps.vector(f"a_p_{j}", "m/s^2", f"acceleration of joint {j}, frame of its parent", origin)
-    # In the components of the joint's frame at angle 0, which is fixed to the parent.
-    back = link.rotation.T
-    w = steps.vector(f"w_p_{j}", "rad/s", f"angular velocity of the parent of joint {j}", back * parent.w)
-    change = steps.vector(f"alpha_p_{j}", "rad/s^2", f"its derivative, joint {j}", back * parent.alpha)
-    a = steps.vector(f"a_0_{j}", "m/s^2", f"acceleration of joint {j}, at angle 0", back * origin)
-    if not joint.turns:
-        U = _turning(steps, j, w, change)
-        return Moving(w, change, a, U, sp.ImmutableMatrix(sp.eye(3)), position, w)
-    frame = motion.turned(axis)
-    cosine = steps(f"cosine_{j}", "1", f"cosine of joint {j}", sp.cos(theta))
-    sine = steps(f"sine_{j}", "1", f"sine of joint {j}", sp.sin(theta))
-    of_angle = ((motion.cosine, motion.sine), (cosine, sine))
-    rotation = substituted(frame.rotation, of_angle)
-    velocity = substituted(frame.velocity, of_angle, (motion.w, w), ((motion.rate_l,), (omega,)))
-    velocity = steps.vector(f"w_{j}", "rad/s", f"angular velocity of body {j}", velocity)
-    change = substituted(
-        frame.acceleration,
-        of_angle,
-        (motion.w, velocity),
-        (motion.alpha, change),
-        ((motion.rate_l, motion.acceleration_l), (omega, alpha)),
-    )
-    change = steps.vector(f"alpha_{j}", "rad/s^2", f"angular acceleration of body {j}", change)
-    a = steps.vector(f"a_{j}", "m/s^2", f"acceleration of the origin of body {j}", rotation.T * a)
-    return Moving(velocity, change, a, _turning(steps, j, velocity, change), rotation, position, w)
-
-
-def _turning(steps: Steps, j: int, w: sp.ImmutableMatrix, alpha: sp.ImmutableMatrix) -> sp.ImmutableMatrix:
-    """U = S(alpha) + S(w)^2 of a body, whose products of velocities are formed once."""
-    values = {
-        motion.w[i] * motion.w[k]: steps(
-            f"w_{j}_{AXES[i]}{AXES[k]}", "rad^2/s^2", f"product of velocities of body {j}", w[i] * w[k]
-        )
-        for i in range(3)
-        for k in range(i, 3)
-    }
-    U = motion.turning().xreplace(values | dict(zip(motion.alpha, alpha, strict=True)))
-    named = [
-        steps(f"U_{j}_{AXES[i]}{AXES[k]}", "1/s^2", f"acceleration of body {j} by position", U[i, k])
-        for i in range(3)
-        for k in range(3)
-    ]
-    return sp.ImmutableMatrix(3, 3, named)
-
-
-def _of_body(steps: Steps, j: int, moments: dict[sp.Symbol, sp.Expr], moving: Moving) -> Wrench:
-    """The force and moment that move a body as it does, gravity included."""
-    letters, values = tuple(moments), tuple(moments.values())
-    # (U_zz - U_yy) Sigma_yz: the difference is formed once.
-    differences = {
-        motion.U[k, k] - motion.U[i, i]: steps(
-            f"U_{j}_{AXES[k]}{AXES[k]}_{AXES[i]}{AXES[i]}",
-            "1/s^2",
-            f"difference of two of body {j}",
-            moving.U[k, k] - moving.U[i, i],
-        )
-        for i, k in ((1, 2), (2, 0), (0, 1))
-        if not is_zero(moments[momentum.Sigma[min(i, k), max(i, k)]])
-    }
-    of_motion = ((motion.a, moving.a), (motion.U, moving.U), (letters, values))
-    force = substituted(momentum.force(), *of_motion)
-    moment = substituted(momentum.moment().xreplace(differences), *of_motion)
-    return Wrench(
-        steps.vector(f"force_b_{j}", "N", f"mass times acceleration of body {j}", force),
-        steps.vector(f"moment_b_{j}", "N m", f"rate of angular momentum of body {j}", moment),
-    )
-
-
-def _inwards(
-    steps: Steps,
-    links: tuple[Link, ...],
-    bodies: list[dict[sp.Symbol, sp.Expr]],
-    moving: list[Moving],
-    inputs: tuple[Inputs, ...],
-) -> tuple[Wrench, ...]:
-    """The wrench of each joint: what moves its body, and what that hands on to the next one."""
-    found: list[Wrench] = []
-    force, moment = ZERO, ZERO  # of the next joint, in the frame of this body
-    for j in reversed(range(len(links))):
-        own, link, here = _of_body(steps, j, bodies[j], moving[j]), links[j], moving[j]
-        force = steps.vector(f"force_{j}", "N", f"force on body {j} by its joint", own.force + force)
-        moment = steps.vector(f"moment_{j}", "N m", f"moment on body {j} by its joint", own.moment + moment)
-        found.append(Wrench(force, moment))
-        if j == 0:
-            break
-        # Into the frame of the parent, about its origin.
-        force = steps.vector(f"force_0_{j}", "N", f"force of joint {j}, at angle 0", here.turn * force)
-        moment = here.turn * moment + _of_rotor(link, here, inputs[j])
-        moment = steps.vector(
-            f"moment_0_{j}", "N m", f"moment of joint {j}, at angle 0, rotor included", moment
-        )
-        force = steps.vector(
-            f"force_p_{j}", "N", f"force of joint {j}, frame of its parent", link.rotation * force
-        )
-        moment = link.rotation * moment + here.position.cross(force)
-        moment = steps.vector(
-            f"moment_p_{j}", "N m", f"moment of joint {j}, about its parent's origin", moment
-        )
-    return tuple(reversed(found))
-
-
-def _of_rotor(link: Link, moving: Moving, inputs: Inputs) -> sp.ImmutableMatrix:
-    """The moment of the turning rotor on its carrier, the parent: gyroscopic, and by its acceleration."""
-    speeds = (link.sign * inputs.omega_m.symbol, link.sign * inputs.alpha_m.symbol)
-    if is_zero(link.joint.J_m):
-        return ZERO
-    return substituted(
-        momentum.rotor(link.axis),
-        (motion.w, moving.carried),
-        ((momentum.J_m, momentum.omega_m, momentum.alpha_m), (link.joint.J_m, *speeds)),
-    )
