@@ -79,20 +79,24 @@ def test_what_used_to_be_wrong(tmp_path: Path, family: str, target: str, options
     assert kept_or_refused(tmp_path, family, target, options, "float")
 
 
+def combinations(family: str, target: str) -> list[tuple[tuple[str, ...], str]]:
+    """Return (options, precision): every level and dialect, every unsafe flag alone, and some together."""
+    cross_lto = family == "clang" and TARGETS[target].emulator
+    levels = [x for x in LEVELS if not ("-flto" in x and cross_lto)]  # its objects are for its own linker
+    found = [(x, real) for x in levels for real in flags.PRECISIONS]
+    found += [(("-O2", *x), "float") for x in (*SINGLE_FLAGS, *OF_FAMILY[family])]
+    found += [(("-O2", *x), "double") for x in (RE_ASSOCIATED, ("-ffp-contract=fast",), *SEVERAL)]
+    return found
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize(("family", "target"), PLACES)
 def test_every_flag(tmp_path: Path, family: str, target: str) -> None:
     """Any level of optimisation in any dialect, and any unsafe flag alone: refused, or within the bounds."""
     need(family, target)
-    cross_lto = family == "clang" and TARGETS[target].emulator
-    levels = [x for x in LEVELS if not ("-flto" in x and cross_lto)]  # its objects are for its own linker
-    combinations = [(x, real) for x in levels for real in flags.PRECISIONS]
-    combinations += [(("-O2", *x), "float") for x in (*SINGLE_FLAGS, *OF_FAMILY[family])]
-    combinations += [(("-O2", *x), "double") for x in (RE_ASSOCIATED, ("-ffp-contract=fast",), *SEVERAL)]
-
     spoiled = [
         (" ".join(options), real)
-        for options, real in combinations
+        for options, real in combinations(family, target)
         if not kept_or_refused(tmp_path, family, target, options, real)
     ]
 
