@@ -136,6 +136,37 @@ def test_files_of_different_precision_do_not_link(tmp_path: Path, model: Path, c
     assert "_float" in said
 
 
+def test_both_precisions_are_in_one_program(tmp_path: Path) -> None:
+    """Source and caller compiled twice link: each caller gets the coefficients of its own precision."""
+    body = """#include "c2_parallel.h"
+double PRECISION(void);
+double PRECISION(void)
+{
+    c2_parallel_coefficients own;
+    if (c2_parallel_prepare(&c2_parallel_default_parameters, &own) != 0) { return -1.0; }
+    const ECCENTRIC_REAL prepared = c2_parallel_normal_force(3, 30, &own);
+    return (double)(prepared - c2_parallel_normal_force(3, 30, &c2_parallel_default));
+}
+"""
+    main = """double in_float(void);
+double in_double(void);
+static int wrong(double difference) { return (difference < -1e-5) || (difference > 1e-5); }
+int main(void) { return wrong(in_float()) + 2 * wrong(in_double()); }
+"""
+    (tmp_path / "main.c").write_text(main)
+    (tmp_path / "user.c").write_text(body)
+    objects = []
+    for real in ("float", "double"):
+        options = [*FLAGS, f"-DECCENTRIC_REAL={real}", f"-DPRECISION=in_{real}", f"-I{GENERATED}", "-c"]
+        for source in (GENERATED / "c2_parallel.c", tmp_path / "user.c"):
+            objects.append(tmp_path / f"{real}_{source.stem}.o")
+            run("gcc", *options, "-o", objects[-1], source)
+
+    run("gcc", *FLAGS, "-o", tmp_path / "both", tmp_path / "main.c", *objects, "-lm")
+
+    assert "" == run(tmp_path / "both")
+
+
 @both_precisions
 def test_models_share_a_translation_unit(tmp_path: Path, dtype: Real) -> None:
     """All models included in one file compile: nothing private has a name that two of them use."""
