@@ -101,3 +101,21 @@ def test_a_torque_is_no_current(rig: Any) -> None:
 
     with pytest.raises(InputError, match="a log with i is required"):
         eccentric.adapt(torque, other)
+
+
+def test_a_current_of_the_wrong_sign_is_refused(rig: Any) -> None:
+    """The estimator does not start from a fit that its log contradicts, nor from one without friction."""
+    turned = log(1.0)
+    turned["current_A"] = -turned["current_A"]
+
+    with pytest.raises(InputError, match=r"required (for an estimator )?to start from"):
+        eccentric.adapt(turned, rig)
+
+
+def test_a_missing_effect_is_told_by_the_correlation(rig: Any) -> None:
+    """Friction that varies over the link's turn leaves correlated innovations, and the text says so."""
+    varied = log(1.0)
+    varied["current_A"] += 0.02 * np.sign(varied["current_A"]) * np.sin(0.4 * varied["theta_m_rad"]) / 0.05
+
+    assert "correlated from row to row" in eccentric.adapt(varied, rig).summary()
+    assert "correlated" not in eccentric.adapt(log(1.0), rig).summary()

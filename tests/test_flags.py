@@ -16,7 +16,7 @@ LEVELS = (
     ("-Ofast", "-std=gnu17"),
     ("-O2", "-std=gnu11", "-flto"),
 )
-REFUSALS = ("-ffast-math undoes the split", "double_constants")
+REFUSALS = ("spoil prepare and drop NaN", "double_constants")
 RE_ASSOCIATED = ("-fassociative-math", "-fno-signed-zeros", "-fno-trapping-math")
 SINGLE_FLAGS = (
     ("-ffast-math",),

@@ -135,11 +135,28 @@ def with_drag(name: str) -> Model:
 
 @pytest.mark.parametrize(
     "name",
-    ["rest", "turns", "load", "size", "q", "chord", "from_top", "part_1", "rounder", "single", "leading"],
+    [
+        *(
+            "rest",
+            "turns",
+            "load",
+            "size",
+            "q",
+            "chord",
+            "from_top",
+            "part_1",
+            "rounder",
+            "single",
+            "leading",
+        ),
+        *("c", "p", "invalid"),
+    ],
 )
 def test_values_of_the_code_are_not_confused_with_a_quantity(name: str) -> None:
     """A parameter with the name of an intermediate value took its place in C without a word."""
-    with pytest.raises(InputError, match=f"model tried: a quantity with another name .*, received '{name}'$"):
+    with pytest.raises(
+        InputError, match=f"model tried: a quantity with a name .* received '{name}': rename it$"
+    ):
         render(with_drag(name))
 
 

@@ -14,6 +14,8 @@ _LONG_S = 10.0
 """Seconds unseen that are worth a line."""
 _MOST_ALARMS = 5
 _NOISIER, _QUIETER = 2.0, 0.5
+_CORRELATED = 0.5
+"""From one row to the next: with more, standard errors that count every row are far too small."""
 
 
 def course_lines(course: Replay, log: str) -> list[str]:
@@ -43,6 +45,12 @@ def course_lines(course: Replay, log: str) -> list[str]:
         lines.append(
             f"the innovations are {course.noise:.2g} times the noise that the prior assumes"
             f" ({course.assumed:.3g} N m): the standard errors are to be scaled alike"
+        )
+    if course.correlation > _CORRELATED:
+        lines.append(
+            f"the innovations are correlated from row to row ({course.correlation:.2g}): the standard errors"
+            " are too small, and unless a filter of the log is the cause, the model lacks an effect:"
+            " eccentric diagnose"
         )
     return lines
 

@@ -45,7 +45,8 @@ def adapt(
         forgetting, false_alarms, settle: as `emit` takes them.
 
     Raises:
-        InputError: whatever `fit` refuses; a log without current; a model that cannot be followed.
+        InputError: whatever `fit` refuses; a log without current, or one that does not fit its rig; a model
+            that cannot be followed.
     """
     asked = asked_adaptation(True, forgetting, false_alarms, settle)
     read = read_logs(log)
@@ -56,7 +57,10 @@ def adapt(
     document: Any = fit_document(fitted, names_of(read))
     if parameters is not None:
         document = document_of(given_path(parameters, "parameters"))
-    start = with_fitted(base, read_parameters(document), base.name)
+    given = read_parameters(document)
+    if not given.fits_the_rig:
+        raise InputError(f"{given.source}: parameters of a log that fits its rig are required to start from")
+    start = with_fitted(base, given, base.name)
     course = replayed(fitted.problem.drive.channels, start, document, asked)
     return AdaptResult(
         course=course,

@@ -1,5 +1,5 @@
 /*
- * Generated: do not edit. Written beside rotating_link.c (program 6d897c46).
+ * Generated: do not edit. Written beside rotating_link.c (program 70e8a881).
  * Expected results of the self-test, computed by the emitted NumPy module.
  */
 #define INPUTS 5u

@@ -69,13 +69,19 @@ def prior_of(model: Model, fit: Mapping[str, Any] | None = None) -> Prior:
     """The prior of a model with its defaults; `fit` is the content of the fit.json that they come from.
 
     Raises:
-        InputError: the model has no mechanical residual in newton metres and amperes, or no inertia.
+        InputError: the model has no mechanical residual in newton metres and amperes, no inertia, or no
+            friction.
     """
     _require(model)
     fit = fit or {}
     columns = regressor(model)
     speed = _speed(fit)
     values, bases, friction = _seen(model, speed)
+    if not friction > 0.0:
+        raise InputError(
+            f"model {model.name}: a friction coefficient above 0 is required for an estimator to start from,"
+            " received none: check the sign of the current and the rig"
+        )
     size = np.maximum(np.abs(values), _LEAST_SHARE * friction / bases)
     covariance = np.diag((CHANGE * size) ** 2) + _of_fit(columns, fit)
     deviations = np.sqrt(np.diag(covariance))

@@ -10,6 +10,8 @@ from eccentric.errors import InputError
 
 # Arguments and local names of every emitted function in C, and modules that those in Python use.
 _LOCAL = frozenset({"c", "count", "first", "k", "n", "next", "np", "out", "own", "parameters", "state"})
+# Arguments and a local name of `prepare`, where parameters and what follows from them have names.
+_OF_PREPARE = frozenset({"c", "invalid", "p"})
 # What the object that holds the coefficients in Python has beside them.
 OF_COEFFICIENTS = frozenset({"leading", "real", "rounded", "rounder", "single"})
 
@@ -21,6 +23,7 @@ def require_distinct(program: Program) -> None:
     inputs |= {q.name for q, _ in program.states}
     _require_free(program.name, (inputs & _LOCAL) | (given & OF_COEFFICIENTS))
     prepared = _targets(program.prepare)
+    _require_free(program.name, {*given, *prepared} & _OF_PREPARE)
     known = given | {s.name for s in program.coefficients}
     _require_free(program.name, _repeated([*given, *prepared]))
     for part in (*program.helpers, *program.routines):
@@ -44,6 +47,6 @@ def _repeated(names: Iterable[str]) -> set[str]:
 def _require_free(model: str, taken: set[str]) -> None:
     if taken:
         raise InputError(
-            f"model {model}: a quantity with another name than the values that the emitted code computes is"
-            f" required, received {min(taken)!r}"
+            f"model {model}: a quantity with a name that the emitted code does not use for a value of its"
+            f" own is required, received {min(taken)!r}: rename it"
         )
