@@ -15,7 +15,7 @@ import numpy as np
 
 from eccentric.search.attribution import Search
 from eccentric.search.candidate import Candidate, Variant
-from eccentric.search.joint import Joint
+from eccentric.search.joint import BothBalances
 from eccentric.search.limits import CONFIRMED, TINY_COLUMN
 from eccentric.search.nulltest import correlated
 from eccentric.search.screen import Fitted, Screen
@@ -138,7 +138,7 @@ def _corrected(balance: BalanceDesign, electrical: Search) -> BalanceDesign:
     target, best = balance.target, electrical.best
     found = electrical.screen.own(best)
     if any(variant.candidate.joint for variant in best.variants):
-        joint = Joint(electrical.screen, best, balance)
+        joint = BothBalances(electrical.screen, best, balance)
         found = joint.run()
         electrical.best = best = electrical.screen.fit(joint.variants)
     for variant, own in zip(best.variants, found, strict=True):

@@ -13,12 +13,12 @@ from eccentric.search.refinement import refined
 from eccentric.search.screen import Fitted, Screen
 from eccentric.signals import BalanceDesign
 
-__all__ = ["Joint"]
+__all__ = ["BothBalances"]
 
 Array = np.ndarray
 
 
-class Joint:
+class BothBalances:
     """The variants of the electrical balance on both balances, each weighted by what a fit leaves in it.
 
     The mechanical base is free, and what it lacks counts as noise.

@@ -22,7 +22,7 @@ from eccentric.model.chain.arm import arm
 from eccentric.model.chain.bearing import Bearing
 from eccentric.model.chain.body import Body, Moments
 from eccentric.model.chain.chain import Chain
-from eccentric.model.chain.drive import Drive, drives
+from eccentric.model.chain.drive import JointDrive, drives
 from eccentric.model.chain.inwards import Wrench
 from eccentric.model.chain.joint import Joint, Placement
 from eccentric.model.chain.recursion import Recursion, recursion
@@ -31,8 +31,8 @@ __all__ = [
     "Bearing",
     "Body",
     "Chain",
-    "Drive",
     "Joint",
+    "JointDrive",
     "Moments",
     "Placement",
     "Recursion",

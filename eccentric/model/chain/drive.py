@@ -46,7 +46,7 @@ _VISCOUS_SLIDING = {"1": "s/m", "1/m": "s/m^2"}
 
 
 @dataclass(frozen=True)
-class Drive:
+class JointDrive:
     """The drive of one joint.
 
     Attributes:
@@ -63,12 +63,12 @@ class Drive:
     electrical: Balance
 
 
-def drives(found: Recursion) -> tuple[Drive, ...]:
+def drives(found: Recursion) -> tuple[JointDrive, ...]:
     """The drives of all joints, from the base outwards."""
     return tuple(_drive(found, j) for j in range(len(found.chain.joints)))
 
 
-def _drive(found: Recursion, j: int) -> Drive:
+def _drive(found: Recursion, j: int) -> JointDrive:
     joint, inputs = found.chain.joints[j], found.inputs[j]
     velocity, sgn = inputs.omega_m.symbol, Sgn(inputs.omega_m.symbol)
     current = quantity(f"i_{j}", "A", f"armature current of motor {j}", "(2)")
@@ -122,7 +122,7 @@ def _drive(found: Recursion, j: int) -> Drive:
             Term(f"back_emf_{j}", "back_emf", k_e.symbol, velocity, "(2)", (None, None), joint=j),
         ),
     )
-    return Drive(current, voltage, tuple(parameters), mechanical, electrical)
+    return JointDrive(current, voltage, tuple(parameters), mechanical, electrical)
 
 
 def _coefficients(followed: _Followed, j: int, *, turns: bool) -> tuple[Quantity, Quantity]:

@@ -10,7 +10,7 @@ from eccentric.emission.backends.expression import Language, printed
 from eccentric.emission.backends.python.dialect import Dialect
 from eccentric.emission.backends.python.inline import inlined
 from eccentric.emission.backends.python.lines import WIDTH, broken
-from eccentric.emission.backends.python.shared import Body, Line, names_in, with_shared
+from eccentric.emission.backends.python.shared import CodeBody, Line, names_in, with_shared
 from eccentric.emission.program import Assignment, Helper, Program, Routine
 
 _MARGIN = 110
@@ -31,21 +31,21 @@ def functions(program: Program, dialect: Dialect) -> dict[str, list[dict[str, An
     }
 
 
-def _body(r: Routine, spelling: Language) -> Body:
+def _body(r: Routine, spelling: Language) -> CodeBody:
     """The routine as lines; a result that is just a name needs none."""
     lines = _printed(r.assignments, spelling)
     results = [str(s) for s in r.results]
     named = {line.targets[0]: line.text for line in lines if line.text.removeprefix("c.").isidentifier()}
     kept = [line for line in lines if line.targets[0] not in results or line.targets[0] not in named]
     inputs = [s.name for x in r.inputs for s in x.symbols]
-    return Body(r.name, tuple(inputs), tuple(kept), tuple(named.get(name, name) for name in results))
+    return CodeBody(r.name, tuple(inputs), tuple(kept), tuple(named.get(name, name) for name in results))
 
 
 def _printed(assignments: Iterable[Assignment], spelling: Language) -> list[Line]:
     return inlined(Line((a.target.name,), printed(a.value, spelling), a.note) for a in assignments)
 
 
-def _lines(body: Body, *, vector: bool) -> list[str]:
+def _lines(body: CodeBody, *, vector: bool) -> list[str]:
     """The lines of a function, which returns a tuple if it is a vector."""
     lines = []
     for k, line in enumerate(body.lines):
@@ -80,7 +80,7 @@ def _returned(results: Sequence[str], vector: bool) -> list[str]:
 
 def _helper(helper: Helper, spelling: Language) -> dict[str, Any]:
     result = helper.assignments[-1].target.name
-    body = Body(
+    body = CodeBody(
         helper.name, (helper.argument.name,), tuple(_printed(helper.assignments, spelling)), (result,)
     )
     return {
@@ -91,7 +91,7 @@ def _helper(helper: Helper, spelling: Language) -> dict[str, Any]:
     }
 
 
-def _shared(body: Body) -> dict[str, Any]:
+def _shared(body: CodeBody) -> dict[str, Any]:
     last = body.lines[-1]
     whole = f"the values of {body.name[1:]}"
     meaning = (last.note or last.targets[-1]) if body.name == f"_{last.targets[-1]}" else whole
@@ -104,7 +104,7 @@ def _shared(body: Body) -> dict[str, Any]:
     }
 
 
-def _routine(r: Routine, body: Body) -> dict[str, Any]:
+def _routine(r: Routine, body: CodeBody) -> dict[str, Any]:
     names = [x.quantity.name for x in r.inputs]
     defaults = ["=0.0" if r.requires and x is r.inputs[-1] else "" for x in r.inputs]
     vectors = {x.quantity.name: x.length for x in r.inputs if x.length is not None}

@@ -27,7 +27,7 @@ class Line:
 
 
 @dataclass(frozen=True)
-class Body:
+class CodeBody:
     """A function.
 
     Attributes:
@@ -45,14 +45,14 @@ class Body:
     callers: int = 0
 
 
-def with_shared(bodies: Sequence[Body], taken: Collection[str]) -> tuple[list[Body], list[Body]]:
+def with_shared(bodies: Sequence[CodeBody], taken: Collection[str]) -> tuple[list[CodeBody], list[CodeBody]]:
     """The functions that bodies share, callees before callers, and the bodies that call them.
 
     Args:
         bodies: the routines; their lines have one target.
         taken: names that no shared function may have.
     """
-    shared, rest = list[Body](), list(bodies)
+    shared, rest = list[CodeBody](), list(bodies)
     numbering = dict[str, str]()
     while (alike := _most_alike([*shared, *rest], numbering)) is not None:
         callers = [body for body in [*shared, *rest] if alike <= {*_keys(body, numbering)}]
@@ -72,7 +72,7 @@ def _names(text: str) -> frozenset[str]:
     return frozenset(name[0] for name in _NAME.finditer(text))
 
 
-def _keys(body: Body, numbering: dict[str, str]) -> list[str]:
+def _keys(body: CodeBody, numbering: dict[str, str]) -> list[str]:
     """The value of each line as a number, the same for equivalent lines of different bodies.
 
     Within a body a value is written once; where it is written again, it is a result of its own, such as a 0.
@@ -92,7 +92,7 @@ def _result(key: str, line: Line, k: int) -> str:
     return f"{key}[{k}]" if len(line.targets) > 1 else key
 
 
-def _most_alike(bodies: Sequence[Body], numbering: dict[str, str]) -> set[str] | None:
+def _most_alike(bodies: Sequence[CodeBody], numbering: dict[str, str]) -> set[str] | None:
     """The lines, by their keys, that save most as a function; None if none saves anything.
 
     They are a named value with everything that it depends on, or a whole routine.
@@ -122,7 +122,9 @@ def _most_alike(bodies: Sequence[Body], numbering: dict[str, str]) -> set[str] |
     return best if most[0] > 0 else None
 
 
-def _block(callers: Sequence[Body], alike: set[str], numbering: dict[str, str], taken: set[str]) -> Body:
+def _block(
+    callers: Sequence[CodeBody], alike: set[str], numbering: dict[str, str], taken: set[str]
+) -> CodeBody:
     """The function of the lines, with the names that its first caller uses."""
     first = callers[0]
     keys = _keys(first, numbering)
@@ -138,10 +140,10 @@ def _block(callers: Sequence[Body], alike: set[str], numbering: dict[str, str], 
         name += "_2"
     used = names_in(line.text for line in lines)
     inputs = tuple(x for x in first.inputs if x in used)
-    return Body(name, inputs, tuple(lines), tuple(results), len(callers))
+    return CodeBody(name, inputs, tuple(lines), tuple(results), len(callers))
 
 
-def _read_outside(body: Body, keys: Sequence[str], alike: set[str]) -> set[str]:
+def _read_outside(body: CodeBody, keys: Sequence[str], alike: set[str]) -> set[str]:
     """The values of the lines that a caller uses outside them, by key; `keys` are those of the caller."""
     others = [line for key, line in zip(keys, body.lines, strict=True) if key not in alike]
     read = names_in(line.text for line in others) | {*body.results}
@@ -149,7 +151,7 @@ def _read_outside(body: Body, keys: Sequence[str], alike: set[str]) -> set[str]:
     return {key for key, name in _named(body, keys) if name in read & made}
 
 
-def _calling(body: Body, block: Body, numbering: dict[str, str]) -> Body:
+def _calling(body: CodeBody, block: CodeBody, numbering: dict[str, str]) -> CodeBody:
     """The body with a call in place of the lines that the block computes."""
     of_block, own = _keys(block, numbering), _keys(body, numbering)
     made = {*of_block}
@@ -163,7 +165,7 @@ def _calling(body: Body, block: Body, numbering: dict[str, str]) -> Body:
     return replace(body, lines=(*rest[:at], call, *rest[at:]))
 
 
-def _named(body: Body, keys: Sequence[str]) -> list[tuple[str, str]]:
+def _named(body: CodeBody, keys: Sequence[str]) -> list[tuple[str, str]]:
     """Key and name of every value of the lines, whose keys these are."""
     return [
         (_result(key, line, k), name)
