@@ -43,7 +43,7 @@ def build_program(model: Model, choice: Choice = WHOLE) -> Program:
 
     Raises:
         InputError: a quantity has the name of a value that the code computes; there is no function of a
-            chosen name; or fixed parameters that the functions need are not given.
+            chosen name, or none that depends on a parameter; or fixed ones that they need are not given.
     """
     shared = Prepare(model)
     half_turns = HalfTurns(shared)
@@ -76,6 +76,11 @@ def build_program(model: Model, choice: Choice = WHOLE) -> Program:
         fixed=choice.fixed,
     )
     require_distinct(program)
+    if choice.functions and not program.coefficients:
+        raise InputError(
+            f"functions: one that depends on a parameter is required, received {', '.join(choice.functions)},"
+            f" which {program.name} gives the same value for all parameters"
+        )
     if absent := [q.name for q in model.parameters if q.default is None] if _lacks(program) else []:
         raise InputError(
             f"fixed: a value of {' and '.join(absent)} is required, which {program.name} has no default for:"
