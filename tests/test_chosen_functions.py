@@ -93,7 +93,8 @@ def compiles(folder: Path, model: str, function: str) -> None:
         eccentric.emit(model, out, functions=[function], backend="c99", arrays=arrays, fixed=fixed)
         sources = [out / f"{model}.c", *out.glob("check/*_selftest.c")]
         for real, source in itertools.product(REALS, sources):
-            run("gcc", *FLAGS, f"-DECCENTRIC_REAL={real}", f"-I{out}", "-fsyntax-only", source)
+            options = (*FLAGS, f"-DECCENTRIC_REAL={real}", f"-I{out}", "-fsyntax-only")
+            assert "" == run("gcc", *options, source)
 
 
 def test_every_way_to_choose_compiles(tmp_path: Path) -> None:

@@ -134,12 +134,15 @@ def test_contraction(tmp_path: Path) -> None:
     fusing = ("gcc", "-O2", "-mfma", "-ffp-contract=fast", "-Wno-unknown-pragmas")
     need(*fusing)
 
-    failed(
+    said, values = failed(
         tmp_path,
         "float",
         changed(tmp_path, '#pragma GCC optimize("fp-contract=off"', '#pragma unknown(""'),
         *fusing,
     )
+
+    assert said.startswith("c2_parallel: ")
+    assert "came" in values or "digest" in said
 
 
 @pytest.mark.parametrize(
