@@ -20,10 +20,12 @@ from tests.import_graph import (
 LAYERS = (
     {"errors", "lazy", "started", "version"},
     {"places"},
+    {"entries"},
     {"output", "scripts"},
     {"model"},
     {"effects", "derivations"},
     {"emission", "logs", "estimation"},
+    {"arms"},
     {"rigs", "audit", "figures", "compiled"},
     {"signals"},
     {"fitting"},

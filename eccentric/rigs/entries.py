@@ -1,4 +1,4 @@
-"""Entries of a rig file by kind: numbers, ranges, intervals, names, tables, and the allowed keys.
+"""Entries of a rig file by kind: ranges, intervals, names; numbers, tables and keys are those of any file.
 
 `where` opens the message of every InputError: file and key.
 """
@@ -6,25 +6,21 @@
 from __future__ import annotations
 
 import json
-import math
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
-from eccentric.errors import InputError, meant
+from eccentric.entries import read_number, read_table, refuse_unknown
+from eccentric.errors import InputError
 
-if TYPE_CHECKING:
-    from collections.abc import Iterable
-
-
-def read_number(value: object, where: str, lower: float = -math.inf, open_below: bool = False) -> float:
-    """Return a finite number, at least (or above) `lower`; InputError for anything else, including true."""
-    if isinstance(value, bool) or not isinstance(value, int | float):
-        raise InputError(f"{where}: a number is required, received {value!r}")
-    number = float(value) if abs(value) < 1e300 else math.inf
-    if not math.isfinite(number) or number < lower or (open_below and number == lower):
-        bound = "" if math.isinf(lower) else f" {'above' if open_below else 'of at least'} {lower:g}"
-        raise InputError(f"{where}: a finite number{bound} is required, received {value!r}")
-    return number
+__all__ = [
+    "plain_entries",
+    "read_intervals",
+    "read_names",
+    "read_number",
+    "read_pair",
+    "read_table",
+    "refuse_unknown",
+]
 
 
 def read_pair(value: object, where: str) -> tuple[Any, Any]:
@@ -73,19 +69,3 @@ def _plain(value: Any) -> Any:
     if hasattr(value, "tolist"):  # arrays and numbers of NumPy
         return value.tolist()
     raise TypeError(f"received {type(value).__name__}")
-
-
-def read_table(value: object, where: str) -> Mapping[str, Any]:
-    """Return a table of the rig file; InputError for anything else."""
-    if not isinstance(value, dict):
-        raise InputError(f"{where}: a table is required, received {value!r}")
-    return value
-
-
-def refuse_unknown(keys: Iterable[str], allowed: Iterable[str], where: str) -> None:
-    """Raise InputError for the first key that is not allowed, with the closest one that is."""
-    allowed = list(allowed)
-    for key in keys:
-        if key not in allowed:
-            hint = meant(key, allowed) or f"; known are {', '.join(allowed)}"
-            raise InputError(f"{where}: unknown key {key!r}{hint}")
