@@ -1,0 +1,12 @@
+"""Where arms come from: a file that describes a serial chain in, a checked `Chain` in SI units out.
+
+In: the path of an arm file, `.toml` or `.json`.  Out: `read_arm(path)`, a `Chain` whose joints
+have the names, gear ratios and rotors of the file; what the file keeps symbolic is among its parameters, with
+the file's numbers as defaults.
+May import: `model` for chains, `logs` for units. Meshes are not read, and nothing is fetched.
+"""
+
+from eccentric.arms.arm_file import KEYS_OF_ARMS
+from eccentric.arms.reading import read_arm
+
+__all__ = ["KEYS_OF_ARMS", "read_arm"]
