@@ -68,15 +68,15 @@ def run(script: str, *arguments: object) -> subprocess.CompletedProcess[str]:
     )  # fmt: skip
 
 
-def at_each_step(act: str, write: str, start: Path, text: str, *names: str) -> list[Path]:
+def at_each_step(act: str, write: str, start: Path, text: str, *names: str, imports: str = "") -> list[Path]:
     """Copies of a folder: in each, `act` befell a run before another step; the last one came to its end.
 
     `act` is `kill`, or `interrupt`: by Ctrl-C, at that step and at all that follow. `write` is one statement
-    that writes files with this text into the folder `into`.
+    that writes files with this text into the folder `into`; `imports` comes before the first copy.
     """
     copy = start.with_name(f"{start.name}.start")
     start.rename(copy)
-    done = run(AT_EACH.replace("WRITE", write).replace("ACT", act), start, text, *names)
+    done = run(imports + AT_EACH.replace("WRITE", write).replace("ACT", act), start, text, *names)
     assert (done.returncode, done.stderr) == (0, "")
     copies = sorted(start.parent.glob(f"{start.name}[0-9]*"), key=lambda f: int(f.name[len(start.name) :]))
     assert len(copies) > 1

@@ -4,22 +4,18 @@ from __future__ import annotations
 
 import json
 import os
-import shutil
 import signal
 import subprocess
 import sys
 import threading
 from pathlib import Path
-from types import SimpleNamespace
 
-import numpy as np
 import pytest
 
 from eccentric import cli
 from eccentric.errors import InputError
 from eccentric.output import locks, whole_file, whole_folder, workshop
-from eccentric.virtual_bench import write
-from tests.kills import ROOT, left_by
+from tests.kills import ROOT, at_each_step, left_by
 
 pytestmark = pytest.mark.skipif(os.name != "posix", reason="signals are those of POSIX")
 
@@ -229,21 +225,23 @@ def fill(out: Path) -> None:
         (new / "a").write_text("a")
 
 
-@pytest.mark.parametrize("moves", range(3))
-def test_an_interrupted_bench_leaves_no_log_without_its_rig(
-    moves: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """The log, the rig and the truth are there, or none: a second run could not overwrite the log."""
-    run = SimpleNamespace(columns={"time_s": np.zeros(3)}, rig={}, truth={})
-    move, left = shutil.move, [moves]
+IMPORTS = """
+import numpy as np
+from types import SimpleNamespace
+from eccentric.virtual_bench import write
 
-    def interrupted(source: Path, target: Path) -> None:
-        move(source, target)
-        left[0] -= 1
-        if left[0] < 0:
-            raise KeyboardInterrupt
+bench = SimpleNamespace(columns={"time_s": np.zeros(3)}, rig={}, truth={})
+"""
 
-    monkeypatch.setattr("shutil.move", interrupted)
-    with pytest.raises(KeyboardInterrupt):
-        write(run, tmp_path / "log.csv.gz")  # pyright: ignore[reportArgumentType]
-    assert [] == list(tmp_path.iterdir())
+
+@pytest.mark.parametrize("act", ["kill", "interrupt"])
+def test_an_ended_bench_leaves_no_log_without_its_rig(act: str, tmp_path: Path) -> None:
+    """Log, rig and truth are there, or none, after the next run that writes there; nothing else is left."""
+    (tmp_path / "out").mkdir()
+
+    for copy in at_each_step(act, "write(bench, into / 'log.csv.gz')", tmp_path / "out", "", imports=IMPORTS):
+        with whole_file(copy / "next") as file:
+            file.touch()
+
+        found = {path.name for path in copy.iterdir()} - {"next"}
+        assert found in (set(), {"log.csv.gz", "log.json", "log.truth.json"})

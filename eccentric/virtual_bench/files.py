@@ -3,16 +3,12 @@
 import gzip
 import io
 import json
-import os
-import shutil
-import tempfile
 from pathlib import Path
 
 import numpy as np
 
-from eccentric.errors import InputError
-
 from .simulation import BenchRun
+from .written import LOG, new_paths, write_new
 
 _FORMATS = {
     "time_s": "%.3f",
@@ -22,7 +18,7 @@ _FORMATS = {
     "current_A": "%.4f",
     "temperature_C": "%.2f",
 }
-_ENDING = ".csv.gz"
+_BESIDE = (".json", ".truth.json")
 
 
 def write(run: BenchRun, path: str | Path) -> tuple[Path, Path, Path]:
@@ -33,52 +29,21 @@ def write(run: BenchRun, path: str | Path) -> tuple[Path, Path, Path]:
     of the three files exists, or they cannot be written.
     """
     log, rig, truth = free_paths(path)
-    stem = log.name.removesuffix(_ENDING)
-    contents = {
-        log: gzip.compress(_csv(run), 9, mtime=0),
-        rig: _json({**run.rig, "name": stem}),
-        truth: _json({**run.truth, "name": stem}),
-    }
-    try:
-        log.parent.mkdir(parents=True, exist_ok=True)
-        with tempfile.TemporaryDirectory(dir=log.parent) as folder:
-            for target, content in contents.items():
-                (Path(folder) / target.name).write_bytes(content)
-            _move(Path(folder), list(contents))
-    except OSError as error:
-        raise InputError(
-            f"{path}: a file that can be written is required ({error.strerror or error})"
-        ) from error
+    stem = log.name.removesuffix(LOG)
+    write_new(
+        {
+            log: gzip.compress(_csv(run), 9, mtime=0),
+            rig: _json({**run.rig, "name": stem}),
+            truth: _json({**run.truth, "name": stem}),
+        }
+    )
     return log, rig, truth
 
 
-def _move(folder: Path, targets: list[Path]) -> None:
-    """Move the files of a folder to their places, none of which is taken; if one fails, remove the others."""
-    moved: list[Path] = []
-    try:
-        for target in targets:
-            moved.append(target)  # before it is there: an interrupt may come right after the move
-            shutil.move(folder / target.name, target)
-    except BaseException:
-        for target in moved:
-            target.unlink(missing_ok=True)
-        raise
-
-
 def free_paths(path: str | Path) -> tuple[Path, Path, Path]:
-    """Return the paths of log, rig and truth, none of which exists: a measured log may have that name.
-
-    Raises InputError if the path does not end in .csv.gz or one of the three files exists.
-    """
-    log = Path(path)
-    if not log.name.endswith(_ENDING) or log.name == _ENDING:
-        raise InputError(f"{log}: a log name that ends in {_ENDING} is required")
-    stem = log.name.removesuffix(_ENDING)
-    paths = log, log.with_name(f"{stem}.json"), log.with_name(f"{stem}.truth.json")
-    for one in paths:
-        if os.path.lexists(one):  # including a dangling link
-            raise InputError(f"{one}: a new file to write is required, received one that exists")
-    return paths
+    """Return the paths of log, rig and truth, none of which exists; InputError as for `write`."""
+    log, rig, truth = new_paths(path, _BESIDE)
+    return log, rig, truth
 
 
 def _csv(run: BenchRun) -> bytes:
