@@ -2,27 +2,49 @@
 
     random_scenario -> Scenario (plant, controller, course, effects) -> simulate -> BenchRun -> write -> files
 
+and the same for arms, in `arms`: `random_arm_scenario`, `simulate_arm`, `write_arm`.
+
 In: the arguments of `random_scenario`. Out: a log, its rig and the sealed truth, in memory (`BenchRun`) or
-as files. It imports nothing from the toolkit but its error, so that it can serve as an oracle: the same
-physics, written twice by different means, must agree.
+as files. It imports nothing from the toolkit but its error and how files are written, so that it can
+serve as an oracle: the same physics, written twice by different means, must agree.
 """
 
+from .arms import (
+    ARM_EFFECTS,
+    ARM_VARIANTS,
+    ArmRun,
+    ArmScenario,
+    free_arm_paths,
+    known_joint_effect,
+    random_arm_scenario,
+    simulate_arm,
+    write_arm,
+)
 from .effects import EFFECTS, VARIANTS, Law, PlantedEffect, simply
 from .files import free_paths, write
 from .scenario import Scenario, known_effect, random_scenario
 from .simulation import BenchRun, simulate
 
 __all__ = [
+    "ARM_EFFECTS",
+    "ARM_VARIANTS",
     "EFFECTS",
     "VARIANTS",
+    "ArmRun",
+    "ArmScenario",
     "BenchRun",
     "Law",
     "PlantedEffect",
     "Scenario",
+    "free_arm_paths",
     "free_paths",
     "known_effect",
+    "known_joint_effect",
+    "random_arm_scenario",
     "random_scenario",
     "simply",
     "simulate",
+    "simulate_arm",
     "write",
+    "write_arm",
 ]

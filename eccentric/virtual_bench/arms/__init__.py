@@ -1,0 +1,39 @@
+"""The virtual bench for arms: realistic logs of serial arms, with chosen effects in chosen joints.
+
+    random_arm_scenario -> ArmScenario -> simulate_arm -> ArmRun -> write_arm -> files
+
+In: the arguments of `random_arm_scenario`. Out: a log, its rig, the arm and the sealed truth. The rigid
+bodies are MuJoCo's (`pip install 'eccentric[arms-bench]'`), the friction is of closed forms written here:
+the toolkit and the bench share nothing.
+
+    plant        joints, links, drives, friction
+    engine       mass matrix, bias and joint loads, by MuJoCo
+    random_arms  arms that could have been built
+    course       reference motion
+    survey       loads and torques along the reference
+    friction     of all joints at once
+    families     of effects; motion, what their laws see
+    effects      one effect in one joint, drawn and at work
+    servo        encoders and loops
+    scenario     all of it drawn
+    simulation   step by step
+    log, files   what is written
+"""
+
+from .families import ARM_EFFECTS, ARM_VARIANTS
+from .files import free_arm_paths, write_arm
+from .log import ArmRun, simulate_arm
+from .request import known_joint_effect
+from .scenario import ArmScenario, random_arm_scenario
+
+__all__ = [
+    "ARM_EFFECTS",
+    "ARM_VARIANTS",
+    "ArmRun",
+    "ArmScenario",
+    "free_arm_paths",
+    "known_joint_effect",
+    "random_arm_scenario",
+    "simulate_arm",
+    "write_arm",
+]

@@ -1,0 +1,135 @@
+"""ArmTrace -> the log as the drives write it, its rig, the arm as it is declared, and the sealed truth."""
+
+from __future__ import annotations
+
+from dataclasses import asdict, dataclass
+from math import pi
+from typing import Any
+
+import numpy as np
+
+from .scenario import ArmScenario
+from .simulation import ArmTrace, Progress, trace
+from .survey import rms
+
+
+@dataclass(frozen=True)
+class ArmRun:
+    """A log (`columns`: name -> array of shape (rows,), as written), its `rig`, `arm` and sealed `truth`."""
+
+    columns: dict[str, np.ndarray]
+    rig: dict[str, Any]
+    arm: dict[str, Any]
+    truth: dict[str, Any]
+
+
+def simulate_arm(scenario: ArmScenario, progress: Progress | None = None) -> ArmRun:
+    """Run the bench for arms; the same scenario gives the same run.
+
+    Each effect has the requested strength, its rms over that of its joint's friction, to 3 %, or as close as
+    its physical bound allows; the truth holds the actual one. `progress` is told the part that is done.
+    """
+    scenario, found = trace(scenario, progress)
+    return ArmRun(_log(scenario, found), _rig(scenario), declared(scenario), _truth(scenario, found))
+
+
+def _log(scenario: ArmScenario, found: ArmTrace) -> dict[str, np.ndarray]:
+    """Columns as a drive records them: quantised, noisy, rounded to the digits of the file."""
+    rng, arm = np.random.default_rng(scenario.seed), scenario.arm
+    columns = {"run": found.run.astype(float), "t_s": np.round(found.t, 4)}
+    mu = arm.column("mu")
+    quantum = 2.0 * pi * mu / scenario.servo.counts
+    peak = np.abs(found.current).max(axis=0)
+    bit = peak / 2048.0
+    current = found.current + scenario.noise * peak * rng.standard_normal(found.current.shape)
+    current = np.floor(current / bit + 0.5) * bit
+    drive = {"current": ("i_A", current), "torque": ("tau_Nm", current * arm.column("k_i") / mu)}
+    measured = {
+        "q_rad": (np.floor(found.q / quantum + 0.5) * quantum, 7),
+        "w_rad_s": (found.speed, 5),
+        drive[scenario.measured][0]: (drive[scenario.measured][1], 5),
+    }
+    for name, (values, digits) in measured.items():
+        for j in range(len(arm)):
+            columns[f"{name}_{j + 1}"] = np.round(values[:, j], digits) + 0.0  # no negative zeros
+    return columns
+
+
+def _rig(scenario: ArmScenario) -> dict[str, Any]:
+    """What the rig file says: the arm, its columns, its drives."""
+    columns = {"time": "t_s", "run": "run", "theta_l": "q_rad_{j}", "omega_l": "w_rad_s_{j}"}
+    if scenario.measured == "torque":
+        drives = {}
+        columns["torque_l"] = "tau_Nm_{j}"
+    else:
+        drives = {"k_i_Nm_per_A": [link.k_i for link in scenario.arm.links]}
+        columns["current"] = "i_A_{j}"
+    rig = {
+        "arm": f"{scenario.name}.arm.toml",
+        "drive": scenario.measured,
+        "columns": columns,
+        "joints": {"first": 1, "inertial": "known"},
+    }
+    return rig | ({"drives": drives} if drives else {})
+
+
+def declared(scenario: ArmScenario) -> dict[str, Any]:
+    """The arm without its friction."""
+    joints = []
+    for j, link in enumerate(scenario.arm.links):
+        xx, yy, zz, xy, xz, yz = link.inertia
+        joints.append({
+            "name": f"joint_{j + 1}",
+            "kind": "revolute",
+            "axis": list(link.axis),
+            "position_m": list(link.position),
+            "rpy_rad": list(link.rpy),
+            "mu": f"1/{round(1.0 / link.mu)}",
+            "J_m_kgm2": link.J_m,
+            "body": {"mass_kg": link.mass, "centre_m": list(link.centre),
+                     "inertia_kgm2": [[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]},
+        })  # fmt: skip
+    return {"name": scenario.arm.name, "gravity_m_s2": list(scenario.arm.gravity), "joint": joints}
+
+
+def _truth(scenario: ArmScenario, found: ArmTrace) -> dict[str, Any]:
+    moving, shares = found.moving(scenario.course), found.shares(scenario)
+    joints = [
+        {"name": f"joint_{j + 1}", "mu": link.mu, "friction": asdict(link.friction),
+         "friction_rms_Nm": float(rms(found.friction[moving[:, j], j])),
+         "load_rms": dict(zip(("F_N", "F_T", "M_B"),
+                              rms(found.bearing[moving[:, j], :, j]).tolist(), strict=True))}
+        for j, link in enumerate(scenario.arm.links)
+    ]  # fmt: skip
+    return {
+        "name": scenario.name,
+        "arm": scenario.arm.name,
+        "kind": "effect" if scenario.effects else "control",
+        "course": scenario.course.kind,
+        "runs": scenario.course.runs,
+        "rows": len(found.t),
+        "noise_frac_of_range": scenario.noise,
+        "joints": joints,
+        "effects": [
+            {"joint": one.joint + 1, "id": one.effect.id, "family": one.effect.family,
+             "form": one.effect.form, "amplitude": one.effect.amplitude, "shape": list(one.effect.shape),
+             "rms_fraction_asked": one.effect.strength, "rms_fraction_of_friction": share,
+             "rms_fraction_beyond_the_model": _beyond(scenario, found, k),
+             "depends_on": list(one.effect.depends_on)}
+            for k, (one, share) in enumerate(zip(scenario.effects, shares, strict=True))
+        ],
+    }  # fmt: skip
+
+
+def _beyond(scenario: ArmScenario, found: ArmTrace, k: int) -> float:
+    """Part of an effect that Coulomb and viscous friction by every load leave, over the joint's friction."""
+    j = scenario.effects[k].joint
+    rows = found.moving(scenario.course)[:, j]
+    w = found.w[rows, j]
+    loads = [np.ones_like(w), *found.bearing[rows, :, j].T, np.abs(found.transmitted[rows, j])]
+    base = np.stack([load * motion for load in loads for motion in (np.sign(w), w)], axis=1)
+    torque = found.effects[rows, k]
+    size = np.linalg.norm(base, axis=0)
+    base = base[:, size > 1e-9] / size[size > 1e-9]
+    taken, *_ = np.linalg.lstsq(base, torque, rcond=1e-9)
+    return float(rms(torque - base @ taken) / rms(found.friction[rows, j]))

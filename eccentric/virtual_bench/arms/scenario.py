@@ -1,0 +1,158 @@
+"""What to simulate: an arm, its drives, its course, what it does not declare, the seed of its noise."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from math import exp, log, pi
+
+import numpy as np
+
+from .course import ArmCourse, fourier_course, sweep_course
+from .effects import JointEffect, planted
+from .plant import BenchArm, JointFriction
+from .random_arms import KINDS, random_arm
+from .request import Requested, checked
+from .servo import ArmServo
+from .survey import Survey, rms, survey
+
+COURSES = ("fourier", "sweeps")
+MEASURED = ("current", "torque")
+RATES = (250, 500)
+_STEP_S = 1e-3
+"""Longest step of the integration."""
+
+
+@dataclass(frozen=True)
+class ArmScenario:
+    """A complete test of an arm, input of `simulate_arm`.
+
+    Attributes:
+        effects: what the arm has beyond its friction, each in one joint.
+        noise: of each current over its largest value.
+        measured: what is logged of the drives: "current", or the joints' "torque", current times k_i/mu.
+    """
+
+    arm: BenchArm
+    servo: ArmServo
+    course: ArmCourse
+    effects: tuple[JointEffect, ...]
+    noise: float
+    measured: str
+    seed: int
+    sample_rate_hz: int = 250
+    name: str = "bench"
+
+    @property
+    def steps_per_sample(self) -> int:
+        """Steps of the integration from one sample to the next."""
+        return round(1.0 / (self.sample_rate_hz * _STEP_S))
+
+
+def random_arm_scenario(
+    rng: np.random.Generator,
+    *,
+    arm: str = "2r",
+    effects: Requested = (),
+    course: str = "fourier",
+    runs: int = 5,
+    seconds: float = 60.0,
+    noise: float = 0.01,
+    measured: str = "current",
+    sample_rate_hz: int = 250,
+) -> ArmScenario:
+    """Draw an arm with drives and friction, a course, and shapes of effects.
+
+    The same state of `rng` gives the same arm and course, whatever the effects.
+
+    Args:
+        rng: the source of all that is drawn.
+        arm: "2r" (two links in a vertical plane, a weight at the tip), "3" or "6" joints in space.
+        effects: families, each with its joint and strength if wanted: "stribeck", "stribeck@2",
+            ("stribeck@2", 0.1). The strength is the effect's rms over that of the joint's friction (0.15);
+            without a joint, one is drawn.
+        course: "fourier", sums of harmonics, or "sweeps", constant velocities.
+        runs: of equal length, each from rest; 3 to 20.
+        seconds: length of all runs together, 15 to 3600.
+        noise: of each current over its largest value, at most 0.5.
+        measured: "current", or "torque" of the joints.
+        sample_rate_hz: 250 or 500.
+
+    Raises:
+        InputError: a value is out of range, an effect or a joint is unknown, or MuJoCo is not installed.
+    """
+    wanted = checked(
+        effects, {"arm": (arm, KINDS), "course": (course, COURSES), "measured": (measured, MEASURED),
+                  "sample rate [Hz]": (sample_rate_hz, RATES)},
+        {"runs": (runs, 3, 20), "seconds": (seconds, 15.0, 3600.0), "noise": (noise, 0.0, 0.5)},
+        joints=2 if arm == "2r" else int(arm),
+    )  # fmt: skip
+    bare = random_arm(rng, arm)
+    chosen = _course(rng, arm, course, int(runs), seconds)
+    bodies = survey(bare, chosen)
+    driven = _with_drives(rng, bare, bodies)
+    gone = survey(driven, chosen)
+    complete = _with_friction(rng, driven, gone)
+    servo = _servo(rng, complete, gone)
+    seed = int(rng.integers(2**32))
+    built = tuple(planted(rng, complete, chosen, gone, one) for one in wanted)
+    return ArmScenario(complete, servo, chosen, built, noise, measured, seed, sample_rate_hz)
+
+
+def _course(rng: np.random.Generator, arm: str, course: str, runs: int, seconds: float) -> ArmCourse:
+    if arm == "2r":
+        home, reach, top = rng.uniform(-0.8, 0.8, 2), np.array([2.8, 2.8]), rng.uniform(4.0, 6.5, 2)
+    else:
+        n = int(arm)
+        # The upper arm points up by about a radian, the elbow bends back: not straight, not folded.
+        home = np.array([0.0, -1.0, 1.2, -0.6, 0.3, 0.0])[:n] + rng.uniform(-0.3, 0.3, n)
+        reach = np.array([2.4, 1.1, 1.5, 2.2, 2.2, 2.6])[:n]
+        top = np.array([1.8, 1.4, 1.8, 2.4, 2.4, 3.0])[:n] * rng.uniform(0.85, 1.15, n)
+    draw = fourier_course if course == "fourier" else sweep_course
+    return draw(rng, runs, round(seconds / runs, 2), np.round(home, 3), reach, np.round(top, 3))
+
+
+def _with_drives(rng: np.random.Generator, arm: BenchArm, gone: Survey) -> BenchArm:
+    """Draw rotors of 20 to 100 % of what they move, and motors with 4 to 8 A at the largest torque."""
+    moved, most = gone.inertia.mean(axis=0), np.abs(gone.torque).max(axis=0)
+    links = []
+    for j, link in enumerate(arm.links):
+        share = exp(rng.uniform(log(0.2), log(1.0)))
+        J_m = float(f"{share * moved[j] * link.mu**2:.2g}")
+        largest = 1.3 * (1.0 + share) * most[j] * link.mu
+        links.append(replace(link, J_m=J_m, k_i=float(f"{largest / rng.uniform(4.0, 8.0):.2g}")))
+    return replace(arm, links=tuple(links))
+
+
+def _with_friction(rng: np.random.Generator, arm: BenchArm, gone: Survey) -> BenchArm:
+    """Draw friction of 15 to 35 % of the torque: half of it the motor's, half by the bearing's loads."""
+    torque, speed, loads = rms(gone.torque), rms(gone.w), rms(gone.bearing)
+    links = []
+    for j, link in enumerate(arm.links):
+        # A joint about a vertical axis carries much and moves little.
+        size = rng.uniform(0.15, 0.35) * float(np.hypot(torque[j], 0.2 * loads[2, j]))
+        parts = size * np.array([0.35, 0.15, 0.38, 0.12]) * rng.uniform(0.75, 1.25, 4)
+        # What follows the loads is split among those that are there; each joint has one that leads.
+        split = rng.dirichlet([1.0, 0.6, 1.0]) * (loads[:, j] > 1e-6)
+        split = split / split.sum()
+        by_load = np.divide(split, loads[:, j], out=np.zeros(3), where=split > 0.0)
+        C, B = parts[2] * by_load, parts[3] * by_load / speed[j]
+        values = {"C_m": parts[0] * link.mu, "B_m": parts[1] * link.mu**2 / speed[j]}
+        values |= {"C_lN": C[0], "C_lT": C[1], "C_lM": C[2], "B_lN": B[0], "B_lT": B[1], "B_lM": B[2]}
+        links.append(
+            replace(link, friction=JointFriction(**{k: float(f"{v:.4g}") for k, v in values.items()}))
+        )
+    return replace(arm, links=tuple(links))
+
+
+def _servo(rng: np.random.Generator, arm: BenchArm, gone: Survey) -> ArmServo:
+    """Draw loops of 5 to 8 Hz at the mean inertia, on encoders of 2^12 to 2^14 counts, finer at low gears."""
+    n, mu = len(arm), arm.column("mu")
+    finer = 2.0 ** np.maximum(0, np.floor(np.log2(60.0 * mu)))
+    velocity = 2.0 * pi * rng.uniform(5.0, 8.0, n) * np.exp(np.mean(np.log(gone.inertia), axis=0))
+    return ArmServo(
+        counts=rng.choice([4096.0, 8192.0, 16384.0], n) * finer,
+        filter_hz=float(rng.choice([60.0, 80.0, 100.0])),
+        position=rng.uniform(5.0, 9.0, n),
+        velocity=velocity,
+        integral=rng.uniform(4.0, 8.0, n),
+    )

@@ -1,0 +1,59 @@
+"""What an arm goes through along its reference: loads and torques, as if its drives followed it perfectly."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from .course import ArmCourse
+from .engine import RigidArm
+from .plant import BenchArm
+
+SURVEY_S = 0.02
+"""Between two rows of a survey."""
+
+
+@dataclass(frozen=True)
+class Survey:
+    """Rows along the reference of all runs, one after the other; torques of the joints [N m].
+
+    Attributes:
+        q, w, alpha: angles, velocities, accelerations, shape (rows, joints).
+        bearing: F_N, F_T [N], M_B [N m], shape (rows, 3, joints).
+        transmitted: torque that each gear passes on, (rows, joints).
+        gravity: its part that holds the arm at rest.
+        torque: what the drives give without friction, rotors included.
+        inertia: diagonal of the mass matrix [kg m^2], rotors included.
+    """
+
+    q: np.ndarray
+    w: np.ndarray
+    alpha: np.ndarray
+    bearing: np.ndarray
+    transmitted: np.ndarray
+    gravity: np.ndarray
+    torque: np.ndarray
+    inertia: np.ndarray
+
+
+def survey(arm: BenchArm, course: ArmCourse) -> Survey:
+    """Take the arm along its reference by inverse dynamics."""
+    rigid, time = RigidArm(arm), np.arange(0.0, course.seconds, SURVEY_S)
+    motions = []
+    for run in range(course.runs):
+        q, w = course.reference(run, time)
+        motions.append((q, w, np.gradient(w, SURVEY_S, axis=0)))
+    q, w, alpha = (np.concatenate(part) for part in zip(*motions, strict=True))
+    rows = []
+    for angles, velocities, accelerations in zip(q, w, alpha, strict=True):
+        rigid.place(angles, velocities)
+        mass, loads = rigid.mass(), rigid.loads(accelerations)
+        torque = mass @ accelerations + rigid.bias()
+        rows.append((loads.bearing, loads.transmitted, rigid.gravity_torque(), torque, np.diag(mass)))
+    return Survey(q, w, alpha, *(np.array(part) for part in zip(*rows, strict=True)))
+
+
+def rms(values: np.ndarray) -> np.ndarray:
+    """Return the root of the mean square over the rows."""
+    return np.sqrt(np.mean(np.square(values), axis=0))
