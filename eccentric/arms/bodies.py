@@ -92,3 +92,22 @@ def with_letters(body: Body, prefix: str, whose: str, parts: set[str]) -> tuple[
             inertia[i, k] = letter(f"inertia_{name}", "kg m^2", meaning, domain, inertia[i, k])
             inertia[k, i] = inertia[i, k]
     return Body(mass, centre, inertia, body.name), letters
+
+
+def joined(bodies: Sequence[Body], name: str) -> Body:
+    """Bodies in one frame as one rigid body; with numbers."""
+    heavy = [body for body in bodies if body.mass != 0 or any(body.inertia)]
+    if len(heavy) < 2:
+        return heavy[0] if heavy else Body(0, name=name)
+    mass = sum(body.mass for body in heavy)
+    first = sp.zeros(3, 1)
+    for body in heavy:
+        first += body.mass * body.centre
+    centre = first / mass if mass != 0 else first
+    inertia = sp.zeros(3)
+    for body in heavy:
+        apart = body.centre - centre
+        inertia += body.inertia + body.mass * (apart.dot(apart) * sp.eye(3) - apart * apart.T)
+    # Sums of fractions have long ones: as decimals of 17 digits again.
+    rows = [[float(inertia[i, k]) for k in range(3)] for i in range(3)]
+    return Body(float(mass), [float(x) for x in centre], rows, name)

@@ -6,16 +6,20 @@ import os
 from pathlib import Path
 
 from eccentric.arms.arm_file import arm_of
+from eccentric.arms.urdf import arm_of_urdf
 from eccentric.entries import read_document
+from eccentric.errors import InputError
 from eccentric.model import Chain
 from eccentric.places import given_path, shown
 
 
-def read_arm(source: str | os.PathLike[str]) -> Chain:
+def read_arm(source: str | os.PathLike[str], tip: str | None = None) -> Chain:
     """Read an arm.
 
     Args:
-        source: path of an arm file, `.toml` or `.json`.
+        source: path of an arm file, `.toml` or `.json`, or of a URDF, `.urdf`. The last link of the arm in a
+            URDF can follow behind `#`, as in "panda.urdf#panda_hand".
+        tip: this last link; the joints on the way to it move, all others are locked at 0.
 
     Returns:
         The chain, in SI. Its joints have the names of the file; its parameters are what the file keeps
@@ -25,5 +29,12 @@ def read_arm(source: str | os.PathLike[str]) -> Chain:
         InputError: one line with file, joint and quantity, what is required and what was received.
     """
     path = given_path(source, "arm")
+    if tip is None and "#" in path.name and not path.exists():
+        name, _, tip = path.name.partition("#")
+        path = path.with_name(name)
     where = shown(path)
-    return arm_of(read_document(path, "an arm file"), where, Path(where).stem)
+    if path.suffix.lower() == ".urdf":
+        return arm_of_urdf(path, where, tip)
+    if tip is not None:
+        raise InputError(f"{where}: a .urdf is required for a tip, received {tip!r}")
+    return arm_of(read_document(path, "an arm file, .urdf,"), where, Path(where).stem)

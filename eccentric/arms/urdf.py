@@ -1,0 +1,98 @@
+"""An arm from a URDF, read by yourdfpy: joints on the way to the tip move, all others are locked at 0."""
+
+from __future__ import annotations
+
+import io
+import re
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from eccentric.arms.bodies import joined
+from eccentric.arms.complaints import complaints_of
+from eccentric.arms.limits import SMALLEST_INERTIA
+from eccentric.arms.masses import require_mass
+from eccentric.arms.placing import after, placed
+from eccentric.arms.tree import MOVING, Tree, path_to, tree_of
+from eccentric.arms.urdf_text import library, links_and_joints
+from eccentric.errors import InputError
+from eccentric.model import Body, Chain, Joint, Placement
+
+
+def arm_of_urdf(path: Path, where: str, tip: str | None) -> Chain:
+    """The chain of a URDF, with gravity along -z of its root.
+
+    Bodies behind fixed and locked joints belong to the link that carries them; links without <inertial> have
+    no mass. What is fixed to the root does not move, and is left out.
+
+    Args:
+        path, where: the file, and how messages name it.
+        tip: the last link of the arm; None if the moving joints are one chain.
+
+    Raises InputError, one line with file, joint or link, what is required and what was received.
+    """
+    robot = _robot(links_and_joints(path, where), where)
+    tree = tree_of(robot.links, robot.joints, where)
+    moving = path_to(tree, tip)
+    joints, bodies = [], []
+    frames = _frames(tree, tree.root, moving)
+    for joint in moving:
+        with complaints_of(where):
+            place = after(frames[joint.parent], _placement(joint.origin, joint.name))
+            joints.append(Joint(MOVING[joint.type], _axis(joint), place, name=joint.name))
+        frames = _frames(tree, joint.child, moving)
+        here = [placed(_body(tree.links[name], where), at) for name, at in frames.items()]
+        bodies.append(joined(here, joint.name))
+    with complaints_of(where):
+        chain = Chain(_identifier(robot.name), joints, bodies)
+        require_mass(chain)
+    return chain
+
+
+def _robot(text: bytes, where: str) -> Any:
+    yourdfpy = library("yourdfpy", where)
+    try:
+        # Neither meshes nor a scene: nothing else is opened.
+        return yourdfpy.URDF.load(io.BytesIO(text), load_meshes=False, build_scene_graph=False).robot
+    except (yourdfpy.URDFError, KeyError, TypeError, ValueError) as error:
+        raise InputError(f"{where}: not a valid URDF ({str(error).splitlines()[0]})") from None
+
+
+def _frames(tree: Tree, link: str, moving: list[Any]) -> dict[str, Placement]:
+    """Where the links lie that move with a link, itself included: behind joints that are fixed or locked."""
+    found, waiting = {link: Placement()}, [link]
+    while waiting:
+        carrier = waiting.pop()
+        for joint in tree.outer[carrier]:
+            if all(joint is not other for other in moving):
+                with complaints_of(tree.where):
+                    found[joint.child] = after(found[carrier], _placement(joint.origin, joint.name))
+                waiting.append(joint.child)
+    return found
+
+
+def _placement(origin: Any, name: str) -> Placement:
+    """A 4 by 4 matrix of yourdfpy as a placement."""
+    return Placement() if origin is None else Placement(origin[:3, 3].tolist(), origin[:3, :3].tolist(), name)
+
+
+def _axis(joint: Any) -> list[float]:
+    """A unit vector along the axis; one of length 0 as it is, for `Joint` to refuse."""
+    length = float(np.linalg.norm(joint.axis))
+    return (joint.axis / length if length > 0 else joint.axis).tolist()
+
+
+def _body(link: Any, where: str) -> Body:
+    """The body of a link in the frame of the link."""
+    if link.inertial is None:
+        return Body(0)
+    name, given = f"{where}: link {link.name!r}", link.inertial
+    inertia = given.inertia if np.max(np.abs(given.inertia)) > SMALLEST_INERTIA else np.zeros((3, 3))
+    return placed(Body(given.mass, inertia=inertia, name=name), _placement(given.origin, name))
+
+
+def _identifier(name: str) -> str:
+    """The name of a robot as one in code."""
+    plain = re.sub(r"[^A-Za-z0-9]+", "_", name).strip("_")[:40]
+    return plain if plain[:1].isalpha() else f"arm_{plain}".rstrip("_")
