@@ -28,6 +28,14 @@ def _json(path: Path) -> None:
     path.write_text(json.dumps({"entries": [{"t": 1, "i": 2}] * ROWS}))
 
 
+def _json_by_columns(path: Path) -> None:
+    path.write_text(json.dumps({"mass": 1.0, "t": [1] * ROWS, "i": [2] * ROWS}))
+
+
+def _json_with_lists(path: Path) -> None:
+    path.write_text(json.dumps([{"t": 1, "i": 2, "q": [3, 4]}] * ROWS))
+
+
 def _mat(path: Path) -> None:
     from scipy.io import savemat
 
@@ -54,11 +62,13 @@ def _parquet(path: Path) -> None:
         ("log.csv.gz", _csv),
         ("empty.csv", _empty_lines),
         ("log.json", _json),
+        ("columns.json", _json_by_columns),
+        ("lists.json", _json_with_lists),
         ("log.mat", _mat),
         ("log73.mat", _mat_7_3),
         ("log.parquet", _parquet),
     ],
-    ids=["csv", "empty lines", "json", "mat", "mat 7.3", "parquet"],
+    ids=["csv", "empty lines", "json", "json by columns", "json with lists", "mat", "mat 7.3", "parquet"],
 )
 def test_a_log_that_memory_does_not_hold_is_one_line(
     name: str, make: Callable[[Path], None], tmp_path: Path, monkeypatch: pytest.MonkeyPatch

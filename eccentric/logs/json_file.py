@@ -8,12 +8,17 @@ torque_enable). A file of lists of numbers instead, one for each column, is read
 from __future__ import annotations
 
 import json
+from collections.abc import Iterator
+from itertools import islice
 from pathlib import Path
 
 from eccentric.errors import InputError
 from eccentric.logs.assemble import Read, assemble
 from eccentric.logs.csv_file import text_of
 from eccentric.logs.room import require_room_for_text
+
+_MOST_COLUMNS = 1000
+"""Lists that are looked at to count rows: entries with a list in each have too many."""
 
 
 def read_json(path: Path) -> Read:
@@ -23,7 +28,9 @@ def read_json(path: Path) -> Read:
     rig can use them.
     """
     text = text_of(path)
-    require_room_for_text(path, text, text.count("{") + text.count("["), 1 + text.count(","))
+    require_room_for_text(
+        path, text, _rows(text), 1 + text.count(","), parts=text.count("{") + text.count("[")
+    )
     try:
         content = json.loads(text)
     except (ValueError, RecursionError) as error:
@@ -41,3 +48,21 @@ def read_json(path: Path) -> Read:
             f"{path}: a JSON log with a list of entries is required, received keys {keys or 'none'}"
         )
     return read
+
+
+def _rows(text: str) -> int:
+    """Number of rows, before anything is read: of entries, or of the numbers of the longest column."""
+    records = text.count("{") - text[:100].lstrip().startswith("{")
+    return max(records, max(islice(_lengths(text), _MOST_COLUMNS), default=0))
+
+
+def _lengths(text: str) -> Iterator[int]:
+    """The length of each list that holds neither lists nor objects."""
+    start = text.find("[")
+    while start >= 0:
+        end = text.find("]", start)
+        end = len(text) if end < 0 else end
+        inner = max(text.rfind("[", start + 1, end), text.find("{", start, end))
+        if inner < 0:
+            yield 1 + text.count(",", start, end)
+        start = text.find("[", end if inner < 0 else inner)

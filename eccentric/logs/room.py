@@ -26,9 +26,16 @@ except ImportError:  # Windows
     resource = None
 
 
-def require_room_for_text(path: Path, text: str, rows: int, values: int) -> None:
-    """Raise InputError if a text of so many rows and values takes more memory than there is."""
-    need = BYTES_PER_ROW * rows + BYTES_PER_VALUE * values + BYTES_PER_CHARACTER * len(text)
+def require_room_for_text(path: Path, text: str, rows: int, values: int, *, parts: int | None = None) -> None:
+    """Raise InputError if a text of so many rows and values takes more memory than there is.
+
+    `parts` is the number of lists and objects that it is read into, if that is not one for each row.
+    """
+    need = (
+        BYTES_PER_ROW * (rows if parts is None else parts)
+        + BYTES_PER_VALUE * values
+        + BYTES_PER_CHARACTER * len(text)
+    )
     _require(path, need, rows, values)
 
 
