@@ -93,14 +93,18 @@ def test_files_and_text(tmp_path: Path, rig: Any, capsys: pytest.CaptureFixture[
 
 
 def test_a_torque_is_no_current(rig: Any) -> None:
-    """Without a current the log is refused in one line, that names it."""
+    """Without a current the log is refused in one line: file, channel, where to name it, what came."""
     table = log(1.0)
     torque = {"time_s": table["time_s"], "theta_m_rad": table["theta_m_rad"]}
     torque["torque_Nm"] = table["current_A"] * KNOWN["k_i"]
     other = rig | {"columns": [*torque]}
 
-    with pytest.raises(InputError, match="a log with i is required"):
+    with pytest.raises(InputError) as refused:
         eccentric.adapt(torque, other)
+    assert str(refused.value) == (
+        "table: a column for current is required to follow friction; map it in [columns] of rig,"
+        " received torque only"
+    )
 
 
 def test_a_current_of_the_wrong_sign_is_refused(rig: Any) -> None:

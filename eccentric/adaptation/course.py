@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from eccentric.adaptation.inputs import inputs_of
 from eccentric.emission import Adaptation, executed_beside, load_module, prior_of, render, render_adapt
-from eccentric.errors import InputError
 from eccentric.model import Model
 from eccentric.signals import Channels
 
@@ -65,7 +65,11 @@ class Replay:
 
 
 def replayed(
-    channels: Channels, model: Model, fit: Mapping[str, Any], asked: Adaptation | None = None
+    channels: Channels,
+    model: Model,
+    fit: Mapping[str, Any],
+    asked: Adaptation | None = None,
+    log: str = "log",
 ) -> Replay:
     """The course along a log.
 
@@ -74,16 +78,17 @@ def replayed(
         model: with the defaults that the estimator starts from.
         fit: content of the fit.json of these, for the prior.
         asked: forgetting and false alarms.
+        log: its name, for messages.
 
     Raises:
-        InputError: the log has no current, or the model depends on a signal that it lacks.
+        InputError: the model depends on a signal that the log lacks.
     """
     asked = asked or Adaptation()
     prior = prior_of(model, fit)
     files = render(model)
     source = render_adapt(model, files, prior, asked)[f"{model.name}_adapt.py"]
     estimator = executed_beside(load_module(model), model.name, source)
-    inputs = _inputs(channels, estimator.INPUTS, model.name)
+    inputs = inputs_of(channels, estimator.INPUTS, log)
     state = estimator.init()
     t = channels.time.t
     every = max(1, -(-len(t) // _ENTRIES))
@@ -111,23 +116,3 @@ def replayed(
         asked=asked,
         alarm=estimator.ALARM,
     )
-
-
-def _inputs(channels: Channels, names: tuple[str, ...], model: str) -> list[Array]:
-    """The signals of the log that the estimator takes; unusable rows are NaN: it leaves them out."""
-    motion, motor = channels.motion, channels.motor
-    known = {
-        "theta_m": motion.theta_m,
-        "omega_m": motion.omega_m,
-        "alpha_m": motion.alpha_m,
-        "i": motor.current,
-        "u": motor.voltage,
-        "t": channels.time.t,
-        "temperature": channels.temperature,
-    }
-    for name in names:
-        if known.get(name) is None:
-            raise InputError(f"{model}: a log with {name} is required to follow its friction")
-    given = [np.array(known[name], float) for name in names]
-    unusable = ~channels.selection.usable | motor.off
-    return [np.where(unusable, np.nan, x) for x in given]

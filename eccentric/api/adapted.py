@@ -7,7 +7,15 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from eccentric.adaptation import Replay, course_document, course_lines, plot_course, replayed
+from eccentric.adaptation import (
+    CURRENT,
+    Replay,
+    course_document,
+    course_lines,
+    plot_course,
+    replayed,
+    require_logged,
+)
 from eccentric.api.inputs import LogSources, ModelSource, RigSource, model_of, names_of, read_logs
 from eccentric.api.result import Printed, new_axes, paragraphs
 from eccentric.api.tables import ResultTable
@@ -53,6 +61,7 @@ def adapt(
     channels = read_channels(read, read_rig(rig))
     base = model_of(channels.rig.model if model is None else model)
     names = ", ".join(names_of(read))
+    require_logged(channels, [CURRENT], names)
     fitted = fit_channels(channels, channels.rig, base, names)
     document: Any = fit_document(fitted, names_of(read))
     if parameters is not None:
@@ -61,7 +70,7 @@ def adapt(
     if not given.fits_the_rig:
         raise InputError(f"{given.source}: parameters of a log that fits its rig are required to start from")
     start = with_fitted(base, given, base.name)
-    course = replayed(fitted.problem.drive.channels, start, document, asked)
+    course = replayed(fitted.problem.drive.channels, start, document, asked, names)
     return AdaptResult(
         course=course,
         lines=tuple(course_lines(course, names)),

@@ -1,0 +1,63 @@
+"""The signals of a log that the estimator takes."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from eccentric.errors import InputError
+from eccentric.signals import Channels
+
+Array = NDArray[np.float64]
+
+CURRENT = "i"
+_CHANNELS = {CURRENT: "current", "u": "voltage", "temperature": "temperature"}
+"""What a log may lack, by the letter of the input."""
+
+
+def inputs_of(channels: Channels, names: Sequence[str], log: str) -> list[Array]:
+    """The inputs of these names; unusable rows are NaN: the estimator leaves them out.
+
+    Raises:
+        InputError: as `require_logged`.
+    """
+    motion, motor = channels.motion, channels.motor
+    known = {
+        "theta_m": motion.theta_m,
+        "omega_m": motion.omega_m,
+        "alpha_m": motion.alpha_m,
+        "t": channels.time.t,
+        **_logged(channels),
+    }
+    require_logged(channels, names, log)
+    if unknown := [name for name in names if name not in known]:
+        raise InputError(f"{log}: a model without {unknown[0]} is required: a log has no such channel")
+    given = [np.array(known[name], float) for name in names]
+    unusable = ~channels.selection.usable | motor.off
+    return [np.where(unusable, np.nan, x) for x in given]
+
+
+def require_logged(channels: Channels, names: Iterable[str], log: str) -> None:
+    """Raise InputError, with the channel and the log that lacks it, unless it has all inputs.
+
+    Args:
+        channels: of the log.
+        names: letters of the inputs.
+        log: its name.
+    """
+    found = _logged(channels)
+    if lacking := next((name for name in names if name in found and found[name] is None), None):
+        there = [_CHANNELS[name] for name, x in found.items() if x is not None]
+        there += ["torque"] if channels.motor.torque is not None else []
+        raise InputError(
+            f"{log}: a column for {_CHANNELS[lacking]} is required to follow friction; map it in [columns] of"
+            f" {channels.rig.path}, received {' and '.join(there)} only"
+        )
+
+
+def _logged(channels: Channels) -> dict[str, Array | None]:
+    """What a log may lack: letter of the input -> signal, None where it does."""
+    motor = channels.motor
+    return {CURRENT: motor.current, "u": motor.voltage, "temperature": channels.temperature}
