@@ -1,14 +1,18 @@
 /*
  * Generated: do not edit. Written by `make derive` from derivations/c1_asymmetric.py
- * (eccentric 0.1.0, program e45667e5).
+ * (eccentric 0.1.0, program 8696d727).
  * Case C1 with friction that differs between the directions of motion.
  */
 #include "c1_asymmetric.h"
 
+#if !defined(__cplusplus) && (!defined(__STDC_VERSION__) || (__STDC_VERSION__ < 199901L))
+#error "C99 or later is required: compile with -std=c99"
+#else /* up to the end of the file, so that this is the only error */
+
 #include <float.h>
 #include <math.h>
 
-#if C1_ASYMMETRIC_PROGRAM != 0xe45667e5UL
+#if C1_ASYMMETRIC_PROGRAM != 0x8696d727UL
 #error "c1_asymmetric.c and c1_asymmetric.h are of different derivations: write both again"
 #endif
 
@@ -773,4 +777,6 @@ void c1_asymmetric_polynomial_neg(ECCENTRIC_REAL *out, const c1_asymmetric_coeff
 
 #if defined(__GNUC__) && !defined(__clang__)
 #pragma GCC pop_options
+#endif
+
 #endif

@@ -1,14 +1,18 @@
 /*
  * Generated: do not edit. Written by `make derive` from derivations/c1_perpendicular.py
- * (eccentric 0.1.0, program e52b5d30).
+ * (eccentric 0.1.0, program 7b2ffe85).
  * Case C1: gravity perpendicular to the motion plane, steady motion.
  */
 #include "c1_perpendicular.h"
 
+#if !defined(__cplusplus) && (!defined(__STDC_VERSION__) || (__STDC_VERSION__ < 199901L))
+#error "C99 or later is required: compile with -std=c99"
+#else /* up to the end of the file, so that this is the only error */
+
 #include <float.h>
 #include <math.h>
 
-#if C1_PERPENDICULAR_PROGRAM != 0xe52b5d30UL
+#if C1_PERPENDICULAR_PROGRAM != 0x7b2ffe85UL
 #error "c1_perpendicular.c and c1_perpendicular.h are of different derivations: write both again"
 #endif
 
@@ -621,4 +625,6 @@ void c1_perpendicular_polynomial(ECCENTRIC_REAL *out, const c1_perpendicular_coe
 
 #if defined(__GNUC__) && !defined(__clang__)
 #pragma GCC pop_options
+#endif
+
 #endif

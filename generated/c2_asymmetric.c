@@ -1,14 +1,18 @@
 /*
  * Generated: do not edit. Written by `make derive` from derivations/c2_asymmetric.py
- * (eccentric 0.1.0, program eaa40db6).
+ * (eccentric 0.1.0, program 8c93f764).
  * Case C2 with friction that differs between the directions of motion.
  */
 #include "c2_asymmetric.h"
 
+#if !defined(__cplusplus) && (!defined(__STDC_VERSION__) || (__STDC_VERSION__ < 199901L))
+#error "C99 or later is required: compile with -std=c99"
+#else /* up to the end of the file, so that this is the only error */
+
 #include <float.h>
 #include <math.h>
 
-#if C2_ASYMMETRIC_PROGRAM != 0xeaa40db6UL
+#if C2_ASYMMETRIC_PROGRAM != 0x8c93f764UL
 #error "c2_asymmetric.c and c2_asymmetric.h are of different derivations: write both again"
 #endif
 
@@ -1272,4 +1276,6 @@ void c2_asymmetric_electrical_residual_n(
 
 #if defined(__GNUC__) && !defined(__clang__)
 #pragma GCC pop_options
+#endif
+
 #endif

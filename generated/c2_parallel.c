@@ -1,14 +1,18 @@
 /*
  * Generated: do not edit. Written by `make derive` from derivations/c2_parallel.py
- * (eccentric 0.1.0, program 9e0819c4).
+ * (eccentric 0.1.0, program d6063733).
  * Case C2: gravity parallel to the motion plane, steady motion.
  */
 #include "c2_parallel.h"
 
+#if !defined(__cplusplus) && (!defined(__STDC_VERSION__) || (__STDC_VERSION__ < 199901L))
+#error "C99 or later is required: compile with -std=c99"
+#else /* up to the end of the file, so that this is the only error */
+
 #include <float.h>
 #include <math.h>
 
-#if C2_PARALLEL_PROGRAM != 0x9e0819c4UL
+#if C2_PARALLEL_PROGRAM != 0xd6063733UL
 #error "c2_parallel.c and c2_parallel.h are of different derivations: write both again"
 #endif
 
@@ -1132,4 +1136,6 @@ void c2_parallel_electrical_residual_n(
 
 #if defined(__GNUC__) && !defined(__clang__)
 #pragma GCC pop_options
+#endif
+
 #endif

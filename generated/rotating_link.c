@@ -1,14 +1,18 @@
 /*
  * Generated: do not edit. Written by `make derive` from derivations/rotating_link.py
- * (eccentric 0.1.0, program 70e8a881).
+ * (eccentric 0.1.0, program dc77c741).
  * Rotating link with an unbalanced mass, in a plane tilted by phi, with angular acceleration.
  */
 #include "rotating_link.h"
 
+#if !defined(__cplusplus) && (!defined(__STDC_VERSION__) || (__STDC_VERSION__ < 199901L))
+#error "C99 or later is required: compile with -std=c99"
+#else /* up to the end of the file, so that this is the only error */
+
 #include <float.h>
 #include <math.h>
 
-#if ROTATING_LINK_PROGRAM != 0x70e8a881UL
+#if ROTATING_LINK_PROGRAM != 0xdc77c741UL
 #error "rotating_link.c and rotating_link.h are of different derivations: write both again"
 #endif
 
@@ -1354,4 +1358,6 @@ void rotating_link_electrical_residual_n(
 
 #if defined(__GNUC__) && !defined(__clang__)
 #pragma GCC pop_options
+#endif
+
 #endif

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import pytest
 
+from tests.adapted import emitted
 from tests.compiled import FLAGS, GENERATED, REAL, Real, run
 from tests.emitted import MODELS, both_precisions, every_model
 from tests.hosts import need
@@ -84,6 +85,22 @@ def test_other_types_are_refused(tmp_path: Path, real: str) -> None:
     said = refused("-fsyntax-only", *options, GENERATED / "c2_parallel.c")
 
     assert ['#error "ECCENTRIC_REAL must be float or double"'] == re.findall(r"error: (.*)", said)
+
+
+@pytest.mark.parametrize("option", ["-ansi", "-std=c89", "-std=gnu89"])
+@pytest.mark.parametrize("compiler", ["gcc", "clang"])
+def test_an_older_dialect_is_the_one_error(tmp_path: Path, compiler: str, option: str) -> None:
+    """The sources say that C99 is required and nothing else; the headers serve code of any dialect."""
+    need(compiler)
+    folder = emitted(tmp_path)
+    (tmp_path / "user.c").write_text('#include "c2_parallel_adapt.h"\nint main(void) { return 0; }\n')
+    strict = (compiler, option, "-Wall", "-Wextra", "-pedantic-errors", f"-I{folder}", "-fsyntax-only")
+
+    for name in ("c2_parallel.c", "c2_parallel_adapt.c", "check/c2_parallel_selftest.c"):
+        done = subprocess.run([*strict, folder / name], capture_output=True, text=True, check=False)
+        said = [line.removeprefix("#error ") for line in re.findall(r"(?:error|warning): (.*)", done.stderr)]
+        assert ['"C99 or later is required: compile with -std=c99"'] == said
+    run(*strict, "-Werror", tmp_path / "user.c")
 
 
 @pytest.mark.parametrize(

@@ -1,5 +1,5 @@
 /*
- * Generated: do not edit. Written beside c1_perpendicular.c (program e52b5d30).
+ * Generated: do not edit. Written beside c1_perpendicular.c (program 7b2ffe85).
  * Self-test of c1_perpendicular.c: the same bits as the emitted NumPy module, with any compiler and on any board.
  *
  *   cc -std=c99 -O2 -I.. c1_perpendicular_selftest.c ../c1_perpendicular.c -lm     single precision: -DECCENTRIC_REAL=float
@@ -8,6 +8,10 @@
  * If last digits differ, the compiler ignores FP_CONTRACT and fuses product and sum: switch that off.
  */
 #include "c1_perpendicular.h"
+
+#if !defined(__cplusplus) && (!defined(__STDC_VERSION__) || (__STDC_VERSION__ < 199901L))
+#error "C99 or later is required: compile with -std=c99"
+#else /* up to the end of the file, so that this is the only error */
 
 #ifdef ECCENTRIC_LIBM
 #error "these are the bits of the polynomials, not of libm: compile without ECCENTRIC_LIBM"
@@ -246,3 +250,5 @@ int main(void)
            (unsigned long)SECTIONS * 20000, FUNCTIONS, (unsigned)sizeof(real) * 8u);
     return 0;
 }
+
+#endif

@@ -1,5 +1,5 @@
 /*
- * Generated: do not edit. Written beside c1_perpendicular.c (program e52b5d30).
+ * Generated: do not edit. Written beside c1_perpendicular.c (program 7b2ffe85).
  * Expected results of the self-test, computed by the emitted NumPy module.
  */
 #define INPUTS 4u

@@ -1,5 +1,5 @@
 /*
- * Generated: do not edit. Written beside c2_asymmetric.c (program eaa40db6).
+ * Generated: do not edit. Written beside c2_asymmetric.c (program 8c93f764).
  * Expected results of the self-test, computed by the emitted NumPy module.
  */
 #define INPUTS 5u

@@ -1,5 +1,5 @@
 /*
- * Generated: do not edit. Written beside c2_parallel.c (program 9e0819c4).
+ * Generated: do not edit. Written beside c2_parallel.c (program d6063733).
  * Expected results of the self-test, computed by the emitted NumPy module.
  */
 #define INPUTS 5u

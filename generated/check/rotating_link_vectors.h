@@ -1,5 +1,5 @@
 /*
- * Generated: do not edit. Written beside rotating_link.c (program 70e8a881).
+ * Generated: do not edit. Written beside rotating_link.c (program dc77c741).
  * Expected results of the self-test, computed by the emitted NumPy module.
  */
 #define INPUTS 5u
