@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from scipy.signal import lfilter
 
-from eccentric.emission.adapt import alarm_of, run_length
+from eccentric.emission.adapt import alarm_of, run_length, threshold_of
 from eccentric.errors import InputError
 from tests.adapted import Estimator, columns, current, emitted, module, motion
 
@@ -41,12 +41,30 @@ def test_a_run_length_is_that_of_a_simulation() -> None:
 @pytest.mark.parametrize("shift", [0.5, 1.0, 2.0])
 @pytest.mark.parametrize("asked", [1e3, 1e7, 1e10])
 def test_the_threshold_has_what_is_asked(shift: float, asked: float) -> None:
-    """False alarms are as rare as asked, and the delay is below Lorden's bound by at most the last step."""
+    """False alarms are as rare as asked; two sums need ln 2 over the information of a row more than one."""
     found = alarm_of(shift, asked)
 
     assert found.between == pytest.approx(asked, rel=1e-4)
-    assert found.bound == pytest.approx(2 * np.log(asked) / shift**2)
-    assert 0.5 * found.bound < found.delay < found.bound + 2
+    assert found.delay - found.bound == pytest.approx(2 * np.log(2) / shift**2, rel=0.05)
+
+
+@pytest.mark.parametrize("shift", [0.5, 1.0, 2.0])
+def test_no_sum_of_the_same_rate_is_below_the_bound(shift: float) -> None:
+    """Sums with another reference have greater delays from 0, their worst moment: Moustakides' theorem."""
+    bound = alarm_of(shift, 1e4).bound
+
+    for reference in np.array([0.2, 0.4, 0.48, 0.52, 0.6, 0.8]) * shift:
+        own = run_length(reference, threshold_of(reference, 1e4), shift)
+        assert own > bound
+
+
+@pytest.mark.parametrize("shift", [0.5, 1.0, 2.0])
+def test_the_bound_grows_as_lordens(shift: float) -> None:
+    """What they differ by stays, so that their ratio tends to 1."""
+    rare, rarer = alarm_of(shift, 1e6), alarm_of(shift, 1e10)
+
+    assert rare.lorden == pytest.approx(2 * np.log(1e6) / shift**2)
+    assert rarer.bound - rare.bound == pytest.approx(rarer.lorden - rare.lorden, rel=1e-2)
 
 
 @pytest.fixture(scope="module")

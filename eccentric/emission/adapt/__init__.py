@@ -11,9 +11,18 @@ In: a `Model`, the content of a fit.json. Out: `render_adapt`, file name -> text
 only read here.
 """
 
-from eccentric.emission.adapt.alarm import Alarm, alarm_of, run_length
+from eccentric.emission.adapt.alarm import Alarm, alarm_of, run_length, threshold_of
 from eccentric.emission.adapt.prior import Prior, prior_of
 from eccentric.emission.adapt.settings import Adaptation
 from eccentric.emission.adapt.view import render_adapt
 
-__all__ = ["Adaptation", "Alarm", "Prior", "alarm_of", "prior_of", "render_adapt", "run_length"]
+__all__ = [
+    "Adaptation",
+    "Alarm",
+    "Prior",
+    "alarm_of",
+    "prior_of",
+    "render_adapt",
+    "run_length",
+    "threshold_of",
+]

@@ -7,6 +7,12 @@ L(u) samples, which solve the integral equation
 
 (Brook and Evans, Biometrika 59, 1972, as a Markov chain; here by Nystroem's method on Gauss-Legendre nodes).
 h follows from the mean number of samples between false alarms; it is not a typed-in constant.
+
+A delay is Lorden's (Annals of Mathematical Statistics 42, 1971): the mean, at the worst moment that the
+samples before the change can prepare. For a sum that is when it is 0, so that the delay is L(0) after the
+change. Of all tests with the same mean time between false alarms, one sum with k at half the shift has the
+least (Moustakides, Annals of Statistics 14, 1986): no test is below. That least delay grows as Lorden's
+2 ln(between)/shift^2 for ever rarer false alarms; at finite ones this leaves out a constant: no bound.
 """
 
 from __future__ import annotations
@@ -30,8 +36,9 @@ class Alarm:
         reference: k, half the shift: the optimum for it.
         threshold: h.
         between: mean number of samples between false alarms, of both sums together.
-        delay: mean number of samples until that change is announced, from sums of 0, the worst case.
-        bound: Lorden's bound of any such delay at these false alarms, 2 ln(between)/shift^2 (Lorden 1971).
+        delay: mean number of samples until that change is announced, at the worst moment: from sums of 0.
+        bound: the least such delay of any test with these false alarms: of one sum, which knows the sign.
+        lorden: what the bound grows as for ever rarer false alarms, 2 ln(between)/shift^2.
     """
 
     shift: float
@@ -40,6 +47,7 @@ class Alarm:
     between: float
     delay: float
     bound: float
+    lorden: float
 
 
 def run_length(reference: float, threshold: float, mean: float = 0.0) -> float:
@@ -65,13 +73,24 @@ def alarm_of(shift: float, false_alarms: float) -> Alarm:
     The two sums are never above 0 together for long, and their rates add up (van Dobben de Bruyn 1968).
     """
     reference = shift / 2
+    threshold = threshold_of(reference, 2 * false_alarms)
+    return Alarm(
+        shift=shift,
+        reference=reference,
+        threshold=threshold,
+        between=run_length(reference, threshold) / 2,
+        delay=run_length(reference, threshold, shift),
+        bound=run_length(reference, threshold_of(reference, false_alarms), shift),
+        lorden=2 * math.log(false_alarms) / shift**2,
+    )
+
+
+def threshold_of(reference: float, between: float) -> float:
+    """The threshold of one sum with that many samples between false alarms on average."""
 
     def excess(threshold: float) -> float:
-        return math.log(run_length(reference, threshold) / 2 / false_alarms)
+        return math.log(run_length(reference, threshold) / between)
 
-    # A run length grows as exp(shift h): this is beyond the root, and far from where a solution loses digits.
-    highest = (math.log(4 * false_alarms) + 4) / shift
-    threshold = float(brentq(excess, 1e-3, highest, xtol=1e-9))
-    delay = run_length(reference, threshold, shift)
-    between = run_length(reference, threshold) / 2
-    return Alarm(shift, reference, threshold, between, delay, 2 * math.log(false_alarms) / shift**2)
+    # A run length grows as exp(2 k h): this is beyond the root, and far from where a solution loses digits.
+    highest = (math.log(2 * between) + 4) / (2 * reference)
+    return float(brentq(excess, 1e-3, highest, xtol=1e-9))

@@ -158,6 +158,7 @@ def view(model: Model, prior: Prior, asked: Adaptation, digest: str, source: str
             "torque": f"{alarm.shift * prior.noise:.3g}",
             "delay": f"{alarm.delay:.1f}",
             "bound": f"{alarm.bound:.1f}",
+            "lorden": f"{alarm.lorden:.1f}",
         },
         "constants": [_decimals(name, value) for name, value in constants],
         "all": {
