@@ -10,7 +10,7 @@ import numpy as np
 
 from benchmarks.cortex_m4 import TOOLS, missing
 from benchmarks.record import Measured, Part, progress
-from tests import adapt_cost, flags
+from tests import adapt_cost, targets
 from tests.learning import errors, learned
 from tests.test_flags import PLACES, combinations, kept_or_refused
 
@@ -44,7 +44,7 @@ def _flags(quick: bool) -> tuple[dict[str, Measured], list[str]]:
     spoiled, tried, left_out = [], 0, []
     for family, target in PLACES[:2] if quick else PLACES:
         progress(f"field: flags of {family}, {target}")
-        if absent := flags.missing(family, target):
+        if absent := targets.missing(family, target):
             left_out.append(f"{family}, {target}: not installed: {', '.join(absent)}.")
             continue
         for options, real in combinations(family, target):

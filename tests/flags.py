@@ -6,20 +6,18 @@ ones. Its errors are those from 50 digits, in the units that the header words.
 
 from __future__ import annotations
 
-import shutil
-import subprocess
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
 
 import numpy as np
 
-from benchmarks import cortex_m4
 from tests import accuracy, oracle, promised, random_drives
 from tests.accuracy import Real
 from tests.compiled import GENERATED
 from tests.emitted import width
 from tests.paper import Parameters
+from tests.targets import printed
 
 NAME = "c2_parallel"
 PRECISIONS: dict[str, Real] = {"float": np.float32, "double": np.float64}
@@ -29,25 +27,6 @@ RATIOS = ("0.2", "0.0333333333333333333", "1.87", "0.311")
 SIZE = 12
 
 
-@dataclass(frozen=True)
-class Target:
-    """Where the C runs.
-
-    Attributes:
-        gcc: the compiler, which also links.
-        clang: the options by which clang compiles for it.
-        options: those of both compilers.
-        emulator: what runs a program, if it is not this machine.
-        board: linked with start-up code, run by the emulator of a whole board.
-    """
-
-    gcc: str
-    clang: tuple[str, ...] = ()
-    options: tuple[str, ...] = ()
-    emulator: str = ""
-    board: bool = False
-
-
 @dataclass(frozen=True, eq=False)
 class Drive:
     """A drive by its exact parameters, its states, and the bound of each function."""
@@ -55,22 +34,6 @@ class Drive:
     p: Parameters
     at: accuracy.Set
     bounds: dict[str, int]
-
-
-_M7EM, _M6 = ("--target=thumbv7em-none-eabihf",), ("--target=thumbv6m-none-eabi",)
-TARGETS = {
-    "x86-64": Target("gcc"),
-    "x86-64-fma": Target("gcc", options=("-mavx2", "-mfma")),
-    "aarch64": Target("aarch64-linux-gnu-gcc", ("--target=aarch64-linux-gnu",), emulator="qemu-aarch64"),
-    "riscv64": Target(
-        "riscv64-linux-gnu-gcc",
-        ("--target=riscv64-linux-gnu", "-march=rv64gc", "-mabi=lp64d", "-I/usr/riscv64-linux-gnu/include"),
-        emulator="qemu-riscv64",
-    ),
-    "m4f": Target("arm-none-eabi-gcc", _M7EM, cortex_m4.M4F, "qemu-system-arm", board=True),
-    "m7": Target("arm-none-eabi-gcc", _M7EM, cortex_m4.M7, "qemu-system-arm", board=True),
-    "m0+": Target("arm-none-eabi-gcc", _M6, cortex_m4.M0, "qemu-system-arm", board=True),
-}
 
 
 @cache
@@ -155,52 +118,13 @@ def driver(dtype: Real) -> str:
     return _DRIVER.replace("@CALLS@", "\n".join(calls)).replace("@STATES@", "\n".join(lines))
 
 
-def compiler(family: str, target: str) -> tuple[str, ...]:
-    """Return the command of a family, gcc or clang, for a target."""
-    one = TARGETS[target]
-    if family == "gcc":
-        return (one.gcc, *one.options)
-    headers = ("-isystem", "/usr/include/newlib") if one.board else ()
-    return (family, *one.clang, *one.options, *headers)
-
-
-def missing(family: str, target: str) -> list[str]:
-    """Return the tools that are not installed."""
-    one = TARGETS[target]
-    tools = (family if family == "clang" else one.gcc, one.gcc, *([one.emulator] if one.emulator else []))
-    return [tool for tool in dict.fromkeys(tools) if shutil.which(tool) is None]
-
-
 def outcome(
     folder: Path, family: str, target: str, options: tuple[str, ...], real: str
 ) -> dict[str, float] | str:
-    """Return the worst error over its bound, by function; or what the compiler says as it refuses.
-
-    Raises:
-        RuntimeError: what compiles does not link or run.
-    """
-    one, model, program = TARGETS[target], folder / "model.o", folder / "program"
-    common = [f"-DECCENTRIC_REAL={real}", f"-I{GENERATED}"]
-    made = subprocess.run(
-        [*compiler(family, target), *options, *common, "-c", GENERATED / f"{NAME}.c", "-o", model],
-        capture_output=True, text=True, check=False,
-    )  # fmt: skip
-    if made.returncode:
-        return made.stderr
-    source = folder / "driver.c"
-    source.write_text(driver(PRECISIONS[real]), encoding="utf-8")
-    if one.board:
-        cortex_m4.build(program, [source, model], [*common, "-O1"], one.options)
-        status, said = cortex_m4.emulate(program, target=one.options)
-        if status:
-            raise RuntimeError(f"{one.emulator}: {status}: {said}")
-    else:
-        linker = (one.gcc,) if family == "gcc" or one.emulator else (family,)
-        static = ["-static"] if one.emulator else []
-        together = [x for x in options if x == "-flto"]
-        cortex_m4.run(*linker, *static, *together, *common, "-O1", "-o", program, source, model, "-lm")
-        said = cortex_m4.run(*([one.emulator] if one.emulator else []), program)
-    return errors(said, PRECISIONS[real])
+    """Return the worst error over its bound, by function; or what the compiler says as it refuses."""
+    source = [GENERATED / f"{NAME}.c"]
+    compiles, said = printed(folder, family, target, options, real, source, driver(PRECISIONS[real]))
+    return errors(said, PRECISIONS[real]) if compiles else said
 
 
 def errors(said: str, dtype: Real) -> dict[str, float]:

@@ -1,11 +1,13 @@
 """No flag turns the emitted C into garbage: each combination is refused, or keeps the header's bounds."""
 
+from collections.abc import Callable
 from pathlib import Path
+from types import ModuleType
 
 import pytest
 
-from tests import flags
-from tests.flags import TARGETS, missing, outcome
+from tests import flags, flags_adapt
+from tests.targets import TARGETS, missing
 
 LEVELS = (
     ("-O0", "-std=c99"),
@@ -53,13 +55,23 @@ SAMPLE = [
 ]
 
 
-def kept_or_refused(folder: Path, family: str, target: str, options: tuple[str, ...], real: str) -> bool:
+Outcome = Callable[[Path, str, str, tuple[str, ...], str], dict[str, float] | str]
+
+
+def kept_or_refused(
+    folder: Path,
+    family: str,
+    target: str,
+    options: tuple[str, ...],
+    real: str,
+    outcome: Outcome = flags.outcome,
+) -> bool:
     """Return whether a combination is refused in the source's own words, or keeps all bounds."""
     found = outcome(folder, family, target, options, real)
     if isinstance(found, str):
         return options not in LEVELS[:5] and any(words in found for words in REFUSALS)
     # Whoever says that there is no NaN gets none kept.
-    kept = [worst for name, worst in found.items() if name in flags.FUNCTIONS or NO_NAN not in options]
+    kept = [worst for name, worst in found.items() if not name.startswith("NaN") or NO_NAN not in options]
     return all(worst <= 1.0 for worst in kept)
 
 
@@ -79,6 +91,20 @@ def test_what_used_to_be_wrong(tmp_path: Path, family: str, target: str, options
     assert kept_or_refused(tmp_path, family, target, options, "float")
 
 
+@pytest.mark.parametrize(
+    ("family", "target", "options"),
+    [*SAMPLE, ("clang", "x86-64-fma", ("-O2", "-ffp-contract=fast")), ("gcc", "m4f", ("-O3", "-std=gnu2x"))],
+    ids=lambda x: x if isinstance(x, str) else " ".join(x),
+)
+def test_the_estimator_is_kept_or_refused(
+    tmp_path: Path, family: str, target: str, options: tuple[str, ...]
+) -> None:
+    """It learns the coefficients of the emitted Python, within 1e-4 of their standard deviation."""
+    need(family, target)
+
+    assert kept_or_refused(tmp_path, family, target, options, "float", flags_adapt.outcome)
+
+
 def combinations(family: str, target: str) -> list[tuple[tuple[str, ...], str]]:
     """Return (options, precision): every level and dialect, every unsafe flag alone, and some together."""
     cross_lto = family == "clang" and TARGETS[target].emulator
@@ -90,14 +116,15 @@ def combinations(family: str, target: str) -> list[tuple[tuple[str, ...], str]]:
 
 
 @pytest.mark.slow
+@pytest.mark.parametrize("what", [flags, flags_adapt], ids=["functions", "estimator"])
 @pytest.mark.parametrize(("family", "target"), PLACES)
-def test_every_flag(tmp_path: Path, family: str, target: str) -> None:
+def test_every_flag(tmp_path: Path, family: str, target: str, what: ModuleType) -> None:
     """Any level of optimisation in any dialect, and any unsafe flag alone: refused, or within the bounds."""
     need(family, target)
     spoiled = [
         (" ".join(options), real)
         for options, real in combinations(family, target)
-        if not kept_or_refused(tmp_path, family, target, options, real)
+        if not kept_or_refused(tmp_path, family, target, options, real, what.outcome)
     ]
 
     assert [] == spoiled

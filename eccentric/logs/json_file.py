@@ -15,10 +15,8 @@ from pathlib import Path
 from eccentric.errors import InputError
 from eccentric.logs.assemble import Read, assemble
 from eccentric.logs.csv_file import text_of
+from eccentric.logs.limits import MOST_LISTS
 from eccentric.logs.room import require_room_for_text
-
-_MOST_COLUMNS = 1000
-"""Lists that are looked at to count rows: entries with a list in each have too many."""
 
 
 def read_json(path: Path) -> Read:
@@ -53,7 +51,7 @@ def read_json(path: Path) -> Read:
 def _rows(text: str) -> int:
     """Number of rows, before anything is read: of entries, or of the numbers of the longest column."""
     records = text.count("{") - text[:100].lstrip().startswith("{")
-    return max(records, max(islice(_lengths(text), _MOST_COLUMNS), default=0))
+    return max(records, max(islice(_lengths(text), MOST_LISTS), default=0))
 
 
 def _lengths(text: str) -> Iterator[int]:

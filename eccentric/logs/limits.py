@@ -18,6 +18,8 @@ MOST_BYTES = 1_000_000_000
 BYTES_PER_ROW, BYTES_PER_VALUE, BYTES_PER_CHARACTER = 350, 60, 6
 """Memory that reading a text takes at its peak: 400 to 740 were measured per row of one to four values, and
 rounded up. A fit of the log takes no more than that afterwards."""
+MOST_LISTS = 1000
+"""Lists of a JSON log that are looked at to count its rows: entries with a list in each have too many."""
 BYTES_PER_NUMBER = 160
 """The same for a value of a MAT or Parquet file: 20 to 60 for numbers, 160 for text."""
 MEMORY_IF_UNKNOWN = 8_000_000_000
