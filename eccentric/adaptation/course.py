@@ -29,6 +29,7 @@ class Replay:
         values, deviations: of the coefficients (k, n).
         unseen: seconds since each coefficient was last known to half of its prior (k, n).
         start, prior: values and standard deviations that the estimator began with (n,).
+        lowest, highest: bounds that it keeps the coefficients within (n,).
         alarms: time [s] and kind, "more" or "less" friction.
         used, still, out_of_range: numbers of samples.
         step: seconds between two samples.
@@ -47,6 +48,8 @@ class Replay:
     unseen: Array
     start: Array
     prior: Array
+    lowest: Array
+    highest: Array
     alarms: tuple[tuple[float, str], ...]
     used: int
     still: int
@@ -105,6 +108,8 @@ def replayed(
         unseen=found["unseen"] * step,
         start=prior.values,
         prior=prior.deviations,
+        lowest=prior.lowest,
+        highest=prior.highest,
         alarms=tuple((float(t[k]), "more" if flags[k] & estimator.MORE else "less") for k in at),
         used=int(np.count_nonzero(flags & estimator.UPDATED)),
         still=int(np.count_nonzero(flags & estimator.STILL)),
