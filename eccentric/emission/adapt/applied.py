@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 import mpmath
 import sympy as sp
 
-from eccentric.emission.backends import decimal, prepared_values
+from eccentric.emission.backends import code, decimal, prepared_values
 from eccentric.emission.program import Program
 from eccentric.errors import InputError
 from eccentric.model import Column, Model
@@ -77,3 +77,18 @@ def followed(model: Model, program: Program, columns: Sequence[Column], single: 
                 )
             )
         return found
+
+
+def applied_lines(model: Model, program: Program, columns: tuple[Column, ...], single: bool) -> list[str]:
+    """The lines of C that write what was learned into the coefficients."""
+    suffix = "f" if single else ""
+    lines = []
+    for one in followed(model, program, columns, single):
+        terms = [
+            f"state->coefficient[{k}]" if x == "1.0" else f"{x}{suffix} * state->coefficient[{k}]"
+            for k, x in one.factors.items()
+        ]
+        lines.append(
+            f"c->{one.name} = {' + '.join([*terms, *([one.constant + suffix] if one.constant else [])])};"
+        )
+    return code(lines)
