@@ -9,12 +9,16 @@ import subprocess
 import sys
 import threading
 from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
 
+import numpy as np
 import pytest
 
 from eccentric import cli
 from eccentric.errors import InputError
 from eccentric.output import locks, whole_file, whole_folder, workshop
+from eccentric.virtual_bench import write
 from tests.kills import ROOT, at_each_step, left_by
 
 pytestmark = pytest.mark.skipif(os.name != "posix", reason="signals are those of POSIX")
@@ -245,3 +249,17 @@ def test_an_ended_bench_leaves_no_log_without_its_rig(act: str, tmp_path: Path) 
 
         found = {path.name for path in copy.iterdir()} - {"next"}
         assert found in (set(), {"log.csv.gz", "log.json", "log.truth.json"})
+
+
+def test_a_killed_bench_can_be_run_again(tmp_path: Path) -> None:
+    """The same name is free unless all three files are there: a part of them is not in the way."""
+    (tmp_path / "out").mkdir()
+    names = {"log.csv.gz", "log.json", "log.truth.json"}
+    run: Any = SimpleNamespace(columns={"time_s": np.zeros(3)}, rig={}, truth={})
+
+    for copy in at_each_step(
+        "kill", "write(bench, into / 'log.csv.gz')", tmp_path / "out", "", imports=IMPORTS
+    ):
+        if not names <= {path.name for path in copy.iterdir()}:
+            write(run, copy / "log.csv.gz")
+        assert names <= {path.name for path in copy.iterdir()}

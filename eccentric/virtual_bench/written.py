@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import os
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from pathlib import Path
 
 from eccentric.errors import InputError
-from eccentric.output import whole_files
+from eccentric.output import whole_files, workshop
 
 LOG = ".csv.gz"
 
@@ -22,6 +23,10 @@ def new_paths(path: str | Path, endings: Sequence[str]) -> tuple[Path, ...]:
         raise InputError(f"{log}: a log name that ends in {LOG} is required")
     stem = log.name.removesuffix(LOG)
     paths = log, *(log.with_name(f"{stem}{ending}") for ending in endings)
+    if any(map(os.path.lexists, paths)):
+        # A killed run may have left one of them and not yet the others: then it is removed.
+        with suppress(InputError), workshop(log.parent):
+            pass
     for one in paths:
         if os.path.lexists(one):  # including a dangling link
             raise InputError(f"{one}: a new file to write is required, received one that exists")
