@@ -51,11 +51,16 @@ def render(
 
 
 def render_arm(
-    found: Recursion, title: str, origin: str, command: str, backends: Iterable[str] = DEFAULT
+    found: Recursion,
+    title: str,
+    origin: str,
+    command: str,
+    backends: Iterable[str] = DEFAULT,
+    *,
+    single_file: bool = False,
+    choice: Choice = WHOLE,
 ) -> dict[str, str]:
-    """The emitted files of a chain: file name -> text.
-
-    A chain of numbers has no parameters: its C has one set of coefficients, and nothing to prepare.
+    """The emitted files of an arm: file name -> text.
 
     Args:
         found: the recursion of the chain.
@@ -63,16 +68,19 @@ def render_arm(
         origin: source of the physics, for the banner.
         command: the command that writes the files, for their banner.
         backends: names of `BACKENDS`.
+        single_file: whether each file contains all that it needs, including the parts common to all models.
+        choice: what of the arm is emitted; without a choice all but the gradient.
 
     Raises:
-        InputError: C is wanted of a chain without parameters of which no angle counts.
+        InputError: there is no function of a chosen name; or C is wanted of functions that depend on no
+            parameter and no angle.
     """
-    program, backends = build_arm_program(found, title), tuple(backends)
+    program, backends = build_arm_program(found, title, choice), tuple(backends)
     if "c99" in backends and not program.coefficients:
         raise InputError(
             f"{program.name}: a joint that turns, or a parameter, is required for C, received none"
         )
-    return render_program(program, origin, command, backends)
+    return render_program(program, origin, command, backends, single_file=single_file)
 
 
 def _place(model: Model, operation: sp.Basic) -> str:

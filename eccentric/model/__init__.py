@@ -7,7 +7,7 @@ May import: no other room; it knows no data and no templates.
 
 from eccentric.model import steps, vocabulary
 from eccentric.model.balance import KINDS, Balance, Term
-from eccentric.model.chain import Body, Chain, Joint, Placement, Recursion, arm, recursion
+from eccentric.model.chain import Body, Chain, Joint, Moments, Placement, Recursion, arm, recursion
 from eccentric.model.change import Change, Extension
 from eccentric.model.defaults import with_values
 from eccentric.model.definition import Definition, State
@@ -68,6 +68,7 @@ __all__ = [
     "Load",
     "Magnitude",
     "Model",
+    "Moments",
     "OpaqueStep",
     "Placement",
     "Quantity",

@@ -1,71 +1,72 @@
-"""The Program of a chain: its recursion in primitive operations, on vectors with one entry a joint.
-
-Three functions: `inverse_dynamics`, `joint_wrenches`, `bearing_loads`. Bounds of rounding are not stated yet.
-"""
+"""The Program of an arm: its recursion in primitive operations, on vectors with one entry a joint."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import replace
 
 import sympy as sp
 
+from eccentric.emission.program.arm_functions import GRADIENT, INERTIAL, NAMES, ArmFunction, arm_functions
+from eccentric.emission.program.arm_inertial import inertial
+from eccentric.emission.program.choice import WHOLE, Choice
 from eccentric.emission.program.distinct import require_distinct
 from eccentric.emission.program.half_turn import HalfTurns
 from eccentric.emission.program.lower import Lowering
 from eccentric.emission.program.prepare import Prepare, notes
 from eccentric.emission.program.program import Assignment, Helper, Input, Program, Routine, needed
 from eccentric.emission.program.shorten import shortened, without_copies
-from eccentric.model import HalfCosine, HalfSine, Load, Recursion, arm, quantity
-
-_AXES = "xyz"
-_LOADS = {Load.NORMAL: "F_N", Load.TRANSVERSAL: "F_T", Load.BENDING: "M_B", Load.TRANSMITTED: "T"}
+from eccentric.errors import InputError
+from eccentric.model import HalfCosine, HalfSine, Recursion, arm, quantity
 
 
-@dataclass(frozen=True)
-class _Function:
-    """A function of a chain: its name, unit and meaning, and label -> expression."""
-
-    name: str
-    unit: str
-    meaning: str
-    results: tuple[tuple[str, sp.Expr], ...]
-
-
-def build_arm_program(found: Recursion, title: str) -> Program:
-    """The Program of a chain.
+def build_arm_program(found: Recursion, title: str, choice: Choice = WHOLE) -> Program:
+    """The Program of an arm.
 
     Args:
         found: its recursion.
         title: one line.
+        choice: what of it is emitted; without a choice all but the gradient.
 
     Raises:
-        InputError: a quantity has the name of a value that the code computes.
+        InputError: a quantity has the name of a value that the code computes; there is no function of a
+            chosen name; or fixed parameters are asked for, and one that is needed has no default.
     """
+    names = [name for name in choice.of(NAMES) if choice.functions or name != GRADIENT]
     model = arm(found.chain, title, found=found)
     shared = Prepare(model)
     half_turns = HalfTurns(shared)
-    inputs = _inputs(found)
-    assignments = _by_half_turns(found)
-    routines = tuple(_routine(f, assignments, inputs, shared, half_turns) for f in _functions(found))
+    inputs, half_turned = _inputs(found), _half_turned(found)
+    of_bodies = inertial(found.chain) if INERTIAL in names else None
+    listed = {f.name: f for f in arm_functions(model, found, of_bodies, gradient=GRADIENT in names)}
+    routines = tuple(_routine(listed[name], half_turned, inputs, shared, half_turns) for name in names)
     called = {s for r in routines for a in r.assignments for s in a.value.free_symbols}
     helpers = tuple(h for h in half_turns.helpers if sp.Symbol(h.name) in called)
+    constants = [(r.name.upper(), r.labels) for r in routines]
+    if of_bodies is not None:
+        constants.append(("INERTIAL_PARAMETERS", of_bodies.words))
     program = Program(
         name=found.chain.name,
         title=title,
-        parameters=found.chain.parameters,
+        parameters=model.parameters,
         prepare=shortened(shared.assignments),
         coefficients=_used((*helpers, *routines), shared),
         routines=routines,
-        constants=tuple((r.name.upper(), r.labels) for r in routines),
+        constants=tuple(constants),
         notes=notes(model, shared),
+        defaults="those of the arm, without friction",
         helpers=helpers,
-        first=routines[0].name,
-        chosen=True,
-        # Without a parameter there is nothing to prepare.
-        fixed=not found.chain.parameters,
+        first="motor_torque" if "motor_torque" in names else names[0],
+        chosen=bool(choice.functions),
+        arrays=choice.arrays,
+        fixed=choice.fixed,
     )
     require_distinct(program)
+    if choice.fixed and not program.ungiven.isdisjoint(program.coefficients):
+        absent = " and ".join(q.name for q in program.parameters if q.default is None)
+        raise InputError(
+            f"fixed: a value of {absent} is required, which {program.name} has no default for: emit it with"
+            " parameters, or choose functions that need none of them"
+        )
     return program
 
 
@@ -78,48 +79,8 @@ def _inputs(found: Recursion) -> tuple[Input, ...]:
     )
 
 
-def _functions(found: Recursion) -> tuple[_Function, ...]:
-    joints = found.chain.joints
-    torques = [
-        (f"tau_m_{j}", rotor + joint.mu * torque)
-        for j, (joint, rotor, torque) in enumerate(zip(joints, found.rotors, found.torques, strict=True))
-    ]
-    wrenches = [
-        (f"{part}_{j}_{_AXES[k]}", (link.tilt * vector)[k])
-        for j, (link, wrench) in enumerate(zip(found.chain.links, found.wrenches, strict=True))
-        for part, vector in (("f", wrench.force), ("n", wrench.moment))
-        for k in range(3)
-    ]
-    loads = [
-        (f"{letter}_{j}", bearing.loads[load])
-        for j, bearing in enumerate(found.bearings)
-        for load, letter in _LOADS.items()
-        if load in bearing.loads
-    ]
-    return (
-        _Function(
-            "inverse_dynamics",
-            "N m",
-            "torque of every motor that moves bodies and rotors and holds the weight, without friction",
-            tuple(torques),
-        ),
-        _Function(
-            "joint_wrenches",
-            "N, N m",
-            "force and moment on every body by its joint, in and about the origin of the joint's frame",
-            tuple(wrenches),
-        ),
-        _Function(
-            "bearing_loads",
-            "N, N m",
-            "what every bearing carries, F_N, F_T and M_B, and what its gear passes on, T",
-            tuple(loads),
-        ),
-    )
-
-
-def _by_half_turns(found: Recursion) -> tuple[Assignment, ...]:
-    """The recursion, with sine and cosine of a joint from those of its half turn, as for one joint."""
+def _half_turned(found: Recursion) -> dict[sp.Expr, sp.Expr]:
+    """Sine and cosine of a joint by those of its half turn, as for one joint."""
     steps: dict[sp.Expr, sp.Expr] = {}
     for joint, inputs in zip(found.chain.joints, found.inputs, strict=True):
         theta = inputs.theta_m.symbol
@@ -128,31 +89,29 @@ def _by_half_turns(found: Recursion) -> tuple[Assignment, ...]:
         half_cosine, half_sine = HalfCosine(theta, mu), HalfSine(theta, mu)
         steps[sp.cos(joint.mu * theta)] = 1 - 2 * half_sine**2
         steps[sp.sin(joint.mu * theta)] = -2 * half_cosine * half_sine
-    angles = {d.symbol: d.value for d in found.definitions if d.quantity.name.startswith("theta_l_")}
-    return tuple(
-        Assignment(
-            d.symbol,
-            d.value.xreplace(angles).xreplace(steps) if d.value.has(sp.sin, sp.cos) else d.value,
-            f"{d.quantity.meaning.partition(', component ')[0]} [{d.quantity.unit}]",
-        )
-        for d in found.definitions
-    )
+    return steps
 
 
 def _routine(
-    function: _Function,
-    assignments: Sequence[Assignment],
+    function: ArmFunction,
+    half_turned: dict[sp.Expr, sp.Expr],
     inputs: tuple[Input, ...],
     shared: Prepare,
     half_turns: HalfTurns,
 ) -> Routine:
     lowering = Lowering(shared, half_turns)
     told = ""
-    for assignment in needed(assignments, [expression for _, expression in function.results]):
-        if assignment.value.free_symbols <= shared.symbols:
-            shared.define(assignment.target, assignment.value)
+    given, earlier = [], {}
+    for a in function.definitions:
+        turned = a.value.xreplace(earlier).xreplace(half_turned) if a.value.has(sp.sin, sp.cos) else a.value
+        given.append(replace(a, value=turned))
+        earlier[a.target] = a.value
+    for assignment in needed(given, [expression for _, expression in function.results]):
+        value = assignment.value
+        if value.free_symbols <= shared.symbols:
+            shared.define(assignment.target, value)
         else:
-            value = lowering(shared.hoist(assignment.value))
+            value = lowering(shared.hoist(value))
             # Of the components of a vector the first one has the comment.
             note = assignment.note if assignment.note != told else ""
             told = assignment.note
@@ -163,7 +122,7 @@ def _routine(
         lowering.assignments.append(Assignment(targets[-1], lowering(shared.hoist(expression))))
     return Routine(
         name=function.name,
-        inputs=inputs,
+        inputs=inputs if function.moves else inputs[:1],
         assignments=without_copies(shortened(lowering.assignments), targets),
         results=tuple(targets),
         labels=tuple(label for label, _ in function.results),

@@ -39,19 +39,21 @@ def without_copies(assignments: Iterable[Assignment], results: Iterable[sp.Symbo
     """
     kept: list[Assignment] = []
     names: dict[sp.Expr, sp.Symbol] = {}
+    named: set[sp.Expr] = set()
     renamed: dict[sp.Expr, sp.Expr] = {}
     results = set(results)
     for a in assignments:
         value = a.value.xreplace(renamed)
-        first = value if value in names.values() else names.get(value)
-        if a.target in results or first is None or (value.is_Atom and value not in names.values()):
+        first = value if value in named else names.get(value)
+        if a.target in results or first is None or (value.is_Atom and value not in named):
             kept.append(replace(a, value=value))
             if a.target not in results:
-                names.setdefault(value, a.target)
+                named.add(names.setdefault(value, a.target))
         elif a.note:
             kept = [replace(k, target=a.target, note=a.note) if k.target == first else k for k in kept]
             kept = [replace(k, value=k.value.xreplace({first: a.target})) for k in kept]
             names = {v.xreplace({first: a.target}): a.target if s == first else s for v, s in names.items()}
+            named = named - {first} | {a.target}
             renamed = {old: a.target if new == first else new for old, new in renamed.items()}
             renamed[first] = a.target
         else:

@@ -31,6 +31,11 @@ class Moments:
     def __add__(self, other: Moments) -> Moments:
         return Moments(self.mass + other.mass, self.first + other.first, self.second + other.second)
 
+    @property
+    def moments(self) -> Moments:
+        """Itself: a body may be given by its moments, in the frame of the joint that moves it."""
+        return self
+
     def turned(self, rotation: sp.MatrixBase) -> Moments:
         """The same mass in the components of a frame with the same origin; its axes are the columns."""
         return Moments(self.mass, rotation.T * self.first, rotation.T * self.second * rotation)

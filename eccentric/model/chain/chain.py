@@ -47,7 +47,7 @@ class Chain:
     Args:
         name: in code.
         joints: from the base outwards.
-        bodies: the body that each joint moves.
+        bodies: the body that each joint moves, or its moments of mass.
         gravity: acceleration of free fall in the frame of the base [m/s^2].
         payload: a body fixed to the last one, in the frame of the last joint.
         parameters: the quantities whose symbols stand in joints, bodies, gravity and payload.
@@ -60,7 +60,7 @@ class Chain:
         self,
         name: str,
         joints: Sequence[Joint],
-        bodies: Sequence[Body],
+        bodies: Sequence[Body | Moments],
         gravity: Any = (0, 0, "-9.81"),
         payload: Body | None = None,
         parameters: Sequence[Quantity] = (),

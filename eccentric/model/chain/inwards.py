@@ -32,12 +32,12 @@ class Wrench:
 def moments_of(steps: Steps, j: int, link: Link) -> dict[sp.Symbol, sp.Expr]:
     """The moments of mass of a body by the letters of `momentum`."""
     given, found = link.moments, {}
-    found[momentum.m] = steps(f"mass_{j}", "kg", f"mass of body {j}", given.mass)
-    first = steps.vector(f"h_{j}", "kg m", f"first moment of body {j}", given.first)
+    found[momentum.m] = steps(f"body_mass_{j}", "kg", f"mass of body {j}", given.mass)
+    first = steps.vector(f"body_h_{j}", "kg m", f"first moment of body {j}", given.first)
     found |= dict(zip(momentum.h, first, strict=True))
     for i in range(3):
         for k in range(i, 3):
-            name = f"Sigma_{j}_{AXES[i]}{AXES[k]}"
+            name = f"body_Sigma_{j}_{AXES[i]}{AXES[k]}"
             meaning = f"second moment of body {j}, component {AXES[i]}{AXES[k]}"
             found[momentum.Sigma[i, k]] = steps(name, "kg m^2", meaning, given.second[i, k])
     return found

@@ -163,7 +163,7 @@ def view(program: Program, digest: str) -> dict[str, Any]:
 def _first(program: Program) -> dict[str, str]:
     """The function to begin with: in a choice the first one, by its meaning."""
     name = program.first
-    if program.chosen:
+    if program.chosen or name not in _FIRST:
         meaning = next(r.meaning for r in program.routines if r.name == name)
         return {"name": name, "doc": meaning, "end": ";"}
     doc, end = _FIRST[name]

@@ -1,0 +1,225 @@
+"""The emitted functions of an arm: which there are, what they return, and which definitions they need."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import sympy as sp
+
+from eccentric.emission.program.arm_inertial import Inertial
+from eccentric.emission.program.program import Assignment, differentiate, needed
+from eccentric.model import Definition, Load, Model, Recursion, Term
+
+_AXES = "xyz"
+_LOADS = {Load.NORMAL: "F_N", Load.TRANSVERSAL: "F_T", Load.BENDING: "M_B", Load.TRANSMITTED: "T"}
+INERTIAL, GRADIENT = "inertial_regressor", "mechanical_friction_torque_gradient"
+NAMES = (
+    "inverse_dynamics", "motor_torque", "joint_wrenches", "bearing_loads", "gravity_torque",
+    "mechanical_friction_torque", "friction_torque", "regressor", INERTIAL, GRADIENT,
+)  # fmt: skip
+"""Every function of an arm; the gradient only where it is chosen: it is longer than all others together."""
+
+
+@dataclass(frozen=True)
+class ArmFunction:
+    """A function of an arm.
+
+    Attributes:
+        name, unit, meaning: as in Routine.
+        results: label -> expression.
+        definitions: what the results are computed from, in order; more than is needed.
+        moves: whether it takes velocities and accelerations, not angles alone.
+    """
+
+    name: str
+    unit: str
+    meaning: str
+    results: tuple[tuple[str, sp.Expr], ...]
+    definitions: tuple[Assignment, ...]
+    moves: bool = True
+
+
+def arm_functions(
+    model: Model, found: Recursion, of_bodies: Inertial | None, *, gradient: bool
+) -> tuple[ArmFunction, ...]:
+    """The functions of an arm in the order of the module.
+
+    Args:
+        model: of the arm.
+        found: its recursion.
+        of_bodies: its inertial regressor, if it is wanted.
+        gradient: whether that of the friction is wanted.
+    """
+    moving = tuple(Assignment(d.symbol, d.value, _note(d)) for d in found.definitions)
+    inverse, friction = _inverse_dynamics(found), _friction(model, found)
+    plain = [
+        (
+            "inverse_dynamics",
+            "N m",
+            "torque of every motor that moves bodies and rotors and holds the weight, without friction",
+            inverse,
+        ),
+        (
+            "motor_torque",
+            "N m",
+            "torque of every motor that the motion takes: inverse_dynamics and mechanical_friction_torque",
+            [(f"tau_{j}", a + b) for j, ((_, a), (_, b)) in enumerate(zip(inverse, friction, strict=True))],
+        ),
+        (
+            "joint_wrenches",
+            "N, N m",
+            "force and moment on every body by its joint, in and about the origin of the joint's frame",
+            _wrenches(found),
+        ),
+        (
+            "bearing_loads",
+            "N, N m",
+            "what every bearing carries, F_N, F_T and M_B, and what its gear passes on, T",
+            _loads(found),
+        ),
+        (
+            "mechanical_friction_torque",
+            "N m",
+            "friction torque of every motor, f = f_m + mu f_l, without back-EMF",
+            friction,
+        ),
+        (
+            "friction_torque",
+            "N m",
+            "resultant friction torque F of every motor, back-EMF damping included, eq (6)",
+            _resultant(model, found, friction),
+        ),
+        (
+            "regressor",
+            "N m per unit coefficient",
+            "friction torque of a joint per coefficient: the last number of a label is the joint",
+            [(str(t.coefficient), t.basis) for j in range(len(found.inputs)) for t in _terms(model, j)],
+        ),
+    ]
+    functions = [ArmFunction(*parts, tuple(results), moving) for *parts, results in plain]
+    functions.append(
+        ArmFunction(
+            "gravity_torque",
+            "N m",
+            "torque of every motor that holds the weight: inverse_dynamics at rest",
+            *_at_rest(found, moving, inverse),
+            moves=False,
+        )
+    )
+    if of_bodies is not None:
+        functions.append(_inertial_regressor(of_bodies))
+    if gradient:
+        functions.append(_gradient(found, moving, friction))
+    return tuple(functions)
+
+
+def _inverse_dynamics(found: Recursion) -> list[tuple[str, sp.Expr]]:
+    of_joints = zip(found.chain.joints, found.rotors, found.torques, strict=True)
+    return [(f"tau_m_{j}", rotor + joint.mu * torque) for j, (joint, rotor, torque) in enumerate(of_joints)]
+
+
+def _wrenches(found: Recursion) -> list[tuple[str, sp.Expr]]:
+    return [
+        (f"{part}_{j}_{_AXES[k]}", (link.tilt * vector)[k])
+        for j, (link, wrench) in enumerate(zip(found.chain.links, found.wrenches, strict=True))
+        for part, vector in (("f", wrench.force), ("n", wrench.moment))
+        for k in range(3)
+    ]
+
+
+def _loads(found: Recursion) -> list[tuple[str, sp.Expr]]:
+    return [
+        (f"{letter}_{j}", bearing.loads[load])
+        for j, bearing in enumerate(found.bearings)
+        for load, letter in _LOADS.items()
+        if load in bearing.loads
+    ]
+
+
+def _terms(model: Model, j: int) -> list[Term]:
+    return [term for term in model.balance(f"mechanical_{j}").terms if term.kind == "friction"]
+
+
+def _friction(model: Model, found: Recursion) -> list[tuple[str, sp.Expr]]:
+    """Each load is multiplied once, by what follows it."""
+    results = []
+    for j, bearing in enumerate(found.bearings):
+        total = sp.Add(*(term.coefficient * term.basis for term in _terms(model, j)))
+        loads = [load for load in bearing.loads.values() if load.is_Symbol]
+        parts = sp.collect(sp.expand(total), loads, evaluate=False)
+        results.append((f"f_{j}", sp.Add(*(load * factor for load, factor in parts.items()))))
+    return results
+
+
+def _resultant(
+    model: Model, found: Recursion, friction: Sequence[tuple[str, sp.Expr]]
+) -> list[tuple[str, sp.Expr]]:
+    """Eq (4): the back-EMF damps by k_i k_e/R omega_m."""
+    results = []
+    for j, ((_, f), inputs) in enumerate(zip(friction, found.inputs, strict=True)):
+        terms = {term.kind: term for term in model.balance(f"electrical_{j}").terms}
+        drive = next(t for t in model.balance(f"mechanical_{j}").terms if t.kind == "drive")
+        damping = drive.coefficient * terms["back_emf"].coefficient / terms["resistive"].coefficient
+        results.append((f"F_{j}", f + damping * inputs.omega_m.symbol))
+    return results
+
+
+def _at_rest(
+    found: Recursion, moving: Sequence[Assignment], results: Sequence[tuple[str, sp.Expr]]
+) -> tuple[tuple[tuple[str, sp.Expr], ...], tuple[Assignment, ...]]:
+    """The results without velocities and accelerations, and the definitions that are left of them."""
+    zero = sp.Integer(0)
+    known: dict[sp.Expr, sp.Expr] = {
+        x.symbol: zero for inputs in found.inputs for x in (inputs.omega_m, inputs.alpha_m)
+    }
+    left = []
+    for assignment in moving:
+        value = assignment.value.xreplace(known)
+        if value.is_Atom or (-value).is_Symbol:
+            known[assignment.target] = value
+        else:
+            left.append(Assignment(assignment.target, value, assignment.note))
+    return tuple((label.replace("tau_m", "G"), e.xreplace(known)) for label, e in results), tuple(left)
+
+
+def _inertial_regressor(of_bodies: Inertial) -> ArmFunction:
+    names = [q.name for q in of_bodies.parameters]
+    return ArmFunction(
+        INERTIAL,
+        "N m per unit parameter",
+        "torque of every motor per inertial parameter, a row for each motor; without rotors that are known",
+        tuple(
+            (f"tau_m_{j}_by_{name}", slope)
+            for j, row in enumerate(of_bodies.slopes)
+            for name, slope in zip(names, row, strict=True)
+        ),
+        of_bodies.definitions,
+    )
+
+
+def _gradient(
+    found: Recursion, moving: Sequence[Assignment], friction: Sequence[tuple[str, sp.Expr]]
+) -> ArmFunction:
+    """Slopes of every joint's friction by every input, definition by definition."""
+    by = [x.theta_m.symbol for x in found.inputs] + [x.omega_m.symbol for x in found.inputs]
+    by += [x.alpha_m.symbol for x in found.inputs]
+    torques = [Assignment(sp.Symbol(f"friction_{label}", real=True), e) for label, e in friction]
+    needs = needed((*moving, *torques), [t.target for t in torques])
+    steps, slopes = differentiate(needs, by)
+    results = [
+        (f"{label}_by_{x.name}", slopes.get((torque.target, x), sp.Integer(0)))
+        for (label, _), torque in zip(friction, torques, strict=True)
+        for x in by
+    ]
+    return ArmFunction(
+        GRADIENT,
+        "N m per rad, rad/s, rad/s^2",
+        "partial derivatives of mechanical_friction_torque by theta_m, omega_m, alpha_m, joint by joint",
+        tuple(results),
+        steps,
+    )
+
+
+def _note(definition: Definition) -> str:
+    return f"{definition.quantity.meaning.partition(', component ')[0]} [{definition.quantity.unit}]"
