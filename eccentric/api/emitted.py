@@ -9,9 +9,9 @@ from pathlib import Path
 from typing import Any
 
 from eccentric.api.adapted import asked_adaptation
-from eccentric.api.files import require_fit, write_emitted
+from eccentric.api.files import require_fit, write_arm, write_emitted
 from eccentric.api.fitted import FitResult
-from eccentric.api.inputs import ModelSource, model_of, origin_of
+from eccentric.api.inputs import ModelSource, arm_of, is_arm, model_of, origin_of
 from eccentric.emission import (
     WHOLE,
     Arrays,
@@ -47,7 +47,7 @@ def emit(
     """Write a model as a NumPy module and C99, and what checks the C, into a folder; return the paths.
 
     Args:
-        model: a Model, its name, or the path of a derivation.
+        model: a Model, its name, or the path of a derivation, an arm file or a URDF.
         out: a folder of its own, new or written by eccentric before.
         parameters: defaults of the emitted code: a FitResult, the path or the content of a fit.json, or
             values in SI by the paper's letters; by default those of the model.
@@ -70,7 +70,15 @@ def emit(
             those of another model or of a log that does not fit its rig, or have an invalid sign; the prefix
             is not a free name in C and Python; the folder cannot be written.
     """
-    loaded = model_of(model)
+    if isinstance(functions, str):
+        raise InputError(f"functions: a list of names is required, received {functions!r}")
+    with_arrays = not functions if arrays is None else arrays
+    where: Arrays = "none" if not with_arrays else "beside" if functions else "with"
+    choice = Choice(tuple(functions), where, fixed)
+    asked = asked_adaptation(adapt, forgetting, false_alarms, settle)
+    found, loaded = (None, model_of(model)) if not is_arm(model) else arm_of(model)
+    if asked is not None and found is not None:
+        raise InputError("adapt: a model of one joint is required, received an arm")
     name = checked_name(
         *((loaded.name, f"model {loaded.name}: its name") if prefix is None else (prefix, "prefix"))
     )
@@ -80,17 +88,15 @@ def emit(
         fitted = read_parameters(_content(parameters))
         require_fit(fitted.fits_the_rig, fitted.source, accept_misfit)
         chosen = with_fitted(loaded, fitted, name)
-    if isinstance(functions, str):
-        raise InputError(f"functions: a list of names is required, received {functions!r}")
-    with_arrays = not functions if arrays is None else arrays
-    where: Arrays = "none" if not with_arrays else "beside" if functions else "with"
-    choice = Choice(tuple(functions), where, fixed)
-    asked = asked_adaptation(adapt, forgetting, false_alarms, settle)
     if asked is not None and choice != WHOLE:
         raise InputError(
             "adapt: the whole model is required with it, without a choice of functions, arrays or fixed"
         )
     given = None if parameters is None else document_of(_content(parameters))
+    if found is not None:
+        return write_arm(
+            found, chosen, origin_of(model), out, backend, single_file=single_file, choice=choice
+        )
     return write_emitted(
         chosen,
         origin_of(model),

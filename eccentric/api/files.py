@@ -15,15 +15,16 @@ from eccentric.emission import (
     Adaptation,
     Choice,
     complete,
+    complete_arm,
     prior_of,
     render_adapt,
     write,
 )
 from eccentric.errors import InputError
-from eccentric.model import Model
+from eccentric.model import Model, Recursion
 from eccentric.output import whole_folder
 
-__all__ = ["described", "require_fit", "write_emitted"]
+__all__ = ["described", "require_fit", "write_arm", "write_emitted"]
 
 _WRITTEN = (
     ("diagnosis.json", "the figures of this page, for programs"),
@@ -63,13 +64,7 @@ def write_emitted(
     estimator of the friction is added, whose prior is that of the fit with this content. Returns the paths.
     Raises InputError if there is no such target, or the folder cannot be written.
     """
-    several = isinstance(backend, Sequence) and not isinstance(backend, str | bytes)
-    given = DEFAULT if backend is None else list(backend if several else [backend])
-    names: dict[str, None] = {}
-    for name in given or ["none"]:
-        if not isinstance(name, str) or name not in BACKENDS:
-            raise InputError(f"backend: one of {', '.join(BACKENDS)} is required, received {name!r}")
-        names[name] = None
+    names = _backends(backend)
     files = complete(model, "eccentric emit", origin, names, single_file=single_file, choice=choice)
     if adapt is not None:
         if missing := [name for name in DEFAULT if name not in names]:
@@ -78,6 +73,37 @@ def write_emitted(
     with whole_folder(out, f"emit {model.name}") as folder:
         write(files, folder)
     return [Path(out) / name for name in files]
+
+
+def write_arm(
+    found: Recursion,
+    model: Model,
+    origin: str,
+    out: str | os.PathLike[str],
+    backend: str | Sequence[str] | None = None,
+    *,
+    single_file: bool = False,
+    choice: Choice = WHOLE,
+) -> list[Path]:
+    """Write the files of an arm as `write_emitted` writes those of a model; `found` is its recursion."""
+    names = _backends(backend)
+    files = complete_arm(
+        found, model, "eccentric emit", origin, names, single_file=single_file, choice=choice
+    )
+    with whole_folder(out, f"emit {model.name}") as folder:
+        write(files, folder)
+    return [Path(out) / name for name in files]
+
+
+def _backends(backend: str | Sequence[str] | None) -> dict[str, None]:
+    several = isinstance(backend, Sequence) and not isinstance(backend, str | bytes)
+    given = DEFAULT if backend is None else list(backend if several else [backend])
+    names: dict[str, None] = {}
+    for name in given or ["none"]:
+        if not isinstance(name, str) or name not in BACKENDS:
+            raise InputError(f"backend: one of {', '.join(BACKENDS)} is required, received {name!r}")
+        names[name] = None
+    return names
 
 
 def require_fit(fits_the_rig: bool, source: str, accept_misfit: bool) -> None:

@@ -7,9 +7,10 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any, TypeAlias
 
+from eccentric.arms import read_arm
 from eccentric.errors import InputError
 from eccentric.logs import Log, LogSource, read_log
-from eccentric.model import Model, load_model, model_names
+from eccentric.model import Model, Recursion, arm, load_model, model_names, recursion
 from eccentric.places import given_path
 from eccentric.rigs import Rig
 
@@ -17,7 +18,9 @@ __all__ = [
     "LogSources",
     "ModelSource",
     "RigSource",
+    "arm_of",
     "by_name",
+    "is_arm",
     "model_of",
     "names_given",
     "names_of",
@@ -26,6 +29,7 @@ __all__ = [
 ]
 
 LogSources: TypeAlias = LogSource | Sequence[LogSource]
+_ARM_FILES = {".toml", ".json", ".urdf"}
 RigSource: TypeAlias = str | os.PathLike[str] | Mapping[str, Any] | Rig
 ModelSource: TypeAlias = str | os.PathLike[str] | Model
 
@@ -73,9 +77,25 @@ def by_name(model: ModelSource | None) -> str | Model | None:
     return model.name if model.name in model_names() and load_model(model.name) is model else model
 
 
+def is_arm(model: object) -> bool:
+    """Whether a model is given by the file of an arm: by its suffix, which a derivation does not have."""
+    if not isinstance(model, str | os.PathLike):
+        return False
+    return Path(os.fspath(model).partition("#")[0]).suffix.lower() in _ARM_FILES
+
+
+def arm_of(source: ModelSource) -> tuple[Recursion, Model]:
+    """The recursion of an arm, and its model."""
+    chain = read_arm(given_path(source, "arm"))
+    found = recursion(chain)
+    size = "one joint" if len(chain.joints) == 1 else f"{len(chain.joints)} joints"
+    title = f"Arm of {size}: motion, loads of the bearings, and friction that follows them"
+    return found, arm(chain, title, found=found)
+
+
 def origin_of(model: ModelSource) -> str:
     """The source of a model's physics, for the banner of emitted files."""
     if isinstance(model, Model):
         return f"model {model.name}"
-    own = Path(model).suffix == ".py"
+    own = Path(model).suffix == ".py" or is_arm(model)
     return Path(model).name if own else f"derivations/{model}.py"

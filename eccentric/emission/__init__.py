@@ -29,7 +29,7 @@ from eccentric.emission.program import (
 )
 from eccentric.emission.render import render, render_arm, render_program
 from eccentric.emission.templates import template
-from eccentric.emission.write import complete, differences, write
+from eccentric.emission.write import complete, complete_arm, differences, write
 
 __all__ = [
     "BACKENDS",
@@ -44,6 +44,7 @@ __all__ = [
     "build_program",
     "checked_name",
     "complete",
+    "complete_arm",
     "differences",
     "document_of",
     "executed",

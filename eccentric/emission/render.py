@@ -12,7 +12,7 @@ from eccentric.emission.free_text import plain
 from eccentric.emission.program import WHOLE, Choice, Program, build_arm_program, build_program
 from eccentric.emission.templates import template
 from eccentric.errors import InputError
-from eccentric.model import Model, Recursion
+from eccentric.model import Model, Recursion, arm
 from eccentric.version import __version__
 
 _DIGEST = "{digest}"  # a placeholder in the files until the digest is known
@@ -57,6 +57,7 @@ def render_arm(
     command: str,
     backends: Iterable[str] = DEFAULT,
     *,
+    model: Model | None = None,
     single_file: bool = False,
     choice: Choice = WHOLE,
 ) -> dict[str, str]:
@@ -68,14 +69,18 @@ def render_arm(
         origin: source of the physics, for the banner.
         command: the command that writes the files, for their banner.
         backends: names of `BACKENDS`.
+        model: that of the chain under another name or with other defaults; by default made here.
         single_file: whether each file contains all that it needs, including the parts common to all models.
         choice: what of the arm is emitted; without a choice all but the gradient.
 
     Raises:
-        InputError: there is no function of a chosen name; or C is wanted of functions that depend on no
-            parameter and no angle.
+        InputError: there is no function of a chosen name; C is wanted of functions that depend on no
+            parameter and no angle; or a back end has no vectors.
     """
-    program, backends = build_arm_program(found, title, choice), tuple(backends)
+    backends = tuple(backends)
+    if others := [name for name in backends if name not in DEFAULT]:
+        raise InputError(f"backend: {' or '.join(DEFAULT)} is required for an arm, received {others[0]!r}")
+    program = build_arm_program(found, model or arm(found.chain, title, found=found), choice)
     if "c99" in backends and not program.coefficients:
         raise InputError(
             f"{program.name}: a joint that turns, or a parameter, is required for C, received none"

@@ -9,8 +9,8 @@ from pathlib import Path
 from eccentric.emission.backends import DEFAULT
 from eccentric.emission.check import render_check
 from eccentric.emission.program import WHOLE, Choice
-from eccentric.emission.render import render
-from eccentric.model import Model
+from eccentric.emission.render import render, render_arm
+from eccentric.model import Model, Recursion
 from eccentric.output import whole_files
 
 
@@ -37,6 +37,35 @@ def complete(
     with_module = "numpy" in backends and not single_file
     whole = files if with_module else render(model, command, origin, choice=choice)
     return files | render_check(model, whole, arrays=choice.arrays != "none")
+
+
+def complete_arm(
+    found: Recursion,
+    model: Model,
+    command: str,
+    origin: str,
+    backends: Collection[str] = DEFAULT,
+    *,
+    single_file: bool = False,
+    choice: Choice = WHOLE,
+) -> dict[str, str]:
+    """The emitted files of an arm and, in the folder `check`, those that check its C: name -> text.
+
+    Raises:
+        InputError: the arm cannot be emitted.
+    """
+
+    def rendered(backends: Collection[str], *, single_file: bool) -> dict[str, str]:
+        return render_arm(
+            found, model.title, origin, command, backends, model=model, single_file=single_file, choice=choice
+        )
+
+    files = rendered(backends, single_file=single_file)
+    if "c99" not in backends or choice.fixed:
+        return files
+    with_module = "numpy" in backends and not single_file
+    whole = files if with_module else rendered(DEFAULT, single_file=False)
+    return files | render_check(model, whole, arrays=choice.arrays != "none", joints=len(found.inputs))
 
 
 def write(files: Mapping[str, str], out: Path) -> list[Path]:

@@ -48,13 +48,21 @@ _STRICT = "-warn-special-float non-finite -kernel-warn-key annot:missing-spec=ab
 _NARROW = 500
 
 
-def view(model: Model, functions: Sequence[Called], inputs: Sequence[str], source: str) -> dict[str, Any]:
-    """The variables of the template of the proof driver; `source` is the emitted C."""
+def view(
+    model: Model, functions: Sequence[Called], inputs: Sequence[str], source: str, joints: int = 0
+) -> dict[str, Any]:
+    """The variables of the template of the proof driver.
+
+    `source` is the emitted C; `joints` is the number of an arm's, whose inputs are vectors with that many
+    entries.
+    """
     states = [state.quantity for state in model.states]
     known = {q.name: q for q in (*model.inputs, *states, v.dt)}
+    known |= {q.name: q for q in (v.theta_m, v.omega_m, v.alpha_m)}
     return {
         "command": proof_command(model.name, source),
         "inputs": [_input(known[x]) for x in inputs],
+        "joints": joints,
         "states": [q.name for q in states],
         "samples": _SAMPLES,
         "largest": max(f.width for f in functions),

@@ -17,10 +17,12 @@ from eccentric.emission.check.called import Called
 from eccentric.emission.program import ABSENT
 
 SECTIONS, SECTION = 10, 20_000  # generated samples
+_ARM_SECTION = 510  # of an arm: a sample costs a hundred times as much; no fewer than the arrays take
 # Arrays of a section, and samples in each: a block of an array function, and of the next an odd part, which
 # no vector unit takes without a rest.
 _ARRAYS, _ARRAY = 10, 51
 _VECTORS_BYTES, _NUMBER_BYTES = 45_000, 32  # of text, in both precisions
+_LEAST_VECTORS = 4
 # Of the library's exponential: what is asked of it, and where.
 _EXPONENTIAL_EPS = 2
 _EXPONENTS = tuple(
@@ -37,6 +39,7 @@ def view(
     inputs: list[str],
     values: Mapping[str, float],
     source: str,
+    joints: int = 0,
 ) -> dict[str, Any]:
     """The variables of the templates of self-test and vectors.
 
@@ -47,30 +50,34 @@ def view(
         inputs: names of the model's inputs.
         values: every parameter.
         source: the emitted C.
+        joints: of an arm, whose inputs are vectors with an entry for each.
     """
     exponential = re.search(r"\bexpf?\(", source) is not None
     if exponential:
         _without_exponential(module)
-    numbers = len(inputs) + sum(f.width for f in functions)
-    rows = min(64, _VECTORS_BYTES // (_NUMBER_BYTES * numbers))
+    length = joints or 1
+    numbers = length * len(inputs) + sum(f.width for f in functions)
+    rows = min(64, max(_LEAST_VECTORS, _VECTORS_BYTES // (_NUMBER_BYTES * numbers)))
+    section = _ARM_SECTION if joints else SECTION
     single, double = _default(source)
     return {
         "functions": functions,
-        "inputs": inputs,
+        "inputs": [f"{x}_{k}" for x in inputs for k in range(joints)] if joints else inputs,
+        "joints": joints,
         "coefficients": list(single),
         "widths": _braces(f.width for f in functions),
         "taken": _braces(f"0x{sum(1 << inputs.index(x) for x in f.inputs):x}u" for f in functions),
         "largest": max(f.width for f in functions),
         "numbers": numbers,
         "rows": rows,
-        "kinds": len(_spans(inputs)),
+        "kinds": len(_spans(inputs, length)),
         "sections": SECTIONS,
-        "section": SECTION,
+        "section": section,
         "arrays": _ARRAYS,
         "array": _ARRAY,
         "exponentials": len(_EXPONENTS) if exponential else 0,
         "precisions": [
-            _precision(real, module, functions, inputs, values, rows, default)
+            _precision(real, module, functions, inputs, values, rows, default, joints, section)
             for real, default in ((np.float32, single), (np.float64, double))
         ],
     }
@@ -112,18 +119,21 @@ def _precision(
     values: Mapping[str, float],
     rows: int,
     default: Mapping[str, float],
+    joints: int,
+    section: int,
 ) -> dict[str, Any]:
-    single = real is np.float32
+    single, length = real is np.float32, joints or 1
     suffix = "f" if single else ""
     zero = _zero_of_force(values)
-    spans, centres = np.array(_spans(inputs), real), np.zeros((len(_spans(inputs)), len(inputs)), real)
+    spans = np.array(_spans(inputs, length), real)
+    centres = np.zeros_like(spans)
     spans[5] = np.finfo(real).tiny * 4
-    centres[3:5] = [zero.get(name, 0.0) for name in inputs]
+    centres[3:5] = [zero.get(name, 0.0) for name in inputs for _ in range(length)]
     parameters = module.Parameters(**values)
 
     def evaluated(f: Called, states: Sequence[np.ndarray]) -> np.ndarray:
         """The bits of a function's results: value, sample."""
-        columns = dict(zip(inputs, states, strict=True))
+        columns = {x: _argument(states[k * length : (k + 1) * length], joints) for k, x in enumerate(inputs)}
         values = np.empty((f.width, len(states[0])), real)
         out = values[0] if f.scalar else values.T
         if f.inputs:
@@ -132,9 +142,10 @@ def _precision(
             out[...] = getattr(module, f.name)(parameters=parameters)
         return _bits(values)
 
-    special = [_special(k, zero.get(name, 3.0), real)[:rows] for k, name in enumerate(inputs)]
+    names = [name for name in inputs for _ in range(length)]
+    special = [_special(k, zero.get(name, 3.0), real)[:rows] for k, name in enumerate(names)]
     vectors = np.vstack([*map(_bits, special), *(evaluated(f, special) for f in functions)]).T
-    stream = _stream(centres, spans)
+    stream = _stream(centres, spans, section)
     with ThreadPoolExecutor() as threads:  # NumPy works on long arrays beside other threads
         digests = np.column_stack([*threads.map(lambda f: _digests(evaluated(f, stream)), functions)])
     return {
@@ -153,6 +164,11 @@ def _precision(
     }
 
 
+def _argument(columns: Sequence[np.ndarray], joints: int) -> np.ndarray:
+    """The input that an array each for its entries gives."""
+    return np.stack(columns, axis=-1) if joints else columns[0]
+
+
 def _zero_of_force(values: Mapping[str, float]) -> dict[str, float]:
     """The zero of F_N: at the top, with the weight carried by the centrifugal force."""
     try:
@@ -165,14 +181,15 @@ def _zero_of_force(values: Mapping[str, float]) -> dict[str, float]:
     return {"theta_m": math.pi / mu, "omega_m": math.sqrt(in_plane * (M + M_l) / (M * L)) / mu}
 
 
-def _spans(inputs: list[str]) -> list[list[float]]:
+def _spans(inputs: list[str], length: int) -> list[list[float]]:
     """Widths of the inputs' ranges, a row per kind of sample, powers of two; 0 is any bits."""
-    usual = [2.0 ** (_SIZES.get(name, _OTHER_SIZE) + 1) for name in inputs]
+    names = [name for name in inputs for _ in range(length)]
+    usual = [2.0 ** (_SIZES.get(name, _OTHER_SIZE) + 1) for name in names]
 
     def with_angle(span: float) -> list[float]:
-        return [span if name == "theta_m" else size for name, size in zip(inputs, usual, strict=True)]
+        return [span if name == "theta_m" else size for name, size in zip(names, usual, strict=True)]
 
-    nearby, closer, tiny, any_bits = ([x] * len(inputs) for x in (2.0**-9, 2.0**-19, 1.0, 0.0))
+    nearby, closer, tiny, any_bits = ([x] * len(names) for x in (2.0**-9, 2.0**-19, 1.0, 0.0))
     return [
         usual,
         with_angle(2.0**11),
@@ -198,21 +215,20 @@ def _special(k: int, at: float, real: Any) -> np.ndarray:
     return values[((2 * k + 1) * row + (k + 3) * (row // len(values))) % len(values)]
 
 
-def _stream(centres: np.ndarray, spans: np.ndarray) -> list[np.ndarray]:
+def _stream(centres: np.ndarray, spans: np.ndarray, section: int) -> list[np.ndarray]:
     """The generated samples, an array per input: what `generated` in selftest_stream.c.jinja computes."""
-    kinds, width = spans.shape
     columns = []
-    for k in range(width):
-        unit, word = _drawn(k, spans.dtype)
-        centre, span = (np.tile(table[:, k], len(unit) // kinds) for table in (centres, spans))
+    for k in range(spans.shape[1]):
+        unit, word = _drawn(k, spans.dtype, section)
+        centre, span = (np.resize(table[:, k], len(unit)) for table in (centres, spans))
         columns.append(np.where(span == 0, word, centre + unit * span))
     return columns
 
 
 @cache
-def _drawn(k: int, real: np.dtype) -> tuple[np.ndarray, np.ndarray]:
+def _drawn(k: int, real: np.dtype, section: int) -> tuple[np.ndarray, np.ndarray]:
     """The sources of input k of every sample: a number from -1/2 to 1/2, and arbitrary bits as a number."""
-    high, low = _words(2 * k), _words(2 * k + 1)
+    high, low = _words(2 * k, section), _words(2 * k + 1, section)
     scale = real.type(2.0**-32)
     unit = high.astype(real) * scale + low.astype(real) * scale * scale
     word = high if real.itemsize == 4 else (low.astype(np.uint64) << np.uint64(32)) | high
@@ -220,9 +236,9 @@ def _drawn(k: int, real: np.dtype) -> tuple[np.ndarray, np.ndarray]:
 
 
 @cache
-def _words(k: int) -> np.ndarray:
+def _words(k: int, section: int) -> np.ndarray:
     """Pseudo-random word k of every generated sample."""
-    x = np.arange(SECTIONS * SECTION, dtype=np.uint32) * np.uint32(16) + np.uint32(k)
+    x = np.arange(SECTIONS * section, dtype=np.uint32) * np.uint32(16) + np.uint32(k)
     x = (x ^ (x >> np.uint32(16))) * np.uint32(0x7FEB352D)
     x = (x ^ (x >> np.uint32(15))) * np.uint32(0x846CA68B)
     return x ^ (x >> np.uint32(16))
@@ -242,14 +258,14 @@ def _digests(values: np.ndarray) -> np.ndarray:
     words = values.astype(f"<u{4 * parts}", copy=False).view("<u4").reshape(len(values), SECTIONS, -1)
     total = np.zeros(SECTIONS, np.uint32)
     for j, section in enumerate(words):
-        total += np.einsum("sn,sn->s", section, _factors(j, parts))
+        total += np.einsum("sn,sn->s", section, _factors(j, parts, section.shape[1] // parts))
     return total
 
 
 @cache
-def _factors(j: int, parts: int) -> np.ndarray:
+def _factors(j: int, parts: int, section: int) -> np.ndarray:
     """The factors of the words of value j, section by section."""
-    first = _words(j) | np.uint32(1)
+    first = _words(j, section) | np.uint32(1)
     return np.stack([first + np.uint32(2 * part) for part in range(parts)], axis=-1).reshape(SECTIONS, -1)
 
 

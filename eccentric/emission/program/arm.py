@@ -16,15 +16,15 @@ from eccentric.emission.program.prepare import Prepare, notes
 from eccentric.emission.program.program import Assignment, Helper, Input, Program, Routine, needed
 from eccentric.emission.program.shorten import shortened, without_copies
 from eccentric.errors import InputError
-from eccentric.model import HalfCosine, HalfSine, Recursion, arm, quantity
+from eccentric.model import HalfCosine, HalfSine, Model, Recursion, quantity
 
 
-def build_arm_program(found: Recursion, title: str, choice: Choice = WHOLE) -> Program:
+def build_arm_program(found: Recursion, model: Model, choice: Choice = WHOLE) -> Program:
     """The Program of an arm.
 
     Args:
         found: its recursion.
-        title: one line.
+        model: of the arm, with its name and defaults.
         choice: what of it is emitted; without a choice all but the gradient.
 
     Raises:
@@ -32,7 +32,6 @@ def build_arm_program(found: Recursion, title: str, choice: Choice = WHOLE) -> P
             chosen name; or fixed parameters are asked for, and one that is needed has no default.
     """
     names = [name for name in choice.of(NAMES) if choice.functions or name != GRADIENT]
-    model = arm(found.chain, title, found=found)
     shared = Prepare(model)
     half_turns = HalfTurns(shared)
     inputs, half_turned = _inputs(found), _half_turned(found)
@@ -45,15 +44,15 @@ def build_arm_program(found: Recursion, title: str, choice: Choice = WHOLE) -> P
     if of_bodies is not None:
         constants.append(("INERTIAL_PARAMETERS", of_bodies.words))
     program = Program(
-        name=found.chain.name,
-        title=title,
+        name=model.name,
+        title=model.title,
         parameters=model.parameters,
         prepare=shortened(shared.assignments),
         coefficients=_used((*helpers, *routines), shared),
         routines=routines,
         constants=tuple(constants),
         notes=notes(model, shared),
-        defaults="those of the arm, without friction",
+        defaults=model.defaults or "those of the arm, without friction",
         helpers=helpers,
         first="motor_torque" if "motor_torque" in names else names[0],
         chosen=bool(choice.functions),
