@@ -125,9 +125,15 @@ def _formula(value: sp.Expr, values: dict[sp.Symbol, sp.Expr]) -> str:
             return f"remainder after the previous parts, {kind}"
         return f"{_formula(exact(value.args[0]), values)}, {kind}"
     # Subtracted terms come last.
-    terms = sorted(exact(value).as_ordered_terms(), key=_is_negative)
+    terms = sorted(_with_decimals(exact(value)).as_ordered_terms(), key=_is_negative)
     text = " + ".join(map(str, terms)).replace("+ -", "- ").replace("Leading(", "leading digits of (")
     return text.replace("**", "^").replace("*", " ")
+
+
+def _with_decimals(value: sp.Expr) -> sp.Expr:
+    """Fractions of long numbers as decimals: nobody reads 2001599834386887/36028797018963968."""
+    long = [x for x in value.atoms(sp.Rational) if x.q > _READABLE or abs(x.p) > _READABLE]
+    return value.xreplace({x: sp.Symbol(f"{float(x):.17g}") for x in long})
 
 
 def _is_left(value: sp.Expr, values: dict[sp.Symbol, sp.Expr]) -> bool:
@@ -136,6 +142,8 @@ def _is_left(value: sp.Expr, values: dict[sp.Symbol, sp.Expr]) -> bool:
     return value.has(TurnLeft, Low) or any(_is_left(v, values) for v in known)
 
 
+_READABLE = 10**6
+"""Largest number above or below a fraction that is written as one."""
 # Names differ within their first 31 characters, which every C compiler distinguishes.
 _LONGEST = 31
 _NUMBERS = {
@@ -196,7 +204,9 @@ def _spelled(expression: sp.Expr) -> str | None:
             for a in (expression.as_ordered_factors() if expression.is_Mul else expression.as_ordered_terms())
         ]
         if any(part is None for part in parts):
-            return None
+            symbols = [a for a in expression.args if a.is_Symbol]
+            is_scaled = expression.is_Mul and len(symbols) == 1 and len(expression.free_symbols) == 1
+            return f"{symbols[0]}_scaled" if is_scaled else None
         if expression.is_Mul:
             parts = sorted(parts, key=lambda part: (str(part).startswith("per_"), 0))
         return re.sub(
