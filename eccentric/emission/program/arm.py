@@ -16,7 +16,7 @@ from eccentric.emission.program.prepare import Prepare, notes
 from eccentric.emission.program.program import Assignment, Helper, Input, Program, Routine, needed
 from eccentric.emission.program.shorten import shortened, without_copies
 from eccentric.errors import InputError
-from eccentric.model import HalfCosine, HalfSine, Model, Recursion, quantity
+from eccentric.model import HalfCosine, HalfSine, Model, Recursion, meaning, quantity
 
 
 def build_arm_program(found: Recursion, model: Model, choice: Choice = WHOLE) -> Program:
@@ -108,7 +108,7 @@ def _routine(
     for assignment in needed(given, [expression for _, expression in function.results]):
         value = assignment.value
         if value.free_symbols <= shared.symbols:
-            shared.define(assignment.target, value)
+            shared.define(assignment.target, meaning(value))
         else:
             value = lowering(shared.hoist(value))
             # Of the components of a vector the first one has the comment.
