@@ -196,3 +196,56 @@ def test_a_byte_order_mark_and_a_comment_do_no_harm(tmp_path: Path) -> None:
     (tmp_path / "arm.urdf").write_bytes(b"\xef\xbb\xbf" + text.encode())
 
     assert 2 == len(read_arm(tmp_path / "arm.urdf").joints)
+
+
+def test_an_arm_file_gives_a_urdf_its_drives(tmp_path: Path) -> None:
+    """URDFs know neither gears nor rotors: a file beside one adds them, a payload, and what is symbolic."""
+    plain = arm(tmp_path, *ARM, *FINGERS, tip="hand")
+    (tmp_path / "driven.toml").write_text("""
+        urdf = "arm.urdf#hand"
+        gravity = ["9.81 m/s^2", 0, 0]
+        symbolic = ["turn.mass", "payload.mass"]
+        [[joint]]
+        name = "turn"
+        mu = "1/50"
+        J_m = "2e-5 kg m^2"
+        bearing = "1 cm"
+        [payload]
+        mass = "1 kg"
+        centre = [0, 0, "0.2 m"]
+    """, encoding="utf-8")  # fmt: skip
+    chain = read_arm(tmp_path / "driven.toml")
+
+    assert ("driven", [sp.Rational("9.81"), 0, 0]) == (chain.name, list(chain.gravity))
+    assert [1, sp.Rational(1, 50)] == [joint.mu for joint in chain.joints]
+    assert [0, sp.Rational("2e-5")] == [joint.J_m for joint in chain.joints]
+    assert [0, sp.Rational(1, 100)] == [joint.bearing for joint in chain.joints]
+    assert {"body_1_mass": plain.bodies[1].mass, "payload_mass": 1} == {
+        q.name: q.default for q in chain.parameters
+    }
+    assert [x.rotation for x in plain.links] == [x.rotation for x in chain.links]
+    assert [x.position for x in plain.links] == [x.position for x in chain.links]
+    assert plain.bodies[0].moments == chain.bodies[0].moments
+    assert (plain.bodies[1].centre, plain.bodies[1].inertia) == (
+        chain.bodies[1].centre,
+        chain.bodies[1].inertia,
+    )
+
+
+@pytest.mark.parametrize(
+    ("text", "expected"),
+    [
+        ('[[joint]]\nname = "trn"', "the URDF is required, received 'trn'; did you mean 'turn'?"),
+        ('[[joint]]\nname = "turn"\naxis = [0, 0, 1]', "turn: unknown key 'axis'; known are name, mu, J_m"),
+        ('[[joint]]\nname = "lift"\nmu = 2', 'lift: mu: a text with a unit is required, as in "0.1 m/rad"'),
+    ],
+    ids=["an unknown joint", "what the URDF says", "the gear of a slide"],
+)
+def test_drives_that_no_joint_of_the_urdf_has_are_refused(text: str, expected: str, tmp_path: Path) -> None:
+    """A file on a URDF has drives of its joints and nothing else about them."""
+    arm(tmp_path, *ARM)
+    (tmp_path / "driven.toml").write_text(f'urdf = "arm.urdf"\n{text}', encoding="utf-8")
+
+    with pytest.raises(InputError) as caught:
+        read_arm(tmp_path / "driven.toml")
+    assert expected in str(caught.value)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
@@ -13,6 +14,9 @@ from eccentric.logs import parse_value
 
 INERTIA = ("xx", "xy", "xz", "yy", "yz", "zz")
 """The entries of a symmetric tensor by name."""
+
+_RATIO = re.compile(r"\d+/\d+")
+"""Kept as it is: 1/9 is exact."""
 
 
 @dataclass(frozen=True)
@@ -87,9 +91,7 @@ class FileQuantity:
             )
         if not abs(number) <= LARGEST:
             raise InputError(f"{where}: a size of at most {LARGEST:g} is required, received {value!r}")
-        if isinstance(value, str) and self.unit == "1" and "%" not in value:
-            return value.replace(" ", "")
-        return number
+        return value if isinstance(value, str) and _RATIO.fullmatch(value) else number
 
     def _three(self, value: Any, key: str, where: str) -> Any:
         if not isinstance(value, list) or len(value) != 3:

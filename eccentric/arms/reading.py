@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import os
-from pathlib import Path
 
 from eccentric.arms.arm_file import arm_of
-from eccentric.arms.urdf import arm_of_urdf
+from eccentric.arms.complaints import complaints_of
+from eccentric.arms.masses import require_mass
+from eccentric.arms.urdf import chain_of_urdf, without_tip
 from eccentric.entries import read_document
 from eccentric.errors import InputError
 from eccentric.model import Chain
@@ -29,12 +30,14 @@ def read_arm(source: str | os.PathLike[str], tip: str | None = None) -> Chain:
         InputError: one line with file, joint and quantity, what is required and what was received.
     """
     path = given_path(source, "arm")
-    if tip is None and "#" in path.name and not path.exists():
-        name, _, tip = path.name.partition("#")
-        path = path.with_name(name)
+    if tip is None:
+        path, tip = without_tip(path)
     where = shown(path)
     if path.suffix.lower() == ".urdf":
-        return arm_of_urdf(path, where, tip)
+        chain = chain_of_urdf(path, where, tip)
+        with complaints_of(where):
+            require_mass(chain)
+        return chain
     if tip is not None:
         raise InputError(f"{where}: a .urdf is required for a tip, received {tip!r}")
-    return arm_of(read_document(path, "an arm file, .urdf,"), where, Path(where).stem)
+    return arm_of(read_document(path, "an arm file, .urdf,"), path, where)

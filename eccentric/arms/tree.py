@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -38,9 +39,9 @@ def tree_of(links: Sequence[Any], joints: Sequence[Any], where: str) -> Tree:
     of joint that no arm has.
     """
     for what, given in (("link", links), ("joint", joints)):
-        names = [one.name for one in given]
-        if twice := next((name for name in names if names.count(name) > 1), None):
-            raise InputError(f"{where}: each {what} is required only once, received {twice!r} twice")
+        names = Counter(one.name for one in given)
+        if names and (most := names.most_common(1)[0])[1] > 1:
+            raise InputError(f"{where}: each {what} is required only once, received {most[0]!r} twice")
     if not links:
         raise InputError(f"{where}: links are required, received none")
     by_name, inner = {link.name: link for link in links}, {}
@@ -71,9 +72,7 @@ def tree_of(links: Sequence[Any], joints: Sequence[Any], where: str) -> Tree:
     tree = Tree(where, roots[0], by_name, inner, outer)
     reached = {roots[0], *(joint.child for joint in _behind(tree, roots[0]))}
     if apart := [name for name in by_name if name not in reached]:
-        raise InputError(
-            f"{where}: links joined to {roots[0]!r} are required, received a loop at {apart[0]!r}"
-        )
+        raise InputError(f"{where}: links behind {roots[0]!r} are required, received a loop at {apart[0]!r}")
     return tree
 
 
@@ -91,9 +90,8 @@ def path_to(tree: Tree, tip: str | None) -> list[Any]:
             raise InputError(f"{tree.where}: a link of this file is required as tip, received {tip!r}{hint}")
         path = [joint for joint in _up(tree, tip) if joint.type in MOVING][::-1]
     if not path:
-        raise InputError(
-            f"{tree.where}: a joint that moves is required before {tip or 'the end'!r}, received none"
-        )
+        before = f" before link {tip!r}" if tip else ""
+        raise InputError(f"{tree.where}: a joint that moves is required{before}, received none")
     if follower := next((joint for joint in path if joint.mimic is not None), None):
         raise InputError(
             f"{tree.where}: joint {follower.name!r}: a drive of its own is required, received a joint that"
@@ -122,9 +120,11 @@ def _only_chain(tree: Tree) -> list[Any]:
 
 def _next_moving(tree: Tree, link: str) -> list[Any]:
     """The moving joints on a link and on what is fixed to it."""
-    found: list[Any] = []
-    for joint in tree.outer[link]:
-        found += [joint] if joint.type in MOVING else _next_moving(tree, joint.child)
+    found, waiting = [], [link]
+    while waiting:
+        joints = tree.outer[waiting.pop()]
+        found += [joint for joint in joints if joint.type in MOVING]
+        waiting += [joint.child for joint in joints if joint.type not in MOVING]
     return found
 
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import io
-import re
 from pathlib import Path
 from typing import Any
 
@@ -12,7 +11,7 @@ import numpy as np
 from eccentric.arms.bodies import joined
 from eccentric.arms.complaints import complaints_of
 from eccentric.arms.limits import SMALLEST_INERTIA
-from eccentric.arms.masses import require_mass
+from eccentric.arms.naming import identifier
 from eccentric.arms.placing import after, placed
 from eccentric.arms.tree import MOVING, Tree, path_to, tree_of
 from eccentric.arms.urdf_text import library, links_and_joints
@@ -20,8 +19,16 @@ from eccentric.errors import InputError
 from eccentric.model import Body, Chain, Joint, Placement
 
 
-def arm_of_urdf(path: Path, where: str, tip: str | None) -> Chain:
-    """The chain of a URDF, with gravity along -z of its root.
+def without_tip(path: Path) -> tuple[Path, str | None]:
+    """The file, and the link behind `#` in "panda.urdf#panda_hand"; None where there is none."""
+    if "#" not in path.name or path.exists():
+        return path, None
+    name, _, tip = path.name.partition("#")
+    return path.with_name(name), tip
+
+
+def chain_of_urdf(path: Path, where: str, tip: str | None) -> Chain:
+    """The chain of a URDF, with gravity along -z of its root; whether its last body has a mass is not asked.
 
     Bodies behind fixed and locked joints belong to the link that carries them; links without <inertial> have
     no mass. What is fixed to the root does not move, and is left out.
@@ -45,9 +52,7 @@ def arm_of_urdf(path: Path, where: str, tip: str | None) -> Chain:
         here = [placed(_body(tree.links[name], where), at) for name, at in frames.items()]
         bodies.append(joined(here, joint.name))
     with complaints_of(where):
-        chain = Chain(_identifier(robot.name), joints, bodies)
-        require_mass(chain)
-    return chain
+        return Chain(identifier(robot.name), joints, bodies)
 
 
 def _robot(text: bytes, where: str) -> Any:
@@ -90,9 +95,3 @@ def _body(link: Any, where: str) -> Body:
     name, given = f"{where}: link {link.name!r}", link.inertial
     inertia = given.inertia if np.max(np.abs(given.inertia)) > SMALLEST_INERTIA else np.zeros((3, 3))
     return placed(Body(given.mass, inertia=inertia, name=name), _placement(given.origin, name))
-
-
-def _identifier(name: str) -> str:
-    """The name of a robot as one in code."""
-    plain = re.sub(r"[^A-Za-z0-9]+", "_", name).strip("_")[:40]
-    return plain if plain[:1].isalpha() else f"arm_{plain}".rstrip("_")

@@ -51,11 +51,11 @@ def links_and_joints(path: Path, where: str) -> bytes:
     try:
         root = etree.fromstring(text.encode(), parser)
     except etree.XMLSyntaxError as error:
-        raise InputError(f"{where}: not valid XML: {error.msg} (line {error.lineno})") from None
+        raise InputError(f"{where}: not valid XML: {error.msg}") from None
     if root.tag != "robot":
         raise InputError(f"{where}: <robot> is required, received <{root.tag}>")
-    kept = etree.Element("robot", name=root.get("name") or path.stem)
-    for element in root:
+    kept = etree.Element("robot", name=root.get("name") or Path(where).stem)
+    for element in list(root):
         if str(element.tag).startswith("{") and "xacro" in str(element.tag):
             raise InputError(f"{_at(where, element)}: a URDF is required, received xacro: expand it first")
         if element.tag in {"link", "joint"}:
@@ -84,9 +84,8 @@ def _reduced(element: Any, where: str) -> Any:
     """A link with its inertia, or a joint, each checked."""
     for name, value in _names(element):
         if not value or not value.isprintable():
-            raise InputError(
-                f"{_at(where, element)}: <{element.tag}>: {name} is required, received {value!r}"
-            )
+            here = f"{_at(where, element)}: <{element.tag}>"
+            raise InputError(f"{here}: {name} is required, received {repr(value) if value else 'none'}")
     here = f"{_at(where, element)}: {element.tag} {element.get('name')!r}"
     if element.tag == "joint":
         _require_numbers(element, NUMBERS["joint"], here)
@@ -118,10 +117,9 @@ def _require_numbers(element: Any, numbers: tuple[tuple[str, str, int, bool], ..
         except ValueError:
             values = []
         if len(values) != count or not all(math.isfinite(v) and abs(v) <= LARGEST for v in values):
-            what = "a finite number" if count == 1 else f"{count} finite numbers"
-            raise InputError(
-                f"{here}: {tag} {attribute}: {what} of at most {LARGEST:g} required, received {given!r}"
-            )
+            what = "a finite number is" if count == 1 else f"{count} finite numbers are"
+            received = "none" if given is None else repr(given)
+            raise InputError(f"{here}: {tag} {attribute}: {what} required, received {received}")
 
 
 def _at(where: str, element: Any) -> str:
