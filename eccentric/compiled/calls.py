@@ -86,10 +86,10 @@ def _general(
         if called.requires:
             source._model.require(called.requires, inputs[-1], parameters)
         arrays, real = source.runtime.arrays(inputs, called.inputs) if inputs else ([], np.float64)
-        shape = np.broadcast_shapes(*(x.shape for x in arrays))
+        shape, ends = _samples(called, arrays)
         if out is not None:
             source.runtime.check_out(out, (*shape, called.width) if called.width else shape, real)
-        whole = [_whole(x, shape) for x in arrays]
+        whole = [_whole(x, (*shape, *ends)) for x in arrays]
         if out is None:
             result = plain(*whole, parameters)
             return result if shape or called.width else result[()]
@@ -99,6 +99,17 @@ def _general(
         return out
 
     return general
+
+
+def _samples(called: Signature, arrays: Sequence[np.ndarray]) -> tuple[tuple[int, ...], tuple[int, ...]]:
+    """The shape of the samples, and the last axis that vectors have in addition."""
+    if not called.length:
+        return np.broadcast_shapes(*(x.shape for x in arrays)), ()
+    for name, x in zip(called.inputs, arrays, strict=True):
+        if x.shape[-1:] != (called.length,):
+            required = f"{called.length} values on the last axis are required"
+            raise ValueError(f"{name}: {required}, received shape {x.shape}")
+    return np.broadcast_shapes(*(x.shape[:-1] for x in arrays)), (called.length,)
 
 
 def _whole(x: np.ndarray, shape: Sequence[int]) -> np.ndarray:

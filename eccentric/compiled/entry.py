@@ -35,12 +35,14 @@ class Signature:
         inputs: their names.
         width: numbers per sample; 0 for a single number that is not a row.
         requires: parameters without a default that are needed where the last input is not zero.
+        length: entries of every input along its last axis; 0 where inputs are numbers.
     """
 
     name: str
     inputs: tuple[str, ...]
     width: int
     requires: tuple[str, ...]
+    length: int
 
 
 @dataclass(frozen=True)
@@ -83,7 +85,8 @@ def read_entry(name: str, key: str) -> CacheEntry | None:
     if found is None:
         return None
     called = [
-        Signature(f["name"], tuple(f["inputs"]), f["width"], tuple(f["requires"])) for f in found["functions"]
+        Signature(f["name"], tuple(f["inputs"]), f["width"], tuple(f["requires"]), f["length"])
+        for f in found["functions"]
     ]
     coefficients = tuple(found["single"]), tuple(found["double"])
     entry = CacheEntry(found["name"], found["module"], tuple(called), *coefficients, found["library"])

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from itertools import count
 from pathlib import Path
 from types import ModuleType
@@ -23,6 +24,7 @@ from eccentric.errors import InputError
 from eccentric.scripts import run_text
 
 if TYPE_CHECKING:
+    from eccentric.emission import Program
     from eccentric.model import Model
 
 _UNIT = "python-calls.c"
@@ -36,7 +38,7 @@ def compile(model: Model | str | Path) -> ModuleType:  # noqa: A001 - called as 
 
     The model may be given as for `load_model`: its name ("c2_parallel"), or the path of a derivation. It is
     then derived only if something has changed since it was last compiled: its scripts, the toolkit or the
-    compiler.
+    compiler. The file of an arm, `.toml`, `.json` or `.urdf`, is derived every time.
 
     Arguments, broadcasting, precision, `out` and bits are those of the NumPy module; only exponentials may
     differ in their last bits between the two libraries. Floats give a float64. The library is stored in the
@@ -47,6 +49,8 @@ def compile(model: Model | str | Path) -> ModuleType:  # noqa: A001 - called as 
         InputError: there is no such model, there is no C compiler, or not the one that CC names; it does not
             compile, its cache cannot be written, or the model cannot be emitted.
     """
+    if isinstance(model, str | Path) and is_arm_file(model):
+        return _of_arm(model, local_compiler())
     if isinstance(model, str | Path):
         compiler = local_compiler()
         served = _served(look_up(model, compiler))
@@ -60,6 +64,17 @@ def compile(model: Model | str | Path) -> ModuleType:  # noqa: A001 - called as 
     return _built(model, local_compiler())[0]
 
 
+def _of_arm(asked: str | Path, compiler: Compiler) -> ModuleType:
+    from eccentric.arms import read_arm
+    from eccentric.emission import build_arm_program, render_program
+    from eccentric.model import arm, recursion
+
+    chain = read_arm(asked)
+    found = recursion(chain)
+    program = build_arm_program(found, arm(chain, f"Arm {chain.name}", found=found))
+    return _compiled(program, render_program(program, Path(asked).name, "eccentric.compile", single_file=True), compiler)[0]
+
+
 def _derived(asked: str | Path, compiler: Compiler) -> ModuleType:
     from eccentric.model import load_model
 
@@ -70,10 +85,15 @@ def _derived(asked: str | Path, compiler: Compiler) -> ModuleType:
 
 def _built(model: Model, compiler: Compiler) -> tuple[ModuleType, str, str]:
     """The module of a model, and the name and key of its entry in the cache."""
-    from eccentric.compiled.view import view
-    from eccentric.emission import build_program, render, template
+    from eccentric.emission import build_program, render
 
-    program, files = build_program(model), render(model, single_file=True)
+    return _compiled(build_program(model), render(model, single_file=True), compiler)
+
+
+def _compiled(program: Program, files: Mapping[str, str], compiler: Compiler) -> tuple[ModuleType, str, str]:
+    from eccentric.compiled.view import length_of, view
+    from eccentric.emission import template
+
     module = files[f"{program.name}.py"]
     sources = {name: text for name, text in files.items() if name.endswith((".c", ".h"))}
     sources[_UNIT] = template("compiled/python.c").render(view(program))
@@ -84,7 +104,9 @@ def _built(model: Model, compiler: Compiler) -> tuple[ModuleType, str, str]:
         program.name,
         module,
         tuple(
-            Signature(r.name, tuple(x.quantity.name for x in r.inputs), len(r.labels), r.requires)
+            Signature(
+                r.name, tuple(x.quantity.name for x in r.inputs), len(r.labels), r.requires, length_of(r)
+            )
             for r in program.routines
         ),
         tuple(s.name for s in program.held(single=True)),

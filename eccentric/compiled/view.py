@@ -17,13 +17,19 @@ def view(program: Program) -> dict[str, Any]:
     }
 
 
+def length_of(r: Routine) -> int:
+    """The number of entries of every input, 0 where they are numbers."""
+    return next((x.length or 0 for x in r.inputs), 0)
+
+
 def _function(r: Routine) -> dict[str, Any]:
     return {
         "name": r.name,
         "inputs": [x.quantity.name for x in r.inputs],
         "width": len(r.labels),
+        "length": length_of(r),
         "inertia": int(bool(r.requires)),
         # As in the emitted NumPy: if an inertia may be missing, the acceleration may be omitted.
         "optional": int(bool(r.requires)),
-        "plain": bool(r.inputs) and not r.labels and not r.requires,
+        "plain": bool(r.inputs) and not r.labels and not r.requires and not length_of(r),
     }
