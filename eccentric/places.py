@@ -8,7 +8,9 @@ from pathlib import Path
 
 from eccentric.errors import InputError
 
-__all__ = ["derivation", "folder", "given_path", "readable", "shown"]
+__all__ = ["derivation", "folder", "given_path", "is_arm_file", "readable", "shown"]
+
+_OF_ARMS = {".toml", ".json", ".urdf"}
 
 
 def given_path(value: object, what: str) -> Path:
@@ -18,6 +20,11 @@ def given_path(value: object, what: str) -> Path:
     if "\0" in os.fspath(value):
         raise InputError(f"{what}: a path without null characters is required, received {str(value)!r}")
     return Path(value)
+
+
+def is_arm_file(path: str | os.PathLike[str]) -> bool:
+    """Return whether a path leads to the file of an arm, by its suffix; behind # is the tip of a URDF."""
+    return Path(os.fspath(path).partition("#")[0]).suffix.lower() in _OF_ARMS
 
 
 def shown(path: Path) -> str:

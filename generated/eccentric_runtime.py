@@ -577,6 +577,10 @@ def _broadcast(
             return inputs, np.float64, shape
     found, precision = arrays(inputs, names)
     if vectors:  # their elements are their last axis
+        for name, x in zip(names, found, strict=True):
+            if name in vectors and x.shape[-1:] != (vectors[name],):
+                required = f"{vectors[name]} values on the last axis are required"
+                raise ValueError(f"{name}: {required}, received shape {x.shape}")
         named = zip(names, found, strict=True)
         parts = [np.moveaxis(x, -1, 0) if name in vectors else x[np.newaxis] for name, x in named]
         found = [part for x in parts for part in x]
@@ -636,6 +640,7 @@ class _Kernel:
         self._model, self._kernel, self._vectors = model, kernel, vectors
         self.inputs = list(inspect.signature(kernel).parameters.values())[1:]
         self.names = [x.name for x in self.inputs]
+        self.takes_numbers = not vectors.keys() & set(self.names)
         self._lengths = [vectors.get(name) for name in self.names]
         self._on_floats: Callable[..., Any] | None = None  # its callees may not be defined yet
         self._plans: dict[_Real, _Plan] = {}
@@ -700,6 +705,7 @@ def _function(model: Model, kernel: Callable[..., Any], evaluated: _Kernel, need
     optional = [inspect.Parameter(name, either, default=None) for name in ("parameters", "out")]
     signature = inspect.Signature([*evaluated.inputs, *optional])
     count, at, on_arrays = len(evaluated.names), evaluated.at, evaluated.on_arrays
+    numbers: set[type] = _NUMBERS if evaluated.takes_numbers else set()
 
     @wraps(kernel)
     def function(*given: Any, parameters: Any = None, out: Any = None, **named: Any) -> Any:
@@ -709,8 +715,8 @@ def _function(model: Model, kernel: Callable[..., Any], evaluated: _Kernel, need
             given, parameters, out = _ordered(signature, given, parameters, out, named)
         if needs:
             model.require(needs, given[-1], parameters)
-        on_floats = not given or type(given[0]) in _NUMBERS
-        if on_floats and out is None and _NUMBERS.issuperset(map(type, given)):
+        on_floats = not given or type(given[0]) in numbers
+        if on_floats and out is None and numbers.issuperset(map(type, given)):
             found = at(given, parameters)
             return np.array(found) if type(found) is tuple else np.float64(found)
         return on_arrays(given, parameters, out)

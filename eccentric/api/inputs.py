@@ -11,7 +11,7 @@ from eccentric.arms import read_arm
 from eccentric.errors import InputError
 from eccentric.logs import Log, LogSource, read_log
 from eccentric.model import Model, Recursion, arm, load_model, model_names, recursion
-from eccentric.places import given_path
+from eccentric.places import given_path, is_arm_file
 from eccentric.rigs import Rig
 
 __all__ = [
@@ -29,7 +29,6 @@ __all__ = [
 ]
 
 LogSources: TypeAlias = LogSource | Sequence[LogSource]
-_ARM_FILES = {".toml", ".json", ".urdf"}
 RigSource: TypeAlias = str | os.PathLike[str] | Mapping[str, Any] | Rig
 ModelSource: TypeAlias = str | os.PathLike[str] | Model
 
@@ -79,9 +78,7 @@ def by_name(model: ModelSource | None) -> str | Model | None:
 
 def is_arm(model: object) -> bool:
     """Whether a model is given by the file of an arm: by its suffix, which a derivation does not have."""
-    if not isinstance(model, str | os.PathLike):
-        return False
-    return Path(os.fspath(model).partition("#")[0]).suffix.lower() in _ARM_FILES
+    return isinstance(model, str | os.PathLike) and is_arm_file(model)
 
 
 def arm_of(source: ModelSource) -> tuple[Recursion, Model]:

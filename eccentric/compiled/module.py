@@ -21,6 +21,7 @@ from eccentric.compiled.entry import (
 )
 from eccentric.compiled.lookup import look_up, remember
 from eccentric.errors import InputError
+from eccentric.places import is_arm_file
 from eccentric.scripts import run_text
 
 if TYPE_CHECKING:
@@ -72,7 +73,9 @@ def _of_arm(asked: str | Path, compiler: Compiler) -> ModuleType:
     chain = read_arm(asked)
     found = recursion(chain)
     program = build_arm_program(found, arm(chain, f"Arm {chain.name}", found=found))
-    return _compiled(program, render_program(program, Path(asked).name, "eccentric.compile", single_file=True), compiler)[0]
+    return _compiled(
+        program, render_program(program, Path(asked).name, "eccentric.compile", single_file=True), compiler
+    )[0]
 
 
 def _derived(asked: str | Path, compiler: Compiler) -> ModuleType:

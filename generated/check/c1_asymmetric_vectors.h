@@ -1,5 +1,5 @@
 /*
- * Generated: do not edit. Written beside c1_asymmetric.c (program 8696d727).
+ * Generated: do not edit. Written beside c1_asymmetric.c (program 73f062fc).
  * Expected results of the self-test, computed by the emitted NumPy module.
  */
 #define INPUTS 4u

@@ -1,5 +1,5 @@
 /*
- * Generated: do not edit. Written beside c2_parallel.c (program d6063733).
+ * Generated: do not edit. Written beside c2_parallel.c (program 74f58a5e).
  * Expected results of the self-test, computed by the emitted NumPy module.
  */
 #define INPUTS 5u
