@@ -97,3 +97,8 @@ def random_chain(
             Body(rng.uniform(0.5, 5), rng.normal(size=3) * 0.1, symmetric(random_inertia(rng)), f"body {j}")
         )
     return Chain("arm", joints, bodies, rng.normal(size=3) * 6)
+
+
+def bodies_of(chain: Chain) -> list[Body]:
+    """The bodies of a chain that has no moments of mass in their place."""
+    return [body for body in chain.bodies if isinstance(body, Body)]

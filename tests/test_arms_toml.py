@@ -10,7 +10,7 @@ import sympy as sp
 
 from eccentric.arms import read_arm
 from eccentric.model import Body, Chain, Recursion, recursion
-from tests.arms import behind, evaluated, number
+from tests.arms import behind, bodies_of, evaluated, number
 
 ARMS = Path(__file__).resolve().parents[1] / "examples" / "arms"
 
@@ -202,7 +202,7 @@ def test_what_stays_symbolic_has_the_numbers_as_defaults(
     assert expected == {q.name: q.default for q in chain.parameters}
     assert {q.symbol for q in chain.parameters} == {
         symbol
-        for body in (chain.bodies[0], chain.payload)
+        for body in (bodies_of(chain)[0], chain.payload)
         if body is not None
         for matrix in (sp.Matrix([body.mass]), body.centre, body.inertia)
         for symbol in matrix.free_symbols
@@ -230,6 +230,6 @@ def test_a_body_without_mass_between_others_is_read(tmp_path: Path) -> None:
     """Two axes that meet in a point have no body between them; the file says so."""
     chain = read_arm(written(tmp_path, '[[joint]]\nname = "pan"\nbody = { mass = 0 }\n' + SHORT))
 
-    assert [0, 2] == [body.mass for body in chain.bodies]
+    assert [0, 2] == [body.mass for body in bodies_of(chain)]
     assert "arm" == chain.name
-    assert Body(0).moments == chain.bodies[0].moments
+    assert Body(0).moments == bodies_of(chain)[0].moments

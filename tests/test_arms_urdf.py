@@ -15,6 +15,7 @@ import sympy as sp
 from eccentric.arms import read_arm
 from eccentric.errors import InputError
 from eccentric.model import Chain
+from tests.arms import bodies_of
 
 pytest.importorskip("yourdfpy", reason="yourdfpy (`pip install 'eccentric[arms]'`) is not installed")
 
@@ -77,7 +78,7 @@ def test_a_slide_and_a_turn_are_read(tmp_path: Path) -> None:
     assert ["prismatic", "revolute"] == [joint.kind for joint in chain.joints]
     places = [list(joint.placement.position) for joint in chain.joints]
     assert [[0, 0, sp.Rational(1, 2)], [sp.Rational(3, 10), 0, 0]] == places
-    assert [4, 2] == [body.mass for body in chain.bodies]
+    assert [4, 2] == [body.mass for body in bodies_of(chain)]
     assert [0, 0, sp.Rational("-9.81")] == list(chain.gravity)
     assert ((), None) == (chain.parameters, chain.payload)
 
@@ -90,7 +91,7 @@ def test_fixed_bodies_become_one(tmp_path: Path) -> None:
         joint("screw", "fixed", "plate", "tool", "0.1 0 0"),
         link("tool", 3, "0.01 0.02 0.03", "0.4 0.5 0.6", 0.02),
     )
-    whole = arm(tmp_path, *ARM, *behind).bodies[1]
+    whole = bodies_of(arm(tmp_path, *ARM, *behind))[1]
 
     # Rotations as products of turns about z, y and x, bodies as six mass points on their principal axes.
     def turn(axis: int, angle: float) -> np.ndarray:
@@ -127,7 +128,7 @@ def test_fingers_are_locked_behind_the_tip(named: str, tmp_path: Path) -> None:
     else:
         (tmp_path / "arm.urdf").write_text(robot(*ARM, *FINGERS), encoding="utf-8")
         chain = read_arm(f"{tmp_path / 'arm.urdf'}#hand")
-    whole = chain.bodies[1]
+    whole = bodies_of(chain)[1]
     first = 2 * np.array([0, 0, 0.05]) + 0.1 * np.array([0, 0.05, 0.12]) + 0.2 * np.array([0, -0.05, 0.12])
 
     assert ["lift", "turn"] == [joint.name for joint in chain.joints]
@@ -187,7 +188,7 @@ def test_nothing_else_is_opened(tmp_path: Path, monkeypatch: pytest.MonkeyPatch)
     chain = read_arm(tmp_path / "arm.urdf")
 
     assert [str(tmp_path / "arm.urdf")] == opened
-    assert [4, 2] == [body.mass for body in chain.bodies]
+    assert [4, 2] == [body.mass for body in bodies_of(chain)]
 
 
 def test_a_byte_order_mark_and_a_comment_do_no_harm(tmp_path: Path) -> None:
@@ -220,15 +221,15 @@ def test_an_arm_file_gives_a_urdf_its_drives(tmp_path: Path) -> None:
     assert [1, sp.Rational(1, 50)] == [joint.mu for joint in chain.joints]
     assert [0, sp.Rational("2e-5")] == [joint.J_m for joint in chain.joints]
     assert [0, sp.Rational(1, 100)] == [joint.bearing for joint in chain.joints]
-    assert {"body_1_mass": plain.bodies[1].mass, "payload_mass": 1} == {
+    assert {"body_1_mass": bodies_of(plain)[1].mass, "payload_mass": 1} == {
         q.name: q.default for q in chain.parameters
     }
     assert [x.rotation for x in plain.links] == [x.rotation for x in chain.links]
     assert [x.position for x in plain.links] == [x.position for x in chain.links]
-    assert plain.bodies[0].moments == chain.bodies[0].moments
-    assert (plain.bodies[1].centre, plain.bodies[1].inertia) == (
-        chain.bodies[1].centre,
-        chain.bodies[1].inertia,
+    assert bodies_of(plain)[0].moments == bodies_of(chain)[0].moments
+    assert (bodies_of(plain)[1].centre, bodies_of(plain)[1].inertia) == (
+        bodies_of(chain)[1].centre,
+        bodies_of(chain)[1].inertia,
     )
 
 

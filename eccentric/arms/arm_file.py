@@ -13,7 +13,7 @@ from eccentric.arms.masses import require_mass
 from eccentric.arms.naming import identifier
 from eccentric.arms.placing import placed
 from eccentric.arms.quantities import FileQuantity
-from eccentric.arms.urdf import chain_of_urdf, without_tip
+from eccentric.arms.urdf import joints_of_urdf, without_tip
 from eccentric.entries import refuse_unknown
 from eccentric.errors import InputError
 from eccentric.model import Chain, Quantity
@@ -65,4 +65,4 @@ def _on_urdf(value: object, tables: Any, path: Path, where: str) -> list[ReadJoi
     urdf, tip = without_tip(path.parent / given_path(value, f"{where}: urdf"))
     if urdf.suffix.lower() != ".urdf":
         raise InputError(f"{where}: urdf: a file .urdf is required, received {value!r}")
-    return with_drives(chain_of_urdf(urdf, shown(urdf), tip), tables, where)
+    return with_drives(joints_of_urdf(urdf, shown(urdf), tip)[1], tables, where)

@@ -16,7 +16,7 @@ MASS, CENTRE, TENSOR = (
     FileQuantity("centre", "m", "m"),
     FileQuantity("inertia", "kg m^2", "kgm2"),
 )
-BODY = (*MASS.keys, *CENTRE.keys, *TENSOR.keys)
+KEYS_OF_BODIES = (*MASS.keys, *CENTRE.keys, *TENSOR.keys)
 """Keys of a body."""
 PARTS = ("mass", "centre", "inertia")
 """What of a body can stay symbolic."""
@@ -28,7 +28,7 @@ def read_body(value: object, where: str) -> Body:
     Raises InputError for an unknown key, what is no quantity, and a body that cannot exist.
     """
     table = read_table(value, where)
-    refuse_unknown(table, BODY, where)
+    refuse_unknown(table, KEYS_OF_BODIES, where)
     return Body(
         MASS.scalar(table, where, None), CENTRE.vector(table, where), TENSOR.tensor(table, where), where
     )

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
 from typing import Any
 
 from eccentric.arms.bodies import read_body
@@ -12,7 +12,7 @@ from eccentric.arms.placing import PLACING, after, read_placements
 from eccentric.arms.quantities import FileQuantity
 from eccentric.entries import read_table, refuse_unknown
 from eccentric.errors import InputError, few, meant
-from eccentric.model import Body, Chain, Joint, Placement
+from eccentric.model import Body, Joint, Placement
 
 AXIS, BEARING = FileQuantity("axis", "1"), FileQuantity("bearing", "m", "m")
 ROTOR = FileQuantity("J_m", "kg m^2", "kgm2")
@@ -57,24 +57,25 @@ def read_joints(tables: Any, where: str) -> list[ReadJoint]:
     return found
 
 
-def with_drives(chain: Chain, tables: Any, where: str) -> list[ReadJoint]:
+def with_drives(read: Sequence[ReadJoint], tables: Any, where: str) -> list[ReadJoint]:
     """The joints of a URDF with drives and bearings from tables of their names; without a table mu = 1.
 
     Raises InputError as `read_joints`, and for a name that is not in the URDF.
     """
     given = {name: (here, table) for here, name, table in _named(tables, where)}
-    names = [joint.name for joint in chain.joints]
+    names = [one.joint.name for one in read]
     if unknown := next((name for name in given if name not in names), None):
         hint = meant(unknown, names) or f"; known are {few(names)}"
         raise InputError(f"{where}: a joint of the arm in the URDF is required, received {unknown!r}{hint}")
     found = []
-    for joint, body in zip(chain.joints, chain.bodies, strict=True):
+    for one in read:
+        joint = one.joint
         here, table = given.get(joint.name, (where, {}))
         gear = GEAR[joint.kind]
         refuse_unknown(table, dict.fromkeys(("name", *DRIVE, *gear.keys)), here)
         with complaints_of(where):
             driven = Joint(joint.kind, joint.axis, joint.placement, *_drive(table, gear, here), joint.name)
-        found.append(ReadJoint(driven, body, Placement()))
+        found.append(replace(one, joint=driven))
     return found
 
 

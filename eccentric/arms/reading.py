@@ -7,7 +7,7 @@ import os
 from eccentric.arms.arm_file import arm_of
 from eccentric.arms.complaints import complaints_of
 from eccentric.arms.masses import require_mass
-from eccentric.arms.urdf import chain_of_urdf, without_tip
+from eccentric.arms.urdf import joints_of_urdf, without_tip
 from eccentric.entries import read_document
 from eccentric.errors import InputError
 from eccentric.model import Chain
@@ -34,8 +34,9 @@ def read_arm(source: str | os.PathLike[str], tip: str | None = None) -> Chain:
         path, tip = without_tip(path)
     where = shown(path)
     if path.suffix.lower() == ".urdf":
-        chain = chain_of_urdf(path, where, tip)
+        name, read = joints_of_urdf(path, where, tip)
         with complaints_of(where):
+            chain = Chain(name, [one.joint for one in read], [one.body for one in read])
             require_mass(chain)
         return chain
     if tip is not None:

@@ -10,13 +10,14 @@ import numpy as np
 
 from eccentric.arms.bodies import joined
 from eccentric.arms.complaints import complaints_of
+from eccentric.arms.joints import ReadJoint
 from eccentric.arms.limits import SMALLEST_INERTIA
 from eccentric.arms.naming import identifier
 from eccentric.arms.placing import after, placed
 from eccentric.arms.tree import MOVING, Tree, path_to, tree_of
 from eccentric.arms.urdf_text import library, links_and_joints
 from eccentric.errors import InputError
-from eccentric.model import Body, Chain, Joint, Placement
+from eccentric.model import Body, Joint, Placement
 
 
 def without_tip(path: Path) -> tuple[Path, str | None]:
@@ -27,8 +28,8 @@ def without_tip(path: Path) -> tuple[Path, str | None]:
     return path.with_name(name), tip
 
 
-def chain_of_urdf(path: Path, where: str, tip: str | None) -> Chain:
-    """The chain of a URDF, with gravity along -z of its root; whether its last body has a mass is not asked.
+def joints_of_urdf(path: Path, where: str, tip: str | None) -> tuple[str, list[ReadJoint]]:
+    """The name of a URDF in code, and the joints of its arm from the base outwards.
 
     Bodies behind fixed and locked joints belong to the link that carries them; links without <inertial> have
     no mass. What is fixed to the root does not move, and is left out.
@@ -42,17 +43,16 @@ def chain_of_urdf(path: Path, where: str, tip: str | None) -> Chain:
     robot = _robot(links_and_joints(path, where), where)
     tree = tree_of(robot.links, robot.joints, where)
     moving = path_to(tree, tip)
-    joints, bodies = [], []
+    found = []
     frames = _frames(tree, tree.root, moving)
     for joint in moving:
         with complaints_of(where):
             place = after(frames[joint.parent], _placement(joint.origin, joint.name))
-            joints.append(Joint(MOVING[joint.type], _axis(joint), place, name=joint.name))
+            moved = Joint(MOVING[joint.type], _axis(joint), place, name=joint.name)
         frames = _frames(tree, joint.child, moving)
         here = [placed(_body(tree.links[name], where), at) for name, at in frames.items()]
-        bodies.append(joined(here, joint.name))
-    with complaints_of(where):
-        return Chain(identifier(robot.name), joints, bodies)
+        found.append(ReadJoint(moved, joined(here, joint.name), Placement()))
+    return identifier(robot.name), found
 
 
 def _robot(text: bytes, where: str) -> Any:
