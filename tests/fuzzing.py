@@ -10,6 +10,7 @@ import gzip
 import json
 import math
 import tempfile
+import tomllib
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
@@ -17,6 +18,7 @@ from typing import Any
 
 from hypothesis import strategies as st
 
+from eccentric.arms import read_arm
 from eccentric.errors import InputError
 from eccentric.logs import evaluate, parse_value, read_log
 from eccentric.rigs import CHANNELS, KEYS, KNOWNS, read_rig
@@ -141,6 +143,18 @@ def rig_of(suffix: str) -> Callable[[bytes], str]:
     return run
 
 
+def arm_of(suffix: str) -> Callable[[bytes], str]:
+    """Read bytes as an arm of that suffix."""
+
+    def run(content: bytes) -> str:
+        with tempfile.TemporaryDirectory() as folder:
+            path = Path(folder) / f"arm{suffix}"
+            path.write_bytes(content)
+            return outcome(lambda: read_arm(path))
+
+    return run
+
+
 def column(name: str) -> Any:
     """The columns that arithmetic sees."""
     if name not in NUMBERS:
@@ -170,6 +184,17 @@ def toml_bytes(value: Any) -> bytes:
 
 
 EXAMPLE = Path(__file__).parents[1] / "examples" / "bench"
+ARM_FILE = (EXAMPLE.parent / "arms" / "planar_2r.toml").read_bytes()
+URDF = b"""<?xml version="1.0"?>
+<robot name="arm">
+  <link name="base"/>
+  <joint name="turn" type="revolute">
+    <parent link="base"/><child link="hand"/><origin xyz="0 0.1 0" rpy="0 0 1.5"/><axis xyz="0 0 1"/>
+  </joint>
+  <link name="hand"><inertial><origin xyz="0.1 0 0"/><mass value="2"/>
+    <inertia ixx="0.1" ixy="0" ixz="0" iyy="0.1" iyz="0" izz="0.1"/></inertial></link>
+</robot>
+"""
 
 
 @dataclass(frozen=True)
@@ -192,6 +217,9 @@ TARGETS = {
     "rig .toml": Target(
         st.one_of(files((EXAMPLE / "bench.toml").read_bytes()), RIGS.map(toml_bytes)), rig_of(".toml")
     ),
+    "arm .toml": Target(files(ARM_FILE), arm_of(".toml")),
+    "arm .json": Target(files(json.dumps(tomllib.loads(ARM_FILE.decode())).encode()), arm_of(".json")),
+    "arm .urdf": Target(files(URDF), arm_of(".urdf")),
     "rig .json": Target(
         st.one_of(
             files((EXAMPLE / "bench.json").read_bytes()), RIGS.map(lambda rig: json.dumps(rig).encode())

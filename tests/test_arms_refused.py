@@ -145,6 +145,10 @@ LOOP = (link("a", 1), link("b", 1), joint("x", "revolute", "a", "b"), joint("y",
 URDFS = {
     "empty": ("", "not valid XML: Document is empty, line 1"),
     "cut off": (WHOLE.replace("<link", "\n<link")[:-40], "not valid XML: "),
+    "a null character": (
+        WHOLE.replace("</robot>", "\0</robot>"),
+        "not valid XML: Invalid character: Char 0x0 out of",
+    ),
     "another element": (WHOLE.replace("robot", "sdf"), "<robot> is required, received <sdf>"),
     "a document type": (
         WHOLE.replace("<robot", '<!DOCTYPE r [<!ENTITY x SYSTEM "file:///etc/hosts">]><robot'),

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from tests.fuzzing import TARGETS
 
-EXTRAS = {".parquet": "pyarrow", ".mat (7.3)": "h5py"}
+EXTRAS = {".parquet": "pyarrow", ".mat (7.3)": "h5py", "arm .urdf": "yourdfpy"}
 
 
 @pytest.mark.parametrize("name", TARGETS)

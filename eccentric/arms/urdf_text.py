@@ -51,7 +51,7 @@ def links_and_joints(path: Path, where: str) -> bytes:
     try:
         root = etree.fromstring(text.encode(), parser)
     except etree.XMLSyntaxError as error:
-        raise InputError(f"{where}: not valid XML: {error.msg}") from None
+        raise InputError(f"{where}: not valid XML: {' '.join(error.msg.split())}") from None
     if root.tag != "robot":
         raise InputError(f"{where}: <robot> is required, received <{root.tag}>")
     kept = etree.Element("robot", name=root.get("name") or Path(where).stem)
