@@ -8,6 +8,7 @@
     compile               a Model -> a Python module whose functions are the emitted C
     adapt                 a log through the emitted estimator of friction      -> AdaptResult
     bench                 a virtual test bench: log, rig and truth             -> BenchResult
+    bench_arm             the same for an arm, on MuJoCo                       -> ArmBenchResult
 
 Bad input raises InputError, with a message of one line. Everything is imported when it is first used.
 

@@ -1,6 +1,7 @@
 # The public names, each from the room that defines it; `import eccentric` reads this list.
 
 from eccentric.api import AdaptResult as AdaptResult
+from eccentric.api import ArmBenchResult as ArmBenchResult
 from eccentric.api import BenchResult as BenchResult
 from eccentric.api import CompareResult as CompareResult
 from eccentric.api import Correlation as Correlation
@@ -9,6 +10,7 @@ from eccentric.api import FitResult as FitResult
 from eccentric.api import ResultTable as ResultTable
 from eccentric.api import adapt as adapt
 from eccentric.api import bench as bench
+from eccentric.api import bench_arm as bench_arm
 from eccentric.api import compare as compare
 from eccentric.api import diagnose as diagnose
 from eccentric.api import emit as emit

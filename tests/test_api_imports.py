@@ -19,6 +19,7 @@ OFFERED = {
     *(
         "adapt",
         "bench",
+        "bench_arm",
         "compare",
         "compile",
         "diagnose",
@@ -30,6 +31,7 @@ OFFERED = {
     ),
     *(
         "AdaptResult",
+        "ArmBenchResult",
         "BenchResult",
         "CompareResult",
         "Correlation",

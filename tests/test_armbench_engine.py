@@ -76,26 +76,26 @@ def _pinocchio(
 
 @pytest.mark.parametrize("n", [1, 2, 3, 6])
 def test_torques_and_bearing_loads_are_those_of_pinocchio(n: int) -> None:
-    """Arms with any axes and large rotors, which in Pinocchio are bodies of their own: equal to 1e-10."""
+    """Arms with any axes and large rotors, which in Pinocchio are bodies of their own: equal to 1e-12."""
     rng = np.random.default_rng(n)
     for _ in range(3):
         bare = random_links(rng, n)
         q, w, alpha = (rng.normal(size=n) * size for size in (2.0, 3.0, 5.0))
         torque, bearing, transmitted = _pinocchio(bare, q, w, alpha)
         rigid = RigidArm(_with_locked_rotors(bare))
-        rigid.place(q, w)
-        loads = rigid.loads(alpha)
+        rigid.place(q[None], w[None])
+        loads = rigid.loads(alpha[None])
 
         scale = np.abs(bearing).max()
-        np.testing.assert_allclose(rigid.mass() @ alpha + rigid.bias(), torque, atol=1e-10 * scale)
-        np.testing.assert_allclose(loads.bearing, bearing, atol=1e-10 * scale)
-        np.testing.assert_allclose(loads.transmitted, transmitted, atol=1e-10 * scale)
+        np.testing.assert_allclose(rigid.mass()[0] @ alpha + rigid.bias()[0], torque, atol=1e-12 * scale)
+        np.testing.assert_allclose(loads.bearing[0], bearing, atol=1e-12 * scale)
+        np.testing.assert_allclose(loads.transmitted[0], transmitted, atol=1e-12 * scale)
 
 
 def test_gravity_torque_is_what_holds_the_arm_at_rest() -> None:
     """Without velocity nothing but gravity is left."""
     rng = np.random.default_rng(5)
-    rigid, q = RigidArm(random_links(rng, 6)), rng.normal(size=6)
-    rigid.place(q, np.zeros(6))
+    rigid, q = RigidArm(random_links(rng, 6), 2), rng.normal(size=(2, 6))
+    rigid.place(q, np.zeros((2, 6)))
 
     np.testing.assert_allclose(rigid.gravity_torque(), rigid.bias(), atol=1e-11)

@@ -6,7 +6,7 @@
     compared    compare    -> CompareResult
     emitted     emit       -> files
     adapted     adapt      -> AdaptResult
-    simulated   bench      -> BenchResult
+    simulated   bench      -> BenchResult;  simulated_arm  bench_arm -> ArmBenchResult
     tables      ResultTable, Correlation: for a terminal and a notebook
 
 In: paths, tables in memory, mappings. Out: results with named fields, `summary()`, `table()`, `plot()`,

@@ -11,5 +11,7 @@ from eccentric.api.fitted import FitResult as FitResult
 from eccentric.api.fitted import fit as fit
 from eccentric.api.simulated import BenchResult as BenchResult
 from eccentric.api.simulated import bench as bench
+from eccentric.api.simulated_arm import ArmBenchResult as ArmBenchResult
+from eccentric.api.simulated_arm import bench_arm as bench_arm
 from eccentric.api.tables import Correlation as Correlation
 from eccentric.api.tables import ResultTable as ResultTable

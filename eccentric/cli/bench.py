@@ -1,7 +1,10 @@
 """`eccentric bench`: the virtual test bench writes a log, its rig and the sealed truth."""
 
 import argparse
+import sys
+from collections.abc import Callable, Mapping
 from pathlib import Path
+from typing import Any
 
 import eccentric
 from eccentric.cli.arguments import options
@@ -10,7 +13,8 @@ from eccentric.errors import InputError
 NAME = "bench"
 HELP = "simulate a realistic log of a test bench, with effects that its rig file does not declare"
 EXAMPLE = """eccentric bench --out LOG.csv.gz --case C2 --effect stribeck=0.12 --effect cogging --seed 7
-eccentric bench --out LOG.csv.gz --effect 'link_harmonic_friction[n=2]=0.2'"""
+eccentric bench --out LOG.csv.gz --effect 'link_harmonic_friction[n=2]=0.2'
+eccentric bench --out LOG.csv.gz --arm 6 --effect gear_efficiency@3=0.2 --seed 4"""
 
 _OPTIONS = {
     "case": "--case",
@@ -21,8 +25,15 @@ _OPTIONS = {
     "drive": "--drive",
     "seed": "--seed",
     "effect": "--effect",
+    "arm": "--arm",
+    "runs": "--runs",
+    "measured": "--measured",
+    "sample rate [Hz]": "--rate",
 }
 """Beginning of a message of the bench -> the option concerned."""
+_OF_A_DRIVE = {"case": "C2", "mu": 0.2, "log_type": "runs", "drive": "fine", "temperature": False}
+_OF_AN_ARM = {"log_type": "traj", "runs": 5, "measured": "current", "rate": 250}
+"""Arguments of one kind of bench, with their values where none is given."""
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
@@ -31,80 +42,134 @@ def configure(parser: argparse.ArgumentParser) -> None:
     add(
         "--out",
         metavar="LOG.csv.gz",
-        help="the log, with the rig LOG.json and the sealed LOG.truth.json beside it; no file is overwritten",
+        help="the log, with the rig LOG.json and the sealed LOG.truth.json beside it, for an arm LOG.toml "
+        "and LOG.arm.toml; no file is overwritten",
     )
     add(
         "--effect",
-        metavar="FAMILY[=STRENGTH]",
+        metavar="FAMILY[@JOINT][=STRENGTH]",
         action="append",
         default=[],
         help="an effect, with its rms as a fraction of the friction's, above 0 and at most 1 (0.15); FAMILY "
-        "may name a variant, as in cogging[n=4], otherwise drawn at random; may be repeated",
+        "may name a variant, as in cogging[n=4], otherwise drawn at random, as is the joint of an arm; may "
+        "be repeated",
     )
     add("--list-effects", action="store_true", help="list the families of effects, with variants")
-    add("--case", default="C2", metavar="C1|C2", help="gravity perpendicular or parallel to the plane (C2)")
-    add("--mu", type=float, default=0.2, help="gear ratio, link speed over motor speed, 0.001 to 2 (0.2)")
-    add("--log-type", default="runs", metavar="runs|traj", help="constant speeds, or a sum of sines (runs)")
+    add("--log-type", metavar="runs|traj", help="constant speeds, or a sum of sines (runs; for an arm traj)")
     add("--seconds", type=float, default=60.0, help="length of the log, 15 to 3600 (60)")
     add("--noise", type=float, default=0.01, help="noise of the current over its maximum, up to 0.5 (0.01)")
+    add("--seed", type=int, default=1, help="seed of rig, course, shapes and noise (1)")
+    add = parser.add_argument_group("one drive").add_argument
+    add("--case", metavar="C1|C2", help="gravity perpendicular or parallel to the plane (C2)")
+    add("--mu", type=float, help="gear ratio, link speed over motor speed, 0.001 to 2 (0.2)")
     add(
         "--drive",
-        default="fine",
         metavar="fine|ordinary",
         help="quality of the drive: ordinary has a loop that may ring, a bus that varies by up to 2 %% and a "
         "coarse encoder (fine)",
     )
-    add("--temperature", action="store_true", help="log a temperature")
-    add("--seed", type=int, default=1, help="seed of rig, course, shapes and noise (1)")
+    add("--temperature", action="store_true", default=None, help="log a temperature")
+    add = parser.add_argument_group("an arm, on MuJoCo").add_argument
+    add(
+        "--arm",
+        metavar="2r|3|6",
+        help="two links in a vertical plane with a weight at the tip, or 3 or 6 joints in space",
+    )
+    add("--runs", type=int, help="runs of equal length, each from rest, 3 to 20 (5)")
+    add("--measured", metavar="current|torque", help="what is logged of the drives (current)")
+    add("--rate", type=int, metavar="250|500", help="rows a second (250)")
 
 
 def run(args: argparse.Namespace) -> int:
-    """Write the three files, or list the effects; return 0. Raises InputError on bad values."""
+    """Write the files, or list the effects; return 0. Raises InputError on bad values."""
     if args.list_effects:
-        _list_effects()
+        _list_effects(of_arms=args.arm is not None)
         return 0
     if args.out is None:
         raise InputError("--out: the path of a log (LOG.csv.gz) is required, received none")
     if not args.out.endswith(".csv.gz"):
         raise InputError(f"--out: a log name that ends in .csv.gz is required, received {args.out}")
+    bench = _of_a_drive if args.arm is None else _of_an_arm
+    common = {"seconds": args.seconds, "noise": args.noise, "seed": args.seed, "out": args.out}
     with options(_OPTIONS):
-        result = eccentric.bench(
-            [_effect(text) for text in args.effect],
-            case=args.case,
-            mu=args.mu,
-            log_type=args.log_type,
-            seconds=args.seconds,
-            noise=args.noise,
-            temperature=args.temperature,
-            drive=args.drive,
-            seed=args.seed,
-            out=args.out,
-        )
+        effects, said = bench(args, common)
     name = Path(args.out).name.removesuffix(".csv.gz")
-    print(f"{args.out}: {result.log.rows} rows, case {args.case}, mu {args.mu:g}; rig {name}.json")
-    print(f"sealed in {name}.truth.json: {', '.join(result.effects) or 'no effect'}")
+    print(f"{args.out}: {said}")
+    print(f"sealed in {name}.truth.json: {', '.join(effects) or 'no effect'}")
     return 0
 
 
-def _list_effects() -> None:
-    from eccentric.virtual_bench import EFFECTS, VARIANTS
+def _of_a_drive(args: argparse.Namespace, common: Mapping[str, Any]) -> tuple[tuple[str, ...], str]:
+    """Simulate one drive; return its effects, and what was written."""
+    from eccentric.virtual_bench import known_effect
 
-    width = max(map(len, EFFECTS))
-    for family, builder in EFFECTS.items():
-        variants = f" Variants: {', '.join(VARIANTS[family])}." if family in VARIANTS else ""
+    own = _chosen(args, _OF_A_DRIVE, _OF_AN_ARM, "--arm", "none")
+    effects = [_effect(text, known_effect) for text in args.effect]
+    result = eccentric.bench(effects, **own, **common)
+    name = Path(args.out).name.removesuffix(".csv.gz")
+    return result.effects, (f"{result.log.rows} rows, case {own['case']}, mu {own['mu']:g}; rig {name}.json")
+
+
+def _of_an_arm(args: argparse.Namespace, common: Mapping[str, Any]) -> tuple[tuple[str, ...], str]:
+    """Simulate an arm; return its effects, and what was written."""
+    from eccentric.virtual_bench import known_joint_effect
+
+    own = _chosen(args, _OF_AN_ARM, _OF_A_DRIVE, "no --arm", args.arm)
+    own["sample_rate_hz"] = own.pop("rate")
+    effects = [_effect(text, known_joint_effect) for text in args.effect]
+    result = eccentric.bench_arm(args.arm, effects, **own, **common, progress=_bar())
+    name = Path(args.out).name.removesuffix(".csv.gz")
+    gears = ", ".join(joint["mu"] for joint in result.arm["joint"])
+    return result.effects, (
+        f"{result.log.rows} rows in {own['runs']} runs, {len(result.arm['joint'])} joints, mu {gears}; "
+        f"rig {name}.toml, arm {name}.arm.toml"
+    )
+
+
+def _chosen(
+    args: argparse.Namespace, own: Mapping[str, Any], others: Mapping[str, Any], required: str, received: str
+) -> dict[str, Any]:
+    """The arguments of one kind of bench; InputError if one of the other kind is given."""
+    for name in others.keys() - own.keys():
+        if getattr(args, name) is not None:
+            raise InputError(f"--{name}: {required} is required with it, received {received}")
+    return {
+        name: value if getattr(args, name) is None else getattr(args, name) for name, value in own.items()
+    }
+
+
+def _bar() -> Callable[[float], None] | None:
+    """A bar on a terminal, nothing elsewhere; gone when all is done."""
+    if sys.stderr is None or not sys.stderr.isatty():
+        return None
+
+    def show(part: float) -> None:
+        filled = round(30 * part)
+        bar = f"  [{'#' * filled}{'.' * (30 - filled)}] {part:.0%}"
+        shown = bar if part < 1.0 else " " * len(bar) + "\r"
+        print(f"\r{shown}", end="", file=sys.stderr, flush=True)
+
+    return show
+
+
+def _list_effects(*, of_arms: bool) -> None:
+    from eccentric.virtual_bench import ARM_EFFECTS, ARM_VARIANTS, EFFECTS, VARIANTS
+
+    families, of_families = (ARM_EFFECTS, ARM_VARIANTS) if of_arms else (EFFECTS, VARIANTS)
+    width = max(map(len, families))
+    for family, builder in families.items():
+        variants = f" Variants: {', '.join(of_families[family])}." if family in of_families else ""
         print(f"{family:{width}}  {(builder.__doc__ or '').splitlines()[0]}{variants}")
 
 
-def _effect(text: str) -> str | tuple[str, float]:
-    """Read FAMILY, FAMILY[VARIANT] or either with =STRENGTH; the variant may contain an equals sign."""
-    from eccentric.virtual_bench import known_effect
-
+def _effect(text: str, known: Callable[[str], object]) -> str | tuple[str, float]:
+    """Read FAMILY with [VARIANT], @JOINT and =STRENGTH where given; the variant may hold an equals sign."""
     closed = text.rfind("]") + 1
     place = text.find("=", closed)
     if place < 0:
         return text
     name, size = text[:place], text[place + 1 :]
-    known_effect(name)
+    known(name)
     try:
         return name, float(size)
     except ValueError:

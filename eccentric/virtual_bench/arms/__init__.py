@@ -13,11 +13,12 @@ the toolkit and the bench share nothing.
     survey       loads and torques along the reference
     friction     of all joints at once
     families     of effects; motion, what their laws see
-    effects      one effect in one joint, drawn and at work
+    acting       an effect at work in its joint
+    effects      drawn, and sized along the reference
     servo        encoders and loops
     scenario     all of it drawn
-    simulation   step by step
-    log, files   what is written
+    simulation   step by step, all runs side by side
+    log, files   what is written; warmth, the temperatures in it
 """
 
 from .families import ARM_EFFECTS, ARM_VARIANTS

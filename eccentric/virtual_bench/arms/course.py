@@ -14,9 +14,9 @@ _HARMONICS = 5
 class ArmCourse:
     """Reference of the joints over `runs` runs of `seconds` each.
 
-    `fourier`: five harmonics of one period a run, with amplitudes of velocity `size` [rad/s] and `phase`
+    `traj`: five harmonics of one period a run, with amplitudes of velocity `size` [rad/s] and `phase`
     [rad], both of shape (runs, joints, 5), faded in over the first second.
-    `sweeps`: constant velocities `size` [rad/s], joined by smooth ramps of `ramp_s` [s] at `start` [s], both
+    `runs`: constant velocities `size` [rad/s], joined by smooth ramps of `ramp_s` [s] at `start` [s], both
     of shape (runs, joints, parts).
 
     Attributes:
@@ -24,7 +24,7 @@ class ArmCourse:
         top: largest velocity of each joint [rad/s], about.
     """
 
-    kind: str
+    log_type: str
     runs: int
     seconds: float
     home: np.ndarray
@@ -36,7 +36,7 @@ class ArmCourse:
 
     def reference(self, run: int, time: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Return angles [rad] and velocities [rad/s] at `time` [s] of a run, each (len(time), joints)."""
-        one = self._harmonics if self.kind == "fourier" else self._parts
+        one = self._harmonics if self.log_type == "traj" else self._parts
         motion = [one(run, joint, time) for joint in range(len(self.home))]
         q, w = (np.stack(part, axis=1) for part in zip(*motion, strict=True))
         return q + self.home, w
@@ -64,20 +64,20 @@ class ArmCourse:
         return q, w
 
 
-def fourier_course(
+def harmonic_course(
     rng: np.random.Generator, runs: int, seconds: float, home: np.ndarray, reach: np.ndarray, top: np.ndarray
 ) -> ArmCourse:
     """Draw sums of harmonics, within `reach` [rad] of home and at most `top` [rad/s], for each run anew."""
     n = len(home)
     size = rng.uniform(0.3, 1.0, (runs, n, _HARMONICS))
     phase = rng.uniform(-np.pi, np.pi, (runs, n, _HARMONICS))
-    course = ArmCourse("fourier", runs, seconds, home, top, size, phase, np.zeros((runs, n, 0)))
+    course = ArmCourse("traj", runs, seconds, home, top, size, phase, np.zeros((runs, n, 0)))
     time = np.linspace(0.0, seconds, 400)
     for run in range(runs):
         q, w = course.reference(run, time)
         most = np.maximum(np.abs(q - home).max(axis=0) / reach, np.abs(w).max(axis=0) / top)
         size[run] /= most[:, None] * rng.uniform(1.0, 1.25, (n, 1))
-    return ArmCourse("fourier", runs, seconds, home, top, np.round(size, 4), np.round(phase, 4), course.start)
+    return ArmCourse("traj", runs, seconds, home, top, np.round(size, 4), np.round(phase, 4), course.start)
 
 
 def sweep_course(
@@ -102,4 +102,4 @@ def sweep_course(
                 start[run, joint, part], size[run, joint, part] = edges[part], round(way * step, 3)
                 place += way * step * length
                 way = -way if rng.uniform() < 0.6 else way
-    return ArmCourse("sweeps", runs, seconds, home, top, size, np.zeros_like(size), start, ramp)
+    return ArmCourse("runs", runs, seconds, home, top, size, np.zeros_like(size), start, ramp)

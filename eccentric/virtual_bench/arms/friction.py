@@ -19,10 +19,10 @@ class FrictionLaw:
         self._viscous = np.array([f.viscous for f in all_of]).T
 
     def of(self, bearing: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Return the level [N m] and the viscous coefficient [N m s/rad] of the joints.
+        """Return the level [N m] and the viscous coefficient [N m s/rad], each of shape (..., joints).
 
-        `bearing` are F_N, F_T [N] and M_B [N m], shape (3, joints).
+        `bearing` are F_N, F_T [N] and M_B [N m], shape (..., 3, joints).
         """
-        dry = self.motor_dry + (self._dry * bearing).sum(axis=0)
-        viscous = self.motor_viscous + (self._viscous * bearing).sum(axis=0)
+        dry = self.motor_dry + (self._dry * bearing).sum(axis=-2)
+        viscous = self.motor_viscous + (self._viscous * bearing).sum(axis=-2)
         return dry, viscous

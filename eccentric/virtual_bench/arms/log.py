@@ -11,6 +11,7 @@ import numpy as np
 from .scenario import ArmScenario
 from .simulation import ArmTrace, Progress, trace
 from .survey import rms
+from .warmth import logs_temperature, temperatures
 
 
 @dataclass(frozen=True)
@@ -49,6 +50,9 @@ def _log(scenario: ArmScenario, found: ArmTrace) -> dict[str, np.ndarray]:
         "w_rad_s": (found.speed, 5),
         drive[scenario.measured][0]: (drive[scenario.measured][1], 5),
     }
+    if logs_temperature(scenario):
+        sensed = temperatures(scenario, found) + 0.05 * rng.standard_normal(found.q.shape)
+        measured["temperature_C"] = np.floor(sensed / 0.1 + 0.5) * 0.1, 2
     for name, (values, digits) in measured.items():
         for j in range(len(arm)):
             columns[f"{name}_{j + 1}"] = np.round(values[:, j], digits) + 0.0  # no negative zeros
@@ -64,6 +68,8 @@ def _rig(scenario: ArmScenario) -> dict[str, Any]:
     else:
         drives = {"k_i_Nm_per_A": [link.k_i for link in scenario.arm.links]}
         columns["current"] = "i_A_{j}"
+    if logs_temperature(scenario):
+        columns["temperature"] = "temperature_C_{j}"
     rig = {
         "arm": f"{scenario.name}.arm.toml",
         "drive": scenario.measured,
@@ -105,7 +111,7 @@ def _truth(scenario: ArmScenario, found: ArmTrace) -> dict[str, Any]:
         "name": scenario.name,
         "arm": scenario.arm.name,
         "kind": "effect" if scenario.effects else "control",
-        "course": scenario.course.kind,
+        "log": scenario.course.log_type,
         "runs": scenario.course.runs,
         "rows": len(found.t),
         "noise_frac_of_range": scenario.noise,

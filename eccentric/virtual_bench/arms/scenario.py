@@ -7,15 +7,16 @@ from math import exp, log, pi
 
 import numpy as np
 
-from .course import ArmCourse, fourier_course, sweep_course
-from .effects import JointEffect, planted
+from .acting import JointEffect
+from .course import ArmCourse, harmonic_course, sweep_course
+from .effects import planted
 from .plant import BenchArm, JointFriction
 from .random_arms import KINDS, random_arm
 from .request import Requested, checked
 from .servo import ArmServo
 from .survey import Survey, rms, survey
 
-COURSES = ("fourier", "sweeps")
+LOG_TYPES = ("traj", "runs")
 MEASURED = ("current", "torque")
 RATES = (250, 500)
 _STEP_S = 1e-3
@@ -53,7 +54,7 @@ def random_arm_scenario(
     *,
     arm: str = "2r",
     effects: Requested = (),
-    course: str = "fourier",
+    log_type: str = "traj",
     runs: int = 5,
     seconds: float = 60.0,
     noise: float = 0.01,
@@ -70,7 +71,7 @@ def random_arm_scenario(
         effects: families, each with its joint and strength if wanted: "stribeck", "stribeck@2",
             ("stribeck@2", 0.1). The strength is the effect's rms over that of the joint's friction (0.15);
             without a joint, one is drawn.
-        course: "fourier", sums of harmonics, or "sweeps", constant velocities.
+        log_type: "traj", sums of harmonics, or "runs", constant velocities.
         runs: of equal length, each from rest; 3 to 20.
         seconds: length of all runs together, 15 to 3600.
         noise: of each current over its largest value, at most 0.5.
@@ -81,13 +82,13 @@ def random_arm_scenario(
         InputError: a value is out of range, an effect or a joint is unknown, or MuJoCo is not installed.
     """
     wanted = checked(
-        effects, {"arm": (arm, KINDS), "course": (course, COURSES), "measured": (measured, MEASURED),
+        effects, {"arm": (arm, KINDS), "log type": (log_type, LOG_TYPES), "measured": (measured, MEASURED),
                   "sample rate [Hz]": (sample_rate_hz, RATES)},
         {"runs": (runs, 3, 20), "seconds": (seconds, 15.0, 3600.0), "noise": (noise, 0.0, 0.5)},
         joints=2 if arm == "2r" else int(arm),
     )  # fmt: skip
     bare = random_arm(rng, arm)
-    chosen = _course(rng, arm, course, int(runs), seconds)
+    chosen = _course(rng, arm, log_type, int(runs), seconds)
     bodies = survey(bare, chosen)
     driven = _with_drives(rng, bare, bodies)
     gone = survey(driven, chosen)
@@ -98,7 +99,7 @@ def random_arm_scenario(
     return ArmScenario(complete, servo, chosen, built, noise, measured, seed, sample_rate_hz)
 
 
-def _course(rng: np.random.Generator, arm: str, course: str, runs: int, seconds: float) -> ArmCourse:
+def _course(rng: np.random.Generator, arm: str, log_type: str, runs: int, seconds: float) -> ArmCourse:
     if arm == "2r":
         home, reach, top = rng.uniform(-0.8, 0.8, 2), np.array([2.8, 2.8]), rng.uniform(4.0, 6.5, 2)
     else:
@@ -107,7 +108,7 @@ def _course(rng: np.random.Generator, arm: str, course: str, runs: int, seconds:
         home = np.array([0.0, -1.0, 1.2, -0.6, 0.3, 0.0])[:n] + rng.uniform(-0.3, 0.3, n)
         reach = np.array([2.4, 1.1, 1.5, 2.2, 2.2, 2.6])[:n]
         top = np.array([1.8, 1.4, 1.8, 2.4, 2.4, 3.0])[:n] * rng.uniform(0.85, 1.15, n)
-    draw = fourier_course if course == "fourier" else sweep_course
+    draw = harmonic_course if log_type == "traj" else sweep_course
     return draw(rng, runs, round(seconds / runs, 2), np.round(home, 3), reach, np.round(top, 3))
 
 

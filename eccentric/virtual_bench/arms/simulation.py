@@ -13,13 +13,13 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 
+from .acting import SMOOTH, Acting
 from .course import ArmCourse
-from .effects import GAP_S, MOVING, SMOOTH, Acting, corrected
-from .engine import RigidArm
+from .effects import GAP_S, MOVING, corrected
+from .engine import JointLoads, RigidArm
 from .friction import FrictionLaw
 from .scenario import ArmScenario
 from .servo import ArmLoop
@@ -93,35 +93,27 @@ def trace(scenario: ArmScenario, progress: Progress | None = None) -> tuple[ArmS
 
 
 def _all_runs(scenario: ArmScenario, progress: Progress | None) -> ArmTrace:
-    acting = [Acting(one) for one in scenario.effects]
-    rows: list[tuple[Any, ...]] = []
-    for run in range(scenario.course.runs):
-        _one_run(scenario, run, acting, rows)
-        if progress is not None:
-            progress((run + 1) / scenario.course.runs)
-    run, t, q, w, speed, *rest = (np.array(part) for part in zip(*rows, strict=True))
-    return ArmTrace(run, t, q, w, speed, *rest)
-
-
-def _one_run(scenario: ArmScenario, run: int, acting: list[Acting], rows: list[tuple[Any, ...]]) -> None:
-    """Append the samples of one run."""
+    """All runs side by side: arrays have one row a run."""
     arm, course, steps = scenario.arm, scenario.course, scenario.steps_per_sample
-    dt = 1.0 / (scenario.sample_rate_hz * steps)
+    dt, runs, n = 1.0 / (scenario.sample_rate_hz * steps), course.runs, len(arm)
     count = round(course.seconds * scenario.sample_rate_hz)
     time = np.arange(count * steps) * dt
-    wanted, speeds = course.reference(run, time)
-    begins = run * (course.seconds + GAP_S)
-    mu, k_i, n = arm.column("mu"), arm.column("k_i"), len(arm)
-    per_amp = k_i / mu
-    rigid, law, width = RigidArm(arm), FrictionLaw(arm), SMOOTH * course.top
+    wanted, speeds = (
+        np.stack(part, axis=1) for part in zip(*(course.reference(r, time) for r in range(runs)), strict=True)
+    )
+    begins = np.arange(runs) * (course.seconds + GAP_S)
+    mu = arm.column("mu")
+    per_amp = arm.column("k_i") / mu
+    rigid, law, width = RigidArm(arm, runs), FrictionLaw(arm), SMOOTH * course.top
+    acting = [[Acting(one, run) for one in scenario.effects] for run in range(runs)]
 
-    q, w = wanted[0].copy(), np.zeros(n)
+    q, w = wanted[0].copy(), np.zeros((runs, n))
     rigid.place(q, w)
     holding = rigid.gravity_torque()
-    loads = rigid.loads(np.zeros(n))
+    loads = rigid.loads(w)
     loop = ArmLoop(scenario.servo, mu, dt, q, holding)
-    before, alpha, current = w, np.zeros(n), holding / per_amp
-    bias = np.zeros(n)
+    before, alpha, current = w, np.zeros((runs, n)), holding / per_amp
+    diagonal, rows = np.arange(n), []
     for k in range(count * steps):
         last, at_start, moved = current, q, w
         torque = loop.torque(q, wanted[k], speeds[k])
@@ -131,40 +123,98 @@ def _one_run(scenario: ArmScenario, run: int, acting: list[Acting], rows: list[t
         q = q + 0.5 * dt * w
         rigid.place(q, middle)
         mass, pull = rigid.mass(), rigid.bias()
-        dry, viscous = law.of(loads.bearing)
-        own_dry, own_viscous = dry, viscous
-        for one in acting:
-            j = one.joint
-            s, ratio = one.motion, float(mu[j])
-            s.t, s.i, s.alpha = begins + k * dt, float(current[j]), float(alpha[j]) / ratio
-            s.w_before, s.w, s.w_mid = float(before[j]) / ratio, float(w[j]) / ratio, float(middle[j]) / ratio
-            s.link, s.w_link = float(q[j]), float(middle[j])
-            s.theta = s.link / ratio
-            s.normal, s.transmitted = float(loads.bearing[0, j]), float(loads.transmitted[j]) * ratio
-            s.gravity = float(rigid.gravity_torque()[j]) * ratio
-            s.dry, s.viscous = float(own_dry[j]) * ratio, float(own_viscous[j]) * ratio**2
-            level, coefficient, against = one.torques(s.dry, s.viscous)
-            dry, viscous, torque = dry.copy(), viscous.copy(), torque.copy()
-            dry[j] += level / ratio
-            viscous[j] += coefficient / ratio**2
-            torque[j] -= against / ratio
-            one.heat(s.dry, s.viscous, dt)
-            s.travel += abs(s.w_mid) * dt
-            bias[j] = one.bias
+        own_dry, own_viscous = dry, viscous = law.of(loads.bearing)
+        bias: float | np.ndarray = 0.0
+        if scenario.effects:
+            moving = _Step(begins + k * dt, dt, q, w, before, middle, alpha, current, rigid.gravity_torque())
+            dry, viscous, against, bias = _with_effects(acting, moving, loads, own_dry, own_viscous, mu)
+            torque = torque - against
         way = np.tanh(middle / width)
         friction, slope = dry * way + viscous * middle, dry * (1.0 - way * way) / width + viscous
-        left = mass.copy()
-        left.flat[:: n + 1] += 0.5 * dt * slope
-        alpha = np.linalg.solve(left, torque - pull - friction - slope * (w - middle))
+        mass[:, diagonal, diagonal] += 0.5 * dt * slope
+        right = torque - pull - friction - slope * (w - middle)
+        alpha = np.linalg.solve(mass, right[:, :, None])[:, :, 0]
         if k % steps == 0:
             own = mu * (own_dry * way + own_viscous * middle)
             # The drive averages the current over the two pulses around the sample: it does not lead.
             logged = 0.5 * ((last if k else current) + current) + bias
             rows.append(
-                (run + 1, begins + k * dt, at_start, moved, loop.speed, logged, own, loads.bearing,
-                 loads.transmitted, [one.torque for one in acting],
-                 [one.motion.temperature for one in acting])
-            )  # fmt: skip
+                (
+                    begins + k * dt,
+                    at_start,
+                    moved,
+                    loop.speed,
+                    logged,
+                    own,
+                    loads.bearing,
+                    loads.transmitted,
+                    *_said(acting),
+                )
+            )
+            if progress is not None and k % (100 * steps) == 0:
+                progress(k / (count * steps))
         loads = rigid.loads(alpha)
         before, w = w, w + dt * alpha
         q = q + 0.5 * dt * w
+    if progress is not None:
+        progress(1.0)
+    # From (rows of a run, runs, ...) to all rows of the first run, then those of the second.
+    columns = (
+        np.array(part).swapaxes(0, 1).reshape(runs * count, *np.shape(part[0])[1:])
+        for part in zip(*rows, strict=True)
+    )
+    return ArmTrace(np.repeat(np.arange(1, runs + 1), count), *columns)
+
+
+@dataclass(frozen=True)
+class _Step:
+    """The motion at one step: times of the runs, and of the joints (runs, joints)."""
+
+    t: np.ndarray
+    dt: float
+    q: np.ndarray
+    w: np.ndarray
+    before: np.ndarray
+    middle: np.ndarray
+    alpha: np.ndarray
+    current: np.ndarray
+    gravity: np.ndarray
+
+
+def _with_effects(
+    acting: list[list[Acting]],
+    step: _Step,
+    loads: JointLoads,
+    dry: np.ndarray,
+    viscous: np.ndarray,
+    mu: np.ndarray,
+) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    """Level and viscous coefficient with the effects, torque against the joints, bias of the currents."""
+    level, coefficient = dry.copy(), viscous.copy()
+    against, bias = np.zeros_like(dry), np.zeros_like(dry)
+    for run, effects in enumerate(acting):
+        for one in effects:
+            j, s = one.joint, one.motion
+            at, ratio = (run, j), float(mu[j])
+            s.t, s.i, s.alpha = float(step.t[run]), float(step.current[at]), float(step.alpha[at]) / ratio
+            s.w_before, s.w = float(step.before[at]) / ratio, float(step.w[at]) / ratio
+            s.link, s.w_link = float(step.q[at]), float(step.middle[at])
+            s.theta, s.w_mid = s.link / ratio, s.w_link / ratio
+            s.normal, s.transmitted = float(loads.bearing[run, 0, j]), float(loads.transmitted[at]) * ratio
+            s.gravity = float(step.gravity[at]) * ratio
+            s.dry, s.viscous = float(dry[at]) * ratio, float(viscous[at]) * ratio**2
+            more, thicker, torque = one.torques(s.dry, s.viscous)
+            one.advance(s.dry, s.viscous, step.dt)
+            level[at] += more / ratio
+            coefficient[at] += thicker / ratio**2
+            against[at] += torque / ratio
+            bias[at] += one.bias
+    return level, coefficient, against, bias
+
+
+def _said(acting: list[list[Acting]]) -> tuple[list[list[float]], list[list[float]]]:
+    """Torque and temperature of the effects, by run."""
+    return (
+        [[one.torque for one in effects] for effects in acting],
+        [[one.motion.temperature for one in effects] for effects in acting],
+    )

@@ -12,6 +12,8 @@ from .plant import BenchArm
 
 SURVEY_S = 0.02
 """Between two rows of a survey."""
+_AT_ONCE = 64
+"""Places of the arm that are computed together."""
 
 
 @dataclass(frozen=True)
@@ -39,19 +41,20 @@ class Survey:
 
 def survey(arm: BenchArm, course: ArmCourse) -> Survey:
     """Take the arm along its reference by inverse dynamics."""
-    rigid, time = RigidArm(arm), np.arange(0.0, course.seconds, SURVEY_S)
-    motions = []
+    time, motions = np.arange(0.0, course.seconds, SURVEY_S), []
     for run in range(course.runs):
         q, w = course.reference(run, time)
         motions.append((q, w, np.gradient(w, SURVEY_S, axis=0)))
     q, w, alpha = (np.concatenate(part) for part in zip(*motions, strict=True))
-    rows = []
-    for angles, velocities, accelerations in zip(q, w, alpha, strict=True):
-        rigid.place(angles, velocities)
-        mass, loads = rigid.mass(), rigid.loads(accelerations)
-        torque = mass @ accelerations + rigid.bias()
-        rows.append((loads.bearing, loads.transmitted, rigid.gravity_torque(), torque, np.diag(mass)))
-    return Survey(q, w, alpha, *(np.array(part) for part in zip(*rows, strict=True)))
+    rigid, parts = RigidArm(arm, _AT_ONCE), []
+    for first in range(0, len(q), _AT_ONCE):
+        rows = np.minimum(np.arange(first, first + _AT_ONCE), len(q) - 1)  # the last one fills up
+        rigid.place(q[rows], w[rows])
+        mass, loads = rigid.mass(), rigid.loads(alpha[rows])
+        torque = np.einsum("kji,ki->kj", mass, alpha[rows]) + rigid.bias()
+        inertia = np.einsum("kjj->kj", mass)
+        parts.append((loads.bearing, loads.transmitted, rigid.gravity_torque(), torque, inertia))
+    return Survey(q, w, alpha, *(np.concatenate(part)[: len(q)] for part in zip(*parts, strict=True)))
 
 
 def rms(values: np.ndarray) -> np.ndarray:
