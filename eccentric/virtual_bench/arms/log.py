@@ -11,7 +11,7 @@ import numpy as np
 from .scenario import ArmScenario
 from .simulation import ArmTrace, Progress, trace
 from .survey import rms
-from .warmth import logs_temperature, temperatures
+from .warmth import logs_temperature, warmed
 
 
 @dataclass(frozen=True)
@@ -50,8 +50,11 @@ def _log(scenario: ArmScenario, found: ArmTrace) -> dict[str, np.ndarray]:
         "w_rad_s": (found.speed, 5),
         drive[scenario.measured][0]: (drive[scenario.measured][1], 5),
     }
-    if logs_temperature(scenario):
-        sensed = temperatures(scenario, found) + 0.05 * rng.standard_normal(found.q.shape)
+    if logs_temperature(scenario.effects):
+        warm = warmed(np.abs(found.friction * found.w) / mu, found.current, 1.0 / scenario.sample_rate_hz)
+        for k, one in enumerate(scenario.effects):
+            warm[:, one.joint] = found.temperature[:, k]
+        sensed = warm + 0.05 * rng.standard_normal(warm.shape)
         measured["temperature_C"] = np.floor(sensed / 0.1 + 0.5) * 0.1, 2
     for name, (values, digits) in measured.items():
         for j in range(len(arm)):
@@ -68,7 +71,7 @@ def _rig(scenario: ArmScenario) -> dict[str, Any]:
     else:
         drives = {"k_i_Nm_per_A": [link.k_i for link in scenario.arm.links]}
         columns["current"] = "i_A_{j}"
-    if logs_temperature(scenario):
+    if logs_temperature(scenario.effects):
         columns["temperature"] = "temperature_C_{j}"
     rig = {
         "arm": f"{scenario.name}.arm.toml",

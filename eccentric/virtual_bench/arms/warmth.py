@@ -2,26 +2,28 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 from scipy.signal import lfilter
 
+from .acting import JointEffect
 from .effects import COLD_C, RISE_K, TAU_S
-from .scenario import ArmScenario
-from .simulation import ArmTrace
 
 
-def logs_temperature(scenario: ArmScenario) -> bool:
+def logs_temperature(effects: Sequence[JointEffect]) -> bool:
     """Whether the log has a temperature of every drive: if an effect needs it."""
-    return any(one.effect.needs_temperature for one in scenario.effects)
+    return any(one.effect.needs_temperature for one in effects)
 
 
-def temperatures(scenario: ArmScenario, found: ArmTrace) -> np.ndarray:
-    """Temperature of each drive [deg C], shape (rows, joints): half by friction, half by the winding."""
-    speed = np.abs(found.w) / scenario.arm.column("mu")
-    lost = sum(x / x.mean(axis=0) for x in (np.abs(found.friction) * speed, found.current**2))
-    step = 1.0 / (scenario.sample_rate_hz * TAU_S)
-    rise = lfilter([0.5 * RISE_K * step], [1.0, step - 1.0], lost, axis=0)
-    warm = COLD_C + np.asarray(rise)
-    for k, one in enumerate(scenario.effects):
-        warm[:, one.joint] = found.temperature[:, k]
-    return warm
+def warmed(rubbed: np.ndarray, current: np.ndarray, dt: float) -> np.ndarray:
+    """Temperature of each drive [deg C], shape (rows, joints): half by friction, half by the winding.
+
+    Args:
+        rubbed: power of friction [W], (rows, joints); only its course matters.
+        current: [A], likewise.
+        dt: from row to row [s].
+    """
+    lost = rubbed / rubbed.mean(axis=0) + current**2 / np.mean(current**2, axis=0)
+    step = dt / TAU_S
+    return COLD_C + np.asarray(lfilter([0.5 * RISE_K * step], [1.0, step - 1.0], lost, axis=0))
