@@ -131,11 +131,11 @@ def _truth(scenario: ArmScenario, found: ArmTrace) -> dict[str, Any]:
 
 
 def _beyond(scenario: ArmScenario, found: ArmTrace, k: int) -> float:
-    """Part of an effect that Coulomb and viscous friction by every load leave, over the joint's friction."""
+    """Part of an effect that friction by the bearing's loads, refitted, leaves, over the joint's friction."""
     j = scenario.effects[k].joint
     rows = found.moving(scenario.course)[:, j]
     w = found.w[rows, j]
-    loads = [np.ones_like(w), *found.bearing[rows, :, j].T, np.abs(found.transmitted[rows, j])]
+    loads = [np.ones_like(w), *found.bearing[rows, :, j].T]
     base = np.stack([load * motion for load in loads for motion in (np.sign(w), w)], axis=1)
     torque = found.effects[rows, k]
     size = np.linalg.norm(base, axis=0)

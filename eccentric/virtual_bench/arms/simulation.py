@@ -6,7 +6,8 @@ One step of dt: the angles drift half a step, the velocities are kicked, the ang
 
 All of it is taken in the middle of the step, where w_mid is extrapolated from the last two: second order in
 dt. Friction is implicit in the velocity, so that Coulomb friction, tanh(w/w_0), is stable however steep it
-is; its loads are those of the step before, 1 ms late: 0.6 % of what varies at 1 Hz.
+is; its loads are those of the step before, 1 ms late: 0.6 % of what varies at 1 Hz. With steps of a quarter
+the currents differ by 0.1 to 0.2 % of their rms.
 """
 
 from __future__ import annotations
