@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import sympy as sp
 
+from eccentric.emission.program.arm_accuracy import arm_promises
 from eccentric.emission.program.arm_functions import GRADIENT, INERTIAL, NAMES, ArmFunction, arm_functions
 from eccentric.emission.program.arm_inertial import inertial
 from eccentric.emission.program.choice import WHOLE, Choice
@@ -54,6 +55,7 @@ def build_arm_program(found: Recursion, model: Model, choice: Choice = WHOLE) ->
         notes=notes(model, shared),
         defaults=model.defaults or "those of the arm, without friction",
         helpers=helpers,
+        promises=arm_promises(names),
         first="motor_torque" if "motor_torque" in names else names[0],
         chosen=bool(choice.functions),
         arrays=choice.arrays,
