@@ -1,6 +1,6 @@
 /*
  * Generated: do not edit. Written by `make derive` from derivations/c1_asymmetric.py
- * (eccentric 0.1.0, program 73f062fc).
+ * (eccentric 0.1.0, program 448836d2).
  * Case C1 with friction that differs between the directions of motion.
  */
 #include "c1_asymmetric.h"
@@ -12,7 +12,7 @@
 #include <float.h>
 #include <math.h>
 
-#if C1_ASYMMETRIC_PROGRAM != 0x73f062fcUL
+#if C1_ASYMMETRIC_PROGRAM != 0x448836d2UL
 #error "c1_asymmetric.c and c1_asymmetric.h are of different derivations: write both again"
 #endif
 
@@ -40,6 +40,11 @@
 #pragma GCC push_options
 #pragma GCC optimize("no-unsafe-math-optimizations", "no-associative-math", "no-reciprocal-math")
 #pragma GCC optimize("fp-contract=off", "signed-zeros")
+/* With units that fuse, gcc's vectorizer of straight code contracts a b + c beside d e - f all the same. */
+#pragma GCC optimize("no-tree-slp-vectorize")
+#if defined(__riscv_vector)
+#pragma GCC optimize("no-tree-vectorize") /* there loops as well */
+#endif
 #pragma GCC diagnostic push
 #pragma GCC diagnostic ignored "-Wunknown-pragmas"
 #pragma STDC FP_CONTRACT OFF /* gcc has no such pragma, but others that define __GNUC__ */

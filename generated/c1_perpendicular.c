@@ -1,6 +1,6 @@
 /*
  * Generated: do not edit. Written by `make derive` from derivations/c1_perpendicular.py
- * (eccentric 0.1.0, program df3a0b65).
+ * (eccentric 0.1.0, program ce0606ea).
  * Case C1: gravity perpendicular to the motion plane, steady motion.
  */
 #include "c1_perpendicular.h"
@@ -12,7 +12,7 @@
 #include <float.h>
 #include <math.h>
 
-#if C1_PERPENDICULAR_PROGRAM != 0xdf3a0b65UL
+#if C1_PERPENDICULAR_PROGRAM != 0xce0606eaUL
 #error "c1_perpendicular.c and c1_perpendicular.h are of different derivations: write both again"
 #endif
 
@@ -40,6 +40,11 @@
 #pragma GCC push_options
 #pragma GCC optimize("no-unsafe-math-optimizations", "no-associative-math", "no-reciprocal-math")
 #pragma GCC optimize("fp-contract=off", "signed-zeros")
+/* With units that fuse, gcc's vectorizer of straight code contracts a b + c beside d e - f all the same. */
+#pragma GCC optimize("no-tree-slp-vectorize")
+#if defined(__riscv_vector)
+#pragma GCC optimize("no-tree-vectorize") /* there loops as well */
+#endif
 #pragma GCC diagnostic push
 #pragma GCC diagnostic ignored "-Wunknown-pragmas"
 #pragma STDC FP_CONTRACT OFF /* gcc has no such pragma, but others that define __GNUC__ */

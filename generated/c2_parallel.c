@@ -1,6 +1,6 @@
 /*
  * Generated: do not edit. Written by `make derive` from derivations/c2_parallel.py
- * (eccentric 0.1.0, program 74f58a5e).
+ * (eccentric 0.1.0, program 16fe99e9).
  * Case C2: gravity parallel to the motion plane, steady motion.
  */
 #include "c2_parallel.h"
@@ -12,7 +12,7 @@
 #include <float.h>
 #include <math.h>
 
-#if C2_PARALLEL_PROGRAM != 0x74f58a5eUL
+#if C2_PARALLEL_PROGRAM != 0x16fe99e9UL
 #error "c2_parallel.c and c2_parallel.h are of different derivations: write both again"
 #endif
 
@@ -40,6 +40,11 @@
 #pragma GCC push_options
 #pragma GCC optimize("no-unsafe-math-optimizations", "no-associative-math", "no-reciprocal-math")
 #pragma GCC optimize("fp-contract=off", "signed-zeros")
+/* With units that fuse, gcc's vectorizer of straight code contracts a b + c beside d e - f all the same. */
+#pragma GCC optimize("no-tree-slp-vectorize")
+#if defined(__riscv_vector)
+#pragma GCC optimize("no-tree-vectorize") /* there loops as well */
+#endif
 #pragma GCC diagnostic push
 #pragma GCC diagnostic ignored "-Wunknown-pragmas"
 #pragma STDC FP_CONTRACT OFF /* gcc has no such pragma, but others that define __GNUC__ */

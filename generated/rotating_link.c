@@ -1,6 +1,6 @@
 /*
  * Generated: do not edit. Written by `make derive` from derivations/rotating_link.py
- * (eccentric 0.1.0, program 8acb8973).
+ * (eccentric 0.1.0, program 749e2420).
  * Rotating link with an unbalanced mass, in a plane tilted by phi, with angular acceleration.
  */
 #include "rotating_link.h"
@@ -12,7 +12,7 @@
 #include <float.h>
 #include <math.h>
 
-#if ROTATING_LINK_PROGRAM != 0x8acb8973UL
+#if ROTATING_LINK_PROGRAM != 0x749e2420UL
 #error "rotating_link.c and rotating_link.h are of different derivations: write both again"
 #endif
 
@@ -40,6 +40,11 @@
 #pragma GCC push_options
 #pragma GCC optimize("no-unsafe-math-optimizations", "no-associative-math", "no-reciprocal-math")
 #pragma GCC optimize("fp-contract=off", "signed-zeros")
+/* With units that fuse, gcc's vectorizer of straight code contracts a b + c beside d e - f all the same. */
+#pragma GCC optimize("no-tree-slp-vectorize")
+#if defined(__riscv_vector)
+#pragma GCC optimize("no-tree-vectorize") /* there loops as well */
+#endif
 #pragma GCC diagnostic push
 #pragma GCC diagnostic ignored "-Wunknown-pragmas"
 #pragma STDC FP_CONTRACT OFF /* gcc has no such pragma, but others that define __GNUC__ */

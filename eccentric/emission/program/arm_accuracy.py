@@ -23,8 +23,8 @@ _OF = {
     "bearing_loads": f"F_N, F_T within {FORCE} eps of F; M_B, T within {MOMENT} eps of N (slides: T of F)",
 }
 _WITH = (
-    "with F = M (g + R (W^2 + A) + 2 V W + B) and N = F R + sum of J_m (alpha_m + W omega_m): mass M, reach R,",
-    "W, A, V, B the sums of the joints' speeds and accelerations, turning and sliding",
+    "with F = M (g + R (W^2 + A) + 2 V W + B) and N = F R + sum of J_m (alpha_m + W omega_m): mass M,",
+    "reach R, and W, A, V, B the sums of the joints' speeds and accelerations, turning and sliding",
 )
 
 
