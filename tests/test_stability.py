@@ -153,6 +153,14 @@ def test_means_of_two_rows_lose_what_changes_from_row_to_row() -> None:
     assert 50 == stability(balance, [[fast], []]).found("fast")
 
 
+def test_a_last_block_of_one_row_counts_as_well() -> None:
+    """It has no means of two rows, and is drawn all the same."""
+    balance = design({2: 3.0}, independent=False)
+    rows = replace(balance.rows, block=np.r_[balance.rows.block[:-1], BLOCKS])
+
+    assert 100 == stability(replace(balance, rows=rows), [[A], []]).found("a")
+
+
 def test_a_log_of_few_blocks_has_no_variants() -> None:
     """Draws of 31 whole runs may determine nothing; then the whole log decides alone."""
     balance = design({2: 3.0})

@@ -31,10 +31,13 @@ class Gram:
     rows: Array
 
     @classmethod
-    def of(cls, design: Array, target: Array, block: Array) -> Gram:
-        """Sums over the rows of each block; design (n, p), target (n,), block (n,) sorted integers 0..b-1."""
+    def of(cls, design: Array, target: Array, block: Array, blocks: int | None = None) -> Gram:
+        """Sums over the rows of each block; design (n, p), target (n,), block (n,) sorted integers 0..b-1.
+
+        blocks: their number, if the last ones may be without rows.
+        """
         starts = np.flatnonzero(np.r_[True, block[1:] != block[:-1]])
-        count = int(block[-1]) + 1
+        count = blocks or int(block[-1]) + 1
         p = design.shape[1]
         matrix, vector, square = np.zeros((count, p, p)), np.zeros((count, p)), np.zeros(count)
         for start, stop in zip(starts, np.r_[starts[1:], len(block)], strict=True):

@@ -182,9 +182,10 @@ def _evidence(
     if not screen.balance.rows.independent:
         bands.append(_means_of_two(stacked, screen.block))
     tolerance = np.array([candidate.tolerance for candidate in free])
-    settings = [(_others(rows[:, : 1 + p], block), lower, np.zeros(p)) for rows, block in bands] + [
+    count = draws.shape[1]
+    settings = [(_others(rows[:, : 1 + p], block, count), lower, np.zeros(p)) for rows, block in bands] + [
         (
-            _others(rows, block),
+            _others(rows, block, count),
             np.r_[lower, np.full(len(free), -np.inf)],
             np.r_[np.zeros(p), _held(rows[:, 1 + p :], noise, tolerance)],
         )
@@ -212,9 +213,9 @@ def _held(columns: Array, noise: float, tolerance: Array) -> Array:
     return noise / (tolerance**2 * np.maximum(np.sum(columns**2, axis=0), np.finfo(float).tiny))
 
 
-def _others(rows: Array, block: Array) -> Gram:
-    """The normal equations of the first column by the others, for each block."""
-    return Gram.of(rows[:, 1:], rows[:, 0], block)
+def _others(rows: Array, block: Array, count: int) -> Gram:
+    """The normal equations of the first column by the others, for each block; a block may have no rows."""
+    return Gram.of(rows[:, 1:], rows[:, 0], block, count)
 
 
 def _means_of_two(rows: Array, block: Array) -> tuple[Array, Array]:
