@@ -3,6 +3,7 @@
     read_log, read_rig    a file or a table in memory; a file or a mapping     -> Log, Rig
     fit                   logs, rig -> FitResult: estimates with uncertainty, held-out error
     diagnose              logs, rig -> DiagnosisResult: what the model lacks, and the extended model
+    fit_arm, diagnose_arm the same for every joint of an arm                    -> ArmFitResult, ...
     compare               logs, rig, models -> CompareResult: their errors on the same rows
     load_model, emit      a derivation -> Model; a Model -> NumPy module and C99 files
     compile               a Model -> a Python module whose functions are the emitted C
@@ -19,7 +20,7 @@ through their `__init__`:
     emit      Model -> Program         -> NumPy module, C99             (emission, templates/)
     read      log + rig                -> signals                       (logs, rigs, signals)
     fit       signals + Model          -> coefficients, residual        (fitting)
-    diagnose  residual + effects       -> verdict, extended Model       (search, diagnosis, report)
+    diagnose  residual + effects       -> verdict, extended Model       (search, diagnosis, joints, report)
     follow    channels + fit           -> coefficients over time        (adaptation)
     run       Model -> its C           -> a Python module               (compiled)
     use       all of it                from Python and from a shell     (api, cli)

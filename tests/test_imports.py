@@ -31,6 +31,7 @@ LAYERS = (
     {"fitting"},
     {"search"},
     {"diagnosis", "adaptation"},
+    {"joints"},
     {"report"},
     {"api"},
     {"__init__"},

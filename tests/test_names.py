@@ -35,9 +35,9 @@ def test_errors_say_what_is_required_then_what_was_received() -> None:
     assert set() == raised
 
 
-DECIDING = ("diagnosis", "estimation", "fitting", "logs", "rigs", "search", "signals")
+DECIDING = ("diagnosis", "estimation", "fitting", "joints", "logs", "rigs", "search", "signals")
 # Numbers that are no thresholds: a turn, the exponent and padding of a method, the width of a line.
-NO_THRESHOLDS = {"TURN", "_TURN", "_POWER", "_PADDING", "_WIDTH"}
+NO_THRESHOLDS = {"COUNT", "TURN", "_TURN", "_POWER", "_PADDING", "_WIDTH"}
 
 
 def test_thresholds_of_a_room_are_in_its_limits() -> None:

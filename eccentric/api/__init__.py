@@ -3,6 +3,7 @@
     inputs      logs, rigs and models as a user has them      -> those of the rooms
     fitted      fit        -> FitResult
     diagnosed   diagnose   -> DiagnosisResult
+    of_arms     fit_arm, diagnose_arm  -> ArmFitResult, ArmDiagnosisResult
     compared    compare    -> CompareResult
     emitted     emit       -> files
     adapted     adapt      -> AdaptResult

@@ -9,6 +9,10 @@ from eccentric.api.diagnosed import diagnose as diagnose
 from eccentric.api.emitted import emit as emit
 from eccentric.api.fitted import FitResult as FitResult
 from eccentric.api.fitted import fit as fit
+from eccentric.api.of_arms import ArmDiagnosisResult as ArmDiagnosisResult
+from eccentric.api.of_arms import ArmFitResult as ArmFitResult
+from eccentric.api.of_arms import diagnose_arm as diagnose_arm
+from eccentric.api.of_arms import fit_arm as fit_arm
 from eccentric.api.simulated import BenchResult as BenchResult
 from eccentric.api.simulated import bench as bench
 from eccentric.api.simulated_arm import ArmBenchResult as ArmBenchResult

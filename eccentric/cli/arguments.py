@@ -9,7 +9,16 @@ from pathlib import Path
 
 from eccentric.errors import InputError
 
-__all__ = ["MISFIT", "add_folder", "add_logs", "names_in", "options", "print_warnings"]
+__all__ = [
+    "MISFIT",
+    "add_folder",
+    "add_logs",
+    "arm_of",
+    "names_in",
+    "options",
+    "print_warnings",
+    "progress",
+]
 
 MISFIT = 1
 """Exit status of a fit or diagnosis that has written its result, and whose log does not fit the rig."""
@@ -42,6 +51,24 @@ def add_folder(parser: argparse.ArgumentParser, files: str) -> None:
         help=f"folder of its own for {files}: new, empty, or one that eccentric wrote, and not the working "
         "directory; those of an earlier run are replaced, everything else in it stays",
     )
+
+
+def arm_of(rig: str, given: Mapping[str, object]) -> bool:
+    """Whether a rig names an arm. InputError for an option that only one drive has: its name and value."""
+    from eccentric.rigs import names_arm
+
+    if not names_arm(rig):
+        return False
+    if asked := [name for name, value in given.items() if value]:
+        raise InputError(f"{asked[0]}: the rig of a single drive is required with it, {rig} names an arm")
+    return True
+
+
+def progress():  # noqa: ANN201 - a function or None
+    """Progress by stage on a terminal, nothing elsewhere."""
+    if not sys.stderr.isatty():
+        return None
+    return lambda line: print(f"  {line}", file=sys.stderr)
 
 
 def names_in(given: Iterable[str]) -> list[str]:

@@ -1,12 +1,20 @@
 """`eccentric diagnose`: what does the model lack on this log?"""
 
 import argparse
-import sys
 import webbrowser
 from pathlib import Path
 
 import eccentric
-from eccentric.cli.arguments import MISFIT, add_folder, add_logs, names_in, options, print_warnings
+from eccentric.cli.arguments import (
+    MISFIT,
+    add_folder,
+    add_logs,
+    arm_of,
+    names_in,
+    options,
+    print_warnings,
+    progress,
+)
 from eccentric.output import own_folder
 
 NAME = "diagnose"
@@ -36,13 +44,15 @@ def configure(parser: argparse.ArgumentParser) -> None:
 def run(args: argparse.Namespace) -> int:
     """Diagnose, write the folder, print the result; return 1 if the log does not fit the rig."""
     own_folder(args.out)
+    if arm_of(args.rig, {"--model": args.model, "--with": args.including, "--open": args.open}):
+        return _of_an_arm(args)
     with options(_OPTIONS):
         found = eccentric.diagnose(
             args.logs,
             args.rig,
             args.model,
             args.effects,
-            _progress(),
+            progress(),
             including=names_in(args.including),
             without=names_in(args.without),
             only=names_in(args.only),
@@ -56,8 +66,19 @@ def run(args: argparse.Namespace) -> int:
     return 0 if found.fits_the_rig else MISFIT
 
 
-def _progress():  # noqa: ANN202 - a function or None
-    """Progress by stage on a terminal, nothing elsewhere."""
-    if not sys.stderr.isatty():
-        return None
-    return lambda line: print(f"  {line}", file=sys.stderr)
+def _of_an_arm(args: argparse.Namespace) -> int:
+    """The same for every joint of an arm."""
+    with options(_OPTIONS):
+        found = eccentric.diagnose_arm(
+            args.logs,
+            args.rig,
+            args.effects,
+            progress(),
+            without=names_in(args.without),
+            only=names_in(args.only),
+        )
+    names = [path.name for path in found.write(args.out)]
+    print_warnings(found.warnings)
+    print(found.summary())
+    print(f"{args.out}: {', '.join(names)}")
+    return 0 if found.fits_the_rig else MISFIT

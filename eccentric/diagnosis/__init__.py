@@ -23,12 +23,13 @@ from eccentric.diagnosis.base_script import BASE, base_source
 from eccentric.diagnosis.closest import Closest
 from eccentric.diagnosis.contest import BASELINE, Contest, Entry, contest, contest_document, contest_lines
 from eccentric.diagnosis.document import diagnosis_document
-from eccentric.diagnosis.loop import diagnose
+from eccentric.diagnosis.loop import diagnose, diagnosed
 from eccentric.diagnosis.model_script import extended_model, is_result_name, result_name, script
 from eccentric.diagnosis.orders import Order, orders_of
 from eccentric.diagnosis.outcome import Asked, Diagnosis
 from eccentric.diagnosis.request import SearchRequest
 from eccentric.diagnosis.score import OverRuns, Score, leave_runs_out
+from eccentric.diagnosis.stage import Stage, staged
 from eccentric.diagnosis.words import (
     closest_sentence,
     diagnosis_lines,
@@ -49,12 +50,14 @@ __all__ = [
     "OverRuns",
     "Score",
     "SearchRequest",
+    "Stage",
     "base_source",
     "closest_sentence",
     "contest",
     "contest_document",
     "contest_lines",
     "diagnose",
+    "diagnosed",
     "diagnosis_document",
     "diagnosis_lines",
     "diagnosis_sentence",
@@ -66,4 +69,5 @@ __all__ = [
     "script",
     "sibling_sentence",
     "stability_words",
+    "staged",
 ]

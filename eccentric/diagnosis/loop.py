@@ -33,10 +33,10 @@ from eccentric.fitting import drive_noise, residual_samples
 from eccentric.logs import LogSource, read_log
 from eccentric.model import Model, load_model
 from eccentric.rigs import Rig, read_rig
-from eccentric.search import attribute, variables_of
+from eccentric.search import LEAST_DEVIANCE, attribute, variables_of
 from eccentric.signals import band_of, read_channels
 
-__all__ = ["diagnose"]
+__all__ = ["diagnose", "diagnosed"]
 
 
 def diagnose(
@@ -76,8 +76,25 @@ def diagnose(
             stage = stage_of(channels, given, effects, ", ".join(names))
         except InputError as error:
             raise InputError(f"including {', '.join(request.including)}: {error}") from None
+    return diagnosed(stage, Asked(names, Path(channels.rig.path).name, given, effects, request), tell)
+
+
+def diagnosed(
+    stage: Stage, asked: Asked, tell: Callable[[str], None], required: float = LEAST_DEVIANCE
+) -> Diagnosis:
+    """Search what a base model lacks on a log, extend it, and score it.
+
+    Args:
+        stage: the log with the base model.
+        asked: the inputs, by name.
+        tell: called with one line per stage.
+        required: deviance that an effect must gain.
+
+    Raises:
+        InputError: an effect that was asked for is unknown.
+    """
     base, data = stage.base, stage.data
-    chosen = request.restricted(stage.offered)
+    chosen = asked.request.restricted(stage.offered)
     found = attribute(
         stage.balances,
         stage.candidates(chosen),
@@ -85,11 +102,12 @@ def diagnose(
         stage.noise,
         len(np.unique(data.drive.channels.time.run[data.drive.channels.selection.fit_rows])),
         tell,
+        required,
     )
     found, models, score, refused = fitted_models(found, chosen, base, data, tell)
     noise = drive_noise(data)
     return Diagnosis(
-        asked=Asked(names, Path(channels.rig.path).name, given, effects, request),
+        asked=asked,
         data=data,
         setting=stage.setting,
         offered=chosen,

@@ -26,7 +26,7 @@ from eccentric.search import (
 )
 from eccentric.signals import LEAST_HELD_OUT, BalanceDesign, Channels, require_rows
 
-__all__ = ["Stage", "stage_of"]
+__all__ = ["Stage", "stage_of", "staged"]
 
 Array = np.ndarray
 
@@ -95,7 +95,16 @@ def stage_of(channels: Channels, plain: Model, effects: Path | None, where: str)
     rig = channels.rig
     drive = drive_of(channels, rig, plain)
     base = loaded_model(plain, rig)
-    data = fit_data_of(drive, rig, base)
+    return staged(plain, base, fit_data_of(drive, rig, base), effects, where)
+
+
+def staged(plain: Model, base: Model, data: FitData, effects: Path | None, where: str) -> Stage:
+    """The stage of a log whose drive is known already; arguments as in `Stage` and `stage_of`.
+
+    Raises:
+        InputError: there are too few rows to hold out.
+    """
+    drive, rig = data.drive, data.drive.channels.rig
     require_rows(data.rows, "score", LEAST_HELD_OUT, where)
     balances, noise = balances_of(data, rig, base)
     friction = _first_friction(balances)

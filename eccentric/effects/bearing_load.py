@@ -60,9 +60,10 @@ def effects(setting: Setting) -> tuple[Effect, ...]:
     """
     known = {name: setting.known.get(name, 0.0) for name in ("M", "L")}
     still = weight(setting)
-    if setting.case == "C1" or not still * known["M"] * known["L"]:
+    if not setting.mean_force and (setting.case == "C1" or not still * known["M"] * known["L"]):
         return ()
-    own = constant("bearing_weight", "N", "weight of mass and link", still, "F_0")
+    what = "mean normal force of the log" if setting.mean_force else "weight of mass and link"
+    own = constant("bearing_weight", "N", what, still, "F_0")
     # Never 0, so that the slope of its root is finite.
     relative = Definition(ratio, v.F_N.symbol / own.symbol + sp.Rational(1, 10**12))
     half = sp.sqrt(ratio.symbol)

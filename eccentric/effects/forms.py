@@ -171,12 +171,15 @@ def gravity(setting: Setting) -> sp.Expr:
 
 
 def inertia_torque(setting: Setting) -> sp.Expr:
-    """Inertia torque of the base model on the motor side [N m], J alpha_m."""
-    return setting.base.balance("mechanical").sum_of("inertial")
+    """Inertia torque of the base model on the motor side [N m], J alpha_m; of a chain, that of all bodies."""
+    return setting.base.balance("mechanical").sum_of("inertial", "bodies")
 
 
 def _link_inertia_torque(setting: Setting) -> sp.Expr:
     """The same of the link alone: without the rotor. Without acceleration J_l need not be known."""
+    bodies = setting.base.balance("mechanical").sum_of("bodies")
+    if bodies != 0:
+        return bodies
     link = setting.base.inertia.subs(v.J_m.symbol, 0)
     beside = link.subs(v.J_l.symbol, 0)
     return Gated(v.J_l.symbol, alpha_m) * sp.diff(link, v.J_l.symbol) + beside * alpha_m
@@ -189,7 +192,12 @@ def link_force(setting: Setting) -> sp.Expr:
 
 
 def weight(setting: Setting) -> float:
-    """Weight of mass and link in the plane of motion [N]; 0 if the rig does not know it."""
+    """Weight of mass and link in the plane of motion [N]; 0 if the rig does not know it.
+
+    Of a joint of an arm, the mean of the normal force.
+    """
+    if setting.mean_force:
+        return setting.mean_force
     known = {name: setting.known.get(name, 0.0) for name in ("M", "M_l", "g")}
     inside = math.cos(setting.known.get("phi", 0.0)) if setting.base.tilted else 1.0
     return (known["M"] + known["M_l"]) * known["g"] * inside

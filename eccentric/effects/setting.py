@@ -28,6 +28,7 @@ class Setting:
         by_voltage: whether voltage alone measures the torque: then resistance and back-EMF constant are not
             separately known, and no current sensor has an effect.
         scaled: whether a declared constant converts to torque: k_i from a current, or R/k_i from a voltage.
+        mean_force: mean of F_N [N] where it is an input of the model, as of a joint of an arm; else 0.
         left_open: what the rig leaves to be identified: roles of columns, among others "inertia" and
             "gravity", and keys of the rig's alignment, such as "theta_zero_rad".
 
@@ -49,6 +50,7 @@ class Setting:
     by_voltage: bool = False
     scaled: bool = True
     left_open: tuple[str, ...] = ()
+    mean_force: float = 0.0
 
     def __post_init__(self) -> None:
         for name in ("mu", "w_min", "w_max", "current_max", "duration_s", "mean_loss_W"):

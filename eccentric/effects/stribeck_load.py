@@ -94,6 +94,9 @@ def _bearing(setting: Setting) -> list[Effect]:
     """
     still, pull = weight(setting), setting.known.get("M", 0.0) * setting.known.get("L", 0.0)
     least = LEAST * math.sqrt(still / pull) / setting.mu if pull > 0.0 else math.inf
+    if setting.mean_force:
+        # The force on a joint of an arm varies by the motion of the others, at any speed.
+        least = 0.0
     low, high = max(least, setting.w_min), 0.6 * setting.w_max
     if not still or low >= high:
         return []

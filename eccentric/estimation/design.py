@@ -31,6 +31,7 @@ ColumnRole = Literal[
     "effect",
     "armature",
     "inertia",
+    "bodies",
     "load",
     "scale",
     "gravity",
@@ -39,7 +40,8 @@ ColumnRole = Literal[
     "zero_angle",
 ]
 """What a column is: friction of the base model, an effect in its own balance, one of the armature in the
-mechanical balance, or something of the bench that the rig leaves open."""
+mechanical balance, or something of the bench that the rig leaves open: `bodies` are base parameters of a
+chain."""
 
 
 @dataclass(frozen=True)

@@ -6,6 +6,7 @@ Coulomb + viscous friction, as `eccentric fit` shows it); `drive_of` -> `Drive`,
 
     expressions  smooth signals, compiled expressions, and the columns of a base with their coefficients
     machine      motor, armature and inertia as numbers
+    along        what a joint of a chain meets besides the motion of its motor
     drive        the drive torque of a log, and the columns that its rig leaves open, by their roles
     letters      which parameters the rig gives, and which have a value without it
     columns      the coefficients of a fit: names, roles, units, bounds; `searched`: the nonlinear values
@@ -22,6 +23,7 @@ Coulomb + viscous friction, as `eccentric fit` shows it); `drive_of` -> `Drive`,
 May import: `signals`, `rigs`, `model`, `effects`, `emission`, `estimation`.
 """
 
+from eccentric.fitting.along import MetAlong
 from eccentric.fitting.columns import back_emf_columns
 from eccentric.fitting.document import emitted_parameters, fit_document
 from eccentric.fitting.drive import DRIVE_UNITS, Drive, loaded_model
@@ -32,6 +34,7 @@ from eccentric.fitting.first_fit import drive_of
 from eccentric.fitting.fit_data import FitData, drive_noise, fit_data_of, with_model_current
 from eccentric.fitting.identify import Fit, fit
 from eccentric.fitting.limits import LEAST_R_SQUARED
+from eccentric.fitting.machine import Machine
 from eccentric.fitting.refitting import Refit, refit, residual_samples
 from eccentric.fitting.states import States
 from eccentric.fitting.words import fit_lines, fit_sentence
@@ -45,6 +48,8 @@ __all__ = [
     "Emitted",
     "Fit",
     "FitData",
+    "Machine",
+    "MetAlong",
     "Refit",
     "Signals",
     "States",

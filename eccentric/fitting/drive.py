@@ -22,6 +22,7 @@ from numpy.typing import NDArray
 
 from eccentric.effects import constant_load, with_constant_load
 from eccentric.estimation import Coefficient, ColumnRole
+from eccentric.fitting.along import MetAlong
 from eccentric.fitting.expressions import evaluated
 from eccentric.fitting.machine import Machine
 from eccentric.model import Model
@@ -56,6 +57,7 @@ class Drive:
         identified: letters that were estimated from the log, for the report.
         warnings: of the first fit.
         rotor: inertia of the motor if the rig knows it, and that of the link has to be estimated [kg m^2].
+        along: what a joint of a chain meets besides the motion of its motor; None for a single link.
     """
 
     machine: Machine
@@ -68,6 +70,7 @@ class Drive:
     identified: tuple[str, ...] = ()
     warnings: tuple[str, ...] = ()
     rotor: float | None = None
+    along: MetAlong | None = None
 
     def opens(self, role: ColumnRole) -> bool:
         """Whether a column of this role is free."""
@@ -79,6 +82,17 @@ class Drive:
         if self.adjusts != "phi":
             return {self.adjusts: value * factor}
         return {"phi": math.acos(min(max(math.cos(value) * factor, 0.0), 1.0))}
+
+    @property
+    def inputs(self) -> dict[str, Array]:
+        """Motion, time, temperature and what a joint of a chain meets, (n,) by the inputs of a model."""
+        return inputs_of(self.channels) | ({} if self.along is None else dict(self.along.signals))
+
+    def narrowed(self) -> Drive:
+        """The same with the angle after a lower low pass, and those of the other joints as well."""
+        channels = self.channels.narrowed(self.channels.rig)
+        along = None if self.along is None else self.along.narrowed(channels.rig.sampling.low_pass_hz)
+        return replace(self, channels=channels, along=along)
 
     def aligned(self, rig: Rig, values: Mapping[str, float]) -> Drive:
         """The same with another delay, zero angle or offset, by the names of the rig."""
@@ -154,7 +168,7 @@ class Drive:
             "offset": driven,
             "zero_angle": -slope,
         }
-        return {c: made[c.role] for c in self.open}
+        return {c: made[c.role] for c in self.open} | ({} if self.along is None else dict(self.along.open))
 
 
 def inputs_of(channels: Channels) -> dict[str, Array]:

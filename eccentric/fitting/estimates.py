@@ -160,6 +160,8 @@ def _outside(c: Coefficient, fit: Extended, step: Step) -> tuple[str, float, flo
         return drive.adjusts, value, value, units[drive.adjusts]
     if c.role == "back_emf":
         return "k_e", point.values["k_e"], scale, c.unit
+    if c.role == "bodies":
+        return c.name, point.values.get(c.name, 0.0), 1.0, c.unit
     if c.role == "zero_angle":
         return "theta_zero_rad", drive.channels.alignment.theta_zero_rad + point.zero, 1.0, "rad"
     offset = drive.channels.alignment.voltage_offset_V + point.offset

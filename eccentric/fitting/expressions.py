@@ -120,7 +120,7 @@ def base_columns(model: Model, signals: Signals) -> Array:
 
 def load_torque(model: Model, signals: Signals) -> Array:
     """What the model requires of the drive besides friction, at the motor (samples,) [N m]."""
-    load = model.balance("mechanical").sum_of("inertial", "gravity", "conservative")
+    load = model.balance("mechanical").sum_of("inertial", "bodies", "gravity", "conservative")
     return compiled(model, load, signals)({}, {})
 
 

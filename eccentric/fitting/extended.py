@@ -170,7 +170,13 @@ class Extended:
             # Columns outside the module: gravity, back-EMF, offset and zero angle, against the drive.
             without = _IN_THE_MODEL | (set() if self._motor_off(train) else {"back_emf"})
             left_open = self.data.signals.open.items()
-            outside = {c: self.data.rows.mean(x) for c, x in left_open if c.role not in without}
+            rows = self.data.rows
+            # What comes from filtered angles does not pass the low pass again.
+            outside = {
+                c: rows.plain_mean(x) if c.role == "bodies" else rows.mean(x)
+                for c, x in left_open
+                if c.role not in without
+            }
         design = Design(
             (*own, *(self._left(c, point) for c in outside)),
             rest,

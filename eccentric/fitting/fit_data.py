@@ -10,7 +10,7 @@ import sympy as sp
 from numpy.typing import NDArray
 
 from eccentric.estimation import require_rank
-from eccentric.fitting.drive import Drive, inputs_of
+from eccentric.fitting.drive import Drive
 from eccentric.fitting.expressions import (
     Signals,
     base_coefficients,
@@ -53,8 +53,8 @@ class FitData:
         coarse = self.drive.channels.time.points_per_row > 1
         if self.rows.smooth is None or self.signals.base is None or coarse:
             return None
-        channels = self.drive.channels.narrowed(self.drive.channels.rig)
-        found = fit_data_of(replace(self.drive, channels=channels), channels.rig, self.signals.base)
+        drive = self.drive.narrowed()
+        found = fit_data_of(drive, drive.channels.rig, self.signals.base)
         values = {**found.signals.values, "i": self.signals.values["i"]}
         return replace(found, signals=replace(found.signals, values=values))
 
@@ -78,7 +78,7 @@ def fit_data_of(drive: Drive, rig: Rig, model: Model) -> FitData:
     sides of the balance would explain its own noise.
     """
     channels, known = drive.channels, dict(drive.known)
-    values = inputs_of(channels)
+    values = drive.inputs
     if drive.measured_twice and channels.motor.voltage is not None:
         values["u"] = channels.smooth(channels.motor.voltage)
         values["i"] = drive.machine.current(known, values["u"], channels.motion.omega_m)

@@ -81,7 +81,7 @@ class Machine:
     def absent(self) -> dict[str, float]:
         """Values for parameters without effect on a log: the emitted functions require numbers."""
         one = dict.fromkeys(self.torque_letters | self.resistance_letters, 1.0)
-        return one | dict.fromkeys((*self.back_emf_letters, self.rotor, self.link), 0.0)
+        return one | dict.fromkeys((*self.back_emf_letters, *self.inertias), 0.0)
 
     @property
     def inertia_letters(self) -> frozenset[str]:

@@ -8,7 +8,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from eccentric.fitting.drive import Drive, inputs_of
+from eccentric.fitting.drive import Drive
 from eccentric.fitting.emitted import Emitted
 from eccentric.fitting.machine import Machine
 from eccentric.model import Model
@@ -37,7 +37,7 @@ class Residuals:
     ) -> None:
         self._emitted, self._machine, self._drive, self._rows = Emitted(model), Machine(model), drive, rows
         voltage = drive.signal() if drive.by_voltage else drive.channels.motor.voltage
-        self.inputs = inputs_of(drive.channels) | ({} if voltage is None else {"u": voltage})
+        self.inputs = drive.inputs | ({} if voltage is None else {"u": voltage})
         self.torque = drive.torque(values, scale)
         self.inputs["i"] = drive.machine.current_of_torque(values, self.torque)
         self.inputs |= {} if states is None else states
@@ -65,9 +65,11 @@ class Residuals:
     def rows(self, balance: str, values: Mapping[str, float], current: Array | None = None) -> Array:
         """The residual of a balance on the rows [N m], optionally with a different current."""
         found = self._rows.mean(self.samples(balance, values, current))
-        if balance != "mechanical" or self._once is None:
+        if balance != "mechanical":
             return found
-        return found + self._machine.inertia(values) * self._once
+        if (along := self._drive.along) is not None:
+            found = found + self._rows.mean(along.torque) - self._rows.plain_mean(along.torque)
+        return found if self._once is None else found + self._machine.inertia(values) * self._once
 
     def samples(self, balance: str, values: Mapping[str, float], current: Array | None = None) -> Array:
         """The same on the samples.

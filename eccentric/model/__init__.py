@@ -7,7 +7,17 @@ May import: no other room; it knows no data and no templates.
 
 from eccentric.model import steps, vocabulary
 from eccentric.model.balance import KINDS, Balance, Term
-from eccentric.model.chain import Body, Chain, Joint, Moments, Placement, Recursion, arm, recursion
+from eccentric.model.chain import (
+    Body,
+    Chain,
+    Joint,
+    Moments,
+    Placement,
+    Recursion,
+    arm,
+    recursion,
+    with_numbers,
+)
 from eccentric.model.change import Change, Extension
 from eccentric.model.defaults import with_values
 from eccentric.model.definition import Definition, State
@@ -89,5 +99,6 @@ __all__ = [
     "steps",
     "symbols",
     "vocabulary",
+    "with_numbers",
     "with_values",
 ]

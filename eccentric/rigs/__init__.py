@@ -2,10 +2,12 @@
 
 In: the path of a TOML or JSON file, or its content.  Out: a `Rig`, composed of what the log holds (`LogMap`,
 with a `ColumnSource` for each channel that it maps), `Sampling`, `NamedHoldout` and `Alignment`; the tables
-of what a rig file may contain (`KEYS`, `KNOWNS`, `CHANNELS`, `ALIGNMENT`).
-May import: `logs` for units, `model` for the vocabulary.
+of what a rig file may contain (`KEYS`, `KNOWNS`, `CHANNELS`, `ALIGNMENT`). A rig that names an arm: an
+`ArmRig`, with a `Rig` for each joint.
+May import: `logs` for units, `model` for the vocabulary and chains, `arms` for their files.
 """
 
+from eccentric.rigs.arm_rig import ArmRig, names_arm, read_arm_rig
 from eccentric.rigs.known import KNOWNS, Known, mass_alone
 from eccentric.rigs.parts import ALIGNMENT, Alignment, LogMap, NamedHoldout, Sampling
 from eccentric.rigs.rig import KEYS, Rig, read_rig
@@ -17,6 +19,7 @@ __all__ = [
     "KEYS",
     "KNOWNS",
     "Alignment",
+    "ArmRig",
     "ColumnSource",
     "Known",
     "LogMap",
@@ -24,5 +27,7 @@ __all__ = [
     "Rig",
     "Sampling",
     "mass_alone",
+    "names_arm",
+    "read_arm_rig",
     "read_rig",
 ]

@@ -99,6 +99,10 @@ def read_rig(source: str | os.PathLike[str] | Mapping[str, Any] | Rig) -> Rig:
 
 
 def _rig(content: Mapping[str, Any], where: str, name: str) -> Rig:
+    if "arm" in content:
+        raise InputError(
+            f"{where}: arm: the rig of a single drive is required here; fit and diagnose take that of an arm"
+        )
     refuse_unknown(content, KEYS, where)
     known, unknown, case = read_knowns(content, where)
     counts = _optional(content, "encoder_counts_per_rev", where)

@@ -8,6 +8,7 @@
     fitted_variants  effects that a person names, fitted without a search
     attribution   the search on a balance: adopt, compare, try smooth terms on the rest
     both          the search on both balances: what one of them shows is taken out of the other
+    loads         which loads the friction of a joint follows
     measurements  what to measure where no effect explains the structure
     runs          recordings that differ, before they are pooled
     verdict       one verdict, a ranked list, the measurement that would decide
@@ -23,6 +24,7 @@ from eccentric.search.fitted_variants import fitted_variants
 from eccentric.search.from_effect import candidate_of
 from eccentric.search.instruments import instruments_of
 from eccentric.search.limits import LEAST_DEVIANCE, LEAST_SHARE
+from eccentric.search.loads import LoadSearch, required_over, searched_loads
 from eccentric.search.offer import offered
 from eccentric.search.runs import runs_that_differ
 from eccentric.search.verdict import Adopted, Attribution, Ranked, attribute, unconfirmed
@@ -33,6 +35,7 @@ __all__ = [
     "Adopted",
     "Attribution",
     "Candidate",
+    "LoadSearch",
     "Ranked",
     "attribute",
     "balances_of",
@@ -40,7 +43,9 @@ __all__ = [
     "fitted_variants",
     "instruments_of",
     "offered",
+    "required_over",
     "runs_that_differ",
+    "searched_loads",
     "setting_of",
     "unconfirmed",
     "variables_of",

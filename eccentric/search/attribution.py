@@ -34,7 +34,8 @@ class Search:
 
     base: the paper's model alone; best: with the adopted variants; ranked: the first step's candidates;
     smoothed: smooth terms beside the adopted ones; alternatives: per adopted variant, family -> (probability,
-        fit); tried: other models that were compared with the best; stability: of the adopted effects.
+        fit); tried: other models that were compared with the best; required: deviance that an addition has to
+        gain; stability: of the adopted effects.
     """
 
     screen: Screen
@@ -45,6 +46,7 @@ class Search:
     smoothed: list[Fitted] = field(default_factory=list)
     alternatives: list[dict[str, tuple[float, Fitted]]] = field(default_factory=list)
     tried: list[Fitted] = field(default_factory=list)
+    required: float = limits.LEAST_DEVIANCE
     stability: Stability = field(default_factory=Stability)
 
     def run(self) -> None:
@@ -78,7 +80,7 @@ class Search:
         return (
             gain > limits.LEAST_PART * (self.base.score - after.score)
             and gain > self.screen.rows * (limits.LEAST_SHARE * self.screen.balance.scale) ** 2
-            and self.deviance(before, after, screen) > limits.LEAST_DEVIANCE
+            and self.deviance(before, after, screen) > self.required
         )
 
     def confirmed(self, fitted: Fitted) -> bool:

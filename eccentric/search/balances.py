@@ -45,6 +45,7 @@ def balances_of(data: FitData, rig: Rig, model: Model) -> tuple[list[BalanceDesi
     # What the rig leaves open is as good as known, whatever its sign.
     mechanical = mechanical.without_bounds(but=("friction",))
     mechanical = _once_filtered(mechanical, channels.motion.alpha_m, drive.machine.inertia(known), "inertia")
+    mechanical = _with_bodies(mechanical, data)
     if drive.by_voltage:
         turning = np.where(drive.off, 0.0, channels.motion.omega_m)
         damping = drive.machine.damping({"k_e": 0.0, **known, **drive.scaled()})
@@ -86,6 +87,19 @@ def _once_filtered(
     return replace(balance, target=balance.target + factor * (rows.mean(signal) - own), columns=columns)
 
 
+def _with_bodies(balance: BalanceDesign, data: FitData) -> BalanceDesign:
+    """The balance of a joint of a chain: what moves the bodies comes from filtered angles."""
+    along, rows = data.drive.along, balance.rows
+    if along is None or rows.smooth is None:
+        return balance
+    columns = balance.columns.copy()
+    for k, c in enumerate(balance.coefficients):
+        if c.role == "bodies":
+            columns[:, k] = rows.plain_mean(data.signals.open[c])
+    target = balance.target + rows.mean(along.torque) - rows.plain_mean(along.torque)
+    return replace(balance, target=target, columns=columns)
+
+
 def setting_of(data: FitData, model: Model, friction: Array) -> Setting:
     """What the ranges of the library depend on, from the moving training rows."""
     signals, channels = data.signals, data.drive.channels
@@ -119,8 +133,23 @@ def setting_of(data: FitData, model: Model, friction: Array) -> Setting:
         friction={c.name: float(x) for c, x in zip(columns, own, strict=True)},
         by_voltage=data.drive.by_voltage,
         scaled=data.drive.scale is None and channels.motor.measured_by in {"current", "voltage"},
-        left_open=tuple(sorted({*(c.role for c in data.drive.open), *channels.rig.estimate})),
+        left_open=tuple(sorted({*(c.role for c in data.drive.open), *channels.rig.estimate, *_bodies(data)})),
+        mean_force=_mean_force(data),
     )
+
+
+def _mean_force(data: FitData) -> float:
+    """Mean normal force on the bearing of a joint of an arm [N]; 0 for a single link."""
+    along = data.drive.along
+    if along is None or not along.force:
+        return 0.0
+    return float(np.mean(along.signals[along.force][data.drive.channels.selection.fit_rows]))
+
+
+def _bodies(data: FitData) -> set[str]:
+    """What open bodies of a chain leave open of each joint."""
+    along = data.drive.along
+    return {"inertia", "gravity", "theta_zero_rad"} if along is not None and along.open else set()
 
 
 def variables_of(data: FitData, instruments: Signals | None = None) -> Variables:

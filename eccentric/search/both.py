@@ -16,7 +16,7 @@ import numpy as np
 from eccentric.search.attribution import Search
 from eccentric.search.candidate import Candidate, Variant
 from eccentric.search.joint import BothBalances
-from eccentric.search.limits import CONFIRMED, TINY_COLUMN
+from eccentric.search.limits import CONFIRMED, LEAST_DEVIANCE, TINY_COLUMN
 from eccentric.search.nulltest import correlated
 from eccentric.search.screen import Fitted, Screen
 from eccentric.search.smooth import Variables, smooth_terms
@@ -33,6 +33,7 @@ def search_all(
     variables: Variables,
     noise: Mapping[str, float],
     progress: Callable[[str], None],
+    required: float = LEAST_DEVIANCE,
 ) -> dict[str, Search]:
     """Run the search on every balance, by name; arguments as in `verdict.attribute`."""
 
@@ -42,7 +43,7 @@ def search_all(
         screen = Screen(balance, own, noise.get(balance.name, 0.0))
         smooth = Screen(balance, smooth_terms(variables, balance.name, balance.rows.used_samples()))
         base = screen.fit([])
-        search = Search(screen, smooth, base, base)
+        search = Search(screen, smooth, base, base, required=required)
         search.run()
         names = ", ".join(v.candidate.id for v in search.best.variants)
         progress(f"{balance.name} balance: {names or 'nothing adopted'}")

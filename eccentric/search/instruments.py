@@ -36,13 +36,16 @@ def instruments_of(data: FitData, model: Model, friction: Array) -> Signals | No
     motion = None if data.rows.independent else _slow_motion(data)
     if motion is None:
         return None
-    values = {**signals.values, **motion}
+    cut, motion = motion
+    along = None if data.drive.along is None else data.drive.along.narrowed(cut)
+    values = {**signals.values, **motion, **({} if along is None else along.signals)}
     # What the rig leaves open follows the same motion: an open inertia would bring the noise back.
     slowly: dict[ColumnRole, Array] = {
         "inertia": motion["alpha_m"],
         "back_emf": np.where(data.drive.off, 0.0, motion["omega_m"]),
     }
     free = {c: slowly.get(c.role, column) for c, column in signals.open.items()}
+    free |= {} if along is None else dict(along.open)
     slow = replace(signals, values=values, open=free)
     torque = channels.smooth(load_torque(model, slow) + base_columns(model, slow) @ friction)
     values["i"] = data.drive.machine.current_of_torque(signals.known, torque)
@@ -51,8 +54,8 @@ def instruments_of(data: FitData, model: Model, friction: Array) -> Signals | No
     return replace(signals, values=values, open=free)
 
 
-def _slow_motion(data: FitData) -> dict[str, Array] | None:
-    """Angle, speed and acceleration (samples,) below the least frequency that holds the motion."""
+def _slow_motion(data: FitData) -> tuple[float, dict[str, Array]] | None:
+    """The least frequency [Hz] that holds the motion; angle, speed and acceleration (samples,) below it."""
     channels = data.drive.channels
     rows, speed = channels.selection.fit_rows, channels.motion.omega_m
     cut = LOWEST_BAND_HZ
@@ -60,6 +63,6 @@ def _slow_motion(data: FitData) -> dict[str, Array] | None:
         found, _ = motion_of(channels.time.t, channels.motion.theta_m, channels.time.segment, cut)
         missed = np.sum((found[1] - speed)[rows] ** 2) / np.sum(speed[rows] ** 2)
         if missed < 1.0 - LEAST_MOTION:
-            return dict(zip(("theta_m", "omega_m", "alpha_m"), found, strict=True))
+            return cut, dict(zip(("theta_m", "omega_m", "alpha_m"), found, strict=True))
         cut *= 2.0
     return None

@@ -96,15 +96,16 @@ def attribute(
     noise: Mapping[str, float] | None = None,
     runs: int = 1,
     progress: Callable[[str], None] = lambda _: None,
+    required: float = limits.LEAST_DEVIANCE,
 ) -> Attribution:
     """Attribute the residuals of a log's training part.
 
     balances: mechanical, electrical or both, training windows only; candidates: of all balances;
     variables: what a residual may depend on; noise: RMS of a window that the sensors' white noise explains,
     per balance (`balances.balances_of`); runs: number of those that were fitted; progress: called with one
-    line before and after each balance.
+    line before and after each balance; required: deviance that an addition must gain.
     """
-    return decided(search_all(balances, candidates, variables, noise or {}, progress), runs)
+    return decided(search_all(balances, candidates, variables, noise or {}, progress, required), runs)
 
 
 def decided(searches: dict[str, Search], runs: int = 1) -> Attribution:

@@ -11,6 +11,7 @@ from eccentric.signals.designs import BalanceDesign, balance_design
 from eccentric.signals.filters import low_pass_of
 from eccentric.signals.finding import Finding
 from eccentric.signals.hann import hann_windows
+from eccentric.signals.joints import read_joints
 from eccentric.signals.limits import LEAST_HELD_OUT, MANY_RUNS
 from eccentric.signals.measured import Channels
 from eccentric.signals.motion import motion_of
@@ -34,6 +35,7 @@ __all__ = [
     "low_pass_of",
     "motion_of",
     "read_channels",
+    "read_joints",
     "require_rows",
     "rows_of",
     "rows_of_each",

@@ -67,6 +67,8 @@ NARROWER = 0.6
 """Cut-off of a narrower low pass, in that of the first: a quarter of the noise in the acceleration."""
 COARSE = 0.4
 """Largest ratio of cut-off to sampling rate, else a log is too coarse to filter: Nyquist, with a margin."""
+BELOW_COARSE = 0.9
+"""Of that, the cut-off of an arm whose log is too coarse for the default: stamps are rounded."""
 POINTS_PER_ROW = 2
 """Of a log that is too coarse: a reversal is then known to 4 % of a window."""
 MAP_RUNS = 8

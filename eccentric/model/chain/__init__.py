@@ -13,6 +13,7 @@ and the loads of the bearings as ordered definitions of scalars.
     inwards    the force and moment of every joint
     recursion  both along the chain, as a list of definitions
     bearing    the loads that friction follows
+    numbers    a chain with the defaults of its letters in their place
     drive      motor, gear and friction of every joint: its balances
     arm        all of it as a model
 """
@@ -25,6 +26,7 @@ from eccentric.model.chain.chain import Chain
 from eccentric.model.chain.drive import JointDrive, drives
 from eccentric.model.chain.inwards import Wrench
 from eccentric.model.chain.joint import Joint, Placement
+from eccentric.model.chain.numbers import with_numbers
 from eccentric.model.chain.recursion import Recursion, recursion
 
 __all__ = [
@@ -42,4 +44,5 @@ __all__ = [
     "momentum",
     "motion",
     "recursion",
+    "with_numbers",
 ]

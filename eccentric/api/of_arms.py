@@ -1,0 +1,223 @@
+"""`eccentric.fit_arm`, `eccentric.diagnose_arm`: every joint of an arm, and the results."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, TypeAlias
+
+from eccentric.api.inputs import LogSources, names_given, names_of, read_logs
+from eccentric.api.result import Printed, new_axes, paragraphs
+from eccentric.api.tables import ResultTable
+from eccentric.diagnosis import SearchRequest
+from eccentric.joints import (
+    ArmDiagnosis,
+    ArmFit,
+    JointFit,
+    arm_diagnosis_document,
+    arm_diagnosis_lines,
+    arm_fit_document,
+    arm_fit_lines,
+)
+from eccentric.joints import diagnose_arm as diagnose_logs
+from eccentric.joints import fit_arm as fit_logs
+from eccentric.output import whole_folder
+from eccentric.places import given_path
+from eccentric.rigs import ArmRig, read_arm_rig
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+__all__ = ["ArmDiagnosisResult", "ArmFitResult", "diagnose_arm", "fit_arm"]
+
+ArmRigSource: TypeAlias = str | os.PathLike[str] | Mapping[str, Any] | ArmRig
+_BEFORE, _AFTER = "#8a8a8a", "#0072b2"
+
+
+def fit_arm(
+    logs: LogSources, rig: ArmRigSource, progress: Callable[[str], None] | None = None
+) -> ArmFitResult:
+    """Fit the friction of every joint of an arm: Coulomb and viscous alone, and by the loads that it follows.
+
+    Args:
+        logs: one log or a list of them, as `fit` takes them.
+        rig: the rig of an arm: the path of a rig file with the key `arm`, its content as a mapping, where
+            `arm` may be a Chain, or what `read_arm_rig` returned.
+        progress: called with one line for each stage.
+
+    Raises:
+        InputError: a log, the rig or the arm cannot be read, they do not match, or a joint has too few rows.
+    """
+    read = read_logs(logs)
+    found = fit_logs(read, read_arm_rig(rig), names_of(read), progress or (lambda _: None))
+    return ArmFitResult(
+        fit=found,
+        lines=tuple(arm_fit_lines(found)),
+        warnings=found.warnings,
+        document=arm_fit_document(found),
+    )
+
+
+def diagnose_arm(
+    logs: LogSources,
+    rig: ArmRigSource,
+    effects: str | os.PathLike[str] | None = None,
+    progress: Callable[[str], None] | None = None,
+    *,
+    without: str | Sequence[str] = (),
+    only: str | Sequence[str] = (),
+) -> ArmDiagnosisResult:
+    """Find what the friction of each joint of an arm lacks.
+
+    Args:
+        logs, rig, progress: as `fit_arm` takes them.
+        effects: the path of a Python file with effects of your own.
+        without, only: effects that the search may not offer, or the only ones that it may.
+
+    Raises:
+        InputError: bad input, as in `fit_arm`; an effect that is unknown.
+    """
+    read = read_logs(logs)
+    offered = None if effects is None else given_path(effects, "effects")
+    request = SearchRequest((), names_given(without), names_given(only))
+    told = progress or (lambda _: None)
+    found = diagnose_logs(read, read_arm_rig(rig), names_of(read), offered, request, told)
+    return ArmDiagnosisResult(
+        diagnosis=found,
+        lines=tuple(arm_diagnosis_lines(found)),
+        warnings=found.warnings,
+        document=arm_diagnosis_document(found),
+    )
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class ArmFitResult(Printed):
+    """The friction of every joint of an arm. It prints as `summary()` and shows as a table in a notebook.
+
+    Attributes:
+        fit: everything that was found, joint by joint.
+        lines, warnings, document: as in Printed; the document is the content of fit.json.
+    """
+
+    fit: ArmFit
+
+    @property
+    def fits_the_rig(self) -> bool:
+        """Whether the log can be of this arm, in these units."""
+        return self.fit.fits_the_rig
+
+    def table(self) -> ResultTable:
+        """A row for each joint: what its friction follows, held-out errors, gain with its 95 % interval."""
+        names = ("joint", "name", "follows", "linear", "followed", "percent", "lower", "upper", "unit")
+        rows = (
+            (j.number, j.name, "+".join(j.loads.followed), *_errors(j), j.percent, *j.interval, j.unit)
+            for j in self.fit.joints
+        )
+        return ResultTable(names, tuple(rows))
+
+    def plot(self, axes: Axes | None = None) -> Axes:
+        """Plot the held-out error of each joint before and after, over the RMS of its drive.
+
+        Raises:
+            InputError: matplotlib is not installed.
+        """
+        if axes is None:
+            (axes,) = new_axes(1, 1, self._size)
+        places = range(len(self.fit.joints))
+        for shift, name, color, label in (
+            (-0.2, "linear", _BEFORE, "Coulomb + viscous"),
+            (0.2, "followed", _AFTER, "with the loads that it follows"),
+        ):
+            sizes = [100.0 * joint.rmse[name] / joint.torque_rms for joint in self.fit.joints]
+            axes.bar([place + shift for place in places], sizes, 0.38, color=color, label=label)
+        axes.set_xticks(list(places), [f"joint {joint.number}" for joint in self.fit.joints])
+        axes.set_ylabel("held-out RMSE [% of the drive's RMS]")
+        axes.legend(loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=2, frameon=False)
+        return axes
+
+    def write(self, out: str | os.PathLike[str]) -> list[Path]:
+        """Write fit.json and, with matplotlib, fit.png and fit.svg into a folder of their own.
+
+        Raises:
+            InputError: the folder cannot be written.
+        """
+        return self._write(out, "fit", self._size, lambda figure: self.plot(figure.subplots()))
+
+    @property
+    def _size(self) -> tuple[float, float]:
+        return 2.5 + 1.1 * len(self.fit.joints), 3.6
+
+    def __repr__(self) -> str:
+        return f"<ArmFitResult: {len(self.fit.joints)} joints of {self.fit.log.rig.chain.name}>"
+
+    def _repr_html_(self) -> str:
+        warned = (f"Warning: {text}" for text in self.warnings)
+        return f"<div>{self.table()._repr_html_()}{paragraphs(self.lines[-1], *warned)}</div>"
+
+
+def _errors(joint: JointFit) -> tuple[float, float]:
+    return joint.rmse["linear"], joint.rmse["followed"]
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class ArmDiagnosisResult(Printed):
+    """What the joints of an arm lack. It prints as `summary()` and shows as a table in a notebook.
+
+    Attributes:
+        diagnosis: everything that was found, joint by joint.
+        lines, warnings, document: as in Printed; the document is the content of diagnosis.json.
+    """
+
+    diagnosis: ArmDiagnosis
+
+    @property
+    def verdict(self) -> str:
+        """Over the arm: named, not_identifiable, unexplained or nothing_missing."""
+        return self.diagnosis.verdict
+
+    @property
+    def effects(self) -> tuple[tuple[int, str], ...]:
+        """(number of the joint, id) of the effects that are named, those that gain most first."""
+        return tuple((joint.number, effect.id) for joint, effect in self.diagnosis.named)
+
+    @property
+    def sentence(self) -> str:
+        """The result in one sentence."""
+        return self.diagnosis.sentence
+
+    @property
+    def fits_the_rig(self) -> bool:
+        """Whether the log can be of this arm, in these units."""
+        return self.diagnosis.fits_the_rig
+
+    def table(self) -> ResultTable:
+        """A row for each joint: verdict, leading effect, its gain, held-out errors of the three models."""
+        names = ("joint", "name", "verdict", "effects", "deviance", "linear", "paper", "extended", "unit")
+        rows = []
+        for joint in self.diagnosis.joints:
+            rmse = joint.found.score.rmse["mechanical"]
+            ids = "+".join(effect.id for effect, _ in joint.found.effects)
+            errors = (rmse["linear"], rmse["paper"], rmse["extended"])
+            rows.append(
+                (joint.number, joint.name, joint.verdict, ids, joint.deviance, *errors, joint.found.unit)
+            )
+        return ResultTable(names, tuple(rows))
+
+    def write(self, out: str | os.PathLike[str]) -> list[Path]:
+        """Write diagnosis.json into a folder of its own.
+
+        Raises:
+            InputError: the folder cannot be written.
+        """
+        with whole_folder(out, "diagnose") as folder:
+            (folder / "diagnosis.json").write_text(self.to_json(), encoding="utf-8")
+        return [Path(out) / "diagnosis.json"]
+
+    def __repr__(self) -> str:
+        return f"<ArmDiagnosisResult: {self.verdict}, {len(self.diagnosis.joints)} joints>"
+
+    def _repr_html_(self) -> str:
+        warned = (f"Warning: {text}" for text in self.warnings)
+        return f"<div>{paragraphs(self.sentence)}{self.table()._repr_html_()}{paragraphs(*warned)}</div>"

@@ -1,0 +1,38 @@
+"""The joints of an arm from its logs: each is the log of one drive, loaded by the motion of all others.
+
+In: logs and the rig of an arm.  Out: `fit_arm` -> `ArmFit` (which load the friction of each joint follows,
+and where Coulomb and viscous friction is enough), `diagnose_arm` -> `ArmDiagnosis` (what each joint lacks);
+both as documents and lines.
+
+    letters      a chain with a letter for every inertial parameter
+    body_motion  torques and loads of the bodies along a log, from the emitted module
+    base_parameters  sums of inertial parameters that torques depend on, by QR with pivoting
+    possible     bodies that could exist and have them
+    joint_model  one joint as a model whose inputs are what it meets
+    arm_log      the logs of all joints; one joint as a log of one drive
+    bodies       the bodies identified from all joints at once
+    loads        which load the friction of a joint follows
+    fitted, diagnosed    every joint, by the rooms of one drive
+    documents, words     the results for programs and for a terminal
+    limits       every threshold, with its reason
+
+May import: `diagnosis` and all rooms below it.
+"""
+
+from eccentric.joints.diagnosed import ArmDiagnosis, JointDiagnosis, diagnose_arm
+from eccentric.joints.documents import arm_diagnosis_document, arm_fit_document
+from eccentric.joints.fitted import ArmFit, JointFit, fit_arm
+from eccentric.joints.words import arm_diagnosis_lines, arm_fit_lines
+
+__all__ = [
+    "ArmDiagnosis",
+    "ArmFit",
+    "JointDiagnosis",
+    "JointFit",
+    "arm_diagnosis_document",
+    "arm_diagnosis_lines",
+    "arm_fit_document",
+    "arm_fit_lines",
+    "diagnose_arm",
+    "fit_arm",
+]

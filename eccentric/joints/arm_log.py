@@ -1,0 +1,244 @@
+"""An arm's logs, ready for fits: what every joint meets, and each joint as the log of one drive."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from eccentric.errors import InputError
+from eccentric.estimation import Coefficient, Design, Estimate
+from eccentric.fitting import Drive, FitData, Machine, MetAlong, compiled, fit_data_of
+from eccentric.joints.base_parameters import BaseParameters, base_of, names_of
+from eccentric.joints.body_motion import BodyModule, JointMotions
+from eccentric.joints.joint_model import EVERY, FORCE, joint_model, signals_of
+from eccentric.joints.letters import letters_of, moments_of
+from eccentric.joints.limits import VARIES
+from eccentric.model import Load, Model
+from eccentric.rigs import ArmRig
+from eccentric.signals import Channels, Rows, fit_rows, motion_of
+
+__all__ = ["ArmLog", "arm_log"]
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class ArmLog:
+    """The logs of an arm.
+
+    Attributes:
+        rig: as declared.
+        channels: of every joint, on the same rows.
+        module: torques and loads of its bodies.
+        values: the inertial parameters at hand (joints, 10): declared, or identified.
+        scales: what a newton metre is in the unit of each drive: 1, or amperes where k_i is unknown.
+        gains: k_i of each motor where the rig has none and the declared bodies give it, else None.
+    """
+
+    rig: ArmRig
+    channels: tuple[Channels, ...]
+    module: BodyModule
+    values: Array
+    scales: tuple[float, ...] = ()
+    gains: tuple[Estimate | None, ...] = ()
+    _motions: dict[float, JointMotions] = field(default_factory=dict, repr=False)
+    _along: dict[tuple[float, int], MetAlong] = field(default_factory=dict, repr=False)
+    _bases: dict[int, BaseParameters] = field(default_factory=dict, repr=False)
+    _regressors: dict[float, Array] = field(default_factory=dict, repr=False)
+
+    def __len__(self) -> int:
+        return len(self.channels)
+
+    @property
+    def cut_hz(self) -> float:
+        """Cut-off of the low pass of all angles [Hz]."""
+        return self.channels[0].rig.sampling.low_pass_hz
+
+    def with_values(self, values: Array) -> ArmLog:
+        """The same with other inertial parameters."""
+        return replace(self, values=values, _along={})
+
+    def motion(self, cut_hz: float | None = None) -> JointMotions:
+        """The motion of all motors below a cut-off, by default that of the rig."""
+        cut = self.cut_hz if cut_hz is None else cut_hz
+        if cut not in self._motions:
+            each = [_below(channels, cut, self.cut_hz) for channels in self.channels]
+            self._motions[cut] = JointMotions(*(np.stack(parts, axis=1) for parts in zip(*each, strict=True)))
+        return self._motions[cut]
+
+    def along(self, j: int, cut_hz: float | None = None) -> MetAlong:
+        """What joint j meets, with all angles below a cut-off."""
+        cut = self.cut_hz if cut_hz is None else cut_hz
+        if (cut, j) not in self._along:
+            motion = self.motion(cut)
+            columns = self._columns(motion) if self.rig.open else {}
+            for k, met in enumerate(self.module.met(motion, self.values)):
+                # With open bodies the columns are what those at hand lack.
+                own_unit = met.scaled(self.scales[k])
+                signals, torque = signals_of(own_unit), own_unit.whole
+                own = {
+                    Coefficient(name, "bodies", _unit(place)): columns[place][:, k]
+                    for place, name in self.open_of(k)
+                }
+                below = lambda other, k=k: self.along(k, other)  # noqa: E731 - of this joint
+                self._along[cut, k] = MetAlong(signals, torque, FORCE, own, below)
+        return self._along[cut, j]
+
+    def open_of(self, j: int) -> list[tuple[int, str]]:
+        """Places and names of the inertial parameters whose columns span what joint j shows of the bodies."""
+        if not self.rig.open:
+            return []
+        names = names_of(len(self))
+        return [(place, names[place]) for place in self.base(j).chosen]
+
+    def base(self, j: int) -> BaseParameters:
+        """The base parameters that the torque of joint j alone depends on, by its rows to fit."""
+        if j not in self._bases:
+            rows = self.channels[j].selection.fit_rows
+            self._bases[j] = base_of(self.regressor(j)[rows])
+        return self._bases[j]
+
+    def regressor(self, j: int) -> Array:
+        """The torque of joint j per inertial parameter (n, 10 joints)."""
+        if self.cut_hz not in self._regressors:
+            self._regressors[self.cut_hz] = self.module.regressor(self.motion())
+        return self._regressors[self.cut_hz][:, j]
+
+    def rows(self, j: int) -> Rows:
+        """The rows that the friction of joint j is fitted on."""
+        return fit_rows(self.channels[j], self.channels[j].rig)
+
+    def torque(self, j: int) -> Array:
+        """The measured torque of motor j (n,), in the unit of `drive`."""
+        return self.drive(j).torque()
+
+    def drive(self, j: int) -> Drive:
+        """The drive of joint j without what it meets."""
+        return _drive(self, j)
+
+    def joint(self, j: int, loads: Collection[Load], name: str = "") -> tuple[Model, FitData]:
+        """Joint j as a log of one drive, and the model whose friction follows these loads."""
+        number = self.rig.number(j)
+        model = joint_model(name or f"joint_{number}", f"Joint {number} of {self.rig.chain.name}", loads)
+        drive = replace(self.drive(j), machine=Machine(model), along=self.along(j))
+        return model, fit_data_of(drive, self.channels[j].rig, model)
+
+    def present(self, j: int, among: Sequence[Load] = EVERY) -> tuple[Load, ...]:
+        """The loads whose friction a log can tell from Coulomb and viscous friction, and from one another.
+
+        A load that does not vary is part of what follows no load.
+        """
+        model, data = self.joint(j, among)
+        rows = data.rows.train
+        found: list[Load] = []
+        columns = {c.load: [] for c in data.signals.columns(model)}
+        for column in data.signals.columns(model):
+            columns[column.load].append(compiled(model, column.basis, data.signals)({}, {}))
+        taken = data.rows.mean(np.column_stack(columns[Load.NONE]))[rows]
+        for load in among:
+            own = data.rows.mean(np.column_stack(columns[load]))[rows]
+            size = np.linalg.norm(own, axis=0)
+            if not np.all(size > 0.0):
+                continue
+            left = own - taken @ np.linalg.lstsq(taken, own, rcond=None)[0]
+            if np.all(np.linalg.norm(left, axis=0) > VARIES * size):
+                found.append(load)
+                taken = np.column_stack([taken, own])
+        return tuple(found)
+
+    def _columns(self, motion: JointMotions) -> dict[int, Array]:
+        """The torques per unit of the inertial parameters that are open in any joint, each (n, joints)."""
+        places = sorted({place for k in range(len(self)) for place, _ in self.open_of(k)})
+        if motion is self.motion():
+            whole = self._regressors[self.cut_hz]
+            return {place: whole[:, :, place] for place in places}
+        found = self.module.regressor(motion, places)
+        return {place: found[:, :, k] for k, place in enumerate(places)}
+
+
+def arm_log(rig: ArmRig, channels: Sequence[Channels]) -> ArmLog:
+    """The logs of an arm with the bodies that its file declares."""
+    log = ArmLog(rig, tuple(channels), BodyModule(rig.chain), moments_of(rig.chain))
+    scales = tuple(_scale(log, j) for j in range(len(log)))
+    if rig.open:
+        return replace(log, scales=tuple(1.0 if s is None else s.value for s in scales))
+    gains = tuple(None if s is None else _gain(s, rig, j) for j, s in enumerate(scales))
+    return replace(log, scales=(1.0,) * len(log), gains=gains)
+
+
+def _scale(log: ArmLog, j: int) -> Estimate | None:
+    """What a newton metre is in amperes, for the declared bodies; None where the torque is known."""
+    drive = log.drive(j)
+    if drive.unit == "N m":
+        return None
+    rows = log.rows(j)
+    met = log.module.torques(log.motion(), log.values)[:, j]
+    w = log.channels[j].motion.omega_m
+    columns = np.column_stack([rows.plain_mean(met), rows.mean(np.column_stack([w, np.sign(w)]))])
+    coefficients = (
+        Coefficient("scale", "scale", "A/(N m)"),
+        Coefficient("B", "friction", "A s/rad"),
+        Coefficient("C", "friction", "A"),
+    )
+    design = Design(coefficients, rows.mean(drive.torque()), columns, rows.train, rows.weights)
+    solution = design.solve()
+    return solution.spread().estimate(float(solution.values[0]), np.eye(3)[0], "A/(N m)")
+
+
+def _gain(scale: Estimate, rig: ArmRig, j: int) -> Estimate:
+    """k_i of a motor from its inverse.
+
+    Raises:
+        InputError: the interval of the inverse has zero in it.
+    """
+    low, high = scale.interval
+    if low <= 0.0:
+        raise InputError(
+            f"{rig.path}: [drives] k_i: a value for joint {rig.number(j)} is required, received none: its"
+            " bodies need too little torque to identify it"
+        )
+    value = 1.0 / scale.value
+    return Estimate(value, value**2 * scale.std_error, (1.0 / high, 1.0 / low), "N m/A")
+
+
+def _drive(log: ArmLog, j: int) -> Drive:
+    """The drive of a joint.
+
+    Without k_i, the declared bodies determine the torque of an ampere; with open bodies nothing does, and the
+    result is in amperes.
+    """
+    channels, rig = log.channels[j], log.rig.joints[j]
+    by, where = channels.motor.measured_by, f"{log.rig.path}: [drives]"
+    known: Mapping[str, float] = {
+        name: rig.known[name] for name in ("mu", "k_i", "R", "k_e") if name in rig.known
+    }
+    machine = Machine(joint_model("joint", "A joint", ()))
+    if by == "torque":
+        return Drive(machine, channels, {**known, "k_i": 1.0}, None, "N m")
+    if by == "current":
+        if "k_i" in known:
+            return Drive(machine, channels, known, None, "N m")
+        if j < len(log.gains) and (gain := log.gains[j]) is not None:
+            return Drive(machine, channels, {**known, "k_i": gain.value}, None, "N m")
+        return Drive(machine, channels, {**known, "k_i": 1.0}, None, "A")
+    if missing := [name for name in ("k_i", "R", "k_e") if name not in known]:
+        raise InputError(
+            f"{where} {missing[0]}: a value is required to convert the voltage of joint"
+            f" {log.rig.number(j)} to torque, received none"
+        )
+    return Drive(machine, channels, known, known["R"] / known["k_i"], "N m")
+
+
+def _below(channels: Channels, cut: float, own: float) -> tuple[Array, Array, Array]:
+    motion, time = channels.motion, channels.time
+    if cut == own:
+        return motion.theta_m, motion.omega_m, motion.alpha_m
+    (theta, omega, alpha), _ = motion_of(time.t, motion.theta_logged, time.segment, cut)
+    return theta, omega, alpha
+
+
+def _unit(place: int) -> str:
+    return letters_of(0)[place % 10].unit

@@ -1,0 +1,170 @@
+"""Diagnose every joint of an arm: what its model lacks beside friction by the loads of its bearing.
+
+Friction of a joint is in its own balance alone, so that each joint is the log of one drive, with what it
+meets from the others as inputs. A verdict over the arm has as many chances as it has joints: an effect has
+to gain more.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from eccentric.diagnosis import Asked, Diagnosis, SearchRequest, diagnosed, staged
+from eccentric.effects import Effect
+from eccentric.joints.arm_log import ArmLog
+from eccentric.joints.bodies import IdentifiedBodies
+from eccentric.joints.fitted import prepared, warnings_of
+from eccentric.joints.joint_model import DECLARED
+from eccentric.logs import LogSource
+from eccentric.rigs import ArmRig
+from eccentric.search import required_over
+
+__all__ = ["ArmDiagnosis", "JointDiagnosis", "diagnose_arm"]
+
+_ORDER = ("named", "not_identifiable", "unexplained", "nothing_missing")
+
+
+@dataclass(frozen=True)
+class JointDiagnosis:
+    """One joint: its number in the columns, its name in the arm file, and what was found as for one drive."""
+
+    number: int
+    name: str
+    found: Diagnosis
+
+    @property
+    def verdict(self) -> str:
+        """As for one drive."""
+        return self.found.attribution.verdict
+
+    @property
+    def deviance(self) -> float:
+        """Gain of the best single effect, cross-validated in the training part."""
+        gains = [gain for gain, _ in self.found.attribution.deviance.values()]
+        return max(gains, default=0.0)
+
+
+@dataclass(frozen=True)
+class ArmDiagnosis:
+    """What was found over an arm.
+
+    Attributes:
+        log: what was searched, with the bodies at hand.
+        names: of the logs.
+        bodies: what the logs say of the bodies; None where they are declared, or have no torque.
+        joints: from the base outwards.
+        required: deviance that an effect had to gain.
+    """
+
+    log: ArmLog
+    names: tuple[str, ...]
+    bodies: IdentifiedBodies | None
+    joints: tuple[JointDiagnosis, ...]
+    required: float
+
+    @property
+    def by_gain(self) -> tuple[JointDiagnosis, ...]:
+        """The joints, those first where an effect gains most."""
+        return tuple(sorted(self.joints, key=lambda joint: -joint.deviance))
+
+    @property
+    def verdict(self) -> str:
+        """Named where any joint has a named effect; else the next of not_identifiable, unexplained."""
+        found = {joint.verdict for joint in self.joints}
+        return next(verdict for verdict in _ORDER if verdict in found)
+
+    @property
+    def named(self) -> tuple[tuple[JointDiagnosis, Effect], ...]:
+        """Named effects with their joints, by gain."""
+        return tuple((joint, effect) for joint in self.by_gain for effect, _ in joint.found.effects)
+
+    @property
+    def first(self) -> dict[str, Any] | None:
+        """Where an effect gains most, and the family that leads there; None where nothing is missing."""
+        leading = next((joint for joint in self.by_gain if joint.verdict != "nothing_missing"), None)
+        if leading is None:
+            return None
+        candidates = leading.found.attribution.candidates
+        return {
+            "joint": leading.number,
+            "verdict": leading.verdict,
+            "family": candidates[0].family if candidates else None,
+        }
+
+    @property
+    def sentence(self) -> str:
+        """The result in one sentence."""
+        if self.named:
+            parts = ", ".join(f"{effect.id} in joint {joint.number}" for joint, effect in self.named)
+            return f"The model of the arm lacks {parts}."
+        open_ = [
+            f"joint {joint.number}: {joint.verdict}" for joint in self.joints if joint.verdict != _ORDER[-1]
+        ]
+        if open_:
+            return f"No effect is named: {', '.join(open_)}."
+        return "Nothing is missing in any joint that this log can show."
+
+    @property
+    def fits_the_rig(self) -> bool:
+        """Whether the log can be of this arm, in these units."""
+        return all(joint.found.models.fits_the_rig for joint in self.joints)
+
+    @property
+    def warnings(self) -> tuple[str, ...]:
+        """What is unusual about the record, and runs of a joint unlike the others."""
+        differing = (
+            f"joint {joint.number}: {text}" for joint in self.joints for text in joint.found.differing
+        )
+        return (*warnings_of(self.log, self.bodies), *differing)
+
+
+def diagnose_arm(
+    logs: Sequence[LogSource],
+    rig: ArmRig,
+    names: Sequence[str],
+    effects: Path | None = None,
+    request: SearchRequest | None = None,
+    tell: Callable[[str], None] = lambda _: None,
+) -> ArmDiagnosis:
+    """Diagnose every joint.
+
+    Args:
+        logs: those of one arm, as `read_log` accepts them.
+        rig: of the arm.
+        names: of the logs.
+        effects: a file with the user's own effects.
+        request: what the search may offer.
+        tell: called with one line per stage.
+
+    Raises:
+        InputError: bad input; too few rows of a joint; an effect that is unknown.
+    """
+    log, bodies = prepared(logs, rig, tell)
+    required = required_over(len(log))
+    joints = []
+    for j in range(len(log)):
+        number = rig.number(j)
+        found = _diagnosed(log, j, names, effects, request or SearchRequest(), required, tell)
+        joints.append(JointDiagnosis(number, rig.chain.joints[j].name, found))
+        tell(f"joint {number}: {joints[-1].verdict}")
+    return ArmDiagnosis(log, tuple(names), bodies, tuple(joints), required)
+
+
+def _diagnosed(
+    log: ArmLog,
+    j: int,
+    names: Sequence[str],
+    effects: Path | None,
+    request: SearchRequest,
+    required: float,
+    tell: Callable[[str], None],
+) -> Diagnosis:
+    number = log.rig.number(j)
+    loads = log.present(j, DECLARED)
+    model, data = log.joint(j, loads, f"{log.rig.chain.name}_joint_{number}")
+    stage = staged(model, model, data, effects, f"{', '.join(names)}: joint {number}")
+    asked = Asked(tuple(names), Path(log.rig.path).name, model, effects, request)
+    return diagnosed(stage, asked, lambda line: tell(f"joint {number}: {line}"), required)

@@ -1,0 +1,200 @@
+"""Fit the friction of every joint of an arm: Coulomb and viscous alone, and by the loads that it follows.
+
+The loads are chosen inside the training part; the held-out part is opened once, for the errors.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+
+from eccentric.diagnosis import OverRuns, leave_runs_out
+from eccentric.estimation import Estimate, improvement, r_squared, rms
+from eccentric.fitting import LEAST_R_SQUARED, Drive, FitData, Refit, drive_noise, refit
+from eccentric.joints.arm_log import ArmLog, arm_log
+from eccentric.joints.bodies import IdentifiedBodies, identified_bodies
+from eccentric.joints.loads import LoadsOfAJoint, loads_of
+from eccentric.logs import LogSource
+from eccentric.rigs import ArmRig
+from eccentric.signals import LEAST_HELD_OUT, read_joints, require_rows
+
+__all__ = ["ArmFit", "JointFit", "fit_arm", "gain_of", "prepared", "warnings_of"]
+
+
+@dataclass(frozen=True)
+class JointFit:
+    """The friction of one joint.
+
+    Attributes:
+        number: of the joint in the columns; name: in the arm file.
+        loads: which loads its friction follows, decided inside the training part.
+        linear, followed, every: fits of Coulomb and viscous friction, of friction by the loads that it
+            follows (`linear` itself where it follows none), and by every load that the log shows.
+        rmse: of these three on the held-out rows, in `unit`.
+        percent, interval: 100 (1 - followed/linear) and its 95 % interval.
+        over_runs: every run predicted from the others; None with fewer than five runs.
+        torque_rms, noise: RMS of the drive and of its white noise on these rows, in `unit`.
+    """
+
+    number: int
+    name: str
+    loads: LoadsOfAJoint
+    linear: Refit
+    followed: Refit
+    every: Refit
+    rmse: Mapping[str, float]
+    percent: float
+    interval: tuple[float, float]
+    over_runs: OverRuns | None
+    r_squared: float
+    torque_rms: float
+    noise: float
+
+    @property
+    def data(self) -> FitData:
+        """The log of the joint."""
+        return self.followed.data
+
+    @property
+    def unit(self) -> str:
+        """Unit of torques: "N m", or "A" where nothing determines the torque of an ampere."""
+        return self.data.drive.unit
+
+    @property
+    def friction(self) -> dict[str, Estimate]:
+        """Coefficients of friction by the loads that it follows."""
+        letters = {q.name for q in self.followed.model.friction_parameters}
+        return {name: e for name, e in self.followed.estimates.items() if name in letters}
+
+
+@dataclass(frozen=True)
+class ArmFit:
+    """The friction of every joint of an arm.
+
+    Attributes:
+        log: what was fitted, with the bodies at hand.
+        names: of the logs.
+        bodies: what the logs say of the bodies; None where they are declared, or have no torque.
+        joints: from the base outwards.
+    """
+
+    log: ArmLog
+    names: tuple[str, ...]
+    bodies: IdentifiedBodies | None
+    joints: tuple[JointFit, ...]
+
+    @property
+    def warnings(self) -> tuple[str, ...]:
+        """What is unusual about the record, once for all joints where it concerns them all."""
+        return warnings_of(self.log, self.bodies)
+
+    @property
+    def fits_the_rig(self) -> bool:
+        """Whether the log can be of this arm, in these units."""
+        return all(joint.r_squared >= LEAST_R_SQUARED for joint in self.joints)
+
+
+def fit_arm(
+    logs: Sequence[LogSource],
+    rig: ArmRig,
+    names: Sequence[str],
+    tell: Callable[[str], None] = lambda _: None,
+) -> ArmFit:
+    """Fit the friction of every joint.
+
+    Args:
+        logs: those of one arm, as `read_log` accepts them.
+        rig: of the arm.
+        names: of the logs.
+        tell: called with one line per stage.
+
+    Raises:
+        InputError: bad input; too few rows of a joint.
+    """
+    log, bodies = prepared(logs, rig, tell)
+    joints = []
+    for j in range(len(log)):
+        joints.append(fit_joint(log, j, ", ".join(names)))
+        tell(f"joint {joints[-1].number}: {_told(joints[-1])}")
+    return ArmFit(log, tuple(names), bodies, tuple(joints))
+
+
+def prepared(
+    logs: Sequence[LogSource], rig: ArmRig, tell: Callable[[str], None]
+) -> tuple[ArmLog, IdentifiedBodies | None]:
+    """The logs of an arm, with its bodies identified where they are open and the torque is known."""
+    log = arm_log(rig, read_joints(logs, rig))
+    tell(f"{len(log)} joints, {log.channels[0].intake.read} rows")
+    bodies = identified_bodies(log)
+    if bodies is not None:
+        tell(f"{len(bodies.estimates)} base parameters of the bodies")
+        log = log.with_values(bodies.bodies.values)
+    return log, bodies
+
+
+def fit_joint(log: ArmLog, j: int, where: str) -> JointFit:
+    """Fit one joint, counted from 0 at the base; `where` names the logs."""
+    loads = loads_of(log, j)
+    model, data = log.joint(j, loads.followed)
+    number = log.rig.number(j)
+    require_rows(data.rows, "score", LEAST_HELD_OUT, f"{where}: joint {number}")
+    linear = refit(model, (), data, linear=True)
+    followed = refit(model, (), data) if loads.followed else linear
+    whole, with_all = log.joint(j, loads.present)
+    every = followed if set(loads.present) == set(loads.followed) else refit(whole, (), with_all)
+    rows = data.rows.score
+    fits = {"linear": linear, "followed": followed, "every": every}
+    left = {name: fit.residuals["mechanical"][rows] for name, fit in fits.items()}
+    gain = improvement(left["linear"], left["followed"]) if loads.followed else (0.0, (0.0, 0.0))
+    drive = data.rows.mean(data.drive.torque())[rows]
+    return JointFit(
+        number,
+        log.rig.chain.joints[j].name,
+        loads,
+        linear,
+        followed,
+        every,
+        {name: rms(x) for name, x in left.items()},
+        *gain,
+        leave_runs_out(model, followed, data),
+        r_squared(left["followed"], drive),
+        rms(drive),
+        drive_noise(data),
+    )
+
+
+def warnings_of(log: ArmLog, bodies: IdentifiedBodies | None) -> tuple[str, ...]:
+    """Warnings about the record: those of one joint with its number, those of all joints once."""
+    each = [dict.fromkeys(channels.intake.warnings) for channels in log.channels]
+    common = [text for text in each[0] if all(text in said for said in each)]
+    own = [
+        f"joint {log.rig.number(j)}: {text}"
+        for j, said in enumerate(each)
+        for text in said
+        if text not in common and not text.startswith(_OF_A_PENDULUM)
+    ]
+    found = [*common, *own]
+    if bodies is not None and not bodies.bodies.explain:
+        found.append(
+            "no bodies that could exist have the identified base parameters: the nearest miss one by"
+            f" {bodies.bodies.misfit:.1f} standard errors; the loads are those of the nearest"
+        )
+    return tuple(found)
+
+
+_OF_A_PENDULUM = "gravity pulls towards"
+"""Beginning of a warning about the zero angle of a single link: gravity of an arm depends on all angles."""
+
+
+def _told(joint: JointFit) -> str:
+    loads = ", ".join(joint.loads.followed) or "Coulomb and viscous friction is enough"
+    return f"{loads}; {joint.rmse['linear']:.4g} to {joint.rmse['followed']:.4g} {joint.unit}"
+
+
+def gain_of(drive: Drive) -> str:
+    """What is known of the torque of a drive: "measured", "declared", "identified" or "not identifiable"."""
+    if drive.channels.motor.measured_by == "torque":
+        return "measured"
+    if "k_i" in drive.channels.rig.known:
+        return "declared"
+    return "identified" if drive.unit == "N m" else "not identifiable"

@@ -1,0 +1,119 @@
+"""One joint of an arm as a model of its own: what it meets from the others are inputs.
+
+Its terms are those that `eccentric.model.chain.drive` gives a joint of a chain, with the loads as the
+emitted `bearing_loads` of the arm gives them. So everything that knows one drive knows this one.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Mapping
+
+import numpy as np
+import sympy as sp
+from numpy.typing import NDArray
+
+from eccentric.joints.body_motion import Bodies
+from eccentric.model import Balance, Definition, Load, Model, Quantity, Role, Sgn, Term, quantity
+from eccentric.model import vocabulary as v
+
+__all__ = ["DECLARED", "EVERY", "FORCE", "joint_model", "signals_of"]
+
+Array = NDArray[np.float64]
+
+T_g = quantity("T_g", "N m", "torque that holds the arm against gravity, motor side", "(5)", letter="T_g")
+T_d = quantity("T_d", "N m", "torque that moves the bodies, gravity aside, motor side", "(3)", letter="T_d")
+T_r = quantity("T_r", "N m", "torque that accelerates the rotor of the motor", "(1)", letter="T_r")
+N_l = quantity("load_N", "N", "force across the axis of the joint", "(8)", "nonnegative", letter="N_l")
+T_l = quantity("load_T", "N", "force along the axis of the joint", "(8)", "nonnegative", letter="T_l")
+M_l = quantity("load_M", "N m", "moment on the bearing across the axis", "(8)", "nonnegative", letter="M_B")
+T = quantity("load_G", "N m", "size of the torque that the gear passes on, motor side", "(3)", letter="T")
+
+B_lM = quantity(
+    "B_lM", "s/rad", "viscous friction of the joint per bending moment", "(9)", "nonnegative", "0"
+)
+C_lM = quantity("C_lM", "1", "Coulomb friction of the joint per bending moment", "(9)", "nonnegative", "0")
+B_lG = quantity("B_lG", "s/rad", "viscous friction per torque of the gear", "(9)", "nonnegative", "0")
+C_lG = quantity("C_lG", "1", "Coulomb friction per torque of the gear", "(9)", "nonnegative", "0")
+
+DECLARED = (Load.NORMAL, Load.TRANSVERSAL, Load.BENDING)
+"""Loads of the bearing, eq (7): the paper's model of a joint. What the gear passes on is an effect."""
+EVERY = (*DECLARED, Load.TRANSMITTED)
+FORCE = N_l.name
+"""The input that is the normal force."""
+
+_COEFFICIENTS: Mapping[Load, tuple[Quantity, Quantity]] = {
+    Load.NORMAL: (v.B_lN, v.C_lN),
+    Load.TRANSVERSAL: (v.B_lT, v.C_lT),
+    Load.BENDING: (B_lM, C_lM),
+    Load.TRANSMITTED: (B_lG, C_lG),
+}
+
+
+def joint_model(name: str, title: str, loads: Collection[Load] = DECLARED) -> Model:
+    """The model of a joint whose friction follows some loads, beside Coulomb and viscous friction.
+
+    Args:
+        name: in code.
+        title: one line.
+        loads: those that friction of the joint follows.
+    """
+    mu, w, way = v.mu.symbol, v.omega_m.symbol, Sgn(v.omega_m.symbol)
+    size = {
+        Load.NORMAL: v.F_N.symbol,
+        Load.TRANSVERSAL: T_l.symbol,
+        Load.BENDING: M_l.symbol,
+        Load.TRANSMITTED: T.symbol / mu,
+    }
+    friction, coefficients = [], []
+    for load in (one for one in EVERY if one in loads):
+        B, C = _COEFFICIENTS[load]
+        coefficients += [B, C]
+        for q, basis, role in (
+            (B, mu**2 * size[load] * w, Role.VISCOUS),
+            (C, mu * size[load] * way, Role.COULOMB),
+        ):
+            term = f"link_{role.value}_{load.name.lower()}"
+            friction.append(Term(term, "friction", q.symbol, basis, "(7), (9)", role=role, load=load))
+    mechanical = Balance(
+        "mechanical",
+        "N m",
+        (
+            Term("motor_torque", "drive", v.k_i.symbol, v.i.symbol, "(2)", (None, None)),
+            Term("rotor", "inertial", sp.Integer(1), T_r.symbol, "(1)"),
+            Term("bodies", "bodies", sp.Integer(1), T_d.symbol, "(3)"),
+            Term("gravity", "gravity", sp.Integer(1), T_g.symbol, "(5)"),
+            *friction,
+            Term("motor_viscous", "friction", v.B_m.symbol, w, "(10)", role=Role.VISCOUS),
+            Term("motor_coulomb", "friction", v.C_m.symbol, way, "(10)", role=Role.COULOMB),
+        ),
+    )
+    electrical = Balance(
+        "electrical",
+        "V",
+        (
+            Term("voltage", "drive", sp.Integer(1), v.u.symbol, "(2)", (None, None)),
+            Term("resistance", "resistive", v.R.symbol, v.i.symbol, "(2)", (0.0, None)),
+            Term("back_emf", "back_emf", v.k_e.symbol, w, "(2)", (None, None)),
+        ),
+    )
+    gear = [Definition(T, sp.Abs(T_g.symbol + T_d.symbol))] if Load.TRANSMITTED in loads else []
+    return Model(
+        name=name,
+        title=title,
+        inputs=(v.theta_m, v.omega_m, v.i, v.u, T_g, T_d, T_r, N_l, T_l, M_l, v.alpha_m),
+        parameters=(v.mu, v.R, v.k_i, v.k_e, *coefficients, v.B_m, v.C_m),
+        definitions=(Definition(v.F_N, N_l.symbol), *gear),
+        balances=(mechanical, electrical),
+    )
+
+
+def signals_of(met: Bodies) -> dict[str, Array]:
+    """What a joint meets, (n,) by the names of the model's inputs."""
+    return {
+        T_g.name: met.gravity,
+        T_d.name: met.moving,
+        T_r.name: met.rotor,
+        N_l.name: met.F_N,
+        T_l.name: met.F_T,
+        M_l.name: met.M_B,
+    }

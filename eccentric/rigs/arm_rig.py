@@ -1,0 +1,218 @@
+"""The test bench of an arm: a chain, and for each of its joints the rig of one joint.
+
+A rig file that names an arm has the keys of any rig, and columns by pattern: `theta_l = "q_rad_{j}"`.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from eccentric.arms import read_arm
+from eccentric.errors import InputError
+from eccentric.model import Chain, with_numbers
+from eccentric.places import given_path, shown
+from eccentric.rigs.entries import plain_entries, read_names, read_number, read_table, refuse_unknown
+from eccentric.rigs.file import read_file
+from eccentric.rigs.known import KNOWNS
+from eccentric.rigs.rig import KEYS, Rig, read_rig
+
+__all__ = ["NUMBER", "ArmRig", "names_arm", "read_arm_rig"]
+
+NUMBER = "{j}"
+"""What stands for the number of a joint in a pattern."""
+INERTIAL = ("mass", "centre", "inertia")
+"""What may be known of the bodies where the rest is open."""
+_OF_ONE_JOINT = {"known", "unknown", "log_type", "theta_zero_rad", "input_delay_s", "voltage_offset_V"}
+_KEYS = ("arm", "joints", "drives", *(key for key in KEYS if key not in _OF_ONE_JOINT))
+_MOTION = ("theta_m", "theta_l", "omega_m", "omega_l")
+_DRIVE = ("torque", "torque_l", "current", "voltage")
+_OF_DRIVES = ("k_i", "R", "k_e")
+
+
+@dataclass(frozen=True)
+class ArmRig:
+    """An arm on its bench.
+
+    Attributes:
+        path: of the rig file, for messages.
+        name: of the rig.
+        chain: the arm, numbers only.
+        joints: the rig of each joint as if it were alone, from the base outwards: its columns, gear, drive.
+        first: the number of the first joint in the columns.
+        known: what is known of the bodies: all of `INERTIAL`, or a part, whose rest the log has to determine.
+    """
+
+    path: str
+    name: str
+    chain: Chain
+    joints: tuple[Rig, ...]
+    first: int
+    known: frozenset[str]
+
+    def __repr__(self) -> str:
+        return f"<ArmRig {self.name}: {len(self.joints)} joints of {self.chain.name}>"
+
+    @property
+    def open(self) -> bool:
+        """Whether inertial parameters are open."""
+        return self.known != frozenset(INERTIAL)
+
+    def number(self, j: int) -> int:
+        """The number of a joint in the columns, from its place in the chain."""
+        return self.first + j
+
+
+def names_arm(source: object) -> bool:
+    """Whether a rig is that of an arm: a file or a mapping with the key `arm`, or an ArmRig.
+
+    Raises:
+        InputError: as `read_rig` does for a file that cannot be read.
+    """
+    if isinstance(source, str | os.PathLike):
+        return "arm" in read_file(given_path(source, "rig"))
+    return isinstance(source, ArmRig) or (isinstance(source, Mapping) and "arm" in source)
+
+
+def read_arm_rig(source: str | os.PathLike[str] | Mapping[str, Any] | ArmRig) -> ArmRig:
+    """Read the rig of an arm: a file `.toml` or `.json`, or a mapping with the keys of such a file.
+
+    In a mapping `arm` may be a Chain. Paths are relative to the rig file.
+
+    Raises:
+        InputError: one line with file, key, what is required and what was received.
+    """
+    if isinstance(source, ArmRig):
+        return source
+    if isinstance(source, str | os.PathLike):
+        path = given_path(source, "rig")
+        return _arm_rig(read_file(path), shown(path), Path(shown(path)).stem, path.parent)
+    given = dict(source)
+    chain = given.pop("arm", None)
+    content = {**plain_entries(given, "rig"), "arm": chain}
+    return _arm_rig(content, "rig", "rig", Path())
+
+
+def _arm_rig(content: Mapping[str, Any], where: str, name: str, folder: Path) -> ArmRig:
+    refuse_unknown(content, _KEYS, where)
+    chain = with_numbers(_chain(content["arm"], where, folder))
+    table = read_table(content.get("joints", {}), f"{where}: [joints]")
+    refuse_unknown(table, ("first", "inertial"), f"{where}: [joints]")
+    first = _first(table.get("first", 1), f"{where}: [joints] first")
+    columns = read_table(content.get("columns"), f"{where}: [columns]")
+    _require_patterns(columns, f"{where}: [columns]")
+    common = {key: x for key, x in content.items() if key not in {"arm", "joints", "drives", "columns"}}
+    count, name = len(chain.joints), str(content.get("name", name))
+    drives = _drives(content.get("drives", {}), count, f"{where}: [drives]")
+    joints = []
+    for j, (joint, known) in enumerate(zip(chain.joints, drives, strict=True)):
+        mu = float(joint.mu)
+        own = {
+            **common,
+            "name": f"{name}, joint {first + j}",
+            "columns": {channel: _numbered(source, first + j) for channel, source in columns.items()},
+            "known": {"case": "C2", "mu": mu, **known},
+        }
+        if "moving_threshold_rad_s" in own:
+            threshold = read_number(own["moving_threshold_rad_s"], f"{where}: moving_threshold_rad_s", 0.0)
+            own["moving_threshold_rad_s"] = threshold / mu
+        joints.append(_of_joint(own, where))
+    return ArmRig(where, name, chain, tuple(joints), first, _known(table.get("inertial", "known"), where))
+
+
+def _of_joint(content: Mapping[str, Any], where: str) -> Rig:
+    """The rig of one joint; messages name the file."""
+    import dataclasses
+
+    try:
+        found = read_rig(content)
+    except InputError as error:
+        said = str(error)
+        raise InputError(f"{where}{said.removeprefix('rig')}" if said.startswith("rig:") else said) from None
+    return dataclasses.replace(found, path=where)
+
+
+def _chain(given: object, where: str, folder: Path) -> Chain:
+    if isinstance(given, Chain):
+        return given
+    if not isinstance(given, str) or not given.strip():
+        raise InputError(f"{where}: arm: the path of an arm, .toml or .urdf, is required, received {given!r}")
+    return read_arm(folder / given)
+
+
+def _first(value: object, where: str) -> int:
+    if isinstance(value, bool) or not isinstance(value, int) or value < 0:
+        raise InputError(f"{where}: a whole number of 0 or above is required, received {value!r}")
+    return value
+
+
+def _known(value: object, where: str) -> frozenset[str]:
+    at = f"{where}: [joints] inertial"
+    if value in {"known", "open"} if isinstance(value, str) else False:
+        return frozenset(INERTIAL if value == "known" else ())
+    if isinstance(value, str):
+        raise InputError(
+            f'{at}: "known", "open" or a list of {", ".join(INERTIAL)} is required, received {value!r}'
+        )
+    names = read_names(value, at)
+    refuse_unknown(names, INERTIAL, at)
+    return frozenset(names)
+
+
+def _require_patterns(columns: Mapping[str, Any], where: str) -> None:
+    """Motion and drive of a joint are its own: one column for all joints is an error."""
+    for channel in (*_MOTION, *_DRIVE):
+        text = _text(columns.get(channel, NUMBER))
+        if NUMBER not in text:
+            raise InputError(
+                f"{where} {channel}: a pattern with {NUMBER}, the number of the joint, is required,"
+                f" received {text!r}"
+            )
+    for channel in ("time", "run"):
+        if NUMBER in _text(columns.get(channel, "")):
+            raise InputError(
+                f"{where} {channel}: one column for all joints is required, received a pattern with {NUMBER}"
+            )
+
+
+def _text(source: object) -> str:
+    text = source.get("column") if isinstance(source, Mapping) else source
+    return text if isinstance(text, str) else ""
+
+
+def _numbered(source: object, number: int) -> object:
+    """A source of a channel with the number of a joint in its pattern."""
+    if isinstance(source, Mapping):
+        return {key: _numbered(x, number) if key == "column" else x for key, x in source.items()}
+    return source.replace(NUMBER, str(number)) if isinstance(source, str) else source
+
+
+def _drives(value: object, count: int, where: str) -> list[dict[str, Any]]:
+    """What is known of the drive of each joint: a value for all of them, or a list of one for each."""
+    if isinstance(value, list):
+        if len(value) != count:
+            raise InputError(
+                f"{where}: one table for each of {count} joints is required, received {len(value)}"
+            )
+        return [_entries(read_table(own, where), where) for own in value]
+    table = _entries(read_table(value, where), where)
+    found: list[dict[str, Any]] = [{} for _ in range(count)]
+    for key, given in table.items():
+        values = given if isinstance(given, list) else [given] * count
+        if len(values) != count:
+            raise InputError(
+                f"{where} {key}: one value, or one for each of {count} joints, is required,"
+                f" received {len(values)}"
+            )
+        for own, one in zip(found, values, strict=True):
+            own[key] = one
+    return found
+
+
+def _entries(table: Mapping[str, Any], where: str) -> dict[str, Any]:
+    keys = [key for known in KNOWNS if known.name in _OF_DRIVES for key in (known.name, known.key)]
+    refuse_unknown(table, keys, where)
+    return dict(table)

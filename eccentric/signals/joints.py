@@ -1,0 +1,112 @@
+"""The logs of an arm: the channels of every joint, on the same rows and below one low pass.
+
+The motion of all joints loads each of them, so that their angles have to be filtered alike.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from eccentric.errors import InputError, few
+from eccentric.logs import Log, LogSource, evaluate, read_log
+from eccentric.signals.channels import read_channels
+from eccentric.signals.limits import BELOW_COARSE, COARSE, MOST_REJECTED
+from eccentric.signals.measured import Channels
+
+if TYPE_CHECKING:
+    from eccentric.rigs import ArmRig, Rig
+
+__all__ = ["read_joints"]
+
+
+def read_joints(logs: Sequence[LogSource], rig: ArmRig) -> tuple[Channels, ...]:
+    """Return the channels of every joint, from the base outwards.
+
+    Rows without a number in a column of any joint are left out for all of them. Without a low pass in the
+    rig, it is the lowest of those that suit the joints one by one.
+
+    Raises:
+        InputError: what `read_channels` refuses, the joint named; a column for some of the joints only.
+    """
+    read = [_complete(read_log(log), rig) for log in logs]
+    found = [_of_joint(read, rig, j, one) for j, one in enumerate(rig.joints)]
+    common = _common(found)
+    if all(channels.rig.sampling == common for channels in found):
+        return tuple(found)
+    return tuple(
+        _of_joint(read, rig, j, dataclasses.replace(one, sampling=_own(common, channels)))
+        for j, (one, channels) in enumerate(zip(rig.joints, found, strict=True))
+    )
+
+
+def _common(found: Sequence[Channels]):  # noqa: ANN202 - Sampling, which no door names
+    """One filter for all joints: the lowest cut-off, the longest average."""
+    each = [channels.rig.sampling for channels in found]
+    cut = min(sampling.low_pass_hz for sampling in each)
+    if any(channels.time.points_per_row > 1 for channels in found):
+        cut = min(cut, BELOW_COARSE * COARSE / found[0].time.logged_step_s)
+    over = max(sampling.average_over for sampling in each)
+    return dataclasses.replace(each[0], low_pass_hz=cut, low_pass_given=True, average_over=over)
+
+
+def _own(common, channels: Channels):  # noqa: ANN001, ANN202
+    threshold = channels.rig.sampling.moving_threshold_rad_s
+    return dataclasses.replace(common, moving_threshold_rad_s=threshold)
+
+
+def _of_joint(logs: Sequence[Log], rig: ArmRig, j: int, one: Rig) -> Channels:
+    try:
+        return read_channels(logs, one)
+    except InputError as error:
+        raise InputError(f"joint {rig.number(j)}: {error}") from None
+
+
+def _complete(log: Log, rig: ArmRig) -> Log:
+    """The log without the rows in which any joint lacks a number."""
+    _require_columns(log, rig)
+    good = np.ones(log.rows, dtype=bool)
+    for one in rig.joints:
+        for channel, source in (one.log.columns or {}).items():
+            if channel != "run":
+                good &= _finite(log, source.text, f"{one.path}: [columns] {channel}")
+    lost = int(np.count_nonzero(~good))
+    if not lost:
+        return log
+    what = f"no number for some joint in {lost} of {log.rows} rows"
+    if lost > MOST_REJECTED * log.rows:
+        raise InputError(f"{log.path}: {what}; at most {MOST_REJECTED:.0%} may be missing")
+    return dataclasses.replace(
+        log,
+        columns={name: values[good] for name, values in log.columns.items()},
+        rows=log.rows - lost,
+        lines=None if log.lines is None else log.lines[good],
+        notes=(*log.notes, f"{what}: such rows are dropped"),
+    )
+
+
+def _finite(log: Log, text: str, where: str) -> NDArray[np.bool_]:
+    values = log.numbers(text) if text in log.columns else evaluate(text, log.numbers, where)
+    return np.isfinite(np.asarray(values, float)) & np.ones(log.rows, dtype=bool)
+
+
+def _require_columns(log: Log, rig: ArmRig) -> None:
+    """A pattern that fits some joints only is refused in one line that counts them."""
+    numbers = [rig.number(j) for j in range(len(rig.joints))]
+    for channel in rig.joints[0].log.columns or {}:
+        names = [(one.log.columns or {})[channel].text for one in rig.joints]
+        missing = [k for k, name in enumerate(names) if name not in log.columns and name.isidentifier()]
+        if missing and len(missing) < len(names):
+            first, there = missing[0], len(names) - len(missing)
+            raise InputError(
+                f"{log.path}: {channel}: a column for each of {len(names)} joints is required, received"
+                f" {there}: {names[first]!r} of joint {numbers[first]} is missing"
+            )
+        if missing:
+            raise InputError(
+                f"{log.path}: {channel}: column {names[0]!r} is required, the log has {few(log.columns)}"
+            )

@@ -1,0 +1,158 @@
+"""Friction of the joints of an arm: which load it follows, where none; the bodies where they are open."""
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+from eccentric.errors import InputError
+from eccentric.joints import ArmFit, arm_fit_document, arm_fit_lines, fit_arm
+from eccentric.joints.base_parameters import base_of, names_of
+from eccentric.joints.body_motion import BodyModule, JointMotions
+from eccentric.joints.letters import letters_of, matrix_of, moments_of, parameters_of
+from eccentric.joints.possible import possible_bodies
+from eccentric.model import Load
+from eccentric.rigs import read_arm_rig
+from tests.arm_logs import LENGTHS, MASSES, MU, Friction, arm_log_of, arm_rig_of, moved, plain, planar_arm
+from tests.arm_logs import shoulder_by_load as by_load
+from tests.arms import random_chain
+
+
+def fitted(friction: Friction, masses: tuple[float, float] = MASSES, **more: Any) -> ArmFit:
+    """The fit of a simulated log."""
+    return fit_arm([arm_log_of(friction)], read_arm_rig(arm_rig_of(planar_arm(masses), **more)), ["log"])
+
+
+@pytest.fixture(scope="module")
+def known() -> ArmFit:
+    """Friction of the shoulder follows F_N; the bodies are declared."""
+    return fitted(by_load)
+
+
+@pytest.fixture(scope="module")
+def opened() -> ArmFit:
+    """The same with open bodies, which the arm file has wrong by a fifth."""
+    return fitted(by_load, (1.0, 0.5), joints={"inertial": "open"})
+
+
+def test_the_load_is_found_in_the_right_joint(known: ArmFit, opened: ArmFit) -> None:
+    """The shoulder's friction follows F_N; in the elbow Coulomb and viscous friction is enough."""
+    for found in (known, opened):
+        assert [(Load.NORMAL,), ()] == [joint.loads.followed for joint in found.joints]
+        assert found.joints[0].interval[0] > 80.0
+
+
+def test_coefficients_are_those_planted(known: ArmFit) -> None:
+    """Within their intervals, on the motor side; 20 mm per newton of F_N."""
+    shoulder, elbow = (joint.friction for joint in known.joints)
+    planted = {"C_lN": 0.02, "C_m": 0.3 * MU[0], "B_m": 0.05 * MU[0] ** 2}
+
+    for name, value in planted.items():
+        assert shoulder[name].interval[0] <= value * 1.001
+        assert shoulder[name].interval[1] >= value * 0.999
+    assert pytest.approx(0.12 * MU[1], rel=0.01) == elbow["C_m"].value
+    assert pytest.approx(0.03 * MU[1] ** 2, rel=0.01) == elbow["B_m"].value
+
+
+def test_open_bodies_are_identified(opened: ArmFit) -> None:
+    """Base parameters of the textbook's arm: they are within 1 %, and bodies that could exist have them."""
+    found = opened.bodies
+    assert found is not None
+    truth = dict(zip(names_of(2), moments_of(planar_arm()).ravel(), strict=True))
+    sums = found.base.sums @ np.array([truth[name] for name in names_of(2)])
+    values = np.array([e.value for e in found.estimates.values()])
+
+    assert np.allclose(sums, values, atol=2e-3)
+    assert found.bodies.explain
+    assert np.all(np.linalg.eigvalsh(matrix_of(found.bodies.values)) > 0.0)
+
+
+def test_without_friction_by_load_nothing_is_claimed() -> None:
+    """Coulomb and viscous friction is enough in both joints, and no error is said to fall."""
+    found = fitted(plain)
+
+    assert [(), ()] == [joint.loads.followed for joint in found.joints]
+    assert [0.0, 0.0] == [joint.percent for joint in found.joints]
+    assert "Coulomb and viscous friction is enough in every joint" in arm_fit_lines(found)[-1]
+
+
+def test_a_current_without_gain_is_told() -> None:
+    """With open bodies in amperes; with declared ones the gain is identified."""
+    log = arm_log_of(by_load)
+    for j, k_i in enumerate((0.08, 0.05)):
+        log[f"i_A_{j + 1}"] = log.pop(f"tau_Nm_{j + 1}") * MU[j] / k_i
+    columns = {"time": "t_s", "run": "run", "theta_l": "q_rad_{j}", "current": "i_A_{j}"}
+    rig = arm_rig_of(planar_arm()) | {"drive": "current", "columns": columns}
+    opened = fit_arm([log], read_arm_rig(rig | {"joints": {"inertial": "open"}}), ["log"])
+    known = fit_arm([log], read_arm_rig(rig), ["log"])
+    said = [arm_fit_document(found)["joints"][0] for found in (opened, known)]
+
+    assert [("not identifiable", "A"), ("identified", "N m")] == [(x["gain"], x["unit"]) for x in said]
+    assert pytest.approx([0.08, 0.05], rel=0.05) == [e.value for e in known.log.gains if e is not None]
+    assert [(Load.NORMAL,), ()] == [joint.loads.followed for joint in opened.joints]
+
+
+def test_a_voltage_without_constants_is_refused() -> None:
+    """One line names the first that is missing, and the joint."""
+    log = arm_log_of(plain, runs=3, seconds=6.0)
+    columns = {"time": "t_s", "run": "run", "theta_l": "q_rad_{j}", "voltage": "tau_Nm_{j}"}
+    rig = arm_rig_of(planar_arm()) | {"drive": "voltage", "columns": columns}
+
+    with pytest.raises(
+        InputError, match=r"\[drives\] k_i: a value is required to convert the voltage of joint 1"
+    ):
+        fit_arm([log], read_arm_rig(rig), ["log"])
+
+
+def test_base_parameters_span_the_regressor() -> None:
+    """Of a random arm: their columns give its torques, and there are as many as the rank."""
+    rng = np.random.default_rng(3)
+    chain = random_chain(rng, 4, aligned=True, sliding=0.0, geared=True, rotors=True)
+    module = BodyModule(chain)
+    motion = JointMotions(*(rng.normal(size=(60, 4)) * size for size in (3, 4, 9)))
+    values, whole = moments_of(chain), module.regressor(motion)
+    rows = whole.reshape(-1, module.count)
+    base = base_of(rows)
+    rotors = module.torques(motion, np.zeros(module.count))
+
+    assert np.allclose(whole @ values.ravel() + rotors, module.torques(motion, values), atol=1e-9)
+    assert np.linalg.matrix_rank(rows / np.maximum(np.linalg.norm(rows, axis=0), 1e-12), 1e-6) == len(
+        base.chosen
+    )
+    assert np.allclose(rows[:, base.chosen] @ (base.sums @ values.ravel()), rows @ values.ravel(), atol=1e-8)
+
+
+def test_loads_and_torques_are_those_of_the_textbook() -> None:
+    """F_N and torque of both joints of the planar arm."""
+    m = moved(np.linspace(0.0, 5.0, 40), 3)
+    mu = np.array(MU)
+    module = BodyModule(planar_arm())
+    met = module.met(JointMotions(m.q / mu, m.w / mu, m.a / mu), moments_of(planar_arm()))
+
+    assert np.allclose(m.F_N, np.stack([joint.F_N for joint in met], 1))
+    assert np.allclose(m.torque * mu, np.stack([joint.whole for joint in met], 1))
+    assert np.allclose(LENGTHS[1] * MASSES[1] * 9.81 * MU[1] * np.sin(m.q.sum(1)), met[1].gravity)
+
+
+def test_impossible_base_parameters_are_told() -> None:
+    """Of one pendulum with a negative inertia about its axis there is no body."""
+    chain = planar_arm()
+    values = moments_of(chain)
+    module, rng = BodyModule(chain), np.random.default_rng(1)
+    motion = JointMotions(*(rng.normal(size=(40, 2)) * 4 for _ in range(3)))
+    base = base_of(module.regressor(motion).reshape(-1, 20))
+    right = base.sums @ values.ravel()
+    errors = np.full(len(right), 1e-3)
+    wrong = np.where(np.abs(right) > 1e-9, -right, 0.0)
+
+    assert possible_bodies(values * 1.3, base, right, errors).explain
+    assert not possible_bodies(values, base, wrong, errors).explain
+
+
+def test_the_matrix_of_a_body_and_back() -> None:
+    """Ten numbers of a body, as a symmetric matrix and back."""
+    x = np.arange(1.0, 11.0)
+
+    assert len(letters_of(0)) == len(x)
+    assert np.array_equal(x, parameters_of(matrix_of(x)))
+    assert np.array_equal(matrix_of(x), matrix_of(x).T)
