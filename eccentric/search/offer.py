@@ -33,6 +33,7 @@ def offered(
         and _varies(effect, data, rig)
         and _known(effect, base, data.signals)
         and _absent(effect, base)
+        and _occurs(effect, base)
     )
 
 
@@ -43,6 +44,14 @@ def _absent(effect: Effect, base: Model) -> bool:
         there.names & new.names or set(there.change.replaces) & set(new.change.replaces)
         for there in base.extensions
     )
+
+
+def _occurs(effect: Effect, base: Model) -> bool:
+    """Whether the base model has what the effect replaces: a joint of an arm has no angle."""
+    terms = (term.value for balance in base.balances for term in balance.terms)
+    values = (definition.value for definition in base.definitions)
+    used = set().union(*(x.free_symbols for x in (*terms, *values)))
+    return set(effect.change.replaces) <= used
 
 
 def _in_a_balance(effect: Effect, data: FitData, balances: set[str]) -> bool:
