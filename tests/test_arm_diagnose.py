@@ -1,0 +1,154 @@
+"""What the joints of an arm lack: family and joint, from Python and from the command line."""
+
+import json
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import eccentric
+from eccentric import ArmDiagnosisResult, InputError
+from eccentric.cli import main
+from tests.arm_logs import Friction, arm_log_of, arm_rig_of, elbow_stribeck, plain, planar_arm
+
+ARM = """gravity = [0, "-9.81 m/s^2", 0]
+
+[[joint]]
+name = "shoulder"
+axis = [0, 0, 1]
+mu = "1/9"
+[joint.body]
+mass = "0.8 kg"
+centre = [0, "-300 mm", 0]
+inertia = { xx = "0.004 kg m^2", yy = "0.004 kg m^2", zz = "0.004 kg m^2" }
+
+[[joint]]
+name = "elbow"
+axis = [0, 0, 1]
+position = [0, "-300 mm", 0]
+mu = "1/6"
+[joint.body]
+mass = "0.6 kg"
+centre = [0, "-250 mm", 0]
+inertia = { xx = "0.004 kg m^2", yy = "0.004 kg m^2", zz = "0.004 kg m^2" }
+"""
+
+
+def diagnosed(friction: Friction, **more: Any) -> ArmDiagnosisResult:
+    """The diagnosis of a simulated log."""
+    return eccentric.diagnose_arm(arm_log_of(friction), arm_rig_of(planar_arm(), **more))
+
+
+@pytest.fixture(scope="module")
+def stribeck() -> ArmDiagnosisResult:
+    """Of a log with Stribeck friction in the elbow."""
+    return diagnosed(elbow_stribeck)
+
+
+def test_effect_and_joint_are_named(stribeck: ArmDiagnosisResult) -> None:
+    """Stribeck friction in joint 2, with exponent 2; nothing is missing in joint 1."""
+    shoulder, elbow = stribeck.diagnosis.joints
+
+    assert "named" == stribeck.verdict
+    assert ((2, "stribeck[d=2]"),) == stribeck.effects
+    assert ["nothing_missing", "named"] == [shoulder.verdict, elbow.verdict]
+    assert {"joint": 2, "verdict": "named", "family": "stribeck"} == stribeck.diagnosis.first
+
+
+def test_the_held_out_error_falls_to_the_noise(stribeck: ArmDiagnosisResult) -> None:
+    """In the elbow only."""
+    rows = [dict(zip(stribeck.table().names, row, strict=True)) for row in stribeck.table().rows]
+
+    assert rows[1]["extended"] < 0.3 * rows[1]["paper"]
+    assert rows[0]["extended"] == rows[0]["paper"]
+    assert np.isclose(rows[1]["extended"], stribeck.diagnosis.joints[1].found.noise_floor, rtol=0.2)
+
+
+def test_more_joints_have_more_chances(stribeck: ArmDiagnosisResult) -> None:
+    """What an effect has to gain grows with the logarithm of their number."""
+    assert pytest.approx(24.0 + 2.0 * np.log(2.0)) == stribeck.diagnosis.required
+
+
+def test_nothing_is_named_where_nothing_is_missing() -> None:
+    """Coulomb and viscous friction alone, bodies open."""
+    found = diagnosed(plain, joints={"inertial": "open"})
+
+    assert "nothing_missing" == found.verdict
+    assert () == found.effects
+    assert found.diagnosis.first is None
+
+
+def test_the_document_has_one_of_each_joint(stribeck: ArmDiagnosisResult) -> None:
+    """Strict JSON, of the arm and as for one drive of each joint."""
+    said = stribeck.to_dict()
+
+    assert "eccentric-arm-diagnosis/1" == said["format"]
+    assert ["nothing_missing", "named"] == [joint["diagnosis"]["verdict"] for joint in said["joints"]]
+    assert [{"joint": 2, "id": "stribeck[d=2]", "family": "stribeck"}] == [
+        {key: effect[key] for key in ("joint", "id", "family")} for effect in said["effects"]
+    ]
+    assert "stribeck[d=2] in joint 2" in stribeck.sentence
+
+
+@pytest.fixture(scope="module")
+def written(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Path]:
+    """A log and the rig of an arm as files."""
+    folder = tmp_path_factory.mktemp("arm")
+    log = arm_log_of(plain, runs=3, seconds=10.0)
+    names = list(log)
+    lines = [",".join(names), *(",".join(map(str, row)) for row in zip(*log.values(), strict=True))]
+    (folder / "log.csv").write_text("\n".join(lines), encoding="utf-8")
+    (folder / "arm.toml").write_text(ARM, encoding="utf-8")
+    (folder / "rig.toml").write_text(
+        """arm = "arm.toml"
+drive = "torque"
+moving_threshold_rad_s = 0.05
+[columns]
+time = "t_s"
+run = "run"
+theta_l = "q_rad_{j}"
+torque_l = "tau_Nm_{j}"
+""",
+        encoding="utf-8",
+    )
+    return folder / "log.csv", folder / "rig.toml"
+
+
+def test_fit_takes_the_rig_of_an_arm(
+    written: tuple[Path, Path], tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """The same command: a table of the joints, and fit.json."""
+    log, rig = written
+    done = main(["fit", str(log), "--rig", str(rig), "--out", str(tmp_path / "out")])
+    said = json.loads((tmp_path / "out" / "fit.json").read_text(encoding="utf-8"))
+
+    assert 0 == done
+    assert "Coulomb and viscous friction is enough in every joint" in capsys.readouterr().out
+    assert ["shoulder", "elbow"] == [joint["name"] for joint in said["joints"]]
+
+
+@pytest.mark.parametrize(
+    ("command", "option"), [("fit", ["--model", "c2_parallel"]), ("diagnose", ["--with", "stribeck"])]
+)
+def test_options_of_one_drive_are_refused(
+    written: tuple[Path, Path],
+    tmp_path: Path,
+    capsys: pytest.CaptureFixture[str],
+    command: str,
+    option: list[str],
+) -> None:
+    """One line, which names the option and the rig."""
+    log, rig = written
+    done = main([command, str(log), "--rig", str(rig), "--out", str(tmp_path / "out"), *option])
+
+    assert 2 == done
+    assert f"{option[0]}: the rig of a single drive is required with it" in capsys.readouterr().err
+
+
+def test_a_command_for_one_drive_refuses_an_arm(written: tuple[Path, Path]) -> None:
+    """One line."""
+    log, rig = written
+
+    with pytest.raises(InputError, match="arm: the rig of a single drive is required here"):
+        eccentric.fit(str(log), str(rig))
