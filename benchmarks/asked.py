@@ -114,5 +114,8 @@ DIAGNOSIS: dict[str, Asked] = {
             ("effect", "parameters of an effect"),
         )
     },
+    "arms first": Asked("arms: right family and joint first", "at least", 0.9),
+    "arms wrong": Asked("arms: wrong name given", "at most", 0.03),
+    "arms alarms": Asked("arms: false alarms on controls", "at most", 0),
     "readers": Asked("fuzzed inputs neither taken nor refused in one line", "at most", 0),
 }

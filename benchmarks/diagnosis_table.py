@@ -82,20 +82,20 @@ def details(results: Sequence[Result]) -> list[str]:
     rows = {
         **{
             f"{what}, although a fit that knows the truth predicts better than the answer by z > {PROVABLE:g}": (
-                _share(sum(r.oracle is not None and r.oracle.over_answer > PROVABLE for r in own), len(own))
+                share(sum(r.oracle is not None and r.oracle.over_answer > PROVABLE for r in own), len(own))
             )
             for what, own in zip(("not first", "not both of two"), missed, strict=True)
         },
-        "a wrong name, further names counted too": _share(
+        "a wrong name, further names counted too": share(
             sum(bool(set(r.named) - set(r.truth)) for r in single), len(single)
         ),
-        "faint effects with a wrong name": _share(
+        "faint effects with a wrong name": share(
             sum(bool(set(r.named) - set(r.truth)) for r in faint), len(faint)
         ),
-        "abstained on a family of the library": _share(
+        "abstained on a family of the library": share(
             sum(r.verdict in {"not_identifiable", "unexplained"} for r in single), len(single)
         ),
-        "exact aliases of the paper's columns left alone": _share(
+        "exact aliases of the paper's columns left alone": share(
             sum(r.verdict == "nothing_missing" for r in hidden), len(hidden)
         ),
         "held-out RMSE above the oracle's where the right name was given: median, 90th percentile": (
@@ -130,8 +130,8 @@ def _fraction(
     count, answered = sum(map(own, results)), [r for r in results if r.peer is not None]
     text = ""
     if peer is not None and answered:
-        text = f"PySINDy {_share(sum(peer((r.peer or {})['ranked'], r) for r in answered), len(answered))}"
-    return Measured(count / len(results) if results else float("nan"), _share(count, len(results)), text)
+        text = f"PySINDy {share(sum(peer((r.peer or {})['ranked'], r) for r in answered), len(answered))}"
+    return Measured(count / len(results) if results else float("nan"), share(count, len(results)), text)
 
 
 def _excess(results: Sequence[Result], rmse: Callable[[Result, str], float | None]) -> list[float]:
@@ -167,7 +167,7 @@ def _miss(r: Result) -> str:
     return f"| {' | '.join(map(str, cells))} |"
 
 
-def _share(count: int, total: int) -> str:
+def share(count: int, total: int) -> str:
     """A fraction with its 95 % Clopper-Pearson interval."""
     if total == 0:
         return "-"
