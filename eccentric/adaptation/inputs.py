@@ -33,7 +33,10 @@ def inputs_of(channels: Channels, names: Sequence[str], log: str) -> list[Array]
     }
     require_logged(channels, names, log)
     if unknown := [name for name in names if name not in known]:
-        raise InputError(f"{log}: a model without {unknown[0]} is required: a log has no such channel")
+        raise InputError(
+            f"{log}: a model without hidden states is required to follow friction along a log, received"
+            f" {unknown[0]}"
+        )
     given = [np.array(known[name], float) for name in names]
     unusable = ~channels.selection.usable | motor.off
     return [np.where(unusable, np.nan, x) for x in given]

@@ -18,6 +18,7 @@ import numpy as np
 from eccentric.emission.hot import load_module
 from eccentric.errors import InputError
 from eccentric.model import Column, Model, regressor
+from eccentric.model import vocabulary as v
 
 CHANGE = 0.3
 """Standard deviation of a coefficient's change in the field, as a share of its size."""
@@ -26,6 +27,8 @@ _LEAST_SHARE = 0.1
 _NOISE, _MOVING, _SPEED = 0.05, 1.0, 20.0
 """Without a fit: noise as a share of the mean friction, the least speed, and a medium speed [rad/s]."""
 _LEAST_SPEED = 1e-3
+_NONE = 1e-12
+"""The size of a column that is 0."""
 _FARTHEST = 20.0
 """A coefficient stays within so many standard deviations of its start."""
 
@@ -69,8 +72,8 @@ def prior_of(model: Model, fit: Mapping[str, Any] | None = None) -> Prior:
     """The prior of a model with its defaults; `fit` is the content of the fit.json that they come from.
 
     Raises:
-        InputError: the model has no mechanical residual in newton metres and amperes, no inertia, or no
-            friction.
+        InputError: the model has no mechanical residual in newton metres and amperes, no inertia, no
+            friction, or a coefficient whose size nothing tells.
     """
     _require(model)
     fit = fit or {}
@@ -83,6 +86,13 @@ def prior_of(model: Model, fit: Mapping[str, Any] | None = None) -> Prior:
             " received none: check the sign of the current and the rig"
         )
     size = np.maximum(np.abs(values), _LEAST_SHARE * friction / bases)
+    for j in _not_yet(model, columns, bases):
+        if values[j] == 0.0:
+            raise InputError(
+                f"model {model.name}: an estimator of its friction: a value of {columns[j].name} other than 0"
+                " is required, since nothing else tells its size: fit the model first"
+            )
+        size[j] = abs(values[j])
     covariance = np.diag((CHANGE * size) ** 2) + _of_fit(columns, fit)
     deviations = np.sqrt(np.diag(covariance))
     lows = [-math.inf if c.bounds[0] is None else c.bounds[0] for c in columns]
@@ -135,6 +145,12 @@ def _speed(fit: Mapping[str, Any]) -> float:
     return fastest / 2 if isinstance(fastest, int | float) and 0 < fastest < math.inf else _SPEED
 
 
+def _not_yet(model: Model, columns: tuple[Column, ...], bases: np.ndarray) -> list[int]:
+    """Columns that are 0 at the start, by the time or a hidden state: no motion tells their size."""
+    later = {v.t.symbol, *(state.quantity.symbol for state in model.states)}
+    return [j for j, one in enumerate(columns) if bases[j] <= _NONE and one.basis.free_symbols & later]
+
+
 def _seen(model: Model, speed: float) -> tuple[np.ndarray, np.ndarray, float]:
     """Coefficients, mean size of their columns (n,) and of the friction, at that speed over both turns."""
     module = load_module(model)
@@ -145,7 +161,7 @@ def _seen(model: Model, speed: float) -> tuple[np.ndarray, np.ndarray, float]:
     inputs = [known.get(name, np.zeros_like(theta_m)) for name in inputs_of(module.regressor)]
     columns = np.asarray(module.regressor(*inputs))
     values = np.asarray(module.friction_coefficients(), float)
-    return values, np.maximum(np.mean(np.abs(columns), 0), 1e-12), float(np.mean(np.abs(columns @ values)))
+    return values, np.maximum(np.mean(np.abs(columns), 0), _NONE), float(np.mean(np.abs(columns @ values)))
 
 
 def inputs_of(function: Any) -> list[str]:
