@@ -8,8 +8,11 @@ import numpy as np
 import pytest
 
 import eccentric
+from eccentric.adaptation.inputs import inputs_of
 from eccentric.cli import main
 from eccentric.errors import InputError
+from eccentric.rigs import read_rig
+from eccentric.signals import read_channels
 
 KNOWN = {
     "M": 0.5,
@@ -125,6 +128,14 @@ def test_a_torque_is_no_current(rig: Any) -> None:
         "table: a column for current is required to follow friction; map it in [columns] of rig,"
         " received torque only"
     )
+
+
+def test_a_hidden_state_is_in_no_log(rig: Any) -> None:
+    """A model with hidden states is refused in one line that names the first of them."""
+    channels = read_channels([log(1.0)], read_rig(rig))
+
+    with pytest.raises(InputError, match=r"a model without hidden states is required .*, received heat_P$"):
+        inputs_of(channels, ("theta_m", "heat_P"), "table")
 
 
 def test_a_current_of_the_wrong_sign_is_refused(rig: Any) -> None:
