@@ -85,6 +85,22 @@ CODE: dict[str, Asked] = {
     "compiled 1": Asked("`eccentric.compile`, a call on arrays of 1", "at most", 3, "us"),
     "compiled 100": Asked("`eccentric.compile`, a call on arrays of 100", "at most", 3, "us"),
     "found": Asked("`eccentric.compile`, cached, in a fresh process that has NumPy", "at most", 0.2, "s"),
+    "arm motor torque 7": Asked(
+        "arm of 7 joints, x86-64: all wrenches and load friction, instructions", "at most", 2900
+    ),
+    "arm inverse 7": Asked("the same: inverse dynamics alone", "at most", 2500),
+    **{
+        # 0.42 times what Pinocchio 4.1 takes for its `rnea` without loads or friction.
+        f"arm inverse {n}": Asked(f"arm of {n} joints: inverse dynamics", "at most", int(0.42 * peer))
+        for n, peer in ((1, 942), (3, 2916), (12, 11803))
+    },
+    "arm numpy": Asked("arm of 7 joints, NumPy, 1e5 samples, a sample", "at most", 1.0, "us"),
+    "arm compiled": Asked("the same, compiled", "at most", 0.25, "us"),
+    "arm pinocchio": Asked(
+        "random arms of 1 to 12 joints, NumPy: deviation from Pinocchio", "at most", 1e-12
+    ),
+    "arm emitted 7": Asked("arm of 7 joints, derived and emitted", "at most", 20, "s"),
+    "arm emitted 12": Asked("arm of 12 joints, derived and emitted", "at most", 40, "s"),
     "derive": Asked("`make derive`, all models: time over `import sympy`", "at most", 10),
 }
 

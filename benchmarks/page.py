@@ -18,6 +18,7 @@ from pathlib import Path
 sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
 from benchmarks import (
     accuracy,
+    arms,
     arms_diagnosis,
     calls,
     checks,
@@ -41,6 +42,7 @@ PARTS: dict[str, tuple[str, Callable[[bool], Part]]] = {
     "host": ("C on the host, arrays", host.measured),
     "calls": ("C on the host, single calls", calls.measured),
     "target": ("C on a Cortex-M4F", target.measured),
+    "arms": ("Arms", arms.measured),
     "accuracy": ("Accuracy", accuracy.measured),
     "checks": ("Checks", checks.measured),
     "field": ("In the field", field.measured),
