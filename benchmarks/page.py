@@ -49,7 +49,7 @@ PARTS: dict[str, tuple[str, Callable[[bool], Part]]] = {
     "readers": ("Fuzzed readers", fuzz.measured),
     "intervals": ("Intervals", intervals.measured),
     "diagnosis": ("Diagnosis", diagnosis.measured),
-    "arms": ("Diagnosis of arms", arms_diagnosis.measured),
+    "joints": ("Diagnosis of arms", arms_diagnosis.measured),
 }
 """What is timed comes first, each by itself."""
 PICTURE = "![speed against array size, error against distance from the zero of F_N](results.svg)"
