@@ -76,7 +76,8 @@ def emit(
     where: Arrays = "none" if not with_arrays else "beside" if functions else "with"
     choice = Choice(tuple(functions), where, fixed)
     asked = asked_adaptation(adapt, forgetting, false_alarms, settle)
-    found, loaded = (None, model_of(model)) if not is_arm(model) else arm_of(model)
+    given = None if parameters is None else document_of(_content(parameters))
+    found, loaded = (None, model_of(model)) if not is_arm(model) else arm_of(model, given)
     if asked is not None and found is not None:
         raise InputError("adapt: a model of one joint is required, received an arm")
     name = checked_name(
@@ -92,7 +93,6 @@ def emit(
         raise InputError(
             "adapt: the whole model is required with it, without a choice of functions, arrays or fixed"
         )
-    given = None if parameters is None else document_of(_content(parameters))
     if found is not None:
         return write_arm(
             found, chosen, origin_of(model), out, backend, single_file=single_file, choice=choice

@@ -10,7 +10,7 @@ from typing import Any, TypeAlias
 from eccentric.arms import read_arm
 from eccentric.errors import InputError
 from eccentric.logs import Log, LogSource, read_log
-from eccentric.model import Model, Recursion, arm, load_model, model_names, recursion
+from eccentric.model import Model, Recursion, arm, load_model, model_names, recursion, with_bodies
 from eccentric.places import given_path, is_arm_file
 from eccentric.rigs import Rig
 
@@ -81,9 +81,16 @@ def is_arm(model: object) -> bool:
     return isinstance(model, str | os.PathLike) and is_arm_file(model)
 
 
-def arm_of(source: ModelSource) -> tuple[Recursion, Model]:
-    """The recursion of an arm, and its model."""
+def arm_of(source: ModelSource, fit: Mapping[str, Any] | None = None) -> tuple[Recursion, Model]:
+    """The recursion of an arm, and its model; `fit` is the content of a fit whose bodies take its own one's place.
+
+    Raises:
+        InputError: it cannot be read, or the fit has the bodies of another arm.
+    """
     chain = read_arm(given_path(source, "arm"))
+    bodies = (fit or {}).get("bodies") or {}
+    if values := bodies.get("values"):
+        chain = with_bodies(chain, values)
     found = recursion(chain)
     size = "one joint" if len(chain.joints) == 1 else f"{len(chain.joints)} joints"
     title = f"Arm of {size}: motion, loads of the bearings, and friction that follows them"

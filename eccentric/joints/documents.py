@@ -7,7 +7,8 @@ Keys of both; an estimate is {value, std_error, interval_95, unit, bound_active}
              whether bodies that could exist have them, misfit_in_std_errors, and their inertial parameters
     joints   one entry each: number, name, drive, gain, unit, and
 
-    fit      loads {present, followed, alike, deviance, required}, friction: estimates, rmse_holdout {linear,
+    fit      model, parameters, parameter_notes, identified_range: what `eccentric emit ARM --parameters` takes
+             loads {present, followed, alike, deviance, required}, friction: estimates, rmse_holdout {linear,
              followed, every}, improvement {percent, interval_95}, leave_one_run_out, r_squared_holdout,
              torque_rms, noise_floor
     diagnosis  diagnosis: the document of this joint, eccentric-diagnosis/1; of the arm: verdict, sentence,
@@ -39,6 +40,7 @@ def arm_fit_document(found: ArmFit) -> dict[str, Any]:
         **_record(found.log, found.names, found.bodies),
         "fits_the_rig": found.fits_the_rig,
         "joints": [_joint(found.log, joint) for joint in found.joints],
+        **_emitted(found),
         "warnings": list(found.warnings),
     }
 
@@ -75,6 +77,30 @@ def arm_diagnosis_document(found: ArmDiagnosis) -> dict[str, Any]:
         ],
         "warnings": list(found.warnings),
     }
+
+
+def _emitted(found: ArmFit) -> dict[str, Any]:
+    """What `emit` takes of a fit: the friction by the names of the emitted arm, in N m on the motor side.
+
+    A joint without a scale for its torque has none: its friction is in the unit of its drive.
+    """
+    estimates = {
+        f"{name}_{place}": e
+        for place, joint in enumerate(found.joints)
+        for name, e in joint.friction.items()
+        if joint.unit == "N m"
+    }
+    return {
+        "model": found.log.rig.chain.name,
+        "parameters": {name: e.value for name, e in estimates.items()},
+        "parameter_notes": {name: _note(e) for name, e in estimates.items()},
+        "identified_range": f"friction fitted to {', '.join(found.names)}",
+    }
+
+
+def _note(e: Estimate) -> str:
+    low, high = (f"{x:.4g}" if math.isfinite(x) else "no bound" for x in e.interval)
+    return f"fitted, 95 % interval {low} to {high}"
 
 
 def _record(log: ArmLog, names: tuple[str, ...], bodies: IdentifiedBodies | None) -> dict[str, Any]:

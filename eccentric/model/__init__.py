@@ -16,6 +16,7 @@ from eccentric.model.chain import (
     Recursion,
     arm,
     recursion,
+    with_bodies,
     with_numbers,
 )
 from eccentric.model.change import Change, Extension
@@ -99,6 +100,7 @@ __all__ = [
     "steps",
     "symbols",
     "vocabulary",
+    "with_bodies",
     "with_numbers",
     "with_values",
 ]

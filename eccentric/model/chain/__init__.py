@@ -24,6 +24,7 @@ from eccentric.model.chain.bearing import Bearing
 from eccentric.model.chain.body import Body, Moments
 from eccentric.model.chain.chain import Chain
 from eccentric.model.chain.drive import JointDrive, drives
+from eccentric.model.chain.given_bodies import with_bodies
 from eccentric.model.chain.inwards import Wrench
 from eccentric.model.chain.joint import Joint, Placement
 from eccentric.model.chain.numbers import with_numbers
@@ -44,5 +45,6 @@ __all__ = [
     "momentum",
     "motion",
     "recursion",
+    "with_bodies",
     "with_numbers",
 ]
