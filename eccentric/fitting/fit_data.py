@@ -92,6 +92,8 @@ def fit_data_of(drive: Drive, rig: Rig, model: Model) -> FitData:
         values["u"] = channels.smooth(drive.signal())
     starts = tuple(int(k) for k in np.flatnonzero(np.r_[True, np.diff(channels.time.segment) != 0]))
     dt = np.diff(channels.time.t, append=channels.time.t[-1] + np.median(np.diff(channels.time.t)))
+    if channels.time.one_clock:
+        starts = (0,)
     dt[[start - 1 for start in starts if start > 0]] = float(np.median(dt))
     signals = Signals(values, dt, starts, known, friction=seen_columns(model, known), base=model)
     gravity, slope = _gravity(model, signals)

@@ -13,6 +13,7 @@ both as documents and lines.
     bodies       the bodies identified from all joints at once
     loads        which load the friction of a joint follows
     fitted, diagnosed    every joint, by the rooms of one drive
+    predicting   other runs predicted by a fit, and the payload that they have
     documents, words     the results for programs and for a terminal
     limits       every threshold, with its reason
 
@@ -22,17 +23,22 @@ May import: `diagnosis` and all rooms below it.
 from eccentric.joints.diagnosed import ArmDiagnosis, JointDiagnosis, diagnose_arm
 from eccentric.joints.documents import arm_diagnosis_document, arm_fit_document
 from eccentric.joints.fitted import ArmFit, JointFit, fit_arm
+from eccentric.joints.predicting import ForeignRuns, Payload, payload_of, predicted
 from eccentric.joints.words import arm_diagnosis_lines, arm_fit_lines
 
 __all__ = [
     "ArmDiagnosis",
     "ArmFit",
+    "ForeignRuns",
     "JointDiagnosis",
     "JointFit",
+    "Payload",
     "arm_diagnosis_document",
     "arm_diagnosis_lines",
     "arm_fit_document",
     "arm_fit_lines",
     "diagnose_arm",
     "fit_arm",
+    "payload_of",
+    "predicted",
 ]

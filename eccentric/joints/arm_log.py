@@ -53,6 +53,11 @@ class ArmLog:
         return len(self.channels)
 
     @property
+    def bases(self) -> dict[int, BaseParameters]:
+        """The base parameters of each joint that were chosen so far: a prediction takes the same."""
+        return dict(self._bases)
+
+    @property
     def cut_hz(self) -> float:
         """Cut-off of the low pass of all angles [Hz]."""
         return self.channels[0].rig.sampling.low_pass_hz
@@ -103,9 +108,7 @@ class ArmLog:
 
     def regressor(self, j: int) -> Array:
         """The torque of joint j per inertial parameter (n, 10 joints)."""
-        if self.cut_hz not in self._regressors:
-            self._regressors[self.cut_hz] = self.module.regressor(self.motion())
-        return self._regressors[self.cut_hz][:, j]
+        return self._whole()[:, j]
 
     def rows(self, j: int) -> Rows:
         """The rows that the friction of joint j is fitted on."""
@@ -149,11 +152,17 @@ class ArmLog:
                 taken = np.column_stack([taken, own])
         return tuple(found)
 
+    def _whole(self) -> Array:
+        """The torques per inertial parameter for the motion of the rig (n, joints, 10 joints)."""
+        if self.cut_hz not in self._regressors:
+            self._regressors[self.cut_hz] = self.module.regressor(self.motion())
+        return self._regressors[self.cut_hz]
+
     def _columns(self, motion: JointMotions) -> dict[int, Array]:
         """The torques per unit of the inertial parameters that are open in any joint, each (n, joints)."""
         places = sorted({place for k in range(len(self)) for place, _ in self.open_of(k)})
         if motion is self.motion():
-            whole = self._regressors[self.cut_hz]
+            whole = self._whole()
             return {place: whole[:, :, place] for place in places}
         found = self.module.regressor(motion, places)
         return {place: found[:, :, k] for k, place in enumerate(places)}

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from scipy.linalg import solve_triangular
-from scipy.optimize import nnls
+from scipy.optimize import lsq_linear, nnls
 
 from eccentric.search.limits import ALIASED, ORDER_OF_FOLDS
 
@@ -83,7 +83,12 @@ def bounded_solve(matrix: Array, vector: Array, lower: Array, ridge: Array | flo
     free = ~bounded
     # a free coefficient is the difference of two nonnegative ones
     design = np.hstack([factor.T, -factor.T[:, free]])
-    doubled, _ = nnls(design, solve_triangular(factor, right, lower=True, check_finite=False))
+    target = solve_triangular(factor, right, lower=True, check_finite=False)
+    try:
+        doubled, _ = nnls(design, target)
+    except RuntimeError:
+        # Columns that are nearly dependent make it go in circles; this one is slower and does not.
+        doubled = lsq_linear(design, target, (0.0, np.inf), method="bvls").x
     solution = doubled[: len(vector)].copy()
     solution[free] -= doubled[len(vector) :]
     return solution / scale

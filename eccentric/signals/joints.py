@@ -36,12 +36,20 @@ def read_joints(logs: Sequence[LogSource], rig: ArmRig) -> tuple[Channels, ...]:
     read = [_complete(read_log(log), rig) for log in logs]
     found = [_of_joint(read, rig, j, one) for j, one in enumerate(rig.joints)]
     common = _common(found)
-    if all(channels.rig.sampling == common for channels in found):
-        return tuple(found)
-    return tuple(
-        _of_joint(read, rig, j, dataclasses.replace(one, sampling=_own(common, channels)))
-        for j, (one, channels) in enumerate(zip(rig.joints, found, strict=True))
-    )
+    if not all(channels.rig.sampling == common for channels in found):
+        found = [
+            _of_joint(read, rig, j, dataclasses.replace(one, sampling=_own(common, channels)))
+            for j, (one, channels) in enumerate(zip(rig.joints, found, strict=True))
+        ]
+    return tuple(map(_by_one_clock, found))
+
+
+def _by_one_clock(channels: Channels) -> Channels:
+    """What drifts with time or warms goes on from run to run, if the time of the log does."""
+    time = channels.time
+    if len(time.run_names) < 2 or np.any(np.diff(time.t) <= 0.0):
+        return channels
+    return dataclasses.replace(channels, time=dataclasses.replace(time, one_clock=True))
 
 
 def _common(found: Sequence[Channels]):  # noqa: ANN202 - Sampling, which no door names

@@ -33,7 +33,7 @@ class TimeBase:
     """When the rows were taken: `t` [s] (n,), and the run and the stretch without gap of each, numbered (n,).
 
     A log too coarse for the low pass has `points_per_row` points for each of its rows, which are
-    `logged_step_s` apart.
+    `logged_step_s` apart. With `one_clock`, time goes on from run to run.
     """
 
     t: Array
@@ -42,10 +42,13 @@ class TimeBase:
     segment: Integers
     logged_step_s: float
     points_per_row: int
+    one_clock: bool = False
 
     @property
     def elapsed(self) -> Array:
-        """Time since the start of each row's run [s] (n,)."""
+        """Time since the start of each row's run [s] (n,); by one clock, since the start of the log."""
+        if self.one_clock:
+            return self.t - self.t[0]
         start = np.array([self.t[self.run == run][0] for run in range(int(self.run.max()) + 1)])
         return self.t - start[self.run]
 

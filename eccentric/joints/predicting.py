@@ -1,0 +1,137 @@
+"""Predict other runs of an arm with a fit of it, and find the payload that those runs have besides.
+
+Friction and bodies are held as they were fitted. A payload is a body in the frame of the last joint; its
+torques are linear in its ten inertial parameters, of which the runs show a part.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from eccentric.estimation import Coefficient, Design, Estimate, improvement, rms
+from eccentric.joints.arm_log import ArmLog, arm_log
+from eccentric.joints.base_parameters import base_of, names_of
+from eccentric.joints.fitted import ArmFit
+from eccentric.joints.letters import COUNT, letters_of
+from eccentric.logs import LogSource
+from eccentric.rigs import ArmRig, NamedHoldout
+from eccentric.signals import Rows, read_joints
+
+__all__ = ["ForeignRuns", "Payload", "payload_of", "predicted"]
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class ForeignRuns:
+    """Runs that a fit has not seen, predicted by it.
+
+    Attributes:
+        log: the runs.
+        residuals, drives: of each joint on its moving rows (m,), in the unit of its fit.
+        rows: of each joint, and which of them are those.
+    """
+
+    log: ArmLog
+    residuals: tuple[Array, ...]
+    drives: tuple[Array, ...]
+    rows: tuple[tuple[Rows, NDArray[np.bool_]], ...]
+
+    @property
+    def rmse(self) -> tuple[float, ...]:
+        """Error of each joint."""
+        return tuple(rms(x) for x in self.residuals)
+
+
+@dataclass(frozen=True)
+class Payload:
+    """A payload that runs have and the fit has not.
+
+    Attributes:
+        estimates: its inertial parameters in the frame of the last joint, those that the runs show.
+        rmse: error of each joint with it.
+        gains: of each joint, less error in percent, with the 95 % interval.
+    """
+
+    estimates: Mapping[str, Estimate]
+    rmse: tuple[float, ...]
+    gains: tuple[tuple[float, tuple[float, float]], ...]
+
+
+def predicted(found: ArmFit, logs: Sequence[LogSource], runs: Sequence[str]) -> ForeignRuns:
+    """Predict runs of the same arm, by names or patterns, with the friction and bodies of a fit.
+
+    Raises:
+        InputError: no run has such a name, or a joint does not move in them.
+    """
+    rig = _of_runs(found, runs)
+    log = replace(
+        arm_log(rig, read_joints(logs, rig)),
+        values=found.log.values,
+        scales=found.log.scales,
+        gains=found.log.gains,
+        _bases=found.log.bases,
+    )
+    residuals, drives, rows = [], [], []
+    for j, joint in enumerate(found.joints):
+        model, data = log.joint(j, joint.loads.followed)
+        fit = joint.followed
+        left = data.residuals(model, {}, fit.values, fit.scale).rows("mechanical", fit.values)
+        for c, column in data.signals.open.items():
+            left = left - data.rows.plain_mean(column) * fit.estimates[c.name].value
+        used = data.rows.train | data.rows.score
+        residuals.append(left[used])
+        drives.append(data.rows.mean(data.drive.torque())[used])
+        rows.append((data.rows, used))
+    return ForeignRuns(log, tuple(residuals), tuple(drives), tuple(rows))
+
+
+def payload_of(found: ForeignRuns) -> Payload:
+    """The payload that explains what a prediction leaves, all joints at once, each weighted by its residual."""
+    last = len(found.log) - 1
+    places = range(last * COUNT, (last + 1) * COUNT)
+    whole = found.log.module.regressor(found.log.motion(), places)
+    blocks, targets, weights = [], [], []
+    for j, (rows, used) in enumerate(found.rows):
+        own = found.log.scales[j] * rows.plain_mean(whole[:, j])[used]
+        blocks.append(own)
+        targets.append(found.residuals[j])
+        left = targets[-1] - own @ np.linalg.lstsq(own, targets[-1], rcond=None)[0]
+        weights.append(np.full(len(own), 1.0 / max(rms(left), 1e-300) ** 2))
+    columns, weight = np.vstack(blocks), np.concatenate(weights)
+    base = base_of(columns * np.sqrt(weight)[:, None])
+    names = [name.replace(f"_{last}", "_payload") for name in names_of(last + 1)[last * COUNT :]]
+    coefficients = tuple(
+        Coefficient(names[k], "bodies", letters_of(0)[k].unit, 0.0 if k == 0 else -np.inf) for k in base.chosen
+    )
+    every = np.ones(len(columns), dtype=bool)
+    solution = Design(coefficients, np.concatenate(targets), columns[:, base.chosen], every, weight).solve()
+    error, unit = solution.spread(), np.eye(len(coefficients))
+    estimates = {
+        c.name: error.estimate(
+            float(solution.values[k]), unit[k], c.unit, (c.lower, c.upper), int(solution.active[k])
+        )
+        for k, c in enumerate(coefficients)
+    }
+    ends = np.cumsum([len(block) for block in blocks])[:-1]
+    after = np.split(solution.residual, ends)
+    gains = tuple(improvement(before, left) for before, left in zip(targets, after, strict=True))
+    return Payload(estimates, tuple(rms(x) for x in after), gains)
+
+
+def _of_runs(found: ArmFit, runs: Sequence[str]) -> ArmRig:
+    """The rig of the fit for other runs, below the same low pass."""
+    joints = tuple(
+        replace(
+            one,
+            log=replace(one.log, runs=tuple(runs)),
+            holdout=NamedHoldout((), ()),
+            sampling=channels.rig.sampling,
+        )
+        for one, channels in zip(found.log.rig.joints, found.log.channels, strict=True)
+    )
+    return replace(found.log.rig, joints=joints)
