@@ -10,7 +10,7 @@ import math
 from pathlib import Path
 
 from eccentric.effects import Effect, Setting, library, load_effects
-from eccentric.fitting import FitData, Signals
+from eccentric.fitting import FitData
 from eccentric.model import Extension, Model
 from eccentric.rigs import Rig
 
@@ -31,7 +31,7 @@ def offered(
         if setting.has(*effect.evidence.needs)
         and _in_a_balance(effect, data, balances)
         and _varies(effect, data, rig)
-        and _known(effect, base, data.signals)
+        and _known(effect, base, data, balances)
         and _absent(effect, base)
         and _occurs(effect, base)
     )
@@ -71,13 +71,14 @@ def _varies(effect: Effect, data: FitData, rig: Rig) -> bool:
     return data.drive.channels.phased or not {"link_angle", "motor_angle", "gravity_load"} & variables
 
 
-def _known(effect: Effect, base: Model, signals: Signals) -> bool:
-    """Whether the rig knows every parameter of the base model that the effect uses."""
-    unknown = {q.name for q in base.parameters} - set(signals.known)
+def _known(effect: Effect, base: Model, data: FitData, balances: set[str]) -> bool:
+    """Whether the rig knows every parameter of the base model that the effect uses where the log shows it."""
+    unknown = {q.name for q in base.parameters} - set(data.signals.known)
+    shown = effect.change.terms if data.drive.by_voltage else balances
     unknown -= {str(t.coefficient) for t in base.balance("mechanical").terms}
     used = set().union(
         *(d.value.free_symbols for d in effect.change.definitions),
         *(s.update.free_symbols for s in effect.change.states),
-        *(t.basis.free_symbols for terms in effect.change.terms.values() for t in terms),
+        *(t.basis.free_symbols for b, terms in effect.change.terms.items() if b in shown for t in terms),
     )
     return not unknown & {s.name for s in used}
