@@ -74,16 +74,16 @@ def fit_table(found: ArmFit) -> list[list[str]]:
     rows = [[*columns.split(" | "), "every run left out, less error"]]
     for joint in found.joints:
         follows, over = " + ".join(joint.loads.followed), joint.over_runs
-        gain = f"{joint.percent:.0f} % ({joint.interval[0]:.0f} to {joint.interval[1]:.0f})" if follows else "-"
+        gain = (
+            f"{joint.percent:.0f} % ({joint.interval[0]:.0f} to {joint.interval[1]:.0f})" if follows else "-"
+        )
         runs = "-"
         if follows and over is not None:
             percent, (low, high), better = over.gains["paper"]
             runs = f"{percent:.0f} % ({low:.0f} to {high:.0f}), {better} of {over.runs} runs"
         errors = (f"{joint.rmse[key]:.3g}" for key in ("linear", "followed"))
-        rows.append(
-            [f"{joint.number} {joint.name}", follows.replace("_", " ") or "-", *errors, gain]
-            + [f"{joint.torque_rms:.3g}", runs]
-        )
+        name, load = f"{joint.number} {joint.name}", follows.replace("_", " ") or "-"
+        rows.append([name, load, *errors, gain, f"{joint.torque_rms:.3g}", runs])
     return rows
 
 
@@ -106,13 +106,16 @@ def diagnosis_table(found: ArmDiagnosis) -> list[list[str]]:
         effects = ", ".join(effect.id for effect, _ in joint.found.effects) or "-"
         depends = ", ".join(joint.found.attribution.depends_on[:3]).replace("_", " ") or "-"
         errors = (f"{rmse[key]:.3g}" for key in ("paper", "extended"))
-        rows.append([f"{joint.number} {joint.name}", joint.verdict.replace("_", " "), effects, *errors, depends])
+        rows.append(
+            [f"{joint.number} {joint.name}", joint.verdict.replace("_", " "), effects, *errors, depends]
+        )
     return rows
 
 
 def payload_tables(log: Log, rig: Path) -> list[list[str]]:
-    """The run with payload predicted from the others, and by what a payload improves it; the gains of the drives
-    are those that the controller's own torques give, on the training runs.
+    """The run with payload predicted from the others, and with a payload beside.
+
+    The gains of the drives are those that the controller's own torques give, on the training runs.
     """
     import tomllib
 
@@ -131,7 +134,11 @@ def payload_tables(log: Log, rig: Path) -> list[list[str]]:
         low, high = mass.interval
         rows.append([f"{run}, as predicted", *_side(foreign.rmse, mu), "-"])
         rows.append(
-            [f"{run}, with a payload", *_side(payload.rmse, mu), f"{mass.value:.2f} ({low:.2f} to {high:.2f})"]
+            [
+                f"{run}, with a payload",
+                *_side(payload.rmse, mu),
+                f"{mass.value:.2f} ({low:.2f} to {high:.2f})",
+            ]
         )
     return rows
 

@@ -10,6 +10,7 @@ import pytest
 import eccentric
 from eccentric import ArmDiagnosisResult, InputError
 from eccentric.cli import main
+from eccentric.model import load_model
 from tests.arm_logs import Friction, arm_log_of, arm_rig_of, elbow_stribeck, plain, planar_arm
 
 ARM = """gravity = [0, "-9.81 m/s^2", 0]
@@ -89,6 +90,27 @@ def test_the_document_has_one_of_each_joint(stribeck: ArmDiagnosisResult) -> Non
         {key: effect[key] for key in ("joint", "id", "family")} for effect in said["effects"]
     ]
     assert "stribeck[d=2] in joint 2" in stribeck.sentence
+
+
+def test_the_folder_has_a_page_for_the_arm_and_for_each_joint(
+    stribeck: ArmDiagnosisResult, tmp_path: Path
+) -> None:
+    """The model of the elbow is extended, a derivation of its own and emitted; loads are inputs."""
+    names = {path.relative_to(tmp_path).as_posix() for path in stribeck.write(tmp_path / "out")}
+    page = (tmp_path / "out" / "report.html").read_text(encoding="utf-8")
+    model = load_model(str(tmp_path / "out" / "joint_2" / "model.py"))
+
+    assert {"out/report.html", "out/joint_1/report.html", "out/joint_2/planar_joint_2_extended.c"} <= names
+    assert 'href="joint_2/report.html"' in page
+    assert "stribeck[d=2]" in page
+    assert model.name == "planar_joint_2_extended"
+    assert {"load_N", "load_T", "load_M"} <= {q.name for q in model.inputs}
+
+
+def test_a_joint_that_is_not_there_is_refused(stribeck: ArmDiagnosisResult) -> None:
+    """One line with the numbers that there are."""
+    with pytest.raises(InputError, match="joint: one of 1, 2 is required, received 3"):
+        stribeck.joint(3)
 
 
 @pytest.fixture(scope="module")

@@ -15,6 +15,7 @@ from eccentric.api.result import Result, new_axes, paragraphs
 from eccentric.api.tables import Correlation, ResultTable
 from eccentric.diagnosis import (
     BASE,
+    Diagnosis,
     SearchRequest,
     base_source,
     diagnosis_document,
@@ -34,7 +35,7 @@ from eccentric.report import Parameter, ReportData, page, plot_report, report_da
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-__all__ = ["DiagnosisResult", "diagnose"]
+__all__ = ["DiagnosisResult", "diagnose", "result_of"]
 
 
 def diagnose(
@@ -76,16 +77,19 @@ def diagnose(
     paths = _scripts(offered, base)
     request = SearchRequest(*(names_given(names) for names in (including, without, only)))
     found = diagnose_logs(read_logs(logs), rig, base, offered, request, progress)
-    given = found.asked.base
-    own = {path.name: path.read_text(encoding="utf-8") for path in paths}
-    fitted = found.models.extended
+    return result_of(found, {path.name: path.read_text(encoding="utf-8") for path in paths})
+
+
+def result_of(found: Diagnosis, own: Mapping[str, str]) -> DiagnosisResult:
+    """The result of a diagnosis; `own` are the scripts that it loads, name -> text."""
+    given, fitted = found.asked.base, found.models.extended
     return DiagnosisResult(
         model=extended_model(found),
         origin="model.py",
         estimates=fitted.estimates,
         correlation=Correlation.of(list(fitted.estimates), fitted.covariance),
         script=script(found),
-        own=own | ({BASE: base_source(given)} if isinstance(given, Model) else {}),
+        own={**own} | ({BASE: base_source(given)} if isinstance(given, Model) else {}),
         warnings=found.warnings,
         lines=tuple(diagnosis_lines(found)),
         data=report_data(found),
@@ -219,10 +223,11 @@ class DiagnosisResult(Result):
             InputError: the folder cannot be written.
         """
         with whole_folder(out, "diagnose") as folder:
-            names = self._fill(folder)
+            names = self.fill(folder)
         return [Path(out) / name for name in names]
 
-    def _fill(self, folder: Path) -> Sequence[str]:
+    def fill(self, folder: Path) -> Sequence[str]:
+        """Write the files of `write` into a folder that is there; return their names."""
         (folder / "diagnosis.json").write_text(self.to_json(), encoding="utf-8")
         (folder / "model.py").write_text(self.script, encoding="utf-8")
         for name, text in self.own.items():

@@ -8,10 +8,12 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeAlias
 
+from eccentric.api.diagnosed import DiagnosisResult, result_of
 from eccentric.api.inputs import LogSources, names_given, names_of, read_logs
 from eccentric.api.result import Printed, new_axes, paragraphs
 from eccentric.api.tables import ResultTable
 from eccentric.diagnosis import SearchRequest
+from eccentric.errors import InputError
 from eccentric.joints import (
     ArmDiagnosis,
     ArmFit,
@@ -25,6 +27,7 @@ from eccentric.joints import diagnose_arm as diagnose_logs
 from eccentric.joints import fit_arm as fit_logs
 from eccentric.output import whole_folder
 from eccentric.places import given_path
+from eccentric.report import arm_page
 from eccentric.rigs import ArmRig, read_arm_rig
 
 if TYPE_CHECKING:
@@ -86,6 +89,7 @@ def diagnose_arm(
     found = diagnose_logs(read, read_arm_rig(rig), names_of(read), offered, request, told)
     return ArmDiagnosisResult(
         diagnosis=found,
+        own={} if offered is None else {offered.name: offered.read_text(encoding="utf-8")},
         lines=tuple(arm_diagnosis_lines(found)),
         warnings=found.warnings,
         document=arm_diagnosis_document(found),
@@ -167,10 +171,12 @@ class ArmDiagnosisResult(Printed):
 
     Attributes:
         diagnosis: everything that was found, joint by joint.
+        own: name -> text of a script of your own effects.
         lines, warnings, document: as in Printed; the document is the content of diagnosis.json.
     """
 
     diagnosis: ArmDiagnosis
+    own: Mapping[str, str]
 
     @property
     def verdict(self) -> str:
@@ -206,14 +212,34 @@ class ArmDiagnosisResult(Printed):
         return ResultTable(names, tuple(rows))
 
     def write(self, out: str | os.PathLike[str]) -> list[Path]:
-        """Write diagnosis.json into a folder of its own.
+        """Write report and JSON of the arm, and what `eccentric diagnose` writes for each of its joints.
+
+        A joint's folder, joint_NUMBER, has its report, its model as a derivation, and the model emitted: its
+        inputs are the motion of the motor and what the emitted arm gives as torques and `bearing_loads`.
 
         Raises:
             InputError: the folder cannot be written.
         """
+        names = ["report.html", "diagnosis.json"]
         with whole_folder(out, "diagnose") as folder:
             (folder / "diagnosis.json").write_text(self.to_json(), encoding="utf-8")
-        return [Path(out) / "diagnosis.json"]
+            (folder / "report.html").write_text(arm_page(self.diagnosis), encoding="utf-8")
+            for joint in self.diagnosis.joints:
+                own = folder / f"joint_{joint.number}"
+                own.mkdir()
+                names += [f"{own.name}/{name}" for name in self.joint(joint.number).fill(own)]
+        return [Path(out) / name for name in names]
+
+    def joint(self, number: int) -> DiagnosisResult:
+        """The result of one joint, by its number in the columns, as `eccentric.diagnose` gives it.
+
+        Raises:
+            InputError: there is no such joint.
+        """
+        found = {joint.number: joint.found for joint in self.diagnosis.joints}
+        if number not in found:
+            raise InputError(f"joint: one of {', '.join(map(str, found))} is required, received {number}")
+        return result_of(found[number], self.own)
 
     def __repr__(self) -> str:
         return f"<ArmDiagnosisResult: {self.verdict}, {len(self.diagnosis.joints)} joints>"

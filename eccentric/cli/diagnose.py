@@ -77,8 +77,9 @@ def _of_an_arm(args: argparse.Namespace) -> int:
             without=names_in(args.without),
             only=names_in(args.only),
         )
-    names = [path.name for path in found.write(args.out)]
+    names = [path.relative_to(args.out).as_posix() for path in found.write(args.out)]
+    folders = dict.fromkeys(f"{name.partition('/')[0]}/" for name in names if "/" in name)
     print_warnings(found.warnings)
     print(found.summary())
-    print(f"{args.out}: {', '.join(names)}")
+    print(f"{args.out}: {', '.join([*(name for name in names if '/' not in name), *folders])}")
     return 0 if found.fits_the_rig else MISFIT

@@ -91,7 +91,7 @@ def predicted(found: ArmFit, logs: Sequence[LogSource], runs: Sequence[str]) -> 
 
 
 def payload_of(found: ForeignRuns) -> Payload:
-    """The payload that explains what a prediction leaves, all joints at once, each weighted by its residual."""
+    """The payload that explains what a prediction leaves, all joints at once, each by its weight."""
     last = len(found.log) - 1
     places = range(last * COUNT, (last + 1) * COUNT)
     whole = found.log.module.regressor(found.log.motion(), places)
@@ -105,8 +105,9 @@ def payload_of(found: ForeignRuns) -> Payload:
     columns, weight = np.vstack(blocks), np.concatenate(weights)
     base = base_of(columns * np.sqrt(weight)[:, None])
     names = [name.replace(f"_{last}", "_payload") for name in names_of(last + 1)[last * COUNT :]]
+    lower = np.where(np.arange(COUNT) == 0, 0.0, -np.inf)  # no payload is lighter than nothing
     coefficients = tuple(
-        Coefficient(names[k], "bodies", letters_of(0)[k].unit, 0.0 if k == 0 else -np.inf) for k in base.chosen
+        Coefficient(names[k], "bodies", letters_of(0)[k].unit, float(lower[k])) for k in base.chosen
     )
     every = np.ones(len(columns), dtype=bool)
     solution = Design(coefficients, np.concatenate(targets), columns[:, base.chosen], every, weight).solve()

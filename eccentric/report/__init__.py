@@ -4,6 +4,7 @@
     panels    rows -> means over a channel and time traces, few enough points to draw
     figures   -> Bokeh models and their JSON; without Bokeh the report consists of text and tables
     plot      -> two of them on matplotlib axes
+    arm_page  the page of an arm, which leads to those of its joints
     view      -> the strings that the templates see (`templates/report/`)
 
 All text from logs and rigs is escaped; only what is made here is inserted verbatim: formulas, BokehJS, the
@@ -18,13 +19,15 @@ from types import ModuleType
 import jinja2
 
 from eccentric.diagnosis import Diagnosis
+from eccentric.joints import ArmDiagnosis
 from eccentric.places import folder
+from eccentric.report.arm_page import arm_view
 from eccentric.report.data import Parameter, ReportData
 from eccentric.report.gather import report_data
 from eccentric.report.plot import plot_report
 from eccentric.report.view import view
 
-__all__ = ["Parameter", "ReportData", "page", "plot_report", "report", "report_data"]
+__all__ = ["Parameter", "ReportData", "arm_page", "page", "plot_report", "report", "report_data"]
 
 
 def report(found: Diagnosis, files: Sequence[tuple[str, str]] = ()) -> str:
@@ -34,14 +37,22 @@ def report(found: Diagnosis, files: Sequence[tuple[str, str]] = ()) -> str:
 
 def page(data: ReportData) -> str:
     """The page."""
-    environment = jinja2.Environment(
+    return _environment().get_template("report/report.html.jinja").render(view(data, _figures()))
+
+
+def arm_page(found: ArmDiagnosis) -> str:
+    """The page of an arm, which leads to that of each joint, joint_NUMBER/report.html."""
+    return _environment().get_template("report/arm.html.jinja").render(arm_view(found))
+
+
+def _environment() -> jinja2.Environment:
+    return jinja2.Environment(
         loader=jinja2.FileSystemLoader(folder("templates")),
         undefined=jinja2.StrictUndefined,
         trim_blocks=True,
         lstrip_blocks=True,
         autoescape=True,
     )
-    return environment.get_template("report/report.html.jinja").render(view(data, _figures()))
 
 
 def _figures() -> ModuleType | None:

@@ -1,0 +1,83 @@
+"""The page of an arm: its joints in a table, each with a page of its own, and its bodies."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+from eccentric.joints import ArmDiagnosis
+from eccentric.report.text import VERDICTS, number, range_of
+
+__all__ = ["arm_view"]
+
+NOTE = (
+    "Errors are RMS values on the held-out part. Each joint is the log of one drive, with what it meets from"
+    " the others as inputs; its own page has what it lacks."
+)
+
+
+@dataclass(frozen=True)
+class _Row:
+    """A joint in the table, all in words."""
+
+    href: str
+    name: str
+    verdict: str
+    effects: str
+    linear: str
+    paper: str
+    extended: str
+    noise: str
+    unit: str
+
+
+@dataclass(frozen=True)
+class _Sum:
+    """A base parameter in the table, all in words."""
+
+    words: str
+    value: str
+    interval: str
+    unit: str
+
+
+def arm_view(found: ArmDiagnosis) -> dict[str, Any]:
+    """The variables of the template."""
+    joints = []
+    for joint in found.joints:
+        rmse = joint.found.score.rmse["mechanical"]
+        joints.append(
+            _Row(
+                f"joint_{joint.number}/report.html",
+                f"{joint.number} {joint.name}",
+                VERDICTS[joint.verdict],
+                ", ".join(effect.id for effect, _ in joint.found.effects) or "-",
+                number(rmse["linear"]),
+                number(rmse["paper"]),
+                number(rmse["extended"]),
+                number(joint.found.noise_floor),
+                joint.found.unit,
+            )
+        )
+    sums, bodies = [], ""
+    if (identified := found.bodies) is not None:
+        bodies = (
+            "Identified from all joints at once; bodies that could exist have them."
+            if identified.bodies.explain
+            else "Identified from all joints at once; no bodies that could exist have them."
+        )
+        sums = [
+            _Sum(words, number(e.value), range_of(e.interval), e.unit)
+            for words, e in zip(identified.sums, identified.estimates.values(), strict=True)
+        ]
+    return {
+        "title": f"What does the model of the arm lack? {', '.join(found.names)}",
+        "verdict": found.verdict,
+        "verdict_words": VERDICTS[found.verdict],
+        "sentence": found.sentence,
+        "note": NOTE,
+        "joints": joints,
+        "bodies": bodies,
+        "sums": sums,
+        "warnings": list(found.warnings),
+    }
