@@ -71,7 +71,7 @@ def main() -> None:
     )
     with rc_context({"svg.hashsalt": "eccentric", "font.size": 9.0}):
         figure = Figure(figsize=(9.0, 5.6), layout="constrained")
-        axes = figure.subplots(2, 3)
+        axes, image = figure.subplots(2, 3), None
         for k, (title, along, what, found) in enumerate(columns):
             for j, joint in enumerate(("shoulder", "elbow")):
                 ax, shown = axes[j, k], 100 * found[..., j].T
@@ -83,6 +83,7 @@ def main() -> None:
                 ax.set_ylabel(f"{what} of the elbow [{unit}]")
                 ax.set_title(f"friction of the {joint}\n{title}", fontsize=9.0)
                 ax.set_aspect("equal")
+        assert image is not None
         bar = figure.colorbar(image, ax=axes, extend="max", shrink=0.8)
         bar.set_label("deviation of Coulomb + viscous friction [%]; white line: 10 %")
         figure.savefig(ROOT / "docs" / "arm_friction.svg", metadata={"Date": None}, dpi=110)

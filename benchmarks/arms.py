@@ -11,6 +11,7 @@ import statistics
 import tempfile
 import time
 from collections.abc import Callable, Sequence
+from importlib import import_module
 from pathlib import Path
 from typing import Any
 
@@ -20,7 +21,7 @@ import eccentric
 from benchmarks.cortex_m4 import M4F, OPTIMISED, build, emulate, run
 from benchmarks.record import Measured, Part, progress
 from eccentric.emission import Choice, executed, render_arm
-from eccentric.model import Chain, recursion
+from eccentric.model import Body, Chain, recursion
 from tests.arms import random_chain
 from tests.test_chain_size import robot
 
@@ -126,9 +127,8 @@ def speed(folder: Path) -> tuple[float, float, float | None]:
         seconds(lambda m=m: m.inverse_dynamics(*motion)) / SAMPLES * 1e6 for m in (module, compiled)
     )
     try:
-        import pinocchio as pin
-
-        from tests.test_chain_pinocchio import pinocchio_of
+        pin = import_module("pinocchio")
+        pinocchio_of = import_module("tests.test_chain_pinocchio").pinocchio_of
     except ImportError:
         return ours, built, None
     model, data = pinocchio_of(chain)
@@ -149,6 +149,7 @@ def arm_file(chain: Chain, folder: Path) -> Path:
 
     lines = [f'name = "{chain.name}"', f"gravity_m_s2 = {text(chain.gravity)}"]
     for number, (joint, body) in enumerate(zip(chain.joints, chain.bodies, strict=True)):
+        assert isinstance(body, Body)
         rows = ", ".join(text(joint.placement.rotation[k, :]) for k in range(3))
         inertia = {
             a + b: float(body.inertia[i, k])
@@ -176,9 +177,8 @@ def arm_file(chain: Chain, folder: Path) -> Path:
 def deviation(chains: int) -> float | None:
     """The largest difference to Pinocchio's torques and wrenches on random chains, relative to the largest entry."""
     try:
-        import pinocchio as pin
-
-        from tests.test_chain_pinocchio import pinocchio_of
+        pin = import_module("pinocchio")
+        pinocchio_of = import_module("tests.test_chain_pinocchio").pinocchio_of
     except ImportError:
         return None
     rng, worst = np.random.default_rng(1), 0.0

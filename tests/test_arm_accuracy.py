@@ -12,7 +12,7 @@ from sympy.printing.pycode import MpmathPrinter
 
 from eccentric.emission import Choice, executed, render_arm
 from eccentric.emission.program.arm_accuracy import FORCE, MOMENT
-from eccentric.model import Chain, Recursion, recursion
+from eccentric.model import Body, Chain, Recursion, recursion
 from tests.arms import random_chain
 
 DIGITS, STATES = 50, 12
@@ -58,8 +58,9 @@ class Sizes:
         W, A = speed[self.turns].sum(), change[self.turns].sum()
         V, B = speed[~self.turns].sum(), change[~self.turns].sum()
         self.R = sum(length(joint.placement.position) for joint in chain.joints) + angle[~self.turns].sum()
-        self.R += max(length(body.centre) for body in chain.bodies)
-        self.R += max(float(sp.sqrt(body.inertia.trace() / body.mass)) for body in chain.bodies)
+        bodies = [body for body in chain.bodies if isinstance(body, Body)]
+        self.R += max(length(body.centre) for body in bodies)
+        self.R += max(float(sp.sqrt(body.inertia.trace() / body.mass)) for body in bodies)
         M = sum(float(body.mass) for body in chain.bodies)
         self.F = M * (length(chain.gravity) + self.R * (W**2 + A) + 2 * V * W + B)
         self.rotors = J_m * (np.abs(a.astype(float)) + W * np.abs(w.astype(float)) + A)

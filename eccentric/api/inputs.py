@@ -82,7 +82,7 @@ def is_arm(model: object) -> bool:
 
 
 def arm_of(source: ModelSource, fit: Mapping[str, Any] | None = None) -> tuple[Recursion, Model]:
-    """The recursion of an arm, and its model; `fit` is the content of a fit whose bodies take its own one's place.
+    """The recursion of an arm, and its model; the bodies of a fit, given as its content, replace the file's.
 
     Raises:
         InputError: it cannot be read, or the fit has the bodies of another arm.

@@ -7,7 +7,7 @@ Keys of both; an estimate is {value, std_error, interval_95, unit, bound_active}
              whether bodies that could exist have them, misfit_in_std_errors, and their inertial parameters
     joints   one entry each: number, name, drive, gain, unit, and
 
-    fit      model, parameters, parameter_notes, identified_range: what `eccentric emit ARM --parameters` takes
+    fit      model, parameters, parameter_notes, identified_range: for `eccentric emit ARM --parameters`;
              loads {present, followed, alike, deviance, required}, friction: estimates, rmse_holdout {linear,
              followed, every}, improvement {percent, interval_95}, leave_one_run_out, r_squared_holdout,
              torque_rms, noise_floor

@@ -97,7 +97,9 @@ def arm_functions(
             [(str(t.coefficient), t.basis) for j in range(len(found.inputs)) for t in _terms(model, j)],
         ),
     ]
-    functions = [ArmFunction(*parts, tuple(results), moving) for *parts, results in plain]
+    functions = [
+        ArmFunction(name, unit, meaning, tuple(results), moving) for name, unit, meaning, results in plain
+    ]
     functions.append(
         ArmFunction(
             "gravity_torque",

@@ -14,6 +14,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 import scipy.linalg
@@ -155,7 +156,7 @@ def _evaluated(
     """The regressor on random motions and letters of the chain, shape (motions x joints, parameters)."""
     rng, printer = np.random.default_rng(0), NumPyPrinter({"fully_qualified_modules": False})
     motions = _MOTIONS * len(slopes[0])
-    known: dict[str, object] = {q.symbol.name: rng.uniform(0.5, 1.5) for q in chain.parameters}
+    known: dict[str, Any] = {q.symbol.name: rng.uniform(0.5, 1.5) for q in chain.parameters}
     for joint, inputs in zip(chain.joints, found.inputs, strict=True):
         gear = float(joint.mu) if joint.mu.is_number else 1.0
         for x in (inputs.theta_m, inputs.omega_m, inputs.alpha_m):

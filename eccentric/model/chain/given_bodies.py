@@ -21,8 +21,8 @@ def with_bodies(chain: Chain, values: Mapping[str, float]) -> Chain:
 
     Args:
         chain: joints, gravity, and the parameters that they need.
-        values: mass_0 [kg], h_0_x to h_0_z [kg m], Sigma_0_xx to Sigma_0_zz [kg m^2] of every body, in the frame
-            of its joint: the inertial parameters of the emitted `inertial_regressor`.
+        values: mass_0 [kg], h_0_x to h_0_z [kg m], Sigma_0_xx to Sigma_0_zz [kg m^2] of every body, in the
+            frame of its joint: the inertial parameters of the emitted `inertial_regressor`.
 
     Raises:
         InputError: one is missing.
@@ -33,7 +33,8 @@ def with_bodies(chain: Chain, values: Mapping[str, float]) -> Chain:
         def value(name: str, j: int = j) -> sp.Expr:
             key = name.format(j)
             if key not in values:
-                raise InputError(f"bodies: {key} is required for the {len(chain.joints)} joints of {chain.name}")
+                joints = f"the {len(chain.joints)} joints of {chain.name}"
+                raise InputError(f"bodies: {key} is required for {joints}")
             return exact(values[key], key)
 
         second = sp.ImmutableMatrix(
@@ -41,9 +42,9 @@ def with_bodies(chain: Chain, values: Mapping[str, float]) -> Chain:
         )
         first = sp.ImmutableMatrix([value(f"h_{{}}_{axis}") for axis in _AXES])
         bodies.append(Moments(value("mass_{}"), first, second))
-    needed = set().union(*(x.free_symbols for joint in chain.joints for x in (joint.mu, joint.J_m, joint.bearing)))
-    needed |= chain.gravity.free_symbols
+    left = [chain.gravity]
     for joint in chain.joints:
-        needed |= joint.placement.position.free_symbols | joint.placement.rotation.free_symbols
+        left += [joint.mu, joint.J_m, joint.bearing, joint.placement.position, joint.placement.rotation]
+    needed = set().union(*(x.free_symbols for x in left))
     kept = [q for q in chain.parameters if q.symbol in needed]
     return Chain(chain.name, chain.joints, bodies, chain.gravity, None, kept)

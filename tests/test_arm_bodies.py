@@ -1,0 +1,67 @@
+"""An arm with the bodies that a fit found: the same torques, if they are its own."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import eccentric
+from eccentric.arms import read_arm
+from eccentric.emission import executed
+from eccentric.errors import InputError
+from eccentric.model import with_bodies, with_numbers
+from tests.import_graph import ROOT
+from tests.test_arm_functions import moments
+
+ARM = ROOT / "examples" / "arms" / "planar_2r.toml"
+
+
+def of_file() -> dict[str, float]:
+    """The moments of mass of the bodies of the file, the payload with the last one."""
+    chain = with_numbers(read_arm(ARM))
+    values = moments(chain)
+    if chain.payload is None:
+        return values
+    held, last = chain.payload.moments, len(chain.joints) - 1
+    values[f"mass_{last}"] += float(held.mass)
+    for k, axis in enumerate("xyz"):
+        values[f"h_{last}_{axis}"] += float(held.first[k])
+        for i in range(k, 3):
+            values[f"Sigma_{last}_{axis}{'xyz'[i]}"] += float(held.second[k, i])
+    return values
+
+
+def test_its_own_bodies_change_nothing(tmp_path: Path) -> None:
+    """The torque of the file's arm and of one with its bodies from a fit; a lighter one falls short."""
+    values, motion = of_file(), np.random.default_rng(71).normal(size=(3, 20, 2)) * 20
+    torques = []
+    for name, given in (("file", None), ("own", values), ("light", values | {"mass_1": 0.1, "h_1_y": -0.01})):
+        document = {"model": "planar_2r", "parameters": {"C_m_0": 0.01}, "bodies": {"values": given}}
+        paths = eccentric.emit(ARM, tmp_path / name, parameters=document, backend="numpy")
+        module = executed({path.name: path.read_text(encoding="utf-8") for path in paths}, "planar_2r")
+        torques.append(module.motor_torque(*motion))
+
+    assert np.allclose(torques[0], torques[1], rtol=1e-12, atol=1e-12)
+    assert not np.allclose(torques[0], torques[2], rtol=0.1)
+
+
+def test_a_body_too_few_is_refused() -> None:
+    """The fit of another arm."""
+    values = {name: value for name, value in of_file().items() if "_1" not in name}
+
+    with pytest.raises(InputError, match="bodies: Sigma_1_xx is required for the 2 joints of planar_2r"):
+        with_bodies(read_arm(ARM), values)
+
+
+def test_friction_of_another_arm_is_refused(tmp_path: Path) -> None:
+    """By the name that the fit has for it, or by a coefficient that the arm lacks; nothing is written."""
+    for document, said in (
+        (
+            {"model": "other", "parameters": {"C_m_0": 0.01}},
+            "a fit of planar_2r is required, received one of other",
+        ),
+        ({"parameters": {"C_m_2": 0.01}}, "C_m_2: planar_2r has no such parameter"),
+    ):
+        with pytest.raises(InputError, match=said):
+            eccentric.emit(ARM, tmp_path / "out", parameters=document)
+        assert not (tmp_path / "out").exists()
