@@ -21,6 +21,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
 from benchmarks.asked import DIAGNOSIS
 from benchmarks.record import Measured, Part, progress, table
 from eccentric.diagnosis.stage import stage_of
+from eccentric.errors import InputError
 from eccentric.fitting import refit
 from eccentric.logs import read_log
 from eccentric.model import load_model
@@ -95,6 +96,8 @@ def run(seed: int) -> Result:
         stage = stage_of(channels, load_model(channels.rig.model), None, "log")
         effects = tuple((effect, shapes) for effect, shapes, _ in stage.chosen("with", [name]))
         found = refit(stage.base, effects, stage.data).estimates
+    except InputError as error:  # a refusal in one line gives no interval, right or wrong: it is counted apart
+        return Result(note, {}, f"{error}")
     except Exception as error:  # noqa: BLE001 - a failure is a result
         # What gave no interval held no truth.
         none = {kind: dict.fromkeys(own, False) for kind, own in truth.items()}
@@ -123,7 +126,12 @@ def details(results: list[Result]) -> Iterator[str]:
     failed = [r for r in results if r.failed]
     if failed:
         yield ""
-        yield f"Not fitted: {len(failed)}, such as {failed[0].note}: {failed[0].failed}"
+        refused = sum(not r.held for r in failed)
+        yield (
+            f"Of {len(results)} logs {refused} were refused in one line and have no intervals,"
+            f" {len(failed) - refused} ended in an error, whose intervals count as wrong;"
+            f" the first is {failed[0].note}: {failed[0].failed}"
+        )
 
 
 def measured(quick: bool, first: int = FIRST_SEED, logs: int = LOGS) -> Part:
