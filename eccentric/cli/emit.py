@@ -10,6 +10,7 @@ NAME = "emit"
 HELP = "write the NumPy module, C header and C source of a model, and the files that check the C"
 EXAMPLE = """eccentric emit c2_parallel --out build/firmware
 eccentric emit my_derivation.py --out build/mine
+eccentric emit examples/arms/planar_2r.toml --out build/arm
 eccentric emit c2_parallel --backend numpy --single-file --out build/python
 eccentric emit c2_parallel --functions mechanical_friction_torque --fixed --out build/small
 eccentric emit c2_parallel --parameters build/fit/fit.json --prefix arm --out build/firmware
@@ -30,7 +31,11 @@ _OPTIONS = {
 
 def configure(parser: argparse.ArgumentParser) -> None:
     """Add the arguments."""
-    parser.add_argument("model", metavar="MODEL", help="a model's name, or the path of a derivation")
+    parser.add_argument(
+        "model",
+        metavar="MODEL",
+        help="a model's name, or the path of a derivation, of an arm file or of a URDF",
+    )
     add_folder(parser, "the files of the model")
     parser.add_argument(
         "--parameters", type=Path, metavar="FIT.json", help="fitted values, to become the defaults"
