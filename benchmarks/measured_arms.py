@@ -44,7 +44,7 @@ MARK = r"(<!-- {0} -->\n).*?(<!-- end -->)"
 
 def main() -> None:
     """Fit, diagnose, predict the run with payload; write results and page."""
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser = argparse.ArgumentParser(description="Write the tables of the arms into docs/measured-rigs.md.")
     parser.add_argument("data", type=Path)
     data = parser.parse_args().data
     results: dict[str, Any] = {}
