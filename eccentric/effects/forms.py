@@ -230,8 +230,13 @@ def transmitted(name: str, setting: Setting, share: sp.Symbol) -> tuple[sp.Expr,
 
 
 def loss(setting: Setting) -> sp.Expr:
-    """Heat dissipated in drive and bearings [W], from measured inputs and known parameters only."""
+    """Heat dissipated in drive and bearings [W], from measured inputs and known parameters only.
+
+    Of a joint of an arm whose rig does not give R, that of friction alone.
+    """
     friction = v.k_i.symbol * v.i.symbol - inertia_torque(setting) - gravity(setting)
+    if setting.mean_force and v.R.name not in setting.known:
+        return friction * omega_m
     return friction * omega_m + v.R.symbol * v.i.symbol**2
 
 

@@ -8,7 +8,7 @@ to gain more.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -167,4 +167,17 @@ def _diagnosed(
     model, data = log.joint(j, loads, f"{log.rig.chain.name}_joint_{number}")
     stage = staged(model, model, data, effects, f"{', '.join(names)}: joint {number}")
     asked = Asked(tuple(names), Path(log.rig.path).name, model, effects, request)
-    return diagnosed(stage, asked, lambda line: tell(f"joint {number}: {line}"), required)
+    found = diagnosed(stage, asked, lambda line: tell(f"joint {number}: {line}"), required)
+    return _in_an_arm(found)
+
+
+def _in_an_arm(found: Diagnosis) -> Diagnosis:
+    """The same without advice that only the rig of a single drive can follow."""
+    attribution = found.attribution
+    if "J_m and J_l" not in attribution.next_measurement:
+        return found
+    advice = (
+        "Accelerate and brake this joint at three rates with the others held, then move the others with this"
+        " one held: that separates its own inertia from theirs."
+    )
+    return replace(found, attribution=replace(attribution, next_measurement=advice))
