@@ -96,7 +96,9 @@ def run(seed: int) -> Result:
         stage = stage_of(channels, load_model(channels.rig.model), None, "log")
         effects = tuple((effect, shapes) for effect, shapes, _ in stage.chosen("with", [name]))
         found = refit(stage.base, effects, stage.data).estimates
-    except InputError as error:  # a refusal in one line gives no interval, right or wrong: it is counted apart
+    except (
+        InputError
+    ) as error:  # a refusal in one line gives no interval, right or wrong: it is counted apart
         return Result(note, {}, f"{error}")
     except Exception as error:  # noqa: BLE001 - a failure is a result
         # What gave no interval held no truth.

@@ -64,30 +64,30 @@ class Sizes:
         M = sum(float(body.mass) for body in chain.bodies)
         self.F = M * (length(chain.gravity) + self.R * (W**2 + A) + 2 * V * W + B)
         self.rotors = J_m * (np.abs(a.astype(float)) + W * np.abs(w.astype(float)) + A)
-        self.N = self.F * self.R + self.rotors.sum()
-        self.bearing = np.array([abs(float(joint.bearing)) for joint in chain.joints])
+        farthest = max(abs(float(joint.bearing)) for joint in chain.joints)
+        self.N = self.F * (self.R + farthest) + self.rotors.sum()
 
     def bound(self, label: str) -> float:
         """The largest error of a result, over eps."""
-        name, _, rest = label.partition("_")
+        j = int("".join(filter(str.isdigit, label)))
+        slides = not self.turns[j]
         if label.startswith("tau_m"):
-            j = int(label.rpartition("_")[2])
-            passed = MOMENT * self.N if self.turns[j] else MOMENT * self.F
-            return self.mu[j] * passed + MOMENT * self.rotors[j]
-        if name in {"f", "n"}:
-            return FORCE * self.F if name == "f" else MOMENT * self.N
-        j = int(rest.rpartition("_")[2])
-        if label.startswith("F_") or (label.startswith("T_") and not self.turns[j]):
+            passed = self.F if slides else self.N
+            return MOMENT * (self.mu[j] * passed + self.rotors[j])
+        if label.startswith(("f_", "F_")):
             return FORCE * self.F
-        return MOMENT * (self.N + self.F * self.bearing[j])
+        return FORCE * self.F if slides and label.startswith("T_") else MOMENT * self.N
 
 
 @pytest.mark.parametrize("real", [np.float32, np.float64])
 @pytest.mark.parametrize("n", [1, 2, 3, 6])
-def test_the_stated_bounds_hold(n: int, real: type) -> None:
+@pytest.mark.parametrize("far", [1.0, 50.0], ids=["", "far bearings"])
+def test_the_stated_bounds_hold(n: int, real: type, far: float) -> None:
     """Arms that turn and slide, at rest to fast, over many turns of their motors."""
     rng = np.random.default_rng(50 + n)
     chain = random_chain(rng, n, aligned=n % 2 == 0, geared=True, rotors=True)
+    for joint in chain.joints:
+        joint.bearing *= sp.Integer(far)
     found = recursion(chain)
     choice, eps = Choice(FUNCTIONS, "none"), float(np.finfo(real).eps)
     files = render_arm(found, "An arm", "a test", "a test", ("numpy",), choice=choice)

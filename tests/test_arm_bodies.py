@@ -65,3 +65,48 @@ def test_friction_of_another_arm_is_refused(tmp_path: Path) -> None:
         with pytest.raises(InputError, match=said):
             eccentric.emit(ARM, tmp_path / "out", parameters=document)
         assert not (tmp_path / "out").exists()
+
+
+def test_a_payload_that_is_set_at_run_time_stays(tmp_path: Path) -> None:
+    """Its default is part of the identified body; twice of it is the file's arm with twice of it."""
+    document = {"parameters": {"C_m_0": 0.01}, "bodies": {"values": of_file()}}
+    motion, modules = np.random.default_rng(72).normal(size=(3, 20, 2)) * 20, []
+    for name, given in (("file", {"parameters": {"C_m_0": 0.01}}), ("fitted", document)):
+        paths = eccentric.emit(ARM, tmp_path / name, parameters=given, backend="numpy")
+        modules.append(executed({p.name: p.read_text(encoding="utf-8") for p in paths}, "planar_2r"))
+    heavy = [module.motor_torque(*motion, module.Parameters(payload_mass=1.0)) for module in modules]
+
+    assert np.allclose(*heavy, rtol=1e-11, atol=1e-11)
+
+
+@pytest.mark.parametrize(
+    ("change", "said"),
+    [
+        ({"mass_0": -1.0}, "moments that a mass can have are required of body 0"),
+        ({"Sigma_1_yy": -1e-3}, "moments that a mass can have are required of body 1"),
+        ({"mass_2": 1.0}, "mass_2 is of no body of planar_2r"),
+    ],
+)
+def test_bodies_that_cannot_be_are_refused(change: dict[str, float], said: str) -> None:
+    """Nothing is emitted of them."""
+    with pytest.raises(InputError, match=said):
+        with_bodies(read_arm(ARM), of_file() | change)
+
+
+@pytest.mark.parametrize(
+    ("document", "said"),
+    [
+        ({"bodies": [1]}, "bodies: an object `values` of finite numbers is required"),
+        ({"bodies": {"values": {"mass_0": "1"}}}, "bodies: an object `values` of finite numbers"),
+        ({"bodies": {"values": {}, "possible": False}}, "accept_misfit: this is required"),
+        (
+            {"joints_without_scale": ["elbow"]},
+            "friction in N m is required of every joint, received that of elbow",
+        ),
+    ],
+)
+def test_a_fit_that_is_no_use_is_refused(tmp_path: Path, document: dict, said: str) -> None:
+    """One line each, and nothing is written."""
+    with pytest.raises(InputError, match=said):
+        eccentric.emit(ARM, tmp_path / "out", parameters={"parameters": {"C_m_0": 0.01}} | document)
+    assert not (tmp_path / "out").exists()

@@ -69,7 +69,7 @@ def test_c_without_a_coefficient_is_refused() -> None:
     slide = recursion(Chain("slide", [Joint("prismatic")], [Body(1)]))
     choice = Choice(("inverse_dynamics",), "none")
 
-    with pytest.raises(InputError, match="slide: a joint that turns, or a parameter, is required for C"):
+    with pytest.raises(InputError, match="slide: a function of an angle or a parameter is required for C"):
         render_arm(slide, "A slide", "a test", "a test", choice=choice)
     assert "slide.py" in render_arm(slide, "A slide", "a test", "a test", ("numpy",), choice=choice)
 

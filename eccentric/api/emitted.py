@@ -77,18 +77,16 @@ def emit(
     choice = Choice(tuple(functions), where, fixed)
     asked = asked_adaptation(adapt, forgetting, false_alarms, settle)
     given = None if parameters is None else document_of(_content(parameters))
-    found, loaded = (None, model_of(model)) if not is_arm(model) else arm_of(model, given)
+    fitted = None if parameters is None else read_parameters(_content(parameters))
+    if fitted is not None:
+        require_fit(fitted.fits_the_rig, fitted.source, accept_misfit)
+    found, loaded = arm_of(model, fitted) if is_arm(model) else (None, model_of(model))
     if asked is not None and found is not None:
         raise InputError("adapt: a model of one joint is required, received an arm")
     name = checked_name(
         *((loaded.name, f"model {loaded.name}: its name") if prefix is None else (prefix, "prefix"))
     )
-    if parameters is None:
-        chosen = replace(loaded, name=name)
-    else:
-        fitted = read_parameters(_content(parameters))
-        require_fit(fitted.fits_the_rig, fitted.source, accept_misfit)
-        chosen = with_fitted(loaded, fitted, name)
+    chosen = replace(loaded, name=name) if fitted is None else with_fitted(loaded, fitted, name)
     if asked is not None and choice != WHOLE:
         raise InputError(
             "adapt: the whole model is required with it, without a choice of functions, arrays or fixed"

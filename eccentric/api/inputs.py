@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any, TypeAlias
 
 from eccentric.arms import read_arm
+from eccentric.emission import FittedValues
 from eccentric.errors import InputError
 from eccentric.logs import Log, LogSource, read_log
 from eccentric.model import Model, Recursion, arm, load_model, model_names, recursion, with_bodies
@@ -81,16 +82,15 @@ def is_arm(model: object) -> bool:
     return isinstance(model, str | os.PathLike) and is_arm_file(model)
 
 
-def arm_of(source: ModelSource, fit: Mapping[str, Any] | None = None) -> tuple[Recursion, Model]:
-    """The recursion of an arm, and its model; the bodies of a fit, given as its content, replace the file's.
+def arm_of(source: ModelSource, fitted: FittedValues | None = None) -> tuple[Recursion, Model]:
+    """The recursion of an arm, and its model; bodies that a fit identified replace the file's.
 
     Raises:
         InputError: it cannot be read, or the fit has the bodies of another arm.
     """
     chain = read_arm(given_path(source, "arm"))
-    bodies = (fit or {}).get("bodies") or {}
-    if values := bodies.get("values"):
-        chain = with_bodies(chain, values)
+    if fitted is not None and fitted.bodies and fitted.model in (None, chain.name):
+        chain = with_bodies(chain, fitted.bodies)
     found = recursion(chain)
     size = "one joint" if len(chain.joints) == 1 else f"{len(chain.joints)} joints"
     title = f"Arm of {size}: motion, loads of the bearings, and friction that follows them"

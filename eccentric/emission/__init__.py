@@ -13,7 +13,7 @@ In: a `Model`. Out: files, or the loaded module. It imports `eccentric.model`, `
 from eccentric.emission.adapt import Adaptation, prior_of, render_adapt
 from eccentric.emission.backends import BACKENDS, DEFAULT
 from eccentric.emission.check import render_check
-from eccentric.emission.defaults import document_of, read_parameters, with_fitted
+from eccentric.emission.defaults import FittedValues, document_of, read_parameters, with_fitted
 from eccentric.emission.executed import executed, executed_beside
 from eccentric.emission.free_text import plain
 from eccentric.emission.hot import load_module
@@ -38,6 +38,7 @@ __all__ = [
     "Adaptation",
     "Arrays",
     "Choice",
+    "FittedValues",
     "Program",
     "Routine",
     "build_arm_program",

@@ -28,6 +28,7 @@ class FittedValues:
         back_emf_in_friction: whether the values of viscous friction contain the back-EMF.
         current_known: whether the values give a current in amperes.
         torque_unit: of the values: "N m", or "V" or "A" without a scale for a torque.
+        bodies: of an arm, the inertial parameters that the fit identified, by name; empty if it did not.
     """
 
     source: str
@@ -39,6 +40,7 @@ class FittedValues:
     back_emf_in_friction: bool
     current_known: bool
     torque_unit: str
+    bodies: Mapping[str, float]
 
 
 def read_parameters(source: Path | Mapping[str, Any]) -> FittedValues:
@@ -71,23 +73,39 @@ def document_of(source: Path | Mapping[str, Any]) -> Mapping[str, Any]:
 
 
 def _fitted(content: Mapping[str, Any], where: str, name: str) -> FittedValues:
+    if unscaled := content.get("joints_without_scale"):
+        raise InputError(
+            f"{where}: friction in N m is required of every joint, received that of {', '.join(map(str, unscaled))}"
+            " without a scale: give k_i in the [drives] of the rig, and fit again"
+        )
     values = content.get("parameters")
     if not isinstance(values, Mapping) or not values:
         raise InputError(f"{where}: an object `parameters` of numbers by the paper's letters is required")
     values = {letter: value for letter, value in values.items() if value is not None}
     for letter, value in values.items():
-        if isinstance(value, bool) or not isinstance(value, int | float) or not abs(value) < math.inf:
+        if not _is_number(value):
             raise InputError(f"{where}: parameters.{letter}: a finite number is required, received {value!r}")
     notes, identified_on = content.get("parameter_notes", {}), content.get("identified_range", "")
     if not isinstance(notes, Mapping) or not isinstance(identified_on, str):
         raise InputError(f"{where}: `parameter_notes` by letter and `identified_range` as text are required")
-    fits = content.get("fits_the_rig") is not False
+    bodies = content.get("bodies") or {}
+    found = bodies.get("values") or {} if isinstance(bodies, Mapping) else None
+    if not isinstance(found, Mapping) or not all(_is_number(x) for x in found.values()):
+        raise InputError(f"{where}: bodies: an object `values` of finite numbers is required")
+    # Bodies that cannot exist are no better than a log that does not fit the rig.
+    fits = content.get("fits_the_rig") is not False and bodies.get("possible") is not False
     contained = content.get("back_emf_in_friction") is True
     known, unit = content.get("current_known") is not False, content.get("torque_unit", "N m")
     if unit not in ("N m", "V", "A"):
         raise InputError(f"{where}: torque_unit: N m, V or A is required, received {unit!r}")
     of = content.get("model")
-    return FittedValues(name, of, values, dict(notes), identified_on, fits, contained, known, unit)
+    return FittedValues(
+        name, of, values, dict(notes), identified_on, fits, contained, known, unit, dict(found)
+    )
+
+
+def _is_number(value: object) -> bool:
+    return not isinstance(value, bool) and isinstance(value, int | float) and abs(value) < math.inf
 
 
 def with_fitted(model: Model, fitted: FittedValues, name: str) -> Model:

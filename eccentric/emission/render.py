@@ -83,7 +83,7 @@ def render_arm(
     program = build_arm_program(found, model or arm(found.chain, title, found=found), choice)
     if "c99" in backends and not program.coefficients:
         raise InputError(
-            f"{program.name}: a joint that turns, or a parameter, is required for C, received none"
+            f"{program.name}: a function of an angle or a parameter is required for C, received none"
         )
     return render_program(program, origin, command, backends, single_file=single_file)
 

@@ -82,7 +82,8 @@ def arm_diagnosis_document(found: ArmDiagnosis) -> dict[str, Any]:
 def _emitted(found: ArmFit) -> dict[str, Any]:
     """What `emit` takes of a fit: the friction by the names of the emitted arm, in N m on the motor side.
 
-    A joint without a scale for its torque has none: its friction is in the unit of its drive.
+    A joint without a scale for its torque has none: its friction is in the unit of its drive, and `emit`
+    refuses the fit.
     """
     estimates = {
         f"{name}_{place}": e
@@ -90,7 +91,9 @@ def _emitted(found: ArmFit) -> dict[str, Any]:
         for name, e in joint.friction.items()
         if joint.unit == "N m"
     }
+    without = [joint.name for joint in found.joints if joint.unit != "N m"]
     return {
+        **({"joints_without_scale": without} if without else {}),
         "model": found.log.rig.chain.name,
         "parameters": {name: e.value for name, e in estimates.items()},
         "parameter_notes": {name: _note(e) for name, e in estimates.items()},

@@ -23,6 +23,7 @@ _ARM_SECTION = 510  # of an arm: a sample costs a hundred times as much; no fewe
 _ARRAYS, _ARRAY = 10, 51
 _VECTORS_BYTES, _NUMBER_BYTES = 45_000, 32  # of text, in both precisions
 _LEAST_VECTORS = 4
+_STRIDE = 16  # words of a sample of one joint
 # Of the library's exponential: what is asked of it, and where.
 _EXPONENTIAL_EPS = 2
 _EXPONENTS = tuple(
@@ -59,6 +60,7 @@ def view(
     numbers = length * len(inputs) + sum(f.width for f in functions)
     rows = min(64, max(_LEAST_VECTORS, _VECTORS_BYTES // (_NUMBER_BYTES * numbers)))
     section = _ARM_SECTION if joints else SECTION
+    stride = _stride(length * len(inputs), max(f.width for f in functions)) if joints else _STRIDE
     single, double = _default(source)
     return {
         "functions": functions,
@@ -73,11 +75,12 @@ def view(
         "kinds": len(_spans(inputs, length)),
         "sections": SECTIONS,
         "section": section,
+        "stride": stride,
         "arrays": _ARRAYS,
         "array": _ARRAY,
         "exponentials": len(_EXPONENTS) if exponential else 0,
         "precisions": [
-            _precision(real, module, functions, inputs, values, rows, default, joints, section)
+            _precision(real, module, functions, inputs, values, rows, default, joints, section, stride)
             for real, default in ((np.float32, single), (np.float64, double))
         ],
     }
@@ -121,6 +124,7 @@ def _precision(
     default: Mapping[str, float],
     joints: int,
     section: int,
+    stride: int,
 ) -> dict[str, Any]:
     single, length = real is np.float32, joints or 1
     suffix = "f" if single else ""
@@ -145,9 +149,9 @@ def _precision(
     names = [name for name in inputs for _ in range(length)]
     special = [_special(k, zero.get(name, 3.0), real)[:rows] for k, name in enumerate(names)]
     vectors = np.vstack([*map(_bits, special), *(evaluated(f, special) for f in functions)]).T
-    stream = _stream(centres, spans, section)
+    stream = _stream(centres, spans, section, stride)
     with ThreadPoolExecutor() as threads:  # NumPy works on long arrays beside other threads
-        digests = np.column_stack([*threads.map(lambda f: _digests(evaluated(f, stream)), functions)])
+        digests = np.column_stack([*threads.map(lambda f: _digests(evaluated(f, stream), stride), functions)])
     return {
         "condition": "if ECCENTRIC_PRECISION == 1" if single else "else",
         "exponential_error": (float(np.finfo(real).eps) * _EXPONENTIAL_EPS).hex() + suffix,
@@ -162,6 +166,11 @@ def _precision(
         "default": _braces(map(hex, _bits(np.array([*default.values()], real)).tolist())),
         "digests": [_braces(f"0x{x:08x}u" for x in row) for row in digests],
     }
+
+
+def _stride(inputs: int, widest: int) -> int:
+    """Words of a sample, a power of two: two for each input, and one for each value of the widest result."""
+    return 1 << (max(2 * inputs, widest) - 1).bit_length()
 
 
 def _argument(columns: Sequence[np.ndarray], joints: int) -> np.ndarray:
@@ -215,20 +224,20 @@ def _special(k: int, at: float, real: Any) -> np.ndarray:
     return values[((2 * k + 1) * row + (k + 3) * (row // len(values))) % len(values)]
 
 
-def _stream(centres: np.ndarray, spans: np.ndarray, section: int) -> list[np.ndarray]:
+def _stream(centres: np.ndarray, spans: np.ndarray, section: int, stride: int) -> list[np.ndarray]:
     """The generated samples, an array per input: what `generated` in selftest_stream.c.jinja computes."""
     columns = []
     for k in range(spans.shape[1]):
-        unit, word = _drawn(k, spans.dtype, section)
+        unit, word = _drawn(k, spans.dtype, section, stride)
         centre, span = (np.resize(table[:, k], len(unit)) for table in (centres, spans))
         columns.append(np.where(span == 0, word, centre + unit * span))
     return columns
 
 
 @cache
-def _drawn(k: int, real: np.dtype, section: int) -> tuple[np.ndarray, np.ndarray]:
+def _drawn(k: int, real: np.dtype, section: int, stride: int) -> tuple[np.ndarray, np.ndarray]:
     """The sources of input k of every sample: a number from -1/2 to 1/2, and arbitrary bits as a number."""
-    high, low = _words(2 * k, section), _words(2 * k + 1, section)
+    high, low = _words(2 * k, section, stride), _words(2 * k + 1, section, stride)
     scale = real.type(2.0**-32)
     unit = high.astype(real) * scale + low.astype(real) * scale * scale
     word = high if real.itemsize == 4 else (low.astype(np.uint64) << np.uint64(32)) | high
@@ -236,9 +245,9 @@ def _drawn(k: int, real: np.dtype, section: int) -> tuple[np.ndarray, np.ndarray
 
 
 @cache
-def _words(k: int, section: int) -> np.ndarray:
+def _words(k: int, section: int, stride: int) -> np.ndarray:
     """Pseudo-random word k of every generated sample."""
-    x = np.arange(SECTIONS * section, dtype=np.uint32) * np.uint32(16) + np.uint32(k)
+    x = np.arange(SECTIONS * section, dtype=np.uint32) * np.uint32(stride) + np.uint32(k)
     x = (x ^ (x >> np.uint32(16))) * np.uint32(0x7FEB352D)
     x = (x ^ (x >> np.uint32(15))) * np.uint32(0x846CA68B)
     return x ^ (x >> np.uint32(16))
@@ -252,20 +261,20 @@ def _bits(values: np.ndarray) -> np.ndarray:
     return bits
 
 
-def _digests(values: np.ndarray) -> np.ndarray:
+def _digests(values: np.ndarray, stride: int) -> np.ndarray:
     """One number per section of the samples: a sum, each word times an odd factor of its place."""
     parts = values.dtype.itemsize // 4  # a double is two words, the lower one first
     words = values.astype(f"<u{4 * parts}", copy=False).view("<u4").reshape(len(values), SECTIONS, -1)
     total = np.zeros(SECTIONS, np.uint32)
     for j, section in enumerate(words):
-        total += np.einsum("sn,sn->s", section, _factors(j, parts, section.shape[1] // parts))
+        total += np.einsum("sn,sn->s", section, _factors(j, parts, section.shape[1] // parts, stride))
     return total
 
 
 @cache
-def _factors(j: int, parts: int, section: int) -> np.ndarray:
+def _factors(j: int, parts: int, section: int, stride: int) -> np.ndarray:
     """The factors of the words of value j, section by section."""
-    first = _words(j, section) | np.uint32(1)
+    first = _words(j, section, stride) | np.uint32(1)
     return np.stack([first + np.uint32(2 * part) for part in range(parts)], axis=-1).reshape(SECTIONS, -1)
 
 

@@ -182,7 +182,7 @@ def _at_rest(
             known[assignment.target] = value
         else:
             left.append(Assignment(assignment.target, value, assignment.note))
-    return tuple((label.replace("tau_m", "G"), e.xreplace(known)) for label, e in results), tuple(left)
+    return tuple((f"G_{j}", e.xreplace(known)) for j, (_, e) in enumerate(results)), tuple(left)
 
 
 def _inertial_regressor(of_bodies: Inertial) -> ArmFunction:

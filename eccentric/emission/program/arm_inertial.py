@@ -22,7 +22,6 @@ import sympy as sp
 from sympy.printing.numpy import NumPyPrinter
 
 from eccentric.emission.program.program import Assignment, needed
-from eccentric.errors import InputError
 from eccentric.model import Chain, Joint, Moments, Quantity, Recursion, quantity, recursion
 
 _MOTIONS = 8
@@ -58,11 +57,7 @@ class Inertial:
 
 
 def inertial(chain: Chain) -> Inertial:
-    """The inertial regressor of a chain, base parameters only.
-
-    Raises:
-        InputError: no parameter shows in any torque.
-    """
+    """The inertial regressor of a chain: base parameters only. Every rotor shows in its own motor's torque."""
     quantities = tuple(q for j in range(len(chain.joints)) for q in _of_body(j))
     quantities += tuple(
         quantity(f"J_m_{j}", "kg m^2", f"inertia of rotor {j}") for j in range(len(chain.joints))
@@ -71,8 +66,6 @@ def inertial(chain: Chain) -> Inertial:
     definitions, slopes = _slopes(found, [q.symbol for q in quantities])
     values = _evaluated(found, definitions, slopes, chain)
     kept, sums = _base(values, [q.name for q in quantities])
-    if not kept:
-        raise InputError(f"{chain.name}: a body or a rotor that moves is required for the inertial regressor")
     rows = tuple(tuple(row[k] for k in kept) for row in slopes)
     used = needed(definitions, [e for row in rows for e in row])
     return Inertial(tuple(quantities[k] for k in kept), sums, rows, used)
