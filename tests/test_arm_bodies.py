@@ -19,7 +19,7 @@ ARM = ROOT / "examples" / "arms" / "planar_2r.toml"
 def of_file() -> dict[str, float]:
     """The moments of mass of the bodies of the file, the payload with the last one."""
     chain = with_numbers(read_arm(ARM))
-    values = moments(chain)
+    values = {name: x for name, x in moments(chain).items() if not name.startswith("J_m")}
     if chain.payload is None:
         return values
     held, last = chain.payload.moments, len(chain.joints) - 1
@@ -33,9 +33,11 @@ def of_file() -> dict[str, float]:
 
 def test_its_own_bodies_change_nothing(tmp_path: Path) -> None:
     """The torque of the file's arm and of one with its bodies from a fit; a lighter one falls short."""
-    values, motion = of_file(), np.random.default_rng(71).normal(size=(3, 20, 2)) * 20
+    values = of_file()
+    light = {name: x / 2 if "_1" in name else x for name, x in values.items()}
+    motion = np.random.default_rng(71).normal(size=(3, 20, 2)) * 20
     torques = []
-    for name, given in (("file", None), ("own", values), ("light", values | {"mass_1": 0.1, "h_1_y": -0.01})):
+    for name, given in (("file", None), ("own", values), ("light", light)):
         document = {"model": "planar_2r", "parameters": {"C_m_0": 0.01}, "bodies": {"values": given}}
         paths = eccentric.emit(ARM, tmp_path / name, parameters=document, backend="numpy")
         module = executed({path.name: path.read_text(encoding="utf-8") for path in paths}, "planar_2r")
@@ -49,7 +51,7 @@ def test_a_body_too_few_is_refused() -> None:
     """The fit of another arm."""
     values = {name: value for name, value in of_file().items() if "_1" not in name}
 
-    with pytest.raises(InputError, match="bodies: Sigma_1_xx is required for the 2 joints of planar_2r"):
+    with pytest.raises(InputError, match="bodies: mass_1 is required for the 2 joints of planar_2r"):
         with_bodies(read_arm(ARM), values)
 
 

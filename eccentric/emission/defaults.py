@@ -75,8 +75,8 @@ def document_of(source: Path | Mapping[str, Any]) -> Mapping[str, Any]:
 def _fitted(content: Mapping[str, Any], where: str, name: str) -> FittedValues:
     if unscaled := content.get("joints_without_scale"):
         raise InputError(
-            f"{where}: friction in N m is required of every joint, received that of {', '.join(map(str, unscaled))}"
-            " without a scale: give k_i in the [drives] of the rig, and fit again"
+            f"{where}: friction in N m is required of every joint, received that of"
+            f" {', '.join(map(str, unscaled))} without a scale: give k_i in the [drives] of the rig"
         )
     values = content.get("parameters")
     if not isinstance(values, Mapping) or not values:

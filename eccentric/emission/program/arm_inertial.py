@@ -57,7 +57,7 @@ class Inertial:
 
 
 def inertial(chain: Chain) -> Inertial:
-    """The inertial regressor of a chain: base parameters only. Every rotor shows in its own motor's torque."""
+    """The inertial regressor of a chain: base parameters only."""
     quantities = tuple(q for j in range(len(chain.joints)) for q in _of_body(j))
     quantities += tuple(
         quantity(f"J_m_{j}", "kg m^2", f"inertia of rotor {j}") for j in range(len(chain.joints))
