@@ -175,6 +175,11 @@ def inertia_torque(setting: Setting) -> sp.Expr:
     return setting.base.balance("mechanical").sum_of("inertial", "bodies")
 
 
+def of_an_arm(setting: Setting) -> bool:
+    """Whether the base model is that of a joint of an arm: the torque of its bodies is an input."""
+    return setting.base.balance("mechanical").sum_of("bodies") != 0
+
+
 def _link_inertia_torque(setting: Setting) -> sp.Expr:
     """The same of the link alone: without the rotor. Without acceleration J_l need not be known."""
     bodies = setting.base.balance("mechanical").sum_of("bodies")
@@ -209,7 +214,11 @@ def transmitted(name: str, setting: Setting, share: sp.Symbol) -> tuple[sp.Expr,
     Gravity, inertia, the friction that follows a force on the link, and the link's share of the rest: the
     motor cannot distinguish the dry and viscous parts of the two. That friction is taken from a first fit:
     with the model's own coefficients in its load, friction would no longer be linear in them.
+
+    Of a joint of an arm it is that of the bodies alone, as in `eccentric.model.chain.drive`.
     """
+    if of_an_arm(setting):
+        return gravity(setting) + _link_inertia_torque(setting), ()
     columns = [column for column in regressor(setting.base) if column.name in setting.friction]
     constants = [
         constant(

@@ -7,7 +7,7 @@ from dataclasses import replace
 import sympy as sp
 
 from eccentric.effects.effect import Effect, Shape
-from eccentric.effects.forms import addition, direction, gravity, transmitted
+from eccentric.effects.forms import addition, direction, gravity, of_an_arm, transmitted
 from eccentric.effects.setting import Setting
 from eccentric.effects.words import LOAD, Words
 from eccentric.model import Definition, Load, Role, quantity
@@ -91,9 +91,8 @@ def loads(name: str, setting: Setting, share: sp.Symbol) -> list[Variant]:
     Names begin with `name`. `gear_efficiency` uses the same loads.
     """
     torque, constants = transmitted(name, setting, share)
-    found: list[Variant] = [
-        ("transmitted", "transmitted_torque", torque, constants, [(0.0, 1.0, "linear", 3)])
-    ]
+    spans = [] if of_an_arm(setting) else [(0.0, 1.0, "linear", 3)]
+    found: list[Variant] = [("transmitted", "transmitted_torque", torque, constants, spans)]
     if setting.case == "C2":
         found.append(("gravity", "gravity_load", gravity(setting), (), []))
     return found
