@@ -36,11 +36,33 @@ _OUT_OF_SIGHT = 5.0
 def planted(
     rng: np.random.Generator, arm: BenchArm, course: ArmCourse, gone: Survey, request: EffectRequest
 ) -> JointEffect:
-    """Draw an effect, with the amplitude that gives it the requested strength along the reference."""
-    drawn = int(rng.integers(len(arm)))  # also if one is given, for the same shapes
-    joint = drawn if request.joint is None else request.joint
-    variants = ARM_VARIANTS.get(request.family, ("",))
-    variant = str(rng.choice(variants))
+    """Draw an effect, with the amplitude that gives it the requested strength along the reference.
+
+    Raises InputError if the course does not show it: a gear that passes on no torque has no losses.
+    """
+    drawn = rng.permutation(len(arm)).tolist()  # also if one is given, for the same shapes
+    variant = str(rng.choice(ARM_VARIANTS.get(request.family, ("",))))
+    joints = drawn if request.joint is None else [request.joint]
+    for joint in joints:
+        found = _in_joint(rng, arm, course, gone, request, joint, variant)
+        if found is not None:
+            return found
+    where = " or ".join(str(joint + 1) for joint in sorted(joints))
+    raise InputError(
+        f"effect {request.family}: a course that shows it in joint {where} is required; try another seed"
+    )
+
+
+def _in_joint(
+    rng: np.random.Generator,
+    arm: BenchArm,
+    course: ArmCourse,
+    gone: Survey,
+    request: EffectRequest,
+    joint: int,
+    variant: str,
+) -> JointEffect | None:
+    """Draw an effect in this joint; None if no shape of a plausible amplitude has the strength."""
     friction = friction_of(arm, gone)[:, joint] * arm.links[joint].mu
     setting = _setting(arm, course, gone, joint, friction)
     asked = Request(request.strength, request.variant or variant, request.variant is not None, setting, rng)
@@ -58,9 +80,7 @@ def planted(
             found = corrected(found, share)
         if found.effect.amplitude < _OUT_OF_SIGHT * effect.amplitude:
             return found
-    raise InputError(
-        f"effect {request.family}: a course that shows it in joint {joint + 1} is required; try another seed"
-    )
+    return None
 
 
 def corrected(found: JointEffect, share: float) -> JointEffect:

@@ -85,18 +85,19 @@ def stribeck_load(request: Request) -> PlantedEffect:
 def bearing_load(request: Request) -> PlantedEffect:
     """Dry friction of the bearing by a power of F_N, or under a preload across it, beside that by F_N itself.
 
+    Beside it, and not instead of it: what would be subtracted is more than there is where F_N hardly varies.
     The powers are those of a Hertzian point contact, 2/3, and of a deep-groove ball bearing, 1.55 (Palmgren).
     """
     weight = request.plant.M * request.plant.g
     if request.variant == "preload":
         force = request.draw(0.5, 1.5) * weight
-        form, shape = "A (sqrt(F_N^2 + F_p^2) - F_N) sgn w", force
+        form, shape = "A sqrt(F_N^2 + F_p^2) sgn w", force
 
         def carried(normal: float) -> float:
             return hypot(normal, force)
     else:
         power = 2.0 / 3.0 if request.variant == "Hertz" else 1.55
-        form, shape = f"A (F_0 (F_N/F_0)^{power:.3g} - F_N) sgn w, F_0 the mean load", power
+        form, shape = f"A F_0 (F_N/F_0)^{power:.3g} sgn w, F_0 the mean load", power
 
         def carried(normal: float) -> float:
             return weight * (normal / weight) ** power
@@ -104,8 +105,8 @@ def bearing_load(request: Request) -> PlantedEffect:
     return PlantedEffect(
         "bearing_load",
         form,
-        request.torque(3.0) / weight,
-        simply(dry=lambda s, a: a * (carried(s.normal) - s.normal)),
+        request.torque() / weight,
+        simply(dry=lambda s, a: a * carried(s.normal)),
         ("velocity", "link_angle"),
         (shape,),
         variant=request.variant,
