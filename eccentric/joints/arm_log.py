@@ -15,7 +15,7 @@ from eccentric.joints.base_parameters import BaseParameters, base_of, names_of
 from eccentric.joints.body_motion import BodyModule, JointMotions
 from eccentric.joints.joint_model import EVERY, FORCE, joint_model, signals_of
 from eccentric.joints.letters import letters_of, moments_of
-from eccentric.joints.limits import VARIES
+from eccentric.joints.limits import NEGLIGIBLE, VARIES
 from eccentric.model import Load, Model
 from eccentric.rigs import ArmRig
 from eccentric.signals import Channels, Rows, fit_rows, motion_of
@@ -48,6 +48,7 @@ class ArmLog:
     _along: dict[tuple[float, int], MetAlong] = field(default_factory=dict, repr=False)
     _bases: dict[int, BaseParameters] = field(default_factory=dict, repr=False)
     _regressors: dict[float, Array] = field(default_factory=dict, repr=False)
+    _largest: dict[tuple[int, Load], float] = field(default_factory=dict, repr=False)
 
     def __len__(self) -> int:
         return len(self.channels)
@@ -64,7 +65,7 @@ class ArmLog:
 
     def with_values(self, values: Array) -> ArmLog:
         """The same with other inertial parameters."""
-        return replace(self, values=values, _along={})
+        return replace(self, values=values, _along={}, _largest={})
 
     def motion(self, cut_hz: float | None = None) -> JointMotions:
         """The motion of all motors below a cut-off, by default that of the rig."""
@@ -132,8 +133,10 @@ class ArmLog:
     def present(self, j: int, among: Sequence[Load] = EVERY) -> tuple[Load, ...]:
         """The loads whose friction a log can tell from Coulomb and viscous friction, and from one another.
 
-        A load that does not vary is part of what follows no load.
+        A load that does not vary is part of what follows no load; one that is nothing beside those of other
+        joints is rounding.
         """
+        among = [load for load in among if self._is_borne(j, load)]
         model, data = self.joint(j, among)
         rows = data.rows.train
         found: list[Load] = []
@@ -151,6 +154,20 @@ class ArmLog:
                 found.append(load)
                 taken = np.column_stack([taken, own])
         return tuple(found)
+
+    def _is_borne(self, j: int, load: Load) -> bool:
+        """Whether a load of joint j is more than rounding beside the largest of its kind in any joint."""
+        if not self._largest:
+            for k, met in enumerate(self.module.met(self.motion(), self.values)):
+                rows = self.channels[k].selection.fit_rows
+                gear = np.abs(met.gravity + met.moving) / self.rig.joints[k].known["mu"]
+                each = (met.F_N, met.F_T, met.M_B, gear)
+                for one, size in zip(EVERY, each, strict=True):
+                    self._largest[k, one] = float(np.max(np.abs(size[rows]), initial=0.0))
+        forces = (Load.NORMAL, Load.TRANSVERSAL)
+        kind = forces if load in forces else (Load.BENDING, Load.TRANSMITTED)
+        most = max(self._largest[k, one] for k in range(len(self)) for one in kind)
+        return self._largest[j, load] > NEGLIGIBLE * most
 
     def _whole(self) -> Array:
         """The torques per inertial parameter for the motion of the rig (n, joints, 10 joints)."""
@@ -205,9 +222,13 @@ def _gain(scale: Estimate, rig: ArmRig, j: int) -> Estimate:
     """
     low, high = scale.interval
     if low <= 0.0:
+        reason = "its bodies need too little torque to identify it"
+        if high < 0.0:
+            reason = (
+                "its current drives against the torque of its bodies, so that one of the two has a wrong sign"
+            )
         raise InputError(
-            f"{rig.path}: [drives] k_i: a value for joint {rig.number(j)} is required, received none: its"
-            " bodies need too little torque to identify it"
+            f"{rig.path}: [drives] k_i: a value for joint {rig.number(j)} is required, received none: {reason}"
         )
     value = 1.0 / scale.value
     return Estimate(value, value**2 * scale.std_error, (1.0 / high, 1.0 / low), "N m/A")

@@ -16,11 +16,16 @@ PROJECTIONS = 4000
 """Projections onto the conditions in turn: arms of six joints need some hundreds."""
 LEAST_EIGENVALUE = 1e-7
 """Of the moments of a body, in units of the arm's own masses and lengths: none is exactly flat."""
+TIGHTEST = 1e-9
+"""Least standard error, by the largest: a log without noise leaves rounding, which must not outweigh all else."""
 IN_ERRORS = 3.0
 """Standard errors by which a base parameter may miss the identified one: of fifty, one misses by 2.5."""
 
 # Loads that friction may follow.
 
+NEGLIGIBLE = 1e-3
+"""A load below this part of the largest of its kind in the arm is rounding of an angle in the arm file, or too
+small for its friction to show: 1e-3 of the torque, times a coefficient of friction, is below any noise."""
 VARIES = 3e-3
 """Part of a load's columns that Coulomb and viscous friction and the other loads must leave: a load that is
 constant on the log, such as the weight on a vertical axis, is part of the Coulomb friction."""

@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 
 from eccentric.joints.base_parameters import BaseParameters
 from eccentric.joints.letters import COUNT, matrix_of, parameters_of
-from eccentric.joints.limits import IN_ERRORS, LEAST_EIGENVALUE, PROJECTIONS
+from eccentric.joints.limits import IN_ERRORS, LEAST_EIGENVALUE, PROJECTIONS, TIGHTEST
 
 __all__ = ["PossibleBodies", "possible_bodies"]
 
@@ -66,7 +66,10 @@ def possible_bodies(
     held[0] = "mass" in fixed
     held[1:4] = {"mass", "centre"} <= set(fixed)
     kept = np.eye(joints * COUNT)[np.tile(held, joints)]
-    weight = 1.0 / np.maximum(errors, np.max(errors, initial=1e-300) * 1e-9)
+    # A sum without a standard error restricts nothing, and says nothing of whether bodies explain it.
+    finite = np.isfinite(errors)
+    least = np.max(errors[finite], initial=np.finfo(float).tiny) * TIGHTEST
+    weight = np.where(finite, 1.0 / np.maximum(np.where(finite, errors, 1.0), least), 0.0)
     rows = np.vstack([base.sums * weight[:, None], kept * 1e3]) * scale
     right = np.r_[found * weight, 1e3 * kept @ nominal.ravel()]
     back = np.linalg.pinv(rows)
@@ -78,7 +81,7 @@ def possible_bodies(
             break
     values = (x * scale).reshape(joints, COUNT)
     misfit = np.abs(base.sums @ values.ravel() - found) * weight
-    return PossibleBodies(values, float(np.max(misfit, initial=0.0)))
+    return PossibleBodies(values, float(np.max(misfit, initial=0.0)) if finite.any() else np.inf)
 
 
 def _positive(values: Array, length: float, mass: float) -> Array:
