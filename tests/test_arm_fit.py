@@ -11,7 +11,7 @@ from eccentric.joints.base_parameters import base_of, names_of
 from eccentric.joints.body_motion import BodyModule, JointMotions
 from eccentric.joints.letters import letters_of, matrix_of, moments_of, parameters_of
 from eccentric.joints.possible import possible_bodies
-from eccentric.model import Load
+from eccentric.model import Chain, Joint, Load, Placement
 from eccentric.rigs import read_arm_rig
 from tests.arm_logs import LENGTHS, MASSES, MU, Friction, arm_log_of, arm_rig_of, moved, plain, planar_arm
 from tests.arm_logs import shoulder_by_load as by_load
@@ -90,6 +90,35 @@ def test_a_current_without_gain_is_told() -> None:
     assert [("not identifiable", "A"), ("identified", "N m")] == [(x["gain"], x["unit"]) for x in said]
     assert pytest.approx([0.08, 0.05], rel=0.05) == [e.value for e in known.log.gains if e is not None]
     assert [(Load.NORMAL,), ()] == [joint.loads.followed for joint in opened.joints]
+    # Planted in N m, logged in A: divided by k_i.
+    friction, document = said[0]["friction"], arm_fit_document(opened)
+    assert ("A/N", "A") == (friction["C_lN"]["unit"], friction["C_m"]["unit"])
+    assert pytest.approx(0.02 / 0.08, rel=0.1) == friction["C_lN"]["value"]
+    assert ["shoulder", "elbow"] == document["joints_without_scale"]
+
+
+def test_a_current_of_the_wrong_sign_is_told() -> None:
+    """Not that its bodies need too little torque."""
+    log = arm_log_of(plain, runs=3, seconds=6.0)
+    for j in (1, 2):
+        log[f"i_A_{j}"] = -log.pop(f"tau_Nm_{j}")
+    columns = {"time": "t_s", "run": "run", "theta_l": "q_rad_{j}", "current": "i_A_{j}"}
+    rig = arm_rig_of(planar_arm()) | {"drive": "current", "columns": columns}
+
+    with pytest.raises(InputError, match="current is opposite to the torque of its bodies"):
+        fit_arm([log], read_arm_rig(rig), ["log"])
+
+
+def test_a_load_of_rounding_is_none() -> None:
+    """An axis that a rounded angle turns by 4e-6 rad has no moment on its bearing that friction could follow."""
+    straight = planar_arm()
+    turned = Joint(mu=MU[0], placement=Placement.turned((0, 0, 0), 3.7e-6, 0.0, 0.0), name="shoulder")
+    chain = Chain("planar", [turned, straight.joints[1]], straight.bodies, straight.gravity)
+    found = fit_arm([arm_log_of(by_load)], read_arm_rig(arm_rig_of(chain)), ["log"])
+
+    for joint in found.joints:
+        assert {Load.NORMAL, Load.TRANSMITTED} >= set(joint.loads.present)
+    assert (Load.NORMAL,) == found.joints[0].loads.followed
 
 
 def test_a_voltage_without_constants_is_refused() -> None:
@@ -145,7 +174,10 @@ def test_impossible_base_parameters_are_told() -> None:
     errors = np.full(len(right), 1e-3)
     wrong = np.where(np.abs(right) > 1e-9, -right, 0.0)
 
+    unknown = np.full(len(right), np.inf)
+
     assert possible_bodies(values * 1.3, base, right, errors).explain
+    assert not possible_bodies(values, base, right, unknown).explain  # what nothing says is not explained
     assert not possible_bodies(values, base, wrong, errors).explain
 
 

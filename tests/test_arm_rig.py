@@ -57,9 +57,14 @@ def test_a_rig_that_names_an_arm_is_known_as_one() -> None:
             {"drives": {"k_i": ["0.1 Nm/A"]}},
             r"\[drives\] k_i: one value, or one for each of 2 joints, is requ",
         ),
-        ({"drives": {"k_i": "0.1 V"}}, r"rig: \[known\] k_i: "),
+        ({"drives": {"k_i": "0.1 V"}}, r"rig: \[drives\] k_i: "),
         ({"drives": {"mu": 0.1}}, r"\[drives\]: unknown key 'mu'"),
         ({"joints": {"inertial": "closed"}}, r'\[joints\] inertial: "known", "open" or a list of mass, cen'),
+        (
+            {"joints": {"inertial": ["centre"]}},
+            r"mass before centre before inertia is required, received cent",
+        ),
+        ({"joints": {"inertial": ["mass", "inertia"]}}, r"received mass, inertia without what comes before"),
         ({"joints": {"inertial": ["mas"]}}, r"\[joints\] inertial: unknown key 'mas'"),
         (
             {"joints": {"first": -1}},

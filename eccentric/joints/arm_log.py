@@ -224,12 +224,9 @@ def _gain(scale: Estimate, rig: ArmRig, j: int) -> Estimate:
     if low <= 0.0:
         reason = "its bodies need too little torque to identify it"
         if high < 0.0:
-            reason = (
-                "its current drives against the torque of its bodies, so that one of the two has a wrong sign"
-            )
-        raise InputError(
-            f"{rig.path}: [drives] k_i: a value for joint {rig.number(j)} is required, received none: {reason}"
-        )
+            reason = "its current is opposite to the torque of its bodies: one of the two has a wrong sign"
+        required = f"a value for joint {rig.number(j)} is required, received none"
+        raise InputError(f"{rig.path}: [drives] k_i: {required}: {reason}")
     value = 1.0 / scale.value
     return Estimate(value, value**2 * scale.std_error, (1.0 / high, 1.0 / low), "N m/A")
 

@@ -16,7 +16,7 @@ from eccentric.joints.body_motion import Bodies
 from eccentric.model import Balance, Definition, Load, Model, Quantity, Role, Sgn, Term, quantity
 from eccentric.model import vocabulary as v
 
-__all__ = ["DECLARED", "EVERY", "FORCE", "joint_model", "signals_of"]
+__all__ = ["DECLARED", "EVERY", "FORCE", "OF_BENDING", "joint_model", "signals_of"]
 
 Array = NDArray[np.float64]
 
@@ -41,10 +41,12 @@ EVERY = (*DECLARED, Load.TRANSMITTED)
 FORCE = N_l.name
 """The input that is the normal force."""
 
+OF_BENDING = (B_lM, C_lM)
+"""Coefficients of friction by the bending moment, viscous and Coulomb."""
 _COEFFICIENTS: Mapping[Load, tuple[Quantity, Quantity]] = {
     Load.NORMAL: (v.B_lN, v.C_lN),
     Load.TRANSVERSAL: (v.B_lT, v.C_lT),
-    Load.BENDING: (B_lM, C_lM),
+    Load.BENDING: OF_BENDING,
     Load.TRANSMITTED: (B_lG, C_lG),
 }
 

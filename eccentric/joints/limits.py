@@ -17,7 +17,7 @@ PROJECTIONS = 4000
 LEAST_EIGENVALUE = 1e-7
 """Of the moments of a body, in units of the arm's own masses and lengths: none is exactly flat."""
 TIGHTEST = 1e-9
-"""Least standard error, by the largest: a log without noise leaves rounding, which must not outweigh all else."""
+"""Least standard error, by the largest: without noise rounding is left, which must not outweigh the rest."""
 IN_ERRORS = 3.0
 """Standard errors by which a base parameter may miss the identified one: of fifty, one misses by 2.5."""
 

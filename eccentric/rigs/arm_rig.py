@@ -130,7 +130,7 @@ def _of_joint(content: Mapping[str, Any], where: str) -> Rig:
     try:
         found = read_rig(content)
     except InputError as error:
-        said = str(error)
+        said = str(error).replace("rig: [known]", "rig: [drives]")  # an arm's rig has no other constants
         raise InputError(f"{where}{said.removeprefix('rig')}" if said.startswith("rig:") else said) from None
     return dataclasses.replace(found, path=where)
 
@@ -159,7 +159,12 @@ def _known(value: object, where: str) -> frozenset[str]:
         )
     names = read_names(value, at)
     refuse_unknown(names, INERTIAL, at)
-    return frozenset(names)
+    known = frozenset(names)
+    # A first moment needs the mass, a second one both: what cannot be used is not taken as if it were.
+    if known != frozenset(INERTIAL[: len(known)]):
+        required = f"{' before '.join(INERTIAL)} is required"
+        raise InputError(f"{at}: {required}, received {', '.join(names)} without what comes before")
+    return known
 
 
 def _require_patterns(columns: Mapping[str, Any], where: str) -> None:
