@@ -172,8 +172,8 @@ def _visible(answers: Sequence[ArmAnswer]) -> list[ArmAnswer]:
 
 
 def _wrong(answer: ArmAnswer) -> bool:
-    """Whether the first name is another family, or in another joint."""
-    return answer.named != [] and answer.named[0] != answer.truth
+    """Whether any name is another family, or in another joint."""
+    return any(name != answer.truth for name in answer.named)
 
 
 def _good(answer: ArmAnswer) -> bool:
