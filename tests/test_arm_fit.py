@@ -110,7 +110,7 @@ def test_a_current_of_the_wrong_sign_is_told() -> None:
 
 
 def test_a_load_of_rounding_is_none() -> None:
-    """An axis that a rounded angle turns by 4e-6 rad has no moment on its bearing that friction could follow."""
+    """An axis that a rounded angle turns by 4e-6 rad has no bending moment that friction could follow."""
     straight = planar_arm()
     turned = Joint(mu=MU[0], placement=Placement.turned((0, 0, 0), 3.7e-6, 0.0, 0.0), name="shoulder")
     chain = Chain("planar", [turned, straight.joints[1]], straight.bodies, straight.gravity)

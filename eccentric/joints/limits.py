@@ -24,7 +24,7 @@ IN_ERRORS = 3.0
 # Loads that friction may follow.
 
 NEGLIGIBLE = 1e-3
-"""A load below this part of the largest of its kind in the arm is the rounding of an angle in the arm file, or
+"""A load below this part of the largest of its kind is the rounding of an angle in the arm file, or
 too small to show: 1e-3 of the torque, times a coefficient of friction, is below any noise."""
 VARIES = 3e-3
 """Part of a load's columns that Coulomb and viscous friction and the other loads must leave: a load that is
