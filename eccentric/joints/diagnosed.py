@@ -98,8 +98,14 @@ class ArmDiagnosis:
     def sentence(self) -> str:
         """The result in one sentence."""
         if self.named:
-            parts = ", ".join(f"{effect.id} in joint {joint.number}" for joint, effect in self.named)
-            return f"The model of the arm lacks {parts}."
+            parts = []
+            for joint, effect in self.named:
+                what = f"{effect.words.headline} ({effect.id})" if effect.words.headline else effect.id
+                score = joint.found.score
+                before, after = (score.rmse[score.balance][model] for model in ("paper", "extended"))
+                change = f"held-out error {before:.4g} to {after:.4g} {joint.found.unit}"
+                parts.append(f"{what} in joint {joint.number} ({change})")
+            return f"The model of the arm lacks {'; '.join(parts)}."
         open_ = [
             f"joint {joint.number}: {joint.verdict}" for joint in self.joints if joint.verdict != _ORDER[-1]
         ]
