@@ -52,7 +52,7 @@ def test_an_interrupt_while_writing_leaves_what_was_there(
 
     found = DiagnosisResult.__new__(DiagnosisResult)
     monkeypatch.setattr("eccentric.diagnose", lambda *_, **__: found)
-    monkeypatch.setattr(DiagnosisResult, "_fill", interrupted)
+    monkeypatch.setattr(DiagnosisResult, "fill", interrupted)
     assert main(["diagnose", "log.csv", "--rig", "rig.json", "--out", str(out)]) == 130
     assert [path.name for path in tmp_path.iterdir()] == (["out"] if earlier else [])
     if earlier:

@@ -183,10 +183,12 @@ def test_a_long_log_stays_small() -> None:
 
 
 def test_templates_use_what_they_are_given() -> None:
-    """The templates of the report use exactly the names that its view has."""
+    """The templates of the report use exactly the names that its view has; the page of an arm has its own."""
     environment = jinja2.Environment(loader=jinja2.FileSystemLoader(folder("templates")), autoescape=True)
     used: set[str] = set()
     for path in (folder("templates") / "report").glob("*.jinja"):
+        if path.name == "arm.html.jinja":
+            continue
         used |= meta.find_undeclared_variables(environment.parse(path.read_text(encoding="utf-8")))
 
     assert set(view(sample(50), None)) == used

@@ -57,8 +57,11 @@ def arm_of(rig: str, given: Mapping[str, object]) -> bool:
     """Whether a rig names an arm. InputError for an option that only one drive has: its name and value."""
     from eccentric.rigs import names_arm
 
-    if not names_arm(rig):
-        return False
+    try:
+        if not names_arm(rig):
+            return False
+    except InputError:
+        return False  # what reads it in its turn says why
     if asked := [name for name, value in given.items() if value]:
         raise InputError(f"{asked[0]}: the rig of a single drive is required with it, {rig} names an arm")
     return True
