@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from eccentric.model import Chain, Load, Recursion, recursion
+from eccentric.model import Body, Chain, Load, Recursion, recursion
 from tests.arms import evaluated, number, random_chain
 
 pin = pytest.importorskip("pinocchio", reason="Pinocchio (`pip install pin`) is not installed")
@@ -17,6 +17,7 @@ def pinocchio_of(chain: Chain) -> tuple:
     model.gravity.linear = np.array(chain.gravity.tolist(), dtype=float).ravel()
     parent = 0
     for joint, body in zip(chain.joints, chain.bodies, strict=True):
+        assert isinstance(body, Body)
         axis, position, centre = (
             np.array(x.tolist(), dtype=float).ravel()
             for x in (joint.axis, joint.placement.position, body.centre)

@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 import sympy as sp
 
-from eccentric.model import Chain, Load, Sgn, arm, recursion
+from eccentric.model import Body, Chain, Load, Sgn, arm, recursion
 from tests.arms import evaluated, number, random_chain
 
 CLOSES = 1e-13
@@ -59,6 +59,7 @@ def energy(chain: Chain, motion: list[tuple[float, float, float]], time: mp.mpf)
     total, gravity, carrier = mp.mpf(0), exactly(chain.gravity), mp.zeros(3, 1)
     for k, (joint, body) in enumerate(zip(chain.joints, chain.bodies, strict=True), start=1):
         (R_0, r_0), (R, r), (R_1, r_1) = before[k], now[k], after[k]
+        assert isinstance(body, Body)
         centre, inertia, mass = exactly(body.centre), exactly(body.inertia), one(body.mass)
         speed = ((r_1 + R_1 * centre) - (r_0 + R_0 * centre)) / (2 * STEP)
         S = R.T * (R_1 - R_0) / (2 * STEP)
