@@ -111,14 +111,17 @@ def _bodies(found: IdentifiedBodies | None) -> list[str]:
     return [f"bodies: {len(found.estimates)} base parameters identified; {possible}"]
 
 
+def _change(percent: float) -> str:
+    """How the held-out error changes, which the training runs had no part in."""
+    return f"{percent:.0f} % less error" if percent > 0 else f"held-out error {-percent:.0f} % larger"
+
+
 def _sentence(found: ArmFit) -> str:
     following = [joint for joint in found.joints if joint.loads.followed]
     rest = [f"{joint.number}" for joint in found.joints if not joint.loads.followed]
     if not following:
         return "Coulomb and viscous friction is enough in every joint, as far as this log shows."
-    parts = ", ".join(
-        f"{joint.number} ({_followed(joint)}, {joint.percent:.0f} % less error)" for joint in following
-    )
+    parts = ", ".join(f"{joint.number} ({_followed(joint)}, {_change(joint.percent)})" for joint in following)
     many = len(following) > 1
     enough = f"; Coulomb and viscous friction is enough in {few(rest)}" if rest else ""
     return f"Friction follows the load in joint{'s' * many} {parts}{enough}."
