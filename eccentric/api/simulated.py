@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from eccentric.api.result import new_axes, paragraphs
-from eccentric.api.tables import ResultTable
+from eccentric.api.tables import ResultTable, ranges_of
 from eccentric.errors import InputError
 from eccentric.logs import Log, read_log
 from eccentric.places import given_path
@@ -120,11 +120,7 @@ class BenchResult:
 
     def table(self) -> ResultTable:
         """The columns of the log, each with its range."""
-        columns = ((name, self.log.numbers(name)) for name in self.log.columns)
-        return ResultTable(
-            ("column", "lowest", "highest"),
-            tuple((name, float(values.min()), float(values.max())) for name, values in columns),
-        )
+        return ranges_of(self.log)
 
     def plot(self, axes: Sequence[Axes] | None = None) -> Sequence[Axes]:
         """Plot angle, velocity and current over time.

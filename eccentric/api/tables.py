@@ -11,7 +11,9 @@ from typing import Any, overload
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["Correlation", "ResultTable"]
+from eccentric.logs import Log
+
+__all__ = ["Correlation", "ResultTable", "ranges_of"]
 
 
 @dataclass(frozen=True)
@@ -114,6 +116,15 @@ class Correlation:
     def _cells(self) -> list[tuple[str, ...]]:
         rows = zip(self.names, self.matrix, strict=True)
         return [(name, *("-" if math.isnan(x) else f"{x:.2f}" for x in row)) for name, row in rows]
+
+
+def ranges_of(log: Log) -> ResultTable:
+    """The columns of a log, each with its lowest and highest value."""
+    columns = ((name, log.numbers(name)) for name in log.columns)
+    return ResultTable(
+        ("column", "lowest", "highest"),
+        tuple((name, float(values.min()), float(values.max())) for name, values in columns),
+    )
 
 
 def _text(names: Sequence[str], rows: Sequence[Sequence[str]], right: Sequence[bool]) -> str:

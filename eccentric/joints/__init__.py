@@ -4,7 +4,7 @@ In: logs and the rig of an arm.  Out: `fit_arm` -> `ArmFit` (which load the fric
 and where Coulomb and viscous friction is enough), `diagnose_arm` -> `ArmDiagnosis` (what each joint lacks);
 both as documents and lines.
 
-    letters      a chain with a letter for every inertial parameter
+    inertial     inertial parameters as numbers
     body_motion  torques and loads of the bodies along a log, from the emitted module
     base_parameters  sums of inertial parameters that torques depend on, by QR with pivoting
     possible     bodies that could exist and have them

@@ -13,10 +13,10 @@ from eccentric.estimation import Coefficient, Design, Estimate
 from eccentric.fitting import Drive, FitData, Machine, MetAlong, compiled, fit_data_of
 from eccentric.joints.base_parameters import BaseParameters, base_of, names_of
 from eccentric.joints.body_motion import BodyModule, JointMotions
+from eccentric.joints.inertial import moments_of
 from eccentric.joints.joint_model import EVERY, FORCE, joint_model, signals_of
-from eccentric.joints.letters import letters_of, moments_of
 from eccentric.joints.limits import NEGLIGIBLE, VARIES
-from eccentric.model import Load, Model
+from eccentric.model import Load, Model, letters_of
 from eccentric.rigs import ArmRig
 from eccentric.signals import Channels, Rows, fit_rows, motion_of
 

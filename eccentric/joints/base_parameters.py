@@ -17,8 +17,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import qr, solve_triangular
 
-from eccentric.joints.letters import letters_of
 from eccentric.joints.limits import LEAST_SHARE_IN_SUM, RANK
+from eccentric.model import letters_of
 
 __all__ = ["BaseParameters", "base_of", "names_of"]
 

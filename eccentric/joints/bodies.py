@@ -16,8 +16,8 @@ from eccentric.estimation import Coefficient, Design, Estimate
 from eccentric.fitting import base_coefficients, base_columns
 from eccentric.joints.arm_log import ArmLog
 from eccentric.joints.base_parameters import BaseParameters, base_of, names_of
-from eccentric.joints.letters import letters_of
 from eccentric.joints.possible import PossibleBodies, possible_bodies
+from eccentric.model import letters_of
 
 __all__ = ["IdentifiedBodies", "identified_bodies"]
 

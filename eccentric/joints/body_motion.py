@@ -8,9 +8,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from eccentric.emission import executed, render_arm
-from eccentric.joints.letters import letters_of, with_letters
-from eccentric.model import Chain, recursion
+from eccentric.emission import Choice, executed, render_arm
+from eccentric.model import Chain, letters_of, recursion, with_letters
 
 __all__ = ["Bodies", "BodyModule", "JointMotions"]
 
@@ -74,10 +73,11 @@ class BodyModule:
 
     def __init__(self, chain: Chain) -> None:
         self.chain = chain
-        lettered = with_letters(chain)
-        files = render_arm(recursion(lettered), lettered.name, chain.name, "eccentric", ("numpy",))
+        lettered = with_letters(chain, f"{chain.name}_letters")
+        found, choice = recursion(lettered), Choice(("inverse_dynamics", "bearing_loads"), "none")
+        files = render_arm(found, lettered.name, chain.name, "eccentric", ("numpy",), choice=choice)
         self._module = executed(files, lettered.name)
-        self._names = [f"{q.name}_given" for j in range(len(chain.joints)) for q in letters_of(j)]
+        self._names = [q.name for j in range(len(chain.joints)) for q in letters_of(j)]
         self._mu = np.array([float(joint.mu) for joint in chain.joints])
         self._J_m = np.array([float(joint.J_m) for joint in chain.joints])
 

@@ -29,7 +29,7 @@ from eccentric.joints.bodies import IdentifiedBodies
 from eccentric.joints.diagnosed import ArmDiagnosis
 from eccentric.joints.fitted import ArmFit, JointFit, gain_of
 from eccentric.joints.joint_model import OF_BENDING
-from eccentric.joints.letters import letters_of
+from eccentric.model import letters_of
 
 __all__ = ["arm_diagnosis_document", "arm_fit_document"]
 

@@ -19,7 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from eccentric.joints.base_parameters import BaseParameters
-from eccentric.joints.letters import COUNT, matrix_of, parameters_of
+from eccentric.joints.inertial import COUNT, matrix_of, parameters_of
 from eccentric.joints.limits import IN_ERRORS, LEAST_EIGENVALUE, PROJECTIONS, TIGHTEST
 
 __all__ = ["PossibleBodies", "possible_bodies"]

@@ -16,8 +16,9 @@ from eccentric.estimation import Coefficient, Design, Estimate, improvement, rms
 from eccentric.joints.arm_log import ArmLog, arm_log
 from eccentric.joints.base_parameters import base_of, names_of
 from eccentric.joints.fitted import ArmFit
-from eccentric.joints.letters import COUNT, letters_of
+from eccentric.joints.inertial import COUNT
 from eccentric.logs import LogSource
+from eccentric.model import letters_of
 from eccentric.rigs import ArmRig, NamedHoldout
 from eccentric.signals import Rows, read_joints
 

@@ -15,8 +15,10 @@ from eccentric.model.chain import (
     Placement,
     Recursion,
     arm,
+    letters_of,
     recursion,
     with_bodies,
+    with_letters,
     with_numbers,
 )
 from eccentric.model.change import Change, Extension
@@ -91,6 +93,7 @@ __all__ = [
     "Term",
     "arm",
     "extended",
+    "letters_of",
     "load_model",
     "meaning",
     "model_names",
@@ -101,6 +104,7 @@ __all__ = [
     "symbols",
     "vocabulary",
     "with_bodies",
+    "with_letters",
     "with_numbers",
     "with_values",
 ]

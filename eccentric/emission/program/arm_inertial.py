@@ -22,7 +22,7 @@ import sympy as sp
 from sympy.printing.numpy import NumPyPrinter
 
 from eccentric.emission.program.program import Assignment, needed
-from eccentric.model import Chain, Joint, Moments, Quantity, Recursion, quantity, recursion
+from eccentric.model import Chain, Quantity, Recursion, recursion, with_letters
 
 _MOTIONS = 8
 """Random motions per parameter: enough for full rank with margin."""
@@ -30,8 +30,6 @@ _SPANNED = 1e-9
 """Part of a column, by its norm, below which those before it span it: rounding leaves some 1e-14."""
 _COUNTED = 1e-9
 """Factor of a parameter in a sum, by the size of its column, below which it is not counted."""
-_AXES = "xyz"
-_SECOND = [(i, k) for i in range(3) for k in range(i, 3)]
 
 
 @dataclass(frozen=True)
@@ -58,46 +56,15 @@ class Inertial:
 
 def inertial(chain: Chain) -> Inertial:
     """The inertial regressor of a chain: base parameters only."""
-    quantities = tuple(q for j in range(len(chain.joints)) for q in _of_body(j))
-    quantities += tuple(
-        quantity(f"J_m_{j}", "kg m^2", f"inertia of rotor {j}") for j in range(len(chain.joints))
-    )
-    found = recursion(_lettered(chain, quantities))
+    lettered = with_letters(chain, chain.name, rotors=True)
+    quantities = lettered.parameters[len(chain.parameters) :]
+    found = recursion(lettered)
     definitions, slopes = _slopes(found, [q.symbol for q in quantities])
     values = _evaluated(found, definitions, slopes, chain)
     kept, sums = _base(values, [q.name for q in quantities])
     rows = tuple(tuple(row[k] for k in kept) for row in slopes)
     used = needed(definitions, [e for row in rows for e in row])
     return Inertial(tuple(quantities[k] for k in kept), sums, rows, used)
-
-
-def _of_body(j: int) -> list[Quantity]:
-    first = [quantity(f"h_{j}_{a}", "kg m", f"first moment of body {j}, component {a}") for a in _AXES]
-    second = [
-        quantity(
-            f"Sigma_{j}_{_AXES[i]}{_AXES[k]}",
-            "kg m^2",
-            f"second moment of body {j}, component {_AXES[i]}{_AXES[k]}",
-        )
-        for i, k in _SECOND
-    ]
-    return [quantity(f"mass_{j}", "kg", f"mass of body {j}"), *first, *second]
-
-
-def _lettered(chain: Chain, quantities: Sequence[Quantity]) -> Chain:
-    """The chain with letters for the moments of every body, payload included, and for every rotor."""
-    of = {q.name: q.symbol for q in quantities}
-    joints, bodies = [], []
-    for j, joint in enumerate(chain.joints):
-        joints.append(
-            Joint(
-                joint.kind, joint.axis, joint.placement, joint.mu, of[f"J_m_{j}"], joint.bearing, joint.name
-            )
-        )
-        entries = {(i, k): of[f"Sigma_{j}_{_AXES[i]}{_AXES[k]}"] for i, k in _SECOND}
-        second = sp.ImmutableMatrix(3, 3, lambda i, k, e=entries: e[min(i, k), max(i, k)])
-        bodies.append(Moments(of[f"mass_{j}"], sp.ImmutableMatrix([of[f"h_{j}_{a}"] for a in _AXES]), second))
-    return Chain(chain.name, joints, bodies, chain.gravity, None, (*chain.parameters, *quantities))
 
 
 def _slopes(

@@ -13,6 +13,8 @@ and the loads of the bearings as ordered definitions of scalars.
     inwards    the force and moment of every joint
     recursion  both along the chain, as a list of definitions
     bearing    the loads that friction follows
+    letters    a chain with a letter for every inertial parameter
+    given_bodies  a chain with the bodies that a fit found
     numbers    a chain with the defaults of its letters in their place
     drive      motor, gear and friction of every joint: its balances
     arm        all of it as a model
@@ -27,6 +29,7 @@ from eccentric.model.chain.drive import JointDrive, drives
 from eccentric.model.chain.given_bodies import with_bodies
 from eccentric.model.chain.inwards import Wrench
 from eccentric.model.chain.joint import Joint, Placement
+from eccentric.model.chain.letters import letters_of, with_letters
 from eccentric.model.chain.numbers import with_numbers
 from eccentric.model.chain.recursion import Recursion, recursion
 
@@ -42,9 +45,11 @@ __all__ = [
     "Wrench",
     "arm",
     "drives",
+    "letters_of",
     "momentum",
     "motion",
     "recursion",
     "with_bodies",
+    "with_letters",
     "with_numbers",
 ]

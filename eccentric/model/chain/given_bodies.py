@@ -10,10 +10,10 @@ from eccentric.errors import InputError
 from eccentric.model.chain.body import Moments
 from eccentric.model.chain.chain import Chain
 from eccentric.model.chain.exact import exact
+from eccentric.model.chain.letters import letters_of, moments_from
 
 __all__ = ["with_bodies"]
 
-_AXES = "xyz"
 _ROUNDED = 1e-6
 """Negative part of the moments, by their size, that numbers of six digits leave."""
 
@@ -58,28 +58,22 @@ def with_bodies(chain: Chain, values: Mapping[str, float]) -> Chain:
 
 def _body(chain: Chain, j: int, left: dict[str, float]) -> Moments:
     """Body j; what is read is taken out of `left`."""
-    names = [f"mass_{j}", *(f"h_{j}_{a}" for a in _AXES)]
-    names += [f"Sigma_{j}_{_AXES[i]}{_AXES[k]}" for i in range(3) for k in range(i, 3)]
+    names = [q.name for q in letters_of(j)]
     for name in names:
         if name not in left:
             joints = f"the {len(chain.joints)} joints of {chain.name}"
             raise InputError(f"bodies: {name} is required for {joints}")
-    given = {name: float(left.pop(name)) for name in names}
-    second = [[given[f"Sigma_{j}_{_AXES[min(i, k)]}{_AXES[max(i, k)]}"] for k in range(3)] for i in range(3)]
-    first = [given[f"h_{j}_{a}"] for a in _AXES]
-    _require_possible(j, given[f"mass_{j}"], first, second)
-    mass, *rest = (exact(x, f"body {j}") for x in (given[f"mass_{j}"], *first))
-    entries = [[exact(x, f"body {j}") for x in row] for row in second]
-    return Moments(mass, sp.ImmutableMatrix(rest), sp.ImmutableMatrix(entries))
+    found = moments_from([exact(left.pop(name), name) for name in names])
+    _require_possible(j, found)
+    return found
 
 
-def _require_possible(j: int, mass: float, first: list[float], second: list[list[float]]) -> None:
+def _require_possible(j: int, found: Moments) -> None:
     """Some mass has these moments: [[Sigma, h], [h, m]] is nowhere negative, but for rounding."""
     import numpy as np
 
-    whole = np.block(
-        [[np.array(second), np.array(first)[:, None]], [np.array(first)[None], np.array([[mass]])]]
-    )
+    last = found.first.T.row_join(sp.Matrix([[found.mass]]))
+    whole = np.array(found.second.row_join(found.first).col_join(last).tolist(), dtype=float)
     scale = np.sqrt(np.maximum(np.diag(whole), np.finfo(float).tiny))
-    if mass < 0 or np.linalg.eigvalsh(whole / np.outer(scale, scale))[0] < -_ROUNDED:
+    if whole[3, 3] < 0 or np.linalg.eigvalsh(whole / np.outer(scale, scale))[0] < -_ROUNDED:
         raise InputError(f"bodies: moments that a mass can have are required of body {j}, received others")
