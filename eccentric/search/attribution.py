@@ -19,7 +19,7 @@ import numpy as np
 
 from eccentric.search import limits
 from eccentric.search.candidate import Variant, instrument_of
-from eccentric.search.nulltest import correlated, null_quantile
+from eccentric.search.nulltest import beats_chance, correlated, null_quantile
 from eccentric.search.screen import Fitted, Screen
 from eccentric.search.stability import Stability, stability_of
 
@@ -92,9 +92,11 @@ class Search:
 
     def explains(self, before: Fitted, after: Fitted) -> bool:
         """Whether a smooth term takes something out that is there without the noise of its signals too."""
-        if not self.worth_it(before, after, self.smooth):
-            return False
-        return self._gained(list(before.variants), after.variants[-1], after, self.smooth)
+        return (
+            self.worth_it(before, after, self.smooth)
+            and self._gained(list(before.variants), after.variants[-1], after, self.smooth)
+            and beats_chance(self.smooth, before, after)
+        )
 
     def _gained(self, others: list[Variant], variant: Variant, fitted: Fitted, screen: Screen) -> bool:
         twin = instrument_of(variant)

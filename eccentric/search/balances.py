@@ -13,6 +13,7 @@ from eccentric.fitting import FitData, Signals, base_coefficients, base_columns,
 from eccentric.model import Model
 from eccentric.rigs import Rig
 from eccentric.search.limits import (
+    LAGS_S,
     LEAST_LOSS_W,
     SLOWEST,
     SLOWEST_PART,
@@ -23,6 +24,7 @@ from eccentric.search.limits import (
 from eccentric.search.smooth import Variables
 from eccentric.signals import (
     BalanceDesign,
+    Channels,
     Rows,
     balance_design,
     search_rows,
@@ -61,9 +63,23 @@ def balances_of(data: FitData, rig: Rig, model: Model) -> tuple[list[BalanceDesi
         electrical = balance_design("electrical", every, (), residual, empty, target)
         damping = drive.machine.damping(known)
         balances.append(_once_filtered(electrical, channels.motion.omega_m, damping))
-        # Real torque as fast as noise is in the target, but cancels in the residual.
-        noise["electrical"] = min(_row_noise(unseen * x, every) for x in (torque, residual))
+        # Real torque as fast as noise is in the target, but cancels in the residual, at the current's lag.
+        shifted = (_ahead(torque, channels, lag) for lag in _lags(channels))
+        others = (unseen * (residual + torque - x) for x in shifted)
+        noise["electrical"] = min(_row_noise(x, every) for x in (unseen * torque, *others))
     return balances, noise
+
+
+def _lags(channels: Channels) -> range:
+    """Lags of the current, in rows of the log."""
+    first, last = (round(lag / channels.time.logged_step_s) for lag in LAGS_S)
+    return range(first, last + 1)
+
+
+def _ahead(signal: Array, channels: Channels, lag: int) -> Array:
+    """A signal (samples,) as it would be without its lag in rows; NaN where the segment ends before."""
+    moved, same = np.roll(signal, -lag), np.roll(channels.time.segment, -lag) == channels.time.segment
+    return np.where(same, moved, np.nan)
 
 
 def _row_noise(signal: Array, rows: Rows) -> float:

@@ -16,7 +16,7 @@ from scipy.optimize import lsq_linear, nnls
 
 from eccentric.search.limits import ALIASED, ORDER_OF_FOLDS
 
-__all__ = ["Gram", "bounded_solve", "cross_validate", "fold_of_block"]
+__all__ = ["Gram", "bounded_solve", "cross_validate", "fold_of_block", "scaled_solve"]
 
 Array = np.ndarray
 
@@ -68,9 +68,7 @@ def bounded_solve(matrix: Array, vector: Array, lower: Array, ridge: Array | flo
     A small relative ridge keeps exact aliases solvable and picks the shortest of the equivalent solutions.
     `ridge` is a further penalty in units of the scaled diagonal (smooth terms).
     """
-    scale = np.sqrt(np.maximum(matrix.diagonal(), 1e-300))
-    scaled = matrix / (scale[:, None] * scale)
-    scaled[np.diag_indices_from(scaled)] += ALIASED + ridge
+    scaled, scale = _scaled(matrix, ridge)
     right = vector / scale
     bounded = np.isfinite(lower)
     try:
@@ -92,6 +90,20 @@ def bounded_solve(matrix: Array, vector: Array, lower: Array, ridge: Array | flo
     solution = doubled[: len(vector)].copy()
     solution[free] -= doubled[len(vector) :]
     return solution / scale
+
+
+def scaled_solve(matrix: Array, vectors: Array, ridge: Array | float = 0.0) -> Array:
+    """Least squares from normal equations with free coefficients, for several right-hand sides (p, k)."""
+    scaled, scale = _scaled(matrix, ridge)
+    return np.linalg.solve(scaled, vectors / scale[:, None]) / scale[:, None]
+
+
+def _scaled(matrix: Array, ridge: Array | float) -> tuple[Array, Array]:
+    """A matrix (p, p) with ones and the ridge on its diagonal, and the scale (p,) of its coefficients."""
+    scale = np.sqrt(np.maximum(matrix.diagonal(), 1e-300))
+    scaled = matrix / (scale[:, None] * scale)
+    scaled[np.diag_indices_from(scaled)] += ALIASED + ridge
+    return scaled, scale
 
 
 def fold_of_block(blocks: int, folds: int) -> Array:

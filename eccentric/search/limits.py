@@ -9,6 +9,7 @@ from __future__ import annotations
 __all__ = [
     "ALIASED",
     "AT_FLOOR",
+    "AT_ONCE",
     "BELOW_NOISE",
     "BEYOND_NOISE",
     "CHANGES",
@@ -25,6 +26,7 @@ __all__ = [
     "FORMS_OF_A_PATCH",
     "IN_PLACE",
     "KNOTS",
+    "LAGS_S",
     "LEADERS",
     "LEADERS_OF_A_PARTNER",
     "LEADERS_OF_A_SWAP",
@@ -55,6 +57,7 @@ __all__ = [
     "RIDGE",
     "ROWS_FOR_ONE",
     "SHAPE_TOLERANCE",
+    "SIGNS",
     "SLOWEST",
     "SLOWEST_PART",
     "SPECIAL",
@@ -85,6 +88,9 @@ sampling of voltage and current cause errors of that size."""
 LEAST_PART = 0.0003
 """The same squared, as a fraction of all the structure found so far: a small remainder beside a large effect
 is an error in that effect's form."""
+LAGS_S = (-0.02, 0.07)
+"""Lags of the measured current behind angle and voltage, s, at which the noise of the electrical balance is
+looked for, those of `sensor_delay`: what is fast and real cancels at the true one only."""
 CLEARS = 0.5
 """Fraction of what is left above the sensors' noise floor that a second or third effect must explain: less
 only corrects the form of the first."""
@@ -169,6 +175,9 @@ LEVEL = 0.99
 """Quantile: the level that chance reaches in one log out of a hundred."""
 DRAWS = 200
 """Draws of random signs for the blocks: two of them lie above the 99 % quantile."""
+SIGNS, AT_ONCE = 1000, 50
+"""Draws of random signs that a gain has to beat, every one, and how many are computed at once: two balances
+have some twenty smooth terms, and one log in fifty would show one by chance if nothing else were required."""
 MOST_LAGS = 60
 """Longest autocorrelation of a residual, in rows: a second of overlapping windows."""
 ROWS_FOR_ONE = 2.0

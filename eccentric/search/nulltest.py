@@ -4,16 +4,36 @@
 - `flipped_null`: the largest gain that any column of the library reaches by chance, from residuals with the
   signs of their blocks flipped at random: this preserves correlation within blocks, heteroscedasticity and
   the search.
+- `beats_chance`: whether one fit predicts better than another by more than any draw of such signs does. Noise
+  of a drive is correlated and larger at some speeds and voltages than at others: a deviance alone takes what
+  it leaves there for structure.
+
+Reference: R. Davidson, E. Flachaire, "The wild bootstrap, tamed at last", Journal of Econometrics 146(1),
+2008 (signs at random, on the residuals of the smaller model).
 """
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 
-from eccentric.search.limits import DRAWS, LEVEL, MOST_LAGS, ROWS_FOR_ONE, TINY_COLUMN
+from eccentric.search.crossval import Gram, scaled_solve
+from eccentric.search.limits import (
+    AT_ONCE,
+    DRAWS,
+    EXTRAPOLATED,
+    LEAST_BLOCKS,
+    LEVEL,
+    MOST_LAGS,
+    ROWS_FOR_ONE,
+    SIGNS,
+    TINY_COLUMN,
+)
 from eccentric.search.screen import Fitted, Screen
+from eccentric.signals import blocks_of
 
-__all__ = ["correlated", "flipped_null", "inflation", "null_quantile"]
+__all__ = ["beats_chance", "correlated", "flipped_null", "inflation", "null_quantile"]
 
 Array = np.ndarray
 
@@ -61,6 +81,79 @@ def null_quantile(screen: Screen, fitted: Fitted) -> float:
         return 0.0
     gain = flipped_null(residual, library[:, kept] / length[kept], screen.block)
     return float(np.quantile(gain, LEVEL)) / correlated(screen, residual)
+
+
+def beats_chance(screen: Screen, before: Fitted, after: Fitted) -> bool:
+    """Whether `after` gains more over `before` than in any draw of what `before` says and noise.
+
+    A draw is what `before` predicts plus its residual, the sign of every second of it at random; both models
+    are cross-validated on it. True for a log of too few seconds to draw from.
+    """
+    rows = screen.balance.rows
+    second = np.arange(screen.rows) if rows.independent else blocks_of(rows.t, screen.block, rows.t)
+    count = int(second[-1]) + 1
+    if count < LEAST_BLOCKS:
+        return True
+    residual = screen.residual(before)
+    predicted = screen.balance.target - residual
+    small, large = (_Drawn.of(screen, fitted, predicted, residual, second) for fitted in (before, after))
+    gain, rng = np.log(before.score / after.score), np.random.default_rng(5)
+    for _ in range(SIGNS // AT_ONCE):
+        signs = rng.choice([-1.0, 1.0], size=(count, AT_ONCE))
+        first, then = small.losses(signs), large.losses(signs)
+        if after.last.ridge:
+            then = np.where(then > EXTRAPOLATED * first, first, then)
+        if np.any(np.log(first.sum(axis=0) / then.sum(axis=0)) >= gain):
+            return False
+    return True
+
+
+@dataclass(frozen=True)
+class _Drawn:
+    """The normal equations of a model on draws: of what is predicted, by block, and of a second's noise.
+
+    block (seconds,): of each second; mixed (seconds,): predicted times residual; fold (blocks,).
+    """
+
+    fixed: Gram
+    noise: Gram
+    mixed: Array
+    block: Array
+    fold: Array
+    ridge: Array
+
+    @classmethod
+    def of(cls, screen: Screen, fitted: Fitted, predicted: Array, residual: Array, second: Array) -> _Drawn:
+        """Sums for a model; predicted, residual, second (rows,) are those of the smaller one."""
+        target, design, lower = screen.design(fitted.variants)
+        fixed = predicted - (screen.balance.target - target)
+        # A coefficient at its bound stays there.
+        free = ~(np.isfinite(lower) & (fitted.coefficients <= 0.0))
+        design = design[:, free]
+        return cls(
+            Gram.of(design, fixed, screen.block),
+            Gram.of(design, residual, second),
+            np.bincount(second, fixed * residual),
+            screen.block[np.flatnonzero(np.diff(second, prepend=-1))],
+            screen.fold,
+            screen.ridge(fitted.variants)[free],
+        )
+
+    def losses(self, signs: Array) -> Array:
+        """Cross-validated loss of every block and draw (blocks, draws); signs (seconds, draws)."""
+        starts = np.flatnonzero(np.diff(self.block, prepend=-1))
+        noise = self.noise.vector[:, :, None] * signs[:, None, :]
+        vector = self.fixed.vector[:, :, None] + np.add.reduceat(noise, starts, axis=0)
+        square = self.noise.square[:, None] + 2.0 * self.mixed[:, None] * signs
+        loss = self.fixed.square[:, None] + np.add.reduceat(square, starts, axis=0)
+        matrix, right = self.fixed.matrix.sum(axis=0), vector.sum(axis=0)
+        for number in np.unique(self.fold):
+            mine = self.fold == number
+            left = matrix - self.fixed.matrix[mine].sum(axis=0)
+            c = scaled_solve(left, right - vector[mine].sum(axis=0), self.ridge)
+            curved = np.einsum("id,bid->bd", c, self.fixed.matrix[mine] @ c)
+            loss[mine] += curved - 2.0 * np.einsum("id,bid->bd", c, vector[mine])
+        return np.abs(loss)
 
 
 def correlated(screen: Screen, residual: Array) -> float:

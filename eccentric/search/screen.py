@@ -138,14 +138,18 @@ class Screen:
         """Bounded fit of base and variants, with its blocked cross-validation."""
         target, design, lower = self.design(variants)
         gram = Gram.of(design, target, self.block)
-        ridges = [np.full(self.columns(v).shape[1], v.candidate.ridge) for v in variants]
-        ridge = np.concatenate([np.zeros(self.balance.columns.shape[1]), *ridges])
+        ridge = self.ridge(variants)
         coefficients = bounded_solve(gram.matrix.sum(axis=0), gram.vector.sum(axis=0), lower, ridge)
         cross = cross_validate(gram, lower, self.fold, ridge)
         if np.any(ridge):
             without = self.fit([v for v in variants if not v.candidate.ridge]).cross
             cross = np.where(cross > EXTRAPOLATED * without, without, cross)
         return Fitted(tuple(variants), coefficients, gram.loss(coefficients), cross)
+
+    def ridge(self, variants: Sequence[Variant]) -> Array:
+        """The penalty on every coefficient (q,) of a design."""
+        own = [np.full(self.columns(v).shape[1], v.candidate.ridge) for v in variants]
+        return np.concatenate([np.zeros(self.balance.columns.shape[1]), *own])
 
     def residual(self, fitted: Fitted) -> Array:
         """Target minus base and variants, (rows,)."""

@@ -16,7 +16,7 @@ from eccentric.signals.limits import LEAST_HELD_OUT, MANY_RUNS
 from eccentric.signals.measured import Channels
 from eccentric.signals.motion import motion_of
 from eccentric.signals.noise import white_noise
-from eccentric.signals.rows import Rows, require_rows
+from eccentric.signals.rows import Rows, blocks_of, require_rows
 from eccentric.signals.sampling import fit_rows, rows_of, search_rows
 from eccentric.signals.stretches import rows_of_each
 
@@ -30,6 +30,7 @@ __all__ = [
     "Rows",
     "balance_design",
     "band_of",
+    "blocks_of",
     "fit_rows",
     "hann_windows",
     "low_pass_of",

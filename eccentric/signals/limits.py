@@ -95,6 +95,16 @@ COMPARED_S, COMPARED_ROWS = 0.2, 5
 NEAR_CAUSE = 0.03
 """A cause is named if its factor matches this closely; rpm (9.55) and a gear of 10 differ by 0.046."""
 
+# The white noise of a sensor.
+
+MEANS = (2, 4, 8)
+"""Numbers of samples whose means show whether the noise is white: eight are some 30 ms of most logs, and in
+longer ones the motion itself would count."""
+LEAST_MEANS = 400
+"""Fewest means: their noise is known to some 5 %."""
+CLEARLY_LESS = 0.85
+"""A noise of means below this part of what it should be is not white: three times that uncertainty."""
+
 # How samples become rows.
 
 BLOCK_S = 1.0
