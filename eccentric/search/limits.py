@@ -66,6 +66,7 @@ __all__ = [
     "SURE",
     "SWAPPED",
     "TINY_COLUMN",
+    "TOGETHER",
     "TOP_CURRENT",
     "TOP_SPEED",
     "TRIED",
@@ -239,6 +240,8 @@ EVALUATIONS = 30
 """Evaluations of a simplex search per shape: enough for a hundredth of the range."""
 FIRST_EVALUATIONS = 10
 """The same before the comparison, for what changes the base: its grid is coarse."""
+TOGETHER = 3
+"""Leaders beside other effects whose shapes are refined with those of the others."""
 TRIED = 2
 """Leaders of a step that are refined in all their shapes and compared."""
 PARTNERS = 3

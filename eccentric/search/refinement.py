@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 
 import numpy as np
 from scipy.optimize import minimize
@@ -16,16 +16,23 @@ __all__ = ["refined"]
 Array = np.ndarray
 
 
-def refined(variant: Variant, loss: Callable[[Variant], float], evaluations: int) -> Variant:
-    """The variant of least loss near this one; `evaluations` at most for each shape."""
-    shapes = variant.candidate.shapes
+def refined(
+    variants: Sequence[Variant], loss: Callable[[Sequence[Variant]], float], evaluations: int
+) -> list[Variant]:
+    """The variants of least loss near these, all shapes at once; `evaluations` at most for each shape.
 
-    def at(point: Array) -> Variant:
-        values = zip(shapes, np.clip(point, 0.0, 1.0), strict=True)
-        return Variant(variant.candidate, {s.quantity.name: _value(s, float(x)) for s, x in values})
+    One after another they would zigzag: what one shape leaves, another takes.
+    """
+    shapes = [(k, shape) for k, variant in enumerate(variants) for shape in variant.candidate.shapes]
 
-    start = np.array([_place(s, variant.values) for s in shapes])
-    steps = np.array([FIRST_STEP / max(s.points - 1, 2) for s in shapes])
+    def at(point: Array) -> list[Variant]:
+        values: list[dict[str, float]] = [{} for _ in variants]
+        for (k, shape), x in zip(shapes, np.clip(point, 0.0, 1.0), strict=True):
+            values[k][shape.quantity.name] = _value(shape, float(x))
+        return [Variant(old.candidate, new) for old, new in zip(variants, values, strict=True)]
+
+    start = np.array([_place(shape, variants[k].values) for k, shape in shapes])
+    steps = np.array([FIRST_STEP / max(shape.points - 1, 2) for _, shape in shapes])
     simplex = np.vstack([start, start + np.diag(np.where(start + steps <= 1.0, steps, -steps))])
     found = minimize(
         lambda point: loss(at(point)),

@@ -19,6 +19,7 @@ from eccentric.search.limits import (
     LEADERS,
     MOST_KEPT,
     NOTHING,
+    TOGETHER,
 )
 from eccentric.search.refinement import refined
 from eccentric.signals import BalanceDesign
@@ -64,7 +65,7 @@ class Screen:
         self.floor = self.rows * noise**2
         self.fold = fold_of_block(int(self.block[-1]) + 1, FOLDS)
         self._kept: dict[tuple[object, ...], Array] = {}
-        self._changed: dict[tuple[object, ...], tuple[Array, Array]] = {}
+        self._changed: dict[tuple[object, ...], tuple[Array | float, Array]] = {}
         self.points: list[Variant] = []
         self.where: list[slice] = []
         columns, at = [], 0
@@ -119,20 +120,25 @@ class Screen:
         if key not in self._changed:
             if len(self._changed) > MOST_KEPT:
                 self._changed.clear()
-            known, samples = np.zeros(len(self.balance.samples)), self.balance.samples
             replacing = [v for v in changing if v.candidate.scales is None]
-            for variant in replacing:
-                if variant.candidate.changes is not None:
-                    more, changed = variant.candidate.changes(variant.values)
-                    known = known + more
-                    # To first order changes add up, whatever the order of adoption.
-                    samples = changed if variant is replacing[0] else samples + changed - self.balance.samples
+            known, samples = self._replaced(replacing)
             for variant in changing:
                 if variant.candidate.scales is not None:
                     samples = samples * variant.candidate.scales(variant.values).base
-            rows = self.balance.rows.mean(np.column_stack([known, samples]))
-            self._changed[key] = (rows[:, 0], rows[:, 1:])
+            mean = self.balance.rows.mean
+            self._changed[key] = (mean(known) if replacing else 0.0, mean(samples))
         return self._changed[key]
+
+    def _replaced(self, replacing: Sequence[Variant]) -> tuple[Array, Array]:
+        """What is known to be missing (samples,), and the base's columns with what these variants replace."""
+        known, samples = np.zeros(len(self.balance.samples)), self.balance.samples
+        for variant in replacing:
+            if variant.candidate.changes is not None:
+                more, changed = variant.candidate.changes(variant.values)
+                known = known + more
+                # To first order changes add up, whatever the order of adoption.
+                samples = changed if variant is replacing[0] else samples + changed - self.balance.samples
+        return known, samples
 
     def fit(self, variants: Sequence[Variant]) -> Fitted:
         """Bounded fit of base and variants, with its blocked cross-validation."""
@@ -193,13 +199,16 @@ class Screen:
     def rank(self, variants: Sequence[Variant], leaders: int = LEADERS) -> list[Fitted]:
         """Every candidate added to `variants`, best cross-validated score first.
 
-        The leaders' shapes are refined; what changes the base takes a few steps before it is compared.
+        The leaders' shapes are refined, those of the best few together with the shapes of `variants`; what
+        changes the base takes a few steps before it is compared.
         """
         look = self.first_look(variants)[: 4 * leaders]
         fitted = [self.fit([*variants, self.points[number]]) for _, number in look]
         fitted = [f if f.last.changes is None else self.refine(f, True, FIRST_EVALUATIONS) for f in fitted]
         fitted.sort(key=lambda f: f.score)
-        head = [self.refine(f, only_last=True) for f in fitted[:leaders]]
+        head = sorted((self.refine(f, only_last=True) for f in fitted[:leaders]), key=lambda f: f.score)
+        if any(variant.candidate.shapes for variant in variants):
+            head = [*map(self.refine, head[:TOGETHER]), *head[TOGETHER:]]
         least = BELOW_NOISE * self.floor
         honest = [f for f in [*head, *fitted[leaders:]] if f.loss.sum() > least and self.itself(f)]
         return sorted(honest, key=lambda f: f.score)
@@ -215,19 +224,13 @@ class Screen:
         return bool(own[0] > 0.0)
 
     def refine(self, fitted: Fitted, only_last: bool = False, evaluations: int = EVALUATIONS) -> Fitted:
-        """Shapes improved by simplex search of the bounded fit: of every variant in turn, or the last."""
-        variants = list(fitted.variants)
-        for turn in [len(variants) - 1] if only_last else range(len(variants)):
-            if variants[turn].candidate.shapes:
-                before, after = variants[:turn], variants[turn + 1 :]
-                variants[turn] = refined(
-                    variants[turn],
-                    lambda v, before=before, after=after: self._loss([*before, v, *after]),
-                    evaluations,
-                )
-        if all(new is old for new, old in zip(variants, fitted.variants, strict=True)):
+        """Shapes improved by simplex search of the bounded fit: of all variants together, or of the last."""
+        first = len(fitted.variants) - 1 if only_last else 0
+        kept, turning = fitted.variants[:first], fitted.variants[first:]
+        if not any(variant.candidate.shapes for variant in turning):
             return fitted
-        better = self.fit(variants)
+        found = refined(turning, lambda variants: self._loss([*kept, *variants]), evaluations)
+        better = self.fit([*kept, *found])
         return better if better.loss.sum() <= fitted.loss.sum() else fitted
 
     def _loss(self, variants: Sequence[Variant]) -> float:
