@@ -249,6 +249,19 @@ def loss(setting: Setting) -> sp.Expr:
     return friction * omega_m + v.R.symbol * v.i.symbol**2
 
 
+def copper(setting: Setting) -> tuple[sp.Expr, Definition] | None:
+    """Heat in the windings alone [W], where `loss` lacks it for want of R; with the definition that it needs.
+
+    Without R only its course counts: its mean is that of the other losses. None where `loss` has it, or where
+    no current flows.
+    """
+    if not setting.mean_force or v.R.name in setting.known or not setting.mean_square_A2:
+        return None
+    ohmic = setting.mean_loss_W / setting.mean_square_A2
+    R = constant("heat_R", "Ohm", "resistance that gives the windings those mean losses", ohmic, "R_P")
+    return R.symbol * v.i.symbol**2, R
+
+
 def thermal_times(setting: Setting) -> tuple[float, float]:
     """Range of thermal time constants [s] that a log of this length can show."""
     return min(8.0, 0.2 * setting.duration_s), min(300.0, 5.0 * setting.duration_s)

@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from dataclasses import replace
 
 import sympy as sp
 
 from eccentric.effects.effect import Effect, Evidence, Shape
-from eccentric.effects.forms import addition, direction, heating, loss, omega_m, thermal_times
+from eccentric.effects.forms import addition, copper, direction, heating, loss, omega_m, thermal_times
 from eccentric.effects.setting import Setting
 from eccentric.effects.words import TEMPERATURE, Words
-from eccentric.model import CONTACT, Change, Definition, Role, quantity
+from eccentric.model import CONTACT, Change, Definition, Role, State, quantity
 
 tau = quantity("heat_tau", "s", "thermal time constant", "", "positive", letter="tau")
 fall = quantity(
@@ -36,38 +37,25 @@ WORDS = Words(
 def effects(setting: Setting) -> tuple[Effect, ...]:
     """All friction, all viscous friction, or viscous or Coulomb friction of one bearing.
 
-    None if a temperature is logged: `viscosity_temperature` and `coulomb_temperature` then use it.
+    None if a temperature is logged: `viscosity_temperature` and `coulomb_temperature` then use it. Where the
+    losses lack those of the windings, all friction is offered once more, heated by these alone.
     """
     if setting.temperature_mid is not None:
         return ()
     rise, definitions, state = heating("heat", setting, loss(setting), tau.symbol)
-    thins = sp.exp(-fall.symbol * rise)
     constant_of_time = Shape(tau, *thermal_times(setting), "log", 8)
     depends_on = ("time", "history")
-    scaling = [
-        Effect(
-            family="hidden_thermal_drift",
-            variant=variant,
-            balance="mechanical",
-            formula=f"{which} times exp(-b rise), tau d(rise)/dt = losses/mean - rise",
-            reference=REFERENCE,
-            change=Change(
-                definitions=(*definitions, Definition(factor, thins)),
-                states=(state,),
-                scales=dict.fromkeys(roles, factor.symbol),
-            ),
-            evidence=Evidence(depends_on),
-            shapes=(constant_of_time, Shape(fall, 0.03, 1.5, "log", 3)),
-            words=replace(WORDS, headline=f"{what} that falls as the drive warms up"),
-        )
-        for variant, which, what, roles in (
-            ("", "friction", "friction", CONTACT),
-            ("viscous", "viscous", "viscous friction", {Role.VISCOUS}),
-        )
-    ]
+    whole = _scaling(setting, "", "losses", (rise, definitions, state))
+    viscous = _scaling(setting, "viscous", "losses", (rise, definitions, state), {Role.VISCOUS})
+    windings, wound = copper(setting), ()
+    if windings is not None:
+        power, resistance = windings
+        rise_i, by_current, state_i = heating("heat", setting, power, tau.symbol)
+        warm = rise_i, (resistance, *by_current), state_i
+        wound = (_scaling(setting, "windings", "R i^2", warm),)
     bearing = addition(
         "hidden_thermal_drift",
-        [(B, omega_m * (thins - 1))],
+        [(B, omega_m * (sp.exp(-fall.symbol * rise) - 1))],
         variant="bearing",
         role=Role.VISCOUS,
         depends_on=depends_on,
@@ -91,4 +79,31 @@ def effects(setting: Setting) -> tuple[Effect, ...]:
         states=(state,),
         words=replace(WORDS, headline="Coulomb friction that falls as the drive warms up"),
     )
-    return (*scaling, bearing, dry)
+    return (whole, viscous, *wound, bearing, dry)
+
+
+def _scaling(
+    setting: Setting,
+    variant: str,
+    heat: str,
+    heated: tuple[sp.Expr, tuple[Definition, ...], State],
+    roles: Collection[Role] = CONTACT,
+) -> Effect:
+    """Friction of these roles, times a factor that falls as this heat makes the drive warm."""
+    rise, definitions, state = heated
+    which = "friction" if roles is CONTACT else "viscous friction"
+    return Effect(
+        family="hidden_thermal_drift",
+        variant=variant,
+        balance="mechanical",
+        formula=f"{which} times exp(-b rise), tau d(rise)/dt = {heat}/mean - rise",
+        reference=REFERENCE,
+        change=Change(
+            definitions=(*definitions, Definition(factor, sp.exp(-fall.symbol * rise))),
+            states=(state,),
+            scales=dict.fromkeys(roles, factor.symbol),
+        ),
+        evidence=Evidence(("time", "history")),
+        shapes=(Shape(tau, *thermal_times(setting), "log", 8), Shape(fall, 0.03, 1.5, "log", 3)),
+        words=replace(WORDS, headline=f"{which} that falls as the drive warms up"),
+    )

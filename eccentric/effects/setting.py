@@ -21,6 +21,7 @@ class Setting:
         current_max: largest current seen [A].
         duration_s: length of the log [s].
         mean_loss_W: mean of friction power and R i^2 [W], positive.
+        mean_square_A2: mean square of the current [A^2]; 0 where nobody asks for it.
         temperature_mid: median of the logged temperature [degC]; None if it is not logged.
         channels: those logged, among "current", "voltage", "temperature".
         friction: coefficients of a first fit of that model, by column of its regressor; they determine how
@@ -44,6 +45,7 @@ class Setting:
     current_max: float
     duration_s: float
     mean_loss_W: float
+    mean_square_A2: float = 0.0
     temperature_mid: float | None = None
     channels: frozenset[str] = frozenset({"current", "voltage"})
     friction: Mapping[str, float] = field(default_factory=dict)

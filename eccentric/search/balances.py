@@ -144,6 +144,7 @@ def setting_of(data: FitData, model: Model, friction: Array) -> Setting:
         current_max=float(np.quantile(np.abs(current[rows]), TOP_CURRENT)),
         duration_s=float(np.max(channels.time.elapsed)),
         mean_loss_W=max(float(loss), LEAST_LOSS_W),
+        mean_square_A2=float(np.mean(current[rows] ** 2)),
         temperature_mid=None if warm is None else float(np.median(warm[rows])),
         channels=frozenset(present),
         friction={c.name: float(x) for c, x in zip(columns, own, strict=True)},

@@ -33,15 +33,16 @@ class BothBalances:
         self._weights = screen.rows / found.loss.sum(), len(rest) / float(rest @ rest)
 
     def run(self) -> list[Array]:
-        """Refine the shapes in turn; return the coefficients of each variant."""
-        for turn, variant in enumerate(self.variants):
-            if variant.candidate.joint and variant.candidate.shapes:
-                before, after = self.variants[:turn], self.variants[turn + 1 :]
-                self.variants[turn] = refined(
-                    variant,
-                    lambda v, before=before, after=after: self._solved([*before, v, *after])[0],
-                    EVALUATIONS,
-                )
+        """Refine the shapes; return the coefficients of each variant."""
+        shown = [k for k, v in enumerate(self.variants) if v.candidate.joint and v.candidate.shapes]
+
+        def placed(variants: Sequence[Variant]) -> list[Variant]:
+            new = dict(zip(shown, variants, strict=True))
+            return [new.get(k, variant) for k, variant in enumerate(self.variants)]
+
+        if shown:
+            own = [self.variants[k] for k in shown]
+            self.variants = placed(refined(own, lambda v: self._solved(placed(v))[0], EVALUATIONS))
         ends = np.cumsum([self._screen.columns(variant).shape[1] for variant in self.variants])
         return np.split(self._solved(self.variants)[1], ends)[:-1]
 
