@@ -182,6 +182,18 @@ def test_the_noise_of_a_sensor_is_found_under_a_smooth_signal() -> None:
     assert white_noise(np.where(t < 1.0, np.nan, noise)) == pytest.approx(0.01, rel=0.03)
 
 
+def test_what_a_speed_loop_makes_of_quanta_is_not_white() -> None:
+    """Differences of white noise, as of counts, cancel in means: of eight samples an eighth of their squares.
+
+    Their fourth difference is the fifth of white noise, whose squares sum to 252 and not to twice 70.
+    """
+    white = np.random.default_rng(6).standard_normal(40_001)
+    differences = np.diff(white) / np.sqrt(2.0)
+
+    assert white_noise(differences) == pytest.approx(np.sqrt(252.0 / 140.0 / 8.0), rel=0.05)
+    assert white_noise(white) == pytest.approx(1.0, rel=0.03)
+
+
 def test_blocks_are_stretches_of_a_second_within_a_stretch() -> None:
     """Rows closer than a second that no gap parts share a block; those across a gap never do."""
     t = np.concatenate([EVEN, EVEN + 3.999])

@@ -138,6 +138,21 @@ def test_a_logarithmic_shape_is_refined_on_its_scale() -> None:
     assert best.variants[0].values["angle"] == pytest.approx(0.3, abs=2e-3)
 
 
+def test_shapes_of_several_effects_are_refined_together() -> None:
+    """Two moments of mass on a line, at 0.4 and 0.9: the places depend on each other, and one pass finds neither."""
+
+    def of(values: Values) -> Array:
+        return mixed({2 + k: values["angle"] ** k for k in range(4)})[:, None]
+
+    first, second = (candidate(name, shapes=(ANGLE,), of=of) for name in "ab")
+    balance = design({})
+    planted = 30.0 * (of({"angle": 0.4}) + of({"angle": 0.9}))[:, 0]
+    screen = Screen(replace(balance, target=balance.target + planted), [first, second])
+    coarse = screen.fit([Variant(first, {"angle": 0.1}), Variant(second, {"angle": 1.5})])
+
+    assert screen.refine(coarse).loss.sum() == pytest.approx(N, rel=1e-2)
+
+
 def test_the_first_look_takes_the_best_grid_point_of_every_candidate() -> None:
     """In-sample losses, best first, one point each; what is taken and closed families are left out."""
     shaped = candidate("a", shapes=(ANGLE,), of=turned)

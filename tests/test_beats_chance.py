@@ -1,0 +1,65 @@
+"""A gain counts if it beats what the noise of the log itself makes, correlated and unequal as it is."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from eccentric.effects import Evidence
+from eccentric.search.candidate import Candidate, Variant
+from eccentric.search.nulltest import beats_chance
+from eccentric.search.screen import Fitted, Screen
+from eccentric.signals import balance_design
+from eccentric.signals.rows import Rows
+
+SECONDS, RATE = 64, 16
+N = SECONDS * RATE
+T = np.arange(N) / RATE
+SECOND = np.repeat(np.arange(SECONDS), RATE)
+SPEED = np.sin(2.0 * np.pi * 0.09 * SECOND)
+"""A speed that is held for a second."""
+CURVES = np.column_stack([SPEED**k for k in range(1, 7)])
+
+
+def drawn(seed: int, amplitude: float = 0.0, runs: int = SECONDS) -> tuple[Screen, Fitted, Fitted]:
+    """A log whose noise lasts a second and is six times as large at high speed; with and without the curves.
+
+    amplitude: of the square of the speed, which is planted.
+    """
+    noise = np.random.default_rng(seed).standard_normal(SECONDS)[SECOND] * np.where(SPEED > 0.8, 6.0, 1.0)
+    every, block = np.ones(N, bool), np.arange(N) * runs // N
+    rows = Rows(T, np.zeros(N, int), block, every, ~every, np.ones(N), "rows")
+    target, nothing = noise + amplitude * SPEED**2, np.empty((N, 0))
+    balance = replace(balance_design("mechanical", rows, (), target, nothing, target), scale=1.0)
+    curves = Candidate(
+        "curves", "curves", "mechanical", Evidence(("velocity",)), lambda _: CURVES, ridge=1e-2
+    )
+    screen = Screen(balance, [curves])
+    return screen, screen.fit([]), screen.fit([Variant(curves, {})])
+
+
+def test_noise_of_the_log_itself_is_no_structure() -> None:
+    """Of sixty logs of noise alone none beats it, though some gain by 24 if every row counts for itself."""
+    every = [drawn(seed) for seed in range(60)]
+    by_rows = [N * np.log(before.score / after.score) > 24.0 for _, before, after in every]
+
+    assert sum(by_rows) >= 3
+    assert not any(beats_chance(*one) for one in every)
+
+
+@pytest.mark.parametrize("runs", [SECONDS, 8])
+def test_structure_beats_it(runs: int) -> None:
+    """What is planted beats it in every log, whether a fold leaves out seconds or runs."""
+    assert all(beats_chance(*drawn(seed, amplitude=12.0, runs=runs)) for seed in range(10))
+
+
+def test_few_seconds_say_nothing() -> None:
+    """A log of fewer than 32 seconds is left to the other tests: a few signs soon repeat what was seen."""
+    screen, before, after = drawn(0)
+    short = replace(screen.balance.rows, t=T / 4.0, block=np.arange(N) // (N // 4))
+    few = Screen(replace(screen.balance, rows=short), screen.candidates)
+
+    assert beats_chance(few, few.fit([]), few.fit(after.variants))
+    assert not beats_chance(screen, before, after)
