@@ -139,7 +139,7 @@ def test_a_logarithmic_shape_is_refined_on_its_scale() -> None:
 
 
 def test_shapes_of_several_effects_are_refined_together() -> None:
-    """Two moments of mass on a line, at 0.4 and 0.9: the places depend on each other, and one pass finds neither."""
+    """Two points on a line, at 0.4 and 0.9: their places depend on each other, and one pass finds neither."""
 
     def of(values: Values) -> Array:
         return mixed({2 + k: values["angle"] ** k for k in range(4)})[:, None]
