@@ -155,7 +155,8 @@ def _bonus(fitted: Fitted, models: Sequence[Fitted], adopted: int) -> float:
     shapes = sum(len(variant.values) for variant in fitted.variants)
     further = max(len(own) - adopted, 0)
     cost = limits.CONFIRMED * (len(own) - further) + limits.LEAST_DEVIANCE * further
-    return limits.SPECIAL * special - 0.5 * (shapes + cost)
+    # In a draw chance counts twice: once in the log, once in which of its blocks are drawn.
+    return 2.0 * limits.SPECIAL * special - 0.5 * (shapes + cost)
 
 
 def _draws(count: int) -> Array:
