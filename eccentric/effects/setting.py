@@ -21,7 +21,6 @@ class Setting:
         current_max: largest current seen [A].
         duration_s: length of the log [s].
         mean_loss_W: mean of friction power and R i^2 [W], positive.
-        mean_square_A2: mean square of the current [A^2]; 0 where nobody asks for it.
         temperature_mid: median of the logged temperature [degC]; None if it is not logged.
         channels: those logged, among "current", "voltage", "temperature".
         friction: coefficients of a first fit of that model, by column of its regressor; they determine how
@@ -32,6 +31,7 @@ class Setting:
         mean_force: mean of F_N [N] where it is an input of the model, as of a joint of an arm; else 0.
         left_open: what the rig leaves to be identified: roles of columns, among others "inertia" and
             "gravity", and keys of the rig's alignment, such as "theta_zero_rad".
+        mean_square_A2: mean square of the current [A^2]; 0 where nobody asks for it.
 
     Raises:
         ValueError: a range is not positive.
@@ -45,7 +45,6 @@ class Setting:
     current_max: float
     duration_s: float
     mean_loss_W: float
-    mean_square_A2: float = 0.0
     temperature_mid: float | None = None
     channels: frozenset[str] = frozenset({"current", "voltage"})
     friction: Mapping[str, float] = field(default_factory=dict)
@@ -53,6 +52,7 @@ class Setting:
     scaled: bool = True
     left_open: tuple[str, ...] = ()
     mean_force: float = 0.0
+    mean_square_A2: float = 0.0
 
     def __post_init__(self) -> None:
         for name in ("mu", "w_min", "w_max", "current_max", "duration_s", "mean_loss_W"):
