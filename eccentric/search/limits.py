@@ -19,6 +19,7 @@ __all__ = [
     "CONFIRMED_PART",
     "DRAWS",
     "EVALUATIONS",
+    "EXPECTED",
     "EXTRAPOLATED",
     "FIRST_EVALUATIONS",
     "FIRST_STEP",
@@ -128,6 +129,9 @@ SURE = 0.8
 tied with both reduces it to less."""
 SPECIAL = 2.0
 """Log-odds of a special case over the family that contains it: it explains as much with fewer parameters."""
+EXPECTED = 2.0
+"""Log-odds of a declared value that is off within twice its tolerance over an effect in its place: on every
+rig one or the other value of a data sheet is off."""
 POSSIBLE = 0.05
 """Least probability of a family that counts as explaining the log equally well."""
 FORMS_OF_A_PATCH = 3

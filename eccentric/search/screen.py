@@ -168,6 +168,14 @@ class Screen:
         ends = self.balance.columns.shape[1] + np.cumsum(widths)
         return [fitted.coefficients[end - width : end] for end, width in zip(ends, widths, strict=True)]
 
+    def expected(self, fitted: Fitted) -> list[Variant]:
+        """The variants that correct a declared value by no more than twice its tolerance."""
+        return [
+            variant
+            for variant, own in zip(fitted.variants, self.own(fitted), strict=True)
+            if variant.candidate.tolerance and abs(own[0]) <= 2.0 * variant.candidate.tolerance
+        ]
+
     def first_look(self, variants: Sequence[Variant]) -> list[tuple[float, int]]:
         """(in-sample loss of the bounded fit, number) of every candidate's best grid point beside `variants`.
 

@@ -171,7 +171,9 @@ def _adopted(searches: dict[str, Search]) -> tuple[list[Adopted], list[Ranked], 
             family, stability = candidate.family, search.stability
             chances = {family: chance for family, (chance, _) in options.items()}
             if stability.variants:
-                chances = stability.chances(family, [other for other in options if other != family])
+                # A family beside it, found once more in its place, is no alternative to it.
+                beside = {v.candidate.family for v in best.variants}
+                chances = stability.chances(family, [other for other in options if other not in beside])
             entry = _ranked(candidate, name, search, best, chances[family])
             clear = chances[family] >= limits.SURE and stability.nearly_all(family)
             one = Adopted(
