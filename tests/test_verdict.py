@@ -68,6 +68,15 @@ def test_effects_are_listed_by_share_and_before_all_others() -> None:
     assert ["b", "a", "c"] == [c.id for c in found.candidates]
 
 
+def test_a_family_beside_an_effect_is_not_tied_with_it() -> None:
+    """Two orders of a family: one is adopted for itself, the other almost explains another effect."""
+    order = candidate("harmonic", {5: 1.0}, member="n=1", repeats=True)
+    almost = replace(rival("harmonic", 0.5), id="harmonic[n=2]", evidence=order.evidence)
+    found = verdict({2: 3.0, 5: 3.0}, A, rival("b", 0.6), order, almost)
+
+    assert ("not_identifiable", ("a", "b")) == (found.verdict, found.tied)
+
+
 def test_nothing_missing_is_said_where_nothing_is_worth_it() -> None:
     """There is no effect, no variable, no measurement; what was considered is listed all the same."""
     found = verdict({0: 4.0}, A, B)
