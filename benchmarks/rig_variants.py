@@ -17,6 +17,7 @@ import tomllib
 import warnings
 from collections import Counter
 from collections.abc import Iterator
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -34,7 +35,6 @@ SECTION = "## Other rig files\n"
 EXAMPLES = ("example1", "example2", "example3", "example4")
 LOW_PASS_HZ = 25.0
 Rig = dict[str, Any]
-Answer = tuple[str, tuple[str, ...]]
 
 
 def paths(data: Path, name: str) -> tuple[Path, Path]:
@@ -84,31 +84,60 @@ def scaled(value: float | str, factor: float) -> float | str:
     return f"{factor * float(number):.9g} {unit}".strip()
 
 
-def answers(log: Path, rig: Path) -> list[tuple[str, Answer]]:
+@dataclass(frozen=True)
+class Answer:
+    """The verdict on a variant of a rig file, and the families behind it.
+
+    values: those families that only say which declared value is off; changed: whether one of them was changed.
+    """
+
+    label: str
+    verdict: str
+    families: tuple[str, ...]
+    values: frozenset[str] = frozenset()
+    changed: bool = False
+
+    @property
+    def leading(self) -> tuple[str, tuple[str, ...]]:
+        """Verdict and leading family; a changed value that is told as such counts as told beside it."""
+        beside = self.values if self.changed else frozenset()
+        effects = tuple(f for f in self.families if f not in beside)
+        told_alone = self.verdict == "named" and not effects
+        return ("nothing_missing" if told_alone else self.verdict), effects[:1]
+
+    def __str__(self) -> str:
+        return f"{self.verdict} {', '.join(self.families)}".strip()
+
+
+def answers(log: Path, rig: Path) -> list[Answer]:
     """The verdict and the families behind it, for every variant of a rig file."""
     plain, found = content(rig), []
     runs = list(read_channels([read_log(log)], read_rig(plain)).time.run_names)
     for label, one in variants(plain, runs):
         try:
-            a = diagnose([log], one).attribution
+            diagnosis = diagnose([log], one)
+            a = diagnosis.attribution
             named = [entry.variant.candidate.family for entry in a.adopted]
             families = {"named": named, "not_identifiable": list(a.tied)}.get(a.verdict, [])
-            answer = a.verdict, tuple(families)
+            values = frozenset(e.family for e in diagnosis.offered if e.corrects is not None)
+            changed = one.get("known") != plain.get("known")
+            answer = Answer(label, a.verdict, tuple(families), values, changed)
         except InputError as error:
-            answer = "refused", (str(error),)
-        progress(f"{rig.stem}, {label}: {answer[0]} {', '.join(answer[1])}")
-        print(f"{rig.stem}, {label}: {answer[0]} {', '.join(answer[1])}", flush=True)
-        found.append((label, answer))
+            answer = Answer(label, "refused", (str(error),))
+        progress(f"{rig.stem}, {label}: {answer}")
+        print(f"{rig.stem}, {label}: {answer}", flush=True)
+        found.append(answer)
     return found
 
 
-def row(name: str, found: list[tuple[str, Answer]]) -> str:
-    """A line of the table: the shipped answer, how many give the same verdict and leading family, and the others."""
-    (verdict, families), rest = found[0][1], [answer for _, answer in found]
-    same = sum(v == verdict and f[:1] == families[:1] for v, f in rest)
-    others = Counter(f"{v} {', '.join(f)}".strip() for v, f in rest if v != verdict or f[:1] != families[:1])
+def row(name: str, found: list[Answer]) -> str:
+    """A line of the table: the shipped answer, how many give the same, how many tell a changed value, the others."""
+    shipped = found[0]
+    told = [a for a in found if a.changed and a.values.intersection(a.families)]
+    others = Counter(str(a) for a in found if a.leading != shipped.leading)
     shown = "; ".join(f"{text} ({times})" for text, times in others.most_common()) or "-"
-    return f"| {name} | {verdict} {', '.join(families)} | {same} of {len(rest)} | {shown} |"
+    same, changed = len(found) - others.total(), sum(a.changed for a in found)
+    return f"| {name} | {shipped} | {same} of {len(found)} | {len(told)} of {changed} | {shown} |"
 
 
 def write(rows: list[str]) -> None:
@@ -117,7 +146,9 @@ def write(rows: list[str]) -> None:
     head, section, rest = text.partition(SECTION)
     if not section:
         raise SystemExit(f"{PAGE}: a section {SECTION.strip()} is required")
-    table = "\n".join(["| log | answer | same | otherwise |", "|---|---|--:|---|", *rows, ""])
+    table = "\n".join(
+        ["| log | answer | same | changed value told | otherwise |", "|---|---|--:|--:|---|", *rows, ""]
+    )
     PAGE.write_text(
         head + section + re.sub(r"(?:^\|.*\n)+", table, rest, count=1, flags=re.MULTILINE), "utf-8"
     )

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from benchmarks.rig_variants import answers, content, paths, row, scaled, variants
+from benchmarks.rig_variants import Answer, answers, content, paths, row, scaled, variants
 from tests.logged import SHARED
 
 EXAMPLES = SHARED / "examples"
@@ -12,15 +12,16 @@ EXAMPLES = SHARED / "examples"
 
 @pytest.mark.slow
 @pytest.mark.skipif(not EXAMPLES.is_dir(), reason="the shared example logs are not beside this clone")
-@pytest.mark.parametrize("name", ["example1", "example2"])
+@pytest.mark.parametrize("name", ["example1", "example2", "example3", "example4"])
 def test_other_bandwidths_and_wrong_constants_leave_the_name(name: str) -> None:
-    """Nine of ten rig files or more give the same verdict and the same leading family."""
+    """Nine of ten rig files or more give the same verdict and leading family; each wrong value is told."""
     found = answers(*paths(SHARED, name))
-    (verdict, families), every = found[0][1], [answer for _, answer in found]
-    same = sum(v == verdict and families[:1] == f[:1] for v, f in every)
+    changed = [answer for answer in found if answer.changed]
 
-    assert len(every) >= 10
-    assert same >= 0.9 * len(every)
+    assert len(found) >= 10
+    assert sum(answer.leading == found[0].leading for answer in found) >= 0.9 * len(found)
+    assert 6 == len(changed)
+    assert all(answer.values.intersection(answer.families) for answer in changed)
 
 
 @pytest.mark.skipif(not EXAMPLES.is_dir(), reason="the shared example logs are not beside this clone")
@@ -42,15 +43,28 @@ def test_a_quantity_with_a_unit_is_scaled() -> None:
 
 
 def test_a_row_counts_verdict_and_leading_family() -> None:
-    """A further name beside the first is the same answer, another first one is not."""
+    """A further name beside the first is the same answer, another first one is not.
+
+    A value that was changed is told beside the name or alone; one that was not is a name like any other.
+    """
+    values = frozenset({"resistance_mismatch", "inertia_mismatch"})
     found = [
-        ("as it is", ("named", ("stribeck",))),
-        ("R +2 %", ("named", ("stribeck", "resistance_mismatch"))),
-        ("R -2 %", ("named", ("resistance_mismatch", "stribeck"))),
-        ("J_m +5 %", ("unexplained", ())),
+        Answer("as it is", "named", ("stribeck",), values),
+        Answer("R +2 %", "named", ("stribeck", "resistance_mismatch"), values, changed=True),
+        Answer("R -2 %", "named", ("resistance_mismatch", "stribeck"), values, changed=True),
+        Answer("bandwidth x 0.8", "named", ("resistance_mismatch", "stribeck"), values),
+        Answer("J_m +5 %", "named", ("inertia_mismatch",), values, changed=True),
+        Answer("J_m -5 %", "unexplained", (), values, changed=True),
     ]
 
     assert (
-        "| log | named stribeck | 2 of 4 | named resistance_mismatch, stribeck (1); unexplained (1) |"
-        == row("log", found)
+        "| log | named stribeck | 3 of 6 | 3 of 4 | named resistance_mismatch, stribeck (1);"
+        " named inertia_mismatch (1); unexplained (1) |" == row("log", found)
     )
+
+
+def test_a_control_stays_one_where_only_the_changed_value_is_told() -> None:
+    """Nothing is missing but the value that was changed."""
+    found = Answer("R +2 %", "named", ("resistance_mismatch",), frozenset({"resistance_mismatch"}), True)
+
+    assert Answer("as it is", "nothing_missing", ()).leading == found.leading
