@@ -18,6 +18,7 @@ from typing import Any
 import numpy as np
 
 import eccentric
+from benchmarks import arm_peers
 from benchmarks.cortex_m4 import M4F, OPTIMISED, build, emulate, run
 from benchmarks.record import Measured, Part, progress
 from eccentric.emission import Choice, executed, render_arm
@@ -222,9 +223,10 @@ def measured(quick: bool) -> Part:
             for n in SIZES:
                 counted = instructions(folder, n)
                 table.append(f"| {n} | " + " | ".join(f"{counted[f]:.0f}" for f in FUNCTIONS) + " |")
-                figures[f"arm inverse {n}"] = _plain(counted["inverse_dynamics"])
+                beside = peers(folder, n)
+                figures[f"arm inverse {n}"] = _plain(counted["inverse_dynamics"], beside)
                 if n == 7:
-                    figures["arm motor torque 7"] = _plain(counted["motor_torque"])
+                    figures["arm motor torque 7"] = _plain(counted["motor_torque"], beside)
         else:
             table, left_out = [], ["Instructions on x86-64: not installed: valgrind."]
         if shutil.which("arm-none-eabi-gcc") and shutil.which("qemu-system-arm"):
@@ -248,13 +250,27 @@ def measured(quick: bool) -> Part:
     says = (
         "Chains of joints at right angles to one another, bodies without symmetry, all numbers folded."
         " Instructions of a call on x86-64, double, gcc -O2, the mean over 50 motions; `motor_torque` has all"
-        " wrenches, all loads and the friction that follows them."
+        " wrenches, all loads and the friction that follows them. Peers compute the inverse dynamics alone:"
+        " Pinocchio as its package has it compiled, CasADi with all numbers folded and its cse"
+        " (`benchmarks/arm_peers.py`)."
     )
     return Part(figures, [says, "", *table, "", *left_out])
 
 
-def _plain(value: float) -> Measured:
-    return Measured(value, f"{value:.0f}")
+def peers(folder: Path, n: int) -> str:
+    """Instructions of the inverse dynamics alone elsewhere, of what is installed."""
+    said = []
+    for name, count in (("Pinocchio's rnea", arm_peers.pinocchio), ("CasADi", arm_peers.casadi)):
+        progress(f"arms: {name}, {n} joints")
+        try:
+            said.append(f"{name} {count(folder, n):.0f}")
+        except ImportError:
+            continue
+    return ", ".join(said)
+
+
+def _plain(value: float, peer: str = "") -> Measured:
+    return Measured(value, f"{value:.0f}", peer)
 
 
 if __name__ == "__main__":
