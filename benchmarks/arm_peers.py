@@ -40,7 +40,8 @@ def casadi_torques(chain: Chain, n: int) -> Any:
     pull = ca.SX(-np.array(chain.gravity.tolist(), float).ravel())
     links = []
     for k, (joint, body) in enumerate(zip(chain.joints, chain.bodies, strict=True)):
-        assert isinstance(body, Body) and joint.turns
+        assert isinstance(body, Body)
+        assert joint.turns
         axis, place, centre = (
             np.array(x.tolist(), float).ravel() for x in (joint.axis, joint.placement.position, body.centre)
         )
