@@ -57,3 +57,16 @@ def test_a_coefficient_at_its_bound_does_not_move(log: tuple[np.ndarray, np.ndar
     assert solution.active.tolist() == [0, -1]
     added = solution.spread(filtered=(solution.design, other)).matrix - solution.spread().matrix
     np.testing.assert_allclose(added, [[by_itself**2, 0.0], [0.0, 0.0]], rtol=1e-9, atol=1e-15)
+
+
+def test_a_column_that_the_other_filter_leaves_nothing_of_does_not_move(
+    log: tuple[np.ndarray, np.ndarray],
+) -> None:
+    """Of a column of zeros nothing can be said: its coefficient stays, whatever the rounding."""
+    target, columns = log
+    solution = design(target, columns).solve()
+    other = design(target + columns @ MOVED, columns * [1.0, 0.0] + [0.0, 1e-210])
+    added = solution.spread(filtered=(solution.design, other)).matrix - solution.spread().matrix
+
+    assert np.all(np.isfinite(added))
+    assert abs(added[1, 1]) < 1e-3

@@ -180,9 +180,9 @@ class Solution:
 
     def _step(self, design: Design, free: Mask) -> Array:
         """How a Gauss-Newton step on a design would move coefficients and nonlinear values (k + q,)."""
-        train, tangents = design.train, self._tangents(design)[:, free]
+        train, tangents = design.train, self._tangents(design)
         left = (design.columns @ self.values - design.target)[train] * np.sqrt(design.weights[train])
-        size = np.maximum(np.linalg.norm(tangents, axis=0), NO_INFLUENCE)
-        moved = np.zeros(len(free))
-        moved[free] = -np.linalg.lstsq(tangents / size, left, rcond=None)[0] / size
+        size, moved = np.linalg.norm(tangents, axis=0), np.zeros(len(free))
+        seen = free & (size > NO_INFLUENCE)
+        moved[seen] = -np.linalg.lstsq(tangents[:, seen] / size[seen], left, rcond=None)[0] / size[seen]
         return moved
