@@ -23,18 +23,24 @@ SPEED = np.sin(2.0 * np.pi * 0.09 * SECOND)
 CURVES = np.column_stack([SPEED**k for k in range(1, 7)])
 
 
-def drawn(seed: int, amplitude: float = 0.0, runs: int = SECONDS) -> tuple[Screen, Fitted, Fitted]:
+def drawn(
+    seed: int, amplitude: float = 0.0, runs: int = SECONDS, late: int = 0, gaps: bool = False
+) -> tuple[Screen, Fitted, Fitted]:
     """A log whose noise lasts a second and is six times as large at high speed; with and without the curves.
 
-    amplitude: of the square of the speed, which is planted.
+    amplitude: of the square of the speed, which is planted; late: rows of the first second that are missing;
+    gaps: whether blocks 0 and 7 have no rows.
     """
     noise = np.random.default_rng(seed).standard_normal(SECONDS)[SECOND] * np.where(SPEED > 0.8, 6.0, 1.0)
     every, block = np.ones(N, bool), np.arange(N) * runs // N
     rows = Rows(T, np.zeros(N, int), block, every, ~every, np.ones(N), "rows")
-    target, nothing = noise + amplitude * SPEED**2, np.empty((N, 0))
+    target = noise + amplitude * SPEED**2
+    kept = (np.arange(N) >= late) & ~(gaps & np.isin(block, (0, 7)))
+    target, nothing = target[kept], np.empty((int(kept.sum()), 0))
+    rows = rows.chosen(np.flatnonzero(kept))
     balance = replace(balance_design("mechanical", rows, (), target, nothing, target), scale=1.0)
     curves = Candidate(
-        "curves", "curves", "mechanical", Evidence(("velocity",)), lambda _: CURVES, ridge=1e-2
+        "curves", "curves", "mechanical", Evidence(("velocity",)), lambda _: CURVES[kept], ridge=1e-2
     )
     screen = Screen(balance, [curves])
     return screen, screen.fit([]), screen.fit([Variant(curves, {})])
@@ -53,6 +59,20 @@ def test_noise_of_the_log_itself_is_no_structure() -> None:
 def test_structure_beats_it(runs: int) -> None:
     """What is planted beats it in every log, whether a fold leaves out seconds or runs."""
     assert all(beats_chance(*drawn(seed, amplitude=12.0, runs=runs)) for seed in range(10))
+
+
+@pytest.mark.parametrize("late", [4, 8, 12])
+def test_a_log_may_begin_within_a_second(late: int) -> None:
+    """Seconds are those of the blocks: noise that lasts one keeps its sign for it."""
+    assert not any(beats_chance(*drawn(seed, late=late)) for seed in range(60))
+
+
+@pytest.mark.parametrize("amplitude", [0.0, 12.0])
+def test_blocks_may_have_no_rows(amplitude: float) -> None:
+    """Standstill takes all rows of some seconds: what is planted still beats chance, and noise does not."""
+    every = [beats_chance(*drawn(seed, amplitude, gaps=True)) for seed in range(10)]
+
+    assert [amplitude > 0.0] * 10 == every
 
 
 def test_few_seconds_say_nothing() -> None:

@@ -68,8 +68,12 @@ def test_effects_are_listed_by_share_and_before_all_others() -> None:
     assert ["b", "a", "c"] == [c.id for c in found.candidates]
 
 
-def test_a_family_beside_an_effect_is_not_tied_with_it() -> None:
+@pytest.mark.parametrize("least_blocks", [1, 10**6], ids=["variants", "the log alone"])
+def test_a_family_beside_an_effect_is_not_tied_with_it(
+    least_blocks: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
     """Two orders of a family: one is adopted for itself, the other almost explains another effect."""
+    monkeypatch.setattr(limits, "LEAST_BLOCKS", least_blocks)
     order = candidate("harmonic", {5: 1.0}, member="n=1", repeats=True)
     almost = replace(rival("harmonic", 0.5), id="harmonic[n=2]", evidence=order.evidence)
     found = verdict({2: 3.0, 5: 3.0}, A, rival("b", 0.6), order, almost)

@@ -207,7 +207,7 @@ class Search:
         """Probabilities of the families in the place of each adopted variant, the others kept.
 
         A special case that explains the log as well as the family that contains it takes the place, and so
-        does a declared value that is off within its tolerance.
+        does a declared value that is off as can be expected.
         """
         effective = self._effective(self.best, self.screen)
         self.alternatives = []

@@ -13,6 +13,7 @@ from eccentric.fitting import FitData, Signals, base_coefficients, base_columns,
 from eccentric.model import Model
 from eccentric.rigs import Rig
 from eccentric.search.limits import (
+    LAGS,
     LAGS_S,
     LEAST_LOSS_W,
     SLOWEST,
@@ -64,22 +65,26 @@ def balances_of(data: FitData, rig: Rig, model: Model) -> tuple[list[BalanceDesi
         damping = drive.machine.damping(known)
         balances.append(_once_filtered(electrical, channels.motion.omega_m, damping))
         # Real torque as fast as noise is in the target, but cancels in the residual, at the current's lag.
-        shifted = (_ahead(torque, channels, lag) for lag in _lags(channels))
-        others = (unseen * (residual + torque - x) for x in shifted)
-        noise["electrical"] = min(_row_noise(x, every) for x in (unseen * torque, *others))
+        known_torque, target_seen = residual + torque, unseen * torque
+        shifted = (unseen * known_torque - _ahead(target_seen, channels, lag) for lag in _lags(channels))
+        matched = min(shifted, key=lambda left: float(np.nanmean(left**2)))
+        left = target_seen, unseen * residual, matched
+        noise["electrical"] = min(_row_noise(x, every) for x in left)
     return balances, noise
 
 
-def _lags(channels: Channels) -> range:
-    """Lags of the current, in rows of the log."""
-    first, last = (round(lag / channels.time.logged_step_s) for lag in LAGS_S)
-    return range(first, last + 1)
+def _lags(channels: Channels) -> list[int]:
+    """Lags of the current to try, in rows of the log."""
+    first, last = (lag / channels.time.logged_step_s for lag in LAGS_S)
+    return sorted({round(lag) for lag in np.linspace(first, last, LAGS)})
 
 
 def _ahead(signal: Array, channels: Channels, lag: int) -> Array:
     """A signal (samples,) as it would be without its lag in rows; NaN where the segment ends before."""
-    moved, same = np.roll(signal, -lag), np.roll(channels.time.segment, -lag) == channels.time.segment
-    return np.where(same, moved, np.nan)
+    place = np.arange(len(signal)) + lag
+    inside = np.clip(place, 0, len(signal) - 1)
+    same = (inside == place) & (channels.time.segment[inside] == channels.time.segment)
+    return np.where(same, signal[inside], np.nan)
 
 
 def _row_noise(signal: Array, rows: Rows) -> float:

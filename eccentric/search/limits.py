@@ -25,8 +25,10 @@ __all__ = [
     "FIRST_STEP",
     "FOLDS",
     "FORMS_OF_A_PATCH",
+    "IN_A_DRAW",
     "IN_PLACE",
     "KNOTS",
+    "LAGS",
     "LAGS_S",
     "LEADERS",
     "LEADERS_OF_A_PARTNER",
@@ -74,6 +76,7 @@ __all__ = [
     "UNEXPLAINED",
     "UNEXPLAINED_OVER_RUNS",
     "VARIANTS",
+    "WITHIN",
     "WRONG",
 ]
 
@@ -93,6 +96,8 @@ is an error in that effect's form."""
 LAGS_S = (-0.02, 0.07)
 """Lags of the measured current behind angle and voltage, s, at which the noise of the electrical balance is
 looked for, those of `sensor_delay`: what is fast and real cancels at the true one only."""
+LAGS = 46
+"""Lags that are tried: 2 ms apart, half a row of most logs."""
 CLEARS = 0.5
 """Fraction of what is left above the sensors' noise floor that a second or third effect must explain: less
 only corrects the form of the first."""
@@ -125,13 +130,15 @@ instrument blurs, 0.4."""
 # How alternatives are weighed.
 
 SURE = 0.8
-"""Least probability of a named effect: a special case tied with its general form has 0.88, a third family
-tied with both reduces it to less."""
+"""Least probability of a named effect: on the log itself a special case tied with its general form has 0.88,
+a third family tied with both reduces it to less."""
 SPECIAL = 2.0
 """Log-odds of a special case over the family that contains it: it explains as much with fewer parameters."""
 EXPECTED = 2.0
-"""Log-odds of a declared value that is off within twice its tolerance over an effect in its place: on every
-rig one or the other value of a data sheet is off."""
+"""Log-odds of a declared value that is off by no more than can be expected, against models that take it for
+right: on every rig one or the other value of a data sheet is off."""
+WITHIN = 2.0
+"""Tolerances that a declared value may be off: one is about a standard deviation."""
 POSSIBLE = 0.05
 """Least probability of a family that counts as explaining the log equally well."""
 FORMS_OF_A_PATCH = 3
@@ -142,6 +149,9 @@ a shape that none of them has."""
 
 VARIANTS = 100
 """Variants of a log: shares of them are known to some percent."""
+IN_A_DRAW = 2.0
+"""Log-odds in a draw over those on the log: what a superfluous parameter gains is the square of what chance
+gives it, and chance counts twice there, in the log and in which of its blocks are drawn."""
 STABLE = 0.9
 """Least share of the variants that find a named effect."""
 WRONG = 0.5
@@ -181,8 +191,8 @@ LEVEL = 0.99
 DRAWS = 200
 """Draws of random signs for the blocks: two of them lie above the 99 % quantile."""
 SIGNS, AT_ONCE = 1000, 50
-"""Draws of random signs that a gain has to beat, every one, and how many are computed at once: two balances
-have some twenty smooth terms, and one log in fifty would show one by chance if nothing else were required."""
+"""Draws of random signs that a gain has to beat, every one, and how many are computed at once. Two balances
+have some twenty smooth terms: by this test alone, one log in fifty would show one by chance."""
 MOST_LAGS = 60
 """Longest autocorrelation of a residual, in rows: a second of overlapping windows."""
 ROWS_FOR_ONE = 2.0

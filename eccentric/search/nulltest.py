@@ -4,9 +4,9 @@
 - `flipped_null`: the largest gain that any column of the library reaches by chance, from residuals with the
   signs of their blocks flipped at random: this preserves correlation within blocks, heteroscedasticity and
   the search.
-- `beats_chance`: whether one fit predicts better than another by more than any draw of such signs does. Noise
+- `beats_chance`: whether one fit predicts better than another by more than in any draw of such signs. Noise
   of a drive is correlated and larger at some speeds and voltages than at others: a deviance alone takes what
-  it leaves there for structure.
+  it leaves there for structure. Signs last a second; what differs from run to run is not drawn.
 
 Reference: R. Davidson, E. Flachaire, "The wild bootstrap, tamed at last", Journal of Econometrics 146(1),
 2008 (signs at random, on the residuals of the smaller model).
@@ -84,13 +84,16 @@ def null_quantile(screen: Screen, fitted: Fitted) -> float:
 
 
 def beats_chance(screen: Screen, before: Fitted, after: Fitted) -> bool:
-    """Whether `after` gains more over `before` than in any draw of what `before` says and noise.
+    """Whether `after` gains more over `before` than in any draw of a log where `before` is the truth.
 
     A draw is what `before` predicts plus its residual, the sign of every second of it at random; both models
-    are cross-validated on it. True for a log of too few seconds to draw from.
+    are cross-validated on it, a coefficient at its bound kept there. True for a log of too few seconds to
+    draw from.
     """
-    rows = screen.balance.rows
-    second = np.arange(screen.rows) if rows.independent else blocks_of(rows.t, screen.block, rows.t)
+    rows, block = screen.balance.rows, screen.block
+    # From the first row of each block: its seconds begin with it.
+    since = rows.t - rows.t[np.searchsorted(block, block)]
+    second = np.arange(screen.rows) if rows.independent else blocks_of(since, block, since)
     count = int(second[-1]) + 1
     if count < LEAST_BLOCKS:
         return True
@@ -112,13 +115,16 @@ def beats_chance(screen: Screen, before: Fitted, after: Fitted) -> bool:
 class _Drawn:
     """The normal equations of a model on draws: of what is predicted, by block, and of a second's noise.
 
-    block (seconds,): of each second; mixed (seconds,): predicted times residual; fold (blocks,).
+    fixed: of the prediction, blocks with rows only, as everywhere here; noise (seconds, p), squares, mixed
+    (seconds,): the residual times the columns, itself and the prediction; starts (blocks,): the first second
+    of each; fold (blocks,); ridge (p,).
     """
 
     fixed: Gram
-    noise: Gram
+    noise: Array
+    squares: Array
     mixed: Array
-    block: Array
+    starts: Array
     fold: Array
     ridge: Array
 
@@ -130,22 +136,24 @@ class _Drawn:
         # A coefficient at its bound stays there.
         free = ~(np.isfinite(lower) & (fitted.coefficients <= 0.0))
         design = design[:, free]
+        numbers, block = np.unique(screen.block, return_inverse=True)
+        first = np.flatnonzero(np.diff(second, prepend=-1))
         return cls(
-            Gram.of(design, fixed, screen.block),
-            Gram.of(design, residual, second),
+            Gram.of(design, fixed, block),
+            np.add.reduceat(design * residual[:, None], first, axis=0),
+            np.bincount(second, residual**2),
             np.bincount(second, fixed * residual),
-            screen.block[np.flatnonzero(np.diff(second, prepend=-1))],
-            screen.fold,
+            np.flatnonzero(np.diff(block[first], prepend=-1)),
+            screen.fold[numbers],
             screen.ridge(fitted.variants)[free],
         )
 
     def losses(self, signs: Array) -> Array:
         """Cross-validated loss of every block and draw (blocks, draws); signs (seconds, draws)."""
-        starts = np.flatnonzero(np.diff(self.block, prepend=-1))
-        noise = self.noise.vector[:, :, None] * signs[:, None, :]
-        vector = self.fixed.vector[:, :, None] + np.add.reduceat(noise, starts, axis=0)
-        square = self.noise.square[:, None] + 2.0 * self.mixed[:, None] * signs
-        loss = self.fixed.square[:, None] + np.add.reduceat(square, starts, axis=0)
+        noise = self.noise[:, :, None] * signs[:, None, :]
+        vector = self.fixed.vector[:, :, None] + np.add.reduceat(noise, self.starts, axis=0)
+        square = self.squares[:, None] + 2.0 * self.mixed[:, None] * signs
+        loss = self.fixed.square[:, None] + np.add.reduceat(square, self.starts, axis=0)
         matrix, right = self.fixed.matrix.sum(axis=0), vector.sum(axis=0)
         for number in np.unique(self.fold):
             mine = self.fold == number

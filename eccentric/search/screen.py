@@ -20,6 +20,7 @@ from eccentric.search.limits import (
     MOST_KEPT,
     NOTHING,
     TOGETHER,
+    WITHIN,
 )
 from eccentric.search.refinement import refined
 from eccentric.signals import BalanceDesign
@@ -169,11 +170,11 @@ class Screen:
         return [fitted.coefficients[end - width : end] for end, width in zip(ends, widths, strict=True)]
 
     def expected(self, fitted: Fitted) -> list[Variant]:
-        """The variants that correct a declared value by no more than twice its tolerance."""
+        """The variants that correct a declared value by no more than `WITHIN` of its tolerances."""
         return [
             variant
             for variant, own in zip(fitted.variants, self.own(fitted), strict=True)
-            if variant.candidate.tolerance and abs(own[0]) <= 2.0 * variant.candidate.tolerance
+            if variant.candidate.tolerance and abs(own[0]) <= WITHIN * variant.candidate.tolerance
         ]
 
     def first_look(self, variants: Sequence[Variant]) -> list[tuple[float, int]]:
@@ -216,7 +217,9 @@ class Screen:
         fitted.sort(key=lambda f: f.score)
         head = sorted((self.refine(f, only_last=True) for f in fitted[:leaders]), key=lambda f: f.score)
         if any(variant.candidate.shapes for variant in variants):
-            head = [*map(self.refine, head[:TOGETHER]), *head[TOGETHER:]]
+            # A smooth term would bend the effects beside it to itself.
+            few = [f if f.last.ridge else self.refine(f) for f in head[:TOGETHER]]
+            head = [*few, *head[TOGETHER:]]
         least = BELOW_NOISE * self.floor
         honest = [f for f in [*head, *fitted[leaders:]] if f.loss.sum() > least and self.itself(f)]
         return sorted(honest, key=lambda f: f.score)

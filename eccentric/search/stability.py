@@ -145,9 +145,11 @@ def _open(screen: Screen, candidate: Candidate) -> bool:
 
 
 def _bonus(screen: Screen, fitted: Fitted, models: Sequence[Fitted], adopted: int) -> float:
-    """Log-odds of a model: for special cases of what another has, and for declared values that may be off.
+    """Log-odds of a model before its fit counts.
 
-    They are against shapes and effects; an effect more than were adopted has to gain what adoption requires.
+    Special cases of what another model has, and declared values that are off as can be expected, speak for
+    it; shapes and effects against it. An effect more than were adopted has to gain what adoption requires,
+    and a declared value among them is no exception.
     """
     every = frozenset().union(*(_families(model) for model in models))
     own = [variant.candidate.evidence.special_of for variant in fitted.variants]
@@ -156,8 +158,8 @@ def _bonus(screen: Screen, fitted: Fitted, models: Sequence[Fitted], adopted: in
     further = max(len(own) - adopted, 0)
     expected = 0 if further else len(screen.expected(fitted))
     cost = limits.CONFIRMED * (len(own) - further) + limits.LEAST_DEVIANCE * further
-    # In a draw chance counts twice: once in the log, once in which of its blocks are drawn.
-    return 2.0 * (limits.SPECIAL * special + limits.EXPECTED * expected) - 0.5 * (shapes + cost)
+    simple = limits.SPECIAL * special + limits.EXPECTED * expected
+    return limits.IN_A_DRAW * simple - 0.5 * (shapes + cost)
 
 
 def _draws(count: int) -> Array:

@@ -169,11 +169,12 @@ def _adopted(searches: dict[str, Search]) -> tuple[list[Adopted], list[Ranked], 
             options = search.alternatives[place]
             candidate = variant.candidate
             family, stability = candidate.family, search.stability
-            chances = {family: chance for family, (chance, _) in options.items()}
+            # A family beside it, found once more in its place, is no alternative to it.
+            beside = {v.candidate.family for v in best.variants} - {family}
+            open_to = {other: chance for other, (chance, _) in options.items() if other not in beside}
+            chances = {other: chance / sum(open_to.values()) for other, chance in open_to.items()}
             if stability.variants:
-                # A family beside it, found once more in its place, is no alternative to it.
-                beside = {v.candidate.family for v in best.variants}
-                chances = stability.chances(family, [other for other in options if other not in beside])
+                chances = stability.chances(family, [other for other in open_to if other != family])
             entry = _ranked(candidate, name, search, best, chances[family])
             clear = chances[family] >= limits.SURE and stability.nearly_all(family)
             one = Adopted(

@@ -100,10 +100,10 @@ NEAR_CAUSE = 0.03
 MEANS = (2, 4, 8)
 """Numbers of samples whose means show whether the noise is white: eight are some 30 ms of most logs, and in
 longer ones the motion itself would count."""
-LEAST_MEANS = 400
-"""Fewest means: their noise is known to some 5 %."""
+LEAST_DIFFERENCES = 1300
+"""Fewest fourth differences of means: they give the noise to some 4.5 %."""
 CLEARLY_LESS = 0.85
-"""A noise of means below this part of what it should be is not white: three times that uncertainty."""
+"""Noise whose means have less than this part of what they should have is not white: three standard errors."""
 
 # How samples become rows.
 

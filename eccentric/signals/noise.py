@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from eccentric.signals.limits import CLEARLY_LESS, LEAST_MEANS, MEANS
+from eccentric.signals.limits import CLEARLY_LESS, LEAST_DIFFERENCES, MEANS
 
 __all__ = ["white_noise"]
 
@@ -18,29 +18,34 @@ def white_noise(signal: Array, segment: NDArray[np.int64] | None = None) -> floa
 
     The fourth difference of a smooth signal vanishes; that of white noise has 70 times the variance. NaN
     marks samples to ignore; differences across the ends of a `segment` (n,) are omitted.
-    What quantisation makes of a speed loop is fast, and cancels in means: of white noise, means of 2, 4 or 8
-    samples leave what they should; if clearly less is left, that counts.
+    What a speed loop makes of the steps of its encoder is fast, and cancels in means. Means of 2, 4 and 8
+    samples show white noise of the same size: the least size is returned where it is clearly smaller.
     """
     parts = np.zeros(len(signal), np.int64) if segment is None else segment
-    found = _of_difference(signal, parts)
+    found = _of(_differences(signal, parts))
     for length in MEANS:
-        means, same = _means(signal, parts, length)
-        if len(means) < LEAST_MEANS:
+        left = _differences(*_means(signal, parts, length))
+        if len(left) < LEAST_DIFFERENCES:
             break
-        left = _of_difference(means, same) * np.sqrt(length)
-        if left < CLEARLY_LESS * found:
-            found = float(left)
+        size = _of(left) * float(np.sqrt(length))
+        if size < CLEARLY_LESS * found:
+            found = size
     return found
 
 
-def _of_difference(signal: Array, segment: NDArray[np.int64]) -> float:
+def _differences(signal: Array, segment: NDArray[np.int64]) -> Array:
+    """The fourth differences within a segment that have a value."""
     difference = np.diff(signal, 4)
-    difference = difference[np.isfinite(difference) & (np.diff(segment, 4) == 0)]
-    return 1.4826 * float(np.median(np.abs(difference - np.median(difference)))) / np.sqrt(70.0)
+    return difference[np.isfinite(difference) & (segment[4:] == segment[:-4])]
+
+
+def _of(difference: Array) -> float:
+    """The RMS of the white noise that has these fourth differences."""
+    return 1.4826 * float(np.median(np.abs(difference - np.median(difference)))) / float(np.sqrt(70.0))
 
 
 def _means(signal: Array, segment: NDArray[np.int64], length: int) -> tuple[Array, NDArray[np.int64]]:
-    """Means of `length` samples after another, NaN across the end of a segment, and their segments."""
+    """Means of successive groups of `length` samples, NaN across the end of a segment, and their segments."""
     whole = len(signal) // length * length
     parts = segment[:whole].reshape(-1, length)
     means = signal[:whole].reshape(-1, length).mean(axis=1)
