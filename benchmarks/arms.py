@@ -226,7 +226,7 @@ def measured(quick: bool) -> Part:
                 beside = peers(folder, n)
                 figures[f"arm inverse {n}"] = _plain(counted["inverse_dynamics"], beside)
                 if n == 7:
-                    figures["arm motor torque 7"] = _plain(counted["motor_torque"], beside)
+                    figures["arm motor torque 7"] = _plain(counted["motor_torque"])
         else:
             table, left_out = [], ["Instructions on x86-64: not installed: valgrind."]
         if shutil.which("arm-none-eabi-gcc") and shutil.which("qemu-system-arm"):

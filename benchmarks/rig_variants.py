@@ -16,8 +16,8 @@ import sys
 import tomllib
 import warnings
 from collections import Counter
-from collections.abc import Iterator
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -88,25 +88,39 @@ def scaled(value: float | str, factor: float) -> float | str:
 class Answer:
     """The verdict on a variant of a rig file, and the families behind it.
 
-    values: those families that only say which declared value is off; changed: whether one of them was changed.
+    values: families that only say that a declared value is off, each with its letter; changed: the letters of
+    those that were changed.
     """
 
     label: str
     verdict: str
     families: tuple[str, ...]
-    values: frozenset[str] = frozenset()
-    changed: bool = False
+    values: Mapping[str, str] = field(default_factory=dict)
+    changed: frozenset[str] = frozenset()
 
     @property
     def leading(self) -> tuple[str, tuple[str, ...]]:
         """Verdict and leading family; a changed value that is told as such counts as told beside it."""
-        beside = self.values if self.changed else frozenset()
+        beside = self.values if self.changed else {}
         effects = tuple(f for f in self.families if f not in beside)
         told_alone = self.verdict == "named" and not effects
         return ("nothing_missing" if told_alone else self.verdict), effects[:1]
 
+    @property
+    def told(self) -> bool:
+        """Whether a value that was changed is named as such."""
+        return any(self.values.get(family) in self.changed for family in self.families)
+
     def __str__(self) -> str:
         return f"{self.verdict} {', '.join(self.families)}".strip()
+
+
+def letters_changed(plain: Rig, one: Rig) -> frozenset[str]:
+    """Letters of the declared values that differ, J for any inertia: the balance shows only their sum."""
+    known = plain.get("known", {})
+    keys = {key for key, value in one.get("known", {}).items() if value != known.get(key)}
+    letters = ("R", "k_i", "k_e", "J")
+    return frozenset(x for x in letters for key in keys if key == x or key.startswith(f"{x}_"))
 
 
 def answers(log: Path, rig: Path) -> list[Answer]:
@@ -114,16 +128,16 @@ def answers(log: Path, rig: Path) -> list[Answer]:
     plain, found = content(rig), []
     runs = list(read_channels([read_log(log)], read_rig(plain)).time.run_names)
     for label, one in variants(plain, runs):
+        changed = letters_changed(plain, one)
         try:
             diagnosis = diagnose([log], one)
             a = diagnosis.attribution
             named = [entry.variant.candidate.family for entry in a.adopted]
             families = {"named": named, "not_identifiable": list(a.tied)}.get(a.verdict, [])
-            values = frozenset(e.family for e in diagnosis.offered if e.corrects is not None)
-            changed = one.get("known") != plain.get("known")
+            values = {e.family: e.corrects.quantity.name for e in diagnosis.offered if e.corrects is not None}
             answer = Answer(label, a.verdict, tuple(families), values, changed)
         except InputError as error:
-            answer = Answer(label, "refused", (str(error),))
+            answer = Answer(label, "refused", (str(error),), changed=changed)
         progress(f"{rig.stem}, {label}: {answer}")
         print(f"{rig.stem}, {label}: {answer}", flush=True)
         found.append(answer)
@@ -133,11 +147,10 @@ def answers(log: Path, rig: Path) -> list[Answer]:
 def row(name: str, found: list[Answer]) -> str:
     """A line of the table: the shipped answer, how many give the same, how many tell a changed value, the others."""
     shipped = found[0]
-    told = [a for a in found if a.changed and a.values.intersection(a.families)]
     others = Counter(str(a) for a in found if a.leading != shipped.leading)
     shown = "; ".join(f"{text} ({times})" for text, times in others.most_common()) or "-"
-    same, changed = len(found) - others.total(), sum(a.changed for a in found)
-    return f"| {name} | {shipped} | {same} of {len(found)} | {len(told)} of {changed} | {shown} |"
+    same, told = len(found) - others.total(), [a.told for a in found if a.changed]
+    return f"| {name} | {shipped} | {same} of {len(found)} | {sum(told)} of {len(told)} | {shown} |"
 
 
 def write(rows: list[str]) -> None:

@@ -252,8 +252,8 @@ def loss(setting: Setting) -> sp.Expr:
 def copper(setting: Setting) -> tuple[sp.Expr, Definition] | None:
     """Heat in the windings alone [W], where `loss` lacks it for want of R; with the definition that it needs.
 
-    Without R only its course counts: its mean is that of the other losses. None where `loss` has it, or where
-    no current flows.
+    Without R only its course counts: its mean is that of the other losses. None but for a joint of an arm
+    whose rig does not give R, and where no current flows.
     """
     if not setting.mean_force or v.R.name in setting.known or not setting.mean_square_A2:
         return None

@@ -45,14 +45,16 @@ def effects(setting: Setting) -> tuple[Effect, ...]:
     rise, definitions, state = heating("heat", setting, loss(setting), tau.symbol)
     constant_of_time = Shape(tau, *thermal_times(setting), "log", 8)
     depends_on = ("time", "history")
-    whole = _scaling(setting, "", "losses", (rise, definitions, state))
-    viscous = _scaling(setting, "viscous", "losses", (rise, definitions, state), {Role.VISCOUS})
-    windings, wound = copper(setting), ()
-    if windings is not None:
+    warm = rise, definitions, state
+    scaling = [
+        _scaling(setting, "", "friction", CONTACT, "losses", warm),
+        _scaling(setting, "viscous", "viscous friction", {Role.VISCOUS}, "losses", warm),
+    ]
+    if (windings := copper(setting)) is not None:
         power, resistance = windings
         rise_i, by_current, state_i = heating("heat", setting, power, tau.symbol)
         warm = rise_i, (resistance, *by_current), state_i
-        wound = (_scaling(setting, "windings", "R i^2", warm),)
+        scaling.append(_scaling(setting, "windings", "friction", CONTACT, "R i^2", warm))
     bearing = addition(
         "hidden_thermal_drift",
         [(B, omega_m * (sp.exp(-fall.symbol * rise) - 1))],
@@ -79,19 +81,19 @@ def effects(setting: Setting) -> tuple[Effect, ...]:
         states=(state,),
         words=replace(WORDS, headline="Coulomb friction that falls as the drive warms up"),
     )
-    return (whole, viscous, *wound, bearing, dry)
+    return (*scaling, bearing, dry)
 
 
 def _scaling(
     setting: Setting,
     variant: str,
+    which: str,
+    roles: Collection[Role],
     heat: str,
     heated: tuple[sp.Expr, tuple[Definition, ...], State],
-    roles: Collection[Role] = CONTACT,
 ) -> Effect:
-    """Friction of these roles, times a factor that falls as this heat makes the drive warm."""
+    """Friction of these roles, `which`, times a factor that falls as this heat makes the drive warm."""
     rise, definitions, state = heated
-    which = "friction" if roles is CONTACT else "viscous friction"
     return Effect(
         family="hidden_thermal_drift",
         variant=variant,

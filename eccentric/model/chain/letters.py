@@ -12,7 +12,7 @@ from eccentric.model.chain.chain import Chain
 from eccentric.model.chain.motion import AXES
 from eccentric.model.quantity import Quantity, quantity
 
-__all__ = ["letters_of", "rotor_letter", "with_letters"]
+__all__ = ["letters_of", "moments_from", "with_letters"]
 
 _UPPER = [(i, k) for i in range(3) for k in range(i, 3)]
 
@@ -37,7 +37,7 @@ def letters_of(j: int) -> tuple[Quantity, ...]:
     )
 
 
-def rotor_letter(j: int) -> Quantity:
+def _rotor_letter(j: int) -> Quantity:
     """The inertia of rotor j."""
     return quantity(f"J_m_{j}", "kg m^2", f"inertia of rotor {j}")
 
@@ -65,6 +65,6 @@ def with_letters(chain: Chain, name: str, *, rotors: bool = False) -> Chain:
         bodies.append(moments_from([q.symbol for q in own]))
         if rotors:
             joints[j] = copy.copy(joint)
-            joints[j].J_m = rotor_letter(j).symbol
-    letters += [rotor_letter(j) for j in range(len(joints))] if rotors else []
+            joints[j].J_m = _rotor_letter(j).symbol
+    letters += [_rotor_letter(j) for j in range(len(joints))] if rotors else []
     return Chain(name, joints, bodies, chain.gravity, None, (*chain.parameters, *letters))
