@@ -18,6 +18,11 @@ def meant(name: object, known: Iterable[str]) -> str:
     return f"; did you mean {close[0]!r}?" if close else ""
 
 
+def counted(number: int, what: str) -> str:
+    """Return a number of things for a message: "1 joint", "2 joints"."""
+    return f"{number} {what}{'' if number == 1 else 's'}"
+
+
 def few(names: Iterable[object], most: int = 12) -> str:
     """Join the names for a message: the first few, and how many more there are."""
     shown = [str(name) for name in names]

@@ -10,7 +10,7 @@ import pytest
 import eccentric
 from eccentric import ArmDiagnosisResult, InputError
 from eccentric.cli import main
-from eccentric.model import load_model
+from eccentric.model import Chain, load_model
 from tests.arm_logs import Friction, arm_log_of, arm_rig_of, elbow_stribeck, plain, planar_arm
 
 ARM = """gravity = [0, "-9.81 m/s^2", 0]
@@ -78,6 +78,24 @@ def test_nothing_is_named_where_nothing_is_missing() -> None:
     assert "nothing_missing" == found.verdict
     assert () == found.effects
     assert found.diagnosis.first is None
+
+
+def test_a_log_that_does_not_fit_is_said_first(tmp_path: Path) -> None:
+    """Gravity upside down in the arm file: the closing sentence names each joint with its R^2."""
+    right = planar_arm()
+    chain = Chain("planar", right.joints, right.bodies, [-x for x in right.gravity])
+    found = eccentric.diagnose_arm(arm_log_of(plain, runs=3), arm_rig_of(chain))
+    said = found.sentence
+
+    assert not found.fits_the_rig
+    assert () == found.effects
+    assert found.diagnosis.first is None
+    for joint in found.diagnosis.joints:
+        assert not joint.fits_the_rig
+        assert f"{joint.number} (R^2 {joint.found.models.r_squared:.2f})" in said
+    assert said.startswith("This log does not fit the rig in joints 1")
+    assert said == found.summary().splitlines()[-1]
+    assert "does not fit the rig" in found.write(tmp_path / "out")[0].read_text(encoding="utf-8")
 
 
 def test_the_document_has_one_of_each_joint(stribeck: ArmDiagnosisResult) -> None:

@@ -1,5 +1,6 @@
 """Friction of the joints of an arm: which load it follows, where none; the bodies where they are open."""
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -76,6 +77,43 @@ def test_without_friction_by_load_nothing_is_claimed() -> None:
     assert "Coulomb and viscous friction is enough in every joint" in arm_fit_lines(found)[-1]
 
 
+def test_of_a_log_that_does_not_fit_nothing_is_concluded() -> None:
+    """Milliamperes read as amperes in the elbow: it is named with its R^2; of the shoulder all is said."""
+    log = arm_log_of(by_load)
+    log["tau_Nm_2"] = 1e3 * log["tau_Nm_2"]
+    found = fit_arm([log], read_arm_rig(arm_rig_of(planar_arm())), ["log"])
+    *table, said = arm_fit_lines(found)
+
+    assert [True, False] == [joint.fits_the_rig for joint in found.joints]
+    assert f"does not fit the rig in joint 2 (R^2 {found.joints[1].r_squared:.2f}): check units" in said
+    assert "Friction follows the load in joint 1 (F_N" in said
+    assert "enough" not in said
+    assert not any("enough" in line for line in table)
+
+
+def test_an_arm_that_hangs_upwards_does_not_fit() -> None:
+    """Gravity upside down in the arm file: of no joint anything is said to be enough."""
+    right = planar_arm()
+    chain = Chain("planar", right.joints, right.bodies, [-x for x in right.gravity])
+    found = fit_arm([arm_log_of(plain)], read_arm_rig(arm_rig_of(chain)), ["log"])
+
+    assert not found.fits_the_rig
+    assert "This log does not fit the rig in joints 1 (R^2 " in arm_fit_lines(found)[-1]
+    assert "enough" not in "".join(arm_fit_lines(found))
+
+
+def test_what_the_held_out_part_does_not_confirm_is_no_fact(known: ArmFit) -> None:
+    """A load that the training runs chose and whose gain may be nothing on those held out."""
+    shoulder, elbow = known.joints
+    doubtful = replace(known, joints=(replace(shoulder, percent=1.0, interval=(-2.0, 4.0)), elbow))
+    table, said = arm_fit_lines(doubtful), arm_fit_lines(doubtful)[-1]
+
+    assert "Friction follows" not in said
+    assert "not confirmed by the held-out part: F_N in joint 1" in said
+    assert "F_N, not confirmed" in table[2]
+    assert "Friction follows the load in joint 1 (F_N" in arm_fit_lines(known)[-1]
+
+
 def test_a_current_without_gain_is_told() -> None:
     """With open bodies in amperes; with declared ones the gain is identified."""
     log = arm_log_of(by_load)
@@ -95,6 +133,28 @@ def test_a_current_without_gain_is_told() -> None:
     assert ("A/N", "A") == (friction["C_lN"]["unit"], friction["C_m"]["unit"])
     assert pytest.approx(0.02 / 0.08, rel=0.1) == friction["C_lN"]["value"]
     assert ["shoulder", "elbow"] == document["joints_without_scale"]
+
+
+def test_the_summary_has_coefficients_and_gains() -> None:
+    """Each with unit and interval, per joint: what was planted, 20 mm in the shoulder and its k_i."""
+    log = arm_log_of(by_load)
+    for j, k_i in enumerate((0.08, 0.05)):
+        log[f"i_A_{j + 1}"] = log.pop(f"tau_Nm_{j + 1}") * MU[j] / k_i
+    columns = {"time": "t_s", "run": "run", "theta_l": "q_rad_{j}", "current": "i_A_{j}"}
+    rig = arm_rig_of(planar_arm()) | {"drive": "current", "columns": columns}
+    lines = arm_fit_lines(fit_arm([log], read_arm_rig(rig), ["log"]))
+    rows = {tuple(line.split()[:3]): line.split()[3:] for line in lines}
+
+    for of, unit, planted in (
+        (("1", "shoulder", "C_lN"), "m", 0.02),
+        (("1", "shoulder", "k_i"), "N m/A", 0.08),
+        (("2", "elbow", "C_m"), "N m", 0.12 * MU[1]),
+        (("2", "elbow", "k_i"), "N m/A", 0.05),
+    ):
+        value, _, low, _, high, *rest = rows[of]
+        assert unit == " ".join(rest)
+        assert pytest.approx(planted, rel=0.05) == float(value)
+        assert float(low) <= float(value) <= float(high)
 
 
 def test_a_current_of_the_wrong_sign_is_told() -> None:

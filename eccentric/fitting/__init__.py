@@ -37,7 +37,7 @@ from eccentric.fitting.limits import LEAST_R_SQUARED
 from eccentric.fitting.machine import Machine
 from eccentric.fitting.refitting import Refit, refit, residual_samples
 from eccentric.fitting.states import States
-from eccentric.fitting.words import fit_lines, fit_sentence
+from eccentric.fitting.words import estimate_table, fit_lines, fit_sentence
 
 __all__ = [
     "DRIVE_UNITS",
@@ -61,6 +61,7 @@ __all__ = [
     "drive_noise",
     "drive_of",
     "emitted_parameters",
+    "estimate_table",
     "fit",
     "fit_data_of",
     "fit_document",

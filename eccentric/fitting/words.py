@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from eccentric.estimation import Estimate
     from eccentric.fitting.identify import Fit
 
-__all__ = ["fit_lines", "fit_sentence"]
+__all__ = ["estimate_table", "fit_lines", "fit_sentence"]
 
 _DRIVES = {unit: drive for drive, unit in DRIVE_UNITS.items()}
 
@@ -78,7 +78,7 @@ def fit_lines(fit: Fit, logs: Sequence[str]) -> list[str]:
     what = f"{np.count_nonzero(rows.train)} {rows.description} fitted"
     head = f"{few(logs)}: {problem.model.name}, driven by {channels.motor.measured_by}; {what}, "
     head += f"{np.count_nonzero(rows.score)} held out ({channels.selection.holdout.brief})"
-    out = [head, *_table({**fit.coefficients, **fit.searched}), *_scale_line(fit)]
+    out = [head, *estimate_table({**fit.coefficients, **fit.searched}), *_scale_line(fit)]
     shown = {"linear": "linear", "paper": _called(fit)}
     errors = ", ".join(f"{name} {fit.rmse[which]:.4g}" for which, name in shown.items())
     parts = ", ".join(f"{name} {fit.r_squared[which]:.4f}" for which, name in shown.items())
@@ -93,7 +93,8 @@ def fit_lines(fit: Fit, logs: Sequence[str]) -> list[str]:
     return [*out, fit_sentence(fit)]
 
 
-def _table(shown: Mapping[str, Estimate]) -> list[str]:
+def estimate_table(shown: Mapping[str, Estimate]) -> list[str]:
+    """Return estimates by name as lines of a table, each with standard error, interval and unit."""
     table = [("", "value", "std error", "95 % interval", "unit")]
     table += [
         (name, f"{e.value:.4g}", "-" if e.widened else f"{e.std_error:.2g}", _interval(e), e.unit + _bound(e))

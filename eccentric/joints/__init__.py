@@ -7,13 +7,14 @@ both as documents and lines.
     inertial     inertial parameters as numbers
     body_motion  torques and loads of the bodies along a log, from the emitted module
     base_parameters  sums of inertial parameters that torques depend on, by QR with pivoting
-    possible     bodies that could exist and have them
+    possible     bodies that could exist, with given base parameters
     joint_model  one joint as a model whose inputs are what it meets
     arm_log      the logs of all joints; one joint as a log of one drive
     bodies       the bodies identified from all joints at once
     loads        which load the friction of a joint follows
     fitted, diagnosed    every joint, by the rooms of one drive
     predicting   other runs predicted by a fit, and the payload that they have
+    misfit       a log that does not fit the rig, in words
     documents, words     the results for programs and for a terminal
     limits       every threshold, with its reason
 

@@ -18,6 +18,7 @@ from eccentric.joints.arm_log import ArmLog
 from eccentric.joints.bodies import IdentifiedBodies
 from eccentric.joints.fitted import prepared, warnings_of
 from eccentric.joints.joint_model import DECLARED
+from eccentric.joints.misfit import misfit_sentence
 from eccentric.logs import LogSource
 from eccentric.rigs import ArmRig
 from eccentric.search import required_over
@@ -39,6 +40,11 @@ class JointDiagnosis:
     def verdict(self) -> str:
         """As for one drive."""
         return self.found.attribution.verdict
+
+    @property
+    def fits_the_rig(self) -> bool:
+        """Whether the log can be of this joint, in these units."""
+        return self.found.models.fits_the_rig
 
     @property
     def deviance(self) -> float:
@@ -84,7 +90,10 @@ class ArmDiagnosis:
     @property
     def first(self) -> dict[str, Any] | None:
         """Where an effect gains most, and the family that leads there; None where nothing is missing."""
-        leading = next((joint for joint in self.by_gain if joint.verdict != "nothing_missing"), None)
+        lacking = (
+            joint for joint in self.by_gain if joint.fits_the_rig and joint.verdict != "nothing_missing"
+        )
+        leading = next(lacking, None)
         if leading is None:
             return None
         candidates = leading.found.attribution.candidates
@@ -96,7 +105,15 @@ class ArmDiagnosis:
 
     @property
     def sentence(self) -> str:
-        """The result in one sentence."""
+        """The result in one sentence, after another one if joints do not fit the rig."""
+        misfit = misfit_sentence(
+            {j.number: j.found.models.r_squared for j in self.joints if not j.fits_the_rig}
+        )
+        return " ".join(filter(None, [misfit, self._lacking]))
+
+    @property
+    def _lacking(self) -> str:
+        """What the joints lack whose log fits the rig; "" without such a joint."""
         if self.named:
             parts = []
             for joint, effect in self.named:
@@ -107,16 +124,20 @@ class ArmDiagnosis:
                 parts.append(f"{what} in joint {joint.number} ({change})")
             return f"The model of the arm lacks {'; '.join(parts)}."
         open_ = [
-            f"joint {joint.number}: {joint.verdict}" for joint in self.joints if joint.verdict != _ORDER[-1]
+            f"joint {joint.number}: {joint.verdict.replace('_', ' ')}"
+            for joint in self.joints
+            if joint.fits_the_rig and joint.verdict != _ORDER[-1]
         ]
         if open_:
             return f"No effect is named: {', '.join(open_)}."
+        if not self.fits_the_rig:
+            return ""
         return "Nothing is missing in any joint that this log can show."
 
     @property
     def fits_the_rig(self) -> bool:
         """Whether the log can be of this arm, in these units."""
-        return all(joint.found.models.fits_the_rig for joint in self.joints)
+        return all(joint.fits_the_rig for joint in self.joints)
 
     @property
     def warnings(self) -> tuple[str, ...]:

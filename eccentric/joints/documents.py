@@ -4,7 +4,7 @@ Keys of both; an estimate is {value, std_error, interval_95, unit, bound_active}
 
     format, rig, arm, logs, rows, low_pass_hz, holdout {rule, intervals_s}, fits_the_rig, warnings
     bodies   known: what the rig declares; base_parameters: estimates, each with its sum in words; possible:
-             whether bodies that could exist have them, misfit_in_std_errors, and their inertial parameters
+             whether real bodies can have them, misfit_in_std_errors, and their inertial parameters
     joints   one entry each: number, name, drive, gain, unit, and
 
     fit      model, parameters, parameter_notes, identified_range: for `eccentric emit ARM --parameters`;
@@ -28,7 +28,6 @@ from eccentric.joints.arm_log import ArmLog
 from eccentric.joints.bodies import IdentifiedBodies
 from eccentric.joints.diagnosed import ArmDiagnosis
 from eccentric.joints.fitted import ArmFit, JointFit, gain_of
-from eccentric.joints.joint_model import OF_BENDING
 from eccentric.model import letters_of
 
 __all__ = ["arm_diagnosis_document", "arm_fit_document"]
@@ -158,10 +157,7 @@ def _joint(log: ArmLog, joint: JointFit) -> dict[str, Any]:
             "deviance": loads.deviance,
             "required": loads.required,
         },
-        "friction": {
-            name: _estimate(e) | {"unit": _unit_of(name, e.unit, joint.unit)}
-            for name, e in joint.friction.items()
-        },
+        "friction": {name: _estimate(e) for name, e in joint.friction.items()},
         "rmse_holdout": dict(joint.rmse),
         "improvement": {"percent": joint.percent, "interval_95": list(joint.interval)},
         "leave_one_run_out": _over_runs(joint),
@@ -170,19 +166,6 @@ def _joint(log: ArmLog, joint: JointFit) -> dict[str, Any]:
         "noise_floor": joint.noise,
         "rows": drive.channels.counts,
     }
-
-
-def _unit_of(name: str, unit: str, drive: str) -> str:
-    """The unit of a coefficient of friction where the drive's torque has no scale.
-
-    The loads of the bearing stay in N and N m; what the gear passes on is in the unit of the drive.
-    """
-    if drive == "N m":
-        return unit
-    if name in {q.name for q in OF_BENDING}:
-        return f"{drive}/(N m)" if unit == "1" else f"{drive} s/(N m rad)"
-    per_force = {"m": f"{drive}/N", "m s/rad": f"{drive} s/(N rad)"}
-    return per_force.get(unit, unit.replace("N m", drive))
 
 
 def _over_runs(joint: JointFit) -> dict[str, Any] | None:

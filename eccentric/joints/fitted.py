@@ -6,13 +6,15 @@ The loads are chosen inside the training part; the held-out part is opened once,
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from eccentric.diagnosis import OverRuns, leave_runs_out
+from eccentric.errors import counted
 from eccentric.estimation import Estimate, improvement, r_squared, rms
 from eccentric.fitting import LEAST_R_SQUARED, Drive, FitData, Refit, drive_noise, refit
 from eccentric.joints.arm_log import ArmLog, arm_log
 from eccentric.joints.bodies import IdentifiedBodies, identified_bodies
+from eccentric.joints.joint_model import OF_BENDING
 from eccentric.joints.loads import LoadsOfAJoint, loads_of
 from eccentric.logs import LogSource
 from eccentric.rigs import ArmRig
@@ -61,10 +63,24 @@ class JointFit:
         return self.data.drive.unit
 
     @property
+    def fits_the_rig(self) -> bool:
+        """Whether the log can be of this joint, in these units: otherwise nothing is concluded from it."""
+        return self.r_squared >= LEAST_R_SQUARED
+
+    @property
+    def confirmed(self) -> bool:
+        """Whether the held-out part confirms the loads that were chosen on the training part."""
+        return self.interval[0] > 0.0
+
+    @property
     def friction(self) -> dict[str, Estimate]:
-        """Coefficients of friction by the loads that it follows."""
+        """Coefficients of friction by the loads that it follows, per `unit` of torque."""
         letters = {q.name for q in self.followed.model.friction_parameters}
-        return {name: e for name, e in self.followed.estimates.items() if name in letters}
+        return {
+            name: replace(e, unit=_unit_of(name, e.unit, self.unit))
+            for name, e in self.followed.estimates.items()
+            if name in letters
+        }
 
 
 @dataclass(frozen=True)
@@ -91,7 +107,7 @@ class ArmFit:
     @property
     def fits_the_rig(self) -> bool:
         """Whether the log can be of this arm, in these units."""
-        return all(joint.r_squared >= LEAST_R_SQUARED for joint in self.joints)
+        return all(joint.fits_the_rig for joint in self.joints)
 
 
 def fit_arm(
@@ -124,7 +140,7 @@ def prepared(
 ) -> tuple[ArmLog, IdentifiedBodies | None]:
     """The logs of an arm, with its bodies identified where they are open and the torque is known."""
     log = arm_log(rig, read_joints(logs, rig))
-    tell(f"{len(log)} joints, {log.channels[0].intake.read} rows")
+    tell(f"{counted(len(log), 'joint')}, {log.channels[0].intake.read} rows")
     bodies = identified_bodies(log)
     if bodies is not None:
         tell(f"{len(bodies.estimates)} base parameters of the bodies")
@@ -176,7 +192,7 @@ def warnings_of(log: ArmLog, bodies: IdentifiedBodies | None) -> tuple[str, ...]
     found = [*common, *own]
     if bodies is not None and not bodies.bodies.explain:
         found.append(
-            "no bodies that could exist have the identified base parameters: the nearest miss one by"
+            "no real bodies have the identified base parameters: the nearest miss one by"
             f" {bodies.bodies.misfit:.1f} standard errors; the loads are those of the nearest"
         )
     return tuple(found)
@@ -187,8 +203,23 @@ _OF_A_PENDULUM = "gravity pulls towards"
 
 
 def _told(joint: JointFit) -> str:
+    if not joint.fits_the_rig:
+        return f"does not fit the rig (R^2 {joint.r_squared:.2f})"
     loads = ", ".join(joint.loads.followed) or "Coulomb and viscous friction is enough"
     return f"{loads}; {joint.rmse['linear']:.4g} to {joint.rmse['followed']:.4g} {joint.unit}"
+
+
+def _unit_of(name: str, unit: str, drive: str) -> str:
+    """The unit of a coefficient of friction where the drive's torque has no scale.
+
+    The loads of the bearing stay in N and N m; what the gear passes on is in the unit of the drive.
+    """
+    if drive == "N m":
+        return unit
+    if name in {q.name for q in OF_BENDING}:
+        return f"{drive}/(N m)" if unit == "1" else f"{drive} s/(N m rad)"
+    per_force = {"m": f"{drive}/N", "m s/rad": f"{drive} s/(N rad)"}
+    return per_force.get(unit, unit.replace("N m", drive))
 
 
 def gain_of(drive: Drive) -> str:

@@ -5,10 +5,13 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from eccentric.diagnosis import diagnosis_lines
-from eccentric.errors import few
+from eccentric.errors import counted, few
+from eccentric.estimation import Estimate
+from eccentric.fitting import estimate_table
 from eccentric.joints.bodies import IdentifiedBodies
 from eccentric.joints.diagnosed import ArmDiagnosis
 from eccentric.joints.fitted import ArmFit, JointFit, gain_of
+from eccentric.joints.misfit import misfit_sentence
 from eccentric.model import Load
 
 __all__ = ["LOADS", "arm_diagnosis_lines", "arm_fit_lines"]
@@ -30,12 +33,23 @@ _GAINS = {
 
 def arm_fit_lines(found: ArmFit) -> list[str]:
     """The table of the joints, what was found of the bodies, and one sentence."""
-    head = ("joint", "friction follows", "C + viscous", "with loads", "gain", "drive RMS", "noise", "")
+    head = (
+        "joint",
+        "friction follows",
+        "Coulomb + viscous",
+        "with loads",
+        "gain",
+        "drive RMS",
+        "noise",
+        "unit",
+    )
     rows = [head, *(_row(joint) for joint in found.joints)]
-    held, arm = found.log.channels[0].selection.holdout.brief, found.log.rig.chain.name
+    held = found.log.channels[0].selection.holdout.brief
+    arm = f"{found.log.rig.chain.name}, {counted(len(found.joints), 'joint')}"
     return [
-        f"{few(found.names)}: {arm}, {len(found.joints)} joints; errors held out ({held})",
+        f"{few(found.names)}: {arm}; on the motor side, errors held out ({held})",
         *_table(rows),
+        *estimate_table(_estimates(found)),
         *_drives(found),
         *_bodies(found.bodies),
         _sentence(found),
@@ -44,20 +58,30 @@ def arm_fit_lines(found: ArmFit) -> list[str]:
 
 def arm_diagnosis_lines(found: ArmDiagnosis) -> list[str]:
     """The verdict of each joint, the lines of those where something is missing, and one sentence."""
-    head = ("joint", "verdict", "leading", "linear", "model", "extended", "gain of an effect")
+    head = (
+        "joint",
+        "verdict",
+        "leading",
+        "Coulomb + viscous",
+        "with loads",
+        "extended",
+        "gain in log-likelihood",
+    )
     rows: list[Sequence[str]] = [head]
     for joint in found.joints:
         rmse, unit = joint.found.score.rmse["mechanical"], joint.found.unit
         candidates = joint.found.attribution.candidates
+        verdict = _plain(joint.verdict) if joint.fits_the_rig else "does not fit the rig"
         leading = candidates[0].id if candidates and joint.verdict != "nothing_missing" else "-"
         errors = (f"{rmse[name]:.4g} {unit}" for name in ("linear", "paper", "extended"))
         rows.append(
-            (_called(joint.number, joint.name), joint.verdict, leading, *errors, f"{joint.deviance:.0f}")
+            (_called(joint.number, joint.name), verdict, leading, *errors, f"{0.5 * joint.deviance:.1f}")
         )
+    joints = counted(len(found.joints), "joint")
     lines = [
-        f"{few(found.names)}: {found.log.rig.chain.name}, verdict {found.verdict}",
+        f"{few(found.names)}: {found.log.rig.chain.name}, verdict {_plain(found.verdict)}",
         *_table(rows),
-        f"over {len(found.joints)} joints, an effect must gain {0.5 * found.required:.1f} in log-likelihood",
+        f"in an arm of {joints} an effect must gain {0.5 * found.required:.1f} in log-likelihood",
     ]
     for joint in found.by_gain:
         if joint.verdict != "nothing_missing":
@@ -66,6 +90,20 @@ def arm_diagnosis_lines(found: ArmDiagnosis) -> list[str]:
                 *(f"  {x}" for x in diagnosis_lines(joint.found)[1:]),
             ]
     return [*lines, *_bodies(found.bodies), found.sentence]
+
+
+def _plain(verdict: str) -> str:
+    """A verdict as the report has it."""
+    return verdict.replace("_", " ")
+
+
+def _estimates(found: ArmFit) -> dict[str, Estimate]:
+    """Coefficients of friction and identified gains, by joint and letter."""
+    estimates: dict[str, Estimate] = {}
+    for joint, gain in zip(found.joints, found.log.gains or [None] * len(found.joints), strict=True):
+        own = joint.friction if gain is None else {**joint.friction, "k_i": gain}
+        estimates |= {f"{_called(joint.number, joint.name)}  {letter}": e for letter, e in own.items()}
+    return estimates
 
 
 def _called(number: int, name: str) -> str:
@@ -78,11 +116,15 @@ def _followed(joint: JointFit) -> str:
 
 def _row(joint: JointFit) -> tuple[str, ...]:
     loads = joint.loads
-    follows = _followed(joint) or "no load: Coulomb + viscous is enough"
+    follows, gain = _followed(joint) or "no load: Coulomb + viscous is enough", "-"
     if loads.alike:
         follows += f" (or {', '.join(LOADS[load] for load in loads.alike)})"
-    low, high = joint.interval
-    gain = f"{joint.percent:.0f} % ({low:.0f} to {high:.0f})" if loads.followed else "-"
+    if loads.followed:
+        low, high = joint.interval
+        gain = f"{joint.percent:.0f} % ({low:.0f} to {high:.0f})"
+        follows += "" if joint.confirmed else ", not confirmed"
+    if not joint.fits_the_rig:
+        follows, gain = f"does not fit the rig (R^2 {joint.r_squared:.2f})", "-"
     errors = (f"{joint.rmse[name]:.4g}" for name in ("linear", "followed"))
     return (
         _called(joint.number, joint.name), follows, *errors, gain,
@@ -103,25 +145,34 @@ def _drives(found: ArmFit) -> list[str]:
 def _bodies(found: IdentifiedBodies | None) -> list[str]:
     if found is None:
         return []
-    possible = "bodies that could exist have them"
+    possible = "there are bodies with these values"
     if not found.bodies.explain:
         possible = (
-            f"no bodies that could exist have them (the nearest miss by {found.bodies.misfit:.1f} std errors)"
+            "no real bodies have these values"
+            f" (the nearest miss one by {found.bodies.misfit:.1f} standard errors)"
         )
     return [f"bodies: {len(found.estimates)} base parameters identified; {possible}"]
 
 
-def _change(percent: float) -> str:
-    """How the held-out error changes, which the training runs had no part in."""
-    return f"{percent:.0f} % less error" if percent > 0 else f"held-out error {-percent:.0f} % larger"
-
-
 def _sentence(found: ArmFit) -> str:
-    following = [joint for joint in found.joints if joint.loads.followed]
-    rest = [f"{joint.number}" for joint in found.joints if not joint.loads.followed]
-    if not following:
-        return "Coulomb and viscous friction is enough in every joint, as far as this log shows."
-    parts = ", ".join(f"{joint.number} ({_followed(joint)}, {_change(joint.percent)})" for joint in following)
-    many = len(following) > 1
-    enough = f"; Coulomb and viscous friction is enough in {few(rest)}" if rest else ""
-    return f"Friction follows the load in joint{'s' * many} {parts}{enough}."
+    """What the friction of the joints follows whose log fits the rig, after those whose log does not."""
+    misfit = misfit_sentence({j.number: j.r_squared for j in found.joints if not j.fits_the_rig})
+    return " ".join(filter(None, [misfit, _verdict([j for j in found.joints if j.fits_the_rig], not misfit)]))
+
+
+def _verdict(joints: Sequence[JointFit], every: bool) -> str:
+    following = [j for j in joints if j.loads.followed and j.confirmed]
+    unconfirmed = [j for j in joints if j.loads.followed and not j.confirmed]
+    rest = [f"{j.number}" for j in joints if not j.loads.followed]
+    parts = []
+    if following:
+        those = ", ".join(f"{j.number} ({_followed(j)}, {j.percent:.0f} % less error)" for j in following)
+        parts.append(f"friction follows the load in joint{'s' * (len(following) > 1)} {those}")
+    if unconfirmed:
+        those = ", ".join(f"{_followed(j)} in joint {j.number}" for j in unconfirmed)
+        parts.append(f"chosen on the training runs, but not confirmed by the held-out part: {those}")
+    if rest:
+        where = f"joint{'s' * (len(rest) > 1)} {few(rest)}" if parts or not every else "every joint"
+        parts.append(f"Coulomb and viscous friction is enough in {where}, as far as this log shows")
+    said = "; ".join(parts)
+    return f"{said[0].upper()}{said[1:]}." if said else ""

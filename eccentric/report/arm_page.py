@@ -50,7 +50,7 @@ def arm_view(found: ArmDiagnosis) -> dict[str, Any]:
             _Row(
                 f"joint_{joint.number}/report.html",
                 f"{joint.number} {joint.name}",
-                VERDICTS[joint.verdict],
+                VERDICTS[joint.verdict] if joint.fits_the_rig else "does not fit the rig",
                 ", ".join(effect.id for effect, _ in joint.found.effects) or "-",
                 number(rmse["linear"]),
                 number(rmse["paper"]),
@@ -62,9 +62,9 @@ def arm_view(found: ArmDiagnosis) -> dict[str, Any]:
     sums, bodies = [], ""
     if (identified := found.bodies) is not None:
         bodies = (
-            "Identified from all joints at once; bodies that could exist have them."
+            "Identified from all joints at once; there are bodies with these values."
             if identified.bodies.explain
-            else "Identified from all joints at once; no bodies that could exist have them."
+            else "Identified from all joints at once; no real bodies have these values."
         )
         sums = [
             _Sum(words, number(e.value), range_of(e.interval), e.unit)
