@@ -1,5 +1,6 @@
 """An arm with the bodies that a fit found: the same torques, if they are its own."""
 
+import tomllib
 from pathlib import Path
 
 import numpy as np
@@ -9,7 +10,7 @@ import eccentric
 from eccentric.arms import read_arm
 from eccentric.emission import executed
 from eccentric.errors import InputError
-from eccentric.model import with_bodies, with_numbers
+from eccentric.model import identity_of, with_bodies, with_numbers
 from tests.import_graph import ROOT
 from tests.test_arm_functions import moments
 
@@ -69,6 +70,34 @@ def test_friction_of_another_arm_is_refused(tmp_path: Path) -> None:
         assert not (tmp_path / "out").exists()
 
 
+@pytest.mark.parametrize(
+    ("change", "said"),
+    [
+        ({}, ""),
+        ({"mu": 1 / 22}, "mu of elbow is 0.0454545, not 0.166667"),
+        ({"name": "wrist"}, "it has the joints shoulder, wrist, not shoulder, elbow"),
+        ({"position": [0.0, -0.4, 0.0]}, r"position of elbow is \(0, -0.4, 0\), not \(0, -0.3, 0.025\)"),
+        ({"position": None}, "position of elbow is None, not"),
+    ],
+)
+def test_the_fit_of_another_arm_of_the_same_name_is_refused(
+    tmp_path: Path, change: dict[str, object], said: str
+) -> None:
+    """One line says in what it differs; nothing is written. What is printed with fewer digits is the same."""
+    file = tomllib.loads(ARM.read_text(encoding="utf-8"))
+    joints = identity_of(read_arm(ARM))["joints"]
+    assert [joint["name"] for joint in file["joint"]] == [joint["name"] for joint in joints]
+    joints[1] = {**joints[1], "mu": 0.16666666666, **change}
+    document = {"parameters": {"C_m_0": 0.01}, "chain": {"gravity": [0, -9.81, 0], "joints": joints}}
+
+    if not said:
+        assert eccentric.emit(ARM, tmp_path / "out", parameters=document, backend="numpy")
+        return
+    with pytest.raises(InputError, match=f"a fit of the arm in planar_2r.toml is required, .*: {said}"):
+        eccentric.emit(ARM, tmp_path / "out", parameters=document)
+    assert not (tmp_path / "out").exists()
+
+
 def test_a_payload_that_is_set_at_run_time_stays(tmp_path: Path) -> None:
     """Its default is part of the identified body; twice of it is the file's arm with twice of it."""
     document = {"parameters": {"C_m_0": 0.01}, "bodies": {"values": of_file()}}
@@ -98,6 +127,8 @@ def test_bodies_that_cannot_be_are_refused(change: dict[str, float], said: str) 
 @pytest.mark.parametrize(
     ("document", "said"),
     [
+        ({"chain": [1]}, "chain: an object with a list `joints` of objects is required"),
+        ({"chain": {"joints": [1]}}, "chain: an object with a list `joints` of objects is required"),
         ({"bodies": [1]}, "bodies: an object `values` of finite numbers is required"),
         ({"bodies": {"values": {"mass_0": "1"}}}, "bodies: an object `values` of finite numbers"),
         ({"bodies": {"values": {}, "possible": False}}, "accept_misfit: this is required"),

@@ -96,8 +96,8 @@ def test_the_planted_effect_is_found_in_its_joint(folder: Path) -> None:
 
 def test_the_firmware_has_what_was_fitted(folder: Path) -> None:
     """Coefficients and intervals of the fit, as defaults and comments; and it compiles."""
-    header = (folder / BENCH / "firmware" / "planar_2r.h").read_text(encoding="utf-8")
-    source = (folder / BENCH / "firmware" / "planar_2r.c").read_text(encoding="utf-8")
+    header = (folder / BENCH / "firmware" / "bench_2r.h").read_text(encoding="utf-8")
+    source = (folder / BENCH / "firmware" / "bench_2r.c").read_text(encoding="utf-8")
     fit = json.loads((folder / BENCH / "fit" / "fit.json").read_text(encoding="utf-8"))
 
     assert fit["parameters"]
@@ -106,5 +106,5 @@ def test_the_firmware_has_what_was_fitted(folder: Path) -> None:
         assert float(given) == value, name
         assert f"{fit['parameter_notes'][name]}" in header
     subprocess.run(
-        ["gcc", *FLAGS, "-c", f"{BENCH}/firmware/planar_2r.c", "-o", "firmware.o"], cwd=folder, check=True
+        ["gcc", *FLAGS, "-c", f"{BENCH}/firmware/bench_2r.c", "-o", "firmware.o"], cwd=folder, check=True
     )

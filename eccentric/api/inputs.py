@@ -11,7 +11,7 @@ from eccentric.arms import read_arm
 from eccentric.emission import FittedValues
 from eccentric.errors import InputError
 from eccentric.logs import Log, LogSource, read_log
-from eccentric.model import Model, Recursion, arm, load_model, model_names, recursion, with_bodies
+from eccentric.model import Model, Recursion, arm, load_model, model_names, recursion, unlike, with_bodies
 from eccentric.places import given_path, is_arm_file
 from eccentric.rigs import Rig
 
@@ -86,9 +86,12 @@ def arm_of(source: ModelSource, fitted: FittedValues | None = None) -> tuple[Rec
     """The recursion of an arm, and its model; bodies that a fit identified replace the file's.
 
     Raises:
-        InputError: it cannot be read, or the fit has the bodies of another arm.
+        InputError: it cannot be read, or the fit is of another arm.
     """
     chain = read_arm(given_path(source, "arm"))
+    if fitted is not None and fitted.chain and (difference := unlike(chain, fitted.chain)):
+        of = f"a fit of the arm in {origin_of(source)} is required"
+        raise InputError(f"{fitted.source}: {of}, received one of another arm: {difference}")
     if fitted is not None and fitted.bodies and fitted.model in (None, chain.name):
         chain = with_bodies(chain, fitted.bodies)
     found = recursion(chain)

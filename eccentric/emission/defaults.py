@@ -28,6 +28,7 @@ class FittedValues:
         back_emf_in_friction: whether the values of viscous friction contain the back-EMF.
         current_known: whether the values give a current in amperes.
         torque_unit: of the values: "N m", or "V" or "A" without a scale for a torque.
+        chain: of an arm, what tells it from another; empty where the file does not say.
         bodies: of an arm, the inertial parameters that the fit identified, by name; empty if it did not.
     """
 
@@ -40,6 +41,7 @@ class FittedValues:
     back_emf_in_friction: bool
     current_known: bool
     torque_unit: str
+    chain: Mapping[str, Any]
     bodies: Mapping[str, float]
 
 
@@ -88,6 +90,10 @@ def _fitted(content: Mapping[str, Any], where: str, name: str) -> FittedValues:
     notes, identified_on = content.get("parameter_notes", {}), content.get("identified_range", "")
     if not isinstance(notes, Mapping) or not isinstance(identified_on, str):
         raise InputError(f"{where}: `parameter_notes` by letter and `identified_range` as text are required")
+    chain = content.get("chain") or {}
+    joints = chain.get("joints", []) if isinstance(chain, Mapping) else None
+    if not isinstance(joints, list) or not all(isinstance(joint, Mapping) for joint in joints):
+        raise InputError(f"{where}: chain: an object with a list `joints` of objects is required")
     bodies = content.get("bodies") or {}
     found = bodies.get("values") or {} if isinstance(bodies, Mapping) else None
     if not isinstance(found, Mapping) or not all(_is_number(x) for x in found.values()):
@@ -100,7 +106,7 @@ def _fitted(content: Mapping[str, Any], where: str, name: str) -> FittedValues:
         raise InputError(f"{where}: torque_unit: N m, V or A is required, received {unit!r}")
     of = content.get("model")
     return FittedValues(
-        name, of, values, dict(notes), identified_on, fits, contained, known, unit, dict(found)
+        name, of, values, dict(notes), identified_on, fits, contained, known, unit, dict(chain), dict(found)
     )
 
 

@@ -7,7 +7,8 @@ Keys of both; an estimate is {value, std_error, interval_95, unit, bound_active}
              whether real bodies can have them, misfit_in_std_errors, and their inertial parameters
     joints   one entry each: number, name, drive, gain, unit, and
 
-    fit      model, parameters, parameter_notes, identified_range: for `eccentric emit ARM --parameters`;
+    fit      model, chain {gravity, joints}, parameters, parameter_notes, identified_range: for
+             `eccentric emit ARM --parameters`, the chain to tell the arm from another;
              loads {present, followed, alike, deviance, required}, friction: estimates, rmse_holdout {linear,
              followed, every}, improvement {percent, interval_95}, leave_one_run_out, r_squared_holdout,
              torque_rms, noise_floor
@@ -28,7 +29,7 @@ from eccentric.joints.arm_log import ArmLog
 from eccentric.joints.bodies import IdentifiedBodies
 from eccentric.joints.diagnosed import ArmDiagnosis
 from eccentric.joints.fitted import ArmFit, JointFit, gain_of
-from eccentric.model import letters_of
+from eccentric.model import identity_of, letters_of
 
 __all__ = ["arm_diagnosis_document", "arm_fit_document"]
 
@@ -95,6 +96,7 @@ def _emitted(found: ArmFit) -> dict[str, Any]:
     return {
         **({"joints_without_scale": without} if without else {}),
         "model": found.log.rig.chain.name,
+        "chain": identity_of(found.log.rig.chain),
         "parameters": {name: e.value for name, e in estimates.items()},
         "parameter_notes": {name: _note(e) for name, e in estimates.items()},
         "identified_range": f"friction fitted to {', '.join(found.names)}",

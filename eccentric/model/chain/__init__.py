@@ -15,6 +15,7 @@ and the loads of the bearings as ordered definitions of scalars.
     bearing    the loads that friction follows
     letters    a chain with a letter for every inertial parameter
     given_bodies  a chain with the bodies that a fit found
+    identity   what tells one chain from another
     numbers    a chain with the defaults of its letters in their place
     drive      motor, gear and friction of every joint: its balances
     arm        all of it as a model
@@ -27,6 +28,7 @@ from eccentric.model.chain.body import Body, Moments
 from eccentric.model.chain.chain import Chain
 from eccentric.model.chain.drive import JointDrive, drives
 from eccentric.model.chain.given_bodies import with_bodies
+from eccentric.model.chain.identity import identity_of, unlike
 from eccentric.model.chain.inwards import Wrench
 from eccentric.model.chain.joint import Joint, Placement
 from eccentric.model.chain.letters import letters_of, with_letters
@@ -45,10 +47,12 @@ __all__ = [
     "Wrench",
     "arm",
     "drives",
+    "identity_of",
     "letters_of",
     "momentum",
     "motion",
     "recursion",
+    "unlike",
     "with_bodies",
     "with_letters",
     "with_numbers",

@@ -8,7 +8,7 @@ from typing import Any
 
 import sympy as sp
 
-from eccentric.errors import InputError
+from eccentric.errors import InputError, counted, few
 from eccentric.model.chain.body import Body, Moments
 from eccentric.model.chain.exact import exact, vector
 from eccentric.model.chain.joint import Joint
@@ -79,6 +79,11 @@ class Chain:
         used = self.gravity.free_symbols.union(*(_symbols(link) for link in self.links))
         if unknown := sorted(map(str, used - {q.symbol for q in self.parameters})):
             raise InputError(f"{name}: {unknown[0]} is required among its parameters")
+
+    def __repr__(self) -> str:
+        return (
+            f"<Chain {self.name}: {counted(len(self.joints), 'joint')}, {few(x.name for x in self.joints)}>"
+        )
 
     @property
     def links(self) -> tuple[Link, ...]:

@@ -33,7 +33,7 @@ def _planar(rng: np.random.Generator) -> BenchArm:
         bodies = [(tube, 0.5 * length * along, tube * length**2 / 12.0), (end, length * along, 0.0)]
         links.append(_link(place, (0.0, 0.0, 0.0), bodies, _ratio(rng, 6.0, 30.0)))
         place = (0.0, -round(float(length), 4), 0.0)
-    return BenchArm("planar_2r", tuple(links), (0.0, -9.81, 0.0))
+    return BenchArm("bench_2r", tuple(links), (0.0, -9.81, 0.0))
 
 
 def _spatial(rng: np.random.Generator, kind: str) -> BenchArm:
@@ -55,7 +55,7 @@ def _spatial(rng: np.random.Generator, kind: str) -> BenchArm:
         turn = (twists[j], 0.0, round(float(rng.uniform(-0.2, 0.2)), 4) if j else 0.0)
         links.append(_link(place, turn, bodies, _ratio(rng, 30.0, 120.0)))
         place = end
-    return BenchArm("three_joints" if n == 3 else "six_joints", tuple(links))
+    return BenchArm(f"bench_{n}r", tuple(links))
 
 
 def _ratio(rng: np.random.Generator, low: float, high: float) -> float:
