@@ -8,9 +8,10 @@ from pathlib import Path
 
 from eccentric.errors import InputError
 
-__all__ = ["derivation", "folder", "given_path", "is_arm_file", "readable", "shown"]
+__all__ = ["derivation", "folder", "given_path", "is_arm_file", "readable", "refuse_other_files", "shown"]
 
 _OF_ARMS = {".toml", ".json", ".urdf"}
+_NO_ARMS = {".xacro", ".xml"}
 
 
 def given_path(value: object, what: str) -> Path:
@@ -25,6 +26,16 @@ def given_path(value: object, what: str) -> Path:
 def is_arm_file(path: str | os.PathLike[str]) -> bool:
     """Return whether a path leads to the file of an arm, by its suffix; behind # is the tip of a URDF."""
     return Path(os.fspath(path).partition("#")[0]).suffix.lower() in _OF_ARMS
+
+
+def refuse_other_files(path: str | os.PathLike[str]) -> None:
+    """Raise InputError for a folder, XML or xacro where a model or an arm is required."""
+    given = Path(path)
+    if given.is_dir() or given.suffix.lower() in _NO_ARMS:
+        what = "a model's name, a derivation .py, or an arm .toml, .json or .urdf"
+        received = "a folder" if given.is_dir() else f"{given.suffix!r}"
+        hint = "" if given.is_dir() else ": expand a xacro and name the result .urdf"
+        raise InputError(f"{shown(given)}: {what} is required, received {received}{hint}")
 
 
 def shown(path: Path) -> str:

@@ -1,11 +1,13 @@
 """The rig of an arm: columns by pattern, drives per joint; one clear line for each kind of bad input."""
 
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 
 from eccentric.errors import InputError
+from eccentric.model import Chain, Joint
 from eccentric.rigs import names_arm, read_arm_rig, read_rig
 from eccentric.signals import read_joints
 from tests.arm_logs import MU, arm_log_of, arm_rig_of, plain, planar_arm
@@ -70,7 +72,23 @@ def test_a_rig_that_names_an_arm_is_known_as_one() -> None:
             {"joints": {"first": -1}},
             r"\[joints\] first: a whole number of 0 or above is required, received -1",
         ),
-        ({"known": {"M": "1 kg"}}, r"rig: unknown key 'known'"),
+        (
+            {"known": {"M": "1 kg"}},
+            r"rig: \[known\]: bodies and gear ratios in the arm file, k_i, R and k_e in \[drives\] are requ",
+        ),
+        (
+            {"columns": {"time": "t_s", "omega_l": "w_{j}", "torque_l": "tau_Nm_{j}"}},
+            r"\[columns\]: the angle of every joint is required, as in theta_l = \"q_rad_\{j\}\", recei",
+        ),
+        (
+            {"columns": {"time": "t_s", "theta_l": "q_{j}"}, "drive": "current"},
+            r"what measures the drive of every joint is required, such as current = \"current_\{j\}\", recei",
+        ),
+        (
+            {"columns": {"time": "t_s", "theta_l": "q_{j}", "current": "i_{j}"}},
+            r"what measures the drive of every joint is required, such as torque_l = \"torque_l_\{j\}\"",
+        ),
+        ({"arm": "nope.toml"}, r"^rig: arm: nope.toml: no such file$"),
         ({"arm": 3}, r"rig: arm: the path of an arm"),
     ],
 )
@@ -92,15 +110,65 @@ def test_a_column_for_some_joints_only_is_refused(log: dict[str, Any]) -> None:
 
     with pytest.raises(
         InputError,
-        match=r"torque_l: a column for each of 2 joints is required, received 1: 'tau_Nm_2' of joint 2",
+        match=r"torque_l: column 'tau_Nm_2' is required for joint 2 of planar .*, received 1 of 2 joints",
     ):
         read_joints([some], read_arm_rig(arm_rig_of(ARM)))
 
 
 def test_a_joint_number_that_the_log_lacks_is_refused(log: dict[str, Any]) -> None:
-    """Columns that count from 1 under a rig that counts from 4."""
-    with pytest.raises(InputError, match=r"theta_l: column 'q_rad_4' is required, the log has"):
+    """Columns that count from 1 under a rig that counts from 4: joint, arm and base are named."""
+    said = (
+        r"theta_l: column 'q_rad_4' is required for joint 4 of planar \(columns count from first = 4\), the"
+    )
+    with pytest.raises(InputError, match=said):
         read_joints([log], read_arm_rig(arm_rig_of(ARM, joints={"first": 4})))
+
+
+def test_the_closest_column_is_proposed(log: dict[str, Any]) -> None:
+    """A name with a space that is misspelt."""
+    spaced = {name.replace("q_rad_", "Axis "): values for name, values in log.items()}
+    columns = {"time": "t_s", "run": "run", "theta_l": "Axi {j}", "torque_l": "tau_Nm_{j}"}
+
+    with pytest.raises(InputError, match=r"theta_l: column 'Axi 1' is required .*; did you mean 'Axis 1'\?"):
+        read_joints([spaced], read_arm_rig(arm_rig_of(ARM, columns=columns)))
+
+
+def test_a_log_of_more_joints_than_the_arm_is_refused(log: dict[str, Any]) -> None:
+    """The first link alone under a log of two: the elbow would swing unseen."""
+    one = Chain("alone", ARM.joints[:1], ARM.bodies[:1], ARM.gravity)
+
+    with pytest.raises(
+        InputError,
+        match=r"columns of the 1 joint of alone are required, the log has 'q_rad_2' for a joint 2 that",
+    ):
+        read_joints([log], read_arm_rig(arm_rig_of(one)))
+
+
+def test_arm_and_rig_that_are_swapped_are_told(tmp_path: Path) -> None:
+    """The reverse is among the arm files that are refused."""
+    (tmp_path / "arm.toml").write_text('[[joint]]\nname = "elbow"\n', encoding="utf-8")
+
+    with pytest.raises(
+        InputError, match=r"arm.toml: a rig file is required, received an arm file; a rig nam"
+    ):
+        read_rig(tmp_path / "arm.toml")
+
+
+def test_a_gear_upside_down_is_a_possible_cause(log: dict[str, Any]) -> None:
+    """Angle at the joint, speed at the motor: with 9 for 1/9 they differ by 81, and mu is named."""
+    joints = [Joint(mu=1 / MU[0], name="shoulder"), ARM.joints[1]]
+    rig = arm_rig_of(Chain("planar", joints, ARM.bodies, ARM.gravity))
+    t, moving = log["t_s"], dict(log)
+    for j, mu in enumerate(MU, 1):
+        moving[f"w_{j}"] = np.gradient(log[f"q_rad_{j}"]) / np.gradient(t) / mu
+    shoulder, elbow = read_joints(
+        [moving], read_arm_rig(rig | {"columns": rig["columns"] | {"omega_m": "w_{j}"}})
+    )
+
+    assert any(
+        "mu = 9 is the reciprocal of what it should be? Correct" in x for x in shoulder.intake.warnings
+    )
+    assert not any("reciprocal" in x for x in elbow.intake.warnings)
 
 
 def test_rows_without_a_number_for_one_joint_are_dropped_for_all(log: dict[str, Any]) -> None:

@@ -56,6 +56,34 @@ ARM_FILES = {
     "mass not a number": (body("mass_kg = nan"), "elbow: mass_kg: a finite number is required, received nan"),
     "mass infinite": (body("mass_kg = inf"), "elbow: mass_kg: a finite number is required, received inf"),
     "mass of a planet": (body('mass = "6e24 kg"'), "elbow: mass: a size of at most 1e+09 is required"),
+    "an angle without a unit": (
+        f'{ELBOW}rpy = [0, 0, "30"]\n{MASS}',
+        "elbow: rpy: a unit is required (deg, rad), received '30'",
+    ),
+    "degrees as radians": (
+        f"{ELBOW}rpy_rad = [0, 0, -90]\n{MASS}",
+        'elbow: rpy_rad: an angle in rad, at most a turn, is required, received -90; did you mean "-90 deg"',
+    ),
+    "a twist of degrees": (
+        f"{ELBOW}dh = {{ alpha_rad = 90 }}\n{MASS}",
+        'elbow: dh: alpha_rad: an angle in rad, at most a turn, is required, received 90; did you mean "90 d',
+    ),
+    "a lead per nothing": (
+        f'{ELBOW}kind = "prismatic"\nmu = "5 mm"\n{MASS}',
+        "elbow: mu: a unit is required (m/rad, mm/rev), received '5 mm'",
+    ),
+    "a lead of a kind that is none": (
+        f'{ELBOW}kind = "prism"\nmu = "5 mm/rev"\n{MASS}',
+        "elbow: kind: one of revolute, prismatic is required, received 'prism'; did you mean 'prismatic'?",
+    ),
+    "a name that is none in code": (
+        f'name = "my-arm"\n{ELBOW}{MASS}',
+        "name: a name of at most 63 ASCII letters, digits and _ that begins with a letter is required, recei",
+    ),
+    "the rig of an arm": (
+        'arm = "arm.toml"\n[columns]\ntime = "t_s"\n',
+        "an arm file is required, received the rig of an arm, whose key `arm` names the arm file",
+    ),
     "mass true": (body("mass_kg = true"), "elbow: mass_kg: a number is required, received True"),
     "mass twice": (
         body('mass = "1 kg", mass_kg = 1'),
@@ -104,7 +132,10 @@ ARM_FILES = {
         f"{ELBOW}J_m_kgm2 = -1\n{MASS}",
         "elbow: J_m: 0 or above is required, received -1",
     ),
-    "angles in metres": (f'{ELBOW}rpy = ["1 m", 0, 0]\n{MASS}', "elbow: rpy: a unit like rad, mrad, deg"),
+    "angles in metres": (
+        f'{ELBOW}rpy = ["1 m", 0, 0]\n{MASS}',
+        "elbow: rpy: a unit like deg, rad is required",
+    ),
     "two rotations": (
         f"{ELBOW}rpy_rad = [0, 0, 0]\nrotation = [[1, 0, 0], [0, 1, 0], [0, 0, 1]]\n{MASS}",
         "elbow: only one of rpy and rotation is required, received both",
@@ -164,6 +195,10 @@ URDFS = {
             "</robot>", "<xacro:a/></robot>"
         ),
         "line 2: a URDF is required, received xacro: expand it first",
+    ),
+    "degrees": (
+        WHOLE.replace('<child link="hand"/>', '<child link="hand"/><origin rpy="0 0 90"/>'),
+        "origin rpy: angles in rad, at most a turn, are required, received '0 0 90'; did you mean degrees?",
     ),
     "no links": ('<robot name="a"/>', "links are required, received none"),
     "a floating joint": (

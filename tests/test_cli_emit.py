@@ -95,3 +95,24 @@ def test_help_names_every_back_end(capsys: pytest.CaptureFixture[str]) -> None:
 
     shown = capsys.readouterr().out
     assert [] == [name for name in BACKENDS if not re.search(rf"\b{name}\b", shown)]
+
+
+@pytest.mark.parametrize(
+    ("name", "received"),
+    [
+        ("arm.xacro", "'.xacro': expand a xacro and name the result .urdf"),
+        ("arm.xml", "'.xml': expand a xacro and name the result .urdf"),
+        ("", "a folder"),
+    ],
+)
+def test_what_is_no_model_is_told_what_one_is(
+    name: str, received: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """One line with the suffixes of models and arms; nothing is written."""
+    done = main(["emit", str(tmp_path / name), "--out", str(tmp_path / "out")])
+    said = capsys.readouterr().err
+
+    assert 2 == done
+    assert "a model's name, a derivation .py, or an arm .toml, .json or .urdf is required" in said
+    assert said.endswith(f"received {received}\n")
+    assert not (tmp_path / "out").exists()

@@ -22,7 +22,7 @@ from eccentric.emission import (
     with_fitted,
 )
 from eccentric.errors import InputError
-from eccentric.places import given_path
+from eccentric.places import given_path, refuse_other_files
 
 __all__ = ["emit"]
 
@@ -80,6 +80,8 @@ def emit(
     fitted = None if parameters is None else read_parameters(_content(parameters))
     if fitted is not None:
         require_fit(fitted.fits_the_rig, fitted.source, accept_misfit)
+    if isinstance(model, str | os.PathLike):
+        refuse_other_files(model)
     found, loaded = arm_of(model, fitted) if is_arm(model) else (None, model_of(model))
     if asked is not None and found is not None:
         raise InputError("adapt: a model of one joint is required, received an arm")

@@ -34,6 +34,9 @@ def arm_of(content: Mapping[str, Any], path: Path, where: str) -> Chain:
 
     Raises InputError, one line with file, joint and key, what is required and what was received.
     """
+    if {"arm", "columns"} <= set(content):
+        what = "an arm file is required, received the rig of an arm, whose key `arm` names the arm file"
+        raise InputError(f"{where}: {what}")
     refuse_unknown(content, KEYS_OF_ARMS, where)
     name = content.get("name", identifier(path.stem))
     if not isinstance(name, str):

@@ -42,15 +42,19 @@ def read_joints(tables: Any, where: str) -> list[ReadJoint]:
     found: list[ReadJoint] = []
     for here, name, table in _named(tables, where):
         kind = table.get("kind", "revolute")
-        gear = GEAR[kind] if isinstance(kind, str) and kind in GEAR else GEAR["revolute"]
+        if not isinstance(kind, str) or kind not in GEAR:
+            required = f"one of {', '.join(GEAR)} is required, received {kind!r}"
+            raise InputError(f"{here}: kind: {required}{meant(kind, GEAR)}")
+        gear = GEAR[kind]
         refuse_unknown(table, dict.fromkeys((*KEYS_OF_JOINTS, *gear.keys)), here)
         if "body" not in table:
             raise InputError(f'{here}: a body is required, such as body = {{ mass = "2 kg" }}, received none')
         place, frame = read_placements(table, here)
         axis = AXIS.vector(table, here, (0, 0, 1))
         before = found[-1].frame if found else Placement()
+        drive = _drive(table, gear, here)
         with complaints_of(where):
-            joint = Joint(kind, axis, after(before, place), *_drive(table, gear, here), name)
+            joint = Joint(kind, axis, after(before, place), *drive, name)
         found.append(ReadJoint(joint, read_body(table["body"], here), frame))
     if not found:
         raise InputError(f"{where}: joints are required, each as [[joint]], received none")
@@ -73,8 +77,9 @@ def with_drives(read: Sequence[ReadJoint], tables: Any, where: str) -> list[Read
         here, table = given.get(joint.name, (where, {}))
         gear = GEAR[joint.kind]
         refuse_unknown(table, dict.fromkeys(("name", *DRIVE, *gear.keys)), here)
+        drive = _drive(table, gear, here)
         with complaints_of(where):
-            driven = Joint(joint.kind, joint.axis, joint.placement, *_drive(table, gear, here), joint.name)
+            driven = Joint(joint.kind, joint.axis, joint.placement, *drive, joint.name)
         found.append(replace(one, joint=driven))
     return found
 

@@ -7,7 +7,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from eccentric.arms.limits import LARGEST
+from eccentric.arms.limits import LARGEST, LARGEST_ANGLE
 from eccentric.entries import read_number, read_table, refuse_unknown
 from eccentric.errors import InputError
 from eccentric.logs import parse_value
@@ -15,6 +15,7 @@ from eccentric.logs import parse_value
 INERTIA = ("xx", "xy", "xz", "yy", "yz", "zz")
 """The entries of a symmetric tensor by name."""
 
+_PER_ANGLE = re.compile(r"[a-z]\s*/")
 _RATIO = re.compile(r"\d+/\d+")
 """Kept as it is: 1/9 is exact."""
 
@@ -78,6 +79,8 @@ class FileQuantity:
         if isinstance(value, str):
             if key != self.key:
                 raise InputError(f"{where}: a number in {self.unit} is required, received {value!r}")
+            if self.unit == "m/rad" and not _PER_ANGLE.search(value):
+                raise InputError(f"{where}: a unit is required (m/rad, mm/rev), received {value!r}")
             number = parse_value(value, self.unit, where)
             if (
                 self.unit != "rad"
@@ -85,6 +88,11 @@ class FileQuantity:
                 number = float(f"{number:.15g}")
         elif key == self.plain_key or (value == 0 and not isinstance(value, bool)):  # 0 is 0 in every unit
             number = read_number(value, where)
+            if self.unit == "rad" and abs(number) > LARGEST_ANGLE:
+                hint = f'did you mean "{value:g} deg" under {self.key}?'
+                raise InputError(
+                    f"{where}: an angle in rad, at most a turn, is required, received {value!r}; {hint}"
+                )
         else:
             raise InputError(
                 f'{where}: a text with a unit is required, as in "0.1 {self.unit}", received {value!r}'

@@ -14,7 +14,7 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any
 
-from eccentric.arms.limits import LARGEST
+from eccentric.arms.limits import LARGEST, LARGEST_ANGLE
 from eccentric.arms.quantities import INERTIA
 from eccentric.errors import InputError
 from eccentric.places import readable
@@ -120,6 +120,9 @@ def _require_numbers(element: Any, numbers: tuple[tuple[str, str, int, bool], ..
             what = "a finite number is" if count == 1 else f"{count} finite numbers are"
             received = "none" if given is None else repr(given)
             raise InputError(f"{here}: {tag} {attribute}: {what} required, received {received}")
+        if attribute == "rpy" and max(map(abs, values)) > LARGEST_ANGLE:
+            turns = "angles in rad, at most a turn, are required"
+            raise InputError(f"{here}: {tag} rpy: {turns}, received {given!r}; did you mean degrees?")
 
 
 def _at(where: str, element: Any) -> str:

@@ -146,6 +146,8 @@ def parse_value(text: str, required: str, where: str, counts_per_rev: float | No
         )
     if match[3].startswith(":"):
         raise InputError(f"{where}: a ratio with '/', as in '1/5', is required, received {text!r}")
+    if required == "rad" and not match[3]:
+        raise InputError(f"{where}: a unit is required (deg, rad), received {text!r}")
     divisor = float(match[2]) if match[2] else 1.0
     if divisor == 0.0:
         raise InputError(f"{where}: a finite number is required, received {text!r}")
@@ -168,9 +170,13 @@ def require_unit(text: str, required: str, where: str, counts_per_rev: float | N
     return unit
 
 
+_WITH_ANGLES = {"1": ["1", "%"], "rad": ["deg", "rad"], "m/rad": ["m/rad", "mm/rev"]}
+
+
 def _choices(required: str, where: str) -> list[str]:
-    if required == "1":
-        return ["1", "%"]  # not the units of an angle, which has no dimension either
+    # An angle has no dimension: units that only differ by one are not shown for each other.
+    if required in _WITH_ANGLES:
+        return _WITH_ANGLES[required]
     dimension = parse_unit(required, where).dimension
     return [s for s in _SHOWN if parse_unit(s, where, 1.0).dimension == dimension] or [required]
 

@@ -49,17 +49,20 @@ _TAKEN = {
 _PREFIXES = re.compile(r"(DBL|FLT|LDBL|REAL|ECCENTRIC)_|REAL$")
 
 
-def require_free(name: str) -> None:
-    """Raise InputError unless the name is an identifier that C, C++ and Python leave free."""
+def require_free(name: str, what: str = "quantity") -> None:
+    """Raise InputError unless the name is an identifier that C, C++ and Python leave free.
+
+    `what` it is the name of opens the message.
+    """
     if not re.fullmatch(rf"[A-Za-z][A-Za-z0-9_]{{0,{LONGEST - 1}}}", name):
         raise InputError(
-            f"quantity: a name of at most {LONGEST} ASCII letters, digits and _ that begins with a letter is"
+            f"{what}: a name of at most {LONGEST} ASCII letters, digits and _ that begins with a letter is"
             f" required, received {name!r}"
         )
-    taken = next((what for what, names in _TAKEN.items() if name in names), None)
+    taken = next((kind for kind, names in _TAKEN.items() if name in names), None)
     if taken is None and _PREFIXES.match(name):
         taken = "which begins as macros of C or of the emitted code"
     if taken is not None:
         raise InputError(
-            f"quantity: a name that C, C++ and Python leave free is required, received {name!r}, {taken}"
+            f"{what}: a name that C, C++ and Python leave free is required, received {name!r}, {taken}"
         )

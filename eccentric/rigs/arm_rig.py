@@ -11,8 +11,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from eccentric.arms import read_arm
-from eccentric.errors import InputError
+from eccentric.arms import complaints_of, read_arm
+from eccentric.errors import InputError, counted
 from eccentric.model import Chain, with_numbers
 from eccentric.places import given_path, shown
 from eccentric.rigs.entries import plain_entries, read_names, read_number, read_table, refuse_unknown
@@ -43,6 +43,7 @@ class ArmRig:
         chain: the arm, numbers only.
         joints: the rig of each joint as if it were alone, from the base outwards: its columns, gear, drive.
         first: the number of the first joint in the columns.
+        patterns: the sources of motion and drive as the rig has them, with {j} for the number, by channel.
         known: what is known of the bodies: all of `INERTIAL`, or a part, whose rest the log has to determine.
     """
 
@@ -51,10 +52,11 @@ class ArmRig:
     chain: Chain
     joints: tuple[Rig, ...]
     first: int
+    patterns: Mapping[str, str]
     known: frozenset[str]
 
     def __repr__(self) -> str:
-        return f"<ArmRig {self.name}: {len(self.joints)} joints of {self.chain.name}>"
+        return f"<ArmRig {self.name}: {counted(len(self.joints), 'joint')} of {self.chain.name}>"
 
     @property
     def open(self) -> bool:
@@ -64,6 +66,10 @@ class ArmRig:
     def number(self, j: int) -> int:
         """The number of a joint in the columns, from its place in the chain."""
         return self.first + j
+
+    def column(self, channel: str, j: int) -> str:
+        """The source of a channel for a joint, from its place in the chain."""
+        return _numbered(self.patterns[channel], self.number(j))
 
 
 def names_arm(source: object) -> bool:
@@ -97,6 +103,11 @@ def read_arm_rig(source: str | os.PathLike[str] | Mapping[str, Any] | ArmRig) ->
 
 
 def _arm_rig(content: Mapping[str, Any], where: str, name: str, folder: Path) -> ArmRig:
+    if also := [key for key in ("known", "unknown") if key in content]:
+        required = "bodies and gear ratios in the arm file, k_i, R and k_e in [drives]"
+        raise InputError(
+            f"{where}: [{also[0]}]: {required} are required in the rig of an arm, received a table"
+        )
     refuse_unknown(content, _KEYS, where)
     chain = with_numbers(_chain(content["arm"], where, folder))
     table = read_table(content.get("joints", {}), f"{where}: [joints]")
@@ -104,6 +115,7 @@ def _arm_rig(content: Mapping[str, Any], where: str, name: str, folder: Path) ->
     first = _first(table.get("first", 1), f"{where}: [joints] first")
     columns = read_table(content.get("columns"), f"{where}: [columns]")
     _require_patterns(columns, f"{where}: [columns]")
+    _require_motion_and_drive(columns, content.get("drive"), f"{where}: [columns]")
     common = {key: x for key, x in content.items() if key not in {"arm", "joints", "drives", "columns"}}
     count, name = len(chain.joints), str(content.get("name", name))
     drives = _drives(content.get("drives", {}), count, f"{where}: [drives]")
@@ -113,14 +125,16 @@ def _arm_rig(content: Mapping[str, Any], where: str, name: str, folder: Path) ->
         own = {
             **common,
             "name": f"{name}, joint {first + j}",
-            "columns": {channel: _numbered(source, first + j) for channel, source in columns.items()},
+            "columns": {channel: _source(source, first + j) for channel, source in columns.items()},
             "known": {"case": "C2", "mu": mu, **known},
         }
         if "moving_threshold_rad_s" in own:
             threshold = read_number(own["moving_threshold_rad_s"], f"{where}: moving_threshold_rad_s", 0.0)
             own["moving_threshold_rad_s"] = threshold / mu
         joints.append(_of_joint(own, where))
-    return ArmRig(where, name, chain, tuple(joints), first, _known(table.get("inertial", "known"), where))
+    patterns = {c: _text(x) for c, x in columns.items() if c in (*_MOTION, *_DRIVE)}
+    inertial = _known(table.get("inertial", "known"), where)
+    return ArmRig(where, name, chain, tuple(joints), first, patterns, inertial)
 
 
 def _of_joint(content: Mapping[str, Any], where: str) -> Rig:
@@ -140,7 +154,8 @@ def _chain(given: object, where: str, folder: Path) -> Chain:
         return given
     if not isinstance(given, str) or not given.strip():
         raise InputError(f"{where}: arm: the path of an arm, .toml or .urdf, is required, received {given!r}")
-    return read_arm(folder / given)
+    with complaints_of(f"{where}: arm"):
+        return read_arm(folder / given)
 
 
 def _first(value: object, where: str) -> int:
@@ -183,16 +198,35 @@ def _require_patterns(columns: Mapping[str, Any], where: str) -> None:
             )
 
 
+def _require_motion_and_drive(columns: Mapping[str, Any], drive: object, where: str) -> None:
+    """The loads of a joint depend on all angles; what measures its drive is compared with them."""
+    if not {"theta_m", "theta_l"} & set(columns):
+        raise InputError(
+            f'{where}: the angle of every joint is required, as in theta_l = "q_rad_{NUMBER}", received none'
+        )
+    of = {"torque": ("torque", "torque_l")}.get(str(drive), (drive,) if drive in _DRIVE else _DRIVE)
+    if not set(of) & set(columns):
+        name = of[-1] if drive in _DRIVE else "current"
+        raise InputError(
+            f"{where}: what measures the drive of every joint is required, such as"
+            f' {name} = "{name}_{NUMBER}", received none'
+        )
+
+
 def _text(source: object) -> str:
     text = source.get("column") if isinstance(source, Mapping) else source
     return text if isinstance(text, str) else ""
 
 
-def _numbered(source: object, number: int) -> object:
+def _numbered(pattern: str, number: int) -> str:
+    return pattern.replace(NUMBER, str(number))
+
+
+def _source(source: object, number: int) -> object:
     """A source of a channel with the number of a joint in its pattern."""
     if isinstance(source, Mapping):
-        return {key: _numbered(x, number) if key == "column" else x for key, x in source.items()}
-    return source.replace(NUMBER, str(number)) if isinstance(source, str) else source
+        return {key: _source(x, number) if key == "column" else x for key, x in source.items()}
+    return _numbered(source, number) if isinstance(source, str) else source
 
 
 def _drives(value: object, count: int, where: str) -> list[dict[str, Any]]:
@@ -200,7 +234,7 @@ def _drives(value: object, count: int, where: str) -> list[dict[str, Any]]:
     if isinstance(value, list):
         if len(value) != count:
             raise InputError(
-                f"{where}: one table for each of {count} joints is required, received {len(value)}"
+                f"{where}: one table for each of {counted(count, 'joint')} is required, received {len(value)}"
             )
         return [_entries(read_table(own, where), where) for own in value]
     table = _entries(read_table(value, where), where)
@@ -209,7 +243,7 @@ def _drives(value: object, count: int, where: str) -> list[dict[str, Any]]:
         values = given if isinstance(given, list) else [given] * count
         if len(values) != count:
             raise InputError(
-                f"{where} {key}: one value, or one for each of {count} joints, is required,"
+                f"{where} {key}: one value, or one for each of {counted(count, 'joint')}, is required,"
                 f" received {len(values)}"
             )
         for own, one in zip(found, values, strict=True):

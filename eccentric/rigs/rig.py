@@ -103,6 +103,10 @@ def _rig(content: Mapping[str, Any], where: str, name: str) -> Rig:
         raise InputError(
             f"{where}: arm: the rig of a single drive is required here; fit and diagnose take that of an arm"
         )
+    if {"joint", "urdf"} & set(content):
+        raise InputError(
+            f'{where}: a rig file is required, received an arm file; a rig names it with arm = "..."'
+        )
     refuse_unknown(content, KEYS, where)
     known, unknown, case = read_knowns(content, where)
     counts = _optional(content, "encoder_counts_per_rev", where)

@@ -12,9 +12,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from eccentric.errors import InputError, few
+from eccentric.errors import InputError
 from eccentric.logs import Log, LogSource, evaluate, read_log
 from eccentric.signals.channels import read_channels
+from eccentric.signals.joint_columns import require_columns
 from eccentric.signals.limits import BELOW_COARSE, COARSE, MOST_REJECTED
 from eccentric.signals.measured import Channels
 
@@ -31,7 +32,8 @@ def read_joints(logs: Sequence[LogSource], rig: ArmRig) -> tuple[Channels, ...]:
     rig, it is the lowest of those that suit the joints one by one.
 
     Raises:
-        InputError: what `read_channels` refuses, the joint named; a column for some of the joints only.
+        InputError: what `read_channels` refuses, the joint named; columns of fewer or more joints than
+            the arm has.
     """
     read = [_complete(read_log(log), rig) for log in logs]
     found = [_of_joint(read, rig, j, one) for j, one in enumerate(rig.joints)]
@@ -76,7 +78,7 @@ def _of_joint(logs: Sequence[Log], rig: ArmRig, j: int, one: Rig) -> Channels:
 
 def _complete(log: Log, rig: ArmRig) -> Log:
     """The log without the rows in which any joint lacks a number."""
-    _require_columns(log, rig)
+    require_columns(log, rig)
     good = np.ones(log.rows, dtype=bool)
     for one in rig.joints:
         for channel, source in (one.log.columns or {}).items():
@@ -100,21 +102,3 @@ def _complete(log: Log, rig: ArmRig) -> Log:
 def _finite(log: Log, text: str, where: str) -> NDArray[np.bool_]:
     values = log.numbers(text) if text in log.columns else evaluate(text, log.numbers, where)
     return np.isfinite(np.asarray(values, float)) & np.ones(log.rows, dtype=bool)
-
-
-def _require_columns(log: Log, rig: ArmRig) -> None:
-    """A pattern that fits some joints only is refused in one line that counts them."""
-    numbers = [rig.number(j) for j in range(len(rig.joints))]
-    for channel in rig.joints[0].log.columns or {}:
-        names = [(one.log.columns or {})[channel].text for one in rig.joints]
-        missing = [k for k, name in enumerate(names) if name not in log.columns and name.isidentifier()]
-        if missing and len(missing) < len(names):
-            first, there = missing[0], len(names) - len(missing)
-            raise InputError(
-                f"{log.path}: {channel}: a column for each of {len(names)} joints is required, received"
-                f" {there}: {names[first]!r} of joint {numbers[first]} is missing"
-            )
-        if missing:
-            raise InputError(
-                f"{log.path}: {channel}: column {names[0]!r} is required, the log has {few(log.columns)}"
-            )

@@ -143,7 +143,10 @@ def speed_doubt(t: Array, theta: Array, omega: Array, segment: Integers, mu: flo
 
 def _cause(factor: float, mu: float | None) -> str:
     """Return the simplest and closest explanation of the factor; empty if there is none."""
-    gears = {} if mu in (None, 1.0) else dict.fromkeys((mu, 1.0 / mu), "they are on two sides of the gear")
+    gears = {}
+    if mu is not None and mu != 1.0:
+        gears = dict.fromkeys((mu, 1.0 / mu), "they are on two sides of the gear")
+        gears |= dict.fromkeys((mu**2, mu**-2), f"mu = {mu:.4g} is the reciprocal of what it should be")
     found = []
     for unit, gear in itertools.product((1.0, *_UNITS), (1.0, *gears)):
         words = [_UNITS.get(unit), gears.get(gear), "their signs differ" if factor < 0.0 else None]

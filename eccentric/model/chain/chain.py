@@ -65,7 +65,7 @@ class Chain:
         payload: Body | None = None,
         parameters: Sequence[Quantity] = (),
     ) -> None:
-        require_free(name)
+        require_free(name, "name")
         self.name, self.joints, self.bodies = name, tuple(joints), tuple(bodies)
         self.gravity = vector(gravity, f"{name}: gravity")
         self.payload, self.parameters = payload, tuple(parameters)

@@ -63,4 +63,9 @@ def _speed(table: Table, channels: Channels, rig: Rig) -> Iterator[Finding]:
         follows = abs(correlation) >= LEAST_CORRELATION
         kind = ("wrong_sign" if factor < 0.0 else "wrong_unit") if follows else "mismatch"
         name = "omega_m" if "omega_m" in table.channels else "omega_l"
-        yield Finding(kind, name, f"{doubt}; correct the rig's [columns]", len(c.t), "warning")
+        yield Finding(kind, name, _advised(doubt), len(c.t), "warning")
+
+
+def _advised(doubt: str) -> str:
+    """What is wrong with the logged speed, possibly as a question, and what to do."""
+    return f"{doubt}{' C' if doubt.endswith('?') else '; c'}orrect the rig's [columns] or mu"
