@@ -68,6 +68,13 @@ def test_open_bodies_are_identified(opened: ArmFit) -> None:
     assert np.all(np.linalg.eigvalsh(matrix_of(found.bodies.values)) > 0.0)
 
 
+def test_the_emitted_code_says_what_was_fitted(known: ArmFit, opened: ArmFit) -> None:
+    """Friction alone, or the bodies with it."""
+    said = [arm_fit_document(found)["identified_range"] for found in (known, opened)]
+
+    assert ["friction fitted to log", "friction and bodies fitted to log"] == said
+
+
 def test_without_friction_by_load_nothing_is_claimed() -> None:
     """Coulomb and viscous friction is enough in both joints, and no error is said to fall."""
     found = fitted(plain)

@@ -92,6 +92,7 @@ def _emitted(found: ArmFit) -> dict[str, Any]:
         for name, e in joint.friction.items()
         if joint.unit == "N m"
     }
+    what = "friction" if found.bodies is None else "friction and bodies"
     without = [joint.name for joint in found.joints if joint.unit != "N m"]
     return {
         **({"joints_without_scale": without} if without else {}),
@@ -99,7 +100,7 @@ def _emitted(found: ArmFit) -> dict[str, Any]:
         "chain": identity_of(found.log.rig.chain),
         "parameters": {name: e.value for name, e in estimates.items()},
         "parameter_notes": {name: _note(e) for name, e in estimates.items()},
-        "identified_range": f"friction fitted to {', '.join(found.names)}",
+        "identified_range": f"{what} fitted to {', '.join(found.names)}",
     }
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping, Sequence
 
 import sympy as sp
 
@@ -14,6 +14,8 @@ from eccentric.model.chain.letters import letters_of, moments_from
 
 __all__ = ["with_bodies"]
 
+_NOTHING = 1e-12
+"""Of the largest of its kind on the arm: less is what rounding leaves of a zero."""
 _ROUNDED = 1e-6
 """Negative part of the moments, by their size, that numbers of six digits leave."""
 
@@ -34,9 +36,11 @@ def with_bodies(chain: Chain, values: Mapping[str, float]) -> Chain:
             are those of no mass.
     """
     left = dict(values)
-    bodies = [_body(chain, j, left) for j in range(len(chain.joints))]
+    bodies = _without_rounding([_body(chain, j, left) for j in range(len(chain.joints))])
     if left:
         raise InputError(f"bodies: {next(iter(left))} is of no body of {chain.name}")
+    for j, body in enumerate(bodies):
+        _require_possible(j, body)
     payload = chain.payload
     if payload is not None:
         letters = {q.symbol: q.default for q in chain.parameters}
@@ -44,6 +48,7 @@ def with_bodies(chain: Chain, values: Mapping[str, float]) -> Chain:
         if held.mass.free_symbols | held.first.free_symbols | held.second.free_symbols:
             mass, first, second = (x.xreplace(letters) for x in (held.mass, held.first, held.second))
             bodies[-1] += Moments(-mass, -first, -second)
+            bodies = _without_rounding(bodies)
         else:
             payload = None
     kept = [chain.gravity]
@@ -56,6 +61,28 @@ def with_bodies(chain: Chain, values: Mapping[str, float]) -> Chain:
     return Chain(chain.name, chain.joints, bodies, chain.gravity, payload, parameters)
 
 
+def _without_rounding(bodies: Sequence[Moments]) -> list[Moments]:
+    """The bodies with exact zeros where rounding leaves next to nothing: what they multiply folds away."""
+    sizes = [max((abs(x) for body in bodies for x in kind(body)), default=0) for kind in _KINDS]
+
+    def cleared(body: Moments) -> Moments:
+        mass, first, second = (
+            [0 if abs(x) < _NOTHING * size else x for x in kind(body)]
+            for kind, size in zip(_KINDS, sizes, strict=True)
+        )
+        return Moments(sp.sympify(mass[0]), sp.ImmutableMatrix(first), sp.ImmutableMatrix(3, 3, second))
+
+    return [cleared(body) for body in bodies]
+
+
+_KINDS: tuple[Callable[[Moments], list[sp.Expr]], ...] = (
+    lambda body: [body.mass],
+    lambda body: list(body.first),
+    lambda body: list(body.second),
+)
+"""Mass, first and second moments of a body: compared among themselves."""
+
+
 def _body(chain: Chain, j: int, left: dict[str, float]) -> Moments:
     """Body j; what is read is taken out of `left`."""
     names = [q.name for q in letters_of(j)]
@@ -63,9 +90,7 @@ def _body(chain: Chain, j: int, left: dict[str, float]) -> Moments:
         if name not in left:
             joints = f"the {len(chain.joints)} joints of {chain.name}"
             raise InputError(f"bodies: {name} is required for {joints}")
-    found = moments_from([exact(left.pop(name), name) for name in names])
-    _require_possible(j, found)
-    return found
+    return moments_from([exact(left.pop(name), name) for name in names])
 
 
 def _require_possible(j: int, found: Moments) -> None:
