@@ -10,6 +10,7 @@ import pytest
 import eccentric
 from eccentric import ArmDiagnosisResult, InputError
 from eccentric.cli import main
+from eccentric.emission import executed, render
 from eccentric.model import Chain, load_model
 from tests.arm_logs import Friction, arm_log_of, arm_rig_of, elbow_stribeck, plain, planar_arm
 
@@ -123,6 +124,46 @@ def test_the_folder_has_a_page_for_the_arm_and_for_each_joint(
     assert "stribeck[d=2]" in page
     assert model.name == "planar_joint_2_extended"
     assert {"load_N", "load_T", "load_M"} <= {q.name for q in model.inputs}
+
+
+def test_a_joint_is_called_with_the_loads_of_the_arm(stribeck: ArmDiagnosisResult, tmp_path: Path) -> None:
+    """The comment of an input names the value of bearing_loads, by label and place, as the arm has it."""
+    (tmp_path / "planar.toml").write_text(ARM, encoding="utf-8")
+    paths = eccentric.emit(tmp_path / "planar.toml", tmp_path / "arm", backend="numpy")
+    arm = executed({path.name: path.read_text(encoding="utf-8") for path in paths}, "planar")
+    stribeck.write(tmp_path / "out")
+    header = (tmp_path / "out" / "joint_2" / "planar_joint_2_extended.h").read_text(encoding="utf-8")
+    place = arm.BEARING_LOADS.index("F_N_1")
+
+    assert f"load_N  force across the axis of the joint: F_N_1 of bearing_loads, out[{place}] [N]" in header
+    assert f"    load_N is F_N_1 of bearing_loads, out[{place}]" in stribeck.summary().splitlines()
+
+
+def test_constants_that_nobody_knows_are_not_given(stribeck: ArmDiagnosisResult) -> None:
+    """The log has a torque: friction without back-EMF is a number, and with it NaN."""
+    model = stribeck.joint(2).model
+    module = executed(render(model), model.name)
+
+    assert np.isfinite(module.mechanical_friction_torque(1.0, 3.0))
+    assert np.isnan(module.friction_torque(1.0, 3.0))
+    assert np.isfinite(module.friction_torque(1.0, 3.0, module.Parameters(R=1.0, k_i=0.1, k_e=0.1)))
+
+
+def test_the_page_of_a_joint_repeats_the_diagnosis_of_the_arm(stribeck: ArmDiagnosisResult) -> None:
+    """A joint has no rig and no model of its own that the command would take."""
+    assert "eccentric diagnose table --rig rig --out DIR" == stribeck.joint(2).data.source.command
+
+
+def test_a_diagnosis_is_no_fit(stribeck: ArmDiagnosisResult, tmp_path: Path) -> None:
+    """One line says what to emit instead, of the arm and of a joint."""
+    (tmp_path / "planar.toml").write_text(ARM, encoding="utf-8")
+    for document, instead in (
+        (stribeck.document, "emit the model.py of a joint, joint_NUMBER/model.py beside it"),
+        (stribeck.joint(2).document, "emit the model.py beside it, which has its values"),
+    ):
+        with pytest.raises(InputError, match=f"received a diagnosis: {instead}"):
+            (tmp_path / "diagnosis.json").write_text(json.dumps(document), encoding="utf-8")
+            eccentric.emit(tmp_path / "planar.toml", tmp_path / "out", parameters=tmp_path / "diagnosis.json")
 
 
 def test_a_joint_that_is_not_there_is_refused(stribeck: ArmDiagnosisResult) -> None:

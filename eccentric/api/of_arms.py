@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeAlias
 
@@ -18,6 +18,7 @@ from eccentric.joints import (
     ArmDiagnosis,
     ArmFit,
     JointFit,
+    arm_command,
     arm_diagnosis_document,
     arm_diagnosis_lines,
     arm_fit_document,
@@ -239,7 +240,9 @@ class ArmDiagnosisResult(Printed):
         found = {joint.number: joint.found for joint in self.diagnosis.joints}
         if number not in found:
             raise InputError(f"joint: one of {', '.join(map(str, found))} is required, received {number}")
-        return result_of(found[number], self.own)
+        result = result_of(found[number], self.own)
+        source = replace(result.data.source, command=arm_command(self.diagnosis))
+        return replace(result, data=replace(result.data, source=source))
 
     def __repr__(self) -> str:
         return f"<ArmDiagnosisResult: {self.verdict}, {len(self.diagnosis.joints)} joints>"

@@ -10,7 +10,7 @@ from pathlib import Path
 from eccentric.diagnosis.outcome import Diagnosis
 from eccentric.effects import constant_load
 from eccentric.emission import plain
-from eccentric.fitting import back_emf_columns
+from eccentric.fitting import Drive, back_emf_columns
 from eccentric.model import Model, regressor, with_values
 
 __all__ = ["extended_model", "is_result_name", "result_name", "script"]
@@ -66,6 +66,7 @@ class _Fitted:
 def _fitted(found: Diagnosis) -> _Fitted:
     letters = {q.name for q in found.models.extended.model.parameters}
     values = {k: v for k, v in found.models.extended.values.items() if k in letters and v is not None}
+    values = {k: v for k, v in values.items() if k not in _placeholders(found.data.drive)}
     notes = {
         name: f"fitted: {e.value:.4g}, 95 % interval {e.interval[0]:.4g} to {e.interval[1]:.4g}"
         for name, e in found.models.extended.estimates.items()
@@ -89,6 +90,14 @@ def _fitted(found: Diagnosis) -> _Fitted:
     names = ", ".join(effect.id for effect, _ in found.models.extended.effects)
     done = f"extended by {names}" if names else "fitted"
     return _Fitted(values, notes, f"{found.models.base.title}, {done}")
+
+
+def _placeholders(drive: Drive) -> set[str]:
+    """Constants of the drive of an arm's joint that the fit has a number for and nobody knows."""
+    if drive.along is None:
+        return set()
+    unknown = set(drive.machine.absent) - set(drive.known)
+    return unknown | ({"k_i"} if drive.channels.motor.measured_by == "torque" else set())
 
 
 def _base(found: Diagnosis) -> str:

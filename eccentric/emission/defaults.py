@@ -74,7 +74,18 @@ def document_of(source: Path | Mapping[str, Any]) -> Mapping[str, Any]:
     return content if isinstance(content, Mapping) else {}
 
 
+_DIAGNOSED = {
+    "eccentric-diagnosis/": "emit the model.py beside it, which has its values",
+    "eccentric-arm-diagnosis/": "emit the model.py of a joint, joint_NUMBER/model.py beside it",
+}
+"""Beginning of a format -> what to do instead."""
+
+
 def _fitted(content: Mapping[str, Any], where: str, name: str) -> FittedValues:
+    instead = next((x for kind, x in _DIAGNOSED.items() if str(content.get("format")).startswith(kind)), None)
+    if instead is not None:
+        required = "the fit.json of `eccentric fit` is required"
+        raise InputError(f"{where}: {required}, received a diagnosis: {instead}")
     if unscaled := content.get("joints_without_scale"):
         raise InputError(
             f"{where}: friction in N m is required of every joint, received that of"

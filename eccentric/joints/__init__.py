@@ -25,7 +25,7 @@ from eccentric.joints.diagnosed import ArmDiagnosis, JointDiagnosis, diagnose_ar
 from eccentric.joints.documents import arm_diagnosis_document, arm_fit_document
 from eccentric.joints.fitted import ArmFit, JointFit, fit_arm
 from eccentric.joints.predicting import ForeignRuns, Payload, payload_of, predicted
-from eccentric.joints.words import arm_diagnosis_lines, arm_fit_lines
+from eccentric.joints.words import arm_command, arm_diagnosis_lines, arm_fit_lines
 
 __all__ = [
     "ArmDiagnosis",
@@ -34,6 +34,7 @@ __all__ = [
     "JointDiagnosis",
     "JointFit",
     "Payload",
+    "arm_command",
     "arm_diagnosis_document",
     "arm_diagnosis_lines",
     "arm_fit_document",

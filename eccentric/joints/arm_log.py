@@ -14,7 +14,7 @@ from eccentric.fitting import Drive, FitData, Machine, MetAlong, compiled, fit_d
 from eccentric.joints.base_parameters import BaseParameters, base_of, names_of
 from eccentric.joints.body_motion import BodyModule, JointMotions
 from eccentric.joints.inertial import moments_of
-from eccentric.joints.joint_model import EVERY, FORCE, joint_model, signals_of
+from eccentric.joints.joint_model import EVERY, FORCE, joint_model, signals_of, sources_of
 from eccentric.joints.limits import NEGLIGIBLE, VARIES
 from eccentric.model import Load, Model, letters_of
 from eccentric.rigs import ArmRig
@@ -126,7 +126,8 @@ class ArmLog:
     def joint(self, j: int, loads: Collection[Load], name: str = "") -> tuple[Model, FitData]:
         """Joint j as a log of one drive, and the model whose friction follows these loads."""
         number = self.rig.number(j)
-        model = joint_model(name or f"joint_{number}", f"Joint {number} of {self.rig.chain.name}", loads)
+        title, sources = f"Joint {number} of {self.rig.chain.name}", sources_of(j, self.module.loads)
+        model = joint_model(name or f"joint_{number}", title, loads, sources)
         drive = replace(self.drive(j), machine=Machine(model), along=self.along(j))
         return model, fit_data_of(drive, self.channels[j].rig, model)
 

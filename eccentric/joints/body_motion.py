@@ -82,6 +82,11 @@ class BodyModule:
         self._J_m = np.array([float(joint.J_m) for joint in chain.joints])
 
     @property
+    def loads(self) -> tuple[str, ...]:
+        """Labels of the values of `bearing_loads`."""
+        return self._module.BEARING_LOADS
+
+    @property
     def count(self) -> int:
         """Number of inertial parameters."""
         return len(self._names)

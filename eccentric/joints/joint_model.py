@@ -6,7 +6,8 @@ emitted `bearing_loads` of the arm gives them. So everything that knows one driv
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import replace
 
 import numpy as np
 import sympy as sp
@@ -16,9 +17,12 @@ from eccentric.joints.body_motion import Bodies
 from eccentric.model import Balance, Definition, Load, Model, Quantity, Role, Sgn, Term, quantity
 from eccentric.model import vocabulary as v
 
-__all__ = ["DECLARED", "EVERY", "FORCE", "OF_BENDING", "joint_model", "signals_of"]
+__all__ = ["DECLARED", "EVERY", "FORCE", "OF_BENDING", "joint_model", "signals_of", "sources_of"]
 
 Array = NDArray[np.float64]
+
+R, k_i, k_e = (replace(q, default=None) for q in (v.R, v.k_i, v.k_e))
+"""Without a default: what the rig does not give is not that of the paper's drive."""
 
 T_g = quantity("T_g", "N m", "torque that holds the arm against gravity, motor side", "(5)", letter="T_g")
 T_d = quantity("T_d", "N m", "torque that moves the bodies, gravity aside, motor side", "(3)", letter="T_d")
@@ -51,14 +55,45 @@ _COEFFICIENTS: Mapping[Load, tuple[Quantity, Quantity]] = {
 }
 
 
-def joint_model(name: str, title: str, loads: Collection[Load] = DECLARED) -> Model:
+def sources_of(j: int, labels: Sequence[str]) -> dict[str, str]:
+    """Where the emitted arm has what joint j meets, in words by the names of the model's inputs.
+
+    Args:
+        j: place of the joint, 0 next to the base.
+        labels: of the values of `bearing_loads`.
+    """
+    loads = {N_l: f"F_N_{j}", T_l: f"F_T_{j}", M_l: f"M_B_{j}"}
+    words = {
+        q.name: f"{label} of bearing_loads, out[{labels.index(label)}]"
+        for q, label in loads.items()
+        if label in labels
+    }
+    return words | {
+        T_g.name: f"out[{j}] of gravity_torque",
+        T_d.name: f"mu T_{j} of bearing_loads with the sign of inverse_dynamics - J_m alpha_m, less T_g",
+        T_r.name: f"out[{j}] of inverse_dynamics, less T_g and T_d",
+    }
+
+
+def joint_model(
+    name: str,
+    title: str,
+    loads: Collection[Load] = DECLARED,
+    sources: Mapping[str, str] | None = None,
+) -> Model:
     """The model of a joint whose friction follows some loads, beside Coulomb and viscous friction.
 
     Args:
         name: in code.
         title: one line.
         loads: those that friction of the joint follows.
+        sources: where a caller has an input, in words for its comment.
     """
+    told = {} if sources is None else sources
+    met = [
+        replace(q, meaning=f"{q.meaning}: {told[q.name]}") if q.name in told else q
+        for q in (T_g, T_d, T_r, N_l, T_l, M_l)
+    ]
     mu, w, way = v.mu.symbol, v.omega_m.symbol, Sgn(v.omega_m.symbol)
     size = {
         Load.NORMAL: v.F_N.symbol,
@@ -102,8 +137,8 @@ def joint_model(name: str, title: str, loads: Collection[Load] = DECLARED) -> Mo
     return Model(
         name=name,
         title=title,
-        inputs=(v.theta_m, v.omega_m, v.i, v.u, T_g, T_d, T_r, N_l, T_l, M_l, v.alpha_m),
-        parameters=(v.mu, v.R, v.k_i, v.k_e, *coefficients, v.B_m, v.C_m),
+        inputs=(v.theta_m, v.omega_m, v.i, v.u, *met, v.alpha_m),
+        parameters=(v.mu, R, k_i, k_e, *coefficients, v.B_m, v.C_m),
         definitions=(Definition(v.F_N, N_l.symbol), *gear),
         balances=(mechanical, electrical),
     )

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shlex
 from collections.abc import Sequence
 
 from eccentric.diagnosis import diagnosis_lines
@@ -9,12 +10,12 @@ from eccentric.errors import counted, few
 from eccentric.estimation import Estimate
 from eccentric.fitting import estimate_table
 from eccentric.joints.bodies import IdentifiedBodies
-from eccentric.joints.diagnosed import ArmDiagnosis
+from eccentric.joints.diagnosed import ArmDiagnosis, JointDiagnosis
 from eccentric.joints.fitted import ArmFit, JointFit, gain_of
 from eccentric.joints.misfit import misfit_sentence
 from eccentric.model import Load
 
-__all__ = ["LOADS", "arm_diagnosis_lines", "arm_fit_lines"]
+__all__ = ["LOADS", "arm_command", "arm_diagnosis_lines", "arm_fit_lines"]
 
 LOADS = {
     Load.NORMAL: "F_N",
@@ -87,9 +88,19 @@ def arm_diagnosis_lines(found: ArmDiagnosis) -> list[str]:
         if joint.verdict != "nothing_missing":
             lines += [
                 f"joint {_called(joint.number, joint.name)}:",
-                *(f"  {x}" for x in diagnosis_lines(joint.found)[1:]),
+                *(f"  {x}" for x in _of_joint(joint)),
             ]
     return [*lines, *_bodies(found.bodies), found.sentence]
+
+
+def _of_joint(joint: JointDiagnosis) -> list[str]:
+    """The lines of a joint as for one drive; under its call, where the arm has its inputs."""
+    lines = []
+    for line in diagnosis_lines(joint.found)[1:]:
+        called = line.partition("(")[2].rpartition(")")[0].split(", ") if "&" in line else []
+        given = [q for q in joint.found.models.base.inputs if q.name in called and ": " in q.meaning]
+        lines += [line, *(f"  {q.name} is {q.meaning.partition(': ')[2]}" for q in given)]
+    return lines
 
 
 def _plain(verdict: str) -> str:
@@ -104,6 +115,16 @@ def _estimates(found: ArmFit) -> dict[str, Estimate]:
         own = joint.friction if gain is None else {**joint.friction, "k_i": gain}
         estimates |= {f"{_called(joint.number, joint.name)}  {letter}": e for letter, e in own.items()}
     return estimates
+
+
+def arm_command(found: ArmDiagnosis) -> str:
+    """The shell command that repeats the diagnosis of the arm."""
+    asked = found.joints[0].found.asked
+    words = ["eccentric", "diagnose", *found.names, "--rig", asked.rig]
+    words += [] if asked.effects is None else ["--effects", asked.effects.name]
+    for option, names in (("--without", asked.request.without), ("--only", asked.request.only)):
+        words += [word for name in names for word in (option, name)]
+    return shlex.join([*words, "--out", "DIR"])
 
 
 def _called(number: int, name: str) -> str:
