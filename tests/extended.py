@@ -78,7 +78,8 @@ def setting(case: str, *, warm: bool) -> Setting:
     seen = frozenset(channels)
     middle = WARM if warm else None
     base = load_model(BASE[case])
-    return Setting(base, MU, KNOWN, 0.5, W_MAX, 15.0, END, MEAN, middle, seen, FIRST_FIT[case])
+    shown = {"temperature_mid": middle, "channels": seen, "friction": FIRST_FIT[case]}
+    return Setting(base, MU, KNOWN, 0.5, W_MAX, 15.0, END, MEAN, **shown)
 
 
 @cache
