@@ -75,6 +75,29 @@ def test_eva_has_no_alarm(folders: dict[str, Path], name: str, real: str) -> Non
     assert len(shown(said)["motor_torque"]) == 2 * JOINTS[name]
 
 
+def test_the_driver_says_in_which_precision_it_is_proved(folders: dict[str, Path]) -> None:
+    """Of two joints in both; of six in double, as the slow test finds."""
+    said = {
+        name: (folders[name] / "check" / f"{name}_proof.c").read_text(encoding="utf-8") for name in JOINTS
+    }
+
+    assert "-DECCENTRIC_REAL=float -I.." in said["planar_2r"]
+    assert "and the same with -DECCENTRIC_REAL=double." in said["planar_2r"]
+    assert "-DECCENTRIC_REAL=double -I.." in said["six_joints"]
+    assert "In single precision Eva gives alarms" in said["six_joints"]
+    assert "REAL=float" not in said["six_joints"]
+
+
+def test_comments_name_the_joint(folders: dict[str, Path]) -> None:
+    """Beside its number, which counts from 0; and say what a constant without a default is needed for."""
+    header = (folders["planar_2r"] / "planar_2r.h").read_text(encoding="utf-8")
+    module = (folders["planar_2r"] / "planar_2r.py").read_text(encoding="utf-8")
+
+    assert "double k_i_1; /**< torque constant of motor 1 (elbow)" in header
+    assert "double C_lN_0; /**< Coulomb friction of joint 0 (shoulder) per normal force" in header
+    assert "armature resistance of motor 0 (shoulder) [Ohm], eq. (2), needed for friction_torque" in module
+
+
 @pytest.mark.slow
 def test_eva_has_no_alarm_for_six_joints(folders: dict[str, Path]) -> None:
     """In double precision; in single, intervals over six rotations grow beyond what a float holds."""

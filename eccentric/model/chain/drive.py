@@ -14,6 +14,7 @@ import sympy as sp
 
 from eccentric.model.balance import Balance, Term
 from eccentric.model.chain.exact import is_zero
+from eccentric.model.chain.joint import UNNAMED, Joint
 from eccentric.model.chain.recursion import Recursion
 from eccentric.model.quantity import Quantity, quantity
 from eccentric.model.role import Load, Role
@@ -71,17 +72,18 @@ def drives(found: Recursion) -> tuple[JointDrive, ...]:
 def _drive(found: Recursion, j: int) -> JointDrive:
     joint, inputs = found.chain.joints[j], found.inputs[j]
     velocity, sgn = inputs.omega_m.symbol, Sgn(inputs.omega_m.symbol)
-    current = quantity(f"i_{j}", "A", f"armature current of motor {j}", "(2)")
-    voltage = quantity(f"u_{j}", "V", f"armature voltage of motor {j}", "(2)")
-    R = quantity(f"R_{j}", "Ohm", f"armature resistance of motor {j}", "(2)", "positive")
-    k_i = quantity(f"k_i_{j}", "N m/A", f"torque constant of motor {j}", "(2)", "positive")
-    k_e = quantity(f"k_e_{j}", "V s/rad", f"back-EMF constant of motor {j}", "(2)", "nonnegative")
+    called = _called(joint, j)
+    current = quantity(f"i_{j}", "A", f"armature current of motor {called}", "(2)")
+    voltage = quantity(f"u_{j}", "V", f"armature voltage of motor {called}", "(2)")
+    R = quantity(f"R_{j}", "Ohm", f"armature resistance of motor {called}", "(2)", "positive")
+    k_i = quantity(f"k_i_{j}", "N m/A", f"torque constant of motor {called}", "(2)", "positive")
+    k_e = quantity(f"k_e_{j}", "V s/rad", f"back-EMF constant of motor {called}", "(2)", "nonnegative")
     B_m = quantity(
-        f"B_m_{j}", "N m s/rad", f"viscous friction of motor {j}, and all that follows no load", "(10)",
+        f"B_m_{j}", "N m s/rad", f"viscous friction of motor {called}, and all that follows no load", "(10)",
         "nonnegative", "0",
     )  # fmt: skip
     C_m = quantity(
-        f"C_m_{j}", "N m", f"Coulomb friction of motor {j}, and all that follows no load", "(10)",
+        f"C_m_{j}", "N m", f"Coulomb friction of motor {called}, and all that follows no load", "(10)",
         "nonnegative", "0",
     )  # fmt: skip
     parameters, terms = [R, k_i, k_e, B_m, C_m], []
@@ -89,7 +91,7 @@ def _drive(found: Recursion, j: int) -> JointDrive:
         load = found.bearings[j].loads.get(followed.load, sp.Integer(0))
         if is_zero(load):
             continue
-        B, C = _coefficients(followed, j, turns=joint.turns)
+        B, C = _coefficients(followed, j, called, turns=joint.turns)
         parameters += [B, C]
         # The gear takes mu f_l from the motor; the joint moves with mu omega_m.
         for quantity_of, basis, role in (
@@ -125,10 +127,15 @@ def _drive(found: Recursion, j: int) -> JointDrive:
     return JointDrive(current, voltage, tuple(parameters), mechanical, electrical)
 
 
-def _coefficients(followed: _Followed, j: int, *, turns: bool) -> tuple[Quantity, Quantity]:
+def _called(joint: Joint, j: int) -> str:
+    """Number and name of a joint for comments."""
+    return f"{j}" if joint.name == UNNAMED else f"{j} ({joint.name})"
+
+
+def _coefficients(followed: _Followed, j: int, called: str, *, turns: bool) -> tuple[Quantity, Quantity]:
     coulomb = followed.turning if turns else followed.sliding
     viscous = (_VISCOUS if turns else _VISCOUS_SLIDING)[coulomb]
-    words = f"friction of joint {j} per {followed.meaning}"
+    words = f"friction of joint {called} per {followed.meaning}"
     return (
         quantity(f"B_{followed.letter}_{j}", viscous, f"viscous {words}", "(9)", "nonnegative", "0"),
         quantity(f"C_{followed.letter}_{j}", coulomb, f"Coulomb {words}", "(9)", "nonnegative", "0"),

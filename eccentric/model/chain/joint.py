@@ -11,6 +11,8 @@ from eccentric.errors import InputError, meant
 from eccentric.model.chain.exact import exact, matrix, vector
 
 KINDS = ("revolute", "prismatic")
+UNNAMED = "joint"
+"""Name of a joint that was given none."""
 _UNIT = 1e-6
 """Most that the length of an axis may differ from 1: what six printed digits leave."""
 _RIGHT = 1e-6
@@ -81,7 +83,7 @@ class Joint:
         mu: Any = 1,
         J_m: Any = 0,
         bearing: Any = 0,
-        name: str = "joint",
+        name: str = UNNAMED,
     ) -> None:
         if kind not in KINDS:
             raise InputError(

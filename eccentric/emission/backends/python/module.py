@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 from typing import Any
 
@@ -12,6 +13,8 @@ from eccentric.emission.backends.text import default_text
 from eccentric.emission.program import Program, Routine, polynomial
 from eccentric.model import Quantity
 
+_ARMATURE = re.compile(r"(R|k_i|k_e)(_\d+)?")
+"""What back-EMF depends on, and inertia does not."""
 _POLYNOMIALS = {"sine_ratio": ("sin(h)/h - 1", ""), "cosine": ("cos(h)", " + 1.0")}
 
 
@@ -43,7 +46,8 @@ def module(program: Program, dialect: Dialect) -> dict[str, Any]:
 
 def _parameter(q: Quantity) -> dict[str, Any]:
     symbolic = q.default is not None and q.default.free_symbols
-    note = f", {q.default} if None" if symbolic else ", needed with alpha_m" if q.default is None else ""
+    needed = "for friction_torque" if _ARMATURE.fullmatch(q.name) else "with alpha_m"
+    note = f", {q.default} if None" if symbolic else f", needed {needed}" if q.default is None else ""
     equation = f", eq. {q.equation}" if q.equation else ""
     optional = q.default is None or symbolic
     return {
