@@ -1,6 +1,7 @@
 """What the joints of an arm lack: family and joint, from Python and from the command line."""
 
 import json
+from inspect import signature
 from pathlib import Path
 from typing import Any
 
@@ -147,6 +148,7 @@ def test_constants_that_nobody_knows_are_not_given(stribeck: ArmDiagnosisResult)
     assert np.isfinite(module.mechanical_friction_torque(1.0, 3.0))
     assert np.isnan(module.friction_torque(1.0, 3.0))
     assert np.isfinite(module.friction_torque(1.0, 3.0, module.Parameters(R=1.0, k_i=0.1, k_e=0.1)))
+    assert "alpha_m" not in signature(module.current).parameters
 
 
 def test_the_page_of_a_joint_repeats_the_diagnosis_of_the_arm(stribeck: ArmDiagnosisResult) -> None:
@@ -161,9 +163,10 @@ def test_a_diagnosis_is_no_fit(stribeck: ArmDiagnosisResult, tmp_path: Path) -> 
         (stribeck.document, "emit the model.py of a joint, joint_NUMBER/model.py beside it"),
         (stribeck.joint(2).document, "emit the model.py beside it, which has its values"),
     ):
+        given = tmp_path / "diagnosis.json"
+        given.write_text(json.dumps(document), encoding="utf-8")
         with pytest.raises(InputError, match=f"received a diagnosis: {instead}"):
-            (tmp_path / "diagnosis.json").write_text(json.dumps(document), encoding="utf-8")
-            eccentric.emit(tmp_path / "planar.toml", tmp_path / "out", parameters=tmp_path / "diagnosis.json")
+            eccentric.emit(tmp_path / "planar.toml", tmp_path / "out", parameters=given)
 
 
 def test_a_joint_that_is_not_there_is_refused(stribeck: ArmDiagnosisResult) -> None:

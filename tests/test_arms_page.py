@@ -11,6 +11,7 @@ from pathlib import Path
 
 import pytest
 
+from eccentric.emission import executed
 from tests.compiled import FLAGS
 from tests.test_tutorial import first_difference
 
@@ -73,15 +74,50 @@ def test_the_c_compiles(folder: Path) -> None:
     assert (0, "") == (done.returncode, done.stderr)
 
 
+def test_the_extended_model_is_called_beside_the_arm(folder: Path) -> None:
+    """The C of the page gives what the NumPy modules do: bodies, and friction by the model of each joint."""
+    paths = (f"{BENCH}/firmware", f"{BENCH}/diagnosis/joint_2")
+    q, w, a = [0.7, -1.1], [30.0, -9.0], [40.0, 15.0]
+    main = f"""#include <stdio.h>
+int main(void) {{
+    const double q[2] = {{{q[0]}, {q[1]}}}, w[2] = {{{w[0]}, {w[1]}}}, a[2] = {{{a[0]}, {a[1]}}};
+    double torque[2];
+    feedforward(q, w, a, torque);
+    printf("%.17g %.17g", torque[0], torque[1]);
+    return 0;
+}}
+"""
+    (folder / "feedforward.c").write_text(blocks("c")[1] + main, encoding="utf-8")
+    sources = ["feedforward.c", f"{paths[0]}/bench_2r.c", f"{paths[1]}/bench_2r_joint_2_extended.c"]
+    include = [f"-I{path}" for path in paths]
+    command = ["gcc", *FLAGS, "-Wno-missing-prototypes", *include, *sources, "-o", "feedforward", "-lm"]
+    done = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)
+    assert (0, "") == (done.returncode, done.stderr)
+    said = subprocess.run(["./feedforward"], cwd=folder, capture_output=True, text=True, check=True).stdout
+    arm, joint = (
+        executed(
+            {path.name: path.read_text(encoding="utf-8") for path in (folder / place).glob("*.py")}, name
+        )
+        for place, name in zip(paths, ("bench_2r", "bench_2r_joint_2_extended"), strict=True)
+    )
+    load = dict(zip(arm.BEARING_LOADS, arm.bearing_loads(q, w, a), strict=True))["F_N_1"]
+    friction = [
+        arm.mechanical_friction_torque(q, w, a)[0],
+        joint.mechanical_friction_torque(omega_m=w[1], load_N=load),
+    ]
+
+    assert pytest.approx(arm.inverse_dynamics(q, w, a) + friction, rel=1e-12) == [
+        float(x) for x in said.split()
+    ]
+    assert abs(friction[1]) > 0.01
+
+
 def test_the_rig_is_that_of_the_bench(folder: Path) -> None:
-    """But for its comments, and the constants of its drives."""
+    """But for its comments."""
     shown = tomllib.loads(blocks("toml")[0])
     written = tomllib.loads((folder / BENCH / "log.toml").read_text(encoding="utf-8"))
 
-    assert {key: value for key, value in written.items() if key != "drives"} == {
-        key: value for key, value in shown.items() if key != "drives"
-    }
-    assert shown["drives"].keys() == written["drives"].keys()
+    assert shown == written
 
 
 def test_the_planted_effect_is_found_in_its_joint(folder: Path) -> None:

@@ -3,7 +3,7 @@
 Keys of both; an estimate is {value, std_error, interval_95, unit, bound_active}:
 
     format, rig, arm, logs, rows, low_pass_hz, holdout {rule, intervals_s}, fits_the_rig, warnings
-    bodies   known: what the rig declares; base_parameters: estimates, each with its sum in words; possible:
+    bodies   known: what the rig declares; base_parameters: estimates, each under its sum in words; possible:
              whether real bodies can have them, misfit_in_std_errors, and their inertial parameters
     joints   one entry each: number, name, drive, gain, unit, and
 
@@ -134,8 +134,7 @@ def _bodies(log: ArmLog, found: IdentifiedBodies | None) -> dict[str, Any]:
     return {
         "known": sorted(log.rig.known),
         "base_parameters": {
-            name: {**_estimate(e), "sum": words}
-            for (name, e), words in zip(found.estimates.items(), found.sums, strict=True)
+            words: _estimate(e) for e, words in zip(found.estimates.values(), found.sums, strict=True)
         },
         "possible": found.bodies.explain,
         "misfit_in_std_errors": found.bodies.misfit,

@@ -190,7 +190,7 @@ def _inertial_regressor(of_bodies: Inertial) -> ArmFunction:
     return ArmFunction(
         INERTIAL,
         "N m per unit parameter",
-        "torque of every motor per inertial parameter, a row for each motor; without rotors that are known",
+        "torque of every motor per inertial parameter, a row for each motor; rotors of a given inertia aside",
         tuple(
             (f"tau_m_{j}_by_{name}", slope)
             for j, row in enumerate(of_bodies.slopes)

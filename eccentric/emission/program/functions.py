@@ -98,7 +98,8 @@ def functions(model: Model) -> tuple[Function, ...]:
     columns = regressor(model)
     coefficients = tuple((column.name, column.coefficient) for column in columns)
     parameters = symbols(*model.friction_parameters)
-    inertia = tuple(q.name for q in model.parameters if q.default is None)
+    inertial = model.inertia.free_symbols
+    inertia = tuple(q.name for q in model.parameters if q.default is None and q.symbol in inertial)
     dependence = tuple(x for x in _inputs(model, resultant) if x.name in {"theta_m", "omega_m", "alpha_m"})
     sides = (("pos", 1), ("neg", -1)) if friction.has(Forward) else (("", 1),)
     standstill = tuple((side, sign * one_sided.standstill(model, friction, sign)) for side, sign in sides)
