@@ -104,7 +104,8 @@ def test_the_live_model_can_be_called_and_compiled(
 
 def test_the_live_model_can_be_derived_further(result: DiagnosisResult) -> None:
     """Another effect of the library extends it, and its torque is added to the rest."""
-    setting = Setting(result.model, 0.2, {}, 1.0, 60.0, 15.0, 60.0, 70.0, 25.0, frozenset())
+    logged = {"temperature_mid": 25.0, "channels": frozenset[str]()}
+    setting = Setting(result.model, 0.2, {}, 1.0, 60.0, 15.0, 60.0, 70.0, **logged)
     drag = next(effect for effect in library(setting) if effect.family == "quadratic_drag")
     (letter,) = (q.name for q in drag.parameters)
     further = drag.extend(result.model, {letter: 1e-4})

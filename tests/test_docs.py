@@ -172,8 +172,8 @@ def test_formulas_stand_whole_in_their_tables(site: Path) -> None:
     """The table of families holds every letter and sign of each formula: a bar in it is no border."""
     page = (site / "effects" / "index.html").read_text(encoding="utf-8")
     rows = [unescape(re.sub(r"<[^>]+>|\s", "", row)) for row in re.findall(r"<tr.*?</tr>", page, re.DOTALL)]
-    channels = frozenset({"current", "voltage", "temperature"})
-    setting = Setting(load_model("c2_parallel"), 0.2, {}, 1.0, 60.0, 15.0, 60.0, 70.0, 25.0, channels)
+    logged = {"temperature_mid": 25.0, "channels": frozenset({"current", "voltage", "temperature"})}
+    setting = Setting(load_model("c2_parallel"), 0.2, {}, 1.0, 60.0, 15.0, 60.0, 70.0, **logged)
     firsts = {effect.family: effect.formula for effect in reversed(library(setting))}
     assert len(firsts) > 30
     for family, formula in firsts.items():

@@ -39,9 +39,9 @@ def effects() -> list[Effect]:
                 10.0,
                 60.0,
                 5.0,
-                warm,
-                channels,
-                FRICTION,
+                temperature_mid=warm,
+                channels=channels,
+                friction=FRICTION,
             )
             found |= {e.id: e for e in library(setting) if not e.evidence.repeats or "[n=2]" in e.id}
     return list(found.values())

@@ -27,7 +27,8 @@ def setting(case: str, *, warm: bool) -> Setting:
     channels = frozenset(("current", "voltage", "temperature") if warm else ("current", "voltage"))
     middle = WARM if warm else None
     base = load_model(BASE[case])
-    return Setting(base, KNOWN["mu"], KNOWN, 1.0, SPEED, CURRENT, SECONDS, LOSS, middle, channels, FRICTION)
+    logged = {"temperature_mid": middle, "channels": channels, "friction": FRICTION}
+    return Setting(base, KNOWN["mu"], KNOWN, 1.0, SPEED, CURRENT, SECONDS, LOSS, **logged)
 
 
 @cache
