@@ -24,6 +24,7 @@ def complaint(path: Path, content: str | bytes) -> str:
     said = str(caught.value)
     assert "\n" not in said
     assert said.startswith(f"{path}: ")
+    assert 1 == said.count(f"{path}: ")
     return said.removeprefix(f"{path}: ")
 
 

@@ -12,7 +12,8 @@ __all__ = ["arm_view"]
 
 NOTE = (
     "Errors are RMS values on the held-out part. Each joint is the log of one drive, with what it meets from"
-    " the others as inputs; its own page has what it lacks."
+    " the others as inputs; its own page has what it lacks. The header of its emitted model says which values"
+    " of the emitted arm's bearing_loads are its inputs."
 )
 
 
