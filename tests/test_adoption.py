@@ -221,19 +221,6 @@ def test_a_special_case_wins_a_tie(behind: float, expected: str) -> None:
     assert chances(found)[expected] == pytest.approx(1 / (1 + odds), rel=1e-6)
 
 
-@pytest.mark.parametrize(
-    ("behind", "tolerance", "expected"), [(1.5, 1.6, "value"), (2.5, 1.6, "a"), (1.5, 1.4, "a")]
-)
-def test_a_declared_value_within_twice_its_tolerance_wins_a_tie(
-    behind: float, tolerance: float, expected: str
-) -> None:
-    """It takes the place of an effect where it is less than `EXPECTED` behind, and off by 3 at most."""
-    assert limits.EXPECTED == 2.0
-    value = near("value", behind, tolerance=tolerance)
-
-    assert [expected] == adopted(search({2: 3.0}, A, value))
-
-
 def test_a_special_case_has_its_odds_only_beside_its_family() -> None:
     """Without the general family as a candidate, a special case has only its own score."""
     special = replace(near("special", 1.5), evidence=candidate("s", special_of=("other",)).evidence)

@@ -142,6 +142,19 @@ def test_which_declared_value_is_off_may_stay_open_beside_a_name(first: float, e
     assert ("inertia", "mass") == corrected.alike
 
 
+@pytest.mark.parametrize(("first", "expected"), [(0.0, "not_identifiable"), (4.0, "named")])
+def test_whether_a_declared_value_is_off_may_stay_open_beside_a_name(first: float, expected: str) -> None:
+    """A correction that is tied with an effect takes no name from another effect that is clear."""
+    inertia = replace(candidate("inertia", {2: 1.0}), tolerance=1e-9)
+    found = verdict({2: 3.0, 3: first}, B, inertia, rival("gear", 0.7))
+    corrected = found.adopted_as("inertia")
+
+    assert expected == found.verdict
+    assert (() if first else ("inertia", "gear")) == found.tied
+    assert corrected is not None
+    assert ("inertia", "gear") == corrected.alike
+
+
 @pytest.mark.parametrize(
     ("part", "runs", "expected"),
     [

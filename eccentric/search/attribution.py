@@ -206,8 +206,7 @@ class Search:
     def _compare(self, changes: int = limits.CHANGES) -> None:
         """Probabilities of the families in the place of each adopted variant, the others kept.
 
-        A special case that explains the log as well as the family that contains it takes the place, and so
-        does a declared value that is off as can be expected.
+        A special case that explains the log as well as the family that contains it takes the place.
         """
         effective = self._effective(self.best, self.screen)
         self.alternatives = []
@@ -222,7 +221,6 @@ class Search:
                 family: -0.5 * effective * float(np.log(fitted.score))
                 - 0.5 * len(own.values)
                 + limits.SPECIAL * any(general in rivals for general in own.candidate.evidence.special_of)
-                + limits.EXPECTED * (own in self.screen.expected(fitted))
                 for family, (own, fitted) in rivals.items()
             }
             first = max(log, key=lambda family: log[family])

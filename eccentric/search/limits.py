@@ -19,7 +19,6 @@ __all__ = [
     "CONFIRMED_PART",
     "DRAWS",
     "EVALUATIONS",
-    "EXPECTED",
     "EXTRAPOLATED",
     "FIRST_EVALUATIONS",
     "FIRST_STEP",
@@ -76,7 +75,6 @@ __all__ = [
     "UNEXPLAINED",
     "UNEXPLAINED_OVER_RUNS",
     "VARIANTS",
-    "WITHIN",
     "WRONG",
 ]
 
@@ -134,11 +132,6 @@ SURE = 0.8
 a third family tied with both reduces it to less."""
 SPECIAL = 2.0
 """Log-odds of a special case over the family that contains it: it explains as much with fewer parameters."""
-EXPECTED = 2.0
-"""Log-odds of a declared value that is off by no more than can be expected, against models that take it for
-right: on every rig one or the other value of a data sheet is off."""
-WITHIN = 2.0
-"""Tolerances that a declared value may be off: one is about a standard deviation."""
 POSSIBLE = 0.05
 """Least probability of a family that counts as explaining the log equally well."""
 FORMS_OF_A_PATCH = 3

@@ -20,7 +20,6 @@ from eccentric.search.limits import (
     MOST_KEPT,
     NOTHING,
     TOGETHER,
-    WITHIN,
 )
 from eccentric.search.refinement import refined
 from eccentric.signals import BalanceDesign
@@ -168,14 +167,6 @@ class Screen:
         widths = [self.columns(variant).shape[1] for variant in fitted.variants]
         ends = self.balance.columns.shape[1] + np.cumsum(widths)
         return [fitted.coefficients[end - width : end] for end, width in zip(ends, widths, strict=True)]
-
-    def expected(self, fitted: Fitted) -> list[Variant]:
-        """The variants that correct a declared value by no more than `WITHIN` of its tolerances."""
-        return [
-            variant
-            for variant, own in zip(fitted.variants, self.own(fitted), strict=True)
-            if variant.candidate.tolerance and abs(own[0]) <= WITHIN * variant.candidate.tolerance
-        ]
 
     def first_look(self, variants: Sequence[Variant]) -> list[tuple[float, int]]:
         """(in-sample loss of the bounded fit, number) of every candidate's best grid point beside `variants`.

@@ -117,7 +117,7 @@ def stability_of(screen: Screen, models: Sequence[Fitted]) -> Stability:
     given = free, first.score / effective, effective, _draws(count)
     found = [_evidence(screen, fitted, *given) for fitted in models]
     log = np.stack([evidence for evidence, _ in found], axis=1)
-    log += np.array([_bonus(screen, fitted, models, len(adopted)) for fitted in models])
+    log += np.array([_bonus(fitted, models, len(adopted)) for fitted in models])
     weight = np.exp(log - log.max(axis=1, keepdims=True))
     weight /= weight.sum(axis=1, keepdims=True)
     # Model, then variant.
@@ -144,22 +144,19 @@ def _open(screen: Screen, candidate: Candidate) -> bool:
     return bool(np.linalg.norm(left) < limits.TINY_COLUMN * np.linalg.norm(column))
 
 
-def _bonus(screen: Screen, fitted: Fitted, models: Sequence[Fitted], adopted: int) -> float:
+def _bonus(fitted: Fitted, models: Sequence[Fitted], adopted: int) -> float:
     """Log-odds of a model before its fit counts.
 
-    Special cases of what another model has, and declared values that are off as can be expected, speak for
-    it; shapes and effects against it. An effect more than were adopted has to gain what adoption requires,
-    and a declared value among them is no exception.
+    Special cases of what another model has speak for it, shapes and effects against it. An effect more than
+    were adopted has to gain what adoption requires.
     """
     every = frozenset().union(*(_families(model) for model in models))
     own = [variant.candidate.evidence.special_of for variant in fitted.variants]
     special = sum(bool(every & set(general)) for general in own)
     shapes = sum(len(variant.values) for variant in fitted.variants)
     further = max(len(own) - adopted, 0)
-    expected = 0 if further else len(screen.expected(fitted))
     cost = limits.CONFIRMED * (len(own) - further) + limits.LEAST_DEVIANCE * further
-    simple = limits.SPECIAL * special + limits.EXPECTED * expected
-    return limits.IN_A_DRAW * simple - 0.5 * (shapes + cost)
+    return limits.IN_A_DRAW * limits.SPECIAL * special - 0.5 * (shapes + cost)
 
 
 def _draws(count: int) -> Array:

@@ -188,11 +188,15 @@ def _adopted(searches: dict[str, Search]) -> tuple[list[Adopted], list[Ranked], 
                 () if clear else _alike(chances),
             )
             found.append((one, entry))
-    ties = [one.alike for one, _ in found if one.alike]
+    ties = [(entry.family, one.alike) for one, entry in found if one.alike]
     found.sort(key=lambda pair: -pair[0].share)
-    if any(entry.family not in declared for _, entry in found):
-        ties = [tie for tie in ties if not declared.issuperset(tie)]
-    tied = dict.fromkeys(family for tie in ties for family in tie)
+    # Which declared value is off, or whether one is, takes no name from an effect that is clear.
+    effects = [one for one, entry in found if entry.family not in declared]
+    if any(not one.alike for one in effects):
+        ties = [(family, tie) for family, tie in ties if family not in declared]
+    elif effects:
+        ties = [(family, tie) for family, tie in ties if not declared.issuperset(tie)]
+    tied = dict.fromkeys(other for _, tie in ties for other in tie)
     return [one for one, _ in found], [entry for _, entry in found], list(tied)
 
 

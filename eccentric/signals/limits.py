@@ -100,7 +100,7 @@ NEAR_CAUSE = 0.03
 MEANS = (2, 4, 8)
 """Numbers of samples whose means show whether the noise is white: eight are some 30 ms of most logs, and in
 longer ones the motion itself would count."""
-LEAST_DIFFERENCES = 1300
+LEAST_OF_MEANS = 1300
 """Fewest fourth differences of means: they give the noise to some 4.5 %."""
 CLEARLY_LESS = 0.85
 """Noise whose means have less than this part of what they should have is not white: three standard errors."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from eccentric.signals.limits import CLEARLY_LESS, LEAST_DIFFERENCES, MEANS
+from eccentric.signals.limits import CLEARLY_LESS, LEAST_OF_MEANS, MEANS
 
 __all__ = ["white_noise"]
 
@@ -25,7 +25,7 @@ def white_noise(signal: Array, segment: NDArray[np.int64] | None = None) -> floa
     found = _of(_differences(signal, parts))
     for length in MEANS:
         left = _differences(*_means(signal, parts, length))
-        if len(left) < LEAST_DIFFERENCES:
+        if len(left) < LEAST_OF_MEANS:
             break
         size = _of(left) * float(np.sqrt(length))
         if size < CLEARLY_LESS * found:
