@@ -142,6 +142,17 @@ def test_which_declared_value_is_off_may_stay_open_beside_a_name(first: float, e
     assert ("inertia", "mass") == corrected.alike
 
 
+@pytest.mark.parametrize(("variable", "expected"), [("time", "not_identifiable"), ("velocity", "named")])
+def test_two_drifts_are_the_course_of_one(variable: str, expected: str) -> None:
+    """Which of them it is stays open; two effects of another variable are two."""
+    first, second = (replace(c, evidence=Evidence((variable,))) for c in (A, B))
+    found = verdict({2: 3.0, 3: 4.0}, first, second)
+
+    assert expected == found.verdict
+    assert {"a", "b"} == {one.variant.candidate.family for one in found.adopted}
+    assert ({"a", "b"} if variable == "time" else set()) == set(found.tied)
+
+
 @pytest.mark.parametrize(("first", "expected"), [(0.0, "not_identifiable"), (4.0, "named")])
 def test_whether_a_declared_value_is_off_may_stay_open_beside_a_name(first: float, expected: str) -> None:
     """A correction that is tied with an effect takes no name from another effect that is clear."""

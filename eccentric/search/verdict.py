@@ -189,6 +189,15 @@ def _adopted(searches: dict[str, Search]) -> tuple[list[Adopted], list[Ranked], 
             )
             found.append((one, entry))
     ties = [(entry.family, one.alike) for one, entry in found if one.alike]
+    # Several drifts in one balance make up the course of one that none of them has.
+    for name in searches:
+        drifts = dict.fromkeys(e.family for one, e in found if one.balance == name and _drifts(one))
+        if len(drifts) > 1:
+            ties.append((next(iter(drifts)), tuple(drifts)))
+            found = [
+                (replace(one, alike=tuple(drifts)) if entry.family in drifts else one, entry)
+                for one, entry in found
+            ]
     found.sort(key=lambda pair: -pair[0].share)
     # Which declared value is off, or whether one is, takes no name from an effect that is clear.
     effects = [one for one, entry in found if entry.family not in declared]
@@ -198,6 +207,11 @@ def _adopted(searches: dict[str, Search]) -> tuple[list[Adopted], list[Ranked], 
         ties = [(family, tie) for family, tie in ties if not declared.issuperset(tie)]
     tied = dict.fromkeys(other for _, tie in ties for other in tie)
     return [one for one, _ in found], [entry for _, entry in found], list(tied)
+
+
+def _drifts(one: Adopted) -> bool:
+    """Whether an effect is a course over the time of the log."""
+    return one.variant.candidate.variable == "time"
 
 
 def _ranked(candidate: Candidate, balance: str, search: Search, fitted: Fitted, probability: float) -> Ranked:
