@@ -121,13 +121,18 @@ def test_what_the_held_out_part_does_not_confirm_is_no_fact(known: ArmFit) -> No
     assert "Friction follows the load in joint 1 (F_N" in arm_fit_lines(known)[-1]
 
 
-def test_a_current_without_gain_is_told() -> None:
-    """With open bodies in amperes; with declared ones the gain is identified."""
+def in_amperes() -> tuple[dict[str, Any], dict[str, Any]]:
+    """The log of friction by the load, with currents for torques, and its rig without k_i."""
     log = arm_log_of(by_load)
     for j, k_i in enumerate((0.08, 0.05)):
         log[f"i_A_{j + 1}"] = log.pop(f"tau_Nm_{j + 1}") * MU[j] / k_i
     columns = {"time": "t_s", "run": "run", "theta_l": "q_rad_{j}", "current": "i_A_{j}"}
-    rig = arm_rig_of(planar_arm()) | {"drive": "current", "columns": columns}
+    return log, arm_rig_of(planar_arm()) | {"drive": "current", "columns": columns}
+
+
+def test_a_current_without_gain_is_told() -> None:
+    """With open bodies in amperes; with declared ones the gain is identified."""
+    log, rig = in_amperes()
     opened = fit_arm([log], read_arm_rig(rig | {"joints": {"inertial": "open"}}), ["log"])
     known = fit_arm([log], read_arm_rig(rig), ["log"])
     said = [arm_fit_document(found)["joints"][0] for found in (opened, known)]
@@ -144,11 +149,7 @@ def test_a_current_without_gain_is_told() -> None:
 
 def test_the_summary_has_coefficients_and_gains() -> None:
     """Each with unit and interval, per joint: what was planted, 20 mm in the shoulder and its k_i."""
-    log = arm_log_of(by_load)
-    for j, k_i in enumerate((0.08, 0.05)):
-        log[f"i_A_{j + 1}"] = log.pop(f"tau_Nm_{j + 1}") * MU[j] / k_i
-    columns = {"time": "t_s", "run": "run", "theta_l": "q_rad_{j}", "current": "i_A_{j}"}
-    rig = arm_rig_of(planar_arm()) | {"drive": "current", "columns": columns}
+    log, rig = in_amperes()
     lines = arm_fit_lines(fit_arm([log], read_arm_rig(rig), ["log"]))
     rows = {tuple(line.split()[:3]): line.split()[3:] for line in lines}
 

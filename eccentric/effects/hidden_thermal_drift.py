@@ -47,14 +47,14 @@ def effects(setting: Setting) -> tuple[Effect, ...]:
     depends_on = ("time", "history")
     warm = rise, definitions, state
     scaling = [
-        _scaling(setting, "", "friction", CONTACT, "losses", warm),
-        _scaling(setting, "viscous", "viscous friction", {Role.VISCOUS}, "losses", warm),
+        _scaling(constant_of_time, "", "friction", CONTACT, "losses", warm),
+        _scaling(constant_of_time, "viscous", "viscous friction", {Role.VISCOUS}, "losses", warm),
     ]
     if (windings := copper(setting)) is not None:
         power, resistance = windings
         rise_i, by_current, state_i = heating("heat", setting, power, tau.symbol)
         warm = rise_i, (resistance, *by_current), state_i
-        scaling.append(_scaling(setting, "windings", "friction", CONTACT, "R i^2", warm))
+        scaling.append(_scaling(constant_of_time, "windings", "friction", CONTACT, "R i^2", warm))
     bearing = addition(
         "hidden_thermal_drift",
         [(B, omega_m * (sp.exp(-fall.symbol * rise) - 1))],
@@ -85,7 +85,7 @@ def effects(setting: Setting) -> tuple[Effect, ...]:
 
 
 def _scaling(
-    setting: Setting,
+    constant_of_time: Shape,
     variant: str,
     which: str,
     roles: Collection[Role],
@@ -106,6 +106,6 @@ def _scaling(
             scales=dict.fromkeys(roles, factor.symbol),
         ),
         evidence=Evidence(("time", "history")),
-        shapes=(Shape(tau, *thermal_times(setting), "log", 8), Shape(fall, 0.03, 1.5, "log", 3)),
+        shapes=(constant_of_time, Shape(fall, 0.03, 1.5, "log", 3)),
         words=replace(WORDS, headline=f"{which} that falls as the drive warms up"),
     )
