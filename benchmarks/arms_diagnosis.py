@@ -24,7 +24,7 @@ from benchmarks.record import Measured, Part, progress, table
 from eccentric import diagnose_arm
 from eccentric.virtual_bench import ARM_EFFECTS, random_arm_scenario, simulate_arm, write_arm
 
-FIRST_SEED = 190000
+FIRST_SEED = 200000
 """Seeds below this one were used while the method was developed, so they can no longer judge it."""
 ARMS = ("2r", "3", "6")
 NOISE = (0.004, 0.008, 0.012)
