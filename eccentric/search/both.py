@@ -37,8 +37,8 @@ def search_all(
 ) -> dict[str, Search]:
     """Run the search on every balance, by name; arguments as in `verdict.attribute`."""
 
-    def searched(balance: BalanceDesign, but: str = "") -> Search:
-        own = [c for c in candidates if c.balance == balance.name and c.family != but]
+    def searched(balance: BalanceDesign, but: str = "", also: Sequence[Candidate] = ()) -> Search:
+        own = [c for c in [*candidates, *also] if c.balance == balance.name and c.family != but]
         progress(f"{balance.name} balance: {len(own)} candidates on {len(balance.target)} windows")
         screen = Screen(balance, own, noise.get(balance.name, 0.0))
         smooth = Screen(balance, smooth_terms(variables, balance.name, balance.rows.used_samples()))
@@ -56,7 +56,7 @@ def search_all(
     electrical = searched(circuit)
     misread = _misread(electrical.screen, electrical.best, mechanical, candidates)
     if misread is None:
-        found = searched(_corrected(mechanical, electrical))
+        found = searched(_corrected(mechanical, electrical), also=_of_the_flux(electrical))
         misread = _in_the_circuit(found, circuit)
         if misread is None:
             return {"electrical": electrical, "mechanical": found}
@@ -65,14 +65,32 @@ def search_all(
     screen = electrical.screen
     others = [v for v in electrical.best.variants if not _spans(misread.columns, screen.columns(v))]
     if electrical.deviance(clean.screen.fit(others), screen.fit(others)) < CONFIRMED:
-        found = searched(_corrected(mechanical, clean))
+        found = searched(_corrected(mechanical, clean), also=_of_the_flux(clean))
         if _in_the_circuit(found, circuit) is not None:
             return {"electrical": clean, "mechanical": found}
     # The voltage does not have what such an angle would add.
-    return {
-        "electrical": electrical,
-        "mechanical": searched(_corrected(mechanical, electrical), but=misread.family),
-    }
+    found = searched(_corrected(mechanical, electrical), misread.family, _of_the_flux(electrical))
+    return {"electrical": electrical, "mechanical": found}
+
+
+def _of_the_flux(electrical: Search) -> list[Candidate]:
+    """Effects on the flux as torques, for the mechanical search.
+
+    Those that the electrical balance shows too faintly to adopt: what is small beside the armature's voltage
+    may be most of what the mechanical balance lacks. And those adopted there, with their shapes: beside
+    other effects the torque determines their coefficients better than the first estimate from both did.
+    """
+    adopted = [variant for variant in electrical.best.variants if variant.candidate.joint]
+    families = {variant.candidate.family for variant in electrical.best.variants}
+    faint = [
+        fitted.last.in_the("mechanical")
+        for fitted in electrical.ranked
+        if fitted.last.joint
+        and fitted.last.also is not None
+        and fitted.last.family not in families
+        and electrical.deviance(electrical.base, fitted) > CONFIRMED
+    ]
+    return [*(v.candidate.in_the("mechanical", v.values) for v in adopted if v.candidate.also), *faint]
 
 
 @dataclass(frozen=True)

@@ -55,6 +55,7 @@ class Candidate:
     roles: of the friction in each column, which such an effect goes by; empty where there is none.
     also: values of the shapes -> what an effect of one balance adds to the target of the other
         (samples, k), for the same coefficients.
+    also_instrument: the same on signals whose noise is not the target's, None where there are none.
     joint: whether both balances measure it: the flux of the motor shows in torque and voltage.
     instrument: the same columns on signals whose noise is not the target's, None where there are none.
     tolerance: of a declared value that it corrects, in units of its coefficient; 0 if it corrects none.
@@ -78,6 +79,32 @@ class Candidate:
     tolerance: float = 0.0
     ridge: float = 0.0
     words: Words = field(default_factory=Words)
+    also_instrument: Callable[[Values], Array] | None = None
+
+    def in_the(self, balance: str, values: Values | None = None) -> Candidate:
+        """The same effect as the other balance shows it, with its shapes free, or held at some values.
+
+        Raises ValueError if it shows nothing there.
+        """
+        if self.also is None:
+            raise ValueError(f"effect {self.id} adds nothing to the {balance} balance")
+        shown = replace(
+            self,
+            balance=balance,
+            columns=self.also,
+            instrument=self.also_instrument,
+            also=None,
+            also_instrument=None,
+        )
+        if values is None:
+            return shown
+        here, there, held = shown.columns, shown.instrument, dict(values)
+        return replace(
+            shown,
+            shapes=(),
+            columns=lambda _: here(held),
+            instrument=None if there is None else lambda _: there(held),
+        )
 
     @property
     def variable(self) -> str:

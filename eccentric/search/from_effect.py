@@ -89,6 +89,12 @@ def candidate_of(
         own_current = None if current is None else slow.values["i"]
         return candidate_of(effect, model, slow, friction, balance, own_current)
 
+    def also_instrument(values: Values) -> Array:
+        shows = twin().also
+        if shows is None:
+            raise ValueError(f"effect {effect.id} adds nothing to the other balance")
+        return shows(values)
+
     # With a voltage alone both balances are one.
     shown = tuple(own) if balance == "mechanical" else (effect.balance,)
     other = (
@@ -105,6 +111,7 @@ def candidate_of(
         words=effect.words,
         instrument=None if instruments is None else lambda values: twin().columns(values),
         also=columns_of(other) if other in own else None,
+        also_instrument=also_instrument if other in own and instruments is not None else None,
         joint=flux,
         changes=changes,
         scales=_scales(effect, model, extended, signals, names, states),

@@ -13,6 +13,7 @@ __all__ = [
     "BELOW_NOISE",
     "BEYOND_NOISE",
     "CHANGES",
+    "CLEARLY",
     "CLEARS",
     "CLOSE",
     "CONFIRMED",
@@ -27,6 +28,7 @@ __all__ = [
     "IN_A_DRAW",
     "IN_PLACE",
     "KNOTS",
+    "KEPT_BY_INSTRUMENTS",
     "LAGS",
     "LAGS_S",
     "LEADERS",
@@ -106,6 +108,11 @@ BELOW_NOISE = 0.8
 """Fraction of the sensors' noise floor below which a fit must have noise on both sides of its equation (the
 measured current as its own regressor): the floor is known to some 10 %, so no valid fit is a fifth below
 it."""
+KEPT_BY_INSTRUMENTS = 0.5
+"""Part of a candidate's torque that instruments must find: all of it where its columns are free of the
+target's noise, none where that noise is what was fitted."""
+CLEARLY = 3.0
+"""Standard errors by which they must find it."""
 MOST_EFFECTS = 3
 """Most effects adopted per balance: no log of a minute has shown more."""
 

@@ -8,8 +8,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from eccentric.model import Role
-from eccentric.search.candidate import Candidate, Variant, bounds_of, grid
+from eccentric.search.candidate import Candidate, Variant, bounds_of, grid, instrument_of
 from eccentric.search.crossval import Gram, bounded_solve, cross_validate, fold_of_block
+from eccentric.search.exogeneity import exogenous
 from eccentric.search.limits import (
     BELOW_NOISE,
     EVALUATIONS,
@@ -211,9 +212,22 @@ class Screen:
             # A smooth term would bend the effects beside it to itself.
             few = [f if f.last.ridge else self.refine(f) for f in head[:TOGETHER]]
             head = [*few, *head[TOGETHER:]]
-        least = BELOW_NOISE * self.floor
-        honest = [f for f in [*head, *fitted[leaders:]] if f.loss.sum() > least and self.itself(f)]
+        honest = [f for f in [*head, *fitted[leaders:]] if self.itself(f) and self._of_the_drive(f)]
         return sorted(honest, key=lambda f: f.score)
+
+    def _of_the_drive(self, fitted: Fitted) -> bool:
+        """Whether what the last variant explains is not the noise of its own signals.
+
+        A fit far below the sensors' noise must have that noise on both sides, or be free of it for certain.
+        """
+        if fitted.loss.sum() > BELOW_NOISE * self.floor:
+            return True
+        variant, twin = fitted.variants[-1], instrument_of(fitted.variants[-1])
+        if twin is None or variant.candidate.changes is not None:
+            return False
+        target, design, _ = self.design(fitted.variants)
+        own, base = np.split(design, [design.shape[1] - self.columns(variant).shape[1]], axis=1)[::-1]
+        return exogenous(target, base, own, self.columns(twin))
 
     def itself(self, fitted: Fitted) -> bool:
         """Whether the last variant keeps the term that names its effect: its first coefficient is not 0.

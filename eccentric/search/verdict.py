@@ -161,6 +161,7 @@ def _adopted(searches: dict[str, Search]) -> tuple[list[Adopted], list[Ranked], 
     """Adopted variants of all balances by share, their entries in the list, and families tied with them."""
     found: list[tuple[Adopted, Ranked]] = []
     declared = {c.family for search in searches.values() for c in search.screen.candidates if c.tolerance}
+    seen: set[str] = set()
     for name, search in searches.items():
         screen, best = search.screen, search.best
         for place, (variant, own) in enumerate(zip(best.variants, screen.own(best), strict=True)):
@@ -169,6 +170,9 @@ def _adopted(searches: dict[str, Search]) -> tuple[list[Adopted], list[Ranked], 
             options = search.alternatives[place]
             candidate = variant.candidate
             family, stability = candidate.family, search.stability
+            if candidate.id in seen:  # the mechanical balance only corrects what the electrical one found
+                continue
+            seen.add(candidate.id)
             # A family beside it, found once more in its place, is no alternative to it.
             beside = {v.candidate.family for v in best.variants} - {family}
             open_to = {other: chance for other, (chance, _) in options.items() if other not in beside}
