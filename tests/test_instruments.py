@@ -16,7 +16,7 @@ from eccentric.search import instruments_of, limits
 from eccentric.search.candidate import Candidate
 from eccentric.signals import read_channels
 from eccentric.virtual_bench import simulate
-from tests.searched import N, adopted, candidate, mixed, search
+from tests.searched import N, NOISE, adopted, candidate, mixed, search
 from tests.virtual import drawn_scenario
 
 OWN, OTHER = 2, 5
@@ -55,13 +55,42 @@ def test_the_instrument_must_gain_more_than_chance() -> None:
         assert expected == adopted(search({OWN: amplitude}, seen_through(share)))
 
 
-def test_the_instrument_must_gain_a_part_of_the_squares() -> None:
-    """However little of the residual is left, and however far beyond chance both gains are."""
-    for above, expected in ((0.97, []), (1.03, ["a"])):
-        share = above * limits.CONFIRMED_PART
+def with_the_noise_of_the_target(share: float) -> Candidate:
+    """A candidate whose column holds this much of the target's noise; its instrument holds none."""
+    noisy = replace(candidate("a", {OWN: 1.0, NOISE: share}))
+    return replace(noisy, instrument=lambda _: mixed({OWN: 1.0})[:, None])
 
-        assert gained(5.0, share) > 10.0 * limits.CONFIRMED
-        assert expected == adopted(search({OWN: 5.0}, seen_through(share)))
+
+def test_what_least_squares_finds_in_noise_instruments_do_not() -> None:
+    """Closed form: y = b x + e seen as x + s e gives (b + s)/(1 + s^2) by least squares, b by instruments.
+
+    The instrument takes out 2 % of the squares that the candidate takes out, far beyond chance.
+    """
+    s = 3.0
+    for above, expected in ((0.97, []), (1.03, ["a"])):
+        part = above * limits.KEPT_BY_INSTRUMENTS
+        b = part * s / (1.0 + s**2 - part)
+
+        assert b * (1.0 + s**2) / (b + s) == pytest.approx(part, rel=1e-12)
+        assert b**2 * (1.0 + s**2) / (b + s) ** 2 < 0.2 * limits.CONFIRMED_PART
+        assert gained(b, 1.0) > 4.0 * limits.CONFIRMED
+        assert expected == adopted(search({OWN: b}, with_the_noise_of_the_target(s)))
+
+
+def test_an_instrument_that_blurs_the_signal_confirms_it_all_the_same() -> None:
+    """It takes out less than the part of the squares that is asked for, and finds the same coefficient."""
+    share = 0.5 * limits.CONFIRMED_PART
+
+    assert ["a"] == adopted(search({OWN: 5.0}, seen_through(share)))
+
+
+def test_a_fit_below_the_noise_floor_is_kept_where_instruments_find_the_same() -> None:
+    """A ripple faster than the sampling counts as noise of the sensors; noise fitted to itself does too."""
+    floor = 2.0  # of the amplitude 1 that is left
+
+    assert ["a"] == adopted(search({OWN: 3.0}, seen_through(0.5), floor=floor))
+    assert [] == adopted(search({OWN: 3.0}, seen_through(0.0), floor=floor))
+    assert [] == adopted(search({OWN: 3.0}, candidate("a", {OWN: 1.0}), floor=floor))
 
 
 def test_what_is_far_above_the_noise_is_not_noise() -> None:

@@ -107,8 +107,11 @@ class Search:
         if gain > limits.BEYOND_NOISE * self.screen.floor > 0.0:
             return True
         there = screen.fit([*others, twin])
+        if self.deviance(without, there, screen) <= limits.CONFIRMED:
+            return False
+        # An instrument that blurs the signal takes out little; it finds the same coefficients all the same.
         part = without.score - there.score > limits.CONFIRMED_PART * gain
-        return part and self.deviance(without, there, screen) > limits.CONFIRMED
+        return part or screen.exogenous(others, variant)
 
     def _leaders(self, ranked: Sequence[Fitted]) -> list[Fitted]:
         """The candidates to try: the first that gain by more than the noise of their own signals."""

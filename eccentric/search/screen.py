@@ -222,12 +222,15 @@ class Screen:
         """
         if fitted.loss.sum() > BELOW_NOISE * self.floor:
             return True
-        variant, twin = fitted.variants[-1], instrument_of(fitted.variants[-1])
+        return self.exogenous(fitted.variants[:-1], fitted.variants[-1])
+
+    def exogenous(self, others: Sequence[Variant], variant: Variant) -> bool:
+        """Whether instruments find what least squares finds for a variant beside others."""
+        twin = instrument_of(variant)
         if twin is None or variant.candidate.changes is not None:
             return False
-        target, design, _ = self.design(fitted.variants)
-        own, base = np.split(design, [design.shape[1] - self.columns(variant).shape[1]], axis=1)[::-1]
-        return exogenous(target, base, own, self.columns(twin))
+        target, base, _ = self.design(others)
+        return exogenous(target, base, self.columns(variant, [*others, variant]), self.columns(twin))
 
     def itself(self, fitted: Fitted) -> bool:
         """Whether the last variant keeps the term that names its effect: its first coefficient is not 0.
