@@ -116,6 +116,16 @@ def test_a_smooth_term_explains_what_its_instrument_shows() -> None:
         assert expected == found.explains(found.base, found.smoothed[0])
 
 
+def test_where_the_sensors_explain_all_that_is_left_there_is_no_structure() -> None:
+    """The base leaves 1 + 1 of a squared amplitude; the sensors' noise is just below, or just above it."""
+    for part, expected in ((0.97, True), (1.03, False)):
+        smooth = (replace(seen_through(1.0), id="smooth:x"),)
+        found = search({OWN: 1.0}, smooth=smooth, floor=math.sqrt(2.0 * part))
+
+        assert found.base.score == pytest.approx(2.0 * N, rel=1e-9)
+        assert expected == found.explains(found.base, found.smoothed[0])
+
+
 def test_the_instruments_are_the_signals_that_the_motion_needs() -> None:
     """Current and voltage of a log without noise, from its motion at low frequency: noise changes neither."""
     found = {}

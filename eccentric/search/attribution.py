@@ -91,9 +91,13 @@ class Search:
         )
 
     def explains(self, before: Fitted, after: Fitted) -> bool:
-        """Whether a smooth term takes something out that is there without the noise of its signals too."""
+        """Whether a smooth term takes something out that is there without the noise of its signals too.
+
+        There is nothing to take out where the sensors' noise is as large as all that is left.
+        """
         return (
-            self.worth_it(before, after, self.smooth)
+            before.score > self.screen.floor
+            and self.worth_it(before, after, self.smooth)
             and self._gained(list(before.variants), after.variants[-1], after, self.smooth)
             and beats_chance(self.smooth, before, after)
         )
