@@ -16,7 +16,7 @@ from eccentric.search import instruments_of, limits
 from eccentric.search.candidate import Candidate
 from eccentric.signals import read_channels
 from eccentric.virtual_bench import simulate
-from tests.searched import N, NOISE, adopted, candidate, mixed, search
+from tests.searched import NOISE, N, adopted, candidate, mixed, search
 from tests.virtual import drawn_scenario
 
 OWN, OTHER = 2, 5

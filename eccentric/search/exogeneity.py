@@ -2,7 +2,7 @@
 
 The measured current stands on one side of a balance and inside candidates on the other. Least squares then
 takes the noise of the target for the effect; instruments do not. Where the columns are free of that noise, as
-a ripple over the angle is, both estimate the same (the idea of the Durbin-Wu-Hausman test), and a fit may well
+a ripple over the angle is, both estimate the same (the idea of the Durbin-Wu-Hausman test). Such a fit may
 lie below the sensors' noise floor: a ripple faster than the sampling looked like noise to the floor.
 
 Reference: J. A. Hausman, "Specification tests in econometrics", Econometrica 46(6), 1978.
