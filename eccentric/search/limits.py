@@ -12,6 +12,7 @@ __all__ = [
     "AT_ONCE",
     "BELOW_NOISE",
     "BEYOND_NOISE",
+    "CHANCE",
     "CHANGES",
     "CLEARLY",
     "CLEARS",
@@ -69,6 +70,7 @@ __all__ = [
     "STABLE",
     "SURE",
     "SWAPPED",
+    "TAIL",
     "TINY_COLUMN",
     "TOGETHER",
     "TOP_CURRENT",
@@ -191,8 +193,10 @@ LEVEL = 0.99
 DRAWS = 200
 """Draws of random signs for the blocks: two of them lie above the 99 % quantile."""
 SIGNS, AT_ONCE = 1000, 50
-"""Draws of random signs that a gain has to beat, every one, and how many are computed at once. Two balances
-have some twenty smooth terms: by this test alone, one log in fifty would show one by chance."""
+"""Draws of random signs that a gain has to beat, every one, and how many are computed at once."""
+TAIL, CHANCE = 0.1, 1e-4
+"""The part of the draws that shows how their gains fall off, and how rarely chance may reach a gain: two
+balances have some twenty smooth terms, so that by this test alone one log in five hundred shows one."""
 MOST_LAGS = 60
 """Longest autocorrelation of a residual, in rows: a second of overlapping windows."""
 ROWS_FOR_ONE = 2.0

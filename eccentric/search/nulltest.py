@@ -4,7 +4,7 @@
 - `flipped_null`: the largest gain that any column of the library reaches by chance, from residuals with the
   signs of their blocks flipped at random: this preserves correlation within blocks, heteroscedasticity and
   the search.
-- `beats_chance`: whether one fit predicts better than another by more than in any draw of such signs. Noise
+- `beats_chance`: whether one fit predicts better than another by more than draws of such signs do. Noise
   of a drive is correlated and larger at some speeds and voltages than at others: a deviance alone takes what
   it leaves there for structure. Signs last a second; what differs from run to run is not drawn.
 
@@ -21,6 +21,7 @@ import numpy as np
 from eccentric.search.crossval import Gram, scaled_solve
 from eccentric.search.limits import (
     AT_ONCE,
+    CHANCE,
     DRAWS,
     EXTRAPOLATED,
     LEAST_BLOCKS,
@@ -28,6 +29,7 @@ from eccentric.search.limits import (
     MOST_LAGS,
     ROWS_FOR_ONE,
     SIGNS,
+    TAIL,
     TINY_COLUMN,
 )
 from eccentric.search.screen import Fitted, Screen
@@ -84,11 +86,12 @@ def null_quantile(screen: Screen, fitted: Fitted) -> float:
 
 
 def beats_chance(screen: Screen, before: Fitted, after: Fitted) -> bool:
-    """Whether `after` gains more over `before` than in any draw of a log where `before` is the truth.
+    """Whether `after` gains more over `before` than chance on a log where `before` is the truth.
 
-    A draw is what `before` predicts plus its residual, the sign of every second of it at random; both models
-    are cross-validated on it, a coefficient at its bound kept there. True for a log of too few seconds to
-    draw from.
+    It has to beat every draw, and the level that one draw in ten thousand reaches: beyond a high level, gains
+    are exponentially distributed (J. Pickands, Annals of Statistics 3(1), 1975). A draw is what `before`
+    predicts plus its residual, the sign of every second of it at random; both models are cross-validated on
+    it, a coefficient at its bound kept there. True for a log of too few seconds to draw from.
     """
     rows, block = screen.balance.rows, screen.block
     # From the first row of each block: its seconds begin with it.
@@ -100,15 +103,18 @@ def beats_chance(screen: Screen, before: Fitted, after: Fitted) -> bool:
     residual = screen.residual(before)
     predicted = screen.balance.target - residual
     small, large = (_Drawn.of(screen, fitted, predicted, residual, second) for fitted in (before, after))
-    gain, rng = np.log(before.score / after.score), np.random.default_rng(5)
+    gain, rng, drawn = np.log(before.score / after.score), np.random.default_rng(5), []
     for _ in range(SIGNS // AT_ONCE):
         signs = rng.choice([-1.0, 1.0], size=(count, AT_ONCE))
         first, then = small.losses(signs), large.losses(signs)
         if after.last.ridge:
             then = np.where(then > EXTRAPOLATED * first, first, then)
-        if np.any(np.log(first.sum(axis=0) / then.sum(axis=0)) >= gain):
+        drawn.append(np.log(first.sum(axis=0) / then.sum(axis=0)))
+        if np.any(drawn[-1] >= gain):
             return False
-    return True
+    every = np.concatenate(drawn)
+    high = np.quantile(every, 1.0 - TAIL)
+    return bool(gain > high + np.mean(every[every > high] - high) * np.log(TAIL / CHANCE))
 
 
 @dataclass(frozen=True)
