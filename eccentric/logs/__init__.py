@@ -1,13 +1,25 @@
 """Readers: a log in, named columns out; nothing is converted or dropped, and no physics is applied.
 
 In: the path of a CSV, JSON, MAT or Parquet file, or a table in memory.  Out: a `Log` of columns of one
-length; arithmetic on its columns (`evaluate`) and the units that a rig may assign to them (`require_unit`,
-`parse_value`).
+length, or a `LogStream` of batches; arithmetic on its columns (`evaluate`) and the units that a rig may
+assign to them (`require_unit`, `parse_value`).
 May import: `errors`.  A new format is one more file beside `csv_file.py` and one more line in `log.READERS`.
 """
 
 from eccentric.logs.arithmetic import evaluate
+from eccentric.logs.batches import LogStream, stream_log
 from eccentric.logs.log import Log, LogSource, read_log
 from eccentric.logs.units import Unit, parse_unit, parse_value, require_unit
 
-__all__ = ["Log", "LogSource", "Unit", "evaluate", "parse_unit", "parse_value", "read_log", "require_unit"]
+__all__ = [
+    "Log",
+    "LogSource",
+    "LogStream",
+    "Unit",
+    "evaluate",
+    "parse_unit",
+    "parse_value",
+    "read_log",
+    "require_unit",
+    "stream_log",
+]

@@ -1,6 +1,6 @@
-"""The content of a file as columns of one length: numbers and text, nested or not.
+"""What readers return, whole or in parts; the content of a file as columns of one length.
 
-Shared by the readers of formats that hold variables of any shape instead of one table.
+Formats that hold variables of any shape instead of one table share the latter.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from eccentric.errors import few
 from eccentric.logs.limits import DEEPEST_STRUCTURE, MOST_PARTS, SHORTEST_VECTOR
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping, Sequence
+    from collections.abc import Callable, Iterator, Mapping, Sequence
 
 Column = NDArray[Any]
 
@@ -30,6 +30,35 @@ class Read:
     columns: Mapping[str, Column]
     lines: NDArray[np.int64] | None = None
     notes: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True)
+class Part:
+    """Rows of a file that follow each other: the number of the first, counted from 0, columns, and lines."""
+
+    first: int
+    columns: Mapping[str, Column]
+    lines: NDArray[np.int64] | None = None
+
+
+@dataclass(frozen=True)
+class Source:
+    """A file that is read in parts.
+
+    names: its columns; rows: how many there are, at most; parts: of these columns and of these spans
+    [first, end) of rows, sorted and disjoint; notes: what is left out, and why.
+    """
+
+    names: tuple[str, ...]
+    rows: int
+    parts: Callable[[Sequence[str], Sequence[tuple[int, int]]], Iterator[Part]]
+    notes: tuple[str, ...] = ()
+
+
+def overlaps(first: int, end: int, spans: Sequence[tuple[int, int]]) -> list[tuple[int, int]]:
+    """The parts of the rows [first, end) that are in the spans."""
+    cut = ((max(first, a), min(end, b)) for a, b in spans)
+    return [(a, b) for a, b in cut if a < b]
 
 
 class LeftOut(str):
@@ -137,7 +166,7 @@ def _of_array(value: Column, name: str) -> Iterator[tuple[str, Any]]:
         yield name, LeftOut(f"since it has more than {MOST_PARTS} columns")
         return
     for k, part in enumerate(parts, start=1):
-        yield from _of_array(np.ascontiguousarray(part), pattern.format(name, k))
+        yield from _of_array(part, pattern.format(name, k))
 
 
 def _of_records(items: Sequence[Mapping[str, Any]], name: str, depth: int) -> Iterator[tuple[str, Any]]:

@@ -29,6 +29,11 @@ DEEPEST_VARIABLE = 50
 DEEPEST_REFERENCE = 20
 """References in a file of version 7.3 can go in circles."""
 
+# A file that is read in parts.
+
+BATCH_ROWS = 131_072
+"""Rows of a part: some 1 MB a column, where the work on one outweighs its start by far."""
+
 # Arithmetic on columns.
 
 LONGEST_ARITHMETIC = 500

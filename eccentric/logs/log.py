@@ -8,6 +8,7 @@ from __future__ import annotations
 import gzip
 import os
 import zlib
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, TypeAlias
@@ -25,7 +26,7 @@ from eccentric.logs.parquet_file import read_parquet
 from eccentric.places import given_path, readable, shown
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping
+    from collections.abc import Callable, Iterator, Mapping
 
 
 @dataclass(frozen=True)
@@ -34,7 +35,7 @@ class Log:
 
     `path` is that of its file; for a table in memory, the name that messages use. `lines` (rows,) are the
     line numbers of the rows in a text file, from 1; None for other formats. `notes` say what was left out,
-    and why.
+    and why. `numbered` (rows,) are the numbers of the rows in their file, from 1, where a log is part of one.
     """
 
     path: str
@@ -42,13 +43,16 @@ class Log:
     rows: int
     lines: NDArray[np.int64] | None = None
     notes: tuple[str, ...] = ()
+    numbered: NDArray[np.int64] | None = None
 
     def __repr__(self) -> str:
         return f"<Log {self.path}: {self.rows} rows of {few(self.columns)}>"
 
     def place(self, row: int) -> str:
         """Return the place of a row (counted from 0): its line as an editor shows it, else its number."""
-        return f"row {row + 1}" if self.lines is None else f"line {self.lines[row]}"
+        if self.lines is not None:
+            return f"line {self.lines[row]}"
+        return f"row {row + 1 if self.numbered is None else self.numbered[row]}"
 
     def numbers(self, name: str) -> NDArray[np.float64]:
         """Return the column `name` as float64 (rows,).
@@ -116,14 +120,27 @@ def read_log(source: LogSource, name: str = "table") -> Log:
 
 
 def _read_file(path: Path) -> Read:
+    suffix = readable_log(path)
+    with reader_errors(path):
+        return READERS[suffix](path)
+
+
+def readable_log(path: Path) -> str:
+    """Return the suffix of a log, a key of `READERS`; InputError for another, or for no regular file."""
     suffix = next((s for s in READERS if path.name.lower().endswith(s)), None)
     readable(path)
     if suffix is None:
         raise InputError(
             f"{path}: a log of {', '.join(READERS)} is required, received {path.suffix or 'no suffix'!r}"
         )
+    return suffix
+
+
+@contextmanager
+def reader_errors(path: Path) -> Iterator[None]:
+    """What a damaged file raises while it is read, as InputError."""
     try:
-        return READERS[suffix](path)
+        yield
     except UnicodeDecodeError as error:
         raise InputError(f"{path}: UTF-8 text is required, byte {error.start} is not") from None
     except (EOFError, zlib.error, gzip.BadGzipFile) as error:

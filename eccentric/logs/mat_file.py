@@ -5,7 +5,9 @@ from __future__ import annotations
 import importlib
 import io
 import warnings
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass, replace
 from math import prod
 from pathlib import Path
 from typing import Any
@@ -13,8 +15,8 @@ from typing import Any
 import numpy as np
 
 from eccentric.errors import InputError
-from eccentric.logs.assemble import LeftOut, Read, assemble
-from eccentric.logs.limits import DEEPEST_REFERENCE
+from eccentric.logs.assemble import Column, LeftOut, Part, Read, Source, assemble
+from eccentric.logs.limits import BATCH_ROWS, DEEPEST_REFERENCE
 from eccentric.logs.mat_check import check
 from eccentric.logs.room import require_room_for_numbers
 
@@ -26,22 +28,29 @@ _OBJECT = LeftOut(
 
 def read_mat(path: Path) -> Read:
     """Read the vectors of a MAT file, at the top, in structures, or as columns of a matrix."""
-    data = path.read_bytes()
-    if data[124:128] in (b"\x00\x02IM", b"\x02\x00MI"):
-        return assemble(_read_7_3(path))
+    if _is_7_3(path):
+        with _opened_7_3(path) as (file, h5py):
+            shapes: list[tuple[int, ...]] = []
+            file.visititems(lambda _, item: shapes.append(getattr(item, "shape", None) or ()))
+            _require_room(path, shapes)
+            content = {name: _value(item, h5py, 0, _stored) for name, item in _variables(file)}
+        return _contiguous(assemble(content))
     from scipy.io import loadmat
+
+    data = path.read_bytes()
 
     try:
         _require_room(path, check(data))
         # SciPy warns of a repeated variable; here it becomes a note.
         with warnings.catch_warnings(record=True) as said:
             warnings.simplefilter("always")
-            content: dict[str, Any] = loadmat(io.BytesIO(data), simplify_cells=True)
+            content = loadmat(io.BytesIO(data), simplify_cells=True)
     except InputError:
         raise
     except Exception as error:  # noqa: BLE001 - SciPy raises whatever a damaged file leads it into
         raise InputError(f"{path}: not a valid MAT file ({_line(error)})") from None
-    read = assemble(dict(_plain(name, value) for name, value in content.items() if not name.startswith("__")))
+    kept = dict(_plain(name, value) for name, value in content.items() if not name.startswith("__"))
+    read = _contiguous(assemble(kept))
     return Read(read.columns, notes=(*read.notes, *dict.fromkeys(_line(one.message) for one in said)))
 
 
@@ -54,7 +63,74 @@ def _plain(name: str, value: Any) -> tuple[str, Any]:
     return name, value
 
 
-def _read_7_3(path: Path) -> dict[str, Any]:
+def mat_source(path: Path) -> Source | None:
+    """Return a file of version 7.3 as slices of its arrays; None for other versions, which are read whole."""
+    if not _is_7_3(path):
+        return None
+    stored: list[_Slices] = []
+
+    def stand_in(item: Any) -> Any:
+        """An array of the same shape without memory, whose values number the columns that it stands for."""
+        axes = [axis for axis, size in enumerate(item.shape) if size > 1][::-1]
+        if not axes or len(axes) > 2:
+            return _stored(item)
+        axes.sort(key=lambda axis: -item.shape[axis])
+        rows, others = item.shape[axes[0]], axes[1] if len(axes) == 2 else None
+        count = 1 if others is None else item.shape[others]
+        found = np.broadcast_to(np.arange(len(stored), len(stored) + count, dtype=float), (rows, count))
+        stored.extend(_Slices(item.name, axes[0], others, k) for k in range(count))
+        if others is None:
+            return found[:, 0]
+        return found if axes[0] > axes[1] else found.T
+
+    with _opened_7_3(path) as (file, h5py):
+        read = assemble({name: _value(item, h5py, 0, stand_in) for name, item in _variables(file)})
+    rows = len(next(iter(read.columns.values()), ()))
+
+    def parts(names: Sequence[str], spans: Sequence[tuple[int, int]]) -> Iterator[Part]:
+        with _opened_7_3(path) as (file, _):
+            for first, end in (
+                (k, min(k + BATCH_ROWS, b)) for a, b in spans for k in range(a, b, BATCH_ROWS)
+            ):
+                columns: dict[str, Column] = {}
+                for name in names:
+                    column = read.columns[name]
+                    # Only a stand-in has no step in memory from row to row.
+                    is_stored = column.strides == (0,) and column.dtype.kind == "f" and rows > 1
+                    own = stored[int(column[0])](file, first, end) if is_stored else column[first:end]
+                    columns[name] = own
+                yield Part(first, columns)
+
+    return Source(tuple(read.columns), rows, parts, read.notes)
+
+
+@dataclass(frozen=True)
+class _Slices:
+    """A column that is stored in an array of the file, along one of its axes."""
+
+    name: str
+    axis: int
+    other: int | None
+    place: int
+
+    def __call__(self, file: Any, first: int, end: int) -> Column:
+        """Return the rows [first, end) of the column."""
+        item = file[self.name]
+        index: list[Any] = [0] * len(item.shape)
+        index[self.axis] = slice(first, end)
+        if self.other is not None:
+            index[self.other] = self.place
+        return np.asarray(item[tuple(index)], dtype=float)
+
+
+def _is_7_3(path: Path) -> bool:
+    with path.open("rb") as file:
+        return file.read(128)[124:128] in (b"\x00\x02IM", b"\x02\x00MI")
+
+
+@contextmanager
+def _opened_7_3(path: Path) -> Iterator[tuple[Any, Any]]:
+    """The file, and h5py; InputError without it, or for what is not a valid file, wherever that shows."""
     try:
         h5py = importlib.import_module("h5py")
     except ImportError:
@@ -63,18 +139,29 @@ def _read_7_3(path: Path) -> dict[str, Any]:
         ) from None
     try:
         with h5py.File(path) as file:
-            shapes: list[tuple[int, ...]] = []
-            file.visititems(lambda _, item: shapes.append(getattr(item, "shape", None) or ()))
-            _require_room(path, shapes)
-            return {name: _value(item, h5py, 0) for name, item in file.items() if not name.startswith("#")}
+            yield file, h5py
     except InputError:
         raise
     except Exception as error:  # noqa: BLE001 - HDF5 raises whatever a damaged file leads it into
         raise InputError(f"{path}: not a valid MAT file of version 7.3 ({_line(error)})") from None
 
 
-def _value(item: Any, h5py: Any, depth: int) -> Any:
-    """Return a variable of an HDF5 file as SciPy would: arrays are stored transposed, cells as references."""
+def _variables(file: Any) -> list[tuple[str, Any]]:
+    return [(name, item) for name, item in file.items() if not name.startswith("#")]
+
+
+def _stored(item: Any) -> Any:
+    """The numbers of an array of the file, which is stored transposed."""
+    return np.squeeze(item[()].T)
+
+
+def _contiguous(read: Read) -> Read:
+    """Columns of a matrix as arrays of their own."""
+    return replace(read, columns={name: np.ascontiguousarray(x) for name, x in read.columns.items()})
+
+
+def _value(item: Any, h5py: Any, depth: int, numbers: Callable[[Any], Any]) -> Any:
+    """Return a variable of an HDF5 file as SciPy would: cells are references, arrays of `numbers`."""
     kind = item.attrs.get("MATLAB_class", b"")
     kind = kind.decode() if isinstance(kind, bytes) else str(kind)
     if (
@@ -84,18 +171,18 @@ def _value(item: Any, h5py: Any, depth: int) -> Any:
     ):
         return _OBJECT
     if isinstance(item, h5py.Group):
-        return _records({name: _value(inner, h5py, depth + 1) for name, inner in item.items()})
+        return _records({name: _value(inner, h5py, depth + 1, numbers) for name, inner in item.items()})
     if "MATLAB_empty" in item.attrs:
         return []
-    content = item[()]
     if item.dtype == h5py.ref_dtype:
-        return [_value(item.file[reference], h5py, depth + 1) for reference in np.ravel(content)]
+        cells = np.ravel(item[()])
+        return [_value(item.file[reference], h5py, depth + 1, numbers) for reference in cells]
     if item.dtype.kind not in "biuf":
         return LeftOut("since it is neither numbers nor text")
     if kind == "char":
-        texts = ["".join(map(chr, row)) for row in np.atleast_2d(content.T)]
+        texts = ["".join(map(chr, row)) for row in np.atleast_2d(item[()].T)]
         return texts[0] if len(texts) == 1 else texts
-    content = np.squeeze(content.T)
+    content = numbers(item)
     return content if content.ndim else content.item()
 
 
