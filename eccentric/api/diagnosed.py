@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from eccentric.api.files import described
-from eccentric.api.inputs import LogSources, ModelSource, RigSource, by_name, names_given, read_logs
+from eccentric.api.inputs import LogSources, ModelSource, RigSource, by_name, names_given, sources_of
 from eccentric.api.result import Result, new_axes, paragraphs
 from eccentric.api.tables import Correlation, ResultTable
 from eccentric.diagnosis import (
@@ -31,6 +31,8 @@ from eccentric.model import Model
 from eccentric.output import whole_file, whole_folder
 from eccentric.places import given_path
 from eccentric.report import Parameter, ReportData, page, plot_report, report_data
+from eccentric.rigs import read_rig
+from eccentric.signals import read_long
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -48,6 +50,7 @@ def diagnose(
     including: str | Sequence[str] = (),
     without: str | Sequence[str] = (),
     only: str | Sequence[str] = (),
+    reading: Callable[[float], None] | None = None,
 ) -> DiagnosisResult:
     """Find what a friction model lacks on logs of a rig, add it, and measure the error again.
 
@@ -67,6 +70,7 @@ def diagnose(
             training part; coefficients of friction are fitted with the rest.
         without: effects that the search may not offer.
         only: the only effects that the search may offer; all, if empty.
+        reading: called with the part of the rows read, 0 to 1, while logs of more than 100,000 rows are read.
 
     Raises:
         InputError: a log, the rig, the model or the effects cannot be read, or do not belong together; the
@@ -76,7 +80,9 @@ def diagnose(
     base, offered = by_name(model), None if effects is None else given_path(effects, "effects")
     paths = _scripts(offered, base)
     request = SearchRequest(*(names_given(names) for names in (including, without, only)))
-    found = diagnose_logs(read_logs(logs), rig, base, offered, request, progress)
+    rig = read_rig(rig)
+    read = read_long(sources_of(logs), rig, tell=reading)
+    found = diagnose_logs(read, rig, base, offered, request, progress)
     return result_of(found, {path.name: path.read_text(encoding="utf-8") for path in paths})
 
 

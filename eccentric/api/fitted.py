@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from eccentric.api.inputs import LogSources, ModelSource, RigSource, model_of, names_of, origin_of, read_logs
+from eccentric.api.inputs import LogSources, ModelSource, RigSource, model_of, names_of, origin_of, sources_of
 from eccentric.api.result import Result, new_axes, paragraphs
 from eccentric.api.tables import Correlation, ResultTable
 from eccentric.emission import read_parameters, with_fitted
@@ -23,7 +23,7 @@ from eccentric.fitting import (
 from eccentric.fitting import fit as fit_channels
 from eccentric.model import Model
 from eccentric.rigs import read_rig
-from eccentric.signals import read_channels
+from eccentric.signals import FIT_POINTS, read_channels, read_long
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -33,7 +33,13 @@ __all__ = ["FitResult", "fit"]
 _SIZE = 9.0, 4.2
 
 
-def fit(logs: LogSources, rig: RigSource, model: ModelSource | None = None) -> FitResult:
+def fit(
+    logs: LogSources,
+    rig: RigSource,
+    model: ModelSource | None = None,
+    *,
+    reading: Callable[[float], None] | None = None,
+) -> FitResult:
     """Fit a friction model to logs of a rig, and compare it with Coulomb and viscous friction.
 
     Args:
@@ -42,13 +48,15 @@ def fit(logs: LogSources, rig: RigSource, model: ModelSource | None = None) -> F
         rig: what is known about the rig: the path of a rig file, its content as a mapping, or what `read_rig`
             returned.
         model: a Model, its name, or the path of a derivation; by default that of the rig's case or tilt.
+        reading: called with the part of the rows read, 0 to 1, while logs of more than 100,000 rows are read.
 
     Raises:
         InputError: a log or the rig cannot be read, they do not match, or the log has too few rows or too
             little motion for the model.
     """
-    read = read_logs(logs)
-    channels = read_channels(read, read_rig(rig))
+    rig = read_rig(rig)
+    read = read_long(sources_of(logs), rig, FIT_POINTS, reading)
+    channels = read_channels(read, rig)
     chosen = channels.rig.model if model is None else model
     base = model_of(chosen)
     names = names_of(read)

@@ -27,6 +27,7 @@ __all__ = [
     "names_of",
     "origin_of",
     "read_logs",
+    "sources_of",
 ]
 
 LogSources: TypeAlias = LogSource | Sequence[LogSource]
@@ -41,6 +42,17 @@ def read_logs(logs: LogSources) -> list[Log]:
         InputError: one cannot be read; or two are the same: duplicate rows make errors look smaller than they
             are.
     """
+    sources = sources_of(logs)
+    names = [f"table {k}" for k in range(1, len(sources) + 1)] if len(sources) > 1 else ["table"]
+    return [read_log(source, name) for source, name in zip(sources, names, strict=True)]
+
+
+def sources_of(logs: LogSources) -> list[Any]:
+    """Return one log or several, as they were given, not read yet.
+
+    Raises:
+        InputError: there is none; or two are the same: duplicate rows make errors look smaller than they are.
+    """
     sources: list[Any] = list(logs) if isinstance(logs, list | tuple) else [logs]
     if not sources:
         raise InputError("a log is required, received none")
@@ -49,8 +61,7 @@ def read_logs(logs: LogSources) -> list[Log]:
         if places[k] in places[:k]:
             what = source if isinstance(source, str | os.PathLike) else f"table {k + 1}"
             raise InputError(f"{what}: each log is required only once, received it twice")
-    names = [f"table {k}" for k in range(1, len(sources) + 1)] if len(sources) > 1 else ["table"]
-    return [read_log(source, name) for source, name in zip(sources, names, strict=True)]
+    return sources
 
 
 def names_of(logs: Sequence[Log]) -> list[str]:

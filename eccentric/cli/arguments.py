@@ -3,7 +3,8 @@
 import argparse
 import re
 import sys
-from collections.abc import Iterable, Iterator, Mapping
+import time
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
 
@@ -14,6 +15,7 @@ __all__ = [
     "add_folder",
     "add_logs",
     "arm_of",
+    "bar",
     "names_in",
     "options",
     "print_warnings",
@@ -72,6 +74,23 @@ def progress():  # noqa: ANN201 - a function or None
     if not sys.stderr.isatty():
         return None
     return lambda line: print(f"  {line}", file=sys.stderr)
+
+
+def bar() -> Callable[[float], None] | None:
+    """A bar with the time left on a terminal, nothing elsewhere; gone when all is done."""
+    if sys.stderr is None or not sys.stderr.isatty():
+        return None
+    begun, widest = time.monotonic(), 0
+
+    def show(part: float) -> None:
+        nonlocal widest
+        filled, left = round(30 * part), (time.monotonic() - begun) * (1.0 / max(part, 1e-9) - 1.0)
+        shown = f"  [{'#' * filled}{'.' * (30 - filled)}] {part:.0%}, {left:.0f} s left"
+        widest = max(widest, len(shown))
+        shown = shown.ljust(widest) if part < 1.0 else " " * widest + "\r"
+        print(f"\r{shown}", end="", file=sys.stderr, flush=True)
+
+    return show
 
 
 def names_in(given: Iterable[str]) -> list[str]:

@@ -1,13 +1,12 @@
 """`eccentric bench`: the virtual test bench writes a log, its rig and the sealed truth."""
 
 import argparse
-import sys
 from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
 import eccentric
-from eccentric.cli.arguments import options
+from eccentric.cli.arguments import bar, options
 from eccentric.errors import InputError
 
 NAME = "bench"
@@ -117,7 +116,7 @@ def _of_an_arm(args: argparse.Namespace, common: Mapping[str, Any]) -> tuple[tup
     own = _chosen(args, _OF_AN_ARM, _OF_A_DRIVE, "no --arm", args.arm)
     own["sample_rate_hz"] = own.pop("rate")
     effects = [_effect(text, known_joint_effect) for text in args.effect]
-    result = eccentric.bench_arm(args.arm, effects, **own, **common, progress=_bar())
+    result = eccentric.bench_arm(args.arm, effects, **own, **common, progress=bar())
     name = Path(args.out).name.removesuffix(".csv.gz")
     gears = ", ".join(joint["mu"] for joint in result.arm["joint"])
     return result.effects, (
@@ -136,20 +135,6 @@ def _chosen(
     return {
         name: value if getattr(args, name) is None else getattr(args, name) for name, value in own.items()
     }
-
-
-def _bar() -> Callable[[float], None] | None:
-    """A bar on a terminal, nothing elsewhere; gone when all is done."""
-    if sys.stderr is None or not sys.stderr.isatty():
-        return None
-
-    def show(part: float) -> None:
-        filled = round(30 * part)
-        bar = f"  [{'#' * filled}{'.' * (30 - filled)}] {part:.0%}"
-        shown = bar if part < 1.0 else " " * len(bar) + "\r"
-        print(f"\r{shown}", end="", file=sys.stderr, flush=True)
-
-    return show
 
 
 def _list_effects(*, of_arms: bool) -> None:

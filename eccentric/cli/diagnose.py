@@ -10,6 +10,7 @@ from eccentric.cli.arguments import (
     add_folder,
     add_logs,
     arm_of,
+    bar,
     names_in,
     options,
     print_warnings,
@@ -56,6 +57,7 @@ def run(args: argparse.Namespace) -> int:
             including=names_in(args.including),
             without=names_in(args.without),
             only=names_in(args.only),
+            reading=bar(),
         )
     names = [path.relative_to(args.out).as_posix() for path in found.write(args.out)]
     print_warnings(found.warnings)

@@ -3,7 +3,7 @@
 import argparse
 
 import eccentric
-from eccentric.cli.arguments import MISFIT, add_folder, add_logs, arm_of, print_warnings, progress
+from eccentric.cli.arguments import MISFIT, add_folder, add_logs, arm_of, bar, print_warnings, progress
 from eccentric.output import own_folder
 
 NAME = "fit"
@@ -26,7 +26,7 @@ def run(args: argparse.Namespace) -> int:
     if arm_of(args.rig, {"--model": args.model}):
         found = eccentric.fit_arm(args.logs, args.rig, progress())
     else:
-        found = eccentric.fit(args.logs, args.rig, args.model)
+        found = eccentric.fit(args.logs, args.rig, args.model, reading=bar())
     first, *figures = (path.name for path in found.write(args.out))
     print_warnings(found.warnings)
     print(found.summary())

@@ -71,6 +71,7 @@ def diagnosis_document(found: Diagnosis) -> dict[str, Any]:
             "intervals_s": [list(map(float, pair)) for pair in found.channels.selection.holdout.intervals_s],
         },
         "rows": found.channels.counts,
+        **({"excerpt": found.channels.excerpt} if found.channels.excerpt else {}),
         "settled": not found.models.unsettled,
         "warnings": list(found.warnings),
     }

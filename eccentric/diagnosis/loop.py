@@ -30,11 +30,11 @@ from eccentric.diagnosis.siblings import better_sibling
 from eccentric.diagnosis.stage import Stage, stage_of
 from eccentric.errors import InputError
 from eccentric.fitting import drive_noise, residual_samples
-from eccentric.logs import LogSource, read_log
+from eccentric.logs import LogSource
 from eccentric.model import Model, load_model
 from eccentric.rigs import Rig, read_rig
 from eccentric.search import LEAST_DEVIANCE, attribute, variables_of
-from eccentric.signals import band_of, read_channels
+from eccentric.signals import band_of, read_channels, read_long
 
 __all__ = ["diagnose", "diagnosed"]
 
@@ -62,8 +62,9 @@ def diagnose(
             from the current, or such an effect to begin with; or fewer than two rows to hold out.
     """
     tell, request = tell or (lambda _: None), request or SearchRequest()
-    read = [read_log(log) for log in logs]
-    channels = read_channels(read, read_rig(rig))
+    rig = read_rig(rig)
+    read = read_long(logs, rig)
+    channels = read_channels(read, rig)
     names = tuple(Path(log.path).name for log in read)
     given = channels.rig.model if model is None else model
     plain = given if isinstance(given, Model) else load_model(given)

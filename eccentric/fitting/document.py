@@ -93,6 +93,7 @@ def fit_document(fit: Fit, logs: Sequence[str]) -> dict[str, Any]:
         "r_squared_holdout": dict(fit.r_squared),
         "fits_the_rig": fit.fits_the_rig,
         "rows": channels.counts,
+        **({"excerpt": channels.excerpt} if channels.excerpt else {}),
         "moving_threshold_rad_s": channels.selection.moving_threshold_rad_s,
         "fitted_on": {
             "what": counted.description,

@@ -44,6 +44,8 @@ class Signals:
         open: what the rig leaves open, coefficient -> column of torque [N m]; part of every base.
         friction: positions of the columns of the regressor that are not identically zero.
         base: the model whose definitions are signals.
+        bridged: of the starts, those of a window of a long log, with the steps since the sample before; what
+            warms up goes on from there.
     """
 
     values: Mapping[str, Array]
@@ -53,6 +55,7 @@ class Signals:
     open: Mapping[Coefficient, Array] = field(default_factory=dict)
     friction: tuple[int, ...] | None = None
     base: Model | None = None
+    bridged: Mapping[int, int] = field(default_factory=dict)
 
     def columns(self, model: Model) -> tuple[Column, ...]:
         """The friction columns of a model that the log can show."""

@@ -25,7 +25,7 @@ from eccentric.fitting.states import state_series
 from eccentric.model import Model, meaning
 from eccentric.model import vocabulary as v
 from eccentric.rigs import Rig
-from eccentric.signals import Rows, rows_of, white_noise
+from eccentric.signals import Channels, Rows, rows_of, white_noise
 
 __all__ = ["FitData", "Values", "drive_noise", "fit_data_of", "with_model_current"]
 
@@ -95,10 +95,20 @@ def fit_data_of(drive: Drive, rig: Rig, model: Model) -> FitData:
     if channels.time.one_clock:
         starts = (0,)
     dt[[start - 1 for start in starts if start > 0]] = float(np.median(dt))
-    signals = Signals(values, dt, starts, known, friction=seen_columns(model, known), base=model)
+    signals = Signals(
+        values, dt, starts, known, friction=seen_columns(model, known), base=model, bridged=_bridged(channels)
+    )
     gravity, slope = _gravity(model, signals)
     signals = replace(signals, open=drive.columns(gravity, slope))
     return FitData(drive, signals, rows_of(channels, rig), gravity)
+
+
+def _bridged(channels: Channels) -> dict[int, int]:
+    """Steps from the sample before to each one that a window of a long log begins with, inside a run."""
+    time = channels.time
+    begins = np.flatnonzero(time.skipped[1:] & (np.diff(time.run) == 0)) + 1
+    steps = (time.t[begins] - time.t[begins - 1]) / np.median(np.diff(time.t))
+    return dict(zip(begins.tolist(), steps.round().astype(int).tolist(), strict=True))
 
 
 def with_model_current(data: FitData, model: Model, friction: Array) -> FitData:

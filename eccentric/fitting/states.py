@@ -84,13 +84,22 @@ class States:
         return series
 
     def _affine(self, initial: float, gain: Array, push: Array) -> Array:
-        """x[k + 1] = gain[k] x[k] + push[k]: a bidiagonal system."""
+        """x[k + 1] = gain[k] x[k] + push[k]: a bidiagonal system.
+
+        Between the windows of a long log, gain and push are the means of the two windows.
+        """
         right = np.r_[0.0, push[:-1]]
         below = -gain[:-1].copy()
-        for start in self._signals.starts:
-            right[start] = initial
+        starts = [*self._signals.starts, self._signals.size]
+        for before, start, after in zip([0, *starts], starts[:-1], starts[1:], strict=False):
+            right[start], passed = initial, 0.0
+            if steps := self._signals.bridged.get(start):
+                mean = float(np.clip(np.mean(gain[before:after]), -1.0, 1.0))
+                passed = mean**steps
+                times = steps if mean == 1.0 else (1.0 - passed) / (1.0 - mean)
+                right[start] = float(np.mean(push[before:after])) * times
             if start > 0:
-                below[start - 1] = 0.0
+                below[start - 1] = -passed
         return solve_banded((1, 0), np.vstack([np.ones(len(gain)), np.r_[below, 0.0]]), right)
 
     def _loop(

@@ -78,7 +78,8 @@ def fit_lines(fit: Fit, logs: Sequence[str]) -> list[str]:
     what = f"{np.count_nonzero(rows.train)} {rows.description} fitted"
     head = f"{few(logs)}: {problem.model.name}, driven by {channels.motor.measured_by}; {what}, "
     head += f"{np.count_nonzero(rows.score)} held out ({channels.selection.holdout.brief})"
-    out = [head, *estimate_table({**fit.coefficients, **fit.searched}), *_scale_line(fit)]
+    out = [head, *([channels.excerpt] if channels.excerpt else [])]
+    out += [*estimate_table({**fit.coefficients, **fit.searched}), *_scale_line(fit)]
     shown = {"linear": "linear", "paper": _called(fit)}
     errors = ", ".join(f"{name} {fit.rmse[which]:.4g}" for which, name in shown.items())
     parts = ", ".join(f"{name} {fit.r_squared[which]:.4f}" for which, name in shown.items())

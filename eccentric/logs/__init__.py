@@ -8,10 +8,11 @@ May import: `errors`.  A new format is one more file beside `csv_file.py` and on
 
 from eccentric.logs.arithmetic import evaluate
 from eccentric.logs.batches import LogStream, stream_log
-from eccentric.logs.log import Log, LogSource, read_log
+from eccentric.logs.log import Excerpt, Log, LogSource, read_log
 from eccentric.logs.units import Unit, parse_unit, parse_value, require_unit
 
 __all__ = [
+    "Excerpt",
     "Log",
     "LogSource",
     "LogStream",

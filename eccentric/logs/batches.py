@@ -13,6 +13,7 @@ from __future__ import annotations
 import os
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -47,12 +48,14 @@ class LogStream:
 
     `path` is that of its file, or the name of a table in memory; `names` are its columns; `rows` how many it
     has, for a text file its lines, of which some may be empty. `notes` say what was left out, and why.
+    `whole` reads all of it.
     """
 
     path: str
     names: tuple[str, ...]
     rows: int
     notes: tuple[str, ...]
+    whole: Callable[[], Log]
     _parts: Callable[[Sequence[str], Sequence[tuple[int, int]]], Iterator[Part]]
 
     def batches(
@@ -127,7 +130,8 @@ def stream_log(source: LogSource, name: str = "table") -> LogStream:
                 if found.rows == 0 or not found.names:
                     said = (f"{shown(path)}: a log with rows is required, received none", *found.notes)
                     raise InputError("; ".join(said))
-                return LogStream(shown(path), found.names, found.rows, found.notes, found.parts)
+                whole = partial(read_log, path)
+                return LogStream(shown(path), found.names, found.rows, found.notes, whole, found.parts)
     return _in_memory(read_log(source, name))
 
 
@@ -140,7 +144,7 @@ def _in_memory(log: Log) -> LogStream:
                 lines = None if log.lines is None else log.lines[first:end]
                 yield Part(first, {name: log.columns[name][first:end] for name in names}, lines)
 
-    return LogStream(log.path, tuple(log.columns), log.rows, log.notes, parts)
+    return LogStream(log.path, tuple(log.columns), log.rows, log.notes, lambda: log, parts)
 
 
 def _as_text(values: Column) -> Column:

@@ -30,12 +30,29 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True)
+class Excerpt:
+    """The log that some rows were chosen from.
+
+    `rows` it has, `rejected` of them without a number or repeated; `begins` are the chosen rows whose
+    previous row was not chosen. `note` says what was chosen and why, `missed` what is not in it, "" for
+    nothing.
+    """
+
+    rows: int
+    rejected: int
+    begins: NDArray[np.int64]
+    note: str
+    missed: str = ""
+
+
+@dataclass(frozen=True)
 class Log:
     """Columns of one log, all of one length: float64 with NaN for a missing value, or str for text.
 
     `path` is that of its file; for a table in memory, the name that messages use. `lines` (rows,) are the
     line numbers of the rows in a text file, from 1; None for other formats. `notes` say what was left out,
-    and why. `numbered` (rows,) are the numbers of the rows in their file, from 1, where a log is part of one.
+    and why. `numbered` (rows,) are the numbers of the rows in their file, from 1, where a log is part of one;
+    `excerpt` says of which, where rows of a long log were chosen.
     """
 
     path: str
@@ -44,6 +61,7 @@ class Log:
     lines: NDArray[np.int64] | None = None
     notes: tuple[str, ...] = ()
     numbered: NDArray[np.int64] | None = None
+    excerpt: Excerpt | None = None
 
     def __repr__(self) -> str:
         return f"<Log {self.path}: {self.rows} rows of {few(self.columns)}>"

@@ -56,6 +56,8 @@ def facts_of(found: Diagnosis) -> list[Fact]:
         )
         for o in found.orders
     ]
+    if channels.excerpt:
+        facts.insert(1, Fact("windows of a long log", f"{counts['used']} rows", channels.excerpt))
     if words := found.asked.request.words:
         facts.insert(0, Fact("effects, as asked", words))
     noise, left = found.noise_floor, found.score.rmse["mechanical"]["extended"]

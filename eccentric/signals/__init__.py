@@ -13,6 +13,7 @@ from eccentric.signals.finding import Finding
 from eccentric.signals.hann import hann_windows
 from eccentric.signals.joints import read_joints
 from eccentric.signals.limits import LEAST_HELD_OUT, MANY_RUNS
+from eccentric.signals.long import FIT_POINTS, SEARCH_POINTS, read_long
 from eccentric.signals.measured import Channels
 from eccentric.signals.motion import motion_of
 from eccentric.signals.noise import white_noise
@@ -21,8 +22,10 @@ from eccentric.signals.sampling import fit_rows, rows_of, search_rows
 from eccentric.signals.stretches import rows_of_each
 
 __all__ = [
+    "FIT_POINTS",
     "LEAST_HELD_OUT",
     "MANY_RUNS",
+    "SEARCH_POINTS",
     "BalanceDesign",
     "Band",
     "Channels",
@@ -37,6 +40,7 @@ __all__ = [
     "motion_of",
     "read_channels",
     "read_joints",
+    "read_long",
     "require_rows",
     "rows_of",
     "rows_of_each",

@@ -45,15 +45,19 @@ Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 
 
-def suited(rig: Rig, t: Array, theta: Array, segment: NDArray[np.int64], moving: Mask) -> tuple[Rig, str]:
+def suited(
+    rig: Rig, t: Array, theta: Array, segment: NDArray[np.int64], moving: Mask, whole: Mask
+) -> tuple[Rig, str]:
     """Return the rig with settings that suit its log, and a sentence on them; unchanged if it names a filter.
 
-    t [s], theta [rad] at the motor, number of the stretch and whether it moves, each (n,).
+    t [s], theta [rad] at the motor, number of the stretch and whether it moves, each (n,); `whole`
+    (stretches,) are those that the log has begun itself, not a window that was cut out of a longer one.
     """
     if rig.sampling.low_pass_given or rig.sampling.average_over:
         return rig, ""
     stretches = rows_of_each(segment)
-    if _is_map(t, theta, stretches):
+    # Windows of one long run may each have one speed.
+    if _is_map(t, theta, [rows for rows, own in zip(stretches, whole, strict=True) if own]):
         steps = [float(np.median(np.diff(t[rows]))) for rows in stretches if len(rows) > 1]
         cut = min(rig.sampling.low_pass_hz, COARSE / max(steps))
         said = f"the log is {len(stretches)} runs of constant speed: one mean of each is compared"

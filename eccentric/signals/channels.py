@@ -20,7 +20,7 @@ from eccentric.logs import read_log
 from eccentric.rigs import Alignment
 from eccentric.signals.bandwidth import suited
 from eccentric.signals.holdout import Holdout, hold_out
-from eccentric.signals.limits import END_S, HALF_SPAN_S, POINTS_PER_ROW, RATE_HIGH, RATE_LOW
+from eccentric.signals.limits import END_S, HALF_SPAN_S, MOST_STRETCHES, POINTS_PER_ROW, RATE_HIGH, RATE_LOW
 from eccentric.signals.measured import Channels, Intake, MeasuredMotion, Motor, Selection, TimeBase
 from eccentric.signals.motion import motion_of, motor_side, of_the_motor, quantum_of, uneven
 from eccentric.signals.moving import clear_of_ends, moving_rows, near_switching
@@ -28,6 +28,7 @@ from eccentric.signals.quality import assess
 from eccentric.signals.refine import is_coarse, logged_step, refined
 from eccentric.signals.stretches import rows_of_each, stretches
 from eccentric.signals.table import Table, read_table
+from eccentric.signals.thin import rows_a_point, thinned
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -82,19 +83,25 @@ def read_channels(logs: Sequence[LogSource], rig: Rig) -> Channels:
     rig, said = _suited(rig, points)
     warnings += said
     cut, doubts = rig.sampling.low_pass_hz, uneven(logged)
-    if is_coarse(logged, rig):
+    step = logged_step(logged)
+    together = rows_a_point(step, rig) if logged.is_excerpt else 1
+    if together > 1:
+        points = _points(thinned(table, together), rig, quantum, 1)
+    elif is_coarse(logged, rig):
         # The unwrapped angle is interpolated, since the wrapped one jumps; a spline needs no even steps.
         points, cut, doubts = _points(refined(table), rig, quantum, POINTS_PER_ROW), math.inf, []
     motion, said = motion_of(points.t, points.theta, points.segment, cut)
-    step = logged_step(logged)
     doubts = [*said, *doubts, *_rate_doubt(step, rig)]
-    channels = _channels(points, motion, rig, step)
+    channels = _channels(points, motion, rig, step * together)
+    if together > 1:
+        base = dataclasses.replace(channels.time, rows_per_point=together)
+        channels = dataclasses.replace(channels, time=base)
     _require_rows(channels, paths, rig)
     _require_drive(channels, paths)
     channels = channels.realigned(rig, rig.alignment)
     findings = assess(logged, channels, rig)
     # Missing rows come before their consequences for the filters.
-    warnings += [*(finding.text for finding in findings), *doubts]
+    warnings += [*(finding.text for finding in findings if finding.kind != "excerpt"), *doubts]
     intake = dataclasses.replace(channels.intake, warnings=tuple(warnings), findings=findings)
     return dataclasses.replace(channels, intake=intake)
 
@@ -120,7 +127,13 @@ def _points(table: Table, rig: Rig, quantum: float, per_row: int) -> _Points:
 def _suited(rig: Rig, points: _Points) -> tuple[Rig, list[str]]:
     """Return the rig, completed with settings that suit the log, and warnings about them."""
     fitted = points.moving & ~points.holdout.rows
-    rig, said = suited(rig, points.t, points.theta, points.segment, fitted)
+    whole = np.bincount(points.segment, points.table.after_skipped) == 0
+    some = slice(None)
+    if points.table.is_excerpt and len(whole) > MOST_STRETCHES:
+        kept = np.unique(np.linspace(0, len(whole) - 1, MOST_STRETCHES).round().astype(int))
+        some, whole = np.isin(points.segment, kept), whole[kept]
+    given = (points.t[some], points.theta[some], points.segment[some], fitted[some], whole)
+    rig, said = suited(rig, *given)
     warnings = [said] if said else []
     if math.isinf(rig.sampling.average_over) and not {"J_m", "J_l"} <= set(rig.known):
         # The small acceleration of a constant speed would absorb anything that the friction lacks.
@@ -143,6 +156,7 @@ def _channels(points: _Points, motion: Array, rig: Rig, step: float) -> Channels
             segment=segment,
             logged_step_s=step,
             points_per_row=points.per_row,
+            skipped=table.after_skipped,
         ),
         motion=MeasuredMotion(
             theta_m=motion[0],

@@ -50,6 +50,8 @@ LEAST_STRETCH = 40
 """Stretches of at most this many rows say little about noise: the filter's ends are most of them."""
 LEAST_DIFFERENCES = 30
 """Fewest fourth differences for an RMS of the noise: it is then known to a fifth."""
+MOST_STRETCHES = 12
+"""Windows of a long log, evenly spread, that the noise is measured on: two minutes show it to a few percent."""
 TOO_NOISY = 0.1
 """Noise in the acceleration, as a fraction of it, above which the default low pass is unsuitable."""
 QUIET = 0.02
@@ -69,6 +71,10 @@ COARSE = 0.4
 """Largest ratio of cut-off to sampling rate, else a log is too coarse to filter: Nyquist, with a margin."""
 BELOW_COARSE = 0.9
 """Of that, the cut-off of an arm whose log is too coarse for the default: stamps are rounded."""
+RATE_PER_CUT = 10.0
+"""Least rate of the points of a thinned log, in its low pass: its derivatives are right to 0.02 % there."""
+LEAST_RATE_HZ = 200.0
+"""Least rate of them: which rows move is decided over 20 ms to either side."""
 POINTS_PER_ROW = 2
 """Of a log that is too coarse: a reversal is then known to 4 % of a window."""
 MAP_RUNS = 8

@@ -33,7 +33,9 @@ class TimeBase:
     """When the rows were taken: `t` [s] (n,), and the run and the stretch without gap of each, numbered (n,).
 
     A log too coarse for the low pass has `points_per_row` points for each of its rows, which are
-    `logged_step_s` apart. With `one_clock`, time goes on from run to run.
+    `logged_step_s` apart; one finer than it needs has a point for `rows_per_point` of them. With `one_clock`,
+    time goes on from run to run. `skipped` (n,) are the rows that a window of a long log begins with, where
+    the rows before were left out.
     """
 
     t: Array
@@ -42,7 +44,9 @@ class TimeBase:
     segment: Integers
     logged_step_s: float
     points_per_row: int
+    skipped: Mask
     one_clock: bool = False
+    rows_per_point: int = 1
 
     @property
     def elapsed(self) -> Array:
@@ -161,6 +165,11 @@ class Channels:
         return len(self.time.run_names) == 1 or self.motion.quantum_rad > 0.0
 
     @property
+    def excerpt(self) -> str:
+        """Which windows of a long log these are, and why; "" for a log that is read whole."""
+        return "; ".join(found.text for found in self.intake.findings if found.kind == "excerpt")
+
+    @property
     def driven(self) -> Channels:
         """The same channels with the rows with the motor switched off marked unusable."""
         if not np.any(self.motor.off):
@@ -171,7 +180,7 @@ class Channels:
     @property
     def counts(self) -> dict[str, int]:
         """Rows read, used (fitted or scored), held out (scored), rejected (not numbers)."""
-        points, chosen = self.time.points_per_row, self.selection
+        points, chosen = self.time.points_per_row / self.time.rows_per_point, self.selection
         return {
             "read": self.intake.read,
             "used": round(np.count_nonzero(chosen.usable) / points),

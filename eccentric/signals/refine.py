@@ -64,4 +64,5 @@ def refined(table: Table) -> Table:
         use=table.use[rows],
         motor_off=table.motor_off[rows],
         after_dropped=table.after_dropped[rows],
+        after_skipped=table.after_skipped[rows],
     )

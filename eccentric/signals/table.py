@@ -5,25 +5,23 @@ from __future__ import annotations
 import dataclasses
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from eccentric.errors import InputError, few
-from eccentric.logs import Log, LogSource, evaluate, read_log
-from eccentric.rigs import CHANNELS, ColumnSource, Rig
+from eccentric.logs import Log, LogSource, read_log
+from eccentric.rigs import Rig
+from eccentric.signals.converted import converted
 from eccentric.signals.finding import Finding
 from eccentric.signals.holdout import matching
-from eccentric.signals.limits import LARGEST, MOST_REJECTED, MUCH_LOST, SMALLEST
+from eccentric.signals.limits import MOST_REJECTED, MUCH_LOST
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
 Array = NDArray[np.float64]
-
-_LABELS = ("run", "use", "motor_off")
-_DRIVES = ("voltage", "current", "torque", "torque_l")
 
 
 @dataclass(frozen=True)
@@ -31,7 +29,8 @@ class Table:
     """Kept rows of all logs: channels by name in SI (temperature in degC), run number, masks; all (n,).
 
     `use` are the rows selected by the rig, `motor_off` those with the motor switched off and the link
-    swinging freely. `after_dropped` are those whose previous row in the log was dropped.
+    swinging freely. `after_dropped` are those whose previous row in the log was dropped, `after_skipped`
+    those whose previous rows were not chosen from a long log, of which `is_excerpt` says that rows were.
     """
 
     channels: Mapping[str, Array]
@@ -40,9 +39,11 @@ class Table:
     use: NDArray[np.bool_]
     motor_off: NDArray[np.bool_]
     after_dropped: NDArray[np.bool_]
+    after_skipped: NDArray[np.bool_]
     rows_read: int
     rows_rejected: int
     findings: tuple[Finding, ...]
+    is_excerpt: bool
 
 
 def read_table(logs: Sequence[LogSource], rig: Rig) -> Table:
@@ -80,9 +81,11 @@ def read_table(logs: Sequence[LogSource], rig: Rig) -> Table:
         use=np.concatenate([table.use for table in tables]),
         motor_off=np.concatenate([table.motor_off for table in tables]),
         after_dropped=np.concatenate([table.after_dropped for table in tables]),
+        after_skipped=np.concatenate([table.after_skipped for table in tables]),
         rows_read=sum(table.rows_read for table in tables),
         rows_rejected=sum(table.rows_rejected for table in tables),
         findings=tuple(finding for table in tables for finding in table.findings),
+        is_excerpt=any(table.is_excerpt for table in tables),
     )
     return _chosen(joined, rig) if rig.log.runs else joined
 
@@ -100,33 +103,33 @@ def _chosen(table: Table, rig: Rig) -> Table:
         use=table.use[kept],
         motor_off=table.motor_off[kept],
         after_dropped=table.after_dropped[kept],
-        rows_read=int(np.count_nonzero(kept)) + table.rows_rejected,
+        after_skipped=table.after_skipped[kept],
+        rows_read=table.rows_read - int(np.count_nonzero(~kept)),
     )
 
 
 def _one(log: Log, rig: Rig, name: str, alone: bool) -> Table:
-    sources = _sources(log, rig)
-    values = {c: _values(log, rig, c, source) for c, source in sources.items() if c not in _LABELS}
-    use = _condition(log, rig, sources, "use", otherwise=1.0)
-    motor_off = _condition(log, rig, sources, "motor_off", otherwise=0.0)
-    labels = _labels(log, sources.get("run"), name, alone)
-    numbers = {c: np.isfinite(x) for c, x in values.items()}
-    kept = np.logical_and.reduce([*numbers.values(), np.isfinite(use), np.isfinite(motor_off)])
+    found = converted(log, rig)
+    values, use, motor_off, kept = found.values, found.use, found.motor_off, found.numbers
+    labels = found.labels(name, alone)
     rejected = int(np.count_nonzero(~kept))
     findings = [Finding("left_out", "", f"{log.path}: {note}", 0, "note") for note in log.notes]
+    findings += _excerpt(log)
     if rejected:
-        worst = min(numbers, key=lambda c: np.count_nonzero(numbers[c]))
-        if not np.any(numbers[worst]):
-            raise InputError(f"{log.path}: column {sources[worst].text!r} ({worst}) has no numbers")
+        numbers = {c: int(np.count_nonzero(np.isfinite(x))) for c, x in values.items()}
+        worst = min(numbers, key=lambda c: numbers[c])
+        if not numbers[worst]:
+            raise InputError(f"{log.path}: column {found.sources[worst].text!r} ({worst}) has no numbers")
         first = log.place(int(np.flatnonzero(~kept)[0]))
-        what = f"no number in {rejected} of {log.rows} rows (first: {first}; most: {sources[worst].text!r})"
+        most = found.sources[worst].text
+        what = f"no number in {rejected} of {log.rows} rows (first: {first}; most: {most!r})"
         if rejected > MOST_REJECTED * log.rows:
             raise InputError(f"{log.path}: {what}; at most {MOST_REJECTED:.0%} may be missing")
         severity = "warning" if rejected > MUCH_LOST * log.rows else "note"
         findings.append(
             Finding("missing", worst, f"{log.path}: {what}: such rows are dropped", rejected, severity)
         )
-    again = _repeated([*values.values(), use, motor_off, labels], kept)
+    again = found.repeated(kept, labels)
     if np.any(again):
         count, first = int(np.count_nonzero(again)), log.place(int(np.flatnonzero(again)[0]))
         repeat = f"{count} of {log.rows} rows {'repeats' if count == 1 else 'repeat'} the one before"
@@ -141,89 +144,32 @@ def _one(log: Log, rig: Rig, name: str, alone: bool) -> Table:
         use[kept] != 0.0,
         motor_off[kept] != 0.0,
         np.concatenate([[False], ~kept[:-1]])[kept],
-        log.rows,
-        int(np.count_nonzero(~kept)),
+        _after_skipped(log, kept),
+        log.rows if log.excerpt is None else log.excerpt.rows,
+        int(np.count_nonzero(~kept)) if log.excerpt is None else log.excerpt.rejected,
         tuple(findings),
+        log.excerpt is not None,
     )
 
 
-def _repeated(columns: Sequence[NDArray[Any]], kept: NDArray[np.bool_]) -> NDArray[np.bool_]:
-    """Rows (n,) equal in every column to the kept row before them: the logger wrote them twice."""
-    rows = np.flatnonzero(kept)
-    same = np.logical_and.reduce([x[rows[1:]] == x[rows[:-1]] for x in columns])
-    again = np.zeros(len(kept), dtype=bool)
-    again[rows[1:][same]] = True
-    return again
+def _excerpt(log: Log) -> list[Finding]:
+    """How much of a long log was chosen, and what is not in it."""
+    if (whole := log.excerpt) is None:
+        return []
+    found: list[Finding] = []
+    if whole.note:
+        found.append(Finding("excerpt", "time", f"{log.path}: {whole.note}", whole.rows - log.rows, "note"))
+    if whole.missed:
+        found.append(Finding("not_chosen", "time", f"{log.path}: {whole.missed}", 0, "warning"))
+    return found
 
 
-def _sources(log: Log, rig: Rig) -> Mapping[str, ColumnSource]:
-    """Return the mapped columns, or the available standard ones; require the minimum for a fit."""
-    standard = {c: ColumnSource(column) for c, (column, _) in CHANNELS.items() if column in log.columns}
-    sources = standard if rig.log.columns is None else rig.log.columns
-    for choice in (
-        ("time",),
-        ("theta_m", "theta_l", "omega_m", "omega_l"),
-        ("voltage", "current", "torque", "torque_l"),
-    ):
-        if not any(channel in sources for channel in choice):
-            needed = " or ".join(f"{channel} (column {CHANNELS[channel][0]!r})" for channel in choice)
-            raise InputError(
-                f"{log.path}: a column for {needed} is required; map it in [columns] of {rig.path}; "
-                f"the log has {few(log.columns)}"
-            )
-    return sources
-
-
-def _values(log: Log, rig: Rig, channel: str, source: ColumnSource) -> Array:
-    if source.text in log.columns:
-        raw = log.numbers(source.text)
-    else:
-        raw = evaluate(source.text, log.numbers, f"{rig.path}: [columns] {channel}")
-        if raw.dtype == bool:
-            raise InputError(
-                f"{rig.path}: [columns] {channel}: a number is required, received {source.text!r}"
-            )
-    with np.errstate(over="ignore"):
-        values = raw if source.unit is None else source.unit.to_si(raw)
-    _require_size(log, channel, source, np.where(np.isfinite(raw), values, 0.0))
-    return values
-
-
-def _require_size(log: Log, channel: str, source: ColumnSource, values: Array) -> None:
-    size = np.abs(values)
-    largest = int(np.argmax(size))
-    where, unit = f"column {source.text!r} ({channel})", CHANNELS[channel][1]
-    if size[largest] > LARGEST:
-        raise InputError(
-            f"{log.path}: {log.place(largest)}, {where}: at most {LARGEST:g} {unit} is required, "
-            f"received {values[largest]:.6g} {unit}: are its units right?"
-        )
-    if channel in _DRIVES and 0.0 < size[largest] < SMALLEST:
-        raise InputError(
-            f"{log.path}: {where}: a value of at least {SMALLEST:g} {unit} is required, "
-            f"received at most {size[largest]:.6g} {unit}: are its units right?"
-        )
-
-
-def _condition(
-    log: Log, rig: Rig, sources: Mapping[str, ColumnSource], channel: str, otherwise: float
-) -> Array:
-    """A column of 0 and 1, or a condition on columns; one number for all rows if neither is mapped."""
-    if channel not in sources:
-        return np.full(log.rows, otherwise)
-    text = sources[channel].text
-    if text in log.columns:
-        return log.numbers(text)
-    return evaluate(text, log.numbers, f"{rig.path}: [columns] {channel}").astype(float)
-
-
-def _labels(log: Log, source: ColumnSource | None, name: str, alone: bool) -> NDArray[np.str_]:
-    """Name the run of each row: by the log, by the run column, or by both if there are several logs."""
-    if source is None:
-        return np.full(log.rows, name)
-    values = log.text(source.text)
-    texts = [f"{v:.12g}" for v in values] if values.dtype.kind == "f" else [str(v) for v in values]
-    return np.array(texts if alone else [f"{name}/{text}" for text in texts])
+def _after_skipped(log: Log, kept: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    """Kept rows with skipped ones between them and the kept row before; all (kept rows,)."""
+    begins = np.zeros(log.rows, dtype=bool)
+    if log.excerpt is not None:
+        begins[log.excerpt.begins] = True
+    return np.diff(np.cumsum(begins)[kept], prepend=0) != 0
 
 
 def _runs(

@@ -80,7 +80,7 @@ def record_findings(table: Table, channels: Channels) -> Iterator[Finding]:
     """Yield findings on dropped rows, gaps, clipped and frozen channels, and on the range of speeds."""
     record = record_of(table, channels)
     yield from table.findings
-    yield from _gaps(record)
+    yield from _gaps(record, table.after_skipped)
     signals = {
         name: x for name, x in table.channels.items() if name in UNITS and not name.startswith("theta")
     }
@@ -91,9 +91,12 @@ def record_findings(table: Table, channels: Channels) -> Iterator[Finding]:
     yield from _speeds(channels)
 
 
-def _gaps(c: Record) -> Iterator[Finding]:
-    """Yield gaps, as the filters define them: steps of more than five times the usual one within a run."""
-    ends = np.flatnonzero((np.diff(c.segment) != 0) & (np.diff(c.run) == 0))
+def _gaps(c: Record, after_skipped: NDArray[np.bool_]) -> Iterator[Finding]:
+    """Yield gaps, as the filters define them: steps of more than five times the usual one within a run.
+
+    Those between the windows of a long log are none.
+    """
+    ends = np.flatnonzero((np.diff(c.segment) != 0) & (np.diff(c.run) == 0) & ~after_skipped[1:])
     if not len(ends):
         return
     steps = c.t[ends + 1] - c.t[ends]

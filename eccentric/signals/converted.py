@@ -1,0 +1,174 @@
+"""The columns of a log as the channels of a rig, in SI; nothing is dropped."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from eccentric.errors import InputError, few
+from eccentric.logs import Log, evaluate
+from eccentric.rigs import CHANNELS, ColumnSource, Rig
+from eccentric.signals.limits import LARGEST, SMALLEST
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+__all__ = ["Converted", "converted", "used_columns"]
+
+Array = NDArray[np.float64]
+Mask = NDArray[np.bool_]
+
+_LABELS = ("run", "use", "motor_off")
+_DRIVES = ("voltage", "current", "torque", "torque_l")
+
+
+@dataclass(frozen=True)
+class Converted:
+    """Channels of all rows in SI (n,), conditions as 0 and 1; `named` is the column of runs, None for none.
+
+    Nothing is dropped: what is not a number is NaN or infinite.
+    """
+
+    sources: Mapping[str, ColumnSource]
+    values: Mapping[str, Array]
+    use: Array
+    motor_off: Array
+    named: NDArray[Any] | None
+
+    @property
+    def numbers(self) -> Mask:
+        """Rows (n,) that are numbers in every channel."""
+        return np.logical_and.reduce(
+            [np.isfinite(x) for x in (*self.values.values(), self.use, self.motor_off)]
+        )
+
+    def labels(self, name: str, alone: bool) -> NDArray[np.str_]:
+        """The run of each row (n,): by the log's name, by the run column, or by both with several logs."""
+        if self.named is None:
+            return np.full(len(self.use), name)
+        texts = map(_text, self.named)
+        return np.array([text if alone else f"{name}/{text}" for text in texts])
+
+    def runs(self, name: str, alone: bool) -> tuple[NDArray[np.int64], list[str]]:
+        """The same as the number of the run of each row (n,), from 0, and names."""
+        if self.named is None:
+            return np.zeros(len(self.use), dtype=np.int64), [name]
+        again = self.named[1:] == self.named[:-1]
+        if self.named.dtype.kind == "f":
+            again |= np.isnan(self.named[1:]) & np.isnan(self.named[:-1])
+        begins = np.concatenate([[True], ~again])
+        texts = map(_text, self.named[begins])
+        return np.cumsum(begins) - 1, [text if alone else f"{name}/{text}" for text in texts]
+
+    def repeated(self, kept: Mask, labels: NDArray[Any]) -> Mask:
+        """Rows (n,) equal in every column to the kept row before them: the logger wrote them twice."""
+        rows = np.flatnonzero(kept)
+        columns = (*self.values.values(), self.use, self.motor_off, labels)
+        same = np.logical_and.reduce([x[rows[1:]] == x[rows[:-1]] for x in columns])
+        again = np.zeros(len(kept), dtype=bool)
+        again[rows[1:][same]] = True
+        return again
+
+
+def converted(log: Log, rig: Rig) -> Converted:
+    """Return the channels of a log under a rig.
+
+    Raises InputError for a missing or non-numeric column, a channel that a fit needs, and a value of a size
+    that no sensor gives.
+    """
+    sources = _sources(log, rig)
+    return Converted(
+        sources,
+        {c: _values(log, rig, c, source) for c, source in sources.items() if c not in _LABELS},
+        _condition(log, rig, sources, "use", otherwise=1.0),
+        _condition(log, rig, sources, "motor_off", otherwise=0.0),
+        log.text(sources["run"].text) if "run" in sources else None,
+    )
+
+
+def used_columns(log: Log, rig: Rig) -> list[str]:
+    """The columns of a log that the channels of a rig are made of.
+
+    Raises InputError if one is missing, or a channel that a fit needs.
+    """
+    used: dict[str, None] = {}
+
+    def column(name: str) -> Array:
+        used[name] = None
+        log.text(name)
+        return np.zeros(1)
+
+    for channel, source in _sources(log, rig).items():
+        if source.text in log.columns or channel == "run":
+            column(source.text)
+        else:
+            evaluate(source.text, column, f"{rig.path}: [columns] {channel}")
+    return list(used)
+
+
+def _sources(log: Log, rig: Rig) -> Mapping[str, ColumnSource]:
+    """Return the mapped columns, or the available standard ones; require the minimum for a fit."""
+    standard = {c: ColumnSource(column) for c, (column, _) in CHANNELS.items() if column in log.columns}
+    sources = standard if rig.log.columns is None else rig.log.columns
+    for choice in (
+        ("time",),
+        ("theta_m", "theta_l", "omega_m", "omega_l"),
+        ("voltage", "current", "torque", "torque_l"),
+    ):
+        if not any(channel in sources for channel in choice):
+            needed = " or ".join(f"{channel} (column {CHANNELS[channel][0]!r})" for channel in choice)
+            raise InputError(
+                f"{log.path}: a column for {needed} is required; map it in [columns] of {rig.path}; "
+                f"the log has {few(log.columns)}"
+            )
+    return sources
+
+
+def _values(log: Log, rig: Rig, channel: str, source: ColumnSource) -> Array:
+    if source.text in log.columns:
+        raw = log.numbers(source.text)
+    else:
+        raw = evaluate(source.text, log.numbers, f"{rig.path}: [columns] {channel}")
+        if raw.dtype == bool:
+            raise InputError(
+                f"{rig.path}: [columns] {channel}: a number is required, received {source.text!r}"
+            )
+    with np.errstate(over="ignore"):
+        values = raw if source.unit is None else source.unit.to_si(raw)
+    _require_size(log, channel, source, np.where(np.isfinite(raw), values, 0.0))
+    return values
+
+
+def _require_size(log: Log, channel: str, source: ColumnSource, values: Array) -> None:
+    size = np.abs(values)
+    largest = int(np.argmax(size))
+    where, unit = f"column {source.text!r} ({channel})", CHANNELS[channel][1]
+    if size[largest] > LARGEST:
+        raise InputError(
+            f"{log.path}: {log.place(largest)}, {where}: at most {LARGEST:g} {unit} is required, "
+            f"received {values[largest]:.6g} {unit}: are its units right?"
+        )
+    if channel in _DRIVES and 0.0 < size[largest] < SMALLEST:
+        raise InputError(
+            f"{log.path}: {where}: a value of at least {SMALLEST:g} {unit} is required, "
+            f"received at most {size[largest]:.6g} {unit}: are its units right?"
+        )
+
+
+def _condition(
+    log: Log, rig: Rig, sources: Mapping[str, ColumnSource], channel: str, otherwise: float
+) -> Array:
+    """A column of 0 and 1, or a condition on columns; one number for all rows if neither is mapped."""
+    if channel not in sources:
+        return np.full(log.rows, otherwise)
+    text = sources[channel].text
+    if text in log.columns:
+        return log.numbers(text)
+    return evaluate(text, log.numbers, f"{rig.path}: [columns] {channel}").astype(float)
+
+
+def _text(value: Any) -> str:
+    return f"{value:.12g}" if isinstance(value, float) else str(value)

@@ -1,0 +1,367 @@
+"""One pass over a long log, in constant memory: the states and the sums of each of its windows.
+
+The log is cut into windows of ten seconds within its runs. On cells of 20 ms, the base of every friction
+model (direction, speed, acceleration, gravity, and the same drifting with time and temperature) and the drive
+become sums per window (X'X, X'y, y'y), and the states that the drive is in are counted. Nothing of this is
+an estimate: it serves to choose the windows. Every row is checked as if the log were read whole.
+"""
+
+from __future__ import annotations
+
+import math
+from collections import Counter
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from eccentric.errors import InputError
+from eccentric.logs import Log, LogStream
+from eccentric.rigs import Rig
+from eccentric.signals.converted import Converted, converted, used_columns
+from eccentric.signals.limits import MOST_REJECTED
+from eccentric.signals.long.limits import (
+    ANGLES,
+    CELL_S,
+    DEGREES_A_BIN,
+    JUMP,
+    LARGEST_BIN,
+    LEAST_BIN,
+    LEAST_CELLS_OF_A_BATCH,
+    OCTAVES,
+    SLOW,
+    WINDOW_S,
+)
+
+__all__ = ["Survey", "Window", "survey"]
+
+Array = NDArray[np.float64]
+Integers = NDArray[np.int64]
+Mask = NDArray[np.bool_]
+
+COLUMNS = 9
+"""Of the sums: seven of the base, two that drift, and the drive behind them."""
+_STATES = ("speed", "angle", "drive", "acceleration", "temperature", "motor off", "speed and drive")
+
+
+@dataclass
+class Window:
+    """Rows [first, end) of a run, from `begin` to `finish` [s]; `number` counts ten seconds from its start.
+
+    `sums` (COLUMNS + 1, COLUMNS + 1) are those of the columns and the drive over `cells` moving cells;
+    `seen` counts the cells in each state.
+    """
+
+    run: str
+    number: int
+    first: int
+    end: int
+    begin: float
+    finish: float
+    cells: int = 0
+    sums: Array = field(default_factory=lambda: np.zeros((COLUMNS + 1, COLUMNS + 1)))
+    seen: Counter[int] = field(default_factory=Counter)
+
+    def joined(self, other: Window) -> None:
+        """Add the window that follows."""
+        self.end, self.finish, self.cells = other.end, other.finish, self.cells + other.cells
+        self.sums += other.sums
+        self.seen.update(other.seen)
+
+
+@dataclass
+class Survey:
+    """What one pass over a log found: its windows in order, its rows, and how many are not numbers.
+
+    `step_s` is the usual time between rows, `origin_s` the first, `scales` the usual sizes of speed,
+    acceleration and drive, by which their states are counted.
+    """
+
+    stream: LogStream
+    columns: list[str]
+    windows: list[Window] = field(default_factory=list)
+    rows: int = 0
+    rejected: int = 0
+    step_s: float = 0.0
+    origin_s: float = 0.0
+    scales: tuple[float, ...] = ()
+
+
+def state_name(state: int) -> str:
+    """What a state is a state of, in words."""
+    return _STATES[state >> 24]
+
+
+def survey(stream: LogStream, rig: Rig, alone: bool, tell: Callable[[int], None]) -> Survey:
+    """Go over a log once.
+
+    Args:
+        stream: the log.
+        rig: what is known about it.
+        alone: whether it is the only log, whose runs are then named by their column alone.
+        tell: called with the number of rows after every batch.
+
+    Raises:
+        InputError: whatever `read_table` refuses.
+    """
+    columns = used_columns(Log(stream.path, dict.fromkeys(stream.names, np.empty(0)), 0), rig)
+    found = Survey(stream, columns)
+    reader = _Reader(found, rig, alone)
+    for batch in stream.batches(columns):
+        reader.take(batch)
+        tell(batch.rows)
+    if found.rows == 0:
+        raise InputError(f"{stream.path}: a log with rows is required, received none")
+    reader.finish()
+    return found
+
+
+class _Reader:
+    """The state of a pass: the run and the window that the last batch ended in."""
+
+    def __init__(self, found: Survey, rig: Rig, alone: bool) -> None:
+        self._found, self._rig, self._alone = found, rig, alone
+        self._runs: set[str] = set()
+        self._run = ""
+        self._start = self._last = -math.inf
+        self._first_bad = ""
+        self._with_numbers: set[str] = set()
+
+    def take(self, batch: Log) -> None:
+        """Add a batch."""
+        found, offset = converted(batch, self._rig), self._found.rows
+        self._found.rows += batch.rows
+        numbers, names = found.runs(Path(batch.path).name.split(".")[0], self._alone)
+        kept = self._kept(batch, found, numbers)
+        if not len(kept):
+            return
+        own = slice(None) if len(kept) == batch.rows else kept
+        values, run = {c: x[own] for c, x in found.values.items()}, numbers[own]
+        t = values["time"]
+        begins = np.flatnonzero(np.diff(run, prepend=-1))
+        labels = [names[run[k]] for k in begins]
+        goes_on = labels[0] == self._run
+        self._check(batch, t, kept, begins[goes_on:], labels, goes_on)
+        if not self._found.step_s and len(t) > 1:
+            self._found.step_s, self._found.origin_s = float(np.median(np.diff(t))), float(t[0])
+        firsts: list[int] = []
+        windows: list[Window] = []
+        for a, b, label in zip(begins.tolist(), [*begins[1:].tolist(), len(t)], labels, strict=True):
+            if not (goes_on and a == 0):
+                self._start = float(t[a])
+            for first, end, number in _cut(t[a:b], self._start):
+                rows = int(kept[a + first]), int(kept[a + end - 1]) + 1
+                window = self._window(label, number, rows, float(t[a + first]), float(t[a + end - 1]), offset)
+                firsts.append(a + first)
+                windows.append(window)
+        self._run, self._last = labels[-1], float(t[-1])
+        wanted, off = found.use[own] != 0.0, found.motor_off[own] != 0.0
+        _count(values, wanted, off, np.array(firsts), windows, self._rig, self._found)
+
+    def _kept(self, batch: Log, found: Converted, run: Integers) -> Integers:
+        """Rows that are numbers and do not repeat the row before; the others are counted."""
+        kept = found.numbers
+        if not np.all(kept):
+            self._first_bad = self._first_bad or batch.place(int(np.argmin(kept)))
+            self._with_numbers |= {c for c, x in found.values.items() if np.any(np.isfinite(x))}
+        else:
+            self._with_numbers |= set(found.values)
+        # Rows that are repeated have the same time.
+        if np.any(np.diff(found.values["time"][kept]) == 0.0):
+            kept &= ~found.repeated(kept, run)
+        self._found.rejected += int(np.count_nonzero(~kept))
+        return np.flatnonzero(kept)
+
+    def _check(
+        self, batch: Log, t: Array, rows: Integers, begins: Integers, labels: list[str], goes_on: bool
+    ) -> None:
+        """Raise InputError for a run in two pieces, or time stamps that do not increase."""
+        for k, label in zip(begins.tolist(), labels[goes_on:], strict=True):
+            if label in self._runs:
+                raise InputError(
+                    f"{batch.path}: {batch.place(int(rows[k]))}: contiguous runs are required,"
+                    f" received {label!r} again"
+                )
+            self._runs.add(label)
+        before = np.concatenate([[self._last], t[:-1]])
+        before[begins] = -math.inf
+        if len(stuck := np.flatnonzero(t <= before)):
+            k = int(stuck[0])
+            raise InputError(
+                f"{batch.path}: {batch.place(int(rows[k]))}: time stamps must increase, "
+                f"received {t[k]:.9g} s after {before[k]:.9g} s"
+            )
+
+    def _window(
+        self, run: str, number: int, rows: tuple[int, int], begin: float, finish: float, offset: int
+    ) -> Window:
+        """The window of these rows of a batch, from `offset` on: the last one goes on, or another begins."""
+        every, (first, end) = self._found.windows, rows
+        if every and (every[-1].run, every[-1].number) == (run, number):
+            every[-1].end, every[-1].finish = offset + end, finish
+        else:
+            every.append(Window(run, number, offset + first, offset + end, begin, finish))
+        return every[-1]
+
+    def finish(self) -> None:
+        """Join short ends of runs to the window before; InputError for too many rows that are not numbers."""
+        found, path = self._found, self._found.stream.path
+        if found.rejected > MOST_REJECTED * found.rows:
+            what = f"no number in {found.rejected} of {found.rows} rows (first: {self._first_bad})"
+            raise InputError(f"{path}: {what}; at most {MOST_REJECTED:.0%} may be missing")
+        whole: list[Window] = []
+        for window in found.windows:
+            short = window.finish - window.begin < WINDOW_S / 2.0
+            if short and whole and whole[-1].run == window.run and whole[-1].end == window.first:
+                whole[-1].joined(window)
+            else:
+                whole.append(window)
+        found.windows[:] = whole
+
+
+def _cut(t: Array, start: float) -> Iterator[tuple[int, int, int]]:
+    """Rows [first, end) of each window with some, and its number, of a run that has begun at `start` [s]."""
+    numbers = range(int((t[0] - start) / WINDOW_S), int((t[-1] - start) / WINDOW_S) + 1)
+    edges = np.searchsorted(t, start + WINDOW_S * np.array(numbers[1:], float)).tolist()
+    for number, first, end in zip(numbers, [0, *edges], [*edges, len(t)], strict=True):
+        if first < end:
+            yield first, end, number
+
+
+def _count(
+    values: Mapping[str, Array],
+    wanted: Mask,
+    off: Mask,
+    firsts: Integers,
+    windows: list[Window],
+    rig: Rig,
+    found: Survey,
+) -> None:
+    """Add sums and states of a batch to its windows, on cells; those at its ends are left out."""
+    per = max(1, round(CELL_S / found.step_s)) if found.step_s else 1
+    count = len(wanted) // per
+    if count < LEAST_CELLS_OF_A_BATCH:
+        return
+    first = np.arange(count) * per
+    inside = first[1:-1]
+    cells = _cells_of(values, rig, first, per, count)
+    of = np.searchsorted(firsts, first, side="right")
+    alike = (of[2:] == of[:-2]) & (cells.span < 3.0 * per * found.step_s) & cells.clear & wanted[inside]
+    free = alike & off[inside]
+    moving = alike & ~off[inside] & (np.abs(cells.omega) > _threshold(cells.omega, rig))
+    columns = _columns(cells, values["time"][inside] - found.origin_s)
+    if not found.scales:
+        found.scales = tuple(map(_usual, (cells.omega, cells.alpha, cells.drive)))
+    states = _states(cells, moving, free, found.scales)
+    places = np.searchsorted(of[1:-1], np.arange(1, len(windows) + 2))
+    for window, a, b in zip(windows, places[:-1], places[1:], strict=True):
+        x = columns[a:b][moving[a:b]]
+        window.sums += x.T @ x
+        window.cells += len(x)
+        for state in states:
+            numbers, often = np.unique(state[a:b], return_counts=True)
+            window.seen.update(dict(zip(numbers.tolist(), often.tolist(), strict=True)))
+        window.seen.pop(-1, None)
+
+
+def _threshold(omega: Array, rig: Rig) -> float:
+    """Speed from which a cell counts as moving [rad/s]: that of the rig, or as most of the batch suggests."""
+    given = rig.sampling.moving_threshold_rad_s
+    return SLOW * _usual(omega) if given is None else given
+
+
+def _usual(x: Array) -> float:
+    """The size that a signal usually stays below."""
+    return float(np.quantile(np.abs(x), 0.95))
+
+
+@dataclass(frozen=True)
+class _Cells:
+    """Signals on cells, without the first and the last one; `clear` where the angle does not wrap."""
+
+    span: Array
+    omega: Array
+    alpha: Array
+    drive: Array
+    angle: Array | None
+    temperature: Array | None
+    clear: Mask
+
+
+def _cells_of(values: Mapping[str, Array], rig: Rig, first: Integers, per: int, count: int) -> _Cells:
+    """Differences over neighbouring cells; the drive is averaged over each."""
+    t = values["time"][first]
+    span = t[2:] - t[:-2]
+    name = next((c for c in ("theta_m", "theta_l") if c in values), None)
+    mu = rig.known.get("mu")
+    if name is None:
+        speed = next(values[c] for c in ("omega_m", "omega_l") if c in values)[first]
+        omega, alpha = speed[1:-1], (speed[2:] - speed[:-2]) / span
+        angle, clear = None, np.ones(len(span), dtype=bool)
+    else:
+        theta = values[name][first]
+        steps = np.diff(theta)
+        clear = np.abs(steps) <= JUMP * max(float(np.quantile(np.abs(steps), 0.9)), 1e-12)
+        clear = clear[1:] & clear[:-1]
+        omega, alpha = (theta[2:] - theta[:-2]) / span, 4.0 * (steps[1:] - steps[:-1]) / span**2
+        angle = theta[1:-1] if name == "theta_l" else None if mu is None else mu * theta[1:-1]
+        if name == "theta_l" and mu is not None:
+            omega, alpha = omega / mu, alpha / mu
+    drive = next(values[c] for c in ("current", "torque", "torque_l", "voltage") if c in values)
+    drive = drive[: count * per].reshape(count, per).mean(axis=1)[1:-1]
+    warm = values.get("temperature")
+    warm = None if warm is None else warm[first[1:-1]]
+    return _Cells(span, omega, alpha, drive, angle, warm, clear)
+
+
+def _columns(cells: _Cells, t: Array) -> Array:
+    """The base of a friction model and the drive on the cells (cells, COLUMNS + 1)."""
+    direction = np.sign(cells.omega)
+    zero = np.zeros_like(t)
+    angle, warm = cells.angle, cells.temperature
+    x = np.empty((len(t), COLUMNS + 1))
+    x[:, 0], x[:, 1], x[:, 2], x[:, 3] = direction, cells.omega, cells.alpha, 1.0
+    x[:, 4] = zero if angle is None else np.sin(angle)
+    x[:, 5] = zero if angle is None else np.cos(angle)
+    x[:, 6] = direction * np.abs(cells.omega) ** 2
+    x[:, 7] = direction * t
+    x[:, 8] = zero if warm is None else direction * warm
+    x[:, 9] = cells.drive
+    return x
+
+
+def _states(cells: _Cells, moving: Mask, free: Mask, scales: tuple[float, ...]) -> list[Integers]:
+    """The state of each cell in every respect, -1 for none: a kind, and a bin of its size and direction."""
+    way = (cells.omega > 0.0).astype(np.int64)
+    signals = cells.omega, cells.alpha, cells.drive
+    speed, acceleration, drive = (
+        2 * _bin(x, scale, OCTAVES) + (x > 0.0) for x, scale in zip(signals, scales, strict=True)
+    )
+    coarse = 2 * _bin(cells.drive, scales[2], 1.0) + (cells.drive > 0.0)
+    found = [
+        (0, speed),
+        (2, 2 * drive + way),
+        (3, 2 * acceleration + way),
+        (6, 1024 * (2 * _bin(cells.omega, scales[0], 1.0) + way) + coarse),
+    ]
+    if cells.angle is not None:
+        place = np.floor(cells.angle / (2.0 * math.pi) * ANGLES).astype(np.int64) % ANGLES
+        found.append((1, 2 * place + way))
+    if cells.temperature is not None:
+        warm = np.clip(np.floor(cells.temperature / DEGREES_A_BIN), -500, 500).astype(np.int64) + 500
+        found.append((4, 2 * warm + way))
+    states = [np.where(moving, (kind << 24) + state, -1) for kind, state in found]
+    if np.any(free):
+        states.append(np.where(free, (5 << 24) + way, -1))
+    return states
+
+
+def _bin(x: Array, scale: float, octaves: float) -> Integers:
+    """Number of the bin of a size, from 0 on: its logarithm, small ones together."""
+    with np.errstate(divide="ignore", invalid="ignore"):
+        found = np.floor(octaves * np.log2(np.abs(x) / scale)) if scale > 0.0 else np.zeros_like(x)
+    # Half as many bins span the same range at one an octave.
+    least = round(LEAST_BIN * octaves / OCTAVES)
+    return np.clip(np.nan_to_num(found), least, LARGEST_BIN).astype(np.int64) - least
