@@ -51,7 +51,7 @@ LEAST_STRETCH = 40
 LEAST_DIFFERENCES = 30
 """Fewest fourth differences for an RMS of the noise: it is then known to a fifth."""
 MOST_STRETCHES = 12
-"""Windows of a long log, evenly spread, that the noise is measured on: two minutes show it to a few percent."""
+"""Windows of a long log, evenly spread, that its noise is measured on: two minutes show it well enough."""
 TOO_NOISY = 0.1
 """Noise in the acceleration, as a fraction of it, above which the default low pass is unsuitable."""
 QUIET = 0.02

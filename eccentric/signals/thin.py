@@ -42,7 +42,7 @@ def thinned(table: Table, count: int) -> Table:
     members = first[:, None] + np.arange(count)
 
     def all_of(mask: NDArray[np.bool_]) -> NDArray[np.bool_]:
-        return mask[members].all(axis=1)
+        return np.asarray(mask[members].all(axis=1), bool)
 
     # What was skipped or dropped before the rows that are left out here is so before the next point.
     skipped = np.diff(np.cumsum(table.after_skipped)[first], prepend=0) != 0

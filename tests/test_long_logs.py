@@ -1,0 +1,385 @@
+"""Long logs are read in windows that say what the whole log says, and it is told what they miss."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from itertools import pairwise
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import eccentric
+from eccentric.cli.arguments import bar
+from eccentric.errors import InputError
+from eccentric.logs import Excerpt, Log, read_log, stream_log
+from eccentric.rigs import Rig, read_rig
+from eccentric.signals import read_channels, read_long
+from eccentric.signals.long.choice import choose
+from eccentric.signals.long.survey import Survey, survey
+from eccentric.signals.table import read_table
+from eccentric.signals.thin import thinned
+from tests.long_logs import COULOMB, RIG, VISCOUS, columns, parquet, plain, stribeck
+
+Columns = dict[str, Any]
+WINDOW_S = 10.0
+
+
+def rig_of(**more: Any) -> Rig:
+    """The rig of the planted logs, with further keys."""
+    return read_rig(RIG | more)
+
+
+def surveyed(log: Columns, rig: Rig | None = None) -> Survey:
+    """One pass over a log."""
+    return survey(stream_log(log), rig or rig_of(), True, lambda _: None)
+
+
+def chosen_times(log: Columns, rig: Rig, most: int) -> list[tuple[float, float]]:
+    """Begin and end of the chosen windows [s]."""
+    found = surveyed(log, rig)
+    return [
+        (found.windows[k].begin, found.windows[k].finish) for k in choose(found.windows, rig, most).places
+    ]
+
+
+@pytest.fixture(scope="module")
+def long_log(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Six minutes at 1 kHz, 360,000 rows."""
+    return parquet(tmp_path_factory.mktemp("long") / "long.parquet", columns(360.0))
+
+
+def test_a_fit_of_windows_finds_what_was_planted(long_log: Path) -> None:
+    """Coulomb and viscous friction are in their intervals; all rows are read, some used, and it says why."""
+    found = eccentric.fit(long_log, RIG)
+    rows = found.document["rows"]
+
+    truth = {"C_m": COULOMB, "B_m": VISCOUS}
+    for name, value in truth.items():
+        low, high = found.estimates[name].interval
+        assert low <= value <= high
+        assert value == pytest.approx(found.estimates[name].value, rel=0.05)
+    assert (360_000, 0) == (rows["read"], rows["rejected"])
+    assert 0 < rows["held_out"] < rows["used"] < 360_000
+    assert "say nothing new" in found.document["excerpt"]
+    assert found.document["excerpt"] in found.summary()
+
+
+def test_a_log_of_fifty_thousand_rows_is_read_whole() -> None:
+    """The same columns as `read_log` gives, and no word of windows."""
+    log = columns(50.0)
+    (read,) = read_long([log], rig_of())
+
+    assert read.excerpt is None
+    for name, values in read_log(log).columns.items():
+        np.testing.assert_array_equal(values, read.columns[name], name)
+    assert "excerpt" not in eccentric.fit(log, RIG).document
+
+
+def test_windows_are_every_row_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    """In order, within a run, ten seconds each; the short end of a run belongs to the window before."""
+    log = columns(64.0, 200.0)
+    log["run"] = np.where(log["time_s"] < 33.0, "a", "b")
+    expected = [("a", 0), ("a", 2000), ("a", 4000), ("b", 6600), ("b", 8600), ("b", 10600), ("b", 12800)]
+    for size in (131_072, 1777):
+        monkeypatch.setattr("eccentric.logs.batches.BATCH_ROWS", size)
+        windows = surveyed(log).windows
+        edges = [(w.run, w.first) for w in windows] + [(windows[-1].run, windows[-1].end)]
+
+        assert expected == edges
+        assert all(w.end == after.first for w, after in pairwise(windows))
+
+
+def test_the_sums_of_all_windows_give_the_planted_friction() -> None:
+    """Least squares on the sums of the survey: friction that was planted, by no filter and no model."""
+    from eccentric.signals.long.choice import solved
+
+    sums = sum(w.sums for w in surveyed(columns(120.0)).windows)
+    found = solved(np.asarray(sums))
+
+    assert found[0] == pytest.approx(COULOMB, rel=0.05)
+    assert found[1] == pytest.approx(VISCOUS, rel=0.1)
+
+
+def test_windows_are_the_rows_of_the_log(long_log: Path) -> None:
+    """Values and places are those in the file; a begin is where rows were left out before."""
+    whole = read_log(long_log)
+    (read,) = read_long([long_log], rig_of())
+    assert read.numbered is not None
+    assert read.excerpt is not None
+    rows = read.numbered - 1
+
+    assert {"time_s", "theta_m_rad", "torque_Nm"} == set(read.columns)
+    for name, values in read.columns.items():
+        np.testing.assert_array_equal(whole.columns[name][rows], values, name)
+    np.testing.assert_array_equal(np.flatnonzero(np.diff(rows) > 1) + 1, read.excerpt.begins)
+    assert (0, whole.rows - 1) == (rows[0], rows[-1])
+
+
+def test_friction_that_changes_in_the_last_quarter_is_in_the_windows() -> None:
+    """A quarter of the windows, within one, are from there."""
+
+    def late(t: np.ndarray, omega: np.ndarray) -> np.ndarray:
+        return plain(t, omega) * np.where(t > 900.0, 2.0, 1.0)
+
+    times = chosen_times(columns(1200.0, 200.0, late), rig_of(), 24)
+    share = sum(begin >= 900.0 for begin, _ in times) / len(times)
+
+    assert 0.2 <= share <= 0.4
+
+
+def test_one_run_of_many_that_differs_is_in_the_windows() -> None:
+    """Fifty runs and room for twelve windows: the run with twice the friction is among them."""
+
+    def odd(t: np.ndarray, omega: np.ndarray) -> np.ndarray:
+        return plain(t, omega) * np.where((t >= 460.0) & (t < 480.0), 3.0, 1.0)
+
+    log = columns(1000.0, 200.0, odd)
+    log["run"] = np.floor(log["time_s"] / 20.0)
+    found = surveyed(log)
+    choice = choose(found.windows, rig_of(), 12)
+
+    assert "23" in {found.windows[k].run for k in choice.places}
+    assert 50 - len({found.windows[k].run for k in choice.places}) == choice.runs
+
+
+def test_a_rare_state_is_in_the_windows() -> None:
+    """Three seconds at three times the speed, in twenty minutes."""
+    log = columns(1200.0, 200.0)
+    fast = (log["time_s"] >= 731.0) & (log["time_s"] < 734.0)
+    log["theta_m_rad"] = log["theta_m_rad"] + np.cumsum(np.where(fast, 60.0 / 200.0, 0.0))
+    times = chosen_times(log, rig_of(), 16)
+
+    assert any(begin <= 731.0 <= finish for begin, finish in times)
+
+
+def test_held_out_intervals_are_in_the_windows() -> None:
+    """A fifth of them, also where the intervals are a hundredth of the log."""
+    intervals = [[600.0, 621.0], [900.0, 921.0]]
+    times = chosen_times(columns(1200.0, 200.0), rig_of(holdout_intervals_s=intervals), 16)
+
+    assert 2 <= sum(any(a <= begin and finish <= b for a, b in intervals) for begin, finish in times)
+
+
+def test_every_run_that_the_rig_names_counts_and_no_other() -> None:
+    """Windows are of the runs that the rig names; one that it holds out is among them."""
+    log = columns(1200.0, 200.0)
+    log["run"] = np.floor(log["time_s"] / 20.0)
+    rig = rig_of(runs=["1*"], holdout_runs=["17"])
+    found = surveyed(log, rig)
+    runs = {found.windows[k].run for k in choose(found.windows, rig, 8).places}
+
+    assert "17" in runs
+    assert all(run.startswith("1") for run in runs)
+
+
+def test_what_the_windows_miss_is_said(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Fifty runs that all differ, of which few are read: runs, and windows unlike the others, are named."""
+
+    def all_differ(t: np.ndarray, omega: np.ndarray) -> np.ndarray:
+        return plain(t, omega) * np.where(np.floor(t / 20.0) % 7 == 3, 8.0, 1.0)
+
+    log = columns(1000.0, 200.0, all_differ)
+    log["run"] = np.floor(log["time_s"] / 20.0)
+    monkeypatch.setattr("eccentric.signals.long.limits.LONG_ROWS", 10_000)
+    (read,) = read_long([log], rig_of(), points=2000)
+    assert read.excerpt is not None
+
+    assert "are the most that are read" in read.excerpt.note
+    assert "runs" in read.excerpt.missed
+    table = read_table([read], rig_of())
+    assert [("excerpt", "note"), ("not_chosen", "warning")] == [(f.kind, f.severity) for f in table.findings]
+
+
+def bad(change: str) -> Columns:
+    """A log of 120,000 rows, wrong in row 100,001."""
+    log, row = columns(120.0), 100_000
+    if change == "time":
+        log["time_s"][row] = log["time_s"][row - 1] - 0.5
+    elif change == "run":
+        log["run"] = np.where(
+            np.arange(120_000) == row, "first", np.where(log["time_s"] < 50.0, "first", "b")
+        )
+    elif change == "size":
+        log["torque_Nm"][row] = 1e30
+    elif change == "numbers":
+        log["torque_Nm"][::4] = np.nan
+    elif change == "text":
+        log["torque_Nm"] = log["torque_Nm"].astype(str)
+        log["torque_Nm"][row] = "off"
+    return log
+
+
+@pytest.mark.parametrize(
+    ("change", "said"),
+    [
+        ("time", r"row 100001: time stamps must increase, received 99\.499 s after 99\.999 s"),
+        ("run", "row 100001: contiguous runs are required, received 'first' again"),
+        ("size", r"row 100001, column 'torque_Nm' \(torque\): at most 1e\+12 N m is required"),
+        ("numbers", r"no number in 30000 of 120000 rows \(first: row 1\); at most 20% may be missing"),
+        ("text", "row 100001, column 'torque_Nm': a number is required, received 'off'"),
+    ],
+)
+def test_a_bad_row_deep_in_a_long_log_is_named(change: str, said: str) -> None:
+    """As in a log that is read whole."""
+    with pytest.raises(InputError, match=said):
+        read_long([bad(change)], rig_of())
+
+
+def test_rows_that_are_no_numbers_are_counted_in_the_whole_log() -> None:
+    """A hundred rows without torque, and a row written twice: rejected, wherever the windows are."""
+    log = columns(120.0)
+    log["torque_Nm"][50_000:50_100] = np.nan
+    log = {name: np.insert(x, 70_000, x[69_999]) for name, x in log.items()}
+    (read,) = read_long([log], rig_of())
+
+    assert (120_001, 101) == (read.excerpt and read.excerpt.rows, read.excerpt and read.excerpt.rejected)
+
+
+def excerpt_of(log: Columns, *spans: tuple[float, float]) -> Log:
+    """The rows in these spans of time [s], as windows of a longer log."""
+    t = log["time_s"]
+    rows = np.concatenate([np.flatnonzero((t >= a) & (t < b)) for a, b in spans])
+    begins = np.flatnonzero(np.diff(rows) > 1) + 1
+    read = read_log({name: x[rows] for name, x in log.items()})
+    return Log(read.path, read.columns, read.rows, excerpt=Excerpt(len(t), 0, begins, "some windows"))
+
+
+def test_a_gap_between_windows_is_no_gap_of_the_log() -> None:
+    """A gap that the log has itself is found, one that the windows leave is not."""
+    log = columns(100.0, 200.0)
+    kept = (log["time_s"] < 14.0) | (log["time_s"] > 15.0)
+    log = {name: x[kept] for name, x in log.items()}
+    channels = read_channels([excerpt_of(log, (0.0, 30.0), (50.0, 80.0))], rig_of())
+    gaps = [finding for finding in channels.intake.findings if finding.kind == "gap"]
+
+    assert ["1 gap in time"] == [gap.text.split(",")[0] for gap in gaps]
+    assert 3 == len(np.unique(channels.time.segment))
+
+
+def test_windows_at_one_speed_each_are_no_map() -> None:
+    """Ten windows of a run that goes through ten speeds: not ten runs of constant speed."""
+    t = np.arange(200.0 * 100) / 200.0
+    speed = 2.0 + 2.0 * np.floor(t / 10.0)
+    theta = np.cumsum(speed) / 200.0
+    log = {"time_s": t, "theta_m_rad": theta, "torque_Nm": plain(t, speed)}
+    spans = [(10.0 * k + 1.0, 10.0 * k + 9.0) for k in range(10)]
+    channels = read_channels([excerpt_of(log, *spans)], rig_of())
+
+    assert 0.0 == channels.rig.sampling.average_over
+
+
+def test_a_fine_log_is_thinned_to_means_of_its_rows() -> None:
+    """1 kHz become 250 Hz for a low pass of 25 Hz: means within a window, whole ones only."""
+    log = columns(60.0)
+    read = excerpt_of(log, (0.0, 20.001), (30.0, 50.0))
+    channels = read_channels([read], rig_of())
+    torque, t = channels.motor.torque, channels.time.t
+
+    assert (5000 + 5000, 4) == (len(t), channels.time.rows_per_point)
+    assert torque is not None
+    np.testing.assert_allclose(torque[:3], log["torque_Nm"][:12].reshape(3, 4).mean(axis=1), rtol=1e-12)
+    np.testing.assert_allclose(torque[5000], log["torque_Nm"][30_000:30_004].mean(), rtol=1e-12)
+    assert [5000] == np.flatnonzero(channels.time.skipped).tolist()
+
+
+def test_a_wrapped_angle_is_thinned_after_it_is_unwrapped() -> None:
+    """The angle of an encoder that starts again at every turn gives the same motion."""
+    log = columns(60.0)
+    wrapped = log | {"theta_m_rad": np.mod(log["theta_m_rad"], 2.0 * np.pi)}
+    found = [read_channels([excerpt_of(one, (0.0, 40.0))], rig_of()) for one in (log, wrapped)]
+
+    np.testing.assert_allclose(found[0].motion.omega_m, found[1].motion.omega_m, atol=1e-6)
+
+
+def test_a_point_with_the_motor_switched_inside_is_not_wanted() -> None:
+    """Three rows on, one off: neither driven nor free."""
+    log = columns(10.0)
+    log["motor_off"] = (np.arange(10_000) >= 5_002).astype(float)
+    table = thinned(read_table([log], rig_of()), 4)
+
+    assert [1250] == np.flatnonzero(~table.use).tolist()
+    assert 1251 == int(np.argmax(table.motor_off))
+
+
+def test_what_warms_up_goes_on_between_windows() -> None:
+    """A first-order lag under a constant push, seen in two windows: 1 - exp(-t/tau) in both."""
+    from eccentric.fitting.states import States
+
+    tau, dt = 20.0, 0.01
+    t = np.concatenate([np.arange(0.0, 10.0, dt), np.arange(45.0, 55.0, dt)])
+    gain, push = np.full(len(t), 1.0 - dt / (tau + dt)), np.full(len(t), dt / (tau + dt))
+
+    class Signals:
+        starts, bridged, size = (0, 1000), {1000: 3501}, len(t)
+
+    states = States.__new__(States)
+    states._signals = Signals()  # pyright: ignore[reportAttributeAccessIssue]
+    found = states._affine(0.0, gain, push)
+
+    np.testing.assert_allclose(found, 1.0 - np.exp(-t / tau), atol=1e-3)
+
+
+def test_there_is_a_bar_on_a_terminal_only(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """With the part that is done and the seconds that are left; it is wiped at the end."""
+    assert bar() is None
+    monkeypatch.setattr(sys.stderr, "isatty", lambda: True)
+    show = bar()
+    assert show is not None
+    show(0.5)
+    shown = capsys.readouterr().err
+    show(1.0)
+
+    assert "50%" in shown
+    assert "s left" in shown
+    assert capsys.readouterr().err.endswith("\r")
+
+
+def test_progress_is_told_while_a_long_log_is_read(long_log: Path) -> None:
+    """Parts that grow to one."""
+    told: list[float] = []
+    eccentric.fit(long_log, RIG, reading=told.append)
+
+    assert sorted(told) == told
+    assert 1.0 == told[-1]
+    assert len(told) > 3
+
+
+def test_a_diagnosis_of_windows_names_what_was_planted(tmp_path: Path) -> None:
+    """Stribeck friction in 200,000 rows."""
+    found = eccentric.diagnose(
+        parquet(tmp_path / "log.parquet", columns(200.0, 1000.0, stribeck)),
+        RIG,
+        only=["stribeck", "time_drift"],
+    )
+
+    assert "named" == found.verdict
+    assert found.effects[0].startswith("stribeck")
+    assert found.document["excerpt"] in found.summary()
+    assert 120_000 == found.document["rows"]["read"]
+
+
+_PEAK = """
+import resource, sys
+import eccentric
+from tests.long_logs import RIG
+found = eccentric.diagnose(sys.argv[1], RIG)
+print(*found.effects, resource.getrusage(resource.RUSAGE_SELF).ru_maxrss)
+"""
+
+
+@pytest.mark.slow
+def test_an_hour_at_a_kilohertz_takes_less_than_1500_megabytes(tmp_path: Path) -> None:
+    """3.6 million rows with Stribeck friction, the whole library on offer."""
+    path = parquet(tmp_path / "hour.parquet", columns(3600.0, 1000.0, stribeck))
+    told = subprocess.run(
+        [sys.executable, "-c", _PEAK, path], capture_output=True, text=True, check=True, cwd=Path.cwd()
+    )
+    *effects, kilobytes = told.stdout.split()
+
+    assert effects[0].startswith("stribeck")
+    assert int(kilobytes) < 1_500_000
