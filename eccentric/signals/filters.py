@@ -8,13 +8,22 @@ from __future__ import annotations
 
 import functools
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import make_interp_spline
 from scipy.signal import butter, sosfiltfilt
 
-from eccentric.signals.limits import COARSE, END_S, HALF_SPAN_S, JITTER, LEAST_FILTERED, REVERSAL_S
+from eccentric.signals.limits import (
+    COARSE,
+    END_S,
+    HALF_SPAN_S,
+    JITTER,
+    LEAST_FILTERED,
+    REVERSAL_S,
+    ROUNDED_RATE,
+)
 from eccentric.signals.stretches import rows_of_each
 
 Array = NDArray[np.float64]
@@ -45,29 +54,45 @@ class LowPass:
     """The low pass of a log, stretch by stretch: a search applies that of one log thousands of times.
 
     Attributes:
-        stretches: the rows of each stretch that it filters, with their sampling rate [Hz]; rows of one that
-            is too coarse or too short stay as they are.
+        together: stretches of one length and sampling rate, filtered at once: the first row of each, the
+            length, the rate [Hz]; rows of a stretch that is too coarse or too short stay as they are.
         cut_hz: its cut-off frequency [Hz].
     """
 
-    stretches: tuple[tuple[slice, float], ...]
+    together: tuple[tuple[NDArray[np.int64], int, float], ...]
     cut_hz: float
 
     def __call__(self, x: Array) -> Array:
         """Return x (n,) or (n, k) after the low pass."""
         out = np.array(x, float)
-        for rows, rate_hz in self.stretches:
+        for firsts, length, rate_hz in self.together:
+            if len(firsts) == 1:
+                rows: Any = slice(firsts[0], firsts[0] + length)
+            else:
+                rows = np.arange(length)[:, None] + firsts
             passed = low_pass(out[rows], rate_hz, self.cut_hz)
             if passed is not None:
                 out[rows] = passed
         return out
 
 
-def low_pass_of(t: Array, segment: NDArray[np.int64], cut_hz: float) -> LowPass:
-    """Return the low pass for signals at t [s] (n,) in stretches of these numbers (n,)."""
-    every = [(rows[0], rows[-1] + 1) for rows in rows_of_each(segment) if len(rows) > LEAST_FILTERED]
-    rates = [1.0 / float(np.median(np.diff(t[first:end]))) for first, end in every]
-    return LowPass(tuple((slice(*ends), rate) for ends, rate in zip(every, rates, strict=True)), cut_hz)
+def low_pass_of(t: Array, segment: NDArray[np.int64], cut_hz: float, *, alike: bool = False) -> LowPass:
+    """Return the low pass for signals at t [s] (n,) in stretches of these numbers (n,).
+
+    With `alike`, as for the windows of one log, sampling rates that differ by rounding are one.
+    """
+    together: dict[tuple[int, float], list[int]] = {}
+    first_rate = 0.0
+    for rows in rows_of_each(segment):
+        if len(rows) > LEAST_FILTERED:
+            rate = 1.0 / float(np.median(np.diff(t[rows])))
+            first_rate = first_rate or rate
+            if alike and abs(rate - first_rate) < ROUNDED_RATE * rate:
+                rate = first_rate
+            together.setdefault((len(rows), rate), []).append(int(rows[0]))
+    return LowPass(
+        tuple((np.array(firsts), length, rate) for (length, rate), firsts in together.items()), cut_hz
+    )
 
 
 def is_even(t: Array) -> bool:

@@ -15,6 +15,8 @@ JITTER = 0.1
 """Time stamps within this fraction of a step of an even grid count as even (stamps are often rounded)."""
 RATE_LOW, RATE_HIGH = 0.9, 1.1
 """The rate of a log over the declared one: outside, time is in another unit."""
+ROUNDED_RATE = 1e-6
+"""Sampling rates of the windows of a log within this fraction are one: stamps are rounded."""
 UNEVEN_STEP = 0.2
 """A time step this far from the median, as a fraction of it, is counted as uneven."""
 

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from eccentric.errors import InputError
 from eccentric.rigs import Alignment
-from eccentric.signals.filters import low_pass_of
+from eccentric.signals.filters import LowPass, low_pass_of
 from eccentric.signals.limits import NARROWER
 from eccentric.signals.motion import motion_of
 from eccentric.signals.stretches import joined
@@ -157,7 +157,12 @@ class Channels:
 
     def smooth(self, x: Array) -> Array:
         """A signal (n,) after the low pass that the angle has passed."""
-        return low_pass_of(self.time.t, self.time.segment, self.rig.sampling.low_pass_hz)(x)
+        return self.low_pass(self.rig)(x)
+
+    def low_pass(self, rig: Rig) -> LowPass:
+        """The low pass of a rig for all signals of the log."""
+        time = self.time
+        return low_pass_of(time.t, time.segment, rig.sampling.low_pass_hz, alike=bool(np.any(time.skipped)))
 
     @property
     def phased(self) -> bool:

@@ -22,7 +22,7 @@ from scipy.sparse import csr_array
 from eccentric.errors import InputError
 from eccentric.rigs import Rig
 from eccentric.signals.by_parts import windows_by_parts
-from eccentric.signals.filters import LowPass, low_pass_of
+from eccentric.signals.filters import LowPass
 from eccentric.signals.hann import hann_windows
 from eccentric.signals.limits import (
     LEAST_RUN_PART,
@@ -139,7 +139,7 @@ def _low_pass(channels: Channels, rig: Rig) -> LowPass:
     Friction jumps at a reversal, and the drive with it; the acceleration of a filtered angle does not.
     Unfiltered, the difference looks like an effect some 60 ms about each reversal.
     """
-    return low_pass_of(channels.time.t, channels.time.segment, rig.sampling.low_pass_hz)
+    return channels.low_pass(rig)
 
 
 def _length(channels: Channels, rig: Rig) -> float:
