@@ -18,7 +18,7 @@ from eccentric.logs import Excerpt, Log, read_log, stream_log
 from eccentric.rigs import Rig, read_rig
 from eccentric.signals import read_channels, read_long
 from eccentric.signals.long.choice import choose
-from eccentric.signals.long.survey import Survey, survey
+from eccentric.signals.long.survey import LogSurvey, survey
 from eccentric.signals.table import read_table
 from eccentric.signals.thin import thinned
 from tests.long_logs import COULOMB, RIG, VISCOUS, columns, parquet, plain, stribeck
@@ -32,7 +32,7 @@ def rig_of(**more: Any) -> Rig:
     return read_rig(RIG | more)
 
 
-def surveyed(log: Columns, rig: Rig | None = None) -> Survey:
+def surveyed(log: Columns, rig: Rig | None = None) -> LogSurvey:
     """One pass over a log."""
     return survey(stream_log(log), rig or rig_of(), True, lambda _: None)
 

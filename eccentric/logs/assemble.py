@@ -42,7 +42,7 @@ class Part:
 
 
 @dataclass(frozen=True)
-class Source:
+class InParts:
     """A file that is read in parts.
 
     names: its columns; rows: how many there are, at most; parts: of these columns and of these spans

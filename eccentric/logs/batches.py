@@ -20,7 +20,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from eccentric.errors import InputError
-from eccentric.logs.assemble import Part, Source, overlaps
+from eccentric.logs.assemble import InParts, Part, overlaps
 from eccentric.logs.csv_file import csv_source
 from eccentric.logs.limits import BATCH_ROWS
 from eccentric.logs.log import Log, LogSource, read_log, readable_log, reader_errors
@@ -33,7 +33,7 @@ if TYPE_CHECKING:
 
 __all__ = ["LogStream", "stream_log"]
 
-_SOURCES: dict[str, Callable[[Path], Source | None]] = {
+_SOURCES: dict[str, Callable[[Path], InParts | None]] = {
     ".csv": csv_source,
     ".csv.gz": csv_source,
     ".mat": mat_source,

@@ -14,7 +14,7 @@ from typing import IO
 import numpy as np
 
 from eccentric.errors import InputError
-from eccentric.logs.assemble import Part, Read, Source, column_of, number_of, overlaps
+from eccentric.logs.assemble import InParts, Part, Read, column_of, number_of, overlaps
 from eccentric.logs.limits import BATCH_ROWS, MOST_CHARACTERS
 from eccentric.logs.room import require_room_for_text
 
@@ -56,7 +56,7 @@ def text_of(path: Path) -> str:
     return text
 
 
-def csv_source(path: Path) -> Source:
+def csv_source(path: Path) -> InParts:
     """Return a CSV file as blocks of rows; it has at most as many as lines, which are counted."""
     with _csv_errors(path):
         header, delimiter, before = _start(path)
@@ -76,7 +76,7 @@ def csv_source(path: Path) -> Source:
                     yield Part(first, columns, np.array([line for line, _ in found], dtype=np.int64))
                 at += len(block)
 
-    return Source(tuple(header), _lines(path) - before, parts)
+    return InParts(tuple(header), _lines(path) - before, parts)
 
 
 def _start(path: Path) -> tuple[list[str], str, int]:

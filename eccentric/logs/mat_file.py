@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 
 from eccentric.errors import InputError
-from eccentric.logs.assemble import Column, LeftOut, Part, Read, Source, assemble
+from eccentric.logs.assemble import Column, InParts, LeftOut, Part, Read, assemble
 from eccentric.logs.limits import BATCH_ROWS, DEEPEST_REFERENCE
 from eccentric.logs.mat_check import check
 from eccentric.logs.room import require_room_for_numbers
@@ -63,7 +63,7 @@ def _plain(name: str, value: Any) -> tuple[str, Any]:
     return name, value
 
 
-def mat_source(path: Path) -> Source | None:
+def mat_source(path: Path) -> InParts | None:
     """Return a file of version 7.3 as slices of its arrays; None for other versions, which are read whole."""
     if not _is_7_3(path):
         return None
@@ -101,7 +101,7 @@ def mat_source(path: Path) -> Source | None:
                     columns[name] = own
                 yield Part(first, columns)
 
-    return Source(tuple(read.columns), rows, parts, read.notes)
+    return InParts(tuple(read.columns), rows, parts, read.notes)
 
 
 @dataclass(frozen=True)

@@ -11,7 +11,7 @@ from typing import Any
 
 from eccentric.errors import InputError
 from eccentric.logs.arrow import arrow_columns
-from eccentric.logs.assemble import Part, Read, Source, overlaps
+from eccentric.logs.assemble import InParts, Part, Read, overlaps
 from eccentric.logs.limits import BATCH_ROWS
 from eccentric.logs.room import require_room_for_numbers
 
@@ -24,7 +24,7 @@ def read_parquet(path: Path) -> Read:
         return arrow_columns(file.read(), str(path))
 
 
-def parquet_source(path: Path) -> Source:
+def parquet_source(path: Path) -> InParts:
     """Return a Parquet file as batches of rows; of row groups without a wanted row, nothing is read."""
     with _opened(path) as file:
         empty = arrow_columns(file.schema_arrow.empty_table(), str(path))
@@ -45,7 +45,7 @@ def parquet_source(path: Path) -> Source:
                         yield Part(first, found.columns)
                     at += len(table)
 
-    return Source(tuple(empty.columns), firsts[-1], parts, empty.notes)
+    return InParts(tuple(empty.columns), firsts[-1], parts, empty.notes)
 
 
 @contextmanager

@@ -34,13 +34,13 @@ from eccentric.signals.long.limits import (
 )
 from eccentric.signals.long.survey import Window, state_name
 
-__all__ = ["Choice", "choose", "solved"]
+__all__ = ["ChosenWindows", "choose", "solved"]
 
 Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
-class Choice:
+class ChosenWindows:
     """The places of the chosen windows, in order, out of `of`; what they cover, and what they do not.
 
     `worse` is how much worse coefficients from the windows predict the whole log than those from the whole
@@ -61,7 +61,7 @@ class Choice:
     runs: int
 
 
-def choose(windows: Sequence[Window], rig: Rig, most: int) -> Choice:
+def choose(windows: Sequence[Window], rig: Rig, most: int) -> ChosenWindows:
     """Choose at most `most` windows, more only where runs that the rig holds out need one.
 
     With fewer windows than that, or none in which the drive moves, all are chosen.
@@ -89,7 +89,7 @@ def choose(windows: Sequence[Window], rig: Rig, most: int) -> Choice:
     unseen = Counter[str]()
     for state in visited - seen:
         unseen[state_name(state)] += total[state]
-    return Choice(
+    return ChosenWindows(
         tuple(sorted(chosen)),
         len(candidates),
         worse,

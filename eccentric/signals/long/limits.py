@@ -14,6 +14,8 @@ POINT_RATE_HZ = 250.0
 
 CELL_S = 0.02
 """States are counted, and sums taken, on cells of this length: faster than any course moves."""
+COLUMNS = 9
+"""Columns of the sums: seven of the base, two of it that drift, with time and temperature."""
 SLOW = 0.03
 """Least speed that counts as motion, as a fraction of the 95th percentile of a batch."""
 OCTAVES = 2.0

@@ -9,9 +9,9 @@ import numpy as np
 
 from eccentric.logs import Excerpt, Log, LogSource, stream_log
 from eccentric.rigs import Rig
-from eccentric.signals.long.choice import Choice, choose
+from eccentric.signals.long.choice import ChosenWindows, choose
 from eccentric.signals.long.limits import CELL_S, LONG_ROWS, POINT_RATE_HZ, SEARCH_POINTS, WINDOW_S
-from eccentric.signals.long.survey import Survey, survey
+from eccentric.signals.long.survey import LogSurvey, survey
 
 __all__ = ["read_long"]
 
@@ -67,7 +67,7 @@ def read_long(
     return logs
 
 
-def _read(found: Survey, places: Sequence[int], note: str, missed: str) -> Log:
+def _read(found: LogSurvey, places: Sequence[int], note: str, missed: str) -> Log:
     """The windows of one log."""
     spans: list[tuple[int, int]] = []
     for k in places:
@@ -82,7 +82,7 @@ def _read(found: Survey, places: Sequence[int], note: str, missed: str) -> Log:
     return dataclasses.replace(log, excerpt=Excerpt(found.rows, found.rejected, begins, note, missed))
 
 
-def _said(choice: Choice, surveys: Sequence[Survey]) -> tuple[str, str]:
+def _said(choice: ChosenWindows, surveys: Sequence[LogSurvey]) -> tuple[str, str]:
     """How much of the logs was chosen and why, and what is not in it."""
     windows = [window for found in surveys for window in found.windows]
     used = sum(windows[k].finish - windows[k].begin for k in choice.places)

@@ -25,6 +25,7 @@ from eccentric.signals.limits import MOST_REJECTED
 from eccentric.signals.long.limits import (
     ANGLES,
     CELL_S,
+    COLUMNS,
     DEGREES_A_BIN,
     JUMP,
     LARGEST_BIN,
@@ -35,14 +36,12 @@ from eccentric.signals.long.limits import (
     WINDOW_S,
 )
 
-__all__ = ["Survey", "Window", "survey"]
+__all__ = ["LogSurvey", "Window", "survey"]
 
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
 Mask = NDArray[np.bool_]
 
-COLUMNS = 9
-"""Of the sums: seven of the base, two that drift, and the drive behind them."""
 _STATES = ("speed", "angle", "drive", "acceleration", "temperature", "motor off", "speed and drive")
 
 
@@ -72,7 +71,7 @@ class Window:
 
 
 @dataclass
-class Survey:
+class LogSurvey:
     """What one pass over a log found: its windows in order, its rows, and how many are not numbers.
 
     `step_s` is the usual time between rows, `origin_s` the first, `scales` the usual sizes of speed,
@@ -94,7 +93,7 @@ def state_name(state: int) -> str:
     return _STATES[state >> 24]
 
 
-def survey(stream: LogStream, rig: Rig, alone: bool, tell: Callable[[int], None]) -> Survey:
+def survey(stream: LogStream, rig: Rig, alone: bool, tell: Callable[[int], None]) -> LogSurvey:
     """Go over a log once.
 
     Args:
@@ -107,7 +106,7 @@ def survey(stream: LogStream, rig: Rig, alone: bool, tell: Callable[[int], None]
         InputError: whatever `read_table` refuses.
     """
     columns = used_columns(Log(stream.path, dict.fromkeys(stream.names, np.empty(0)), 0), rig)
-    found = Survey(stream, columns)
+    found = LogSurvey(stream, columns)
     reader = _Reader(found, rig, alone)
     for batch in stream.batches(columns):
         reader.take(batch)
@@ -121,7 +120,7 @@ def survey(stream: LogStream, rig: Rig, alone: bool, tell: Callable[[int], None]
 class _Reader:
     """The state of a pass: the run and the window that the last batch ended in."""
 
-    def __init__(self, found: Survey, rig: Rig, alone: bool) -> None:
+    def __init__(self, found: LogSurvey, rig: Rig, alone: bool) -> None:
         self._found, self._rig, self._alone = found, rig, alone
         self._runs: set[str] = set()
         self._run = ""
@@ -237,7 +236,7 @@ def _count(
     firsts: Integers,
     windows: list[Window],
     rig: Rig,
-    found: Survey,
+    found: LogSurvey,
 ) -> None:
     """Add sums and states of a batch to its windows, on cells; those at its ends are left out."""
     per = max(1, round(CELL_S / found.step_s)) if found.step_s else 1
