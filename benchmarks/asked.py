@@ -122,6 +122,13 @@ DIAGNOSIS: dict[str, Asked] = {
     "sure": Asked(f"named with probability {SURE:g} or more, and right", "at least", 0.9),
     "seconds": Asked("50,000 rows, whole library", "at most", 20, "s"),
     "memory": Asked("memory of the process, up to 50,000 rows", "at most", 1, "GB"),
+    "long seconds": Asked("an hour at 1 kHz, 3.6 million rows, whole library", "at most", 180, "s"),
+    "long memory hour": Asked("the same: memory of the process", "at most", 1.5, "GB"),
+    "long memory hours": Asked("30 million rows, whole library: memory of the process", "at most", 1.5, "GB"),
+    "long fit hour": Asked(
+        "fit of 3.6 million rows: time over that of a bare PyArrow scan of its columns", "at most", 10
+    ),
+    "long fit hours": Asked("fit of 30 million rows: the same", "at most", 10),
     **{
         f"coverage {kind}": Asked(f"95 % intervals that hold the truth: {what}", "at least", 0.92, up_to=0.97)
         for kind, what in (

@@ -29,6 +29,7 @@ from benchmarks import (
     fuzz,
     host,
     intervals,
+    long,
     speed,
     target,
 )
@@ -46,6 +47,7 @@ PARTS: dict[str, tuple[str, Callable[[bool], Part]]] = {
     "accuracy": ("Accuracy", accuracy.measured),
     "checks": ("Checks", checks.measured),
     "field": ("In the field", field.measured),
+    "long": ("Long logs", long.measured),
     "readers": ("Fuzzed readers", fuzz.measured),
     "intervals": ("Intervals", intervals.measured),
     "diagnosis": ("Diagnosis", diagnosis.measured),

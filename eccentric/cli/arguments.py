@@ -32,7 +32,13 @@ _STATUS = (
 def add_logs(parser: argparse.ArgumentParser) -> None:
     """Add the inputs of a fit: logs, their rig, and the model."""
     add = parser.add_argument
-    add("logs", metavar="LOG", nargs="+", help="logs of one rig: .csv[.gz], .parquet, .mat, .json[.gz]")
+    add(
+        "logs",
+        metavar="LOG",
+        nargs="+",
+        help="logs of one rig: .csv[.gz], .parquet, .mat, .json[.gz]; of more than 100,000 rows together, "
+        "windows are used, see docs/long-logs.md",
+    )
     add(
         "--rig",
         metavar="RIG",

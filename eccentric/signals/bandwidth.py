@@ -33,6 +33,7 @@ from eccentric.signals.limits import (
     MAP_RANGE,
     MAP_RUNS,
     MAP_STEADY,
+    MOST_STRETCHES,
     QUIET,
     RAISED,
     TOO_NOISY,
@@ -62,6 +63,9 @@ def suited(
         cut = min(rig.sampling.low_pass_hz, COARSE / max(steps))
         said = f"the log is {len(stretches)} runs of constant speed: one mean of each is compared"
         return _averaged(rig, cut, math.inf), said
+    if not np.all(whole):
+        places = np.linspace(0, len(stretches) - 1, MOST_STRETCHES).round().astype(int)
+        stretches = [stretches[k] for k in np.unique(places)]
     low_pass_hz = rig.sampling.low_pass_hz
     noise, size = _over_all(t, theta, moving, stretches, low_pass_hz)
     if not size:

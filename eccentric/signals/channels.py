@@ -20,7 +20,7 @@ from eccentric.logs import read_log
 from eccentric.rigs import Alignment
 from eccentric.signals.bandwidth import suited
 from eccentric.signals.holdout import Holdout, hold_out
-from eccentric.signals.limits import END_S, HALF_SPAN_S, MOST_STRETCHES, POINTS_PER_ROW, RATE_HIGH, RATE_LOW
+from eccentric.signals.limits import END_S, HALF_SPAN_S, POINTS_PER_ROW, RATE_HIGH, RATE_LOW
 from eccentric.signals.measured import Channels, Intake, MeasuredMotion, Motor, Selection, TimeBase
 from eccentric.signals.motion import motion_of, motor_side, of_the_motor, quantum_of, uneven
 from eccentric.signals.moving import clear_of_ends, moving_rows, near_switching
@@ -128,12 +128,7 @@ def _suited(rig: Rig, points: _Points) -> tuple[Rig, list[str]]:
     """Return the rig, completed with settings that suit the log, and warnings about them."""
     fitted = points.moving & ~points.holdout.rows
     whole = np.bincount(points.segment, points.table.after_skipped) == 0
-    some = slice(None)
-    if points.table.is_excerpt and len(whole) > MOST_STRETCHES:
-        kept = np.unique(np.linspace(0, len(whole) - 1, MOST_STRETCHES).round().astype(int))
-        some, whole = np.isin(points.segment, kept), whole[kept]
-    given = (points.t[some], points.theta[some], points.segment[some], fitted[some], whole)
-    rig, said = suited(rig, *given)
+    rig, said = suited(rig, points.t, points.theta, points.segment, fitted, whole)
     warnings = [said] if said else []
     if math.isinf(rig.sampling.average_over) and not {"J_m", "J_l"} <= set(rig.known):
         # The small acceleration of a constant speed would absorb anything that the friction lacks.

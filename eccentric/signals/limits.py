@@ -52,8 +52,8 @@ LEAST_STRETCH = 40
 """Stretches of at most this many rows say little about noise: the filter's ends are most of them."""
 LEAST_DIFFERENCES = 30
 """Fewest fourth differences for an RMS of the noise: it is then known to a fifth."""
-MOST_STRETCHES = 12
-"""Windows of a long log, evenly spread, that its noise is measured on: two minutes show it well enough."""
+MOST_STRETCHES = 5
+"""Windows of a long log, evenly spread, that its noise is measured on: each shows it to a few percent."""
 TOO_NOISY = 0.1
 """Noise in the acceleration, as a fraction of it, above which the default low pass is unsuitable."""
 QUIET = 0.02
