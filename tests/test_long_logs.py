@@ -146,10 +146,9 @@ def test_one_run_of_many_that_differs_is_in_the_windows() -> None:
 
 
 def test_a_rare_state_is_in_the_windows() -> None:
-    """Three seconds at three times the speed, in twenty minutes."""
+    """Three seconds with the motor switched off, in twenty minutes: only they separate k_e from friction."""
     log = columns(1200.0, 200.0)
-    fast = (log["time_s"] >= 731.0) & (log["time_s"] < 734.0)
-    log["theta_m_rad"] = log["theta_m_rad"] + np.cumsum(np.where(fast, 60.0 / 200.0, 0.0))
+    log["motor_off"] = ((log["time_s"] >= 731.0) & (log["time_s"] < 734.0)).astype(float)
     times = chosen_times(log, rig_of(), 16)
 
     assert any(begin <= 731.0 <= finish for begin, finish in times)
@@ -163,16 +162,37 @@ def test_held_out_intervals_are_in_the_windows() -> None:
     assert 2 <= sum(any(a <= begin and finish <= b for a, b in intervals) for begin, finish in times)
 
 
-def test_every_run_that_the_rig_names_counts_and_no_other() -> None:
-    """Windows are of the runs that the rig names; one that it holds out is among them."""
+def runs_chosen(log: Columns, rig: Rig, most: int) -> set[str]:
+    """The runs of the chosen windows."""
+    found = surveyed(log, rig)
+    return {found.windows[k].run for k in choose(found.windows, rig, most).places}
+
+
+def test_runs_that_the_rig_does_not_name_do_not_count() -> None:
+    """Windows are of the runs that match its patterns."""
+    log = columns(400.0, 200.0)
+    log["run"] = np.floor(log["time_s"] / 20.0)
+
+    assert all(run.startswith("1") for run in runs_chosen(log, rig_of(runs=["1*"]), 8))
+
+
+def test_a_run_that_the_rig_holds_out_is_in_the_windows() -> None:
+    """Whichever of sixty it is, where twelve windows are read."""
     log = columns(1200.0, 200.0)
     log["run"] = np.floor(log["time_s"] / 20.0)
-    rig = rig_of(runs=["1*"], holdout_runs=["17"])
-    found = surveyed(log, rig)
-    runs = {found.windows[k].run for k in choose(found.windows, rig, 8).places}
 
-    assert "17" in runs
-    assert all(run.startswith("1") for run in runs)
+    assert all(
+        name in runs_chosen(log, rig_of(holdout_runs=[name]), 12) for name in ("3", "17", "32", "44", "58")
+    )
+
+
+def test_a_short_run_among_long_ones_is_in_the_windows() -> None:
+    """Ten seconds of twenty minutes, a run of their own."""
+    log = columns(1200.0, 200.0)
+    t = log["time_s"]
+    log["run"] = np.where(t < 512.0, "before", np.where(t < 522.0, "short", "after"))
+
+    assert {"before", "short", "after"} == runs_chosen(log, rig_of(), 12)
 
 
 def test_what_the_windows_miss_is_said(monkeypatch: pytest.MonkeyPatch) -> None:
