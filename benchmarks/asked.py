@@ -126,7 +126,7 @@ DIAGNOSIS: dict[str, Asked] = {
     "long memory hour": Asked("the same: memory of the process", "at most", 1.5, "GB"),
     "long memory hours": Asked("30 million rows, whole library: memory of the process", "at most", 1.5, "GB"),
     "long fit hour": Asked(
-        "fit of 3.6 million rows: time over that of a bare PyArrow scan of its columns", "at most", 10
+        "fit of 3.6 million rows: processor time over that of a bare PyArrow scan", "at most", 10
     ),
     "long fit hours": Asked("fit of 30 million rows: the same", "at most", 10),
     **{

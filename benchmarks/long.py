@@ -19,6 +19,7 @@ import statistics
 import subprocess
 import sys
 import tempfile
+import time
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -41,7 +42,7 @@ USED = ("time_s", "theta_m_rad", "omega_m_rad_s", "voltage_V", "current_A")
 SCAN = "scan"
 _OWN = {"fit": "eccentric.fit", "diagnose": "eccentric.diagnose"}
 _PROCESS = """
-import json, resource, sys, time
+import json, sys
 from benchmarks import long
 what, log, rig, rounds = sys.argv[1:]
 print(json.dumps(long.timed(what, log, rig, int(rounds))))
@@ -49,21 +50,25 @@ print(json.dumps(long.timed(what, log, rig, int(rounds))))
 
 
 def timed(what: str, log: str, rig: str, rounds: int) -> dict[str, Any]:
-    """Seconds of each round, seconds of processor time in the last, peak memory [MB] and what was found.
+    """Medians of seconds and of processor seconds over the rounds, peak memory [MB] and what was found.
 
     One round more comes first, which imports what is needed.
     """
-    import resource
-    import time
-
-    seconds, found, busy = [], "", 0.0
+    seconds, busy, found = [], [], ""
     for _ in range(rounds + (rounds > 1)):
         begun, used = time.perf_counter(), time.process_time()
         found = ENGINES[what](log, rig)
         seconds.append(time.perf_counter() - begun)
-        busy = time.process_time() - used
-    peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1e3
-    return {"seconds": seconds[-rounds:], "busy": busy, "MB": peak, "found": found}
+        busy.append(time.process_time() - used)
+    # Not `getrusage`, whose peak begins with that of the process that has started this one.
+    status = Path("/proc/self/status").read_text(encoding="ascii").splitlines()
+    peak = next(int(line.split()[1]) for line in status if line.startswith("VmHWM:")) / 1e3
+    return {
+        "seconds": statistics.median(seconds[-rounds:]),
+        "busy": statistics.median(busy[-rounds:]),
+        "MB": peak,
+        "found": found,
+    }
 
 
 def _scan(log: str, _: str) -> str:
@@ -178,7 +183,7 @@ def measured(quick: bool) -> Part:
     rounds = 3 if quick else ROUNDS
     figures: dict[str, Measured] = {}
     lines = [
-        "| log | engine | time | over the scan | processor time | memory | |",
+        "| log | engine | time | processor time | over the scan | memory | |",
         "|---|---|---|---|---|---|---|",
     ]
     with tempfile.TemporaryDirectory() as name:
@@ -189,21 +194,20 @@ def measured(quick: bool) -> Part:
                 one = run(what, log, rig, 1 if what == "diagnose" else rounds)
                 if one is not None:
                     found[what] = one
-            times = {what: statistics.median(one["seconds"]) for what, one in found.items()}
-            rows = found[SCAN]["found"]
+            # Processor time: on a shared machine a short scan is seldom interrupted, a long fit often.
+            ratio = {what: one["busy"] / found[SCAN]["busy"] for what, one in found.items()}
             for what, one in found.items():
                 lines.append(
-                    f"| {int(rows):,} rows | {_OWN.get(what, what)} | {times[what]:.3g} s |"
-                    f" {times[what] / times[SCAN]:.3g} | {one['busy']:.3g} s | {one['MB']:.0f} MB | {one['found']} |"
+                    f"| {int(found[SCAN]['found']):,} rows | {_OWN.get(what, what)} | {one['seconds']:.3g} s |"
+                    f" {one['busy']:.3g} s | {ratio[what]:.3g} | {one['MB']:.0f} MB | {one['found']} |"
                 )
-            ratios = {what: f"{times[what] / times[SCAN]:.1f}" for what in PEERS if what in times}
-            peer = "; ".join(f"{what} {ratio}" for what, ratio in ratios.items())
+            peer = "; ".join(f"{what} {ratio[what]:.1f}" for what in PEERS if what in ratio)
             figures[f"long fit {key}"] = Measured(
-                times["fit"] / times[SCAN], f"{times['fit'] / times[SCAN]:.1f} ({times['fit']:.2f} s)", peer
+                ratio["fit"], f"{ratio['fit']:.1f} ({found['fit']['seconds']:.2f} s)", peer
             )
+            seconds, gigabytes = found["diagnose"]["seconds"], found["diagnose"]["MB"] / 1e3
             if key == "hour":
-                figures["long seconds"] = Measured(times["diagnose"], f"{times['diagnose']:.0f} s")
-            gigabytes = found["diagnose"]["MB"] / 1e3
+                figures["long seconds"] = Measured(seconds, f"{seconds:.0f} s")
             figures[f"long memory {key}"] = Measured(gigabytes, f"{gigabytes:.2f} GB")
     return Part(figures, lines)
 
