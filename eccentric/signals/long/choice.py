@@ -19,6 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from eccentric.rigs import Rig
+from eccentric.signals.long.cells import state_name
 from eccentric.signals.long.limits import (
     AGREES,
     CELL_S,
@@ -32,7 +33,7 @@ from eccentric.signals.long.limits import (
     RUNS_PART,
     VISITED_S,
 )
-from eccentric.signals.long.survey import Window, state_name
+from eccentric.signals.long.survey import Window
 
 __all__ = ["ChosenWindows", "choose", "solved"]
 
