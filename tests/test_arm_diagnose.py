@@ -81,6 +81,12 @@ def test_nothing_is_named_where_nothing_is_missing() -> None:
     assert "nothing_missing" == found.verdict
     assert () == found.effects
     assert found.diagnosis.first is None
+    # The arm has the bodies that were identified.
+    arm = executed(found.emitted(), "planar_fitted")
+    m = moved(np.arange(0.0, 20.0, 0.01), 77)
+    expected = np.array(MU) * (m.torque + plain(m))
+    missed = arm.motor_torque(*(x / np.array(MU) for x in (m.q, m.w, m.a))) - expected
+    assert np.all(np.std(missed, axis=0) < 0.02 * np.std(expected, axis=0))
 
 
 def test_a_log_that_does_not_fit_is_said_first(tmp_path: Path) -> None:
