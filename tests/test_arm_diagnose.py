@@ -98,7 +98,7 @@ def test_a_log_that_does_not_fit_is_said_first(tmp_path: Path) -> None:
 
     assert not found.fits_the_rig
     assert {} == found.emitted()
-    assert "the arm as a whole is not emitted: the log does not fit the rig in joint 1, 2" in found.lines
+    assert "the arm as a whole is not emitted: the log does not fit the rig in joints 1, 2" in found.lines
     assert () == found.effects
     assert found.diagnosis.first is None
     for joint in found.diagnosis.joints:
@@ -177,7 +177,8 @@ def test_an_arm_that_would_be_wrong_is_not_emitted(tmp_path: Path) -> None:
     found = eccentric.diagnose_arm(half, rig | {"joints": {"inertial": "open"}}, only=["stribeck"])
 
     assert {} == found.emitted()
-    assert "the arm as a whole is not emitted: friction has no scale in N m in joint 1, 2" in found.lines
+    why = "friction has no scale in N m in joints 1, 2: give k_i in the [drives] of the rig"
+    assert f"the arm as a whole is not emitted: {why}" in found.lines
     assert not [path for path in found.write(tmp_path / "out") if path.name.startswith("planar_fitted")]
 
 

@@ -20,7 +20,19 @@ from eccentric.effects import Effect, Setting, library
 from eccentric.emission import complete_arm, executed, render, render_arm
 from eccentric.joints.extended_arm import in_an_arm
 from eccentric.joints.joint_model import joint_model
-from eccentric.model import Model, recursion, with_values
+from eccentric.model import (
+    Change,
+    Extension,
+    Model,
+    Role,
+    Sgn,
+    Term,
+    extended,
+    quantity,
+    recursion,
+    with_values,
+)
+from eccentric.model import vocabulary as v
 from tests.arm_logs import LENGTHS, MASSES, MU, G, moved, planar_arm
 
 STRICT = (
@@ -179,6 +191,31 @@ def test_the_shoulder_keeps_its_own_friction(name: str) -> None:
     np.testing.assert_allclose(
         called(found.arm, "mechanical_friction_torque", of_arm())[:, 0], expected, 1e-9, 1e-11
     )
+
+
+def test_a_letter_of_the_recursion_is_free_for_an_effect() -> None:
+    """T_1 is what the gear of joint 1 passes on, and stays that; the effect's own T has another name."""
+    size = quantity("T", "N m", "Coulomb friction of a seal", "", "nonnegative", "0.02")
+    basis = Sgn(v.omega_m.symbol)
+    seal = Term("seal", "friction", size.symbol, basis, "a test", role=Role.COULOMB)
+    plain = [with_values(joint_model("joint", "A joint"), VALUES | {"mu": mu}, "joint") for mu in MU]
+    sealed = extended(plain[1], Extension("seal", Change({"mechanical": (seal,)}), (size,)))
+    without, arm = (
+        executed(render_arm(BODIES, "", "a test", "a test", ("numpy",), model=model), "extended")
+        for model in (
+            in_an_arm(BODIES, joints, "extended", "A planar arm") for joints in (plain, [plain[0], sealed])
+        )
+    )
+    given = of_arm()
+    added = called(arm, "mechanical_friction_torque", given) - called(
+        without, "mechanical_friction_torque", given
+    )
+
+    assert 0.02 == arm.Parameters().effect_T_1
+    np.testing.assert_array_equal(
+        called(arm, "bearing_loads", given), called(without, "bearing_loads", given)
+    )
+    np.testing.assert_allclose(added[:, 1], 0.02 * np.sign(MOVED.w[:, 1]), 1e-9, 1e-12)
 
 
 def test_an_effect_of_the_circuit_alone_leaves_no_trace() -> None:

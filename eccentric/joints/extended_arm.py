@@ -42,13 +42,17 @@ _OF_THE_ARM = frozenset({"drive", "inertial", "bodies", "gravity"})
 
 def why_not_emitted(found: ArmDiagnosis) -> str:
     """Why an arm with the friction that was found would be wrong, in words; "" where it is right."""
-    if misfit := [f"{j.number}" for j in found.joints if not j.fits_the_rig]:
-        return f"the log does not fit the rig in joint {', '.join(misfit)}"
-    if unscaled := [f"{j.number}" for j in found.joints if j.found.unit != "N m"]:
-        return f"friction has no scale in N m in joint {', '.join(unscaled)}"
+    if misfit := [j.number for j in found.joints if not j.fits_the_rig]:
+        return f"the log does not fit the rig in {_those(misfit)}"
+    if unscaled := [j.number for j in found.joints if j.found.unit != "N m"]:
+        return f"friction has no scale in N m in {_those(unscaled)}: give k_i in the [drives] of the rig"
     if found.bodies is not None and not found.bodies.bodies.explain:
         return "no real bodies have the identified base parameters"
     return ""
+
+
+def _those(joints: Sequence[int]) -> str:
+    return f"joint{'s' * (len(joints) > 1)} {', '.join(map(str, joints))}"
 
 
 def arm_name(found: ArmDiagnosis) -> str:
@@ -146,6 +150,7 @@ class _Own:
     def __init__(self, found: Recursion, j: int, drive: JointDrive, model: Model, gravity: sp.Symbol) -> None:
         self._j, self._model, self._called = j, model, drive.called
         joint, inputs, loads = found.chain.joints[j], found.inputs[j], found.bearings[j].loads
+        self._taken = {d.quantity.name for d in found.definitions} | {gravity.name}
         nothing = sp.Integer(0)
         self._given = {q.name: q for q in drive.parameters}
         self._temperature = quantity(
@@ -206,8 +211,10 @@ class _Own:
         return value.xreplace(self._letters)
 
     def _numbered(self, q: Quantity) -> Quantity:
-        meaning = f"joint {self._called}: {q.meaning}"
-        return quantity(f"{q.name}_{self._j}", q.unit, meaning, q.equation, q.domain, q.default, q.letter)
+        meaning, name = f"joint {self._called}: {q.meaning}", f"{q.name}_{self._j}"
+        # An effect of a user's own may have a letter that the recursion has with a number: T, omega_l.
+        name = f"effect_{name}" if name in self._taken else name
+        return quantity(name, q.unit, meaning, q.equation, q.domain, q.default, q.letter)
 
     def _parameter(self, q: Quantity) -> Quantity:
         """The parameter of the joint: that of the arm, where it has one, with the remark of the fit."""
