@@ -1,5 +1,5 @@
 # Generated: do not edit. Written by `make derive` from derivations/c1_perpendicular.py
-# (eccentric 0.1.0, program ce0606ea).
+# (eccentric 0.1.0, program 3376ae92).
 # Case C1: gravity perpendicular to the motion plane, steady motion.
 """Case C1: gravity perpendicular to the motion plane, steady motion.
 

@@ -1,6 +1,6 @@
 /*
  * Generated: do not edit. Written by `make derive` from derivations/c2_parallel.py
- * (eccentric 0.1.0, program 16fe99e9).
+ * (eccentric 0.1.0, program 93cd86f7).
  * Case C2: gravity parallel to the motion plane, steady motion.
  */
 #include "c2_parallel.h"
@@ -12,7 +12,7 @@
 #include <float.h>
 #include <math.h>
 
-#if C2_PARALLEL_PROGRAM != 0x16fe99e9UL
+#if C2_PARALLEL_PROGRAM != 0x93cd86f7UL
 #error "c2_parallel.c and c2_parallel.h are of different derivations: write both again"
 #endif
 

@@ -23,8 +23,9 @@ import contextvars
 import dataclasses
 import inspect
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import cache, lru_cache, partial, wraps
+from itertools import islice
 from numbers import Real
 from types import FunctionType
 from typing import Any
@@ -576,15 +577,22 @@ def _broadcast(
         if not vectors:
             return inputs, np.float64, shape
     found, precision = arrays(inputs, names)
-    if vectors:  # their elements are their last axis
-        for name, x in zip(names, found, strict=True):
-            if name in vectors and x.shape[-1:] != (vectors[name],):
-                required = f"{vectors[name]} values on the last axis are required"
-                raise ValueError(f"{name}: {required}, received shape {x.shape}")
-        named = zip(names, found, strict=True)
-        parts = [np.moveaxis(x, -1, 0) if name in vectors else x[np.newaxis] for name, x in named]
-        found = [part for x in parts for part in x]
+    if vectors:
+        found = _elements(found, names, vectors)
     return found, precision, np.broadcast_shapes(*(x.shape for x in found))
+
+
+def _elements(
+    inputs: Sequence[np.ndarray], names: Sequence[str], vectors: Mapping[str, int]
+) -> list[np.ndarray]:
+    """The inputs, with the elements of a vector, its last axis, as inputs of their own."""
+    found: list[np.ndarray] = []
+    for name, x in zip(names, inputs, strict=True):
+        if name in vectors and x.shape[-1:] != (vectors[name],):
+            required = f"{vectors[name]} values on the last axis are required"
+            raise ValueError(f"{name}: {required}, received shape {x.shape}")
+        found.extend(np.moveaxis(x, -1, 0) if name in vectors else [x])
+    return found
 
 
 class _Floats:
@@ -637,7 +645,7 @@ class _Kernel:
     """A kernel f(c, inputs), evaluated on floats and on arrays."""
 
     def __init__(self, model: Model, kernel: Callable[..., Any], vectors: Mapping[str, int]) -> None:
-        self._model, self._kernel, self._vectors = model, kernel, vectors
+        self._model, self._kernel, self.vectors = model, kernel, vectors
         self.inputs = list(inspect.signature(kernel).parameters.values())[1:]
         self.names = [x.name for x in self.inputs]
         self.takes_numbers = not vectors.keys() & set(self.names)
@@ -646,17 +654,27 @@ class _Kernel:
         self._plans: dict[_Real, _Plan] = {}
 
     def at(self, inputs: Sequence[Any], parameters: Any) -> Any:
-        """The kernel at one sample, on Python's own numbers: they are doubles as well, and need no arrays."""
+        """The kernel at one sample, on Python's own numbers: they are doubles as well, and need no arrays.
+
+        The elements of a vector are inputs of their own.
+        """
         if self._on_floats is None:
             self._on_floats = _on_floats(self._kernel)
         prepared = self._model.prepared(parameters, np.float64)
+        numbers = map(float, inputs)
         try:
-            return self._on_floats(prepared.numbers, *map(float, inputs))
+            return self._on_floats(
+                prepared.numbers, *(numbers if self.takes_numbers else self._grouped(numbers))
+            )
         except (ArithmeticError, ValueError):  # where NumPy has infinity or NaN, Python raises
             plan = self._plan(np.float64)
             out = np.empty((plan.width, 1))
             _fill(plan, prepared.constants(plan), [np.array([x], np.float64) for x in inputs], list(out))
             return tuple(out[:, 0].tolist()) if plan.vector else float(out[0, 0])
+
+    def _grouped(self, numbers: Iterator[float]) -> list[Any]:
+        """Numbers as a kernel with vectors takes them: the elements of each as a tuple."""
+        return [next(numbers) if n is None else tuple(islice(numbers, n)) for n in self._lengths]
 
     def _plan(self, precision: _Real) -> _Plan:
         if precision not in self._plans:
@@ -665,13 +683,13 @@ class _Kernel:
 
     def on_arrays(self, given: Sequence[Any], parameters: Any, out: Any) -> Any:
         """The kernel at all samples of arrays that broadcast, in `out` if there is one."""
-        inputs, precision, shape = _broadcast(given, self.names, self._vectors)
+        inputs, precision, shape = _broadcast(given, self.names, self.vectors)
         plan = self._plans.get(precision) or self._plan(precision)
         full = (*shape, plan.width) if plan.vector else shape
         if out is not None:
             check_out(out, full, precision)
         size = math.prod(shape)
-        if size == 1 and precision is np.float64 and not self._vectors:
+        if size == 1 and precision is np.float64 and not self.vectors:
             result = np.array(self.at([x.item() for x in inputs], parameters)).reshape(full)
             if out is None:
                 return result if full else result[()]
@@ -813,13 +831,13 @@ class Model:
         kernel = self._kernels[step]
         logged = [name for name in kernel.names if name not in initial]
         numbers = [np.asarray(_number(name, x), np.float64) for name, x in zip(logged, inputs, strict=True)]
-        columns = np.broadcast_arrays(*numbers, np.zeros(1))[:-1]
-        places = {name: k for k, name in enumerate((*initial, *logged))}
-        order = [places[name] for name in kernel.names]
+        columns = np.broadcast_arrays(*_elements(numbers, logged, kernel.vectors), np.zeros(1))[:-1]
+        known = [*initial, *(name for name in logged for _ in range(kernel.vectors.get(name, 1)))]
+        order = [at for name in kernel.names for at, own in enumerate(known) if own == name]
         out = np.empty((len(columns[0]), len(initial)))
         state = tuple(initial.values())
         for k, row in enumerate(zip(*(column.tolist() for column in columns), strict=True)):
             out[k] = state
             sample = (*state, *row)
-            state = kernel.at([sample[place] for place in order], parameters)
+            state = kernel.at([sample[at] for at in order], parameters)
         return out

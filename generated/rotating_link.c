@@ -1,6 +1,6 @@
 /*
  * Generated: do not edit. Written by `make derive` from derivations/rotating_link.py
- * (eccentric 0.1.0, program 749e2420).
+ * (eccentric 0.1.0, program ae0af83b).
  * Rotating link with an unbalanced mass, in a plane tilted by phi, with angular acceleration.
  */
 #include "rotating_link.h"
@@ -12,7 +12,7 @@
 #include <float.h>
 #include <math.h>
 
-#if ROTATING_LINK_PROGRAM != 0x749e2420UL
+#if ROTATING_LINK_PROGRAM != 0xae0af83bUL
 #error "rotating_link.c and rotating_link.h are of different derivations: write both again"
 #endif
 

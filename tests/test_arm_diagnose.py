@@ -13,7 +13,8 @@ from eccentric import ArmDiagnosisResult, InputError
 from eccentric.cli import main
 from eccentric.emission import executed, render
 from eccentric.model import Chain, load_model
-from tests.arm_logs import Friction, arm_log_of, arm_rig_of, elbow_stribeck, plain, planar_arm
+from tests.arm_logs import MU, Friction, arm_log_of, arm_rig_of, elbow_stribeck, moved, plain, planar_arm
+from tests.test_arm_fit import in_amperes
 
 ARM = """gravity = [0, "-9.81 m/s^2", 0]
 
@@ -80,6 +81,12 @@ def test_nothing_is_named_where_nothing_is_missing() -> None:
     assert "nothing_missing" == found.verdict
     assert () == found.effects
     assert found.diagnosis.first is None
+    # The arm has the bodies that were identified.
+    arm = executed(found.emitted(), "planar_fitted")
+    m = moved(np.arange(0.0, 20.0, 0.01), 77)
+    expected = np.array(MU) * (m.torque + plain(m))
+    missed = arm.motor_torque(*(x / np.array(MU) for x in (m.q, m.w, m.a))) - expected
+    assert np.all(np.std(missed, axis=0) < 0.02 * np.std(expected, axis=0))
 
 
 def test_a_log_that_does_not_fit_is_said_first(tmp_path: Path) -> None:
@@ -90,6 +97,8 @@ def test_a_log_that_does_not_fit_is_said_first(tmp_path: Path) -> None:
     said = found.sentence
 
     assert not found.fits_the_rig
+    assert {} == found.emitted()
+    assert "the arm as a whole is not emitted: the log does not fit the rig in joints 1, 2" in found.lines
     assert () == found.effects
     assert found.diagnosis.first is None
     for joint in found.diagnosis.joints:
@@ -138,6 +147,39 @@ def test_a_joint_is_called_with_the_loads_of_the_arm(stribeck: ArmDiagnosisResul
 
     assert f"load_N  force across the axis of the joint: F_N_1 of bearing_loads, out[{place}] [N]" in header
     assert f"    load_N is F_N_1 of bearing_loads, out[{place}]" in stribeck.summary().splitlines()
+
+
+def test_the_arm_as_a_whole_gives_the_torque_that_was_simulated(
+    stribeck: ArmDiagnosisResult, tmp_path: Path
+) -> None:
+    """One call for bodies and friction, Stribeck's included: the formulas of the simulation, motor side."""
+    names = {path.relative_to(tmp_path).as_posix() for path in stribeck.write(tmp_path / "out")}
+    arm = executed(stribeck.emitted(), "planar_extended")
+    m = moved(np.arange(0.0, 20.0, 0.01), 77)  # a motion that is in no run of the log
+    torque, friction = (np.array(MU) * x for x in (m.torque, elbow_stribeck(m)))
+    motion = [x / np.array(MU) for x in (m.q, m.w, m.a)]
+    rises = np.std(friction - np.array(MU) * plain(m), axis=0)[1]
+    found = arm.mechanical_friction_torque(*motion)
+    missed = np.sqrt(np.mean((found - friction) ** 2, axis=0))
+
+    assert {f"out/planar_extended.{end}" for end in ("py", "h", "c")} <= names
+    assert "out/check/planar_extended_selftest.c" in names
+    np.testing.assert_allclose(arm.inverse_dynamics(*motion), torque, 1e-9, 1e-9)
+    np.testing.assert_allclose(arm.motor_torque(*motion), arm.inverse_dynamics(*motion) + found, 1e-12, 1e-12)
+    assert np.all(missed < 0.02 * np.sqrt(np.mean(friction**2, axis=0)))
+    assert missed[1] < 0.05 * rises
+
+
+def test_an_arm_that_would_be_wrong_is_not_emitted(tmp_path: Path) -> None:
+    """The log has currents and open bodies: no newton metre; it is said, and nothing is written."""
+    log, rig = in_amperes()
+    half = {name: column[: len(column) // 2] for name, column in log.items()}
+    found = eccentric.diagnose_arm(half, rig | {"joints": {"inertial": "open"}}, only=["stribeck"])
+
+    assert {} == found.emitted()
+    why = "friction has no scale in N m in joints 1, 2: give k_i in the [drives] of the rig"
+    assert f"the arm as a whole is not emitted: {why}" in found.lines
+    assert not [path for path in found.write(tmp_path / "out") if path.name.startswith("planar_fitted")]
 
 
 def test_constants_that_nobody_knows_are_not_given(stribeck: ArmDiagnosisResult) -> None:

@@ -74,9 +74,8 @@ def test_the_c_compiles(folder: Path) -> None:
     assert (0, "") == (done.returncode, done.stderr)
 
 
-def test_the_extended_model_is_called_beside_the_arm(folder: Path) -> None:
-    """The C of the page gives what the NumPy modules do: bodies, and friction by the model of each joint."""
-    paths = (f"{BENCH}/firmware", f"{BENCH}/diagnosis/joint_2")
+def test_the_extended_arm_is_one_call(folder: Path) -> None:
+    """The C of the page gives the torque of the arm as declared, and friction by the model of each joint."""
     q, w, a = [0.7, -1.1], [30.0, -9.0], [40.0, 15.0]
     main = f"""#include <stdio.h>
 int main(void) {{
@@ -88,22 +87,36 @@ int main(void) {{
 }}
 """
     (folder / "feedforward.c").write_text(blocks("c")[1] + main, encoding="utf-8")
-    sources = ["feedforward.c", f"{paths[0]}/bench_2r.c", f"{paths[1]}/bench_2r_joint_2_extended.c"]
-    include = [f"-I{path}" for path in paths]
-    command = ["gcc", *FLAGS, "-Wno-missing-prototypes", *include, *sources, "-o", "feedforward", "-lm"]
+    diagnosis = f"{BENCH}/diagnosis"
+    sources = ["feedforward.c", f"{diagnosis}/bench_2r_extended.c"]
+    command = [
+        "gcc",
+        *FLAGS,
+        "-Wno-missing-prototypes",
+        f"-I{diagnosis}",
+        *sources,
+        "-o",
+        "feedforward",
+        "-lm",
+    ]
     done = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)
     assert (0, "") == (done.returncode, done.stderr)
     said = subprocess.run(["./feedforward"], cwd=folder, capture_output=True, text=True, check=True).stdout
-    arm, joint = (
+    places = {
+        "bench_2r": f"{BENCH}/firmware",
+        "bench_2r_joint_1_fitted": f"{diagnosis}/joint_1",
+        "bench_2r_joint_2_extended": f"{diagnosis}/joint_2",
+    }
+    arm, *joints = (
         executed(
             {path.name: path.read_text(encoding="utf-8") for path in (folder / place).glob("*.py")}, name
         )
-        for place, name in zip(paths, ("bench_2r", "bench_2r_joint_2_extended"), strict=True)
+        for name, place in places.items()
     )
-    load = dict(zip(arm.BEARING_LOADS, arm.bearing_loads(q, w, a), strict=True))["F_N_1"]
+    load = dict(zip(arm.BEARING_LOADS, arm.bearing_loads(q, w, a), strict=True))
     friction = [
-        arm.mechanical_friction_torque(q, w, a)[0],
-        joint.mechanical_friction_torque(omega_m=w[1], load_N=load),
+        joint.mechanical_friction_torque(omega_m=w[j], load_N=load[f"F_N_{j}"])
+        for j, joint in enumerate(joints)
     ]
 
     assert pytest.approx(arm.inverse_dynamics(q, w, a) + friction, rel=1e-12) == [

@@ -13,6 +13,7 @@ from eccentric.api.inputs import LogSources, names_given, names_of, read_logs
 from eccentric.api.result import Printed, new_axes, paragraphs
 from eccentric.api.tables import ResultTable
 from eccentric.diagnosis import SearchRequest
+from eccentric.emission import complete_arm, write
 from eccentric.errors import InputError
 from eccentric.joints import (
     ArmDiagnosis,
@@ -23,6 +24,7 @@ from eccentric.joints import (
     arm_diagnosis_lines,
     arm_fit_document,
     arm_fit_lines,
+    extended_arm,
 )
 from eccentric.joints import diagnose_arm as diagnose_logs
 from eccentric.joints import fit_arm as fit_logs
@@ -213,10 +215,12 @@ class ArmDiagnosisResult(Printed):
         return ResultTable(names, tuple(rows))
 
     def write(self, out: str | os.PathLike[str]) -> list[Path]:
-        """Write report and JSON of the arm, and what `eccentric diagnose` writes for each of its joints.
+        """Write report and JSON of the arm, the arm emitted, and what `diagnose` writes for each joint.
 
-        A joint's folder, joint_NUMBER, has its report, its model as a derivation, and the model emitted: its
-        inputs are the motion of the motor and what the emitted arm gives as torques and `bearing_loads`.
+        The emitted arm has the friction of every joint as it was fitted, effects included; a log that does
+        not fit the rig or has no scale in N m gives none. A joint's folder, joint_NUMBER, has its report, its
+        model as a derivation, and the model emitted: its inputs are the motion of the motor and what the
+        emitted arm gives as torques and `bearing_loads`.
 
         Raises:
             InputError: the folder cannot be written.
@@ -225,11 +229,25 @@ class ArmDiagnosisResult(Printed):
         with whole_folder(out, "diagnose") as folder:
             (folder / "diagnosis.json").write_text(self.to_json(), encoding="utf-8")
             (folder / "report.html").write_text(arm_page(self.diagnosis), encoding="utf-8")
+            emitted = self.emitted()
+            write(emitted, folder)
+            names += emitted
             for joint in self.diagnosis.joints:
                 own = folder / f"joint_{joint.number}"
                 own.mkdir()
                 names += [f"{own.name}/{name}" for name in self.joint(joint.number).fill(own)]
         return [Path(out) / name for name in names]
+
+    def emitted(self) -> dict[str, str]:
+        """The emitted files of the arm with the friction of all joints as fitted, name -> text.
+
+        Empty where the log does not fit the rig, has no scale in N m, or no bodies have what was identified.
+        """
+        arm = extended_arm(self.diagnosis)
+        if arm is None:
+            return {}
+        origin = f"{Path(self.diagnosis.log.rig.path).name} and the model.py of each joint"
+        return complete_arm(*arm, "eccentric diagnose", origin)
 
     def joint(self, number: int) -> DiagnosisResult:
         """The result of one joint, by its number in the columns, as `eccentric.diagnose` gives it.

@@ -11,6 +11,7 @@ from eccentric.emission.check import render_check
 from eccentric.emission.program import WHOLE, Choice
 from eccentric.emission.render import render, render_arm
 from eccentric.model import Model, Recursion
+from eccentric.model import vocabulary as v
 from eccentric.output import whole_files
 
 
@@ -51,6 +52,9 @@ def complete_arm(
 ) -> dict[str, str]:
     """The emitted files of an arm and, in the folder `check`, those that check its C: name -> text.
 
+    The checks know inputs with an entry for each joint: an arm with hidden states, or whose friction follows
+    the time, has none.
+
     Raises:
         InputError: the arm cannot be emitted.
     """
@@ -61,7 +65,8 @@ def complete_arm(
         )
 
     files = rendered(backends, single_file=single_file)
-    if "c99" not in backends or choice.fixed:
+    of_one_number = bool(model.states) or v.t in model.inputs
+    if "c99" not in backends or choice.fixed or of_one_number:
         return files
     with_module = "numpy" in backends and not single_file
     whole = files if with_module else rendered(DEFAULT, single_file=False)

@@ -13,6 +13,7 @@ both as documents and lines.
     bodies       the bodies identified from all joints at once
     loads        which load the friction of a joint follows
     fitted, diagnosed    every joint, by the rooms of one drive
+    extended_arm  the arm with the friction of every joint as it was fitted, effects included
     predicting   other runs predicted by a fit, and the payload that they have
     misfit       a log that does not fit the rig, in words
     documents, words     the results for programs and for a terminal
@@ -23,6 +24,7 @@ May import: `diagnosis` and all rooms below it.
 
 from eccentric.joints.diagnosed import ArmDiagnosis, JointDiagnosis, diagnose_arm
 from eccentric.joints.documents import arm_diagnosis_document, arm_fit_document
+from eccentric.joints.extended_arm import arm_name, extended_arm, why_not_emitted
 from eccentric.joints.fitted import ArmFit, JointFit, fit_arm
 from eccentric.joints.predicting import ForeignRuns, Payload, payload_of, predicted
 from eccentric.joints.words import arm_command, arm_diagnosis_lines, arm_fit_lines
@@ -39,8 +41,11 @@ __all__ = [
     "arm_diagnosis_lines",
     "arm_fit_document",
     "arm_fit_lines",
+    "arm_name",
     "diagnose_arm",
+    "extended_arm",
     "fit_arm",
     "payload_of",
     "predicted",
+    "why_not_emitted",
 ]

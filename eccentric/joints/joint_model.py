@@ -17,7 +17,16 @@ from eccentric.joints.body_motion import Bodies
 from eccentric.model import Balance, Definition, Load, Model, Quantity, Role, Sgn, Term, quantity
 from eccentric.model import vocabulary as v
 
-__all__ = ["DECLARED", "EVERY", "FORCE", "OF_BENDING", "joint_model", "signals_of", "sources_of"]
+__all__ = [
+    "DECLARED",
+    "EVERY",
+    "FORCE",
+    "OF_BENDING",
+    "joint_inputs",
+    "joint_model",
+    "signals_of",
+    "sources_of",
+]
 
 Array = NDArray[np.float64]
 
@@ -153,4 +162,18 @@ def signals_of(met: Bodies) -> dict[str, Array]:
         N_l.name: met.F_N,
         T_l.name: met.F_T,
         M_l.name: met.M_B,
+    }
+
+
+def joint_inputs(
+    gravity: sp.Expr, moving: sp.Expr, rotor: sp.Expr, loads: Mapping[Load, sp.Expr]
+) -> dict[sp.Expr, sp.Expr]:
+    """What a joint meets in symbols of its arm, by the model's inputs: torques of the motor side, loads."""
+    return {
+        T_g.symbol: gravity,
+        T_d.symbol: moving,
+        T_r.symbol: rotor,
+        N_l.symbol: loads[Load.NORMAL],
+        T_l.symbol: loads[Load.TRANSVERSAL],
+        M_l.symbol: loads[Load.BENDING],
     }

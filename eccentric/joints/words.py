@@ -11,6 +11,7 @@ from eccentric.estimation import Estimate
 from eccentric.fitting import estimate_table
 from eccentric.joints.bodies import IdentifiedBodies
 from eccentric.joints.diagnosed import ArmDiagnosis, JointDiagnosis
+from eccentric.joints.extended_arm import arm_name, why_not_emitted
 from eccentric.joints.fitted import ArmFit, JointFit, gain_of
 from eccentric.joints.misfit import misfit_sentence
 from eccentric.model import Load
@@ -90,7 +91,14 @@ def arm_diagnosis_lines(found: ArmDiagnosis) -> list[str]:
                 f"joint {_called(joint.number, joint.name)}:",
                 *(f"  {x}" for x in _of_joint(joint)),
             ]
-    return [*lines, *_bodies(found.bodies), found.sentence]
+    return [*lines, *_bodies(found.bodies), *_emitted(found), found.sentence]
+
+
+def _emitted(found: ArmDiagnosis) -> list[str]:
+    """What is emitted of the arm as a whole, or why nothing is."""
+    if why := why_not_emitted(found):
+        return [f"the arm as a whole is not emitted: {why}"]
+    return [f"the arm with the friction of all joints as fitted is emitted as {arm_name(found)}"]
 
 
 def _of_joint(joint: JointDiagnosis) -> list[str]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
-from eccentric.joints import ArmDiagnosis
+from eccentric.joints import ArmDiagnosis, arm_name, why_not_emitted
 from eccentric.report.text import VERDICTS, number, range_of
 
 __all__ = ["arm_view"]
@@ -15,6 +15,15 @@ NOTE = (
     " the others as inputs; its own page has what it lacks. The header of its emitted model says which values"
     " of the emitted arm's bearing_loads are its inputs."
 )
+
+
+def _emitted(found: ArmDiagnosis) -> str:
+    """What is emitted of the arm as a whole, for the note."""
+    if why := why_not_emitted(found):
+        return f"The arm as a whole is not emitted: {why}."
+    return (
+        f"The arm with the friction of all joints as fitted is emitted beside this page as {arm_name(found)}."
+    )
 
 
 @dataclass(frozen=True)
@@ -76,7 +85,7 @@ def arm_view(found: ArmDiagnosis) -> dict[str, Any]:
         "verdict": found.verdict,
         "verdict_words": VERDICTS[found.verdict],
         "sentence": found.sentence,
-        "note": NOTE,
+        "note": f"{NOTE} {_emitted(found)}",
         "joints": joints,
         "bodies": bodies,
         "sums": sums,

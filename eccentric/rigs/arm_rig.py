@@ -41,6 +41,7 @@ class ArmRig:
         path: of the rig file, for messages.
         name: of the rig.
         chain: the arm, numbers only.
+        declared: the same with the letters that its file keeps, such as those of a payload.
         joints: the rig of each joint as if it were alone, from the base outwards: its columns, gear, drive.
         first: the number of the first joint in the columns.
         patterns: the sources of motion and drive as the rig has them, with {j} for the number, by channel.
@@ -50,6 +51,7 @@ class ArmRig:
     path: str
     name: str
     chain: Chain
+    declared: Chain
     joints: tuple[Rig, ...]
     first: int
     patterns: Mapping[str, str]
@@ -109,7 +111,8 @@ def _arm_rig(content: Mapping[str, Any], where: str, name: str, folder: Path) ->
             f"{where}: [{also[0]}]: {required} are required in the rig of an arm, received a table"
         )
     refuse_unknown(content, _KEYS, where)
-    chain = with_numbers(_chain(content["arm"], where, folder))
+    declared = _chain(content["arm"], where, folder)
+    chain = with_numbers(declared)
     table = read_table(content.get("joints", {}), f"{where}: [joints]")
     refuse_unknown(table, ("first", "inertial"), f"{where}: [joints]")
     first = _first(table.get("first", 1), f"{where}: [joints] first")
@@ -134,7 +137,7 @@ def _arm_rig(content: Mapping[str, Any], where: str, name: str, folder: Path) ->
         joints.append(_of_joint(own, where))
     patterns = {c: _text(x) for c, x in columns.items() if c in (*_MOTION, *_DRIVE)}
     inertial = _known(table.get("inertial", "known"), where)
-    return ArmRig(where, name, chain, tuple(joints), first, patterns, inertial)
+    return ArmRig(where, name, chain, declared, tuple(joints), first, patterns, inertial)
 
 
 def _of_joint(content: Mapping[str, Any], where: str) -> Rig:

@@ -1,5 +1,5 @@
 /*
- * Generated: do not edit. Written beside c1_asymmetric.c (program 448836d2).
+ * Generated: do not edit. Written beside c1_asymmetric.c (program ccea3d4d).
  * Expected results of the self-test, computed by the emitted NumPy module.
  */
 #define INPUTS 4u

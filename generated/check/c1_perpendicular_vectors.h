@@ -1,5 +1,5 @@
 /*
- * Generated: do not edit. Written beside c1_perpendicular.c (program ce0606ea).
+ * Generated: do not edit. Written beside c1_perpendicular.c (program 3376ae92).
  * Expected results of the self-test, computed by the emitted NumPy module.
  */
 #define INPUTS 4u

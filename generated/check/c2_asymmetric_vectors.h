@@ -1,5 +1,5 @@
 /*
- * Generated: do not edit. Written beside c2_asymmetric.c (program 6cd9a991).
+ * Generated: do not edit. Written beside c2_asymmetric.c (program 4b57bccc).
  * Expected results of the self-test, computed by the emitted NumPy module.
  */
 #define INPUTS 5u

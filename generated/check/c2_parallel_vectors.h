@@ -1,5 +1,5 @@
 /*
- * Generated: do not edit. Written beside c2_parallel.c (program 16fe99e9).
+ * Generated: do not edit. Written beside c2_parallel.c (program 93cd86f7).
  * Expected results of the self-test, computed by the emitted NumPy module.
  */
 #define INPUTS 5u

@@ -1,5 +1,5 @@
 /*
- * Generated: do not edit. Written beside rotating_link.c (program 749e2420).
+ * Generated: do not edit. Written beside rotating_link.c (program ae0af83b).
  * Expected results of the self-test, computed by the emitted NumPy module.
  */
 #define INPUTS 5u

@@ -65,7 +65,7 @@ def view(
     """
     states = [state.quantity for state in model.states]
     known = {q.name: q for q in (*model.inputs, *states, v.dt)}
-    known |= {q.name: q for q in (v.theta_m, v.omega_m, v.alpha_m)}
+    known |= {q.name: q for q in (v.theta_m, v.omega_m, v.alpha_m, v.i, v.u, v.temperature)}
     return {
         "command": proof_command(model.name, source, real="double" if joints > _IN_FLOAT else "float"),
         "precisions": _IN_DOUBLE if joints > _IN_FLOAT else _IN_BOTH,

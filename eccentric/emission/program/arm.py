@@ -2,12 +2,20 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from dataclasses import replace
 
 import sympy as sp
 
 from eccentric.emission.program.arm_accuracy import arm_promises
-from eccentric.emission.program.arm_functions import GRADIENT, INERTIAL, NAMES, ArmFunction, arm_functions
+from eccentric.emission.program.arm_functions import (
+    GRADIENT,
+    INERTIAL,
+    NAMES,
+    STEP,
+    ArmFunction,
+    arm_functions,
+)
 from eccentric.emission.program.arm_inertial import inertial
 from eccentric.emission.program.choice import WHOLE, Choice
 from eccentric.emission.program.distinct import require_distinct
@@ -18,6 +26,7 @@ from eccentric.emission.program.program import Assignment, Helper, Input, Progra
 from eccentric.emission.program.shorten import shortened, without_copies
 from eccentric.errors import InputError
 from eccentric.model import HalfCosine, HalfSine, Model, Recursion, meaning, quantity
+from eccentric.model import vocabulary as v
 
 
 def build_arm_program(found: Recursion, model: Model, choice: Choice = WHOLE) -> Program:
@@ -32,10 +41,11 @@ def build_arm_program(found: Recursion, model: Model, choice: Choice = WHOLE) ->
         InputError: a quantity has the name of a value that the code computes; there is no function of a
             chosen name; or fixed parameters are asked for, and one that is needed has no default.
     """
-    names = [name for name in choice.of(NAMES) if choice.functions or name != GRADIENT]
+    offered = [name for name in NAMES if model.states or name != STEP]
+    names = [name for name in choice.of(offered) if choice.functions or name != GRADIENT]
     shared = Prepare(model)
     half_turns = HalfTurns(shared)
-    inputs, half_turned = _inputs(found), _half_turned(found)
+    inputs, half_turned = _Inputs(found, model), _half_turned(found)
     of_bodies = inertial(found.chain) if INERTIAL in names else None
     listed = {f.name: f for f in arm_functions(model, found, of_bodies, gradient=GRADIENT in names)}
     routines = tuple(_routine(listed[name], half_turned, inputs, shared, half_turns) for name in names)
@@ -53,6 +63,7 @@ def build_arm_program(found: Recursion, model: Model, choice: Choice = WHOLE) ->
         routines=routines,
         constants=tuple(constants),
         notes=notes(model, shared),
+        states=tuple((state.quantity, state.initial) for state in model.states),
         defaults=model.defaults or "those of the arm, without friction",
         helpers=helpers,
         promises=arm_promises(names),
@@ -71,13 +82,31 @@ def build_arm_program(found: Recursion, model: Model, choice: Choice = WHOLE) ->
     return program
 
 
-def _inputs(found: Recursion) -> tuple[Input, ...]:
-    n = len(found.inputs)
-    return (
-        Input(quantity("theta_m", "rad", f"angles of the {n} motors"), n),
-        Input(quantity("omega_m", "rad/s", f"velocities of the {n} motors"), n),
-        Input(quantity("alpha_m", "rad/s^2", f"accelerations of the {n} motors"), n),
-    )
+class _Inputs:
+    """The inputs of an arm's functions: the motion of its motors, and what else a function depends on.
+
+    What each motor has is a vector; time, its step and hidden states are numbers.
+    """
+
+    def __init__(self, found: Recursion, model: Model) -> None:
+        n = len(found.inputs)
+        self.motion = (
+            Input(quantity("theta_m", "rad", f"angles of the {n} motors"), n),
+            Input(quantity("omega_m", "rad/s", f"velocities of the {n} motors"), n),
+            Input(quantity("alpha_m", "rad/s^2", f"accelerations of the {n} motors"), n),
+        )
+        of_motors = (
+            Input(quantity("i", "A", f"armature currents of the {n} motors"), n),
+            Input(quantity("u", "V", f"armature voltages of the {n} motors"), n),
+            Input(quantity("temperature", v.temperature.unit, f"temperatures of the {n} joints in degC"), n),
+        )
+        numbers = (v.t, *(state.quantity for state in model.states), v.dt)
+        self._others = (*of_motors, *map(Input, numbers))
+
+    def of(self, *, moves: bool, used: Collection[sp.Symbol]) -> tuple[Input, ...]:
+        """Those of a function that uses these symbols."""
+        others = (x for x in self._others if not set(x.symbols).isdisjoint(used))
+        return (*(self.motion if moves else self.motion[:1]), *others)
 
 
 def _half_turned(found: Recursion) -> dict[sp.Expr, sp.Expr]:
@@ -85,18 +114,28 @@ def _half_turned(found: Recursion) -> dict[sp.Expr, sp.Expr]:
     steps: dict[sp.Expr, sp.Expr] = {}
     for joint, inputs in zip(found.chain.joints, found.inputs, strict=True):
         theta = inputs.theta_m.symbol
-        # The period of an angle is split into exact parts: of what a double holds, not of a decimal.
-        mu = sp.Rational(float(joint.mu)) if joint.mu.is_number else joint.mu
+        mu = _held(joint.mu)
         half_cosine, half_sine = HalfCosine(theta, mu), HalfSine(theta, mu)
         steps[sp.cos(joint.mu * theta)] = 1 - 2 * half_sine**2
         steps[sp.sin(joint.mu * theta)] = -2 * half_cosine * half_sine
     return steps
 
 
+def _held(mu: sp.Expr) -> sp.Expr:
+    """A gear ratio as a double holds it: the period of an angle is split into exact parts of that."""
+    return sp.Rational(float(mu)) if mu.is_number else mu
+
+
+def _turned(value: sp.Expr) -> sp.Expr:
+    """The same, where an effect follows the angle of a joint or motor."""
+    steps = value.atoms(HalfCosine, HalfSine)
+    return value.xreplace({e: e.func(e.args[0], _held(e.args[1])) for e in steps})
+
+
 def _routine(
     function: ArmFunction,
     half_turned: dict[sp.Expr, sp.Expr],
-    inputs: tuple[Input, ...],
+    inputs: _Inputs,
     shared: Prepare,
     half_turns: HalfTurns,
 ) -> Routine:
@@ -105,7 +144,7 @@ def _routine(
     given, earlier = [], {}
     for a in function.definitions:
         turned = a.value.xreplace(earlier).xreplace(half_turned) if a.value.has(sp.sin, sp.cos) else a.value
-        given.append(replace(a, value=turned))
+        given.append(replace(a, value=_turned(turned)))
         earlier[a.target] = a.value
     for assignment in needed(given, [expression for _, expression in function.results]):
         value = assignment.value
@@ -120,10 +159,11 @@ def _routine(
     targets = []
     for label, expression in function.results:
         targets.append(sp.Symbol(f"result_{label}", real=True))
-        lowering.assignments.append(Assignment(targets[-1], lowering(shared.hoist(expression))))
+        lowering.assignments.append(Assignment(targets[-1], lowering(shared.hoist(_turned(expression)))))
+    used = set().union(*(a.value.free_symbols for a in lowering.assignments))
     return Routine(
         name=function.name,
-        inputs=inputs if function.moves else inputs[:1],
+        inputs=inputs.of(moves=function.moves, used=used),
         assignments=without_copies(shortened(lowering.assignments), targets),
         results=tuple(targets),
         labels=tuple(label for label, _ in function.results),

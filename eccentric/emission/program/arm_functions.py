@@ -7,16 +7,25 @@ from dataclasses import dataclass
 
 import sympy as sp
 
+from eccentric.emission.program import stepping
 from eccentric.emission.program.arm_inertial import Inertial
+from eccentric.emission.program.arm_torques import (
+    besides,
+    columns,
+    frictions,
+    resultants,
+    words_of_motor_torque,
+)
 from eccentric.emission.program.program import Assignment, differentiate, needed
-from eccentric.model import Definition, Load, Model, Recursion, Term
+from eccentric.model import Definition, Load, Model, Recursion, at_rest
 
 _AXES = "xyz"
 _LOADS = {Load.NORMAL: "F_N", Load.TRANSVERSAL: "F_T", Load.BENDING: "M_B", Load.TRANSMITTED: "T"}
 INERTIAL, GRADIENT = "inertial_regressor", "mechanical_friction_torque_gradient"
+STEP = "next_state"
 NAMES = (
     "inverse_dynamics", "motor_torque", "joint_wrenches", "bearing_loads", "gravity_torque",
-    "mechanical_friction_torque", "friction_torque", "regressor", INERTIAL, GRADIENT,
+    "mechanical_friction_torque", "friction_torque", "regressor", INERTIAL, GRADIENT, STEP,
 )  # fmt: skip
 """Every function of an arm; the gradient only where it is chosen: it is longer than all others together."""
 
@@ -51,8 +60,8 @@ def arm_functions(
         of_bodies: its inertial regressor, if it is wanted.
         gradient: whether that of the friction is wanted.
     """
-    moving = tuple(Assignment(d.symbol, d.value, _note(d)) for d in found.definitions)
-    inverse, friction = _inverse_dynamics(found), _friction(model, found)
+    moving = tuple(map(_assigned, model.definitions))
+    inverse, friction = _inverse_dynamics(found), frictions(model, found)
     plain = [
         (
             "inverse_dynamics",
@@ -63,8 +72,11 @@ def arm_functions(
         (
             "motor_torque",
             "N m",
-            "torque of every motor that the motion takes: inverse_dynamics and mechanical_friction_torque",
-            [(f"tau_{j}", a + b) for j, ((_, a), (_, b)) in enumerate(zip(inverse, friction, strict=True))],
+            words_of_motor_torque(model),
+            [
+                (f"tau_{j}", a + b + besides(model, j, a + b))
+                for j, ((_, a), (_, b)) in enumerate(zip(inverse, friction, strict=True))
+            ],
         ),
         (
             "joint_wrenches",
@@ -88,13 +100,13 @@ def arm_functions(
             "friction_torque",
             "N m",
             "resultant friction torque F of every motor, back-EMF damping included, eq (6)",
-            _resultant(model, found, friction),
+            resultants(model, friction),
         ),
         (
             "regressor",
             "N m per unit coefficient",
             "friction torque of a joint per coefficient: the last number of a label is the joint",
-            [(str(t.coefficient), t.basis) for j in range(len(found.inputs)) for t in _terms(model, j)],
+            [column for j in range(len(found.inputs)) for column in columns(model, j)],
         ),
     ]
     functions = [
@@ -105,7 +117,7 @@ def arm_functions(
             "gravity_torque",
             "N m",
             "torque of every motor that holds the weight: inverse_dynamics at rest",
-            *_at_rest(found, moving, inverse),
+            *_at_rest(found),
             moves=False,
         )
     )
@@ -113,6 +125,10 @@ def arm_functions(
         functions.append(_inertial_regressor(of_bodies))
     if gradient:
         functions.append(_gradient(found, moving, friction))
+    if model.states:
+        units = ", ".join(state.quantity.unit for state in model.states)
+        own = (*moving, *map(_assigned, stepping.definitions(model)))
+        functions.append(ArmFunction(STEP, units, stepping.meaning(model), stepping.updates(model), own))
     return tuple(functions)
 
 
@@ -139,50 +155,9 @@ def _loads(found: Recursion) -> list[tuple[str, sp.Expr]]:
     ]
 
 
-def _terms(model: Model, j: int) -> list[Term]:
-    return [term for term in model.balance(f"mechanical_{j}").terms if term.kind == "friction"]
-
-
-def _friction(model: Model, found: Recursion) -> list[tuple[str, sp.Expr]]:
-    """Each load is multiplied once, by what follows it."""
-    results = []
-    for j, bearing in enumerate(found.bearings):
-        total = sp.Add(*(term.coefficient * term.basis for term in _terms(model, j)))
-        loads = [load for load in bearing.loads.values() if load.is_Symbol]
-        parts = sp.collect(sp.expand(total), loads, evaluate=False)
-        results.append((f"f_{j}", sp.Add(*(load * factor for load, factor in parts.items()))))
-    return results
-
-
-def _resultant(
-    model: Model, found: Recursion, friction: Sequence[tuple[str, sp.Expr]]
-) -> list[tuple[str, sp.Expr]]:
-    """Eq (4): the back-EMF damps by k_i k_e/R omega_m."""
-    results = []
-    for j, ((_, f), inputs) in enumerate(zip(friction, found.inputs, strict=True)):
-        terms = {term.kind: term for term in model.balance(f"electrical_{j}").terms}
-        drive = next(t for t in model.balance(f"mechanical_{j}").terms if t.kind == "drive")
-        damping = drive.coefficient * terms["back_emf"].coefficient / terms["resistive"].coefficient
-        results.append((f"F_{j}", f + damping * inputs.omega_m.symbol))
-    return results
-
-
-def _at_rest(
-    found: Recursion, moving: Sequence[Assignment], results: Sequence[tuple[str, sp.Expr]]
-) -> tuple[tuple[tuple[str, sp.Expr], ...], tuple[Assignment, ...]]:
-    """The results without velocities and accelerations, and the definitions that are left of them."""
-    zero = sp.Integer(0)
-    known: dict[sp.Expr, sp.Expr] = {
-        x.symbol: zero for inputs in found.inputs for x in (inputs.omega_m, inputs.alpha_m)
-    }
-    left = []
-    for assignment in moving:
-        value = assignment.value.xreplace(known)
-        if value.is_Atom or (-value).is_Symbol:
-            known[assignment.target] = value
-        else:
-            left.append(Assignment(assignment.target, value, assignment.note))
-    return tuple((f"G_{j}", e.xreplace(known)) for j, (_, e) in enumerate(results)), tuple(left)
+def _at_rest(found: Recursion) -> tuple[tuple[tuple[str, sp.Expr], ...], tuple[Assignment, ...]]:
+    definitions, torques = at_rest(found)
+    return tuple((f"G_{j}", torque) for j, torque in enumerate(torques)), tuple(map(_assigned, definitions))
 
 
 def _inertial_regressor(of_bodies: Inertial) -> ArmFunction:
@@ -223,5 +198,6 @@ def _gradient(
     )
 
 
-def _note(definition: Definition) -> str:
-    return f"{definition.quantity.meaning.partition(', component ')[0]} [{definition.quantity.unit}]"
+def _assigned(definition: Definition) -> Assignment:
+    meaning = definition.quantity.meaning.partition(", component ")[0]
+    return Assignment(definition.symbol, definition.value, f"{meaning} [{definition.quantity.unit}]")

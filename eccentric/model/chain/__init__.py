@@ -13,6 +13,7 @@ and the loads of the bearings as ordered definitions of scalars.
     inwards    the force and moment of every joint
     recursion  both along the chain, as a list of definitions
     bearing    the loads that friction follows
+    rest       the recursion without motion
     letters    a chain with a letter for every inertial parameter
     given_bodies  a chain with the bodies that a fit found
     identity   what tells one chain from another
@@ -34,6 +35,7 @@ from eccentric.model.chain.joint import Joint, Placement
 from eccentric.model.chain.letters import letters_of, with_letters
 from eccentric.model.chain.numbers import with_numbers
 from eccentric.model.chain.recursion import Recursion, recursion
+from eccentric.model.chain.rest import at_rest
 
 __all__ = [
     "Bearing",
@@ -46,6 +48,7 @@ __all__ = [
     "Recursion",
     "Wrench",
     "arm",
+    "at_rest",
     "drives",
     "identity_of",
     "letters_of",

@@ -51,12 +51,14 @@ class JointDrive:
     """The drive of one joint.
 
     Attributes:
+        called: number and name of the joint, for comments.
         current, voltage: of its armature.
         parameters: those that its balances bring along.
         mechanical: [N m, motor side].
         electrical: [V].
     """
 
+    called: str
     current: Quantity
     voltage: Quantity
     parameters: tuple[Quantity, ...]
@@ -124,7 +126,7 @@ def _drive(found: Recursion, j: int) -> JointDrive:
             Term(f"back_emf_{j}", "back_emf", k_e.symbol, velocity, "(2)", (None, None), joint=j),
         ),
     )
-    return JointDrive(current, voltage, tuple(parameters), mechanical, electrical)
+    return JointDrive(called, current, voltage, tuple(parameters), mechanical, electrical)
 
 
 def _called(joint: Joint, j: int) -> str:

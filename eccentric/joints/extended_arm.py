@@ -1,0 +1,254 @@
+"""An arm whose joints have the friction of models of their own, as one model: what a diagnosis emits.
+
+Each such model, `joint_model` with the effects that were found, has as inputs what the joint meets. Here the
+recursion of the chain stands in their place, and everything else of the joint gets its number.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import sympy as sp
+
+from eccentric.diagnosis import extended_model
+from eccentric.joints.diagnosed import ArmDiagnosis
+from eccentric.joints.joint_model import joint_inputs
+from eccentric.model import (
+    Balance,
+    Definition,
+    JointDrive,
+    Load,
+    Model,
+    Quantity,
+    Recursion,
+    State,
+    Term,
+    arm,
+    at_rest,
+    drives,
+    letters_of,
+    quantity,
+    recursion,
+    with_bodies,
+)
+from eccentric.model import vocabulary as v
+
+__all__ = ["arm_name", "extended_arm", "in_an_arm", "why_not_emitted"]
+
+_OF_THE_ARM = frozenset({"drive", "inertial", "bodies", "gravity"})
+"""Kinds of terms that the recursion has already, for a joint."""
+
+
+def why_not_emitted(found: ArmDiagnosis) -> str:
+    """Why an arm with the friction that was found would be wrong, in words; "" where it is right."""
+    if misfit := [j.number for j in found.joints if not j.fits_the_rig]:
+        return f"the log does not fit the rig in {_those(misfit)}"
+    if unscaled := [j.number for j in found.joints if j.found.unit != "N m"]:
+        return f"friction has no scale in N m in {_those(unscaled)}: give k_i in the [drives] of the rig"
+    if found.bodies is not None and not found.bodies.bodies.explain:
+        return "no real bodies have the identified base parameters"
+    return ""
+
+
+def _those(joints: Sequence[int]) -> str:
+    return f"joint{'s' * (len(joints) > 1)} {', '.join(map(str, joints))}"
+
+
+def arm_name(found: ArmDiagnosis) -> str:
+    """The name of the emitted arm: `_extended` where an effect was adopted in a joint, else `_fitted`."""
+    adopted = any(joint.found.models.extended.effects for joint in found.joints)
+    return f"{found.log.rig.chain.name}_{'extended' if adopted else 'fitted'}"
+
+
+def extended_arm(found: ArmDiagnosis) -> tuple[Recursion, Model] | None:
+    """The recursion of a diagnosed arm, and its model with the friction of every joint as it was fitted.
+
+    None where `why_not_emitted` says why.
+    """
+    if why_not_emitted(found):
+        return None
+    chain = found.log.rig.declared
+    if found.bodies is not None:
+        names = [q.name for j in range(len(found.joints)) for q in letters_of(j)]
+        values = found.bodies.bodies.values.ravel()
+        chain = with_bodies(chain, dict(zip(names, map(float, values), strict=True)))
+    bodies = recursion(chain)
+    effects = [f"{effect.id} in joint {j.number}" for j in found.joints for effect, _ in j.found.effects]
+    done = f"extended by {', '.join(effects)}" if effects else "friction fitted"
+    title = f"Arm {chain.name}, {done}"
+    joints = [extended_model(joint.found) for joint in found.joints]
+    return bodies, in_an_arm(bodies, joints, arm_name(found), title)
+
+
+def in_an_arm(found: Recursion, joints: Sequence[Model], name: str, title: str) -> Model:
+    """The model of an arm in which each joint has the friction and the drive of a model of its own.
+
+    Args:
+        found: the recursion of the arm.
+        joints: a model for each, from the base outwards: `joint_model`, extended or not.
+        name: of the result, in code.
+        title: one line.
+    """
+    plain = arm(found.chain, title, found=found)
+    gravity, moments = _gravity(found)
+    own = [
+        _Own(found, j, drive, model, torque).parts(plain)
+        for j, (drive, model, torque) in enumerate(zip(drives(found), joints, moments, strict=True))
+    ]
+    logged = {q.symbol: q for part in own for q in part.inputs}
+    balances = tuple(balance for part in own for balance in part.balances)
+    definitions = (*gravity, *(d for part in own for d in part.definitions))
+    states = tuple(state for part in own for state in part.states)
+    used = _used(balances, definitions, states)
+    return replace(
+        plain,
+        name=name,
+        title=title,
+        inputs=(*plain.inputs, *(q for symbol, q in logged.items() if symbol in used)),
+        parameters=(
+            *found.chain.parameters,
+            *(q for part in own for q in part.parameters if q.symbol in used),
+        ),
+        definitions=(*plain.definitions, *(d for d in definitions if d.symbol in used)),
+        balances=balances,
+        states=tuple(state for state in states if state.symbol in used),
+        defaults="fitted values, with the remark of each parameter",
+    )
+
+
+def _used(
+    balances: Sequence[Balance], definitions: Sequence[Definition], states: Sequence[State]
+) -> set[sp.Symbol]:
+    """What the balances depend on, through definitions and hidden states.
+
+    An effect of the armature's circuit is not part of it: no function of an arm has a voltage.
+    """
+    values = {d.symbol: d.value for d in definitions} | {state.symbol: state.update for state in states}
+    used: set[sp.Symbol] = set()
+    waiting = set().union(*(term.value.free_symbols for b in balances for term in b.terms))
+    while waiting:
+        used |= waiting
+        waiting = set().union(*(values[x].free_symbols for x in waiting if x in values)) - used
+    return used
+
+
+@dataclass(frozen=True)
+class _Parts:
+    """What one joint adds to the model of an arm."""
+
+    inputs: tuple[Quantity, ...]
+    parameters: tuple[Quantity, ...]
+    definitions: tuple[Definition, ...]
+    states: tuple[State, ...]
+    balances: tuple[Balance, ...]
+
+
+class _Own:
+    """One joint: its letters by those of the arm."""
+
+    def __init__(self, found: Recursion, j: int, drive: JointDrive, model: Model, gravity: sp.Symbol) -> None:
+        self._j, self._model, self._called = j, model, drive.called
+        joint, inputs, loads = found.chain.joints[j], found.inputs[j], found.bearings[j].loads
+        self._taken = {d.quantity.name for d in found.definitions} | {gravity.name}
+        nothing = sp.Integer(0)
+        self._given = {q.name: q for q in drive.parameters}
+        self._temperature = quantity(
+            f"temperature_{j}", v.temperature.unit, f"temperature of joint {j} in degC"
+        )
+        met = joint_inputs(
+            gravity=gravity,
+            moving=joint.mu * found.torques[j] - gravity,
+            rotor=found.rotors[j],
+            loads={load: loads.get(load, nothing) for load in Load},
+        )
+        self._letters: dict[sp.Expr, sp.Expr] = {
+            **met,
+            v.mu.symbol: joint.mu,
+            v.F_N.symbol: loads.get(Load.NORMAL, nothing),
+            v.theta_m.symbol: inputs.theta_m.symbol,
+            v.omega_m.symbol: inputs.omega_m.symbol,
+            v.alpha_m.symbol: inputs.alpha_m.symbol,
+            v.i.symbol: drive.current.symbol,
+            v.u.symbol: drive.voltage.symbol,
+            v.temperature.symbol: self._temperature.symbol,
+        }
+        self._letters |= {
+            q.symbol: self._numbered(q).symbol
+            for q in (
+                *model.parameters,
+                *(d.quantity for d in model.definitions),
+                *(state.quantity for state in model.states),
+            )
+            if q.symbol not in self._letters
+        }
+
+    def parts(self, plain: Model) -> _Parts:
+        """What this joint adds; `plain` is the arm without models of its joints."""
+        model, known = self._model, {v.mu.symbol, v.F_N.symbol}
+        names = {q.symbol for q in model.inputs}
+        logged = {v.temperature.symbol: self._temperature, v.t.symbol: v.t}
+        return _Parts(
+            tuple(q for symbol, q in logged.items() if symbol in names),
+            tuple(self._parameter(q) for q in model.parameters if q.symbol not in known),
+            tuple(
+                Definition(self._numbered(d.quantity), self._of_the_arm(d.value))
+                for d in model.definitions
+                if d.symbol not in known
+            ),
+            tuple(
+                State(
+                    self._numbered(state.quantity),
+                    self._of_the_arm(state.initial),
+                    self._of_the_arm(state.update),
+                )
+                for state in model.states
+            ),
+            tuple(self._balance(plain, name) for name in ("mechanical", "electrical")),
+        )
+
+    def _of_the_arm(self, value: sp.Expr) -> sp.Expr:
+        return value.xreplace(self._letters)
+
+    def _numbered(self, q: Quantity) -> Quantity:
+        meaning, name = f"joint {self._called}: {q.meaning}", f"{q.name}_{self._j}"
+        # An effect of a user's own may have a letter that the recursion has with a number: T, omega_l.
+        name = f"effect_{name}" if name in self._taken else name
+        return quantity(name, q.unit, meaning, q.equation, q.domain, q.default, q.letter)
+
+    def _parameter(self, q: Quantity) -> Quantity:
+        """The parameter of the joint: that of the arm, where it has one, with the remark of the fit."""
+        own, remark = self._numbered(q), "".join(q.meaning.partition("; ")[1:])
+        given = self._given.get(own.name)
+        return own if given is None else replace(given, meaning=given.meaning + remark, default=q.default)
+
+    def _balance(self, plain: Model, name: str) -> Balance:
+        balance = plain.balance(f"{name}_{self._j}")
+        kept = tuple(term for term in balance.terms if term.kind in _OF_THE_ARM)
+        added = map(self._term, self._model.balance(name).terms)
+        left = _OF_THE_ARM | ({"actuator"} if name == "electrical" else set())
+        return replace(balance, terms=(*kept, *(t for t in added if t.kind not in left and t.basis != 0)))
+
+    def _term(self, term: Term) -> Term:
+        coefficient, basis = map(self._of_the_arm, (term.coefficient, term.basis))
+        name = f"{term.name}_{self._j}"
+        return replace(term, name=name, coefficient=coefficient, basis=basis, joint=self._j)
+
+
+def _gravity(found: Recursion) -> tuple[tuple[Definition, ...], tuple[sp.Symbol, ...]]:
+    """The torques that hold the weight: definitions beside those of the moving chain, and their symbols."""
+    left, torques = at_rest(found)
+    moving = {d.symbol: d.value for d in found.definitions}
+    names: dict[sp.Expr, sp.Expr] = {}
+    resting = []
+    for definition in left:
+        q, value = definition.quantity, definition.value.xreplace(names)
+        if value == moving[definition.symbol]:
+            continue
+        at = quantity(f"{q.name}_rest", q.unit, f"{q.meaning}, at rest", q.equation, q.domain)
+        names[q.symbol] = at.symbol
+        resting.append(Definition(at, value))
+    for j, torque in enumerate(torques):
+        at = quantity(f"G_{j}", "N m", f"torque of motor {j} that holds the weight", "(5)")
+        resting.append(Definition(at, torque.xreplace(names)))
+    return tuple(resting), tuple(d.symbol for d in resting[-len(torques) :])
