@@ -8,7 +8,7 @@ from __future__ import annotations
 import gzip
 import os
 import zlib
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, TypeAlias
 
@@ -34,7 +34,8 @@ class Log:
 
     `path` is that of its file; for a table in memory, the name that messages use. `lines` (rows,) are the
     line numbers of the rows in a text file, from 1; None for other formats. `notes` say what was left out,
-    and why.
+    and why. `units` are those that the file itself states, by column, as they stand there; no reader applies
+    them.
     """
 
     path: str
@@ -42,6 +43,7 @@ class Log:
     rows: int
     lines: NDArray[np.int64] | None = None
     notes: tuple[str, ...] = ()
+    units: Mapping[str, str] = field(default_factory=dict)
 
     def __repr__(self) -> str:
         return f"<Log {self.path}: {self.rows} rows of {few(self.columns)}>"
@@ -112,7 +114,7 @@ def read_log(source: LogSource, name: str = "table") -> Log:
     rows = len(next(iter(read.columns.values()))) if read.columns else 0
     if rows == 0:
         raise InputError("; ".join((f"{where}: a log with rows is required, received none", *read.notes)))
-    return Log(where, read.columns, rows, read.lines, read.notes)
+    return Log(where, read.columns, rows, read.lines, read.notes, read.units)
 
 
 def _read_file(path: Path) -> Read:
