@@ -10,6 +10,7 @@ from pathlib import Path
 from eccentric.errors import InputError
 
 __all__ = [
+    "LOGS",
     "MISFIT",
     "add_folder",
     "add_logs",
@@ -20,6 +21,7 @@ __all__ = [
     "progress",
 ]
 
+LOGS = ".csv[.gz], .parquet, .mat, .json[.gz]"
 MISFIT = 1
 """Exit status of a fit or diagnosis that has written its result, and whose log does not fit the rig."""
 _STATUS = (
@@ -30,7 +32,7 @@ _STATUS = (
 def add_logs(parser: argparse.ArgumentParser) -> None:
     """Add the inputs of a fit: logs, their rig, and the model."""
     add = parser.add_argument
-    add("logs", metavar="LOG", nargs="+", help="logs of one rig: .csv[.gz], .parquet, .mat, .json[.gz]")
+    add("logs", metavar="LOG", nargs="+", help=f"logs of one rig: {LOGS}")
     add(
         "--rig",
         metavar="RIG",

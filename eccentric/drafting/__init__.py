@@ -13,12 +13,15 @@ rig its value or a question (`Entry`), each with its evidence in words and any d
     others      temperature, supply, flags
     questions   the other lines, and what no log shows
     draft       all of it
+    toml        the draft as a rig file
+    against     a rig file held against the draft
 
 May import: `logs`, `rigs`. Names are evidence among others; nothing is fitted here.
 """
 
+from eccentric.drafting.against import log_complaints
 from eccentric.drafting.draft import Draft, draft_of
 from eccentric.drafting.proposal import Entry, Proposal
 from eccentric.drafting.toml import toml_of
 
-__all__ = ["Draft", "Entry", "Proposal", "draft_of", "toml_of"]
+__all__ = ["Draft", "Entry", "Proposal", "draft_of", "log_complaints", "toml_of"]

@@ -126,7 +126,10 @@ def _moving(
     pairs = [
         p
         for p in pairs_of(grid, could)
-        if by_name[p.angle].name.quantity in ("angle", "") and by_name[p.speed].name.quantity in ("speed", "")
+        if by_name[p.angle].name.quantity in ("angle", "")
+        and by_name[p.speed].name.quantity in ("speed", "")
+        # Without names: a voltage goes with the speed as well, though less.
+        and (p.r > limits.UNNAMED or by_name[p.angle].name.quantity or by_name[p.speed].name.quantity)
     ]
     if pairs:
         slopes = {p.speed for p in pairs}
@@ -138,10 +141,7 @@ def _moving(
 
         best = max(pairs, key=worth)
         a, b = by_name[best.angle], by_name[best.speed]
-        # What its name calls a speed or an angle stays one, even if the noise of the other hides it.
-        named = a.name.quantity == "angle" or b.name.quantity == "speed"
-        doubt = "" if named or best.r > 0.97 else "by its correlation with another column alone"
-        return a, b, best, doubt
+        return a, b, best, ""
     angle = next((c for c in could if c.name.quantity == "angle" and not c.name.commanded), None)
     speed = next((c for c in could if c.name.quantity == "speed" and not c.name.commanded), None)
     if angle is not None and speed is not None:
@@ -191,7 +191,10 @@ def _without_copies(
             if of is None or column.name.quantity not in ("", what):
                 continue
             x, y = (grid.smooth(one, angle=what == "angle")[inner] for one in (of, column))
-            same = float(np.std(x) * np.std(y)) > 0.0 and abs(float(np.corrcoef(x, y)[0, 1])) > limits.COPY
+            sizes = float(np.std(x)), float(np.std(y))
+            r = abs(float(np.corrcoef(x, y)[0, 1])) if min(sizes) > 0.0 else 0.0
+            # A set value has the unit of what it is for; a current that happens to go with the speed has not.
+            same = r > limits.SAME or (r > limits.COPY and abs(sizes[0] / sizes[1] - 1.0) < 0.15)
             if same or column.name.quantity == what:
                 why[column.text] = f"another {what}, or its set value: {of.text} is taken"
                 break
@@ -235,7 +238,7 @@ def _channels(
     for column, what, unit in ((given.angle, "angle", best.angle), (given.speed, "speed", best.speed)):
         if column is None:
             continue
-        sure = sum(r.weight for r in found if getattr(r, what) == unit)
+        sure = sum(r.weight for r in found if getattr(r, what) == unit and _alike(r, best, unit))
         said = list(best.why[what])
         if what == "speed" and pair is not None:
             said.insert(0, f"correlates {pair.r:.3f} with the slope of {pair.angle}")
@@ -244,12 +247,21 @@ def _channels(
         doubts = [doubt] if doubt else []
         if sure < limits.SURE:
             others = _others(found, what, unit)
-            doubts.append(f"could be in {' or '.join(others)}" if others else "unit by its size alone")
+            turn = {f"{r.counts:.6g}" for r in found if r.weight > 0.02 and r.counts} if unit == "counts" else set()
+            said_others = [*others, *([f"{' or '.join(sorted(turn))} counts per turn"] if len(turn) > 1 else [])]
+            doubts.append(f"could be in {' or '.join(said_others)}" if said_others else "unit by its size alone")
+        if unit.startswith("counts") and best.product:
+            doubts.append("the log shows counts per turn times gear, not each: check encoder_counts_per_rev")
         if unit.startswith("counts") and not best.counts:
             doubts.append("how many counts a turn has is not to be seen: put encoder_counts_per_rev")
         channel = {"angle": "theta_", "speed": "omega_"}[what] + side
         proposals.append(Proposal(channel, column.text, unit, tuple(said), sure, "; ".join(doubts)))
     return proposals
+
+
+def _alike(reading: Reading, best: Reading, unit: str) -> bool:
+    """Whether a reading in the same unit has the same counts per turn, where the unit is counts."""
+    return not unit.startswith("counts") or math.isclose(reading.counts, best.counts, rel_tol=1e-3)
 
 
 def _others(found: Sequence[Reading], what: str, unit: str) -> list[str]:

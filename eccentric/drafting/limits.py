@@ -22,6 +22,8 @@ SMOOTH_S, SMOOTH_ROWS = 0.08, 9
 """Window of the local cubic that gives speed and acceleration: the longer of the two."""
 DERIVATIVE = 0.9
 """Correlation from which a column is the slope of another: drives filter their speed, which lowers it."""
+UNNAMED = 0.97
+"""The same for two columns without names, one of which could be a voltage."""
 COPY = 0.98
 """Correlation from which a column is another one in other units, or its set value."""
 SAME = 0.9999

@@ -30,6 +30,8 @@ _USUAL = {
     "torque": {"N m": (1.0, 1.2, 1.0), "mNm": (0.1, 1.2, 0.5)},
 }
 """Largest value in SI that a drive usually has, its spread in decades, and how usual the unit is."""
+_COMMON = (4096.0, 8192.0, 16384.0, 2000.0, 4000.0, 2048.0, 1024.0, 65536.0)
+"""Counts per turn of the encoders that are used most."""
 _SCALE = {"A": 1.0, "mA": 1e-3, "V": 1.0, "mV": 1e-3, "N m": 1.0, "mNm": 1e-3}
 
 
@@ -67,6 +69,7 @@ class Reading:
         counts: per turn of the shaft of the angle, where it is in counts; 0 if unknown.
         gear: turns of the shaft of the angle for one of the link, by gravity; 0 without gravity.
         ratio: of the shaft of the speed to that of the angle, 1 where they are one.
+        product: whether the log shows counts per turn and gear only as their product.
     """
 
     time: str
@@ -76,6 +79,7 @@ class Reading:
     counts: float = 0.0
     gear: float = 0.0
     ratio: float = 1.0
+    product: bool = False
     why: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
 
 
@@ -98,9 +102,9 @@ def _read(given: Evidence, time: str, angle: str, speed: str) -> list[Reading]:
     weight = given.time[time]
     why: dict[str, tuple[str, ...]] = {"angle": (), "speed": ()}
     later = SECONDS[given.time_unit] / SECONDS[time]  # slopes per second under this unit of time
-    counts = 0.0
+    counts, product = 0.0, False
     if angle == "counts":
-        counts, said = _counts(given, speed, later)
+        counts, product, said = _counts(given, speed, later)
         why["angle"] += said
     unit = TURN / counts if counts else _ANGLES.get(angle, 0.0)
     if angle and given.angle is not None:
@@ -130,7 +134,7 @@ def _read(given: Evidence, time: str, angle: str, speed: str) -> list[Reading]:
     if fastest > 0.0:
         decades = math.log10(fastest / limits.USUAL_SPEED) / limits.SPEED_DECADES
         weight *= math.exp(-0.5 * min(decades**2, 16.0))
-    return [Reading(time, angle, speed, weight, counts, gear, ratio, why)]
+    return [Reading(time, angle, speed, weight, counts, gear, ratio, product, why)]
 
 
 def _named(column: Column, unit: str) -> float:
@@ -140,18 +144,22 @@ def _named(column: Column, unit: str) -> float:
     return _PRIOR[unit]
 
 
-def _counts(given: Evidence, speed: str, later: float) -> tuple[float, tuple[str, ...]]:
-    """Counts per turn of the shaft of the angle, by what shows it best."""
+def _counts(given: Evidence, speed: str, later: float) -> tuple[float, bool, tuple[str, ...]]:
+    """Counts per turn of the shaft of the angle, by what shows it best, and whether a gear may be in them."""
     if given.wrap:
-        return given.wrap, (f"it restarts every {given.wrap:.6g} counts",)
-    if given.speed is not None and given.factor and speed in _SPEEDS:
+        return given.wrap, False, (f"it restarts every {given.wrap:.6g} counts",)
+    if given.factor and speed in _SPEEDS:
         turn = TURN * later / (abs(given.factor) * _SPEEDS[speed])
         found = nice_counts(turn, limits.FACTOR) or turn
-        return found, (f"the logged speed makes one turn {found:.6g} counts",)
+        return found, False, (f"by the logged speed a turn has {turn:.6g} counts",)
     if given.period:
-        found = nice_counts(given.period, 0.01) or round(given.period)
-        return found, (f"gravity repeats every {given.period:.6g} counts",)
-    return 0.0, ()
+        # A turn of the link is counts times gear: a usual encoder behind a whole gear, the smallest that fits.
+        gears = range(1, limits.MOST_TURNS)
+        fits = ((g, nice_counts(given.period / g, 2e-3)) for g in gears)
+        powers = [(g, n) for g, n in fits if n in _COMMON]
+        found = powers[0][1] if powers else nice_counts(given.period, 0.01) or float(round(given.period))
+        return found, True, (f"gravity repeats every {given.period:.6g} counts",)
+    return 0.0, False, ()
 
 
 def _shape(given: Evidence, angle: str, unit: float) -> tuple[float, tuple[str, ...]]:
