@@ -155,19 +155,23 @@ def _explaining(
     grid: Grid, could: Sequence[Column], free: Sequence[Column], where: str
 ) -> tuple[Column | None, Column | None]:
     """The column that explains another best as an angle or as a speed."""
-    best: tuple[float, Column | None, Column | None] = (0.0, None, None)
+    tried: list[tuple[float, Column | None, Column | None, Column]] = []
     for x in could:
         for angle, speed in ((x, None), (None, x)):
             motion = motion_from(grid, angle, speed)
             for y in free:
                 if y is x:
                     continue
-                balance = balance_of(motion, grid.smooth(y))
+                balance = balance_of(motion, grid.smooth(y), periodic=False)
                 # Friction in the direction of motion: it tells a motion from what it drives.
-                if balance is None or balance.shares["friction"] < 0.05:
-                    continue
-                if balance.r2 > best[0]:
-                    best = (balance.r2, angle, speed)
+                if balance is not None and balance.shares["friction"] > 0.05:
+                    tried.append((balance.r2, angle, speed, y))
+    best: tuple[float, Column | None, Column | None] = (0.0, None, None)
+    for _, angle, speed, y in sorted(tried, key=lambda one: -one[0])[:4]:
+        # The search for gravity takes longest: it decides among the few that friction and inertia leave.
+        balance = balance_of(motion_from(grid, angle, speed), grid.smooth(y))
+        if balance is not None and balance.r2 > best[0]:
+            best = (balance.r2, angle, speed)
     if best[0] < limits.SHOWN:
         raise InputError(
             f"{where}: an angle or a speed is required; no column looks like one"

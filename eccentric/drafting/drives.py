@@ -3,7 +3,8 @@ a voltage follows the speed as well; where both are logged, voltage = R current 
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+import dataclasses
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -59,8 +60,11 @@ def find_drives(
     kept = _together(grid, motion, kept)
     proposals: dict[str, Proposal] = {}
     balances: dict[str, Balance] = {}
-    for one in kept:
+    for one in _voltage_among(kept):
         if one.kind in proposals:
+            first = proposals[one.kind]
+            said = "; ".join(filter(None, (first.doubt, f"{one.column.text} could be this {one.kind} as well")))
+            proposals[one.kind] = dataclasses.replace(first, doubt=said)
             left_out[one.column.text] = f"another {one.kind}; {proposals[one.kind].column} follows the motion better"
             continue
         proposals[one.kind] = _proposal(one)
@@ -93,6 +97,16 @@ def _kind(column: Column, balance: Balance) -> Driven:
     return Driven(column, "current", balance, evidence, "no name; a torque would look the same", 0.6)
 
 
+def _voltage_among(kept: list[Driven]) -> list[Driven]:
+    """Of two currents without names, the one that follows the speed more is taken for the voltage."""
+    unnamed = [one for one in kept if one.kind == "current" and not one.column.name.quantity]
+    if len(unnamed) < 2 or any(one.kind == "voltage" for one in kept):
+        return kept
+    most = max(unnamed, key=lambda one: one.balance.shares["speed"])
+    doubt = "no name: of two alike it follows the speed more"
+    return [dataclasses.replace(one, kind="voltage", doubt=doubt, sure=0.6) if one is most else one for one in kept]
+
+
 def _together(grid: Grid, motion: Motion, kept: list[Driven]) -> list[Driven]:
     """Two drive signals tell each other apart: voltage = R current + k_e speed, with both above 0."""
     rows = motion.moving
@@ -109,7 +123,7 @@ def _together(grid: Grid, motion: Motion, kept: list[Driven]) -> list[Driven]:
             c = np.linalg.lstsq(scaled, y, rcond=None)[0]
             r2 = 1.0 - float(np.var(y - scaled @ c)) / float(np.var(y))
             emf = abs(c[2]) * float(np.std(scaled[:, 2])) / float(np.std(y))
-            if r2 > 0.9 and c[1] > 0.0 and c[2] > 0.0 and emf > 0.1:
+            if r2 > 0.9 and c[1] > 0.0 and c[2] > 0.0 and emf > 0.03:
                 said = f"it is a multiple of {i.column.text} plus a multiple of the speed, to {r2:.1%}: R i + k_e w"
                 other = f"{u.column.text} is a multiple of it plus a multiple of the speed"
                 kept = list(kept)
