@@ -143,7 +143,9 @@ def judged(draft: Draft, given: Disguised) -> list[Judged]:
         right = any(_right(p.channel, p.unit, counts, column, given, name) for p in about)
         if not about:
             # Left out is right where it is no channel, or another column with the same quantity was taken.
-            right = column.quantity in ("none", "set angle") or any(
+            # So is it where all of its values are one, as a flag that is never raised.
+            constant = float(np.ptp(given.log.numbers(name))) == 0.0 if column.quantity != "run" else False
+            right = constant or column.quantity == "set angle" or any(
                 column.same in _columns_in(p.column, given.truth) for p in draft.proposals
             )
             # In a log without names a flag has no meaning that could be seen.

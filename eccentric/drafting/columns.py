@@ -78,24 +78,36 @@ def columns_of(log: Log, rows: slice) -> tuple[dict[str, Column], dict[str, NDAr
 def step_of(column: Column) -> float:
     """The step that all values are multiples of, but for their rounding in the file; 0 where there is none.
 
-    A clock of ten digits has one as well: it is for the caller to judge its size.
+    A power of ten below 1 is what a file was written with and no encoder's.
     """
     levels = column.levels
     gaps = np.diff(levels)
     gaps = gaps[gaps > 1e-9 * max(abs(float(levels[0])), abs(float(levels[-1])), 1e-30)]
     if len(gaps) < 8:
         return 0.0
-    # Values that are rounded in the file scatter about the step: the smallest tenth of the gaps shows it.
-    step = float(np.median(np.sort(gaps)[: max(3, len(gaps) // 10)]))
-    for apart in (1, 4, 16, 64, 256, 1024):
+    smallest = np.sort(gaps)[: max(3, len(gaps) // 100)]
+    least = float(np.median(smallest[smallest < 1.3 * smallest[0]]))
+    # Where an angle travels far, no two of its values are one step apart: two gaps then differ by it.
+    found = next((step for k in range(1, 9) if (step := _lattice(levels, least / k))), 0.0)
+    if 0.0 < found < 1.0 and abs(math.log10(found) - round(math.log10(found))) < 1e-6:
+        return 0.0
+    return found
+
+
+def _lattice(levels: Array, step: float) -> float:
+    """A step that all levels are multiples of, near a first guess; 0 if there is none."""
+    for reach in (2, 4, 8, 16, 32, 128, 512, 2048, 8192):
         # Levels further and further apart fix the step to more and more digits.
+        apart = max(1, int(reach * step / max(float(np.median(np.diff(levels))), 1e-300)) // 2)
         if apart >= len(levels) // 2:
             break
         spread = levels[apart:] - levels[:-apart]
         count = np.round(spread / step)
-        near = count < 8.0 * np.median(count)
+        near = (count <= reach) & (count > 0)
+        if np.count_nonzero(near) < 5:
+            continue
         off = spread[near] / step - count[near]
-        if float(np.sqrt(np.mean(off**2))) > 0.12:
+        if float(np.sqrt(np.mean(off**2))) > 0.15:
             return 0.0
         step = float((spread[near] @ count[near]) / (count[near] @ count[near]))
     return step
