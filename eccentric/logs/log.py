@@ -17,11 +17,18 @@ from numpy.typing import NDArray
 
 from eccentric.errors import InputError, few
 from eccentric.logs.assemble import Column, Read, number_of
+from eccentric.logs.bag_file import read_bag
 from eccentric.logs.csv_file import POINT, read_csv
+from eccentric.logs.hdf5_file import read_hdf5
 from eccentric.logs.json_file import read_json
 from eccentric.logs.mat_file import read_mat
+from eccentric.logs.mcap_file import read_mcap
+from eccentric.logs.mdf_file import read_mdf
 from eccentric.logs.memory import TableLike, read_memory
+from eccentric.logs.npz_file import read_npz
 from eccentric.logs.parquet_file import read_parquet
+from eccentric.logs.tdms_file import read_tdms
+from eccentric.logs.ulog_file import read_ulog
 from eccentric.places import given_path, readable, shown
 
 if TYPE_CHECKING:
@@ -85,6 +92,15 @@ READERS: dict[str, Callable[[Path], Read]] = {
     ".parquet": read_parquet,
     ".json": read_json,
     ".json.gz": read_json,
+    ".npz": read_npz,
+    ".h5": read_hdf5,
+    ".hdf5": read_hdf5,
+    ".mf4": read_mdf,
+    ".mdf": read_mdf,
+    ".db3": read_bag,
+    ".mcap": read_mcap,
+    ".ulg": read_ulog,
+    ".tdms": read_tdms,
 }
 
 
