@@ -29,8 +29,9 @@ def cells_to_column(name: str, cells: Sequence[str], *, decimal_comma: bool) -> 
     if column.dtype.kind == "f":
         return _counter(name, cells, column)
     given = [cell for cell in cells if cell.strip().lower() not in MISSING]
-    if decimal_comma and given and all(map(_COMMA.fullmatch, given)):
-        return column_of([cell.replace(",", ".") for cell in cells]), "", ""
+    # A cell that is no number stays as it is: whoever asks for numbers is told its line.
+    if decimal_comma and given and 2 * sum(map(bool, map(_COMMA.fullmatch, given))) > len(given):
+        return column_of([c.replace(",", ".") if _COMMA.fullmatch(c) else c for c in cells]), "", ""
     if given and all(map(_DATE.match, given)):
         return _dates(name, cells, column)
     return column, "", ""

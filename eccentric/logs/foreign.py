@@ -7,9 +7,12 @@ pickles, attachments and formulas in it are left out, with a note.
 from __future__ import annotations
 
 import contextlib
+import gc
 import importlib
 import io
 import logging
+import sys
+import traceback
 import warnings
 from collections.abc import Iterator
 from pathlib import Path
@@ -28,6 +31,16 @@ def library(name: str, extra: str, path: Path) -> Any:
         raise InputError(
             f'{path}: {name.partition(".")[0]} is required for {path.suffix}: pip install "eccentric[{extra}]"'
         ) from None
+
+
+def _cleared(error: BaseException) -> None:
+    """Let go of what a library had half built: some of it complains on stderr when it is cleared away later."""
+    before, sys.unraisablehook = sys.unraisablehook, lambda _: None
+    try:
+        traceback.clear_frames(error.__traceback__)
+        gc.collect()
+    finally:
+        sys.unraisablehook = before
 
 
 @contextlib.contextmanager
@@ -49,6 +62,7 @@ def reading(path: Path, what: str) -> Iterator[None]:
         raise InputError(f"{path}: not a valid {what} (it claims more values than fit in memory)") from None
     except Exception as error:  # noqa: BLE001 - libraries raise whatever a damaged file leads them into
         said = " ".join(str(error).split())[:200] or type(error).__name__
+        _cleared(error)
         raise InputError(f"{path}: not a valid {what} ({said})") from None
     finally:
         logging.disable(before)

@@ -20,7 +20,8 @@ _UNIT = ("unit_string", "NI_UnitDescription", "unit")
 def read_tdms(path: Path) -> Read:
     """Read all channels; with the waveform's time where they have one, put on the clock of the fastest."""
     nptdms = library("nptdms", "tdms", path)
-    with reading(path, "TDMS file"), nptdms.TdmsFile.open(path) as file:
+    # Opened here: the library would leave the file open after an error.
+    with reading(path, "TDMS file"), path.open("rb") as stream, nptdms.TdmsFile.open(stream) as file:
         found = [channel for group in file.groups() for channel in group.channels()]
         lengths = [len(channel) for channel in found]
         require_room_for_numbers(path, max(lengths, default=0), sum(lengths))

@@ -58,11 +58,12 @@ def read_table(logs: Sequence[LogSource], rig: Rig) -> Table:
     tables: list[Table] = []
     stems: list[str] = []
     read = [read_log(log) for log in logs]
+    own = _own_names(read, rig)
     for log in read:
         stem = Path(log.path).name.split(".")[0]
         stems.append(stem)
         name = stem if stems.count(stem) == 1 else f"{stem}#{stems.count(stem)}"
-        tables.append(_one(log, rig, name, alone=len(read) == 1))
+        tables.append(_one(log, rig, name, alone=own))
     names = set(tables[0].channels)
     for log, table in zip(read, tables, strict=True):
         if set(table.channels) != names:
@@ -85,6 +86,18 @@ def read_table(logs: Sequence[LogSource], rig: Rig) -> Table:
         findings=tuple(finding for table in tables for finding in table.findings),
     )
     return _chosen(joined, rig) if rig.log.runs else joined
+
+
+def _own_names(logs: Sequence[Log], rig: Rig) -> bool:
+    """Whether the runs of several logs are known by their own names: no two logs have one in common."""
+    seen: set[str] = set()
+    for log in logs:
+        source = _sources(log, rig).get("run")
+        names = set() if source is None else set(_labels(log, source, "", alone=True).tolist())
+        if seen & names:
+            return False
+        seen |= names
+    return True
 
 
 def _chosen(table: Table, rig: Rig) -> Table:
@@ -218,7 +231,7 @@ def _condition(
 
 
 def _labels(log: Log, source: ColumnSource | None, name: str, alone: bool) -> NDArray[np.str_]:
-    """Name the run of each row: by the log, by the run column, or by both if there are several logs."""
+    """Name the run of each row: by the log, by the run column, or by both if two logs name a run alike."""
     if source is None:
         return np.full(log.rows, name)
     values = log.text(source.text)
