@@ -100,7 +100,7 @@ def typed(draft: Draft, rig: Mapping[str, Any]) -> tuple[str, int]:
     """The draft with its questions answered as far as the fit needs it, and how many values that took."""
     told = read_rig({"known": rig["known"], "unknown": rig.get("unknown", {})})
     answers = {**{k: f'{v:.9g}' for k, v in told.known.items()}}
-    units = {"M": "kg", "M_l": "kg", "L": "m"}
+    units = {"M": "kg", "M_l": "kg", "L": "m", "k_i": "N m/A"}
     lines, count = [], 0
     for line in toml_of(draft, "draft").splitlines():
         key = line.removeprefix("#? ").split(" =")[0]

@@ -24,6 +24,7 @@ from benchmarks import (
     checks,
     derivation,
     diagnosis,
+    drafted,
     field,
     figure,
     fuzz,
@@ -48,6 +49,7 @@ PARTS: dict[str, tuple[str, Callable[[bool], Part]]] = {
     "field": ("In the field", field.measured),
     "readers": ("Fuzzed readers", fuzz.measured),
     "intervals": ("Intervals", intervals.measured),
+    "drafted": ("Drafted rigs", drafted.measured),
     "diagnosis": ("Diagnosis", diagnosis.measured),
     "joints": ("Diagnosis of arms", arms_diagnosis.measured),
 }

@@ -41,7 +41,7 @@ class RigDraft:
     @property
     def needed(self) -> tuple[str, ...]:
         """The letters that have to be typed for a fit."""
-        return tuple(e.key for e in self.questions if e.key in ("case", "mu", "M", "M_l", "L"))
+        return tuple(e.key for e in self.questions if e.key in ("case", "M", "M_l", "L", "k_i"))
 
     def summary(self) -> str:
         """The channels with unit and confidence, the doubts and the questions, for a terminal."""

@@ -21,7 +21,8 @@ __all__ = [
     "progress",
 ]
 
-LOGS = ".csv[.gz], .parquet, .mat, .json[.gz]"
+LOGS = ".csv[.gz], .json[.gz], .npz, .mat, .parquet, .h5, .mf4, .db3, .mcap, .ulg, .tdms"
+"""Formats of logs, for help pages; `eccentric.logs` is not imported for them."""
 MISFIT = 1
 """Exit status of a fit or diagnosis that has written its result, and whose log does not fit the rig."""
 _STATUS = (

@@ -91,7 +91,10 @@ def _known(best: Reading, given: Evidence, balance: Balance | None, kinds: set[s
     ]
     if gravity or balance is None:
         entries.append(Entry("known", "M_l", '"0.2 kg"', "the link without the unbalanced mass: weigh it", asked=True))
-    if "current" in kinds:
+    if "current" in kinds and not gravity:
+        why = "the torque constant (data sheet): without gravity the log cannot show it"
+        entries.append(Entry("known", "k_i", '"0.05 N m/A"', why, asked=True))
+    elif "current" in kinds:
         why = "the torque constant: from the data sheet if you have it, under [known]; else the log identifies what it can"
         entries.append(Entry("unknown", "k_i", '["0.001 N m/A", "20 N m/A"]', why))
     if "voltage" in kinds:

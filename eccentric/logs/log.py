@@ -111,7 +111,8 @@ def read_log(source: LogSource, name: str = "table") -> Log:
     """Read a log from a file or from a table in memory.
 
     Args:
-        source: a path: `.csv`, `.json`, both also as `.gz`, `.mat` (7.3: extra `mat73`), `.parquet` (extra);
+        source: a path: `.csv`, `.json`, both also as `.gz`, `.npz`, `.mat` (7.3: extra `mat73`), and with the
+            extras of docs/rig.md `.parquet`, `.h5`, `.mf4`, `.db3`, `.mcap`, `.ulg`, `.tdms`;
             or a table: a mapping of names to arrays (n,), a structured array, or a table of pandas, polars,
             pyarrow or any library with the Arrow PyCapsule or the dataframe interchange protocol; or a Log,
             which is returned unchanged.
