@@ -128,13 +128,17 @@ def _name(
     text = word
     if style == "with unit" and unit:
         form = rng.integers(3)
-        text = (f"{word} [{unit}]", f"{word} ({unit})", f"{word.replace(' ', '_')}_{SUFFIX.get(unit, unit)}")[form]
+        text = (f"{word} [{unit}]", f"{word} ({unit})", f"{word.replace(' ', '_')}_{SUFFIX.get(unit, unit)}")[
+            form
+        ]
     return text if text not in taken else f"{text} {k}"
 
 
 def judged(draft: Draft, given: Disguised) -> list[Judged]:
     """Each column: the channel by its quantity, the unit by its size in SI, to one in a thousand."""
-    counts = next((float(e.value) for e in draft.entries if e.key == "encoder_counts_per_rev" and not e.asked), None)
+    counts = next(
+        (float(e.value) for e in draft.entries if e.key == "encoder_counts_per_rev" and not e.asked), None
+    )
     found: list[Judged] = []
     for name, column in given.truth.items():
         about = [p for p in draft.proposals if name in _columns_in(p.column, given.truth)]
@@ -145,11 +149,15 @@ def judged(draft: Draft, given: Disguised) -> list[Judged]:
             # Left out is right where it is no channel, or another column with the same quantity was taken.
             # So is it where all of its values are one, as a flag that is never raised.
             constant = float(np.ptp(given.log.numbers(name))) == 0.0 if column.quantity != "run" else False
-            right = constant or column.quantity == "set angle" or any(
-                column.same in _columns_in(p.column, given.truth) for p in draft.proposals
+            right = (
+                constant
+                or column.quantity == "set angle"
+                or any(column.same in _columns_in(p.column, given.truth) for p in draft.proposals)
             )
             # In a log without names a flag has no meaning that could be seen.
-            doubted = "meaning" in draft.left_out.get(name, "") or "too little" in draft.left_out.get(name, "")
+            doubted = "meaning" in draft.left_out.get(name, "") or "too little" in draft.left_out.get(
+                name, ""
+            )
         found.append(Judged(name, column.quantity, right, doubted, said))
     return found
 
@@ -162,8 +170,18 @@ def _columns_in(text: str, names: Mapping[str, object]) -> set[str]:
     return words & set(names)
 
 
-def _right(channel: str, unit: str, counts: float | None, column: Column, given: Disguised, name: str) -> bool:
-    of = {"theta_m": "angle", "theta_l": "angle", "omega_m": "speed", "omega_l": "speed", "torque_l": "torque", "motor_off": "on", "use": "bad"}
+def _right(
+    channel: str, unit: str, counts: float | None, column: Column, given: Disguised, name: str
+) -> bool:
+    of = {
+        "theta_m": "angle",
+        "theta_l": "angle",
+        "omega_m": "speed",
+        "omega_l": "speed",
+        "torque_l": "torque",
+        "motor_off": "on",
+        "use": "bad",
+    }
     quantity = of.get(channel, channel)
     if column.quantity in ("duty", "supply"):
         return channel == "voltage"

@@ -46,6 +46,14 @@ _EXAMPLE = {
     "current_A": Column("current", "A"),
     "temperature_C": Column("temperature", "degC"),
 }
+_SCREW = {
+    "run": Column("run"),
+    "t_s": Column("time", "s"),
+    "speed_rpm": Column("speed", "rpm", same="w_in_rad_s"),
+    "w_in_rad_s": Column("speed", "rad/s", same="speed_rpm"),
+    "torque_mNm": Column("torque", "mNm"),
+    "restored": Column("bad"),
+}
 KNOWN: dict[str, dict[str, Column]] = {
     "bam_xl330_pendulum": {
         "run": Column("run"), "t_s": Column("time", "s"), "q_rad": Column("angle", "rad", 4096),
@@ -61,11 +69,8 @@ KNOWN: dict[str, dict[str, Column]] = {
     "tue_unbalanced_disc": {
         "t_s": Column("time", "s"), "u_V": Column("voltage", "V"), "q_counts": Column("angle", "counts", 2000),
     },
-    **dict.fromkeys(("tro2021_drive1", "tro2021_drive3"), {
-        "run": Column("run"), "t_s": Column("time", "s"), "speed_rpm": Column("speed", "rpm", same="w_in_rad_s"),
-        "w_in_rad_s": Column("speed", "rad/s", same="speed_rpm"), "torque_mNm": Column("torque", "mNm"),
-        "restored": Column("bad"),
-    }),
+    "tro2021_drive1": _SCREW,
+    "tro2021_drive3": _SCREW,
 }  # fmt: skip
 """What the columns of the measured logs are, by their own descriptions."""
 
@@ -99,7 +104,7 @@ def _of_runs(log: Log, runs: list[str]) -> Log:
 def typed(draft: Draft, rig: Mapping[str, Any]) -> tuple[str, int]:
     """The draft with its questions answered as far as the fit needs it, and how many values that took."""
     told = read_rig({"known": rig["known"], "unknown": rig.get("unknown", {})})
-    answers = {**{k: f'{v:.9g}' for k, v in told.known.items()}}
+    answers = {**{k: f"{v:.9g}" for k, v in told.known.items()}}
     units = {"M": "kg", "M_l": "kg", "L": "m", "k_i": "N m/A"}
     lines, count = [], 0
     for line in toml_of(draft, "draft").splitlines():
@@ -130,7 +135,9 @@ def runs(given: Disguised, draft: Draft, rig: Mapping[str, Any]) -> tuple[bool, 
     return True, count, ""
 
 
-def measure(data: Path, variants: int, *, show: bool = False) -> tuple[list[tuple[str, str, list[Judged]]], list[tuple[bool, int, str]]]:
+def measure(
+    data: Path, variants: int, *, show: bool = False
+) -> tuple[list[tuple[str, str, list[Judged]]], list[tuple[bool, int, str]]]:
     """The judged columns of every variant with log and style, and of every variant whether a fit ran."""
     found, fitted = [], []
     all_logs = list(logs(data))
@@ -142,7 +149,13 @@ def measure(data: Path, variants: int, *, show: bool = False) -> tuple[list[tupl
         try:
             draft = draft_of(given.log)
         except InputError as error:
-            found.append((name, given.style, [Judged(c, x.quantity, False, True, f"refused: {error}") for c, x in given.truth.items()]))
+            found.append(
+                (
+                    name,
+                    given.style,
+                    [Judged(c, x.quantity, False, True, f"refused: {error}") for c, x in given.truth.items()],
+                )
+            )
             fitted.append((False, 0, str(error)))
         else:
             found.append((name, given.style, judged(draft, given)))
@@ -150,7 +163,10 @@ def measure(data: Path, variants: int, *, show: bool = False) -> tuple[list[tupl
         if show:
             for one in found[-1][2]:
                 if not one.right:
-                    print(f"{k} {name}, {given.style}: {one.quantity} {one.name!r} -> {one.said}{'' if one.doubted else ' NOT DOUBTED'}", flush=True)
+                    print(
+                        f"{k} {name}, {given.style}: {one.quantity} {one.name!r} -> {one.said}{'' if one.doubted else ' NOT DOUBTED'}",
+                        flush=True,
+                    )
             if not fitted[-1][0]:
                 print(f"{k} {name}, {given.style}: no fit: {fitted[-1][2]}", flush=True)
     return found, fitted

@@ -22,8 +22,8 @@ from eccentric.arms import read_arm
 from eccentric.errors import InputError
 from eccentric.logs import evaluate, parse_value, read_log
 from eccentric.rigs import CHANNELS, KEYS, KNOWNS, read_rig
-from tests.recordings import bag_bytes, hdf5_bytes, mcap_bytes, mdf_bytes, npz_bytes, tdms_bytes, ulog_bytes
 from tests.damage import NUMBERS, csv_bytes, files, json_bytes, mat73_bytes, mat_bytes, parquet_bytes, texts
+from tests.recordings import bag_bytes, hdf5_bytes, mcap_bytes, mdf_bytes, npz_bytes, tdms_bytes, ulog_bytes
 
 ODD_TEXTS = (
     *("", "estimate", "run", "C1", "C2", "time_s", "1 kg", "0.1 m", "2 ohm", "1e-4 kg m^2", "1/0 m"),

@@ -1,4 +1,4 @@
-"""Small logs of every format, each written by the format's own library: an angle at 100 Hz, a current at 50 Hz."""
+"""Small logs of every format, by the format's own library: an angle at 100 Hz, a current at 50 Hz."""
 
 from __future__ import annotations
 
@@ -64,7 +64,12 @@ def tdms_bytes() -> bytes:
         start = np.datetime64("2024-05-01T12:00:00")
         writer.write_segment(
             [
-                ChannelObject("log", "angle", ANGLE, {"wf_increment": 0.01, "wf_start_time": start, "unit_string": "rad"}),
+                ChannelObject(
+                    "log",
+                    "angle",
+                    ANGLE,
+                    {"wf_increment": 0.01, "wf_start_time": start, "unit_string": "rad"},
+                ),
                 ChannelObject("log", "current", CURRENT, {"wf_increment": 0.02, "wf_start_time": start}),
             ]
         )
@@ -107,7 +112,11 @@ def _write_ros(writer: object) -> None:
         stamp = kinds["builtin_interfaces/msg/Time"](sec=time // 10**9, nanosec=time % 10**9)
         header = kinds["std_msgs/msg/Header"](stamp=stamp, frame_id="base")
         message = kinds[joints](
-            header=header, name=["elbow", "wrist"], position=np.array([ANGLE[k], -ANGLE[k]]), velocity=empty, effort=empty
+            header=header,
+            name=["elbow", "wrist"],
+            position=np.array([ANGLE[k], -ANGLE[k]]),
+            velocity=empty,
+            effort=empty,
         )
         writer.write(states, time + 700, store.serialize_cdr(message, joints))  # pyright: ignore[reportAttributeAccessIssue]
         if k % 2 == 0:
@@ -147,7 +156,9 @@ def ulog_bytes() -> bytes:
     raw += message(b"B", bytes(40))
     raw += message(b"F", b"drive:uint64_t timestamp;double angle;")
     raw += message(b"F", b"motor:uint64_t timestamp;double current;")
-    raw += message(b"A", struct.pack("<BH", 0, 0) + b"drive") + message(b"A", struct.pack("<BH", 0, 1) + b"motor")
+    raw += message(b"A", struct.pack("<BH", 0, 0) + b"drive") + message(
+        b"A", struct.pack("<BH", 0, 1) + b"motor"
+    )
     for k, t in enumerate(T):
         raw += message(b"D", struct.pack("<HQd", 0, round(1e6 * t), ANGLE[k]))
         if k % 2 == 0:

@@ -1,4 +1,4 @@
-"""A log that nobody described becomes a rig file: channels and units are right, or doubted, and the file fits."""
+"""A log that nobody described becomes a rig file: what it says is right or doubted, and it fits."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ import eccentric
 from benchmarks.disguised import Column, disguised, judged
 from eccentric.api.simulated import BenchResult
 from eccentric.drafting import draft_of, toml_of
-from eccentric.drafting.columns import Column as Values
+from eccentric.drafting.columns import LoggedColumn as Values
 from eccentric.drafting.columns import nice_counts, step_of, wrap_of
 from eccentric.drafting.words import Name, read_name
 from eccentric.errors import InputError
@@ -49,7 +49,9 @@ def renamed(log: Log, names: dict[str, str], factors: dict[str, float]) -> Log:
 def test_a_disguised_log_is_read_right_or_doubted(seed: int, arm: BenchResult) -> None:
     """Whatever the columns are called and in whichever unit, nothing is wrong without a doubt."""
     counts = arm.rig.log.counts_per_rev or 0.0
-    known = {c: Column(k.quantity, k.unit, counts if k.quantity == "angle" else 0.0) for c, k in BENCH.items()}
+    known = {
+        c: Column(k.quantity, k.unit, counts if k.quantity == "angle" else 0.0) for c, k in BENCH.items()
+    }
     given = disguised(arm.log, known, np.random.default_rng(seed))
     found = judged(draft_of(given.log), given)
 
@@ -65,7 +67,9 @@ def test_units_without_names_follow_from_physics(arm: BenchResult) -> None:
     draft = draft_of(turned)
     units = {p.channel: p.unit for p in draft.proposals}
 
-    assert {"time": "s", "theta_m": "deg", "omega_m": "rpm"} == {c: units[c] for c in ("time", "theta_m", "omega_m")}
+    assert {"time": "s", "theta_m": "deg", "omega_m": "rpm"} == {
+        c: units[c] for c in ("time", "theta_m", "omega_m")
+    }
 
 
 @pytest.mark.parametrize(("case", "mu"), [("C2", 0.2), ("C2", 1.0), ("C2", 0.1), ("C1", 0.2)])
@@ -144,7 +148,10 @@ def test_a_draft_never_replaces_a_file(arm: BenchResult, tmp_path: Path) -> None
 @pytest.mark.parametrize(
     ("columns", "said"),
     [
-        ({"a": np.sin(np.arange(200.0)), "b": np.cos(np.arange(200.0))}, "a column that rises from row to row"),
+        (
+            {"a": np.sin(np.arange(200.0)), "b": np.cos(np.arange(200.0))},
+            "a column that rises from row to row",
+        ),
         ({"t": np.arange(10.0), "b": np.cos(np.arange(10.0))}, "at least 50 rows are required"),
         (
             {"t": np.arange(400.0) / 100, "b": np.random.default_rng(1).normal(size=400)},
@@ -253,7 +260,7 @@ def test_what_is_missing_is_asked_for_at_once(arm: BenchResult, tmp_path: Path) 
     assert {"M", "L", "M_l"} == {line.split("[known] ")[1].split(" is required")[0] for line in found}
 
 
-def test_a_good_rig_has_no_complaint(arm: BenchResult) -> None:
+def test_a_good_rig_has_no_complaint() -> None:
     """The bench's own rig: nothing is wrong, and what the log determines is listed with its interval."""
     path = Path(__file__).resolve().parents[1] / "examples" / "bench" / "bench.toml"
     found = eccentric.check_rig(path.with_name("bench.csv.gz"), path)

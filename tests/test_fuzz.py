@@ -11,8 +11,15 @@ from hypothesis import strategies as st
 from tests.fuzzing import TARGETS
 
 EXTRAS = {
-    **{".parquet": "pyarrow", ".mat (7.3)": "h5py", ".h5": "h5py", ".mf4": "asammdf", ".db3": "rosbags"},
-    **{".mcap": "mcap", ".ulg": "pyulog", ".tdms": "nptdms", "arm .urdf": "yourdfpy"},
+    ".parquet": "pyarrow",
+    ".mat (7.3)": "h5py",
+    ".h5": "h5py",
+    ".mf4": "asammdf",
+    ".db3": "rosbags",
+    ".mcap": "mcap",
+    ".ulg": "pyulog",
+    ".tdms": "nptdms",
+    "arm .urdf": "yourdfpy",
 }
 
 

@@ -38,7 +38,9 @@ CASES = {
 
 
 @pytest.mark.parametrize("name", CASES)
-def test_channels_with_two_clocks_become_columns_on_the_faster(name: str, read: Callable[[str, bytes], Log]) -> None:
+def test_channels_with_two_clocks_become_columns_on_the_faster(
+    name: str, read: Callable[[str, bytes], Log]
+) -> None:
     """The angle keeps its rows, the current of half the rate is interpolated, and a note says both."""
     library, content, angle, current = CASES[name]
     pytest.importorskip(library, reason=f"{library} is not installed")
@@ -100,7 +102,12 @@ def test_a_numpy_archive_is_read_and_its_pickles_are_not(tmp_path: Path) -> None
     import builtins
 
     path = tmp_path / "log.npz"
-    np.savez(path, time_s=T, both=np.column_stack([ANGLE, -ANGLE]), bad=np.array([Marking()] * len(T), dtype=object))
+    np.savez(
+        path,
+        time_s=T,
+        both=np.column_stack([ANGLE, -ANGLE]),
+        bad=np.array([Marking()] * len(T), dtype=object),
+    )
     log = read_log(path)
 
     assert log.numbers("both(:,2)") == pytest.approx(-ANGLE)
@@ -156,7 +163,16 @@ def test_a_missing_library_is_named_with_its_extra(
 
     if name == "log.npz":
         pytest.skip("NumPy is always there")
-    for module in ("h5py", "asammdf", "nptdms", "pyulog", "rosbags", "rosbags.typesys", "mcap", "mcap.reader"):
+    for module in (
+        "h5py",
+        "asammdf",
+        "nptdms",
+        "pyulog",
+        "rosbags",
+        "rosbags.typesys",
+        "mcap",
+        "mcap.reader",
+    ):
         monkeypatch.setitem(sys.modules, module, None)
     importlib.invalidate_caches()
     with pytest.raises(InputError, match=r'is required for \.\w+: pip install "eccentric\[\w+\]"'):

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from eccentric.api.inputs import LogSources, names_of, read_logs
-from eccentric.drafting import Draft, Entry, Proposal, draft_of, log_complaints, toml_of
+from eccentric.drafting import Draft, Proposal, RigLine, draft_of, log_complaints, toml_of
 from eccentric.errors import InputError, few
 from eccentric.fitting import fit as fit_channels
 from eccentric.logs import Log
@@ -36,7 +36,7 @@ class RigDraft:
     proposals: tuple[Proposal, ...]
     left_out: Mapping[str, str]
     doubts: tuple[str, ...]
-    questions: tuple[Entry, ...]
+    questions: tuple[RigLine, ...]
 
     @property
     def needed(self) -> tuple[str, ...]:
@@ -46,13 +46,16 @@ class RigDraft:
     def summary(self) -> str:
         """The channels with unit and confidence, the doubts and the questions, for a terminal."""
         width = max(len(p.channel) for p in self.proposals)
-        rows = [f"  {p.channel:{width}}  {p.column} {f'[{p.unit}]' if p.unit else ''}".rstrip() for p in self.proposals]
+        rows = [
+            f"  {p.channel:{width}}  {p.column} {f'[{p.unit}]' if p.unit else ''}".rstrip()
+            for p in self.proposals
+        ]
         rows += [f"  left out: {column}, {why}" for column, why in self.left_out.items()]
         rows += [f"check: {doubt}" for doubt in self.doubts]
         return "\n".join([*rows, f"to be typed: {', '.join(self.needed) or 'nothing'}"])
 
     def write(self, out: str | os.PathLike[str]) -> Path:
-        """Write the rig file. InputError if there is one already: a draft never replaces what someone wrote."""
+        """Write the rig file. InputError if there is one already: a draft replaces nobody's work."""
         path = Path(out)
         if path.suffix != ".toml":
             raise InputError(f"{path}: a rig file .toml is required, received {path.suffix or 'no suffix'!r}")
@@ -108,7 +111,9 @@ def _draft(logs: Sequence[Log]) -> Draft:
     for log in logs[1:]:
         if set(log.columns) != set(logs[0].columns):
             differ = few(sorted(set(log.columns) ^ set(logs[0].columns)))
-            raise InputError(f"{log.path}: the same columns are required in every log, {differ} is not in all of them")
+            raise InputError(
+                f"{log.path}: the same columns are required in every log, {differ} is not in all of them"
+            )
     return draft_of(_longest(logs))
 
 
@@ -139,13 +144,21 @@ def _named(rig: Rig, source: object) -> Rig:
     return dataclasses.replace(rig, path=str(source)) if isinstance(source, str | os.PathLike) else rig
 
 
-_TYPICAL = {"M": "0.5 kg", "M_l": "0.2 kg", "L": "0.3 m", "mu": "1", "R": "1 ohm", "k_i": "0.05 N m/A", "k_e": "0.05 V s/rad"}
+_TYPICAL = {
+    "M": "0.5 kg",
+    "M_l": "0.2 kg",
+    "L": "0.3 m",
+    "mu": "1",
+    "R": "1 ohm",
+    "k_i": "0.05 N m/A",
+    "k_e": "0.05 V s/rad",
+}
 
 
 def _tried(
     logs: Sequence[Log], rig: Rig, content: Mapping[str, Any], *, broken: bool
 ) -> tuple[list[str], tuple[str, ...], tuple[str, ...]]:
-    """Fit, and name every quantity that is missing: each is asked for once, with a typical value in its place."""
+    """Fit, and name every quantity that is missing: each once, with a typical value in its place."""
     missing: list[str] = []
     given = dict(content)
     for _ in range(len(_TYPICAL) + 1):
@@ -155,11 +168,16 @@ def _tried(
             fit = fit_channels(channels, channels.rig, load_model(channels.rig.model), few(names_of(logs)))
         except InputError as error:
             said = str(error)
-            letter = next((x for x in _TYPICAL if f"[known] {x} is required" in said or f"[known] {x}:" in said), None)
+            letter = next(
+                (x for x in _TYPICAL if f"[known] {x} is required" in said or f"[known] {x}:" in said), None
+            )
             if letter is None or letter in tried.known:
                 # What follows from a complaint that is already made would only be noise.
                 return [*missing, *([] if broken else [said])], (), ()
-            missing.append(f"{rig.path}: [known] {letter} is required, as in {letter} = \"{_TYPICAL[letter]}\", received none")
+            missing.append(
+                f"{rig.path}: [known] {letter} is required, as in"
+                f' {letter} = "{_TYPICAL[letter]}", received none'
+            )
             given = {**given, "known": {**given.get("known", {}), letter: _TYPICAL[letter]}}
             continue
         if missing:
@@ -178,7 +196,10 @@ def _determined(fit: Any, rig: Rig) -> list[str]:
     }  # fmt: skip
     for name, e in {**fit.coefficients, **fit.searched}.items():
         low, high = e.interval
-        source = next((said for key, said in meaning.items() if name == key or name.startswith(f"{key}*")), "the friction of moving rows")
+        source = next(
+            (said for key, said in meaning.items() if name == key or name.startswith(f"{key}*")),
+            "the friction of moving rows",
+        )
         lines.append(f"{name} = {e.value:.4g} {e.unit}, 95 % interval {low:.4g} to {high:.4g}, from {source}")
     lines += [f"{name}: estimated along with the fit" for name in sorted(rig.estimate)]
     given = [known.name for known in KNOWNS if known.name in rig.known]

@@ -30,7 +30,19 @@ __all__ = ["COMMANDS", "main"]
 
 _DESCRIPTION = "Friction models of drives that swing an unbalanced mass: derived, emitted, fitted to logs."
 
-COMMANDS = ("derive", "audit", "figures", "emit", "rig", "fit", "diagnose", "compare", "adapt", "bench", "doctor")
+COMMANDS = (
+    "derive",
+    "audit",
+    "figures",
+    "emit",
+    "rig",
+    "fit",
+    "diagnose",
+    "compare",
+    "adapt",
+    "bench",
+    "doctor",
+)
 
 
 def main(argv: Sequence[str] | None = None) -> int:

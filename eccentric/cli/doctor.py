@@ -41,7 +41,10 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 def run(_: argparse.Namespace) -> int:
     """Print a line for each; return 1 if something of the core is missing."""
-    print(f"eccentric {__version__}, Python {platform.python_version()} on {platform.system()} {platform.machine()}")
+    print(
+        f"eccentric {__version__}, Python {platform.python_version()}"
+        f" on {platform.system()} {platform.machine()}"
+    )
     missing = [package for package in _CORE if _version(package) is None]
     print("core: " + ", ".join(f"{package} {_version(package) or 'MISSING'}" for package in _CORE))
     print(f"C compiler: {_compiler()}")

@@ -17,7 +17,11 @@ def configure(parser: argparse.ArgumentParser) -> None:
     add = parser.add_argument
     add("logs", metavar="LOG", nargs="+", help=f"logs of one rig: {LOGS}")
     add("--out", metavar="RIG.toml", help="the rig file to write, a new one; without it the draft is printed")
-    add("--check", metavar="RIG", help="check this rig file against the logs instead; status 1 if something is wrong")
+    add(
+        "--check",
+        metavar="RIG",
+        help="check this rig file against the logs instead; status 1 if something is wrong",
+    )
     add("--name", help="name of the rig (that of the log)")
 
 

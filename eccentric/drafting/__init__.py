@@ -1,7 +1,7 @@
 """From a log that nobody has described to the draft of its rig file, and a rig file checked as a whole.
 
 In: a `Log`.  Out: a `Draft`: for each channel a column and a unit (`Proposal`), for each other line of the
-rig its value or a question (`Entry`), each with its evidence in words and any doubt; as TOML (`toml_of`).
+rig its value or a question (`RigLine`), each with its evidence in words and any doubt; as TOML (`toml_of`).
 
     words       what a name says: quantity, unit, side
     columns     what values show by themselves: steps, wraps, whole numbers
@@ -21,7 +21,7 @@ May import: `logs`, `rigs`. Names are evidence among others; nothing is fitted h
 
 from eccentric.drafting.against import log_complaints
 from eccentric.drafting.draft import Draft, draft_of
-from eccentric.drafting.proposal import Entry, Proposal
+from eccentric.drafting.proposal import Proposal, RigLine
 from eccentric.drafting.toml import toml_of
 
-__all__ = ["Draft", "Entry", "Proposal", "draft_of", "log_complaints", "toml_of"]
+__all__ = ["Draft", "Proposal", "RigLine", "draft_of", "log_complaints", "toml_of"]

@@ -1,4 +1,4 @@
-"""A rig file held against a log: columns that are not there, and units or channels that the log contradicts."""
+"""A rig file held against a log: columns that are not there, units and channels that it contradicts."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ def log_complaints(rig: Rig, log: Log, draft: Draft | None) -> list[str]:
     """What is wrong with the columns of a rig for this log, one line each, with the mend.
 
     Args:
-        draft: of the same log, None where none could be made; only what it is sure of is held against the rig.
+        draft: of the same log, None where none could be made; only what it is sure of counts.
     """
     found = [*_missing(rig, log)]
     if draft is not None:
@@ -55,7 +55,11 @@ def _missing(rig: Rig, log: Log) -> Iterator[str]:
             evaluate(text, log.numbers, f"{rig.path}: [columns] {channel}")
         except InputError as error:
             yield str(error)
-    for choice in (("time",), ("theta_m", "theta_l", "omega_m", "omega_l"), ("current", "torque", "torque_l", "voltage")):
+    for choice in (
+        ("time",),
+        ("theta_m", "theta_l", "omega_m", "omega_l"),
+        ("current", "torque", "torque_l", "voltage"),
+    ):
         if not any(channel in sources for channel in choice):
             yield (
                 f"{rig.path}: [columns]: {' or '.join(choice)} is required, received none;"
@@ -73,7 +77,8 @@ def _contradicted(rig: Rig, draft: Draft) -> Iterator[str]:
             continue
         if not _same(channel, proposal.channel):
             yield (
-                f"{rig.path}: [columns] {channel} = {json.dumps(source.text)}: the log shows {proposal.channel} there"
+                f"{rig.path}: [columns] {channel} = {json.dumps(source.text)}:"
+                f" the log shows {proposal.channel} there"
                 f" ({'; '.join(proposal.evidence)}): write {_line(proposal)}"
             )
             continue
@@ -87,7 +92,8 @@ def _contradicted(rig: Rig, draft: Draft) -> Iterator[str]:
         if not math.isclose(own, theirs.factor, rel_tol=0.01):
             said = source.unit.text if source.unit is not None else CHANNELS[channel][1]
             yield (
-                f"{rig.path}: [columns] {channel}: {source.text!r} is read in {said}, the log shows {proposal.unit}"
+                f"{rig.path}: [columns] {channel}: {source.text!r} is read in {said},"
+                f" the log shows {proposal.unit}"
                 f" ({'; '.join(proposal.evidence)}): write {_line(proposal, channel)}"
             )
 
@@ -106,7 +112,12 @@ def _values(rig: Rig, draft: Draft) -> Iterator[str]:
     """The case and the gear, where gravity leaves no doubt."""
     said: Mapping[str, Any] = {e.key: e for e in draft.entries if not e.asked and not e.doubt}
     case = said.get("case")
-    if case is not None and rig.case is not None and case.value.strip('"') != rig.case and rig.known.get("M", 1.0) > 0.0:
+    if (
+        case is not None
+        and rig.case is not None
+        and case.value.strip('"') != rig.case
+        and rig.known.get("M", 1.0) > 0.0
+    ):
         yield f"{rig.path}: [known] case {rig.case}: the log shows {case.value} ({case.evidence})"
     gear = said.get("mu")
     if gear is None or "mu" not in rig.known:

@@ -1,4 +1,4 @@
-"""How far motion explains a column as it explains a drive: friction, speed, inertia, gravity, in its own units.
+"""How far motion explains a column as it explains a drive: friction, speed, inertia, gravity.
 
     y = offset + C sgn(w) + B w + J dw/dt + a sin(k x) + b cos(k x)
 
@@ -14,18 +14,18 @@ from numpy.typing import NDArray
 from scipy.integrate import cumulative_trapezoid
 from scipy.optimize import minimize_scalar
 
-from eccentric.drafting.columns import Column
+from eccentric.drafting.columns import LoggedColumn
 from eccentric.drafting.limits import GRAVITY, MOST_TURNS, STILL
 from eccentric.drafting.motion import Grid
 
-__all__ = ["Balance", "Motion", "balance_of", "motion_from"]
+__all__ = ["Explained", "Moved", "balance_of", "motion_from"]
 
 Array = NDArray[np.float64]
 SCANNED = 3000
 
 
 @dataclass(frozen=True)
-class Motion:
+class Moved:
     """Angle, speed and acceleration (m,) in the units of the columns, and the points that move."""
 
     x: Array
@@ -35,7 +35,7 @@ class Motion:
 
 
 @dataclass(frozen=True)
-class Balance:
+class Explained:
     """A column as motion explains it.
 
     Attributes:
@@ -59,7 +59,7 @@ class Balance:
     amplitude: float
 
 
-def motion_from(grid: Grid, angle: Column | None, speed: Column | None) -> Motion:
+def motion_from(grid: Grid, angle: LoggedColumn | None, speed: LoggedColumn | None) -> Moved:
     """Motion by the angle where there is one, else by the speed, whose integral is the angle."""
     if angle is not None:
         x, w, a = (grid.smooth(angle, k, angle=True) for k in range(3))
@@ -76,10 +76,10 @@ def motion_from(grid: Grid, angle: Column | None, speed: Column | None) -> Motio
         raise AssertionError("an angle or a speed is required")
     inner = grid.inner()
     fast = float(np.quantile(np.abs(w[inner]), 0.95)) if np.any(inner) else 0.0
-    return Motion(x, w, a, inner & (np.abs(w) > STILL * fast))
+    return Moved(x, w, a, inner & (np.abs(w) > STILL * fast))
 
 
-def balance_of(motion: Motion, y: Array, *, periodic: bool = True) -> Balance | None:
+def balance_of(motion: Moved, y: Array, *, periodic: bool = True) -> Explained | None:
     """The balance of a column (m,); None if it does not vary where there is motion.
 
     Args:
@@ -111,7 +111,7 @@ def balance_of(motion: Motion, y: Array, *, periodic: bool = True) -> Balance | 
         "inertia": abs(c[3]) * float(np.std(a)) / spread,
         "gravity": float(np.std(design[:, 4:] @ c[4:])) / spread if k else 0.0,
     }
-    return Balance(
+    return Explained(
         r2=r2_plain + gain,
         r2_plain=r2_plain,
         shares=shares,
@@ -187,4 +187,6 @@ def _gain(k: float, x: Array, q: Array, rest: Array) -> float:
     det = gram[0, 0] * gram[1, 1] - gram[0, 1] ** 2
     if det <= 1e-9 * gram[0, 0] * gram[1, 1]:
         return 0.0
-    return float((gram[1, 1] * right[0] ** 2 - 2 * gram[0, 1] * right[0] * right[1] + gram[0, 0] * right[1] ** 2) / det)
+    return float(
+        (gram[1, 1] * right[0] ** 2 - 2 * gram[0, 1] * right[0] * right[1] + gram[0, 0] * right[1] ** 2) / det
+    )

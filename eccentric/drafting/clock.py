@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from eccentric.drafting import limits
-from eccentric.drafting.columns import Column
+from eccentric.drafting.columns import LoggedColumn
 from eccentric.drafting.proposal import Proposal
 from eccentric.errors import InputError
 
@@ -37,7 +37,7 @@ class Clock:
 
 
 def find_runs(
-    columns: Mapping[str, Column], texts: Mapping[str, NDArray[np.str_]], rows: int
+    columns: Mapping[str, LoggedColumn], texts: Mapping[str, NDArray[np.str_]], rows: int
 ) -> tuple[Proposal | None, NDArray[np.bool_]]:
     """The column that names runs, and its changes (n-1,): text or whole numbers in few contiguous blocks."""
     found: list[tuple[float, str, NDArray[np.bool_], int]] = []
@@ -73,15 +73,13 @@ def _blocks(
     return [(score, name, changes, count)]
 
 
-def find_clock(columns: Mapping[str, Column], ends: NDArray[np.bool_], where: str) -> Clock:
+def find_clock(columns: Mapping[str, LoggedColumn], ends: NDArray[np.bool_], where: str) -> Clock:
     """The clock among the columns; `ends` (n-1,) are those of named runs.
 
     Raises:
         InputError: no column rises from row to row.
     """
-    found = sorted(
-        ((_score(column, ends), column) for column in columns.values()), key=lambda one: -one[0]
-    )
+    found = sorted(((_score(column, ends), column) for column in columns.values()), key=lambda one: -one[0])
     if not found or found[0][0] <= 0.0:
         raise InputError(
             f"{where}: a column that rises from row to row, the time, is required, the log has none"
@@ -94,7 +92,10 @@ def find_clock(columns: Mapping[str, Column], ends: NDArray[np.bool_], where: st
     likely = _units(column, usual, float(np.sum(inside)))
     unit = max(likely, key=lambda one: likely[one])
     others = [c.text for s, c in found[1:] if s > 0.8 * score]
-    evidence = ["rises from row to row", f"step {usual * SECONDS[unit]:.4g} s, {1 / usual / SECONDS[unit]:.4g} rows a second"]
+    evidence = [
+        "rises from row to row",
+        f"step {usual * SECONDS[unit]:.4g} s, {1 / usual / SECONDS[unit]:.4g} rows a second",
+    ]
     if column.name.unit:
         evidence.append(f"{column.name.unit} by its name")
     doubts = [f"{column.text} or {', '.join(others)}: several columns rise alike"] if others else []
@@ -102,18 +103,23 @@ def find_clock(columns: Mapping[str, Column], ends: NDArray[np.bool_], where: st
         doubts.append(f"its name says {column.name.quantity}")
     if likely[unit] < limits.SURE:
         second = sorted(likely, key=lambda one: -likely[one])[1]
-        doubts.append(f"unit by the rate of rows alone: {second} would be {1 / usual / SECONDS[second]:.3g} rows a second")
+        doubts.append(
+            "unit by the rate of rows alone:"
+            f" {second} would be {1 / usual / SECONDS[second]:.3g} rows a second"
+        )
     proposal = Proposal("time", column.text, unit, tuple(evidence), likely[unit], "; ".join(doubts))
     return Clock(proposal, column.values, breaks, usual, likely)
 
 
-def _score(column: Column, ends: NDArray[np.bool_]) -> float:
+def _score(column: LoggedColumn, ends: NDArray[np.bool_]) -> float:
     steps = np.diff(column.values)[~ends]
     if not len(steps) or column.is_constant:
         return 0.0
     falls = int(np.count_nonzero(steps < 0.0))
     rising = np.count_nonzero(steps > 0.0) / len(steps)
-    if falls > limits.FEW_VALUES or rising < (0.9 if column.name.quantity == "time" else limits.RISING - 0.01):
+    if falls > limits.FEW_VALUES or rising < (
+        0.9 if column.name.quantity == "time" else limits.RISING - 0.01
+    ):
         return 0.0
     usual = float(np.median(steps))
     if usual <= 0.0:
@@ -123,7 +129,7 @@ def _score(column: Column, ends: NDArray[np.bool_]) -> float:
     return named / (1.0 + 4.0 * uneven)
 
 
-def _units(column: Column, step: float, length: float) -> dict[str, float]:
+def _units(column: LoggedColumn, step: float, length: float) -> dict[str, float]:
     """How likely each unit of time is: by the name, else by the rate and length that logs of drives have."""
     if column.name.unit in SECONDS:
         return {unit: 0.995 if unit == column.name.unit else 0.00125 for unit in SECONDS}

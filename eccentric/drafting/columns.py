@@ -13,13 +13,13 @@ from eccentric.drafting.limits import WRAP
 from eccentric.drafting.words import Name, read_name
 from eccentric.logs import Log
 
-__all__ = ["Column", "columns_of", "nice_counts", "step_of", "wrap_of"]
+__all__ = ["LoggedColumn", "columns_of", "nice_counts", "step_of", "wrap_of"]
 
 Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
-class Column:
+class LoggedColumn:
     """A column of numbers (n,), missing ones interpolated, and its name."""
 
     name: Name
@@ -56,9 +56,9 @@ class Column:
         return not self.is_flag and bool(np.all(self.values == np.round(self.values)))
 
 
-def columns_of(log: Log, rows: slice) -> tuple[dict[str, Column], dict[str, NDArray[np.str_]]]:
+def columns_of(log: Log, rows: slice) -> tuple[dict[str, LoggedColumn], dict[str, NDArray[np.str_]]]:
     """The columns of numbers and those of text, by name; one without any number is left out."""
-    numbers: dict[str, Column] = {}
+    numbers: dict[str, LoggedColumn] = {}
     texts: dict[str, NDArray[np.str_]] = {}
     for name in log.columns:
         values = log.text(name)[rows]
@@ -71,11 +71,11 @@ def columns_of(log: Log, rows: slice) -> tuple[dict[str, Column], dict[str, NDAr
         if not np.all(there):
             at = np.arange(len(values))
             values = np.interp(at, at[there], values[there])
-        numbers[name] = Column(read_name(name, log.units.get(name, "")), values)
+        numbers[name] = LoggedColumn(read_name(name, log.units.get(name, "")), values)
     return numbers, texts
 
 
-def step_of(column: Column) -> float:
+def step_of(column: LoggedColumn) -> float:
     """The step that all values are multiples of, but for their rounding in the file; 0 where there is none.
 
     A power of ten below 1 is what a file was written with and no encoder's.
@@ -113,7 +113,7 @@ def _lattice(levels: Array, step: float) -> float:
     return step
 
 
-def wrap_of(column: Column, breaks: NDArray[np.bool_]) -> float:
+def wrap_of(column: LoggedColumn, breaks: NDArray[np.bool_]) -> float:
     """The period at which an angle restarts, 0 if it does not; `breaks` (n-1,) are ends of runs and gaps."""
     steps = np.diff(column.values)[~breaks]
     large = np.abs(steps) > WRAP * column.range
@@ -137,6 +137,10 @@ def wrap_of(column: Column, breaks: NDArray[np.bool_]) -> float:
 def nice_counts(value: float, tolerance: float) -> float:
     """The number of counts per turn of a usual encoder within a relative tolerance, 0 if none is."""
     powers = [2.0**k for k in range(7, 25)]
-    rounds = [d * 10.0**k for k in range(1, 6) for d in (1, 1.2, 1.25, 1.44, 1.6, 1.8, 2, 2.4, 2.5, 3, 3.6, 4, 5, 6, 7.2, 8)]
+    rounds = [
+        d * 10.0**k
+        for k in range(1, 6)
+        for d in (1, 1.2, 1.25, 1.44, 1.6, 1.8, 2, 2.4, 2.5, 3, 3.6, 4, 5, 6, 7.2, 8)
+    ]
     near = [n for n in (*powers, *rounds) if n >= 100 and abs(value / n - 1.0) <= tolerance]
     return min(near, key=lambda n: abs(value / n - 1.0), default=0.0)

@@ -10,15 +10,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from eccentric.drafting import limits
-from eccentric.drafting.balance import Balance, Motion, balance_of, motion_from
+from eccentric.drafting.balance import Explained, Moved, balance_of, motion_from
 from eccentric.drafting.clock import SECONDS, Clock, find_clock, find_runs
-from eccentric.drafting.columns import Column, columns_of, nice_counts, step_of, wrap_of
+from eccentric.drafting.columns import LoggedColumn, columns_of, step_of, wrap_of
 from eccentric.drafting.drives import find_drives
 from eccentric.drafting.motion import Grid, Pair, grid_of, pairs_of
 from eccentric.drafting.others import find_flags, find_slow, find_voltage
-from eccentric.drafting.proposal import Entry, Proposal
+from eccentric.drafting.proposal import Proposal, RigLine
 from eccentric.drafting.questions import entries_of
-from eccentric.drafting.units import Evidence, Reading, readings
+from eccentric.drafting.units import Reading, Shown, readings
 from eccentric.errors import InputError, few
 from eccentric.logs import Log
 
@@ -42,7 +42,7 @@ class Draft:
 
     path: str
     proposals: tuple[Proposal, ...]
-    entries: tuple[Entry, ...]
+    entries: tuple[RigLine, ...]
     left_out: Mapping[str, str]
     facts: tuple[str, ...]
 
@@ -53,7 +53,7 @@ class Draft:
         return (*by_channel, *(f"{e.key}: {e.doubt}" for e in self.entries if e.doubt))
 
     @property
-    def questions(self) -> tuple[Entry, ...]:
+    def questions(self) -> tuple[RigLine, ...]:
         """What has to be typed, since no log shows it."""
         return tuple(entry for entry in self.entries if entry.asked)
 
@@ -93,8 +93,10 @@ def draft_of(log: Log) -> Draft:
     left_out |= others
     drives, balances = _with_duty(drives, balances, voltage, grid, motion, left)
     best = max(balances.values(), key=lambda b: b.r2, default=None)
-    gravity = next((balances[k] for k in ("current", "torque", "voltage") if k in balances and balances[k].period), best)
-    evidence = Evidence(
+    gravity = next(
+        (balances[k] for k in ("current", "torque", "voltage") if k in balances and balances[k].period), best
+    )
+    evidence = Shown(
         time=clock.likely,
         time_unit=clock.unit,
         angle=angle,
@@ -118,8 +120,8 @@ def draft_of(log: Log) -> Draft:
 
 
 def _moving(
-    grid: Grid, free: Sequence[Column], where: str
-) -> tuple[Column | None, Column | None, Pair | None, str]:
+    grid: Grid, free: Sequence[LoggedColumn], where: str
+) -> tuple[LoggedColumn | None, LoggedColumn | None, Pair | None, str]:
     """The angle and the speed: a column and its slope, by their names, or what explains a third column."""
     could = [c for c in free if c.name.quantity not in _NAMED]
     by_name = {c.text: c for c in could}
@@ -148,14 +150,18 @@ def _moving(
         return angle, speed, None, "the speed does not follow the slope of the angle"
     if angle is not None or speed is not None:
         return angle, speed, None, ""
-    return *_explaining(grid, could, free, where), None, "no name: it is what explains the other columns best as a motion"
+    return (
+        *_explaining(grid, could, free, where),
+        None,
+        "no name: it is what explains the other columns best as a motion",
+    )
 
 
 def _explaining(
-    grid: Grid, could: Sequence[Column], free: Sequence[Column], where: str
-) -> tuple[Column | None, Column | None]:
+    grid: Grid, could: Sequence[LoggedColumn], free: Sequence[LoggedColumn], where: str
+) -> tuple[LoggedColumn | None, LoggedColumn | None]:
     """The column that explains another best as an angle or as a speed."""
-    tried: list[tuple[float, Column | None, Column | None, Column]] = []
+    tried: list[tuple[float, LoggedColumn | None, LoggedColumn | None, LoggedColumn]] = []
     for x in could:
         for angle, speed in ((x, None), (None, x)):
             motion = motion_from(grid, angle, speed)
@@ -166,7 +172,7 @@ def _explaining(
                 # Friction in the direction of motion: it tells a motion from what it drives.
                 if balance is not None and balance.shares["friction"] > 0.05:
                     tried.append((balance.r2, angle, speed, y))
-    best: tuple[float, Column | None, Column | None] = (0.0, None, None)
+    best: tuple[float, LoggedColumn | None, LoggedColumn | None] = (0.0, None, None)
     for _, angle, speed, y in sorted(tried, key=lambda one: -one[0])[:4]:
         # The search for gravity takes longest: it decides among the few that friction and inertia leave.
         balance = balance_of(motion_from(grid, angle, speed), grid.smooth(y))
@@ -181,10 +187,10 @@ def _explaining(
 
 
 def _without_copies(
-    grid: Grid, rest: Sequence[Column], angle: Column | None, speed: Column | None
-) -> tuple[list[Column], dict[str, str]]:
+    grid: Grid, rest: Sequence[LoggedColumn], angle: LoggedColumn | None, speed: LoggedColumn | None
+) -> tuple[list[LoggedColumn], dict[str, str]]:
     """The columns that are no copy or set value of angle or speed, and why the others are left out."""
-    kept: list[Column] = []
+    kept: list[LoggedColumn] = []
     why: dict[str, str] = {}
     inner = grid.inner()
     for column in rest:
@@ -209,12 +215,12 @@ def _without_copies(
 
 def _with_duty(
     drives: list[Proposal],
-    balances: dict[str, Balance],
+    balances: dict[str, Explained],
     voltage: Proposal | None,
     grid: Grid,
-    motion: Motion,
-    left: Mapping[str, Column],
-) -> tuple[list[Proposal], dict[str, Balance]]:
+    motion: Moved,
+    left: Mapping[str, LoggedColumn],
+) -> tuple[list[Proposal], dict[str, Explained]]:
     """A voltage that is a duty cycle times a supply, where none is logged."""
     if voltage is None or "voltage" in balances:
         return drives, balances
@@ -229,14 +235,21 @@ def _with_duty(
 
 
 def _channels(
-    clock: Clock, run: Proposal | None, found: Sequence[Reading], given: Evidence, pair: Pair | None, doubt: str
+    clock: Clock,
+    run: Proposal | None,
+    found: Sequence[Reading],
+    given: Shown,
+    pair: Pair | None,
+    doubt: str,
 ) -> list[Proposal]:
     """Time, run, angle and speed in the units of the best reading."""
     best = found[0]
     time = clock.proposal
     if best.time != time.unit:
         said = f"{best.time} fits the units of angle and speed"
-        time = Proposal("time", time.column, best.time, (*time.evidence[:1], said), time.confidence, time.doubt)
+        time = Proposal(
+            "time", time.column, best.time, (*time.evidence[:1], said), time.confidence, time.doubt
+        )
     proposals = [*([run] if run else []), time]
     side = "l" if _on_link(best, given) else "m"
     for column, what, unit in ((given.angle, "angle", best.angle), (given.speed, "speed", best.speed)):
@@ -251,9 +264,18 @@ def _channels(
         doubts = [doubt] if doubt else []
         if sure < limits.SURE:
             others = _others(found, what, unit)
-            turn = {f"{r.counts:.6g}" for r in found if r.weight > 0.02 and r.counts} if unit == "counts" else set()
-            said_others = [*others, *([f"{' or '.join(sorted(turn))} counts per turn"] if len(turn) > 1 else [])]
-            doubts.append(f"could be in {' or '.join(said_others)}" if said_others else "unit by its size alone")
+            turn = (
+                {f"{r.counts:.6g}" for r in found if r.weight > 0.02 and r.counts}
+                if unit == "counts"
+                else set()
+            )
+            said_others = [
+                *others,
+                *([f"{' or '.join(sorted(turn))} counts per turn"] if len(turn) > 1 else []),
+            ]
+            doubts.append(
+                f"could be in {' or '.join(said_others)}" if said_others else "unit by its size alone"
+            )
         if unit.startswith("counts") and best.product:
             doubts.append("the log shows counts per turn times gear, not each: check encoder_counts_per_rev")
         if unit.startswith("counts") and not best.counts:
@@ -274,10 +296,14 @@ def _others(found: Sequence[Reading], what: str, unit: str) -> list[str]:
         own = getattr(reading, what)
         if own != unit:
             weights[own] = weights.get(own, 0.0) + reading.weight
-    return [f"{own} ({weight:.0%})" for own, weight in sorted(weights.items(), key=lambda x: -x[1]) if weight > 0.02]
+    return [
+        f"{own} ({weight:.0%})"
+        for own, weight in sorted(weights.items(), key=lambda x: -x[1])
+        if weight > 0.02
+    ]
 
 
-def _on_link(best: Reading, given: Evidence) -> bool:
+def _on_link(best: Reading, given: Shown) -> bool:
     """Whether the logged shaft is the link: by its name, where gravity does not say otherwise."""
     named = given.angle or given.speed
     says = named is not None and named.name.side == "l"

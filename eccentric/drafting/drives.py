@@ -1,5 +1,8 @@
-"""Which column drives the motor, and as what: current and torque follow friction, acceleration and gravity,
-a voltage follows the speed as well; where both are logged, voltage = R current + k_e speed."""
+"""Which column drives the motor, and as what.
+
+Current and torque follow friction, acceleration and gravity, a voltage follows the speed as well; where both
+are logged, voltage = R current + k_e speed.
+"""
 
 from __future__ import annotations
 
@@ -11,8 +14,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from eccentric.drafting import limits
-from eccentric.drafting.balance import Balance, Motion, balance_of
-from eccentric.drafting.columns import Column
+from eccentric.drafting.balance import Explained, Moved, balance_of
+from eccentric.drafting.columns import LoggedColumn
 from eccentric.drafting.motion import Grid
 from eccentric.drafting.proposal import Proposal
 from eccentric.drafting.units import magnitudes
@@ -27,19 +30,19 @@ KINDS = ("current", "torque", "voltage")
 class Driven:
     """A column that drives the motor: what it is, and its balance."""
 
-    column: Column
+    column: LoggedColumn
     kind: str
-    balance: Balance
+    balance: Explained
     evidence: tuple[str, ...]
     doubt: str
     sure: float
 
 
 def find_drives(
-    grid: Grid, motion: Motion, columns: Sequence[Column]
-) -> tuple[list[Proposal], dict[str, Balance], dict[str, str]]:
+    grid: Grid, motion: Moved, columns: Sequence[LoggedColumn]
+) -> tuple[list[Proposal], dict[str, Explained], dict[str, str]]:
     """Proposals for current, torque and voltage, the balance of each, and why other columns were left out."""
-    found: list[tuple[Column, Balance]] = []
+    found: list[tuple[LoggedColumn, Explained]] = []
     left_out: dict[str, str] = {}
     for column in columns:
         y = grid.smooth(column)
@@ -49,7 +52,9 @@ def find_drives(
         elif column.name.quantity in KINDS or balance.r2 >= limits.SHOWN:
             found.append((column, balance))
         else:
-            left_out[column.text] = f"motion explains {max(balance.r2, 0.0):.0%} of it, too little for a drive"
+            left_out[column.text] = (
+                f"motion explains {max(balance.r2, 0.0):.0%} of it, too little for a drive"
+            )
     kept: list[Driven] = []
     for column, balance in sorted(found, key=lambda one: _rank(*one)):
         copied = next((one for one in kept if _copies(column, one)), None)
@@ -59,41 +64,64 @@ def find_drives(
         kept.append(_kind(column, balance))
     kept = _together(grid, motion, kept)
     proposals: dict[str, Proposal] = {}
-    balances: dict[str, Balance] = {}
+    balances: dict[str, Explained] = {}
     for one in _voltage_among(kept):
         if one.kind in proposals:
             first = proposals[one.kind]
-            said = "; ".join(filter(None, (first.doubt, f"{one.column.text} could be this {one.kind} as well")))
+            said = "; ".join(
+                filter(None, (first.doubt, f"{one.column.text} could be this {one.kind} as well"))
+            )
             proposals[one.kind] = dataclasses.replace(first, doubt=said)
-            left_out[one.column.text] = f"another {one.kind}; {proposals[one.kind].column} follows the motion better"
+            left_out[one.column.text] = (
+                f"another {one.kind}; {proposals[one.kind].column} follows the motion better"
+            )
             continue
         proposals[one.kind] = _proposal(one)
         balances[one.kind] = one.balance
     return list(proposals.values()), balances, left_out
 
 
-def _rank(column: Column, balance: Balance) -> tuple[bool, bool, float]:
+def _rank(column: LoggedColumn, balance: Explained) -> tuple[bool, bool, float]:
     """Measured before set, named before unnamed, better explained before worse."""
     return column.name.commanded, column.name.quantity not in KINDS, -balance.r2
 
 
-def _kind(column: Column, balance: Balance) -> Driven:
+def _kind(column: LoggedColumn, balance: Explained) -> Driven:
     shares = balance.shares
     told = [
         f"{words} {shares[term]:.2f}"
-        for term, words in (("friction", "the sign of the speed"), ("speed", "the speed"), ("inertia", "the acceleration"), ("gravity", "the angle under gravity"))
+        for term, words in (
+            ("friction", "the sign of the speed"),
+            ("speed", "the speed"),
+            ("inertia", "the acceleration"),
+            ("gravity", "the angle under gravity"),
+        )
         if shares[term] > 0.1
     ]
-    evidence = (f"motion explains {balance.r2:.0%} of it", *((f"follows {', '.join(told)} (shares)",) if told else ()))
+    evidence = (
+        f"motion explains {balance.r2:.0%} of it",
+        *((f"follows {', '.join(told)} (shares)",) if told else ()),
+    )
     named = column.name.quantity
     if named in KINDS:
         said = (f"{named} by its name", *evidence)
-        if named != "voltage" and shares["speed"] > 0.9 and shares["speed"] > 3.0 * (shares["friction"] + shares["inertia"]):
+        if (
+            named != "voltage"
+            and shares["speed"] > 0.9
+            and shares["speed"] > 3.0 * (shares["friction"] + shares["inertia"])
+        ):
             return Driven(column, named, balance, said, "it follows the speed as a voltage does", 0.8)
         return Driven(column, named, balance, said, "", 0.98)
     rest = shares["friction"] + shares["inertia"] + shares["gravity"]
     if shares["speed"] > limits.BACK_EMF * (shares["speed"] + rest):
-        return Driven(column, "voltage", balance, evidence, "no name; viscous friction could do the same to a current", 0.7)
+        return Driven(
+            column,
+            "voltage",
+            balance,
+            evidence,
+            "no name; viscous friction could do the same to a current",
+            0.7,
+        )
     return Driven(column, "current", balance, evidence, "no name; a torque would look the same", 0.6)
 
 
@@ -104,10 +132,13 @@ def _voltage_among(kept: list[Driven]) -> list[Driven]:
         return kept
     most = max(unnamed, key=lambda one: one.balance.shares["speed"])
     doubt = "no name: of two alike it follows the speed more"
-    return [dataclasses.replace(one, kind="voltage", doubt=doubt, sure=0.6) if one is most else one for one in kept]
+    return [
+        dataclasses.replace(one, kind="voltage", doubt=doubt, sure=0.6) if one is most else one
+        for one in kept
+    ]
 
 
-def _together(grid: Grid, motion: Motion, kept: list[Driven]) -> list[Driven]:
+def _together(grid: Grid, motion: Moved, kept: list[Driven]) -> list[Driven]:
     """Two drive signals tell each other apart: voltage = R current + k_e speed, with both above 0."""
     rows = motion.moving
     for first in range(len(kept)):
@@ -115,7 +146,11 @@ def _together(grid: Grid, motion: Motion, kept: list[Driven]) -> list[Driven]:
             u, i = kept[first], kept[second]
             if first == second or {u.column.name.quantity, i.column.name.quantity} >= {"voltage", "current"}:
                 continue
-            if u.column.name.quantity not in ("", "voltage") or i.column.name.quantity not in ("", "current", "torque"):
+            if u.column.name.quantity not in ("", "voltage") or i.column.name.quantity not in (
+                "",
+                "current",
+                "torque",
+            ):
                 continue
             y, x = grid.smooth(u.column)[rows], grid.smooth(i.column)[rows]
             design = np.column_stack([np.ones_like(x), x, motion.w[rows]])
@@ -124,7 +159,7 @@ def _together(grid: Grid, motion: Motion, kept: list[Driven]) -> list[Driven]:
             r2 = 1.0 - float(np.var(y - scaled @ c)) / float(np.var(y))
             emf = abs(c[2]) * float(np.std(scaled[:, 2])) / float(np.std(y))
             if r2 > 0.9 and c[1] > 0.0 and c[2] > 0.0 and emf > 0.03:
-                said = f"it is a multiple of {i.column.text} plus a multiple of the speed, to {r2:.1%}: R i + k_e w"
+                said = f"it is R {i.column.text} + k_e times the speed, to {r2:.1%}, with both above 0"
                 other = f"{u.column.text} is a multiple of it plus a multiple of the speed"
                 kept = list(kept)
                 sure = 0.97 if i.column.name.quantity else 0.9
@@ -135,7 +170,7 @@ def _together(grid: Grid, motion: Motion, kept: list[Driven]) -> list[Driven]:
     return kept
 
 
-def _copies(column: Column, other: Driven) -> bool:
+def _copies(column: LoggedColumn, other: Driven) -> bool:
     """Whether a column is another one again: to the last digits, or as the value that is set for it."""
     if column.name.quantity not in ("", other.kind) and not column.name.commanded:
         return False

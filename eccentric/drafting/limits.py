@@ -17,7 +17,7 @@ USUAL_HZ, USUAL_DECADES = 300.0, 0.8
 GAP = 20.0
 """Time steps above so many usual ones end a stretch."""
 
-# Motion.
+# Moved.
 SMOOTH_S, SMOOTH_ROWS = 0.08, 9
 """Window of the local cubic that gives speed and acceleration: the longer of the two."""
 DERIVATIVE = 0.9
@@ -33,20 +33,20 @@ STILL = 0.05
 WRAP = 0.5
 """A step above this part of the range is a wrap of the angle."""
 FACTOR = 0.03
-"""Relative scatter of the ratio between a logged speed and the slope of the angle: filters cost a few per cent."""
+"""Relative scatter of the ratio between a logged speed and the slope of the angle: filters cost a little."""
 USUAL_SPEED, SPEED_DECADES = 20.0, 0.9
 """Fastest speed of a drive in rad/s, and its spread in decades: 2.5 to 160 rad/s are within one."""
 
-# Balance.
+# Explained.
 SHOWN = 0.5
 """R^2 from which motion explains a column as it explains a drive; noise and stiction leave less than all."""
 GRAVITY = 0.02
-"""Share of a drive's variance from which a periodic part is gravity: friction harmonics stay below a few per cent
-of the drive in both directions, which their sign takes out again."""
+"""Share of a drive's variance from which a periodic part is gravity: harmonics of friction have its sign and
+average out over both directions."""
 MOST_TURNS = 400
 """Periods within the travel that are tried: an axis that turned further is cut."""
 BACK_EMF = 0.5
-"""Share of the explained variance that follows the speed from which a column is a voltage rather than a current."""
+"""Share of the explained variance that follows the speed from which a column is a voltage, not a current."""
 
 # Others.
 SLOW = 0.03

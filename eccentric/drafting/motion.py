@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import itertools
 from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.signal import savgol_filter
 
-from eccentric.drafting.columns import Column, wrap_of
+from eccentric.drafting.columns import LoggedColumn, wrap_of
 from eccentric.drafting.limits import DERIVATIVE, SMOOTH_ROWS, SMOOTH_S
 
 __all__ = ["Grid", "Pair", "grid_of", "pairs_of"]
@@ -34,15 +35,17 @@ class Grid:
     breaks: NDArray[np.bool_]
     _kept: dict[tuple[str, int, bool], Array] = field(default_factory=dict)
 
-    def smooth(self, column: Column, derivative: int = 0, *, angle: bool = False) -> Array:
+    def smooth(self, column: LoggedColumn, derivative: int = 0, *, angle: bool = False) -> Array:
         """The column (m,) after a local cubic, or its derivative per s^k; an `angle` is unwrapped first."""
         key = (column.text, derivative, angle)
         if key not in self._kept:
             values = self.unwrapped(column) if angle else column.values
-            self._kept[key] = np.concatenate([_local(t, values[rows], grid, derivative) for t, grid, rows in self.parts])
+            self._kept[key] = np.concatenate(
+                [_local(t, values[rows], grid, derivative) for t, grid, rows in self.parts]
+            )
         return self._kept[key]
 
-    def unwrapped(self, column: Column) -> Array:
+    def unwrapped(self, column: LoggedColumn) -> Array:
         """The column (n,) without restarts at every turn."""
         period = wrap_of(column, self.breaks)
         if not period:
@@ -70,7 +73,7 @@ def grid_of(seconds: Array, breaks: NDArray[np.bool_]) -> Grid:
     """The even grid of all stretches that are long enough; `seconds` (n,), `breaks` (n-1,)."""
     edges = [0, *(np.flatnonzero(breaks) + 1).tolist(), len(seconds)]
     parts: list[tuple[Array, Array, slice]] = []
-    for first, last in zip(edges[:-1], edges[1:], strict=True):
+    for first, last in itertools.pairwise(edges):
         t = seconds[first:last]
         if len(t) > 2 * SMOOTH_ROWS:
             grid = np.linspace(t[0], t[-1], len(t))
@@ -79,7 +82,7 @@ def grid_of(seconds: Array, breaks: NDArray[np.bool_]) -> Grid:
     return Grid(parts, breaks)
 
 
-def pairs_of(grid: Grid, columns: list[Column]) -> list[Pair]:
+def pairs_of(grid: Grid, columns: list[LoggedColumn]) -> list[Pair]:
     """Every column that is the slope of another, best first."""
     inner, found = grid.inner(), []
     for a in columns:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-__all__ = ["Entry", "Proposal"]
+__all__ = ["Proposal", "RigLine"]
 
 
 @dataclass(frozen=True)
@@ -29,7 +29,7 @@ class Proposal:
 
 
 @dataclass(frozen=True)
-class Entry:
+class RigLine:
     """Another line of the rig: a table ("" for the top), key and value as TOML.
 
     With `asked` it is a question that the log cannot answer: written as a comment, with a typical value.

@@ -7,7 +7,7 @@ import textwrap
 from collections.abc import Iterable, Iterator
 
 from eccentric.drafting.draft import Draft
-from eccentric.drafting.proposal import Entry, Proposal
+from eccentric.drafting.proposal import Proposal, RigLine
 from eccentric.rigs import CHANNELS
 
 __all__ = ["toml_of"]
@@ -18,13 +18,21 @@ _WIDTH = 100
 def toml_of(draft: Draft, name: str) -> str:
     """The text of a rig file; without the questions answered, it may be too little for a fit."""
     lines = [
-        "# Drafted by eccentric from the log. After # stands what speaks for a line, after # ? what to check,",
+        "# Drafted by eccentric from the log. # says what speaks for the line below, # ? what to check,",
         "# and a line that begins with #? asks for what no log shows: remove the mark and put your value.",
         *(f"# {fact}" for fact in draft.facts),
         "",
         f"name = {json.dumps(name)}",
     ]
-    drive = next((p.channel for kind in ("current", "torque", "voltage") for p in draft.proposals if p.channel == kind), "")
+    drive = next(
+        (
+            p.channel
+            for kind in ("current", "torque", "voltage")
+            for p in draft.proposals
+            if p.channel == kind
+        ),
+        "",
+    )
     if drive:
         lines.append(f'drive = "{drive}"')
     lines += [line for entry in draft.entries if entry.table == "" for line in _entry(entry)]
@@ -49,7 +57,7 @@ def _channel(proposal: Proposal) -> Iterator[str]:
     yield f"{proposal.channel} = {value}"
 
 
-def _entry(entry: Entry) -> Iterator[str]:
+def _entry(entry: RigLine) -> Iterator[str]:
     yield from _comments("", [entry.evidence], entry.doubt)
     yield f"{'#? ' if entry.asked else ''}{entry.key} = {entry.value}"
 
@@ -57,4 +65,9 @@ def _entry(entry: Entry) -> Iterator[str]:
 def _comments(indent: str, evidence: Iterable[str], doubt: str) -> Iterator[str]:
     for mark, text in (("# ", "; ".join(evidence)), ("# ? ", doubt)):
         if text:
-            yield from textwrap.wrap(" ".join(text.split()), _WIDTH, initial_indent=indent + mark, subsequent_indent=indent + "#   ")
+            yield from textwrap.wrap(
+                " ".join(text.split()),
+                _WIDTH,
+                initial_indent=indent + mark,
+                subsequent_indent=indent + "#   ",
+            )

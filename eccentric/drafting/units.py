@@ -1,4 +1,4 @@
-"""Units of time, angle and speed at once: names, the slope of the angle, wraps, encoder steps, gravity, sizes.
+"""Units of time, angle and speed at once: names, the slope of the angle, wraps, steps, gravity, sizes.
 
 Each reading is a hypothesis with a weight; what is close to the best one is stated as a doubt.
 """
@@ -11,10 +11,10 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 from eccentric.drafting import limits
-from eccentric.drafting.columns import Column, nice_counts
 from eccentric.drafting.clock import SECONDS
+from eccentric.drafting.columns import LoggedColumn, nice_counts
 
-__all__ = ["Evidence", "Reading", "magnitudes", "readings"]
+__all__ = ["Reading", "Shown", "magnitudes", "readings"]
 
 TURN = 2.0 * math.pi
 _ANGLES = {"rad": 1.0, "deg": TURN / 360.0, "rev": TURN, "mrad": 1e-3}
@@ -36,7 +36,7 @@ _SCALE = {"A": 1.0, "mA": 1e-3, "V": 1.0, "mV": 1e-3, "N m": 1.0, "mNm": 1e-3}
 
 
 @dataclass(frozen=True)
-class Evidence:
+class Shown:
     """What the values show, in the units of the columns; 0 for what they do not.
 
     Attributes:
@@ -51,8 +51,8 @@ class Evidence:
 
     time: Mapping[str, float]
     time_unit: str
-    angle: Column | None
-    speed: Column | None
+    angle: LoggedColumn | None
+    speed: LoggedColumn | None
     factor: float = 0.0
     wrap: float = 0.0
     step: float = 0.0
@@ -83,7 +83,7 @@ class Reading:
     why: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
 
 
-def readings(given: Evidence) -> list[Reading]:
+def readings(given: Shown) -> list[Reading]:
     """All readings, best first; their weights add up to 1."""
     angles = [""] if given.angle is None else [*_ANGLES, "counts"]
     speeds = [""] if given.speed is None else [*_SPEEDS, "counts/s"]
@@ -98,7 +98,7 @@ def readings(given: Evidence) -> list[Reading]:
     return sorted(found, key=lambda reading: -reading.weight)
 
 
-def _read(given: Evidence, time: str, angle: str, speed: str) -> list[Reading]:
+def _read(given: Shown, time: str, angle: str, speed: str) -> list[Reading]:
     weight = given.time[time]
     why: dict[str, tuple[str, ...]] = {"angle": (), "speed": ()}
     later = SECONDS[given.time_unit] / SECONDS[time]  # slopes per second under this unit of time
@@ -137,14 +137,14 @@ def _read(given: Evidence, time: str, angle: str, speed: str) -> list[Reading]:
     return [Reading(time, angle, speed, weight, counts, gear, ratio, product, why)]
 
 
-def _named(column: Column, unit: str) -> float:
+def _named(column: LoggedColumn, unit: str) -> float:
     said = _SAME.get(column.name.unit, column.name.unit)
     if said:
         return 1.0 if said == unit else 1e-4
     return _PRIOR[unit]
 
 
-def _counts(given: Evidence, speed: str, later: float) -> tuple[float, bool, tuple[str, ...]]:
+def _counts(given: Shown, speed: str, later: float) -> tuple[float, bool, tuple[str, ...]]:
     """Counts per turn of the shaft of the angle, by what shows it best, and whether a gear may be in them."""
     if given.wrap:
         return given.wrap, False, (f"it restarts every {given.wrap:.6g} counts",)
@@ -153,7 +153,7 @@ def _counts(given: Evidence, speed: str, later: float) -> tuple[float, bool, tup
         found = nice_counts(turn, limits.FACTOR) or turn
         return found, False, (f"by the logged speed a turn has {turn:.6g} counts",)
     if given.period:
-        # A turn of the link is counts times gear: a usual encoder behind a whole gear, the smallest that fits.
+        # A turn of the link is counts times gear: a usual encoder behind the smallest whole gear.
         gears = range(1, limits.MOST_TURNS)
         fits = ((g, nice_counts(given.period / g, 2e-3)) for g in gears)
         powers = [(g, n) for g, n in fits if n in _COMMON]
@@ -162,7 +162,7 @@ def _counts(given: Evidence, speed: str, later: float) -> tuple[float, bool, tup
     return 0.0, False, ()
 
 
-def _shape(given: Evidence, angle: str, unit: float) -> tuple[float, tuple[str, ...]]:
+def _shape(given: Shown, angle: str, unit: float) -> tuple[float, tuple[str, ...]]:
     """What wraps and steps of the angle say of its unit."""
     column, weight, said = given.angle, 1.0, ()
     if column is None:
@@ -205,14 +205,18 @@ def _slope(off: float, factor: float, gear: float) -> tuple[float, float, tuple[
     scatter = math.log(off) / limits.FACTOR
     if abs(scatter) < 4.0:
         sign = "minus " if factor < 0.0 else ""
-        return math.exp(-0.5 * scatter**2), 1.0, (f"it is {sign}the slope of the angle, within {100 * abs(off - 1):.1f} %",)
+        return (
+            math.exp(-0.5 * scatter**2),
+            1.0,
+            (f"it is {sign}the slope of the angle, within {100 * abs(off - 1):.1f} %",),
+        )
     for other in (gear, 1.0 / gear if gear else 0.0):
         if other and abs(math.log(off / other)) < 2.0 * limits.FACTOR:
             return 0.05, other, (f"it is the slope of the angle times the gear, {other:.4g}",)
     return 1e-4, off, (f"it is {off:.4g} times the slope of the angle",)
 
 
-def magnitudes(column: Column, quantity: str, largest: float) -> list[tuple[str, float]]:
+def magnitudes(column: LoggedColumn, quantity: str, largest: float) -> list[tuple[str, float]]:
     """Units of a drive signal with their probabilities: by the name, else by the size that drives have."""
     if column.name.unit and column.name.unit != "%":
         return [(column.name.unit, 0.99)]

@@ -1,4 +1,4 @@
-"""What the name of a column says: its quantity, its unit, its side of the gear, and whether it is a set value.
+"""What the name of a column says: quantity, unit, side of the gear, whether it is a set value.
 
 Loggers write `Speed [rpm]`, `Iq (mA)`, `q_rad`, `motorTemp_C`, `Drehzahl in 1/min`. Nothing is decided here:
 names are one piece of evidence, units in brackets the best one.
@@ -32,9 +32,11 @@ _WORDS = {
     "bad": "suspect invalid fault bad outlier disturbance disturbed restored error",
 }
 _OF_WORD = {word: quantity for quantity, words in _WORDS.items() for word in words.split()}
-_SET = set("goal target cmd command commanded ref reference set setpoint desired soll demand des wanted".split())
-_LINK = set("link load output out joint arm l last abtrieb".split())
-_MOTOR = set("motor mot m rotor input in antrieb".split())
+_SET = frozenset(
+    "goal target cmd command commanded ref reference set setpoint desired soll demand des wanted".split()  # noqa: SIM905
+)
+_LINK = frozenset({"link", "load", "output", "out", "joint", "arm", "l", "last", "abtrieb"})
+_MOTOR = frozenset({"motor", "mot", "m", "rotor", "input", "in", "antrieb"})
 
 _SPELLINGS = {
     "rad_s": "rad/s", "rads": "rad/s", "rad/sec": "rad/s", "rad_sec": "rad/s", "rad s^-1": "rad/s",
@@ -128,7 +130,7 @@ def spelled(text: str) -> str:
 
 
 def _suffix(text: str) -> tuple[str, str]:
-    """The unit at the end of a name, as in `q_rad`, `w_rad_s`, `i_A_2`, `linkAngleDeg`, and the rest of it."""
+    """The unit at the end of a name, as in `q_rad`, `w_rad_s`, `i_A_2`, `linkAngleDeg`, and the rest."""
     match = re.fullmatch(r"(.*?)([\s_.-]*\d+)?", text)
     body, number = (match[1], match[2] or "") if match else (text, "")
     if body.lower() in ("rpm", "dps"):

@@ -1,4 +1,4 @@
-"""ROS 2 bags of the kind `.db3`: an SQLite database of messages; rosbags reads those. A bag of MCAP: `.mcap`."""
+"""ROS 2 bags of the kind `.db3`: an SQLite database of messages, which rosbags reads."""
 
 from __future__ import annotations
 
@@ -26,7 +26,9 @@ def read_bag(path: Path) -> Read:
     ):
         held = int(file.execute("SELECT COUNT(*) FROM messages").fetchone()[0])
         require_room_for_numbers(path, held, 10 * held)
-        topics = {row[0]: (str(row[1]), str(row[2])) for row in file.execute("SELECT id, name, type FROM topics")}
+        topics = {
+            row[0]: (str(row[1]), str(row[2])) for row in file.execute("SELECT id, name, type FROM topics")
+        }
         tables = {row[0] for row in file.execute("SELECT name FROM sqlite_master WHERE type = 'table'")}
         if "message_definitions" in tables:
             query = "SELECT topic_type, encoding, encoded_message_definition FROM message_definitions"
@@ -35,14 +37,20 @@ def read_bag(path: Path) -> Read:
                     types.define(str(name), str(text))
         unknown: set[str] = set()
         read = of_messages(_messages(file, topics, types, unknown), path)
-        notes = [f"left out, of a type that the bag does not define: {few(sorted(unknown), 5)}"] if unknown else []
+        notes = (
+            [f"left out, of a type that the bag does not define: {few(sorted(unknown), 5)}"]
+            if unknown
+            else []
+        )
         return Read(read.columns, notes=(*notes, *read.notes), units=read.units)
 
 
 def _messages(
     file: sqlite3.Connection, topics: dict[int, tuple[str, str]], types: Types, unknown: set[str]
 ) -> Iterator[Message]:
-    for topic, time, data in file.execute("SELECT topic_id, timestamp, data FROM messages ORDER BY timestamp"):
+    for topic, time, data in file.execute(
+        "SELECT topic_id, timestamp, data FROM messages ORDER BY timestamp"
+    ):
         name, kind = topics[topic]
         content = types.read(bytes(data), kind)
         if content is None:

@@ -1,4 +1,4 @@
-"""Cells of a CSV log that are no plain numbers: decimal commas, dates, counters of nanoseconds, a row of units."""
+"""Cells of a CSV log that are no plain numbers: decimal commas, dates, large counters, a row of units."""
 
 from __future__ import annotations
 
@@ -39,7 +39,11 @@ def cells_to_column(name: str, cells: Sequence[str], *, decimal_comma: bool) -> 
 
 def _counter(name: str, cells: Sequence[str], column: Column) -> tuple[Column, str, str]:
     """A counter beyond what floating point resolves counts from its first value."""
-    if not len(column) or not np.nanmax(np.abs(column), initial=0.0) > _EXACT or not np.all(np.isfinite(column)):
+    if (
+        not len(column)
+        or not np.nanmax(np.abs(column), initial=0.0) > _EXACT
+        or not np.all(np.isfinite(column))
+    ):
         return column, "", ""
     try:
         whole = [int(cell) for cell in cells]

@@ -26,8 +26,8 @@ def read_csv(path: Path) -> Read:
     """Read a CSV file with one header row; the delimiter is a comma, a semicolon or a tab.
 
     Between semicolons or tabs the decimal separator may be a comma. A row of units may follow the header, and
-    dates in ISO 8601 become seconds. Rows of several topics are put on one clock. Leading lines that are empty or begin with `#` are skipped, except that the last of those is the
-    header if none follows.
+    dates in ISO 8601 become seconds. Rows of several topics are put on one clock. Leading lines that are
+    empty or begin with `#` are skipped, except that the last of those is the header if none follows.
     """
     # Not `splitlines`, which also splits at form feeds and other separators inside cells.
     whole, said = _decoded(path)
@@ -88,7 +88,7 @@ def _read(path: Path, text: list[str], skipped: int) -> Read:
 
 
 def _decoded(path: Path) -> tuple[str, tuple[str, ...]]:
-    """The text of a file, as Latin-1 with a note where it is no UTF-8; UnicodeDecodeError if it is no text."""
+    """The text of a file, as Latin-1 with a note where it is not UTF-8; UnicodeDecodeError for no text."""
     try:
         return text_of(path), ()
     except UnicodeDecodeError:

@@ -29,12 +29,13 @@ def library(name: str, extra: str, path: Path) -> Any:
         return importlib.import_module(name)
     except ImportError:
         raise InputError(
-            f'{path}: {name.partition(".")[0]} is required for {path.suffix}: pip install "eccentric[{extra}]"'
+            f"{path}: {name.partition('.')[0]} is required for {path.suffix}:"
+            f' pip install "eccentric[{extra}]"'
         ) from None
 
 
 def _cleared(error: BaseException) -> None:
-    """Let go of what a library had half built: some of it complains on stderr when it is cleared away later."""
+    """Let go of what a library had half built: some of it complains when it is cleared away later."""
     before, sys.unraisablehook = sys.unraisablehook, lambda _: None
     try:
         traceback.clear_frames(error.__traceback__)

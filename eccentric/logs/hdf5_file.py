@@ -18,14 +18,14 @@ _UNIT = ("unit", "units", "Unit", "Units")
 
 
 def read_hdf5(path: Path) -> Read:
-    """Read the datasets of numbers and text; links that lead out of the file or in circles are not followed."""
+    """Read the datasets of numbers and text; links out of the file or in circles are not followed."""
     h5py = library("h5py", "hdf5", path)
     with reading(path, "HDF5 file"), h5py.File(path, "r") as file:
         found: dict[str, Any] = {}
         _collect(file, "", found, h5py, 0)
         sizes = [item.shape for item in found.values() if not isinstance(item, LeftOut)]
         if sizes:
-            longest, total = max((max(s, default=1) for s in sizes)), sum(int(np.prod(s)) for s in sizes)
+            longest, total = max(max(s, default=1) for s in sizes), sum(int(np.prod(s)) for s in sizes)
             require_room_for_numbers(path, longest, total)
         content: dict[str, Any] = {}
         units: dict[str, str] = {}
@@ -35,7 +35,9 @@ def read_hdf5(path: Path) -> Read:
                 units[name] = unit
         read = assemble(content)
         ends = {name.rsplit(".", 1)[-1]: unit for name, unit in units.items()}
-        shown = {name: units.get(name) or ends[name] for name in read.columns if name in units or name in ends}
+        shown = {
+            name: units.get(name) or ends[name] for name in read.columns if name in units or name in ends
+        }
         return Read(read.columns, notes=read.notes, units=shown)
 
 

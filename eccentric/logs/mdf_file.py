@@ -1,4 +1,4 @@
-"""MDF files of version 3 and 4 by asammdf. Attachments are not opened, formulas in conversions not evaluated."""
+"""MDF files of version 3 and 4 by asammdf. Attachments stay closed, formulas are not evaluated."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ import numpy as np
 from eccentric.errors import few
 from eccentric.logs.assemble import Read
 from eccentric.logs.foreign import library, reading
-from eccentric.logs.one_clock import Channel, on_one_clock
+from eccentric.logs.one_clock import Recorded, on_one_clock
 from eccentric.logs.room import require_room_for_numbers
 
 __all__ = ["read_mdf"]
@@ -32,7 +32,7 @@ def read_mdf(path: Path) -> Read:
             max(cycles, default=0),
             sum(n * len(group.channels) for n, group in zip(cycles, file.groups, strict=True)),
         )
-        channels: list[Channel] = []
+        channels: list[Recorded] = []
         formulas: list[str] = []
         others: list[str] = []
         for number, group in enumerate(file.groups):
@@ -50,7 +50,9 @@ def read_mdf(path: Path) -> Read:
                     channels.append(one)
         notes = []
         if formulas:
-            notes.append(f"left out, since a formula in the file, which is not evaluated, converts them: {few(formulas, 5)}")
+            notes.append(
+                f"left out, since a formula in the file, not evaluated, converts them: {few(formulas, 5)}"
+            )
         if others:
             notes.append(f"left out, since they are neither numbers nor text: {few(others, 5)}")
         if getattr(file, "attachments", None):
@@ -63,7 +65,7 @@ def _is_formula(channel: Any, version: int) -> bool:
     return conversion is not None and int(conversion.conversion_type) in _FORMULA.get(version, ())
 
 
-def _read(file: Any, group: int, index: int) -> Channel | None:
+def _read(file: Any, group: int, index: int) -> Recorded | None:
     signal = file.get(group=group, index=index, ignore_invalidation_bits=False)
     values = np.asarray(signal.samples)
     if values.ndim != 1 or values.dtype.kind not in "biufSU":
@@ -71,4 +73,4 @@ def _read(file: Any, group: int, index: int) -> Channel | None:
     if values.dtype.kind == "S":
         values = np.char.decode(values, "utf-8", "replace")
     values = values if values.dtype.kind == "U" else values.astype(float)
-    return Channel(signal.name, np.asarray(signal.timestamps, dtype=float), values, str(signal.unit or ""))
+    return Recorded(signal.name, np.asarray(signal.timestamps, dtype=float), values, str(signal.unit or ""))

@@ -12,7 +12,7 @@ import numpy as np
 from eccentric.errors import few
 from eccentric.logs.assemble import Read
 from eccentric.logs.limits import MOST_PARTS
-from eccentric.logs.one_clock import Channel, on_one_clock
+from eccentric.logs.one_clock import Recorded, on_one_clock
 
 __all__ = ["Message", "of_messages"]
 
@@ -44,7 +44,11 @@ def of_messages(messages: Iterable[Message], path: Path, notes: Iterable[str] = 
                 uneven.add(f"{topic}.{name}")
     start = min((stamps[0] for stamps in times.values()), default=0)
     channels = [
-        Channel(f"{topic.strip('/')}.{name}", 1e-9 * np.array([t - start for t in times[topic]], dtype=float), np.array(x))
+        Recorded(
+            f"{topic.strip('/')}.{name}",
+            1e-9 * np.array([t - start for t in times[topic]], dtype=float),
+            np.array(x),
+        )
         for topic, of in fields.items()
         for name, x in of.items()
     ]
@@ -85,7 +89,12 @@ def _numbers(value: Any, name: str, depth: int) -> Iterator[tuple[str, float]]:
             if key == "header":
                 continue
             at = f"{name}.{key}" if name else str(key)
-            if isinstance(names, list) and isinstance(inner, list | np.ndarray) and len(inner) == len(names) and key != "name":
+            if (
+                isinstance(names, list)
+                and isinstance(inner, list | np.ndarray)
+                and len(inner) == len(names)
+                and key != "name"
+            ):
                 for said, one in zip(names, inner, strict=True):
                     yield from _numbers(one, f"{at}.{said}", depth + 1)
             else:

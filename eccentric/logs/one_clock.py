@@ -17,14 +17,14 @@ from numpy.typing import NDArray
 from eccentric.errors import InputError, few
 from eccentric.logs.assemble import Column, Read
 
-__all__ = ["TIME", "Channel", "on_one_clock"]
+__all__ = ["TIME", "Recorded", "on_one_clock"]
 
 TIME = "time_s"
 """The column of the time that all channels were put on."""
 
 
 @dataclass(frozen=True)
-class Channel:
+class Recorded:
     """A signal: time [s] (n,), not falling, and values (n,), numbers or text."""
 
     name: str
@@ -34,7 +34,7 @@ class Channel:
 
 
 def on_one_clock(
-    channels: Sequence[Channel], path: Path | str, notes: Sequence[str] = (), time: str = TIME
+    channels: Sequence[Recorded], path: Path | str, notes: Sequence[str] = (), time: str = TIME
 ) -> Read:
     """Return the channels as columns on the clock of the one with the most rows, whose times are in `time`.
 
@@ -50,8 +50,8 @@ def on_one_clock(
     rows = (lead.time >= first) & (lead.time <= last)
     if np.count_nonzero(rows) < 2:
         raise InputError(
-            f"{path}: channels that share a time are required, received {lead.name} from {lead.time[0]:.6g} to"
-            f" {lead.time[-1]:.6g} s and others from {first:.6g} or to {last:.6g} s"
+            f"{path}: channels that share a time are required, received {lead.name} from"
+            f" {lead.time[0]:.6g} to {lead.time[-1]:.6g} s and others from {first:.6g} or to {last:.6g} s"
         )
     t = lead.time[rows]
     columns: dict[str, Column] = {time: t - t[0]}
@@ -71,14 +71,20 @@ def on_one_clock(
             linear.append(name)
     said = [*notes]
     if linear or held:
-        how = [f"{few(names, 5)} {words}" for names, words in ((linear, "linearly"), (held, "by the last value")) if names]
+        how = [
+            f"{few(names, 5)} {words}"
+            for names, words in ((linear, "linearly"), (held, "by the last value"))
+            if names
+        ]
         said.append(f"put on the clock of {lead.name}, {len(t)} rows: {'; '.join(how)}")
     if len(t) < len(lead.time):
-        said.append(f"{len(lead.time) - len(t)} rows of {lead.name} are left out, before or after other channels")
+        said.append(
+            f"{len(lead.time) - len(t)} rows of {lead.name} are left out, before or after other channels"
+        )
     return Read(columns, notes=tuple(said), units=units)
 
 
-def _clean(c: Channel) -> Channel:
+def _clean(c: Recorded) -> Recorded:
     """Without samples that are no numbers or have no time, in the order of time."""
     good = np.isfinite(c.time)
     if c.values.dtype.kind == "f":
@@ -87,7 +93,7 @@ def _clean(c: Channel) -> Channel:
     if len(time) and np.any(np.diff(time) < 0.0):
         order = np.argsort(time, kind="stable")
         time, values = time[order], values[order]
-    return Channel(c.name, time, values, c.unit)
+    return Recorded(c.name, time, values, c.unit)
 
 
 def _is_held(values: Column) -> bool:

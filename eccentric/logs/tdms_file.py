@@ -9,7 +9,7 @@ import numpy as np
 
 from eccentric.logs.assemble import Column, Read, assemble, column_of
 from eccentric.logs.foreign import library, reading
-from eccentric.logs.one_clock import Channel, on_one_clock
+from eccentric.logs.one_clock import Recorded, on_one_clock
 from eccentric.logs.room import require_room_for_numbers
 
 __all__ = ["read_tdms"]
@@ -26,13 +26,17 @@ def read_tdms(path: Path) -> Read:
         lengths = [len(channel) for channel in found]
         require_room_for_numbers(path, max(lengths, default=0), sum(lengths))
         names = [channel.name for channel in found]
-        named = [(c.name if names.count(c.name) == 1 else f"{c.group_name}.{c.name}", c) for c in found if len(c)]
-        clocked = [(name, c) for name, c in named if float(c.properties.get("wf_increment", 0.0) or 0.0) > 0.0]
+        named = [
+            (c.name if names.count(c.name) == 1 else f"{c.group_name}.{c.name}", c) for c in found if len(c)
+        ]
+        clocked = [
+            (name, c) for name, c in named if float(c.properties.get("wf_increment", 0.0) or 0.0) > 0.0
+        ]
         if clocked:
             starts = [c.properties.get("wf_start_time") for _, c in clocked]
             first = min((s for s in starts if s is not None), default=None)
             channels = [
-                Channel(name, _time(c, first), values, _unit(c))
+                Recorded(name, _time(c, first), values, _unit(c))
                 for name, c in clocked
                 if (values := _values(c)) is not None
             ]

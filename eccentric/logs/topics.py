@@ -13,7 +13,7 @@ import numpy as np
 
 from eccentric.logs.assemble import Column, Read
 from eccentric.logs.limits import MOST_PARTS, SHORTEST_VECTOR
-from eccentric.logs.one_clock import Channel, on_one_clock
+from eccentric.logs.one_clock import Recorded, on_one_clock
 
 __all__ = ["of_topics"]
 
@@ -31,14 +31,14 @@ def of_topics(read: Read, path: Path) -> Read:
     return read
 
 
-def _joined(read: Read, channels: list[Channel], path: Path, time: str, what: str) -> Read:
+def _joined(read: Read, channels: list[Recorded], path: Path, time: str, what: str) -> Read:
     start = min(c.time[0] for c in channels)
-    moved = [Channel(c.name, c.time - start, c.values, read.units.get(c.name, "")) for c in channels]
+    moved = [Recorded(c.name, c.time - start, c.values, read.units.get(c.name, "")) for c in channels]
     found = on_one_clock(moved, path, (*read.notes, what), time)
     return Read(found.columns, notes=found.notes, units={**found.units, time: read.units.get(time, "")})
 
 
-def _named(columns: Mapping[str, Column]) -> tuple[str, list[Channel]] | None:
+def _named(columns: Mapping[str, Column]) -> tuple[str, list[Recorded]] | None:
     """Two columns of numbers and one of names that change from row to row."""
     texts = [name for name, x in columns.items() if x.dtype.kind != "f"]
     numbers = [name for name, x in columns.items() if x.dtype.kind == "f"]
@@ -53,10 +53,10 @@ def _named(columns: Mapping[str, Column]) -> tuple[str, list[Channel]] | None:
     if time is None:
         return None
     (value,) = (name for name in numbers if name != time)
-    return time, [Channel(str(k), columns[time][names == k], columns[value][names == k]) for k in kinds]
+    return time, [Recorded(str(k), columns[time][names == k], columns[value][names == k]) for k in kinds]
 
 
-def _sparse(columns: Mapping[str, Column]) -> tuple[str, list[Channel]] | None:
+def _sparse(columns: Mapping[str, Column]) -> tuple[str, list[Recorded]] | None:
     """A full column of time, and at least two columns that are never filled in the same row."""
     numbers = {name: x for name, x in columns.items() if x.dtype.kind == "f"}
     time = next((name for name, x in numbers.items() if np.all(np.isfinite(x)) and _rises(x)), None)
@@ -67,7 +67,7 @@ def _sparse(columns: Mapping[str, Column]) -> tuple[str, list[Channel]] | None:
     parts = [name for name, rows in there.items() if not np.all(rows)]
     if not any(not np.any(there[a] & there[b]) for k, a in enumerate(parts) for b in parts[k + 1 :]):
         return None
-    return time, [Channel(name, numbers[time][rows], numbers[name][rows]) for name, rows in there.items()]
+    return time, [Recorded(name, numbers[time][rows], numbers[name][rows]) for name, rows in there.items()]
 
 
 def _rises(x: Column) -> bool:

@@ -8,7 +8,7 @@ import numpy as np
 
 from eccentric.logs.assemble import Read
 from eccentric.logs.foreign import library, reading
-from eccentric.logs.one_clock import Channel, on_one_clock
+from eccentric.logs.one_clock import Recorded, on_one_clock
 from eccentric.logs.room import require_room_for_numbers
 
 __all__ = ["read_ulog"]
@@ -21,14 +21,14 @@ def read_ulog(path: Path) -> Read:
     with reading(path, "ULog file"), path.open("rb") as stream:
         require_room_for_numbers(path, path.stat().st_size // 8, path.stat().st_size // 8)
         file = pyulog.ULog(stream)
-        channels: list[Channel] = []
+        channels: list[Recorded] = []
         for topic in file.data_list:
             name = f"{topic.name}#{topic.multi_id + 1}" if topic.multi_id else str(topic.name)
             if "timestamp" not in topic.data:
                 continue
             time = 1e-6 * np.asarray(topic.data["timestamp"], dtype=float)
             channels += [
-                Channel(f"{name}.{field}", time, np.asarray(values, dtype=float))
+                Recorded(f"{name}.{field}", time, np.asarray(values, dtype=float))
                 for field, values in topic.data.items()
                 if field != "timestamp" and np.asarray(values).dtype.kind in "biuf"
             ]
