@@ -193,7 +193,7 @@ def _facts(grid: Grid, motion: Moved) -> list[str]:
     both = float(np.mean(motion.w[motion.moving] > 0.0)) if np.any(motion.moving) else 0.0
     facts = [
         f"{counted(len(grid.parts), 'part')} without a gap, {1.0 / grid.step:.4g} rows a second",
-        f"standing (below {limits.STILL:.0%} of its speed) in {still:.0%} of the rows, forwards in {both:.0%}",
+        f"standing (below {limits.STILL:.0%} of its speed) in {still:.0%} of rows, forwards in {both:.0%}",
     ]
     if both < 0.05 or both > 0.95:
         facts.append("one direction only: Coulomb friction and a constant load are one and the same there")
