@@ -140,5 +140,13 @@ DIAGNOSIS: dict[str, Asked] = {
     "arms first": Asked("arms: right family and joint first", "at least", 0.9),
     "arms wrong": Asked("arms: wrong name given", "at most", 0.03),
     "arms alarms": Asked("arms: false alarms on controls", "at most", 0),
+    "drafted": Asked(
+        "drafted rigs, logs renamed and rescaled: columns with the right channel and unit",
+        "at least",
+        90,
+        "%",
+    ),
+    "drafted silently wrong": Asked("the same: wrong without a doubt stated", "at most", 0),
+    "drafted fits": Asked("the same: fitted with at most three values typed", "at least", 100, "%"),
     "readers": Asked("fuzzed inputs neither taken nor refused in one line", "at most", 0),
 }

@@ -24,6 +24,7 @@ from benchmarks import (
     checks,
     derivation,
     diagnosis,
+    drafted,
     field,
     figure,
     fuzz,
@@ -50,6 +51,7 @@ PARTS: dict[str, tuple[str, Callable[[bool], Part]]] = {
     "long": ("Long logs", long.measured),
     "readers": ("Fuzzed readers", fuzz.measured),
     "intervals": ("Intervals", intervals.measured),
+    "drafted": ("Drafted rigs", drafted.measured),
     "diagnosis": ("Diagnosis", diagnosis.measured),
     "joints": ("Diagnosis of arms", arms_diagnosis.measured),
 }

@@ -1,6 +1,7 @@
 """Friction models of drives that swing an unbalanced mass: derived, emitted, compared with measured data.
 
     read_log, read_rig    a file or a table in memory; a file or a mapping     -> Log, Rig
+    draft_rig, check_rig  logs -> RigDraft; logs, rig -> RigCheck: all that is wrong at once
     fit                   logs, rig -> FitResult: estimates with uncertainty, held-out error
     diagnose              logs, rig -> DiagnosisResult: what the model lacks, and the extended model
     fit_arm, diagnose_arm the same for every joint of an arm                    -> ArmFitResult, ...
@@ -19,6 +20,7 @@ through their `__init__`:
     derive    derivations/*.py         first principles -> Model        (model, effects)
     emit      Model -> Program         -> NumPy module, C99             (emission, templates/)
     read      log + rig                -> signals                       (logs, rigs, signals)
+    draft     log                      -> a rig file to complete        (drafting)
     fit       signals + Model          -> coefficients, residual        (fitting)
     diagnose  residual + effects       -> verdict, extended Model       (search, diagnosis, joints, report)
     follow    channels + fit           -> coefficients over time        (adaptation)

@@ -23,6 +23,7 @@ from eccentric.errors import InputError
 from eccentric.logs import evaluate, parse_value, read_log
 from eccentric.rigs import CHANNELS, KEYS, KNOWNS, read_rig
 from tests.damage import NUMBERS, csv_bytes, files, json_bytes, mat73_bytes, mat_bytes, parquet_bytes, texts
+from tests.recordings import bag_bytes, hdf5_bytes, mcap_bytes, mdf_bytes, npz_bytes, tdms_bytes, ulog_bytes
 
 ODD_TEXTS = (
     *("", "estimate", "run", "C1", "C2", "time_s", "1 kg", "0.1 m", "2 ohm", "1e-4 kg m^2", "1/0 m"),
@@ -214,6 +215,13 @@ TARGETS = {
     ".mat (7)": Target(files(mat_bytes(compressed=True)), log_of(".mat")),
     ".mat (7.3)": Target(st.deferred(lambda: files(mat73_bytes())), log_of(".mat")),
     ".parquet": Target(st.deferred(lambda: files(parquet_bytes())), log_of(".parquet")),
+    ".npz": Target(st.deferred(lambda: files(npz_bytes())), log_of(".npz")),
+    ".h5": Target(st.deferred(lambda: files(hdf5_bytes())), log_of(".h5")),
+    ".mf4": Target(st.deferred(lambda: files(mdf_bytes())), log_of(".mf4")),
+    ".db3": Target(st.deferred(lambda: files(bag_bytes())), log_of(".db3")),
+    ".mcap": Target(st.deferred(lambda: files(mcap_bytes())), log_of(".mcap")),
+    ".ulg": Target(st.deferred(lambda: files(ulog_bytes())), log_of(".ulg")),
+    ".tdms": Target(st.deferred(lambda: files(tdms_bytes())), log_of(".tdms")),
     "rig .toml": Target(
         st.one_of(files((EXAMPLE / "bench.toml").read_bytes()), RIGS.map(toml_bytes)), rig_of(".toml")
     ),

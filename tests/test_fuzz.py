@@ -10,7 +10,17 @@ from hypothesis import strategies as st
 
 from tests.fuzzing import TARGETS
 
-EXTRAS = {".parquet": "pyarrow", ".mat (7.3)": "h5py", "arm .urdf": "yourdfpy"}
+EXTRAS = {
+    ".parquet": "pyarrow",
+    ".mat (7.3)": "h5py",
+    ".h5": "h5py",
+    ".mf4": "asammdf",
+    ".db3": "rosbags",
+    ".mcap": "mcap",
+    ".ulg": "pyulog",
+    ".tdms": "nptdms",
+    "arm .urdf": "yourdfpy",
+}
 
 
 @pytest.mark.parametrize("name", TARGETS)

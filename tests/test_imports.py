@@ -27,7 +27,7 @@ LAYERS = (
     {"emission", "logs", "estimation"},
     {"arms"},
     {"rigs", "audit", "figures", "compiled"},
-    {"signals"},
+    {"signals", "drafting"},
     {"fitting"},
     {"search"},
     {"diagnosis", "adaptation"},

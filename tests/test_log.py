@@ -56,10 +56,10 @@ BAD = {
     ),
     "comments.csv": (b"# made by hand\n\n", "comments.csv: a header row with column names is required"),
     "twice.csv": (b"a,b,a\n1,2,3\n", "twice.csv: unique column names are required, received 'a' 2x"),
-    "latin.csv": (b"t,\xe4\n1,2\n", "latin.csv: UTF-8 text is required, byte 2 is not"),
+    "bytes.csv": (b"t,\x01\xe4\n1,2\n", "bytes.csv: UTF-8 text is required, byte 3 is not"),
     "cut.csv.gz": (CUT_OFF, "cut.csv.gz: the compressed file is damaged or cut off"),
     "plain.csv.gz": (TEXT.encode(), "plain.csv.gz: the compressed file is damaged or cut off"),
-    "log.xlsx": (b"PK", "log.xlsx: a log of .csv, .csv.gz, .mat, .parquet, .json, .json.gz is required"),
+    "log.xlsx": (b"PK", "log.xlsx: a log of .csv, .csv.gz, .mat, .parquet, .json, .json.gz, .npz, .h5,"),
     "noise.mat": (b"x" * 200, "noise.mat: not a valid MAT file"),
     "noise.parquet": (b"x" * 200, "noise.parquet: not a valid Parquet file"),
     "noise.json": (b"x" * 200, "noise.json: not a valid JSON file"),
@@ -122,12 +122,14 @@ def test_column_names_in_the_last_comment_are_the_header(tmp_path: Path, delimit
     assert log.place(0) == "line 2"
 
 
-def test_decimal_commas_are_named(tmp_path: Path) -> None:
-    """A number with a decimal comma is refused with what is required instead; other text is without."""
+def test_a_cell_that_is_no_number_is_named_beside_decimal_commas(tmp_path: Path) -> None:
+    """Between semicolons a comma is a decimal one; what is no number even so is named with its line."""
     path = tmp_path / "log.csv"
-    path.write_text("time_s;current_A\n0,0;1,5\n0,1;x,5\n")
-    with pytest.raises(InputError, match=r"line 2, column 'time_s': .* '0,0'; a decimal point is required"):
-        read_log(path).numbers("time_s")
+    path.write_text("time_s;current_A\n0,0;1,5\n0,1;2,5\n0,2;x,5\n")
+    log = read_log(path)
+    assert [0.0, 0.1, 0.2] == log.numbers("time_s").tolist()
+    with pytest.raises(InputError, match=r"line 4, column 'current_A': a number is required, received 'x,5'"):
+        log.numbers("current_A")
 
 
 def test_missing_column_lists_the_columns(tmp_path: Path) -> None:

@@ -6,6 +6,10 @@ from eccentric.api.compared import CompareResult as CompareResult
 from eccentric.api.compared import compare as compare
 from eccentric.api.diagnosed import DiagnosisResult as DiagnosisResult
 from eccentric.api.diagnosed import diagnose as diagnose
+from eccentric.api.drafted import RigCheck as RigCheck
+from eccentric.api.drafted import RigDraft as RigDraft
+from eccentric.api.drafted import check_rig as check_rig
+from eccentric.api.drafted import draft_rig as draft_rig
 from eccentric.api.emitted import emit as emit
 from eccentric.api.fitted import FitResult as FitResult
 from eccentric.api.fitted import fit as fit

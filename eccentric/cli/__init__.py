@@ -12,6 +12,7 @@ has closed it.
 
 import argparse
 import ast
+import os
 import sys
 import textwrap
 import warnings
@@ -29,7 +30,19 @@ __all__ = ["COMMANDS", "main"]
 
 _DESCRIPTION = "Friction models of drives that swing an unbalanced mass: derived, emitted, fitted to logs."
 
-COMMANDS = ("derive", "audit", "figures", "emit", "fit", "diagnose", "compare", "adapt", "bench")
+COMMANDS = (
+    "derive",
+    "audit",
+    "figures",
+    "emit",
+    "rig",
+    "fit",
+    "diagnose",
+    "compare",
+    "adapt",
+    "bench",
+    "doctor",
+)
 
 
 def main(argv: Sequence[str] | None = None) -> int:
@@ -46,6 +59,8 @@ def main(argv: Sequence[str] | None = None) -> int:
     formatwarning, warnings.formatwarning = warnings.formatwarning, _one_line_warning
     try:
         with ended_by_signals():
+            if argv is None and "_ARGCOMPLETE" in os.environ:  # set by the shell while it completes
+                _complete()
             parsed = _parser(arguments).parse_args(arguments)
             status = parsed.run(parsed)
             if sys.stdout is not None:  # as in a service without one
@@ -67,6 +82,15 @@ def main(argv: Sequence[str] | None = None) -> int:
     finally:
         warnings.formatwarning = formatwarning
     return status
+
+
+def _complete() -> None:
+    """Answer the shell, which asks how its line goes on, and exit; without argcomplete do nothing."""
+    with suppress(ImportError):
+        argcomplete = import_module("argcomplete")
+        # The words before the one that is completed; an unfinished quotation has no command to look up.
+        words = os.environ.get("COMP_LINE", "").split()[1:]
+        argcomplete.autocomplete(_parser(words if words and words[0] in COMMANDS else []))
 
 
 class _Parser(argparse.ArgumentParser):

@@ -11,6 +11,7 @@ from pathlib import Path
 from eccentric.errors import InputError
 
 __all__ = [
+    "LOGS",
     "MISFIT",
     "add_folder",
     "add_logs",
@@ -22,6 +23,8 @@ __all__ = [
     "progress",
 ]
 
+LOGS = ".csv[.gz], .json[.gz], .npz, .mat, .parquet, .h5, .mf4, .db3, .mcap, .ulg, .tdms"
+"""Formats of logs, for help pages; `eccentric.logs` is not imported for them."""
 MISFIT = 1
 """Exit status of a fit or diagnosis that has written its result, and whose log does not fit the rig."""
 _STATUS = (
@@ -36,8 +39,8 @@ def add_logs(parser: argparse.ArgumentParser) -> None:
         "logs",
         metavar="LOG",
         nargs="+",
-        help="logs of one rig: .csv[.gz], .parquet, .mat, .json[.gz]; of more than 100,000 rows together, "
-        "windows are used, see docs/long-logs.md",
+        help=f"logs of one rig: {LOGS}; of more than 100,000 rows together, windows are used, see"
+        " docs/long-logs.md",
     )
     add(
         "--rig",

@@ -4,7 +4,7 @@ import argparse
 from pathlib import Path
 
 import eccentric
-from eccentric.cli.arguments import print_warnings
+from eccentric.cli.arguments import LOGS, print_warnings
 from eccentric.output import own_folder
 
 NAME = "compare"
@@ -16,7 +16,7 @@ eccentric compare LOG --rig RIG c2_parallel my_derivation.py --out build/compare
 def configure(parser: argparse.ArgumentParser) -> None:
     """Add the arguments of `compare` to `parser`."""
     add = parser.add_argument
-    add("log", metavar="LOG", help="a log of the rig: .csv[.gz], .parquet, .mat, .json[.gz]")
+    add("log", metavar="LOG", help=f"a log of the rig: {LOGS}")
     add(
         "models",
         metavar="MODEL[+EFFECT...]",

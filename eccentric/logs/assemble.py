@@ -6,7 +6,7 @@ Formats that hold variables of any shape instead of one table share the latter.
 from __future__ import annotations
 
 from collections import Counter
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -25,11 +25,15 @@ MISSING = frozenset({"", "na", "n/a", "#n/a", "null", "none", "-"})
 
 @dataclass(frozen=True)
 class Read:
-    """What a reader returns: columns, the line of each row in a text file, what was left out and why."""
+    """What a reader returns: columns, the line of each row in a text file, what was left out and why.
+
+    `units` are those that the file itself states, by column, as they stand there.
+    """
 
     columns: Mapping[str, Column]
     lines: NDArray[np.int64] | None = None
     notes: tuple[str, ...] = ()
+    units: Mapping[str, str] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import csv
+import dataclasses
 import gzip
 import io
 import itertools
+import re
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
@@ -14,21 +16,25 @@ from typing import IO
 import numpy as np
 
 from eccentric.errors import InputError
-from eccentric.logs.assemble import InParts, Part, Read, column_of, number_of, overlaps
-from eccentric.logs.limits import BATCH_ROWS, MOST_CHARACTERS
+from eccentric.logs.assemble import Column, InParts, Part, Read, column_of, number_of, overlaps
+from eccentric.logs.csv_cells import cells_to_column, units_row
+from eccentric.logs.limits import BATCH_ROWS, MOST_CHARACTERS, SAMPLE_ROWS
 from eccentric.logs.room import require_room_for_text
+from eccentric.logs.topics import of_topics
 
+_NO_TEXT = re.compile(r"[\x00-\x08\x0e-\x1f]")
 POINT = "; a decimal point is required, as in 1.5"
 
 
 def read_csv(path: Path) -> Read:
     """Read a CSV file with one header row; the delimiter is a comma, a semicolon or a tab.
 
-    Leading lines that are empty or begin with `#` are skipped, except that the last of those is the
-    header if none follows.
+    Between semicolons or tabs the decimal separator may be a comma. A row of units may follow the header, and
+    dates in ISO 8601 become seconds. Rows of several topics are put on one clock. Leading lines that are
+    empty or begin with `#` are skipped, except that the last of those is the header if none follows.
     """
     # Not `splitlines`, which also splits at form feeds and other separators inside cells.
-    whole = text_of(path)
+    whole, said = _decoded(path)
     rows = 1 + max(whole.count("\n"), whole.count("\r"))
     require_room_for_text(path, whole, rows, rows + sum(map(whole.count, ",;\t")))
     text = io.StringIO(whole, newline="").readlines()
@@ -36,7 +42,8 @@ def read_csv(path: Path) -> Read:
     if skipped == len(text):
         raise InputError(f"{path}: a header row with column names is required, received an empty file")
     with _csv_errors(path):
-        return _read(path, text, skipped)
+        read = of_topics(_read(path, text, skipped), path)
+    return dataclasses.replace(read, notes=(*said, *read.notes))
 
 
 @contextmanager
@@ -47,19 +54,28 @@ def _csv_errors(path: Path) -> Iterator[None]:
         raise InputError(f"{path}: not a valid CSV file ({error})") from None
 
 
-def text_of(path: Path) -> str:
-    """Return the UTF-8 text of a file, unpacked if its name ends in .gz; InputError above a gigabyte."""
-    with _opened(path) as file:
+def text_of(path: Path, encoding: str = "utf-8-sig") -> str:
+    """Return the text of a file, unpacked if its name ends in .gz; InputError above a gigabyte."""
+    with _opened(path, encoding) as file:
         text = file.read(MOST_CHARACTERS + 1)
     if len(text) > MOST_CHARACTERS:
         raise InputError(f"{path}: at most {MOST_CHARACTERS:,} characters are required, received more")
     return text
 
 
-def csv_source(path: Path) -> InParts:
-    """Return a CSV file as blocks of rows; it has at most as many as lines, which are counted."""
-    with _csv_errors(path):
-        header, delimiter, before = _start(path)
+def csv_source(path: Path) -> InParts | None:
+    """Return a CSV file as blocks of rows; it has at most as many as lines, which are counted.
+
+    None for one whose first rows need more than reading numbers, such as dates, a row of units or topics.
+    """
+    try:
+        with _csv_errors(path):
+            header, delimiter, before = _start(path)
+            plain = _plain(path, before, header, delimiter)
+    except UnicodeDecodeError:
+        return None
+    if not plain:
+        return None
 
     def parts(names: Sequence[str], spans: Sequence[tuple[int, int]]) -> Iterator[Part]:
         chosen, at = [header.index(name) for name in names], 0
@@ -100,9 +116,9 @@ def _lines(path: Path) -> int:
     return count
 
 
-def _opened(path: Path) -> IO[str]:
+def _opened(path: Path, encoding: str = "utf-8-sig") -> IO[str]:
     opened = gzip.open if path.name.lower().endswith(".gz") else open
-    return opened(path, "rt", encoding="utf-8-sig", newline="")
+    return opened(path, "rt", encoding=encoding, newline="")
 
 
 def _names(comment: str, line: str) -> tuple[list[str], str, bool]:
@@ -119,16 +135,47 @@ def _names(comment: str, line: str) -> tuple[list[str], str, bool]:
     return _cells(line, delimiter), delimiter, False
 
 
+def _plain(path: Path, before: int, header: list[str], delimiter: str) -> bool:
+    """Whether the first rows are nothing but numbers and names, one row for each moment."""
+    with _opened(path) as file:
+        lines = list(itertools.islice(file, before + SAMPLE_ROWS))
+    if delimiter != "," and any("," in line for line in lines[before:]):
+        return False
+    read = _of_rows(path, lines, before, header, delimiter)
+    return not read.notes and not read.units and of_topics(read, path) is read
+
+
 def _read(path: Path, text: list[str], skipped: int) -> Read:
     names, delimiter, is_row = _names(text[skipped - 1] if skipped else "", text[skipped])
-    header, before = _header(names, path), skipped + (not is_row)
+    return _of_rows(path, text, skipped + (not is_row), _header(names, path), delimiter)
+
+
+def _of_rows(path: Path, text: list[str], before: int, header: list[str], delimiter: str) -> Read:
+    """The rows below the first lines of a text."""
     reader = csv.reader(text[before:], delimiter=delimiter)
-    found = _rectangular(
-        [(before + reader.line_num, row) for row in reader if row], len(header), delimiter, path
-    )
+    found = [(before + reader.line_num, row) for row in reader if row]
+    units = units_row(header, *(row for _, row in found[:2])) if len(found) > 1 else {}
+    found = _rectangular(found[1:] if units else found, len(header), delimiter, path)
     values = zip(*(row for _, row in found), strict=True)
     lines = np.array([line for line, _ in found], dtype=np.int64)
-    return Read({name: column_of(column) for name, column in zip(header, values, strict=False)}, lines)
+    columns: dict[str, Column] = {}
+    notes: list[str] = []
+    for name, cells in zip(header, values, strict=False):
+        columns[name], unit, note = cells_to_column(name, cells, decimal_comma=delimiter != ",")
+        notes += [note] if note else []
+        units |= {name: unit} if unit else {}
+    return Read(columns, lines, tuple(notes), units)
+
+
+def _decoded(path: Path) -> tuple[str, tuple[str, ...]]:
+    """The text of a file, as Latin-1 with a note where it is not UTF-8; UnicodeDecodeError for no text."""
+    try:
+        return text_of(path), ()
+    except UnicodeDecodeError:
+        text = text_of(path, "cp1252")  # raises where Latin-1 of Windows has no character
+        if _NO_TEXT.search(text):
+            raise
+        return text, ("read as Latin-1, since it is no UTF-8",)
 
 
 def _rectangular(

@@ -33,6 +33,8 @@ DEEPEST_REFERENCE = 20
 
 BATCH_ROWS = 131_072
 """Rows of a part: some 1 MB a column, where the work on one outweighs its start by far."""
+SAMPLE_ROWS = 1000
+"""Rows of a CSV file that show whether it can be read in parts: topics take turns within a few of them."""
 
 # Arithmetic on columns.
 

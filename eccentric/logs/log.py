@@ -9,7 +9,7 @@ import gzip
 import os
 import zlib
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, TypeAlias
 
@@ -18,11 +18,18 @@ from numpy.typing import NDArray
 
 from eccentric.errors import InputError, few
 from eccentric.logs.assemble import Column, Read, number_of
+from eccentric.logs.bag_file import read_bag
 from eccentric.logs.csv_file import POINT, read_csv
+from eccentric.logs.hdf5_file import read_hdf5
 from eccentric.logs.json_file import read_json
 from eccentric.logs.mat_file import read_mat
+from eccentric.logs.mcap_file import read_mcap
+from eccentric.logs.mdf_file import read_mdf
 from eccentric.logs.memory import TableLike, read_memory
+from eccentric.logs.npz_file import read_npz
 from eccentric.logs.parquet_file import read_parquet
+from eccentric.logs.tdms_file import read_tdms
+from eccentric.logs.ulog_file import read_ulog
 from eccentric.places import given_path, readable, shown
 
 if TYPE_CHECKING:
@@ -52,7 +59,8 @@ class Log:
     `path` is that of its file; for a table in memory, the name that messages use. `lines` (rows,) are the
     line numbers of the rows in a text file, from 1; None for other formats. `notes` say what was left out,
     and why. `numbered` (rows,) are the numbers of the rows in their file, from 1, where a log is part of one;
-    `excerpt` says of which, where rows of a long log were chosen.
+    `excerpt` says of which, where rows of a long log were chosen. `units` are those that the file itself
+    states, by column, as they stand there; no reader applies them.
     """
 
     path: str
@@ -62,6 +70,7 @@ class Log:
     notes: tuple[str, ...] = ()
     numbered: NDArray[np.int64] | None = None
     excerpt: Excerpt | None = None
+    units: Mapping[str, str] = field(default_factory=dict)
 
     def __repr__(self) -> str:
         return f"<Log {self.path}: {self.rows} rows of {few(self.columns)}>"
@@ -105,6 +114,15 @@ READERS: dict[str, Callable[[Path], Read]] = {
     ".parquet": read_parquet,
     ".json": read_json,
     ".json.gz": read_json,
+    ".npz": read_npz,
+    ".h5": read_hdf5,
+    ".hdf5": read_hdf5,
+    ".mf4": read_mdf,
+    ".mdf": read_mdf,
+    ".db3": read_bag,
+    ".mcap": read_mcap,
+    ".ulg": read_ulog,
+    ".tdms": read_tdms,
 }
 
 
@@ -115,7 +133,8 @@ def read_log(source: LogSource, name: str = "table") -> Log:
     """Read a log from a file or from a table in memory.
 
     Args:
-        source: a path: `.csv`, `.json`, both also as `.gz`, `.mat` (7.3: extra `mat73`), `.parquet` (extra);
+        source: a path: `.csv`, `.json`, both also as `.gz`, `.npz`, `.mat` (7.3: extra `mat73`), and with the
+            extras of docs/rig.md `.parquet`, `.h5`, `.mf4`, `.db3`, `.mcap`, `.ulg`, `.tdms`;
             or a table: a mapping of names to arrays (n,), a structured array, or a table of pandas, polars,
             pyarrow or any library with the Arrow PyCapsule or the dataframe interchange protocol; or a Log,
             which is returned unchanged.
@@ -134,7 +153,7 @@ def read_log(source: LogSource, name: str = "table") -> Log:
     rows = len(next(iter(read.columns.values()))) if read.columns else 0
     if rows == 0:
         raise InputError("; ".join((f"{where}: a log with rows is required, received none", *read.notes)))
-    return Log(where, read.columns, rows, read.lines, read.notes)
+    return Log(where, read.columns, rows, read.lines, read.notes, units=read.units)
 
 
 def _read_file(path: Path) -> Read:

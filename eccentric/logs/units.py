@@ -61,6 +61,7 @@ _PLAIN: dict[str, tuple[float, Dimension]] = {
     "rev": (_TURN, _ONE),
     "turn": (_TURN, _ONE),
     "min": (60.0, (0, 0, 1, 0, 0)),
+    "ns": (1e-9, (0, 0, 1, 0, 0)),
     "Ncm": (1e-2, _TORQUE),
     "kgm2": (1.0, _INERTIA),
     "kgm^2": (1.0, _INERTIA),
@@ -76,7 +77,7 @@ _TABLE = _PLAIN | {
     for name, (factor, dimension) in _PREFIXED.items()
 }
 _SHOWN = (
-    "s", "ms", "us", "min", "rad", "mrad", "deg", "rev", "counts", "rad/s", "deg/s", "rev/s", "rpm",
+    "s", "ms", "us", "ns", "min", "rad", "mrad", "deg", "rev", "counts", "rad/s", "deg/s", "rev/s", "rpm",
     "counts/s", "m/s^2", "m", "cm", "mm", "kg", "g", "N", "mN", "N m", "mNm", "Ncm", "A", "mA", "V", "mV",
     "ohm", "mohm", "N m/A", "mNm/A", "V s/rad", "V s/rev", "V/rpm", "V/krpm", "kg m^2", "g cm^2",
     "degC", "K",

@@ -3,11 +3,12 @@
 In: the path of a TOML or JSON file, or its content.  Out: a `Rig`, composed of what the log holds (`LogMap`,
 with a `ColumnSource` for each channel that it maps), `Sampling`, `NamedHoldout` and `Alignment`; the tables
 of what a rig file may contain (`KEYS`, `KNOWNS`, `CHANNELS`, `ALIGNMENT`). A rig that names an arm: an
-`ArmRig`, with a `Rig` for each joint.
+`ArmRig`, with a `Rig` for each joint. `rig_complaints` lists all that is wrong at once.
 May import: `logs` for units, `model` for the vocabulary and chains, `arms` for their files.
 """
 
 from eccentric.rigs.arm_rig import ArmRig, names_arm, read_arm_rig
+from eccentric.rigs.complaints import rig_complaints
 from eccentric.rigs.known import KNOWNS, Known, mass_alone
 from eccentric.rigs.parts import ALIGNMENT, Alignment, LogMap, NamedHoldout, Sampling
 from eccentric.rigs.rig import KEYS, Rig, read_rig
@@ -30,4 +31,5 @@ __all__ = [
     "names_arm",
     "read_arm_rig",
     "read_rig",
+    "rig_complaints",
 ]

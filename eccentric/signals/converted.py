@@ -14,9 +14,9 @@ from eccentric.rigs import CHANNELS, ColumnSource, Rig
 from eccentric.signals.limits import LARGEST, SMALLEST
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Iterable, Mapping
 
-__all__ = ["Converted", "converted", "used_columns"]
+__all__ = ["Converted", "converted", "named_apart", "run_column", "used_columns"]
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
@@ -46,7 +46,7 @@ class Converted:
         )
 
     def labels(self, name: str, alone: bool) -> NDArray[np.str_]:
-        """The run of each row (n,): by the log's name, by the run column, or by both with several logs."""
+        """The run of each row (n,): by the log, the run column, or both if two logs name a run alike."""
         if self.named is None:
             return np.full(len(self.use), name)
         texts = map(_text, self.named)
@@ -107,6 +107,32 @@ def used_columns(log: Log, rig: Rig) -> list[str]:
         else:
             evaluate(source.text, column, f"{rig.path}: [columns] {channel}")
     return list(used)
+
+
+def named_apart(logs: Iterable[Iterable[Log]], rig: Rig) -> bool:
+    """Whether the runs of several logs are known by their own names: no two logs have one in common.
+
+    Args:
+        logs: each as its batches, or as one batch.
+        rig: what is known about them.
+    """
+    seen: set[str] = set()
+    for log in logs:
+        names = {name for batch in log for name in _run_names(batch, rig)}
+        if seen & names:
+            return False
+        seen |= names
+    return True
+
+
+def run_column(log: Log, rig: Rig) -> list[str]:
+    """The column that names the runs, none or one."""
+    source = _sources(log, rig).get("run")
+    return [] if source is None else [source.text]
+
+
+def _run_names(log: Log, rig: Rig) -> set[str]:
+    return {_text(value) for name in run_column(log, rig) for value in np.unique(log.text(name))}
 
 
 def _sources(log: Log, rig: Rig) -> Mapping[str, ColumnSource]:

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from eccentric.errors import InputError, few
 from eccentric.logs import Log, LogSource, read_log
 from eccentric.rigs import Rig
-from eccentric.signals.converted import converted
+from eccentric.signals.converted import converted, named_apart
 from eccentric.signals.finding import Finding
 from eccentric.signals.holdout import matching
 from eccentric.signals.limits import MOST_REJECTED, MUCH_LOST
@@ -59,11 +59,12 @@ def read_table(logs: Sequence[LogSource], rig: Rig) -> Table:
     tables: list[Table] = []
     stems: list[str] = []
     read = [read_log(log) for log in logs]
+    own = named_apart([[log] for log in read], rig)
     for log in read:
         stem = Path(log.path).name.split(".")[0]
         stems.append(stem)
         name = stem if stems.count(stem) == 1 else f"{stem}#{stems.count(stem)}"
-        tables.append(_one(log, rig, name, alone=len(read) == 1))
+        tables.append(_one(log, rig, name, alone=own))
     names = set(tables[0].channels)
     for log, table in zip(read, tables, strict=True):
         if set(table.channels) != names:

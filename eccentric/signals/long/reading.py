@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 
 import numpy as np
 
-from eccentric.logs import Excerpt, Log, LogSource, stream_log
+from eccentric.logs import Excerpt, Log, LogSource, LogStream, stream_log
 from eccentric.rigs import Rig
+from eccentric.signals.converted import named_apart, run_column
 from eccentric.signals.long.choice import ChosenWindows, choose
 from eccentric.signals.long.limits import CELL_S, LONG_ROWS, POINT_RATE_HZ, SEARCH_POINTS, WINDOW_S
 from eccentric.signals.long.survey import LogSurvey, survey
@@ -48,7 +49,8 @@ def read_long(
         if tell is not None:
             tell(min(1.0, gone / total))
 
-    surveys = [survey(stream, rig, len(streams) == 1, went) for stream in streams]
+    alone = len(streams) == 1 or named_apart((_of_runs(stream, rig) for stream in streams), rig)
+    surveys = [survey(stream, rig, alone, went) for stream in streams]
     if tell is not None:
         tell(1.0)
     every = [window for found in surveys for window in found.windows]
@@ -116,3 +118,12 @@ def _said(choice: ChosenWindows, surveys: Sequence[LogSurvey]) -> tuple[str, str
         f"{choice.states - choice.missing} of the {choice.states} states that the drive was in are in them"
     )
     return f"{size}: {why}; {states}", said
+
+
+def _of_runs(stream: LogStream, rig: Rig) -> Iterator[Log]:
+    """The batches of the column that names the runs; none without one."""
+    empty = Log(stream.path, dict.fromkeys(stream.names, np.empty(0)), 0)
+    columns = run_column(empty, rig)
+    # A channel needs its own column as well; it has no rows here.
+    for batch in stream.batches(columns) if columns else ():
+        yield dataclasses.replace(batch, columns={**empty.columns, **batch.columns})

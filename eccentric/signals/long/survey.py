@@ -86,7 +86,7 @@ def survey(stream: LogStream, rig: Rig, alone: bool, tell: Callable[[int], None]
     Args:
         stream: the log.
         rig: what is known about it.
-        alone: whether it is the only log, whose runs are then named by their column alone.
+        alone: whether its runs are named by their column alone.
         tell: called with the number of rows after every batch.
 
     Raises:

@@ -1,0 +1,206 @@
+"""A rig drafted from a log, and a rig file checked against one: all that is wrong at once."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from eccentric.api.inputs import LogSources, names_of, read_logs
+from eccentric.drafting import Draft, Proposal, RigLine, draft_of, log_complaints, toml_of
+from eccentric.errors import InputError, few
+from eccentric.fitting import fit as fit_channels
+from eccentric.logs import Log
+from eccentric.model import load_model
+from eccentric.output import whole_file
+from eccentric.rigs import KNOWNS, Rig, read_rig, rig_complaints
+from eccentric.signals import read_channels
+
+__all__ = ["RigCheck", "RigDraft", "check_rig", "draft_rig"]
+
+
+@dataclass(frozen=True)
+class RigDraft:
+    """A drafted rig.
+
+    Attributes:
+        text: the rig file as TOML, each line with its evidence as a comment.
+        proposals: the channels; `left_out`: column -> why it is no channel.
+        doubts: what is not sure, one line each.
+        questions: what has to be typed, since no log shows it; those of `needed` a fit refuses to do without.
+    """
+
+    text: str
+    proposals: tuple[Proposal, ...]
+    left_out: Mapping[str, str]
+    doubts: tuple[str, ...]
+    questions: tuple[RigLine, ...]
+
+    @property
+    def needed(self) -> tuple[str, ...]:
+        """The letters that have to be typed for a fit."""
+        return tuple(e.key for e in self.questions if e.key in ("case", "M", "M_l", "L", "k_i"))
+
+    def summary(self) -> str:
+        """The channels with unit and confidence, the doubts and the questions, for a terminal."""
+        width = max(len(p.channel) for p in self.proposals)
+        rows = [
+            f"  {p.channel:{width}}  {p.column} {f'[{p.unit}]' if p.unit else ''}".rstrip()
+            for p in self.proposals
+        ]
+        rows += [f"  left out: {column}, {why}" for column, why in self.left_out.items()]
+        rows += [f"check: {doubt}" for doubt in self.doubts]
+        return "\n".join([*rows, f"to be typed: {', '.join(self.needed) or 'nothing'}"])
+
+    def write(self, out: str | os.PathLike[str]) -> Path:
+        """Write the rig file. InputError if there is one already: a draft replaces nobody's work."""
+        path = Path(out)
+        if path.suffix != ".toml":
+            raise InputError(f"{path}: a rig file .toml is required, received {path.suffix or 'no suffix'!r}")
+        if path.exists():
+            raise InputError(f"{path}: a new file is required, this one exists")
+        with whole_file(path) as new:
+            new.write_text(self.text, encoding="utf-8")
+        return path
+
+
+@dataclass(frozen=True)
+class RigCheck:
+    """What is wrong with a rig file for a log, and what the log will determine.
+
+    Attributes:
+        complaints: one line each, with the mend; empty if the rig can be used.
+        estimated: what the log determines, from what, and how well, one line each; empty with complaints.
+        warnings: of reading and fitting the log.
+    """
+
+    complaints: tuple[str, ...]
+    estimated: tuple[str, ...]
+    warnings: tuple[str, ...]
+
+    def summary(self) -> str:
+        """For a terminal."""
+        if self.complaints:
+            return "\n".join(self.complaints)
+        return "\n".join(["nothing is wrong; the log determines:", *(f"  {line}" for line in self.estimated)])
+
+
+def draft_rig(logs: LogSources, name: str | None = None) -> RigDraft:
+    """Draft the rig of a log, or of several of one rig, of which the longest is looked at.
+
+    Args:
+        logs: as in `fit`.
+        name: of the rig; by default that of the log.
+
+    Raises:
+        InputError: a log cannot be read, two have different columns, or one shows neither time nor motion.
+    """
+    read = read_logs(logs)
+    draft = _draft(read)
+    title = name or names_of([_longest(read)])[0].split(".")[0]
+    return RigDraft(toml_of(draft, title), draft.proposals, draft.left_out, draft.doubts, draft.questions)
+
+
+def _longest(logs: Sequence[Log]) -> Log:
+    return max(logs, key=lambda log: log.rows)
+
+
+def _draft(logs: Sequence[Log]) -> Draft:
+    for log in logs[1:]:
+        if set(log.columns) != set(logs[0].columns):
+            differ = few(sorted(set(log.columns) ^ set(logs[0].columns)))
+            raise InputError(
+                f"{log.path}: the same columns are required in every log, {differ} is not in all of them"
+            )
+    return draft_of(_longest(logs))
+
+
+def check_rig(logs: LogSources, rig: str | os.PathLike[str] | Mapping[str, Any]) -> RigCheck:
+    """Check a rig file, alone and against logs, and list all that is wrong at once.
+
+    Raises:
+        InputError: a log or the file cannot be read at all.
+    """
+    read = read_logs(logs)
+    found, rest = rig_complaints(rig)
+    usable = read_rig(rest)
+    usable = _named(usable, rig)
+    try:
+        draft = _draft(read)
+    except InputError:
+        draft = None  # what could not be drafted can still be described by hand
+    for log in read:
+        found += [line for line in log_complaints(usable, log, draft) if line not in found]
+    asked, estimated, warnings = _tried(read, usable, rest, broken=bool(found))
+    found += [line for line in asked if line not in found]
+    return RigCheck(tuple(found), () if found else estimated, warnings)
+
+
+def _named(rig: Rig, source: object) -> Rig:
+    import dataclasses
+
+    return dataclasses.replace(rig, path=str(source)) if isinstance(source, str | os.PathLike) else rig
+
+
+_TYPICAL = {
+    "M": "0.5 kg",
+    "M_l": "0.2 kg",
+    "L": "0.3 m",
+    "mu": "1",
+    "R": "1 ohm",
+    "k_i": "0.05 N m/A",
+    "k_e": "0.05 V s/rad",
+}
+
+
+def _tried(
+    logs: Sequence[Log], rig: Rig, content: Mapping[str, Any], *, broken: bool
+) -> tuple[list[str], tuple[str, ...], tuple[str, ...]]:
+    """Fit, and name every quantity that is missing: each once, with a typical value in its place."""
+    missing: list[str] = []
+    given = dict(content)
+    for _ in range(len(_TYPICAL) + 1):
+        tried = _named(read_rig(given), rig.path)
+        try:
+            channels = read_channels(logs, tried)
+            fit = fit_channels(channels, channels.rig, load_model(channels.rig.model), few(names_of(logs)))
+        except InputError as error:
+            said = str(error)
+            letter = next(
+                (x for x in _TYPICAL if f"[known] {x} is required" in said or f"[known] {x}:" in said), None
+            )
+            if letter is None or letter in tried.known:
+                # What follows from a complaint that is already made would only be noise.
+                return [*missing, *([] if broken else [said])], (), ()
+            missing.append(
+                f"{rig.path}: [known] {letter} is required, as in"
+                f' {letter} = "{_TYPICAL[letter]}", received none'
+            )
+            given = {**given, "known": {**given.get("known", {}), letter: _TYPICAL[letter]}}
+            continue
+        if missing:
+            return missing, (), ()
+        return [], tuple(_determined(fit, tried)), tuple(fit.warnings)
+    return missing, (), ()
+
+
+def _determined(fit: Any, rig: Rig) -> list[str]:
+    """Each estimate with its interval, and what of the motion it follows from."""
+    lines = []
+    meaning = {
+        "J": "the acceleration", "J_m": "the acceleration", "J_l": "the acceleration",
+        "k_i": "gravity and inertia against the current", "M_l": "the load of the bearing", "L": "gravity",
+        "phi": "gravity", "T_load": "what is constant in both directions",
+    }  # fmt: skip
+    for name, e in {**fit.coefficients, **fit.searched}.items():
+        low, high = e.interval
+        source = next(
+            (said for key, said in meaning.items() if name == key or name.startswith(f"{key}*")),
+            "the friction of moving rows",
+        )
+        lines.append(f"{name} = {e.value:.4g} {e.unit}, 95 % interval {low:.4g} to {high:.4g}, from {source}")
+    lines += [f"{name}: estimated along with the fit" for name in sorted(rig.estimate)]
+    given = [known.name for known in KNOWNS if known.name in rig.known]
+    return [*lines, f"taken as the rig file says: {few(given)}"]

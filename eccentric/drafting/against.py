@@ -1,0 +1,129 @@
+"""A rig file held against a log: columns that are not there, units and channels that it contradicts."""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+from eccentric.drafting.draft import Draft
+from eccentric.drafting.proposal import Proposal
+from eccentric.errors import InputError, few, meant
+from eccentric.logs import Log, evaluate, parse_unit
+from eccentric.rigs import CHANNELS, Rig
+
+__all__ = ["log_complaints"]
+
+_SIDES = ({"theta_m", "theta_l"}, {"omega_m", "omega_l"}, {"torque", "torque_l"})
+
+
+def log_complaints(rig: Rig, log: Log, draft: Draft | None) -> list[str]:
+    """What is wrong with the columns of a rig for this log, one line each, with the mend.
+
+    Args:
+        draft: of the same log, None where none could be made; only what it is sure of counts.
+    """
+    found = [*_missing(rig, log)]
+    if draft is not None:
+        found += [*_contradicted(rig, draft), *_values(rig, draft)]
+    return found
+
+
+def _sources(rig: Rig, log: Log) -> dict[str, str]:
+    if rig.log.columns is None:
+        return {c: column for c, (column, _) in CHANNELS.items() if column in log.columns}
+    return {c: source.text for c, source in rig.log.columns.items()}
+
+
+def _missing(rig: Rig, log: Log) -> Iterator[str]:
+    sources = _sources(rig, log)
+    for channel, text in sources.items():
+        if text in log.columns:
+            if channel != "run":
+                try:
+                    log.numbers(text)
+                except InputError as error:
+                    yield str(error)
+            continue
+        plain = text.replace("_", "").replace(" ", "").isalnum()
+        if plain:
+            hint = meant(text, log.columns) or f"; the log has {few(log.columns)}"
+            yield f"{rig.path}: [columns] {channel}: no column {text!r} in {log.path}{hint}"
+            continue
+        try:
+            evaluate(text, log.numbers, f"{rig.path}: [columns] {channel}")
+        except InputError as error:
+            yield str(error)
+    for choice in (
+        ("time",),
+        ("theta_m", "theta_l", "omega_m", "omega_l"),
+        ("current", "torque", "torque_l", "voltage"),
+    ):
+        if not any(channel in sources for channel in choice):
+            yield (
+                f"{rig.path}: [columns]: {' or '.join(choice)} is required, received none;"
+                f" the log has {few(log.columns)}"
+            )
+
+
+def _contradicted(rig: Rig, draft: Draft) -> Iterator[str]:
+    """Channels and units that the log shows otherwise, where it leaves no doubt."""
+    sources = rig.log.columns or {}
+    by_column = {p.column.removeprefix("-").strip("`"): p for p in draft.proposals}
+    for channel, source in sources.items():
+        proposal = by_column.get(source.text.strip("`"))
+        if proposal is None or proposal.doubt:
+            continue
+        if not _same(channel, proposal.channel):
+            yield (
+                f"{rig.path}: [columns] {channel} = {json.dumps(source.text)}:"
+                f" the log shows {proposal.channel} there"
+                f" ({'; '.join(proposal.evidence)}): write {_line(proposal)}"
+            )
+            continue
+        if not CHANNELS[channel][1]:
+            continue
+        counts = rig.log.counts_per_rev
+        theirs = parse_unit(proposal.unit, "", counts or 1.0)
+        own = source.unit.factor if source.unit is not None else 1.0
+        if proposal.unit.startswith("counts") and counts is None:
+            continue
+        if not math.isclose(own, theirs.factor, rel_tol=0.01):
+            said = source.unit.text if source.unit is not None else CHANNELS[channel][1]
+            yield (
+                f"{rig.path}: [columns] {channel}: {source.text!r} is read in {said},"
+                f" the log shows {proposal.unit}"
+                f" ({'; '.join(proposal.evidence)}): write {_line(proposal, channel)}"
+            )
+
+
+def _same(channel: str, other: str) -> bool:
+    return channel == other or any({channel, other} <= both for both in _SIDES)
+
+
+def _line(proposal: Proposal, channel: str = "") -> str:
+    column = json.dumps(proposal.column, ensure_ascii=False)
+    unit = f', unit = "{proposal.unit}"' if proposal.unit else ""
+    return f"{channel or proposal.channel} = {{ column = {column}{unit} }}"
+
+
+def _values(rig: Rig, draft: Draft) -> Iterator[str]:
+    """The case and the gear, where gravity leaves no doubt."""
+    said: Mapping[str, Any] = {e.key: e for e in draft.entries if not e.asked and not e.doubt}
+    case = said.get("case")
+    if (
+        case is not None
+        and rig.case is not None
+        and case.value.strip('"') != rig.case
+        and rig.known.get("M", 1.0) > 0.0
+    ):
+        yield f"{rig.path}: [known] case {rig.case}: the log shows {case.value} ({case.evidence})"
+    gear = said.get("mu")
+    if gear is None or "mu" not in rig.known:
+        return
+    over, _, under = gear.value.strip('"').partition("/")
+    mu = float(over) / float(under or 1.0)
+    on_link = "theta_l" in (rig.log.columns or {})
+    if not on_link and mu != 1.0 and not math.isclose(rig.known["mu"], mu, rel_tol=0.05):
+        yield f"{rig.path}: [known] mu = {rig.known['mu']:.6g}: the log shows {gear.value} ({gear.evidence})"

@@ -1,0 +1,192 @@
+"""How far motion explains a column as it explains a drive: friction, speed, inertia, gravity.
+
+    y = offset + C sgn(w) + B w + J dw/dt + a sin(k x) + b cos(k x)
+
+The wave number k is searched: one period of gravity is one turn of the link, in the unit of the angle.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.integrate import cumulative_trapezoid
+from scipy.optimize import minimize_scalar
+
+from eccentric.drafting.columns import LoggedColumn
+from eccentric.drafting.limits import GRAVITY, MOST_TURNS, STILL
+from eccentric.drafting.motion import Grid
+
+__all__ = ["Explained", "Moved", "balance_of", "motion_from"]
+
+Array = NDArray[np.float64]
+SCANNED = 3000
+
+
+@dataclass(frozen=True)
+class Moved:
+    """Angle, speed and acceleration (m,) in the units of the columns, and the points that move."""
+
+    x: Array
+    w: Array
+    a: Array
+    moving: NDArray[np.bool_]
+
+
+@dataclass(frozen=True)
+class Explained:
+    """A column as motion explains it.
+
+    Attributes:
+        r2: of all terms; `r2_plain` of those without gravity.
+        shares: standard deviation of each term over that of the column: friction, speed, inertia, gravity.
+        friction, inertia: signs of their coefficients.
+        period: of gravity in the unit of the angle, 0 without gravity; `turns` how many are in the travel.
+        zero: the angle at which gravity vanishes and the mass hangs, in the unit of the angle.
+        offset: mean of the column beyond all this, over its standard deviation.
+    """
+
+    r2: float
+    r2_plain: float
+    shares: dict[str, float]
+    friction: float
+    inertia: float
+    period: float
+    turns: float
+    zero: float
+    offset: float
+    amplitude: float
+
+
+def motion_from(grid: Grid, angle: LoggedColumn | None, speed: LoggedColumn | None) -> Moved:
+    """Motion by the angle where there is one, else by the speed, whose integral is the angle."""
+    if angle is not None:
+        x, w, a = (grid.smooth(angle, k, angle=True) for k in range(3))
+    elif speed is not None:
+        w, a = grid.smooth(speed), grid.smooth(speed, 1)
+        ends = np.cumsum([0, *(len(g) for _, g, _ in grid.parts)])
+        x = np.concatenate(
+            [
+                cumulative_trapezoid(w[i:j], part[1], initial=0.0)
+                for i, j, part in zip(ends[:-1], ends[1:], grid.parts, strict=True)
+            ]
+        )
+    else:
+        raise AssertionError("an angle or a speed is required")
+    inner = grid.inner()
+    fast = float(np.quantile(np.abs(w[inner]), 0.95)) if np.any(inner) else 0.0
+    return Moved(x, w, a, inner & (np.abs(w) > STILL * fast))
+
+
+def balance_of(motion: Moved, y: Array, *, periodic: bool = True) -> Explained | None:
+    """The balance of a column (m,); None if it does not vary where there is motion.
+
+    Args:
+        periodic: whether gravity is searched; an integrated speed has no angle that lasts.
+    """
+    rows = motion.moving
+    if np.count_nonzero(rows) < SCANNED // 100 or np.std(y[rows]) == 0.0:
+        return None
+    x, w, a, y = motion.x[rows], motion.w[rows], motion.a[rows], y[rows]
+    plain = np.column_stack([np.ones_like(w), np.sign(w), w, a])
+    total = float(np.var(y))
+    r2_plain = 1.0 - _left(plain, y) / total
+    k, turns = _wave(plain, x, y) if periodic else (0.0, 0.0)
+    design, gain = plain, 0.0
+    if k:
+        design = np.column_stack([plain, np.sin(k * x), np.cos(k * x)])
+        gain = 1.0 - _left(design, y) / total - r2_plain
+        signed = np.column_stack([plain, np.sign(w) * np.sin(k * x), np.sign(w) * np.cos(k * x)])
+        both = float(min(np.mean(w > 0.0), np.mean(w < 0.0))) > 0.05
+        # Within less than two periods a drift can be read as a swing: more has to be explained by it.
+        least = GRAVITY if turns > 2.0 else 5.0 * GRAVITY
+        if gain < least or (both and 1.0 - _left(signed, y) / total - r2_plain > gain):
+            k, design, gain = 0.0, plain, 0.0
+    c = np.linalg.lstsq(design, y, rcond=None)[0]
+    spread = float(np.std(y))
+    shares = {
+        "friction": abs(c[1]) * float(np.std(design[:, 1])) / spread,
+        "speed": abs(c[2]) * float(np.std(w)) / spread,
+        "inertia": abs(c[3]) * float(np.std(a)) / spread,
+        "gravity": float(np.std(design[:, 4:] @ c[4:])) / spread if k else 0.0,
+    }
+    return Explained(
+        r2=r2_plain + gain,
+        r2_plain=r2_plain,
+        shares=shares,
+        friction=float(np.sign(c[1])) if shares["friction"] > 0.05 else 0.0,
+        inertia=float(np.sign(c[3])) if shares["inertia"] > 0.05 else 0.0,
+        period=2.0 * np.pi / k if k else 0.0,
+        turns=turns,
+        zero=float(np.arctan2(-c[5], c[4]) / k) if k else 0.0,
+        offset=float(c[0]) / spread,
+        amplitude=float(np.hypot(c[4], c[5])) if k else 0.0,
+    )
+
+
+def _left(design: Array, y: Array) -> float:
+    """Variance of y that a design leaves."""
+    scale = np.max(np.abs(design), axis=0)
+    scaled = design / np.where(scale > 0.0, scale, 1.0)
+    return float(np.mean((y - scaled @ np.linalg.lstsq(scaled, y, rcond=None)[0]) ** 2))
+
+
+def _wave(plain: Array, x: Array, y: Array) -> tuple[float, float]:
+    """The wave number that explains most, and how many of its periods the travel has; 0 without travel.
+
+    Searched on the whole travel and, where that is long, on its first part: the phase of a coarse number is
+    lost on the way.
+    """
+    best = (0.0, 0.0, 0.0)
+    for part in (1.0, 1.0 / 8.0):
+        stop = max(int(part * len(x)), min(len(x), SCANNED))
+        rows = np.unique(np.linspace(0, stop - 1, min(SCANNED, stop)).astype(int))
+        travel = float(np.ptp(x[rows]))
+        if travel <= 0.0:
+            continue
+        q = np.linalg.qr(plain[rows] / np.maximum(np.max(np.abs(plain[rows]), axis=0), 1e-300))[0]
+        rest = y[rows] - q @ (q.T @ y[rows])
+        numbers = 2.0 * np.pi / travel * np.arange(0.25, MOST_TURNS, 0.2)
+        gains = np.array([_gain(k, x[rows], q, rest) for k in numbers])
+        top = int(np.argmax(gains))
+        share = float(gains[top] / (rest @ rest))
+        if share > best[0]:
+            step = 0.2 * 2.0 * np.pi / travel
+            near = minimize_scalar(
+                lambda k, q=q, rest=rest, rows=rows: -_gain(k, x[rows], q, rest),
+                bounds=(max(numbers[top] - step, 0.2 * step), numbers[top] + step),
+                method="bounded",
+                options={"xatol": 1e-6 * numbers[top]},
+            )
+            best = (share, float(near.x), travel)
+    _, k, travel = best
+    whole = float(np.ptp(x))
+    q = np.linalg.qr(plain / np.maximum(np.max(np.abs(plain), axis=0), 1e-300))[0]
+    rest = y - q @ (q.T @ y)
+    while k and travel < whole:
+        # Refined on twice the travel at a time, within the uncertainty of the shorter one.
+        travel = min(2.0 * travel, whole)
+        rows = np.abs(x - x[0]) <= travel
+        step = np.pi / travel
+        near = minimize_scalar(
+            lambda k, rows=rows: -_gain(k, x[rows], q[rows], rest[rows]),
+            bounds=(max(k - step, 0.1 * step), k + step),
+            method="bounded",
+            options={"xatol": 1e-7 * k},
+        )
+        k = float(near.x)
+    return k, whole * k / (2.0 * np.pi)
+
+
+def _gain(k: float, x: Array, q: Array, rest: Array) -> float:
+    """Sum of squares that sin and cos of k x take from the rest."""
+    two = np.column_stack([np.sin(k * x), np.cos(k * x)])
+    two = two - q @ (q.T @ two)
+    gram, right = two.T @ two, two.T @ rest
+    det = gram[0, 0] * gram[1, 1] - gram[0, 1] ** 2
+    if det <= 1e-9 * gram[0, 0] * gram[1, 1]:
+        return 0.0
+    return float(
+        (gram[1, 1] * right[0] ** 2 - 2 * gram[0, 1] * right[0] * right[1] + gram[0, 0] * right[1] ** 2) / det
+    )

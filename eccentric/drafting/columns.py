@@ -1,0 +1,146 @@
+"""The columns of a log with what their values show by themselves: constant, whole numbers, steps, wraps."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from eccentric.drafting.limits import WRAP
+from eccentric.drafting.words import Name, read_name
+from eccentric.logs import Log
+
+__all__ = ["LoggedColumn", "columns_of", "nice_counts", "step_of", "wrap_of"]
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class LoggedColumn:
+    """A column of numbers (n,), missing ones interpolated, and its name."""
+
+    name: Name
+    values: Array
+
+    @property
+    def text(self) -> str:
+        """The name as the log has it."""
+        return self.name.text
+
+    @cached_property
+    def range(self) -> float:
+        """Largest less smallest value."""
+        return float(np.ptp(self.values))
+
+    @cached_property
+    def levels(self) -> Array:
+        """Its different values, in order."""
+        return np.unique(self.values)
+
+    @property
+    def is_constant(self) -> bool:
+        """Whether all values are one."""
+        return self.range == 0.0
+
+    @property
+    def is_flag(self) -> bool:
+        """Whether it has two values, both 0 or 1."""
+        return len(self.levels) <= 2 and set(self.levels.tolist()) <= {0.0, 1.0}
+
+    @cached_property
+    def is_whole(self) -> bool:
+        """Whether all values are whole numbers, other than a flag."""
+        return not self.is_flag and bool(np.all(self.values == np.round(self.values)))
+
+
+def columns_of(log: Log, rows: slice) -> tuple[dict[str, LoggedColumn], dict[str, NDArray[np.str_]]]:
+    """The columns of numbers and those of text, by name; one without any number is left out."""
+    numbers: dict[str, LoggedColumn] = {}
+    texts: dict[str, NDArray[np.str_]] = {}
+    for name in log.columns:
+        values = log.text(name)[rows]
+        if values.dtype.kind != "f":
+            texts[name] = values
+            continue
+        there = np.isfinite(values)
+        if np.count_nonzero(there) < 2:
+            continue
+        if not np.all(there):
+            at = np.arange(len(values))
+            values = np.interp(at, at[there], values[there])
+        numbers[name] = LoggedColumn(read_name(name, log.units.get(name, "")), values)
+    return numbers, texts
+
+
+def step_of(column: LoggedColumn) -> float:
+    """The step that all values are multiples of, but for their rounding in the file; 0 where there is none.
+
+    A power of ten below 1 is what a file was written with and no encoder's.
+    """
+    levels = column.levels
+    gaps = np.diff(levels)
+    gaps = gaps[gaps > 1e-9 * max(abs(float(levels[0])), abs(float(levels[-1])), 1e-30)]
+    if len(gaps) < 8:
+        return 0.0
+    smallest = np.sort(gaps)[: max(3, len(gaps) // 100)]
+    least = float(np.median(smallest[smallest < 1.3 * smallest[0]]))
+    # Where an angle travels far, no two of its values are one step apart: two gaps then differ by it.
+    found = next((step for k in range(1, 9) if (step := _lattice(levels, least / k))), 0.0)
+    if 0.0 < found < 1.0 and abs(math.log10(found) - round(math.log10(found))) < 1e-6:
+        return 0.0
+    return found
+
+
+def _lattice(levels: Array, step: float) -> float:
+    """A step that all levels are multiples of, near a first guess; 0 if there is none."""
+    for reach in (2, 4, 8, 16, 32, 128, 512, 2048, 8192):
+        # Levels further and further apart fix the step to more and more digits.
+        apart = max(1, int(reach * step / max(float(np.median(np.diff(levels))), 1e-300)) // 2)
+        if apart >= len(levels) // 2:
+            break
+        spread = levels[apart:] - levels[:-apart]
+        count = np.round(spread / step)
+        near = (count <= reach) & (count > 0)
+        if np.count_nonzero(near) < 5:
+            continue
+        off = spread[near] / step - count[near]
+        if float(np.sqrt(np.mean(off**2))) > 0.15:
+            return 0.0
+        step = float((spread[near] @ count[near]) / (count[near] @ count[near]))
+    return step
+
+
+def wrap_of(column: LoggedColumn, breaks: NDArray[np.bool_]) -> float:
+    """The period at which an angle restarts, 0 if it does not; `breaks` (n-1,) are ends of runs and gaps."""
+    steps = np.diff(column.values)[~breaks]
+    large = np.abs(steps) > WRAP * column.range
+    count = int(np.count_nonzero(large))
+    if not count or count > 0.2 * len(steps) or len(column.levels) < 50:
+        return 0.0
+    small = np.abs(steps[~large])
+    inner = (column.values - column.values.min()) / column.range
+    filled = np.histogram(inner, 10, (0.0, 1.0))[0] > 0.01 * len(inner)
+    if np.max(small, initial=0.0) > 0.4 * column.range or not np.all(filled):
+        return 0.0
+    around = float(np.median(np.abs(steps[large]))) + float(np.median(small[small > 0.0], axis=0))
+    for period in (2.0 * math.pi, 360.0, 1.0, 2e3 * math.pi):
+        if abs(column.range / period - 1.0) < 0.02:
+            return period
+    if column.is_whole and (nice := nice_counts(column.range + 1.0, 0.01)):
+        return nice
+    return max(column.range, around)
+
+
+def nice_counts(value: float, tolerance: float) -> float:
+    """The number of counts per turn of a usual encoder within a relative tolerance, 0 if none is."""
+    powers = [2.0**k for k in range(7, 25)]
+    rounds = [
+        d * 10.0**k
+        for k in range(1, 6)
+        for d in (1, 1.2, 1.25, 1.44, 1.6, 1.8, 2, 2.4, 2.5, 3, 3.6, 4, 5, 6, 7.2, 8)
+    ]
+    near = [n for n in (*powers, *rounds) if n >= 100 and abs(value / n - 1.0) <= tolerance]
+    return min(near, key=lambda n: abs(value / n - 1.0), default=0.0)

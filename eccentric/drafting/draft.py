@@ -1,0 +1,310 @@
+"""A log, or several of one rig, becomes a draft of its rig file: every line with its evidence."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from eccentric.drafting import limits
+from eccentric.drafting.balance import Explained, Moved, balance_of, motion_from
+from eccentric.drafting.clock import SECONDS, Clock, find_clock, find_runs
+from eccentric.drafting.columns import LoggedColumn, columns_of, step_of, wrap_of
+from eccentric.drafting.drives import find_drives
+from eccentric.drafting.motion import Grid, Pair, grid_of, pairs_of
+from eccentric.drafting.others import find_flags, find_slow, find_voltage
+from eccentric.drafting.proposal import Proposal, RigLine
+from eccentric.drafting.questions import entries_of
+from eccentric.drafting.units import Reading, Shown, readings
+from eccentric.errors import InputError, few
+from eccentric.logs import Log
+
+__all__ = ["Draft", "draft_of"]
+
+Array = NDArray[np.float64]
+_NAMED = ("time", "current", "voltage", "torque", "temperature", "supply", "duty", "run")
+
+
+@dataclass(frozen=True)
+class Draft:
+    """A drafted rig.
+
+    Attributes:
+        path: of the log, for messages and the name of the rig.
+        proposals: the channels, each with column, unit and evidence.
+        entries: the other lines of the rig file.
+        left_out: column -> why it is no channel.
+        facts: what else the log shows, one line each.
+    """
+
+    path: str
+    proposals: tuple[Proposal, ...]
+    entries: tuple[RigLine, ...]
+    left_out: Mapping[str, str]
+    facts: tuple[str, ...]
+
+    @property
+    def doubts(self) -> tuple[str, ...]:
+        """What is not sure, one line each."""
+        by_channel = [f"{p.channel} = {p.column}: {p.doubt}" for p in self.proposals if p.doubt]
+        return (*by_channel, *(f"{e.key}: {e.doubt}" for e in self.entries if e.doubt))
+
+    @property
+    def questions(self) -> tuple[RigLine, ...]:
+        """What has to be typed, since no log shows it."""
+        return tuple(entry for entry in self.entries if entry.asked)
+
+
+def draft_of(log: Log) -> Draft:
+    """Draft the rig of a log.
+
+    Raises:
+        InputError: it has no column that rises like a time, too few rows, or nothing that moves.
+    """
+    rows = slice(0, min(log.rows, limits.MOST_ROWS))
+    if log.rows < limits.FEWEST_ROWS:
+        raise InputError(
+            f"{log.path}: at least {limits.FEWEST_ROWS} rows are required to draft a rig, received {log.rows}"
+        )
+    columns, texts = columns_of(log, rows)
+    run, ends = find_runs(columns, texts, rows.stop)
+    left = {name: c for name, c in columns.items() if run is None or name != run.column}
+    clock = find_clock({n: c for n, c in left.items() if not c.is_flag}, ends, log.path)
+    left.pop(clock.proposal.column)
+    grid = grid_of(clock.raw * SECONDS[clock.unit], clock.breaks)
+    if not grid.parts:
+        raise InputError(f"{log.path}: a stretch of more rows without a gap in time is required")
+    temperature, supply = find_slow(list(left.values()))
+    voltage = find_voltage(list(left.values()), supply)
+    flags = [c for c in left.values() if c.is_flag]
+    ratio = {c.text for c in left.values() if c.name.quantity in ("duty", "supply")}
+    taken = ratio | {c.text for c in flags} | ({temperature.column} if temperature else set())
+    left_out = {n: "it is constant" for n, c in left.items() if c.is_constant and n not in taken}
+    free = [c for n, c in left.items() if n not in taken and n not in left_out]
+    angle, speed, pair, doubt = _moving(grid, free, log.path)
+    motion = motion_from(grid, angle, speed)
+    rest = [c for c in free if c not in (angle, speed)]
+    rest, copies = _without_copies(grid, rest, angle, speed)
+    left_out |= copies
+    drives, balances, others = find_drives(grid, motion, rest)
+    left_out |= others
+    drives, balances = _with_duty(drives, balances, voltage, grid, motion, left)
+    best = max(balances.values(), key=lambda b: b.r2, default=None)
+    gravity = next(
+        (balances[k] for k in ("current", "torque", "voltage") if k in balances and balances[k].period), best
+    )
+    evidence = Shown(
+        time=clock.likely,
+        time_unit=clock.unit,
+        angle=angle,
+        speed=speed,
+        factor=pair.factor if pair else 0.0,
+        wrap=wrap_of(angle, clock.breaks) if angle else 0.0,
+        step=step_of(angle) if angle else 0.0,
+        period=gravity.period if gravity else 0.0,
+        turns=gravity.turns if gravity else 0.0,
+        fastest=float(np.quantile(np.abs(motion.w), 0.95)),
+    )
+    found = readings(evidence)
+    proposals = _channels(clock, run, found, evidence, pair, doubt)
+    drive = next((c for c in rest if drives and c.text == drives[0].column.strip("-`")), None)
+    named, unclear = find_flags(flags, grid, motion, drive)
+    left_out |= unclear
+    left_out |= {n: "supply voltage" for n in ratio if not any(n in p.column for p in drives)}
+    proposals += [*drives, *([temperature] if temperature else []), *named]
+    entries, facts = entries_of(found[0], evidence, gravity, drives, grid, motion)
+    return Draft(log.path, tuple(proposals), tuple(entries), left_out, tuple(facts))
+
+
+def _moving(
+    grid: Grid, free: Sequence[LoggedColumn], where: str
+) -> tuple[LoggedColumn | None, LoggedColumn | None, Pair | None, str]:
+    """The angle and the speed: a column and its slope, by their names, or what explains a third column."""
+    could = [c for c in free if c.name.quantity not in _NAMED]
+    by_name = {c.text: c for c in could}
+    pairs = [
+        p
+        for p in pairs_of(grid, could)
+        if by_name[p.angle].name.quantity in ("angle", "")
+        and by_name[p.speed].name.quantity in ("speed", "")
+        # Without names: a voltage goes with the speed as well, though less.
+        and (p.r > limits.UNNAMED or by_name[p.angle].name.quantity or by_name[p.speed].name.quantity)
+    ]
+    if pairs:
+        slopes = {p.speed for p in pairs}
+
+        def worth(p: Pair) -> float:
+            a, b = by_name[p.angle].name, by_name[p.speed].name
+            named = 0.3 * (a.quantity == "angle") + 0.3 * (b.quantity == "speed")
+            return p.r + named - 0.3 * (a.commanded + b.commanded) - 0.1 * (p.angle in slopes)
+
+        best = max(pairs, key=worth)
+        a, b = by_name[best.angle], by_name[best.speed]
+        return a, b, best, ""
+    angle = next((c for c in could if c.name.quantity == "angle" and not c.name.commanded), None)
+    speed = next((c for c in could if c.name.quantity == "speed" and not c.name.commanded), None)
+    if angle is not None and speed is not None:
+        return angle, speed, None, "the speed does not follow the slope of the angle"
+    if angle is not None or speed is not None:
+        return angle, speed, None, ""
+    return (
+        *_explaining(grid, could, free, where),
+        None,
+        "no name: it is what explains the other columns best as a motion",
+    )
+
+
+def _explaining(
+    grid: Grid, could: Sequence[LoggedColumn], free: Sequence[LoggedColumn], where: str
+) -> tuple[LoggedColumn | None, LoggedColumn | None]:
+    """The column that explains another best as an angle or as a speed."""
+    tried: list[tuple[float, LoggedColumn | None, LoggedColumn | None, LoggedColumn]] = []
+    for x in could:
+        for angle, speed in ((x, None), (None, x)):
+            motion = motion_from(grid, angle, speed)
+            for y in free:
+                if y is x:
+                    continue
+                balance = balance_of(motion, grid.smooth(y), periodic=False)
+                # Friction in the direction of motion: it tells a motion from what it drives.
+                if balance is not None and balance.shares["friction"] > 0.05:
+                    tried.append((balance.r2, angle, speed, y))
+    best: tuple[float, LoggedColumn | None, LoggedColumn | None] = (0.0, None, None)
+    for _, angle, speed, y in sorted(tried, key=lambda one: -one[0])[:4]:
+        # The search for gravity takes longest: it decides among the few that friction and inertia leave.
+        balance = balance_of(motion_from(grid, angle, speed), grid.smooth(y))
+        if balance is not None and balance.r2 > best[0]:
+            best = (balance.r2, angle, speed)
+    if best[0] < limits.SHOWN:
+        raise InputError(
+            f"{where}: an angle or a speed is required; no column looks like one"
+            f" ({few([c.text for c in could]) or 'all others have names of other quantities'})"
+        )
+    return best[1], best[2]
+
+
+def _without_copies(
+    grid: Grid, rest: Sequence[LoggedColumn], angle: LoggedColumn | None, speed: LoggedColumn | None
+) -> tuple[list[LoggedColumn], dict[str, str]]:
+    """The columns that are no copy or set value of angle or speed, and why the others are left out."""
+    kept: list[LoggedColumn] = []
+    why: dict[str, str] = {}
+    inner = grid.inner()
+    for column in rest:
+        if column.name.quantity == "acceleration":
+            why[column.text] = "the acceleration is taken from the angle"
+            continue
+        for of, what in ((angle, "angle"), (speed, "speed")):
+            if of is None or column.name.quantity not in ("", what):
+                continue
+            x, y = (grid.smooth(one, angle=what == "angle")[inner] for one in (of, column))
+            sizes = float(np.std(x)), float(np.std(y))
+            r = abs(float(np.corrcoef(x, y)[0, 1])) if min(sizes) > 0.0 else 0.0
+            # A set value has the unit of what it is for; a current that happens to go with the speed has not.
+            same = r > limits.SAME or (r > limits.COPY and abs(sizes[0] / sizes[1] - 1.0) < 0.15)
+            if same or column.name.quantity == what:
+                why[column.text] = f"another {what}, or its set value: {of.text} is taken"
+                break
+        else:
+            kept.append(column)
+    return kept, why
+
+
+def _with_duty(
+    drives: list[Proposal],
+    balances: dict[str, Explained],
+    voltage: Proposal | None,
+    grid: Grid,
+    motion: Moved,
+    left: Mapping[str, LoggedColumn],
+) -> tuple[list[Proposal], dict[str, Explained]]:
+    """A voltage that is a duty cycle times a supply, where none is logged."""
+    if voltage is None or "voltage" in balances:
+        return drives, balances
+    y = np.ones(1)
+    for name, column in left.items():
+        if column.name.quantity in ("duty", "supply") and name in voltage.column:
+            y = y * grid.smooth(column)
+    balance = balance_of(motion, y)
+    if balance is None:
+        return drives, balances
+    return [*drives, voltage], {**balances, "voltage": balance}
+
+
+def _channels(
+    clock: Clock,
+    run: Proposal | None,
+    found: Sequence[Reading],
+    given: Shown,
+    pair: Pair | None,
+    doubt: str,
+) -> list[Proposal]:
+    """Time, run, angle and speed in the units of the best reading."""
+    best = found[0]
+    time = clock.proposal
+    if best.time != time.unit:
+        said = f"{best.time} fits the units of angle and speed"
+        time = Proposal(
+            "time", time.column, best.time, (*time.evidence[:1], said), time.confidence, time.doubt
+        )
+    proposals = [*([run] if run else []), time]
+    side = "l" if _on_link(best, given) else "m"
+    for column, what, unit in ((given.angle, "angle", best.angle), (given.speed, "speed", best.speed)):
+        if column is None:
+            continue
+        sure = sum(r.weight for r in found if getattr(r, what) == unit and _alike(r, best, unit))
+        said = list(best.why[what])
+        if what == "speed" and pair is not None:
+            said.insert(0, f"correlates {pair.r:.3f} with the slope of {pair.angle}")
+        if column.name.quantity == what:
+            said.insert(0, f"{what} by its name")
+        doubts = [doubt] if doubt else []
+        if sure < limits.SURE:
+            others = _others(found, what, unit)
+            turn = (
+                {f"{r.counts:.6g}" for r in found if r.weight > 0.02 and r.counts}
+                if unit == "counts"
+                else set()
+            )
+            said_others = [
+                *others,
+                *([f"{' or '.join(sorted(turn))} counts per turn"] if len(turn) > 1 else []),
+            ]
+            doubts.append(
+                f"could be in {' or '.join(said_others)}" if said_others else "unit by its size alone"
+            )
+        if unit.startswith("counts") and best.product:
+            doubts.append("the log shows counts per turn times gear, not each: check encoder_counts_per_rev")
+        if unit.startswith("counts") and not best.counts:
+            doubts.append("how many counts a turn has is not to be seen: put encoder_counts_per_rev")
+        channel = {"angle": "theta_", "speed": "omega_"}[what] + side
+        proposals.append(Proposal(channel, column.text, unit, tuple(said), sure, "; ".join(doubts)))
+    return proposals
+
+
+def _alike(reading: Reading, best: Reading, unit: str) -> bool:
+    """Whether a reading in the same unit has the same counts per turn, where the unit is counts."""
+    return not unit.startswith("counts") or math.isclose(reading.counts, best.counts, rel_tol=1e-3)
+
+
+def _others(found: Sequence[Reading], what: str, unit: str) -> list[str]:
+    weights: dict[str, float] = {}
+    for reading in found:
+        own = getattr(reading, what)
+        if own != unit:
+            weights[own] = weights.get(own, 0.0) + reading.weight
+    return [
+        f"{own} ({weight:.0%})"
+        for own, weight in sorted(weights.items(), key=lambda x: -x[1])
+        if weight > 0.02
+    ]
+
+
+def _on_link(best: Reading, given: Shown) -> bool:
+    """Whether the logged shaft is the link: by its name, where gravity does not say otherwise."""
+    named = given.angle or given.speed
+    says = named is not None and named.name.side == "l"
+    return says and (not best.gear or math.isclose(best.gear, 1.0, rel_tol=0.1))

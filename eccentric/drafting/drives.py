@@ -1,0 +1,204 @@
+"""Which column drives the motor, and as what.
+
+Current and torque follow friction, acceleration and gravity, a voltage follows the speed as well; where both
+are logged, voltage = R current + k_e speed.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from eccentric.drafting import limits
+from eccentric.drafting.balance import Explained, Moved, balance_of
+from eccentric.drafting.columns import LoggedColumn
+from eccentric.drafting.motion import Grid
+from eccentric.drafting.proposal import Proposal
+from eccentric.drafting.units import magnitudes
+
+__all__ = ["Driven", "find_drives"]
+
+Array = NDArray[np.float64]
+KINDS = ("current", "torque", "voltage")
+
+
+@dataclass(frozen=True)
+class Driven:
+    """A column that drives the motor: what it is, and its balance."""
+
+    column: LoggedColumn
+    kind: str
+    balance: Explained
+    evidence: tuple[str, ...]
+    doubt: str
+    sure: float
+
+
+def find_drives(
+    grid: Grid, motion: Moved, columns: Sequence[LoggedColumn]
+) -> tuple[list[Proposal], dict[str, Explained], dict[str, str]]:
+    """Proposals for current, torque and voltage, the balance of each, and why other columns were left out."""
+    found: list[tuple[LoggedColumn, Explained]] = []
+    left_out: dict[str, str] = {}
+    for column in columns:
+        y = grid.smooth(column)
+        balance = balance_of(motion, y)
+        if balance is None:
+            left_out[column.text] = "it does not vary while the drive moves"
+        elif column.name.quantity in KINDS or balance.r2 >= limits.SHOWN:
+            found.append((column, balance))
+        else:
+            left_out[column.text] = (
+                f"motion explains {max(balance.r2, 0.0):.0%} of it, too little for a drive"
+            )
+    kept: list[Driven] = []
+    for column, balance in sorted(found, key=lambda one: _rank(*one)):
+        copied = next((one for one in kept if _copies(column, one)), None)
+        if copied is not None:
+            left_out[column.text] = f"it is {copied.column.text} again, in other units or as a set value"
+            continue
+        kept.append(_kind(column, balance))
+    kept = _together(grid, motion, kept)
+    proposals: dict[str, Proposal] = {}
+    balances: dict[str, Explained] = {}
+    for one in _voltage_among(kept):
+        if one.kind in proposals:
+            first = proposals[one.kind]
+            said = "; ".join(
+                filter(None, (first.doubt, f"{one.column.text} could be this {one.kind} as well"))
+            )
+            proposals[one.kind] = dataclasses.replace(first, doubt=said)
+            left_out[one.column.text] = (
+                f"another {one.kind}; {proposals[one.kind].column} follows the motion better"
+            )
+            continue
+        proposals[one.kind] = _proposal(one)
+        balances[one.kind] = one.balance
+    return list(proposals.values()), balances, left_out
+
+
+def _rank(column: LoggedColumn, balance: Explained) -> tuple[bool, bool, float]:
+    """Measured before set, named before unnamed, better explained before worse."""
+    return column.name.commanded, column.name.quantity not in KINDS, -balance.r2
+
+
+def _kind(column: LoggedColumn, balance: Explained) -> Driven:
+    shares = balance.shares
+    told = [
+        f"{words} {shares[term]:.2f}"
+        for term, words in (
+            ("friction", "the sign of the speed"),
+            ("speed", "the speed"),
+            ("inertia", "the acceleration"),
+            ("gravity", "the angle under gravity"),
+        )
+        if shares[term] > 0.1
+    ]
+    evidence = (
+        f"motion explains {balance.r2:.0%} of it",
+        *((f"follows {', '.join(told)} (shares)",) if told else ()),
+    )
+    named = column.name.quantity
+    if named in KINDS:
+        said = (f"{named} by its name", *evidence)
+        if (
+            named != "voltage"
+            and shares["speed"] > 0.9
+            and shares["speed"] > 3.0 * (shares["friction"] + shares["inertia"])
+        ):
+            return Driven(column, named, balance, said, "it follows the speed as a voltage does", 0.8)
+        return Driven(column, named, balance, said, "", 0.98)
+    rest = shares["friction"] + shares["inertia"] + shares["gravity"]
+    if shares["speed"] > limits.BACK_EMF * (shares["speed"] + rest):
+        return Driven(
+            column,
+            "voltage",
+            balance,
+            evidence,
+            "no name; viscous friction could do the same to a current",
+            0.7,
+        )
+    return Driven(column, "current", balance, evidence, "no name; a torque would look the same", 0.6)
+
+
+def _voltage_among(kept: list[Driven]) -> list[Driven]:
+    """Of two currents without names, the one that follows the speed more is taken for the voltage."""
+    unnamed = [one for one in kept if one.kind == "current" and not one.column.name.quantity]
+    if len(unnamed) < 2 or any(one.kind == "voltage" for one in kept):
+        return kept
+    most = max(unnamed, key=lambda one: one.balance.shares["speed"])
+    doubt = "no name: of two alike it follows the speed more"
+    return [
+        dataclasses.replace(one, kind="voltage", doubt=doubt, sure=0.6) if one is most else one
+        for one in kept
+    ]
+
+
+def _together(grid: Grid, motion: Moved, kept: list[Driven]) -> list[Driven]:
+    """Two drive signals tell each other apart: voltage = R current + k_e speed, with both above 0."""
+    rows = motion.moving
+    for first in range(len(kept)):
+        for second in range(len(kept)):
+            u, i = kept[first], kept[second]
+            if first == second or {u.column.name.quantity, i.column.name.quantity} >= {"voltage", "current"}:
+                continue
+            if u.column.name.quantity not in ("", "voltage") or i.column.name.quantity not in (
+                "",
+                "current",
+                "torque",
+            ):
+                continue
+            y, x = grid.smooth(u.column)[rows], grid.smooth(i.column)[rows]
+            design = np.column_stack([np.ones_like(x), x, motion.w[rows]])
+            scaled = design / np.maximum(np.max(np.abs(design), axis=0), 1e-300)
+            c = np.linalg.lstsq(scaled, y, rcond=None)[0]
+            r2 = 1.0 - float(np.var(y - scaled @ c)) / float(np.var(y))
+            emf = abs(c[2]) * float(np.std(scaled[:, 2])) / float(np.std(y))
+            if r2 > 0.9 and c[1] > 0.0 and c[2] > 0.0 and emf > 0.03:
+                said = f"it is R {i.column.text} + k_e times the speed, to {r2:.1%}, with both above 0"
+                other = f"{u.column.text} is a multiple of it plus a multiple of the speed"
+                kept = list(kept)
+                sure = 0.97 if i.column.name.quantity else 0.9
+                kept[first] = Driven(u.column, "voltage", u.balance, (*u.evidence, said), "", 0.97)
+                if i.column.name.quantity != "torque":
+                    kept[second] = Driven(i.column, "current", i.balance, (*i.evidence, other), "", sure)
+                return kept
+    return kept
+
+
+def _copies(column: LoggedColumn, other: Driven) -> bool:
+    """Whether a column is another one again: to the last digits, or as the value that is set for it."""
+    if column.name.quantity not in ("", other.kind) and not column.name.commanded:
+        return False
+    alike = column.name.commanded or (column.name.quantity == other.column.name.quantity != "")
+    r = abs(float(np.corrcoef(column.values, other.column.values)[0, 1]))
+    return r > (limits.COPY if alike else limits.SAME)
+
+
+def _proposal(one: Driven) -> Proposal:
+    largest = float(np.quantile(np.abs(one.column.values), 0.999))
+    units = magnitudes(one.column, one.kind, largest)
+    unit, sure = units[0]
+    evidence, doubts = list(one.evidence), [one.doubt] if one.doubt else []
+    if one.column.name.unit == "%":
+        unit, sure = {"torque": "N m", "current": "A", "voltage": "V"}[one.kind], 0.3
+        doubts.append("in percent of a rated value that the log does not hold")
+    elif one.column.name.unit:
+        evidence.append(f"{unit} by its name")
+    else:
+        second = units[1][0] if len(units) > 1 else ""
+        doubts.append(f"{unit} by its size alone, up to {largest:.3g}" + (f"; or {second}" if second else ""))
+    text = one.column.text
+    if one.balance.friction < 0.0 or (one.balance.friction == 0.0 and one.balance.inertia < 0.0):
+        text = f"-{quoted(text)}"
+        evidence.append("its sign is turned: it falls where friction and inertia need it to rise")
+    return Proposal(one.kind, text, unit, tuple(evidence), min(one.sure, sure), "; ".join(doubts))
+
+
+def quoted(name: str) -> str:
+    """A column name as arithmetic takes it."""
+    return name if name.isidentifier() else f"`{name}`"

@@ -1,0 +1,59 @@
+"""Every limit of a drafted rig, each with its reason."""
+
+MOST_ROWS = 60_000
+"""Rows that are looked at: the question is what a column is, not its value to many digits."""
+FEWEST_ROWS = 50
+"""Below, neither a derivative nor a balance of torques can be told from chance."""
+
+# Time.
+RISING = 0.999
+"""Share of rows whose time is above that of the row before, within a run: a clock may be set once."""
+SLOWEST_HZ, FASTEST_HZ = 2.0, 50_000.0
+"""Rates of logs that show a friction torque: below, no acceleration; above, only currents of an inverter."""
+SHORTEST_S, LONGEST_S = 2.0, 200_000.0
+"""Lengths of logs: from one swing to two days."""
+USUAL_HZ, USUAL_DECADES = 300.0, 0.8
+"""Rates that loggers of drives have, and their spread: 50 Hz to 2 kHz are within one."""
+GAP = 20.0
+"""Time steps above so many usual ones end a stretch."""
+
+# Moved.
+SMOOTH_S, SMOOTH_ROWS = 0.08, 9
+"""Window of the local cubic that gives speed and acceleration: the longer of the two."""
+DERIVATIVE = 0.9
+"""Correlation from which a column is the slope of another: drives filter their speed, which lowers it."""
+UNNAMED = 0.97
+"""The same for two columns without names, one of which could be a voltage."""
+COPY = 0.98
+"""Correlation from which a column is another one in other units, or its set value."""
+SAME = 0.9999
+"""Correlation from which two columns without names are one signal: a current and a voltage stay below it."""
+STILL = 0.05
+"""Rows slower than this part of the 95th percentile of the speed count as standing."""
+WRAP = 0.5
+"""A step above this part of the range is a wrap of the angle."""
+FACTOR = 0.03
+"""Relative scatter of the ratio between a logged speed and the slope of the angle: filters cost a little."""
+USUAL_SPEED, SPEED_DECADES = 20.0, 0.9
+"""Fastest speed of a drive in rad/s, and its spread in decades: 2.5 to 160 rad/s are within one."""
+
+# Explained.
+SHOWN = 0.5
+"""R^2 from which motion explains a column as it explains a drive; noise and stiction leave less than all."""
+GRAVITY = 0.02
+"""Share of a drive's variance from which a periodic part is gravity: harmonics of friction have its sign and
+average out over both directions."""
+MOST_TURNS = 400
+"""Periods within the travel that are tried: an axis that turned further is cut."""
+BACK_EMF = 0.5
+"""Share of the explained variance that follows the speed from which a column is a voltage, not a current."""
+
+# Others.
+SLOW = 0.03
+"""Step from row to row over the range below which a column drifts like a temperature."""
+FEW_VALUES = 400
+"""Most runs of one log."""
+
+# Posteriors.
+SURE = 0.95
+"""Probability below which a doubt is stated."""

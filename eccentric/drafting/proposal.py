@@ -1,0 +1,43 @@
+"""What is proposed for a channel or a key of a rig: a value, its evidence in words, and any doubt."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+__all__ = ["Proposal", "RigLine"]
+
+
+@dataclass(frozen=True)
+class Proposal:
+    """A channel of the rig and its column.
+
+    Attributes:
+        channel: as in `eccentric.rigs.CHANNELS`.
+        column: a name, or arithmetic on columns.
+        unit: in the spelling of rig files; empty where the channel has none.
+        evidence: what speaks for it.
+        confidence: probability, 0 to 1.
+        doubt: what else it could be, empty if nothing is close.
+    """
+
+    channel: str
+    column: str
+    unit: str
+    evidence: tuple[str, ...]
+    confidence: float
+    doubt: str = ""
+
+
+@dataclass(frozen=True)
+class RigLine:
+    """Another line of the rig: a table ("" for the top), key and value as TOML.
+
+    With `asked` it is a question that the log cannot answer: written as a comment, with a typical value.
+    """
+
+    table: str
+    key: str
+    value: str
+    evidence: str
+    doubt: str = ""
+    asked: bool = False

@@ -1,0 +1,200 @@
+"""The lines of a drafted rig besides its channels: what the log shows, and questions about the rest."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+
+from eccentric.drafting import limits
+from eccentric.drafting.balance import Explained, Moved
+from eccentric.drafting.columns import nice_counts
+from eccentric.drafting.motion import Grid
+from eccentric.drafting.proposal import Proposal, RigLine
+from eccentric.drafting.units import Reading, Shown
+from eccentric.errors import counted
+
+__all__ = ["entries_of"]
+
+TURN = 2.0 * math.pi
+
+
+def entries_of(
+    best: Reading,
+    given: Shown,
+    balance: Explained | None,
+    drives: Sequence[Proposal],
+    grid: Grid,
+    motion: Moved,
+) -> tuple[list[RigLine], list[str]]:
+    """The lines of the rig file, and other facts in words."""
+    kinds = {p.channel for p in drives}
+    entries = [*_encoder(best, given), *_alignment(balance, kinds)]
+    entries += _known(best, given, balance, kinds)
+    return entries, _facts(grid, motion)
+
+
+def _encoder(best: Reading, given: Shown) -> list[RigLine]:
+    if given.angle is None:
+        return []
+    if best.angle == "counts":
+        if best.counts:
+            why = "; ".join(w for w in best.why["angle"] if "counts" in w)
+            return [RigLine("", "encoder_counts_per_rev", f"{best.counts:g}", why)]
+        return [
+            RigLine(
+                "", "encoder_counts_per_rev", "4096", "counts of the angle per turn of its shaft", asked=True
+            )
+        ]
+    unit = {"rad": 1.0, "deg": TURN / 360.0, "rev": TURN, "mrad": 1e-3}[best.angle]
+    if given.step:
+        counts = TURN / (given.step * unit)
+        if 90.0 < counts < 2e7 and (nice := nice_counts(counts, 2e-3)):
+            return [
+                RigLine(
+                    "",
+                    "encoder_counts_per_rev",
+                    f"{nice:g}",
+                    f"the smallest step of the angle, {given.step:.6g} {best.angle}",
+                )
+            ]
+    return []
+
+
+def _alignment(balance: Explained | None, kinds: set[str]) -> list[RigLine]:
+    entries: list[RigLine] = []
+    if balance is not None and balance.period:
+        zero = TURN * balance.zero / balance.period
+        entries.append(
+            RigLine(
+                "",
+                "theta_zero_rad",
+                '"estimate"',
+                f"gravity vanishes at {zero:+.3f} rad of the link: the fit refines it",
+            )
+            if abs(zero) > 0.01
+            else RigLine("", "theta_zero_rad", "0", f"gravity vanishes at {zero:+.3f} rad of the link")
+        )
+    if kinds == {"voltage"}:
+        why = "a logged voltage is a command; it acts later, and only the fit shows by how much"
+        entries.append(RigLine("", "input_delay_s", '"estimate"', why))
+        if balance is not None and abs(balance.offset) > 0.02:
+            entries.append(
+                RigLine(
+                    "",
+                    "voltage_offset_V",
+                    '"estimate"',
+                    f"mean beyond motion: {balance.offset:+.3f} of its scatter",
+                )
+            )
+    return entries
+
+
+def _known(best: Reading, given: Shown, balance: Explained | None, kinds: set[str]) -> list[RigLine]:
+    """[known] and [unknown]: the case and the gear as the log shows them, the rest as questions."""
+    gravity = balance is not None and balance.period > 0.0
+    entries: list[RigLine] = []
+    if gravity and balance is not None:
+        share, turns = balance.shares["gravity"], balance.turns
+        why = (
+            f"gravity in the plane of motion: {share:.0%} of the drive's scatter repeats with the angle,"
+            f" {turns:.1f} periods"
+        )
+        doubt = (
+            "" if turns > 1.0 else "less than one period was seen: it may be a spring, or a load that drifts"
+        )
+        entries.append(RigLine("known", "case", '"C2"', why, doubt))
+    elif balance is not None:
+        why = "no gravity: nothing in the drive repeats with the angle in both directions"
+        doubt = "" if given.angle is not None else "without an angle gravity cannot be seen"
+        entries.append(
+            RigLine(
+                "known",
+                "case",
+                '"C1"',
+                why,
+                doubt or "a light mass, or an axis that hardly turns, looks the same",
+            )
+        )
+    else:
+        entries.append(
+            RigLine(
+                "known", "case", '"C2"', "gravity in the plane of motion; C1: perpendicular to it", asked=True
+            )
+        )
+    entries.append(_gear(best))
+    entries += [
+        RigLine("known", "M", '"0.5 kg"', "the unbalanced mass: weigh it", asked=True),
+        RigLine("known", "L", '"0.3 m"', "from the axis to the centre of that mass: measure it", asked=True),
+    ]
+    if gravity or balance is None:
+        entries.append(
+            RigLine("known", "M_l", '"0.2 kg"', "the link without the unbalanced mass: weigh it", asked=True)
+        )
+    if "current" in kinds and not gravity:
+        why = "the torque constant (data sheet): without gravity the log cannot show it"
+        entries.append(RigLine("known", "k_i", '"0.05 N m/A"', why, asked=True))
+    elif "current" in kinds:
+        why = "the torque constant: the data sheet's under [known] if you have it, else gravity identifies it"
+        entries.append(RigLine("unknown", "k_i", '["0.001 N m/A", "20 N m/A"]', why))
+    if "voltage" in kinds:
+        entries += [
+            RigLine(
+                "known",
+                "R",
+                '"1 ohm"',
+                "resistance of the armature (data sheet); not needed to fit, diagnose uses it",
+                asked=True,
+            ),
+            RigLine(
+                "known",
+                "k_e",
+                '"0.05 V s/rad"',
+                "back-EMF constant (data sheet); in SI it equals k_i",
+                asked=True,
+            ),
+        ]
+    entries += [
+        RigLine(
+            "known",
+            "J_m",
+            '"1000 g cm^2"',
+            "inertia of the rotor (data sheet); without it the sum J_m + mu^2 J_l is estimated",
+            asked=True,
+        ),
+        RigLine(
+            "known", "J_l", '"0.05 kg m^2"', "inertia of the link about its axis, M L^2 included", asked=True
+        ),
+    ]
+    return entries
+
+
+def _gear(best: Reading) -> RigLine:
+    said = best.gear
+    if said and abs(said - 1.0) > 0.1:
+        whole = round(said)
+        near = whole >= 2 and abs(said / whole - 1.0) < 0.02
+        value = f'"1/{whole}"' if near else f"{1.0 / said:.6g}"
+        doubt = "" if near else "no whole number: check it"
+        return RigLine(
+            "known", "mu", value, f"gravity repeats every {said:.4g} turns of the logged shaft", doubt
+        )
+    if said:
+        why = "the logged angle is that of the link: all is seen at its shaft, a gear is inside k_i and J_m"
+        return RigLine("known", "mu", "1", why)
+    why = "link speed over motor speed; 1 sees everything at the logged shaft"
+    return RigLine("known", "mu", "1", why, "without gravity the log does not show the gear")
+
+
+def _facts(grid: Grid, motion: Moved) -> list[str]:
+    inner = grid.inner()
+    still = 1.0 - float(np.mean(motion.moving[inner])) if np.any(inner) else 0.0
+    both = float(np.mean(motion.w[motion.moving] > 0.0)) if np.any(motion.moving) else 0.0
+    facts = [
+        f"{counted(len(grid.parts), 'part')} without a gap, {1.0 / grid.step:.4g} rows a second",
+        f"standing (below {limits.STILL:.0%} of its speed) in {still:.0%} of rows, forwards in {both:.0%}",
+    ]
+    if both < 0.05 or both > 0.95:
+        facts.append("one direction only: Coulomb friction and a constant load are one and the same there")
+    return facts

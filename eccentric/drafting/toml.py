@@ -1,0 +1,73 @@
+"""A draft as the TOML of a rig file: each line with its evidence, doubts marked, questions commented out."""
+
+from __future__ import annotations
+
+import json
+import textwrap
+from collections.abc import Iterable, Iterator
+
+from eccentric.drafting.draft import Draft
+from eccentric.drafting.proposal import Proposal, RigLine
+from eccentric.rigs import CHANNELS
+
+__all__ = ["toml_of"]
+
+_WIDTH = 100
+
+
+def toml_of(draft: Draft, name: str) -> str:
+    """The text of a rig file; without the questions answered, it may be too little for a fit."""
+    lines = [
+        "# Drafted by eccentric from the log. # says what speaks for the line below, # ? what to check,",
+        "# and a line that begins with #? asks for what no log shows: remove the mark and put your value.",
+        *(f"# {fact}" for fact in draft.facts),
+        "",
+        f"name = {json.dumps(name)}",
+    ]
+    drive = next(
+        (
+            p.channel
+            for kind in ("current", "torque", "voltage")
+            for p in draft.proposals
+            if p.channel == kind
+        ),
+        "",
+    )
+    if drive:
+        lines.append(f'drive = "{drive}"')
+    lines += [line for entry in draft.entries if entry.table == "" for line in _entry(entry)]
+    lines += ["", "[columns]"]
+    for proposal in draft.proposals:
+        lines += _channel(proposal)
+    lines += [f"# {column} is no channel: {why}" for column, why in sorted(draft.left_out.items())]
+    for table in ("known", "unknown"):
+        entries = [entry for entry in draft.entries if entry.table == table]
+        if entries:
+            lines += ["", f"[{table}]", *(line for entry in entries for line in _entry(entry))]
+    return "\n".join(lines) + "\n"
+
+
+def _channel(proposal: Proposal) -> Iterator[str]:
+    standard = CHANNELS[proposal.channel][1]
+    column = json.dumps(proposal.column, ensure_ascii=False)
+    value = column
+    if proposal.unit and proposal.unit not in (standard, standard.replace(" ", "")):
+        value = f'{{ column = {column}, unit = "{proposal.unit}" }}'
+    yield from _comments("", proposal.evidence, proposal.doubt)
+    yield f"{proposal.channel} = {value}"
+
+
+def _entry(entry: RigLine) -> Iterator[str]:
+    yield from _comments("", [entry.evidence], entry.doubt)
+    yield f"{'#? ' if entry.asked else ''}{entry.key} = {entry.value}"
+
+
+def _comments(indent: str, evidence: Iterable[str], doubt: str) -> Iterator[str]:
+    for mark, text in (("# ", "; ".join(evidence)), ("# ? ", doubt)):
+        if text:
+            yield from textwrap.wrap(
+                " ".join(text.split()),
+                _WIDTH,
+                initial_indent=indent + mark,
+                subsequent_indent=indent + "#   ",
+            )

@@ -1,0 +1,91 @@
+"""Cells of a CSV log that are no plain numbers: decimal commas, dates, large counters, a row of units."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from datetime import UTC, datetime
+
+import numpy as np
+
+from eccentric.logs.assemble import MISSING, Column, column_of, number_of
+
+__all__ = ["cells_to_column", "units_row"]
+
+_COMMA = re.compile(r"\s*[-+]?(?:\d+(?:,\d*)?|,\d+)(?:[eE][-+]?\d+)?\s*")
+_DATE = re.compile(r"\s*\d{4}-\d\d-\d\d[T ]\d\d:\d\d")
+_UNIT = re.compile(r"[\[(]?\s*[A-Za-zµμΩ°%/^·* \d.²³-]{0,12}\s*[\])]?")
+_EXACT = 2**53
+"""Whole numbers above this are not exact as floating point: nanoseconds since 1970 are in steps of 256."""
+
+
+def cells_to_column(name: str, cells: Sequence[str], *, decimal_comma: bool) -> tuple[Column, str, str]:
+    """Return a column of text as numbers where it can be, its unit if the cells say it, and a note.
+
+    Args:
+        decimal_comma: whether a comma can be one, since it does not separate the cells.
+    """
+    column = column_of(cells)
+    if column.dtype.kind == "f":
+        return _counter(name, cells, column)
+    given = [cell for cell in cells if cell.strip().lower() not in MISSING]
+    # A cell that is no number stays as it is: whoever asks for numbers is told its line.
+    if decimal_comma and given and 2 * sum(map(bool, map(_COMMA.fullmatch, given))) > len(given):
+        return column_of([c.replace(",", ".") if _COMMA.fullmatch(c) else c for c in cells]), "", ""
+    if given and all(map(_DATE.match, given)):
+        return _dates(name, cells, column)
+    return column, "", ""
+
+
+def _counter(name: str, cells: Sequence[str], column: Column) -> tuple[Column, str, str]:
+    """A counter beyond what floating point resolves counts from its first value."""
+    if (
+        not len(column)
+        or not np.nanmax(np.abs(column), initial=0.0) > _EXACT
+        or not np.all(np.isfinite(column))
+    ):
+        return column, "", ""
+    try:
+        whole = [int(cell) for cell in cells]
+    except ValueError:
+        return column, "", ""
+    said = f"{name} counts from its first value, {whole[0]}: floating point would round it"
+    return np.array([float(one - whole[0]) for one in whole]), "", said
+
+
+def _dates(name: str, cells: Sequence[str], column: Column) -> tuple[Column, str, str]:
+    """Dates with a time in ISO 8601 as seconds from the first of them; text if one of them is none."""
+    stamps: list[datetime | None] = []
+    for cell in cells:
+        text = cell.strip()
+        try:
+            stamps.append(None if text.lower() in MISSING else datetime.fromisoformat(text))
+        except ValueError:
+            return column, "", ""
+    # Without a zone all are of one, whichever it is: only differences count.
+    known = [s if s is None or s.tzinfo else s.replace(tzinfo=UTC) for s in stamps]
+    first = next(s for s in known if s is not None)
+    seconds = [float("nan") if s is None else (s - first).total_seconds() for s in known]
+    return np.array(seconds), "s", f"{name}: dates, as seconds from {first.isoformat()}"
+
+
+def units_row(names: Sequence[str], first: Sequence[str], second: Sequence[str] | None) -> dict[str, str]:
+    """The units in the row below the header, by column; empty if that row is one of values.
+
+    It is a row of units if none of its cells is a number, all look like one, and the row below has numbers.
+    """
+    if second is None or len(first) != len(names) or len(second) != len(names):
+        return {}
+    numbers = [_is_number(cell) for cell in second]
+    said = [cell.strip() for cell in first]
+    if not any(numbers) or any(_is_number(cell) and cell for cell in said) or not any(said):
+        return {}
+    over_numbers = [cell for cell, number in zip(said, numbers, strict=True) if number]
+    if not all(map(_UNIT.fullmatch, said)) or not any(over_numbers):
+        return {}
+    return {name: cell.strip("[]() ") for name, cell in zip(names, said, strict=True) if cell.strip("[]()- ")}
+
+
+def _is_number(cell: str) -> bool:
+    found = number_of(cell)
+    return (found is not None and found == found) or bool(cell.strip() and _COMMA.fullmatch(cell))  # noqa: PLR0124 - NaN

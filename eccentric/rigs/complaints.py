@@ -1,0 +1,107 @@
+"""Everything that is wrong with a rig file, not only the first of it: each entry is read by itself.
+
+`read_rig` stops at the first error, as every command does; this is for the person who mends the file.
+"""
+
+from __future__ import annotations
+
+import itertools
+import os
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+from eccentric.errors import InputError
+from eccentric.places import given_path, shown
+from eccentric.rigs.entries import plain_entries
+from eccentric.rigs.file import read_file
+from eccentric.rigs.rig import read_rig
+
+__all__ = ["rig_complaints"]
+
+Place = tuple[str, str]
+_TABLES = ("known", "unknown", "columns")
+_CASE = {"case": "C2"}
+
+
+def rig_complaints(
+    source: str | os.PathLike[str] | Mapping[str, Any],
+) -> tuple[list[str], dict[str, Any]]:
+    """Return what is wrong with the rig of a single drive, one line each, and the rig without it.
+
+    Raises:
+        InputError: the file cannot be read at all.
+    """
+    if isinstance(source, str | os.PathLike):
+        path = given_path(source, "rig")
+        content, where = dict(read_file(path)), shown(path)
+    else:
+        content, where = dict(plain_entries(source, "rig")), "rig"
+    found: list[str] = []
+
+    def complain(error: InputError) -> None:
+        said = str(error)
+        said = f"{where}{said.removeprefix('rig')}" if said.startswith("rig:") else said
+        if said not in found:
+            found.append(said)
+
+    entries = list(_entries(content))
+    good: list[Place] = []
+    for place in entries:
+        try:
+            read_rig(_alone(content, [place]))
+        except InputError as error:
+            complain(error)
+        else:
+            good.append(place)
+    # Two entries can contradict each other: a case and a tilt, both sides of a gear, one letter twice.
+    apart = list(good)
+    for pair in itertools.combinations(good, 2):
+        if {one[0] for one in pair} <= {*_TABLES} and set(pair) <= set(apart):
+            try:
+                read_rig(_alone(content, pair))
+            except InputError as error:
+                complain(error)
+                apart.remove(pair[1])
+    rest = _only(content, apart)
+    try:
+        read_rig(rest)
+    except InputError as error:
+        complain(error)
+        rest["known"] = {**rest.get("known", {}), **_CASE}
+    return found, rest
+
+
+def _entries(content: Mapping[str, Any]) -> Iterator[Place]:
+    """The place of every entry; a table that is none counts as one entry."""
+    for key, value in content.items():
+        if key in _TABLES and isinstance(value, dict):
+            yield from ((key, inner) for inner in value)
+        else:
+            yield "", key
+
+
+def _only(content: Mapping[str, Any], places: list[Place] | tuple[Place, ...]) -> dict[str, Any]:
+    kept: dict[str, Any] = {}
+    for table, key in places:
+        if table:
+            kept.setdefault(table, {})[key] = content[table][key]
+        else:
+            kept[key] = content[key]
+    return kept
+
+
+def _alone(content: Mapping[str, Any], places: list[Place] | tuple[Place, ...]) -> dict[str, Any]:
+    """A rig with these entries and what they need to be read: a case, and the counts that are a unit."""
+    kept = _only(content, places)
+    known, unknown = kept.get("known", {}), kept.get("unknown", {})
+    if isinstance(known, dict) and not ({"case", "phi", "phi_rad"} & {*known, *unknown}):
+        kept["known"] = {**known, **_CASE}
+    if "columns" in kept and "encoder_counts_per_rev" in content:
+        try:
+            read_rig({"known": _CASE, "encoder_counts_per_rev": content["encoder_counts_per_rev"]})
+        except InputError:
+            # Its own complaint is enough: `counts` has a meaning, if not this one.
+            kept["encoder_counts_per_rev"] = 1
+        else:
+            kept["encoder_counts_per_rev"] = content["encoder_counts_per_rev"]
+    return kept

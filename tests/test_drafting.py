@@ -1,0 +1,269 @@
+"""A log that nobody described becomes a rig file: what it says is right or doubted, and it fits."""
+
+from __future__ import annotations
+
+import math
+import tomllib
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import eccentric
+from benchmarks.disguised import Column, disguised, judged
+from eccentric.api.simulated import BenchResult
+from eccentric.drafting import draft_of, toml_of
+from eccentric.drafting.columns import LoggedColumn as Values
+from eccentric.drafting.columns import nice_counts, step_of, wrap_of
+from eccentric.drafting.words import Name, read_name
+from eccentric.errors import InputError
+from eccentric.logs import Log
+
+BENCH = {
+    "time_s": Column("time", "s"),
+    "theta_m_rad": Column("angle", "rad"),
+    "omega_m_rad_s": Column("speed", "rad/s"),
+    "voltage_V": Column("voltage", "V"),
+    "current_A": Column("current", "A"),
+}
+
+
+def bench_log(seed: int, case: str = "C2", mu: float = 0.2, log_type: str = "traj") -> BenchResult:
+    """A log of the virtual bench."""
+    return eccentric.bench([], case=case, mu=mu, log_type=log_type, seconds=30.0, seed=seed)
+
+
+@pytest.fixture(scope="module")
+def arm() -> BenchResult:
+    """A log with gravity behind a gear of 5:1."""
+    return bench_log(11)
+
+
+def renamed(log: Log, names: dict[str, str], factors: dict[str, float]) -> Log:
+    """A log with other names, its columns multiplied."""
+    columns = {new: log.columns[old] * factors.get(old, 1.0) for old, new in names.items()}
+    return Log("log.csv", columns, log.rows)
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_a_disguised_log_is_read_right_or_doubted(seed: int, arm: BenchResult) -> None:
+    """Whatever the columns are called and in whichever unit, nothing is wrong without a doubt."""
+    counts = arm.rig.log.counts_per_rev or 0.0
+    known = {
+        c: Column(k.quantity, k.unit, counts if k.quantity == "angle" else 0.0) for c, k in BENCH.items()
+    }
+    given = disguised(arm.log, known, np.random.default_rng(seed))
+    found = judged(draft_of(given.log), given)
+
+    assert [one for one in found if not one.right and not one.doubted] == []
+    if given.style != "no name":
+        assert sum(one.right for one in found) >= 4
+
+
+def test_units_without_names_follow_from_physics(arm: BenchResult) -> None:
+    """Degrees and rpm under plain words: the slope fixes their ratio, gravity and the encoder the degrees."""
+    names = {"time_s": "t", "theta_m_rad": "position", "omega_m_rad_s": "velocity", "current_A": "Iq"}
+    turned = renamed(arm.log, names, {"theta_m_rad": 180.0 / math.pi, "omega_m_rad_s": 30.0 / math.pi})
+    draft = draft_of(turned)
+    units = {p.channel: p.unit for p in draft.proposals}
+
+    assert {"time": "s", "theta_m": "deg", "omega_m": "rpm"} == {
+        c: units[c] for c in ("time", "theta_m", "omega_m")
+    }
+
+
+@pytest.mark.parametrize(("case", "mu"), [("C2", 0.2), ("C2", 1.0), ("C2", 0.1), ("C1", 0.2)])
+def test_case_and_gear_are_those_of_the_bench(case: str, mu: float) -> None:
+    """Gravity repeats once per turn of the link, which shows case and gear; without it there is no gear."""
+    draft = draft_of(bench_log(21, case, mu).log)
+    said = {e.key: e for e in draft.entries}
+    over, _, under = said["mu"].value.strip('"').partition("/")
+
+    assert f'"{case}"' == said["case"].value
+    if case == "C2":
+        assert pytest.approx(mu) == float(over) / float(under or 1.0)
+    else:
+        assert "does not show the gear" in said["mu"].doubt
+
+
+def test_a_turned_current_is_turned_back(arm: BenchResult) -> None:
+    """Friction and inertia need a current to rise with them; one that falls has its sign turned."""
+    names = {"time_s": "time_s", "theta_m_rad": "theta_m_rad", "current_A": "current_A"}
+    draft = draft_of(renamed(arm.log, names, {"current_A": -1.0}))
+    (current,) = (p for p in draft.proposals if p.channel == "current")
+
+    assert "-current_A" == current.column
+    assert any("sign" in said for said in current.evidence)
+
+
+def test_a_size_alone_is_doubted(arm: BenchResult) -> None:
+    """Nothing in a log shows whether a current is in A or mA: the draft says that it goes by the size."""
+    names = {"time_s": "time_s", "theta_m_rad": "theta_m_rad", "current_A": "current"}
+    draft = draft_of(renamed(arm.log, names, {}))
+
+    assert any(doubt.startswith("current = current: A by its size alone") for doubt in draft.doubts)
+
+
+def test_a_draft_with_three_values_fits(arm: BenchResult, tmp_path: Path) -> None:
+    """The drafted file, with M, L and M_l from the bench typed, is fitted as the bench's own rig is."""
+    draft = eccentric.draft_rig(arm.log)
+    known = arm.rig.known
+    text = draft.text
+    for letter, unit in (("M", "kg"), ("L", "m"), ("M_l", "kg")):
+        typical = next(e.value for e in draft.questions if e.key == letter)
+        text = text.replace(f"#? {letter} = {typical}", f'{letter} = "{known[letter]!r} {unit}"')
+    path = tmp_path / "rig.toml"
+    path.write_text(text, encoding="utf-8")
+    found = eccentric.fit(arm.log, path)
+    own = eccentric.fit(arm.log, arm.rig)
+
+    assert ("M", "L", "M_l") == draft.needed
+    # k_i is found from gravity: the drive torque is explained as well as with the bench's own constants.
+    assert found.r_squared["paper"] == pytest.approx(own.r_squared["paper"], abs=0.02)
+    assert found.fits_the_rig
+
+
+def test_a_draft_is_a_rig_file_with_its_evidence(arm: BenchResult) -> None:
+    """Every channel has a comment above it, and the file is TOML as it stands."""
+    draft = draft_of(arm.log)
+    lines = toml_of(draft, "arm").splitlines()
+
+    content = tomllib.loads("\n".join(lines))
+    assert set(content["columns"]) == {p.channel for p in draft.proposals}
+    for proposal in draft.proposals:
+        at = next(k for k, line in enumerate(lines) if line.startswith(f"{proposal.channel} = "))
+        assert lines[at - 1].startswith("#")
+
+
+def test_a_draft_never_replaces_a_file(arm: BenchResult, tmp_path: Path) -> None:
+    """What someone wrote into a rig file stays."""
+    path = tmp_path / "rig.toml"
+    path.write_text("mine")
+    with pytest.raises(InputError, match="a new file is required, this one exists"):
+        eccentric.draft_rig(arm.log).write(path)
+
+    assert "mine" == path.read_text()
+
+
+@pytest.mark.parametrize(
+    ("columns", "said"),
+    [
+        (
+            {"a": np.sin(np.arange(200.0)), "b": np.cos(np.arange(200.0))},
+            "a column that rises from row to row",
+        ),
+        ({"t": np.arange(10.0), "b": np.cos(np.arange(10.0))}, "at least 50 rows are required"),
+        (
+            {"t": np.arange(400.0) / 100, "b": np.random.default_rng(1).normal(size=400)},
+            "an angle or a speed is required",
+        ),
+    ],
+)
+def test_what_shows_no_motion_is_refused(columns: dict[str, np.ndarray], said: str) -> None:
+    """Without a clock, with few rows, or with noise alone there is nothing to draft from."""
+    with pytest.raises(InputError, match=said):
+        draft_of(Log("log.csv", columns, len(next(iter(columns.values())))))
+
+
+@pytest.mark.parametrize(
+    ("text", "quantity", "unit", "side"),
+    [
+        ("Speed [rpm]", "speed", "rpm", ""),
+        ("Iq (mA)", "current", "mA", ""),
+        ("q_rad_3", "angle", "rad", ""),
+        ("w_in_rad_s", "speed", "rad/s", "m"),
+        ("linkAngleDeg", "angle", "deg", "l"),
+        ("Drehzahl in 1/min", "speed", "rpm", ""),
+        ("torque_mNm", "torque", "mNm", ""),
+        ("Timestamp (ns)", "time", "ns", ""),
+        ("supply_V", "supply", "V", ""),
+        ("torque_enable", "on", "", ""),
+        ("ch3", "", "", ""),
+    ],
+)
+def test_names_say_quantity_unit_and_side(text: str, quantity: str, unit: str, side: str) -> None:
+    """Units in brackets and as suffixes, words of a few languages, sides of the gear."""
+    name = read_name(text)
+
+    assert (quantity, unit, side) == (name.quantity, name.unit, name.side)
+
+
+@pytest.mark.parametrize("counts", [1000, 4096, 16384])
+@pytest.mark.parametrize("speed", [0.4, 40.0])
+def test_the_step_of_an_encoder_is_seen(counts: int, speed: float) -> None:
+    """Also where no two values are one step apart, and rounded to five digits; noise has no step."""
+    rng = np.random.default_rng(counts)
+    angle = speed * np.cumsum(rng.normal(size=8000)) * 0.01
+    step = 2.0 * math.pi / counts
+    read = np.round(np.round(angle / step) * step, 5)
+
+    assert nice_counts(2.0 * math.pi / step_of(Values(Name("x"), read)), 1e-3) == counts
+    assert step_of(Values(Name("x"), angle)) == 0.0
+
+
+def test_a_wrap_is_told_from_a_square_wave() -> None:
+    """An angle that restarts passes all values in between; a set value that jumps does not."""
+    t = np.arange(4000) / 100.0
+    breaks = np.zeros(len(t) - 1, dtype=bool)
+    square = Values(Name("x"), np.sign(np.sin(t)) + 1e-3 * np.sin(37.0 * t))
+
+    assert wrap_of(Values(Name("x"), np.degrees(3.0 * t) % 360.0), breaks) == 360.0
+    assert wrap_of(square, breaks) == 0.0
+
+
+BROKEN = """
+drive = "curent"
+low_pas_hz = 25
+[columns]
+time = "tme_s"
+theta_m = { column = "theta_m_rad", unit = "deg" }
+omega_m = { column = "omega_m_rad_s", unit = "rmp" }
+current = "voltage_V"
+[known]
+case = "C1"
+phi = "20 deg"
+M = "489"
+L = "-2 m"
+mu = "1:5"
+"""
+WRONG = (
+    "drive: one of current, voltage, torque is required, received 'curent'; did you mean 'current'?",
+    "unknown key 'low_pas_hz'; did you mean 'low_pass_hz'?",
+    "unit 'rmp' is unknown",
+    "[known] M: a unit is required",
+    "[known] L: a value at least 0 m",
+    "[known] mu: a ratio with '/'",
+    "[known] case C1 means phi = 90 deg; remove one",
+    "[columns] time: no column 'tme_s' in",
+    "'theta_m_rad' is read in deg, the log shows rad",
+    'current = "voltage_V": the log shows voltage there',
+    '[known] case C1: the log shows "C2"',
+)
+
+
+def test_all_that_is_wrong_is_listed_at_once(arm: BenchResult, tmp_path: Path) -> None:
+    """Eleven mistakes in a file are eleven lines, each with the file, the place and the mend."""
+    path = tmp_path / "rig.toml"
+    path.write_text(BROKEN)
+    found = eccentric.check_rig(arm.log, path).complaints
+
+    assert [said for said in WRONG if not any(said in line for line in found)] == []
+    assert len(WRONG) == len(found)
+    assert all(line.startswith(str(path)) for line in found)
+
+
+def test_what_is_missing_is_asked_for_at_once(arm: BenchResult, tmp_path: Path) -> None:
+    """A draft without its questions answered lacks three values, each named with a typical one."""
+    path = eccentric.draft_rig(arm.log).write(tmp_path / "rig.toml")
+    found = eccentric.check_rig(arm.log, path).complaints
+
+    assert {"M", "L", "M_l"} == {line.split("[known] ")[1].split(" is required")[0] for line in found}
+
+
+def test_a_good_rig_has_no_complaint() -> None:
+    """The bench's own rig: nothing is wrong, and what the log determines is listed with its interval."""
+    path = Path(__file__).resolve().parents[1] / "examples" / "bench" / "bench.toml"
+    found = eccentric.check_rig(path.with_name("bench.csv.gz"), path)
+
+    assert () == found.complaints
+    assert any(line.startswith("C_m = ") and "95 % interval" in line for line in found.estimated)

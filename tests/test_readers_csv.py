@@ -1,0 +1,143 @@
+"""CSV as it comes: decimal commas, dates, nanoseconds, a row of units, Latin-1, rows of several topics."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from eccentric.logs import Log, read_log
+from eccentric.rigs import read_rig
+from eccentric.signals import read_channels
+from tests.virtual import log_of
+
+
+@pytest.fixture
+def read(tmp_path: Path) -> Callable[[str | bytes], Log]:
+    """Return a function that reads a text or bytes as a CSV log."""
+
+    def run(content: str | bytes) -> Log:
+        path = tmp_path / "log.csv"
+        path.write_bytes(content.encode() if isinstance(content, str) else content)
+        return read_log(path)
+
+    return run
+
+
+def test_decimal_commas_between_semicolons(read: Callable[[str], Log]) -> None:
+    """As a spreadsheet of half of Europe writes it."""
+    log = read("t;i\n0,0;-1,5e-1\n0,1;\n0,2;,5\n")
+
+    np.testing.assert_array_equal([0.0, 0.1, 0.2], log.numbers("t"))
+    np.testing.assert_array_equal([-0.15, np.nan, 0.5], log.numbers("i"))
+
+
+def test_a_row_of_units(read: Callable[[str], Log]) -> None:
+    """The row below the header states units and is no data; lines are those of the file."""
+    log = read("t,speed,mode\n[s],[rpm],\n0,1,a\n1,2,a\n")
+
+    assert {"t": "s", "speed": "rpm"} == log.units
+    assert (2, "line 3") == (log.rows, log.place(0))
+    assert [1.0, 2.0] == log.numbers("speed").tolist()
+
+
+def test_a_row_of_text_is_not_taken_for_units(read: Callable[[str], Log]) -> None:
+    """A column of text, and a first row with one value that is none, stay data."""
+    assert ["a", "b"] == read("run,mode\na,x\nb,y\n").text("run").tolist()
+    assert 3 == read("t,i\n0,x\n1,2\n2,3\n").rows
+
+
+@pytest.mark.parametrize(
+    ("cells", "seconds"),
+    [
+        (("2024-05-01T12:00:00Z", "2024-05-01T12:00:00.250Z", "2024-05-01T14:00:01+02:00"), [0.0, 0.25, 1.0]),
+        (("2024-05-01 23:59:59.5", "2024-05-02 00:00:00", "2024-05-02 00:00:00.75"), [0.0, 0.5, 1.25]),
+    ],
+)
+def test_dates_are_seconds_from_the_first(
+    cells: tuple[str, ...], seconds: list[float], read: Callable[[str], Log]
+) -> None:
+    """ISO 8601, with a zone or without; the column has the unit s and a note says from when."""
+    log = read("stamp,i\n" + "".join(f"{cell},1\n" for cell in cells))
+
+    assert seconds == log.numbers("stamp").tolist()
+    assert "s" == log.units["stamp"]
+    assert any("2024-05-01" in note for note in log.notes)
+
+
+def test_nanoseconds_since_1970_keep_their_digits(read: Callable[[str], Log]) -> None:
+    """As floating point two stamps 100 ns apart would be one."""
+    log = read("ns,i\n1700000000000000000,1\n1700000000000000100,2\n1700000000004000000,3\n")
+
+    assert [0.0, 100.0, 4e6] == log.numbers("ns").tolist()
+    assert any("1700000000000000000" in note for note in log.notes)
+
+
+def test_latin_1_is_read_with_a_note(read: Callable[[bytes], Log]) -> None:
+    """A degree sign of an old Windows does not stop a log."""
+    log = read("Zeit;Winkel [°]\n0;1\n1;2\n".encode("latin-1"))
+
+    assert [1.0, 2.0] == log.numbers("Winkel [°]").tolist()
+    assert any("Latin-1" in note for note in log.notes)
+
+
+T = np.arange(200) / 100.0
+
+
+def test_rows_that_fill_columns_of_their_own_topic(read: Callable[[str], Log]) -> None:
+    """Angle and current in rows of their own, 5 ms apart: on the clock of the angle, the current linearly."""
+    rows = [(t, f"{np.sin(t):.9f}", "") for t in T] + [
+        (t + 0.005, "", f"{2 * (t + 0.005):.9f}") for t in T[:-1]
+    ]
+    log = read("t,angle,current\n" + "".join(f"{t:.3f},{a},{i}\n" for t, a, i in sorted(rows)))
+    inside = T[1:-1]  # before the first current nothing is known of it
+
+    assert log.numbers("t") + 0.01 == pytest.approx(inside)
+    assert log.numbers("angle") == pytest.approx(np.sin(inside), abs=1e-8)
+    assert log.numbers("current") == pytest.approx(2.0 * inside, abs=1e-8)
+    assert any("current linearly" in note for note in log.notes)
+
+
+def test_rows_that_name_their_channel(read: Callable[[str], Log]) -> None:
+    """Time, name and value in each row; a mode of whole numbers keeps its last value."""
+    rows = [(t, "angle", np.sin(t)) for t in T] + [(t + 0.004, "mode", float(t > 1.0)) for t in T[::10]]
+    log = read("t;signal;value\n" + "".join(f"{t:.4f};{n};{v:.9f}\n" for t, n, v in sorted(rows)))
+    t = log.numbers("t") + 0.01
+
+    assert log.numbers("angle") == pytest.approx(np.sin(t), abs=1e-8)
+    assert log.numbers("mode").tolist() == [float(one > 1.104 - 1e-9) for one in t]
+
+
+def test_a_log_that_lost_values_is_not_several_topics(read: Callable[[str], Log]) -> None:
+    """Columns that are filled together in some rows belong to one table, gaps and all."""
+    lines = (f"{t},{'' if k % 3 == 0 else 1},{'' if k % 3 == 1 else 2}\n" for k, t in enumerate(T))
+    log = read("t,a,b\n" + "".join(lines))
+
+    assert len(T) == log.rows
+    assert np.count_nonzero(np.isnan(log.numbers("a"))) == 67
+
+
+def test_runs_of_two_logs_keep_names_that_differ(tmp_path: Path) -> None:
+    """`holdout_runs` of the rig file matches them; runs of one name are told apart by their log."""
+    path, rig_path = log_of(tmp_path, 3, seconds=15.0)
+    log = read_log(path)
+    rig = {**__import__("json").loads(rig_path.read_text())}
+    rig.pop("holdout_intervals_s")
+    rig["columns"] = [*rig["columns"], "run"]
+    half = log.rows // 2
+
+    def part(name: str, rows: slice, file: str) -> Log:
+        columns = {c: x[rows] for c, x in log.columns.items()}
+        count = len(columns["time_s"])
+        return Log(file, {**columns, "run": np.full(count, name)}, count)
+
+    logs = [part("a", slice(0, half), "one/data.csv"), part("b", slice(half, None), "two/data.csv")]
+    channels = read_channels(logs, read_rig({**rig, "holdout_runs": ["b"]}))
+    assert ("a", "b") == channels.time.run_names
+    assert set(channels.time.run[channels.selection.held_out].tolist()) == {1}
+
+    alike = [logs[0], part("a", slice(half, None), "two/data.csv")]
+    channels = read_channels(alike, read_rig({**rig, "holdout_runs": ["data#2/*"]}))
+    assert ("data/a", "data#2/a") == channels.time.run_names
