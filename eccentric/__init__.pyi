@@ -9,13 +9,16 @@ from eccentric.api import CompareResult as CompareResult
 from eccentric.api import Correlation as Correlation
 from eccentric.api import DiagnosisResult as DiagnosisResult
 from eccentric.api import FitResult as FitResult
+from eccentric.api import FleetResult as FleetResult
 from eccentric.api import ResultTable as ResultTable
 from eccentric.api import adapt as adapt
 from eccentric.api import bench as bench
 from eccentric.api import bench_arm as bench_arm
+from eccentric.api import bench_fleet as bench_fleet
 from eccentric.api import compare as compare
 from eccentric.api import diagnose as diagnose
 from eccentric.api import diagnose_arm as diagnose_arm
+from eccentric.api import diagnose_fleet as diagnose_fleet
 from eccentric.api import emit as emit
 from eccentric.api import fit as fit
 from eccentric.api import fit_arm as fit_arm

@@ -7,7 +7,18 @@ May import: `errors`.  A new format is one more file beside `csv_file.py` and on
 """
 
 from eccentric.logs.arithmetic import evaluate
+from eccentric.logs.arrow import arrow_columns
 from eccentric.logs.log import Log, LogSource, read_log
 from eccentric.logs.units import Unit, parse_unit, parse_value, require_unit
 
-__all__ = ["Log", "LogSource", "Unit", "evaluate", "parse_unit", "parse_value", "read_log", "require_unit"]
+__all__ = [
+    "Log",
+    "LogSource",
+    "Unit",
+    "arrow_columns",
+    "evaluate",
+    "parse_unit",
+    "parse_value",
+    "read_log",
+    "require_unit",
+]

@@ -1,0 +1,45 @@
+"""Fleets: the logs of many joints over many periods, what drifts, and what changed.
+
+    sources       LOGS -> files, each of a joint and a period;   assigned  RIGS -> the rig of a joint
+    batches       a file as parts that fit in memory;  pieces  those as stretches of even samples
+    windows       samples -> means over windows, with the rates of the angle
+    columns       a rig and its model -> X and y
+    triangle      X and y -> sums, merged in any order, solved
+    sums          a file -> its sums;  store  sums as Parquet, a file for each joint and period
+    work          what a worker does;  cluster  Dask: work spread, survived workers;  gathered  both together
+    periods       sums -> coefficients with intervals, by joint and period
+    temperatures  those of joints with bad sensors, from the fleet
+    drift         a test for each coefficient, at a false discovery rate
+    changed       a joint against its own past, by its sums;  sample  logs for a diagnosis
+    found         what changed in words;  tables  all of it as files;  problems  what could not be done
+    page          what the page shows
+    run           the whole run
+    limits        every threshold, with its reason
+
+In: paths of logs and rigs. Out: `FleetFound`, and the sums of a fleet on disk.
+May import: `diagnosis` and all rooms below it. No log is ever written to.
+"""
+
+from eccentric.fleet.found import Drifting, Examined, Suspect
+from eccentric.fleet.limits import RATE
+from eccentric.fleet.page import fleet_page, fleet_sentence
+from eccentric.fleet.problems import Problem, as_csv
+from eccentric.fleet.run import FleetFound, Request, run_fleet
+from eccentric.fleet.tables import changes_csv, document_of, write_coefficients
+
+__all__ = [
+    "RATE",
+    "Drifting",
+    "Examined",
+    "FleetFound",
+    "Problem",
+    "Request",
+    "Suspect",
+    "as_csv",
+    "changes_csv",
+    "document_of",
+    "fleet_page",
+    "fleet_sentence",
+    "run_fleet",
+    "write_coefficients",
+]

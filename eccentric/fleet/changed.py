@@ -1,0 +1,122 @@
+"""What changed at a joint, from its sums alone: the coefficients that explain the recent periods from the past.
+
+The past fixes coefficients and what temperature does to them. The recent periods are then predicted, and one
+coefficient after another is allowed to change: the one that leaves the smallest error is named, with the
+error before and after. What no coefficient explains is left to a diagnosis.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from eccentric.fleet.drift import Change
+from eccentric.fleet.limits import EXPLAINED, LEAST_RANGE_K, SECOND
+from eccentric.fleet.periods import History, Period
+
+__all__ = ["Changed", "against_the_past", "recent_of"]
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Changed:
+    """What the sums of a joint say about a change.
+
+    `names` are the coefficients that changed, strongest first, empty if none explains it; `kinds` what each
+    is. `before` and `after` are RMS errors [N m] of the recent periods: with the coefficients of the past,
+    and with those named changed. `usual` is the error of the past's own coefficients on the past, `free` that
+    of all coefficients fitted to the recent periods, `explained` the part of the new error (squared) that
+    the names explain.
+    """
+
+    names: tuple[str, ...]
+    kinds: tuple[str, ...]
+    before: float
+    after: float
+    usual: float
+    free: float
+    explained: float
+    past: tuple[str, ...]
+    recent: tuple[str, ...]
+
+
+def recent_of(history: History, change: Change) -> tuple[list[Period], list[Period]]:
+    """Periods of the past and recent ones: before a change, and from where it has come half of its way."""
+    names = [p.period for p in history.periods]
+    first = names.index(change.since)
+    half = first if change.shape == "step" else (first + len(names)) // 2
+    return list(history.periods[:first]), list(history.periods[half:])
+
+
+def against_the_past(history: History, change: Change, heat: Mapping[str, float]) -> Changed:
+    """What changed at a joint since a change; `heat` [deg C] is the temperature by period, where known."""
+    past, recent = recent_of(history, change)
+    headings = history.headings
+    k = len(headings)
+    friction = np.array([h.is_friction for h in headings])
+    warmth = _warmth(past, recent, heat)
+
+    def rows(p: Period) -> tuple[Array, Array]:
+        x, y = p.triangle[:, :k], p.triangle[:, k]
+        return np.column_stack([x, x[:, friction] * warmth[p.period]]), y
+
+    base, usual = _least(list(map(rows, past)), past)
+    left = [(rows(p)[0][:, :k], rows(p)[1] - rows(p)[0] @ base) for p in recent]
+    windows = sum(p.windows for p in recent)
+
+    def error(columns: Sequence[int]) -> float:
+        x = np.concatenate([x[:, list(columns)] for x, _ in left])
+        y = np.concatenate([y for _, y in left])
+        if columns:
+            y = y - x @ np.linalg.lstsq(x, y, rcond=None)[0]
+        return math.sqrt(float(y @ y) / windows)
+
+    before, free = error([]), error(range(k))
+    new = max(before**2 - min(usual, free) ** 2, np.finfo(float).tiny)
+
+    def explained(columns: Sequence[int]) -> float:
+        return (before**2 - error(columns) ** 2) / new
+
+    first = max(range(k), key=lambda j: explained([j]))
+    chosen = [first]
+    second = max((j for j in range(k) if j != first), key=lambda j: explained([first, j]))
+    if explained([first, second]) - explained([first]) > SECOND:
+        chosen.append(second)
+    part = explained(chosen)
+    named = chosen if part >= EXPLAINED else []
+    return Changed(
+        tuple(headings[j].name for j in named),
+        tuple(headings[j].kind for j in named),
+        before,
+        error(named) if named else error(range(k)),
+        usual,
+        free,
+        part,
+        tuple(p.period for p in past),
+        tuple(p.period for p in recent),
+    )
+
+
+def _warmth(past: Sequence[Period], recent: Sequence[Period], heat: Mapping[str, float]) -> dict[str, float]:
+    """Temperatures over their range in the past, from its mean; all 0 where the past has too little range."""
+    known = [heat.get(p.period, math.nan) for p in (*past, *recent)]
+    range_of_past = np.ptp(known[: len(past)]) if past else 0.0
+    if not np.all(np.isfinite(known)) or range_of_past < LEAST_RANGE_K or len(past) < 3:
+        return {p.period: 0.0 for p in (*past, *recent)}
+    middle = float(np.mean(known[: len(past)]))
+    return {
+        p.period: (t - middle) / float(range_of_past) for p, t in zip((*past, *recent), known, strict=True)
+    }
+
+
+def _least(rows: Sequence[tuple[Array, Array]], periods: Sequence[Period]) -> tuple[Array, float]:
+    """Least squares over the rows of several periods: values, and the RMS error per window."""
+    x, y = np.concatenate([x for x, _ in rows]), np.concatenate([y for _, y in rows])
+    values = np.linalg.lstsq(x, y, rcond=None)[0]
+    left = y - x @ values
+    return values, math.sqrt(float(left @ left) / sum(p.windows for p in periods))
