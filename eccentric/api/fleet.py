@@ -21,6 +21,7 @@ from eccentric.fleet import (
     FleetFound,
     Problem,
     Request,
+    Sample,
     Suspect,
     as_csv,
     changes_csv,
@@ -31,6 +32,7 @@ from eccentric.fleet import (
     write_coefficients,
 )
 from eccentric.output import own_folder, whole_file, whole_folder
+from eccentric.rigs import Rig
 from eccentric.version import __version__
 
 __all__ = ["FleetResult", "diagnose_fleet"]
@@ -56,11 +58,11 @@ def diagnose_fleet(
 
     Args:
         logs: a folder or a glob of logs, best Parquet, in folders such as joint=J7/month=2025-03.
-        rigs: a rig file for all joints, or a table (.csv, .toml) that maps joints to rig files and own values.
+        rigs: a rig file for all joints, or a table (.csv, .toml) of joints, their rig files and own values.
         out: a folder of its own for sums, coefficients, the page and the joints' reports.
-        pattern: how the names of files tell joint and period where folders do not, "{joint}_{period}.parquet".
-        scheduler: the address of a Dask scheduler, whose workers see the logs under the same paths; by default
-            a cluster on this machine.
+        pattern: how file names tell joint and period where folders do not: "{joint}_{period}.parquet".
+        scheduler: the address of a Dask scheduler, whose workers see the logs under the same paths; by
+            default a cluster on this machine.
         workers: processes of that cluster, by default one for each processor.
         rate: false discovery rate of the tests, above 0 and below 1.
         progress: told the part that is done, and of what.
@@ -111,7 +113,7 @@ class FleetResult(Printed):
     """What a fleet's run found. It prints as `summary()`.
 
     Attributes:
-        drifting: joints that changed, the most urgent first: what changed, since when, errors before and after.
+        drifting: joints that changed, the most urgent first: what, since when, errors before and after.
         problems: what could not be done, as in problems.csv; all else was.
         files: logs that were read in this run; `reused`: those whose sums were there.
         lines, warnings, document: as in Printed; the document is the content of fleet.json.
@@ -152,15 +154,19 @@ def _examined(suspects: Sequence[Suspect]) -> list[tuple[DiagnosisResult | None,
     found: list[tuple[DiagnosisResult | None, tuple[str, ...], str]] = []
     for suspect in suspects:
         try:
-            if suspect.recent is None:
-                raise InputError(f"{suspect.joint}: a log of the recent periods is required, none is there")
             past: tuple[str, ...] = ()
-            if not suspect.changed.names and suspect.past is not None:
-                past = _families(diagnose(suspect.past.log(suspect.rig), suspect.rig))
-            found.append((diagnose(suspect.recent.log(suspect.rig), suspect.rig), past, ""))
+            if not suspect.changed.names:
+                past = _families(_diagnosed(suspect.rig, suspect.past, "past"))
+            found.append((_diagnosed(suspect.rig, suspect.recent, "recent"), past, ""))
         except InputError as error:
             found.append((None, (), str(error)))
     return found
+
+
+def _diagnosed(rig: Rig, sample: Sample | None, when: str) -> DiagnosisResult:
+    if sample is None:
+        raise InputError(f"a log of the {when} periods is required for a diagnosis, none is there any longer")
+    return diagnose(sample.log(rig), rig)
 
 
 def _families(found: DiagnosisResult) -> tuple[str, ...]:

@@ -19,7 +19,9 @@ eccentric fleet /data/fleet --rigs rigs.csv --out report --scheduler tcp://10.0.
 
 PROBLEMS = 1
 """Exit status of a run that has done all that could be done, and names the rest in problems.csv."""
-_STATUS = f"exit status: 0; {PROBLEMS} if all that can be done is written and problems.csv has a row; 2 on bad input"
+_STATUS = (
+    f"exit status: 0; {PROBLEMS} if what could be done is written and problems.csv has a row; 2 on bad input"
+)
 _OPTIONS = {"pattern": "--pattern", "rate": "--rate", "workers": "--workers"}
 _SHOWN = 8
 """Problems printed; all are in problems.csv."""
@@ -31,7 +33,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
     add(
         "logs",
         metavar="LOGS",
-        help="a folder or a glob of logs, .parquet, .csv[.gz], .mat, in folders such as joint=J7/month=2025-03",
+        help="a folder or glob of logs, .parquet, .csv[.gz], .mat, in folders such as joint=J7/month=2025-03",
     )
     add(
         "--rigs",
@@ -44,13 +46,13 @@ def configure(parser: argparse.ArgumentParser) -> None:
         metavar="DIR",
         type=Path,
         required=True,
-        help="folder of its own for sums, coefficients, the page and reports; what is there from an earlier run "
-        "is used: only new and changed logs are read",
+        help="folder of its own for sums, coefficients, the page and reports; what is there from an earlier "
+        "run is used: only new and changed logs are read",
     )
     add("--pattern", metavar="NAME", help="how file names tell joint and period: '{joint}_{period}.parquet'")
     add("--scheduler", metavar="ADDRESS", help="a Dask scheduler (by default a cluster on this machine)")
     add("--workers", metavar="N", type=int, help="processes on this machine (one for each processor)")
-    add("--rate", metavar="Q", type=float, default=0.05, help="false discovery rate of the tests (0.05)")
+    add("--rate", metavar="Q", type=float, default=0.01, help="false discovery rate of the tests (0.01)")
     parser.description = f"{parser.description}\n\n{_STATUS}"
 
 
@@ -77,7 +79,7 @@ def run(args: argparse.Namespace) -> int:
 
 
 def _bar() -> Callable[[float, str], None] | None:
-    """A bar on a terminal with the time left of each stage, nothing elsewhere; gone when the stage is done."""
+    """A bar with the time left of each stage on a terminal, nothing elsewhere; gone at the end of it."""
     if sys.stderr is None or not sys.stderr.isatty():
         return None
     begun: dict[str, float] = {}

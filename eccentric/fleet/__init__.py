@@ -25,6 +25,7 @@ from eccentric.fleet.limits import RATE
 from eccentric.fleet.page import fleet_page, fleet_sentence
 from eccentric.fleet.problems import Problem, as_csv
 from eccentric.fleet.run import FleetFound, Request, run_fleet
+from eccentric.fleet.sample import Sample
 from eccentric.fleet.tables import changes_csv, document_of, write_coefficients
 
 __all__ = [
@@ -34,6 +35,7 @@ __all__ = [
     "FleetFound",
     "Problem",
     "Request",
+    "Sample",
     "Suspect",
     "as_csv",
     "changes_csv",

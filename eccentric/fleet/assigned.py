@@ -102,7 +102,9 @@ def _of_toml(joints: object, path: Path) -> dict[str, tuple[str, Mapping[str, An
         table = read_table(entry, where)
         refuse_unknown(table, ("rig", "known"), where)
         if not isinstance(table.get("rig"), str):
-            raise InputError(f"{where}: rig: the path of a rig file is required, received {table.get('rig')!r}")
+            raise InputError(
+                f"{where}: rig: the path of a rig file is required, received {table.get('rig')!r}"
+            )
         found[joint] = table["rig"], read_table(table.get("known", {}), f"{where}: known")
     return found
 

@@ -1,4 +1,4 @@
-"""What changed at a joint, from its sums alone: the coefficients that explain the recent periods from the past.
+"""What changed at a joint, by its sums alone: the coefficients that explain the recent periods.
 
 The past fixes coefficients and what temperature does to them. The recent periods are then predicted, and one
 coefficient after another is allowed to change: the one that leaves the smallest error is named, with the
@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from eccentric.fleet.drift import Change
-from eccentric.fleet.limits import EXPLAINED, LEAST_RANGE_K, SECOND
+from eccentric.fleet.limits import EXPLAINED, LEAST_CHANGE, LEAST_RANGE_K, SECOND
 from eccentric.fleet.periods import History, Period
 
 __all__ = ["Changed", "against_the_past", "recent_of"]
@@ -31,7 +31,7 @@ class Changed:
     is. `before` and `after` are RMS errors [N m] of the recent periods: with the coefficients of the past,
     and with those named changed. `usual` is the error of the past's own coefficients on the past, `free` that
     of all coefficients fitted to the recent periods, `explained` the part of the new error (squared) that
-    the names explain.
+    the names explain; `level` is the mean friction torque of the past [N m].
     """
 
     names: tuple[str, ...]
@@ -41,8 +41,15 @@ class Changed:
     usual: float
     free: float
     explained: float
-    past: tuple[str, ...]
-    recent: tuple[str, ...]
+    level: float
+
+    @property
+    def matters(self) -> bool:
+        """Whether the past predicts the recent periods worse than itself, by enough of the friction torque.
+
+        Coefficients that are alike may trade with each other and predict the same.
+        """
+        return self.before**2 - self.usual**2 > (LEAST_CHANGE * self.level) ** 2
 
 
 def recent_of(history: History, change: Change) -> tuple[list[Period], list[Period]]:
@@ -97,8 +104,7 @@ def against_the_past(history: History, change: Change, heat: Mapping[str, float]
         usual,
         free,
         part,
-        tuple(p.period for p in past),
-        tuple(p.period for p in recent),
+        float(np.nanmean([p.friction[0] for p in past])),
     )
 
 

@@ -23,11 +23,11 @@ Item = TypeVar("Item")
 Result = TypeVar("Result")
 
 
-class SchedulerLost(Exception):  # noqa: N818 - it is what happened
+class SchedulerLost(Exception):
     """The scheduler went away; what was done until then has been yielded."""
 
 
-class Failed(Exception):  # noqa: N818 - a result in place of one
+class Failed(Exception):
     """Why an item has no result, in a line."""
 
 
@@ -63,7 +63,9 @@ def connected(scheduler: str | None, workers: int) -> Iterator[Any]:
             client = distributed.Client(scheduler, timeout="10s")
         except (OSError, ValueError) as error:
             said = str(error).splitlines()[0]
-            raise InputError(f"--scheduler {scheduler}: a Dask scheduler is required there ({said})") from None
+            raise InputError(
+                f"--scheduler {scheduler}: a Dask scheduler is required there ({said})"
+            ) from None
         try:
             yield client
         finally:
@@ -98,10 +100,8 @@ def spread(
         raise SchedulerLost(str(error).splitlines()[0] if str(error) else type(error).__name__) from None
 
 
-def _results(
-    future: Any, task: Sequence[Item], waiting: deque[Sequence[Item]]
-) -> Iterator[tuple[Item, Any]]:
-    """The results of a task that has come to an end; items of one that killed its workers wait on their own."""
+def _results(future: Any, task: Sequence[Item], waiting: deque[Sequence[Item]]) -> Iterator[tuple[Item, Any]]:
+    """The results of a task that has ended; the items of one that killed its workers wait on their own."""
     if future.status == "finished":
         yield from zip(task, future.result(), strict=True)
         return

@@ -1,10 +1,10 @@
 """A rig and its model as columns: target = X b + residual on window means, in newton metres at the motor.
 
-    friction   one column for each coefficient of the regressor of the emitted model
-    inertia    where the rig does not give it
-    scale      J alpha + G as the rig knows them, 1 by definition: what changes it is the gain of the sensor,
-               the torque constant, or the load that is carried
-    offset     a constant torque: an offset of the sensor, or a constant load
+friction   one column for each coefficient of the regressor of the emitted model
+inertia    where the rig does not give it
+scale      J alpha + G as the rig knows them, 1 by definition: what changes it is the gain of the sensor,
+           the torque constant, or the load that is carried
+offset     a constant torque: an offset of the sensor, or a constant load
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 
 from eccentric.errors import InputError, few
 from eccentric.fitting import LOAD, Emitted, Machine, load_gain, load_letters, require_case, with_own
-from eccentric.model import Load, Model, Role, load_model, regressor
+from eccentric.model import Load, Role, load_model, regressor
 from eccentric.rigs import Rig
 
 __all__ = ["OFFSET", "SCALE", "Columns", "Heading"]

@@ -1,4 +1,4 @@
-"""What is found of a joint that drifts, in words: what changed, since when, how sure, what to look at first."""
+"""What is found of a joint that drifts, in words: what changed, since when, how urgent it is."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ NOT_FRICTION = frozenset({"scale", "offset", "inertia"})
 
 @dataclass(frozen=True)
 class Suspect:
-    """A joint that drifts, before its diagnosis: its significant changes, strongest first, and its sums' word.
+    """A joint that drifts, before its diagnosis: its significant changes, strongest first; what sums say.
 
     `past` and `recent` are the logs that a diagnosis compares, None where no log of the time is there.
     """
@@ -104,4 +104,3 @@ def drifting_of(suspect: Suspect, examined: Examined) -> Drifting:
         *(suspect.joint, what, tuple(names), sensor, strongest.since, part, strongest.p),
         *(before, after, unit, examined.report, suspect.changes),
     )
-

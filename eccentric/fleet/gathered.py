@@ -1,4 +1,4 @@
-"""Logs -> sums on disk: what is there already stays, the rest is done on the cluster and written as it comes."""
+"""Logs -> sums on disk: what is there stays, the rest is done on the cluster and written as it comes."""
 
 from __future__ import annotations
 
@@ -118,7 +118,7 @@ def stored_of(out: Path, joint: str, recipe: str) -> dict[str, list[Stored]]:
 
 
 def _write(out: Path, place: Place, rows: Sequence[Stored], recipe: str) -> None:
-    """Write new sums beside those of the place's other files, of which the ones of another rig are dropped."""
+    """Write new sums beside those of the place's other files; the ones of another rig are dropped."""
     path = place_of(out, *place)
     new = {row.name: row for row in rows}
     kept = {row.name: row for row in read(path) if row.recipe == recipe and row.name not in new}

@@ -84,7 +84,15 @@ def _row(rank: int, one: Drifting) -> _Row:
     relative = f"{100.0 * one.part:+.0f} %".replace("-", "−")
     return _Row(
         *(rank, one.joint, one.report, one.what, one.since, relative, abs(one.part)),
-        *(number(one.p, 2), one.p, number(one.before, 3), number(one.after, 3), one.before, one.after, one.unit),
+        *(
+            number(one.p, 2),
+            one.p,
+            number(one.before, 3),
+            number(one.after, 3),
+            one.before,
+            one.after,
+            one.unit,
+        ),
     )
 
 
@@ -142,7 +150,8 @@ def _levels(found: FleetFound, periods: Sequence[str]) -> dict[str, Any]:
     def drawn(x: Array, y: Array) -> str:
         right = max(len(periods) - 1, 1)
         return _path(
-            _scaled(x, 0.0, right, 40.0, _LEVEL_WIDE - _EDGE), _scaled(y, low, high, _LEVEL_HIGH - 24.0, _EDGE)
+            _scaled(x, 0.0, right, 40.0, _LEVEL_WIDE - _EDGE),
+            _scaled(y, low, high, _LEVEL_HIGH - 24.0, _EDGE),
         )
 
     def kind(joint: str) -> str:

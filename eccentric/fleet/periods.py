@@ -28,7 +28,8 @@ class Period:
 
     `triangle` (k + 1, k + 1) are the sums behind them, of `windows` rows. `friction` is the mean size of the
     friction torque over the motion and `residual` the RMS of what the columns leave, each with its standard
-    error [N m]. `sizes` (k,) are the RMS of the columns: a change of a coefficient times its size is a torque.
+    error [N m]. `sizes` (k,) are the RMS of the columns: the change of a coefficient times its size is a
+    torque.
     """
 
     period: str
@@ -100,9 +101,7 @@ def history_of(joint: str, stored: Mapping[str, Sequence[Stored]]) -> tuple[Hist
     return History(joint, headings, tuple(found)), problems
 
 
-def _period(
-    name: str, stack: Array, headings: Sequence[Heading], coverage: Coverage, windows: int
-) -> Period:
+def _period(name: str, stack: Array, headings: Sequence[Heading], coverage: Coverage, windows: int) -> Period:
     solved, triangle = solve(stack), merged(stack)
     k = len(headings)
     gram = triangle[:k, :k].T @ triangle[:k, :k]

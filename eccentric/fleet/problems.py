@@ -12,7 +12,7 @@ __all__ = ["Problem", "as_csv"]
 
 @dataclass(frozen=True, order=True)
 class Problem:
-    """A problem of a joint, a period or a file, as far as known; `kind` in a word or two, `text` in a line."""
+    """A problem of a joint, period or file, as far as known; `kind` in a word or two, `text` in a line."""
 
     joint: str
     period: str

@@ -7,7 +7,7 @@ from contextlib import ExitStack
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
-from typing import Any
+from typing import Any, Self
 
 from eccentric.fleet.assigned import Assigned
 from eccentric.fleet.changed import against_the_past, recent_of
@@ -35,9 +35,7 @@ Known = Callable[[Suspect], Examined | None]
 
 @dataclass(frozen=True)
 class Request:
-    """What is asked: logs and rigs as given, a pattern of names, the scheduler or the number of workers, the
-    false discovery rate.
-    """
+    """What is asked: logs and rigs as given, a pattern of names, a scheduler or workers, a discovery rate."""
 
     logs: str
     rigs: str
@@ -95,11 +93,17 @@ def run_fleet(
         heat, said = temperatures_of(histories)
         problems += said
         tested = changes([one for h in histories for one in series_of(h, heat[h.joint])], request.rate)
+        called: dict[str, list[Change]] = {}
+        for change in tested:
+            if change.counts:
+                called.setdefault(change.series.joint, []).append(change)
+        by_name = {history.joint: history for history in histories}
         suspects = [
-            _suspect(history, tested, heat[history.joint], plan.rigs[history.joint], found)
-            for history in histories
-            if any(c.counts for c in tested if c.series.joint == history.joint)
-            for found in [_samples(out, history.joint, plan.recipes[history.joint], by_joint)]
+            suspect
+            for joint, own in called.items()
+            for samples in [_samples(out, joint, plan.recipes[joint], by_joint)]
+            for suspect in [_suspect(by_name[joint], own, heat[joint], plan.rigs[joint], samples)]
+            if suspect.changed.matters
         ]
         examined = {s.joint: word for s in suspects if (word := known(s)) is not None}
         left = [suspect for suspect in suspects if suspect.joint not in examined]
@@ -131,7 +135,7 @@ class _Cluster:
         """The client."""
         return self._stack.enter_context(connected(self._request.scheduler, self._request.workers))
 
-    def __enter__(self) -> _Cluster:
+    def __enter__(self) -> Self:
         return self
 
     def __exit__(self, *of: object) -> None:
@@ -159,11 +163,10 @@ def _examined(
 
 
 def _suspect(
-    history: History, tested: Sequence[Change], heat: Mapping[str, float], rig: Rig, samples: _Samples
+    history: History, called: Sequence[Change], heat: Mapping[str, float], rig: Rig, samples: _Samples
 ) -> Suspect:
     """What is known of a joint that drifts, and the logs of its past and of now."""
-    own = [c for c in tested if c.series.joint == history.joint and c.counts]
-    own.sort(key=lambda change: (change.p, -abs(change.part)))
+    own = sorted(called, key=lambda change: (change.p, -abs(change.part)))
     past, recent = recent_of(history, own[0])
     return Suspect(
         history.joint,

@@ -27,8 +27,9 @@ _WIDTH = {"year": 4, "month": 2, "week": 2, "day": 2}
 
 @dataclass(frozen=True, order=True)
 class LogFile:
-    """A log of a joint in a period; `name` is its path below the root, `size` [bytes] and `changed` [ns]
-    tell whether it is the one that was read before.
+    """A log of a joint in a period; `name` is its path below the root.
+
+    `size` [bytes] and `changed` [ns] tell whether it is the one that was read before.
     """
 
     joint: str
@@ -76,7 +77,7 @@ def _listed(logs: str) -> tuple[Path, list[Path]]:
     if place.is_dir():
         root, listed = place, list(place.rglob("*"))
     else:
-        listed = [Path(name) for name in glob(str(place), recursive=True)]
+        listed = [Path(name) for name in glob(str(place), recursive=True)]  # noqa: PTH207 - absolute or not
         # Folders such as joint=J7 count wherever they are, also in the part of a glob that is fixed.
         plain = [k for k, part in enumerate(place.parts) if not set(part) & set("*?[=")]
         fixed = next((k for k, part in enumerate(place.parts[:-1]) if k not in plain), len(place.parts) - 1)
@@ -84,7 +85,9 @@ def _listed(logs: str) -> tuple[Path, list[Path]]:
     paths = [p for p in listed if p.name.lower().endswith(SUFFIXES) and p.is_file()]
     paths = [p for p in paths if not any(part.startswith((".", "_")) for part in p.relative_to(root).parts)]
     if not paths:
-        raise InputError(f"{logs}: a folder or glob with logs ({', '.join(SUFFIXES)}) is required, found none")
+        raise InputError(
+            f"{logs}: a folder or glob with logs ({', '.join(SUFFIXES)}) is required, found none"
+        )
     return root, paths
 
 

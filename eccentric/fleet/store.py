@@ -112,9 +112,7 @@ def _rows(table: Any) -> Iterable[dict[str, Any]]:
     plain = {name: table[name].to_pylist() for name in table.column_names if name != "triangles"}
     lists = table["triangles"].combine_chunks()
     for k in range(table.num_rows):
-        yield {name: values[k] for name, values in plain.items()} | {
-            "triangles": lists[k].values.to_numpy()  # noqa: PD011 - of an Arrow list
-        }
+        yield {name: values[k] for name, values in plain.items()} | {"triangles": lists[k].values.to_numpy()}
 
 
 def _stored(row: dict[str, Any], headings: tuple[Heading, ...]) -> Stored:

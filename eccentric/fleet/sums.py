@@ -41,7 +41,7 @@ class Coverage:
 
 @dataclass(frozen=True)
 class FileSums:
-    """The sums of one file: triangles (BLOCKS, k + 1, k + 1) of [X y], windows in each (BLOCKS,), coverage."""
+    """Sums of one file: triangles (BLOCKS, k + 1, k + 1) of [X y], windows in each (BLOCKS,), coverage."""
 
     triangles: Array
     windows: Integers

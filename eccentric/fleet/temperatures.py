@@ -69,5 +69,3 @@ def _stuck(periods: Sequence[Period]) -> list[str]:
         if len(run) >= STUCK_PERIODS:
             found = sorted({*found, *(p.period for p in run)})
     return found
-
-

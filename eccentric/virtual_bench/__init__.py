@@ -2,8 +2,8 @@
 
     random_scenario -> Scenario (plant, controller, course, effects) -> simulate -> BenchRun -> write -> files
 
-and the same for arms, in `arms`: `random_arm_scenario`, `simulate_arm`, `write_arm`; and a fleet of drives over
-months, in closed form: `fleet_plan`, `write_fleet`.
+and the same for arms, in `arms`: `random_arm_scenario`, `simulate_arm`, `write_arm`; and a fleet of drives
+over months, in closed form: `fleet_plan`, `write_fleet`.
 
 In: the arguments of `random_scenario`. Out: a log, its rig and the sealed truth, in memory (`BenchRun`) or
 as files. It imports nothing from the toolkit but its error and how files are written, so that it can

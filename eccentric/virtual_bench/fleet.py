@@ -83,14 +83,14 @@ class FleetPlan:
         t = np.arange(self.rows) / self.rate_hz
         theta, omega, alpha = _motion(random, t, joint.known["mu"])
         stuck = joint.way == "temperature stuck" and period >= joint.since
-        warm = _temperature(period, len(self.periods), joint) + 3.0 * (1.0 - np.exp(-t / 400.0))
+        warm = _temperature(period, joint) + 3.0 * (1.0 - np.exp(-t / 400.0))
         torque = _torque(joint, random, joint.grown(period), theta, omega, alpha, warm)
         current = torque / joint.known["k_i"]
         current = current + 0.01 * np.max(np.abs(current)) * random.standard_normal(self.rows)
         if joint.way == "current offset":
             current = current + joint.grown(period) * joint.strength * np.mean(np.abs(current))
         if stuck:
-            warm = np.full_like(warm, round(_temperature(joint.since, len(self.periods), joint), 1))
+            warm = np.full_like(warm, round(_temperature(joint.since, joint), 1))
         step = 2.0 * pi / COUNTS
         return {
             "time_s": t,
@@ -143,7 +143,7 @@ def fleet_plan(
         healthy[k] = replace(
             healthy[k],
             way=way,
-            since=int(random.integers(first, max(first + 1, periods - 2))),
+            since=min(int(random.integers(first, max(first + 1, periods - 2))), periods - 1),
             lasts=int(random.integers(1, max(2, periods // 3))),
             strength=float(random.uniform(0.25, 0.5)),
         )
@@ -212,7 +212,7 @@ def _motion(random: Generator, t: Array, mu: float) -> tuple[Array, Array, Array
     return theta, omega, alpha
 
 
-def _temperature(period: int, periods: int, joint: FleetJoint) -> float:
+def _temperature(period: int, joint: FleetJoint) -> float:
     """Mean temperature of a month [deg C]: coldest in the first, warmest half a year later."""
     wobble = float(default_rng([joint.seed, period, 7]).normal(0.0, 1.0))
     return 22.0 + joint.warmer - 8.0 * np.cos(2.0 * pi * period / 12.0) + wobble
@@ -241,9 +241,7 @@ def _torque(
     return inertia * alpha + mu * rig["M"] * rig["L"] * rig["g"] * np.sin(link) + sign * friction
 
 
-def _shape(
-    way: str, joint: FleetJoint, link: Array, omega: Array, normal: Array, thin: Array
-) -> Array:
+def _shape(way: str, joint: FleetJoint, link: Array, omega: Array, normal: Array, thin: Array) -> Array:
     """How a change depends on the motion, (n,); of the three in the base model the mean is 1."""
     if way == "coulomb":
         return np.ones_like(omega)

@@ -1,4 +1,4 @@
-"""FleetPlan -> a folder: logs/joint=.../month=.../log.parquet, rigs.csv, its rig files, truth.json (sealed)."""
+"""FleetPlan -> a folder: logs/joint=.../month=.../log.parquet, rigs.csv, rig files, truth.json (sealed)."""
 
 from __future__ import annotations
 
