@@ -205,7 +205,8 @@ def _known(out: Path, suspect: Suspect) -> Examined | None:
         content = json.loads(place.with_name(f"{place.name}.json").read_text(encoding="utf-8"))
         if content.pop("of") != _digest(suspect) or not (place / "report.html").is_file():
             return None
-        return Examined(**{k: tuple(x) if isinstance(x, list) else x for k, x in content.items()})
+        lists = {name: tuple(content.pop(name)) for name in ("families", "effects")}
+        return Examined(**lists, **content)
     except (OSError, ValueError, KeyError, TypeError):
         return None
 

@@ -20,7 +20,7 @@ eccentric fleet /data/fleet --rigs rigs.csv --out report --scheduler tcp://10.0.
 PROBLEMS = 1
 """Exit status of a run that has done all that could be done, and names the rest in problems.csv."""
 _STATUS = (
-    f"exit status: 0; {PROBLEMS} if what could be done is written and problems.csv has a row; 2 on bad input"
+    f"exit status: 0; {PROBLEMS} if problems.csv names what could not be done, all else is; 2 on bad input"
 )
 _OPTIONS = {"pattern": "--pattern", "rate": "--rate", "workers": "--workers"}
 _SHOWN = 8

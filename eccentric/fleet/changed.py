@@ -123,6 +123,6 @@ def _warmth(past: Sequence[Period], recent: Sequence[Period], heat: Mapping[str,
 def _least(rows: Sequence[tuple[Array, Array]], periods: Sequence[Period]) -> tuple[Array, float]:
     """Least squares over the rows of several periods: values, and the RMS error per window."""
     x, y = np.concatenate([x for x, _ in rows]), np.concatenate([y for _, y in rows])
-    values = np.linalg.lstsq(x, y, rcond=None)[0]
+    values = np.asarray(np.linalg.lstsq(x, y, rcond=None)[0], float)
     left = y - x @ values
     return values, math.sqrt(float(left @ left) / sum(p.windows for p in periods))

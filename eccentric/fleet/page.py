@@ -120,7 +120,7 @@ def _panel(one: Drifting) -> dict[str, Any]:
 def _small(values: Array, reach: Array, since: int) -> dict[str, Any]:
     """Points, bars and the beginning of a change in the units of a small drawing."""
     low, high = float(np.min(values - reach)), float(np.max(values + reach))
-    x = _scaled(np.arange(len(values)), 0.0, max(len(values) - 1, 1), _EDGE, _WIDE - _EDGE)
+    x = _scaled(np.arange(len(values), dtype=float), 0.0, max(len(values) - 1, 1), _EDGE, _WIDE - _EDGE)
     y, top, bottom = (
         _scaled(at, low, high, _HIGH - _EDGE, _EDGE) for at in (values, values + reach, values - reach)
     )

@@ -78,4 +78,6 @@ def solve(stack: Array) -> Solved:
     # R^-1 R^-T is the inverse of X'X.
     half = np.linalg.solve(whole[:k, :k].T, score.T)
     spread = np.linalg.solve(whole[:k, :k], half)
-    return Solved(values, spread @ spread.T * (held / freedom), freedom, float(whole[k, k] ** 2))
+    return Solved(
+        np.asarray(values, float), spread @ spread.T * (held / freedom), freedom, float(whole[k, k] ** 2)
+    )

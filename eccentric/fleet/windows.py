@@ -45,8 +45,8 @@ def rates(x: Array, share: int, step_s: float) -> tuple[Array, Array, Array]:
 def any_in(flag: NDArray[np.bool_], share: int) -> NDArray[np.bool_]:
     """Whether a flag (n,) is set anywhere in each window (m,)."""
     count = len(flag) // share
-    part = flag[: count * share].reshape(count, share).any(axis=1)
-    return np.logical_or.reduce([part[k : count - SHARES + 1 + k] for k in range(SHARES)])
+    part = np.any(flag[: count * share].reshape(count, share), axis=1)
+    return np.any([part[k : count - SHARES + 1 + k] for k in range(SHARES)], axis=0)
 
 
 def _windows(x: Array, share: int, kernels: Array) -> Array:
