@@ -15,7 +15,7 @@ from contextlib import contextmanager
 from typing import Any, TypeVar
 
 from eccentric.errors import InputError
-from eccentric.fleet.limits import AHEAD, WORKER_BYTES
+from eccentric.fleet.limits import AHEAD, CONNECT, DEATHS, WORKER_BYTES
 
 __all__ = ["Failed", "SchedulerLost", "connected", "spread"]
 
@@ -41,8 +41,12 @@ def connected(scheduler: str | None, workers: int) -> Iterator[Any]:
         distributed, dask = (importlib.import_module(name) for name in ("distributed", "dask"))
     except ImportError:
         raise InputError('fleet: dask and distributed are required: pip install "eccentric[fleet]"') from None
-    quiet = {"distributed.comm.timeouts.connect": "10s", "distributed.admin.tick.limit": "1h"}
-    with dask.config.set(quiet):
+    settings = {
+        "distributed.comm.timeouts.connect": CONNECT,
+        "distributed.admin.tick.limit": "1h",
+        "distributed.scheduler.allowed-failures": DEATHS,
+    }
+    with dask.config.set(settings):
         if scheduler is None:
             with (
                 distributed.LocalCluster(
@@ -50,7 +54,7 @@ def connected(scheduler: str | None, workers: int) -> Iterator[Any]:
                     threads_per_worker=1,
                     processes=True,
                     memory_limit=WORKER_BYTES,
-                    dashboard_address=None,
+                    dashboard_address="127.0.0.1:0",
                     silence_logs=logging.CRITICAL,
                 ) as cluster,
                 distributed.Client(cluster) as client,
@@ -60,7 +64,7 @@ def connected(scheduler: str | None, workers: int) -> Iterator[Any]:
         for name in ("distributed.client", "distributed.core"):
             logging.getLogger(name).setLevel(logging.CRITICAL)
         try:
-            client = distributed.Client(scheduler, timeout="10s")
+            client = distributed.Client(scheduler, timeout=CONNECT)
         except (OSError, ValueError) as error:
             said = str(error).splitlines()[0]
             raise InputError(

@@ -68,10 +68,11 @@ def plan_of(logs: Iterable[LogFile], rigs: Assigned, out: Path) -> Plan:
     return plan
 
 
-def gather(plan: Plan, client: Any, out: Path, told: Told) -> list[Problem]:
+def gather(plan: Plan, client: Any, out: Path, told: Told) -> tuple[list[Problem], int]:
     """Do the jobs of a plan; each joint and period is written when its last file is done.
 
-    A scheduler that goes away ends it: what was done is kept, and that is one problem.
+    Returns the problems, and the number of files that were read. A scheduler that goes away ends it: what was
+    done is kept, and that is one problem.
     """
     problems: list[Problem] = []
     left = {place: len(jobs) for place, jobs in plan.jobs.items()}
@@ -103,7 +104,7 @@ def gather(plan: Plan, client: Any, out: Path, told: Told) -> list[Problem]:
     finally:
         for place in list(made):
             put(place)
-    return problems
+    return problems, done
 
 
 def stored_of(out: Path, joint: str, recipe: str) -> dict[str, list[Stored]]:

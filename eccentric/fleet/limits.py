@@ -84,5 +84,10 @@ TASK_FILES = 64
 """Files of one task at most."""
 AHEAD = 4
 """Tasks per thread handed to the scheduler ahead of time."""
+CONNECT = "5s"
+"""A scheduler that does not answer within this time is not there."""
+DEATHS = 1
+"""Workers that may die of a task before it is given up: one may by chance, and what takes too much
+memory does so everywhere."""
 WORKER_BYTES = 10**9
 """Memory of a local worker: what is asked of a fleet."""

@@ -82,8 +82,10 @@ def run_fleet(
     for log in logs:
         by_joint.setdefault(log.joint, []).append(log)
     with _Cluster(request) as cluster:
+        files = 0
         if plan.files:
-            problems += gather(plan, cluster.client, out, told)
+            said, files = gather(plan, cluster.client, out, told)
+            problems += said
         histories: list[History] = []
         for done, joint in enumerate(sorted(plan.rigs)):
             history, said = history_of(joint, stored_of(out, joint, plan.recipes[joint]))
@@ -118,7 +120,7 @@ def run_fleet(
         tuple(tested),
         tuple(sorted(drifting, key=lambda found: -found.urgency)),
         tuple(sorted(set(problems))),
-        plan.files,
+        files,
         plan.reused,
         request.rate,
     )
