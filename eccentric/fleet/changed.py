@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from eccentric.fleet.drift import Change
-from eccentric.fleet.limits import EXPLAINED, LEAST_CHANGE, LEAST_RANGE_K, SECOND
+from eccentric.fleet.limits import EXPLAINED, LEAST_CHANGE, LEAST_RANGE_K, LEAST_SIDE, SECOND
 from eccentric.fleet.periods import History, Period
 
 __all__ = ["Changed", "against_the_past", "recent_of"]
@@ -53,11 +53,10 @@ class Changed:
 
 
 def recent_of(history: History, change: Change) -> tuple[list[Period], list[Period]]:
-    """Periods of the past and recent ones: before a change, and from where it has come half of its way."""
-    names = [p.period for p in history.periods]
-    first = names.index(change.since)
-    half = first if change.shape == "step" else (first + len(names)) // 2
-    return list(history.periods[:first]), list(history.periods[half:])
+    """Periods of the past, before a change, and the last ones: what is wrong now, all of it and no less."""
+    first = [p.period for p in history.periods].index(change.since)
+    last = max(first, len(history.periods) - LEAST_SIDE)
+    return list(history.periods[:first]), list(history.periods[last:])
 
 
 def against_the_past(history: History, change: Change, heat: Mapping[str, float]) -> Changed:

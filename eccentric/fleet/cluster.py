@@ -10,12 +10,12 @@ from __future__ import annotations
 import importlib
 import logging
 from collections import deque
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from typing import Any, TypeVar
 
 from eccentric.errors import InputError
-from eccentric.fleet.limits import AHEAD, CONNECT, DEATHS, WORKER_BYTES
+from eccentric.fleet.limits import AHEAD, ALIVE_S, CONNECT, DEATHS, WORKER_BYTES
 
 __all__ = ["Failed", "SchedulerLost", "connected", "spread"]
 
@@ -95,13 +95,24 @@ def spread(
     try:
         submit()
         while running:
-            done, _ = distributed.wait(list(running), return_when="FIRST_COMPLETED")
-            for future in done:
+            for future in _done(client, list(running)):
                 task = running.pop(future)
                 yield from _results(future, task, waiting)
             submit()
     except (OSError, TimeoutError, distributed.CancelledError) as error:
         raise SchedulerLost(str(error).splitlines()[0] if str(error) else type(error).__name__) from None
+
+
+def _done(client: Any, running: list[Any]) -> Collection[Any]:
+    """The futures that have come to an end, at least one. Raises SchedulerLost."""
+    distributed = importlib.import_module("distributed")
+    while True:
+        try:
+            return distributed.wait(running, timeout=ALIVE_S, return_when="FIRST_COMPLETED").done
+        except TimeoutError:
+            # Futures of a scheduler that was killed wait for ever; the client knows that it has lost it.
+            if client.status != "running":
+                raise SchedulerLost("no connection") from None
 
 
 def _results(future: Any, task: Sequence[Item], waiting: deque[Sequence[Item]]) -> Iterator[tuple[Item, Any]]:

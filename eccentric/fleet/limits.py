@@ -84,6 +84,8 @@ TASK_FILES = 64
 """Files of one task at most."""
 AHEAD = 4
 """Tasks per thread handed to the scheduler ahead of time."""
+ALIVE_S = 3.0
+"""A wait for results asks this often, in s, whether the scheduler is still there."""
 CONNECT = "5s"
 """A scheduler that does not answer within this time is not there."""
 DEATHS = 1
