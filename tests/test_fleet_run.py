@@ -262,11 +262,11 @@ def test_a_scheduler_that_goes_away_ends_in_one_line(fleet: Path, tmp_path: Path
     place, out = tmp_path / "scheduler.json", tmp_path / "out"
     dask = Path(sys.executable).with_name("dask")
     arguments = ["--scheduler-file", str(place), "--dashboard-address", "127.0.0.1:0"]
-    scheduler = subprocess.Popen([dask, "scheduler", "--host", "127.0.0.1", "--port", "0", *arguments])
+    started = [subprocess.Popen([dask, "scheduler", "--host", "127.0.0.1", "--port", "0", *arguments])]
     try:
         while not place.exists() or not place.read_text():
             time.sleep(0.1)
-        worker = subprocess.Popen([dask, "worker", "--nthreads", "1", "--death-timeout", "2", *arguments])
+        started.append(subprocess.Popen([dask, "worker", "--nthreads", "1", "--no-nanny", *arguments]))
         address = json.loads(place.read_text())["address"]
         rigs, logs = Assigned(str(fleet / "rigs.csv")), find(str(fleet / "logs"))[0]
         plan = plan_of(logs, rigs, out)
@@ -274,13 +274,13 @@ def test_a_scheduler_that_goes_away_ends_in_one_line(fleet: Path, tmp_path: Path
 
             def told(part: float, _: str) -> None:
                 if part > 0.0:
-                    scheduler.kill()
+                    started[0].kill()
 
             problems, done = gather(plan, client, out, told)
-        worker.wait(60)
     finally:
-        scheduler.kill()
-        scheduler.wait()
+        for process in started:
+            process.kill()
+            process.wait()
 
     assert ["scheduler"] == [p.kind for p in problems]
     assert 0 < done < 72
